@@ -1,0 +1,34 @@
+// GPL-2.0-or-later. Images in memory, and decoding of the formats that games ship.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// 8-bit RGBA, row 0 on top, 4 * width * height bytes. Never zero-sized once decoded.
+struct Image {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> rgba;
+
+    std::array<std::uint8_t, 4> Texel(int column, int row) const {
+        const std::size_t at = 4 * (std::size_t(row) * std::size_t(width) + std::size_t(column));
+        return {rgba[at], rgba[at + 1], rgba[at + 2], rgba[at + 3]};
+    }
+};
+
+/// Decoders. `name` is for messages. Errors: Error for anything damaged, unsupported or over 16384 texels a side;
+/// memory use stays in proportion to the input (header sizes are checked against the data first).
+Image DecodeTga(std::span<const std::byte> file, std::string_view name);
+Image DecodePng(std::span<const std::byte> file, std::string_view name);
+Image DecodeJpeg(std::span<const std::byte> file, std::string_view name);
+
+/// Writes an RGBA image as PNG, atomically.
+void WritePng(const std::filesystem::path &path, const Image &image);
+
+} // namespace q3

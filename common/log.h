@@ -1,0 +1,68 @@
+// GPL-2.0-or-later. What the program prints, in the form that editors and build scripts expect.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace q3 {
+
+enum class LogLevel { Normal = 1, Warning = 2, Error = 3 };
+
+/// Prints to standard output and, when set, to a second sink (the editor). Safe to call from worker threads.
+class Log {
+  public:
+    using Sink = std::function<void(LogLevel, std::string_view)>;
+
+    explicit Log(Sink sink = StandardOutput(), bool verbose = false) : sink_(std::move(sink)), verbose_(verbose) {}
+    ~Log() { FlushWarnings(); }
+    Log(const Log &) = delete;
+    Log &operator=(const Log &) = delete;
+
+    static Sink StandardOutput();
+
+    void SetVerbose(bool on) { verbose_ = on; }
+    bool IsVerbose() const { return verbose_; }
+    /// Adds a sink that receives everything printed from now on.
+    void AddSink(Sink sink);
+
+    template <typename... Args> void Print(fmt::format_string<Args...> format, Args &&...args) {
+        Write(LogLevel::Normal, fmt::format(format, std::forward<Args>(args)...));
+    }
+    /// Only printed under -v.
+    template <typename... Args> void Verbose(fmt::format_string<Args...> format, Args &&...args) {
+        if (verbose_)
+            Write(LogLevel::Normal, fmt::format(format, std::forward<Args>(args)...));
+    }
+    /// "--- Name ---" on a line of its own.
+    void Section(std::string_view name) { Print("--- {} ---\n", name); }
+    /// One count as editors' users know it: the value right-aligned in nine columns, then its name.
+    void Count(long long value, std::string_view name) { Print("{:9} {}\n", value, name); }
+
+    /// Prints the first warning of each kind as "WARNING: text" and counts the others, for FlushWarnings. `kind` is a
+    /// short constant phrase such as "shader not found".
+    template <typename... Args> void Warn(std::string_view kind, fmt::format_string<Args...> format, Args &&...args) {
+        WarnText(kind, fmt::format(format, std::forward<Args>(args)...));
+    }
+    /// Prints how many further warnings of each kind there were (each one in full under -v), then forgets them.
+    void FlushWarnings();
+    /// Warnings of that kind since the last flush, for tests.
+    int WarningCount(std::string_view kind) const;
+
+    void Write(LogLevel level, std::string_view text);
+
+  private:
+    void WarnText(std::string_view kind, std::string text);
+
+    Sink sink_;
+    bool verbose_ = false;
+    mutable std::mutex mutex_;
+    std::map<std::string, int, std::less<>> warnings_;
+};
+
+} // namespace q3

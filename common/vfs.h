@@ -1,0 +1,48 @@
+// GPL-2.0-or-later. The game's files: folders and pk3 archives as one tree.
+#pragma once
+
+#include "common/log.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// Read-only view of all mounted game folders. Names are relative, with '/', such as "textures/base/wall.tga"; archive
+/// names compare without case, loose files by the file system's rules. Precedence: docs/differences.md. Safe for
+/// concurrent reads once set up.
+class VirtualFileSystem {
+  public:
+    explicit VirtualFileSystem(Log &log);
+    ~VirtualFileSystem();
+    VirtualFileSystem(VirtualFileSystem &&) noexcept;
+
+    /// Wildcards (? and *) for names of folders and archives to skip. Set before mounting.
+    void SetForbidden(std::vector<std::string> patterns);
+    /// Adds one game folder with its pk3 archives and pk3dir folders; `archiveExtension` without dot ("pk3", "dpk").
+    /// Mount the folder that should win first. A missing folder is fine; an unreadable archive is a warning and is
+    /// skipped.
+    void Mount(const std::filesystem::path &folder, std::string_view archiveExtension);
+
+    /// Contents of the winning file of that name, or nothing. A damaged archive entry is a warning and counts as
+    /// absent.
+    std::optional<std::vector<std::byte>> Read(std::string_view name) const;
+    /// Contents of every occurrence of that name, the winner first.
+    std::vector<std::vector<std::byte>> ReadAll(std::string_view name) const;
+    bool Exists(std::string_view name) const;
+    /// Where the winner is: a path, or "archive.pk3 :: inner name". Empty when absent.
+    std::string Location(std::string_view name) const;
+    /// Names directly in `folder` (no trailing '/') that end in `extension` (with dot), each once, sorted without case.
+    std::vector<std::string> List(std::string_view folder, std::string_view extension) const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace q3

@@ -1,0 +1,64 @@
+// GPL-2.0-or-later. Three-component vectors.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace q3 {
+
+/// Three numbers: a position or displacement in game units, a direction, or an RGB colour.
+template <typename T> struct Vec3 {
+    T x{}, y{}, z{};
+
+    constexpr Vec3() = default;
+    constexpr Vec3(T x_, T y_, T z_) : x(x_), y(y_), z(z_) {}
+    template <typename U> constexpr explicit Vec3(const Vec3<U> &v) : x(T(v.x)), y(T(v.y)), z(T(v.z)) {}
+    constexpr explicit Vec3(const std::array<float, 3> &v) : x(T(v[0])), y(T(v[1])), z(T(v[2])) {}
+
+    constexpr T &operator[](std::size_t i) { return i == 0 ? x : i == 1 ? y : z; }
+    constexpr T operator[](std::size_t i) const { return i == 0 ? x : i == 1 ? y : z; }
+
+    constexpr Vec3 operator+(const Vec3 &b) const { return {x + b.x, y + b.y, z + b.z}; }
+    constexpr Vec3 operator-(const Vec3 &b) const { return {x - b.x, y - b.y, z - b.z}; }
+    constexpr Vec3 operator*(const Vec3 &b) const { return {x * b.x, y * b.y, z * b.z}; }
+    constexpr Vec3 operator*(T s) const { return {x * s, y * s, z * s}; }
+    constexpr Vec3 operator/(T s) const { return {x / s, y / s, z / s}; }
+    constexpr Vec3 operator-() const { return {-x, -y, -z}; }
+    constexpr Vec3 &operator+=(const Vec3 &b) { return *this = *this + b; }
+    constexpr Vec3 &operator-=(const Vec3 &b) { return *this = *this - b; }
+    constexpr Vec3 &operator*=(T s) { return *this = *this * s; }
+    constexpr bool operator==(const Vec3 &) const = default;
+};
+
+using Vec3f = Vec3<float>;
+using Vec3d = Vec3<double>;
+
+template <typename T> constexpr T Dot(const Vec3<T> &a, const Vec3<T> &b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <typename T> constexpr Vec3<T> Cross(const Vec3<T> &a, const Vec3<T> &b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <typename T> T Length(const Vec3<T> &v) {
+    return std::sqrt(Dot(v, v));
+}
+/// Unit vector along v; the zero vector stays zero.
+template <typename T> Vec3<T> Normalize(const Vec3<T> &v) {
+    const T length = Length(v);
+    return length > T(0) ? v / length : Vec3<T>{};
+}
+template <typename T> constexpr Vec3<T> Min(const Vec3<T> &a, const Vec3<T> &b) {
+    return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z};
+}
+template <typename T> constexpr Vec3<T> Max(const Vec3<T> &a, const Vec3<T> &b) {
+    return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z};
+}
+template <typename T> constexpr T MaxComponent(const Vec3<T> &v) {
+    return v.x > v.y ? (v.x > v.z ? v.x : v.z) : (v.y > v.z ? v.y : v.z);
+}
+template <typename T> bool IsFinite(const Vec3<T> &v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+} // namespace q3

@@ -1,0 +1,133 @@
+// GPL-2.0-or-later. On-disk records of IBSP 46 and 47: little endian, no padding. See docs/bsp_format.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+namespace q3 {
+
+enum BspLump {
+    LUMP_ENTITIES,
+    LUMP_SHADERS,
+    LUMP_PLANES,
+    LUMP_NODES,
+    LUMP_LEAFS,
+    LUMP_LEAFSURFACES,
+    LUMP_LEAFBRUSHES,
+    LUMP_MODELS,
+    LUMP_BRUSHES,
+    LUMP_BRUSHSIDES,
+    LUMP_DRAWVERTS,
+    LUMP_DRAWINDEXES,
+    LUMP_FOGS,
+    LUMP_SURFACES,
+    LUMP_LIGHTMAPS,
+    LUMP_LIGHTGRID,
+    LUMP_VISIBILITY,
+    LUMP_ADVERTISEMENTS, ///< version 47 of Quake Live only
+    LUMP_LIGHTGRID_SH,   ///< version 47 of this program only
+    kNumLumps
+};
+
+using Float3 = std::array<float, 3>;
+using Int3 = std::array<std::int32_t, 3>;
+
+struct bspShader_t {
+    std::array<char, 64> shader; ///< NUL terminated; bytes after the NUL may be anything
+    std::uint32_t surfaceFlags, contentFlags;
+};
+
+/// A point p is in front when normal . p - dist > 0. Planes 2k and 2k + 1 are each other's opposites.
+struct bspPlane_t {
+    Float3 normal;
+    float dist;
+};
+
+/// children: [0] front, [1] back; >= 0 a node, else leaf -1 - child.
+struct bspNode_t {
+    std::int32_t planeNum;
+    std::array<std::int32_t, 2> children;
+    Int3 mins, maxs;
+};
+
+struct bspLeaf_t {
+    std::int32_t cluster; ///< -1 is solid
+    std::int32_t area;
+    Int3 mins, maxs;
+    std::int32_t firstBSPLeafSurface, numBSPLeafSurfaces;
+    std::int32_t firstBSPLeafBrush, numBSPLeafBrushes;
+};
+
+struct bspModel_t {
+    Float3 mins, maxs;
+    std::int32_t firstBSPSurface, numBSPSurfaces;
+    std::int32_t firstBSPBrush, numBSPBrushes;
+};
+
+struct bspBrush_t {
+    std::int32_t firstSide, numSides, shaderNum;
+};
+
+struct bspBrushSide_t {
+    std::int32_t planeNum, shaderNum;
+};
+
+struct bspDrawVert_t {
+    Float3 xyz;
+    std::array<float, 2> st, lightmap;
+    Float3 normal;
+    std::array<std::uint8_t, 4> color;
+};
+
+struct bspFog_t {
+    std::array<char, 64> shader;
+    std::int32_t brushNum, visibleSide;
+};
+
+enum BspSurfaceType { MST_BAD, MST_PLANAR, MST_PATCH, MST_TRIANGLE_SOUP, MST_FLARE, MST_FOLIAGE };
+
+struct bspDrawSurface_t {
+    std::int32_t shaderNum, fogNum, surfaceType;
+    std::int32_t firstVert, numVerts, firstIndex, numIndexes;
+    std::int32_t lightmapNum, lightmapX, lightmapY, lightmapWidth, lightmapHeight;
+    Float3 lightmapOrigin;
+    std::array<Float3, 3> lightmapVecs;
+    std::int32_t patchWidth, patchHeight;
+};
+
+/// Legacy light grid point.
+struct bspGridPoint_t {
+    std::array<std::uint8_t, 3> ambient, directed;
+    std::array<std::uint8_t, 2> latLong; ///< angle from +z, angle around z; 255 steps encode 360 degrees
+};
+
+struct bspAdvertisement_t {
+    std::int32_t cellId;
+    Float3 normal;
+    std::array<Float3, 4> rect;
+    std::array<char, 64> model;
+};
+
+/// Head of the SH light grid lump. numPoints = product of gridBounds; point (x, y, z) is at gridMins + (x, y, z) *
+/// gridSize and has index x + y * gridBounds[0] + z * gridBounds[0] * gridBounds[1].
+struct bspGridSHHeader_t {
+    Float3 gridMins, gridSize;
+    Int3 gridBounds;
+    std::int32_t numPoints;
+};
+
+/// Nine L2 coefficients [k][rgb]; 1.0 is lightmap byte 255, linear. Cosine-convolved unless baked with -shradiance.
+struct bspGridPointSH_t {
+    std::array<Float3, 9> coeffs;
+};
+
+template <typename Record, std::size_t size>
+inline constexpr bool kPinned = sizeof(Record) == size &&std::is_trivially_copyable_v<Record>;
+static_assert(kPinned<bspShader_t, 72> && kPinned<bspPlane_t, 16> && kPinned<bspNode_t, 36>);
+static_assert(kPinned<bspLeaf_t, 48> && kPinned<bspModel_t, 40> && kPinned<bspBrush_t, 12>);
+static_assert(kPinned<bspBrushSide_t, 8> && kPinned<bspDrawVert_t, 44> && kPinned<bspFog_t, 72>);
+static_assert(kPinned<bspDrawSurface_t, 104> && kPinned<bspGridPoint_t, 8> && kPinned<bspAdvertisement_t, 128>);
+static_assert(kPinned<bspGridSHHeader_t, 40> && kPinned<bspGridPointSH_t, 108>);
+
+} // namespace q3

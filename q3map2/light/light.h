@@ -1,0 +1,2 @@
+// GPL-2.0-or-later. The light stage.
+#pragma once

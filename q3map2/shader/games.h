@@ -1,0 +1,69 @@
+// GPL-2.0-or-later. The games table: what differs between the games that share the format.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// Compiler-internal meaning of a surfaceparm, independent of a game's bit values.
+enum CompileFlags : std::uint32_t {
+    C_SOLID = 0x1,
+    C_TRANSLUCENT = 0x2,
+    C_STRUCTURAL = 0x4,
+    C_HINT = 0x8,
+    C_NODRAW = 0x10,
+    C_LIGHTGRID = 0x20,
+    C_ALPHASHADOW = 0x40,
+    C_LIGHTFILTER = 0x80,
+    C_VERTEXLIT = 0x100,
+    C_LIQUID = 0x200,
+    C_FOG = 0x400,
+    C_SKY = 0x800,
+    C_ORIGIN = 0x1000,
+    C_AREAPORTAL = 0x2000,
+    C_ANTIPORTAL = 0x4000,
+    C_SKIP = 0x8000,
+    C_NOMARKS = 0x10000,
+    C_OB = 0x20000,
+    C_DETAIL = 0x8000000
+};
+
+/// flags = (flags & ~clear) | set for each of the three words.
+struct SurfaceParm {
+    std::string_view name;
+    std::uint32_t contentSet = 0, contentClear = 0;
+    std::uint32_t surfaceSet = 0, surfaceClear = 0;
+    std::uint32_t compileSet = 0, compileClear = 0;
+};
+
+/// One row of the games table. Only IBSP games: RBSP and FBSP are another container.
+struct Game {
+    std::string_view name;             ///< argument of -game
+    std::string_view gameDir, homeDir; ///< base game folder; sub-folder of home with leading dot
+    std::string_view magic;            ///< word that marks the engine path in a file name
+    std::string_view shaderDir = "scripts";
+    std::string_view archiveExtension = "pk3";
+    int bspVersion = 46;
+    bool hasAdvertisements = false; ///< slot 17 (quakelive)
+    bool wolfLighting = false;      ///< linear falloff without angle attenuation by default
+    bool noStyles = false, keepLights = false, patchShadows = false, halfLambert = false;
+    bool sRgbLightmap = false, sRgbTexture = false, sRgbColor = false;
+    float gamma = 1, exposure = 0, compensate = 1;
+    float gridScale = 1, gridAmbientScale = 1;
+    std::vector<SurfaceParm> surfaceParms; ///< in table order, the first match of a name counts
+
+    /// First parm of that name (without case), or null.
+    const SurfaceParm *FindParm(std::string_view parm) const;
+    /// Surface and content bits that mark a BSP shader record as nodraw in this game (0 when the game has none).
+    std::uint32_t NoDrawSurfaceFlags() const;
+};
+
+/// All rows, quake3 first.
+std::span<const Game> Games();
+/// Row of that name (without case), or null.
+const Game *FindGame(std::string_view name);
+
+} // namespace q3

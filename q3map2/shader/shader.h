@@ -1,0 +1,95 @@
+// GPL-2.0-or-later. Shader scripts as the compiler reads them.
+#pragma once
+
+#include "common/image.h"
+#include "common/log.h"
+#include "common/vfs.h"
+#include "libs/math/vec.h"
+#include "q3map2/shader/games.h"
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// q3map_sun, q3map_sunExt, sun.
+struct SunDirective {
+    Vec3f direction;    ///< unit, towards the sun
+    Vec3f color;        ///< largest component 1
+    float photons = 0;  ///< may be negative
+    float deviance = 0; ///< radians
+    int samples = 1;
+    float filterRadius = 0;
+    int style = 0;
+};
+
+/// q3map_skyLight.
+struct SkyLightDirective {
+    float value = 0;
+    int iterations = 2, horizonMin = 0, horizonMax = 90;
+    bool sampleColor = true;
+};
+
+/// How shader scripts and images are interpreted, beyond the game's table.
+struct ShaderOptions {
+    bool sRgbTexture = false, sRgbColor = false;
+    float backsplashScale = 1;       ///< multiplies the default fraction
+    float backsplashDistance = -999; ///< replaces the default 23 when >= -900
+};
+
+/// One shader with everything that matters to light. Defaults are those of a shader that no script defines.
+struct ShaderInfo {
+    std::string name;
+    bool defined = false; ///< by a script
+    std::uint32_t surfaceFlags = 0, contentFlags = 1, compileFlags = C_SOLID;
+
+    float surfaceLight = 0; ///< q3map_surfacelight
+    float backsplashFraction = 0.05f, backsplashDistance = 23;
+    float bounceScale = 1;
+    float lightSubdivide = 0; ///< 0: unset
+    int lightStyle = 0;
+    float vertexScale = 1;
+    float lightmapFilterRadius = 0, lightFilterRadius = 0; ///< q3map_lightmapFilterRadius self other
+    bool twoSided = false;                                 ///< cull none / disable / twosided
+    bool autosprite = false;                               ///< deformVertexes autosprite...
+    bool noFast = false;                                   ///< q3map_noFast
+    bool forceSunlight = false;
+    std::vector<SunDirective> suns;
+    std::vector<SkyLightDirective> skyLights;
+    std::string skyImageBase; ///< skyParms base, without _up etc.; empty: none
+
+    Vec3f color{1, 1, 1}; ///< light colour: q3map_lightRGB, else the light image's mean; largest component 1
+    Vec3f averageColor{255, 255, 255};       ///< mean of the light image, 0..255, or the q3map_lightRGB vector
+    std::shared_ptr<const Image> lightImage; ///< never null once looked up; 64 x 64 white when no file was found
+    bool imageFound = false;                 ///< false: lightImage is the white default
+};
+
+/// All scripts and images, looked up by name. Not thread safe: look up everything before workers start.
+class ShaderLibrary {
+  public:
+    /// Reads every script that shaderlist.txt files name (or, without any, all *.shader files of the shader folder).
+    ShaderLibrary(const VirtualFileSystem &vfs, const Game &game, const ShaderOptions &options, Log &log);
+    ~ShaderLibrary();
+    ShaderLibrary(ShaderLibrary &&) noexcept;
+
+    /// The shader of that name (without case and extension). Unknown names give an implicit shader with the image of
+    /// that name. The reference stays valid as long as the library.
+    const ShaderInfo &Get(std::string_view name);
+    /// An image by its name without extension; null when there is none. Cached.
+    std::shared_ptr<const Image> LoadImage(std::string_view nameWithoutExtension);
+    std::size_t DefinedCount() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// Decodes an sRGB channel value in 0..1 to linear.
+float LinearFromSrgb(float c);
+float SrgbFromLinear(float c);
+/// c divided by its largest component; zero gives 1 1 1.
+Vec3f NormalizeColor(const Vec3f &c);
+
+} // namespace q3
