@@ -75,7 +75,7 @@ struct bspBrushSide_t {
 
 struct bspDrawVert_t {
     Float3 xyz;
-    std::array<float, 2> st, lightmap;
+    std::array<float, 2> st, lightmap; ///< may be NaN in valid files, where no lightmap is used
     Float3 normal;
     std::array<std::uint8_t, 4> color;
 };

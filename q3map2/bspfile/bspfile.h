@@ -16,7 +16,7 @@ namespace q3 {
 
 /// One named lump of the BSPX directory that may follow the header lumps.
 struct BspxLump {
-    std::string name; ///< at most 23 bytes
+    std::string name; ///< at most 23 bytes; 24, without a NUL, are read and written back
     std::vector<std::byte> data;
 };
 
@@ -71,15 +71,18 @@ struct BspFormat {
 Bsp ReadBsp(std::span<const std::byte> file, std::string_view name, const BspFormat &format, Log &log);
 Bsp ReadBspFile(const std::filesystem::path &path, const BspFormat &format, Log &log);
 
-/// The exact bytes of the file. The same Bsp always gives the same bytes.
+/// The exact bytes of the file. The same Bsp always gives the same bytes. Errors: 2^31 bytes or more, a bad SH grid.
 std::vector<std::byte> WriteBsp(const Bsp &bsp, const BspFormat &format);
 /// Replaces the file by a complete one or leaves the old one whole. Announces path and size.
 void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, Log &log);
 
-/// Checks every index, count and float that ReadBsp promises to have checked; for a Bsp that came another way.
-void ValidateBsp(Bsp &bsp, std::string_view name, Log &log);
+/// Checks every index, count and float that ReadBsp promises to have checked; for a Bsp that came another way. Not
+/// promised, because valid files break it: bounds of nodes and leafs, an even count of planes, finite texture and
+/// lightmap coordinates of vertices, lightmapNum and lightmap rectangle (a warning), entity text that parses (a
+/// warning), a light grid of the expected length (a warning).
+void ValidateBsp(const Bsp &bsp, std::string_view name, Log &log);
 
-/// Bytes of the SH lump, and back. Parse errors: Error naming the field.
+/// Bytes of the SH lump, and back. Errors name the field: header and point count disagree, a float is not finite.
 std::vector<std::byte> PackLightGridSH(const LightGridSH &grid);
 LightGridSH ParseLightGridSH(std::span<const std::byte> lump, std::string_view name);
 
@@ -93,7 +96,9 @@ struct GridLayout {
         return {mins[0] + float(x) * size[0], mins[1] + float(y) * size[1], mins[2] + float(z) * size[2]};
     }
 };
-/// mins = size * ceil(worldMins / size), bounds = (size * floor(worldMaxs / size) - mins) / size + 1, each at least 1.
+/// mins = size * ceil(worldMins / size), bounds = (size * floor(worldMaxs / size) - mins) / size + 1, each at least 1
+/// (a world thinner than a cell may hold no point). Errors: a cell size that is not above 0, counts that no int32
+/// holds, a product above 2^62.
 GridLayout LayoutGrid(const Float3 &worldMins, const Float3 &worldMaxs, const Float3 &size);
 
 /// Name of a 64-byte field: up to the first NUL.

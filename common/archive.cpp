@@ -1,0 +1,136 @@
+// GPL-2.0-or-later. One zip archive (pk3), opened for reading.
+#include "common/archive.h"
+
+#include "common/error.h"
+#include "common/text_scan.h"
+
+#include <minizip/unzip.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <system_error>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::uint64_t kMaxEntrySize = 256u << 20;
+constexpr std::uint64_t kMaxDeflateRatio = 1032; // no deflate stream can expand further
+constexpr std::size_t kMaxName = 255;
+constexpr std::size_t kChunk = 1u << 16;
+
+struct CloseZip {
+    void operator()(void *zip) const { unzClose(zip); }
+};
+using Zip = std::unique_ptr<void, CloseZip>;
+
+Zip Open(const std::filesystem::path &path) {
+    Zip zip(unzOpen64(path.c_str()));
+    if (!zip)
+        throw Error("{}: expected a zip archive", path.string());
+    return zip;
+}
+
+} // namespace
+
+std::string SafeName(std::string_view name) {
+    std::string safe(name);
+    std::replace(safe.begin(), safe.end(), '\\', '/');
+    const auto isControl = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
+    if (safe.empty() || safe.front() == '/' || safe.find(':') != std::string::npos ||
+        std::any_of(safe.begin(), safe.end(), isControl))
+        return {};
+    for (const auto &part : std::filesystem::path(safe))
+        if (part == "..")
+            return {};
+    return safe;
+}
+
+Archive::Archive(std::filesystem::path path) : path_(std::move(path)) {
+    // A pipe or a device of that name would block.
+    if (!std::filesystem::is_regular_file(path_))
+        throw Error("{}: expected a zip archive, found no regular file", path_.string());
+    fileSize_ = std::filesystem::file_size(path_);
+    const Zip zip = Open(path_);
+    unz_global_info64 global{};
+    if (unzGetGlobalInfo64(zip.get(), &global) != UNZ_OK)
+        throw Error("{}: the directory of the archive is damaged", path_.string());
+    if (global.number_entry == 0)
+        return;
+
+    int result = unzGoToFirstFile(zip.get());
+    for (; result == UNZ_OK; result = unzGoToNextFile(zip.get())) {
+        unz_file_info64 info{};
+        std::array<char, kMaxName + 1> buffer{};
+        unz64_file_pos at{};
+        if (unzGetCurrentFileInfo64(zip.get(), &info, buffer.data(), kMaxName, nullptr, 0, nullptr, 0) != UNZ_OK ||
+            unzGetFilePos64(zip.get(), &at) != UNZ_OK)
+            break;
+        if (info.size_filename > kMaxName)
+            continue;
+        std::string name = SafeName(std::string_view(buffer.data(), info.size_filename));
+        if (name.empty() || name.back() == '/')
+            continue;
+        std::string key = LowerCase(name);
+        entries_.insert_or_assign(std::move(key),
+                                  Entry{std::move(name), at.pos_in_zip_directory, at.num_of_file, info.compressed_size,
+                                        info.uncompressed_size, (info.flag & 1) != 0});
+    }
+    if (result != UNZ_END_OF_LIST_OF_FILE)
+        throw Error("{}: the directory of the archive is damaged after {} entries", path_.string(), entries_.size());
+}
+
+const Archive::Entry *Archive::Find(std::string_view name) const {
+    const auto found = entries_.find(LowerCase(SafeName(name)));
+    return found == entries_.end() ? nullptr : &found->second;
+}
+
+std::string Archive::Place(const Entry &entry) const {
+    return fmt::format("{} :: {}", path_.string(), entry.name);
+}
+
+std::vector<std::string> Archive::Names() const {
+    std::vector<std::string> names;
+    names.reserve(entries_.size());
+    for (const auto &[key, entry] : entries_)
+        names.push_back(entry.name);
+    return names;
+}
+
+std::vector<std::byte> Archive::Read(std::string_view name) const {
+    const Entry *entry = Find(name);
+    if (!entry)
+        throw Error("{}: expected an entry {}", path_.string(), name);
+    if (entry->encrypted)
+        throw Error("{}: the entry is encrypted, expected plain data", Place(*entry));
+    if (entry->size > kMaxEntrySize)
+        throw Error("{}: {} bytes, expected at most {}", Place(*entry), entry->size, kMaxEntrySize);
+    if (entry->packedSize > fileSize_ || entry->size > (entry->packedSize + 1) * kMaxDeflateRatio)
+        throw Error("{}: {} packed bytes cannot hold {} bytes", Place(*entry), entry->packedSize, entry->size);
+
+    const Zip zip = Open(path_);
+    const unz64_file_pos at{entry->directoryAt, entry->number};
+    if (unzGoToFilePos64(zip.get(), &at) != UNZ_OK || unzOpenCurrentFile(zip.get()) != UNZ_OK)
+        throw Error("{}: the entry is damaged", Place(*entry));
+    std::vector<std::byte> data;
+    for (;;) {
+        // Grows with what is really there, never by the size that the header claims.
+        const std::size_t have = data.size();
+        const std::size_t want = std::min<std::size_t>(entry->size - have + 1, std::max(kChunk, have));
+        data.resize(have + want);
+        const int got = unzReadCurrentFile(zip.get(), data.data() + have, unsigned(want));
+        data.resize(have + std::size_t(std::max(got, 0)));
+        if (got < 0 || data.size() > entry->size)
+            throw Error("{}: the entry is damaged", Place(*entry));
+        if (got == 0)
+            break;
+    }
+    if (data.size() != entry->size)
+        throw Error("{}: the entry ends after {} of {} bytes", Place(*entry), data.size(), entry->size);
+    if (unzCloseCurrentFile(zip.get()) != UNZ_OK)
+        throw Error("{}: the checksum of the entry is wrong", Place(*entry));
+    return data;
+}
+
+} // namespace q3

@@ -1,0 +1,49 @@
+// GPL-2.0-or-later. One zip archive (pk3), opened for reading.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace q3 {
+
+/// The directory of one archive. Contents are read when asked for, through a fresh handle, so concurrent reads are
+/// safe.
+class Archive {
+  public:
+    /// Reads the directory. Error: missing, not an archive, or damaged.
+    explicit Archive(std::filesystem::path path);
+
+    /// Names compare without case and with '/'. Entries with unsafe names (absolute, "..", control bytes, over 255
+    /// bytes) are not in the directory; of two equal names the last counts.
+    bool Contains(std::string_view name) const { return Find(name) != nullptr; }
+    /// Contents of an entry. Error: absent, damaged, encrypted, or over 256 MiB.
+    std::vector<std::byte> Read(std::string_view name) const;
+    /// All names as they are written, in no order.
+    std::vector<std::string> Names() const;
+    const std::filesystem::path &Path() const { return path_; }
+
+  private:
+    struct Entry {
+        std::string name;
+        std::uint64_t directoryAt, number; ///< where minizip finds it again
+        std::uint64_t packedSize, size;
+        bool encrypted;
+    };
+
+    const Entry *Find(std::string_view name) const;
+    std::string Place(const Entry &entry) const;
+
+    std::filesystem::path path_;
+    std::uint64_t fileSize_ = 0;
+    std::unordered_map<std::string, Entry> entries_; ///< by lower-case name
+};
+
+/// '\' becomes '/'; a name that could lead out of the game folders, or that holds control bytes, becomes empty.
+std::string SafeName(std::string_view name);
+
+} // namespace q3

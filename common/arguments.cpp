@@ -1,0 +1,85 @@
+// GPL-2.0-or-later. Command line arguments.
+#include "common/arguments.h"
+
+#include "common/error.h"
+
+#include <strings.h>
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+#include <cstdlib>
+
+namespace q3 {
+
+std::optional<std::size_t> Arguments::Find(std::initializer_list<std::string_view> names) const {
+    for (std::size_t i = 0; i < words_.size(); ++i)
+        for (const std::string_view name : names)
+            if (words_[i].size() == name.size() && strncasecmp(words_[i].c_str(), name.data(), name.size()) == 0)
+                return i;
+    return std::nullopt;
+}
+
+bool Arguments::TakeFlag(std::initializer_list<std::string_view> names) {
+    bool found = false;
+    while (const auto at = Find(names)) {
+        words_.erase(words_.begin() + std::ptrdiff_t(*at));
+        found = true;
+    }
+    return found;
+}
+
+bool Arguments::TakeFirstFlag(std::string_view name) {
+    const auto at = Find({name});
+    if (at)
+        words_.erase(words_.begin() + std::ptrdiff_t(*at));
+    return at.has_value();
+}
+
+std::optional<std::vector<std::string>> Arguments::TakeValues(std::initializer_list<std::string_view> names,
+                                                              std::size_t count) {
+    const auto at = Find(names);
+    if (!at)
+        return std::nullopt;
+    if (words_.size() - *at - 1 < count)
+        throw Error("{} needs {} value{} and has {}", words_[*at], count, count == 1 ? "" : "s", words_.size() - *at - 1);
+    const auto first = words_.begin() + std::ptrdiff_t(*at);
+    std::vector<std::string> values(first + 1, first + 1 + std::ptrdiff_t(count));
+    words_.erase(first, first + 1 + std::ptrdiff_t(count));
+    return values;
+}
+
+std::optional<std::string> Arguments::TakeValue(std::initializer_list<std::string_view> names) {
+    auto values = TakeValues(names, 1);
+    if (!values)
+        return std::nullopt;
+    return std::move(values->front());
+}
+
+std::string Arguments::TakeLast() {
+    if (words_.empty())
+        return {};
+    std::string last = std::move(words_.back());
+    words_.pop_back();
+    return last;
+}
+
+std::string Arguments::TakeFirst() {
+    if (words_.empty())
+        return {};
+    std::string first = std::move(words_.front());
+    words_.erase(words_.begin());
+    return first;
+}
+
+double NumberFromText(std::string_view text) {
+    const double value = std::strtod(std::string(text).c_str(), nullptr);
+    return std::isfinite(value) ? value : 0;
+}
+
+int IntegerFromText(std::string_view text) {
+    const long value = std::strtol(std::string(text).c_str(), nullptr, 10);
+    return int(std::clamp<long>(value, INT_MIN, INT_MAX));
+}
+
+} // namespace q3

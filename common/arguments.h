@@ -1,0 +1,44 @@
+// GPL-2.0-or-later. Command line arguments, taken out one option at a time.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// The rest of the command line. An option is found by its whole name without case, wherever it stands, and is removed
+/// together with the values after it; so the order of different options never matters, and repeated ones come in order.
+class Arguments {
+  public:
+    explicit Arguments(std::vector<std::string> words) : words_(std::move(words)) {}
+
+    /// Removes every occurrence of any of these names; true if there was one.
+    bool TakeFlag(std::initializer_list<std::string_view> names);
+    bool TakeFlag(std::string_view name) { return TakeFlag({name}); }
+    /// Removes the first occurrence only.
+    bool TakeFirstFlag(std::string_view name);
+    /// Removes the first occurrence of any of these names with `count` values and returns them. Error: too few values.
+    std::optional<std::vector<std::string>> TakeValues(std::initializer_list<std::string_view> names, std::size_t count);
+    /// Removes the first occurrence with its one value.
+    std::optional<std::string> TakeValue(std::initializer_list<std::string_view> names);
+    std::optional<std::string> TakeValue(std::string_view name) { return TakeValue({name}); }
+
+    /// Takes the last word off: the input file of every stage. Nothing left: empty.
+    std::string TakeLast();
+    std::string TakeFirst();
+    const std::vector<std::string> &Rest() const { return words_; }
+    bool Empty() const { return words_.empty(); }
+
+  private:
+    std::optional<std::size_t> Find(std::initializer_list<std::string_view> names) const;
+
+    std::vector<std::string> words_;
+};
+
+/// C rules: leading blanks, sign, stops at the first bad character; garbage and non-finite values are 0; out of range is clamped.
+double NumberFromText(std::string_view text);
+int IntegerFromText(std::string_view text);
+
+} // namespace q3

@@ -1,0 +1,50 @@
+// GPL-2.0-or-later. JPEG through TurboJPEG.
+#include "common/image.h"
+#include "common/image_check.h"
+
+#include <turbojpeg.h>
+
+#include <memory>
+
+namespace q3 {
+
+namespace {
+
+// A block of 8 x 8 texels takes at least one bit.
+constexpr std::uint64_t kMaxTexelsPerByte = 8 * 64;
+
+struct Destroy {
+    void operator()(void *decoder) const { tjDestroy(decoder); }
+};
+
+} // namespace
+
+Image DecodeJpeg(std::span<const std::byte> file, std::string_view name) {
+    const std::unique_ptr<void, Destroy> decoder(tjInitDecompress());
+    if (!decoder)
+        throw Error("{}: JPEG: out of memory", name);
+    const auto *data = reinterpret_cast<const unsigned char *>(file.data());
+    const auto size = static_cast<unsigned long>(file.size());
+    Image image;
+    int subsampling = 0, colorSpace = 0;
+    if (tjDecompressHeader3(decoder.get(), data, size, &image.width, &image.height, &subsampling, &colorSpace) != 0)
+        throw Error("{}: JPEG: {}", name, tjGetErrorStr2(decoder.get()));
+    CheckImageSize(std::uint64_t(image.width), std::uint64_t(image.height), name);
+    const std::uint64_t texels = std::uint64_t(image.width) * std::uint64_t(image.height);
+    if (texels > kMaxTexelsPerByte * file.size())
+        throw Error("{}: JPEG: {} bytes cannot hold {} x {} texels", name, file.size(), image.width, image.height);
+
+    image.rgba.resize(4 * texels);
+    // Accurate, since the bytes should not depend on which vector unit the machine has.
+    const int flags = TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS;
+    if (tjDecompress2(decoder.get(), data, size, image.rgba.data(), image.width, 0, image.height, TJPF_RGBA, flags) !=
+        0) {
+        const std::string_view message = tjGetErrorStr2(decoder.get());
+        // Games show files with odd markers; one that ends too early is grey where data is missing.
+        if (tjGetErrorCode(decoder.get()) != TJERR_WARNING || message.find("remature end") != std::string_view::npos)
+            throw Error("{}: JPEG: {}", name, message);
+    }
+    return image;
+}
+
+} // namespace q3

@@ -1,0 +1,151 @@
+// GPL-2.0-or-later. TGA, as games of this family read it.
+#include "common/image.h"
+#include "common/image_check.h"
+
+#include <algorithm>
+#include <string>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::size_t kHeaderSize = 18;
+constexpr std::size_t kMaxPacket = 128; // pixels of one run
+
+enum class Kind { Palette = 1, Color = 2, Grey = 3 };
+
+using Rgba = std::array<std::uint8_t, 4>;
+
+class TgaDecoder {
+  public:
+    TgaDecoder(std::span<const std::byte> file, std::string_view name) : file_(file), name_(name) {}
+
+    Image Decode() {
+        ReadHeader();
+        ReadPalette();
+        const std::size_t pixels = std::size_t(image_.width) * std::size_t(image_.height);
+        const std::size_t packets = (pixels + kMaxPacket - 1) / kMaxPacket;
+        Need(packed_ ? packets * (1 + pixelBytes_) : pixels * pixelBytes_, "pixels");
+        image_.rgba.resize(4 * pixels);
+        if (packed_)
+            ReadRuns(pixels);
+        else
+            for (std::size_t i = 0; i < pixels; ++i)
+                Put(i, ReadPixel());
+        return std::move(image_);
+    }
+
+  private:
+    std::uint8_t Byte(std::size_t at) const { return std::to_integer<std::uint8_t>(file_[at]); }
+    unsigned Word(std::size_t at) const { return Byte(at) | unsigned(Byte(at + 1)) << 8; }
+
+    void Need(std::size_t bytes, std::string_view what) const {
+        if (file_.size() - at_ < bytes)
+            throw Error("{}: TGA ends at byte {} in its {}", name_, file_.size(), what);
+    }
+    [[noreturn]] void Unsupported(std::string_view what, unsigned value, std::string_view expected) const {
+        throw Error("{}: TGA with {} {}, expected {}", name_, what, value, expected);
+    }
+
+    void ReadHeader() {
+        Need(kHeaderSize, "header");
+        const unsigned type = Byte(2), depth = Byte(16), descriptor = Byte(17);
+        const unsigned plainType = type & ~8u;
+        if (plainType < 1 || plainType > 3)
+            Unsupported("image type", type, "1, 2, 3, 9, 10 or 11");
+        kind_ = Kind(plainType);
+        packed_ = (type & 8) != 0;
+        if (kind_ == Kind::Color ? depth != 24 && depth != 32 : depth != 8)
+            Unsupported("bits per pixel", depth, kind_ == Kind::Color ? "24 or 32" : "8");
+        if ((descriptor & 15) != 0 && (descriptor & 15) != 8)
+            Unsupported("attribute bits", descriptor & 15, "0 or 8");
+        if ((descriptor & 0x10) != 0)
+            Unsupported("descriptor", descriptor, "columns from left to right");
+        hasAlpha_ = (descriptor & 15) == 8;
+        topDown_ = (descriptor & 0x20) != 0;
+        pixelBytes_ = depth / 8;
+        CheckImageSize(Word(12), Word(14), name_);
+        image_.width = int(Word(12));
+        image_.height = int(Word(14));
+        at_ = kHeaderSize;
+        Need(Byte(0), "comment");
+        at_ += Byte(0);
+    }
+
+    void ReadPalette() {
+        const unsigned mapType = Byte(1), first = Word(3), count = Word(5), bits = Byte(7);
+        if (kind_ != Kind::Palette) {
+            const std::size_t size = mapType == 0 ? 0 : std::size_t(count) * ((bits + 7) / 8);
+            Need(size, "palette");
+            at_ += size;
+            return;
+        }
+        if (mapType != 1)
+            Unsupported("palette type", mapType, "1");
+        if (first != 0 || count > 256)
+            Unsupported("palette end", first + count, "a palette of at most 256 entries from 0");
+        if (bits != 24 && bits != 32)
+            Unsupported("palette bits", bits, "24 or 32");
+        Need(std::size_t(count) * (bits / 8), "palette");
+        for (unsigned i = 0; i < count; ++i)
+            palette_.push_back(ReadColor(bits / 8));
+    }
+
+    Rgba ReadColor(std::size_t bytes) {
+        const Rgba color{Byte(at_ + 2), Byte(at_ + 1), Byte(at_),
+                         hasAlpha_ && bytes == 4 ? Byte(at_ + 3) : std::uint8_t(255)};
+        at_ += bytes;
+        return color;
+    }
+
+    /// The caller has checked that the bytes are there.
+    Rgba ReadPixel() {
+        if (kind_ == Kind::Color)
+            return ReadColor(pixelBytes_);
+        const std::uint8_t value = Byte(at_++);
+        if (kind_ == Kind::Grey)
+            return {value, value, value, 255};
+        if (value >= palette_.size())
+            Unsupported("palette index", value, "one of its " + std::to_string(palette_.size()) + " entries");
+        return palette_[value];
+    }
+
+    void ReadRuns(std::size_t pixels) {
+        for (std::size_t i = 0; i < pixels;) {
+            Need(1, "pixels");
+            const unsigned head = Byte(at_++);
+            // Some writers let the last run pass the end of the image.
+            const std::size_t length = std::min<std::size_t>((head & 0x7F) + 1, pixels - i);
+            const bool repeat = (head & 0x80) != 0;
+            Need((repeat ? 1 : length) * pixelBytes_, "pixels");
+            Rgba pixel = ReadPixel();
+            for (std::size_t k = 0; k < length; ++k) {
+                if (k > 0 && !repeat)
+                    pixel = ReadPixel();
+                Put(i++, pixel);
+            }
+        }
+    }
+
+    void Put(std::size_t index, const Rgba &pixel) {
+        const std::size_t width = std::size_t(image_.width), row = index / width;
+        const std::size_t outRow = topDown_ ? row : std::size_t(image_.height) - 1 - row;
+        std::copy(pixel.begin(), pixel.end(), image_.rgba.begin() + 4 * (outRow * width + index % width));
+    }
+
+    std::span<const std::byte> file_;
+    std::string_view name_;
+    std::size_t at_ = 0, pixelBytes_ = 0;
+    Kind kind_ = Kind::Color;
+    bool packed_ = false, hasAlpha_ = false, topDown_ = false;
+    std::vector<Rgba> palette_;
+    Image image_;
+};
+
+} // namespace
+
+Image DecodeTga(std::span<const std::byte> file, std::string_view name) {
+    return TgaDecoder(file, name).Decode();
+}
+
+} // namespace q3

@@ -1,0 +1,44 @@
+// GPL-2.0-or-later. How far a pass has come.
+#include "common/progress.h"
+
+#include <unistd.h>
+
+namespace q3 {
+
+constexpr int kSteps = 40;
+constexpr double kRedrawSeconds = 0.2;
+
+Progress::Progress(Log &log, std::int64_t total) : log_(log), total_(total), terminal_(isatty(STDOUT_FILENO) != 0) {}
+
+double Progress::Seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+void Progress::Update(std::int64_t done, std::uint64_t rays) {
+    if (total_ <= 0)
+        return;
+    if (terminal_) {
+        const double seconds = Seconds();
+        if (seconds - lastShown_ < kRedrawSeconds || done == 0)
+            return;
+        lastShown_ = seconds;
+        const double share = double(done) / double(total_);
+        log_.Print("\r{:3.0f} %  {:.1f} million rays/s  {:.0f} s left   ", 100 * share, double(rays) / seconds / 1e6,
+                   seconds * (1 - share) / share);
+        return;
+    }
+    for (; step_ < kSteps && done * kSteps >= std::int64_t(step_ + 1) * total_; ++step_) {
+        if (step_ % 4 == 0)
+            log_.Print("{}", step_ / 4);
+        else
+            log_.Print(".");
+    }
+}
+
+void Progress::Finish() {
+    if (terminal_)
+        log_.Print("\r{:60}\r", "");
+    log_.Print(" ({:.0f})\n", Seconds());
+}
+
+} // namespace q3

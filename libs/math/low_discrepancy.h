@@ -1,0 +1,31 @@
+// GPL-2.0-or-later. Sample patterns that depend on an index alone.
+#pragma once
+
+#include <cstdint>
+
+namespace q3 {
+
+/// Mixes 64 bits well; the finaliser of SplitMix64 (Steele, Lea, Flood 2014).
+constexpr std::uint64_t HashIndex(std::uint64_t x) {
+    x += 0x9E3779B97F4A7C15u;
+    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+    return x ^ (x >> 31);
+}
+
+/// 0 <= value < 1 from the upper bits of a hash.
+constexpr double UnitFromHash(std::uint64_t hash) { return double(hash >> 11) * 0x1p-53; }
+
+struct Sample2 {
+    double u, v;
+};
+
+/// Point `i` of the additive recurrence with the plastic number (Roberts 2018), shifted by a hash of `seed`, both in [0, 1).
+constexpr Sample2 PlasticSample(std::uint32_t i, std::uint64_t seed) {
+    constexpr double kA1 = 0.7548776662466927, kA2 = 0.5698402909980532;
+    const std::uint64_t hash = HashIndex(seed);
+    const double u = UnitFromHash(hash) + kA1 * double(i), v = UnitFromHash(HashIndex(hash)) + kA2 * double(i);
+    return {u - double(std::int64_t(u)), v - double(std::int64_t(v))};
+}
+
+} // namespace q3

@@ -1,0 +1,91 @@
+// GPL-2.0-or-later. Where the parts of an IBSP file lie. Internal to the folder. See docs/bsp_format.md.
+#pragma once
+
+#include "q3map2/bspfile/bspfile.h"
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+inline constexpr std::size_t kBspxNameBytes = 24;
+inline constexpr std::size_t kBspxHeadBytes = 8;
+inline constexpr std::size_t kBspxEntryBytes = 32;
+
+/// Names of the slots in messages.
+inline constexpr std::array<std::string_view, kNumLumps> kLumpNames = {
+    "entities",  "shaders",    "planes",     "nodes",          "leafs",        "leaf surfaces", "leaf brushes",
+    "models",    "brushes",    "sides",      "verts",          "indexes",      "fogs",          "surfaces",
+    "lightmaps", "light grid", "visibility", "advertisements", "SH light grid"};
+
+/// Bytes of the header with that many slots.
+constexpr std::size_t HeaderBytes(std::size_t slots) {
+    return 8 + 8 * slots;
+}
+
+/// Position rounded up to the next multiple of 4.
+constexpr std::uint64_t Align4(std::uint64_t position) {
+    return (position + 3) & ~std::uint64_t(3);
+}
+
+/// A part of a file. 64 bits, so that sums of untrusted 32-bit values cannot wrap.
+struct FilePart {
+    std::int64_t offset = 0, length = 0;
+    std::int64_t End() const { return offset + length; }
+};
+
+/// One record from any byte position.
+template <typename Record> Record LoadRecord(std::span<const std::byte> bytes, std::size_t at) {
+    Record record;
+    std::memcpy(&record, bytes.data() + at, sizeof record);
+    return record;
+}
+
+/// Calls visit(slot, vector) for every lump that is a plain array of records.
+template <typename AnyBsp, typename Visit> void ForEachArray(AnyBsp &bsp, Visit &&visit) {
+    visit(LUMP_SHADERS, bsp.shaders);
+    visit(LUMP_PLANES, bsp.planes);
+    visit(LUMP_NODES, bsp.nodes);
+    visit(LUMP_LEAFS, bsp.leafs);
+    visit(LUMP_LEAFSURFACES, bsp.leafSurfaces);
+    visit(LUMP_LEAFBRUSHES, bsp.leafBrushes);
+    visit(LUMP_MODELS, bsp.models);
+    visit(LUMP_BRUSHES, bsp.brushes);
+    visit(LUMP_BRUSHSIDES, bsp.brushSides);
+    visit(LUMP_DRAWVERTS, bsp.drawVerts);
+    visit(LUMP_DRAWINDEXES, bsp.drawIndexes);
+    visit(LUMP_FOGS, bsp.fogs);
+    visit(LUMP_SURFACES, bsp.drawSurfaces);
+    visit(LUMP_LIGHTMAPS, bsp.lightmaps);
+    visit(LUMP_LIGHTGRID, bsp.gridPoints);
+    visit(LUMP_VISIBILITY, bsp.visibility);
+    visit(LUMP_ADVERTISEMENTS, bsp.advertisements);
+}
+
+/// Lump lengths and BSPX lengths in, positions out.
+struct FilePlan {
+    std::size_t slots = 17;
+    std::array<FilePart, kNumLumps> lumps{}; ///< only the first `slots` are in the file
+    std::uint64_t bspxStart = 0;             ///< position of the BSPX directory, when there is one
+    std::vector<FilePart> bspx;
+    std::uint64_t size = 0; ///< of the whole file
+};
+
+/// Places every lump. `slots` is 17, 18 or 19; an empty slot 17 of a 19-slot file gets offset 0. Errors: a file of 2^31
+/// bytes or more, which no reader could address.
+FilePlan PlanFile(std::size_t slots, const std::array<std::uint64_t, kNumLumps> &lengths,
+                  std::span<const std::uint64_t> bspxLengths);
+
+/// The BSPX directory at `start`, if there is one. A malformed directory is a warning and gives nothing; of two lumps
+/// with one name the first is kept.
+std::vector<BspxLump> ReadBspx(std::span<const std::byte> file, std::size_t start, std::string_view name, Log &log);
+
+/// Checks the numbers of the header against the count of points, and that all floats are finite. Errors name the field.
+void CheckLightGridSH(const LightGridSH &grid, std::string_view name);
+
+} // namespace q3

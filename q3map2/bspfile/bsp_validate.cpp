@@ -1,0 +1,423 @@
+// GPL-2.0-or-later. What ReadBsp promises: every index, count and float that a stage relies on is in range.
+#include "common/error.h"
+#include "q3map2/bspfile/bsp_layout.h"
+#include "q3map2/bspfile/entities.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::int64_t kMaxClusters = 0x20000; ///< allocation guard when there is no visibility lump
+constexpr std::int64_t kMaxAreas = 256;        ///< an engine's area mask has 32 bytes
+constexpr int kMaxTreeDepth = 4096;
+constexpr int kMinPatchSide = 3, kMaxPatchSide = 31;
+constexpr std::size_t kBoxSides = 6;
+constexpr std::int64_t kLightmapSide = 128;
+constexpr std::size_t kLightmapPageBytes = 128 * 128 * 3;
+// Ranges of records may overlap, as index runs do in good files; these bounds keep a small file from standing for a
+// huge map. The corpus of real maps stays under a tenth of them.
+constexpr std::uint64_t kMaxSharing = 16, kMaxIndexesPerVert = 64, kSharingSlack = 4096;
+
+bool AllFinite(std::span<const float> values) {
+    return std::ranges::all_of(values, [](float value) { return std::isfinite(value); });
+}
+
+double Length(const Float3 &v) {
+    return std::sqrt(double(v[0]) * v[0] + double(v[1]) * v[1] + double(v[2]) * v[2]);
+}
+
+/// A record in messages, such as "leaf 12".
+struct Place {
+    std::string_view record;
+    std::size_t index;
+};
+
+class Validator {
+  public:
+    Validator(const Bsp &bsp, std::string_view name, Log &log) : bsp_(bsp), name_(name), log_(log) {}
+
+    void Run() {
+        CheckCounts();
+        CheckVisibility();
+        CheckPlanes();
+        CheckNodes();
+        CheckTree();
+        CheckLeafs();
+        CheckModels();
+        CheckBrushes();
+        CheckFogs();
+        CheckVerts();
+        CheckSurfaces();
+        CheckAdvertisements();
+        CheckEntities();
+        CheckBspx();
+        if (bsp_.gridSH)
+            CheckLightGridSH(*bsp_.gridSH, name_);
+    }
+
+  private:
+    template <typename... Args>
+    [[noreturn]] void Fail(const Place &place, fmt::format_string<Args...> format, Args &&...args) const {
+        throw Error("{}: {} {}: {}", name_, place.record, place.index,
+                    fmt::format(format, std::forward<Args>(args)...));
+    }
+
+    /// low <= value < count, else an error that names the field.
+    void Index(const Place &place, std::string_view field, std::int64_t value, std::int64_t low, std::uint64_t count,
+               std::string_view of) const {
+        if (value < low || value >= std::int64_t(count))
+            Fail(place, "{} {} is outside {}..{} of {} {}", field, value, low, std::int64_t(count) - 1, count, of);
+    }
+
+    /// first .. first + num lies inside the count.
+    void Range(const Place &place, std::string_view firstField, std::int64_t first, std::string_view numField,
+               std::int64_t num, std::size_t count, std::string_view of) const {
+        if (first < 0)
+            Fail(place, "{} {} is negative", firstField, first);
+        if (num < 0)
+            Fail(place, "{} {} is negative", numField, num);
+        if (first + num > std::int64_t(count))
+            Fail(place, "{} {} + {} {} exceeds {} {}", firstField, first, numField, num, count, of);
+    }
+
+    void Sharing(std::string_view users, std::string_view field, std::uint64_t used, std::uint64_t limit) const {
+        if (used > limit + kSharingSlack)
+            throw Error("{}: {}: the sum of {} is {}, expected at most {}", name_, users, field, used,
+                        limit + kSharingSlack);
+    }
+
+    void CheckCounts() const {
+        const auto required = [this](std::size_t count, std::string_view what) {
+            if (count == 0)
+                throw Error("{}: the map has no {}, expected at least 1", name_, what);
+        };
+        required(bsp_.shaders.size(), "shaders");
+        required(bsp_.planes.size(), "planes");
+        required(bsp_.nodes.size(), "nodes");
+        required(bsp_.leafs.size(), "leafs");
+        required(bsp_.models.size(), "models");
+        if (bsp_.lightmaps.size() % kLightmapPageBytes != 0)
+            throw Error("{}: lightmaps: {} bytes are not a multiple of {}", name_, bsp_.lightmaps.size(),
+                        kLightmapPageBytes);
+    }
+
+    void CheckVisibility() {
+        if (bsp_.visibility.empty())
+            return;
+        const std::uint64_t length = bsp_.visibility.size();
+        if (length < 8)
+            throw Error("{}: visibility: {} bytes, expected 0 or at least 8", name_, length);
+        const auto bytes = std::as_bytes(std::span(bsp_.visibility));
+        const std::int64_t clusters = LoadRecord<std::int32_t>(bytes, 0);
+        const std::int64_t row = LoadRecord<std::int32_t>(bytes, 4);
+        if (clusters < 0)
+            throw Error("{}: visibility: {} clusters, expected at least 0", name_, clusters);
+        if (row < (clusters + 7) / 8)
+            throw Error("{}: visibility: {} bytes a row, expected at least {} for {} clusters", name_, row,
+                        (clusters + 7) / 8, clusters);
+        if (8 + std::uint64_t(clusters) * std::uint64_t(row) > length)
+            throw Error("{}: visibility: {} rows of {} bytes exceed the {} bytes of the lump", name_, clusters, row,
+                        length);
+        clusters_ = clusters;
+    }
+
+    void CheckPlanes() const {
+        for (std::size_t i = 0; i < bsp_.planes.size(); i++) {
+            const bspPlane_t &plane = bsp_.planes[i];
+            const Place place{"plane", i};
+            if (!AllFinite(plane.normal))
+                Fail(place, "normal {} {} {} is not finite", plane.normal[0], plane.normal[1], plane.normal[2]);
+            if (!std::isfinite(plane.dist))
+                Fail(place, "dist {} is not finite", plane.dist);
+            const double length = Length(plane.normal);
+            if (length == 0)
+                Fail(place, "normal is zero");
+            if (std::abs(length - 1) > 0.01)
+                log_.Warn("plane normal length", "{}: plane {}: normal has length {:.3f}, expected 1", name_, i,
+                          length);
+        }
+    }
+
+    void CheckNodes() const {
+        for (std::size_t i = 0; i < bsp_.nodes.size(); i++) {
+            const bspNode_t &node = bsp_.nodes[i];
+            const Place place{"node", i};
+            Index(place, "planeNum", node.planeNum, 0, bsp_.planes.size(), "planes");
+            for (const std::int64_t child : node.children) {
+                if (child >= 0)
+                    Index(place, "child", child, 0, bsp_.nodes.size(), "nodes");
+                else if (-1 - child >= std::int64_t(bsp_.leafs.size()))
+                    Fail(place, "child {} is leaf {} of {} leafs", child, -1 - child, bsp_.leafs.size());
+            }
+        }
+    }
+
+    void CheckTree() const {
+        struct Step {
+            std::int32_t node;
+            int depth;
+        };
+        std::vector<bool> reached(bsp_.nodes.size());
+        std::vector<Step> open{{0, 1}};
+        while (!open.empty()) {
+            const Step step = open.back();
+            open.pop_back();
+            const auto index = std::size_t(step.node);
+            if (reached[index])
+                Fail({"node", index}, "two children refer to it: the nodes are not a tree");
+            if (step.depth > kMaxTreeDepth)
+                Fail({"node", index}, "the tree is deeper than {} nodes", kMaxTreeDepth);
+            reached[index] = true;
+            for (const std::int32_t child : bsp_.nodes[index].children)
+                if (child >= 0)
+                    open.push_back({child, step.depth + 1});
+        }
+    }
+
+    void CheckLeafs() const {
+        std::uint64_t surfaces = 0, brushes = 0;
+        for (std::size_t i = 0; i < bsp_.leafs.size(); i++) {
+            const bspLeaf_t &leaf = bsp_.leafs[i];
+            const Place place{"leaf", i};
+            Index(place, "cluster", leaf.cluster, -1, std::uint64_t(clusters_), "clusters");
+            Index(place, "area", leaf.area, -1, kMaxAreas, "areas");
+            Range(place, "firstBSPLeafSurface", leaf.firstBSPLeafSurface, "numBSPLeafSurfaces", leaf.numBSPLeafSurfaces,
+                  bsp_.leafSurfaces.size(), "leaf surfaces");
+            Range(place, "firstBSPLeafBrush", leaf.firstBSPLeafBrush, "numBSPLeafBrushes", leaf.numBSPLeafBrushes,
+                  bsp_.leafBrushes.size(), "leaf brushes");
+            surfaces += std::uint64_t(leaf.numBSPLeafSurfaces);
+            brushes += std::uint64_t(leaf.numBSPLeafBrushes);
+            if (leaf.cluster >= 0 && leaf.area < 0)
+                log_.Warn("leaf without area", "{}: leaf {}: cluster {}, but area {}", name_, i, leaf.cluster,
+                          leaf.area);
+        }
+        Sharing("leafs", "numBSPLeafSurfaces", surfaces, kMaxSharing * bsp_.leafSurfaces.size());
+        Sharing("leafs", "numBSPLeafBrushes", brushes, kMaxSharing * bsp_.leafBrushes.size());
+        for (std::size_t i = 0; i < bsp_.leafSurfaces.size(); i++)
+            Index({"leaf surface", i}, "value", bsp_.leafSurfaces[i], 0, bsp_.drawSurfaces.size(), "surfaces");
+        for (std::size_t i = 0; i < bsp_.leafBrushes.size(); i++)
+            Index({"leaf brush", i}, "value", bsp_.leafBrushes[i], 0, bsp_.brushes.size(), "brushes");
+    }
+
+    void CheckModels() const {
+        std::uint64_t surfaces = 0, brushes = 0;
+        for (std::size_t i = 0; i < bsp_.models.size(); i++) {
+            const bspModel_t &model = bsp_.models[i];
+            const Place place{"model", i};
+            Range(place, "firstBSPSurface", model.firstBSPSurface, "numBSPSurfaces", model.numBSPSurfaces,
+                  bsp_.drawSurfaces.size(), "surfaces");
+            Range(place, "firstBSPBrush", model.firstBSPBrush, "numBSPBrushes", model.numBSPBrushes,
+                  bsp_.brushes.size(), "brushes");
+            surfaces += std::uint64_t(model.numBSPSurfaces);
+            brushes += std::uint64_t(model.numBSPBrushes);
+            for (std::size_t axis = 0; axis < 3; axis++) {
+                if (!std::isfinite(model.mins[axis]))
+                    Fail(place, "mins[{}] {} is not finite", axis, model.mins[axis]);
+                if (!std::isfinite(model.maxs[axis]))
+                    Fail(place, "maxs[{}] {} is not finite", axis, model.maxs[axis]);
+                if (i == 0 && model.mins[axis] > model.maxs[axis])
+                    Fail(place, "mins[{}] {} is above maxs[{}] {}", axis, model.mins[axis], axis, model.maxs[axis]);
+            }
+        }
+        Sharing("models", "numBSPSurfaces", surfaces, kMaxSharing * bsp_.drawSurfaces.size());
+        Sharing("models", "numBSPBrushes", brushes, kMaxSharing * bsp_.brushes.size());
+    }
+
+    void CheckBrushes() const {
+        for (std::size_t i = 0; i < bsp_.brushSides.size(); i++) {
+            const Place place{"brush side", i};
+            Index(place, "planeNum", bsp_.brushSides[i].planeNum, 0, bsp_.planes.size(), "planes");
+            Index(place, "shaderNum", bsp_.brushSides[i].shaderNum, 0, bsp_.shaders.size(), "shaders");
+        }
+        std::uint64_t sides = 0;
+        for (std::size_t i = 0; i < bsp_.brushes.size(); i++) {
+            const bspBrush_t &brush = bsp_.brushes[i];
+            const Place place{"brush", i};
+            Range(place, "firstSide", brush.firstSide, "numSides", brush.numSides, bsp_.brushSides.size(), "sides");
+            if (brush.numSides < std::int32_t(kBoxSides))
+                Fail(place, "numSides {} is under {}", brush.numSides, kBoxSides);
+            Index(place, "shaderNum", brush.shaderNum, 0, bsp_.shaders.size(), "shaders");
+            sides += std::uint64_t(brush.numSides);
+            CheckBox(i);
+        }
+        Sharing("brushes", "numSides", sides, kMaxSharing * bsp_.brushSides.size());
+    }
+
+    // Engines take a brush's box from its first six sides without looking at their normals.
+    void CheckBox(std::size_t brush) const {
+        for (std::size_t side = 0; side < kBoxSides; side++) {
+            const auto &record = bsp_.brushSides[std::size_t(bsp_.brushes[brush].firstSide) + side];
+            const float along = bsp_.planes[std::size_t(record.planeNum)].normal[side / 2];
+            if (std::abs(along - (side % 2 == 0 ? -1.0f : 1.0f)) > 0.001f)
+                log_.Warn("brush without box", "{}: brush {}: side {} does not face {}{}", name_, brush, side,
+                          side % 2 == 0 ? '-' : '+', "XYZ"[side / 2]);
+        }
+    }
+
+    void CheckFogs() const {
+        for (std::size_t i = 0; i < bsp_.fogs.size(); i++) {
+            const bspFog_t &fog = bsp_.fogs[i];
+            const Place place{"fog", i};
+            Index(place, "brushNum", fog.brushNum, -1, bsp_.brushes.size(), "brushes");
+            const std::int32_t sides = fog.brushNum < 0 ? 0 : bsp_.brushes[std::size_t(fog.brushNum)].numSides;
+            Index(place, "visibleSide", fog.visibleSide, -1, std::uint64_t(sides), "sides");
+        }
+    }
+
+    void CheckVerts() const {
+        for (std::size_t i = 0; i < bsp_.drawVerts.size(); i++) {
+            const bspDrawVert_t &vert = bsp_.drawVerts[i];
+            if (!AllFinite(vert.xyz))
+                Fail({"draw vert", i}, "xyz {} {} {} is not finite", vert.xyz[0], vert.xyz[1], vert.xyz[2]);
+            if (!AllFinite(vert.normal))
+                Fail({"draw vert", i}, "normal {} {} {} is not finite", vert.normal[0], vert.normal[1], vert.normal[2]);
+        }
+    }
+
+    void CheckSurfaces() const {
+        std::uint64_t verts = 0, indexes = 0;
+        for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); i++) {
+            const bspDrawSurface_t &surface = bsp_.drawSurfaces[i];
+            const Place place{"surface", i};
+            Index(place, "shaderNum", surface.shaderNum, 0, bsp_.shaders.size(), "shaders");
+            Index(place, "fogNum", surface.fogNum, -1, bsp_.fogs.size(), "fogs");
+            Index(place, "surfaceType", surface.surfaceType, MST_BAD, MST_FOLIAGE + 1, "surface types");
+            Range(place, "firstVert", surface.firstVert, "numVerts", surface.numVerts, bsp_.drawVerts.size(), "verts");
+            Range(place, "firstIndex", surface.firstIndex, "numIndexes", surface.numIndexes, bsp_.drawIndexes.size(),
+                  "indexes");
+            verts += std::uint64_t(surface.numVerts);
+            indexes += std::uint64_t(surface.numIndexes);
+            if (surface.surfaceType == MST_PATCH)
+                CheckPatch(place, surface);
+            CheckLightmap(place, surface);
+        }
+        Sharing("surfaces", "numVerts", verts, kMaxSharing * bsp_.drawVerts.size());
+        Sharing("surfaces", "numIndexes", indexes, kMaxIndexesPerVert * verts);
+        for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); i++)
+            CheckTriangles({"surface", i}, bsp_.drawSurfaces[i]);
+    }
+
+    void CheckPatch(const Place &place, const bspDrawSurface_t &surface) const {
+        const auto side = [&](std::string_view field, std::int32_t value) {
+            if (value < kMinPatchSide || value > kMaxPatchSide || value % 2 == 0)
+                Fail(place, "{} {} is not an odd number in {}..{}", field, value, kMinPatchSide, kMaxPatchSide);
+        };
+        side("patchWidth", surface.patchWidth);
+        side("patchHeight", surface.patchHeight);
+        if (surface.patchWidth * surface.patchHeight != surface.numVerts)
+            Fail(place, "patchWidth {} x patchHeight {} is not numVerts {}", surface.patchWidth, surface.patchHeight,
+                 surface.numVerts);
+    }
+
+    void CheckLightmap(const Place &place, const bspDrawSurface_t &surface) const {
+        if (!AllFinite(surface.lightmapOrigin))
+            Fail(place, "lightmapOrigin is not finite");
+        for (const Float3 &vector : surface.lightmapVecs)
+            if (!AllFinite(vector))
+                Fail(place, "lightmapVecs are not finite");
+        if (surface.surfaceType == MST_FLARE)
+            return; // a flare's number means nothing
+        const auto pages = std::int64_t(bsp_.lightmaps.size() / kLightmapPageBytes);
+        if (surface.lightmapNum < -4 || surface.lightmapNum >= pages)
+            log_.Warn("lightmapNum", "{}: surface {}: lightmapNum {} is not one of {} pages: taken as lit by vertex",
+                      name_, place.index, surface.lightmapNum, pages);
+        const auto inPage = [](std::int64_t start, std::int64_t length) {
+            return start >= 0 && length >= 0 && start + length <= kLightmapSide;
+        };
+        if (!inPage(surface.lightmapX, surface.lightmapWidth) || !inPage(surface.lightmapY, surface.lightmapHeight))
+            log_.Warn("lightmap rectangle",
+                      "{}: surface {}: the lightmap rectangle {} {} {} {} leaves the page: ignored", name_, place.index,
+                      surface.lightmapX, surface.lightmapY, surface.lightmapWidth, surface.lightmapHeight);
+    }
+
+    void CheckTriangles(const Place &place, const bspDrawSurface_t &surface) const {
+        const bool triangles = surface.surfaceType == MST_PLANAR || surface.surfaceType == MST_TRIANGLE_SOUP;
+        if (triangles && surface.numIndexes % 3 != 0)
+            Fail(place, "numIndexes {} is not a multiple of 3", surface.numIndexes);
+        const auto run =
+            std::span(bsp_.drawIndexes).subspan(std::size_t(surface.firstIndex), std::size_t(surface.numIndexes));
+        for (std::size_t i = 0; i < run.size(); i++)
+            if (run[i] < 0 || run[i] >= surface.numVerts)
+                Fail(place, "index {} of its {} is {}, but numVerts is {}", i, run.size(), run[i], surface.numVerts);
+    }
+
+    void CheckAdvertisements() const {
+        for (std::size_t i = 0; i < bsp_.advertisements.size(); i++) {
+            const bspAdvertisement_t &ad = bsp_.advertisements[i];
+            if (!AllFinite(ad.normal))
+                Fail({"advertisement", i}, "normal is not finite");
+            if (!std::ranges::all_of(ad.rect, [](const Float3 &corner) { return AllFinite(corner); }))
+                Fail({"advertisement", i}, "rect is not finite");
+        }
+    }
+
+    // Bad entity text is reported by who needs it: a map can be repaired with it replaced.
+    void CheckEntities() const {
+        std::vector<Entity> entities;
+        try {
+            entities = ParseEntities(bsp_.entities, name_);
+        } catch (const Error &error) {
+            log_.Warn("entity text", "{}", error.what());
+            return;
+        }
+        for (std::size_t i = 0; i < entities.size(); i++)
+            CheckModelKey(i, entities[i]);
+        CheckLightGrid(entities.empty() ? Entity{} : entities[0]);
+    }
+
+    void CheckModelKey(std::size_t index, const Entity &entity) const {
+        const std::string_view model = entity.Value("model");
+        if (!model.starts_with('*'))
+            return;
+        const double number = ParseNumber(model.substr(1));
+        if (number < 1 || number >= double(bsp_.models.size()) || number != std::floor(number))
+            log_.Warn("model key", "{}: entity {}: model {} is not one of *1..*{}", name_, index, model.substr(0, 16),
+                      bsp_.models.size() - 1);
+    }
+
+    // The engine ignores a grid of another length, and so does whoever reads it here.
+    void CheckLightGrid(const Entity &world) const {
+        Float3 size{64, 64, 128};
+        if (world.Has("gridsize")) {
+            if (const auto given = world.Vector({"gridsize"}))
+                size = {given->x, given->y, given->z};
+            else
+                log_.Warn("gridsize", "{}: gridsize {} is not three numbers", name_,
+                          world.Value("gridsize").substr(0, 40));
+        }
+        try {
+            const GridLayout grid = LayoutGrid(bsp_.models[0].mins, bsp_.models[0].maxs, size);
+            if (!bsp_.gridPoints.empty() && grid.Count() != std::int64_t(bsp_.gridPoints.size()))
+                log_.Warn("light grid", "{}: the light grid has {} points, expected {} x {} x {}: engines ignore it",
+                          name_, bsp_.gridPoints.size(), grid.bounds[0], grid.bounds[1], grid.bounds[2]);
+        } catch (const Error &error) {
+            log_.Warn("light grid", "{}: {}", name_, error.what());
+        }
+    }
+
+    void CheckBspx() const {
+        for (std::size_t i = 0; i < bsp_.bspx.size(); i++) {
+            const std::string &lump = bsp_.bspx[i].name;
+            if (lump.size() > kBspxNameBytes)
+                Fail({"BSPX lump", i}, "the name has {} bytes, expected at most {}", lump.size(), kBspxNameBytes);
+            if (lump == kBspxLightGridSH)
+                Fail({"BSPX lump", i}, "the name {} belongs to the SH light grid", lump);
+        }
+    }
+
+    const Bsp &bsp_;
+    std::string_view name_;
+    Log &log_;
+    std::int64_t clusters_ = kMaxClusters;
+};
+
+} // namespace
+
+void ValidateBsp(const Bsp &bsp, std::string_view name, Log &log) {
+    Validator(bsp, name, log).Run();
+}
+
+} // namespace q3

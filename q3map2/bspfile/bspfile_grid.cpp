@@ -1,0 +1,87 @@
+// GPL-2.0-or-later. Placement of the legacy light grid, and the SH light grid lump.
+#include "common/error.h"
+#include "q3map2/bspfile/bsp_layout.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+constexpr double kMaxGridPoints = 4611686018427387904.0; ///< 2^62, so that the product of the counts is an int64
+
+} // namespace
+
+GridLayout LayoutGrid(const Float3 &worldMins, const Float3 &worldMaxs, const Float3 &size) {
+    GridLayout grid;
+    grid.size = size;
+    double points = 1;
+    for (std::size_t i = 0; i < 3; i++) {
+        if (!std::isfinite(size[i]) || size[i] <= 0)
+            throw Error("light grid: the cell size {} {} {} is not three numbers above 0", size[0], size[1], size[2]);
+        grid.mins[i] = size[i] * std::ceil(worldMins[i] / size[i]);
+        const float last = size[i] * std::floor(worldMaxs[i] / size[i]);
+        const float count = (last - grid.mins[i]) / size[i] + 1;
+        if (!std::isfinite(grid.mins[i]) || !std::isfinite(count) || count >= 2147483648.0f)
+            throw Error("light grid: cells of {} {} {} in a world from {} {} {} to {} {} {} cannot be counted", size[0],
+                        size[1], size[2], worldMins[0], worldMins[1], worldMins[2], worldMaxs[0], worldMaxs[1],
+                        worldMaxs[2]);
+        grid.bounds[i] = std::int32_t(std::max(count, 1.0f));
+        points *= grid.bounds[i];
+    }
+    if (points > kMaxGridPoints)
+        throw Error("light grid: {} x {} x {} points are too many", grid.bounds[0], grid.bounds[1], grid.bounds[2]);
+    return grid;
+}
+
+void CheckLightGridSH(const LightGridSH &grid, std::string_view name) {
+    const bspGridSHHeader_t &head = grid.header;
+    std::uint64_t product = 1;
+    for (std::size_t i = 0; i < 3; i++) {
+        if (!std::isfinite(head.gridMins[i]))
+            throw Error("{}: SH light grid: gridMins[{}] is {}, not a finite number", name, i, head.gridMins[i]);
+        if (!std::isfinite(head.gridSize[i]) || head.gridSize[i] <= 0)
+            throw Error("{}: SH light grid: gridSize[{}] is {}, expected a number above 0", name, i, head.gridSize[i]);
+        if (head.gridBounds[i] < 1)
+            throw Error("{}: SH light grid: gridBounds[{}] is {}, expected at least 1", name, i, head.gridBounds[i]);
+        // Both factors stay under 2^31 as long as the product so far does.
+        product = std::min<std::uint64_t>(product * std::uint64_t(head.gridBounds[i]), INT32_MAX + std::uint64_t(1));
+    }
+    if (head.numPoints < 0 || product != std::uint64_t(head.numPoints))
+        throw Error("{}: SH light grid: numPoints is {}, but gridBounds are {} x {} x {}", name, head.numPoints,
+                    head.gridBounds[0], head.gridBounds[1], head.gridBounds[2]);
+    if (grid.points.size() != product)
+        throw Error("{}: SH light grid: numPoints is {}, but the lump holds {} points", name, head.numPoints,
+                    grid.points.size());
+    for (std::size_t i = 0; i < grid.points.size(); i++)
+        for (std::size_t k = 0; k < 9; k++)
+            for (const float value : grid.points[i].coeffs[k])
+                if (!std::isfinite(value))
+                    throw Error("{}: SH light grid: point {}: coeffs[{}] is {}, not a finite number", name, i, k,
+                                value);
+}
+
+std::vector<std::byte> PackLightGridSH(const LightGridSH &grid) {
+    CheckLightGridSH(grid, "writing");
+    const std::size_t pointBytes = grid.points.size() * sizeof(bspGridPointSH_t);
+    std::vector<std::byte> lump(sizeof grid.header + pointBytes);
+    std::memcpy(lump.data(), &grid.header, sizeof grid.header);
+    std::memcpy(lump.data() + sizeof grid.header, grid.points.data(), pointBytes);
+    return lump;
+}
+
+LightGridSH ParseLightGridSH(std::span<const std::byte> lump, std::string_view name) {
+    LightGridSH grid;
+    const std::size_t head = sizeof grid.header;
+    if (lump.size() <= head || (lump.size() - head) % sizeof(bspGridPointSH_t) != 0)
+        throw Error("{}: SH light grid: length {} is not {} plus a multiple of {}", name, lump.size(), head,
+                    sizeof(bspGridPointSH_t));
+    std::memcpy(&grid.header, lump.data(), head);
+    grid.points.resize((lump.size() - head) / sizeof(bspGridPointSH_t));
+    std::memcpy(grid.points.data(), lump.data() + head, lump.size() - head);
+    CheckLightGridSH(grid, name);
+    return grid;
+}
+
+} // namespace q3

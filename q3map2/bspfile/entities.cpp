@@ -1,0 +1,264 @@
+// GPL-2.0-or-later. Entity text: the lump's and the map source's.
+#include "q3map2/bspfile/entities.h"
+
+#include "common/error.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+bool IsBlank(char c) {
+    return static_cast<unsigned char>(c) <= ' ';
+}
+
+char Lower(char c) {
+    return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+}
+
+std::string_view TrimEnd(std::string_view text) {
+    while (!text.empty() && IsBlank(text.back()))
+        text.remove_suffix(1);
+    return text;
+}
+
+/// Takes a number off the start of `text`, or nothing when there is none that a double can hold.
+std::optional<double> TakeNumber(std::string_view &text) {
+    while (!text.empty() && IsBlank(text.front()))
+        text.remove_prefix(1);
+    std::string_view digits = text;
+    if (digits.starts_with('+') && !digits.starts_with("+-"))
+        digits.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || !std::isfinite(value))
+        return std::nullopt;
+    text = digits.substr(std::size_t(end - digits.data()));
+    return value;
+}
+
+/// Start of a text from a file, fit for a message of one line.
+std::string Shown(std::string_view text) {
+    std::string shown(text.substr(0, 40));
+    std::ranges::replace_if(
+        shown, [](char c) { return IsBlank(c) || c == 127; }, ' ');
+    return shown;
+}
+
+struct Token {
+    enum Kind { Open, Close, Word, Quoted, End } kind = End;
+    std::string_view text;
+    int line = 1;
+};
+
+/// Splits text into braces, words and quoted strings; comments are skipped outside strings.
+class Tokenizer {
+  public:
+    Tokenizer(std::string_view text, std::string_view name) : rest_(text.substr(0, text.find('\0'))), name_(name) {}
+
+    Token Next() {
+        SkipBlanks();
+        Token token{Token::End, {}, line_};
+        if (rest_.empty())
+            return token;
+        if (rest_.front() == '"')
+            return Quoted(token);
+        if (IsBrace()) {
+            token.kind = rest_.front() == '{' ? Token::Open : Token::Close;
+            token.text = Take(1);
+            return token;
+        }
+        std::size_t length = 1;
+        while (length < rest_.size() && !IsBlank(rest_[length]) && rest_[length] != '"')
+            length++;
+        token.kind = Token::Word;
+        token.text = Take(length);
+        if (EqualNoCase(token.text, "$include"))
+            Fail(token.line, "$include is not supported in entity text");
+        return token;
+    }
+
+    [[noreturn]] void Fail(int line, std::string_view text) const { throw Error("{}: line {}: {}", name_, line, text); }
+
+  private:
+    std::string_view Take(std::size_t length) {
+        const std::string_view taken = rest_.substr(0, length);
+        line_ += int(std::ranges::count(taken, '\n'));
+        rest_.remove_prefix(taken.size());
+        return taken;
+    }
+
+    // A texture name may start with a brace, so one that runs into other letters is part of a word.
+    bool IsBrace() const {
+        if (rest_.front() != '{' && rest_.front() != '}')
+            return false;
+        return rest_.size() == 1 || IsBlank(rest_[1]) ||
+               std::string_view("{}\"(/;#").find(rest_[1]) != std::string_view::npos;
+    }
+
+    Token Quoted(Token token) {
+        const std::size_t close = rest_.find('"', 1);
+        if (close == std::string_view::npos)
+            Fail(line_, "a string is opened here and never closed");
+        token.kind = Token::Quoted;
+        token.text = Take(close + 1).substr(1, close - 1);
+        return token;
+    }
+
+    void SkipBlanks() {
+        for (;;) {
+            std::size_t length = 0;
+            while (length < rest_.size() && IsBlank(rest_[length]))
+                length++;
+            Take(length);
+            if (rest_.starts_with("//") || rest_.starts_with(';') || rest_.starts_with('#')) {
+                Take(std::min(rest_.find('\n'), rest_.size()));
+            } else if (rest_.starts_with("/*")) {
+                const std::size_t close = rest_.find("*/", 2);
+                if (close == std::string_view::npos)
+                    Fail(line_, "a comment is opened here and never closed");
+                Take(close + 2);
+            } else {
+                return;
+            }
+        }
+    }
+
+    std::string_view rest_, name_;
+    int line_ = 1;
+};
+
+void SkipBlock(Tokenizer &tokens, int openLine) {
+    for (int depth = 1; depth > 0;) {
+        const Token token = tokens.Next();
+        if (token.kind == Token::End)
+            tokens.Fail(openLine, "'{' is never closed");
+        depth += token.kind == Token::Open ? 1 : token.kind == Token::Close ? -1 : 0;
+    }
+}
+
+void AddPair(Entity &entity, std::string_view key, std::string_view value) {
+    key = TrimEnd(key);
+    value = TrimEnd(value);
+    if (!key.empty() && !value.empty())
+        entity.pairs.emplace_back(key, value);
+}
+
+/// One entity, after its opening brace. In map source words need no quotes and inner blocks are skipped.
+Entity ParseEntity(Tokenizer &tokens, int openLine, bool isMap) {
+    const auto isText = [isMap](const Token &token) {
+        return token.kind == Token::Quoted || (isMap && token.kind == Token::Word);
+    };
+    Entity entity;
+    for (;;) {
+        const Token key = tokens.Next();
+        if (key.kind == Token::Close)
+            return entity;
+        if (key.kind == Token::End)
+            tokens.Fail(openLine, "the entity opened here has no closing brace");
+        if (key.kind == Token::Open && isMap) {
+            SkipBlock(tokens, key.line);
+            continue;
+        }
+        if (!isText(key))
+            tokens.Fail(key.line, fmt::format("expected a key in quotes or '}}', found {}", Shown(key.text)));
+        const Token value = tokens.Next();
+        if (!isText(value))
+            tokens.Fail(key.line, fmt::format("the key {} has no value", Shown(key.text)));
+        AddPair(entity, key.text, value.text);
+    }
+}
+
+std::vector<Entity> Parse(std::string_view text, std::string_view name, bool isMap) {
+    Tokenizer tokens(text, name);
+    std::vector<Entity> entities;
+    for (;;) {
+        const Token token = tokens.Next();
+        if (token.kind == Token::End)
+            return entities;
+        if (token.kind != Token::Open)
+            tokens.Fail(token.line, fmt::format("expected '{{' to open an entity, found {}", Shown(token.text)));
+        entities.push_back(ParseEntity(tokens, token.line, isMap));
+    }
+}
+
+} // namespace
+
+std::string_view Entity::Value(std::initializer_list<std::string_view> keys) const {
+    for (const std::string_view key : keys)
+        for (const auto &[name, value] : pairs)
+            if (EqualNoCase(name, key)) {
+                if (!value.empty())
+                    return value;
+                break;
+            }
+    return {};
+}
+
+double Entity::Number(std::initializer_list<std::string_view> keys, double fallback) const {
+    std::string_view text = Value(keys);
+    return TakeNumber(text).value_or(fallback);
+}
+
+std::optional<Vec3f> Entity::Vector(std::initializer_list<std::string_view> keys) const {
+    std::string_view text = Value(keys);
+    Vec3f vector;
+    for (std::size_t i = 0; i < 3; i++) {
+        const std::optional<double> number = TakeNumber(text);
+        if (!number || !std::isfinite(float(*number)))
+            return std::nullopt;
+        vector[i] = float(*number);
+    }
+    return vector;
+}
+
+void Entity::Set(std::string_view key, std::string_view value) {
+    const auto found = std::ranges::find_if(pairs, [key](const auto &pair) { return EqualNoCase(pair.first, key); });
+    if (found != pairs.end())
+        found->second = value;
+    else
+        pairs.emplace_back(key, value);
+}
+
+std::vector<Entity> ParseEntities(std::string_view text, std::string_view name) {
+    return Parse(text, name, false);
+}
+
+std::vector<Entity> ParseMapEntities(std::string_view text, std::string_view name) {
+    return Parse(text, name, true);
+}
+
+std::string FormatEntities(const std::vector<Entity> &entities) {
+    // The text has no escape for a quote inside a string.
+    const auto quoted = [](std::string text) {
+        std::ranges::replace(text, '"', '\'');
+        return '"' + text + '"';
+    };
+    std::string text;
+    for (const Entity &entity : entities) {
+        if (entity.pairs.empty())
+            continue;
+        text += "{\n";
+        for (const auto &[key, value] : entity.pairs)
+            text += quoted(key) + ' ' + quoted(value) + '\n';
+        text += "}\n";
+    }
+    return text;
+}
+
+double ParseNumber(std::string_view text) {
+    return TakeNumber(text).value_or(0);
+}
+
+bool EqualNoCase(std::string_view a, std::string_view b) {
+    return std::ranges::equal(a, b, [](char x, char y) { return Lower(x) == Lower(y); });
+}
+
+bool StartsWithNoCase(std::string_view text, std::string_view prefix) {
+    return EqualNoCase(text.substr(0, prefix.size()), prefix);
+}
+
+} // namespace q3

@@ -1,0 +1,79 @@
+// GPL-2.0-or-later. Streamed JSON files in the layout that map tools exchange. See docs/json.md.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// Appends the fewest digits that read back to the same float. Always with fraction or exponent: 1.0, -0.0, 1.5e-7,
+/// NaN, Infinity, -Infinity.
+void AppendJsonFloat(std::string &text, float value);
+/// Appends the text in quotes. Quote, backslash and control bytes are escaped, all other bytes are copied.
+void AppendJsonString(std::string &text, std::string_view value);
+/// Two lower-case digits a byte.
+std::string HexText(std::span<const std::byte> bytes);
+
+/// Writes one file: members one a line, arrays on one line. Text goes to a file beside it, which replaces `path` in
+/// Finish() and is removed when that is not reached. Errors: Error with path and reason.
+class JsonWriter {
+  public:
+    explicit JsonWriter(std::filesystem::path path);
+    ~JsonWriter();
+    JsonWriter(const JsonWriter &) = delete;
+    JsonWriter &operator=(const JsonWriter &) = delete;
+
+    void BeginObject() { Begin('{'); }
+    void EndObject() { End('}'); }
+    /// A list whose elements stand on a line each; start every one with Element().
+    void BeginList() { Begin('['); }
+    void EndList() { End(']'); }
+    void Element();
+    void Member(std::string_view name);
+    /// Member "prefix#index".
+    void Member(std::string_view prefix, std::size_t index);
+
+    void Value(std::int32_t value);
+    void Value(std::uint8_t value) { Value(std::int32_t(value)); }
+    void Value(float value) { AppendJsonFloat(buffer_, value); }
+    void Value(std::string_view value) { AppendJsonString(buffer_, value); }
+    /// An array on one line.
+    template <typename T, std::size_t N> void Value(const std::array<T, N> &values) {
+        buffer_ += '[';
+        for (std::size_t i = 0; i < N; i++) {
+            if (i > 0)
+                buffer_ += ", ";
+            Value(values[i]);
+        }
+        buffer_ += ']';
+    }
+    void Value(const std::vector<std::string> &values);
+
+    /// Completes the file and gives it its name.
+    void Finish();
+
+  private:
+    struct Close {
+        void operator()(std::FILE *file) const { std::fclose(file); }
+    };
+
+    void Begin(char bracket);
+    void End(char bracket);
+    void Flush();
+    [[noreturn]] void Fail(int reason) const;
+
+    std::filesystem::path path_, part_;
+    std::unique_ptr<std::FILE, Close> file_;
+    std::string buffer_;
+    std::vector<std::size_t> counts_; ///< members so far of every open object and list
+};
+
+} // namespace q3

@@ -1,0 +1,158 @@
+// GPL-2.0-or-later. Options that every stage accepts.
+#include "q3map2/global_options.h"
+
+#include "common/error.h"
+#include "q3map2/bspfile/entities.h"
+
+#include <glib.h>
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+constexpr int kMaxThreads = 64;
+
+std::string WithSlashes(std::string path) {
+    std::replace(path.begin(), path.end(), '\\', '/');
+    return path;
+}
+
+void AddUnique(std::vector<std::string> &list, std::string value) {
+    value = WithSlashes(std::move(value));
+    if (std::none_of(list.begin(), list.end(), [&](const std::string &known) { return EqualNoCase(known, value); }))
+        list.push_back(std::move(value));
+}
+
+void TakeList(Arguments &arguments, std::string_view name, std::vector<std::string> &list) {
+    while (const auto value = arguments.TakeValue(name))
+        AddUnique(list, *value);
+}
+
+void TakeHelp(Arguments &arguments, GlobalOptions &options) {
+    const std::vector<std::string> &words = arguments.Rest();
+    for (std::size_t i = 0; i < words.size(); ++i)
+        for (const std::string_view name : {"-help", "--help", "-h"})
+            if (EqualNoCase(words[i], name))
+                options.help = i + 1 < words.size() ? words[i + 1] : "";
+}
+
+void TakeGame(Arguments &arguments, GlobalOptions &options, Log &log) {
+    options.game = FindGame("quake3");
+    while (const auto name = arguments.TakeValue("-game")) {
+        if (const Game *game = FindGame(*name)) {
+            options.game = game;
+            continue;
+        }
+        std::string known;
+        for (const Game &game : Games())
+            known += fmt::format(" {}", game.name);
+        log.Warn("unknown game", "-game {}: unknown, {} is used; known games:{}", *name, options.game->name, known);
+    }
+}
+
+/// The part of the first word that holds the game's magic word, cut after the path element that it is in.
+std::string EnginePathFrom(const std::vector<std::string> &words, std::string_view magic) {
+    for (const std::string &word : words) {
+        const std::string path = WithSlashes(word);
+        const auto found = std::search(path.begin(), path.end(), magic.begin(), magic.end(), [](char a, char b) {
+            return g_ascii_tolower(a) == g_ascii_tolower(b);
+        });
+        if (found == path.end())
+            continue;
+        const std::size_t slash = path.find('/', std::size_t(found - path.begin()));
+        if (slash != std::string::npos)
+            return path.substr(0, slash + 1);
+    }
+    return {};
+}
+
+std::string HomeRoot(const GlobalOptions &options) {
+    const std::string homeBase = options.homeBase.value_or(std::string(options.game->homeDir));
+    if (options.home) {
+        const std::string home = WithSlashes(*options.home);
+        if (homeBase == ".")
+            return home;
+        return home + "/" + (homeBase.starts_with('.') ? homeBase.substr(1) : homeBase);
+    }
+    const char *home = g_get_home_dir();
+    return homeBase == "." ? std::string(home) : std::string(home) + "/" + homeBase;
+}
+
+} // namespace
+
+GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log) {
+    GlobalOptions options;
+    TakeHelp(arguments, options);
+    if (options.help) {
+        options.game = FindGame("quake3");
+        return options;
+    }
+    while (const auto address = arguments.TakeValue("-connect"))
+        options.connect = *address;
+    options.verbose = arguments.TakeFirstFlag("-v");
+    log.SetVerbose(options.verbose);
+    options.force = arguments.TakeFlag("-force");
+    while (const auto threads = arguments.TakeValue("-threads"))
+        options.threads = std::clamp(IntegerFromText(*threads), 0, kMaxThreads);
+    for (const std::string_view name : {"-subdivisions", "-maxmapdrawsurfs"})
+        if (arguments.TakeValue(name))
+            log.Warn("options without effect", "{} concerns the bsp stage only", name);
+    TakeGame(arguments, options, log);
+    TakeList(arguments, "-fs_forbiddenpath", options.forbidden);
+    TakeList(arguments, "-fs_basepath", options.basePaths);
+    TakeList(arguments, "-fs_game", options.gameDirs);
+    while (const auto value = arguments.TakeValue("-fs_basegame"))
+        options.baseGame = *value;
+    while (const auto value = arguments.TakeValue("-fs_home"))
+        options.home = *value;
+    while (const auto value = arguments.TakeValue("-fs_homebase"))
+        options.homeBase = *value;
+    while (const auto value = arguments.TakeValue("-fs_homepath")) {
+        options.home = *value;
+        options.homeBase = ".";
+    }
+    TakeList(arguments, "-fs_pakpath", options.pakPaths);
+    return options;
+}
+
+std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, const std::vector<std::string> &arguments,
+                                               const std::filesystem::path &program) {
+    std::vector<std::string> roots;
+    AddUnique(roots, HomeRoot(options));
+    if (!options.basePaths.empty()) {
+        for (const std::string &path : options.basePaths)
+            AddUnique(roots, path);
+    } else {
+        std::vector<std::string> words{program.string()};
+        words.insert(words.end(), arguments.begin(), arguments.end());
+        std::string engine = EnginePathFrom(words, options.game->magic);
+        if (engine.empty())
+            engine = program.parent_path().parent_path().string();
+        if (engine.empty())
+            throw Error("cannot tell where the game is installed; give it by -fs_basepath");
+        AddUnique(roots, engine);
+    }
+    std::vector<std::string> gameDirs = options.gameDirs;
+    AddUnique(gameDirs, options.baseGame.value_or(std::string(options.game->gameDir)));
+    std::vector<std::filesystem::path> folders;
+    for (const std::string &gameDir : gameDirs)
+        for (const std::string &root : roots)
+            folders.push_back(std::filesystem::path(root) / gameDir);
+    for (const std::string &path : options.pakPaths)
+        folders.push_back(path);
+    return folders;
+}
+
+VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders, Log &log) {
+    VirtualFileSystem vfs(log);
+    vfs.SetForbidden(options.forbidden);
+    for (const std::filesystem::path &folder : folders) {
+        log.Print("VFS Init: {}/\n", folder.string());
+        vfs.Mount(folder, options.game->archiveExtension);
+    }
+    return vfs;
+}
+
+} // namespace q3

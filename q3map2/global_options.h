@@ -1,0 +1,43 @@
+// GPL-2.0-or-later. Options that every stage accepts, and the game's files that they lead to.
+#pragma once
+
+#include "common/arguments.h"
+#include "common/jobs.h"
+#include "common/log.h"
+#include "common/vfs.h"
+#include "q3map2/bspfile/bspfile.h"
+#include "q3map2/shader/games.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace q3 {
+
+struct GlobalOptions {
+    const Game *game = nullptr;
+    bool verbose = false;
+    bool force = false;
+    int threads = 0;            ///< 0: one per hardware thread
+    std::string connect;        ///< address of the editor, empty without one
+    std::optional<std::string> help; ///< topic, possibly empty
+    std::vector<std::string> basePaths, gameDirs, pakPaths, forbidden;
+    std::optional<std::string> baseGame, home, homeBase;
+
+    BspFormat Format() const {
+        return {.version = game->bspVersion, .advertisements = game->hasAdvertisements, .force = force};
+    }
+};
+
+/// Takes the global options off `arguments`. An unknown -game is a warning.
+GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log);
+
+/// Game folders in the order in which they win: mods before the base game, home before base paths, -fs_pakpath last. `arguments` are
+/// searched for the engine path when no -fs_basepath is given.
+std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, const std::vector<std::string> &arguments,
+                                               const std::filesystem::path &program);
+
+VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders, Log &log);
+
+} // namespace q3

@@ -1,0 +1,189 @@
+// GPL-2.0-or-later. SH grid points in solids.
+#include "q3map2/light/gridsh_fill.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+/// Points keep this clear of solids when they are lit. Game units.
+constexpr float kClearance = 0.125f;
+/// A point this near to open space is lit from there. Game units.
+constexpr float kSmallSteps[] = {0.5f, 1, 2};
+/// A side of mean light 0 weighs as much as one of this light. 1 = byte 255.
+constexpr double kDarkest = 1.0 / 1024;
+
+struct Offset {
+    int x, y, z;
+};
+
+/// The 26 neighbours of a point, or fractions of a cell.
+constexpr std::array<Offset, 26> MakeNeighbours() {
+    std::array<Offset, 26> result{};
+    std::size_t n = 0;
+    for (int z = -1; z <= 1; ++z)
+        for (int y = -1; y <= 1; ++y)
+            for (int x = -1; x <= 1; ++x)
+                if (x != 0 || y != 0 || z != 0)
+                    result[n++] = {x, y, z};
+    return result;
+}
+constexpr std::array<Offset, 26> kNeighbours = MakeNeighbours();
+
+bool TryPlace(const BspSpace &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
+    const int cluster = space.ClusterAt(p, kClearance);
+    if (cluster < 0)
+        return false;
+    placed = {state, p, cluster};
+    return true;
+}
+
+/// Small steps along the axes and diagonals, the nearest first.
+bool TrySmallSteps(const BspSpace &space, const Vec3f &p, PlacedPoint &placed) {
+    for (const float step : kSmallSteps)
+        for (int axes = 1; axes <= 3; ++axes)
+            for (const Offset &o : kNeighbours)
+                if (std::abs(o.x) + std::abs(o.y) + std::abs(o.z) == axes &&
+                    TryPlace(space, p + Vec3f{float(o.x), float(o.y), float(o.z)} * step, PointState::Open, placed))
+                    return true;
+    return false;
+}
+
+/// Places within a cell around p on a lattice of quarter cells, the nearest first.
+bool TryCells(const BspSpace &space, const Vec3f &p, const Vec3f &cell, PlacedPoint &placed) {
+    constexpr int kSteps = 4;
+    for (int shell = 1; shell <= kSteps; ++shell)
+        for (int z = -shell; z <= shell; ++z)
+            for (int y = -shell; y <= shell; ++y)
+                for (int x = -shell; x <= shell; ++x) {
+                    if (std::max({std::abs(x), std::abs(y), std::abs(z)}) != shell)
+                        continue;
+                    const Vec3f offset = cell * Vec3f{float(x), float(y), float(z)} / kSteps;
+                    if (TryPlace(space, p + offset, PointState::Moved, placed))
+                        return true;
+                }
+    return false;
+}
+
+bool HasOpenNeighbour(const BspSpace &space, const Vec3f &p, const Vec3f &cell) {
+    return std::any_of(kNeighbours.begin(), kNeighbours.end(), [&](const Offset &o) {
+        return space.ClusterAt(p + cell * Vec3f{float(o.x), float(o.y), float(o.z)}, kClearance) >= 0;
+    });
+}
+
+/// Lit neighbours of one solid point that see each other.
+struct Side {
+    Vec3f first;
+    double weight = 0;
+    std::array<std::array<double, 3>, 9> sum{};
+    double Mean() const { return std::max(0.0, (sum[0][0] + sum[0][1] + sum[0][2]) / weight / 3 * kShC0); }
+};
+
+class Filler {
+  public:
+    Filler(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states, const LightGridSH &grid)
+        : in_(in), layout_(layout), states_(states), grid_(grid) {}
+
+    /// False: no lit neighbour.
+    bool Fill(int x, int y, int z, bspGridPointSH_t &filled) const {
+        std::vector<Side> sides;
+        for (const Offset &o : kNeighbours)
+            AddNeighbour(x, y, z, o, sides);
+        if (sides.empty())
+            return false;
+        std::array<std::array<double, 3>, 9> sum{};
+        double total = 0;
+        for (const Side &side : sides) {
+            const double weight = side.weight / (side.Mean() + kDarkest);
+            total += weight;
+            for (std::size_t k = 0; k < 9; ++k)
+                for (std::size_t channel = 0; channel < 3; ++channel)
+                    sum[k][channel] += side.sum[k][channel] / side.weight * weight;
+        }
+        for (std::size_t k = 0; k < 9; ++k)
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                filled.coeffs[k][channel] = float(sum[k][channel] / total);
+        return true;
+    }
+
+  private:
+    void AddNeighbour(int x, int y, int z, const Offset &o, std::vector<Side> &sides) const {
+        const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
+        if (nx < 0 || ny < 0 || nz < 0 || nx >= layout_.bounds[0] || ny >= layout_.bounds[1] || nz >= layout_.bounds[2])
+            return;
+        const std::size_t index = std::size_t(nx) + std::size_t(layout_.bounds[0]) *
+                                                        (std::size_t(ny) + std::size_t(layout_.bounds[1]) * std::size_t(nz));
+        if (states_[index] != PointState::Open && states_[index] != PointState::Moved)
+            return;
+        const Vec3f p(layout_.Position(nx, ny, nz));
+        Side *side = FindSide(p, sides);
+        const Vec3f offset = p - Vec3f(layout_.Position(x, y, z));
+        const double weight = 1 / double(Dot(offset, offset));
+        side->weight += weight;
+        for (std::size_t k = 0; k < 9; ++k)
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                side->sum[k][channel] += weight * double(grid_.points[index].coeffs[k][channel]);
+    }
+
+    Side *FindSide(const Vec3f &p, std::vector<Side> &sides) const {
+        RayPacket rays;
+        rays.count = int(std::min<std::size_t>(sides.size(), kPacketSize));
+        for (std::size_t i = 0; i < std::size_t(rays.count); ++i) {
+            const Vec3f way = sides[i].first - p;
+            rays.origin[i] = p;
+            rays.distance[i] = Length(way);
+            rays.direction[i] = way / rays.distance[i];
+        }
+        if (rays.count > 0) {
+            RayCounts counts;
+            in_.scene.TraceToLight(rays, ShadowRules::Exact, counts);
+        }
+        for (std::size_t i = 0; i < std::size_t(rays.count); ++i)
+            if (!rays.blocked[i])
+                return &sides[i];
+        sides.push_back({});
+        sides.back().first = p;
+        return &sides.back();
+    }
+
+    const GridInputs &in_;
+    const GridLayout &layout_;
+    const std::vector<PointState> &states_;
+    const LightGridSH &grid_;
+};
+
+} // namespace
+
+PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, const Vec3f &p) {
+    PlacedPoint placed;
+    const Vec3f cell(layout.size);
+    if (TryPlace(space, p, PointState::Open, placed) || !space.AnyOpen(p - cell, p + cell) ||
+        TrySmallSteps(space, p, placed))
+        return placed;
+    if (HasOpenNeighbour(space, p, cell))
+        placed.state = PointState::Solid;
+    else
+        TryCells(space, p, cell, placed);
+    return placed;
+}
+
+void FillGridSH(const GridInputs &in, const GridLayout &layout, std::vector<PointState> &states, LightGridSH &grid) {
+    const int width = layout.bounds[0], height = layout.bounds[1];
+    const std::int64_t rows = std::int64_t(height) * layout.bounds[2];
+    // Sources are lit points only, so the order of filling does not matter.
+    const std::vector<PointState> before = states;
+    const Filler filler(in, layout, before, grid);
+    in.jobs.For(rows, [&](std::int64_t row, int) {
+        for (int x = 0; x < width; ++x) {
+            const auto index = std::size_t(row) * std::size_t(width) + std::size_t(x);
+            if (before[index] == PointState::Solid)
+                states[index] = filler.Fill(x, int(row % height), int(row / height), grid.points[index]) ? PointState::Filled
+                                                                                                         : PointState::Void;
+        }
+    });
+}
+
+} // namespace q3

@@ -1,0 +1,33 @@
+// GPL-2.0-or-later. SH grid points in solids: where they take their light from.
+#pragma once
+
+#include "q3map2/light/light_grid.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace q3 {
+
+enum class PointState : std::uint8_t {
+    Void,   ///< in a solid, no open space in the cells around it: stays zero
+    Open,   ///< lit where it is, or at most a small step beside
+    Moved,  ///< in a solid that leaves no lit neighbour: lit from the nearest open place of its cells
+    Solid,  ///< in a solid, to be filled
+    Filled  ///< in a solid, filled from neighbours
+};
+
+struct PlacedPoint {
+    PointState state = PointState::Void;
+    Vec3f position;
+    int cluster = kSolidCluster;
+};
+
+/// Decides where the point at p is lit from.
+PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, const Vec3f &p);
+
+/// Gives every point in a solid that has lit neighbours a value, so that interpolation beside walls is right. Neighbours that do not
+/// see each other form sides; a side counts the more the darker it is, so that a wall thinner than a cell lets no light through.
+/// Changes Solid to Filled or Void in `states`.
+void FillGridSH(const GridInputs &in, const GridLayout &layout, std::vector<PointState> &states, LightGridSH &grid);
+
+} // namespace q3

@@ -1,0 +1,181 @@
+// GPL-2.0-or-later. The legacy light grid.
+#include "q3map2/light/light_grid.h"
+
+#include "common/error.h"
+#include "common/progress.h"
+#include "libs/math/low_discrepancy.h"
+#include "q3map2/light/grid_bricks.h"
+#include "q3map2/light/light_tone.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::int64_t kMaxPoints = 0x100000;
+constexpr float kMinCell = 8;
+constexpr float kNudgeMargin = -0.125f;
+constexpr int kNudges = 200;
+constexpr std::uint64_t kSeedNudge = 0x4E75646765ull;
+constexpr std::size_t kMaxRecords = 32767;
+
+/// What one light gave to a point.
+struct GridRecord {
+    Vec3f direction, color, ownAmbient;
+};
+
+struct LegacyPoint {
+    Vec3f position;
+    int cluster = kSolidCluster;
+    std::uint32_t index = 0;
+    Vec3f sum; // running, of style 0 and others alike: for -cheapgrid
+    Vec3d directionSum;
+    std::vector<GridRecord> records;
+};
+
+/// Finds the point's place: where it is, or, when that is solid, a spot up to half a cell away. The established program draws
+/// at random; here the draws depend on the point alone.
+bool PlacePoint(const BspSpace &space, const GridLayout &layout, LegacyPoint &point) {
+    const Vec3f base = point.position;
+    point.cluster = space.ClusterAt(base, 0);
+    if (point.cluster >= 0)
+        return true;
+    const Vec3f cell(layout.size);
+    if (!space.AnyOpen(base - cell * 0.5f, base + cell * 0.5f))
+        return false;
+    for (int i = 1; i <= kNudges; ++i) {
+        const float step = 0.005f * float(i);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto draw = HashIndex(kSeedNudge ^ (std::uint64_t(point.index) * 1024 + std::uint64_t(i) * 3 + axis));
+            point.position[axis] = base[axis] + step * (float(UnitFromHash(draw)) - 0.5f) * cell[axis];
+        }
+        point.cluster = space.ClusterAt(point.position, kNudgeMargin);
+        if (point.cluster >= 0)
+            return true;
+    }
+    return false;
+}
+
+void AddFloodlight(const GridInputs &in, LegacyPoint &point, RayCounts &counts) {
+    for (const float up : {1.0f, -1.0f}) {
+        const float share =
+            FloodShare(in.scene, point.position, up, in.world.floodDistance, in.options.lowQuality, counts);
+        const Vec3f flood = in.world.floodColor * (in.world.floodIntensity * share);
+        point.records.push_back({{0, 0, 1}, flood * 0.75f, flood * 0.25f});
+        point.directionSum += Vec3d{0, 0, double(Length(flood * 0.75f))};
+    }
+}
+
+std::array<std::uint8_t, 2> DirectionBytes(const Vec3f &t) {
+    if (t.x == 0 && t.y == 0)
+        return {std::uint8_t(t.z > 0 ? 0 : 128), 0};
+    constexpr double kScale = 180 / std::numbers::pi * 255 / 360;
+    const int fromZ = int(std::acos(std::clamp(double(t.z), -1.0, 1.0)) * kScale);
+    const int aroundZ = int(std::atan2(double(t.y), double(t.x)) * kScale);
+    return {std::uint8_t(fromZ & 255), std::uint8_t(aroundZ & 255)};
+}
+
+bspGridPoint_t StorePoint(const GridInputs &in, const LegacyPoint &point) {
+    const LightOptions &o = in.options;
+    const Vec3f main(Normalize(point.directionSum));
+    Vec3f ambient = in.world.ambient, directed;
+    for (const GridRecord &record : point.records) {
+        const float k = std::max(0.0f, o.gridAmbientDirectionality + Dot(record.direction, main) * (o.gridDirectionality -
+                                                                                                   o.gridAmbientDirectionality));
+        directed += record.color * k;
+        ambient += record.color * (0.25f * (1 - k)) + record.ownAmbient;
+    }
+    ambient = Max(ambient, in.world.minGrid);
+    bspGridPoint_t stored;
+    stored.ambient = ColorToBytes(ambient, o.gridScale * o.gridAmbientScale, 1, o.tone);
+    stored.directed = ColorToBytes(directed, o.gridScale, 1, o.tone);
+    constexpr std::array<std::uint8_t, 3> kBlack{};
+    if (stored.ambient == kBlack && stored.directed != kBlack)
+        stored.ambient = {1, 1, 1};
+    stored.latLong = DirectionBytes(main);
+    return stored;
+}
+
+/// Adds what one light gives to a packet's points.
+void AddLight(const Light &light, const ContributionSettings &settings, const GridInputs &in,
+              std::span<LegacyPoint> points, ContributionCounts &counts) {
+    PointPacket packet;
+    packet.count = int(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        packet.position[i] = points[i].position;
+        packet.cluster[i] = points[i].cluster;
+        packet.index[i] = points[i].index;
+        const Vec3f &sum = points[i].sum;
+        const bool white = in.options.cheapGrid && sum.x >= 255 && sum.y >= 255 && sum.z >= 255;
+        packet.skip[i] = white || points[i].records.size() >= kMaxRecords;
+    }
+    LightContributionToPoint(light, settings, in.scene, packet, counts);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (packet.add[i] <= 0 || packet.visible[i] == Vec3f{})
+            continue;
+        const Vec3f color = light.color * packet.visible[i] * (light.negative ? -packet.add[i] : packet.add[i]);
+        points[i].directionSum += Vec3d(packet.direction[i]) * double(Length(color));
+        points[i].sum += color;
+        // Light of other styles turns the direction, but this format has no place for its colour.
+        points[i].records.push_back({packet.direction[i], light.style == 0 ? color : Vec3f{}, {}});
+    }
+}
+
+} // namespace
+
+GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {
+    const Vec3f wanted = world.Vector({"gridsize"}).value_or(Vec3f{64, 64, 128});
+    Float3 size{};
+    for (std::size_t i = 0; i < 3; ++i)
+        size[i] = std::max(kMinCell, std::floor(wanted[i]));
+    const bspModel_t &model = bsp.models.front();
+    GridLayout layout = LayoutGrid(model.mins, model.maxs, size);
+    for (std::size_t axis = 0; layout.Count() > kMaxPoints; axis = (axis + 1) % 3) {
+        size[axis] += 16;
+        layout = LayoutGrid(model.mins, model.maxs, size);
+    }
+    if (size[0] != wanted.x || size[1] != wanted.y || size[2] != wanted.z) {
+        world.Set("gridsize", fmt::format("{:.0f} {:.0f} {:.0f}", size[0], size[1], size[2]));
+        log.Print("Grid size changed to {:.0f} {:.0f} {:.0f}\n", size[0], size[1], size[2]);
+    }
+    log.Count(layout.Count(), "grid points");
+    return layout;
+}
+
+std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
+                                      GridStats &stats) {
+    const ContributionSettings settings{.pass = LightPass::LegacyGrid,
+                                        .sunOnly = in.options.sunOnly,
+                                        .pointAreas = in.options.faster};
+    std::vector<bspGridPoint_t> grid(std::size_t(layout.Count()), bspGridPoint_t{});
+    const GridBricks bricks(layout);
+    stats.points = layout.Count();
+    RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
+        std::vector<LegacyPoint> points;
+        for (const BrickPoint &at : bricks.Points(brick)) {
+            LegacyPoint point;
+            point.position = at.position;
+            point.index = at.index;
+            if (PlacePoint(in.space, layout, point))
+                points.push_back(std::move(point));
+        }
+        work.open += std::int64_t(points.size());
+        if (points.empty())
+            return;
+        const BrickLights candidates(lights, BrickView::Of(points), 0, in.options, work);
+        for (const Light *light : candidates.List())
+            ForEachPacket(std::span(points),
+                          [&](std::span<LegacyPoint> packet) { AddLight(*light, settings, in, packet, work.counts); });
+        for (LegacyPoint &point : points) {
+            if (in.options.floodlight || in.world.hasFloodlight)
+                AddFloodlight(in, point, work.counts);
+            grid[point.index] = StorePoint(in, point);
+        }
+    });
+    return grid;
+}
+
+} // namespace q3

@@ -1,0 +1,101 @@
+// GPL-2.0-or-later. The closed surface of everything solid, from the BSP tree.
+#include "q3map2/light/light_space.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+/// Half edge of the polygon that a node's plane starts from. Game units; engines' worlds end at 131072.
+constexpr double kWorldHalfSize = 262144;
+/// Corners within this distance of a plane count as on it. Game units; below the 1/8 that editors snap to.
+constexpr double kClipEpsilon = 0.01;
+/// Polygons grow by this much in their plane, so that rays cannot pass between them. Game units; a quarter of what points of the
+/// grid keep clear of solids.
+constexpr double kOverlap = 0.03;
+/// Smaller polygons are rounding noise. Square units.
+constexpr double kMinArea = 0.01;
+
+Plane PlaneOf(const Bsp &bsp, const bspNode_t &node) {
+    const bspPlane_t &plane = bsp.planes[std::size_t(node.planeNum)];
+    return {Vec3d(plane.normal), double(plane.dist)};
+}
+
+struct Fragment {
+    int child;
+    Winding<double> w;
+};
+
+/// Cuts w by the subtree below `child` and calls visit(piece, solid) for the piece in each leaf.
+template <typename Visit>
+void ForEachLeaf(const Bsp &bsp, int child, Winding<double> w, const Visit &visit) {
+    std::vector<Fragment> stack;
+    stack.push_back({child, std::move(w)});
+    Winding<double> front, back;
+    while (!stack.empty()) {
+        Fragment fragment = std::move(stack.back());
+        stack.pop_back();
+        if (fragment.child < 0) {
+            visit(std::move(fragment.w), bsp.leafs[std::size_t(-1 - fragment.child)].cluster < 0);
+            continue;
+        }
+        const bspNode_t &node = bsp.nodes[std::size_t(fragment.child)];
+        const Plane plane = PlaneOf(bsp, node);
+        SplitWinding(fragment.w, plane.normal, plane.dist, kClipEpsilon, front, back);
+        if (!front.empty())
+            stack.push_back({node.children[0], front});
+        if (!back.empty())
+            stack.push_back({node.children[1], back});
+    }
+}
+
+void Grow(Winding<double> &w) {
+    const Vec3d normal = Normalize(WindingAreaVector(w));
+    Winding<double> grown = w;
+    const auto outward = [&](std::size_t i) { return Normalize(Cross(w[(i + 1) % w.size()] - w[i], normal)); };
+    for (std::size_t i = 0; i < w.size(); ++i)
+        grown[i] += (outward(i) + outward((i + w.size() - 1) % w.size())) * kOverlap;
+    w = std::move(grown);
+}
+
+} // namespace
+
+std::vector<Winding<double>> SolidHull(const Bsp &bsp) {
+    std::vector<Winding<double>> hull;
+    if (bsp.nodes.empty())
+        return hull;
+    std::vector<int> parents(bsp.nodes.size(), -1);
+    for (std::size_t i = 0; i < bsp.nodes.size(); ++i)
+        for (const int child : bsp.nodes[i].children)
+            if (child >= 0)
+                parents[std::size_t(child)] = int(i);
+
+    Winding<double> front, back;
+    for (std::size_t i = 0; i < bsp.nodes.size(); ++i) {
+        Winding<double> w = WindingInPlane(PlaneOf(bsp, bsp.nodes[i]), kWorldHalfSize);
+        for (int child = int(i), up = parents[i]; up >= 0 && !w.empty(); child = up, up = parents[std::size_t(up)]) {
+            const bspNode_t &node = bsp.nodes[std::size_t(up)];
+            const Plane plane = PlaneOf(bsp, node);
+            SplitWinding(w, plane.normal, plane.dist, kClipEpsilon, front, back);
+            w = node.children[0] == child ? front : back;
+        }
+        if (w.empty())
+            continue;
+        const auto keep = [&](Winding<double> piece) {
+            if (WindingArea(piece) < kMinArea)
+                return;
+            Grow(piece);
+            hull.push_back(std::move(piece));
+        };
+        ForEachLeaf(bsp, bsp.nodes[i].children[0], std::move(w), [&](Winding<double> piece, bool frontSolid) {
+            ForEachLeaf(bsp, bsp.nodes[i].children[1], std::move(piece), [&](Winding<double> small, bool backSolid) {
+                if (frontSolid != backSolid)
+                    keep(std::move(small));
+            });
+        });
+    }
+    return hull;
+}
+
+} // namespace q3

@@ -1,0 +1,176 @@
+// GPL-2.0-or-later. Settings of the light stage.
+#include "q3map2/light/light_options.h"
+
+#include "common/error.h"
+
+#include <algorithm>
+#include <functional>
+
+namespace q3 {
+
+namespace {
+
+/// Calls use(value) for every occurrence of the option, in order.
+void ForEach(Arguments &arguments, std::initializer_list<std::string_view> names, const std::function<void(float)> &use) {
+    while (const auto value = arguments.TakeValue(names))
+        use(float(NumberFromText(*value)));
+}
+
+void ParseIntensities(Arguments &arguments, LightOptions &o) {
+    ForEach(arguments, {"-scale"}, [&](float f) { o.pointScale *= f, o.spotScale *= f, o.areaScale *= f, o.skyScale *= f; });
+    ForEach(arguments, {"-point", "-pointscale"}, [&](float f) { o.pointScale *= f, o.spotScale *= f; });
+    ForEach(arguments, {"-spherical", "-sphericalscale"}, [&](float f) { o.pointScale *= f; });
+    ForEach(arguments, {"-spot", "-spotscale"}, [&](float f) { o.spotScale *= f; });
+    ForEach(arguments, {"-area", "-areascale"}, [&](float f) { o.areaScale *= f; });
+    ForEach(arguments, {"-sky", "-skyscale"}, [&](float f) { o.skyScale *= f; });
+    ForEach(arguments, {"-gridscale"}, [&](float f) { o.gridScale *= f; });
+    ForEach(arguments, {"-gridambientscale"}, [&](float f) { o.gridAmbientScale *= f; });
+    ForEach(arguments, {"-griddirectionality"}, [&](float f) {
+        o.gridDirectionality = std::min(1.0f, f);
+        o.gridAmbientDirectionality = std::min(o.gridAmbientDirectionality, o.gridDirectionality);
+    });
+    ForEach(arguments, {"-gridambientdirectionality"}, [&](float f) {
+        o.gridAmbientDirectionality = std::max(-1.0f, f);
+        o.gridDirectionality = std::max(o.gridDirectionality, o.gridAmbientDirectionality);
+    });
+    ForEach(arguments, {"-extradist"}, [&](float f) { o.extraDist = std::max(0.0f, f); });
+    while (const auto values = arguments.TakeValues({"-backsplash"}, 2)) {
+        o.shader.backsplashScale *= float(NumberFromText((*values)[0]));
+        o.shader.backsplashDistance = float(NumberFromText((*values)[1]));
+    }
+    if (arguments.TakeFlag("-wolf"))
+        o.wolfLighting = true;
+    if (arguments.TakeFlag("-q3"))
+        o.wolfLighting = false;
+}
+
+void ParseTone(Arguments &arguments, LightOptions &o) {
+    ForEach(arguments, {"-contrast"}, [&](float f) {
+        const float c = std::clamp(f, -255.0f, 255.0f);
+        o.tone.contrast = 259 * (c + 255) / (255 * (259 - c));
+    });
+    ForEach(arguments, {"-gamma"}, [&](float f) { o.tone.gamma = f > 0 ? f : 1; });
+    ForEach(arguments, {"-exposure"}, [&](float f) { o.tone.exposure = f; });
+    ForEach(arguments, {"-saturation"}, [&](float f) { o.tone.saturation = f; });
+    ForEach(arguments, {"-compensate"}, [&](float f) { o.tone.compensate = f > 0 ? f : 1; });
+    const auto toggle = [&](std::string_view on, std::string_view off, bool &value) {
+        if (arguments.TakeFlag(on))
+            value = true;
+        if (arguments.TakeFlag(off))
+            value = false;
+    };
+    bool all = false, none = false;
+    toggle("-sRGBlight", "-nosRGBlight", o.tone.sRgb);
+    toggle("-sRGBtex", "-nosRGBtex", o.shader.sRgbTexture);
+    toggle("-sRGBcolor", "-nosRGBcolor", o.shader.sRgbColor);
+    all = arguments.TakeFlag("-sRGB");
+    none = arguments.TakeFlag("-nosRGB");
+    if (all || none)
+        o.tone.sRgb = o.shader.sRgbTexture = o.shader.sRgbColor = !none;
+    if (o.tone.sRgb)
+        o.tolerance = 255 * LinearFromSrgb(1.0f / 255);
+}
+
+void ParseSpeed(Arguments &arguments, LightOptions &o) {
+    if (arguments.TakeFlag("-faster"))
+        o.faster = o.fastGrid = true;
+    if (arguments.TakeFlag({"-fast", "-fastgrid"}))
+        o.fastGrid = true;
+    o.cheapGrid = arguments.TakeFlag({"-cheap", "-cheapgrid"});
+    o.noTrace = arguments.TakeFlag("-notrace");
+    o.noSurfaces = arguments.TakeFlag("-nosurf");
+    o.sunOnly = arguments.TakeFlag("-sunonly");
+    o.oneSky = arguments.TakeFlag("-onesky");
+    o.patchShadows |= arguments.TakeFlag("-patchshadows");
+    if (arguments.TakeFlag({"-style", "-styles"}))
+        o.noStyles = false;
+    if (arguments.TakeFlag({"-nostyle", "-nostyles"}))
+        o.noStyles = true;
+    o.floodlight = arguments.TakeFlag("-floodlight");
+    o.lowQuality = arguments.TakeFlag("-lowquality");
+    o.noGrid = arguments.TakeFlag("-nogrid");
+    o.noSkip = arguments.TakeFlag("-noskip");
+}
+
+void ParseSH(Arguments &arguments, LightOptions &o) {
+    o.shBspx = arguments.TakeFlag("-shbspx");
+    o.shRadiance = arguments.TakeFlag("-shradiance");
+    o.sh = arguments.TakeFlag("-sh") || o.shBspx || o.shRadiance;
+    while (const auto value = arguments.TakeValue("-gridscalesh")) {
+        o.gridScaleSH = float(NumberFromText(*value));
+        if (!(o.gridScaleSH > 0))
+            throw Error("-gridscalesh {}: expected a number over 0", *value);
+    }
+    while (const auto values = arguments.TakeValues({"-gridsh"}, 3)) {
+        Vec3f size;
+        for (std::size_t i = 0; i < 3; ++i) {
+            size[i] = float(NumberFromText((*values)[i]));
+            if (!(size[i] > 0))
+                throw Error("-gridsh {} {} {}: expected three numbers over 0", (*values)[0], (*values)[1], (*values)[2]);
+        }
+        o.gridSizeSH = size;
+    }
+    while (const auto value = arguments.TakeValue("-shpreview"))
+        o.previewFile = *value;
+    if (!o.previewFile.empty() && !o.sh)
+        throw Error("-shpreview needs -sh");
+}
+
+/// Options of lightmaps, vertex light and bounces: the number of values that follow each.
+struct OtherOption {
+    std::string_view name;
+    std::size_t values;
+};
+constexpr OtherOption kLightmapOptions[] = {
+    {"-bouncescale", 1}, {"-bouncecolorratio", 1}, {"-vertexscale", 1}, {"-lightanglehl", 1}, {"-brightness", 1},
+    {"-fastbounce", 0}, {"-nofastpoint", 0}, {"-samples", 1}, {"-randomsamples", 0}, {"-samplessearchboxsize", 1},
+    {"-super", 1}, {"-supersample", 1}, {"-filter", 0}, {"-bounce", 1}, {"-bouncegrid", 0}, {"-bounceonly", 0},
+    {"-nobouncestore", 0}, {"-shade", 0}, {"-shadeangle", 1}, {"-thresh", 1}, {"-samplesize", 1}, {"-minsamplesize", 1},
+    {"-samplescale", 1}, {"-rawlightmapsizelimit", 1}, {"-dirty", 0}, {"-dirtmode", 1}, {"-dirtdepth", 1},
+    {"-dirtscale", 1}, {"-dirtgain", 1}, {"-dark", 0}, {"-lomem", 0}, {"-approx", 1}, {"-cpma", 0}, {"-nolm", 0},
+    {"-trianglecheck", 0}, {"-extravisnudge", 0}, {"-lightmapsize", 1}, {"-extlmhacksize", 1}, {"-external", 0},
+    {"-lightmapdir", 1}, {"-deluxe", 0}, {"-deluxemap", 0}, {"-deluxemode", 1}, {"-nodeluxe", 0}, {"-nodeluxemap", 0},
+    {"-nocollapse", 0}, {"-nolightmapsearch", 0}, {"-lightmapsearchblocksize", 1}, {"-lightmapsearchpower", 1},
+    {"-slowallocate", 0}, {"-fastallocate", 0}, {"-fill", 0}, {"-fillpink", 0}, {"-export", 0}, {"-custinfoparms", 0},
+    {"-trisoup", 0}, {"-dump", 0}, {"-debug", 0}, {"-border", 0}, {"-debugsurfaces", 0}, {"-debugsurface", 0},
+    {"-debugaxis", 0}, {"-debugcluster", 0}, {"-debugorigin", 0}, {"-debugnormals", 0}, {"-normalmap", 0},
+    {"-debugdeluxe", 0}, {"-dirtdebug", 0}, {"-debugdirt", 0}, {"-debugsamplesize", 0}, {"-novertex", 0}};
+
+void WarnOfOthers(Arguments &arguments, Log &log) {
+    std::string taken;
+    for (const OtherOption &option : kLightmapOptions)
+        while (const auto values = arguments.TakeValues({option.name}, option.values)) {
+            taken += fmt::format(" {}", option.name);
+            for (const std::string &value : *values)
+                taken += " " + value;
+        }
+    if (!taken.empty())
+        log.Warn("options without effect",
+                 "this version lights the grids and keeps lightmaps and vertex colours; without effect:{}", taken);
+}
+
+} // namespace
+
+LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log) {
+    LightOptions o;
+    o.wolfLighting = game.wolfLighting;
+    o.tone = {.gamma = game.gamma, .exposure = game.exposure, .compensate = game.compensate, .sRgb = game.sRgbLightmap};
+    o.shader.sRgbTexture = game.sRgbTexture;
+    o.shader.sRgbColor = game.sRgbColor;
+    o.gridScale = game.gridScale;
+    o.gridAmbientScale = game.gridAmbientScale;
+    o.noStyles = game.noStyles;
+    o.patchShadows = game.patchShadows;
+    o.noDrawSurfaceFlags = game.NoDrawSurfaceFlags();
+
+    ParseSH(arguments, o);
+    ParseIntensities(arguments, o);
+    ParseTone(arguments, o);
+    ParseSpeed(arguments, o);
+    WarnOfOthers(arguments, log);
+    for (const std::string &word : arguments.Rest())
+        log.Warn("unknown argument", "Unknown argument \"{}\"", word);
+    return o;
+}
+
+} // namespace q3

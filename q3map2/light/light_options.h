@@ -1,0 +1,58 @@
+// GPL-2.0-or-later. Settings of the light stage. Const after parsing.
+#pragma once
+
+#include "common/arguments.h"
+#include "common/log.h"
+#include "libs/math/vec.h"
+#include "q3map2/shader/games.h"
+#include "q3map2/shader/shader.h"
+
+#include <optional>
+#include <string>
+
+namespace q3 {
+
+/// How float light becomes bytes; spec of output tone.
+struct ToneOptions {
+    float gamma = 1, exposure = 0, compensate = 1, saturation = 1;
+    float contrast = 1; ///< the factor, not the option's -255..255
+    bool sRgb = false;
+    float maxLight = 255; ///< from worldspawn _maxlight
+};
+
+struct LightOptions {
+    // Intensities, already multiplied by their defaults.
+    float pointScale = 7500, spotScale = 7500, areaScale = 0.25f, skyScale = 1;
+    float gridScale = 1, gridAmbientScale = 1;
+    float gridDirectionality = 1, gridAmbientDirectionality = 0;
+    float extraDist = 0;
+    bool wolfLighting = false;
+    ToneOptions tone;
+    ShaderOptions shader;
+    float tolerance = 1; ///< falloff tolerance, byte scale
+
+    // Speed against quality.
+    bool fastGrid = false;  ///< lights end where they fall below the tolerance
+    bool faster = false;    ///< area lights as points in the legacy grid
+    bool cheapGrid = false; ///< stop adding lights to a legacy grid point once it is white
+    bool noTrace = false, noSurfaces = false, sunOnly = false, oneSky = false, noStyles = false, patchShadows = false;
+    bool floodlight = false, lowQuality = false;
+    bool noGrid = false;
+    std::uint32_t noDrawSurfaceFlags = 0; ///< the game's bits of surfaces that are not drawn
+
+    // SH grid.
+    bool sh = false;
+    bool shBspx = false;
+    bool shRadiance = false;
+    float gridScaleSH = 2;
+    std::optional<Vec3f> gridSizeSH;
+    bool noSkip = false; ///< trace every light at every point
+
+    std::string previewFile; ///< -shpreview
+};
+
+/// Takes all light options off `arguments`. Options of parts that this program does not have yet (lightmaps, bounces) are taken
+/// too and named in one warning.
+LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log);
+
+} // namespace q3

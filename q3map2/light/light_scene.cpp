@@ -1,0 +1,395 @@
+// GPL-2.0-or-later. What rays see: solids, surfaces, skies and see-through surfaces in Embree.
+#include "q3map2/light/light_scene.h"
+
+#include "common/error.h"
+#include "q3map2/light/light_embree.h"
+#include "q3map2/light/light_patch.h"
+#include "q3map2/light/light_space.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace q3 {
+
+namespace {
+
+/// Skies stand this far in front of their brushes, so that rays meet them before the solid behind. Game units.
+constexpr float kSkyLift = 1.0f / 16;
+/// Legacy grid points may lie in the plane of a wall; solids nearer than this are ignored there. Game units.
+constexpr float kLegacySolidNear = 0.125f;
+/// Light under this share counts as blocked.
+constexpr float kOpaqueTint = 0.001f;
+/// Two hits of one see-through surface nearer than this are one: the shared edge of its triangles. Game units.
+constexpr float kSameHit = 0.01f;
+
+enum GeometryId : unsigned { kSolids, kSurfaces, kPatches, kSkies, kFilters, kFilterPatches };
+
+/// Triangles of one kind with what a hit needs to know.
+struct Triangles {
+    std::vector<float> corners; // 9 a triangle
+    std::vector<int> surface;   // draw surface of each triangle
+    std::vector<std::array<float, 6>> st;
+
+    void Add(const Vec3f &a, const Vec3f &b, const Vec3f &c, int surfaceNumber) {
+        for (const Vec3f &p : {a, b, c})
+            corners.insert(corners.end(), {p.x, p.y, p.z});
+        surface.push_back(surfaceNumber);
+    }
+    std::size_t Count() const { return surface.size(); }
+};
+
+struct ReleaseDevice {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+struct ReleaseScene {
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+struct ReleaseGeometry {
+    void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+using DevicePtr = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice>;
+using ScenePtr = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
+using GeometryPtr = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry>;
+
+GeometryPtr MakeGeometry(RTCDevice device, const Triangles &triangles) {
+    GeometryPtr geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
+    const std::size_t vertices = triangles.corners.size() / 3;
+    auto *positions = static_cast<float *>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0,
+                                                                   RTC_FORMAT_FLOAT3, 3 * sizeof(float), vertices));
+    auto *indices = static_cast<unsigned *>(rtcSetNewGeometryBuffer(
+        geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), triangles.Count()));
+    if (!positions || !indices)
+        throw Error("out of memory for {} triangles", triangles.Count());
+    std::copy(triangles.corners.begin(), triangles.corners.end(), positions);
+    for (std::size_t i = 0; i < vertices; ++i)
+        indices[i] = unsigned(i);
+    rtcCommitGeometry(geometry.get());
+    return geometry;
+}
+
+/// Multiplies what the texel under the hit lets through; spec of alpha shadows and light filters.
+Vec3f FilterAt(const ShaderInfo &shader, const std::array<float, 6> &st, float u, float v) {
+    const Image &image = *shader.lightImage;
+    const auto texel = [&](std::size_t i, int size) {
+        const float t = (1 - u - v) * st[i] + u * st[2 + i] + v * st[4 + i];
+        const float fraction = t - std::floor(t);
+        return std::isfinite(fraction) ? std::clamp(int(fraction * float(size)), 0, size - 1) : 0;
+    };
+    const auto rgba = image.Texel(texel(0, image.width), texel(1, image.height));
+    Vec3f through{1, 1, 1};
+    if ((shader.compileFlags & C_LIGHTFILTER) != 0)
+        through = Vec3f{float(rgba[0]), float(rgba[1]), float(rgba[2])} / 255;
+    if ((shader.compileFlags & C_ALPHASHADOW) != 0)
+        through *= float(255 - rgba[3]) / 255;
+    return through;
+}
+
+/// A ray through see-through surfaces. The Embree context comes first, so that the filter gets this record.
+struct FilterContext {
+    EmbreeContext embree;
+    const Triangles *triangles[2]; // kFilters, kFilterPatches
+    const SurfaceTable *table;
+    Vec3f tint{1, 1, 1};
+    struct Crossing {
+        int surface;
+        float distance;
+    };
+    std::vector<Crossing> crossings;
+};
+
+void FilterHit(const RTCFilterFunctionNArguments *arguments) {
+    auto &context = *reinterpret_cast<FilterContext *>(arguments->context);
+    for (unsigned i = 0; i < arguments->N; ++i) {
+        if (arguments->valid[i] != -1)
+            continue;
+        const bool patch = RTCHitN_geomID(arguments->hit, arguments->N, i) == kFilterPatches;
+        const Triangles &triangles = *context.triangles[patch ? 1 : 0];
+        const unsigned primitive = RTCHitN_primID(arguments->hit, arguments->N, i);
+        const float distance = RTCRayN_tfar(arguments->ray, arguments->N, i);
+        const int surface = triangles.surface[primitive];
+        const auto same = [&](const FilterContext::Crossing &c) {
+            return c.surface == surface && std::abs(c.distance - distance) < kSameHit;
+        };
+        if (std::none_of(context.crossings.begin(), context.crossings.end(), same)) {
+            context.crossings.push_back({surface, distance});
+            context.tint = context.tint * FilterAt(*(*context.table)[std::size_t(surface)].shader, triangles.st[primitive],
+                                                   RTCHitN_u(arguments->hit, arguments->N, i),
+                                                   RTCHitN_v(arguments->hit, arguments->N, i));
+        }
+        if (MaxComponent(context.tint) > kOpaqueTint)
+            arguments->valid[i] = 0;
+    }
+}
+
+} // namespace
+
+struct LightScene::State {
+    const SurfaceTable table;
+    float legacyIgnoreRadius;
+    bool trace;
+    std::array<Triangles, 6> triangles; // by GeometryId
+    DevicePtr device;
+    std::array<GeometryPtr, 6> geometries;
+    ScenePtr solids, surfaces, surfacesAndSkies, all, allAndSkies, filters, filtersWithoutPatches;
+
+    State(const SurfaceTable &t, float radius, bool traces) : table(t), legacyIgnoreRadius(radius), trace(traces) {}
+
+    ScenePtr MakeScene(std::initializer_list<GeometryId> ids) const {
+        ScenePtr scene(rtcNewScene(device.get()));
+        rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
+        bool any = false;
+        for (const GeometryId id : ids)
+            if (geometries[id]) {
+                rtcAttachGeometryByID(scene.get(), geometries[id].get(), id);
+                any = true;
+            }
+        if (!any)
+            return nullptr;
+        rtcCommitScene(scene.get());
+        return scene;
+    }
+
+    void Tint(RayPacket &packet, const ScenePtr &scene, float nearest) const;
+};
+
+namespace {
+
+bool CastsShadow(const SurfaceEntry &entry, const bspShader_t &record, std::uint32_t noDrawBit) {
+    const std::uint32_t flags = entry.shader->compileFlags;
+    const bool seeThrough = (flags & (C_ALPHASHADOW | C_LIGHTFILTER)) != 0;
+    return entry.castShadows > 0 && !entry.skyBoxCopy && (flags & C_NODRAW) == 0 &&
+           ((flags & C_TRANSLUCENT) == 0 || seeThrough) && (record.surfaceFlags & noDrawBit) == 0;
+}
+
+GeometryId KindOf(const ShaderInfo &shader, bool patch) {
+    if ((shader.compileFlags & C_SKY) != 0)
+        return kSkies;
+    const bool filter = (shader.compileFlags & (C_ALPHASHADOW | C_LIGHTFILTER)) != 0 && shader.imageFound;
+    return filter ? (patch ? kFilterPatches : kFilters) : (patch ? kPatches : kSurfaces);
+}
+
+struct Corner {
+    Vec3f xyz;
+    std::array<float, 2> st;
+};
+
+void AddTriangle(Triangles &triangles, bool sky, int surface, const Corner &a, const Corner &b, const Corner &c) {
+    Vec3f lift;
+    if (sky)
+        lift = Normalize(Cross(c.xyz - a.xyz, b.xyz - a.xyz)) * kSkyLift;
+    triangles.Add(a.xyz + lift, b.xyz + lift, c.xyz + lift, surface);
+    triangles.st.push_back({a.st[0], a.st[1], b.st[0], b.st[1], c.st[0], c.st[1]});
+}
+
+void AddSurface(const Bsp &bsp, int number, const SurfaceEntry &entry, std::array<Triangles, 6> &triangles) {
+    const bspDrawSurface_t &surface = bsp.drawSurfaces[std::size_t(number)];
+    const bool patch = surface.surfaceType == MST_PATCH;
+    const GeometryId kind = KindOf(*entry.shader, patch);
+    const bool sky = kind == kSkies;
+    if (patch) {
+        const Mesh mesh = TessellatePatch(bsp, surface, entry.longestCurve);
+        const auto corner = [&](const MeshVert &v) { return Corner{v.xyz + entry.origin, v.st}; };
+        for (int y = 0; y + 1 < mesh.height; ++y)
+            for (int x = 0; x + 1 < mesh.width; ++x) {
+                const auto q = MeshQuad(mesh, x, y);
+                AddTriangle(triangles[kind], sky, number, corner(q[0]), corner(q[1]), corner(q[2]));
+                AddTriangle(triangles[kind], sky, number, corner(q[0]), corner(q[2]), corner(q[3]));
+            }
+        return;
+    }
+    if (surface.surfaceType != MST_PLANAR && surface.surfaceType != MST_TRIANGLE_SOUP)
+        return;
+    for (int i = 0; i + 2 < surface.numIndexes; i += 3) {
+        std::array<Corner, 3> c;
+        for (int k = 0; k < 3; ++k) {
+            const int index = bsp.drawIndexes[std::size_t(surface.firstIndex + i + k)];
+            const bspDrawVert_t &v = bsp.drawVerts[std::size_t(surface.firstVert + index)];
+            c[std::size_t(k)] = {Vec3f(v.xyz) + entry.origin, v.st};
+        }
+        AddTriangle(triangles[kind], sky, number, c[0], c[1], c[2]);
+    }
+}
+
+void AddSolids(const Bsp &bsp, Triangles &triangles) {
+    for (const Winding<double> &w : SolidHull(bsp))
+        for (std::size_t i = 2; i < w.size(); ++i)
+            triangles.Add(Vec3f(w[0]), Vec3f(w[i - 1]), Vec3f(w[i]), -1);
+}
+
+void FillRays(const RayPacket &packet, float nearest, RTCRay16 &rays, std::array<int, kPacketSize> &valid) {
+    for (std::size_t i = 0; i < std::size_t(kPacketSize); ++i) {
+        valid[i] = int(i) < packet.count && !packet.blocked[i] ? -1 : 0;
+        const std::size_t from = int(i) < packet.count ? i : 0;
+        rays.org_x[i] = packet.origin[from].x, rays.org_y[i] = packet.origin[from].y, rays.org_z[i] = packet.origin[from].z;
+        rays.dir_x[i] = packet.direction[from].x, rays.dir_y[i] = packet.direction[from].y;
+        rays.dir_z[i] = packet.direction[from].z;
+        rays.tnear[i] = nearest;
+        rays.tfar[i] = packet.distance[from];
+        rays.time[i] = 0, rays.mask[i] = ~0u, rays.id[i] = unsigned(i), rays.flags[i] = 0;
+    }
+}
+
+/// Marks rays of the packet that something in the scene blocks.
+void MarkBlocked(RTCScene scene, RayPacket &packet, float nearest) {
+    alignas(64) RTCRay16 rays;
+    alignas(64) std::array<int, kPacketSize> valid;
+    FillRays(packet, nearest, rays, valid);
+    EmbreeContext context;
+    InitContext(context);
+    Occluded16(valid.data(), scene, context, rays);
+    for (std::size_t i = 0; i < std::size_t(packet.count); ++i)
+        packet.blocked[i] |= rays.tfar[i] < 0;
+}
+
+/// Nearest hit of every ray that is not blocked.
+void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayHit16 &hits) {
+    alignas(64) std::array<int, kPacketSize> valid;
+    FillRays(packet, nearest, hits.ray, valid);
+    std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
+    EmbreeContext context;
+    InitContext(context);
+    Intersect16(valid.data(), scene, context, hits);
+}
+
+int ActiveRays(const RayPacket &packet) {
+    return packet.count - int(std::count(packet.blocked.begin(), packet.blocked.begin() + packet.count, true));
+}
+
+} // namespace
+
+LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius)
+    : state_(std::make_unique<State>(table, legacyIgnoreRadius, !options.noTrace)) {
+    State &s = *state_;
+    AddSolids(bsp, s.triangles[kSolids]);
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        const bool sky = (table[i].shader->compileFlags & C_SKY) != 0;
+        const bspDrawSurface_t &surface = bsp.drawSurfaces[i];
+        const bool patch = surface.surfaceType == MST_PATCH;
+        if (!CastsShadow(table[i], bsp.shaders[std::size_t(surface.shaderNum)], options.noDrawSurfaceFlags) ||
+            (patch && !options.patchShadows) ||
+            (options.noSurfaces && !sky))
+            continue;
+        AddSurface(bsp, int(i), table[i], s.triangles);
+    }
+    s.device.reset(rtcNewDevice("threads=1"));
+    if (!s.device)
+        throw Error("Embree: cannot make a device");
+    for (std::size_t id = 0; id < s.geometries.size(); ++id)
+        if (s.triangles[id].Count() > 0) {
+            s.geometries[id] = MakeGeometry(s.device.get(), s.triangles[id]);
+            if (id >= kFilters) {
+                rtcSetGeometryOccludedFilterFunction(s.geometries[id].get(), FilterHit);
+                rtcCommitGeometry(s.geometries[id].get());
+            } else
+                s.triangles[id].corners = {};
+        }
+    s.solids = s.MakeScene({kSolids});
+    s.surfaces = s.MakeScene({kSurfaces});
+    s.surfacesAndSkies = s.MakeScene({kSurfaces, kSkies});
+    s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
+    s.allAndSkies = s.MakeScene({kSolids, kSurfaces, kPatches, kSkies});
+    s.filters = s.MakeScene({kFilters, kFilterPatches});
+    s.filtersWithoutPatches = s.MakeScene({kFilters});
+}
+
+LightScene::~LightScene() = default;
+
+void LightScene::State::Tint(RayPacket &packet, const ScenePtr &scene, float nearest) const {
+    packet.tint.fill({1, 1, 1});
+    if (!scene)
+        return;
+    FilterContext context;
+    InitContext(context.embree);
+    context.triangles[0] = &triangles[kFilters];
+    context.triangles[1] = &triangles[kFilterPatches];
+    context.table = &table;
+    for (std::size_t i = 0; i < std::size_t(packet.count); ++i) {
+        if (packet.blocked[i])
+            continue;
+        context.tint = {1, 1, 1};
+        context.crossings.clear();
+        RTCRay ray{};
+        ray.org_x = packet.origin[i].x, ray.org_y = packet.origin[i].y, ray.org_z = packet.origin[i].z;
+        ray.dir_x = packet.direction[i].x, ray.dir_y = packet.direction[i].y, ray.dir_z = packet.direction[i].z;
+        ray.tnear = nearest, ray.tfar = packet.distance[i], ray.mask = ~0u;
+        Occluded1(scene.get(), context.embree, ray);
+        packet.blocked[i] = ray.tfar < 0;
+        packet.tint[i] = context.tint;
+    }
+}
+
+void LightScene::TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &counts) const {
+    packet.tint.fill({1, 1, 1});
+    const State &s = *state_;
+    if (!s.trace)
+        return;
+    counts.rays += std::uint64_t(ActiveRays(packet));
+    if (rules == ShadowRules::Exact) {
+        if (s.all)
+            MarkBlocked(s.all.get(), packet, 0);
+        s.Tint(packet, s.filters, 0);
+        return;
+    }
+    if (s.solids)
+        MarkBlocked(s.solids.get(), packet, kLegacySolidNear);
+    if (s.surfaces)
+        MarkBlocked(s.surfaces.get(), packet, s.legacyIgnoreRadius);
+    s.Tint(packet, s.filtersWithoutPatches, s.legacyIgnoreRadius);
+}
+
+void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts) const {
+    packet.tint.fill({1, 1, 1});
+    const State &s = *state_;
+    if (!s.trace)
+        return;
+    counts.rays += std::uint64_t(ActiveRays(packet));
+    const bool exact = rules == ShadowRules::Exact;
+    const float nearest = exact ? 0 : s.legacyIgnoreRadius;
+    RTCScene scene = exact ? s.allAndSkies.get() : s.surfacesAndSkies.get();
+    if (!scene) {
+        packet.blocked.fill(true);
+        return;
+    }
+    alignas(64) RTCRayHit16 hits;
+    if (!exact && s.solids) {
+        FindNearest(s.solids.get(), packet, kLegacySolidNear, hits);
+        for (std::size_t i = 0; i < std::size_t(packet.count); ++i)
+            packet.distance[i] = std::min(packet.distance[i], hits.ray.tfar[i] + kLegacySolidNear);
+    }
+    FindNearest(scene, packet, nearest, hits);
+    for (std::size_t i = 0; i < std::size_t(packet.count); ++i) {
+        if (packet.blocked[i])
+            continue;
+        bool lit = hits.hit.geomID[i] == kSkies;
+        if (lit && skyIndex >= 0)
+            lit = s.table[std::size_t(s.triangles[kSkies].surface[hits.hit.primID[i]])].skyIndex == skyIndex;
+        packet.blocked[i] = !lit;
+        packet.distance[i] = hits.ray.tfar[i];
+    }
+    s.Tint(packet, exact ? s.filters : s.filtersWithoutPatches, nearest);
+}
+
+void LightScene::TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts &counts) const {
+    const State &s = *state_;
+    counts.rays += std::uint64_t(ActiveRays(packet));
+    if (!s.allAndSkies)
+        return;
+    alignas(64) RTCRayHit16 hits;
+    FindNearest(s.allAndSkies.get(), packet, ignoreRadius, hits);
+    for (std::size_t i = 0; i < std::size_t(packet.count); ++i)
+        if (!packet.blocked[i] && hits.hit.geomID[i] != kSkies && hits.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)
+            packet.distance[i] = hits.ray.tfar[i];
+}
+
+std::size_t LightScene::TriangleCount() const {
+    std::size_t count = 0;
+    for (const Triangles &triangles : state_->triangles)
+        count += triangles.Count();
+    return count;
+}
+
+bool LightScene::HasSky() const { return state_->triangles[kSkies].Count() > 0; }
+
+} // namespace q3

@@ -1,0 +1,161 @@
+// GPL-2.0-or-later. Where a point is in the map.
+#include "q3map2/light/light_space.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace q3 {
+
+namespace {
+
+int LeafOf(int child) { return -1 - child; }
+
+} // namespace
+
+BspSpace::BspSpace(const Bsp &bsp, std::vector<bool> opaqueBrush)
+    : bsp_(bsp), opaqueBrush_(std::move(opaqueBrush)), leafHasOpaqueBrush_(bsp.leafs.size()) {
+    for (std::size_t i = 0; i < bsp.leafs.size(); ++i) {
+        const bspLeaf_t &leaf = bsp.leafs[i];
+        clusterCount_ = std::max(clusterCount_, leaf.cluster + 1);
+        for (int k = 0; k < leaf.numBSPLeafBrushes && !leafHasOpaqueBrush_[i]; ++k)
+            leafHasOpaqueBrush_[i] = opaqueBrush_[std::size_t(bsp.leafBrushes[std::size_t(leaf.firstBSPLeafBrush + k)])];
+    }
+    if (bsp.visibility.size() > 8)
+        std::memcpy(&visRowBytes_, bsp.visibility.data() + 4, 4);
+}
+
+int BspSpace::LeafAt(const Vec3f &p) const {
+    if (bsp_.nodes.empty())
+        return 0;
+    // Back children that wait for their turn: a leaf found through a front child counts unless it is solid.
+    std::array<int, 64> pending;
+    int depth = 0;
+    int child = 0, firstLeaf = -1;
+    for (;;) {
+        while (child >= 0) {
+            const bspNode_t &node = bsp_.nodes[std::size_t(child)];
+            const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
+            const float d = Dot(Vec3f(plane.normal), p) - plane.dist;
+            if (d > kOnPlane)
+                child = node.children[0];
+            else if (d < -kOnPlane)
+                child = node.children[1];
+            else {
+                if (depth < int(pending.size()))
+                    pending[std::size_t(depth++)] = node.children[1];
+                child = node.children[0];
+            }
+        }
+        const int leaf = LeafOf(child);
+        if (firstLeaf < 0)
+            firstLeaf = leaf;
+        if (bsp_.leafs[std::size_t(leaf)].cluster != kSolidCluster)
+            return leaf;
+        if (depth == 0)
+            return firstLeaf;
+        child = pending[std::size_t(--depth)];
+    }
+}
+
+bool BspSpace::InOpaqueBrush(const bspLeaf_t &leaf, const Vec3f &p, float epsilon) const {
+    for (int i = 0; i < leaf.numBSPLeafBrushes; ++i) {
+        const auto brushNum = std::size_t(bsp_.leafBrushes[std::size_t(leaf.firstBSPLeafBrush + i)]);
+        if (!opaqueBrush_[brushNum])
+            continue;
+        const bspBrush_t &brush = bsp_.brushes[brushNum];
+        bool inside = brush.numSides > 0;
+        for (int s = 0; s < brush.numSides && inside; ++s) {
+            const bspPlane_t &plane = bsp_.planes[std::size_t(bsp_.brushSides[std::size_t(brush.firstSide + s)].planeNum)];
+            inside = Dot(Vec3f(plane.normal), p) - plane.dist <= epsilon;
+        }
+        if (inside)
+            return true;
+    }
+    return false;
+}
+
+int BspSpace::ClusterAt(const Vec3f &p, float epsilon) const {
+    const int leafNum = LeafAt(p);
+    const bspLeaf_t &leaf = bsp_.leafs[std::size_t(leafNum)];
+    if (leaf.cluster < 0 || (leafHasOpaqueBrush_[std::size_t(leafNum)] && InOpaqueBrush(leaf, p, epsilon)))
+        return kSolidCluster;
+    return leaf.cluster;
+}
+
+bool BspSpace::Visible(int a, int b) const {
+    if (a < 0 || b < 0)
+        return false;
+    if (a == b || visRowBytes_ == 0)
+        return true;
+    const std::size_t at = 8 + std::size_t(a) * std::size_t(visRowBytes_) + std::size_t(b >> 3);
+    return at < bsp_.visibility.size() && (bsp_.visibility[at] & (1 << (b & 7))) != 0;
+}
+
+void BspSpace::ClustersOf(const Winding<float> &w, std::vector<int> &clusters) const {
+    struct Piece {
+        int child;
+        Winding<float> w;
+    };
+    std::vector<Piece> stack;
+    stack.push_back({bsp_.nodes.empty() ? -1 : 0, w});
+    Winding<float> front, back;
+    while (!stack.empty()) {
+        Piece piece = std::move(stack.back());
+        stack.pop_back();
+        if (piece.child < 0) {
+            const int cluster = bsp_.leafs[std::size_t(LeafOf(piece.child))].cluster;
+            if (cluster >= 0 && std::find(clusters.begin(), clusters.end(), cluster) == clusters.end())
+                clusters.push_back(cluster);
+            continue;
+        }
+        const bspNode_t &node = bsp_.nodes[std::size_t(piece.child)];
+        const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
+        SplitWinding(piece.w, Vec3f(plane.normal), plane.dist, kOnPlane, front, back);
+        const auto onPlane = [&](const Vec3f &p) { return std::abs(Dot(Vec3f(plane.normal), p) - plane.dist) <= kOnPlane; };
+        if (std::all_of(piece.w.begin(), piece.w.end(), onPlane))
+            back = piece.w;
+        if (!front.empty())
+            stack.push_back({node.children[0], front});
+        if (!back.empty())
+            stack.push_back({node.children[1], back});
+    }
+}
+
+bool BspSpace::AnyOpen(const Vec3f &mins, const Vec3f &maxs) const {
+    const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;
+    std::vector<int> stack{bsp_.nodes.empty() ? -1 : 0};
+    while (!stack.empty()) {
+        const int child = stack.back();
+        stack.pop_back();
+        if (child < 0) {
+            if (bsp_.leafs[std::size_t(LeafOf(child))].cluster >= 0)
+                return true;
+            continue;
+        }
+        const bspNode_t &node = bsp_.nodes[std::size_t(child)];
+        const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
+        const Vec3f n(plane.normal);
+        const float d = Dot(n, center) - plane.dist;
+        const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + kOnPlane;
+        if (d >= -reach)
+            stack.push_back(node.children[0]);
+        if (d <= reach)
+            stack.push_back(node.children[1]);
+    }
+    return false;
+}
+
+Boundsf BspSpace::VisibleBounds(int cluster) const {
+    Boundsf bounds;
+    for (const bspLeaf_t &leaf : bsp_.leafs) {
+        if (!Visible(cluster, leaf.cluster))
+            continue;
+        bounds.Add({float(leaf.mins[0]), float(leaf.mins[1]), float(leaf.mins[2])});
+        bounds.Add({float(leaf.maxs[0]), float(leaf.maxs[1]), float(leaf.maxs[2])});
+    }
+    return bounds;
+}
+
+} // namespace q3

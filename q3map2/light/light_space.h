@@ -1,0 +1,55 @@
+// GPL-2.0-or-later. Where a point is in the map: leafs, clusters, solids, and what sees what.
+#pragma once
+
+#include "libs/math/bounds.h"
+#include "libs/math/winding.h"
+#include "q3map2/bspfile/bspfile.h"
+
+#include <vector>
+
+namespace q3 {
+
+/// Points within this distance of a node's plane count as on both sides. Game units; spec of cluster lookup.
+inline constexpr float kOnPlane = 0.1f;
+
+inline constexpr int kSolidCluster = -1;
+
+/// Point queries on the tree of a validated Bsp. Const after construction, so safe for concurrent use. Keeps a reference.
+class BspSpace {
+  public:
+    /// opaqueBrush[i]: brush i of the world model blocks light as a volume, so points in it are not lit.
+    BspSpace(const Bsp &bsp, std::vector<bool> opaqueBrush);
+
+    /// Leaf that holds p. A point within kOnPlane of a plane belongs to the front, unless the leaf found there is solid.
+    int LeafAt(const Vec3f &p) const;
+    /// Cluster of p, or kSolidCluster in a solid leaf or not farther than epsilon outside an opaque brush (negative: deeper
+    /// than -epsilon inside).
+    int ClusterAt(const Vec3f &p, float epsilon) const;
+    /// Whether a sees b: true without visibility data, false for kSolidCluster.
+    bool Visible(int a, int b) const;
+    int ClusterCount() const { return clusterCount_; }
+
+    /// Appends every cluster of non-solid leafs that the polygon passes through, without order or duplicates.
+    void ClustersOf(const Winding<float> &w, std::vector<int> &clusters) const;
+    /// Whether the box touches a non-solid leaf.
+    bool AnyOpen(const Vec3f &mins, const Vec3f &maxs) const;
+    /// Union of the bounds of all leafs whose cluster `cluster` sees.
+    Boundsf VisibleBounds(int cluster) const;
+
+    const Bsp &Map() const { return bsp_; }
+
+  private:
+    bool InOpaqueBrush(const bspLeaf_t &leaf, const Vec3f &p, float epsilon) const;
+
+    const Bsp &bsp_;
+    std::vector<bool> opaqueBrush_;
+    std::vector<bool> leafHasOpaqueBrush_;
+    int clusterCount_ = 0;
+    std::int32_t visRowBytes_ = 0;
+};
+
+/// Polygons between solid and non-solid leafs: everything that blocks light as a volume, as a closed surface. Slightly
+/// overlapping, so that no ray slips through where they meet. Iterative; time grows with nodes times depth.
+std::vector<Winding<double>> SolidHull(const Bsp &bsp);
+
+} // namespace q3

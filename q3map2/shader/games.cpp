@@ -1,0 +1,135 @@
+// GPL-2.0-or-later. The games table: what differs between the games that share the format.
+#include "q3map2/shader/games.h"
+
+#include "common/text_scan.h"
+#include "q3map2/shader/surfaceparms.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+Game MakeGame(std::string_view name, std::string_view gameDir, std::string_view homeDir, std::string_view magic,
+              std::vector<SurfaceParm> parms) {
+    Game game;
+    game.name = name;
+    game.gameDir = gameDir;
+    game.homeDir = homeDir;
+    game.magic = magic;
+    game.surfaceParms = std::move(parms);
+    return game;
+}
+
+Game QuakeLive() {
+    Game game = MakeGame("quakelive", "baseq3", ".quakelive", "quake", QuakeLiveParms());
+    game.bspVersion = 47;
+    game.hasAdvertisements = true;
+    return game;
+}
+
+Game Nexuiz() {
+    Game game = MakeGame("nexuiz", "data", ".nexuiz", "nexuiz", BaseParms());
+    game.noStyles = game.keepLights = true;
+    return game;
+}
+
+Game Xonotic() {
+    Game game = MakeGame("xonotic", "data", ".xonotic", "xonotic", BaseParms());
+    game.sRgbLightmap = game.sRgbTexture = game.sRgbColor = true;
+    game.noStyles = game.keepLights = game.patchShadows = true;
+    return game;
+}
+
+Game Unvanquished() {
+    Game game = MakeGame("unvanquished", "pkg", ".local/share/unvanquished", "unvanquished", TremulousParms());
+    game.archiveExtension = "dpk";
+    game.keepLights = true;
+    return game;
+}
+
+Game Tenebrae() {
+    Game game = MakeGame("tenebrae", "base", ".tenebrae", "tenebrae", BaseParms());
+    game.gamma = 2;
+    game.noStyles = true;
+    return game;
+}
+
+Game Wolf(std::string_view name, std::string_view gameDir, std::string_view homeDir, std::string_view magic,
+          std::vector<SurfaceParm> parms) {
+    Game game = MakeGame(name, gameDir, homeDir, magic, std::move(parms));
+    game.bspVersion = 47;
+    game.wolfLighting = true;
+    return game;
+}
+
+Game UrbanTerror() {
+    Game game = MakeGame("etut", "etut", ".etwolf", "et", UrbanTerrorParms());
+    game.bspVersion = 47;
+    game.gamma = 2.2f;
+    game.sRgbLightmap = true;
+    return game;
+}
+
+/// The engines that expose light before they store it.
+Game Exposed(std::string_view name, std::string_view gameDir, std::string_view homeDir, std::string_view magic,
+             float gridScale) {
+    Game game = MakeGame(name, gameDir, homeDir, magic, BaseParms());
+    game.exposure = 200;
+    game.gridScale = gridScale;
+    game.gridAmbientScale = 0.6f;
+    game.noStyles = game.keepLights = true;
+    return game;
+}
+
+std::vector<Game> MakeGames() {
+    Game deluxeQuake = Exposed("dq", "basedq", ".dq", "dq", 0.3f);
+    deluxeQuake.gamma = 1.2f;
+    deluxeQuake.patchShadows = true;
+    Game prophecy = Exposed("prophecy", "base", ".prophecy", "prophecy", 0.4f);
+    prophecy.patchShadows = true;
+    return {
+        MakeGame("quake3", "baseq3", ".q3a", "quake", BaseParms()),
+        QuakeLive(),
+        Nexuiz(),
+        Xonotic(),
+        MakeGame("tremulous", "base", ".tremulous", "tremulous", TremulousParms()),
+        Unvanquished(),
+        Tenebrae(),
+        Wolf("wolf", "main", ".wolf", "wolf", WolfParms()),
+        Wolf("et", "etmain", ".etwolf", "et", EnemyTerritoryParms()),
+        UrbanTerror(),
+        MakeGame("ef", "baseef", ".ef", "elite", EliteForceParms()),
+        MakeGame("reaction", "Boomstick", ".Reaction", "reaction", ReactionParms()),
+        Exposed("darkplaces", "id1", ".darkplaces", "darkplaces", 0.3f),
+        deluxeQuake,
+        prophecy,
+    };
+}
+
+const std::vector<Game> kGames = MakeGames();
+
+} // namespace
+
+const SurfaceParm *Game::FindParm(std::string_view parm) const {
+    const auto found = std::find_if(surfaceParms.begin(), surfaceParms.end(),
+                                    [&](const SurfaceParm &p) { return EqualWithoutCase(p.name, parm); });
+    return found == surfaceParms.end() ? nullptr : &*found;
+}
+
+std::uint32_t Game::NoDrawSurfaceFlags() const {
+    const SurfaceParm *parm = FindParm("nodraw");
+    return parm ? parm->surfaceSet : 0;
+}
+
+std::span<const Game> Games() {
+    return kGames;
+}
+
+const Game *FindGame(std::string_view name) {
+    const auto found =
+        std::find_if(kGames.begin(), kGames.end(), [&](const Game &game) { return EqualWithoutCase(game.name, name); });
+    return found == kGames.end() ? nullptr : &*found;
+}
+
+} // namespace q3

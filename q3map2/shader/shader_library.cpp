@@ -1,0 +1,202 @@
+// GPL-2.0-or-later. Finds scripts and images, and hands out complete shaders.
+#include "q3map2/shader/shader.h"
+
+#include "common/error.h"
+#include "q3map2/shader/shader_parse.h"
+
+#include <array>
+#include <set>
+#include <unordered_map>
+
+namespace q3 {
+
+namespace {
+
+constexpr int kDefaultImageSize = 64;
+constexpr std::string_view kDefaultImage = "*default", kMissingName = "missing";
+
+std::string Text(const std::vector<std::byte> &bytes) {
+    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+}
+
+std::shared_ptr<const Image> WhiteImage() {
+    Image image{kDefaultImageSize, kDefaultImageSize, {}};
+    image.rgba.assign(4 * kDefaultImageSize * kDefaultImageSize, 255);
+    return std::make_shared<const Image>(std::move(image));
+}
+
+} // namespace
+
+struct ShaderLibrary::State {
+    const VirtualFileSystem &vfs;
+    Log &log;
+    ShaderTable table;
+    std::unordered_map<std::string, std::shared_ptr<const Image>> images{}; ///< by lower-case name; null: not found
+    std::shared_ptr<const Image> white = WhiteImage();
+
+    TextScanner Open(std::string_view file, const std::vector<std::byte> &bytes) const;
+    std::vector<std::string> ScriptNames(const std::string &folder) const;
+    void ReadScripts();
+    std::shared_ptr<const Image> FindImage(const std::string &name) const;
+    std::shared_ptr<const Image> ReadImage(const std::string &name) const;
+    Image ReadJpeg(const std::string &name, std::span<const std::byte> bytes) const;
+    const std::shared_ptr<const Image> &CachedImage(std::string_view name);
+    std::shared_ptr<const Image> LightImageOf(const ParsedShader &shader);
+    void Complete(ParsedShader &shader);
+};
+
+TextScanner ShaderLibrary::State::Open(std::string_view file, const std::vector<std::byte> &bytes) const {
+    return TextScanner(Text(bytes), std::string(file), [this](std::string_view name) -> std::optional<std::string> {
+        const auto included = vfs.Read(name);
+        if (!included) {
+            log.Warn("include not found", "$include {}: no such file", name);
+            return std::nullopt;
+        }
+        return Text(*included);
+    });
+}
+
+/// Full names of the scripts to read, in order, each once.
+std::vector<std::string> ShaderLibrary::State::ScriptNames(const std::string &folder) const {
+    const std::string list = folder + "/shaderlist.txt";
+    std::vector<std::string> names;
+    std::set<std::string> known; // lower case
+    const auto add = [&](std::string name) {
+        if (known.insert(LowerCase(name)).second)
+            names.push_back(std::move(name));
+    };
+    for (const std::vector<std::byte> &bytes : vfs.ReadAll(list)) {
+        try {
+            TextScanner scanner = Open(list, bytes);
+            for (std::string word; scanner.Next(word);)
+                add(folder + "/" + (WithoutExtension(word) == word ? word + ".shader" : word));
+        } catch (const Error &error) {
+            log.Warn("damaged shader list", "{}", error.what());
+        }
+    }
+    if (names.empty()) {
+        log.Print("{} names no scripts: all scripts of {} are read\n", list, folder);
+        for (const std::string &name : vfs.List(folder, ".shader"))
+            add(folder + "/" + name);
+    }
+    return names;
+}
+
+void ShaderLibrary::State::ReadScripts() {
+    for (const std::string &name : ScriptNames(std::string(table.ForGame().shaderDir))) {
+        const auto bytes = vfs.Read(name);
+        if (!bytes) {
+            log.Warn("shader script not found", "{}: the script is listed but not there", name);
+            continue;
+        }
+        log.Verbose("entering {}\n", vfs.Location(name));
+        try {
+            TextScanner scanner = Open(name, *bytes);
+            ParseShaderScript(scanner, table, log);
+        } catch (const Error &error) {
+            log.Warn("damaged shader script", "{}; the rest of the script is not read", error.what());
+        }
+    }
+}
+
+Image ShaderLibrary::State::ReadJpeg(const std::string &name, std::span<const std::byte> bytes) const {
+    Image image = DecodeJpeg(bytes, name + ".jpg");
+    const std::string alphaName = name + "_alpha.jpg";
+    const auto alphaBytes = vfs.Read(alphaName);
+    if (!alphaBytes)
+        return image;
+    const Image alpha = DecodeJpeg(*alphaBytes, alphaName);
+    if (alpha.width == image.width && alpha.height == image.height)
+        for (std::size_t i = 0; i < image.rgba.size(); i += 4)
+            image.rgba[i + 3] = alpha.rgba[i + 2];
+    return image;
+}
+
+/// The first existing file decides. Error: it is damaged.
+std::shared_ptr<const Image> ShaderLibrary::State::FindImage(const std::string &name) const {
+    if (const auto tga = vfs.Read(name + ".tga"))
+        return std::make_shared<const Image>(DecodeTga(*tga, name + ".tga"));
+    if (const auto png = vfs.Read(name + ".png"))
+        return std::make_shared<const Image>(DecodePng(*png, name + ".png"));
+    if (const auto jpeg = vfs.Read(name + ".jpg"))
+        return std::make_shared<const Image>(ReadJpeg(name, *jpeg));
+    return nullptr;
+}
+
+std::shared_ptr<const Image> ShaderLibrary::State::ReadImage(const std::string &name) const {
+    if (name == kDefaultImage)
+        return white;
+    try {
+        return FindImage(name);
+    } catch (const Error &error) {
+        log.Warn("damaged image", "{}", error.what());
+        return nullptr;
+    }
+}
+
+const std::shared_ptr<const Image> &ShaderLibrary::State::CachedImage(std::string_view name) {
+    const auto [slot, isNew] = images.try_emplace(LowerCase(name));
+    if (isNew)
+        slot->second = ReadImage(std::string(name));
+    return slot->second;
+}
+
+/// The image that gives the shader its light, or null.
+std::shared_ptr<const Image> ShaderLibrary::State::LightImageOf(const ParsedShader &shader) {
+    for (const std::string &name : {shader.lightImage, shader.editorImage, shader.info.name, shader.implicitImage})
+        if (!name.empty())
+            if (auto image = CachedImage(name))
+                return image;
+    return nullptr;
+}
+
+void ShaderLibrary::State::Complete(ParsedShader &shader) {
+    ShaderInfo &info = shader.info;
+    const bool isDrawn = (info.compileFlags & C_NODRAW) == 0;
+    info.lightImage = isDrawn ? LightImageOf(shader) : nullptr;
+    info.imageFound = info.lightImage != nullptr;
+    if (!info.imageFound) {
+        if (isDrawn)
+            log.Verbose("shader {}: couldn't find image\n", info.name);
+        info.lightImage = white;
+    }
+    if (shader.colorGiven) {
+        info.averageColor = info.color;
+    } else {
+        std::array<std::uint64_t, 3> sum{};
+        const std::vector<std::uint8_t> &rgba = info.lightImage->rgba;
+        for (std::size_t i = 0; i < rgba.size(); i += 4)
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                sum[channel] += rgba[i + channel];
+        const Vec3d mean = Vec3d{double(sum[0]), double(sum[1]), double(sum[2])} / (double(rgba.size()) / 4);
+        info.averageColor = Vec3f(mean);
+        info.color = NormalizeColor(info.averageColor);
+    }
+    shader.imagesReady = true;
+}
+
+ShaderLibrary::ShaderLibrary(const VirtualFileSystem &vfs, const Game &game, const ShaderOptions &options, Log &log)
+    : state_(new State{.vfs = vfs, .log = log, .table = ShaderTable(game, options)}) {
+    state_->ReadScripts();
+}
+ShaderLibrary::~ShaderLibrary() = default;
+ShaderLibrary::ShaderLibrary(ShaderLibrary &&) noexcept = default;
+
+const ShaderInfo &ShaderLibrary::Get(std::string_view name) {
+    if (name.empty())
+        state_->log.Warn("shader without a name", "a shader has no name, {} is used", kMissingName);
+    ParsedShader &shader = state_->table.FindOrAdd(name.empty() ? kMissingName : name, state_->log);
+    if (!shader.imagesReady)
+        state_->Complete(shader);
+    return shader.info;
+}
+
+std::shared_ptr<const Image> ShaderLibrary::LoadImage(std::string_view nameWithoutExtension) {
+    return state_->CachedImage(nameWithoutExtension);
+}
+
+std::size_t ShaderLibrary::DefinedCount() const {
+    return state_->table.DefinedCount();
+}
+
+} // namespace q3

@@ -1,0 +1,377 @@
+// GPL-2.0-or-later. From script text to shaders, before any image is read.
+#include "q3map2/shader/shader_parse.h"
+
+#include "common/arguments.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <vector>
+
+namespace q3 {
+
+namespace {
+
+constexpr double kMaxNumber = 1e9; // keeps products of a few numbers finite
+constexpr int kMaxSkyIterations = 128;
+constexpr std::size_t kMaxName = 63;
+constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
+
+/// Directives of other stages or of the engine: known, so not worth a warning.
+constexpr std::array<std::string_view, 48> kOtherDirectives = {"q3map_alphagen",
+                                                               "q3map_alphamod",
+                                                               "q3map_backshader",
+                                                               "q3map_clipmodel",
+                                                               "q3map_cloneshader",
+                                                               "q3map_colorgen",
+                                                               "q3map_colormod",
+                                                               "q3map_flare",
+                                                               "q3map_flareshader",
+                                                               "q3map_floodlight",
+                                                               "q3map_fogdir",
+                                                               "q3map_foliage",
+                                                               "q3map_forcemeta",
+                                                               "q3map_fur",
+                                                               "q3map_globaltexture",
+                                                               "q3map_indexed",
+                                                               "q3map_invert",
+                                                               "q3map_lightmapaxis",
+                                                               "q3map_lightmapbrightness",
+                                                               "q3map_lightmapgamma",
+                                                               "q3map_lightmapmergable",
+                                                               "q3map_lightmapsampleoffset",
+                                                               "q3map_lightmapsamplesize",
+                                                               "q3map_lightmapsize",
+                                                               "q3map_noclip",
+                                                               "q3map_nodirty",
+                                                               "q3map_nofog",
+                                                               "q3map_nonplanar",
+                                                               "q3map_normalimage",
+                                                               "q3map_notjunc",
+                                                               "q3map_novertexlight",
+                                                               "q3map_novertexshadows",
+                                                               "q3map_offset",
+                                                               "q3map_patchshadows",
+                                                               "q3map_remapshader",
+                                                               "q3map_rgbgen",
+                                                               "q3map_rgbmod",
+                                                               "q3map_shadeangle",
+                                                               "q3map_splotchfix",
+                                                               "q3map_stylemarker",
+                                                               "q3map_stylemarker2",
+                                                               "q3map_surfacemodel",
+                                                               "q3map_tcgen",
+                                                               "q3map_tcmod",
+                                                               "q3map_terrain",
+                                                               "q3map_tesssize",
+                                                               "q3map_texturesize",
+                                                               "q3map_vertexshadows"};
+
+float Number(const std::string &text) {
+    return float(std::clamp(NumberFromText(text), -kMaxNumber, kMaxNumber));
+}
+
+class ScriptParser {
+  public:
+    ScriptParser(TextScanner &scanner, ShaderTable &table, Log &log) : scanner_(scanner), table_(table), log_(log) {}
+
+    void ParseScript() {
+        std::string name, brace;
+        while (scanner_.Next(name)) {
+            if (!scanner_.Next(brace) || brace != "{") {
+                log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}", scanner_.Location(),
+                          name, brace.empty() ? "nothing" : brace);
+                scanner_.PushBack();
+                if (brace.empty())
+                    return;
+                continue;
+            }
+            ParseShader(name);
+        }
+    }
+
+  private:
+    using Words = std::vector<std::string>;
+    struct Directive {
+        std::string_view name; ///< lower case
+        std::size_t required, optional;
+        void (ScriptParser::*apply)(const Words &);
+        bool keepsLine = false; ///< what follows on the line is another directive
+    };
+    static const std::array<Directive, 28> kDirectives;
+
+    void ParseShader(std::string_view name);
+    void ParseStage();
+    void ParseDirective(const std::string &word);
+    void RunDirective(const Directive &directive, const std::string &word);
+    bool ApplyParm(std::string_view name);
+    bool NoImageYet() const {
+        return shader_.editorImage.empty() && shader_.lightImage.empty() && shader_.implicitImage.empty();
+    }
+    Vec3f Color(const Words &words) const;
+
+    void SurfaceParmLine(const Words &words);
+    void Cull(const Words &words);
+    void DeformVertexes(const Words &words);
+    void ImplicitImage(const Words &words);
+    void SkyParms(const Words &words);
+    void EditorImage(const Words &words) { shader_.editorImage = WithoutExtension(words[0]); }
+    void LightImage(const Words &words) { shader_.lightImage = WithoutExtension(words[0]); }
+    void LightRgb(const Words &words);
+    void SurfaceLight(const Words &words) { shader_.info.surfaceLight = Number(words[0]); }
+    void LightSubdivide(const Words &words);
+    void Backsplash(const Words &words);
+    void LightStyle(const Words &words) { shader_.info.lightStyle = std::clamp(IntegerFromText(words[0]), 0, 255); }
+    void BounceScale(const Words &words) { shader_.info.bounceScale = Number(words[0]); }
+    void NoFast(const Words &) { shader_.info.noFast = true; }
+    void ForceSunlight(const Words &) { shader_.info.forceSunlight = true; }
+    void VertexScale(const Words &words);
+    void FilterRadius(const Words &words);
+    void Sun(const Words &words);
+    void SkyLight(const Words &words);
+    void BaseShader(const Words &words);
+    void DeprecateShader(const Words &words) { shader_.replacement = words[0]; }
+    void Material(const Words &words);
+    void VertexLighting(const Words &) { ApplyParm("pointlight"); }
+
+    TextScanner &scanner_;
+    ShaderTable &table_;
+    Log &log_;
+    ParsedShader shader_;
+};
+
+using Self = ScriptParser;
+const std::array<Self::Directive, 28> Self::kDirectives = {{
+    {"surfaceparm", 1, 0, &Self::SurfaceParmLine},
+    {"cull", 1, 0, &Self::Cull},
+    {"deformvertexes", 1, 0, &Self::DeformVertexes},
+    {"implicitmap", 1, 0, &Self::ImplicitImage},
+    {"implicitmask", 1, 0, &Self::ImplicitImage},
+    {"implicitblend", 1, 0, &Self::ImplicitImage},
+    {"skyparms", 3, 0, &Self::SkyParms},
+    {"qer_editorimage", 1, 0, &Self::EditorImage},
+    {"sun", 6, 0, &Self::Sun, true},
+    {"q3map_sun", 6, 0, &Self::Sun, true},
+    {"q3map_sunext", 6, 2, &Self::Sun, true},
+    {"q3map_skylight", 2, 3, &Self::SkyLight},
+    {"q3map_lightimage", 1, 0, &Self::LightImage},
+    {"q3map_lightrgb", 3, 0, &Self::LightRgb},
+    {"q3map_surfacelight", 1, 0, &Self::SurfaceLight},
+    {"q3map_lightsubdivide", 1, 0, &Self::LightSubdivide},
+    {"q3map_backsplash", 2, 0, &Self::Backsplash},
+    {"q3map_lightstyle", 1, 0, &Self::LightStyle},
+    {"q3map_bounce", 1, 0, &Self::BounceScale},
+    {"q3map_bouncescale", 1, 0, &Self::BounceScale},
+    {"q3map_nofast", 0, 0, &Self::NoFast},
+    {"q3map_forcesunlight", 0, 0, &Self::ForceSunlight},
+    {"q3map_vertexscale", 1, 0, &Self::VertexScale},
+    {"q3map_lightmapfilterradius", 2, 0, &Self::FilterRadius},
+    {"q3map_baseshader", 1, 0, &Self::BaseShader},
+    {"q3map_deprecateshader", 1, 0, &Self::DeprecateShader},
+    {"q3map_material", 1, 0, &Self::Material},
+    {"q3map_onlyvertexlighting", 0, 0, &Self::VertexLighting},
+}};
+
+void ScriptParser::ParseShader(std::string_view name) {
+    if (name.ends_with(kHiddenSuffix))
+        name.remove_suffix(kHiddenSuffix.size());
+    if (name.size() > kMaxName)
+        log_.Warn("long shader name", "{}: shader name {} is longer than the {} bytes that a map can hold",
+                  scanner_.Location(), name, kMaxName);
+    shader_ = table_.MakeDefault(name);
+    shader_.info.defined = true;
+    std::string word;
+    while (scanner_.Next(word) && word != "}") {
+        if (word == "{")
+            ParseStage();
+        else
+            ParseDirective(word);
+    }
+    table_.Define(std::move(shader_));
+}
+
+/// Only the names of images matter. Nothing nests, and line ends mean nothing.
+void ScriptParser::ParseStage() {
+    static constexpr std::array<std::string_view, 6> kImageWords = {"map",          "clampmap", "animmap",
+                                                                    "clampanimmap", "mapcomp",  "mapnocomp"};
+    std::string word;
+    while (scanner_.Next(word) && word != "}") {
+        const std::string key = LowerCase(word);
+        if (std::find(kImageWords.begin(), kImageWords.end(), key) == kImageWords.end())
+            continue;
+        const int arguments = key == "animmap" || key == "clampanimmap" ? 2 : 1; // a rate, then the first frame
+        for (int i = 0; i < arguments && word != "}"; ++i)
+            if (!scanner_.Next(word))
+                return;
+        if (word == "}")
+            return;
+        if (NoImageYet() && !word.empty() && word[0] != '$' && word[0] != '*')
+            shader_.lightImage = WithoutExtension(word);
+    }
+}
+
+void ScriptParser::ParseDirective(const std::string &word) {
+    const std::string key = LowerCase(word);
+    const auto found = std::find_if(kDirectives.begin(), kDirectives.end(),
+                                    [&](const Directive &directive) { return directive.name == key; });
+    if (found != kDirectives.end())
+        return RunDirective(*found, word);
+    constexpr std::string_view kPrefix = "q3map_";
+    const bool isOther = std::find(kOtherDirectives.begin(), kOtherDirectives.end(), key) != kOtherDirectives.end();
+    if (key.starts_with(kPrefix) && !isOther && !ApplyParm(key.substr(kPrefix.size())))
+        log_.Warn("unknown shader directive", "{}: shader {}: unknown directive {}", scanner_.Location(),
+                  shader_.info.name, word);
+    scanner_.SkipLine();
+}
+
+void ScriptParser::RunDirective(const Directive &directive, const std::string &word) {
+    Words words;
+    std::string argument;
+    const std::string location = scanner_.Location();
+    while (words.size() < directive.required + directive.optional && scanner_.NextOnLine(argument))
+        words.push_back(argument);
+    if (words.size() < directive.required)
+        log_.Warn("incomplete shader directive", "{}: shader {}: {} with {} arguments, expected {}", location,
+                  shader_.info.name, word, words.size(), directive.required);
+    else
+        (this->*directive.apply)(words);
+    if (!directive.keepsLine)
+        scanner_.SkipLine();
+}
+
+bool ScriptParser::ApplyParm(std::string_view name) {
+    const SurfaceParm *parm = table_.ForGame().FindParm(name);
+    if (!parm)
+        return false;
+    ShaderInfo &info = shader_.info;
+    info.contentFlags = (info.contentFlags & ~parm->contentClear) | parm->contentSet;
+    info.surfaceFlags = (info.surfaceFlags & ~parm->surfaceClear) | parm->surfaceSet;
+    info.compileFlags = (info.compileFlags & ~parm->compileClear) | parm->compileSet;
+    return true;
+}
+
+/// Three numbers as a light colour.
+Vec3f ScriptParser::Color(const Words &words) const {
+    Vec3f color{Number(words[0]), Number(words[1]), Number(words[2])};
+    if (table_.Options().sRgbColor)
+        color = {LinearFromSrgb(color.x), LinearFromSrgb(color.y), LinearFromSrgb(color.z)};
+    return NormalizeColor(color);
+}
+
+void ScriptParser::SurfaceParmLine(const Words &words) {
+    if (!ApplyParm(words[0]))
+        log_.Warn("unknown surfaceparm", "{}: shader {}: unknown surfaceparm {}", scanner_.Location(),
+                  shader_.info.name, words[0]);
+}
+
+void ScriptParser::Cull(const Words &words) {
+    const std::string side = LowerCase(words[0]);
+    if (side == "none" || side == "disable" || side == "twosided")
+        shader_.info.twoSided = true;
+}
+
+void ScriptParser::DeformVertexes(const Words &words) {
+    if (LowerCase(words[0]).starts_with("autosprite"))
+        shader_.info.autosprite = true;
+}
+
+void ScriptParser::ImplicitImage(const Words &words) {
+    shader_.implicitImage = words[0] == "-" ? shader_.info.name : WithoutExtension(words[0]);
+}
+
+void ScriptParser::SkyParms(const Words &words) {
+    if (words[0] == "-" || EqualWithoutCase(words[0], "full"))
+        return;
+    shader_.info.skyImageBase = words[0];
+    if (shader_.lightImage.empty())
+        shader_.lightImage = words[0] + "_up";
+}
+
+void ScriptParser::LightRgb(const Words &words) {
+    shader_.info.color = Color(words);
+    shader_.colorGiven = true;
+}
+
+void ScriptParser::LightSubdivide(const Words &words) {
+    shader_.info.lightSubdivide = float(IntegerFromText(words[0]));
+}
+
+void ScriptParser::Backsplash(const Words &words) {
+    shader_.info.backsplashFraction = Number(words[0]) * 0.01f;
+    shader_.info.backsplashDistance = Number(words[1]);
+}
+
+void ScriptParser::VertexScale(const Words &words) {
+    shader_.info.vertexScale =
+        float(std::clamp(double(shader_.info.vertexScale) * double(Number(words[0])), -kMaxNumber, kMaxNumber));
+}
+
+void ScriptParser::FilterRadius(const Words &words) {
+    shader_.info.lightmapFilterRadius = Number(words[0]);
+    shader_.info.lightFilterRadius = Number(words[1]);
+}
+
+/// r g b intensity degrees elevation [deviance samples]. Style and radius count as set so far.
+void ScriptParser::Sun(const Words &words) {
+    constexpr double kRadians = std::numbers::pi / 180;
+    const double azimuth = double(Number(words[4])) * kRadians, elevation = double(Number(words[5])) * kRadians;
+    SunDirective sun;
+    sun.color = Color(words);
+    sun.photons = Number(words[3]);
+    sun.direction = Vec3f(
+        Vec3d{std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation), std::sin(elevation)});
+    if (words.size() == 7)
+        log_.Warn("incomplete shader directive", "{}: shader {}: a sun with a deviance but no samples",
+                  scanner_.Location(), shader_.info.name);
+    if (words.size() > 7) {
+        sun.deviance = float(double(Number(words[6])) * kRadians);
+        sun.samples = std::max(1, IntegerFromText(words[7]));
+    }
+    sun.filterRadius = shader_.info.lightFilterRadius;
+    sun.style = shader_.info.lightStyle;
+    shader_.info.suns.push_back(sun);
+    ApplyParm("sky");
+}
+
+/// value iterations [horizon_min horizon_max [sample_color]]
+void ScriptParser::SkyLight(const Words &words) {
+    SkyLightDirective sky;
+    sky.value = std::max(0.0f, Number(words[0]));
+    sky.iterations = std::max(2, IntegerFromText(words[1]));
+    if (sky.iterations > kMaxSkyIterations) {
+        log_.Warn("sky light iterations", "{}: shader {}: {} sky light iterations are limited to {}",
+                  scanner_.Location(), shader_.info.name, sky.iterations, kMaxSkyIterations);
+        sky.iterations = kMaxSkyIterations;
+    }
+    if (words.size() > 2)
+        sky.horizonMin = std::clamp(IntegerFromText(words[2]), -90, 90);
+    if (words.size() > 3)
+        sky.horizonMax = std::clamp(IntegerFromText(words[3]), -90, 90);
+    if (words.size() > 4)
+        sky.sampleColor = IntegerFromText(words[4]) != 0;
+    shader_.info.skyLights.push_back(sky);
+    ApplyParm("sky");
+}
+
+/// Everything of an earlier shader, over all that was set so far; the name stays.
+void ScriptParser::BaseShader(const Words &words) {
+    const ParsedShader *base = table_.Find(words[0], log_);
+    std::string name = std::move(shader_.info.name);
+    shader_ = base ? *base : table_.MakeDefault({});
+    shader_.info.name = std::move(name);
+    shader_.info.defined = true;
+}
+
+void ScriptParser::Material(const Words &words) {
+    if (!ApplyParm("*mat_" + words[0]))
+        log_.Warn("unknown material", "{}: shader {}: unknown material {}", scanner_.Location(), shader_.info.name,
+                  words[0]);
+}
+
+} // namespace
+
+void ParseShaderScript(TextScanner &scanner, ShaderTable &table, Log &log) {
+    ScriptParser(scanner, table, log).ParseScript();
+}
+
+} // namespace q3

@@ -1,0 +1,57 @@
+// GPL-2.0-or-later. From script text to shaders, before any image is read.
+#pragma once
+
+#include "common/text_scan.h"
+#include "q3map2/shader/shader.h"
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+namespace q3 {
+
+/// A shader and the image names from which its colours will come. Names are without extension, empty when not given.
+struct ParsedShader {
+    ShaderInfo info;
+    std::string editorImage, lightImage, implicitImage;
+    std::string replacement;  ///< q3map_deprecateShader
+    bool colorGiven = false;  ///< q3map_lightRGB: info.color is final
+    bool imagesReady = false; ///< light image and colours are in info
+};
+
+/// All shaders by name. References stay valid as long as the table.
+class ShaderTable {
+  public:
+    ShaderTable(const Game &game, const ShaderOptions &options) : game_(game), options_(options) {}
+
+    const Game &ForGame() const { return game_; }
+    const ShaderOptions &Options() const { return options_; }
+
+    /// A shader with the defaults of the game and the command line.
+    ParsedShader MakeDefault(std::string_view name) const;
+    /// Adds a script's definition; a name that is there already keeps the first one.
+    void Define(ParsedShader shader);
+    /// The definition of that name (without case and extension) or of what replaces it, or null.
+    const ParsedShader *Find(std::string_view name, Log &log) const;
+    /// The same; an unknown name is added as an implicit shader.
+    ParsedShader &FindOrAdd(std::string_view name, Log &log);
+    std::size_t DefinedCount() const { return definedCount_; }
+
+  private:
+    std::string FollowReplacements(std::string_view name, Log &log) const;
+
+    Game game_;
+    ShaderOptions options_;
+    std::unordered_map<std::string, std::unique_ptr<ParsedShader>> shaders_; ///< by lower-case name
+    std::size_t definedCount_ = 0;
+};
+
+/// Reads all shaders of one script into the table. Mistakes in the script are warnings with their line. Error: the
+/// scanner's; what stood before is in the table.
+void ParseShaderScript(TextScanner &scanner, ShaderTable &table, Log &log);
+
+/// Copy up to the last '.' that follows the last slash.
+std::string WithoutExtension(std::string_view name);
+
+} // namespace q3

@@ -1,0 +1,79 @@
+// GPL-2.0-or-later. All shaders by name.
+#include "q3map2/shader/shader_parse.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+constexpr int kMaxReplacements = 16;
+
+std::string Key(std::string_view name) {
+    std::string key = LowerCase(name);
+    std::replace(key.begin(), key.end(), '\\', '/');
+    return key;
+}
+
+void ApplyDefaultParm(const Game &game, ShaderInfo &info) {
+    const SurfaceParm *parm = game.FindParm("default");
+    if (!parm)
+        return;
+    info.contentFlags = parm->contentSet;
+    info.surfaceFlags = parm->surfaceSet;
+    info.compileFlags = parm->compileSet;
+}
+
+} // namespace
+
+std::string WithoutExtension(std::string_view name) {
+    const std::size_t dot = name.find_last_of("./\\");
+    return std::string(dot != std::string_view::npos && name[dot] == '.' ? name.substr(0, dot) : name);
+}
+
+ParsedShader ShaderTable::MakeDefault(std::string_view name) const {
+    ParsedShader shader;
+    shader.info.name = name;
+    ApplyDefaultParm(game_, shader.info);
+    shader.info.backsplashFraction *= options_.backsplashScale;
+    if (options_.backsplashDistance >= -900)
+        shader.info.backsplashDistance = options_.backsplashDistance;
+    return shader;
+}
+
+void ShaderTable::Define(ParsedShader shader) {
+    std::string key = Key(shader.info.name);
+    const bool isNew = shaders_.try_emplace(std::move(key), nullptr).second;
+    if (!isNew)
+        return;
+    ++definedCount_;
+    auto &slot = shaders_[Key(shader.info.name)];
+    slot = std::make_unique<ParsedShader>(std::move(shader));
+}
+
+std::string ShaderTable::FollowReplacements(std::string_view name, Log &log) const {
+    std::string current = WithoutExtension(name);
+    for (int i = 0; i <= kMaxReplacements; ++i) {
+        const auto found = shaders_.find(Key(current));
+        if (found == shaders_.end() || found->second->replacement.empty())
+            return current;
+        current = WithoutExtension(found->second->replacement);
+    }
+    log.Warn("shader replacement", "shader {}: more than {} q3map_deprecateShader in a row", name, kMaxReplacements);
+    return current;
+}
+
+const ParsedShader *ShaderTable::Find(std::string_view name, Log &log) const {
+    const auto found = shaders_.find(Key(FollowReplacements(name, log)));
+    return found == shaders_.end() ? nullptr : found->second.get();
+}
+
+ParsedShader &ShaderTable::FindOrAdd(std::string_view name, Log &log) {
+    const std::string final = FollowReplacements(name, log);
+    std::unique_ptr<ParsedShader> &slot = shaders_[Key(final)];
+    if (!slot)
+        slot = std::make_unique<ParsedShader>(MakeDefault(final));
+    return *slot;
+}
+
+} // namespace q3

@@ -1,0 +1,89 @@
+// GPL-2.0-or-later. q3map2 -light: files in, LightWorld, file out.
+#include "common/error.h"
+#include "common/files.h"
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/convert/convert.h"
+#include "q3map2/light/light.h"
+#include "q3map2/stages.h"
+
+namespace q3 {
+
+namespace {
+
+/// Engines read at most 1024 bytes of a value; the oldest records go first.
+constexpr std::size_t kMaxRecord = 900;
+
+/// Appends the stage and its options to the record that the world keeps of how it was made.
+void RecordCommand(Bsp &bsp, std::string_view name, const std::vector<std::string> &words) {
+    std::string command = "-light";
+    for (const std::string &word : words) {
+        command += ' ';
+        for (const char c : word)
+            if (c != '\\' && c != '"' && c != ';' && static_cast<unsigned char>(c) >= 32)
+                command += c;
+    }
+    std::vector<Entity> entities = ParseEntities(bsp.entities, name);
+    Entity &world = entities.front();
+    std::string record(world.Value("_q3map2_cmdline"));
+    record += (record.empty() ? "" : "; ") + command;
+    while (record.size() > kMaxRecord && record.find("; ") != std::string::npos)
+        record.erase(0, record.find("; ") + 2);
+    world.Set("_q3map2_cmdline", record.substr(0, kMaxRecord));
+    world.Set("_q3map2_version", kVersion);
+    bsp.entities = FormatEntities(entities);
+}
+
+std::string TextOf(const std::filesystem::path &path) {
+    const auto bytes = ReadFile(path);
+    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+}
+
+LightInputs ReadInputs(const std::filesystem::path &bspPath, Log &log) {
+    LightInputs inputs;
+    inputs.name = bspPath.stem().string();
+    const auto mapPath = WithExtension(bspPath, ".map"), srfPath = WithExtension(bspPath, ".srf");
+    if (std::filesystem::exists(mapPath)) {
+        log.Print("Loading {}\n", mapPath.string());
+        inputs.mapEntities = ParseMapEntities(TextOf(mapPath), mapPath.string());
+    }
+    if (std::filesystem::exists(srfPath)) {
+        log.Print("Loading {}\n", srfPath.string());
+        inputs.surfaceFile = TextOf(srfPath);
+    }
+    return inputs;
+}
+
+} // namespace
+
+int LightStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    const std::string file = arguments.TakeLast();
+    if (file.empty())
+        throw Error("usage: q3map2 [global options] -light [options] maps/x.bsp");
+    log.Section("Light");
+    const std::vector<std::string> recorded = arguments.Rest();
+    const LightOptions options = ParseLightOptions(arguments, *context.options.game, log);
+    const auto bspPath = WithExtension(std::filesystem::absolute(file), ".bsp");
+
+    const auto folders = GameFolders(context.options, context.words, context.program);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    log.Print("Loading {}\n", bspPath.string());
+    const BspFormat format = context.options.Format();
+    Bsp bsp = ReadBspFile(bspPath, format, log);
+    const LightInputs inputs = ReadInputs(bspPath, log);
+
+    ShaderLibrary library(vfs, *context.options.game, options.shader, log);
+    log.Count((long long)(library.DefinedCount()), "shaders defined");
+    const JobPool jobs(context.options.threads);
+    log.Count(jobs.Threads(), "threads");
+    LightWorld(bsp, inputs, options, library, jobs, log);
+    RecordCommand(bsp, inputs.name, recorded);
+    if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump && !format.advertisements && format.version == 46)
+        log.Print("The SH grid makes this a version 47 file, which engines without SH support refuse; -shbspx keeps version 46\n");
+    WriteBspFile(bspPath, bsp, format, log);
+    if (!options.previewFile.empty())
+        WriteGridPreview(options.previewFile, bsp, log);
+    return 0;
+}
+
+} // namespace q3

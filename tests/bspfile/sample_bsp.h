@@ -1,0 +1,35 @@
+// GPL-2.0-or-later. A small valid map for the tests, and a log that can be read.
+#pragma once
+
+#include "common/error.h"
+#include "q3map2/bspfile/bspfile.h"
+
+#include <cstring>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace q3::test {
+
+/// A slab of floor under a room: two nodes, four leafs, two brushes, a quad, a 3x3 patch, a soup triangle and a flare,
+/// a fog, two clusters, a light grid of 3 x 3 x 2 points. No lightmap page, no advertisement, no SH grid.
+Bsp SampleBsp();
+/// 2 x 3 x 1 points whose coefficients are all different.
+LightGridSH SampleGridSH();
+/// Advertisement with finite fields.
+bspAdvertisement_t SampleAdvertisement();
+
+/// Collects what is logged.
+struct Listener {
+    std::string text;
+    Log log{[this](LogLevel, std::string_view line) { text += line; }};
+};
+
+/// Text of the Error that `action` throws, or "no error".
+std::string ErrorOf(const std::function<void()> &action);
+
+/// Reads a 32-bit integer of a file image, and writes one.
+std::int32_t IntAt(const std::vector<std::byte> &file, std::size_t at);
+void SetInt(std::vector<std::byte> &file, std::size_t at, std::int32_t value);
+
+} // namespace q3::test
