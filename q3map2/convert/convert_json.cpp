@@ -78,8 +78,8 @@ class Unpacker {
             entities = ParseEntities(bsp_.entities, "entity lump");
             same = FormatEntities(entities) == bsp_.entities;
         } catch (const Error &error) {
-            log_.Warn("entity text", "{}: the text goes to {} as it is, no entity to {}", error.what(),
-                      kJsonEntityText, kJsonEntities);
+            log_.Warn("entity text", "{}: the text goes to {} as it is, no entity to {}", error.what(), kJsonEntityText,
+                      kJsonEntities);
         }
         WriteRecords(kJsonEntities, "entity", entities);
         WriteIf(!same, kJsonEntityText,

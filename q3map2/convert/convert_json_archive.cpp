@@ -30,7 +30,10 @@ std::string BitsText(std::uint32_t bits) {
 }
 
 int HexDigit(char c) {
-    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : -1;
 }
 
 } // namespace
@@ -198,8 +201,8 @@ std::uint32_t JsonRecordReader::FlagBits(std::string_view member, const JsonNode
         for (const SurfaceParm &parm : rules_.game.surfaceParms)
             if (EqualNoCase(parm.name, flag))
                 return ParmBits(parm, kind);
-        rules_.log.Warn("unknown flag", "{}: {}: {}: game {} has no flag {}, {}", record_.file, record_.Label(),
-                        member, rules_.game.name, ShownText(flag),
+        rules_.log.Warn("unknown flag", "{}: {}: {}: game {} has no flag {}, {}", record_.file, record_.Label(), member,
+                        rules_.game.name, ShownText(flag),
                         rules_.options.skipFlags ? "it is dropped" : "its value is used");
         if (rules_.options.skipFlags)
             return 0;

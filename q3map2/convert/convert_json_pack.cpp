@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <system_error>
+#include <unordered_set>
 
 namespace q3 {
 
@@ -139,16 +140,17 @@ class Packer {
 
     void ReadBspx() {
         const fs::path path = folder_ / kJsonBspx;
-        ReadJsonRecords(path, "", [this](const JsonRecord &source) {
+        std::unordered_set<std::string> seen;
+        ReadJsonRecords(path, "", [&](const JsonRecord &source) {
             JsonBspxEntry entry;
             ReadRecord(source, entry);
-            if (entry.name.empty() || entry.name.size() > kMaxBspxName || entry.name.find('\0') != entry.name.npos)
-                source.Fail(fmt::format("name: expected 1 to {} bytes without NUL", kMaxBspxName));
+            if (entry.name.size() > kMaxBspxName || entry.name.find('\0') != entry.name.npos)
+                source.Fail(fmt::format("name: expected at most {} bytes without NUL", kMaxBspxName));
             if (!entry.file.empty() || entry.name == kBspxLightGridSH) {
                 ReadBspxGrid(source, entry);
                 return;
             }
-            if (std::ranges::find(bsp_.bspx, entry.name, &BspxLump::name) != bsp_.bspx.end())
+            if (!seen.insert(entry.name).second)
                 source.Fail(fmt::format("name: a lump {} is already there", ShownText(entry.name)));
             BspxLump lump{entry.name, {}};
             if (!ParseHexText(entry.bytes, lump.data))

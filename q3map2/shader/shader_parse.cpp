@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kMaxNumber = 1e9; // keeps products of a few numbers finite
 constexpr int kMaxSkyIterations = 128;
+constexpr std::size_t kMaxSuns = 256; // a shader; copies of copies with q3map_baseShader would grow without end
 constexpr std::size_t kMaxName = 63;
 constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
 
@@ -76,17 +77,18 @@ class ScriptParser {
     ScriptParser(TextScanner &scanner, ShaderTable &table, Log &log) : scanner_(scanner), table_(table), log_(log) {}
 
     void ParseScript() {
-        std::string name, brace;
-        while (scanner_.Next(name)) {
-            if (!scanner_.Next(brace) || brace != "{") {
-                log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}", scanner_.Location(),
-                          name, brace.empty() ? "nothing" : brace);
-                scanner_.PushBack();
-                if (brace.empty())
-                    return;
-                continue;
+        for (std::string name; scanner_.Next(name);) {
+            std::string brace;
+            if (!scanner_.Next(brace)) {
+                WarnSyntax(name, "the end of the file");
+                return;
             }
-            ParseShader(name);
+            if (brace == "{") {
+                ParseShader(name);
+            } else {
+                WarnSyntax(name, brace);
+                scanner_.PushBack(); // perhaps the name of the next shader
+            }
         }
     }
 
@@ -100,6 +102,10 @@ class ScriptParser {
     };
     static const std::array<Directive, 28> kDirectives;
 
+    void WarnSyntax(std::string_view name, std::string_view found) {
+        log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}", scanner_.Location(), name,
+                  found);
+    }
     void ParseShader(std::string_view name);
     void ParseStage();
     void ParseDirective(const std::string &word);
@@ -109,6 +115,14 @@ class ScriptParser {
         return shader_.editorImage.empty() && shader_.lightImage.empty() && shader_.implicitImage.empty();
     }
     Vec3f Color(const Words &words) const;
+    template <typename T> void AddSun(std::vector<T> &suns, const T &sun) {
+        if (suns.size() < kMaxSuns)
+            suns.push_back(sun);
+        else
+            log_.Warn("too many suns", "{}: shader {}: more than {} suns, the others are left out", scanner_.Location(),
+                      shader_.info.name, kMaxSuns);
+        ApplyParm("sky");
+    }
 
     void SurfaceParmLine(const Words &words);
     void Cull(const Words &words);
@@ -329,8 +343,7 @@ void ScriptParser::Sun(const Words &words) {
     }
     sun.filterRadius = shader_.info.lightFilterRadius;
     sun.style = shader_.info.lightStyle;
-    shader_.info.suns.push_back(sun);
-    ApplyParm("sky");
+    AddSun(shader_.info.suns, sun);
 }
 
 /// value iterations [horizon_min horizon_max [sample_color]]
@@ -349,8 +362,7 @@ void ScriptParser::SkyLight(const Words &words) {
         sky.horizonMax = std::clamp(IntegerFromText(words[3]), -90, 90);
     if (words.size() > 4)
         sky.sampleColor = IntegerFromText(words[4]) != 0;
-    shader_.info.skyLights.push_back(sky);
-    ApplyParm("sky");
+    AddSun(shader_.info.skyLights, sky);
 }
 
 /// Everything of an earlier shader, over all that was set so far; the name stays.

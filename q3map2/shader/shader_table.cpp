@@ -42,13 +42,11 @@ ParsedShader ShaderTable::MakeDefault(std::string_view name) const {
 }
 
 void ShaderTable::Define(ParsedShader shader) {
-    std::string key = Key(shader.info.name);
-    const bool isNew = shaders_.try_emplace(std::move(key), nullptr).second;
+    const auto [slot, isNew] = shaders_.try_emplace(Key(shader.info.name));
     if (!isNew)
         return;
+    slot->second = std::make_unique<ParsedShader>(std::move(shader));
     ++definedCount_;
-    auto &slot = shaders_[Key(shader.info.name)];
-    slot = std::make_unique<ParsedShader>(std::move(shader));
 }
 
 std::string ShaderTable::FollowReplacements(std::string_view name, Log &log) const {

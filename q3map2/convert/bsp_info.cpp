@@ -1,0 +1,201 @@
+// GPL-2.0-or-later. What a compiled map holds, in numbers.
+#include "common/error.h"
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/convert/convert.h"
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::string_view kRule = "---------------------------------";
+constexpr std::size_t kLightmapPageBytes = 128 * 128 * 3;
+constexpr double kMegabyte = 1024 * 1024;
+/// worldspawn key in which the light stage leaves the convention of the coefficients.
+constexpr std::string_view kConventionKey = "_q3map2_sh", kRadiance = "radiance";
+
+/// Sizes that the established table prints where they differ from the file: those of records with four light styles.
+constexpr std::size_t kWideBrushSide = 12, kWideSurface = 148, kWideVert = 80, kWideGridPoint = 30;
+
+/// SH points by place. Every point is one of the three.
+struct GridShares {
+    std::size_t lit = 0;      ///< in open space
+    std::size_t filled = 0;   ///< in solid, with light taken from neighbours
+    std::size_t darkVoid = 0; ///< in solid, all zero
+};
+
+bool InSolid(const Bsp &bsp, const Float3 &position) {
+    std::int32_t at = 0;
+    while (at >= 0) {
+        const bspNode_t &node = bsp.nodes[std::size_t(at)];
+        const bspPlane_t &plane = bsp.planes[std::size_t(node.planeNum)];
+        double distance = -double(plane.dist);
+        for (std::size_t i = 0; i < 3; i++)
+            distance += double(plane.normal[i]) * position[i];
+        at = node.children[distance > 0 ? 0 : 1];
+    }
+    return bsp.leafs[std::size_t(-1 - at)].cluster < 0;
+}
+
+bool IsZero(const bspGridPointSH_t &point) {
+    return std::ranges::all_of(point.coeffs, [](const Float3 &rgb) { return rgb == Float3{}; });
+}
+
+GridShares CountShares(const Bsp &bsp, const LightGridSH &grid) {
+    const bspGridSHHeader_t &head = grid.header;
+    const GridLayout layout{head.gridMins, head.gridSize, head.gridBounds};
+    GridShares shares;
+    std::size_t index = 0;
+    for (int z = 0; z < head.gridBounds[2]; z++)
+        for (int y = 0; y < head.gridBounds[1]; y++)
+            for (int x = 0; x < head.gridBounds[0]; x++, index++) {
+                if (!InSolid(bsp, layout.Position(x, y, z)))
+                    shares.lit++;
+                else if (IsZero(grid.points[index]))
+                    shares.darkVoid++;
+                else
+                    shares.filled++;
+            }
+    return shares;
+}
+
+/// Prints the table of one file.
+class InfoTable {
+  public:
+    InfoTable(const std::filesystem::path &path, const Bsp &bsp, Log &log) : path_(path), bsp_(bsp), log_(log) {}
+
+    void Print() const {
+        PrintGeometry();
+        PrintSurfaces();
+        PrintLight();
+        if (bsp_.gridSH)
+            PrintGridSH(*bsp_.gridSH);
+        PrintExtras();
+    }
+
+  private:
+    template <typename Record>
+    void Line(const std::vector<Record> &records, std::string_view name, std::size_t shownSize = 0) const {
+        const std::size_t bytes = records.size() * sizeof(Record);
+        if (shownSize == 0)
+            Line(records.size(), name, bytes);
+        else
+            log_.Print("{:9} {:<14} {:9} * ({} in the file)\n", records.size(), name, records.size() * shownSize,
+                       bytes);
+    }
+    void Line(std::size_t count, std::string_view name, std::size_t bytes) const {
+        log_.Print("{:9} {:<14} {:9}\n", count, name, bytes);
+    }
+
+    void PrintGeometry() const {
+        Line(bsp_.models, "models");
+        Line(bsp_.shaders, "shaders");
+        Line(bsp_.brushes, "brushes");
+        Line(bsp_.brushSides, "brushsides", kWideBrushSide);
+        Line(bsp_.fogs, "fogs");
+        Line(bsp_.planes, "planes");
+        Line(Entities().size(), "entdata", bsp_.entities.size() + 1);
+        log_.Print("\n");
+        Line(bsp_.nodes, "nodes");
+        Line(bsp_.leafs, "leafs");
+        Line(bsp_.leafSurfaces, "leafsurfaces");
+        Line(bsp_.leafBrushes, "leafbrushes");
+        log_.Print("\n");
+    }
+
+    void PrintSurfaces() const {
+        const auto ofType = [this](int type, std::string_view name, bool always) {
+            const auto count = std::ranges::count(bsp_.drawSurfaces, type, &bspDrawSurface_t::surfaceType);
+            if (always || count > 0)
+                log_.Print("{:9}   {}\n", count, name);
+        };
+        Line(bsp_.drawSurfaces, "drawsurfaces", kWideSurface);
+        ofType(MST_PATCH, "patch surfaces", true);
+        ofType(MST_PLANAR, "planar surfaces", true);
+        ofType(MST_TRIANGLE_SOUP, "trisoup surfaces", true);
+        ofType(MST_FLARE, "flare surfaces", false);
+        Line(bsp_.drawVerts, "drawverts", kWideVert);
+        Line(bsp_.drawIndexes, "drawindexes");
+        log_.Print("\n");
+    }
+
+    void PrintLight() const {
+        Line(bsp_.lightmaps.size() / kLightmapPageBytes, "lightmaps", bsp_.lightmaps.size());
+        Line(bsp_.gridPoints, "lightgrid", kWideGridPoint);
+        log_.Print("{:9} {:<14} {:9}\n", "", "visibility", bsp_.visibility.size());
+        log_.Print("\n");
+    }
+
+    void PrintGridSH(const LightGridSH &grid) const {
+        const bspGridSHHeader_t &head = grid.header;
+        Line(grid.points.size(), "SH light grid", sizeof head + grid.points.size() * sizeof(bspGridPointSH_t));
+        const Float3 last = GridLayout{head.gridMins, head.gridSize, head.gridBounds}.Position(
+            head.gridBounds[0] - 1, head.gridBounds[1] - 1, head.gridBounds[2] - 1);
+        Note("cells of {} x {} x {} units, {} x {} x {} points", head.gridSize[0], head.gridSize[1], head.gridSize[2],
+             head.gridBounds[0], head.gridBounds[1], head.gridBounds[2]);
+        Note("from ( {} {} {} ) to ( {} {} {} )", head.gridMins[0], head.gridMins[1], head.gridMins[2], last[0],
+             last[1], last[2]);
+        Note("stored in {}", bsp_.gridSHContainer == GridSHContainer::Lump ? "lump 18" : "BSPX lump LIGHTGRID_SH");
+        const std::vector<Entity> entities = Entities();
+        const bool radiance = !entities.empty() && entities[0].Value(kConventionKey) == kRadiance;
+        Note("coefficients are {}", radiance ? "radiance, not convolved (-shradiance)" : "cosine-convolved");
+        const GridShares shares = CountShares(bsp_, grid);
+        Share(shares.lit, "lit points", grid.points.size());
+        Share(shares.filled, "filled points", grid.points.size());
+        Share(shares.darkVoid, "void points", grid.points.size());
+        log_.Print("\n");
+    }
+
+    template <typename... Args> void Note(fmt::format_string<Args...> format, Args &&...args) const {
+        log_.Print("{:9}   {}\n", "", fmt::format(format, std::forward<Args>(args)...));
+    }
+    void Share(std::size_t count, std::string_view name, std::size_t of) const {
+        log_.Print("{:9}   {:<14} {:5.1f} % {:9.2f} MB\n", count, name, 100.0 * double(count) / double(of),
+                   double(count * sizeof(bspGridPointSH_t)) / kMegabyte);
+    }
+
+    void PrintExtras() const {
+        if (!bsp_.advertisements.empty())
+            Line(bsp_.advertisements, "advertisements");
+        for (const BspxLump &lump : bsp_.bspx)
+            log_.Print("{:9} {:<14} {:9}\n", "BSPX", Printable(lump.name), lump.data.size());
+        if (!bsp_.advertisements.empty() || !bsp_.bspx.empty())
+            log_.Print("\n");
+    }
+
+    static std::string Printable(std::string name) {
+        std::ranges::replace_if(
+            name, [](char c) { return c < ' ' || c > '~'; }, '?');
+        return name;
+    }
+
+    std::vector<Entity> Entities() const {
+        try {
+            return ParseEntities(bsp_.entities, path_.string());
+        } catch (const Error &error) {
+            log_.Warn("entity text", "{}", error.what());
+            return {};
+        }
+    }
+
+    const std::filesystem::path &path_;
+    const Bsp &bsp_;
+    Log &log_;
+};
+
+} // namespace
+
+void PrintBspInfo(const std::filesystem::path &path, const Bsp &bsp, std::uintmax_t fileBytes, Log &log) {
+    log.Print("{}\n{}\n", kRule, path.string());
+    log.Print("Abstracted BSP file components (*actual sizes may differ)\n");
+    InfoTable(path, bsp, log).Print();
+    log.Print("{:9} {:<14} {:9}\n", "", "total", fileBytes);
+    log.Print("{:9} {:<14} {:9} KB\n", "", "", fileBytes / 1024);
+    log.Print("{:9} {:<14} {:9} MB\n{}\n", "", "", fileBytes / (1024 * 1024), kRule);
+}
+
+} // namespace q3

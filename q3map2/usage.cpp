@@ -1,0 +1,82 @@
+// GPL-2.0-or-later. q3map2 -help.
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/stages.h"
+
+namespace q3 {
+
+namespace {
+
+struct Topic {
+    std::string_view name, text;
+};
+
+constexpr Topic kTopics[] = {
+    {"common", R"(Global options, with every stage, anywhere on the line:
+  -help [topic]           this text; topics: common light json info shpreview game
+  -v                      more output
+  -threads N              worker threads (default: one per hardware thread)
+  -connect A.B.C.D:PORT   send what is printed to an editor
+  -force                  load files with a wrong ident or version
+  -game NAME              row of the games table (default quake3)
+  -fs_basepath DIR        where the game is installed; repeatable
+  -fs_game DIR            mod folder; repeatable, wins over the base game
+  -fs_basegame DIR        base game folder instead of the table's
+  -fs_home DIR, -fs_homebase DIR, -fs_homepath DIR
+                          home folder; the game's folder in it; both in one
+  -fs_pakpath DIR         further folder with game files; repeatable
+  -fs_forbiddenpath MASK  skip folders and archives of that name; repeatable
+)"},
+    {"light", R"(q3map2 -light [options] maps/x.bsp     lights the grids of a compiled map
+SH light grid:
+  -sh                     bake the SH light grid into lump 18 of a version 47 file
+  -shbspx                 ... into a BSPX lump of a version 46 file, which unmodified engines load
+  -shradiance             store the plain projection, for engines that convolve themselves
+  -gridscalesh F          points per axis relative to the legacy grid (default 2)
+  -gridsh X Y Z           cell size in game units, at least 8
+  -shpreview FILE.png     picture of what both grids show
+Intensities (each multiplies):
+  -scale F  -point F  -spherical F  -spot F  -area F  -sky F (also with the ending "scale")
+  -gridscale F  -gridambientscale F  -griddirectionality F  -gridambientdirectionality F
+  -backsplash SCALE DIST  -extradist F  -wolf  -q3
+Tone of the legacy grid:
+  -gamma F  -exposure F  -compensate F  -contrast F  -saturation F
+  -sRGB -nosRGB, -sRGBlight, -sRGBtex, -sRGBcolor and their -nosRGB forms
+Speed and rays:
+  -fast, -fastgrid        lights end where they fall below the tolerance
+  -faster                 and area lights count as points in the legacy grid
+  -cheap, -cheapgrid      stop adding lights to legacy points that are white
+  -nogrid                 leave the legacy grid as it is
+  -noskip                 SH grid: trace every light at every point
+  -notrace  -nosurf  -sunonly  -onesky  -patchshadows  -style  -nostyle
+  -floodlight  -lowquality
+)"},
+    {"json", R"(q3map2 -json [-unpack] maps/x.bsp      writes all lumps as JSON files into maps/x/
+q3map2 -json -pack maps/x.bsp          reads them and writes maps/x_json.bsp
+  -useflagnames           with -pack: flags come from their names in the game's table
+  -skipflags              with -useflagnames: drop unknown names
+)"},
+    {"info", R"(q3map2 -info a.bsp b.bsp ...           counts and bytes of all lumps
+)"},
+    {"shpreview", R"(q3map2 -shpreview FILE.png maps/x.bsp  picture of what both light grids of a map show
+)"}};
+
+} // namespace
+
+void PrintUsage(std::string_view topic, Log &log) {
+    while (topic.starts_with('-'))
+        topic.remove_prefix(1);
+    if (EqualNoCase(topic, "game")) {
+        for (const Game &game : Games())
+            log.Print("  {}\n", game.name);
+        return;
+    }
+    bool found = false;
+    for (const Topic &one : kTopics)
+        found |= EqualNoCase(topic, one.name);
+    log.Print("{}\n", kVersion);
+    for (const Topic &one : kTopics)
+        if (!found || EqualNoCase(topic, one.name))
+            log.Print("\n{}", one.text);
+}
+
+} // namespace q3
