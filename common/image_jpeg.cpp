@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. JPEG through TurboJPEG.
 #include "common/image.h"
+
 #include "common/image_check.h"
 
 #include <turbojpeg.h>

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. PNG through libpng.
 #include "common/image.h"
-#include "common/image_check.h"
 
 #include "common/files.h"
+#include "common/image_check.h"
 
 #include <png.h>
 

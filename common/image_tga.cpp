@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. TGA, as games of this family read it.
 #include "common/image.h"
+
 #include "common/image_check.h"
 
 #include <algorithm>

@@ -162,7 +162,7 @@ class InfoTable {
         if (!bsp_.advertisements.empty())
             Line(bsp_.advertisements, "advertisements");
         for (const BspxLump &lump : bsp_.bspx)
-            log_.Print("{:9} {:<14} {:9}\n", "BSPX", Printable(lump.name), lump.data.size());
+            log_.Print("{:>9} {:<14} {:9}\n", "BSPX", Printable(lump.name), lump.data.size());
         if (!bsp_.advertisements.empty() || !bsp_.bspx.empty())
             log_.Print("\n");
     }

@@ -198,9 +198,8 @@ void JsonRecordReader::Flags(std::string_view name, std::uint32_t &value, FlagKi
 std::uint32_t JsonRecordReader::FlagBits(std::string_view member, const JsonNode &node, FlagKind kind) const {
     const std::string_view flag = record_.Name(node);
     if (rules_.options.useFlagNames) {
-        for (const SurfaceParm &parm : rules_.game.surfaceParms)
-            if (EqualNoCase(parm.name, flag))
-                return ParmBits(parm, kind);
+        if (const SurfaceParm *parm = rules_.game.FindParm(flag))
+            return ParmBits(*parm, kind);
         rules_.log.Warn("unknown flag", "{}: {}: {}: game {} has no flag {}, {}", record_.file, record_.Label(), member,
                         rules_.game.name, ShownText(flag),
                         rules_.options.skipFlags ? "it is dropped" : "its value is used");

@@ -84,7 +84,7 @@ class Handler {
         return Open(JsonNode::Object);
     }
     bool start_array(std::size_t) {
-        if (depth_ == 1 && !record_.inList && !list_.empty() && record_.name == list_) {
+        if (depth_ == 1 && open_.empty() && !list_.empty() && record_.name == list_) {
             record_.inList = true;
             listed_ = 0;
             depth_ = 2;
@@ -93,7 +93,7 @@ class Handler {
         return Open(JsonNode::Array);
     }
     bool end_object() {
-        if (depth_ == 1) {
+        if (open_.empty()) {
             depth_ = 0;
             return true;
         }

@@ -12,24 +12,24 @@ namespace q3 {
 
 namespace {
 
-/// First look: rays to every view. Four see whether a light is whole, hidden or partly hidden.
-constexpr int kProbes = 4;
+/// First look: a straight shadow edge that crosses a convex emitter hides or shows one of its corners, so each gets a ray, moved
+/// inward by this share; and these many samples of the inside find what is smaller.
+constexpr float kCornerInset = 0.01f;
+constexpr int kInnerProbes = 2;
 /// Lights that give less than this are judged by one ray. Byte scale; a sixteenth of what a screen can show.
 constexpr double kFaint = 1.0 / 16;
 /// Rays for a partly hidden light: as many as keep the expected error of the estimate under kTolerance, within these limits.
-constexpr int kMinRefined = 16, kMaxRefined = 256;
+constexpr int kMinRefined = 16, kMaxRefined = 512;
 /// Byte scale: a quarter of what a screen can show.
 constexpr double kTolerance = 0.25;
-/// Rays end this share of the way before the emitter, which is itself in the scene.
-constexpr float kReach = 0.9995f;
-/// ... and at least this many game units before it.
-constexpr float kEmitterGap = 0.125f;
+/// Rays end this far in front of the emitter, which is itself in the scene, or half way to its plane. Game units.
+constexpr double kEmitterGap = 0.125;
 /// Under this solid angle sampling by area is as good and avoids cancellation; pbrt-v4 uses the same limit.
 constexpr double kMinSphericalTriangle = 3e-4;
 
 struct AreaSample {
-    Vec3f target;
-    Vec3d direction; ///< unit
+    Vec3f target;    ///< where the ray ends: just in front of the emitter
+    Vec3d direction; ///< unit, to the emitter itself
     double weight;   ///< solid angle it stands for
 };
 
@@ -44,8 +44,18 @@ class AreaSampler {
             total_ += std::max(0.0, angle);
             cumulative_.push_back(total_);
         }
-        const Vec3d areaVector = WindingAreaVector(view.corners);
-        normal_ = Normalize(areaVector);
+        normal_ = -Normalize(WindingAreaVector(view.corners));
+        const double height = Dot(p - Vec3d(view.corners[0]), normal_);
+        lift_ = normal_ * std::min(kEmitterGap, 0.5 * height);
+    }
+
+    /// Corner i, a little inward.
+    AreaSample Corner(std::size_t i) const {
+        Vec3f center;
+        for (const Vec3f &p : view_.corners)
+            center += p / float(view_.corners.size());
+        const Vec3d offset(view_.corners[i] + (center - view_.corners[i]) * kCornerInset - view_.point);
+        return {Vec3f(Vec3d(view_.point) + offset + lift_), Normalize(offset), 0};
     }
 
     /// Sample for s in the unit square, standing for `share` of the polygon's solid angle.
@@ -64,12 +74,12 @@ class AreaSampler {
             sample.direction = SampleSphericalTriangle(a, b, c, s);
             const double facing = Dot(sample.direction, normal_);
             const double distance = facing != 0 ? Dot(a, normal_) / facing : 0;
-            sample.target = Vec3f(p + sample.direction * distance);
+            sample.target = Vec3f(p + sample.direction * distance + lift_);
         } else {
             const double root = std::sqrt(s.u);
             const Vec3d offset = a * (1 - root) + b * (root * (1 - s.v)) + c * (root * s.v);
             sample.direction = Normalize(offset);
-            sample.target = Vec3f(p + offset);
+            sample.target = Vec3f(p + offset + lift_);
         }
         return sample;
     }
@@ -78,14 +88,14 @@ class AreaSampler {
     const AreaView &view_;
     std::vector<double> cumulative_;
     double total_ = 0;
-    Vec3d normal_;
+    Vec3d normal_, lift_;
 };
 
 void SetRay(RayPacket &rays, std::size_t i, const AreaView &view, const AreaSample &sample) {
-    const float distance = Length(sample.target - view.point);
+    const Vec3f way = sample.target - view.point;
     rays.origin[i] = view.point;
-    rays.direction[i] = Vec3f(sample.direction);
-    rays.distance[i] = std::max(0.0f, std::min(distance * kReach, distance - kEmitterGap));
+    rays.distance[i] = Length(way);
+    rays.direction[i] = Normalize(way);
     rays.blocked[i] = false;
 }
 
@@ -99,21 +109,33 @@ struct FirstLook {
 
 double FacingLight(const AreaView &view) { return Length(view.moments.first) * view.scale; }
 
+/// Probe number `probe` of a view: its corners, then samples of its inside. Faint lights get one, from the inside.
+bool ProbeOf(const AreaView &view, const AreaSampler &sampler, std::size_t probe, AreaSample &sample) {
+    const std::size_t corners = FacingLight(view) < kFaint ? 0 : view.corners.size();
+    const std::size_t inner = corners == 0 ? 1 : kInnerProbes;
+    if (probe >= corners + inner)
+        return false;
+    sample = probe < corners ? sampler.Corner(probe)
+                             : sampler.Sample(PlasticSample(std::uint32_t(probe - corners), view.seed), 1);
+    return true;
+}
+
 FirstLook Look(const AreaViews &views, const std::vector<AreaSampler> &samplers, const LightScene &scene,
                ContributionCounts &counts) {
     FirstLook look;
-    for (int probe = 0; probe < kProbes; ++probe) {
+    for (std::size_t probe = 0;; ++probe) {
         RayPacket rays;
         std::array<std::size_t, kPacketSize> of{};
         for (std::size_t i = 0; i < views.size(); ++i) {
-            if (probe > 0 && FacingLight(views[i]) < kFaint)
+            AreaSample sample;
+            if (!ProbeOf(views[i], samplers[i], probe, sample))
                 continue;
             const auto ray = std::size_t(rays.count++);
             of[ray] = i;
-            SetRay(rays, ray, views[i], samplers[i].Sample(PlasticSample(std::uint32_t(probe), views[i].seed), 1));
+            SetRay(rays, ray, views[i], sample);
         }
         if (rays.count == 0)
-            break;
+            return look;
         scene.TraceToLight(rays, ShadowRules::Exact, counts);
         for (std::size_t ray = 0; ray < std::size_t(rays.count); ++ray) {
             ++look.cast[of[ray]];
@@ -123,7 +145,6 @@ FirstLook Look(const AreaViews &views, const std::vector<AreaSampler> &samplers,
             }
         }
     }
-    return look;
 }
 
 int RefinedRays(const AreaView &view) {

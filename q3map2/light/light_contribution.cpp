@@ -129,7 +129,7 @@ void DeltaContribution(const Light &light, const ContributionSettings &settings,
         }
         const auto ray = std::size_t(rays.count++);
         lane[ray] = i;
-        rays.origin[ray] = points.position[i];
+        rays.origin[ray] = points.rayOrigin[i];
         rays.direction[ray] = points.direction[i];
         rays.distance[ray] = distance;
         rays.blocked[ray] = false;

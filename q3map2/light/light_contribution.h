@@ -28,6 +28,7 @@ struct PointPacket {
     int count = 0;
     // In.
     std::array<Vec3f, kPacketSize> position; ///< in the open
+    std::array<Vec3f, kPacketSize> rayOrigin; ///< the same or a hair beside, clear of solids
     std::array<int, kPacketSize> cluster{};
     std::array<std::uint32_t, kPacketSize> index{}; ///< of the grid point: seeds its sample patterns
     std::array<bool, kPacketSize> skip{};           ///< leave this point out

@@ -18,6 +18,7 @@ namespace {
 constexpr std::int64_t kMaxPoints = 0x100000;
 constexpr float kMinCell = 8;
 constexpr float kNudgeMargin = -0.125f;
+constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
 constexpr int kNudges = 200;
 constexpr std::uint64_t kSeedNudge = 0x4E75646765ull;
 constexpr std::size_t kMaxRecords = 32767;
@@ -28,7 +29,7 @@ struct GridRecord {
 };
 
 struct LegacyPoint {
-    Vec3f position;
+    Vec3f position, rayOrigin;
     int cluster = kSolidCluster;
     std::uint32_t index = 0;
     Vec3f sum; // running, of style 0 and others alike: for -cheapgrid
@@ -57,6 +58,26 @@ bool PlacePoint(const BspSpace &space, const GridLayout &layout, LegacyPoint &po
             return true;
     }
     return false;
+}
+
+/// Many points lie in the plane of a wall or a floor. Their rays start a hair off it, so that those into the wall are blocked
+/// and the others are not.
+Vec3f ClearOfSolids(const BspSpace &space, const Vec3f &p) {
+    const auto clear = [&](const Vec3f &at) {
+        const Vec3f margin{kSolidMargin, kSolidMargin, kSolidMargin};
+        return !space.AnySolid(at - margin, at + margin);
+    };
+    if (clear(p))
+        return p;
+    for (int axes = 1; axes <= 3; ++axes)
+        for (int z = -1; z <= 1; ++z)
+            for (int y = -1; y <= 1; ++y)
+                for (int x = -1; x <= 1; ++x) {
+                    const Vec3f at = p + Vec3f{float(x), float(y), float(z)} * (2.5f * kSolidMargin);
+                    if (std::abs(x) + std::abs(y) + std::abs(z) == axes && clear(at))
+                        return at;
+                }
+    return p;
 }
 
 void AddFloodlight(const GridInputs &in, LegacyPoint &point, RayCounts &counts) {
@@ -106,6 +127,7 @@ void AddLight(const Light &light, const ContributionSettings &settings, const Gr
     packet.count = int(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
         packet.position[i] = points[i].position;
+        packet.rayOrigin[i] = points[i].rayOrigin;
         packet.cluster[i] = points[i].cluster;
         packet.index[i] = points[i].index;
         const Vec3f &sum = points[i].sum;
@@ -159,8 +181,10 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
             LegacyPoint point;
             point.position = at.position;
             point.index = at.index;
-            if (PlacePoint(in.space, layout, point))
-                points.push_back(std::move(point));
+            if (!PlacePoint(in.space, layout, point))
+                continue;
+            point.rayOrigin = ClearOfSolids(in.space, point.position);
+            points.push_back(std::move(point));
         }
         work.open += std::int64_t(points.size());
         if (points.empty())

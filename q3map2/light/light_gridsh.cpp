@@ -31,7 +31,7 @@ void AddLight(const Light &light, const ContributionSettings &settings, const Gr
     PointPacket packet;
     packet.count = int(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-        packet.position[i] = points[i].position;
+        packet.position[i] = packet.rayOrigin[i] = points[i].position;
         packet.cluster[i] = points[i].cluster;
         packet.index[i] = points[i].index;
     }

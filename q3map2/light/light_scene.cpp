@@ -16,8 +16,8 @@ namespace {
 
 /// Skies stand this far in front of their brushes, so that rays meet them before the solid behind. Game units.
 constexpr float kSkyLift = 1.0f / 16;
-/// Legacy grid points may lie in the plane of a wall; solids nearer than this are ignored there. Game units.
-constexpr float kLegacySolidNear = 0.125f;
+/// Legacy sun rays look for the sky this far beyond the first solid. Game units.
+constexpr float kSkySlack = 0.125f;
 /// Light under this share counts as blocked.
 constexpr float kOpaqueTint = 0.001f;
 /// Two hits of one see-through surface nearer than this are one: the shared edge of its triangles. Game units.
@@ -333,7 +333,7 @@ void LightScene::TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &c
         return;
     }
     if (s.solids)
-        MarkBlocked(s.solids.get(), packet, kLegacySolidNear);
+        MarkBlocked(s.solids.get(), packet, 0);
     if (s.surfaces)
         MarkBlocked(s.surfaces.get(), packet, s.legacyIgnoreRadius);
     s.Tint(packet, s.filtersWithoutPatches, s.legacyIgnoreRadius);
@@ -354,9 +354,9 @@ void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, 
     }
     alignas(64) RTCRayHit16 hits;
     if (!exact && s.solids) {
-        FindNearest(s.solids.get(), packet, kLegacySolidNear, hits);
+        FindNearest(s.solids.get(), packet, 0, hits);
         for (std::size_t i = 0; i < std::size_t(packet.count); ++i)
-            packet.distance[i] = std::min(packet.distance[i], hits.ray.tfar[i] + kLegacySolidNear);
+            packet.distance[i] = std::min(packet.distance[i], hits.ray.tfar[i] + kSkySlack);
     }
     FindNearest(scene, packet, nearest, hits);
     for (std::size_t i = 0; i < std::size_t(packet.count); ++i) {

@@ -123,14 +123,14 @@ void BspSpace::ClustersOf(const Winding<float> &w, std::vector<int> &clusters) c
     }
 }
 
-bool BspSpace::AnyOpen(const Vec3f &mins, const Vec3f &maxs) const {
+bool BspSpace::Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const {
     const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;
     std::vector<int> stack{bsp_.nodes.empty() ? -1 : 0};
     while (!stack.empty()) {
         const int child = stack.back();
         stack.pop_back();
         if (child < 0) {
-            if (bsp_.leafs[std::size_t(LeafOf(child))].cluster >= 0)
+            if ((bsp_.leafs[std::size_t(LeafOf(child))].cluster < 0) == solid)
                 return true;
             continue;
         }
@@ -138,7 +138,7 @@ bool BspSpace::AnyOpen(const Vec3f &mins, const Vec3f &maxs) const {
         const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
         const Vec3f n(plane.normal);
         const float d = Dot(n, center) - plane.dist;
-        const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + kOnPlane;
+        const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
         if (d >= -reach)
             stack.push_back(node.children[0]);
         if (d <= reach)

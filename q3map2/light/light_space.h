@@ -31,14 +31,16 @@ class BspSpace {
 
     /// Appends every cluster of non-solid leafs that the polygon passes through, without order or duplicates.
     void ClustersOf(const Winding<float> &w, std::vector<int> &clusters) const;
-    /// Whether the box touches a non-solid leaf.
-    bool AnyOpen(const Vec3f &mins, const Vec3f &maxs) const;
+    /// Whether the box touches a leaf that is not solid, or one that is.
+    bool AnyOpen(const Vec3f &mins, const Vec3f &maxs) const { return Touches(mins, maxs, false); }
+    bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const { return Touches(mins, maxs, true); }
     /// Union of the bounds of all leafs whose cluster `cluster` sees.
     Boundsf VisibleBounds(int cluster) const;
 
     const Bsp &Map() const { return bsp_; }
 
   private:
+    bool Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const;
     bool InOpaqueBrush(const bspLeaf_t &leaf, const Vec3f &p, float epsilon) const;
 
     const Bsp &bsp_;

@@ -1,0 +1,330 @@
+// GPL-2.0-or-later. Finding scripts, shaders, images and colours.
+#include "tests/shader/library_test.h"
+
+#include "common/files.h"
+
+#include <turbojpeg.h>
+
+#include <gmock/gmock.h>
+
+namespace q3 {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+using ScriptDiscovery = test::LibraryTest;
+using ShaderLookUp = test::LibraryTest;
+using ShaderImages = test::LibraryTest;
+using ShaderColors = test::LibraryTest;
+
+std::string Entry(std::string_view name, std::string_view parm) {
+    return fmt::format("{}\n{{\nsurfaceparm {}\n}}\n", name, parm);
+}
+
+constexpr std::uint32_t kSlick = 0x2, kDust = 0x40000;
+
+TEST_F(ScriptDiscovery, ListsOfAllFoldersAreReadAndNothingElse) {
+    folder.Write("scripts/shaderlist.txt", "one // comment\nOne.shader\ntwo.shader\n");
+    folder.WriteArchive("a.pk3", {{"scripts/shaderlist.txt", "three"}, {"scripts/three.shader", Entry("c", "slick")}});
+    folder.Write("scripts/one.shader", Entry("a", "slick"));
+    folder.Write("scripts/two.shader", Entry("b", "slick"));
+    folder.Write("scripts/four.shader", Entry("d", "slick"));
+    Load();
+    EXPECT_TRUE(Get("a").defined && Get("b").defined && Get("c").defined);
+    EXPECT_FALSE(Get("d").defined);
+    EXPECT_EQ(library->DefinedCount(), 3u);
+}
+
+TEST_F(ScriptDiscovery, WithoutAListAllScriptsAreReadByName) {
+    folder.Write("scripts/b.shader", Entry("x", "dust"));
+    folder.WriteArchive("a.pk3",
+                        {{"scripts/a.shader", Entry("x", "slick")}, {"scripts/deep/c.shader", Entry("y", "slick")}});
+    Load();
+    EXPECT_EQ(Get("x").surfaceFlags, kSlick);
+    EXPECT_FALSE(Get("y").defined);
+    EXPECT_THAT(out.text, HasSubstr("shaderlist.txt"));
+}
+
+TEST_F(ScriptDiscovery, MissingScriptIsAWarningOfOneKind) {
+    folder.Write("scripts/shaderlist.txt", "gone\nalsogone\nhere\n");
+    folder.Write("scripts/here.shader", Entry("a", "slick"));
+    Load();
+    EXPECT_TRUE(Get("a").defined);
+    EXPECT_EQ(Warnings("shader script not found"), 2);
+}
+
+TEST_F(ScriptDiscovery, NothingAtAllIsFine) {
+    Load();
+    EXPECT_EQ(library->DefinedCount(), 0u);
+    EXPECT_EQ(Get("textures/a").name, "textures/a");
+}
+
+TEST_F(ShaderLookUp, CaseAndExtensionDoNotMatter) {
+    LoadScript(Entry("textures/Base/Wall", "slick"));
+    EXPECT_EQ(Get("TEXTURES/base/wall.tga").surfaceFlags, kSlick);
+    EXPECT_EQ(&Get("textures/base/WALL"), &Get("textures/Base/Wall.jpg"));
+    EXPECT_EQ(Get("textures/base/wall").name, "textures/Base/Wall");
+}
+
+TEST_F(ShaderLookUp, FirstDefinitionWins) {
+    LoadScript(Entry("a", "slick") + Entry("A", "dust"));
+    EXPECT_EQ(Get("a").surfaceFlags, kSlick);
+    EXPECT_EQ(library->DefinedCount(), 1u);
+}
+
+TEST_F(ShaderLookUp, DefinitionWithAnExtensionIsNeverFound) {
+    LoadScript(Entry("foo.tga", "slick"));
+    EXPECT_FALSE(Get("foo.tga").defined);
+    EXPECT_FALSE(Get("foo").defined);
+}
+
+TEST_F(ShaderLookUp, DotInAFolderNameIsNoExtension) {
+    LoadScript(Entry("a.b/c", "slick"));
+    EXPECT_TRUE(Get("a.b/c").defined);
+    EXPECT_TRUE(Get("a.b/c.tga").defined);
+}
+
+TEST_F(ShaderLookUp, UnknownNamesGiveImplicitShadersAsFirstSpelled) {
+    Load();
+    const ShaderInfo &first = Get("textures/New.tga");
+    EXPECT_EQ(first.name, "textures/New");
+    EXPECT_FALSE(first.defined);
+    EXPECT_EQ(first.compileFlags, std::uint32_t(C_SOLID));
+    EXPECT_EQ(&Get("TEXTURES/NEW"), &first);
+    EXPECT_EQ(Get("").name, "missing");
+    EXPECT_EQ(Warnings("shader without a name"), 1);
+}
+
+TEST_F(ShaderLookUp, ReferencesStayValid) {
+    Load();
+    const ShaderInfo &first = Get("first");
+    for (int i = 0; i < 1000; ++i)
+        Get(fmt::format("other{}", i));
+    EXPECT_EQ(&Get("first"), &first);
+    EXPECT_EQ(first.name, "first");
+}
+
+// One image per colour, so that the colour tells which file was taken.
+class LightImage : public test::LibraryTest {
+  protected:
+    void SetUp() override {
+        WriteTga("red.tga", {{200, 0, 0, 255}});
+        WriteTga("green.tga", {{0, 200, 0, 255}});
+        WriteTga("blue.tga", {{0, 0, 200, 255}});
+        WriteTga("env/sky_up.tga", {{200, 200, 0, 255}});
+    }
+    Vec3f ColorOf(std::string_view body) { return LoadShader(body).color; }
+
+    static constexpr Vec3f kRed{1, 0, 0}, kGreen{0, 1, 0}, kBlue{0, 0, 1}, kYellow{1, 1, 0}, kWhite{1, 1, 1};
+};
+
+TEST_F(LightImage, FirstStageImageCountsUnlessAnotherWasNamed) {
+    EXPECT_EQ(ColorOf("{\nmap $lightmap\n}\n{\nmap *white\n}\n{\nclampMap red.tga\n}\n{\nmap green.tga\n}"), kRed);
+    EXPECT_EQ(ColorOf("{\nmap red.tga\n}\nqer_editorImage green.tga"), kRed);
+    EXPECT_EQ(ColorOf("qer_editorImage green.tga\n{\nmap red.tga\n}"), kGreen);
+    EXPECT_EQ(ColorOf("implicitMap blue.tga\n{\nmap red.tga\n}"), kBlue);
+    EXPECT_EQ(ColorOf("q3map_lightImage blue.tga\nqer_editorImage green.tga\n{\nmap red.tga\n}"), kBlue);
+    EXPECT_EQ(ColorOf("{\nmap red.tga\n}\nq3map_lightImage blue.tga"), kBlue);
+}
+
+TEST_F(LightImage, AnimationsGiveTheirFirstFrame) {
+    EXPECT_EQ(ColorOf("{\nanimMap 10 green.tga red.tga blue.tga\n}"), kGreen);
+    EXPECT_EQ(ColorOf("{\nclampAnimMap 10 blue.tga red.tga\n}"), kBlue);
+    EXPECT_EQ(ColorOf("{\nmapComp red.tga\n}"), kRed);
+    EXPECT_EQ(ColorOf("{\nmapNoComp green.tga\n}"), kGreen);
+}
+
+TEST_F(LightImage, SkyGivesItsTopImage) {
+    EXPECT_EQ(ColorOf("skyParms env/sky 512 -\n{\nmap red.tga\n}"), kYellow);
+    EXPECT_EQ(Get("s").skyImageBase, "env/sky");
+    EXPECT_EQ(ColorOf("q3map_lightImage blue.tga\nskyParms env/sky - -"), kBlue);
+    EXPECT_EQ(ColorOf("skyParms - 512 -\n{\nmap red.tga\n}"), kRed);
+    EXPECT_EQ(ColorOf("skyParms FULL 512 -\n{\nmap red.tga\n}"), kRed);
+    EXPECT_EQ(Get("s").skyImageBase, "");
+    EXPECT_EQ(ColorOf("skyParms env/sky 512\n{\nmap red.tga\n}"), kRed);
+}
+
+TEST_F(LightImage, ShaderImageStandsInForAMissingLightImage) {
+    EXPECT_EQ(ColorOf("qer_editorImage green.tga\nq3map_lightImage gone.tga"), kGreen);
+    EXPECT_EQ(ColorOf("qer_editorImage gone.tga"), kWhite);
+    EXPECT_FALSE(Get("s").imageFound);
+    WriteTga("s.tga", {{0, 200, 0, 255}});
+    EXPECT_EQ(ColorOf("qer_editorImage gone.tga\nimplicitMap red"), kGreen);
+    EXPECT_EQ(ColorOf("implicitMask -\n{\nmap red.tga\n}"), kGreen);
+    EXPECT_TRUE(Get("s").imageFound);
+    EXPECT_EQ(Get("red").color, kRed);
+}
+
+TEST_F(LightImage, NodrawShadersReadNone) {
+    const ShaderInfo &shader = LoadShader("surfaceparm nodraw\nqer_editorImage red.tga");
+    EXPECT_FALSE(shader.imageFound);
+    EXPECT_EQ(shader.color, kWhite);
+    ASSERT_NE(shader.lightImage, nullptr);
+    EXPECT_EQ(shader.lightImage->width, 64);
+}
+
+TEST_F(LightImage, BaseShaderBringsItsImages) {
+    LoadScript("base\n{\nqer_editorImage red.tga\n}\nnew\n{\nq3map_baseShader base\n{\nmap green.tga\n}\n}\n");
+    EXPECT_EQ(Get("new").color, kRed);
+}
+
+TEST_F(ShaderImages, TgaBeforePngBeforeJpg) {
+    Image image{1, 1, {0, 255, 0, 255}};
+    WritePng(folder / "a.png", image);
+    WritePng(folder / "b.png", image);
+    WriteTga("a.tga", {{255, 0, 0, 255}});
+    folder.Write("b.jpg", "no jpeg");
+    folder.Write("c.tga", "no tga");
+    WritePng(folder / "c.png", image);
+    Load();
+    EXPECT_THAT(library->LoadImage("a")->rgba, ElementsAre(255, 0, 0, 255));
+    EXPECT_THAT(library->LoadImage("b")->rgba, ElementsAre(0, 255, 0, 255));
+    EXPECT_EQ(library->LoadImage("A"), library->LoadImage("a"));
+    EXPECT_EQ(library->LoadImage("c"), nullptr);
+    EXPECT_EQ(library->LoadImage("c"), nullptr);
+    EXPECT_EQ(Warnings("damaged image"), 1);
+    EXPECT_EQ(library->LoadImage("d"), nullptr);
+    EXPECT_EQ(library->LoadImage("../a"), nullptr);
+}
+
+TEST_F(ShaderImages, BuiltInDefaultIsWhite) {
+    Load();
+    const auto image = library->LoadImage("*default");
+    ASSERT_NE(image, nullptr);
+    EXPECT_EQ(image->width, 64);
+    EXPECT_EQ(image->rgba, std::vector<std::uint8_t>(4 * 64 * 64, 255));
+    EXPECT_EQ(Get("nothing").lightImage->rgba, image->rgba);
+}
+
+std::vector<std::byte> GreyJpeg(int side, int value) {
+    const std::vector<unsigned char> rgb(std::size_t(3 * side * side), static_cast<unsigned char>(value));
+    unsigned char *out = nullptr;
+    unsigned long size = 0;
+    tjhandle encoder = tjInitCompress();
+    EXPECT_EQ(tjCompress2(encoder, rgb.data(), side, 0, side, TJPF_RGB, &out, &size, TJSAMP_444, 100, 0), 0);
+    const auto bytes = std::as_bytes(std::span(out, size));
+    std::vector<std::byte> file(bytes.begin(), bytes.end());
+    tjFree(out);
+    tjDestroy(encoder);
+    return file;
+}
+
+TEST_F(ShaderImages, AlphaOfAJpegComesFromASecondFileOfTheSameSize) {
+    folder.Write("a.jpg", GreyJpeg(8, 200));
+    folder.Write("a_alpha.jpg", GreyJpeg(8, 64));
+    folder.Write("b.jpg", GreyJpeg(8, 200));
+    folder.Write("b_alpha.jpg", GreyJpeg(16, 64));
+    Load();
+    const auto a = library->LoadImage("a")->Texel(4, 4), b = library->LoadImage("b")->Texel(4, 4);
+    EXPECT_NEAR(a[0], 200, 2);
+    EXPECT_NEAR(a[3], 64, 2);
+    EXPECT_EQ(b[3], 255);
+}
+
+TEST_F(ShaderImages, NothingIsReadBeforeTheLookUp) {
+    folder.Write("broken.tga", "no tga");
+    LoadScript("a\n{\nqer_editorImage broken.tga\n}\n");
+    EXPECT_EQ(Warnings("damaged image"), 0);
+    EXPECT_FALSE(Get("a").imageFound);
+    EXPECT_EQ(Warnings("damaged image"), 1);
+}
+
+TEST_F(ShaderImages, MissingImageIsToldOnlyWhenVerbose) {
+    Load();
+    Get("quiet");
+    EXPECT_THAT(out.text, Not(HasSubstr("quiet")));
+    out.log.SetVerbose(true);
+    Get("loud");
+    EXPECT_THAT(out.text, HasSubstr("shader loud: couldn't find image"));
+}
+
+TEST_F(ShaderColors, MeanOfTheImageIsNotDecoded) {
+    WriteTga("a.tga", {{100, 40, 0, 0}, {60, 40, 20, 255}});
+    for (const bool sRgb : {false, true}) {
+        options.sRgbTexture = options.sRgbColor = sRgb;
+        Load();
+        EXPECT_EQ(Get("a").averageColor, (Vec3f{80, 40, 10}));
+        EXPECT_EQ(Get("a").color, (Vec3f{1, 0.5f, 0.125f}));
+    }
+}
+
+TEST_F(ShaderColors, BlackEmitsWhite) {
+    WriteTga("black.tga", {{0, 0, 0, 255}});
+    LoadScript("s\n{\nq3map_lightRGB 0 0 0\nqer_editorImage black.tga\n}\n");
+    EXPECT_EQ(Get("black").color, (Vec3f{1, 1, 1}));
+    EXPECT_EQ(Get("black").averageColor, (Vec3f{0, 0, 0}));
+    EXPECT_EQ(Get("s").color, (Vec3f{1, 1, 1}));
+    EXPECT_EQ(Get("s").averageColor, (Vec3f{1, 1, 1}));
+}
+
+TEST_F(ShaderColors, GivenColorReplacesTheImages) {
+    WriteTga("a.tga", {{100, 40, 0, 0}});
+    EXPECT_EQ(LoadShader("q3map_lightRGB 2 1 0.5\nq3map_lightImage a").color, (Vec3f{1, 0.5f, 0.25f}));
+    EXPECT_EQ(Get("s").averageColor, (Vec3f{1, 0.5f, 0.25f}));
+    EXPECT_EQ(Get("s").lightImage->Texel(0, 0)[0], 100);
+    options.sRgbColor = true;
+    EXPECT_NEAR(LoadShader("q3map_lightRGB 1 0.5 0").color.y, 0.214041, 1e-5);
+}
+
+TEST(Color, SrgbCurve) {
+    EXPECT_EQ(LinearFromSrgb(0), 0);
+    EXPECT_NEAR(LinearFromSrgb(1), 1, 1e-6);
+    EXPECT_NEAR(LinearFromSrgb(0.5f), 0.2140411, 1e-6);
+    EXPECT_NEAR(LinearFromSrgb(0.04f), 0.04 / 12.92, 1e-7);
+    for (int i = 0; i <= 255; ++i)
+        EXPECT_NEAR(SrgbFromLinear(LinearFromSrgb(float(i) / 255)), float(i) / 255, 1e-5) << i;
+}
+
+TEST(Color, LargestComponentBecomesOne) {
+    EXPECT_EQ(NormalizeColor({2, 4, 1}), (Vec3f{0.5f, 1, 0.25f}));
+    EXPECT_EQ(NormalizeColor({0, 0, 0}), (Vec3f{1, 1, 1}));
+    EXPECT_EQ(NormalizeColor({-1, -2, 0}), (Vec3f{1, 1, 1}));
+}
+
+class VectorGame : public testing::Test {
+  protected:
+    VectorGame() { vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3"); }
+
+    test::QuietLog out;
+    VirtualFileSystem vfs{out.log};
+};
+
+TEST_F(VectorGame, ScriptReadsAsItsLightsExpect) {
+    ShaderLibrary library(vfs, *FindGame("quake3"), {}, out.log);
+    EXPECT_EQ(library.DefinedCount(), 21u);
+    EXPECT_THAT(out.text, Not(HasSubstr("WARNING")));
+
+    const ShaderInfo &lite = library.Get("textures/vec/lite_sub");
+    EXPECT_EQ(lite.surfaceLight, 600);
+    EXPECT_EQ(lite.color, (Vec3f{1, 0.8f, 0.5f}));
+    EXPECT_EQ(lite.lightSubdivide, 100);
+    EXPECT_EQ(lite.backsplashFraction, 0);
+
+    const ShaderInfo &textured = library.Get("textures/vec/lite_tex");
+    EXPECT_TRUE(textured.imageFound);
+    EXPECT_EQ(textured.averageColor, (Vec3f{204, 102, 255}));
+    EXPECT_EQ(textured.color, (Vec3f{0.8f, 0.4f, 1}));
+    EXPECT_FLOAT_EQ(textured.backsplashFraction, 0.1f);
+    EXPECT_EQ(textured.lightImage->Texel(1, 2), (std::array<std::uint8_t, 4>{204, 102, 255, 64}));
+
+    const ShaderInfo &sky = library.Get("textures/vec/sky_ext");
+    EXPECT_EQ(sky.color, (Vec3f{1, 0.8f, 0.6f}));
+    ASSERT_EQ(sky.suns.size(), 1u);
+    EXPECT_EQ(sky.suns[0].color, (Vec3f{0.5f, 0.5f, 1}));
+    ASSERT_EQ(sky.skyLights.size(), 1u);
+    EXPECT_EQ(sky.skyLights[0].horizonMin, 30);
+    EXPECT_FALSE(sky.skyLights[0].sampleColor);
+
+    EXPECT_TRUE(library.Get("textures/vec/lite_sprite").autosprite);
+    EXPECT_TRUE(library.Get("textures/vec/two_trans").twoSided);
+    EXPECT_EQ(library.Get("textures/vec/tinted").bounceScale, 1.5f);
+    EXPECT_EQ(library.Get("textures/vec/caulk").compileFlags, std::uint32_t(C_SOLID | C_NODRAW | C_NOMARKS));
+    EXPECT_EQ(library.Get("textures/vec/sky_box").skyImageBase, "env/vecsky");
+    for (const auto *side : {"_lf", "_rt", "_ft", "_bk", "_up", "_dn"})
+        EXPECT_NE(library.LoadImage(std::string("env/vecsky") + side), nullptr) << side;
+}
+
+} // namespace
+} // namespace q3
