@@ -148,10 +148,8 @@ std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, con
 VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders, Log &log) {
     VirtualFileSystem vfs(log);
     vfs.SetForbidden(options.forbidden);
-    for (const std::filesystem::path &folder : folders) {
-        log.Print("VFS Init: {}/\n", folder.string());
+    for (const std::filesystem::path &folder : folders)
         vfs.Mount(folder, options.game->archiveExtension);
-    }
     return vfs;
 }
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT. Reader of the SH light grid of Quake III maps, for engines. C99 and C++.
 
    The grid is a box of points with nine L2 spherical-harmonics coefficients each, red green blue. Axes are the map's: x
-   east, y north, z up. By default the coefficients are convolved with the cosine, so that the plain sum over the basis is
-   the light that a matte surface receives; 1.0 is lightmap byte 255, linear. See LICENSE and README.md beside this file. */
+   east, y north, z up. By default the coefficients are convolved with the cosine, so that the plain sum over the basis
+   is the light that a matte surface receives; 1.0 is lightmap byte 255, linear. See LICENSE and README.md beside this
+   file. */
 #ifndef SHGRID_H
 #define SHGRID_H
 
@@ -20,14 +21,14 @@ extern "C" {
 
 typedef enum {
     SHGRID_OK,
-    SHGRID_ABSENT,      /* a good map, without an SH light grid */
-    SHGRID_NOT_BSP,     /* not an IBSP file of version 46 or 47 */
-    SHGRID_TRUNCATED,   /* shorter than its header, or than its points need */
-    SHGRID_BAD_OFFSET,  /* a lump outside the file or inside the header */
-    SHGRID_BAD_MINS,    /* position of the first point is not finite */
-    SHGRID_BAD_CELL,    /* distance between points is not above zero */
-    SHGRID_BAD_BOUNDS,  /* fewer than one point on an axis */
-    SHGRID_BAD_COUNT    /* number of points is not the product of the bounds, or not what the lump holds */
+    SHGRID_ABSENT,     /* a good map, without an SH light grid */
+    SHGRID_NOT_BSP,    /* not an IBSP file of version 46 or 47 */
+    SHGRID_TRUNCATED,  /* shorter than its header, or than its points need */
+    SHGRID_BAD_OFFSET, /* a lump outside the file or inside the header */
+    SHGRID_BAD_MINS,   /* position of the first point is not finite */
+    SHGRID_BAD_CELL,   /* distance between points is not above zero */
+    SHGRID_BAD_BOUNDS, /* fewer than one point on an axis */
+    SHGRID_BAD_COUNT   /* number of points is not the product of the bounds, or not what the lump holds */
 } shgrid_result;
 
 /* Points into the caller's memory: keep the file or the lump as long as the grid. */
@@ -79,7 +80,8 @@ static inline float shgrid_f32_(const unsigned char *p) {
     return value;
 }
 
-/* Entry `slot` of the lump table. Offsets and lengths above 2^31 - 1 are negative numbers in the format: out of range. */
+/* Entry `slot` of the lump table. Offsets and lengths above 2^31 - 1 are negative numbers in the format: out of range.
+ */
 static inline int shgrid_slot_(const unsigned char *file, size_t size, unsigned slot, uint64_t *offset,
                                uint64_t *length) {
     *offset = shgrid_u32_(file + 8 + 8 * slot);
@@ -228,9 +230,9 @@ static inline void shgrid_sample(const shgrid_grid *grid, const float position[3
         int32_t at[3];
         float weight = 1;
         for (axis = 0; axis < 3; axis++) {
-            const int far = corner >> axis & 1;
-            at[axis] = low[axis] + far;
-            weight *= far ? fraction[axis] : 1 - fraction[axis];
+            const int upper = corner >> axis & 1;
+            at[axis] = low[axis] + upper;
+            weight *= upper ? fraction[axis] : 1 - fraction[axis];
         }
         if (!(weight > 0)) /* on the far border, `at` may be one past the end: its weight is zero */
             continue;

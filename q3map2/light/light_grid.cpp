@@ -1,9 +1,6 @@
 // GPL-2.0-or-later. The legacy light grid.
 #include "q3map2/light/light_grid.h"
 
-#include "common/error.h"
-#include "common/progress.h"
-#include "libs/math/low_discrepancy.h"
 #include "q3map2/light/grid_bricks.h"
 #include "q3map2/light/light_tone.h"
 
@@ -19,8 +16,7 @@ constexpr std::int64_t kMaxPoints = 0x100000;
 constexpr float kMinCell = 8;
 constexpr float kNudgeMargin = -0.125f;
 constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
-constexpr int kNudges = 200;
-constexpr std::uint64_t kSeedNudge = 0x4E75646765ull;
+constexpr int kNudges = 16; ///< steps from the point to half a cell away
 constexpr std::size_t kMaxRecords = 32767;
 
 /// What one light gave to a point.
@@ -37,26 +33,28 @@ struct LegacyPoint {
     std::vector<GridRecord> records;
 };
 
-/// Finds the point's place: where it is, or, when that is solid, a spot up to half a cell away. The established program draws
-/// at random; here the draws depend on the point alone.
+/// Finds the point's place: where it is, or, when that is solid, the nearest open spot up to half a cell away. The established program
+/// draws spots at random, ever farther away.
 bool PlacePoint(const BspSpace &space, const GridLayout &layout, LegacyPoint &point) {
     const Vec3f base = point.position;
     point.cluster = space.ClusterAt(base, 0);
     if (point.cluster >= 0)
         return true;
-    const Vec3f cell(layout.size);
-    if (!space.AnyOpen(base - cell * 0.5f, base + cell * 0.5f))
+    const Vec3f half = Vec3f(layout.size) * 0.5f;
+    if (!space.AnyOpen(base - half, base + half))
         return false;
-    for (int i = 1; i <= kNudges; ++i) {
-        const float step = 0.005f * float(i);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto draw = HashIndex(kSeedNudge ^ (std::uint64_t(point.index) * 1024 + std::uint64_t(i) * 3 + axis));
-            point.position[axis] = base[axis] + step * (float(UnitFromHash(draw)) - 0.5f) * cell[axis];
-        }
-        point.cluster = space.ClusterAt(point.position, kNudgeMargin);
-        if (point.cluster >= 0)
-            return true;
-    }
+    for (int step = 1; step <= kNudges; ++step)
+        for (int axes = 1; axes <= 3; ++axes)
+            for (int z = -1; z <= 1; ++z)
+                for (int y = -1; y <= 1; ++y)
+                    for (int x = -1; x <= 1; ++x) {
+                        if (std::abs(x) + std::abs(y) + std::abs(z) != axes)
+                            continue;
+                        point.position = base + half * Vec3f{float(x), float(y), float(z)} * (float(step) / kNudges);
+                        point.cluster = space.ClusterAt(point.position, kNudgeMargin);
+                        if (point.cluster >= 0)
+                            return true;
+                    }
     return false;
 }
 

@@ -27,9 +27,9 @@ struct Fragment {
     Winding<double> w;
 };
 
-/// Cuts w by the subtree below `child` and calls visit(piece, solid) for the piece in each leaf.
+/// Cuts w by the subtree below `child` and calls visit(piece, leaf) for the piece in each leaf.
 template <typename Visit>
-void ForEachLeaf(const Bsp &bsp, int child, Winding<double> w, const Visit &visit) {
+void ForEachLeaf(const Bsp &bsp, int child, Winding<double> w, double epsilon, const Visit &visit) {
     std::vector<Fragment> stack;
     stack.push_back({child, std::move(w)});
     Winding<double> front, back;
@@ -37,12 +37,12 @@ void ForEachLeaf(const Bsp &bsp, int child, Winding<double> w, const Visit &visi
         Fragment fragment = std::move(stack.back());
         stack.pop_back();
         if (fragment.child < 0) {
-            visit(std::move(fragment.w), bsp.leafs[std::size_t(-1 - fragment.child)].cluster < 0);
+            visit(std::move(fragment.w), std::size_t(-1 - fragment.child));
             continue;
         }
         const bspNode_t &node = bsp.nodes[std::size_t(fragment.child)];
         const Plane plane = PlaneOf(bsp, node);
-        SplitWinding(fragment.w, plane.normal, plane.dist, kClipEpsilon, front, back);
+        SplitWinding(fragment.w, plane.normal, plane.dist, epsilon, front, back);
         if (!front.empty())
             stack.push_back({node.children[0], front});
         if (!back.empty())
@@ -61,7 +61,19 @@ void Grow(Winding<double> &w) {
 
 } // namespace
 
-std::vector<Winding<double>> SolidHull(const Bsp &bsp) {
+std::vector<bool> SolidLeafs(const Bsp &bsp) {
+    std::vector<bool> solid(bsp.leafs.size());
+    for (std::size_t i = 0; i < solid.size(); ++i)
+        solid[i] = bsp.leafs[i].cluster < 0;
+    return solid;
+}
+
+void CountInLeafs(const Bsp &bsp, const Winding<double> &w, double epsilon, std::vector<int> &counts) {
+    if (!bsp.nodes.empty())
+        ForEachLeaf(bsp, 0, w, epsilon, [&](const Winding<double> &, std::size_t leaf) { ++counts[leaf]; });
+}
+
+std::vector<Winding<double>> SolidHull(const Bsp &bsp, const std::vector<bool> &solidLeafs) {
     std::vector<Winding<double>> hull;
     if (bsp.nodes.empty())
         return hull;
@@ -88,9 +100,10 @@ std::vector<Winding<double>> SolidHull(const Bsp &bsp) {
             Grow(piece);
             hull.push_back(std::move(piece));
         };
-        ForEachLeaf(bsp, bsp.nodes[i].children[0], std::move(w), [&](Winding<double> piece, bool frontSolid) {
-            ForEachLeaf(bsp, bsp.nodes[i].children[1], std::move(piece), [&](Winding<double> small, bool backSolid) {
-                if (frontSolid != backSolid)
+        const auto [inFront, inBack] = bsp.nodes[i].children;
+        ForEachLeaf(bsp, inFront, std::move(w), kClipEpsilon, [&](Winding<double> piece, std::size_t frontLeaf) {
+            ForEachLeaf(bsp, inBack, std::move(piece), kClipEpsilon, [&](Winding<double> small, std::size_t backLeaf) {
+                if (solidLeafs[frontLeaf] != solidLeafs[backLeaf])
                     keep(std::move(small));
             });
         });

@@ -23,7 +23,11 @@ constexpr float kOpaqueTint = 0.001f;
 /// Two hits of one see-through surface nearer than this are one: the shared edge of its triangles. Game units.
 constexpr float kSameHit = 0.01f;
 
-enum GeometryId : unsigned { kSolids, kSurfaces, kPatches, kSkies, kFilters, kFilterPatches };
+/// In the established program an opaque leaf larger than this that at least so many triangles reach into stops being solid.
+constexpr int kLostLeafSize = 32, kLostLeafTriangles = 5;
+constexpr double kLostLeafEpsilon = 0.25;
+
+enum GeometryId : unsigned { kSolids, kSurfaces, kPatches, kSkies, kFilters, kFilterPatches, kLegacySolids, kGeometries };
 
 /// Triangles of one kind with what a hit needs to know.
 struct Triangles {
@@ -128,10 +132,10 @@ struct LightScene::State {
     const SurfaceTable table;
     float legacyIgnoreRadius;
     bool trace;
-    std::array<Triangles, 6> triangles; // by GeometryId
+    std::array<Triangles, kGeometries> triangles; // by GeometryId
     DevicePtr device;
-    std::array<GeometryPtr, 6> geometries;
-    ScenePtr solids, surfaces, surfacesAndSkies, all, allAndSkies, filters, filtersWithoutPatches;
+    std::array<GeometryPtr, kGeometries> geometries;
+    ScenePtr legacySolids, surfaces, surfacesAndSkies, all, allAndSkies, filters, filtersWithoutPatches;
 
     State(const SurfaceTable &t, float radius, bool traces) : table(t), legacyIgnoreRadius(radius), trace(traces) {}
 
@@ -183,7 +187,7 @@ void AddTriangle(Triangles &triangles, bool sky, int surface, const Corner &a, c
     triangles.st.push_back({a.st[0], a.st[1], b.st[0], b.st[1], c.st[0], c.st[1]});
 }
 
-void AddSurface(const Bsp &bsp, int number, const SurfaceEntry &entry, std::array<Triangles, 6> &triangles) {
+void AddSurface(const Bsp &bsp, int number, const SurfaceEntry &entry, std::array<Triangles, kGeometries> &triangles) {
     const bspDrawSurface_t &surface = bsp.drawSurfaces[std::size_t(number)];
     const bool patch = surface.surfaceType == MST_PATCH;
     const GeometryId kind = KindOf(*entry.shader, patch);
@@ -212,10 +216,27 @@ void AddSurface(const Bsp &bsp, int number, const SurfaceEntry &entry, std::arra
     }
 }
 
-void AddSolids(const Bsp &bsp, Triangles &triangles) {
-    for (const Winding<double> &w : SolidHull(bsp))
+void AddSolids(const Bsp &bsp, const std::vector<bool> &solidLeafs, Triangles &triangles) {
+    for (const Winding<double> &w : SolidHull(bsp, solidLeafs))
         for (std::size_t i = 2; i < w.size(); ++i)
             triangles.Add(Vec3f(w[0]), Vec3f(w[i - 1]), Vec3f(w[i]), -1);
+}
+
+/// Solid leafs as the established program sees them: without those that surfaces sunk into walls have opened.
+std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const std::array<Triangles, kGeometries> &triangles) {
+    std::vector<int> counts(bsp.leafs.size());
+    for (const GeometryId id : {kSurfaces, kPatches, kSkies, kFilters, kFilterPatches})
+        for (std::size_t i = 0; i < triangles[id].Count(); ++i) {
+            const float *c = triangles[id].corners.data() + 9 * i;
+            CountInLeafs(bsp, {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}, kLostLeafEpsilon, counts);
+        }
+    std::vector<bool> solid = SolidLeafs(bsp);
+    for (std::size_t i = 0; i < solid.size(); ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (counts[i] >= kLostLeafTriangles &&
+                std::int64_t(bsp.leafs[i].maxs[axis]) - bsp.leafs[i].mins[axis] > kLostLeafSize)
+                solid[i] = false;
+    return solid;
 }
 
 void FillRays(const RayPacket &packet, float nearest, RTCRay16 &rays, std::array<int, kPacketSize> &valid) {
@@ -262,7 +283,7 @@ int ActiveRays(const RayPacket &packet) {
 LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius)
     : state_(std::make_unique<State>(table, legacyIgnoreRadius, !options.noTrace)) {
     State &s = *state_;
-    AddSolids(bsp, s.triangles[kSolids]);
+    AddSolids(bsp, SolidLeafs(bsp), s.triangles[kSolids]);
     for (std::size_t i = 0; i < table.size(); ++i) {
         const bool sky = (table[i].shader->compileFlags & C_SKY) != 0;
         const bspDrawSurface_t &surface = bsp.drawSurfaces[i];
@@ -273,19 +294,20 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
             continue;
         AddSurface(bsp, int(i), table[i], s.triangles);
     }
+    AddSolids(bsp, LegacySolidLeafs(bsp, s.triangles), s.triangles[kLegacySolids]);
     s.device.reset(rtcNewDevice("threads=1"));
     if (!s.device)
         throw Error("Embree: cannot make a device");
     for (std::size_t id = 0; id < s.geometries.size(); ++id)
         if (s.triangles[id].Count() > 0) {
             s.geometries[id] = MakeGeometry(s.device.get(), s.triangles[id]);
-            if (id >= kFilters) {
+            if (id == kFilters || id == kFilterPatches) {
                 rtcSetGeometryOccludedFilterFunction(s.geometries[id].get(), FilterHit);
                 rtcCommitGeometry(s.geometries[id].get());
             } else
                 s.triangles[id].corners = {};
         }
-    s.solids = s.MakeScene({kSolids});
+    s.legacySolids = s.MakeScene({kLegacySolids});
     s.surfaces = s.MakeScene({kSurfaces});
     s.surfacesAndSkies = s.MakeScene({kSurfaces, kSkies});
     s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
@@ -332,8 +354,8 @@ void LightScene::TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &c
         s.Tint(packet, s.filters, 0);
         return;
     }
-    if (s.solids)
-        MarkBlocked(s.solids.get(), packet, 0);
+    if (s.legacySolids)
+        MarkBlocked(s.legacySolids.get(), packet, 0);
     if (s.surfaces)
         MarkBlocked(s.surfaces.get(), packet, s.legacyIgnoreRadius);
     s.Tint(packet, s.filtersWithoutPatches, s.legacyIgnoreRadius);
@@ -353,8 +375,8 @@ void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, 
         return;
     }
     alignas(64) RTCRayHit16 hits;
-    if (!exact && s.solids) {
-        FindNearest(s.solids.get(), packet, 0, hits);
+    if (!exact && s.legacySolids) {
+        FindNearest(s.legacySolids.get(), packet, 0, hits);
         for (std::size_t i = 0; i < std::size_t(packet.count); ++i)
             packet.distance[i] = std::min(packet.distance[i], hits.ray.tfar[i] + kSkySlack);
     }
@@ -385,8 +407,8 @@ void LightScene::TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts 
 
 std::size_t LightScene::TriangleCount() const {
     std::size_t count = 0;
-    for (const Triangles &triangles : state_->triangles)
-        count += triangles.Count();
+    for (const GeometryId id : {kSolids, kSurfaces, kPatches, kSkies, kFilters, kFilterPatches})
+        count += state_->triangles[id].Count();
     return count;
 }
 

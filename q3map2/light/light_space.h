@@ -50,8 +50,14 @@ class BspSpace {
     std::int32_t visRowBytes_ = 0;
 };
 
-/// Polygons between solid and non-solid leafs: everything that blocks light as a volume, as a closed surface. Slightly
-/// overlapping, so that no ray slips through where they meet. Iterative; time grows with nodes times depth.
-std::vector<Winding<double>> SolidHull(const Bsp &bsp);
+/// By leaf: whether it is solid.
+std::vector<bool> SolidLeafs(const Bsp &bsp);
+
+/// Polygons between solid leafs and others: everything that blocks light as a volume, as a closed surface. Slightly overlapping, so
+/// that no ray slips through where they meet. Iterative; time grows with nodes times depth.
+std::vector<Winding<double>> SolidHull(const Bsp &bsp, const std::vector<bool> &solidLeafs);
+
+/// Adds 1 to the count of every leaf that the polygon reaches into by more than epsilon, game units.
+void CountInLeafs(const Bsp &bsp, const Winding<double> &w, double epsilon, std::vector<int> &counts);
 
 } // namespace q3

@@ -1,0 +1,40 @@
+// GPL-2.0-or-later. Where a map is open, and which places stand for it. Internal to the grid preview.
+#pragma once
+
+#include "libs/math/bounds.h"
+#include "q3map2/bspfile/bspfile.h"
+
+#include <functional>
+#include <vector>
+
+namespace q3 {
+
+/// The solid space of a map: the tree, and solid brushes in its open leafs. Keep the Bsp.
+class PreviewMap {
+  public:
+    explicit PreviewMap(const Bsp &bsp) : bsp_(bsp) {}
+
+    bool IsOpen(const Vec3f &position) const;
+    /// Open with solid at most 128 units below: where things stand.
+    bool IsOverFloor(const Vec3f &position) const;
+    /// World bounds as the map states them, at least a unit wide.
+    Boundsf WorldBounds() const;
+
+    /// Height at which the most ground is over a floor; the middle when nothing is.
+    float BestHeight() const;
+    /// Rectangle (in x and y) of what is open at that height; the whole world when nothing is.
+    Boundsf OpenArea(float height) const;
+
+    /// Up to `count` open places, spread over the map by farthest-point choice; distances count more where `strength`
+    /// (of a position, >= 0) is large. In reading order: north first.
+    std::vector<Vec3f> ChoosePlaces(std::size_t count, const std::function<float(const Vec3f &)> &strength) const;
+
+  private:
+    bool InBrush(const bspBrush_t &brush, const Vec3f &position) const;
+    bool HasRoom(const Vec3f &position) const;
+    std::vector<Vec3f> Candidates() const;
+
+    const Bsp &bsp_;
+};
+
+} // namespace q3

@@ -1,0 +1,332 @@
+/* GPL-2.0-or-later. The engine-side reader as a C99 program sees it: both containers, cut and hostile files, sampling.
+ */
+#include "libs/shgrid/shgrid.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { kSlotBytes = 8, kNx = 4, kNy = 3, kNz = 2, kPoints = kNx * kNy * kNz };
+enum { kLumpBytes = SHGRID_HEADER_BYTES + SHGRID_POINT_BYTES * kPoints };
+enum { kHeader17 = 8 + 17 * kSlotBytes, kHeader19 = 8 + 19 * kSlotBytes, kText = 12 };
+
+static int failures;
+
+static void Check(int holds, const char *what, int line) {
+    if (!holds) {
+        printf("line %d: does not hold: %s\n", line, what);
+        failures++;
+    }
+}
+#define CHECK(condition) Check((condition) ? 1 : 0, #condition, __LINE__)
+
+static int Near(double a, double b, double tolerance) {
+    return fabs(a - b) <= tolerance;
+}
+
+static void Put32(unsigned char *at, uint32_t value) {
+    int byte;
+    for (byte = 0; byte < 4; byte++)
+        at[byte] = (unsigned char)(value >> (8 * byte));
+}
+
+static void PutFloat(unsigned char *at, float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, 4);
+    Put32(at, bits);
+}
+
+/* A field that is linear in the position, different for every coefficient and channel. */
+static double Linear(int k, int channel, double x, double y, double z) {
+    return 1 + k - 0.5 * channel + 0.015625 * (k + 1) * x - 0.03125 * (channel + 1) * y + 0.0078125 * z;
+}
+
+static const float kMins[3] = {-64, 32, 0}, kCell[3] = {32, 16, 64};
+
+static void PutLump(unsigned char *lump) {
+    int i, k, channel, x, y, z;
+    for (i = 0; i < 3; i++) {
+        PutFloat(lump + 4 * i, kMins[i]);
+        PutFloat(lump + 12 + 4 * i, kCell[i]);
+    }
+    Put32(lump + 24, kNx);
+    Put32(lump + 28, kNy);
+    Put32(lump + 32, kNz);
+    Put32(lump + 36, kPoints);
+    for (i = 0; i < kPoints; i++) {
+        x = i % kNx, y = i / kNx % kNy, z = i / (kNx * kNy);
+        for (k = 0; k < 9; k++)
+            for (channel = 0; channel < 3; channel++)
+                PutFloat(lump + SHGRID_HEADER_BYTES + SHGRID_POINT_BYTES * i + 12 * k + 4 * channel,
+                         (float)Linear(k, channel, kMins[0] + (float)x * kCell[0], kMins[1] + (float)y * kCell[1],
+                                       kMins[2] + (float)z * kCell[2]));
+    }
+}
+
+static void PutSlot(unsigned char *file, int slot, uint32_t offset, uint32_t length) {
+    Put32(file + 8 + kSlotBytes * slot, offset);
+    Put32(file + 12 + kSlotBytes * slot, length);
+}
+
+/* A version 47 file with 19 slots: 12 bytes of entities, then the SH grid. Returns its size. */
+static size_t PutFile19(unsigned char *file) {
+    memset(file, 0, kHeader19 + kText);
+    memcpy(file, "IBSP", 4);
+    Put32(file + 4, 47);
+    PutSlot(file, 0, kHeader19, kText);
+    PutSlot(file, 18, kHeader19 + kText, kLumpBytes);
+    PutLump(file + kHeader19 + kText);
+    return kHeader19 + kText + kLumpBytes;
+}
+
+/* A version 46 file with 17 slots, 10 bytes of entities, and a BSPX directory of two lumps. */
+static size_t PutFileBspx(unsigned char *file) {
+    const size_t directory = kHeader17 + kText, data = directory + 8 + 2 * 32;
+    memset(file, 0, data + 4);
+    memcpy(file, "IBSP", 4);
+    Put32(file + 4, 46);
+    PutSlot(file, 0, kHeader17, kText - 2);
+    memcpy(file + directory, "BSPX", 4);
+    Put32(file + directory + 4, 2);
+    memcpy(file + directory + 8, "LIGHTGRID_SHARED", 16); /* a longer name that begins alike */
+    Put32(file + directory + 8 + 24, (uint32_t)data);
+    Put32(file + directory + 8 + 28, 4);
+    memcpy(file + directory + 40, "LIGHTGRID_SH", 12);
+    Put32(file + directory + 40 + 24, (uint32_t)data + 4);
+    Put32(file + directory + 40 + 28, kLumpBytes);
+    PutLump(file + data + 4);
+    return data + 4 + kLumpBytes;
+}
+
+/* Loads a copy in memory of exactly that size, so that a checker of addresses sees every byte too far. */
+static shgrid_result LoadExact(const unsigned char *file, size_t size) {
+    unsigned char *copy = (unsigned char *)malloc(size > 0 ? size : 1);
+    shgrid_grid grid;
+    shgrid_result result;
+    if (!copy)
+        exit(1);
+    memcpy(copy, file, size);
+    result = shgrid_load(copy, size, &grid);
+    if (result == SHGRID_OK) {
+        const float corner[3] = {1e9f, 1e9f, 1e9f}, up[3] = {0, 0, 1};
+        float rgb[3];
+        shgrid_light(&grid, corner, up, rgb);
+    }
+    free(copy);
+    return result;
+}
+
+static void TestContainers(unsigned char *file) {
+    shgrid_grid grid;
+    size_t size, shift, cut;
+    int kind;
+    for (kind = 0; kind < 2; kind++) {
+        size = kind ? PutFileBspx(file) : PutFile19(file);
+        CHECK(shgrid_load(file, size, &grid) == SHGRID_OK);
+        CHECK(grid.bounds[0] == kNx && grid.bounds[1] == kNy && grid.bounds[2] == kNz && grid.count == kPoints);
+        CHECK(grid.mins[1] == kMins[1] && grid.cell[2] == kCell[2]);
+        CHECK(grid.points == file + size - SHGRID_POINT_BYTES * kPoints);
+        for (cut = 0; cut < size; cut++)
+            CHECK(LoadExact(file, cut) != SHGRID_OK);
+        for (shift = 1; shift < 4; shift++) { /* any alignment */
+            memmove(file + shift, file, size);
+            CHECK(LoadExact(file + shift, size) == SHGRID_OK);
+            CHECK(shgrid_load(file + shift, size, &grid) == SHGRID_OK);
+            memmove(file, file + shift, size);
+        }
+    }
+    size = PutFile19(file);
+    PutSlot(file, 18, 0, 0);
+    CHECK(LoadExact(file, size) == SHGRID_ABSENT);
+    size = PutFileBspx(file);
+    CHECK(LoadExact(file, kHeader17 + kText) == SHGRID_ABSENT);
+}
+
+static void TestHostileOffsets(unsigned char *file) {
+    static const uint32_t bad[] = {1, 100, 0x7fffffff, 0x80000000u, 0xffffffffu, 0xfffffff0u, kHeader19 + 20000};
+    const size_t directory = kHeader17 + kText;
+    size_t i, size;
+    for (i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        size = PutFile19(file);
+        PutSlot(file, 18, bad[i], kLumpBytes);
+        CHECK(LoadExact(file, size) == SHGRID_BAD_OFFSET);
+        PutSlot(file, 18, kHeader19 + kText, bad[i]);
+        CHECK(LoadExact(file, size) != SHGRID_OK);
+        PutFile19(file);
+        PutSlot(file, 3, bad[i], 8);
+        CHECK(LoadExact(file, size) == SHGRID_BAD_OFFSET);
+        size = PutFileBspx(file);
+        Put32(file + directory + 40 + 24, bad[i]);
+        CHECK(LoadExact(file, size) == SHGRID_BAD_OFFSET);
+        PutFileBspx(file);
+        Put32(file + directory + 40 + 28, bad[i]);
+        CHECK(LoadExact(file, size) != SHGRID_OK);
+        PutFileBspx(file);
+        Put32(file + directory + 4, bad[i] + 1);
+        CHECK(LoadExact(file, size) == SHGRID_TRUNCATED || bad[i] + 1 <= 2);
+    }
+    size = PutFile19(file);
+    Put32(file + 4, 45);
+    CHECK(LoadExact(file, size) == SHGRID_NOT_BSP);
+    memcpy(file, "RBSP", 4);
+    CHECK(LoadExact(file, size) == SHGRID_NOT_BSP);
+}
+
+/* In a file with fewer slots the bytes of slot 18 are a lump: whatever they hold, they are no grid. */
+static void TestOtherLayouts(unsigned char *file) {
+    size_t size = PutFile19(file);
+    PutSlot(file, 1, kHeader17, 16);
+    CHECK(LoadExact(file, size) == SHGRID_ABSENT);
+    size = PutFile19(file);
+    Put32(file + 4, 46);
+    CHECK(LoadExact(file, size) == SHGRID_ABSENT);
+    /* A text before the first lump, as other compilers write it. */
+    size = PutFile19(file);
+    PutSlot(file, 0, kHeader19 + 4, kText - 4);
+    memset(file + 8 + 18 * kSlotBytes, 'x', kSlotBytes);
+    CHECK(LoadExact(file, size) == SHGRID_ABSENT);
+}
+
+static void TestHostileHeader(unsigned char *lump) {
+    static const struct {
+        int at;
+        uint32_t bits;
+        shgrid_result expected;
+    } cases[] = {
+        {0, 0x7fc00000u, SHGRID_BAD_MINS},
+        {8, 0x7f800000u, SHGRID_BAD_MINS},
+        {12, 0, SHGRID_BAD_CELL},
+        {16, 0xc2000000u, SHGRID_BAD_CELL},
+        {20, 0x7f800000u, SHGRID_BAD_CELL},
+        {24, 0, SHGRID_BAD_BOUNDS},
+        {28, 0xffffffffu, SHGRID_BAD_BOUNDS},
+        {32, 0x80000000u, SHGRID_BAD_BOUNDS},
+        {24, 5, SHGRID_BAD_COUNT},
+        {24, 0x7fffffff, SHGRID_BAD_COUNT},
+        {36, 0, SHGRID_BAD_COUNT},
+        {36, 0xffffffffu, SHGRID_BAD_COUNT},
+    };
+    shgrid_grid grid;
+    size_t i;
+    for (i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        PutLump(lump);
+        Put32(lump + cases[i].at, cases[i].bits);
+        CHECK(shgrid_parse(lump, kLumpBytes, &grid) == cases[i].expected);
+        CHECK(grid.points == NULL);
+    }
+    /* Bounds whose product is right modulo 2^32. */
+    PutLump(lump);
+    Put32(lump + 24, 0x10000);
+    Put32(lump + 28, 0x10000);
+    Put32(lump + 32, 1);
+    Put32(lump + 36, 0);
+    CHECK(shgrid_parse(lump, kLumpBytes, &grid) == SHGRID_BAD_COUNT);
+    PutLump(lump);
+    CHECK(shgrid_parse(lump, kLumpBytes - 1, &grid) == SHGRID_TRUNCATED);
+    lump[kLumpBytes] = 0;
+    CHECK(shgrid_parse(lump, kLumpBytes + 1, &grid) == SHGRID_BAD_COUNT);
+}
+
+static void TestSampling(const shgrid_grid *grid) {
+    int i, k, channel;
+    for (i = 0; i < 1000; i++) {
+        /* From a cell outside on one side to a cell outside on the other. */
+        const double t[3] = {(i % 10) / 9.0 * 1.5 - 0.25, (i / 10 % 10) / 9.0 * 1.5 - 0.25,
+                             (i / 100) / 9.0 * 1.5 - 0.25};
+        float position[3];
+        double clamped[3];
+        shgrid_coeffs sampled;
+        for (k = 0; k < 3; k++) {
+            const double extent = (double)kCell[k] * (grid->bounds[k] - 1);
+            position[k] = (float)(kMins[k] + t[k] * extent);
+            clamped[k] = fmin(fmax(position[k], kMins[k]), kMins[k] + extent);
+        }
+        shgrid_sample(grid, position, &sampled);
+        for (k = 0; k < 9; k++)
+            for (channel = 0; channel < 3; channel++)
+                CHECK(Near(sampled.c[k][channel], Linear(k, channel, clamped[0], clamped[1], clamped[2]), 1e-5));
+    }
+}
+
+static void TestOddPositions(const shgrid_grid *grid) {
+    const float first[3] = {-64, 32, 0}, last[3] = {32, 64, 64}, up[3] = {0, 0, 1};
+    const float odd[][3] = {{NAN, NAN, NAN}, {-INFINITY, -INFINITY, -INFINITY}, {-3e38f, -3e38f, -3e38f}};
+    const float high[][3] = {{INFINITY, INFINITY, INFINITY}, {3e38f, 3e38f, 3e38f}};
+    const float noNormal[3] = {NAN, INFINITY, 0};
+    float expected[3], rgb[3];
+    size_t i;
+    shgrid_light(grid, first, up, expected);
+    for (i = 0; i < 3; i++) {
+        shgrid_light(grid, odd[i], up, rgb);
+        CHECK(memcmp(rgb, expected, sizeof rgb) == 0);
+    }
+    shgrid_light(grid, last, up, expected);
+    for (i = 0; i < 2; i++) {
+        shgrid_light(grid, high[i], up, rgb);
+        CHECK(memcmp(rgb, expected, sizeof rgb) == 0);
+    }
+    shgrid_light(grid, first, noNormal, rgb);
+    CHECK(rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0);
+}
+
+/* One light of colour 1 from +x, +y, +z or a slanted direction: V = 0.09375 + 0.5 t + 0.46875 t^2, t = cosine. */
+static void TestDeltaLight(void) {
+    static const double kLobe[9] = {3.141592653589793, 2.094395102393195, 2.094395102393195,
+                                    2.094395102393195, 0.785398163397448, 0.785398163397448,
+                                    0.785398163397448, 0.785398163397448, 0.785398163397448};
+    static const double lights[4][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.48, -0.6, 0.64}};
+    int light, i, k;
+    for (light = 0; light < 4; light++) {
+        const double x = lights[light][0], y = lights[light][1], z = lights[light][2];
+        const double basis[9] = {0.28209479177387814,
+                                 0.4886025119029199 * y,
+                                 0.4886025119029199 * z,
+                                 0.4886025119029199 * x,
+                                 1.092548430592079 * x * y,
+                                 1.092548430592079 * y * z,
+                                 0.31539156525252 * (3 * z * z - 1),
+                                 1.092548430592079 * x * z,
+                                 0.5462742152960395 * (x * x - y * y)};
+        shgrid_coeffs plain, coeffs;
+        for (k = 0; k < 9; k++) {
+            coeffs.c[k][0] = (float)(kLobe[k] * basis[k]);
+            coeffs.c[k][1] = coeffs.c[k][2] = 0;
+            plain.c[k][0] = plain.c[k][1] = plain.c[k][2] = (float)basis[k];
+        }
+        shgrid_convolve(&plain);
+        for (k = 0; k < 9; k++)
+            CHECK(Near(plain.c[k][1], coeffs.c[k][0], 1e-6));
+        for (i = 0; i < 400; i++) {
+            const double h = 1 - (2 * i + 1) / 400.0, angle = 2.399963229728653 * i, r = sqrt(1 - h * h);
+            const float normal[3] = {(float)(r * cos(angle)), (float)(r * sin(angle)), (float)h};
+            const double t = normal[0] * x + normal[1] * y + normal[2] * z;
+            float rgb[3];
+            shgrid_evaluate(&coeffs, normal, rgb);
+            CHECK(Near(rgb[0], fmax(0, 0.09375 + 0.5 * t + 0.46875 * t * t), 2e-6));
+            CHECK(rgb[1] == 0 && rgb[2] == 0);
+        }
+    }
+}
+
+static void TestMessages(void) {
+    int a, b;
+    for (a = SHGRID_OK; a <= SHGRID_BAD_COUNT; a++)
+        for (b = SHGRID_OK; b < a; b++)
+            CHECK(strcmp(shgrid_message((shgrid_result)a), shgrid_message((shgrid_result)b)) != 0);
+}
+
+int main(void) {
+    static unsigned char file[kHeader19 + 256 + kLumpBytes];
+    shgrid_grid grid;
+    TestContainers(file);
+    TestHostileOffsets(file);
+    TestOtherLayouts(file);
+    TestHostileHeader(file);
+    CHECK(shgrid_load(file, PutFile19(file), &grid) == SHGRID_OK);
+    TestSampling(&grid);
+    TestOddPositions(&grid);
+    TestDeltaLight();
+    TestMessages();
+    if (failures == 0)
+        printf("all checks hold\n");
+    return failures != 0;
+}
