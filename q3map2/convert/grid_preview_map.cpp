@@ -1,6 +1,9 @@
 // GPL-2.0-or-later. Where a map is open, and which places stand for it.
 #include "q3map2/convert/grid_preview_map.h"
 
+#include "common/error.h"
+#include "q3map2/bspfile/entities.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,17 +11,57 @@ namespace q3 {
 
 namespace {
 
-constexpr std::uint32_t kContentsSolid = 1;
-constexpr float kFloorBelow = 128, kFloorStep = 16; ///< how far down a floor is looked for
-constexpr float kRoom = 24;                         ///< free distance around a place
-constexpr int kHeights = 96, kHeightSamples = 64;   ///< probes for the best height, per axis
+constexpr std::uint32_t kContentsSolid = 1, kSurfSky = 4;
+constexpr std::int32_t kTopSide = 5;        ///< of a brush: faces up
+constexpr std::int32_t kPlaneBudget = 4096; ///< planes tested for one position: absurd brush lists cost no more
+constexpr Vec3f kWorldLimit{131072, 131072, 131072}; ///< of engines
+constexpr float kFloorBelow = 128, kFloorStep = 16;  ///< how far down a floor is looked for
+constexpr float kRoom = 24;                          ///< free distance around a place
+constexpr int kHeights = 96, kHeightSamples = 64;    ///< probes for the best height, per axis
 constexpr int kAreaSamples = 256;
 constexpr int kCandidateColumns = 40, kCandidateLevels = 24;
-constexpr float kWeakWeight = 0.6f; ///< of a dark place, against 1.6 of a strongly lit one
+constexpr std::array<std::string_view, 6> kPlaceClasses = {"info_player_", "team_", "item_",
+                                                           "weapon_",      "ammo_", "holdable_"};
+constexpr Vec3f kPlayMargin{384, 384, 160}; ///< around those
+constexpr float kWeakWeight = 0.6f;         ///< of a dark place, against 1.6 of a strongly lit one
 
 // Middle of cell i of n between two bounds.
 float Middle(float low, float high, int i, int n) {
     return low + (high - low) * ((float(i) + 0.5f) / float(n));
+}
+
+// World bounds as the map states them, but inside what engines allow and at least a unit wide.
+Boundsf WorldBounds(const Bsp &bsp) {
+    Boundsf bounds{Max(Vec3f(bsp.models[0].mins), -kWorldLimit), Min(Vec3f(bsp.models[0].maxs), kWorldLimit)};
+    for (std::size_t axis = 0; axis < 3; axis++)
+        if (bounds.maxs[axis] - bounds.mins[axis] < 1) {
+            bounds.mins[axis] = std::min(bounds.mins[axis], kWorldLimit[axis] - 1);
+            bounds.maxs[axis] = bounds.mins[axis] + 1;
+        }
+    return bounds;
+}
+
+// Where players start and things lie.
+Boundsf EntityBounds(const Bsp &bsp) {
+    Boundsf bounds;
+    try {
+        for (const Entity &entity : ParseEntities(bsp.entities, "entities")) {
+            const auto isPlace = [&](std::string_view prefix) { return StartsWithNoCase(entity.ClassName(), prefix); };
+            const auto origin = entity.Vector({"origin"});
+            if (origin && std::ranges::any_of(kPlaceClasses, isPlace))
+                bounds.Add(*origin);
+        }
+    } catch (const Error &) { // ReadBsp has warned
+    }
+    return bounds;
+}
+
+Boundsf PlaySpace(const Bsp &bsp) {
+    const Boundsf world = WorldBounds(bsp), places = EntityBounds(bsp);
+    if (places.Empty())
+        return world;
+    const Boundsf space{Max(world.mins, places.mins - kPlayMargin), Min(world.maxs, places.maxs + kPlayMargin)};
+    return space.Empty() ? world : space;
 }
 
 struct Candidate {
@@ -44,39 +87,58 @@ std::vector<Candidate> Weigh(const std::vector<Vec3f> &positions, const std::fun
 
 } // namespace
 
-bool PreviewMap::InBrush(const bspBrush_t &brush, const Vec3f &position) const {
+PreviewMap::PreviewMap(const Bsp &bsp) : bsp_(bsp), space_(PlaySpace(bsp)) {}
+
+bool PreviewMap::InBrush(const bspBrush_t &brush, const Vec3f &position, std::int32_t &budget) const {
     if (!(bsp_.shaders[std::size_t(brush.shaderNum)].contentFlags & kContentsSolid))
         return false;
     for (std::int32_t side = 0; side < brush.numSides; side++) {
         const auto plane = std::size_t(bsp_.brushSides[std::size_t(brush.firstSide + side)].planeNum);
-        if (Dot(Vec3f(bsp_.planes[plane].normal), position) - bsp_.planes[plane].dist > 0)
+        if (--budget < 0 || Dot(Vec3f(bsp_.planes[plane].normal), position) - bsp_.planes[plane].dist > 0)
             return false;
     }
     return true;
 }
 
-bool PreviewMap::IsOpen(const Vec3f &position) const {
+const bspLeaf_t &PreviewMap::LeafAt(const Vec3f &position) const {
     std::int32_t at = 0;
     while (at >= 0) {
         const bspNode_t &node = bsp_.nodes[std::size_t(at)];
         const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
         at = node.children[Dot(Vec3f(plane.normal), position) - plane.dist > 0 ? 0 : 1];
     }
-    const bspLeaf_t &leaf = bsp_.leafs[std::size_t(-1 - at)];
-    if (leaf.cluster < 0)
-        return false;
-    for (std::int32_t i = 0; i < leaf.numBSPLeafBrushes; i++)
-        if (InBrush(bsp_.brushes[std::size_t(bsp_.leafBrushes[std::size_t(leaf.firstBSPLeafBrush + i)])], position))
-            return false;
-    return true;
+    return bsp_.leafs[std::size_t(-1 - at)];
+}
+
+const bspBrush_t *PreviewMap::BrushAt(const bspLeaf_t &leaf, const Vec3f &position) const {
+    std::int32_t budget = kPlaneBudget;
+    for (std::int32_t i = 0; i < std::min(leaf.numBSPLeafBrushes, kPlaneBudget); i++) {
+        const auto number = std::size_t(bsp_.leafBrushes[std::size_t(leaf.firstBSPLeafBrush + i)]);
+        if (InBrush(bsp_.brushes[number], position, budget))
+            return &bsp_.brushes[number];
+    }
+    return nullptr;
+}
+
+bool PreviewMap::IsOpen(const Vec3f &position) const {
+    const bspLeaf_t &leaf = LeafAt(position);
+    return leaf.cluster >= 0 && !BrushAt(leaf, position);
 }
 
 bool PreviewMap::IsOverFloor(const Vec3f &position) const {
     if (!IsOpen(position))
         return false;
-    for (float down = kFloorStep; down <= kFloorBelow; down += kFloorStep)
-        if (!IsOpen(position - Vec3f(0, 0, down)))
+    for (float down = kFloorStep; down <= kFloorBelow; down += kFloorStep) {
+        const Vec3f below = position - Vec3f(0, 0, down);
+        const bspLeaf_t &leaf = LeafAt(below);
+        const bspBrush_t *brush = BrushAt(leaf, below);
+        if (!brush && leaf.cluster >= 0)
+            continue;
+        if (!brush)
             return true;
+        const auto top = std::size_t(bsp_.brushSides[std::size_t(brush->firstSide + kTopSide)].shaderNum);
+        return !(bsp_.shaders[top].surfaceFlags & kSurfSky);
+    }
     return false;
 }
 
@@ -91,16 +153,8 @@ bool PreviewMap::HasRoom(const Vec3f &position) const {
     return true;
 }
 
-Boundsf PreviewMap::WorldBounds() const {
-    Boundsf bounds{Vec3f(bsp_.models[0].mins), Vec3f(bsp_.models[0].maxs)};
-    for (std::size_t axis = 0; axis < 3; axis++)
-        if (!(bounds.maxs[axis] - bounds.mins[axis] >= 1))
-            bounds.maxs[axis] = bounds.mins[axis] + 1;
-    return bounds;
-}
-
 float PreviewMap::BestHeight() const {
-    const auto [mins, maxs] = WorldBounds();
+    const auto [mins, maxs] = space_;
     float best = (mins.z + maxs.z) / 2;
     int most = 0;
     for (int level = 0; level < kHeights; level++) {
@@ -119,7 +173,7 @@ float PreviewMap::BestHeight() const {
 }
 
 Boundsf PreviewMap::OpenArea(float height) const {
-    const auto [mins, maxs] = WorldBounds();
+    const auto [mins, maxs] = space_;
     Boundsf area;
     for (int row = 0; row < kAreaSamples; row++)
         for (int column = 0; column < kAreaSamples; column++) {
@@ -129,13 +183,13 @@ Boundsf PreviewMap::OpenArea(float height) const {
                 area.Add(position);
         }
     if (area.Empty())
-        return WorldBounds();
+        return space_;
     const Vec3f cell = (maxs - mins) / float(kAreaSamples);
     return {area.mins - cell, area.maxs + cell};
 }
 
 std::vector<Vec3f> PreviewMap::Candidates() const {
-    const auto [mins, maxs] = WorldBounds();
+    const auto [mins, maxs] = space_;
     std::vector<Vec3f> standing, open;
     for (int level = 0; level < kCandidateLevels; level++)
         for (int row = 0; row < kCandidateColumns; row++)
@@ -156,7 +210,7 @@ std::vector<Vec3f> PreviewMap::ChoosePlaces(std::size_t count,
                                             const std::function<float(const Vec3f &)> &strength) const {
     const std::vector<Vec3f> positions = Candidates();
     if (positions.empty())
-        return {WorldBounds().Center()};
+        return {space_.Center()};
     std::vector<Candidate> candidates = Weigh(positions, strength);
     std::vector<Vec3f> chosen;
     // The first is the strongest, since all distances are alike.

@@ -2,6 +2,7 @@
 #include "q3map2/light/light_space.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace q3 {
 
@@ -68,9 +69,31 @@ std::vector<bool> SolidLeafs(const Bsp &bsp) {
     return solid;
 }
 
-void CountInLeafs(const Bsp &bsp, const Winding<double> &w, double epsilon, std::vector<int> &counts) {
-    if (!bsp.nodes.empty())
-        ForEachLeaf(bsp, 0, w, epsilon, [&](const Winding<double> &, std::size_t leaf) { ++counts[leaf]; });
+void CountTriangles(const Bsp &bsp, const Winding<double> &w, double epsilon, std::vector<int> &counts) {
+    const Vec3d facing = -WindingAreaVector(w); // clockwise seen from the front
+    std::vector<Fragment> stack;
+    stack.push_back({bsp.nodes.empty() ? -1 : 0, w});
+    Winding<double> front, back;
+    while (!stack.empty()) {
+        Fragment fragment = std::move(stack.back());
+        stack.pop_back();
+        if (fragment.child < 0) {
+            counts[std::size_t(-1 - fragment.child)] += int(fragment.w.size()) - 2;
+            continue;
+        }
+        const bspNode_t &node = bsp.nodes[std::size_t(fragment.child)];
+        const Plane plane = PlaneOf(bsp, node);
+        const auto onPlane = [&](const Vec3d &p) { return std::abs(plane.Distance(p)) <= epsilon; };
+        if (std::all_of(fragment.w.begin(), fragment.w.end(), onPlane)) {
+            stack.push_back({node.children[Dot(facing, plane.normal) > 0 ? 0 : 1], std::move(fragment.w)});
+            continue;
+        }
+        SplitWinding(fragment.w, plane.normal, plane.dist, epsilon, front, back);
+        if (!front.empty())
+            stack.push_back({node.children[0], front});
+        if (!back.empty())
+            stack.push_back({node.children[1], back});
+    }
 }
 
 std::vector<Winding<double>> SolidHull(const Bsp &bsp, const std::vector<bool> &solidLeafs) {

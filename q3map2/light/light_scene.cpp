@@ -228,7 +228,7 @@ std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const std::array<Triangles, k
     for (const GeometryId id : {kSurfaces, kPatches, kSkies, kFilters, kFilterPatches})
         for (std::size_t i = 0; i < triangles[id].Count(); ++i) {
             const float *c = triangles[id].corners.data() + 9 * i;
-            CountInLeafs(bsp, {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}, kLostLeafEpsilon, counts);
+            CountTriangles(bsp, {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}, kLostLeafEpsilon, counts);
         }
     std::vector<bool> solid = SolidLeafs(bsp);
     for (std::size_t i = 0; i < solid.size(); ++i)

@@ -57,7 +57,8 @@ std::vector<bool> SolidLeafs(const Bsp &bsp);
 /// that no ray slips through where they meet. Iterative; time grows with nodes times depth.
 std::vector<Winding<double>> SolidHull(const Bsp &bsp, const std::vector<bool> &solidLeafs);
 
-/// Adds 1 to the count of every leaf that the polygon reaches into by more than epsilon, game units.
-void CountInLeafs(const Bsp &bsp, const Winding<double> &w, double epsilon, std::vector<int> &counts);
+/// Cuts the polygon by the tree and adds to each leaf's count the triangles of its piece there. A polygon within epsilon (game
+/// units) of a node's plane goes to the side that it faces.
+void CountTriangles(const Bsp &bsp, const Winding<double> &w, double epsilon, std::vector<int> &counts);
 
 } // namespace q3
