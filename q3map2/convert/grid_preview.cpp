@@ -22,6 +22,7 @@ constexpr int kLattice = 27; ///< pixels between the small spheres of the plan
 constexpr float kSmallRadius = 10;
 constexpr int kPlanSubsamples = 2;
 constexpr float kMinExposure = 1.0f / 64, kMaxExposure = 16;
+constexpr float kContrastShare = 8;  ///< of a colour contrast, against the same brightness
 constexpr float kFloorShare = 0.35f; ///< of the light on the ground that the plan shows, to keep it behind the spheres
 
 constexpr Vec3f kPaper{0.11f, 0.115f, 0.13f}, kSolid{0.05f, 0.052f, 0.06f}, kInk{0.93f, 0.93f, 0.93f};
@@ -46,13 +47,24 @@ struct Plan {
     float Y(const Vec3f &p) const { return (center.y - p.y) * scale + (kPlanTop + kPlanSide / 2); }
 };
 
+/// How much there is to see: the brightness of opposite sides, more where their colours differ.
+float Strength(const shgrid_coeffs &coeffs) {
+    float brightness = 0, contrast = 0;
+    for (const Vec3f &axis : {Vec3f(1, 0, 0), Vec3f(0, 1, 0), Vec3f(0, 0, 1)}) {
+        const Vec3f a = LightOn(coeffs, axis), b = LightOn(coeffs, -axis);
+        const float high = MaxComponent(a), low = MaxComponent(b);
+        brightness = std::max(brightness, high + low);
+        if (high > 0 && low > 0)
+            contrast = std::max(contrast, MaxComponent(a / high - b / low) * std::min(high, low));
+    }
+    return brightness + kContrastShare * contrast;
+}
+
 class Preview {
   public:
     explicit Preview(const Bsp &bsp)
         : map_(bsp), sh_(bsp), legacy_(LegacyPreview::Make(bsp)), plan_(map_), canvas_(kWidth, kHeight, kPaper) {
-        places_ = map_.ChoosePlaces(kColumns * kRows, [this](const Vec3f &p) {
-            return MaxComponent(LightOn(sh_.At(p), {0, 0, 1}) + LightOn(sh_.At(p), {0, 0, -1}));
-        });
+        places_ = map_.ChoosePlaces(kColumns * kRows, [this](const Vec3f &p) { return Strength(sh_.At(p)); });
         exposure_ = ChooseExposure();
     }
 

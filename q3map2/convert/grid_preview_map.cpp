@@ -77,7 +77,7 @@ std::vector<Candidate> Weigh(const std::vector<Vec3f> &positions, const std::fun
         candidates.push_back({position, strength(position)});
         sorted.push_back(candidates.back().weight);
     }
-    const auto high = sorted.begin() + std::ptrdiff_t(sorted.size() * 9 / 10);
+    const auto high = sorted.begin() + std::ptrdiff_t(sorted.size() * 3 / 4);
     std::nth_element(sorted.begin(), high, sorted.end());
     const float strong = *high;
     for (Candidate &candidate : candidates)

@@ -48,10 +48,19 @@ std::vector<BrickPoint> GridBricks::Points(std::int64_t brick) const {
         const int z = origin[2] + rest / (kBrick[1] / kBlock[1]) * kBlock[2] + inside / (kBlock[0] * kBlock[1]);
         if (x >= layout_.bounds[0] || y >= layout_.bounds[1] || z >= layout_.bounds[2])
             continue;
-        const auto index = std::int64_t(x) + std::int64_t(layout_.bounds[0]) * (y + std::int64_t(layout_.bounds[1]) * z);
+        const auto index =
+            std::int64_t(x) + std::int64_t(layout_.bounds[0]) * (y + std::int64_t(layout_.bounds[1]) * z);
         points.push_back({Vec3f(layout_.Position(x, y, z)), std::uint32_t(index)});
     }
     return points;
+}
+
+BrickView::BrickView(std::span<const LightPlace> places) {
+    for (const LightPlace &place : places) {
+        box.Add(place.position);
+        if (std::find(clusters.begin(), clusters.end(), place.cluster) == clusters.end())
+            clusters.push_back(place.cluster);
+    }
 }
 
 BrickLights::BrickLights(const std::vector<Light> &lights, const BrickView &brick, float tolerance,

@@ -29,26 +29,18 @@ class GridBricks {
     std::int64_t count_ = 0;
 };
 
-/// Where the points of a brick are.
+/// Where the places of a brick are.
 struct BrickView {
+    explicit BrickView(std::span<const LightPlace> places);
     Boundsf box;
     std::vector<int> clusters; ///< each once
-    template <typename Point>
-    static BrickView Of(const std::vector<Point> &points) {
-        BrickView view;
-        for (const Point &point : points) {
-            view.box.Add(point.position);
-            if (std::find(view.clusters.begin(), view.clusters.end(), point.cluster) == view.clusters.end())
-                view.clusters.push_back(point.cluster);
-        }
-        return view;
-    }
 };
 
 /// Lights that can reach some point of a brick, in their order.
 class BrickLights {
   public:
-    /// Lights that together give at most `tolerance` (byte scale) to any point of the brick are left out, faintest first.
+    /// Lights that together give at most `tolerance` (byte scale) to any point of the brick are left out, faintest
+    /// first.
     BrickLights(const std::vector<Light> &lights, const BrickView &brick, float tolerance, const LightOptions &options,
                 GridStats &work);
     const std::vector<const Light *> &List() const { return list_; }
@@ -60,11 +52,5 @@ class BrickLights {
 /// Runs `trace(brick, work)` for every brick on all workers, with progress; adds the work up into `stats`.
 void RunGridBricks(const GridInputs &in, const GridBricks &bricks, GridStats &stats,
                    const std::function<void(std::int64_t, GridStats &)> &trace);
-
-template <typename Point, typename Use>
-void ForEachPacket(std::span<Point> points, const Use &use) {
-    for (std::size_t first = 0; first < points.size(); first += kPacketSize)
-        use(points.subspan(first, std::min<std::size_t>(kPacketSize, points.size() - first)));
-}
 
 } // namespace q3

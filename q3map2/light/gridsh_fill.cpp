@@ -84,7 +84,8 @@ struct Side {
 
 class Filler {
   public:
-    Filler(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states, const LightGridSH &grid)
+    Filler(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,
+           const LightGridSH &grid)
         : in_(in), layout_(layout), states_(states), grid_(grid) {}
 
     /// False: no lit neighbour.
@@ -114,8 +115,9 @@ class Filler {
         const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
         if (nx < 0 || ny < 0 || nz < 0 || nx >= layout_.bounds[0] || ny >= layout_.bounds[1] || nz >= layout_.bounds[2])
             return;
-        const std::size_t index = std::size_t(nx) + std::size_t(layout_.bounds[0]) *
-                                                        (std::size_t(ny) + std::size_t(layout_.bounds[1]) * std::size_t(nz));
+        const std::size_t index =
+            std::size_t(nx) +
+            std::size_t(layout_.bounds[0]) * (std::size_t(ny) + std::size_t(layout_.bounds[1]) * std::size_t(nz));
         if (states_[index] != PointState::Open && states_[index] != PointState::Moved)
             return;
         const Vec3f p(layout_.Position(nx, ny, nz));
@@ -180,8 +182,9 @@ void FillGridSH(const GridInputs &in, const GridLayout &layout, std::vector<Poin
         for (int x = 0; x < width; ++x) {
             const auto index = std::size_t(row) * std::size_t(width) + std::size_t(x);
             if (before[index] == PointState::Solid)
-                states[index] = filler.Fill(x, int(row % height), int(row / height), grid.points[index]) ? PointState::Filled
-                                                                                                         : PointState::Void;
+                states[index] = filler.Fill(x, int(row % height), int(row / height), grid.points[index])
+                                    ? PointState::Filled
+                                    : PointState::Void;
         }
     });
 }

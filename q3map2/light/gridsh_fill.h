@@ -9,11 +9,11 @@
 namespace q3 {
 
 enum class PointState : std::uint8_t {
-    Void,   ///< in a solid, no open space in the cells around it: stays zero
-    Open,   ///< lit where it is, or at most a small step beside
-    Moved,  ///< in a solid that leaves no lit neighbour: lit from the nearest open place of its cells
-    Solid,  ///< in a solid, to be filled
-    Filled  ///< in a solid, filled from neighbours
+    Void,  ///< in a solid, no open space in the cells around it: stays zero
+    Open,  ///< lit where it is, or at most a small step beside
+    Moved, ///< in a solid that leaves no lit neighbour: lit from the nearest open place of its cells
+    Solid, ///< in a solid, to be filled
+    Filled ///< in a solid, filled from neighbours
 };
 
 struct PlacedPoint {
@@ -25,9 +25,9 @@ struct PlacedPoint {
 /// Decides where the point at p is lit from.
 PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, const Vec3f &p);
 
-/// Gives every point in a solid that has lit neighbours a value, so that interpolation beside walls is right. Neighbours that do not
-/// see each other form sides; a side counts the more the darker it is, so that a wall thinner than a cell lets no light through.
-/// Changes Solid to Filled or Void in `states`.
+/// Gives every point in a solid that has lit neighbours a value, so that interpolation beside walls is right.
+/// Neighbours that do not see each other form sides; a side counts the more the darker it is, so that a wall thinner
+/// than a cell lets no light through. Changes Solid to Filled or Void in `states`.
 void FillGridSH(const GridInputs &in, const GridLayout &layout, std::vector<PointState> &states, LightGridSH &grid);
 
 } // namespace q3

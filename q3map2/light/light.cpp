@@ -9,10 +9,12 @@ namespace q3 {
 
 namespace {
 
-bool IsLight(const Entity &entity) { return StartsWithNoCase(entity.ClassName(), "light"); }
+bool IsLight(const Entity &entity) {
+    return StartsWithNoCase(entity.ClassName(), "light");
+}
 
-/// Entities with the lights that count: those of the .map source when there is one, since compilers strip them from the .bsp;
-/// else what the .bsp kept.
+/// Entities with the lights that count: those of the .map source when there is one, since compilers strip them from the
+/// .bsp; else what the .bsp kept.
 std::vector<Entity> EntitiesWithLights(std::vector<Entity> entities, const LightInputs &inputs, Log &log) {
     const bool kept = entities.front().Flag("_keepLights");
     if (inputs.mapEntities && !kept) {
@@ -90,7 +92,8 @@ std::vector<bool> OpaqueBrushes(const Bsp &bsp, ShaderLibrary &library) {
 }
 
 std::vector<Light> CreateLights(const Bsp &bsp, const std::vector<Entity> &entities, SurfaceTable &table,
-                                const LightOptions &options, const WorldLight &world, ShaderLibrary &library, Log &log) {
+                                const LightOptions &options, const WorldLight &world, ShaderLibrary &library,
+                                Log &log) {
     std::vector<Light> lights = EntityLights(entities, options, log);
     SurfaceLightCounts counts;
     auto ofSurfaces = SurfaceLights(bsp, table, options, world, library, counts, log);

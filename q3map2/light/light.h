@@ -17,17 +17,17 @@ namespace q3 {
 
 /// What lies beside the .bsp.
 struct LightInputs {
-    std::string name;                                ///< of the map, for messages
-    std::optional<std::vector<Entity>> mapEntities;  ///< of the .map source, which still has the light entities
-    std::string surfaceFile;                         ///< text of the .srf, empty without one
+    std::string name;                               ///< of the map, for messages
+    std::optional<std::vector<Entity>> mapEntities; ///< of the .map source, which still has the light entities
+    std::string surfaceFile;                        ///< text of the .srf, empty without one
 };
 
 struct LightResult {
     GridStats grid, gridSH;
 };
 
-/// Lights the grids of `bsp` and replaces them in it. Lightmaps and vertex colours stay as they are. Without options.sh an older SH
-/// grid is dropped, since it no longer fits. Errors: Error, for keys and files that make no sense.
+/// Lights the grids of `bsp` and replaces them in it. Lightmaps and vertex colours stay as they are. Without options.sh
+/// an older SH grid is dropped, since it no longer fits. Errors: Error, for keys and files that make no sense.
 LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &options, ShaderLibrary &library,
                        const JobPool &jobs, Log &log);
 

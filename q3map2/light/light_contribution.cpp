@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. What one light gives to points of a light grid.
 #include "q3map2/light/light_contribution.h"
 
-#include "q3map2/light/light_area_visibility.h"
+#include "q3map2/light/light_area.h"
 #include "q3map2/light/light_formfactor.h"
 
 #include <algorithm>
@@ -19,8 +19,6 @@ constexpr float kLinearScale = 1.0f / 8000;
 constexpr float kConeFade = 32;
 /// Area lights are evaluated from at least this far in front in the legacy grid. Game units.
 constexpr float kAreaPush = 8;
-/// Points nearer than this to an emitter's plane get nothing from it. Game units.
-constexpr double kPlaneClearance = 1.0f / 64;
 
 /// Falloff and cone of point lights and spotlights: light at distance d along `toLight` (not normalised).
 float PointAdd(const Light &light, const Vec3f &toLight, float d) {
@@ -41,7 +39,7 @@ float PointAdd(const Light &light, const Vec3f &toLight, float d) {
     return std::max(add, 0.0f);
 }
 
-/// Area light by the established program's formula; may flip the direction for two-sided lights.
+/// Area light by the established program's formula.
 float LegacyAreaAdd(const Light &light, const Vec3f &p, const Vec3f &u, float d, bool pointAreas) {
     if (pointAreas) {
         const float dAttenuated = std::max(kNearest, std::sqrt(d * d + light.extraDist * light.extraDist));
@@ -57,142 +55,123 @@ float LegacyAreaAdd(const Light &light, const Vec3f &p, const Vec3f &u, float d,
     return (f < 0 && !light.twoSided ? 0 : std::abs(f)) * light.add;
 }
 
-/// Direct light without shadows at one point. False: none.
-bool Unshadowed(const Light &light, const ContributionSettings &settings, const Vec3f &p, float &add, Vec3f &direction,
+/// Light without shadows at one point. False: none.
+bool Unshadowed(const Light &light, const ContributionSettings &settings, const Vec3f &p, Arrival &arrival,
                 float &distance) {
     if (light.type == LightType::Sun) {
-        add = light.photons;
-        direction = -light.normal;
+        arrival.add = light.photons;
+        arrival.direction = -light.normal;
         distance = kFar;
-        return add > 0;
+        return arrival.add > 0;
     }
     const Vec3f toLight = light.origin - p;
     distance = Length(toLight);
     if (distance > light.envelope || !light.bounds.Contains(p))
         return false;
-    direction = distance > 0 ? toLight / distance : Vec3f{};
-    add = light.type == LightType::Area ? LegacyAreaAdd(light, p, direction, distance, settings.pointAreas)
-                                        : PointAdd(light, toLight, distance);
-    return add > 0 && !(light.fast && add <= light.tolerance);
+    arrival.direction = distance > 0 ? toLight / distance : Vec3f{};
+    arrival.add = light.type == LightType::Area
+                      ? LegacyAreaAdd(light, p, arrival.direction, distance, settings.pointAreas)
+                      : PointAdd(light, toLight, distance);
+    return arrival.add > 0 && !(light.fast && arrival.add <= light.tolerance);
 }
 
-ShVector DirectionMoments(const Vec3f &direction, float add, bool radiance) {
-    ShVector moments{};
+std::array<float, 9> DirectionMoments(const Vec3f &direction, float add, bool radiance) {
+    std::array<float, 9> moments{};
     if (direction == Vec3f{}) // the light is at the point: from everywhere alike
-        moments[0] = kShC0;
+        moments[0] = float(kShC0);
     else
-        moments = ShBasis(Vec3d(direction));
+        moments = ShBasis(direction);
     for (std::size_t k = 0; k < moments.size(); ++k)
-        moments[k] *= double(add) * (radiance ? 1 : kCosineLobe[k]);
+        moments[k] *= add * (radiance ? 1 : float(kCosineLobe[k]));
     return moments;
 }
 
-/// Exact area light: closed-form moments, in the light's colour 1 1 1 and byte scale. False: nothing arrives even unshadowed.
-bool AreaMoments(const Light &light, const ContributionSettings &settings, const Vec3f &p, AreaView &view) {
-    const double s = Dot(light.faceNormal, Vec3d(p)) - light.faceDist;
-    if (std::abs(s) < kPlaneClearance || (s < 0 && !light.twoSided))
-        return false;
-    view.reversed = s < 0;
-    Winding<float> &corners = view.corners;
-    corners.assign(light.w.begin(), light.w.end());
-    if (view.reversed)
-        std::reverse(corners.begin(), corners.end());
-    view.moments = MomentsOfPolygon(corners, Vec3d(p));
-    if (!(view.moments.solidAngle > 0))
-        return false;
-    view.scale = light.add / std::numbers::pi;
-    const double facing = Length(view.moments.first) * view.scale; // light on a surface that faces it
-    return !(light.fast && facing <= light.tolerance) && light.bounds.Contains(p) && settings.pass == LightPass::GridSH;
-}
+/// Rays of one light towards many places, traced as soon as a packet is full.
+class DeltaRays {
+  public:
+    DeltaRays(const Light &light, const ContributionSettings &settings, const LightScene &scene,
+              std::vector<Arrival> &arrivals, ContributionCounts &counts)
+        : light_(light), settings_(settings), scene_(scene), arrivals_(arrivals), counts_(counts) {}
 
-void TraceDelta(const Light &light, const ContributionSettings &settings, const LightScene &scene, RayPacket &rays,
-                ContributionCounts &counts) {
-    const ShadowRules rules = settings.pass == LightPass::GridSH ? ShadowRules::Exact : ShadowRules::LegacyGrid;
-    if (light.type == LightType::Sun)
-        scene.TraceToSky(rays, light.skyIndex, rules, counts);
-    else
-        scene.TraceToLight(rays, rules, counts);
-}
+    void Add(const LightPlace &place, const Arrival &arrival, float distance) {
+        const auto ray = std::size_t(rays_.count++);
+        pending_[ray] = arrival;
+        rays_.origin[ray] = place.rayOrigin;
+        rays_.direction[ray] = arrival.direction;
+        rays_.distance[ray] = distance;
+        rays_.blocked[ray] = false;
+        if (rays_.count == kPacketSize)
+            Flush();
+    }
 
-void DeltaContribution(const Light &light, const ContributionSettings &settings, const LightScene &scene,
-                       PointPacket &points, ContributionCounts &counts) {
-    RayPacket rays;
-    std::array<std::size_t, kPacketSize> lane{};
-    for (std::size_t i = 0; i < std::size_t(points.count); ++i) {
-        if (points.skip[i])
-            continue;
-        float distance = 0;
-        if (!Unshadowed(light, settings, points.position[i], points.add[i], points.direction[i], distance)) {
-            points.add[i] = 0;
-            ++counts.skippedFacing;
-            continue;
+    void Flush() {
+        if (rays_.count == 0)
+            return;
+        const bool exact = settings_.pass == LightPass::GridSH;
+        const ShadowRules rules = exact ? ShadowRules::Exact : ShadowRules::LegacyGrid;
+        if (light_.type == LightType::Sun)
+            scene_.TraceToSky(rays_, light_.skyIndex, rules, counts_);
+        else
+            scene_.TraceToLight(rays_, rules, counts_);
+        for (std::size_t ray = 0; ray < std::size_t(rays_.count); ++ray) {
+            if (rays_.blocked[ray])
+                continue;
+            Arrival &arrival = arrivals_.emplace_back(pending_[ray]);
+            arrival.visible = rays_.tint[ray];
+            if (exact)
+                arrival.moments = DirectionMoments(arrival.direction, arrival.add, settings_.radiance);
         }
-        const auto ray = std::size_t(rays.count++);
-        lane[ray] = i;
-        rays.origin[ray] = points.rayOrigin[i];
-        rays.direction[ray] = points.direction[i];
-        rays.distance[ray] = distance;
-        rays.blocked[ray] = false;
+        rays_.count = 0;
     }
-    if (rays.count == 0)
-        return;
-    TraceDelta(light, settings, scene, rays, counts);
-    for (std::size_t ray = 0; ray < std::size_t(rays.count); ++ray) {
-        const std::size_t i = lane[ray];
-        points.visible[i] = rays.blocked[ray] ? Vec3f{} : rays.tint[ray];
-        if (settings.pass == LightPass::GridSH && !rays.blocked[ray])
-            points.moments[i] = DirectionMoments(points.direction[i], points.add[i], settings.radiance);
-    }
-}
 
-void AreaContribution(const Light &light, const ContributionSettings &settings, const LightScene &scene,
-                      PointPacket &points, ContributionCounts &counts) {
-    AreaViews views;
-    for (std::size_t i = 0; i < std::size_t(points.count); ++i) {
-        if (points.skip[i])
-            continue;
-        AreaView view;
-        if (!AreaMoments(light, settings, points.position[i], view)) {
-            ++counts.skippedFacing;
-            continue;
-        }
-        view.point = points.position[i];
-        view.seed = points.index[i];
-        view.lane = i;
-        views.push_back(std::move(view));
-    }
-    if (views.empty())
-        return;
-    FindAreaVisibility(views, scene, counts);
-    for (AreaView &view : views) {
-        const std::size_t i = view.lane;
-        points.visible[i] = view.tint;
-        points.add[i] = view.tint == Vec3f{} ? 0 : float(view.scale * view.moments.solidAngle);
-        points.direction[i] = Vec3f(Normalize(view.moments.first));
-        for (std::size_t k = 0; k < 9; ++k)
-            points.moments[i][k] = view.arriving[k] * view.scale * (settings.radiance ? 1 : kCosineLobe[k]);
-    }
+  private:
+    const Light &light_;
+    const ContributionSettings &settings_;
+    const LightScene &scene_;
+    std::vector<Arrival> &arrivals_;
+    ContributionCounts &counts_;
+    RayPacket rays_;
+    std::array<Arrival, kPacketSize> pending_;
+};
+
+bool InSight(const Light &light, const ContributionSettings &settings, const LightPlace &place) {
+    if (settings.sunOnly && light.type != LightType::Sun)
+        return false;
+    return settings.ignorePvs || light.SeenFrom(place.cluster);
 }
 
 } // namespace
 
 void LightContributionToPoint(const Light &light, const ContributionSettings &settings, const LightScene &scene,
-                              PointPacket &points, ContributionCounts &counts) {
-    const std::array<bool, kPacketSize> asked = points.skip;
-    for (std::size_t i = 0; i < std::size_t(points.count); ++i) {
-        points.add[i] = 0;
-        points.visible[i] = {};
-        if (asked[i])
+                              std::span<const LightPlace> places, std::vector<Arrival> &arrivals,
+                              ContributionCounts &counts) {
+    arrivals.clear();
+    const bool exactArea = light.type == LightType::Area && settings.pass == LightPass::GridSH;
+    DeltaRays delta(light, settings, scene, arrivals, counts);
+    AreaRays area(light, settings, scene, arrivals, counts);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const LightPlace &place = places[i];
+        if (place.skip)
             continue;
         ++counts.pairs;
-        points.skip[i] = (settings.sunOnly && light.type != LightType::Sun) || !(settings.ignorePvs || light.SeenFrom(points.cluster[i]));
-        counts.skippedPvs += points.skip[i];
+        if (!InSight(light, settings, place)) {
+            ++counts.skippedPvs;
+            continue;
+        }
+        if (exactArea) {
+            area.Add(place, std::uint32_t(i));
+            continue;
+        }
+        Arrival arrival;
+        arrival.place = std::uint32_t(i);
+        float distance = 0;
+        if (Unshadowed(light, settings, place.position, arrival, distance))
+            delta.Add(place, arrival, distance);
+        else
+            ++counts.skippedFacing;
     }
-    if (light.type == LightType::Area && settings.pass == LightPass::GridSH)
-        AreaContribution(light, settings, scene, points, counts);
-    else
-        DeltaContribution(light, settings, scene, points, counts);
-    points.skip = asked;
+    delta.Flush();
+    area.Flush();
 }
 
 float LightBound(const Light &light, const Boundsf &box) {
@@ -200,12 +179,10 @@ float LightBound(const Light &light, const Boundsf &box) {
     if (light.type == LightType::Sun)
         return strongest * light.photons;
     if (light.type == LightType::Area) {
-        // A hemisphere around the nearest point holds the polygon: its cosine-weighted share is at most area / (pi d^2).
-        const Boundsf around = WindingBounds(light.w);
-        const Vec3f gap = Max(Max(box.mins - around.maxs, around.mins - box.maxs), Vec3f{});
-        const float distance = Length(gap);
-        const double share = distance > 0 ? WindingArea(light.w) / (std::numbers::pi * distance * distance) : 1;
-        return strongest * light.add * float(std::min(1.0, share));
+        // The cosine-weighted share of the hemisphere is at most area / (pi d^2), d the distance to the nearest corner.
+        const float d = box.Distance(light.shape.center) - light.shape.radius;
+        const float share = d > 0 ? light.shape.area / (std::numbers::pi_v<float> * d * d) : 1;
+        return strongest * light.add * std::min(1.0f, share);
     }
     const float d = std::max(kNearest, box.Distance(light.origin));
     if (light.linear)

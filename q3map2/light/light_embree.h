@@ -11,7 +11,9 @@ namespace q3 {
 
 #if Q3_EMBREE_MAJOR >= 4
 using EmbreeContext = RTCRayQueryContext;
-inline void InitContext(EmbreeContext &context) { rtcInitRayQueryContext(&context); }
+inline void InitContext(EmbreeContext &context) {
+    rtcInitRayQueryContext(&context);
+}
 inline void Intersect16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRayHit16 &rays) {
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
@@ -44,7 +46,9 @@ inline void Intersect16(const int *valid, RTCScene scene, EmbreeContext &context
 inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRay16 &rays) {
     rtcOccluded16(valid, scene, &context, &rays);
 }
-inline void Occluded1(RTCScene scene, EmbreeContext &context, RTCRay &ray) { rtcOccluded1(scene, &context, &ray); }
+inline void Occluded1(RTCScene scene, EmbreeContext &context, RTCRay &ray) {
+    rtcOccluded1(scene, &context, &ray);
+}
 #endif
 
 } // namespace q3

@@ -23,7 +23,9 @@ Vec3f DecodeColor(const Vec3f &c, bool sRgb) {
     return sRgb ? Vec3f{LinearFromSrgb(c.x), LinearFromSrgb(c.y), LinearFromSrgb(c.z)} : c;
 }
 
-int SpawnFlags(const Entity &entity) { return int(std::clamp(entity.Number({"spawnflags"}), -1e9, 1e9)); }
+int SpawnFlags(const Entity &entity) {
+    return int(std::clamp(entity.Number({"spawnflags"}), -1e9, 1e9));
+}
 
 float Intensity(const Entity &entity, std::size_t number, Log &log) {
     double intensity = entity.Number({"_light", "light"}, 300);
@@ -32,7 +34,8 @@ float Intensity(const Entity &entity, std::size_t number, Log &log) {
     if (const double scale = entity.Number({"scale"}); scale != 0)
         intensity *= scale;
     if (!(std::abs(intensity) <= kMaxIntensity)) {
-        log.Warn("light intensity", "light entity {}: intensity {:g} is limited to {:g}", number, intensity, kMaxIntensity);
+        log.Warn("light intensity", "light entity {}: intensity {:g} is limited to {:g}", number, intensity,
+                 kMaxIntensity);
         intensity = std::clamp(intensity, double(-kMaxIntensity), double(kMaxIntensity));
     }
     return float(intensity);
@@ -64,7 +67,8 @@ Light LightFromKeys(const Entity &entity, std::size_t number, const LightOptions
     light.style = Style(entity, number);
     light.photons = Intensity(entity, number, log);
     if (!IsFinite(light.color) || MaxComponent(Max(light.color, -light.color)) > kMaxIntensity) {
-        log.Warn("light colour", "light entity {}: _color {} is out of range, white is used", number, entity.Value("_color"));
+        log.Warn("light colour", "light entity {}: _color {} is out of range, white is used", number,
+                 entity.Value("_color"));
         light.color = {1, 1, 1};
     }
     return light;
@@ -109,7 +113,8 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
     const std::string_view target = entity.Value("target");
     const Entity *aimedAt = target.empty() ? nullptr : FindTarget(entities, target);
     if (!target.empty() && !aimedAt)
-        log.Warn("light target", "light entity {}: target \"{}\" does not exist, the light has no direction", number, target);
+        log.Warn("light target", "light entity {}: target \"{}\" does not exist, the light has no direction", number,
+                 target);
     const Vec3f targetOrigin = aimedAt ? aimedAt->Vector({"origin"}).value_or(Vec3f{}) : Vec3f{};
 
     if (aimedAt && entity.Number({"_sun"}) != 0) {
@@ -137,7 +142,8 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
         Light copy = light;
         for (std::size_t axis = 0; axis < 3; ++axis)
             copy.origin[axis] +=
-                float(2 * UnitFromHash(HashIndex(kSeedJitter + (number << 24) + std::uint64_t(i) * 4 + axis)) - 1) * deviance;
+                float(2 * UnitFromHash(HashIndex(kSeedJitter + (number << 24) + std::uint64_t(i) * 4 + axis)) - 1) *
+                deviance;
         lights.push_back(copy);
     }
 }

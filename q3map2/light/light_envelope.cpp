@@ -14,8 +14,8 @@ constexpr float kLinearScale = 1.0f / 8000;
 constexpr float kLightMargin = 0.125f; ///< lights this near to a solid count as in it. Game units
 constexpr float kFirstReach = 100, kReachStep = 10;
 
-/// Smallest distance of the sequence 100, 110, ... from which an area light gives at most its tolerance. Looked for one by one
-/// where the form factor may still grow, by halving beyond.
+/// Smallest distance of the sequence 100, 110, ... from which an area light gives at most its tolerance. Looked for one
+/// by one where the form factor may still grow, by halving beyond.
 float AreaReach(const Light &light) {
     const auto tooMuch = [&](int step) {
         const float r = kFirstReach + kReachStep * float(step);
@@ -44,8 +44,8 @@ float Reach(const Light &light) {
     return light.fast ? std::sqrt(light.photons / light.tolerance) : kFar;
 }
 
-/// Moves a light that is in a solid by steps of 2 units, as the established program does: it goes on after a success, so a light
-/// can wander. Returns the cluster of the last attempt.
+/// Moves a light that is in a solid by steps of 2 units, as the established program does: it goes on after a success,
+/// so a light can wander. Returns the cluster of the last attempt.
 int NudgeOut(Light &light, const BspSpace &space) {
     static constexpr float kSteps[4] = {0, 0, 2, -2};
     int cluster = kSolidCluster;

@@ -14,7 +14,8 @@ constexpr float kIgnoreNear = 1.5f;   ///< surfaces nearer than this do not coun
 
 } // namespace
 
-float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distance, bool lowQuality, RayCounts &counts) {
+float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distance, bool lowQuality,
+                 RayCounts &counts) {
     const int azimuths = lowQuality ? kAzimuths / 2 : kAzimuths;
     double sum = 0;
     int cast = 0;

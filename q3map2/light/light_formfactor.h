@@ -9,8 +9,8 @@
 
 namespace q3 {
 
-/// Cosine-weighted share of the hemisphere around n that the polygon covers as seen from p, -1 to 1; positive in front of a
-/// clockwise polygon. Not clipped to the horizon: parts behind the receiver count negatively.
+/// Cosine-weighted share of the hemisphere around n that the polygon covers as seen from p, -1 to 1; positive in front
+/// of a clockwise polygon. Not clipped to the horizon: parts behind the receiver count negatively.
 inline float FormFactor(const Vec3f &p, const Vec3f &n, const Winding<float> &w) {
     if (w.empty())
         return 0;

@@ -16,7 +16,7 @@ constexpr std::int64_t kMaxPoints = 0x100000;
 constexpr float kMinCell = 8;
 constexpr float kNudgeMargin = -0.125f;
 constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
-constexpr int kNudges = 16; ///< steps from the point to half a cell away
+constexpr int kNudges = 16;            ///< steps from the point to half a cell away
 constexpr std::size_t kMaxRecords = 32767;
 
 /// What one light gave to a point.
@@ -25,17 +25,14 @@ struct GridRecord {
 };
 
 struct LegacyPoint {
-    Vec3f position, rayOrigin;
-    int cluster = kSolidCluster;
-    std::uint32_t index = 0;
-    Vec3f sum; // running, of style 0 and others alike: for -cheapgrid
+    Vec3f sum; // running, of all styles: for -cheapgrid
     Vec3d directionSum;
     std::vector<GridRecord> records;
 };
 
-/// Finds the point's place: where it is, or, when that is solid, the nearest open spot up to half a cell away. The established program
-/// draws spots at random, ever farther away.
-bool PlacePoint(const BspSpace &space, const GridLayout &layout, LegacyPoint &point) {
+/// Finds the point's place: where it is, or, when that is solid, the nearest open spot up to half a cell away. The
+/// established program draws spots at random, ever farther away.
+bool PlacePoint(const BspSpace &space, const GridLayout &layout, LightPlace &point) {
     const Vec3f base = point.position;
     point.cluster = space.ClusterAt(base, 0);
     if (point.cluster >= 0)
@@ -58,8 +55,8 @@ bool PlacePoint(const BspSpace &space, const GridLayout &layout, LegacyPoint &po
     return false;
 }
 
-/// Many points lie in the plane of a wall or a floor. Their rays start a hair off it, so that those into the wall are blocked
-/// and the others are not.
+/// Many points lie in the plane of a wall or a floor. Their rays start a hair off it, so that those into the wall are
+/// blocked and the others are not.
 Vec3f ClearOfSolids(const BspSpace &space, const Vec3f &p) {
     const auto clear = [&](const Vec3f &at) {
         const Vec3f margin{kSolidMargin, kSolidMargin, kSolidMargin};
@@ -78,10 +75,9 @@ Vec3f ClearOfSolids(const BspSpace &space, const Vec3f &p) {
     return p;
 }
 
-void AddFloodlight(const GridInputs &in, LegacyPoint &point, RayCounts &counts) {
+void AddFloodlight(const GridInputs &in, const Vec3f &position, LegacyPoint &point, RayCounts &counts) {
     for (const float up : {1.0f, -1.0f}) {
-        const float share =
-            FloodShare(in.scene, point.position, up, in.world.floodDistance, in.options.lowQuality, counts);
+        const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.options.lowQuality, counts);
         const Vec3f flood = in.world.floodColor * (in.world.floodIntensity * share);
         point.records.push_back({{0, 0, 1}, flood * 0.75f, flood * 0.25f});
         point.directionSum += Vec3d{0, 0, double(Length(flood * 0.75f))};
@@ -102,8 +98,9 @@ bspGridPoint_t StorePoint(const GridInputs &in, const LegacyPoint &point) {
     const Vec3f main(Normalize(point.directionSum));
     Vec3f ambient = in.world.ambient, directed;
     for (const GridRecord &record : point.records) {
-        const float k = std::max(0.0f, o.gridAmbientDirectionality + Dot(record.direction, main) * (o.gridDirectionality -
-                                                                                                   o.gridAmbientDirectionality));
+        const float k =
+            std::max(0.0f, o.gridAmbientDirectionality +
+                               Dot(record.direction, main) * (o.gridDirectionality - o.gridAmbientDirectionality));
         directed += record.color * k;
         ambient += record.color * (0.25f * (1 - k)) + record.ownAmbient;
     }
@@ -118,29 +115,18 @@ bspGridPoint_t StorePoint(const GridInputs &in, const LegacyPoint &point) {
     return stored;
 }
 
-/// Adds what one light gives to a packet's points.
-void AddLight(const Light &light, const ContributionSettings &settings, const GridInputs &in,
-              std::span<LegacyPoint> points, ContributionCounts &counts) {
-    PointPacket packet;
-    packet.count = int(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        packet.position[i] = points[i].position;
-        packet.rayOrigin[i] = points[i].rayOrigin;
-        packet.cluster[i] = points[i].cluster;
-        packet.index[i] = points[i].index;
-        const Vec3f &sum = points[i].sum;
-        const bool white = in.options.cheapGrid && sum.x >= 255 && sum.y >= 255 && sum.z >= 255;
-        packet.skip[i] = white || points[i].records.size() >= kMaxRecords;
-    }
-    LightContributionToPoint(light, settings, in.scene, packet, counts);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (packet.add[i] <= 0 || packet.visible[i] == Vec3f{})
-            continue;
-        const Vec3f color = light.color * packet.visible[i] * (light.negative ? -packet.add[i] : packet.add[i]);
-        points[i].directionSum += Vec3d(packet.direction[i]) * double(Length(color));
-        points[i].sum += color;
+/// Adds what one light gives to the points.
+void AddArrivals(const Light &light, const GridInputs &in, const std::vector<Arrival> &arrivals,
+                 std::vector<LightPlace> &places, std::vector<LegacyPoint> &points) {
+    for (const Arrival &arrival : arrivals) {
+        LegacyPoint &point = points[arrival.place];
+        const Vec3f color = light.color * arrival.visible * (light.negative ? -arrival.add : arrival.add);
+        point.directionSum += Vec3d(arrival.direction) * double(Length(color));
+        point.sum += color;
         // Light of other styles turns the direction, but this format has no place for its colour.
-        points[i].records.push_back({packet.direction[i], light.style == 0 ? color : Vec3f{}, {}});
+        point.records.push_back({arrival.direction, light.style == 0 ? color : Vec3f{}, {}});
+        const bool white = in.options.cheapGrid && point.sum.x >= 255 && point.sum.y >= 255 && point.sum.z >= 255;
+        places[arrival.place].skip = white || point.records.size() >= kMaxRecords;
     }
 }
 
@@ -167,34 +153,34 @@ GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {
 
 std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
                                       GridStats &stats) {
-    const ContributionSettings settings{.pass = LightPass::LegacyGrid,
-                                        .sunOnly = in.options.sunOnly,
-                                        .pointAreas = in.options.faster};
+    const ContributionSettings settings{
+        .pass = LightPass::LegacyGrid, .sunOnly = in.options.sunOnly, .pointAreas = in.options.faster};
     std::vector<bspGridPoint_t> grid(std::size_t(layout.Count()), bspGridPoint_t{});
     const GridBricks bricks(layout);
     stats.points = layout.Count();
     RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
-        std::vector<LegacyPoint> points;
+        std::vector<LightPlace> places;
         for (const BrickPoint &at : bricks.Points(brick)) {
-            LegacyPoint point;
-            point.position = at.position;
-            point.index = at.index;
-            if (!PlacePoint(in.space, layout, point))
+            LightPlace place{.position = at.position, .rayOrigin = {}, .index = at.index};
+            if (!PlacePoint(in.space, layout, place))
                 continue;
-            point.rayOrigin = ClearOfSolids(in.space, point.position);
-            points.push_back(std::move(point));
+            place.rayOrigin = ClearOfSolids(in.space, place.position);
+            places.push_back(place);
         }
-        work.open += std::int64_t(points.size());
-        if (points.empty())
+        work.open += std::int64_t(places.size());
+        if (places.empty())
             return;
-        const BrickLights candidates(lights, BrickView::Of(points), 0, in.options, work);
-        for (const Light *light : candidates.List())
-            ForEachPacket(std::span(points),
-                          [&](std::span<LegacyPoint> packet) { AddLight(*light, settings, in, packet, work.counts); });
-        for (LegacyPoint &point : points) {
+        std::vector<LegacyPoint> points(places.size());
+        std::vector<Arrival> arrivals;
+        const BrickLights candidates(lights, BrickView(places), 0, in.options, work);
+        for (const Light *light : candidates.List()) {
+            LightContributionToPoint(*light, settings, in.scene, places, arrivals, work.counts);
+            AddArrivals(*light, in, arrivals, places, points);
+        }
+        for (std::size_t i = 0; i < places.size(); ++i) {
             if (in.options.floodlight || in.world.hasFloodlight)
-                AddFloodlight(in, point, work.counts);
-            grid[point.index] = StorePoint(in, point);
+                AddFloodlight(in, places[i].position, points[i], work.counts);
+            grid[places[i].index] = StorePoint(in, points[i]);
         }
     });
     return grid;

@@ -14,63 +14,45 @@ namespace {
 constexpr float kMinCell = 8;
 /// Engines hold lump lengths in 32-bit integers.
 constexpr std::int64_t kMaxPoints = (0x7fffffffll - 40) / 108;
-/// Lights that together give less than this to all points of a brick are left out. Byte scale; an eighth of what a screen can show.
+/// Lights that together give less than this to all points of a brick are left out. Byte scale; an eighth of what a
+/// screen can show.
 constexpr float kFaintTolerance = 1.0f / 8;
 
-/// One point that gets light, while its brick is traced.
-struct LitPoint {
-    Vec3f position;
-    int cluster = kSolidCluster;
-    std::uint32_t index = 0;
-    std::array<ShVector, 3> sum{}; // [channel][k], unit scale
-};
+/// Sum of what arrives at a place, [channel][k], unit scale.
+using PointSum = std::array<ShVector, 3>;
 
-/// Adds what one light gives to a packet's points.
-void AddLight(const Light &light, const ContributionSettings &settings, const GridInputs &in, std::span<LitPoint> points,
-              ContributionCounts &counts) {
-    PointPacket packet;
-    packet.count = int(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        packet.position[i] = packet.rayOrigin[i] = points[i].position;
-        packet.cluster[i] = points[i].cluster;
-        packet.index[i] = points[i].index;
-    }
-    LightContributionToPoint(light, settings, in.scene, packet, counts);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (packet.add[i] <= 0 || packet.visible[i] == Vec3f{})
-            continue;
+void AddArrivals(const Light &light, const std::vector<Arrival> &arrivals, std::vector<PointSum> &sums) {
+    for (const Arrival &arrival : arrivals)
         for (std::size_t channel = 0; channel < 3; ++channel) {
-            const double scale = (light.negative ? -1.0 : 1.0) * double(light.color[channel]) *
-                                 double(packet.visible[i][channel]) / 255;
+            const double scale =
+                (light.negative ? -1.0 : 1.0) * double(light.color[channel]) * double(arrival.visible[channel]) / 255;
             for (std::size_t k = 0; k < 9; ++k)
-                points[i].sum[channel][k] += scale * packet.moments[i][k];
+                sums[arrival.place][channel][k] += scale * double(arrival.moments[k]);
         }
-    }
 }
 
 /// A hemisphere of uniform light around +z or -z, as floodlight gives it.
-void AddFlood(const GridInputs &in, LitPoint &point, RayCounts &counts) {
+void AddFlood(const GridInputs &in, const Vec3f &position, PointSum &sum, RayCounts &counts) {
     for (const float up : {1.0f, -1.0f}) {
-        const float share =
-            FloodShare(in.scene, point.position, up, in.world.floodDistance, in.options.lowQuality, counts);
+        const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.options.lowQuality, counts);
         const Vec3d light = Vec3d(in.world.floodColor) * (double(in.world.floodIntensity) * share / 255);
         const double convolve0 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[0] / std::numbers::pi;
         const double convolve1 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[2] / std::numbers::pi;
         for (std::size_t channel = 0; channel < 3; ++channel) {
-            point.sum[channel][0] += light[channel] * convolve0 * kShC0 * 2 * std::numbers::pi;
-            point.sum[channel][2] += light[channel] * convolve1 * kShC1 * std::numbers::pi * up;
+            sum[channel][0] += light[channel] * convolve0 * kShC0 * 2 * std::numbers::pi;
+            sum[channel][2] += light[channel] * convolve1 * kShC1 * std::numbers::pi * up;
         }
     }
 }
 
 /// Ambient light, the minimum, the grid scale; and no channel whose mean is negative.
-bspGridPointSH_t StorePoint(const GridInputs &in, const LitPoint &point) {
+bspGridPointSH_t StorePoint(const GridInputs &in, const PointSum &total) {
     // Coefficient 0 of light 1 from everywhere.
     const double uniform = 1 / kShC0 / (in.options.shRadiance ? std::numbers::pi : 1);
     const double scale = in.options.gridScale > 0 ? in.options.gridScale : 1;
     bspGridPointSH_t stored{};
     for (std::size_t channel = 0; channel < 3; ++channel) {
-        ShVector sum = point.sum[channel];
+        ShVector sum = total[channel];
         sum[0] += double(in.world.ambient[channel]) / 255 * uniform;
         if (sum[0] < 0)
             sum = {};
@@ -91,17 +73,20 @@ class PointPlaces {
                 const PlacedPoint placed = PlaceGridPoint(in.space, layout, point.position);
                 states_[point.index] = placed.state;
                 if (placed.state == PointState::Open || placed.state == PointState::Moved)
-                    places_[std::size_t(brick)].push_back({placed.position, placed.cluster, point.index, {}});
+                    places_[std::size_t(brick)].push_back({.position = placed.position,
+                                                           .rayOrigin = placed.position,
+                                                           .cluster = placed.cluster,
+                                                           .index = point.index});
             }
         });
     }
-    /// Points of a brick that are to be lit; taken once.
-    std::vector<LitPoint> Take(std::int64_t brick) { return std::move(places_[std::size_t(brick)]); }
+    /// Places of a brick that are to be lit; taken once.
+    std::vector<LightPlace> Take(std::int64_t brick) { return std::move(places_[std::size_t(brick)]); }
     std::vector<PointState> &States() { return states_; }
 
   private:
     std::vector<PointState> states_;
-    std::vector<std::vector<LitPoint>> places_;
+    std::vector<std::vector<LightPlace>> places_;
 };
 
 } // namespace
@@ -121,8 +106,8 @@ GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOpti
         layout = LayoutGrid(model.mins, model.maxs, size);
     }
     if (size != asked)
-        log.Warn("SH grid size", "an SH grid with cells of {} {} {} passes the 2 GiB of a lump; {} {} {} is used", asked[0],
-                 asked[1], asked[2], size[0], size[1], size[2]);
+        log.Warn("SH grid size", "an SH grid with cells of {} {} {} passes the 2 GiB of a lump; {} {} {} is used",
+                 asked[0], asked[1], asked[2], size[0], size[1], size[2]);
     log.Print("SH grid cells of {} {} {}\n", size[0], size[1], size[2]);
     log.Count(layout.Count(), "SH grid points");
     return layout;
@@ -133,6 +118,7 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     const ContributionSettings settings{.pass = LightPass::GridSH,
                                         .sunOnly = in.options.sunOnly,
                                         .ignorePvs = in.options.noSkip,
+                                        .exactAreas = in.options.noSkip,
                                         .radiance = in.options.shRadiance};
     LightGridSH grid;
     grid.header = {layout.mins, layout.size, layout.bounds, std::int32_t(layout.Count())};
@@ -143,17 +129,20 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     PointPlaces places(in, layout, bricks);
     const bool flood = in.options.floodlight || in.world.hasFloodlight;
     RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
-        std::vector<LitPoint> points = places.Take(brick);
-        if (points.empty())
+        const std::vector<LightPlace> lit = places.Take(brick);
+        if (lit.empty())
             return;
-        const BrickLights candidates(lights, BrickView::Of(points), kFaintTolerance, in.options, work);
-        for (const Light *light : candidates.List())
-            ForEachPacket(std::span(points),
-                          [&](std::span<LitPoint> packet) { AddLight(*light, settings, in, packet, work.counts); });
-        for (LitPoint &point : points) {
+        std::vector<PointSum> sums(lit.size(), PointSum{});
+        std::vector<Arrival> arrivals;
+        const BrickLights candidates(lights, BrickView(lit), kFaintTolerance, in.options, work);
+        for (const Light *light : candidates.List()) {
+            LightContributionToPoint(*light, settings, in.scene, lit, arrivals, work.counts);
+            AddArrivals(*light, arrivals, sums);
+        }
+        for (std::size_t i = 0; i < lit.size(); ++i) {
             if (flood)
-                AddFlood(in, point, work.counts);
-            grid.points[point.index] = StorePoint(in, point);
+                AddFlood(in, lit[i].position, sums[i], work.counts);
+            grid.points[lit[i].index] = StorePoint(in, sums[i]);
         }
     });
     FillGridSH(in, layout, places.States(), grid);

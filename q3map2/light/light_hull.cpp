@@ -12,8 +12,8 @@ namespace {
 constexpr double kWorldHalfSize = 262144;
 /// Corners within this distance of a plane count as on it. Game units; below the 1/8 that editors snap to.
 constexpr double kClipEpsilon = 0.01;
-/// Polygons grow by this much in their plane, so that rays cannot pass between them. Game units; a quarter of what points of the
-/// grid keep clear of solids.
+/// Polygons grow by this much in their plane, so that rays cannot pass between them. Game units; a quarter of what
+/// points of the grid keep clear of solids.
 constexpr double kOverlap = 0.03;
 /// Smaller polygons are rounding noise. Square units.
 constexpr double kMinArea = 0.01;

@@ -11,13 +11,15 @@ namespace q3 {
 namespace {
 
 /// Calls use(value) for every occurrence of the option, in order.
-void ForEach(Arguments &arguments, std::initializer_list<std::string_view> names, const std::function<void(float)> &use) {
+void ForEach(Arguments &arguments, std::initializer_list<std::string_view> names,
+             const std::function<void(float)> &use) {
     while (const auto value = arguments.TakeValue(names))
         use(float(NumberFromText(*value)));
 }
 
 void ParseIntensities(Arguments &arguments, LightOptions &o) {
-    ForEach(arguments, {"-scale"}, [&](float f) { o.pointScale *= f, o.spotScale *= f, o.areaScale *= f, o.skyScale *= f; });
+    ForEach(arguments, {"-scale"},
+            [&](float f) { o.pointScale *= f, o.spotScale *= f, o.areaScale *= f, o.skyScale *= f; });
     ForEach(arguments, {"-point", "-pointscale"}, [&](float f) { o.pointScale *= f, o.spotScale *= f; });
     ForEach(arguments, {"-spherical", "-sphericalscale"}, [&](float f) { o.pointScale *= f; });
     ForEach(arguments, {"-spot", "-spotscale"}, [&](float f) { o.spotScale *= f; });
@@ -106,7 +108,8 @@ void ParseSH(Arguments &arguments, LightOptions &o) {
         for (std::size_t i = 0; i < 3; ++i) {
             size[i] = float(NumberFromText((*values)[i]));
             if (!(size[i] > 0))
-                throw Error("-gridsh {} {} {}: expected three numbers over 0", (*values)[0], (*values)[1], (*values)[2]);
+                throw Error("-gridsh {} {} {}: expected three numbers over 0", (*values)[0], (*values)[1],
+                            (*values)[2]);
         }
         o.gridSizeSH = size;
     }
@@ -121,20 +124,77 @@ struct OtherOption {
     std::string_view name;
     std::size_t values;
 };
-constexpr OtherOption kLightmapOptions[] = {
-    {"-bouncescale", 1}, {"-bouncecolorratio", 1}, {"-vertexscale", 1}, {"-lightanglehl", 1}, {"-brightness", 1},
-    {"-fastbounce", 0}, {"-nofastpoint", 0}, {"-samples", 1}, {"-randomsamples", 0}, {"-samplessearchboxsize", 1},
-    {"-super", 1}, {"-supersample", 1}, {"-filter", 0}, {"-bounce", 1}, {"-bouncegrid", 0}, {"-bounceonly", 0},
-    {"-nobouncestore", 0}, {"-shade", 0}, {"-shadeangle", 1}, {"-thresh", 1}, {"-samplesize", 1}, {"-minsamplesize", 1},
-    {"-samplescale", 1}, {"-rawlightmapsizelimit", 1}, {"-dirty", 0}, {"-dirtmode", 1}, {"-dirtdepth", 1},
-    {"-dirtscale", 1}, {"-dirtgain", 1}, {"-dark", 0}, {"-lomem", 0}, {"-approx", 1}, {"-cpma", 0}, {"-nolm", 0},
-    {"-trianglecheck", 0}, {"-extravisnudge", 0}, {"-lightmapsize", 1}, {"-extlmhacksize", 1}, {"-external", 0},
-    {"-lightmapdir", 1}, {"-deluxe", 0}, {"-deluxemap", 0}, {"-deluxemode", 1}, {"-nodeluxe", 0}, {"-nodeluxemap", 0},
-    {"-nocollapse", 0}, {"-nolightmapsearch", 0}, {"-lightmapsearchblocksize", 1}, {"-lightmapsearchpower", 1},
-    {"-slowallocate", 0}, {"-fastallocate", 0}, {"-fill", 0}, {"-fillpink", 0}, {"-export", 0}, {"-custinfoparms", 0},
-    {"-trisoup", 0}, {"-dump", 0}, {"-debug", 0}, {"-border", 0}, {"-debugsurfaces", 0}, {"-debugsurface", 0},
-    {"-debugaxis", 0}, {"-debugcluster", 0}, {"-debugorigin", 0}, {"-debugnormals", 0}, {"-normalmap", 0},
-    {"-debugdeluxe", 0}, {"-dirtdebug", 0}, {"-debugdirt", 0}, {"-debugsamplesize", 0}, {"-novertex", 0}};
+constexpr OtherOption kLightmapOptions[] = {{"-bouncescale", 1},
+                                            {"-bouncecolorratio", 1},
+                                            {"-vertexscale", 1},
+                                            {"-lightanglehl", 1},
+                                            {"-brightness", 1},
+                                            {"-fastbounce", 0},
+                                            {"-nofastpoint", 0},
+                                            {"-samples", 1},
+                                            {"-randomsamples", 0},
+                                            {"-samplessearchboxsize", 1},
+                                            {"-super", 1},
+                                            {"-supersample", 1},
+                                            {"-filter", 0},
+                                            {"-bounce", 1},
+                                            {"-bouncegrid", 0},
+                                            {"-bounceonly", 0},
+                                            {"-nobouncestore", 0},
+                                            {"-shade", 0},
+                                            {"-shadeangle", 1},
+                                            {"-thresh", 1},
+                                            {"-samplesize", 1},
+                                            {"-minsamplesize", 1},
+                                            {"-samplescale", 1},
+                                            {"-rawlightmapsizelimit", 1},
+                                            {"-dirty", 0},
+                                            {"-dirtmode", 1},
+                                            {"-dirtdepth", 1},
+                                            {"-dirtscale", 1},
+                                            {"-dirtgain", 1},
+                                            {"-dark", 0},
+                                            {"-lomem", 0},
+                                            {"-approx", 1},
+                                            {"-cpma", 0},
+                                            {"-nolm", 0},
+                                            {"-trianglecheck", 0},
+                                            {"-extravisnudge", 0},
+                                            {"-lightmapsize", 1},
+                                            {"-extlmhacksize", 1},
+                                            {"-external", 0},
+                                            {"-lightmapdir", 1},
+                                            {"-deluxe", 0},
+                                            {"-deluxemap", 0},
+                                            {"-deluxemode", 1},
+                                            {"-nodeluxe", 0},
+                                            {"-nodeluxemap", 0},
+                                            {"-nocollapse", 0},
+                                            {"-nolightmapsearch", 0},
+                                            {"-lightmapsearchblocksize", 1},
+                                            {"-lightmapsearchpower", 1},
+                                            {"-slowallocate", 0},
+                                            {"-fastallocate", 0},
+                                            {"-fill", 0},
+                                            {"-fillpink", 0},
+                                            {"-export", 0},
+                                            {"-custinfoparms", 0},
+                                            {"-trisoup", 0},
+                                            {"-dump", 0},
+                                            {"-debug", 0},
+                                            {"-border", 0},
+                                            {"-debugsurfaces", 0},
+                                            {"-debugsurface", 0},
+                                            {"-debugaxis", 0},
+                                            {"-debugcluster", 0},
+                                            {"-debugorigin", 0},
+                                            {"-debugnormals", 0},
+                                            {"-normalmap", 0},
+                                            {"-debugdeluxe", 0},
+                                            {"-dirtdebug", 0},
+                                            {"-debugdirt", 0},
+                                            {"-debugsamplesize", 0},
+                                            {"-novertex", 0}};
 
 void WarnOfOthers(Arguments &arguments, Log &log) {
     std::string taken;

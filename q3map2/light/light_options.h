@@ -51,8 +51,8 @@ struct LightOptions {
     std::string previewFile; ///< -shpreview
 };
 
-/// Takes all light options off `arguments`. Options of parts that this program does not have yet (lightmaps, bounces) are taken
-/// too and named in one warning.
+/// Takes all light options off `arguments`. Options of parts that this program does not have yet (lightmaps, bounces)
+/// are taken too and named in one warning.
 LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log);
 
 } // namespace q3

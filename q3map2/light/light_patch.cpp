@@ -16,7 +16,8 @@ constexpr float kFlat = 0.1f;
 
 MeshVert Middle(const MeshVert &a, const MeshVert &b) {
     const Vec3f normal = Normalize(a.normal + b.normal);
-    return {(a.xyz + b.xyz) * 0.5f, normal == Vec3f{} ? a.normal : normal,
+    return {(a.xyz + b.xyz) * 0.5f,
+            normal == Vec3f{} ? a.normal : normal,
             {(a.st[0] + b.st[0]) * 0.5f, (a.st[1] + b.st[1]) * 0.5f}};
 }
 

@@ -27,7 +27,8 @@ Mesh TessellatePatch(const Bsp &bsp, const bspDrawSurface_t &surface, float long
 /// Longest curve of the patch from its control points, for a map without a .srf file.
 float LongestCurve(const Bsp &bsp, const bspDrawSurface_t &surface);
 
-/// Corners of the quad at (x, y), clockwise seen from the front, starting so that its triangles are (0, 1, 2) and (0, 2, 3).
+/// Corners of the quad at (x, y), clockwise seen from the front, starting so that its triangles are (0, 1, 2) and (0,
+/// 2, 3).
 std::array<MeshVert, 4> MeshQuad(const Mesh &mesh, int x, int y);
 
 } // namespace q3

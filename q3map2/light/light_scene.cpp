@@ -23,11 +23,21 @@ constexpr float kOpaqueTint = 0.001f;
 /// Two hits of one see-through surface nearer than this are one: the shared edge of its triangles. Game units.
 constexpr float kSameHit = 0.01f;
 
-/// In the established program an opaque leaf larger than this that at least so many triangles reach into stops being solid.
+/// In the established program an opaque leaf larger than this that at least so many triangles reach into stops being
+/// solid.
 constexpr int kLostLeafSize = 32, kLostLeafTriangles = 5;
 constexpr double kLostLeafEpsilon = 0.25;
 
-enum GeometryId : unsigned { kSolids, kSurfaces, kPatches, kSkies, kFilters, kFilterPatches, kLegacySolids, kGeometries };
+enum GeometryId : unsigned {
+    kSolids,
+    kSurfaces,
+    kPatches,
+    kSkies,
+    kFilters,
+    kFilterPatches,
+    kLegacySolids,
+    kGeometries
+};
 
 /// Triangles of one kind with what a hit needs to know.
 struct Triangles {
@@ -117,8 +127,8 @@ void FilterHit(const RTCFilterFunctionNArguments *arguments) {
         };
         if (std::none_of(context.crossings.begin(), context.crossings.end(), same)) {
             context.crossings.push_back({surface, distance});
-            context.tint = context.tint * FilterAt(*(*context.table)[std::size_t(surface)].shader, triangles.st[primitive],
-                                                   RTCHitN_u(arguments->hit, arguments->N, i),
+            context.tint = context.tint * FilterAt(*(*context.table)[std::size_t(surface)].shader,
+                                                   triangles.st[primitive], RTCHitN_u(arguments->hit, arguments->N, i),
                                                    RTCHitN_v(arguments->hit, arguments->N, i));
         }
         if (MaxComponent(context.tint) > kOpaqueTint)
@@ -243,7 +253,8 @@ void FillRays(const RayPacket &packet, float nearest, RTCRay16 &rays, std::array
     for (std::size_t i = 0; i < std::size_t(kPacketSize); ++i) {
         valid[i] = int(i) < packet.count && !packet.blocked[i] ? -1 : 0;
         const std::size_t from = int(i) < packet.count ? i : 0;
-        rays.org_x[i] = packet.origin[from].x, rays.org_y[i] = packet.origin[from].y, rays.org_z[i] = packet.origin[from].z;
+        rays.org_x[i] = packet.origin[from].x, rays.org_y[i] = packet.origin[from].y,
+        rays.org_z[i] = packet.origin[from].z;
         rays.dir_x[i] = packet.direction[from].x, rays.dir_y[i] = packet.direction[from].y;
         rays.dir_z[i] = packet.direction[from].z;
         rays.tnear[i] = nearest;
@@ -289,8 +300,7 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
         const bspDrawSurface_t &surface = bsp.drawSurfaces[i];
         const bool patch = surface.surfaceType == MST_PATCH;
         if (!CastsShadow(table[i], bsp.shaders[std::size_t(surface.shaderNum)], options.noDrawSurfaceFlags) ||
-            (patch && !options.patchShadows) ||
-            (options.noSurfaces && !sky))
+            (patch && !options.patchShadows) || (options.noSurfaces && !sky))
             continue;
         AddSurface(bsp, int(i), table[i], s.triangles);
     }
@@ -412,6 +422,8 @@ std::size_t LightScene::TriangleCount() const {
     return count;
 }
 
-bool LightScene::HasSky() const { return state_->triangles[kSkies].Count() > 0; }
+bool LightScene::HasSky() const {
+    return state_->triangles[kSkies].Count() > 0;
+}
 
 } // namespace q3

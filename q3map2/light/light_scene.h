@@ -27,7 +27,7 @@ struct RayPacket {
     std::array<Vec3f, kPacketSize> origin, direction; ///< unit directions
     std::array<float, kPacketSize> distance;          ///< game units; to the light
     std::array<bool, kPacketSize> blocked{};          ///< in: skip; out: no light arrives
-    std::array<Vec3f, kPacketSize> tint;              ///< out: what coloured surfaces on the way let through, 1 1 1 usually
+    std::array<Vec3f, kPacketSize> tint; ///< out: what coloured surfaces on the way let through, 1 1 1 usually
 };
 
 /// Rays cast so far, for statistics; one per worker.

@@ -9,6 +9,7 @@
 #include "q3map2/light/surface_table.h"
 #include "q3map2/shader/shader.h"
 
+#include <array>
 #include <vector>
 
 namespace q3 {
@@ -18,52 +19,55 @@ inline constexpr float kFar = 524288;
 
 enum class LightType { Point, Spot, Area, Sun };
 
+/// What visibility and moments of an area light need of its polygon.
+struct AreaShape {
+    Winding<float> back;           ///< the polygon the other way round
+    Vec3d normal;                  ///< of its plane, by its corners
+    double dist = 0;               ///< origin of the plane: normal . p = dist
+    Vec3f center;                  ///< of gravity
+    float radius = 0, area = 0;    ///< around the centre; square units
+    std::vector<float> cumulative; ///< area of the first triangles of the fan, by triangle
+};
+
 /// One light. Colour times the number that falloff or form factor give is light on the byte scale, 255 = full.
 struct Light {
     LightType type = LightType::Point;
-    bool linear = false;         ///< falloff photons / 8000 - distance * fade instead of photons / distance^2
-    bool grid = true;            ///< lights grid points
-    bool surfaces = true;        ///< lights lightmaps and vertices
-    bool alwaysFast = false;     ///< entity lights: the falloff tolerance counts in every pass
-    bool noFast = false;         ///< q3map_noFast
+    bool linear = false;     ///< falloff photons / 8000 - distance * fade instead of photons / distance^2
+    bool grid = true;        ///< lights grid points
+    bool surfaces = true;    ///< lights lightmaps and vertices
+    bool alwaysFast = false; ///< entity lights: the falloff tolerance counts in every pass
+    bool noFast = false;     ///< q3map_noFast
     bool twoSided = false;
-    bool negative = false;       ///< subtracts
+    bool negative = false; ///< subtracts
     Vec3f color{1, 1, 1};
     float photons = 0;
-    float add = 0;               ///< area: light per unit of form factor
-    Vec3f origin;                ///< area: 1 unit off the centre of the box of the polygon
-    Vec3f normal;                ///< spot: aim; area: facing; sun: away from the sun
-    float dist = 0;              ///< area: origin . normal
+    float add = 0;  ///< area: light per unit of form factor
+    Vec3f origin;   ///< area: 1 unit off the centre of the box of the polygon
+    Vec3f normal;   ///< spot: aim; area: facing; sun: away from the sun
+    float dist = 0; ///< area: origin . normal
     float fade = 1;
-    float radiusByDist = 0;      ///< spot: cone radius per unit of distance
+    float radiusByDist = 0; ///< spot: cone radius per unit of distance
     float extraDist = 0;
     float tolerance = 1;
     int style = 0;
-    int skyIndex = -1;           ///< sun: the sky that it shines through; -1 any
-    Winding<float> w;            ///< area: clockwise seen from the front
-    Vec3d faceNormal;            ///< area: of the polygon's plane, by its corners
-    double faceDist = 0;
+    int skyIndex = -1; ///< sun: the sky that it shines through; -1 any
+    Winding<float> w;  ///< area: clockwise seen from the front
+    AreaShape shape;   ///< area: derived from w by SetShape
 
     // Set by SetupEnvelopes.
-    std::vector<int> clusters;   ///< where it is; empty for suns
-    std::vector<bool> seenFrom;  ///< by cluster: points there may see it; empty: everywhere
-    float envelope = 0;          ///< no light beyond this distance
+    std::vector<int> clusters;  ///< where it is; empty for suns
+    std::vector<bool> seenFrom; ///< by cluster: points there may see it; empty: everywhere
+    float envelope = 0;         ///< no light beyond this distance
     Boundsf bounds;
-    bool fast = false;           ///< contributions up to the tolerance count as none
+    bool fast = false; ///< contributions up to the tolerance count as none
 
-    bool SeenFrom(int cluster) const {
-        return cluster >= 0 && (seenFrom.empty() || seenFrom[std::size_t(cluster)]);
-    }
-    /// Sets faceNormal and faceDist from w.
-    void SetFace() {
-        faceNormal = -Normalize(WindingAreaVector(w));
-        faceDist = w.empty() ? 0 : Dot(faceNormal, Vec3d(w.front()));
-    }
+    bool SeenFrom(int cluster) const { return cluster >= 0 && (seenFrom.empty() || seenFrom[std::size_t(cluster)]); }
+    void SetShape();
 };
 
 /// World keys that concern light.
 struct WorldLight {
-    Vec3f ambient;   ///< byte scale
+    Vec3f ambient; ///< byte scale
     Vec3f minGrid;
     float maxLight = 255;
     bool noShaderSun = false;
@@ -93,8 +97,8 @@ enum class LightPass {
     GridSH      ///< tolerance only under -fast; all clusters that an area light touches
 };
 
-/// Prepares lights for a pass: sign of negative lights, clusters, envelope, bounds. Lights in solid are nudged out, or dropped;
-/// `culled` gets the number of those dropped. Stable sort by style at the end. skySeenFrom: see SkySeenFrom.
+/// Prepares lights for a pass: sign of negative lights, clusters, envelope, bounds. Lights in solid are nudged out, or
+/// dropped; `culled` gets the number of those dropped. Stable sort by style at the end. skySeenFrom: see SkySeenFrom.
 std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, const LightOptions &options,
                                   const BspSpace &space, const std::vector<bool> &skySeenFrom, int &culled);
 

@@ -10,7 +10,9 @@ namespace q3 {
 
 namespace {
 
-int LeafOf(int child) { return -1 - child; }
+int LeafOf(int child) {
+    return -1 - child;
+}
 
 } // namespace
 
@@ -20,7 +22,8 @@ BspSpace::BspSpace(const Bsp &bsp, std::vector<bool> opaqueBrush)
         const bspLeaf_t &leaf = bsp.leafs[i];
         clusterCount_ = std::max(clusterCount_, leaf.cluster + 1);
         for (int k = 0; k < leaf.numBSPLeafBrushes && !leafHasOpaqueBrush_[i]; ++k)
-            leafHasOpaqueBrush_[i] = opaqueBrush_[std::size_t(bsp.leafBrushes[std::size_t(leaf.firstBSPLeafBrush + k)])];
+            leafHasOpaqueBrush_[i] =
+                opaqueBrush_[std::size_t(bsp.leafBrushes[std::size_t(leaf.firstBSPLeafBrush + k)])];
     }
     if (bsp.visibility.size() > 8)
         std::memcpy(&visRowBytes_, bsp.visibility.data() + 4, 4);
@@ -67,7 +70,8 @@ bool BspSpace::InOpaqueBrush(const bspLeaf_t &leaf, const Vec3f &p, float epsilo
         const bspBrush_t &brush = bsp_.brushes[brushNum];
         bool inside = brush.numSides > 0;
         for (int s = 0; s < brush.numSides && inside; ++s) {
-            const bspPlane_t &plane = bsp_.planes[std::size_t(bsp_.brushSides[std::size_t(brush.firstSide + s)].planeNum)];
+            const bspPlane_t &plane =
+                bsp_.planes[std::size_t(bsp_.brushSides[std::size_t(brush.firstSide + s)].planeNum)];
             inside = Dot(Vec3f(plane.normal), p) - plane.dist <= epsilon;
         }
         if (inside)
@@ -113,7 +117,9 @@ void BspSpace::ClustersOf(const Winding<float> &w, std::vector<int> &clusters) c
         const bspNode_t &node = bsp_.nodes[std::size_t(piece.child)];
         const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
         SplitWinding(piece.w, Vec3f(plane.normal), plane.dist, kOnPlane, front, back);
-        const auto onPlane = [&](const Vec3f &p) { return std::abs(Dot(Vec3f(plane.normal), p) - plane.dist) <= kOnPlane; };
+        const auto onPlane = [&](const Vec3f &p) {
+            return std::abs(Dot(Vec3f(plane.normal), p) - plane.dist) <= kOnPlane;
+        };
         if (std::all_of(piece.w.begin(), piece.w.end(), onPlane))
             back = piece.w;
         if (!front.empty())

@@ -14,16 +14,18 @@ inline constexpr float kOnPlane = 0.1f;
 
 inline constexpr int kSolidCluster = -1;
 
-/// Point queries on the tree of a validated Bsp. Const after construction, so safe for concurrent use. Keeps a reference.
+/// Point queries on the tree of a validated Bsp. Const after construction, so safe for concurrent use. Keeps a
+/// reference.
 class BspSpace {
   public:
     /// opaqueBrush[i]: brush i of the world model blocks light as a volume, so points in it are not lit.
     BspSpace(const Bsp &bsp, std::vector<bool> opaqueBrush);
 
-    /// Leaf that holds p. A point within kOnPlane of a plane belongs to the front, unless the leaf found there is solid.
+    /// Leaf that holds p. A point within kOnPlane of a plane belongs to the front, unless the leaf found there is
+    /// solid.
     int LeafAt(const Vec3f &p) const;
-    /// Cluster of p, or kSolidCluster in a solid leaf or not farther than epsilon outside an opaque brush (negative: deeper
-    /// than -epsilon inside).
+    /// Cluster of p, or kSolidCluster in a solid leaf or not farther than epsilon outside an opaque brush (negative:
+    /// deeper than -epsilon inside).
     int ClusterAt(const Vec3f &p, float epsilon) const;
     /// Whether a sees b: true without visibility data, false for kSolidCluster.
     bool Visible(int a, int b) const;
@@ -53,12 +55,12 @@ class BspSpace {
 /// By leaf: whether it is solid.
 std::vector<bool> SolidLeafs(const Bsp &bsp);
 
-/// Polygons between solid leafs and others: everything that blocks light as a volume, as a closed surface. Slightly overlapping, so
-/// that no ray slips through where they meet. Iterative; time grows with nodes times depth.
+/// Polygons between solid leafs and others: everything that blocks light as a volume, as a closed surface. Slightly
+/// overlapping, so that no ray slips through where they meet. Iterative; time grows with nodes times depth.
 std::vector<Winding<double>> SolidHull(const Bsp &bsp, const std::vector<bool> &solidLeafs);
 
-/// Cuts the polygon by the tree and adds to each leaf's count the triangles of its piece there. A polygon within epsilon (game
-/// units) of a node's plane goes to the side that it faces.
+/// Cuts the polygon by the tree and adds to each leaf's count the triangles of its piece there. A polygon within
+/// epsilon (game units) of a node's plane goes to the side that it faces.
 void CountTriangles(const Bsp &bsp, const Winding<double> &w, double epsilon, std::vector<int> &counts);
 
 } // namespace q3

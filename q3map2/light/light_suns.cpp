@@ -76,7 +76,8 @@ std::vector<SkyProbe> SkyProbes(const std::string &base, ShaderLibrary &library,
     for (std::size_t face = 0; face < kSuffixes.size(); ++face) {
         const auto image = library.LoadImage(base + kSuffixes[face]);
         if (!image) {
-            log.Warn("sky image", "{}{}: sky image not found, the sky light takes the shader's colour", base, kSuffixes[face]);
+            log.Warn("sky image", "{}{}: sky image not found, the sky light takes the shader's colour", base,
+                     kSuffixes[face]);
             return {};
         }
         for (int v = 0; v < kSkyCells; ++v)
@@ -158,8 +159,8 @@ std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const Shade
     if (sky.value <= 0 || sky.iterations < 2 || sky.horizonMin > sky.horizonMax)
         return {};
     const std::vector<Vec3f> directions = SkyDirections(sky);
-    const float photons = sky.value / float(directions.size()) *
-                          std::max(0.25f, float(sky.horizonMax - sky.horizonMin) / 90);
+    const float photons =
+        sky.value / float(directions.size()) * std::max(0.25f, float(sky.horizonMax - sky.horizonMin) / 90);
     std::vector<SkyProbe> probes;
     if (sky.sampleColor && !shader.skyImageBase.empty())
         probes = SkyProbes(shader.skyImageBase, library, log);

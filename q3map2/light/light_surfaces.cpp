@@ -92,7 +92,7 @@ class AreaLightMaker {
         light.twoSided = shader_.twoSided || (shader_.compileFlags & C_FOG) != 0;
         light.origin = box.Center() + light.normal;
         light.dist = Dot(light.origin, light.normal);
-        light.SetFace();
+        light.SetShape();
         lights_.push_back(light);
         ++count_;
         if (shader_.backsplashFraction > 0 && (shader_.compileFlags & C_SKY) == 0)
@@ -111,7 +111,7 @@ class AreaLightMaker {
         splash.origin = light.origin + moved;
         splash.normal = -light.normal;
         splash.dist = Dot(splash.origin, splash.normal);
-        splash.SetFace();
+        splash.SetShape();
         splash.twoSided = false;
         lights_.push_back(std::move(splash));
     }
@@ -215,8 +215,28 @@ class SkyLights {
 
 } // namespace
 
+void Light::SetShape() {
+    shape = {};
+    shape.back.assign(w.rbegin(), w.rend());
+    shape.normal = -Normalize(WindingAreaVector(w));
+    if (w.size() < 3)
+        return;
+    shape.dist = Dot(shape.normal, Vec3d(w.front()));
+    Vec3d center;
+    for (std::size_t i = 2; i < w.size(); ++i) {
+        const float triangle = float(WindingArea(Winding<float>{w[0], w[i - 1], w[i]}));
+        shape.area += triangle;
+        shape.cumulative.push_back(shape.area);
+        center += Vec3d(w[0] + w[i - 1] + w[i]) * (double(triangle) / 3);
+    }
+    shape.center = shape.area > 0 ? Vec3f(center / double(shape.area)) : w.front();
+    for (const Vec3f &p : w)
+        shape.radius = std::max(shape.radius, Length(p - shape.center));
+}
+
 std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const LightOptions &options,
-                                 const WorldLight &world, ShaderLibrary &library, SurfaceLightCounts &counts, Log &log) {
+                                 const WorldLight &world, ShaderLibrary &library, SurfaceLightCounts &counts,
+                                 Log &log) {
     std::vector<Light> lights;
     SkyLights skies(options, world, library, lights, counts, log);
     for (std::size_t i = 0; i < table.size(); ++i) {

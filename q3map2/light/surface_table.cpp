@@ -80,9 +80,10 @@ SurfaceExtras ParseSurfaceExtras(std::string_view text, std::string_view name, s
             header = &extras.defaults;
         else {
             const int index = IntegerFromText(words[0]);
-            if (words[0].find_first_not_of("0123456789") != std::string_view::npos || std::size_t(index) >= surfaceCount)
-                fail(fmt::format("\"{}\" is not one of the map's {} surfaces; does the file belong to this map?", words[0],
-                                 surfaceCount));
+            if (words[0].find_first_not_of("0123456789") != std::string_view::npos ||
+                std::size_t(index) >= surfaceCount)
+                fail(fmt::format("\"{}\" is not one of the map's {} surfaces; does the file belong to this map?",
+                                 words[0], surfaceCount));
             auto &extra = extras.surfaces[std::size_t(index)];
             if (!extra)
                 extra = extras.defaults;
@@ -140,7 +141,8 @@ SurfaceTable MakeSurfaceTable(const Bsp &bsp, const std::vector<Entity> &entitie
     for (std::size_t i = 0; i < table.size(); ++i) {
         const SurfaceExtra &extra = extras.At(i);
         const bspShader_t &record = bsp.shaders[std::size_t(bsp.drawSurfaces[i].shaderNum)];
-        table[i].shader = &library.Get(extra.shader.empty() ? FieldName(record.shader) : std::string_view(extra.shader));
+        table[i].shader =
+            &library.Get(extra.shader.empty() ? FieldName(record.shader) : std::string_view(extra.shader));
         table[i].castShadows = extra.castShadows;
         table[i].longestCurve = extra.longestCurve;
         table[i].skyBoxCopy = extra.parent >= 0;

@@ -130,22 +130,23 @@ void AddFurniture(SceneBuilder &scene) {
     scene.AddInlineModel({-16, -64, 144}, {16, 64, 160}, Trim(), {{{"classname", "func_static"}}});
 }
 
-std::vector<Entity> PlayerStarts() {
-    return {{{{"classname", "info_player_deathmatch"}, {"origin", "-264 0 32"}, {"angle", "0"}}},
+// Kept by the bsp stage; info_null is what the spotlight aims at.
+std::vector<Entity> Places() {
+    return {{{{"classname", "info_null"}, {"origin", "-64 -240 8"}, {"targetname", "spot1"}}},
+            {{{"classname", "info_player_deathmatch"}, {"origin", "-264 0 32"}, {"angle", "0"}}},
             {{{"classname", "info_player_deathmatch"}, {"origin", "320 -64 32"}, {"angle", "180"}}},
             {{{"classname", "info_player_deathmatch"}, {"origin", "256 320 32"}, {"angle", "270"}}}};
 }
 
 std::vector<Entity> Lights() {
-    return {{{{"classname", "light"}, {"origin", "-264 -336 160"}, {"light", "400"}, {"_color", "1 0.15 0.05"}}},
-            {{{"classname", "light"}, {"origin", "-264 336 160"}, {"light", "400"}, {"_color", "0.05 0.2 1"}}},
+    return {{{{"classname", "light"}, {"origin", "-264 -336 160"}, {"light", "700"}, {"_color", "1 0.15 0.05"}}},
+            {{{"classname", "light"}, {"origin", "-264 336 160"}, {"light", "700"}, {"_color", "0.05 0.2 1"}}},
             {{{"classname", "light"},
               {"origin", "-64 -320 264"},
               {"light", "200"},
               {"_color", "0.3 1 0.4"},
               {"target", "spot1"},
-              {"radius", "80"}}},
-            {{{"classname", "info_null"}, {"origin", "-64 -240 8"}, {"targetname", "spot1"}}}};
+              {"radius", "80"}}}};
 }
 
 void WriteText(const std::filesystem::path &path, const std::string &text) {
@@ -164,8 +165,8 @@ DemoMap DemoScene() {
     AddFurniture(scene);
     scene.SetWorldKey("message", "Demo arena");
     scene.SetVisibility({.writeLump = true});
-    for (const Entity &start : PlayerStarts())
-        scene.AddEntity(start);
+    for (const Entity &place : Places())
+        scene.AddEntity(place);
     DemoMap map{scene.Build(), "", kShaderText};
     std::vector<Entity> all = ParseEntities(map.bsp.entities, "demo");
     for (const Entity &light : Lights())
