@@ -26,9 +26,9 @@ constexpr float kCornerInset = 0.01f;
 constexpr float kPointError = 1.0f / 256;
 /// Rays for a partly hidden light: as many as keep the expected error of the estimate under kTolerance, within these
 /// limits.
-constexpr int kMinRefined = 16, kMaxRefined = 512;
-/// Byte scale: a quarter of what a screen can show.
-constexpr double kTolerance = 0.25;
+constexpr int kMinRefined = 16, kMaxRefined = 1024;
+/// Byte scale: an eighth of what a screen can show.
+constexpr double kTolerance = 0.125;
 /// Rays end this far in front of the emitter, which is itself in the scene, or half way to its plane. Game units.
 constexpr float kEmitterGap = 0.125f;
 /// Under this solid angle sampling by area is as good and avoids cancellation; pbrt-v4 uses the same limit.
