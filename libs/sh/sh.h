@@ -19,23 +19,27 @@ inline constexpr double kShC4 = 0.54627421529603953; // sqrt(15) / (4 sqrt(pi))
 
 /// Factors of convolution with the clamped cosine, per basis function.
 /// Ramamoorthi and Hanrahan, An Efficient Representation for Irradiance Environment Maps, 2001.
-inline constexpr ShVector kCosineLobe = {
-    std::numbers::pi,         2 * std::numbers::pi / 3, 2 * std::numbers::pi / 3,
-    2 * std::numbers::pi / 3, std::numbers::pi / 4,     std::numbers::pi / 4,
-    std::numbers::pi / 4,     std::numbers::pi / 4,     std::numbers::pi / 4};
+inline constexpr ShVector kCosineLobe = {std::numbers::pi,         2 * std::numbers::pi / 3, 2 * std::numbers::pi / 3,
+                                         2 * std::numbers::pi / 3, std::numbers::pi / 4,     std::numbers::pi / 4,
+                                         std::numbers::pi / 4,     std::numbers::pi / 4,     std::numbers::pi / 4};
 
 /// Basis functions at unit direction d, for polynomials of any scale: `one` stands for 1 and xx..zz for the products of
 /// coordinates, so that the same form turns moments of a region of directions into its projection.
 template <typename T>
 constexpr std::array<T, 9> ShFromMoments(T one, const Vec3<T> &d, T xy, T yz, T zz, T xz, T xxMinusYy) {
-    return {T(kShC0) * one, T(kShC1) * d.y, T(kShC1) * d.z,
-            T(kShC1) * d.x, T(kShC2) * xy,  T(kShC2) * yz,
-            T(kShC3) * (3 * zz - one), T(kShC2) * xz, T(kShC4) * xxMinusYy};
+    return {T(kShC0) * one,
+            T(kShC1) * d.y,
+            T(kShC1) * d.z,
+            T(kShC1) * d.x,
+            T(kShC2) * xy,
+            T(kShC2) * yz,
+            T(kShC3) * (3 * zz - one),
+            T(kShC2) * xz,
+            T(kShC4) * xxMinusYy};
 }
 
 /// Y[k](d) for a unit direction.
-template <typename T>
-constexpr std::array<T, 9> ShBasis(const Vec3<T> &d) {
+template <typename T> constexpr std::array<T, 9> ShBasis(const Vec3<T> &d) {
     return ShFromMoments<T>(1, d, d.x * d.y, d.y * d.z, d.z * d.z, d.x * d.z, d.x * d.x - d.y * d.y);
 }
 

@@ -2,9 +2,9 @@
 #include "q3map2/light/grid_bricks.h"
 
 #include "common/progress.h"
+#include "libs/math/low_discrepancy.h"
 
 #include <atomic>
-#include <numeric>
 
 namespace q3 {
 
@@ -12,6 +12,10 @@ namespace {
 
 constexpr std::array<int, 3> kBrick = {8, 8, 4};
 constexpr std::array<int, 3> kBlock = {4, 2, 2};
+/// Points this far behind the centre of a one-sided lamp, moved off by a unit, get nothing from it in either grid. Game
+/// units.
+constexpr float kBehind = 2;
+constexpr std::uint64_t kSeedFaint = 0x4661696E74ull;
 
 bool CanReach(const Light &light, const BrickView &brick) {
     if (light.type != LightType::Sun) {
@@ -19,6 +23,14 @@ bool CanReach(const Light &light, const BrickView &brick) {
             if (light.bounds.mins[axis] > brick.box.maxs[axis] || light.bounds.maxs[axis] < brick.box.mins[axis])
                 return false;
         if (brick.box.Distance(light.origin) > light.envelope)
+            return false;
+    }
+    if (light.type == LightType::Area && !light.twoSided) {
+        const Vec3f n(light.normal);
+        const Vec3f farthest{n.x > 0 ? brick.box.maxs.x : brick.box.mins.x,
+                             n.y > 0 ? brick.box.maxs.y : brick.box.mins.y,
+                             n.z > 0 ? brick.box.maxs.z : brick.box.mins.z};
+        if (Dot(n, farthest) < light.dist - kBehind)
             return false;
     }
     return std::any_of(brick.clusters.begin(), brick.clusters.end(), [&](int c) { return light.SeenFrom(c); });
@@ -63,32 +75,26 @@ BrickView::BrickView(std::span<const LightPlace> places) {
     }
 }
 
-BrickLights::BrickLights(const std::vector<Light> &lights, const BrickView &brick, float tolerance,
+BrickLights::BrickLights(const std::vector<Light> &lights, const BrickView &brick, std::uint64_t seed, float faint,
                          const LightOptions &options, GridStats &work) {
+    double collected = UnitFromHash(HashIndex(kSeedFaint ^ seed)) * double(faint);
     for (const Light &light : lights) {
-        if (options.noSkip || CanReach(light, brick))
-            list_.push_back(&light);
-        else
+        if (!options.noSkip && !CanReach(light, brick)) {
             ++work.skippedLights;
+            continue;
+        }
+        const float bound = options.noSkip ? faint : LightBound(light, brick.box);
+        if (bound >= faint) {
+            list_.push_back({&light});
+            continue;
+        }
+        collected += double(bound);
+        if (collected >= double(faint)) {
+            collected -= double(faint);
+            list_.push_back({&light, faint / bound});
+        } else
+            ++work.skippedFaint;
     }
-    if (options.noSkip || tolerance <= 0)
-        return;
-    std::vector<float> bounds;
-    for (const Light *light : list_)
-        bounds.push_back(LightBound(*light, brick.box));
-    std::vector<std::size_t> order(list_.size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return std::pair(bounds[a], a) < std::pair(bounds[b], b); });
-    float left = tolerance;
-    for (const std::size_t i : order) {
-        left -= bounds[i];
-        if (left < 0)
-            break;
-        list_[i] = nullptr;
-        ++work.skippedFaint;
-    }
-    std::erase(list_, nullptr);
 }
 
 void GridStats::Add(const GridStats &o) {
@@ -128,7 +134,7 @@ void GridStats::Print(Log &log, bool verbose) const {
         return;
     log.Count((long long)(counts.pairs), "pairs of point and light");
     log.Count((long long)(skippedLights), "pairs of brick and light out of sight or reach, skipped");
-    log.Count((long long)(skippedFaint), "pairs of brick and light too faint, skipped");
+    log.Count((long long)(skippedFaint), "pairs of brick and light too faint, represented by others");
     log.Count((long long)(counts.skippedPvs), "pairs of point and light hidden by visibility data, skipped");
     log.Count((long long)(counts.skippedFacing), "pairs of point and light out of reach, cone or side, skipped");
     log.Count((long long)(counts.refined), "pairs of point and light partly hidden, refined");

@@ -36,17 +36,25 @@ struct BrickView {
     std::vector<int> clusters; ///< each once
 };
 
+/// A light of a brick, and what its contribution is multiplied by.
+struct BrickLight {
+    const Light *light;
+    float weight = 1;
+};
+
 /// Lights that can reach some point of a brick, in their order.
+///
+/// Lights whose bound in the brick is under `faint` (byte scale) are represented by a few: going through them in order,
+/// every time their bounds add up to `faint` one is taken, with the weight that makes up for the others. Lights of one
+/// surface follow each other in the list, so that a taken light stands for its neighbours. 0 takes every light.
 class BrickLights {
   public:
-    /// Lights that together give at most `tolerance` (byte scale) to any point of the brick are left out, faintest
-    /// first.
-    BrickLights(const std::vector<Light> &lights, const BrickView &brick, float tolerance, const LightOptions &options,
-                GridStats &work);
-    const std::vector<const Light *> &List() const { return list_; }
+    BrickLights(const std::vector<Light> &lights, const BrickView &brick, std::uint64_t seed, float faint,
+                const LightOptions &options, GridStats &work);
+    const std::vector<BrickLight> &List() const { return list_; }
 
   private:
-    std::vector<const Light *> list_;
+    std::vector<BrickLight> list_;
 };
 
 /// Runs `trace(brick, work)` for every brick on all workers, with progress; adds the work up into `stats`.

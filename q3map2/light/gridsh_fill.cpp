@@ -68,9 +68,13 @@ bool TryCells(const BspSpace &space, const Vec3f &p, const Vec3f &cell, PlacedPo
     return false;
 }
 
-bool HasOpenNeighbour(const BspSpace &space, const Vec3f &p, const Vec3f &cell) {
+bool HasOpenNeighbour(const BspSpace &space, const GridLayout &layout, const Vec3f &p) {
+    const Vec3f cell(layout.size);
+    const Boundsf grid{Vec3f(layout.mins),
+                       Vec3f(layout.Position(layout.bounds[0] - 1, layout.bounds[1] - 1, layout.bounds[2] - 1))};
     return std::any_of(kNeighbours.begin(), kNeighbours.end(), [&](const Offset &o) {
-        return space.ClusterAt(p + cell * Vec3f{float(o.x), float(o.y), float(o.z)}, kClearance) >= 0;
+        const Vec3f neighbour = p + cell * Vec3f{float(o.x), float(o.y), float(o.z)};
+        return grid.Contains(neighbour) && space.ClusterAt(neighbour, kClearance) >= 0;
     });
 }
 
@@ -165,7 +169,7 @@ PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, cons
     if (TryPlace(space, p, PointState::Open, placed) || !space.AnyOpen(p - cell, p + cell) ||
         TrySmallSteps(space, p, placed))
         return placed;
-    if (HasOpenNeighbour(space, p, cell))
+    if (HasOpenNeighbour(space, layout, p))
         placed.state = PointState::Solid;
     else
         TryCells(space, p, cell, placed);

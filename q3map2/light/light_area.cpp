@@ -22,8 +22,8 @@ constexpr int kInnerProbes = 2;
 /// A straight shadow edge that crosses a convex emitter hides or shows one of its corners, so each gets a ray, moved
 /// inward by this share.
 constexpr float kCornerInset = 0.01f;
-/// A light counts as a point with a cosine where that errs by less than this. Byte scale.
-constexpr float kPointError = 1.0f / 256;
+/// Moments are approximated where that errs by less than this. Byte scale.
+constexpr float kMomentError = 1.0f / 256;
 /// Rays for a partly hidden light: as many as keep the expected error of the estimate under kTolerance, within these
 /// limits.
 constexpr int kMinRefined = 16, kMaxRefined = 1024;
@@ -108,7 +108,7 @@ int RefinedRays(float facing) {
 void AreaRays::Add(const LightPlace &place, std::uint32_t number) {
     const AreaShape &shape = light_.shape;
     const float s = float(Dot(shape.normal, Vec3d(place.position)) - shape.dist);
-    AreaView view{place.position, place.rayOrigin, number, place.index, s < 0, std::abs(s), 0, false};
+    AreaView view{place.position, place.rayOrigin, number, place.index, s < 0, std::abs(s)};
     if (view.height < kPlaneClearance || (view.fromBehind && !light_.twoSided) || light_.w.size() < 3 ||
         !light_.bounds.Contains(place.position)) {
         ++counts_.skippedFacing;
@@ -120,7 +120,10 @@ void AreaRays::Add(const LightPlace &place, std::uint32_t number) {
     const float relativeError = d > 0 ? shape.radius * shape.radius / d2 : 1;
     if (relativeError < 0.25f) {
         view.facing = light_.add * shape.area * view.height / (d2 * d * std::numbers::pi_v<float>);
-        view.far = !settings_.exactAreas && view.facing * relativeError < kPointError;
+        if (!settings_.exactAreas && view.facing * relativeError < kMomentError)
+            view.method = AreaView::Method::Point;
+        else if (!settings_.exactAreas && view.facing * relativeError * relativeError < kMomentError)
+            view.method = AreaView::Method::Quadrature;
     } else
         view.facing = light_.add * float(Length(Moments(view).first) / std::numbers::pi);
     if (view.facing <= 0 || (light_.fast && view.facing <= light_.tolerance)) {
@@ -268,9 +271,13 @@ void AreaRays::Arrive(const AreaView &view, const ShVector &projection, double s
 }
 
 void AreaRays::ArriveWhole(const AreaView &view, const Vec3f &tint) {
-    if (!view.far) {
+    if (view.method == AreaView::Method::ClosedForm) {
         const PolygonMoments moments = Moments(view);
         Arrive(view, moments.Projection(), moments.solidAngle, tint);
+        return;
+    }
+    if (view.method == AreaView::Method::Quadrature) {
+        ArriveByQuadrature(view, tint);
         return;
     }
     const Vec3f direction = Normalize(light_.shape.center - view.position);
@@ -279,6 +286,31 @@ void AreaRays::ArriveWhole(const AreaView &view, const Vec3f &tint) {
     for (double &value : projection)
         value *= solidAngle;
     Arrive(view, projection, solidAngle, tint);
+}
+
+/// Three interior points a triangle, exact for quadratic integrands: errs by the fourth power of size over distance.
+void AreaRays::ArriveByQuadrature(const AreaView &view, const Vec3f &tint) {
+    const Winding<float> &w = light_.w;
+    const AreaShape &shape = light_.shape;
+    std::array<float, 9> projection{};
+    float solidAngle = 0, before = 0;
+    for (std::size_t i = 2; i < w.size(); ++i) {
+        const float triangle = (shape.cumulative[i - 2] - before) / 3;
+        before = shape.cumulative[i - 2];
+        const Vec3f sum = w[0] + w[i - 1] + w[i];
+        for (const Vec3f &corner : {w[0], w[i - 1], w[i]}) {
+            const Vec3f way = sum / 6 + corner * 0.5f - view.position;
+            const float d2 = Dot(way, way), d = std::sqrt(d2);
+            const float weight = triangle * view.height / (d2 * d);
+            const std::array<float, 9> basis = ShBasis(way / d);
+            solidAngle += weight;
+            for (std::size_t k = 0; k < 9; ++k)
+                projection[k] += weight * basis[k];
+        }
+    }
+    ShVector total;
+    std::copy(projection.begin(), projection.end(), total.begin());
+    Arrive(view, total, double(solidAngle), tint);
 }
 
 void AreaRays::Flush() {

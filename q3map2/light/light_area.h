@@ -18,7 +18,9 @@ struct AreaView {
     bool fromBehind = false; ///< a two-sided light, seen from its back
     float height = 0;        ///< distance to the plane of the light
     float facing = 0;        ///< about the light on a surface that faces the light, byte scale
-    bool far = false;        ///< so far or faint that the light counts as a point with a cosine
+    /// How its moments are found: as a point with a cosine or by three samples a triangle where that errs by less than
+    /// a set fraction of a byte, else in closed form.
+    enum class Method { Point, Quadrature, ClosedForm } method = Method::ClosedForm;
 };
 
 /// Light of one area light at many places: collects views, traces them in packets.
@@ -52,8 +54,9 @@ class AreaRays {
     void FirstLook();
     bool IsMixed(std::size_t i) const;
     void Refine(const AreaView &view);
-    void Arrive(const AreaView &view, const ShVector &projection, double solidAngle, const Vec3f &tint);
     void ArriveWhole(const AreaView &view, const Vec3f &tint);
+    void ArriveByQuadrature(const AreaView &view, const Vec3f &tint);
+    void Arrive(const AreaView &view, const ShVector &projection, double solidAngle, const Vec3f &tint);
 
     const Light &light_;
     const ContributionSettings &settings_;

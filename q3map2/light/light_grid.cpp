@@ -172,10 +172,10 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
             return;
         std::vector<LegacyPoint> points(places.size());
         std::vector<Arrival> arrivals;
-        const BrickLights candidates(lights, BrickView(places), 0, in.options, work);
-        for (const Light *light : candidates.List()) {
-            LightContributionToPoint(*light, settings, in.scene, places, arrivals, work.counts);
-            AddArrivals(*light, in, arrivals, places, points);
+        const BrickLights candidates(lights, BrickView(places), 0, 0, in.options, work);
+        for (const BrickLight &one : candidates.List()) {
+            LightContributionToPoint(*one.light, settings, in.scene, places, arrivals, work.counts);
+            AddArrivals(*one.light, in, arrivals, places, points);
         }
         for (std::size_t i = 0; i < places.size(); ++i) {
             if (in.options.floodlight || in.world.hasFloodlight)

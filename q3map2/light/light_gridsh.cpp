@@ -14,18 +14,19 @@ namespace {
 constexpr float kMinCell = 8;
 /// Engines hold lump lengths in 32-bit integers.
 constexpr std::int64_t kMaxPoints = (0x7fffffffll - 40) / 108;
-/// Lights that together give less than this to all points of a brick are left out. Byte scale; an eighth of what a
+/// Lights fainter than this in all of a brick are represented by a few of them. Byte scale; a sixteenth of what a
 /// screen can show.
-constexpr float kFaintTolerance = 1.0f / 8;
+constexpr float kFaint = 1.0f / 8;
 
 /// Sum of what arrives at a place, [channel][k], unit scale.
 using PointSum = std::array<ShVector, 3>;
 
-void AddArrivals(const Light &light, const std::vector<Arrival> &arrivals, std::vector<PointSum> &sums) {
+void AddArrivals(const BrickLight &one, const std::vector<Arrival> &arrivals, std::vector<PointSum> &sums) {
+    const Light &light = *one.light;
+    const double sign = light.negative ? -double(one.weight) : double(one.weight);
     for (const Arrival &arrival : arrivals)
         for (std::size_t channel = 0; channel < 3; ++channel) {
-            const double scale =
-                (light.negative ? -1.0 : 1.0) * double(light.color[channel]) * double(arrival.visible[channel]) / 255;
+            const double scale = sign * double(light.color[channel]) * double(arrival.visible[channel]) / 255;
             for (std::size_t k = 0; k < 9; ++k)
                 sums[arrival.place][channel][k] += scale * double(arrival.moments[k]);
         }
@@ -134,10 +135,10 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
             return;
         std::vector<PointSum> sums(lit.size(), PointSum{});
         std::vector<Arrival> arrivals;
-        const BrickLights candidates(lights, BrickView(lit), kFaintTolerance, in.options, work);
-        for (const Light *light : candidates.List()) {
-            LightContributionToPoint(*light, settings, in.scene, lit, arrivals, work.counts);
-            AddArrivals(*light, arrivals, sums);
+        const BrickLights candidates(lights, BrickView(lit), std::uint64_t(brick), kFaint, in.options, work);
+        for (const BrickLight &one : candidates.List()) {
+            LightContributionToPoint(*one.light, settings, in.scene, lit, arrivals, work.counts);
+            AddArrivals(one, arrivals, sums);
         }
         for (std::size_t i = 0; i < lit.size(); ++i) {
             if (flood)

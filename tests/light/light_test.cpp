@@ -68,24 +68,28 @@ Coefficients FromPoint(const Vec3d &p, const Vec3d &light, double intensity, con
 
 Coefficients FromRectangle(const Vec3d &p, const Vec3d &corner, const Vec3d &u, const Vec3d &v, const Vec3d &normal,
                            double add, const Vec3d &color) {
-    constexpr int kPanels = 24;
-    static constexpr double kNodes[3] = {-0.7745966692414834, 0, 0.7745966692414834};
-    static constexpr double kWeights[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
     Coefficients c{};
     if (Dot(p - corner, normal) <= 0)
         return c;
+    // Pieces that look large are cut, so that five nodes a side are exact enough.
+    const double size = std::max(Length(u), Length(v));
+    if (2 * size > Length(corner + (u + v) * 0.5 - p)) {
+        const Vec3d halfU = u * 0.5, halfV = v * 0.5;
+        for (const Vec3d &at : {corner, corner + halfU, corner + halfV, corner + halfU + halfV})
+            c = c + FromRectangle(p, at, halfU, halfV, normal, add, color);
+        return c;
+    }
+    static constexpr double kNodes[5] = {0.046910077030668, 0.2307653449471584, 0.5, 0.7692346550528416,
+                                         0.953089922969332};
+    static constexpr double kWeights[5] = {0.1184634425280945, 0.2393143352496832, 0.2844444444444444,
+                                           0.2393143352496832, 0.1184634425280945};
     const double area = Length(Cross(u, v));
-    for (int i = 0; i < 3 * kPanels; i++)
-        for (int j = 0; j < 3 * kPanels; j++) {
-            const double s = (i / 3 + 0.5 + 0.5 * kNodes[i % 3]) / kPanels;
-            const double t = (j / 3 + 0.5 + 0.5 * kNodes[j % 3]) / kPanels;
-            const Vec3d way = corner + u * s + v * t - p;
-            const double distance = Length(way);
-            const Vec3d d = way / distance;
-            const double share = kWeights[i % 3] * kWeights[j % 3] / (kPanels * kPanels);
-            const double solidAngle = -Dot(d, normal) * area * share / (distance * distance);
-            c = c + FromDirection(d, color * (add / 255 / kPi * solidAngle));
-        }
+    for (std::size_t i = 0; i < 25; i++) {
+        const Vec3d way = corner + u * kNodes[i % 5] + v * kNodes[i / 5] - p;
+        const double distance = Length(way), share = kWeights[i % 5] * kWeights[i / 5];
+        const double solidAngle = -Dot(way, normal) * area * share / (distance * distance * distance);
+        c = c + FromDirection(way / distance, color * (add / 255 / kPi * solidAngle));
+    }
     return c;
 }
 

@@ -19,7 +19,8 @@ namespace {
 
 const std::filesystem::path kVectors = TEST_DATA "/vectors";
 
-/// Not here: a vector whose grid holds light of bounces (-bouncegrid), which this version does not have.
+/// Not here: a grid with light of bounces (-bouncegrid), which this version does not have, and -lowquality, which turns
+/// floodlight off in the established program and makes it coarser in this one.
 std::vector<std::string> VectorNames() {
     std::vector<std::string> names;
     for (const auto &entry : std::filesystem::directory_iterator(kVectors / "grid"))

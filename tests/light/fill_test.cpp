@@ -1,0 +1,168 @@
+// GPL-2.0-or-later. SH grid: points in solids, and what interpolation shows beside walls.
+#include "tests/light/light_test.h"
+
+#include <algorithm>
+
+namespace q3::test {
+
+namespace {
+
+using FillTest = LightTest;
+
+double Mean(const Coefficients &c) {
+    return (c[0].x + c[0].y + c[0].z) / 3;
+}
+
+/// Mean of an eighth of a byte from everywhere: no screen shows it.
+constexpr double kUnseen = 3.545 / 8 / 255;
+
+/// A wall across the room; cells of 32 put points at multiples of 32.
+struct DividedRoom {
+    float low, high; ///< of the wall along x
+    SceneBuilder Scene() const {
+        SceneBuilder scene = Room({-250, -186, -60}, {250, 186, 196});
+        scene.AddBox({low, -186, -60}, {high, 186, 196}, TestShader("textures/test/wall"));
+        return scene;
+    }
+};
+
+constexpr Vec3d kLight{120, 10, 70};
+SceneBuilder HalfLit(const DividedRoom &room) {
+    SceneBuilder scene = room.Scene();
+    scene.AddEntity(MakeEntity("light", {{"origin", "120 10 70"}, {"light", "300"}}));
+    return scene;
+}
+
+TEST_F(FillTest, WallsThinnerThanACellKeepTheDarkSideDark) {
+    for (const DividedRoom room : {DividedRoom{-4, 4}, {-1, 7}, {-7, 1}, {-8, 8}, {-2, 14}, {-14, 2}, {28, 44}}) {
+        const GridView grid = LitGrid(HalfLit(room));
+        for (int t = 1; t <= 16; t++)
+            for (const double y : {-140.0, 0.0, 20.0, 150.0}) {
+                const Vec3d dark{double(room.low) - t, y, 70}, lit{double(room.high) + t, y, 70};
+                EXPECT_LT(Mean(grid.Sample(dark)), 0.01 * Mean(FromPoint(lit, kLight, 300)) + kUnseen)
+                    << "wall " << room.low << ".." << room.high << ", " << t << " units from it, y " << y;
+            }
+    }
+}
+
+TEST_F(FillTest, WallsBetweenPointsLeakNoFartherThanTheNextPoint) {
+    for (const DividedRoom room : {DividedRoom{4, 20}, {12, 20}, {8, 16}, {36, 44}}) {
+        const GridView grid = LitGrid(HalfLit(room));
+        const double next = 32 * std::floor(double(room.low) / 32);
+        for (int t = 0; t <= 64; t += 4)
+            EXPECT_EQ(Largest(grid.Sample({next - t, 20, 70})), 0) << t << " units before the point at " << next;
+    }
+}
+
+TEST_F(FillTest, LitSideOfAThinWallStaysLit) {
+    for (const DividedRoom room : {DividedRoom{-4, 4}, {-8, 8}}) {
+        const GridView grid = LitGrid(HalfLit(room));
+        for (int t = 1; t <= 32; t++) {
+            const Vec3d p{double(room.high) + t, 20, 70};
+            const double share = Mean(grid.Sample(p)) / Mean(FromPoint(p, kLight, 300));
+            EXPECT_LT(share, 1.25) << t;
+            EXPECT_GT(share, t < 8 ? 0.2 : 0.4) << t; // it falls to the dark side's light within the wall
+        }
+    }
+}
+
+TEST_F(FillTest, WallsBetweenLitRoomsDoNotDarkenThem) {
+    SceneBuilder scene = HalfLit({-4, 4});
+    scene.AddEntity(MakeEntity("light", {{"origin", "-120 10 70"}, {"light", "300"}}));
+    const GridView grid = LitGrid(scene);
+    for (const int side : {-1, 1})
+        for (int t = 1; t <= 32; t++) {
+            const Vec3d p{double(4 + t), 20, 70};
+            const double share = Mean(grid.Sample({side * p.x, p.y, p.z})) / Mean(FromPoint(p, kLight, 300));
+            EXPECT_LT(share, 1.5) << t;
+            EXPECT_GT(share, 0.75) << t;
+        }
+}
+
+TEST_F(FillTest, OuterWallsDoNotDarkenTheRoom) {
+    SceneBuilder scene = Room();
+    scene.AddEntity(MakeEntity("light", {{"origin", "0 0 128"}, {"light", "300"}}));
+    const GridView grid = LitGrid(scene);
+    const Boundsf reach{{-249, -185, 5}, {249, 185, 251}};
+    for (double x = -248; x < 250; x += 31)
+        for (double y = -184; y < 186; y += 23)
+            for (const double z : {5.0, 30.0, 100.0, 160.0, 240.0}) {
+                const Vec3d p{x, y, z};
+                if (!Inside(p, reach, 0) || Length(p - Vec3d{0, 0, 128}) < 250)
+                    continue;
+                const double share = Mean(grid.Sample(p)) / Mean(FromPoint(p, {0, 0, 128}, 300));
+                EXPECT_GT(share, 0.6) << x << ' ' << y << ' ' << z;
+                EXPECT_LT(share, 1.7) << x << ' ' << y << ' ' << z;
+            }
+}
+
+TEST_F(FillTest, CorridorsLowerThanACellGetLight) {
+    // Between the points at 0 and 64.
+    SceneBuilder scene = Room({-250, -60, 10}, {250, 60, 50});
+    const Vec3d light{-200, 10, 30};
+    scene.AddEntity(MakeEntity("light", {{"origin", "-200 10 30"}, {"light", "300"}}));
+    const GridView grid = LitGrid(scene);
+    EXPECT_GT(result.gridSH.moved, 0);
+    for (double x = -100; x <= 240; x += 20)
+        for (const double y : {-50.0, 0.0, 40.0})
+            for (const double z : {12.0, 30.0, 48.0}) {
+                const Vec3d p{x, y, z};
+                const double share = Mean(grid.Sample(p)) / Mean(FromPoint(p, light, 300));
+                EXPECT_GT(share, 0.7) << x << ' ' << y << ' ' << z;
+                EXPECT_LT(share, 1.4) << x << ' ' << y << ' ' << z;
+            }
+}
+
+TEST_F(FillTest, ShaftsNarrowerThanACellGetLight) {
+    SceneBuilder scene = Room({5, 5, 0}, {25, 27, 500});
+    const Vec3d light{15, 15, 450};
+    scene.AddEntity(MakeEntity("light", {{"origin", "15 15 450"}, {"light", "300"}}));
+    const GridView grid = LitGrid(scene);
+    for (double z = 20; z <= 300; z += 20) {
+        const Vec3d p{15, 20, z};
+        const double share = Mean(grid.Sample(p)) / Mean(FromPoint(p, light, 300));
+        EXPECT_GT(share, 0.7) << z;
+        EXPECT_LT(share, 1.4) << z;
+    }
+}
+
+TEST_F(FillTest, PointsInThePlaneOfAWallAreLitLikeTheRoom) {
+    // Walls, floor and ceiling of this room are all planes of the grid.
+    SceneBuilder scene = Room({-256, -192, 0}, {256, 192, 256});
+    const Vec3d light{15, 15, 150};
+    scene.AddEntity(MakeEntity("light", {{"origin", "15 15 150"}, {"light", "300"}}));
+    // They may be lit from a few units beside.
+    ExpectPoints(LitGrid(scene), 0.1, 1105, [&](const Vec3d &p, Coefficients &c) {
+        c = FromPoint(p, light, 300);
+        return true;
+    });
+}
+
+TEST_F(FillTest, PointsInTheVoidAreZero) {
+    SceneBuilder scene = Room();
+    scene.SetWorldKey("_ambient", "20");
+    scene.SetWorldKey("_mingridlight", "30");
+    const Boundsf rock{{-20, -186, 4}, {250, 186, 252}};
+    scene.AddBox(rock.mins, rock.maxs, TestShader("textures/test/wall"));
+    scene.AddEntity(MakeEntity("light", {{"origin", "-120 10 100"}, {"light", "300"}}));
+    const GridView grid = LitGrid(scene);
+    int zero = 0, lit = 0;
+    for (std::size_t i = 0; i < grid.Count(); i++) {
+        const Vec3d p = grid.Position(i);
+        if (p.x > -20 + 32) {
+            EXPECT_EQ(Largest(grid.At(i)), 0) << p.x << ' ' << p.y << ' ' << p.z;
+            zero++;
+        } else if (p.x < -21 && Inside(p, RoomBounds())) {
+            EXPECT_GT(Mean(grid.At(i)), 0);
+            lit++;
+        }
+    }
+    EXPECT_GT(zero, 300);
+    EXPECT_GT(lit, 150);
+    EXPECT_EQ(result.gridSH.points, std::int64_t(grid.Count()));
+    EXPECT_LT(result.gridSH.open + result.gridSH.filled + result.gridSH.moved, result.gridSH.points - zero + 1);
+}
+
+} // namespace
+
+} // namespace q3::test

@@ -1,0 +1,225 @@
+// GPL-2.0-or-later. SH grid: what the options change, and what they must not.
+#include "tests/light/light_test.h"
+
+#include <cmath>
+
+namespace q3::test {
+
+namespace {
+
+using OptionsTest = LightTest;
+
+/// A lamp of shader lite, two point lights, a slab between and a sky with its sun above.
+SceneBuilder MixedScene() {
+    SceneBuilder scene = Room();
+    scene.SetWallShader(BoxFace::PlusZ, TestShader("textures/vec/sky_sun"));
+    scene.SetWallShader(BoxFace::MinusX, TestShader("textures/vec/lite"));
+    scene.AddBox({-60, -50, 60}, {70, 80, 76}, TestShader("textures/test/wall"), BoxKind::Detail);
+    scene.AddEntity(MakeEntity("light", {{"origin", "5 -7 170"}, {"light", "200"}, {"_color", "1 0.2 0.4"}}));
+    scene.AddEntity(MakeEntity("light", {{"origin", "150 90 30"}, {"light", "80"}}));
+    return scene;
+}
+
+/// Points in solids are filled by a rule that weighs by brightness; these are lit where they stand.
+bool InTheOpen(const Vec3d &p) {
+    return Inside(p, RoomBounds()) && !Inside(p, {{-60, -50, 60}, {70, 80, 76}}, -1);
+}
+
+TEST_F(OptionsTest, GridScaleMultipliesEverything) {
+    SceneBuilder scene = MixedScene();
+    scene.SetWorldKey("_ambient", "7");
+    scene.SetWorldKey("_mingridlight", "30");
+    const GridView plain = LitGrid(scene), scaled = LitGrid(scene, "-gridscale 0.5 -gridscale 5");
+    ASSERT_EQ(plain.Count(), scaled.Count());
+    int open = 0;
+    for (std::size_t i = 0; i < plain.Count(); i++)
+        if (InTheOpen(plain.Position(i))) {
+            EXPECT_LE(Difference(scaled.At(i), plain.At(i) * Vec3d{2.5, 2.5, 2.5}), kExact * Largest(scaled.At(i)))
+                << i;
+            open++;
+        }
+    EXPECT_GT(open, 400);
+}
+
+TEST_F(OptionsTest, RadianceIsTheFormWithoutTheCosine) {
+    SceneBuilder scene = MixedScene();
+    scene.SetWorldKey("_ambient", "7");
+    const Bsp bsp = Lit(scene, "-shradiance");
+    const GridView radiance(bsp), convolved = LitGrid(scene);
+    ASSERT_EQ(radiance.Count(), convolved.Count());
+    int lit = 0;
+    for (std::size_t i = 0; i < convolved.Count(); i++) {
+        if (!InTheOpen(convolved.Position(i)))
+            continue;
+        Coefficients a = radiance.At(i);
+        for (std::size_t k = 0; k < 9; k++)
+            a[k] *= Lobe(k);
+        EXPECT_LE(Difference(a, convolved.At(i)), kExact * Largest(a)) << i;
+        lit += Largest(a) > 0;
+    }
+    EXPECT_GT(lit, 400);
+    EXPECT_EQ(ParseEntities(bsp.entities, "test").front().Value(kGridSHKey), "radiance");
+}
+
+TEST_F(OptionsTest, RadianceMarkGoesWithTheNextBake) {
+    const SceneBuilder scene = MixedScene();
+    const Bsp again = Lit(Lit(scene, "-shradiance"));
+    EXPECT_FALSE(ParseEntities(again.entities, "test").front().Has(kGridSHKey));
+}
+
+TEST_F(OptionsTest, FaintLightsLeftOutStayUnderTheirBound) {
+    SceneBuilder scene = Room({-1500, -1500, 0}, {1500, 1500, 300});
+    for (int i = 0; i < 60; i++)
+        scene.AddEntity(MakeEntity(
+            "light", {{"origin", fmt::format("{} {} 150", i % 10 * 280 - 1250, i / 10 * 450 - 1150)}, {"light", "2"}}));
+    const GridView plain = LitGrid(scene, "-gridsh 100 100 100");
+    EXPECT_GT(result.gridSH.skippedFaint, 0u);
+    const GridView all = LitGrid(scene, "-gridsh 100 100 100 -noskip");
+    EXPECT_EQ(result.gridSH.skippedFaint, 0u);
+    ASSERT_EQ(plain.Count(), all.Count());
+    // A direct light of 1 reaches 17/16 in nine coefficients.
+    constexpr double kBound = 1.0 / 8 * 17 / 16;
+    double worst = 0;
+    for (std::size_t i = 0; i < all.Count(); i++)
+        for (const Vec3d &normal : Normals())
+            worst = std::max(worst, std::abs((Evaluate(all.At(i), normal) - Evaluate(plain.At(i), normal)).x) * 255);
+    EXPECT_GT(worst, 0);
+    EXPECT_LE(worst, kBound);
+}
+
+TEST_F(OptionsTest, SkipsChangeLessThanTheirBoundAmongOccluders) {
+    const SceneBuilder scene = MixedScene();
+    const GridView plain = LitGrid(scene), all = LitGrid(scene, "-noskip");
+    for (std::size_t i = 0; i < all.Count(); i++)
+        for (const Vec3d &normal : Normals()) {
+            const Vec3d off = Evaluate(all.At(i), normal) - Evaluate(plain.At(i), normal);
+            ASSERT_LE(std::max(std::abs(off.x), std::max(std::abs(off.y), std::abs(off.z))) * 255, 1.0 / 8 * 17 / 16)
+                << i;
+        }
+}
+
+TEST_F(OptionsTest, FastLeavesOutWhatIsUnderTheTolerance) {
+    SceneBuilder scene = Room();
+    const Vec3d bright{5, -7, 170}, weak{150, 90, 30};
+    scene.AddEntity(MakeEntity("light", {{"origin", "5 -7 170"}, {"light", "60"}}));
+    scene.AddEntity(MakeEntity("light", {{"origin", "150 90 30"}, {"light", "3"}}));
+    int without = 0;
+    ExpectPoints(LitGrid(scene, "-fast"), kExact, 400, [&](const Vec3d &p, Coefficients &c) {
+        const double d = Length(weak - p), arriving = 7500 * 3 / (d * d);
+        c = FromPoint(p, bright, 60);
+        if (arriving > 1)
+            c = c + FromPoint(p, weak, 3);
+        without += arriving <= 1;
+        return std::abs(arriving - 1) > 1e-3 && Inside(p, RoomBounds());
+    });
+    EXPECT_GT(without, 50);
+}
+
+TEST_F(OptionsTest, FastLampsStayFiniteAndNear) {
+    const SceneBuilder scene = MixedScene();
+    const GridView plain = LitGrid(scene), fast = LitGrid(scene, "-fast");
+    // Four area lights (two triangles and their backsplash), two points: each may lose a byte.
+    for (std::size_t i = 0; i < fast.Count(); i++) {
+        ASSERT_TRUE(AllFinite(fast.At(i))) << i;
+        for (const Vec3d &normal : Normals())
+            ASSERT_LE(std::abs((Evaluate(plain.At(i), normal) - Evaluate(fast.At(i), normal)).x) * 255, 6 * 17.0 / 16)
+                << i;
+    }
+}
+
+TEST_F(OptionsTest, SunOnlyLeavesTheSunAlone) {
+    const SceneBuilder scene = MixedScene();
+    const GridView sun = LitGrid(scene, "-sunonly -notrace");
+    const double a = 120 * std::numbers::pi / 180, e = 60 * std::numbers::pi / 180;
+    ExpectPoints(sun, kExact, 400, [&](const Vec3d &p, Coefficients &c) {
+        c = FromDirection({std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)},
+                          Vec3d{1, 0.9, 0.7} * (150.0 / 255));
+        return InTheOpen(p);
+    });
+}
+
+TEST_F(OptionsTest, NoTraceHasNoShadows) {
+    SceneBuilder scene = Room();
+    scene.AddBox({-20, -186, 4}, {-10, 186, 200}, TestShader("textures/test/wall"));
+    scene.AddEntity(MakeEntity("light", {{"origin", "100 0 60"}, {"light", "200"}}));
+    ExpectPoints(LitGrid(scene, "-notrace"), kExact, 400, [](const Vec3d &p, Coefficients &c) {
+        c = FromPoint(p, {100, 0, 60}, 200);
+        return Inside(p, RoomBounds()) && !Inside(p, {{-20, -186, 4}, {-10, 186, 200}}, -1);
+    });
+}
+
+TEST_F(OptionsTest, NoSurfLeavesSolidsAsTheOnlyBlockers) {
+    SceneBuilder scene = Room();
+    scene.AddBox({-20, -186, 4}, {-10, 186, 200}, TestShader("textures/test/wall"), BoxKind::Detail);
+    scene.AddBox({-120, -186, 4}, {-110, 186, 252}, TestShader("textures/test/wall"));
+    scene.AddEntity(MakeEntity("light", {{"origin", "100 0 60"}, {"light", "200"}}));
+    ExpectPoints(LitGrid(scene, "-nosurf"), kExact, 400, [](const Vec3d &p, Coefficients &c) {
+        if (p.x > -109)
+            c = FromPoint(p, {100, 0, 60}, 200);
+        return Inside(p, RoomBounds()) && (p.x < -121 || p.x > -109) && (p.x < -21 || p.x > -9);
+    });
+}
+
+TEST_F(OptionsTest, FloodlightIsFiniteAndPositiveAndBrighterInTheOpen) {
+    SceneBuilder scene = Room();
+    const GridView grid = LitGrid(scene, "-floodlight");
+    int open = 0;
+    for (std::size_t i = 0; i < grid.Count(); i++) {
+        ASSERT_TRUE(AllFinite(grid.At(i)));
+        if (!Inside(grid.Position(i), RoomBounds()))
+            continue;
+        open++;
+        for (const Vec3d &normal : Normals())
+            ASSERT_GT(Evaluate(grid.At(i), normal).x, 0) << i;
+    }
+    EXPECT_GT(open, 400);
+    const Vec3d up{0, 0, 1};
+    EXPECT_GT(Evaluate(grid.Sample({0, 0, 64}), up).z, Evaluate(grid.Sample({0, 0, 192}), up).z);
+}
+
+TEST_F(OptionsTest, FloodlightKeyGivesItsColour) {
+    SceneBuilder scene = Room();
+    scene.SetWorldKey("_floodlight", "240 120 60 300 64");
+    const GridView grid = LitGrid(scene);
+    const Vec3d shown = grid.Sample({32, 32, 128})[0];
+    EXPECT_NEAR(shown.y / shown.x, 0.5, 1e-5);
+    EXPECT_NEAR(shown.z / shown.x, 0.25, 1e-5);
+}
+
+TEST_F(OptionsTest, CellSizes) {
+    SceneBuilder scene = Room();
+    const auto size = [&](std::string_view options) { return LitGrid(scene, options).Grid().header.gridSize; };
+    EXPECT_EQ(size(""), (Float3{32, 32, 64}));
+    EXPECT_EQ(size("-gridscalesh 1"), (Float3{64, 64, 128}));
+    EXPECT_EQ(size("-gridscalesh 4"), (Float3{16, 16, 32}));
+    EXPECT_EQ(size("-gridscalesh 1000"), (Float3{8, 8, 8}));
+    EXPECT_EQ(size("-gridsh 24 24 48 -gridscalesh 4"), (Float3{24, 24, 48}));
+    EXPECT_EQ(size("-gridsh 0.001 10.5 64"), (Float3{8, 10.5, 64}));
+    scene.SetWorldKey("gridsize", "48 48 96");
+    EXPECT_EQ(size(""), (Float3{24, 24, 48}));
+    EXPECT_EQ(size("-gridsh 100 100 100"), (Float3{100, 100, 100}));
+}
+
+TEST_F(OptionsTest, LegacyGridIsTheSameWithAndWithoutSH) {
+    const SceneBuilder scene = MixedScene();
+    const auto bytes = [](const Bsp &bsp) {
+        std::vector<std::uint8_t> all;
+        for (const bspGridPoint_t &p : bsp.gridPoints) {
+            all.insert(all.end(), p.ambient.begin(), p.ambient.end());
+            all.insert(all.end(), p.directed.begin(), p.directed.end());
+        }
+        return all;
+    };
+    const Bsp coarse = Lit(scene), fine = Lit(scene, "-gridsh 20 20 20 -noskip");
+    EXPECT_EQ(bytes(coarse), bytes(fine));
+    EXPECT_GT(coarse.gridPoints.size(), 100u);
+    Bsp without = scene.Build();
+    without.gridPoints = {{{1, 2, 3}, {4, 5, 6}, {7, 8}}};
+    const Bsp kept = Lit(without, "-nogrid");
+    ASSERT_EQ(kept.gridPoints.size(), 1u) << "-nogrid leaves the legacy grid alone";
+    EXPECT_EQ(GridView(kept).Grid().points.size(), GridView(coarse).Grid().points.size());
+}
+
+} // namespace
+
+} // namespace q3::test
