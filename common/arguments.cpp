@@ -2,20 +2,16 @@
 #include "common/arguments.h"
 
 #include "common/error.h"
-
-#include <strings.h>
+#include "common/text.h"
 
 #include <algorithm>
-#include <climits>
-#include <cmath>
-#include <cstdlib>
 
 namespace q3 {
 
 std::optional<std::size_t> Arguments::Find(std::initializer_list<std::string_view> names) const {
     for (std::size_t i = 0; i < words_.size(); ++i)
         for (const std::string_view name : names)
-            if (words_[i].size() == name.size() && strncasecmp(words_[i].c_str(), name.data(), name.size()) == 0)
+            if (EqualNoCase(words_[i], name))
                 return i;
     return std::nullopt;
 }
@@ -70,16 +66,6 @@ std::string Arguments::TakeFirst() {
     std::string first = std::move(words_.front());
     words_.erase(words_.begin());
     return first;
-}
-
-double NumberFromText(std::string_view text) {
-    const double value = std::strtod(std::string(text).c_str(), nullptr);
-    return std::isfinite(value) ? value : 0;
-}
-
-int IntegerFromText(std::string_view text) {
-    const long value = std::strtol(std::string(text).c_str(), nullptr, 10);
-    return int(std::clamp<long>(value, INT_MIN, INT_MAX));
 }
 
 } // namespace q3

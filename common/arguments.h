@@ -37,8 +37,4 @@ class Arguments {
     std::vector<std::string> words_;
 };
 
-/// C rules: leading blanks, sign, stops at the first bad character; garbage and non-finite values are 0; out of range is clamped.
-double NumberFromText(std::string_view text);
-int IntegerFromText(std::string_view text);
-
 } // namespace q3

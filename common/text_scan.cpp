@@ -18,21 +18,7 @@ bool IsBlank(char c) {
     return static_cast<unsigned char>(c) <= 32;
 }
 
-char Lower(char c) {
-    return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
-}
-
 } // namespace
-
-std::string LowerCase(std::string_view text) {
-    std::string lower(text);
-    std::transform(lower.begin(), lower.end(), lower.begin(), Lower);
-    return lower;
-}
-
-bool EqualWithoutCase(std::string_view a, std::string_view b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return Lower(x) == Lower(y); });
-}
 
 TextScanner::TextScanner(std::string text, std::string name, Include include) : include_(std::move(include)) {
     lastName_ = name;
@@ -73,7 +59,7 @@ bool TextScanner::Read(std::string &token, bool crossLines) {
             continue;
         }
         Cut(file);
-        if (include_ && EqualWithoutCase(last_, "$include")) {
+        if (include_ && EqualNoCase(last_, "$include")) {
             OpenInclude();
             continue;
         }
@@ -143,7 +129,7 @@ void TextScanner::OpenInclude() {
         name = last_;
     }
     const bool circle =
-        std::any_of(files_.begin(), files_.end(), [&](const File &open) { return EqualWithoutCase(open.name, name); });
+        std::any_of(files_.begin(), files_.end(), [&](const File &open) { return EqualNoCase(open.name, name); });
     if (circle || files_.size() > kMaxIncludeDepth || ++includeCount_ > kMaxIncludes)
         throw Error("{}: $include {} expected to end, but includes run in a circle, over {} deep or over {} in all",
                     Location(), name, kMaxIncludeDepth, kMaxIncludes);

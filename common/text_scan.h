@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. The tokenizer that shader scripts, their lists and map text share.
 #pragma once
 
+#include "common/text.h"
+
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -55,9 +57,5 @@ class TextScanner {
     std::string last_, lastName_;
     int lastLine_ = 1;
 };
-
-/// Copy with A-Z in lower case.
-std::string LowerCase(std::string_view text);
-bool EqualWithoutCase(std::string_view a, std::string_view b);
 
 } // namespace q3

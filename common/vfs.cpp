@@ -25,7 +25,7 @@ bool MatchesWildcard(std::string_view name, std::string_view pattern) {
             starPattern = p++;
             starName = n;
         } else if (p < pattern.size() && ((pattern[p] == '?' && !separator(name[n])) ||
-                                          EqualWithoutCase(pattern.substr(p, 1), name.substr(n, 1)))) {
+                                          EqualNoCase(pattern.substr(p, 1), name.substr(n, 1)))) {
             ++p;
             ++n;
         } else if (starPattern != std::string_view::npos && !separator(name[starName])) {
@@ -49,7 +49,7 @@ std::string LastPart(const fs::path &folder) {
 }
 
 bool EndsWithoutCase(std::string_view name, std::string_view end) {
-    return name.size() >= end.size() && EqualWithoutCase(name.substr(name.size() - end.size()), end);
+    return name.size() >= end.size() && EqualNoCase(name.substr(name.size() - end.size()), end);
 }
 
 } // namespace
@@ -199,7 +199,7 @@ std::vector<std::string> VirtualFileSystem::List(std::string_view folder, std::s
     for (const Archive &archive : state_->archives)
         for (const std::string &name : archive.Names())
             if (name.size() > safe.size() && name[safe.size()] == '/' &&
-                EqualWithoutCase(std::string_view(name).substr(0, safe.size()), safe) &&
+                EqualNoCase(std::string_view(name).substr(0, safe.size()), safe) &&
                 name.find('/', safe.size() + 1) == std::string::npos)
                 add(name.substr(safe.size() + 1));
     std::sort(names.begin(), names.end(), LessWithoutCase);

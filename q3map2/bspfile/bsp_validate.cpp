@@ -372,7 +372,7 @@ class Validator {
         const std::string_view model = entity.Value("model");
         if (!model.starts_with('*'))
             return;
-        const double number = ParseNumber(model.substr(1));
+        const double number = NumberFromText(model.substr(1));
         if (number < 1 || number >= double(bsp_.models.size()) || number != std::floor(number))
             log_.Warn("model key", "{}: entity {}: model {} is not one of *1..*{}", name_, index, model.substr(0, 16),
                       bsp_.models.size() - 1);

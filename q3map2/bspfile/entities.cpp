@@ -15,10 +15,6 @@ bool IsBlank(char c) {
     return static_cast<unsigned char>(c) <= ' ';
 }
 
-char Lower(char c) {
-    return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
-}
-
 std::string_view TrimEnd(std::string_view text) {
     while (!text.empty() && IsBlank(text.back()))
         text.remove_suffix(1);
@@ -26,20 +22,6 @@ std::string_view TrimEnd(std::string_view text) {
 }
 
 /// Takes a number off the start of `text`, or nothing when there is none that a double can hold.
-std::optional<double> TakeNumber(std::string_view &text) {
-    while (!text.empty() && IsBlank(text.front()))
-        text.remove_prefix(1);
-    std::string_view digits = text;
-    if (digits.starts_with('+') && !digits.starts_with("+-"))
-        digits.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || !std::isfinite(value))
-        return std::nullopt;
-    text = digits.substr(std::size_t(end - digits.data()));
-    return value;
-}
-
 /// Start of a text from a file, fit for a message of one line.
 std::string Shown(std::string_view text) {
     std::string shown(text.substr(0, 40));
@@ -247,18 +229,6 @@ std::string FormatEntities(const std::vector<Entity> &entities) {
         text += "}\n";
     }
     return text;
-}
-
-double ParseNumber(std::string_view text) {
-    return TakeNumber(text).value_or(0);
-}
-
-bool EqualNoCase(std::string_view a, std::string_view b) {
-    return std::ranges::equal(a, b, [](char x, char y) { return Lower(x) == Lower(y); });
-}
-
-bool StartsWithNoCase(std::string_view text, std::string_view prefix) {
-    return EqualNoCase(text.substr(0, prefix.size()), prefix);
 }
 
 } // namespace q3

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Entities: ordered key and value pairs, as in the entity lump and in .map files.
 #pragma once
 
+#include "common/text.h"
 #include "libs/math/vec.h"
 
 #include <initializer_list>
@@ -37,10 +38,5 @@ std::vector<Entity> ParseEntities(std::string_view text, std::string_view name);
 std::string FormatEntities(const std::vector<Entity> &entities);
 /// Entities of .map source text: pairs only, brushes and patches are skipped.
 std::vector<Entity> ParseMapEntities(std::string_view text, std::string_view name);
-
-/// atof rules of the field; non-finite gives 0.
-double ParseNumber(std::string_view text);
-bool EqualNoCase(std::string_view a, std::string_view b);
-bool StartsWithNoCase(std::string_view text, std::string_view prefix);
 
 } // namespace q3

@@ -167,14 +167,12 @@ WorldLight ReadWorldLight(const Entity &world, const LightOptions &options) {
     if (world.Has("_floodlight")) {
         result.hasFloodlight = true;
         double v[5] = {0, 0, 0, 0, 0};
-        std::string text(world.Value("_floodlight"));
-        const char *at = text.c_str();
+        std::string_view text = world.Value("_floodlight");
         for (double &value : v) {
-            char *end = nullptr;
-            value = std::strtod(at, &end);
-            if (end == at || !std::isfinite(value))
+            const std::optional<double> number = TakeNumber(text);
+            if (!number)
                 break;
-            at = end;
+            value = *number;
         }
         if (v[0] != 0 || v[1] != 0 || v[2] != 0)
             result.floodColor = {float(v[0]), float(v[1]), float(v[2])};

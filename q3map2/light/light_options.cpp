@@ -2,6 +2,7 @@
 #include "q3map2/light/light_options.h"
 
 #include "common/error.h"
+#include "common/text.h"
 
 #include <algorithm>
 #include <functional>

@@ -113,7 +113,7 @@ const std::vector<Game> kGames = MakeGames();
 
 const SurfaceParm *Game::FindParm(std::string_view parm) const {
     const auto found = std::find_if(surfaceParms.begin(), surfaceParms.end(),
-                                    [&](const SurfaceParm &p) { return EqualWithoutCase(p.name, parm); });
+                                    [&](const SurfaceParm &p) { return EqualNoCase(p.name, parm); });
     return found == surfaceParms.end() ? nullptr : &*found;
 }
 
@@ -128,7 +128,7 @@ std::span<const Game> Games() {
 
 const Game *FindGame(std::string_view name) {
     const auto found =
-        std::find_if(kGames.begin(), kGames.end(), [&](const Game &game) { return EqualWithoutCase(game.name, name); });
+        std::find_if(kGames.begin(), kGames.end(), [&](const Game &game) { return EqualNoCase(game.name, name); });
     return found == kGames.end() ? nullptr : &*found;
 }
 

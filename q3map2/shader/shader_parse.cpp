@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. From script text to shaders, before any image is read.
 #include "q3map2/shader/shader_parse.h"
 
-#include "common/arguments.h"
+#include "common/text.h"
 
 #include <algorithm>
 #include <array>
@@ -295,7 +295,7 @@ void ScriptParser::ImplicitImage(const Words &words) {
 }
 
 void ScriptParser::SkyParms(const Words &words) {
-    if (words[0] == "-" || EqualWithoutCase(words[0], "full"))
+    if (words[0] == "-" || EqualNoCase(words[0], "full"))
         return;
     shader_.info.skyImageBase = words[0];
     if (shader_.lightImage.empty())

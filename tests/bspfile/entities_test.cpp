@@ -98,12 +98,12 @@ TEST(Entities, DeepNestingIsSkippedWithoutRecursion) {
 }
 
 TEST(Entities, NumbersFollowAtof) {
-    EXPECT_EQ(ParseNumber("  12.5abc"), 12.5);
-    EXPECT_EQ(ParseNumber("+3"), 3);
-    EXPECT_EQ(ParseNumber("-.5"), -0.5);
-    EXPECT_EQ(ParseNumber("1e3 2"), 1000);
+    EXPECT_EQ(NumberFromText("  12.5abc"), 12.5);
+    EXPECT_EQ(NumberFromText("+3"), 3);
+    EXPECT_EQ(NumberFromText("-.5"), -0.5);
+    EXPECT_EQ(NumberFromText("1e3 2"), 1000);
     for (const char *bad : {"", "abc", "+-3", "nan", "inf", "-infinity", "1e999", "."})
-        EXPECT_EQ(ParseNumber(bad), 0) << bad;
+        EXPECT_EQ(NumberFromText(bad), 0) << bad;
     EXPECT_EQ(One("a", "x1").Number({"a"}, 7), 7);
     EXPECT_EQ(One("a", "1e999").Number({"a"}, 7), 7);
     EXPECT_EQ(One("a", "5").Number({"b", "A"}, 7), 5);

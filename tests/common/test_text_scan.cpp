@@ -184,8 +184,8 @@ TEST(TextScanner, IncludesInACircleOrTooManyAreErrors) {
 
 TEST(Text, CaseIsOfAsciiAlone) {
     EXPECT_EQ(LowerCase("AbC\xC3\x89"), "abc\xC3\x89");
-    EXPECT_TRUE(EqualWithoutCase("SurfaceParm", "surfaceparm"));
-    EXPECT_FALSE(EqualWithoutCase("a", "ab"));
+    EXPECT_TRUE(EqualNoCase("SurfaceParm", "surfaceparm"));
+    EXPECT_FALSE(EqualNoCase("a", "ab"));
 }
 
 } // namespace

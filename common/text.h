@@ -1,0 +1,24 @@
+// GPL-2.0-or-later. Comparing text without case, and numbers in it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace q3 {
+
+/// Copy with A-Z in lower case.
+std::string LowerCase(std::string_view text);
+/// Equal but for the case of A-Z.
+bool EqualNoCase(std::string_view a, std::string_view b);
+bool StartsWithNoCase(std::string_view text, std::string_view prefix);
+
+/// Takes a number off the front of `text`, by C rules: leading blanks, sign, stops at the first character that is not part of it.
+/// Nothing, and `text` as it was but for blanks, when there is no finite number.
+std::optional<double> TakeNumber(std::string_view &text);
+/// The number at the front of the text; garbage and non-finite values are 0.
+double NumberFromText(std::string_view text);
+/// The same for whole numbers; out of range is clamped.
+int IntegerFromText(std::string_view text);
+
+} // namespace q3

@@ -1,0 +1,157 @@
+// GPL-2.0-or-later. The program when something is wrong: exit status, one clear line, the old map untouched.
+#include "common/files.h"
+#include "tests/program/run_program.h"
+
+#include <cstring>
+#include <fstream>
+
+namespace q3::test {
+
+namespace {
+
+class FailureTest : public ProgramTest {
+  protected:
+    void Append(const std::filesystem::path &path, std::string_view text) {
+        std::ofstream(path, std::ios::binary | std::ios::app) << text;
+    }
+    void Overwrite(const std::filesystem::path &path, std::string_view text) {
+        std::ofstream(path, std::ios::binary) << text;
+    }
+    void Patch(std::size_t at, std::int32_t value) {
+        auto file = MapBytes();
+        std::memcpy(file.data() + at, &value, 4);
+        ReplaceFile(Map(".bsp"), file);
+    }
+    std::string Text(const std::filesystem::path &path) {
+        const auto bytes = ReadFile(path);
+        return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+    }
+    void ReplaceInShader(std::string_view from, std::string_view to) {
+        std::string text = Text(game_ / "scripts/demo.shader");
+        const std::size_t at = text.find(from);
+        ASSERT_NE(at, std::string::npos);
+        Overwrite(game_ / "scripts/demo.shader", text.replace(at, from.size(), to));
+    }
+};
+
+TEST_F(FailureTest, NothingToDo) {
+    EXPECT_EQ(RunProgramFile({}, folder_.Root()).status, 1);
+    ExpectError("", "no arguments");
+    ExpectError("-frobnicate MAP", "\"-frobnicate\" is not a stage");
+    ExpectError("-light", "usage: q3map2");
+    ExpectError("-shpreview", "usage: q3map2");
+    EXPECT_EQ(Run("-info").status, 255);
+}
+
+TEST_F(FailureTest, MapThatIsNotThere) {
+    ExpectError("-light /nowhere/at/all.bsp", "/nowhere/at/all.bsp");
+    ExpectError("-info /nowhere/at/all.bsp", "/nowhere/at/all.bsp");
+    ExpectError("-json -unpack /nowhere/at/all.bsp", "/nowhere/at/all.bsp");
+    ExpectError("-light " + maps_.string(), "maps.bsp");
+}
+
+TEST_F(FailureTest, CutMaps) {
+    const auto whole = MapBytes();
+    for (const std::size_t size : {std::size_t(0), std::size_t(3), std::size_t(8), std::size_t(100), std::size_t(200),
+                                   whole.size() / 2, whole.size() - 1}) {
+        ReplaceFile(Map(".bsp"), std::span(whole).first(size));
+        ExpectError("-light -sh MAP", "demo.bsp");
+    }
+}
+
+TEST_F(FailureTest, CorruptLumps) {
+    const auto whole = MapBytes();
+    const auto surfaces = std::size_t(IntOf(whole, 8 + 8 * 13));
+    struct Damage {
+        std::size_t at;
+        std::int32_t value;
+    };
+    for (const Damage &damage : {Damage{0, 0x12345678},
+                                 {4, 99},
+                                 {8 + 8, 0x7fffffff},
+                                 {12 + 8, -4},
+                                 {12 + 8 * 13, 103},
+                                 {surfaces, 1 << 20},
+                                 {surfaces + 12, -1},
+                                 {surfaces + 20, 0x7fffffff}}) {
+        ReplaceFile(Map(".bsp"), whole);
+        Patch(damage.at, damage.value);
+        ExpectError("-light -sh MAP", "demo.bsp");
+    }
+}
+
+TEST_F(FailureTest, JsonFolderWithAMissingOrDamagedFile) {
+    RunWell("-json -unpack MAP");
+    const auto planes = Map("") / "planes.json";
+    const std::string text = Text(planes);
+    Overwrite(planes, text.substr(0, text.size() / 2));
+    ExpectError("-json -pack MAP", "planes.json");
+    std::filesystem::remove(planes);
+    ExpectError("-json -pack MAP", "planes.json");
+    EXPECT_FALSE(std::filesystem::exists(Map("_json.bsp")));
+    std::filesystem::remove_all(Map(""));
+    ExpectError("-json -pack MAP", "demo");
+    ExpectError("-json -pack -unpack MAP", "exclude each other");
+}
+
+TEST_F(FailureTest, SurfaceFileOfAnotherMap) {
+    Overwrite(Map(".srf"), "default\n{\n\tcastShadows 1\n}\n\n9999 // planar\n{\n\tshader textures/demo/wall\n}\n");
+    ExpectError("-light MAP", "demo.srf");
+    Overwrite(Map(".srf"), "default\n{\n\tcastShadows 1\n");
+    ExpectError("-light MAP", "demo.srf");
+}
+
+TEST_F(FailureTest, MapSourceWithUnbalancedBraces) {
+    const std::string text = Text(Map(".map"));
+    Overwrite(Map(".map"), text + "{\n\"classname\" \"light\"\n");
+    ExpectError("-light MAP", "demo.map");
+    Overwrite(Map(".map"), text + "}\n");
+    ExpectError("-light MAP", "demo.map");
+}
+
+TEST_F(FailureTest, LightStyleOutOfRange) {
+    Append(Map(".map"), "{\n\"classname\" \"light\"\n\"style\" \"999\"\n}\n");
+    ExpectError("-light MAP", "style 999");
+}
+
+TEST_F(FailureTest, OptionsWithBadValues) {
+    ExpectError("-light -sh -gridscalesh 0 MAP", "-gridscalesh");
+    ExpectError("-light -sh -gridsh 0 0 0 MAP", "-gridsh");
+}
+
+TEST_F(FailureTest, WriteProtectedMapStays) {
+    std::filesystem::permissions(Map(".bsp"), std::filesystem::perms::owner_read);
+    ExpectError("-light MAP", "demo.bsp");
+}
+
+TEST_F(FailureTest, ArchiveWithADamagedEntryIsAWarning) {
+    const std::string shader = "textures/demo/extra\n{\n\tq3map_surfacelight 5\n}\n";
+    folder_.WriteArchive("base/baseq3/broken.pk3", {{"scripts/extra.shader", shader}}, 0);
+    std::string archive = Text(game_ / "broken.pk3");
+    const std::size_t at = archive.find(shader);
+    ASSERT_NE(at, std::string::npos);
+    archive[at + 5] = '!';
+    Overwrite(game_ / "broken.pk3", archive);
+    Append(game_ / "scripts/shaderlist.txt", "extra\n");
+    const Outcome outcome = RunWell("-light MAP");
+    EXPECT_TRUE(outcome.Printed("WARNING")) << outcome.text;
+    EXPECT_TRUE(outcome.Printed("broken.pk3")) << outcome.text;
+    Overwrite(game_ / "broken.pk3", archive.substr(0, 20));
+    EXPECT_TRUE(RunWell("-light MAP").Printed("broken.pk3"));
+}
+
+TEST_F(FailureTest, MissingShadersAndImagesAreNoErrors) {
+    ReplaceInShader("q3map_lightRGB 1 0.75 0.45", "q3map_lightImage textures/none/such.tga");
+    ReplaceInShader("q3map_skyLight 60 3", "q3map_skyLight 60 3\n\tskyParms env/none - -");
+    const Outcome images = RunWell("-light -sh MAP");
+    EXPECT_TRUE(images.Printed("WARNING")) << images.text;
+    EXPECT_TRUE(images.Printed("env/none"));
+    std::filesystem::remove_all(game_ / "scripts");
+    const Outcome scripts = RunWell("-light -sh MAP");
+    EXPECT_TRUE(scripts.Printed("0 shaders defined"));
+    EXPECT_TRUE(scripts.Printed("0 diffuse (area) lights"));
+}
+
+} // namespace
+
+} // namespace q3::test
