@@ -19,6 +19,8 @@ constexpr float kLinearScale = 1.0f / 8000;
 constexpr float kConeFade = 32;
 /// Area lights are evaluated from at least this far in front in the legacy grid. Game units.
 constexpr float kAreaPush = 8;
+/// Byte scale; far under what a byte can show.
+constexpr float kFarError = 1.0f / 256;
 
 /// Falloff and cone of point lights and spotlights: light at distance d along `toLight` (not normalised).
 float PointAdd(const Light &light, const Vec3f &toLight, float d) {
@@ -39,6 +41,17 @@ float PointAdd(const Light &light, const Vec3f &toLight, float d) {
     return std::max(add, 0.0f);
 }
 
+/// Area light as a point with a cosine, where that errs by less than kFarError; else 0.
+float FarAreaAdd(const Light &light, const Vec3f &p) {
+    const AreaShape &shape = light.shape;
+    const Vec3f toCenter = shape.center - p;
+    const float d2 = Dot(toCenter, toCenter);
+    const float relativeError = shape.radius * shape.radius / d2;
+    const float height = std::abs(float(Dot(shape.normal, Vec3d(p)) - shape.dist));
+    const float add = light.add * shape.area * height / (d2 * std::sqrt(d2) * std::numbers::pi_v<float>);
+    return height > kAreaPush && add * relativeError < kFarError ? add : 0;
+}
+
 /// Area light by the established program's formula.
 float LegacyAreaAdd(const Light &light, const Vec3f &p, const Vec3f &u, float d, bool pointAreas) {
     if (pointAreas) {
@@ -48,6 +61,8 @@ float LegacyAreaAdd(const Light &light, const Vec3f &p, const Vec3f &u, float d,
     const float s = Dot(p, light.normal) - light.dist;
     if (!light.twoSided && s < -1)
         return 0;
+    if (const float add = FarAreaAdd(light, p); add > 0)
+        return add;
     Vec3f pushed = p;
     if (s > -kAreaPush && s < kAreaPush)
         pushed += light.normal * (kAreaPush - s);

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "libs/math/winding.h"
+#include "libs/sh/polygon_moments.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -21,7 +21,7 @@ inline float FormFactor(const Vec3f &p, const Vec3f &n, const Winding<float> &w)
         const Vec3d c = Cross(u, v);
         const double length = Length(c);
         if (length >= 0.0001) {
-            total += std::acos(std::clamp(Dot(u, v), -1.0, 1.0)) * Dot(Vec3d(n), c) / length;
+            total += FastAtan2(length, Dot(u, v)) * Dot(Vec3d(n), c) / length;
             if (std::abs(total) > 6.3)
                 return 0;
         }

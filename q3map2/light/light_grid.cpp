@@ -18,6 +18,8 @@ constexpr float kNudgeMargin = -0.125f;
 constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
 constexpr int kNudges = 16;            ///< steps from the point to half a cell away
 constexpr std::size_t kMaxRecords = 32767;
+/// Lights fainter than this in all of a brick are represented by a few of them. Byte scale.
+constexpr float kFaint = 1.0f / 16;
 
 /// What one light gave to a point.
 struct GridRecord {
@@ -116,11 +118,13 @@ bspGridPoint_t StorePoint(const GridInputs &in, const LegacyPoint &point) {
 }
 
 /// Adds what one light gives to the points.
-void AddArrivals(const Light &light, const GridInputs &in, const std::vector<Arrival> &arrivals,
+void AddArrivals(const BrickLight &one, const GridInputs &in, const std::vector<Arrival> &arrivals,
                  std::vector<LightPlace> &places, std::vector<LegacyPoint> &points) {
+    const Light &light = *one.light;
+    const float sign = light.negative ? -one.weight : one.weight;
     for (const Arrival &arrival : arrivals) {
         LegacyPoint &point = points[arrival.place];
-        const Vec3f color = light.color * arrival.visible * (light.negative ? -arrival.add : arrival.add);
+        const Vec3f color = light.color * arrival.visible * (sign * arrival.add);
         point.directionSum += Vec3d(arrival.direction) * double(Length(color));
         point.sum += color;
         // Light of other styles turns the direction, but this format has no place for its colour.
@@ -172,10 +176,10 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
             return;
         std::vector<LegacyPoint> points(places.size());
         std::vector<Arrival> arrivals;
-        const BrickLights candidates(lights, BrickView(places), 0, 0, in.options, work);
+        const BrickLights candidates(lights, BrickView(places), std::uint64_t(brick), kFaint, in.options, work);
         for (const BrickLight &one : candidates.List()) {
             LightContributionToPoint(*one.light, settings, in.scene, places, arrivals, work.counts);
-            AddArrivals(*one.light, in, arrivals, places, points);
+            AddArrivals(one, in, arrivals, places, points);
         }
         for (std::size_t i = 0; i < places.size(); ++i) {
             if (in.options.floodlight || in.world.hasFloodlight)

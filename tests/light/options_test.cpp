@@ -9,6 +9,9 @@ namespace {
 
 using OptionsTest = LightTest;
 
+/// What may be gained or lost by leaving out faint lights: a quarter of what a screen can show. Byte scale.
+constexpr double kSkipBound = 0.25;
+
 /// A lamp of shader lite, two point lights, a slab between and a sky with its sun above.
 SceneBuilder MixedScene() {
     SceneBuilder scene = Room();
@@ -67,7 +70,7 @@ TEST_F(OptionsTest, RadianceMarkGoesWithTheNextBake) {
     EXPECT_FALSE(ParseEntities(again.entities, "test").front().Has(kGridSHKey));
 }
 
-TEST_F(OptionsTest, FaintLightsLeftOutStayUnderTheirBound) {
+TEST_F(OptionsTest, FaintLightsMayBeRepresentedByAFew) {
     SceneBuilder scene = Room({-1500, -1500, 0}, {1500, 1500, 300});
     for (int i = 0; i < 60; i++)
         scene.AddEntity(MakeEntity(
@@ -77,14 +80,16 @@ TEST_F(OptionsTest, FaintLightsLeftOutStayUnderTheirBound) {
     const GridView all = LitGrid(scene, "-gridsh 100 100 100 -noskip");
     EXPECT_EQ(result.gridSH.skippedFaint, 0u);
     ASSERT_EQ(plain.Count(), all.Count());
-    // A direct light of 1 reaches 17/16 in nine coefficients.
-    constexpr double kBound = 1.0 / 8 * 17 / 16;
-    double worst = 0;
+    double worst = 0, sum = 0;
     for (std::size_t i = 0; i < all.Count(); i++)
-        for (const Vec3d &normal : Normals())
-            worst = std::max(worst, std::abs((Evaluate(all.At(i), normal) - Evaluate(plain.At(i), normal)).x) * 255);
+        for (const Vec3d &normal : Normals()) {
+            const double off = (Evaluate(plain.At(i), normal) - Evaluate(all.At(i), normal)).x * 255;
+            worst = std::max(worst, std::abs(off));
+            sum += off;
+        }
     EXPECT_GT(worst, 0);
-    EXPECT_LE(worst, kBound);
+    EXPECT_LE(worst, kSkipBound);
+    EXPECT_LE(std::abs(sum / double(all.Count() * Normals().size())), kSkipBound / 16) << "the mean stays";
 }
 
 TEST_F(OptionsTest, SkipsChangeLessThanTheirBoundAmongOccluders) {
