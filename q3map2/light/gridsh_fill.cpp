@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace q3 {
 
@@ -14,7 +15,9 @@ constexpr float kClearance = 0.125f;
 /// A point this near to open space is lit from there. Game units.
 constexpr float kSmallSteps[] = {0.5f, 1, 2};
 /// A side of mean light 0 weighs as much as one of this light. 1 = byte 255.
-constexpr double kDarkest = 1.0 / 1024;
+constexpr double kDarkest = 1.0 / 8192;
+/// A point beside a wall weighs as much on its own side as this many neighbours at the shortest distance.
+constexpr double kOwnWeight = 2;
 
 struct Offset {
     int x, y, z;
@@ -34,8 +37,9 @@ constexpr std::array<Offset, 26> MakeNeighbours() {
 constexpr std::array<Offset, 26> kNeighbours = MakeNeighbours();
 
 bool TryPlace(const BspSpace &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
+    const Vec3f margin{kClearance, kClearance, kClearance};
     const int cluster = space.ClusterAt(p, kClearance);
-    if (cluster < 0)
+    if (cluster < 0 || space.AnySolid(p - margin, p + margin))
         return false;
     placed = {state, p, cluster};
     return true;
@@ -47,7 +51,7 @@ bool TrySmallSteps(const BspSpace &space, const Vec3f &p, PlacedPoint &placed) {
         for (int axes = 1; axes <= 3; ++axes)
             for (const Offset &o : kNeighbours)
                 if (std::abs(o.x) + std::abs(o.y) + std::abs(o.z) == axes &&
-                    TryPlace(space, p + Vec3f{float(o.x), float(o.y), float(o.z)} * step, PointState::Open, placed))
+                    TryPlace(space, p + Vec3f{float(o.x), float(o.y), float(o.z)} * step, PointState::Beside, placed))
                     return true;
     return false;
 }
@@ -88,17 +92,85 @@ struct Side {
 
 class Filler {
   public:
-    Filler(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,
-           const LightGridSH &grid)
-        : in_(in), layout_(layout), states_(states), grid_(grid) {}
+    Filler(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
+           const std::vector<PointState> &states, const LightGridSH &grid)
+        : in_(in), layout_(layout), displaced_(displaced), states_(states), grid_(grid) {}
 
-    /// False: no lit neighbour.
-    bool Fill(int x, int y, int z, bspGridPointSH_t &filled) const {
+    /// The value of a Solid or Beside point, or nothing: no lit neighbour, or none on another side.
+    std::optional<bspGridPointSH_t> Fill(int x, int y, int z) const {
         std::vector<Side> sides;
+        const std::size_t index = IndexOf(x, y, z);
+        const bool beside = states_[index] == PointState::Beside;
+        if (beside)
+            Add(index, PlaceOf(index, x, y, z), kOwnWeight / Shortest(), sides);
         for (const Offset &o : kNeighbours)
             AddNeighbour(x, y, z, o, sides);
-        if (sides.empty())
-            return false;
+        if (sides.empty() || (beside && sides.size() == 1))
+            return std::nullopt;
+        return Blend(sides);
+    }
+
+  private:
+    std::size_t IndexOf(int x, int y, int z) const {
+        return std::size_t(x) +
+               std::size_t(layout_.bounds[0]) * (std::size_t(y) + std::size_t(layout_.bounds[1]) * std::size_t(z));
+    }
+    double Shortest() const {
+        const double shortest = double(std::min({layout_.size[0], layout_.size[1], layout_.size[2]}));
+        return shortest * shortest;
+    }
+
+    Vec3f PlaceOf(std::size_t index, int x, int y, int z) const {
+        if (states_[index] == PointState::Open)
+            return Vec3f(layout_.Position(x, y, z));
+        const auto found = std::lower_bound(displaced_.begin(), displaced_.end(), index,
+                                            [](const Displacement &d, std::size_t i) { return d.index < i; });
+        return found->position;
+    }
+
+    void AddNeighbour(int x, int y, int z, const Offset &o, std::vector<Side> &sides) const {
+        const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
+        if (nx < 0 || ny < 0 || nz < 0 || nx >= layout_.bounds[0] || ny >= layout_.bounds[1] || nz >= layout_.bounds[2])
+            return;
+        const std::size_t index = IndexOf(nx, ny, nz);
+        const PointState state = states_[index];
+        if (state != PointState::Open && state != PointState::Beside && state != PointState::Moved)
+            return;
+        const Vec3f offset = Vec3f(layout_.Position(nx, ny, nz)) - Vec3f(layout_.Position(x, y, z));
+        Add(index, PlaceOf(index, nx, ny, nz), 1 / double(Dot(offset, offset)), sides);
+    }
+
+    void Add(std::size_t index, const Vec3f &place, double weight, std::vector<Side> &sides) const {
+        Side &side = FindSide(place, sides);
+        side.weight += weight;
+        for (std::size_t k = 0; k < 9; ++k)
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                side.sum[k][channel] += weight * double(grid_.points[index].coeffs[k][channel]);
+    }
+
+    /// The side that the place sees, or a new one.
+    Side &FindSide(const Vec3f &p, std::vector<Side> &sides) const {
+        RayPacket rays;
+        rays.count = int(std::min<std::size_t>(sides.size(), kPacketSize));
+        for (std::size_t i = 0; i < std::size_t(rays.count); ++i) {
+            const Vec3f way = sides[i].first - p;
+            rays.origin[i] = p;
+            rays.distance[i] = Length(way);
+            rays.direction[i] = rays.distance[i] > 0 ? way / rays.distance[i] : Vec3f{0, 0, 1};
+        }
+        if (rays.count > 0) {
+            RayCounts counts;
+            in_.scene.TraceToLight(rays, ShadowRules::Exact, counts);
+        }
+        for (std::size_t i = 0; i < std::size_t(rays.count); ++i)
+            if (!rays.blocked[i])
+                return sides[i];
+        sides.push_back({});
+        sides.back().first = p;
+        return sides.back();
+    }
+
+    static bspGridPointSH_t Blend(const std::vector<Side> &sides) {
         std::array<std::array<double, 3>, 9> sum{};
         double total = 0;
         for (const Side &side : sides) {
@@ -108,55 +180,16 @@ class Filler {
                 for (std::size_t channel = 0; channel < 3; ++channel)
                     sum[k][channel] += side.sum[k][channel] / side.weight * weight;
         }
+        bspGridPointSH_t filled;
         for (std::size_t k = 0; k < 9; ++k)
             for (std::size_t channel = 0; channel < 3; ++channel)
                 filled.coeffs[k][channel] = float(sum[k][channel] / total);
-        return true;
-    }
-
-  private:
-    void AddNeighbour(int x, int y, int z, const Offset &o, std::vector<Side> &sides) const {
-        const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
-        if (nx < 0 || ny < 0 || nz < 0 || nx >= layout_.bounds[0] || ny >= layout_.bounds[1] || nz >= layout_.bounds[2])
-            return;
-        const std::size_t index =
-            std::size_t(nx) +
-            std::size_t(layout_.bounds[0]) * (std::size_t(ny) + std::size_t(layout_.bounds[1]) * std::size_t(nz));
-        if (states_[index] != PointState::Open && states_[index] != PointState::Moved)
-            return;
-        const Vec3f p(layout_.Position(nx, ny, nz));
-        Side *side = FindSide(p, sides);
-        const Vec3f offset = p - Vec3f(layout_.Position(x, y, z));
-        const double weight = 1 / double(Dot(offset, offset));
-        side->weight += weight;
-        for (std::size_t k = 0; k < 9; ++k)
-            for (std::size_t channel = 0; channel < 3; ++channel)
-                side->sum[k][channel] += weight * double(grid_.points[index].coeffs[k][channel]);
-    }
-
-    Side *FindSide(const Vec3f &p, std::vector<Side> &sides) const {
-        RayPacket rays;
-        rays.count = int(std::min<std::size_t>(sides.size(), kPacketSize));
-        for (std::size_t i = 0; i < std::size_t(rays.count); ++i) {
-            const Vec3f way = sides[i].first - p;
-            rays.origin[i] = p;
-            rays.distance[i] = Length(way);
-            rays.direction[i] = way / rays.distance[i];
-        }
-        if (rays.count > 0) {
-            RayCounts counts;
-            in_.scene.TraceToLight(rays, ShadowRules::Exact, counts);
-        }
-        for (std::size_t i = 0; i < std::size_t(rays.count); ++i)
-            if (!rays.blocked[i])
-                return &sides[i];
-        sides.push_back({});
-        sides.back().first = p;
-        return &sides.back();
+        return filled;
     }
 
     const GridInputs &in_;
     const GridLayout &layout_;
+    const std::vector<Displacement> &displaced_;
     const std::vector<PointState> &states_;
     const LightGridSH &grid_;
 };
@@ -176,21 +209,31 @@ PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, cons
     return placed;
 }
 
-void FillGridSH(const GridInputs &in, const GridLayout &layout, std::vector<PointState> &states, LightGridSH &grid) {
+void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
+                std::vector<PointState> &states, LightGridSH &grid) {
+    struct Value {
+        std::size_t index;
+        bspGridPointSH_t point;
+    };
     const int width = layout.bounds[0], height = layout.bounds[1];
     const std::int64_t rows = std::int64_t(height) * layout.bounds[2];
-    // Sources are lit points only, so the order of filling does not matter.
-    const std::vector<PointState> before = states;
-    const Filler filler(in, layout, before, grid);
+    // Sources are values as they were lit, so the order of filling does not matter.
+    std::vector<std::vector<Value>> filled(static_cast<std::size_t>(rows));
+    const Filler filler(in, layout, displaced, states, grid);
     in.jobs.For(rows, [&](std::int64_t row, int) {
         for (int x = 0; x < width; ++x) {
             const auto index = std::size_t(row) * std::size_t(width) + std::size_t(x);
-            if (before[index] == PointState::Solid)
-                states[index] = filler.Fill(x, int(row % height), int(row / height), grid.points[index])
-                                    ? PointState::Filled
-                                    : PointState::Void;
+            if (states[index] == PointState::Solid || states[index] == PointState::Beside)
+                if (const auto value = filler.Fill(x, int(row % height), int(row / height)))
+                    filled[std::size_t(row)].push_back({index, *value});
         }
     });
+    for (const auto &row : filled)
+        for (const Value &value : row) {
+            grid.points[value.index] = value.point;
+            states[value.index] = PointState::Filled;
+        }
+    std::replace(states.begin(), states.end(), PointState::Solid, PointState::Void);
 }
 
 } // namespace q3

@@ -9,11 +9,12 @@
 namespace q3 {
 
 enum class PointState : std::uint8_t {
-    Void,  ///< in a solid, no open space in the cells around it: stays zero
-    Open,  ///< lit where it is, or at most a small step beside
-    Moved, ///< in a solid that leaves no lit neighbour: lit from the nearest open place of its cells
-    Solid, ///< in a solid, to be filled
-    Filled ///< in a solid, filled from neighbours
+    Void,   ///< in a solid, no open space in the cells around it: stays zero
+    Open,   ///< lit where it is
+    Beside, ///< in the plane of a wall or just inside it: lit from a small step beside
+    Moved,  ///< in a solid that leaves no lit neighbour: lit from the nearest open place of its cells
+    Solid,  ///< in a solid, to be filled
+    Filled  ///< in a solid, filled from neighbours
 };
 
 struct PlacedPoint {
@@ -25,9 +26,17 @@ struct PlacedPoint {
 /// Decides where the point at p is lit from.
 PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, const Vec3f &p);
 
+/// Where a point is lit from, when that is not where it is.
+struct Displacement {
+    std::uint32_t index = 0;
+    Vec3f position;
+};
+
 /// Gives every point in a solid that has lit neighbours a value, so that interpolation beside walls is right.
 /// Neighbours that do not see each other form sides; a side counts the more the darker it is, so that a wall thinner
-/// than a cell lets no light through. Changes Solid to Filled or Void in `states`.
-void FillGridSH(const GridInputs &in, const GridLayout &layout, std::vector<PointState> &states, LightGridSH &grid);
+/// than a cell lets no light through. A point beside a wall is treated alike when it has neighbours on the other side.
+/// `displaced` is sorted by index. Changes Solid to Filled or Void in `states`.
+void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
+                std::vector<PointState> &states, LightGridSH &grid);
 
 } // namespace q3

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The light stage.
 #include "q3map2/light/light.h"
 
+#include "common/error.h"
 #include "q3map2/light/light_space.h"
 
 #include <algorithm>
@@ -119,7 +120,13 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     settings.tone.maxLight = world.maxLight;
     SurfaceTable table = MakeSurfaceTable(bsp, stored, inputs.surfaceFile, inputs.name + ".srf", library, log);
     log.Section("CreateLights");
-    const std::vector<Light> lights = CreateLights(bsp, entities, table, settings, world, library, log);
+    const std::vector<Light> lights = [&] {
+        try {
+            return CreateLights(bsp, entities, table, settings, world, library, log);
+        } catch (const Error &error) {
+            throw Error("{}: {}", inputs.name, error.what());
+        }
+    }();
 
     log.Section("SetupTraceNodes");
     const BspSpace space(bsp, OpaqueBrushes(bsp, library));

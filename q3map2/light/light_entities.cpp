@@ -14,6 +14,8 @@ namespace {
 
 /// Larger intensities overflow float once squared distances divide them. Far over any that a map can use.
 constexpr float kMaxIntensity = 1e9f;
+/// Limit of world keys, for the same reason.
+constexpr float kMaxWorldFactor = 1e6f;
 constexpr int kMaxSamples = 4096;
 /// Lights farther out than this are not in any map. Game units.
 constexpr float kMaxCoordinate = 262144;
@@ -23,32 +25,36 @@ Vec3f DecodeColor(const Vec3f &c, bool sRgb) {
     return sRgb ? Vec3f{LinearFromSrgb(c.x), LinearFromSrgb(c.y), LinearFromSrgb(c.z)} : c;
 }
 
+/// How messages name a light: editors find it by its place.
+std::string Label(const Entity &entity) {
+    return fmt::format("{} at \"{}\"", entity.ClassName(), entity.Value("origin"));
+}
+
 int SpawnFlags(const Entity &entity) {
     return int(std::clamp(entity.Number({"spawnflags"}), -1e9, 1e9));
 }
 
-float Intensity(const Entity &entity, std::size_t number, Log &log) {
+float Intensity(const Entity &entity, Log &log) {
     double intensity = entity.Number({"_light", "light"}, 300);
     if (intensity == 0)
         intensity = 300;
     if (const double scale = entity.Number({"scale"}); scale != 0)
         intensity *= scale;
     if (!(std::abs(intensity) <= kMaxIntensity)) {
-        log.Warn("light intensity", "light entity {}: intensity {:g} is limited to {:g}", number, intensity,
-                 kMaxIntensity);
+        log.Warn("light intensity", "{}: intensity {:g} is limited to {:g}", Label(entity), intensity, kMaxIntensity);
         intensity = std::clamp(intensity, double(-kMaxIntensity), double(kMaxIntensity));
     }
     return float(intensity);
 }
 
-int Style(const Entity &entity, std::size_t number) {
+int Style(const Entity &entity) {
     const double style = entity.Number({"_style", "style"});
     if (!(style >= 0 && style <= 254))
-        throw Error("light entity {}: style {} is not in 0..254", number, entity.Value({"_style", "style"}));
+        throw Error("{}: style {} is not in 0..254", Label(entity), entity.Value({"_style", "style"}));
     return int(style);
 }
 
-Light LightFromKeys(const Entity &entity, std::size_t number, const LightOptions &options, Log &log) {
+Light LightFromKeys(const Entity &entity, const LightOptions &options, Log &log) {
     Light light;
     const int flags = SpawnFlags(entity);
     light.linear = ((flags & 1) != 0) != options.wolfLighting;
@@ -64,11 +70,10 @@ Light LightFromKeys(const Entity &entity, std::size_t number, const LightOptions
     if (light.fade == 0)
         light.fade = 1;
     light.extraDist = float(std::max(0.0, entity.Number({"_extradist"}, options.extraDist)));
-    light.style = Style(entity, number);
-    light.photons = Intensity(entity, number, log);
+    light.style = Style(entity);
+    light.photons = Intensity(entity, log);
     if (!IsFinite(light.color) || MaxComponent(Max(light.color, -light.color)) > kMaxIntensity) {
-        log.Warn("light colour", "light entity {}: _color {} is out of range, white is used", number,
-                 entity.Value("_color"));
+        log.Warn("light colour", "{}: _color {} is out of range, white is used", Label(entity), entity.Value("_color"));
         light.color = {1, 1, 1};
     }
     return light;
@@ -99,12 +104,11 @@ void Aim(Light &light, const Entity &entity, const Vec3f &target, const LightOpt
 
 void AddEntityLights(const Entity &entity, std::size_t number, const std::vector<Entity> &entities,
                      const LightOptions &options, std::vector<Light> &lights, Log &log) {
-    Light light = LightFromKeys(entity, number, options, log);
+    Light light = LightFromKeys(entity, options, log);
     const int samples = int(std::clamp(entity.Number({"_samples"}, 1), 1.0, double(kMaxSamples)));
     const float deviance = float(std::clamp(entity.Number({"_deviance", "_deviation", "_jitter"}), 0.0, 1e6));
     if (MaxComponent(Max(light.origin, -light.origin)) > kMaxCoordinate) {
-        log.Warn("light origin", "light entity {}: origin {} is outside any map, the light is dropped", number,
-                 entity.Value("origin"));
+        log.Warn("light origin", "{} is outside any map, it is dropped", Label(entity));
         return;
     }
     light.photons /= float(samples);
@@ -113,8 +117,7 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
     const std::string_view target = entity.Value("target");
     const Entity *aimedAt = target.empty() ? nullptr : FindTarget(entities, target);
     if (!target.empty() && !aimedAt)
-        log.Warn("light target", "light entity {}: target \"{}\" does not exist, the light has no direction", number,
-                 target);
+        log.Warn("light target", "{}: target \"{}\" does not exist, the light has no direction", Label(entity), target);
     const Vec3f targetOrigin = aimedAt ? aimedAt->Vector({"origin"}).value_or(Vec3f{}) : Vec3f{};
 
     if (aimedAt && entity.Number({"_sun"}) != 0) {
@@ -156,8 +159,10 @@ WorldLight ReadWorldLight(const Entity &world, const LightOptions &options) {
     if (color == Vec3f{})
         color = {1, 1, 1};
     color = DecodeColor(color, options.shader.sRgbColor);
+    color = Max(Min(color, Vec3f{kMaxWorldFactor, kMaxWorldFactor, kMaxWorldFactor}),
+                -Vec3f{kMaxWorldFactor, kMaxWorldFactor, kMaxWorldFactor});
     const auto scaled = [&](std::initializer_list<std::string_view> keys) {
-        return color * float(std::clamp(world.Number(keys), -1e6, 1e6));
+        return color * float(std::clamp(world.Number(keys), -double(kMaxWorldFactor), double(kMaxWorldFactor)));
     };
     result.ambient = scaled({"_ambient", "ambient"});
     result.minGrid = world.Has("_mingridlight") ? scaled({"_mingridlight"}) : scaled({"_minlight"});
@@ -177,7 +182,7 @@ WorldLight ReadWorldLight(const Entity &world, const LightOptions &options) {
         if (v[0] != 0 || v[1] != 0 || v[2] != 0)
             result.floodColor = {float(v[0]), float(v[1]), float(v[2])};
         result.floodDistance = v[3] < 1 ? 1024 : float(std::min(v[3], double(kFar)));
-        result.floodIntensity = v[4] < 1 ? 128 : float(std::min(v[4], 1e6));
+        result.floodIntensity = v[4] < 1 ? 128 : float(std::min(v[4], double(kMaxWorldFactor)));
     }
     result.floodColor = NormalizeColor(DecodeColor(result.floodColor, options.shader.sRgbColor));
     return result;

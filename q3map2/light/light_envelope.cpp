@@ -140,6 +140,10 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
         light.bounds.Add(light.origin);
         const Vec3f corner = Max(light.bounds.maxs, light.origin * 2 - light.bounds.mins);
         light.envelope = std::min(Reach(light), Length(corner - light.origin));
+        if (pass == LightPass::GridSH && options.noSkip) {
+            light.bounds = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+            light.envelope = Reach(light);
+        }
         return light.grid && light.envelope > 0;
     };
     const std::size_t before = lights.size();

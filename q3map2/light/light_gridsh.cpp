@@ -18,6 +18,9 @@ constexpr std::int64_t kMaxPoints = (0x7fffffffll - 40) / 108;
 /// screen can show.
 constexpr float kFaint = 1.0f / 8;
 
+/// Sums beyond this, from absurd keys and scales, are cut. 1 = byte 255.
+constexpr double kMaxCoefficient = 1e9;
+
 /// Sum of what arrives at a place, [channel][k], unit scale.
 using PointSum = std::array<ShVector, 3>;
 
@@ -59,7 +62,7 @@ bspGridPointSH_t StorePoint(const GridInputs &in, const PointSum &total) {
             sum = {};
         sum[0] = std::max(sum[0], double(in.world.minGrid[channel]) / 255 * uniform);
         for (std::size_t k = 0; k < 9; ++k)
-            stored.coeffs[k][channel] = float(sum[k] * scale);
+            stored.coeffs[k][channel] = float(std::clamp(sum[k] * scale, -kMaxCoefficient, kMaxCoefficient));
     }
     return stored;
 }
@@ -69,25 +72,35 @@ class PointPlaces {
   public:
     PointPlaces(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
         : states_(std::size_t(layout.Count()), PointState::Void), places_(std::size_t(bricks.Count())) {
+        std::vector<std::vector<Displacement>> displaced(places_.size());
         in.jobs.For(bricks.Count(), [&](std::int64_t brick, int) {
             for (const BrickPoint &point : bricks.Points(brick)) {
                 const PlacedPoint placed = PlaceGridPoint(in.space, layout, point.position);
                 states_[point.index] = placed.state;
-                if (placed.state == PointState::Open || placed.state == PointState::Moved)
-                    places_[std::size_t(brick)].push_back({.position = placed.position,
-                                                           .rayOrigin = placed.position,
-                                                           .cluster = placed.cluster,
-                                                           .index = point.index});
+                if (placed.cluster < 0)
+                    continue;
+                if (placed.state != PointState::Open)
+                    displaced[std::size_t(brick)].push_back({point.index, placed.position});
+                places_[std::size_t(brick)].push_back({.position = placed.position,
+                                                       .rayOrigin = placed.position,
+                                                       .cluster = placed.cluster,
+                                                       .index = point.index});
             }
         });
+        for (const auto &part : displaced)
+            displaced_.insert(displaced_.end(), part.begin(), part.end());
+        std::sort(displaced_.begin(), displaced_.end(),
+                  [](const Displacement &a, const Displacement &b) { return a.index < b.index; });
     }
     /// Places of a brick that are to be lit; taken once.
     std::vector<LightPlace> Take(std::int64_t brick) { return std::move(places_[std::size_t(brick)]); }
     std::vector<PointState> &States() { return states_; }
+    const std::vector<Displacement> &Displaced() const { return displaced_; }
 
   private:
     std::vector<PointState> states_;
     std::vector<std::vector<LightPlace>> places_;
+    std::vector<Displacement> displaced_;
 };
 
 } // namespace
@@ -146,9 +159,10 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
             grid.points[lit[i].index] = StorePoint(in, sums[i]);
         }
     });
-    FillGridSH(in, layout, places.States(), grid);
+    FillGridSH(in, layout, places.Displaced(), places.States(), grid);
     const auto &states = places.States();
-    stats.open = std::count(states.begin(), states.end(), PointState::Open);
+    stats.open = std::count(states.begin(), states.end(), PointState::Open) +
+                 std::count(states.begin(), states.end(), PointState::Beside);
     stats.moved = std::count(states.begin(), states.end(), PointState::Moved);
     stats.filled = std::count(states.begin(), states.end(), PointState::Filled);
     return grid;

@@ -11,11 +11,14 @@ namespace q3 {
 
 namespace {
 
+/// Larger factors would let products of a few of them pass what float can hold.
+constexpr double kMaxFactor = 1e6;
+
 /// Calls use(value) for every occurrence of the option, in order.
 void ForEach(Arguments &arguments, std::initializer_list<std::string_view> names,
              const std::function<void(float)> &use) {
     while (const auto value = arguments.TakeValue(names))
-        use(float(NumberFromText(*value)));
+        use(float(std::clamp(NumberFromText(*value), -kMaxFactor, kMaxFactor)));
 }
 
 void ParseIntensities(Arguments &arguments, LightOptions &o) {
@@ -210,6 +213,12 @@ void WarnOfOthers(Arguments &arguments, Log &log) {
                  "this version lights the grids and keeps lightmaps and vertex colours; without effect:{}", taken);
 }
 
+/// Repeated factors stay within bounds too.
+void LimitScales(LightOptions &o) {
+    for (float *scale : {&o.pointScale, &o.spotScale, &o.areaScale, &o.skyScale, &o.gridScale, &o.gridAmbientScale})
+        *scale = std::clamp(*scale, float(-kMaxFactor), float(kMaxFactor));
+}
+
 } // namespace
 
 LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log) {
@@ -226,6 +235,7 @@ LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log)
 
     ParseSH(arguments, o);
     ParseIntensities(arguments, o);
+    LimitScales(o);
     ParseTone(arguments, o);
     ParseSpeed(arguments, o);
     WarnOfOthers(arguments, log);

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. What lighting needs to know of each draw surface.
 #include "q3map2/light/surface_table.h"
 
-#include "common/text.h"
 #include "common/error.h"
+#include "common/text.h"
 #include "q3map2/light/light_patch.h"
 
 #include <algorithm>

@@ -124,13 +124,13 @@ INSTANTIATE_TEST_SUITE_P(Keys, AbsurdKeyTest, testing::ValuesIn(kKeyCases),
 
 TEST_F(RobustTest, AbsurdIntensitiesAndColoursAreNamed) {
     ExpectSane(LitWith({{"light", "1e38"}}));
-    EXPECT_TRUE(Printed("WARNING: light entity 1: intensity 1e+38 is limited")) << printed;
+    EXPECT_TRUE(Printed("WARNING: light at \"10 20 100\": intensity 1e+38 is limited")) << printed;
     ExpectSane(LitWith({{"_color", "1e38 1e38 1e38"}, {"spawnflags", "32"}}));
-    EXPECT_TRUE(Printed("WARNING: light entity 1: _color")) << printed;
+    EXPECT_TRUE(Printed("WARNING: light at \"10 20 100\": _color")) << printed;
     ExpectSane(LitWith({{"origin", "1e30 0 0"}}));
-    EXPECT_TRUE(Printed("WARNING: light entity 1: origin")) << printed;
+    EXPECT_TRUE(Printed("WARNING: light at \"1e30 0 0\" is outside any map")) << printed;
     ExpectSane(LitWith({{"target", "gone"}}));
-    EXPECT_TRUE(Printed("WARNING: light entity 1: target \"gone\"")) << printed;
+    EXPECT_TRUE(Printed("WARNING: light at \"10 20 100\": target \"gone\"")) << printed;
 }
 
 TEST_F(RobustTest, GarbageIntensityIsTheDefault) {
@@ -148,7 +148,7 @@ TEST_F(RobustTest, StylesOutOfRangeAreErrors) {
         SceneBuilder scene = Room();
         scene.AddEntity(LightWith({{"style", style}}));
         const std::string text = ErrorOfLit(scene);
-        EXPECT_NE(text.find(fmt::format("light entity 1: style {} is not in 0..254", style)), std::string::npos)
+        EXPECT_NE(text.find(fmt::format("light at \"10 20 100\": style {} is not in 0..254", style)), std::string::npos)
             << text;
     }
 }
