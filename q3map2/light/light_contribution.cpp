@@ -194,9 +194,14 @@ float LightBound(const Light &light, const Boundsf &box) {
     if (light.type == LightType::Sun)
         return strongest * light.photons;
     if (light.type == LightType::Area) {
-        // The cosine-weighted share of the hemisphere is at most area / (pi d^2), d the distance to the nearest corner.
-        const float d = box.Distance(light.shape.center) - light.shape.radius;
-        const float share = d > 0 ? light.shape.area / (std::numbers::pi_v<float> * d * d) : 1;
+        // The cosine-weighted share of the hemisphere is at most area cos / (pi d^2): d the least distance from the
+        // box, cos the emitter's cosine at the greatest height of the box over its plane.
+        const AreaShape &shape = light.shape;
+        const float d = box.Distance(shape.center) - shape.radius;
+        const Vec3f n(shape.normal), half = (box.maxs - box.mins) * 0.5f;
+        const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
+        const float height = std::abs(Dot(n, box.Center()) - float(shape.dist)) + reach;
+        const float share = d > 0 ? shape.area * std::min(1.0f, height / d) / (std::numbers::pi_v<float> * d * d) : 1;
         return strongest * light.add * std::min(1.0f, share);
     }
     const float d = std::max(kNearest, box.Distance(light.origin));
