@@ -15,6 +15,8 @@ constexpr std::array<int, 3> kBlock = {4, 2, 2};
 /// Points this far behind the centre of a one-sided lamp, moved off by a unit, get nothing from it in either grid. Game
 /// units.
 constexpr float kBehind = 2;
+/// So few faint lights are all taken.
+constexpr std::ptrdiff_t kFewFaint = 32;
 constexpr std::uint64_t kSeedFaint = 0x4661696E74ull;
 
 bool CanReach(const Light &light, const BrickView &brick) {
@@ -77,24 +79,34 @@ BrickView::BrickView(std::span<const LightPlace> places) {
 
 BrickLights::BrickLights(const std::vector<Light> &lights, const BrickView &brick, std::uint64_t seed, float faint,
                          const LightOptions &options, GridStats &work) {
-    double collected = UnitFromHash(HashIndex(kSeedFaint ^ seed)) * double(faint);
+    std::vector<float> bounds;
     for (const Light &light : lights) {
         if (!options.noSkip && !CanReach(light, brick)) {
             ++work.skippedLights;
             continue;
         }
-        const float bound = options.noSkip ? faint : LightBound(light, brick.box);
-        if (bound >= faint) {
-            list_.push_back({&light});
-            continue;
-        }
-        collected += double(bound);
-        if (collected >= double(faint)) {
-            collected -= double(faint);
-            list_.push_back({&light, faint / bound});
-        } else
-            ++work.skippedFaint;
+        list_.push_back({&light});
+        bounds.push_back(LightBound(light, brick.box));
     }
+    const auto isFaint = [&](float bound) { return bound < faint; };
+    if (options.noSkip || std::count_if(bounds.begin(), bounds.end(), isFaint) <= kFewFaint)
+        return;
+    double collected = UnitFromHash(HashIndex(kSeedFaint ^ seed)) * double(faint);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < list_.size(); ++i) {
+        BrickLight one = list_[i];
+        if (isFaint(bounds[i])) {
+            collected += double(bounds[i]);
+            if (collected < double(faint)) {
+                ++work.skippedFaint;
+                continue;
+            }
+            collected -= double(faint);
+            one.weight = faint / bounds[i];
+        }
+        list_[kept++] = one;
+    }
+    list_.resize(kept);
 }
 
 void GridStats::Add(const GridStats &o) {

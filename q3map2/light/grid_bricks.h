@@ -38,15 +38,16 @@ struct BrickView {
 
 /// A light of a brick, and what its contribution is multiplied by.
 struct BrickLight {
-    const Light *light;
+    const Light *light = nullptr;
     float weight = 1;
 };
 
 /// Lights that can reach some point of a brick, in their order.
 ///
-/// Lights whose bound in the brick is under `faint` (byte scale) are represented by a few: going through them in order,
-/// every time their bounds add up to `faint` one is taken, with the weight that makes up for the others. Lights of one
-/// surface follow each other in the list, so that a taken light stands for its neighbours. 0 takes every light.
+/// Lights whose bound in the brick is under `faint` (byte scale), if there are many, are represented by a few: going
+/// through them in order, every time their bounds add up to `faint` one is taken, with the weight that makes up for the
+/// others. Lights of one surface follow each other in the list, so that a taken light stands for its neighbours. 0
+/// takes every light.
 class BrickLights {
   public:
     BrickLights(const std::vector<Light> &lights, const BrickView &brick, std::uint64_t seed, float faint,
