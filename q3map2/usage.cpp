@@ -40,13 +40,13 @@ Intensities (each multiplies):
   -backsplash SCALE DIST  -extradist F  -wolf  -q3
 Tone of the legacy grid:
   -gamma F  -exposure F  -compensate F  -contrast F  -saturation F
-  -sRGB -nosRGB, -sRGBlight, -sRGBtex, -sRGBcolor and their -nosRGB forms
+  -sRGB -nosRGB, -sRGBlight, -sRGBcolor and their -nosRGB forms
 Speed and rays:
   -fast, -fastgrid        lights end where they fall below the tolerance
   -faster                 and area lights count as points in the legacy grid
   -cheap, -cheapgrid      stop adding lights to legacy points that are white
   -nogrid                 leave the legacy grid as it is
-  -noskip                 SH grid: trace every light at every point
+  -noskip                 trace every light at every point
   -notrace  -nosurf  -sunonly  -onesky  -patchshadows  -style  -nostyle
   -floodlight  -lowquality
 )"},

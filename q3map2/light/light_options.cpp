@@ -67,12 +67,11 @@ void ParseTone(Arguments &arguments, LightOptions &o) {
     };
     bool all = false, none = false;
     toggle("-sRGBlight", "-nosRGBlight", o.tone.sRgb);
-    toggle("-sRGBtex", "-nosRGBtex", o.shader.sRgbTexture);
     toggle("-sRGBcolor", "-nosRGBcolor", o.shader.sRgbColor);
     all = arguments.TakeFlag("-sRGB");
     none = arguments.TakeFlag("-nosRGB");
     if (all || none)
-        o.tone.sRgb = o.shader.sRgbTexture = o.shader.sRgbColor = !none;
+        o.tone.sRgb = o.shader.sRgbColor = !none;
     if (o.tone.sRgb)
         o.tolerance = 255 * LinearFromSrgb(1.0f / 255);
 }
@@ -198,7 +197,9 @@ constexpr OtherOption kLightmapOptions[] = {{"-bouncescale", 1},
                                             {"-dirtdebug", 0},
                                             {"-debugdirt", 0},
                                             {"-debugsamplesize", 0},
-                                            {"-novertex", 0}};
+                                            {"-novertex", 0},
+                                            {"-sRGBtex", 0},
+                                            {"-nosRGBtex", 0}};
 
 void WarnOfOthers(Arguments &arguments, Log &log) {
     std::string taken;
@@ -225,7 +226,6 @@ LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log)
     LightOptions o;
     o.wolfLighting = game.wolfLighting;
     o.tone = {.gamma = game.gamma, .exposure = game.exposure, .compensate = game.compensate, .sRgb = game.sRgbLightmap};
-    o.shader.sRgbTexture = game.sRgbTexture;
     o.shader.sRgbColor = game.sRgbColor;
     o.gridScale = game.gridScale;
     o.gridAmbientScale = game.gridAmbientScale;

@@ -34,7 +34,7 @@ struct SkyLightDirective {
 
 /// How shader scripts and images are interpreted, beyond the game's table.
 struct ShaderOptions {
-    bool sRgbTexture = false, sRgbColor = false;
+    bool sRgbColor = false; ///< colours of lights and shaders are sRGB
     float backsplashScale = 1;       ///< multiplies the default fraction
     float backsplashDistance = -999; ///< replaces the default 23 when >= -900
 };

@@ -243,7 +243,7 @@ TEST_F(ShaderImages, MissingImageIsToldOnlyWhenVerbose) {
 TEST_F(ShaderColors, MeanOfTheImageIsNotDecoded) {
     WriteTga("a.tga", {{100, 40, 0, 0}, {60, 40, 20, 255}});
     for (const bool sRgb : {false, true}) {
-        options.sRgbTexture = options.sRgbColor = sRgb;
+        options.sRgbColor = sRgb;
         Load();
         EXPECT_EQ(Get("a").averageColor, (Vec3f{80, 40, 10}));
         EXPECT_EQ(Get("a").color, (Vec3f{1, 0.5f, 0.125f}));
