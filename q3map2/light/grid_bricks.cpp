@@ -91,6 +91,7 @@ BrickLights::BrickLights(const std::vector<Light> &lights, const BrickView &bric
     const auto isFaint = [&](float bound) { return bound < faint; };
     if (options.noSkip || std::count_if(bounds.begin(), bounds.end(), isFaint) <= kFewFaint)
         return;
+    many_ = true;
     double collected = UnitFromHash(HashIndex(kSeedFaint ^ seed)) * double(faint);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < list_.size(); ++i) {
@@ -107,6 +108,10 @@ BrickLights::BrickLights(const std::vector<Light> &lights, const BrickView &bric
         list_[kept++] = one;
     }
     list_.resize(kept);
+}
+
+float StartOfFaint(std::uint32_t index, float faint) {
+    return float(UnitFromHash(HashIndex(kSeedFaint + index))) * faint;
 }
 
 void GridStats::Add(const GridStats &o) {
@@ -149,6 +154,7 @@ void GridStats::Print(Log &log, bool verbose) const {
     log.Count((long long)(skippedFaint), "pairs of brick and light too faint, represented by others");
     log.Count((long long)(counts.skippedPvs), "pairs of point and light hidden by visibility data, skipped");
     log.Count((long long)(counts.skippedFacing), "pairs of point and light out of reach, cone or side, skipped");
+    log.Count((long long)(counts.skippedFaint), "pairs of point and light too faint, represented by others");
     log.Count((long long)(counts.refined), "pairs of point and light partly hidden, refined");
     if (seconds > 0)
         log.Print("{:9.2f} million rays per second of the pass\n", double(counts.rays) / seconds / 1e6);

@@ -53,10 +53,16 @@ class BrickLights {
     BrickLights(const std::vector<Light> &lights, const BrickView &brick, std::uint64_t seed, float faint,
                 const LightOptions &options, GridStats &work);
     const std::vector<BrickLight> &List() const { return list_; }
+    /// Whether there were many faint lights.
+    bool Many() const { return many_; }
 
   private:
     std::vector<BrickLight> list_;
+    bool many_ = false;
 };
+
+/// Where the count of a place's faint light starts: spread evenly over places.
+float StartOfFaint(std::uint32_t index, float faint);
 
 /// Runs `trace(brick, work)` for every brick on all workers, with progress; adds the work up into `stats`.
 void RunGridBricks(const GridInputs &in, const GridBricks &bricks, GridStats &stats,

@@ -105,10 +105,10 @@ int RefinedRays(float facing) {
 
 } // namespace
 
-void AreaRays::Add(const LightPlace &place, std::uint32_t number) {
+void AreaRays::Add(LightPlace &place, std::uint32_t number, float weight) {
     const AreaShape &shape = light_.shape;
     const float s = float(Dot(shape.normal, Vec3d(place.position)) - shape.dist);
-    AreaView view{place.position, place.rayOrigin, number, place.index, s < 0, std::abs(s)};
+    AreaView view{place.position, place.rayOrigin, number, place.index, s < 0, std::abs(s), weight};
     if (view.height < kPlaneClearance || (view.fromBehind && !light_.twoSided) || light_.w.size() < 3 ||
         !light_.bounds.Contains(place.position)) {
         ++counts_.skippedFacing;
@@ -128,6 +128,10 @@ void AreaRays::Add(const LightPlace &place, std::uint32_t number) {
         view.facing = light_.add * float(Length(Moments(view).first) / std::numbers::pi);
     if (view.facing <= 0 || (light_.fast && view.facing <= light_.tolerance)) {
         ++counts_.skippedFacing;
+        return;
+    }
+    if (!TakeFaint(settings_.faint, view.facing, place, view.weight)) {
+        ++counts_.skippedFaint;
         return;
     }
     views_[count_++] = view;
@@ -261,6 +265,7 @@ void AreaRays::Arrive(const AreaView &view, const ShVector &projection, double s
     const double scale = double(light_.add) / std::numbers::pi;
     Arrival arrival;
     arrival.place = view.place;
+    arrival.weight = view.weight;
     arrival.add = float(scale * solidAngle);
     arrival.direction = Normalize(light_.shape.center - view.position);
     arrival.visible = tint;

@@ -17,6 +17,7 @@ struct AreaView {
     std::uint64_t seed = 0;
     bool fromBehind = false; ///< a two-sided light, seen from its back
     float height = 0;        ///< distance to the plane of the light
+    float weight = 1;        ///< of what arrives
     float facing = 0;        ///< about the light on a surface that faces the light, byte scale
     /// How its moments are found: as a point with a cosine or by three samples a triangle where that errs by less than
     /// a set fraction of a byte, else in closed form.
@@ -34,7 +35,7 @@ class AreaRays {
              std::vector<Arrival> &arrivals, ContributionCounts &counts)
         : light_(light), settings_(settings), scene_(scene), arrivals_(arrivals), counts_(counts) {}
 
-    void Add(const LightPlace &place, std::uint32_t number);
+    void Add(LightPlace &place, std::uint32_t number, float weight);
     void Flush();
 
   private:

@@ -157,15 +157,15 @@ bool InSight(const Light &light, const ContributionSettings &settings, const Lig
 
 } // namespace
 
-void LightContributionToPoint(const Light &light, const ContributionSettings &settings, const LightScene &scene,
-                              std::span<const LightPlace> places, std::vector<Arrival> &arrivals,
+void LightContributionToPoint(const Light &light, float weight, const ContributionSettings &settings,
+                              const LightScene &scene, std::span<LightPlace> places, std::vector<Arrival> &arrivals,
                               ContributionCounts &counts) {
     arrivals.clear();
     const bool exactArea = light.type == LightType::Area && settings.pass == LightPass::GridSH;
     DeltaRays delta(light, settings, scene, arrivals, counts);
     AreaRays area(light, settings, scene, arrivals, counts);
     for (std::size_t i = 0; i < places.size(); ++i) {
-        const LightPlace &place = places[i];
+        LightPlace &place = places[i];
         if (place.skip)
             continue;
         ++counts.pairs;
@@ -174,16 +174,19 @@ void LightContributionToPoint(const Light &light, const ContributionSettings &se
             continue;
         }
         if (exactArea) {
-            area.Add(place, std::uint32_t(i));
+            area.Add(place, std::uint32_t(i), weight);
             continue;
         }
         Arrival arrival;
         arrival.place = std::uint32_t(i);
         float distance = 0;
-        if (Unshadowed(light, settings, place.position, arrival, distance))
-            delta.Add(place, arrival, distance);
-        else
+        arrival.weight = weight;
+        if (!Unshadowed(light, settings, place.position, arrival, distance))
             ++counts.skippedFacing;
+        else if (light.type == LightType::Area && !TakeFaint(settings.faint, arrival.add, place, arrival.weight))
+            ++counts.skippedFaint;
+        else
+            delta.Add(place, arrival, distance);
     }
     delta.Flush();
     area.Flush();

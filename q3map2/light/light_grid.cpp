@@ -118,13 +118,12 @@ bspGridPoint_t StorePoint(const GridInputs &in, const LegacyPoint &point) {
 }
 
 /// Adds what one light gives to the points.
-void AddArrivals(const BrickLight &one, const GridInputs &in, const std::vector<Arrival> &arrivals,
+void AddArrivals(const Light &light, const GridInputs &in, const std::vector<Arrival> &arrivals,
                  std::vector<LightPlace> &places, std::vector<LegacyPoint> &points) {
-    const Light &light = *one.light;
-    const float sign = light.negative ? -one.weight : one.weight;
     for (const Arrival &arrival : arrivals) {
         LegacyPoint &point = points[arrival.place];
-        const Vec3f color = light.color * arrival.visible * (sign * arrival.add);
+        const Vec3f color =
+            light.color * arrival.visible * ((light.negative ? -arrival.weight : arrival.weight) * arrival.add);
         point.directionSum += Vec3d(arrival.direction) * double(Length(color));
         point.sum += color;
         // Light of other styles turns the direction, but this format has no place for its colour.
@@ -169,6 +168,7 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
             if (!PlacePoint(in.space, layout, place))
                 continue;
             place.rayOrigin = ClearOfSolids(in.space, place.position);
+            place.collected = StartOfFaint(at.index, kFaint);
             places.push_back(place);
         }
         work.open += std::int64_t(places.size());
@@ -177,9 +177,11 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
         std::vector<LegacyPoint> points(places.size());
         std::vector<Arrival> arrivals;
         const BrickLights candidates(lights, BrickView(places), std::uint64_t(brick), kFaint, in.options, work);
+        ContributionSettings pass = settings;
+        pass.faint = candidates.Many() ? kFaint : 0;
         for (const BrickLight &one : candidates.List()) {
-            LightContributionToPoint(*one.light, settings, in.scene, places, arrivals, work.counts);
-            AddArrivals(one, in, arrivals, places, points);
+            LightContributionToPoint(*one.light, one.weight, pass, in.scene, places, arrivals, work.counts);
+            AddArrivals(*one.light, in, arrivals, places, points);
         }
         for (std::size_t i = 0; i < places.size(); ++i) {
             if (in.options.floodlight || in.world.hasFloodlight)

@@ -18,18 +18,21 @@ constexpr std::int64_t kMaxPoints = (0x7fffffffll - 40) / 108;
 /// screen can show.
 constexpr float kFaint = 1.0f / 8;
 
+/// The same for what arrives at one point, where it is known and not only bounded. Byte scale.
+constexpr float kFaintAtPoint = 1.0f / 8;
+
 /// Sums beyond this, from absurd keys and scales, are cut. 1 = byte 255.
 constexpr double kMaxCoefficient = 1e9;
 
 /// Sum of what arrives at a place, [channel][k], unit scale.
 using PointSum = std::array<ShVector, 3>;
 
-void AddArrivals(const BrickLight &one, const std::vector<Arrival> &arrivals, std::vector<PointSum> &sums) {
-    const Light &light = *one.light;
-    const double sign = light.negative ? -double(one.weight) : double(one.weight);
+void AddArrivals(const Light &light, const std::vector<Arrival> &arrivals, std::vector<PointSum> &sums) {
+    const double sign = light.negative ? -1 : 1;
     for (const Arrival &arrival : arrivals)
         for (std::size_t channel = 0; channel < 3; ++channel) {
-            const double scale = sign * double(light.color[channel]) * double(arrival.visible[channel]) / 255;
+            const double scale =
+                sign * double(light.color[channel]) * double(arrival.visible[channel]) * double(arrival.weight) / 255;
             for (std::size_t k = 0; k < 9; ++k)
                 sums[arrival.place][channel][k] += scale * double(arrival.moments[k]);
         }
@@ -84,7 +87,8 @@ class PointPlaces {
                 places_[std::size_t(brick)].push_back({.position = placed.position,
                                                        .rayOrigin = placed.position,
                                                        .cluster = placed.cluster,
-                                                       .index = point.index});
+                                                       .index = point.index,
+                                                       .collected = StartOfFaint(point.index, kFaintAtPoint)});
             }
         });
         for (const auto &part : displaced)
@@ -143,15 +147,17 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     PointPlaces places(in, layout, bricks);
     const bool flood = in.options.floodlight || in.world.hasFloodlight;
     RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
-        const std::vector<LightPlace> lit = places.Take(brick);
+        std::vector<LightPlace> lit = places.Take(brick);
         if (lit.empty())
             return;
         std::vector<PointSum> sums(lit.size(), PointSum{});
         std::vector<Arrival> arrivals;
         const BrickLights candidates(lights, BrickView(lit), std::uint64_t(brick), kFaint, in.options, work);
+        ContributionSettings pass = settings;
+        pass.faint = candidates.Many() ? kFaintAtPoint : 0;
         for (const BrickLight &one : candidates.List()) {
-            LightContributionToPoint(*one.light, settings, in.scene, lit, arrivals, work.counts);
-            AddArrivals(one, arrivals, sums);
+            LightContributionToPoint(*one.light, one.weight, pass, in.scene, lit, arrivals, work.counts);
+            AddArrivals(*one.light, arrivals, sums);
         }
         for (std::size_t i = 0; i < lit.size(); ++i) {
             if (flood)
