@@ -16,7 +16,10 @@ namespace {
 constexpr float kPlaneClearance = 1.0f / 64;
 /// Lights that give less than this are judged by one ray; brighter ones by their corners. Byte scale.
 constexpr float kFaint = 1.0f / 4;
-/// From this on, samples of the inside look for what is smaller than a straight shadow edge. Byte scale.
+/// Under this the share of the first rays that arrive is good enough for a light that is partly hidden. Byte scale.
+constexpr float kRefine = 0.5f;
+/// From twice this on, neighbours that see another share make it worth a closer look too; from kBright on, samples of
+/// the inside look for what is smaller than a straight shadow edge. Byte scale.
 constexpr float kBright = 2;
 constexpr int kInnerProbes = 2;
 /// A straight shadow edge that crosses a convex emitter hides or shows one of its corners, so each gets a ray, moved
@@ -205,11 +208,13 @@ void AreaRays::FirstLook() {
         trace();
 }
 
-bool AreaRays::IsMixed(std::size_t i) const {
+bool AreaRays::NeedsMore(std::size_t i) const {
     const Look &look = looks_[i];
+    if (views_[i].facing < kRefine && !settings_.exactAreas)
+        return false;
     if (!look.Whole() && !look.Hidden())
         return true;
-    if (views_[i].facing < kFaint && !settings_.exactAreas)
+    if (views_[i].facing < 2 * kRefine && !settings_.exactAreas)
         return false;
     constexpr std::size_t kNeighbours = kPacketSize / 2;
     const std::size_t first = i < kNeighbours ? 0 : i - kNeighbours, last = std::min(count_, i + kNeighbours + 1);
@@ -323,10 +328,10 @@ void AreaRays::Flush() {
         return;
     FirstLook();
     for (std::size_t i = 0; i < count_; ++i) {
-        if (IsMixed(i))
+        if (NeedsMore(i))
             Refine(views_[i]);
         else if (!looks_[i].Hidden())
-            ArriveWhole(views_[i], looks_[i].tint / float(looks_[i].clear));
+            ArriveWhole(views_[i], looks_[i].tint / float(looks_[i].cast));
     }
     count_ = 0;
 }

@@ -27,8 +27,9 @@ struct AreaView {
 /// Light of one area light at many places: collects views, traces them in packets.
 ///
 /// A few well-spread rays first: one for a faint light, else the corners and, for a bright one, samples of the inside.
-/// All clear: the closed form is the answer; all blocked: zero. Where they disagree, among themselves or with the
-/// neighbours before and after, many rays stratified in solid angle correct the closed form.
+/// All clear: the closed form is the answer; all blocked: zero. Where they disagree, among themselves or, for a bright
+/// light, with the neighbours before and after, many rays stratified in solid angle correct the closed form; for a
+/// light of less than a byte the share of the first rays that arrive does.
 class AreaRays {
   public:
     AreaRays(const Light &light, const ContributionSettings &settings, const LightScene &scene,
@@ -53,7 +54,7 @@ class AreaRays {
     int Probes(const AreaView &view) const;
     Vec3f ProbeTarget(const AreaView &view, int probe) const;
     void FirstLook();
-    bool IsMixed(std::size_t i) const;
+    bool NeedsMore(std::size_t i) const;
     void Refine(const AreaView &view);
     void ArriveWhole(const AreaView &view, const Vec3f &tint);
     void ArriveByQuadrature(const AreaView &view, const Vec3f &tint);
