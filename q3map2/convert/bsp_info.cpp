@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. What a compiled map holds, in numbers.
 #include "common/error.h"
+#include "q3map2/bspfile/bsp_tree.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/convert/convert.h"
 
@@ -29,16 +30,7 @@ struct GridShares {
 };
 
 bool InSolid(const Bsp &bsp, const Float3 &position) {
-    std::int32_t at = 0;
-    while (at >= 0) {
-        const bspNode_t &node = bsp.nodes[std::size_t(at)];
-        const bspPlane_t &plane = bsp.planes[std::size_t(node.planeNum)];
-        double distance = -double(plane.dist);
-        for (std::size_t i = 0; i < 3; i++)
-            distance += double(plane.normal[i]) * position[i];
-        at = node.children[distance > 0 ? 0 : 1];
-    }
-    return bsp.leafs[std::size_t(-1 - at)].cluster < 0;
+    return bsp.leafs[std::size_t(LeafAt(bsp, Vec3f(position)))].cluster < 0;
 }
 
 bool IsZero(const bspGridPointSH_t &point) {

@@ -2,6 +2,7 @@
 #include "q3map2/convert/grid_preview_map.h"
 
 #include "common/error.h"
+#include "q3map2/bspfile/bsp_tree.h"
 #include "q3map2/bspfile/entities.h"
 
 #include <algorithm>
@@ -101,13 +102,7 @@ bool PreviewMap::InBrush(const bspBrush_t &brush, const Vec3f &position, std::in
 }
 
 const bspLeaf_t &PreviewMap::LeafAt(const Vec3f &position) const {
-    std::int32_t at = 0;
-    while (at >= 0) {
-        const bspNode_t &node = bsp_.nodes[std::size_t(at)];
-        const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
-        at = node.children[Dot(Vec3f(plane.normal), position) - plane.dist > 0 ? 0 : 1];
-    }
-    return bsp_.leafs[std::size_t(-1 - at)];
+    return bsp_.leafs[std::size_t(q3::LeafAt(bsp_, position))];
 }
 
 const bspBrush_t *PreviewMap::BrushAt(const bspLeaf_t &leaf, const Vec3f &position) const {

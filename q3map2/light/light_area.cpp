@@ -151,15 +151,15 @@ PolygonMoments AreaRays::Moments(const AreaView &view) const {
 }
 
 int AreaRays::Probes(const AreaView &view) const {
-    if (view.facing < kFaint && !settings_.exactAreas)
+    if (Under(view, kFaint))
         return 1;
-    return int(light_.w.size()) + (view.facing < kBright && !settings_.exactAreas ? 0 : kInnerProbes);
+    return int(light_.w.size()) + (Under(view, kBright) ? 0 : kInnerProbes);
 }
 
 Vec3f AreaRays::ProbeTarget(const AreaView &view, int probe) const {
     const AreaShape &shape = light_.shape;
     const Vec3f lift = LiftOf(light_, view);
-    const int corners = view.facing < kFaint && !settings_.exactAreas ? 0 : int(light_.w.size());
+    const int corners = Under(view, kFaint) ? 0 : int(light_.w.size());
     if (probe < corners) {
         const Vec3f &corner = light_.w[std::size_t(probe)];
         return corner + (shape.center - corner) * kCornerInset + lift;
@@ -210,11 +210,11 @@ void AreaRays::FirstLook() {
 
 bool AreaRays::NeedsMore(std::size_t i) const {
     const Look &look = looks_[i];
-    if (views_[i].facing < kRefine && !settings_.exactAreas)
+    if (Under(views_[i], kRefine))
         return false;
     if (!look.Whole() && !look.Hidden())
         return true;
-    if (views_[i].facing < 2 * kRefine && !settings_.exactAreas)
+    if (Under(views_[i], 2 * kRefine))
         return false;
     constexpr std::size_t kNeighbours = kPacketSize / 2;
     const std::size_t first = i < kNeighbours ? 0 : i - kNeighbours, last = std::min(count_, i + kNeighbours + 1);

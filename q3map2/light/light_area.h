@@ -51,6 +51,8 @@ class AreaRays {
 
     std::span<const Vec3f> Corners(const AreaView &view) const;
     PolygonMoments Moments(const AreaView &view) const;
+    /// Whether the view's light is under that limit, byte scale, and shortcuts are allowed.
+    bool Under(const AreaView &view, float limit) const { return view.facing < limit && !settings_.exactAreas; }
     int Probes(const AreaView &view) const;
     Vec3f ProbeTarget(const AreaView &view, int probe) const;
     void FirstLook();

@@ -14,12 +14,9 @@ namespace {
 constexpr float kMinCell = 8;
 /// Engines hold lump lengths in 32-bit integers.
 constexpr std::int64_t kMaxPoints = (0x7fffffffll - 40) / 108;
-/// Lights fainter than this in all of a brick are represented by a few of them. Byte scale; a sixteenth of what a
-/// screen can show.
+/// Lights fainter than this in all of a brick, and then at each point, are represented by a few of them. Byte scale; an
+/// eighth of what a screen can show.
 constexpr float kFaint = 1.0f / 8;
-
-/// The same for what arrives at one point, where it is known and not only bounded. Byte scale.
-constexpr float kFaintAtPoint = 1.0f / 8;
 
 /// Sums beyond this, from absurd keys and scales, are cut. 1 = byte 255.
 constexpr double kMaxCoefficient = 1e9;
@@ -88,7 +85,7 @@ class PointPlaces {
                                                        .rayOrigin = placed.position,
                                                        .cluster = placed.cluster,
                                                        .index = point.index,
-                                                       .collected = StartOfFaint(point.index, kFaintAtPoint)});
+                                                       .collected = StartOfFaint(point.index, kFaint)});
             }
         });
         for (const auto &part : displaced)
@@ -154,7 +151,7 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
         std::vector<Arrival> arrivals;
         const BrickLights candidates(lights, BrickView(lit), std::uint64_t(brick), kFaint, in.options, work);
         ContributionSettings pass = settings;
-        pass.faint = candidates.Many() ? kFaintAtPoint : 0;
+        pass.faint = candidates.Many() ? kFaint : 0;
         for (const BrickLight &one : candidates.List()) {
             LightContributionToPoint(*one.light, one.weight, pass, in.scene, lit, arrivals, work.counts);
             AddArrivals(*one.light, arrivals, sums);

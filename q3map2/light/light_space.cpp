@@ -2,7 +2,6 @@
 #include "q3map2/light/light_space.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -27,39 +26,6 @@ BspSpace::BspSpace(const Bsp &bsp, std::vector<bool> opaqueBrush)
     }
     if (bsp.visibility.size() > 8)
         std::memcpy(&visRowBytes_, bsp.visibility.data() + 4, 4);
-}
-
-int BspSpace::LeafAt(const Vec3f &p) const {
-    if (bsp_.nodes.empty())
-        return 0;
-    // Back children that wait for their turn: a leaf found through a front child counts unless it is solid.
-    std::array<int, 64> pending;
-    int depth = 0;
-    int child = 0, firstLeaf = -1;
-    for (;;) {
-        while (child >= 0) {
-            const bspNode_t &node = bsp_.nodes[std::size_t(child)];
-            const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
-            const float d = Dot(Vec3f(plane.normal), p) - plane.dist;
-            if (d > kOnPlane)
-                child = node.children[0];
-            else if (d < -kOnPlane)
-                child = node.children[1];
-            else {
-                if (depth < int(pending.size()))
-                    pending[std::size_t(depth++)] = node.children[1];
-                child = node.children[0];
-            }
-        }
-        const int leaf = LeafOf(child);
-        if (firstLeaf < 0)
-            firstLeaf = leaf;
-        if (bsp_.leafs[std::size_t(leaf)].cluster != kSolidCluster)
-            return leaf;
-        if (depth == 0)
-            return firstLeaf;
-        child = pending[std::size_t(--depth)];
-    }
 }
 
 bool BspSpace::InOpaqueBrush(const bspLeaf_t &leaf, const Vec3f &p, float epsilon) const {

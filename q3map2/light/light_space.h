@@ -3,16 +3,11 @@
 
 #include "libs/math/bounds.h"
 #include "libs/math/winding.h"
-#include "q3map2/bspfile/bspfile.h"
+#include "q3map2/bspfile/bsp_tree.h"
 
 #include <vector>
 
 namespace q3 {
-
-/// Points within this distance of a node's plane count as on both sides. Game units; spec of cluster lookup.
-inline constexpr float kOnPlane = 0.1f;
-
-inline constexpr int kSolidCluster = -1;
 
 /// Point queries on the tree of a validated Bsp. Const after construction, so safe for concurrent use. Keeps a
 /// reference.
@@ -21,9 +16,7 @@ class BspSpace {
     /// opaqueBrush[i]: brush i of the world model blocks light as a volume, so points in it are not lit.
     BspSpace(const Bsp &bsp, std::vector<bool> opaqueBrush);
 
-    /// Leaf that holds p. A point within kOnPlane of a plane belongs to the front, unless the leaf found there is
-    /// solid.
-    int LeafAt(const Vec3f &p) const;
+    int LeafAt(const Vec3f &p) const { return q3::LeafAt(bsp_, p); }
     /// Cluster of p, or kSolidCluster in a solid leaf or not farther than epsilon outside an opaque brush (negative:
     /// deeper than -epsilon inside).
     int ClusterAt(const Vec3f &p, float epsilon) const;
