@@ -20,11 +20,13 @@ struct Sample2 {
     double u, v;
 };
 
+/// Steps of the additive recurrence with the plastic number.
+inline constexpr double kPlasticA1 = 0.7548776662466927, kPlasticA2 = 0.5698402909980532;
+
 /// Point `i` of the additive recurrence with the plastic number (Roberts 2018), shifted by a hash of `seed`, both in [0, 1).
 constexpr Sample2 PlasticSample(std::uint32_t i, std::uint64_t seed) {
-    constexpr double kA1 = 0.7548776662466927, kA2 = 0.5698402909980532;
     const std::uint64_t hash = HashIndex(seed);
-    const double u = UnitFromHash(hash) + kA1 * double(i), v = UnitFromHash(HashIndex(hash)) + kA2 * double(i);
+    const double u = UnitFromHash(hash) + kPlasticA1 * double(i), v = UnitFromHash(HashIndex(hash)) + kPlasticA2 * double(i);
     return {u - double(std::int64_t(u)), v - double(std::int64_t(v))};
 }
 

@@ -10,27 +10,41 @@
 
 namespace q3 {
 
-/// A unit direction uniform over the solid angle of the triangle a, b, c (seen from the origin) for sample s.
-/// Arvo, Stratified Sampling of Spherical Triangles, 1995. Meant for solid angles over about 3e-4 sr; below, rounding spoils it.
-inline Vec3d SampleSphericalTriangle(const Vec3d &a, const Vec3d &b, const Vec3d &c, const Sample2 &s) {
-    const Vec3d va = Normalize(a), vb = Normalize(b), vc = Normalize(c);
-    const Vec3d nab = Normalize(Cross(va, vb)), nbc = Normalize(Cross(vb, vc)), nca = Normalize(Cross(vc, va));
-    const auto angle = [](double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)); };
-    const double alpha = angle(-Dot(nca, nab)), beta = angle(-Dot(nab, nbc)), gamma = angle(-Dot(nbc, nca));
-    const double area = alpha + beta + gamma - std::numbers::pi;
-    const double cosC = Dot(va, vb);
-    const double subArea = s.u * area;
-    const double sinD = std::sin(subArea - alpha), cosD = std::cos(subArea - alpha);
-    const double sinA = std::sin(alpha), cosA = std::cos(alpha);
-    const double u = cosD - cosA, v = sinD + sinA * cosC;
-    const double denominator = (v * sinD + u * cosD) * sinA;
-    const double q =
-        std::abs(denominator) < 1e-300 ? 1 : std::clamp(((v * cosD - u * sinD) * cosA - v) / denominator, -1.0, 1.0);
-    const Vec3d side = Normalize(vc - va * Dot(vc, va));
-    const Vec3d onArc = va * q + side * std::sqrt(std::max(0.0, 1 - q * q));
-    const double z = 1 - s.v * (1 - Dot(onArc, vb));
-    const Vec3d up = Normalize(onArc - vb * Dot(onArc, vb));
-    return Normalize(vb * z + up * std::sqrt(std::max(0.0, 1 - z * z)));
-}
+/// The triangle a, b, c as seen from the origin: gives unit directions uniform over its solid angle.
+/// Arvo, Stratified Sampling of Spherical Triangles, 1995. Under about 3e-4 sr rounding shows; a triangle of no solid
+/// angle gives directions between its corners.
+class SphericalTriangle {
+  public:
+    SphericalTriangle(const Vec3d &a, const Vec3d &b, const Vec3d &c) : a_(Normalize(a)), b_(Normalize(b)) {
+        const Vec3d vc = Normalize(c);
+        const Vec3d ab = Normalize(Cross(a_, b_)), bc = Normalize(Cross(b_, vc)), ca = Normalize(Cross(vc, a_));
+        const auto angle = [](double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)); };
+        alpha_ = angle(-Dot(ca, ab));
+        area_ = std::max(0.0, alpha_ + angle(-Dot(ab, bc)) + angle(-Dot(bc, ca)) - std::numbers::pi);
+        sinA_ = std::sin(alpha_), cosA_ = std::cos(alpha_);
+        cosC_ = Dot(a_, b_);
+        side_ = Normalize(vc - a_ * Dot(vc, a_));
+    }
+
+    double SolidAngle() const { return area_; }
+
+    Vec3d Sample(const Sample2 &s) const {
+        const double subArea = s.u * area_;
+        const double sinD = std::sin(subArea - alpha_), cosD = std::cos(subArea - alpha_);
+        const double u = cosD - cosA_, v = sinD + sinA_ * cosC_;
+        const double denominator = (v * sinD + u * cosD) * sinA_;
+        const double q = std::abs(denominator) < 1e-300
+                             ? 1
+                             : std::clamp(((v * cosD - u * sinD) * cosA_ - v) / denominator, -1.0, 1.0);
+        const Vec3d onArc = a_ * q + side_ * std::sqrt(std::max(0.0, 1 - q * q));
+        const double z = 1 - s.v * (1 - Dot(onArc, b_));
+        const Vec3d up = Normalize(onArc - b_ * Dot(onArc, b_));
+        return Normalize(b_ * z + up * std::sqrt(std::max(0.0, 1 - z * z)));
+    }
+
+  private:
+    Vec3d a_, b_, side_;
+    double alpha_ = 0, area_ = 0, sinA_ = 0, cosA_ = 0, cosC_ = 0;
+};
 
 } // namespace q3

@@ -4,6 +4,7 @@
 #include "common/progress.h"
 #include "libs/math/low_discrepancy.h"
 
+#include <algorithm>
 #include <atomic>
 
 namespace q3 {
@@ -35,7 +36,7 @@ bool CanReach(const Light &light, const BrickView &brick) {
         if (Dot(n, farthest) < light.dist - kBehind)
             return false;
     }
-    return std::any_of(brick.clusters.begin(), brick.clusters.end(), [&](int c) { return light.SeenFrom(c); });
+    return true;
 }
 
 } // namespace
@@ -69,54 +70,82 @@ std::vector<BrickPoint> GridBricks::Points(std::int64_t brick) const {
     return points;
 }
 
-BrickView::BrickView(std::span<const LightPlace> places) {
-    for (const LightPlace &place : places) {
-        box.Add(place.position);
-        if (std::find(clusters.begin(), clusters.end(), place.cluster) == clusters.end())
-            clusters.push_back(place.cluster);
+void AddPlace(std::vector<LightPlaces> &blocks, const Vec3f &position, const Vec3f &rayOrigin, int cluster,
+              std::uint32_t index) {
+    if (blocks.empty() || blocks.back().count == kPacketSize)
+        blocks.emplace_back();
+    blocks.back().Add(position, rayOrigin, cluster, index);
+}
+
+BrickView::BrickView(std::span<const LightPlaces> blocks) {
+    for (const LightPlaces &places : blocks)
+        for (std::size_t i = 0; i < places.count; ++i) {
+            box.Add(places.position[i]);
+            if (std::find(clusters.begin(), clusters.end(), places.cluster[i]) == clusters.end())
+                clusters.push_back(places.cluster[i]);
+        }
+}
+
+LightsByCluster::LightsByCluster(const std::vector<Light> &lights) : lights_(lights) {
+    const std::size_t words = (lights.size() + 63) / 64;
+    everywhere_.resize(words);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const std::uint64_t bit = std::uint64_t(1) << (i % 64);
+        if (lights[i].seenFrom.empty())
+            everywhere_[i / 64] |= bit;
+        if (rows_.size() < lights[i].seenFrom.size())
+            rows_.resize(lights[i].seenFrom.size(), std::vector<std::uint64_t>(words));
+        for (std::size_t cluster = 0; cluster < lights[i].seenFrom.size(); ++cluster)
+            if (lights[i].seenFrom[cluster])
+                rows_[cluster][i / 64] |= bit;
     }
 }
 
-BrickLights::BrickLights(const std::vector<Light> &lights, const BrickView &brick, std::uint64_t seed, float faint,
-                         const LightOptions &options, GridStats &work) {
-    std::vector<float> bounds;
-    for (const Light &light : lights) {
-        if (!options.noSkip && !CanReach(light, brick)) {
-            ++work.skippedLights;
-            continue;
-        }
-        list_.push_back({&light});
-        bounds.push_back(LightBound(light, brick.box));
-    }
-    const auto isFaint = [&](float bound) { return bound < faint; };
-    if (options.noSkip || std::count_if(bounds.begin(), bounds.end(), isFaint) <= kFewFaint)
+BrickLights::BrickLights(const LightsByCluster &lights, const BrickView &brick, std::uint64_t seed, float faint,
+                         const SkipOptions &skip, GridStats &work) {
+    const auto use = [&](const Light &light) {
+        if (skip.reach && !CanReach(light, brick))
+            ++work.skippedReach;
+        else
+            list_.push_back({&light, 1, LightBound(light, brick.box)});
+    };
+    if (skip.pvs)
+        work.skippedPvs += lights.ForEach(brick.clusters, use);
+    else
+        std::for_each(lights.Lights().begin(), lights.Lights().end(), use);
+    const auto isFaint = [&](const BrickLight &one) { return one.bound < faint; };
+    if (!skip.faint || std::count_if(list_.begin(), list_.end(), isFaint) <= kFewFaint)
         return;
     many_ = true;
-    double collected = UnitFromHash(HashIndex(kSeedFaint ^ seed)) * double(faint);
+    float collected = float(UnitFromHash(HashIndex(kSeedFaint ^ seed))) * faint;
+    const auto represented = [&](BrickLight &one) {
+        if (!isFaint(one))
+            return false;
+        collected += one.bound;
+        if (collected < faint)
+            return true;
+        collected -= faint;
+        one.weight = faint / one.bound;
+        return false;
+    };
+    const std::size_t before = list_.size();
+    // In order, so not by std::remove_if, which may copy its predicate.
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < list_.size(); ++i) {
-        BrickLight one = list_[i];
-        if (isFaint(bounds[i])) {
-            collected += double(bounds[i]);
-            if (collected < double(faint)) {
-                ++work.skippedFaint;
-                continue;
-            }
-            collected -= double(faint);
-            one.weight = faint / bounds[i];
-        }
-        list_[kept++] = one;
-    }
+    for (BrickLight one : list_)
+        if (!represented(one))
+            list_[kept++] = one;
     list_.resize(kept);
+    work.skippedFaint += before - kept;
 }
 
-float StartOfFaint(std::uint32_t index, float faint) {
-    return float(UnitFromHash(HashIndex(kSeedFaint + index))) * faint;
+void StartFaint(std::vector<LightPlaces> &blocks, float faint) {
+    for (LightPlaces &places : blocks)
+        places.collected = float(UnitFromHash(HashIndex(kSeedFaint + places.index[0]))) * faint;
 }
 
 void GridStats::Add(const GridStats &o) {
     open += o.open, moved += o.moved, filled += o.filled;
-    skippedFaint += o.skippedFaint, skippedLights += o.skippedLights;
+    skippedFaint += o.skippedFaint, skippedReach += o.skippedReach, skippedPvs += o.skippedPvs;
     counts += o.counts;
 }
 
@@ -149,13 +178,18 @@ void GridStats::Print(Log &log, bool verbose) const {
     log.Count((long long)(counts.rays), "rays");
     if (!verbose)
         return;
-    log.Count((long long)(counts.pairs), "pairs of point and light");
-    log.Count((long long)(skippedLights), "pairs of brick and light out of sight or reach, skipped");
-    log.Count((long long)(skippedFaint), "pairs of brick and light too faint, represented by others");
-    log.Count((long long)(counts.skippedPvs), "pairs of point and light hidden by visibility data, skipped");
-    log.Count((long long)(counts.skippedFacing), "pairs of point and light out of reach, cone or side, skipped");
-    log.Count((long long)(counts.skippedFaint), "pairs of point and light too faint, represented by others");
-    log.Count((long long)(counts.refined), "pairs of point and light partly hidden, refined");
+    const auto count = [&](std::uint64_t number, const char *what) { log.Count((long long)(number), what); };
+    count(skippedPvs, "pairs of brick and light hidden by visibility data, skipped (-noskippvs)");
+    count(skippedReach, "pairs of brick and light out of reach, skipped (-noskipreach)");
+    count(skippedFaint, "pairs of brick and light too faint, represented by others (-noskipfaint)");
+    count(counts.pairs, "pairs of point and light");
+    count(counts.skippedPvs, "hidden by visibility data, skipped (-noskippvs)");
+    count(counts.skippedFacing, "out of reach, cone or side");
+    count(counts.skippedFaint, "too faint, represented by others (-noskipfaint)");
+    count(counts.skippedProbes, "with a faint area light, judged by one ray (-noskipprobes)");
+    count(counts.skippedMoments, "with a far area light, approximated by points (-noskipmoments)");
+    count(counts.skippedCoarse, "taken from neighbours that all agree (-noskipcoarse)");
+    count(counts.refined, "with an area light partly hidden, refined");
     if (seconds > 0)
         log.Print("{:9.2f} million rays per second of the pass\n", double(counts.rays) / seconds / 1e6);
 }

@@ -3,7 +3,7 @@
 
 #include "q3map2/light/light_grid.h"
 
-#include <algorithm>
+#include <bit>
 #include <functional>
 #include <span>
 #include <vector>
@@ -29,17 +29,47 @@ class GridBricks {
     std::int64_t count_ = 0;
 };
 
+/// Appends a place to the last block, or to a new one when that is full.
+void AddPlace(std::vector<LightPlaces> &blocks, const Vec3f &position, const Vec3f &rayOrigin, int cluster,
+              std::uint32_t index);
+
 /// Where the places of a brick are.
 struct BrickView {
-    explicit BrickView(std::span<const LightPlace> places);
+    explicit BrickView(std::span<const LightPlaces> blocks);
     Boundsf box;
     std::vector<int> clusters; ///< each once
+};
+
+/// Which lights each cluster may see, as rows of bits.
+class LightsByCluster {
+  public:
+    explicit LightsByCluster(const std::vector<Light> &lights);
+    /// Calls use(light) in order for every light that one of the clusters may see, and returns how many it left out.
+    template <typename Use> std::size_t ForEach(std::span<const int> clusters, const Use &use) const {
+        std::vector<std::uint64_t> seen = everywhere_;
+        for (const int cluster : clusters)
+            if (cluster >= 0 && std::size_t(cluster) < rows_.size())
+                for (std::size_t word = 0; word < seen.size(); ++word)
+                    seen[word] |= rows_[std::size_t(cluster)][word];
+        std::size_t used = 0;
+        for (std::size_t word = 0; word < seen.size(); ++word)
+            for (std::uint64_t bits = seen[word]; bits != 0; bits &= bits - 1, ++used)
+                use(lights_[word * 64 + std::size_t(std::countr_zero(bits))]);
+        return lights_.size() - used;
+    }
+    const std::vector<Light> &Lights() const { return lights_; }
+
+  private:
+    const std::vector<Light> &lights_;
+    std::vector<std::uint64_t> everywhere_;
+    std::vector<std::vector<std::uint64_t>> rows_;
 };
 
 /// A light of a brick, and what its contribution is multiplied by.
 struct BrickLight {
     const Light *light = nullptr;
     float weight = 1;
+    float bound = 0; ///< see LightBound
 };
 
 /// Lights that can reach some point of a brick, in their order.
@@ -50,8 +80,8 @@ struct BrickLight {
 /// takes every light.
 class BrickLights {
   public:
-    BrickLights(const std::vector<Light> &lights, const BrickView &brick, std::uint64_t seed, float faint,
-                const LightOptions &options, GridStats &work);
+    BrickLights(const LightsByCluster &lights, const BrickView &brick, std::uint64_t seed, float faint,
+                const SkipOptions &skip, GridStats &work);
     const std::vector<BrickLight> &List() const { return list_; }
     /// Whether there were many faint lights.
     bool Many() const { return many_; }
@@ -61,8 +91,8 @@ class BrickLights {
     bool many_ = false;
 };
 
-/// Where the count of a place's faint light starts: spread evenly over places.
-float StartOfFaint(std::uint32_t index, float faint);
+/// Sets where each block's count of faint light starts: spread evenly.
+void StartFaint(std::vector<LightPlaces> &blocks, float faint);
 
 /// Runs `trace(brick, work)` for every brick on all workers, with progress; adds the work up into `stats`.
 void RunGridBricks(const GridInputs &in, const GridBricks &bricks, GridStats &stats,

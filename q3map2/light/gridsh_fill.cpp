@@ -151,19 +151,15 @@ class Filler {
     /// The side that the place sees, or a new one.
     Side &FindSide(const Vec3f &p, std::vector<Side> &sides) const {
         RayPacket rays;
-        rays.count = int(std::min<std::size_t>(sides.size(), kPacketSize));
-        for (std::size_t i = 0; i < std::size_t(rays.count); ++i) {
-            const Vec3f way = sides[i].first - p;
-            rays.origin[i] = p;
-            rays.distance[i] = Length(way);
-            rays.direction[i] = rays.distance[i] > 0 ? way / rays.distance[i] : Vec3f{0, 0, 1};
-        }
-        if (rays.count > 0) {
+        const std::size_t known = std::min(sides.size(), kPacketSize);
+        for (std::size_t i = 0; i < known; ++i)
+            rays.Aim(i, p, sides[i].first);
+        if (known > 0) {
             RayCounts counts;
             in_.scene.TraceToLight(rays, ShadowRules::Exact, counts);
         }
-        for (std::size_t i = 0; i < std::size_t(rays.count); ++i)
-            if (!rays.blocked[i])
+        for (std::size_t i = 0; i < known; ++i)
+            if (rays.live[i] != 0)
                 return sides[i];
         sides.push_back({});
         sides.back().first = p;

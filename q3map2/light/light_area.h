@@ -6,70 +6,67 @@
 
 #include <array>
 #include <span>
-#include <vector>
 
 namespace q3 {
 
-/// One place's view of the light.
-struct AreaView {
-    Vec3f position, rayOrigin;
-    std::uint32_t place = 0;
-    std::uint64_t seed = 0;
-    bool fromBehind = false; ///< a two-sided light, seen from its back
-    float height = 0;        ///< distance to the plane of the light
-    float weight = 1;        ///< of what arrives
-    float facing = 0;        ///< about the light on a surface that faces the light, byte scale
-    /// How its moments are found: as a point with a cosine or by three samples a triangle where that errs by less than
-    /// a set fraction of a byte, else in closed form.
-    enum class Method { Point, Quadrature, ClosedForm } method = Method::ClosedForm;
-};
-
-/// Light of one area light at many places: collects views, traces them in packets.
+/// Light of one area light at the places of a block.
 ///
 /// A few well-spread rays first: one for a faint light, else the corners and, for a bright one, samples of the inside.
 /// All clear: the closed form is the answer; all blocked: zero. Where they disagree, among themselves or, for a bright
-/// light, with the neighbours before and after, many rays stratified in solid angle correct the closed form; for a
-/// light of less than a byte the share of the first rays that arrive does.
-class AreaRays {
+/// light, with the other places of the block, many rays correct the closed form; for a faint light the share of the
+/// first rays that arrive does.
+class AreaContribution {
   public:
-    AreaRays(const Light &light, const ContributionSettings &settings, const LightScene &scene,
-             std::vector<Arrival> &arrivals, ContributionCounts &counts)
-        : light_(light), settings_(settings), scene_(scene), arrivals_(arrivals), counts_(counts) {}
+    AreaContribution(const Light &light, float weight, const ContributionSettings &settings, const LightScene &scene,
+                     LightPlaces &places, Arrivals &arrivals, ContributionCounts &counts)
+        : light_(light), weight_(weight), settings_(settings), scene_(scene), places_(places), arrivals_(arrivals),
+          counts_(counts) {}
 
-    void Add(LightPlace &place, std::uint32_t number, float weight);
-    void Flush();
+    /// Fills the arrivals of the places that `live` names. False: nothing to any.
+    bool Add(const LaneMask &live);
 
   private:
-    /// What the first rays found.
-    struct Look {
-        int cast = 0, clear = 0;
-        Vec3f tint;
-        bool Whole() const { return clear == cast; }
-        bool Hidden() const { return clear == 0; }
+    /// How moments are found, by what each errs.
+    enum class Method { Point, Quadrature, ClosedForm };
+    /// Light with part of the emitter hidden.
+    struct Visible {
+        double share = 0; ///< of the rays, for the tint
+        Vec3d tint;       ///< sum over them
     };
-    static constexpr std::size_t kMaxViews = 64; ///< traced at once
 
-    std::span<const Vec3f> Corners(const AreaView &view) const;
-    PolygonMoments Moments(const AreaView &view) const;
-    /// Whether the view's light is under that limit, byte scale, and shortcuts are allowed.
-    bool Under(const AreaView &view, float limit) const { return view.facing < limit && !settings_.exactAreas; }
-    int Probes(const AreaView &view) const;
-    Vec3f ProbeTarget(const AreaView &view, int probe) const;
-    void FirstLook();
-    bool NeedsMore(std::size_t i) const;
-    void Refine(const AreaView &view);
-    void ArriveWhole(const AreaView &view, const Vec3f &tint);
-    void ArriveByQuadrature(const AreaView &view, const Vec3f &tint);
-    void Arrive(const AreaView &view, const ShVector &projection, double solidAngle, const Vec3f &tint);
+    bool FromBehind(std::size_t i) const { return below_[i] != 0; }
+    std::span<const Vec3f> Corners(std::size_t i) const { return FromBehind(i) ? light_.shape.back : light_.w; }
+    PolygonMoments Moments(std::size_t i) const;
+    bool FindFacing();
+    Method ChooseMethod() const;
+    int Probes() const;
+    Vec3f ProbeTarget(std::size_t i, int probe) const;
+    void FirstLook(int probes);
+    bool NeedsMore(std::size_t i, int probes) const;
+    void PointMoments();
+    void QuadratureMoments();
+    void SetMoments(std::size_t i, const ShVector &projection);
+    void Refine(std::size_t i);
+    void Convolve();
 
     const Light &light_;
+    float weight_;
     const ContributionSettings &settings_;
     const LightScene &scene_;
-    std::vector<Arrival> &arrivals_;
+    LightPlaces &places_;
+    Arrivals &arrivals_;
     ContributionCounts &counts_;
-    std::array<AreaView, kMaxViews> views_;
-    std::array<Look, kMaxViews> looks_;
-    std::size_t count_ = 0;
+
+    LaneMask live_{}, below_{}, near_{};
+    Lanes height_;    ///< distance to the plane of the light
+    Lanes distance2_; ///< squared, to its centre
+    Lanes facing_;    ///< about the light on a surface that faces the light, byte scale
+    Lanes error_;     ///< square of size over distance
+    float brightest_ = 0;
+    std::array<PolygonMoments, kPacketSize> nearMoments_;
+    Lanes clear_; ///< first rays that arrived
+    Lanes3 firstTint_;
+    bool tinted_ = false;
 };
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What one light gives to points of a light grid.
+// GPL-2.0-or-later. What one light gives to places of a light grid.
 #include "q3map2/light/light_contribution.h"
 
 #include "q3map2/light/light_area.h"
@@ -22,23 +22,16 @@ constexpr float kAreaPush = 8;
 /// Byte scale; far under what a byte can show.
 constexpr float kFarError = 1.0f / 256;
 
-/// Falloff and cone of point lights and spotlights: light at distance d along `toLight` (not normalised).
-float PointAdd(const Light &light, const Vec3f &toLight, float d) {
-    const float dAttenuated = std::max(kNearest, std::sqrt(d * d + light.extraDist * light.extraDist));
-    float add = light.linear ? light.photons * kLinearScale - dAttenuated * light.fade
-                             : light.photons / (dAttenuated * dAttenuated);
-    if (light.type == LightType::Spot && add > 0) {
-        const float along = -Dot(toLight, light.normal);
-        if (along < 0)
-            return 0;
-        const float coneRadius = light.radiusByDist * along;
-        const float off = Length(-toLight - light.normal * along);
-        if (off >= coneRadius)
-            return 0;
-        if (off > coneRadius - kConeFade)
-            add *= (coneRadius - off) / kConeFade;
-    }
-    return std::max(add, 0.0f);
+/// Share of a spotlight that its cone leaves along `toLight` (not normalised).
+float ConeShare(const Light &light, const Vec3f &toLight) {
+    const float along = -Dot(toLight, light.normal);
+    if (along < 0)
+        return 0;
+    const float coneRadius = light.radiusByDist * along;
+    const float off = Length(-toLight - light.normal * along);
+    if (off >= coneRadius)
+        return 0;
+    return off > coneRadius - kConeFade ? (coneRadius - off) / kConeFade : 1;
 }
 
 /// Area light as a point with a cosine, where that errs by less than kFarError; else 0.
@@ -53,16 +46,17 @@ float FarAreaAdd(const Light &light, const Vec3f &p) {
 }
 
 /// Area light by the established program's formula.
-float LegacyAreaAdd(const Light &light, const Vec3f &p, const Vec3f &u, float d, bool pointAreas) {
-    if (pointAreas) {
+float LegacyAreaAdd(const Light &light, const Vec3f &p, const Vec3f &u, float d, const ContributionSettings &settings) {
+    if (settings.pointAreas) {
         const float dAttenuated = std::max(kNearest, std::sqrt(d * d + light.extraDist * light.extraDist));
         return light.photons / (dAttenuated * dAttenuated);
     }
     const float s = Dot(p, light.normal) - light.dist;
     if (!light.twoSided && s < -1)
         return 0;
-    if (const float add = FarAreaAdd(light, p); add > 0)
-        return add;
+    if (settings.skip.moments)
+        if (const float add = FarAreaAdd(light, p); add > 0)
+            return add;
     Vec3f pushed = p;
     if (s > -kAreaPush && s < kAreaPush)
         pushed += light.normal * (kAreaPush - s);
@@ -70,126 +64,181 @@ float LegacyAreaAdd(const Light &light, const Vec3f &p, const Vec3f &u, float d,
     return (f < 0 && !light.twoSided ? 0 : std::abs(f)) * light.add;
 }
 
-/// Light without shadows at one point. False: none.
-bool Unshadowed(const Light &light, const ContributionSettings &settings, const Vec3f &p, Arrival &arrival,
-                float &distance) {
-    if (light.type == LightType::Sun) {
-        arrival.add = light.photons;
-        arrival.direction = -light.normal;
-        distance = kFar;
-        return arrival.add > 0;
-    }
-    const Vec3f toLight = light.origin - p;
-    distance = Length(toLight);
-    if (distance > light.envelope || !light.bounds.Contains(p))
-        return false;
-    arrival.direction = distance > 0 ? toLight / distance : Vec3f{};
-    arrival.add = light.type == LightType::Area
-                      ? LegacyAreaAdd(light, p, arrival.direction, distance, settings.pointAreas)
-                      : PointAdd(light, toLight, distance);
-    return arrival.add > 0 && !(light.fast && arrival.add <= light.tolerance);
-}
-
-std::array<float, 9> DirectionMoments(const Vec3f &direction, float add, bool radiance) {
-    std::array<float, 9> moments{};
-    if (direction == Vec3f{}) // the light is at the point: from everywhere alike
-        moments[0] = float(kShC0);
-    else
-        moments = ShBasis(direction);
-    for (std::size_t k = 0; k < moments.size(); ++k)
-        moments[k] *= add * (radiance ? 1 : float(kCosineLobe[k]));
-    return moments;
-}
-
-/// Rays of one light towards many places, traced as soon as a packet is full.
-class DeltaRays {
-  public:
-    DeltaRays(const Light &light, const ContributionSettings &settings, const LightScene &scene,
-              std::vector<Arrival> &arrivals, ContributionCounts &counts)
-        : light_(light), settings_(settings), scene_(scene), arrivals_(arrivals), counts_(counts) {}
-
-    void Add(const LightPlace &place, const Arrival &arrival, float distance) {
-        const auto ray = std::size_t(rays_.count++);
-        pending_[ray] = arrival;
-        rays_.origin[ray] = place.rayOrigin;
-        rays_.direction[ray] = arrival.direction;
-        rays_.distance[ray] = distance;
-        rays_.blocked[ray] = false;
-        if (rays_.count == kPacketSize)
-            Flush();
-    }
-
-    void Flush() {
-        if (rays_.count == 0)
-            return;
-        const bool exact = settings_.pass == LightPass::GridSH;
-        const ShadowRules rules = exact ? ShadowRules::Exact : ShadowRules::LegacyGrid;
-        if (light_.type == LightType::Sun)
-            scene_.TraceToSky(rays_, light_.skyIndex, rules, counts_);
-        else
-            scene_.TraceToLight(rays_, rules, counts_);
-        for (std::size_t ray = 0; ray < std::size_t(rays_.count); ++ray) {
-            if (rays_.blocked[ray])
-                continue;
-            Arrival &arrival = arrivals_.emplace_back(pending_[ray]);
-            arrival.visible = rays_.tint[ray];
-            if (exact)
-                arrival.moments = DirectionMoments(arrival.direction, arrival.add, settings_.radiance);
-        }
-        rays_.count = 0;
-    }
-
-  private:
-    const Light &light_;
-    const ContributionSettings &settings_;
-    const LightScene &scene_;
-    std::vector<Arrival> &arrivals_;
-    ContributionCounts &counts_;
-    RayPacket rays_;
-    std::array<Arrival, kPacketSize> pending_;
-};
-
-bool InSight(const Light &light, const ContributionSettings &settings, const LightPlace &place) {
+/// Places that may see the light.
+LaneMask InSight(const Light &light, const ContributionSettings &settings, const LightPlaces &places,
+                 ContributionCounts &counts) {
     if (settings.sunOnly && light.type != LightType::Sun)
-        return false;
-    return settings.ignorePvs || light.SeenFrom(place.cluster);
+        return {};
+    LaneMask live = places.wanted;
+    counts.pairs += std::uint64_t(live.Count());
+    if (!settings.skip.pvs || light.seenFrom.empty())
+        return live;
+    int last = kSolidCluster;
+    bool seen = false;
+    for (std::size_t i = 0; i < places.count; ++i) {
+        if (places.cluster[i] != last || i == 0) {
+            last = places.cluster[i];
+            seen = light.SeenFrom(last);
+        }
+        live[i] = seen ? live[i] : 0;
+    }
+    counts.skippedPvs += std::uint64_t(places.wanted.Count() - live.Count());
+    return live;
+}
+
+/// Direction and distance to the light; ends places beyond its reach.
+void AimAt(const Light &light, const LightPlaces &places, Arrivals &arrivals, Lanes &distance) {
+    const Vec3f from = light.bounds.mins, to = light.bounds.maxs;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float px = places.position.x[i], py = places.position.y[i], pz = places.position.z[i];
+        const float x = light.origin.x - px, y = light.origin.y - py, z = light.origin.z - pz;
+        const float d = std::sqrt(x * x + y * y + z * z), divisor = d > 0 ? d : 1;
+        distance[i] = d;
+        arrivals.direction.x[i] = x / divisor;
+        arrivals.direction.y[i] = y / divisor;
+        arrivals.direction.z[i] = z / divisor;
+        const bool inside = (px >= from.x) & (py >= from.y) & (pz >= from.z) & (px <= to.x) & (py <= to.y) &
+                            (pz <= to.z) & (d <= light.envelope);
+        arrivals.live[i] = inside ? arrivals.live[i] : 0;
+    }
+}
+
+/// Falloff of point lights and spotlights.
+void PointAdd(const Light &light, const Lanes &distance, Arrivals &arrivals) {
+    const float extra2 = light.extraDist * light.extraDist;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float d = std::max(kNearest, std::sqrt(distance[i] * distance[i] + extra2));
+        arrivals.add[i] = light.linear ? light.photons * kLinearScale - d * light.fade : light.photons / (d * d);
+    }
+    if (light.type != LightType::Spot)
+        return;
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        if (arrivals.live[i] != 0 && arrivals.add[i] > 0)
+            arrivals.add[i] *= ConeShare(light, arrivals.direction[i] * distance[i]);
+}
+
+/// Light without shadows.
+void Unshadowed(const Light &light, const ContributionSettings &settings, const LightPlaces &places, Arrivals &arrivals,
+                Lanes &distance) {
+    if (light.type == LightType::Sun) {
+        arrivals.add.fill(light.photons);
+        arrivals.direction.Fill(-light.normal);
+        distance.fill(kFar);
+    } else {
+        AimAt(light, places, arrivals, distance);
+        if (light.type != LightType::Area)
+            PointAdd(light, distance, arrivals);
+        else
+            for (std::size_t i = 0; i < kPacketSize; ++i)
+                arrivals.add[i] = arrivals.live[i] == 0 ? 0
+                                                        : LegacyAreaAdd(light, places.position[i],
+                                                                        arrivals.direction[i], distance[i], settings);
+    }
+    const float least = light.fast && light.type != LightType::Sun ? light.tolerance : 0;
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        arrivals.live[i] = arrivals.add[i] > least ? arrivals.live[i] : 0;
+}
+
+/// Moments of light from one direction; from everywhere alike in the light itself, where the direction is zero.
+void DirectionMoments(Arrivals &arrivals, bool radiance) {
+    std::array<float, 9> scale;
+    for (std::size_t k = 0; k < 9; ++k)
+        scale[k] = radiance ? 1 : float(kCosineLobe[k]);
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float x = arrivals.direction.x[i], y = arrivals.direction.y[i], z = arrivals.direction.z[i];
+        const float add = arrivals.live[i] != 0 ? arrivals.add[i] : 0;
+        const auto basis = ShFromMoments<float>(1, Vec3f{x, y, z}, x * y, y * z, z * z, x * z, x * x - y * y);
+        for (std::size_t k = 0; k < 9; ++k)
+            arrivals.moments[k][i] = basis[k] * scale[k] * add;
+        // 3 z^2 - 1, and 0 instead of -1 where there is no direction.
+        arrivals.moments[6][i] = float(kShC3) * (2 * z * z - x * x - y * y) * scale[6] * add;
+    }
+}
+
+float Strongest(const Arrivals &arrivals) {
+    float strongest = 0;
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        strongest = std::max(strongest, arrivals.live[i] != 0 ? arrivals.add[i] : 0);
+    return strongest;
+}
+
+void Trace(const Light &light, const ContributionSettings &settings, const LightScene &scene, const LightPlaces &places,
+           const Lanes &distance, Arrivals &arrivals, ContributionCounts &counts) {
+    RayPacket rays;
+    rays.origin = places.rayOrigin;
+    rays.direction = arrivals.direction;
+    rays.distance = distance;
+    rays.live = arrivals.live;
+    const ShadowRules rules = settings.pass == LightPass::GridSH ? ShadowRules::Exact : ShadowRules::LegacyGrid;
+    if (light.type == LightType::Sun)
+        scene.TraceToSky(rays, light.skyIndex, rules, counts);
+    else
+        scene.TraceToLight(rays, rules, counts);
+    arrivals.live = rays.live;
+    arrivals.tinted = rays.tinted;
+    if (rays.tinted)
+        arrivals.tint = rays.tint;
 }
 
 } // namespace
 
-void LightContributionToPoint(const Light &light, float weight, const ContributionSettings &settings,
-                              const LightScene &scene, std::span<LightPlace> places, std::vector<Arrival> &arrivals,
+ContributionCounts &ContributionCounts::operator+=(const ContributionCounts &o) {
+    rays += o.rays, pairs += o.pairs, skippedFacing += o.skippedFacing, skippedPvs += o.skippedPvs;
+    skippedFaint += o.skippedFaint, skippedMoments += o.skippedMoments, skippedProbes += o.skippedProbes;
+    skippedCoarse += o.skippedCoarse, refined += o.refined;
+    return *this;
+}
+
+void LightPlaces::Add(const Vec3f &at, const Vec3f &raysFrom, int clusterAt, std::uint32_t indexAt) {
+    position.Set(count, at);
+    rayOrigin.Set(count, raysFrom);
+    cluster[count] = clusterAt;
+    index[count] = indexAt;
+    wanted[count] = -1;
+    ++count;
+}
+
+bool LightContributionToPoint(const Light &light, float weight, const ContributionSettings &settings,
+                              const LightScene &scene, LightPlaces &places, Arrivals &arrivals,
                               ContributionCounts &counts) {
-    arrivals.clear();
-    const bool exactArea = light.type == LightType::Area && settings.pass == LightPass::GridSH;
-    DeltaRays delta(light, settings, scene, arrivals, counts);
-    AreaRays area(light, settings, scene, arrivals, counts);
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        LightPlace &place = places[i];
-        if (place.skip)
-            continue;
-        ++counts.pairs;
-        if (!InSight(light, settings, place)) {
-            ++counts.skippedPvs;
-            continue;
-        }
-        if (exactArea) {
-            area.Add(place, std::uint32_t(i), weight);
-            continue;
-        }
-        Arrival arrival;
-        arrival.place = std::uint32_t(i);
-        float distance = 0;
-        arrival.weight = weight;
-        if (!Unshadowed(light, settings, place.position, arrival, distance))
-            ++counts.skippedFacing;
-        else if (light.type == LightType::Area && !TakeFaint(settings.faint, arrival.add, place, arrival.weight))
-            ++counts.skippedFaint;
-        else
-            delta.Add(place, arrival, distance);
+    arrivals.live = InSight(light, settings, places, counts);
+    arrivals.tinted = false;
+    if (!arrivals.live.Any())
+        return false;
+    const bool exact = settings.pass == LightPass::GridSH;
+    if (exact && light.type == LightType::Area)
+        return AreaContribution(light, weight, settings, scene, places, arrivals, counts).Add(arrivals.live);
+    const int inSight = arrivals.live.Count();
+    Lanes distance;
+    Unshadowed(light, settings, places, arrivals, distance);
+    const int inReach = arrivals.live.Count();
+    counts.skippedFacing += std::uint64_t(inSight - inReach);
+    if (inReach == 0)
+        return false;
+    if (light.type == LightType::Area && !TakeFaint(settings.faint, Strongest(arrivals), places, weight)) {
+        counts.skippedFaint += std::uint64_t(inReach);
+        return false;
     }
-    delta.Flush();
-    area.Flush();
+    Trace(light, settings, scene, places, distance, arrivals, counts);
+    if (!arrivals.live.Any())
+        return false;
+    for (float &add : arrivals.add)
+        add *= weight;
+    if (exact)
+        DirectionMoments(arrivals, settings.radiance);
+    return true;
+}
+
+bool TakeFaint(float faint, float strongest, LightPlaces &places, float &weight) {
+    const float light = strongest * weight;
+    if (light >= faint)
+        return true;
+    places.collected += light;
+    if (places.collected < faint)
+        return false;
+    places.collected -= faint;
+    weight = faint / strongest;
+    return true;
 }
 
 float LightBound(const Light &light, const Boundsf &box) {

@@ -28,12 +28,6 @@ inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context,
     arguments.context = &context;
     rtcOccluded16(valid, scene, &rays, &arguments);
 }
-inline void Occluded1(RTCScene scene, EmbreeContext &context, RTCRay &ray) {
-    RTCOccludedArguments arguments;
-    rtcInitOccludedArguments(&arguments);
-    arguments.context = &context;
-    rtcOccluded1(scene, &ray, &arguments);
-}
 #else
 using EmbreeContext = RTCIntersectContext;
 inline void InitContext(EmbreeContext &context) {
@@ -45,9 +39,6 @@ inline void Intersect16(const int *valid, RTCScene scene, EmbreeContext &context
 }
 inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRay16 &rays) {
     rtcOccluded16(valid, scene, &context, &rays);
-}
-inline void Occluded1(RTCScene scene, EmbreeContext &context, RTCRay &ray) {
-    rtcOccluded1(scene, &context, &ray);
 }
 #endif
 

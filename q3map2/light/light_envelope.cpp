@@ -140,7 +140,7 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
         light.bounds.Add(light.origin);
         const Vec3f corner = Max(light.bounds.maxs, light.origin * 2 - light.bounds.mins);
         light.envelope = std::min(Reach(light), Length(corner - light.origin));
-        if (pass == LightPass::GridSH && options.noSkip) {
+        if (pass == LightPass::GridSH && !options.skip.reach) {
             light.bounds = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
             light.envelope = Reach(light);
         }

@@ -24,15 +24,15 @@ float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distan
         const double e = (elevation + 0.5) * kElevationStep * std::numbers::pi / 180;
         for (int azimuth = 0; azimuth < azimuths; ++azimuth) {
             const double a = azimuth * 2 * std::numbers::pi / azimuths;
-            const auto ray = std::size_t(rays.count++);
-            rays.origin[ray] = p;
-            rays.direction[ray] = {float(std::sin(e) * std::cos(a)) * up, float(std::sin(e) * std::sin(a)),
-                                   float(std::cos(e)) * up};
+            const auto ray = std::size_t(azimuth);
+            rays.origin.Set(ray, p);
+            rays.direction.Set(ray, {float(std::sin(e) * std::cos(a)) * up, float(std::sin(e) * std::sin(a)),
+                                     float(std::cos(e)) * up});
             rays.distance[ray] = distance;
-            rays.blocked[ray] = false;
+            rays.live[ray] = -1;
         }
         scene.TraceDistance(rays, kIgnoreNear, counts);
-        for (std::size_t ray = 0; ray < std::size_t(rays.count); ++ray, ++cast)
+        for (std::size_t ray = 0; ray < std::size_t(azimuths); ++ray, ++cast)
             sum += std::min(1.0f, rays.distance[ray] / distance);
     }
     return float(sum / cast);

@@ -34,10 +34,10 @@ struct LegacyPoint {
 
 /// Finds the point's place: where it is, or, when that is solid, the nearest open spot up to half a cell away. The
 /// established program draws spots at random, ever farther away.
-bool PlacePoint(const BspSpace &space, const GridLayout &layout, LightPlace &point) {
-    const Vec3f base = point.position;
-    point.cluster = space.ClusterAt(base, 0);
-    if (point.cluster >= 0)
+bool PlacePoint(const BspSpace &space, const GridLayout &layout, Vec3f &position, int &cluster) {
+    const Vec3f base = position;
+    cluster = space.ClusterAt(base, 0);
+    if (cluster >= 0)
         return true;
     const Vec3f half = Vec3f(layout.size) * 0.5f;
     if (!space.AnyOpen(base - half, base + half))
@@ -49,9 +49,9 @@ bool PlacePoint(const BspSpace &space, const GridLayout &layout, LightPlace &poi
                     for (int x = -1; x <= 1; ++x) {
                         if (std::abs(x) + std::abs(y) + std::abs(z) != axes)
                             continue;
-                        point.position = base + half * Vec3f{float(x), float(y), float(z)} * (float(step) / kNudges);
-                        point.cluster = space.ClusterAt(point.position, kNudgeMargin);
-                        if (point.cluster >= 0)
+                        position = base + half * Vec3f{float(x), float(y), float(z)} * (float(step) / kNudges);
+                        cluster = space.ClusterAt(position, kNudgeMargin);
+                        if (cluster >= 0)
                             return true;
                     }
     return false;
@@ -117,19 +117,38 @@ bspGridPoint_t StorePoint(const GridInputs &in, const LegacyPoint &point) {
     return stored;
 }
 
-/// Adds what one light gives to the points.
-void AddArrivals(const Light &light, const GridInputs &in, const std::vector<Arrival> &arrivals,
-                 std::vector<LightPlace> &places, std::vector<LegacyPoint> &points) {
-    for (const Arrival &arrival : arrivals) {
-        LegacyPoint &point = points[arrival.place];
-        const Vec3f color =
-            light.color * arrival.visible * ((light.negative ? -arrival.weight : arrival.weight) * arrival.add);
-        point.directionSum += Vec3d(arrival.direction) * double(Length(color));
-        point.sum += color;
+/// Adds what one light gives to the points of a block.
+void AddArrivals(const Light &light, const GridInputs &in, const Arrivals &arrivals, LightPlaces &places,
+                 std::span<LegacyPoint> points) {
+    for (std::size_t i = 0; i < places.count; ++i) {
+        if (arrivals.live[i] == 0)
+            continue;
+        Vec3f color = light.color * (light.negative ? -arrivals.add[i] : arrivals.add[i]);
+        if (arrivals.tinted)
+            color = color * arrivals.tint[i];
+        const Vec3f direction = arrivals.direction[i];
+        points[i].directionSum += Vec3d(direction) * double(Length(color));
+        points[i].sum += color;
         // Light of other styles turns the direction, but this format has no place for its colour.
-        point.records.push_back({arrival.direction, light.style == 0 ? color : Vec3f{}, {}});
-        const bool white = in.options.cheapGrid && point.sum.x >= 255 && point.sum.y >= 255 && point.sum.z >= 255;
-        places[arrival.place].skip = white || point.records.size() >= kMaxRecords;
+        points[i].records.push_back({direction, light.style == 0 ? color : Vec3f{}, {}});
+        const Vec3f &sum = points[i].sum;
+        const bool white = in.options.cheapGrid && sum.x >= 255 && sum.y >= 255 && sum.z >= 255;
+        places.wanted.Set(i, !white && points[i].records.size() < kMaxRecords);
+    }
+}
+
+/// The points of a block, lit.
+void LightBlock(const GridInputs &in, const ContributionSettings &settings, std::span<const BrickLight> lights,
+                LightPlaces &places, std::span<bspGridPoint_t> grid, GridStats &work) {
+    std::array<LegacyPoint, kPacketSize> points;
+    Arrivals arrivals;
+    for (const BrickLight &one : lights)
+        if (LightContributionToPoint(*one.light, one.weight, settings, in.scene, places, arrivals, work.counts))
+            AddArrivals(*one.light, in, arrivals, places, points);
+    for (std::size_t i = 0; i < places.count; ++i) {
+        if (in.options.floodlight || in.world.hasFloodlight)
+            AddFloodlight(in, places.position[i], points[i], work.counts);
+        grid[places.index[i]] = StorePoint(in, points[i]);
     }
 }
 
@@ -156,38 +175,32 @@ GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {
 
 std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
                                       GridStats &stats) {
-    const ContributionSettings settings{
-        .pass = LightPass::LegacyGrid, .sunOnly = in.options.sunOnly, .pointAreas = in.options.faster};
+    const ContributionSettings settings{.pass = LightPass::LegacyGrid,
+                                        .sunOnly = in.options.sunOnly,
+                                        .pointAreas = in.options.faster,
+                                        .skip = in.options.skip};
+    const LightsByCluster byCluster(lights);
     std::vector<bspGridPoint_t> grid(std::size_t(layout.Count()), bspGridPoint_t{});
     const GridBricks bricks(layout);
     stats.points = layout.Count();
     RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
-        std::vector<LightPlace> places;
+        std::vector<LightPlaces> blocks;
         for (const BrickPoint &at : bricks.Points(brick)) {
-            LightPlace place{.position = at.position, .rayOrigin = {}, .index = at.index};
-            if (!PlacePoint(in.space, layout, place))
+            Vec3f position = at.position;
+            int cluster = kSolidCluster;
+            if (!PlacePoint(in.space, layout, position, cluster))
                 continue;
-            place.rayOrigin = ClearOfSolids(in.space, place.position);
-            place.collected = StartOfFaint(at.index, kFaint);
-            places.push_back(place);
+            AddPlace(blocks, position, ClearOfSolids(in.space, position), cluster, at.index);
+            ++work.open;
         }
-        work.open += std::int64_t(places.size());
-        if (places.empty())
+        if (blocks.empty())
             return;
-        std::vector<LegacyPoint> points(places.size());
-        std::vector<Arrival> arrivals;
-        const BrickLights candidates(lights, BrickView(places), std::uint64_t(brick), kFaint, in.options, work);
+        StartFaint(blocks, kFaint);
+        const BrickLights candidates(byCluster, BrickView(blocks), std::uint64_t(brick), kFaint, in.options.skip, work);
         ContributionSettings pass = settings;
         pass.faint = candidates.Many() ? kFaint : 0;
-        for (const BrickLight &one : candidates.List()) {
-            LightContributionToPoint(*one.light, one.weight, pass, in.scene, places, arrivals, work.counts);
-            AddArrivals(*one.light, in, arrivals, places, points);
-        }
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            if (in.options.floodlight || in.world.hasFloodlight)
-                AddFloodlight(in, places[i].position, points[i], work.counts);
-            grid[places[i].index] = StorePoint(in, points[i]);
-        }
+        for (LightPlaces &places : blocks)
+            LightBlock(in, pass, candidates.List(), places, grid, work);
     });
     return grid;
 }

@@ -21,11 +21,12 @@ struct GridInputs {
 /// Shares of a finished grid and the work it took.
 struct GridStats {
     std::int64_t points = 0;
-    std::int64_t open = 0;           ///< lit where they stand, or at most a small step beside
-    std::int64_t moved = 0;          ///< in a solid, lit from the nearest open place
-    std::int64_t filled = 0;         ///< in a solid, interpolated from lit neighbours
-    std::uint64_t skippedFaint = 0;  ///< brick and light pairs left out: too faint to matter
-    std::uint64_t skippedLights = 0; ///< brick and light pairs left out: out of sight or reach
+    std::int64_t open = 0;          ///< lit where they stand, or at most a small step beside
+    std::int64_t moved = 0;         ///< in a solid, lit from the nearest open place
+    std::int64_t filled = 0;        ///< in a solid, interpolated from lit neighbours
+    std::uint64_t skippedFaint = 0; ///< brick and light pairs left out: too faint to matter
+    std::uint64_t skippedReach = 0; ///< out of reach
+    std::uint64_t skippedPvs = 0;   ///< out of sight
     ContributionCounts counts;
     double seconds = 0;
     void Add(const GridStats &o);

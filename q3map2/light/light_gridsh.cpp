@@ -24,16 +24,31 @@ constexpr double kMaxCoefficient = 1e9;
 /// Sum of what arrives at a place, [channel][k], unit scale.
 using PointSum = std::array<ShVector, 3>;
 
-void AddArrivals(const Light &light, const std::vector<Arrival> &arrivals, std::vector<PointSum> &sums) {
-    const double sign = light.negative ? -1 : 1;
-    for (const Arrival &arrival : arrivals)
+/// The same for a block of places.
+struct BlockSum {
+    alignas(64) std::array<std::array<std::array<double, kPacketSize>, 9>, 3> sum{};
+
+    void Add(const Light &light, const Arrivals &arrivals) {
+        const double sign = light.negative ? -1 : 1;
+        const Lanes *tints[] = {&arrivals.tint.x, &arrivals.tint.y, &arrivals.tint.z};
         for (std::size_t channel = 0; channel < 3; ++channel) {
-            const double scale =
-                sign * double(light.color[channel]) * double(arrival.visible[channel]) * double(arrival.weight) / 255;
+            const double scale = sign * double(light.color[channel]) / 255;
+            std::array<double, kPacketSize> scales;
+            for (std::size_t i = 0; i < kPacketSize; ++i)
+                scales[i] = arrivals.tinted && arrivals.live[i] != 0 ? scale * double((*tints[channel])[i]) : scale;
             for (std::size_t k = 0; k < 9; ++k)
-                sums[arrival.place][channel][k] += scale * double(arrival.moments[k]);
+                for (std::size_t i = 0; i < kPacketSize; ++i)
+                    sum[channel][k][i] += scales[i] * double(arrivals.moments[k][i]);
         }
-}
+    }
+    PointSum Of(std::size_t i) const {
+        PointSum point;
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            for (std::size_t k = 0; k < 9; ++k)
+                point[channel][k] = sum[channel][k][i];
+        return point;
+    }
+};
 
 /// A hemisphere of uniform light around +z or -z, as floodlight gives it.
 void AddFlood(const GridInputs &in, const Vec3f &position, PointSum &sum, RayCounts &counts) {
@@ -81,11 +96,7 @@ class PointPlaces {
                     continue;
                 if (placed.state != PointState::Open)
                     displaced[std::size_t(brick)].push_back({point.index, placed.position});
-                places_[std::size_t(brick)].push_back({.position = placed.position,
-                                                       .rayOrigin = placed.position,
-                                                       .cluster = placed.cluster,
-                                                       .index = point.index,
-                                                       .collected = StartOfFaint(point.index, kFaint)});
+                AddPlace(places_[std::size_t(brick)], placed.position, placed.position, placed.cluster, point.index);
             }
         });
         for (const auto &part : displaced)
@@ -94,13 +105,13 @@ class PointPlaces {
                   [](const Displacement &a, const Displacement &b) { return a.index < b.index; });
     }
     /// Places of a brick that are to be lit; taken once.
-    std::vector<LightPlace> Take(std::int64_t brick) { return std::move(places_[std::size_t(brick)]); }
+    std::vector<LightPlaces> Take(std::int64_t brick) { return std::move(places_[std::size_t(brick)]); }
     std::vector<PointState> &States() { return states_; }
     const std::vector<Displacement> &Displaced() const { return displaced_; }
 
   private:
     std::vector<PointState> states_;
-    std::vector<std::vector<LightPlace>> places_;
+    std::vector<std::vector<LightPlaces>> places_;
     std::vector<Displacement> displaced_;
 };
 
@@ -132,9 +143,11 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
                         GridStats &stats) {
     const ContributionSettings settings{.pass = LightPass::GridSH,
                                         .sunOnly = in.options.sunOnly,
-                                        .ignorePvs = in.options.noSkip,
-                                        .exactAreas = in.options.noSkip,
-                                        .radiance = in.options.shRadiance};
+                                        .radiance = in.options.shRadiance,
+                                        .samples = in.options.shSamples,
+                                        .skip = in.options.skip};
+    const float faint = kFaint / in.options.shSamples;
+    const LightsByCluster byCluster(lights);
     LightGridSH grid;
     grid.header = {layout.mins, layout.size, layout.bounds, std::int32_t(layout.Count())};
     grid.points.assign(std::size_t(layout.Count()), bspGridPointSH_t{});
@@ -144,23 +157,27 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     PointPlaces places(in, layout, bricks);
     const bool flood = in.options.floodlight || in.world.hasFloodlight;
     RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
-        std::vector<LightPlace> lit = places.Take(brick);
-        if (lit.empty())
+        std::vector<LightPlaces> blocks = places.Take(brick);
+        if (blocks.empty())
             return;
-        std::vector<PointSum> sums(lit.size(), PointSum{});
-        std::vector<Arrival> arrivals;
-        const BrickLights candidates(lights, BrickView(lit), std::uint64_t(brick), kFaint, in.options, work);
+        StartFaint(blocks, faint);
+        std::vector<BlockSum> sums(blocks.size());
+        Arrivals arrivals;
+        const BrickLights candidates(byCluster, BrickView(blocks), std::uint64_t(brick), faint, in.options.skip, work);
         ContributionSettings pass = settings;
-        pass.faint = candidates.Many() ? kFaint : 0;
-        for (const BrickLight &one : candidates.List()) {
-            LightContributionToPoint(*one.light, one.weight, pass, in.scene, lit, arrivals, work.counts);
-            AddArrivals(*one.light, arrivals, sums);
-        }
-        for (std::size_t i = 0; i < lit.size(); ++i) {
-            if (flood)
-                AddFlood(in, lit[i].position, sums[i], work.counts);
-            grid.points[lit[i].index] = StorePoint(in, sums[i]);
-        }
+        pass.faint = candidates.Many() ? faint : 0;
+        for (const BrickLight &one : candidates.List())
+            for (std::size_t block = 0; block < blocks.size(); ++block)
+                if (LightContributionToPoint(*one.light, one.weight, pass, in.scene, blocks[block], arrivals,
+                                             work.counts))
+                    sums[block].Add(*one.light, arrivals);
+        for (std::size_t block = 0; block < blocks.size(); ++block)
+            for (std::size_t i = 0; i < blocks[block].count; ++i) {
+                PointSum sum = sums[block].Of(i);
+                if (flood)
+                    AddFlood(in, blocks[block].position[i], sum, work.counts);
+                grid.points[blocks[block].index[i]] = StorePoint(in, sum);
+            }
     });
     FillGridSH(in, layout, places.Displaced(), places.States(), grid);
     const auto &states = places.States();

@@ -94,7 +94,15 @@ void ParseSpeed(Arguments &arguments, LightOptions &o) {
     o.floodlight = arguments.TakeFlag("-floodlight");
     o.lowQuality = arguments.TakeFlag("-lowquality");
     o.noGrid = arguments.TakeFlag("-nogrid");
-    o.noSkip = arguments.TakeFlag("-noskip");
+}
+
+void ParseSkips(Arguments &arguments, SkipOptions &skip) {
+    const bool none = arguments.TakeFlag("-noskip");
+    const std::pair<std::string_view, bool &> switches[] = {
+        {"-noskipreach", skip.reach},     {"-noskippvs", skip.pvs},       {"-noskipfaint", skip.faint},
+        {"-noskipmoments", skip.moments}, {"-noskipprobes", skip.probes}, {"-noskipcoarse", skip.coarse}};
+    for (const auto &[name, value] : switches)
+        value = !arguments.TakeFlag(name) && !none;
 }
 
 void ParseSH(Arguments &arguments, LightOptions &o) {
@@ -115,6 +123,11 @@ void ParseSH(Arguments &arguments, LightOptions &o) {
                             (*values)[2]);
         }
         o.gridSizeSH = size;
+    }
+    while (const auto value = arguments.TakeValue("-shsamples")) {
+        o.shSamples = float(NumberFromText(*value));
+        if (!(o.shSamples >= 1.0f / 64 && o.shSamples <= 64))
+            throw Error("-shsamples {}: expected a number from 1/64 to 64", *value);
     }
     while (const auto value = arguments.TakeValue("-shpreview"))
         o.previewFile = *value;
@@ -237,6 +250,7 @@ LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log)
     ParseIntensities(arguments, o);
     LimitScales(o);
     ParseTone(arguments, o);
+    ParseSkips(arguments, o.skip);
     ParseSpeed(arguments, o);
     WarnOfOthers(arguments, log);
     for (const std::string &word : arguments.Rest())

@@ -20,6 +20,16 @@ struct ToneOptions {
     float maxLight = 255; ///< from worldspawn _maxlight
 };
 
+/// Work that a scene does not need and that is left out: one -noskip option each, or -noskip for all.
+struct SkipOptions {
+    bool reach = true;   ///< lights out of reach of a brick of points, or facing away from it
+    bool pvs = true;     ///< lights that visibility data hides
+    bool faint = true;   ///< faint lights, represented by a few
+    bool moments = true; ///< closed form of far area lights, approximated by points
+    bool probes = true;  ///< more than one ray toward faint area lights
+    bool coarse = true;  ///< rays of dim lights where neighbours all see the same
+};
+
 struct LightOptions {
     // Intensities, already multiplied by their defaults.
     float pointScale = 7500, spotScale = 7500, areaScale = 0.25f, skyScale = 1;
@@ -46,7 +56,8 @@ struct LightOptions {
     bool shRadiance = false;
     float gridScaleSH = 2;
     std::optional<Vec3f> gridSizeSH;
-    bool noSkip = false; ///< trace every light at every point
+    float shSamples = 1; ///< factor of the number of rays
+    SkipOptions skip;
 
     std::string previewFile; ///< -shpreview
 };

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace q3 {
@@ -99,17 +100,21 @@ Vec3f FilterAt(const ShaderInfo &shader, const std::array<float, 6> &st, float u
     return through;
 }
 
-/// A ray through see-through surfaces. The Embree context comes first, so that the filter gets this record.
+/// A packet on its way through see-through surfaces. The Embree context comes first, so that the filter gets this
+/// record.
 struct FilterContext {
     EmbreeContext embree;
     const Triangles *triangles[2]; // kFilters, kFilterPatches
     const SurfaceTable *table;
-    Vec3f tint{1, 1, 1};
     struct Crossing {
         int surface;
         float distance;
     };
-    std::vector<Crossing> crossings;
+    struct Ray {
+        Vec3f tint{1, 1, 1};
+        std::vector<Crossing> crossings;
+    };
+    std::array<Ray, kPacketSize> rays;
 };
 
 void FilterHit(const RTCFilterFunctionNArguments *arguments) {
@@ -121,17 +126,18 @@ void FilterHit(const RTCFilterFunctionNArguments *arguments) {
         const Triangles &triangles = *context.triangles[patch ? 1 : 0];
         const unsigned primitive = RTCHitN_primID(arguments->hit, arguments->N, i);
         const float distance = RTCRayN_tfar(arguments->ray, arguments->N, i);
+        FilterContext::Ray &ray = context.rays[RTCRayN_id(arguments->ray, arguments->N, i)];
         const int surface = triangles.surface[primitive];
         const auto same = [&](const FilterContext::Crossing &c) {
             return c.surface == surface && std::abs(c.distance - distance) < kSameHit;
         };
-        if (std::none_of(context.crossings.begin(), context.crossings.end(), same)) {
-            context.crossings.push_back({surface, distance});
-            context.tint = context.tint * FilterAt(*(*context.table)[std::size_t(surface)].shader,
-                                                   triangles.st[primitive], RTCHitN_u(arguments->hit, arguments->N, i),
-                                                   RTCHitN_v(arguments->hit, arguments->N, i));
+        if (std::none_of(ray.crossings.begin(), ray.crossings.end(), same)) {
+            ray.crossings.push_back({surface, distance});
+            ray.tint = ray.tint * FilterAt(*(*context.table)[std::size_t(surface)].shader, triangles.st[primitive],
+                                           RTCHitN_u(arguments->hit, arguments->N, i),
+                                           RTCHitN_v(arguments->hit, arguments->N, i));
         }
-        if (MaxComponent(context.tint) > kOpaqueTint)
+        if (MaxComponent(ray.tint) > kOpaqueTint)
             arguments->valid[i] = 0;
     }
 }
@@ -249,44 +255,36 @@ std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const std::array<Triangles, k
     return solid;
 }
 
-void FillRays(const RayPacket &packet, float nearest, RTCRay16 &rays, std::array<int, kPacketSize> &valid) {
-    for (std::size_t i = 0; i < std::size_t(kPacketSize); ++i) {
-        valid[i] = int(i) < packet.count && !packet.blocked[i] ? -1 : 0;
-        const std::size_t from = int(i) < packet.count ? i : 0;
-        rays.org_x[i] = packet.origin[from].x, rays.org_y[i] = packet.origin[from].y,
-        rays.org_z[i] = packet.origin[from].z;
-        rays.dir_x[i] = packet.direction[from].x, rays.dir_y[i] = packet.direction[from].y;
-        rays.dir_z[i] = packet.direction[from].z;
-        rays.tnear[i] = nearest;
-        rays.tfar[i] = packet.distance[from];
-        rays.time[i] = 0, rays.mask[i] = ~0u, rays.id[i] = unsigned(i), rays.flags[i] = 0;
-    }
+void FillRays(const RayPacket &packet, float nearest, RTCRay16 &rays) {
+    const auto row = [](const Lanes &from, float *to) { std::copy(from.begin(), from.end(), to); };
+    row(packet.origin.x, rays.org_x), row(packet.origin.y, rays.org_y), row(packet.origin.z, rays.org_z);
+    row(packet.direction.x, rays.dir_x), row(packet.direction.y, rays.dir_y), row(packet.direction.z, rays.dir_z);
+    row(packet.distance, rays.tfar);
+    std::fill_n(rays.tnear, kPacketSize, nearest);
+    std::fill_n(rays.time, kPacketSize, 0.0f);
+    std::fill_n(rays.mask, kPacketSize, ~0u);
+    std::fill_n(rays.flags, kPacketSize, 0u);
+    std::iota(rays.id, rays.id + kPacketSize, 0u);
 }
 
-/// Marks rays of the packet that something in the scene blocks.
-void MarkBlocked(RTCScene scene, RayPacket &packet, float nearest) {
+/// Rays of the packet that something in the scene blocks live no longer.
+void EndBlocked(RTCScene scene, RayPacket &packet, float nearest) {
     alignas(64) RTCRay16 rays;
-    alignas(64) std::array<int, kPacketSize> valid;
-    FillRays(packet, nearest, rays, valid);
+    FillRays(packet, nearest, rays);
     EmbreeContext context;
     InitContext(context);
-    Occluded16(valid.data(), scene, context, rays);
-    for (std::size_t i = 0; i < std::size_t(packet.count); ++i)
-        packet.blocked[i] |= rays.tfar[i] < 0;
+    Occluded16(packet.live.data(), scene, context, rays);
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
 }
 
-/// Nearest hit of every ray that is not blocked.
+/// Nearest hit of every live ray.
 void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayHit16 &hits) {
-    alignas(64) std::array<int, kPacketSize> valid;
-    FillRays(packet, nearest, hits.ray, valid);
+    FillRays(packet, nearest, hits.ray);
     std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
     EmbreeContext context;
     InitContext(context);
-    Intersect16(valid.data(), scene, context, hits);
-}
-
-int ActiveRays(const RayPacket &packet) {
-    return packet.count - int(std::count(packet.blocked.begin(), packet.blocked.begin() + packet.count, true));
+    Intersect16(packet.live.data(), scene, context, hits);
 }
 
 } // namespace
@@ -329,75 +327,69 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
 LightScene::~LightScene() = default;
 
 void LightScene::State::Tint(RayPacket &packet, const ScenePtr &scene, float nearest) const {
-    packet.tint.fill({1, 1, 1});
-    if (!scene)
+    if (!scene || !packet.live.Any())
         return;
     FilterContext context;
     InitContext(context.embree);
     context.triangles[0] = &triangles[kFilters];
     context.triangles[1] = &triangles[kFilterPatches];
     context.table = &table;
-    for (std::size_t i = 0; i < std::size_t(packet.count); ++i) {
-        if (packet.blocked[i])
-            continue;
-        context.tint = {1, 1, 1};
-        context.crossings.clear();
-        RTCRay ray{};
-        ray.org_x = packet.origin[i].x, ray.org_y = packet.origin[i].y, ray.org_z = packet.origin[i].z;
-        ray.dir_x = packet.direction[i].x, ray.dir_y = packet.direction[i].y, ray.dir_z = packet.direction[i].z;
-        ray.tnear = nearest, ray.tfar = packet.distance[i], ray.mask = ~0u;
-        Occluded1(scene.get(), context.embree, ray);
-        packet.blocked[i] = ray.tfar < 0;
-        packet.tint[i] = context.tint;
+    alignas(64) RTCRay16 rays;
+    FillRays(packet, nearest, rays);
+    Occluded16(packet.live.data(), scene.get(), context.embree, rays);
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
+        packet.tint.Set(i, context.rays[i].tint);
+        packet.tinted = packet.tinted || (packet.live[i] != 0 && !context.rays[i].crossings.empty());
     }
 }
 
 void LightScene::TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &counts) const {
-    packet.tint.fill({1, 1, 1});
+    packet.tinted = false;
     const State &s = *state_;
     if (!s.trace)
         return;
-    counts.rays += std::uint64_t(ActiveRays(packet));
+    counts.rays += std::uint64_t(packet.live.Count());
     if (rules == ShadowRules::Exact) {
         if (s.all)
-            MarkBlocked(s.all.get(), packet, 0);
+            EndBlocked(s.all.get(), packet, 0);
         s.Tint(packet, s.filters, 0);
         return;
     }
     if (s.legacySolids)
-        MarkBlocked(s.legacySolids.get(), packet, 0);
+        EndBlocked(s.legacySolids.get(), packet, 0);
     if (s.surfaces)
-        MarkBlocked(s.surfaces.get(), packet, s.legacyIgnoreRadius);
+        EndBlocked(s.surfaces.get(), packet, s.legacyIgnoreRadius);
     s.Tint(packet, s.filtersWithoutPatches, s.legacyIgnoreRadius);
 }
 
 void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts) const {
-    packet.tint.fill({1, 1, 1});
+    packet.tinted = false;
     const State &s = *state_;
     if (!s.trace)
         return;
-    counts.rays += std::uint64_t(ActiveRays(packet));
+    counts.rays += std::uint64_t(packet.live.Count());
     const bool exact = rules == ShadowRules::Exact;
     const float nearest = exact ? 0 : s.legacyIgnoreRadius;
     RTCScene scene = exact ? s.allAndSkies.get() : s.surfacesAndSkies.get();
     if (!scene) {
-        packet.blocked.fill(true);
+        packet.live = {};
         return;
     }
     alignas(64) RTCRayHit16 hits;
     if (!exact && s.legacySolids) {
         FindNearest(s.legacySolids.get(), packet, 0, hits);
-        for (std::size_t i = 0; i < std::size_t(packet.count); ++i)
+        for (std::size_t i = 0; i < kPacketSize; ++i)
             packet.distance[i] = std::min(packet.distance[i], hits.ray.tfar[i] + kSkySlack);
     }
     FindNearest(scene, packet, nearest, hits);
-    for (std::size_t i = 0; i < std::size_t(packet.count); ++i) {
-        if (packet.blocked[i])
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        if (packet.live[i] == 0)
             continue;
         bool lit = hits.hit.geomID[i] == kSkies;
         if (lit && skyIndex >= 0)
             lit = s.table[std::size_t(s.triangles[kSkies].surface[hits.hit.primID[i]])].skyIndex == skyIndex;
-        packet.blocked[i] = !lit;
+        packet.live.Set(i, lit);
         packet.distance[i] = hits.ray.tfar[i];
     }
     s.Tint(packet, exact ? s.filters : s.filtersWithoutPatches, nearest);
@@ -405,13 +397,13 @@ void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, 
 
 void LightScene::TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts &counts) const {
     const State &s = *state_;
-    counts.rays += std::uint64_t(ActiveRays(packet));
+    counts.rays += std::uint64_t(packet.live.Count());
     if (!s.allAndSkies)
         return;
     alignas(64) RTCRayHit16 hits;
     FindNearest(s.allAndSkies.get(), packet, ignoreRadius, hits);
-    for (std::size_t i = 0; i < std::size_t(packet.count); ++i)
-        if (!packet.blocked[i] && hits.hit.geomID[i] != kSkies && hits.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        if (packet.live[i] != 0 && hits.hit.geomID[i] != kSkies && hits.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)
             packet.distance[i] = hits.ray.tfar[i];
 }
 

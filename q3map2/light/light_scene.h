@@ -2,18 +2,14 @@
 #pragma once
 
 #include "common/log.h"
-#include "libs/math/vec.h"
+#include "q3map2/light/light_lanes.h"
 #include "q3map2/light/light_options.h"
 #include "q3map2/light/surface_table.h"
 
-#include <array>
 #include <cstdint>
 #include <memory>
 
 namespace q3 {
-
-/// Rays that are traced together: from neighbouring points toward one light.
-inline constexpr int kPacketSize = 16;
 
 /// Whose shadow rules count.
 enum class ShadowRules {
@@ -21,13 +17,23 @@ enum class ShadowRules {
     Exact       ///< everything that casts shadows does
 };
 
-/// One packet. Rays that start with blocked = true are left out.
+/// One packet of rays: from neighbouring places toward one light, or from one place toward one lamp.
 struct RayPacket {
-    int count = 0;
-    std::array<Vec3f, kPacketSize> origin, direction; ///< unit directions
-    std::array<float, kPacketSize> distance;          ///< game units; to the light
-    std::array<bool, kPacketSize> blocked{};          ///< in: skip; out: no light arrives
-    std::array<Vec3f, kPacketSize> tint; ///< out: what coloured surfaces on the way let through, 1 1 1 usually
+    Lanes3 origin, direction; ///< unit directions
+    Lanes distance;           ///< game units; to the light
+    LaneMask live{};          ///< in: rays to trace; out: those whose light arrives
+    bool tinted = false;      ///< out: some ray went through a coloured surface
+    Lanes3 tint;              ///< out, if tinted: what coloured surfaces on the way let through of the live ones
+
+    /// Sets ray i to go from origin to target, which must differ.
+    void Aim(std::size_t i, const Vec3f &from, const Vec3f &target) {
+        const Vec3f way = target - from;
+        const float length = Length(way);
+        origin.Set(i, from);
+        direction.Set(i, length > 0 ? way / length : Vec3f{0, 0, 1});
+        distance[i] = length;
+        live[i] = -1;
+    }
 };
 
 /// Rays cast so far, for statistics; one per worker.

@@ -1,0 +1,44 @@
+// GPL-2.0-or-later. Sixteen of everything: neighbouring places and their rays, laid out for vector code.
+#pragma once
+
+#include "libs/math/vec.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace q3 {
+
+/// Rays that are traced together, and places that are lit together.
+inline constexpr std::size_t kPacketSize = 16;
+
+/// One number of each place.
+struct alignas(64) Lanes : std::array<float, kPacketSize> {};
+
+/// One vector of each place.
+struct Lanes3 {
+    Lanes x, y, z;
+    Vec3f operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
+    void Set(std::size_t i, const Vec3f &v) { x[i] = v.x, y[i] = v.y, z[i] = v.z; }
+    void Fill(const Vec3f &v) { x.fill(v.x), y.fill(v.y), z.fill(v.z); }
+};
+
+/// Which places count: -1 those that do, 0 the others, as Embree wants it.
+struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
+    void Set(std::size_t i, bool on) { (*this)[i] = on ? -1 : 0; }
+    bool Any() const {
+        std::int32_t any = 0;
+        for (const std::int32_t lane : *this)
+            any |= lane;
+        return any != 0;
+    }
+    int Count() const {
+        std::int32_t count = 0;
+        for (const std::int32_t lane : *this)
+            count -= lane;
+        return count;
+    }
+};
+
+} // namespace q3
