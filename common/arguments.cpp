@@ -5,8 +5,18 @@
 #include "common/text.h"
 
 #include <algorithm>
+#include <charconv>
 
 namespace q3 {
+
+namespace {
+
+bool WholeNumber(std::string_view word, int &number) {
+    const auto result = std::from_chars(word.data(), word.data() + word.size(), number);
+    return result.ec == std::errc() && result.ptr == word.data() + word.size();
+}
+
+} // namespace
 
 std::optional<std::size_t> Arguments::Find(std::initializer_list<std::string_view> names) const {
     for (std::size_t i = 0; i < words_.size(); ++i)
@@ -38,7 +48,8 @@ std::optional<std::vector<std::string>> Arguments::TakeValues(std::initializer_l
     if (!at)
         return std::nullopt;
     if (words_.size() - *at - 1 < count)
-        throw Error("{} needs {} value{} and has {}", words_[*at], count, count == 1 ? "" : "s", words_.size() - *at - 1);
+        throw Error("{} needs {} value{} and has {}", words_[*at], count, count == 1 ? "" : "s",
+                    words_.size() - *at - 1);
     const auto first = words_.begin() + std::ptrdiff_t(*at);
     std::vector<std::string> values(first + 1, first + 1 + std::ptrdiff_t(count));
     words_.erase(first, first + 1 + std::ptrdiff_t(count));
@@ -50,6 +61,17 @@ std::optional<std::string> Arguments::TakeValue(std::initializer_list<std::strin
     if (!values)
         return std::nullopt;
     return std::move(values->front());
+}
+
+std::optional<int> Arguments::TakeCount(std::string_view name) {
+    const auto at = Find({name});
+    if (!at)
+        return std::nullopt;
+    int count = 0;
+    const auto first = words_.begin() + std::ptrdiff_t(*at);
+    const bool follows = first + 1 != words_.end() && WholeNumber(*(first + 1), count) && count >= 1;
+    words_.erase(first, first + (follows ? 2 : 1));
+    return follows ? count : 0;
 }
 
 std::string Arguments::TakeLast() {

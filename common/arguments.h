@@ -20,10 +20,14 @@ class Arguments {
     /// Removes the first occurrence only.
     bool TakeFirstFlag(std::string_view name);
     /// Removes the first occurrence of any of these names with `count` values and returns them. Error: too few values.
-    std::optional<std::vector<std::string>> TakeValues(std::initializer_list<std::string_view> names, std::size_t count);
+    std::optional<std::vector<std::string>> TakeValues(std::initializer_list<std::string_view> names,
+                                                       std::size_t count);
     /// Removes the first occurrence with its one value.
     std::optional<std::string> TakeValue(std::initializer_list<std::string_view> names);
     std::optional<std::string> TakeValue(std::string_view name) { return TakeValue({name}); }
+
+    /// Removes the first occurrence and, if a whole number of at least 1 follows, that; 0 without one.
+    std::optional<int> TakeCount(std::string_view name);
 
     /// Takes the last word off: the input file of every stage. Nothing left: empty.
     std::string TakeLast();

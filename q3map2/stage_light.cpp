@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. q3map2 -light: files in, LightWorld, file out.
 #include "common/error.h"
-#include "common/files.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/convert/convert.h"
 #include "q3map2/light/light.h"
+#include "q3map2/light_inputs.h"
 #include "q3map2/stages.h"
 
 namespace q3 {
@@ -33,26 +33,6 @@ void RecordCommand(Bsp &bsp, std::string_view name, const std::vector<std::strin
     bsp.entities = FormatEntities(entities);
 }
 
-std::string TextOf(const std::filesystem::path &path) {
-    const auto bytes = ReadFile(path);
-    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
-}
-
-LightInputs ReadInputs(const std::filesystem::path &bspPath, Log &log) {
-    LightInputs inputs;
-    inputs.name = bspPath.stem().string();
-    const auto mapPath = WithExtension(bspPath, ".map"), srfPath = WithExtension(bspPath, ".srf");
-    if (std::filesystem::exists(mapPath)) {
-        log.Print("Loading {}\n", mapPath.string());
-        inputs.mapEntities = ParseMapEntities(TextOf(mapPath), mapPath.string());
-    }
-    if (std::filesystem::exists(srfPath)) {
-        log.Print("Loading {}\n", srfPath.string());
-        inputs.surfaceFile = TextOf(srfPath);
-    }
-    return inputs;
-}
-
 } // namespace
 
 int LightStage(const StageContext &context, Arguments arguments) {
@@ -70,7 +50,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
-    const LightInputs inputs = ReadInputs(bspPath, log);
+    const LightInputs inputs = ReadLightInputs(bspPath, log);
 
     ShaderLibrary library(vfs, *context.options.game, options.shader, log);
     log.Count((long long)(library.DefinedCount()), "shaders defined");

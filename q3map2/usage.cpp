@@ -31,6 +31,8 @@ SH light grid:
   -sh                     bake the SH light grid into lump 18 of a version 47 file
   -shbspx                 ... into a BSPX lump of a version 46 file, which unmodified engines load
   -shradiance             store the plain projection, for engines that convolve themselves
+  -shdering               no negative lobes: values change by the least that takes them away
+  -sherror                say how far the grid is off, and which cells halve that
   -gridscalesh F          points per axis relative to the legacy grid (default 2)
   -gridsh X Y Z           cell size in game units, at least 8
   -shpreview FILE.png     picture of what both grids show

@@ -98,16 +98,21 @@ class Filler {
 
     /// The value of a Solid or Beside point, or nothing: no lit neighbour, or none on another side.
     std::optional<bspGridPointSH_t> Fill(int x, int y, int z) const {
+        const std::vector<Side> sides = SidesOf(x, y, z);
+        if (sides.empty() || (sides.size() == 1 && states_[IndexOf(x, y, z)] == PointState::Beside))
+            return std::nullopt;
+        return Blend(sides);
+    }
+
+    /// Lit neighbours, and the point itself when it is lit beside, by what sees each other.
+    std::vector<Side> SidesOf(int x, int y, int z) const {
         std::vector<Side> sides;
         const std::size_t index = IndexOf(x, y, z);
-        const bool beside = states_[index] == PointState::Beside;
-        if (beside)
+        if (states_[index] == PointState::Beside)
             Add(index, PlaceOf(index, x, y, z), kOwnWeight / Shortest(), sides);
         for (const Offset &o : kNeighbours)
             AddNeighbour(x, y, z, o, sides);
-        if (sides.empty() || (beside && sides.size() == 1))
-            return std::nullopt;
-        return Blend(sides);
+        return sides;
     }
 
   private:
@@ -203,6 +208,22 @@ PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, cons
     else
         TryCells(space, p, cell, placed);
     return placed;
+}
+
+std::vector<bool> DividedPoints(const GridInputs &in, const GridLayout &layout,
+                                const std::vector<Displacement> &displaced, const std::vector<PointState> &states,
+                                const LightGridSH &grid) {
+    const int width = layout.bounds[0], height = layout.bounds[1];
+    const Filler filler(in, layout, displaced, states, grid);
+    std::vector<std::uint8_t> found(states.size());
+    in.jobs.For(std::int64_t(height) * layout.bounds[2], [&](std::int64_t row, int) {
+        for (int x = 0; x < width; ++x) {
+            const auto index = std::size_t(row) * std::size_t(width) + std::size_t(x);
+            if (states[index] == PointState::Solid || states[index] == PointState::Beside)
+                found[index] = filler.SidesOf(x, int(row % height), int(row / height)).size() > 1;
+        }
+    });
+    return {found.begin(), found.end()};
 }
 
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,

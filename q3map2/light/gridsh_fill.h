@@ -32,6 +32,11 @@ struct Displacement {
     Vec3f position;
 };
 
+/// By point: whether it is in or beside a solid that divides its lit neighbours into some that do not see each other.
+std::vector<bool> DividedPoints(const GridInputs &in, const GridLayout &layout,
+                                const std::vector<Displacement> &displaced, const std::vector<PointState> &states,
+                                const LightGridSH &grid);
+
 /// Gives every point in a solid that has lit neighbours a value, so that interpolation beside walls is right.
 /// Neighbours that do not see each other form sides; a side counts the more the darker it is, so that a wall thinner
 /// than a cell lets no light through. A point beside a wall is treated alike when it has neighbours on the other side.

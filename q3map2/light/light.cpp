@@ -2,6 +2,8 @@
 #include "q3map2/light/light.h"
 
 #include "common/error.h"
+#include "q3map2/light/gridsh_dering.h"
+#include "q3map2/light/gridsh_error.h"
 #include "q3map2/light/light_space.h"
 
 #include <algorithm>
@@ -67,6 +69,13 @@ void LightGridInSH(Bsp &bsp, const GridInputs &in, const Float3 &legacySize, con
     bsp.gridSH = TraceGridSH(in, layout, lights, stats);
     bsp.gridSHContainer = in.options.shBspx ? GridSHContainer::Bspx : GridSHContainer::Lump;
     stats.Print(in.log, in.log.IsVerbose());
+    if (in.options.shDering) {
+        const DeringStats changed = DeringGridSH(*bsp.gridSH, in.options.shRadiance, in.jobs);
+        in.log.Count(changed.points, "points rid of negative lobes");
+        in.log.Print("{:9.2f} of 255 is the largest change of displayed light\n", changed.largestChange);
+    }
+    if (in.options.shError)
+        PrintGridSHError(MeasureGridSH(in, *bsp.gridSH, lights), layout.size, legacySize, in.log);
 }
 
 void EraseKey(Entity &entity, std::string_view key) {

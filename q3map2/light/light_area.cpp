@@ -49,9 +49,10 @@ PolygonMoments AreaContribution::Moments(std::size_t i) const {
     return near_[i] != 0 ? nearMoments_[i] : MomentsOfPolygon(Corners(i), Vec3d(places_.position[i]));
 }
 
-/// What the light gives about to each place, without shadows. False: nothing to any.
-bool AreaContribution::FindFacing() {
+/// How each place is to the light.
+Q3_VECTOR void AreaContribution::MeasureLanes() {
     const AreaShape &shape = light_.shape;
+    const bool twoSided = light_.twoSided;
     const float strength = light_.add * shape.area / std::numbers::pi_v<float>, size2 = shape.radius * shape.radius;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float px = places_.position.x[i], py = places_.position.y[i], pz = places_.position.z[i];
@@ -64,10 +65,15 @@ bool AreaContribution::FindFacing() {
         distance2_[i] = d2;
         error_[i] = d2 > 0 ? size2 / d2 : 1;
         facing_[i] = d2 > 0 ? strength * height_[i] / (d2 * std::sqrt(d2)) : 0;
-        const bool inFront = (height_[i] >= kPlaneClearance) & ((s > 0) | light_.twoSided);
+        const bool inFront = (height_[i] >= kPlaneClearance) & ((s > 0) | twoSided);
         live_[i] = inFront ? live_[i] : 0;
         near_[i] = error_[i] < kNearError ? 0 : live_[i];
     }
+}
+
+/// What the light gives about to each place, without shadows. False: nothing to any.
+bool AreaContribution::FindFacing() {
+    MeasureLanes();
     const float least = light_.fast ? light_.tolerance : 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         if (live_[i] == 0)
@@ -104,16 +110,30 @@ int AreaContribution::Probes() const {
     return int(light_.w.size()) + (brightest_ < kBright && shortcuts ? 0 : kInnerProbes);
 }
 
-Vec3f AreaContribution::ProbeTarget(std::size_t i, int probe) const {
-    const float lift = std::min(kEmitterGap, 0.5f * height_[i]) * (FromBehind(i) ? -1.0f : 1.0f);
-    const Vec3f lifted = Vec3f(light_.shape.normal) * lift;
+/// Where a probe goes, but for the lift off the emitter; the same for all places, so that their rays stay together.
+Vec3f AreaContribution::ProbeTarget(int probe) const {
     const bool one = brightest_ < kFaint && settings_.skip.probes;
     const int corners = one ? 0 : int(light_.w.size());
-    if (probe < corners) {
-        const Vec3f &corner = light_.w[std::size_t(probe)];
-        return corner + (light_.shape.center - corner) * kCornerInset + lifted;
+    if (probe >= corners)
+        return PointByArea(light_, PlasticSample(std::uint32_t(probe - corners), places_.index[0]));
+    const Vec3f &corner = light_.w[std::size_t(probe)];
+    return corner + (light_.shape.center - corner) * kCornerInset;
+}
+
+/// Rays from all live places to just before the target.
+Q3_VECTOR void AreaContribution::AimAll(const Vec3f &target, RayPacket &rays) const {
+    const Vec3f normal(light_.shape.normal);
+    rays.origin = places_.rayOrigin;
+    rays.live = live_;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float off = std::min(kEmitterGap, 0.5f * height_[i]), lift = below_[i] != 0 ? -off : off;
+        const float x = target.x + normal.x * lift - rays.origin.x[i];
+        const float y = target.y + normal.y * lift - rays.origin.y[i];
+        const float z = target.z + normal.z * lift - rays.origin.z[i];
+        const float d = std::sqrt(x * x + y * y + z * z), divisor = d > 0 ? d : 1;
+        rays.direction.x[i] = x / divisor, rays.direction.y[i] = y / divisor, rays.direction.z[i] = z / divisor;
+        rays.distance[i] = d;
     }
-    return PointByArea(light_, PlasticSample(std::uint32_t(probe - corners), places_.index[i])) + lifted;
 }
 
 void AreaContribution::FirstLook(int probes) {
@@ -121,10 +141,7 @@ void AreaContribution::FirstLook(int probes) {
     firstTint_.Fill({});
     RayPacket rays;
     for (int probe = 0; probe < probes; ++probe) {
-        rays.live = {};
-        for (std::size_t i = 0; i < places_.count; ++i)
-            if (live_[i] != 0)
-                rays.Aim(i, places_.rayOrigin[i], ProbeTarget(i, probe));
+        AimAll(ProbeTarget(probe), rays);
         scene_.TraceToLight(rays, ShadowRules::Exact, counts_);
         for (std::size_t i = 0; i < kPacketSize; ++i)
             clear_[i] -= float(rays.live[i]);
@@ -153,16 +170,38 @@ bool AreaContribution::NeedsMore(std::size_t i, int probes) const {
     return false;
 }
 
+namespace {
+
+/// moments[k] += weight * Y[k](direction), or = instead of +=.
+template <bool kAdd>
+inline void BasisLanes(std::size_t i, float x, float y, float z, float weight, Arrivals &arrivals) {
+    const auto basis = ShBasis(Vec3f{x, y, z});
+    auto &m = arrivals.moments;
+    const auto put = [&](Lanes &row, float value) { row[i] = kAdd ? row[i] + value * weight : value * weight; };
+    put(m[0], basis[0]), put(m[1], basis[1]), put(m[2], basis[2]), put(m[3], basis[3]), put(m[4], basis[4]);
+    put(m[5], basis[5]), put(m[6], basis[6]), put(m[7], basis[7]), put(m[8], basis[8]);
+}
+
+} // namespace
+
 /// Projections of the far light as a point, for all places.
-void AreaContribution::PointMoments() {
+Q3_VECTOR void AreaContribution::PointMoments() {
+    const Vec3f center = light_.shape.center;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float d = std::sqrt(distance2_[i]), inverse = d > 0 ? 1 / d : 0;
-        const Vec3f u{(light_.shape.center.x - places_.position.x[i]) * inverse,
-                      (light_.shape.center.y - places_.position.y[i]) * inverse,
-                      (light_.shape.center.z - places_.position.z[i]) * inverse};
-        const auto basis = ShBasis(u);
-        for (std::size_t k = 0; k < 9; ++k)
-            arrivals_.moments[k][i] = facing_[i] * basis[k];
+        const float d = std::sqrt(distance2_[i]), divisor = d > 0 ? d : 1;
+        BasisLanes<false>(i, (center.x - places_.position.x[i]) / divisor, (center.y - places_.position.y[i]) / divisor,
+                          (center.z - places_.position.z[i]) / divisor, facing_[i], arrivals_);
+    }
+}
+
+/// Adds a small piece of the emitter.
+Q3_VECTOR void AreaContribution::AddSample(const Vec3f &at, float strength) {
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float x = at.x - places_.position.x[i], y = at.y - places_.position.y[i],
+                    z = at.z - places_.position.z[i];
+        const float d = std::sqrt(x * x + y * y + z * z), divisor = d > 0 ? d : 1;
+        BasisLanes<true>(i, x / divisor, y / divisor, z / divisor,
+                         strength * height_[i] / (divisor * divisor * divisor), arrivals_);
     }
 }
 
@@ -179,15 +218,7 @@ void AreaContribution::QuadratureMoments() {
         const Vec3f sum = w[0] + w[t - 1] + w[t];
         for (const Vec3f &corner : {w[0], w[t - 1], w[t]}) {
             const Vec3f at = sum / 6 + corner * 0.5f;
-            for (std::size_t i = 0; i < kPacketSize; ++i) {
-                const float x = at.x - places_.position.x[i], y = at.y - places_.position.y[i],
-                            z = at.z - places_.position.z[i];
-                const float d2 = x * x + y * y + z * z, d = std::sqrt(d2), divisor = d > 0 ? d : 1;
-                const float weight = strength * height_[i] / (divisor * divisor * divisor);
-                const auto basis = ShBasis(Vec3f{x / divisor, y / divisor, z / divisor});
-                for (std::size_t k = 0; k < 9; ++k)
-                    arrivals_.moments[k][i] += weight * basis[k];
-            }
+            AddSample(at, strength);
         }
     }
 }
@@ -243,7 +274,7 @@ void AreaContribution::Refine(std::size_t i) {
 }
 
 /// From light to what is stored.
-void AreaContribution::Convolve() {
+Q3_VECTOR void AreaContribution::Convolve() {
     const float fromAll = float(4 * std::numbers::pi * kShC0);
     for (std::size_t i = 0; i < kPacketSize; ++i)
         arrivals_.add[i] = arrivals_.moments[0][i] * weight_ * fromAll;
@@ -254,16 +285,17 @@ void AreaContribution::Convolve() {
     }
 }
 
-bool AreaContribution::Add(const LaneMask &live) {
-    live_ = live;
+void AreaContribution::Add() {
+    live_ = arrivals_.live;
+    arrivals_.live = {};
     const int inSight = live_.Count();
     const bool any = light_.w.size() >= 3 && FindFacing();
     counts_.skippedFacing += std::uint64_t(any ? inSight - live_.Count() : inSight);
     if (!any)
-        return false;
+        return;
     if (!TakeFaint(settings_.faint, brightest_, places_, weight_)) {
         counts_.skippedFaint += std::uint64_t(live_.Count());
-        return false;
+        return;
     }
     const int probes = Probes();
     counts_.skippedProbes += std::uint64_t(probes == 1 ? live_.Count() : 0);
@@ -275,7 +307,7 @@ bool AreaContribution::Add(const LaneMask &live) {
         live_.Set(i, asked[i] != 0 && clear_[i] > 0);
     }
     if (!live_.Any() && !refine.Any())
-        return false;
+        return;
     const Method method = ChooseMethod();
     if (method == Method::Point)
         PointMoments();
@@ -300,7 +332,6 @@ bool AreaContribution::Add(const LaneMask &live) {
     arrivals_.direction = {};
     arrivals_.tinted = tinted_;
     arrivals_.live = live_;
-    return live_.Any();
 }
 
 } // namespace q3

@@ -22,8 +22,8 @@ class AreaContribution {
         : light_(light), weight_(weight), settings_(settings), scene_(scene), places_(places), arrivals_(arrivals),
           counts_(counts) {}
 
-    /// Fills the arrivals of the places that `live` names. False: nothing to any.
-    bool Add(const LaneMask &live);
+    /// Sets the arrivals of their live places, and which stay alive.
+    void Add();
 
   private:
     /// How moments are found, by what each errs.
@@ -37,13 +37,16 @@ class AreaContribution {
     bool FromBehind(std::size_t i) const { return below_[i] != 0; }
     std::span<const Vec3f> Corners(std::size_t i) const { return FromBehind(i) ? light_.shape.back : light_.w; }
     PolygonMoments Moments(std::size_t i) const;
+    void MeasureLanes();
     bool FindFacing();
     Method ChooseMethod() const;
     int Probes() const;
-    Vec3f ProbeTarget(std::size_t i, int probe) const;
+    Vec3f ProbeTarget(int probe) const;
+    void AimAll(const Vec3f &target, RayPacket &rays) const;
     void FirstLook(int probes);
     bool NeedsMore(std::size_t i, int probes) const;
     void PointMoments();
+    void AddSample(const Vec3f &at, float strength);
     void QuadratureMoments();
     void SetMoments(std::size_t i, const ShVector &projection);
     void Refine(std::size_t i);

@@ -21,6 +21,8 @@ constexpr float kConeFade = 32;
 constexpr float kAreaPush = 8;
 /// Byte scale; far under what a byte can show.
 constexpr float kFarError = 1.0f / 256;
+/// Dimmer lights may go by coarse visibility. Byte scale.
+constexpr float kDim = 1;
 
 /// Share of a spotlight that its cone leaves along `toLight` (not normalised).
 float ConeShare(const Light &light, const Vec3f &toLight) {
@@ -73,10 +75,12 @@ LaneMask InSight(const Light &light, const ContributionSettings &settings, const
     counts.pairs += std::uint64_t(live.Count());
     if (!settings.skip.pvs || light.seenFrom.empty())
         return live;
-    int last = kSolidCluster;
-    bool seen = false;
-    for (std::size_t i = 0; i < places.count; ++i) {
-        if (places.cluster[i] != last || i == 0) {
+    int last = places.cluster[0];
+    bool seen = light.SeenFrom(last);
+    if (places.oneCluster)
+        live = seen ? live : LaneMask{};
+    for (std::size_t i = 0; i < places.count && !places.oneCluster; ++i) {
+        if (places.cluster[i] != last) {
             last = places.cluster[i];
             seen = light.SeenFrom(last);
         }
@@ -87,13 +91,13 @@ LaneMask InSight(const Light &light, const ContributionSettings &settings, const
 }
 
 /// Direction and distance to the light; ends places beyond its reach.
-void AimAt(const Light &light, const LightPlaces &places, Arrivals &arrivals, Lanes &distance) {
+Q3_VECTOR void AimAt(const Light &light, const LightPlaces &places, Arrivals &arrivals) {
     const Vec3f from = light.bounds.mins, to = light.bounds.maxs;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float px = places.position.x[i], py = places.position.y[i], pz = places.position.z[i];
         const float x = light.origin.x - px, y = light.origin.y - py, z = light.origin.z - pz;
         const float d = std::sqrt(x * x + y * y + z * z), divisor = d > 0 ? d : 1;
-        distance[i] = d;
+        arrivals.distance[i] = d;
         arrivals.direction.x[i] = x / divisor;
         arrivals.direction.y[i] = y / divisor;
         arrivals.direction.z[i] = z / divisor;
@@ -104,7 +108,8 @@ void AimAt(const Light &light, const LightPlaces &places, Arrivals &arrivals, La
 }
 
 /// Falloff of point lights and spotlights.
-void PointAdd(const Light &light, const Lanes &distance, Arrivals &arrivals) {
+Q3_VECTOR void PointAdd(const Light &light, Arrivals &arrivals) {
+    const Lanes &distance = arrivals.distance;
     const float extra2 = light.extraDist * light.extraDist;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float d = std::max(kNearest, std::sqrt(distance[i] * distance[i] + extra2));
@@ -118,21 +123,22 @@ void PointAdd(const Light &light, const Lanes &distance, Arrivals &arrivals) {
 }
 
 /// Light without shadows.
-void Unshadowed(const Light &light, const ContributionSettings &settings, const LightPlaces &places, Arrivals &arrivals,
-                Lanes &distance) {
+void Unshadowed(const Light &light, const ContributionSettings &settings, const LightPlaces &places,
+                Arrivals &arrivals) {
     if (light.type == LightType::Sun) {
         arrivals.add.fill(light.photons);
         arrivals.direction.Fill(-light.normal);
-        distance.fill(kFar);
+        arrivals.distance.fill(kFar);
     } else {
-        AimAt(light, places, arrivals, distance);
+        AimAt(light, places, arrivals);
         if (light.type != LightType::Area)
-            PointAdd(light, distance, arrivals);
+            PointAdd(light, arrivals);
         else
             for (std::size_t i = 0; i < kPacketSize; ++i)
-                arrivals.add[i] = arrivals.live[i] == 0 ? 0
-                                                        : LegacyAreaAdd(light, places.position[i],
-                                                                        arrivals.direction[i], distance[i], settings);
+                arrivals.add[i] = arrivals.live[i] == 0
+                                      ? 0
+                                      : LegacyAreaAdd(light, places.position[i], arrivals.direction[i],
+                                                      arrivals.distance[i], settings);
     }
     const float least = light.fast && light.type != LightType::Sun ? light.tolerance : 0;
     for (std::size_t i = 0; i < kPacketSize; ++i)
@@ -140,44 +146,135 @@ void Unshadowed(const Light &light, const ContributionSettings &settings, const 
 }
 
 /// Moments of light from one direction; from everywhere alike in the light itself, where the direction is zero.
-void DirectionMoments(Arrivals &arrivals, bool radiance) {
-    std::array<float, 9> scale;
-    for (std::size_t k = 0; k < 9; ++k)
-        scale[k] = radiance ? 1 : float(kCosineLobe[k]);
+Q3_VECTOR void DirectionMoments(Arrivals &arrivals, bool radiance) {
+    const float s0 = float(kShC0) * (radiance ? 1 : float(kCosineLobe[0]));
+    const float s1 = float(kShC1) * (radiance ? 1 : float(kCosineLobe[1]));
+    const float band2 = radiance ? 1 : float(kCosineLobe[4]);
+    const float s2 = float(kShC2) * band2, s3 = float(kShC3) * band2, s4 = float(kShC4) * band2;
+    auto &m = arrivals.moments;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float x = arrivals.direction.x[i], y = arrivals.direction.y[i], z = arrivals.direction.z[i];
         const float add = arrivals.live[i] != 0 ? arrivals.add[i] : 0;
-        const auto basis = ShFromMoments<float>(1, Vec3f{x, y, z}, x * y, y * z, z * z, x * z, x * x - y * y);
-        for (std::size_t k = 0; k < 9; ++k)
-            arrivals.moments[k][i] = basis[k] * scale[k] * add;
-        // 3 z^2 - 1, and 0 instead of -1 where there is no direction.
-        arrivals.moments[6][i] = float(kShC3) * (2 * z * z - x * x - y * y) * scale[6] * add;
+        m[0][i] = s0 * add;
+        m[1][i] = s1 * y * add;
+        m[2][i] = s1 * z * add;
+        m[3][i] = s1 * x * add;
+        m[4][i] = s2 * (x * y) * add;
+        m[5][i] = s2 * (y * z) * add;
+        m[6][i] = s3 * (2 * z * z - x * x - y * y) * add; // 3 z^2 - 1, and 0 where there is no direction
+        m[7][i] = s2 * (x * z) * add;
+        m[8][i] = s4 * (x * x - y * y) * add;
     }
 }
 
-float Strongest(const Arrivals &arrivals) {
+Q3_VECTOR float Strongest(const Arrivals &arrivals) {
     float strongest = 0;
     for (std::size_t i = 0; i < kPacketSize; ++i)
         strongest = std::max(strongest, arrivals.live[i] != 0 ? arrivals.add[i] : 0);
     return strongest;
 }
 
-void Trace(const Light &light, const ContributionSettings &settings, const LightScene &scene, const LightPlaces &places,
-           const Lanes &distance, Arrivals &arrivals, ContributionCounts &counts) {
-    RayPacket rays;
-    rays.origin = places.rayOrigin;
-    rays.direction = arrivals.direction;
-    rays.distance = distance;
-    rays.live = arrivals.live;
-    const ShadowRules rules = settings.pass == LightPass::GridSH ? ShadowRules::Exact : ShadowRules::LegacyGrid;
-    if (light.type == LightType::Sun)
-        scene.TraceToSky(rays, light.skyIndex, rules, counts);
-    else
-        scene.TraceToLight(rays, rules, counts);
-    arrivals.live = rays.live;
-    arrivals.tinted = rays.tinted;
-    if (rays.tinted)
-        arrivals.tint = rays.tint;
+/// Delta lights, and area lights as the legacy grid takes them: one ray each.
+class DeltaContribution {
+  public:
+    DeltaContribution(const Light &light, float weight, const ContributionSettings &settings, const LightScene &scene,
+                      ContributionCounts &counts)
+        : light_(light), weight_(weight), settings_(settings), scene_(scene), counts_(counts),
+          exact_(settings.pass == LightPass::GridSH) {}
+
+    /// Sets what arrives without shadows; afterwards live places have rays to trace.
+    void Prepare(LightPlaces &places, Arrivals &arrivals) {
+        const int inSight = arrivals.live.Count();
+        Unshadowed(light_, settings_, places, arrivals);
+        const int inReach = arrivals.live.Count();
+        counts_.skippedFacing += std::uint64_t(inSight - inReach);
+        float weight = weight_;
+        if (light_.type == LightType::Area && inReach > 0) {
+            if (!TakeFaint(settings_.faint, Strongest(arrivals), places, weight)) {
+                counts_.skippedFaint += std::uint64_t(inReach);
+                arrivals.live = {};
+            }
+        }
+        for (float &add : arrivals.add)
+            add *= weight;
+    }
+    /// Whether coarse visibility is good enough for the light.
+    bool Dim(std::span<const Arrivals> arrivals) const {
+        if (!exact_ || !settings_.skip.coarse)
+            return false;
+        const float color = MaxComponent(Max(light_.color, -light_.color)) * settings_.samples;
+        return std::all_of(arrivals.begin(), arrivals.end(),
+                           [&](const Arrivals &one) { return Strongest(one) * color < kDim; });
+    }
+    /// Rays from all live places.
+    void Trace(const LightPlaces &places, Arrivals &arrivals) {
+        if (!arrivals.live.Any())
+            return;
+        RayPacket rays;
+        rays.origin = places.rayOrigin;
+        rays.direction = arrivals.direction;
+        rays.distance = arrivals.distance;
+        rays.live = arrivals.live;
+        Cast(rays);
+        arrivals.live = rays.live;
+        arrivals.tinted = rays.tinted;
+        if (rays.tinted)
+            arrivals.tint = rays.tint;
+    }
+    /// Rays from a few places of each block first, and from the others where those differ.
+    void TraceCoarse(std::span<const LightPlaces> blocks, std::span<Arrivals> arrivals);
+    void Finish(Arrivals &arrivals) const {
+        if (exact_ && arrivals.live.Any())
+            DirectionMoments(arrivals, settings_.radiance);
+    }
+
+  private:
+    /// Places of a full block that are spread over all its axes.
+    static constexpr std::array<std::size_t, 4> kSpread = {0, 5, 10, 15};
+    static constexpr std::size_t kPerPacket = kPacketSize / kSpread.size();
+
+    void Cast(RayPacket &rays) {
+        if (light_.type == LightType::Sun)
+            scene_.TraceToSky(rays, light_.skyIndex, exact_ ? ShadowRules::Exact : ShadowRules::LegacyGrid, counts_);
+        else
+            scene_.TraceToLight(rays, exact_ ? ShadowRules::Exact : ShadowRules::LegacyGrid, counts_);
+    }
+
+    const Light &light_;
+    float weight_;
+    const ContributionSettings &settings_;
+    const LightScene &scene_;
+    ContributionCounts &counts_;
+    bool exact_;
+};
+
+void DeltaContribution::TraceCoarse(std::span<const LightPlaces> blocks, std::span<Arrivals> arrivals) {
+    for (std::size_t first = 0; first < blocks.size(); first += kPerPacket) {
+        const std::size_t count = std::min(kPerPacket, blocks.size() - first);
+        RayPacket rays;
+        for (std::size_t i = 0; i < count * kSpread.size(); ++i) {
+            const std::size_t block = first + i / kSpread.size(), lane = kSpread[i % kSpread.size()];
+            rays.origin.Set(i, blocks[block].rayOrigin[lane]);
+            rays.direction.Set(i, arrivals[block].direction[lane]);
+            rays.distance[i] = arrivals[block].distance[lane];
+            rays.live[i] = arrivals[block].live[lane];
+        }
+        Cast(rays);
+        for (std::size_t block = first; block < first + count; ++block) {
+            const std::int32_t *seen = rays.live.data() + (block - first) * kSpread.size();
+            int asked = 0, clear = 0;
+            for (std::size_t i = 0; i < kSpread.size(); ++i)
+                asked -= arrivals[block].live[kSpread[i]], clear -= seen[i];
+            const bool alike = asked == int(kSpread.size()) && (clear == 0 || clear == asked) && !rays.tinted;
+            if (!alike) {
+                Trace(blocks[block], arrivals[block]);
+                continue;
+            }
+            counts_.skippedCoarse += std::uint64_t(arrivals[block].live.Count() - asked);
+            if (clear == 0)
+                arrivals[block].live = {};
+        }
+    }
 }
 
 } // namespace
@@ -195,38 +292,34 @@ void LightPlaces::Add(const Vec3f &at, const Vec3f &raysFrom, int clusterAt, std
     cluster[count] = clusterAt;
     index[count] = indexAt;
     wanted[count] = -1;
+    oneCluster = oneCluster && clusterAt == cluster[0];
     ++count;
 }
 
-bool LightContributionToPoint(const Light &light, float weight, const ContributionSettings &settings,
-                              const LightScene &scene, LightPlaces &places, Arrivals &arrivals,
+void LightContributionToPoint(const Light &light, float weight, const ContributionSettings &settings,
+                              const LightScene &scene, std::span<LightPlaces> blocks, std::span<Arrivals> arrivals,
                               ContributionCounts &counts) {
-    arrivals.live = InSight(light, settings, places, counts);
-    arrivals.tinted = false;
-    if (!arrivals.live.Any())
-        return false;
-    const bool exact = settings.pass == LightPass::GridSH;
-    if (exact && light.type == LightType::Area)
-        return AreaContribution(light, weight, settings, scene, places, arrivals, counts).Add(arrivals.live);
-    const int inSight = arrivals.live.Count();
-    Lanes distance;
-    Unshadowed(light, settings, places, arrivals, distance);
-    const int inReach = arrivals.live.Count();
-    counts.skippedFacing += std::uint64_t(inSight - inReach);
-    if (inReach == 0)
-        return false;
-    if (light.type == LightType::Area && !TakeFaint(settings.faint, Strongest(arrivals), places, weight)) {
-        counts.skippedFaint += std::uint64_t(inReach);
-        return false;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+        arrivals[i].live = InSight(light, settings, blocks[i], counts);
+        arrivals[i].tinted = false;
     }
-    Trace(light, settings, scene, places, distance, arrivals, counts);
-    if (!arrivals.live.Any())
-        return false;
-    for (float &add : arrivals.add)
-        add *= weight;
-    if (exact)
-        DirectionMoments(arrivals, settings.radiance);
-    return true;
+    if (light.type == LightType::Area && settings.pass == LightPass::GridSH) {
+        for (std::size_t i = 0; i < blocks.size(); ++i)
+            if (arrivals[i].live.Any())
+                AreaContribution(light, weight, settings, scene, blocks[i], arrivals[i], counts).Add();
+        return;
+    }
+    DeltaContribution delta(light, weight, settings, scene, counts);
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+        if (arrivals[i].live.Any())
+            delta.Prepare(blocks[i], arrivals[i]);
+    if (delta.Dim(arrivals.first(blocks.size())))
+        delta.TraceCoarse(blocks, arrivals);
+    else
+        for (std::size_t i = 0; i < blocks.size(); ++i)
+            delta.Trace(blocks[i], arrivals[i]);
+    for (Arrivals &one : arrivals.first(blocks.size()))
+        delta.Finish(one);
 }
 
 bool TakeFaint(float faint, float strongest, LightPlaces &places, float &weight) {

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 namespace q3 {
 
@@ -28,6 +29,7 @@ struct LightPlaces {
     std::size_t count = 0;
     Lanes3 position{}, rayOrigin{}; ///< rays start at the position or a hair beside, clear of solids
     std::array<int, kPacketSize> cluster{};
+    bool oneCluster = true;                         ///< all are in the same
     std::array<std::uint32_t, kPacketSize> index{}; ///< of the grid point: seeds its sample patterns
     LaneMask wanted{};                              ///< places that take (more) light
     float collected = 0; ///< faint light that waits to be represented; see ContributionSettings::faint
@@ -40,6 +42,7 @@ struct Arrivals {
     LaneMask live{};     ///< places that get any; the others' numbers mean nothing
     Lanes add;           ///< light of full colour, byte scale, unshadowed, > 0
     Lanes3 direction;    ///< unit, to the light; zero in it
+    Lanes distance;      ///< of the rays there
     bool tinted = false; ///< by coloured surfaces on the way
     Lanes3 tint;         ///< if so
     /// GridSH: projection of what arrives, before the tint, cosine-convolved unless radiance, byte scale, for a light
@@ -61,13 +64,14 @@ struct ContributionSettings {
     float faint = 0;
 };
 
-/// Sets `arrivals` to what `light`, times `weight`, gives to the places: falloff, cones, form factors, sides,
-/// visibility by PVS and by ray. False: nothing to any. LegacyGrid follows the established program (one ray toward the
-/// light's centre, form factor toward it); GridSH is exact: every moment of an area light in closed form, its
-/// visibility by sampling where it is partly hidden. Area lights that are faint or far are approximated by less than
-/// 1/256 of a byte, and the faintest judged by one ray each. Safe from several threads.
-bool LightContributionToPoint(const Light &light, float weight, const ContributionSettings &settings,
-                              const LightScene &scene, LightPlaces &places, Arrivals &arrivals,
+/// Sets arrivals[i] to what `light`, times `weight`, gives to blocks[i]: falloff, cones, form factors, sides,
+/// visibility by PVS and by ray. No live places: nothing to any. LegacyGrid follows the established program (one ray
+/// toward the light's centre, form factor toward it); GridSH is exact: every moment of an area light in closed form,
+/// its visibility by sampling where it is partly hidden. Area lights that are faint or far are approximated by less
+/// than 1/256 of a byte, and the faintest judged by one ray each. Where a dim light is seen alike from a few places of
+/// a block, the others are taken to see it alike. Safe from several threads.
+void LightContributionToPoint(const Light &light, float weight, const ContributionSettings &settings,
+                              const LightScene &scene, std::span<LightPlaces> blocks, std::span<Arrivals> arrivals,
                               ContributionCounts &counts);
 
 /// Whether a light that gives at most `strongest` is taken, and its new weight. See ContributionSettings::faint.

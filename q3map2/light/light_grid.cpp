@@ -142,9 +142,10 @@ void LightBlock(const GridInputs &in, const ContributionSettings &settings, std:
                 LightPlaces &places, std::span<bspGridPoint_t> grid, GridStats &work) {
     std::array<LegacyPoint, kPacketSize> points;
     Arrivals arrivals;
-    for (const BrickLight &one : lights)
-        if (LightContributionToPoint(*one.light, one.weight, settings, in.scene, places, arrivals, work.counts))
-            AddArrivals(*one.light, in, arrivals, places, points);
+    for (const BrickLight &one : lights) {
+        LightContributionToPoint(*one.light, one.weight, settings, in.scene, {&places, 1}, {&arrivals, 1}, work.counts);
+        AddArrivals(*one.light, in, arrivals, places, points);
+    }
     for (std::size_t i = 0; i < places.count; ++i) {
         if (in.options.floodlight || in.world.hasFloodlight)
             AddFloodlight(in, places.position[i], points[i], work.counts);

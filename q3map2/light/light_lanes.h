@@ -8,6 +8,15 @@
 #include <cstddef>
 #include <cstdint>
 
+/// Compiles a function several times, for processors with and without wide vectors; the loader picks. Contraction is
+/// off, so all give the same bits. Sanitizers come into being after the loader's choice.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) &&               \
+    !defined(__SANITIZE_THREAD__)
+#define Q3_VECTOR __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define Q3_VECTOR
+#endif
+
 namespace q3 {
 
 /// Rays that are traced together, and places that are lit together.

@@ -105,10 +105,17 @@ void ParseSkips(Arguments &arguments, SkipOptions &skip) {
         value = !arguments.TakeFlag(name) && !none;
 }
 
+/// Samples a cell of -shfit.
+constexpr int kDefaultFit = 4, kMaxFit = 64;
+
 void ParseSH(Arguments &arguments, LightOptions &o) {
     o.shBspx = arguments.TakeFlag("-shbspx");
     o.shRadiance = arguments.TakeFlag("-shradiance");
     o.sh = arguments.TakeFlag("-sh") || o.shBspx || o.shRadiance;
+    o.shDering = arguments.TakeFlag("-shdering");
+    o.shError = arguments.TakeFlag("-sherror");
+    if ((o.shDering || o.shError) && !o.sh)
+        throw Error("{} needs -sh", o.shDering ? "-shdering" : "-sherror");
     while (const auto value = arguments.TakeValue("-gridscalesh")) {
         o.gridScaleSH = float(NumberFromText(*value));
         if (!(o.gridScaleSH > 0))
@@ -129,6 +136,12 @@ void ParseSH(Arguments &arguments, LightOptions &o) {
         if (!(o.shSamples >= 1.0f / 64 && o.shSamples <= 64))
             throw Error("-shsamples {}: expected a number from 1/64 to 64", *value);
     }
+    while (const auto samples = arguments.TakeCount("-shfit")) {
+        if (*samples > kMaxFit)
+            throw Error("-shfit {}: expected a number of samples a cell from 1 to {}", *samples, kMaxFit);
+        o.shFit = *samples > 0 ? *samples : kDefaultFit;
+    }
+    o.shFill = !arguments.TakeFlag("-noshfill");
     while (const auto value = arguments.TakeValue("-shpreview"))
         o.previewFile = *value;
     if (!o.previewFile.empty() && !o.sh)

@@ -54,8 +54,12 @@ struct LightOptions {
     bool sh = false;
     bool shBspx = false;
     bool shRadiance = false;
+    bool shDering = false; ///< no negative lobes
+    bool shError = false;  ///< compare the grid with exact light and say how far it is off
     float gridScaleSH = 2;
     std::optional<Vec3f> gridSizeSH;
+    int shFit = 0;       ///< fit all points to so many samples a cell; 0: those in solids only
+    bool shFill = true;  ///< fit points in solids; else fill from neighbours alone
     float shSamples = 1; ///< factor of the number of rays
     SkipOptions skip;
 

@@ -16,6 +16,10 @@ constexpr float kOnCut = 0.125f; ///< corners this near to a cut count as on it.
 constexpr double kMinArea = 1, kMaxArea = 20'000'000;
 constexpr float kFlatQuad = 0.1f; ///< a quad's fourth corner this near to the plane of the others keeps it whole
 constexpr int kMaxSkies = 32;
+/// Polygons with a corner farther out than this are in no map. Game units.
+constexpr float kMaxCoordinate = 262144;
+/// About so many lights at most come from one polygon.
+constexpr double kMaxPieces = 65536;
 
 using Polygon = std::vector<MeshVert>;
 
@@ -41,11 +45,14 @@ void Cut(const Polygon &polygon, std::size_t axis, float dist, Polygon &front, P
 /// Makes the area lights of one shader's polygons.
 class AreaLightMaker {
   public:
-    AreaLightMaker(const ShaderInfo &shader, const LightOptions &options, std::vector<Light> &lights, int &count)
-        : shader_(shader), options_(options), lights_(lights), count_(count),
-          limit_(shader.lightSubdivide > 0 ? shader.lightSubdivide : kDefaultSubdivide) {}
+    AreaLightMaker(const ShaderInfo &shader, const LightOptions &options, std::vector<Light> &lights, int &count,
+                   Log &log)
+        : shader_(shader), options_(options), lights_(lights), count_(count), log_(log) {}
 
     void Add(Polygon first) {
+        if (!InTheWorld(first))
+            return;
+        const float limit = PieceSize(first);
         std::vector<Polygon> stack;
         stack.push_back(std::move(first));
         while (!stack.empty()) {
@@ -57,7 +64,7 @@ class AreaLightMaker {
             for (const MeshVert &v : polygon)
                 box.Add(v.xyz);
             std::size_t axis = 0;
-            while (axis < 3 && !(box.maxs[axis] - box.mins[axis] > limit_))
+            while (axis < 3 && !(box.maxs[axis] - box.mins[axis] > limit))
                 ++axis;
             if (axis == 3) {
                 AddLight(polygon, box);
@@ -71,6 +78,33 @@ class AreaLightMaker {
     }
 
   private:
+    bool InTheWorld(const Polygon &polygon) {
+        for (const MeshVert &v : polygon)
+            if (!IsFinite(v.xyz) || MaxComponent(Max(v.xyz, -v.xyz)) > kMaxCoordinate) {
+                log_.Warn("light surface", "{}: a surface light with a corner at {:g} {:g} {:g} is left out",
+                          shader_.name, v.xyz.x, v.xyz.y, v.xyz.z);
+                return false;
+            }
+        return true;
+    }
+
+    /// Longest side of the box of a piece: the shader's, or larger when that makes too many.
+    float PieceSize(const Polygon &polygon) {
+        const float wanted = shader_.lightSubdivide > 0 ? shader_.lightSubdivide : kDefaultSubdivide;
+        Winding<float> w;
+        for (const MeshVert &v : polygon)
+            w.push_back(v.xyz);
+        const Boundsf box = WindingBounds(w);
+        const double length = double(MaxComponent(box.maxs - box.mins));
+        const float least = float(std::max(length / kMaxPieces, std::sqrt(2 * WindingArea(w) / kMaxPieces)));
+        if (wanted < least)
+            log_.Warn("light subdivision",
+                      "{}: q3map_lightSubdivide {:g} is too small for a surface of {:g} units, "
+                      "{:g} is used",
+                      shader_.name, wanted, length, least);
+        return std::max(wanted, least);
+    }
+
     void AddLight(const Polygon &polygon, const Boundsf &box) {
         Light light;
         Vec3f normal;
@@ -120,7 +154,7 @@ class AreaLightMaker {
     const LightOptions &options_;
     std::vector<Light> &lights_;
     int &count_;
-    float limit_;
+    Log &log_;
 };
 
 void AddPatchLights(const Mesh &mesh, const Vec3f &offset, AreaLightMaker &maker) {
@@ -251,7 +285,7 @@ std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const Ligh
             lights.push_back(SpriteLight(bsp, surface, shader, entry.origin, options));
             continue;
         }
-        AreaLightMaker maker(shader, options, lights, counts.areaLights);
+        AreaLightMaker maker(shader, options, lights, counts.areaLights, log);
         if (surface.surfaceType == MST_PATCH)
             AddPatchLights(TessellatePatch(bsp, surface, entry.longestCurve), entry.origin, maker);
         else if (surface.surfaceType == MST_PLANAR || surface.surfaceType == MST_TRIANGLE_SOUP)

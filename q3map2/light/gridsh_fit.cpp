@@ -1,0 +1,258 @@
+// GPL-2.0-or-later. Grid points fitted to the light between them.
+#include "q3map2/light/gridsh_fit.h"
+
+#include "libs/math/low_discrepancy.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+/// Half the width of a player: samples keep this clear of solids. Game units.
+constexpr float kPlayer = 16;
+constexpr float kClearance = 0.125f;
+/// Samples tried in each cell that has a point in a solid.
+constexpr float kPerCell = 4;
+/// Of the weight of a point's samples: how strongly it keeps to the value that it had.
+constexpr float kPull = 0.1f, kPullAll = 0.02f;
+/// Light under this counts more: there a leak shows. 1 = byte 255.
+constexpr float kDark = 0.02f;
+/// Norm of bands 1 and 2 over coefficient 0 of light from one direction, plain and convolved with the cosine. Light
+/// that is nowhere negative has no more.
+constexpr float kMostBandsPlain = 2.8284271f, kMostBands = 1.28291f;
+/// A relaxation ends when no coefficient moves by more than this. 1 = byte 255.
+constexpr float kSmallMove = 0.02f / 255;
+constexpr int kMaxSweeps = 60;
+/// Points of equal parity on all axes share no cell, so that they can move at the same time.
+constexpr int kParities = 8;
+
+std::uint32_t SampleIndex(std::uint32_t point, int sample) {
+    return std::uint32_t(HashIndex((std::uint64_t(point) << 8) + std::uint64_t(sample)));
+}
+
+float MeanLight(const bspGridPointSH_t &value) {
+    return float(kShC0) * std::max({value.coeffs[0][0], value.coeffs[0][1], value.coeffs[0][2]});
+}
+
+Vec3f PositionOf(const GridLayout &layout, std::int64_t index) {
+    const std::int64_t row = index / layout.bounds[0];
+    return Vec3f(
+        layout.Position(int(index % layout.bounds[0]), int(row % layout.bounds[1]), int(row / layout.bounds[1])));
+}
+
+/// Brings a channel back to what light that is nowhere negative can be.
+void LimitToLight(bspGridPointSH_t &point, float mostBands) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        float bands = 0;
+        for (std::size_t k = 1; k < 9; ++k)
+            bands += point.coeffs[k][channel] * point.coeffs[k][channel];
+        bands = std::sqrt(bands);
+        point.coeffs[0][channel] = std::max(0.0f, point.coeffs[0][channel]);
+        const float most = mostBands * point.coeffs[0][channel];
+        for (std::size_t k = 1; k < 9 && bands > most; ++k)
+            point.coeffs[k][channel] *= most / bands;
+    }
+}
+
+} // namespace
+
+GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,
+                 const std::vector<bool> &divided)
+    : in_(in), layout_(layout),
+      perCell_(int(std::ceil((in.options.shFit > 0 ? float(in.options.shFit) : kPerCell) * in.options.shSamples))),
+      pull_(in.options.shFit > 0 ? kPullAll : kPull), mostBands_(in.options.shRadiance ? kMostBandsPlain : kMostBands),
+      states_(states), rowOf_(states.size(), -1) {
+    if (!in.options.shFill)
+        return;
+    for (std::size_t i = 0; i < states.size(); ++i)
+        if (states[i] != PointState::Void && !divided[i] && (in.options.shFit > 0 || states[i] != PointState::Open)) {
+            rowOf_[i] = std::int32_t(rows_.size());
+            rows_.push_back({std::uint32_t(i)});
+        }
+}
+
+std::array<GridFit::Corner, 8> GridFit::CornersAt(const Vec3f &p) const {
+    std::array<std::int64_t, 3> low{};
+    std::array<float, 3> part{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float at =
+            std::clamp((p[axis] - layout_.mins[axis]) / layout_.size[axis], 0.0f, float(layout_.bounds[axis] - 1));
+        low[axis] = std::min(std::int64_t(at), std::max<std::int64_t>(0, layout_.bounds[axis] - 2));
+        part[axis] = at - float(low[axis]);
+    }
+    const std::int64_t step[3] = {layout_.bounds[0] > 1 ? 1 : 0, layout_.bounds[1] > 1 ? layout_.bounds[0] : 0,
+                                  layout_.bounds[2] > 1 ? std::int64_t(layout_.bounds[0]) * layout_.bounds[1] : 0};
+    const std::int64_t base =
+        low[0] + std::int64_t(layout_.bounds[0]) * (low[1] + std::int64_t(layout_.bounds[1]) * low[2]);
+    std::array<Corner, 8> corners;
+    for (std::size_t c = 0; c < 8; ++c) {
+        const bool x = c & 1, y = c & 2, z = c & 4;
+        corners[c] = {base + (x ? step[0] : 0) + (y ? step[1] : 0) + (z ? step[2] : 0),
+                      (x ? part[0] : 1 - part[0]) * (y ? part[1] : 1 - part[1]) * (z ? part[2] : 1 - part[2])};
+    }
+    return corners;
+}
+
+bool GridFit::AnyRow(const BrickPoint &point) const {
+    for (const Corner &corner : CornersAt(point.position + Vec3f(layout_.size) * 0.5f))
+        if (rowOf_[std::size_t(corner.index)] >= 0)
+            return true;
+    return false;
+}
+
+std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, const PlaceLighter &lighter,
+                                            GridStats &work) const {
+    std::vector<FitSample> samples;
+    if (rows_.empty())
+        return samples;
+    std::vector<LightPlaces> blocks;
+    const Vec3f cell(layout_.size), player{kPlayer, kPlayer, kPlayer};
+    for (const BrickPoint &point : points) {
+        if (!AnyRow(point) || !in_.space.AnyOpen(point.position, point.position + cell))
+            continue;
+        for (int i = 0; i < perCell_; ++i) {
+            const Sample2 s = PlasticSample(std::uint32_t(i), point.index);
+            const double v = UnitFromHash(HashIndex((std::uint64_t(point.index) << 8) + std::uint64_t(i)));
+            const Vec3f p = point.position + cell * Vec3f{float(s.u), float(s.v), float((i + v) / perCell_)};
+            const int cluster = in_.space.ClusterAt(p, kClearance);
+            if (cluster >= 0 && !in_.space.AnySolid(p - player, p + player))
+                AddPlace(blocks, p, p, cluster, SampleIndex(point.index, i));
+        }
+    }
+    if (blocks.empty())
+        return samples;
+    for (const LightPlaces &places : blocks)
+        for (std::size_t i = 0; i < places.count; ++i)
+            samples.push_back({places.position[i], {}});
+    std::size_t next = 0;
+    lighter.Light(blocks, HashIndex(points.front().index), work,
+                  [&](std::uint32_t, const bspGridPointSH_t &value) { samples[next++].value = value; });
+    if (in_.options.shFit > 0)
+        FindSeen(samples, work);
+    return samples;
+}
+
+/// Rays from samples to the points in the open around them.
+void GridFit::FindSeen(std::span<FitSample> samples, GridStats &work) const {
+    constexpr std::size_t kAtOnce = kPacketSize / 8;
+    for (std::size_t first = 0; first < samples.size(); first += kAtOnce) {
+        const std::size_t count = std::min(kAtOnce, samples.size() - first);
+        RayPacket rays{};
+        LaneMask asked{};
+        for (std::size_t ray = 0; ray < count * 8; ++ray) {
+            const FitSample &sample = samples[first + ray / 8];
+            const auto point = std::size_t(CornersAt(sample.position)[ray % 8].index);
+            asked.Set(ray, states_[point] == PointState::Open && rowOf_[point] >= 0);
+            if (asked[ray] != 0)
+                rays.Aim(ray, sample.position, PositionOf(layout_, std::int64_t(point)));
+        }
+        in_.scene.TraceToLight(rays, ShadowRules::Exact, work.counts);
+        for (std::size_t ray = 0; ray < count * 8; ++ray)
+            if (asked[ray] != 0 && rays.live[ray] == 0)
+                samples[first + ray / 8].sees &= std::uint8_t(~(1u << (ray % 8)));
+    }
+}
+
+void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
+    const std::lock_guard lock(mutex_);
+    waiting_.emplace(brick, std::move(samples));
+    while (!waiting_.empty() && waiting_.begin()->first == next_) {
+        for (const FitSample &sample : waiting_.begin()->second)
+            Accumulate(sample);
+        waiting_.erase(waiting_.begin());
+        ++next_;
+    }
+}
+
+void GridFit::Accumulate(const FitSample &sample) {
+    ++samples_;
+    const float mean = MeanLight(sample.value), beyond = std::max(1.0f, 2 * mean);
+    const float weight = std::pow(kDark / (kDark + mean), 0.25f) / (beyond * beyond);
+    const auto corners = CornersAt(sample.position);
+    for (std::size_t a = 0; a < 8; ++a) {
+        const std::int32_t number = rowOf_[std::size_t(corners[a].index)];
+        if (number < 0 || (sample.sees >> a & 1) == 0)
+            continue;
+        Row &row = rows_[std::size_t(number)];
+        const float share = weight * corners[a].weight;
+        for (std::size_t k = 0; k < 9; ++k)
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                row.rhs.coeffs[k][channel] += share * sample.value.coeffs[k][channel];
+        for (std::size_t b = 0; b < 8; ++b) {
+            // Offset of corner b from corner a on each axis, -1 to 1, as a place of the stencil.
+            const auto axis = [&](std::size_t bit) { return 1 + int((b >> bit) & 1) - int((a >> bit) & 1); };
+            row.stencil[std::size_t(axis(0) + 3 * (axis(1) + 3 * axis(2)))] += share * corners[b].weight;
+        }
+    }
+}
+
+/// One step of Gauss and Seidel. The largest move of a coefficient.
+float GridFit::Relax(std::size_t number, const bspGridPointSH_t &before, LightGridSH &grid) const {
+    const Row &row = rows_[number];
+    constexpr std::size_t kCenter = kStencil / 2;
+    float total = 0;
+    for (const float s : row.stencil)
+        total += s;
+    if (!(total > 0))
+        return 0;
+    const float pull = pull_ * total, diagonal = row.stencil[kCenter] + pull;
+    bspGridPointSH_t value;
+    for (std::size_t k = 0; k < 9; ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            value.coeffs[k][channel] = row.rhs.coeffs[k][channel] + pull * before.coeffs[k][channel];
+    const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
+    for (std::size_t s = 0; s < kStencil; ++s) {
+        if (s == kCenter || row.stencil[s] == 0)
+            continue;
+        const std::int64_t other = std::int64_t(row.index) + std::int64_t(s % 3) - 1 +
+                                   (std::int64_t(s / 3 % 3) - 1) * width + (std::int64_t(s / 9) - 1) * slice;
+        const bspGridPointSH_t &neighbour = grid.points[std::size_t(other)];
+        for (std::size_t k = 0; k < 9; ++k)
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                value.coeffs[k][channel] -= row.stencil[s] * neighbour.coeffs[k][channel];
+    }
+    for (auto &coefficient : value.coeffs)
+        for (float &channel : coefficient)
+            channel /= diagonal;
+    LimitToLight(value, mostBands_);
+    bspGridPointSH_t &stored = grid.points[row.index];
+    float move = 0;
+    for (std::size_t k = 0; k < 9; ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            move = std::max(move, std::abs(value.coeffs[k][channel] - stored.coeffs[k][channel]));
+    stored = value;
+    return move;
+}
+
+void GridFit::Solve(LightGridSH &grid, const JobPool &jobs) {
+    std::array<std::vector<std::size_t>, kParities> parities;
+    std::vector<bspGridPointSH_t> before(rows_.size());
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        const std::int64_t index = rows_[i].index, row = index / layout_.bounds[0];
+        const std::int64_t x = index % layout_.bounds[0], y = row % layout_.bounds[1], z = row / layout_.bounds[1];
+        parities[std::size_t((x & 1) + 2 * (y & 1) + 4 * (z & 1))].push_back(i);
+        before[i] = grid.points[rows_[i].index];
+    }
+    constexpr std::int64_t kChunk = 256;
+    for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+        float largest = 0;
+        for (const auto &rows : parities) {
+            const std::int64_t chunks = (std::int64_t(rows.size()) + kChunk - 1) / kChunk;
+            std::vector<float> moves(static_cast<std::size_t>(chunks));
+            jobs.For(chunks, [&](std::int64_t chunk, int) {
+                const std::size_t end = std::min(rows.size(), std::size_t((chunk + 1) * kChunk));
+                for (auto i = std::size_t(chunk * kChunk); i < end; ++i)
+                    moves[std::size_t(chunk)] =
+                        std::max(moves[std::size_t(chunk)], Relax(rows[i], before[rows[i]], grid));
+            });
+            for (const float move : moves)
+                largest = std::max(largest, move);
+        }
+        if (largest < kSmallMove)
+            break;
+    }
+}
+
+} // namespace q3

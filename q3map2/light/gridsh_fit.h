@@ -1,0 +1,74 @@
+// GPL-2.0-or-later. Grid points fitted to the light between them.
+#pragma once
+
+#include "q3map2/light/gridsh_fill.h"
+#include "q3map2/light/gridsh_light.h"
+
+#include <map>
+#include <mutex>
+#include <span>
+#include <vector>
+
+namespace q3 {
+
+/// Light at a place between points.
+struct FitSample {
+    Vec3f position;
+    bspGridPointSH_t value;
+    std::uint8_t sees = 0xff; ///< by corner of its cell: whether it may move that point
+};
+
+/// Least-squares fit of grid points, so that what trilinear interpolation shows where players can be is as near as can
+/// be to the light there. By default it fits the points in solids alone, whose values are free; with -shfit all.
+///
+/// Minimises, over samples s with weight w, the sum of w |shown(s) - value(s)|^2, plus a pull of each point towards the
+/// value that it had, in proportion to the samples that it takes part in. In SH coefficients, so over all normals
+/// alike. The weight falls with the square of light beyond what a screen can show.
+class GridFit {
+  public:
+    GridFit(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,
+            const std::vector<bool> &divided);
+
+    /// Samples of the cells whose lowest corners are the points of a brick. From any thread.
+    std::vector<FitSample> SampleCells(std::span<const BrickPoint> points, const PlaceLighter &lighter,
+                                       GridStats &work) const;
+    /// Takes the samples of a brick; each brick once. From any thread; sums in the order of bricks.
+    void AddSamples(std::int64_t brick, std::vector<FitSample> samples);
+    /// Moves the fitted points to their best values. Call once all bricks are in.
+    void Solve(LightGridSH &grid, const JobPool &jobs);
+    std::int64_t Samples() const { return samples_; }
+
+  private:
+    static constexpr std::size_t kStencil = 27;
+    /// One equation: the sum over 27 points around of stencil times value is rhs.
+    struct Row {
+        std::uint32_t index = 0;
+        std::array<float, kStencil> stencil{};
+        bspGridPointSH_t rhs{};
+    };
+    struct Corner {
+        std::int64_t index;
+        float weight;
+    };
+
+    std::array<Corner, 8> CornersAt(const Vec3f &p) const;
+    bool AnyRow(const BrickPoint &point) const;
+    void FindSeen(std::span<FitSample> samples, GridStats &work) const;
+    void Accumulate(const FitSample &sample);
+    float Relax(std::size_t row, const bspGridPointSH_t &before, LightGridSH &grid) const;
+
+    const GridInputs &in_;
+    const GridLayout &layout_;
+    int perCell_;
+    float pull_;
+    float mostBands_;
+    const std::vector<PointState> &states_;
+    std::vector<std::int32_t> rowOf_; // by point; -1: not fitted
+    std::vector<Row> rows_;
+    std::int64_t samples_ = 0;
+    std::mutex mutex_;
+    std::map<std::int64_t, std::vector<FitSample>> waiting_;
+    std::int64_t next_ = 0;
+};
+
+} // namespace q3

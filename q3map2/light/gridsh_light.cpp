@@ -1,0 +1,128 @@
+// GPL-2.0-or-later. SH coefficients at any place in the open.
+#include "q3map2/light/gridsh_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace q3 {
+
+namespace {
+
+/// Lights fainter than this in all of a brick, and then at each point, are represented by a few of them. Byte scale; an
+/// eighth of what a screen can show.
+constexpr float kFaint = 1.0f / 4;
+
+/// Sums beyond this, from absurd keys and scales, are cut. 1 = byte 255.
+constexpr double kMaxCoefficient = 1e9;
+
+/// Sum of what arrives at a place, [channel][k], unit scale.
+using PointSum = std::array<ShVector, 3>;
+
+using ChannelSum = std::array<std::array<double, kPacketSize>, 9>;
+
+Q3_VECTOR void AddScaled(const Arrivals &arrivals, double scale, ChannelSum &sum) {
+    for (std::size_t k = 0; k < 9; ++k)
+        for (std::size_t i = 0; i < kPacketSize; ++i)
+            sum[k][i] += scale * double(arrivals.moments[k][i]);
+}
+
+void AddTinted(const Arrivals &arrivals, const Lanes &tint, double scale, ChannelSum &sum) {
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        for (std::size_t k = 0; k < 9 && arrivals.live[i] != 0; ++k)
+            sum[k][i] += scale * double(tint[i]) * double(arrivals.moments[k][i]);
+}
+
+/// The same for a block of places.
+struct BlockSum {
+    alignas(64) std::array<ChannelSum, 3> sum{};
+
+    void Add(const Light &light, const Arrivals &arrivals) {
+        const Lanes *tints[] = {&arrivals.tint.x, &arrivals.tint.y, &arrivals.tint.z};
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            const double scale = (light.negative ? -1 : 1) * double(light.color[channel]) / 255;
+            if (!arrivals.tinted)
+                AddScaled(arrivals, scale, sum[channel]);
+            else
+                AddTinted(arrivals, *tints[channel], scale, sum[channel]);
+        }
+    }
+    PointSum Of(std::size_t i) const {
+        PointSum point;
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            for (std::size_t k = 0; k < 9; ++k)
+                point[channel][k] = sum[channel][k][i];
+        return point;
+    }
+};
+
+/// A hemisphere of uniform light around +z or -z, as floodlight gives it.
+void AddFlood(const GridInputs &in, const Vec3f &position, PointSum &sum, RayCounts &counts) {
+    for (const float up : {1.0f, -1.0f}) {
+        const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.options.lowQuality, counts);
+        const Vec3d light = Vec3d(in.world.floodColor) * (double(in.world.floodIntensity) * share / 255);
+        const double convolve0 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[0] / std::numbers::pi;
+        const double convolve1 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[2] / std::numbers::pi;
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            sum[channel][0] += light[channel] * convolve0 * kShC0 * 2 * std::numbers::pi;
+            sum[channel][2] += light[channel] * convolve1 * kShC1 * std::numbers::pi * up;
+        }
+    }
+}
+
+/// Ambient light, the minimum, the grid scale; and no channel whose mean is negative.
+bspGridPointSH_t StorePoint(const GridInputs &in, const PointSum &total) {
+    // Coefficient 0 of light 1 from everywhere.
+    const double uniform = 1 / kShC0 / (in.options.shRadiance ? std::numbers::pi : 1);
+    const double scale = in.options.gridScale > 0 ? in.options.gridScale : 1;
+    bspGridPointSH_t stored{};
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        ShVector sum = total[channel];
+        sum[0] += double(in.world.ambient[channel]) / 255 * uniform;
+        if (sum[0] < 0)
+            sum = {};
+        sum[0] = std::max(sum[0], double(in.world.minGrid[channel]) / 255 * uniform);
+        for (std::size_t k = 0; k < 9; ++k)
+            stored.coeffs[k][channel] = float(std::clamp(sum[k] * scale, -kMaxCoefficient, kMaxCoefficient));
+    }
+    return stored;
+}
+
+} // namespace
+
+PlaceLighter::PlaceLighter(const GridInputs &in, const std::vector<q3::Light> &lights)
+    : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
+                                          .sunOnly = in.options.sunOnly,
+                                          .radiance = in.options.shRadiance,
+                                          .samples = in.options.shSamples,
+                                          .skip = in.options.skip},
+      faint_(kFaint / in.options.shSamples) {}
+
+std::vector<bspGridPointSH_t> PlaceLighter::Values(std::vector<LightPlaces> &blocks, std::uint64_t seed,
+                                                   GridStats &work) const {
+    StartFaint(blocks, faint_);
+    std::vector<BlockSum> sums(blocks.size());
+    std::vector<Arrivals> arrivals(blocks.size());
+    const BrickLights candidates(lights_, BrickView(blocks), seed, faint_, in_.options.skip, work);
+    ContributionSettings pass = settings_;
+    pass.faint = candidates.Many() ? faint_ : 0;
+    for (const BrickLight &one : candidates.List()) {
+        LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, arrivals, work.counts);
+        for (std::size_t block = 0; block < blocks.size(); ++block)
+            if (arrivals[block].live.Any())
+                sums[block].Add(*one.light, arrivals[block]);
+    }
+    const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
+    std::vector<bspGridPointSH_t> values;
+    values.reserve(blocks.size() * kPacketSize);
+    for (std::size_t block = 0; block < blocks.size(); ++block)
+        for (std::size_t i = 0; i < blocks[block].count; ++i) {
+            PointSum sum = sums[block].Of(i);
+            if (flood)
+                AddFlood(in_, blocks[block].position[i], sum, work.counts);
+            values.push_back(StorePoint(in_, sum));
+        }
+    return values;
+}
+
+} // namespace q3

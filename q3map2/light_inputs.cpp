@@ -1,0 +1,33 @@
+// GPL-2.0-or-later. Files beside a .bsp that lighting wants.
+#include "q3map2/light_inputs.h"
+
+#include "common/files.h"
+#include "q3map2/stages.h"
+
+namespace q3 {
+
+namespace {
+
+std::string TextOf(const std::filesystem::path &path) {
+    const auto bytes = ReadFile(path);
+    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+}
+
+} // namespace
+
+LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log) {
+    LightInputs inputs;
+    inputs.name = bspPath.stem().string();
+    const auto mapPath = WithExtension(bspPath, ".map"), srfPath = WithExtension(bspPath, ".srf");
+    if (std::filesystem::exists(mapPath)) {
+        log.Print("Loading {}\n", mapPath.string());
+        inputs.mapEntities = ParseMapEntities(TextOf(mapPath), mapPath.string());
+    }
+    if (std::filesystem::exists(srfPath)) {
+        log.Print("Loading {}\n", srfPath.string());
+        inputs.surfaceFile = TextOf(srfPath);
+    }
+    return inputs;
+}
+
+} // namespace q3

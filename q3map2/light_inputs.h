@@ -1,0 +1,14 @@
+// GPL-2.0-or-later. Files beside a .bsp that lighting wants.
+#pragma once
+
+#include "q3map2/light/light.h"
+
+#include <filesystem>
+
+namespace q3 {
+
+/// The .map and the .srf beside the .bsp, as far as they are there. Errors: Error, for files that cannot be read or
+/// parsed.
+LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log);
+
+} // namespace q3

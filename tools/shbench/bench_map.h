@@ -1,0 +1,43 @@
+// GPL-2.0-or-later. A map ready to be measured: its lights and what rays meet, without any shortcut.
+#pragma once
+
+#include "q3map2/light/light.h"
+#include "q3map2/light/light_scene.h"
+#include "q3map2/light/light_space.h"
+#include "q3map2/light/surface_table.h"
+
+#include <vector>
+
+namespace q3::bench {
+
+/// Everything that the reference light of a map is computed from. Const after construction; parts refer to each other,
+/// so it is neither copied nor moved.
+class BenchMap {
+  public:
+    /// `options` without the settings that trade quality for speed: those are ignored. Errors: as LightWorld.
+    BenchMap(Bsp map, LightInputs files, const LightOptions &lightOptions, ShaderLibrary &library, Log &log);
+    BenchMap(const BenchMap &) = delete;
+    BenchMap &operator=(const BenchMap &) = delete;
+
+    const Bsp bsp;
+    const LightInputs inputs;
+    const LightOptions options;
+    const std::vector<Entity> stored; ///< entities of the .bsp, the world first
+    const WorldLight world;
+    SurfaceTable table;               ///< with the numbers of skies
+    const std::vector<Light> created; ///< before SetupEnvelopes
+    const BspSpace space;
+    const LightScene scene;
+    const std::vector<Light> lights; ///< those of style 0, everywhere in reach
+};
+
+/// Process CPU seconds so far, of all threads.
+double CpuSeconds();
+
+/// Options as words, split at blanks, for ParseLightOptions. Errors: words that it does not know.
+LightOptions LightOptionsFrom(std::string_view text, const Game &game);
+
+/// A log that prints nothing but warnings, to standard error.
+Log::Sink WarningsOnly();
+
+} // namespace q3::bench

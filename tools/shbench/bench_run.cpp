@@ -1,0 +1,121 @@
+// GPL-2.0-or-later. The benchmark of one map: reference, bakes, errors.
+#include "tools/shbench/bench_run.h"
+
+#include "common/error.h"
+#include "q3map2/light_inputs.h"
+#include "q3map2/stages.h"
+#include "tools/shbench/plain.h"
+#include "tools/shbench/raw.h"
+
+#include <algorithm>
+#include <functional>
+
+namespace q3::bench {
+
+namespace {
+
+/// A line of the report and how it is made.
+struct Contender {
+    BenchLine line;
+    std::function<Baked()> bake;
+    bool legacy = false;
+};
+
+/// Bakes all in turn, so that a machine that changes its pace treats them alike; keeps the least time of each.
+void BakeInTurn(std::vector<Contender> &contenders, const Truth &truth, const BenchSettings &settings, Log &progress,
+                std::string &worst) {
+    for (int repeat = 0; repeat < settings.repeats; ++repeat)
+        for (Contender &one : contenders) {
+            progress.Print("{} ({} of {})\n", one.line.name, repeat + 1, settings.repeats);
+            const Baked baked = one.bake();
+            if (repeat == 0 || baked.cost.cpuSeconds < one.line.cost.cpuSeconds)
+                one.line.cost = baked.cost;
+            if (repeat > 0)
+                continue;
+            const ShownLight shown = one.legacy ? ShownByLegacy(baked.bsp) : ShownBySH(baked.bsp);
+            one.line.errors = MeasureErrors(truth, shown);
+            if (settings.worst > 0 && one.line.name == settings.worstOf)
+                worst = WorstText(truth, WorstPlaces(truth, shown, settings.worst), one.line.name);
+        }
+}
+
+/// Cells of the default setting, on which the plain baker and the raw rays work.
+bspGridSHHeader_t DefaultLayout(const BenchMap &map) {
+    Log silent([](LogLevel, std::string_view) {});
+    Entity world = map.stored.front();
+    const GridLayout legacy = SetupGrid(map.bsp, world, silent);
+    const GridLayout layout = SetupGridSH(map.bsp, legacy.size, map.options, silent);
+    return {layout.mins, layout.size, layout.bounds, std::int32_t(layout.Count())};
+}
+
+std::vector<Contender> Contenders(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings,
+                                  const Game &game, const bspGridSHHeader_t &layout, const JobPool &jobs) {
+    std::vector<Contender> all;
+    for (const BakeSetting &setting : settings.bakes.empty() ? DefaultBakes() : settings.bakes) {
+        const LightOptions options = LightOptionsFrom(settings.options + " " + setting.options, game);
+        all.push_back({{setting.name, setting.options, {}, {}},
+                       [&map, &library, &jobs, options] { return Bake(map, options, true, library, jobs); }});
+    }
+    all.push_back({{std::string(kPlainName), "one ray per light and point", {}, {}},
+                   [&map, &jobs, layout] { return BakePlain(map, layout, jobs); }});
+    const LightOptions options = LightOptionsFrom(settings.options, game);
+    all.push_back({{std::string(kLegacyName), "no -sh", {}, {}},
+                   [&map, &library, &jobs, options] { return Bake(map, options, false, library, jobs); },
+                   true});
+    return all;
+}
+
+} // namespace
+
+std::vector<BakeSetting> DefaultBakes() {
+    return {{std::string(kDefaultName), ""},
+            {"fast", "-fast"},
+            {"noskip", "-noskip"},
+            {"gridscalesh 1", "-gridscalesh 1"},
+            {"gridscalesh 1.5", "-gridscalesh 1.5"},
+            {"gridscalesh 3", "-gridscalesh 3"},
+            {"gridsh 64", "-gridsh 64 64 64"}};
+}
+
+BenchFiles::BenchFiles(const GlobalOptions &global, const std::vector<std::string> &words,
+                       const std::filesystem::path &program, const std::filesystem::path &bspPath,
+                       const LightOptions &options, Log &log)
+    : vfs_(OpenGameFiles(global, GameFolders(global, words, program), log)),
+      library_(std::make_unique<ShaderLibrary>(vfs_, *global.game, options.shader, log)),
+      map_(std::make_unique<BenchMap>(ReadBspFile(bspPath, global.Format(), log), ReadLightInputs(bspPath, log),
+                                      options, *library_, log)) {}
+
+BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings, const Game &game,
+                     const JobPool &jobs, Log &progress) {
+    BenchResult result;
+    BenchReport &report = result.report;
+    report.map = map.inputs.name;
+    report.lights = map.lights.size();
+    report.areaLights = std::size_t(std::count_if(map.lights.begin(), map.lights.end(),
+                                                  [](const Light &light) { return light.type == LightType::Area; }));
+    report.repeats = settings.repeats;
+    report.threads = jobs.Threads();
+
+    const bspGridSHHeader_t layout = DefaultLayout(map);
+    auto contenders = Contenders(map, library, settings, game, layout, jobs);
+    progress.Print("truth\n");
+    const Truth truth = CachedTruth(map, settings.truth, jobs, settings.cache, report.truthFromCache);
+    report.positions = truth.points.size();
+    report.truthNoise = truth.noise, report.truthRays = truth.rays, report.truthCpuSeconds = truth.cpuSeconds;
+    report.floor = FloorError(truth);
+
+    std::unique_ptr<RawRays> raw;
+    if (settings.raw) {
+        progress.Print("raw rays\n");
+        raw = std::make_unique<RawRays>(map, layout, settings.truth.seed);
+        report.rawBefore = raw->PerSecond(settings.rawSeconds);
+    }
+    BakeInTurn(contenders, truth, settings, progress, result.worst);
+    if (raw)
+        report.rawAfter = raw->PerSecond(settings.rawSeconds);
+    for (Contender &one : contenders)
+        report.lines.push_back(std::move(one.line));
+    return result;
+}
+
+} // namespace q3::bench

@@ -1,0 +1,53 @@
+// GPL-2.0-or-later. The benchmark of one map: reference, bakes, errors.
+#pragma once
+
+#include "q3map2/global_options.h"
+#include "tools/shbench/report.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace q3::bench {
+
+struct BenchSettings {
+    TruthSettings truth;
+    std::vector<BakeSetting> bakes; ///< empty: DefaultBakes()
+    std::string options;            ///< light options of the reference and, before their own, of all bakes
+    int repeats = 1;
+    bool raw = true;
+    double rawSeconds = 2;       ///< CPU time of each of its two measurements
+    std::filesystem::path cache; ///< folder of reference light; empty: none
+    std::string worstOf = std::string(kDefaultName);
+    std::size_t worst = 0; ///< number of worst positions to list
+};
+
+/// The default, faster and slower settings, and other cells.
+std::vector<BakeSetting> DefaultBakes();
+
+struct BenchResult {
+    BenchReport report;
+    std::string worst; ///< text, empty unless asked for
+};
+
+/// A map from files, with the game's shaders.
+class BenchFiles {
+  public:
+    /// `words` of the command line, to find the engine path in. Errors: as the light stage.
+    BenchFiles(const GlobalOptions &global, const std::vector<std::string> &words, const std::filesystem::path &program,
+               const std::filesystem::path &bspPath, const LightOptions &options, Log &log);
+    const BenchMap &Map() const { return *map_; }
+    ShaderLibrary &Library() { return *library_; }
+
+  private:
+    VirtualFileSystem vfs_;
+    std::unique_ptr<ShaderLibrary> library_;
+    std::unique_ptr<BenchMap> map_;
+};
+
+/// Measures all settings, the plain baker and the legacy grid. `progress` says what is going on.
+BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings, const Game &game,
+                     const JobPool &jobs, Log &progress);
+
+} // namespace q3::bench

@@ -1,0 +1,29 @@
+// GPL-2.0-or-later. Axis of a chart: range, ticks, from values to picture units. Internal to the chart.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace q3::bench {
+
+class ChartScale {
+  public:
+    /// Covers the values with a margin; a scale of positive values does not go under 0.
+    ChartScale(const std::vector<double> &values, bool log, double start, double end);
+    double At(double value) const;
+    bool Shows(double value) const { return !log_ || value > 0; }
+    double Low() const { return low_; }
+    double High() const { return high_; }
+
+    struct Tick {
+        double value = 0;
+        std::string label; ///< empty: a minor tick
+    };
+    std::vector<Tick> Ticks() const;
+
+  private:
+    bool log_;
+    double low_ = 0, high_ = 1, start_, end_;
+};
+
+} // namespace q3::bench

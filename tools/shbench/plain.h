@@ -1,0 +1,12 @@
+// GPL-2.0-or-later. The plainest baker of an SH grid, to compare with.
+#pragma once
+
+#include "tools/shbench/bakes.h"
+
+namespace q3::bench {
+
+/// Same points as `layout`; at each that is not in solid or void every light by one ray toward its centre, area lights
+/// as points with the emitter's cosine. Nothing is skipped and nothing filled: other points are zero.
+Baked BakePlain(const BenchMap &map, const bspGridSHHeader_t &layout, const JobPool &jobs);
+
+} // namespace q3::bench

@@ -1,0 +1,166 @@
+// GPL-2.0-or-later. Results of a benchmark as text and JSON.
+#include "tools/shbench/report.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace q3::bench {
+
+namespace {
+
+double PerSecond(const BakeCost &cost) {
+    return cost.cpuSeconds > 0 ? double(cost.rays) / cost.cpuSeconds : 0;
+}
+
+/// a / b with that format, a dash without b.
+std::string Ratio(double a, double b, std::string_view format = "{:.2f}") {
+    return b > 0 ? fmt::format(fmt::runtime(format), a / b) : "-";
+}
+
+std::vector<std::string> Cells(const BenchReport &report, const BenchLine &line) {
+    const BenchLine *base = report.Line(kDefaultName), *plain = report.Line(kPlainName);
+    const BakeCost &cost = line.cost;
+    return {line.name,
+            fmt::format("{:.2f}", cost.cpuSeconds),
+            fmt::format("{:.2f}", cost.setUpSeconds),
+            Ratio(cost.cpuSeconds, base ? base->cost.cpuSeconds : 0),
+            fmt::format("{:.3f}", double(cost.rays) / 1e6),
+            fmt::format("{:.2f}", PerSecond(cost) / 1e6),
+            Ratio(PerSecond(cost), report.Raw(), "{:.3f}"),
+            fmt::format("{}", cost.points),
+            fmt::format("{:.2f}", double(cost.bytes) / 1e6),
+            fmt::format("{:.3f}", line.errors.rmse),
+            fmt::format("{:.2f}", line.errors.percentile95),
+            fmt::format("{:.2f}", line.errors.percentile99),
+            Ratio(line.errors.rmse, report.floor, "{:.3f}"),
+            fmt::format("{:.3f}", line.errors.grid),
+            Ratio(line.errors.grid, plain ? plain->errors.grid : 0, "{:.3f}"),
+            fmt::format("{:.2f}", 100 * line.errors.leak),
+            fmt::format("{:.4f}", line.errors.relative)};
+}
+
+nlohmann::json LineJson(const BenchReport &report, const BenchLine &line) {
+    const BenchLine *base = report.Line(kDefaultName), *plain = report.Line(kPlainName);
+    const auto ratio = [](double a, double b) { return b > 0 ? nlohmann::json(a / b) : nlohmann::json(); };
+    const BakeCost &cost = line.cost;
+    return {{"name", line.name},
+            {"options", line.options},
+            {"cpuSeconds", cost.cpuSeconds},
+            {"setUpCpuSeconds", cost.setUpSeconds},
+            {"timeToDefault", ratio(cost.cpuSeconds, base ? base->cost.cpuSeconds : 0)},
+            {"rays", cost.rays},
+            {"raysPerCpuSecond", PerSecond(cost)},
+            {"raysPerPassCpuSecond", ratio(double(cost.rays), cost.cpuSeconds - cost.setUpSeconds)},
+            {"shareOfRaw", ratio(PerSecond(cost), report.Raw())},
+            {"points", cost.points},
+            {"litPoints", cost.litPoints},
+            {"lumpBytes", cost.bytes},
+            {"displayedRmse", line.errors.rmse},
+            {"displayed95", line.errors.percentile95},
+            {"displayed99", line.errors.percentile99},
+            {"timesFloor", ratio(line.errors.rmse, report.floor)},
+            {"gridError", line.errors.grid},
+            {"timesPlain", ratio(line.errors.grid, plain ? plain->errors.grid : 0)},
+            {"leak", line.errors.leak},
+            {"relativeRmse", line.errors.relative}};
+}
+
+} // namespace
+
+const BenchLine *BenchReport::Line(std::string_view name) const {
+    const auto found = std::find_if(lines.begin(), lines.end(), [&](const BenchLine &l) { return l.name == name; });
+    return found == lines.end() ? nullptr : &*found;
+}
+
+std::string AlignedTable(const std::vector<std::vector<std::string>> &rows) {
+    std::vector<std::size_t> widths;
+    for (const auto &row : rows)
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            widths.resize(std::max(widths.size(), i + 1));
+            widths[i] = std::max(widths[i], row[i].size());
+        }
+    std::string text;
+    for (const auto &row : rows) {
+        for (std::size_t i = 0; i < row.size(); ++i)
+            text += i == 0 ? fmt::format("{:<{}}", row[i], widths[i]) : fmt::format("  {:>{}}", row[i], widths[i]);
+        text += '\n';
+    }
+    return text;
+}
+
+std::string TableText(const BenchReport &report) {
+    std::string text = fmt::format("{}: {} positions, {} lights, {} of them area lights\n", report.map,
+                                   report.positions, report.lights, report.areaLights);
+    text += fmt::format("truth: {:.1f} M rays, {:.1f} CPU s{}, standard error {:.4f} byte\n",
+                        double(report.truthRays) / 1e6, report.truthCpuSeconds,
+                        report.truthFromCache ? " (from the cache)" : "", report.truthNoise);
+    text += fmt::format("floor: {:.3f} byte, displayed RMSE of the exact L2 projection\n", report.floor);
+    if (report.Raw() > 0)
+        text += fmt::format("raw: {:.2f} M rays per CPU s before the bakes, {:.2f} after\n", report.rawBefore / 1e6,
+                            report.rawAfter / 1e6);
+    text += fmt::format("bakes: {} threads, least CPU time of {}\n\n", report.threads, report.repeats);
+    std::vector<std::vector<std::string>> rows = {{"setting", "CPU s", "set-up", "x default", "M rays", "M rays/s",
+                                                   "share of raw", "points", "MB", "RMSE", "95 %", "99 %", "x floor",
+                                                   "grid error", "x plain", "leak %", "rel RMSE"}};
+    for (const BenchLine &line : report.lines)
+        rows.push_back(Cells(report, line));
+    return text + AlignedTable(rows);
+}
+
+std::string JsonText(const BenchReport &report) {
+    nlohmann::json lines = nlohmann::json::array();
+    for (const BenchLine &line : report.lines)
+        lines.push_back(LineJson(report, line));
+    const nlohmann::json all = {{"map", report.map},
+                                {"positions", report.positions},
+                                {"lights", report.lights},
+                                {"areaLights", report.areaLights},
+                                {"truth",
+                                 {{"standardError", report.truthNoise},
+                                  {"rays", report.truthRays},
+                                  {"cpuSeconds", report.truthCpuSeconds},
+                                  {"fromCache", report.truthFromCache}}},
+                                {"floor", report.floor},
+                                {"raw", {{"before", report.rawBefore}, {"after", report.rawAfter}}},
+                                {"threads", report.threads},
+                                {"repeats", report.repeats},
+                                {"settings", lines}};
+    return all.dump(2) + "\n";
+}
+
+Chart ErrorChart(const BenchReport &report) {
+    Chart chart;
+    chart.title = fmt::format("{}: error of the SH grid against time", report.map);
+    chart.subtitle = fmt::format("{} positions, 26 normals; {} lights, {} of them area lights", report.positions,
+                                 report.lights, report.areaLights);
+    chart.x = {"CPU seconds (logarithmic)", true};
+    chart.y = {"displayed RMSE, bytes of 255", false};
+    ChartSeries settings{"settings", {}, false}, plain{"one ray per light", {}, false};
+    for (const BenchLine &line : report.lines)
+        if (line.name != kLegacyName)
+            (line.name == kPlainName ? plain : settings)
+                .points.push_back({line.cost.cpuSeconds, line.errors.rmse, line.name});
+    chart.series = {settings, plain};
+    chart.level = report.floor;
+    chart.levelLabel = fmt::format("floor {:.2f}: the exact L2 projection", report.floor);
+    return chart;
+}
+
+std::string WorstText(const Truth &truth, const std::vector<WorstPlace> &places, std::string_view setting) {
+    const auto vector = [](const Vec3f &v, double scale, int digits) {
+        return fmt::format("{:.{}f} {:.{}f} {:.{}f}", double(v.x) * scale, digits, double(v.y) * scale, digits,
+                           double(v.z) * scale, digits);
+    };
+    std::vector<std::vector<std::string>> rows = {
+        {"position", "error", "normal", "truth", "shown", "projection (bytes)"}};
+    for (const WorstPlace &place : places) {
+        const TruthPoint &point = truth.points[place.point];
+        rows.push_back({vector(point.position, 1, 0), fmt::format("{:.1f}", place.error),
+                        vector(Vec3f(Normals()[place.normal]), 1, 2), vector(point.light[place.normal], 255, 1),
+                        vector(place.shown, 255, 1), vector(ProjectedLight(point)[place.normal], 255, 1)});
+    }
+    return fmt::format("\nworst positions of {}\n", setting) + AlignedTable(rows);
+}
+
+} // namespace q3::bench

@@ -1,0 +1,48 @@
+// GPL-2.0-or-later. Results of a benchmark as text and JSON.
+#pragma once
+
+#include "tools/shbench/bakes.h"
+#include "tools/shbench/chart.h"
+
+#include <string>
+#include <vector>
+
+namespace q3::bench {
+
+/// One measured setting.
+struct BenchLine {
+    std::string name, options;
+    BakeCost cost;
+    ShownErrors errors;
+};
+
+/// Everything measured on one map.
+struct BenchReport {
+    std::string map;
+    std::size_t positions = 0, lights = 0, areaLights = 0;
+    double truthNoise = 0, truthCpuSeconds = 0;
+    std::uint64_t truthRays = 0;
+    bool truthFromCache = false;
+    double floor = 0;                   ///< displayed RMSE of the exact L2 projection
+    double rawBefore = 0, rawAfter = 0; ///< rays per CPU second; 0: not measured
+    int repeats = 1, threads = 1;
+    std::vector<BenchLine> lines;
+
+    double Raw() const { return (rawBefore + rawAfter) / 2; }
+    /// The line of that name, or null.
+    const BenchLine *Line(std::string_view name) const;
+};
+
+/// Rows of equal column widths: the first column to the left, the others to the right. The first row is the head.
+std::string AlignedTable(const std::vector<std::vector<std::string>> &rows);
+
+std::string TableText(const BenchReport &report);
+std::string JsonText(const BenchReport &report);
+/// CPU seconds, logarithmic, against displayed RMSE, with the floor. The legacy grid is left out.
+Chart ErrorChart(const BenchReport &report);
+std::string WorstText(const Truth &truth, const std::vector<WorstPlace> &places, std::string_view setting);
+
+/// Names of the lines that others are compared with.
+inline constexpr std::string_view kDefaultName = "default", kPlainName = "plain", kLegacyName = "legacy grid";
+
+} // namespace q3::bench

@@ -1,0 +1,165 @@
+// GPL-2.0-or-later. shbench: error of the SH light grid against time.
+#include "common/error.h"
+#include "common/files.h"
+#include "common/text.h"
+#include "q3map2/stages.h"
+#include "tools/shbench/bench_run.h"
+#include "tools/shbench/scaling.h"
+
+#include <glib.h>
+
+#include <cstdio>
+#include <new>
+#include <span>
+#include <system_error>
+
+namespace q3::bench {
+
+namespace {
+
+constexpr std::string_view kUsage =
+    R"(usage: shbench [options] maps/x.bsp       error of the SH light grid against time, see docs/shbench.md
+       shbench --scale-lights [options]     time against the number of lights, in a hall made for it
+       shbench --scale-cells [options] maps/x.bsp   time against the number of points
+  -game -fs_basepath -fs_game -threads ...  as for q3map2
+  --options "LIGHT OPTIONS"                 for the reference and all bakes
+  --bake "NAME: LIGHT OPTIONS"              a setting to measure, instead of the usual list; repeatable
+  --positions N, --seed N                   of the reference (2000, 1)
+  --repeat N                                bakes in turn so often, quotes the least CPU time (1)
+  --no-raw                                  does not measure bare Embree
+  --cache FOLDER, --no-cache                of the reference (the user's cache folder, q3map2-sh/shbench)
+  --worst N, --worst-of NAME                lists the worst positions of a setting (default)
+  --lights N                                most lights of --scale-lights (10000)
+  --json FILE, --plot BASENAME              results as JSON; plots as BASENAME.svg and .png
+)";
+
+/// What the command line asks for.
+struct Command {
+    GlobalOptions global;
+    BenchSettings settings;
+    std::string jsonFile, plotBase, map;
+    bool scaleLights = false, scaleCells = false;
+    int mostLights = 10000;
+};
+
+int TakeCount(Arguments &arguments, std::string_view name, int fallback, int least) {
+    int value = fallback;
+    while (const auto text = arguments.TakeValue(name)) {
+        value = IntegerFromText(*text);
+        if (value < least)
+            throw Error("{} {}: expected a whole number of at least {}", name, *text, least);
+    }
+    return value;
+}
+
+std::string TakeText(Arguments &arguments, std::string_view name, std::string fallback = {}) {
+    while (auto text = arguments.TakeValue(name))
+        fallback = std::move(*text);
+    return fallback;
+}
+
+BakeSetting ParseBake(const std::string &text) {
+    const std::size_t colon = text.find(':');
+    if (colon == 0 || colon == std::string::npos)
+        throw Error("--bake \"{}\": expected a name, a colon and light options", text);
+    return {text.substr(0, colon), text.substr(colon + 1)};
+}
+
+Command ParseCommand(Arguments arguments, Log &log) {
+    Command command;
+    BenchSettings &settings = command.settings;
+    while (const auto text = arguments.TakeValue("--bake"))
+        settings.bakes.push_back(ParseBake(*text));
+    settings.options = TakeText(arguments, "--options");
+    settings.truth.positions = TakeCount(arguments, "--positions", settings.truth.positions, 1);
+    settings.truth.seed = std::uint64_t(TakeCount(arguments, "--seed", 1, 0));
+    settings.repeats = TakeCount(arguments, "--repeat", 1, 1);
+    settings.worst = std::size_t(TakeCount(arguments, "--worst", 0, 0));
+    settings.worstOf = TakeText(arguments, "--worst-of", settings.worstOf);
+    settings.cache = std::filesystem::path(g_get_user_cache_dir()) / "q3map2-sh" / "shbench";
+    settings.cache = TakeText(arguments, "--cache", settings.cache.string());
+    if (arguments.TakeFlag("--no-cache"))
+        settings.cache.clear();
+    settings.raw = !arguments.TakeFlag("--no-raw");
+    arguments.TakeFlag("--raw");
+    command.jsonFile = TakeText(arguments, "--json");
+    command.plotBase = TakeText(arguments, "--plot");
+    command.scaleLights = arguments.TakeFlag("--scale-lights");
+    command.scaleCells = arguments.TakeFlag("--scale-cells");
+    command.mostLights = TakeCount(arguments, "--lights", command.mostLights, 1);
+    command.global = ParseGlobalOptions(arguments, log);
+    command.map = arguments.TakeLast();
+    if (!arguments.Empty())
+        throw Error("unknown argument {}", arguments.Rest().front());
+    return command;
+}
+
+void Print(const std::string &text, std::FILE *to = stdout) {
+    std::fwrite(text.data(), 1, text.size(), to);
+}
+
+void WriteText(const std::string &file, const std::string &text) {
+    if (!file.empty())
+        ReplaceFile(file, std::as_bytes(std::span(text)));
+}
+
+void ReportScaling(const Command &command, const std::vector<ScalingStep> &steps, const std::string &size,
+                   const std::string &title) {
+    Print(ScalingTable(steps, size));
+    WriteText(command.jsonFile, ScalingJson(steps, size));
+    if (command.plotBase.empty())
+        return;
+    WriteChart(ScalingChart(steps, size, "CPU time against " + title, false), command.plotBase);
+    WriteChart(ScalingChart(steps, size, "rays against " + title, true), command.plotBase + "-rays");
+}
+
+int Run(const std::vector<std::string> &words, const std::filesystem::path &program) {
+    Log log(WarningsOnly());
+    Command command = ParseCommand(Arguments(words), log);
+    if (command.global.help || (command.map.empty() && !command.scaleLights)) {
+        Print(std::string(kUsage), command.global.help ? stdout : stderr);
+        return command.global.help ? 0 : 1;
+    }
+    Log progress([](LogLevel, std::string_view text) { Print(std::string(text), stderr); });
+    const JobPool jobs(command.global.threads);
+    BenchSettings &settings = command.settings;
+    const Game &game = *command.global.game;
+    const LightOptions options = LightOptionsFrom(settings.options, game);
+    if (command.scaleLights) {
+        const auto steps = ScaleLights(options, game, jobs, command.mostLights, settings.repeats, progress);
+        ReportScaling(command, steps, "lights", "the number of lights");
+        return 0;
+    }
+    const auto path = WithExtension(std::filesystem::absolute(command.map), ".bsp");
+    BenchFiles files(command.global, words, program, path, options, log);
+    if (command.scaleCells) {
+        const auto steps = ScaleCells(files.Map(), files.Library(), options, jobs, settings.repeats, progress);
+        ReportScaling(command, steps, "points", "the number of points, " + files.Map().inputs.name);
+        return 0;
+    }
+    const BenchResult result = RunBench(files.Map(), files.Library(), settings, game, jobs, progress);
+    Print(TableText(result.report) + result.worst);
+    WriteText(command.jsonFile, JsonText(result.report));
+    if (!command.plotBase.empty())
+        WriteChart(ErrorChart(result.report), command.plotBase);
+    return 0;
+}
+
+} // namespace
+
+} // namespace q3::bench
+
+int main(int argc, char **argv) {
+    std::error_code failed;
+    auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+    if (failed)
+        program = argv[0];
+    try {
+        return q3::bench::Run({argv + 1, argv + argc}, program);
+    } catch (const std::bad_alloc &) {
+        std::fputs("shbench: out of memory\n", stderr);
+    } catch (const std::exception &error) {
+        std::fprintf(stderr, "shbench: %s\n", error.what());
+    }
+    return 1;
+}

@@ -1,0 +1,54 @@
+// GPL-2.0-or-later. Reference light at random places of a map, by brute force.
+#pragma once
+
+#include "common/jobs.h"
+#include "tools/shbench/bench_map.h"
+#include "tools/shbench/truth_lights.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace q3::bench {
+
+struct TruthSettings {
+    int positions = 2000;
+    std::uint64_t seed = 1;
+    /// Standard error that the rays to the area lights of one position are meant to keep together. Byte scale.
+    double noise = 0.02;
+};
+
+/// Reference at one position. 1.0 is byte 255.
+struct TruthPoint {
+    Vec3f position;
+    NormalLight light;               ///< on a surface with each of Normals()
+    std::array<Vec3f, 9> projection; ///< its exact L2 projection, convolved with the cosine
+    bool operator==(const TruthPoint &) const = default;
+};
+
+struct Truth {
+    std::vector<TruthPoint> points;
+    double noise = 0; ///< standard error by two independent halves: RMS over all values, displayed, byte scale
+    std::uint64_t rays = 0;
+    double cpuSeconds = 0;
+};
+
+/// Places uniform in the space that a player can be in: in a cluster, a cube of 16 units half size clear of solid.
+/// Errors: hardly any such space.
+std::vector<Vec3f> PlayerPositions(const BenchMap &map, int count, std::uint64_t seed);
+
+/// Light at one position. `noise`, if given, gets the sum of squared differences of its halves / 2, displayed bytes.
+TruthPoint TruthAt(const BenchMap &map, const Vec3f &position, std::uint64_t seed, double noiseGoal,
+                   std::uint64_t &rays, double *noise = nullptr);
+
+/// On all workers; the same for any number of them.
+Truth MakeTruth(const BenchMap &map, const TruthSettings &settings, const JobPool &jobs);
+
+/// Hex SHA-256 of all that determines the truth.
+std::string TruthKey(const BenchMap &map, const TruthSettings &settings);
+/// From the file of that key in `folder`, else made and stored there. An empty folder stores nothing. `hit`: from file.
+/// Errors: the folder cannot be written.
+Truth CachedTruth(const BenchMap &map, const TruthSettings &settings, const JobPool &jobs,
+                  const std::filesystem::path &folder, bool &hit);
+
+} // namespace q3::bench

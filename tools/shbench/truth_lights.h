@@ -1,0 +1,80 @@
+// GPL-2.0-or-later. Light of one source at a place without spherical harmonics: falloff, cones, random rays to areas.
+#pragma once
+
+#include "q3map2/light/light_scene.h"
+#include "q3map2/light/light_sources.h"
+
+#include <array>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+namespace q3::bench {
+
+inline constexpr std::size_t kNormals = 26;
+using NormalLight = std::array<Vec3f, kNormals>; ///< light on each of Normals(), 1.0 = byte 255
+
+/// From the centre of a cube of 3 x 3 x 3 to its other cells, as unit vectors.
+const std::array<Vec3d, kNormals> &Normals();
+
+/// Light from single directions, summed for every normal and as an L2 projection convolved with the cosine.
+struct DirectionSum {
+    bool forNormals = true; ///< false: the projection only
+    std::array<std::array<double, kNormals>, 3> light{};
+    std::array<std::array<double, 9>, 3> projection{};
+    /// `color` arrives from unit direction `d`, or evenly from everywhere when d is zero.
+    void Add(const Vec3d &d, const Vec3d &color);
+    DirectionSum &operator+=(const DirectionSum &o);
+};
+
+/// Falloff and cone of a point light or spotlight at p, byte scale for full colour; spec of light contributions.
+double PointLightAt(const Light &light, const Vec3d &p);
+
+using Random = std::mt19937_64;
+/// Uniform in 0 <= x < 1, the same on every platform.
+inline double Unit(Random &random) {
+    return double(random() >> 11) * 0x1p-53;
+}
+
+/// A triangle of an area light that is small against its distance from the place.
+struct AreaPiece {
+    const Light *light = nullptr;
+    std::array<Vec3d, 3> corners;
+    double area = 0;
+    Vec3d lift;       ///< rays end this far from the emitter
+    double bound = 0; ///< about its light, byte scale, on a surface that faces it
+};
+
+/// Cuts the light into pieces as seen from p. Nothing behind an emitter.
+void CutAreaLight(const Light &light, const Vec3d &p, std::vector<AreaPiece> &pieces);
+
+/// Rays from one place, traced in packets; what arrives is added where each ray says.
+class PlaceRays {
+  public:
+    PlaceRays(const LightScene &scene, const Vec3d &p) : scene_(scene), p_(p) {}
+    /// To a target; its light from `direction` goes to `sum` if there is one, and a clear way counts in `clear`.
+    void Cast(const Vec3d &target, const Vec3d &direction, const Vec3d &color, DirectionSum *sum, int *clear);
+    void CastToSky(const Light &sun, DirectionSum &sum);
+    void Flush();
+    std::uint64_t Count() const { return counts_.rays; }
+
+  private:
+    struct Pending {
+        Vec3f target;
+        Vec3d direction, color;
+        DirectionSum *sum;
+        int *clear;
+    };
+    const LightScene &scene_;
+    Vec3d p_;
+    std::size_t count_ = 0;
+    std::array<Pending, kPacketSize> pending_;
+    RayCounts counts_;
+};
+
+/// Casts about n rays to random points of as many equal parts of the piece, each with its share of the light. Returns
+/// their number.
+int SamplePiece(const AreaPiece &piece, const Vec3d &p, int n, Random &random, PlaceRays &rays, DirectionSum *sum,
+                int *clear);
+
+} // namespace q3::bench
