@@ -33,6 +33,9 @@ SH light grid:
   -shradiance             store the plain projection, for engines that convolve themselves
   -shdering               no negative lobes: values change by the least that takes them away
   -sherror                say how far the grid is off, and which cells halve that
+  -shfit [N]              fit all points to light at N places a cell (default 4)
+  -noshfill               points in solids from their neighbours alone
+  -shsamples F            F times as many rays and samples (default 1)
   -gridscalesh F          points per axis relative to the legacy grid (default 2)
   -gridsh X Y Z           cell size in game units, at least 8
   -shpreview FILE.png     picture of what both grids show
@@ -48,7 +51,8 @@ Speed and rays:
   -faster                 and area lights count as points in the legacy grid
   -cheap, -cheapgrid      stop adding lights to legacy points that are white
   -nogrid                 leave the legacy grid as it is
-  -noskip                 trace every light at every point
+  -noskip                 trace every light at every point; or one kind of skip off:
+  -noskipreach  -noskippvs  -noskipfaint  -noskipmoments  -noskipprobes  -noskipcoarse
   -notrace  -nosurf  -sunonly  -onesky  -patchshadows  -style  -nostyle
   -floodlight  -lowquality
 )"},

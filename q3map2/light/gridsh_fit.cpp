@@ -19,12 +19,16 @@ constexpr float kPerCell = 4;
 constexpr float kPull = 0.1f, kPullAll = 0.02f;
 /// Light under this counts more: there a leak shows. 1 = byte 255.
 constexpr float kDark = 0.02f;
-/// Norm of bands 1 and 2 over coefficient 0 of light from one direction, plain and convolved with the cosine. Light
-/// that is nowhere negative has no more.
-constexpr float kMostBandsPlain = 2.8284271f, kMostBands = 1.28291f;
-/// A relaxation ends when no coefficient moves by more than this. 1 = byte 255.
-constexpr float kSmallMove = 0.02f / 255;
-constexpr int kMaxSweeps = 60;
+/// Mean light over the inverse of this counts less, by its fourth power: the screen is white there on some side, and
+/// the steep light beside a lamp, which no grid fits, would pull at points cells away.
+constexpr float kBeyondScreen = 3;
+/// Norm of bands 1 and 2 over coefficient 0 of light from one direction, plain and convolved with the cosine: light
+/// that is nowhere negative has no more. Blends of points that see it in different directions have less, so a point may
+/// have more by this factor.
+constexpr float kMostBandsPlain = 2.8284271f, kMostBands = 1.2829003f, kBeyond = 1.25f;
+/// A relaxation ends when no coefficient moves by more than this, or this share of the light there. 1 = byte 255.
+constexpr float kSmallMove = 0.1f / 255;
+constexpr int kMaxSweeps = 40;
 /// Points of equal parity on all axes share no cell, so that they can move at the same time.
 constexpr int kParities = 8;
 
@@ -62,8 +66,9 @@ GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vect
                  const std::vector<bool> &divided)
     : in_(in), layout_(layout),
       perCell_(int(std::ceil((in.options.shFit > 0 ? float(in.options.shFit) : kPerCell) * in.options.shSamples))),
-      pull_(in.options.shFit > 0 ? kPullAll : kPull), mostBands_(in.options.shRadiance ? kMostBandsPlain : kMostBands),
-      states_(states), rowOf_(states.size(), -1) {
+      pull_(in.options.shFit > 0 ? kPullAll : kPull),
+      mostBands_(kBeyond * (in.options.shRadiance ? kMostBandsPlain : kMostBands)), states_(states),
+      rowOf_(states.size(), -1) {
     if (!in.options.shFill)
         return;
     for (std::size_t i = 0; i < states.size(); ++i)
@@ -168,8 +173,8 @@ void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
 
 void GridFit::Accumulate(const FitSample &sample) {
     ++samples_;
-    const float mean = MeanLight(sample.value), beyond = std::max(1.0f, 2 * mean);
-    const float weight = std::pow(kDark / (kDark + mean), 0.25f) / (beyond * beyond);
+    const float mean = MeanLight(sample.value), beyond = std::max(1.0f, kBeyondScreen * mean);
+    const float weight = std::pow(kDark / (kDark + mean), 0.25f) / (beyond * beyond * beyond * beyond);
     const auto corners = CornersAt(sample.position);
     for (std::size_t a = 0; a < 8; ++a) {
         const std::int32_t number = rowOf_[std::size_t(corners[a].index)];
@@ -221,7 +226,8 @@ float GridFit::Relax(std::size_t number, const bspGridPointSH_t &before, LightGr
     float move = 0;
     for (std::size_t k = 0; k < 9; ++k)
         for (std::size_t channel = 0; channel < 3; ++channel)
-            move = std::max(move, std::abs(value.coeffs[k][channel] - stored.coeffs[k][channel]));
+            move = std::max(move, std::abs(value.coeffs[k][channel] - stored.coeffs[k][channel]) /
+                                      std::max(1.0f, value.coeffs[0][channel]));
     stored = value;
     return move;
 }

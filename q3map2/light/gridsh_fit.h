@@ -23,7 +23,7 @@ struct FitSample {
 ///
 /// Minimises, over samples s with weight w, the sum of w |shown(s) - value(s)|^2, plus a pull of each point towards the
 /// value that it had, in proportion to the samples that it takes part in. In SH coefficients, so over all normals
-/// alike. The weight falls with the square of light beyond what a screen can show.
+/// alike. The weight falls with the fourth power of light beyond what a screen can show.
 class GridFit {
   public:
     GridFit(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,

@@ -1,0 +1,108 @@
+// GPL-2.0-or-later. SH grid: each thing that is skipped, its counter, its switch and what it costs.
+#include "tests/light/light_test.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3::test {
+
+namespace {
+
+using SkipTest = LightTest;
+
+/// Largest difference of displayed light over points and the six directions of the axes. Byte scale.
+double Largest(const GridView &a, const GridView &b) {
+    double largest = 0;
+    for (std::size_t i = 0; i < a.Count(); ++i)
+        for (const Vec3d normal : {Vec3d{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}})
+            largest = std::max(largest, std::abs(Evaluate(a.At(i), normal).x - Evaluate(b.At(i), normal).x) * 255);
+    return largest;
+}
+
+/// Two rooms with no opening between them, a light in each.
+SceneBuilder TwoRooms() {
+    SceneBuilder scene = Room({-500, -200, 0}, {500, 200, 200});
+    scene.AddBox({-20, -200, 0}, {20, 200, 200}, TestShader("textures/test/wall"));
+    scene.AddEntity(MakeEntity("light", {{"origin", "-250 0 100"}, {"light", "100"}}));
+    scene.AddEntity(MakeEntity("light", {{"origin", "250 0 100"}, {"light", "100"}}));
+    return scene;
+}
+
+TEST_F(SkipTest, LightsOutOfReach) {
+    SceneBuilder scene = Room({-1500, -200, 0}, {1500, 200, 200});
+    // A linear light ends at a distance.
+    scene.AddEntity(MakeEntity("light", {{"origin", "-1300 0 100"}, {"light", "300"}, {"spawnflags", "1"}}));
+    const GridView skipped = LitGrid(scene);
+    EXPECT_GT(result.gridSH.skippedReach + result.gridSH.counts.skippedFacing, 0u);
+    const GridView all = LitGrid(scene, "-noskipreach");
+    EXPECT_EQ(result.gridSH.skippedReach, 0u);
+    EXPECT_EQ(Largest(skipped, all), 0);
+}
+
+TEST_F(SkipTest, LightsHiddenByVisibilityData) {
+    const SceneBuilder scene = TwoRooms();
+    const GridView skipped = LitGrid(scene);
+    const std::uint64_t left = result.gridSH.skippedPvs + result.gridSH.counts.skippedPvs;
+    const std::uint64_t rays = result.gridSH.counts.rays;
+    const GridView all = LitGrid(scene, "-noskippvs");
+    EXPECT_EQ(result.gridSH.skippedPvs + result.gridSH.counts.skippedPvs, 0u);
+    EXPECT_LE(rays, result.gridSH.counts.rays);
+    if (left > 0) {
+        EXPECT_LT(rays, result.gridSH.counts.rays);
+    }
+    EXPECT_LE(Largest(skipped, all), 1e-6);
+}
+
+TEST_F(SkipTest, FarLampsAsPoints) {
+    Script(
+        "textures/test/dot\n{\n\tq3map_surfacelight 600\n\tq3map_backsplash 0 0\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
+    SceneBuilder scene = Room({-900, -200, 0}, {900, 200, 300});
+    const int box = scene.AddBox({-8, -8, 276}, {8, 8, 292}, TestShader("textures/test/wall"), BoxKind::Detail);
+    scene.SetFaceShader(box, BoxFace::MinusZ, TestShader("textures/test/dot"));
+    const GridView skipped = LitGrid(scene);
+    EXPECT_GT(result.gridSH.counts.skippedMoments, 0u);
+    const GridView all = LitGrid(scene, "-noskipmoments");
+    EXPECT_EQ(result.gridSH.counts.skippedMoments, 0u);
+    EXPECT_LE(Largest(skipped, all), 2 * 17.0 / 16 / 256) << "1/256 of a byte for each of the two triangles";
+}
+
+TEST_F(SkipTest, FaintLampsByOneRay) {
+    Script("textures/test/dim\n{\n\tq3map_surfacelight 20\n\tq3map_backsplash 0 0\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
+    SceneBuilder scene = Room({-600, -200, 0}, {600, 200, 300});
+    const int box = scene.AddBox({-16, -16, 276}, {16, 16, 292}, TestShader("textures/test/wall"), BoxKind::Detail);
+    scene.SetFaceShader(box, BoxFace::MinusZ, TestShader("textures/test/dim"));
+    scene.AddBox({-100, -40, 100}, {-60, 40, 140}, TestShader("textures/test/wall"));
+    const GridView skipped = LitGrid(scene);
+    EXPECT_GT(result.gridSH.counts.skippedProbes, 0u);
+    const std::uint64_t rays = result.gridSH.counts.rays;
+    const GridView all = LitGrid(scene, "-noskipprobes");
+    EXPECT_EQ(result.gridSH.counts.skippedProbes, 0u);
+    EXPECT_LT(rays, result.gridSH.counts.rays);
+    EXPECT_LE(Largest(skipped, all), 2 * 0.5) << "half a byte for each of the two triangles";
+}
+
+TEST_F(SkipTest, DimLightsWhereNeighboursAgree) {
+    SceneBuilder scene = Room({-600, -400, 0}, {600, 400, 300});
+    scene.AddEntity(MakeEntity("light", {{"origin", "0 0 250"}, {"light", "2"}}));
+    scene.AddBox({100, -60, 100}, {130, 60, 140}, TestShader("textures/test/wall"));
+    const GridView skipped = LitGrid(scene);
+    EXPECT_GT(result.gridSH.counts.skippedCoarse, 0u);
+    const std::uint64_t rays = result.gridSH.counts.rays;
+    const GridView all = LitGrid(scene, "-noskipcoarse");
+    EXPECT_EQ(result.gridSH.counts.skippedCoarse, 0u);
+    EXPECT_LT(rays, result.gridSH.counts.rays);
+    EXPECT_LE(Largest(skipped, all), 17.0 / 16) << "a byte";
+}
+
+TEST_F(SkipTest, SwitchForAllTurnsEachOff) {
+    LitGrid(TwoRooms(), "-noskip");
+    const GridStats &work = result.gridSH;
+    EXPECT_EQ(work.skippedReach + work.skippedPvs + work.skippedFaint + work.counts.skippedPvs +
+                  work.counts.skippedFaint + work.counts.skippedMoments + work.counts.skippedProbes +
+                  work.counts.skippedCoarse,
+              0u);
+}
+
+} // namespace
+
+} // namespace q3::test
