@@ -278,8 +278,15 @@ std::vector<std::byte> WriteBsp(const Bsp &bsp, const BspFormat &format) {
     StoreHeader(file, plan, hasLump18 ? 47 : format.version);
     ForEachArray(bsp, [&](int slot, const auto &records) { StoreArray(file, plan.lumps[std::size_t(slot)], records); });
     std::memcpy(file.data() + plan.lumps[LUMP_ENTITIES].offset, bsp.entities.data(), bsp.entities.size());
-    if (hasLump18)
-        StoreArray(file, plan.lumps[LUMP_LIGHTGRID_SH], PackLightGridSH(*bsp.gridSH));
+    if (hasLump18) { // without PackLightGridSH's copy: the lump can be most of the program's memory
+        CheckLightGridSH(*bsp.gridSH, "writing");
+        const FilePart &part = plan.lumps[LUMP_LIGHTGRID_SH];
+        Store(file, std::size_t(part.offset), bsp.gridSH->header);
+        StoreArray(file,
+                   {part.offset + std::int64_t(sizeof(bspGridSHHeader_t)),
+                    part.length - std::int64_t(sizeof(bspGridSHHeader_t))},
+                   bsp.gridSH->points);
+    }
     StoreBspx(file, plan, bspx);
     return file;
 }

@@ -200,8 +200,11 @@ class Filler {
 PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, const Vec3f &p) {
     PlacedPoint placed;
     const Vec3f cell(layout.size);
-    if (TryPlace(space, p, PointState::Open, placed) || !space.AnyOpen(p - cell, p + cell) ||
-        TrySmallSteps(space, p, placed))
+    if (TryPlace(space, p, PointState::Open, placed) || !space.AnyOpen(p - cell, p + cell))
+        return placed;
+    constexpr float kReach = *std::max_element(std::begin(kSmallSteps), std::end(kSmallSteps));
+    const Vec3f reach{kReach, kReach, kReach};
+    if (space.AnyOpen(p - reach, p + reach) && TrySmallSteps(space, p, placed))
         return placed;
     if (HasOpenNeighbour(space, layout, p))
         placed.state = PointState::Solid;

@@ -4,6 +4,7 @@
 #include "libs/math/low_discrepancy.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace q3 {
@@ -46,17 +47,18 @@ Vec3f PositionOf(const GridLayout &layout, std::int64_t index) {
         layout.Position(int(index % layout.bounds[0]), int(row % layout.bounds[1]), int(row / layout.bounds[1])));
 }
 
-/// Brings a channel back to what light that is nowhere negative can be.
-void LimitToLight(bspGridPointSH_t &point, float mostBands) {
+/// Brings each channel back to near what light that is nowhere negative can be. Coefficient k of a channel is at
+/// 3 k + channel.
+void LimitToLight(std::array<float, kGridNumbers> &point, float mostBands) {
     for (std::size_t channel = 0; channel < 3; ++channel) {
         float bands = 0;
-        for (std::size_t k = 1; k < 9; ++k)
-            bands += point.coeffs[k][channel] * point.coeffs[k][channel];
+        for (std::size_t i = channel + 3; i < kGridNumbers; i += 3)
+            bands += point[i] * point[i];
         bands = std::sqrt(bands);
-        point.coeffs[0][channel] = std::max(0.0f, point.coeffs[0][channel]);
-        const float most = mostBands * point.coeffs[0][channel];
-        for (std::size_t k = 1; k < 9 && bands > most; ++k)
-            point.coeffs[k][channel] *= most / bands;
+        point[channel] = std::max(0.0f, point[channel]);
+        const float most = mostBands * point[channel];
+        for (std::size_t i = channel + 3; i < kGridNumbers && bands > most; i += 3)
+            point[i] *= most / bands;
     }
 }
 
@@ -176,15 +178,15 @@ void GridFit::Accumulate(const FitSample &sample) {
     const float mean = MeanLight(sample.value), beyond = std::max(1.0f, kBeyondScreen * mean);
     const float weight = std::pow(kDark / (kDark + mean), 0.25f) / (beyond * beyond * beyond * beyond);
     const auto corners = CornersAt(sample.position);
+    const auto numbers = std::bit_cast<Numbers>(sample.value);
     for (std::size_t a = 0; a < 8; ++a) {
         const std::int32_t number = rowOf_[std::size_t(corners[a].index)];
         if (number < 0 || (sample.sees >> a & 1) == 0)
             continue;
         Row &row = rows_[std::size_t(number)];
         const float share = weight * corners[a].weight;
-        for (std::size_t k = 0; k < 9; ++k)
-            for (std::size_t channel = 0; channel < 3; ++channel)
-                row.rhs.coeffs[k][channel] += share * sample.value.coeffs[k][channel];
+        for (std::size_t i = 0; i < kGridNumbers; ++i)
+            row.rhs[i] += share * numbers[i];
         for (std::size_t b = 0; b < 8; ++b) {
             // Offset of corner b from corner a on each axis, -1 to 1, as a place of the stencil.
             const auto axis = [&](std::size_t bit) { return 1 + int((b >> bit) & 1) - int((a >> bit) & 1); };
@@ -193,8 +195,8 @@ void GridFit::Accumulate(const FitSample &sample) {
     }
 }
 
-/// One step of Gauss and Seidel. The largest move of a coefficient.
-float GridFit::Relax(std::size_t number, const bspGridPointSH_t &before, LightGridSH &grid) const {
+/// One step of Gauss and Seidel. The largest move of a coefficient, or its share of the light there.
+Q3_VECTOR float GridFit::Relax(std::size_t number, const Numbers &before, LightGridSH &grid) const {
     const Row &row = rows_[number];
     constexpr std::size_t kCenter = kStencil / 2;
     float total = 0;
@@ -203,43 +205,42 @@ float GridFit::Relax(std::size_t number, const bspGridPointSH_t &before, LightGr
     if (!(total > 0))
         return 0;
     const float pull = pull_ * total, diagonal = row.stencil[kCenter] + pull;
-    bspGridPointSH_t value;
-    for (std::size_t k = 0; k < 9; ++k)
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            value.coeffs[k][channel] = row.rhs.coeffs[k][channel] + pull * before.coeffs[k][channel];
+    Numbers value;
+    for (std::size_t i = 0; i < kGridNumbers; ++i)
+        value[i] = row.rhs[i] + pull * before[i];
     const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
     for (std::size_t s = 0; s < kStencil; ++s) {
-        if (s == kCenter || row.stencil[s] == 0)
+        const float factor = row.stencil[s];
+        if (s == kCenter || factor == 0)
             continue;
         const std::int64_t other = std::int64_t(row.index) + std::int64_t(s % 3) - 1 +
                                    (std::int64_t(s / 3 % 3) - 1) * width + (std::int64_t(s / 9) - 1) * slice;
-        const bspGridPointSH_t &neighbour = grid.points[std::size_t(other)];
-        for (std::size_t k = 0; k < 9; ++k)
-            for (std::size_t channel = 0; channel < 3; ++channel)
-                value.coeffs[k][channel] -= row.stencil[s] * neighbour.coeffs[k][channel];
+        const float *neighbour = grid.points[std::size_t(other)].coeffs[0].data();
+        for (std::size_t i = 0; i < kGridNumbers; ++i)
+            value[i] -= factor * neighbour[i];
     }
-    for (auto &coefficient : value.coeffs)
-        for (float &channel : coefficient)
-            channel /= diagonal;
+    const float inverse = 1 / diagonal;
+    for (float &one : value)
+        one *= inverse;
     LimitToLight(value, mostBands_);
     bspGridPointSH_t &stored = grid.points[row.index];
+    const auto old = std::bit_cast<Numbers>(stored);
     float move = 0;
-    for (std::size_t k = 0; k < 9; ++k)
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            move = std::max(move, std::abs(value.coeffs[k][channel] - stored.coeffs[k][channel]) /
-                                      std::max(1.0f, value.coeffs[0][channel]));
-    stored = value;
+    for (std::size_t i = 0; i < kGridNumbers; ++i)
+        move = std::max(move, std::abs(value[i] - old[i]));
+    move /= std::max({1.0f, value[0], value[1], value[2]});
+    stored = std::bit_cast<bspGridPointSH_t>(value);
     return move;
 }
 
 void GridFit::Solve(LightGridSH &grid, const JobPool &jobs) {
     std::array<std::vector<std::size_t>, kParities> parities;
-    std::vector<bspGridPointSH_t> before(rows_.size());
+    std::vector<Numbers> before(rows_.size());
     for (std::size_t i = 0; i < rows_.size(); ++i) {
         const std::int64_t index = rows_[i].index, row = index / layout_.bounds[0];
         const std::int64_t x = index % layout_.bounds[0], y = row % layout_.bounds[1], z = row / layout_.bounds[1];
         parities[std::size_t((x & 1) + 2 * (y & 1) + 4 * (z & 1))].push_back(i);
-        before[i] = grid.points[rows_[i].index];
+        before[i] = std::bit_cast<Numbers>(grid.points[rows_[i].index]);
     }
     constexpr std::int64_t kChunk = 256;
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {

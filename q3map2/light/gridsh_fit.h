@@ -18,6 +18,10 @@ struct FitSample {
     std::uint8_t sees = 0xff; ///< by corner of its cell: whether it may move that point
 };
 
+/// Floats of a point: nine coefficients of three channels.
+inline constexpr std::size_t kGridNumbers = 27;
+static_assert(sizeof(bspGridPointSH_t) == kGridNumbers * sizeof(float));
+
 /// Least-squares fit of grid points, so that what trilinear interpolation shows where players can be is as near as can
 /// be to the light there. By default it fits the points in solids alone, whose values are free; with -shfit all.
 ///
@@ -39,12 +43,13 @@ class GridFit {
     std::int64_t Samples() const { return samples_; }
 
   private:
+    using Numbers = std::array<float, kGridNumbers>;
     static constexpr std::size_t kStencil = 27;
     /// One equation: the sum over 27 points around of stencil times value is rhs.
     struct Row {
         std::uint32_t index = 0;
         std::array<float, kStencil> stencil{};
-        bspGridPointSH_t rhs{};
+        std::array<float, kGridNumbers> rhs{};
     };
     struct Corner {
         std::int64_t index;
@@ -55,7 +60,7 @@ class GridFit {
     bool AnyRow(const BrickPoint &point) const;
     void FindSeen(std::span<FitSample> samples, GridStats &work) const;
     void Accumulate(const FitSample &sample);
-    float Relax(std::size_t row, const bspGridPointSH_t &before, LightGridSH &grid) const;
+    float Relax(std::size_t row, const Numbers &before, LightGridSH &grid) const;
 
     const GridInputs &in_;
     const GridLayout &layout_;

@@ -105,6 +105,8 @@ void ParseSkips(Arguments &arguments, SkipOptions &skip) {
         value = !arguments.TakeFlag(name) && !none;
 }
 
+/// -shsamples under -fast.
+constexpr float kFastSamples = 0.25f;
 /// Samples a cell of -shfit.
 constexpr int kDefaultFit = 4, kMaxFit = 64;
 
@@ -131,6 +133,8 @@ void ParseSH(Arguments &arguments, LightOptions &o) {
         }
         o.gridSizeSH = size;
     }
+    if (o.fastGrid)
+        o.shSamples = kFastSamples;
     while (const auto value = arguments.TakeValue("-shsamples")) {
         o.shSamples = float(NumberFromText(*value));
         if (!(o.shSamples >= 1.0f / 64 && o.shSamples <= 64))
@@ -259,12 +263,12 @@ LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log)
     o.patchShadows = game.patchShadows;
     o.noDrawSurfaceFlags = game.NoDrawSurfaceFlags();
 
-    ParseSH(arguments, o);
     ParseIntensities(arguments, o);
     LimitScales(o);
     ParseTone(arguments, o);
     ParseSkips(arguments, o.skip);
     ParseSpeed(arguments, o);
+    ParseSH(arguments, o);
     WarnOfOthers(arguments, log);
     for (const std::string &word : arguments.Rest())
         log.Warn("unknown argument", "Unknown argument \"{}\"", word);
