@@ -23,6 +23,10 @@ constexpr float kDark = 0.02f;
 /// Mean light over the inverse of this counts less, by its fourth power: the screen is white there on some side, and
 /// the steep light beside a lamp, which no grid fits, would pull at points cells away.
 constexpr float kBeyondScreen = 3;
+/// Keeps weights of absurd light within floats.
+constexpr float kMostBeyond = 1e4f;
+/// Points of less weight keep the value that they had.
+constexpr float kLeastWeight = 1e-30f;
 /// Norm of bands 1 and 2 over coefficient 0 of light from one direction, plain and convolved with the cosine: light
 /// that is nowhere negative has no more. Blends of points that see it in different directions have less, so a point may
 /// have more by this factor.
@@ -175,7 +179,7 @@ void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
 
 void GridFit::Accumulate(const FitSample &sample) {
     ++samples_;
-    const float mean = MeanLight(sample.value), beyond = std::max(1.0f, kBeyondScreen * mean);
+    const float mean = MeanLight(sample.value), beyond = std::clamp(kBeyondScreen * mean, 1.0f, kMostBeyond);
     const float weight = std::pow(kDark / (kDark + mean), 0.25f) / (beyond * beyond * beyond * beyond);
     const auto corners = CornersAt(sample.position);
     const auto numbers = std::bit_cast<Numbers>(sample.value);
@@ -202,7 +206,7 @@ Q3_VECTOR float GridFit::Relax(std::size_t number, const Numbers &before, LightG
     float total = 0;
     for (const float s : row.stencil)
         total += s;
-    if (!(total > 0))
+    if (!(total > kLeastWeight))
         return 0;
     const float pull = pull_ * total, diagonal = row.stencil[kCenter] + pull;
     Numbers value;

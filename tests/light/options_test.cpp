@@ -122,7 +122,7 @@ TEST_F(OptionsTest, FastLeavesOutWhatIsUnderTheTolerance) {
 
 TEST_F(OptionsTest, FastLampsStayFiniteAndNear) {
     const SceneBuilder scene = MixedScene();
-    const GridView plain = LitGrid(scene), fast = LitGrid(scene, "-fast");
+    const GridView plain = LitGrid(scene, "-noshfill"), fast = LitGrid(scene, "-fast -shsamples 1 -noshfill");
     // Four area lights (two triangles and their backsplash), two points: each may lose a byte.
     for (std::size_t i = 0; i < fast.Count(); i++) {
         ASSERT_TRUE(AllFinite(fast.At(i))) << i;
