@@ -14,8 +14,6 @@ namespace q3 {
 
 namespace {
 
-/// Game units; about half a player's width.
-constexpr float kClearOfSolid = 16;
 constexpr std::uint64_t kSeed = 0x4572726F72ull;
 /// Tries for one place in the open.
 constexpr std::size_t kTries = 2000;
@@ -46,15 +44,14 @@ std::uint32_t Interleaved(const Vec3f &fraction) {
 std::vector<Place> FindPlaces(const BspSpace &space, std::size_t count) {
     const bspModel_t &world = space.Map().models.front();
     const Vec3f mins(world.mins), size = Vec3f(world.maxs) - mins;
-    const Vec3f clear{kClearOfSolid, kClearOfSolid, kClearOfSolid};
     std::vector<Place> places;
     for (std::size_t i = 0; i < count * kTries && places.size() < count; ++i) {
         Vec3f fraction;
         for (std::size_t axis = 0; axis < 3; ++axis)
             fraction[axis] = float(UnitFromHash(HashIndex(kSeed + 3 * i + axis)));
         const Vec3f p = mins + size * fraction;
-        const int cluster = space.ClusterAt(p, kClearOfSolid);
-        if (cluster >= 0 && !space.AnySolid(p - clear, p + clear))
+        const int cluster = space.ClusterAt(p, kPlayerHalfSize);
+        if (cluster >= 0 && space.PlayerFits(p))
             places.push_back({p, cluster, Interleaved(fraction)});
     }
     std::stable_sort(places.begin(), places.end(), [](const Place &a, const Place &b) { return a.order < b.order; });
@@ -76,7 +73,7 @@ std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vecto
         for (std::size_t i = first; i < std::min(places.size(), first + kPacketSize); ++i)
             packet[0].Add(places[i].position, places[i].position, places[i].cluster, kFirstIndex + std::uint32_t(i));
         GridStats work;
-        lighter.Light(packet, std::uint64_t(block), work, [&](std::uint32_t index, const bspGridPointSH_t &value) {
+        lighter.Trace(packet, std::uint64_t(block), work, [&](std::uint32_t index, const bspGridPointSH_t &value) {
             bspGridPointSH_t &point = points[index - kFirstIndex];
             point = value;
             if (options.shDering)
@@ -252,7 +249,7 @@ Float3 CellOfHalfError(const Float3 &cell, const GridSHError &error) {
 void PrintGridSHError(const GridSHError &error, const Float3 &cell, const Float3 &legacyCell, Log &log) {
     log.Section("CheckGridSH");
     if (error.places == 0) {
-        log.Print("No place is {} units clear of solids: nothing to check\n", kClearOfSolid);
+        log.Print("No place is {} units clear of solids: nothing to check\n", kPlayerHalfSize);
         return;
     }
     log.Count((long long)(error.places), "places that a player can be in, 26 directions each");

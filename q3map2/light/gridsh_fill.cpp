@@ -97,21 +97,24 @@ class Filler {
         : in_(in), layout_(layout), displaced_(displaced), states_(states), grid_(grid) {}
 
     /// The value of a Solid or Beside point, or nothing: no lit neighbour, or none on another side.
-    std::optional<bspGridPointSH_t> Fill(int x, int y, int z) const {
-        const std::vector<Side> sides = SidesOf(x, y, z);
-        if (sides.empty() || (sides.size() == 1 && states_[IndexOf(x, y, z)] == PointState::Beside))
+    std::optional<bspGridPointSH_t> Fill(int x, int y, int z, bool divided) const {
+        if (!divided && states_[IndexOf(x, y, z)] == PointState::Beside)
+            return std::nullopt;
+        const std::vector<Side> sides = SidesOf(x, y, z, divided);
+        if (sides.empty())
             return std::nullopt;
         return Blend(sides);
     }
 
-    /// Lit neighbours, and the point itself when it is lit beside, by what sees each other.
-    std::vector<Side> SidesOf(int x, int y, int z) const {
+    /// Lit neighbours, and the point itself when it is lit beside, by what sees each other. divided: false when all
+    /// are known to; then no ray is needed.
+    std::vector<Side> SidesOf(int x, int y, int z, bool divided) const {
         std::vector<Side> sides;
         const std::size_t index = IndexOf(x, y, z);
         if (states_[index] == PointState::Beside)
-            Add(index, PlaceOf(index, x, y, z), kOwnWeight / Shortest(), sides);
+            Add(index, PlaceOf(index, x, y, z), kOwnWeight / Shortest(), divided, sides);
         for (const Offset &o : kNeighbours)
-            AddNeighbour(x, y, z, o, sides);
+            AddNeighbour(x, y, z, o, divided, sides);
         return sides;
     }
 
@@ -133,7 +136,7 @@ class Filler {
         return found->position;
     }
 
-    void AddNeighbour(int x, int y, int z, const Offset &o, std::vector<Side> &sides) const {
+    void AddNeighbour(int x, int y, int z, const Offset &o, bool divided, std::vector<Side> &sides) const {
         const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
         if (nx < 0 || ny < 0 || nz < 0 || nx >= layout_.bounds[0] || ny >= layout_.bounds[1] || nz >= layout_.bounds[2])
             return;
@@ -142,11 +145,11 @@ class Filler {
         if (state != PointState::Open && state != PointState::Beside && state != PointState::Moved)
             return;
         const Vec3f offset = Vec3f(layout_.Position(nx, ny, nz)) - Vec3f(layout_.Position(x, y, z));
-        Add(index, PlaceOf(index, nx, ny, nz), 1 / double(Dot(offset, offset)), sides);
+        Add(index, PlaceOf(index, nx, ny, nz), 1 / double(Dot(offset, offset)), divided, sides);
     }
 
-    void Add(std::size_t index, const Vec3f &place, double weight, std::vector<Side> &sides) const {
-        Side &side = FindSide(place, sides);
+    void Add(std::size_t index, const Vec3f &place, double weight, bool divided, std::vector<Side> &sides) const {
+        Side &side = !divided && !sides.empty() ? sides.front() : FindSide(place, sides);
         side.weight += weight;
         for (std::size_t k = 0; k < 9; ++k)
             for (std::size_t channel = 0; channel < 3; ++channel)
@@ -223,14 +226,14 @@ std::vector<bool> DividedPoints(const GridInputs &in, const GridLayout &layout,
         for (int x = 0; x < width; ++x) {
             const auto index = std::size_t(row) * std::size_t(width) + std::size_t(x);
             if (states[index] == PointState::Solid || states[index] == PointState::Beside)
-                found[index] = filler.SidesOf(x, int(row % height), int(row / height)).size() > 1;
+                found[index] = filler.SidesOf(x, int(row % height), int(row / height), true).size() > 1;
         }
     });
     return {found.begin(), found.end()};
 }
 
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
-                std::vector<PointState> &states, LightGridSH &grid) {
+                const std::vector<bool> &divided, std::vector<PointState> &states, LightGridSH &grid) {
     struct Value {
         std::size_t index;
         bspGridPointSH_t point;
@@ -244,7 +247,7 @@ void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vecto
         for (int x = 0; x < width; ++x) {
             const auto index = std::size_t(row) * std::size_t(width) + std::size_t(x);
             if (states[index] == PointState::Solid || states[index] == PointState::Beside)
-                if (const auto value = filler.Fill(x, int(row % height), int(row / height)))
+                if (const auto value = filler.Fill(x, int(row % height), int(row / height), divided[index]))
                     filled[std::size_t(row)].push_back({index, *value});
         }
     });

@@ -40,8 +40,8 @@ std::vector<bool> DividedPoints(const GridInputs &in, const GridLayout &layout,
 /// Gives every point in a solid that has lit neighbours a value, so that interpolation beside walls is right.
 /// Neighbours that do not see each other form sides; a side counts the more the darker it is, so that a wall thinner
 /// than a cell lets no light through. A point beside a wall is treated alike when it has neighbours on the other side.
-/// `displaced` is sorted by index. Changes Solid to Filled or Void in `states`.
+/// `displaced` is sorted by index; `divided` comes from DividedPoints. Changes Solid to Filled or Void in `states`.
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
-                std::vector<PointState> &states, LightGridSH &grid);
+                const std::vector<bool> &divided, std::vector<PointState> &states, LightGridSH &grid);
 
 } // namespace q3

@@ -11,8 +11,6 @@ namespace q3 {
 
 namespace {
 
-/// Half the width of a player: samples keep this clear of solids. Game units.
-constexpr float kPlayer = 16;
 constexpr float kClearance = 0.125f;
 /// Samples tried in each cell that has a point in a solid.
 constexpr float kPerCell = 4;
@@ -119,7 +117,7 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     if (rows_.empty())
         return samples;
     std::vector<LightPlaces> blocks;
-    const Vec3f cell(layout_.size), player{kPlayer, kPlayer, kPlayer};
+    const Vec3f cell(layout_.size);
     for (const BrickPoint &point : points) {
         if (!AnyRow(point) || !in_.space.AnyOpen(point.position, point.position + cell))
             continue;
@@ -128,7 +126,7 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
             const double v = UnitFromHash(HashIndex((std::uint64_t(point.index) << 8) + std::uint64_t(i)));
             const Vec3f p = point.position + cell * Vec3f{float(s.u), float(s.v), float((i + v) / perCell_)};
             const int cluster = in_.space.ClusterAt(p, kClearance);
-            if (cluster >= 0 && !in_.space.AnySolid(p - player, p + player))
+            if (cluster >= 0 && in_.space.PlayerFits(p))
                 AddPlace(blocks, p, p, cluster, SampleIndex(point.index, i));
         }
     }
@@ -138,7 +136,7 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
         for (std::size_t i = 0; i < places.count; ++i)
             samples.push_back({places.position[i], {}});
     std::size_t next = 0;
-    lighter.Light(blocks, HashIndex(points.front().index), work,
+    lighter.Trace(blocks, HashIndex(points.front().index), work,
                   [&](std::uint32_t, const bspGridPointSH_t &value) { samples[next++].value = value; });
     if (in_.options.shFit > 0)
         FindSeen(samples, work);
@@ -178,7 +176,6 @@ void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
 }
 
 void GridFit::Accumulate(const FitSample &sample) {
-    ++samples_;
     const float mean = MeanLight(sample.value), beyond = std::clamp(kBeyondScreen * mean, 1.0f, kMostBeyond);
     const float weight = std::pow(kDark / (kDark + mean), 0.25f) / (beyond * beyond * beyond * beyond);
     const auto corners = CornersAt(sample.position);

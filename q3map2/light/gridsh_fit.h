@@ -28,8 +28,11 @@ static_assert(sizeof(bspGridPointSH_t) == kGridNumbers * sizeof(float));
 /// Minimises, over samples s with weight w, the sum of w |shown(s) - value(s)|^2, plus a pull of each point towards the
 /// value that it had, in proportion to the samples that it takes part in. In SH coefficients, so over all normals
 /// alike. The weight falls with the fourth power of light beyond what a screen can show.
+///
+/// Keeps references to everything that it is made of.
 class GridFit {
   public:
+    /// states: of the points, before FillGridSH; divided: see DividedPoints.
     GridFit(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,
             const std::vector<bool> &divided);
 
@@ -40,7 +43,6 @@ class GridFit {
     void AddSamples(std::int64_t brick, std::vector<FitSample> samples);
     /// Moves the fitted points to their best values. Call once all bricks are in.
     void Solve(LightGridSH &grid, const JobPool &jobs);
-    std::int64_t Samples() const { return samples_; }
 
   private:
     using Numbers = std::array<float, kGridNumbers>;
@@ -70,7 +72,6 @@ class GridFit {
     const std::vector<PointState> &states_;
     std::vector<std::int32_t> rowOf_; // by point; -1: not fitted
     std::vector<Row> rows_;
-    std::int64_t samples_ = 0;
     std::mutex mutex_;
     std::map<std::int64_t, std::vector<FitSample>> waiting_;
     std::int64_t next_ = 0;

@@ -9,8 +9,8 @@ namespace q3 {
 
 namespace {
 
-/// Lights fainter than this in all of a brick, and then at each point, are represented by a few of them. Byte scale; an
-/// eighth of what a screen can show.
+/// Lights fainter than this in all of a brick, and then at each point, are represented by a few of them. Byte scale; a
+/// quarter of what a screen can show.
 constexpr float kFaint = 1.0f / 4;
 
 /// Sums beyond this, from absurd keys and scales, are cut. 1 = byte 255.
@@ -90,7 +90,7 @@ bspGridPointSH_t StorePoint(const GridInputs &in, const PointSum &total) {
 
 } // namespace
 
-PlaceLighter::PlaceLighter(const GridInputs &in, const std::vector<q3::Light> &lights)
+PlaceLighter::PlaceLighter(const GridInputs &in, const std::vector<Light> &lights)
     : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
                                           .sunOnly = in.options.sunOnly,
                                           .radiance = in.options.shRadiance,

@@ -17,7 +17,7 @@ class PlaceLighter {
     /// Calls store(place index, coefficients) for every place of the blocks, which are near each other: `seed` makes
     /// their common choices. Light of all lights, floodlight, ambient and minimum, scaled as it is stored.
     template <typename Store>
-    void Light(std::vector<LightPlaces> &blocks, std::uint64_t seed, GridStats &work, const Store &store) const {
+    void Trace(std::vector<LightPlaces> &blocks, std::uint64_t seed, GridStats &work, const Store &store) const {
         const std::vector<bspGridPointSH_t> values = Values(blocks, seed, work);
         std::size_t next = 0;
         for (const LightPlaces &places : blocks)

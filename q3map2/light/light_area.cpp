@@ -43,7 +43,22 @@ int RefinedRays(float facing, float samples) {
     return int(std::ceil(std::clamp(n, kMinRefined, kMaxRefined * samples) / float(kPacketSize))) * int(kPacketSize);
 }
 
+/// moments[k] += weight * Y[k](direction), or = instead of +=.
+template <bool kAdd>
+inline void BasisLanes(std::size_t i, float x, float y, float z, float weight, Arrivals &arrivals) {
+    const auto basis = ShBasis(Vec3f{x, y, z});
+    auto &m = arrivals.moments;
+    const auto put = [&](Lanes &row, float value) { row[i] = kAdd ? row[i] + value * weight : value * weight; };
+    put(m[0], basis[0]), put(m[1], basis[1]), put(m[2], basis[2]), put(m[3], basis[3]), put(m[4], basis[4]);
+    put(m[5], basis[5]), put(m[6], basis[6]), put(m[7], basis[7]), put(m[8], basis[8]);
+}
+
 } // namespace
+
+inline float AreaContribution::Lift(std::size_t i) const {
+    const float off = std::min(kEmitterGap, 0.5f * height_[i]);
+    return below_[i] != 0 ? -off : off;
+}
 
 PolygonMoments AreaContribution::Moments(std::size_t i) const {
     return near_[i] != 0 ? nearMoments_[i] : MomentsOfPolygon(Corners(i), Vec3d(places_.position[i]));
@@ -126,7 +141,7 @@ Q3_VECTOR void AreaContribution::AimAll(const Vec3f &target, RayPacket &rays) co
     rays.origin = places_.rayOrigin;
     rays.live = live_;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float off = std::min(kEmitterGap, 0.5f * height_[i]), lift = below_[i] != 0 ? -off : off;
+        const float lift = Lift(i);
         const float x = target.x + normal.x * lift - rays.origin.x[i];
         const float y = target.y + normal.y * lift - rays.origin.y[i];
         const float z = target.z + normal.z * lift - rays.origin.z[i];
@@ -169,20 +184,6 @@ bool AreaContribution::NeedsMore(std::size_t i, int probes) const {
             return true;
     return false;
 }
-
-namespace {
-
-/// moments[k] += weight * Y[k](direction), or = instead of +=.
-template <bool kAdd>
-inline void BasisLanes(std::size_t i, float x, float y, float z, float weight, Arrivals &arrivals) {
-    const auto basis = ShBasis(Vec3f{x, y, z});
-    auto &m = arrivals.moments;
-    const auto put = [&](Lanes &row, float value) { row[i] = kAdd ? row[i] + value * weight : value * weight; };
-    put(m[0], basis[0]), put(m[1], basis[1]), put(m[2], basis[2]), put(m[3], basis[3]), put(m[4], basis[4]);
-    put(m[5], basis[5]), put(m[6], basis[6]), put(m[7], basis[7]), put(m[8], basis[8]);
-}
-
-} // namespace
 
 /// Projections of the far light as a point, for all places.
 Q3_VECTOR void AreaContribution::PointMoments() {
@@ -234,8 +235,7 @@ void AreaContribution::SetMoments(std::size_t i, const ShVector &projection) {
 /// and f the visible share, f * exact + V - f * W is exact where nothing or everything is hidden.
 void AreaContribution::Refine(std::size_t i) {
     const int n = RefinedRays(facing_[i], settings_.samples);
-    const Vec3f lift =
-        Vec3f(light_.shape.normal) * (std::min(kEmitterGap, 0.5f * height_[i]) * (FromBehind(i) ? -1.0f : 1.0f));
+    const Vec3f lift = Vec3f(light_.shape.normal) * Lift(i);
     const AreaSampler sampler(light_, Corners(i), places_.position[i], height_[i], places_.index[i], near_[i] != 0);
     ShVector visible{}, whole{};
     Vec3d tint;

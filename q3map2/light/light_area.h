@@ -28,13 +28,9 @@ class AreaContribution {
   private:
     /// How moments are found, by what each errs.
     enum class Method { Point, Quadrature, ClosedForm };
-    /// Light with part of the emitter hidden.
-    struct Visible {
-        double share = 0; ///< of the rays, for the tint
-        Vec3d tint;       ///< sum over them
-    };
-
     bool FromBehind(std::size_t i) const { return below_[i] != 0; }
+    /// Rays end so far from the emitter's plane, towards the place: see kEmitterGap.
+    float Lift(std::size_t i) const;
     std::span<const Vec3f> Corners(std::size_t i) const { return FromBehind(i) ? light_.shape.back : light_.w; }
     PolygonMoments Moments(std::size_t i) const;
     void MeasureLanes();

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Embree 3.13 and 4 under one face: packets of 16 rays.
+// GPL-2.0-or-later. Embree 3.13 and 4 under one face: packets of 16 rays; handles that release themselves.
 #pragma once
 
 #if Q3_EMBREE_MAJOR >= 4
@@ -7,7 +7,23 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <memory>
+#include <type_traits>
+
 namespace q3 {
+
+struct ReleaseDevice {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+struct ReleaseScene {
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+struct ReleaseGeometry {
+    void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+using DevicePtr = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice>;
+using ScenePtr = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
+using GeometryPtr = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry>;
 
 #if Q3_EMBREE_MAJOR >= 4
 using EmbreeContext = RTCRayQueryContext;

@@ -81,15 +81,16 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     const GridBricks bricks(layout);
     PointPlaces places(in, layout, bricks);
     const PlaceLighter lighter(in, lights);
-    GridFit fit(in, layout, places.States(), DividedPoints(in, layout, places.Displaced(), places.States(), grid));
+    const auto divided = DividedPoints(in, layout, places.Displaced(), places.States(), grid);
+    GridFit fit(in, layout, places.States(), divided);
     RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
         std::vector<LightPlaces> blocks = places.Take(brick);
         if (!blocks.empty())
-            lighter.Light(blocks, std::uint64_t(brick), work,
+            lighter.Trace(blocks, std::uint64_t(brick), work,
                           [&](std::uint32_t index, const bspGridPointSH_t &value) { grid.points[index] = value; });
         fit.AddSamples(brick, fit.SampleCells(bricks.Points(brick), lighter, work));
     });
-    FillGridSH(in, layout, places.Displaced(), places.States(), grid);
+    FillGridSH(in, layout, places.Displaced(), divided, places.States(), grid);
     fit.Solve(grid, in.jobs);
     const auto &states = places.States();
     stats.open = std::count(states.begin(), states.end(), PointState::Open) +

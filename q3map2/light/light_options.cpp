@@ -116,8 +116,6 @@ void ParseSH(Arguments &arguments, LightOptions &o) {
     o.sh = arguments.TakeFlag("-sh") || o.shBspx || o.shRadiance;
     o.shDering = arguments.TakeFlag("-shdering");
     o.shError = arguments.TakeFlag("-sherror");
-    if ((o.shDering || o.shError) && !o.sh)
-        throw Error("{} needs -sh", o.shDering ? "-shdering" : "-sherror");
     while (const auto value = arguments.TakeValue("-gridscalesh")) {
         o.gridScaleSH = float(NumberFromText(*value));
         if (!(o.gridScaleSH > 0))
@@ -146,10 +144,17 @@ void ParseSH(Arguments &arguments, LightOptions &o) {
         o.shFit = *samples > 0 ? *samples : kDefaultFit;
     }
     o.shFill = !arguments.TakeFlag("-noshfill");
+    if (!o.shFill && o.shFit > 0)
+        throw Error("-shfit and -noshfill exclude each other");
     while (const auto value = arguments.TakeValue("-shpreview"))
         o.previewFile = *value;
-    if (!o.previewFile.empty() && !o.sh)
-        throw Error("-shpreview needs -sh");
+    const std::pair<std::string_view, bool> wantsSH[] = {{"-shdering", o.shDering},
+                                                         {"-sherror", o.shError},
+                                                         {"-shfit", o.shFit > 0},
+                                                         {"-shpreview", !o.previewFile.empty()}};
+    for (const auto &[name, given] : wantsSH)
+        if (given && !o.sh)
+            throw Error("{} needs -sh", name);
 }
 
 /// Options of lightmaps, vertex light and bounces: the number of values that follow each.

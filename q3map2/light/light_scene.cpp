@@ -54,19 +54,6 @@ struct Triangles {
     std::size_t Count() const { return surface.size(); }
 };
 
-struct ReleaseDevice {
-    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-};
-struct ReleaseScene {
-    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
-};
-struct ReleaseGeometry {
-    void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
-};
-using DevicePtr = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice>;
-using ScenePtr = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
-using GeometryPtr = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry>;
-
 GeometryPtr MakeGeometry(RTCDevice device, const Triangles &triangles) {
     GeometryPtr geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
     const std::size_t vertices = triangles.corners.size() / 3;
@@ -151,7 +138,7 @@ struct LightScene::State {
     std::array<Triangles, kGeometries> triangles; // by GeometryId
     DevicePtr device;
     std::array<GeometryPtr, kGeometries> geometries;
-    ScenePtr legacySolids, surfaces, surfacesAndSkies, all, allAndSkies, filters, filtersWithoutPatches;
+    ScenePtr legacySolids, surfaces, all, skies, filters, filtersWithoutPatches;
 
     State(const SurfaceTable &t, float radius, bool traces) : table(t), legacyIgnoreRadius(radius), trace(traces) {}
 
@@ -317,9 +304,8 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
         }
     s.legacySolids = s.MakeScene({kLegacySolids});
     s.surfaces = s.MakeScene({kSurfaces});
-    s.surfacesAndSkies = s.MakeScene({kSurfaces, kSkies});
     s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
-    s.allAndSkies = s.MakeScene({kSolids, kSurfaces, kPatches, kSkies});
+    s.skies = s.MakeScene({kSkies});
     s.filters = s.MakeScene({kFilters, kFilterPatches});
     s.filtersWithoutPatches = s.MakeScene({kFilters});
 }
@@ -369,20 +355,20 @@ void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, 
     if (!s.trace)
         return;
     counts.rays += std::uint64_t(packet.live.Count());
-    const bool exact = rules == ShadowRules::Exact;
-    const float nearest = exact ? 0 : s.legacyIgnoreRadius;
-    RTCScene scene = exact ? s.allAndSkies.get() : s.surfacesAndSkies.get();
-    if (!scene) {
+    if (!s.skies) {
         packet.live = {};
         return;
     }
+    const bool exact = rules == ShadowRules::Exact;
+    const float nearest = exact ? 0 : s.legacyIgnoreRadius;
     alignas(64) RTCRayHit16 hits;
     if (!exact && s.legacySolids) {
         FindNearest(s.legacySolids.get(), packet, 0, hits);
         for (std::size_t i = 0; i < kPacketSize; ++i)
             packet.distance[i] = std::min(packet.distance[i], hits.ray.tfar[i] + kSkySlack);
     }
-    FindNearest(scene, packet, nearest, hits);
+    // Skies are few triangles, so their nearest hit is cheap; then blockers up to there need not be the nearest.
+    FindNearest(s.skies.get(), packet, nearest, hits);
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         if (packet.live[i] == 0)
             continue;
@@ -392,19 +378,26 @@ void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, 
         packet.live.Set(i, lit);
         packet.distance[i] = hits.ray.tfar[i];
     }
+    if (const ScenePtr &blockers = exact ? s.all : s.surfaces; blockers && packet.live.Any())
+        EndBlocked(blockers.get(), packet, nearest);
     s.Tint(packet, exact ? s.filters : s.filtersWithoutPatches, nearest);
 }
 
 void LightScene::TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts &counts) const {
     const State &s = *state_;
     counts.rays += std::uint64_t(packet.live.Count());
-    if (!s.allAndSkies)
+    if (!s.all)
         return;
-    alignas(64) RTCRayHit16 hits;
-    FindNearest(s.allAndSkies.get(), packet, ignoreRadius, hits);
+    alignas(64) RTCRayHit16 blockers, skies;
+    FindNearest(s.all.get(), packet, ignoreRadius, blockers);
+    RayPacket toSky = packet;
+    std::copy_n(blockers.ray.tfar, kPacketSize, toSky.distance.begin());
+    if (s.skies)
+        FindNearest(s.skies.get(), toSky, ignoreRadius, skies);
     for (std::size_t i = 0; i < kPacketSize; ++i)
-        if (packet.live[i] != 0 && hits.hit.geomID[i] != kSkies && hits.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)
-            packet.distance[i] = hits.ray.tfar[i];
+        if (packet.live[i] != 0 && blockers.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID &&
+            !(s.skies && skies.hit.geomID[i] == kSkies))
+            packet.distance[i] = blockers.ray.tfar[i];
 }
 
 std::size_t LightScene::TriangleCount() const {
@@ -412,10 +405,6 @@ std::size_t LightScene::TriangleCount() const {
     for (const GeometryId id : {kSolids, kSurfaces, kPatches, kSkies, kFilters, kFilterPatches})
         count += state_->triangles[id].Count();
     return count;
-}
-
-bool LightScene::HasSky() const {
-    return state_->triangles[kSkies].Count() > 0;
 }
 
 } // namespace q3

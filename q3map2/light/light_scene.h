@@ -56,7 +56,6 @@ class LightScene {
     void TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts &counts) const;
 
     std::size_t TriangleCount() const;
-    bool HasSky() const;
 
   private:
     struct State;

@@ -9,6 +9,9 @@
 
 namespace q3 {
 
+/// Half the width of a player. Game units.
+inline constexpr float kPlayerHalfSize = 16;
+
 /// Point queries on the tree of a validated Bsp. Const after construction, so safe for concurrent use. Keeps a
 /// reference.
 class BspSpace {
@@ -29,6 +32,11 @@ class BspSpace {
     /// Whether the box touches a leaf that is not solid, or one that is.
     bool AnyOpen(const Vec3f &mins, const Vec3f &maxs) const { return Touches(mins, maxs, false); }
     bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const { return Touches(mins, maxs, true); }
+    /// Whether a player can be about there: p is kPlayerHalfSize clear of solid leafs on all sides.
+    bool PlayerFits(const Vec3f &p) const {
+        const Vec3f half{kPlayerHalfSize, kPlayerHalfSize, kPlayerHalfSize};
+        return !AnySolid(p - half, p + half);
+    }
     /// Union of the bounds of all leafs whose cluster `cluster` sees.
     Boundsf VisibleBounds(int cluster) const;
 

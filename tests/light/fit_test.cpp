@@ -95,6 +95,7 @@ TEST_F(FitTest, SameBytesForAnyNumberOfThreads) {
 
 TEST_F(FitTest, TakesNoNumberOfSamplesBeyondItsRange) {
     EXPECT_THROW(Lit(LitRoom(), "-shfit 65"), Error);
+    EXPECT_THROW(Lit(LitRoom(), "-shfit -noshfill"), Error);
     EXPECT_NO_THROW(Lit(LitRoom(), "-gridsh 64 64 64 -shfit"));
 }
 

@@ -1,12 +1,15 @@
 // GPL-2.0-or-later. SH grid: -shdering takes negative lobes away and nothing else.
 #include "tests/light/light_test.h"
 
+#include "common/arguments.h"
 #include "q3map2/light/gridsh_dering.h"
 
 #include "common/error.h"
 
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <sstream>
 
 namespace q3::test {
 
@@ -103,8 +106,12 @@ TEST_F(GridSHDeringTest, ReportsTheLargestChange) {
 }
 
 TEST_F(GridSHDeringTest, NeedsAGrid) {
-    EXPECT_THROW(Lit(TwoLamps(), "-shdering"), Error);
-    EXPECT_THROW(Lit(TwoLamps(), "-sherror"), Error);
+    Log log([](LogLevel, std::string_view) {}, false);
+    for (const char *option : {"-shdering", "-sherror", "-shfit", "-shpreview x.png"}) {
+        std::istringstream text{std::string(option)};
+        Arguments arguments({std::istream_iterator<std::string>(text), {}});
+        EXPECT_THROW(ParseLightOptions(arguments, *FindGame("quake3"), log), Error) << option;
+    }
 }
 
 } // namespace

@@ -187,11 +187,10 @@ void LightTest::Script(std::string_view text) {
 Bsp LightTest::Lit(Bsp bsp, std::string_view options, int threads) {
     printed.clear();
     Log log([this](LogLevel, std::string_view text) { printed += text; }, true);
-    std::istringstream text{std::string(options)};
+    std::istringstream text("-sh " + std::string(options));
     Arguments arguments({std::istream_iterator<std::string>(text), {}});
     const Game &game = *FindGame("quake3");
-    LightOptions parsed = ParseLightOptions(arguments, game, log);
-    parsed.sh = true;
+    const LightOptions parsed = ParseLightOptions(arguments, game, log);
     VirtualFileSystem vfs(log);
     vfs.Mount(folder.Root(), "pk3");
     vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");

@@ -20,16 +20,6 @@ constexpr int kPacket = 16;
 constexpr int kBricks = 256, kLightsPerBrick = 64;
 constexpr std::array<int, 3> kBrickSize = {8, 8, 4}, kBlockSize = {4, 2, 2};
 
-struct ReleaseDevice {
-    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-};
-struct ReleaseScene {
-    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
-};
-struct ReleaseGeometry {
-    void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
-};
-
 double ThreadSeconds() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -12,7 +12,6 @@ namespace q3::bench {
 
 namespace {
 
-constexpr float kPlayerHalfSize = 16;
 constexpr int kMinRays = 4, kMaxRays = 65536;
 /// First rays to a piece: so many per byte of its light, within limits.
 constexpr double kPilotRaysPerByte = 16;
@@ -96,7 +95,6 @@ double Displayed(float value) {
 std::vector<Vec3f> PlayerPositions(const BenchMap &map, int count, std::uint64_t seed) {
     const bspModel_t &world = map.bsp.models.front();
     const Vec3f mins(world.mins), size = Vec3f(world.maxs) - mins;
-    const Vec3f half{kPlayerHalfSize, kPlayerHalfSize, kPlayerHalfSize};
     Random random(seed);
     std::vector<Vec3f> positions;
     for (std::int64_t tries = 0; int(positions.size()) < count; ++tries) {
@@ -105,7 +103,7 @@ std::vector<Vec3f> PlayerPositions(const BenchMap &map, int count, std::uint64_t
                         count);
         const float x = float(Unit(random)), y = float(Unit(random)), z = float(Unit(random));
         const Vec3f p = mins + size * Vec3f{x, y, z};
-        if (map.space.ClusterAt(p, kPlayerHalfSize) >= 0 && !map.space.AnySolid(p - half, p + half))
+        if (map.space.ClusterAt(p, kPlayerHalfSize) >= 0 && map.space.PlayerFits(p))
             positions.push_back(p);
     }
     return positions;
