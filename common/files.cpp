@@ -1,35 +1,34 @@
-// GPL-2.0-or-later. Whole files, and their safe replacement.
+// GPL-2.0-or-later. Files: reading, and safe replacement.
 #include "common/files.h"
 
 #include "common/error.h"
 
 #include <glib.h>
-#include <glib/gstdio.h>
 
-#include <memory>
+#include <cerrno>
 #include <system_error>
+#include <utility>
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace q3 {
 
+namespace fs = std::filesystem;
+
 namespace {
 
-struct FreeError {
-    void operator()(GError *error) const { g_error_free(error); }
-};
-
-[[noreturn]] void Fail(const std::filesystem::path &path, const char *action, GError *error) {
-    const std::unique_ptr<GError, FreeError> owner(error);
-    throw Error("{}: cannot {}: {}", path.string(), action, error ? error->message : "unknown reason");
+std::string Reason(int number) {
+    return std::generic_category().message(number);
 }
 
 /// The file that a chain of symbolic links ends at, so that the file is replaced and not the link.
-std::filesystem::path BehindLinks(std::filesystem::path path) {
+fs::path BehindLinks(fs::path path) {
     constexpr int kMaxLinks = 40;
     for (int i = 0; i < kMaxLinks; i++) {
         std::error_code notALink;
-        const std::filesystem::path next = std::filesystem::read_symlink(path, notALink);
+        const fs::path next = fs::read_symlink(path, notALink);
         if (notALink)
             return path;
         path = next.is_absolute() ? next : path.parent_path() / next;
@@ -37,38 +36,103 @@ std::filesystem::path BehindLinks(std::filesystem::path path) {
     throw Error("{}: cannot write: more than {} symbolic links", path.string(), kMaxLinks);
 }
 
-} // namespace
-
-std::vector<std::byte> ReadFile(const std::filesystem::path &path) {
-    GError *error = nullptr;
-    char *contents = nullptr;
-    gsize length = 0;
-    if (!g_file_get_contents(path.c_str(), &contents, &length, &error))
-        Fail(path, "read", error);
-    const std::unique_ptr<char, decltype(&g_free)> owner(contents, g_free);
-    const auto *bytes = reinterpret_cast<const std::byte *>(contents);
-    return {bytes, bytes + length};
+/// Makes a rename last. Not every file system can; the file is whole either way.
+void SyncFolder(const fs::path &file) {
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0)
+        return;
+    fsync(descriptor);
+    close(descriptor);
 }
 
-void ReplaceFile(const std::filesystem::path &path, std::span<const std::byte> data) {
-    namespace fs = std::filesystem;
-    const fs::path target = BehindLinks(path);
-    std::error_code ignored;
-    const fs::file_status old = fs::status(target, ignored);
-    if (fs::exists(old) && !fs::is_regular_file(old))
-        throw Error("{}: cannot write: not a regular file", path.string());
-    if (fs::exists(old) && g_access(target.c_str(), W_OK) != 0)
-        throw Error("{}: cannot write: the file is write protected", path.string());
-    const fs::perms mode = fs::exists(old) ? old.permissions() : fs::perms(0666);
+} // namespace
 
-    GError *error = nullptr;
-    const auto flags = GFileSetContentsFlags(G_FILE_SET_CONTENTS_CONSISTENT | G_FILE_SET_CONTENTS_DURABLE);
-    if (!g_file_set_contents_full(target.c_str(), reinterpret_cast<const char *>(data.data()), gssize(data.size()),
-                                  flags, int(mode), &error))
-        Fail(path, "write", error);
-    // GLib masks the mode with the umask, as is right for a new file only.
+InputFile::InputFile(fs::path path) : path_(std::move(path)) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(path_, ignored);
+    if (fs::exists(status) && !fs::is_regular_file(status)) // a pipe would block, a device may have no end
+        throw Error("{}: cannot read: not a regular file", path_.string());
+    file_.reset(std::fopen(path_.c_str(), "rbe"));
+    struct stat info {};
+    if (!file_ || fstat(fileno(file_.get()), &info) != 0)
+        throw Error("{}: cannot read: {}", path_.string(), Reason(errno));
+    size_ = std::uint64_t(info.st_size);
+}
+
+void InputFile::Read(std::uint64_t at, std::span<std::byte> into) {
+    if (into.empty())
+        return;
+    const bool there = fseeko(file_.get(), off_t(at), SEEK_SET) == 0;
+    if (there && std::fread(into.data(), 1, into.size(), file_.get()) == into.size())
+        return;
+    const int number = errno;
+    const bool ended = there && std::feof(file_.get()) != 0;
+    throw Error("{}: cannot read: {}", path_.string(),
+                ended ? fmt::format("it ends before byte {}", at + into.size()) : Reason(number));
+}
+
+std::vector<std::byte> ReadFile(const fs::path &path) {
+    InputFile file(path);
+    std::vector<std::byte> bytes(file.Size());
+    file.Read(0, bytes);
+    return bytes;
+}
+
+FileReplacement::FileReplacement(fs::path path) : path_(std::move(path)), target_(BehindLinks(path_)) {
+    std::error_code ignored;
+    const fs::file_status old = fs::status(target_, ignored);
+    if (fs::exists(old) && !fs::is_regular_file(old))
+        throw Error("{}: cannot write: not a regular file", path_.string());
+    if (fs::exists(old) && access(target_.c_str(), W_OK) != 0)
+        throw Error("{}: cannot write: the file is write protected", path_.string());
+    const auto mode = fs::exists(old) ? mode_t(old.permissions()) : mode_t(0666);
+
+    std::string name = target_.string() + ".XXXXXX";
+    const int descriptor = g_mkstemp_full(name.data(), O_WRONLY | O_CLOEXEC, int(mode));
+    if (descriptor < 0)
+        Fail(errno);
+    file_.reset(fdopen(descriptor, "wb"));
+    if (!file_) {
+        const int number = errno;
+        close(descriptor);
+        unlink(name.c_str());
+        Fail(number);
+    }
+    temporary_ = std::move(name);
+    // The umask is for new files. A file system without modes is no reason to fail.
     if (fs::exists(old))
-        fs::permissions(target, mode, ignored);
+        fchmod(descriptor, mode);
+}
+
+FileReplacement::~FileReplacement() {
+    if (!temporary_.empty())
+        unlink(temporary_.c_str());
+}
+
+void FileReplacement::Append(std::span<const std::byte> data) {
+    if (!data.empty() && std::fwrite(data.data(), 1, data.size(), file_.get()) != data.size())
+        Fail(errno);
+}
+
+void FileReplacement::Commit() {
+    if (std::fflush(file_.get()) != 0 || fsync(fileno(file_.get())) != 0)
+        Fail(errno);
+    if (std::rename(temporary_.c_str(), target_.c_str()) != 0)
+        Fail(errno);
+    temporary_.clear();
+    file_.reset();
+    SyncFolder(target_);
+}
+
+void FileReplacement::Fail(int reason) const {
+    throw Error("{}: cannot write: {}", path_.string(), Reason(reason));
+}
+
+void ReplaceFile(const fs::path &path, std::span<const std::byte> data) {
+    FileReplacement file(path);
+    file.Append(data);
+    file.Commit();
 }
 
 } // namespace q3

@@ -1,19 +1,62 @@
-// GPL-2.0-or-later. Whole files, and their safe replacement.
+// GPL-2.0-or-later. Files: reading, and safe replacement.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace q3 {
 
-/// The whole file. Errors: Error naming the path and the reason.
+struct CloseFile {
+    void operator()(std::FILE *file) const { std::fclose(file); }
+};
+
+/// A regular file that is read in pieces. Errors: Error naming the path and the reason.
+class InputFile {
+  public:
+    explicit InputFile(std::filesystem::path path);
+    std::uint64_t Size() const { return size_; }
+    /// Fills `into` with the bytes from `at` on. All of them must lie in the file.
+    void Read(std::uint64_t at, std::span<std::byte> into);
+
+  private:
+    std::filesystem::path path_;
+    std::unique_ptr<std::FILE, CloseFile> file_;
+    std::uint64_t size_ = 0;
+};
+
+/// The whole file. Errors as InputFile.
 std::vector<std::byte> ReadFile(const std::filesystem::path &path);
 
-/// Atomic and durable: written beside, flushed to disk, renamed over. On any failure the old file is whole and an Error
-/// names the path and the reason. An existing file keeps its permission bits, and one that is write protected is not
-/// replaced; a symbolic link stays and the file it leads to is replaced. Other hard links keep the old contents.
+/// Replaces a file piece by piece. Atomic and durable: written beside, flushed to disk, renamed over. On any failure,
+/// and without Commit, the old file is whole and nothing is left beside it; a process that is killed may leave its
+/// unfinished PATH.XXXXXX. An existing file keeps its permission bits, and one that is write protected is not replaced;
+/// a symbolic link stays and the file it leads to is replaced. Other hard links keep the old contents. Errors: Error
+/// naming the path and the reason.
+class FileReplacement {
+  public:
+    explicit FileReplacement(std::filesystem::path path);
+    FileReplacement(const FileReplacement &) = delete;
+    FileReplacement &operator=(const FileReplacement &) = delete;
+    ~FileReplacement();
+    void Append(std::span<const std::byte> data);
+    /// The file is complete: it takes its place. Once, and nothing after it.
+    void Commit();
+
+  private:
+    [[noreturn]] void Fail(int reason) const;
+
+    std::filesystem::path path_, target_;
+    std::string temporary_; ///< empty: there is none any more
+    std::unique_ptr<std::FILE, CloseFile> file_;
+};
+
+/// FileReplacement in one step.
 void ReplaceFile(const std::filesystem::path &path, std::span<const std::byte> data);
 
 } // namespace q3

@@ -33,7 +33,7 @@ SH light grid:
   -shradiance             store the plain projection, for engines that convolve themselves
   -shdering               no negative lobes: values change by the least that takes them away
   -sherror                say how far the grid is off, and which cells halve that
-  -shfit [N]              fit all points to light at N places a cell (default 4)
+  -shfit [N]              fit all points to light at N places a cell (default 6)
   -noshfill               points in solids from their neighbours alone
   -shsamples F            F times as many rays and samples (default 1)
   -gridscalesh F          points per axis relative to the legacy grid (default 2)
@@ -47,7 +47,7 @@ Tone of the legacy grid:
   -gamma F  -exposure F  -compensate F  -contrast F  -saturation F
   -sRGB -nosRGB, -sRGBlight, -sRGBcolor and their -nosRGB forms
 Speed and rays:
-  -fast, -fastgrid        lights end where they fall below the tolerance
+  -fast, -fastgrid        legacy grid: lights end below the tolerance; SH grid: few samples
   -faster                 and area lights count as points in the legacy grid
   -cheap, -cheapgrid      stop adding lights to legacy points that are white
   -nogrid                 leave the legacy grid as it is

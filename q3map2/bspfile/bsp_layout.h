@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -46,6 +47,19 @@ template <typename Record> Record LoadRecord(std::span<const std::byte> bytes, s
     return record;
 }
 
+/// Where a file is read from: memory or disk.
+struct ByteSource {
+    std::uint64_t size = 0;
+    std::function<void(std::uint64_t at, std::span<std::byte> into)> read; ///< all of it must lie in the file
+
+    /// Fills the records with what starts at `at`.
+    template <typename Record> void Fill(std::uint64_t at, std::span<Record> records) const {
+        static_assert(std::is_trivially_copyable_v<Record>);
+        if (!records.empty())
+            read(at, std::as_writable_bytes(records));
+    }
+};
+
 /// Calls visit(slot, vector) for every lump that is a plain array of records.
 template <typename AnyBsp, typename Visit> void ForEachArray(AnyBsp &bsp, Visit &&visit) {
     visit(LUMP_SHADERS, bsp.shaders);
@@ -81,9 +95,46 @@ struct FilePlan {
 FilePlan PlanFile(std::size_t slots, const std::array<std::uint64_t, kNumLumps> &lengths,
                   std::span<const std::uint64_t> bspxLengths);
 
+/// The bytes of a file, as the pieces of memory that they come from. Refers to the Bsp.
+class BspPieces {
+  public:
+    using Append = std::function<void(std::span<const std::byte>)>;
+
+    /// Errors as WriteBsp.
+    BspPieces(const Bsp &bsp, const BspFormat &format);
+    std::uint64_t Size() const { return plan_.size; }
+    /// Appends all bytes of the file in order.
+    void Write(const Append &append) const;
+
+  private:
+    using Pieces = std::vector<std::span<const std::byte>>; ///< one after the other, a lump
+
+    void TakeLumps(const Bsp &bsp, const BspFormat &format);
+    void TakeBspx(const Bsp &bsp);
+    void MakeHeader(int version);
+    void MakeDirectory();
+
+    std::array<Pieces, kNumLumps> lumps_;
+    std::vector<std::string_view> bspxNames_;
+    std::vector<Pieces> bspx_;
+    FilePlan plan_;
+    std::vector<std::byte> header_, directory_;
+};
+
+/// An entry of a BSPX directory.
+struct BspxPart {
+    std::string name;
+    FilePart part;
+};
+
 /// The BSPX directory at `start`, if there is one. A malformed directory is a warning and gives nothing; of two lumps
 /// with one name the first is kept.
-std::vector<BspxLump> ReadBspx(std::span<const std::byte> file, std::size_t start, std::string_view name, Log &log);
+std::vector<BspxPart> ReadBspx(const ByteSource &file, std::uint64_t start, std::string_view name, Log &log);
+
+/// The SH light grid in a part of the file. Errors: the length, and those of CheckLightGridSH.
+LightGridSH ReadLightGridSH(const ByteSource &file, const FilePart &part, std::string_view name);
+/// ReadBsp from wherever the file is: its bytes are read once, into the records.
+Bsp ReadBspFrom(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log);
 
 /// Checks the numbers of the header against the count of points, and that all floats are finite. Errors name the field.
 void CheckLightGridSH(const LightGridSH &grid, std::string_view name);

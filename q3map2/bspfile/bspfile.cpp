@@ -3,23 +3,29 @@
 
 #include "common/error.h"
 #include "common/files.h"
+#include "q3map2/bspfile/bsp_layout.h"
 
 namespace q3 {
 
 Bsp ReadBspFile(const std::filesystem::path &path, const BspFormat &format, Log &log) {
-    return ReadBsp(ReadFile(path), path.string(), format, log);
+    InputFile file(path);
+    const auto read = [&file](std::uint64_t at, std::span<std::byte> into) { file.Read(at, into); };
+    return ReadBspFrom({file.Size(), read}, path.string(), format, log);
 }
 
 void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, Log &log) {
     log.Print("Writing {}\n", path.string());
-    std::vector<std::byte> file;
-    try {
-        file = WriteBsp(bsp, format);
-    } catch (const Error &error) {
-        throw Error("{}: {}", path.string(), error.what());
-    }
-    ReplaceFile(path, file);
-    log.Print("Wrote {:.1f} MB ({} bytes)\n", double(file.size()) / (1024 * 1024), file.size());
+    const BspPieces pieces = [&] {
+        try {
+            return BspPieces(bsp, format);
+        } catch (const Error &error) {
+            throw Error("{}: {}", path.string(), error.what());
+        }
+    }();
+    FileReplacement file(path);
+    pieces.Write([&file](std::span<const std::byte> bytes) { file.Append(bytes); });
+    file.Commit();
+    log.Print("Wrote {:.1f} MB ({} bytes)\n", double(pieces.Size()) / (1024 * 1024), pieces.Size());
 }
 
 } // namespace q3

@@ -69,11 +69,13 @@ struct BspFormat {
 /// Parses and validates a whole file image. `name` is for messages. Errors: Error, one line, for anything that a later
 /// stage could trip over; recoverable oddities are warnings.
 Bsp ReadBsp(std::span<const std::byte> file, std::string_view name, const BspFormat &format, Log &log);
+/// The same from disk, without the file image in memory.
 Bsp ReadBspFile(const std::filesystem::path &path, const BspFormat &format, Log &log);
 
 /// The exact bytes of the file. The same Bsp always gives the same bytes. Errors: 2^31 bytes or more, a bad SH grid.
 std::vector<std::byte> WriteBsp(const Bsp &bsp, const BspFormat &format);
-/// Replaces the file by a complete one or leaves the old one whole. Announces path and size.
+/// Writes them piece by piece, without a second copy in memory. Replaces the file by a complete one or leaves the old
+/// one whole. Announces path and size.
 void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, Log &log);
 
 /// Checks every index, count and float that ReadBsp promises to have checked; for a Bsp that came another way. Not
@@ -82,15 +84,15 @@ void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFo
 /// warning), a light grid of the expected length (a warning).
 void ValidateBsp(const Bsp &bsp, std::string_view name, Log &log);
 
-/// Bytes of the SH lump, and back. Errors name the field: header and point count disagree, a float is not finite.
-std::vector<std::byte> PackLightGridSH(const LightGridSH &grid);
-LightGridSH ParseLightGridSH(std::span<const std::byte> lump, std::string_view name);
-
 /// Legacy light grid placement of a world model: cell, first point, points per axis.
 struct GridLayout {
     Float3 mins{}, size{};
     Int3 bounds{};
     std::int64_t Count() const { return std::int64_t(bounds[0]) * bounds[1] * bounds[2]; }
+    /// Number of point (x, y, z) in the lump.
+    std::int64_t Index(std::int64_t x, std::int64_t y, std::int64_t z) const {
+        return x + bounds[0] * (y + bounds[1] * z);
+    }
     /// World position of point (x, y, z), in float arithmetic as engines do it.
     Float3 Position(int x, int y, int z) const {
         return {mins[0] + float(x) * size[0], mins[1] + float(y) * size[1], mins[2] + float(z) * size[2]};

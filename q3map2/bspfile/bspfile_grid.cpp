@@ -62,24 +62,15 @@ void CheckLightGridSH(const LightGridSH &grid, std::string_view name) {
                                 value);
 }
 
-std::vector<std::byte> PackLightGridSH(const LightGridSH &grid) {
-    CheckLightGridSH(grid, "writing");
-    const std::size_t pointBytes = grid.points.size() * sizeof(bspGridPointSH_t);
-    std::vector<std::byte> lump(sizeof grid.header + pointBytes);
-    std::memcpy(lump.data(), &grid.header, sizeof grid.header);
-    std::memcpy(lump.data() + sizeof grid.header, grid.points.data(), pointBytes);
-    return lump;
-}
-
-LightGridSH ParseLightGridSH(std::span<const std::byte> lump, std::string_view name) {
+LightGridSH ReadLightGridSH(const ByteSource &file, const FilePart &part, std::string_view name) {
     LightGridSH grid;
-    const std::size_t head = sizeof grid.header;
-    if (lump.size() <= head || (lump.size() - head) % sizeof(bspGridPointSH_t) != 0)
-        throw Error("{}: SH light grid: length {} is not {} plus a multiple of {}", name, lump.size(), head,
-                    sizeof(bspGridPointSH_t));
-    std::memcpy(&grid.header, lump.data(), head);
-    grid.points.resize((lump.size() - head) / sizeof(bspGridPointSH_t));
-    std::memcpy(grid.points.data(), lump.data() + head, lump.size() - head);
+    constexpr std::int64_t head = sizeof grid.header;
+    constexpr std::int64_t point = sizeof(bspGridPointSH_t);
+    if (part.length <= head || (part.length - head) % point != 0)
+        throw Error("{}: SH light grid: length {} is not {} plus a multiple of {}", name, part.length, head, point);
+    file.Fill(std::uint64_t(part.offset), std::span(&grid.header, 1));
+    grid.points.resize(std::size_t((part.length - head) / point));
+    file.Fill(std::uint64_t(part.offset + head), std::span(grid.points));
     CheckLightGridSH(grid, name);
     return grid;
 }

@@ -7,41 +7,56 @@
 
 namespace q3 {
 
-std::vector<BspxLump> ReadBspx(std::span<const std::byte> file, std::size_t start, std::string_view name, Log &log) {
-    if (start + kBspxHeadBytes > file.size() || std::memcmp(file.data() + start, "BSPX", 4) != 0)
+namespace {
+
+struct BspxHead {
+    std::array<char, 4> ident;
+    std::uint32_t count;
+};
+struct BspxEntry {
+    std::array<char, kBspxNameBytes> name;
+    std::uint32_t offset, length;
+};
+static_assert(sizeof(BspxHead) == kBspxHeadBytes && sizeof(BspxEntry) == kBspxEntryBytes);
+
+} // namespace
+
+std::vector<BspxPart> ReadBspx(const ByteSource &file, std::uint64_t start, std::string_view name, Log &log) {
+    if (start + kBspxHeadBytes > file.size)
+        return {};
+    BspxHead head{};
+    file.Fill(start, std::span(&head, 1));
+    if (std::memcmp(head.ident.data(), "BSPX", 4) != 0)
         return {};
     const auto drop = [&](const std::string &text) {
         log.Warn("BSPX directory", "{}: BSPX directory: {}: all of it is dropped", name, text);
-        return std::vector<BspxLump>{};
+        return std::vector<BspxPart>{};
     };
-    const auto count = LoadRecord<std::uint32_t>(file, start + 4);
-    const std::uint64_t room = file.size() - start - kBspxHeadBytes;
-    if (count > room / kBspxEntryBytes)
-        return drop(fmt::format("{} entries do not fit in {} bytes", count, room));
+    const std::uint64_t room = file.size - start - kBspxHeadBytes;
+    if (head.count > room / kBspxEntryBytes)
+        return drop(fmt::format("{} entries do not fit in {} bytes", head.count, room));
+    std::vector<BspxEntry> entries(head.count);
+    file.Fill(start + kBspxHeadBytes, std::span(entries));
 
-    const std::uint64_t first = start + kBspxHeadBytes + std::uint64_t(count) * kBspxEntryBytes;
+    const std::uint64_t first = start + kBspxHeadBytes + std::uint64_t(head.count) * kBspxEntryBytes;
     std::uint64_t total = 0;
-    std::vector<BspxLump> lumps;
+    std::vector<BspxPart> lumps;
     std::unordered_set<std::string> seen;
-    for (std::size_t i = 0; i < count; i++) {
-        const std::size_t entry = start + kBspxHeadBytes + i * kBspxEntryBytes;
-        const auto field = LoadRecord<std::array<char, kBspxNameBytes>>(file, entry);
-        const std::uint64_t offset = LoadRecord<std::uint32_t>(file, entry + kBspxNameBytes);
-        const std::uint64_t length = LoadRecord<std::uint32_t>(file, entry + kBspxNameBytes + 4);
-        if (length > 0 && (offset < first || offset + length > file.size()))
+    for (std::size_t i = 0; i < entries.size(); i++) {
+        const std::uint64_t offset = entries[i].offset, length = entries[i].length;
+        if (length > 0 && (offset < first || offset + length > file.size))
             return drop(fmt::format("entry {}: offset {} + length {} is not inside {}..{}", i, offset, length, first,
-                                    file.size()));
+                                    file.size));
         // Lumps that share bytes would let a small file ask for any amount of memory.
         total += length;
-        if (total > file.size() - first)
+        if (total > file.size - first)
             return drop(fmt::format("entry {}: the lumps share bytes", i));
-        std::string lumpName(FieldName(field));
+        std::string lumpName(FieldName(entries[i].name));
         if (!seen.insert(lumpName).second) {
             log.Warn("BSPX duplicate", "{}: two BSPX lumps are named {}: the first is kept", name, lumpName);
             continue;
         }
-        const auto data = length > 0 ? file.subspan(offset, length) : std::span<const std::byte>{};
-        lumps.push_back({std::move(lumpName), {data.begin(), data.end()}});
+        lumps.push_back({std::move(lumpName), {std::int64_t(offset), std::int64_t(length)}});
     }
     return lumps;
 }

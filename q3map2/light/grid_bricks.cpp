@@ -63,11 +63,18 @@ std::vector<BrickPoint> GridBricks::Points(std::int64_t brick) const {
         const int z = origin[2] + rest / (kBrick[1] / kBlock[1]) * kBlock[2] + inside / (kBlock[0] * kBlock[1]);
         if (x >= layout_.bounds[0] || y >= layout_.bounds[1] || z >= layout_.bounds[2])
             continue;
-        const auto index =
-            std::int64_t(x) + std::int64_t(layout_.bounds[0]) * (y + std::int64_t(layout_.bounds[1]) * z);
-        points.push_back({Vec3f(layout_.Position(x, y, z)), std::uint32_t(index)});
+        points.push_back({Vec3f(layout_.Position(x, y, z)), std::uint32_t(layout_.Index(x, y, z))});
     }
     return points;
+}
+
+BspRegion RegionAround(const BspRegion &in, std::span<const BrickPoint> points, const Vec3f &margin) {
+    Boundsf box;
+    for (const BrickPoint &point : points) {
+        box.Add(point.position - margin);
+        box.Add(point.position + margin);
+    }
+    return in.Around(box);
 }
 
 void AddPlace(std::vector<LightPlaces> &blocks, const Vec3f &position, const Vec3f &rayOrigin, int cluster,

@@ -29,6 +29,9 @@ class GridBricks {
     std::int64_t count_ = 0;
 };
 
+/// The region around some points and what is within `margin` of them on each axis. Game units.
+BspRegion RegionAround(const BspRegion &in, std::span<const BrickPoint> points, const Vec3f &margin);
+
 /// Appends a place to the last block, or to a new one when that is full.
 void AddPlace(std::vector<LightPlaces> &blocks, const Vec3f &position, const Vec3f &rayOrigin, int cluster,
               std::uint32_t index);

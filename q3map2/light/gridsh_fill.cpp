@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 namespace q3 {
@@ -36,17 +37,20 @@ constexpr std::array<Offset, 26> MakeNeighbours() {
 }
 constexpr std::array<Offset, 26> kNeighbours = MakeNeighbours();
 
-bool TryPlace(const BspSpace &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
+bool TryPlace(const BspRegion &space, const Vec3f &p, int cluster, PointState state, PlacedPoint &placed) {
     const Vec3f margin{kClearance, kClearance, kClearance};
-    const int cluster = space.ClusterAt(p, kClearance);
     if (cluster < 0 || space.AnySolid(p - margin, p + margin))
         return false;
     placed = {state, p, cluster};
     return true;
 }
 
+bool TryPlace(const BspRegion &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
+    return TryPlace(space, p, ClusterOfPoint(space, p), state, placed);
+}
+
 /// Small steps along the axes and diagonals, the nearest first.
-bool TrySmallSteps(const BspSpace &space, const Vec3f &p, PlacedPoint &placed) {
+bool TrySmallSteps(const BspRegion &space, const Vec3f &p, PlacedPoint &placed) {
     for (const float step : kSmallSteps)
         for (int axes = 1; axes <= 3; ++axes)
             for (const Offset &o : kNeighbours)
@@ -57,7 +61,7 @@ bool TrySmallSteps(const BspSpace &space, const Vec3f &p, PlacedPoint &placed) {
 }
 
 /// Places within a cell around p on a lattice of quarter cells, the nearest first.
-bool TryCells(const BspSpace &space, const Vec3f &p, const Vec3f &cell, PlacedPoint &placed) {
+bool TryCells(const BspRegion &space, const Vec3f &p, const Vec3f &cell, PlacedPoint &placed) {
     constexpr int kSteps = 4;
     for (int shell = 1; shell <= kSteps; ++shell)
         for (int z = -shell; z <= shell; ++z)
@@ -72,19 +76,18 @@ bool TryCells(const BspSpace &space, const Vec3f &p, const Vec3f &cell, PlacedPo
     return false;
 }
 
-bool HasOpenNeighbour(const BspSpace &space, const GridLayout &layout, const Vec3f &p) {
-    const Vec3f cell(layout.size);
-    const Boundsf grid{Vec3f(layout.mins),
-                       Vec3f(layout.Position(layout.bounds[0] - 1, layout.bounds[1] - 1, layout.bounds[2] - 1))};
+bool HasOpenNeighbour(const GridLayout &layout, const std::vector<int> &clusters, std::uint32_t index) {
+    const std::int64_t width = layout.bounds[0], height = layout.bounds[1];
+    const std::int64_t x = index % width, y = index / width % height, z = index / width / height;
     return std::any_of(kNeighbours.begin(), kNeighbours.end(), [&](const Offset &o) {
-        const Vec3f neighbour = p + cell * Vec3f{float(o.x), float(o.y), float(o.z)};
-        return grid.Contains(neighbour) && space.ClusterAt(neighbour, kClearance) >= 0;
+        const std::int64_t nx = x + o.x, ny = y + o.y, nz = z + o.z;
+        return nx >= 0 && ny >= 0 && nz >= 0 && nx < width && ny < height && nz < layout.bounds[2] &&
+               clusters[std::size_t(layout.Index(nx, ny, nz))] >= 0;
     });
 }
 
 /// Lit neighbours of one solid point that see each other.
 struct Side {
-    Vec3f first;
     double weight = 0;
     std::array<std::array<double, 3>, 9> sum{};
     double Mean() const { return std::max(0.0, (sum[0][0] + sum[0][1] + sum[0][2]) / weight / 3 * kShC0); }
@@ -100,78 +103,103 @@ class Filler {
     std::optional<bspGridPointSH_t> Fill(int x, int y, int z, bool divided) const {
         if (!divided && states_[IndexOf(x, y, z)] == PointState::Beside)
             return std::nullopt;
-        const std::vector<Side> sides = SidesOf(x, y, z, divided);
-        if (sides.empty())
+        const Around lit = AroundPoint(x, y, z);
+        if (lit.count == 0)
             return std::nullopt;
-        return Blend(sides);
+        std::array<std::uint8_t, kMostAround> sides{};
+        std::vector<Side> sums(divided ? std::size_t(FindSides(lit, sides)) : 1);
+        for (std::size_t i = 0; i < lit.count; ++i)
+            Add(lit.neighbours[i], sums[sides[i]]);
+        return Blend(sums);
     }
 
-    /// Lit neighbours, and the point itself when it is lit beside, by what sees each other. divided: false when all
-    /// are known to; then no ray is needed.
-    std::vector<Side> SidesOf(int x, int y, int z, bool divided) const {
-        std::vector<Side> sides;
-        const std::size_t index = IndexOf(x, y, z);
-        if (states_[index] == PointState::Beside)
-            Add(index, PlaceOf(index, x, y, z), kOwnWeight / Shortest(), divided, sides);
-        for (const Offset &o : kNeighbours)
-            AddNeighbour(x, y, z, o, divided, sides);
-        return sides;
+    /// Whether what is lit around the point does not all see each other.
+    bool Divided(int x, int y, int z) const {
+        std::array<std::uint8_t, kMostAround> sides{};
+        return FindSides(AroundPoint(x, y, z), sides) > 1;
     }
 
   private:
-    std::size_t IndexOf(int x, int y, int z) const {
-        return std::size_t(x) +
-               std::size_t(layout_.bounds[0]) * (std::size_t(y) + std::size_t(layout_.bounds[1]) * std::size_t(z));
-    }
+    struct Neighbour {
+        std::size_t index;
+        Vec3f place;
+        double weight;
+    };
+    static constexpr std::size_t kMostAround = kNeighbours.size() + 1;
+    /// Lit neighbours, and before them the point itself when it is lit beside.
+    struct Around {
+        std::array<Neighbour, kMostAround> neighbours;
+        std::size_t count = 0;
+    };
+
+    std::size_t IndexOf(int x, int y, int z) const { return std::size_t(layout_.Index(x, y, z)); }
     double Shortest() const {
         const double shortest = double(std::min({layout_.size[0], layout_.size[1], layout_.size[2]}));
         return shortest * shortest;
     }
 
     Vec3f PlaceOf(std::size_t index, int x, int y, int z) const {
-        if (states_[index] == PointState::Open)
+        if (states_[index] == PointState::Open || states_[index] == PointState::OnLamp)
             return Vec3f(layout_.Position(x, y, z));
         const auto found = std::lower_bound(displaced_.begin(), displaced_.end(), index,
                                             [](const Displacement &d, std::size_t i) { return d.index < i; });
         return found->position;
     }
 
-    void AddNeighbour(int x, int y, int z, const Offset &o, bool divided, std::vector<Side> &sides) const {
-        const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
-        if (nx < 0 || ny < 0 || nz < 0 || nx >= layout_.bounds[0] || ny >= layout_.bounds[1] || nz >= layout_.bounds[2])
-            return;
-        const std::size_t index = IndexOf(nx, ny, nz);
-        const PointState state = states_[index];
-        if (state != PointState::Open && state != PointState::Beside && state != PointState::Moved)
-            return;
-        const Vec3f offset = Vec3f(layout_.Position(nx, ny, nz)) - Vec3f(layout_.Position(x, y, z));
-        Add(index, PlaceOf(index, nx, ny, nz), 1 / double(Dot(offset, offset)), divided, sides);
+    Around AroundPoint(int x, int y, int z) const {
+        Around lit;
+        const std::size_t own = IndexOf(x, y, z);
+        if (states_[own] == PointState::Beside)
+            lit.neighbours[lit.count++] = {own, PlaceOf(own, x, y, z), kOwnWeight / Shortest()};
+        for (const Offset &o : kNeighbours) {
+            const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
+            if (nx < 0 || ny < 0 || nz < 0 || nx >= layout_.bounds[0] || ny >= layout_.bounds[1] ||
+                nz >= layout_.bounds[2])
+                continue;
+            const std::size_t index = IndexOf(nx, ny, nz);
+            const PointState state = states_[index];
+            if (state == PointState::Void || state == PointState::Solid)
+                continue;
+            const Vec3f offset = Vec3f(layout_.Position(nx, ny, nz)) - Vec3f(layout_.Position(x, y, z));
+            lit.neighbours[lit.count++] = {index, PlaceOf(index, nx, ny, nz), 1 / double(Dot(offset, offset))};
+        }
+        return lit;
     }
 
-    void Add(std::size_t index, const Vec3f &place, double weight, bool divided, std::vector<Side> &sides) const {
-        Side &side = !divided && !sides.empty() ? sides.front() : FindSide(place, sides);
-        side.weight += weight;
+    /// Sorts neighbours into sides, and returns how many there are: the first of a side sees all of it, and none of the
+    /// sides before.
+    int FindSides(const Around &lit, std::array<std::uint8_t, kMostAround> &sides) const {
+        std::array<std::size_t, kMostAround> left;
+        std::size_t count = lit.count;
+        std::iota(left.begin(), left.begin() + std::ptrdiff_t(count), std::size_t(0));
+        int side = 0;
+        for (; count > 0; ++side) {
+            const std::size_t first = left[0];
+            sides[first] = std::uint8_t(side);
+            std::size_t unseen = 0;
+            for (std::size_t start = 1; start < count; start += kPacketSize) {
+                const std::size_t end = std::min(count, start + kPacketSize);
+                RayPacket rays;
+                for (std::size_t i = start; i < end; ++i)
+                    rays.Aim(i - start, lit.neighbours[left[i]].place, lit.neighbours[first].place);
+                RayCounts counts;
+                in_.scene.TraceToLight(rays, ShadowRules::Exact, counts);
+                for (std::size_t i = start; i < end; ++i)
+                    if (rays.live[i - start] != 0)
+                        sides[left[i]] = std::uint8_t(side);
+                    else
+                        left[unseen++] = left[i];
+            }
+            count = unseen;
+        }
+        return side;
+    }
+
+    void Add(const Neighbour &neighbour, Side &side) const {
+        side.weight += neighbour.weight;
         for (std::size_t k = 0; k < 9; ++k)
             for (std::size_t channel = 0; channel < 3; ++channel)
-                side.sum[k][channel] += weight * double(grid_.points[index].coeffs[k][channel]);
-    }
-
-    /// The side that the place sees, or a new one.
-    Side &FindSide(const Vec3f &p, std::vector<Side> &sides) const {
-        RayPacket rays;
-        const std::size_t known = std::min(sides.size(), kPacketSize);
-        for (std::size_t i = 0; i < known; ++i)
-            rays.Aim(i, p, sides[i].first);
-        if (known > 0) {
-            RayCounts counts;
-            in_.scene.TraceToLight(rays, ShadowRules::Exact, counts);
-        }
-        for (std::size_t i = 0; i < known; ++i)
-            if (rays.live[i] != 0)
-                return sides[i];
-        sides.push_back({});
-        sides.back().first = p;
-        return sides.back();
+                side.sum[k][channel] += neighbour.weight * double(grid_.points[neighbour.index].coeffs[k][channel]);
     }
 
     static bspGridPointSH_t Blend(const std::vector<Side> &sides) {
@@ -200,16 +228,21 @@ class Filler {
 
 } // namespace
 
-PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, const Vec3f &p) {
+int ClusterOfPoint(const BspRegion &space, const Vec3f &p) {
+    return space.ClusterAt(p, kClearance);
+}
+
+PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, const std::vector<int> &clusters,
+                           const BrickPoint &point) {
     PlacedPoint placed;
-    const Vec3f cell(layout.size);
-    if (TryPlace(space, p, PointState::Open, placed) || !space.AnyOpen(p - cell, p + cell))
+    const Vec3f cell(layout.size), &p = point.position;
+    if (TryPlace(space, p, clusters[point.index], PointState::Open, placed) || !space.AnyOpen(p - cell, p + cell))
         return placed;
     constexpr float kReach = *std::max_element(std::begin(kSmallSteps), std::end(kSmallSteps));
     const Vec3f reach{kReach, kReach, kReach};
     if (space.AnyOpen(p - reach, p + reach) && TrySmallSteps(space, p, placed))
         return placed;
-    if (HasOpenNeighbour(space, layout, p))
+    if (HasOpenNeighbour(layout, clusters, point.index))
         placed.state = PointState::Solid;
     else
         TryCells(space, p, cell, placed);
@@ -226,7 +259,7 @@ std::vector<bool> DividedPoints(const GridInputs &in, const GridLayout &layout,
         for (int x = 0; x < width; ++x) {
             const auto index = std::size_t(row) * std::size_t(width) + std::size_t(x);
             if (states[index] == PointState::Solid || states[index] == PointState::Beside)
-                found[index] = filler.SidesOf(x, int(row % height), int(row / height), true).size() > 1;
+                found[index] = filler.Divided(x, int(row % height), int(row / height));
         }
     });
     return {found.begin(), found.end()};

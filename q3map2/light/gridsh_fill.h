@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. SH grid points in solids: where they take their light from.
 #pragma once
 
+#include "q3map2/light/grid_bricks.h"
 #include "q3map2/light/light_grid.h"
 
 #include <cstdint>
@@ -11,6 +12,7 @@ namespace q3 {
 enum class PointState : std::uint8_t {
     Void,   ///< in a solid, no open space in the cells around it: stays zero
     Open,   ///< lit where it is
+    OnLamp, ///< lit where it is, in the plane of a surface light, which gives nothing there; then fitted
     Beside, ///< in the plane of a wall or just inside it: lit from a small step beside
     Moved,  ///< in a solid that leaves no lit neighbour: lit from the nearest open place of its cells
     Solid,  ///< in a solid, to be filled
@@ -23,8 +25,12 @@ struct PlacedPoint {
     int cluster = kSolidCluster;
 };
 
-/// Decides where the point at p is lit from.
-PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, const Vec3f &p);
+/// Cluster of a point that may be lit where it is, else kSolidCluster.
+int ClusterOfPoint(const BspRegion &space, const Vec3f &p);
+
+/// Decides where a point is lit from. `space` holds the cells around it, `clusters` ClusterOfPoint of all points.
+PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, const std::vector<int> &clusters,
+                           const BrickPoint &point);
 
 /// Where a point is lit from, when that is not where it is.
 struct Displacement {

@@ -12,8 +12,12 @@ namespace q3 {
 namespace {
 
 constexpr float kClearance = 0.125f;
-/// Samples tried in each cell that has a point in a solid.
+/// Samples in each cell that has a point in a solid.
 constexpr float kPerCell = 4;
+/// With -shfit, cells where the mean light of samples differs by more than this take so many times the samples: what
+/// linear blends make of the light beside a lamp hangs on where the samples are. 1 = byte 255.
+constexpr float kSteep = 16.0f / 255;
+constexpr int kSteepFactor = 6;
 /// Of the weight of a point's samples: how strongly it keeps to the value that it had.
 constexpr float kPull = 0.1f, kPullAll = 0.02f;
 /// Light under this counts more: there a leak shows. 1 = byte 255.
@@ -32,15 +36,27 @@ constexpr float kMostBandsPlain = 2.8284271f, kMostBands = 1.2829003f, kBeyond =
 /// A relaxation ends when no coefficient moves by more than this, or this share of the light there. 1 = byte 255.
 constexpr float kSmallMove = 0.1f / 255;
 constexpr int kMaxSweeps = 40;
+/// A point waits while those around it move by less than this.
+constexpr float kAtRest = kSmallMove / 4;
 /// Points of equal parity on all axes share no cell, so that they can move at the same time.
 constexpr int kParities = 8;
 
-std::uint32_t SampleIndex(std::uint32_t point, int sample) {
-    return std::uint32_t(HashIndex((std::uint64_t(point) << 8) + std::uint64_t(sample)));
+/// From a point to the one at place s of its stencil.
+std::int64_t OffsetOf(std::size_t s, std::int64_t width, std::int64_t slice) {
+    return std::int64_t(s % 3) - 1 + (std::int64_t(s / 3 % 3) - 1) * width + (std::int64_t(s / 9) - 1) * slice;
 }
 
 float MeanLight(const bspGridPointSH_t &value) {
     return float(kShC0) * std::max({value.coeffs[0][0], value.coeffs[0][1], value.coeffs[0][2]});
+}
+
+bool IsSteep(std::span<const FitSample> samples) {
+    float least = 1, most = 0;
+    for (const FitSample &sample : samples) {
+        const float shown = std::min(1.0f, MeanLight(sample.value));
+        least = std::min(least, shown), most = std::max(most, shown);
+    }
+    return most - least > kSteep;
 }
 
 Vec3f PositionOf(const GridLayout &layout, std::int64_t index) {
@@ -93,8 +109,7 @@ std::array<GridFit::Corner, 8> GridFit::CornersAt(const Vec3f &p) const {
     }
     const std::int64_t step[3] = {layout_.bounds[0] > 1 ? 1 : 0, layout_.bounds[1] > 1 ? layout_.bounds[0] : 0,
                                   layout_.bounds[2] > 1 ? std::int64_t(layout_.bounds[0]) * layout_.bounds[1] : 0};
-    const std::int64_t base =
-        low[0] + std::int64_t(layout_.bounds[0]) * (low[1] + std::int64_t(layout_.bounds[1]) * low[2]);
+    const std::int64_t base = layout_.Index(low[0], low[1], low[2]);
     std::array<Corner, 8> corners;
     for (std::size_t c = 0; c < 8; ++c) {
         const bool x = c & 1, y = c & 2, z = c & 4;
@@ -116,31 +131,54 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     std::vector<FitSample> samples;
     if (rows_.empty())
         return samples;
+    const Vec3f cell(layout_.size);
+    const BspRegion space = RegionAround(in_.space.Whole(), points, cell + Vec3f{1, 1, 1} * kPlayerHalfSize);
+    std::vector<Draw> cells;
+    for (const BrickPoint &point : points)
+        if (AnyRow(point) && space.AnyOpen(point.position, point.position + cell))
+            cells.push_back({&point, 0, perCell_});
+    LightSamples(space, cells, lighter, HashIndex(points.front().index), samples, work);
+    if (in_.options.shFit > 0) {
+        std::vector<Draw> steep;
+        for (const Draw &drawn : cells)
+            if (const std::span cellSamples(samples.data() + drawn.first, drawn.count); IsSteep(cellSamples)) {
+                steep.push_back({drawn.point, perCell_, kSteepFactor * perCell_});
+                for (FitSample &sample : cellSamples)
+                    sample.weight = 1.0f / kSteepFactor;
+            }
+        LightSamples(space, steep, lighter, HashIndex(HashIndex(points.front().index)), samples, work);
+        for (const Draw &drawn : steep)
+            for (FitSample &sample : std::span(samples.data() + drawn.first, drawn.count))
+                sample.weight = 1.0f / kSteepFactor;
+        FindSeen(samples, work);
+    }
+    return samples;
+}
+
+/// Draws places in cells, where a player fits, and lights them. Sets where the samples of each cell are.
+void GridFit::LightSamples(const BspRegion &space, std::span<Draw> cells, const PlaceLighter &lighter,
+                           std::uint64_t seed, std::vector<FitSample> &samples, GridStats &work) const {
     std::vector<LightPlaces> blocks;
     const Vec3f cell(layout_.size);
-    for (const BrickPoint &point : points) {
-        if (!AnyRow(point) || !in_.space.AnyOpen(point.position, point.position + cell))
-            continue;
-        for (int i = 0; i < perCell_; ++i) {
-            const Sample2 s = PlasticSample(std::uint32_t(i), point.index);
-            const double v = UnitFromHash(HashIndex((std::uint64_t(point.index) << 8) + std::uint64_t(i)));
-            const Vec3f p = point.position + cell * Vec3f{float(s.u), float(s.v), float((i + v) / perCell_)};
-            const int cluster = in_.space.ClusterAt(p, kClearance);
-            if (cluster >= 0 && in_.space.PlayerFits(p))
-                AddPlace(blocks, p, p, cluster, SampleIndex(point.index, i));
+    std::size_t next = samples.size();
+    for (Draw &draw : cells) {
+        draw.first = samples.size();
+        for (int i = draw.from; i < draw.to; ++i) {
+            const Sample2 s = PlasticSample(std::uint32_t(i), draw.point->index);
+            const std::uint64_t hash = HashIndex((std::uint64_t(draw.point->index) << 16) + std::uint64_t(i));
+            const double layer = (i % perCell_ + UnitFromHash(hash)) / perCell_;
+            const Vec3f p = draw.point->position + cell * Vec3f{float(s.u), float(s.v), float(layer)};
+            const int cluster = space.ClusterAt(p, kClearance);
+            if (cluster < 0 || !space.PlayerFits(p))
+                continue;
+            AddPlace(blocks, p, p, cluster, std::uint32_t(hash));
+            samples.push_back({p, {}});
         }
+        draw.count = samples.size() - draw.first;
     }
-    if (blocks.empty())
-        return samples;
-    for (const LightPlaces &places : blocks)
-        for (std::size_t i = 0; i < places.count; ++i)
-            samples.push_back({places.position[i], {}});
-    std::size_t next = 0;
-    lighter.Trace(blocks, HashIndex(points.front().index), work,
-                  [&](std::uint32_t, const bspGridPointSH_t &value) { samples[next++].value = value; });
-    if (in_.options.shFit > 0)
-        FindSeen(samples, work);
-    return samples;
+    if (!blocks.empty())
+        lighter.Trace(blocks, seed, work,
+                      [&](std::uint32_t, const bspGridPointSH_t &value) { samples[next++].value = value; });
 }
 
 /// Rays from samples to the points in the open around them.
@@ -177,7 +215,7 @@ void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
 
 void GridFit::Accumulate(const FitSample &sample) {
     const float mean = MeanLight(sample.value), beyond = std::clamp(kBeyondScreen * mean, 1.0f, kMostBeyond);
-    const float weight = std::pow(kDark / (kDark + mean), 0.25f) / (beyond * beyond * beyond * beyond);
+    const float weight = sample.weight * std::pow(kDark / (kDark + mean), 0.25f) / (beyond * beyond * beyond * beyond);
     const auto corners = CornersAt(sample.position);
     const auto numbers = std::bit_cast<Numbers>(sample.value);
     for (std::size_t a = 0; a < 8; ++a) {
@@ -196,9 +234,16 @@ void GridFit::Accumulate(const FitSample &sample) {
     }
 }
 
+bool GridFit::AnyMoving(const Row &row, const std::vector<std::uint8_t> &moving) const {
+    const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
+    for (std::size_t s = 0; s < kStencil; ++s)
+        if (row.stencil[s] != 0 && moving[std::size_t(row.index + OffsetOf(s, width, slice))] != 0)
+            return true;
+    return false;
+}
+
 /// One step of Gauss and Seidel. The largest move of a coefficient, or its share of the light there.
-Q3_VECTOR float GridFit::Relax(std::size_t number, const Numbers &before, LightGridSH &grid) const {
-    const Row &row = rows_[number];
+Q3_VECTOR float GridFit::Relax(const Row &row, const Numbers &before, LightGridSH &grid) const {
     constexpr std::size_t kCenter = kStencil / 2;
     float total = 0;
     for (const float s : row.stencil)
@@ -214,9 +259,7 @@ Q3_VECTOR float GridFit::Relax(std::size_t number, const Numbers &before, LightG
         const float factor = row.stencil[s];
         if (s == kCenter || factor == 0)
             continue;
-        const std::int64_t other = std::int64_t(row.index) + std::int64_t(s % 3) - 1 +
-                                   (std::int64_t(s / 3 % 3) - 1) * width + (std::int64_t(s / 9) - 1) * slice;
-        const float *neighbour = grid.points[std::size_t(other)].coeffs[0].data();
+        const float *neighbour = grid.points[std::size_t(row.index + OffsetOf(s, width, slice))].coeffs[0].data();
         for (std::size_t i = 0; i < kGridNumbers; ++i)
             value[i] -= factor * neighbour[i];
     }
@@ -243,6 +286,15 @@ void GridFit::Solve(LightGridSH &grid, const JobPool &jobs) {
         parities[std::size_t((x & 1) + 2 * (y & 1) + 4 * (z & 1))].push_back(i);
         before[i] = std::bit_cast<Numbers>(grid.points[rows_[i].index]);
     }
+    std::vector<std::uint8_t> moving(states_.size(), 1);
+    const auto relax = [&](std::size_t i) {
+        const Row &row = rows_[i];
+        if (!AnyMoving(row, moving))
+            return 0.0f;
+        const float move = Relax(row, before[i], grid);
+        moving[row.index] = move > kAtRest;
+        return move;
+    };
     constexpr std::int64_t kChunk = 256;
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
         float largest = 0;
@@ -252,8 +304,7 @@ void GridFit::Solve(LightGridSH &grid, const JobPool &jobs) {
             jobs.For(chunks, [&](std::int64_t chunk, int) {
                 const std::size_t end = std::min(rows.size(), std::size_t((chunk + 1) * kChunk));
                 for (auto i = std::size_t(chunk * kChunk); i < end; ++i)
-                    moves[std::size_t(chunk)] =
-                        std::max(moves[std::size_t(chunk)], Relax(rows[i], before[rows[i]], grid));
+                    moves[std::size_t(chunk)] = std::max(moves[std::size_t(chunk)], relax(rows[i]));
             });
             for (const float move : moves)
                 largest = std::max(largest, move);

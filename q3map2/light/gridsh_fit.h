@@ -15,6 +15,7 @@ namespace q3 {
 struct FitSample {
     Vec3f position;
     bspGridPointSH_t value;
+    float weight = 1;         ///< the share of its cell that it stands for, times the samples of a cell
     std::uint8_t sees = 0xff; ///< by corner of its cell: whether it may move that point
 };
 
@@ -58,11 +59,21 @@ class GridFit {
         float weight;
     };
 
+    /// Samples from..to of the cell above a point, and where they are among all.
+    struct Draw {
+        const BrickPoint *point;
+        int from, to;
+        std::size_t first = 0, count = 0;
+    };
+
     std::array<Corner, 8> CornersAt(const Vec3f &p) const;
     bool AnyRow(const BrickPoint &point) const;
+    void LightSamples(const BspRegion &space, std::span<Draw> cells, const PlaceLighter &lighter, std::uint64_t seed,
+                      std::vector<FitSample> &samples, GridStats &work) const;
     void FindSeen(std::span<FitSample> samples, GridStats &work) const;
     void Accumulate(const FitSample &sample);
-    float Relax(std::size_t row, const Numbers &before, LightGridSH &grid) const;
+    bool AnyMoving(const Row &row, const std::vector<std::uint8_t> &moving) const;
+    float Relax(const Row &row, const Numbers &before, LightGridSH &grid) const;
 
     const GridInputs &in_;
     const GridLayout &layout_;

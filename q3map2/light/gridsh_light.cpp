@@ -21,10 +21,15 @@ using PointSum = std::array<ShVector, 3>;
 
 using ChannelSum = std::array<std::array<double, kPacketSize>, 9>;
 
-Q3_VECTOR void AddScaled(const Arrivals &arrivals, double scale, ChannelSum &sum) {
+/// The three channels at once: the moments are read and widened once.
+Q3_VECTOR void AddScaled(const Arrivals &arrivals, const std::array<double, 3> &scale, std::array<ChannelSum, 3> &sum) {
     for (std::size_t k = 0; k < 9; ++k)
-        for (std::size_t i = 0; i < kPacketSize; ++i)
-            sum[k][i] += scale * double(arrivals.moments[k][i]);
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const auto moment = double(arrivals.moments[k][i]);
+            sum[0][k][i] += scale[0] * moment;
+            sum[1][k][i] += scale[1] * moment;
+            sum[2][k][i] += scale[2] * moment;
+        }
 }
 
 void AddTinted(const Arrivals &arrivals, const Lanes &tint, double scale, ChannelSum &sum) {
@@ -38,14 +43,16 @@ struct BlockSum {
     alignas(64) std::array<ChannelSum, 3> sum{};
 
     void Add(const Light &light, const Arrivals &arrivals) {
-        const Lanes *tints[] = {&arrivals.tint.x, &arrivals.tint.y, &arrivals.tint.z};
-        for (std::size_t channel = 0; channel < 3; ++channel) {
-            const double scale = (light.negative ? -1 : 1) * double(light.color[channel]) / 255;
-            if (!arrivals.tinted)
-                AddScaled(arrivals, scale, sum[channel]);
-            else
-                AddTinted(arrivals, *tints[channel], scale, sum[channel]);
+        std::array<double, 3> scale{};
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            scale[channel] = (light.negative ? -1 : 1) * double(light.color[channel]) / 255;
+        if (!arrivals.tinted) {
+            AddScaled(arrivals, scale, sum);
+            return;
         }
+        const Lanes *tints[] = {&arrivals.tint.x, &arrivals.tint.y, &arrivals.tint.z};
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            AddTinted(arrivals, *tints[channel], scale[channel], sum[channel]);
     }
     PointSum Of(std::size_t i) const {
         PointSum point;

@@ -131,8 +131,9 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
         FindClusters(light, pass, space);
         if (light.clusters.empty())
             return false;
-        const bool byType = pass == LightPass::LegacyGrid && (light.alwaysFast || light.type != LightType::Area);
-        light.fast = !light.noFast && (options.fastGrid || byType);
+        const bool byType = light.alwaysFast || light.type != LightType::Area;
+        // The SH grid represents faint light instead of leaving it out.
+        light.fast = !light.noFast && pass == LightPass::LegacyGrid && (options.fastGrid || byType);
         light.seenFrom = SeenFrom(light.clusters, space);
         light.bounds = {};
         for (const int cluster : light.clusters)

@@ -5,6 +5,7 @@
 #include "q3map2/light/light_grid.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace q3 {
 
@@ -14,27 +15,65 @@ constexpr float kMinCell = 8;
 /// Engines hold lump lengths in 32-bit integers.
 constexpr std::int64_t kMaxPoints = (0x7fffffffll - 40) / 108;
 
+/// Points this near to a surface light's plane are in it. Game units.
+constexpr float kOnLamp = 1.0f / 64;
+
+/// Whether p is on the polygon of a surface light.
+bool OnLamp(const Light &light, const Vec3f &p) {
+    if (std::abs(Dot(Vec3f(light.shape.normal), p) - float(light.shape.dist)) > kOnLamp)
+        return false;
+    bool left = false, right = false;
+    for (std::size_t i = 0; i < light.w.size(); ++i) {
+        const Vec3f &a = light.w[i], edge = light.w[(i + 1) % light.w.size()] - a;
+        const float side = Dot(Cross(edge, p - a), Vec3f(light.shape.normal)), margin = kOnLamp * Length(edge);
+        left = left || side > margin, right = right || side < -margin;
+    }
+    return !(left && right);
+}
+
 /// Where points are lit from, and which of them are.
 class PointPlaces {
   public:
     PointPlaces(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
         : states_(std::size_t(layout.Count()), PointState::Void), places_(std::size_t(bricks.Count())) {
-        std::vector<std::vector<Displacement>> displaced(places_.size());
-        in.jobs.For(bricks.Count(), [&](std::int64_t brick, int) {
-            for (const BrickPoint &point : bricks.Points(brick)) {
-                const PlacedPoint placed = PlaceGridPoint(in.space, layout, point.position);
-                states_[point.index] = placed.state;
-                if (placed.cluster < 0)
-                    continue;
-                if (placed.state != PointState::Open)
-                    displaced[std::size_t(brick)].push_back({point.index, placed.position});
-                AddPlace(places_[std::size_t(brick)], placed.position, placed.position, placed.cluster, point.index);
-            }
+        std::vector<int> clusters(states_.size());
+        ForBlocks(in, layout, bricks, [&](std::int64_t, const BspRegion &space, std::span<const BrickPoint> points) {
+            for (const BrickPoint &point : points)
+                clusters[point.index] = ClusterOfPoint(space, point.position);
         });
+        std::vector<std::vector<Displacement>> displaced(places_.size());
+        ForBlocks(in, layout, bricks,
+                  [&](std::int64_t brick, const BspRegion &space, std::span<const BrickPoint> points) {
+                      for (const BrickPoint &point : points)
+                          Place(PlaceGridPoint(space, layout, clusters, point), point, places_[std::size_t(brick)],
+                                displaced[std::size_t(brick)]);
+                  });
         for (const auto &part : displaced)
             displaced_.insert(displaced_.end(), part.begin(), part.end());
         std::sort(displaced_.begin(), displaced_.end(),
                   [](const Displacement &a, const Displacement &b) { return a.index < b.index; });
+    }
+    void FindOnLamps(const GridLayout &layout, const std::vector<Light> &lights) {
+        for (const Light &light : lights) {
+            if (light.type != LightType::Area)
+                continue;
+            const Boundsf box = WindingBounds(light.w);
+            std::array<int, 3> first{}, last{};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const float cell = layout.size[axis], least = (box.mins[axis] - kOnLamp - layout.mins[axis]) / cell;
+                const float most = (box.maxs[axis] + kOnLamp - layout.mins[axis]) / cell;
+                const auto end = float(layout.bounds[axis]);
+                first[axis] = int(std::ceil(std::clamp(least, 0.0f, end)));
+                last[axis] = int(std::floor(std::clamp(most, -1.0f, end - 1)));
+            }
+            for (int z = first[2]; z <= last[2]; ++z)
+                for (int y = first[1]; y <= last[1]; ++y)
+                    for (int x = first[0]; x <= last[0]; ++x) {
+                        PointState &state = states_[std::size_t(layout.Index(x, y, z))];
+                        if (state == PointState::Open && OnLamp(light, Vec3f(layout.Position(x, y, z))))
+                            state = PointState::OnLamp;
+                    }
+        }
     }
     /// Places of a brick that are to be lit; taken once.
     std::vector<LightPlaces> Take(std::int64_t brick) { return std::move(places_[std::size_t(brick)]); }
@@ -42,6 +81,31 @@ class PointPlaces {
     const std::vector<Displacement> &Displaced() const { return displaced_; }
 
   private:
+    /// Calls use(brick, region, points) for small blocks of neighbouring points, with the region of the cells around
+    /// them; bricks on all workers.
+    template <typename Use>
+    static void ForBlocks(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks, const Use &use) {
+        const Vec3f margin = Vec3f(layout.size) + Vec3f{1, 1, 1};
+        in.jobs.For(bricks.Count(), [&](std::int64_t brick, int) {
+            const std::vector<BrickPoint> points = bricks.Points(brick);
+            const std::span<const BrickPoint> all(points);
+            const BspRegion around = RegionAround(in.space.Whole(), all, margin);
+            for (std::size_t first = 0; first < all.size(); first += kPacketSize) {
+                const auto block = all.subspan(first, std::min(kPacketSize, all.size() - first));
+                use(brick, RegionAround(around, block, margin), block);
+            }
+        });
+    }
+    void Place(const PlacedPoint &placed, const BrickPoint &point, std::vector<LightPlaces> &places,
+               std::vector<Displacement> &displaced) {
+        states_[point.index] = placed.state;
+        if (placed.cluster < 0)
+            return;
+        if (placed.state != PointState::Open)
+            displaced.push_back({point.index, placed.position});
+        AddPlace(places, placed.position, placed.position, placed.cluster, point.index);
+    }
+
     std::vector<PointState> states_;
     std::vector<std::vector<LightPlaces>> places_;
     std::vector<Displacement> displaced_;
@@ -80,6 +144,7 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
 
     const GridBricks bricks(layout);
     PointPlaces places(in, layout, bricks);
+    places.FindOnLamps(layout, lights);
     const PlaceLighter lighter(in, lights);
     const auto divided = DividedPoints(in, layout, places.Displaced(), places.States(), grid);
     GridFit fit(in, layout, places.States(), divided);
@@ -93,8 +158,8 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     FillGridSH(in, layout, places.Displaced(), divided, places.States(), grid);
     fit.Solve(grid, in.jobs);
     const auto &states = places.States();
-    stats.open = std::count(states.begin(), states.end(), PointState::Open) +
-                 std::count(states.begin(), states.end(), PointState::Beside);
+    for (const PointState state : {PointState::Open, PointState::OnLamp, PointState::Beside})
+        stats.open += std::count(states.begin(), states.end(), state);
     stats.moved = std::count(states.begin(), states.end(), PointState::Moved);
     stats.filled = std::count(states.begin(), states.end(), PointState::Filled);
     return grid;

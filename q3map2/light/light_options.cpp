@@ -106,9 +106,9 @@ void ParseSkips(Arguments &arguments, SkipOptions &skip) {
 }
 
 /// -shsamples under -fast.
-constexpr float kFastSamples = 0.25f;
+constexpr float kFastSamples = 1.0f / 16;
 /// Samples a cell of -shfit.
-constexpr int kDefaultFit = 4, kMaxFit = 64;
+constexpr int kDefaultFit = 6, kMaxFit = 64;
 
 void ParseSH(Arguments &arguments, LightOptions &o) {
     o.shBspx = arguments.TakeFlag("-shbspx");

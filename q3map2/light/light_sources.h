@@ -94,7 +94,7 @@ std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const Shade
 /// How SetupEnvelopes bounds the lights of a pass.
 enum class LightPass {
     LegacyGrid, ///< as the established program: tolerance of entity lights and under -fast, the light's one cluster
-    GridSH      ///< tolerance only under -fast; all clusters that an area light touches
+    GridSH      ///< no tolerance; all clusters that an area light touches
 };
 
 /// Prepares lights for a pass: sign of negative lights, clusters, envelope, bounds. Lights in solid are nudged out, or

@@ -7,14 +7,6 @@
 
 namespace q3 {
 
-namespace {
-
-int LeafOf(int child) {
-    return -1 - child;
-}
-
-} // namespace
-
 BspSpace::BspSpace(const Bsp &bsp, std::vector<bool> opaqueBrush)
     : bsp_(bsp), opaqueBrush_(std::move(opaqueBrush)), leafHasOpaqueBrush_(bsp.leafs.size()) {
     for (std::size_t i = 0; i < bsp.leafs.size(); ++i) {
@@ -46,8 +38,7 @@ bool BspSpace::InOpaqueBrush(const bspLeaf_t &leaf, const Vec3f &p, float epsilo
     return false;
 }
 
-int BspSpace::ClusterAt(const Vec3f &p, float epsilon) const {
-    const int leafNum = LeafAt(p);
+int BspSpace::ClusterOf(int leafNum, const Vec3f &p, float epsilon) const {
     const bspLeaf_t &leaf = bsp_.leafs[std::size_t(leafNum)];
     if (leaf.cluster < 0 || (leafHasOpaqueBrush_[std::size_t(leafNum)] && InOpaqueBrush(leaf, p, epsilon)))
         return kSolidCluster;
@@ -69,7 +60,7 @@ void BspSpace::ClustersOf(const Winding<float> &w, std::vector<int> &clusters) c
         Winding<float> w;
     };
     std::vector<Piece> stack;
-    stack.push_back({bsp_.nodes.empty() ? -1 : 0, w});
+    stack.push_back({RootOf(bsp_), w});
     Winding<float> front, back;
     while (!stack.empty()) {
         Piece piece = std::move(stack.back());
@@ -95,28 +86,39 @@ void BspSpace::ClustersOf(const Winding<float> &w, std::vector<int> &clusters) c
     }
 }
 
-bool BspSpace::Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const {
+BspRegion BspRegion::Around(const Boundsf &box) const {
+    return {space_, ChildAround(space_.bsp_, box, top_)};
+}
+
+int BspRegion::ClusterAt(const Vec3f &p, float epsilon) const {
+    return space_.ClusterOf(LeafAt(space_.bsp_, p, top_), p, epsilon);
+}
+
+bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const {
+    const Bsp &bsp = space_.bsp_;
     const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;
-    std::vector<int> stack{bsp_.nodes.empty() ? -1 : 0};
-    while (!stack.empty()) {
-        const int child = stack.back();
-        stack.pop_back();
+    std::vector<BspChild> pending;
+    BspChild child = top_;
+    for (;;) {
         if (child < 0) {
-            if ((bsp_.leafs[std::size_t(LeafOf(child))].cluster < 0) == solid)
+            if ((bsp.leafs[std::size_t(LeafOf(child))].cluster < 0) == solid)
                 return true;
+            if (pending.empty())
+                return false;
+            child = pending.back();
+            pending.pop_back();
             continue;
         }
-        const bspNode_t &node = bsp_.nodes[std::size_t(child)];
-        const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
+        const bspNode_t &node = bsp.nodes[std::size_t(child)];
+        const bspPlane_t &plane = bsp.planes[std::size_t(node.planeNum)];
         const Vec3f n(plane.normal);
         const float d = Dot(n, center) - plane.dist;
         const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
-        if (d >= -reach)
-            stack.push_back(node.children[0]);
-        if (d <= reach)
-            stack.push_back(node.children[1]);
+        const bool front = d >= -reach, back = d <= reach;
+        if (front && back)
+            pending.push_back(node.children[1]);
+        child = node.children[front ? 0 : 1];
     }
-    return false;
 }
 
 Boundsf BspSpace::VisibleBounds(int cluster) const {

@@ -12,23 +12,17 @@ namespace q3 {
 /// Half the width of a player. Game units.
 inline constexpr float kPlayerHalfSize = 16;
 
-/// Point queries on the tree of a validated Bsp. Const after construction, so safe for concurrent use. Keeps a
-/// reference.
-class BspSpace {
-  public:
-    /// opaqueBrush[i]: brush i of the world model blocks light as a volume, so points in it are not lit.
-    BspSpace(const Bsp &bsp, std::vector<bool> opaqueBrush);
+class BspSpace;
 
-    int LeafAt(const Vec3f &p) const { return q3::LeafAt(bsp_, p); }
+/// The part of a map's tree around a box: queries about places in the box give what the whole tree gives, sooner. Keeps
+/// a reference.
+class BspRegion {
+  public:
+    /// The region around a box in this one.
+    BspRegion Around(const Boundsf &box) const;
     /// Cluster of p, or kSolidCluster in a solid leaf or not farther than epsilon outside an opaque brush (negative:
     /// deeper than -epsilon inside).
     int ClusterAt(const Vec3f &p, float epsilon) const;
-    /// Whether a sees b: true without visibility data, false for kSolidCluster.
-    bool Visible(int a, int b) const;
-    int ClusterCount() const { return clusterCount_; }
-
-    /// Appends every cluster of non-solid leafs that the polygon passes through, without order or duplicates.
-    void ClustersOf(const Winding<float> &w, std::vector<int> &clusters) const;
     /// Whether the box touches a leaf that is not solid, or one that is.
     bool AnyOpen(const Vec3f &mins, const Vec3f &maxs) const { return Touches(mins, maxs, false); }
     bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const { return Touches(mins, maxs, true); }
@@ -37,13 +31,44 @@ class BspSpace {
         const Vec3f half{kPlayerHalfSize, kPlayerHalfSize, kPlayerHalfSize};
         return !AnySolid(p - half, p + half);
     }
+
+  private:
+    friend class BspSpace;
+    BspRegion(const BspSpace &space, BspChild top) : space_(space), top_(top) {}
+    bool Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const;
+
+    const BspSpace &space_;
+    BspChild top_;
+};
+
+/// Point queries on the tree of a validated Bsp. Const after construction, so safe for concurrent use. Keeps a
+/// reference.
+class BspSpace {
+  public:
+    /// opaqueBrush[i]: brush i of the world model blocks light as a volume, so points in it are not lit.
+    BspSpace(const Bsp &bsp, std::vector<bool> opaqueBrush);
+
+    /// The whole map. See BspRegion for the queries that repeat here.
+    BspRegion Whole() const { return {*this, RootOf(bsp_)}; }
+    int ClusterAt(const Vec3f &p, float epsilon) const { return Whole().ClusterAt(p, epsilon); }
+    bool AnyOpen(const Vec3f &mins, const Vec3f &maxs) const { return Whole().AnyOpen(mins, maxs); }
+    bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const { return Whole().AnySolid(mins, maxs); }
+    bool PlayerFits(const Vec3f &p) const { return Whole().PlayerFits(p); }
+
+    int LeafAt(const Vec3f &p) const { return q3::LeafAt(bsp_, p); }
+    /// Whether a sees b: true without visibility data, false for kSolidCluster.
+    bool Visible(int a, int b) const;
+    int ClusterCount() const { return clusterCount_; }
+    /// Appends every cluster of non-solid leafs that the polygon passes through, without order or duplicates.
+    void ClustersOf(const Winding<float> &w, std::vector<int> &clusters) const;
     /// Union of the bounds of all leafs whose cluster `cluster` sees.
     Boundsf VisibleBounds(int cluster) const;
 
     const Bsp &Map() const { return bsp_; }
 
   private:
-    bool Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const;
+    friend class BspRegion;
+    int ClusterOf(int leaf, const Vec3f &p, float epsilon) const;
     bool InOpaqueBrush(const bspLeaf_t &leaf, const Vec3f &p, float epsilon) const;
 
     const Bsp &bsp_;

@@ -53,20 +53,23 @@ TEST(Grid, AbsurdSizesAreErrors) {
     EXPECT_THAT(ErrorOf([&] { LayoutGrid(mins, maxs, {1e-6f, 1e-6f, 1e-6f}); }), HasSubstr("too many"));
 }
 
-TEST(Grid, SHLumpRoundTrips) {
-    const LightGridSH grid = SampleGridSH();
-    const auto lump = PackLightGridSH(grid);
-    ASSERT_EQ(lump.size(), 40u + 108u * 6u);
-    const LightGridSH back = ParseLightGridSH(lump, "x.bsp");
-    EXPECT_EQ(back.header.gridMins, grid.header.gridMins);
-    EXPECT_EQ(back.header.gridBounds, grid.header.gridBounds);
-    EXPECT_EQ(PackLightGridSH(back), lump);
+TEST(Grid, TheLumpIsTheHeadThenThePoints) {
+    Bsp bsp = SampleBsp();
+    bsp.gridSH = SampleGridSH();
+    const auto file = WriteBsp(bsp, {});
+    const auto at = file.begin() + IntAt(file, 8 + 8 * 18);
+    ASSERT_EQ(IntAt(file, 12 + 8 * 18), 40 + 108 * 6);
+    EXPECT_EQ(std::vector(at, at + 40 + 108 * 6), GridLump(*bsp.gridSH));
 }
 
 TEST(Grid, SHLumpOfAnyOtherLengthIsRefused) {
-    const auto lump = PackLightGridSH(SampleGridSH());
-    for (std::size_t length = 0; length < lump.size(); length++)
-        EXPECT_THAT(ErrorOf([&] { ParseLightGridSH(std::span(lump).first(length), "x.bsp"); }),
+    const auto lump = GridLump(SampleGridSH());
+    Bsp bsp = SampleBsp();
+    Listener listener;
+    for (std::size_t length = 0; length < lump.size(); length++) {
+        bsp.bspx = {{"LIGHTGRID_SH", {lump.begin(), lump.begin() + std::ptrdiff_t(length)}}};
+        EXPECT_THAT(ErrorOf([&] { ReadBsp(WriteBsp(bsp, {}), "x.bsp", {}, listener.log); }),
                     HasSubstr("x.bsp: SH light grid: "))
             << length;
+    }
 }

@@ -61,6 +61,14 @@ TEST(Hostile, CutAtEveryLength) {
         }
 }
 
+TEST(Hostile, AHeaderOfNothingButEmptyLumps) {
+    Bytes file(144);
+    std::memcpy(file.data(), "IBSP", 4);
+    SetInt(file, 4, 47);
+    for (; file.size() < 170; file.push_back({}))
+        EXPECT_TRUE(Refused(file, kQuakeLive)) << file.size();
+}
+
 TEST(Hostile, EveryLumpOffsetAndLength) {
     const Bytes good = WriteBsp(SampleBsp(), {});
     const auto size = std::int32_t(good.size());

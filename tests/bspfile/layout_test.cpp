@@ -185,7 +185,7 @@ TEST(Layout, HeadersOfOtherCompilersAreRead) {
 TEST(Layout, Lump18BehindTextIsRead) {
     std::vector<Bytes> lumps = ClassicLumps(SampleBsp());
     lumps.emplace_back();
-    lumps.push_back(PackLightGridSH(SampleGridSH()));
+    lumps.push_back(GridLump(SampleGridSH()));
     EXPECT_EQ(Read(Relayout(lumps, 47, kText)).gridSH->points.size(), 6u);
     EXPECT_EQ(Read(Relayout(lumps, 46, kText)).gridSH.has_value(), false); // version 46 has no such slot
 }
@@ -193,7 +193,7 @@ TEST(Layout, Lump18BehindTextIsRead) {
 TEST(Layout, DamagedLump18IsAnErrorInOurOwnLayoutOnly) {
     std::vector<Bytes> lumps = ClassicLumps(SampleBsp());
     lumps.emplace_back();
-    lumps.push_back(PackLightGridSH(SampleGridSH()));
+    lumps.push_back(GridLump(SampleGridSH()));
     lumps.back().resize(41); // not 40 + 108 n
     Listener listener;
     const Bsp bsp = ReadBsp(Relayout(lumps, 47, kText), "x.bsp", kQuake3, listener.log);
@@ -294,7 +294,7 @@ TEST(Bspx, OfTwoLumpsWithOneNameTheFirstIsKept) {
 
 TEST(Bspx, ADamagedSHGridIsAnError) {
     Bsp bsp = SampleBsp();
-    bsp.bspx = {{"LIGHTGRID_SH", PackLightGridSH(SampleGridSH())}};
+    bsp.bspx = {{"LIGHTGRID_SH", GridLump(SampleGridSH())}};
     EXPECT_EQ(Read(WriteBsp(bsp, kQuake3)).gridSH->points.size(), 6u);
     bsp.bspx[0].data.resize(40);
     EXPECT_THAT(ErrorOf([&] { Read(WriteBsp(bsp, kQuake3)); }), HasSubstr("SH light grid: length 40"));
@@ -305,7 +305,7 @@ TEST(Bspx, OfTwoSHGridsLump18Counts) {
     bsp.gridSH = SampleGridSH();
     LightGridSH other = SampleGridSH();
     other.points[0].coeffs[0] = {99, 99, 99};
-    bsp.bspx = {{"LIGHTGRID_SH", PackLightGridSH(other)}};
+    bsp.bspx = {{"LIGHTGRID_SH", GridLump(other)}};
     Listener listener;
     const Bsp back = ReadBsp(WriteBsp(bsp, kQuake3), "x.bsp", kQuake3, listener.log);
     EXPECT_EQ(back.gridSH->points[0].coeffs, SampleGridSH().points[0].coeffs);

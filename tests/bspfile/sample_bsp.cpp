@@ -98,6 +98,13 @@ LightGridSH SampleGridSH() {
     return grid;
 }
 
+std::vector<std::byte> GridLump(const LightGridSH &grid) {
+    std::vector<std::byte> lump(40 + 108 * grid.points.size());
+    std::memcpy(lump.data(), &grid.header, 40);
+    std::memcpy(lump.data() + 40, grid.points.data(), 108 * grid.points.size());
+    return lump;
+}
+
 bspAdvertisement_t SampleAdvertisement() {
     return {7, {0, 0, 1}, {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, Name<64>("*1")};
 }

@@ -16,6 +16,8 @@ namespace q3::test {
 Bsp SampleBsp();
 /// 2 x 3 x 1 points whose coefficients are all different.
 LightGridSH SampleGridSH();
+/// The bytes of its lump: 40 of the head, 108 a point.
+std::vector<std::byte> GridLump(const LightGridSH &grid);
 /// Advertisement with finite fields.
 bspAdvertisement_t SampleAdvertisement();
 

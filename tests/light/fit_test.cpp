@@ -84,6 +84,18 @@ TEST_F(FitTest, FittingAllPointsKeepsTheOtherSideOfAThinWallDark) {
         EXPECT_LT(grid.Sample({x, 0, 70})[0].x, 0.01 * lit) << x;
 }
 
+TEST_F(FitTest, PointsInTheirPlaneDoNotDarkenWhatIsBesideASheetOfLight) {
+    SceneBuilder scene = Room();
+    scene.AddQuad({{{0, -96, 32}, {0, -96, 160}, {0, 96, 160}, {0, 96, 32}}}, TestShader("textures/vec/lite_two"));
+    const GridView seen = LitGrid(scene, "-gridsh 64 64 64"), unseen = LitGrid(scene, "-gridsh 64 64 64 -noshfill");
+    // Light on what faces the sheet, a cell away and near it. One value in the plane serves both sides.
+    for (const double side : {1.0, -1.0}) {
+        const double away = Evaluate(seen.Sample({64 * side, 0, 64}), {-side, 0, 0}).x;
+        EXPECT_GT(Evaluate(seen.Sample({24 * side, 0, 64}), {-side, 0, 0}).x, 0.75 * away);
+        EXPECT_LT(Evaluate(unseen.Sample({24 * side, 0, 64}), {-side, 0, 0}).x, 0.5 * away);
+    }
+}
+
 TEST_F(FitTest, SameBytesForAnyNumberOfThreads) {
     const SceneBuilder scene = LitRoom();
     const GridView one = GridView(Lit(scene, "-gridsh 32 32 32 -shfit 3", 1));

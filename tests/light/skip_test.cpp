@@ -58,8 +58,8 @@ TEST_F(SkipTest, LightsOutOfReach) {
 }
 
 TEST_F(SkipTest, LightsHiddenByVisibilityData) {
-    // Bricks of 8 cells that end beside the wall between the rooms, and one across it. The box of what a light's cluster
-    // sees, which would hide the other room too, counts as reach.
+    // Bricks of 8 cells that end beside the wall between the rooms, and one across it. The box of what a light's
+    // cluster sees, which would hide the other room too, counts as reach.
     constexpr const char *kSize = "-gridsh 40 40 40 -noskipreach";
     const SceneBuilder scene = TwoRooms();
     const GridView skipped = LitGrid(scene, kSize);

@@ -84,6 +84,18 @@ TEST(Errors, TheWorstPositionsComeFirst) {
     EXPECT_NEAR(worst[0].error, 0.4 * 255, 1e-3);
 }
 
+TEST(Errors, TheWorstAgainstTheProjectionAreWhereTheGridIsOff) {
+    Truth truth;
+    truth.points = {Uniform({1, 0, 0}, 0.9f), Uniform({2, 0, 0}, 0.4f)};
+    truth.points[0].projection[0] = Vec3f{0.5f, 0.5f, 0.5f} / float(kY0); // what is shown is all that can be
+    EXPECT_EQ(WorstPlaces(truth, Always(0.5f), 1)[0].point, 0u);
+    EXPECT_EQ(WorstPlaces(truth, Always(0.5f), 1, WorstBy::Grid)[0].point, 1u);
+    const PlaceErrors errors = ErrorsByPlace(truth, Always(0.5f))[0];
+    EXPECT_NEAR(errors.shown, 0.4 * 255, 1e-3);
+    EXPECT_NEAR(errors.floor, 0.4 * 255, 1e-3);
+    EXPECT_NEAR(errors.grid, 0, 1e-3);
+}
+
 class RunTest : public BenchTest {};
 
 TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
@@ -95,6 +107,7 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     settings.truth.positions = 200;
     settings.rawSeconds = 0.02;
     settings.worst = 3;
+    settings.plan = true;
     settings.bakes = {{"default", ""}, {"coarse", "-gridsh 128 128 128"}};
     Log silent([](LogLevel, std::string_view) {});
     const BenchResult result = RunBench(*map, Library(), settings, *FindGame("quake3"), JobPool(1), silent);
@@ -114,6 +127,10 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     EXPECT_LE(plain->cost.rays, std::uint64_t(plain->cost.litPoints));
     EXPECT_GT(fine->cost.rays, 0u);
     EXPECT_THAT(result.worst, testing::HasSubstr("worst positions of default"));
+    EXPECT_THAT(result.worst, testing::HasSubstr("squared grid error %"));
+    ASSERT_TRUE(result.plan);
+    EXPECT_EQ(result.plan->dots.size(), 200u);
+    EXPECT_EQ(result.plan->rings.size(), 3u);
 
     const auto json = nlohmann::json::parse(JsonText(report));
     EXPECT_EQ(json["settings"].size(), 4u);
@@ -123,6 +140,16 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     const std::string table = TableText(report);
     for (const char *text : {"share of raw", "x floor", "x plain", "coarse", "legacy grid"})
         EXPECT_THAT(table, testing::HasSubstr(text));
+}
+
+TEST_F(RunTest, WorstPositionsOfAnUnknownSettingAreRefused) {
+    BenchSettings settings;
+    settings.truth.positions = 1;
+    settings.raw = false;
+    settings.worst = 1;
+    settings.worstOf = "fastt";
+    Log silent([](LogLevel, std::string_view) {});
+    EXPECT_THROW(RunBench(*Map(Room()), Library(), settings, *FindGame("quake3"), JobPool(1), silent), std::exception);
 }
 
 TEST_F(RunTest, UnknownLightOptionsAreRefused) {

@@ -105,7 +105,7 @@ TEST_F(PlacesTest, LampGivesNothingInItsOwnPlane) {
     LampShader("textures/test/one", kAdd);
     LampShader("textures/test/two", kAdd, "cull none");
     for (const char *shader : {"textures/test/one", "textures/test/two"})
-        for (const char *options : {"-gridsh 64 64 64", "-gridsh 64 64 64 -noskip"}) {
+        for (const char *options : {"-gridsh 64 64 64 -noshfill", "-gridsh 64 64 64 -noshfill -noskip"}) {
             int inPlane = 0, lit = 0;
             const GridView grid(LitSoundly(LampOnPoints(shader), options));
             for (std::size_t i = 0; i < grid.Count(); i++) {

@@ -59,7 +59,7 @@ double CpuSeconds() {
 
 LightOptions LightOptionsFrom(std::string_view text, const Game &game) {
     std::istringstream in{std::string(text)};
-    std::vector<std::string> words;
+    std::vector<std::string> words{"-sh"};
     for (std::string word; in >> word;)
         words.push_back(word);
     Arguments arguments(words);

@@ -21,9 +21,38 @@ struct Contender {
     bool legacy = false;
 };
 
+/// Points of the grid that a line of the report is about.
+GridLayout LayoutOf(const BenchMap &map, const Baked &baked, bool legacy) {
+    if (!legacy) {
+        const bspGridSHHeader_t &header = baked.bsp.gridSH->header;
+        return {header.gridMins, header.gridSize, header.gridBounds};
+    }
+    Log silent([](LogLevel, std::string_view) {});
+    Entity world = map.stored.front();
+    return SetupGrid(map.bsp, world, silent);
+}
+
+/// Lists, and draws if asked for, the worst positions of one setting.
+void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &settings, const Contender &one,
+                 const Baked &baked, const ShownLight &shown, const JobPool &jobs, BenchResult &result) {
+    const std::vector<PlaceErrors> errors = ErrorsByPlace(truth, shown);
+    const auto causes = FindCauses(map, LayoutOf(map, baked, one.legacy), truth, errors, jobs);
+    const auto places = WorstPlaces(truth, shown, settings.worst, settings.worstBy);
+    result.worst = WorstText(truth, places, errors, causes, one.line.name);
+    if (!settings.plan)
+        return;
+    const bool isBake = one.line.name != kPlainName && !one.legacy; // the others' text is no list of options
+    const std::string options = settings.options + (isBake ? " " + one.line.options : "");
+    std::string setting = one.line.name;
+    if (options.find('-') != std::string::npos)
+        setting += ": " + options;
+    const std::string grid = one.legacy ? "legacy grid" : "SH grid";
+    result.plan = MakeErrorPlan(map, {truth, errors, causes, places, settings.worstBy, grid, setting}, jobs);
+}
+
 /// Bakes all in turn, so that a machine that changes its pace treats them alike; keeps the least time of each.
-void BakeInTurn(std::vector<Contender> &contenders, const Truth &truth, const BenchSettings &settings, Log &progress,
-                std::string &worst) {
+void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const Truth &truth,
+                const BenchSettings &settings, const JobPool &jobs, Log &progress, BenchResult &result) {
     for (int repeat = 0; repeat < settings.repeats; ++repeat)
         for (Contender &one : contenders) {
             progress.Print("{} ({} of {})\n", one.line.name, repeat + 1, settings.repeats);
@@ -35,7 +64,7 @@ void BakeInTurn(std::vector<Contender> &contenders, const Truth &truth, const Be
             const ShownLight shown = one.legacy ? ShownByLegacy(baked.bsp) : ShownBySH(baked.bsp);
             one.line.errors = MeasureErrors(truth, shown);
             if (settings.worst > 0 && one.line.name == settings.worstOf)
-                worst = WorstText(truth, WorstPlaces(truth, shown, settings.worst), one.line.name);
+                ReportWorst(map, truth, settings, one, baked, shown, jobs, result);
         }
 }
 
@@ -98,6 +127,9 @@ BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSet
 
     const bspGridSHHeader_t layout = DefaultLayout(map);
     auto contenders = Contenders(map, library, settings, game, layout, jobs);
+    const auto isWorst = [&](const Contender &one) { return one.line.name == settings.worstOf; };
+    if (settings.worst > 0 && std::none_of(contenders.begin(), contenders.end(), isWorst))
+        throw Error("worst positions of {}: expected the name of a setting that is measured", settings.worstOf);
     progress.Print("truth\n");
     const Truth truth = CachedTruth(map, settings.truth, jobs, settings.cache, report.truthFromCache);
     report.positions = truth.points.size();
@@ -110,7 +142,7 @@ BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSet
         raw = std::make_unique<RawRays>(map, layout, settings.truth.seed);
         report.rawBefore = raw->PerSecond(settings.rawSeconds);
     }
-    BakeInTurn(contenders, truth, settings, progress, result.worst);
+    BakeInTurn(map, contenders, truth, settings, jobs, progress, result);
     if (raw)
         report.rawAfter = raw->PerSecond(settings.rawSeconds);
     for (Contender &one : contenders)

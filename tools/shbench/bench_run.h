@@ -2,10 +2,12 @@
 #pragma once
 
 #include "q3map2/global_options.h"
+#include "tools/shbench/error_plan.h"
 #include "tools/shbench/report.h"
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,8 @@ struct BenchSettings {
     std::filesystem::path cache; ///< folder of reference light; empty: none
     std::string worstOf = std::string(kDefaultName);
     std::size_t worst = 0; ///< number of worst positions to list
+    bool plan = false;     ///< whether they are drawn as well
+    WorstBy worstBy = WorstBy::Shown;
 };
 
 /// The default, faster and slower settings, and other cells.
@@ -28,7 +32,8 @@ std::vector<BakeSetting> DefaultBakes();
 
 struct BenchResult {
     BenchReport report;
-    std::string worst; ///< text, empty unless asked for
+    std::string worst;             ///< text, empty unless asked for
+    std::optional<ErrorPlan> plan; ///< of the same, without value unless asked for
 };
 
 /// A map from files, with the game's shaders.
@@ -46,7 +51,8 @@ class BenchFiles {
     std::unique_ptr<BenchMap> map_;
 };
 
-/// Measures all settings, the plain baker and the legacy grid. `progress` says what is going on.
+/// Measures all settings, the plain baker and the legacy grid. `progress` says what is going on. Errors: worst
+/// positions asked of a setting that is not there.
 BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings, const Game &game,
                      const JobPool &jobs, Log &progress);
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace q3::bench {
 
@@ -96,23 +97,53 @@ ShownErrors MeasureErrors(const Truth &truth, const ShownLight &shown) {
     return errors;
 }
 
-std::vector<WorstPlace> WorstPlaces(const Truth &truth, const ShownLight &shown, std::size_t count) {
-    std::vector<WorstPlace> all;
-    for (std::size_t p = 0; p < truth.points.size(); ++p) {
-        const NormalLight light = shown(truth.points[p].position);
+PlaceErrors ErrorsAt(const TruthPoint &point, const NormalLight &shown, const NormalLight &projected) {
+    PlaceErrors sums;
+    for (std::size_t i = 0; i < kNormals; ++i)
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            const double is = Displayed(shown[i][channel]), best = Displayed(projected[i][channel]),
+                         should = Displayed(point.light[i][channel]);
+            sums.shown += (is - should) * (is - should);
+            sums.floor += (best - should) * (best - should);
+            sums.grid += (is - best) * (is - best);
+        }
+    const auto rms = [](double sum) { return std::sqrt(sum / double(kNormals * 3)); };
+    return {rms(sums.shown), rms(sums.floor), rms(sums.grid)};
+}
+
+std::vector<PlaceErrors> ErrorsByPlace(const Truth &truth, const ShownLight &shown) {
+    std::vector<PlaceErrors> all;
+    for (const TruthPoint &point : truth.points)
+        all.push_back(ErrorsAt(point, shown(point.position), ProjectedLight(point)));
+    return all;
+}
+
+double ErrorOf(const PlaceErrors &errors, WorstBy by) {
+    return by == WorstBy::Shown ? errors.shown : errors.grid;
+}
+
+std::vector<WorstPlace> WorstPlaces(const Truth &truth, const ShownLight &shown, std::size_t count, WorstBy by) {
+    const std::vector<PlaceErrors> errors = ErrorsByPlace(truth, shown);
+    std::vector<std::size_t> order(errors.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return ErrorOf(errors[a], by) > ErrorOf(errors[b], by); });
+    order.resize(std::min(order.size(), count));
+    std::vector<WorstPlace> places;
+    for (const std::size_t p : order) {
+        const TruthPoint &point = truth.points[p];
+        const NormalLight light = shown(point.position), projected = ProjectedLight(point);
+        const NormalLight &against = by == WorstBy::Shown ? point.light : projected;
         WorstPlace worst{p, 0, -1, {}};
         for (std::size_t i = 0; i < kNormals; ++i)
             for (std::size_t channel = 0; channel < 3; ++channel) {
-                const double error =
-                    std::abs(Displayed(light[i][channel]) - Displayed(truth.points[p].light[i][channel]));
+                const double error = std::abs(Displayed(light[i][channel]) - Displayed(against[i][channel]));
                 if (error > worst.error)
                     worst = {p, i, error, light[i]};
             }
-        all.push_back(worst);
+        places.push_back(worst);
     }
-    std::stable_sort(all.begin(), all.end(), [](const auto &a, const auto &b) { return a.error > b.error; });
-    all.resize(std::min(all.size(), count));
-    return all;
+    return places;
 }
 
 } // namespace q3::bench

@@ -35,12 +35,31 @@ inline bool IsLeak(double truth, double shown, double mapMean) {
     return truth < 0.01 * mapMean && shown > 0.05 * mapMean;
 }
 
-/// Where shown and reference differ most, the worst first: one line a position.
+/// Displayed errors of one position: RMS over normals and channels, bytes.
+struct PlaceErrors {
+    double shown = 0; ///< of what is shown
+    double floor = 0; ///< of the exact L2 projection
+    double grid = 0;  ///< difference of these two
+};
+PlaceErrors ErrorsAt(const TruthPoint &point, const NormalLight &shown, const NormalLight &projected);
+/// One for each position.
+std::vector<PlaceErrors> ErrorsByPlace(const Truth &truth, const ShownLight &shown);
+
+/// What the worst positions are the worst in.
+enum class WorstBy {
+    Shown, ///< PlaceErrors::shown
+    Grid   ///< PlaceErrors::grid
+};
+double ErrorOf(const PlaceErrors &errors, WorstBy by);
+
+/// A position and the normal that errs most there.
 struct WorstPlace {
     std::size_t point = 0, normal = 0;
-    double error = 0; ///< displayed, the largest of the channels
+    double error = 0; ///< displayed, the largest of the normals and channels; bytes
     Vec3f shown;
 };
-std::vector<WorstPlace> WorstPlaces(const Truth &truth, const ShownLight &shown, std::size_t count);
+/// Where that error is largest, the worst first.
+std::vector<WorstPlace> WorstPlaces(const Truth &truth, const ShownLight &shown, std::size_t count,
+                                    WorstBy by = WorstBy::Shown);
 
 } // namespace q3::bench

@@ -147,20 +147,30 @@ Chart ErrorChart(const BenchReport &report) {
     return chart;
 }
 
-std::string WorstText(const Truth &truth, const std::vector<WorstPlace> &places, std::string_view setting) {
+std::string WorstText(const Truth &truth, const std::vector<WorstPlace> &places, const std::vector<PlaceErrors> &errors,
+                      const std::vector<Cause> &causes, std::string_view setting) {
     const auto vector = [](const Vec3f &v, double scale, int digits) {
         return fmt::format("{:.{}f} {:.{}f} {:.{}f}", double(v.x) * scale, digits, double(v.y) * scale, digits,
                            double(v.z) * scale, digits);
     };
-    std::vector<std::vector<std::string>> rows = {
-        {"position", "error", "normal", "truth", "shown", "projection (bytes)"}};
+    std::vector<std::vector<std::string>> rows = {{"no.", "position", "RMS", "floor", "grid", "largest", "normal",
+                                                   "truth", "shown", "projection (bytes)", "cause"}};
     for (const WorstPlace &place : places) {
         const TruthPoint &point = truth.points[place.point];
-        rows.push_back({vector(point.position, 1, 0), fmt::format("{:.1f}", place.error),
-                        vector(Vec3f(Normals()[place.normal]), 1, 2), vector(point.light[place.normal], 255, 1),
-                        vector(place.shown, 255, 1), vector(ProjectedLight(point)[place.normal], 255, 1)});
+        const PlaceErrors &error = errors[place.point];
+        rows.push_back({std::to_string(rows.size()), vector(point.position, 1, 0), fmt::format("{:.1f}", error.shown),
+                        fmt::format("{:.1f}", error.floor), fmt::format("{:.1f}", error.grid),
+                        fmt::format("{:.1f}", place.error), vector(Vec3f(Normals()[place.normal]), 1, 2),
+                        vector(point.light[place.normal], 255, 1), vector(place.shown, 255, 1),
+                        vector(ProjectedLight(point)[place.normal], 255, 1), std::string(NameOf(causes[place.point]))});
     }
-    return fmt::format("\nworst positions of {}\n", setting) + AlignedTable(rows);
+    const auto shares = SharesByCause(causes, errors);
+    std::vector<std::vector<std::string>> sums = {{"cause", "positions %", "squared grid error %"}};
+    for (std::size_t i = 0; i < kCauses; ++i)
+        sums.push_back({std::string(NameOf(Cause(i))), fmt::format("{:.1f}", 100 * shares[i].positions),
+                        fmt::format("{:.1f}", 100 * shares[i].error)});
+    return fmt::format("\nworst positions of {}\n{}\ncauses over all positions\n{}", setting, AlignedTable(rows),
+                       AlignedTable(sums));
 }
 
 } // namespace q3::bench

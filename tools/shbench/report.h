@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tools/shbench/bakes.h"
+#include "tools/shbench/causes.h"
 #include "tools/shbench/chart.h"
 
 #include <string>
@@ -40,7 +41,10 @@ std::string TableText(const BenchReport &report);
 std::string JsonText(const BenchReport &report);
 /// CPU seconds, logarithmic, against displayed RMSE, with the floor. The legacy grid is left out.
 Chart ErrorChart(const BenchReport &report);
-std::string WorstText(const Truth &truth, const std::vector<WorstPlace> &places, std::string_view setting);
+/// The worst positions of a setting with their causes, then the shares of all causes. `errors` and `causes`: of all
+/// positions.
+std::string WorstText(const Truth &truth, const std::vector<WorstPlace> &places, const std::vector<PlaceErrors> &errors,
+                      const std::vector<Cause> &causes, std::string_view setting);
 
 /// Names of the lines that others are compared with.
 inline constexpr std::string_view kDefaultName = "default", kPlainName = "plain", kLegacyName = "legacy grid";

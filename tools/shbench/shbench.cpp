@@ -4,6 +4,7 @@
 #include "common/text.h"
 #include "q3map2/stages.h"
 #include "tools/shbench/bench_run.h"
+#include "tools/shbench/drawing.h"
 #include "tools/shbench/scaling.h"
 
 #include <glib.h>
@@ -28,16 +29,20 @@ constexpr std::string_view kUsage =
   --repeat N                                bakes in turn so often, quotes the least CPU time (1)
   --no-raw                                  does not measure bare Embree
   --cache FOLDER, --no-cache                of the reference (the user's cache folder, q3map2-sh/shbench)
-  --worst N, --worst-of NAME                lists the worst positions of a setting (default)
+  --worst N, --worst-of NAME                lists the worst positions of a setting (default), and why
+  --worst-by reference|projection           worst against the light there (usual), or against its exact projection
+  --worst-picture FILE                      a plan of the map with them, .png or .svg; 12 unless --worst
   --lights N                                most lights of --scale-lights (10000)
   --json FILE, --plot BASENAME              results as JSON; plots as BASENAME.svg and .png
 )";
+
+constexpr int kUsualWorst = 12; ///< positions of --worst-picture
 
 /// What the command line asks for.
 struct Command {
     GlobalOptions global;
     BenchSettings settings;
-    std::string jsonFile, plotBase, map;
+    std::string jsonFile, plotBase, planFile, map;
     bool scaleLights = false, scaleCells = false;
     int mostLights = 10000;
 };
@@ -65,6 +70,24 @@ BakeSetting ParseBake(const std::string &text) {
     return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
+void ParseWorst(Arguments &arguments, Command &command) {
+    BenchSettings &settings = command.settings;
+    command.planFile = TakeText(arguments, "--worst-picture");
+    settings.plan = !command.planFile.empty();
+    if (settings.plan && !IsPictureName(command.planFile))
+        throw Error("--worst-picture {}: expected a name that ends in .png or .svg", command.planFile);
+    const int usual = settings.plan ? kUsualWorst : 0, least = settings.plan ? 1 : 0;
+    settings.worst = std::size_t(TakeCount(arguments, "--worst", usual, least));
+    const std::string of = TakeText(arguments, "--worst-of"), by = TakeText(arguments, "--worst-by");
+    if (settings.worst == 0 && !(of.empty() && by.empty()))
+        throw Error("--worst-of, --worst-by: expected --worst or --worst-picture with it");
+    if (!of.empty())
+        settings.worstOf = of;
+    if (!by.empty() && by != "reference" && by != "projection")
+        throw Error("--worst-by {}: expected reference or projection", by);
+    settings.worstBy = by == "projection" ? WorstBy::Grid : WorstBy::Shown;
+}
+
 Command ParseCommand(Arguments arguments, Log &log) {
     Command command;
     BenchSettings &settings = command.settings;
@@ -74,8 +97,7 @@ Command ParseCommand(Arguments arguments, Log &log) {
     settings.truth.positions = TakeCount(arguments, "--positions", settings.truth.positions, 1);
     settings.truth.seed = std::uint64_t(TakeCount(arguments, "--seed", 1, 0));
     settings.repeats = TakeCount(arguments, "--repeat", 1, 1);
-    settings.worst = std::size_t(TakeCount(arguments, "--worst", 0, 0));
-    settings.worstOf = TakeText(arguments, "--worst-of", settings.worstOf);
+    ParseWorst(arguments, command);
     settings.cache = std::filesystem::path(g_get_user_cache_dir()) / "q3map2-sh" / "shbench";
     settings.cache = TakeText(arguments, "--cache", settings.cache.string());
     if (arguments.TakeFlag("--no-cache"))
@@ -142,6 +164,8 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
     WriteText(command.jsonFile, JsonText(result.report));
     if (!command.plotBase.empty())
         WriteChart(ErrorChart(result.report), command.plotBase);
+    if (result.plan)
+        WriteErrorPlan(*result.plan, command.planFile);
     return 0;
 }
 

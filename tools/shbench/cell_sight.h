@@ -1,0 +1,49 @@
+// GPL-2.0-or-later. What a position and the grid points around it see of each light. Internal to the causes.
+#pragma once
+
+#include "libs/sh/sh.h"
+#include "tools/shbench/bench_map.h"
+
+#include <array>
+
+namespace q3::bench {
+
+/// Light of a source of colour 1 1 1 without shadows at p: its projection, convolved with the cosine, byte scale.
+ShVector UnshadowedLight(const Light &light, const Vec3d &p);
+
+/// Whether any light gets to p without shadows: it is on a bright side, in the cone, in reach.
+bool Reaches(const Light &light, const Vec3f &p);
+
+/// Distance from p to the light counted in cells; infinite for suns.
+double CellsToLight(const Light &light, const Vec3f &p, const Vec3f &cell);
+
+/// A position and the eight corners of its cell.
+class CellSight {
+  public:
+    static constexpr std::size_t kCorners = 8, kSelf = kCorners; ///< numbers of the places
+
+    CellSight(const BenchMap &map, const GridLayout &layout, const Vec3f &position);
+
+    const std::array<Vec3f, kCorners + 1> &Places() const { return places_; }
+    /// Weights of the corners that are in the open with a free line to the position, of sum 1. All zero if there are
+    /// none.
+    const std::array<double, kCorners> &Weights() const { return weights_; }
+    /// Whether a corner that counts in the blend is in solid or hidden.
+    bool AnyHidden() const { return anyHidden_; }
+
+    /// Share of the light that arrives at each place by up to `samples` rays, by channel. Zero at corners without
+    /// weight; a corner that the light does not reach even without shadows has the share of the position.
+    using Shares = std::array<Vec3d, kCorners + 1>;
+    Shares Seen(const Light &light, int samples) const;
+
+  private:
+    void SetWeights();
+    void AddRay(const Light &light, const Vec3f &target, Shares &sums) const;
+
+    const BenchMap &map_;
+    std::array<Vec3f, kCorners + 1> places_;
+    std::array<double, kCorners> weights_{};
+    bool anyHidden_ = false;
+};
+
+} // namespace q3::bench
