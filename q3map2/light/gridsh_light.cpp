@@ -22,14 +22,19 @@ using PointSum = std::array<ShVector, 3>;
 using ChannelSum = std::array<std::array<double, kPacketSize>, 9>;
 
 /// The three channels at once: the moments are read and widened once.
-Q3_VECTOR void AddScaled(const Arrivals &arrivals, const std::array<double, 3> &scale, std::array<ChannelSum, 3> &sum) {
-    for (std::size_t k = 0; k < 9; ++k)
+Q3_VECTOR void AddScaled(const Arrivals &arrivals, double red, double green, double blue,
+                         std::array<ChannelSum, 3> &sum) {
+    for (std::size_t k = 0; k < 9; ++k) {
+        double *r = sum[0][k].data(), *g = sum[1][k].data(), *b = sum[2][k].data();
+        const float *moments = arrivals.moments[k].data();
+#pragma GCC ivdep
         for (std::size_t i = 0; i < kPacketSize; ++i) {
-            const auto moment = double(arrivals.moments[k][i]);
-            sum[0][k][i] += scale[0] * moment;
-            sum[1][k][i] += scale[1] * moment;
-            sum[2][k][i] += scale[2] * moment;
+            const auto moment = double(moments[i]);
+            r[i] += red * moment;
+            g[i] += green * moment;
+            b[i] += blue * moment;
         }
+    }
 }
 
 void AddTinted(const Arrivals &arrivals, const Lanes &tint, double scale, ChannelSum &sum) {
@@ -47,7 +52,7 @@ struct BlockSum {
         for (std::size_t channel = 0; channel < 3; ++channel)
             scale[channel] = (light.negative ? -1 : 1) * double(light.color[channel]) / 255;
         if (!arrivals.tinted) {
-            AddScaled(arrivals, scale, sum);
+            AddScaled(arrivals, scale[0], scale[1], scale[2], sum);
             return;
         }
         const Lanes *tints[] = {&arrivals.tint.x, &arrivals.tint.y, &arrivals.tint.z};
