@@ -54,9 +54,7 @@ std::string MessageElement(LogLevel level, const std::string &text) {
 
 class Connection {
   public:
-    explicit Connection(int socket) : socket_(socket) {
-        Send("<?xml version=\"1.0\"?><q3map_feedback version=\"1\">");
-    }
+    explicit Connection(int socket) : socket_(socket) { Send("<?xml version=\"1.0\"?><q3map_feedback version=\"1\">"); }
     ~Connection() {
         Flush();
         close(socket_);

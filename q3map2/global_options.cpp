@@ -57,9 +57,8 @@ void TakeGame(Arguments &arguments, GlobalOptions &options, Log &log) {
 std::string EnginePathFrom(const std::vector<std::string> &words, std::string_view magic) {
     for (const std::string &word : words) {
         const std::string path = WithSlashes(word);
-        const auto found = std::search(path.begin(), path.end(), magic.begin(), magic.end(), [](char a, char b) {
-            return g_ascii_tolower(a) == g_ascii_tolower(b);
-        });
+        const auto found = std::search(path.begin(), path.end(), magic.begin(), magic.end(),
+                                       [](char a, char b) { return g_ascii_tolower(a) == g_ascii_tolower(b); });
         if (found == path.end())
             continue;
         const std::size_t slash = path.find('/', std::size_t(found - path.begin()));
@@ -146,7 +145,8 @@ std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, con
     return folders;
 }
 
-VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders, Log &log) {
+VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders,
+                                Log &log) {
     VirtualFileSystem vfs(log);
     vfs.SetForbidden(options.forbidden);
     for (const std::filesystem::path &folder : folders)

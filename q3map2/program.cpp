@@ -16,8 +16,8 @@ struct Stage {
     std::string_view name;
     int (*run)(const StageContext &, Arguments);
 };
-constexpr Stage kStages[] = {
-    {"-light", LightStage}, {"-json", JsonStage}, {"-info", InfoStage}, {"-shpreview", PreviewStage}};
+constexpr Stage kStages[] = {{"-light", LightStage}, {"-export", ExportStage}, {"-import", ImportStage},
+                             {"-json", JsonStage},   {"-info", InfoStage},     {"-shpreview", PreviewStage}};
 
 int RunStage(const StageContext &context, Arguments arguments) {
     for (const Stage &stage : kStages)
@@ -27,7 +27,7 @@ int RunStage(const StageContext &context, Arguments arguments) {
         }
     if (arguments.Empty())
         throw Error("no arguments; q3map2 -help lists what there is");
-    throw Error("\"{}\" is not a stage of this version; it has -light, -json, -info and -shpreview",
+    throw Error("\"{}\" is not a stage of this version; it has -light, -export, -import, -json, -info and -shpreview",
                 arguments.Rest().front());
 }
 

@@ -2,8 +2,10 @@
 #include "common/error.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/convert/convert.h"
-#include "q3map2/light/light.h"
 #include "q3map2/light_inputs.h"
+#include "q3map2/lightmap/light_world.h"
+#include "q3map2/lightmap/lightmap_pages.h"
+#include "q3map2/lightmap/lightmap_scripts.h"
 #include "q3map2/stages.h"
 
 namespace q3 {
@@ -33,6 +35,20 @@ void RecordCommand(Bsp &bsp, std::string_view name, const std::vector<std::strin
     bsp.entities = FormatEntities(entities);
 }
 
+struct PagesFiles {
+    std::filesystem::path bsp, folder;
+};
+
+PagesFiles FindPages(const StageContext &context, Arguments &arguments, std::string_view stage) {
+    const std::string file = arguments.TakeLast();
+    if (file.empty())
+        throw Error("usage: q3map2 [global options] {} maps/x.bsp", stage);
+    for (const std::string &word : arguments.Rest())
+        context.log.Warn("unknown argument", "Unknown argument \"{}\"", word);
+    const auto bsp = WithExtension(std::filesystem::absolute(file), ".bsp");
+    return {bsp, WithExtension(bsp, "")};
+}
+
 } // namespace
 
 int LightStage(const StageContext &context, Arguments arguments) {
@@ -43,6 +59,8 @@ int LightStage(const StageContext &context, Arguments arguments) {
     log.Section("Light");
     const std::vector<std::string> recorded = arguments.Rest();
     const LightOptions options = ParseLightOptions(arguments, *context.options.game, log);
+    const LightmapOptions lightmap = ParseLightmapOptions(arguments, options, *context.options.game, log);
+    WarnOfUnknown(arguments, log);
     const auto bspPath = WithExtension(std::filesystem::absolute(file), ".bsp");
 
     const auto folders = GameFolders(context.options, context.words, context.program);
@@ -51,18 +69,46 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
     const LightInputs inputs = ReadLightInputs(bspPath, log);
+    if (!lightmap.onlyGrid)
+        RemoveMipmapHints(inputs.name, bsp);
 
     ShaderLibrary library(vfs, *context.options.game, options.shader, log);
     log.Count((long long)(library.DefinedCount()), "shaders defined");
     const JobPool jobs(context.options.threads);
     log.Count(jobs.Threads(), "threads");
-    LightWorld(bsp, inputs, options, library, jobs, log);
+    LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);
     RecordCommand(bsp, inputs.name, recorded);
     if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump && !format.advertisements && format.version == 46)
-        log.Print("The SH grid makes this a version 47 file, which engines without SH support refuse; -shbspx keeps version 46\n");
+        log.Print("The SH grid makes this a version 47 file, which engines without SH support refuse; -shbspx keeps "
+                  "version 46\n");
+    const auto folder = WithExtension(bspPath, "");
+    if (!lightmap.onlyGrid) {
+        FinishForFile(lightmap, inputs.name, result.lightmaps, bsp);
+        WritePages(lightmap.externalFolder.empty() ? folder : std::filesystem::path(lightmap.externalFolder),
+                   result.lightmaps, log);
+        WriteScript(ScriptPath(bspPath, *context.options.game), result.lightmaps, log);
+    }
     WriteBspFile(bspPath, bsp, format, log);
+    if (lightmap.exportPages && !lightmap.external)
+        ExportLightmaps(bsp, lightmap.gamePageSize[0], folder, log);
     if (!options.previewFile.empty())
         WriteGridPreview(options.previewFile, bsp, log);
+    return 0;
+}
+
+int ExportStage(const StageContext &context, Arguments arguments) {
+    const PagesFiles files = FindPages(context, arguments, "-export");
+    const Bsp bsp = ReadBspFile(files.bsp, context.options.Format(), context.log);
+    ExportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log);
+    return 0;
+}
+
+int ImportStage(const StageContext &context, Arguments arguments) {
+    const PagesFiles files = FindPages(context, arguments, "-import");
+    const BspFormat format = context.options.Format();
+    Bsp bsp = ReadBspFile(files.bsp, format, context.log);
+    ImportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log);
+    WriteBspFile(files.bsp, bsp, format, context.log);
     return 0;
 }
 

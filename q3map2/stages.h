@@ -22,6 +22,8 @@ struct StageContext {
 
 // Each takes its options off `arguments`, whose stage word is gone already, and returns the exit status.
 int LightStage(const StageContext &context, Arguments arguments);
+int ExportStage(const StageContext &context, Arguments arguments);
+int ImportStage(const StageContext &context, Arguments arguments);
 int JsonStage(const StageContext &context, Arguments arguments);
 int InfoStage(const StageContext &context, Arguments arguments);
 int PreviewStage(const StageContext &context, Arguments arguments);

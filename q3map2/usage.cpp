@@ -12,7 +12,8 @@ struct Topic {
 
 constexpr Topic kTopics[] = {
     {"common", R"(Global options, with every stage, anywhere on the line:
-  -help [topic]           this text; topics: common light json info shpreview game
+  -help [topic]           this text; topics: common light lightmap json export
+                          info shpreview game
   -v                      more output
   -threads N              worker threads (default: one per hardware thread)
   -connect A.B.C.D:PORT   send what is printed to an editor
@@ -26,7 +27,8 @@ constexpr Topic kTopics[] = {
   -fs_pakpath DIR         further folder with game files; repeatable
   -fs_forbiddenpath MASK  skip folders and archives of that name; repeatable
 )"},
-    {"light", R"(q3map2 -light [options] maps/x.bsp     lights the grids of a compiled map
+    {"light", R"(q3map2 -light [options] maps/x.bsp     lights a compiled map; lightmap options: -help lightmap
+  -onlygrid               leave lightmaps and vertex colours as they are
 SH light grid:
   -sh                     bake the SH light grid into lump 18 of a version 47 file
   -shbspx                 ... into a BSPX lump of a version 46 file, which unmodified engines load
@@ -41,25 +43,59 @@ SH light grid:
   -shpreview FILE.png     picture of what both grids show
 Intensities (each multiplies):
   -scale F  -point F  -spherical F  -spot F  -area F  -sky F (also with the ending "scale")
+  -bouncescale F
   -gridscale F  -gridambientscale F  -griddirectionality F  -gridambientdirectionality F
   -backsplash SCALE DIST  -extradist F  -wolf  -q3
-Tone of the legacy grid:
+Tone of lightmaps, vertices and the legacy grid:
   -gamma F  -exposure F  -compensate F  -contrast F  -saturation F
-  -sRGB -nosRGB, -sRGBlight, -sRGBcolor and their -nosRGB forms
+  -sRGB -nosRGB, -sRGBlight, -sRGBtex, -sRGBcolor and their -nosRGB forms
 Speed and rays:
-  -fast, -fastgrid        legacy grid: lights end below the tolerance; SH grid: few samples
-  -faster                 and area lights count as points in the legacy grid
-  -cheap, -cheapgrid      stop adding lights to legacy points that are white
+  -fast                   lights end below the tolerance; SH grid: few samples
+  -fastgrid, -fastbounce  that for the grids, or bounces, alone
+  -faster                 and area lights count as points, but for the SH grid
+  -cheap, -cheapgrid      stop adding lights to what is white; legacy grid alone
   -nogrid                 leave the legacy grid as it is
   -noskip                 trace every light at every point; or one kind of skip off:
   -noskipreach  -noskippvs  -noskipfaint  -noskipmoments  -noskipprobes  -noskipcoarse
   -notrace  -nosurf  -sunonly  -onesky  -patchshadows  -style  -nostyle
   -floodlight  -lowquality
 )"},
+    {"lightmap", R"(q3map2 -light [options] maps/x.bsp     lightmaps, vertex light and bounces
+Samples:
+  -super N                N x N samples a luxel, 1 to 8
+  -samples [+]N           grade of adaptive samples where light changes; with -randomsamples random ones
+  -samplessearchboxsize N  -filter  -thresh F  -samplescale N  -rawlightmapsizelimit N
+  -samplesize N           without a .srf: game units a luxel (16); -minsamplesize N
+  -shade, -shadeangle F   smooth normals where faces meet at less than so many degrees
+  -lightanglehl 0|1       softer angle of light
+  -nofastpoint  -dark  -trianglecheck  -extravisnudge
+Dirt:
+  -dirty                  darken what is hemmed in
+  -dirtdepth F  -dirtscale F  -dirtgain F  -dirtmode 0|1
+Bounces:
+  -bounce N               passes of light that surfaces throw back
+  -bouncegrid             on the grids too
+  -bouncescale F  -bouncecolorratio F  -bounceonly  -nobouncestore  -dump
+Vertices:
+  -vertexscale F  -novertex [F]  -cpma  -nolm
+Pages:
+  -lightmapsize N [M]     another size than the game's: images beside the map
+  -external               images at the game's size too;  -lightmapdir DIR
+  -extlmhacksize N [M]    images shown by made shaders, for engines that know only their own pages
+  -deluxe, -nodeluxe      pages of light directions;  -deluxemode 0|1 model or tangent space
+  -brightness F  -approx N  -nocollapse  -slowallocate  -fill  -fillpink  -trisoup  -export
+  -nolightmapsearch  -lightmapsearchblocksize N  -lightmapsearchpower N
+Pictures of what is going on:
+  -debug  -border  -debugsurfaces  -debugaxis  -debugcluster  -debugorigin  -debugnormals
+  -normalmap  -debugdeluxe  -dirtdebug  -debugsamplesize
+)"},
     {"json", R"(q3map2 -json [-unpack] maps/x.bsp      writes all lumps as JSON files into maps/x/
 q3map2 -json -pack maps/x.bsp          reads them and writes maps/x_json.bsp
   -useflagnames           with -pack: flags come from their names in the game's table
   -skipflags              with -useflagnames: drop unknown names
+)"},
+    {"export", R"(q3map2 -export maps/x.bsp              writes the lightmaps of the file as maps/x/lightmap_NNNN.tga
+q3map2 -import maps/x.bsp              replaces them by these images
 )"},
     {"info", R"(q3map2 -info a.bsp b.bsp ...           counts and bytes of all lumps
 )"},

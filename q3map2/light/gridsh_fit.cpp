@@ -23,8 +23,9 @@ constexpr float kPull = 0.1f, kPullAll = 0.02f;
 /// Light under this counts more: there a leak shows. 1 = byte 255.
 constexpr float kDark = 0.02f;
 /// Mean light over the inverse of this counts less, by its fourth power: the screen is white there on some side, and
-/// the steep light beside a lamp, which no grid fits, would pull at points cells away.
-constexpr float kBeyondScreen = 3;
+/// the steep light beside a lamp, which no grid fits, would pull at points cells away. With all points fitted there is
+/// more to follow it with.
+constexpr float kBeyondScreen = 3, kBeyondScreenAll = 2.2f;
 /// Keeps weights of absurd light within floats.
 constexpr float kMostBeyond = 1e4f;
 /// Points of less weight keep the value that they had.
@@ -87,6 +88,7 @@ GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vect
     : in_(in), layout_(layout),
       perCell_(int(std::ceil((in.options.shFit > 0 ? float(in.options.shFit) : kPerCell) * in.options.shSamples))),
       pull_(in.options.shFit > 0 ? kPullAll : kPull),
+      beyondScreen_(in.options.shFit > 0 ? kBeyondScreenAll : kBeyondScreen),
       mostBands_(kBeyond * (in.options.shRadiance ? kMostBandsPlain : kMostBands)), states_(states),
       rowOf_(states.size(), -1) {
     if (!in.options.shFill)
@@ -214,7 +216,7 @@ void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
 }
 
 void GridFit::Accumulate(const FitSample &sample) {
-    const float mean = MeanLight(sample.value), beyond = std::clamp(kBeyondScreen * mean, 1.0f, kMostBeyond);
+    const float mean = MeanLight(sample.value), beyond = std::clamp(beyondScreen_ * mean, 1.0f, kMostBeyond);
     const float weight = sample.weight * std::pow(kDark / (kDark + mean), 0.25f) / (beyond * beyond * beyond * beyond);
     const auto corners = CornersAt(sample.position);
     const auto numbers = std::bit_cast<Numbers>(sample.value);

@@ -78,7 +78,7 @@ class GridFit {
     const GridInputs &in_;
     const GridLayout &layout_;
     int perCell_;
-    float pull_;
+    float pull_, beyondScreen_;
     float mostBands_;
     const std::vector<PointState> &states_;
     std::vector<std::int32_t> rowOf_; // by point; -1: not fitted

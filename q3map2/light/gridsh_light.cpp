@@ -82,6 +82,24 @@ void AddFlood(const GridInputs &in, const Vec3f &position, PointSum &sum, RayCou
     }
 }
 
+/// Bounced light.
+void AddIndirect(const GridInputs &in, const Vec3f &position, std::uint32_t index, PointSum &sum, RayCounts &counts) {
+    std::vector<IndirectRay> rays;
+    in.indirect->Gather(position, index, rays);
+    counts.rays += rays.size();
+    const double share = IndirectLight::kFacing / 255.0 / double(rays.size());
+    for (const IndirectRay &ray : rays) {
+        if (ray.color == Vec3f{})
+            continue;
+        const ShVector basis = ShBasis(Vec3d(ray.direction));
+        for (std::size_t k = 0; k < 9; ++k) {
+            const double weight = basis[k] * (in.options.shRadiance ? 1 : kCosineLobe[k]) * share;
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                sum[channel][k] += weight * double(ray.color[channel]);
+        }
+    }
+}
+
 /// Ambient light, the minimum, the grid scale; and no channel whose mean is negative.
 bspGridPointSH_t StorePoint(const GridInputs &in, const PointSum &total) {
     // Coefficient 0 of light 1 from everywhere.
@@ -132,6 +150,8 @@ std::vector<bspGridPointSH_t> PlaceLighter::Values(std::vector<LightPlaces> &blo
             PointSum sum = sums[block].Of(i);
             if (flood)
                 AddFlood(in_, blocks[block].position[i], sum, work.counts);
+            if (in_.indirect)
+                AddIndirect(in_, blocks[block].rayOrigin[i], blocks[block].index[i], sum, work.counts);
             values.push_back(StorePoint(in_, sum));
         }
     return values;

@@ -45,43 +45,6 @@ std::size_t DropStyled(std::vector<Light> &lights) {
     return std::erase_if(lights, [](const Light &light) { return light.style != 0; });
 }
 
-void LightLegacyGrid(Bsp &bsp, const GridInputs &in, const GridLayout &layout, const std::vector<Light> &created,
-                     const std::vector<bool> &skySeenFrom, GridStats &stats) {
-    in.log.Section("TraceGrid");
-    int culled = 0;
-    const auto lights = SetupEnvelopes(created, LightPass::LegacyGrid, in.options, in.space, skySeenFrom, culled);
-    in.log.Count((long long)(lights.size()), "lights");
-    in.log.Count(culled, "lights culled");
-    bsp.gridPoints = TraceGrid(in, layout, lights, stats);
-    stats.Print(in.log, in.log.IsVerbose());
-}
-
-void LightGridInSH(Bsp &bsp, const GridInputs &in, const Float3 &legacySize, const std::vector<Light> &created,
-                   const std::vector<bool> &skySeenFrom, GridStats &stats) {
-    in.log.Section("TraceGridSH");
-    const GridLayout layout = SetupGridSH(bsp, legacySize, in.options, in.log);
-    int culled = 0;
-    auto lights = SetupEnvelopes(created, LightPass::GridSH, in.options, in.space, skySeenFrom, culled);
-    if (const std::size_t styled = DropStyled(lights); styled > 0)
-        in.log.Count((long long)(styled), "lights of other styles than 0 left out: they change while the game runs");
-    in.log.Count((long long)(lights.size()), "lights");
-    in.log.Count(culled, "lights culled");
-    bsp.gridSH = TraceGridSH(in, layout, lights, stats);
-    bsp.gridSHContainer = in.options.shBspx ? GridSHContainer::Bspx : GridSHContainer::Lump;
-    stats.Print(in.log, in.log.IsVerbose());
-    if (in.options.shDering) {
-        const DeringStats changed = DeringGridSH(*bsp.gridSH, in.options.shRadiance, in.jobs);
-        in.log.Count(changed.points, "points rid of negative lobes");
-        in.log.Print("{:9.2f} of 255 is the largest change of displayed light\n", changed.largestChange);
-    }
-    if (in.options.shError)
-        PrintGridSHError(MeasureGridSH(in, *bsp.gridSH, lights), layout.size, legacySize, in.log);
-}
-
-void EraseKey(Entity &entity, std::string_view key) {
-    std::erase_if(entity.pairs, [&](const auto &pair) { return EqualNoCase(pair.first, key); });
-}
-
 } // namespace
 
 std::vector<bool> OpaqueBrushes(const Bsp &bsp, ShaderLibrary &library) {
@@ -114,49 +77,96 @@ std::vector<Light> CreateLights(const Bsp &bsp, const std::vector<Entity> &entit
     return lights;
 }
 
-LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &options, ShaderLibrary &library,
-                       const JobPool &jobs, Log &log) {
+namespace {
+
+/// Entities of the map as it is stored; the first is worldspawn.
+std::vector<Entity> StoredEntities(const Bsp &bsp, const LightInputs &inputs) {
     std::vector<Entity> stored = ParseEntities(bsp.entities, inputs.name);
     if (stored.empty())
         stored.push_back({{{"classname", "worldspawn"}}});
-    const std::vector<Entity> entities = EntitiesWithLights(stored, inputs, log);
+    return stored;
+}
 
+GridLayout SetupGridLogged(const Bsp &bsp, Entity &world, Log &log) {
     log.Section("SetupGrid");
-    const GridLayout layout = SetupGrid(bsp, stored.front(), log);
+    return SetupGrid(bsp, world, log);
+}
 
-    LightOptions settings = options;
-    const WorldLight world = ReadWorldLight(stored.front(), options);
-    settings.tone.maxLight = world.maxLight;
-    SurfaceTable table = MakeSurfaceTable(bsp, stored, inputs.surfaceFile, inputs.name + ".srf", library, log);
+LightOptions WithWorld(LightOptions options, const WorldLight &world) {
+    options.tone.maxLight = world.maxLight;
+    return options;
+}
+
+SurfaceDefaults WithAmbient(SurfaceDefaults defaults, const WorldLight &world) {
+    defaults.ambient = world.ambient;
+    return defaults;
+}
+
+std::vector<Light> CreateLightsLogged(LightSetup &setup, const LightInputs &inputs, ShaderLibrary &library, Log &log) {
+    const std::vector<Entity> entities = EntitiesWithLights(setup.stored, inputs, log);
     log.Section("CreateLights");
-    const std::vector<Light> lights = [&] {
-        try {
-            return CreateLights(bsp, entities, table, settings, world, library, log);
-        } catch (const Error &error) {
-            throw Error("{}: {}", inputs.name, error.what());
-        }
-    }();
-
-    log.Section("SetupTraceNodes");
-    const BspSpace space(bsp, OpaqueBrushes(bsp, library));
-    const float ignoreRadius = 0.5f * std::max({layout.size[0], layout.size[1], layout.size[2]});
-    const LightScene scene(bsp, table, settings, ignoreRadius);
-    log.Count((long long)(scene.TriangleCount()), "triangles that rays can meet");
-    const std::vector<bool> skySeenFrom = SkySeenFrom(space, table);
-
-    LightResult result;
-    const GridInputs in{space, scene, settings, world, jobs, log};
-    if (!options.noGrid)
-        LightLegacyGrid(bsp, in, layout, lights, skySeenFrom, result.grid);
-    bsp.gridSH.reset();
-    EraseKey(stored.front(), kGridSHKey);
-    if (options.sh) {
-        LightGridInSH(bsp, in, layout.size, lights, skySeenFrom, result.gridSH);
-        if (options.shRadiance)
-            stored.front().Set(kGridSHKey, "radiance");
+    try {
+        return CreateLights(setup.bsp, entities, setup.table, setup.options, setup.world, library, log);
+    } catch (const Error &error) {
+        throw Error("{}: {}", inputs.name, error.what());
     }
-    bsp.entities = FormatEntities(stored);
-    return result;
+}
+
+/// Legacy rays ignore what is nearer.
+float IgnoreRadius(const GridLayout &layout) {
+    return 0.5f * std::max({layout.size[0], layout.size[1], layout.size[2]});
+}
+
+} // namespace
+
+LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOptions &given,
+                       const SurfaceDefaults &defaults, ShaderLibrary &library, Log &log)
+    : bsp(map), stored(StoredEntities(map, inputs)), layout(SetupGridLogged(map, stored.front(), log)), options(given),
+      world(ReadWorldLight(stored.front(), given)),
+      table(MakeSurfaceTable(map, stored, inputs.surfaceFile, inputs.name + ".srf", library, log,
+                             WithAmbient(defaults, world))),
+      lights(CreateLightsLogged(*this, inputs, library, log)), space(map, OpaqueBrushes(map, library)),
+      scene(map, table, WithWorld(given, world), IgnoreRadius(layout)), skySeenFrom(SkySeenFrom(space, table)) {
+    options = WithWorld(given, world);
+    log.Count((long long)(scene.TriangleCount()), "triangles that rays can meet");
+}
+
+std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs,
+                                            Log &log, GridStats &stats) {
+    log.Section("TraceGrid");
+    int culled = 0;
+    const auto lights =
+        SetupEnvelopes(setup.lights, LightPass::LegacyGrid, setup.options, setup.space, setup.skySeenFrom, culled);
+    log.Count((long long)(lights.size()), "lights");
+    log.Count(culled, "lights culled");
+    const GridInputs in{setup.space, setup.scene, setup.options, setup.world, jobs, log, indirect};
+    auto points = TraceGrid(in, setup.layout, lights, stats);
+    stats.Print(log, log.IsVerbose());
+    return points;
+}
+
+LightGridSH LightGridInSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
+                          GridStats &stats) {
+    const LightOptions &options = setup.options;
+    log.Section("TraceGridSH");
+    const GridLayout layout = SetupGridSH(setup.bsp, setup.layout.size, options, log);
+    int culled = 0;
+    auto lights = SetupEnvelopes(setup.lights, LightPass::GridSH, options, setup.space, setup.skySeenFrom, culled);
+    if (const std::size_t styled = DropStyled(lights); styled > 0)
+        log.Count((long long)(styled), "lights of other styles than 0 left out: they change while the game runs");
+    log.Count((long long)(lights.size()), "lights");
+    log.Count(culled, "lights culled");
+    const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
+    LightGridSH grid = TraceGridSH(in, layout, lights, stats);
+    stats.Print(log, log.IsVerbose());
+    if (options.shDering) {
+        const DeringStats changed = DeringGridSH(grid, options.shRadiance, jobs);
+        log.Count(changed.points, "points rid of negative lobes");
+        log.Print("{:9.2f} of 255 is the largest change of displayed light\n", changed.largestChange);
+    }
+    if (options.shError)
+        PrintGridSHError(MeasureGridSH(in, grid, lights), layout.size, setup.layout.size, log);
+    return grid;
 }
 
 } // namespace q3

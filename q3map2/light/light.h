@@ -7,6 +7,7 @@
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/light/light_grid.h"
 #include "q3map2/light/light_options.h"
+#include "q3map2/light/light_space.h"
 #include "q3map2/shader/shader.h"
 
 #include <optional>
@@ -22,14 +23,32 @@ struct LightInputs {
     std::string surfaceFile;                        ///< text of the .srf, empty without one
 };
 
-struct LightResult {
-    GridStats grid, gridSH;
+/// A map made ready to be lit: what grids and surfaces share. Const while workers run. Keeps references to what it is
+/// made of.
+struct LightSetup {
+    /// Errors: Error, for keys and files that make no sense. Changes worldspawn's gridsize if it allows too many
+    /// points.
+    LightSetup(const Bsp &bsp, const LightInputs &inputs, const LightOptions &options, const SurfaceDefaults &defaults,
+               ShaderLibrary &library, Log &log);
+
+    const Bsp &bsp;
+    std::vector<Entity> stored; ///< entities that the map keeps
+    GridLayout layout;          ///< of the legacy grid
+    LightOptions options;       ///< with what worldspawn says
+    WorldLight world;
+    SurfaceTable table;
+    std::vector<Light> lights; ///< in the order in which they count
+    BspSpace space;
+    LightScene scene;
+    std::vector<bool> skySeenFrom;
 };
 
-/// Lights the grids of `bsp` and replaces them in it. Lightmaps and vertex colours stay as they are. Without options.sh
-/// an older SH grid is dropped, since it no longer fits. Errors: Error, for keys and files that make no sense.
-LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &options, ShaderLibrary &library,
-                       const JobPool &jobs, Log &log);
+/// The legacy grid, with bounced light unless that is null.
+std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs,
+                                            Log &log, GridStats &stats);
+/// The SH grid, likewise.
+LightGridSH LightGridInSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
+                          GridStats &stats);
 
 /// All lights of a map in the order in which they count, before SetupEnvelopes; fills the sky numbers of `table`.
 std::vector<Light> CreateLights(const Bsp &bsp, const std::vector<Entity> &entities, SurfaceTable &table,

@@ -3,6 +3,7 @@
 
 #include "q3map2/light/light_area.h"
 #include "q3map2/light/light_formfactor.h"
+#include "q3map2/light/light_terms.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,29 +13,10 @@ namespace q3 {
 
 namespace {
 
-/// No light is stronger than at this distance. Game units.
-constexpr float kNearest = 16;
-constexpr float kLinearScale = 1.0f / 8000;
-/// A spotlight fades over this much at the rim of its cone. Game units.
-constexpr float kConeFade = 32;
-/// Area lights are evaluated from at least this far in front in the legacy grid. Game units.
-constexpr float kAreaPush = 8;
 /// Byte scale; far under what a byte can show.
 constexpr float kFarError = 1.0f / 256;
 /// Dimmer lights may go by coarse visibility. Byte scale.
 constexpr float kDim = 1;
-
-/// Share of a spotlight that its cone leaves along `toLight` (not normalised).
-float ConeShare(const Light &light, const Vec3f &toLight) {
-    const float along = -Dot(toLight, light.normal);
-    if (along < 0)
-        return 0;
-    const float coneRadius = light.radiusByDist * along;
-    const float off = Length(-toLight - light.normal * along);
-    if (off >= coneRadius)
-        return 0;
-    return off > coneRadius - kConeFade ? (coneRadius - off) / kConeFade : 1;
-}
 
 /// Area light as a point with a cosine, where that errs by less than kFarError; else 0.
 float FarAreaAdd(const Light &light, const Vec3f &p) {
@@ -64,30 +46,6 @@ float LegacyAreaAdd(const Light &light, const Vec3f &p, const Vec3f &u, float d,
         pushed += light.normal * (kAreaPush - s);
     const float f = FormFactor(pushed, u, light.w);
     return (f < 0 && !light.twoSided ? 0 : std::abs(f)) * light.add;
-}
-
-/// Places that may see the light.
-LaneMask InSight(const Light &light, const ContributionSettings &settings, const LightPlaces &places,
-                 ContributionCounts &counts) {
-    if (settings.sunOnly && light.type != LightType::Sun)
-        return {};
-    LaneMask live = places.wanted;
-    counts.pairs += std::uint64_t(live.Count());
-    if (!settings.skip.pvs || light.seenFrom.empty())
-        return live;
-    int last = places.cluster[0];
-    bool seen = light.SeenFrom(last);
-    if (places.oneCluster)
-        live = seen ? live : LaneMask{};
-    for (std::size_t i = 0; i < places.count && !places.oneCluster; ++i) {
-        if (places.cluster[i] != last) {
-            last = places.cluster[i];
-            seen = light.SeenFrom(last);
-        }
-        live[i] = seen ? live[i] : 0;
-    }
-    counts.skippedPvs += std::uint64_t(places.wanted.Count() - live.Count());
-    return live;
 }
 
 /// Direction and distance to the light; ends places beyond its reach.
@@ -300,7 +258,9 @@ void LightContributionToPoint(const Light &light, float weight, const Contributi
                               const LightScene &scene, std::span<LightPlaces> blocks, std::span<Arrivals> arrivals,
                               ContributionCounts &counts) {
     for (std::size_t i = 0; i < blocks.size(); ++i) {
-        arrivals[i].live = InSight(light, settings, blocks[i], counts);
+        arrivals[i].live = settings.sunOnly && light.type != LightType::Sun
+                               ? LaneMask{}
+                               : InSight(light, settings.skip.pvs, blocks[i], counts);
         arrivals[i].tinted = false;
     }
     if (light.type == LightType::Area && settings.pass == LightPass::GridSH) {
@@ -322,14 +282,14 @@ void LightContributionToPoint(const Light &light, float weight, const Contributi
         delta.Finish(one);
 }
 
-bool TakeFaint(float faint, float strongest, LightPlaces &places, float &weight) {
+bool TakeFaint(float faint, float strongest, float &collected, float &weight) {
     const float light = strongest * weight;
     if (light >= faint)
         return true;
-    places.collected += light;
-    if (places.collected < faint)
+    collected += light;
+    if (collected < faint)
         return false;
-    places.collected -= faint;
+    collected -= faint;
     weight = faint / strongest;
     return true;
 }

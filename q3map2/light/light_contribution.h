@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Where a light, places and the scene meet: one place for both light grids.
+// GPL-2.0-or-later. Where a light, places and the scene meet: one place for both light grids and for surfaces.
 #pragma once
 
 #include "libs/sh/sh.h"
@@ -74,8 +74,57 @@ void LightContributionToPoint(const Light &light, float weight, const Contributi
                               const LightScene &scene, std::span<LightPlaces> blocks, std::span<Arrivals> arrivals,
                               ContributionCounts &counts);
 
+/// Up to 16 neighbouring places on surfaces that get light: luxels or vertices.
+struct LightSamples {
+    std::size_t count = 0;
+    Lanes3 position{}, normal{}; ///< normals are units
+    std::array<int, kPacketSize> cluster{};
+    bool oneCluster = true; ///< all are in the same
+    LaneMask wanted{};      ///< places that take light
+    bool twoSided = false;  ///< light from behind counts too
+    float collected = 0;    ///< faint light that waits to be represented; see SampleSettings::faint
+
+    void Add(const Vec3f &at, const Vec3f &normalAt, int clusterAt);
+};
+
+/// Light of one source that arrives at places on surfaces: colour of the light times add times tint.
+struct SampleArrivals {
+    LaneMask live{};       ///< places that get any; the others' numbers mean nothing
+    Lanes add;             ///< light of full colour, byte scale, > 0
+    Lanes3 direction;      ///< unit, to the light; zero in it
+    Lanes distance;        ///< of the rays there
+    LaneMask undirected{}; ///< lit from behind: nothing for direction maps
+    LaneMask filtered{};   ///< the ray went through a see-through surface, or ended at one
+    bool tinted = false;   ///< by coloured surfaces on the way
+    Lanes3 tint;           ///< if so
+};
+
+/// Settings of a pass over surfaces.
+struct SampleSettings {
+    bool sunOnly = false;
+    bool pointAreas = false;  ///< -faster: area lights as points with two cosines
+    bool halfLambert = false; ///< -lightanglehl: light wraps around
+    bool occlusion = true;    ///< rays are traced
+    bool sunOcclusion = true; ///< for suns too
+    int receiveShadows = 1;   ///< shadow group of the surface; 0: nothing shadows it
+    float faint = 0;          ///< as ContributionSettings::faint, by LightSamples::collected
+
+    /// Whether rays are traced for the light.
+    bool Occludes(const Light &light) const {
+        return occlusion && receiveShadows != 0 && (sunOcclusion || light.type != LightType::Sun);
+    }
+};
+
+/// Sets `arrivals` to what `light`, prepared by SetupEnvelopes for surfaces, gives to places on surfaces: falloff,
+/// cones, form factors, sides, angles, visibility by PVS and by one ray each. Safe from several threads.
+void LightContributionToSample(const Light &light, const SampleSettings &settings, const LightScene &scene,
+                               LightSamples &samples, SampleArrivals &arrivals, ContributionCounts &counts);
+
 /// Whether a light that gives at most `strongest` is taken, and its new weight. See ContributionSettings::faint.
-bool TakeFaint(float faint, float strongest, LightPlaces &places, float &weight);
+bool TakeFaint(float faint, float strongest, float &collected, float &weight);
+inline bool TakeFaint(float faint, float strongest, LightPlaces &places, float &weight) {
+    return TakeFaint(faint, strongest, places.collected, weight);
+}
 
 /// Upper bound of what the light can give to any point of the box, byte scale times its colour's largest component.
 float LightBound(const Light &light, const Boundsf &box);

@@ -7,7 +7,11 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include "q3map2/light/light_lanes.h"
+
+#include <algorithm>
 #include <memory>
+#include <numeric>
 #include <type_traits>
 
 namespace q3 {
@@ -30,10 +34,12 @@ using EmbreeContext = RTCRayQueryContext;
 inline void InitContext(EmbreeContext &context) {
     rtcInitRayQueryContext(&context);
 }
-inline void Intersect16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRayHit16 &rays) {
+/// coherent: the rays of a packet are close to each other.
+inline void Intersect16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRayHit16 &rays,
+                        bool coherent = true) {
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
-    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
     arguments.context = &context;
     rtcIntersect16(valid, scene, &rays, &arguments);
 }
@@ -50,12 +56,28 @@ inline void InitContext(EmbreeContext &context) {
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
 }
-inline void Intersect16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRayHit16 &rays) {
+inline void Intersect16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRayHit16 &rays,
+                        bool coherent = true) {
+    context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     rtcIntersect16(valid, scene, &context, &rays);
 }
 inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRay16 &rays) {
     rtcOccluded16(valid, scene, &context, &rays);
 }
 #endif
+
+/// Rays between `nearest` and `distance` along unit directions.
+inline void SetRays(const Lanes3 &origin, const Lanes3 &direction, const Lanes &distance, float nearest,
+                    RTCRay16 &rays) {
+    const auto row = [](const Lanes &from, float *to) { std::copy(from.begin(), from.end(), to); };
+    row(origin.x, rays.org_x), row(origin.y, rays.org_y), row(origin.z, rays.org_z);
+    row(direction.x, rays.dir_x), row(direction.y, rays.dir_y), row(direction.z, rays.dir_z);
+    row(distance, rays.tfar);
+    std::fill_n(rays.tnear, kPacketSize, nearest);
+    std::fill_n(rays.time, kPacketSize, 0.0f);
+    std::fill_n(rays.mask, kPacketSize, ~0u);
+    std::fill_n(rays.flags, kPacketSize, 0u);
+    std::iota(rays.id, rays.id + kPacketSize, 0u);
+}
 
 } // namespace q3

@@ -17,6 +17,7 @@ constexpr float kMaxIntensity = 1e9f;
 /// Limit of world keys, for the same reason.
 constexpr float kMaxWorldFactor = 1e6f;
 constexpr int kMaxSamples = 4096;
+constexpr double kMaxFilterRadius = 65536; ///< game units
 /// Lights farther out than this are not in any map. Game units.
 constexpr float kMaxCoordinate = 262144;
 constexpr std::uint64_t kSeedJitter = 0x4C69676874ull;
@@ -58,6 +59,7 @@ Light LightFromKeys(const Entity &entity, const LightOptions &options, Log &log)
     Light light;
     const int flags = SpawnFlags(entity);
     light.linear = ((flags & 1) != 0) != options.wolfLighting;
+    light.angle = ((flags & 3) == 0) != options.wolfLighting;
     light.grid = (flags & 16) == 0;
     if (EqualNoCase(entity.ClassName(), "lightJunior"))
         light.grid = true, light.surfaces = false;
@@ -70,6 +72,10 @@ Light LightFromKeys(const Entity &entity, const LightOptions &options, Log &log)
     if (light.fade == 0)
         light.fade = 1;
     light.extraDist = float(std::max(0.0, entity.Number({"_extradist"}, options.extraDist)));
+    light.angleScale = float(std::clamp(entity.Number({"_anglescale"}), -1e6, 1e6));
+    light.angle = light.angle || light.angleScale != 0;
+    light.filterRadius =
+        float(std::clamp(entity.Number({"_filterradius", "_filteradius", "_filter"}), 0.0, kMaxFilterRadius));
     light.style = Style(entity);
     light.photons = Intensity(entity, log);
     if (!IsFinite(light.color) || MaxComponent(Max(light.color, -light.color)) > kMaxIntensity) {
@@ -90,6 +96,7 @@ const Entity *FindTarget(const std::vector<Entity> &entities, std::string_view t
 void Aim(Light &light, const Entity &entity, const Vec3f &target, const LightOptions &options) {
     light.type = LightType::Spot;
     light.linear = false;
+    light.angle = true;
     light.fade = 1;
     light.normal = Normalize(target - light.origin);
     float distance = Length(target - light.origin);
@@ -165,13 +172,15 @@ WorldLight ReadWorldLight(const Entity &world, const LightOptions &options) {
         return color * float(std::clamp(world.Number(keys), -double(kMaxWorldFactor), double(kMaxWorldFactor)));
     };
     result.ambient = scaled({"_ambient", "ambient"});
-    result.minGrid = world.Has("_mingridlight") ? scaled({"_mingridlight"}) : scaled({"_minlight"});
+    result.minLight = scaled({"_minlight"});
+    result.minGrid = world.Has("_mingridlight") ? scaled({"_mingridlight"}) : result.minLight;
+    result.minVertex = world.Has("_minvertexlight") ? scaled({"_minvertexlight"}) : result.minLight;
     if (world.Has("_maxlight"))
         result.maxLight = float(std::clamp(world.Number({"_maxlight"}), 0.0, 255.0));
     result.noShaderSun = world.Flag("_noshadersun");
     if (world.Has("_floodlight")) {
         result.hasFloodlight = true;
-        double v[5] = {0, 0, 0, 0, 0};
+        double v[6] = {0, 0, 0, 0, 0, -1};
         std::string_view text = world.Value("_floodlight");
         for (double &value : v) {
             const std::optional<double> number = TakeNumber(text);
@@ -183,6 +192,7 @@ WorldLight ReadWorldLight(const Entity &world, const LightOptions &options) {
             result.floodColor = {float(v[0]), float(v[1]), float(v[2])};
         result.floodDistance = v[3] < 1 ? 1024 : float(std::min(v[3], double(kFar)));
         result.floodIntensity = v[4] < 1 ? 128 : float(std::min(v[4], double(kMaxWorldFactor)));
+        result.floodDirectionScale = v[5] < 0 ? 1 : float(std::min(v[5], double(kMaxWorldFactor)));
     }
     result.floodColor = NormalizeColor(DecodeColor(result.floodColor, options.shader.sRgbColor));
     return result;

@@ -80,6 +80,20 @@ void FindClusters(Light &light, LightPass pass, const BspSpace &space) {
     }
 }
 
+bool ForSurfaces(LightPass pass) {
+    return pass == LightPass::Surfaces || pass == LightPass::Bounce;
+}
+
+/// Whether the light ends where it falls below the tolerance.
+bool EndsAtTolerance(const Light &light, LightPass pass, const LightOptions &options, const EnvelopeRules &rules) {
+    if (light.noFast || pass == LightPass::GridSH) // the SH grid represents faint light instead of leaving it out
+        return false;
+    const bool area = light.type == LightType::Area;
+    if (ForSurfaces(pass))
+        return options.fast || rules.fast || (!area && rules.fastPoint);
+    return options.fastGrid || light.alwaysFast || !area;
+}
+
 std::vector<bool> SeenFrom(const std::vector<int> &clusters, const BspSpace &space) {
     std::vector<bool> seen(std::size_t(space.ClusterCount()));
     for (int from = 0; from < space.ClusterCount(); ++from)
@@ -109,7 +123,8 @@ std::vector<bool> SkySeenFrom(const BspSpace &space, const SurfaceTable &table) 
 }
 
 std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, const LightOptions &options,
-                                  const BspSpace &space, const std::vector<bool> &skySeenFrom, int &culled) {
+                                  const BspSpace &space, const std::vector<bool> &skySeenFrom, int &culled,
+                                  const EnvelopeRules &rules) {
     std::map<int, Boundsf> visibleBounds;
     const auto boundsOf = [&](int cluster) -> const Boundsf & {
         auto found = visibleBounds.find(cluster);
@@ -117,6 +132,7 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
             found = visibleBounds.emplace(cluster, space.VisibleBounds(cluster)).first;
         return found->second;
     };
+    const auto wanted = [&](const Light &light) { return ForSurfaces(pass) ? light.surfaces : light.grid; };
     const auto prepare = [&](Light &light) {
         if (light.photons < 0 || light.add < 0) {
             light.photons = -light.photons, light.add = -light.add;
@@ -125,15 +141,14 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
         if (light.type == LightType::Sun) {
             light.envelope = kFar;
             light.bounds = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
-            light.seenFrom = skySeenFrom;
-            return light.grid;
+            if (!(ForSurfaces(pass) && options.noTrace)) // without rays, suns shine everywhere
+                light.seenFrom = skySeenFrom;
+            return wanted(light);
         }
         FindClusters(light, pass, space);
         if (light.clusters.empty())
             return false;
-        const bool byType = light.alwaysFast || light.type != LightType::Area;
-        // The SH grid represents faint light instead of leaving it out.
-        light.fast = !light.noFast && pass == LightPass::LegacyGrid && (options.fastGrid || byType);
+        light.fast = EndsAtTolerance(light, pass, options, rules);
         light.seenFrom = SeenFrom(light.clusters, space);
         light.bounds = {};
         for (const int cluster : light.clusters)
@@ -145,7 +160,7 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
             light.bounds = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
             light.envelope = Reach(light);
         }
-        return light.grid && light.envelope > 0;
+        return wanted(light) && light.envelope > 0;
     };
     const std::size_t before = lights.size();
     std::erase_if(lights, [&](Light &light) { return !prepare(light); });

@@ -86,6 +86,21 @@ void AddFloodlight(const GridInputs &in, const Vec3f &position, LegacyPoint &poi
     }
 }
 
+/// Every ray is a light of its own.
+void AddIndirect(const GridInputs &in, const Vec3f &position, std::uint32_t index, LegacyPoint &point,
+                 RayCounts &counts) {
+    std::vector<IndirectRay> rays;
+    in.indirect->Gather(position, index, rays);
+    counts.rays += rays.size();
+    for (const IndirectRay &ray : rays) {
+        if (ray.color == Vec3f{})
+            continue;
+        const Vec3f color = ray.color * (IndirectLight::kFacing / float(rays.size()));
+        point.records.push_back({ray.direction, color, {}});
+        point.directionSum += Vec3d(ray.direction) * double(Length(color));
+    }
+}
+
 std::array<std::uint8_t, 2> DirectionBytes(const Vec3f &t) {
     if (t.x == 0 && t.y == 0)
         return {std::uint8_t(t.z > 0 ? 0 : 128), 0};
@@ -149,6 +164,8 @@ void LightBlock(const GridInputs &in, const ContributionSettings &settings, std:
     for (std::size_t i = 0; i < places.count; ++i) {
         if (in.options.floodlight || in.world.hasFloodlight)
             AddFloodlight(in, places.position[i], points[i], work.counts);
+        if (in.indirect)
+            AddIndirect(in, places.rayOrigin[i], places.index[i], points[i], work.counts);
         grid[places.index[i]] = StorePoint(in, points[i]);
     }
 }

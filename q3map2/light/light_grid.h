@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/jobs.h"
+#include "q3map2/light/indirect_light.h"
 #include "q3map2/light/light_contribution.h"
 
 #include <vector>
@@ -16,6 +17,7 @@ struct GridInputs {
     const WorldLight &world;
     const JobPool &jobs;
     Log &log;
+    const IndirectLight *indirect = nullptr; ///< bounced light; null without
 };
 
 /// Shares of a finished grid and the work it took.

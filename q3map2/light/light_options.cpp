@@ -65,23 +65,22 @@ void ParseTone(Arguments &arguments, LightOptions &o) {
         if (arguments.TakeFlag(off))
             value = false;
     };
-    bool all = false, none = false;
     toggle("-sRGBlight", "-nosRGBlight", o.tone.sRgb);
     toggle("-sRGBcolor", "-nosRGBcolor", o.shader.sRgbColor);
-    all = arguments.TakeFlag("-sRGB");
-    none = arguments.TakeFlag("-nosRGB");
+    toggle("-sRGBtex", "-nosRGBtex", o.sRgbTexture);
+    const bool all = arguments.TakeFlag("-sRGB"), none = arguments.TakeFlag("-nosRGB");
     if (all || none)
-        o.tone.sRgb = o.shader.sRgbColor = !none;
+        o.tone.sRgb = o.shader.sRgbColor = o.sRgbTexture = !none;
     if (o.tone.sRgb)
         o.tolerance = 255 * LinearFromSrgb(1.0f / 255);
 }
 
 void ParseSpeed(Arguments &arguments, LightOptions &o) {
-    if (arguments.TakeFlag("-faster"))
-        o.faster = o.fastGrid = true;
-    if (arguments.TakeFlag({"-fast", "-fastgrid"}))
-        o.fastGrid = true;
-    o.cheapGrid = arguments.TakeFlag({"-cheap", "-cheapgrid"});
+    o.faster = arguments.TakeFlag("-faster");
+    o.fast = arguments.TakeFlag("-fast") || o.faster;
+    o.fastGrid = arguments.TakeFlag("-fastgrid") || o.fast;
+    o.cheap = arguments.TakeFlag("-cheap");
+    o.cheapGrid = arguments.TakeFlag("-cheapgrid") || o.cheap;
     o.noTrace = arguments.TakeFlag("-notrace");
     o.noSurfaces = arguments.TakeFlag("-nosurf");
     o.sunOnly = arguments.TakeFlag("-sunonly");
@@ -157,96 +156,14 @@ void ParseSH(Arguments &arguments, LightOptions &o) {
             throw Error("{} needs -sh", name);
 }
 
-/// Options of lightmaps, vertex light and bounces: the number of values that follow each.
-struct OtherOption {
-    std::string_view name;
-    std::size_t values;
-};
-constexpr OtherOption kLightmapOptions[] = {{"-bouncescale", 1},
-                                            {"-bouncecolorratio", 1},
-                                            {"-vertexscale", 1},
-                                            {"-lightanglehl", 1},
-                                            {"-brightness", 1},
-                                            {"-fastbounce", 0},
-                                            {"-nofastpoint", 0},
-                                            {"-samples", 1},
-                                            {"-randomsamples", 0},
-                                            {"-samplessearchboxsize", 1},
-                                            {"-super", 1},
-                                            {"-supersample", 1},
-                                            {"-filter", 0},
-                                            {"-bounce", 1},
-                                            {"-bouncegrid", 0},
-                                            {"-bounceonly", 0},
-                                            {"-nobouncestore", 0},
-                                            {"-shade", 0},
-                                            {"-shadeangle", 1},
-                                            {"-thresh", 1},
-                                            {"-samplesize", 1},
-                                            {"-minsamplesize", 1},
-                                            {"-samplescale", 1},
-                                            {"-rawlightmapsizelimit", 1},
-                                            {"-dirty", 0},
-                                            {"-dirtmode", 1},
-                                            {"-dirtdepth", 1},
-                                            {"-dirtscale", 1},
-                                            {"-dirtgain", 1},
-                                            {"-dark", 0},
-                                            {"-lomem", 0},
-                                            {"-approx", 1},
-                                            {"-cpma", 0},
-                                            {"-nolm", 0},
-                                            {"-trianglecheck", 0},
-                                            {"-extravisnudge", 0},
-                                            {"-lightmapsize", 1},
-                                            {"-extlmhacksize", 1},
-                                            {"-external", 0},
-                                            {"-lightmapdir", 1},
-                                            {"-deluxe", 0},
-                                            {"-deluxemap", 0},
-                                            {"-deluxemode", 1},
-                                            {"-nodeluxe", 0},
-                                            {"-nodeluxemap", 0},
-                                            {"-nocollapse", 0},
-                                            {"-nolightmapsearch", 0},
-                                            {"-lightmapsearchblocksize", 1},
-                                            {"-lightmapsearchpower", 1},
-                                            {"-slowallocate", 0},
-                                            {"-fastallocate", 0},
-                                            {"-fill", 0},
-                                            {"-fillpink", 0},
-                                            {"-export", 0},
-                                            {"-custinfoparms", 0},
-                                            {"-trisoup", 0},
-                                            {"-dump", 0},
-                                            {"-debug", 0},
-                                            {"-border", 0},
-                                            {"-debugsurfaces", 0},
-                                            {"-debugsurface", 0},
-                                            {"-debugaxis", 0},
-                                            {"-debugcluster", 0},
-                                            {"-debugorigin", 0},
-                                            {"-debugnormals", 0},
-                                            {"-normalmap", 0},
-                                            {"-debugdeluxe", 0},
-                                            {"-dirtdebug", 0},
-                                            {"-debugdirt", 0},
-                                            {"-debugsamplesize", 0},
-                                            {"-novertex", 0},
-                                            {"-sRGBtex", 0},
-                                            {"-nosRGBtex", 0}};
-
-void WarnOfOthers(Arguments &arguments, Log &log) {
+/// Options of the established program that choose what is always so here, or a way of working that is not needed.
+void TakeNeedless(Arguments &arguments, Log &log) {
     std::string taken;
-    for (const OtherOption &option : kLightmapOptions)
-        while (const auto values = arguments.TakeValues({option.name}, option.values)) {
-            taken += fmt::format(" {}", option.name);
-            for (const std::string &value : *values)
-                taken += " " + value;
-        }
+    for (const std::string_view name : {"-lomem", "-custinfoparms", "-fastallocate"})
+        if (arguments.TakeFlag(name))
+            taken += fmt::format(" {}", name);
     if (!taken.empty())
-        log.Warn("options without effect",
-                 "this version lights the grids and keeps lightmaps and vertex colours; without effect:{}", taken);
+        log.Warn("options without effect", "without effect:{}", taken);
 }
 
 /// Repeated factors stay within bounds too.
@@ -262,6 +179,7 @@ LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log)
     o.wolfLighting = game.wolfLighting;
     o.tone = {.gamma = game.gamma, .exposure = game.exposure, .compensate = game.compensate, .sRgb = game.sRgbLightmap};
     o.shader.sRgbColor = game.sRgbColor;
+    o.sRgbTexture = game.sRgbTexture;
     o.gridScale = game.gridScale;
     o.gridAmbientScale = game.gridAmbientScale;
     o.noStyles = game.noStyles;
@@ -274,10 +192,13 @@ LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log)
     ParseSkips(arguments, o.skip);
     ParseSpeed(arguments, o);
     ParseSH(arguments, o);
-    WarnOfOthers(arguments, log);
+    TakeNeedless(arguments, log);
+    return o;
+}
+
+void WarnOfUnknown(const Arguments &arguments, Log &log) {
     for (const std::string &word : arguments.Rest())
         log.Warn("unknown argument", "Unknown argument \"{}\"", word);
-    return o;
 }
 
 } // namespace q3

@@ -39,12 +39,15 @@ struct LightOptions {
     bool wolfLighting = false;
     ToneOptions tone;
     ShaderOptions shader;
-    float tolerance = 1; ///< falloff tolerance, byte scale
+    bool sRgbTexture = false; ///< colours of images are sRGB where they tint bounced light
+    float tolerance = 1;      ///< falloff tolerance, byte scale
 
     // Speed against quality.
-    bool fastGrid = false;  ///< lights end where they fall below the tolerance
-    bool faster = false;    ///< area lights as points in the legacy grid
-    bool cheapGrid = false; ///< stop adding lights to a legacy grid point once it is white
+    bool fast = false;      ///< lights end where they fall below the tolerance: in all passes
+    bool fastGrid = false;  ///< ... on the grids; set by -fast too
+    bool faster = false;    ///< area lights as points, but for the SH grid
+    bool cheap = false;     ///< stop adding lights to what is white: in all passes that -cheap concerns
+    bool cheapGrid = false; ///< ... to points of the legacy grid; set by -cheap too
     bool noTrace = false, noSurfaces = false, sunOnly = false, oneSky = false, noStyles = false, patchShadows = false;
     bool floodlight = false, lowQuality = false;
     bool noGrid = false;
@@ -66,8 +69,11 @@ struct LightOptions {
     std::string previewFile; ///< -shpreview
 };
 
-/// Takes all light options off `arguments`. Options of parts that this program does not have yet (lightmaps, bounces)
-/// are taken too and named in one warning.
+/// Takes the options of the grids, and those that the grids share with lightmaps, off `arguments`. Errors: Error, for
+/// values out of range. Words that it does not know stay.
 LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log);
+
+/// Names every word that is left over, in one warning each. After all parsers have taken theirs.
+void WarnOfUnknown(const Arguments &arguments, Log &log);
 
 } // namespace q3

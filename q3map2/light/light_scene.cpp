@@ -87,6 +87,12 @@ Vec3f FilterAt(const ShaderInfo &shader, const std::array<float, 6> &st, float u
     return through;
 }
 
+/// What OpaqueHit needs of a geometry.
+struct FilterSurfaces {
+    const Triangles *triangles;
+    const SurfaceTable *table;
+};
+
 /// A packet on its way through see-through surfaces. The Embree context comes first, so that the filter gets this
 /// record.
 struct FilterContext {
@@ -129,44 +135,80 @@ void FilterHit(const RTCFilterFunctionNArguments *arguments) {
     }
 }
 
+/// Of nearest hits: see-through surfaces stop a ray where their texel is opaque.
+void OpaqueHit(const RTCFilterFunctionNArguments *arguments) {
+    const auto &[triangles, table] = *static_cast<const FilterSurfaces *>(arguments->geometryUserPtr);
+    for (unsigned i = 0; i < arguments->N; ++i) {
+        if (arguments->valid[i] != -1)
+            continue;
+        const unsigned primitive = RTCHitN_primID(arguments->hit, arguments->N, i);
+        const ShaderInfo &shader = *(*table)[std::size_t(triangles->surface[primitive])].shader;
+        const Vec3f through = FilterAt(shader, triangles->st[primitive], RTCHitN_u(arguments->hit, arguments->N, i),
+                                       RTCHitN_v(arguments->hit, arguments->N, i));
+        if (MaxComponent(through) > kOpaqueTint)
+            arguments->valid[i] = 0;
+    }
+}
+
+/// Triangles and what Embree makes of them, by GeometryId.
+struct Casters {
+    std::array<Triangles, kGeometries> triangles;
+    std::array<GeometryPtr, kGeometries> geometries;
+    std::array<FilterSurfaces, kGeometries> filterSurfaces{};
+};
+
 } // namespace
 
 struct LightScene::State {
     const SurfaceTable table;
     float legacyIgnoreRadius;
     bool trace;
-    std::array<Triangles, kGeometries> triangles; // by GeometryId
     DevicePtr device;
-    std::array<GeometryPtr, kGeometries> geometries;
+    Casters main;
     ScenePtr legacySolids, surfaces, all, skies, filters, filtersWithoutPatches;
+    ScenePtr solidHull, blockers; ///< for TraceBlockers
+
+    /// Shadow casters for receivers of another group than 1, who are shadowed by some groups only.
+    struct Group {
+        int receiveShadows = 0;
+        Casters casters;
+        ScenePtr all, filters, blockers;
+    };
+    std::vector<std::unique_ptr<Group>> groups;
 
     State(const SurfaceTable &t, float radius, bool traces) : table(t), legacyIgnoreRadius(radius), trace(traces) {}
 
-    ScenePtr MakeScene(std::initializer_list<GeometryId> ids) const {
-        ScenePtr scene(rtcNewScene(device.get()));
-        rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
-        rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
-        bool any = false;
-        for (const GeometryId id : ids)
-            if (geometries[id]) {
-                rtcAttachGeometryByID(scene.get(), geometries[id].get(), id);
-                any = true;
-            }
-        if (!any)
-            return nullptr;
-        rtcCommitScene(scene.get());
-        return scene;
+    void MakeGeometries(Casters &casters) const;
+    ScenePtr MakeScene(const Casters &casters, std::initializer_list<GeometryId> ids) const;
+    ScenePtr MakeScene(std::initializer_list<GeometryId> ids) const { return MakeScene(main, ids); }
+    void MakeGroup(const Bsp &bsp, const LightOptions &options, int receiveShadows);
+    /// Null for group 1.
+    const Group *FindGroup(int receiveShadows) const {
+        for (const auto &group : groups)
+            if (group->receiveShadows == receiveShadows)
+                return group.get();
+        return nullptr;
     }
-
-    void Tint(RayPacket &packet, const ScenePtr &scene, float nearest) const;
+    void Tint(RayPacket &packet, const Casters &casters, const ScenePtr &scene, float nearest) const;
+    void Tint(RayPacket &packet, const ScenePtr &scene, float nearest) const { Tint(packet, main, scene, nearest); }
+    void ClipToSky(RayPacket &packet, int skyIndex, float nearest, bool fromSurface) const;
 };
 
 namespace {
 
-bool CastsShadow(const SurfaceEntry &entry, const bspShader_t &record, std::uint32_t noDrawBit) {
+/// Whether casters of a group shadow receivers of another.
+bool Shadows(int castShadows, int receiveShadows) {
+    if (receiveShadows == 1)
+        return castShadows > 0;
+    if (receiveShadows > 1)
+        return castShadows == 1 || std::abs(castShadows) == receiveShadows;
+    return castShadows != 0 && std::abs(castShadows) == -receiveShadows;
+}
+
+bool CastsShadow(const SurfaceEntry &entry, const bspShader_t &record, std::uint32_t noDrawBit, int receiveShadows) {
     const std::uint32_t flags = entry.shader->compileFlags;
     const bool seeThrough = (flags & (C_ALPHASHADOW | C_LIGHTFILTER)) != 0;
-    return entry.castShadows > 0 && !entry.skyBoxCopy && (flags & C_NODRAW) == 0 &&
+    return Shadows(entry.castShadows, receiveShadows) && !entry.skyBoxCopy && (flags & C_NODRAW) == 0 &&
            ((flags & C_TRANSLUCENT) == 0 || seeThrough) && (record.surfaceFlags & noDrawBit) == 0;
 }
 
@@ -216,6 +258,20 @@ void AddSurface(const Bsp &bsp, int number, const SurfaceEntry &entry, std::arra
             c[std::size_t(k)] = {Vec3f(v.xyz) + entry.origin, v.st};
         }
         AddTriangle(triangles[kind], sky, number, c[0], c[1], c[2]);
+    }
+}
+
+void AddSurfaces(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, int receiveShadows,
+                 std::array<Triangles, kGeometries> &triangles) {
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        const bool sky = (table[i].shader->compileFlags & C_SKY) != 0;
+        const bspDrawSurface_t &surface = bsp.drawSurfaces[i];
+        const bspShader_t &record = bsp.shaders[std::size_t(surface.shaderNum)];
+        const bool patch = surface.surfaceType == MST_PATCH;
+        if (!CastsShadow(table[i], record, options.noDrawSurfaceFlags, receiveShadows) ||
+            (patch && !options.patchShadows) || (options.noSurfaces && !sky))
+            continue;
+        AddSurface(bsp, int(i), table[i], triangles);
     }
 }
 
@@ -274,56 +330,115 @@ void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayH
     Intersect16(packet.live.data(), scene, context, hits);
 }
 
+/// A place on a floor that meets a sky lies in the sky's plane: its rays into the room meet the sky from behind first,
+/// which does not count.
+void SkipSkyBacks(RTCScene skies, const RayPacket &packet, RTCRayHit16 &hits) {
+    RayPacket again = packet;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const Vec3f back{hits.hit.Ng_x[i], hits.hit.Ng_y[i], hits.hit.Ng_z[i]};
+        again.live.Set(i, packet.live[i] != 0 && hits.hit.geomID[i] == kSkies &&
+                              hits.ray.tfar[i] < kSurfaceIgnoreRadius && Dot(packet.direction[i], back) < 0);
+    }
+    if (!again.live.Any())
+        return;
+    alignas(64) RTCRayHit16 next;
+    FindNearest(skies, again, kSurfaceIgnoreRadius, next);
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        if (again.live[i] != 0) {
+            hits.hit.geomID[i] = next.hit.geomID[i];
+            hits.hit.primID[i] = next.hit.primID[i];
+            hits.ray.tfar[i] = next.ray.tfar[i];
+        }
+}
+
 } // namespace
 
 LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius)
     : state_(std::make_unique<State>(table, legacyIgnoreRadius, !options.noTrace)) {
     State &s = *state_;
-    AddSolids(bsp, SolidLeafs(bsp), s.triangles[kSolids]);
-    for (std::size_t i = 0; i < table.size(); ++i) {
-        const bool sky = (table[i].shader->compileFlags & C_SKY) != 0;
-        const bspDrawSurface_t &surface = bsp.drawSurfaces[i];
-        const bool patch = surface.surfaceType == MST_PATCH;
-        if (!CastsShadow(table[i], bsp.shaders[std::size_t(surface.shaderNum)], options.noDrawSurfaceFlags) ||
-            (patch && !options.patchShadows) || (options.noSurfaces && !sky))
-            continue;
-        AddSurface(bsp, int(i), table[i], s.triangles);
-    }
-    AddSolids(bsp, LegacySolidLeafs(bsp, s.triangles), s.triangles[kLegacySolids]);
+    AddSolids(bsp, SolidLeafs(bsp), s.main.triangles[kSolids]);
+    AddSurfaces(bsp, table, options, 1, s.main.triangles);
+    AddSolids(bsp, LegacySolidLeafs(bsp, s.main.triangles), s.main.triangles[kLegacySolids]);
     s.device.reset(rtcNewDevice("threads=1"));
     if (!s.device)
         throw Error("Embree: cannot make a device");
-    for (std::size_t id = 0; id < s.geometries.size(); ++id)
-        if (s.triangles[id].Count() > 0) {
-            s.geometries[id] = MakeGeometry(s.device.get(), s.triangles[id]);
-            if (id == kFilters || id == kFilterPatches) {
-                rtcSetGeometryOccludedFilterFunction(s.geometries[id].get(), FilterHit);
-                rtcCommitGeometry(s.geometries[id].get());
-            } else
-                s.triangles[id].corners = {};
-        }
+    s.MakeGeometries(s.main);
     s.legacySolids = s.MakeScene({kLegacySolids});
+    s.solidHull = s.MakeScene({kSolids});
     s.surfaces = s.MakeScene({kSurfaces});
     s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
     s.skies = s.MakeScene({kSkies});
     s.filters = s.MakeScene({kFilters, kFilterPatches});
     s.filtersWithoutPatches = s.MakeScene({kFilters});
+    s.blockers = s.MakeScene({kSurfaces, kPatches, kFilters, kFilterPatches});
+    for (const SurfaceEntry &entry : table)
+        if (entry.receiveShadows != 0 && entry.receiveShadows != 1 && !s.FindGroup(entry.receiveShadows))
+            s.MakeGroup(bsp, options, entry.receiveShadows);
 }
 
 LightScene::~LightScene() = default;
 
-void LightScene::State::Tint(RayPacket &packet, const ScenePtr &scene, float nearest) const {
+void LightScene::State::MakeGeometries(Casters &casters) const {
+    for (std::size_t id = 0; id < kGeometries; ++id) {
+        if (casters.triangles[id].Count() == 0)
+            continue;
+        casters.geometries[id] = MakeGeometry(device.get(), casters.triangles[id]);
+        const RTCGeometry geometry = casters.geometries[id].get();
+        if (id == kFilters || id == kFilterPatches) {
+            rtcSetGeometryOccludedFilterFunction(geometry, FilterHit);
+            casters.filterSurfaces[id] = {&casters.triangles[id], &table};
+            rtcSetGeometryUserData(geometry, &casters.filterSurfaces[id]);
+            rtcSetGeometryIntersectFilterFunction(geometry, OpaqueHit);
+            rtcCommitGeometry(geometry);
+        } else
+            casters.triangles[id].corners = {};
+    }
+}
+
+ScenePtr LightScene::State::MakeScene(const Casters &casters, std::initializer_list<GeometryId> ids) const {
+    ScenePtr scene(rtcNewScene(device.get()));
+    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
+    bool any = false;
+    for (const GeometryId id : ids)
+        if (casters.geometries[id]) {
+            rtcAttachGeometryByID(scene.get(), casters.geometries[id].get(), id);
+            any = true;
+        }
+    if (!any)
+        return nullptr;
+    rtcCommitScene(scene.get());
+    return scene;
+}
+
+void LightScene::State::MakeGroup(const Bsp &bsp, const LightOptions &options, int receiveShadows) {
+    auto group = std::make_unique<Group>();
+    group->receiveShadows = receiveShadows;
+    AddSurfaces(bsp, table, options, receiveShadows, group->casters.triangles);
+    MakeGeometries(group->casters);
+    if (const RTCGeometry shared = main.geometries[kSolids].get()) {
+        rtcRetainGeometry(shared);
+        group->casters.geometries[kSolids].reset(shared);
+    }
+    group->all = MakeScene(group->casters, {kSolids, kSurfaces, kPatches});
+    group->filters = MakeScene(group->casters, {kFilters, kFilterPatches});
+    group->blockers = MakeScene(group->casters, {kSurfaces, kPatches, kFilters, kFilterPatches});
+    groups.push_back(std::move(group));
+}
+
+void LightScene::State::Tint(RayPacket &packet, const Casters &casters, const ScenePtr &scene, float nearest) const {
     if (!scene || !packet.live.Any())
         return;
     FilterContext context;
     InitContext(context.embree);
-    context.triangles[0] = &triangles[kFilters];
-    context.triangles[1] = &triangles[kFilterPatches];
+    context.triangles[0] = &casters.triangles[kFilters];
+    context.triangles[1] = &casters.triangles[kFilterPatches];
     context.table = &table;
     alignas(64) RTCRay16 rays;
     FillRays(packet, nearest, rays);
     Occluded16(packet.live.data(), scene.get(), context.embree, rays);
     for (std::size_t i = 0; i < kPacketSize; ++i) {
+        packet.filtered.Set(i, packet.live[i] != 0 && !context.rays[i].crossings.empty());
         packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
         packet.tint.Set(i, context.rays[i].tint);
         packet.tinted = packet.tinted || (packet.live[i] != 0 && !context.rays[i].crossings.empty());
@@ -349,6 +464,52 @@ void LightScene::TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &c
     s.Tint(packet, s.filtersWithoutPatches, s.legacyIgnoreRadius);
 }
 
+/// Rays that meet the sky end there, the others live no longer. Skies are few triangles, so their nearest hit is cheap;
+/// then blockers up to there need not be the nearest.
+void LightScene::State::ClipToSky(RayPacket &packet, int skyIndex, float nearest, bool fromSurface) const {
+    alignas(64) RTCRayHit16 hits;
+    FindNearest(skies.get(), packet, nearest, hits);
+    if (fromSurface)
+        SkipSkyBacks(skies.get(), packet, hits);
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        if (packet.live[i] == 0)
+            continue;
+        bool lit = hits.hit.geomID[i] == kSkies;
+        if (lit && skyIndex >= 0)
+            lit = table[std::size_t(main.triangles[kSkies].surface[hits.hit.primID[i]])].skyIndex == skyIndex;
+        packet.live.Set(i, lit);
+        packet.distance[i] = hits.ray.tfar[i];
+    }
+}
+
+void LightScene::TraceSurfaceToLight(RayPacket &packet, int receiveShadows, RayCounts &counts) const {
+    packet.tinted = false;
+    packet.filtered = {};
+    const State &s = *state_;
+    if (!s.trace || receiveShadows == 0)
+        return;
+    counts.rays += std::uint64_t(packet.live.Count());
+    const State::Group *group = s.FindGroup(receiveShadows);
+    // A solid nearer than the radius needs no ray of its own: its far side blocks.
+    if (const ScenePtr &blockers = group ? group->all : s.all)
+        EndBlocked(blockers.get(), packet, kSurfaceIgnoreRadius);
+    s.Tint(packet, group ? group->casters : s.main, group ? group->filters : s.filters, kSurfaceIgnoreRadius);
+}
+
+void LightScene::TraceSurfaceToSky(RayPacket &packet, int skyIndex, int receiveShadows, RayCounts &counts) const {
+    packet.tinted = false;
+    packet.filtered = {};
+    const State &s = *state_;
+    if (!s.trace || receiveShadows == 0)
+        return;
+    if (s.skies)
+        s.ClipToSky(packet, skyIndex, 0, true);
+    else
+        packet.live = {};
+    if (packet.live.Any())
+        TraceSurfaceToLight(packet, receiveShadows, counts);
+}
+
 void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts) const {
     packet.tinted = false;
     const State &s = *state_;
@@ -367,17 +528,7 @@ void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, 
         for (std::size_t i = 0; i < kPacketSize; ++i)
             packet.distance[i] = std::min(packet.distance[i], hits.ray.tfar[i] + kSkySlack);
     }
-    // Skies are few triangles, so their nearest hit is cheap; then blockers up to there need not be the nearest.
-    FindNearest(s.skies.get(), packet, nearest, hits);
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        if (packet.live[i] == 0)
-            continue;
-        bool lit = hits.hit.geomID[i] == kSkies;
-        if (lit && skyIndex >= 0)
-            lit = s.table[std::size_t(s.triangles[kSkies].surface[hits.hit.primID[i]])].skyIndex == skyIndex;
-        packet.live.Set(i, lit);
-        packet.distance[i] = hits.ray.tfar[i];
-    }
+    s.ClipToSky(packet, skyIndex, nearest, false);
     if (const ScenePtr &blockers = exact ? s.all : s.surfaces; blockers && packet.live.Any())
         EndBlocked(blockers.get(), packet, nearest);
     s.Tint(packet, exact ? s.filters : s.filtersWithoutPatches, nearest);
@@ -400,10 +551,51 @@ void LightScene::TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts 
             packet.distance[i] = blockers.ray.tfar[i];
 }
 
+void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int receiveShadows, float nearest,
+                               Blockers &blockers, RayCounts &counts) const {
+    const State &s = *state_;
+    counts.rays += std::uint64_t(packet.live.Count());
+    blockers.hit = {};
+    const State::Group *group = s.FindGroup(receiveShadows);
+    const ScenePtr &scene = kind == BlockerKind::Solids         ? s.solidHull
+                            : kind == BlockerKind::LegacySolids ? s.legacySolids
+                            : group                             ? group->blockers
+                                                                : s.blockers;
+    if (!scene || receiveShadows == 0)
+        return;
+    alignas(64) RTCRayHit16 hits;
+    FindNearest(scene.get(), packet, nearest, hits);
+    const Casters &casters = group ? group->casters : s.main;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const unsigned id = hits.hit.geomID[i];
+        const bool hit = packet.live[i] != 0 && id != RTC_INVALID_GEOMETRY_ID;
+        blockers.hit.Set(i, hit);
+        blockers.distance[i] = hits.ray.tfar[i];
+        blockers.surface[i] =
+            hit && kind == BlockerKind::Surfaces ? casters.triangles[id].surface[hits.hit.primID[i]] : -1;
+    }
+}
+
+std::vector<LightScene::BlockerTriangle> LightScene::BlockerTriangles() const {
+    std::vector<BlockerTriangle> result;
+    for (const GeometryId id : {kLegacySolids, kSurfaces, kPatches, kFilters, kFilterPatches}) {
+        const RTCGeometry geometry = state_->main.geometries[id].get();
+        if (!geometry)
+            continue;
+        const auto *c = static_cast<const float *>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+        for (const int surface : state_->main.triangles[id].surface) {
+            const std::array<Vec3f, 3> corners = {{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}};
+            result.push_back({corners, surface, id == kFilters || id == kFilterPatches});
+            c += 9;
+        }
+    }
+    return result;
+}
+
 std::size_t LightScene::TriangleCount() const {
     std::size_t count = 0;
     for (const GeometryId id : {kSolids, kSurfaces, kPatches, kSkies, kFilters, kFilterPatches})
-        count += state_->triangles[id].Count();
+        count += state_->main.triangles[id].Count();
     return count;
 }
 

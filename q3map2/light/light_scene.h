@@ -6,8 +6,10 @@
 #include "q3map2/light/light_options.h"
 #include "q3map2/light/surface_table.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 namespace q3 {
 
@@ -22,6 +24,7 @@ struct RayPacket {
     Lanes3 origin, direction; ///< unit directions
     Lanes distance;           ///< game units; to the light
     LaneMask live{};          ///< in: rays to trace; out: those whose light arrives
+    LaneMask filtered{};      ///< out, rays of surfaces: those that met a see-through surface
     bool tinted = false;      ///< out: some ray went through a coloured surface
     Lanes3 tint;              ///< out, if tinted: what coloured surfaces on the way let through of the live ones
 
@@ -35,6 +38,9 @@ struct RayPacket {
         live[i] = -1;
     }
 };
+
+/// Rays from surfaces ignore surfaces nearer than this: places lie a little off their own. Game units.
+inline constexpr float kSurfaceIgnoreRadius = 1.5f;
 
 /// Rays cast so far, for statistics; one per worker.
 struct RayCounts {
@@ -52,8 +58,36 @@ class LightScene {
     void TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &counts) const;
     /// Suns: light arrives only where the first thing on the way is a sky, of that number unless -1.
     void TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts) const;
+    /// The same for places on surfaces of a group of shadow receivers: 0 sees all light, 1 (the default) is shadowed by
+    /// every group, others as the keys _castShadows and _receiveShadows say. Surfaces, but not solids, nearer than
+    /// kSurfaceIgnoreRadius are ignored.
+    void TraceSurfaceToLight(RayPacket &packet, int receiveShadows, RayCounts &counts) const;
+    void TraceSurfaceToSky(RayPacket &packet, int skyIndex, int receiveShadows, RayCounts &counts) const;
     /// Distance to the first blocker up to packet.distance, into packet.distance; skies count as open. For floodlight.
     void TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts &counts) const;
+
+    /// What the rays of a packet meet first.
+    struct Blockers {
+        LaneMask hit{};                                ///< rays that something blocks within packet.distance
+        Lanes distance;                                ///< to it, where there is one
+        std::array<std::int32_t, kPacketSize> surface; ///< its draw surface; -1: a solid
+    };
+    enum class BlockerKind {
+        Solids,       ///< those behind skies too
+        LegacySolids, ///< without those that surfaces sunk into them open to the established program
+        Surfaces      ///< that cast shadows; see-through ones where their texel is opaque
+    };
+    /// The first blocker of a kind beyond `nearest` on each live ray; none for receivers of group 0. For dirt, and
+    /// floodlight on surfaces.
+    void TraceBlockers(const RayPacket &packet, BlockerKind kind, int receiveShadows, float nearest, Blockers &blockers,
+                       RayCounts &counts) const;
+    struct BlockerTriangle {
+        std::array<Vec3f, 3> corners;
+        int surface = -1;        ///< as in Blockers
+        bool seeThrough = false; ///< its texels decide
+    };
+    /// All LegacySolids, and Surfaces for receivers of group 1.
+    std::vector<BlockerTriangle> BlockerTriangles() const;
 
     std::size_t TriangleCount() const;
 

@@ -38,7 +38,10 @@ struct Light {
     bool alwaysFast = false; ///< entity lights: the falloff tolerance counts in every pass
     bool noFast = false;     ///< q3map_noFast
     bool twoSided = false;
-    bool negative = false; ///< subtracts
+    bool negative = false;  ///< subtracts
+    bool angle = true;      ///< surfaces: weaker at grazing angles
+    float angleScale = 0;   ///< surfaces: cosines are divided by it, up to 1; 0: not
+    float filterRadius = 0; ///< lightmaps: blur of its light. Game units
     Vec3f color{1, 1, 1};
     float photons = 0;
     float add = 0;  ///< area: light per unit of form factor
@@ -68,12 +71,13 @@ struct Light {
 /// World keys that concern light.
 struct WorldLight {
     Vec3f ambient; ///< byte scale
-    Vec3f minGrid;
+    Vec3f minGrid; ///< least light of grid points, lightmaps, vertices; byte scale
+    Vec3f minLight, minVertex;
     float maxLight = 255;
     bool noShaderSun = false;
     bool hasFloodlight = false;
     Vec3f floodColor{0.94f, 0.94f, 1.0f}; ///< normalised
-    float floodDistance = 1024, floodIntensity = 128;
+    float floodDistance = 1024, floodIntensity = 128, floodDirectionScale = 1;
 };
 WorldLight ReadWorldLight(const Entity &world, const LightOptions &options);
 
@@ -94,13 +98,22 @@ std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const Shade
 /// How SetupEnvelopes bounds the lights of a pass.
 enum class LightPass {
     LegacyGrid, ///< as the established program: tolerance of entity lights and under -fast, the light's one cluster
-    GridSH      ///< no tolerance; all clusters that an area light touches
+    GridSH,     ///< no tolerance; all clusters that an area light touches
+    Surfaces,   ///< lightmaps and vertices: tolerance as EnvelopeRules says, the light's one cluster
+    Bounce      ///< the same for bounced light
+};
+
+/// LightPass::Surfaces and Bounce: which lights end where they fall below the tolerance.
+struct EnvelopeRules {
+    bool fast = false;     ///< all: -fastbounce; LightOptions::fast says so too
+    bool fastPoint = true; ///< point lights and spotlights: unless -nofastpoint
 };
 
 /// Prepares lights for a pass: sign of negative lights, clusters, envelope, bounds. Lights in solid are nudged out, or
 /// dropped; `culled` gets the number of those dropped. Stable sort by style at the end. skySeenFrom: see SkySeenFrom.
 std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, const LightOptions &options,
-                                  const BspSpace &space, const std::vector<bool> &skySeenFrom, int &culled);
+                                  const BspSpace &space, const std::vector<bool> &skySeenFrom, int &culled,
+                                  const EnvelopeRules &rules = {});
 
 /// By cluster: some leaf that it sees holds a sky surface. Empty, that is everywhere, when a sky is in no leaf.
 std::vector<bool> SkySeenFrom(const BspSpace &space, const SurfaceTable &table);

@@ -141,6 +141,7 @@ std::vector<Light> MakeSuns(const SunDirective &sun, int skyIndex, const LightOp
         light.photons = sun.photons / float(samples) * options.skyScale;
         light.color = sun.color;
         light.style = options.noStyles ? 0 : sun.style;
+        light.filterRadius = std::max(0.0f, sun.filterRadius) / float(samples);
         light.skyIndex = skyIndex;
         Vec3f direction = sun.direction;
         if (i > 0) {
@@ -171,7 +172,11 @@ std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const Shade
     for (const Vec3f &direction : directions) {
         const Vec3f color = probes.empty() ? shader.color : SampleSky(probes, direction, half);
         brightest = std::max(brightest, MaxComponent(color));
-        suns.push_back({.direction = direction, .color = color, .photons = photons, .style = shader.lightStyle});
+        suns.push_back({.direction = direction,
+                        .color = color,
+                        .photons = photons,
+                        .filterRadius = shader.lightFilterRadius,
+                        .style = shader.lightStyle});
     }
     if (!probes.empty() && brightest > 0)
         for (SunDirective &sun : suns)

@@ -6,6 +6,7 @@
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/shader/shader.h"
 
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -13,19 +14,37 @@ namespace q3 {
 
 struct SurfaceEntry {
     const ShaderInfo *shader = nullptr;
-    Vec3f origin;            ///< of the entity whose model holds it: vertices are relative to it
-    int castShadows = 1;     ///< shadow group; 0 casts none
-    float longestCurve = 0;  ///< patches: decides the tessellation. Game units
-    bool skyBoxCopy = false; ///< lit by its parent surface; never casts shadows
-    int skyIndex = -1;       ///< number of the sky among those that shine; set with the lights
+    Vec3f origin;                             ///< of the entity whose model holds it: vertices are relative to it
+    int entity = 0;                           ///< number in the map source
+    int castShadows = 1;                      ///< shadow group; 0 casts none
+    int receiveShadows = 1;                   ///< shadow group; 0: nothing shadows it
+    int sampleSize = 0;                       ///< game units a luxel; 0: lit at its vertices
+    Vec3f ambient;                            ///< byte scale
+    Vec3f axis;                               ///< of lightmap projection; zero: none
+    int parent = -1;                          ///< draw surface whose light it copies
+    float longestCurve = 0;                   ///< patches: decides the tessellation. Game units
+    bool skyBoxCopy = false;                  ///< lit by its parent surface; never casts shadows
+    int skyIndex = -1;                        ///< number of the sky among those that shine; set with the lights
+    std::shared_ptr<const Image> normalImage; ///< q3map_normalImage; null without
 };
 
 /// One entry per draw surface.
 using SurfaceTable = std::vector<SurfaceEntry>;
 
+/// What surfaces get that neither a surface file nor their shader or entity says otherwise about.
+struct SurfaceDefaults {
+    int sampleSize = 16, minSampleSize = 0; ///< game units a luxel
+    bool noLightmaps = false;          ///< all are lit at their vertices
+    Vec3f ambient;                     ///< byte scale
+};
+
+/// Major axis of a normal with its sign: of equal components z wins, then x.
+Vec3f MajorAxis(const Vec3f &normal);
+
 /// `srfText` is the surface file that the bsp stage wrote beside the map, empty when there is none: then everything is
-/// derived from the surfaces themselves. Errors: a malformed surface file.
+/// derived from the surfaces, their shaders and entities, and `defaults`. Errors: a malformed surface file.
 SurfaceTable MakeSurfaceTable(const Bsp &bsp, const std::vector<Entity> &entities, std::string_view srfText,
-                              std::string_view srfName, ShaderLibrary &library, Log &log);
+                              std::string_view srfName, ShaderLibrary &library, Log &log,
+                              const SurfaceDefaults &defaults = {});
 
 } // namespace q3

@@ -51,7 +51,8 @@ Game Unvanquished() {
 Game Tenebrae() {
     Game game = MakeGame("tenebrae", "base", ".tenebrae", "tenebrae", BaseParms());
     game.gamma = 2;
-    game.noStyles = true;
+    game.lightmapSize = 512;
+    game.noStyles = game.deluxe = true;
     return game;
 }
 
@@ -85,9 +86,9 @@ Game Exposed(std::string_view name, std::string_view gameDir, std::string_view h
 std::vector<Game> MakeGames() {
     Game deluxeQuake = Exposed("dq", "basedq", ".dq", "dq", 0.3f);
     deluxeQuake.gamma = 1.2f;
-    deluxeQuake.patchShadows = true;
+    deluxeQuake.patchShadows = deluxeQuake.deluxe = deluxeQuake.deluxeTangent = true;
     Game prophecy = Exposed("prophecy", "base", ".prophecy", "prophecy", 0.4f);
-    prophecy.patchShadows = true;
+    prophecy.patchShadows = prophecy.deluxe = true;
     return {
         MakeGame("quake3", "baseq3", ".q3a", "quake", BaseParms()),
         QuakeLive(),

@@ -53,7 +53,9 @@ struct Game {
     bool sRgbLightmap = false, sRgbTexture = false, sRgbColor = false;
     float gamma = 1, exposure = 0, compensate = 1;
     float gridScale = 1, gridAmbientScale = 1;
-    std::vector<SurfaceParm> surfaceParms; ///< in table order, the first match of a name counts
+    int lightmapSize = 128;                     ///< side of a lightmap page in the file
+    bool deluxe = false, deluxeTangent = false; ///< light direction pages by default; in tangent space
+    std::vector<SurfaceParm> surfaceParms;      ///< in table order, the first match of a name counts
 
     /// First parm of that name (without case), or null.
     const SurfaceParm *FindParm(std::string_view parm) const;

@@ -7,6 +7,7 @@
 #include "libs/math/vec.h"
 #include "q3map2/shader/games.h"
 
+#include <array>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -32,9 +33,25 @@ struct SkyLightDirective {
     bool sampleColor = true;
 };
 
+/// What a shader says of the lightmaps and vertex light of its surfaces.
+struct LightmapDirectives {
+    int sampleSize = 0;            ///< q3map_lightmapSampleSize; 0: unset
+    float sampleOffset = 0;        ///< q3map_lightmapSampleOffset; 0: unset
+    Vec3f axis;                    ///< q3map_lightmapAxis; zero: unset
+    std::array<int, 2> pageSize{}; ///< q3map_lightmapSize; 0: unset
+    float brightness = 1;          ///< q3map_lightmapBrightness, -Gamma; factor of -brightness
+    bool mergable = false, splotchFix = false, noDirt = false, noVertexLight = false;
+    float shadeAngle = 0;    ///< q3map_shadeAngle, degrees
+    std::string normalImage; ///< q3map_normalImage, without extension
+    /// q3map_floodLight; none while the intensity is 0. Colour normalised.
+    Vec3f floodColor;
+    float floodDistance = 0, floodIntensity = 0, floodDirectionScale = 1;
+    int styleMarker = 0; ///< 1: q3map_styleMarker, 2: q3map_styleMarker2
+};
+
 /// How shader scripts and images are interpreted, beyond the game's table.
 struct ShaderOptions {
-    bool sRgbColor = false; ///< colours of lights and shaders are sRGB
+    bool sRgbColor = false;          ///< colours of lights and shaders are sRGB
     float backsplashScale = 1;       ///< multiplies the default fraction
     float backsplashDistance = -999; ///< replaces the default 23 when >= -900
 };
@@ -52,9 +69,10 @@ struct ShaderInfo {
     int lightStyle = 0;
     float vertexScale = 1;
     float lightmapFilterRadius = 0, lightFilterRadius = 0; ///< q3map_lightmapFilterRadius self other
-    bool twoSided = false;                                 ///< cull none / disable / twosided
-    bool autosprite = false;                               ///< deformVertexes autosprite...
-    bool noFast = false;                                   ///< q3map_noFast
+    LightmapDirectives lightmap;
+    bool twoSided = false;   ///< cull none / disable / twosided
+    bool autosprite = false; ///< deformVertexes autosprite...
+    bool noFast = false;     ///< q3map_noFast
     bool forceSunlight = false;
     std::vector<SunDirective> suns;
     std::vector<SkyLightDirective> skyLights;
@@ -64,6 +82,8 @@ struct ShaderInfo {
     Vec3f averageColor{255, 255, 255};       ///< mean of the light image, 0..255, or the q3map_lightRGB vector
     std::shared_ptr<const Image> lightImage; ///< never null once looked up; 64 x 64 white when no file was found
     bool imageFound = false;                 ///< false: lightImage is the white default
+    std::string scriptText; ///< the body in braces, tidied; empty if no script defines what the engine draws
+    std::string implicitMap, implicitMask, implicitBlend; ///< images without extension; empty without
 };
 
 /// All scripts and images, looked up by name. Not thread safe: look up everything before workers start.
@@ -80,6 +100,10 @@ class ShaderLibrary {
     /// An image by its name without extension; null when there is none. Cached.
     std::shared_ptr<const Image> LoadImage(std::string_view nameWithoutExtension);
     std::size_t DefinedCount() const;
+    /// Frees all images but those of shaders that see-through surfaces need (alpha shadows, light filters), and those
+    /// of drawn surfaces if bounced light will take its colours from them. To be called once lights are made. A
+    /// ShaderInfo that loses its image keeps its colours and gets the white one.
+    void DropImages(bool keepForBounces);
 
   private:
     struct State;

@@ -195,6 +195,18 @@ std::shared_ptr<const Image> ShaderLibrary::LoadImage(std::string_view nameWitho
     return state_->CachedImage(nameWithoutExtension);
 }
 
+void ShaderLibrary::DropImages(bool keepForBounces) {
+    const auto keeps = [&](const ShaderInfo &info) {
+        const bool seeThrough = (info.compileFlags & (C_ALPHASHADOW | C_LIGHTFILTER)) != 0;
+        return seeThrough || (keepForBounces && info.bounceScale > 0 && (info.compileFlags & C_SKY) == 0);
+    };
+    state_->images.clear();
+    state_->table.ForEach([&](ParsedShader &shader) {
+        if (shader.imagesReady && !keeps(shader.info))
+            shader.info.lightImage = state_->white;
+    });
+}
+
 std::size_t ShaderLibrary::DefinedCount() const {
     return state_->table.DefinedCount();
 }

@@ -2,9 +2,11 @@
 #include "q3map2/shader/shader_parse.h"
 
 #include "common/text.h"
+#include "q3map2/shader/shader_text.h"
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -17,57 +19,19 @@ constexpr double kMaxNumber = 1e9; // keeps products of a few numbers finite
 constexpr int kMaxSkyIterations = 128;
 constexpr std::size_t kMaxSuns = 256; // a shader; copies of copies with q3map_baseShader would grow without end
 constexpr std::size_t kMaxName = 63;
+constexpr int kMaxPageSide = 8192;
+constexpr float kTerrainShadeAngle = 179;            // degrees; q3map_terrain smooths everything
 constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
 
 /// Directives of other stages or of the engine: known, so not worth a warning.
-constexpr std::array<std::string_view, 48> kOtherDirectives = {"q3map_alphagen",
-                                                               "q3map_alphamod",
-                                                               "q3map_backshader",
-                                                               "q3map_clipmodel",
-                                                               "q3map_cloneshader",
-                                                               "q3map_colorgen",
-                                                               "q3map_colormod",
-                                                               "q3map_flare",
-                                                               "q3map_flareshader",
-                                                               "q3map_floodlight",
-                                                               "q3map_fogdir",
-                                                               "q3map_foliage",
-                                                               "q3map_forcemeta",
-                                                               "q3map_fur",
-                                                               "q3map_globaltexture",
-                                                               "q3map_indexed",
-                                                               "q3map_invert",
-                                                               "q3map_lightmapaxis",
-                                                               "q3map_lightmapbrightness",
-                                                               "q3map_lightmapgamma",
-                                                               "q3map_lightmapmergable",
-                                                               "q3map_lightmapsampleoffset",
-                                                               "q3map_lightmapsamplesize",
-                                                               "q3map_lightmapsize",
-                                                               "q3map_noclip",
-                                                               "q3map_nodirty",
-                                                               "q3map_nofog",
-                                                               "q3map_nonplanar",
-                                                               "q3map_normalimage",
-                                                               "q3map_notjunc",
-                                                               "q3map_novertexlight",
-                                                               "q3map_novertexshadows",
-                                                               "q3map_offset",
-                                                               "q3map_patchshadows",
-                                                               "q3map_remapshader",
-                                                               "q3map_rgbgen",
-                                                               "q3map_rgbmod",
-                                                               "q3map_shadeangle",
-                                                               "q3map_splotchfix",
-                                                               "q3map_stylemarker",
-                                                               "q3map_stylemarker2",
-                                                               "q3map_surfacemodel",
-                                                               "q3map_tcgen",
-                                                               "q3map_tcmod",
-                                                               "q3map_terrain",
-                                                               "q3map_tesssize",
-                                                               "q3map_texturesize",
-                                                               "q3map_vertexshadows"};
+constexpr std::array<std::string_view, 32> kOtherDirectives = {
+    "q3map_alphagen",        "q3map_alphamod",     "q3map_backshader",   "q3map_clipmodel",     "q3map_cloneshader",
+    "q3map_colorgen",        "q3map_colormod",     "q3map_flare",        "q3map_flareshader",   "q3map_fogdir",
+    "q3map_foliage",         "q3map_forcemeta",    "q3map_fur",          "q3map_globaltexture", "q3map_indexed",
+    "q3map_invert",          "q3map_noclip",       "q3map_nofog",        "q3map_nonplanar",     "q3map_notjunc",
+    "q3map_novertexshadows", "q3map_offset",       "q3map_patchshadows", "q3map_remapshader",   "q3map_rgbgen",
+    "q3map_rgbmod",          "q3map_surfacemodel", "q3map_tcgen",        "q3map_tcmod",         "q3map_tesssize",
+    "q3map_texturesize",     "q3map_vertexshadows"};
 
 float Number(const std::string &text) {
     return float(std::clamp(NumberFromText(text), -kMaxNumber, kMaxNumber));
@@ -101,7 +65,7 @@ class ScriptParser {
         void (ScriptParser::*apply)(const Words &);
         bool keepsLine = false; ///< what follows on the line is another directive
     };
-    static const std::array<Directive, 28> kDirectives;
+    static const std::array<Directive, 44> kDirectives;
 
     void WarnSyntax(std::string_view name, std::string_view found) {
         log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}", scanner_.Location(), name,
@@ -128,7 +92,10 @@ class ScriptParser {
     void SurfaceParmLine(const Words &words);
     void Cull(const Words &words);
     void DeformVertexes(const Words &words);
-    void ImplicitImage(const Words &words);
+    const std::string &ImplicitImage(const Words &words);
+    void ImplicitMap(const Words &words) { shader_.info.implicitMap = ImplicitImage(words); }
+    void ImplicitMask(const Words &words) { shader_.info.implicitMask = ImplicitImage(words); }
+    void ImplicitBlend(const Words &words) { shader_.info.implicitBlend = ImplicitImage(words); }
     void SkyParms(const Words &words);
     void EditorImage(const Words &words) { shader_.editorImage = WithoutExtension(words[0]); }
     void LightImage(const Words &words) { shader_.lightImage = WithoutExtension(words[0]); }
@@ -149,20 +116,37 @@ class ScriptParser {
     void Material(const Words &words);
     void VertexLighting(const Words &) { ApplyParm("pointlight"); }
 
-    TextScanner &scanner_;
+    LightmapDirectives &Lightmap() { return shader_.info.lightmap; }
+    void SampleSize(const Words &words) { Lightmap().sampleSize = std::max(0, IntegerFromText(words[0])); }
+    void SampleOffset(const Words &words) { Lightmap().sampleOffset = Number(words[0]); }
+    void LightmapAxis(const Words &words);
+    void LightmapSize(const Words &words);
+    void LightmapBrightness(const Words &words);
+    void Mergable(const Words &) { Lightmap().mergable = true; }
+    void SplotchFix(const Words &) { Lightmap().splotchFix = true; }
+    void NoDirt(const Words &) { Lightmap().noDirt = true; }
+    void NoVertexLight(const Words &) { Lightmap().noVertexLight = true; }
+    void ShadeAngle(const Words &words) { Lightmap().shadeAngle = Number(words[0]); }
+    void Terrain(const Words &) { Lightmap().shadeAngle = kTerrainShadeAngle; }
+    void NormalImage(const Words &words) { Lightmap().normalImage = WithoutExtension(words[0]); }
+    void FloodLight(const Words &words);
+    void StyleMarker(const Words &) { Lightmap().styleMarker = 1; }
+    void StyleMarker2(const Words &) { Lightmap().styleMarker = 2; }
+
+    ShaderTextScanner scanner_;
     ShaderTable &table_;
     Log &log_;
     ParsedShader shader_;
 };
 
 using Self = ScriptParser;
-const std::array<Self::Directive, 28> Self::kDirectives = {{
+const std::array<Self::Directive, 44> Self::kDirectives = {{
     {"surfaceparm", 1, 0, &Self::SurfaceParmLine},
     {"cull", 1, 0, &Self::Cull},
     {"deformvertexes", 1, 0, &Self::DeformVertexes},
-    {"implicitmap", 1, 0, &Self::ImplicitImage},
-    {"implicitmask", 1, 0, &Self::ImplicitImage},
-    {"implicitblend", 1, 0, &Self::ImplicitImage},
+    {"implicitmap", 1, 0, &Self::ImplicitMap},
+    {"implicitmask", 1, 0, &Self::ImplicitMask},
+    {"implicitblend", 1, 0, &Self::ImplicitBlend},
     {"skyparms", 3, 0, &Self::SkyParms},
     {"qer_editorimage", 1, 0, &Self::EditorImage},
     {"sun", 6, 0, &Self::Sun, true},
@@ -185,23 +169,46 @@ const std::array<Self::Directive, 28> Self::kDirectives = {{
     {"q3map_deprecateshader", 1, 0, &Self::DeprecateShader},
     {"q3map_material", 1, 0, &Self::Material},
     {"q3map_onlyvertexlighting", 0, 0, &Self::VertexLighting},
+    {"q3map_lightmapsamplesize", 1, 0, &Self::SampleSize},
+    {"q3map_lightmapsampleoffset", 1, 0, &Self::SampleOffset},
+    {"q3map_lightmapaxis", 1, 0, &Self::LightmapAxis},
+    {"q3map_lightmapsize", 2, 0, &Self::LightmapSize},
+    {"q3map_lightmapbrightness", 1, 0, &Self::LightmapBrightness},
+    {"q3map_lightmapgamma", 1, 0, &Self::LightmapBrightness},
+    {"q3map_lightmapmergable", 0, 0, &Self::Mergable},
+    {"q3map_splotchfix", 0, 0, &Self::SplotchFix},
+    {"q3map_nodirty", 0, 0, &Self::NoDirt},
+    {"q3map_novertexlight", 0, 0, &Self::NoVertexLight},
+    {"q3map_shadeangle", 1, 0, &Self::ShadeAngle},
+    {"q3map_terrain", 0, 0, &Self::Terrain},
+    {"q3map_normalimage", 1, 0, &Self::NormalImage},
+    {"q3map_floodlight", 6, 0, &Self::FloodLight},
+    {"q3map_stylemarker", 0, 0, &Self::StyleMarker},
+    {"q3map_stylemarker2", 0, 0, &Self::StyleMarker2},
 }};
 
 void ScriptParser::ParseShader(std::string_view name) {
-    if (name.ends_with(kHiddenSuffix))
+    const bool isHidden = name.ends_with(kHiddenSuffix);
+    if (isHidden)
         name.remove_suffix(kHiddenSuffix.size());
     if (name.size() > kMaxName)
         log_.Warn("long shader name", "{}: shader name {} is longer than the {} bytes that a map can hold",
                   scanner_.Location(), name, kMaxName);
     shader_ = table_.MakeDefault(name);
     shader_.info.defined = true;
+    bool hasStages = false;
+    scanner_.Record();
     std::string word;
     while (scanner_.Next(word) && word != "}") {
-        if (word == "{")
+        if (word == "{") {
+            hasStages = true;
             ParseStage();
-        else
+        } else
             ParseDirective(word);
     }
+    std::string text = scanner_.TakeText();
+    // A hidden entry without stages is a few words for the compiler beside what the engine draws.
+    shader_.info.scriptText = isHidden && !hasStages ? std::string() : std::move(text);
     table_.Define(std::move(shader_));
 }
 
@@ -290,8 +297,8 @@ void ScriptParser::DeformVertexes(const Words &words) {
         shader_.info.autosprite = true;
 }
 
-void ScriptParser::ImplicitImage(const Words &words) {
-    shader_.implicitImage = words[0] == "-" ? shader_.info.name : WithoutExtension(words[0]);
+const std::string &ScriptParser::ImplicitImage(const Words &words) {
+    return shader_.implicitImage = words[0] == "-" ? shader_.info.name : WithoutExtension(words[0]);
 }
 
 void ScriptParser::SkyParms(const Words &words) {
@@ -364,6 +371,40 @@ void ScriptParser::SkyLight(const Words &words) {
     if (words.size() > 4)
         sky.sampleColor = IntegerFromText(words[4]) != 0;
     AddSun(shader_.info.skyLights, sky);
+}
+
+void ScriptParser::LightmapAxis(const Words &words) {
+    static constexpr std::array<Vec3f, 3> kAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const std::size_t axis = words[0].size() == 1 ? std::string_view("xyz").find(LowerCase(words[0])) : kAxes.size();
+    if (axis >= kAxes.size())
+        log_.Warn("lightmap axis", "{}: shader {}: q3map_lightmapAxis {}, expected x, y or z", scanner_.Location(),
+                  shader_.info.name, words[0]);
+    Lightmap().axis = axis < kAxes.size() ? kAxes[axis] : Vec3f{};
+}
+
+void ScriptParser::LightmapSize(const Words &words) {
+    const std::array<int, 2> size = {IntegerFromText(words[0]), IntegerFromText(words[1])};
+    const bool good = std::all_of(size.begin(), size.end(), [](int side) {
+        return side >= 2 && side <= kMaxPageSide && std::has_single_bit(unsigned(side));
+    });
+    if (!good)
+        log_.Warn("lightmap page size",
+                  "{}: shader {}: q3map_lightmapSize {} {}, expected powers of two from 2 to {}; not used",
+                  scanner_.Location(), shader_.info.name, words[0], words[1], kMaxPageSide);
+    Lightmap().pageSize = good ? size : std::array<int, 2>{};
+}
+
+void ScriptParser::LightmapBrightness(const Words &words) {
+    const double product = double(Lightmap().brightness) * double(Number(words[0]));
+    Lightmap().brightness = product < 0 ? 1 : float(std::min(product, kMaxNumber));
+}
+
+/// r g b distance intensity directionScale
+void ScriptParser::FloodLight(const Words &words) {
+    Lightmap().floodColor = Color(words);
+    Lightmap().floodDistance = Number(words[3]);
+    Lightmap().floodIntensity = Number(words[4]);
+    Lightmap().floodDirectionScale = Number(words[5]);
 }
 
 /// Everything of an earlier shader, over all that was set so far; the name stays.

@@ -4,6 +4,7 @@
 #include "common/text_scan.h"
 #include "q3map2/shader/shader.h"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -37,6 +38,7 @@ class ShaderTable {
     /// The same; an unknown name is added as an implicit shader.
     ParsedShader &FindOrAdd(std::string_view name, Log &log);
     std::size_t DefinedCount() const { return definedCount_; }
+    void ForEach(const std::function<void(ParsedShader &)> &visit);
 
   private:
     std::string FollowReplacements(std::string_view name, Log &log) const;

@@ -49,6 +49,11 @@ void ShaderTable::Define(ParsedShader shader) {
     ++definedCount_;
 }
 
+void ShaderTable::ForEach(const std::function<void(ParsedShader &)> &visit) {
+    for (auto &[name, shader] : shaders_)
+        visit(*shader);
+}
+
 std::string ShaderTable::FollowReplacements(std::string_view name, Log &log) const {
     std::string current = WithoutExtension(name);
     for (int i = 0; i <= kMaxReplacements; ++i) {

@@ -191,13 +191,15 @@ Bsp LightTest::Lit(Bsp bsp, std::string_view options, int threads) {
     Arguments arguments({std::istream_iterator<std::string>(text), {}});
     const Game &game = *FindGame("quake3");
     const LightOptions parsed = ParseLightOptions(arguments, game, log);
+    LightmapOptions lightmap = ParseLightmapOptions(arguments, parsed, game, log);
+    lightmap.onlyGrid = lightmap.onlyGrid || !surfaces;
     VirtualFileSystem vfs(log);
     vfs.Mount(folder.Root(), "pk3");
     vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
     ShaderLibrary library(vfs, game, parsed.shader, log);
     LightInputs inputs;
     inputs.name = "test";
-    result = LightWorld(bsp, inputs, parsed, library, JobPool(threads), log);
+    result = LightWorld(bsp, inputs, parsed, lightmap, library, JobPool(threads), log);
     return bsp;
 }
 

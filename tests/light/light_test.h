@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Lighting of small scenes in process, and the definition of the SH grid to compare with.
 #pragma once
 
-#include "q3map2/light/light.h"
+#include "q3map2/lightmap/light_world.h"
 #include "tests/common/game_folder.h"
 #include "tools/scene/scene_builder.h"
 
@@ -82,6 +82,7 @@ class LightTest : public testing::Test {
     bool Printed(std::string_view text) const { return printed.find(text) != std::string::npos; }
 
     std::string printed;
+    bool surfaces = false; ///< light lightmaps and vertices too
     LightResult result;
     GameFolder folder;
 

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Legacy light grids of the established program: the same maps and options must give the same bytes.
 #include "common/files.h"
-#include "q3map2/light/light.h"
+#include "q3map2/lightmap/light_world.h"
 #include "tests/common/game_folder.h"
 
 #include <nlohmann/json.hpp>
@@ -50,7 +50,9 @@ class GridVectorTest : public testing::TestWithParam<std::string> {
         bsp_ = ReadBspFile(map + ".bsp", {}, out_.log);
         const LightInputs inputs{GetParam(), ParseMapEntities(TextOf(map + ".map"), map), TextOf(map + ".srf")};
         CountAreaLights(inputs, options, library);
-        LightWorld(bsp_, inputs, options, library, JobPool(2), out_.log);
+        LightmapOptions lightmap = ParseLightmapOptions(arguments, options, game, out_.log);
+        lightmap.onlyGrid = true;
+        LightWorld(bsp_, inputs, options, lightmap, library, JobPool(2), out_.log);
         const Entity world = ParseEntities(bsp_.entities, map).front();
         const Vec3f cell = world.Vector({"gridsize"}).value_or(Vec3f{64, 64, 128});
         layout_ = LayoutGrid(bsp_.models[0].mins, bsp_.models[0].maxs, {cell.x, cell.y, cell.z});

@@ -39,7 +39,7 @@ void ExpectOnlyGridsAndEntitiesChanged(const std::vector<std::byte> &before, con
 
 TEST_F(ProgramTest, ShWritesVersion47WithLump18) {
     const auto before = MapBytes();
-    const Outcome outcome = RunWell(kLight + "-sh MAP");
+    const Outcome outcome = RunWell(kLight + "-onlygrid -sh MAP");
     EXPECT_TRUE(outcome.Printed("--- TraceGridSH ---"));
     EXPECT_TRUE(outcome.Printed("0...1...2...3...4...5...6...7...8...9..."));
     const auto after = MapBytes();
@@ -54,9 +54,9 @@ TEST_F(ProgramTest, ShWritesVersion47WithLump18) {
 
 TEST_F(ProgramTest, ShBspxWritesVersion46WithADirectory) {
     const auto before = MapBytes();
-    RunWell(kLight + "-sh MAP");
+    RunWell(kLight + "-onlygrid -sh MAP");
     const auto lump = LumpOf(MapBytes(), LUMP_LIGHTGRID_SH);
-    RunWell(kLight + "-shbspx MAP");
+    RunWell(kLight + "-onlygrid -shbspx MAP");
     const auto after = MapBytes();
     EXPECT_EQ(IntOf(after, 4), 46);
     EXPECT_EQ(FirstLump(after), kHeader17);
@@ -70,8 +70,8 @@ TEST_F(ProgramTest, ShBspxWritesVersion46WithADirectory) {
 TEST_F(ProgramTest, RelightWithoutShDropsTheGrid) {
     const auto before = MapBytes();
     for (const std::string option : {"-sh", "-shbspx", "-shradiance"}) {
-        RunWell(kLight + option + " MAP");
-        RunWell("-light MAP");
+        RunWell(kLight + option + " -onlygrid MAP");
+        RunWell("-light -onlygrid MAP");
         const auto after = MapBytes();
         EXPECT_EQ(IntOf(after, 4), 46);
         EXPECT_EQ(FirstLump(after), kHeader17);
@@ -105,7 +105,7 @@ TEST_F(ProgramTest, JsonRoundTripGivesTheSameBytes) {
 
 TEST_F(ProgramTest, InfoShowsTheGrid) {
     EXPECT_FALSE(RunWell("-info MAP").Printed("SH light grid"));
-    RunWell(kLight + "-sh MAP");
+    RunWell(kLight + "-onlygrid -sh MAP");
     const Outcome lump = RunWell("-info MAP");
     EXPECT_TRUE(lump.Printed("SH light grid"));
     EXPECT_TRUE(lump.Printed("cells of 64 x 64 x 64 units, 17 x 13 x 6 points"));
@@ -172,17 +172,35 @@ TEST_F(ProgramTest, LightsOfTheMapSourceCount) {
     EXPECT_TRUE(without.Printed("WARNING: demo: no light entities"));
 }
 
+TEST_F(ProgramTest, LightGivesLightmapsAndVertexColours) {
+    const auto before = MapBytes();
+    RunWell("-light -bounce 1 MAP");
+    const auto after = MapBytes();
+    EXPECT_NE(LumpOf(before, LUMP_LIGHTMAPS), LumpOf(after, LUMP_LIGHTMAPS));
+    EXPECT_EQ(LumpOf(after, LUMP_LIGHTMAPS).size() % (128 * 128 * 3), 0u);
+    for (const std::size_t lump : {LUMP_PLANES, LUMP_NODES, LUMP_LEAFS, LUMP_BRUSHES, LUMP_VISIBILITY})
+        EXPECT_EQ(LumpOf(before, lump), LumpOf(after, lump)) << "lump " << lump;
+}
+
+TEST_F(ProgramTest, ExportedLightmapsComeBackAsTheyWere) {
+    RunWell("-light MAP");
+    const auto before = MapBytes();
+    RunWell("-export MAP");
+    RunWell("-import MAP");
+    EXPECT_EQ(before, MapBytes());
+}
+
 TEST_F(ProgramTest, UnknownOptionsWarnAndGoOn) {
-    const Outcome outcome = RunWell("-light -zork -bounce 3 MAP");
+    const Outcome outcome = RunWell("-light -zork -onlygrid -lomem MAP");
     EXPECT_TRUE(outcome.Printed("WARNING: Unknown argument \"-zork\"")) << outcome.text;
-    EXPECT_TRUE(outcome.Printed("-bounce 3")) << "options that this version does not have are named";
+    EXPECT_TRUE(outcome.Printed("-lomem")) << "options that change nothing are named";
     EXPECT_TRUE(RunWell("-game tetris -light MAP").Printed("WARNING: -game tetris: unknown"));
     EXPECT_TRUE(RunWell("-json -zork -unpack MAP").Printed("Unknown argument \"-zork\""));
 }
 
 TEST_F(ProgramTest, HelpListsTheStages) {
     const Outcome outcome = RunWell("-help");
-    for (const char *stage : {"-light", "-json", "-info", "-shpreview"})
+    for (const char *stage : {"-light", "-export", "-import", "-json", "-info", "-shpreview"})
         EXPECT_TRUE(outcome.Printed(stage)) << stage;
     EXPECT_TRUE(RunWell("-help light").Printed("-gridscalesh"));
 }

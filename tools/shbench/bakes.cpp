@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/convert/grid_preview_light.h"
+#include "q3map2/lightmap/light_world.h"
 
 #include <memory>
 
@@ -20,8 +21,10 @@ Baked Bake(const BenchMap &map, LightOptions options, bool sh, ShaderLibrary &li
         if (text.find(pass) != std::string_view::npos)
             passStart = CpuSeconds();
     });
+    LightmapOptions onlyGrid;
+    onlyGrid.onlyGrid = true;
     const double start = CpuSeconds();
-    const LightResult result = LightWorld(baked.bsp, map.inputs, options, library, jobs, log);
+    const LightResult result = LightWorld(baked.bsp, map.inputs, options, onlyGrid, library, jobs, log);
     const double end = CpuSeconds();
     const GridStats &stats = sh ? result.gridSH : result.grid;
     baked.cost.cpuSeconds = end - start;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <sstream>
 
 namespace q3::bench {
@@ -51,12 +50,6 @@ BenchMap::BenchMap(Bsp map, LightInputs files, const LightOptions &lightOptions,
       created(CreateLights(bsp, WithLights(stored, inputs), table, options, world, library, log)),
       space(bsp, OpaqueBrushes(bsp, library)), scene(bsp, table, options, 0), lights(LightsInReach(*this)) {}
 
-double CpuSeconds() {
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
-}
-
 LightOptions LightOptionsFrom(std::string_view text, const Game &game) {
     std::istringstream in{std::string(text)};
     std::vector<std::string> words{"-sh"};
@@ -68,6 +61,7 @@ LightOptions LightOptionsFrom(std::string_view text, const Game &game) {
     {
         Log log([&](LogLevel, std::string_view line) { unknown += line; });
         options = ParseLightOptions(arguments, game, log);
+        WarnOfUnknown(arguments, log);
     }
     if (!unknown.empty()) {
         std::replace(unknown.begin(), unknown.end(), '\n', ' ');

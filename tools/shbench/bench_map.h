@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. A map ready to be measured: its lights and what rays meet, without any shortcut.
 #pragma once
 
+#include "common/cpu_time.h"
 #include "q3map2/light/light.h"
 #include "q3map2/light/light_scene.h"
 #include "q3map2/light/light_space.h"
@@ -30,9 +31,6 @@ class BenchMap {
     const LightScene scene;
     const std::vector<Light> lights; ///< those of style 0, everywhere in reach
 };
-
-/// Process CPU seconds so far, of all threads.
-double CpuSeconds();
 
 /// Options as words, split at blanks, for ParseLightOptions. Errors: words that it does not know.
 LightOptions LightOptionsFrom(std::string_view text, const Game &game);

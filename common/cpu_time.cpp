@@ -1,0 +1,14 @@
+// GPL-2.0-or-later. CPU time of this process.
+#include "common/cpu_time.h"
+
+#include <time.h>
+
+namespace q3 {
+
+double CpuSeconds() {
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return double(now.tv_sec) + double(now.tv_nsec) * 1e-9;
+}
+
+} // namespace q3

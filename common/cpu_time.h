@@ -1,0 +1,19 @@
+// GPL-2.0-or-later. CPU time of this process.
+#pragma once
+
+namespace q3 {
+
+/// CPU seconds of all threads so far.
+double CpuSeconds();
+
+/// CPU seconds since it was made.
+class CpuTimer {
+  public:
+    CpuTimer() : start_(CpuSeconds()) {}
+    double Seconds() const { return CpuSeconds() - start_; }
+
+  private:
+    double start_;
+};
+
+} // namespace q3

@@ -1,0 +1,277 @@
+// GPL-2.0-or-later. Bounced light at luxels, vertices and places, gathered by rays.
+#include "q3map2/lightmap/bounce_gather.h"
+
+#include "libs/math/low_discrepancy.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace q3 {
+
+namespace {
+
+/// Rays of a luxel; 16 neighbours have 16 times as many different ones.
+constexpr int kRays = 24, kFewestRays = 4;
+constexpr int kVertexRays = 256, kPlaceRays = 96;
+constexpr std::uint64_t kMostLinks = std::uint64_t(192) << 20;
+constexpr float kFar = 1e6f;
+/// Rays of vertices start this far off. Game units.
+constexpr float kLift = 1;
+/// Places are clear of solids if nothing solid is so near. Game units.
+constexpr float kMargin = 0.25f;
+/// Luxels share what they found with those up to this many luxels away whose normals differ by less than its cosine.
+constexpr int kWindow = 2;
+constexpr float kAlike = 0.9f;
+/// Weight of bounced light in deluxe directions; spec of deluxe.
+constexpr float kBounceDirection = 0.25f;
+
+float Grey(const Vec3f &c) {
+    return 0.2989f * c.x + 0.587f * c.y + 0.114f * c.z;
+}
+
+/// Direction i of a cosine-weighted hemisphere around +z.
+Vec3f CosineDirection(std::uint32_t i) {
+    const Sample2 s = PlasticSample(i, 0);
+    const double radius = std::sqrt(s.u), angle = 2 * std::numbers::pi * s.v;
+    return {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(std::sqrt(1 - s.u))};
+}
+
+struct Frame {
+    explicit Frame(const Vec3f &n) : normal(n) {
+        const Vec3f axis = std::abs(n.z) > 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1};
+        right = Normalize(Cross(axis, n));
+        up = Cross(n, right);
+    }
+    Vec3f World(const Vec3f &d) const { return right * d.x + up * d.y + normal * d.z; }
+    Vec3f normal, right, up;
+};
+
+/// Which of the sixteen sets of directions a luxel asks: neighbours ask sets that are far apart.
+std::uint32_t SetOf(int x, int y) {
+    constexpr std::uint32_t kOrder[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
+    return kOrder[y & 3][x & 3];
+}
+
+/// Where rays of a luxel start: half a luxel aside if that is clear of solids and the place is not. Luxels at the edge
+/// of a wall lie in the plane of the next, behind which their rays would get lost.
+Vec3f ClearPlace(const BspSpace &space, const RawLightmap &raw, std::size_t luxel, const Frame &frame) {
+    const Vec3f margin{kMargin, kMargin, kMargin}, place = raw.places[luxel];
+    const auto clear = [&](const Vec3f &p) { return !space.AnySolid(p - margin, p + margin); };
+    if (clear(place))
+        return place;
+    const float half = raw.actualSampleSize / float(2 * raw.super);
+    const Vec3f u = raw.hasVectors ? raw.step[0] * 0.5f : frame.right * half;
+    const Vec3f v = raw.hasVectors ? raw.step[1] * 0.5f : frame.up * half;
+    for (const auto &[x, y] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}) {
+        const Vec3f aside = place + u * float(x) + v * float(y);
+        if (clear(aside))
+            return aside;
+    }
+    return place;
+}
+
+/// Calls use(index, emitter) for rays that are given one by one with an index, traced in packets.
+template <typename Use> class RayQueue {
+  public:
+    RayQueue(const BounceScene &scene, const Use &use) : scene_(scene), use_(use) {}
+    ~RayQueue() { Flush(); }
+    void Add(std::size_t index, const Vec3f &origin, const Vec3f &direction) {
+        rays_.origin.Set(count_, origin);
+        rays_.direction.Set(count_, direction);
+        rays_.distance[count_] = kFar;
+        rays_.live[count_] = -1;
+        indices_[count_++] = index;
+        if (count_ == kPacketSize)
+            Flush();
+    }
+
+  private:
+    void Flush() {
+        if (count_ == 0)
+            return;
+        const auto found = scene_.FirstEmitters(rays_);
+        for (std::size_t i = 0; i < count_; ++i)
+            use_(indices_[i], found[i]);
+        rays_.live = {};
+        count_ = 0;
+    }
+    const BounceScene &scene_;
+    const Use &use_;
+    RayPacket rays_;
+    std::array<std::size_t, kPacketSize> indices_{};
+    std::size_t count_ = 0;
+};
+
+/// A luxel's neighbours in a window, each reached over mapped ones that face the same way.
+class Neighbourhood {
+  public:
+    struct Neighbour {
+        std::size_t luxel;
+        float dx, dy;
+    };
+    const std::vector<Neighbour> &Around(const RawLightmap &raw, int x, int y, int reach) {
+        list_.clear();
+        const int side = 2 * reach + 1;
+        seen_.assign(std::size_t(side * side), 0);
+        const std::size_t center = raw.SuperIndex(x, y);
+        Visit(center, 0, 0, reach);
+        for (std::size_t next = 0; next < list_.size(); ++next) {
+            const int dx = int(list_[next].dx), dy = int(list_[next].dy);
+            for (const auto &[sx, sy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+                const int ox = dx + sx, oy = dy + sy;
+                if (std::abs(ox) > reach || std::abs(oy) > reach || x + ox < 0 || y + oy < 0 ||
+                    x + ox >= raw.SuperWidth() || y + oy >= raw.SuperHeight() ||
+                    seen_[std::size_t((oy + reach) * side + ox + reach)] != 0)
+                    continue;
+                const std::size_t luxel = raw.SuperIndex(x + ox, y + oy);
+                if (raw.Mapped(luxel) && Dot(raw.normals[luxel], raw.normals[center]) > kAlike)
+                    Visit(luxel, ox, oy, reach);
+            }
+        }
+        return list_;
+    }
+
+  private:
+    void Visit(std::size_t luxel, int dx, int dy, int reach) {
+        seen_[std::size_t((dy + reach) * (2 * reach + 1) + dx + reach)] = 1;
+        list_.push_back({luxel, float(dx), float(dy)});
+    }
+    std::vector<Neighbour> list_;
+    std::vector<std::uint8_t> seen_;
+};
+
+/// Height at the centre of the plane that fits the neighbours' values best; their mean where they make no plane.
+Vec3f PlaneAtCenter(const std::vector<Neighbourhood::Neighbour> &around, const std::vector<Vec3f> &values) {
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
+    Vec3d sum, sumX, sumY;
+    for (const auto &[luxel, dx, dy] : around) {
+        const Vec3d value(values[luxel]);
+        n += 1, sx += dx, sy += dy, sxx += dx * dx, sxy += dx * dy, syy += dy * dy;
+        sum += value, sumX += value * double(dx), sumY += value * double(dy);
+    }
+    const double det = n * (sxx * syy - sxy * sxy) - sx * (sx * syy - sxy * sy) + sy * (sx * sxy - sxx * sy);
+    if (n < 4 || det < 1e-6)
+        return Vec3f(sum * (1 / n));
+    // First row of the inverse of the normal equations.
+    const double a = (sxx * syy - sxy * sxy) / det, b = (sxy * sy - sx * syy) / det, c = (sx * sxy - sxx * sy) / det;
+    return Max(Vec3f(sum * a + sumX * b + sumY * c), Vec3f{});
+}
+
+} // namespace
+
+BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene)
+    : space_(in.space), scene_(scene), links_(surfaces.lightmaps.size()) {
+    for (const RawLightmap &raw : surfaces.lightmaps)
+        rays_ += std::uint64_t(std::count_if(raw.codes.begin(), raw.codes.end(), [](int code) { return code >= 0; })) *
+                 std::uint64_t(RaysALuxel(raw));
+    keep_ = rays_ <= kMostLinks;
+    if (!keep_)
+        return;
+    in.jobs.For(std::int64_t(links_.size()),
+                [&](std::int64_t i, int) { links_[std::size_t(i)] = Links(surfaces.lightmaps[std::size_t(i)]); });
+}
+
+int BounceGather::RaysALuxel(const RawLightmap &raw) const {
+    return std::max(kFewestRays, kRays / (raw.super * raw.super));
+}
+
+std::vector<EmitterId> BounceGather::Links(const RawLightmap &raw) const {
+    const int count = RaysALuxel(raw);
+    std::vector<EmitterId> links;
+    links.resize(raw.codes.size() * std::size_t(count));
+    std::size_t used = 0;
+    const auto store = [&](std::size_t at, EmitterId emitter) { links[at] = emitter; };
+    {
+        RayQueue queue(scene_, store);
+        for (int y = 0; y < raw.SuperHeight(); ++y)
+            for (int x = 0; x < raw.SuperWidth(); ++x) {
+                const std::size_t luxel = raw.SuperIndex(x, y);
+                if (!raw.Mapped(luxel))
+                    continue;
+                const Frame frame(raw.normals[luxel]);
+                const std::uint32_t first = SetOf(x, y) * std::uint32_t(count);
+                const Vec3f place = ClearPlace(space_, raw, luxel, frame);
+                for (int i = 0; i < count; ++i)
+                    queue.Add(used++, place, frame.World(CosineDirection(first + std::uint32_t(i))));
+            }
+    }
+    links.resize(used);
+    links.shrink_to_fit();
+    return links;
+}
+
+void BounceGather::AddToLuxels(const Emission &emission, std::size_t lightmap, std::size_t slot,
+                               RawLightmap &raw) const {
+    const int count = RaysALuxel(raw);
+    const std::vector<EmitterId> anew = keep_ ? std::vector<EmitterId>{} : Links(raw);
+    const std::vector<EmitterId> &links = keep_ ? links_[lightmap] : anew;
+    std::vector<Vec3f> found(raw.codes.size());
+    std::vector<Vec3f> directions(raw.directions.empty() || slot > 0 ? 0 : raw.codes.size());
+    std::size_t next = 0;
+    for (std::size_t luxel = 0; luxel < raw.codes.size(); ++luxel) {
+        if (!raw.Mapped(luxel))
+            continue;
+        const auto x = int(luxel % std::size_t(raw.SuperWidth())), y = int(luxel / std::size_t(raw.SuperWidth()));
+        const std::uint32_t first = SetOf(x, y) * std::uint32_t(count);
+        const Frame frame(raw.normals[luxel]);
+        Vec3f sum, direction;
+        for (int i = 0; i < count; ++i) {
+            const EmitterId link = links[next++];
+            if (link == kNoEmitter)
+                continue;
+            sum += emission[link];
+            if (!directions.empty())
+                direction += frame.World(CosineDirection(first + std::uint32_t(i))) * Grey(emission[link]);
+        }
+        found[luxel] = sum / float(count);
+        if (!directions.empty())
+            directions[luxel] = direction * (kBounceDirection / 255 / float(count));
+    }
+    Neighbourhood neighbourhood;
+    for (int y = 0; y < raw.SuperHeight(); ++y)
+        for (int x = 0; x < raw.SuperWidth(); ++x) {
+            const std::size_t luxel = raw.SuperIndex(x, y);
+            if (!raw.Mapped(luxel))
+                continue;
+            const auto &around = neighbourhood.Around(raw, x, y, kWindow * std::min(raw.super, 2));
+            raw.light[slot][luxel] += PlaneAtCenter(around, found);
+            if (!directions.empty())
+                raw.directions[luxel] += directions[luxel];
+        }
+}
+
+Vec3f BounceGather::At(const Vec3f &place, const Vec3f &normal, const Emission &emission) const {
+    const Frame frame(normal);
+    Vec3f sum;
+    const auto add = [&](std::size_t, EmitterId emitter) {
+        if (emitter != kNoEmitter)
+            sum += emission[emitter];
+    };
+    {
+        RayQueue queue(scene_, add);
+        for (std::uint32_t i = 0; i < std::uint32_t(kVertexRays); ++i)
+            queue.Add(i, place + normal * kLift, frame.World(CosineDirection(i)));
+    }
+    return sum / float(kVertexRays);
+}
+
+void BouncedLight::Gather(const Vec3f &place, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
+    rays.clear();
+    std::array<Vec3f, kPlaceRays> directions;
+    for (std::uint32_t i = 0; i < std::uint32_t(kPlaceRays); ++i) {
+        const Sample2 s = PlasticSample(i, seed);
+        const double z = 1 - 2 * s.u, radius = std::sqrt(std::max(0.0, 1 - z * z)), angle = 2 * std::numbers::pi * s.v;
+        directions[i] = {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(z)};
+    }
+    const auto add = [&](std::size_t i, EmitterId emitter) {
+        rays.push_back({directions[i], emitter == kNoEmitter ? Vec3f{} : emission_[emitter]});
+    };
+    RayQueue queue(scene_, add);
+    for (std::size_t i = 0; i < directions.size(); ++i)
+        queue.Add(i, place, directions[i]);
+}
+
+} // namespace q3

@@ -1,0 +1,49 @@
+// GPL-2.0-or-later. Bounced light at luxels, vertices and places, gathered by rays.
+#pragma once
+
+#include "q3map2/light/indirect_light.h"
+#include "q3map2/lightmap/bounce_scene.h"
+
+namespace q3 {
+
+/// Light that each emitter sends on, byte scale: what it got times its reflectance.
+using Emission = std::vector<Vec3f>;
+
+/// Which emitters luxels see. Each mapped luxel asks a few directions, spread by the cosine; sixteen neighbours ask
+/// different ones. What they find is the same for every bounce, so it is kept when it fits into memory. Const after
+/// construction; safe from several threads, each lightmap by one.
+class BounceGather {
+  public:
+    BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene);
+
+    /// Adds the light of `emission` to slot `slot` of a raw lightmap, smoothed over neighbours that see each other: a
+    /// plane is fitted to what they found, so that gradients stay.
+    void AddToLuxels(const Emission &emission, std::size_t lightmap, std::size_t slot, RawLightmap &raw) const;
+    /// Light at a place with a normal: a vertex.
+    Vec3f At(const Vec3f &place, const Vec3f &normal, const Emission &emission) const;
+
+    std::uint64_t Rays() const { return rays_; }
+
+  private:
+    std::vector<EmitterId> Links(const RawLightmap &raw) const;
+    int RaysALuxel(const RawLightmap &raw) const;
+
+    const BspSpace &space_;
+    const BounceScene &scene_;
+    bool keep_ = false;
+    std::vector<std::vector<EmitterId>> links_; // by lightmap, then mapped luxel, then ray; empty: asked anew
+    std::uint64_t rays_ = 0;
+};
+
+/// Bounced light for the grids.
+class BouncedLight : public IndirectLight {
+  public:
+    BouncedLight(const BounceScene &scene, Emission emission) : scene_(scene), emission_(std::move(emission)) {}
+    void Gather(const Vec3f &place, std::uint64_t seed, std::vector<IndirectRay> &rays) const override;
+
+  private:
+    const BounceScene &scene_;
+    Emission emission_;
+};
+
+} // namespace q3

@@ -1,0 +1,53 @@
+// GPL-2.0-or-later. What rays that gather bounced light meet.
+#pragma once
+
+#include "q3map2/lightmap/lightmaps.h"
+
+#include <memory>
+#include <span>
+
+namespace q3 {
+
+/// Number of something that sends light on: a texel of a raw lightmap, or a vertex of a surface without one.
+using EmitterId = std::uint32_t;
+inline constexpr EmitterId kNoEmitter = ~EmitterId(0);
+
+/// Numbers texels of all raw lightmaps (without supersampling), then all draw vertices.
+class EmitterNumbers {
+  public:
+    explicit EmitterNumbers(const SurfaceLight &surfaces);
+    EmitterId Texel(std::size_t lightmap, int x, int y) const {
+        return first_[lightmap] + EmitterId(y * widths_[lightmap] + x);
+    }
+    EmitterId FirstOf(std::size_t lightmap) const { return first_[lightmap]; }
+    EmitterId Vertex(int vertex) const { return first_.back() + EmitterId(vertex); }
+    std::size_t Count() const { return count_; }
+
+  private:
+    std::vector<EmitterId> first_; // by raw lightmap; the last is that of vertices
+    std::vector<int> widths_;
+    std::size_t count_ = 0;
+};
+
+/// Visible surfaces in Embree. Solids are not in it: their visible sides are surfaces at the same places, and what has
+/// none is hidden by the backs of others. Const after construction; safe from several threads.
+class BounceScene {
+  public:
+    BounceScene(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterNumbers &emitters);
+    ~BounceScene();
+
+    /// The emitter whose front each live ray meets first; kNoEmitter where that sends no light on, or nothing is met.
+    std::array<EmitterId, kPacketSize> FirstEmitters(const RayPacket &rays) const;
+    /// Share of the light that each emitter sends on, in channels, over 1 only by -bouncescale: colour of the texture
+    /// there times the scales. Zero: sends nothing.
+    const std::vector<Vec3f> &Reflectance() const { return reflectance_; }
+
+  private:
+    struct State;
+    void FindReflectance(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterNumbers &emitters);
+
+    std::unique_ptr<State> state_;
+    std::vector<Vec3f> reflectance_;
+};
+
+} // namespace q3

@@ -1,0 +1,134 @@
+// GPL-2.0-or-later. The light stage.
+#include "q3map2/lightmap/light_world.h"
+
+#include "common/cpu_time.h"
+#include "q3map2/lightmap/light_bounce.h"
+
+#include <memory>
+#include <optional>
+
+namespace q3 {
+
+namespace {
+
+class SurfacePasses {
+  public:
+    SurfacePasses(const LightSetup &setup, const LightmapOptions &lightmap, const JobPool &jobs, Log &log)
+        : setup_(setup), in_{setup.bsp, setup.space, setup.scene, setup.table, setup.options,
+                             lightmap,  setup.world, jobs,        log},
+          surfaces_(Prepare()) {}
+
+    /// Direct light and all bounces. Call once.
+    void Run() {
+        in_.log.Section("IlluminateRawLightmap");
+        Pass(setup_.lights, {}, nullptr);
+        const int asked = in_.lightmap.bounces;
+        for (int bounce = 1; bounce <= asked; ++bounce) {
+            in_.log.Section(fmt::format("Radiosity (bounce {} of {})", bounce, asked));
+            AverageLuxels(in_, {.bounce = bounce > 1}, false, surfaces_);
+            if (!bounces_)
+                bounces_.emplace(in_, surfaces_);
+            if (!bounces_->TakeUp(surfaces_)) {
+                in_.log.Print("No light is left to bounce\n");
+                averaged_ = true;
+                break;
+            }
+            Pass({}, {.bounce = true}, &*bounces_);
+        }
+        if (!averaged_)
+            AverageLuxels(in_, {.bounce = asked > 0}, true, surfaces_);
+    }
+    /// For the grids under -bouncegrid; else null.
+    std::unique_ptr<IndirectLight> ForGrids() const {
+        if (!bounces_ || !in_.lightmap.bounceGrid)
+            return nullptr;
+        return std::make_unique<BouncedLight>(bounces_->Total());
+    }
+    StoredLightmaps Store(std::string_view mapName, Bsp &bsp) const {
+        in_.log.Section("StoreSurfaceLightmaps");
+        return StoreLightmaps(in_, surfaces_, mapName, bsp);
+    }
+    const ContributionCounts &Counts() const { return counts_; }
+
+  private:
+    SurfaceLight Prepare() {
+        in_.log.Section("SetupSurfaceLightmaps");
+        SurfaceLight surfaces = SetupSurfaceLight(in_);
+        if (in_.lightmap.shade)
+            SmoothNormals(in_, surfaces);
+        in_.log.Section("MapRawLightmap");
+        MapLuxels(in_, surfaces);
+        if (in_.lightmap.dirty) {
+            in_.log.Section("DirtyRawLightmap");
+            DirtLuxels(in_, surfaces);
+        }
+        FloodLuxels(in_, surfaces);
+        return surfaces;
+    }
+    void Pass(const std::vector<Light> &created, const SurfacePass &pass, const Bounces *bounces) {
+        const CpuTimer timer;
+        const std::uint64_t raysBefore = counts_.rays;
+        int culled = 0;
+        const std::vector<Light> lights = SetupEnvelopes(
+            created, pass.bounce ? LightPass::Bounce : LightPass::Surfaces, in_.options, in_.space, setup_.skySeenFrom,
+            culled, {.fast = pass.bounce && in_.lightmap.fastBounce, .fastPoint = in_.lightmap.fastPoint});
+        in_.log.Count((long long)(lights.size()), "lights");
+        in_.log.Count(culled, "lights culled");
+        LightLuxels(in_, lights, pass, surfaces_, counts_);
+        if (bounces)
+            bounces->AddToLuxels(surfaces_);
+        FinishLuxels(in_, pass, surfaces_);
+        LightVertices(in_, lights, pass, surfaces_, counts_);
+        if (bounces)
+            bounces->AddToVertices(surfaces_);
+        in_.log.Count((long long)(counts_.rays - raysBefore), "rays");
+        in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
+    }
+
+    const LightSetup &setup_;
+    const SurfaceInputs in_;
+    SurfaceLight surfaces_;
+    std::optional<Bounces> bounces_;
+    ContributionCounts counts_;
+    bool averaged_ = false;
+};
+
+void EraseKey(Entity &entity, std::string_view key) {
+    std::erase_if(entity.pairs, [&](const auto &pair) { return EqualNoCase(pair.first, key); });
+}
+
+} // namespace
+
+LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &options,
+                       const LightmapOptions &lightmap, ShaderLibrary &library, const JobPool &jobs, Log &log) {
+    const SurfaceDefaults defaults{.sampleSize = lightmap.sampleSize,
+                                   .minSampleSize = lightmap.minSampleSize,
+                                   .noLightmaps = lightmap.noLightmaps,
+                                   .ambient = {}};
+    LightSetup setup(bsp, inputs, options, defaults, library, log);
+    LightResult result;
+    std::optional<SurfacePasses> surfaces;
+    std::unique_ptr<IndirectLight> bounced;
+    if (!lightmap.onlyGrid) {
+        surfaces.emplace(setup, lightmap, jobs, log);
+        surfaces->Run();
+        bounced = surfaces->ForGrids();
+        result.surfaces = surfaces->Counts();
+    }
+    bsp.gridSH.reset();
+    EraseKey(setup.stored.front(), kGridSHKey);
+    if (!options.noGrid)
+        bsp.gridPoints = LightLegacyGrid(setup, bounced.get(), jobs, log, result.grid);
+    if (options.sh) {
+        bsp.gridSH = LightGridInSH(setup, bounced.get(), jobs, log, result.gridSH);
+        bsp.gridSHContainer = options.shBspx ? GridSHContainer::Bspx : GridSHContainer::Lump;
+        if (options.shRadiance)
+            setup.stored.front().Set(kGridSHKey, "radiance");
+    }
+    if (surfaces)
+        result.lightmaps = surfaces->Store(inputs.name, bsp);
+    bsp.entities = FormatEntities(setup.stored);
+    return result;
+}
+
+} // namespace q3

@@ -1,0 +1,124 @@
+// GPL-2.0-or-later. From where one luxel is lit: a place in the open near its surface.
+#include "q3map2/lightmap/luxel_place.h"
+
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+/// Places so near an opaque brush are in it. Game units.
+constexpr float kBrushEpsilon = 0.125f;
+/// -trianglecheck: places closer than this to the edge are moved a unit inside. Game units.
+constexpr float kEdgeMargin = 0.125f;
+constexpr int kTriangleRounds = 3;
+
+/// In half luxels.
+constexpr std::array<std::array<float, 2>, 8> kNudges{
+    {{-1, 0}, {1, 0}, {0, 1}, {0, -1}, {-1, 1}, {1, -1}, {1, 1}, {-1, -1}}};
+
+/// Two unit vectors across n and each other.
+std::array<Vec3f, 2> Across(const Vec3f &n) {
+    const float x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
+    const Vec3f smallest = x <= y && x <= z ? Vec3f{1, 0, 0} : y <= z ? Vec3f{0, 1, 0} : Vec3f{0, 0, 1};
+    const Vec3f right = Normalize(Cross(smallest, n));
+    return {right, Cross(right, n)};
+}
+
+/// Moves p into the triangle.
+Vec3f IntoTriangle(Vec3f p, const std::array<SurfaceVertex, 3> &triangle, const Vec3f &normal) {
+    for (int round = 0; round < kTriangleRounds; ++round)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3f &a = triangle[i].xyz, &b = triangle[(i + 1) % 3].xyz, &inner = triangle[(i + 2) % 3].xyz;
+            Vec3f out = Normalize(Cross(b - a, normal));
+            if (Dot(out, inner - a) > 0)
+                out = -out;
+            const float beyond = Dot(out, p - a);
+            if (beyond > -kEdgeMargin)
+                p -= out * (beyond + 1);
+        }
+    return p;
+}
+
+} // namespace
+
+int ClusterFilter::Allowed(int cluster) {
+    if (cluster < 0 || known_.empty())
+        return cluster;
+    Known &known = known_[std::size_t(cluster)];
+    if (known == Unasked) {
+        known = No;
+        for (const int own : clusters_)
+            if (space_.Visible(own, cluster)) {
+                known = Yes;
+                break;
+            }
+    }
+    return known == Yes ? cluster : kSolidCluster;
+}
+
+LuxelPlacer::LuxelPlacer(const SurfaceInputs &in, const RawLightmap &raw, const Boundsf &around)
+    : in_(in), raw_(raw), axes_(AxesOf(raw.axis)), box_(around), region_(in.space.Whole().Around(around)) {}
+
+int LuxelPlacer::ClusterAt(const Vec3f &p, ClusterFilter &filter) const {
+    const int cluster = box_.Contains(p) ? region_.ClusterAt(p, kBrushEpsilon) : in_.space.ClusterAt(p, kBrushEpsilon);
+    return filter.Allowed(cluster);
+}
+
+Vec3f LuxelPlacer::OnSurface(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane) const {
+    Vec3f p = v.xyz;
+    if (raw_.hasVectors)
+        p = OntoPlane(raw_.origin + raw_.step[0] * float(x) + raw_.step[1] * float(y), axes_.along, plane.normal,
+                      plane.dist);
+    if (in_.lightmap.triangleCheck && plane.triangle)
+        p = IntoTriangle(p, *plane.triangle, plane.normal);
+    return p;
+}
+
+std::array<Vec3f, 2> LuxelPlacer::NudgeSteps(const LuxelPlane &plane) const {
+    if (raw_.planar)
+        return raw_.step;
+    auto steps = Across(plane.normal);
+    for (Vec3f &step : steps)
+        step *= raw_.actualSampleSize / float(raw_.super);
+    return steps;
+}
+
+std::optional<LuxelPlacer::Place> LuxelPlacer::Find(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane,
+                                                    float offset, bool lastTry, ClusterFilter &filter,
+                                                    PlacementCounts &counts) const {
+    Vec3f p = OnSurface(x, y, v, plane);
+    if (raw_.hasVectors)
+        p[axes_.along] += plane.normal[axes_.along] >= 0 ? offset : -offset;
+    else
+        p += plane.normal * offset;
+    const Vec3f probe = in_.lightmap.extraVisNudge ? plane.normal : Vec3f{};
+    int cluster = ClusterAt(p + probe, filter);
+    if (cluster >= 0) {
+        ++counts.nudges[0];
+        return Place{p, cluster};
+    }
+    if (!in_.lightmap.dark) {
+        const auto steps = NudgeSteps(plane);
+        for (std::size_t i = 0; i < kNudges.size(); ++i) {
+            const Vec3f nudged = p + steps[0] * (kNudges[i][0] * 0.5f) + steps[1] * (kNudges[i][1] * 0.5f);
+            cluster = ClusterAt(nudged + probe, filter);
+            if (cluster >= 0) {
+                ++counts.nudges[i + 1];
+                return Place{nudged, cluster};
+            }
+        }
+        if (lastTry) {
+            const Vec3f above = v.xyz + v.normal * offset;
+            cluster = ClusterAt(above, filter);
+            if (cluster >= 0) {
+                ++counts.atVertex;
+                return Place{above, cluster};
+            }
+        }
+    }
+    ++counts.failed;
+    return std::nullopt;
+}
+
+} // namespace q3

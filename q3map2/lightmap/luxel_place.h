@@ -1,0 +1,66 @@
+// GPL-2.0-or-later. From where one luxel is lit: a place in the open near its surface.
+#pragma once
+
+#include "q3map2/lightmap/lightmaps.h"
+#include "q3map2/lightmap/luxel_axes.h"
+
+#include <optional>
+
+namespace q3 {
+
+/// The plane that luxels are placed on, and the triangle in it if it is one.
+struct LuxelPlane {
+    Vec3f normal;
+    float dist = 0;
+    const std::array<SurfaceVertex, 3> *triangle = nullptr;
+};
+
+/// How many luxels were placed where. Attempts that failed may be several for one luxel.
+struct PlacementCounts {
+    std::array<std::uint64_t, 9> nudges{}; ///< [0]: not nudged
+    std::uint64_t atVertex = 0, failed = 0;
+};
+
+/// Which clusters may hold places of luxels: those that see one of the surface's.
+class ClusterFilter {
+  public:
+    /// `clusters` empty: all are allowed. Both are kept as references.
+    ClusterFilter(const BspSpace &space, const std::vector<int> &clusters)
+        : space_(space), clusters_(clusters), known_(clusters.empty() ? 0 : std::size_t(space.ClusterCount())) {}
+    /// The cluster, or kSolidCluster.
+    int Allowed(int cluster);
+
+  private:
+    enum Known : std::uint8_t { Unasked, No, Yes };
+    const BspSpace &space_;
+    const std::vector<int> &clusters_;
+    std::vector<Known> known_;
+};
+
+/// Places luxels of one raw lightmap. Keeps references.
+class LuxelPlacer {
+  public:
+    LuxelPlacer(const SurfaceInputs &in, const RawLightmap &raw, const Boundsf &around);
+
+    struct Place {
+        Vec3f xyz;
+        int cluster = 0;
+    };
+    /// Where super luxel (x, y) is lit from, when a surface passes through it at `v`; nothing if all places about it
+    /// are closed. offset: lift off the surface, game units. `lastTry`: also right above `v`.
+    std::optional<Place> Find(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane, float offset, bool lastTry,
+                              ClusterFilter &filter, PlacementCounts &counts) const;
+
+  private:
+    int ClusterAt(const Vec3f &p, ClusterFilter &filter) const;
+    Vec3f OnSurface(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane) const;
+    std::array<Vec3f, 2> NudgeSteps(const LuxelPlane &plane) const;
+
+    const SurfaceInputs &in_;
+    const RawLightmap &raw_;
+    LuxelAxes axes_;
+    Boundsf box_;
+    BspRegion region_;
+};
+
+} // namespace q3

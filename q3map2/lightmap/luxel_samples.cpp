@@ -1,0 +1,259 @@
+// GPL-2.0-or-later. More samples for luxels at the edges of light.
+#include "libs/math/low_discrepancy.h"
+#include "q3map2/lightmap/luxel_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace q3 {
+
+namespace {
+
+/// Sums of a stamp up to this need no closer look. Byte scale.
+constexpr float kBrightStamp = 4;
+/// Samples may not be nearer to solids. Game units.
+constexpr float kSampleMargin = 0.25f;
+/// First offset of samples from the middle of the luxel, in luxels.
+constexpr float kFirstBias = 0.25f;
+/// Value in lit_ of luxels whose ray met a see-through surface: their stamps are always looked at.
+constexpr std::uint8_t kForced = 16;
+constexpr std::uint64_t kSeedSamples = 0x4C7578656Cull;
+
+/// -randomsamples: how many for -samples N.
+int RandomCount(int samples, bool exact) {
+    if (exact || samples > 4)
+        return std::max(samples, 1);
+    return samples <= 2 ? 16 : samples == 3 ? 64 : 256;
+}
+
+/// Whether some stamp of two rows of luxels is lit in part.
+Q3_VECTOR bool AnyMixed(const std::uint8_t *lit, const std::uint8_t *below, const std::uint8_t *mapped, int count) {
+    std::uint8_t mixed = 0;
+    for (int x = 0; x < count; ++x) {
+        const auto sum = std::uint8_t(lit[x] + lit[x + 1] + below[x] + below[x + 1]);
+        mixed = std::uint8_t(mixed | (sum != 0 && sum != mapped[x] ? 1 : 0));
+    }
+    return mixed != 0;
+}
+
+} // namespace
+
+bool LuxelSampler::Mapped(int x, int y) const {
+    return lightmap_->Mapped(lightmap_->SuperIndex(x, y));
+}
+
+void LuxelSampler::Start(const SurfaceInputs &in, const RawLightmap &lightmap, const LuxelBlocks &blocks,
+                         const LuxelPass &pass) {
+    in_ = &in, lightmap_ = &lightmap, blocks_ = &blocks, pass_ = pass;
+    pass_.settings.faint = 0;
+    width_ = lightmap.SuperWidth(), height_ = lightmap.SuperHeight();
+    levels_ = std::max(in.lightmap.samples, 1);
+    random_ = in.lightmap.randomSamples ? RandomCount(levels_, in.lightmap.samplesExact) : 0;
+    box_ = float(std::clamp(in.lightmap.samplesSearchBox, 1, 4));
+    allowed_.clear();
+    if (!lightmap.clusters.empty()) {
+        allowed_.assign(std::size_t(in.space.ClusterCount()), 0);
+        for (std::size_t c = 0; c < allowed_.size(); ++c)
+            allowed_[c] = std::any_of(lightmap.clusters.begin(), lightmap.clusters.end(),
+                                      [&](int from) { return from == int(c) || in.space.Visible(int(c), from); });
+    }
+    const std::size_t luxels = std::size_t(width_) * std::size_t(height_);
+    mappedStamp_.assign(luxels, 0);
+    for (int y = 0; y + 1 < height_; ++y)
+        for (int x = 0; x + 1 < width_; ++x)
+            mappedStamp_[lightmap.SuperIndex(x, y)] =
+                std::uint8_t(Mapped(x, y) + Mapped(x + 1, y) + Mapped(x, y + 1) + Mapped(x + 1, y + 1));
+    lit_.assign(luxels, 0), done_.assign(luxels, 0);
+    doneList_.clear();
+    arrivals_.resize(blocks.Count());
+}
+
+void LuxelSampler::StartLight(const Light &light) {
+    light_ = &light;
+    std::fill(lit_.begin(), lit_.end(), std::uint8_t(0));
+    for (const std::uint32_t luxel : doneList_)
+        done_[luxel] = 0;
+    doneList_.clear();
+}
+
+void LuxelSampler::Put(std::size_t block, const LuxelArrivals &arrivals) {
+    arrivals_[block] = arrivals;
+    const auto &luxels = blocks_->Luxels(block);
+    const std::size_t count = blocks_->Samples(block).count;
+    for (std::size_t i = 0; i < count; ++i) {
+        const int value = (arrivals.lit[i] != 0 ? 1 : 0) + (arrivals.forced[i] != 0 ? kForced : 0);
+        lit_[luxels[i]] = std::uint8_t(value);
+    }
+}
+
+bool LuxelSampler::RowIsMixed(int y) const {
+    const std::size_t row = lightmap_->SuperIndex(0, y);
+    const std::size_t below = row + std::size_t(width_);
+    return AnyMixed(lit_.data() + row, lit_.data() + below, mappedStamp_.data() + row, width_ - 1);
+}
+
+void LuxelSampler::Refine(LuxelSum &sum, ContributionCounts &counts) {
+    for (int y = 0; y + 1 < height_; ++y) {
+        if (!RowIsMixed(y))
+            continue;
+        for (int x = 0; x + 1 < width_; ++x) {
+            const std::size_t at = lightmap_->SuperIndex(x, y), below = at + std::size_t(width_);
+            const int lit = lit_[at] + lit_[at + 1] + lit_[below] + lit_[below + 1];
+            if (lit != 0 && lit != mappedStamp_[at])
+                RefineStamp(x, y, sum, counts);
+        }
+    }
+}
+
+LuxelSampler::Sample LuxelSampler::ReadLuxel(std::size_t luxel) const {
+    Sample sample;
+    sample.place = lightmap_->places[luxel];
+    if (lit_[luxel] == 0)
+        return sample;
+    const auto slot = std::size_t(blocks_->SlotOf(luxel));
+    const LuxelArrivals &arrivals = arrivals_[slot / kPacketSize];
+    sample.color = arrivals.color[slot % kPacketSize];
+    if (pass_.deluxe)
+        sample.direction = arrivals.direction[slot % kPacketSize];
+    return sample;
+}
+
+void LuxelSampler::RefineStamp(int x, int y, LuxelSum &sum, ContributionCounts &counts) {
+    const std::size_t at = lightmap_->SuperIndex(x, y), below = at + std::size_t(width_);
+    Vec3f total;
+    for (const std::size_t luxel : {at, at + 1, below, below + 1})
+        total += ReadLuxel(luxel).color;
+    if (MaxComponent(total) <= kBrightStamp)
+        return;
+    for (const std::size_t luxel : {at, at + 1, below, below + 1})
+        if (lightmap_->Mapped(luxel) && done_[luxel] == 0)
+            RefineLuxel(luxel, sum, counts);
+}
+
+void LuxelSampler::RefineLuxel(std::size_t luxel, LuxelSum &sum, ContributionCounts &counts) {
+    done_[luxel] = 1;
+    doneList_.push_back(std::uint32_t(luxel));
+    const int x = int(luxel % std::size_t(width_)), y = int(luxel / std::size_t(width_));
+    const Sample before = ReadLuxel(luxel);
+    Sample after = before;
+    if (random_ > 0)
+        after = RandomSamples(x, y, counts);
+    else
+        Subsample(x, y, after, kFirstBias * box_, counts);
+    const auto slot = std::size_t(blocks_->SlotOf(luxel));
+    const std::size_t block = slot / kPacketSize, lane = slot % kPacketSize;
+    LuxelArrivals &arrivals = arrivals_[block];
+    arrivals.color.Set(lane, after.color);
+    const float sign = light_->negative ? -1.0f : 1.0f;
+    sum.color[block].Set(lane, sum.color[block][lane] + (after.color - before.color) * sign);
+    if (pass_.deluxe) {
+        arrivals.direction.Set(lane, after.direction);
+        sum.direction[block].Set(lane, sum.direction[block][lane] + after.direction - before.direction);
+    }
+    const bool lit = after.color.x + after.color.y + after.color.z > 0;
+    lit_[luxel] = std::uint8_t((lit_[luxel] & kForced) | (lit ? 1 : 0));
+}
+
+/// World step from the luxel to its neighbour in that direction, or from the one on the other side where there is
+/// none; zero if that is not mapped.
+Vec3f LuxelSampler::Step(int x, int y, int dx, int dy) const {
+    const auto inside = [&](int ox, int oy) {
+        return x + ox >= 0 && y + oy >= 0 && x + ox < width_ && y + oy < height_;
+    };
+    const bool there = inside(dx, dy);
+    const int ox = there ? dx : -dx, oy = there ? dy : -dy;
+    if (!inside(ox, oy) || !Mapped(x + ox, y + oy))
+        return {};
+    const Vec3f step =
+        lightmap_->places[lightmap_->SuperIndex(x + ox, y + oy)] - lightmap_->places[lightmap_->SuperIndex(x, y)];
+    return there ? step : -step;
+}
+
+/// World offset of so many luxels across and down.
+Vec3f LuxelSampler::Offset(int x, int y, float across, float down) const {
+    return Step(x, y, across >= 0 ? 1 : -1, 0) * std::abs(across) + Step(x, y, 0, down >= 0 ? 1 : -1) * std::abs(down);
+}
+
+bool LuxelSampler::PlaceInOpen(const Vec3f &place, int &cluster) const {
+    cluster = in_->space.ClusterAt(place, kSampleMargin);
+    return cluster >= 0 && (allowed_.empty() || allowed_[std::size_t(cluster)] != 0);
+}
+
+void LuxelSampler::Subsample(int x, int y, Sample &sample, float bias, ContributionCounts &counts) const {
+    if (sample.count >= levels_)
+        return;
+    const Vec3f normal = lightmap_->normals[lightmap_->SuperIndex(x, y)];
+    std::array<Sample, 4> parts;
+    LightSamples places;
+    places.twoSided = lightmap_->twoSided;
+    for (const float down : {-bias, bias})
+        for (const float across : {-bias, bias}) {
+            const Vec3f place = sample.place + Offset(x, y, across, down);
+            int cluster = 0;
+            if (!PlaceInOpen(place, cluster))
+                continue;
+            parts[places.count].place = place;
+            places.Add(place, normal, cluster);
+        }
+    const std::size_t present = places.count;
+    if (present == 0)
+        return;
+    LuxelArrivals arrivals;
+    const bool any = LuxelContribution(*light_, pass_, in_->scene, places, arrivals, counts);
+    Vec3f total;
+    std::size_t mapped = present, lit = 0;
+    for (std::size_t i = 0; i < present && any; ++i) {
+        parts[i].color = arrivals.color[i];
+        parts[i].direction = arrivals.direction[i];
+        total += parts[i].color;
+        lit += arrivals.lit[i] != 0 ? 1 : 0;
+        if (arrivals.forced[i] != 0)
+            lit += 1, mapped += 2;
+    }
+    const bool mixed = MaxComponent(total) > kBrightStamp && lit != 0 && lit != mapped;
+    for (std::size_t i = 0; i < present; ++i) {
+        parts[i].count = sample.count + 1;
+        if (mixed)
+            Subsample(x, y, parts[i], bias / 2, counts);
+        sample.color += parts[i].color;
+        sample.direction += parts[i].direction;
+    }
+    const float share = 1.0f / float(1 + present);
+    sample.color *= share, sample.direction *= share;
+    ++sample.count;
+}
+
+LuxelSampler::Sample LuxelSampler::RandomSamples(int x, int y, ContributionCounts &counts) const {
+    const std::size_t luxel = lightmap_->SuperIndex(x, y);
+    const float sigma = 0.5f * box_;
+    Sample mean;
+    int used = 0;
+    for (int first = 0; first < random_; first += int(kPacketSize)) {
+        LightSamples places;
+        places.twoSided = lightmap_->twoSided;
+        for (int i = first; i < std::min(random_, first + int(kPacketSize)); ++i) {
+            // Offsets whose density falls off as a normal distribution of that width does, but with an end.
+            const Sample2 s = PlasticSample(std::uint32_t(i), kSeedSamples + luxel);
+            const double angle = s.u * 2 * std::numbers::pi;
+            const double length = double(sigma) * 2.738612787525831 * (1 - std::sqrt(1 - std::sqrt(s.v)));
+            const Vec3f place = lightmap_->places[luxel] +
+                                Offset(x, y, float(std::cos(angle) * length), float(std::sin(angle) * length));
+            int cluster = 0;
+            if (PlaceInOpen(place, cluster))
+                places.Add(place, lightmap_->normals[luxel], cluster);
+        }
+        used += int(places.count);
+        LuxelArrivals arrivals;
+        if (places.count == 0 || !LuxelContribution(*light_, pass_, in_->scene, places, arrivals, counts))
+            continue;
+        for (std::size_t i = 0; i < places.count; ++i)
+            mean.color += arrivals.color[i], mean.direction += arrivals.direction[i];
+    }
+    if (used == 0)
+        return ReadLuxel(luxel);
+    mean.color *= 1.0f / float(used), mean.direction *= 1.0f / float(used);
+    return mean;
+}
+
+} // namespace q3

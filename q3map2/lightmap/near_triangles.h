@@ -1,0 +1,40 @@
+// GPL-2.0-or-later. Short rays among the few triangles around them.
+#pragma once
+
+#include "libs/math/bounds.h"
+#include "q3map2/light/light_scene.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace q3 {
+
+/// Triangles in rows for vector code. Where rays are short, testing each of those nearby is faster than walking through
+/// the whole scene. Memory is reused.
+class NearTriangles {
+  public:
+    void Add(const LightScene::BlockerTriangle &triangle);
+    std::size_t Count() const { return surface_.size(); }
+    /// Becomes those of `from` whose bounds meet the box.
+    void Select(const NearTriangles &from, const Boundsf &box);
+    /// The same without those that lie behind the plane, normal . p = dist.
+    void Select(const NearTriangles &from, const Boundsf &box, const Vec3f &normal, float dist);
+    /// The first triangle beyond `nearest` on each live ray, as LightScene::TraceBlockers would find it. False, and
+    /// nothing done: too many triangles or see-through ones are in the way.
+    bool Trace(const RayPacket &packet, float nearest, LightScene::Blockers &blockers);
+
+  private:
+    /// Rows of floats: bounds, then the first corner and the edges from it to the others.
+    enum Row { kMinX, kMinY, kMinZ, kMaxX, kMaxY, kMaxZ, kX, kY, kZ, kAx, kAy, kAz, kBx, kBy, kBz, kRows };
+
+    void Copy(const NearTriangles &from);
+    void Test(std::size_t triangle, const RayPacket &packet, float nearest, LightScene::Blockers &blockers) const;
+
+    std::array<std::vector<float>, kRows> rows_;
+    std::vector<std::int32_t> surface_;
+    std::vector<std::uint8_t> seeThrough_;
+    std::vector<std::uint8_t> keep_; ///< of the triangles selected from
+};
+
+} // namespace q3

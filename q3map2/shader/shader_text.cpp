@@ -1,0 +1,72 @@
+// GPL-2.0-or-later. Reading a shader script and keeping its text, tidied.
+#include "q3map2/shader/shader_text.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+bool ShaderTextScanner::Next(std::string &token) {
+    if (!scanner_.Next(token))
+        return false;
+    if (recording_)
+        Write(token);
+    return true;
+}
+
+bool ShaderTextScanner::NextOnLine(std::string &token) {
+    if (!scanner_.NextOnLine(token))
+        return false;
+    if (recording_)
+        Write(token);
+    return true;
+}
+
+void ShaderTextScanner::SkipLine() {
+    for (std::string rest; NextOnLine(rest);) {
+    }
+}
+
+void ShaderTextScanner::Record() {
+    text_.clear();
+    recording_ = true;
+    depth_ = line_ = 0;
+    Write("{");
+}
+
+std::string ShaderTextScanner::TakeText() {
+    while (depth_ > 0)
+        Write("}");
+    recording_ = false;
+    return std::move(text_);
+}
+
+void ShaderTextScanner::WriteLine(const std::string &token) {
+    if (line_ != 0)
+        text_ += '\n';
+    text_.append(std::size_t(depth_), '\t');
+    text_ += token;
+}
+
+void ShaderTextScanner::Write(const std::string &token) {
+    const bool opens = token == "{", closes = token == "}";
+    if (closes && depth_ == 0)
+        return;
+    if (opens || closes) {
+        depth_ -= closes ? 1 : 0;
+        WriteLine(token);
+        depth_ += opens ? 1 : 0;
+        text_ += '\n';
+        line_ = 0;
+        return;
+    }
+    const bool quoted = token.empty() || std::any_of(token.begin(), token.end(),
+                                                     [](char c) { return static_cast<unsigned char>(c) <= 32; });
+    const std::string written = quoted ? '"' + token + '"' : token;
+    if (line_ == scanner_.Line())
+        text_ += ' ' + written;
+    else
+        WriteLine(written);
+    line_ = scanner_.Line();
+}
+
+} // namespace q3

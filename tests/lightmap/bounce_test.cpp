@@ -1,0 +1,105 @@
+// GPL-2.0-or-later. Bounced light: a closed white room knows the answer.
+#include "tests/light/light_test.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace q3::test {
+
+namespace {
+
+class BounceTest : public LightTest {
+  protected:
+    BounceTest() { surfaces = true; }
+
+    /// The red channel of all lightmap texels at draw vertices, on the byte scale.
+    static std::vector<double> AtVertices(const Bsp &bsp) {
+        std::vector<double> light;
+        for (const bspDrawSurface_t &surface : bsp.drawSurfaces) {
+            if (surface.lightmapNum < 0)
+                continue;
+            const std::size_t page = std::size_t(surface.lightmapNum) * 128 * 128 * 3;
+            for (int i = 0; i < surface.numVerts; ++i) {
+                const auto &at = bsp.drawVerts[std::size_t(surface.firstVert + i)].lightmap;
+                const auto x = std::size_t(at[0] * 128), y = std::size_t(at[1] * 128);
+                light.push_back(bsp.lightmaps[page + 3 * (y * 128 + x)]);
+            }
+        }
+        return light;
+    }
+};
+
+/// White walls without lights; `_ambient` lights all surfaces alike.
+SceneBuilder WhiteRoom(double ambient) {
+    SceneBuilder scene = Room({-160, -128, 0}, {160, 128, 192});
+    scene.SetWorldKey("_ambient", fmt::format("{}", ambient));
+    return scene;
+}
+
+/// What a wall of white sends on at -bouncescale 0.25: 187.5 * 3 * 0.25 / 255.
+constexpr double kReflectance = 140.625 / 255;
+
+TEST_F(BounceTest, AWhiteRoomFollowsTheGeometricSeries) {
+    for (const int bounces : {1, 2, 5})
+        for (const double scale : {0.25, 0.4}) {
+            const double r = kReflectance * scale / 0.25;
+            const Bsp lit =
+                Lit(WhiteRoom(40), fmt::format("-nogrid -bounce {} -bouncescale {}", bounces, scale / 0.25));
+            const double expected = 40 * (1 - std::pow(r, bounces + 1)) / (1 - r);
+            const auto light = AtVertices(lit);
+            ASSERT_GE(light.size(), 24u);
+            for (const double one : light)
+                EXPECT_NEAR(one + 0.5, std::min(255.0, expected), 0.02 * expected + 0.5) << bounces << " " << scale;
+        }
+}
+
+TEST_F(BounceTest, BouncedLightReachesBothGrids) {
+    const Bsp lit = Lit(WhiteRoom(40), "-bounce 1 -bouncegrid"), without = Lit(WhiteRoom(40), "-bounce 1");
+    const Coefficients with = GridView(lit).Sample({10, 20, 70}), direct = GridView(without).Sample({10, 20, 70});
+    for (const Vec3d &normal : Normals())
+        EXPECT_NEAR((Evaluate(with, normal) - Evaluate(direct, normal)).x * 255, 40 * kReflectance, 1);
+    const bspGridPoint_t &point = lit.gridPoints[lit.gridPoints.size() / 2];
+    EXPECT_GT(int(point.ambient[0]), int(without.gridPoints[lit.gridPoints.size() / 2].ambient[0]) + 3);
+}
+
+TEST_F(BounceTest, NothingIsCreated) {
+    // One lamp: what all walls get from a bounce is less than what they got directly, by the reflectance.
+    SceneBuilder scene = Room({-160, -128, 0}, {160, 128, 192});
+    scene.AddEntity(MakeEntity("light", {{"origin", "30 20 90"}, {"light", "150"}}));
+    const auto mean = [&](const Bsp &bsp) {
+        double sum = 0;
+        for (const double one : AtVertices(bsp))
+            sum += one;
+        return sum;
+    };
+    const double direct = mean(Lit(scene, "-nogrid -nocollapse")),
+                 both = mean(Lit(scene, "-nogrid -nocollapse -bounce 1"));
+    EXPECT_GT(both, direct);
+    const double bounced = mean(Lit(scene, "-nogrid -nocollapse -bounce 1 -bounceonly"));
+    EXPECT_GT(bounced, 0);
+}
+
+TEST_F(BounceTest, ABlackTextureSendsNothingOn) {
+    Script("textures/test/black\n{\n\tq3map_bouncescale 0\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
+    SceneBuilder scene;
+    scene.SetInterior({-160, -128, 0}, {160, 128, 192}, TestShader("textures/test/black"));
+    scene.SetWorldKey("_ambient", "40");
+    for (const double one : AtVertices(Lit(scene, "-nogrid -bounce 3")))
+        EXPECT_EQ(one, 40);
+}
+
+TEST_F(BounceTest, SameBytesForAnyNumberOfThreads) {
+    SceneBuilder scene = Room({-160, -128, 0}, {160, 128, 192});
+    scene.AddBox({-40, -40, 0}, {10, 20, 60}, TestShader("textures/test/wall"));
+    scene.AddEntity(MakeEntity("light", {{"origin", "30 20 90"}, {"light", "150"}}));
+    const Bsp one = Lit(scene, "-bounce 2 -bouncegrid -dirty", 1),
+              three = Lit(scene, "-bounce 2 -bouncegrid -dirty", 3);
+    EXPECT_EQ(one.lightmaps, three.lightmaps);
+    EXPECT_EQ(
+        std::memcmp(one.gridPoints.data(), three.gridPoints.data(), one.gridPoints.size() * sizeof(bspGridPoint_t)), 0);
+}
+
+} // namespace
+
+} // namespace q3::test

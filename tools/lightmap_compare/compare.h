@@ -1,0 +1,67 @@
+// GPL-2.0-or-later. How far the light of two files of one map is apart.
+#pragma once
+
+#include "tools/lightmap_compare/lit_map.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace q3::compare {
+
+/// Of many differences. Bytes of 255, or degrees.
+struct Spread {
+    std::size_t count = 0;
+    double mean = 0;         ///< of all channels
+    double within8 = 0;      ///< share whose largest channel is within 8
+    double percentile95 = 0; ///< of the largest channel
+    double percentile99 = 0, worst = 0;
+    std::optional<double> bias; ///< mean of A - B, of colours
+};
+
+/// Gathers differences.
+class Differences {
+  public:
+    void Add(const Vec3d &a, const Vec3d &b);
+    void Add(double difference);
+    Spread Summary() const;
+
+  private:
+    std::vector<float> largest_;
+    double sum_ = 0, signed_ = 0;
+    bool colors_ = false;
+};
+
+struct SurfaceDifference {
+    std::size_t surface = 0;
+    std::string shader;
+    Vec3d place; ///< where it is worst
+    Spread spread;
+    Vec3d a, b; ///< mean light in both
+};
+
+/// Numbers of surfaces and samples by which of the files has something.
+struct Sides {
+    std::size_t both = 0, onlyA = 0, onlyB = 0, neither = 0;
+    void Add(bool a, bool b) { ++(a ? b ? both : onlyA : b ? onlyB : neither); }
+};
+
+struct Comparison {
+    Sides lightmapped; ///< surfaces
+    Sides lit;         ///< samples whose light is not black
+    Spread lightmaps;  ///< samples that are black in neither, on surfaces with lightmaps in both
+    Spread surfaces;   ///< means of those surfaces
+    std::size_t surfacesWithin2 = 0, surfacesCompared = 0;
+    Spread directions;                    ///< degrees; no samples unless both are deluxe
+    Spread vertices;                      ///< colours of surfaces without lightmap in both
+    Spread lightmapVertices;              ///< colours of surfaces with lightmap in both
+    std::vector<SurfaceDifference> worst; ///< surfaces with lightmaps in both, the worst mean first
+};
+
+/// Samples every surface at the same places of both. Errors: Error, for files of different maps.
+Comparison Compare(const LitMap &a, const LitMap &b, int samplesASurface, std::size_t worstCount);
+
+std::string ToText(const Comparison &comparison);
+std::string ToJson(const Comparison &comparison);
+
+} // namespace q3::compare

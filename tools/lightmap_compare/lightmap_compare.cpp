@@ -1,0 +1,70 @@
+// GPL-2.0-or-later. lightmap_compare: two lit files of one map, surface by surface.
+#include "common/arguments.h"
+#include "common/error.h"
+#include "common/files.h"
+#include "common/text.h"
+#include "tools/lightmap_compare/compare.h"
+
+#include <cstdio>
+#include <span>
+
+namespace q3::compare {
+
+namespace {
+
+constexpr std::string_view kUsage = R"(usage: lightmap_compare [options] A.bsp B.bsp
+  --samples N     places a surface (1000)
+  --worst N       surfaces to list (10)
+  --pagesize N    side of the pages in the files (128)
+  --json FILE     the same as JSON
+Both files must be of one map. Pages are those of the file, or lm_NNNN.tga in the folder of its name. Samples that are
+black in one file are counted, not compared.
+)";
+
+int TakeWhole(Arguments &arguments, std::string_view name, int fallback, int least) {
+    int value = fallback;
+    while (const auto text = arguments.TakeValue(name)) {
+        value = IntegerFromText(*text);
+        if (value < least)
+            throw Error("{} {}: expected a whole number of at least {}", name, *text, least);
+    }
+    return value;
+}
+
+int Run(const std::vector<std::string> &words) {
+    Arguments arguments(words);
+    if (arguments.TakeFlag({"--help", "-h"}) || arguments.Empty()) {
+        fmt::print("{}", kUsage);
+        return 0;
+    }
+    const int samples = TakeWhole(arguments, "--samples", 1000, 1), worst = TakeWhole(arguments, "--worst", 10, 0);
+    const int side = TakeWhole(arguments, "--pagesize", 128, 2);
+    const auto jsonFile = arguments.TakeValue("--json");
+    if (arguments.Rest().size() != 2)
+        throw Error("expected two files, got {} words", arguments.Rest().size());
+    Log log([](LogLevel level, std::string_view text) {
+        if (level != LogLevel::Normal)
+            std::fwrite(text.data(), 1, text.size(), stderr);
+    });
+    const LitMap a = LitMap::Load(arguments.Rest()[0], side, log), b = LitMap::Load(arguments.Rest()[1], side, log);
+    const Comparison comparison = Compare(a, b, samples, std::size_t(worst));
+    fmt::print("{}", ToText(comparison));
+    if (jsonFile) {
+        const std::string json = ToJson(comparison);
+        ReplaceFile(*jsonFile, std::as_bytes(std::span(json)));
+    }
+    return 0;
+}
+
+} // namespace
+
+} // namespace q3::compare
+
+int main(int count, char **words) {
+    try {
+        return q3::compare::Run({words + 1, words + count});
+    } catch (const std::exception &error) {
+        fmt::print(stderr, "lightmap_compare: {}\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,198 @@
+// GPL-2.0-or-later. A lit map as an engine draws it.
+#include "tools/lightmap_compare/lit_map.h"
+
+#include "common/error.h"
+#include "common/files.h"
+#include "common/image.h"
+#include "common/text.h"
+#include "common/text_scan.h"
+#include "libs/math/low_discrepancy.h"
+#include "q3map2/lightmap/lightmap_scripts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3::compare {
+
+namespace {
+
+std::vector<Page> PagesOfLump(const Bsp &bsp, int side) {
+    const std::size_t bytes = 3 * std::size_t(side) * std::size_t(side);
+    std::vector<Page> pages;
+    for (std::size_t at = 0; at + bytes <= bsp.lightmaps.size(); at += bytes)
+        pages.push_back(
+            {side,
+             side,
+             {bsp.lightmaps.begin() + std::ptrdiff_t(at), bsp.lightmaps.begin() + std::ptrdiff_t(at + bytes)}});
+    return pages;
+}
+
+/// Numbers count on from 0 without a gap, or are pages beside those of the lump.
+std::vector<Page> PagesOfFolder(const std::filesystem::path &folder, std::size_t atLeast) {
+    std::vector<Page> pages;
+    std::error_code ignored;
+    for (std::size_t i = 0;; ++i) {
+        const auto path = folder / fmt::format("lm_{:04}.tga", i);
+        if (!std::filesystem::exists(path, ignored)) {
+            if (i >= atLeast)
+                return pages;
+            pages.emplace_back();
+            continue;
+        }
+        const Image image = DecodeTga(ReadFile(path), path.string());
+        Page page{image.width, image.height, {}};
+        for (std::size_t at = 0; at < image.rgba.size(); at += 4)
+            page.rgb.insert(page.rgb.end(), &image.rgba[at], &image.rgba[at + 3]);
+        pages.push_back(std::move(page));
+    }
+}
+
+/// Made shaders and the first page image that each names.
+std::map<std::string, int> PagesOfShaders(const std::filesystem::path &script, std::string_view mapName) {
+    std::map<std::string, int> result;
+    std::error_code ignored;
+    if (!std::filesystem::exists(script, ignored))
+        return result;
+    const std::vector<std::byte> file = ReadFile(script);
+    TextScanner scanner(std::string(reinterpret_cast<const char *>(file.data()), file.size()), script.string());
+    const std::string prefix = fmt::format("maps/{}/lm_", mapName);
+    std::string token, shader;
+    int depth = 0;
+    while (scanner.Next(token)) {
+        if (token == "{")
+            ++depth;
+        else if (token == "}")
+            --depth;
+        else if (depth == 0)
+            shader = LowerCase(token);
+        else if (StartsWithNoCase(token, prefix))
+            result.emplace(shader, IntegerFromText(std::string_view(token).substr(prefix.size())));
+    }
+    return result;
+}
+
+Vec3d Texel(const Page &page, int x, int y) {
+    const std::size_t at = 3 * (std::size_t(y) * std::size_t(page.width) + std::size_t(x));
+    return {double(page.rgb[at]), double(page.rgb[at + 1]), double(page.rgb[at + 2])};
+}
+
+Place OnPatch(const bspDrawSurface_t &s, double u, double v) {
+    const int across = (s.patchWidth - 1) / 2, down = (s.patchHeight - 1) / 2;
+    const int column = std::min(int(u * across), across - 1), row = std::min(int(v * down), down - 1);
+    const auto weights = [](double t) { return std::array{(1 - t) * (1 - t), 2 * t * (1 - t), t * t}; };
+    const auto a = weights(u * across - column), b = weights(v * down - row);
+    Place place;
+    for (int y = 0; y < 3; ++y)
+        for (int x = 0; x < 3; ++x) {
+            place.verts[place.count] = s.firstVert + (2 * row + y) * s.patchWidth + 2 * column + x;
+            place.weights[place.count++] = a[std::size_t(x)] * b[std::size_t(y)];
+        }
+    return place;
+}
+
+} // namespace
+
+LitMap::LitMap(Bsp bsp, std::vector<Page> pages, std::map<std::string, int> pageOfShader)
+    : bsp_(std::move(bsp)), pages_(std::move(pages)) {
+    const auto known = [&](int page) {
+        return page >= 0 && std::size_t(page) < pages_.size() && !pages_[std::size_t(page)].rgb.empty();
+    };
+    bool any = false, even = true;
+    for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i) {
+        int page = bsp_.drawSurfaces[i].surfaceType == MST_FLARE ? -1 : bsp_.drawSurfaces[i].lightmapNum;
+        if (const auto made = pageOfShader.find(LowerCase(ShaderOf(i))); page < 0 && made != pageOfShader.end())
+            page = made->second;
+        pageOf_.push_back(known(page) ? page : -1);
+        any |= pageOf_.back() >= 0;
+        even &= pageOf_.back() < 0 || pageOf_.back() % 2 == 0;
+    }
+    deluxe_ = any && even && pages_.size() % 2 == 0;
+}
+
+LitMap LitMap::Load(const std::filesystem::path &path, int side, Log &log) {
+    Bsp bsp = ReadBspFile(path, BspFormat{}, log);
+    std::filesystem::path folder = path;
+    folder.replace_extension();
+    const std::string name = path.stem().string();
+    RemoveMipmapHints(name, bsp);
+    auto shaders = PagesOfShaders(std::filesystem::absolute(path).parent_path().parent_path() / "scripts" /
+                                      fmt::format("q3map2_{}.shader", name),
+                                  name);
+    std::vector<Page> pages = PagesOfLump(bsp, side);
+    // Made shaders count pages of the lump and images in one row.
+    std::size_t most = 0;
+    for (const auto &[shader, page] : shaders)
+        most = std::max(most, std::size_t(std::max(page, 0)) + 1);
+    if (pages.empty() || most > 0) {
+        std::vector<Page> images = PagesOfFolder(folder, most);
+        images.resize(std::max(images.size(), pages.size()));
+        for (std::size_t i = 0; i < pages.size(); ++i)
+            if (images[i].rgb.empty())
+                images[i] = std::move(pages[i]);
+        pages = std::move(images);
+    }
+    return LitMap(std::move(bsp), std::move(pages), std::move(shaders));
+}
+
+Vec3d LitMap::Sample(int page, const Place &place) const {
+    const Page &p = pages_[std::size_t(page)];
+    double s = 0, t = 0;
+    for (std::size_t i = 0; i < place.count; ++i) {
+        const bspDrawVert_t &v = bsp_.drawVerts[std::size_t(place.verts[i])];
+        s += place.weights[i] * double(v.lightmap[0]), t += place.weights[i] * double(v.lightmap[1]);
+    }
+    const auto along = [](double coordinate, int size) {
+        const double at = coordinate * size - 0.5;
+        return std::isfinite(at) ? std::clamp(at, 0.0, double(size - 1)) : 0.0;
+    };
+    const double x = along(s, p.width), y = along(t, p.height);
+    const int x0 = int(x), y0 = int(y), x1 = std::min(x0 + 1, p.width - 1), y1 = std::min(y0 + 1, p.height - 1);
+    const double fx = x - x0, fy = y - y0;
+    return (Texel(p, x0, y0) * (1 - fx) + Texel(p, x1, y0) * fx) * (1 - fy) +
+           (Texel(p, x0, y1) * (1 - fx) + Texel(p, x1, y1) * fx) * fy;
+}
+
+Vec3d LitMap::Direction(std::size_t surface, const Place &place) const {
+    return (Sample(PageOf(surface) + 1, place) - Vec3d{127.5, 127.5, 127.5}) / 127.5;
+}
+
+Vec3d LitMap::Position(const Place &place) const {
+    Vec3d sum;
+    for (std::size_t i = 0; i < place.count; ++i)
+        sum += Vec3d(bsp_.drawVerts[std::size_t(place.verts[i])].xyz) * place.weights[i];
+    return sum;
+}
+
+std::vector<Place> PlacesOn(const Bsp &bsp, std::size_t surface, int count) {
+    const bspDrawSurface_t &s = bsp.drawSurfaces[surface];
+    std::vector<Place> places;
+    if (s.surfaceType == MST_PATCH) {
+        for (int i = 0; i < count; ++i) {
+            const Sample2 at = PlasticSample(std::uint32_t(i), surface);
+            places.push_back(OnPatch(s, at.u, at.v));
+        }
+        return places;
+    }
+    if (s.surfaceType != MST_PLANAR && s.surfaceType != MST_TRIANGLE_SOUP)
+        return places;
+    std::vector<double> area{0};
+    const auto index = [&](std::size_t triangle, std::size_t corner) {
+        return s.firstVert + bsp.drawIndexes[std::size_t(s.firstIndex) + 3 * triangle + corner];
+    };
+    for (std::size_t t = 0; t < std::size_t(s.numIndexes) / 3; ++t) {
+        const auto at = [&](std::size_t corner) { return Vec3d(bsp.drawVerts[std::size_t(index(t, corner))].xyz); };
+        area.push_back(area.back() + Length(Cross(at(1) - at(0), at(2) - at(0))));
+    }
+    for (int i = 0; i < count && area.back() > 0; ++i) {
+        const Sample2 at = PlasticSample(std::uint32_t(i), surface);
+        const double chosen = (i + 0.5) / count * area.back();
+        const auto t = std::size_t(std::upper_bound(area.begin(), area.end() - 1, chosen) - area.begin()) - 1;
+        const double q = std::sqrt(at.u);
+        const std::size_t triangle = std::min(t, std::size_t(s.numIndexes) / 3 - 1);
+        places.push_back(
+            {{index(triangle, 0), index(triangle, 1), index(triangle, 2)}, {1 - q, q * (1 - at.v), q * at.v}, 3});
+    }
+    return places;
+}
+
+} // namespace q3::compare

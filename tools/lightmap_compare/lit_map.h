@@ -1,0 +1,66 @@
+// GPL-2.0-or-later. A lit map as an engine draws it: light at places of its surfaces.
+#pragma once
+
+#include "common/log.h"
+#include "libs/math/vec.h"
+#include "q3map2/bspfile/bspfile.h"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace q3::compare {
+
+/// A place on a surface: between which vertices, and with what weights. The same for all files of a map.
+struct Place {
+    std::array<int, 9> verts{}; ///< numbers in the file
+    std::array<double, 9> weights{};
+    std::size_t count = 0;
+};
+
+/// RGB rows.
+struct Page {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> rgb;
+};
+
+/// A file with its pages: of the lump, or lm_NNNN.tga in the folder of the file's name.
+class LitMap {
+  public:
+    LitMap(Bsp bsp, std::vector<Page> pages, std::map<std::string, int> pageOfShader);
+    /// side: of a page in the lump. Errors: Error, for files that cannot be read.
+    static LitMap Load(const std::filesystem::path &path, int side, Log &log);
+
+    const Bsp &Map() const { return bsp_; }
+    std::size_t PageCount() const { return pages_.size(); }
+    /// Pages come in pairs of light and its direction.
+    bool Deluxe() const { return deluxe_; }
+    /// Number of the page that lights the surface; -1: its vertices do.
+    int PageOf(std::size_t surface) const { return pageOf_[surface]; }
+    /// Bilinear, byte scale; the surface must have a page.
+    Vec3d Light(std::size_t surface, const Place &place) const { return Sample(PageOf(surface), place); }
+    /// Towards the light, not of length 1. Needs Deluxe.
+    Vec3d Direction(std::size_t surface, const Place &place) const;
+    Vec3d Position(const Place &place) const;
+    std::string_view ShaderOf(std::size_t surface) const {
+        return FieldName(bsp_.shaders[std::size_t(bsp_.drawSurfaces[surface].shaderNum)].shader);
+    }
+
+  private:
+    Vec3d Sample(int page, const Place &place) const;
+
+    Bsp bsp_;
+    std::vector<Page> pages_;
+    std::vector<int> pageOf_;
+    bool deluxe_ = false;
+};
+
+/// `count` well-spread places of a surface, uniform by area on triangles and by parameter on patches; none for surfaces
+/// that are not drawn so.
+std::vector<Place> PlacesOn(const Bsp &bsp, std::size_t surface, int count);
+
+} // namespace q3::compare
