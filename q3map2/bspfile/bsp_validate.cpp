@@ -321,7 +321,8 @@ class Validator {
         if (surface.surfaceType == MST_FLARE)
             return; // a flare's number means nothing
         const auto pages = std::int64_t(bsp_.lightmaps.size() / kLightmapPageBytes);
-        if (surface.lightmapNum < -4 || surface.lightmapNum >= pages)
+        // Without pages in the file, numbers count those beside it.
+        if (surface.lightmapNum < -4 || (pages > 0 && surface.lightmapNum >= pages))
             log_.Warn("lightmapNum", "{}: surface {}: lightmapNum {} is not one of {} pages: taken as lit by vertex",
                       name_, place.index, surface.lightmapNum, pages);
         const auto inPage = [](std::int64_t start, std::int64_t length) {

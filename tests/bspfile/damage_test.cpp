@@ -217,8 +217,22 @@ TEST(Damage, ASmallFileCannotStandForAHugeMap) {
                 HasSubstr("leafs: the sum of numBSPLeafSurfaces is"));
 }
 
+TEST(Damage, NumbersOfPagesBesideTheFileAreNone) {
+    Bsp bsp = SampleBsp();
+    bsp.lightmaps.clear();
+    bsp.drawSurfaces[0].lightmapNum = 3;
+    Listener listener;
+    ReadBsp(WriteBsp(bsp, {}), "x.bsp", {}, listener.log);
+    EXPECT_EQ(listener.text, "");
+}
+
 TEST(Damage, OdditiesThatGoOnAreWarningsAndStay) {
-    ExpectWarning([](Bsp &b) { b.drawSurfaces[0].lightmapNum = 3; }, "surface 0: lightmapNum 3");
+    ExpectWarning(
+        [](Bsp &b) {
+            b.lightmaps.resize(3 * 128 * 128 * 3);
+            b.drawSurfaces[0].lightmapNum = 3;
+        },
+        "surface 0: lightmapNum 3");
     ExpectWarning([](Bsp &b) { b.drawSurfaces[0].lightmapNum = -5; }, "surface 0: lightmapNum -5");
     ExpectWarning([](Bsp &b) { b.drawSurfaces[0].lightmapWidth = 129; }, "lightmap rectangle");
     ExpectWarning([](Bsp &b) { b.drawSurfaces[0].lightmapX = INT32_MAX; }, "lightmap rectangle");

@@ -1,0 +1,49 @@
+// GPL-2.0-or-later. What casts shadows, as triangles by kind.
+#pragma once
+
+#include "q3map2/bspfile/bspfile.h"
+#include "q3map2/light/light_options.h"
+#include "q3map2/light/surface_table.h"
+
+#include <array>
+#include <vector>
+
+namespace q3 {
+
+/// Kinds of shadow casters: rays of different passes meet different ones.
+enum GeometryId : unsigned {
+    kSolids,
+    kSurfaces,
+    kPatches,
+    kSkies,
+    kFilters,
+    kFilterPatches,
+    kLegacySolids,
+    kGeometries
+};
+
+/// Triangles of one kind with what a hit needs to know.
+struct Triangles {
+    std::vector<float> corners;           // 9 a triangle
+    std::vector<int> surface;             // draw surface of each triangle
+    std::vector<std::array<float, 6>> st; // texture coordinates of the corners; of surfaces only
+
+    void Add(const Vec3f &a, const Vec3f &b, const Vec3f &c, int surfaceNumber) {
+        for (const Vec3f &p : {a, b, c})
+            corners.insert(corners.end(), {p.x, p.y, p.z});
+        surface.push_back(surfaceNumber);
+    }
+    std::size_t Count() const { return surface.size(); }
+};
+
+using TrianglesByKind = std::array<Triangles, kGeometries>;
+
+/// Adds the surfaces that shadow receivers of that group.
+void AddSurfaces(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, int receiveShadows,
+                 TrianglesByKind &triangles);
+/// Adds the hull of solid leafs.
+void AddSolids(const Bsp &bsp, const std::vector<bool> &solidLeafs, Triangles &triangles);
+/// Solid leafs as the established program sees them: without those that surfaces sunk into walls have opened.
+std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles);
+
+} // namespace q3
