@@ -51,14 +51,14 @@ Tone of lightmaps, vertices and the legacy grid:
   -sRGB -nosRGB, -sRGBlight, -sRGBtex, -sRGBcolor and their -nosRGB forms
 Speed and rays:
   -fast                   lights end below the tolerance; SH grid: few samples
-  -fastgrid, -fastbounce  that for the grids, or bounces, alone
+  -fastgrid               that for the grids alone
   -faster                 and area lights count as points, but for the SH grid
-  -cheap, -cheapgrid      stop adding lights to what is white; legacy grid alone
+  -cheap, -cheapgrid      stop adding lights to what is white: vertices and legacy grid, or the grid alone
   -nogrid                 leave the legacy grid as it is
   -noskip                 trace every light at every point; or one kind of skip off:
   -noskipreach  -noskippvs  -noskipfaint  -noskipmoments  -noskipprobes  -noskipcoarse
   -notrace  -nosurf  -sunonly  -onesky  -patchshadows  -style  -nostyle
-  -floodlight  -lowquality
+  -floodlight             light from wherever it is open around;  -lowquality with half the rays
 )"},
     {"lightmap", R"(q3map2 -light [options] maps/x.bsp     lightmaps, vertex light and bounces
 Samples:
@@ -75,7 +75,7 @@ Dirt:
 Bounces:
   -bounce N               passes of light that surfaces throw back
   -bouncegrid             on the grids too
-  -bouncescale F  -bouncecolorratio F  -bounceonly  -nobouncestore  -dump
+  -bouncescale F  -bouncecolorratio F  -bounceonly
 Vertices:
   -vertexscale F  -novertex [F]  -cpma  -nolm
 Pages:

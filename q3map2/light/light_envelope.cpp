@@ -80,17 +80,13 @@ void FindClusters(Light &light, LightPass pass, const BspSpace &space) {
     }
 }
 
-bool ForSurfaces(LightPass pass) {
-    return pass == LightPass::Surfaces || pass == LightPass::Bounce;
-}
-
 /// Whether the light ends where it falls below the tolerance.
-bool EndsAtTolerance(const Light &light, LightPass pass, const LightOptions &options, const EnvelopeRules &rules) {
+bool EndsAtTolerance(const Light &light, LightPass pass, const LightOptions &options, bool fastPoint) {
     if (light.noFast || pass == LightPass::GridSH) // the SH grid represents faint light instead of leaving it out
         return false;
     const bool area = light.type == LightType::Area;
-    if (ForSurfaces(pass))
-        return options.fast || rules.fast || (!area && rules.fastPoint);
+    if (pass == LightPass::Surfaces)
+        return options.fast || (!area && fastPoint);
     return options.fastGrid || light.alwaysFast || !area;
 }
 
@@ -124,7 +120,7 @@ std::vector<bool> SkySeenFrom(const BspSpace &space, const SurfaceTable &table) 
 
 std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, const LightOptions &options,
                                   const BspSpace &space, const std::vector<bool> &skySeenFrom, int &culled,
-                                  const EnvelopeRules &rules) {
+                                  bool fastPoint) {
     std::map<int, Boundsf> visibleBounds;
     const auto boundsOf = [&](int cluster) -> const Boundsf & {
         auto found = visibleBounds.find(cluster);
@@ -132,7 +128,7 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
             found = visibleBounds.emplace(cluster, space.VisibleBounds(cluster)).first;
         return found->second;
     };
-    const auto wanted = [&](const Light &light) { return ForSurfaces(pass) ? light.surfaces : light.grid; };
+    const auto wanted = [&](const Light &light) { return pass == LightPass::Surfaces ? light.surfaces : light.grid; };
     const auto prepare = [&](Light &light) {
         if (light.photons < 0 || light.add < 0) {
             light.photons = -light.photons, light.add = -light.add;
@@ -141,14 +137,14 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
         if (light.type == LightType::Sun) {
             light.envelope = kFar;
             light.bounds = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
-            if (!(ForSurfaces(pass) && options.noTrace)) // without rays, suns shine everywhere
+            if (!(pass == LightPass::Surfaces && options.noTrace)) // without rays, suns shine everywhere
                 light.seenFrom = skySeenFrom;
             return wanted(light);
         }
         FindClusters(light, pass, space);
         if (light.clusters.empty())
             return false;
-        light.fast = EndsAtTolerance(light, pass, options, rules);
+        light.fast = EndsAtTolerance(light, pass, options, fastPoint);
         light.seenFrom = SeenFrom(light.clusters, space);
         light.bounds = {};
         for (const int cluster : light.clusters)

@@ -99,21 +99,15 @@ std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const Shade
 enum class LightPass {
     LegacyGrid, ///< as the established program: tolerance of entity lights and under -fast, the light's one cluster
     GridSH,     ///< no tolerance; all clusters that an area light touches
-    Surfaces,   ///< lightmaps and vertices: tolerance as EnvelopeRules says, the light's one cluster
-    Bounce      ///< the same for bounced light
-};
-
-/// LightPass::Surfaces and Bounce: which lights end where they fall below the tolerance.
-struct EnvelopeRules {
-    bool fast = false;     ///< all: -fastbounce; LightOptions::fast says so too
-    bool fastPoint = true; ///< point lights and spotlights: unless -nofastpoint
+    Surfaces    ///< lightmaps and vertices: tolerance of point lights and under -fast, the light's one cluster
 };
 
 /// Prepares lights for a pass: sign of negative lights, clusters, envelope, bounds. Lights in solid are nudged out, or
 /// dropped; `culled` gets the number of those dropped. Stable sort by style at the end. skySeenFrom: see SkySeenFrom.
+/// fastPoint: false for -nofastpoint, for surfaces.
 std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, const LightOptions &options,
                                   const BspSpace &space, const std::vector<bool> &skySeenFrom, int &culled,
-                                  const EnvelopeRules &rules = {});
+                                  bool fastPoint = true);
 
 /// By cluster: some leaf that it sees holds a sky surface. Empty, that is everywhere, when a sky is in no leaf.
 std::vector<bool> SkySeenFrom(const BspSpace &space, const SurfaceTable &table);

@@ -26,8 +26,10 @@ class SurfacePasses {
         for (int bounce = 1; bounce <= asked; ++bounce) {
             in_.log.Section(fmt::format("Radiosity (bounce {} of {})", bounce, asked));
             AverageLuxels(in_, {.bounce = bounce > 1}, false, surfaces_);
-            if (!bounces_)
+            if (!bounces_) {
                 bounces_.emplace(in_, surfaces_);
+                in_.log.Count((long long)(bounces_->Rays()), "rays that all bounces go by");
+            }
             if (!bounces_->TakeUp(surfaces_)) {
                 in_.log.Print("No light is left to bounce\n");
                 averaged_ = true;
@@ -69,11 +71,12 @@ class SurfacePasses {
         const CpuTimer timer;
         const std::uint64_t raysBefore = counts_.rays;
         int culled = 0;
-        const std::vector<Light> lights = SetupEnvelopes(
-            created, pass.bounce ? LightPass::Bounce : LightPass::Surfaces, in_.options, in_.space, setup_.skySeenFrom,
-            culled, {.fast = pass.bounce && in_.lightmap.fastBounce, .fastPoint = in_.lightmap.fastPoint});
-        in_.log.Count((long long)(lights.size()), "lights");
-        in_.log.Count(culled, "lights culled");
+        const std::vector<Light> lights = SetupEnvelopes(created, LightPass::Surfaces, in_.options, in_.space,
+                                                         setup_.skySeenFrom, culled, in_.lightmap.fastPoint);
+        if (!bounces) {
+            in_.log.Count((long long)(lights.size()), "lights");
+            in_.log.Count(culled, "lights culled");
+        }
         LightLuxels(in_, lights, pass, surfaces_, counts_);
         if (bounces)
             bounces->AddToLuxels(surfaces_);
@@ -81,7 +84,8 @@ class SurfacePasses {
         LightVertices(in_, lights, pass, surfaces_, counts_);
         if (bounces)
             bounces->AddToVertices(surfaces_);
-        in_.log.Count((long long)(counts_.rays - raysBefore), "rays");
+        if (!bounces)
+            in_.log.Count((long long)(counts_.rays - raysBefore), "rays");
         in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
     }
 
@@ -106,6 +110,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
                                    .noLightmaps = lightmap.noLightmaps,
                                    .ambient = {}};
     LightSetup setup(bsp, inputs, options, defaults, library, log);
+    library.DropImages(lightmap.bounces > 0 && !lightmap.onlyGrid);
     LightResult result;
     std::optional<SurfacePasses> surfaces;
     std::unique_ptr<IndirectLight> bounced;

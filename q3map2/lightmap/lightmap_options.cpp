@@ -87,7 +87,6 @@ void ParseSamples(Arguments &arguments, LightmapOptions &o) {
     if (const auto number = TakeNumber(arguments, "-lightanglehl"))
         o.halfLambert = *number != 0;
     o.fastPoint = !arguments.TakeFlag("-nofastpoint");
-    o.fastBounce = arguments.TakeFlag("-fastbounce") || o.fast;
 }
 
 void ParseDirt(Arguments &arguments, LightmapOptions &o) {
@@ -103,7 +102,6 @@ void ParseBounces(Arguments &arguments, LightmapOptions &o) {
     TakeWhole(arguments, "-bounce", 0, kMaxBounces, o.bounces);
     o.bounceGrid = arguments.TakeFlag("-bouncegrid");
     o.bounceOnly = arguments.TakeFlag("-bounceonly");
-    o.bounceStore = !arguments.TakeFlag("-nobouncestore");
     while (const auto value = arguments.TakeValue("-bouncescale"))
         o.bounceScale = float(std::clamp(double(o.bounceScale * Factor(*value)), -kMaxFactor, kMaxFactor));
     if (const auto ratio = TakeNumber(arguments, "-bouncecolorratio"))
@@ -180,7 +178,6 @@ void ParseStoring(Arguments &arguments, LightmapOptions &o, Log &log) {
     o.fillPink = arguments.TakeFlag("-fillpink");
     o.exportPages = arguments.TakeFlag("-export");
     o.triangleSoup = arguments.TakeFlag("-trisoup");
-    o.dump = arguments.TakeFlag("-dump");
 }
 
 void ParseDebug(Arguments &arguments, LightmapOptions &o) {

@@ -34,7 +34,7 @@ struct LightmapOptions {
     bool shade = false;
     float shadeAngle = 0; ///< degrees
     bool halfLambert = false, fastPoint = true;
-    bool fast = false, faster = false, fastBounce = false, cheap = false;
+    bool fast = false, faster = false, cheap = false;
 
     // Dirt.
     bool dirty = false;
@@ -43,7 +43,7 @@ struct LightmapOptions {
 
     // Bounces.
     int bounces = 0;
-    bool bounceGrid = false, bounceOnly = false, bounceStore = true;
+    bool bounceGrid = false, bounceOnly = false;
     float bounceScale = 0.25f, bounceColorRatio = 1;
 
     // Vertices.
@@ -62,7 +62,7 @@ struct LightmapOptions {
     bool collapse = true, fastAllocate = true;
     int searchBlock = 0; ///< pages; 0: all
     bool fill = false, fillPink = false;
-    bool exportPages = false, triangleSoup = false, dump = false;
+    bool exportPages = false, triangleSoup = false;
     bool sRgbTexture = false;
 
     // Debug.

@@ -44,11 +44,11 @@ Light AreaLight(const Vec3f &center, float width, float depth, const Vec3f &norm
 
 /// Lights a map by the given lights.
 struct Lit {
-    Lit(SurfaceCase &c, std::vector<Light> created, const SurfacePass &pass = {}, const EnvelopeRules &rules = {})
+    Lit(SurfaceCase &c, std::vector<Light> created, const SurfacePass &pass = {}, bool fastPoint = true)
         : surfaces(c.Mapped()) {
         int culled = 0;
         lights = SetupEnvelopes(std::move(created), LightPass::Surfaces, c.settings.light, c.space,
-                                SkySeenFrom(c.space, c.table), culled, rules);
+                                SkySeenFrom(c.space, c.table), culled, fastPoint);
         LightLuxels(c.Inputs(), lights, pass, surfaces, counts);
     }
     std::vector<Light> lights;
@@ -101,7 +101,7 @@ TEST_F(LuxelLightTest, LightEndsAtTheTolerance) {
     // 100 units up: weaker than 1 in the corners. Without the tolerance it goes on.
     const Light light = PointLight({0, 0, 100}, 45000);
     SurfaceCase &c = Case(settings);
-    const Lit fast(c, {light}), full(c, {light}, {}, {.fast = false, .fastPoint = false});
+    const Lit fast(c, {light}), full(c, {light}, {}, false);
     int ended = 0;
     ForFloor(full, [&](const Vec3f &p, const Vec3f &, const Vec3f &got) {
         const float way = Length(p - light.origin);

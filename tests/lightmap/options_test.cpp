@@ -33,7 +33,7 @@ TEST_F(LightmapOptionsTest, Defaults) {
     EXPECT_EQ(o.bounces, 0);
     EXPECT_FLOAT_EQ(o.bounceScale, 0.25f);
     EXPECT_EQ(o.pageSize, (std::array{128, 128}));
-    EXPECT_TRUE(o.collapse && o.fastAllocate && o.fastPoint && o.bounceStore);
+    EXPECT_TRUE(o.collapse && o.fastAllocate && o.fastPoint);
     EXPECT_FALSE(o.external || o.deluxe || o.dirty || o.shade || o.noVertex || o.halfLambert || o.onlyGrid);
 }
 
@@ -52,12 +52,12 @@ TEST_F(LightmapOptionsTest, EveryOptionIsTaken) {
     EXPECT_EQ(o.samplesSearchBox, 2);
     EXPECT_FLOAT_EQ(o.threshold, 0.5f);
     EXPECT_EQ((std::array{o.sampleSize, o.minSampleSize, o.sampleScale, o.rawSizeLimit}), (std::array{8, 4, 2, 64}));
-    EXPECT_TRUE(o.shade && o.halfLambert && !o.fastPoint && o.fastBounce && !o.fast);
+    EXPECT_TRUE(o.shade && o.halfLambert && !o.fastPoint && !o.fast);
     EXPECT_FLOAT_EQ(o.shadeAngle, 70);
     EXPECT_TRUE(o.dirty && o.dirtRandom);
     EXPECT_EQ((std::array{o.dirtDepth, o.dirtScale, o.dirtGain}), (std::array{64.0f, 2.0f, 3.0f}));
     EXPECT_EQ(o.bounces, 5);
-    EXPECT_TRUE(o.bounceGrid && o.bounceOnly && !o.bounceStore);
+    EXPECT_TRUE(o.bounceGrid && o.bounceOnly);
     EXPECT_FLOAT_EQ(o.bounceScale, 0.5f);
     EXPECT_FLOAT_EQ(o.bounceColorRatio, 0.5f);
     EXPECT_FLOAT_EQ(o.vertexScale, 3);
@@ -65,17 +65,17 @@ TEST_F(LightmapOptionsTest, EveryOptionIsTaken) {
     EXPECT_FLOAT_EQ(o.brightness, 1.5f);
     EXPECT_FLOAT_EQ(o.approximate, 8);
     EXPECT_EQ(o.searchBlock, 4);
-    EXPECT_TRUE(o.exportPages && o.triangleSoup && o.dump && o.sRgbTexture && o.debug && o.border && o.debugNormals);
+    EXPECT_TRUE(o.exportPages && o.triangleSoup && o.sRgbTexture && o.debug && o.border && o.debugNormals);
     EXPECT_TRUE(o.debugDeluxe && o.deluxe && o.debugSampleSize && o.onlyGrid);
     EXPECT_EQ(o.show, LuxelShow::Axis);
 }
 
 TEST_F(LightmapOptionsTest, WhatTheGridsShareComesFromTheirs) {
     const LightmapOptions o = Parse("-faster -cheap");
-    EXPECT_TRUE(o.fast && o.faster && o.fastBounce && o.cheap);
+    EXPECT_TRUE(o.fast && o.faster && o.cheap);
     EXPECT_TRUE(light.fastGrid && light.cheapGrid);
     const LightmapOptions grid = Parse("-fastgrid -cheapgrid");
-    EXPECT_FALSE(grid.fast || grid.faster || grid.fastBounce || grid.cheap) << "the grids only";
+    EXPECT_FALSE(grid.fast || grid.faster || grid.cheap) << "the grids only";
     EXPECT_TRUE(light.fastGrid && light.cheapGrid);
     EXPECT_TRUE(Parse("-sRGB").sRgbTexture);
     EXPECT_FALSE(Parse("-nosRGB", "xonotic").sRgbTexture);
