@@ -25,6 +25,8 @@ constexpr float kMargin = 0.25f;
 /// Luxels share what they found with those up to this many luxels away whose normals differ by less than its cosine.
 constexpr int kWindow = 2;
 constexpr float kAlike = 0.9f;
+/// Weight of a flat plane against the neighbours' spread. Luxels squared.
+constexpr double kStiffness = 0.7;
 /// Weight of bounced light in deluxe directions; spec of deluxe.
 constexpr float kBounceDirection = 0.25f;
 
@@ -143,21 +145,25 @@ class Neighbourhood {
     std::vector<std::uint8_t> seen_;
 };
 
-/// Height at the centre of the plane that fits the neighbours' values best; their mean where they make no plane.
+/// Height at the centre of the plane that fits the neighbours' values best, with slopes held back: at the rim of a
+/// lightmap, with neighbours on one side only, free slopes would make noise of neighbours a seam.
 Vec3f PlaneAtCenter(const std::vector<Neighbourhood::Neighbour> &around, const std::vector<Vec3f> &values) {
-    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
-    Vec3d sum, sumX, sumY;
+    double mx = 0, my = 0;
+    Vec3d mean;
+    const auto n = double(around.size());
+    for (const auto &[luxel, dx, dy] : around)
+        mx += double(dx) / n, my += double(dy) / n, mean += Vec3d(values[luxel]) * (1 / n);
+    double xx = kStiffness * n, xy = 0, yy = kStiffness * n;
+    Vec3d xv, yv;
     for (const auto &[luxel, dx, dy] : around) {
-        const Vec3d value(values[luxel]);
-        n += 1, sx += dx, sy += dy, sxx += dx * dx, sxy += dx * dy, syy += dy * dy;
-        sum += value, sumX += value * double(dx), sumY += value * double(dy);
+        const double x = double(dx) - mx, y = double(dy) - my;
+        const Vec3d value = Vec3d(values[luxel]) - mean;
+        xx += x * x, xy += x * y, yy += y * y;
+        xv += value * x, yv += value * y;
     }
-    const double det = n * (sxx * syy - sxy * sxy) - sx * (sx * syy - sxy * sy) + sy * (sx * sxy - sxx * sy);
-    if (n < 4 || det < 1e-6)
-        return Vec3f(sum * (1 / n));
-    // First row of the inverse of the normal equations.
-    const double a = (sxx * syy - sxy * sxy) / det, b = (sxy * sy - sx * syy) / det, c = (sx * sxy - sxx * sy) / det;
-    return Max(Vec3f(sum * a + sumX * b + sumY * c), Vec3f{});
+    const double det = xx * yy - xy * xy;
+    const Vec3d slopeX = (xv * yy - yv * xy) * (1 / det), slopeY = (yv * xx - xv * xy) * (1 / det);
+    return Max(Vec3f(mean - slopeX * mx - slopeY * my), Vec3f{});
 }
 
 } // namespace

@@ -293,7 +293,8 @@ TEST_F(LuxelCullTest, NothingThatShinesIsLeftOut) {
     settings.light.skip.faint = false;
     SurfaceCase &c = Case(settings);
     for (const bool fast : {false, true}) {
-        const Lit lit(c, ManyLights(150), {}, {.fast = fast});
+        c.settings.light.fast = fast;
+        const Lit lit(c, ManyLights(150));
         EXPECT_GT(lit.counts.rays, 1000u);
         EXPECT_LT(LargestDifference(c, lit), 0.02);
     }
