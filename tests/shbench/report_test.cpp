@@ -149,7 +149,8 @@ TEST_F(RunTest, WorstPositionsOfAnUnknownSettingAreRefused) {
     settings.worst = 1;
     settings.worstOf = "fastt";
     Log silent([](LogLevel, std::string_view) {});
-    EXPECT_THROW(RunBench(*Map(Room()), Library(), settings, *FindGame("quake3"), JobPool(1), silent), std::exception);
+    const auto map = Map(Room()); // makes the library
+    EXPECT_THROW(RunBench(*map, Library(), settings, *FindGame("quake3"), JobPool(1), silent), std::exception);
 }
 
 TEST_F(RunTest, UnknownLightOptionsAreRefused) {
