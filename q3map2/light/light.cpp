@@ -121,13 +121,12 @@ float IgnoreRadius(const GridLayout &layout) {
 
 LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOptions &given,
                        const SurfaceDefaults &defaults, ShaderLibrary &library, Log &log)
-    : bsp(map), stored(StoredEntities(map, inputs)), layout(SetupGridLogged(map, stored.front(), log)), options(given),
-      world(ReadWorldLight(stored.front(), given)),
+    : bsp(map), stored(StoredEntities(map, inputs)), layout(SetupGridLogged(map, stored.front(), log)),
+      world(ReadWorldLight(stored.front(), given)), options(WithWorld(given, world)),
       table(MakeSurfaceTable(map, stored, inputs.surfaceFile, inputs.name + ".srf", library, log,
                              WithAmbient(defaults, world))),
       lights(CreateLightsLogged(*this, inputs, library, log)), space(map, OpaqueBrushes(map, library)),
-      scene(map, table, WithWorld(given, world), IgnoreRadius(layout)), skySeenFrom(SkySeenFrom(space, table)) {
-    options = WithWorld(given, world);
+      scene(map, table, options, IgnoreRadius(layout)), skySeenFrom(SkySeenFrom(space, table)) {
     log.Count((long long)(scene.TriangleCount()), "triangles that rays can meet");
 }
 

@@ -34,8 +34,8 @@ struct LightSetup {
     const Bsp &bsp;
     std::vector<Entity> stored; ///< entities that the map keeps
     GridLayout layout;          ///< of the legacy grid
-    LightOptions options;       ///< with what worldspawn says
     WorldLight world;
+    LightOptions options; ///< with what worldspawn says
     SurfaceTable table;
     std::vector<Light> lights; ///< in the order in which they count
     BspSpace space;

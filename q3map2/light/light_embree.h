@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <memory>
 #include <numeric>
+#include <span>
 #include <type_traits>
 
 namespace q3 {
@@ -65,6 +66,13 @@ inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context,
     rtcOccluded16(valid, scene, &context, &rays);
 }
 #endif
+
+/// A device for one thread's calls at a time while scenes are made; tracing needs no device. Errors: Error.
+DevicePtr NewDevice();
+/// An empty scene, watertight and built for fast tracing.
+ScenePtr NewScene(RTCDevice device);
+/// Triangles of three corners each, xyz one after the other, committed. Errors: Error, out of memory.
+GeometryPtr NewTriangles(RTCDevice device, std::span<const float> corners);
 
 /// Rays between `nearest` and `distance` along unit directions.
 inline void SetRays(const Lanes3 &origin, const Lanes3 &direction, const Lanes &distance, float nearest,

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. What rays see: solids, surfaces, skies and see-through surfaces in Embree.
 #include "q3map2/light/light_scene.h"
 
-#include "common/error.h"
 #include "q3map2/light/light_embree.h"
 #include "q3map2/light/light_space.h"
 #include "q3map2/light/shadow_casters.h"
@@ -20,22 +19,6 @@ constexpr float kSkySlack = 0.125f;
 constexpr float kOpaqueTint = 0.001f;
 /// Two hits of one see-through surface nearer than this are one: the shared edge of its triangles. Game units.
 constexpr float kSameHit = 0.01f;
-
-GeometryPtr MakeGeometry(RTCDevice device, const Triangles &triangles) {
-    GeometryPtr geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
-    const std::size_t vertices = triangles.corners.size() / 3;
-    auto *positions = static_cast<float *>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0,
-                                                                   RTC_FORMAT_FLOAT3, 3 * sizeof(float), vertices));
-    auto *indices = static_cast<unsigned *>(rtcSetNewGeometryBuffer(
-        geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), triangles.Count()));
-    if (!positions || !indices)
-        throw Error("out of memory for {} triangles", triangles.Count());
-    std::copy(triangles.corners.begin(), triangles.corners.end(), positions);
-    for (std::size_t i = 0; i < vertices; ++i)
-        indices[i] = unsigned(i);
-    rtcCommitGeometry(geometry.get());
-    return geometry;
-}
 
 /// Multiplies what the texel under the hit lets through; spec of alpha shadows and light filters.
 Vec3f FilterAt(const ShaderInfo &shader, const std::array<float, 6> &st, float u, float v) {
@@ -212,9 +195,7 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
     AddSolids(bsp, SolidLeafs(bsp), s.main.triangles[kSolids]);
     AddSurfaces(bsp, table, options, 1, s.main.triangles);
     AddSolids(bsp, LegacySolidLeafs(bsp, s.main.triangles), s.main.triangles[kLegacySolids]);
-    s.device.reset(rtcNewDevice("threads=1"));
-    if (!s.device)
-        throw Error("Embree: cannot make a device");
+    s.device = NewDevice();
     s.MakeGeometries(s.main);
     s.legacySolids = s.MakeScene({kLegacySolids});
     s.solidHull = s.MakeScene({kSolids});
@@ -235,7 +216,7 @@ void LightScene::State::MakeGeometries(Casters &casters) const {
     for (std::size_t id = 0; id < kGeometries; ++id) {
         if (casters.triangles[id].Count() == 0)
             continue;
-        casters.geometries[id] = MakeGeometry(device.get(), casters.triangles[id]);
+        casters.geometries[id] = NewTriangles(device.get(), casters.triangles[id].corners);
         const RTCGeometry geometry = casters.geometries[id].get();
         if (id == kFilters || id == kFilterPatches) {
             rtcSetGeometryOccludedFilterFunction(geometry, FilterHit);
@@ -249,9 +230,7 @@ void LightScene::State::MakeGeometries(Casters &casters) const {
 }
 
 ScenePtr LightScene::State::MakeScene(const Casters &casters, std::initializer_list<GeometryId> ids) const {
-    ScenePtr scene(rtcNewScene(device.get()));
-    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
+    ScenePtr scene = NewScene(device.get());
     bool any = false;
     for (const GeometryId id : ids)
         if (casters.geometries[id]) {

@@ -14,7 +14,7 @@ namespace q3 {
 namespace {
 
 /// Rays of a luxel; 16 neighbours have 16 times as many different ones.
-constexpr int kRays = 24, kFewestRays = 4;
+constexpr int kRays = 24, kFewestRays = 4, kSets = 16;
 constexpr int kVertexRays = 256, kPlaceRays = 96;
 constexpr std::uint64_t kMostLinks = std::uint64_t(192) << 20;
 constexpr float kFar = 1e6f;
@@ -170,6 +170,8 @@ Vec3f PlaneAtCenter(const std::vector<Neighbourhood::Neighbour> &around, const s
 
 BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene)
     : space_(in.space), scene_(scene), links_(surfaces.lightmaps.size()) {
+    for (std::uint32_t i = 0; i < std::uint32_t(std::max(kSets * kRays, kVertexRays)); ++i)
+        directions_.push_back(CosineDirection(i));
     for (const RawLightmap &raw : surfaces.lightmaps)
         rays_ += std::uint64_t(std::count_if(raw.codes.begin(), raw.codes.end(), [](int code) { return code >= 0; })) *
                  std::uint64_t(RaysALuxel(raw));
@@ -201,7 +203,7 @@ std::vector<EmitterId> BounceGather::Links(const RawLightmap &raw) const {
                 const std::uint32_t first = SetOf(x, y) * std::uint32_t(count);
                 const Vec3f place = ClearPlace(space_, raw, luxel, frame);
                 for (int i = 0; i < count; ++i)
-                    queue.Add(used++, place, frame.World(CosineDirection(first + std::uint32_t(i))));
+                    queue.Add(used++, place, frame.World(directions_[first + std::uint32_t(i)]));
             }
     }
     links.resize(used);
@@ -230,7 +232,7 @@ void BounceGather::AddToLuxels(const Emission &emission, std::size_t lightmap, s
                 continue;
             sum += emission[link];
             if (!directions.empty())
-                direction += frame.World(CosineDirection(first + std::uint32_t(i))) * Grey(emission[link]);
+                direction += frame.World(directions_[first + std::uint32_t(i)]) * Grey(emission[link]);
         }
         found[luxel] = sum / float(count);
         if (!directions.empty())
@@ -259,7 +261,7 @@ Vec3f BounceGather::At(const Vec3f &place, const Vec3f &normal, const Emission &
     {
         RayQueue queue(scene_, add);
         for (std::uint32_t i = 0; i < std::uint32_t(kVertexRays); ++i)
-            queue.Add(i, place + normal * kLift, frame.World(CosineDirection(i)));
+            queue.Add(i, place + normal * kLift, frame.World(directions_[i]));
     }
     return sum / float(kVertexRays);
 }

@@ -30,6 +30,7 @@ class BounceGather {
 
     const BspSpace &space_;
     const BounceScene &scene_;
+    std::vector<Vec3f> directions_; // of a cosine-weighted hemisphere around +z
     bool keep_ = false;
     std::vector<std::vector<EmitterId>> links_; // by lightmap, then mapped luxel, then ray; empty: asked anew
     std::uint64_t rays_ = 0;

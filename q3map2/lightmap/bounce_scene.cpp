@@ -178,26 +178,16 @@ void BounceScene::State::AddSurface(int number) {
 }
 
 void BounceScene::State::Commit() {
-    device.reset(rtcNewDevice("threads=1"));
-    if (!device)
-        throw Error("Embree: cannot make a device");
-    scene.reset(rtcNewScene(device.get()));
-    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
+    device = NewDevice();
+    scene = NewScene(device.get());
     if (triangles.empty())
         return;
-    const GeometryPtr geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
-    auto *positions = static_cast<Vec3f *>(rtcSetNewGeometryBuffer(
-        geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), 3 * triangles.size()));
-    auto *indices = static_cast<unsigned *>(rtcSetNewGeometryBuffer(
-        geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), triangles.size()));
-    if (!positions || !indices)
-        throw Error("out of memory for {} triangles", triangles.size());
-    for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
-        positions[i] = triangles[i / 3].corners[i % 3].xyz;
-        indices[i] = unsigned(i);
-    }
-    rtcCommitGeometry(geometry.get());
+    std::vector<float> corners;
+    corners.reserve(9 * triangles.size());
+    for (const Triangle &triangle : triangles)
+        for (const Corner &corner : triangle.corners)
+            corners.insert(corners.end(), {corner.xyz.x, corner.xyz.y, corner.xyz.z});
+    const GeometryPtr geometry = NewTriangles(device.get(), corners);
     rtcAttachGeometry(scene.get(), geometry.get());
     rtcCommitScene(scene.get());
 }

@@ -144,7 +144,7 @@ void ParsePages(Arguments &arguments, LightmapOptions &o, Log &log) {
         o.external = o.pageSize != o.gamePageSize;
     }
     if (const auto size = TakePageSize(arguments, "-extlmhacksize", log); size && !o.external)
-        o.pageSize = *(o.oddPageSize = size);
+        o.pageSize = *size;
     o.external |= arguments.TakeFlag("-external");
     while (const auto folder = arguments.TakeValue("-lightmapdir")) {
         o.externalFolder = *folder;

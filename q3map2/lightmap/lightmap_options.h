@@ -55,7 +55,6 @@ struct LightmapOptions {
     float brightness = 1;
     float approximate = 0; ///< -approx: byte tolerance; 0: off
     std::array<int, 2> pageSize{128, 128}, gamePageSize{128, 128};
-    std::optional<std::array<int, 2>> oddPageSize; ///< -extlmhacksize
     bool external = false;
     std::string externalFolder; ///< -lightmapdir
     bool deluxe = false, deluxeTangent = false;

@@ -46,7 +46,6 @@ struct LightmapDirectives {
     /// q3map_floodLight; none while the intensity is 0. Colour normalised.
     Vec3f floodColor;
     float floodDistance = 0, floodIntensity = 0, floodDirectionScale = 1;
-    int styleMarker = 0; ///< 1: q3map_styleMarker, 2: q3map_styleMarker2
 };
 
 /// How shader scripts and images are interpreted, beyond the game's table.

@@ -23,15 +23,15 @@ constexpr int kMaxPageSide = 8192;
 constexpr float kTerrainShadeAngle = 179;            // degrees; q3map_terrain smooths everything
 constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
 
-/// Directives of other stages or of the engine: known, so not worth a warning.
-constexpr std::array<std::string_view, 32> kOtherDirectives = {
-    "q3map_alphagen",        "q3map_alphamod",     "q3map_backshader",   "q3map_clipmodel",     "q3map_cloneshader",
-    "q3map_colorgen",        "q3map_colormod",     "q3map_flare",        "q3map_flareshader",   "q3map_fogdir",
-    "q3map_foliage",         "q3map_forcemeta",    "q3map_fur",          "q3map_globaltexture", "q3map_indexed",
-    "q3map_invert",          "q3map_noclip",       "q3map_nofog",        "q3map_nonplanar",     "q3map_notjunc",
-    "q3map_novertexshadows", "q3map_offset",       "q3map_patchshadows", "q3map_remapshader",   "q3map_rgbgen",
-    "q3map_rgbmod",          "q3map_surfacemodel", "q3map_tcgen",        "q3map_tcmod",         "q3map_tesssize",
-    "q3map_texturesize",     "q3map_vertexshadows"};
+/// Directives of other stages or of the engine, and marks in the text: known, so not worth a warning.
+constexpr std::array<std::string_view, 34> kOtherDirectives = {
+    "q3map_alphagen",        "q3map_alphamod",    "q3map_backshader",   "q3map_clipmodel",     "q3map_cloneshader",
+    "q3map_colorgen",        "q3map_colormod",    "q3map_flare",        "q3map_flareshader",   "q3map_fogdir",
+    "q3map_foliage",         "q3map_forcemeta",   "q3map_fur",          "q3map_globaltexture", "q3map_indexed",
+    "q3map_invert",          "q3map_noclip",      "q3map_nofog",        "q3map_nonplanar",     "q3map_notjunc",
+    "q3map_novertexshadows", "q3map_offset",      "q3map_patchshadows", "q3map_remapshader",   "q3map_rgbgen",
+    "q3map_rgbmod",          "q3map_stylemarker", "q3map_stylemarker2", "q3map_surfacemodel",  "q3map_tcgen",
+    "q3map_tcmod",           "q3map_tesssize",    "q3map_texturesize",  "q3map_vertexshadows"};
 
 float Number(const std::string &text) {
     return float(std::clamp(NumberFromText(text), -kMaxNumber, kMaxNumber));
@@ -65,7 +65,7 @@ class ScriptParser {
         void (ScriptParser::*apply)(const Words &);
         bool keepsLine = false; ///< what follows on the line is another directive
     };
-    static const std::array<Directive, 44> kDirectives;
+    static const std::array<Directive, 42> kDirectives;
 
     void WarnSyntax(std::string_view name, std::string_view found) {
         log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}", scanner_.Location(), name,
@@ -130,8 +130,6 @@ class ScriptParser {
     void Terrain(const Words &) { Lightmap().shadeAngle = kTerrainShadeAngle; }
     void NormalImage(const Words &words) { Lightmap().normalImage = WithoutExtension(words[0]); }
     void FloodLight(const Words &words);
-    void StyleMarker(const Words &) { Lightmap().styleMarker = 1; }
-    void StyleMarker2(const Words &) { Lightmap().styleMarker = 2; }
 
     ShaderTextScanner scanner_;
     ShaderTable &table_;
@@ -140,7 +138,7 @@ class ScriptParser {
 };
 
 using Self = ScriptParser;
-const std::array<Self::Directive, 44> Self::kDirectives = {{
+const std::array<Self::Directive, 42> Self::kDirectives = {{
     {"surfaceparm", 1, 0, &Self::SurfaceParmLine},
     {"cull", 1, 0, &Self::Cull},
     {"deformvertexes", 1, 0, &Self::DeformVertexes},
@@ -183,8 +181,6 @@ const std::array<Self::Directive, 44> Self::kDirectives = {{
     {"q3map_terrain", 0, 0, &Self::Terrain},
     {"q3map_normalimage", 1, 0, &Self::NormalImage},
     {"q3map_floodlight", 6, 0, &Self::FloodLight},
-    {"q3map_stylemarker", 0, 0, &Self::StyleMarker},
-    {"q3map_stylemarker2", 0, 0, &Self::StyleMarker2},
 }};
 
 void ScriptParser::ParseShader(std::string_view name) {

@@ -119,7 +119,6 @@ TEST_F(LightmapOptionsTest, PageSizes) {
     EXPECT_FALSE(o.external) << "the size of that game";
     o = Parse("-extlmhacksize 256");
     EXPECT_EQ(o.pageSize, (std::array{256, 256}));
-    EXPECT_EQ(o.oddPageSize, o.pageSize);
     EXPECT_FALSE(o.external) << "shown by made shaders";
     o = Parse("-lightmapdir light/maps");
     EXPECT_TRUE(o.external);

@@ -20,7 +20,6 @@ TEST_F(ShaderLightmap, DefaultsAreUnset) {
     EXPECT_FALSE(d.mergable || d.splotchFix || d.noDirt || d.noVertexLight);
     EXPECT_EQ(d.shadeAngle, 0);
     EXPECT_EQ(d.floodIntensity, 0);
-    EXPECT_EQ(d.styleMarker, 0);
 }
 
 TEST_F(ShaderLightmap, NumbersAndSwitches) {
@@ -37,8 +36,6 @@ TEST_F(ShaderLightmap, NumbersAndSwitches) {
     EXPECT_TRUE(d.mergable && d.splotchFix && d.noDirt && d.noVertexLight);
     EXPECT_EQ(d.shadeAngle, 60);
     EXPECT_EQ(d.normalImage, "textures/a/bump");
-    EXPECT_EQ(d.styleMarker, 2);
-    EXPECT_EQ(LoadShader("q3map_styleMarker").lightmap.styleMarker, 1);
     EXPECT_EQ(LoadShader("q3map_terrain").lightmap.shadeAngle, 179);
 }
 

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. How many rays the machine can do at best on a map.
 #include "tools/shbench/raw.h"
 
-#include "common/error.h"
 #include "q3map2/light/light_embree.h"
 #include "q3map2/light/light_patch.h"
 #include "tools/shbench/truth_lights.h"
@@ -87,25 +86,9 @@ struct RawRays::State {
 };
 
 void RawRays::State::MakeScene(const std::vector<float> &corners) {
-    device.reset(rtcNewDevice("threads=1"));
-    if (!device)
-        throw Error("Embree: cannot make a device");
-    const std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry> geometry(
-        rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
-    const std::size_t vertices = corners.size() / 3;
-    auto *positions = static_cast<float *>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0,
-                                                                   RTC_FORMAT_FLOAT3, 3 * sizeof(float), vertices));
-    auto *indices = static_cast<unsigned *>(rtcSetNewGeometryBuffer(
-        geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), vertices / 3));
-    if (!positions || !indices)
-        throw Error("out of memory for {} triangles", vertices / 3);
-    std::copy(corners.begin(), corners.end(), positions);
-    for (std::size_t i = 0; i < vertices; ++i)
-        indices[i] = unsigned(i);
-    rtcCommitGeometry(geometry.get());
-    scene.reset(rtcNewScene(device.get()));
-    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
+    device = NewDevice();
+    scene = NewScene(device.get());
+    const GeometryPtr geometry = NewTriangles(device.get(), corners);
     rtcAttachGeometry(scene.get(), geometry.get());
     rtcCommitScene(scene.get());
 }
