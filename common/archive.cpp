@@ -8,7 +8,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
+#include <cstring>
 #include <memory>
+#include <mutex>
 #include <system_error>
 
 namespace q3 {
@@ -19,6 +22,90 @@ constexpr std::uint64_t kMaxEntrySize = 256u << 20;
 constexpr std::uint64_t kMaxDeflateRatio = 1032; // no deflate stream can expand further
 constexpr std::size_t kMaxName = 255;
 constexpr std::size_t kChunk = 1u << 16;
+constexpr std::size_t kBlock = 1u << 14;
+
+/// A file read in blocks: minizip asks for single bytes, and seeks before each few.
+class BlockFile {
+  public:
+    explicit BlockFile(const char *path) : file_(std::fopen(path, "rb")) {
+        if (file_)
+            std::setvbuf(file_.get(), nullptr, _IONBF, 0);
+    }
+    bool IsOpen() const { return file_ != nullptr; }
+    bool Failed() const { return std::ferror(file_.get()) != 0; }
+    std::uint64_t At() const { return at_; }
+    /// 0: it went there.
+    long Seek(std::uint64_t offset, int origin) {
+        if (origin == ZLIB_FILEFUNC_SEEK_CUR) {
+            at_ += offset;
+        } else if (origin == ZLIB_FILEFUNC_SEEK_END) {
+            if (fseeko(file_.get(), 0, SEEK_END) != 0)
+                return -1;
+            at_ = std::uint64_t(ftello(file_.get())) + offset;
+        } else
+            at_ = offset;
+        return 0;
+    }
+    /// How many bytes there were.
+    std::size_t Read(char *to, std::size_t size) {
+        std::size_t done = 0;
+        while (done < size) {
+            if (at_ < blockAt_ || at_ >= blockAt_ + blockSize_) {
+                FillBlock();
+                if (at_ >= blockAt_ + blockSize_)
+                    break;
+            }
+            const auto in = std::size_t(at_ - blockAt_);
+            const std::size_t count = std::min(size - done, blockSize_ - in);
+            std::memcpy(to + done, block_.data() + in, count);
+            done += count, at_ += count;
+        }
+        return done;
+    }
+
+  private:
+    struct Close {
+        void operator()(std::FILE *file) const { std::fclose(file); }
+    };
+    /// The block that holds at_; blocks are aligned, since minizip also goes backwards.
+    void FillBlock() {
+        blockAt_ = at_ / kBlock * kBlock, blockSize_ = 0;
+        if (blockAt_ <= std::uint64_t(INT64_MAX) && fseeko(file_.get(), off_t(blockAt_), SEEK_SET) == 0)
+            blockSize_ = std::fread(block_.data(), 1, block_.size(), file_.get());
+    }
+
+    std::unique_ptr<std::FILE, Close> file_;
+    std::array<char, kBlock> block_;
+    std::size_t blockSize_ = 0;
+    std::uint64_t at_ = 0, blockAt_ = 0;
+};
+
+BlockFile &Of(void *stream) {
+    return *static_cast<BlockFile *>(stream);
+}
+
+/// minizip's calls to a BlockFile. Not for writing.
+zlib_filefunc64_def BlockFileCalls() {
+    zlib_filefunc64_def calls{};
+    calls.zopen64_file = [](void *, const void *path, int) -> void * {
+        auto file = std::make_unique<BlockFile>(static_cast<const char *>(path));
+        return file->IsOpen() ? file.release() : nullptr;
+    };
+    calls.zread_file = [](void *, void *stream, void *to, uLong size) -> uLong {
+        return Of(stream).Read(static_cast<char *>(to), size);
+    };
+    calls.zwrite_file = [](void *, void *, const void *, uLong) -> uLong { return 0; };
+    calls.ztell64_file = [](void *, void *stream) -> ZPOS64_T { return Of(stream).At(); };
+    calls.zseek64_file = [](void *, void *stream, ZPOS64_T offset, int origin) -> long {
+        return Of(stream).Seek(offset, origin);
+    };
+    calls.zclose_file = [](void *, void *stream) -> int {
+        delete &Of(stream);
+        return 0;
+    };
+    calls.zerror_file = [](void *, void *stream) -> int { return Of(stream).Failed() ? 1 : 0; };
+    return calls;
+}
 
 struct CloseZip {
     void operator()(void *zip) const { unzClose(zip); }
@@ -26,7 +113,8 @@ struct CloseZip {
 using Zip = std::unique_ptr<void, CloseZip>;
 
 Zip Open(const std::filesystem::path &path) {
-    Zip zip(unzOpen64(path.c_str()));
+    zlib_filefunc64_def calls = BlockFileCalls();
+    Zip zip(unzOpen2_64(path.c_str(), &calls));
     if (!zip)
         throw Error("{}: expected a zip archive", path.string());
     return zip;
@@ -41,23 +129,34 @@ std::string SafeName(std::string_view name) {
     if (safe.empty() || safe.front() == '/' || safe.find(':') != std::string::npos ||
         std::any_of(safe.begin(), safe.end(), isControl))
         return {};
-    for (const auto &part : std::filesystem::path(safe))
-        if (part == "..")
+    for (std::size_t up = safe.find(".."); up != std::string::npos; up = safe.find("..", up + 1))
+        if ((up == 0 || safe[up - 1] == '/') && (up + 2 == safe.size() || safe[up + 2] == '/'))
             return {};
     return safe;
 }
 
-Archive::Archive(std::filesystem::path path) : path_(std::move(path)) {
+struct Archive::Reader {
+    std::mutex mutex;
+    Zip zip;
+};
+
+Archive::~Archive() = default;
+Archive::Archive(Archive &&) noexcept = default;
+
+Archive::Archive(std::filesystem::path path) : path_(std::move(path)), reader_(std::make_unique<Reader>()) {
     // A pipe or a device of that name would block.
     if (!std::filesystem::is_regular_file(path_))
         throw Error("{}: expected a zip archive, found no regular file", path_.string());
     fileSize_ = std::filesystem::file_size(path_);
-    const Zip zip = Open(path_);
+    reader_->zip = Open(path_);
+    const Zip &zip = reader_->zip;
     unz_global_info64 global{};
     if (unzGetGlobalInfo64(zip.get(), &global) != UNZ_OK)
         throw Error("{}: the directory of the archive is damaged", path_.string());
     if (global.number_entry == 0)
         return;
+    // An entry takes at least 46 bytes of the directory.
+    entries_.reserve(std::size_t(std::min<std::uint64_t>(global.number_entry, fileSize_ / 46)));
 
     int result = unzGoToFirstFile(zip.get());
     for (; result == UNZ_OK; result = unzGoToNextFile(zip.get())) {
@@ -109,7 +208,8 @@ std::vector<std::byte> Archive::Read(std::string_view name) const {
     if (entry->packedSize > fileSize_ || entry->size > (entry->packedSize + 1) * kMaxDeflateRatio)
         throw Error("{}: {} packed bytes cannot hold {} bytes", Place(*entry), entry->packedSize, entry->size);
 
-    const Zip zip = Open(path_);
+    const std::lock_guard lock(reader_->mutex);
+    const Zip &zip = reader_->zip;
     const unz64_file_pos at{entry->directoryAt, entry->number};
     if (unzGoToFilePos64(zip.get(), &at) != UNZ_OK || unzOpenCurrentFile(zip.get()) != UNZ_OK)
         throw Error("{}: the entry is damaged", Place(*entry));

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -11,12 +12,14 @@
 
 namespace q3 {
 
-/// The directory of one archive. Contents are read when asked for, through a fresh handle, so concurrent reads are
-/// safe.
+/// The directory of one archive. Contents are read when asked for; the file stays open. Concurrent reads are safe, one
+/// after the other.
 class Archive {
   public:
     /// Reads the directory. Error: missing, not an archive, or damaged.
     explicit Archive(std::filesystem::path path);
+    ~Archive();
+    Archive(Archive &&) noexcept;
 
     /// Names compare without case and with '/'. Entries with unsafe names (absolute, "..", control bytes, over 255
     /// bytes) are not in the directory; of two equal names the last counts.
@@ -35,11 +38,14 @@ class Archive {
         bool encrypted;
     };
 
+    struct Reader;
+
     const Entry *Find(std::string_view name) const;
     std::string Place(const Entry &entry) const;
 
     std::filesystem::path path_;
     std::uint64_t fileSize_ = 0;
+    std::unique_ptr<Reader> reader_;
     std::unordered_map<std::string, Entry> entries_; ///< by lower-case name
 };
 

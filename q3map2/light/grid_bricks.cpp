@@ -20,15 +20,15 @@ constexpr float kBehind = 2;
 constexpr std::ptrdiff_t kFewFaint = 32;
 constexpr std::uint64_t kSeedFaint = 0x4661696E74ull;
 
-bool CanReach(const Light &light, const BrickView &brick) {
-    if (light.type != LightType::Sun) {
+bool CanReach(const LightsByCluster::Reach &light, const BrickView &brick) {
+    if (!light.sun) {
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (light.bounds.mins[axis] > brick.box.maxs[axis] || light.bounds.maxs[axis] < brick.box.mins[axis])
                 return false;
         if (brick.box.Distance(light.origin) > light.envelope)
             return false;
     }
-    if (light.type == LightType::Area && !light.twoSided) {
+    if (light.oneSided) {
         const Vec3f n(light.normal);
         const Vec3f farthest{n.x > 0 ? brick.box.maxs.x : brick.box.mins.x,
                              n.y > 0 ? brick.box.maxs.y : brick.box.mins.y,
@@ -96,6 +96,10 @@ BrickView::BrickView(std::span<const LightPlaces> blocks) {
 LightsByCluster::LightsByCluster(const std::vector<Light> &lights) : lights_(lights) {
     const std::size_t words = (lights.size() + 63) / 64;
     everywhere_.resize(words);
+    reach_.reserve(lights.size());
+    for (const Light &light : lights)
+        reach_.push_back({light.bounds, light.origin, light.normal, light.envelope, light.dist,
+                          light.type == LightType::Sun, light.type == LightType::Area && !light.twoSided});
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const std::uint64_t bit = std::uint64_t(1) << (i % 64);
         if (lights[i].seenFrom.empty())
@@ -110,16 +114,19 @@ LightsByCluster::LightsByCluster(const std::vector<Light> &lights) : lights_(lig
 
 BrickLights::BrickLights(const LightsByCluster &lights, const BrickView &brick, std::uint64_t seed, float faint,
                          const SkipOptions &skip, GridStats &work) {
-    const auto use = [&](const Light &light) {
-        if (skip.reach && !CanReach(light, brick))
+    const auto use = [&](std::size_t number, bool seenByAll) {
+        if (skip.reach && !CanReach(lights.ReachOf(number), brick)) {
             ++work.skippedReach;
-        else
-            list_.push_back({&light, 1, LightBound(light, brick.box)});
+            return;
+        }
+        const Light &light = lights.Lights()[number];
+        list_.push_back({&light, 1, LightBound(light, brick.box), seenByAll});
     };
     if (skip.pvs)
         work.skippedPvs += lights.ForEach(brick.clusters, use);
     else
-        std::for_each(lights.Lights().begin(), lights.Lights().end(), use);
+        for (std::size_t i = 0; i < lights.Lights().size(); ++i)
+            use(i, true);
     const auto isFaint = [&](const BrickLight &one) { return one.bound < faint; };
     if (!skip.faint || std::count_if(list_.begin(), list_.end(), isFaint) <= kFewFaint)
         return;

@@ -47,32 +47,49 @@ struct BrickView {
 class LightsByCluster {
   public:
     explicit LightsByCluster(const std::vector<Light> &lights);
-    /// Calls use(light) in order for every light that one of the clusters may see, and returns how many it left out.
+    /// Calls use(number of the light, whether all of the clusters may see it) in order for every light that one of them
+    /// may see, and returns how many it left out.
     template <typename Use> std::size_t ForEach(std::span<const int> clusters, const Use &use) const {
-        std::vector<std::uint64_t> seen = everywhere_;
-        for (const int cluster : clusters)
-            if (cluster >= 0 && std::size_t(cluster) < rows_.size())
-                for (std::size_t word = 0; word < seen.size(); ++word)
-                    seen[word] |= rows_[std::size_t(cluster)][word];
+        std::vector<std::uint64_t> any = everywhere_, all(any.size(), ~std::uint64_t(0));
+        for (const int cluster : clusters) {
+            const bool known = cluster >= 0 && std::size_t(cluster) < rows_.size();
+            for (std::size_t word = 0; word < any.size(); ++word) {
+                const std::uint64_t row = known ? rows_[std::size_t(cluster)][word] : 0;
+                any[word] |= row;
+                all[word] &= row | everywhere_[word];
+            }
+        }
         std::size_t used = 0;
-        for (std::size_t word = 0; word < seen.size(); ++word)
-            for (std::uint64_t bits = seen[word]; bits != 0; bits &= bits - 1, ++used)
-                use(lights_[word * 64 + std::size_t(std::countr_zero(bits))]);
+        for (std::size_t word = 0; word < any.size(); ++word)
+            for (std::uint64_t bits = any[word]; bits != 0; bits &= bits - 1, ++used) {
+                const int bit = std::countr_zero(bits);
+                use(word * 64 + std::size_t(bit), (all[word] >> bit & 1) != 0);
+            }
         return lights_.size() - used;
     }
     const std::vector<Light> &Lights() const { return lights_; }
+    /// Where a light matters: what of it decides that, close together.
+    struct Reach {
+        Boundsf bounds;
+        Vec3f origin, normal;
+        float envelope = 0, dist = 0;
+        bool sun = false, oneSided = false;
+    };
+    const Reach &ReachOf(std::size_t light) const { return reach_[light]; }
 
   private:
     const std::vector<Light> &lights_;
     std::vector<std::uint64_t> everywhere_;
     std::vector<std::vector<std::uint64_t>> rows_;
+    std::vector<Reach> reach_;
 };
 
 /// A light of a brick, and what its contribution is multiplied by.
 struct BrickLight {
     const Light *light = nullptr;
     float weight = 1;
-    float bound = 0; ///< see LightBound
+    float bound = 0;        ///< see LightBound
+    bool seenByAll = false; ///< by visibility data, from every place of the brick
 };
 
 /// Lights that can reach some point of a brick, in their order.

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <numeric>
 #include <optional>
+#include <span>
 
 namespace q3 {
 
@@ -19,6 +20,10 @@ constexpr float kSmallSteps[] = {0.5f, 1, 2};
 constexpr double kDarkest = 1.0 / 8192;
 /// A point beside a wall weighs as much on its own side as this many neighbours at the shortest distance.
 constexpr double kOwnWeight = 2;
+
+/// Of a point: nine coefficients of three channels.
+constexpr std::size_t kNumbers = 27;
+static_assert(sizeof(bspGridPointSH_t) == kNumbers * sizeof(float));
 
 struct Offset {
     int x, y, z;
@@ -37,16 +42,12 @@ constexpr std::array<Offset, 26> MakeNeighbours() {
 }
 constexpr std::array<Offset, 26> kNeighbours = MakeNeighbours();
 
-bool TryPlace(const BspRegion &space, const Vec3f &p, int cluster, PointState state, PlacedPoint &placed) {
-    const Vec3f margin{kClearance, kClearance, kClearance};
-    if (cluster < 0 || space.AnySolid(p - margin, p + margin))
-        return false;
-    placed = {state, p, cluster};
-    return true;
-}
-
 bool TryPlace(const BspRegion &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
-    return TryPlace(space, p, ClusterOfPoint(space, p), state, placed);
+    const PlacedPoint open = PlaceInOpen(space, p);
+    if (open.state != PointState::Open)
+        return false;
+    placed = {state, p, open.cluster};
+    return true;
 }
 
 /// Small steps along the axes and diagonals, the nearest first.
@@ -89,34 +90,98 @@ bool HasOpenNeighbour(const GridLayout &layout, const std::vector<int> &clusters
 /// Lit neighbours of one solid point that see each other.
 struct Side {
     double weight = 0;
-    std::array<std::array<double, 3>, 9> sum{};
-    double Mean() const { return std::max(0.0, (sum[0][0] + sum[0][1] + sum[0][2]) / weight / 3 * kShC0); }
+    std::array<double, kNumbers> sum{};
+    double Mean() const { return std::max(0.0, (sum[0] + sum[1] + sum[2]) / weight / 3 * kShC0); }
 };
+
+/// Rays between places that are near each other, gathered into full packets.
+class SightRays {
+  public:
+    SightRays(const LightScene &scene, RayCounts &counts) : scene_(scene), counts_(counts) {}
+    /// Sets a bit of `seen`, at the latest in Flush, if the places see each other.
+    void Ask(const Vec3f &from, const Vec3f &to, std::uint32_t bit, std::uint32_t &seen) {
+        rays_.Aim(count_, from, to);
+        answers_[count_++] = {&seen, bit};
+        if (count_ == kPacketSize)
+            Flush();
+    }
+    void Flush() {
+        if (count_ == 0)
+            return;
+        for (std::size_t i = count_; i < kPacketSize; ++i)
+            rays_.live[i] = 0;
+        scene_.TraceToLight(rays_, ShadowRules::Exact, counts_);
+        for (std::size_t i = 0; i < count_; ++i)
+            *answers_[i].seen |= rays_.live[i] != 0 ? answers_[i].bit : 0;
+        count_ = 0;
+    }
+
+  private:
+    struct Answer {
+        std::uint32_t *seen;
+        std::uint32_t bit;
+    };
+    const LightScene &scene_;
+    RayCounts &counts_;
+    RayPacket rays_;
+    std::array<Answer, kPacketSize> answers_;
+    std::size_t count_ = 0;
+};
+
+/// sum[i] += weight * value[i].
+Q3_VECTOR void AddWeighted(double weight, const float *value, double *sum) {
+    for (std::size_t i = 0; i < kNumbers; ++i)
+        sum[i] += weight * double(value[i]);
+}
 
 class Filler {
   public:
     Filler(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
-           const std::vector<PointState> &states, const LightGridSH &grid)
-        : in_(in), layout_(layout), displaced_(displaced), states_(states), grid_(grid) {}
+           const std::vector<PointState> &states)
+        : in_(in), layout_(layout), displaced_(displaced), states_(states) {
+        for (std::size_t i = 0; i < kNeighbours.size(); ++i) {
+            const Offset &o = kNeighbours[i];
+            const Vec3f cell(layout.size), offset = cell * Vec3f{float(o.x), float(o.y), float(o.z)};
+            weights_[i] = 1 / double(Dot(offset, offset));
+        }
+    }
 
-    /// The value of a Solid or Beside point, or nothing: no lit neighbour, or none on another side.
-    std::optional<bspGridPointSH_t> Fill(int x, int y, int z, bool divided) const {
+    /// The value of a Solid or Beside point, or nothing: no lit neighbour, or none on another side. Null: not divided.
+    std::optional<bspGridPointSH_t> Fill(int x, int y, int z, const SolidSides::OfPoint *divided,
+                                         const LightGridSH &grid) const {
         if (!divided && states_[IndexOf(x, y, z)] == PointState::Beside)
             return std::nullopt;
-        const Around lit = AroundPoint(x, y, z);
+        const Around lit = AroundPoint(x, y, z, false);
         if (lit.count == 0)
             return std::nullopt;
-        std::array<std::uint8_t, kMostAround> sides{};
-        std::vector<Side> sums(divided ? std::size_t(FindSides(lit, sides)) : 1);
-        for (std::size_t i = 0; i < lit.count; ++i)
-            Add(lit.neighbours[i], sums[sides[i]]);
+        std::vector<Side> sums(divided ? divided->count : 1);
+        for (std::size_t i = 0; i < lit.count; ++i) {
+            Side &side = sums[divided ? divided->sides[i] : 0];
+            const Neighbour &neighbour = lit.neighbours[i];
+            side.weight += neighbour.weight;
+            AddWeighted(neighbour.weight, grid.points[neighbour.index].coeffs[0].data(), side.sum.data());
+        }
         return Blend(sums);
     }
 
-    /// Whether what is lit around the point does not all see each other.
-    bool Divided(int x, int y, int z) const {
-        std::array<std::uint8_t, kMostAround> sides{};
-        return FindSides(AroundPoint(x, y, z), sides) > 1;
+    /// Appends the sides of those points, xyz, that have several.
+    void FindSides(std::span<const std::array<int, 3>> points, std::vector<SolidSides::OfPoint> &found,
+                   RayCounts &counts) const {
+        // The first round of all points goes together: most have one side only.
+        std::vector<Around> around;
+        std::vector<std::uint32_t> seen(points.size(), 1);
+        SightRays rays(in_.scene, counts);
+        around.reserve(points.size());
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            const Around &lit = around.emplace_back(AroundPoint(points[n][0], points[n][1], points[n][2], true));
+            for (std::size_t i = 1; i < lit.count; ++i)
+                rays.Ask(lit.neighbours[i].place, lit.neighbours[0].place, 1u << i, seen[n]);
+        }
+        rays.Flush();
+        for (std::size_t n = 0; n < points.size(); ++n)
+            if (const std::uint32_t all = (1u << around[n].count) - 1; (~seen[n] & all) != 0)
+                found.push_back(SidesOf(std::uint32_t(IndexOf(points[n][0], points[n][1], points[n][2])), around[n],
+                                        ~seen[n] & all, rays));
     }
 
   private:
@@ -125,10 +190,9 @@ class Filler {
         Vec3f place;
         double weight;
     };
-    static constexpr std::size_t kMostAround = kNeighbours.size() + 1;
     /// Lit neighbours, and before them the point itself when it is lit beside.
     struct Around {
-        std::array<Neighbour, kMostAround> neighbours;
+        std::array<Neighbour, SolidSides::kMostAround> neighbours;
         std::size_t count = 0;
     };
 
@@ -146,12 +210,14 @@ class Filler {
         return found->position;
     }
 
-    Around AroundPoint(int x, int y, int z) const {
+    /// places: those of neighbours too.
+    Around AroundPoint(int x, int y, int z, bool places) const {
         Around lit;
         const std::size_t own = IndexOf(x, y, z);
         if (states_[own] == PointState::Beside)
-            lit.neighbours[lit.count++] = {own, PlaceOf(own, x, y, z), kOwnWeight / Shortest()};
-        for (const Offset &o : kNeighbours) {
+            lit.neighbours[lit.count++] = {own, places ? PlaceOf(own, x, y, z) : Vec3f{}, kOwnWeight / Shortest()};
+        for (std::size_t i = 0; i < kNeighbours.size(); ++i) {
+            const Offset &o = kNeighbours[i];
             const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
             if (nx < 0 || ny < 0 || nz < 0 || nx >= layout_.bounds[0] || ny >= layout_.bounds[1] ||
                 nz >= layout_.bounds[2])
@@ -160,83 +226,67 @@ class Filler {
             const PointState state = states_[index];
             if (state == PointState::Void || state == PointState::Solid)
                 continue;
-            const Vec3f offset = Vec3f(layout_.Position(nx, ny, nz)) - Vec3f(layout_.Position(x, y, z));
-            lit.neighbours[lit.count++] = {index, PlaceOf(index, nx, ny, nz), 1 / double(Dot(offset, offset))};
+            lit.neighbours[lit.count++] = {index, places ? PlaceOf(index, nx, ny, nz) : Vec3f{}, weights_[i]};
         }
         return lit;
     }
 
-    /// Sorts neighbours into sides, and returns how many there are: the first of a side sees all of it, and none of the
-    /// sides before.
-    int FindSides(const Around &lit, std::array<std::uint8_t, kMostAround> &sides) const {
-        std::array<std::size_t, kMostAround> left;
-        std::size_t count = lit.count;
-        std::iota(left.begin(), left.begin() + std::ptrdiff_t(count), std::size_t(0));
-        int side = 0;
-        for (; count > 0; ++side) {
-            const std::size_t first = left[0];
-            sides[first] = std::uint8_t(side);
-            std::size_t unseen = 0;
-            for (std::size_t start = 1; start < count; start += kPacketSize) {
-                const std::size_t end = std::min(count, start + kPacketSize);
-                RayPacket rays;
-                for (std::size_t i = start; i < end; ++i)
-                    rays.Aim(i - start, lit.neighbours[left[i]].place, lit.neighbours[first].place);
-                RayCounts counts;
-                in_.scene.TraceToLight(rays, ShadowRules::Exact, counts);
-                for (std::size_t i = start; i < end; ++i)
-                    if (rays.live[i - start] != 0)
-                        sides[left[i]] = std::uint8_t(side);
-                    else
-                        left[unseen++] = left[i];
+    /// Sorts what is lit around a point into sides: the first of a side sees all of it, and none of the sides before.
+    /// unseen: what the very first does not see, by bit.
+    static SolidSides::OfPoint SidesOf(std::uint32_t index, const Around &lit, std::uint32_t unseen, SightRays &rays) {
+        SolidSides::OfPoint result{index, 1, {}};
+        while (unseen != 0) {
+            const auto first = std::size_t(std::countr_zero(unseen));
+            std::uint32_t seen = 1u << first;
+            for (std::uint32_t left = unseen & (unseen - 1); left != 0; left &= left - 1) {
+                const auto i = std::size_t(std::countr_zero(left));
+                rays.Ask(lit.neighbours[i].place, lit.neighbours[first].place, 1u << i, seen);
             }
-            count = unseen;
+            rays.Flush();
+            for (std::uint32_t side = seen; side != 0; side &= side - 1)
+                result.sides[std::size_t(std::countr_zero(side))] = std::uint8_t(result.count);
+            ++result.count;
+            unseen &= ~seen;
         }
-        return side;
-    }
-
-    void Add(const Neighbour &neighbour, Side &side) const {
-        side.weight += neighbour.weight;
-        for (std::size_t k = 0; k < 9; ++k)
-            for (std::size_t channel = 0; channel < 3; ++channel)
-                side.sum[k][channel] += neighbour.weight * double(grid_.points[neighbour.index].coeffs[k][channel]);
+        return result;
     }
 
     static bspGridPointSH_t Blend(const std::vector<Side> &sides) {
-        std::array<std::array<double, 3>, 9> sum{};
+        std::array<double, kNumbers> sum{};
         double total = 0;
         for (const Side &side : sides) {
             const double weight = side.weight / (side.Mean() + kDarkest);
             total += weight;
-            for (std::size_t k = 0; k < 9; ++k)
-                for (std::size_t channel = 0; channel < 3; ++channel)
-                    sum[k][channel] += side.sum[k][channel] / side.weight * weight;
+            for (std::size_t i = 0; i < kNumbers; ++i)
+                sum[i] += side.sum[i] / side.weight * weight;
         }
-        bspGridPointSH_t filled;
-        for (std::size_t k = 0; k < 9; ++k)
-            for (std::size_t channel = 0; channel < 3; ++channel)
-                filled.coeffs[k][channel] = float(sum[k][channel] / total);
-        return filled;
+        std::array<float, kNumbers> filled;
+        for (std::size_t i = 0; i < kNumbers; ++i)
+            filled[i] = float(sum[i] / total);
+        return std::bit_cast<bspGridPointSH_t>(filled);
     }
 
     const GridInputs &in_;
     const GridLayout &layout_;
     const std::vector<Displacement> &displaced_;
     const std::vector<PointState> &states_;
-    const LightGridSH &grid_;
+    std::array<double, kNeighbours.size()> weights_; ///< inverse squares of distances
 };
 
 } // namespace
 
-int ClusterOfPoint(const BspRegion &space, const Vec3f &p) {
-    return space.ClusterAt(p, kClearance);
+PlacedPoint PlaceInOpen(const BspRegion &space, const Vec3f &p) {
+    const Vec3f margin{kClearance, kClearance, kClearance};
+    const int cluster = space.ClusterAt(p, kClearance);
+    const bool open = cluster >= 0 && !space.AnySolid(p - margin, p + margin);
+    return {open ? PointState::Open : PointState::Void, p, cluster};
 }
 
 PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, const std::vector<int> &clusters,
                            const BrickPoint &point) {
     PlacedPoint placed;
     const Vec3f cell(layout.size), &p = point.position;
-    if (TryPlace(space, p, clusters[point.index], PointState::Open, placed) || !space.AnyOpen(p - cell, p + cell))
+    if (!space.AnyOpen(p - cell, p + cell))
         return placed;
     constexpr float kReach = *std::max_element(std::begin(kSmallSteps), std::end(kSmallSteps));
     const Vec3f reach{kReach, kReach, kReach};
@@ -249,24 +299,34 @@ PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, con
     return placed;
 }
 
-std::vector<bool> DividedPoints(const GridInputs &in, const GridLayout &layout,
-                                const std::vector<Displacement> &displaced, const std::vector<PointState> &states,
-                                const LightGridSH &grid) {
+SolidSides FindSolidSides(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
+                          const std::vector<PointState> &states) {
     const int width = layout.bounds[0], height = layout.bounds[1];
-    const Filler filler(in, layout, displaced, states, grid);
-    std::vector<std::uint8_t> found(states.size());
-    in.jobs.For(std::int64_t(height) * layout.bounds[2], [&](std::int64_t row, int) {
+    const std::int64_t rows = std::int64_t(height) * layout.bounds[2];
+    const Filler filler(in, layout, displaced, states);
+    std::vector<std::vector<SolidSides::OfPoint>> found(static_cast<std::size_t>(rows));
+    in.jobs.For(rows, [&](std::int64_t row, int) {
+        std::vector<std::array<int, 3>> points;
         for (int x = 0; x < width; ++x) {
-            const auto index = std::size_t(row) * std::size_t(width) + std::size_t(x);
-            if (states[index] == PointState::Solid || states[index] == PointState::Beside)
-                found[index] = filler.Divided(x, int(row % height), int(row / height));
+            const PointState state = states[std::size_t(row) * std::size_t(width) + std::size_t(x)];
+            if (state == PointState::Solid || state == PointState::Beside)
+                points.push_back({x, int(row % height), int(row / height)});
         }
+        RayCounts counts; // not of the light itself
+        filler.FindSides(points, found[std::size_t(row)], counts);
     });
-    return {found.begin(), found.end()};
+    SolidSides sides;
+    sides.divided.resize(states.size());
+    for (const auto &row : found) {
+        for (const SolidSides::OfPoint &point : row)
+            sides.divided[point.index] = true;
+        sides.points.insert(sides.points.end(), row.begin(), row.end());
+    }
+    return sides;
 }
 
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
-                const std::vector<bool> &divided, std::vector<PointState> &states, LightGridSH &grid) {
+                const SolidSides &sides, std::vector<PointState> &states, LightGridSH &grid) {
     struct Value {
         std::size_t index;
         bspGridPointSH_t point;
@@ -275,13 +335,21 @@ void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vecto
     const std::int64_t rows = std::int64_t(height) * layout.bounds[2];
     // Sources are values as they were lit, so the order of filling does not matter.
     std::vector<std::vector<Value>> filled(static_cast<std::size_t>(rows));
-    const Filler filler(in, layout, displaced, states, grid);
+    const Filler filler(in, layout, displaced, states);
     in.jobs.For(rows, [&](std::int64_t row, int) {
+        const auto first = std::size_t(row) * std::size_t(width);
+        auto divided =
+            std::lower_bound(sides.points.begin(), sides.points.end(), first,
+                             [](const SolidSides::OfPoint &p, std::size_t index) { return p.index < index; });
         for (int x = 0; x < width; ++x) {
-            const auto index = std::size_t(row) * std::size_t(width) + std::size_t(x);
-            if (states[index] == PointState::Solid || states[index] == PointState::Beside)
-                if (const auto value = filler.Fill(x, int(row % height), int(row / height), divided[index]))
-                    filled[std::size_t(row)].push_back({index, *value});
+            const std::size_t index = first + std::size_t(x);
+            if (states[index] != PointState::Solid && states[index] != PointState::Beside)
+                continue;
+            const bool isDivided = divided != sides.points.end() && divided->index == index;
+            if (const auto value =
+                    filler.Fill(x, int(row % height), int(row / height), isDivided ? &*divided : nullptr, grid))
+                filled[std::size_t(row)].push_back({index, *value});
+            divided += isDivided ? 1 : 0;
         }
     });
     for (const auto &row : filled)

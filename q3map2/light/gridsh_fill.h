@@ -4,6 +4,7 @@
 #include "q3map2/light/grid_bricks.h"
 #include "q3map2/light/light_grid.h"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -25,10 +26,12 @@ struct PlacedPoint {
     int cluster = kSolidCluster;
 };
 
-/// Cluster of a point that may be lit where it is, else kSolidCluster.
-int ClusterOfPoint(const BspRegion &space, const Vec3f &p);
+/// A point as Open if it can be lit where it is. Its cluster alone if it is in the open but too near to a solid; else
+/// kSolidCluster. `space` holds a unit around it.
+PlacedPoint PlaceInOpen(const BspRegion &space, const Vec3f &p);
 
-/// Decides where a point is lit from. `space` holds the cells around it, `clusters` ClusterOfPoint of all points.
+/// Decides where a point is lit from that cannot be lit where it is. `space` holds the cells around it, `clusters` what
+/// PlaceInOpen says of all points.
 PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, const std::vector<int> &clusters,
                            const BrickPoint &point);
 
@@ -38,16 +41,27 @@ struct Displacement {
     Vec3f position;
 };
 
-/// By point: whether it is in or beside a solid that divides its lit neighbours into some that do not see each other.
-std::vector<bool> DividedPoints(const GridInputs &in, const GridLayout &layout,
-                                const std::vector<Displacement> &displaced, const std::vector<PointState> &states,
-                                const LightGridSH &grid);
+/// What is lit around points that are in or beside solids: which parts of it see each other.
+struct SolidSides {
+    /// Places around a point that can be lit: 26 neighbours, and the point itself.
+    static constexpr std::size_t kMostAround = 27;
+    struct OfPoint {
+        std::uint32_t index = 0, count = 0;
+        std::array<std::uint8_t, kMostAround> sides{}; ///< of what is lit around it, in order
+    };
+    std::vector<bool> divided;   ///< by point: what is lit around it does not all see each other
+    std::vector<OfPoint> points; ///< those divided, by index
+};
+
+/// Looks what is lit around each point in or beside a solid. `displaced` is sorted by index.
+SolidSides FindSolidSides(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
+                          const std::vector<PointState> &states);
 
 /// Gives every point in a solid that has lit neighbours a value, so that interpolation beside walls is right.
 /// Neighbours that do not see each other form sides; a side counts the more the darker it is, so that a wall thinner
 /// than a cell lets no light through. A point beside a wall is treated alike when it has neighbours on the other side.
-/// `displaced` is sorted by index; `divided` comes from DividedPoints. Changes Solid to Filled or Void in `states`.
+/// `displaced` is sorted by index. Changes Solid to Filled or Void in `states`.
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
-                const std::vector<bool> &divided, std::vector<PointState> &states, LightGridSH &grid);
+                const SolidSides &sides, std::vector<PointState> &states, LightGridSH &grid);
 
 } // namespace q3

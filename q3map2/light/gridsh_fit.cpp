@@ -18,14 +18,17 @@ constexpr float kPerCell = 4;
 /// linear blends make of the light beside a lamp hangs on where the samples are. 1 = byte 255.
 constexpr float kSteep = 16.0f / 255;
 constexpr int kSteepFactor = 6;
+/// With -shfit, candidates drawn at most for each sample wanted: cells that are mostly solid get as many samples as
+/// others.
+constexpr int kMostTries = 8;
 /// Of the weight of a point's samples: how strongly it keeps to the value that it had.
-constexpr float kPull = 0.1f, kPullAll = 0.02f;
+constexpr float kPull = 0.1f, kPullAll = 0.03f;
 /// Light under this counts more: there a leak shows. 1 = byte 255.
 constexpr float kDark = 0.02f;
 /// Mean light over the inverse of this counts less, by its fourth power: the screen is white there on some side, and
 /// the steep light beside a lamp, which no grid fits, would pull at points cells away. With all points fitted there is
 /// more to follow it with.
-constexpr float kBeyondScreen = 3, kBeyondScreenAll = 2.2f;
+constexpr float kBeyondScreen = 3, kBeyondScreenAll = 2.2f, kFall = 4, kFallAll = 2;
 /// Keeps weights of absurd light within floats.
 constexpr float kMostBeyond = 1e4f;
 /// Points of less weight keep the value that they had.
@@ -138,37 +141,38 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     std::vector<Draw> cells;
     for (const BrickPoint &point : points)
         if (AnyRow(point) && space.AnyOpen(point.position, point.position + cell))
-            cells.push_back({&point, 0, perCell_});
-    LightSamples(space, cells, lighter, HashIndex(points.front().index), samples, work);
+            cells.push_back({&point, perCell_});
+    LightSamples(space, cells, 0, lighter, samples, work);
     if (in_.options.shFit > 0) {
-        std::vector<Draw> steep;
-        for (const Draw &drawn : cells)
-            if (const std::span cellSamples(samples.data() + drawn.first, drawn.count); IsSteep(cellSamples)) {
-                steep.push_back({drawn.point, perCell_, kSteepFactor * perCell_});
-                for (FitSample &sample : cellSamples)
-                    sample.weight = 1.0f / kSteepFactor;
-            }
-        LightSamples(space, steep, lighter, HashIndex(HashIndex(points.front().index)), samples, work);
-        for (const Draw &drawn : steep)
-            for (FitSample &sample : std::span(samples.data() + drawn.first, drawn.count))
-                sample.weight = 1.0f / kSteepFactor;
+        for (Draw &draw : cells) {
+            const auto [first, count] = draw.rounds[0];
+            draw.wanted = IsSteep(std::span(samples.data() + first, count)) ? (kSteepFactor - 1) * perCell_ : 0;
+        }
+        LightSamples(space, cells, 1, lighter, samples, work);
+        for (const Draw &draw : cells)
+            for (const auto &[first, count] : draw.rounds)
+                for (FitSample &sample : std::span(samples.data() + first, count))
+                    sample.weight = float(perCell_) / float(draw.tried);
         FindSeen(samples, work);
     }
     return samples;
 }
 
-/// Draws places in cells, where a player fits, and lights them. Sets where the samples of each cell are.
-void GridFit::LightSamples(const BspRegion &space, std::span<Draw> cells, const PlaceLighter &lighter,
-                           std::uint64_t seed, std::vector<FitSample> &samples, GridStats &work) const {
+/// Draws places in cells, where a player fits, and lights them.
+void GridFit::LightSamples(const BspRegion &space, std::span<Draw> cells, std::size_t round,
+                           const PlaceLighter &lighter, std::vector<FitSample> &samples, GridStats &work) const {
     std::vector<LightPlaces> blocks;
     const Vec3f cell(layout_.size);
+    const int tries = in_.options.shFit > 0 ? kMostTries : 1;
     std::size_t next = samples.size();
     for (Draw &draw : cells) {
-        draw.first = samples.size();
-        for (int i = draw.from; i < draw.to; ++i) {
-            const Sample2 s = PlasticSample(std::uint32_t(i), draw.point->index);
-            const std::uint64_t hash = HashIndex((std::uint64_t(draw.point->index) << 16) + std::uint64_t(i));
-            const double layer = (i % perCell_ + UnitFromHash(hash)) / perCell_;
+        Draw::Range &drawn = draw.rounds[round];
+        drawn.first = samples.size();
+        for (const int end = draw.tried + draw.wanted * tries;
+             draw.tried < end && samples.size() - drawn.first < std::size_t(draw.wanted); ++draw.tried) {
+            const Sample2 s = PlasticSample(std::uint32_t(draw.tried), draw.point->index);
+            const std::uint64_t hash = HashIndex((std::uint64_t(draw.point->index) << 16) + std::uint64_t(draw.tried));
+            const double layer = (draw.tried % perCell_ + UnitFromHash(hash)) / perCell_;
             const Vec3f p = draw.point->position + cell * Vec3f{float(s.u), float(s.v), float(layer)};
             const int cluster = space.ClusterAt(p, kClearance);
             if (cluster < 0 || !space.PlayerFits(p))
@@ -176,11 +180,15 @@ void GridFit::LightSamples(const BspRegion &space, std::span<Draw> cells, const 
             AddPlace(blocks, p, p, cluster, std::uint32_t(hash));
             samples.push_back({p, {}});
         }
-        draw.count = samples.size() - draw.first;
+        drawn.count = samples.size() - drawn.first;
     }
-    if (!blocks.empty())
-        lighter.Trace(blocks, seed, work,
-                      [&](std::uint32_t, const bspGridPointSH_t &value) { samples[next++].value = value; });
+    if (blocks.empty())
+        return;
+    std::uint64_t seed = HashIndex(cells.front().point->index);
+    for (std::size_t i = 0; i < round; ++i)
+        seed = HashIndex(seed);
+    lighter.Trace(blocks, seed, work,
+                  [&](std::uint32_t, const bspGridPointSH_t &value) { samples[next++].value = value; });
 }
 
 /// Rays from samples to the points in the open around them.
@@ -217,7 +225,8 @@ void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
 
 void GridFit::Accumulate(const FitSample &sample) {
     const float mean = MeanLight(sample.value), beyond = std::clamp(beyondScreen_ * mean, 1.0f, kMostBeyond);
-    const float weight = sample.weight * std::pow(kDark / (kDark + mean), 0.25f) / (beyond * beyond * beyond * beyond);
+    const float weight = sample.weight * std::pow(kDark / (kDark + mean), 0.25f) /
+                         std::pow(beyond, in_.options.shFit > 0 ? kFallAll : kFall);
     const auto corners = CornersAt(sample.position);
     const auto numbers = std::bit_cast<Numbers>(sample.value);
     for (std::size_t a = 0; a < 8; ++a) {

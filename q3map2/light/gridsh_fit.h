@@ -15,7 +15,7 @@ namespace q3 {
 struct FitSample {
     Vec3f position;
     bspGridPointSH_t value;
-    float weight = 1;         ///< the share of its cell that it stands for, times the samples of a cell
+    float weight = 1;         ///< samples of an open cell over the candidates drawn in this one
     std::uint8_t sees = 0xff; ///< by corner of its cell: whether it may move that point
 };
 
@@ -59,16 +59,21 @@ class GridFit {
         float weight;
     };
 
-    /// Samples from..to of the cell above a point, and where they are among all.
+    /// Drawing samples of the cell above a point, in two rounds: where those of each are among all, and how many
+    /// candidates it took.
     struct Draw {
+        struct Range {
+            std::size_t first = 0, count = 0;
+        };
         const BrickPoint *point;
-        int from, to;
-        std::size_t first = 0, count = 0;
+        int wanted = 0; ///< in this round
+        int tried = 0;
+        std::array<Range, 2> rounds{};
     };
 
     std::array<Corner, 8> CornersAt(const Vec3f &p) const;
     bool AnyRow(const BrickPoint &point) const;
-    void LightSamples(const BspRegion &space, std::span<Draw> cells, const PlaceLighter &lighter, std::uint64_t seed,
+    void LightSamples(const BspRegion &space, std::span<Draw> cells, std::size_t round, const PlaceLighter &lighter,
                       std::vector<FitSample> &samples, GridStats &work) const;
     void FindSeen(std::span<FitSample> samples, GridStats &work) const;
     void Accumulate(const FitSample &sample);

@@ -137,6 +137,7 @@ std::vector<bspGridPointSH_t> PlaceLighter::Values(std::vector<LightPlaces> &blo
     ContributionSettings pass = settings_;
     pass.faint = candidates.Many() ? faint_ : 0;
     for (const BrickLight &one : candidates.List()) {
+        pass.skip.pvs = settings_.skip.pvs && !one.seenByAll;
         LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, arrivals, work.counts);
         for (std::size_t block = 0; block < blocks.size(); ++block)
             if (arrivals[block].live.Any())

@@ -61,7 +61,7 @@ inline float AreaContribution::Lift(std::size_t i) const {
 }
 
 PolygonMoments AreaContribution::Moments(std::size_t i) const {
-    return near_[i] != 0 ? nearMoments_[i] : MomentsOfPolygon(Corners(i), Vec3d(places_.position[i]));
+    return near_[i] != 0 ? nearMoments_[i] : MomentsOfPolygon(Corners(i), Vec3d(places_->position[i]));
 }
 
 /// How each place is to the light.
@@ -70,7 +70,7 @@ Q3_VECTOR void AreaContribution::MeasureLanes() {
     const bool twoSided = light_.twoSided;
     const float strength = light_.add * shape.area / std::numbers::pi_v<float>, size2 = shape.radius * shape.radius;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float px = places_.position.x[i], py = places_.position.y[i], pz = places_.position.z[i];
+        const float px = places_->position.x[i], py = places_->position.y[i], pz = places_->position.z[i];
         const float s =
             float(shape.normal.x * double(px) + shape.normal.y * double(py) + shape.normal.z * double(pz) - shape.dist);
         const float x = shape.center.x - px, y = shape.center.y - py, z = shape.center.z - pz;
@@ -94,10 +94,10 @@ bool AreaContribution::FindFacing() {
         if (live_[i] == 0)
             continue;
         if (near_[i] != 0) {
-            nearMoments_[i] = MomentsOfPolygon(Corners(i), Vec3d(places_.position[i]));
+            nearMoments_[i] = MomentsOfPolygon(Corners(i), Vec3d(places_->position[i]));
             facing_[i] = light_.add * float(Length(nearMoments_[i].first) / std::numbers::pi);
         }
-        live_.Set(i, facing_[i] > least && light_.bounds.Contains(places_.position[i]));
+        live_.Set(i, facing_[i] > least && light_.bounds.Contains(places_->position[i]));
         brightest_ = std::max(brightest_, live_[i] != 0 ? facing_[i] : 0);
     }
     return live_.Any();
@@ -130,7 +130,7 @@ Vec3f AreaContribution::ProbeTarget(int probe) const {
     const bool one = brightest_ < kFaint && settings_.skip.probes;
     const int corners = one ? 0 : int(light_.w.size());
     if (probe >= corners)
-        return PointByArea(light_, PlasticSample(std::uint32_t(probe - corners), places_.index[0]));
+        return PointByArea(light_, PlasticSample(std::uint32_t(probe - corners), places_->index[0]));
     const Vec3f &corner = light_.w[std::size_t(probe)];
     return corner + (light_.shape.center - corner) * kCornerInset;
 }
@@ -138,7 +138,7 @@ Vec3f AreaContribution::ProbeTarget(int probe) const {
 /// Rays from all live places to just before the target.
 Q3_VECTOR void AreaContribution::AimAll(const Vec3f &target, RayPacket &rays) const {
     const Vec3f normal(light_.shape.normal);
-    rays.origin = places_.rayOrigin;
+    rays.origin = places_->rayOrigin;
     rays.live = live_;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float lift = Lift(i);
@@ -163,7 +163,7 @@ void AreaContribution::FirstLook(int probes) {
         tinted_ = tinted_ || rays.tinted;
         if (!rays.tinted)
             rays.tint.Fill({1, 1, 1});
-        for (std::size_t i = 0; i < places_.count; ++i)
+        for (std::size_t i = 0; i < places_->count; ++i)
             if (rays.live[i] != 0)
                 firstTint_.Set(i, firstTint_[i] + rays.tint[i]);
     }
@@ -179,7 +179,7 @@ bool AreaContribution::NeedsMore(std::size_t i, int probes) const {
         return true;
     if (shortcuts && facing_[i] < 2 * kRefine)
         return false;
-    for (std::size_t j = 0; j < places_.count; ++j)
+    for (std::size_t j = 0; j < places_->count; ++j)
         if (live_[j] != 0 && (whole(j) != whole(i) || hidden(j) != hidden(i)))
             return true;
     return false;
@@ -190,19 +190,20 @@ Q3_VECTOR void AreaContribution::PointMoments() {
     const Vec3f center = light_.shape.center;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float d = std::sqrt(distance2_[i]), divisor = d > 0 ? d : 1;
-        BasisLanes<false>(i, (center.x - places_.position.x[i]) / divisor, (center.y - places_.position.y[i]) / divisor,
-                          (center.z - places_.position.z[i]) / divisor, facing_[i], arrivals_);
+        BasisLanes<false>(i, (center.x - places_->position.x[i]) / divisor,
+                          (center.y - places_->position.y[i]) / divisor, (center.z - places_->position.z[i]) / divisor,
+                          facing_[i], *arrivals_);
     }
 }
 
 /// Adds a small piece of the emitter.
 Q3_VECTOR void AreaContribution::AddSample(const Vec3f &at, float strength) {
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float x = at.x - places_.position.x[i], y = at.y - places_.position.y[i],
-                    z = at.z - places_.position.z[i];
+        const float x = at.x - places_->position.x[i], y = at.y - places_->position.y[i],
+                    z = at.z - places_->position.z[i];
         const float d = std::sqrt(x * x + y * y + z * z), divisor = d > 0 ? d : 1;
         BasisLanes<true>(i, x / divisor, y / divisor, z / divisor,
-                         strength * height_[i] / (divisor * divisor * divisor), arrivals_);
+                         strength * height_[i] / (divisor * divisor * divisor), *arrivals_);
     }
 }
 
@@ -210,7 +211,7 @@ Q3_VECTOR void AreaContribution::AddSample(const Vec3f &at, float strength) {
 void AreaContribution::QuadratureMoments() {
     const Winding<float> &w = light_.w;
     const AreaShape &shape = light_.shape;
-    for (Lanes &row : arrivals_.moments)
+    for (Lanes &row : arrivals_->moments)
         row.fill(0);
     float before = 0;
     for (std::size_t t = 2; t < w.size(); ++t) {
@@ -228,7 +229,7 @@ void AreaContribution::QuadratureMoments() {
 void AreaContribution::SetMoments(std::size_t i, const ShVector &projection) {
     const double scale = double(light_.add) / std::numbers::pi;
     for (std::size_t k = 0; k < 9; ++k)
-        arrivals_.moments[k][i] = float(projection[k] * scale);
+        arrivals_->moments[k][i] = float(projection[k] * scale);
 }
 
 /// Corrects the closed form by what many rays see: with V and W the traced moments of the visible part and of the whole
@@ -236,7 +237,7 @@ void AreaContribution::SetMoments(std::size_t i, const ShVector &projection) {
 void AreaContribution::Refine(std::size_t i) {
     const int n = RefinedRays(facing_[i], settings_.samples);
     const Vec3f lift = Vec3f(light_.shape.normal) * Lift(i);
-    const AreaSampler sampler(light_, Corners(i), places_.position[i], height_[i], places_.index[i], near_[i] != 0);
+    const AreaSampler sampler(light_, Corners(i), places_->position[i], height_[i], places_->index[i], near_[i] != 0);
     ShVector visible{}, whole{};
     Vec3d tint;
     int clear = 0;
@@ -246,7 +247,7 @@ void AreaContribution::Refine(std::size_t i) {
         AreaSamples samples;
         sampler.Take(std::uint32_t(first), samples);
         for (std::size_t ray = 0; ray < kPacketSize; ++ray)
-            rays.Aim(ray, places_.rayOrigin[i], samples.target[ray] + lift);
+            rays.Aim(ray, places_->rayOrigin[i], samples.target[ray] + lift);
         scene_.TraceToLight(rays, ShadowRules::Exact, counts_);
         for (std::size_t ray = 0; ray < kPacketSize; ++ray) {
             const auto basis = ShBasis(samples.direction[ray]);
@@ -270,30 +271,35 @@ void AreaContribution::Refine(std::size_t i) {
     for (std::size_t k = 0; k < 9; ++k)
         projection[k] = share * projection[k] + (visible[k] - share * whole[k]) / n;
     SetMoments(i, projection);
-    arrivals_.tint.Set(i, Vec3f(tint / double(clear)));
+    arrivals_->tint.Set(i, Vec3f(tint / double(clear)));
 }
 
 /// From light to what is stored.
 Q3_VECTOR void AreaContribution::Convolve() {
     const float fromAll = float(4 * std::numbers::pi * kShC0);
     for (std::size_t i = 0; i < kPacketSize; ++i)
-        arrivals_.add[i] = arrivals_.moments[0][i] * weight_ * fromAll;
+        arrivals_->add[i] = arrivals_->moments[0][i] * weight_ * fromAll;
     for (std::size_t k = 0; k < 9; ++k) {
         const float scale = weight_ * (settings_.radiance ? 1 : float(kCosineLobe[k]));
         for (std::size_t i = 0; i < kPacketSize; ++i)
-            arrivals_.moments[k][i] = live_[i] != 0 ? arrivals_.moments[k][i] * scale : 0;
+            arrivals_->moments[k][i] = live_[i] != 0 ? arrivals_->moments[k][i] * scale : 0;
     }
 }
 
-void AreaContribution::Add() {
-    live_ = arrivals_.live;
-    arrivals_.live = {};
+void AreaContribution::Add(LightPlaces &places, Arrivals &arrivals) {
+    places_ = &places;
+    arrivals_ = &arrivals;
+    weight_ = givenWeight_;
+    brightest_ = 0;
+    tinted_ = false;
+    live_ = arrivals_->live;
+    arrivals_->live = {};
     const int inSight = live_.Count();
     const bool any = light_.w.size() >= 3 && FindFacing();
     counts_.skippedFacing += std::uint64_t(any ? inSight - live_.Count() : inSight);
     if (!any)
         return;
-    if (!TakeFaint(settings_.faint, brightest_, places_, weight_)) {
+    if (!TakeFaint(settings_.faint, brightest_, *places_, weight_)) {
         counts_.skippedFaint += std::uint64_t(live_.Count());
         return;
     }
@@ -302,7 +308,7 @@ void AreaContribution::Add() {
     FirstLook(probes);
     const LaneMask asked = live_;
     LaneMask refine{};
-    for (std::size_t i = 0; i < places_.count; ++i) {
+    for (std::size_t i = 0; i < places_->count; ++i) {
         refine.Set(i, asked[i] != 0 && NeedsMore(i, probes));
         live_.Set(i, asked[i] != 0 && clear_[i] > 0);
     }
@@ -314,7 +320,7 @@ void AreaContribution::Add() {
     else if (method == Method::Quadrature)
         QuadratureMoments();
     counts_.skippedMoments += std::uint64_t(method == Method::ClosedForm ? 0 : live_.Count());
-    for (std::size_t i = 0; i < places_.count; ++i) {
+    for (std::size_t i = 0; i < places_->count; ++i) {
         if (refine[i] != 0) {
             Refine(i);
             continue;
@@ -324,14 +330,14 @@ void AreaContribution::Add() {
         if (near_[i] != 0 || method == Method::ClosedForm)
             SetMoments(i, Moments(i).Projection());
         const float share = clear_[i] / float(probes);
-        for (Lanes &row : arrivals_.moments)
+        for (Lanes &row : arrivals_->moments)
             row[i] *= share;
-        arrivals_.tint.Set(i, tinted_ && clear_[i] > 0 ? firstTint_[i] / clear_[i] : Vec3f{1, 1, 1});
+        arrivals_->tint.Set(i, tinted_ && clear_[i] > 0 ? firstTint_[i] / clear_[i] : Vec3f{1, 1, 1});
     }
     Convolve();
-    arrivals_.direction = {};
-    arrivals_.tinted = tinted_;
-    arrivals_.live = live_;
+    arrivals_->direction = {};
+    arrivals_->tinted = tinted_;
+    arrivals_->live = live_;
 }
 
 } // namespace q3

@@ -9,7 +9,7 @@
 
 namespace q3 {
 
-/// Light of one area light at the places of a block.
+/// Light of one area light at places, block by block.
 ///
 /// A few well-spread rays first: one for a faint light, else the corners and, for a bright one, samples of the inside.
 /// All clear: the closed form is the answer; all blocked: zero. Where they disagree, among themselves or, for a bright
@@ -18,12 +18,11 @@ namespace q3 {
 class AreaContribution {
   public:
     AreaContribution(const Light &light, float weight, const ContributionSettings &settings, const LightScene &scene,
-                     LightPlaces &places, Arrivals &arrivals, ContributionCounts &counts)
-        : light_(light), weight_(weight), settings_(settings), scene_(scene), places_(places), arrivals_(arrivals),
-          counts_(counts) {}
+                     ContributionCounts &counts)
+        : light_(light), givenWeight_(weight), settings_(settings), scene_(scene), counts_(counts) {}
 
-    /// Sets the arrivals of their live places, and which stay alive.
-    void Add();
+    /// Sets the arrivals of live places, and which stay alive.
+    void Add(LightPlaces &places, Arrivals &arrivals);
 
   private:
     /// How moments are found, by what each errs.
@@ -49,13 +48,15 @@ class AreaContribution {
     void Convolve();
 
     const Light &light_;
-    float weight_;
+    float givenWeight_;
     const ContributionSettings &settings_;
     const LightScene &scene_;
-    LightPlaces &places_;
-    Arrivals &arrivals_;
     ContributionCounts &counts_;
 
+    // Of the block.
+    LightPlaces *places_ = nullptr;
+    Arrivals *arrivals_ = nullptr;
+    float weight_ = 1; ///< with what the light stands for in the block
     LaneMask live_{}, below_{}, near_{};
     Lanes height_;    ///< distance to the plane of the light
     Lanes distance2_; ///< squared, to its centre

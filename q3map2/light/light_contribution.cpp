@@ -6,6 +6,7 @@
 #include "q3map2/light/light_terms.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -87,20 +88,27 @@ void Unshadowed(const Light &light, const ContributionSettings &settings, const 
         arrivals.add.fill(light.photons);
         arrivals.direction.Fill(-light.normal);
         arrivals.distance.fill(kFar);
-    } else {
-        AimAt(light, places, arrivals);
-        if (light.type != LightType::Area)
-            PointAdd(light, arrivals);
-        else
-            for (std::size_t i = 0; i < kPacketSize; ++i)
-                arrivals.add[i] = arrivals.live[i] == 0
-                                      ? 0
-                                      : LegacyAreaAdd(light, places.position[i], arrivals.direction[i],
-                                                      arrivals.distance[i], settings);
+        return;
     }
-    const float least = light.fast && light.type != LightType::Sun ? light.tolerance : 0;
-    for (std::size_t i = 0; i < kPacketSize; ++i)
-        arrivals.live[i] = arrivals.add[i] > least ? arrivals.live[i] : 0;
+    AimAt(light, places, arrivals);
+    if (light.type != LightType::Area)
+        PointAdd(light, arrivals);
+    else
+        for (std::size_t i = 0; i < kPacketSize; ++i)
+            arrivals.add[i] = arrivals.live[i] == 0 ? 0
+                                                    : LegacyAreaAdd(light, places.position[i], arrivals.direction[i],
+                                                                    arrivals.distance[i], settings);
+}
+
+/// Ends places that get at most `least`. What the others get at most.
+Q3_VECTOR float EndFaint(float least, Arrivals &arrivals) {
+    float strongest = 0;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const bool kept = (arrivals.live[i] != 0) & (arrivals.add[i] > least);
+        arrivals.live[i] = kept ? -1 : 0;
+        strongest = std::max(strongest, kept ? arrivals.add[i] : 0);
+    }
+    return strongest;
 }
 
 /// Moments of light from one direction; from everywhere alike in the light itself, where the direction is zero.
@@ -125,113 +133,191 @@ Q3_VECTOR void DirectionMoments(Arrivals &arrivals, bool radiance) {
     }
 }
 
-Q3_VECTOR float Strongest(const Arrivals &arrivals) {
-    float strongest = 0;
-    for (std::size_t i = 0; i < kPacketSize; ++i)
-        strongest = std::max(strongest, arrivals.live[i] != 0 ? arrivals.add[i] : 0);
-    return strongest;
-}
-
 /// Delta lights, and area lights as the legacy grid takes them: one ray each.
 class DeltaContribution {
   public:
     DeltaContribution(const Light &light, float weight, const ContributionSettings &settings, const LightScene &scene,
-                      ContributionCounts &counts)
-        : light_(light), weight_(weight), settings_(settings), scene_(scene), counts_(counts),
-          exact_(settings.pass == LightPass::GridSH) {}
+                      std::span<LightPlaces> blocks, std::span<Arrivals> arrivals, ContributionCounts &counts)
+        : light_(light), weight_(weight), settings_(settings), scene_(scene), blocks_(blocks), arrivals_(arrivals),
+          counts_(counts), exact_(settings.pass == LightPass::GridSH) {}
 
-    /// Sets what arrives without shadows; afterwards live places have rays to trace.
-    void Prepare(LightPlaces &places, Arrivals &arrivals) {
-        const int inSight = arrivals.live.Count();
-        Unshadowed(light_, settings_, places, arrivals);
-        const int inReach = arrivals.live.Count();
-        counts_.skippedFacing += std::uint64_t(inSight - inReach);
-        float weight = weight_;
-        if (light_.type == LightType::Area && inReach > 0) {
-            if (!TakeFaint(settings_.faint, Strongest(arrivals), places, weight)) {
-                counts_.skippedFaint += std::uint64_t(inReach);
-                arrivals.live = {};
-            }
-        }
-        for (float &add : arrivals.add)
-            add *= weight;
-    }
-    /// Whether coarse visibility is good enough for the light.
-    bool Dim(std::span<const Arrivals> arrivals) const {
-        if (!exact_ || !settings_.skip.coarse)
-            return false;
-        const float color = MaxComponent(Max(light_.color, -light_.color)) * settings_.samples;
-        return std::all_of(arrivals.begin(), arrivals.end(),
-                           [&](const Arrivals &one) { return Strongest(one) * color < kDim; });
-    }
-    /// Rays from all live places.
-    void Trace(const LightPlaces &places, Arrivals &arrivals) {
-        if (!arrivals.live.Any())
-            return;
-        RayPacket rays;
-        rays.origin = places.rayOrigin;
-        rays.direction = arrivals.direction;
-        rays.distance = arrivals.distance;
-        rays.live = arrivals.live;
-        Cast(rays);
-        arrivals.live = rays.live;
-        arrivals.tinted = rays.tinted;
-        if (rays.tinted)
-            arrivals.tint = rays.tint;
-    }
-    /// Rays from a few places of each block first, and from the others where those differ.
-    void TraceCoarse(std::span<const LightPlaces> blocks, std::span<Arrivals> arrivals);
-    void Finish(Arrivals &arrivals) const {
-        if (exact_ && arrivals.live.Any())
-            DirectionMoments(arrivals, settings_.radiance);
+    void Add() {
+        float strongest = 0;
+        for (std::size_t block = 0; block < blocks_.size(); ++block)
+            if (arrivals_[block].live.Any())
+                strongest = std::max(strongest, Prepare(block));
+        if (Dim(strongest))
+            TraceCoarse();
+        else
+            for (std::size_t block = 0; block < blocks_.size(); ++block)
+                Trace(block, arrivals_[block].live.Bits());
+        Flush();
+        for (Arrivals &one : arrivals_)
+            if (exact_ && one.live.Any())
+                DirectionMoments(one, settings_.radiance);
     }
 
   private:
     /// Places of a full block that are spread over all its axes.
     static constexpr std::array<std::size_t, 4> kSpread = {0, 5, 10, 15};
+    static constexpr unsigned kSpreadBits = 1u << 0 | 1u << 5 | 1u << 10 | 1u << 15;
     static constexpr std::size_t kPerPacket = kPacketSize / kSpread.size();
 
+    float Prepare(std::size_t block);
+    /// Whether coarse visibility is good enough for a light that gives at most `strongest`.
+    bool Dim(float strongest) const {
+        return exact_ && settings_.skip.coarse &&
+               strongest * MaxComponent(Max(light_.color, -light_.color)) * settings_.samples < kDim;
+    }
     void Cast(RayPacket &rays) {
         if (light_.type == LightType::Sun)
             scene_.TraceToSky(rays, light_.skyIndex, exact_ ? ShadowRules::Exact : ShadowRules::LegacyGrid, counts_);
         else
             scene_.TraceToLight(rays, exact_ ? ShadowRules::Exact : ShadowRules::LegacyGrid, counts_);
     }
+    void SetRay(std::size_t ray, std::size_t block, std::size_t lane, RayPacket &rays) const {
+        rays.origin.Set(ray, blocks_[block].rayOrigin[lane]);
+        rays.direction.Set(ray, arrivals_[block].direction[lane]);
+        rays.distance[ray] = arrivals_[block].distance[lane];
+        rays.live[ray] = -1;
+    }
+    void TraceFull(std::size_t block);
+    void Trace(std::size_t block, unsigned lanes);
+    void Flush();
+    void TraceCoarse();
+    void AskSpread(std::span<const std::size_t> blocks);
 
     const Light &light_;
     float weight_;
     const ContributionSettings &settings_;
     const LightScene &scene_;
+    std::span<LightPlaces> blocks_;
+    std::span<Arrivals> arrivals_;
     ContributionCounts &counts_;
     bool exact_;
+    /// Rays of blocks that do not fill a packet on their own wait here, with the place that each is from.
+    RayPacket waiting_;
+    std::array<std::uint32_t, kPacketSize> from_;
+    std::size_t waitingCount_ = 0;
 };
 
-void DeltaContribution::TraceCoarse(std::span<const LightPlaces> blocks, std::span<Arrivals> arrivals) {
-    for (std::size_t first = 0; first < blocks.size(); first += kPerPacket) {
-        const std::size_t count = std::min(kPerPacket, blocks.size() - first);
-        RayPacket rays;
-        for (std::size_t i = 0; i < count * kSpread.size(); ++i) {
-            const std::size_t block = first + i / kSpread.size(), lane = kSpread[i % kSpread.size()];
-            rays.origin.Set(i, blocks[block].rayOrigin[lane]);
-            rays.direction.Set(i, arrivals[block].direction[lane]);
-            rays.distance[i] = arrivals[block].distance[lane];
-            rays.live[i] = arrivals[block].live[lane];
+/// Sets what arrives without shadows; afterwards live places have rays to trace. What they get at most.
+float DeltaContribution::Prepare(std::size_t block) {
+    LightPlaces &places = blocks_[block];
+    Arrivals &arrivals = arrivals_[block];
+    const int inSight = arrivals.live.Count();
+    Unshadowed(light_, settings_, places, arrivals);
+    const float strongest = EndFaint(light_.fast && light_.type != LightType::Sun ? light_.tolerance : 0, arrivals);
+    const int inReach = arrivals.live.Count();
+    counts_.skippedFacing += std::uint64_t(inSight - inReach);
+    float weight = weight_;
+    if (light_.type == LightType::Area && inReach > 0 &&
+        !TakeFaint(settings_.faint, strongest, places.collected, weight)) {
+        counts_.skippedFaint += std::uint64_t(inReach);
+        arrivals.live = {};
+        return 0;
+    }
+    if (weight != 1)
+        for (float &add : arrivals.add)
+            add *= weight;
+    return strongest * weight;
+}
+
+/// Rays from all places of a block.
+void DeltaContribution::TraceFull(std::size_t block) {
+    Arrivals &arrivals = arrivals_[block];
+    RayPacket rays;
+    rays.origin = blocks_[block].rayOrigin;
+    rays.direction = arrivals.direction;
+    rays.distance = arrivals.distance;
+    rays.live = arrivals.live;
+    Cast(rays);
+    arrivals.live = rays.live;
+    arrivals.tinted = rays.tinted;
+    if (rays.tinted)
+        arrivals.tint = rays.tint;
+}
+
+/// Rays from those places of a block, by bit; some of them later, together with those of other blocks.
+void DeltaContribution::Trace(std::size_t block, unsigned lanes) {
+    if (lanes == kAllLanes)
+        return TraceFull(block);
+    for (; lanes != 0; lanes &= lanes - 1) {
+        const auto lane = std::size_t(std::countr_zero(lanes));
+        SetRay(waitingCount_, block, lane, waiting_);
+        from_[waitingCount_] = std::uint32_t(block * kPacketSize + lane);
+        if (++waitingCount_ == kPacketSize)
+            Flush();
+    }
+}
+
+/// Traces the rays that wait.
+void DeltaContribution::Flush() {
+    if (waitingCount_ == 0)
+        return;
+    for (std::size_t ray = waitingCount_; ray < kPacketSize; ++ray)
+        waiting_.live[ray] = 0;
+    Cast(waiting_);
+    for (std::size_t ray = 0; ray < waitingCount_; ++ray) {
+        Arrivals &arrivals = arrivals_[from_[ray] / kPacketSize];
+        const std::size_t lane = from_[ray] % kPacketSize;
+        arrivals.live[lane] = waiting_.live[ray];
+        if (waiting_.tinted && waiting_.live[ray] != 0) {
+            if (!arrivals.tinted)
+                arrivals.tint.Fill({1, 1, 1});
+            arrivals.tinted = true;
+            arrivals.tint.Set(lane, waiting_.tint[ray]);
         }
-        Cast(rays);
-        for (std::size_t block = first; block < first + count; ++block) {
-            const std::int32_t *seen = rays.live.data() + (block - first) * kSpread.size();
-            int asked = 0, clear = 0;
+    }
+    waitingCount_ = 0;
+}
+
+/// Rays from a few places of each block first, and from the others where those differ.
+void DeltaContribution::TraceCoarse() {
+    std::array<std::size_t, kPerPacket> asked;
+    std::size_t count = 0;
+    for (std::size_t block = 0; block < blocks_.size(); ++block) {
+        const unsigned live = arrivals_[block].live.Bits();
+        if ((live & kSpreadBits) != kSpreadBits) {
+            Trace(block, live);
+            continue;
+        }
+        asked[count++] = block;
+        if (count == kPerPacket)
+            AskSpread(asked), count = 0;
+    }
+    if (count > 0)
+        AskSpread(std::span(asked).first(count));
+}
+
+void DeltaContribution::AskSpread(std::span<const std::size_t> blocks) {
+    RayPacket rays;
+    for (std::size_t ray = 0; ray < blocks.size() * kSpread.size(); ++ray)
+        SetRay(ray, blocks[ray / kSpread.size()], kSpread[ray % kSpread.size()], rays);
+    Cast(rays);
+    for (std::size_t n = 0; n < blocks.size(); ++n) {
+        const std::int32_t *seen = rays.live.data() + n * kSpread.size();
+        Arrivals &arrivals = arrivals_[blocks[n]];
+        const unsigned live = arrivals.live.Bits();
+        int clear = 0;
+        bool tinted = false;
+        for (std::size_t i = 0; i < kSpread.size(); ++i) {
+            clear -= seen[i];
+            tinted = tinted || (rays.tinted && (seen[i] & rays.filtered[n * kSpread.size() + i]) != 0);
+        }
+        if (tinted) {
+            Trace(blocks[n], live);
+            continue;
+        }
+        if (clear != 0 && clear != int(kSpread.size())) {
             for (std::size_t i = 0; i < kSpread.size(); ++i)
-                asked -= arrivals[block].live[kSpread[i]], clear -= seen[i];
-            const bool alike = asked == int(kSpread.size()) && (clear == 0 || clear == asked) && !rays.tinted;
-            if (!alike) {
-                Trace(blocks[block], arrivals[block]);
-                continue;
-            }
-            counts_.skippedCoarse += std::uint64_t(arrivals[block].live.Count() - asked);
-            if (clear == 0)
-                arrivals[block].live = {};
+                arrivals.live[kSpread[i]] = seen[i];
+            Trace(blocks[n], live & ~kSpreadBits);
+            continue;
         }
+        counts_.skippedCoarse += std::uint64_t(std::popcount(live & ~kSpreadBits));
+        if (clear == 0)
+            arrivals.live = {};
     }
 }
 
@@ -264,22 +350,13 @@ void LightContributionToPoint(const Light &light, float weight, const Contributi
         arrivals[i].tinted = false;
     }
     if (light.type == LightType::Area && settings.pass == LightPass::GridSH) {
+        AreaContribution area(light, weight, settings, scene, counts);
         for (std::size_t i = 0; i < blocks.size(); ++i)
             if (arrivals[i].live.Any())
-                AreaContribution(light, weight, settings, scene, blocks[i], arrivals[i], counts).Add();
+                area.Add(blocks[i], arrivals[i]);
         return;
     }
-    DeltaContribution delta(light, weight, settings, scene, counts);
-    for (std::size_t i = 0; i < blocks.size(); ++i)
-        if (arrivals[i].live.Any())
-            delta.Prepare(blocks[i], arrivals[i]);
-    if (delta.Dim(arrivals.first(blocks.size())))
-        delta.TraceCoarse(blocks, arrivals);
-    else
-        for (std::size_t i = 0; i < blocks.size(); ++i)
-            delta.Trace(blocks[i], arrivals[i]);
-    for (Arrivals &one : arrivals.first(blocks.size()))
-        delta.Finish(one);
+    DeltaContribution(light, weight, settings, scene, blocks, arrivals.first(blocks.size()), counts).Add();
 }
 
 bool TakeFaint(float faint, float strongest, float &collected, float &weight) {

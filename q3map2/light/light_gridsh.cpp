@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace q3 {
 
@@ -37,16 +38,28 @@ class PointPlaces {
     PointPlaces(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
         : states_(std::size_t(layout.Count()), PointState::Void), places_(std::size_t(bricks.Count())) {
         std::vector<int> clusters(states_.size());
-        ForBlocks(in, layout, bricks, [&](std::int64_t, const BspRegion &space, std::span<const BrickPoint> points) {
-            for (const BrickPoint &point : points)
-                clusters[point.index] = ClusterOfPoint(space, point.position);
+        ForBlocks(in, bricks, {1, 1, 1}, [&](std::int64_t, const BspRegion &whole, std::span<const BrickPoint> points) {
+            const BspRegion space = RegionAround(whole, points, {1, 1, 1});
+            for (const BrickPoint &point : points) {
+                const PlacedPoint placed = PlaceInOpen(space, point.position);
+                clusters[point.index] = placed.cluster;
+                states_[point.index] = placed.state;
+            }
         });
         std::vector<std::vector<Displacement>> displaced(places_.size());
-        ForBlocks(in, layout, bricks,
-                  [&](std::int64_t brick, const BspRegion &space, std::span<const BrickPoint> points) {
-                      for (const BrickPoint &point : points)
-                          Place(PlaceGridPoint(space, layout, clusters, point), point, places_[std::size_t(brick)],
-                                displaced[std::size_t(brick)]);
+        const Vec3f margin = Vec3f(layout.size) + Vec3f{1, 1, 1};
+        ForBlocks(in, bricks, margin,
+                  [&](std::int64_t brick, const BspRegion &whole, std::span<const BrickPoint> points) {
+                      std::optional<BspRegion> space;
+                      for (const BrickPoint &point : points) {
+                          PlacedPoint placed{PointState::Open, point.position, clusters[point.index]};
+                          if (states_[point.index] != PointState::Open) {
+                              if (!space)
+                                  space.emplace(RegionAround(whole, points, margin));
+                              placed = PlaceGridPoint(*space, layout, clusters, point);
+                          }
+                          Place(placed, point, places_[std::size_t(brick)], displaced[std::size_t(brick)]);
+                      }
                   });
         for (const auto &part : displaced)
             displaced_.insert(displaced_.end(), part.begin(), part.end());
@@ -81,19 +94,16 @@ class PointPlaces {
     const std::vector<Displacement> &Displaced() const { return displaced_; }
 
   private:
-    /// Calls use(brick, region, points) for small blocks of neighbouring points, with the region of the cells around
-    /// them; bricks on all workers.
+    /// Calls use(brick, region, points) for small blocks of neighbouring points, with the region around the brick;
+    /// bricks on all workers.
     template <typename Use>
-    static void ForBlocks(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks, const Use &use) {
-        const Vec3f margin = Vec3f(layout.size) + Vec3f{1, 1, 1};
+    static void ForBlocks(const GridInputs &in, const GridBricks &bricks, const Vec3f &margin, const Use &use) {
         in.jobs.For(bricks.Count(), [&](std::int64_t brick, int) {
             const std::vector<BrickPoint> points = bricks.Points(brick);
             const std::span<const BrickPoint> all(points);
             const BspRegion around = RegionAround(in.space.Whole(), all, margin);
-            for (std::size_t first = 0; first < all.size(); first += kPacketSize) {
-                const auto block = all.subspan(first, std::min(kPacketSize, all.size() - first));
-                use(brick, RegionAround(around, block, margin), block);
-            }
+            for (std::size_t first = 0; first < all.size(); first += kPacketSize)
+                use(brick, around, all.subspan(first, std::min(kPacketSize, all.size() - first)));
         });
     }
     void Place(const PlacedPoint &placed, const BrickPoint &point, std::vector<LightPlaces> &places,
@@ -146,8 +156,8 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     PointPlaces places(in, layout, bricks);
     places.FindOnLamps(layout, lights);
     const PlaceLighter lighter(in, lights);
-    const auto divided = DividedPoints(in, layout, places.Displaced(), places.States(), grid);
-    GridFit fit(in, layout, places.States(), divided);
+    const SolidSides sides = FindSolidSides(in, layout, places.Displaced(), places.States());
+    GridFit fit(in, layout, places.States(), sides.divided);
     RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
         std::vector<LightPlaces> blocks = places.Take(brick);
         if (!blocks.empty())
@@ -155,7 +165,7 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
                           [&](std::uint32_t index, const bspGridPointSH_t &value) { grid.points[index] = value; });
         fit.AddSamples(brick, fit.SampleCells(bricks.Points(brick), lighter, work));
     });
-    FillGridSH(in, layout, places.Displaced(), divided, places.States(), grid);
+    FillGridSH(in, layout, places.Displaced(), sides, places.States(), grid);
     fit.Solve(grid, in.jobs);
     const auto &states = places.States();
     for (const PointState state : {PointState::Open, PointState::OnLamp, PointState::Beside})

@@ -33,6 +33,9 @@ struct Lanes3 {
     void Fill(const Vec3f &v) { x.fill(v.x), y.fill(v.y), z.fill(v.z); }
 };
 
+/// Bits of all places, see LaneMask::Bits.
+inline constexpr unsigned kAllLanes = (1u << kPacketSize) - 1;
+
 /// Which places count: -1 those that do, 0 the others, as Embree wants it.
 struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
     void Set(std::size_t i, bool on) { (*this)[i] = on ? -1 : 0; }
@@ -41,6 +44,13 @@ struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
         for (const std::int32_t lane : *this)
             any |= lane;
         return any != 0;
+    }
+    /// Bit i: whether place i counts.
+    unsigned Bits() const {
+        std::int32_t bits = 0;
+        for (std::size_t i = 0; i < kPacketSize; ++i)
+            bits |= (*this)[i] & (1 << i);
+        return unsigned(bits);
     }
     int Count() const {
         std::int32_t count = 0;

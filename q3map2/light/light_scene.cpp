@@ -115,6 +115,7 @@ struct LightScene::State {
     bool trace;
     DevicePtr device;
     Casters main;
+    std::vector<int> skyIndexes; ///< by triangle of kSkies
     ScenePtr legacySolids, surfaces, all, skies, filters, filtersWithoutPatches;
     ScenePtr solidHull, blockers; ///< for TraceBlockers
 
@@ -202,6 +203,8 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
     s.surfaces = s.MakeScene({kSurfaces});
     s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
     s.skies = s.MakeScene({kSkies});
+    for (const int surface : s.main.triangles[kSkies].surface)
+        s.skyIndexes.push_back(table[std::size_t(surface)].skyIndex);
     s.filters = s.MakeScene({kFilters, kFilterPatches});
     s.filtersWithoutPatches = s.MakeScene({kFilters});
     s.blockers = s.MakeScene({kSurfaces, kPatches, kFilters, kFilterPatches});
@@ -308,7 +311,7 @@ void LightScene::State::ClipToSky(RayPacket &packet, int skyIndex, float nearest
             continue;
         bool lit = hits.hit.geomID[i] == kSkies;
         if (lit && skyIndex >= 0)
-            lit = table[std::size_t(main.triangles[kSkies].surface[hits.hit.primID[i]])].skyIndex == skyIndex;
+            lit = skyIndexes[hits.hit.primID[i]] == skyIndex;
         packet.live.Set(i, lit);
         packet.distance[i] = hits.ray.tfar[i];
     }

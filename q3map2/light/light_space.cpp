@@ -7,26 +7,26 @@
 
 namespace q3 {
 
-BspSpace::BspSpace(const Bsp &bsp, std::vector<bool> opaqueBrush)
-    : bsp_(bsp), opaqueBrush_(std::move(opaqueBrush)), leafHasOpaqueBrush_(bsp.leafs.size()) {
-    for (std::size_t i = 0; i < bsp.leafs.size(); ++i) {
-        const bspLeaf_t &leaf = bsp.leafs[i];
+BspSpace::BspSpace(const Bsp &bsp, const std::vector<bool> &opaqueBrush) : bsp_(bsp) {
+    opaqueFirst_.reserve(bsp.leafs.size() + 1);
+    opaqueFirst_.push_back(0);
+    for (const bspLeaf_t &leaf : bsp.leafs) {
         clusterCount_ = std::max(clusterCount_, leaf.cluster + 1);
-        for (int k = 0; k < leaf.numBSPLeafBrushes && !leafHasOpaqueBrush_[i]; ++k)
-            leafHasOpaqueBrush_[i] =
-                opaqueBrush_[std::size_t(bsp.leafBrushes[std::size_t(leaf.firstBSPLeafBrush + k)])];
+        for (int k = 0; k < leaf.numBSPLeafBrushes; ++k) {
+            const int brush = bsp.leafBrushes[std::size_t(leaf.firstBSPLeafBrush + k)];
+            if (opaqueBrush[std::size_t(brush)] && bsp.brushes[std::size_t(brush)].numSides > 0)
+                opaqueBrushes_.push_back(brush);
+        }
+        opaqueFirst_.push_back(std::uint32_t(opaqueBrushes_.size()));
     }
     if (bsp.visibility.size() > 8)
         std::memcpy(&visRowBytes_, bsp.visibility.data() + 4, 4);
 }
 
-bool BspSpace::InOpaqueBrush(const bspLeaf_t &leaf, const Vec3f &p, float epsilon) const {
-    for (int i = 0; i < leaf.numBSPLeafBrushes; ++i) {
-        const auto brushNum = std::size_t(bsp_.leafBrushes[std::size_t(leaf.firstBSPLeafBrush + i)]);
-        if (!opaqueBrush_[brushNum])
-            continue;
-        const bspBrush_t &brush = bsp_.brushes[brushNum];
-        bool inside = brush.numSides > 0;
+bool BspSpace::InOpaqueBrush(std::size_t leaf, const Vec3f &p, float epsilon) const {
+    for (std::uint32_t i = opaqueFirst_[leaf]; i < opaqueFirst_[leaf + 1]; ++i) {
+        const bspBrush_t &brush = bsp_.brushes[std::size_t(opaqueBrushes_[i])];
+        bool inside = true;
         for (int s = 0; s < brush.numSides && inside; ++s) {
             const bspPlane_t &plane =
                 bsp_.planes[std::size_t(bsp_.brushSides[std::size_t(brush.firstSide + s)].planeNum)];
@@ -40,7 +40,7 @@ bool BspSpace::InOpaqueBrush(const bspLeaf_t &leaf, const Vec3f &p, float epsilo
 
 int BspSpace::ClusterOf(int leafNum, const Vec3f &p, float epsilon) const {
     const bspLeaf_t &leaf = bsp_.leafs[std::size_t(leafNum)];
-    if (leaf.cluster < 0 || (leafHasOpaqueBrush_[std::size_t(leafNum)] && InOpaqueBrush(leaf, p, epsilon)))
+    if (leaf.cluster < 0 || InOpaqueBrush(std::size_t(leafNum), p, epsilon))
         return kSolidCluster;
     return leaf.cluster;
 }

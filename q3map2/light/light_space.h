@@ -46,7 +46,7 @@ class BspRegion {
 class BspSpace {
   public:
     /// opaqueBrush[i]: brush i of the world model blocks light as a volume, so points in it are not lit.
-    BspSpace(const Bsp &bsp, std::vector<bool> opaqueBrush);
+    BspSpace(const Bsp &bsp, const std::vector<bool> &opaqueBrush);
 
     /// The whole map. See BspRegion for the queries that repeat here.
     BspRegion Whole() const { return {*this, RootOf(bsp_)}; }
@@ -69,11 +69,12 @@ class BspSpace {
   private:
     friend class BspRegion;
     int ClusterOf(int leaf, const Vec3f &p, float epsilon) const;
-    bool InOpaqueBrush(const bspLeaf_t &leaf, const Vec3f &p, float epsilon) const;
+    bool InOpaqueBrush(std::size_t leaf, const Vec3f &p, float epsilon) const;
 
     const Bsp &bsp_;
-    std::vector<bool> opaqueBrush_;
-    std::vector<bool> leafHasOpaqueBrush_;
+    // Opaque brushes of leaf i: from opaqueFirst_[i] to before opaqueFirst_[i + 1].
+    std::vector<std::uint32_t> opaqueFirst_;
+    std::vector<std::int32_t> opaqueBrushes_;
     int clusterCount_ = 0;
     std::int32_t visRowBytes_ = 0;
 };

@@ -15,7 +15,7 @@ constexpr float kSkyLift = 1.0f / 16;
 /// In the established program an opaque leaf larger than this that at least so many triangles reach into stops being
 /// solid.
 constexpr int kLostLeafSize = 32, kLostLeafTriangles = 5;
-constexpr double kLostLeafEpsilon = 0.25;
+constexpr double kLostLeafEpsilon = 0.05;
 
 /// Whether casters of a group shadow receivers of another.
 bool Shadows(int castShadows, int receiveShadows) {

@@ -145,19 +145,24 @@ class Neighbourhood {
     std::vector<std::uint8_t> seen_;
 };
 
+struct Sample {
+    Vec3f found;
+    float dx, dy; ///< luxels from the centre
+};
+
 /// Height at the centre of the plane that fits the neighbours' values best, with slopes held back: at the rim of a
 /// lightmap, with neighbours on one side only, free slopes would make noise of neighbours a seam.
-Vec3f PlaneAtCenter(const std::vector<Neighbourhood::Neighbour> &around, const std::vector<Vec3f> &values) {
+Vec3f PlaneAtCenter(const std::vector<Sample> &around) {
     double mx = 0, my = 0;
     Vec3d mean;
     const auto n = double(around.size());
-    for (const auto &[luxel, dx, dy] : around)
-        mx += double(dx) / n, my += double(dy) / n, mean += Vec3d(values[luxel]) * (1 / n);
+    for (const auto &[value, dx, dy] : around)
+        mx += double(dx) / n, my += double(dy) / n, mean += Vec3d(value) * (1 / n);
     double xx = kStiffness * n, xy = 0, yy = kStiffness * n;
     Vec3d xv, yv;
-    for (const auto &[luxel, dx, dy] : around) {
+    for (const auto &[found, dx, dy] : around) {
         const double x = double(dx) - mx, y = double(dy) - my;
-        const Vec3d value = Vec3d(values[luxel]) - mean;
+        const Vec3d value = Vec3d(found) - mean;
         xx += x * x, xy += x * y, yy += y * y;
         xv += value * x, yv += value * y;
     }
@@ -166,10 +171,30 @@ Vec3f PlaneAtCenter(const std::vector<Neighbourhood::Neighbour> &around, const s
     return Max(Vec3f(mean - slopeX * mx - slopeY * my), Vec3f{});
 }
 
+/// Mean of the whole window around a luxel, which is its plane's height there; false if part of it is missing or faces
+/// another way.
+bool MeanOfWindow(const RawLightmap &raw, const std::vector<Vec3f> &values, int x, int y, int reach, Vec3f &mean) {
+    if (x < reach || y < reach || x + reach >= raw.SuperWidth() || y + reach >= raw.SuperHeight())
+        return false;
+    const Vec3f normal = raw.normals[raw.SuperIndex(x, y)];
+    mean = {};
+    for (int row = y - reach; row <= y + reach; ++row)
+        for (std::size_t i = raw.SuperIndex(x - reach, row); i <= raw.SuperIndex(x + reach, row); ++i) {
+            if (!raw.Mapped(i) || !(Dot(raw.normals[i], normal) > kAlike))
+                return false;
+            mean += values[i];
+        }
+    const int side = 2 * reach + 1;
+    mean = mean / float(side * side);
+    return true;
+}
+
 } // namespace
 
-BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene)
-    : space_(in.space), scene_(scene), links_(surfaces.lightmaps.size()) {
+BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
+                           const BouncePieces *pieces)
+    : space_(in.space), scene_(scene), pieces_(pieces), joints_(in, surfaces, kWindow, kAlike),
+      links_(surfaces.lightmaps.size()) {
     for (std::uint32_t i = 0; i < std::uint32_t(std::max(kSets * kRays, kVertexRays)); ++i)
         directions_.push_back(CosineDirection(i));
     for (const RawLightmap &raw : surfaces.lightmaps)
@@ -191,7 +216,13 @@ std::vector<EmitterId> BounceGather::Links(const RawLightmap &raw) const {
     std::vector<EmitterId> links;
     links.resize(raw.codes.size() * std::size_t(count));
     std::size_t used = 0;
-    const auto store = [&](std::size_t at, EmitterId emitter) { links[at] = emitter; };
+    std::vector<std::size_t> asking;
+    const auto store = [&](std::size_t at, EmitterId emitter) {
+        const std::size_t luxel = asking[at / std::size_t(count)];
+        const bool arrives = emitter != kNoEmitter && (!pieces_ || pieces_->Reaches(emitter, raw.places[luxel],
+                                                                                    raw.normals[luxel], raw.twoSided));
+        links[at] = arrives ? emitter : kNoEmitter;
+    };
     {
         RayQueue queue(scene_, store);
         for (int y = 0; y < raw.SuperHeight(); ++y)
@@ -199,6 +230,7 @@ std::vector<EmitterId> BounceGather::Links(const RawLightmap &raw) const {
                 const std::size_t luxel = raw.SuperIndex(x, y);
                 if (!raw.Mapped(luxel))
                     continue;
+                asking.push_back(luxel);
                 const Frame frame(raw.normals[luxel]);
                 const std::uint32_t first = SetOf(x, y) * std::uint32_t(count);
                 const Vec3f place = ClearPlace(space_, raw, luxel, frame);
@@ -211,13 +243,13 @@ std::vector<EmitterId> BounceGather::Links(const RawLightmap &raw) const {
     return links;
 }
 
-void BounceGather::AddToLuxels(const Emission &emission, std::size_t lightmap, std::size_t slot,
-                               RawLightmap &raw) const {
+std::vector<Vec3f> BounceGather::Found(const Emission &emission, std::size_t lightmap, std::size_t slot,
+                                       RawLightmap &raw) const {
     const int count = RaysALuxel(raw);
     const std::vector<EmitterId> anew = keep_ ? std::vector<EmitterId>{} : Links(raw);
     const std::vector<EmitterId> &links = keep_ ? links_[lightmap] : anew;
     std::vector<Vec3f> found(raw.codes.size());
-    std::vector<Vec3f> directions(raw.directions.empty() || slot > 0 ? 0 : raw.codes.size());
+    const bool directed = !raw.directions.empty() && slot == 0;
     std::size_t next = 0;
     for (std::size_t luxel = 0; luxel < raw.codes.size(); ++luxel) {
         if (!raw.Mapped(luxel))
@@ -231,31 +263,46 @@ void BounceGather::AddToLuxels(const Emission &emission, std::size_t lightmap, s
             if (link == kNoEmitter)
                 continue;
             sum += emission[link];
-            if (!directions.empty())
+            if (directed)
                 direction += frame.World(directions_[first + std::uint32_t(i)]) * Grey(emission[link]);
         }
         found[luxel] = sum / float(count);
-        if (!directions.empty())
-            directions[luxel] = direction * (kBounceDirection / 255 / float(count));
+        if (directed)
+            raw.directions[luxel] += direction * (kBounceDirection / 255 / float(count));
     }
+    return found;
+}
+
+void BounceGather::AddToLuxels(const std::vector<std::vector<Vec3f>> &all, std::size_t lightmap, std::size_t slot,
+                               RawLightmap &raw) const {
+    const std::vector<Vec3f> &found = all[lightmap];
+    const int reach = kWindow * std::min(raw.super, 2);
+    std::vector<Sample> samples;
     Neighbourhood neighbourhood;
     for (int y = 0; y < raw.SuperHeight(); ++y)
         for (int x = 0; x < raw.SuperWidth(); ++x) {
             const std::size_t luxel = raw.SuperIndex(x, y);
             if (!raw.Mapped(luxel))
                 continue;
-            const auto &around = neighbourhood.Around(raw, x, y, kWindow * std::min(raw.super, 2));
-            raw.light[slot][luxel] += PlaneAtCenter(around, found);
-            if (!directions.empty())
-                raw.directions[luxel] += directions[luxel];
+            Vec3f light;
+            if (!MeanOfWindow(raw, found, x, y, reach, light)) {
+                samples.clear();
+                for (const auto &[near, dx, dy] : neighbourhood.Around(raw, x, y, reach))
+                    samples.push_back({found[near], dx, dy});
+                for (const auto &[other, near, dx, dy] : joints_.Across(lightmap, luxel))
+                    if (!all[other].empty())
+                        samples.push_back({all[other][near], dx, dy});
+                light = PlaneAtCenter(samples);
+            }
+            raw.light[slot][luxel] += light;
         }
 }
 
-Vec3f BounceGather::At(const Vec3f &place, const Vec3f &normal, const Emission &emission) const {
+Vec3f BounceGather::At(const Vec3f &place, const Vec3f &normal, bool twoSided, const Emission &emission) const {
     const Frame frame(normal);
     Vec3f sum;
     const auto add = [&](std::size_t, EmitterId emitter) {
-        if (emitter != kNoEmitter)
+        if (emitter != kNoEmitter && (!pieces_ || pieces_->Reaches(emitter, place, normal, twoSided)))
             sum += emission[emitter];
     };
     {

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "q3map2/light/indirect_light.h"
-#include "q3map2/lightmap/bounce_scene.h"
+#include "q3map2/lightmap/bounce_joints.h"
+#include "q3map2/lightmap/bounce_pieces.h"
 
 namespace q3 {
 
@@ -14,13 +15,18 @@ using Emission = std::vector<Vec3f>;
 /// construction; safe from several threads, each lightmap by one.
 class BounceGather {
   public:
-    BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene);
+    /// pieces: where the light of emitters ends; null: nowhere. Keeps references.
+    BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
+                 const BouncePieces *pieces);
 
-    /// Adds the light of `emission` to slot `slot` of a raw lightmap, smoothed over neighbours that see each other: a
-    /// plane is fitted to what they found, so that gradients stay.
-    void AddToLuxels(const Emission &emission, std::size_t lightmap, std::size_t slot, RawLightmap &raw) const;
-    /// Light at a place with a normal: a vertex.
-    Vec3f At(const Vec3f &place, const Vec3f &normal, const Emission &emission) const;
+    /// What rays of the luxels of a lightmap found, by luxel of the super grid; directions of slot 0 are added to raw.
+    std::vector<Vec3f> Found(const Emission &emission, std::size_t lightmap, std::size_t slot, RawLightmap &raw) const;
+    /// Adds what was found, by lightmap, to slot `slot` of a raw lightmap: smoothed over neighbours that see each
+    /// other, also in lightmaps that touch. A plane is fitted to what they found, so that gradients stay.
+    void AddToLuxels(const std::vector<std::vector<Vec3f>> &found, std::size_t lightmap, std::size_t slot,
+                     RawLightmap &raw) const;
+    /// Light at a place with a normal: a vertex. twoSided: of a surface that is seen from both sides.
+    Vec3f At(const Vec3f &place, const Vec3f &normal, bool twoSided, const Emission &emission) const;
 
     std::uint64_t Rays() const { return rays_; }
 
@@ -30,6 +36,8 @@ class BounceGather {
 
     const BspSpace &space_;
     const BounceScene &scene_;
+    const BouncePieces *pieces_;
+    LightmapJoints joints_;
     std::vector<Vec3f> directions_; // of a cosine-weighted hemisphere around +z
     bool keep_ = false;
     std::vector<std::vector<EmitterId>> links_; // by lightmap, then mapped luxel, then ray; empty: asked anew

@@ -20,12 +20,6 @@ constexpr int kCoarse = 16;
 /// To find the surface under a luxel. Game units.
 constexpr float kSelfReach = 16;
 
-struct Corner {
-    Vec3f xyz;
-    std::array<float, 2> st{}, luxel{};
-    int vertex = 0; ///< draw vertex that it is nearest to
-};
-
 /// A texture in few texels: what light turns into on it, 0 to 1.
 class CoarseTexture {
   public:
@@ -88,12 +82,63 @@ void FillUnmapped(const RawLightmap &raw, std::span<Vec3f> texels) {
         }
 }
 
+std::vector<Face> FacesOfPatch(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t number) {
+    const bspDrawSurface_t &surface = in.bsp.drawSurfaces[number];
+    const auto first = surfaces.verts.begin() + surface.firstVert;
+    const auto mesh =
+        Tessellated(MeshOf<SurfaceVertex>{surface.patchWidth, surface.patchHeight, {first, first + surface.numVerts}},
+                    in.table[number].longestCurve);
+    const auto corner = [&](const SurfaceVertex &v) {
+        const auto nearer = [&](const SurfaceVertex &one, const SurfaceVertex &other) {
+            return Length(one.xyz - v.xyz) < Length(other.xyz - v.xyz);
+        };
+        const auto nearest = std::min_element(first, first + surface.numVerts, nearer);
+        return FaceCorner{v.xyz, v.normal, v.st, v.luxel, int(nearest - surfaces.verts.begin())};
+    };
+    std::vector<Face> faces;
+    for (int y = 0; y + 1 < mesh.height; ++y)
+        for (int x = 0; x + 1 < mesh.width; ++x) {
+            const auto q = MeshQuad(mesh, x, y);
+            faces.push_back({corner(q[0]), corner(q[1]), corner(q[2]), corner(q[3])});
+        }
+    return faces;
+}
+
 } // namespace
+
+bool MeetsBounces(const SurfaceInputs &in, std::size_t surface) {
+    const ShaderInfo &shader = *in.table[surface].shader;
+    const bspShader_t &record = in.bsp.shaders[std::size_t(in.bsp.drawSurfaces[surface].shaderNum)];
+    return (shader.compileFlags & (C_NODRAW | C_TRANSLUCENT | C_SKY)) == 0 && !shader.autosprite &&
+           (record.surfaceFlags & in.options.noDrawSurfaceFlags) == 0;
+}
+
+std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t number) {
+    const bspDrawSurface_t &surface = in.bsp.drawSurfaces[number];
+    if (surface.surfaceType == MST_PATCH)
+        return FacesOfPatch(in, surfaces, number);
+    std::vector<Face> faces;
+    if (surface.surfaceType != MST_PLANAR && surface.surfaceType != MST_TRIANGLE_SOUP)
+        return faces;
+    for (int i = 0; i + 2 < surface.numIndexes; i += 3) {
+        Face &face = faces.emplace_back();
+        for (int k = 0; k < 3; ++k) {
+            const int vertex = surface.firstVert + in.bsp.drawIndexes[std::size_t(surface.firstIndex + i + k)];
+            const SurfaceVertex &v = surfaces.verts[std::size_t(vertex)];
+            face.push_back({v.xyz, v.normal, v.st, v.luxel, vertex});
+        }
+    }
+    return faces;
+}
+
+float SentOn(const SurfaceInputs &in, std::size_t surface) {
+    return kEmission * in.table[surface].shader->bounceScale * in.lightmap.bounceScale;
+}
 
 struct BounceScene::State {
     struct Triangle {
         int surface = 0;
-        std::array<Corner, 3> corners;
+        std::array<FaceCorner, 3> corners;
         Vec3f normal; // of its front, not normalised
         bool emits = false, twoSided = false;
     };
@@ -112,7 +157,7 @@ struct BounceScene::State {
     State(const SurfaceInputs &inputs, const SurfaceLight &light, const EmitterNumbers &numbers)
         : in(inputs), surfaces(light), emitters(numbers) {}
 
-    void Add(int surface, const Corner &a, const Corner &b, const Corner &c, const Vec3f &front, bool emits,
+    void Add(int surface, const FaceCorner &a, const FaceCorner &b, const FaceCorner &c, const Vec3f &front, bool emits,
              bool twoSided) {
         Vec3f normal = Cross(c.xyz - a.xyz, b.xyz - a.xyz);
         if (Dot(normal, front) < 0)
@@ -124,56 +169,24 @@ struct BounceScene::State {
     std::array<Hit, kPacketSize> Trace(const RayPacket &rays) const;
     EmitterId EmitterAt(const Hit &hit) const;
     Vec3f ColorAt(int surface, const std::array<float, 2> &st) const {
-        const ShaderInfo &shader = *in.table[std::size_t(surface)].shader;
-        return textures.at(&shader).At(st) * (kEmission * shader.bounceScale * in.lightmap.bounceScale);
+        return textures.at(in.table[std::size_t(surface)].shader).At(st) * SentOn(in, std::size_t(surface));
     }
 };
 
 void BounceScene::State::AddSurface(int number) {
     const auto index = std::size_t(number);
-    const bspDrawSurface_t &surface = in.bsp.drawSurfaces[index];
     const ShaderInfo &shader = *in.table[index].shader;
-    const bspShader_t &record = in.bsp.shaders[std::size_t(surface.shaderNum)];
-    if ((shader.compileFlags & (C_NODRAW | C_TRANSLUCENT | C_SKY)) != 0 || shader.autosprite ||
-        (record.surfaceFlags & in.options.noDrawSurfaceFlags) != 0)
+    if (!MeetsBounces(in, index))
         return;
     const bool emits = shader.bounceScale > 0;
     if (emits)
         textures.try_emplace(&shader, shader, in.lightmap);
-    if (surface.surfaceType == MST_PATCH) {
-        const auto first = surfaces.verts.begin() + surface.firstVert;
-        const auto mesh = Tessellated(
-            MeshOf<SurfaceVertex>{surface.patchWidth, surface.patchHeight, {first, first + surface.numVerts}},
-            in.table[index].longestCurve);
-        const auto corner = [&](const SurfaceVertex &v) {
-            const auto nearer = [&](const SurfaceVertex &one, const SurfaceVertex &other) {
-                return Length(one.xyz - v.xyz) < Length(other.xyz - v.xyz);
-            };
-            const auto nearest = std::min_element(first, first + surface.numVerts, nearer);
-            return Corner{v.xyz, v.st, v.luxel, int(nearest - surfaces.verts.begin())};
-        };
-        for (int y = 0; y + 1 < mesh.height; ++y)
-            for (int x = 0; x + 1 < mesh.width; ++x) {
-                const auto q = MeshQuad(mesh, x, y);
-                const Vec3f front = q[0].normal + q[1].normal + q[2].normal + q[3].normal;
-                const std::array<Corner, 4> c = {corner(q[0]), corner(q[1]), corner(q[2]), corner(q[3])};
-                Add(number, c[0], c[1], c[2], front, emits, shader.twoSided);
-                Add(number, c[0], c[2], c[3], front, emits, shader.twoSided);
-            }
-        return;
-    }
-    if (surface.surfaceType != MST_PLANAR && surface.surfaceType != MST_TRIANGLE_SOUP)
-        return;
-    for (int i = 0; i + 2 < surface.numIndexes; i += 3) {
-        std::array<Corner, 3> c;
+    for (const Face &face : FacesOf(in, surfaces, index)) {
         Vec3f front;
-        for (std::size_t k = 0; k < 3; ++k) {
-            c[k].vertex = surface.firstVert + in.bsp.drawIndexes[std::size_t(surface.firstIndex + i) + k];
-            const SurfaceVertex &v = surfaces.verts[std::size_t(c[k].vertex)];
-            c[k].xyz = v.xyz, c[k].st = v.st, c[k].luxel = v.luxel;
-            front += v.normal;
-        }
-        Add(number, c[0], c[1], c[2], front, emits, shader.twoSided);
+        for (const FaceCorner &corner : face)
+            front += corner.normal;
+        for (std::size_t i = 2; i < face.size(); ++i)
+            Add(number, face[0], face[i - 1], face[i], front, emits, shader.twoSided);
     }
 }
 
@@ -185,7 +198,7 @@ void BounceScene::State::Commit() {
     std::vector<float> corners;
     corners.reserve(9 * triangles.size());
     for (const Triangle &triangle : triangles)
-        for (const Corner &corner : triangle.corners)
+        for (const FaceCorner &corner : triangle.corners)
             corners.insert(corners.end(), {corner.xyz.x, corner.xyz.y, corner.xyz.z});
     const GeometryPtr geometry = NewTriangles(device.get(), corners);
     rtcAttachGeometry(scene.get(), geometry.get());

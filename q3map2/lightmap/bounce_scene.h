@@ -29,6 +29,21 @@ class EmitterNumbers {
     std::size_t count_ = 0;
 };
 
+/// A corner of a face of a draw surface.
+struct FaceCorner {
+    Vec3f xyz, normal;
+    std::array<float, 2> st{}, luxel{};
+    int vertex = 0; ///< draw vertex that it is nearest to
+};
+using Face = std::vector<FaceCorner>;
+
+/// Whether bounced light meets the surface at all.
+bool MeetsBounces(const SurfaceInputs &in, std::size_t surface);
+/// Triangles of a surface, quads of a curve; clockwise seen from the front.
+std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t surface);
+/// What a white texture of this surface sends on of a luxel's light, over the byte scale.
+float SentOn(const SurfaceInputs &in, std::size_t surface);
+
 /// Visible surfaces in Embree. Solids are not in it: their visible sides are surfaces at the same places, and what has
 /// none is hidden by the backs of others. Const after construction; safe from several threads.
 class BounceScene {

@@ -27,7 +27,8 @@ std::size_t ClaimSlot(Styles &styles, std::uint8_t style) {
 } // namespace
 
 Bounces::Bounces(const SurfaceInputs &in, const SurfaceLight &surfaces)
-    : in_(in), numbers_(surfaces), scene_(in, surfaces, numbers_), gather_(in, surfaces, scene_),
+    : in_(in), numbers_(surfaces), scene_(in, surfaces, numbers_),
+      pieces_(in.options.fast ? Pieces(surfaces) : nullptr), gather_(in, surfaces, scene_, pieces_.get()),
       total_(numbers_.Count()) {}
 
 void Bounces::CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emission &emission) const {
@@ -53,7 +54,7 @@ void Bounces::CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emi
     }
 }
 
-bool Bounces::TakeUp(const SurfaceLight &surfaces) {
+std::vector<std::uint8_t> Bounces::UsedStyles(const SurfaceLight &surfaces) {
     std::vector<std::uint8_t> styles{0};
     const auto note = [&](const Styles &some) {
         for (const std::uint8_t style : some)
@@ -64,9 +65,23 @@ bool Bounces::TakeUp(const SurfaceLight &surfaces) {
         note(raw.styles);
     for (const Styles &vertexStyles : surfaces.vertex.styles)
         note(vertexStyles);
+    return styles;
+}
+
+std::unique_ptr<const BouncePieces> Bounces::Pieces(const SurfaceLight &surfaces) const {
+    Emission all(numbers_.Count()), one;
+    for (const std::uint8_t style : UsedStyles(surfaces)) {
+        CollectStyle(surfaces, style, one);
+        for (std::size_t i = 0; i < all.size(); ++i)
+            all[i] += one[i];
+    }
+    return std::make_unique<const BouncePieces>(in_, surfaces, numbers_, all);
+}
+
+bool Bounces::TakeUp(const SurfaceLight &surfaces) {
     byStyle_.clear();
     bool any = false;
-    for (const std::uint8_t style : styles) {
+    for (const std::uint8_t style : UsedStyles(surfaces)) {
         Emission &emission = byStyle_[style];
         CollectStyle(surfaces, style, emission);
         any = any || std::any_of(emission.begin(), emission.end(), [](const Vec3f &one) { return one != Vec3f{}; });
@@ -78,19 +93,29 @@ bool Bounces::TakeUp(const SurfaceLight &surfaces) {
 }
 
 void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
-    in_.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t number, int) {
-        RawLightmap &raw = surfaces.lightmaps[std::size_t(number)];
-        for (const auto &[style, emission] : byStyle_) {
-            const std::size_t slot = ClaimSlot(raw.styles, style);
-            if (slot >= kStyles)
-                continue;
-            raw.light[slot].resize(raw.codes.size());
-            raw.filled[slot].resize(raw.codes.size());
+    std::vector<std::vector<Vec3f>> found(surfaces.lightmaps.size());
+    std::vector<std::size_t> slots(surfaces.lightmaps.size());
+    for (const auto &[style, emission] : byStyle_) {
+        in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
+            const auto i = std::size_t(number);
+            RawLightmap &raw = surfaces.lightmaps[i];
+            slots[i] = ClaimSlot(raw.styles, style);
+            found[i].clear();
+            if (slots[i] < kStyles)
+                found[i] = gather_.Found(emission, i, slots[i], raw);
+        });
+        in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
+            const auto i = std::size_t(number);
+            RawLightmap &raw = surfaces.lightmaps[i];
+            if (slots[i] >= kStyles)
+                return;
+            raw.light[slots[i]].resize(raw.codes.size());
+            raw.filled[slots[i]].resize(raw.codes.size());
             for (std::size_t luxel = 0; luxel < raw.codes.size(); ++luxel)
-                raw.filled[slot][luxel] = raw.filled[slot][luxel] || raw.Mapped(luxel);
-            gather_.AddToLuxels(emission, std::size_t(number), slot, raw);
-        }
-    });
+                raw.filled[slots[i]][luxel] = raw.filled[slots[i]][luxel] || raw.Mapped(luxel);
+            gather_.AddToLuxels(found, i, slots[i], raw);
+        });
+    }
 }
 
 void Bounces::AddToVertices(SurfaceLight &surfaces) const {
@@ -119,7 +144,7 @@ void Bounces::AddToVertices(SurfaceLight &surfaces) const {
                 const SurfaceVertex &at = surfaces.verts[std::size_t(v)];
                 const Vec3f inward = center - at.xyz;
                 const Vec3f place = at.xyz + inward * std::min(0.25f, kInward / std::max(1.0f, Length(inward)));
-                const Vec3f light = gather_.At(place, at.normal, emission);
+                const Vec3f light = gather_.At(place, at.normal, in_.table[i].shader->twoSided, emission);
                 vertex.sum[slot][std::size_t(v)] += light;
                 vertex.radiosity[slot][std::size_t(v)] += light;
             }

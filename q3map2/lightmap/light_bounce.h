@@ -13,7 +13,7 @@ namespace q3 {
 /// program does: 0.55 by default.
 class Bounces {
   public:
-    /// Once luxels are mapped. Keeps references.
+    /// After the direct pass. Keeps references.
     Bounces(const SurfaceInputs &in, const SurfaceLight &surfaces);
 
     /// Takes up the radiosity of the latest pass. False: nothing sends light on.
@@ -28,11 +28,14 @@ class Bounces {
     std::uint64_t Rays() const { return gather_.Rays(); }
 
   private:
+    static std::vector<std::uint8_t> UsedStyles(const SurfaceLight &surfaces);
+    std::unique_ptr<const BouncePieces> Pieces(const SurfaceLight &surfaces) const;
     void CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emission &emission) const;
 
     const SurfaceInputs &in_;
     EmitterNumbers numbers_;
     BounceScene scene_;
+    std::unique_ptr<const BouncePieces> pieces_; // under -fast; else null
     BounceGather gather_;
     std::map<std::uint8_t, Emission> byStyle_; // of the latest pass
     Emission total_;

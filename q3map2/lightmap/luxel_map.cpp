@@ -90,13 +90,15 @@ class LuxelMapper {
     void MapTriangles(const bspDrawSurface_t &surface, const Image *normals);
     void MapMesh(const bspDrawSurface_t &surface, const SurfaceEntry &entry);
     void MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const Image *normals, bool thinEdges);
+    void MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane,
+                         const NormalMap &normals, bool thinEdges);
     bool MapQuad(const std::array<SurfaceVertex, 4> &quad, const Image *normals);
     /// Whether a further sample there changes nothing.
-    bool Settled(const SurfaceVertex &v, const NormalMap &normals) const {
+    template <typename Vertex> bool Settled(const Vertex &v, const NormalMap &normals) const {
         const int code = raw_.codes[LuxelAt(v)];
         return code >= 0 ? allOneNormal_ && !normals.Active() : code == kOccluded && raw_.planar;
     }
-    std::size_t LuxelAt(const SurfaceVertex &v) const {
+    template <typename Vertex> std::size_t LuxelAt(const Vertex &v) const {
         return std::size_t(LuxelOf(v.luxel[1], superHeight_)) * std::size_t(superWidth_) +
                std::size_t(LuxelOf(v.luxel[0], superWidth_));
     }
@@ -223,9 +225,13 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
     };
     for (const SurfaceVertex &v : triangle)
         sample(v);
+    if (allOneNormal_ && !map.Active())
+        return MapFlatTriangle(triangle, plane, map, thinEdges);
     const auto subdivide = [&]<bool kFlat>() {
         if (thinEdges)
-            SampleThinEdges<kFlat>(triangle, threshold2_, sample);
+            ForThinEdges(triangle, [&](const SurfaceVertex &p, const SurfaceVertex &q) {
+                SubdivideTriangle<kFlat>(p, q, q, threshold2_, sample);
+            });
         else
             SubdivideTriangle<kFlat>(triangle[0], triangle[1], triangle[2], threshold2_, sample);
     };
@@ -233,6 +239,26 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
         subdivide.template operator()<true>();
     else
         subdivide.template operator()<false>();
+}
+
+/// The inside of a triangle in a lightmap where one sample a luxel tells all.
+void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane,
+                                  const NormalMap &normals, bool thinEdges) {
+    std::array<LuxelVertex, 3> flat;
+    for (std::size_t i = 0; i < 3; ++i)
+        flat[i] = {triangle[i].xyz, triangle[i].luxel};
+    const auto sample = [&](const LuxelVertex &v) {
+        if (Settled(v, normals))
+            return;
+        SurfaceVertex whole;
+        whole.xyz = v.xyz, whole.normal = triangle[0].normal, whole.luxel = v.luxel;
+        MapSample(whole, plane, normals);
+    };
+    if (thinEdges)
+        ForThinEdges(flat,
+                     [&](const LuxelVertex &p, const LuxelVertex &q) { SubdivideEdge(p, q, threshold2_, sample); });
+    else
+        SubdivideTriangle<true>(flat[0], flat[1], flat[2], threshold2_, sample);
 }
 
 /// False if the quad is not flat.

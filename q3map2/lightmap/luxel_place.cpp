@@ -12,6 +12,10 @@ constexpr float kBrushEpsilon = 0.125f;
 /// -trianglecheck: places closer than this to the edge are moved a unit inside. Game units.
 constexpr float kEdgeMargin = 0.125f;
 constexpr int kTriangleRounds = 3;
+/// Luxels on a side of those that share a part of the tree, and how far from its plane a planar lightmap's places may
+/// be for it, game units.
+constexpr int kTile = 4;
+constexpr float kTileDepth = 0.5f;
 
 /// In half luxels.
 constexpr std::array<std::array<float, 2>, 8> kNudges{
@@ -58,11 +62,41 @@ int ClusterFilter::Allowed(int cluster) {
 }
 
 LuxelPlacer::LuxelPlacer(const SurfaceInputs &in, const RawLightmap &raw, const Boundsf &around)
-    : in_(in), raw_(raw), axes_(AxesOf(raw.axis)), box_(around), region_(in.space.Whole().Around(around)) {}
+    : in_(in), raw_(raw), axes_(AxesOf(raw.axis)), box_(around), region_(in.space.Whole().Around(around)),
+      tilesAcross_((raw.SuperWidth() + kTile - 1) / kTile),
+      tiles_(std::size_t(tilesAcross_) * std::size_t((raw.SuperHeight() + kTile - 1) / kTile)) {
+    SetTileReach();
+}
 
-int LuxelPlacer::ClusterAt(const Vec3f &p, ClusterFilter &filter) const {
-    const int cluster = box_.Contains(p) ? region_.ClusterAt(p, kBrushEpsilon) : in_.space.ClusterAt(p, kBrushEpsilon);
-    return filter.Allowed(cluster);
+/// From any place of a tile to all others; places that are farther off only cost time.
+void LuxelPlacer::SetTileReach() {
+    const float luxels = kTile + 0.5f, size = luxels * raw_.actualSampleSize / float(raw_.super);
+    tileReach_ = {size, size, size};
+    if (!raw_.planar || !raw_.hasVectors)
+        return;
+    float depth = kTileDepth;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (axis != axes_.along) {
+            tileReach_[axis] = (std::abs(raw_.step[0][axis]) + std::abs(raw_.step[1][axis])) * luxels;
+            depth += std::abs(raw_.planeNormal[axis] / raw_.planeNormal[axes_.along]) * tileReach_[axis];
+        }
+    if (std::isfinite(depth))
+        tileReach_[axes_.along] = depth;
+}
+
+LuxelPlacer::Tile &LuxelPlacer::TileOf(int x, int y) {
+    return tiles_[std::size_t(y / kTile) * std::size_t(tilesAcross_) + std::size_t(x / kTile)];
+}
+
+int LuxelPlacer::ClusterAt(const Vec3f &p, Tile &tile, ClusterFilter &filter) {
+    if (!box_.Contains(p))
+        return filter.Allowed(in_.space.ClusterAt(p, kBrushEpsilon));
+    if (!tile.region) {
+        tile.box = {p - tileReach_, p + tileReach_};
+        tile.region.emplace(region_.Around(tile.box));
+    }
+    const BspRegion &region = tile.box.Contains(p) ? *tile.region : region_;
+    return filter.Allowed(region.ClusterAt(p, kBrushEpsilon));
 }
 
 Vec3f LuxelPlacer::OnSurface(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane) const {
@@ -86,14 +120,15 @@ std::array<Vec3f, 2> LuxelPlacer::NudgeSteps(const LuxelPlane &plane) const {
 
 std::optional<LuxelPlacer::Place> LuxelPlacer::Find(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane,
                                                     float offset, bool lastTry, ClusterFilter &filter,
-                                                    PlacementCounts &counts) const {
+                                                    PlacementCounts &counts) {
+    Tile &tile = TileOf(x, y);
     Vec3f p = OnSurface(x, y, v, plane);
     if (raw_.hasVectors)
         p[axes_.along] += plane.normal[axes_.along] >= 0 ? offset : -offset;
     else
         p += plane.normal * offset;
     const Vec3f probe = in_.lightmap.extraVisNudge ? plane.normal : Vec3f{};
-    int cluster = ClusterAt(p + probe, filter);
+    int cluster = ClusterAt(p + probe, tile, filter);
     if (cluster >= 0) {
         ++counts.nudges[0];
         return Place{p, cluster};
@@ -102,7 +137,7 @@ std::optional<LuxelPlacer::Place> LuxelPlacer::Find(int x, int y, const SurfaceV
         const auto steps = NudgeSteps(plane);
         for (std::size_t i = 0; i < kNudges.size(); ++i) {
             const Vec3f nudged = p + steps[0] * (kNudges[i][0] * 0.5f) + steps[1] * (kNudges[i][1] * 0.5f);
-            cluster = ClusterAt(nudged + probe, filter);
+            cluster = ClusterAt(nudged + probe, tile, filter);
             if (cluster >= 0) {
                 ++counts.nudges[i + 1];
                 return Place{nudged, cluster};
@@ -110,7 +145,7 @@ std::optional<LuxelPlacer::Place> LuxelPlacer::Find(int x, int y, const SurfaceV
         }
         if (lastTry) {
             const Vec3f above = v.xyz + v.normal * offset;
-            cluster = ClusterAt(above, filter);
+            cluster = ClusterAt(above, tile, filter);
             if (cluster >= 0) {
                 ++counts.atVertex;
                 return Place{above, cluster};

@@ -37,7 +37,7 @@ class ClusterFilter {
     std::vector<Known> known_;
 };
 
-/// Places luxels of one raw lightmap. Keeps references.
+/// Places luxels of one raw lightmap. Keeps references. For one thread.
 class LuxelPlacer {
   public:
     LuxelPlacer(const SurfaceInputs &in, const RawLightmap &raw, const Boundsf &around);
@@ -49,10 +49,17 @@ class LuxelPlacer {
     /// Where super luxel (x, y) is lit from, when a surface passes through it at `v`; nothing if all places about it
     /// are closed. offset: lift off the surface, game units. `lastTry`: also right above `v`.
     std::optional<Place> Find(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane, float offset, bool lastTry,
-                              ClusterFilter &filter, PlacementCounts &counts) const;
+                              ClusterFilter &filter, PlacementCounts &counts);
 
   private:
-    int ClusterAt(const Vec3f &p, ClusterFilter &filter) const;
+    /// The part of the tree around a few neighbouring luxels, made when the first of them is placed.
+    struct Tile {
+        Boundsf box;
+        std::optional<BspRegion> region;
+    };
+    Tile &TileOf(int x, int y);
+    void SetTileReach();
+    int ClusterAt(const Vec3f &p, Tile &tile, ClusterFilter &filter);
     Vec3f OnSurface(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane) const;
     std::array<Vec3f, 2> NudgeSteps(const LuxelPlane &plane) const;
 
@@ -61,6 +68,9 @@ class LuxelPlacer {
     LuxelAxes axes_;
     Boundsf box_;
     BspRegion region_;
+    Vec3f tileReach_; ///< of boxes of tiles, to both sides
+    int tilesAcross_ = 0;
+    std::vector<Tile> tiles_;
 };
 
 } // namespace q3

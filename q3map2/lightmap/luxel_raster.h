@@ -9,7 +9,13 @@ namespace q3 {
 /// Edges whose ends differ by less along an axis of the lightmap get samples of their own. Luxels.
 inline constexpr float kThinEdge = 0.01f;
 
-inline float LuxelDistance2(const SurfaceVertex &a, const SurfaceVertex &b) {
+/// What samples of a triangle need of its vertices where all normals are the same and no image bends them.
+struct LuxelVertex {
+    Vec3f xyz;
+    std::array<float, 2> luxel{};
+};
+
+template <typename Vertex> float LuxelDistance2(const Vertex &a, const Vertex &b) {
     const float s = a.luxel[0] - b.luxel[0], t = a.luxel[1] - b.luxel[1];
     return s * s + t * t;
 }
@@ -29,31 +35,55 @@ template <bool kFlat> SurfaceVertex Between(const SurfaceVertex &a, const Surfac
         return HalfwayVert(a, b);
 }
 
-/// Halves the longest edge until none is longer than the root of `threshold2` (above 0); sample(vertex) gets each
-/// point made on the way.
-template <bool kFlat, typename Sample>
-void SubdivideTriangle(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c, float threshold2,
-                       const Sample &sample) {
-    const float ab = LuxelDistance2(a, b), bc = LuxelDistance2(b, c), ca = LuxelDistance2(c, a);
+template <bool kFlat> LuxelVertex Between(const LuxelVertex &a, const LuxelVertex &b) {
+    return {(a.xyz + b.xyz) * 0.5f, {(a.luxel[0] + b.luxel[0]) * 0.5f, (a.luxel[1] + b.luxel[1]) * 0.5f}};
+}
+
+/// SubdivideTriangle, the squared lengths of whose edges are known.
+template <bool kFlat, typename Vertex, typename Sample>
+void SubdivideEdges(const Vertex &a, const Vertex &b, const Vertex &c, float ab, float bc, float ca, float threshold2,
+                    const Sample &sample) {
     const float longest = std::max(ab, std::max(bc, ca));
     if (!(longest > threshold2))
         return;
     if (ab == longest) {
-        const SurfaceVertex m = Between<kFlat>(a, b);
+        const Vertex m = Between<kFlat>(a, b);
         sample(m);
-        SubdivideTriangle<kFlat>(m, b, c, threshold2, sample);
-        SubdivideTriangle<kFlat>(a, m, c, threshold2, sample);
+        const float am = LuxelDistance2(a, m), mb = LuxelDistance2(m, b), mc = LuxelDistance2(m, c);
+        SubdivideEdges<kFlat>(m, b, c, mb, bc, mc, threshold2, sample);
+        SubdivideEdges<kFlat>(a, m, c, am, mc, ca, threshold2, sample);
     } else if (bc == longest) {
-        const SurfaceVertex m = Between<kFlat>(b, c);
+        const Vertex m = Between<kFlat>(b, c);
         sample(m);
-        SubdivideTriangle<kFlat>(a, m, c, threshold2, sample);
-        SubdivideTriangle<kFlat>(a, b, m, threshold2, sample);
+        const float bm = LuxelDistance2(b, m), mc = LuxelDistance2(m, c), ma = LuxelDistance2(m, a);
+        SubdivideEdges<kFlat>(a, m, c, ma, mc, ca, threshold2, sample);
+        SubdivideEdges<kFlat>(a, b, m, ab, bm, ma, threshold2, sample);
     } else {
-        const SurfaceVertex m = Between<kFlat>(c, a);
+        const Vertex m = Between<kFlat>(c, a);
         sample(m);
-        SubdivideTriangle<kFlat>(a, b, m, threshold2, sample);
-        SubdivideTriangle<kFlat>(m, b, c, threshold2, sample);
+        const float cm = LuxelDistance2(c, m), ma = LuxelDistance2(m, a), bm = LuxelDistance2(b, m);
+        SubdivideEdges<kFlat>(a, b, m, ab, bm, ma, threshold2, sample);
+        SubdivideEdges<kFlat>(m, b, c, bm, bc, cm, threshold2, sample);
     }
+}
+
+/// Halves the longest edge until none is longer than the root of `threshold2` (above 0); sample(vertex) gets each
+/// point made on the way.
+template <bool kFlat, typename Vertex, typename Sample>
+void SubdivideTriangle(const Vertex &a, const Vertex &b, const Vertex &c, float threshold2, const Sample &sample) {
+    SubdivideEdges<kFlat>(a, b, c, LuxelDistance2(a, b), LuxelDistance2(b, c), LuxelDistance2(c, a), threshold2,
+                          sample);
+}
+
+/// The points that SubdivideTriangle makes of p, q, q, in the same order, but each once.
+template <typename Sample>
+void SubdivideEdge(const LuxelVertex &p, const LuxelVertex &q, float threshold2, const Sample &sample) {
+    if (!(LuxelDistance2(p, q) > threshold2))
+        return;
+    const LuxelVertex m = Between<true>(p, q);
+    sample(m);
+    SubdivideEdge(m, q, threshold2, sample);
+    SubdivideEdge(p, m, threshold2, sample);
 }
 
 /// The same for a quad: halves the pair of opposite edges that holds the longest.
@@ -78,13 +108,12 @@ void SubdivideQuad(const SurfaceVertex &a, const SurfaceVertex &b, const Surface
     }
 }
 
-/// Samples along the edges of the triangle that run along an axis of the lightmap.
-template <bool kFlat, typename Sample>
-void SampleThinEdges(const std::array<SurfaceVertex, 3> &triangle, float threshold2, const Sample &sample) {
+/// Calls edge(p, q) for the edges of the triangle that run along an axis of the lightmap.
+template <typename Vertex, typename Edge> void ForThinEdges(const std::array<Vertex, 3> &triangle, const Edge &edge) {
     for (std::size_t i = 0; i < 3; ++i) {
-        const SurfaceVertex &p = triangle[i], &q = triangle[(i + 1) % 3];
+        const Vertex &p = triangle[i], &q = triangle[(i + 1) % 3];
         if (std::abs(p.luxel[0] - q.luxel[0]) < kThinEdge || std::abs(p.luxel[1] - q.luxel[1]) < kThinEdge)
-            SubdivideTriangle<kFlat>(p, q, q, threshold2, sample);
+            edge(p, q);
     }
 }
 

@@ -17,14 +17,6 @@ constexpr float kSlack = 0.05f;
 constexpr float kEdge = 1e-5f;
 constexpr float kLeastDeterminant = 1e-12f;
 
-/// What all rays of a packet pass through.
-struct Beam {
-    Vec3f from, to;      ///< bounds of where they start; of the whole rays if their directions differ
-    bool narrow = false; ///< directions are the same
-    Vec3f direction;
-    float length = 0;
-};
-
 /// By value, since bytes that are written might be anything the compiler knows only by reference.
 struct BoxRows {
     const float *minX, *minY, *minZ, *maxX, *maxY, *maxZ;
@@ -54,24 +46,6 @@ Q3_VECTOR bool Extents(const RayPacket &packet, std::array<float, 6> &low, std::
     return same;
 }
 
-Beam BeamOf(const RayPacket &packet) {
-    Beam beam;
-    std::array<float, 6> low, high;
-    beam.narrow = Extents(packet, low, high);
-    beam.from = {low[0], low[1], low[2]}, beam.to = {high[0], high[1], high[2]};
-    if (!beam.narrow) {
-        beam.from = Min(beam.from, {low[3], low[4], low[5]});
-        beam.to = Max(beam.to, {high[3], high[4], high[5]});
-    }
-    const auto first = std::size_t(std::find(packet.live.begin(), packet.live.end(), -1) - packet.live.begin());
-    if (first < kPacketSize)
-        beam.direction = packet.direction[first];
-    beam.length = *std::max_element(packet.distance.begin(), packet.distance.end());
-    const Vec3f slack{kSlack, kSlack, kSlack};
-    beam.from -= slack, beam.to += slack;
-    return beam;
-}
-
 /// keep[i]: box i meets the box from..to.
 Q3_VECTOR void MeetBox(const BoxRows b, std::size_t count, const Vec3f &from, const Vec3f &to,
                        std::uint8_t *__restrict keep) {
@@ -82,7 +56,7 @@ Q3_VECTOR void MeetBox(const BoxRows b, std::size_t count, const Vec3f &from, co
 }
 
 /// keep[i]: box i is met by the beam's start as it moves along.
-Q3_VECTOR void MeetBeam(const BoxRows b, std::size_t count, const Beam &beam, std::uint8_t *__restrict keep) {
+Q3_VECTOR void MeetBeam(const BoxRows b, std::size_t count, const RayBeam &beam, std::uint8_t *__restrict keep) {
     constexpr float kNever = 1e30f; // of an axis along which the beam does not move
     const auto inverse = [](float d) { return d == 0 ? kNever : 1 / d; };
     const float ix = inverse(beam.direction.x), iy = inverse(beam.direction.y), iz = inverse(beam.direction.z);
@@ -99,6 +73,22 @@ Q3_VECTOR void MeetBeam(const BoxRows b, std::size_t count, const Beam &beam, st
 }
 
 } // namespace
+
+RayBeam BeamOf(const RayPacket &packet) {
+    RayBeam beam;
+    std::array<float, 6> low, high;
+    beam.narrow = Extents(packet, low, high);
+    beam.from = {low[0], low[1], low[2]}, beam.to = {high[0], high[1], high[2]};
+    if (!beam.narrow) {
+        beam.from = Min(beam.from, {low[3], low[4], low[5]});
+        beam.to = Max(beam.to, {high[3], high[4], high[5]});
+    }
+    const auto first = std::size_t(std::find(packet.live.begin(), packet.live.end(), -1) - packet.live.begin());
+    if (first < kPacketSize)
+        beam.direction = packet.direction[first];
+    beam.length = *std::max_element(packet.distance.begin(), packet.distance.end());
+    return beam;
+}
 
 void NearTriangles::Add(const LightScene::BlockerTriangle &triangle) {
     const auto &[a, b, c] = triangle.corners;
@@ -152,8 +142,11 @@ void NearTriangles::Select(const NearTriangles &from, const Boundsf &box, const 
     Copy(from);
 }
 
-bool NearTriangles::Trace(const RayPacket &packet, float nearest, LightScene::Blockers &blockers) {
-    const Beam beam = BeamOf(packet);
+bool NearTriangles::Trace(const RayPacket &packet, const RayBeam &exact, float nearest,
+                          LightScene::Blockers &blockers) {
+    RayBeam beam = exact;
+    const Vec3f slack{kSlack, kSlack, kSlack};
+    beam.from -= slack, beam.to += slack;
     const BoxRows boxes{rows_[kMinX].data(), rows_[kMinY].data(), rows_[kMinZ].data(),
                         rows_[kMaxX].data(), rows_[kMaxY].data(), rows_[kMaxZ].data()};
     constexpr std::size_t kWord = sizeof(std::uint64_t);

@@ -10,6 +10,16 @@
 
 namespace q3 {
 
+/// What all rays of a packet pass through.
+struct RayBeam {
+    Vec3f from, to;      ///< bounds of where they start; of the whole rays if their directions differ
+    bool narrow = false; ///< directions are the same
+    Vec3f direction;
+    float length = 0;
+};
+/// Of the packet's live rays.
+RayBeam BeamOf(const RayPacket &packet);
+
 /// Triangles in rows for vector code. Where rays are short, testing each of those nearby is faster than walking through
 /// the whole scene. Memory is reused.
 class NearTriangles {
@@ -20,9 +30,9 @@ class NearTriangles {
     void Select(const NearTriangles &from, const Boundsf &box);
     /// The same without those that lie behind the plane, normal . p = dist.
     void Select(const NearTriangles &from, const Boundsf &box, const Vec3f &normal, float dist);
-    /// The first triangle beyond `nearest` on each live ray, as LightScene::TraceBlockers would find it. False, and
-    /// nothing done: too many triangles or see-through ones are in the way.
-    bool Trace(const RayPacket &packet, float nearest, LightScene::Blockers &blockers);
+    /// The first triangle beyond `nearest` on each live ray, as LightScene::TraceBlockers would find it. The beam holds
+    /// all of them. False, and nothing done: too many triangles or see-through ones are in the way.
+    bool Trace(const RayPacket &packet, const RayBeam &beam, float nearest, LightScene::Blockers &blockers);
 
   private:
     /// Rows of floats: bounds, then the first corner and the edges from it to the others.

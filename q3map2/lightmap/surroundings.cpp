@@ -118,6 +118,30 @@ Boundsf Reach(const OpenPlaces &places, float length) {
     return {box.mins - all, box.maxs + all};
 }
 
+/// Beams of rays from places that face the same way, in one direction after the other: cheaper than BeamOf.
+class FlatBeams {
+  public:
+    explicit FlatBeams(const OpenPlaces &places) {
+        for (std::size_t i = 0; i < places.count; ++i) {
+            starts_.Add(places.position[i]);
+            flat_ = flat_ && places.normal[i] == places.normal[0];
+        }
+    }
+    /// Of rays by SetDirections.
+    void Set(const RayPacket &rays, bool oneDirection, RayBeam &beam) const {
+        if (!flat_ || !oneDirection) {
+            beam = BeamOf(rays);
+            return;
+        }
+        const Vec3f direction = rays.direction[0], back = direction * kBack;
+        beam = {starts_.mins - back, starts_.maxs - back, true, direction, rays.distance[0]};
+    }
+
+  private:
+    Boundsf starts_;
+    bool flat_ = true;
+};
+
 /// Triangles that rays from the places can meet.
 void SelectNear(const OpenPlaces &places, float length, const NearTriangles &from, NearTriangles &nearby) {
     const Vec3f normal = places.normal[0];
@@ -139,6 +163,7 @@ struct Surroundings::Walk {
     const RayPacket &rays;
     LightScene::BlockerKind kind;
     NearTriangles *nearby;
+    const RayBeam *beam;
     float nearest;
 
     /// Ends in `live` the rays that are blocked, by counts(ray, distance, from the place to the hit, what it is).
@@ -146,7 +171,7 @@ struct Surroundings::Walk {
         RayPacket rest = rays;
         rest.live = live;
         LightScene::Blockers blockers;
-        if (nearby && nearby->Trace(rest, nearest, blockers))
+        if (nearby && nearby->Trace(rest, *beam, nearest, blockers))
             work.rays += std::uint64_t(live.Count());
         else
             scene.TraceBlockers(rest, kind, places.receiveShadows, nearest, blockers, work);
@@ -178,8 +203,8 @@ struct Surroundings::Walk {
 void Surroundings::Gather(const OpenPlaces &places, const RayPacket &rays, const CloseRules &rules, Nearby *nearby,
                           Lanes &missing, RayCounts &counts) const {
     LaneMask live = rays.live;
-    const auto kind = places.vertices ? LightScene::BlockerKind::Solids : LightScene::BlockerKind::LegacySolids;
-    const Walk solids{scene_, places, rays, kind, nearby ? &nearby->solids : nullptr, 0};
+    const RayBeam *const beam = nearby ? &nearby->beam : nullptr;
+    const Walk solids{scene_, places, rays, rules.solids, nearby ? &nearby->solids : nullptr, beam, 0};
     solids.Run(live, missing, counts, [&](std::size_t ray, float distance, int) {
         // Rays that leave a wall which the place touches are free.
         return distance > 2 * kBack || EntersSolid(space_, rays, ray, distance);
@@ -191,6 +216,7 @@ void Surroundings::Gather(const OpenPlaces &places, const RayPacket &rays, const
                         rays,
                         LightScene::BlockerKind::Surfaces,
                         nearby ? &nearby->surfaces : nullptr,
+                        beam,
                         rules.nearest + kBack};
     surfaces.Run(live, missing, counts, [&](std::size_t, float distance, int surface) {
         return distance > rules.ownSurface + kBack || !IsOwn(places, surface);
@@ -233,22 +259,28 @@ void Surroundings::Dirt(std::span<const OpenPlaces> blocks, std::vector<Lanes> &
 }
 
 void Surroundings::Dirt(const OpenPlaces &places, Nearby *nearby, Lanes &dirt, RayCounts &counts) const {
-    const CloseRules rules = places.vertices ? CloseRules{kClose, 0} : CloseRules{kTouching, kDirtOwn};
+    constexpr auto kSolids = LightScene::BlockerKind::LegacySolids;
+    const CloseRules rules =
+        places.vertices ? CloseRules{kSolids, kClose, 0} : CloseRules{kSolids, kTouching, kDirtOwn};
     Frames frames;
     SetFrames(places.normal, frames);
     RayPacket rays;
     rays.distance.fill(depth_ + kBack);
     for (std::size_t i = 0; i < places.count; ++i)
         rays.live[i] = -1;
+    const FlatBeams beams(places);
     Lanes gathered{};
     Lanes3 local{};
     for (std::size_t ray = 0; ray < dirtDirections_.size(); ++ray) {
-        if (random_ && ray < kRandomRays)
+        const bool differ = random_ && ray < kRandomRays;
+        if (differ)
             for (std::size_t i = 0; i < places.count; ++i)
                 local.Set(i, RandomDirection(places.seed[i], ray));
         else
             local.Fill(dirtDirections_[ray]);
         SetDirections(frames, places, local, rays);
+        if (nearby)
+            beams.Set(rays, !differ, nearby->beam);
         Gather(places, rays, rules, nearby, gathered, counts);
     }
     for (std::size_t i = 0; i < places.count; ++i) {
@@ -265,12 +297,14 @@ void Surroundings::Openness(const OpenPlaces &places, float distance, Lanes &ope
     rays.distance.fill(distance + kBack);
     for (std::size_t i = 0; i < places.count; ++i)
         rays.live[i] = -1;
+    const CloseRules rules{places.vertices ? LightScene::BlockerKind::Solids : LightScene::BlockerKind::LegacySolids,
+                           kClose, 0};
     Lanes gathered{};
     Lanes3 local{};
     for (const Vec3f &direction : floodDirections_) {
         local.Fill(direction);
         SetDirections(frames, places, local, rays);
-        Gather(places, rays, {kClose, 0}, nullptr, gathered, counts);
+        Gather(places, rays, rules, nullptr, gathered, counts);
     }
     for (std::size_t i = 0; i < places.count; ++i)
         open[i] = std::clamp(1 - gathered[i] / float(floodDirections_.size()), 0.0f, 1.0f);

@@ -40,11 +40,13 @@ class Surroundings {
     /// Triangles of both kinds around a block of places.
     struct Nearby {
         NearTriangles solids, surfaces;
+        RayBeam beam; ///< that holds the rays being traced
     };
     /// How surfaces close to a place count.
     struct CloseRules {
-        float nearest;    ///< none nearer than this does
-        float ownSurface; ///< those that the place is on do not when nearer than this
+        LightScene::BlockerKind solids; ///< which of them count
+        float nearest;                  ///< no surface nearer than this does
+        float ownSurface;               ///< those that the place is on do not when nearer than this
     };
     struct Walk;
     void Dirt(const OpenPlaces &places, Nearby *nearby, Lanes &dirt, RayCounts &counts) const;

@@ -77,6 +77,7 @@ struct ShaderInfo {
     std::vector<SkyLightDirective> skyLights;
     std::string skyImageBase; ///< skyParms base, without _up etc.; empty: none
 
+    // Of the image; see ShaderLibrary::Get for when it is read.
     Vec3f color{1, 1, 1}; ///< light colour: q3map_lightRGB, else the light image's mean; largest component 1
     Vec3f averageColor{255, 255, 255};       ///< mean of the light image, 0..255, or the q3map_lightRGB vector
     std::shared_ptr<const Image> lightImage; ///< never null once looked up; 64 x 64 white when no file was found
@@ -94,14 +95,16 @@ class ShaderLibrary {
     ShaderLibrary(ShaderLibrary &&) noexcept;
 
     /// The shader of that name (without case and extension). Unknown names give an implicit shader with the image of
-    /// that name. The reference stays valid as long as the library.
+    /// that name. The reference stays valid as long as the library. Images, and colours from them, are there for
+    /// shaders that shine or let light through; for others see DropImages.
     const ShaderInfo &Get(std::string_view name);
     /// An image by its name without extension; null when there is none. Cached.
     std::shared_ptr<const Image> LoadImage(std::string_view nameWithoutExtension);
     std::size_t DefinedCount() const;
-    /// Frees all images but those of shaders that see-through surfaces need (alpha shadows, light filters), and those
-    /// of drawn surfaces if bounced light will take its colours from them. To be called once lights are made. A
-    /// ShaderInfo that loses its image keeps its colours and gets the white one.
+    /// To be called once lights are made. Frees all images but those of shaders that see-through surfaces need (alpha
+    /// shadows, light filters) and, if bounced light will take its colours from them, those of drawn surfaces: they
+    /// are read now for all shaders that were looked up. A ShaderInfo that loses its image keeps its colours and gets
+    /// the white one.
     void DropImages(bool keepForBounces);
 
   private:

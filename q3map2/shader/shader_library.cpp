@@ -14,9 +14,21 @@ namespace {
 
 constexpr int kDefaultImageSize = 64;
 constexpr std::string_view kDefaultImage = "*default", kMissingName = "missing";
+constexpr std::uint32_t kSeeThrough = C_ALPHASHADOW | C_LIGHTFILTER;
 
 std::string Text(const std::vector<std::byte> &bytes) {
     return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+}
+
+/// Direct light needs its image: it shines, or light passes through it.
+bool NeedsImage(const ShaderInfo &info) {
+    return info.surfaceLight != 0 || !info.suns.empty() || !info.skyLights.empty() ||
+           (info.compileFlags & kSeeThrough) != 0;
+}
+
+/// Bounced light takes its colours from the image.
+bool Reflects(const ShaderInfo &info) {
+    return info.bounceScale > 0 && (info.compileFlags & C_SKY) == 0;
 }
 
 std::shared_ptr<const Image> WhiteImage() {
@@ -89,7 +101,8 @@ void ShaderLibrary::State::ReadScripts() {
             log.Warn("shader script not found", "{}: the script is listed but not there", name);
             continue;
         }
-        log.Verbose("entering {}\n", vfs.Location(name));
+        if (log.IsVerbose())
+            log.Verbose("entering {}\n", vfs.Location(name));
         try {
             TextScanner scanner = Open(name, *bytes);
             ParseShaderScript(scanner, table, log);
@@ -186,7 +199,10 @@ const ShaderInfo &ShaderLibrary::Get(std::string_view name) {
     if (name.empty())
         state_->log.Warn("shader without a name", "a shader has no name, {} is used", kMissingName);
     ParsedShader &shader = state_->table.FindOrAdd(name.empty() ? kMissingName : name, state_->log);
-    if (!shader.imagesReady)
+    shader.lookedUp = true;
+    if (!shader.info.lightImage)
+        shader.info.lightImage = state_->white;
+    if (!shader.imagesReady && NeedsImage(shader.info))
         state_->Complete(shader);
     return shader.info;
 }
@@ -196,15 +212,14 @@ std::shared_ptr<const Image> ShaderLibrary::LoadImage(std::string_view nameWitho
 }
 
 void ShaderLibrary::DropImages(bool keepForBounces) {
-    const auto keeps = [&](const ShaderInfo &info) {
-        const bool seeThrough = (info.compileFlags & (C_ALPHASHADOW | C_LIGHTFILTER)) != 0;
-        return seeThrough || (keepForBounces && info.bounceScale > 0 && (info.compileFlags & C_SKY) == 0);
-    };
-    state_->images.clear();
     state_->table.ForEach([&](ParsedShader &shader) {
-        if (shader.imagesReady && !keeps(shader.info))
+        const bool bounces = keepForBounces && Reflects(shader.info);
+        if (bounces && shader.lookedUp && !shader.imagesReady)
+            state_->Complete(shader);
+        if (shader.imagesReady && !bounces && (shader.info.compileFlags & kSeeThrough) == 0)
             shader.info.lightImage = state_->white;
     });
+    state_->images.clear();
 }
 
 std::size_t ShaderLibrary::DefinedCount() const {

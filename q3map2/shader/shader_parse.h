@@ -18,6 +18,7 @@ struct ParsedShader {
     std::string editorImage, lightImage, implicitImage;
     std::string replacement;  ///< q3map_deprecateShader
     bool colorGiven = false;  ///< q3map_lightRGB: info.color is final
+    bool lookedUp = false;    ///< somebody has its info
     bool imagesReady = false; ///< light image and colours are in info
 };
 

@@ -54,7 +54,8 @@ TEST_F(FitTest, PointsInSolidsMakeTheLightBesideWallsRight) {
 TEST_F(FitTest, AllPointsFittedErrLessBetweenThem) {
     const SceneBuilder scene = LitRoom();
     const GridView usual = LitGrid(scene, "-gridsh 48 48 48"), fitted = LitGrid(scene, "-gridsh 48 48 48 -shfit 8");
-    EXPECT_LT(ErrorBetween(fitted, -233, -80), 0.95 * ErrorBetween(usual, -233, -80));
+    // So far from the light that no side of anything is beyond white: what is counts less.
+    EXPECT_LT(ErrorBetween(fitted, -233, -110), 0.95 * ErrorBetween(usual, -233, -110));
 }
 
 TEST_F(FitTest, ValuesStayNearTheRangeOfLight) {

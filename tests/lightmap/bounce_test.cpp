@@ -85,6 +85,40 @@ TEST_F(BounceTest, ABlackTextureSendsNothingOn) {
         EXPECT_EQ(one, 40);
 }
 
+/// Sum of lightmap bytes at the far end of a dark square tunnel whose near end is white, under bounced light alone.
+double FarEnd(const Bsp &bsp) {
+    double total = 0;
+    for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
+        for (int i = 0; i < surface.numVerts; ++i) {
+            const bspDrawVert_t &v = bsp.drawVerts[std::size_t(surface.firstVert + i)];
+            if (v.normal[0] > -0.5f)
+                continue;
+            const auto x = std::size_t(v.lightmap[0] * 128), y = std::size_t(v.lightmap[1] * 128);
+            total += bsp.lightmaps[3 * (std::size_t(surface.lightmapNum) * 128 * 128 + y * 128 + x)];
+        }
+    return total;
+}
+
+TEST_F(BounceTest, FastEndsFaintPieces) {
+    Script("textures/test/black\n{\n\tq3map_bouncescale 0\n\t{\n\t\tmap $whiteimage\n\t}\n}\n"
+           "textures/test/bright\n{\n\tq3map_nofast\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
+    const auto farEnd = [&](float length, std::string_view shader, std::string_view options) {
+        SceneBuilder scene;
+        scene.SetInterior({0, -128, -128}, {length, 128, 128}, TestShader("textures/test/black"));
+        scene.SetWallShader(BoxFace::MinusX, TestShader(shader));
+        scene.SetWorldKey("_ambient", "4000");
+        return FarEnd(Lit(scene, fmt::format("-nogrid -bounce 1 -bounceonly {}", options)));
+    };
+    // Two triangles of 256 x 256 / 2: of white 255 each gives 140.625 * area / (pi * distance^2), 1 at 1211 units.
+    const double near = farEnd(1000, "textures/test/wall", "");
+    EXPECT_GT(near, 0);
+    EXPECT_EQ(farEnd(1000, "textures/test/wall", "-fast"), near);
+    const double beyond = farEnd(1500, "textures/test/wall", "");
+    EXPECT_GT(beyond, 0);
+    EXPECT_EQ(farEnd(1500, "textures/test/wall", "-fast"), 0);
+    EXPECT_EQ(farEnd(1500, "textures/test/bright", "-fast"), beyond);
+}
+
 TEST_F(BounceTest, SameBytesForAnyNumberOfThreads) {
     SceneBuilder scene = Room({-160, -128, 0}, {160, 128, 192});
     scene.AddBox({-40, -40, 0}, {10, 20, 60}, TestShader("textures/test/wall"));

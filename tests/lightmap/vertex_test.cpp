@@ -228,7 +228,7 @@ TEST_F(VertexTest, DirtAndFloodlight) {
         CaseSettings settings = Settings();
         settings.lightmap.dirty = dirty;
         SceneBuilder walled = scene;
-        walled.AddBox({-200, -1024, -500}, {-100, 1024, 500}, Shaded("textures/test/wall2"));
+        walled.AddBox({-200, -400, -400}, {-100, 400, 400}, Shaded("textures/test/wall2"));
         SurfaceCase c(walled.Build(), folder, settings);
         SurfaceLight surfaces = Lit(c);
         for (const std::size_t v : VerticesOf(c, kFloor)) {

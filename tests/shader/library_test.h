@@ -31,9 +31,14 @@ class LibraryTest : public testing::Test {
     /// One shader named `s` with this body.
     const ShaderInfo &LoadShader(std::string_view body, std::string_view game = "quake3") {
         LoadScript(fmt::format("s\n{{\n{}\n}}\n", body), game);
-        return library->Get("s");
+        return Get("s");
     }
-    const ShaderInfo &Get(std::string_view name) { return library->Get(name); }
+    /// With the image and colours that bounced light would see.
+    const ShaderInfo &Get(std::string_view name) {
+        const ShaderInfo &info = library->Get(name);
+        library->DropImages(true);
+        return info;
+    }
     int Warnings(std::string_view kind) const { return out.log.WarningCount(kind); }
 
     /// A TGA file of width x 1 texels, given as r g b a.

@@ -119,7 +119,8 @@ TEST_F(ShaderImages, ThoseThatShadowsNeedStay) {
     WriteTga("grate.tga", {{10, 20, 30, 128}});
     WriteTga("sky.tga", {{1, 2, 3, 255}});
     LoadScript("plain\n{\n}\ngrate\n{\nsurfaceparm alphashadow\n}\nsky\n{\nsurfaceparm sky\n}\n");
-    const std::array<const ShaderInfo *, 3> shaders = {&Get("plain"), &Get("grate"), &Get("sky")};
+    const std::array<const ShaderInfo *, 3> shaders = {&library->Get("plain"), &library->Get("grate"),
+                                                       &library->Get("sky")};
     const auto red = [&](std::size_t i) { return int(shaders[i]->lightImage->Texel(0, 0)[0]); };
     library->DropImages(true);
     EXPECT_EQ(red(0), 200);
@@ -130,6 +131,31 @@ TEST_F(ShaderImages, ThoseThatShadowsNeedStay) {
     EXPECT_EQ(red(1), 10);
     EXPECT_EQ(shaders[0]->averageColor, (Vec3f{200, 100, 50}));
     EXPECT_EQ(int(library->LoadImage("plain")->Texel(0, 0)[0]), 200);
+}
+
+TEST_F(ShaderImages, WhatGivesOrFiltersLightHasItsImageAtOnceOthersWithTheBounces) {
+    WriteTga("a.tga", {{200, 100, 50, 255}});
+    folder.Write("broken.tga", "no tga");
+    LoadScript("lamp\n{\nq3map_surfacelight 100\nqer_editorImage a\n}\n"
+               "sun\n{\nq3map_sun 1 1 1 100 0 90\nqer_editorImage a\n}\n"
+               "sky\n{\nq3map_skyLight 100 3\nqer_editorImage a\n}\n"
+               "grate\n{\nsurfaceparm alphashadow\nqer_editorImage a\n}\n"
+               "glass\n{\nsurfaceparm lightfilter\nqer_editorImage a\n}\n"
+               "wall\n{\nqer_editorImage a\n}\nbroken\n{\n}\n");
+    for (const char *name : {"lamp", "sun", "sky", "grate", "glass"}) {
+        EXPECT_TRUE(library->Get(name).imageFound) << name;
+        EXPECT_EQ(library->Get(name).color, (Vec3f{1, 0.5f, 0.25f})) << name;
+    }
+    const ShaderInfo &wall = library->Get("wall");
+    library->Get("broken");
+    ASSERT_NE(wall.lightImage, nullptr);
+    library->DropImages(false);
+    EXPECT_FALSE(wall.imageFound);
+    EXPECT_EQ(Warnings("damaged image"), 0);
+    library->DropImages(true);
+    EXPECT_TRUE(wall.imageFound);
+    EXPECT_EQ(wall.averageColor, (Vec3f{200, 100, 50}));
+    EXPECT_EQ(Warnings("damaged image"), 1);
 }
 
 } // namespace

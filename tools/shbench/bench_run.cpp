@@ -68,15 +68,6 @@ void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const T
         }
 }
 
-/// Cells of the default setting, on which the plain baker and the raw rays work.
-bspGridSHHeader_t DefaultLayout(const BenchMap &map) {
-    Log silent([](LogLevel, std::string_view) {});
-    Entity world = map.stored.front();
-    const GridLayout legacy = SetupGrid(map.bsp, world, silent);
-    const GridLayout layout = SetupGridSH(map.bsp, legacy.size, map.options, silent);
-    return {layout.mins, layout.size, layout.bounds, std::int32_t(layout.Count())};
-}
-
 std::vector<Contender> Contenders(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings,
                                   const Game &game, const bspGridSHHeader_t &layout, const JobPool &jobs) {
     std::vector<Contender> all;
@@ -113,6 +104,14 @@ BenchFiles::BenchFiles(const GlobalOptions &global, const std::vector<std::strin
       library_(std::make_unique<ShaderLibrary>(vfs_, *global.game, options.shader, log)),
       map_(std::make_unique<BenchMap>(ReadBspFile(bspPath, global.Format(), log), ReadLightInputs(bspPath, log),
                                       options, *library_, log)) {}
+
+bspGridSHHeader_t DefaultLayout(const BenchMap &map) {
+    Log silent([](LogLevel, std::string_view) {});
+    Entity world = map.stored.front();
+    const GridLayout legacy = SetupGrid(map.bsp, world, silent);
+    const GridLayout layout = SetupGridSH(map.bsp, legacy.size, map.options, silent);
+    return {layout.mins, layout.size, layout.bounds, std::int32_t(layout.Count())};
+}
 
 BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings, const Game &game,
                      const JobPool &jobs, Log &progress) {

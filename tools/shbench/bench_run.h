@@ -51,6 +51,9 @@ class BenchFiles {
     std::unique_ptr<BenchMap> map_;
 };
 
+/// Where the SH grid of the default setting has its points.
+bspGridSHHeader_t DefaultLayout(const BenchMap &map);
+
 /// Measures all settings, the plain baker and the legacy grid. `progress` says what is going on. Errors: worst
 /// positions asked of a setting that is not there.
 BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings, const Game &game,

@@ -5,11 +5,14 @@
 #include "q3map2/stages.h"
 #include "tools/shbench/bench_run.h"
 #include "tools/shbench/drawing.h"
+#include "tools/shbench/lightmap_passes.h"
+#include "tools/shbench/raw.h"
 #include "tools/shbench/scaling.h"
 
 #include <glib.h>
 
 #include <cstdio>
+#include <memory>
 #include <new>
 #include <span>
 #include <system_error>
@@ -22,8 +25,9 @@ constexpr std::string_view kUsage =
     R"(usage: shbench [options] maps/x.bsp       error of the SH light grid against time, see docs/shbench.md
        shbench --scale-lights [options]     time against the number of lights, in a hall made for it
        shbench --scale-cells [options] maps/x.bsp   time against the number of points
+       shbench --lightmaps [options] maps/x.bsp     time and rays of lightmaps, pass by pass
   -game -fs_basepath -fs_game -threads ...  as for q3map2
-  --options "LIGHT OPTIONS"                 for the reference and all bakes
+  --options "LIGHT OPTIONS"                 for the reference and all bakes, or for the lightmaps
   --bake "NAME: LIGHT OPTIONS"              a setting to measure, instead of the usual list; repeatable
   --positions N, --seed N                   of the reference (2000, 1)
   --repeat N                                bakes in turn so often, quotes the least CPU time (1)
@@ -43,7 +47,7 @@ struct Command {
     GlobalOptions global;
     BenchSettings settings;
     std::string jsonFile, plotBase, planFile, map;
-    bool scaleLights = false, scaleCells = false;
+    bool scaleLights = false, scaleCells = false, lightmaps = false;
     int mostLights = 10000;
 };
 
@@ -108,6 +112,7 @@ Command ParseCommand(Arguments arguments, Log &log) {
     command.plotBase = TakeText(arguments, "--plot");
     command.scaleLights = arguments.TakeFlag("--scale-lights");
     command.scaleCells = arguments.TakeFlag("--scale-cells");
+    command.lightmaps = arguments.TakeFlag("--lightmaps");
     command.mostLights = TakeCount(arguments, "--lights", command.mostLights, 1);
     command.global = ParseGlobalOptions(arguments, log);
     command.map = arguments.TakeLast();
@@ -135,6 +140,19 @@ void ReportScaling(const Command &command, const std::vector<ScalingStep> &steps
     WriteChart(ScalingChart(steps, size, "rays against " + title, true), command.plotBase + "-rays");
 }
 
+/// Bare Embree is measured before and after.
+void RunLightmaps(const Command &command, const LightmapSettings &settings, BenchFiles &files, const JobPool &jobs) {
+    const BenchSettings &bench = command.settings;
+    std::unique_ptr<RawRays> raw;
+    if (bench.raw)
+        raw = std::make_unique<RawRays>(files.Map(), DefaultLayout(files.Map()), bench.truth.seed);
+    const double before = raw ? raw->PerSecond(bench.rawSeconds) : 0;
+    const auto passes = LightmapPasses(files.Map(), settings, files.Library(), jobs, bench.repeats);
+    const double after = raw ? raw->PerSecond(bench.rawSeconds) : 0;
+    Print(LightmapPassTable(passes, (before + after) / 2));
+    WriteText(command.jsonFile, LightmapPassJson(passes, (before + after) / 2));
+}
+
 int Run(const std::vector<std::string> &words, const std::filesystem::path &program) {
     Log log(WarningsOnly());
     Command command = ParseCommand(Arguments(words), log);
@@ -146,7 +164,10 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
     const JobPool jobs(command.global.threads);
     BenchSettings &settings = command.settings;
     const Game &game = *command.global.game;
-    const LightOptions options = LightOptionsFrom(settings.options, game);
+    LightmapSettings lightmaps;
+    if (command.lightmaps)
+        lightmaps = LightmapSettingsFrom(settings.options, game);
+    const LightOptions options = command.lightmaps ? lightmaps.light : LightOptionsFrom(settings.options, game);
     if (command.scaleLights) {
         const auto steps = ScaleLights(options, game, jobs, command.mostLights, settings.repeats, progress);
         ReportScaling(command, steps, "lights", "the number of lights");
@@ -154,6 +175,10 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
     }
     const auto path = WithExtension(std::filesystem::absolute(command.map), ".bsp");
     BenchFiles files(command.global, words, program, path, options, log);
+    if (command.lightmaps) {
+        RunLightmaps(command, lightmaps, files, jobs);
+        return 0;
+    }
     if (command.scaleCells) {
         const auto steps = ScaleCells(files.Map(), files.Library(), options, jobs, settings.repeats, progress);
         ReportScaling(command, steps, "points", "the number of points, " + files.Map().inputs.name);
