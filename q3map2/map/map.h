@@ -1,0 +1,154 @@
+// GPL-2.0-or-later. A map source in memory: entities with brushes and patches.
+#pragma once
+
+#include "libs/math/bounds.h"
+#include "libs/math/winding_clip.h"
+#include "q3map2/bspfile/bsp_records.h"
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/map/bsp_options.h"
+#include "q3map2/map/planes.h"
+#include "q3map2/shader/shader.h"
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace q3 {
+
+/// Vertex of a draw surface while it is made.
+struct DrawVert {
+    Vec3f xyz, normal;
+    std::array<float, 2> st{};
+    std::array<std::uint8_t, 4> color{255, 255, 255, 255};
+    bool inserted = false; ///< by T-junction repair
+};
+
+/// What the keys of an entity say about all its surfaces.
+struct SurfaceSettings {
+    int entity = 0; ///< number in the map source
+    int castShadows = 1, receiveShadows = 1;
+    int sampleSize = 0;      ///< 0: unset
+    float lightmapScale = 0; ///< 0: unset
+    float shadeAngle = 0;    ///< degrees
+    Vec3f ambient;           ///< byte scale
+    const ShaderInfo *celShader = nullptr;
+    bool operator==(const SurfaceSettings &) const = default;
+};
+
+/// s = vecs[0] . (p, 1), t = vecs[1] . (p, 1), p with the entity's origin added. All three forms of the map language
+/// and explicit texture vectors come to this; image sizes are in it.
+struct TextureProjection {
+    std::array<std::array<double, 4>, 2> vecs{};
+};
+
+struct BrushSide {
+    int planeNum = -1;                  ///< front is outside
+    Plane plane;                        ///< as the points of the map say, in double
+    bool hasPlane = false;              ///< false: only the table's plane is there
+    const ShaderInfo *shader = nullptr; ///< null: bevels, and backs of generated brushes
+    std::uint32_t surfaceFlags = 0, contentFlags = 0, compileFlags = 0;
+    TextureProjection texture;
+    Polygon winding;     ///< empty: bevels, and sides that the others cut off
+    Polygon visibleHull; ///< of its part in the open; see ClipSidesIntoTree
+    bool bevel = false;
+    bool culled = false; ///< makes no draw surface: hidden behind another brush
+    int surface = -1;    ///< draw surface made from it last
+};
+
+/// A convex solid. Sides 0 to 5 are the axial ones in the order -x +x -y +y -z +z once bevels are there.
+struct Brush {
+    SurfaceSettings settings;
+    int primitive = 0; ///< number in its entity of the map source, for messages
+    std::vector<BrushSide> sides;
+    Boundsf bounds;
+    const ShaderInfo *contentShader = nullptr;
+    std::uint32_t contentFlags = 0, compileFlags = 0; ///< of all sides
+    bool detail = false, opaque = false;
+    bool generated = false;   ///< clip brush of a model
+    Vec3f textureOrigin;      ///< of the origin brush: added to points before texture coordinates are made
+    bool mergedGroup = false; ///< came from a func_group
+    int bspBrush = -1;        ///< number in the .bsp once it is emitted
+};
+
+struct Patch {
+    SurfaceSettings settings;
+    int primitive = 0;
+    const ShaderInfo *shader = nullptr;
+    int width = 0, height = 0;   ///< odd, 3 to 31
+    std::vector<DrawVert> verts; ///< row * width + column
+    float longestCurve = 0;
+    Boundsf lodBounds; ///< of the group that changes its detail together
+    bool grouped = false;
+    bool patchMeta = false;
+    int patchSubdivisions = 0; ///< curve tolerance from keys; 0: the option's
+};
+
+struct MapEntity {
+    Entity pairs;
+    int number = 0;                  ///< in the map source
+    std::deque<Brush> brushes;       ///< opaque ones in front in reverse order, then the others in order
+    std::deque<Patch> patches;       ///< newest in front
+    std::vector<Brush> colorVolumes; ///< brushes whose shader modifies colours inside
+    Vec3f origin;                    ///< value of the key, with the origin brush's centre added
+    Vec3f brushOrigin;               ///< centre of the origin brush: what its brushes were moved by
+    int model = -1;                  ///< 0 the world; -1 none
+    Vec3f Origin() const { return origin; }
+};
+
+struct Map {
+    std::string name; ///< of the file, for messages
+    std::vector<MapEntity> entities;
+    PlaneTable planes{0.00005, 0.005};
+    std::array<int, 3> blockSize{1024, 1024, 1024}; ///< <= 0: no forced splits along that axis
+    const ShaderInfo *defaultCelShader = nullptr;
+    MapEntity &World() { return entities.front(); }
+};
+
+/// What every step of the stage gets.
+struct BspContext {
+    const BspOptions &options;
+    const Game &game;
+    ShaderLibrary &shaders;
+    Log &log;
+
+    /// "Entity E, Brush B: text" as a warning; with an editor connected it selects the primitive.
+    void WarnAt(std::string_view kind, int entity, int primitive, std::string_view text) const;
+    [[noreturn]] void FailAt(int entity, int primitive, std::string_view text) const;
+};
+
+/// Reads map text: entities, brushes with windings and bevels, patches; applies origin brushes, joins func_groups into
+/// the world. map_parse.cpp. Errors: Error with file, line, entity and primitive.
+Map ReadMap(std::string_view text, std::string_view name, const BspContext &context);
+/// Keys that all surfaces of an entity share. `world` gives the ambient light and cel shader it falls back to.
+SurfaceSettings SettingsOf(const MapEntity &entity, const Map &map, const BspContext &context);
+
+// map_brush.cpp
+/// Makes sides' windings and the bounds from their planes; false when the brush encloses nothing or leaves the world.
+bool MakeBrushWindings(Brush &brush, const PlaneTable &planes);
+/// Appends the planes that boxes of any size need to collide with it exactly. Once, after its windings.
+void AddBrushBevels(Brush &brush, PlaneTable &planes, int snap);
+/// Flags, content shader, detail and opaque from the sides.
+void SetBrushContents(Brush &brush, const BspContext &context);
+/// A brush from planes for generated solids; the front side has `shader`. Nothing when it encloses nothing.
+std::unique_ptr<Brush> BrushFromPlanes(std::span<const Plane> planes, const ShaderInfo *front,
+                                       const BspContext &context, PlaneTable &table);
+
+// map_patch.cpp
+/// Longest curve of each patch, and groups that change their detail together.
+void FinishPatches(std::deque<Patch> &patches);
+/// Normals of control points, from their neighbours and from the curve.
+void SetPatchNormals(Patch &patch);
+/// Triangle mesh of a patch for a curve tolerance.
+struct PatchMesh {
+    int width = 0, height = 0;
+    std::vector<DrawVert> verts;
+};
+PatchMesh TessellatePatch(const Patch &patch, int subdivisions);
+/// Corner indexes of the triangles of a mesh, clockwise seen from the front.
+std::vector<std::array<int, 3>> MeshTriangles(const PatchMesh &mesh);
+
+} // namespace q3
