@@ -12,12 +12,24 @@ Log::Sink Log::StandardOutput() {
     };
 }
 
-void Log::AddSink(Sink sink) {
-    const std::lock_guard lock(mutex_);
-    sink_ = [first = std::move(sink_), second = std::move(sink)](LogLevel level, std::string_view text) {
+namespace {
+
+Log::Sink Both(Log::Sink first, Log::Sink second) {
+    return [first = std::move(first), second = std::move(second)](LogLevel level, std::string_view text) {
         first(level, text);
         second(level, text);
     };
+}
+
+} // namespace
+
+void Log::AddSink(Sink sink, MarkSink marks) {
+    const std::lock_guard lock(mutex_);
+    sink_ = Both(std::move(sink_), sink);
+    if (marks)
+        markSink_ = std::move(marks);
+    else
+        unmarked_ = Both(std::move(unmarked_), std::move(sink));
 }
 
 void Log::Write(LogLevel level, std::string_view text) {
@@ -25,13 +37,31 @@ void Log::Write(LogLevel level, std::string_view text) {
     sink_(level, text);
 }
 
-void Log::WarnText(std::string_view kind, std::string text) {
+void Log::Mark(LogLevel level, std::string_view text, const LogMark &mark) {
     const std::lock_guard lock(mutex_);
+    if (markSink_)
+        markSink_(level, text, mark);
+}
+
+bool Log::CountWarning(std::string_view kind) {
     auto found = warnings_.find(kind);
     if (found == warnings_.end())
         found = warnings_.emplace(kind, 0).first;
-    if (++found->second == 1 || verbose_)
+    return ++found->second == 1 || verbose_;
+}
+
+void Log::WarnText(std::string_view kind, std::string text) {
+    const std::lock_guard lock(mutex_);
+    if (CountWarning(kind))
         sink_(LogLevel::Warning, "WARNING: " + text + "\n");
+}
+
+void Log::WarnAt(std::string_view kind, const LogMark &mark, std::string text) {
+    const std::lock_guard lock(mutex_);
+    if (CountWarning(kind))
+        unmarked_(LogLevel::Warning, "WARNING: " + text + "\n");
+    if (markSink_)
+        markSink_(LogLevel::Warning, text, mark);
 }
 
 void Log::FlushWarnings() {

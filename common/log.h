@@ -3,23 +3,33 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <functional>
 #include <map>
 #include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace q3 {
 
 enum class LogLevel { Normal = 1, Warning = 2, Error = 3 };
 
+/// A place in the map source that an editor shows with a message.
+struct LogMark {
+    int entity = -1, primitive = -1;        ///< numbers in the map source; -1: it is a line
+    std::vector<std::array<float, 3>> line; ///< its points in order
+};
+
 /// Prints to standard output and, when set, to a second sink (the editor). Safe to call from worker threads.
 class Log {
   public:
     using Sink = std::function<void(LogLevel, std::string_view)>;
+    using MarkSink = std::function<void(LogLevel, std::string_view, const LogMark &)>;
 
-    explicit Log(Sink sink = StandardOutput(), bool verbose = false) : sink_(std::move(sink)), verbose_(verbose) {}
+    explicit Log(Sink sink = StandardOutput(), bool verbose = false)
+        : sink_(sink), unmarked_(std::move(sink)), verbose_(verbose) {}
     ~Log() { FlushWarnings(); }
     Log(const Log &) = delete;
     Log &operator=(const Log &) = delete;
@@ -28,8 +38,8 @@ class Log {
 
     void SetVerbose(bool on) { verbose_ = on; }
     bool IsVerbose() const { return verbose_; }
-    /// Adds a sink that receives everything printed from now on.
-    void AddSink(Sink sink);
+    /// Adds a sink that receives everything printed from now on. With `marks`, what has a mark goes there instead.
+    void AddSink(Sink sink, MarkSink marks = {});
 
     template <typename... Args> void Print(fmt::format_string<Args...> format, Args &&...args) {
         Write(LogLevel::Normal, fmt::format(format, std::forward<Args>(args)...));
@@ -55,11 +65,19 @@ class Log {
     int WarningCount(std::string_view kind) const;
 
     void Write(LogLevel level, std::string_view text);
+    /// For editors only.
+    void Mark(LogLevel level, std::string_view text, const LogMark &mark);
+    /// Warn with a mark: an editor gets each one, others as Warn says.
+    void WarnAt(std::string_view kind, const LogMark &mark, std::string text);
 
   private:
     void WarnText(std::string_view kind, std::string text);
+    /// Whether to print one more warning of that kind.
+    bool CountWarning(std::string_view kind);
 
     Sink sink_;
+    MarkSink markSink_; ///< null: marks are not wanted
+    Sink unmarked_;     ///< the sinks that get text only
     bool verbose_ = false;
     mutable std::mutex mutex_;
     std::map<std::string, int, std::less<>> warnings_;

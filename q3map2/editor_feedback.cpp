@@ -42,14 +42,37 @@ std::string ValidUtf8(std::string text) {
     return text;
 }
 
-std::string MessageElement(LogLevel level, const std::string &text) {
-    const std::unique_ptr<xmlNode, FreeNode> node(xmlNewNode(nullptr, BAD_CAST "message"));
+using Node = std::unique_ptr<xmlNode, FreeNode>;
+
+Node Element(const char *name, const std::string &text, LogLevel level) {
+    Node node(xmlNewNode(nullptr, BAD_CAST name));
     const std::string valid = ValidUtf8(text), number = std::to_string(int(level));
     xmlNodeAddContent(node.get(), BAD_CAST valid.c_str());
     xmlSetProp(node.get(), BAD_CAST "level", BAD_CAST number.c_str());
+    return node;
+}
+
+std::string TextOf(const Node &node) {
     const std::unique_ptr<xmlBuffer, FreeBuffer> buffer(xmlBufferCreate());
     xmlNodeDump(buffer.get(), nullptr, node.get(), 0, 0);
     return reinterpret_cast<const char *>(xmlBufferContent(buffer.get()));
+}
+
+/// A message that shows something: what it is about is an element inside.
+std::string MarkElement(LogLevel level, const std::string &text, const LogMark &mark) {
+    const bool isLine = !mark.line.empty();
+    const Node node = Element(isLine ? "message" : "select", text, level);
+    if (!isLine) {
+        const std::string place = fmt::format("{} {}", mark.entity, mark.primitive);
+        xmlNewTextChild(node.get(), nullptr, BAD_CAST "brush", BAD_CAST place.c_str());
+        return TextOf(node);
+    }
+    xmlNode *line = xmlNewChild(node.get(), nullptr, BAD_CAST "polyline", nullptr);
+    for (const std::array<float, 3> &p : mark.line) {
+        const std::string point = fmt::format("{:f} {:f} {:f}", p[0], p[1], p[2]);
+        xmlNewTextChild(line, nullptr, BAD_CAST "point", BAD_CAST point.c_str());
+    }
+    return TextOf(node);
 }
 
 class Connection {
@@ -71,11 +94,16 @@ class Connection {
             Flush();
     }
 
+    void Write(LogLevel level, std::string_view text, const LogMark &mark) {
+        Flush();
+        Send(MarkElement(level, std::string(text), mark));
+    }
+
   private:
     void Flush() {
         if (text_.empty())
             return;
-        Send(MessageElement(level_, text_));
+        Send(TextOf(Element("message", text_, level_)));
         text_.clear();
         sent_ = std::chrono::steady_clock::now();
     }
@@ -123,9 +151,11 @@ void EditorFeedback::Attach(const std::string &address, Log &log) {
         close(connected);
         return;
     }
-    log.AddSink([connection = std::make_shared<Connection>(connected)](LogLevel level, std::string_view text) {
-        connection->Write(level, text);
-    });
+    const auto connection = std::make_shared<Connection>(connected);
+    log.AddSink([connection](LogLevel level, std::string_view text) { connection->Write(level, text); },
+                [connection](LogLevel level, std::string_view text, const LogMark &mark) {
+                    connection->Write(level, text, mark);
+                });
 }
 
 } // namespace q3

@@ -7,8 +7,8 @@
 
 namespace q3 {
 
-/// Sends everything that is logged to an editor as XML: one TCP connection, messages of a little-endian length and at most 1014 bytes,
-/// the root element q3map_feedback never closed; spec of the editor feedback protocol.
+/// Sends everything that is logged to an editor as XML: one TCP connection, messages of a little-endian length and at
+/// most 1014 bytes, the root element q3map_feedback never closed; spec of the editor feedback protocol.
 class EditorFeedback {
   public:
     /// Connects to "a.b.c.d:port" and follows `log` until it ends. No address or no editor there: nothing happens.

@@ -13,7 +13,7 @@ namespace q3 {
 
 namespace {
 
-constexpr int kMaxThreads = 64;
+constexpr int kMaxThreads = 64, kMaxDrawSurfaces = 1 << 24;
 
 std::string WithSlashes(std::string path) {
     std::replace(path.begin(), path.end(), '\\', '/');
@@ -96,9 +96,10 @@ GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log) {
     options.force = arguments.TakeFlag("-force");
     while (const auto threads = arguments.TakeValue("-threads"))
         options.threads = std::clamp(IntegerFromText(*threads), 0, kMaxThreads);
-    for (const std::string_view name : {"-subdivisions", "-maxmapdrawsurfs"})
-        if (arguments.TakeValue(name))
-            log.Warn("options without effect", "{} concerns the bsp stage only", name);
+    while (const auto value = arguments.TakeValue("-subdivisions"))
+        options.subdivisions = std::max(1, IntegerFromText(*value));
+    while (const auto value = arguments.TakeValue("-maxmapdrawsurfs"))
+        options.maxDrawSurfaces = std::abs(std::max(-kMaxDrawSurfaces, IntegerFromText(*value)));
     TakeGame(arguments, options, log);
     TakeList(arguments, "-fs_forbiddenpath", options.forbidden);
     TakeList(arguments, "-fs_basepath", options.basePaths);

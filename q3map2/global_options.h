@@ -19,9 +19,10 @@ struct GlobalOptions {
     const Game *game = nullptr;
     bool verbose = false;
     bool force = false;
-    int threads = 0;            ///< 0: one per hardware thread
-    std::string connect;        ///< address of the editor, empty without one
-    std::optional<std::string> help; ///< topic, possibly empty
+    int threads = 0;                                  ///< 0: one per hardware thread
+    std::optional<int> subdivisions, maxDrawSurfaces; ///< of the bsp stage
+    std::string connect;                              ///< address of the editor, empty without one
+    std::optional<std::string> help;                  ///< topic, possibly empty
     std::vector<std::string> basePaths, gameDirs, pakPaths, forbidden;
     std::optional<std::string> baseGame, home, homeBase;
 
@@ -33,11 +34,12 @@ struct GlobalOptions {
 /// Takes the global options off `arguments`. An unknown -game is a warning.
 GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log);
 
-/// Game folders in the order in which they win: mods before the base game, home before base paths, -fs_pakpath last. `arguments` are
-/// searched for the engine path when no -fs_basepath is given.
+/// Game folders in the order in which they win: mods before the base game, home before base paths, -fs_pakpath last.
+/// `arguments` are searched for the engine path when no -fs_basepath is given.
 std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, const std::vector<std::string> &arguments,
                                                const std::filesystem::path &program);
 
-VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders, Log &log);
+VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders,
+                                Log &log);
 
 } // namespace q3

@@ -16,8 +16,15 @@ struct Stage {
     std::string_view name;
     int (*run)(const StageContext &, Arguments);
 };
-constexpr Stage kStages[] = {{"-light", LightStage}, {"-export", ExportStage}, {"-import", ImportStage},
-                             {"-json", JsonStage},   {"-info", InfoStage},     {"-shpreview", PreviewStage}};
+constexpr Stage kStages[] = {{"-bsp", BspStage},          {"-light", LightStage}, {"-export", ExportStage},
+                             {"-import", ImportStage},    {"-json", JsonStage},   {"-info", InfoStage},
+                             {"-shpreview", PreviewStage}};
+
+/// Names that users of other compilers may give. Without this list they would start the bsp stage, which replaces the
+/// map.
+constexpr std::string_view kOtherStages[] = {"-analyze", "-convert", "-exportents", "-fixaas", "-mergebsp",
+                                             "-minimap", "-pk3",     "-repack",     "-scale",  "-shift",
+                                             "-vis",     "-vlight",  "-ent"};
 
 int RunStage(const StageContext &context, Arguments arguments) {
     for (const Stage &stage : kStages)
@@ -27,8 +34,12 @@ int RunStage(const StageContext &context, Arguments arguments) {
         }
     if (arguments.Empty())
         throw Error("no arguments; q3map2 -help lists what there is");
-    throw Error("\"{}\" is not a stage of this version; it has -light, -export, -import, -json, -info and -shpreview",
-                arguments.Rest().front());
+    for (const std::string_view name : kOtherStages)
+        if (EqualNoCase(arguments.Rest().front(), name))
+            throw Error("{} is not a stage of this version; it has -bsp, -light, -export, -import, -json, -info and "
+                        "-shpreview",
+                        name);
+    return BspStage(context, std::move(arguments));
 }
 
 int Run(const std::vector<std::string> &words, const std::filesystem::path &program, Log &log) {

@@ -12,8 +12,8 @@ struct Topic {
 
 constexpr Topic kTopics[] = {
     {"common", R"(Global options, with every stage, anywhere on the line:
-  -help [topic]           this text; topics: common light lightmap json export
-                          info shpreview game
+  -help [topic]           this text; topics: common bsp light lightmap json
+                          export info shpreview game
   -v                      more output
   -threads N              worker threads (default: one per hardware thread)
   -connect A.B.C.D:PORT   send what is printed to an editor
@@ -26,6 +26,33 @@ constexpr Topic kTopics[] = {
                           home folder; the game's folder in it; both in one
   -fs_pakpath DIR         further folder with game files; repeatable
   -fs_forbiddenpath MASK  skip folders and archives of that name; repeatable
+)"},
+    {"bsp", R"(q3map2 [-bsp] [options] maps/x.map     compiles a map source: x.bsp, x.srf, x.prt (x.lin when it leaks)
+  -meta                   triangles of brush faces joined to large surfaces; what everybody wants
+  -patchmeta              patches as triangles too
+  -leaktest               stop at a leak
+  -onlyents               replace the entities of x.bsp only
+  -keeplights, -keepmodels   entities that are otherwise compiled in
+Left out: -nodetail -nowater -nohint -nofog -nosubdivide -nocurves -notjunc -noflares;  -fulldetail
+Surfaces:
+  -samplesize N           game units a luxel (16);  -minsamplesize N
+  -mv N  -mi N            vertices and indexes a surface
+  -np DEGREES             smooth and join across edges
+  -metaadequatescore N  -metagoodscore N  -maxarea  -nobrushsnap  -flat  -celshader NAME
+  -flares  -skyfix
+Tree and planes:
+  -ne F  -de F            how near normals and distances of planes count as equal
+  -deep  -altsplit  -snap N
+Shaders and models:
+  -custinfoparms  -noob  -globalflag PARM  -rename  -clipdepth F  -sRGBcolor -nosRGBcolor -nosRGB
+For editors:
+  -autocaulk              x.caulk: which sides nobody sees
+  -tempname FILE          read the map from this file and delete it afterwards
+Pictures of what is going on:
+  -debugsurfaces  -debuginset  -debugportals  -debugclip  -fakemap  -verboseentities
+Global ones of this stage:
+  -subdivisions N         tolerance of curves made of triangles (8)
+  -maxmapdrawsurfs N      most draw surfaces (131072)
 )"},
     {"light", R"(q3map2 -light [options] maps/x.bsp     lights a compiled map; lightmap options: -help lightmap
   -onlygrid               leave lightmaps and vertex colours as they are

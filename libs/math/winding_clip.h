@@ -28,6 +28,8 @@ PolygonSide SideOf(const Polygon &w, const Plane &plane);
 bool IsTiny(const Polygon &w);
 /// A square of the plane that covers the world, half edge 131072, clockwise seen from the front.
 Polygon BasePolygon(const Plane &plane);
+/// The same in double: cuts of it keep their place on slanted planes.
+Winding<double> BaseWinding(const Plane &plane);
 /// Reversed order of points.
 Polygon Reversed(const Polygon &w);
 /// Plane through the first three points that are not in a line, its front where the polygon is clockwise. Zero normal:

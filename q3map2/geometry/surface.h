@@ -6,6 +6,8 @@
 #include "q3map2/tree/tree.h"
 
 #include <cstdint>
+#include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +23,7 @@ struct DrawSurface {
     SurfaceSettings settings;
     int brush = -1, side = -1; ///< of the entity; -1: not from a brush
     int patch = -1;
+    int primitive = -1; ///< number in its entity of the map source, for messages
     int planeNum = -1;
     bool planar = false;
     int fogNum = -1;
@@ -37,6 +40,7 @@ struct DrawSurface {
     bool skyBoxCopy = false;
     int parent = -1; ///< sky box copies: number of the surface in the .bsp
     bool furred = false, isCopy = false;
+    bool collisionOnly = false; ///< patches that triangles draw: written with the nodraw and pointlight flags
     bool Empty() const { return verts.empty(); }
 };
 
@@ -47,11 +51,15 @@ struct MapFog {
     int visibleSide = -1;        ///< -1: decided when it is written
 };
 
+class ModelLibrary;
+
 /// Everything that is gathered on the way to the .bsp.
 struct Geometry {
     std::vector<DrawSurface> surfaces; ///< of all entities, in the order of making
     std::vector<MapFog> fogs;
     int defaultFog = -1;
+    std::shared_ptr<ModelLibrary> models; ///< read so far; see models.h
+    std::deque<ShaderInfo> ownShaders;    ///< that take something from the shader they replace
 };
 
 // surface_face.cpp: brush faces and patches to surfaces, classification, subdivision.
@@ -85,8 +93,9 @@ struct DecalProjector {
     float radius = 0;
 };
 std::vector<DecalProjector> CollectDecals(Map &map, const BspContext &context);
+/// `origin` is the entity's: its surfaces stand so far from where projectors see them.
 void ApplyDecals(const std::vector<DecalProjector> &projectors, Geometry &geometry, std::size_t first,
-                 PlaneTable &planes, const BspContext &context);
+                 const BspContext &context, const Vec3f &origin = {});
 // models.cpp: placed models (through assimp), models that shaders scatter, clip brushes of models.
 void AddEntityModels(Map &map, MapEntity &target, Geometry &geometry, const BspContext &context);
 void AddShaderModels(MapEntity &entity, Geometry &geometry, std::size_t first, PlaneTable &planes,
@@ -96,28 +105,5 @@ void MakeDerivedSurfaces(Geometry &geometry, std::size_t first, const BspContext
 void MakeFogHull(const Map &map, Geometry &geometry, const BspContext &context);
 void MakePortalSurfaces(const Tree &tree, Geometry &geometry, const BspContext &context);
 void MakeFlares(const Map &map, Geometry &geometry, const BspContext &context);
-
-/// emit.cpp: the .bsp and what goes beside it.
-class BspWriter {
-  public:
-    BspWriter(Map &map, const BspContext &context);
-    /// Shader table entry of that name and, where given, flags.
-    int ShaderNumber(std::string_view name, std::optional<std::uint32_t> surfaceFlags = {},
-                     std::optional<std::uint32_t> contentFlags = {});
-    void BeginModel(const MapEntity &entity);
-    void EmitBrushes(MapEntity &entity);
-    /// Final pass: modifies coordinates and colours, puts surfaces into leafs, appends them.
-    void EmitSurfaces(MapEntity &entity, Tree &tree, Geometry &geometry, std::size_t first);
-    void EmitTree(const Tree &tree);
-    void EndModel();
-    void EmitFogs(const Geometry &geometry);
-    void EmitPlanes();
-    Bsp bsp;
-    std::string surfaceFile; ///< text of the .srf
-
-  private:
-    Map &map_;
-    const BspContext &context_;
-};
 
 } // namespace q3

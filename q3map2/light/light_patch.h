@@ -1,136 +1,15 @@
-// GPL-2.0-or-later. Curved surfaces as meshes.
+// GPL-2.0-or-later. Patches of a .bsp as meshes.
 #pragma once
 
-#include "libs/math/vec.h"
+#include "libs/math/patch_mesh.h"
 #include "q3map2/bspfile/bspfile.h"
-
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <vector>
 
 namespace q3 {
 
-struct MeshVert {
-    Vec3f xyz, normal;
-    std::array<float, 2> st{};
-};
-
-/// Rows of `width` vertices, `height` of them. A vertex has xyz, normal, st and perhaps lightmap coordinates `luxel`.
-template <typename Vert> struct MeshOf {
-    int width = 0, height = 0;
-    std::vector<Vert> verts;
-    const Vert &At(int x, int y) const { return verts[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
-};
-using Mesh = MeshOf<MeshVert>;
-
-/// The vertex between two: everything is the mean, the normal a unit vector again.
-template <typename Vert> Vert HalfwayVert(const Vert &a, const Vert &b) {
-    Vert middle = a;
-    middle.xyz = (a.xyz + b.xyz) * 0.5f;
-    const Vec3f normal = Normalize(a.normal + b.normal);
-    middle.normal = normal == Vec3f{} ? a.normal : normal;
-    for (std::size_t i = 0; i < 2; ++i) {
-        middle.st[i] = (a.st[i] + b.st[i]) * 0.5f;
-        if constexpr (requires { a.luxel; })
-            middle.luxel[i] = (a.luxel[i] + b.luxel[i]) * 0.5f;
-    }
-    return middle;
-}
-
-/// Pieces of Tessellated.
-namespace patch {
-
-/// How often the curves of a patch are halved: 8 * 16 * 2^n game units need n halvings, at most 3.
-int Halvings(float longestCurve);
-/// How many of `spans` curves along an axis of `size` points are halved.
-int SpansToHalve(int size, int spans);
-/// Whether p is so close to the line through a and b that the mesh does without it.
-bool NearLine(const Vec3f &p, const Vec3f &a, const Vec3f &b);
-
-template <typename Vert> MeshOf<Vert> Transposed(const MeshOf<Vert> &mesh) {
-    MeshOf<Vert> result{mesh.height, mesh.width, {}};
-    result.verts.reserve(mesh.verts.size());
-    for (int x = 0; x < mesh.width; ++x)
-        for (int y = 0; y < mesh.height; ++y)
-            result.verts.push_back(mesh.At(x, y));
-    return result;
-}
-
-/// Every three columns a, b, c become a, ab, m, bc, c.
-template <typename Vert> MeshOf<Vert> HalvedColumns(const MeshOf<Vert> &mesh) {
-    const int spans = (mesh.width - 1) / 2, split = SpansToHalve(mesh.width, spans);
-    MeshOf<Vert> result{mesh.width + 2 * split, mesh.height, {}};
-    for (int y = 0; y < mesh.height; ++y) {
-        result.verts.push_back(mesh.At(0, y));
-        for (int span = 0; span < spans; ++span) {
-            const Vert &a = mesh.At(2 * span, y), &b = mesh.At(2 * span + 1, y), &c = mesh.At(2 * span + 2, y);
-            if (span < split) {
-                const Vert ab = HalfwayVert(a, b), bc = HalfwayVert(b, c);
-                result.verts.insert(result.verts.end(), {ab, HalfwayVert(ab, bc), bc, c});
-            } else
-                result.verts.insert(result.verts.end(), {b, c});
-        }
-    }
-    return result;
-}
-
-/// Moves the odd columns from control points onto the curve.
-template <typename Vert> void PutOnCurve(MeshOf<Vert> &mesh) {
-    for (int y = 0; y < mesh.height; ++y)
-        for (int x = 1; x + 1 < mesh.width; x += 2) {
-            Vert &v = mesh.verts[std::size_t(y) * std::size_t(mesh.width) + std::size_t(x)];
-            const Vert &a = mesh.At(x - 1, y), &c = mesh.At(x + 1, y);
-            v.xyz = (a.xyz + v.xyz * 2 + c.xyz) * 0.25f;
-            for (std::size_t i = 0; i < 2; ++i) {
-                v.st[i] = (a.st[i] + 2 * v.st[i] + c.st[i]) * 0.25f;
-                if constexpr (requires { v.luxel; })
-                    v.luxel[i] = (a.luxel[i] + 2 * v.luxel[i] + c.luxel[i]) * 0.25f;
-            }
-        }
-}
-
-template <typename Vert> MeshOf<Vert> WithoutFlatColumns(const MeshOf<Vert> &mesh) {
-    std::vector<int> kept{0};
-    for (int x = 1; x + 1 < mesh.width; ++x) {
-        bool flat = true;
-        for (int y = 0; y < mesh.height && flat; ++y)
-            flat = NearLine(mesh.At(x, y).xyz, mesh.At(kept.back(), y).xyz, mesh.At(x + 1, y).xyz);
-        if (!flat)
-            kept.push_back(x);
-    }
-    kept.push_back(mesh.width - 1);
-    MeshOf<Vert> result{int(kept.size()), mesh.height, {}};
-    for (int y = 0; y < mesh.height; ++y)
-        for (const int x : kept)
-            result.verts.push_back(mesh.At(x, y));
-    return result;
-}
-
-} // namespace patch
-
-/// The mesh that light meets for these control points; longestCurve in game units decides how fine.
-template <typename Vert> MeshOf<Vert> Tessellated(MeshOf<Vert> mesh, float longestCurve) {
-    for (int i = patch::Halvings(longestCurve); i > 0; --i)
-        mesh = patch::Transposed(patch::HalvedColumns(patch::Transposed(patch::HalvedColumns(mesh))));
-    patch::PutOnCurve(mesh);
-    mesh = patch::Transposed(mesh);
-    patch::PutOnCurve(mesh);
-    mesh = patch::Transposed(mesh);
-    return patch::Transposed(patch::WithoutFlatColumns(patch::Transposed(patch::WithoutFlatColumns(mesh))));
-}
-
-/// The same for a draw surface.
+/// The mesh of a draw surface; longestCurve in game units decides how fine.
 Mesh TessellatePatch(const Bsp &bsp, const bspDrawSurface_t &surface, float longestCurve);
 
 /// Longest curve of the patch from its control points, for a map without a .srf file.
 float LongestCurve(const Bsp &bsp, const bspDrawSurface_t &surface);
-
-/// Corners of the quad at (x, y), clockwise seen from the front, starting so that its triangles are (0, 1, 2) and (0,
-/// 2, 3).
-template <typename Vert> std::array<Vert, 4> MeshQuad(const MeshOf<Vert> &mesh, int x, int y) {
-    const Vert &a = mesh.At(x, y), &b = mesh.At(x, y + 1), &c = mesh.At(x + 1, y + 1), &d = mesh.At(x + 1, y);
-    return (x + y) % 2 == 0 ? std::array{a, b, c, d} : std::array{b, c, d, a};
-}
 
 } // namespace q3

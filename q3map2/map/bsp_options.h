@@ -35,6 +35,7 @@ struct BspOptions {
     std::vector<std::string> globalFlags; ///< surfaceparm names of -globalflag
     bool rename = false;
     bool customInfoParms = false;
+    bool sRgbColor = false; ///< colours of shaders are sRGB
     bool autoCaulk = false, verboseEntities = false, fakeMap = false;
     bool debugSurfaces = false, debugInset = false, debugPortals = false, debugClip = false;
     std::string tempName; ///< -tempname: the map text is read from here and the file deleted afterwards

@@ -27,6 +27,8 @@ struct DrawVert {
     bool inserted = false; ///< by T-junction repair
 };
 
+struct IndexMap;
+
 /// What the keys of an entity say about all its surfaces.
 struct SurfaceSettings {
     int entity = 0; ///< number in the map source
@@ -36,6 +38,7 @@ struct SurfaceSettings {
     float shadeAngle = 0;    ///< degrees
     Vec3f ambient;           ///< byte scale
     const ShaderInfo *celShader = nullptr;
+    std::shared_ptr<const IndexMap> indexMap; ///< of terrain; see index_map.h
     bool operator==(const SurfaceSettings &) const = default;
 };
 
@@ -114,6 +117,7 @@ struct BspContext {
     const Game &game;
     ShaderLibrary &shaders;
     Log &log;
+    const VirtualFileSystem *vfs = nullptr; ///< of models, skins and index maps; null: there are none
 
     /// "Entity E, Brush B: text" as a warning; with an editor connected it selects the primitive.
     void WarnAt(std::string_view kind, int entity, int primitive, std::string_view text) const;

@@ -10,7 +10,8 @@
 namespace q3 {
 
 /// Planes in pairs: i and i ^ 1 are opposite. One with a component of exactly +-1 has the positive one at the even
-/// number. Stored with the precision of float. Look-ups snap: bsp-stage notes in docs/bsp_stage.md.
+/// number. Stored with the precision of float. Look-ups snap: normals near an axis or a coordinate plane go there, and
+/// distances along axes to whole numbers.
 class PlaneTable {
   public:
     PlaneTable(double normalEpsilon, double distanceEpsilon)

@@ -21,31 +21,41 @@ Game MakeGame(std::string_view name, std::string_view gameDir, std::string_view 
     return game;
 }
 
+Game &Limits(Game &game, int surfaceVerts, int verts, int indexes) {
+    game.maxSurfaceVerts = surfaceVerts;
+    game.maxVertexLitVerts = verts;
+    game.maxSurfaceIndexes = indexes;
+    return game;
+}
+
+constexpr int kLargeSurface = 1048575;
+
 Game QuakeLive() {
     Game game = MakeGame("quakelive", "baseq3", ".quakelive", "quake", QuakeLiveParms());
     game.bspVersion = 47;
     game.hasAdvertisements = true;
+    game.bevelSurfaceFlags = 0x1C3043;
     return game;
 }
 
 Game Nexuiz() {
     Game game = MakeGame("nexuiz", "data", ".nexuiz", "nexuiz", BaseParms());
     game.noStyles = game.keepLights = true;
-    return game;
+    return Limits(game, 999, 999, 6000);
 }
 
 Game Xonotic() {
     Game game = MakeGame("xonotic", "data", ".xonotic", "xonotic", BaseParms());
     game.sRgbLightmap = game.sRgbTexture = game.sRgbColor = true;
     game.noStyles = game.keepLights = game.patchShadows = true;
-    return game;
+    return Limits(game, kLargeSurface, kLargeSurface, kLargeSurface);
 }
 
 Game Unvanquished() {
     Game game = MakeGame("unvanquished", "pkg", ".local/share/unvanquished", "unvanquished", TremulousParms());
     game.archiveExtension = "dpk";
     game.keepLights = true;
-    return game;
+    return Limits(game, kLargeSurface, kLargeSurface, kLargeSurface);
 }
 
 Game Tenebrae() {
@@ -53,7 +63,7 @@ Game Tenebrae() {
     game.gamma = 2;
     game.lightmapSize = 512;
     game.noStyles = game.deluxe = true;
-    return game;
+    return Limits(game, 1024, 1024, 6144);
 }
 
 Game Wolf(std::string_view name, std::string_view gameDir, std::string_view homeDir, std::string_view magic,
@@ -61,7 +71,13 @@ Game Wolf(std::string_view name, std::string_view gameDir, std::string_view home
     Game game = MakeGame(name, gameDir, homeDir, magic, std::move(parms));
     game.bspVersion = 47;
     game.wolfLighting = true;
+    game.bevelSurfaceFlags = 0x7FFC3043;
     return game;
+}
+
+Game EnemyTerritory() {
+    Game game = Wolf("et", "etmain", ".etwolf", "et", EnemyTerritoryParms());
+    return Limits(game, 1024, 1024, 6144);
 }
 
 Game UrbanTerror() {
@@ -69,7 +85,7 @@ Game UrbanTerror() {
     game.bspVersion = 47;
     game.gamma = 2.2f;
     game.sRgbLightmap = true;
-    return game;
+    return Limits(game, 1024, 1024, 6144);
 }
 
 /// The engines that expose light before they store it.
@@ -89,7 +105,9 @@ std::vector<Game> MakeGames() {
     deluxeQuake.patchShadows = deluxeQuake.deluxe = deluxeQuake.deluxeTangent = true;
     Game prophecy = Exposed("prophecy", "base", ".prophecy", "prophecy", 0.4f);
     prophecy.patchShadows = prophecy.deluxe = true;
-    return {
+    Game darkPlaces = Exposed("darkplaces", "id1", ".darkplaces", "darkplaces", 0.3f);
+    Limits(darkPlaces, 999, 999, 6000);
+    std::vector<Game> games{
         MakeGame("quake3", "baseq3", ".q3a", "quake", BaseParms()),
         QuakeLive(),
         Nexuiz(),
@@ -98,14 +116,19 @@ std::vector<Game> MakeGames() {
         Unvanquished(),
         Tenebrae(),
         Wolf("wolf", "main", ".wolf", "wolf", WolfParms()),
-        Wolf("et", "etmain", ".etwolf", "et", EnemyTerritoryParms()),
+        EnemyTerritory(),
         UrbanTerror(),
         MakeGame("ef", "baseef", ".ef", "elite", EliteForceParms()),
         MakeGame("reaction", "Boomstick", ".Reaction", "reaction", ReactionParms()),
-        Exposed("darkplaces", "id1", ".darkplaces", "darkplaces", 0.3f),
+        darkPlaces,
         deluxeQuake,
         prophecy,
     };
+    constexpr std::uint32_t kNoOb = 0x80000;
+    for (Game &game : games)
+        if (game.name != "quake3" && game.bevelSurfaceFlags == Game().bevelSurfaceFlags)
+            game.bevelSurfaceFlags &= ~kNoOb;
+    return games;
 }
 
 const std::vector<Game> kGames = MakeGames();

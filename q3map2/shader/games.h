@@ -53,6 +53,9 @@ struct Game {
     bool sRgbLightmap = false, sRgbTexture = false, sRgbColor = false;
     float gamma = 1, exposure = 0, compensate = 1;
     float gridScale = 1, gridAmbientScale = 1;
+    int maxSurfaceVerts = 64, maxVertexLitVerts = 999, maxSurfaceIndexes = 6000; ///< of draw surfaces
+    std::uint32_t bevelSurfaceFlags = 0xC3043; ///< surface flags that sides of bevels take over
+    std::string_view flareShader = "flareshader";
     int lightmapSize = 128;                     ///< side of a lightmap page in the file
     bool deluxe = false, deluxeTangent = false; ///< light direction pages by default; in tangent space
     std::vector<SurfaceParm> surfaceParms;      ///< in table order, the first match of a name counts

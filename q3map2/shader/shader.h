@@ -6,6 +6,7 @@
 #include "common/vfs.h"
 #include "libs/math/vec.h"
 #include "q3map2/shader/games.h"
+#include "q3map2/shader/geometry_directives.h"
 
 #include <array>
 #include <memory>
@@ -53,6 +54,10 @@ struct ShaderOptions {
     bool sRgbColor = false;          ///< colours of lights and shaders are sRGB
     float backsplashScale = 1;       ///< multiplies the default fraction
     float backsplashDistance = -999; ///< replaces the default 23 when >= -900
+    bool imageSizes = false;         ///< for the bsp stage: sizes of images; pixels only where flares need a colour
+    bool customInfoParms = false;    ///< read scripts/custinfoparms.txt
+    bool noOb = false;               ///< surfaceparm noob for all shaders without ob
+    std::vector<std::string> globalFlags{}; ///< surfaceparms whose surface flags all shaders get
 };
 
 /// One shader with everything that matters to light. Defaults are those of a shader that no script defines.
@@ -69,6 +74,7 @@ struct ShaderInfo {
     float vertexScale = 1;
     float lightmapFilterRadius = 0, lightFilterRadius = 0; ///< q3map_lightmapFilterRadius self other
     LightmapDirectives lightmap;
+    GeometryDirectives geometry;
     bool twoSided = false;   ///< cull none / disable / twosided
     bool autosprite = false; ///< deformVertexes autosprite...
     bool noFast = false;     ///< q3map_noFast

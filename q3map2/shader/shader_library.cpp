@@ -2,9 +2,11 @@
 #include "q3map2/shader/shader.h"
 
 #include "common/error.h"
+#include "q3map2/shader/image_size.h"
 #include "q3map2/shader/shader_parse.h"
 
 #include <array>
+#include <cstdlib>
 #include <set>
 #include <unordered_map>
 
@@ -13,7 +15,7 @@ namespace q3 {
 namespace {
 
 constexpr int kDefaultImageSize = 64;
-constexpr std::string_view kDefaultImage = "*default", kMissingName = "missing";
+constexpr std::string_view kDefaultImage = "*default", kMissingName = "missing", kNoShader = "noshader";
 constexpr std::uint32_t kSeeThrough = C_ALPHASHADOW | C_LIGHTFILTER;
 
 std::string Text(const std::vector<std::byte> &bytes) {
@@ -49,12 +51,15 @@ struct ShaderLibrary::State {
     TextScanner Open(std::string_view file, const std::vector<std::byte> &bytes) const;
     std::vector<std::string> ScriptNames(const std::string &folder) const;
     void ReadScripts();
+    void ReadCustomParms();
     std::shared_ptr<const Image> FindImage(const std::string &name) const;
     std::shared_ptr<const Image> ReadImage(const std::string &name) const;
     Image ReadJpeg(const std::string &name, std::span<const std::byte> bytes) const;
     const std::shared_ptr<const Image> &CachedImage(std::string_view name);
     std::shared_ptr<const Image> LightImageOf(const ParsedShader &shader);
     void Complete(ParsedShader &shader);
+    std::optional<std::array<int, 2>> ImageSize(const std::string &name) const;
+    void FindTextureSize(ParsedShader &shader);
 };
 
 TextScanner ShaderLibrary::State::Open(std::string_view file, const std::vector<std::byte> &bytes) const {
@@ -92,6 +97,27 @@ std::vector<std::string> ShaderLibrary::State::ScriptNames(const std::string &fo
             add(folder + "/" + name);
     }
     return names;
+}
+
+/// Two lists of names and hexadecimal bits: content flags, then surface flags.
+void ShaderLibrary::State::ReadCustomParms() {
+    const std::string file = std::string(table.ForGame().shaderDir) + "/custinfoparms.txt";
+    const auto bytes = vfs.Read(file);
+    if (!bytes)
+        throw Error("{}: no such file, and -custinfoparms asks for it", file);
+    TextScanner scanner = Open(file, *bytes);
+    for (const bool isContent : {true, false}) {
+        std::string word, value;
+        if (!scanner.Next(word) || word != "{")
+            throw Error("{}: expected two lists in braces, content flags and surface flags", scanner.Location());
+        while (scanner.Next(word) && word != "}") {
+            if (!scanner.Next(value) || value == "}")
+                throw Error("{}: expected a hexadecimal number after {}", scanner.Location(), word);
+            const auto bits = std::uint32_t(std::strtoull(value.c_str(), nullptr, 16));
+            if (!table.AddCustomParm(word, isContent ? bits : 0, isContent ? 0 : bits))
+                throw Error("{}: more than {} parms", scanner.Location(), ShaderTable::kMaxCustomParms);
+        }
+    }
 }
 
 void ShaderLibrary::State::ReadScripts() {
@@ -188,8 +214,47 @@ void ShaderLibrary::State::Complete(ParsedShader &shader) {
     shader.imagesReady = true;
 }
 
+/// Of the first existing file, as FindImage. Nothing: there is none, or it is damaged.
+std::optional<std::array<int, 2>> ShaderLibrary::State::ImageSize(const std::string &name) const {
+    if (const auto tga = vfs.Read(name + ".tga"))
+        return TgaSize(*tga);
+    if (const auto png = vfs.Read(name + ".png"))
+        return PngSize(*png);
+    if (const auto jpeg = vfs.Read(name + ".jpg"))
+        return JpegSize(*jpeg);
+    return std::nullopt;
+}
+
+/// Sides are mapped by the image that editors show, which need not be the one that gives light.
+void ShaderLibrary::State::FindTextureSize(ParsedShader &shader) {
+    GeometryDirectives &geometry = shader.info.geometry;
+    std::array<int, 2> size{kDefaultImageSize, kDefaultImageSize};
+    if ((shader.info.compileFlags & C_NODRAW) == 0 && shader.info.name != kNoShader) {
+        bool found = false;
+        for (const std::string &name : {shader.editorImage, shader.info.name, shader.implicitImage, shader.lightImage})
+            if (!found && !name.empty())
+                if (const auto known = ImageSize(name)) {
+                    size = *known;
+                    found = true;
+                }
+        if (!found)
+            log.Warn("image not found", "shader {}: couldn't find image", shader.info.name);
+    }
+    if (!geometry.textureSizeGiven) {
+        geometry.textureWidth = size[0];
+        geometry.textureHeight = size[1];
+    }
+    if (geometry.terrain && !geometry.hasTexGen) {
+        geometry.hasTexGen = true;
+        geometry.texGen = {Vec3f{2.0f / float(geometry.textureWidth), 0, 0},
+                           Vec3f{0, 2.0f / float(geometry.textureHeight), 0}};
+    }
+}
+
 ShaderLibrary::ShaderLibrary(const VirtualFileSystem &vfs, const Game &game, const ShaderOptions &options, Log &log)
     : state_(new State{.vfs = vfs, .log = log, .table = ShaderTable(game, options)}) {
+    if (options.customInfoParms)
+        state_->ReadCustomParms();
     state_->ReadScripts();
 }
 ShaderLibrary::~ShaderLibrary() = default;
@@ -199,10 +264,17 @@ const ShaderInfo &ShaderLibrary::Get(std::string_view name) {
     if (name.empty())
         state_->log.Warn("shader without a name", "a shader has no name, {} is used", kMissingName);
     ParsedShader &shader = state_->table.FindOrAdd(name.empty() ? kMissingName : name, state_->log);
+    const ShaderOptions &options = state_->table.Options();
+    if (!shader.lookedUp) {
+        state_->table.ApplyGlobalFlags(shader.info);
+        if (options.imageSizes)
+            state_->FindTextureSize(shader);
+    }
     shader.lookedUp = true;
     if (!shader.info.lightImage)
         shader.info.lightImage = state_->white;
-    if (!shader.imagesReady && NeedsImage(shader.info))
+    const bool needsImage = options.imageSizes ? !shader.info.geometry.flareShader.empty() : NeedsImage(shader.info);
+    if (!shader.imagesReady && needsImage)
         state_->Complete(shader);
     return shader.info;
 }

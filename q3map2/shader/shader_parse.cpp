@@ -2,6 +2,7 @@
 #include "q3map2/shader/shader_parse.h"
 
 #include "common/text.h"
+#include "q3map2/shader/shader_geometry.h"
 #include "q3map2/shader/shader_text.h"
 
 #include <algorithm>
@@ -20,18 +21,11 @@ constexpr int kMaxSkyIterations = 128;
 constexpr std::size_t kMaxSuns = 256; // a shader; copies of copies with q3map_baseShader would grow without end
 constexpr std::size_t kMaxName = 63;
 constexpr int kMaxPageSide = 8192;
-constexpr float kTerrainShadeAngle = 179;            // degrees; q3map_terrain smooths everything
 constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
 
-/// Directives of other stages or of the engine, and marks in the text: known, so not worth a warning.
-constexpr std::array<std::string_view, 34> kOtherDirectives = {
-    "q3map_alphagen",        "q3map_alphamod",    "q3map_backshader",   "q3map_clipmodel",     "q3map_cloneshader",
-    "q3map_colorgen",        "q3map_colormod",    "q3map_flare",        "q3map_flareshader",   "q3map_fogdir",
-    "q3map_foliage",         "q3map_forcemeta",   "q3map_fur",          "q3map_globaltexture", "q3map_indexed",
-    "q3map_invert",          "q3map_noclip",      "q3map_nofog",        "q3map_nonplanar",     "q3map_notjunc",
-    "q3map_novertexshadows", "q3map_offset",      "q3map_patchshadows", "q3map_remapshader",   "q3map_rgbgen",
-    "q3map_rgbmod",          "q3map_stylemarker", "q3map_stylemarker2", "q3map_surfacemodel",  "q3map_tcgen",
-    "q3map_tcmod",           "q3map_tesssize",    "q3map_texturesize",  "q3map_vertexshadows"};
+/// Marks in the text, and words without effect: known, so not worth a warning.
+constexpr std::array<std::string_view, 5> kOtherDirectives = {
+    "q3map_novertexshadows", "q3map_patchshadows", "q3map_stylemarker", "q3map_stylemarker2", "q3map_vertexshadows"};
 
 float Number(const std::string &text) {
     return float(std::clamp(NumberFromText(text), -kMaxNumber, kMaxNumber));
@@ -75,6 +69,8 @@ class ScriptParser {
     void ParseStage();
     void ParseDirective(const std::string &word);
     void RunDirective(const Directive &directive, const std::string &word);
+    void RunDirective(const GeometryDirective &directive, const std::string &word);
+    void WarnIncomplete(const std::string &location, std::string_view word, std::size_t found, std::size_t expected);
     bool ApplyParm(std::string_view name);
     bool NoImageYet() const {
         return shader_.editorImage.empty() && shader_.lightImage.empty() && shader_.implicitImage.empty();
@@ -91,7 +87,7 @@ class ScriptParser {
 
     void SurfaceParmLine(const Words &words);
     void Cull(const Words &words);
-    void DeformVertexes(const Words &words);
+    void DeformVertexes(const Words &words) { ApplyDeform(shader_.info, words); }
     const std::string &ImplicitImage(const Words &words);
     void ImplicitMap(const Words &words) { shader_.info.implicitMap = ImplicitImage(words); }
     void ImplicitMask(const Words &words) { shader_.info.implicitMask = ImplicitImage(words); }
@@ -127,7 +123,7 @@ class ScriptParser {
     void NoDirt(const Words &) { Lightmap().noDirt = true; }
     void NoVertexLight(const Words &) { Lightmap().noVertexLight = true; }
     void ShadeAngle(const Words &words) { Lightmap().shadeAngle = Number(words[0]); }
-    void Terrain(const Words &) { Lightmap().shadeAngle = kTerrainShadeAngle; }
+    void Terrain(const Words &) { ApplyTerrain(shader_.info); }
     void NormalImage(const Words &words) { Lightmap().normalImage = WithoutExtension(words[0]); }
     void FloodLight(const Words &words);
 
@@ -141,7 +137,7 @@ using Self = ScriptParser;
 const std::array<Self::Directive, 42> Self::kDirectives = {{
     {"surfaceparm", 1, 0, &Self::SurfaceParmLine},
     {"cull", 1, 0, &Self::Cull},
-    {"deformvertexes", 1, 0, &Self::DeformVertexes},
+    {"deformvertexes", 1, 8, &Self::DeformVertexes},
     {"implicitmap", 1, 0, &Self::ImplicitMap},
     {"implicitmask", 1, 0, &Self::ImplicitMask},
     {"implicitblend", 1, 0, &Self::ImplicitBlend},
@@ -234,6 +230,8 @@ void ScriptParser::ParseDirective(const std::string &word) {
                                     [&](const Directive &directive) { return directive.name == key; });
     if (found != kDirectives.end())
         return RunDirective(*found, word);
+    if (const GeometryDirective *directive = FindGeometryDirective(key))
+        return RunDirective(*directive, word);
     constexpr std::string_view kPrefix = "q3map_";
     const bool isOther = std::find(kOtherDirectives.begin(), kOtherDirectives.end(), key) != kOtherDirectives.end();
     if (key.starts_with(kPrefix) && !isOther && !ApplyParm(key.substr(kPrefix.size())))
@@ -249,12 +247,32 @@ void ScriptParser::RunDirective(const Directive &directive, const std::string &w
     while (words.size() < directive.required + directive.optional && scanner_.NextOnLine(argument))
         words.push_back(argument);
     if (words.size() < directive.required)
-        log_.Warn("incomplete shader directive", "{}: shader {}: {} with {} arguments, expected {}", location,
-                  shader_.info.name, word, words.size(), directive.required);
+        WarnIncomplete(location, word, words.size(), directive.required);
     else
         (this->*directive.apply)(words);
     if (!directive.keepsLine)
         scanner_.SkipLine();
+}
+
+void ScriptParser::RunDirective(const GeometryDirective &directive, const std::string &word) {
+    Words words;
+    const std::string location = scanner_.Location();
+    for (std::string argument; words.size() < directive.required + directive.optional && scanner_.NextOnLine(argument);)
+        if (argument != "(" && argument != ")")
+            words.push_back(argument);
+    if (words.size() < directive.required) {
+        WarnIncomplete(location, word, words.size(), directive.required);
+    } else if (const std::string fault = directive.apply(shader_.info, words, table_.Options(), table_.ForGame());
+               !fault.empty()) {
+        log_.Warn("shader directive", "{}: shader {}: {}: {}", location, shader_.info.name, word, fault);
+    }
+    scanner_.SkipLine();
+}
+
+void ScriptParser::WarnIncomplete(const std::string &location, std::string_view word, std::size_t found,
+                                  std::size_t expected) {
+    log_.Warn("incomplete shader directive", "{}: shader {}: {} with {} arguments, expected {}", location,
+              shader_.info.name, word, found, expected);
 }
 
 bool ScriptParser::ApplyParm(std::string_view name) {
@@ -286,11 +304,6 @@ void ScriptParser::Cull(const Words &words) {
     const std::string side = LowerCase(words[0]);
     if (side == "none" || side == "disable" || side == "twosided")
         shader_.info.twoSided = true;
-}
-
-void ScriptParser::DeformVertexes(const Words &words) {
-    if (LowerCase(words[0]).starts_with("autosprite"))
-        shader_.info.autosprite = true;
 }
 
 const std::string &ScriptParser::ImplicitImage(const Words &words) {

@@ -4,6 +4,7 @@
 #include "common/text_scan.h"
 #include "q3map2/shader/shader.h"
 
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,7 +26,7 @@ struct ParsedShader {
 /// All shaders by name. References stay valid as long as the table.
 class ShaderTable {
   public:
-    ShaderTable(const Game &game, const ShaderOptions &options) : game_(game), options_(options) {}
+    ShaderTable(const Game &game, const ShaderOptions &options);
 
     const Game &ForGame() const { return game_; }
     const ShaderOptions &Options() const { return options_; }
@@ -39,6 +40,11 @@ class ShaderTable {
     /// The same; an unknown name is added as an implicit shader.
     ParsedShader &FindOrAdd(std::string_view name, Log &log);
     std::size_t DefinedCount() const { return definedCount_; }
+    static constexpr std::size_t kMaxCustomParms = 256;
+    /// One more surfaceparm, after those of the game; false: there are too many.
+    bool AddCustomParm(std::string name, std::uint32_t contentFlags, std::uint32_t surfaceFlags);
+    /// Flags that the command line gives to all shaders.
+    void ApplyGlobalFlags(ShaderInfo &info) const;
     void ForEach(const std::function<void(ParsedShader &)> &visit);
 
   private:
@@ -46,6 +52,8 @@ class ShaderTable {
 
     Game game_;
     ShaderOptions options_;
+    std::uint32_t globalFlags_ = 0;                                          ///< surface flags for all shaders
+    std::deque<std::string> customNames_;                                    ///< parms refer to them
     std::unordered_map<std::string, std::unique_ptr<ParsedShader>> shaders_; ///< by lower-case name
     std::size_t definedCount_ = 0;
 };

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. All shaders by name.
 #include "q3map2/shader/shader_parse.h"
 
+#include "common/error.h"
+
 #include <algorithm>
 
 namespace q3 {
@@ -29,6 +31,33 @@ void ApplyDefaultParm(const Game &game, ShaderInfo &info) {
 std::string WithoutExtension(std::string_view name) {
     const std::size_t dot = name.find_last_of("./\\");
     return std::string(dot != std::string_view::npos && name[dot] == '.' ? name.substr(0, dot) : name);
+}
+
+ShaderTable::ShaderTable(const Game &game, const ShaderOptions &options) : game_(game), options_(options) {
+    for (const std::string &name : options.globalFlags) {
+        const SurfaceParm *parm = game_.FindParm(name);
+        if (!parm)
+            throw Error("-globalflag {}: no surfaceparm of game {}", name, game_.name);
+        globalFlags_ |= parm->surfaceSet;
+    }
+}
+
+bool ShaderTable::AddCustomParm(std::string name, std::uint32_t contentFlags, std::uint32_t surfaceFlags) {
+    if (customNames_.size() >= kMaxCustomParms)
+        return false;
+    SurfaceParm parm;
+    parm.name = customNames_.emplace_back(std::move(name));
+    parm.contentSet = contentFlags;
+    parm.surfaceSet = surfaceFlags;
+    game_.surfaceParms.push_back(parm);
+    return true;
+}
+
+void ShaderTable::ApplyGlobalFlags(ShaderInfo &info) const {
+    info.surfaceFlags |= globalFlags_;
+    if (options_.noOb && (info.compileFlags & C_OB) == 0)
+        if (const SurfaceParm *parm = game_.FindParm("noob"))
+            info.surfaceFlags |= parm->surfaceSet;
 }
 
 ParsedShader ShaderTable::MakeDefault(std::string_view name) const {

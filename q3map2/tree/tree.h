@@ -62,7 +62,7 @@ enum class Sealing { Sealed, Leaked, Empty };
 /// Faces of the structural brushes' windings, for the first tree. Brushes of fewer than four sides become detail.
 std::vector<TreeFace> StructuralFaces(MapEntity &world, const BspContext &context);
 /// Faces of the visible hulls, for the second.
-std::vector<TreeFace> VisibleFaces(const MapEntity &world);
+std::vector<TreeFace> VisibleFaces(const MapEntity &world, const BspContext &context);
 /// tree.cpp. The tree of these faces.
 Tree BuildTree(std::vector<TreeFace> faces, const std::array<int, 3> &blockSize, PlaneTable &planes,
                const BspContext &context);
@@ -75,12 +75,14 @@ bool IsPassable(const Tree &tree, const TreePortal &portal);
 /// structural ones make their leafs opaque, area portals mark portals.
 void FilterStructuralBrushes(const MapEntity &entity, Tree &tree, PlaneTable &planes, const BspContext &context);
 void FilterDetailBrushes(const MapEntity &entity, Tree &tree, PlaneTable &planes, const BspContext &context);
-/// flood.cpp. Floods from all entities that stand in the open.
-Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context);
+/// flood.cpp. Floods from all entities that stand in the open; `warn` of those in solid (once is enough a map).
+Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, bool warn = true);
 /// Makes opaque what no entity reaches.
 void FillOutside(Tree &tree, const BspContext &context);
-/// The line from outside to the entity that reached it: centres of portals, then its origin.
+/// The line from outside to the entity that reached it: centres of portals, then its origin. Empty: sealed.
 std::vector<Vec3f> LeakLine(const Tree &tree, const Map &map);
+/// The entity at the end of that line (index in the map); -1: sealed.
+int LeakedEntity(const Tree &tree);
 void WriteLeakFile(const std::filesystem::path &path, const std::vector<Vec3f> &line);
 /// hidden_sides.cpp. Marks sides that others cover.
 void CullSides(MapEntity &entity, const PlaneTable &planes, const BspContext &context);

@@ -143,6 +143,37 @@ TEST_F(ProgramTest, EditorGetsErrors) {
     EXPECT_NE(TextOfLevel(Messages(Payloads(editor.Received())), "3").find("/nowhere/x.bsp"), std::string::npos);
 }
 
+TEST_F(ProgramTest, EditorIsShownLeaksAndBrushes) {
+    // A floor with a side twice, so that brush 0 of entity 0 is worth a look; nothing around it.
+    constexpr std::string_view kMap = R"({
+"classname" "worldspawn"
+{
+( 0 0 0 ) ( 0 64 0 ) ( 64 0 0 ) a 0 0 0 1 1
+( 0 0 0 ) ( 0 64 0 ) ( 64 0 0 ) a 0 0 0 1 1
+( 0 0 -8 ) ( 64 0 -8 ) ( 0 64 -8 ) a 0 0 0 1 1
+( 0 0 0 ) ( 0 0 64 ) ( 0 64 0 ) a 0 0 0 1 1
+( 64 0 0 ) ( 64 64 0 ) ( 64 0 64 ) a 0 0 0 1 1
+( 0 0 0 ) ( 64 0 0 ) ( 0 0 64 ) a 0 0 0 1 1
+( 0 64 0 ) ( 0 64 64 ) ( 64 64 0 ) a 0 0 0 1 1
+}
+}
+{
+"classname" "info_player_start"
+"origin" "32 32 32"
+}
+)";
+    folder_.Write("leak.map", kMap);
+    Listener editor;
+    const Outcome outcome = RunWell("-connect " + editor.Address() + " -v " + (folder_ / "leak.map").string());
+    const std::string payload = Payloads(editor.Received());
+    EXPECT_TRUE(outcome.Printed("Entity 0, Brush 0: "));
+    const std::size_t select = payload.find("<select level=\"2\">Entity 0, Brush 0: ");
+    ASSERT_NE(select, std::string::npos) << payload;
+    EXPECT_LT(payload.find("<brush>0 0</brush></select>", select), payload.find("<message", select));
+    EXPECT_NE(payload.find("<message level=\"3\">MAP LEAKED\n<polyline><point>"), std::string::npos) << payload;
+    EXPECT_NE(payload.find("<point>32.000000 32.000000 32.000000</point></polyline></message>"), std::string::npos);
+}
+
 TEST_F(ProgramTest, NoEditorThereIsNoError) {
     for (const char *address : {"127.0.0.1:1", "nonsense", "300.1.1.1:39000", ":", "127.0.0.1:999999"})
         RunWell(fmt::format("-connect {} -info MAP", address));

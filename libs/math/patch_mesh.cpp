@@ -1,0 +1,49 @@
+// GPL-2.0-or-later. Curved surfaces as meshes.
+#include "libs/math/patch_mesh.h"
+
+namespace q3 {
+
+namespace {
+
+/// Curves up to subdivisions * 16 * 2^n game units long are halved n times, longer ones three times.
+constexpr float kCurveUnit = 16;
+constexpr int kMaxHalvings = 3;
+constexpr int kMaxMeshSize = 128;
+/// A row or column closer than this to the line through its neighbours is dropped. Game units.
+constexpr float kFlat = 0.1f;
+
+} // namespace
+
+float CurveLength(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
+    const float ab = Length(b - a), bc = Length(c - b), ac = Length(c - a);
+    if (ab < 0.125f || bc < 0.125f || ac < 0.125f)
+        return 0;
+    const Vec3f nab = (b - a) / ab;
+    if (Dot(nab, (c - b) / bc) > 0.99f && Dot(nab, (c - a) / ac) > 0.99f)
+        return 0;
+    return ab + 0.875f * Length((c - b) - (b - a));
+}
+
+namespace patch {
+
+int Halvings(float longestCurve, int subdivisions) {
+    const float unit = kCurveUnit * float(subdivisions);
+    int halvings = 0;
+    while (halvings < kMaxHalvings && unit * float(1 << halvings) < longestCurve)
+        ++halvings;
+    return halvings;
+}
+
+int SpansToHalve(int size, int spans) {
+    return std::clamp((kMaxMeshSize - 1 - size) / 2 + 1, 0, spans);
+}
+
+bool NearLine(const Vec3f &p, const Vec3f &a, const Vec3f &b) {
+    const Vec3f direction = Normalize(b - a);
+    const Vec3f off = (p - a) - direction * Dot(p - a, direction);
+    return Length(off) < kFlat;
+}
+
+} // namespace patch
+
+} // namespace q3

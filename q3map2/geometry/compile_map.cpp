@@ -1,0 +1,195 @@
+// GPL-2.0-or-later. The bsp stage as a whole.
+#include "q3map2/geometry/compile_map.h"
+
+#include "common/error.h"
+#include "q3map2/geometry/emit.h"
+#include "q3map2/geometry/surface_extra.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+class MapCompiler {
+  public:
+    MapCompiler(Map &map, const BspContext &context) : map_(map), context_(context), writer_(map, context) {}
+
+    CompiledMap Compile();
+
+  private:
+    /// False: there is nothing more to do.
+    bool CompileWorld();
+    void CompileModel(MapEntity &entity);
+    Sealing Seal(Tree &tree, bool warn);
+    bool ReportLeak(const Tree &tree);
+    Tree MakeTree(std::vector<TreeFace> faces);
+    void ShapeSurfaces(MapEntity &entity, std::size_t first);
+    void EmitModel(MapEntity &entity, Tree &tree, std::size_t first);
+
+    Map &map_;
+    const BspContext &context_;
+    BspWriter writer_;
+    Geometry geometry_;
+    std::vector<DecalProjector> decals_;
+    CompiledMap result_;
+};
+
+Tree MapCompiler::MakeTree(std::vector<TreeFace> faces) {
+    Tree tree = BuildTree(std::move(faces), map_.blockSize, map_.planes, context_);
+    MakePortals(tree, map_.planes, context_);
+    FilterStructuralBrushes(map_.World(), tree, map_.planes, context_);
+    return tree;
+}
+
+/// Floods the tree and fills what lies outside, if it is sealed.
+Sealing MapCompiler::Seal(Tree &tree, bool warn) {
+    Sealing sealing = FloodEntities(tree, map_, context_, warn);
+    if (sealing == Sealing::Empty)
+        throw Error("{}: no entity stands in the open, so there is no telling the inside from the outside; the map "
+                    "needs one, such as info_player_start, and not in a solid",
+                    map_.name);
+    const Entity &world = map_.World().pairs;
+    if (world.Flag("_ignoreleaks") || world.Flag("ignoreleaks"))
+        sealing = Sealing::Sealed;
+    if (sealing == Sealing::Sealed)
+        FillOutside(tree, context_);
+    return sealing;
+}
+
+/// True when the compile goes on.
+bool MapCompiler::ReportLeak(const Tree &tree) {
+    result_.leakLine = LeakLine(tree, map_);
+    LogMark mark;
+    for (const Vec3f &p : result_.leakLine)
+        mark.line.push_back({p.x, p.y, p.z});
+    context_.log.Mark(LogLevel::Error, "MAP LEAKED\n", mark);
+    context_.log.Print("**********************\n******* leaked *******\n**********************\n");
+    const MapEntity &reached = map_.entities[std::size_t(LeakedEntity(tree))];
+    context_.log.Print("Entity {} ({}) at {} {} {} can be reached from outside the map\n", reached.number,
+                       reached.pairs.ClassName(), reached.origin.x, reached.origin.y, reached.origin.z);
+    result_.abandoned = context_.options.leakTest;
+    if (result_.abandoned)
+        context_.log.Print("--- MAP LEAKED, ABORTING LEAKTEST ---\n");
+    return !result_.abandoned;
+}
+
+bool MapCompiler::CompileWorld() {
+    MapEntity &world = map_.World();
+    writer_.BeginModel(world);
+    MakePatchSurfaces(world, geometry_, map_.planes, context_);
+    Tree tree = MakeTree(StructuralFaces(world, context_));
+    const Sealing sealing = Seal(tree, true);
+    if (sealing == Sealing::Leaked && !ReportLeak(tree))
+        return false;
+    CullSides(world, map_.planes, context_);
+    ClipSidesIntoTree(world, tree, map_.planes, context_);
+    MakeFaceSurfaces(world, geometry_, map_.planes, context_);
+    ApplyIndexedTerrain(world, geometry_, 0, context_);
+    if (context_.options.autoCaulk) {
+        result_.caulkFile = CaulkText(world);
+        return false;
+    }
+    tree = MakeTree(VisibleFaces(world, context_));
+    Seal(tree, false); // what stands in solids was said
+    const int clusters = NumberClusters(tree, context_.options.deep);
+    if (sealing == Sealing::Sealed)
+        result_.portalFile = PortalFileText(tree, map_.planes, clusters);
+    const int areas = FloodAreas(tree);
+    context_.log.Verbose("{:9} clusters\n{:9} areas\n", clusters, areas);
+    AddEntityModels(map_, world, geometry_, context_);
+    AddShaderModels(world, geometry_, 0, map_.planes, context_);
+    writer_.EmitBrushes(world);
+    FilterDetailBrushes(world, tree, map_.planes, context_);
+    FogWorldSurfaces(map_, geometry_, map_.planes, context_);
+    ShapeSurfaces(world, 0);
+    if (context_.options.debugPortals)
+        MakePortalSurfaces(tree, geometry_, context_);
+    MakeFogHull(map_, geometry_, context_);
+    MakeFlares(map_, geometry_, context_);
+    EmitModel(world, tree, 0);
+    return true;
+}
+
+void MapCompiler::CompileModel(MapEntity &entity) {
+    writer_.BeginModel(entity);
+    const std::size_t first = geometry_.surfaces.size();
+    Boundsf bounds;
+    for (const Brush &brush : entity.brushes)
+        bounds.Add(brush.bounds);
+    Tree tree = SingleLeafTree(bounds);
+    MakePatchSurfaces(entity, geometry_, map_.planes, context_);
+    CullSides(entity, map_.planes, context_);
+    ClipSidesIntoTree(entity, tree, map_.planes, context_);
+    MakeFaceSurfaces(entity, geometry_, map_.planes, context_);
+    ApplyIndexedTerrain(entity, geometry_, first, context_);
+    AddEntityModels(map_, entity, geometry_, context_);
+    AddShaderModels(entity, geometry_, first, map_.planes, context_);
+    writer_.EmitBrushes(entity);
+    std::vector<int> &brushes = tree.nodes[std::size_t(tree.head)].brushes;
+    for (const bool detail : {false, true})
+        for (int i = 0; i < int(entity.brushes.size()); ++i)
+            if (entity.brushes[std::size_t(i)].detail == detail)
+                brushes.push_back(i);
+    std::reverse(brushes.begin(), brushes.end()); // as leafs have them: the last one first
+    ShapeSurfaces(entity, first);
+    EmitModel(entity, tree, first);
+}
+
+/// From faces and patches to the surfaces that will be drawn.
+void MapCompiler::ShapeSurfaces(MapEntity &entity, std::size_t first) {
+    if (!context_.options.noSubdivide)
+        SubdivideFaces(entity, geometry_, first, map_.planes, context_);
+    if (!context_.options.noTJunctions)
+        FixTJunctions(geometry_, first, context_);
+    ClassifySurfaces(geometry_, first, map_.planes, context_);
+    const std::size_t derived = geometry_.surfaces.size();
+    MakeDerivedSurfaces(geometry_, first, context_);
+    ClassifySurfaces(geometry_, derived, map_.planes, context_);
+    const std::size_t added = geometry_.surfaces.size();
+    ApplyDecals(decals_, geometry_, first, context_, entity.Origin());
+    MakePatchMeshes(entity, geometry_, first, context_);
+    ClassifySurfaces(geometry_, added, map_.planes, context_);
+    MakeMetaSurfaces(geometry_, first, map_.planes, context_);
+}
+
+void MapCompiler::EmitModel(MapEntity &entity, Tree &tree, std::size_t first) {
+    writer_.EmitSurfaces(entity, tree, geometry_, first);
+    writer_.EmitTree(entity, tree);
+    writer_.EndModel();
+}
+
+CompiledMap MapCompiler::Compile() {
+    Log &log = context_.log;
+    decals_ = CollectDecals(map_, context_);
+    NumberModels(map_, context_);
+    if (!context_.options.noFog)
+        geometry_.fogs = CollectFogs(map_, context_, geometry_.defaultFog);
+    if (!CompileWorld())
+        return std::move(result_);
+    const bool wasVerbose = log.IsVerbose();
+    log.SetVerbose(wasVerbose && context_.options.verboseEntities);
+    for (MapEntity &entity : map_.entities)
+        if (entity.model > 0)
+            CompileModel(entity);
+    log.SetVerbose(wasVerbose);
+    writer_.EmitFogs(geometry_);
+    if (context_.options.skyFix)
+        writer_.EmitSkyImages();
+    writer_.EmitPlanes();
+    writer_.bsp.entities = GameEntities(map_, context_.options);
+    result_.bsp = std::move(writer_.bsp);
+    result_.surfaceFile = std::move(writer_.surfaceFile);
+    WarnOfLimits(result_.bsp, log);
+    return std::move(result_);
+}
+
+} // namespace
+
+CompiledMap CompileMap(Map &map, const BspContext &context) {
+    if (map.entities.empty())
+        throw Error("{}: no entities, expected at least the world", map.name);
+    return MapCompiler(map, context).Compile();
+}
+
+} // namespace q3

@@ -1,0 +1,18 @@
+// GPL-2.0-or-later. Messages of the bsp stage that name a place in the map source.
+#include "common/error.h"
+#include "q3map2/map/map.h"
+
+namespace q3 {
+
+void BspContext::WarnAt(std::string_view kind, int entity, int primitive, std::string_view text) const {
+    log.WarnAt(kind, {.entity = entity, .primitive = primitive, .line = {}},
+               fmt::format("Entity {}, Brush {}: {}", entity, primitive, text));
+}
+
+void BspContext::FailAt(int entity, int primitive, std::string_view text) const {
+    const std::string located = fmt::format("Entity {}, Brush {}: {}", entity, primitive, text);
+    log.Mark(LogLevel::Error, located, {.entity = entity, .primitive = primitive, .line = {}});
+    throw Error("{}", located);
+}
+
+} // namespace q3

@@ -1,0 +1,94 @@
+// GPL-2.0-or-later. Index maps: pictures that say which layer of a terrain is where.
+#include "q3map2/map/index_map.h"
+
+#include "common/error.h"
+#include "common/image.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+namespace {
+
+constexpr int kMaxLayers = 255;
+
+std::vector<float> NumbersOf(std::string_view text, std::size_t count) {
+    std::vector<float> numbers;
+    while (numbers.size() < count) {
+        const auto number = TakeNumber(text);
+        if (!number)
+            break;
+        numbers.push_back(float(std::clamp(*number, -kMaxWorldCoord, kMaxWorldCoord)));
+    }
+    return numbers;
+}
+
+Image ReadPicture(std::string_view name, const BspContext &context) {
+    const auto bytes = context.vfs == nullptr ? std::nullopt : context.vfs->Read(name);
+    if (!bytes)
+        throw Error("{}: there is no such file", name);
+    return LowerCase(name).ends_with(".png") ? DecodePng(*bytes, name) : DecodeTga(*bytes, name);
+}
+
+Boundsf CoveredBy(const MapEntity &entity, const Vec3f &shift) {
+    Boundsf bounds;
+    for (const Brush &brush : entity.brushes)
+        bounds.Add(brush.bounds);
+    for (const Patch &patch : entity.patches)
+        for (const DrawVert &vert : patch.verts)
+            bounds.Add(vert.xyz);
+    if (!bounds.Empty())
+        bounds = {bounds.mins + shift, bounds.maxs + shift};
+    bounds.mins = entity.pairs.Vector({"min"}).value_or(bounds.mins);
+    bounds.maxs = entity.pairs.Vector({"max"}).value_or(bounds.maxs);
+    return bounds;
+}
+
+void Warn(const MapEntity &entity, std::string_view text, const BspContext &context) {
+    context.log.Warn("index map", "Entity {}: its index map has no effect: {}", entity.number, text);
+}
+
+} // namespace
+
+int IndexMap::LayerAt(const Vec3f &p) const {
+    const auto cell = [](float from, float size, int count) {
+        const float at = size > 0 ? from / size * float(count) : 0;
+        return std::clamp(int(std::clamp(at, 0.f, float(count))), 0, count - 1);
+    };
+    const Vec3f size = bounds.maxs - bounds.mins;
+    const int column = cell(p.x - bounds.mins.x, size.x, width), row = cell(bounds.maxs.y - p.y, size.y, height);
+    return pixels[std::size_t(row) * std::size_t(width) + std::size_t(column)];
+}
+
+float IndexMap::OffsetOf(int layer) const {
+    return std::size_t(layer) < offsets.size() ? offsets[std::size_t(layer)] : 0;
+}
+
+std::shared_ptr<const IndexMap> ReadIndexMap(const MapEntity &entity, const Vec3f &shift, const BspContext &context) {
+    const std::string_view name = entity.pairs.Value({"_indexmap", "alphamap"});
+    if (name.empty() || (entity.brushes.empty() && entity.patches.empty()))
+        return {};
+    auto map = std::make_shared<IndexMap>();
+    map->layers = IntegerFromText(entity.pairs.Value({"_layers", "layers"}));
+    map->shader = entity.pairs.Value({"_shader", "shader"});
+    if (map->layers < 1 || map->layers > kMaxLayers)
+        return Warn(entity, "expected \"_layers\" of 1 to 255", context), nullptr;
+    if (map->shader.empty())
+        return Warn(entity, "expected \"_shader\"", context), nullptr;
+    Image picture;
+    try {
+        picture = ReadPicture(name, context);
+    } catch (const Error &error) {
+        return Warn(entity, error.what(), context), nullptr;
+    }
+    if (picture.width < 2 || picture.height < 2)
+        return Warn(entity, "expected a picture of at least 2 x 2", context), nullptr;
+    map->bounds = CoveredBy(entity, shift);
+    map->width = picture.width, map->height = picture.height;
+    map->offsets = NumbersOf(entity.pairs.Value({"_offsets", "offsets"}), std::size_t(map->layers));
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4)
+        map->pixels.push_back(std::uint8_t(picture.rgba[i] * map->layers / 256));
+    return map;
+}
+
+} // namespace q3

@@ -1,0 +1,235 @@
+// GPL-2.0-or-later. Brushes: what their sides make them, and windings from planes.
+#include "q3map2/map/map.h"
+
+#include "common/error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+constexpr double kWindingEpsilon = 0x1p-24;
+/// Three planes whose determinant is smaller meet nowhere in particular.
+constexpr double kParallel = 1e-9;
+/// Corners count although so far in front of a plane. Game units.
+constexpr double kCornerSlack = 0.1;
+constexpr double kShortEdge = 0.1;
+/// Coordinates so near to a whole number become it where edges are welded.
+constexpr double kNearWhole = 0.01;
+/// Triples of planes grow with the cube: brushes of more sides take their box from clipped polygons.
+constexpr std::size_t kMaxTripleSides = 40;
+
+const Plane &PlaneOfSide(const BrushSide &side, const PlaneTable &planes) {
+    return side.hasPlane ? side.plane : planes[side.planeNum];
+}
+
+std::vector<Plane> SolidPlanes(const Brush &brush, const PlaneTable &planes) {
+    std::vector<Plane> solid;
+    for (const BrushSide &side : brush.sides)
+        if (!side.bevel)
+            solid.push_back(PlaneOfSide(side, planes));
+    return solid;
+}
+
+/// Box of the points where three planes meet and that no plane cuts off.
+Boundsd CornerBox(const std::vector<Plane> &planes) {
+    Boundsd box;
+    const std::size_t count = planes.size();
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t j = i + 1; j < count; ++j) {
+            const Vec3d cross = Cross(planes[i].normal, planes[j].normal);
+            for (std::size_t k = j + 1; k < count; ++k) {
+                const double determinant = Dot(cross, planes[k].normal);
+                if (!(std::abs(determinant) >= kParallel))
+                    continue;
+                const Vec3d p = (Cross(planes[j].normal, planes[k].normal) * planes[i].dist +
+                                 Cross(planes[k].normal, planes[i].normal) * planes[j].dist + cross * planes[k].dist) /
+                                determinant;
+                const auto keeps = [&](const Plane &plane) { return plane.Distance(p) < kCornerSlack; };
+                if (std::ranges::all_of(planes, keeps))
+                    box.Add(p);
+            }
+        }
+    return box;
+}
+
+/// The plane over the box's extent along the two axes that it is flattest in, clockwise from the front.
+Winding<double> ColumnPolygon(const Plane &plane, const Boundsd &box) {
+    std::size_t z = 0;
+    for (std::size_t axis = 1; axis < 3; ++axis)
+        if (std::abs(plane.normal[axis]) > std::abs(plane.normal[z]))
+            z = axis;
+    const std::size_t x = (z + 1) % 3, y = (z + 2) % 3;
+    const auto corner = [&](double px, double py) {
+        Vec3d p;
+        p[x] = px, p[y] = py;
+        p[z] = (plane.dist - plane.normal[x] * px - plane.normal[y] * py) / plane.normal[z];
+        return p;
+    };
+    Winding<double> w{corner(box.maxs[x], box.maxs[y]), corner(box.maxs[x], box.mins[y]),
+                      corner(box.mins[x], box.mins[y]), corner(box.mins[x], box.maxs[y])};
+    if (plane.normal[z] <= 0)
+        std::ranges::reverse(w);
+    return w;
+}
+
+bool IsOpposite(const Plane &a, const Plane &b) {
+    return a.dist == -b.dist && a.normal == -b.normal;
+}
+
+/// The part of a plane's polygon that is behind all others.
+Winding<double> ChoppedPolygon(const std::vector<Plane> &planes, std::size_t self, const Boundsd &box) {
+    Winding<double> w = ColumnPolygon(planes[self], box);
+    for (std::size_t i = 0; i < planes.size() && !w.empty(); ++i)
+        if (i != self && !IsOpposite(planes[i], planes[self]))
+            ChopPolygon(w, {-planes[i].normal, -planes[i].dist}, kWindingEpsilon);
+    return w;
+}
+
+Boundsd PolygonBox(const std::vector<Plane> &planes) {
+    constexpr double limit = 4 * kMaxWorldCoord;
+    Boundsd world, box;
+    world.Add({-limit, -limit, -limit}), world.Add({limit, limit, limit});
+    for (std::size_t i = 0; i < planes.size(); ++i)
+        for (const Vec3d &p : ChoppedPolygon(planes, i, world))
+            box.Add(p);
+    return box;
+}
+
+bool IsFlat(const Boundsd &box) {
+    const Vec3d size = box.maxs - box.mins;
+    return box.Empty() || !(size.x > 0 && size.y > 0 && size.z > 0);
+}
+
+/// One point for two: of each coordinate the one that is nearer to a whole number.
+Vec3d Weld(const Vec3d &a, const Vec3d &b) {
+    Vec3d welded;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double wholeA = std::rint(a[axis]), wholeB = std::rint(b[axis]);
+        const double offA = std::abs(wholeA - a[axis]), offB = std::abs(wholeB - b[axis]);
+        const double value = offA < offB ? a[axis] : b[axis], whole = offA < offB ? wholeA : wholeB;
+        welded[axis] = std::min(offA, offB) < kNearWhole ? whole : value;
+    }
+    return welded;
+}
+
+void WeldShortEdges(Winding<double> &w) {
+    for (bool again = true; again && w.size() > 1;) {
+        again = false;
+        for (std::size_t i = w.size() - 1, j = 0; j < w.size(); i = j++)
+            if (Length(w[i] - w[j]) < kShortEdge) {
+                w[i] = Weld(w[i], w[j]);
+                w.erase(w.begin() + std::ptrdiff_t(j));
+                again = true;
+                break;
+            }
+    }
+}
+
+/// What a brush of several shaders is called: the highest of its sides.
+int ContentClass(const ShaderInfo &shader, const Game &game) {
+    const SurfaceParm *clip = game.FindParm("playerclip");
+    if (shader.compileFlags & C_LIQUID)
+        return 4;
+    if (shader.compileFlags & C_FOG)
+        return 3;
+    if (clip && (shader.contentFlags & clip->contentSet))
+        return 2;
+    return shader.compileFlags & C_SOLID ? 0 : 1;
+}
+
+} // namespace
+
+bool MakeBrushWindings(Brush &brush, const PlaneTable &table) {
+    brush.bounds = {};
+    std::vector<Plane> planes = SolidPlanes(brush, table);
+    const bool few = planes.size() <= kMaxTripleSides;
+    Boundsd box = few ? CornerBox(planes) : PolygonBox(planes);
+    const Vec3d center = box.Center();
+    // Far outside, arithmetic means nothing any more.
+    if (IsFlat(box) || !(Length(center) <= 8 * kMaxWorldCoord))
+        return false;
+    for (Plane &plane : planes)
+        plane.dist -= Dot(plane.normal, center);
+    box = {box.mins - center, box.maxs - center};
+    std::size_t solid = 0;
+    for (BrushSide &side : brush.sides) {
+        side.winding.clear();
+        if (side.bevel)
+            continue;
+        Winding<double> w = ChoppedPolygon(planes, solid++, box);
+        WeldShortEdges(w);
+        if (w.size() < 3)
+            continue;
+        for (const Vec3d &p : w) {
+            side.winding.push_back(Vec3f(p + center));
+            brush.bounds.Add(side.winding.back());
+        }
+    }
+    if (IsFlat({Vec3d(brush.bounds.mins), Vec3d(brush.bounds.maxs)}))
+        return false;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (!(brush.bounds.mins[axis] >= -kMaxWorldCoord && brush.bounds.maxs[axis] <= kMaxWorldCoord))
+            return false;
+    return true;
+}
+
+void SetBrushContents(Brush &brush, const BspContext &context) {
+    brush.contentShader = nullptr;
+    brush.contentFlags = brush.compileFlags = 0;
+    int highest = -1;
+    for (const BrushSide &side : brush.sides) {
+        brush.contentFlags |= side.contentFlags;
+        brush.compileFlags |= side.compileFlags;
+        if (!side.shader)
+            continue;
+        const int rank = ContentClass(*side.shader, context.game);
+        if (rank > highest)
+            brush.contentShader = side.shader, highest = rank;
+    }
+    if ((brush.compileFlags & C_DETAIL) && (brush.compileFlags & C_STRUCTURAL)) {
+        context.WarnAt("mixed detail and structural", brush.settings.entity, brush.primitive,
+                       "sides are detail and structural, so the brush is structural");
+        brush.compileFlags &= ~C_DETAIL;
+    }
+    if (context.options.fullDetail)
+        brush.compileFlags &= ~C_DETAIL;
+    brush.opaque = !(brush.compileFlags & C_TRANSLUCENT);
+    if (!brush.opaque && !(brush.compileFlags & C_STRUCTURAL))
+        brush.compileFlags |= C_DETAIL;
+    brush.detail = (brush.compileFlags & C_DETAIL) != 0;
+}
+
+std::unique_ptr<Brush> BrushFromPlanes(std::span<const Plane> planes, const ShaderInfo *front,
+                                       const BspContext &context, PlaneTable &table) {
+    auto brush = std::make_unique<Brush>();
+    brush->generated = true;
+    for (const Plane &plane : planes) {
+        BrushSide side;
+        side.plane = plane;
+        side.hasPlane = true;
+        side.planeNum = table.Find(plane.normal, plane.dist);
+        const auto sharesPlane = [&](int number) {
+            return std::ranges::any_of(brush->sides, [&](const BrushSide &other) { return other.planeNum == number; });
+        };
+        if (side.planeNum < 0 || sharesPlane(side.planeNum))
+            continue;
+        if (sharesPlane(side.planeNum ^ 1))
+            return nullptr;
+        if (brush->sides.empty() && front) {
+            side.shader = front;
+            side.surfaceFlags = front->surfaceFlags;
+            side.contentFlags = front->contentFlags;
+            side.compileFlags = front->compileFlags;
+        }
+        brush->sides.push_back(std::move(side));
+    }
+    SetBrushContents(*brush, context);
+    if (!MakeBrushWindings(*brush, table))
+        return nullptr;
+    return brush;
+}
+
+} // namespace q3

@@ -1,0 +1,367 @@
+// GPL-2.0-or-later. Map text to entities.
+#include "q3map2/map/map.h"
+
+#include "common/error.h"
+#include "q3map2/map/index_map.h"
+#include "q3map2/map/map_origin.h"
+#include "q3map2/map/map_primitive.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+std::string_view TrimEnd(std::string_view text) {
+    while (!text.empty() && static_cast<unsigned char>(text.back()) <= ' ')
+        text.remove_suffix(1);
+    return text;
+}
+
+/// Reads one map, entity by entity.
+class MapReader {
+  public:
+    MapReader(std::string_view text, std::string_view name, const BspContext &context)
+        : context_(context), scanner_(text, name, context), primitives_(scanner_, map_.planes, context) {
+        map_.name = name;
+        map_.planes = PlaneTable(context.options.normalEpsilon, context.options.distanceEpsilon);
+        map_.entities.reserve(EntityEstimate(text));
+    }
+
+    Map Read() {
+        while (FindEntity())
+            ReadEntity();
+        if (map_.entities.empty())
+            throw Error("{}: no entity in the map, expected the world as the first", map_.name);
+        for (MapEntity &entity : map_.entities)
+            FinishPatches(entity.patches);
+        PrintCounts();
+        return std::move(map_);
+    }
+
+  private:
+    static std::size_t EntityEstimate(std::string_view text);
+    bool FindEntity();
+    void ReadEntity();
+    bool ReadPairOrPrimitive(MapEntity &entity);
+    void ReadPrimitive(MapEntity &entity);
+    void AddBrush(MapEntity &entity, Brush brush);
+    bool CheckPlanes(Brush &brush) const;
+    bool IsWanted(const Brush &brush) const;
+    void TakeOrigin(MapEntity &entity, const Brush &brush);
+    void KeepLargestAreaPortal(Brush &brush) const;
+    void Warn(const Brush &brush, std::string_view kind, std::string_view text) const;
+    void FinishEntity(MapEntity &entity);
+    void DropAreaPortals(MapEntity &entity) const;
+    void FinishWorld(const MapEntity &world);
+    void ApplyPatchKeys(MapEntity &entity) const;
+    void PrintCounts() const;
+
+    const BspContext &context_;
+    Map map_;
+    MapScanner scanner_;
+    PrimitiveReader primitives_;
+    int entityCount_ = 0, primitiveCount_ = 0;
+    bool entityIsOpen_ = false; ///< its "{" was read, and a pair of the one before may be missing its "}"
+};
+
+/// About as many as there are class names.
+std::size_t MapReader::EntityEstimate(std::string_view text) {
+    constexpr std::string_view word = "\"classname\"";
+    std::size_t count = 1;
+    for (std::size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + word.size()))
+        ++count;
+    return count;
+}
+
+/// Reads up to the "{" of an entity; what is before it does not belong there.
+bool MapReader::FindEntity() {
+    scanner_.SetPlace(-1, -1);
+    if (entityIsOpen_)
+        return true;
+    std::string token;
+    bool warned = false;
+    while (scanner_.Next(token)) {
+        if (token == "{")
+            return true;
+        if (!warned)
+            context_.log.Warn("text between entities",
+                              "{}: expected '{{' of entity {}, found '{}'; read on from the next '{{'",
+                              scanner_.Location(), entityCount_, Shown(token));
+        warned = true;
+    }
+    return false;
+}
+
+void MapReader::ReadEntity() {
+    entityIsOpen_ = false;
+    primitiveCount_ = 0;
+    MapEntity entity;
+    entity.number = entityCount_++;
+    while (ReadPairOrPrimitive(entity)) {
+    }
+    FinishEntity(entity);
+}
+
+/// False: the entity ends.
+bool MapReader::ReadPairOrPrimitive(MapEntity &entity) {
+    scanner_.SetPlace(entity.number, -1);
+    std::string key;
+    if (!scanner_.Next(key)) {
+        context_.log.Warn("entity without end", "{}: the file ends within entity {}, expected '}}'",
+                          scanner_.Location(), entity.number);
+        return false;
+    }
+    if (key == "}")
+        return false;
+    if (key == "{") {
+        ReadPrimitive(entity);
+        return !entityIsOpen_;
+    }
+    const std::string value = scanner_.NeedOnLine(fmt::format("the value of the key '{}'", Shown(key)));
+    const std::string_view trimmedKey = TrimEnd(key), trimmedValue = TrimEnd(value);
+    if (!trimmedKey.empty() && !trimmedValue.empty())
+        entity.pairs.pairs.emplace_back(trimmedKey, trimmedValue);
+    return true;
+}
+
+void MapReader::ReadPrimitive(MapEntity &entity) {
+    scanner_.SetPlace(entity.number, primitiveCount_);
+    const std::string first = scanner_.Need("a side of a brush, brushDef or patchDef2");
+    if (EqualNoCase(first, "classname")) {
+        context_.log.Warn("missing brace",
+                          "{}: '{{' and a class name within entity {}: the next entity starts here, a '}}' is missing",
+                          scanner_.Location(), entity.number);
+        scanner_.PushBack();
+        entityIsOpen_ = true;
+        return;
+    }
+    const int primitive = primitiveCount_++;
+    if (EqualNoCase(first, "terrainDef")) {
+        scanner_.Warn("terrain", "terrainDef is not supported and left out");
+        if (!scanner_.SkipBlock())
+            scanner_.Fail("the file ends where '}' of the terrain was expected");
+    } else if (EqualNoCase(first, "patchDef2") || EqualNoCase(first, "patchDef3")) {
+        std::optional<Patch> patch = primitives_.ReadPatch();
+        if (!patch || context_.options.noCurves)
+            return;
+        patch->primitive = primitive;
+        entity.patches.push_front(std::move(*patch));
+    } else if (first == "(" || first == "}" || EqualNoCase(first, "brushDef") || EqualNoCase(first, "brushDef3")) {
+        Brush brush = primitives_.ReadBrush(first);
+        brush.settings.entity = entity.number;
+        brush.primitive = primitive;
+        AddBrush(entity, std::move(brush));
+    } else {
+        scanner_.Fail(fmt::format("expected a side of a brush, brushDef, patchDef2 or '}}', found '{}'", Shown(first)));
+    }
+}
+
+void MapReader::Warn(const Brush &brush, std::string_view kind, std::string_view text) const {
+    context_.WarnAt(kind, brush.settings.entity, brush.primitive, text);
+}
+
+/// Leaves out sides without a plane or with that of another. False: the brush is nothing.
+bool MapReader::CheckPlanes(Brush &brush) const {
+    std::vector<BrushSide> kept;
+    for (BrushSide &side : brush.sides) {
+        if (side.planeNum < 0) {
+            Warn(brush, "degenerate plane", "degenerate plane: its points are in one line");
+            continue;
+        }
+        const auto has = [&kept](int number) {
+            return std::ranges::any_of(kept, [&](const BrushSide &other) { return other.planeNum == number; });
+        };
+        if (has(side.planeNum ^ 1)) {
+            Warn(brush, "mirrored plane", "mirrored plane: the brush is left out");
+            return false;
+        }
+        if (has(side.planeNum))
+            Warn(brush, "duplicate plane", "duplicate plane: the later side is left out");
+        else
+            kept.push_back(std::move(side));
+    }
+    brush.sides = std::move(kept);
+    return !brush.sides.empty();
+}
+
+bool MapReader::IsWanted(const Brush &brush) const {
+    const BspOptions &options = context_.options;
+    return !(options.noDetail && brush.detail) && !(options.noWater && (brush.compileFlags & C_LIQUID)) &&
+           !(options.noHint && (brush.compileFlags & C_HINT));
+}
+
+void MapReader::AddBrush(MapEntity &entity, Brush brush) {
+    if (!CheckPlanes(brush))
+        return;
+    SetBrushContents(brush, context_);
+    if (!IsWanted(brush))
+        return;
+    if (!MakeBrushWindings(brush, map_.planes)) {
+        Warn(brush, "empty brush", "the brush encloses nothing or leaves the world: it is left out");
+        return;
+    }
+    if (brush.compileFlags & C_ORIGIN) {
+        TakeOrigin(entity, brush);
+        return;
+    }
+    if (brush.compileFlags & C_AREAPORTAL)
+        KeepLargestAreaPortal(brush);
+    if (!context_.options.autoCaulk) // editors know the sides as the map has them
+        AddBrushBevels(brush, map_.planes, context_.options.bevelSnap);
+    if (brush.contentShader && brush.contentShader->geometry.IsColorVolume())
+        entity.colorVolumes.push_back(std::move(brush));
+    else if (brush.opaque)
+        entity.brushes.push_front(std::move(brush));
+    else
+        entity.brushes.push_back(std::move(brush));
+}
+
+void MapReader::TakeOrigin(MapEntity &entity, const Brush &brush) {
+    if (entity.number == 0) {
+        Warn(brush, "origin brush in the world", "an origin brush in the world means nothing");
+        return;
+    }
+    if (entity.brushOrigin != Vec3f{})
+        Warn(brush, "second origin brush", "a second origin brush of the entity: the last one counts");
+    entity.brushOrigin = brush.bounds.Center();
+}
+
+/// Only one side of a brush can be the portal.
+void MapReader::KeepLargestAreaPortal(Brush &brush) const {
+    BrushSide *largest = nullptr;
+    bool several = false;
+    for (BrushSide &side : brush.sides) {
+        if (!(side.compileFlags & C_AREAPORTAL))
+            continue;
+        several = several || largest;
+        if (!largest || WindingArea(side.winding) > WindingArea(largest->winding))
+            largest = &side;
+    }
+    if (!several)
+        return;
+    Warn(brush, "area portal sides", "several sides are area portals: the largest one is");
+    for (BrushSide &side : brush.sides)
+        if (&side != largest)
+            side.compileFlags &= ~C_AREAPORTAL;
+}
+
+void MapReader::DropAreaPortals(MapEntity &entity) const {
+    std::erase_if(entity.brushes, [this](const Brush &brush) {
+        const bool isPortal = (brush.compileFlags & C_AREAPORTAL) != 0;
+        if (isPortal)
+            Warn(brush, "area portal outside the world", "an area portal that is not of the world is left out");
+        return isPortal;
+    });
+}
+
+void MapReader::ApplyPatchKeys(MapEntity &entity) const {
+    const auto key = [&](std::initializer_list<std::string_view> names) {
+        const std::string_view own = entity.pairs.Value(names);
+        const bool asWorld = EqualNoCase(entity.pairs.ClassName(), "func_group") && !map_.entities.empty();
+        return std::string(own.empty() && asWorld ? map_.entities.front().pairs.Value(names) : own);
+    };
+    const bool meta = context_.options.patchMeta || key({"_patchMeta", "patchMeta"}).starts_with('1');
+    const int subdivide = IntegerFromText(key({"_patchSubdivide", "patchSubdivide"}));
+    const int quality = IntegerFromText(key({"_patchQuality", "patchQuality"}));
+    int subdivisions = std::max(subdivide, 0);
+    if (quality > 0)
+        subdivisions = std::max(1, (subdivide > 0 ? subdivide : context_.options.subdivisions) / quality);
+    for (Patch &patch : entity.patches) {
+        patch.patchMeta = meta;
+        patch.patchSubdivisions = subdivisions;
+    }
+}
+
+void MapReader::FinishWorld(const MapEntity &world) {
+    const BspOptions &options = context_.options;
+    const std::string_view cel = world.pairs.Value("_celshader");
+    if (!cel.empty())
+        map_.defaultCelShader = &context_.shaders.Get(fmt::format("textures/{}", cel));
+    else if (!options.celShader.empty())
+        map_.defaultCelShader = &context_.shaders.Get(options.celShader);
+    std::string_view text = world.pairs.Value({"_blocksize", "blocksize", "chopsize"});
+    std::vector<int> sizes;
+    while (sizes.size() < 3) {
+        const std::optional<double> number = TakeNumber(text);
+        if (!number)
+            break;
+        sizes.push_back(int(std::clamp(*number, 0.0, 4 * kMaxWorldCoord)));
+    }
+    if (sizes.size() == 3)
+        map_.blockSize = {sizes[0], sizes[1], sizes[2]};
+    else if (!sizes.empty())
+        map_.blockSize.fill(sizes[0]);
+}
+
+void MapReader::FinishEntity(MapEntity &entity) {
+    const bool isWorld = entity.number == 0;
+    const bool isGroup = !isWorld && EqualNoCase(entity.pairs.ClassName(), "func_group");
+    if (!isWorld && EqualNoCase(entity.pairs.ClassName(), "group_info"))
+        return;
+    if (isWorld)
+        FinishWorld(entity);
+    if (!isWorld && !isGroup)
+        DropAreaPortals(entity);
+    const auto originKey = [&] { return entity.pairs.Vector({"origin"}).value_or(Vec3f{}); };
+    if (entity.brushOrigin != Vec3f{}) {
+        const Vec3f sum = originKey() + entity.brushOrigin;
+        entity.pairs.Set("origin", fmt::format("{:f} {:f} {:f}", sum.x, sum.y, sum.z));
+        MoveEntity(entity, -entity.brushOrigin, map_.planes);
+    }
+    entity.origin = originKey();
+    SurfaceSettings settings = SettingsOf(entity, map_, context_);
+    settings.indexMap = ReadIndexMap(entity, isGroup ? entity.origin : Vec3f{}, context_);
+    const auto finish = [&](Brush &brush) {
+        brush.settings = settings;
+        brush.textureOrigin = entity.brushOrigin;
+    };
+    std::ranges::for_each(entity.brushes, finish);
+    std::ranges::for_each(entity.colorVolumes, finish);
+    for (Patch &patch : entity.patches)
+        patch.settings = settings;
+    ApplyPatchKeys(entity);
+    if (isGroup)
+        JoinWorld(entity, map_.World(), map_.planes, context_);
+    else
+        map_.entities.push_back(std::move(entity));
+}
+
+void MapReader::PrintCounts() const {
+    constexpr std::size_t kManyBrushes = 500;
+    long long detail = 0, patches = 0, boxBevels = 0, edgeBevels = 0, areaPortals = 0, worldDetail = 0;
+    for (const MapEntity &entity : map_.entities) {
+        patches += (long long)(entity.patches.size());
+        for (const Brush &brush : entity.brushes) {
+            detail += brush.detail;
+            worldDetail += brush.detail && entity.number == 0;
+            areaPortals += (brush.compileFlags & C_AREAPORTAL) != 0;
+            for (std::size_t i = 0; i < brush.sides.size(); ++i)
+                (i < 6 ? boxBevels : edgeBevels) += brush.sides[i].bevel;
+        }
+    }
+    const std::size_t worldBrushes = map_.entities.front().brushes.size();
+    if (context_.log.IsVerbose()) {
+        context_.log.Count((long long)(worldBrushes), "total world brushes");
+        context_.log.Count(detail, "detail brushes");
+        context_.log.Count(patches, "patches");
+        context_.log.Count(boxBevels, "boxbevels");
+        context_.log.Count(edgeBevels, "edgebevels");
+        context_.log.Count((long long)(map_.entities.size()), "entities");
+        context_.log.Count(map_.planes.Count(), "planes");
+        context_.log.Count(areaPortals, "areaportals");
+    }
+    if (worldBrushes > kManyBrushes && double(worldDetail) < 0.1 * double(worldBrushes))
+        context_.log.Warn("few detail brushes",
+                          "over 90 percent of the {} brushes of the world are structural: this makes vis slow",
+                          worldBrushes);
+}
+
+} // namespace
+
+Map ReadMap(std::string_view text, std::string_view name, const BspContext &context) {
+    return MapReader(text, name, context).Read();
+}
+
+} // namespace q3

@@ -1,0 +1,215 @@
+// GPL-2.0-or-later. Patches: normals, groups that change their detail together, meshes.
+#include "q3map2/map/map.h"
+
+#include "libs/math/patch_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace q3 {
+
+namespace {
+
+/// Points of two patches nearer than this along each axis join them. Game units.
+constexpr float kTouching = 1;
+/// First and last columns this near make a tube. Game units.
+constexpr float kClosed = 1;
+constexpr float kNormalsDiffer = 0.75f;
+constexpr int kMaxSteps = 3;
+
+using PatchGrid = MeshOf<DrawVert>;
+
+float LongestCurveOf(const Patch &patch) {
+    const auto at = [&](int x, int y) -> const Vec3f & {
+        return patch.verts[std::size_t(y) * std::size_t(patch.width) + std::size_t(x)].xyz;
+    };
+    float longest = 0;
+    for (int y = 0; y + 2 < patch.height; y += 2)
+        for (int x = 0; x + 2 < patch.width; x += 2) {
+            longest = std::max(longest, CurveLength(at(x, y), at(x + 1, y), at(x + 2, y)));
+            longest = std::max(longest, CurveLength(at(x, y), at(x, y + 1), at(x, y + 2)));
+        }
+    return longest;
+}
+
+bool Within(const Vec3f &a, const Vec3f &b, float distance) {
+    return std::abs(a.x - b.x) < distance && std::abs(a.y - b.y) < distance && std::abs(a.z - b.z) < distance;
+}
+
+/// Sets of patches, joined one by one.
+class Groups {
+  public:
+    explicit Groups(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0); }
+    std::size_t Of(std::size_t i) {
+        while (parents_[i] != i)
+            i = parents_[i] = parents_[parents_[i]];
+        return i;
+    }
+    void Join(std::size_t a, std::size_t b) { parents_[Of(a)] = Of(b); }
+
+  private:
+    std::vector<std::size_t> parents_;
+};
+
+/// A control point in its cell of a grid of kTouching.
+struct CellPoint {
+    std::uint64_t cell = 0;
+    Vec3f xyz;
+    std::size_t patch = 0;
+};
+
+constexpr int kCellBits = 20;
+
+std::uint64_t CellOf(const Vec3f &p, int stepX, int stepY, int stepZ) {
+    const auto index = [](float v, int step) {
+        const double inside = std::clamp(double(v), -kMaxWorldCoord, kMaxWorldCoord);
+        return std::uint64_t(std::floor(inside / double(kTouching)) + kMaxWorldCoord + 8) + std::uint64_t(step + 1);
+    };
+    return (index(p.x, stepX) << (2 * kCellBits)) | (index(p.y, stepY) << kCellBits) | index(p.z, stepZ);
+}
+
+using CellSpan = std::span<const CellPoint>;
+
+void JoinCells(CellSpan a, CellSpan b, Groups &groups) {
+    if (b.empty() || groups.Of(a.front().patch) == groups.Of(b.front().patch))
+        return;
+    for (const CellPoint &p : a)
+        for (const CellPoint &q : b)
+            if (Within(p.xyz, q.xyz, kTouching))
+                return groups.Join(p.patch, q.patch);
+}
+
+/// All points of a cell touch each other, so a cell is of one group.
+Groups TouchingPatches(const std::deque<Patch> &patches) {
+    std::vector<CellPoint> points;
+    for (std::size_t i = 0; i < patches.size(); ++i)
+        for (const DrawVert &v : patches[i].verts)
+            points.push_back({CellOf(v.xyz, 0, 0, 0), v.xyz, i});
+    std::ranges::stable_sort(points, {}, &CellPoint::cell);
+    Groups groups(patches.size());
+    for (std::size_t i = 1; i < points.size(); ++i)
+        if (points[i].cell == points[i - 1].cell)
+            groups.Join(points[i].patch, points[i - 1].patch);
+    const auto cellAt = [&](std::uint64_t cell) {
+        const auto [first, last] = std::ranges::equal_range(points, cell, {}, &CellPoint::cell);
+        return CellSpan(first, last);
+    };
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (i > 0 && points[i].cell == points[i - 1].cell)
+            continue;
+        const CellSpan own = cellAt(points[i].cell);
+        for (int neighbour = 14; neighbour < 27; ++neighbour) // half of them: pairs once
+            JoinCells(own, cellAt(CellOf(points[i].xyz, neighbour / 9 - 1, neighbour / 3 % 3 - 1, neighbour % 3 - 1)),
+                      groups);
+    }
+    return groups;
+}
+
+/// Looks around the control points of a grid.
+class Neighbours {
+  public:
+    explicit Neighbours(const PatchGrid &grid) : grid_(grid) {
+        wrapX_ = wrapY_ = true;
+        for (int y = 0; y < grid.height; ++y)
+            wrapX_ = wrapX_ && Within(grid.At(0, y).xyz, grid.At(grid.width - 1, y).xyz, kClosed);
+        for (int x = 0; x < grid.width; ++x)
+            wrapY_ = wrapY_ && Within(grid.At(x, 0).xyz, grid.At(x, grid.height - 1).xyz, kClosed);
+    }
+
+    Vec3f NormalAt(int x, int y) const {
+        constexpr std::array<std::array<int, 2>, 8> steps{
+            {{0, 1}, {1, 1}, {1, 0}, {1, -1}, {0, -1}, {-1, -1}, {-1, 0}, {-1, 1}}};
+        std::array<Vec3f, 8> directions;
+        for (std::size_t i = 0; i < 8; ++i)
+            directions[i] = Direction(x, y, steps[i][0], steps[i][1]);
+        Vec3f sum;
+        for (std::size_t i = 0; i < 8; ++i) {
+            const Vec3f &here = directions[i], &next = directions[(i + 1) % 8];
+            if (here != Vec3f{} && next != Vec3f{})
+                sum += Normalize(Cross(next, here));
+        }
+        return Normalize(sum);
+    }
+
+  private:
+    /// Towards the first other point in these steps; zero when there is none.
+    Vec3f Direction(int x, int y, int stepX, int stepY) const {
+        const Vec3f &base = grid_.At(x, y).xyz;
+        int atX = x, atY = y;
+        for (int step = 0; step < kMaxSteps; ++step) {
+            if (!Step(atX, stepX, grid_.width, wrapX_) || !Step(atY, stepY, grid_.height, wrapY_))
+                return {};
+            const Vec3f way = grid_.At(atX, atY).xyz - base;
+            if (way != Vec3f{})
+                return Normalize(way);
+        }
+        return {};
+    }
+
+    /// The last row of a closed grid is the first.
+    static bool Step(int &at, int step, int size, bool wrap) {
+        at += step;
+        if (wrap && at < 0)
+            at = size - 1 + at;
+        else if (wrap && at >= size)
+            at = 1 + at - size;
+        return at >= 0 && at < size;
+    }
+
+    const PatchGrid &grid_;
+    bool wrapX_ = false, wrapY_ = false;
+};
+
+} // namespace
+
+void FinishPatches(std::deque<Patch> &patches) {
+    struct Group {
+        float longestCurve = 0;
+        Boundsf bounds;
+    };
+    Groups groups = TouchingPatches(patches);
+    std::vector<Group> found(patches.size());
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+        Group &group = found[groups.Of(i)];
+        group.longestCurve = std::max(group.longestCurve, LongestCurveOf(patches[i]));
+        for (const DrawVert &v : patches[i].verts)
+            group.bounds.Add(v.xyz);
+    }
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+        patches[i].longestCurve = found[groups.Of(i)].longestCurve;
+        patches[i].lodBounds = found[groups.Of(i)].bounds;
+        patches[i].grouped = true;
+    }
+}
+
+void SetPatchNormals(Patch &patch) {
+    const PatchGrid control{patch.width, patch.height, patch.verts}, curve = OnCurve(control);
+    const Neighbours atControl(control), atCurve(curve);
+    for (int y = 0; y < patch.height; ++y)
+        for (int x = 0; x < patch.width; ++x) {
+            const Vec3f first = atControl.NormalAt(x, y), second = atCurve.NormalAt(x, y);
+            patch.verts[std::size_t(y) * std::size_t(patch.width) + std::size_t(x)].normal =
+                Dot(first, second) < kNormalsDiffer ? second : first;
+        }
+}
+
+PatchMesh TessellatePatch(const Patch &patch, int subdivisions) {
+    PatchGrid mesh =
+        Tessellated(PatchGrid{patch.width, patch.height, patch.verts}, patch.longestCurve, std::max(subdivisions, 1));
+    return {mesh.width, mesh.height, std::move(mesh.verts)};
+}
+
+std::vector<std::array<int, 3>> MeshTriangles(const PatchMesh &mesh) {
+    std::vector<std::array<int, 3>> triangles;
+    for (int y = 0; y + 1 < mesh.height; ++y)
+        for (int x = 0; x + 1 < mesh.width; ++x) {
+            const int a = y * mesh.width + x, b = a + mesh.width, c = b + 1, d = a + 1;
+            const std::array<int, 4> quad = (x + y) % 2 == 0 ? std::array{a, b, c, d} : std::array{b, c, d, a};
+            triangles.push_back({quad[0], quad[1], quad[2]});
+            triangles.push_back({quad[0], quad[2], quad[3]});
+        }
+    return triangles;
+}
+
+} // namespace q3

@@ -1,0 +1,246 @@
+// GPL-2.0-or-later. Brushes and patches of map text.
+#include "q3map2/map/map_primitive.h"
+
+#include "q3map2/map/map_texture.h"
+
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::size_t kMaxSides = 1024;
+constexpr std::size_t kMaxShaderName = 63;
+constexpr int kMaxPatchSize = 31;
+constexpr std::string_view kTextures = "textures/";
+/// The one bit of the old contents word that still counts.
+constexpr int kDetailContents = 0x8000000;
+/// Control points nearer to one line than this make no surface. Game units.
+constexpr float kOnOneLine = 0.01f;
+
+/// The float next to it; 0 when there is none.
+float StoredFloat(double value) {
+    return std::abs(value) <= double(std::numeric_limits<float>::max()) ? float(value) : 0;
+}
+
+bool IsDegenerate(const Patch &patch) {
+    const Vec3f first = patch.verts.front().xyz;
+    Vec3f farthest = first;
+    for (const DrawVert &v : patch.verts)
+        if (Length(v.xyz - first) > Length(farthest - first))
+            farthest = v.xyz;
+    const Vec3d direction = Normalize(Vec3d(farthest) - Vec3d(first));
+    for (const DrawVert &v : patch.verts)
+        if (Length(Cross(Vec3d(v.xyz) - Vec3d(first), direction)) > double(kOnOneLine))
+            return false;
+    return true;
+}
+
+bool InWorld(const Patch &patch) {
+    for (const DrawVert &v : patch.verts)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (!(std::abs(double(v.xyz[axis])) <= kMaxWorldCoord))
+                return false;
+    return true;
+}
+
+} // namespace
+
+std::array<double, 3> PrimitiveReader::ReadVector() {
+    scanner_.Expect("(");
+    std::array<double, 3> vector{};
+    for (double &value : vector)
+        value = scanner_.Number();
+    scanner_.Expect(")");
+    return vector;
+}
+
+void PrimitiveReader::ReadPoints(BrushSide &side) {
+    std::array<Vec3d, 3> points;
+    for (Vec3d &p : points) {
+        const std::array<double, 3> v = ReadVector();
+        p = {v[0], v[1], v[2]};
+    }
+    const Vec3d cross = Cross(points[2] - points[0], points[1] - points[0]);
+    const double length = Length(cross);
+    if (!(length > 0) || !std::isfinite(length))
+        return;
+    const Vec3d normal = cross / length;
+    side.plane = {normal, Dot(normal, points[0])};
+    side.hasPlane = true;
+    side.planeNum = planes_.Find(side.plane.normal, side.plane.dist, points);
+}
+
+/// The form of brushDef3: four numbers of the plane n . p + d = 0.
+void PrimitiveReader::ReadPlaneNumbers(BrushSide &side) {
+    scanner_.Expect("(");
+    std::array<double, 4> numbers{};
+    for (double &value : numbers)
+        value = scanner_.Number();
+    scanner_.Expect(")");
+    const Vec3d normal{numbers[0], numbers[1], numbers[2]};
+    const double length = Length(normal);
+    if (!(length > 0) || !std::isfinite(length))
+        return;
+    side.plane = {normal / length, -numbers[3] / length};
+    side.hasPlane = true;
+    side.planeNum = planes_.Find(side.plane.normal, side.plane.dist);
+}
+
+/// Names are those below textures/; where `complete`, they may have it in front.
+std::string PrimitiveReader::ShaderName(const std::string &token, bool complete) const {
+    std::string name = complete && StartsWithNoCase(token, kTextures) ? token : std::string(kTextures) + token;
+    if (name.size() > kMaxShaderName)
+        scanner_.Fail(fmt::format("the shader name '{}...' has {} characters, expected at most {}", Shown(name),
+                                  name.size(), kMaxShaderName));
+    return name;
+}
+
+const ShaderInfo &PrimitiveReader::Shader(const std::string &name) {
+    const ShaderInfo *&shader = shaders_[name];
+    if (!shader)
+        shader = &context_.shaders.Get(name);
+    return *shader;
+}
+
+/// What follows the shader's name in classic and Valve 220 sides.
+TextureProjection PrimitiveReader::ReadAxes(const BrushSide &side) {
+    TextureAxes texture;
+    const std::string first = scanner_.NeedOnLine("a number or '['");
+    texture.hasAxes = first == "[";
+    if (!texture.hasAxes)
+        texture.shift = {NumberFromText(first), scanner_.Number()};
+    for (std::size_t row = 0; texture.hasAxes && row < 2; ++row) {
+        if (row > 0)
+            scanner_.Expect("[");
+        const double x = scanner_.Number(), y = scanner_.Number(), z = scanner_.Number();
+        texture.axes[row] = {x, y, z};
+        texture.shift[row] = scanner_.Number();
+        scanner_.Expect("]");
+    }
+    texture.rotate = scanner_.Number();
+    texture.scale[0] = scanner_.Number();
+    texture.scale[1] = scanner_.Number();
+    const GeometryDirectives &shader = side.shader->geometry;
+    if (texture.hasAxes)
+        return ProjectValve(texture, shader);
+    return side.planeNum < 0 ? TextureProjection{} : ProjectClassic(texture, planes_[side.planeNum].normal, shader);
+}
+
+/// Three whole numbers at the end of the line, or none.
+void PrimitiveReader::ReadFlags(BrushSide &side) {
+    std::string token;
+    if (!scanner_.NextOnLine(token))
+        return;
+    if (token == "}" || token == "(" || token == "{")
+        return scanner_.PushBack();
+    if (IntegerFromText(token) & kDetailContents)
+        side.compileFlags |= C_DETAIL;
+    scanner_.Integer();
+    scanner_.Integer();
+}
+
+BrushSide PrimitiveReader::ReadSide(Form form) {
+    BrushSide side;
+    TextureMatrix matrix{};
+    if (form == Form::Plane)
+        ReadPlaneNumbers(side);
+    else
+        ReadPoints(side);
+    if (form != Form::Axes) {
+        scanner_.Expect("(");
+        for (auto &row : matrix)
+            row = ReadVector();
+        scanner_.Expect(")");
+    }
+    side.shader = &Shader(ShaderName(scanner_.NeedOnLine("the name of a shader"), form == Form::Plane));
+    side.surfaceFlags = side.shader->surfaceFlags;
+    side.contentFlags = side.shader->contentFlags;
+    side.compileFlags = side.shader->compileFlags;
+    if (form == Form::Axes)
+        side.texture = ReadAxes(side);
+    else if (side.planeNum >= 0)
+        side.texture = ProjectMatrix(matrix, planes_[side.planeNum].normal);
+    side.texture = FinalProjection(side.texture, side.shader->geometry, context_.options.flat);
+    ReadFlags(side);
+    return side;
+}
+
+Brush PrimitiveReader::ReadBrush(const std::string &first) {
+    const Form form = EqualNoCase(first, "brushDef")    ? Form::Matrix
+                      : EqualNoCase(first, "brushDef3") ? Form::Plane
+                                                        : Form::Axes;
+    Brush brush;
+    if (form == Form::Axes)
+        scanner_.PushBack();
+    else
+        scanner_.Expect("{");
+    for (;;) {
+        const std::string token = scanner_.Need("a side or '}'");
+        if (token == "}")
+            break;
+        if (token != "(") {
+            if (form == Form::Axes || !brush.sides.empty() || token == "{")
+                scanner_.Fail(fmt::format("expected '(' of a side or '}}', found '{}'", Shown(token)));
+            continue; // keys of the brush
+        }
+        scanner_.PushBack();
+        if (brush.sides.size() == kMaxSides)
+            scanner_.Fail(fmt::format("the brush has too many sides, expected at most {}", kMaxSides));
+        brush.sides.push_back(ReadSide(form));
+    }
+    if (form != Form::Axes)
+        scanner_.Expect("}");
+    return brush;
+}
+
+void PrimitiveReader::ReadControlPoints(Patch &patch) {
+    const std::size_t width = std::size_t(patch.width), height = std::size_t(patch.height);
+    patch.verts.resize(width * height);
+    scanner_.Expect("(");
+    for (std::size_t column = 0; column < width; ++column) {
+        scanner_.Expect("(");
+        for (std::size_t row = 0; row < height; ++row) {
+            scanner_.Expect("(");
+            std::array<float, 5> numbers{};
+            for (float &value : numbers)
+                value = StoredFloat(scanner_.Number());
+            scanner_.Expect(")");
+            DrawVert &v = patch.verts[row * width + column];
+            v.xyz = {numbers[0], numbers[1], numbers[2]};
+            v.st = {numbers[3], numbers[4]};
+        }
+        scanner_.Expect(")");
+    }
+    scanner_.Expect(")");
+}
+
+std::optional<Patch> PrimitiveReader::ReadPatch() {
+    scanner_.Expect("{");
+    Patch patch;
+    patch.shader = &Shader(ShaderName(scanner_.Need("the name of a shader"), true));
+    scanner_.Expect("(");
+    patch.width = scanner_.Integer();
+    patch.height = scanner_.Integer();
+    if (patch.width < 0 || patch.width > kMaxPatchSize || patch.height < 0 || patch.height > kMaxPatchSize)
+        scanner_.Fail(fmt::format("a patch of {} x {} points, expected at most {} x {}", patch.width, patch.height,
+                                  kMaxPatchSize, kMaxPatchSize));
+    while (scanner_.Need("')'") != ")") { // flags, or curve tolerances of patchDef3
+    }
+    ReadControlPoints(patch);
+    while (scanner_.Need("'}'") != "}") { // keys of the patch
+    }
+    scanner_.Expect("}");
+    if (patch.width < 3 || patch.height < 3 || patch.width % 2 == 0 || patch.height % 2 == 0)
+        scanner_.Warn("patch size", fmt::format("a patch of {} x {} points is left out, expected odd numbers from 3",
+                                                patch.width, patch.height));
+    else if (!InWorld(patch))
+        scanner_.Warn("patch outside", "a patch that leaves the world is left out");
+    else if (IsDegenerate(patch))
+        scanner_.Warn("degenerate patch", "a patch whose points are in one line is left out");
+    else
+        return patch;
+    return std::nullopt;
+}
+
+} // namespace q3

@@ -1,0 +1,102 @@
+// GPL-2.0-or-later. Tokens of map text, and where in it something is wrong.
+#include "q3map2/map/map_scanner.h"
+
+#include "common/error.h"
+#include "common/files.h"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace q3 {
+
+namespace {
+
+TextScanner::Include IncludeBeside(std::string_view name) {
+    return [folder = std::filesystem::path(name).parent_path()](std::string_view file) -> std::optional<std::string> {
+        const std::vector<std::byte> bytes = ReadFile(folder / std::filesystem::path(file));
+        return std::string(reinterpret_cast<const char *>(bytes.data()), bytes.size());
+    };
+}
+
+} // namespace
+
+std::string Shown(std::string_view text) {
+    std::string shown(text.substr(0, 64));
+    std::ranges::replace_if(
+        shown, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; }, ' ');
+    return shown;
+}
+
+MapScanner::MapScanner(std::string_view text, std::string_view name, const BspContext &context)
+    : context_(context), scanner_(std::string(text), std::string(name), IncludeBeside(name)) {}
+
+void MapScanner::Fail(std::string_view text) const {
+    if (primitive_ >= 0)
+        context_.FailAt(entity_, primitive_, fmt::format("{}: {}", Location(), text));
+    if (entity_ >= 0)
+        throw Error("Entity {}: {}: {}", entity_, Location(), text);
+    throw Error("{}: {}", Location(), text);
+}
+
+void MapScanner::Warn(std::string_view kind, std::string_view text) const {
+    context_.WarnAt(kind, entity_, primitive_, fmt::format("{}: {}", Location(), text));
+}
+
+/// Errors of the scanner itself name file and line only.
+template <typename Read> bool MapScanner::Guarded(Read read) {
+    try {
+        return read();
+    } catch (const Error &error) {
+        if (primitive_ >= 0)
+            context_.FailAt(entity_, primitive_, error.what());
+        throw;
+    }
+}
+
+bool MapScanner::Next(std::string &token) {
+    return Guarded([&] { return scanner_.Next(token); });
+}
+
+bool MapScanner::NextOnLine(std::string &token) {
+    return Guarded([&] { return scanner_.NextOnLine(token); });
+}
+
+std::string MapScanner::Need(std::string_view what) {
+    std::string token;
+    if (!Next(token))
+        Fail(fmt::format("the file ends where {} was expected", what));
+    return token;
+}
+
+std::string MapScanner::NeedOnLine(std::string_view what) {
+    std::string token;
+    if (!NextOnLine(token))
+        Fail(fmt::format("the line ends where {} was expected", what));
+    return token;
+}
+
+void MapScanner::Expect(std::string_view token) {
+    const std::string found = Need(fmt::format("'{}'", token));
+    if (found != token)
+        Fail(fmt::format("expected '{}', found '{}'", token, Shown(found)));
+}
+
+double MapScanner::Number() {
+    return NumberFromText(NeedOnLine("a number"));
+}
+
+int MapScanner::Integer() {
+    return IntegerFromText(NeedOnLine("a whole number"));
+}
+
+bool MapScanner::SkipBlock() {
+    std::string token;
+    for (int depth = 1; depth > 0;) {
+        if (!Next(token))
+            return false;
+        depth += token == "{" ? 1 : token == "}" ? -1 : 0;
+    }
+    return true;
+}
+
+} // namespace q3

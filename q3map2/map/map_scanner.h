@@ -1,0 +1,53 @@
+// GPL-2.0-or-later. Tokens of map text, and where in it something is wrong.
+#pragma once
+
+#include "common/text_scan.h"
+#include "q3map2/map/map.h"
+
+#include <string>
+#include <string_view>
+
+namespace q3 {
+
+/// Reads a map source token by token. What it throws names file and line, and the entity and primitive that SetPlace
+/// told it of.
+class MapScanner {
+  public:
+    /// `name` is the file's; the files that $include asks for are sought beside it.
+    MapScanner(std::string_view text, std::string_view name, const BspContext &context);
+
+    /// Numbers of the entity and of the primitive in it that are being read; -1: none.
+    void SetPlace(int entity, int primitive) { entity_ = entity, primitive_ = primitive; }
+    /// The next token, on whatever line; false at the end.
+    bool Next(std::string &token);
+    /// The next token of this line; false when there is none.
+    bool NextOnLine(std::string &token);
+    void PushBack() { scanner_.PushBack(); }
+    /// The next token, on whatever line. `what` says what was expected should the text end.
+    std::string Need(std::string_view what);
+    /// The next token of this line.
+    std::string NeedOnLine(std::string_view what);
+    /// Reads this token or fails.
+    void Expect(std::string_view token);
+    /// Numbers of this line. What is not a number is 0.
+    double Number();
+    int Integer();
+    /// Reads on to the "}" that closes a block whose "{" was read. False when the text ends first.
+    bool SkipBlock();
+    std::string Location() const { return scanner_.Location(); }
+    [[noreturn]] void Fail(std::string_view text) const;
+    /// The primitive that is being read is left out, or is not what it should be.
+    void Warn(std::string_view kind, std::string_view text) const;
+
+  private:
+    template <typename Read> bool Guarded(Read read);
+
+    const BspContext &context_;
+    TextScanner scanner_;
+    int entity_ = -1, primitive_ = -1;
+};
+
+/// Text from a file, fit for a message of one line.
+std::string Shown(std::string_view text);
+
+} // namespace q3

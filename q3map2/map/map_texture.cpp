@@ -1,0 +1,130 @@
+// GPL-2.0-or-later. Texture axes of brush sides, in the three forms of the map language.
+#include "q3map2/map/map_texture.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace q3 {
+
+namespace {
+
+struct BaseAxes {
+    Vec3d normal, s, t;
+};
+
+/// In the order of choice.
+constexpr std::array<BaseAxes, 6> kBaseAxes{{{{0, 0, 1}, {1, 0, 0}, {0, -1, 0}},
+                                             {{0, 0, -1}, {1, 0, 0}, {0, -1, 0}},
+                                             {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}},
+                                             {{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}},
+                                             {{0, 1, 0}, {1, 0, 0}, {0, 0, -1}},
+                                             {{0, -1, 0}, {1, 0, 0}, {0, 0, -1}}}};
+constexpr double kClearlyLarger = 0.0001;
+constexpr double kVertical = 1e-6;
+/// Larger numbers times a coordinate would leave the range of float.
+constexpr double kMaxAxis = 1e30;
+
+const BaseAxes &BaseAxesOf(const Vec3d &normal) {
+    const BaseAxes *best = nullptr;
+    double bestDot = 0;
+    for (const BaseAxes &row : kBaseAxes) {
+        const double dot = Dot(normal, row.normal);
+        if (!best || dot > bestDot + kClearlyLarger)
+            best = &row, bestDot = dot;
+    }
+    return *best;
+}
+
+struct SineCosine {
+    double sine, cosine;
+};
+
+/// Exact at right angles.
+SineCosine RotationOf(double degrees) {
+    if (degrees == 0)
+        return {0, 1};
+    if (degrees == 90)
+        return {1, 0};
+    if (degrees == 180)
+        return {0, -1};
+    if (degrees == 270)
+        return {-1, 0};
+    const double angle = degrees / 180 * std::numbers::pi;
+    return {std::sin(angle), std::cos(angle)};
+}
+
+std::size_t MainAxis(const Vec3d &axis) {
+    return axis.x != 0 ? 0 : axis.y != 0 ? 1 : 2;
+}
+
+double ScaleOf(const TextureAxes &texture, std::size_t row) {
+    return texture.scale[row] == 0 ? 1 : texture.scale[row];
+}
+
+std::array<double, 4> Row(const Vec3d &axis, double shift, int size) {
+    const double texels = double(size);
+    return {axis.x / texels, axis.y / texels, axis.z / texels, shift / texels};
+}
+
+} // namespace
+
+TextureProjection ProjectClassic(const TextureAxes &texture, const Vec3d &normal, const GeometryDirectives &shader) {
+    const BaseAxes &base = BaseAxesOf(normal);
+    const std::size_t sv = MainAxis(base.s), tv = MainAxis(base.t);
+    const SineCosine rotation = RotationOf(texture.rotate);
+    const std::array<int, 2> size{shader.textureWidth, shader.textureHeight};
+    TextureProjection projection;
+    for (std::size_t row = 0; row < 2; ++row) {
+        const Vec3d axis = row == 0 ? base.s : base.t;
+        Vec3d turned = axis;
+        turned[sv] = rotation.cosine * axis[sv] - rotation.sine * axis[tv];
+        turned[tv] = rotation.sine * axis[sv] + rotation.cosine * axis[tv];
+        double shift = texture.shift[row];
+        if (!shader.globalTexture)
+            shift -= std::floor(shift / size[row]) * size[row];
+        projection.vecs[row] = Row(turned / ScaleOf(texture, row), shift, size[row]);
+    }
+    return projection;
+}
+
+TextureProjection ProjectValve(const TextureAxes &texture, const GeometryDirectives &shader) {
+    const std::array<int, 2> size{shader.textureWidth, shader.textureHeight};
+    TextureProjection projection;
+    for (std::size_t row = 0; row < 2; ++row)
+        projection.vecs[row] = Row(texture.axes[row] / ScaleOf(texture, row), texture.shift[row], size[row]);
+    return projection;
+}
+
+TextureProjection ProjectMatrix(const TextureMatrix &matrix, const Vec3d &normal) {
+    Vec3d x{0, 1, 0}, y;
+    if (std::abs(normal.x) < kVertical && std::abs(normal.y) < kVertical) {
+        y = {normal.z > 0 ? 1.0 : -1.0, 0, 0};
+    } else {
+        const Vec3d across = Normalize(Cross(normal, Vec3d{0, 0, 1}));
+        y = Normalize(Cross(normal, across));
+        x = -across;
+    }
+    TextureProjection projection;
+    for (std::size_t row = 0; row < 2; ++row) {
+        const Vec3d axis = x * matrix[row][0] + y * matrix[row][1];
+        projection.vecs[row] = {axis.x, axis.y, axis.z, matrix[row][2]};
+    }
+    return projection;
+}
+
+TextureProjection FinalProjection(TextureProjection own, const GeometryDirectives &shader, bool flat) {
+    if (shader.hasTexGen)
+        for (std::size_t row = 0; row < 2; ++row) {
+            const Vec3d axis(shader.texGen[row]);
+            own.vecs[row] = {axis.x, axis.y, axis.z, 0};
+        }
+    else if (flat) // the middle of the last texel
+        own.vecs = {{{0, 0, 0, 1 - 0.5 / shader.textureWidth}, {0, 0, 0, 1 - 0.5 / shader.textureHeight}}};
+    for (auto &row : own.vecs)
+        for (double &value : row)
+            if (!(std::abs(value) < kMaxAxis))
+                value = 0;
+    return own;
+}
+
+} // namespace q3

@@ -1,0 +1,71 @@
+// GPL-2.0-or-later. Sizes of images from their headers.
+#include "q3map2/shader/image_size.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+constexpr int kMaxSide = 16384;
+
+int Byte(std::span<const std::byte> file, std::size_t at) {
+    return std::to_integer<int>(file[at]);
+}
+
+int BigEndian16(std::span<const std::byte> file, std::size_t at) {
+    return Byte(file, at) << 8 | Byte(file, at + 1);
+}
+
+std::optional<std::array<int, 2>> Checked(int width, int height) {
+    if (std::min(width, height) < 1 || std::max(width, height) > kMaxSide)
+        return std::nullopt;
+    return std::array<int, 2>{width, height};
+}
+
+} // namespace
+
+std::optional<std::array<int, 2>> TgaSize(std::span<const std::byte> file) {
+    constexpr std::size_t kHeader = 18;
+    if (file.size() < kHeader)
+        return std::nullopt;
+    constexpr std::array<int, 6> kTypes = {1, 2, 3, 9, 10, 11};
+    if (std::find(kTypes.begin(), kTypes.end(), Byte(file, 2)) == kTypes.end())
+        return std::nullopt;
+    return Checked(Byte(file, 12) | Byte(file, 13) << 8, Byte(file, 14) | Byte(file, 15) << 8);
+}
+
+std::optional<std::array<int, 2>> PngSize(std::span<const std::byte> file) {
+    constexpr std::size_t kHeader = 24;
+    constexpr std::array<int, 8> kMark = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    if (file.size() < kHeader)
+        return std::nullopt;
+    for (std::size_t i = 0; i < kMark.size(); ++i)
+        if (Byte(file, i) != kMark[i])
+            return std::nullopt;
+    if (BigEndian16(file, 16) != 0 || BigEndian16(file, 20) != 0)
+        return std::nullopt;
+    return Checked(BigEndian16(file, 18), BigEndian16(file, 22));
+}
+
+/// Segments follow each other: FF, a code, a length. Those of frames hold the size.
+std::optional<std::array<int, 2>> JpegSize(std::span<const std::byte> file) {
+    if (file.size() < 4 || BigEndian16(file, 0) != 0xFFD8)
+        return std::nullopt;
+    std::size_t at = 2;
+    while (at + 9 <= file.size() && Byte(file, at) == 0xFF) {
+        const int code = Byte(file, at + 1);
+        if (code == 0xFF) { // padding
+            ++at;
+            continue;
+        }
+        const bool isFrame = code >= 0xC0 && code <= 0xCF && code != 0xC4 && code != 0xC8 && code != 0xCC;
+        if (isFrame)
+            return Checked(BigEndian16(file, at + 7), BigEndian16(file, at + 5));
+        const bool isBare = code == 0x01 || (code >= 0xD0 && code <= 0xD8);
+        at += isBare ? 2 : 2 + std::size_t(std::max(2, BigEndian16(file, at + 2)));
+    }
+    return std::nullopt;
+}
+
+} // namespace q3

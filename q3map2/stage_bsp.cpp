@@ -1,0 +1,129 @@
+// GPL-2.0-or-later. q3map2 [-bsp]: a map source in, CompileMap, files out.
+#include "common/error.h"
+#include "common/files.h"
+#include "q3map2/command_record.h"
+#include "q3map2/geometry/compile_map.h"
+#include "q3map2/stages.h"
+
+namespace q3 {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void WriteText(const fs::path &path, const std::string &text, Log &log) {
+    log.Print("Writing {}\n", path.string());
+    ReplaceFile(path, std::as_bytes(std::span(text.data(), text.size())));
+}
+
+/// The map source that the word names. `.map` unless it is a region, or entities for -onlyents.
+fs::path SourcePath(const std::string &file, const BspOptions &options) {
+    const fs::path path = fs::absolute(file);
+    const std::string extension = LowerCase(path.extension().string());
+    if (extension == ".reg" || (extension == ".ent" && options.onlyEntities))
+        return path;
+    return WithExtension(path, ".map");
+}
+
+/// What an earlier run left and this one may not write.
+void RemoveStaleFiles(const fs::path &source) {
+    std::error_code ignored;
+    for (const std::string_view extension : {".prt", ".lin"})
+        fs::remove(WithExtension(source, extension), ignored);
+    if (LowerCase(source.extension().string()) != ".reg")
+        fs::remove(WithExtension(source, ".reg"), ignored);
+}
+
+Map ReadSource(const fs::path &source, const BspOptions &options, const BspContext &context) {
+    const fs::path file = options.tempName.empty() ? source : fs::absolute(options.tempName);
+    context.log.Print("Loading {}\n", file.string());
+    const std::vector<std::byte> bytes = ReadFile(file);
+    return ReadMap({reinterpret_cast<const char *>(bytes.data()), bytes.size()}, file.string(), context);
+}
+
+void WarnOfUnknownOptions(const Arguments &arguments, Log &log) {
+    for (const std::string &word : arguments.Rest())
+        log.Warn("unknown option", "Unknown option \"{}\"", word);
+}
+
+void WriteFiles(const fs::path &source, const CompiledMap &compiled, const BspContext &context,
+                const BspFormat &format) {
+    Log &log = context.log;
+    if (!compiled.leakLine.empty())
+        WriteLeakFile(WithExtension(source, ".lin"), compiled.leakLine);
+    if (context.options.autoCaulk && !compiled.abandoned)
+        WriteText(WithExtension(source, ".caulk"), compiled.caulkFile, log);
+    if (compiled.abandoned || context.options.autoCaulk)
+        return;
+    if (!compiled.portalFile.empty())
+        WriteText(WithExtension(source, ".prt"), compiled.portalFile, log);
+    WriteText(WithExtension(source, ".srf"), compiled.surfaceFile, log);
+    WriteBspFile(WithExtension(source, ".bsp"), compiled.bsp, format, log);
+}
+
+BspOptions TakeOptions(const StageContext &context, Arguments &arguments) {
+    BspOptions options = ParseBspOptions(arguments, *context.options.game, context.log);
+    options.subdivisions = context.options.subdivisions.value_or(options.subdivisions);
+    options.maxDrawSurfaces = context.options.maxDrawSurfaces.value_or(options.maxDrawSurfaces);
+    WarnOfUnknownOptions(arguments, context.log);
+    return options;
+}
+
+ShaderOptions ShadersFor(const BspOptions &options) {
+    ShaderOptions shader;
+    shader.imageSizes = true;
+    shader.sRgbColor = options.sRgbColor;
+    shader.customInfoParms = options.customInfoParms;
+    shader.noOb = options.noOb;
+    shader.globalFlags = options.globalFlags;
+    return shader;
+}
+
+void CompileToFiles(const fs::path &source, Map &map, const std::vector<std::string> &recorded,
+                    const BspContext &context, const BspFormat &format) {
+    Entity &world = map.World().pairs;
+    RecordCommand(world, "-bsp", recorded);
+    if (context.options.keepLights)
+        world.Set("_keepLights", "1");
+    if (context.options.keepModels)
+        world.Set("_keepModels", "1");
+    if (context.options.fakeMap)
+        WriteText(fs::absolute("fakemap.map"), FakeMapText(map.World(), map.planes), context.log);
+    WriteFiles(source, CompileMap(map, context), context, format);
+}
+
+} // namespace
+
+int BspStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    const std::string file = arguments.TakeLast();
+    if (file.empty())
+        throw Error("usage: q3map2 [global options] [-bsp] [options] maps/x.map");
+    log.Section("BSP");
+    const std::vector<std::string> recorded = arguments.Rest();
+    const BspOptions options = TakeOptions(context, arguments);
+    const fs::path source = SourcePath(file, options);
+    const BspFormat format = context.options.Format();
+    const auto folders = GameFolders(context.options, context.words, context.program);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    if (!options.onlyEntities)
+        RemoveStaleFiles(source);
+    ShaderLibrary library(vfs, *context.options.game, ShadersFor(options), log);
+    log.Count((long long)(library.DefinedCount()), "shaders defined");
+    const BspContext bspContext{
+        .options = options, .game = *context.options.game, .shaders = library, .log = log, .vfs = &vfs};
+    Map map = ReadSource(source, options, bspContext);
+    if (options.onlyEntities) {
+        const fs::path path = WithExtension(source, ".bsp");
+        Bsp bsp = ReadBspFile(path, format, log);
+        ReplaceEntities(bsp, map, bspContext);
+        WriteBspFile(path, bsp, format, log);
+    } else {
+        CompileToFiles(source, map, recorded, bspContext, format);
+    }
+    if (!options.tempName.empty())
+        fs::remove(fs::absolute(options.tempName));
+    return 0;
+}
+
+} // namespace q3

@@ -1,0 +1,238 @@
+// GPL-2.0-or-later. Puts brushes into the leafs of the tree that they reach.
+#include "q3map2/tree/tree.h"
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+namespace q3 {
+
+namespace {
+
+constexpr double kSideEpsilon = 0.1;
+constexpr double kLeastVolume = 1; ///< cubic units
+constexpr double kOverlap = 1;     ///< that an area portal must reach over a portal
+
+/// What a cut leaves of a brush.
+struct Piece {
+    struct Side {
+        int planeNum = -1;
+        Polygon polygon;
+    };
+    std::vector<Side> sides;
+};
+
+Piece PieceOf(const Brush &brush) {
+    Piece piece;
+    for (const BrushSide &side : brush.sides)
+        if (!side.winding.empty())
+            piece.sides.push_back({side.planeNum, side.winding});
+    return piece;
+}
+
+double VolumeOf(const Piece &piece, const PlaneTable &planes) {
+    if (piece.sides.empty())
+        return 0;
+    const Vec3d corner(piece.sides[0].polygon[0]);
+    double sum = 0;
+    for (std::size_t i = 1; i < piece.sides.size(); i++)
+        sum -= planes[piece.sides[i].planeNum].Distance(corner) * WindingArea(piece.sides[i].polygon);
+    return sum / 3;
+}
+
+/// Whether it has sides, extents on all axes, and stays inside the world.
+bool IsSolid(const Piece &piece) {
+    if (piece.sides.size() < 3)
+        return false;
+    Boundsf bounds;
+    for (const Piece::Side &side : piece.sides)
+        bounds.Add(WindingBounds(side.polygon));
+    for (std::size_t axis = 0; axis < 3; axis++)
+        if (double(bounds.mins[axis]) < -kMaxWorldCoord || double(bounds.maxs[axis]) > kMaxWorldCoord ||
+            bounds.mins[axis] >= bounds.maxs[axis])
+            return false;
+    return true;
+}
+
+std::pair<double, double> Reach(const Piece &piece, const Plane &plane) {
+    double low = 0, high = 0;
+    for (const Piece::Side &side : piece.sides)
+        for (const Vec3f &p : side.polygon) {
+            const double d = plane.Distance(Vec3d(p));
+            low = std::min(low, d), high = std::max(high, d);
+        }
+    return {low, high};
+}
+
+/// The part of a plane inside the piece.
+Polygon SectionOf(const Piece &piece, const Plane &plane, const PlaneTable &planes) {
+    Winding<double> section = BaseWinding(plane);
+    for (const Piece::Side &side : piece.sides) {
+        if (section.empty())
+            break;
+        ChopPolygon(section, planes[side.planeNum ^ 1], 0.0);
+    }
+    Polygon rounded;
+    for (const Vec3d &p : section)
+        rounded.emplace_back(p);
+    return rounded;
+}
+
+/// Front and back half; nothing where there is none. The piece is used up.
+std::array<std::optional<Piece>, 2> SplitPiece(Piece piece, int planeNum, const PlaneTable &planes) {
+    std::array<std::optional<Piece>, 2> halves;
+    const Plane &plane = planes[planeNum];
+    const auto [low, high] = Reach(piece, plane);
+    if (high < kSideEpsilon || low > -kSideEpsilon) {
+        halves[high < kSideEpsilon ? 1 : 0] = std::move(piece);
+        return halves;
+    }
+    const Polygon section = SectionOf(piece, plane, planes);
+    if (section.empty() || IsTiny(section)) {
+        halves[high >= -low ? 0 : 1] = std::move(piece);
+        return halves;
+    }
+    std::array<Piece, 2> parts;
+    for (const Piece::Side &side : piece.sides) {
+        std::array<Polygon, 2> cut;
+        ClipPolygon(side.polygon, plane, 0.0, cut[0], cut[1]);
+        for (std::size_t i = 0; i < 2; i++)
+            if (!cut[i].empty())
+                parts[i].sides.push_back({side.planeNum, std::move(cut[i])});
+    }
+    const bool front = IsSolid(parts[0]), back = IsSolid(parts[1]);
+    if (!front && !back)
+        return halves;
+    if (!front || !back) {
+        halves[front ? 0 : 1] = std::move(piece);
+        return halves;
+    }
+    parts[0].sides.push_back({planeNum ^ 1, Reversed(section)});
+    parts[1].sides.push_back({planeNum, section});
+    for (std::size_t i = 0; i < 2; i++)
+        if (VolumeOf(parts[i], planes) >= kLeastVolume)
+            halves[i] = std::move(parts[i]);
+    return halves;
+}
+
+std::pair<double, double> Extent(const Polygon &polygon, const Vec3d &axis) {
+    std::pair<double, double> extent{Dot(axis, Vec3d(polygon[0])), Dot(axis, Vec3d(polygon[0]))};
+    for (const Vec3f &p : polygon) {
+        const double d = Dot(axis, Vec3d(p));
+        extent = {std::min(extent.first, d), std::max(extent.second, d)};
+    }
+    return extent;
+}
+
+/// Whether an edge of `edges` separates the two polygons, both in the plane with that normal.
+bool Separates(const Polygon &edges, const Polygon &other, const Vec3d &normal) {
+    for (std::size_t i = 0; i < edges.size(); i++) {
+        const Vec3d along = Vec3d(edges[(i + 1) % edges.size()]) - Vec3d(edges[i]);
+        const Vec3d axis = Normalize(Cross(normal, along));
+        const auto [low, high] = Extent(edges, axis);
+        const auto [otherLow, otherHigh] = Extent(other, axis);
+        if (axis != Vec3d{} && (low > otherHigh - kOverlap || otherLow > high - kOverlap))
+            return true;
+    }
+    return false;
+}
+
+/// Marks the portals of a leaf that lie in the area portal sides of the brush: another split may have made them.
+void MarkAreaPortals(const Brush &brush, Tree &tree, int leaf, const PlaneTable &planes) {
+    for (const BrushSide &side : brush.sides) {
+        if (!(side.compileFlags & C_AREAPORTAL) || side.winding.empty())
+            continue;
+        for (const int number : tree.nodes[std::size_t(leaf)].portals) {
+            TreePortal &portal = tree.portals[std::size_t(number)];
+            if (portal.onNode >= 0 && (portal.planeNum & ~1) == (side.planeNum & ~1) &&
+                !Separates(side.winding, portal.polygon, planes[side.planeNum].normal) &&
+                !Separates(portal.polygon, side.winding, planes[side.planeNum].normal))
+                portal.compileFlags |= C_AREAPORTAL;
+        }
+    }
+}
+
+/// Walks brushes down the tree and counts.
+class Filter {
+  public:
+    Filter(const Tree &tree, const PlaneTable &planes) : tree_(tree), planes_(planes) {}
+    /// Calls `reached` with every leaf that the brush reaches.
+    template <typename Reached> void Add(const Brush &brush, const Reached &reached);
+    void Report(Log &log, std::string_view name) const;
+
+  private:
+    const Tree &tree_;
+    const PlaneTable &planes_;
+    long long brushes_ = 0, references_ = 0, lost_ = 0;
+};
+
+template <typename Reached> void Filter::Add(const Brush &brush, const Reached &reached) {
+    brushes_++;
+    std::vector<std::pair<int, Piece>> pending;
+    pending.emplace_back(tree_.head, PieceOf(brush));
+    while (!pending.empty()) {
+        auto [at, piece] = std::move(pending.back());
+        pending.pop_back();
+        const TreeNode &node = tree_.nodes[std::size_t(at)];
+        if (node.IsLeaf()) {
+            reached(at);
+            references_++;
+            continue;
+        }
+        auto halves = SplitPiece(std::move(piece), node.planeNum, planes_);
+        for (const std::size_t i : {std::size_t(1), std::size_t(0)})
+            if (halves[i])
+                pending.emplace_back(node.children[i], std::move(*halves[i]));
+        if (!halves[0] && !halves[1])
+            lost_++;
+    }
+}
+
+void Filter::Report(Log &log, std::string_view name) const {
+    if (!log.IsVerbose())
+        return;
+    log.Count(brushes_, name);
+    log.Count(references_, "cluster references");
+    if (lost_ > 0)
+        log.Count(lost_, "pieces of brushes too thin to split");
+}
+
+/// In front: readers meet the brush that came last first.
+void PushBrush(TreeNode &leaf, std::size_t brush) {
+    leaf.brushes.insert(leaf.brushes.begin(), int(brush));
+}
+
+} // namespace
+
+void FilterStructuralBrushes(const MapEntity &entity, Tree &tree, PlaneTable &planes, const BspContext &context) {
+    context.log.Verbose("--- FilterStructuralBrushesIntoTree ---\n");
+    Filter filter(tree, planes);
+    for (std::size_t i = 0; i < entity.brushes.size(); i++) {
+        const Brush &brush = entity.brushes[i];
+        if (brush.detail)
+            continue;
+        filter.Add(brush, [&](int leaf) {
+            TreeNode &node = tree.nodes[std::size_t(leaf)];
+            PushBrush(node, i);
+            if (brush.opaque)
+                node.opaque = true;
+            else if (brush.compileFlags & C_AREAPORTAL) {
+                node.areaPortal = true;
+                MarkAreaPortals(brush, tree, leaf, planes);
+            }
+        });
+    }
+    filter.Report(context.log, "structural brushes");
+}
+
+void FilterDetailBrushes(const MapEntity &entity, Tree &tree, PlaneTable &planes, const BspContext &context) {
+    context.log.Verbose("--- FilterDetailBrushesIntoTree ---\n");
+    Filter filter(tree, planes);
+    for (std::size_t i = 0; i < entity.brushes.size(); i++)
+        if (entity.brushes[i].detail)
+            filter.Add(entity.brushes[i], [&](int leaf) { PushBrush(tree.nodes[std::size_t(leaf)], i); });
+    filter.Report(context.log, "detail brushes");
+}
+
+} // namespace q3

@@ -1,0 +1,174 @@
+// GPL-2.0-or-later. What entities can reach: finds leaks and closes what lies outside.
+#include "q3map2/tree/tree.h"
+
+#include "common/files.h"
+#include "common/text.h"
+
+#include <algorithm>
+#include <span>
+
+namespace q3 {
+
+namespace {
+
+/// Whether an entity marks the space that it stands in as inside: not those of brushes, which may lie anywhere.
+bool Floods(const MapEntity &entity) {
+    return !entity.pairs.pairs.empty() && entity.model < 0 && entity.brushes.empty() && entity.patches.empty() &&
+           !EqualNoCase(entity.pairs.ClassName(), "_decal") && !entity.pairs.Value("model").starts_with('*');
+}
+
+int FarSide(const TreePortal &portal, int leaf) {
+    return portal.nodes[0] == leaf ? portal.nodes[1] : portal.nodes[0];
+}
+
+/// Steps from `start` to each leaf, kept where they are fewer than those of earlier entities.
+void FloodSteps(Tree &tree, int start) {
+    std::vector<int> ring{start};
+    for (int steps = 1; !ring.empty(); steps++) {
+        std::vector<int> reached;
+        for (const int leaf : ring) {
+            int &occupied = tree.nodes[std::size_t(leaf)].occupied;
+            if (occupied != 0 && occupied <= steps)
+                continue;
+            occupied = steps;
+            for (const int portal : tree.nodes[std::size_t(leaf)].portals) {
+                const int other = FarSide(tree.portals[std::size_t(portal)], leaf);
+                if (!tree.nodes[std::size_t(other)].opaque)
+                    reached.push_back(other);
+            }
+        }
+        ring = std::move(reached);
+    }
+}
+
+void MarkSkyBox(Tree &tree, int start) {
+    std::vector<int> pending{start};
+    while (!pending.empty()) {
+        const int leaf = pending.back();
+        pending.pop_back();
+        TreeNode &node = tree.nodes[std::size_t(leaf)];
+        if (node.skyBox || node.opaque)
+            continue;
+        node.skyBox = true;
+        for (const int portal : node.portals)
+            pending.push_back(FarSide(tree.portals[std::size_t(portal)], leaf));
+    }
+}
+
+} // namespace
+
+Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, bool warn) {
+    context.log.Verbose("--- FloodEntities ---\n");
+    bool inside = false;
+    for (std::size_t i = 1; i < map.entities.size(); i++) {
+        const MapEntity &entity = map.entities[i];
+        if (!Floods(entity))
+            continue;
+        const int leaf = tree.LeafAt(entity.Origin() + Vec3f(0, 0, 1), map.planes);
+        if (tree.nodes[std::size_t(leaf)].opaque) {
+            if (warn)
+                context.log.Warn("entity in solid", "Entity {} ({}): entity in solid", entity.number,
+                                 entity.pairs.ClassName());
+            continue;
+        }
+        tree.nodes[std::size_t(leaf)].occupant = int(i);
+        FloodSteps(tree, leaf);
+        if (EqualNoCase(entity.pairs.ClassName(), "_skybox"))
+            MarkSkyBox(tree, leaf);
+        inside = true;
+    }
+    if (context.log.IsVerbose()) {
+        const auto flooded = std::count_if(tree.nodes.begin(), tree.nodes.end(),
+                                           [](const TreeNode &node) { return node.occupied != 0; });
+        context.log.Count(flooded, "flooded leafs");
+    }
+    if (!inside) {
+        context.log.Verbose("no entity stands in the open: nothing can be filled\n");
+        return Sealing::Empty;
+    }
+    const MapEntity &world = map.entities.front();
+    const bool leaked = tree.outside >= 0 && tree.nodes[std::size_t(tree.outside)].occupied != 0;
+    const bool ignored = world.pairs.Value({"_ignoreleaks", "ignoreleaks"}).starts_with('1');
+    return leaked && !ignored ? Sealing::Leaked : Sealing::Sealed;
+}
+
+void FillOutside(Tree &tree, const BspContext &context) {
+    context.log.Verbose("--- FillOutside ---\n");
+    long long solid = 0, filled = 0, inside = 0;
+    for (int i = 0; i < int(tree.nodes.size()); i++) {
+        TreeNode &node = tree.nodes[std::size_t(i)];
+        if (!node.IsLeaf() || i == tree.outside)
+            continue;
+        if (node.opaque)
+            solid++;
+        else if (node.occupied == 0)
+            node.opaque = true, filled++;
+        else
+            inside++;
+    }
+    if (context.log.IsVerbose()) {
+        context.log.Count(solid, "solid leafs");
+        context.log.Count(filled, "leafs filled");
+        context.log.Count(inside, "inside leafs");
+    }
+}
+
+namespace {
+
+struct LeakWay {
+    std::vector<int> portals;
+    int entity = -1;
+};
+
+/// From outside, always to the leaf with the fewest steps to an entity.
+LeakWay WayOfLeak(const Tree &tree) {
+    LeakWay way;
+    if (tree.outside < 0 || tree.nodes[std::size_t(tree.outside)].occupied == 0)
+        return way;
+    int leaf = tree.outside;
+    while (tree.nodes[std::size_t(leaf)].occupied > 1) {
+        int next = -1, through = -1, steps = tree.nodes[std::size_t(leaf)].occupied;
+        for (const int number : tree.nodes[std::size_t(leaf)].portals) {
+            const int other = FarSide(tree.portals[std::size_t(number)], leaf);
+            const int occupied = tree.nodes[std::size_t(other)].occupied;
+            if (occupied != 0 && occupied < steps)
+                next = other, through = number, steps = occupied;
+        }
+        if (next < 0)
+            return {};
+        way.portals.push_back(through);
+        leaf = next;
+    }
+    way.entity = tree.nodes[std::size_t(leaf)].occupant;
+    return way;
+}
+
+} // namespace
+
+int LeakedEntity(const Tree &tree) {
+    return WayOfLeak(tree).entity;
+}
+
+std::vector<Vec3f> LeakLine(const Tree &tree, const Map &map) {
+    const LeakWay way = WayOfLeak(tree);
+    std::vector<Vec3f> line;
+    for (const int number : way.portals) {
+        const Polygon &polygon = tree.portals[std::size_t(number)].polygon;
+        Vec3d sum;
+        for (const Vec3f &p : polygon)
+            sum += Vec3d(p);
+        line.emplace_back(sum / double(polygon.size()));
+    }
+    if (way.entity >= 0)
+        line.push_back(map.entities[std::size_t(way.entity)].Origin());
+    return line;
+}
+
+void WriteLeakFile(const std::filesystem::path &path, const std::vector<Vec3f> &line) {
+    std::string text;
+    for (const Vec3f &p : line)
+        text += fmt::format("{:f} {:f} {:f}\n", p.x, p.y, p.z);
+    ReplaceFile(path, std::as_bytes(std::span(text)));
+}
+
+} // namespace q3

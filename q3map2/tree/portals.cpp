@@ -1,0 +1,255 @@
+// GPL-2.0-or-later. Portals: the polygons through which one leaf opens to another.
+#include "q3map2/tree/tree.h"
+
+#include "common/error.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace q3 {
+
+namespace {
+
+constexpr double kPadding = 8;         ///< of the world's box
+constexpr double kNodeEpsilon = 0.001; ///< ancestors, splitting
+constexpr double kBorderEpsilon = 0.1; ///< portals of the same node
+constexpr std::size_t kMostPortals = 1 << 24;
+
+Plane Flipped(const Plane &plane) {
+    return {-plane.normal, -plane.dist};
+}
+
+struct Reach {
+    bool front = false, back = false;
+};
+
+/// On which sides a polygon has points farther than epsilon: most are clear of most planes.
+template <typename T> Reach ReachOf(const Winding<T> &w, const Plane &plane, double epsilon) {
+    Reach reach;
+    for (const Vec3<T> &p : w) {
+        const double distance = plane.Distance(Vec3d(p));
+        reach.front |= distance > epsilon, reach.back |= distance < -epsilon;
+    }
+    return reach;
+}
+
+void Chop(Winding<double> &w, const Plane &plane, double epsilon) {
+    const Reach reach = ReachOf(w, plane, epsilon);
+    if (!reach.front)
+        w.clear();
+    else if (reach.back)
+        ChopPolygon(w, plane, epsilon);
+}
+
+/// Makes the portals of a tree from its head down. While it works, a node's list is in order of addition (the newest is
+/// first in every walk) with -1 for portals that left.
+class PortalMaker {
+  public:
+    PortalMaker(Tree &tree, const PlaneTable &planes, Log &log) : tree_(tree), planes_(planes), log_(log) {}
+    void Make();
+    int TinyCount() const { return tiny_; }
+
+  private:
+    TreeNode &Node(int number) { return tree_.nodes[std::size_t(number)]; }
+    TreePortal &Portal(int number) { return tree_.portals[std::size_t(number)]; }
+
+    void MakeHeadPortals();
+    void SetBounds(int node);
+    void MakeNodePortal(int node);
+    void SplitNodePortals(int node);
+    void SplitPortal(int portal, int node, const Plane &plane);
+    int NewPortal(TreePortal portal);
+    void Attach(int portal, int front, int back);
+    void Detach(int portal);
+    /// Empties tiny polygons and counts them.
+    void DropTiny(Polygon &polygon);
+
+    Tree &tree_;
+    const PlaneTable &planes_;
+    Log &log_;
+    std::vector<std::array<std::size_t, 2>> places_; ///< of each portal in the lists of its two nodes
+    int tiny_ = 0;
+};
+
+int PortalMaker::NewPortal(TreePortal portal) {
+    if (tree_.portals.size() >= kMostPortals)
+        throw Error("the tree has more than {} portals: make brushes detail", kMostPortals);
+    tree_.portals.push_back(std::move(portal));
+    places_.emplace_back();
+    return int(tree_.portals.size()) - 1;
+}
+
+void PortalMaker::Attach(int portal, int front, int back) {
+    Portal(portal).nodes = {front, back};
+    for (std::size_t side = 0; side < 2; side++) {
+        std::vector<int> &list = Node(Portal(portal).nodes[side]).portals;
+        places_[std::size_t(portal)][side] = list.size();
+        list.push_back(portal);
+    }
+}
+
+void PortalMaker::Detach(int portal) {
+    for (std::size_t side = 0; side < 2; side++)
+        Node(Portal(portal).nodes[side]).portals[places_[std::size_t(portal)][side]] = -1;
+    Portal(portal).nodes = {-1, -1};
+}
+
+void PortalMaker::DropTiny(Polygon &polygon) {
+    if (!polygon.empty() && IsTiny(polygon))
+        polygon.clear(), tiny_++;
+}
+
+void PortalMaker::MakeHeadPortals() {
+    tree_.outside = int(tree_.nodes.size());
+    tree_.nodes.emplace_back();
+    std::array<Plane, 6> sides;
+    for (std::size_t axis = 0; axis < 3; axis++) {
+        sides[axis].normal[axis] = 1;
+        sides[axis].dist = double(float(double(tree_.bounds.mins[axis]) - kPadding));
+        sides[axis + 3].normal[axis] = -1;
+        sides[axis + 3].dist = -double(float(double(tree_.bounds.maxs[axis]) + kPadding));
+    }
+    for (const std::size_t i : std::array<std::size_t, 6>{0, 3, 1, 4, 2, 5}) {
+        TreePortal portal;
+        portal.plane = sides[i];
+        portal.polygon = BasePolygon(sides[i]);
+        for (std::size_t j = 0; j < 6; j++)
+            if (j != i)
+                ChopPolygon(portal.polygon, sides[j], kBorderEpsilon);
+        Attach(NewPortal(std::move(portal)), tree_.head, tree_.outside);
+    }
+}
+
+void PortalMaker::SetBounds(int node) {
+    Boundsf bounds;
+    for (const int portal : Node(node).portals)
+        if (portal >= 0)
+            for (const Vec3f &p : Portal(portal).polygon)
+                bounds.Add(p);
+    if (bounds.Empty() || bounds.mins.x >= bounds.maxs.x) {
+        log_.Warn("node without volume", "a node of the tree has no volume ({} tiny portals so far)", tiny_);
+        // Nothing that boxes are tested against: the corner of the parent's.
+        const int parent = Node(node).parent;
+        const Vec3f corner = parent >= 0 ? Node(parent).bounds.mins : Vec3f{};
+        if (bounds.Empty())
+            bounds.Add(corner);
+    }
+    for (std::size_t axis = 0; axis < 3; axis++)
+        if (double(bounds.mins[axis]) < -kMaxWorldCoord || double(bounds.maxs[axis]) > kMaxWorldCoord) {
+            log_.Warn("node outside the world", "a node of the tree reaches out of the world, beyond {}",
+                      kMaxWorldCoord);
+            break;
+        }
+    Node(node).bounds = bounds;
+}
+
+void PortalMaker::MakeNodePortal(int node) {
+    const Plane &plane = planes_[Node(node).planeNum];
+    Winding<double> exact = BaseWinding(plane);
+    int child = node;
+    for (int at = Node(node).parent; at >= 0 && !exact.empty(); child = at, at = Node(at).parent) {
+        const Plane &cut = planes_[Node(at).planeNum];
+        Chop(exact, Node(at).children[0] == child ? cut : Flipped(cut), kNodeEpsilon);
+    }
+    const std::vector<int> &list = Node(node).portals;
+    for (auto it = list.rbegin(); it != list.rend() && !exact.empty(); ++it)
+        if (*it >= 0) {
+            const TreePortal &portal = Portal(*it);
+            Chop(exact, portal.nodes[0] == node ? portal.plane : Flipped(portal.plane), kBorderEpsilon);
+        }
+    Polygon polygon;
+    for (const Vec3d &p : exact)
+        polygon.emplace_back(p);
+    DropTiny(polygon);
+    if (polygon.empty())
+        return;
+    TreePortal portal;
+    portal.polygon = std::move(polygon);
+    portal.plane = plane;
+    portal.planeNum = Node(node).planeNum;
+    portal.onNode = node;
+    portal.compileFlags = Node(node).compileFlags;
+    Attach(NewPortal(std::move(portal)), Node(node).children[0], Node(node).children[1]);
+}
+
+void PortalMaker::SplitPortal(int number, int node, const Plane &plane) {
+    const std::size_t side = Portal(number).nodes[0] == node ? 0 : 1;
+    const int other = Portal(number).nodes[1 - side];
+    const auto attach = [&](int portal, int child) {
+        if (side == 0)
+            Attach(portal, child, other);
+        else
+            Attach(portal, other, child);
+    };
+    Detach(number);
+    const auto children = Node(node).children;
+    const Reach reach = ReachOf(Portal(number).polygon, plane, kNodeEpsilon);
+    if (!reach.front || !reach.back) {
+        attach(number, children[reach.front ? 0 : 1]);
+        return;
+    }
+    Polygon front, back;
+    ClipPolygonKeepOn(Portal(number).polygon, plane, kNodeEpsilon, front, back);
+    DropTiny(front), DropTiny(back);
+    if (front.empty() && back.empty())
+        Portal(number).polygon.clear();
+    else if (front.empty())
+        attach(number, children[1]);
+    else if (back.empty())
+        attach(number, children[0]);
+    else {
+        TreePortal piece = Portal(number);
+        piece.polygon = std::move(back);
+        Portal(number).polygon = std::move(front);
+        const int added = NewPortal(std::move(piece));
+        attach(number, children[0]);
+        attach(added, children[1]);
+    }
+}
+
+void PortalMaker::SplitNodePortals(int node) {
+    const Plane &plane = planes_[Node(node).planeNum];
+    // Parts go to the children and to the other sides, never back to this list: only marks of those that left appear.
+    for (std::size_t i = Node(node).portals.size(); i-- > 0;)
+        if (const int portal = Node(node).portals[i]; portal >= 0)
+            SplitPortal(portal, node, plane);
+    Node(node).portals = {};
+}
+
+void PortalMaker::Make() {
+    MakeHeadPortals();
+    std::vector<int> pending{tree_.head};
+    while (!pending.empty()) {
+        const int node = pending.back();
+        pending.pop_back();
+        SetBounds(node);
+        if (Node(node).IsLeaf())
+            continue;
+        MakeNodePortal(node);
+        SplitNodePortals(node);
+        pending.push_back(Node(node).children[1]);
+        pending.push_back(Node(node).children[0]);
+    }
+    for (TreeNode &node : tree_.nodes) {
+        std::erase(node.portals, -1);
+        std::reverse(node.portals.begin(), node.portals.end());
+    }
+}
+
+} // namespace
+
+void MakePortals(Tree &tree, const PlaneTable &planes, const BspContext &context) {
+    context.log.Verbose("--- MakeTreePortals ---\n");
+    PortalMaker maker(tree, planes, context.log);
+    maker.Make();
+    if (context.log.IsVerbose())
+        context.log.Count(maker.TinyCount(), "tiny portals");
+}
+
+bool IsPassable(const Tree &tree, const TreePortal &portal) {
+    if (portal.onNode < 0 || (portal.compileFlags & C_ANTIPORTAL))
+        return false;
+    return !tree.nodes[std::size_t(portal.nodes[0])].opaque && !tree.nodes[std::size_t(portal.nodes[1])].opaque;
+}
+
+} // namespace q3

@@ -1,0 +1,294 @@
+// GPL-2.0-or-later. Builds the tree: chooses planes and shares the faces out.
+#include "q3map2/tree/tree.h"
+
+#include "common/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace q3 {
+
+namespace {
+
+constexpr double kSideEpsilon = 0.1, kClipEpsilon = 0.2; ///< game units
+constexpr std::size_t kMostNodes = std::size_t(1) << 20;
+
+class TreeBuilder {
+  public:
+    TreeBuilder(std::vector<TreeFace> faces, const std::array<int, 3> &blockSize, PlaneTable &planes,
+                const BspOptions &options)
+        : faces_(std::move(faces)), blockSize_(blockSize), planes_(planes), options_(options) {}
+    Tree Build();
+
+  private:
+    struct Choice {
+        int planeNum = -1;
+        std::uint32_t flags = 0;
+    };
+    /// Work that waits: a node, its faces in order, its box.
+    struct Pending {
+        int node = 0;
+        std::vector<int> faces;
+        Boundsf bounds;
+    };
+    /// Faces of a list that lie on one plane; `first` of them has the highest own value.
+    struct Group {
+        int planeNum = 0, facing = 0;
+        std::size_t first = 0;
+        double bonus = 0, bound = 0;
+    };
+
+    Pending Root();
+    Choice BlockSplit(const Boundsf &bounds) const;
+    Choice ChooseSplit(const std::vector<int> &list);
+    void FillGroups(const std::vector<int> &list);
+    double BoundOf(const Group &group) const;
+    double ValueOf(const Group &group, const std::vector<int> &list, double enough) const;
+    double BonusOf(const TreeFace &face) const;
+    PolygonSide SideOfFace(int face, int planeNum) const;
+    void SplitFace(int number, const Plane &plane, std::array<std::vector<int>, 2> &parts);
+    void Partition(const Pending &work, int planeNum, std::array<std::vector<int>, 2> &parts);
+    std::array<Boundsf, 2> CutBounds(const Boundsf &bounds, int planeNum) const;
+
+    std::vector<TreeFace> faces_;
+    std::vector<Boundsf> faceBounds_;
+    const std::array<int, 3> &blockSize_;
+    PlaneTable &planes_;
+    const BspOptions &options_;
+    std::vector<Group> groups_;
+    std::unordered_map<int, std::size_t> groupOf_;
+    std::unordered_map<int, int> uses_; ///< how often a plane was chosen
+};
+
+TreeBuilder::Choice TreeBuilder::BlockSplit(const Boundsf &bounds) const {
+    for (std::size_t axis = 0; axis < 3; axis++) {
+        const double block = blockSize_[axis];
+        if (block <= 0)
+            continue;
+        const double cut = block * (std::floor(double(bounds.mins[axis]) / block) + 1);
+        if (double(bounds.maxs[axis]) > cut) {
+            Vec3d normal;
+            normal[axis] = 1;
+            return {planes_.Find(normal, cut), 0};
+        }
+    }
+    return {};
+}
+
+double TreeBuilder::BonusOf(const TreeFace &face) const {
+    const double area = options_.altSplit ? 10 * WindingArea(face.polygon) : 0;
+    return face.priority + area;
+}
+
+void TreeBuilder::FillGroups(const std::vector<int> &list) {
+    groups_.clear(), groupOf_.clear();
+    for (std::size_t i = 0; i < list.size(); i++) {
+        const TreeFace &face = faces_[std::size_t(list[i])];
+        const double bonus = BonusOf(face);
+        const auto [it, added] = groupOf_.try_emplace(face.planeNum, groups_.size());
+        if (added)
+            groups_.push_back({face.planeNum, 0, i, bonus, 0});
+        Group &group = groups_[it->second];
+        group.facing++;
+        if (bonus > group.bonus)
+            group.first = i, group.bonus = bonus;
+    }
+}
+
+/// SideOf with the box first: most faces are clear of a plane.
+PolygonSide TreeBuilder::SideOfFace(int face, int planeNum) const {
+    const Plane &plane = planes_[planeNum];
+    const Boundsf &box = faceBounds_[std::size_t(face)];
+    double low = -plane.dist, high = -plane.dist;
+    for (std::size_t axis = 0; axis < 3; axis++) {
+        const double n = plane.normal[axis], a = n * double(box.mins[axis]), b = n * double(box.maxs[axis]);
+        low += std::min(a, b), high += std::max(a, b);
+    }
+    constexpr double kRoom = 0.01; ///< far above what rounding does to the sums
+    if (low > kSideEpsilon + kRoom)
+        return PolygonSide::Front;
+    if (high < -kSideEpsilon - kRoom)
+        return PolygonSide::Back;
+    return SideOf(faces_[std::size_t(face)].polygon, plane);
+}
+
+/// What the plane would be worth if it cut no face.
+double TreeBuilder::BoundOf(const Group &group) const {
+    if (!options_.altSplit)
+        return 5.0 * group.facing + (planes_.IsAxial(group.planeNum) ? 5 : 0) + group.bonus;
+    const auto used = uses_.find(group.planeNum);
+    return 20000.0 - (used == uses_.end() ? 0 : used->second) - group.facing + group.bonus;
+}
+
+/// Higher is better; anything below `enough` may be returned early.
+double TreeBuilder::ValueOf(const Group &group, const std::vector<int> &list, double enough) const {
+    double value = group.bound;
+    int front = 0, back = 0;
+    for (const int face : list) {
+        if (faces_[std::size_t(face)].planeNum == group.planeNum)
+            continue;
+        const PolygonSide side = SideOfFace(face, group.planeNum);
+        front += side == PolygonSide::Front;
+        back += side == PolygonSide::Back;
+        if (side == PolygonSide::Cross && (value -= 5) < enough)
+            break;
+    }
+    return options_.altSplit ? value - std::abs(front - back) : value;
+}
+
+TreeBuilder::Choice TreeBuilder::ChooseSplit(const std::vector<int> &list) {
+    if (list.empty())
+        return {};
+    FillGroups(list);
+    // Best hopes first: the others end early, most of them before they start.
+    for (Group &group : groups_)
+        group.bound = BoundOf(group);
+    std::sort(groups_.begin(), groups_.end(), [](const Group &a, const Group &b) {
+        return a.bound != b.bound ? a.bound > b.bound : a.first < b.first;
+    });
+    const Group *best = nullptr;
+    double bestValue = std::numeric_limits<double>::lowest();
+    for (const Group &group : groups_) {
+        if (best && group.bound < bestValue)
+            break;
+        if (best && group.bound == bestValue && group.first > best->first)
+            continue;
+        const double value = ValueOf(group, list, bestValue);
+        if (!best || value > bestValue || (value == bestValue && group.first < best->first))
+            best = &group, bestValue = value;
+    }
+    uses_[best->planeNum]++;
+    return {best->planeNum, faces_[std::size_t(list[best->first])].compileFlags};
+}
+
+/// Cuts a face that crosses the plane; the pieces left go to the lists.
+void TreeBuilder::SplitFace(int number, const Plane &plane, std::array<std::vector<int>, 2> &parts) {
+    Polygon front, back;
+    ClipPolygon(faces_[std::size_t(number)].polygon, plane, kClipEpsilon, front, back);
+    if (!front.empty() && !back.empty()) {
+        TreeFace piece = faces_[std::size_t(number)];
+        faces_[std::size_t(number)].polygon = front;
+        faceBounds_[std::size_t(number)] = WindingBounds(front);
+        parts[0].push_back(number);
+        parts[1].push_back(int(faces_.size()));
+        piece.polygon = back;
+        faces_.push_back(std::move(piece));
+        faceBounds_.push_back(WindingBounds(back));
+    } else if (!front.empty())
+        parts[0].push_back(number);
+    else if (!back.empty())
+        parts[1].push_back(number);
+}
+
+void TreeBuilder::Partition(const Pending &work, int planeNum, std::array<std::vector<int>, 2> &parts) {
+    const Plane plane = planes_[planeNum];
+    for (const int number : work.faces) {
+        if (faces_[std::size_t(number)].planeNum == (planeNum & ~1))
+            continue;
+        const PolygonSide side = SideOfFace(number, planeNum);
+        if (side == PolygonSide::Front)
+            parts[0].push_back(number);
+        else if (side == PolygonSide::Back)
+            parts[1].push_back(number);
+        else if (side == PolygonSide::Cross)
+            SplitFace(number, plane, parts);
+    }
+    for (auto &part : parts)
+        std::reverse(part.begin(), part.end());
+}
+
+std::array<Boundsf, 2> TreeBuilder::CutBounds(const Boundsf &bounds, int planeNum) const {
+    std::array<Boundsf, 2> cut{bounds, bounds};
+    const Plane &plane = planes_[planeNum];
+    for (std::size_t axis = 0; axis < 3; axis++)
+        if (plane.normal[axis] == 1.0)
+            cut[0].mins[axis] = cut[1].maxs[axis] = float(plane.dist);
+    return cut;
+}
+
+/// All faces, and a box around them; around the origin when there are none.
+TreeBuilder::Pending TreeBuilder::Root() {
+    Pending root;
+    for (std::size_t i = 0; i < faces_.size(); i++) {
+        root.faces.push_back(int(i));
+        faceBounds_.push_back(WindingBounds(faces_[i].polygon));
+        root.bounds.Add(faceBounds_.back());
+    }
+    if (faces_.empty())
+        root.bounds.Add(Vec3f{});
+    return root;
+}
+
+Tree TreeBuilder::Build() {
+    Tree tree;
+    std::vector<Pending> pending;
+    pending.push_back(Root());
+    tree.bounds = pending.back().bounds;
+    tree.nodes.emplace_back();
+    while (!pending.empty()) {
+        const Pending work = std::move(pending.back());
+        pending.pop_back();
+        Choice choice = BlockSplit(work.bounds);
+        if (choice.planeNum < 0)
+            choice = ChooseSplit(work.faces);
+        if (choice.planeNum < 0)
+            continue;
+        if (tree.nodes.size() > kMostNodes)
+            throw Error("the tree has more than {} nodes: larger blocks (world key _blocksize) make fewer", kMostNodes);
+        std::array<std::vector<int>, 2> parts;
+        Partition(work, choice.planeNum, parts);
+        const auto bounds = CutBounds(work.bounds, choice.planeNum);
+        const int firstChild = int(tree.nodes.size());
+        TreeNode &node = tree.nodes[std::size_t(work.node)];
+        node.planeNum = choice.planeNum;
+        node.compileFlags = choice.flags;
+        node.structural = !(choice.flags & C_DETAIL);
+        node.children = {firstChild, firstChild + 1};
+        tree.nodes.resize(tree.nodes.size() + 2);
+        for (const std::size_t i : {std::size_t(1), std::size_t(0)}) {
+            tree.nodes[std::size_t(firstChild) + i].parent = work.node;
+            pending.push_back({firstChild + int(i), std::move(parts[i]), bounds[i]});
+        }
+    }
+    // Children come after their parents.
+    for (std::size_t i = tree.nodes.size() - 1; i > 0; i--)
+        if (tree.nodes[i].structural)
+            tree.nodes[std::size_t(tree.nodes[i].parent)].structural = true;
+    return tree;
+}
+
+} // namespace
+
+int Tree::LeafAt(const Vec3f &p, const PlaneTable &planes) const {
+    int node = head;
+    while (!nodes[std::size_t(node)].IsLeaf()) {
+        const TreeNode &at = nodes[std::size_t(node)];
+        node = at.children[planes[at.planeNum].Distance(Vec3d(p)) >= 0 ? 0 : 1];
+    }
+    return node;
+}
+
+Tree BuildTree(std::vector<TreeFace> faces, const std::array<int, 3> &blockSize, PlaneTable &planes,
+               const BspContext &context) {
+    context.log.Verbose("--- FaceBSP ---\n");
+    const std::size_t count = faces.size();
+    Tree tree = TreeBuilder(std::move(faces), blockSize, planes, context.options).Build();
+    if (context.log.IsVerbose()) {
+        context.log.Count(static_cast<long long>(count), "faces");
+        const auto leafs =
+            std::count_if(tree.nodes.begin(), tree.nodes.end(), [](const TreeNode &node) { return node.IsLeaf(); });
+        context.log.Count(static_cast<long long>(tree.nodes.size()) - leafs, "nodes");
+        context.log.Count(leafs, "leafs");
+    }
+    return tree;
+}
+
+Tree SingleLeafTree(const Boundsf &bounds) {
+    Tree tree;
+    tree.nodes.emplace_back();
+    tree.nodes[0].bounds = tree.bounds = bounds;
+    return tree;
+}
+
+} // namespace q3

@@ -1,0 +1,131 @@
+// GPL-2.0-or-later. collision_compare: do players meet the same solids in two files of one map?
+#include "common/arguments.h"
+#include "common/error.h"
+#include "common/text.h"
+#include "libs/math/low_discrepancy.h"
+#include "q3map2/bspfile/bsp_tree.h"
+#include "tools/collision_compare/collision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::string_view kUsage = R"(usage: collision_compare [--moves N] [--worst N] A.bsp B.bsp
+Moves a box of a player's size N (100000) times along random lines through the brushes of both files, from places in the
+open that are free in both, and says how often it gets equally far, and whether it ever leaves the map.
+)";
+/// A standing player.
+const Boundsd kPlayer{{-15, -15, -24}, {15, 15, 32}};
+/// Game units: ways are at most so long, and count as equal when they differ by no more than this.
+constexpr double kLongest = 1024, kEqual = 0.25;
+
+struct Move {
+    Vec3d start, end;
+    double difference; ///< game units that B lets it go farther than A
+};
+
+/// Random places and directions; the same for every pair of files.
+class Dice {
+  public:
+    double Next() { return UnitFromHash(HashIndex(++count_)); }
+    Vec3d InBox(const Boundsd &box) {
+        const double x = Next(), y = Next(), z = Next();
+        return box.mins + (box.maxs - box.mins) * Vec3d{x, y, z};
+    }
+
+  private:
+    std::uint64_t count_ = 0;
+};
+
+struct Result {
+    long long tried = 0, moved = 0, equal = 0, insideOnlyA = 0, insideOnlyB = 0, outOfA = 0, outOfB = 0;
+    std::vector<Move> different;
+};
+
+/// Whether the middle of a box there is in the open.
+bool InOpen(const Bsp &bsp, const Vec3d &p) {
+    return bsp.leafs[std::size_t(LeafAt(bsp, Vec3f(p)))].cluster != kSolidCluster;
+}
+
+Result Compare(const Bsp &a, const Bsp &b, long long moves) {
+    const CollisionMap inA(a), inB(b);
+    Boundsd world;
+    for (const Bsp *bsp : {&a, &b})
+        for (const bspDrawVert_t &v : bsp->drawVerts)
+            world.Add(Vec3d(v.xyz));
+    Dice dice;
+    Result result;
+    while (result.moved < moves && ++result.tried < 1000 * moves) {
+        const Vec3d start = dice.InBox(world);
+        const Vec3d way = dice.InBox({{-1, -1, -1}, {1, 1, 1}}) * kLongest;
+        if (!InOpen(b, start))
+            continue;
+        const auto hitA = inA.Move(kPlayer, start, start + way), hitB = inB.Move(kPlayer, start, start + way);
+        result.insideOnlyA += hitA.startsInside && !hitB.startsInside;
+        result.insideOnlyB += hitB.startsInside && !hitA.startsInside;
+        if (hitA.startsInside || hitB.startsInside)
+            continue;
+        ++result.moved;
+        result.outOfA += !InOpen(a, start + way * hitA.fraction);
+        result.outOfB += !InOpen(b, start + way * hitB.fraction);
+        const double difference = (hitB.fraction - hitA.fraction) * Length(way);
+        if (std::abs(difference) <= kEqual)
+            ++result.equal;
+        else
+            result.different.push_back({start, start + way, difference});
+    }
+    return result;
+}
+
+void Print(const Result &r, std::size_t worst) {
+    fmt::print("{} places tried, {} free in both; solid in A alone {}, in B alone {}\n", r.tried, r.moved,
+               r.insideOnlyA, r.insideOnlyB);
+    fmt::print("{} of {} moves end within {} units of each other ({:.4f} %)\n", r.equal, r.moved, kEqual,
+               r.moved > 0 ? 100.0 * double(r.equal) / double(r.moved) : 0.0);
+    fmt::print("{} moves leave A, {} leave B\n", r.outOfA, r.outOfB);
+    std::vector<Move> sorted = r.different;
+    std::sort(sorted.begin(), sorted.end(),
+              [](const Move &x, const Move &y) { return std::abs(x.difference) > std::abs(y.difference); });
+    for (std::size_t i = 0; i < std::min(worst, sorted.size()); ++i)
+        fmt::print("B {:+9.2f} units, from {:.1f} {:.1f} {:.1f} towards {:.1f} {:.1f} {:.1f}\n", sorted[i].difference,
+                   sorted[i].start.x, sorted[i].start.y, sorted[i].start.z, sorted[i].end.x, sorted[i].end.y,
+                   sorted[i].end.z);
+}
+
+int Run(const std::vector<std::string> &words) {
+    Arguments arguments(words);
+    const auto whole = [&](std::string_view name, int fallback) {
+        const auto text = arguments.TakeValue(name);
+        const int value = text ? IntegerFromText(*text) : fallback;
+        if (value < 1)
+            throw Error("{} {}: expected a whole number of at least 1", name, *text);
+        return value;
+    };
+    const int moves = whole("--moves", 100000), worst = whole("--worst", 10);
+    if (arguments.Rest().size() != 2) {
+        fmt::print("{}", kUsage);
+        return 1;
+    }
+    Log log([](LogLevel, std::string_view) {});
+    const Bsp a = ReadBspFile(arguments.Rest()[0], {}, log), b = ReadBspFile(arguments.Rest()[1], {}, log);
+    const Result result = Compare(a, b, moves);
+    Print(result, std::size_t(worst));
+    return result.moved > 0 ? 0 : 1;
+}
+
+} // namespace
+
+} // namespace q3
+
+int main(int count, char **words) {
+    try {
+        return q3::Run({words + 1, words + count});
+    } catch (const std::exception &error) {
+        fmt::print(stderr, "collision_compare: {}\n", error.what());
+        return 1;
+    }
+}
