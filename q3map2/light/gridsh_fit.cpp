@@ -18,14 +18,14 @@ constexpr float kPerCell = 4;
 /// linear blends make of the light beside a lamp hangs on where the samples are. 1 = byte 255.
 constexpr float kSteep = 16.0f / 255;
 constexpr int kSteepFactor = 6;
-/// With -shfit, candidates drawn at most for each sample wanted: cells that are mostly solid get as many samples as
-/// others.
-constexpr int kMostTries = 8;
+/// Candidates drawn at most for each sample wanted, with and without -shfit: cells that are mostly solid get as many
+/// samples as others.
+constexpr int kMostTriesAll = 8, kMostTries = 2;
 /// Of the weight of a point's samples: how strongly it keeps to the value that it had.
 constexpr float kPull = 0.1f, kPullAll = 0.03f;
 /// Light under this counts more: there a leak shows. 1 = byte 255.
 constexpr float kDark = 0.02f;
-/// Mean light over the inverse of this counts less, by its fourth power: the screen is white there on some side, and
+/// Mean light over the inverse of this counts less, by the power of kFall: the screen is white there on some side, and
 /// the steep light beside a lamp, which no grid fits, would pull at points cells away. With all points fitted there is
 /// more to follow it with.
 constexpr float kBeyondScreen = 3, kBeyondScreenAll = 2.2f, kFall = 4, kFallAll = 2;
@@ -149,12 +149,13 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
             draw.wanted = IsSteep(std::span(samples.data() + first, count)) ? (kSteepFactor - 1) * perCell_ : 0;
         }
         LightSamples(space, cells, 1, lighter, samples, work);
-        for (const Draw &draw : cells)
-            for (const auto &[first, count] : draw.rounds)
-                for (FitSample &sample : std::span(samples.data() + first, count))
-                    sample.weight = float(perCell_) / float(draw.tried);
-        FindSeen(samples, work);
     }
+    for (const Draw &draw : cells)
+        for (const auto &[first, count] : draw.rounds)
+            for (FitSample &sample : std::span(samples.data() + first, count))
+                sample.weight = float(perCell_) / float(draw.tried);
+    if (in_.options.shFit > 0)
+        FindSeen(samples, work);
     return samples;
 }
 
@@ -163,7 +164,7 @@ void GridFit::LightSamples(const BspRegion &space, std::span<Draw> cells, std::s
                            const PlaceLighter &lighter, std::vector<FitSample> &samples, GridStats &work) const {
     std::vector<LightPlaces> blocks;
     const Vec3f cell(layout_.size);
-    const int tries = in_.options.shFit > 0 ? kMostTries : 1;
+    const int tries = in_.options.shFit > 0 ? kMostTriesAll : kMostTries;
     std::size_t next = samples.size();
     for (Draw &draw : cells) {
         Draw::Range &drawn = draw.rounds[round];

@@ -117,7 +117,7 @@ struct LightScene::State {
     Casters main;
     std::vector<int> skyIndexes; ///< by triangle of kSkies
     ScenePtr legacySolids, surfaces, all, skies, filters, filtersWithoutPatches;
-    ScenePtr solidHull, blockers; ///< for TraceBlockers
+    ScenePtr solidHull, legacySurfaceSolids, blockers; ///< for TraceBlockers
 
     /// Shadow casters for receivers of another group than 1, who are shadowed by some groups only.
     struct Group {
@@ -195,10 +195,13 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
     State &s = *state_;
     AddSolids(bsp, SolidLeafs(bsp), s.main.triangles[kSolids]);
     AddSurfaces(bsp, table, options, 1, s.main.triangles);
-    AddSolids(bsp, LegacySolidLeafs(bsp, s.main.triangles), s.main.triangles[kLegacySolids]);
+    AddSolids(bsp, LegacySolidLeafs(bsp, s.main.triangles, kLegacyGridEpsilon), s.main.triangles[kLegacySolids]);
+    AddSolids(bsp, LegacySolidLeafs(bsp, s.main.triangles, kLegacySurfaceEpsilon),
+              s.main.triangles[kLegacySurfaceSolids]);
     s.device = NewDevice();
     s.MakeGeometries(s.main);
     s.legacySolids = s.MakeScene({kLegacySolids});
+    s.legacySurfaceSolids = s.MakeScene({kLegacySurfaceSolids});
     s.solidHull = s.MakeScene({kSolids});
     s.surfaces = s.MakeScene({kSurfaces});
     s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
@@ -393,7 +396,7 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
     blockers.hit = {};
     const State::Group *group = s.FindGroup(receiveShadows);
     const ScenePtr &scene = kind == BlockerKind::Solids         ? s.solidHull
-                            : kind == BlockerKind::LegacySolids ? s.legacySolids
+                            : kind == BlockerKind::LegacySolids ? s.legacySurfaceSolids
                             : group                             ? group->blockers
                                                                 : s.blockers;
     if (!scene || receiveShadows == 0)
@@ -413,7 +416,7 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
 
 std::vector<LightScene::BlockerTriangle> LightScene::BlockerTriangles() const {
     std::vector<BlockerTriangle> result;
-    for (const GeometryId id : {kLegacySolids, kSurfaces, kPatches, kFilters, kFilterPatches}) {
+    for (const GeometryId id : {kLegacySurfaceSolids, kSurfaces, kPatches, kFilters, kFilterPatches}) {
         const RTCGeometry geometry = state_->main.geometries[id].get();
         if (!geometry)
             continue;

@@ -15,7 +15,6 @@ constexpr float kSkyLift = 1.0f / 16;
 /// In the established program an opaque leaf larger than this that at least so many triangles reach into stops being
 /// solid.
 constexpr int kLostLeafSize = 32, kLostLeafTriangles = 5;
-constexpr double kLostLeafEpsilon = 0.05;
 
 /// Whether casters of a group shadow receivers of another.
 bool Shadows(int castShadows, int receiveShadows) {
@@ -104,12 +103,12 @@ void AddSolids(const Bsp &bsp, const std::vector<bool> &solidLeafs, Triangles &t
             triangles.Add(Vec3f(w[0]), Vec3f(w[i - 1]), Vec3f(w[i]), -1);
 }
 
-std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles) {
+std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles, double epsilon) {
     std::vector<int> counts(bsp.leafs.size());
     for (const GeometryId id : {kSurfaces, kPatches, kSkies, kFilters, kFilterPatches})
         for (std::size_t i = 0; i < triangles[id].Count(); ++i) {
             const float *c = triangles[id].corners.data() + 9 * i;
-            CountTriangles(bsp, {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}, kLostLeafEpsilon, counts);
+            CountTriangles(bsp, {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}, epsilon, counts);
         }
     std::vector<bool> solid = SolidLeafs(bsp);
     for (std::size_t i = 0; i < solid.size(); ++i)

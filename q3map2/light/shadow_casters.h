@@ -18,7 +18,8 @@ enum GeometryId : unsigned {
     kSkies,
     kFilters,
     kFilterPatches,
-    kLegacySolids,
+    kLegacySolids,        ///< for the legacy grid
+    kLegacySurfaceSolids, ///< for dirt and floodlight on surfaces
     kGeometries
 };
 
@@ -43,7 +44,10 @@ void AddSurfaces(const Bsp &bsp, const SurfaceTable &table, const LightOptions &
                  TrianglesByKind &triangles);
 /// Adds the hull of solid leafs.
 void AddSolids(const Bsp &bsp, const std::vector<bool> &solidLeafs, Triangles &triangles);
-/// Solid leafs as the established program sees them: without those that surfaces sunk into walls have opened.
-std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles);
+/// Solid leafs as the established program sees them: without those that surfaces sunk into walls have opened. A surface
+/// reaches into a leaf by more than epsilon, in game units; kLegacySolids or kLegacySurfaceSolids.
+std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles, double epsilon);
+/// Found by comparing with what that program stores: one value for both makes one of them differ.
+inline constexpr double kLegacyGridEpsilon = 0.25, kLegacySurfaceEpsilon = 0.05;
 
 } // namespace q3

@@ -10,7 +10,7 @@ namespace q3 {
 namespace {
 
 /// Luxels farther apart are no neighbours, whatever their size. Game units.
-constexpr float kFarthest = 28;
+constexpr float kFarthest = 40;
 /// Sight is tested from this far over the surface: over the edge between a floor and a ramp. Game units.
 constexpr float kLift = 4;
 /// Planes of neighbours are at most so far apart: luxels, and game units more.

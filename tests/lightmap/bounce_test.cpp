@@ -85,6 +85,46 @@ TEST_F(BounceTest, ABlackTextureSendsNothingOn) {
         EXPECT_EQ(one, 40);
 }
 
+TEST_F(BounceTest, NoStepWhereLightmapsTouch) {
+    // A floor in two halves that never share a lightmap. Both have luxels in the line where they touch.
+    Script("textures/test/left\n{\n\tq3map_splotchFix\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
+    SceneBuilder scene = Room({-192, -192, -16}, {192, 192, 192});
+    scene.AddQuad({{{-128, 128, 0}, {0, 128, 0}, {0, -128, 0}, {-128, -128, 0}}}, TestShader("textures/test/left"));
+    scene.AddQuad({{{0, 128, 0}, {128, 128, 0}, {128, -128, 0}, {0, -128, 0}}}, TestShader("textures/test/right"));
+    scene.AddEntity(MakeEntity("light", {{"origin", "-150 40 150"}, {"light", "800"}}));
+    const Bsp lit = Lit(scene, "-nogrid -bounce 1 -bounceonly -nocollapse");
+    // Bytes along the joint, from one end to the other, as that half has them.
+    const auto along = [&](std::string_view shader) {
+        std::vector<int> bytes;
+        for (const bspDrawSurface_t &surface : lit.drawSurfaces) {
+            if (FieldName(lit.shaders[std::size_t(surface.shaderNum)].shader) != shader)
+                continue;
+            std::array<std::array<float, 2>, 2> ends{};
+            for (int i = 0; i < surface.numVerts; ++i)
+                if (const bspDrawVert_t &v = lit.drawVerts[std::size_t(surface.firstVert + i)]; v.xyz[0] == 0)
+                    ends[v.xyz[1] > 0] = v.lightmap;
+            for (int i = 0; i <= 16; ++i) {
+                const auto at = [&](std::size_t axis) {
+                    return std::size_t(128 * (ends[0][axis] + (ends[1][axis] - ends[0][axis]) * float(i) / 16));
+                };
+                const std::size_t page = std::size_t(surface.lightmapNum) * 128;
+                bytes.push_back(lit.lightmaps[((page + at(1)) * 128 + at(0)) * 3]);
+            }
+        }
+        return bytes;
+    };
+    const std::vector<int> left = along("textures/test/left"), right = along("textures/test/right");
+    ASSERT_EQ(left.size(), 17u);
+    ASSERT_EQ(right.size(), 17u);
+    double steps = 0;
+    for (std::size_t i = 0; i < 17; ++i) {
+        EXPECT_GT(left[i], 50);
+        steps += std::abs(left[i] - right[i]);
+    }
+    // The noise of each half alone would be 8.5.
+    EXPECT_LT(steps / 17, 3.0);
+}
+
 /// Sum of lightmap bytes at the far end of a dark square tunnel whose near end is white, under bounced light alone.
 double FarEnd(const Bsp &bsp) {
     double total = 0;
