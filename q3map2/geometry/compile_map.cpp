@@ -65,9 +65,11 @@ bool MapCompiler::ReportLeak(const Tree &tree) {
         mark.line.push_back({p.x, p.y, p.z});
     context_.log.Mark(LogLevel::Error, "MAP LEAKED\n", mark);
     context_.log.Print("**********************\n******* leaked *******\n**********************\n");
-    const MapEntity &reached = map_.entities[std::size_t(LeakedEntity(tree))];
-    context_.log.Print("Entity {} ({}) at {} {} {} can be reached from outside the map\n", reached.number,
-                       reached.pairs.ClassName(), reached.origin.x, reached.origin.y, reached.origin.z);
+    if (const int entity = LeakedEntity(tree); entity >= 0) {
+        const MapEntity &reached = map_.entities[std::size_t(entity)];
+        context_.log.Print("Entity {} ({}) at {} {} {} can be reached from outside the map\n", reached.number,
+                           reached.pairs.ClassName(), reached.origin.x, reached.origin.y, reached.origin.z);
+    }
     result_.abandoned = context_.options.leakTest;
     if (result_.abandoned)
         context_.log.Print("--- MAP LEAKED, ABORTING LEAKTEST ---\n");
