@@ -16,8 +16,9 @@ struct Stage {
     std::string_view name;
     int (*run)(const StageContext &, Arguments);
 };
-constexpr Stage kStages[] = {{"-light", LightStage}, {"-export", ExportStage}, {"-import", ImportStage},
-                             {"-json", JsonStage},   {"-info", InfoStage},     {"-shpreview", PreviewStage}};
+constexpr Stage kStages[] = {{"-vis", VisStage},          {"-light", LightStage}, {"-export", ExportStage},
+                             {"-import", ImportStage},    {"-json", JsonStage},   {"-info", InfoStage},
+                             {"-shpreview", PreviewStage}};
 
 int RunStage(const StageContext &context, Arguments arguments) {
     for (const Stage &stage : kStages)
@@ -27,8 +28,9 @@ int RunStage(const StageContext &context, Arguments arguments) {
         }
     if (arguments.Empty())
         throw Error("no arguments; q3map2 -help lists what there is");
-    throw Error("\"{}\" is not a stage of this version; it has -light, -export, -import, -json, -info and -shpreview",
-                arguments.Rest().front());
+    throw Error(
+        "\"{}\" is not a stage of this version; it has -vis, -light, -export, -import, -json, -info and -shpreview",
+        arguments.Rest().front());
 }
 
 int Run(const std::vector<std::string> &words, const std::filesystem::path &program, Log &log) {

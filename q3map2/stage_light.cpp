@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. q3map2 -light: files in, LightWorld, file out.
 #include "common/error.h"
-#include "q3map2/bspfile/entities.h"
+#include "q3map2/command_record.h"
 #include "q3map2/convert/convert.h"
 #include "q3map2/light_inputs.h"
 #include "q3map2/lightmap/light_world.h"
@@ -11,29 +11,6 @@
 namespace q3 {
 
 namespace {
-
-/// Engines read at most 1024 bytes of a value; the oldest records go first.
-constexpr std::size_t kMaxRecord = 900;
-
-/// Appends the stage and its options to the record that the world keeps of how it was made.
-void RecordCommand(Bsp &bsp, std::string_view name, const std::vector<std::string> &words) {
-    std::string command = "-light";
-    for (const std::string &word : words) {
-        command += ' ';
-        for (const char c : word)
-            if (c != '\\' && c != '"' && c != ';' && static_cast<unsigned char>(c) >= 32)
-                command += c;
-    }
-    std::vector<Entity> entities = ParseEntities(bsp.entities, name);
-    Entity &world = entities.front();
-    std::string record(world.Value("_q3map2_cmdline"));
-    record += (record.empty() ? "" : "; ") + command;
-    while (record.size() > kMaxRecord && record.find("; ") != std::string::npos)
-        record.erase(0, record.find("; ") + 2);
-    world.Set("_q3map2_cmdline", record.substr(0, kMaxRecord));
-    world.Set("_q3map2_version", kVersion);
-    bsp.entities = FormatEntities(entities);
-}
 
 struct PagesFiles {
     std::filesystem::path bsp, folder;
@@ -77,7 +54,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const JobPool jobs(context.options.threads);
     log.Count(jobs.Threads(), "threads");
     LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);
-    RecordCommand(bsp, inputs.name, recorded);
+    RecordCommand(bsp, "-light", inputs.name, recorded);
     if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump && !format.advertisements && format.version == 46)
         log.Print("The SH grid makes this a version 47 file, which engines without SH support refuse; -shbspx keeps "
                   "version 46\n");

@@ -15,13 +15,14 @@ inline constexpr std::string_view kVersion = "q3map2-sh 0.1.0";
 /// What a stage gets besides its arguments.
 struct StageContext {
     const GlobalOptions &options;
-    std::filesystem::path program; ///< real path of the executable
+    std::filesystem::path program;  ///< real path of the executable
     std::vector<std::string> words; ///< all words of the command line, to find the engine path in
     Log &log;
 };
 
 // Each takes its options off `arguments`, whose stage word is gone already, and returns the exit status.
 int LightStage(const StageContext &context, Arguments arguments);
+int VisStage(const StageContext &context, Arguments arguments);
 int ExportStage(const StageContext &context, Arguments arguments);
 int ImportStage(const StageContext &context, Arguments arguments);
 int JsonStage(const StageContext &context, Arguments arguments);

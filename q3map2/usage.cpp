@@ -12,8 +12,8 @@ struct Topic {
 
 constexpr Topic kTopics[] = {
     {"common", R"(Global options, with every stage, anywhere on the line:
-  -help [topic]           this text; topics: common light lightmap json export
-                          info shpreview game
+  -help [topic]           this text; topics: common vis light lightmap json
+                          export info shpreview game
   -v                      more output
   -threads N              worker threads (default: one per hardware thread)
   -connect A.B.C.D:PORT   send what is printed to an editor
@@ -26,6 +26,18 @@ constexpr Topic kTopics[] = {
                           home folder; the game's folder in it; both in one
   -fs_pakpath DIR         further folder with game files; repeatable
   -fs_forbiddenpath MASK  skip folders and archives of that name; repeatable
+)"},
+    {"vis", R"(q3map2 -vis [options] maps/x.bsp       what can be seen from where, from maps/x.prt; removes x.prt
+  -saveprt                keep x.prt
+  -fast                   rough and quick: by the sides that portals face
+  -merge                  merge leafs and their portals first: quicker, less exact
+  -hint                   the same, but not through hint brushes
+  -mergeportals           merge portals between the same two leafs
+  -nopassage              portal flow without passages: slower, less exact
+  -passageOnly            passages without portal flow: quicker, less exact
+  -nosort                 portals in the order of the file
+  -plain                  each direction for itself, as the established program does
+  -v -v                   how many clusters see how many others
 )"},
     {"light", R"(q3map2 -light [options] maps/x.bsp     lights a compiled map; lightmap options: -help lightmap
   -onlygrid               leave lightmaps and vertex colours as they are

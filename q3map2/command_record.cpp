@@ -1,0 +1,35 @@
+// GPL-2.0-or-later. The record that a map keeps of how it was made.
+#include "q3map2/command_record.h"
+
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/stages.h"
+
+namespace q3 {
+
+namespace {
+
+/// Engines read at most 1024 bytes of a value; the oldest records go first.
+constexpr std::size_t kMaxRecord = 900;
+
+} // namespace
+
+void RecordCommand(Bsp &bsp, std::string_view stage, std::string_view name, const std::vector<std::string> &words) {
+    std::string command(stage);
+    for (const std::string &word : words) {
+        command += ' ';
+        for (const char c : word)
+            if (c != '\\' && c != '"' && c != ';' && static_cast<unsigned char>(c) >= 32)
+                command += c;
+    }
+    std::vector<Entity> entities = ParseEntities(bsp.entities, name);
+    Entity &world = entities.front();
+    std::string record(world.Value("_q3map2_cmdline"));
+    record += (record.empty() ? "" : "; ") + command;
+    while (record.size() > kMaxRecord && record.find("; ") != std::string::npos)
+        record.erase(0, record.find("; ") + 2);
+    world.Set("_q3map2_cmdline", record.substr(0, kMaxRecord));
+    world.Set("_q3map2_version", kVersion);
+    bsp.entities = FormatEntities(entities);
+}
+
+} // namespace q3
