@@ -23,8 +23,10 @@ void Progress::Update(std::int64_t done, std::uint64_t rays) {
             return;
         lastShown_ = seconds;
         const double share = double(done) / double(total_);
-        log_.Print("\r{:3.0f} %  {:.1f} million rays/s  {:.0f} s left   ", 100 * share, double(rays) / seconds / 1e6,
-                   seconds * (1 - share) / share);
+        log_.Print("\r{:3.0f} %  ", 100 * share);
+        if (rays > 0)
+            log_.Print("{:.1f} million rays/s  ", double(rays) / seconds / 1e6);
+        log_.Print("{:.0f} s left   ", seconds * (1 - share) / share);
         return;
     }
     for (; step_ < kSteps && done * kSteps >= std::int64_t(step_ + 1) * total_; ++step_) {

@@ -28,4 +28,10 @@ void RecordCommand(Entity &world, std::string_view stage, const std::vector<std:
     world.Set("_q3map2_version", kVersion);
 }
 
+void RecordCommand(Bsp &bsp, std::string_view stage, std::string_view name, const std::vector<std::string> &words) {
+    std::vector<Entity> entities = ParseEntities(bsp.entities, name);
+    RecordCommand(entities.front(), stage, words);
+    bsp.entities = FormatEntities(entities);
+}
+
 } // namespace q3

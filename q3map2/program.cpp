@@ -16,15 +16,14 @@ struct Stage {
     std::string_view name;
     int (*run)(const StageContext &, Arguments);
 };
-constexpr Stage kStages[] = {{"-bsp", BspStage},          {"-light", LightStage}, {"-export", ExportStage},
-                             {"-import", ImportStage},    {"-json", JsonStage},   {"-info", InfoStage},
-                             {"-shpreview", PreviewStage}};
+constexpr Stage kStages[] = {{"-bsp", BspStage},       {"-vis", VisStage},          {"-light", LightStage},
+                             {"-export", ExportStage}, {"-import", ImportStage},    {"-json", JsonStage},
+                             {"-info", InfoStage},     {"-shpreview", PreviewStage}};
 
 /// Names that users of other compilers may give. Without this list they would start the bsp stage, which replaces the
 /// map.
-constexpr std::string_view kOtherStages[] = {"-analyze", "-convert", "-exportents", "-fixaas", "-mergebsp",
-                                             "-minimap", "-pk3",     "-repack",     "-scale",  "-shift",
-                                             "-vis",     "-vlight",  "-ent"};
+constexpr std::string_view kOtherStages[] = {"-analyze", "-convert", "-exportents", "-fixaas", "-mergebsp", "-minimap",
+                                             "-pk3",     "-repack",  "-scale",      "-shift",  "-vlight",   "-ent"};
 
 int RunStage(const StageContext &context, Arguments arguments) {
     for (const Stage &stage : kStages)
@@ -36,9 +35,10 @@ int RunStage(const StageContext &context, Arguments arguments) {
         throw Error("no arguments; q3map2 -help lists what there is");
     for (const std::string_view name : kOtherStages)
         if (EqualNoCase(arguments.Rest().front(), name))
-            throw Error("{} is not a stage of this version; it has -bsp, -light, -export, -import, -json, -info and "
-                        "-shpreview",
-                        name);
+            throw Error(
+                "{} is not a stage of this version; it has -bsp, -vis, -light, -export, -import, -json, -info and "
+                "-shpreview",
+                name);
     return BspStage(context, std::move(arguments));
 }
 

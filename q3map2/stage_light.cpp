@@ -1,6 +1,5 @@
 // GPL-2.0-or-later. q3map2 -light: files in, LightWorld, file out.
 #include "common/error.h"
-#include "q3map2/bspfile/entities.h"
 #include "q3map2/command_record.h"
 #include "q3map2/convert/convert.h"
 #include "q3map2/light_inputs.h"
@@ -55,9 +54,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const JobPool jobs(context.options.threads);
     log.Count(jobs.Threads(), "threads");
     LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);
-    std::vector<Entity> entities = ParseEntities(bsp.entities, inputs.name);
-    RecordCommand(entities.front(), "-light", recorded);
-    bsp.entities = FormatEntities(entities);
+    RecordCommand(bsp, "-light", inputs.name, recorded);
     if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump && !format.advertisements && format.version == 46)
         log.Print("The SH grid makes this a version 47 file, which engines without SH support refuse; -shbspx keeps "
                   "version 46\n");

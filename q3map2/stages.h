@@ -23,6 +23,7 @@ struct StageContext {
 // Each takes its options off `arguments`, whose stage word is gone already, and returns the exit status.
 int BspStage(const StageContext &context, Arguments arguments);
 int LightStage(const StageContext &context, Arguments arguments);
+int VisStage(const StageContext &context, Arguments arguments);
 int ExportStage(const StageContext &context, Arguments arguments);
 int ImportStage(const StageContext &context, Arguments arguments);
 int JsonStage(const StageContext &context, Arguments arguments);

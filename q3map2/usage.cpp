@@ -12,7 +12,7 @@ struct Topic {
 
 constexpr Topic kTopics[] = {
     {"common", R"(Global options, with every stage, anywhere on the line:
-  -help [topic]           this text; topics: common bsp light lightmap json
+  -help [topic]           this text; topics: common bsp vis light lightmap json
                           export info shpreview game
   -v                      more output
   -threads N              worker threads (default: one per hardware thread)
@@ -53,6 +53,18 @@ Pictures of what is going on:
 Global ones of this stage:
   -subdivisions N         tolerance of curves made of triangles (8)
   -maxmapdrawsurfs N      most draw surfaces (131072)
+)"},
+    {"vis", R"(q3map2 -vis [options] maps/x.bsp       what can be seen from where, from maps/x.prt; removes x.prt
+  -saveprt                keep x.prt
+  -fast                   rough and quick: by the sides that portals face
+  -merge                  merge leafs and their portals first: quicker, less exact
+  -hint                   the same, but not through hint brushes
+  -mergeportals           merge portals between the same two leafs
+  -nopassage              portal flow without passages: slower, less exact
+  -passageOnly            passages without portal flow: quicker, less exact
+  -nosort                 portals in the order of the file
+  -plain                  each direction for itself, as the established program does
+  -v -v                   how many clusters see how many others
 )"},
     {"light", R"(q3map2 -light [options] maps/x.bsp     lights a compiled map; lightmap options: -help lightmap
   -onlygrid               leave lightmaps and vertex colours as they are

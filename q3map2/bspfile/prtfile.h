@@ -1,0 +1,41 @@
+// GPL-2.0-or-later. The portal file (.prt) that the bsp stage hands to the vis stage.
+#pragma once
+
+#include "libs/math/vec.h"
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// An opening between two clusters, or a polygon that bounds one.
+struct PrtWinding {
+    /// The normal of the first three points (clockwise for who it points at) leads into clusters[0], away from
+    /// clusters[1]. A face has one cluster, which its normal leads into, and clusters[1] is -1.
+    std::array<int, 2> clusters{-1, -1};
+    bool hint = false, sky = false;
+    int line = 0; ///< in the file, from 1
+    std::size_t firstPoint = 0, numPoints = 0;
+};
+
+struct PortalFile {
+    int clusters = 0;
+    std::vector<PrtWinding> portals, faces;
+    std::vector<Vec3f> points; ///< of all, in game units
+
+    std::span<const Vec3f> Points(const PrtWinding &winding) const {
+        return {points.data() + winding.firstPoint, winding.numPoints};
+    }
+};
+
+/// Parses the text of a portal file: cluster numbers, counts and coordinates are checked. `name` is for messages.
+/// Errors: Error with the line and what was expected there.
+PortalFile ParsePortalFile(std::string_view text, std::string_view name);
+/// The same from disk. Errors also as ReadFile.
+PortalFile ReadPortalFile(const std::filesystem::path &path);
+
+} // namespace q3

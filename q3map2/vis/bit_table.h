@@ -1,0 +1,56 @@
+// GPL-2.0-or-later. Rows of bits, worked on in words.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace q3 {
+
+using BitWord = std::uint64_t;
+
+inline std::size_t WordsOf(std::size_t bits) {
+    return (bits + 63) / 64;
+}
+inline bool TestBit(const BitWord *row, std::size_t bit) {
+    return (row[bit >> 6] >> (bit & 63) & 1) != 0;
+}
+inline void SetBit(BitWord *row, std::size_t bit) {
+    row[bit >> 6] |= BitWord(1) << (bit & 63);
+}
+inline void ClearBit(BitWord *row, std::size_t bit) {
+    row[bit >> 6] &= ~(BitWord(1) << (bit & 63));
+}
+inline std::size_t CountBits(std::span<const BitWord> row) {
+    std::size_t count = 0;
+    for (const BitWord word : row)
+        count += std::size_t(std::popcount(word));
+    return count;
+}
+/// Calls visit(bit) for every set bit, in ascending order.
+template <typename Visit> void ForEachBit(std::span<const BitWord> row, Visit &&visit) {
+    for (std::size_t i = 0; i < row.size(); ++i)
+        for (BitWord word = row[i]; word != 0; word &= word - 1)
+            visit(64 * i + std::size_t(std::countr_zero(word)));
+}
+
+/// `rows` rows of `bits` bits, all clear. Different rows may be written from different threads.
+class BitTable {
+  public:
+    BitTable() = default;
+    BitTable(std::size_t rows, std::size_t bits) : words_(WordsOf(bits)), data_(rows * words_) {}
+
+    std::size_t Words() const { return words_; }
+    BitWord *Row(std::size_t row) { return data_.data() + row * words_; }
+    const BitWord *Row(std::size_t row) const { return data_.data() + row * words_; }
+    std::span<const BitWord> Bits(std::size_t row) const { return {Row(row), words_}; }
+    bool Test(std::size_t row, std::size_t bit) const { return TestBit(Row(row), bit); }
+
+  private:
+    std::size_t words_ = 0;
+    std::vector<BitWord> data_;
+};
+
+} // namespace q3

@@ -1,0 +1,188 @@
+// GPL-2.0-or-later. The vis stage as a whole, and its statistics.
+#include "q3map2/vis/vis.h"
+
+#include "common/text.h"
+#include "q3map2/vis/vis_map.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <map>
+#include <optional>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::uint64_t kMaxPassageBytes = std::uint64_t(4) << 30;
+
+void Merge(PortalGraph &graph, const VisOptions &options, Log &log) {
+    if (options.merge)
+        log.Print("{:6} leaves merged\n", MergeLeafs(graph, options.keepHints));
+    if (options.merge || options.mergePortals) {
+        const MergedPortals merged = MergePortals(graph);
+        log.Print("{:6} portals merged\n{:6} hint portals merged\n", merged.pairs, merged.hintPairs);
+    }
+    log.Print("{:6} active portals\n{:6} hint portals\n", graph.ActivePortals(), graph.HintPortals());
+}
+
+void AnnounceFarPlane(const FarPlane &farPlane, Log &log) {
+    if (farPlane.distance <= 0)
+        return;
+    log.Print("farplane distance = {:.1f}\n", farPlane.distance);
+    if (farPlane.mode == FarPlaneMode::Origins)
+        log.Print("farplane Origin2Origin mode on\n");
+    if (farPlane.mode == FarPlaneMode::RadiusOnly)
+        log.Print("farplane Radius+Radius mode on\n");
+    if (farPlane.mode == FarPlaneMode::Exact)
+        log.Print("farplane Exact distance mode on\n");
+}
+
+/// All passes that the options ask for, each into the table of the one before.
+SightTable SightOf(const VisMap &map, const VisOptions &options, const JobPool &jobs, Log &log) {
+    const std::size_t count = map.NumPortals();
+    log.Print("\n");
+    log.Section(fmt::format("BasePortalVis ({})", count));
+    SightTable sight = FloodSight(map, options.farPlane, jobs, log);
+    if (!options.plain)
+        ApplySymmetry(map, sight);
+    if (options.fast)
+        return sight;
+    std::optional<Passages> passages;
+    FlowSettings settings{.passages = nullptr, .clip = true, .alone = options.plain};
+    const std::uint64_t bytes = Passages::BytesFor(map);
+    if (!options.noPassage && bytes > kMaxPassageBytes)
+        log.Warn("too many passages", "passages would take {} MB, so there are none; -merge makes fewer portals",
+                 bytes >> 20);
+    else if (!options.noPassage) {
+        log.Print("{:7} average number of passages per leaf\n{:7} MB required passage memory\n",
+                  bytes / sizeof(BitWord) / std::max<std::size_t>(1, sight.Words() * count), bytes >> 20);
+        log.Section(fmt::format("CreatePassages ({})", count));
+        passages.emplace(map, sight, jobs, log);
+        settings.passages = &*passages;
+    }
+    if (settings.passages != nullptr) {
+        settings.clip = !options.passageOnly;
+        log.Section(fmt::format("{} ({})", settings.clip ? "PassagePortalFlow" : "PassageFlow", count));
+    }
+    PortalFlow(map, OrderPortals(map, sight, !options.noSort), settings, jobs, log, sight);
+    return sight;
+}
+
+/// Rows of clusters: the leafs that the portals lead to which are seen through the portals of the cluster's leaf.
+BitTable ClusterRows(const PortalGraph &graph, const VisMap &map, const SightTable &sight) {
+    const std::size_t clusters = graph.leafs.size();
+    std::vector<std::size_t> root(clusters);
+    for (std::size_t c = 0; c < clusters; ++c)
+        root[c] = std::size_t(graph.Root(int(c)));
+    BitTable leafRows(clusters, clusters), rows(clusters, clusters);
+    std::vector<BitWord> seen(sight.Words());
+    for (std::size_t leaf = 0; leaf < clusters; ++leaf) {
+        if (root[leaf] != leaf)
+            continue;
+        std::fill(seen.begin(), seen.end(), BitWord(0));
+        for (const int p : map.PortalsOf(int(leaf))) {
+            SetBit(seen.data(), std::size_t(p));
+            for (std::size_t i = 0; i < seen.size(); ++i)
+                seen[i] |= sight.Row(std::size_t(p))[i];
+        }
+        SetBit(leafRows.Row(leaf), leaf);
+        ForEachBit(seen, [&](std::size_t q) { SetBit(leafRows.Row(leaf), std::size_t(map.Portal(q).leaf)); });
+    }
+    for (std::size_t c = 0; c < clusters; ++c)
+        for (std::size_t other = 0; other < clusters; ++other)
+            if (leafRows.Test(root[c], root[other]))
+                SetBit(rows.Row(c), other);
+    return rows;
+}
+
+void MakeSymmetric(BitTable &rows, std::size_t clusters) {
+    for (std::size_t a = 0; a < clusters; ++a)
+        for (std::size_t b = 0; b < a; ++b)
+            if (rows.Test(a, b) != rows.Test(b, a)) {
+                ClearBit(rows.Row(a), b);
+                ClearBit(rows.Row(b), a);
+            }
+}
+
+} // namespace
+
+FarPlane FarPlaneOf(const Entity &world) {
+    const std::string_view value = world.Value({"_farplanedist", "fogclip", "distancecull"});
+    FarPlane farPlane;
+    farPlane.distance = std::max(0.0, NumberFromText(value));
+    if (value.ends_with('o'))
+        farPlane.mode = FarPlaneMode::Origins;
+    else if (value.ends_with('e'))
+        farPlane.mode = FarPlaneMode::Exact;
+    else if (value.ends_with('r'))
+        farPlane.mode = FarPlaneMode::RadiusOnly;
+    return farPlane;
+}
+
+int Visibility::Count(int from) const {
+    int count = 0;
+    for (std::size_t i = 0; i < rowBytes; ++i)
+        count += std::popcount(rows[std::size_t(from) * rowBytes + i]);
+    return count;
+}
+
+std::vector<std::uint8_t> Visibility::Lump() const {
+    std::vector<std::uint8_t> lump(8 + rows.size());
+    const std::int32_t head[2] = {std::int32_t(clusters), std::int32_t(rowBytes)};
+    for (std::size_t i = 0; i < 8; ++i)
+        lump[i] = std::uint8_t(std::uint32_t(head[i / 4]) >> 8 * (i % 4) & 255);
+    std::copy(rows.begin(), rows.end(), lump.begin() + 8);
+    return lump;
+}
+
+Visibility ComputeVisibility(const PortalFile &file, std::string_view name, const VisOptions &options,
+                             const JobPool &jobs, Log &log) {
+    PortalGraph graph = BuildPortalGraph(file, name);
+    Merge(graph, options, log);
+    Visibility result;
+    result.clusters = file.clusters;
+    result.rowBytes = 8 * WordsOf(std::size_t(file.clusters));
+    log.Print("visdatasize:{}\n", 8 + std::size_t(result.clusters) * result.rowBytes);
+    AnnounceFarPlane(options.farPlane, log);
+    const VisMap map(graph);
+    const SightTable sight = SightOf(map, options, jobs, log);
+    log.Print("creating leaf vis...\n");
+    BitTable rows = ClusterRows(graph, map, sight);
+    if (!options.plain)
+        MakeSymmetric(rows, graph.leafs.size());
+    result.rows.resize(std::size_t(result.clusters) * result.rowBytes);
+    for (std::size_t c = 0; c < graph.leafs.size(); ++c)
+        for (std::size_t i = 0; i < result.rowBytes; ++i)
+            result.rows[c * result.rowBytes + i] = std::uint8_t(rows.Row(c)[i / 8] >> 8 * (i % 8) & 255);
+    return result;
+}
+
+void PrintStatistics(const Visibility &visibility, bool histogram, Log &log) {
+    if (visibility.clusters == 0)
+        return;
+    std::map<int, int> clustersOf;
+    double total = 0, squares = 0;
+    for (int c = 0; c < visibility.clusters; ++c) {
+        const int count = visibility.Count(c) + 1;
+        clustersOf[count]++;
+        total += count;
+        squares += double(count) * count;
+    }
+    if (histogram)
+        for (const auto &[count, clusters] : clustersOf)
+            log.Verbose("{:4} clusters have exactly {:4} visible clusters\n", clusters, count);
+    const double all = visibility.clusters, average = total / all;
+    const double deviation = std::sqrt(std::max(0.0, squares / all - average * average));
+    const int least = clustersOf.begin()->first, most = clustersOf.rbegin()->first;
+    log.Print("Total clusters: {}\nTotal visible clusters: {:.0f}\n", visibility.clusters, total);
+    log.Print("Average clusters visible: {:.2f} ({:.3f}%/total)\n", average, 100 * average / all);
+    const auto line = [&](std::string_view what, std::string_view value, double number) {
+        log.Print("  {}: {} ({:.3f}%/total, {:.3f}%/avg)\n", what, value, 100 * number / all, 100 * number / average);
+    };
+    line("Standard deviation", fmt::format("{:.2f}", deviation), deviation);
+    line("Minimum", fmt::format("{}", least), least);
+    line("Maximum", fmt::format("{}", most), most);
+}
+
+} // namespace q3

@@ -1,0 +1,69 @@
+// GPL-2.0-or-later. The vis stage: from portals to what every cluster may see.
+#pragma once
+
+#include "common/jobs.h"
+#include "common/log.h"
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/prtfile.h"
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// How the distance of two portals is compared with the far plane.
+enum class FarPlaneMode {
+    Nearest,    ///< nearest points of their spheres
+    Origins,    ///< their centres
+    Exact,      ///< farthest points of their spheres against twice the distance
+    RadiusOnly, ///< the sum of their radii, wherever they are
+};
+
+/// Beyond it nothing is seen, but through sky portals.
+struct FarPlane {
+    double distance = 0; ///< game units; 0: none
+    FarPlaneMode mode = FarPlaneMode::Nearest;
+};
+
+/// The keys `_farplanedist`, `fogclip`, `distancecull` of the world: the first one that is not empty. A number, then a
+/// letter for the mode: o, e, r.
+FarPlane FarPlaneOf(const Entity &world);
+
+struct VisOptions {
+    bool fast = false;         ///< -fast: flood only
+    bool merge = false;        ///< -merge, -hint: leafs, then portals
+    bool mergePortals = false; ///< -mergeportals
+    bool keepHints = false;    ///< -hint: no merging of leafs through hint portals
+    bool noPassage = false;    ///< -nopassage: portal flow alone
+    bool passageOnly = false;  ///< -passageOnly: passages alone
+    bool noSort = false;       ///< -nosort: portals in the order of the file
+    bool plain = false;        ///< -plain: each direction and each portal for itself, in turn
+    FarPlane farPlane{};
+};
+
+/// What clusters may see.
+struct Visibility {
+    int clusters = 0;
+    std::size_t rowBytes = 0;       ///< a multiple of 8
+    std::vector<std::uint8_t> rows; ///< bit c & 7 of byte c >> 3: cluster c is seen
+
+    bool Sees(int from, int to) const {
+        return (rows[std::size_t(from) * rowBytes + std::size_t(to >> 3)] >> (to & 7) & 1) != 0;
+    }
+    /// Clusters that one sees, itself included.
+    int Count(int from) const;
+    /// The bytes of the visibility lump.
+    std::vector<std::uint8_t> Lump() const;
+};
+
+/// What each cluster of a portal file may see: never less than it does see, and itself always. The bytes do not depend
+/// on the number of threads. `name` is for messages. Errors: those of BuildPortalGraph.
+Visibility ComputeVisibility(const PortalFile &file, std::string_view name, const VisOptions &options,
+                             const JobPool &jobs, Log &log);
+
+/// Prints total, average, deviation, minimum and maximum of visible clusters; with `histogram` how many see how many.
+/// A cluster counts itself twice, as logs of map compilers have it.
+void PrintStatistics(const Visibility &visibility, bool histogram, Log &log);
+
+} // namespace q3

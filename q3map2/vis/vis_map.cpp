@@ -1,0 +1,192 @@
+// GPL-2.0-or-later. What the passes over portals read, and the first of them: the flood.
+#include "q3map2/vis/vis_map.h"
+
+#include "common/progress.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace q3 {
+
+namespace {
+
+std::size_t Padded(std::size_t count) {
+    return (count + kPointGroup - 1) / kPointGroup * kPointGroup;
+}
+
+double DistanceOf(const VisPlane &plane, const Vec3f &p) {
+    return double(Dot(p, plane.normal)) - double(plane.dist);
+}
+
+/// Whether the far plane hides one portal from another.
+bool IsTooFar(const FarPlane &farPlane, const FlowPortal &p, const FlowPortal &t) {
+    if (farPlane.distance <= 0 || p.sky || t.sky)
+        return false;
+    const Vec3f away = p.centre - t.centre;
+    const double length = std::sqrt(double(Dot(away, away)));
+    const double radii = double(p.radius) + double(t.radius);
+    switch (farPlane.mode) {
+    case FarPlaneMode::Origins:
+        return length > farPlane.distance;
+    case FarPlaneMode::Exact:
+        return length + radii > 2 * farPlane.distance;
+    case FarPlaneMode::RadiusOnly:
+        return radii > farPlane.distance;
+    case FarPlaneMode::Nearest:
+        break;
+    }
+    return length - radii > farPlane.distance;
+}
+
+/// Whether a point of `t` is in front of the plane (or, with sign -1, behind it) by more than 0.1. The centre is the
+/// mean of the points, so that far ones decide by it alone.
+bool ReachesFront(const VisPlane &plane, const FlowPortal &t, double sign) {
+    constexpr double kEpsilon = 0.1, kRounding = 0.5;
+    const double centre = sign * DistanceOf(plane, t.centre);
+    if (centre > kEpsilon + kRounding)
+        return true;
+    if (centre < -double(t.radius) - kRounding)
+        return false;
+    for (int i = 0; i < t.winding.count; ++i)
+        if (sign * DistanceOf(plane, t.winding.Point(i)) > kEpsilon)
+            return true;
+    return false;
+}
+
+void FloodFrom(const VisMap &map, const FarPlane &farPlane, std::size_t from, BitWord *seen, BitTable &tested,
+               std::vector<int> &leafs) {
+    const FlowPortal &p = map.Portal(from);
+    std::fill_n(tested.Row(0), tested.Words(), BitWord(0));
+    leafs.assign(1, p.leaf);
+    while (!leafs.empty()) {
+        const int leaf = leafs.back();
+        leafs.pop_back();
+        for (const int next : map.PortalsOf(leaf)) {
+            const auto q = std::size_t(next);
+            if (TestBit(tested.Row(0), q))
+                continue;
+            SetBit(tested.Row(0), q);
+            const FlowPortal &t = map.Portal(q);
+            if (q == from || IsTooFar(farPlane, p, t) || !ReachesFront(p.plane, t, 1) || !ReachesFront(t.plane, p, -1))
+                continue;
+            SetBit(seen, q);
+            leafs.push_back(t.leaf);
+        }
+    }
+}
+
+/// Exchanges every bit with its neighbour.
+BitWord SwapPairs(BitWord word) {
+    constexpr BitWord kEven = 0x5555555555555555u;
+    return (word & kEven) << 1 | (word >> 1 & kEven);
+}
+
+void Transpose64(std::array<BitWord, 64> &block) {
+    BitWord mask = 0x00000000ffffffffu;
+    for (std::size_t step = 32; step != 0; step >>= 1, mask ^= mask << step)
+        for (std::size_t k = 0; k < 64; k = (k + step + 1) & ~step) {
+            const BitWord exchanged = (block[k] >> step ^ block[k + step]) & mask;
+            block[k] ^= exchanged << step;
+            block[k + step] ^= exchanged;
+        }
+}
+
+} // namespace
+
+VisMap::VisMap(const PortalGraph &graph) {
+    std::size_t floats = 0;
+    for (const GraphPortal &portal : graph.portals)
+        floats += portal.removed ? 0 : 3 * Padded(portal.winding.size());
+    points_.reserve(floats); // portals point into it
+    for (std::size_t i = 0; i < graph.portals.size(); ++i) {
+        const GraphPortal &portal = graph.portals[i], &twin = graph.portals[i ^ 1];
+        FlowPortal flow;
+        flow.plane = portal.plane, flow.centre = portal.centre, flow.radius = portal.radius;
+        flow.leaf = portal.leaf, flow.sky = portal.sky, flow.removed = portal.removed;
+        flow.hasTwin = !portal.removed && !twin.removed && !portal.joined && !twin.joined;
+        if (!portal.removed) {
+            const std::size_t count = portal.winding.size(), padded = Padded(count);
+            const float *const at = points_.data() + points_.size();
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                for (std::size_t k = 0; k < padded; ++k)
+                    points_.push_back(portal.winding[k < count ? k : 0][axis]);
+            flow.winding = {at, at + padded, at + 2 * padded, int(count)};
+        }
+        portals_.push_back(flow);
+    }
+    for (const GraphLeaf &leaf : graph.leafs) {
+        leafFirst_.push_back(int(leafPortals_.size()));
+        for (const int p : leaf.portals)
+            if (!graph.portals[std::size_t(p)].removed)
+                leafPortals_.push_back(p);
+    }
+    leafFirst_.push_back(int(leafPortals_.size()));
+}
+
+SightTable FloodSight(const VisMap &map, const FarPlane &farPlane, const JobPool &jobs, Log &log) {
+    const std::size_t count = map.NumPortals();
+    SightTable sight(count, count);
+    struct Scratch {
+        BitTable tested;
+        std::vector<int> leafs;
+    };
+    std::vector<Scratch> scratch(std::size_t(jobs.Threads()));
+    for (Scratch &one : scratch)
+        one.tested = BitTable(1, count);
+    Progress progress(log, std::int64_t(count));
+    jobs.For(
+        std::int64_t(count),
+        [&](std::int64_t index, int worker) {
+            const auto p = std::size_t(index);
+            Scratch &mine = scratch[std::size_t(worker)];
+            if (!map.Portal(p).removed)
+                FloodFrom(map, farPlane, p, sight.Row(p), mine.tested, mine.leafs);
+        },
+        [&](std::int64_t done) { progress.Update(done, 0); });
+    progress.Finish();
+    return sight;
+}
+
+void ApplySymmetry(const VisMap &map, SightTable &sight) {
+    const std::size_t count = map.NumPortals(), words = sight.Words();
+    std::vector<BitWord> twins(words);
+    for (std::size_t p = 0; p < count; ++p)
+        if (map.Portal(p).hasTwin)
+            SetBit(twins.data(), p);
+    // Bit q of row p against bit p ^ 1 of row q ^ 1: blocks of 64 x 64, and the one across the diagonal.
+    std::array<BitWord, 64> block, across;
+    const auto load = [&](std::size_t row, std::size_t word, std::array<BitWord, 64> &into) {
+        for (std::size_t k = 0; k < 64; ++k)
+            into[k] = 64 * row + k < count ? sight.Row(64 * row + k)[word] : 0;
+    };
+    const auto restrict = [&](std::size_t row, std::size_t word, const std::array<BitWord, 64> &by) {
+        for (std::size_t k = 0; k < 64 && 64 * row + k < count; ++k)
+            if (TestBit(twins.data(), 64 * row + k))
+                sight.Row(64 * row + k)[word] &= SwapPairs(by[k ^ 1]) | ~twins[word];
+    };
+    for (std::size_t row = 0; row < words; ++row)
+        for (std::size_t word = row; word < words; ++word) {
+            load(row, word, block);
+            load(word, row, across);
+            Transpose64(block);
+            Transpose64(across);
+            restrict(row, word, across);
+            restrict(word, row, block);
+        }
+}
+
+std::vector<int> OrderPortals(const VisMap &map, const SightTable &sight, bool sorted) {
+    std::vector<int> order(map.NumPortals());
+    std::iota(order.begin(), order.end(), 0);
+    if (!sorted)
+        return order;
+    std::vector<std::size_t> cost(order.size());
+    for (std::size_t p = 0; p < cost.size(); ++p)
+        cost[p] = CountBits(sight.Bits(p));
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return cost[std::size_t(a)] < cost[std::size_t(b)]; });
+    return order;
+}
+
+} // namespace q3

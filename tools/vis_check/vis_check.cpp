@@ -1,0 +1,65 @@
+// GPL-2.0-or-later. vis_check: whether the visibility data of a map hides something that can be seen.
+#include "common/arguments.h"
+#include "common/error.h"
+#include "common/text.h"
+#include "q3map2/bspfile/bspfile.h"
+#include "tools/vis_check/sight_check.h"
+
+#include <cstdio>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::string_view kUsage = R"(usage: vis_check [options] A.bsp B.bsp ...
+  --pairs N       pairs of points in open leafs (1000000)
+  --margin F      units around a line that must be clear too for a pair to count as missing (0.5)
+  --seed N        of the random points (1)
+Exit status 1: a map hides clusters that see each other.
+)";
+
+int Run(const std::vector<std::string> &words) {
+    Arguments arguments(words);
+    if (arguments.TakeFlag({"--help", "-h"}) || arguments.Empty()) {
+        fmt::print("{}", kUsage);
+        return 0;
+    }
+    const auto number = [&](std::string_view name, double fallback) {
+        const auto text = arguments.TakeValue(name);
+        return text ? NumberFromText(*text) : fallback;
+    };
+    const auto pairs = std::int64_t(number("--pairs", 1e6));
+    const auto margin = float(number("--margin", 0.5));
+    const auto seed = std::uint32_t(number("--seed", 1));
+    if (pairs < 1)
+        throw Error("--pairs: expected at least 1");
+    bool missing = false;
+    Log log([](LogLevel level, std::string_view text) {
+        if (level != LogLevel::Normal)
+            std::fwrite(text.data(), 1, text.size(), stderr);
+    });
+    while (!arguments.Empty()) {
+        const std::string path = arguments.TakeFirst();
+        const SightCheck check = CheckSight(ReadBspFile(path, {}, log), pairs, margin, seed);
+        fmt::print("{}: {} pairs, {} see each other, {} of them hidden, {} of those by more than {} units", path,
+                   check.pairs, check.clear, check.hidden, check.missing, margin);
+        if (check.missing > 0)
+            fmt::print(" (the first: clusters {} and {})", check.from, check.to);
+        fmt::print("\n");
+        missing |= check.missing > 0;
+    }
+    return missing ? 1 : 0;
+}
+
+} // namespace
+
+} // namespace q3
+
+int main(int count, char **words) {
+    try {
+        return q3::Run({words + 1, words + count});
+    } catch (const std::exception &error) {
+        fmt::print(stderr, "vis_check: {}\n", error.what());
+        return 1;
+    }
+}
