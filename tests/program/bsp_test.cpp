@@ -137,6 +137,26 @@ TEST_F(BspTest, BrokenSourceLeavesTheOldMap) {
     EXPECT_EQ(ReadRoom().drawSurfaces.size(), 6u);
 }
 
+TEST_F(BspTest, TheDemoArenaGoesThroughAllStages) {
+    fs::copy(fs::path(DEMO_ARENA) / "maps" / "demo.map", maps_ / "room.map");
+    const fs::path game = maps_.parent_path();
+    for (const char *part : {"scripts", "models"})
+        fs::copy(fs::path(DEMO_ARENA) / part, game / part,
+                 fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+    RunWell("-meta " + Room(".map").string());
+    ASSERT_TRUE(fs::exists(Room(".prt"))) << "it leaks";
+    const Bsp compiled = ReadRoom();
+    EXPECT_EQ(compiled.models.size(), 2u) << "the world and its door";
+    EXPECT_TRUE(compiled.visibility.empty());
+    RunWell("-vis " + Room(".bsp").string());
+    EXPECT_FALSE(ReadRoom().visibility.empty());
+    RunWell("-light -fast -sh -gridsh 128 128 128 " + Room(".bsp").string());
+    const Bsp lit = ReadRoom();
+    EXPECT_FALSE(lit.lightmaps.empty());
+    ASSERT_TRUE(lit.gridSH);
+    EXPECT_FALSE(lit.gridSH->points.empty());
+}
+
 } // namespace
 
 } // namespace q3::test

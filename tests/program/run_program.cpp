@@ -82,9 +82,12 @@ std::vector<std::byte> LumpOf(const std::vector<std::byte> &file, std::size_t lu
 
 ProgramTest::ProgramTest() : game_(folder_ / "base/baseq3"), maps_(game_ / "maps") {
     QuietLog quiet;
-    WriteDemo(game_, quiet.log);
+    const DemoMap demo = DemoScene();
+    folder_.Write("base/baseq3/maps/demo.map", demo.mapText);
+    folder_.Write("base/baseq3/scripts/demo.shader", demo.shaderText);
+    folder_.Write("base/baseq3/scripts/shaderlist.txt", "demo\n");
     // Something in every lump that lighting must keep.
-    Bsp bsp = ReadBspFile(Map(".bsp"), {}, quiet.log);
+    Bsp bsp = demo.bsp;
     bsp.lightmaps.resize(std::size_t(128 * 128 * 3));
     for (std::size_t i = 0; i < bsp.lightmaps.size(); i++)
         bsp.lightmaps[i] = std::uint8_t(i * 31 >> 3);

@@ -317,20 +317,5 @@ TEST(DemoScene, IsAValidMapWithItsLightsInTheSource) {
     EXPECT_GE(LeafAt(demo.bsp, {256, -128, 310}).cluster, 0) << "the opening in the ceiling";
 }
 
-TEST(DemoScene, IsWrittenAsAGameFolder) {
-    const auto folder = std::filesystem::path(testing::TempDir()) / "q3map2_demo_scene";
-    std::filesystem::remove_all(folder);
-    TestLog log;
-    WriteDemo(folder, log.log);
-    const Bsp bsp = ReadBspFile(folder / "maps" / "demo.bsp", {}, log.log);
-    EXPECT_EQ(bsp.drawSurfaces.size(), DemoScene().bsp.drawSurfaces.size());
-    EXPECT_TRUE(std::filesystem::is_regular_file(folder / "maps" / "demo.map"));
-    EXPECT_TRUE(std::filesystem::is_regular_file(folder / "scripts" / "demo.shader"));
-    std::filesystem::remove_all(folder);
-    std::ofstream(folder) << "in the way";
-    EXPECT_THROW(WriteDemo(folder, log.log), Error);
-    std::filesystem::remove_all(folder);
-}
-
 } // namespace
 } // namespace q3

@@ -1,11 +1,7 @@
 // GPL-2.0-or-later. A small original arena that shows what the light grids do.
 #include "tools/scene/demo_scene.h"
 
-#include "common/error.h"
 #include "tools/scene/scene_builder.h"
-
-#include <fstream>
-#include <system_error>
 
 namespace q3 {
 
@@ -149,14 +145,6 @@ std::vector<Entity> Lights() {
               {"radius", "80"}}}};
 }
 
-void WriteText(const std::filesystem::path &path, const std::string &text) {
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    file.close();
-    if (!file)
-        throw Error("{}: cannot write the file", path.string());
-}
-
 } // namespace
 
 DemoMap DemoScene() {
@@ -173,20 +161,6 @@ DemoMap DemoScene() {
         all.push_back(light);
     map.mapText = FormatEntities(all);
     return map;
-}
-
-void WriteDemo(const std::filesystem::path &folder, Log &log) {
-    std::error_code failed;
-    for (const char *part : {"maps", "scripts"}) {
-        std::filesystem::create_directories(folder / part, failed);
-        if (failed)
-            throw Error("{}: cannot make the folder: {}", (folder / part).string(), failed.message());
-    }
-    const DemoMap map = DemoScene();
-    WriteBspFile(folder / "maps" / "demo.bsp", map.bsp, {}, log);
-    WriteText(folder / "maps" / "demo.map", map.mapText);
-    WriteText(folder / "scripts" / "demo.shader", map.shaderText);
-    WriteText(folder / "scripts" / "shaderlist.txt", "demo\n");
 }
 
 } // namespace q3

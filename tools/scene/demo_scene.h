@@ -3,7 +3,6 @@
 
 #include "q3map2/bspfile/bspfile.h"
 
-#include <filesystem>
 #include <string>
 
 namespace q3 {
@@ -18,9 +17,5 @@ struct DemoMap {
 /// Two rooms of 1024 x 768 x 320 in all: in the west a red lamp faces a blue one between four pillars and a round bay;
 /// in the east the sun falls through an opening, with a warm ceiling lamp behind a wall of 4 units.
 DemoMap DemoScene();
-
-/// Writes maps/demo.bsp, maps/demo.map, scripts/demo.shader and scripts/shaderlist.txt under `folder`, which is a game
-/// folder. Errors: Error.
-void WriteDemo(const std::filesystem::path &folder, Log &log);
 
 } // namespace q3
