@@ -18,6 +18,13 @@ template <typename T> struct Bounds {
     bool Contains(const Vec3<T> &p) const {
         return p.x >= mins.x && p.y >= mins.y && p.z >= mins.z && p.x <= maxs.x && p.y <= maxs.y && p.z <= maxs.z;
     }
+    /// Whether the boxes come within `slack` of each other on every axis.
+    bool Touches(const Bounds &b, T slack = 0) const {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (mins[axis] > b.maxs[axis] + slack || maxs[axis] < b.mins[axis] - slack)
+                return false;
+        return true;
+    }
     Vec3<T> Center() const { return (mins + maxs) * T(0.5); }
     /// Distance from p to the nearest point of the box; 0 inside.
     T Distance(const Vec3<T> &p) const { return Length(Max(Max(mins - p, p - maxs), Vec3<T>{})); }

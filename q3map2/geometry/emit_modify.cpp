@@ -51,14 +51,6 @@ bool Inside(const Brush &brush, const Vec3f &p, const PlaneTable &planes) {
     });
 }
 
-bool Touch(const Boundsf &a, const Boundsf &b) {
-    constexpr float kSlack = float(kVolumeSlack);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        if (a.mins[axis] > b.maxs[axis] + kSlack || a.maxs[axis] < b.mins[axis] - kSlack)
-            return false;
-    return true;
-}
-
 void ApplyVolumes(DrawSurface &surface, const MapEntity &owner, const PlaneTable &planes) {
     if (owner.colorVolumes.empty())
         return;
@@ -67,7 +59,7 @@ void ApplyVolumes(DrawSurface &surface, const MapEntity &owner, const PlaneTable
         bounds.Add(vert.xyz);
     for (const Brush &volume : owner.colorVolumes) {
         const bool applies = volume.settings.entity == 0 || volume.settings.entity == surface.settings.entity;
-        if (!applies || !volume.contentShader || !Touch(volume.bounds, bounds))
+        if (!applies || !volume.contentShader || !volume.bounds.Touches(bounds, float(kVolumeSlack)))
             continue;
         const std::vector<ColorStep> &steps = volume.contentShader->geometry.colorSteps;
         for (DrawVert &vert : surface.verts)

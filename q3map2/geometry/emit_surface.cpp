@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The final pass over draw surfaces.
 #include "q3map2/geometry/emit.h"
 
+#include "common/debug_color.h"
 #include "common/error.h"
 
 #include <algorithm>
@@ -38,21 +39,9 @@ BspSurfaceType RecordType(const DrawSurface &surface, const BspOptions &options)
     return isBent || isLarge || options.debugSurfaces ? MST_TRIANGLE_SOUP : MST_PLANAR;
 }
 
-/// Different for neighbours in the list.
-std::array<std::uint8_t, 4> DebugColor(std::size_t number) {
-    constexpr std::array<std::array<std::uint8_t, 4>, 12> kColors = {{{255, 0, 0, 255},
-                                                                      {192, 128, 128, 255},
-                                                                      {255, 255, 0, 255},
-                                                                      {192, 192, 128, 255},
-                                                                      {0, 255, 255, 255},
-                                                                      {128, 192, 192, 255},
-                                                                      {0, 0, 255, 255},
-                                                                      {128, 128, 192, 255},
-                                                                      {255, 0, 255, 255},
-                                                                      {192, 128, 192, 255},
-                                                                      {0, 255, 0, 255},
-                                                                      {128, 192, 128, 255}}};
-    return kColors[number % kColors.size()];
+std::array<std::uint8_t, 4> OpaqueDebugColor(std::size_t number) {
+    const auto [r, g, b] = DebugColorBytes(number);
+    return {r, g, b, 255};
 }
 
 /// Order of vertices and triangles as they are written.
@@ -93,7 +82,7 @@ void BspWriter::WriteVerts(const DrawSurface &surface) {
         record.xyz = Values(p);
         record.st = vert.st;
         record.normal = Values(vert.normal);
-        record.color = context_.options.debugSurfaces ? DebugColor(bsp.drawSurfaces.size()) : vert.color;
+        record.color = context_.options.debugSurfaces ? OpaqueDebugColor(bsp.drawSurfaces.size()) : vert.color;
         bsp.drawVerts.push_back(record);
         if (growsModel) {
             model.mins = Values(Min(Vec3f(model.mins), p));

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Copies by other shaders, the fog hull, portals to look at, flares.
 #include "q3map2/geometry/surface_extra.h"
 
+#include "common/debug_color.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -84,18 +86,6 @@ std::vector<int> FanIndexes(std::size_t points) {
     return indexes;
 }
 
-constexpr std::array<std::array<std::uint8_t, 3>, 12> kPortalColors{{{255, 0, 0},
-                                                                     {192, 128, 128},
-                                                                     {255, 255, 0},
-                                                                     {192, 192, 128},
-                                                                     {0, 255, 255},
-                                                                     {128, 192, 192},
-                                                                     {0, 0, 255},
-                                                                     {128, 128, 192},
-                                                                     {255, 0, 255},
-                                                                     {192, 128, 192},
-                                                                     {0, 255, 0},
-                                                                     {128, 192, 128}}};
 constexpr std::uint8_t kPortalAlpha = 32;
 
 } // namespace
@@ -141,7 +131,7 @@ void MakePortalSurfaces(const Tree &tree, Geometry &geometry, const BspContext &
     for (const TreePortal &portal : tree.portals) {
         if (portal.polygon.size() < 3 || !IsPassable(tree, portal))
             continue;
-        const auto &color = kPortalColors[number++ % kPortalColors.size()];
+        const auto color = DebugColorBytes(number++);
         DrawSurface surface;
         surface.kind = SurfaceKind::Triangles;
         surface.shader = &shader;

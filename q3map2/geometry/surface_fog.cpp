@@ -25,13 +25,6 @@ int SideAgainst(const Brush &brush, const PlaneTable &planes, const Vec3f &direc
     return best;
 }
 
-bool Touches(const Boundsf &a, const Boundsf &b) {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        if (a.mins[axis] > b.maxs[axis] || a.maxs[axis] < b.mins[axis])
-            return false;
-    return true;
-}
-
 Boundsf BoundsOf(const DrawSurface &surface) {
     Boundsf bounds;
     for (const DrawVert &vert : surface.verts)
@@ -58,7 +51,7 @@ class WorldFogger {
             if (surface.Empty() || surface.shader == nullptr || surface.shader->geometry.noFog)
                 continue;
             const bool inside =
-                brush == nullptr ? surface.fogNum < 0 : Touches(BoundsOf(surface), brush->bounds) && Cut(i, *brush);
+                brush == nullptr ? surface.fogNum < 0 : BoundsOf(surface).Touches(brush->bounds) && Cut(i, *brush);
             if (inside) {
                 geometry_.surfaces[i].fogNum = fogNum;
                 ++counts.fogged;

@@ -21,10 +21,6 @@ constexpr double kDarkest = 1.0 / 8192;
 /// A point beside a wall weighs as much on its own side as this many neighbours at the shortest distance.
 constexpr double kOwnWeight = 2;
 
-/// Of a point: nine coefficients of three channels.
-constexpr std::size_t kNumbers = 27;
-static_assert(sizeof(bspGridPointSH_t) == kNumbers * sizeof(float));
-
 struct Offset {
     int x, y, z;
 };
@@ -90,7 +86,7 @@ bool HasOpenNeighbour(const GridLayout &layout, const std::vector<int> &clusters
 /// Lit neighbours of one solid point that see each other.
 struct Side {
     double weight = 0;
-    std::array<double, kNumbers> sum{};
+    std::array<double, kGridNumbers> sum{};
     double Mean() const { return std::max(0.0, (sum[0] + sum[1] + sum[2]) / weight / 3 * kShC0); }
 };
 
@@ -130,7 +126,7 @@ class SightRays {
 
 /// sum[i] += weight * value[i].
 Q3_VECTOR void AddWeighted(double weight, const float *value, double *sum) {
-    for (std::size_t i = 0; i < kNumbers; ++i)
+    for (std::size_t i = 0; i < kGridNumbers; ++i)
         sum[i] += weight * double(value[i]);
 }
 
@@ -252,16 +248,16 @@ class Filler {
     }
 
     static bspGridPointSH_t Blend(const std::vector<Side> &sides) {
-        std::array<double, kNumbers> sum{};
+        std::array<double, kGridNumbers> sum{};
         double total = 0;
         for (const Side &side : sides) {
             const double weight = side.weight / (side.Mean() + kDarkest);
             total += weight;
-            for (std::size_t i = 0; i < kNumbers; ++i)
+            for (std::size_t i = 0; i < kGridNumbers; ++i)
                 sum[i] += side.sum[i] / side.weight * weight;
         }
-        std::array<float, kNumbers> filled;
-        for (std::size_t i = 0; i < kNumbers; ++i)
+        std::array<float, kGridNumbers> filled;
+        for (std::size_t i = 0; i < kGridNumbers; ++i)
             filled[i] = float(sum[i] / total);
         return std::bit_cast<bspGridPointSH_t>(filled);
     }

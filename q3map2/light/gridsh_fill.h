@@ -10,6 +10,10 @@
 
 namespace q3 {
 
+/// Floats of a point: nine coefficients of three channels.
+inline constexpr std::size_t kGridNumbers = 27;
+static_assert(sizeof(bspGridPointSH_t) == kGridNumbers * sizeof(float));
+
 enum class PointState : std::uint8_t {
     Void,   ///< in a solid, no open space in the cells around it: stays zero
     Open,   ///< lit where it is

@@ -19,10 +19,6 @@ struct FitSample {
     std::uint8_t sees = 0xff; ///< by corner of its cell: whether it may move that point
 };
 
-/// Floats of a point: nine coefficients of three channels.
-inline constexpr std::size_t kGridNumbers = 27;
-static_assert(sizeof(bspGridPointSH_t) == kGridNumbers * sizeof(float));
-
 /// Least-squares fit of grid points, so that what trilinear interpolation shows where players can be is as near as can
 /// be to the light there. By default it fits the points in solids alone, whose values are free; with -shfit all.
 ///

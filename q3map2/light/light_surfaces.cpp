@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Lights that shaders make of surfaces.
+#include "libs/math/winding.h"
 #include "q3map2/light/light_patch.h"
 #include "q3map2/light/light_sources.h"
 #include "q3map2/light/light_suns.h"
@@ -25,21 +26,6 @@ using Polygon = std::vector<MeshVert>;
 
 MeshVert Lerp(const MeshVert &a, const MeshVert &b, float t) {
     return {a.xyz + (b.xyz - a.xyz) * t, Normalize(a.normal + (b.normal - a.normal) * t), {}};
-}
-
-void Cut(const Polygon &polygon, std::size_t axis, float dist, Polygon &front, Polygon &back) {
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const MeshVert &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-        const float da = a.xyz[axis] - dist, db = b.xyz[axis] - dist;
-        if (da >= -kOnCut)
-            front.push_back(a);
-        if (da <= kOnCut)
-            back.push_back(a);
-        if ((da > kOnCut && db < -kOnCut) || (da < -kOnCut && db > kOnCut)) {
-            const MeshVert cut = Lerp(a, b, da / (da - db));
-            front.push_back(cut), back.push_back(cut);
-        }
-    }
 }
 
 /// Makes the area lights of one shader's polygons.
@@ -71,7 +57,7 @@ class AreaLightMaker {
                 continue;
             }
             Polygon front, back;
-            Cut(polygon, axis, box.Center()[axis], front, back);
+            CutAcrossAxis(polygon, axis, box.Center()[axis], kOnCut, Lerp, front, back);
             stack.push_back(std::move(back));
             stack.push_back(std::move(front));
         }

@@ -40,21 +40,6 @@ FaceCorner Lerp(const FaceCorner &a, const FaceCorner &b, float t) {
     return c;
 }
 
-void Cut(const Face &face, std::size_t axis, float dist, Face &front, Face &back) {
-    for (std::size_t i = 0; i < face.size(); ++i) {
-        const FaceCorner &a = face[i], &b = face[(i + 1) % face.size()];
-        const float da = a.xyz[axis] - dist, db = b.xyz[axis] - dist;
-        if (da >= -kOnCut)
-            front.push_back(a);
-        if (da <= kOnCut)
-            back.push_back(a);
-        if ((da > kOnCut && db < -kOnCut) || (da < -kOnCut && db > kOnCut)) {
-            const FaceCorner cut = Lerp(a, b, da / (da - db));
-            front.push_back(cut), back.push_back(cut);
-        }
-    }
-}
-
 Winding<float> WindingOf(const Face &face) {
     Winding<float> w;
     for (const FaceCorner &corner : face)
@@ -155,7 +140,7 @@ void BouncePieces::Maker::Add(Face first) {
             ++axis;
         if (axis < 3) {
             Face front, back;
-            Cut(face, axis, box.Center()[axis], front, back);
+            CutAcrossAxis(face, axis, box.Center()[axis], kOnCut, Lerp, front, back);
             if (back.size() >= 3)
                 todo.emplace_back(std::move(back), size);
             if (front.size() >= 3)

@@ -110,7 +110,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
                                    .noLightmaps = lightmap.noLightmaps,
                                    .ambient = {}};
     LightSetup setup(bsp, inputs, options, defaults, library, log);
-    library.DropImages(lightmap.bounces > 0 && !lightmap.onlyGrid);
+    library.SettleImages(lightmap.bounces > 0 && !lightmap.onlyGrid);
     LightResult result;
     std::optional<SurfacePasses> surfaces;
     std::unique_ptr<IndirectLight> bounced;

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. What luxels show instead of light.
 #include "q3map2/lightmap/luxel_show.h"
 
-#include "q3map2/lightmap/debug_color.h"
+#include "common/debug_color.h"
 
 #include <algorithm>
 

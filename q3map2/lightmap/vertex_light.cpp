@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Light at the vertices of surfaces.
-#include "q3map2/lightmap/debug_color.h"
+#include "common/debug_color.h"
 #include "q3map2/lightmap/surroundings.h"
 
 #include <algorithm>

@@ -283,7 +283,7 @@ std::shared_ptr<const Image> ShaderLibrary::LoadImage(std::string_view nameWitho
     return state_->CachedImage(nameWithoutExtension);
 }
 
-void ShaderLibrary::DropImages(bool keepForBounces) {
+void ShaderLibrary::SettleImages(bool keepForBounces) {
     state_->table.ForEach([&](ParsedShader &shader) {
         const bool bounces = keepForBounces && Reflects(shader.info);
         if (bounces && shader.lookedUp && !shader.imagesReady)

@@ -122,11 +122,11 @@ TEST_F(ShaderImages, ThoseThatShadowsNeedStay) {
     const std::array<const ShaderInfo *, 3> shaders = {&library->Get("plain"), &library->Get("grate"),
                                                        &library->Get("sky")};
     const auto red = [&](std::size_t i) { return int(shaders[i]->lightImage->Texel(0, 0)[0]); };
-    library->DropImages(true);
+    library->SettleImages(true);
     EXPECT_EQ(red(0), 200);
     EXPECT_EQ(red(1), 10);
     EXPECT_EQ(red(2), 255);
-    library->DropImages(false);
+    library->SettleImages(false);
     EXPECT_EQ(red(0), 255);
     EXPECT_EQ(red(1), 10);
     EXPECT_EQ(shaders[0]->averageColor, (Vec3f{200, 100, 50}));
@@ -149,10 +149,10 @@ TEST_F(ShaderImages, WhatGivesOrFiltersLightHasItsImageAtOnceOthersWithTheBounce
     const ShaderInfo &wall = library->Get("wall");
     library->Get("broken");
     ASSERT_NE(wall.lightImage, nullptr);
-    library->DropImages(false);
+    library->SettleImages(false);
     EXPECT_FALSE(wall.imageFound);
     EXPECT_EQ(Warnings("damaged image"), 0);
-    library->DropImages(true);
+    library->SettleImages(true);
     EXPECT_TRUE(wall.imageFound);
     EXPECT_EQ(wall.averageColor, (Vec3f{200, 100, 50}));
     EXPECT_EQ(Warnings("damaged image"), 1);
