@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Passages: what may be seen through a portal and one that follows it.
 #include "common/progress.h"
+#include "q3map2/vis/separators.h"
 #include "q3map2/vis/vis_map.h"
 
 #include <algorithm>
@@ -87,6 +88,34 @@ Passages::Passages(const VisMap &map, const SightTable &sight, const JobPool &jo
         },
         [&](std::int64_t done) { progress.Update(done, 0); });
     progress.Finish();
+}
+
+void Passages::Narrow(const VisMap &map, SightTable &sight, const JobPool &jobs) const {
+    constexpr int kRounds = 4; // later ones find little
+    const std::size_t words = sight.Words();
+    for (int round = 0; round < kRounds; ++round) {
+        const SightTable before = sight;
+        jobs.For(std::int64_t(map.NumPortals()), [&](std::int64_t index, int) {
+            const auto p = std::size_t(index);
+            if (map.Portal(p).removed)
+                return;
+            BitWord *const row = sight.Row(p);
+            std::fill_n(row, words, BitWord(0));
+            const auto after = map.PortalsAfter(p);
+            for (std::size_t place = 0; place < after.size(); ++place) {
+                const auto t = std::size_t(after[place]);
+                if (!before.Test(p, t))
+                    continue;
+                SetBit(row, t);
+                const BitWord *const through = Row(p, place), *const beyond = before.Row(t);
+                for (std::size_t i = 0; i < words; ++i)
+                    row[i] |= through[i] & beyond[i];
+            }
+            for (std::size_t i = 0; i < words; ++i)
+                row[i] &= before.Row(p)[i];
+        });
+        ApplySymmetry(map, sight);
+    }
 }
 
 } // namespace q3

@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Portal flow: what is seen through a portal, chain by chain of the portals behind it.
 #include "common/progress.h"
+#include "q3map2/vis/separators.h"
 #include "q3map2/vis/vis_map.h"
 
 #include <algorithm>
@@ -16,6 +17,9 @@ namespace {
 /// many threads there are.
 constexpr std::size_t kBatch = 32;
 constexpr int kMaxSeparators = 32; ///< of each kind; more cut a little less
+/// Portals of a chain up to which the first one is cut as well. It makes results tighter; later in a chain it costs
+/// more time than it is worth.
+constexpr int kSourceCuts = 5;
 
 /// Planes that bound what can be seen from one winding through another.
 struct Separators {
@@ -47,9 +51,9 @@ struct ChainLink {
     std::size_t entry = 0;                   ///< the last portal of the chain
     std::span<const int> after;              ///< portals that could follow
     std::size_t place = 0;                   ///< the next of them
-    bool hasPass = false;                    ///< more than one portal in the chain
+    int length = 1;                          ///< portals of the chain
     WindingView source, pass;                ///< what is left of the first portal and of the last
-    WindingBuffer sourceBuffer, passBuffers[2];
+    WindingBuffer sourceBuffers[2], passBuffers[2];
     Separators separators[2]; ///< source against pass, pass against source
 
     /// Whether nothing of a portal is in front of all separators, as far as each of them tells.
@@ -68,16 +72,27 @@ struct ChainLink {
         return false;
     }
     bool MaySee(std::size_t q) const { return q >> 6 >= low && q >> 6 < high && TestBit(might, q); }
-    void MakeSeparators() {
-        for (int side = 0; side < 2; ++side) {
-            const WindingView &s = side == 0 ? source : pass, &t = side == 0 ? pass : source;
-            Separators &list = separators[side];
-            list.count = 0;
-            for (int edge = 0; edge < s.count && list.count < kMaxSeparators; ++edge)
-                if (SeparatorOfEdge(s, t, edge, side == 1, list.planes[list.count]) &&
-                    !(side == 1 && separators[0].Has(list.planes[list.count])))
-                    list.count++;
+    bool HasPass() const { return length > 1; }
+    /// Cuts what is left of the last portal, or of the first, by a plane. False: nothing is left.
+    bool CutPass(const VisPlane &plane) { return Cut(pass, passBuffers, plane); }
+    bool CutSource(const VisPlane &plane) { return Cut(source, sourceBuffers, plane); }
+    /// Normals are those of the first and of the last portal.
+    void MakeSeparators(const Vec3f &sourceNormal, const Vec3f &passNormal) {
+        separators[0].count = TangentPlanes(source, sourceNormal, pass, false, separators[0].planes);
+        VisPlane found[kMaxSeparators];
+        const int count = TangentPlanes(pass, passNormal, source, true, found);
+        separators[1].count = 0;
+        for (int i = 0; i < count; ++i) {
+            const VisPlane plane = found[i].Flipped();
+            if (!separators[0].Has(plane))
+                separators[1].planes[separators[1].count++] = plane;
         }
+    }
+
+  private:
+    /// In the buffer that the winding is not in.
+    static bool Cut(WindingView &winding, WindingBuffer (&buffers)[2], const VisPlane &plane) {
+        return ChopInFront(winding, plane, buffers[winding.x == buffers[0].x ? 1 : 0]);
     }
 };
 
@@ -87,7 +102,7 @@ class Follower {
     Follower(const VisMap &map, const SightTable &sight, const FlowSettings &settings)
         : map_(map), sight_(sight), settings_(settings) {}
 
-    /// Sets in `seen`, all clear before, the portals that are seen through portal `base`.
+    /// Adds to `seen` the portals that are seen through portal `base`. Those in it already are known to be.
     void Follow(std::size_t base, BitWord *seen) {
         base_ = &map_.Portal(base);
         seen_ = seen;
@@ -96,7 +111,7 @@ class Follower {
         first.low = 0, first.high = sight_.Words();
         std::iota(first.newStorage.begin(), first.newStorage.end(), 0u);
         first.newWords = first.newStorage;
-        first.hasPass = false;
+        first.length = 1;
         first.source = base_->winding;
         Enter(first, base);
         for (std::size_t depth = 0;;) {
@@ -129,7 +144,7 @@ class Follower {
         link.entry = portal;
         link.after = map_.PortalsAfter(portal);
         link.place = 0;
-        if (settings_.alone || !link.hasPass)
+        if (settings_.alone || !link.HasPass())
             link.separators[0].count = link.separators[1].count = 0;
     }
 
@@ -184,25 +199,28 @@ class Follower {
         if (!goesOn && TestBit(seen_, q))
             return false;
         next.pass = portal.winding;
-        if (!(ahead > portal.radius) && !ChopInFront(next.pass, base_->plane, next.passBuffers[0]))
+        if (!(ahead > portal.radius) && !next.CutPass(base_->plane))
             return false;
         next.source = last.source;
-        if (!(behind < -base_->radius) && !ChopInFront(next.source, portal.plane.Flipped(), next.sourceBuffer))
+        if (!(behind < -base_->radius) && !next.CutSource(portal.plane.Flipped()))
             return false;
-        if (last.hasPass && !(settings_.alone ? ClipAsNeeded(last, portal, next) : Clip(last, portal, next)))
+        if (last.HasPass() && !(settings_.alone ? ClipAsNeeded(last, portal, next) : Clip(last, portal, next)))
+            return false;
+        next.length = last.length + 1;
+        if (goesOn && !settings_.alone && last.HasPass() && next.length <= kSourceCuts &&
+            !ClipSource(last, portal, next))
             return false;
         SetBit(seen_, q);
         if (!goesOn)
             return false;
-        next.hasPass = true;
         Narrow(last, place, q, next);
-        return settings_.alone || Foresee(next);
+        return settings_.alone || Foresee(next, portal);
     }
 
     /// Takes portals that are not seen yet out of what a chain may see, if they are not in front of all its separators.
-    /// True: some are left.
-    bool Foresee(ChainLink &link) const {
-        link.MakeSeparators();
+    /// `portal` is the last of the chain. True: some are left.
+    bool Foresee(ChainLink &link, const FlowPortal &portal) const {
+        link.MakeSeparators(base_->plane.normal, portal.plane.normal);
         std::size_t count = 0;
         for (const std::uint32_t i : link.newWords) {
             for (BitWord word = link.might[i] & ~seen_[i]; word != 0; word &= word - 1) {
@@ -219,7 +237,7 @@ class Follower {
 
     /// Whether the sphere of a portal says at once that nothing of it is in front of all separators.
     bool IsBehindSeparators(const ChainLink &last, const FlowPortal &portal) const {
-        if (!last.hasPass || settings_.alone)
+        if (!last.HasPass() || settings_.alone)
             return false;
         for (const Separators &list : last.separators)
             for (int i = 0; i < list.count; ++i)
@@ -228,17 +246,26 @@ class Follower {
         return false;
     }
 
-    /// Cuts next.pass by a plane, in the buffer that it is not in.
-    static bool CutPass(ChainLink &next, const VisPlane &plane) {
-        WindingBuffer &buffer = next.passBuffers[next.pass.x == next.passBuffers[0].x ? 1 : 0];
-        return ChopInFront(next.pass, plane, buffer);
-    }
-
     static bool Clip(const ChainLink &last, const FlowPortal &portal, ChainLink &next) {
         for (const Separators &list : last.separators)
             for (int i = 0; i < list.count; ++i)
-                if (!(list.planes[i].Distance(portal.centre) > portal.radius) && !CutPass(next, list.planes[i]))
+                if (!(list.planes[i].Distance(portal.centre) > portal.radius) && !next.CutPass(list.planes[i]))
                     return false;
+        return true;
+    }
+
+    /// Cuts the first portal to what can be seen of it from `portal` through the one before, as the way back would.
+    /// False: nothing is left.
+    bool ClipSource(const ChainLink &last, const FlowPortal &portal, ChainLink &next) const {
+        VisPlane planes[kMaxSeparators];
+        int count = TangentPlanes(next.pass, portal.plane.normal, last.pass, true, planes);
+        for (int i = 0; i < count; ++i)
+            if (!next.CutSource(planes[i]))
+                return false;
+        count = TangentPlanes(last.pass, map_.Portal(last.entry).plane.normal, next.pass, false, planes);
+        for (int i = 0; i < count; ++i)
+            if (!next.CutSource(planes[i].Flipped()))
+                return false;
         return true;
     }
 
@@ -249,7 +276,7 @@ class Follower {
             const WindingView &s = side == 0 ? last.source : last.pass, &t = side == 0 ? last.pass : last.source;
             if (list.count > 0) {
                 for (int i = 0; i < list.count; ++i)
-                    if (!CutPass(next, list.planes[i]))
+                    if (!next.CutPass(list.planes[i]))
                         return false;
                 continue;
             }
@@ -259,7 +286,7 @@ class Follower {
                     continue;
                 list.count++;
                 const float d = plane.Distance(portal.centre);
-                if (d < -portal.radius || (!(d > portal.radius) && !CutPass(next, plane)))
+                if (d < -portal.radius || (!(d > portal.radius) && !next.CutPass(plane)))
                     return false;
             }
         }
@@ -299,14 +326,20 @@ void PortalFlow(const VisMap &map, std::span<const int> order, const FlowSetting
         followers.emplace_back(map, sight, settings);
     const std::size_t batch = settings.alone ? 1 : kBatch;
     BitTable found(batch, map.NumPortals());
+    std::vector<BitWord> answered(
+        sight.Words()); // portals that are seen if and only if the bit is left: twins of done ones
     Progress progress(log, std::int64_t(order.size()));
     std::size_t first = 0;
     std::atomic<std::size_t> next{0};
     const auto batchNow = [&] { return order.subspan(first, std::min(batch, order.size() - first)); };
     const auto store = [&]() noexcept {
         const std::span<const int> portals = batchNow();
-        for (std::size_t i = 0; i < portals.size(); ++i)
-            StoreSight(map, std::size_t(portals[i]), found.Bits(i), !settings.alone, sight);
+        for (std::size_t i = 0; i < portals.size(); ++i) {
+            const auto p = std::size_t(portals[i]);
+            StoreSight(map, p, found.Bits(i), !settings.alone, sight);
+            if (map.Portal(p).hasTwin)
+                SetBit(answered.data(), p ^ 1);
+        }
         first += portals.size();
         next = 0;
     };
@@ -320,7 +353,9 @@ void PortalFlow(const VisMap &map, std::span<const int> order, const FlowSetting
                 for (std::size_t i = 0; (i = next.fetch_add(1)) < portals.size();) {
                     // The last ones take longest: they start first, so that no thread waits long for the others.
                     const std::size_t slot = portals.size() - 1 - i, p = std::size_t(portals[slot]);
-                    std::fill_n(found.Row(slot), found.Words(), BitWord(0));
+                    const bool asks = !settings.alone && map.Portal(p).hasTwin;
+                    for (std::size_t word = 0; word < found.Words(); ++word)
+                        found.Row(slot)[word] = asks ? sight.Row(p)[word] & answered[word] : 0;
                     if (!map.Portal(p).removed)
                         followers[std::size_t(worker)].Follow(p, found.Row(slot));
                 }

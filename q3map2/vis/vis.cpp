@@ -63,6 +63,8 @@ SightTable SightOf(const VisMap &map, const VisOptions &options, const JobPool &
     }
     if (settings.passages != nullptr) {
         settings.clip = !options.passageOnly;
+        if (!options.plain)
+            passages->Narrow(map, sight, jobs);
         log.Section(fmt::format("{} ({})", settings.clip ? "PassagePortalFlow" : "PassageFlow", count));
     }
     PortalFlow(map, OrderPortals(map, sight, !options.noSort), settings, jobs, log, sight);
@@ -145,7 +147,7 @@ Visibility ComputeVisibility(const PortalFile &file, std::string_view name, cons
     result.rowBytes = 8 * WordsOf(std::size_t(file.clusters));
     log.Print("visdatasize:{}\n", 8 + std::size_t(result.clusters) * result.rowBytes);
     AnnounceFarPlane(options.farPlane, log);
-    const VisMap map(graph);
+    const VisMap map(graph, !options.plain);
     const SightTable sight = SightOf(map, options, jobs, log);
     log.Print("creating leaf vis...\n");
     BitTable rows = ClusterRows(graph, map, sight);

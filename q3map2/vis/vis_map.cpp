@@ -94,7 +94,7 @@ void Transpose64(std::array<BitWord, 64> &block) {
 
 } // namespace
 
-VisMap::VisMap(const PortalGraph &graph) {
+VisMap::VisMap(const PortalGraph &graph, bool widestFirst) {
     std::size_t floats = 0;
     for (const GraphPortal &portal : graph.portals)
         floats += portal.removed ? 0 : 3 * Padded(portal.winding.size());
@@ -120,6 +120,11 @@ VisMap::VisMap(const PortalGraph &graph) {
         for (const int p : leaf.portals)
             if (!graph.portals[std::size_t(p)].removed)
                 leafPortals_.push_back(p);
+        // What wide portals show first need not be looked for through narrow ones.
+        if (widestFirst)
+            std::stable_sort(leafPortals_.begin() + leafFirst_.back(), leafPortals_.end(), [&](int a, int b) {
+                return portals_[std::size_t(a)].radius > portals_[std::size_t(b)].radius;
+            });
     }
     leafFirst_.push_back(int(leafPortals_.size()));
 }

@@ -24,7 +24,8 @@ struct alignas(16) FlowPortal {
 /// The graph in the form for the passes. Does not change.
 class VisMap {
   public:
-    explicit VisMap(const PortalGraph &graph);
+    /// With `widestFirst` the portals out of a leaf are in order of their radius, else in that of the file.
+    VisMap(const PortalGraph &graph, bool widestFirst);
     VisMap(const VisMap &) = delete;
     VisMap &operator=(const VisMap &) = delete;
 
@@ -65,6 +66,10 @@ class Passages {
 
     /// Of portal `first` and the portal at `place` in VisMap::PortalsAfter(first).
     const BitWord *Row(std::size_t first, std::size_t place) const { return table_.Row(start_[first] + place); }
+
+    /// Takes out of the rows of `sight` what no portal that follows lets through, several times: rows that became
+    /// smaller make others smaller.
+    void Narrow(const VisMap &map, SightTable &sight, const JobPool &jobs) const;
 
   private:
     std::vector<std::size_t> start_;

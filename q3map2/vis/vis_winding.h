@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 namespace q3 {
 
@@ -17,6 +18,30 @@ inline constexpr int kMaxCutPoints = 24;
 inline constexpr int kMaxPortalPoints = 512;
 /// Runs are padded to whole groups, so that loops take a group at once.
 inline constexpr int kPointGroup = 4;
+
+/// A group of points on one axis, worked on at once.
+using PointLanes = float __attribute__((vector_size(sizeof(float) * kPointGroup)));
+
+inline PointLanes LoadLanes(const float *from) {
+    PointLanes lanes;
+    std::memcpy(&lanes, from, sizeof(lanes));
+    return lanes;
+}
+inline void StoreLanes(const PointLanes &lanes, float *to) {
+    std::memcpy(to, &lanes, sizeof(lanes));
+}
+inline PointLanes LesserLanes(const PointLanes &a, const PointLanes &b) {
+    return a < b ? a : b;
+}
+inline PointLanes GreaterLanes(const PointLanes &a, const PointLanes &b) {
+    return a > b ? a : b;
+}
+inline float LeastLane(const PointLanes &lanes) {
+    return std::min(std::min(lanes[0], lanes[1]), std::min(lanes[2], lanes[3]));
+}
+inline float GreatestLane(const PointLanes &lanes) {
+    return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
+}
 
 struct VisPlane {
     Vec3f normal;
@@ -43,6 +68,10 @@ struct WindingView {
     const float *x = nullptr, *y = nullptr, *z = nullptr;
     int count = 0;
     Vec3f Point(int i) const { return {x[i], y[i], z[i]}; }
+    /// How far the points from i on, a group of them, are along a direction.
+    PointLanes Along(const Vec3f &n, int i) const {
+        return LoadLanes(x + i) * n.x + LoadLanes(y + i) * n.y + LoadLanes(z + i) * n.z;
+    }
 };
 
 /// Where the result of a cut is put.
@@ -63,19 +92,14 @@ struct PointDistances {
     float least, greatest;
 
     PointDistances(const WindingView &w, const VisPlane &plane) {
-        const float nx = plane.normal.x, ny = plane.normal.y, nz = plane.normal.z, dist = plane.dist;
-        float low[kPointGroup], high[kPointGroup];
-        for (int k = 0; k < kPointGroup; ++k)
-            low[k] = high[k] = of[k] = w.x[k] * nx + w.y[k] * ny + w.z[k] * nz - dist;
-        for (int i = kPointGroup; i < w.count; i += kPointGroup)
-            for (int k = 0; k < kPointGroup; ++k) {
-                const float d = w.x[i + k] * nx + w.y[i + k] * ny + w.z[i + k] * nz - dist;
-                of[i + k] = d;
-                low[k] = d < low[k] ? d : low[k];
-                high[k] = d > high[k] ? d : high[k];
-            }
-        least = std::min(std::min(low[0], low[1]), std::min(low[2], low[3]));
-        greatest = std::max(std::max(high[0], high[1]), std::max(high[2], high[3]));
+        PointLanes low = w.Along(plane.normal, 0) - plane.dist, high = low;
+        StoreLanes(low, of);
+        for (int i = kPointGroup; i < w.count; i += kPointGroup) {
+            const PointLanes d = w.Along(plane.normal, i) - plane.dist;
+            StoreLanes(d, of + i);
+            low = LesserLanes(d, low), high = GreaterLanes(d, high);
+        }
+        least = LeastLane(low), greatest = GreatestLane(high);
     }
 };
 
@@ -114,40 +138,6 @@ inline bool ChopInFront(WindingView &w, const VisPlane &plane, WindingBuffer &bu
     }
     w = buffer.View(count);
     return true;
-}
-
-/// The plane through an edge of `s` (its point `edge` and the next) and a point of `t` that has `s` on its back and `t`
-/// in front; sides exchanged if `flip`. False: there is none.
-inline bool SeparatorOfEdge(const WindingView &s, const WindingView &t, int edge, bool flip, VisPlane &plane) {
-    const int after = edge + 1 == s.count ? 0 : edge + 1;
-    const Vec3f a = s.Point(edge), b = s.Point(after);
-    for (int j = 0; j < t.count; ++j) {
-        if (!PlaneOfPoints(a, t.Point(j), b, plane))
-            continue;
-        int k = 0;
-        float side = 0;
-        for (; k < s.count; ++k)
-            if (k != edge && k != after && std::abs(side = plane.Distance(s.Point(k))) >= kOnEpsilon)
-                break;
-        if (k == s.count)
-            continue;
-        if (side > 0)
-            plane = plane.Flipped();
-        bool front = false, back = false;
-        for (k = 0; k < t.count && !back; ++k) {
-            if (k == j)
-                continue;
-            const float d = plane.Distance(t.Point(k));
-            back = d <= -kOnEpsilon;
-            front |= d >= kOnEpsilon;
-        }
-        if (back || !front)
-            continue;
-        if (flip)
-            plane = plane.Flipped();
-        return true;
-    }
-    return false;
 }
 
 } // namespace q3
