@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <barrier>
+#include <chrono>
 #include <memory>
 #include <numeric>
 
@@ -317,58 +318,97 @@ void StoreSight(const VisMap &map, std::size_t p, std::span<const BitWord> seen,
     }
 }
 
+/// All portals, batch after batch, on all threads.
+class FlowRun {
+  public:
+    FlowRun(const VisMap &map, std::span<const int> order, const FlowSettings &settings, int workers, SightTable &sight)
+        : map_(map), order_(order), settings_(settings), workers_(workers), sight_(sight),
+          batch_(settings.alone ? 1 : kBatch), found_(batch_, map.NumPortals()), answered_(sight.Words()),
+          waited_(std::size_t(workers)) {
+        for (int worker = 0; worker < workers; ++worker)
+            followers_.emplace_back(map, sight, settings);
+    }
+
+    /// To be called once on each of the threads, which stay for all batches: to start threads for each would cost more
+    /// than most batches. `report` is called by worker 0 with the number of portals done.
+    template <typename Report> void Work(std::size_t worker, Report &&report) {
+        try {
+            while (first_ < order_.size()) {
+                const std::span<const int> portals = Batch();
+                for (std::size_t i = 0; (i = next_.fetch_add(1)) < portals.size();) {
+                    // The last ones take longest: they start first, so that no thread waits long for the others.
+                    const std::size_t slot = portals.size() - 1 - i;
+                    Follow(worker, std::size_t(portals[slot]), found_.Row(slot));
+                }
+                const auto start = std::chrono::steady_clock::now();
+                allDone_.arrive_and_wait();
+                waited_[worker] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+                if (worker == 0)
+                    report(first_);
+            }
+        } catch (...) {
+            allDone_.arrive_and_drop();
+            throw;
+        }
+    }
+    /// Seconds that the threads waited for each other, in total.
+    double Waited() const { return std::accumulate(waited_.begin(), waited_.end(), 0.0); }
+
+  private:
+    std::span<const int> Batch() const { return order_.subspan(first_, std::min(batch_, order_.size() - first_)); }
+
+    void Follow(std::size_t worker, std::size_t p, BitWord *seen) {
+        const bool asks = !settings_.alone && map_.Portal(p).hasTwin;
+        for (std::size_t word = 0; word < found_.Words(); ++word)
+            seen[word] = asks ? sight_.Row(p)[word] & answered_[word] : 0;
+        if (!map_.Portal(p).removed)
+            followers_[worker].Follow(p, seen);
+    }
+
+    void Store() noexcept {
+        const std::span<const int> portals = Batch();
+        for (std::size_t i = 0; i < portals.size(); ++i) {
+            const auto p = std::size_t(portals[i]);
+            StoreSight(map_, p, found_.Bits(i), !settings_.alone, sight_);
+            if (map_.Portal(p).hasTwin)
+                SetBit(answered_.data(), p ^ 1);
+        }
+        first_ += portals.size();
+        next_ = 0;
+    }
+
+    struct StoreAll {
+        FlowRun *run;
+        void operator()() const noexcept { run->Store(); }
+    };
+
+    const VisMap &map_;
+    std::span<const int> order_;
+    const FlowSettings &settings_;
+    int workers_;
+    SightTable &sight_;
+    std::size_t batch_, first_ = 0;
+    std::atomic<std::size_t> next_{0};
+    BitTable found_;                ///< what the portals of the batch found
+    std::vector<BitWord> answered_; ///< twins of portals that are done: what is left of these in a row is seen
+    std::vector<Follower> followers_;
+    std::vector<double> waited_; ///< seconds, by worker
+    std::barrier<StoreAll> allDone_{workers_, StoreAll{this}};
+};
+
 } // namespace
 
 void PortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const JobPool &jobs,
                 Log &log, SightTable &sight) {
-    std::vector<Follower> followers;
-    for (int worker = 0; worker < jobs.Threads(); ++worker)
-        followers.emplace_back(map, sight, settings);
-    const std::size_t batch = settings.alone ? 1 : kBatch;
-    BitTable found(batch, map.NumPortals());
-    std::vector<BitWord> answered(
-        sight.Words()); // portals that are seen if and only if the bit is left: twins of done ones
-    Progress progress(log, std::int64_t(order.size()));
-    std::size_t first = 0;
-    std::atomic<std::size_t> next{0};
-    const auto batchNow = [&] { return order.subspan(first, std::min(batch, order.size() - first)); };
-    const auto store = [&]() noexcept {
-        const std::span<const int> portals = batchNow();
-        for (std::size_t i = 0; i < portals.size(); ++i) {
-            const auto p = std::size_t(portals[i]);
-            StoreSight(map, p, found.Bits(i), !settings.alone, sight);
-            if (map.Portal(p).hasTwin)
-                SetBit(answered.data(), p ^ 1);
-        }
-        first += portals.size();
-        next = 0;
-    };
-    // Workers stay for all batches: to start threads for each would cost more than most batches.
     const int workers = settings.alone ? 1 : jobs.Threads();
-    std::barrier allDone(workers, store);
-    jobs.For(workers, [&](std::int64_t index, int worker) {
-        try {
-            while (first < order.size()) {
-                const std::span<const int> portals = batchNow();
-                for (std::size_t i = 0; (i = next.fetch_add(1)) < portals.size();) {
-                    // The last ones take longest: they start first, so that no thread waits long for the others.
-                    const std::size_t slot = portals.size() - 1 - i, p = std::size_t(portals[slot]);
-                    const bool asks = !settings.alone && map.Portal(p).hasTwin;
-                    for (std::size_t word = 0; word < found.Words(); ++word)
-                        found.Row(slot)[word] = asks ? sight.Row(p)[word] & answered[word] : 0;
-                    if (!map.Portal(p).removed)
-                        followers[std::size_t(worker)].Follow(p, found.Row(slot));
-                }
-                allDone.arrive_and_wait();
-                if (index == 0)
-                    progress.Update(std::int64_t(first), 0);
-            }
-        } catch (...) {
-            allDone.arrive_and_drop();
-            throw;
-        }
+    FlowRun run(map, order, settings, workers, sight);
+    Progress progress(log, std::int64_t(order.size()));
+    jobs.For(workers, [&](std::int64_t index, int) {
+        run.Work(std::size_t(index), [&](std::size_t done) { progress.Update(std::int64_t(done), 0); });
     });
+    const double seconds = std::max(progress.Seconds(), 1e-9);
     progress.Finish();
+    log.Verbose("threads waited {:.1f} % of the time for each other\n", 100 * run.Waited() / (seconds * workers));
 }
 
 } // namespace q3

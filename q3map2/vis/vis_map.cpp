@@ -39,19 +39,23 @@ bool IsTooFar(const FarPlane &farPlane, const FlowPortal &p, const FlowPortal &t
     return length - radii > farPlane.distance;
 }
 
-/// Whether a point of `t` is in front of the plane (or, with sign -1, behind it) by more than 0.1. The centre is the
-/// mean of the points, so that far ones decide by it alone.
-bool ReachesFront(const VisPlane &plane, const FlowPortal &t, double sign) {
-    constexpr double kEpsilon = 0.1, kRounding = 0.5;
-    const double centre = sign * DistanceOf(plane, t.centre);
-    if (centre > kEpsilon + kRounding)
-        return true;
-    if (centre < -double(t.radius) - kRounding)
-        return false;
+/// Whether a point of `t` is in front of the plane (or, with sign -1, behind it) by more than 0.1.
+bool AnyPointInFront(const VisPlane &plane, const FlowPortal &t, double sign) {
+    constexpr double kEpsilon = 0.1;
     for (int i = 0; i < t.winding.count; ++i)
         if (sign * DistanceOf(plane, t.winding.Point(i)) > kEpsilon)
             return true;
     return false;
+}
+
+/// The same, for most portals without their points. The centre is the mean of the points, so that far ones decide by it
+/// alone.
+inline bool ReachesFront(const VisPlane &plane, const FlowPortal &t, float sign) {
+    constexpr float kRounding = 0.5f;
+    const float centre = sign * plane.Distance(t.centre);
+    if (centre > kOnEpsilon + kRounding)
+        return true;
+    return centre >= -t.radius - kRounding && AnyPointInFront(plane, t, double(sign));
 }
 
 void FloodFrom(const VisMap &map, const FarPlane &farPlane, std::size_t from, BitWord *seen, BitTable &tested,
