@@ -1,0 +1,173 @@
+// GPL-2.0-or-later. Planes between two windings, and the order in which portals are followed.
+#include "q3map2/vis/separators.h"
+#include "q3map2/vis/vis_map.h"
+#include "tests/vis/portal_maps.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace q3::test {
+
+namespace {
+
+/// A regular polygon, counter-clockwise for who its normal points at.
+struct Polygon {
+    WindingBuffer buffer;
+    WindingView view;
+    Vec3f normal;
+
+    Polygon(const Vec3f &centre, const Vec3f &towards, float radius, int corners) : normal(Normalize(towards)) {
+        const Vec3f right = Normalize(Cross(normal, std::abs(normal.z) < 0.9f ? Vec3f(0, 0, 1) : Vec3f(1, 0, 0)));
+        const Vec3f up = Cross(normal, right);
+        for (int i = 0; i < corners; ++i) {
+            const float turn = 2 * std::numbers::pi_v<float> * (float(i) + 0.3f) / float(corners);
+            buffer.Set(i, centre + right * (radius * std::cos(turn)) + up * (radius * std::sin(turn)));
+        }
+        view = buffer.View(corners);
+    }
+    Polygon(const Polygon &) = delete;
+    Polygon &operator=(const Polygon &) = delete;
+};
+
+/// Planes of SeparatorOfEdge, which tries point after point.
+std::vector<VisPlane> SlowPlanes(const WindingView &s, const WindingView &t) {
+    std::vector<VisPlane> planes;
+    VisPlane plane;
+    for (int edge = 0; edge < s.count; ++edge)
+        if (SeparatorOfEdge(s, t, edge, false, plane))
+            planes.push_back(plane);
+    return planes;
+}
+
+void ExpectSamePlanes(const Polygon &s, const Polygon &t, bool behind) {
+    std::array<VisPlane, 32> planes;
+    const int count = TangentPlanes(s.view, s.normal, t.view, behind, planes);
+    const std::vector<VisPlane> slow = SlowPlanes(s.view, t.view);
+    ASSERT_EQ(count, int(slow.size()));
+    for (std::size_t i = 0; i < slow.size(); ++i) {
+        EXPECT_NEAR(Length(planes[i].normal), 1, 1e-5);
+        EXPECT_LT(PointDistances(s.view, planes[i]).greatest, 0.01f) << "the first polygon is behind";
+        EXPECT_GT(PointDistances(t.view, planes[i]).least, -0.01f) << "the second one is in front";
+        // One within 0.1 units may touch another corner.
+        for (const WindingView *const view : {&s.view, &t.view})
+            for (int k = 0; k < view->count; ++k)
+                EXPECT_NEAR(planes[i].Distance(view->Point(k)), slow[i].Distance(view->Point(k)), 0.25f);
+    }
+}
+
+TEST(Separators, OfTwoSquaresOppositeEachOther) {
+    WindingBuffer a, b;
+    const Vec3f corners[4] = {{0, 0, 0}, {0, 16, 0}, {0, 16, 16}, {0, 0, 16}};
+    for (int i = 0; i < 4; ++i)
+        a.Set(i, corners[i]), b.Set(i, corners[i] + Vec3f(64, 0, 0));
+    std::array<VisPlane, 8> planes;
+    ASSERT_EQ(TangentPlanes(a.View(4), {1, 0, 0}, b.View(4), false, planes), 4);
+    // Each goes through an edge of the first and the opposite one of the second: 16 units aside over 64.
+    const float length = std::sqrt(1 + 16.0f);
+    const Vec3f sides[4] = {{0, 0, -4}, {0, 4, 0}, {0, 0, 4}, {0, -4, 0}};
+    for (std::size_t i = 0; i < 4; ++i) {
+        const Vec3f expected = (Vec3f(1, 0, 0) + sides[i]) * (1 / length);
+        EXPECT_LT(Length(planes[i].normal - expected), 1e-5f) << i;
+        EXPECT_NEAR(planes[i].Distance(corners[i]), 0, 1e-4) << i;
+    }
+    EXPECT_EQ(TangentPlanes(a.View(4), {1, 0, 0}, b.View(4), false, std::span(planes).first(3)), 3);
+}
+
+TEST(Separators, OfSquaresThatShareAnEdge) {
+    // Two squares at a right angle with an edge in common.
+    WindingBuffer a, b;
+    const Vec3f floor[4] = {{0, 0, 0}, {16, 0, 0}, {16, 16, 0}, {0, 16, 0}};
+    const Vec3f wall[4] = {{0, 0, 0}, {0, 16, 0}, {0, 16, 16}, {0, 0, 16}};
+    for (int i = 0; i < 4; ++i)
+        a.Set(i, floor[i]), b.Set(i, wall[i]);
+    std::array<VisPlane, 8> planes;
+    const int count = TangentPlanes(a.View(4), {0, 0, 1}, b.View(4), false, planes);
+    for (int i = 0; i < count; ++i) {
+        const VisPlane &plane = planes[std::size_t(i)];
+        EXPECT_LE(PointDistances(a.View(4), plane).greatest, kOnEpsilon);
+        EXPECT_GE(PointDistances(b.View(4), plane).least, -kOnEpsilon);
+    }
+    EXPECT_EQ(count, int(SlowPlanes(a.View(4), b.View(4)).size()));
+}
+
+TEST(Separators, AreThoseOfTheSlowSearch) {
+    std::mt19937 random(7);
+    const auto unit = [&] { return float(random()) / 4294967296.0f * 2 - 1; };
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3f away(200 + 100 * unit(), 60 * unit(), 60 * unit());
+        const Polygon s({}, {1, 0.3f * unit(), 0.3f * unit()}, 30 + 20 * unit(), 3 + int(random() % 6));
+        const Polygon t(away, {1, 0.5f * unit(), 0.5f * unit()}, 30 + 20 * unit(), 3 + int(random() % 6));
+        ExpectSamePlanes(s, t, false);
+        ExpectSamePlanes(t, s, true);
+    }
+}
+
+TEST(VisMapOrder, PortalsWithLeastInFrontComeFirst) {
+    const RoomGrid grid(8);
+    const PortalGraph graph = BuildPortalGraph(ParsePortalFile(grid.Prt(), "grid.prt"), "grid.prt");
+    const VisMap map(graph, false);
+    Log log([](LogLevel, std::string_view) {});
+    const SightTable sight = FloodSight(map, {}, JobPool(1), log);
+    const std::vector<int> sorted = OrderPortals(map, sight, true), asInFile = OrderPortals(map, sight, false);
+    ASSERT_EQ(sorted.size(), map.NumPortals());
+    bool differs = false;
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+        EXPECT_EQ(asInFile[i], int(i));
+        differs |= sorted[i] != int(i);
+    }
+    const auto fewer = [&](int a, int b) {
+        return CountBits(sight.Bits(std::size_t(a))) < CountBits(sight.Bits(std::size_t(b)));
+    };
+    EXPECT_TRUE(std::is_sorted(sorted.begin(), sorted.end(), fewer));
+    EXPECT_TRUE(differs);
+}
+
+TEST(VisMapOrder, WidePortalsOfALeafComeFirstOnDemand) {
+    const RoomGrid grid(8);
+    const PortalGraph graph = BuildPortalGraph(ParsePortalFile(grid.Prt(), "grid.prt"), "grid.prt");
+    const VisMap asInFile(graph, false), widest(graph, true);
+    for (int leaf = 0; leaf < RoomGrid::kRooms; ++leaf) {
+        const auto plain = asInFile.PortalsOf(leaf), sorted = widest.PortalsOf(leaf);
+        EXPECT_TRUE(std::is_sorted(plain.begin(), plain.end()));
+        EXPECT_TRUE(std::is_sorted(sorted.begin(), sorted.end(), [&](int a, int b) {
+            return widest.Portal(std::size_t(a)).radius > widest.Portal(std::size_t(b)).radius;
+        }));
+        EXPECT_THAT(std::vector(sorted.begin(), sorted.end()), testing::UnorderedElementsAreArray(plain));
+    }
+}
+
+/// What passages narrow is part of the flood, holds all that the flow finds, and is the same on more threads.
+TEST(Passages, NarrowSightBetweenFloodAndFlow) {
+    const RoomGrid grid(9);
+    const PortalGraph graph = BuildPortalGraph(ParsePortalFile(grid.Prt(), "grid.prt"), "grid.prt");
+    const VisMap map(graph, true);
+    Log log([](LogLevel, std::string_view) {});
+    const auto narrowed = [&](int threads) {
+        SightTable sight = FloodSight(map, {}, JobPool(threads), log);
+        const Passages passages(map, sight, JobPool(threads), log);
+        passages.Narrow(map, sight, JobPool(threads));
+        return sight;
+    };
+    const SightTable flood = FloodSight(map, {}, JobPool(1), log), one = narrowed(1), three = narrowed(3);
+    SightTable flow = flood;
+    PortalFlow(map, OrderPortals(map, flood, true), {}, JobPool(1), log, flow);
+    std::size_t fewer = 0;
+    for (std::size_t p = 0; p < map.NumPortals(); ++p)
+        for (std::size_t q = 0; q < map.NumPortals(); ++q) {
+            EXPECT_EQ(one.Test(p, q), three.Test(p, q));
+            EXPECT_LE(one.Test(p, q), flood.Test(p, q));
+            EXPECT_LE(flow.Test(p, q), one.Test(p, q)) << p << " sees " << q;
+            fewer += flood.Test(p, q) && !one.Test(p, q);
+        }
+    EXPECT_GT(fewer, 0u);
+}
+
+} // namespace
+
+} // namespace q3::test
