@@ -250,6 +250,15 @@ TEST_F(CompileTest, NoEntityInTheOpenIsAnError) {
     EXPECT_THAT(out.text, HasSubstr("entity in solid"));
 }
 
+TEST_F(CompileTest, WithoutStructuralWallsThereIsNoTreeAndThatIsAnError) {
+    try {
+        Compile(MapText(Box({-8, -8, 0}, {8, 8, 16}, "test/back"), "\"_ignoreleaks\" \"1\"\n"));
+        FAIL() << "compiled";
+    } catch (const Error &error) {
+        EXPECT_THAT(error.what(), HasSubstr("test.map: no structural brush is seen"));
+    }
+}
+
 TEST_F(CompileTest, BrushEntitiesBecomeModels) {
     const std::string door = "{\n\"classname\" \"func_door\"\n" + Box({-8, -8, 0}, {8, 8, 64}) + "}\n";
     const std::string trigger = "{\n\"classname\" \"trigger_multiple\"\n" + Box({40, 40, 0}, {48, 48, 8}) + "}\n";
