@@ -3,6 +3,7 @@
 
 #include "common/files.h"
 #include "common/image_check.h"
+#include "common/image_index.h"
 
 #include <png.h>
 
@@ -25,8 +26,8 @@ struct PngReader {
     std::string message{}; ///< of libpng
     png_structp png = nullptr;
     png_infop info = nullptr;
+    std::size_t width = 0, height = 0;
     std::vector<png_bytep> rows{};
-    Image image{};
 
     PngReader(std::span<const std::byte> file_, std::string_view name_) : file(file_), name(name_) {}
     PngReader(const PngReader &) = delete;
@@ -49,12 +50,26 @@ void OnRead(png_structp png, png_bytep out, std::size_t count) {
     reader.at += count;
 }
 
-// The two functions with setjmp hold no object with a destructor: libpng jumps over their frames.
+// The functions with setjmp hold no object with a destructor: libpng jumps over their frames.
 
 bool ReadInfo(PngReader &reader) {
     if (setjmp(png_jmpbuf(reader.png)))
         return false;
     png_read_info(reader.png, reader.info);
+    return true;
+}
+
+bool AskForIndexes(PngReader &reader) {
+    if (setjmp(png_jmpbuf(reader.png)))
+        return false;
+    png_set_packing(reader.png); // a byte for each, however few bits they have
+    png_set_interlace_handling(reader.png);
+    return true;
+}
+
+bool AskForRgba(PngReader &reader) {
+    if (setjmp(png_jmpbuf(reader.png)))
+        return false;
     png_set_expand(reader.png);
     png_set_scale_16(reader.png);
     png_set_gray_to_rgb(reader.png);
@@ -63,42 +78,58 @@ bool ReadInfo(PngReader &reader) {
     return true;
 }
 
-bool ReadRows(PngReader &reader) {
+bool ReadRows(PngReader &reader, std::size_t texelBytes) {
     if (setjmp(png_jmpbuf(reader.png)))
         return false;
     png_read_update_info(reader.png, reader.info);
-    if (png_get_rowbytes(reader.png, reader.info) != 4 * std::size_t(reader.image.width))
+    if (png_get_rowbytes(reader.png, reader.info) != texelBytes * reader.width)
         png_error(reader.png, "the rows have an unexpected size");
     png_read_image(reader.png, reader.rows.data());
     return true;
+}
+
+/// Reads as far as the size.
+void Begin(PngReader &reader) {
+    reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader, OnError, OnWarning);
+    reader.info = reader.png ? png_create_info_struct(reader.png) : nullptr;
+    if (!reader.info)
+        throw Error("{}: PNG: out of memory", reader.name);
+    png_set_read_fn(reader.png, &reader, OnRead);
+    png_set_chunk_malloc_max(reader.png, png_alloc_size_t(8) << 20);
+    if (!ReadInfo(reader))
+        throw Error("{}: PNG: {}", reader.name, reader.message);
+    reader.width = png_get_image_width(reader.png, reader.info);
+    reader.height = png_get_image_height(reader.png, reader.info);
+    CheckImageSize(reader.width, reader.height, reader.name);
+    if (png_get_rowbytes(reader.png, reader.info) * reader.height > kMaxDeflateRatio * reader.file.size())
+        throw Error("{}: PNG: {} bytes cannot hold {} x {} texels", reader.name, reader.file.size(), reader.width,
+                    reader.height);
+}
+
+std::vector<std::uint8_t> Texels(PngReader &reader, std::size_t texelBytes) {
+    std::vector<std::uint8_t> texels(texelBytes * reader.width * reader.height);
+    for (std::size_t row = 0; row < reader.height; ++row)
+        reader.rows.push_back(texels.data() + texelBytes * reader.width * row);
+    const bool asked = texelBytes == 1 ? AskForIndexes(reader) : AskForRgba(reader);
+    if (!asked || !ReadRows(reader, texelBytes))
+        throw Error("{}: PNG: {}", reader.name, reader.message);
+    return texels;
 }
 
 } // namespace
 
 Image DecodePng(std::span<const std::byte> file, std::string_view name) {
     PngReader reader(file, name);
-    reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader, OnError, OnWarning);
-    reader.info = reader.png ? png_create_info_struct(reader.png) : nullptr;
-    if (!reader.info)
-        throw Error("{}: PNG: out of memory", name);
-    png_set_read_fn(reader.png, &reader, OnRead);
-    png_set_chunk_malloc_max(reader.png, png_alloc_size_t(8) << 20);
-    if (!ReadInfo(reader))
-        throw Error("{}: PNG: {}", name, reader.message);
+    Begin(reader);
+    return {int(reader.width), int(reader.height), Texels(reader, 4)};
+}
 
-    const std::size_t width = png_get_image_width(reader.png, reader.info);
-    const std::size_t height = png_get_image_height(reader.png, reader.info);
-    CheckImageSize(width, height, name);
-    if (png_get_rowbytes(reader.png, reader.info) * height > kMaxDeflateRatio * file.size())
-        throw Error("{}: PNG: {} bytes cannot hold {} x {} texels", name, file.size(), width, height);
-    reader.image.width = int(width);
-    reader.image.height = int(height);
-    reader.image.rgba.resize(4 * width * height);
-    for (std::size_t row = 0; row < height; ++row)
-        reader.rows.push_back(reader.image.rgba.data() + 4 * width * row);
-    if (!ReadRows(reader))
-        throw Error("{}: PNG: {}", name, reader.message);
-    return std::move(reader.image);
+std::optional<IndexImage> DecodePngIndexes(std::span<const std::byte> file, std::string_view name) {
+    PngReader reader(file, name);
+    Begin(reader);
+    if (png_get_color_type(reader.png, reader.info) != PNG_COLOR_TYPE_PALETTE)
+        return std::nullopt;
+    return IndexImage{int(reader.width), int(reader.height), Texels(reader, 1)};
 }
 
 void WritePng(const std::filesystem::path &path, const Image &image) {

@@ -14,6 +14,8 @@
 
 namespace q3 {
 
+/// Most clusters of a .bsp without visibility data: an allocation guard of its readers.
+inline constexpr int kMostClusters = 0x20000;
 inline constexpr std::size_t kBspxNameBytes = 24;
 inline constexpr std::size_t kBspxHeadBytes = 8;
 inline constexpr std::size_t kBspxEntryBytes = 32;

@@ -10,8 +10,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::int64_t kMaxClusters = 0x20000; ///< allocation guard when there is no visibility lump
-constexpr std::int64_t kMaxAreas = 256;        ///< an engine's area mask has 32 bytes
+constexpr std::int64_t kMaxAreas = 256; ///< an engine's area mask has 32 bytes
 constexpr int kMaxTreeDepth = 4096;
 constexpr int kMinPatchSide = 3, kMaxPatchSide = 31;
 constexpr std::size_t kBoxSides = 6;
@@ -412,7 +411,7 @@ class Validator {
     const Bsp &bsp_;
     std::string_view name_;
     Log &log_;
-    std::int64_t clusters_ = kMaxClusters;
+    std::int64_t clusters_ = kMostClusters; ///< until there is a visibility lump
 };
 
 } // namespace

@@ -93,6 +93,10 @@ bool MapCompiler::CompileWorld() {
         return false;
     }
     tree = MakeTree(VisibleFaces(world, context_));
+    if (tree.nodes[std::size_t(tree.head)].IsLeaf())
+        throw Error("{}: no structural brush is seen from where the entities stand, and engines load no map without a "
+                    "node: at least the walls around the map must be structural",
+                    map_.name);
     Seal(tree, false); // what stands in solids was said
     const int clusters = NumberClusters(tree, context_.options.deep);
     if (sealing == Sealing::Sealed)

@@ -50,7 +50,8 @@ void Arrange(DrawSurface &surface, const BspContext &context) {
         ReverseSurface(surface);
     if (surface.kind == SurfaceKind::Patch)
         return;
-    if (context.options.debugInset)
+    // Sprites are quads, and foliage has its places behind its vertices.
+    if (context.options.debugInset && !surface.shader->autosprite && surface.kind != SurfaceKind::Foliage)
         InsetTriangles(surface);
     if (!surface.shader->autosprite)
         surface.indexes = OrderTriangles(surface.indexes);

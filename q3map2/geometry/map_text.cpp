@@ -63,6 +63,9 @@ std::string FakeMapText(const MapEntity &world, const PlaneTable &planes) {
 }
 
 void WarnOfLimits(const Bsp &bsp, Log &log) {
+    int lastArea = 0;
+    for (const bspLeaf_t &leaf : bsp.leafs)
+        lastArea = std::max(lastArea, leaf.area);
     struct Limit {
         std::string_view what;
         std::size_t count, limit;
@@ -82,6 +85,7 @@ void WarnOfLimits(const Bsp &bsp, Log &log) {
         {"surfaces", bsp.drawSurfaces.size(), 131072, "use -meta"},
         {"draw vertices", bsp.drawVerts.size(), 524288, "use -meta, and simpler models"},
         {"draw indexes", bsp.drawIndexes.size(), 524288, "use simpler models"},
+        {"areas", std::size_t(lastArea) + 1, 256, "use fewer area portals"},
         {"fogs", bsp.fogs.size(), 31, "use fewer fog brushes"},
     };
     for (const Limit &one : limits)

@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/image.h"
+#include "common/image_index.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,11 +24,23 @@ std::vector<float> NumbersOf(std::string_view text, std::size_t count) {
     return numbers;
 }
 
-Image ReadPicture(std::string_view name, const BspContext &context) {
+/// The layer of each texel: palette numbers as they are, red in as many steps as there are layers.
+IndexImage ReadPicture(std::string_view name, int layers, const BspContext &context) {
     const auto bytes = context.vfs == nullptr ? std::nullopt : context.vfs->Read(name);
     if (!bytes)
         throw Error("{}: there is no such file", name);
-    return LowerCase(name).ends_with(".png") ? DecodePng(*bytes, name) : DecodeTga(*bytes, name);
+    const std::string lower = LowerCase(name);
+    if (lower.ends_with(".pcx"))
+        return DecodePcx(*bytes, name);
+    const bool isPng = lower.ends_with(".png");
+    if (isPng)
+        if (auto indexes = DecodePngIndexes(*bytes, name))
+            return std::move(*indexes);
+    const Image image = isPng ? DecodePng(*bytes, name) : DecodeTga(*bytes, name);
+    IndexImage picture{image.width, image.height, {}};
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4)
+        picture.indexes.push_back(std::uint8_t(image.rgba[i] * layers / 256));
+    return picture;
 }
 
 Boundsf CoveredBy(const MapEntity &entity, const Vec3f &shift) {
@@ -75,9 +88,9 @@ std::shared_ptr<const IndexMap> ReadIndexMap(const MapEntity &entity, const Vec3
         return Warn(entity, "expected \"_layers\" of 1 to 255", context), nullptr;
     if (map->shader.empty())
         return Warn(entity, "expected \"_shader\"", context), nullptr;
-    Image picture;
+    IndexImage picture;
     try {
-        picture = ReadPicture(name, context);
+        picture = ReadPicture(name, map->layers, context);
     } catch (const Error &error) {
         return Warn(entity, error.what(), context), nullptr;
     }
@@ -86,8 +99,7 @@ std::shared_ptr<const IndexMap> ReadIndexMap(const MapEntity &entity, const Vec3
     map->bounds = CoveredBy(entity, shift);
     map->width = picture.width, map->height = picture.height;
     map->offsets = NumbersOf(entity.pairs.Value({"_offsets", "offsets"}), std::size_t(map->layers));
-    for (std::size_t i = 0; i < picture.rgba.size(); i += 4)
-        map->pixels.push_back(std::uint8_t(picture.rgba[i] * map->layers / 256));
+    map->pixels = std::move(picture.indexes);
     return map;
 }
 

@@ -22,7 +22,7 @@ struct IndexMap {
 };
 
 /// The map that the keys of an entity name, over its brushes and patches moved by `shift`. Null without such keys, and
-/// after a warning when one is missing or the picture (tga, png) cannot be read or is under 2 x 2.
+/// after a warning when one is missing or the picture (tga, png, pcx) cannot be read or is under 2 x 2.
 std::shared_ptr<const IndexMap> ReadIndexMap(const MapEntity &entity, const Vec3f &shift, const BspContext &context);
 
 } // namespace q3

@@ -63,7 +63,8 @@ class MapReader {
     MapScanner scanner_;
     PrimitiveReader primitives_;
     int entityCount_ = 0, primitiveCount_ = 0;
-    bool entityIsOpen_ = false; ///< its "{" was read, and a pair of the one before may be missing its "}"
+    std::string primitivePlace_; ///< file and line where the one that is being read begins
+    bool entityIsOpen_ = false;  ///< its "{" was read, and a pair of the one before may be missing its "}"
 };
 
 /// About as many as there are class names.
@@ -138,6 +139,7 @@ void MapReader::ReadPrimitive(MapEntity &entity) {
         return;
     }
     const int primitive = primitiveCount_++;
+    primitivePlace_ = scanner_.Location();
     if (EqualNoCase(first, "terrainDef")) {
         scanner_.Warn("terrain", "terrainDef is not supported and left out");
         if (!scanner_.SkipBlock())
@@ -158,8 +160,9 @@ void MapReader::ReadPrimitive(MapEntity &entity) {
     }
 }
 
+/// Of the brush that is being read.
 void MapReader::Warn(const Brush &brush, std::string_view kind, std::string_view text) const {
-    context_.WarnAt(kind, brush.settings.entity, brush.primitive, text);
+    context_.WarnAt(kind, brush.settings.entity, brush.primitive, fmt::format("{}: {}", primitivePlace_, text));
 }
 
 /// Leaves out sides without a plane or with that of another. False: the brush is nothing.
@@ -199,7 +202,14 @@ void MapReader::AddBrush(MapEntity &entity, Brush brush) {
     if (!IsWanted(brush))
         return;
     if (!MakeBrushWindings(brush, map_.planes)) {
-        Warn(brush, "empty brush", "the brush encloses nothing or leaves the world: it is left out");
+        const Vec3f size = brush.bounds.maxs - brush.bounds.mins;
+        if (!brush.bounds.Empty() && size.x > 0 && size.y > 0 && size.z > 0)
+            Warn(brush, "brush outside the world",
+                 fmt::format("the brush reaches beyond {:.0f} units from the origin, or is open: it is left out",
+                             kMaxWorldCoord));
+        else
+            Warn(brush, "empty brush",
+                 "the brush is open, encloses nothing or is thinner than 0.1 units: it is left out");
         return;
     }
     if (brush.compileFlags & C_ORIGIN) {
@@ -251,7 +261,8 @@ void MapReader::DropAreaPortals(MapEntity &entity) const {
     std::erase_if(entity.brushes, [this](const Brush &brush) {
         const bool isPortal = (brush.compileFlags & C_AREAPORTAL) != 0;
         if (isPortal)
-            Warn(brush, "area portal outside the world", "an area portal that is not of the world is left out");
+            context_.WarnAt("area portal outside the world", brush.settings.entity, brush.primitive,
+                            "an area portal that is not of the world is left out");
         return isPortal;
     });
 }
@@ -276,6 +287,9 @@ void MapReader::ApplyPatchKeys(MapEntity &entity) const {
 
 void MapReader::FinishWorld(const MapEntity &world) {
     const BspOptions &options = context_.options;
+    if (!EqualNoCase(world.pairs.ClassName(), "worldspawn"))
+        context_.log.Warn("first entity", "{}: the first entity is '{}', expected worldspawn; it is taken as the world",
+                          map_.name, Shown(world.pairs.ClassName()));
     const std::string_view cel = world.pairs.Value("_celshader");
     if (!cel.empty())
         map_.defaultCelShader = &context_.shaders.Get(fmt::format("textures/{}", cel));

@@ -109,7 +109,7 @@ TextureProjection PrimitiveReader::ReadAxes(const BrushSide &side) {
     const std::string first = scanner_.NeedOnLine("a number or '['");
     texture.hasAxes = first == "[";
     if (!texture.hasAxes)
-        texture.shift = {NumberFromText(first), scanner_.Number()};
+        texture.shift = {scanner_.NumberOf(first), scanner_.Number()};
     for (std::size_t row = 0; texture.hasAxes && row < 2; ++row) {
         if (row > 0)
             scanner_.Expect("[");

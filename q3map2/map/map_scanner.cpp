@@ -82,7 +82,15 @@ void MapScanner::Expect(std::string_view token) {
 }
 
 double MapScanner::Number() {
-    return NumberFromText(NeedOnLine("a number"));
+    return NumberOf(NeedOnLine("a number"));
+}
+
+double MapScanner::NumberOf(const std::string &token) const {
+    std::string_view rest = token;
+    const double value = TakeNumber(rest).value_or(0);
+    if (!rest.empty())
+        Warn("not a number", fmt::format("expected a number, found '{}': it counts as {}", Shown(token), value));
+    return value;
 }
 
 int MapScanner::Integer() {

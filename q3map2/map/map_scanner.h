@@ -29,8 +29,9 @@ class MapScanner {
     std::string NeedOnLine(std::string_view what);
     /// Reads this token or fails.
     void Expect(std::string_view token);
-    /// Numbers of this line. What is not a number is 0.
+    /// Numbers of this line. What is not a number is 0, after a warning.
     double Number();
+    double NumberOf(const std::string &token) const;
     int Integer();
     /// Reads on to the "}" that closes a block whose "{" was read. False when the text ends first.
     bool SkipBlock();

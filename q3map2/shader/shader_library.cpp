@@ -237,7 +237,8 @@ void ShaderLibrary::State::FindTextureSize(ParsedShader &shader) {
                     size = *known;
                     found = true;
                 }
-        if (!found)
+        const bool named = !shader.editorImage.empty() || !shader.implicitImage.empty() || !shader.lightImage.empty();
+        if (!found && (named || !shader.builtInImage)) // what the engine makes up needs no file
             log.Warn("image not found", "shader {}: couldn't find image", shader.info.name);
     }
     if (!geometry.textureSizeGiven) {

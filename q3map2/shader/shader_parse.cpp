@@ -219,7 +219,9 @@ void ScriptParser::ParseStage() {
                 return;
         if (word == "}")
             return;
-        if (NoImageYet() && !word.empty() && word[0] != '$' && word[0] != '*')
+        const bool builtIn = !word.empty() && (word[0] == '$' || word[0] == '*');
+        shader_.builtInImage |= builtIn;
+        if (NoImageYet() && !word.empty() && !builtIn)
             shader_.lightImage = WithoutExtension(word);
     }
 }

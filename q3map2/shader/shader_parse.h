@@ -17,10 +17,11 @@ namespace q3 {
 struct ParsedShader {
     ShaderInfo info;
     std::string editorImage, lightImage, implicitImage;
-    std::string replacement;  ///< q3map_deprecateShader
-    bool colorGiven = false;  ///< q3map_lightRGB: info.color is final
-    bool lookedUp = false;    ///< somebody has its info
-    bool imagesReady = false; ///< light image and colours are in info
+    std::string replacement;   ///< q3map_deprecateShader
+    bool builtInImage = false; ///< a stage draws an image of the engine, such as $whiteimage
+    bool colorGiven = false;   ///< q3map_lightRGB: info.color is final
+    bool lookedUp = false;     ///< somebody has its info
+    bool imagesReady = false;  ///< light image and colours are in info
 };
 
 /// All shaders by name. References stay valid as long as the table.

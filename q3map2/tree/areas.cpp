@@ -1,4 +1,6 @@
 // GPL-2.0-or-later. Numbers of clusters and areas.
+#include "common/error.h"
+#include "q3map2/bspfile/bsp_layout.h"
 #include "q3map2/tree/tree.h"
 
 #include <utility>
@@ -33,6 +35,10 @@ int NumberClusters(Tree &tree, bool deep) {
             node.cluster = number;
         }
     }
+    if (count > kMostClusters)
+        throw Error("the map has {} clusters, expected at most {}: larger blocks (world key _blocksize) and more "
+                    "detail brushes make fewer",
+                    count, kMostClusters);
     return count;
 }
 

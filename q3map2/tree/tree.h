@@ -88,7 +88,7 @@ void WriteLeakFile(const std::filesystem::path &path, const std::vector<Vec3f> &
 void CullSides(MapEntity &entity, const PlaneTable &planes, const BspContext &context);
 /// Sets the visible hull of each side from its parts in leafs that are not opaque.
 void ClipSidesIntoTree(MapEntity &entity, const Tree &tree, const PlaneTable &planes, const BspContext &context);
-/// areas.cpp. Cluster and area numbers; how many there are.
+/// areas.cpp. Cluster and area numbers; how many there are. Error: more clusters than a .bsp may have.
 int NumberClusters(Tree &tree, bool deep);
 int FloodAreas(Tree &tree);
 /// prtfile.cpp. The text of the portal file.

@@ -2,6 +2,7 @@
 #include "common/error.h"
 #include "common/files.h"
 #include "common/image.h"
+#include "common/image_index.h"
 #include "tests/common/game_folder.h"
 
 #include <turbojpeg.h>
@@ -206,6 +207,65 @@ TEST(Png, EveryColorTypeBecomesRgba) {
     EXPECT_THAT(DecodePng(Png(2, 1, 4, 3, {0, 0x10}, {1, 2, 3, 4, 5, 6}, {77})).rgba,
                 ElementsAre(4, 5, 6, 255, 1, 2, 3, 77));
     EXPECT_THAT(DecodePng(Png(2, 1, 8, 0, {0, 7, 8}, {}, {0, 7})).rgba, ElementsAre(7, 7, 7, 0, 8, 8, 8, 255));
+}
+
+TEST(Png, PaletteNumbersComeAsTheyAre) {
+    const Bytes palette = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+    const auto indexes = [](const Bytes &file) { return DecodePngIndexes(AsFile(file), "a.png"); };
+    EXPECT_THAT(indexes(Png(3, 1, 8, 3, {0, 2, 0, 1}, palette))->indexes, ElementsAre(2, 0, 1));
+    const auto packed = indexes(Png(3, 2, 2, 3, {0, 0b10000100, 0, 0b01100000}, palette));
+    ASSERT_TRUE(packed);
+    EXPECT_EQ(packed->width, 3);
+    EXPECT_EQ(packed->height, 2);
+    EXPECT_THAT(packed->indexes, ElementsAre(2, 0, 1, 1, 2, 0));
+    EXPECT_FALSE(indexes(Png(1, 1, 8, 0, {0, 9})));
+}
+
+/// `texels` as they stand in the file: runs and single values.
+Bytes Pcx(int width, int height, int stride, const Bytes &texels) {
+    Bytes file(128);
+    file[0] = 10, file[1] = 5, file[2] = 1, file[3] = 8, file[65] = 1;
+    file[4] = 7, file[6] = 3; // first column and row
+    file[8] = std::uint8_t(7 + width - 1), file[10] = std::uint8_t(3 + height - 1);
+    file[66] = std::uint8_t(stride);
+    file.insert(file.end(), texels.begin(), texels.end());
+    return file;
+}
+
+IndexImage DecodePcx(const Bytes &file) {
+    return q3::DecodePcx(AsFile(file), "a.pcx");
+}
+
+TEST(Pcx, RunsAndValuesAreRowsFromTheTop) {
+    const IndexImage image = DecodePcx(Pcx(3, 2, 4, {0xC3, 7, 0, 1, 0xC1, 200, 0xC2, 9}));
+    EXPECT_EQ(image.width, 3);
+    EXPECT_EQ(image.height, 2);
+    EXPECT_THAT(image.indexes, ElementsAre(7, 7, 7, 1, 200, 9));
+}
+
+TEST(Pcx, RunsMayPassTheEndOfARow) {
+    EXPECT_THAT(DecodePcx(Pcx(2, 2, 2, {0xC3, 5, 6})).indexes, ElementsAre(5, 5, 5, 6));
+    EXPECT_THAT(DecodePcx(Pcx(2, 1, 2, {0xFF, 5})).indexes, ElementsAre(5, 5)); // and that of the image
+}
+
+TEST(Pcx, WhatIsNotSupportedIsAnError) {
+    for (const std::size_t at : {0, 2, 3, 65}) {
+        Bytes file = Pcx(2, 2, 2, {1, 2, 3, 4});
+        file[at] = 24;
+        EXPECT_THROW(DecodePcx(file), Error) << at;
+    }
+    EXPECT_THROW(DecodePcx(Pcx(0, 2, 2, {1, 2, 3, 4})), Error);
+    EXPECT_THROW(DecodePcx(Pcx(3, 2, 2, {1, 2, 3, 4})), Error); // rows of two bytes
+    Bytes large = Pcx(2, 2, 2, {1, 2, 3, 4});
+    large[9] = large[11] = 0x3F; // 16 k a side
+    large[67] = 0x40;
+    EXPECT_THROW(DecodePcx(large), Error);
+}
+
+TEST(Pcx, TruncatedAtEveryLengthIsAnError) {
+    const Bytes file = Pcx(3, 2, 4, {0xC3, 7, 0, 1, 0xC1, 200, 0xC2, 9});
+    for (std::size_t size = 0; size < file.size(); ++size)
+        EXPECT_THROW(DecodePcx(Bytes(file.begin(), file.begin() + std::ptrdiff_t(size))), Error) << size;
 }
 
 TEST(Png, SixteenBitsAreScaledWithoutGamma) {

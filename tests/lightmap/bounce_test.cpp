@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Bounced light: a closed white room knows the answer.
+#include "tests/light/compiled_map.h"
 #include "tests/light/light_test.h"
 
 #include <cmath>
@@ -31,10 +32,8 @@ class BounceTest : public LightTest {
 };
 
 /// White walls without lights; `_ambient` lights all surfaces alike.
-SceneBuilder WhiteRoom(double ambient) {
-    SceneBuilder scene = Room({-160, -128, 0}, {160, 128, 192});
-    scene.SetWorldKey("_ambient", fmt::format("{}", ambient));
-    return scene;
+Bsp WhiteRoom(double ambient) {
+    return CompiledMapOf("furnace", {{"_ambient", fmt::format("{}", ambient)}});
 }
 
 /// What a wall of white sends on at -bouncescale 0.25: 187.5 * 3 * 0.25 / 255.
@@ -65,11 +64,10 @@ TEST_F(BounceTest, BouncedLightReachesBothGrids) {
 
 TEST_F(BounceTest, NothingIsCreatedOrLost) {
     // One lamp in a closed white room: all light that the walls send on arrives on walls.
-    SceneBuilder scene = Room({-160, -128, 0}, {160, 128, 192});
-    scene.AddEntity(MakeEntity("light", {{"origin", "30 20 90"}, {"light", "150"}}));
+    const Bsp room = CompiledMapOf("white_lamp");
     const auto sum = [&](std::string_view options) {
         double total = 0;
-        for (const std::uint8_t byte : Lit(scene, fmt::format("-nogrid -nocollapse {}", options)).lightmaps)
+        for (const std::uint8_t byte : Lit(room, fmt::format("-nogrid -nocollapse {}", options)).lightmaps)
             total += byte == 0 ? 0 : byte + 0.5; // bytes are cut off
         return total;
     };
@@ -160,11 +158,9 @@ TEST_F(BounceTest, FastEndsFaintPieces) {
 }
 
 TEST_F(BounceTest, SameBytesForAnyNumberOfThreads) {
-    SceneBuilder scene = Room({-160, -128, 0}, {160, 128, 192});
-    scene.AddBox({-40, -40, 0}, {10, 20, 60}, TestShader("textures/test/wall"));
-    scene.AddEntity(MakeEntity("light", {{"origin", "30 20 90"}, {"light", "150"}}));
-    const Bsp one = Lit(scene, "-bounce 2 -bouncegrid -dirty", 1),
-              three = Lit(scene, "-bounce 2 -bouncegrid -dirty", 3);
+    const Bsp pillar = CompiledMapOf("pillar");
+    const Bsp one = Lit(pillar, "-bounce 2 -bouncegrid -dirty", 1),
+              three = Lit(pillar, "-bounce 2 -bouncegrid -dirty", 3);
     EXPECT_EQ(one.lightmaps, three.lightmaps);
     EXPECT_EQ(
         std::memcmp(one.gridPoints.data(), three.gridPoints.data(), one.gridPoints.size() * sizeof(bspGridPoint_t)), 0);

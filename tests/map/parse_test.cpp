@@ -76,15 +76,34 @@ TEST_F(MapTest, DegenerateDuplicateAndMirroredPlanesAreNamed) {
     EXPECT_EQ(Warnings("duplicate plane"), 1);
     Map mirrored = Read(WorldText(FlatPatchText(3, 3, {}) + box + SideText({{0, 0, -1}, -64}) + "}\n" + kBox));
     EXPECT_EQ(mirrored.World().brushes.size(), 1u);
-    EXPECT_THAT(out.text, HasSubstr("Entity 0, Brush 1: mirrored plane"));
+    EXPECT_THAT(out.text, testing::ContainsRegex("Entity 0, Brush 1: maps/test.map:[0-9]+: mirrored plane"));
 }
 
 TEST_F(MapTest, EmptyAndOutsideBrushesAreNamed) {
     EXPECT_TRUE(Read(WorldText(BrushText({{{1, 0, 0}, 8}, {{0, 1, 0}, 8}}))).World().brushes.empty());
     EXPECT_TRUE(Read(WorldText(BoxText({0, 0, 0}, {64, 64, 70000}))).World().brushes.empty());
     EXPECT_TRUE(Read(WorldText("{\n}\n")).World().brushes.empty());
-    EXPECT_EQ(Warnings("empty brush"), 2);
-    EXPECT_THAT(out.text, HasSubstr("Entity 0, Brush 0: the brush encloses nothing"));
+    EXPECT_EQ(Warnings("empty brush"), 1);
+    EXPECT_EQ(Warnings("brush outside the world"), 1);
+    EXPECT_THAT(out.text, HasSubstr("Entity 0, Brush 0: maps/test.map:4: the brush is open, encloses nothing"));
+    EXPECT_THAT(out.text, HasSubstr("Entity 0, Brush 0: maps/test.map:4: the brush reaches beyond 65536 units"));
+}
+
+TEST_F(MapTest, WhatIsNotANumberIsNamedAndZero) {
+    Map map = Read(WorldText("{\n( x0 0 0 ) ( 0 1 0 ) ( 0 0 1 ) wall 0 0 0 1 1\n}\n" + kBox));
+    EXPECT_EQ(map.World().brushes.size(), 1u);
+    EXPECT_THAT(out.text,
+                HasSubstr("Entity 0, Brush 0: maps/test.map:4: expected a number, found 'x0': it counts as 0"));
+    Read(WorldText("{\n( 0 0 0 ) ( 0 1 0 ) ( 0 0 1 ) wall 8units 0 0 1 1\n}\n"));
+    EXPECT_EQ(Warnings("not a number"), 2) << "part of it is not";
+}
+
+TEST_F(MapTest, AnotherFirstEntityIsNamed) {
+    Read(EntityText("info_player_start", "") + WorldText(kBox));
+    EXPECT_THAT(out.text, HasSubstr("the first entity is 'info_player_start', expected worldspawn"));
+    EXPECT_EQ(Warnings("first entity"), 1);
+    Read(WorldText(kBox));
+    EXPECT_EQ(Warnings("first entity"), 1);
 }
 
 TEST_F(MapTest, ErrorsNameFileLineEntityAndBrush) {

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The bsp stage as a user runs it: which files it reads, writes and removes.
 #include "tests/program/run_program.h"
 
+#include "common/files.h"
 #include "q3map2/bspfile/bspfile.h"
 
 #include <gmock/gmock.h>
@@ -14,35 +15,13 @@ using testing::Not;
 
 namespace fs = std::filesystem;
 
-std::string Side(int axis, bool more, int dist) {
-    std::array<std::array<int, 3>, 3> points{};
-    for (auto &p : points)
-        p[std::size_t(axis)] = dist;
-    points[more ? 2 : 1][std::size_t((axis + 1) % 3)] = 64;
-    points[more ? 1 : 2][std::size_t((axis + 2) % 3)] = 64;
-    std::string text;
-    for (const auto &p : points)
-        text += fmt::format("( {} {} {} ) ", p[0], p[1], p[2]);
-    return text + "test/wall 0 0 0 0.5 0.5 0 0 0\n";
-}
-
-std::string Box(std::array<int, 3> mins, std::array<int, 3> maxs) {
-    std::string text = "{\n";
-    for (int axis = 0; axis < 3; ++axis)
-        text += Side(axis, false, mins[std::size_t(axis)]) + Side(axis, true, maxs[std::size_t(axis)]);
-    return text + "}\n";
-}
-
 constexpr std::string_view kEntities = "{\n\"classname\" \"info_player_start\"\n\"origin\" \"0 0 32\"\n}\n"
                                        "{\n\"classname\" \"light\"\n\"origin\" \"0 0 96\"\n\"light\" \"300\"\n}\n";
 
-std::string RoomText(bool sealed, std::string_view extra = "") {
-    std::string text = "{\n\"classname\" \"worldspawn\"\n" + Box({-144, -144, -16}, {-128, 144, 144}) +
-                       Box({128, -144, -16}, {144, 144, 144}) + Box({-128, -144, -16}, {128, -128, 144}) +
-                       Box({-128, 128, -16}, {128, 144, 144}) + Box({-128, -128, -16}, {128, 128, 0});
-    if (sealed)
-        text += Box({-128, -128, 128}, {128, 128, 144});
-    return text + std::string(extra) + "}\n" + std::string(kEntities);
+/// A source of tests/data/maps.
+std::string MapSource(std::string_view name) {
+    const std::vector<std::byte> bytes = ReadFile(fs::path(TEST_DATA) / "maps" / name);
+    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
 }
 
 class BspTest : public ProgramTest {
@@ -61,7 +40,7 @@ class BspTest : public ProgramTest {
 };
 
 TEST_F(BspTest, SealedMapGetsItsThreeFiles) {
-    WriteMap(RoomText(true));
+    WriteMap(MapSource("room.map"));
     for (const char *stale : {".lin", ".reg"})
         WriteMap("old", std::string("room") + stale);
     RunWell("-meta " + Room("").string());
@@ -75,7 +54,7 @@ TEST_F(BspTest, SealedMapGetsItsThreeFiles) {
 }
 
 TEST_F(BspTest, LightStageTakesWhatWasCompiled) {
-    WriteMap(RoomText(true));
+    WriteMap(MapSource("room.map"));
     RunWell("-bsp -meta " + Room(".map").string());
     RunWell("-light -fast " + Room(".bsp").string());
     const Bsp bsp = ReadRoom();
@@ -84,7 +63,7 @@ TEST_F(BspTest, LightStageTakesWhatWasCompiled) {
 }
 
 TEST_F(BspTest, LeakLeavesItsLine) {
-    WriteMap(RoomText(false));
+    WriteMap(MapSource("leak.map"));
     WriteMap("old", "room.prt");
     const Outcome outcome = RunWell("-meta " + Room("").string());
     EXPECT_TRUE(outcome.Printed("leaked"));
@@ -94,7 +73,7 @@ TEST_F(BspTest, LeakLeavesItsLine) {
 }
 
 TEST_F(BspTest, LeakTestWritesNoMap) {
-    WriteMap(RoomText(false));
+    WriteMap(MapSource("leak.map"));
     RunWell("-leaktest " + Room("").string());
     EXPECT_TRUE(fs::exists(Room(".lin")));
     EXPECT_FALSE(fs::exists(Room(".bsp")));
@@ -102,7 +81,7 @@ TEST_F(BspTest, LeakTestWritesNoMap) {
 }
 
 TEST_F(BspTest, OnlyEntitiesReplacesThem) {
-    WriteMap(RoomText(true));
+    WriteMap(MapSource("room.map"));
     RunWell("-meta " + Room("").string());
     const Bsp before = ReadRoom();
     WriteMap("{\n\"classname\" \"worldspawn\"\n\"message\" \"new\"\n}\n" + std::string(kEntities), "room.ent");
@@ -116,19 +95,19 @@ TEST_F(BspTest, OnlyEntitiesReplacesThem) {
 }
 
 TEST_F(BspTest, TemporarySourceIsDeleted) {
-    WriteMap(RoomText(true), "other.tmp");
+    WriteMap(MapSource("room.map"), "other.tmp");
     RunWell(fmt::format("-meta -tempname {} {}", (maps_ / "other.tmp").string(), Room(".map").string()));
     EXPECT_TRUE(fs::exists(Room(".bsp")));
     EXPECT_FALSE(fs::exists(maps_ / "other.tmp"));
 }
 
 TEST_F(BspTest, UnknownOptionIsAWarning) {
-    WriteMap(RoomText(true));
+    WriteMap(MapSource("room.map"));
     EXPECT_TRUE(RunWell("-frobnicate " + Room("").string()).Printed("Unknown option \"-frobnicate\""));
 }
 
 TEST_F(BspTest, BrokenSourceLeavesTheOldMap) {
-    WriteMap(RoomText(true));
+    WriteMap(MapSource("room.map"));
     RunWell("-meta " + Room("").string());
     WriteMap("{\n\"classname\" \"worldspawn\"\n{\n( 0 0 0 ) ( 1 0\n");
     const Outcome outcome = Run("-meta " + Room("").string());

@@ -2,7 +2,7 @@
 #include "tests/program/run_program.h"
 
 #include "common/files.h"
-#include "tools/scene/demo_scene.h"
+#include "q3map2/geometry/compile_map.h"
 
 #include <cstdlib>
 #include <cstring>
@@ -31,6 +31,21 @@ constexpr unsigned kMaxSeconds = 120;
     alarm(kMaxSeconds);
     execv(PROGRAM, words.data());
     _exit(127);
+}
+
+/// The demo's source after the bsp stage.
+Bsp CompiledDemo(const std::filesystem::path &game) {
+    QuietLog quiet;
+    VirtualFileSystem vfs(quiet.log);
+    vfs.Mount(game, "pk3");
+    BspOptions options;
+    options.meta = true;
+    const Game &rules = *FindGame("quake3");
+    ShaderLibrary library(vfs, rules, {}, quiet.log);
+    const BspContext context{options, rules, library, quiet.log, &vfs};
+    const std::vector<std::byte> bytes = ReadFile(game / "maps/demo.map");
+    Map map = ReadMap({reinterpret_cast<const char *>(bytes.data()), bytes.size()}, "demo.map", context);
+    return CompileMap(map, context).bsp;
 }
 
 } // namespace
@@ -82,12 +97,10 @@ std::vector<std::byte> LumpOf(const std::vector<std::byte> &file, std::size_t lu
 
 ProgramTest::ProgramTest() : game_(folder_ / "base/baseq3"), maps_(game_ / "maps") {
     QuietLog quiet;
-    const DemoMap demo = DemoScene();
-    folder_.Write("base/baseq3/maps/demo.map", demo.mapText);
-    folder_.Write("base/baseq3/scripts/demo.shader", demo.shaderText);
-    folder_.Write("base/baseq3/scripts/shaderlist.txt", "demo\n");
+    std::filesystem::create_directories(folder_ / "base");
+    std::filesystem::copy(DEMO_ARENA, game_, std::filesystem::copy_options::recursive);
     // Something in every lump that lighting must keep.
-    Bsp bsp = demo.bsp;
+    Bsp bsp = CompiledDemo(game_);
     bsp.lightmaps.resize(std::size_t(128 * 128 * 3));
     for (std::size_t i = 0; i < bsp.lightmaps.size(); i++)
         bsp.lightmaps[i] = std::uint8_t(i * 31 >> 3);

@@ -99,6 +99,16 @@ TEST_F(ShaderGeometry, SizeIsOfTheEditorImageThenOfTheName) {
     EXPECT_EQ(Warnings("image not found"), 2); // what is not drawn needs none
 }
 
+TEST_F(ShaderGeometry, ImagesOfTheEngineNeedNoFile) {
+    options.imageSizes = true;
+    LoadScript("white\n{\n{\nmap $whiteimage\n}\n{\nmap *white\n}\n}\n"
+               "both\n{\n{\nmap $lightmap\n}\n{\nmap gone.tga\n}\n}\n");
+    EXPECT_EQ(library->Get("white").geometry.textureWidth, 64);
+    EXPECT_EQ(Warnings("image not found"), 0);
+    library->Get("both");
+    EXPECT_EQ(Warnings("image not found"), 1);
+}
+
 TEST_F(ShaderGeometry, GlobalFlagsReachAllShaders) {
     options.globalFlags = {"slick"};
     options.noOb = true;

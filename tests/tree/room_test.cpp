@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Rooms: counts known by hand, leaks, areas, clusters, the portal file.
 #include "tests/tree/tree_test.h"
 
+#include "common/error.h"
+
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -330,6 +332,25 @@ TEST(Clusters, DetailCutsOnlyWhenDeepAndThenKeepsItsCluster) {
     EXPECT_EQ(deep.clusters, 1);
     EXPECT_EQ(deep.visiblePortals, 0);
     EXPECT_GT(test::CountLeafs(deep.second, [](const TreeNode &node) { return node.cluster == 0; }), 4);
+}
+
+TEST(Clusters, MoreThanFilesMayHoldAreAnError) {
+    constexpr int kLeafs = 131073;
+    Tree tree; // each node has a leaf in front and the next node behind
+    tree.nodes.resize(2 * kLeafs - 1);
+    for (int i = 0; i + 1 < kLeafs; ++i) {
+        tree.nodes[std::size_t(2 * i)].planeNum = 0;
+        tree.nodes[std::size_t(2 * i)].children = {2 * i + 1, 2 * i + 2};
+    }
+    try {
+        NumberClusters(tree, false);
+        FAIL() << "numbered";
+    } catch (const Error &error) {
+        EXPECT_STREQ(error.what(), "the map has 131073 clusters, expected at most 131072: larger blocks (world key "
+                                   "_blocksize) and more detail brushes make fewer");
+    }
+    tree.nodes[1].opaque = true;
+    EXPECT_EQ(NumberClusters(tree, false), 131072);
 }
 
 } // namespace

@@ -1,4 +1,8 @@
 // GPL-2.0-or-later. Compiled maps made of axis-aligned boxes, for tests and the demo.
+//
+// Rooms of plain brushes and lamps are map sources (tests/data/maps, tools/demo_arena). What is built here needs
+// records that no source gives: chosen visibility, surfaces without brushes, patches or soups with exact points, one
+// cluster for many leafs, or sizes and counts that the test computes.
 #pragma once
 
 #include "libs/math/bounds.h"

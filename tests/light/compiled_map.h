@@ -1,0 +1,17 @@
+// GPL-2.0-or-later. The map sources of tests/data/maps through the bsp stage.
+#pragma once
+
+#include "q3map2/bspfile/bspfile.h"
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace q3::test {
+
+/// tests/data/maps/NAME.map after -meta, lights kept, with the shaders of tests/data/vectors; milliseconds each time.
+/// `keys` are added to those of its world. Fails the test when the map leaks.
+Bsp CompiledMapOf(std::string_view name, std::initializer_list<std::pair<std::string, std::string>> keys = {});
+
+} // namespace q3::test
