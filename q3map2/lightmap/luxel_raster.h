@@ -52,25 +52,25 @@ void SubdivideEdges(PassVertex<Vertex> a, PassVertex<Vertex> b, PassVertex<Verte
         if (std::max(pq, std::max(qr, rp)) > threshold2)
             SubdivideEdges<kFlat, Vertex>(p, q, r, pq, qr, rp, threshold2, sample);
     };
-    const float longest = std::max(ab, std::max(bc, ca)), half = longest * 0.25f;
+    const float longest = std::max(ab, std::max(bc, ca));
     if (ab == longest) {
         const Vertex m = Between<kFlat>(a, b);
         sample(m);
-        const float mc = LuxelDistance2(m, c);
-        halve(m, b, c, half, bc, mc);
-        halve(a, m, c, half, mc, ca);
+        const float am = LuxelDistance2(a, m), mb = LuxelDistance2(m, b), mc = LuxelDistance2(m, c);
+        halve(m, b, c, mb, bc, mc);
+        halve(a, m, c, am, mc, ca);
     } else if (bc == longest) {
         const Vertex m = Between<kFlat>(b, c);
         sample(m);
-        const float ma = LuxelDistance2(m, a);
-        halve(a, m, c, ma, half, ca);
-        halve(a, b, m, ab, half, ma);
+        const float bm = LuxelDistance2(b, m), mc = LuxelDistance2(m, c), ma = LuxelDistance2(m, a);
+        halve(a, m, c, ma, mc, ca);
+        halve(a, b, m, ab, bm, ma);
     } else {
         const Vertex m = Between<kFlat>(c, a);
         sample(m);
-        const float bm = LuxelDistance2(b, m);
-        halve(a, b, m, ab, bm, half);
-        halve(m, b, c, bm, bc, half);
+        const float cm = LuxelDistance2(c, m), ma = LuxelDistance2(m, a), bm = LuxelDistance2(b, m);
+        halve(a, b, m, ab, bm, ma);
+        halve(m, b, c, bm, bc, cm);
     }
 }
 
