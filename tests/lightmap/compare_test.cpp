@@ -158,6 +158,22 @@ TEST_F(CompareTest, ByAreaASliverCountsAsLittleAsItIs) {
     EXPECT_NEAR(c.lightmaps.within8, 5.0 / 6, 1e-9) << "samples count alike";
 }
 
+TEST_F(CompareTest, WhatIsInSolidsIsLeftOut) {
+    SceneBuilder scene;
+    scene.SetInterior({0, 0, 0}, {256, 256, 256}, {"textures/test/wall0"});
+    // A quarter of it is in the room, the rest in the wall beside.
+    scene.AddQuad({{{192, 0, 64}, {192, 256, 64}, {448, 256, 64}, {448, 0, 64}}}, {"textures/test/shelf"});
+    bsp = scene.Build();
+    for (std::size_t i = 0; i < bsp.drawSurfaces.size(); ++i) {
+        std::size_t buried = 0;
+        for (const compare::Place &place : compare::PlacesOn(bsp, i, 1000))
+            buried += compare::IsBuried(bsp, i, place);
+        const bool shelf =
+            FieldName(bsp.shaders[std::size_t(bsp.drawSurfaces[i].shaderNum)].shader) == "textures/test/shelf";
+        EXPECT_NEAR(double(buried), shelf ? 750 : 0, 10) << i;
+    }
+}
+
 TEST_F(CompareTest, AreasOfTrianglesAndPatches) {
     SceneBuilder scene;
     scene.SetInterior({0, 0, 0}, {256, 256, 256}, {"textures/test/wall0"});

@@ -70,6 +70,10 @@ class Comparer {
         std::size_t count = 0;
         const std::vector<Place> places = PlacesOn(a_.Map(), surface, samples_);
         for (const Place &place : places) {
+            if (IsBuried(a_.Map(), surface, place)) {
+                ++result_.buried;
+                continue;
+            }
             const Vec3d x = a_.Light(surface, place), y = b_.Light(surface, place);
             const bool litX = MaxComponent(x) >= kBlack, litY = MaxComponent(y) >= kBlack;
             result_.lit.Add(litX, litY);
@@ -182,8 +186,8 @@ std::string ToText(const Comparison &c) {
     std::string text = fmt::format("surfaces with lightmap in both {}, only in A {}, only in B {}, in neither {}\n",
                                    c.lightmapped.both, c.lightmapped.onlyA, c.lightmapped.onlyB, c.lightmapped.neither);
     text += Line("lightmap samples", c.lightmaps);
-    text += fmt::format("  left out: black in A only {}, in B only {}, in both {}\n", c.lit.onlyB, c.lit.onlyA,
-                        c.lit.neither);
+    text += fmt::format("  left out: in solids {}, black in A only {}, in B only {}, in both {}\n", c.buried,
+                        c.lit.onlyB, c.lit.onlyA, c.lit.neither);
     text += fmt::format("  by area: mean {:.2f}, within 8 {:.2f} %\n", c.byArea.mean, 100 * c.byArea.within8);
     text += Line("means of surfaces", c.surfaces);
     text += fmt::format("  {} of {} surfaces within 2\n", c.surfacesWithin2, c.surfacesCompared);

@@ -54,11 +54,12 @@ struct AreaSpread {
 };
 
 struct Comparison {
-    Sides lightmapped; ///< surfaces
-    Sides lit;         ///< samples whose light is not black
-    Spread lightmaps;  ///< samples that are black in neither, on surfaces with lightmaps in both
-    AreaSpread byArea; ///< the same samples: slivers of surfaces have as many as walls, and nobody sees them
-    Spread surfaces;   ///< means of those surfaces
+    Sides lightmapped;      ///< surfaces
+    std::size_t buried = 0; ///< samples in solids, left out: there pages hold light of other surfaces
+    Sides lit;              ///< the other samples, by whose light is not black
+    Spread lightmaps;       ///< those that are black in neither, on surfaces with lightmaps in both
+    AreaSpread byArea;      ///< the same samples: slivers of surfaces have as many as walls, and nobody sees them
+    Spread surfaces;        ///< means of those surfaces
     std::size_t surfacesWithin2 = 0, surfacesCompared = 0;
     Spread directions;                    ///< degrees; no samples unless both are deluxe
     Spread vertices;                      ///< colours of surfaces without lightmap in both, but for the next

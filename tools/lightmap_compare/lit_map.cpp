@@ -7,6 +7,7 @@
 #include "common/text.h"
 #include "common/text_scan.h"
 #include "libs/math/low_discrepancy.h"
+#include "q3map2/bspfile/bsp_tree.h"
 #include "q3map2/lightmap/lightmap_scripts.h"
 
 #include <algorithm>
@@ -183,6 +184,19 @@ bool IsUndrawn(const Bsp &bsp, std::size_t surface) {
     constexpr std::uint32_t kSky = 0x4, kHint = 0x100, kSkip = 0x200, kNoDraw = 0x80;
     const auto flags = std::uint32_t(bsp.shaders[std::size_t(bsp.drawSurfaces[surface].shaderNum)].surfaceFlags);
     return (flags & (kSky | kHint | kSkip | kNoDraw)) != 0;
+}
+
+bool IsBuried(const Bsp &bsp, std::size_t surface, const Place &place) {
+    constexpr float kBefore = 1; // game units
+    const bspModel_t &world = bsp.models.front();
+    const auto number = std::int64_t(surface);
+    if (number < world.firstBSPSurface || number >= std::int64_t(world.firstBSPSurface) + world.numBSPSurfaces)
+        return false;
+    Vec3d normal;
+    for (std::size_t i = 0; i < place.count; ++i)
+        normal += Vec3d(bsp.drawVerts[std::size_t(place.verts[i])].normal) * place.weights[i];
+    const Vec3f before = Vec3f(PositionOf(bsp, place)) + Normalize(Vec3f(normal)) * kBefore;
+    return bsp.leafs[std::size_t(LeafAt(bsp, before))].cluster == kSolidCluster;
 }
 
 double AreaOf(const Bsp &bsp, std::size_t surface) {
