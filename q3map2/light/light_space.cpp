@@ -99,6 +99,7 @@ bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const 
     const Bsp &bsp = space_.bsp_;
     const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;
     std::array<BspChild, 32> pending;
+    std::vector<BspChild> more; // where that is full
     std::size_t waiting = 0;
     BspChild child = top_;
     for (;;) {
@@ -107,7 +108,12 @@ bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const 
                 return true;
             if (waiting == 0)
                 return false;
-            child = pending[--waiting];
+            if (more.empty())
+                child = pending[--waiting];
+            else {
+                child = more.back();
+                more.pop_back();
+            }
             continue;
         }
         const bspNode_t &node = bsp.nodes[std::size_t(child)];
@@ -119,8 +125,8 @@ bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const 
         if (front && back) {
             if (waiting < pending.size())
                 pending[waiting++] = node.children[1];
-            else if (BspRegion(space_, node.children[1]).Touches(mins, maxs, solid))
-                return true;
+            else
+                more.push_back(node.children[1]);
         }
         child = node.children[front ? 0 : 1];
     }
