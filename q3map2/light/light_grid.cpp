@@ -17,6 +17,7 @@ constexpr float kMinCell = 8;
 constexpr float kNudgeMargin = -0.125f;
 constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
 constexpr int kNudges = 16;            ///< steps from the point to half a cell away
+constexpr float kAtLeaf = 0.2f;        ///< places farther from a leaf are never taken to be in it. Game units
 constexpr std::size_t kMaxRecords = 32767;
 /// Lights fainter than this in all of a brick are represented by a few of them. Byte scale.
 constexpr float kFaint = 1.0f / 16;
@@ -30,19 +31,38 @@ struct LegacyPoint {
     Vec3f sum; // running, of all styles: for -cheapgrid
     Vec3d directionSum;
     std::vector<GridRecord> records;
+
+    void Clear() {
+        sum = {}, directionSum = {};
+        records.clear();
+    }
 };
+
+/// The first of PlacePoint's steps whose spots need looking at: those of smaller ones lie in a box without open leafs.
+int FirstOpenStep(const BspRegion &space, const Vec3f &base, const Vec3f &half) {
+    int first = 1;
+    for (int last = kNudges; first < last;) {
+        const int step = (first + last) / 2;
+        const Vec3f reach = half * (float(step) / kNudges) + Vec3f{kAtLeaf, kAtLeaf, kAtLeaf};
+        if (space.AnyOpen(base - reach, base + reach))
+            last = step;
+        else
+            first = step + 1;
+    }
+    return first;
+}
 
 /// Finds the point's place: where it is, or, when that is solid, the nearest open spot up to half a cell away. The
 /// established program draws spots at random, ever farther away.
-bool PlacePoint(const BspSpace &space, const GridLayout &layout, Vec3f &position, int &cluster) {
+bool PlacePoint(const BspRegion &region, const Vec3f &half, Vec3f &position, int &cluster) {
     const Vec3f base = position;
-    cluster = space.ClusterAt(base, 0);
+    cluster = region.ClusterAt(base, 0);
     if (cluster >= 0)
         return true;
-    const Vec3f half = Vec3f(layout.size) * 0.5f;
-    if (!space.AnyOpen(base - half, base + half))
+    if (!region.AnyOpen(base - half, base + half))
         return false;
-    for (int step = 1; step <= kNudges; ++step)
+    const BspRegion space = region.Around({base - half, base + half});
+    for (int step = FirstOpenStep(space, base, half); step <= kNudges; ++step)
         for (int axes = 1; axes <= 3; ++axes)
             for (int z = -1; z <= 1; ++z)
                 for (int y = -1; y <= 1; ++y)
@@ -59,7 +79,7 @@ bool PlacePoint(const BspSpace &space, const GridLayout &layout, Vec3f &position
 
 /// Many points lie in the plane of a wall or a floor. Their rays start a hair off it, so that those into the wall are
 /// blocked and the others are not.
-Vec3f ClearOfSolids(const BspSpace &space, const Vec3f &p) {
+Vec3f ClearOfSolids(const BspRegion &space, const Vec3f &p) {
     const auto clear = [&](const Vec3f &at) {
         const Vec3f margin{kSolidMargin, kSolidMargin, kSolidMargin};
         return !space.AnySolid(at - margin, at + margin);
@@ -75,6 +95,27 @@ Vec3f ClearOfSolids(const BspSpace &space, const Vec3f &p) {
                         return at;
                 }
     return p;
+}
+
+/// The places of a brick's points, block by block. Counts those in the open.
+std::vector<LightPlaces> PlaceBrick(const BspSpace &space, const GridLayout &layout, std::span<const BrickPoint> points,
+                                    GridStats &work) {
+    std::vector<LightPlaces> blocks;
+    const Vec3f half = Vec3f(layout.size) * 0.5f, margin = half + Vec3f{1, 1, 1};
+    const BspRegion brick = RegionAround(space.Whole(), points, margin);
+    for (std::size_t first = 0; first < points.size(); first += kPacketSize) {
+        const auto near = points.subspan(first, std::min(kPacketSize, points.size() - first));
+        const BspRegion around = RegionAround(brick, near, margin);
+        for (const BrickPoint &at : near) {
+            Vec3f position = at.position;
+            int cluster = kSolidCluster;
+            if (!PlacePoint(around, half, position, cluster))
+                continue;
+            AddPlace(blocks, position, ClearOfSolids(around, position), cluster, at.index);
+            ++work.open;
+        }
+    }
+    return blocks;
 }
 
 void AddFloodlight(const GridInputs &in, const Vec3f &position, LegacyPoint &point, RayCounts &counts) {
@@ -152,10 +193,11 @@ void AddArrivals(const Light &light, const GridInputs &in, const Arrivals &arriv
     }
 }
 
-/// The points of a block, lit.
+/// The points of a block, lit. `points`: memory for as many.
 void LightBlock(const GridInputs &in, const ContributionSettings &settings, std::span<const BrickLight> lights,
-                LightPlaces &places, std::span<bspGridPoint_t> grid, GridStats &work) {
-    std::array<LegacyPoint, kPacketSize> points;
+                LightPlaces &places, std::span<LegacyPoint> points, std::span<bspGridPoint_t> grid, GridStats &work) {
+    for (LegacyPoint &point : points)
+        point.Clear();
     Arrivals arrivals;
     for (const BrickLight &one : lights) {
         LightContributionToPoint(*one.light, one.weight, settings, in.scene, {&places, 1}, {&arrivals, 1}, work.counts);
@@ -202,23 +244,16 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
     const GridBricks bricks(layout);
     stats.points = layout.Count();
     RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
-        std::vector<LightPlaces> blocks;
-        for (const BrickPoint &at : bricks.Points(brick)) {
-            Vec3f position = at.position;
-            int cluster = kSolidCluster;
-            if (!PlacePoint(in.space, layout, position, cluster))
-                continue;
-            AddPlace(blocks, position, ClearOfSolids(in.space, position), cluster, at.index);
-            ++work.open;
-        }
+        std::vector<LightPlaces> blocks = PlaceBrick(in.space, layout, bricks.Points(brick), work);
         if (blocks.empty())
             return;
         StartFaint(blocks, kFaint);
         const BrickLights candidates(byCluster, BrickView(blocks), std::uint64_t(brick), kFaint, in.options.skip, work);
         ContributionSettings pass = settings;
         pass.faint = candidates.Many() ? kFaint : 0;
+        std::array<LegacyPoint, kPacketSize> points;
         for (LightPlaces &places : blocks)
-            LightBlock(in, pass, candidates.List(), places, grid, work);
+            LightBlock(in, pass, candidates.List(), places, points, grid, work);
     });
     return grid;
 }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <vector>
 
 namespace q3 {
@@ -110,14 +111,17 @@ struct Casters {
 } // namespace
 
 struct LightScene::State {
+    const Bsp &bsp;
     const SurfaceTable table;
+    const LightOptions options;
     float legacyIgnoreRadius;
     bool trace;
     DevicePtr device;
     Casters main;
     std::vector<int> skyIndexes; ///< by triangle of kSkies
     ScenePtr legacySolids, surfaces, all, skies, filters, filtersWithoutPatches;
-    ScenePtr solidHull, legacySurfaceSolids, blockers; ///< for TraceBlockers
+    std::once_flag blockersMade;
+    ScenePtr solidHull, legacySurfaceSolids, blockers; ///< for TraceBlockers, see MakeBlockers
 
     /// Shadow casters for receivers of another group than 1, who are shadowed by some groups only.
     struct Group {
@@ -127,12 +131,16 @@ struct LightScene::State {
     };
     std::vector<std::unique_ptr<Group>> groups;
 
-    State(const SurfaceTable &t, float radius, bool traces) : table(t), legacyIgnoreRadius(radius), trace(traces) {}
+    State(const Bsp &map, const SurfaceTable &t, const LightOptions &o, float radius)
+        : bsp(map), table(t), options(o), legacyIgnoreRadius(radius), trace(!o.noTrace) {}
+
+    /// What only dirt and floodlight need, when the first of them asks. Safe from several threads.
+    void MakeBlockers();
 
     void MakeGeometries(Casters &casters) const;
     ScenePtr MakeScene(const Casters &casters, std::initializer_list<GeometryId> ids) const;
     ScenePtr MakeScene(std::initializer_list<GeometryId> ids) const { return MakeScene(main, ids); }
-    void MakeGroup(const Bsp &bsp, const LightOptions &options, int receiveShadows);
+    void MakeGroup(int receiveShadows);
     /// Null for group 1.
     const Group *FindGroup(int receiveShadows) const {
         for (const auto &group : groups)
@@ -191,18 +199,14 @@ void SkipSkyBacks(RTCScene skies, const RayPacket &packet, RTCRayHit16 &hits) {
 } // namespace
 
 LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius)
-    : state_(std::make_unique<State>(table, legacyIgnoreRadius, !options.noTrace)) {
+    : state_(std::make_unique<State>(bsp, table, options, legacyIgnoreRadius)) {
     State &s = *state_;
     AddSolids(bsp, SolidLeafs(bsp), s.main.triangles[kSolids]);
     AddSurfaces(bsp, table, options, 1, s.main.triangles);
     AddSolids(bsp, LegacySolidLeafs(bsp, s.main.triangles, kLegacyGridEpsilon), s.main.triangles[kLegacySolids]);
-    AddSolids(bsp, LegacySolidLeafs(bsp, s.main.triangles, kLegacySurfaceEpsilon),
-              s.main.triangles[kLegacySurfaceSolids]);
     s.device = NewDevice();
     s.MakeGeometries(s.main);
     s.legacySolids = s.MakeScene({kLegacySolids});
-    s.legacySurfaceSolids = s.MakeScene({kLegacySurfaceSolids});
-    s.solidHull = s.MakeScene({kSolids});
     s.surfaces = s.MakeScene({kSurfaces});
     s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
     s.skies = s.MakeScene({kSkies});
@@ -210,13 +214,28 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
         s.skyIndexes.push_back(table[std::size_t(surface)].skyIndex);
     s.filters = s.MakeScene({kFilters, kFilterPatches});
     s.filtersWithoutPatches = s.MakeScene({kFilters});
-    s.blockers = s.MakeScene({kSurfaces, kPatches, kFilters, kFilterPatches});
     for (const SurfaceEntry &entry : table)
         if (entry.receiveShadows != 0 && entry.receiveShadows != 1 && !s.FindGroup(entry.receiveShadows))
-            s.MakeGroup(bsp, options, entry.receiveShadows);
+            s.MakeGroup(entry.receiveShadows);
 }
 
 LightScene::~LightScene() = default;
+
+void LightScene::State::MakeBlockers() {
+    std::call_once(blockersMade, [&] {
+        solidHull = MakeScene({kSolids});
+        blockers = MakeScene({kSurfaces, kPatches, kFilters, kFilterPatches});
+        Triangles &solids = main.triangles[kLegacySurfaceSolids];
+        TrianglesByKind again; // the first ones are in Embree now
+        AddSurfaces(bsp, table, options, 1, again);
+        AddSolids(bsp, LegacySolidLeafs(bsp, again, kLegacySurfaceEpsilon), solids);
+        if (solids.Count() == 0)
+            return;
+        main.geometries[kLegacySurfaceSolids] = NewTriangles(device.get(), solids.corners);
+        solids.corners = {};
+        legacySurfaceSolids = MakeScene({kLegacySurfaceSolids});
+    });
+}
 
 void LightScene::State::MakeGeometries(Casters &casters) const {
     for (std::size_t id = 0; id < kGeometries; ++id) {
@@ -249,7 +268,7 @@ ScenePtr LightScene::State::MakeScene(const Casters &casters, std::initializer_l
     return scene;
 }
 
-void LightScene::State::MakeGroup(const Bsp &bsp, const LightOptions &options, int receiveShadows) {
+void LightScene::State::MakeGroup(int receiveShadows) {
     auto group = std::make_unique<Group>();
     group->receiveShadows = receiveShadows;
     AddSurfaces(bsp, table, options, receiveShadows, group->casters.triangles);
@@ -391,6 +410,7 @@ void LightScene::TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts 
 
 void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int receiveShadows, float nearest,
                                Blockers &blockers, RayCounts &counts) const {
+    state_->MakeBlockers();
     const State &s = *state_;
     counts.rays += std::uint64_t(packet.live.Count());
     blockers.hit = {};
@@ -415,6 +435,7 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
 }
 
 std::vector<LightScene::BlockerTriangle> LightScene::BlockerTriangles() const {
+    state_->MakeBlockers();
     std::vector<BlockerTriangle> result;
     for (const GeometryId id : {kLegacySurfaceSolids, kSurfaces, kPatches, kFilters, kFilterPatches}) {
         const RTCGeometry geometry = state_->main.geometries[id].get();

@@ -47,10 +47,10 @@ struct RayCounts {
     std::uint64_t rays = 0;
 };
 
-/// All shadow casters of a map. Const after construction; tracing is safe from several threads.
+/// All shadow casters of a map. Tracing is safe from several threads. Keeps a reference to the Bsp.
 class LightScene {
   public:
-    /// legacyIgnoreRadius: game units, ShadowRules::LegacyGrid. The Bsp and the table are only read here.
+    /// legacyIgnoreRadius: game units, ShadowRules::LegacyGrid. The table is only read here.
     LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius);
     ~LightScene();
 

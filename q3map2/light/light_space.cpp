@@ -2,6 +2,7 @@
 #include "q3map2/light/light_space.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -97,16 +98,22 @@ int BspRegion::ClusterAt(const Vec3f &p, float epsilon) const {
 bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const {
     const Bsp &bsp = space_.bsp_;
     const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;
-    std::vector<BspChild> pending;
+    std::array<BspChild, 32> pending;
+    std::vector<BspChild> more; // where that is full
+    std::size_t waiting = 0;
     BspChild child = top_;
     for (;;) {
         if (child < 0) {
             if ((bsp.leafs[std::size_t(LeafOf(child))].cluster < 0) == solid)
                 return true;
-            if (pending.empty())
+            if (waiting == 0)
                 return false;
-            child = pending.back();
-            pending.pop_back();
+            if (more.empty())
+                child = pending[--waiting];
+            else {
+                child = more.back();
+                more.pop_back();
+            }
             continue;
         }
         const bspNode_t &node = bsp.nodes[std::size_t(child)];
@@ -115,8 +122,12 @@ bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const 
         const float d = Dot(n, center) - plane.dist;
         const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
         const bool front = d >= -reach, back = d <= reach;
-        if (front && back)
-            pending.push_back(node.children[1]);
+        if (front && back) {
+            if (waiting < pending.size())
+                pending[waiting++] = node.children[1];
+            else
+                more.push_back(node.children[1]);
+        }
         child = node.children[front ? 0 : 1];
     }
 }

@@ -27,6 +27,8 @@ constexpr float kFlatQuad = 0.1f; ///< a quad's fourth corner this near to the p
 constexpr int kSteps = 5, kMostSamples = 150;
 /// Places so near to the plane of a piece see it from that far off. Game units.
 constexpr float kPushReach = 8;
+/// Places so far behind the plane 1 unit before a piece lie behind the piece itself. Game units; some for rounding.
+constexpr float kBehind = 1.01f;
 /// From so many radii on a piece looks like a point; and one that is brighter by this factor as a point is bright.
 constexpr float kFarRadii = 3, kSurely = 4;
 
@@ -198,7 +200,8 @@ void BouncePieces::Maker::AddPiece(const Face &face, double area) {
         center += Vec3d(w[0] + w[i - 1] + w[i]) * (WindingArea(Winding<float>{w[0], w[i - 1], w[i]}) / 3);
     piece.center = Vec3f(center / area);
     piece.plane = -Vec3f(WindingAreaVector(w));
-    piece.dist = Dot(mean + piece.normal, piece.normal);
+    piece.origin = mean + piece.normal;
+    piece.dist = Dot(piece.origin, piece.normal);
     // Light of form factor 1 is 255 times what white sends on.
     const float add = 255 * std::abs(SentOn(in, surface));
     piece.least = shader.noFast ? -2 : in.options.tolerance / add;
@@ -269,6 +272,8 @@ BouncePieces::BouncePieces(const SurfaceInputs &in, const SurfaceLight &surfaces
 bool BouncePieces::Bright(std::uint32_t number, const Vec3f &place, const Vec3f &normal, bool twoSided) const {
     const Piece &piece = pieces_[number];
     const float over = Dot(place, piece.normal) - piece.dist;
+    if ((!piece.twoSided && over < -kBehind) || (!twoSided && Dot(piece.origin - place, normal) < 0))
+        return false;
     const Vec3f p = std::abs(over) < kPushReach ? place + piece.normal * (kPushReach - over) : place;
     const Vec3f way = piece.center - p;
     const float distance2 = Dot(way, way);

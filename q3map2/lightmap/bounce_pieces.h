@@ -25,6 +25,7 @@ class BouncePieces {
     struct Piece {
         Vec3f center, plane;                ///< of gravity; normal of its corners times area
         Vec3f normal;                       ///< that it shines along
+        Vec3f origin;                       ///< of its light: 1 unit before its middle
         float dist = 0;                     ///< of the plane 1 unit before it
         float least = 0;                    ///< form factor from which it counts; negative: everywhere
         float far = 0;                      ///< from this squared distance on it looks like a point

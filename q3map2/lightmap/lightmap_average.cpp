@@ -32,7 +32,7 @@ struct LuxelSum {
 
 /// Luxels of one style of one raw lightmap in one pass. Vectors are reused.
 struct LuxelGrid {
-    std::vector<Vec3f> colors, directions;
+    std::vector<Vec3f> colors, directions, lastPass;
     std::vector<std::uint8_t> valid;
 };
 
@@ -46,6 +46,8 @@ class Averager {
         grid.colors.resize(count);
         grid.valid.resize(count);
         grid.directions.resize(HasDirections() ? count : 0);
+        if (lightmap_.super == 1 && !options_.debug && !options_.border)
+            return FillFromEqual(grid, ambient);
         for (int y = 0; y < lightmap_.height; ++y)
             for (int x = 0; x < lightmap_.width; ++x) {
                 const std::size_t at = lightmap_.Index(x, y);
@@ -63,6 +65,18 @@ class Averager {
 
   private:
     bool HasDirections() const { return style_ == 0 && !lightmap_.directions.empty(); }
+
+    /// Fill where super luxels are luxels.
+    void FillFromEqual(LuxelGrid &grid, const Vec3f &ambient) const {
+        const std::vector<std::uint8_t> &filled = lightmap_.filled[style_];
+        const std::vector<Vec3f> &light = lightmap_.light[style_];
+        for (std::size_t at = 0; at < grid.colors.size(); ++at) {
+            grid.valid[at] = filled[at] != 0 || lightmap_.codes[at] != kUnmapped;
+            grid.colors[at] = filled[at] != 0 ? light[at] : ambient;
+        }
+        if (HasDirections())
+            grid.directions = lightmap_.directions;
+    }
 
     LuxelSum Sum(int x, int y) const {
         LuxelSum sum;
@@ -122,11 +136,10 @@ void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last
                      RawLightmap &lightmap) {
     const bool store = pass.bounce || !in.lightmap.bounceOnly || in.lightmap.bounces == 0;
     for (std::size_t style = 0; style < kStyles; ++style) {
-        std::vector<Vec3f> &radiosity = lightmap.radiosity[style];
-        if (lightmap.styles[style] == kNoStyle || lightmap.light[style].empty()) {
-            radiosity.clear();
+        lightmap.radiosity[style].clear();
+        if (lightmap.styles[style] == kNoStyle || lightmap.light[style].empty())
             continue;
-        }
+        std::vector<Vec3f> &radiosity = last ? grid.lastPass : lightmap.radiosity[style];
         const Averager averager(lightmap, style, in.lightmap);
         averager.Fill(grid, style == 0 && !pass.bounce ? lightmap.ambient : Vec3f{});
         radiosity.resize(grid.colors.size());
@@ -136,8 +149,6 @@ void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last
                 radiosity[at] = grid.valid[at] ? Max(grid.colors[at], Vec3f{}) : FromNeighbours(lightmap, grid, x, y);
             }
         Accumulate(radiosity, store, lightmap.result[style]);
-        if (last)
-            radiosity.clear();
         lightmap.resultDirections.resize(std::max(lightmap.resultDirections.size(), grid.directions.size()));
         for (std::size_t i = 0; i < grid.directions.size(); ++i)
             if (grid.valid[i])

@@ -225,7 +225,7 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
     };
     for (const SurfaceVertex &v : triangle)
         sample(v);
-    if (allOneNormal_ && !map.Active())
+    if (allOneNormal_ && !map.Active() && raw_.hasVectors)
         return MapFlatTriangle(triangle, plane, map, thinEdges);
     const auto subdivide = [&]<bool kFlat>() {
         if (thinEdges)
@@ -241,17 +241,19 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
         subdivide.template operator()<false>();
 }
 
-/// The inside of a triangle in a lightmap where one sample a luxel tells all.
+/// The inside of a triangle in a projected lightmap where one sample a luxel tells all.
 void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane,
                                   const NormalMap &normals, bool thinEdges) {
     std::array<LuxelVertex, 3> flat;
     for (std::size_t i = 0; i < 3; ++i)
-        flat[i] = {triangle[i].xyz, triangle[i].luxel};
+        flat[i] = {triangle[i].luxel};
     const auto sample = [&](const LuxelVertex &v) {
         if (Settled(v, normals))
             return;
         SurfaceVertex whole;
-        whole.xyz = v.xyz, whole.normal = triangle[0].normal, whole.luxel = v.luxel;
+        whole.xyz = OntoPlane(raw_.origin + raw_.step[0] * (v.luxel[0] - 0.5f) + raw_.step[1] * (v.luxel[1] - 0.5f),
+                              AxesOf(raw_.axis).along, plane.normal, plane.dist);
+        whole.normal = triangle[0].normal, whole.luxel = v.luxel;
         MapSample(whole, plane, normals);
     };
     if (thinEdges)

@@ -68,11 +68,14 @@ LuxelPlacer::LuxelPlacer(const SurfaceInputs &in, const RawLightmap &raw, const 
     SetTileReach();
 }
 
-/// From any place of a tile to all others; places that are farther off only cost time.
+/// From the middle of a tile, or where that is not known from any of its places, to all places; those that are farther
+/// off only cost time.
 void LuxelPlacer::SetTileReach() {
-    const float luxels = kTile + 0.5f, size = luxels * raw_.actualSampleSize / float(raw_.super);
+    middles_ = raw_.planar && raw_.hasVectors;
+    const float luxels = middles_ ? kTile / 2 + 0.25f : kTile + 0.5f;
+    const float size = luxels * raw_.actualSampleSize / float(raw_.super);
     tileReach_ = {size, size, size};
-    if (!raw_.planar || !raw_.hasVectors)
+    if (!middles_)
         return;
     float depth = kTileDepth;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -84,17 +87,32 @@ void LuxelPlacer::SetTileReach() {
         tileReach_[axes_.along] = depth;
 }
 
-LuxelPlacer::Tile &LuxelPlacer::TileOf(int x, int y) {
-    return tiles_[std::size_t(y / kTile) * std::size_t(tilesAcross_) + std::size_t(x / kTile)];
+/// A box about the places of luxel (x, y) and its neighbours, one of whose places is p, lifted by `lift` along the
+/// projection.
+Boundsf LuxelPlacer::TileBox(int x, int y, const Vec3f &p, float lift) const {
+    Vec3f middle = p;
+    if (middles_) {
+        constexpr float kHalf = (kTile - 1) * 0.5f;
+        middle = OntoPlane(raw_.origin + raw_.step[0] * (float(x / kTile * kTile) + kHalf) +
+                               raw_.step[1] * (float(y / kTile * kTile) + kHalf),
+                           axes_.along, raw_.planeNormal, raw_.planeDist);
+        middle[axes_.along] += lift;
+    }
+    return {middle - tileReach_, middle + tileReach_};
 }
 
-int LuxelPlacer::ClusterAt(const Vec3f &p, Tile &tile, ClusterFilter &filter) {
-    if (!box_.Contains(p))
-        return filter.Allowed(in_.space.ClusterAt(p, kBrushEpsilon));
+const LuxelPlacer::Tile &LuxelPlacer::TileOf(int x, int y, const Vec3f &p, float lift) {
+    Tile &tile = tiles_[std::size_t(y / kTile) * std::size_t(tilesAcross_) + std::size_t(x / kTile)];
     if (!tile.region) {
-        tile.box = {p - tileReach_, p + tileReach_};
+        tile.box = TileBox(x, y, p, lift);
         tile.region.emplace(region_.Around(tile.box));
     }
+    return tile;
+}
+
+int LuxelPlacer::ClusterAt(const Vec3f &p, const Tile &tile, ClusterFilter &filter) const {
+    if (!box_.Contains(p))
+        return filter.Allowed(in_.space.ClusterAt(p, kBrushEpsilon));
     const BspRegion &region = tile.box.Contains(p) ? *tile.region : region_;
     return filter.Allowed(region.ClusterAt(p, kBrushEpsilon));
 }
@@ -121,12 +139,13 @@ std::array<Vec3f, 2> LuxelPlacer::NudgeSteps(const LuxelPlane &plane) const {
 std::optional<LuxelPlacer::Place> LuxelPlacer::Find(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane,
                                                     float offset, bool lastTry, ClusterFilter &filter,
                                                     PlacementCounts &counts) {
-    Tile &tile = TileOf(x, y);
     Vec3f p = OnSurface(x, y, v, plane);
+    const float lift = plane.normal[axes_.along] >= 0 ? offset : -offset;
     if (raw_.hasVectors)
-        p[axes_.along] += plane.normal[axes_.along] >= 0 ? offset : -offset;
+        p[axes_.along] += lift;
     else
         p += plane.normal * offset;
+    const Tile &tile = TileOf(x, y, p, lift);
     const Vec3f probe = in_.lightmap.extraVisNudge ? plane.normal : Vec3f{};
     int cluster = ClusterAt(p + probe, tile, filter);
     if (cluster >= 0) {

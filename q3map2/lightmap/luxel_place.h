@@ -57,9 +57,11 @@ class LuxelPlacer {
         Boundsf box;
         std::optional<BspRegion> region;
     };
-    Tile &TileOf(int x, int y);
+    /// That of luxel (x, y), one of whose places is p, lifted by `lift` along the projection.
+    const Tile &TileOf(int x, int y, const Vec3f &p, float lift);
+    Boundsf TileBox(int x, int y, const Vec3f &p, float lift) const;
     void SetTileReach();
-    int ClusterAt(const Vec3f &p, Tile &tile, ClusterFilter &filter);
+    int ClusterAt(const Vec3f &p, const Tile &tile, ClusterFilter &filter) const;
     Vec3f OnSurface(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane) const;
     std::array<Vec3f, 2> NudgeSteps(const LuxelPlane &plane) const;
 
@@ -68,7 +70,8 @@ class LuxelPlacer {
     LuxelAxes axes_;
     Boundsf box_;
     BspRegion region_;
-    Vec3f tileReach_; ///< of boxes of tiles, to both sides
+    bool middles_ = false; ///< middles of tiles are known
+    Vec3f tileReach_;      ///< of boxes of tiles, to both sides
     int tilesAcross_ = 0;
     std::vector<Tile> tiles_;
 };

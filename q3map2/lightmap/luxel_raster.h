@@ -9,9 +9,8 @@ namespace q3 {
 /// Edges whose ends differ by less along an axis of the lightmap get samples of their own. Luxels.
 inline constexpr float kThinEdge = 0.01f;
 
-/// What samples of a triangle need of its vertices where all normals are the same and no image bends them.
+/// What tells apart samples of a triangle where all normals are the same and no image bends them.
 struct LuxelVertex {
-    Vec3f xyz;
     std::array<float, 2> luxel{};
 };
 
@@ -36,34 +35,42 @@ template <bool kFlat> SurfaceVertex Between(const SurfaceVertex &a, const Surfac
 }
 
 template <bool kFlat> LuxelVertex Between(const LuxelVertex &a, const LuxelVertex &b) {
-    return {(a.xyz + b.xyz) * 0.5f, {(a.luxel[0] + b.luxel[0]) * 0.5f, (a.luxel[1] + b.luxel[1]) * 0.5f}};
+    return {{(a.luxel[0] + b.luxel[0]) * 0.5f, (a.luxel[1] + b.luxel[1]) * 0.5f}};
 }
 
-/// SubdivideTriangle, the squared lengths of whose edges are known.
+/// How vertices are handed down: in registers if they fit.
+template <typename Vertex>
+using PassVertex = std::conditional_t<sizeof(Vertex) <= 2 * sizeof(float), Vertex, const Vertex &>;
+
+/// SubdivideTriangle, the squared lengths of whose edges are known; the longest of them is above the threshold.
 template <bool kFlat, typename Vertex, typename Sample>
-void SubdivideEdges(const Vertex &a, const Vertex &b, const Vertex &c, float ab, float bc, float ca, float threshold2,
-                    const Sample &sample) {
+void SubdivideEdges(PassVertex<Vertex> a, PassVertex<Vertex> b, PassVertex<Vertex> c, float ab, float bc, float ca,
+                    float threshold2, const Sample &sample) {
+    // Asked before the call: more than half of all triangles are the last.
+    const auto halve = [&](PassVertex<Vertex> p, PassVertex<Vertex> q, PassVertex<Vertex> r, float pq, float qr,
+                           float rp) {
+        if (std::max(pq, std::max(qr, rp)) > threshold2)
+            SubdivideEdges<kFlat, Vertex>(p, q, r, pq, qr, rp, threshold2, sample);
+    };
     const float longest = std::max(ab, std::max(bc, ca));
-    if (!(longest > threshold2))
-        return;
     if (ab == longest) {
         const Vertex m = Between<kFlat>(a, b);
         sample(m);
         const float am = LuxelDistance2(a, m), mb = LuxelDistance2(m, b), mc = LuxelDistance2(m, c);
-        SubdivideEdges<kFlat>(m, b, c, mb, bc, mc, threshold2, sample);
-        SubdivideEdges<kFlat>(a, m, c, am, mc, ca, threshold2, sample);
+        halve(m, b, c, mb, bc, mc);
+        halve(a, m, c, am, mc, ca);
     } else if (bc == longest) {
         const Vertex m = Between<kFlat>(b, c);
         sample(m);
         const float bm = LuxelDistance2(b, m), mc = LuxelDistance2(m, c), ma = LuxelDistance2(m, a);
-        SubdivideEdges<kFlat>(a, m, c, ma, mc, ca, threshold2, sample);
-        SubdivideEdges<kFlat>(a, b, m, ab, bm, ma, threshold2, sample);
+        halve(a, m, c, ma, mc, ca);
+        halve(a, b, m, ab, bm, ma);
     } else {
         const Vertex m = Between<kFlat>(c, a);
         sample(m);
         const float cm = LuxelDistance2(c, m), ma = LuxelDistance2(m, a), bm = LuxelDistance2(b, m);
-        SubdivideEdges<kFlat>(a, b, m, ab, bm, ma, threshold2, sample);
-        SubdivideEdges<kFlat>(m, b, c, bm, bc, cm, threshold2, sample);
+        halve(a, b, m, ab, bm, ma);
+        halve(m, b, c, bm, bc, cm);
     }
 }
 
@@ -71,13 +78,13 @@ void SubdivideEdges(const Vertex &a, const Vertex &b, const Vertex &c, float ab,
 /// point made on the way.
 template <bool kFlat, typename Vertex, typename Sample>
 void SubdivideTriangle(const Vertex &a, const Vertex &b, const Vertex &c, float threshold2, const Sample &sample) {
-    SubdivideEdges<kFlat>(a, b, c, LuxelDistance2(a, b), LuxelDistance2(b, c), LuxelDistance2(c, a), threshold2,
-                          sample);
+    const float ab = LuxelDistance2(a, b), bc = LuxelDistance2(b, c), ca = LuxelDistance2(c, a);
+    if (std::max(ab, std::max(bc, ca)) > threshold2)
+        SubdivideEdges<kFlat, Vertex>(a, b, c, ab, bc, ca, threshold2, sample);
 }
 
 /// The points that SubdivideTriangle makes of p, q, q, in the same order, but each once.
-template <typename Sample>
-void SubdivideEdge(const LuxelVertex &p, const LuxelVertex &q, float threshold2, const Sample &sample) {
+template <typename Sample> void SubdivideEdge(LuxelVertex p, LuxelVertex q, float threshold2, const Sample &sample) {
     if (!(LuxelDistance2(p, q) > threshold2))
         return;
     const LuxelVertex m = Between<true>(p, q);

@@ -142,8 +142,10 @@ void NearTriangles::Select(const NearTriangles &from, const Boundsf &box, const 
     Copy(from);
 }
 
-bool NearTriangles::Trace(const RayPacket &packet, const RayBeam &exact, float nearest,
-                          LightScene::Blockers &blockers) {
+NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneMask &live, const RayBeam &exact,
+                                            float nearest, LightScene::Blockers &blockers) {
+    if (Count() == 0)
+        return Outcome::Missed;
     RayBeam beam = exact;
     const Vec3f slack{kSlack, kSlack, kSlack};
     beam.from -= slack, beam.to += slack;
@@ -164,20 +166,22 @@ bool NearTriangles::Trace(const RayPacket &packet, const RayBeam &exact, float n
             if (keep_[i] == 0)
                 continue;
             if (count == kFew || seeThrough_[i] != 0)
-                return false;
+                return Outcome::NotKnown;
             met[count++] = i;
         }
     }
+    if (count == 0)
+        return Outcome::Missed;
     blockers.hit = {};
     blockers.surface.fill(-1);
     blockers.distance = packet.distance;
     for (std::size_t i = 0; i < count; ++i)
-        Test(met[i], packet, nearest, blockers);
-    return true;
+        Test(met[i], packet, live, nearest, blockers);
+    return blockers.hit.Any() ? Outcome::Traced : Outcome::Missed;
 }
 
 /// Moeller and Trumbore's test of one triangle with all rays.
-Q3_VECTOR void NearTriangles::Test(std::size_t triangle, const RayPacket &packet, float nearest,
+Q3_VECTOR void NearTriangles::Test(std::size_t triangle, const RayPacket &packet, const LaneMask &live, float nearest,
                                    LightScene::Blockers &blockers) const {
     const float cx = rows_[kX][triangle], cy = rows_[kY][triangle], cz = rows_[kZ][triangle];
     const float ax = rows_[kAx][triangle], ay = rows_[kAy][triangle], az = rows_[kAz][triangle];
@@ -194,7 +198,7 @@ Q3_VECTOR void NearTriangles::Test(std::size_t triangle, const RayPacket &packet
         const float qx = sy * az - sz * ay, qy = sz * ax - sx * az, qz = sx * ay - sy * ax;
         const float v = (dx * qx + dy * qy + dz * qz) * inverse;
         const float t = (bx * qx + by * qy + bz * qz) * inverse;
-        const bool hit = !flat & (packet.live[i] != 0) & (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) &
+        const bool hit = !flat & (live[i] != 0) & (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) &
                          (t >= nearest) & (t <= blockers.distance[i]);
         blockers.distance[i] = hit ? t : blockers.distance[i];
         blockers.surface[i] = hit ? surface : blockers.surface[i];

@@ -30,16 +30,23 @@ class NearTriangles {
     void Select(const NearTriangles &from, const Boundsf &box);
     /// The same without those that lie behind the plane, normal . p = dist.
     void Select(const NearTriangles &from, const Boundsf &box, const Vec3f &normal, float dist);
-    /// The first triangle beyond `nearest` on each live ray, as LightScene::TraceBlockers would find it. The beam holds
-    /// all of them. False, and nothing done: too many triangles or see-through ones are in the way.
-    bool Trace(const RayPacket &packet, const RayBeam &beam, float nearest, LightScene::Blockers &blockers);
+    enum class Outcome {
+        Missed,  ///< no ray meets a triangle; `blockers` holds nothing
+        Traced,  ///< `blockers` is set
+        NotKnown ///< too many triangles or see-through ones are in the way; `blockers` is as it was
+    };
+    /// The first triangle beyond `nearest` on each ray of the packet that `live` says, as LightScene::TraceBlockers
+    /// would find it. The beam holds all of them.
+    Outcome Trace(const RayPacket &packet, const LaneMask &live, const RayBeam &beam, float nearest,
+                  LightScene::Blockers &blockers);
 
   private:
     /// Rows of floats: bounds, then the first corner and the edges from it to the others.
     enum Row { kMinX, kMinY, kMinZ, kMaxX, kMaxY, kMaxZ, kX, kY, kZ, kAx, kAy, kAz, kBx, kBy, kBz, kRows };
 
     void Copy(const NearTriangles &from);
-    void Test(std::size_t triangle, const RayPacket &packet, float nearest, LightScene::Blockers &blockers) const;
+    void Test(std::size_t triangle, const RayPacket &packet, const LaneMask &live, float nearest,
+              LightScene::Blockers &blockers) const;
 
     std::array<std::vector<float>, kRows> rows_;
     std::vector<std::int32_t> surface_;

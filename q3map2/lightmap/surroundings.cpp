@@ -82,6 +82,18 @@ Q3_VECTOR void SetDirections(const Frames &frames, const OpenPlaces &places, con
     }
 }
 
+/// The same where all places face the same way and take the same direction.
+Q3_VECTOR void SetOneDirection(const Frames &frames, const OpenPlaces &places, const Vec3f &local, RayPacket &rays) {
+    const Vec3f direction = frames.right[0] * local.x + frames.up[0] * local.y + places.normal[0] * local.z;
+    const Vec3f back = direction * kBack;
+    rays.direction.Fill(direction);
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        rays.origin.x[i] = places.position.x[i] - back.x;
+        rays.origin.y[i] = places.position.y[i] - back.y;
+        rays.origin.z[i] = places.position.z[i] - back.z;
+    }
+}
+
 std::uint32_t Hash(std::uint32_t x) {
     x ^= x >> 16, x *= 0x7feb352du;
     x ^= x >> 15, x *= 0x846ca68bu;
@@ -127,6 +139,7 @@ class FlatBeams {
             flat_ = flat_ && places.normal[i] == places.normal[0];
         }
     }
+    bool Flat() const { return flat_; }
     /// Of rays by SetDirections.
     void Set(const RayPacket &rays, bool oneDirection, RayBeam &beam) const {
         if (!flat_ || !oneDirection) {
@@ -168,12 +181,16 @@ struct Surroundings::Walk {
 
     /// Ends in `live` the rays that are blocked, by counts(ray, distance, from the place to the hit, what it is).
     template <typename Counts> void Run(LaneMask &live, Lanes &missing, RayCounts &work, const Counts &counts) const {
+        using Outcome = NearTriangles::Outcome;
+        LightScene::Blockers blockers;
+        const Outcome outcome = nearby ? nearby->Trace(rays, live, *beam, nearest, blockers) : Outcome::NotKnown;
+        if (outcome != Outcome::NotKnown)
+            work.rays += std::uint64_t(live.Count());
+        if (outcome == Outcome::Missed)
+            return;
         RayPacket rest = rays;
         rest.live = live;
-        LightScene::Blockers blockers;
-        if (nearby && nearby->Trace(rest, *beam, nearest, blockers))
-            work.rays += std::uint64_t(live.Count());
-        else
+        if (outcome == Outcome::NotKnown)
             scene.TraceBlockers(rest, kind, places.receiveShadows, nearest, blockers, work);
         Lanes done{}; // of each ray, before `rest`
         for (int hit = 0; hit < kMostPassed; ++hit) {
@@ -268,17 +285,26 @@ void Surroundings::Dirt(const OpenPlaces &places, Nearby *nearby, Lanes &dirt, R
     rays.distance.fill(depth_ + kBack);
     for (std::size_t i = 0; i < places.count; ++i)
         rays.live[i] = -1;
+    if (nearby && nearby->solids.Count() + nearby->surfaces.Count() == 0) {
+        dirt.fill(1);
+        counts.rays += 2 * places.count * dirtDirections_.size();
+        return;
+    }
     const FlatBeams beams(places);
     Lanes gathered{};
     Lanes3 local{};
     for (std::size_t ray = 0; ray < dirtDirections_.size(); ++ray) {
         const bool differ = random_ && ray < kRandomRays;
-        if (differ)
-            for (std::size_t i = 0; i < places.count; ++i)
-                local.Set(i, RandomDirection(places.seed[i], ray));
-        else
-            local.Fill(dirtDirections_[ray]);
-        SetDirections(frames, places, local, rays);
+        if (!differ && beams.Flat())
+            SetOneDirection(frames, places, dirtDirections_[ray], rays);
+        else {
+            if (differ)
+                for (std::size_t i = 0; i < places.count; ++i)
+                    local.Set(i, RandomDirection(places.seed[i], ray));
+            else
+                local.Fill(dirtDirections_[ray]);
+            SetDirections(frames, places, local, rays);
+        }
         if (nearby)
             beams.Set(rays, !differ, nearby->beam);
         Gather(places, rays, rules, nearby, gathered, counts);

@@ -29,6 +29,16 @@ class BounceTest : public LightTest {
         }
         return light;
     }
+    /// The brightest of a shader's texels at vertices.
+    static double MostOn(const Bsp &bsp, std::string_view shader) {
+        Bsp only = bsp;
+        std::erase_if(only.drawSurfaces, [&](const bspDrawSurface_t &surface) {
+            return FieldName(bsp.shaders[std::size_t(surface.shaderNum)].shader) != shader;
+        });
+        const std::vector<double> light = AtVertices(only);
+        EXPECT_FALSE(light.empty());
+        return light.empty() ? 0 : *std::max_element(light.begin(), light.end());
+    }
 };
 
 /// White walls without lights; `_ambient` lights all surfaces alike.
@@ -155,6 +165,28 @@ TEST_F(BounceTest, FastEndsFaintPieces) {
     EXPECT_GT(beyond, 0);
     EXPECT_EQ(farEnd(1500, "textures/test/wall", "-fast"), 0);
     EXPECT_EQ(farEnd(1500, "textures/test/bright", "-fast"), beyond);
+}
+
+TEST_F(BounceTest, FastEndsPiecesThatASliverLiesBehindOrThatLieBehindIt) {
+    Script("textures/test/black\n{\n\tq3map_bouncescale 0\n\t{\n\t\tmap $whiteimage\n\t}\n}\n"
+           "textures/test/sliver\n{\n\tq3map_bouncescale 0\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
+    // A sliver at the floor, whose luxels ask from half a luxel higher, faces a plate from x0 to x1 at height z.
+    const auto atSliver = [&](float x0, float x1, float z, std::string_view options) {
+        SceneBuilder scene;
+        scene.SetInterior({-256, -256, 0}, {256, 256, 256}, TestShader("textures/test/black"));
+        scene.AddQuad({{{100, 64, 0.2f}, {100, 64, 4}, {100, -64, 4}, {100, -64, 0.2f}}},
+                      TestShader("textures/test/sliver"));
+        scene.AddQuad({{{x0, -64, z}, {x0, 64, z}, {x1, 64, z}, {x1, -64, z}}}, TestShader("textures/test/plate"));
+        scene.SetWorldKey("_ambient", "200");
+        return MostOn(Lit(scene, fmt::format("-nogrid -bounce 1 -bounceonly {}", options)), "textures/test/sliver");
+    };
+    // The row above, which only texture filtering reads, is over the plate, and smoothing takes its share.
+    const double seen = atSliver(0, 96, 0.5f, "");
+    EXPECT_GT(seen, 20);
+    EXPECT_LT(atSliver(0, 96, 0.5f, "-fast"), 0.6 * seen) << "the sliver's places are behind the plate";
+    EXPECT_GT(atSliver(0, 96, 0.005f, "-fast"), 5);
+    EXPECT_GT(atSliver(60, 220, 0.005f, ""), 5);
+    EXPECT_EQ(atSliver(60, 220, 0.005f, "-fast"), 0) << "the middles of the plate's triangles are behind the sliver";
 }
 
 TEST_F(BounceTest, SameBytesForAnyNumberOfThreads) {

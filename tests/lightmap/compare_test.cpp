@@ -131,6 +131,86 @@ TEST_F(CompareTest, BlackSamplesAreCountedApart) {
     EXPECT_LT(c.lightmaps.worst, 1e-9);
 }
 
+TEST_F(CompareTest, ByAreaASliverCountsAsLittleAsItIs) {
+    Light(30);
+    const auto lower = [&](std::size_t surface, float share) {
+        const bspDrawSurface_t &s = bsp.drawSurfaces[surface];
+        for (int v = s.firstVert; v < s.firstVert + s.numVerts; ++v)
+            for (float &at : bsp.drawVerts[std::size_t(v)].xyz)
+                at *= share;
+    };
+    for (std::size_t i = 0; i < 6; ++i)
+        lower(i, i == 3 ? 0.1f : 1.0f);
+    const LitMap a = Written("a");
+    Light(30, [](std::size_t surface, int, int, Vec3f &color) {
+        if (surface == 3)
+            color = color + Vec3f{30, 30, 30};
+    });
+    const Comparison c = Compare(Written("b"), a, 500, 0);
+    double all = 0;
+    for (std::size_t i = 0; i < 6; ++i)
+        all += compare::AreaOf(a.Map(), i);
+    const double share = compare::AreaOf(a.Map(), 3) / all;
+    EXPECT_LT(share, 0.01);
+    EXPECT_NEAR(c.byArea.area, all, 1e-6 * all);
+    EXPECT_NEAR(c.byArea.mean, 30 * share, 1e-3);
+    EXPECT_NEAR(c.byArea.within8, 1 - share, 1e-9);
+    EXPECT_NEAR(c.lightmaps.within8, 5.0 / 6, 1e-9) << "samples count alike";
+}
+
+TEST_F(CompareTest, WhatIsInSolidsIsLeftOut) {
+    SceneBuilder scene;
+    scene.SetInterior({0, 0, 0}, {256, 256, 256}, {"textures/test/wall0"});
+    // A quarter of it is in the room, the rest in the wall beside.
+    scene.AddQuad({{{192, 0, 64}, {192, 256, 64}, {448, 256, 64}, {448, 0, 64}}}, {"textures/test/shelf"});
+    bsp = scene.Build();
+    for (std::size_t i = 0; i < bsp.drawSurfaces.size(); ++i) {
+        std::size_t buried = 0;
+        for (const compare::Place &place : compare::PlacesOn(bsp, i, 1000))
+            buried += compare::IsBuried(bsp, i, place);
+        const bool shelf =
+            FieldName(bsp.shaders[std::size_t(bsp.drawSurfaces[i].shaderNum)].shader) == "textures/test/shelf";
+        EXPECT_NEAR(double(buried), shelf ? 750 : 0, 10) << i;
+    }
+}
+
+TEST_F(CompareTest, AreasOfTrianglesAndPatches) {
+    SceneBuilder scene;
+    scene.SetInterior({0, 0, 0}, {256, 256, 256}, {"textures/test/wall0"});
+    std::vector<Vec3f> points; // a parabola's arc of 128 x 64, 100 long
+    for (int y = 0; y < 3; ++y)
+        for (int x = 0; x < 3; ++x)
+            points.emplace_back(float(64 * x), float(50 * y), x == 1 ? 128.0f : 0.0f);
+    scene.AddPatch(3, 3, points, {"textures/test/curve"});
+    bsp = scene.Build();
+    double flat = 0, curved = 0;
+    for (std::size_t i = 0; i < bsp.drawSurfaces.size(); ++i)
+        (bsp.drawSurfaces[i].surfaceType == MST_PATCH ? curved : flat) += compare::AreaOf(bsp, i);
+    EXPECT_NEAR(flat, 6 * 256 * 256, 1);
+    // z = 4 h t (1 - t), x = 128 t with h = 64: length by the closed form of a parabola's arc.
+    const double a = 2.0, length = 64 * std::sqrt(1 + a * a) + 64 / a * std::asinh(a);
+    EXPECT_NEAR(curved, 100 * length, 0.001 * 100 * length);
+}
+
+TEST_F(CompareTest, VerticesOfSkiesAreCountedApart) {
+    Light(30);
+    for (bspDrawSurface_t &s : bsp.drawSurfaces)
+        s.lightmapNum = kLightmapByVertex;
+    LitMap a(bsp, {}, {});
+    constexpr std::int32_t kSkyFlag = 0x4;
+    bsp.shaders[std::size_t(bsp.drawSurfaces[0].shaderNum)].surfaceFlags |= kSkyFlag;
+    std::size_t skies = 0;
+    for (std::size_t i = 0; i < bsp.drawSurfaces.size(); ++i)
+        skies += compare::IsUndrawn(bsp, i) ? std::size_t(bsp.drawSurfaces[i].numVerts) : 0;
+    ASSERT_GT(skies, 0u);
+    const LitMap sky(bsp, {}, {});
+    const Comparison c = Compare(sky, a, 10, 0);
+    EXPECT_EQ(c.undrawnVertices.count, skies);
+    EXPECT_EQ(c.vertices.count, bsp.drawVerts.size() - skies);
+    EXPECT_EQ(Compare(a, a, 10, 0).undrawnVertices.count, 0u);
+    EXPECT_THAT(ToText(c), testing::HasSubstr("left out: those of skies"));
+}
+
 TEST_F(CompareTest, DirectionsAreComparedInDegrees) {
     lightmap.deluxe = true;
     const auto towards = [&](const Vec3f &direction) {

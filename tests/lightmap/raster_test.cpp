@@ -32,7 +32,7 @@ std::vector<std::array<SurfaceVertex, 3>> SomeTriangles() {
 }
 
 LuxelVertex Short(const SurfaceVertex &v) {
-    return {v.xyz, v.luxel};
+    return {v.luxel};
 }
 
 TEST(LuxelRasterTest, EveryLuxelInsideATriangleGetsASample) {

@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <fstream>
+#include <map>
 
 #include <unistd.h>
 
@@ -60,6 +61,37 @@ TEST_F(FailureTest, CutMaps) {
         ReplaceFile(Map(".bsp"), std::span(whole).first(size));
         ExpectError("-light -sh MAP", "demo.bsp");
     }
+}
+
+TEST_F(FailureTest, AKilledRunLeavesWholeFiles) {
+    constexpr std::string_view kLight = "-light -external -lightmapsize 256 MAP";
+    constexpr std::size_t kKills = 20;
+    const auto pages = [&] {
+        std::map<std::filesystem::path, std::vector<std::byte>> found;
+        if (std::filesystem::exists(Map("")))
+            for (const auto &entry : std::filesystem::directory_iterator(Map("")))
+                if (entry.path().extension() == ".tga")
+                    found[entry.path()] = ReadFile(entry.path());
+        return found;
+    };
+    const auto before = MapBytes();
+    const std::size_t printed = RunWell(kLight).text.size();
+    const auto after = MapBytes();
+    const auto lit = pages();
+    ASSERT_NE(before, after);
+    ASSERT_FALSE(lit.empty());
+    std::size_t killed = 0;
+    for (std::size_t i = 0; i < kKills; ++i) {
+        ReplaceFile(Map(".bsp"), before);
+        std::filesystem::remove_all(Map(""));
+        killed += Run(kLight, printed * i / kKills).status == -1;
+        const auto now = MapBytes();
+        EXPECT_TRUE(now == before || now == after) << "killed after " << printed * i / kKills << " bytes of output";
+        for (const auto &[path, bytes] : pages())
+            EXPECT_TRUE(lit.contains(path) && bytes == lit.at(path)) << path;
+        EXPECT_TRUE(now != after || pages() == lit) << "the map is written after what it needs";
+    }
+    EXPECT_GT(killed, 0u);
 }
 
 TEST_F(FailureTest, CorruptLumps) {

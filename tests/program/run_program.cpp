@@ -9,6 +9,7 @@
 #include <iterator>
 #include <sstream>
 
+#include <csignal>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -62,7 +63,8 @@ std::vector<std::string> Outcome::ErrorLines() const {
     return lines;
 }
 
-Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home) {
+Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home,
+                       std::size_t killAfter) {
     int pipes[2];
     Outcome outcome;
     if (pipe(pipes) != 0)
@@ -72,8 +74,11 @@ Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::fil
         Become(arguments, home.string(), pipes[1]);
     close(pipes[1]);
     char buffer[4096];
-    for (ssize_t got; (got = read(pipes[0], buffer, sizeof buffer)) > 0;)
+    for (ssize_t got; (got = read(pipes[0], buffer, sizeof buffer)) > 0;) {
         outcome.text.append(buffer, std::size_t(got));
+        if (child > 0 && outcome.text.size() >= killAfter)
+            kill(child, SIGKILL);
+    }
     close(pipes[0]);
     int status = 0;
     if (child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status))
@@ -109,12 +114,12 @@ ProgramTest::ProgramTest() : game_(folder_ / "base/baseq3"), maps_(game_ / "maps
     WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);
 }
 
-Outcome ProgramTest::Run(std::string_view words) {
+Outcome ProgramTest::Run(std::string_view words, std::size_t killAfter) {
     std::vector<std::string> arguments{"-fs_basepath", (folder_ / "base").string()};
     std::istringstream text{std::string(words)};
     for (std::string word; text >> word;)
         arguments.push_back(word == "MAP" ? Map(".bsp").string() : word);
-    return RunProgramFile(arguments, folder_.Root());
+    return RunProgramFile(arguments, folder_.Root(), killAfter);
 }
 
 Outcome ProgramTest::RunWell(std::string_view words) {

@@ -20,8 +20,10 @@ struct Outcome {
     std::vector<std::string> ErrorLines() const;
 };
 
-/// Runs PROGRAM with these arguments and HOME set to `home`; it is killed after two minutes.
-Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home);
+/// Runs PROGRAM with these arguments and HOME set to `home`; it is killed after two minutes, or as soon as it has
+/// written that many bytes of output.
+Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home,
+                       std::size_t killAfter = std::size_t(-1));
 
 /// One lump of a .bsp file on disk.
 std::vector<std::byte> LumpOf(const std::vector<std::byte> &file, std::size_t lump);
@@ -32,7 +34,7 @@ class ProgramTest : public testing::Test {
   protected:
     ProgramTest();
     /// q3map2 -fs_basepath FOLDER and these words, split at blanks; MAP stands for the path of the map.
-    Outcome Run(std::string_view words);
+    Outcome Run(std::string_view words, std::size_t killAfter = std::size_t(-1));
     /// Run, and expects exit status 0.
     Outcome RunWell(std::string_view words);
     /// Expects exit status 1, one error line that holds `text`, and the map untouched.

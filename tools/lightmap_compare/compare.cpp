@@ -48,12 +48,13 @@ class Comparer {
             if (inA && inB)
                 CompareLightmaps(i);
             if (inA == inB)
-                CompareVertices(i, inA ? lightmapVertices_ : vertices_);
+                CompareVertices(i, inA ? lightmapVertices_ : IsUndrawn(a_.Map(), i) ? undrawnVertices_ : vertices_);
         }
         result_.lightmaps = lightmaps_.Summary();
         result_.surfaces = surfaces_.Summary();
         result_.directions = directions_.Summary();
         result_.vertices = vertices_.Summary();
+        result_.undrawnVertices = undrawnVertices_.Summary();
         result_.lightmapVertices = lightmapVertices_.Summary();
         std::stable_sort(result_.worst.begin(), result_.worst.end(),
                          [](const auto &x, const auto &y) { return x.spread.mean > y.spread.mean; });
@@ -67,7 +68,12 @@ class Comparer {
         SurfaceDifference difference{surface, std::string(a_.ShaderOf(surface)), {}, {}, {}, {}};
         double worst = -1;
         std::size_t count = 0;
-        for (const Place &place : PlacesOn(a_.Map(), surface, samples_)) {
+        const std::vector<Place> places = PlacesOn(a_.Map(), surface, samples_);
+        for (const Place &place : places) {
+            if (IsBuried(a_.Map(), surface, place)) {
+                ++result_.buried;
+                continue;
+            }
             const Vec3d x = a_.Light(surface, place), y = b_.Light(surface, place);
             const bool litX = MaxComponent(x) >= kBlack, litY = MaxComponent(y) >= kBlack;
             result_.lit.Add(litX, litY);
@@ -85,6 +91,7 @@ class Comparer {
         difference.spread = own.Summary();
         difference.a = difference.a / double(count), difference.b = difference.b / double(count);
         surfaces_.Add(difference.spread.mean);
+        result_.byArea.Add(AreaOf(a_.Map(), surface) * double(count) / double(places.size()), difference.spread);
         ++result_.surfacesCompared;
         result_.surfacesWithin2 += difference.spread.mean <= kCloseSurface;
         result_.worst.push_back(std::move(difference));
@@ -103,7 +110,7 @@ class Comparer {
     const LitMap &a_, &b_;
     int samples_;
     Comparison result_;
-    Differences lightmaps_, surfaces_, directions_, vertices_, lightmapVertices_;
+    Differences lightmaps_, surfaces_, directions_, vertices_, undrawnVertices_, lightmapVertices_;
 };
 
 std::string Line(std::string_view name, const Spread &s) {
@@ -145,6 +152,14 @@ void Differences::Add(double difference) {
     largest_.push_back(float(std::abs(difference)));
 }
 
+void AreaSpread::Add(double ownArea, const Spread &own) {
+    if (!(ownArea > 0))
+        return;
+    area += ownArea;
+    mean += (own.mean - mean) * ownArea / area;
+    within8 += (own.within8 - within8) * ownArea / area;
+}
+
 Spread Differences::Summary() const {
     Spread s;
     s.count = largest_.size();
@@ -171,13 +186,16 @@ std::string ToText(const Comparison &c) {
     std::string text = fmt::format("surfaces with lightmap in both {}, only in A {}, only in B {}, in neither {}\n",
                                    c.lightmapped.both, c.lightmapped.onlyA, c.lightmapped.onlyB, c.lightmapped.neither);
     text += Line("lightmap samples", c.lightmaps);
-    text += fmt::format("  left out: black in A only {}, in B only {}, in both {}\n", c.lit.onlyB, c.lit.onlyA,
-                        c.lit.neither);
+    text += fmt::format("  left out: in solids {}, black in A only {}, in B only {}, in both {}\n", c.buried,
+                        c.lit.onlyB, c.lit.onlyA, c.lit.neither);
+    text += fmt::format("  by area: mean {:.2f}, within 8 {:.2f} %\n", c.byArea.mean, 100 * c.byArea.within8);
     text += Line("means of surfaces", c.surfaces);
     text += fmt::format("  {} of {} surfaces within 2\n", c.surfacesWithin2, c.surfacesCompared);
     if (c.directions.count > 0)
         text += Line("light directions, degrees", c.directions);
     text += Line("vertex colours without lightmap", c.vertices);
+    if (c.undrawnVertices.count > 0)
+        text += Line("  left out: those of skies and undrawn surfaces", c.undrawnVertices);
     text += Line("vertex colours with lightmap", c.lightmapVertices);
     for (const SurfaceDifference &one : c.worst)
         text +=
@@ -197,16 +215,19 @@ std::string ToJson(const Comparison &c) {
                          {"difference", Json(one.spread)},
                          {"a", Json(one.a)},
                          {"b", Json(one.b)}});
-    const nlohmann::json all{{"lightmapped", Json(c.lightmapped)},
-                             {"litSamples", Json(c.lit)},
-                             {"lightmaps", Json(c.lightmaps)},
-                             {"surfaces", Json(c.surfaces)},
-                             {"surfacesCompared", c.surfacesCompared},
-                             {"surfacesWithin2", c.surfacesWithin2},
-                             {"directions", Json(c.directions)},
-                             {"vertices", Json(c.vertices)},
-                             {"lightmapVertices", Json(c.lightmapVertices)},
-                             {"worst", worst}};
+    const nlohmann::json all{
+        {"lightmapped", Json(c.lightmapped)},
+        {"litSamples", Json(c.lit)},
+        {"lightmaps", Json(c.lightmaps)},
+        {"byArea", {{"area", c.byArea.area}, {"mean", c.byArea.mean}, {"within8", c.byArea.within8}}},
+        {"surfaces", Json(c.surfaces)},
+        {"surfacesCompared", c.surfacesCompared},
+        {"surfacesWithin2", c.surfacesWithin2},
+        {"directions", Json(c.directions)},
+        {"vertices", Json(c.vertices)},
+        {"undrawnVertices", Json(c.undrawnVertices)},
+        {"lightmapVertices", Json(c.lightmapVertices)},
+        {"worst", worst}};
     return all.dump(2) + "\n";
 }
 

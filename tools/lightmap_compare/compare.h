@@ -46,14 +46,24 @@ struct Sides {
     void Add(bool a, bool b) { ++(a ? b ? both : onlyA : b ? onlyB : neither); }
 };
 
+/// Of samples that count by the area they stand for.
+struct AreaSpread {
+    double area = 0; ///< square units
+    double mean = 0, within8 = 0;
+    void Add(double ownArea, const Spread &own);
+};
+
 struct Comparison {
-    Sides lightmapped; ///< surfaces
-    Sides lit;         ///< samples whose light is not black
-    Spread lightmaps;  ///< samples that are black in neither, on surfaces with lightmaps in both
-    Spread surfaces;   ///< means of those surfaces
+    Sides lightmapped;      ///< surfaces
+    std::size_t buried = 0; ///< samples in solids, left out: there pages hold light of other surfaces
+    Sides lit;              ///< the other samples, by whose light is not black
+    Spread lightmaps;       ///< those that are black in neither, on surfaces with lightmaps in both
+    AreaSpread byArea;      ///< the same samples: slivers of surfaces have as many as walls, and nobody sees them
+    Spread surfaces;        ///< means of those surfaces
     std::size_t surfacesWithin2 = 0, surfacesCompared = 0;
     Spread directions;                    ///< degrees; no samples unless both are deluxe
-    Spread vertices;                      ///< colours of surfaces without lightmap in both
+    Spread vertices;                      ///< colours of surfaces without lightmap in both, but for the next
+    Spread undrawnVertices;               ///< the same of skies and others that no engine draws by them
     Spread lightmapVertices;              ///< colours of surfaces with lightmap in both
     std::vector<SurfaceDifference> worst; ///< surfaces with lightmaps in both, the worst mean first
 };

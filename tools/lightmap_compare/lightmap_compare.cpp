@@ -18,7 +18,9 @@ constexpr std::string_view kUsage = R"(usage: lightmap_compare [options] A.bsp B
   --pagesize N    side of the pages in the files (128)
   --json FILE     the same as JSON
 Both files must be of one map. Pages are those of the file, or lm_NNNN.tga in the folder of its name. Samples that are
-black in one file are counted, not compared.
+black in one file, or in solids where nobody sees them, are counted, not compared. Every surface has as many samples;
+the line "by area" weighs them by the area of their surface. Vertex colours of skies and of surfaces that no engine
+draws have a line of their own.
 )";
 
 int TakeWhole(Arguments &arguments, std::string_view name, int fallback, int least) {

@@ -7,6 +7,7 @@
 #include "common/text.h"
 #include "common/text_scan.h"
 #include "libs/math/low_discrepancy.h"
+#include "q3map2/bspfile/bsp_tree.h"
 #include "q3map2/lightmap/lightmap_scripts.h"
 
 #include <algorithm>
@@ -90,6 +91,25 @@ Place OnPatch(const bspDrawSurface_t &s, double u, double v) {
     return place;
 }
 
+Vec3d PositionOf(const Bsp &bsp, const Place &place) {
+    Vec3d sum;
+    for (std::size_t i = 0; i < place.count; ++i)
+        sum += Vec3d(bsp.drawVerts[std::size_t(place.verts[i])].xyz) * place.weights[i];
+    return sum;
+}
+
+/// Areas of the triangles up to each, twice.
+std::vector<double> AreasUpTo(const Bsp &bsp, const bspDrawSurface_t &s) {
+    std::vector<double> area{0};
+    for (int i = s.firstIndex; i + 2 < s.firstIndex + s.numIndexes; i += 3) {
+        const auto at = [&](int corner) {
+            return Vec3d(bsp.drawVerts[std::size_t(s.firstVert + bsp.drawIndexes[std::size_t(i + corner)])].xyz);
+        };
+        area.push_back(area.back() + Length(Cross(at(1) - at(0), at(2) - at(0))));
+    }
+    return area;
+}
+
 } // namespace
 
 LitMap::LitMap(Bsp bsp, std::vector<Page> pages, std::map<std::string, int> pageOfShader)
@@ -157,10 +177,41 @@ Vec3d LitMap::Direction(std::size_t surface, const Place &place) const {
 }
 
 Vec3d LitMap::Position(const Place &place) const {
-    Vec3d sum;
+    return PositionOf(bsp_, place);
+}
+
+bool IsUndrawn(const Bsp &bsp, std::size_t surface) {
+    constexpr std::uint32_t kSky = 0x4, kHint = 0x100, kSkip = 0x200, kNoDraw = 0x80;
+    const auto flags = std::uint32_t(bsp.shaders[std::size_t(bsp.drawSurfaces[surface].shaderNum)].surfaceFlags);
+    return (flags & (kSky | kHint | kSkip | kNoDraw)) != 0;
+}
+
+bool IsBuried(const Bsp &bsp, std::size_t surface, const Place &place) {
+    constexpr float kBefore = 1; // game units
+    const bspModel_t &world = bsp.models.front();
+    const auto number = std::int64_t(surface);
+    if (number < world.firstBSPSurface || number >= std::int64_t(world.firstBSPSurface) + world.numBSPSurfaces)
+        return false;
+    Vec3d normal;
     for (std::size_t i = 0; i < place.count; ++i)
-        sum += Vec3d(bsp_.drawVerts[std::size_t(place.verts[i])].xyz) * place.weights[i];
-    return sum;
+        normal += Vec3d(bsp.drawVerts[std::size_t(place.verts[i])].normal) * place.weights[i];
+    const Vec3f before = Vec3f(PositionOf(bsp, place)) + Normalize(Vec3f(normal)) * kBefore;
+    return bsp.leafs[std::size_t(LeafAt(bsp, before))].cluster == kSolidCluster;
+}
+
+double AreaOf(const Bsp &bsp, std::size_t surface) {
+    const bspDrawSurface_t &s = bsp.drawSurfaces[surface];
+    if (s.surfaceType == MST_PLANAR || s.surfaceType == MST_TRIANGLE_SOUP)
+        return AreasUpTo(bsp, s).back() / 2;
+    if (s.surfaceType != MST_PATCH)
+        return 0;
+    constexpr int kSteps = 32;
+    const auto at = [&](int x, int y) { return PositionOf(bsp, OnPatch(s, double(x) / kSteps, double(y) / kSteps)); };
+    double area = 0;
+    for (int y = 0; y < kSteps; ++y)
+        for (int x = 0; x < kSteps; ++x)
+            area += Length(Cross(at(x + 1, y + 1) - at(x, y), at(x, y + 1) - at(x + 1, y))) / 2;
+    return area;
 }
 
 std::vector<Place> PlacesOn(const Bsp &bsp, std::size_t surface, int count) {
@@ -175,14 +226,10 @@ std::vector<Place> PlacesOn(const Bsp &bsp, std::size_t surface, int count) {
     }
     if (s.surfaceType != MST_PLANAR && s.surfaceType != MST_TRIANGLE_SOUP)
         return places;
-    std::vector<double> area{0};
+    const std::vector<double> area = AreasUpTo(bsp, s);
     const auto index = [&](std::size_t triangle, std::size_t corner) {
         return s.firstVert + bsp.drawIndexes[std::size_t(s.firstIndex) + 3 * triangle + corner];
     };
-    for (std::size_t t = 0; t < std::size_t(s.numIndexes) / 3; ++t) {
-        const auto at = [&](std::size_t corner) { return Vec3d(bsp.drawVerts[std::size_t(index(t, corner))].xyz); };
-        area.push_back(area.back() + Length(Cross(at(1) - at(0), at(2) - at(0))));
-    }
     for (int i = 0; i < count && area.back() > 0; ++i) {
         const Sample2 at = PlasticSample(std::uint32_t(i), surface);
         const double chosen = (i + 0.5) / count * area.back();

@@ -59,6 +59,15 @@ class LitMap {
     bool deluxe_ = false;
 };
 
+/// Whether engines leave the surface out or draw a sky in its place, by the flags of its shader in Quake III.
+bool IsUndrawn(const Bsp &bsp, std::size_t surface);
+
+/// Whether a place on a surface of the world is buried in solid leafs, so that nobody sees it.
+bool IsBuried(const Bsp &bsp, std::size_t surface, const Place &place);
+
+/// Square units; of patches roughly. 0 for surfaces that are not drawn as triangles or patches.
+double AreaOf(const Bsp &bsp, std::size_t surface);
+
 /// `count` well-spread places of a surface, uniform by area on triangles and by parameter on patches; none for surfaces
 /// that are not drawn so.
 std::vector<Place> PlacesOn(const Bsp &bsp, std::size_t surface, int count);
