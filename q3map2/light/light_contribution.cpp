@@ -100,15 +100,16 @@ void Unshadowed(const Light &light, const ContributionSettings &settings, const 
                                                                     arrivals.distance[i], settings);
 }
 
-/// Ends places that get at most `least`. What the others get at most.
+/// Ends places that get at most `least`, which is not negative. What the others get at most.
 Q3_VECTOR float EndFaint(float least, Arrivals &arrivals) {
-    float strongest = 0;
+    // Floats from 0 up are in the order of their bits, and compilers make vector code of the greatest integer.
+    std::int32_t strongest = 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const bool kept = (arrivals.live[i] != 0) & (arrivals.add[i] > least);
-        arrivals.live[i] = kept ? -1 : 0;
-        strongest = std::max(strongest, kept ? arrivals.add[i] : 0);
+        const std::int32_t kept = (arrivals.live[i] != 0) & (arrivals.add[i] > least) ? -1 : 0;
+        arrivals.live[i] = kept;
+        strongest = std::max(strongest, std::bit_cast<std::int32_t>(arrivals.add[i]) & kept);
     }
-    return strongest;
+    return std::bit_cast<float>(strongest);
 }
 
 /// Moments of light from one direction; from everywhere alike in the light itself, where the direction is zero.

@@ -4,10 +4,12 @@
 #include "q3map2/light/light_embree.h"
 #include "q3map2/light/light_space.h"
 #include "q3map2/light/shadow_casters.h"
+#include "q3map2/light/sky_faces.h"
 
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 namespace q3 {
@@ -119,6 +121,7 @@ struct LightScene::State {
     DevicePtr device;
     Casters main;
     std::vector<int> skyIndexes; ///< by triangle of kSkies
+    std::optional<SkyFaces> skyFaces;
     ScenePtr legacySolids, surfaces, all, skies, filters, filtersWithoutPatches;
     std::once_flag blockersMade;
     ScenePtr solidHull, legacySurfaceSolids, blockers; ///< for TraceBlockers, see MakeBlockers
@@ -150,6 +153,8 @@ struct LightScene::State {
     }
     void Tint(RayPacket &packet, const Casters &casters, const ScenePtr &scene, float nearest) const;
     void Tint(RayPacket &packet, const ScenePtr &scene, float nearest) const { Tint(packet, main, scene, nearest); }
+    void FindSky(const RayPacket &packet, float nearest, SkyHits &hits) const;
+    void SkipSkyBacks(const RayPacket &packet, SkyHits &hits) const;
     void ClipToSky(RayPacket &packet, int skyIndex, float nearest, bool fromSurface) const;
 };
 
@@ -175,27 +180,6 @@ void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayH
     Intersect16(packet.live.data(), scene, context, hits);
 }
 
-/// A place on a floor that meets a sky lies in the sky's plane: its rays into the room meet the sky from behind first,
-/// which does not count.
-void SkipSkyBacks(RTCScene skies, const RayPacket &packet, RTCRayHit16 &hits) {
-    RayPacket again = packet;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const Vec3f back{hits.hit.Ng_x[i], hits.hit.Ng_y[i], hits.hit.Ng_z[i]};
-        again.live.Set(i, packet.live[i] != 0 && hits.hit.geomID[i] == kSkies &&
-                              hits.ray.tfar[i] < kSurfaceIgnoreRadius && Dot(packet.direction[i], back) < 0);
-    }
-    if (!again.live.Any())
-        return;
-    alignas(64) RTCRayHit16 next;
-    FindNearest(skies, again, kSurfaceIgnoreRadius, next);
-    for (std::size_t i = 0; i < kPacketSize; ++i)
-        if (again.live[i] != 0) {
-            hits.hit.geomID[i] = next.hit.geomID[i];
-            hits.hit.primID[i] = next.hit.primID[i];
-            hits.ray.tfar[i] = next.ray.tfar[i];
-        }
-}
-
 } // namespace
 
 LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius)
@@ -204,14 +188,15 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
     AddSolids(bsp, SolidLeafs(bsp), s.main.triangles[kSolids]);
     AddSurfaces(bsp, table, options, 1, s.main.triangles);
     AddSolids(bsp, LegacySolidLeafs(bsp, s.main.triangles, kLegacyGridEpsilon), s.main.triangles[kLegacySolids]);
+    for (const int surface : s.main.triangles[kSkies].surface)
+        s.skyIndexes.push_back(table[std::size_t(surface)].skyIndex);
+    s.skyFaces.emplace(s.main.triangles[kSkies], s.skyIndexes);
     s.device = NewDevice();
     s.MakeGeometries(s.main);
     s.legacySolids = s.MakeScene({kLegacySolids});
     s.surfaces = s.MakeScene({kSurfaces});
     s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
     s.skies = s.MakeScene({kSkies});
-    for (const int surface : s.main.triangles[kSkies].surface)
-        s.skyIndexes.push_back(table[std::size_t(surface)].skyIndex);
     s.filters = s.MakeScene({kFilters, kFilterPatches});
     s.filtersWithoutPatches = s.MakeScene({kFilters});
     for (const SurfaceEntry &entry : table)
@@ -321,22 +306,52 @@ void LightScene::TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &c
     s.Tint(packet, s.filtersWithoutPatches, s.legacyIgnoreRadius);
 }
 
-/// Rays that meet the sky end there, the others live no longer. Skies are few triangles, so their nearest hit is cheap;
-/// then blockers up to there need not be the nearest.
-void LightScene::State::ClipToSky(RayPacket &packet, int skyIndex, float nearest, bool fromSurface) const {
-    alignas(64) RTCRayHit16 hits;
-    FindNearest(skies.get(), packet, nearest, hits);
-    if (fromSurface)
-        SkipSkyBacks(skies.get(), packet, hits);
+/// The nearest sky on each live ray.
+void LightScene::State::FindSky(const RayPacket &packet, float nearest, SkyHits &hits) const {
+    if (skyFaces->Few())
+        return skyFaces->Find(packet.origin, packet.direction, packet.distance, packet.live, nearest, hits);
+    alignas(64) RTCRayHit16 found;
+    FindNearest(skies.get(), packet, nearest, found);
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        if (packet.live[i] == 0)
-            continue;
-        bool lit = hits.hit.geomID[i] == kSkies;
-        if (lit && skyIndex >= 0)
-            lit = skyIndexes[hits.hit.primID[i]] == skyIndex;
-        packet.live.Set(i, lit);
-        packet.distance[i] = hits.ray.tfar[i];
+        const Vec3f back{found.hit.Ng_x[i], found.hit.Ng_y[i], found.hit.Ng_z[i]};
+        const bool hit = packet.live[i] != 0 && found.hit.geomID[i] == kSkies;
+        hits.hit.Set(i, hit);
+        hits.behind.Set(i, hit && Dot(packet.direction[i], back) < 0);
+        hits.distance[i] = found.ray.tfar[i];
+        hits.skyIndex[i] = hit ? skyIndexes[found.hit.primID[i]] : 0;
     }
+}
+
+/// A place on a floor that meets a sky lies in the sky's plane: its rays into the room meet the sky from behind first,
+/// which does not count.
+void LightScene::State::SkipSkyBacks(const RayPacket &packet, SkyHits &hits) const {
+    LaneMask again{};
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        again.Set(i, hits.behind[i] != 0 && hits.distance[i] < kSurfaceIgnoreRadius);
+    if (!again.Any())
+        return;
+    RayPacket rays = packet;
+    rays.live = again;
+    SkyHits next;
+    FindSky(rays, kSurfaceIgnoreRadius, next);
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        if (again[i] != 0) {
+            hits.hit[i] = next.hit[i];
+            hits.distance[i] = next.distance[i];
+            hits.skyIndex[i] = next.skyIndex[i];
+        }
+}
+
+/// Rays that meet the sky end there, the others live no longer. To find the sky takes little time; then blockers up to
+/// there need not be the nearest.
+void LightScene::State::ClipToSky(RayPacket &packet, int skyIndex, float nearest, bool fromSurface) const {
+    SkyHits hits;
+    FindSky(packet, nearest, hits);
+    if (fromSurface)
+        SkipSkyBacks(packet, hits);
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        packet.live.Set(i, hits.hit[i] != 0 && (skyIndex < 0 || hits.skyIndex[i] == skyIndex));
+    packet.distance = hits.distance;
 }
 
 void LightScene::TraceSurfaceToLight(RayPacket &packet, int receiveShadows, RayCounts &counts) const {
@@ -396,15 +411,15 @@ void LightScene::TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts 
     counts.rays += std::uint64_t(packet.live.Count());
     if (!s.all)
         return;
-    alignas(64) RTCRayHit16 blockers, skies;
+    alignas(64) RTCRayHit16 blockers;
     FindNearest(s.all.get(), packet, ignoreRadius, blockers);
     RayPacket toSky = packet;
     std::copy_n(blockers.ray.tfar, kPacketSize, toSky.distance.begin());
+    SkyHits skies;
     if (s.skies)
-        FindNearest(s.skies.get(), toSky, ignoreRadius, skies);
+        s.FindSky(toSky, ignoreRadius, skies);
     for (std::size_t i = 0; i < kPacketSize; ++i)
-        if (packet.live[i] != 0 && blockers.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID &&
-            !(s.skies && skies.hit.geomID[i] == kSkies))
+        if (packet.live[i] != 0 && blockers.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID && skies.hit[i] == 0)
             packet.distance[i] = blockers.ray.tfar[i];
 }
 

@@ -7,7 +7,10 @@ namespace q3::test {
 
 namespace {
 
-using ClosedFormTest = LightTest;
+class ClosedFormTest : public LightTest {
+  protected:
+    void ExpectSunlight(int morePieces);
+};
 
 constexpr double kRadians = std::numbers::pi / 180;
 
@@ -150,9 +153,14 @@ TEST_F(ClosedFormTest, IntensityOptionsMultiply) {
     });
 }
 
-TEST_F(ClosedFormTest, SunShinesThroughTheSkyAndThingsCastShadows) {
+/// A sun over the room, and so many more pieces of its sky where nothing looks.
+void ClosedFormTest::ExpectSunlight(int morePieces) {
     SceneBuilder scene = Room();
     scene.SetWallShader(BoxFace::PlusZ, TestShader("textures/vec/sky_sun"));
+    for (int i = 0; i < morePieces; ++i) {
+        const float z = -1000 - 10 * float(i);
+        scene.AddQuad({{{0, 0, z}, {0, 40, z}, {40, 40, z}, {40, 0, z}}}, TestShader("textures/vec/sky_sun"));
+    }
     const Boundsf slab{{-60, -50, 120}, {70, 80, 132}};
     scene.AddBox(slab.mins, slab.maxs, TestShader("textures/test/wall"), BoxKind::Detail);
     const Vec3d sun = SunDirection(120, 60);
@@ -172,6 +180,13 @@ TEST_F(ClosedFormTest, SunShinesThroughTheSkyAndThingsCastShadows) {
     EXPECT_GT(lit, 500);
     EXPECT_GT(shadow, 50);
     EXPECT_GT(wall, 100);
+}
+
+TEST_F(ClosedFormTest, SunShinesThroughTheSkyAndThingsCastShadows) {
+    ExpectSunlight(0);
+}
+TEST_F(ClosedFormTest, SunShinesTheSameThroughASkyOfManyPieces) {
+    ExpectSunlight(30);
 }
 
 TEST_F(ClosedFormTest, SunEntityShinesFromItsTargetOn) {

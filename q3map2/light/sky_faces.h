@@ -1,0 +1,50 @@
+// GPL-2.0-or-later. Skies as a few convex polygons.
+#pragma once
+
+#include "libs/math/winding.h"
+#include "q3map2/light/light_lanes.h"
+#include "q3map2/light/shadow_casters.h"
+
+#include <span>
+#include <vector>
+
+namespace q3 {
+
+/// What the rays of a packet meet of the skies.
+struct SkyHits {
+    LaneMask hit{};                                               ///< rays that meet a sky
+    LaneMask behind{};                                            ///< of those, the ones that come from behind it
+    Lanes distance;                                               ///< to it; where there is none, as far as was looked
+    alignas(64) std::array<std::int32_t, kPacketSize> skyIndex{}; ///< its number; 0 where there is none
+};
+
+/// The skies of most maps are the few large sides of a box. All rays of a packet are tested against those at once,
+/// which takes a fraction of the time of a search for the nearest of their triangles.
+class SkyFaces {
+  public:
+    /// indexes: number of the sky of each triangle.
+    SkyFaces(const Triangles &skies, std::span<const int> indexes);
+    /// Whether the skies are few convex polygons, so that this is worth it; Find needs it.
+    bool Few() const { return few_; }
+    /// The nearest face on each live ray between `nearest` and `farthest`. Rays on the edge of a face meet it.
+    void Find(const Lanes3 &origin, const Lanes3 &direction, const Lanes &farthest, const LaneMask &live, float nearest,
+              SkyHits &hits) const;
+
+  private:
+    struct Plane3 {
+        Vec3f normal;
+        float dist;
+    };
+    struct Face {
+        Plane3 plane;              ///< towards the room
+        std::vector<Plane3> edges; ///< across it, towards its inside
+        int skyIndex;
+    };
+    void AddFace(const Winding<double> &w, int skyIndex);
+    static void Test(const Face &face, const Lanes3 &origin, const Lanes3 &direction, float nearest, SkyHits &hits);
+
+    bool few_ = false;
+    std::vector<Face> faces_;
+};
+
+} // namespace q3
