@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace q3 {
 
@@ -51,6 +52,39 @@ inline void BasisLanes(std::size_t i, float x, float y, float z, float weight, A
     const auto put = [&](Lanes &row, float value) { row[i] = kAdd ? row[i] + value * weight : value * weight; };
     put(m[0], basis[0]), put(m[1], basis[1]), put(m[2], basis[2]), put(m[3], basis[3]), put(m[4], basis[4]);
     put(m[5], basis[5]), put(m[6], basis[6]), put(m[7], basis[7]), put(m[8], basis[8]);
+}
+
+/// Rays from one place to all targets.
+Q3_VECTOR void AimFrom(const Vec3f &from, const Lanes3 &target, const Vec3f &lift, RayPacket &rays) {
+    const Vec3f back = lift - from;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float x = target.x[i] + back.x, y = target.y[i] + back.y, z = target.z[i] + back.z;
+        const float d = std::sqrt(x * x + y * y + z * z), divisor = d > 0 ? d : 1;
+        rays.direction.x[i] = x / divisor, rays.direction.y[i] = y / divisor, rays.direction.z[i] = z / divisor;
+        rays.distance[i] = d;
+    }
+    rays.origin.Fill(from);
+    rays.live.fill(-1);
+}
+
+/// Moments of samples, a sum for each lane: of all of them and of those that are seen.
+struct SampleMoments {
+    std::array<Lanes, 9> whole{}, visible{};
+
+    void Add(const AreaSamples &samples, const LaneMask &seen);
+    static double Total(const Lanes &lanes) { return std::accumulate(lanes.begin(), lanes.end(), 0.0); }
+};
+
+Q3_VECTOR void SampleMoments::Add(const AreaSamples &samples, const LaneMask &seen) {
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const auto basis = ShBasis(Vec3f{samples.direction.x[i], samples.direction.y[i], samples.direction.z[i]});
+        const float weight = samples.weight[i], seenWeight = seen[i] != 0 ? weight : 0;
+        const auto add = [&](std::size_t k) {
+            whole[k][i] += basis[k] * weight;
+            visible[k][i] += basis[k] * seenWeight;
+        };
+        add(0), add(1), add(2), add(3), add(4), add(5), add(6), add(7), add(8);
+    }
 }
 
 } // namespace
@@ -238,7 +272,7 @@ void AreaContribution::Refine(std::size_t i) {
     const int n = RefinedRays(facing_[i], settings_.samples);
     const Vec3f lift = Vec3f(light_.shape.normal) * Lift(i);
     const AreaSampler sampler(light_, Corners(i), places_->position[i], height_[i], places_->index[i], near_[i] != 0);
-    ShVector visible{}, whole{};
+    SampleMoments moments;
     Vec3d tint;
     int clear = 0;
     ++counts_.refined;
@@ -246,30 +280,25 @@ void AreaContribution::Refine(std::size_t i) {
     for (int first = 0; first < n; first += int(kPacketSize)) {
         AreaSamples samples;
         sampler.Take(std::uint32_t(first), samples);
-        for (std::size_t ray = 0; ray < kPacketSize; ++ray)
-            rays.Aim(ray, places_->rayOrigin[i], samples.target[ray] + lift);
+        AimFrom(places_->rayOrigin[i], samples.target, lift, rays);
         scene_.TraceToLight(rays, ShadowRules::Exact, counts_);
-        for (std::size_t ray = 0; ray < kPacketSize; ++ray) {
-            const auto basis = ShBasis(samples.direction[ray]);
-            const float weight = samples.weight[ray], seen = rays.live[ray] != 0 ? weight : 0;
-            for (std::size_t k = 0; k < 9; ++k) {
-                whole[k] += double(basis[k] * weight);
-                visible[k] += double(basis[k] * seen);
-            }
-            if (rays.live[ray] != 0) {
-                ++clear;
-                tint += rays.tinted ? Vec3d(rays.tint[ray]) : Vec3d{1, 1, 1};
-            }
-        }
+        moments.Add(samples, rays.live);
+        clear += rays.live.Count();
+        for (std::size_t ray = 0; rays.tinted && ray < kPacketSize; ++ray)
+            if (rays.live[ray] != 0)
+                tint += Vec3d(rays.tint[ray]) - Vec3d{1, 1, 1};
         tinted_ = tinted_ || rays.tinted;
     }
     live_.Set(i, clear > 0);
     if (clear == 0)
         return;
+    tint += Vec3d{1, 1, 1} * double(clear);
     const double share = double(clear) / n;
     ShVector projection = Moments(i).Projection();
-    for (std::size_t k = 0; k < 9; ++k)
-        projection[k] = share * projection[k] + (visible[k] - share * whole[k]) / n;
+    for (std::size_t k = 0; k < 9; ++k) {
+        const double visible = SampleMoments::Total(moments.visible[k]), whole = SampleMoments::Total(moments.whole[k]);
+        projection[k] = share * projection[k] + (visible - share * whole) / n;
+    }
     SetMoments(i, projection);
     arrivals_->tint.Set(i, Vec3f(tint / double(clear)));
 }
