@@ -95,13 +95,16 @@ void ParseSpeed(Arguments &arguments, LightOptions &o) {
     o.noGrid = arguments.TakeFlag("-nogrid");
 }
 
-void ParseSkips(Arguments &arguments, SkipOptions &skip) {
+/// Needs the options of speed.
+void ParseSkips(Arguments &arguments, LightOptions &o) {
+    SkipOptions &skip = o.skip;
     const bool none = arguments.TakeFlag("-noskip");
     const std::pair<std::string_view, bool &> switches[] = {
         {"-noskipreach", skip.reach},     {"-noskippvs", skip.pvs},       {"-noskipfaint", skip.faint},
         {"-noskipmoments", skip.moments}, {"-noskipprobes", skip.probes}, {"-noskipcoarse", skip.coarse}};
     for (const auto &[name, value] : switches)
         value = !arguments.TakeFlag(name) && !none;
+    skip.coarse = skip.coarse && o.fastGrid;
 }
 
 /// -shsamples under -fast.
@@ -189,8 +192,8 @@ LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log)
     ParseIntensities(arguments, o);
     LimitScales(o);
     ParseTone(arguments, o);
-    ParseSkips(arguments, o.skip);
     ParseSpeed(arguments, o);
+    ParseSkips(arguments, o);
     ParseSH(arguments, o);
     TakeNeedless(arguments, log);
     return o;

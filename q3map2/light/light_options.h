@@ -27,7 +27,7 @@ struct SkipOptions {
     bool faint = true;   ///< faint lights, represented by a few
     bool moments = true; ///< closed form of far area lights, approximated by points
     bool probes = true;  ///< more than one ray toward faint area lights
-    bool coarse = true;  ///< rays of dim lights where neighbours all see the same
+    bool coarse = false; ///< rays of dim lights where neighbours all see the same; of fast grids alone
 };
 
 struct LightOptions {

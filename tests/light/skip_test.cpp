@@ -97,13 +97,15 @@ TEST_F(SkipTest, DimLightsWhereNeighboursAgree) {
     SceneBuilder scene = Room({-600, -400, 0}, {600, 400, 300});
     scene.AddEntity(MakeEntity("light", {{"origin", "0 0 250"}, {"light", "2"}}));
     scene.AddBox({100, -60, 100}, {130, 60, 140}, TestShader("textures/test/wall"));
-    const GridView skipped = LitGrid(scene);
+    const GridView skipped = LitGrid(scene, "-fastgrid -shsamples 1");
     EXPECT_GT(result.gridSH.counts.skippedCoarse, 0u);
     const std::uint64_t rays = result.gridSH.counts.rays;
-    const GridView all = LitGrid(scene, "-noskipcoarse");
+    const GridView all = LitGrid(scene, "-fastgrid -shsamples 1 -noskipcoarse");
     EXPECT_EQ(result.gridSH.counts.skippedCoarse, 0u);
     EXPECT_LT(rays, result.gridSH.counts.rays);
     EXPECT_LE(Largest(skipped, all), 17.0 / 16) << "a byte";
+    LitGrid(scene);
+    EXPECT_EQ(result.gridSH.counts.skippedCoarse, 0u) << "only of fast grids";
 }
 
 TEST_F(SkipTest, SwitchForAllTurnsEachOff) {
