@@ -21,7 +21,9 @@ inline Winding<double> ConvexHull(std::vector<Vec3d> points, const Vec3d &normal
     const auto add = [&](const Vec3d &p, std::size_t kept) {
         while (hull.size() > kept) {
             const Vec3d &a = hull[hull.size() - 2], &b = hull.back();
-            if (Dot(Cross(p - b, b - a), normal) > tolerance * Length(p - a))
+            // Where p turns back, b is the tip of the hull however near to their line it is.
+            const double least = Dot(p - b, b - a) > 0 ? tolerance * Length(p - a) : 0;
+            if (Dot(Cross(p - b, b - a), normal) > least)
                 break;
             hull.pop_back();
         }
