@@ -75,8 +75,9 @@ TEST(SceneMap, ModelsAndFacesKeepTheirShaders) {
     ASSERT_EQ(bsp.models.size(), 2u);
     EXPECT_EQ(bsp.models[1].numBSPSurfaces, 6);
     for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
-        if (std::string_view(bsp.shaders[std::size_t(surface.shaderNum)].shader.data()) == "textures/test/ceiling")
+        if (FieldName(bsp.shaders[std::size_t(surface.shaderNum)].shader) == "textures/test/ceiling") {
             EXPECT_EQ(bsp.drawVerts[std::size_t(surface.firstVert)].xyz[2], RoomBounds().maxs.z);
+        }
     EXPECT_THAT(bsp.entities, testing::HasSubstr("\"model\" \"*1\""));
 }
 
