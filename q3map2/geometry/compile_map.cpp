@@ -67,7 +67,7 @@ bool MapCompiler::ReportLeak(const Tree &tree) {
     context_.log.Print("**********************\n******* leaked *******\n**********************\n");
     if (const int entity = LeakedEntity(tree); entity >= 0) {
         const MapEntity &reached = map_.entities[std::size_t(entity)];
-        context_.log.Print("Entity {} ({}) at {} {} {} can be reached from outside the map\n", reached.number,
+        context_.log.Print("{}: the {} at {} {} {} can be reached from outside the map\n", reached.Who(),
                            reached.pairs.ClassName(), reached.origin.x, reached.origin.y, reached.origin.z);
     }
     result_.abandoned = context_.options.leakTest;

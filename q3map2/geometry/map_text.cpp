@@ -66,6 +66,9 @@ void WarnOfLimits(const Bsp &bsp, Log &log) {
     int lastArea = 0;
     for (const bspLeaf_t &leaf : bsp.leafs)
         lastArea = std::max(lastArea, leaf.area);
+    std::size_t entities = 0; // each begins with a line of its own
+    for (std::size_t at = 0; (at = bsp.entities.find("{\n", at)) != std::string::npos; at++)
+        entities += at == 0 || bsp.entities[at - 1] == '\n';
     struct Limit {
         std::string_view what;
         std::size_t count, limit;
@@ -74,6 +77,7 @@ void WarnOfLimits(const Bsp &bsp, Log &log) {
     const Limit limits[] = {
         {"models", bsp.models.size(), 256, "make fewer brush entities"},
         {"shaders", bsp.shaders.size(), 1024, "use fewer shaders"},
+        {"entities", entities, 2048, "use fewer entities: groups and compiled-in models do not count"},
         {"bytes of entity text", bsp.entities.size(), 262144, "use fewer entities and keys"},
         {"brushes", bsp.brushes.size(), 32768, "use fewer brushes"},
         {"brush sides", bsp.brushSides.size(), 131072, "use fewer or simpler brushes"},

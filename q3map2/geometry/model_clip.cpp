@@ -164,7 +164,7 @@ class Clipper {
         auto brush = planes.size() < 4 ? nullptr : BrushFromPlanes(planes, shader, context_, planes_);
         if (!brush) {
             context_.log.Warn("triangle not autoclipped",
-                              "Entity {}: the model {} has no clip brush at ({:.0f} {:.0f} {:.0f})", placement_.entity,
+                              "{}: the model {} has no clip brush at ({:.0f} {:.0f} {:.0f})", placement_.who,
                               placement_.name, where.x, where.y, where.z);
             return;
         }
@@ -206,8 +206,8 @@ void MakeClipBrushes(const std::vector<ClipMesh> &meshes, const ModelPlacement &
     const Extrusion extrusion = ExtrusionOf(meshes, placement);
     if (!IsKnownMode(extrusion.mode)) {
         context.log.Warn("unknown clip mode",
-                         "Entity {}: the spawnflags {} of the model {} are no way to clip; it gets no clip brushes",
-                         placement.entity, placement.flags, placement.name);
+                         "{}: the spawnflags {} of the model {} are no way to clip; it gets no clip brushes",
+                         placement.who, placement.flags, placement.name);
         return;
     }
     Clipper clipper(placement, target, planes, context);

@@ -76,7 +76,7 @@ void Scatter(std::size_t number, const SurfaceModelDirective &directive, Scatter
     ModelPlacement placement;
     placement.name = directive.model;
     placement.settings = geometry.surfaces[number].settings;
-    placement.entity = placement.settings.entity;
+    placement.who = fmt::format("Entity {}", placement.settings.entity);
     placement.clipDepth = context.options.clipDepth;
     placement.fogNum = geometry.defaultFog;
     for (const SurfaceTriangle &triangle : triangles) {

@@ -52,9 +52,9 @@ std::vector<Replacement> ReadSkin(std::string_view text) {
     return skin;
 }
 
-std::optional<std::vector<Replacement>> SkinOf(const Entity &entity, int number, std::string_view model,
+std::optional<std::vector<Replacement>> SkinOf(const MapEntity &entity, std::string_view model,
                                                const BspContext &context) {
-    const std::string_view skin = entity.Value({"_skin", "skin"});
+    const std::string_view skin = entity.pairs.Value({"_skin", "skin"});
     if (skin.empty())
         return {};
     const bool digits = std::all_of(skin.begin(), skin.end(), [](char c) { return c >= '0' && c <= '9'; });
@@ -62,16 +62,16 @@ std::optional<std::vector<Replacement>> SkinOf(const Entity &entity, int number,
         (digits ? std::string(model) : WithoutExtension(model)) + "_" + std::string(skin) + ".skin";
     const auto bytes = context.vfs == nullptr ? std::nullopt : context.vfs->Read(name);
     if (!bytes) {
-        context.log.Warn("skin not found", "Entity {}: the skin file {} cannot be read", number, name);
+        context.log.Warn("skin not found", "{}: the skin file {} cannot be read", entity.Who(), name);
         return {};
     }
     return ReadSkin({reinterpret_cast<const char *>(bytes->data()), bytes->size()});
 }
 
 /// Longest first; "*" last.
-std::vector<Replacement> RemapsOf(const Entity &entity, int number, const BspContext &context) {
+std::vector<Replacement> RemapsOf(const MapEntity &entity, const BspContext &context) {
     std::vector<Replacement> remaps;
-    for (const auto &[key, value] : entity.pairs) {
+    for (const auto &[key, value] : entity.pairs.pairs) {
         if (!StartsWithNoCase(key, "_remap"))
             continue;
         const std::size_t semicolon = value.find(';');
@@ -79,9 +79,8 @@ std::vector<Replacement> RemapsOf(const Entity &entity, int number, const BspCon
         if (semicolon != std::string::npos)
             remap = {value.substr(0, semicolon), value.substr(semicolon + 1)};
         if (remap.from.empty() || remap.to.empty() || remap.to.size() > kMaxShaderName)
-            context.log.Warn("bad remap",
-                             "Entity {}: \"{}\" \"{}\" is ignored: expected FROM;TO with at most {} characters", number,
-                             key, value, kMaxShaderName);
+            context.log.Warn("bad remap", "{}: \"{}\" \"{}\" is ignored: expected FROM;TO with at most {} characters",
+                             entity.Who(), key, value, kMaxShaderName);
         else
             remaps.push_back(std::move(remap));
     }
@@ -97,9 +96,9 @@ bool EndsWithNoCase(std::string_view text, std::string_view end) {
 
 } // namespace
 
-ShaderMap ShaderMapOf(const Entity &entity, int number, std::string_view model, const BspContext &context) {
-    auto skin = SkinOf(entity, number, model, context);
-    auto remaps = RemapsOf(entity, number, context);
+ShaderMap ShaderMapOf(const MapEntity &entity, std::string_view model, const BspContext &context) {
+    auto skin = SkinOf(entity, model, context);
+    auto remaps = RemapsOf(entity, context);
     return [skin = std::move(skin), remaps = std::move(remaps)](std::string_view shader) {
         std::string name(shader);
         if (skin) {

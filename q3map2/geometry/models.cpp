@@ -111,8 +111,8 @@ void WarnOfLostModels(const Map &map, const BspContext &context) {
         });
         if (!found)
             context.log.Warn("model without its target",
-                             "Entity {}: no entity with brushes has the targetname '{}' that this misc_model targets",
-                             entity.number, entity.pairs.Value({"_target", "target"}));
+                             "{}: no entity with brushes has the targetname '{}' that this misc_model targets",
+                             entity.Who(), entity.pairs.Value({"_target", "target"}));
     }
 }
 
@@ -121,10 +121,10 @@ std::optional<ModelPlacement> PlacementOf(const MapEntity &entity, const MapEnti
     ModelPlacement placement;
     placement.name = entity.pairs.Value("model");
     if (placement.name.empty()) {
-        context.log.Warn("misc_model without model", "Entity {}: misc_model without a \"model\" key", entity.number);
+        context.log.Warn("misc_model without model", "{}: misc_model without a \"model\" key", entity.Who());
         return {};
     }
-    placement.entity = entity.number;
+    placement.who = entity.Who();
     placement.frame = std::max(0, int(entity.pairs.Number({"_frame", "frame"})));
     const bool world = &target == &map.entities.front();
     const Vec3d origin = Vec3d(entity.origin) - (world ? Vec3d{} : Vec3d(target.origin));
@@ -132,7 +132,7 @@ std::optional<ModelPlacement> PlacementOf(const MapEntity &entity, const MapEnti
     placement.settings = ModelSettings(entity, target, map, context);
     placement.flags = unsigned(IntegerFromText(entity.pairs.Value("spawnflags")));
     placement.clipDepth = entity.pairs.Number({"_clipdepth"}, context.options.clipDepth);
-    placement.shaders = ShaderMapOf(entity.pairs, entity.number, placement.name, context);
+    placement.shaders = ShaderMapOf(entity, placement.name, context);
     placement.fogNum = geometry.defaultFog;
     return placement;
 }
@@ -174,8 +174,8 @@ bool PlaceModel(const ModelPlacement &placement, MapEntity &target, Geometry &ge
     std::string problem;
     const Model *model = geometry.models->Get(placement.name, placement.frame, problem);
     if (model == nullptr) {
-        context.log.Warn("model cannot be read", "Entity {}: the model {} cannot be read: {}", placement.entity,
-                         placement.name, problem);
+        context.log.Warn("model cannot be read", "{}: the model {} cannot be read: {}", placement.who, placement.name,
+                         problem);
         return false;
     }
     std::vector<ClipMesh> clip;
@@ -186,8 +186,8 @@ bool PlaceModel(const ModelPlacement &placement, MapEntity &target, Geometry &ge
         const ShaderInfo &shader = context.shaders.Get(RenamedShader(name, placement, context));
         DrawSurface surface = SurfaceOf(mesh, placement, shader);
         if (!InsideWorld(surface)) {
-            context.log.Warn("model outside the world", "Entity {}: the model {} leaves the world and is left out",
-                             placement.entity, placement.name);
+            context.log.Warn("model outside the world", "{}: the model {} leaves the world and is left out",
+                             placement.who, placement.name);
             continue;
         }
         if (WantsClip(shader, placement.flags))

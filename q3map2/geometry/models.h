@@ -50,7 +50,7 @@ using ShaderMap = std::function<std::string(std::string_view)>;
 
 struct ModelPlacement {
     std::string name;
-    int entity = 0; ///< number in the map source, for messages
+    std::string who; ///< MapEntity::Who of its entity, for messages
     int frame = 0;
     ModelTransform transform;
     SurfaceSettings settings;
@@ -75,6 +75,6 @@ void MakeClipBrushes(const std::vector<ClipMesh> &meshes, const ModelPlacement &
                      PlaneTable &planes, const BspContext &context);
 
 /// model_skin.cpp. What the skin file and the _remap keys of a misc_model say.
-ShaderMap ShaderMapOf(const Entity &entity, int number, std::string_view model, const BspContext &context);
+ShaderMap ShaderMapOf(const MapEntity &entity, std::string_view model, const BspContext &context);
 
 } // namespace q3

@@ -91,8 +91,8 @@ void AddProjectors(const MapEntity &entity, const Vec3d &way, const Map &map, co
                                entity.origin, way, projector))
                 continue;
             if (projectors.size() == kMaxProjectors) {
-                context.log.Warn("too many decals", "Entity {}: more than {} decal triangles; the rest is left out",
-                                 entity.number, kMaxProjectors);
+                context.log.Warn("too many decals", "{}: more than {} decal triangles; the rest is left out",
+                                 entity.Who(), kMaxProjectors);
                 return;
             }
             projectors.push_back(std::move(projector));
@@ -103,15 +103,15 @@ void AddProjectors(const MapEntity &entity, const Vec3d &way, const Map &map, co
 /// Where the decal goes from the entity; nothing after a warning.
 std::optional<Vec3d> WayOf(const MapEntity &entity, const Map &map, const BspContext &context) {
     if (entity.patches.empty()) {
-        context.log.Warn("decal without patches", "Entity {}: a _decal without patches is left out", entity.number);
+        context.log.Warn("decal without patches", "{}: a _decal without patches is left out", entity.Who());
         return {};
     }
     const std::string_view name = entity.pairs.Value("target");
     const MapEntity *target = name.empty() ? nullptr : FindTarget(map, name);
     if (target == nullptr) {
         context.log.Warn("decal without target",
-                         "Entity {}: a _decal is left out: expected a \"target\" that names an entity, got '{}'",
-                         entity.number, name);
+                         "{}: a _decal is left out: expected a \"target\" that names an entity, got '{}'", entity.Who(),
+                         name);
         return {};
     }
     return Vec3d(target->origin) - StartOf(entity);

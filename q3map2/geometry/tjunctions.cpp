@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 namespace q3 {
@@ -52,8 +53,12 @@ class EdgeList {
         edges.push_back(edge);
     }
     void AddFace(const DrawSurface &surface, std::size_t number) {
-        for (std::size_t i = 0; i < surface.verts.size(); ++i)
-            Add(number, int(i), surface.verts[i].xyz, surface.verts[(i + 1) % surface.verts.size()].xyz);
+        // From the last vertex: where lines are as near to each other as the tolerance, the first decides.
+        const std::size_t count = surface.verts.size();
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t from = (i + count - 1) % count;
+            Add(number, int(from), surface.verts[from].xyz, surface.verts[i].xyz);
+        }
     }
     /// Those curves of the border that are straight.
     void AddPatch(const DrawSurface &surface, std::size_t number) {
@@ -84,7 +89,8 @@ EdgeLines MakeLines(EdgeList &list, const Boundsf &bounds, Counts &counts) {
             oblique.push_back(&edge);
     }
     counts.axialLines = lines.Count();
-    std::ranges::stable_sort(oblique, {}, [](const Edge *e) { return e->length; });
+    // Not stable: edges of one length stand as the library's introsort leaves them, and so in established files.
+    std::sort(oblique.begin(), oblique.end(), [](const Edge *a, const Edge *b) { return a->length < b->length; });
     for (Edge *edge : oblique)
         edge->line = lines.Add(edge->from, edge->to, edge->direction);
     counts.lines = lines.Count();
@@ -133,17 +139,17 @@ std::size_t FanStart(const std::vector<Corner> &corners) {
     return n;
 }
 
-void InsertVerts(DrawSurface &surface, const EdgeLines &lines, const Edge *edges, std::size_t edgeCount, Counts &counts,
+void InsertVerts(DrawSurface &surface, const EdgeLines &lines, std::span<const Edge> edges, Counts &counts,
                  const BspContext &context) {
+    std::vector<int> lineFrom(surface.verts.size(), -1);
+    for (const Edge &edge : edges)
+        lineFrom[std::size_t(edge.vert)] = edge.line;
     std::vector<Corner> corners;
-    std::size_t next = 0;
     for (std::size_t i = 0; i < surface.verts.size(); ++i) {
         corners.push_back({surface.verts[i], i});
-        if (next >= edgeCount || edges[next].vert != int(i))
-            continue;
-        AddPointsOn(lines[edges[next].line], surface.verts[i], surface.verts[(i + 1) % surface.verts.size()], i,
-                    corners);
-        ++next;
+        if (lineFrom[i] >= 0)
+            AddPointsOn(lines[lineFrom[i]], surface.verts[i], surface.verts[(i + 1) % surface.verts.size()], i,
+                        corners);
     }
     if (corners.size() > kMaxVerts)
         context.FailAt(surface.settings.entity, surface.primitive,
@@ -241,7 +247,7 @@ void FixTJunctions(Geometry &geometry, std::size_t first, const BspContext &cont
         DrawSurface &surface = geometry.surfaces[i];
         if (surface.kind != SurfaceKind::Face || !IsRepaired(surface))
             continue;
-        InsertVerts(surface, lines, list.edges.data() + begin, edge - begin, counts, context);
+        InsertVerts(surface, lines, std::span(list.edges).subspan(begin, edge - begin), counts, context);
         Weld(surface);
     }
     Report(counts, context.log);

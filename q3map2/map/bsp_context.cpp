@@ -4,6 +4,10 @@
 
 namespace q3 {
 
+std::string MapEntity::Who() const {
+    return place.empty() ? fmt::format("Entity {}", number) : fmt::format("Entity {}: {}", number, place);
+}
+
 void BspContext::WarnAt(std::string_view kind, int entity, int primitive, std::string_view text) const {
     log.WarnAt(kind, {.entity = entity, .primitive = primitive, .line = {}},
                fmt::format("Entity {}, Brush {}: {}", entity, primitive, text));

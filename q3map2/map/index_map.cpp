@@ -58,7 +58,7 @@ Boundsf CoveredBy(const MapEntity &entity, const Vec3f &shift) {
 }
 
 void Warn(const MapEntity &entity, std::string_view text, const BspContext &context) {
-    context.log.Warn("index map", "Entity {}: its index map has no effect: {}", entity.number, text);
+    context.log.Warn("index map", "{}: its index map has no effect: {}", entity.Who(), text);
 }
 
 } // namespace

@@ -93,6 +93,7 @@ struct Patch {
 struct MapEntity {
     Entity pairs;
     int number = 0;                  ///< in the map source
+    std::string place;               ///< FILE:LINE of its "{"; empty: not from a file
     std::deque<Brush> brushes;       ///< opaque ones in front in reverse order, then the others in order
     std::deque<Patch> patches;       ///< newest in front
     std::vector<Brush> colorVolumes; ///< brushes whose shader modifies colours inside
@@ -100,6 +101,8 @@ struct MapEntity {
     Vec3f brushOrigin;               ///< centre of the origin brush: what its brushes were moved by
     int model = -1;                  ///< 0 the world; -1 none
     Vec3f Origin() const { return origin; }
+    /// How messages begin that are about it: "Entity 3: maps/x.map:120".
+    std::string Who() const;
 };
 
 struct Map {

@@ -100,6 +100,7 @@ void MapReader::ReadEntity() {
     primitiveCount_ = 0;
     MapEntity entity;
     entity.number = entityCount_++;
+    entity.place = scanner_.Location();
     while (ReadPairOrPrimitive(entity)) {
     }
     FinishEntity(entity);

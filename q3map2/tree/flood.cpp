@@ -67,7 +67,7 @@ Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, boo
         const int leaf = tree.LeafAt(entity.Origin() + Vec3f(0, 0, 1), map.planes);
         if (tree.nodes[std::size_t(leaf)].opaque) {
             if (warn)
-                context.log.Warn("entity in solid", "Entity {} ({}): entity in solid", entity.number,
+                context.log.Warn("entity in solid", "{}: the {} stands in solid", entity.Who(),
                                  entity.pairs.ClassName());
             continue;
         }

@@ -13,6 +13,10 @@ namespace {
 
 constexpr double kSideEpsilon = 0.1, kClipEpsilon = 0.2; ///< game units
 constexpr std::size_t kMostNodes = std::size_t(1) << 20;
+/// Choosing the plane of a node looks at all candidates as long as it has held fewer faces against planes than this,
+/// and at so many of the others, evenly spaced. Tens of thousands of tilted brushes come to that.
+constexpr std::int64_t kManyTests = std::int64_t(1) << 20;
+constexpr std::size_t kSample = 32;
 
 class TreeBuilder {
   public:
@@ -44,7 +48,7 @@ class TreeBuilder {
     Choice ChooseSplit(const std::vector<int> &list);
     void FillGroups(const std::vector<int> &list);
     double BoundOf(const Group &group) const;
-    double ValueOf(const Group &group, const std::vector<int> &list, double enough) const;
+    double ValueOf(const Group &group, const std::vector<int> &list, double enough);
     double BonusOf(const TreeFace &face) const;
     PolygonSide SideOfFace(int face, int planeNum) const;
     void SplitFace(int number, const Plane &plane, std::array<std::vector<int>, 2> &parts);
@@ -59,6 +63,7 @@ class TreeBuilder {
     std::vector<Group> groups_;
     std::unordered_map<int, std::size_t> groupOf_;
     std::unordered_map<int, int> uses_; ///< how often a plane was chosen
+    std::int64_t sideTests_ = 0;
 };
 
 TreeBuilder::Choice TreeBuilder::BlockSplit(const Boundsf &bounds) const {
@@ -122,13 +127,14 @@ double TreeBuilder::BoundOf(const Group &group) const {
 }
 
 /// Higher is better; anything below `enough` may be returned early.
-double TreeBuilder::ValueOf(const Group &group, const std::vector<int> &list, double enough) const {
+double TreeBuilder::ValueOf(const Group &group, const std::vector<int> &list, double enough) {
     double value = group.bound;
     int front = 0, back = 0;
     for (const int face : list) {
         if (faces_[std::size_t(face)].planeNum == group.planeNum)
             continue;
         const PolygonSide side = SideOfFace(face, group.planeNum);
+        sideTests_++;
         front += side == PolygonSide::Front;
         back += side == PolygonSide::Back;
         if (side == PolygonSide::Cross && (value -= 5) < enough)
@@ -149,11 +155,15 @@ TreeBuilder::Choice TreeBuilder::ChooseSplit(const std::vector<int> &list) {
     });
     const Group *best = nullptr;
     double bestValue = std::numeric_limits<double>::lowest();
-    for (const Group &group : groups_) {
+    const std::int64_t enough = sideTests_ + kManyTests;
+    for (std::size_t at = 0, step = 1; at < groups_.size(); at += step) {
+        const Group &group = groups_[at];
         if (best && group.bound < bestValue)
             break;
         if (best && group.bound == bestValue && group.first > best->first)
             continue;
+        if (step == 1 && sideTests_ > enough)
+            step = (groups_.size() - at) / kSample + 1;
         const double value = ValueOf(group, list, bestValue);
         if (!best || value > bestValue || (value == bestValue && group.first < best->first))
             best = &group, bestValue = value;
@@ -251,6 +261,7 @@ Tree TreeBuilder::Build() {
             pending.push_back({firstChild + int(i), std::move(parts[i]), bounds[i]});
         }
     }
+    tree.sideTests = sideTests_;
     // Children come after their parents.
     for (std::size_t i = tree.nodes.size() - 1; i > 0; i--)
         if (tree.nodes[i].structural)

@@ -54,6 +54,7 @@ struct Tree {
     std::vector<TreePortal> portals; ///< removed ones have no polygon
     int head = 0, outside = -1;
     Boundsf bounds;
+    std::int64_t sideTests = 0; ///< how often a face was held against a plane to choose splits
     int LeafAt(const Vec3f &p, const PlaneTable &planes) const;
 };
 

@@ -109,7 +109,7 @@ TEST_F(CompileTest, NoEntityInTheOpenIsAnError) {
         } catch (const Error &error) {
             EXPECT_THAT(error.what(), HasSubstr("no entity stands in the open"));
         }
-    EXPECT_THAT(out.text, HasSubstr("entity in solid"));
+    EXPECT_THAT(out.text, HasSubstr("stands in solid"));
 }
 
 TEST_F(CompileTest, WithoutStructuralWallsThereIsNoTreeAndThatIsAnError) {

@@ -154,6 +154,24 @@ TEST_F(TJunctionTest, NearVerticesBecomeOneAtTheWholeCoordinate) {
     EXPECT_EQ(std::ranges::count(Surface(0).verts, Vec3f{64, 0, 0}, &DrawVert::xyz), 1);
 }
 
+// A strip 0.2 high: whether a vertex 0.2 below it is on its line depends on which of its edges made the line.
+TEST_F(TJunctionTest, ClosingEdgeOfAFaceComesFirst) {
+    AddFace({{0, 0, 0}, {64, 0, 0}, {64, 0.2f, 0}, {0, 0.2f, 0}}); // closes by a short edge: the lower one is next
+    AddFace({{32, -64, 0}, {32, -0.2f, 0}, {96, -0.2f, 0}, {96, -64, 0}});
+    AddFace({{64, 100.2f, 0}, {0, 100.2f, 0}, {0, 100, 0}, {64, 100, 0}}); // likewise, the upper one
+    AddFace({{32, 36, 0}, {32, 99.8f, 0}, {96, 99.8f, 0}, {96, 36, 0}});
+    AddFace({{64, 200, 0}, {64, 200.2f, 0}, {0, 200.2f, 0}, {0, 200, 0}}); // closes by the lower one
+    AddFace({{32, 136, 0}, {32, 199.8f, 0}, {96, 199.8f, 0}, {96, 136, 0}});
+    AddFace({{0, 300.2f, 0}, {0, 300, 0}, {64, 300, 0}, {64, 300.2f, 0}}); // closes by the upper one
+    AddFace({{32, 236, 0}, {32, 299.8f, 0}, {96, 299.8f, 0}, {96, 236, 0}});
+    Fix();
+    const auto gained = [&](std::size_t strip) { return Surface(strip).verts.size() > 4; };
+    EXPECT_TRUE(gained(0));
+    EXPECT_FALSE(gained(2));
+    EXPECT_TRUE(gained(4));
+    EXPECT_FALSE(gained(6));
+}
+
 TEST_F(TJunctionTest, FaceOfOneSpotVanishes) {
     AddFace({{0, 0, 0}, {0, 0.05f, 0}, {0.05f, 0.05f, 0}, {0.05f, 0, 0}});
     AddFace({{0, 0, 0}, {0, 64, 0}, {0.04f, 64, 0}});

@@ -9,23 +9,40 @@
 
 namespace q3::test {
 
+namespace {
+
+using Keys = std::initializer_list<std::pair<std::string, std::string>>;
+
+Bsp Compiled(std::string_view text, const std::string &name, const Keys &keys, VirtualFileSystem &vfs, Log &log) {
+    BspOptions options;
+    options.meta = options.keepLights = true;
+    const Game &game = *FindGame("quake3");
+    ShaderLibrary library(vfs, game, {}, log);
+    const BspContext context{options, game, library, log, &vfs};
+    Map map = ReadMap(text, name, context);
+    for (const auto &[key, value] : keys)
+        map.World().pairs.Set(key, value);
+    CompiledMap compiled = CompileMap(map, context);
+    EXPECT_TRUE(compiled.leakLine.empty()) << name << " leaks";
+    return std::move(compiled.bsp);
+}
+
+} // namespace
+
 Bsp CompiledMapOf(std::string_view name, std::initializer_list<std::pair<std::string, std::string>> keys) {
     QuietLog out;
     VirtualFileSystem vfs(out.log);
     vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
-    BspOptions options;
-    options.meta = options.keepLights = true;
-    const Game &game = *FindGame("quake3");
-    ShaderLibrary library(vfs, game, {}, out.log);
-    const BspContext context{options, game, library, out.log, &vfs};
     const std::string file = fmt::format("{}/maps/{}.map", TEST_DATA, name);
     const std::vector<std::byte> bytes = ReadFile(file);
-    Map map = ReadMap({reinterpret_cast<const char *>(bytes.data()), bytes.size()}, file, context);
-    for (const auto &[key, value] : keys)
-        map.World().pairs.Set(key, value);
-    CompiledMap compiled = CompileMap(map, context);
-    EXPECT_TRUE(compiled.leakLine.empty()) << file << " leaks";
-    return std::move(compiled.bsp);
+    return Compiled({reinterpret_cast<const char *>(bytes.data()), bytes.size()}, file, keys, vfs, out.log);
+}
+
+Bsp CompiledScene(const SceneBuilder &scene, VirtualFileSystem &vfs) {
+    if (!scene.HasMapText())
+        return scene.Build();
+    QuietLog out;
+    return Compiled(scene.MapText(), "scene", {}, vfs, out.log);
 }
 
 } // namespace q3::test

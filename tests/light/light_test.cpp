@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Lighting of small scenes in process, and the definition of the SH grid to compare with.
 #include "tests/light/light_test.h"
 
+#include "tests/light/compiled_map.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -201,6 +203,14 @@ Bsp LightTest::Lit(Bsp bsp, std::string_view options, int threads) {
     inputs.name = "test";
     result = LightWorld(bsp, inputs, parsed, lightmap, library, JobPool(threads), log);
     return bsp;
+}
+
+Bsp LightTest::Lit(const SceneBuilder &scene, std::string_view options, int threads) {
+    QuietLog quiet;
+    VirtualFileSystem vfs(quiet.log);
+    vfs.Mount(folder.Root(), "pk3");
+    vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
+    return Lit(CompiledScene(scene, vfs), options, threads);
 }
 
 void LightTest::ExpectPoints(const GridView &grid, double tolerance, int atLeast,

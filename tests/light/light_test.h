@@ -70,9 +70,8 @@ class LightTest : public testing::Test {
     void Script(std::string_view text);
     /// Lights the map with these options. An SH grid is always made.
     Bsp Lit(Bsp bsp, std::string_view options = "", int threads = 1);
-    Bsp Lit(const SceneBuilder &scene, std::string_view options = "", int threads = 1) {
-        return Lit(scene.Build(), options, threads);
-    }
+    /// The scene goes through the bsp stage first, if its parts allow.
+    Bsp Lit(const SceneBuilder &scene, std::string_view options = "", int threads = 1);
     GridView LitGrid(const SceneBuilder &scene, std::string_view options = "") { return GridView(Lit(scene, options)); }
     /// Checks every point of the grid for which `expected` fills in coefficients (true) against them: relative to the
     /// point's largest coefficient, or to 1/255 when that is larger. At least `atLeast` points must have been checked.

@@ -117,7 +117,7 @@ class DirtTest : public testing::Test {
         return surfaces;
     }
     void ExpectDirt(const CaseSettings &settings) const {
-        SurfaceCase c(Room().Build(), folder, settings);
+        SurfaceCase c(Room(), folder, settings);
         const SurfaceLight surfaces = DirtOf(c);
         const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
         const std::vector<double> expected = Expected(raw, settings.lightmap);
@@ -138,7 +138,7 @@ class DirtTest : public testing::Test {
 using FloodTest = DirtTest;
 
 TEST_F(DirtTest, OffWithoutTheOption) {
-    SurfaceCase c(Room().Build(), folder);
+    SurfaceCase c(Room(), folder);
     for (const RawLightmap &raw : DirtOf(c).lightmaps)
         EXPECT_TRUE(raw.dirt.empty());
 }
@@ -146,7 +146,7 @@ TEST_F(DirtTest, OffWithoutTheOption) {
 TEST_F(DirtTest, NothingNearIsClean) {
     SceneBuilder scene = EmptyRoom();
     AddFloor(scene);
-    SurfaceCase c(scene.Build(), folder, Dirty());
+    SurfaceCase c(scene, folder, Dirty());
     const SurfaceLight surfaces = DirtOf(c);
     const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
     for (std::size_t i = 0; i < raw.dirt.size(); ++i)
@@ -191,7 +191,7 @@ TEST_F(DirtTest, DepthScaleAndGain) {
 TEST_F(DirtTest, MoreThanBlackIsBlack) {
     CaseSettings settings = Dirty();
     settings.lightmap.dirtScale = 100;
-    SurfaceCase c(Room().Build(), folder, settings);
+    SurfaceCase c(Room(), folder, settings);
     const SurfaceLight surfaces = DirtOf(c);
     for (const float dirt : LightmapOf(c, surfaces, kFloor).dirt)
         EXPECT_EQ(dirt, 0);
@@ -201,7 +201,7 @@ TEST_F(DirtTest, RandomRaysAgreeWithTheMeanOverTheCone) {
     boxes = {{{-60.3f, -50.1f, 4.7f}, {-31.1f, -22.9f, 41.3f}}};
     CaseSettings settings = Dirty();
     settings.lightmap.dirtRandom = true;
-    SurfaceCase c(Room().Build(), folder, settings);
+    SurfaceCase c(Room(), folder, settings);
     const SurfaceLight surfaces = DirtOf(c);
     const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
     double sum = 0, expected = 0;
@@ -223,9 +223,9 @@ TEST_F(DirtTest, ThreadsMakeNoDifference) {
         CaseSettings settings = Dirty();
         settings.lightmap.dirtRandom = random;
         settings.lightmap.super = 3;
-        SurfaceCase one(Room().Build(), folder, settings);
+        SurfaceCase one(Room(), folder, settings);
         settings.threads = 4;
-        SurfaceCase four(Room().Build(), folder, settings);
+        SurfaceCase four(Room(), folder, settings);
         const SurfaceLight a = DirtOf(one), b = DirtOf(four);
         ASSERT_EQ(a.lightmaps.size(), b.lightmaps.size());
         for (std::size_t i = 0; i < a.lightmaps.size(); ++i)
@@ -236,7 +236,7 @@ TEST_F(DirtTest, ThreadsMakeNoDifference) {
 TEST_F(DirtTest, ShadersMayBeWithout) {
     CaseSettings settings = Dirty();
     settings.script = "textures/test/floor\n{\nq3map_noDirty\n}\n";
-    SurfaceCase c(Room().Build(), folder, settings);
+    SurfaceCase c(Room(), folder, settings);
     const SurfaceLight surfaces = DirtOf(c);
     for (const float dirt : LightmapOf(c, surfaces, kFloor).dirt)
         EXPECT_EQ(dirt, 1);
@@ -245,7 +245,7 @@ TEST_F(DirtTest, ShadersMayBeWithout) {
 TEST_F(DirtTest, ReceiversOfNoShadowAreClean) {
     CaseSettings settings = Dirty();
     settings.surfaces = "default\n{\nreceiveShadows 0\nsampleSize 16\nlightmapAxis ( 0 0 1 )\n}\n";
-    SurfaceCase c(Room().Build(), folder, settings);
+    SurfaceCase c(Room(), folder, settings);
     const SurfaceLight surfaces = DirtOf(c);
     const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
     int mapped = 0;
@@ -265,7 +265,7 @@ TEST_F(DirtTest, SeeThroughRoofsCountWhereTheyAreOpaque) {
         scene.AddQuad(Rectangle(-900, -900, 900, 900, 33), Shaded("textures/test/roof"));
         CaseSettings settings = Dirty();
         settings.script = "textures/test/roof\n{\nsurfaceparm alphashadow\n}\n";
-        SurfaceCase c(scene.Build(), folder, settings);
+        SurfaceCase c(scene, folder, settings);
         const SurfaceLight surfaces = DirtOf(c);
         const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
         double gathered = 0; // 32 units to the roof
@@ -283,7 +283,7 @@ TEST_F(DirtTest, LuxelsInThePlaneOfAWallSeeAwayFromIt) {
     // Rays along the wall and away from it are free, the others end at once.
     SceneBuilder scene = EmptyRoom();
     AddFloor(scene);
-    SurfaceCase c(scene.Build(), folder, Dirty());
+    SurfaceCase c(scene, folder, Dirty());
     SurfaceLight surfaces = c.Mapped();
     RawLightmap &raw = surfaces.lightmaps[std::size_t(surfaces.lightmapOf[std::size_t(SurfacesOf(c, kFloor)[0])])];
     raw.width = raw.height = raw.super = 1;
@@ -295,7 +295,7 @@ TEST_F(DirtTest, LuxelsInThePlaneOfAWallSeeAwayFromIt) {
 }
 
 TEST_F(FloodTest, OffWithoutTheOption) {
-    SurfaceCase c(Room().Build(), folder);
+    SurfaceCase c(Room(), folder);
     SurfaceLight surfaces = c.Mapped();
     FloodLuxels(c.Inputs(), surfaces);
     for (const RawLightmap &raw : surfaces.lightmaps)
@@ -306,7 +306,7 @@ TEST_F(FloodTest, WorldsByOpenness) {
     boxes = {{{-60.3f, -50.1f, 4.7f}, {-31.1f, -22.9f, 41.3f}}};
     SceneBuilder scene = Room();
     scene.SetWorldKey("_floodlight", "2 1 0.5 200 80 0.25");
-    SurfaceCase c(scene.Build(), folder);
+    SurfaceCase c(scene, folder);
     SurfaceLight surfaces = c.Mapped();
     FloodLuxels(c.Inputs(), surfaces);
     const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
@@ -329,7 +329,7 @@ TEST_F(FloodTest, ShadersAddTheirOwn) {
     settings.script = "textures/test/floor\n{\nq3map_floodLight 0 1 0 500 30 0.5\n}\n";
     for (const bool world : {false, true}) {
         settings.light.floodlight = world;
-        SurfaceCase c(scene.Build(), folder, settings);
+        SurfaceCase c(scene, folder, settings);
         SurfaceLight surfaces = c.Mapped();
         FloodLuxels(c.Inputs(), surfaces);
         const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
@@ -350,7 +350,7 @@ TEST_F(FloodTest, LowQualityIsNearToTheWholeOne) {
     std::array<Vec3f, 2> mean;
     for (const bool low : {false, true}) {
         settings.light.lowQuality = low;
-        SurfaceCase c(Room().Build(), folder, settings);
+        SurfaceCase c(Room(), folder, settings);
         SurfaceLight surfaces = c.Mapped();
         FloodLuxels(c.Inputs(), surfaces);
         const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);

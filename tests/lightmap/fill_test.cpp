@@ -12,7 +12,7 @@ class FinishTest : public testing::Test {
   protected:
     static constexpr int kWidth = 4, kHeight = 3;
 
-    FinishTest() : case_(EmptyRoom().Build(), folder_) {
+    FinishTest() : case_(EmptyRoom(), folder_) {
         surfaces_.lightmaps.resize(1);
         RawLightmap &m = Luxels();
         m.width = kWidth, m.height = kHeight;

@@ -63,7 +63,7 @@ class LuxelLightTest : public testing::Test {
 
     SurfaceCase &Case(CaseSettings settings = {}) {
         scene_.AddQuad(Rectangle(-128, -128, 128, 128, 0), Shaded(kFloor));
-        case_ = std::make_unique<SurfaceCase>(scene_.Build(), folder_, std::move(settings));
+        case_ = std::make_unique<SurfaceCase>(scene_, folder_, std::move(settings));
         return *case_;
     }
     const RawLightmap &Floor(const Lit &lit) const { return LightmapOf(*case_, lit.surfaces, kFloor); }

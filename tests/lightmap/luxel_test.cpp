@@ -51,7 +51,7 @@ TEST_F(LuxelTest, OpenLuxelsStandAUnitOffTheirCentre) {
         scene.AddQuad(Rectangle(10, 20, 110, 90, -30), Shaded(kA));
         CaseSettings settings;
         settings.lightmap.super = super;
-        SurfaceCase c(scene.Build(), folder, settings);
+        SurfaceCase c(scene, folder, settings);
         const SurfaceLight surfaces = c.Mapped();
         const RawLightmap &raw = LightmapOf(c, surfaces, kA);
         int mapped = 0;
@@ -75,7 +75,7 @@ TEST_F(LuxelTest, OpenLuxelsStandAUnitOffTheirCentre) {
 TEST_F(LuxelTest, NoPlaceIsInSolid) {
     SceneBuilder scene = EmptyRoom({0, 0, 0}, {256, 192, 128});
     scene.AddBox({58, 59, 0}, {101, 102, 70}, Shaded(kB), BoxKind::Detail);
-    SurfaceCase c(scene.Build(), folder);
+    SurfaceCase c(scene, folder);
     const SurfaceLight surfaces = c.Mapped();
     std::size_t mapped = 0, nudged = 0;
     for (const RawLightmap &raw : surfaces.lightmaps)
@@ -99,7 +99,7 @@ TEST_F(LuxelTest, CoveredLuxelsAreOccluded) {
     SceneBuilder scene = EmptyRoom({0, 0, 0}, {256, 256, 128});
     scene.AddQuad(Rectangle(0, 0, 256, 256, 0.25f), Shaded(kA));
     scene.AddBox({90, 90, 0}, {200, 200, 70}, Shaded(kB), BoxKind::Detail);
-    SurfaceCase c(scene.Build(), folder);
+    SurfaceCase c(scene, folder);
     const SurfaceLight surfaces = c.Mapped();
     const RawLightmap &raw = LightmapOf(c, surfaces, kA);
     for (int y = 1; y < 16; ++y)
@@ -123,7 +123,7 @@ TEST_F(LuxelTest, DarkDoesNotNudge) {
         scene.AddBox({74, 0, 0}, {86, 256, 70}, Shaded(kB), BoxKind::Detail);
         CaseSettings settings;
         settings.lightmap.dark = dark;
-        SurfaceCase c(scene.Build(), folder, settings);
+        SurfaceCase c(scene, folder, settings);
         const SurfaceLight surfaces = c.Mapped();
         const RawLightmap &raw = LightmapOf(c, surfaces, kA);
         for (int y = 0; y < raw.height; ++y) {
@@ -179,7 +179,7 @@ TEST_F(LuxelTest, PlacesStayOnTheirSideOfAThinWall) {
     visibility.writeLump = true;
     visibility.sees = [](const Boundsf &, const Boundsf &) { return false; };
     scene.SetVisibility(visibility);
-    SurfaceCase c(scene.Build(), folder);
+    SurfaceCase c(scene, folder);
     const SurfaceLight surfaces = c.Mapped();
     const RawLightmap &raw = LightmapOf(c, surfaces, kA);
     for (int y = 0; y < raw.height; ++y) {
@@ -199,7 +199,7 @@ TEST_F(LuxelTest, ShadedEdgesShareTheMeanNormal) {
         settings.lightmap.shade = true;
         settings.script = fmt::format("{}\n{{\nq3map_shadeAngle 90\n}}\n", kB);
         settings.lightmap.shadeAngle = angle;
-        SurfaceCase c(scene.Build(), folder, settings);
+        SurfaceCase c(scene, folder, settings);
         SurfaceLight surfaces = c.Setup();
         SmoothNormals(c.Inputs(), surfaces);
         int ridge = 0;
@@ -237,7 +237,7 @@ TEST_F(LuxelTest, NormalImagesBendNormals) {
         CaseSettings settings;
         settings.script = "textures/test/a\n{\nq3map_normalImage textures/test/bump.tga\n}\n";
         folder.Write("textures/test/bump.tga", Tga(bent.red, bent.green, 255));
-        SurfaceCase c(scene.Build(), folder, settings);
+        SurfaceCase c(scene, folder, settings);
         const SurfaceLight surfaces = c.Mapped();
         const RawLightmap &raw = LightmapOf(c, surfaces, kA);
         const bspDrawSurface_t &surface = c.bsp.drawSurfaces[std::size_t(raw.surfaces[0])];
@@ -284,7 +284,7 @@ TEST_F(LuxelTest, CurvesAreLiftedAlongTheirNormals) {
     for (const float offset : {1.0f, 20.0f}) {
         CaseSettings settings;
         settings.script = fmt::format("{}\n{{\nq3map_lightmapSampleOffset {}\n}}\n", kA, offset);
-        SurfaceCase c(TubeRoom(200).Build(), folder, settings);
+        SurfaceCase c(TubeRoom(200), folder, settings);
         const SurfaceLight surfaces = c.Mapped();
         const RawLightmap &raw = LightmapOf(c, surfaces, kA);
         float side = 0;
@@ -307,9 +307,9 @@ TEST_F(LuxelTest, ThreadsDoNotMatter) {
     for (int i = 0; i < 20; ++i)
         scene.AddBox({float(i) * 40, 300, -100}, {float(i) * 40 + 33, 340, 77}, Shaded(kB), BoxKind::Detail);
     CaseSettings settings;
-    SurfaceCase one(scene.Build(), folder, settings);
+    SurfaceCase one(scene, folder, settings);
     settings.threads = 4;
-    SurfaceCase four(scene.Build(), folder, settings);
+    SurfaceCase four(scene, folder, settings);
     const SurfaceLight a = one.Mapped(), b = four.Mapped();
     ASSERT_EQ(a.lightmaps.size(), b.lightmaps.size());
     for (std::size_t i = 0; i < a.lightmaps.size(); ++i) {

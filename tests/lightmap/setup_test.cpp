@@ -39,7 +39,7 @@ void AddTube(SceneBuilder &scene, float radius, float height, std::string_view s
 TEST_F(SetupTest, PlanarSurfacesStartAtTheirOwnCorner) {
     SceneBuilder scene = EmptyRoom();
     scene.AddQuad(Rectangle(5, -37, 5 + 256, -37 + 100, 3), Shaded(kA));
-    SurfaceCase c(scene.Build(), folder);
+    SurfaceCase c(scene, folder);
     const SurfaceLight surfaces = c.Setup();
     const RawLightmap &raw = LightmapOf(c, surfaces, kA);
     // 0..272 and -48..64 in steps of 16, both ends included.
@@ -62,7 +62,7 @@ TEST_F(SetupTest, StepsLieInASlope) {
     SceneBuilder scene = EmptyRoom();
     // z = x / 2 - y / 4
     scene.AddQuad({{{0, 64, -16}, {128, 64, 48}, {128, 0, 64}, {0, 0, 0}}}, Shaded(kA));
-    SurfaceCase c(scene.Build(), folder);
+    SurfaceCase c(scene, folder);
     const SurfaceLight surfaces = c.Setup();
     const RawLightmap &raw = LightmapOf(c, surfaces, kA);
     ExpectVector(raw.step[0], {16, 0, 8});
@@ -94,7 +94,7 @@ TEST_F(SetupTest, TouchingSurfacesOfOnePlaneShareOne) {
     scene.AddQuad(Rectangle(64, 0, 128, 64, 0), Shaded(kB));
     scene.AddQuad(Rectangle(0, 0, 64, 64, 1), Shaded("textures/test/higher"));
     scene.AddQuad(Rectangle(200, 0, 264, 64, 0), Shaded("textures/test/apart"));
-    SurfaceCase c(scene.Build(), folder);
+    SurfaceCase c(scene, folder);
     const SurfaceLight surfaces = c.Setup();
     const int a = SurfacesOf(c, kA)[0], b = SurfacesOf(c, kB)[0];
     const RawLightmap &raw = LightmapOf(c, surfaces, kA);
@@ -114,7 +114,7 @@ TEST_F(SetupTest, SurfaceFileKeepsUnlikeSurfacesApart) {
         CaseSettings settings;
         settings.surfaces =
             fmt::format("default\n{{\nsampleSize 16\n}}\n6\n{{\n{0}\n}}\n7\n{{\n{0}\n{1}\n}}\n", axis, key);
-        SurfaceCase c(scene.Build(), folder, settings);
+        SurfaceCase c(scene, folder, settings);
         ASSERT_EQ(SurfacesOf(c, kA)[0], 6);
         const SurfaceLight surfaces = c.Setup();
         EXPECT_NE(surfaces.lightmapOf[6], surfaces.lightmapOf[7]) << key;
@@ -132,7 +132,7 @@ TEST_F(SetupTest, SurfaceFileSaysSampleSizeAndAmbient) {
     settings.surfaces =
         "default\n{\nsampleSize 16\nambientColor ( 1 2 3 )\n}\n6\n{\nlightmapAxis ( 0 0 1 )\nsampleSize "
         "32 // rest\nambientColor ( 4 5 6 )\n}\n7\n{\nlightmapAxis ( 0 0 1 )\n}\n";
-    SurfaceCase c(scene.Build(), folder, settings);
+    SurfaceCase c(scene, folder, settings);
     const SurfaceLight surfaces = c.Setup();
     EXPECT_EQ(LightmapOf(c, surfaces, kA).sampleSize, 32);
     ExpectVector(LightmapOf(c, surfaces, kA).ambient, {4, 5, 6});
@@ -152,7 +152,7 @@ TEST_F(SetupTest, WithoutSurfaceFileShadersAndEntitiesSaySampleSizes) {
     settings.lightmap.sampleSize = 40;
     settings.lightmap.minSampleSize = 5;
     settings.script = "textures/test/b\n{\nq3map_lightmapSampleSize 4\n}\n";
-    SurfaceCase c(scene.Build(), folder, settings);
+    SurfaceCase c(scene, folder, settings);
     EXPECT_EQ(c.table[std::size_t(SurfacesOf(c, kA)[0])].sampleSize, 20);
     EXPECT_EQ(c.table[std::size_t(SurfacesOf(c, kB)[0])].sampleSize, 5) << "4 * 0.5, but at least -minsamplesize";
     const std::vector<int> door = SurfacesOf(c, "textures/test/door");
@@ -175,7 +175,7 @@ TEST_F(SetupTest, MergableTerrainIsOneLightmap) {
         scene.AddQuad({{{64, 64, 32}, {128, 64, 0}, {128, 0, 0}, {64, 0, 32}}}, Shaded(kA));
         CaseSettings settings;
         settings.script = fmt::format("{}\n{{\n{}\n}}\n", kA, mergable ? "q3map_lightmapMergable" : "");
-        SurfaceCase c(scene.Build(), folder, settings);
+        SurfaceCase c(scene, folder, settings);
         const SurfaceLight surfaces = c.Setup();
         const std::vector<int> both = SurfacesOf(c, kA);
         ASSERT_EQ(both.size(), 2u);
@@ -188,7 +188,7 @@ TEST_F(SetupTest, MergableTerrainIsOneLightmap) {
 TEST_F(SetupTest, LongSurfacesGetTheSmallestSampleSizeThatFits) {
     SceneBuilder scene = EmptyRoom({-4096, -64, -64}, {4096, 64, 64});
     scene.AddQuad(Rectangle(-3000, -32, 3001, 32, 0), Shaded(kA));
-    SurfaceCase c(scene.Build(), folder);
+    SurfaceCase c(scene, folder);
     const SurfaceLight surfaces = c.Setup();
     const RawLightmap &raw = LightmapOf(c, surfaces, kA);
     const auto luxels = [](double s) { return std::ceil(3001 / s) - std::floor(-3000 / s) + 1; };
@@ -206,17 +206,17 @@ TEST_F(SetupTest, PagesAndLimitsBoundTheSize) {
     scene.AddQuad(Rectangle(0, 0, 640, 640, 64), Shaded(kB));
     CaseSettings settings;
     settings.script = "textures/test/b\n{\nq3map_lightmapSize 32 32\n}\n";
-    SurfaceCase plain(scene.Build(), folder, settings);
+    SurfaceCase plain(scene, folder, settings);
     const SurfaceLight free = plain.Setup();
     EXPECT_EQ(LightmapOf(plain, free, kA).width, 41);
     EXPECT_EQ(LightmapOf(plain, free, kB).width, 32) << "640 / 21 < 31 steps";
     EXPECT_EQ(LightmapOf(plain, free, kB).actualSampleSize, 21);
     settings.lightmap.rawSizeLimit = 11;
-    SurfaceCase limited(scene.Build(), folder, settings);
+    SurfaceCase limited(scene, folder, settings);
     EXPECT_EQ(LightmapOf(limited, limited.Setup(), kA).actualSampleSize, 64);
     settings.lightmap.rawSizeLimit = 0;
     settings.lightmap.sampleScale = 2;
-    SurfaceCase scaled(scene.Build(), folder, settings);
+    SurfaceCase scaled(scene, folder, settings);
     EXPECT_EQ(LightmapOf(scaled, scaled.Setup(), kA).width, 21);
 }
 
@@ -225,7 +225,7 @@ TEST_F(SetupTest, ALightmapTooSmallForItsSurfaceIsNone) {
     scene.AddQuad(Rectangle(-8, -8, 8, 8, 0), Shaded(kA));
     CaseSettings settings;
     settings.lightmap.rawSizeLimit = 2; // three luxels stand around 0
-    SurfaceCase c(scene.Build(), folder, settings);
+    SurfaceCase c(scene, folder, settings);
     EXPECT_EQ(c.Setup().lightmapOf[std::size_t(SurfacesOf(c, kA)[0])], -1);
     EXPECT_THAT(c.quiet.text, testing::HasSubstr("lit at its vertices"));
 }
@@ -233,7 +233,7 @@ TEST_F(SetupTest, ALightmapTooSmallForItsSurfaceIsNone) {
 TEST_F(SetupTest, ATubeFollowsItsOwnParameters) {
     SceneBuilder scene = EmptyRoom();
     AddTube(scene, 200, 320, kA);
-    SurfaceCase c(scene.Build(), folder);
+    SurfaceCase c(scene, folder);
     const SurfaceLight surfaces = c.Setup();
     const RawLightmap &raw = LightmapOf(c, surfaces, kA);
     EXPECT_FALSE(raw.hasVectors);
@@ -257,7 +257,7 @@ TEST_F(SetupTest, GentlePatchesAreProjected) {
         for (int x = 0; x < 3; ++x)
             points.push_back({float(x) * 64, float(y) * 64, x == 1 ? 32.0f : 0.0f});
     scene.AddPatch(3, 3, points, Shaded(kA));
-    SurfaceCase c(scene.Build(), folder);
+    SurfaceCase c(scene, folder);
     const SurfaceLight surfaces = c.Setup();
     const RawLightmap &raw = LightmapOf(c, surfaces, kA);
     EXPECT_TRUE(raw.hasVectors);
@@ -273,13 +273,13 @@ TEST_F(SetupTest, VertexLitSurfacesHaveNone) {
     scene.AddTriangles(std::array<Vec3f, 3>{{{0, 0, 64}, {0, 64, 64}, {64, 64, 64}}}, std::array{0, 1, 2}, Shaded(kB));
     CaseSettings settings;
     settings.script = "textures/test/a\n{\nsurfaceparm nolightmap\n}\n";
-    SurfaceCase c(scene.Build(), folder, settings);
+    SurfaceCase c(scene, folder, settings);
     const SurfaceLight surfaces = c.Setup();
     EXPECT_EQ(surfaces.lightmapOf[std::size_t(SurfacesOf(c, kA)[0])], -1);
     EXPECT_EQ(surfaces.lightmapOf[std::size_t(SurfacesOf(c, kB)[0])], -1);
     EXPECT_EQ(surfaces.lightmaps.size(), 6u) << "the walls";
     settings.lightmap.noLightmaps = true;
-    SurfaceCase none(scene.Build(), folder, settings);
+    SurfaceCase none(scene, folder, settings);
     EXPECT_TRUE(none.Setup().lightmaps.empty());
 }
 
@@ -289,7 +289,7 @@ TEST_F(SetupTest, SamplesAreCentredOnTheirLuxel) {
         scene.AddQuad({{{8, 64, 8}, {128, 64, 68}, {128, 0, 68}, {8, 0, 8}}}, Shaded(kA));
         CaseSettings settings;
         settings.lightmap.super = super;
-        SurfaceCase c(scene.Build(), folder, settings);
+        SurfaceCase c(scene, folder, settings);
         const SurfaceLight surfaces = c.Setup();
         const RawLightmap &raw = LightmapOf(c, surfaces, kA);
         Vec3f sum;
@@ -306,7 +306,7 @@ TEST_F(SetupTest, ClustersAreThoseOfTheLeafsAround) {
     SceneBuilder scene = EmptyRoom({0, 0, 0}, {256, 128, 128});
     scene.AddBox({120, 0, 0}, {136, 128, 128}, Shaded("textures/test/wall"));
     scene.AddQuad(Rectangle(16, 16, 100, 100, 0.5f), Shaded(kA));
-    SurfaceCase c(scene.Build(), folder);
+    SurfaceCase c(scene, folder);
     const RawLightmap raw = LightmapOf(c, c.Setup(), kA);
     EXPECT_THAT(raw.clusters, ElementsAre(c.space.ClusterAt({60, 60, 10}, 0)));
 }
@@ -315,7 +315,7 @@ TEST_F(SetupTest, InlineModelsStandAtTheirOrigin) {
     SceneBuilder scene = EmptyRoom();
     scene.AddInlineModel({0, 0, 0}, {64, 64, 64}, Shaded("textures/test/door"),
                          {{{"classname", "func_door"}, {"origin", "100 200 300"}}});
-    SurfaceCase c(scene.Build(), folder);
+    SurfaceCase c(scene, folder);
     const SurfaceLight surfaces = c.Setup();
     for (const int number : SurfacesOf(c, "textures/test/door")) {
         const Boundsf &bounds = surfaces.bounds[std::size_t(number)];

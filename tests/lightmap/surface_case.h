@@ -5,6 +5,7 @@
 #include "q3map2/light/light.h"
 #include "q3map2/lightmap/lightmaps.h"
 #include "tests/common/game_folder.h"
+#include "tests/light/compiled_map.h"
 #include "tools/scene/scene_builder.h"
 
 #include <string>
@@ -30,6 +31,10 @@ class SurfaceCase {
           entities(ParseEntities(bsp.entities, "test")), world(ReadWorldLight(entities.front(), settings.light)),
           table(MakeSurfaceTable(bsp, entities, settings.surfaces, "test.srf", library, quiet.log, Defaults())),
           space(bsp, OpaqueBrushes(bsp, library)), scene(bsp, table, settings.light, 64), jobs(settings.threads) {}
+
+    /// The scene goes through the bsp stage first, if its parts allow.
+    SurfaceCase(const SceneBuilder &parts, const GameFolder &folder, CaseSettings given = {})
+        : SurfaceCase(Compiled(parts, folder, given.script), folder, given) {}
 
     SurfaceInputs Inputs() {
         return {bsp, space, scene, table, settings.light, settings.lightmap, world, jobs, quiet.log};
@@ -60,6 +65,14 @@ class SurfaceCase {
         folder.Write("scripts/shaderlist.txt", "test\n");
         folder.Write("scripts/test.shader", given.script);
         return given;
+    }
+    static Bsp Compiled(const SceneBuilder &parts, const GameFolder &folder, const std::string &script) {
+        QuietLog log;
+        folder.Write("scripts/shaderlist.txt", "test\n");
+        folder.Write("scripts/test.shader", script);
+        VirtualFileSystem files(log.log);
+        files.Mount(folder.Root(), "pk3");
+        return CompiledScene(parts, files);
     }
     VirtualFileSystem Mounted(const GameFolder &folder) {
         VirtualFileSystem files(quiet.log);

@@ -82,7 +82,7 @@ TEST_F(VertexTest, PointLightByItsFormula) {
     const Vec3f lamp{30, -20, 150};
     SceneBuilder scene = Floors();
     scene.AddEntity(PointLight(lamp, 100));
-    SurfaceCase c(scene.Build(), folder, Settings());
+    SurfaceCase c(scene, folder, Settings());
     const SurfaceLight surfaces = Lit(c);
     for (const std::size_t v : VerticesOf(c, kFloor)) {
         const double expected = FromPoint(surfaces.verts[v].xyz, surfaces.verts[v].normal, lamp, 100);
@@ -97,7 +97,7 @@ TEST_F(VertexTest, VerticesThatTouchWallsAreLit) {
     scene.AddQuad(Rectangle(-256, -192, 256, 192, 0), Shaded(kFloor));
     const Vec3f lamp{40, -24, 150};
     scene.AddEntity(PointLight(lamp, 100));
-    SurfaceCase c(scene.Build(), folder, Settings());
+    SurfaceCase c(scene, folder, Settings());
     const SurfaceLight surfaces = Lit(c);
     for (const std::size_t v : VerticesOf(c, kFloor)) {
         const double expected = FromPoint(surfaces.verts[v].xyz, {0, 0, 1}, lamp, 100);
@@ -110,7 +110,7 @@ TEST_F(VertexTest, ShadowsAndAmbient) {
     scene.AddBox({-200, -200, 60}, {200, 200, 80}, Shaded("textures/test/roof"));
     scene.AddEntity(PointLight({0, 0, 150}, 300));
     scene.SetWorldKey("_ambient", "7");
-    SurfaceCase c(scene.Build(), folder, Settings());
+    SurfaceCase c(scene, folder, Settings());
     SurfaceLight surfaces = Lit(c);
     for (const std::size_t v : VerticesOf(c, kFloor))
         EXPECT_EQ(surfaces.vertex.sum[0][v], (Vec3f{7, 7, 7}));
@@ -130,7 +130,7 @@ TEST_F(VertexTest, VerticesInTheDarkLookAFewUnitsAside) {
             scene.AddBox({x - 5, y - 5, 10}, {x + 5, y + 5, 12}, Shaded("textures/test/plate"), BoxKind::Detail);
     const Vec3f lamp{0, 0, 380};
     scene.AddEntity(PointLight(lamp, 300));
-    SurfaceCase c(scene.Build(), folder, Settings());
+    SurfaceCase c(scene, folder, Settings());
     const SurfaceLight surfaces = Lit(c);
     for (const std::size_t v : VerticesOf(c, kFloor)) {
         const double expected = FromPoint(surfaces.verts[v].xyz, {0, 0, 1}, lamp, 300);
@@ -143,7 +143,7 @@ TEST_F(VertexTest, VerticesInSolidGetTheMeanOfTheOthers) {
     scene.AddQuad(Rectangle(-120, -100, 110, 90, 0), Shaded(kFloor));
     scene.AddBox({80, 60, -60}, {140, 120, 60}, Shaded("textures/test/block"));
     scene.AddEntity(PointLight({-60, -60, 150}, 300));
-    SurfaceCase c(scene.Build(), folder, Settings());
+    SurfaceCase c(scene, folder, Settings());
     const SurfaceLight surfaces = Lit(c);
     Vec3f sum;
     std::vector<Vec3f> inside;
@@ -161,7 +161,7 @@ TEST_F(VertexTest, StylesTakeSlots) {
     SceneBuilder scene = Floors();
     scene.AddEntity(PointLight({0, 0, 150}, 100));
     scene.AddEntity(PointLight({0, 0, 100}, 50, "5"));
-    SurfaceCase c(scene.Build(), folder, Settings());
+    SurfaceCase c(scene, folder, Settings());
     const SurfaceLight surfaces = Lit(c);
     EXPECT_EQ(StylesOf(c, surfaces, kFloor), (Styles{0, 5, kNoStyle, kNoStyle}));
     for (const std::size_t v : VerticesOf(c, kFloor)) {
@@ -174,7 +174,7 @@ TEST_F(VertexTest, NegativeLightSubtracts) {
     SceneBuilder scene = Floors();
     scene.AddEntity(PointLight({0, 0, 150}, 200));
     scene.AddEntity(PointLight({0, 0, 150}, -150));
-    SurfaceCase c(scene.Build(), folder, Settings());
+    SurfaceCase c(scene, folder, Settings());
     const SurfaceLight surfaces = Lit(c);
     for (const std::size_t v : VerticesOf(c, kFloor)) {
         const double expected = FromPoint(surfaces.verts[v].xyz, {0, 0, 1}, {0, 0, 150}, 50);
@@ -187,9 +187,9 @@ TEST_F(VertexTest, CheapStopsAtWhite) {
     for (int i = 0; i < 5; ++i)
         scene.AddEntity(PointLight({0, 0, 60}, 2000));
     CaseSettings settings = Settings();
-    SurfaceCase whole(scene.Build(), folder, settings);
+    SurfaceCase whole(scene, folder, settings);
     settings.lightmap.cheap = true;
-    SurfaceCase cheap(scene.Build(), folder, settings);
+    SurfaceCase cheap(scene, folder, settings);
     const SurfaceLight a = Lit(whole), b = Lit(cheap);
     for (const std::size_t v : VerticesOf(whole, kFloor)) {
         const float one = a.vertex.sum[0][v].x / 5, needed = std::ceil(255 / one);
@@ -203,7 +203,7 @@ TEST_F(VertexTest, ForcedSunlightNeedsNoSky) {
         SceneBuilder scene = Floors();
         scene.SetWallShader(BoxFace::PlusZ, Shaded("textures/test/sky"));
         scene.AddBox({-200, -200, 60}, {200, 200, 80}, Shaded("textures/test/roof"));
-        SurfaceCase c(scene.Build(), folder,
+        SurfaceCase c(scene, folder,
                       Settings(fmt::format("textures/test/sky\n{{\nsurfaceparm sky\nq3map_sun 1 1 1 80 0 90\n}}\n"
                                            "textures/test/second\n{{\nsurfaceparm pointlight\n{}\n}}\n",
                                            forced ? "q3map_forceSunlight" : "")));
@@ -229,7 +229,7 @@ TEST_F(VertexTest, DirtAndFloodlight) {
         settings.lightmap.dirty = dirty;
         SceneBuilder walled = scene;
         walled.AddBox({-200, -400, -400}, {-100, 400, 400}, Shaded("textures/test/wall2"));
-        SurfaceCase c(walled.Build(), folder, settings);
+        SurfaceCase c(walled, folder, settings);
         SurfaceLight surfaces = Lit(c);
         for (const std::size_t v : VerticesOf(c, kFloor)) {
             // 7 of 16 azimuths go towards the wall, which is close; two go along it.
@@ -251,7 +251,7 @@ TEST_F(VertexTest, ConstantsAreStoredOnce) {
     constant.lightmap.noVertex = 0.5f;
     none.script = "textures/test/floor\n{\nsurfaceparm pointlight\nq3map_noVertexLight\n}\n";
     for (const auto &[settings, expected] : {std::pair(constant, 63.75f), std::pair(none, 127.5f)}) {
-        SurfaceCase c(scene.Build(), folder, settings);
+        SurfaceCase c(scene, folder, settings);
         SurfaceLight surfaces = Lit(c);
         for (int pass = 0; pass < 2; ++pass) {
             for (const std::size_t v : VerticesOf(c, kFloor)) {
@@ -269,7 +269,7 @@ TEST_F(VertexTest, BounceOnlyKeepsDirectLightForTheBounces) {
     CaseSettings settings = Settings();
     settings.lightmap.bounceOnly = true;
     settings.lightmap.bounces = 1;
-    SurfaceCase c(scene.Build(), folder, settings);
+    SurfaceCase c(scene, folder, settings);
     const SurfaceLight surfaces = Lit(c);
     for (const std::size_t v : VerticesOf(c, kFloor)) {
         EXPECT_EQ(surfaces.vertex.sum[0][v], Vec3f{});
@@ -278,7 +278,7 @@ TEST_F(VertexTest, BounceOnlyKeepsDirectLightForTheBounces) {
 }
 
 TEST_F(VertexTest, LightmappedSurfacesReadTheNearestLuxels) {
-    SurfaceCase c(Floors().Build(), folder, Settings());
+    SurfaceCase c(Floors(), folder, Settings());
     SurfaceLight surfaces = c.Mapped();
     RawLightmap &raw = surfaces.lightmaps[std::size_t(surfaces.lightmapOf[std::size_t(SurfacesOf(c, kLit)[0])])];
     const std::vector<std::size_t> vertices = VerticesOf(c, kLit);
@@ -324,7 +324,7 @@ TEST_F(VertexTest, CpmaLightsLightmappedSurfacesWithoutShadows) {
     scene.AddEntity(PointLight(lamp, 100));
     CaseSettings settings = Settings();
     settings.lightmap.cpma = true;
-    SurfaceCase c(scene.Build(), folder, settings);
+    SurfaceCase c(scene, folder, settings);
     const SurfaceLight surfaces = Lit(c);
     for (const std::size_t v : VerticesOf(c, kLit)) {
         const double expected = FromPoint(surfaces.verts[v].xyz, {0, 0, 1}, lamp, 100);
@@ -336,9 +336,9 @@ TEST_F(VertexTest, ShownInsteadOfLight) {
     SceneBuilder scene = Floors();
     CaseSettings settings = Settings();
     settings.lightmap.show = LuxelShow::NormalMap;
-    SurfaceCase normals(scene.Build(), folder, settings);
+    SurfaceCase normals(scene, folder, settings);
     settings.lightmap.show = LuxelShow::Origin;
-    SurfaceCase origins(scene.Build(), folder, settings);
+    SurfaceCase origins(scene, folder, settings);
     const SurfaceLight a = Lit(normals), b = Lit(origins);
     for (const std::size_t v : VerticesOf(normals, kFloor)) {
         EXPECT_EQ(a.vertex.sum[0][v], (Vec3f{127.5f, 127.5f, 255}));
@@ -352,9 +352,9 @@ TEST_F(VertexTest, ThreadsMakeNoDifference) {
         scene.AddEntity(PointLight({float(30 * i - 90), float(20 * i), 150}, 20 + 10 * i, i % 2 == 0 ? "0" : "3"));
     CaseSettings settings = Settings();
     settings.lightmap.dirty = true;
-    SurfaceCase one(scene.Build(), folder, settings);
+    SurfaceCase one(scene, folder, settings);
     settings.threads = 4;
-    SurfaceCase four(scene.Build(), folder, settings);
+    SurfaceCase four(scene, folder, settings);
     const SurfaceLight a = Lit(one), b = Lit(four);
     EXPECT_EQ(a.vertex.sum, b.vertex.sum);
     EXPECT_EQ(a.vertex.radiosity, b.vertex.radiosity);

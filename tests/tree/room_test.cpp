@@ -116,7 +116,7 @@ TEST(Leak, OnlyEntitiesInTheOpenCount) {
     world.AddEntity("light", {0, 0, -8}); // in the floor
     world.AddEntity("_decal", {0, 0, 500});
     EXPECT_EQ(world.Compile().sealing, Sealing::Empty);
-    EXPECT_THAT(world.text, HasSubstr("Entity 1 (light): entity in solid"));
+    EXPECT_THAT(world.text, HasSubstr("Entity 1: the light stands in solid"));
     world.AddEntity("light", {0, 0, 64});
     EXPECT_EQ(world.Compile().sealing, Sealing::Sealed);
     world.AddEntity("light", {0, 0, 500}); // in the void

@@ -244,6 +244,27 @@ TEST(Tree, LongStaircasesNeedNoStack) {
     EXPECT_EQ(test::Leafs(tree).size(), std::size_t(kSteps) + 1);
 }
 
+// Choosing among all planes at each node holds faces against planes nearly eight times for each pair of them.
+TEST(Tree, ThousandsOfTiltedFacesTakeABoundedChoice) {
+    World world;
+    const BspContext context = world.Context();
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    std::vector<TreeFace> faces;
+    constexpr std::int64_t kFaces = 5000;
+    for (std::int64_t i = 0; i < kFaces; i++) {
+        const Vec3d normal = Normalize(Vec3d{unit(random), unit(random), unit(random)});
+        const Vec3d middle = Vec3d{unit(random), unit(random), unit(random)} * 4000;
+        const Vec3d u = Normalize(Cross(normal, {0.6, 0.8, 0})) * 16, v = Cross(normal, u);
+        TreeFace &face = faces.emplace_back();
+        face.polygon = {Vec3f(middle - u - v), Vec3f(middle - u + v), Vec3f(middle + u + v), Vec3f(middle + u - v)};
+        face.planeNum = world.map.planes.Find(normal, Dot(normal, middle)) & ~1;
+    }
+    const Tree tree = BuildTree(faces, {0, 0, 0}, world.map.planes, context);
+    EXPECT_GT(test::Leafs(tree).size(), std::size_t(kFaces));
+    EXPECT_LT(tree.sideTests, kFaces * kFaces * 5);
+}
+
 TEST(Tree, OfNoFacesIsOneLeaf) {
     World world;
     Tree tree = BuildTree({}, {1024, 1024, 1024}, world.map.planes, world.Context());

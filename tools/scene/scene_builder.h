@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Compiled maps made of axis-aligned boxes, for tests and the demo.
 //
-// Rooms of plain brushes and lamps are map sources (tests/data/maps, tools/demo_arena). What is built here needs
-// records that no source gives: chosen visibility, surfaces without brushes, patches or soups with exact points, one
-// cluster for many leafs, or sizes and counts that the test computes.
+// A scene of brushes alone has a map source (MapText) that the tests of lighting compile. The others are built here:
+// they need records that no source gives, as chosen visibility, surfaces without brushes, patches or soups with exact
+// points, or one cluster for many leafs.
 #pragma once
 
 #include "libs/math/bounds.h"
@@ -73,6 +73,12 @@ class SceneBuilder {
 
     /// A map that passes ValidateBsp. Errors: no SetInterior, no open space left.
     Bsp Build() const;
+
+    /// Whether MapText can tell it all: boxes at multiples of 1/8 with shaders of the folder textures whose flags are
+    /// plain, no loose surfaces, no visibility, no entity outside.
+    bool HasMapText() const;
+    /// The same scene as a map source, each open space with an info_null in it. Error: not HasMapText.
+    std::string MapText() const;
 
     /// Parts as Build sees them.
     struct Box {
