@@ -362,7 +362,8 @@ void LightScene::TraceSurfaceToLight(RayPacket &packet, int receiveShadows, RayC
         return;
     counts.rays += std::uint64_t(packet.live.Count());
     const State::Group *group = s.FindGroup(receiveShadows);
-    // A solid nearer than the radius needs no ray of its own: its far side blocks.
+    // A solid nearer than the radius needs no ray of its own: its far side blocks. Only corners that end within the
+    // radius do not, and they should not: half of a low wall's luxels would stand for their shadow.
     if (const ScenePtr &blockers = group ? group->all : s.all)
         EndBlocked(blockers.get(), packet, kSurfaceIgnoreRadius);
     s.Tint(packet, group ? group->casters : s.main, group ? group->filters : s.filters, kSurfaceIgnoreRadius);

@@ -59,8 +59,8 @@ class LightScene {
     /// Suns: light arrives only where the first thing on the way is a sky, of that number unless -1.
     void TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts) const;
     /// The same for places on surfaces of a group of shadow receivers: 0 sees all light, 1 (the default) is shadowed by
-    /// every group, others as the keys _castShadows and _receiveShadows say. Surfaces, but not solids, nearer than
-    /// kSurfaceIgnoreRadius are ignored.
+    /// every group, others as the keys _castShadows and _receiveShadows say. Surfaces nearer than
+    /// kSurfaceIgnoreRadius are ignored, and so are corners of solids that a ray leaves within it.
     void TraceSurfaceToLight(RayPacket &packet, int receiveShadows, RayCounts &counts) const;
     void TraceSurfaceToSky(RayPacket &packet, int skyIndex, int receiveShadows, RayCounts &counts) const;
     /// Distance to the first blocker up to packet.distance, into packet.distance; skies count as open. For floodlight.

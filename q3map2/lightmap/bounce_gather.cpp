@@ -18,8 +18,8 @@ constexpr int kRays = 24, kFewestRays = 4, kSets = 16;
 constexpr int kVertexRays = 256, kPlaceRays = 96;
 constexpr std::uint64_t kMostLinks = std::uint64_t(192) << 20;
 constexpr float kFar = 1e6f;
-/// Rays of vertices start this far off. Game units.
-constexpr float kLift = 1;
+/// Rays of vertices start this far off, or the second where a surface is that near. Game units.
+constexpr float kLift = 1, kLeastLift = 1.0f / 16;
 /// Places are clear of solids if nothing solid is so near. Game units.
 constexpr float kMargin = 0.25f;
 /// Luxels share what they found with those up to this many luxels away whose normals differ by less than its cosine.
@@ -298,6 +298,13 @@ void BounceGather::AddToLuxels(const std::vector<std::vector<Vec3f>> &all, std::
         }
 }
 
+/// Decals and other surfaces a hair over a floor face it from nearer than the lift, which would take them through.
+float BounceGather::LiftAt(const Vec3f &place, const Vec3f &normal) const {
+    RayPacket ahead;
+    ahead.Aim(0, place + normal * kLeastLift, place + normal * kLift);
+    return scene_.FirstEmitters(ahead)[0] == kNoEmitter ? kLift : kLeastLift;
+}
+
 Vec3f BounceGather::At(const Vec3f &place, const Vec3f &normal, bool twoSided, const Emission &emission) const {
     const Frame frame(normal);
     Vec3f sum;
@@ -305,10 +312,11 @@ Vec3f BounceGather::At(const Vec3f &place, const Vec3f &normal, bool twoSided, c
         if (emitter != kNoEmitter && (!pieces_ || pieces_->Reaches(emitter, place, normal, twoSided)))
             sum += emission[emitter];
     };
+    const Vec3f start = place + normal * LiftAt(place, normal);
     {
         RayQueue queue(scene_, add);
         for (std::uint32_t i = 0; i < std::uint32_t(kVertexRays); ++i)
-            queue.Add(i, place + normal * kLift, frame.World(directions_[i]));
+            queue.Add(i, start, frame.World(directions_[i]));
     }
     return sum / float(kVertexRays);
 }

@@ -32,6 +32,7 @@ class BounceGather {
 
   private:
     std::vector<EmitterId> Links(const RawLightmap &raw) const;
+    float LiftAt(const Vec3f &place, const Vec3f &normal) const;
     int RaysALuxel(const RawLightmap &raw) const;
 
     const BspSpace &space_;

@@ -93,6 +93,26 @@ TEST_F(BounceTest, ABlackTextureSendsNothingOn) {
         EXPECT_EQ(one, 40);
 }
 
+TEST_F(BounceTest, VerticesAHairOverAFloorSeeIt) {
+    // A plate half a unit over the floor, lit at its vertices. All that its underside sees is the floor.
+    Script("textures/test/white\n{\n\t{\n\t\tmap $whiteimage\n\t}\n}\n"
+           "textures/test/plate\n{\n\tsurfaceparm pointlight\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
+    SceneBuilder scene;
+    scene.SetInterior({-160, -128, 0}, {160, 128, 192}, TestShader("textures/test/white"));
+    scene.SetWorldKey("_ambient", "40");
+    scene.AddQuad({{{-64, -64, 0.5f}, {64, -64, 0.5f}, {64, 64, 0.5f}, {-64, 64, 0.5f}}},
+                  TestShader("textures/test/plate"));
+    const Bsp lit = Lit(scene, "-nogrid -bounce 1");
+    int checked = 0;
+    for (const bspDrawSurface_t &surface : lit.drawSurfaces)
+        for (int i = 0; surface.lightmapNum < 0 && i < surface.numVerts; ++i, ++checked) {
+            const bspDrawVert_t &v = lit.drawVerts[std::size_t(surface.firstVert + i)];
+            EXPECT_EQ(v.normal[2], -1);
+            EXPECT_NEAR(v.color[0] + 0.5, 40 * (1 + kReflectance), 1);
+        }
+    EXPECT_EQ(checked, 4);
+}
+
 TEST_F(BounceTest, NoStepWhereLightmapsTouch) {
     // A floor in two halves that never share a lightmap. Both have luxels in the line where they touch.
     Script("textures/test/left\n{\n\tq3map_splotchFix\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
