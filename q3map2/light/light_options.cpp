@@ -162,7 +162,8 @@ void ParseSH(Arguments &arguments, LightOptions &o) {
 /// Options of the established program that choose what is always so here, or a way of working that is not needed.
 void TakeNeedless(Arguments &arguments, Log &log) {
     std::string taken;
-    for (const std::string_view name : {"-lomem", "-custinfoparms", "-fastallocate", "-fastbounce", "-nobouncestore", "-dump"})
+    for (const std::string_view name :
+         {"-lomem", "-custinfoparms", "-fastallocate", "-fastbounce", "-nobouncestore", "-dump"})
         if (arguments.TakeFlag(name))
             taken += fmt::format(" {}", name);
     if (!taken.empty())
