@@ -28,21 +28,37 @@ class SphericalTriangle {
 
     double SolidAngle() const { return area_; }
 
+    /// Without branches and calls, so that loops over samples become vector code.
     Vec3d Sample(const Sample2 &s) const {
-        const double subArea = s.u * area_;
-        const double sinD = std::sin(subArea - alpha_), cosD = std::cos(subArea - alpha_);
+        const auto [sinD, cosD] = SineCosine(s.u * area_ - alpha_);
         const double u = cosD - cosA_, v = sinD + sinA_ * cosC_;
         const double denominator = (v * sinD + u * cosD) * sinA_;
-        const double q = std::abs(denominator) < 1e-300
-                             ? 1
-                             : std::clamp(((v * cosD - u * sinD) * cosA_ - v) / denominator, -1.0, 1.0);
+        const double ratio = ((v * cosD - u * sinD) * cosA_ - v) / denominator;
+        const double q = std::abs(denominator) < 1e-300 ? 1 : std::min(1.0, std::max(-1.0, ratio));
         const Vec3d onArc = a_ * q + side_ * std::sqrt(std::max(0.0, 1 - q * q));
         const double z = 1 - s.v * (1 - Dot(onArc, b_));
-        const Vec3d up = Normalize(onArc - b_ * Dot(onArc, b_));
-        return Normalize(b_ * z + up * std::sqrt(std::max(0.0, 1 - z * z)));
+        const Vec3d up = onArc - b_ * Dot(onArc, b_);
+        const double length = Length(up);
+        const Vec3d d = b_ * z + up * (std::sqrt(std::max(0.0, 1 - z * z)) / (length > 0 ? length : 1));
+        return d / Length(d);
     }
 
   private:
+    struct SineAndCosine {
+        double sine, cosine;
+    };
+    /// From -pi to pi, right to 1e-15: Taylor series of half the angle.
+    static SineAndCosine SineCosine(double angle) {
+        const double half = angle * 0.5, square = half * half;
+        double sine = 1, cosine = 1;
+        for (int n = 20; n >= 2; n -= 2) { // Horner's scheme
+            sine = 1 - sine * square * (1.0 / ((n + 1) * n));
+            cosine = 1 - cosine * square * (1.0 / (n * (n - 1)));
+        }
+        sine *= half;
+        return {2 * sine * cosine, cosine * cosine - sine * sine};
+    }
+
     Vec3d a_, b_, side_;
     double alpha_ = 0, area_ = 0, sinA_ = 0, cosA_ = 0, cosC_ = 0;
 };

@@ -32,13 +32,10 @@ class AreaSampler {
     void Take(std::uint32_t first, AreaSamples &samples) const;
 
   private:
-    Sample2 Pattern(std::uint32_t i) const;
-    void TakeNear(std::uint32_t first, AreaSamples &samples) const;
-
     const Light &light_;
     Vec3f p_;
     float height_;
-    double startU_, startV_;
+    Sample2 start_; ///< of the pattern
     std::vector<SphericalTriangle> triangles_; // empty: by area
     std::vector<double> cumulative_;
     Vec3d normal_;

@@ -12,8 +12,6 @@ namespace q3 {
 
 namespace {
 
-/// Points keep this clear of solids when they are lit. Game units.
-constexpr float kClearance = 0.125f;
 /// A point this near to open space is lit from there. Game units.
 constexpr float kSmallSteps[] = {0.5f, 1, 2};
 /// A side of mean light 0 weighs as much as one of this light. 1 = byte 255.
@@ -60,16 +58,24 @@ bool TrySmallSteps(const BspRegion &space, const Vec3f &p, PlacedPoint &placed) 
 /// Places within a cell around p on a lattice of quarter cells, the nearest first.
 bool TryCells(const BspRegion &space, const Vec3f &p, const Vec3f &cell, PlacedPoint &placed) {
     constexpr int kSteps = 4;
-    for (int shell = 1; shell <= kSteps; ++shell)
-        for (int z = -shell; z <= shell; ++z)
+    const Vec3f step = cell / kSteps;
+    const auto anyOpen = [&](const Vec3f &from, const Vec3f &to) {
+        return space.AnyOpen(p + step * from, p + step * to, kClearance);
+    };
+    for (int shell = 1; shell <= kSteps; ++shell) {
+        const auto reach = float(shell);
+        if (!anyOpen({-reach, -reach, -reach}, {reach, reach, reach}))
+            continue;
+        for (int z = -shell; z <= shell; ++z) {
+            if (!anyOpen({-reach, -reach, float(z)}, {reach, reach, float(z)}))
+                continue;
             for (int y = -shell; y <= shell; ++y)
-                for (int x = -shell; x <= shell; ++x) {
-                    if (std::max({std::abs(x), std::abs(y), std::abs(z)}) != shell)
-                        continue;
-                    const Vec3f offset = cell * Vec3f{float(x), float(y), float(z)} / kSteps;
-                    if (TryPlace(space, p + offset, PointState::Moved, placed))
+                for (int x = -shell; x <= shell; ++x)
+                    if (std::max({std::abs(x), std::abs(y), std::abs(z)}) == shell &&
+                        TryPlace(space, p + step * Vec3f{float(x), float(y), float(z)}, PointState::Moved, placed))
                         return true;
-                }
+        }
+    }
     return false;
 }
 
@@ -282,11 +288,11 @@ PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, con
                            const BrickPoint &point) {
     PlacedPoint placed;
     const Vec3f cell(layout.size), &p = point.position;
-    if (!space.AnyOpen(p - cell, p + cell))
+    if (!space.AnyOpen(p - cell, p + cell, kClearance))
         return placed;
     constexpr float kReach = *std::max_element(std::begin(kSmallSteps), std::end(kSmallSteps));
     const Vec3f reach{kReach, kReach, kReach};
-    if (space.AnyOpen(p - reach, p + reach) && TrySmallSteps(space, p, placed))
+    if (space.AnyOpen(p - reach, p + reach, kClearance) && TrySmallSteps(space, p, placed))
         return placed;
     if (HasOpenNeighbour(layout, clusters, point.index))
         placed.state = PointState::Solid;

@@ -14,6 +14,9 @@ namespace q3 {
 inline constexpr std::size_t kGridNumbers = 27;
 static_assert(sizeof(bspGridPointSH_t) == kGridNumbers * sizeof(float));
 
+/// Points keep this clear of solids when they are lit. Game units.
+inline constexpr float kClearance = 0.125f;
+
 enum class PointState : std::uint8_t {
     Void,   ///< in a solid, no open space in the cells around it: stays zero
     Open,   ///< lit where it is

@@ -11,7 +11,6 @@ namespace q3 {
 
 namespace {
 
-constexpr float kClearance = 0.125f;
 /// Samples in each cell that has a point in a solid.
 constexpr float kPerCell = 4;
 /// With -shfit, cells where the mean light of samples differs by more than this take so many times the samples: what
@@ -140,7 +139,7 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     const BspRegion space = RegionAround(in_.space.Whole(), points, cell + Vec3f{1, 1, 1} * kPlayerHalfSize);
     std::vector<Draw> cells;
     for (const BrickPoint &point : points)
-        if (AnyRow(point) && space.AnyOpen(point.position, point.position + cell))
+        if (AnyRow(point) && space.AnyOpen(point.position, point.position + cell, kClearance))
             cells.push_back({&point, perCell_});
     LightSamples(space, cells, 0, lighter, samples, work);
     if (in_.options.shFit > 0) {

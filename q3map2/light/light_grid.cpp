@@ -44,7 +44,7 @@ int FirstOpenStep(const BspRegion &space, const Vec3f &base, const Vec3f &half) 
     for (int last = kNudges; first < last;) {
         const int step = (first + last) / 2;
         const Vec3f reach = half * (float(step) / kNudges) + Vec3f{kAtLeaf, kAtLeaf, kAtLeaf};
-        if (space.AnyOpen(base - reach, base + reach))
+        if (space.AnyOpen(base - reach, base + reach, kNudgeMargin))
             last = step;
         else
             first = step + 1;
@@ -59,7 +59,7 @@ bool PlacePoint(const BspRegion &region, const Vec3f &half, Vec3f &position, int
     cluster = region.ClusterAt(base, 0);
     if (cluster >= 0)
         return true;
-    if (!region.AnyOpen(base - half, base + half))
+    if (!region.AnyOpen(base - half, base + half, kNudgeMargin))
         return false;
     const BspRegion space = region.Around({base - half, base + half});
     for (int step = FirstOpenStep(space, base, half); step <= kNudges; ++step)

@@ -53,14 +53,12 @@ struct FilterContext {
     const Triangles *triangles[2]; // kFilters, kFilterPatches
     const SurfaceTable *table;
     struct Crossing {
+        unsigned ray;
         int surface;
         float distance;
     };
-    struct Ray {
-        Vec3f tint{1, 1, 1};
-        std::vector<Crossing> crossings;
-    };
-    std::array<Ray, kPacketSize> rays;
+    std::vector<Crossing> crossings; ///< most packets meet nothing
+    Lanes3 tint;                     ///< once there are crossings
 };
 
 void FilterHit(const RTCFilterFunctionNArguments *arguments) {
@@ -72,18 +70,21 @@ void FilterHit(const RTCFilterFunctionNArguments *arguments) {
         const Triangles &triangles = *context.triangles[patch ? 1 : 0];
         const unsigned primitive = RTCHitN_primID(arguments->hit, arguments->N, i);
         const float distance = RTCRayN_tfar(arguments->ray, arguments->N, i);
-        FilterContext::Ray &ray = context.rays[RTCRayN_id(arguments->ray, arguments->N, i)];
+        const unsigned ray = RTCRayN_id(arguments->ray, arguments->N, i);
         const int surface = triangles.surface[primitive];
         const auto same = [&](const FilterContext::Crossing &c) {
-            return c.surface == surface && std::abs(c.distance - distance) < kSameHit;
+            return c.ray == ray && c.surface == surface && std::abs(c.distance - distance) < kSameHit;
         };
-        if (std::none_of(ray.crossings.begin(), ray.crossings.end(), same)) {
-            ray.crossings.push_back({surface, distance});
-            ray.tint = ray.tint * FilterAt(*(*context.table)[std::size_t(surface)].shader, triangles.st[primitive],
-                                           RTCHitN_u(arguments->hit, arguments->N, i),
-                                           RTCHitN_v(arguments->hit, arguments->N, i));
+        if (context.crossings.empty())
+            context.tint.Fill({1, 1, 1});
+        if (std::none_of(context.crossings.begin(), context.crossings.end(), same)) {
+            context.crossings.push_back({ray, surface, distance});
+            context.tint.Set(ray, context.tint[ray] * FilterAt(*(*context.table)[std::size_t(surface)].shader,
+                                                               triangles.st[primitive],
+                                                               RTCHitN_u(arguments->hit, arguments->N, i),
+                                                               RTCHitN_v(arguments->hit, arguments->N, i)));
         }
-        if (MaxComponent(ray.tint) > kOpaqueTint)
+        if (MaxComponent(context.tint[ray]) > kOpaqueTint)
             arguments->valid[i] = 0;
     }
 }
@@ -279,11 +280,15 @@ void LightScene::State::Tint(RayPacket &packet, const Casters &casters, const Sc
     alignas(64) RTCRay16 rays;
     SetRays(packet.origin, packet.direction, packet.distance, nearest, rays);
     Occluded16(packet.live.data(), scene.get(), context.embree, rays);
+    packet.filtered = {};
+    if (context.crossings.empty())
+        return;
+    for (const FilterContext::Crossing &crossing : context.crossings)
+        packet.filtered[crossing.ray] = -1;
+    packet.tint = context.tint;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        packet.filtered.Set(i, packet.live[i] != 0 && !context.rays[i].crossings.empty());
         packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
-        packet.tint.Set(i, context.rays[i].tint);
-        packet.tinted = packet.tinted || (packet.live[i] != 0 && !context.rays[i].crossings.empty());
+        packet.tinted = packet.tinted || (packet.live[i] & packet.filtered[i]) != 0;
     }
 }
 

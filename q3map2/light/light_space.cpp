@@ -39,6 +39,32 @@ bool BspSpace::InOpaqueBrush(std::size_t leaf, const Vec3f &p, float epsilon) co
     return false;
 }
 
+/// Whether one opaque brush, grown by epsilon, holds the part of the box in the leaf, by the leaf's bounds.
+bool BspSpace::FilledByBrush(std::size_t leafNum, const Boundsf &box, float epsilon) const {
+    if (opaqueFirst_[leafNum] == opaqueFirst_[leafNum + 1])
+        return false;
+    // Places within kOnPlane of a leaf may count as in it.
+    const bspLeaf_t &leaf = bsp_.leafs[leafNum];
+    const Vec3f onPlane{kOnPlane, kOnPlane, kOnPlane};
+    const Vec3f mins = Max(box.mins, Vec3f{float(leaf.mins[0]), float(leaf.mins[1]), float(leaf.mins[2])} - onPlane);
+    const Vec3f maxs = Min(box.maxs, Vec3f{float(leaf.maxs[0]), float(leaf.maxs[1]), float(leaf.maxs[2])} + onPlane);
+    const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;
+    for (std::uint32_t i = opaqueFirst_[leafNum]; i < opaqueFirst_[leafNum + 1]; ++i) {
+        const bspBrush_t &brush = bsp_.brushes[std::size_t(opaqueBrushes_[i])];
+        bool inside = true;
+        for (int s = 0; s < brush.numSides && inside; ++s) {
+            const bspPlane_t &plane =
+                bsp_.planes[std::size_t(bsp_.brushSides[std::size_t(brush.firstSide + s)].planeNum)];
+            const Vec3f n(plane.normal);
+            const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
+            inside = Dot(n, center) - plane.dist + reach <= epsilon;
+        }
+        if (inside)
+            return true;
+    }
+    return false;
+}
+
 int BspSpace::ClusterOf(int leafNum, const Vec3f &p, float epsilon) const {
     const bspLeaf_t &leaf = bsp_.leafs[std::size_t(leafNum)];
     if (leaf.cluster < 0 || InOpaqueBrush(std::size_t(leafNum), p, epsilon))
@@ -95,7 +121,19 @@ int BspRegion::ClusterAt(const Vec3f &p, float epsilon) const {
     return space_.ClusterOf(LeafAt(space_.bsp_, p, top_), p, epsilon);
 }
 
-bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const {
+bool BspRegion::AnyOpen(const Vec3f &mins, const Vec3f &maxs, float epsilon) const {
+    return Touches(mins, maxs, [&](std::size_t leaf) {
+        return space_.bsp_.leafs[leaf].cluster >= 0 && !space_.FilledByBrush(leaf, {mins, maxs}, epsilon);
+    });
+}
+
+bool BspRegion::AnySolid(const Vec3f &mins, const Vec3f &maxs) const {
+    return Touches(mins, maxs, [&](std::size_t leaf) { return space_.bsp_.leafs[leaf].cluster < 0; });
+}
+
+/// Whether the box touches a leaf that is `wanted`.
+template <typename Leaf>
+bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, const Leaf &wanted) const {
     const Bsp &bsp = space_.bsp_;
     const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;
     std::array<BspChild, 32> pending;
@@ -104,7 +142,7 @@ bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const 
     BspChild child = top_;
     for (;;) {
         if (child < 0) {
-            if ((bsp.leafs[std::size_t(LeafOf(child))].cluster < 0) == solid)
+            if (wanted(std::size_t(LeafOf(child))))
                 return true;
             if (waiting == 0)
                 return false;

@@ -23,9 +23,10 @@ class BspRegion {
     /// Cluster of p, or kSolidCluster in a solid leaf or not farther than epsilon outside an opaque brush (negative:
     /// deeper than -epsilon inside).
     int ClusterAt(const Vec3f &p, float epsilon) const;
-    /// Whether the box touches a leaf that is not solid, or one that is.
-    bool AnyOpen(const Vec3f &mins, const Vec3f &maxs) const { return Touches(mins, maxs, false); }
-    bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const { return Touches(mins, maxs, true); }
+    /// False if ClusterAt(p, epsilon) says solid of all p in the box. True in doubt.
+    bool AnyOpen(const Vec3f &mins, const Vec3f &maxs, float epsilon) const;
+    /// Whether the box touches a solid leaf.
+    bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const;
     /// Whether a player can be about there: p is kPlayerHalfSize clear of solid leafs on all sides.
     bool PlayerFits(const Vec3f &p) const {
         const Vec3f half{kPlayerHalfSize, kPlayerHalfSize, kPlayerHalfSize};
@@ -35,7 +36,7 @@ class BspRegion {
   private:
     friend class BspSpace;
     BspRegion(const BspSpace &space, BspChild top) : space_(space), top_(top) {}
-    bool Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const;
+    template <typename Leaf> bool Touches(const Vec3f &mins, const Vec3f &maxs, const Leaf &wanted) const;
 
     const BspSpace &space_;
     BspChild top_;
@@ -51,7 +52,9 @@ class BspSpace {
     /// The whole map. See BspRegion for the queries that repeat here.
     BspRegion Whole() const { return {*this, RootOf(bsp_)}; }
     int ClusterAt(const Vec3f &p, float epsilon) const { return Whole().ClusterAt(p, epsilon); }
-    bool AnyOpen(const Vec3f &mins, const Vec3f &maxs) const { return Whole().AnyOpen(mins, maxs); }
+    bool AnyOpen(const Vec3f &mins, const Vec3f &maxs, float epsilon) const {
+        return Whole().AnyOpen(mins, maxs, epsilon);
+    }
     bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const { return Whole().AnySolid(mins, maxs); }
     bool PlayerFits(const Vec3f &p) const { return Whole().PlayerFits(p); }
 
@@ -69,6 +72,7 @@ class BspSpace {
   private:
     friend class BspRegion;
     int ClusterOf(int leaf, const Vec3f &p, float epsilon) const;
+    bool FilledByBrush(std::size_t leaf, const Boundsf &box, float epsilon) const;
     bool InOpaqueBrush(std::size_t leaf, const Vec3f &p, float epsilon) const;
 
     const Bsp &bsp_;

@@ -64,7 +64,7 @@ void SkyFaces::AddFace(const Winding<double> &w, int skyIndex) {
     faces_.push_back(std::move(face));
 }
 
-/// Written so that compilers make vector code of it: without branches, and every lane loaded and stored.
+/// Written so that compilers make vector code of it: loops without branches, and every lane loaded and stored.
 Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lanes3 &direction, float nearest,
                               SkyHits &hits) {
     const auto [n, dist] = face.plane;
@@ -82,6 +82,8 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
         at.x[i] = ox + d * dx, at.y[i] = oy + d * dy, at.z[i] = oz + d * dz;
         between[i] = -std::int32_t((d >= nearest) & (d <= hits.distance[i]));
     }
+    if (!between.Any()) // the face is behind, or behind another
+        return;
     for (const Plane3 &edge : face.edges) {
         const Vec3f across = edge.normal;
         const float from = edge.dist;
