@@ -5,33 +5,87 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 namespace q3 {
 
 namespace {
 
-/// More take longer than a search for the nearest triangle.
-constexpr std::size_t kMostFaces = 8;
+/// More surfaces or convex pieces take longer than a search for the nearest triangle.
+constexpr std::size_t kMostFaces = 8, kMostPieces = 16;
+/// Surfaces of more triangles are not cut into convex pieces, which takes time by the square of their number.
+constexpr std::size_t kMostTriangles = 256;
 /// Surfaces that are nearer to a convex polygon than this are one; faces reach as far over their edges, so that no ray
 /// slips through where they meet. Game units.
 constexpr double kOverlap = 1.0 / 16;
 
-/// The convex polygon that some triangles of a sky make, three corners each, clockwise; empty when they make none.
-Winding<double> ConvexFace(const std::vector<Vec3d> &corners) {
+/// Half the cross product sum of triangles, three clockwise corners each: its length is their area.
+Vec3d AreaVector(const std::vector<Vec3d> &corners) {
     Vec3d across;
     for (std::size_t i = 0; i < corners.size(); i += 3)
-        across += Cross(corners[i + 2] - corners[i], corners[i + 1] - corners[i]);
-    const Vec3d normal = Normalize(across);
-    for (const Vec3d &p : corners)
-        if (std::abs(Dot(normal, p - corners[0])) > kOverlap)
-            return {};
-    Winding<double> hull = ConvexHull(corners, normal, kOverlap / 2);
+        across += Cross(corners[i + 2] - corners[i], corners[i + 1] - corners[i]) * 0.5;
+    return across;
+}
+
+/// The convex polygon that triangles in one plane make; empty when they make none.
+Winding<double> ConvexFace(const std::vector<Vec3d> &corners) {
+    const Vec3d area = AreaVector(corners);
+    Winding<double> hull = ConvexHull(corners, Normalize(area), kOverlap / 2);
     double around = 0;
     for (std::size_t i = 0; i < hull.size(); ++i)
         around += Length(hull[(i + 1) % hull.size()] - hull[i]);
-    if (std::abs(WindingArea(hull) - Length(across) / 2) > kOverlap * around)
+    if (std::abs(WindingArea(hull) - Length(area)) > kOverlap * around)
         return {};
     return hull;
+}
+
+/// Whether two sets of corners have two corners in common.
+bool Adjacent(const std::vector<Vec3d> &a, const std::vector<Vec3d> &b) {
+    std::vector<Vec3d> common;
+    for (const Vec3d &p : a)
+        if (std::find(b.begin(), b.end(), p) != b.end() && std::find(common.begin(), common.end(), p) == common.end())
+            common.push_back(p);
+    return common.size() >= 2;
+}
+
+/// The convex polygons that triangles make, one or several; empty when they are too many or not in one plane. Joins
+/// what makes a convex polygon, as it comes.
+std::vector<Winding<double>> ConvexPieces(const std::vector<Vec3d> &corners) {
+    const Vec3d normal = Normalize(AreaVector(corners));
+    for (const Vec3d &p : corners)
+        if (std::abs(Dot(normal, p - corners[0])) > kOverlap)
+            return {};
+    if (const Winding<double> whole = ConvexFace(corners); !whole.empty())
+        return {whole};
+    if (corners.size() > 3 * kMostTriangles)
+        return {};
+    std::vector<std::vector<Vec3d>> parts;
+    for (std::size_t i = 0; i < corners.size(); i += 3)
+        if (!ConvexFace({corners[i], corners[i + 1], corners[i + 2]}).empty()) // not those of no area
+            parts.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    const auto join = [&] {
+        for (std::size_t i = 0; i < parts.size(); ++i)
+            for (std::size_t j = i + 1; j < parts.size(); ++j) {
+                if (!Adjacent(parts[i], parts[j]))
+                    continue;
+                std::vector<Vec3d> both = parts[i];
+                both.insert(both.end(), parts[j].begin(), parts[j].end());
+                if (ConvexFace(both).empty())
+                    continue;
+                parts[i] = std::move(both);
+                parts.erase(parts.begin() + std::ptrdiff_t(j));
+                return true;
+            }
+        return false;
+    };
+    while (join())
+        ;
+    std::vector<Winding<double>> pieces;
+    for (const std::vector<Vec3d> &part : parts)
+        pieces.push_back(ConvexFace(part));
+    if (pieces.size() > kMostPieces)
+        pieces.clear();
+    return pieces;
 }
 
 } // namespace
@@ -45,21 +99,27 @@ SkyFaces::SkyFaces(const Triangles &skies, std::span<const int> indexes) {
             bySurface[skies.surface[i]].push_back({p[0], p[1], p[2]});
     }
     few_ = !bySurface.empty() && bySurface.size() <= kMostFaces;
+    std::size_t count = 0;
     for (const auto &[surface, corners] : bySurface) {
-        const Winding<double> hull = few_ ? ConvexFace(corners) : Winding<double>();
-        few_ = few_ && !hull.empty();
+        const auto pieces = few_ ? ConvexPieces(corners) : std::vector<Winding<double>>();
+        count += pieces.size();
+        few_ = few_ && !pieces.empty() && count <= kMostPieces;
         if (few_)
-            AddFace(hull, indexOf[surface]);
+            AddFace(pieces, indexOf[surface]);
     }
 }
 
-void SkyFaces::AddFace(const Winding<double> &w, int skyIndex) {
-    const Vec3d normal = Normalize(Cross(w[2] - w[0], w[1] - w[0]));
-    Face face{{Vec3f(normal), float(Dot(normal, w[0]))}, {}, skyIndex};
-    for (std::size_t i = 0; i < w.size(); ++i) {
-        const Vec3d &a = w[i], &b = w[(i + 1) % w.size()];
-        const Vec3d inward = Normalize(Cross(b - a, normal));
-        face.edges.push_back({Vec3f(inward), float(Dot(inward, a) - kOverlap)});
+void SkyFaces::AddFace(std::span<const Winding<double>> pieces, int skyIndex) {
+    const Winding<double> &first = pieces.front();
+    const Vec3d normal = Normalize(Cross(first[2] - first[0], first[1] - first[0]));
+    Face face{{Vec3f(normal), float(Dot(normal, first[0]))}, {}, skyIndex};
+    for (const Winding<double> &w : pieces) {
+        Piece &piece = face.pieces.emplace_back();
+        for (std::size_t i = 0; i < w.size(); ++i) {
+            const Vec3d &a = w[i], &b = w[(i + 1) % w.size()];
+            const Vec3d inward = Normalize(Cross(b - a, normal));
+            piece.push_back({Vec3f(inward), float(Dot(inward, a) - kOverlap)});
+        }
     }
     faces_.push_back(std::move(face));
 }
@@ -70,9 +130,8 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
     const auto [n, dist] = face.plane;
     Lanes distance, toward;
     Lanes3 at;
-    LaneMask between;
-    Lanes least; ///< how far inside the nearest edge
-    least.fill(0);
+    LaneMask between; ///< rays that meet the plane where nothing else was met
+    std::int32_t open = 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float dx = direction.x[i], dy = direction.y[i], dz = direction.z[i];
         const float ox = origin.x[i], oy = origin.y[i], oz = origin.z[i];
@@ -81,20 +140,31 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
         distance[i] = d;
         at.x[i] = ox + d * dx, at.y[i] = oy + d * dy, at.z[i] = oz + d * dz;
         between[i] = -std::int32_t((d >= nearest) & (d <= hits.distance[i]));
+        open |= between[i];
     }
-    if (!between.Any()) // the face is behind, or behind another
-        return;
-    for (const Plane3 &edge : face.edges) {
-        const Vec3f across = edge.normal;
-        const float from = edge.dist;
+    LaneMask inside{};
+    for (const Piece &piece : face.pieces) {
+        if (open == 0)
+            break;
+        Lanes least; ///< how far inside the nearest edge
+        least.fill(0);
+        for (const Plane3 &edge : piece) {
+            const Vec3f across = edge.normal;
+            const float from = edge.dist;
 #pragma GCC unroll 1
+            for (std::size_t i = 0; i < kPacketSize; ++i) {
+                const float in = across.x * at.x[i] + across.y * at.y[i] + across.z * at.z[i] - from;
+                least[i] = in < least[i] ? in : least[i];
+            }
+        }
+        open = 0;
         for (std::size_t i = 0; i < kPacketSize; ++i) {
-            const float in = across.x * at.x[i] + across.y * at.y[i] + across.z * at.z[i] - from;
-            least[i] = in < least[i] ? in : least[i];
+            inside[i] |= -std::int32_t(least[i] >= 0);
+            open |= between[i] & ~inside[i];
         }
     }
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const std::int32_t met = between[i] & -std::int32_t(least[i] >= 0), behind = -std::int32_t(toward[i] > 0);
+        const std::int32_t met = between[i] & inside[i], behind = -std::int32_t(toward[i] > 0);
         const float before = hits.distance[i], here = distance[i];
         hits.hit[i] |= met;
         hits.behind[i] = (behind & met) | (hits.behind[i] & ~met);

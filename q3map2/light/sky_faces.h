@@ -19,12 +19,13 @@ struct SkyHits {
 };
 
 /// The skies of most maps are the few large sides of a box. All rays of a packet are tested against those at once,
-/// which takes a fraction of the time of a search for the nearest of their triangles.
+/// which takes a fraction of the time of a search for the nearest of their triangles. A side of any outline is cut into
+/// convex pieces.
 class SkyFaces {
   public:
     /// indexes: number of the sky of each triangle.
     SkyFaces(const Triangles &skies, std::span<const int> indexes);
-    /// Whether the skies are few convex polygons, so that this is worth it; Find needs it.
+    /// Whether the skies are few convex pieces, so that this is worth it; Find needs it.
     bool Few() const { return few_; }
     /// The nearest face on each live ray between `nearest` and `farthest`. Rays on the edge of a face meet it.
     void Find(const Lanes3 &origin, const Lanes3 &direction, const Lanes &farthest, const LaneMask &live, float nearest,
@@ -35,12 +36,13 @@ class SkyFaces {
         Vec3f normal;
         float dist;
     };
+    using Piece = std::vector<Plane3>; ///< by edge: across the face, towards the inside of the piece
     struct Face {
-        Plane3 plane;              ///< towards the room
-        std::vector<Plane3> edges; ///< across it, towards its inside
+        Plane3 plane; ///< towards the room
+        std::vector<Piece> pieces;
         int skyIndex;
     };
-    void AddFace(const Winding<double> &w, int skyIndex);
+    void AddFace(std::span<const Winding<double>> pieces, int skyIndex);
     static void Test(const Face &face, const Lanes3 &origin, const Lanes3 &direction, float nearest, SkyHits &hits);
 
     bool few_ = false;
