@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Points of a triangle, uniform in solid angle.
 #pragma once
 
+#include "libs/math/lane_functions.h"
 #include "libs/math/low_discrepancy.h"
 #include "libs/math/vec.h"
 
@@ -30,7 +31,7 @@ class SphericalTriangle {
 
     /// Without branches and calls, so that loops over samples become vector code.
     Vec3d Sample(const Sample2 &s) const {
-        const auto [sinD, cosD] = SineCosine(s.u * area_ - alpha_);
+        const auto [sinD, cosD] = SineCosineOf(s.u * area_ - alpha_);
         const double u = cosD - cosA_, v = sinD + sinA_ * cosC_;
         const double denominator = (v * sinD + u * cosD) * sinA_;
         const double ratio = ((v * cosD - u * sinD) * cosA_ - v) / denominator;
@@ -44,21 +45,6 @@ class SphericalTriangle {
     }
 
   private:
-    struct SineAndCosine {
-        double sine, cosine;
-    };
-    /// From -pi to pi, right to 1e-15: Taylor series of half the angle.
-    static SineAndCosine SineCosine(double angle) {
-        const double half = angle * 0.5, square = half * half;
-        double sine = 1, cosine = 1;
-        for (int n = 20; n >= 2; n -= 2) { // Horner's scheme
-            sine = 1 - sine * square * (1.0 / ((n + 1) * n));
-            cosine = 1 - cosine * square * (1.0 / (n * (n - 1)));
-        }
-        sine *= half;
-        return {2 * sine * cosine, cosine * cosine - sine * sine};
-    }
-
     Vec3d a_, b_, side_;
     double alpha_ = 0, area_ = 0, sinA_ = 0, cosA_ = 0, cosC_ = 0;
 };

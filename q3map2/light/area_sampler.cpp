@@ -11,7 +11,6 @@ namespace {
 /// Sums under this, of solid angles, come from rounding only.
 constexpr double kNoSolidAngle = 1e-9;
 
-struct alignas(64) DoubleLanes : std::array<double, kPacketSize> {};
 struct alignas(64) LaneNumbers : std::array<std::int32_t, kPacketSize> {};
 
 /// Sixteen samples before they are in a triangle.

@@ -5,6 +5,7 @@
 #include "q3map2/light/area_sampler.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -95,7 +96,7 @@ inline float AreaContribution::Lift(std::size_t i) const {
 }
 
 PolygonMoments AreaContribution::Moments(std::size_t i) const {
-    return near_[i] != 0 ? nearMoments_[i] : MomentsOfPolygon(Corners(i), Vec3d(places_->position[i]));
+    return near_[i] != 0 ? nearMoments_.Of(i) : MomentsOfPolygon(Corners(i), Vec3d(places_->position[i]));
 }
 
 /// How each place is to the light.
@@ -120,20 +121,41 @@ Q3_VECTOR void AreaContribution::MeasureLanes() {
     }
 }
 
+/// Moments of the light where it is near, and what it gives there.
+void AreaContribution::MeasureNear() {
+    LaneMask front, behind;
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        front[i] = near_[i] & ~below_[i], behind[i] = near_[i] & below_[i];
+    if (front.Any())
+        nearMoments_.Measure(light_.w, places_->position, front);
+    if (behind.Any())
+        nearMoments_.Measure(light_.shape.back, places_->position, behind);
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        if (near_[i] != 0)
+            facing_[i] = light_.add * float(nearMoments_.FirstLength(i) / std::numbers::pi);
+}
+
+/// Ends places out of the light's bounds and those that get at most `least`, which is not negative. What the others get
+/// at most.
+Q3_VECTOR float AreaContribution::EndDark(float least) {
+    const Vec3f from = light_.bounds.mins, to = light_.bounds.maxs;
+    // Floats from 0 up are in the order of their bits, and compilers make vector code of the greatest integer.
+    std::int32_t brightest = 0;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float x = places_->position.x[i], y = places_->position.y[i], z = places_->position.z[i];
+        const bool lit = (facing_[i] > least) & (x >= from.x) & (y >= from.y) & (z >= from.z) & (x <= to.x) &
+                         (y <= to.y) & (z <= to.z);
+        live_[i] = lit ? live_[i] : 0;
+        brightest = std::max(brightest, std::bit_cast<std::int32_t>(facing_[i]) & live_[i]);
+    }
+    return std::bit_cast<float>(brightest);
+}
+
 /// What the light gives about to each place, without shadows. False: nothing to any.
 bool AreaContribution::FindFacing() {
     MeasureLanes();
-    const float least = light_.fast ? light_.tolerance : 0;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        if (live_[i] == 0)
-            continue;
-        if (near_[i] != 0) {
-            nearMoments_[i] = MomentsOfPolygon(Corners(i), Vec3d(places_->position[i]));
-            facing_[i] = light_.add * float(Length(nearMoments_[i].first) / std::numbers::pi);
-        }
-        live_.Set(i, facing_[i] > least && light_.bounds.Contains(places_->position[i]));
-        brightest_ = std::max(brightest_, live_[i] != 0 ? facing_[i] : 0);
-    }
+    MeasureNear();
+    brightest_ = EndDark(light_.fast ? light_.tolerance : 0);
     return live_.Any();
 }
 
@@ -319,7 +341,6 @@ void AreaContribution::Add(LightPlaces &places, Arrivals &arrivals) {
     places_ = &places;
     arrivals_ = &arrivals;
     weight_ = givenWeight_;
-    brightest_ = 0;
     tinted_ = false;
     live_ = arrivals_->live;
     arrivals_->live = {};

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Area lights as the SH grid sees them: exact moments, sampled visibility.
 #pragma once
 
-#include "libs/sh/polygon_moments.h"
 #include "q3map2/light/light_contribution.h"
+#include "q3map2/light/moment_lanes.h"
 
 #include <array>
 #include <span>
@@ -33,6 +33,8 @@ class AreaContribution {
     std::span<const Vec3f> Corners(std::size_t i) const { return FromBehind(i) ? light_.shape.back : light_.w; }
     PolygonMoments Moments(std::size_t i) const;
     void MeasureLanes();
+    void MeasureNear();
+    float EndDark(float least);
     bool FindFacing();
     Method ChooseMethod() const;
     int Probes() const;
@@ -63,8 +65,8 @@ class AreaContribution {
     Lanes facing_;    ///< about the light on a surface that faces the light, byte scale
     Lanes error_;     ///< square of size over distance
     float brightest_ = 0;
-    std::array<PolygonMoments, kPacketSize> nearMoments_;
-    Lanes clear_; ///< first rays that arrived
+    MomentLanes nearMoments_; ///< where near_
+    Lanes clear_;             ///< first rays that arrived
     Lanes3 firstTint_;
     bool tinted_ = false;
 };

@@ -25,6 +25,9 @@ inline constexpr std::size_t kPacketSize = 16;
 /// One number of each place.
 struct alignas(64) Lanes : std::array<float, kPacketSize> {};
 
+/// One number of each place, where digits count.
+struct alignas(64) DoubleLanes : std::array<double, kPacketSize> {};
+
 /// One vector of each place.
 struct Lanes3 {
     Lanes x, y, z;

@@ -158,6 +158,7 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
             }
         }
         open = 0;
+#pragma GCC unroll 1
         for (std::size_t i = 0; i < kPacketSize; ++i) {
             inside[i] |= -std::int32_t(least[i] >= 0);
             open |= between[i] & ~inside[i];
@@ -173,11 +174,12 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
     }
 }
 
-void SkyFaces::Find(const Lanes3 &origin, const Lanes3 &direction, const Lanes &farthest, const LaneMask &live,
-                    float nearest, SkyHits &hits) const {
-    hits.hit = hits.behind = {};
-    hits.skyIndex = {};
-    hits.distance = farthest;
+Q3_VECTOR void SkyFaces::Find(const Lanes3 &origin, const Lanes3 &direction, const Lanes &farthest,
+                              const LaneMask &live, float nearest, SkyHits &hits) const {
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        hits.hit[i] = hits.behind[i] = hits.skyIndex[i] = 0;
+        hits.distance[i] = farthest[i];
+    }
     for (const Face &face : faces_)
         Test(face, origin, direction, nearest, hits);
     for (std::size_t i = 0; i < kPacketSize; ++i)

@@ -1,0 +1,41 @@
+// GPL-2.0-or-later. Functions for loops over lanes: no branches and no calls but square roots, so compilers make vector
+// code of such loops.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+namespace q3 {
+
+struct SineCosine {
+    double sine, cosine;
+};
+
+/// Of an angle from -pi to pi, right to 1e-15: Taylor series of half the angle.
+inline SineCosine SineCosineOf(double angle) {
+    const double half = angle * 0.5, square = half * half;
+    double sine = 1, cosine = 1;
+    for (int n = 20; n >= 2; n -= 2) { // Horner's scheme
+        sine = 1 - sine * square * (1.0 / ((n + 1) * n));
+        cosine = 1 - cosine * square * (1.0 / (n * (n - 1)));
+    }
+    sine *= half;
+    return {2 * sine * cosine, cosine * cosine - sine * sine};
+}
+
+/// atan2(y, x) for y >= 0, from 0 to pi, right to a relative 2e-15; 0 where both are 0. The angle is halved three
+/// times, until the series of the arc tangent converges fast.
+inline double AngleOf(double y, double x) {
+    const double sum = std::sqrt(x * x + y * y) + std::abs(x);
+    double t = y / (sum > 0 ? sum : 1);
+    t = t / (1 + std::sqrt(1 + t * t));
+    t = t / (1 + std::sqrt(1 + t * t));
+    const double square = t * t;
+    double series = 1.0 / 23;
+    for (int n = 21; n >= 1; n -= 2)
+        series = 1.0 / n - series * square;
+    const double angle = 8 * t * series;
+    return x < 0 ? std::numbers::pi - angle : angle;
+}
+
+} // namespace q3

@@ -1,0 +1,39 @@
+// GPL-2.0-or-later. Moments of one polygon as neighbouring places see it.
+#pragma once
+
+#include "libs/sh/polygon_moments.h"
+#include "q3map2/light/light_lanes.h"
+
+#include <span>
+
+namespace q3 {
+
+/// PolygonMoments of sixteen places at once.
+class MomentLanes {
+  public:
+    /// Moments of the polygon (see MomentsOfPolygon) for those places; the others keep theirs. As exact as
+    /// MomentsOfPolygon where the polygon is not farther away than a few times its size.
+    void Measure(std::span<const Vec3f> corners, const Lanes3 &places, const LaneMask &those);
+    PolygonMoments Of(std::size_t i) const;
+    /// Length of the first moment of place i.
+    double FirstLength(std::size_t i) const { return Length(Vec3d{x[i], y[i], z[i]}); }
+
+  private:
+    /// A corner as the places see it: the way there, its direction and length.
+    struct SeenCorner {
+        DoubleLanes x, y, z, dx, dy, dz, length;
+        void See(Vec3f corner, const Lanes3 &places);
+    };
+    /// A complex number of each place whose argument is half the solid angle so far.
+    struct HalfAngle {
+        DoubleLanes real, imaginary;
+    };
+    void Clear();
+    void AddEdge(const SeenCorner &a, const SeenCorner &b, Vec3d normal, HalfAngle &half);
+    void Finish(const HalfAngle &half);
+    void Keep(const MomentLanes &from, const LaneMask &those);
+
+    DoubleLanes solidAngle, x, y, z, xx, yy, zz, xy, yz, xz;
+};
+
+} // namespace q3
