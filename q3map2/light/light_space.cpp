@@ -24,32 +24,9 @@ BspSpace::BspSpace(const Bsp &bsp, const std::vector<bool> &opaqueBrush) : bsp_(
         std::memcpy(&visRowBytes_, bsp.visibility.data() + 4, 4);
 }
 
-bool BspSpace::InOpaqueBrush(std::size_t leaf, const Vec3f &p, float epsilon) const {
+/// Whether one opaque brush of the leaf, grown by epsilon, holds the box.
+bool BspSpace::HeldByBrush(std::size_t leaf, const Vec3f &center, const Vec3f &half, float epsilon) const {
     for (std::uint32_t i = opaqueFirst_[leaf]; i < opaqueFirst_[leaf + 1]; ++i) {
-        const bspBrush_t &brush = bsp_.brushes[std::size_t(opaqueBrushes_[i])];
-        bool inside = true;
-        for (int s = 0; s < brush.numSides && inside; ++s) {
-            const bspPlane_t &plane =
-                bsp_.planes[std::size_t(bsp_.brushSides[std::size_t(brush.firstSide + s)].planeNum)];
-            inside = Dot(Vec3f(plane.normal), p) - plane.dist <= epsilon;
-        }
-        if (inside)
-            return true;
-    }
-    return false;
-}
-
-/// Whether one opaque brush, grown by epsilon, holds the part of the box in the leaf, by the leaf's bounds.
-bool BspSpace::FilledByBrush(std::size_t leafNum, const Boundsf &box, float epsilon) const {
-    if (opaqueFirst_[leafNum] == opaqueFirst_[leafNum + 1])
-        return false;
-    // Places within kOnPlane of a leaf may count as in it.
-    const bspLeaf_t &leaf = bsp_.leafs[leafNum];
-    const Vec3f onPlane{kOnPlane, kOnPlane, kOnPlane};
-    const Vec3f mins = Max(box.mins, Vec3f{float(leaf.mins[0]), float(leaf.mins[1]), float(leaf.mins[2])} - onPlane);
-    const Vec3f maxs = Min(box.maxs, Vec3f{float(leaf.maxs[0]), float(leaf.maxs[1]), float(leaf.maxs[2])} + onPlane);
-    const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;
-    for (std::uint32_t i = opaqueFirst_[leafNum]; i < opaqueFirst_[leafNum + 1]; ++i) {
         const bspBrush_t &brush = bsp_.brushes[std::size_t(opaqueBrushes_[i])];
         bool inside = true;
         for (int s = 0; s < brush.numSides && inside; ++s) {
@@ -65,9 +42,21 @@ bool BspSpace::FilledByBrush(std::size_t leafNum, const Boundsf &box, float epsi
     return false;
 }
 
+/// Whether an opaque brush fills the part of the box that is in the leaf, by the leaf's bounds.
+bool BspSpace::FilledByBrush(std::size_t leafNum, const Boundsf &box, float epsilon) const {
+    if (opaqueFirst_[leafNum] == opaqueFirst_[leafNum + 1])
+        return false;
+    // Places within kOnPlane of a leaf may count as in it.
+    const bspLeaf_t &leaf = bsp_.leafs[leafNum];
+    const Vec3f onPlane{kOnPlane, kOnPlane, kOnPlane};
+    const Vec3f mins = Max(box.mins, Vec3f{float(leaf.mins[0]), float(leaf.mins[1]), float(leaf.mins[2])} - onPlane);
+    const Vec3f maxs = Min(box.maxs, Vec3f{float(leaf.maxs[0]), float(leaf.maxs[1]), float(leaf.maxs[2])} + onPlane);
+    return HeldByBrush(leafNum, (mins + maxs) * 0.5f, (maxs - mins) * 0.5f, epsilon);
+}
+
 int BspSpace::ClusterOf(int leafNum, const Vec3f &p, float epsilon) const {
     const bspLeaf_t &leaf = bsp_.leafs[std::size_t(leafNum)];
-    if (leaf.cluster < 0 || InOpaqueBrush(std::size_t(leafNum), p, epsilon))
+    if (leaf.cluster < 0 || HeldByBrush(std::size_t(leafNum), p, {}, epsilon))
         return kSolidCluster;
     return leaf.cluster;
 }
@@ -132,8 +121,7 @@ bool BspRegion::AnySolid(const Vec3f &mins, const Vec3f &maxs) const {
 }
 
 /// Whether the box touches a leaf that is `wanted`.
-template <typename Leaf>
-bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, const Leaf &wanted) const {
+template <typename Leaf> bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, const Leaf &wanted) const {
     const Bsp &bsp = space_.bsp_;
     const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;
     std::array<BspChild, 32> pending;

@@ -73,7 +73,7 @@ class BspSpace {
     friend class BspRegion;
     int ClusterOf(int leaf, const Vec3f &p, float epsilon) const;
     bool FilledByBrush(std::size_t leaf, const Boundsf &box, float epsilon) const;
-    bool InOpaqueBrush(std::size_t leaf, const Vec3f &p, float epsilon) const;
+    bool HeldByBrush(std::size_t leaf, const Vec3f &center, const Vec3f &half, float epsilon) const;
 
     const Bsp &bsp_;
     // Opaque brushes of leaf i: from opaqueFirst_[i] to before opaqueFirst_[i + 1].
