@@ -304,18 +304,20 @@ float BouncePieces::ShareOf(const Piece &piece, const Vec3f &place, const Vec3f 
     const float height = std::abs(over);
     const Vec3f p = height < kPushReach ? place + piece.normal * (kPushReach - over) : place;
     const Vec3f way = piece.center - p;
-    const float distance2 = Dot(way, way);
+    const float distance2 = Dot(way, way), ahead = Dot(normal, way);
     const bool anySide = piece.twoSided || twoSided;
     const auto enough = [&](float factor, float least) { return (anySide ? std::abs(factor) : factor) > least; };
-    const float asPoint = -Dot(normal, way) * Dot(piece.plane, way);
+    const float asPoint = -ahead * Dot(piece.plane, way);
     const float least = piece.least * std::numbers::pi_v<float> * distance2 * distance2;
-    if (distance2 > piece.far || (height >= kLowReach && asPoint > kSurely * least))
+    // Nothing of a piece whose ball lies before the receiver is behind it.
+    const bool parted = height < kLowReach && !(ahead > 0 && kFarRadii * kFarRadii * ahead * ahead > piece.far);
+    if (distance2 > piece.far || (!parted && asPoint > kSurely * least))
         return enough(asPoint, least) ? 1 : 0;
     const auto corners = std::span(corners_).subspan(piece.first, piece.count);
     const float whole = FormFactor(p, normal, corners);
     if (!enough(whole, piece.least))
         return 0;
-    if (height >= kLowReach)
+    if (!parted)
         return 1;
     const float front = FormFactorInFront(p, normal, corners);
     const float left = front != 0 ? std::clamp(whole / front, 0.0f, 1.0f) : 0;
