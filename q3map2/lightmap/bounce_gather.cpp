@@ -41,6 +41,12 @@ Vec3f CosineDirection(std::uint32_t i) {
     return {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(std::sqrt(1 - s.u))};
 }
 
+/// A fraction for each number, as if by chance; neighbours are spread.
+float Fraction(std::uint32_t number) {
+    constexpr std::uint32_t kGolden = 2654435769u; // 2^32 over the golden ratio
+    return float((number * kGolden) >> 8) * 0x1p-24f;
+}
+
 struct Frame {
     explicit Frame(const Vec3f &n) : normal(n) {
         const Vec3f axis = std::abs(n.z) > 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1};
@@ -219,9 +225,11 @@ std::vector<EmitterId> BounceGather::Links(const RawLightmap &raw) const {
     std::vector<std::size_t> asking;
     const auto store = [&](std::size_t at, EmitterId emitter) {
         const std::size_t luxel = asking[at / std::size_t(count)];
-        const bool arrives = emitter != kNoEmitter && (!pieces_ || pieces_->Reaches(emitter, raw.places[luxel],
-                                                                                    raw.normals[luxel], raw.twoSided));
-        links[at] = arrives ? emitter : kNoEmitter;
+        const float share = emitter == kNoEmitter ? 0
+                            : pieces_ ? pieces_->Share(emitter, raw.places[luxel], raw.normals[luxel], raw.twoSided)
+                                      : 1;
+        // Links have no weight: of those that count in part, that part is kept.
+        links[at] = share > Fraction(std::uint32_t(at)) ? emitter : kNoEmitter;
     };
     {
         RayQueue queue(scene_, store);
@@ -309,8 +317,8 @@ Vec3f BounceGather::At(const Vec3f &place, const Vec3f &normal, bool twoSided, c
     const Frame frame(normal);
     Vec3f sum;
     const auto add = [&](std::size_t, EmitterId emitter) {
-        if (emitter != kNoEmitter && (!pieces_ || pieces_->Reaches(emitter, place, normal, twoSided)))
-            sum += emission[emitter];
+        if (emitter != kNoEmitter)
+            sum += emission[emitter] * (pieces_ ? pieces_->Share(emitter, place, normal, twoSided) : 1);
     };
     const Vec3f start = place + normal * LiftAt(place, normal);
     {

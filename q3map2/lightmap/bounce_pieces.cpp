@@ -27,6 +27,9 @@ constexpr float kFlatQuad = 0.1f; ///< a quad's fourth corner this near to the p
 constexpr int kSteps = 5, kMostSamples = 150;
 /// Places so near to the plane of a piece see it from that far off. Game units.
 constexpr float kPushReach = 8;
+/// Near the plane of a piece, what of it lies behind the receiver takes away from what lies before it: wholly up to
+/// kPushReach from the plane, not at all from here on. Game units.
+constexpr float kLowReach = 16;
 /// Places so far behind the plane 1 unit before a piece lie behind the piece itself. Game units; some for rounding.
 constexpr float kBehind = 1.01f;
 /// From so many radii on a piece looks like a point; and one that is brighter by this factor as a point is bright.
@@ -49,18 +52,43 @@ Winding<float> WindingOf(const Face &face) {
     return w;
 }
 
+/// Part of a form factor that an edge from u to v makes, both from the place; times 2 pi.
+float EdgeFactor(const Vec3f &u, const Vec3f &v, const Vec3f &n) {
+    const Vec3f c = Cross(u, v);
+    const float length = Length(c);
+    return length > 0 ? AngleOf(length, Dot(u, v)) * Dot(n, c) / length : 0;
+}
+
 /// FormFactor in floats.
 float FormFactor(const Vec3f &p, const Vec3f &n, std::span<const Vec3f> w) {
     float total = 0;
     Vec3f u = w.back() - p;
     for (const Vec3f &corner : w) {
-        const Vec3f v = corner - p, c = Cross(u, v);
-        const float length = Length(c);
-        if (length > 0)
-            total += AngleOf(length, Dot(u, v)) * Dot(n, c) / length;
+        const Vec3f v = corner - p;
+        total += EdgeFactor(u, v, n);
         u = v;
     }
     return total / (2 * std::numbers::pi_v<float>);
+}
+
+/// Of the part of a convex polygon that is not behind the place.
+float FormFactorInFront(const Vec3f &p, const Vec3f &n, std::span<const Vec3f> w) {
+    float total = 0;
+    Vec3f u = w.back() - p, leaves, enters;
+    float before = Dot(n, u);
+    for (const Vec3f &corner : w) {
+        const Vec3f v = corner - p;
+        const float after = Dot(n, v);
+        if ((before >= 0) != (after >= 0)) {
+            const Vec3f cut = u + (v - u) * (before / (before - after));
+            total += before >= 0 ? EdgeFactor(u, cut, n) : EdgeFactor(cut, v, n);
+            (before >= 0 ? leaves : enters) = cut;
+        } else if (before >= 0) {
+            total += EdgeFactor(u, v, n);
+        }
+        u = v, before = after;
+    }
+    return (total + EdgeFactor(leaves, enters, n)) / (2 * std::numbers::pi_v<float>);
 }
 
 bool HoldsLight(const RawLightmap &raw, std::size_t texel) {
@@ -269,21 +297,32 @@ BouncePieces::BouncePieces(const SurfaceInputs &in, const SurfaceLight &surfaces
     }
 }
 
-bool BouncePieces::Bright(std::uint32_t number, const Vec3f &place, const Vec3f &normal, bool twoSided) const {
-    const Piece &piece = pieces_[number];
+float BouncePieces::ShareOf(const Piece &piece, const Vec3f &place, const Vec3f &normal, bool twoSided) const {
     const float over = Dot(place, piece.normal) - piece.dist;
     if ((!piece.twoSided && over < -kBehind) || (!twoSided && Dot(piece.origin - place, normal) < 0))
-        return false;
-    const Vec3f p = std::abs(over) < kPushReach ? place + piece.normal * (kPushReach - over) : place;
+        return 0;
+    const float height = std::abs(over);
+    const Vec3f p = height < kPushReach ? place + piece.normal * (kPushReach - over) : place;
     const Vec3f way = piece.center - p;
-    const float distance2 = Dot(way, way);
+    const float distance2 = Dot(way, way), ahead = Dot(normal, way);
     const bool anySide = piece.twoSided || twoSided;
     const auto enough = [&](float factor, float least) { return (anySide ? std::abs(factor) : factor) > least; };
-    const float asPoint = -Dot(normal, way) * Dot(piece.plane, way);
+    const float asPoint = -ahead * Dot(piece.plane, way);
     const float least = piece.least * std::numbers::pi_v<float> * distance2 * distance2;
-    if (distance2 > piece.far || asPoint > kSurely * least)
-        return enough(asPoint, least);
-    return enough(FormFactor(p, normal, std::span(corners_).subspan(piece.first, piece.count)), piece.least);
+    // Nothing of a piece whose ball lies before the receiver is behind it.
+    const bool parted = height < kLowReach && !(ahead > 0 && kFarRadii * kFarRadii * ahead * ahead > piece.far);
+    if (distance2 > piece.far || (!parted && asPoint > kSurely * least))
+        return enough(asPoint, least) ? 1 : 0;
+    const auto corners = std::span(corners_).subspan(piece.first, piece.count);
+    const float whole = FormFactor(p, normal, corners);
+    if (!enough(whole, piece.least))
+        return 0;
+    if (!parted)
+        return 1;
+    const float front = FormFactorInFront(p, normal, corners);
+    const float left = front != 0 ? std::clamp(whole / front, 0.0f, 1.0f) : 0;
+    const float low = std::min(1.0f, (kLowReach - height) / (kLowReach - kPushReach));
+    return 1 - (1 - left) * low;
 }
 
 } // namespace q3

@@ -14,10 +14,10 @@ class BouncePieces {
     BouncePieces(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterNumbers &emitters,
                  std::span<const Vec3f> emission);
 
-    /// Whether light of this emitter counts at a place with a normal.
-    bool Reaches(EmitterId emitter, const Vec3f &place, const Vec3f &normal, bool twoSided) const {
+    /// Share of this emitter's light that counts at a place with a normal, 0 to 1.
+    float Share(EmitterId emitter, const Vec3f &place, const Vec3f &normal, bool twoSided) const {
         const std::uint32_t piece = pieceOf_[emitter];
-        return piece != kNone && Bright(piece, place, normal, twoSided);
+        return piece == kNone ? 0 : ShareOf(pieces_[piece], place, normal, twoSided);
     }
 
   private:
@@ -33,7 +33,7 @@ class BouncePieces {
         bool twoSided = false;
     };
     struct Maker;
-    bool Bright(std::uint32_t piece, const Vec3f &place, const Vec3f &normal, bool twoSided) const;
+    float ShareOf(const Piece &piece, const Vec3f &place, const Vec3f &normal, bool twoSided) const;
 
     std::vector<Piece> pieces_;
     std::vector<Vec3f> corners_;

@@ -187,26 +187,44 @@ TEST_F(BounceTest, FastEndsFaintPieces) {
     EXPECT_EQ(farEnd(1500, "textures/test/bright", "-fast"), beyond);
 }
 
-TEST_F(BounceTest, FastEndsPiecesThatASliverLiesBehindOrThatLieBehindIt) {
-    Script("textures/test/black\n{\n\tq3map_bouncescale 0\n\t{\n\t\tmap $whiteimage\n\t}\n}\n"
-           "textures/test/sliver\n{\n\tq3map_bouncescale 0\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
-    // A sliver at the floor, whose luxels ask from half a luxel higher, faces a plate from x0 to x1 at height z.
-    const auto atSliver = [&](float x0, float x1, float z, std::string_view options) {
+/// A room with a black sliver, 4 high, that faces a plate from x0 to x1 at height z. Its luxels ask from half a luxel
+/// higher where they lie in the floor.
+class SliverTest : public BounceTest {
+  protected:
+    double AtSliver(float x0, float x1, float z, std::string_view options, float bottom = 0.2f) {
+        Script("textures/test/black\n{\n\tq3map_bouncescale 0\n\t{\n\t\tmap $whiteimage\n\t}\n}\n"
+               "textures/test/sliver\n{\n\tq3map_bouncescale 0\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
         SceneBuilder scene;
         scene.SetInterior({-256, -256, 0}, {256, 256, 256}, TestShader("textures/test/black"));
-        scene.AddQuad({{{100, 64, 0.2f}, {100, 64, 4}, {100, -64, 4}, {100, -64, 0.2f}}},
+        const float top = bottom + 3.8f;
+        scene.AddQuad({{{100, 64, bottom}, {100, 64, top}, {100, -64, top}, {100, -64, bottom}}},
                       TestShader("textures/test/sliver"));
         scene.AddQuad({{{x0, -64, z}, {x0, 64, z}, {x1, 64, z}, {x1, -64, z}}}, TestShader("textures/test/plate"));
         scene.SetWorldKey("_ambient", "200");
         return MostOn(Lit(scene, fmt::format("-nogrid -bounce 1 -bounceonly {}", options)), "textures/test/sliver");
-    };
+    }
+};
+
+TEST_F(SliverTest, FastEndsPiecesThatItLiesBehindOrThatLieBehindIt) {
     // The row above, which only texture filtering reads, is over the plate, and smoothing takes its share.
-    const double seen = atSliver(0, 96, 0.5f, "");
+    const double seen = AtSliver(0, 96, 0.5f, "");
     EXPECT_GT(seen, 20);
-    EXPECT_LT(atSliver(0, 96, 0.5f, "-fast"), 0.6 * seen) << "the sliver's places are behind the plate";
-    EXPECT_GT(atSliver(0, 96, 0.005f, "-fast"), 5);
-    EXPECT_GT(atSliver(60, 220, 0.005f, ""), 5);
-    EXPECT_EQ(atSliver(60, 220, 0.005f, "-fast"), 0) << "the middles of the plate's triangles are behind the sliver";
+    EXPECT_LT(AtSliver(0, 96, 0.5f, "-fast"), 0.6 * seen) << "the sliver's places are behind the plate";
+    EXPECT_GT(AtSliver(0, 96, 0.005f, "-fast"), 5);
+    EXPECT_GT(AtSliver(60, 220, 0.005f, ""), 5);
+    EXPECT_EQ(AtSliver(60, 220, 0.005f, "-fast"), 0) << "the middles of the plate's triangles are behind the sliver";
+}
+
+TEST_F(SliverTest, FastCountsWhatLiesBehindItAgainstTheRestOfAPiece) {
+    // Both triangles have their middle before the sliver, but reach 40 units behind it.
+    const double seen = AtSliver(0, 140, 0.005f, ""), left = AtSliver(0, 140, 0.005f, "-fast");
+    EXPECT_GT(seen, 20);
+    EXPECT_LT(left, 0.8 * seen);
+    EXPECT_GT(left, 0.2 * seen);
+    EXPECT_NEAR(AtSliver(0, 97, 0.005f, "-fast"), AtSliver(0, 97, 0.005f, ""), 1) << "nothing behind";
+    const double higher = AtSliver(0, 140, 0.005f, "", 24);
+    EXPECT_GT(higher, 20);
+    EXPECT_NEAR(AtSliver(0, 140, 0.005f, "-fast", 24), higher, 1) << "only near the plane of the piece";
 }
 
 TEST_F(BounceTest, SameBytesForAnyNumberOfThreads) {

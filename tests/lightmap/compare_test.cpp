@@ -211,6 +211,27 @@ TEST_F(CompareTest, VerticesOfSkiesAreCountedApart) {
     EXPECT_THAT(ToText(c), testing::HasSubstr("left out: those of skies"));
 }
 
+TEST_F(CompareTest, VerticesThatNobodySeesAreCountedApart) {
+    const auto stage = [](std::string_view lines) {
+        return fmt::format("\n{{\n{{\nmap $whiteimage\n{}\n}}\n}}\n", lines);
+    };
+    Script("textures/test/wall0" + stage("rgbGen wave sin 0 1 0 1") +              //
+           "textures/test/wall1" + stage("rgbGen exactVertex") +                   //
+           "textures/test/wall2" + stage("rgbgen vertex") +                        //
+           "textures/test/wall3" + stage("") +                                     //
+           "textures/test/wall4\n{\nqer_editorimage rgbGen\nq3map_bounce 1\n}\n"); // wall5: no script
+    Light(30);
+    for (bspDrawSurface_t &s : bsp.drawSurfaces)
+        s.lightmapNum = kLightmapByVertex;
+    const LitMap a(bsp, {}, {});
+    const Comparison c = Compare(a, a, 10, 0, library.get());
+    const std::size_t one = std::size_t(bsp.drawSurfaces[0].numVerts);
+    EXPECT_EQ(c.vertices.count, 3 * one) << "walls 1, 2 and 5";
+    EXPECT_EQ(c.unseenVertices.count, 3 * one);
+    EXPECT_THAT(ToText(c), testing::HasSubstr("left out: those that their shader does not draw: 12"));
+    EXPECT_EQ(Compare(a, a, 10, 0).vertices.count, 6 * one) << "without the game's files";
+}
+
 TEST_F(CompareTest, DirectionsAreComparedInDegrees) {
     lightmap.deluxe = true;
     const auto towards = [&](const Vec3f &direction) {

@@ -39,7 +39,8 @@ double Degrees(const Vec3d &a, const Vec3d &b) {
 
 class Comparer {
   public:
-    Comparer(const LitMap &a, const LitMap &b, int samples) : a_(a), b_(b), samples_(samples) {}
+    Comparer(const LitMap &a, const LitMap &b, int samples, ShaderLibrary *shaders)
+        : a_(a), b_(b), samples_(samples), shaders_(shaders) {}
 
     Comparison Run(std::size_t worstCount) {
         for (std::size_t i = 0; i < a_.Map().drawSurfaces.size(); ++i) {
@@ -48,13 +49,14 @@ class Comparer {
             if (inA && inB)
                 CompareLightmaps(i);
             if (inA == inB)
-                CompareVertices(i, inA ? lightmapVertices_ : IsUndrawn(a_.Map(), i) ? undrawnVertices_ : vertices_);
+                CompareVertices(i, inA ? lightmapVertices_ : VerticesLike(i));
         }
         result_.lightmaps = lightmaps_.Summary();
         result_.surfaces = surfaces_.Summary();
         result_.directions = directions_.Summary();
         result_.vertices = vertices_.Summary();
         result_.undrawnVertices = undrawnVertices_.Summary();
+        result_.unseenVertices = unseenVertices_.Summary();
         result_.lightmapVertices = lightmapVertices_.Summary();
         std::stable_sort(result_.worst.begin(), result_.worst.end(),
                          [](const auto &x, const auto &y) { return x.spread.mean > y.spread.mean; });
@@ -97,6 +99,13 @@ class Comparer {
         result_.worst.push_back(std::move(difference));
     }
 
+    Differences &VerticesLike(std::size_t surface) {
+        if (IsUndrawn(a_.Map(), surface))
+            return undrawnVertices_;
+        const bool seen = !shaders_ || DrawsVertexColors(shaders_->Get(a_.ShaderOf(surface)));
+        return seen ? vertices_ : unseenVertices_;
+    }
+
     void CompareVertices(std::size_t surface, Differences &differences) const {
         const bspDrawSurface_t &s = a_.Map().drawSurfaces[surface];
         const auto color = [](const LitMap &map, int vertex) {
@@ -109,8 +118,9 @@ class Comparer {
 
     const LitMap &a_, &b_;
     int samples_;
+    ShaderLibrary *shaders_;
     Comparison result_;
-    Differences lightmaps_, surfaces_, directions_, vertices_, undrawnVertices_, lightmapVertices_;
+    Differences lightmaps_, surfaces_, directions_, vertices_, undrawnVertices_, unseenVertices_, lightmapVertices_;
 };
 
 std::string Line(std::string_view name, const Spread &s) {
@@ -177,9 +187,10 @@ Spread Differences::Summary() const {
     return s;
 }
 
-Comparison Compare(const LitMap &a, const LitMap &b, int samplesASurface, std::size_t worstCount) {
+Comparison Compare(const LitMap &a, const LitMap &b, int samplesASurface, std::size_t worstCount,
+                   ShaderLibrary *shaders) {
     CheckSameMap(a.Map(), b.Map());
-    return Comparer(a, b, samplesASurface).Run(worstCount);
+    return Comparer(a, b, samplesASurface, shaders).Run(worstCount);
 }
 
 std::string ToText(const Comparison &c) {
@@ -196,6 +207,8 @@ std::string ToText(const Comparison &c) {
     text += Line("vertex colours without lightmap", c.vertices);
     if (c.undrawnVertices.count > 0)
         text += Line("  left out: those of skies and undrawn surfaces", c.undrawnVertices);
+    if (c.unseenVertices.count > 0)
+        text += Line("  left out: those that their shader does not draw", c.unseenVertices);
     text += Line("vertex colours with lightmap", c.lightmapVertices);
     for (const SurfaceDifference &one : c.worst)
         text +=
@@ -226,6 +239,7 @@ std::string ToJson(const Comparison &c) {
         {"directions", Json(c.directions)},
         {"vertices", Json(c.vertices)},
         {"undrawnVertices", Json(c.undrawnVertices)},
+        {"unseenVertices", Json(c.unseenVertices)},
         {"lightmapVertices", Json(c.lightmapVertices)},
         {"worst", worst}};
     return all.dump(2) + "\n";

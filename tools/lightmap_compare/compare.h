@@ -62,14 +62,17 @@ struct Comparison {
     Spread surfaces;        ///< means of those surfaces
     std::size_t surfacesWithin2 = 0, surfacesCompared = 0;
     Spread directions;                    ///< degrees; no samples unless both are deluxe
-    Spread vertices;                      ///< colours of surfaces without lightmap in both, but for the next
+    Spread vertices;                      ///< colours of surfaces without lightmap in both, but for the next two
     Spread undrawnVertices;               ///< the same of skies and others that no engine draws by them
+    Spread unseenVertices;                ///< the same where the shader draws no vertex colours; needs shaders
     Spread lightmapVertices;              ///< colours of surfaces with lightmap in both
     std::vector<SurfaceDifference> worst; ///< surfaces with lightmaps in both, the worst mean first
 };
 
-/// Samples every surface at the same places of both. Errors: Error, for files of different maps.
-Comparison Compare(const LitMap &a, const LitMap &b, int samplesASurface, std::size_t worstCount);
+/// Samples every surface at the same places of both. shaders: of the game, null if unknown. Errors: Error, for files of
+/// different maps.
+Comparison Compare(const LitMap &a, const LitMap &b, int samplesASurface, std::size_t worstCount,
+                   ShaderLibrary *shaders = nullptr);
 
 std::string ToText(const Comparison &comparison);
 std::string ToJson(const Comparison &comparison);

@@ -3,9 +3,11 @@
 #include "common/error.h"
 #include "common/files.h"
 #include "common/text.h"
+#include "q3map2/global_options.h"
 #include "tools/lightmap_compare/compare.h"
 
 #include <cstdio>
+#include <optional>
 #include <span>
 
 namespace q3::compare {
@@ -20,7 +22,8 @@ constexpr std::string_view kUsage = R"(usage: lightmap_compare [options] A.bsp B
 Both files must be of one map. Pages are those of the file, or lm_NNNN.tga in the folder of its name. Samples that are
 black in one file, or in solids where nobody sees them, are counted, not compared. Every surface has as many samples;
 the line "by area" weighs them by the area of their surface. Vertex colours of skies and of surfaces that no engine
-draws have a line of their own.
+draws have a line of their own, and with the game's files, -fs_basepath DIR [-fs_game MOD] [-game NAME], so have those
+that the shader does not draw.
 )";
 
 int TakeWhole(Arguments &arguments, std::string_view name, int fallback, int least) {
@@ -42,14 +45,20 @@ int Run(const std::vector<std::string> &words) {
     const int samples = TakeWhole(arguments, "--samples", 1000, 1), worst = TakeWhole(arguments, "--worst", 10, 0);
     const int side = TakeWhole(arguments, "--pagesize", 128, 2);
     const auto jsonFile = arguments.TakeValue("--json");
-    if (arguments.Rest().size() != 2)
-        throw Error("expected two files, got {} words", arguments.Rest().size());
     Log log([](LogLevel level, std::string_view text) {
         if (level != LogLevel::Normal)
             std::fwrite(text.data(), 1, text.size(), stderr);
     });
+    const GlobalOptions game = ParseGlobalOptions(arguments, log);
+    if (arguments.Rest().size() != 2)
+        throw Error("expected two files, got {} words", arguments.Rest().size());
+    std::optional<ShaderLibrary> shaders;
+    if (!game.basePaths.empty()) {
+        const VirtualFileSystem files = OpenGameFiles(game, GameFolders(game, {}, {}), log);
+        shaders.emplace(files, *game.game, ShaderOptions{}, log);
+    }
     const LitMap a = LitMap::Load(arguments.Rest()[0], side, log), b = LitMap::Load(arguments.Rest()[1], side, log);
-    const Comparison comparison = Compare(a, b, samples, std::size_t(worst));
+    const Comparison comparison = Compare(a, b, samples, std::size_t(worst), shaders ? &*shaders : nullptr);
     fmt::print("{}", ToText(comparison));
     if (jsonFile) {
         const std::string json = ToJson(comparison);

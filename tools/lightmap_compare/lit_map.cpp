@@ -186,6 +186,20 @@ bool IsUndrawn(const Bsp &bsp, std::size_t surface) {
     return (flags & (kSky | kHint | kSkip | kNoDraw)) != 0;
 }
 
+bool DrawsVertexColors(const ShaderInfo &shader) {
+    if (shader.scriptText.empty() || !shader.implicitMap.empty() || !shader.implicitMask.empty() ||
+        !shader.implicitBlend.empty())
+        return true;
+    TextScanner scanner(shader.scriptText, shader.name);
+    std::string token;
+    // vertex, exactVertex, oneMinusVertex and what later engines added.
+    while (scanner.Next(token))
+        if (EqualNoCase(token, "rgbGen") && scanner.NextOnLine(token) &&
+            LowerCase(token).find("vertex") != std::string::npos)
+            return true;
+    return false;
+}
+
 bool IsBuried(const Bsp &bsp, std::size_t surface, const Place &place) {
     constexpr float kBefore = 1; // game units
     const bspModel_t &world = bsp.models.front();

@@ -4,6 +4,7 @@
 #include "common/log.h"
 #include "libs/math/vec.h"
 #include "q3map2/bspfile/bspfile.h"
+#include "q3map2/shader/shader.h"
 
 #include <array>
 #include <cstdint>
@@ -61,6 +62,10 @@ class LitMap {
 
 /// Whether engines leave the surface out or draw a sky in its place, by the flags of its shader in Quake III.
 bool IsUndrawn(const Bsp &bsp, std::size_t surface);
+
+/// Whether engines draw the vertex colours of a shader's surfaces without lightmap: those of a shader that no script
+/// defines as they are, those of others where a stage says rgbGen vertex or the like. With r_vertexLight 0.
+bool DrawsVertexColors(const ShaderInfo &shader);
 
 /// Whether a place on a surface of the world is buried in solid leafs, so that nobody sees it.
 bool IsBuried(const Bsp &bsp, std::size_t surface, const Place &place);
