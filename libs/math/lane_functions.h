@@ -38,4 +38,20 @@ inline double AngleOf(double y, double x) {
     return x < 0 ? std::numbers::pi - angle : angle;
 }
 
+/// The same in floats, right to 3e-7. Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
+inline float AngleOf(float y, float x) {
+    constexpr float kPi = std::numbers::pi_v<float>;
+    const float across = std::abs(x), big = across > y ? across : y, small = across > y ? y : across;
+    const float t = small / (big > 0 ? big : 1), t2 = t * t;
+    const float series =
+        -0.3333314528f +
+        t2 * (0.1999355085f +
+              t2 * (-0.1420889944f +
+                    t2 * (0.1065626393f +
+                          t2 * (-0.0752896400f + t2 * (0.0429096138f + t2 * (-0.0161657367f + t2 * 0.0028662257f))))));
+    const float angle = t + t * t2 * series;
+    const float acute = y > across ? 0.5f * kPi - angle : angle;
+    return x < 0 ? kPi - acute : acute;
+}
+
 } // namespace q3

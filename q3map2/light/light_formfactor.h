@@ -35,22 +35,6 @@ inline float FormFactor(const Vec3f &p, const Vec3f &n, const Winding<float> &w)
 /// Edges of a polygon see no more than a full turn; more is rounding beside a degenerate one, and counts as nothing.
 inline constexpr float kMostFormAngle = 6.3f;
 
-/// atan2(y, x) for y >= 0 to 3e-7. Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
-inline float AngleOf(float y, float x) {
-    constexpr float kPi = std::numbers::pi_v<float>;
-    const float across = std::abs(x), big = across > y ? across : y, small = across > y ? y : across;
-    const float t = small / (big > 0 ? big : 1), t2 = t * t;
-    const float series =
-        -0.3333314528f +
-        t2 * (0.1999355085f +
-              t2 * (-0.1420889944f +
-                    t2 * (0.1065626393f +
-                          t2 * (-0.0752896400f + t2 * (0.0429096138f + t2 * (-0.0161657367f + t2 * 0.0028662257f))))));
-    const float angle = t + t * t2 * series;
-    const float acute = y > across ? 0.5f * kPi - angle : angle;
-    return x < 0 ? kPi - acute : acute;
-}
-
 /// FormFactor for 16 places, in floats: f errs by about 1e-6.
 void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> w, Lanes &f);
 

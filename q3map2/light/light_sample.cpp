@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. What one light gives to places on surfaces.
+#include "libs/math/lane_functions.h"
 #include "q3map2/light/light_formfactor.h"
 #include "q3map2/light/light_terms.h"
 

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Under -fast: how far bounced light reaches.
 #include "q3map2/lightmap/bounce_pieces.h"
 
+#include "libs/math/lane_functions.h"
 #include "libs/math/winding.h"
-#include "q3map2/light/light_formfactor.h"
 
 #include <algorithm>
 #include <cmath>

@@ -34,11 +34,21 @@ TEST(LaneFunctions, AnglesAreRightToTheirOwnSize) {
     }
 }
 
+TEST(LaneFunctions, AnglesInFloatsAreRightTo3e7) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> any(-1, 1);
+    for (int i = 0; i < 100000; ++i) {
+        const float y = std::abs(any(random)), x = any(random);
+        EXPECT_NEAR(AngleOf(y, x), std::atan2(y, x), 5e-7f) << y << ' ' << x;
+    }
+    EXPECT_EQ(AngleOf(0.0f, 0.0f), 0);
+}
+
 TEST(LaneFunctions, AnglesOnTheAxes) {
-    EXPECT_EQ(AngleOf(0, 0), 0);
-    EXPECT_EQ(AngleOf(0, 5), 0);
-    EXPECT_DOUBLE_EQ(AngleOf(5, 0), kPi / 2);
-    EXPECT_DOUBLE_EQ(AngleOf(0, -5), kPi);
+    EXPECT_EQ(AngleOf(0.0, 0.0), 0);
+    EXPECT_EQ(AngleOf(0.0, 5.0), 0);
+    EXPECT_DOUBLE_EQ(AngleOf(5.0, 0.0), kPi / 2);
+    EXPECT_DOUBLE_EQ(AngleOf(0.0, -5.0), kPi);
 }
 
 } // namespace
