@@ -299,8 +299,8 @@ void AreaContribution::Refine(std::size_t i) {
     int clear = 0;
     ++counts_.refined;
     RayPacket rays;
+    AreaSamples samples{};
     for (int first = 0; first < n; first += int(kPacketSize)) {
-        AreaSamples samples;
         sampler.Take(std::uint32_t(first), samples);
         AimFrom(places_->rayOrigin[i], samples.target, lift, rays);
         scene_.TraceToLight(rays, ShadowRules::Exact, counts_);
