@@ -95,6 +95,10 @@ int BspRegion::ClusterAt(const Vec3f &p, float epsilon) const {
     return space_.ClusterOf(LeafAt(space_.bsp_, p, top_), p, epsilon);
 }
 
+bool BspRegion::InSolidLeaf(const Vec3f &p) const {
+    return space_.bsp_.leafs[std::size_t(LeafAt(space_.bsp_, p, top_))].cluster < 0;
+}
+
 bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, bool solid) const {
     const Bsp &bsp = space_.bsp_;
     const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;

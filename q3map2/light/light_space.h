@@ -23,6 +23,8 @@ class BspRegion {
     /// Cluster of p, or kSolidCluster in a solid leaf or not farther than epsilon outside an opaque brush (negative:
     /// deeper than -epsilon inside).
     int ClusterAt(const Vec3f &p, float epsilon) const;
+    /// Whether p is in a solid leaf; brushes do not count.
+    bool InSolidLeaf(const Vec3f &p) const;
     /// Whether the box touches a leaf that is not solid, or one that is.
     bool AnyOpen(const Vec3f &mins, const Vec3f &maxs) const { return Touches(mins, maxs, false); }
     bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const { return Touches(mins, maxs, true); }

@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/near_triangles.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -160,11 +161,10 @@ NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneM
     std::array<std::size_t, kFew> met;
     std::size_t count = 0;
     for (std::size_t word = 0; word < keep_.size(); word += kWord) {
-        std::uint64_t any;
+        std::uint64_t any; // a byte of 0 or 1 each
         std::memcpy(&any, keep_.data() + word, kWord);
-        for (std::size_t i = word; any != 0 && i < word + kWord; ++i) {
-            if (keep_[i] == 0)
-                continue;
+        for (; any != 0; any &= any - 1) {
+            const std::size_t i = word + std::size_t(std::countr_zero(any)) / 8;
             if (count == kFew || seeThrough_[i] != 0)
                 return Outcome::NotKnown;
             met[count++] = i;
@@ -176,7 +176,10 @@ NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneM
     blockers.surface.fill(-1);
     blockers.distance = packet.distance;
     for (std::size_t i = 0; i < count; ++i)
-        Test(met[i], packet, live, nearest, blockers);
+        if (beam.narrow)
+            TestBeam(met[i], packet, live, beam.direction, nearest, blockers);
+        else
+            Test(met[i], packet, live, nearest, blockers);
     return blockers.hit.Any() ? Outcome::Traced : Outcome::Missed;
 }
 
@@ -200,6 +203,34 @@ Q3_VECTOR void NearTriangles::Test(std::size_t triangle, const RayPacket &packet
         const float t = (bx * qx + by * qy + bz * qz) * inverse;
         const bool hit = !flat & (live[i] != 0) & (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) &
                          (t >= nearest) & (t <= blockers.distance[i]);
+        blockers.distance[i] = hit ? t : blockers.distance[i];
+        blockers.surface[i] = hit ? surface : blockers.surface[i];
+        blockers.hit[i] = hit ? -1 : blockers.hit[i];
+    }
+}
+
+/// Test where all rays have one direction: the same values, but what does not depend on where a ray starts is found
+/// once.
+Q3_VECTOR void NearTriangles::TestBeam(std::size_t triangle, const RayPacket &packet, const LaneMask &live,
+                                       const Vec3f &direction, float nearest, LightScene::Blockers &blockers) const {
+    const float cx = rows_[kX][triangle], cy = rows_[kY][triangle], cz = rows_[kZ][triangle];
+    const float ax = rows_[kAx][triangle], ay = rows_[kAy][triangle], az = rows_[kAz][triangle];
+    const float bx = rows_[kBx][triangle], by = rows_[kBy][triangle], bz = rows_[kBz][triangle];
+    const float dx = direction.x, dy = direction.y, dz = direction.z;
+    const float px = dy * bz - dz * by, py = dz * bx - dx * bz, pz = dx * by - dy * bx;
+    const float determinant = ax * px + ay * py + az * pz;
+    if (std::abs(determinant) < kLeastDeterminant)
+        return;
+    const float inverse = 1 / determinant;
+    const std::int32_t surface = surface_[triangle];
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float sx = packet.origin.x[i] - cx, sy = packet.origin.y[i] - cy, sz = packet.origin.z[i] - cz;
+        const float u = (sx * px + sy * py + sz * pz) * inverse;
+        const float qx = sy * az - sz * ay, qy = sz * ax - sx * az, qz = sx * ay - sy * ax;
+        const float v = (dx * qx + dy * qy + dz * qz) * inverse;
+        const float t = (bx * qx + by * qy + bz * qz) * inverse;
+        const bool hit = (live[i] != 0) & (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) & (t >= nearest) &
+                         (t <= blockers.distance[i]);
         blockers.distance[i] = hit ? t : blockers.distance[i];
         blockers.surface[i] = hit ? surface : blockers.surface[i];
         blockers.hit[i] = hit ? -1 : blockers.hit[i];

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace q3 {
 
@@ -116,9 +117,8 @@ bool IsOwn(const OpenPlaces &places, int surface) {
 }
 
 /// Whether a ray goes into a solid right behind what it hit.
-bool EntersSolid(const BspSpace &space, const RayPacket &rays, std::size_t ray, float distance) {
-    const Vec3f behind = rays.origin[ray] + rays.direction[ray] * (distance + kBehind);
-    return space.Map().leafs[std::size_t(space.LeafAt(behind))].cluster < 0;
+bool EntersSolid(const BspRegion &space, const RayPacket &rays, std::size_t ray, float distance) {
+    return space.InSolidLeaf(rays.origin[ray] + rays.direction[ray] * (distance + kBehind));
 }
 
 /// A box that holds all that rays of some length from the places can meet.
@@ -128,6 +128,11 @@ Boundsf Reach(const OpenPlaces &places, float length) {
         box.Add(places.position[i]);
     const Vec3f all{length + 1, length + 1, length + 1};
     return {box.mins - all, box.maxs + all};
+}
+
+/// What EntersSolid asks about where a place touches a wall.
+BspRegion TouchedSpace(const BspSpace &space, const OpenPlaces &places) {
+    return space.Whole().Around(Reach(places, 2 * kBack + kBehind));
 }
 
 /// Beams of rays from places that face the same way, in one direction after the other: cheaper than BeamOf.
@@ -188,13 +193,15 @@ struct Surroundings::Walk {
             work.rays += std::uint64_t(live.Count());
         if (outcome == Outcome::Missed)
             return;
-        RayPacket rest = rays;
-        rest.live = live;
-        if (outcome == Outcome::NotKnown)
-            scene.TraceBlockers(rest, kind, places.receiveShadows, nearest, blockers, work);
-        Lanes done{}; // of each ray, before `rest`
+        if (outcome == Outcome::NotKnown) {
+            RayPacket all = rays;
+            all.live = live;
+            scene.TraceBlockers(all, kind, places.receiveShadows, nearest, blockers, work);
+        }
+        std::optional<RayPacket> rest; // of rays whose hits do not count; few packets have some
+        Lanes done{};                  // of each ray, before `rest`
         for (int hit = 0; hit < kMostPassed; ++hit) {
-            rest.live = {};
+            LaneMask goesOn{};
             for (std::size_t i = 0; i < places.count; ++i) {
                 if (blockers.hit[i] == 0)
                     continue;
@@ -206,25 +213,28 @@ struct Surroundings::Walk {
                 }
                 const float step = blockers.distance[i] + kStep;
                 done[i] += step;
-                rest.origin.Set(i, rest.origin[i] + rest.direction[i] * step);
-                rest.distance[i] = rays.distance[i] - done[i];
-                rest.live[i] = -1;
+                if (!rest)
+                    rest = rays;
+                rest->origin.Set(i, rest->origin[i] + rest->direction[i] * step);
+                rest->distance[i] = rays.distance[i] - done[i];
+                goesOn[i] = -1;
             }
-            if (!rest.live.Any())
+            if (!rest || !goesOn.Any())
                 return;
-            scene.TraceBlockers(rest, kind, places.receiveShadows, 0, blockers, work);
+            rest->live = goesOn;
+            scene.TraceBlockers(*rest, kind, places.receiveShadows, 0, blockers, work);
         }
     }
 };
 
-void Surroundings::Gather(const OpenPlaces &places, const RayPacket &rays, const CloseRules &rules, Nearby *nearby,
-                          Lanes &missing, RayCounts &counts) const {
+void Surroundings::Gather(const OpenPlaces &places, const RayPacket &rays, const CloseRules &rules,
+                          const BspRegion &space, Nearby *nearby, Lanes &missing, RayCounts &counts) const {
     LaneMask live = rays.live;
     const RayBeam *const beam = nearby ? &nearby->beam : nullptr;
     const Walk solids{scene_, places, rays, rules.solids, nearby ? &nearby->solids : nullptr, beam, 0};
     solids.Run(live, missing, counts, [&](std::size_t ray, float distance, int) {
         // Rays that leave a wall which the place touches are free.
-        return distance > 2 * kBack || EntersSolid(space_, rays, ray, distance);
+        return distance > 2 * kBack || EntersSolid(space, rays, ray, distance);
     });
     if (!live.Any())
         return;
@@ -290,6 +300,7 @@ void Surroundings::Dirt(const OpenPlaces &places, Nearby *nearby, Lanes &dirt, R
         counts.rays += 2 * places.count * dirtDirections_.size();
         return;
     }
+    const BspRegion space = TouchedSpace(space_, places);
     const FlatBeams beams(places);
     Lanes gathered{};
     Lanes3 local{};
@@ -307,7 +318,7 @@ void Surroundings::Dirt(const OpenPlaces &places, Nearby *nearby, Lanes &dirt, R
         }
         if (nearby)
             beams.Set(rays, !differ, nearby->beam);
-        Gather(places, rays, rules, nearby, gathered, counts);
+        Gather(places, rays, rules, space, nearby, gathered, counts);
     }
     for (std::size_t i = 0; i < places.count; ++i) {
         const float share = gathered[i] / float(dirtDirections_.size());
@@ -325,12 +336,13 @@ void Surroundings::Openness(const OpenPlaces &places, float distance, Lanes &ope
         rays.live[i] = -1;
     const CloseRules rules{places.vertices ? LightScene::BlockerKind::Solids : LightScene::BlockerKind::LegacySolids,
                            kClose, 0};
+    const BspRegion space = TouchedSpace(space_, places);
     Lanes gathered{};
     Lanes3 local{};
     for (const Vec3f &direction : floodDirections_) {
         local.Fill(direction);
         SetDirections(frames, places, local, rays);
-        Gather(places, rays, rules, nullptr, gathered, counts);
+        Gather(places, rays, rules, space, nullptr, gathered, counts);
     }
     for (std::size_t i = 0; i < places.count; ++i)
         open[i] = std::clamp(1 - gathered[i] / float(floodDirections_.size()), 0.0f, 1.0f);
