@@ -56,6 +56,18 @@ Q3_VECTOR void MeetBox(const BoxRows b, std::size_t count, const Vec3f &from, co
                   (b.maxZ[i] >= z0);
 }
 
+/// Takes out of keep boxes that are farther than `reach` from the box from..to.
+Q3_VECTOR void DropFar(const BoxRows b, std::size_t count, const Vec3f &from, const Vec3f &to, float reach,
+                       std::uint8_t *__restrict keep) {
+    const float x0 = from.x, y0 = from.y, z0 = from.z, x1 = to.x, y1 = to.y, z1 = to.z, most = reach * reach;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float x = std::max(std::max(b.minX[i] - x1, x0 - b.maxX[i]), 0.0f);
+        const float y = std::max(std::max(b.minY[i] - y1, y0 - b.maxY[i]), 0.0f);
+        const float z = std::max(std::max(b.minZ[i] - z1, z0 - b.maxZ[i]), 0.0f);
+        keep[i] = keep[i] & (x * x + y * y + z * z <= most);
+    }
+}
+
 /// keep[i]: box i is met by the beam's start as it moves along.
 Q3_VECTOR void MeetBeam(const BoxRows b, std::size_t count, const RayBeam &beam, std::uint8_t *__restrict keep) {
     constexpr float kNever = 1e30f; // of an axis along which the beam does not move
@@ -119,19 +131,25 @@ void NearTriangles::Copy(const NearTriangles &from) {
     copy(from.seeThrough_, seeThrough_);
 }
 
-void NearTriangles::Select(const NearTriangles &from, const Boundsf &box) {
+void NearTriangles::KeepNear(const NearTriangles &from, const Boundsf &starts, float reach) {
     keep_.resize(from.Count());
     const auto &r = from.rows_;
-    MeetBox({r[kMinX].data(), r[kMinY].data(), r[kMinZ].data(), r[kMaxX].data(), r[kMaxY].data(), r[kMaxZ].data()},
-            from.Count(), box.mins, box.maxs, keep_.data());
+    const BoxRows boxes{r[kMinX].data(), r[kMinY].data(), r[kMinZ].data(),
+                        r[kMaxX].data(), r[kMaxY].data(), r[kMaxZ].data()};
+    const Vec3f all{reach, reach, reach};
+    MeetBox(boxes, from.Count(), starts.mins - all, starts.maxs + all, keep_.data());
+    DropFar(boxes, from.Count(), starts.mins, starts.maxs, reach, keep_.data());
+}
+
+void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, float reach) {
+    KeepNear(from, starts, reach);
     Copy(from);
 }
 
-void NearTriangles::Select(const NearTriangles &from, const Boundsf &box, const Vec3f &normal, float dist) {
-    keep_.resize(from.Count());
+void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, float reach, const Vec3f &normal,
+                           float dist) {
+    KeepNear(from, starts, reach);
     const auto &r = from.rows_;
-    MeetBox({r[kMinX].data(), r[kMinY].data(), r[kMinZ].data(), r[kMaxX].data(), r[kMaxY].data(), r[kMaxZ].data()},
-            from.Count(), box.mins, box.maxs, keep_.data());
     for (std::size_t i = 0; i < keep_.size(); ++i) {
         if (keep_[i] == 0)
             continue;

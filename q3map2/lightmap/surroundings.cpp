@@ -20,6 +20,8 @@ constexpr float kTouching = 1.0f / 64, kDirtOwn = 0.5f, kClose = 1.5f;
 constexpr float kBehind = 2;
 /// Rays start this far behind their place, so that what touches it is met. Game units.
 constexpr float kBack = 0.1f;
+/// Triangles count as near when they are no farther off than rays are long and this. Game units.
+constexpr float kReachSlack = 1;
 /// Rays go on this far behind what does not count, past so many such hits. Game units.
 constexpr float kStep = 1.0f / 64;
 constexpr int kMostPassed = 8;
@@ -121,18 +123,18 @@ bool EntersSolid(const BspRegion &space, const RayPacket &rays, std::size_t ray,
     return space.InSolidLeaf(rays.origin[ray] + rays.direction[ray] * (distance + kBehind));
 }
 
-/// A box that holds all that rays of some length from the places can meet.
-Boundsf Reach(const OpenPlaces &places, float length) {
+Boundsf BoundsOf(const OpenPlaces &places) {
     Boundsf box;
     for (std::size_t i = 0; i < places.count; ++i)
         box.Add(places.position[i]);
-    const Vec3f all{length + 1, length + 1, length + 1};
-    return {box.mins - all, box.maxs + all};
+    return box;
 }
 
 /// What EntersSolid asks about where a place touches a wall.
 BspRegion TouchedSpace(const BspSpace &space, const OpenPlaces &places) {
-    return space.Whole().Around(Reach(places, 2 * kBack + kBehind));
+    constexpr Vec3f kReach = Vec3f{1, 1, 1} * (2 * kBack + kBehind);
+    const Boundsf box = BoundsOf(places);
+    return space.Whole().Around({box.mins - kReach, box.maxs + kReach});
 }
 
 /// Beams of rays from places that face the same way, in one direction after the other: cheaper than BeamOf.
@@ -161,15 +163,15 @@ class FlatBeams {
 };
 
 /// Triangles that rays from the places can meet.
-void SelectNear(const OpenPlaces &places, float length, const NearTriangles &from, NearTriangles &nearby) {
+void SelectNear(const OpenPlaces &places, float reach, const NearTriangles &from, NearTriangles &nearby) {
     const Vec3f normal = places.normal[0];
     float lowest = Dot(normal, places.position[0]);
     for (std::size_t i = 1; i < places.count; ++i) {
         if (!(places.normal[i] == normal))
-            return nearby.Select(from, Reach(places, length));
+            return nearby.Select(from, BoundsOf(places), reach);
         lowest = std::min(lowest, Dot(normal, places.position[i]));
     }
-    nearby.Select(from, Reach(places, length), normal, lowest - kBack);
+    nearby.Select(from, BoundsOf(places), reach, normal, lowest - kBack);
 }
 
 } // namespace
@@ -268,17 +270,18 @@ void Surroundings::Dirt(std::span<const OpenPlaces> blocks, std::vector<Lanes> &
     Boundsf box;
     for (const OpenPlaces &places : blocks)
         if (fits(places))
-            box.Add(Reach(places, depth_));
+            box.Add(BoundsOf(places));
+    const float reach = depth_ + kReachSlack;
     Nearby around, nearby;
     if (!box.Empty()) {
-        around.solids.Select(all_.solids, box);
-        around.surfaces.Select(all_.surfaces, box);
+        around.solids.Select(all_.solids, box, reach);
+        around.surfaces.Select(all_.surfaces, box, reach);
     }
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         bool few = false;
         if (fits(blocks[i])) {
-            SelectNear(blocks[i], depth_, around.solids, nearby.solids);
-            SelectNear(blocks[i], depth_, around.surfaces, nearby.surfaces);
+            SelectNear(blocks[i], reach, around.solids, nearby.solids);
+            SelectNear(blocks[i], reach, around.surfaces, nearby.surfaces);
             few = nearby.solids.Count() + nearby.surfaces.Count() <= kMostNear;
         }
         Dirt(blocks[i], few ? &nearby : nullptr, dirt[i], counts);
