@@ -57,7 +57,6 @@ class BspSpace {
     bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const { return Whole().AnySolid(mins, maxs); }
     bool PlayerFits(const Vec3f &p) const { return Whole().PlayerFits(p); }
 
-    int LeafAt(const Vec3f &p) const { return q3::LeafAt(bsp_, p); }
     /// Whether a sees b: true without visibility data, false for kSolidCluster.
     bool Visible(int a, int b) const;
     int ClusterCount() const { return clusterCount_; }
