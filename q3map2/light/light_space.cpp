@@ -110,6 +110,10 @@ int BspRegion::ClusterAt(const Vec3f &p, float epsilon) const {
     return space_.ClusterOf(LeafAt(space_.bsp_, p, top_), p, epsilon);
 }
 
+bool BspRegion::InSolidLeaf(const Vec3f &p) const {
+    return space_.bsp_.leafs[std::size_t(LeafAt(space_.bsp_, p, top_))].cluster < 0;
+}
+
 bool BspRegion::AnyOpen(const Vec3f &mins, const Vec3f &maxs, float epsilon) const {
     return Touches(mins, maxs, [&](std::size_t leaf) {
         return space_.bsp_.leafs[leaf].cluster >= 0 && !space_.FilledByBrush(leaf, {mins, maxs}, epsilon);

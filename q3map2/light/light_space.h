@@ -23,6 +23,8 @@ class BspRegion {
     /// Cluster of p, or kSolidCluster in a solid leaf or not farther than epsilon outside an opaque brush (negative:
     /// deeper than -epsilon inside).
     int ClusterAt(const Vec3f &p, float epsilon) const;
+    /// Whether p is in a solid leaf; brushes do not count.
+    bool InSolidLeaf(const Vec3f &p) const;
     /// False if ClusterAt(p, epsilon) says solid of all p in the box. True in doubt.
     bool AnyOpen(const Vec3f &mins, const Vec3f &maxs, float epsilon) const;
     /// Whether the box touches a solid leaf.
@@ -58,7 +60,6 @@ class BspSpace {
     bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const { return Whole().AnySolid(mins, maxs); }
     bool PlayerFits(const Vec3f &p) const { return Whole().PlayerFits(p); }
 
-    int LeafAt(const Vec3f &p) const { return q3::LeafAt(bsp_, p); }
     /// Whether a sees b: true without visibility data, false for kSolidCluster.
     bool Visible(int a, int b) const;
     int ClusterCount() const { return clusterCount_; }

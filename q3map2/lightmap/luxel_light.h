@@ -57,15 +57,26 @@ class LuxelSampler {
         Vec3f place;
         Vec3f color, direction;
         int count = 1;
+        bool lit = false, forced = false;
     };
+    /// A sample of luxel (x, y) to look at more closely.
+    struct Closer {
+        int x = 0, y = 0;
+        Sample *sample = nullptr;
+    };
+    /// Of each sample; as many samples as fill a packet with theirs are looked at together.
+    static constexpr std::size_t kParts = 4, kMostCloser = kPacketSize / kParts;
+    using PartPlaces = std::array<Vec3f, kPacketSize>;
     bool Mapped(int x, int y) const;
     Vec3f Step(int x, int y, int dx, int dy) const;
     Vec3f Offset(int x, int y, float across, float down) const;
-    bool PlaceInOpen(const Vec3f &place, int &cluster) const;
+    bool PlaceInOpen(const BspRegion &space, const Vec3f &place, int &cluster) const;
+    PartPlaces PlacesOfParts(std::span<const Closer> samples, float bias) const;
     void RefineStamp(int x, int y, LuxelSum &sum, ContributionCounts &counts);
-    void RefineLuxel(std::size_t luxel, LuxelSum &sum, ContributionCounts &counts);
+    void SetLuxel(std::size_t luxel, const Sample &after, LuxelSum &sum);
     Sample ReadLuxel(std::size_t luxel) const;
-    void Subsample(int x, int y, Sample &sample, float bias, ContributionCounts &counts) const;
+    void Subsample(std::span<const Closer> samples, float bias, ContributionCounts &counts) const;
+    void TakeParts(const Closer &whole, std::span<Sample> parts, float bias, ContributionCounts &counts) const;
     Sample RandomSamples(int x, int y, ContributionCounts &counts) const;
     bool RowIsMixed(int y) const;
 

@@ -126,21 +126,27 @@ void LuxelSampler::RefineStamp(int x, int y, LuxelSum &sum, ContributionCounts &
         total += ReadLuxel(luxel).color;
     if (MaxComponent(total) <= kBrightStamp)
         return;
+    std::array<Sample, kMostCloser> after;
+    std::array<Closer, kMostCloser> closer;
+    std::size_t count = 0;
     for (const std::size_t luxel : {at, at + 1, below, below + 1})
-        if (lightmap_->Mapped(luxel) && done_[luxel] == 0)
-            RefineLuxel(luxel, sum, counts);
+        if (lightmap_->Mapped(luxel) && done_[luxel] == 0) {
+            after[count] = ReadLuxel(luxel);
+            closer[count] = {int(luxel % std::size_t(width_)), int(luxel / std::size_t(width_)), &after[count]};
+            ++count;
+        }
+    if (random_ == 0)
+        Subsample({closer.data(), count}, kFirstBias * box_, counts);
+    for (const Closer &one : std::span(closer).first(count))
+        SetLuxel(lightmap_->SuperIndex(one.x, one.y), random_ > 0 ? RandomSamples(one.x, one.y, counts) : *one.sample,
+                 sum);
 }
 
-void LuxelSampler::RefineLuxel(std::size_t luxel, LuxelSum &sum, ContributionCounts &counts) {
+/// What a closer look at the luxel gave.
+void LuxelSampler::SetLuxel(std::size_t luxel, const Sample &after, LuxelSum &sum) {
     done_[luxel] = 1;
     doneList_.push_back(std::uint32_t(luxel));
-    const int x = int(luxel % std::size_t(width_)), y = int(luxel / std::size_t(width_));
     const Sample before = ReadLuxel(luxel);
-    Sample after = before;
-    if (random_ > 0)
-        after = RandomSamples(x, y, counts);
-    else
-        Subsample(x, y, after, kFirstBias * box_, counts);
     const auto slot = std::size_t(blocks_->SlotOf(luxel));
     const std::size_t block = slot / kPacketSize, lane = slot % kPacketSize;
     LuxelArrivals &arrivals = arrivals_[block];
@@ -175,51 +181,83 @@ Vec3f LuxelSampler::Offset(int x, int y, float across, float down) const {
     return Step(x, y, across >= 0 ? 1 : -1, 0) * std::abs(across) + Step(x, y, 0, down >= 0 ? 1 : -1) * std::abs(down);
 }
 
-bool LuxelSampler::PlaceInOpen(const Vec3f &place, int &cluster) const {
-    cluster = in_->space.ClusterAt(place, kSampleMargin);
+bool LuxelSampler::PlaceInOpen(const BspRegion &space, const Vec3f &place, int &cluster) const {
+    cluster = space.ClusterAt(place, kSampleMargin);
     return cluster >= 0 && (allowed_.empty() || allowed_[std::size_t(cluster)] != 0);
 }
 
-void LuxelSampler::Subsample(int x, int y, Sample &sample, float bias, ContributionCounts &counts) const {
-    if (sample.count >= levels_)
+/// Where the four parts of each sample lie, sample by sample.
+LuxelSampler::PartPlaces LuxelSampler::PlacesOfParts(std::span<const Closer> samples, float bias) const {
+    PartPlaces places;
+    std::size_t count = 0;
+    for (const Closer &one : samples)
+        for (const float down : {-bias, bias})
+            for (const float across : {-bias, bias})
+                places[count++] = one.sample->place + Offset(one.x, one.y, across, down);
+    return places;
+}
+
+void LuxelSampler::Subsample(std::span<const Closer> samples, float bias, ContributionCounts &counts) const {
+    if (samples.empty() || samples.front().sample->count >= levels_)
         return;
-    const Vec3f normal = lightmap_->normals[lightmap_->SuperIndex(x, y)];
-    std::array<Sample, 4> parts;
+    const PartPlaces at = PlacesOfParts(samples, bias);
+    Boundsf box;
+    for (std::size_t i = 0; i < samples.size() * kParts; ++i)
+        box.Add(at[i]);
+    const BspRegion space = in_->space.Whole().Around(box);
+    std::array<Sample, kPacketSize> parts;
+    std::array<std::size_t, kMostCloser + 1> first{}; // part of each sample
     LightSamples places;
     places.twoSided = lightmap_->twoSided;
-    for (const float down : {-bias, bias})
-        for (const float across : {-bias, bias}) {
-            const Vec3f place = sample.place + Offset(x, y, across, down);
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        const Vec3f normal = lightmap_->normals[lightmap_->SuperIndex(samples[k].x, samples[k].y)];
+        for (std::size_t i = k * kParts; i < (k + 1) * kParts; ++i) {
             int cluster = 0;
-            if (!PlaceInOpen(place, cluster))
+            if (!PlaceInOpen(space, at[i], cluster))
                 continue;
-            parts[places.count].place = place;
-            places.Add(place, normal, cluster);
+            parts[places.count].place = at[i];
+            parts[places.count].count = samples[k].sample->count + 1;
+            places.Add(at[i], normal, cluster);
         }
-    const std::size_t present = places.count;
-    if (present == 0)
+        first[k + 1] = places.count;
+    }
+    if (places.count == 0)
         return;
     LuxelArrivals arrivals;
-    const bool any = LuxelContribution(*light_, pass_, in_->scene, places, arrivals, counts);
+    if (LuxelContribution(*light_, pass_, in_->scene, places, arrivals, counts))
+        for (std::size_t i = 0; i < places.count; ++i) {
+            parts[i].color = arrivals.color[i];
+            parts[i].direction = arrivals.direction[i];
+            parts[i].lit = arrivals.lit[i] != 0, parts[i].forced = arrivals.forced[i] != 0;
+        }
+    for (std::size_t k = 0; k < samples.size(); ++k)
+        TakeParts(samples[k], std::span(parts).subspan(first[k], first[k + 1] - first[k]), bias, counts);
+}
+
+/// A sample becomes the mean of itself and its parts, which are looked at in their turn where the light reaches some of
+/// them only.
+void LuxelSampler::TakeParts(const Closer &whole, std::span<Sample> parts, float bias,
+                             ContributionCounts &counts) const {
+    if (parts.empty())
+        return;
     Vec3f total;
-    std::size_t mapped = present, lit = 0;
-    for (std::size_t i = 0; i < present && any; ++i) {
-        parts[i].color = arrivals.color[i];
-        parts[i].direction = arrivals.direction[i];
-        total += parts[i].color;
-        lit += arrivals.lit[i] != 0 ? 1 : 0;
-        if (arrivals.forced[i] != 0)
+    std::size_t mapped = parts.size(), lit = 0;
+    for (const Sample &part : parts) {
+        total += part.color;
+        lit += part.lit ? 1 : 0;
+        if (part.forced)
             lit += 1, mapped += 2;
     }
-    const bool mixed = MaxComponent(total) > kBrightStamp && lit != 0 && lit != mapped;
-    for (std::size_t i = 0; i < present; ++i) {
-        parts[i].count = sample.count + 1;
-        if (mixed)
-            Subsample(x, y, parts[i], bias / 2, counts);
-        sample.color += parts[i].color;
-        sample.direction += parts[i].direction;
+    if (MaxComponent(total) > kBrightStamp && lit != 0 && lit != mapped) {
+        std::array<Closer, kParts> closer;
+        for (std::size_t i = 0; i < parts.size(); ++i)
+            closer[i] = {whole.x, whole.y, &parts[i]};
+        Subsample({closer.data(), parts.size()}, bias / 2, counts);
     }
-    const float share = 1.0f / float(1 + present);
+    Sample &sample = *whole.sample;
+    for (const Sample &part : parts)
+        sample.color += part.color, sample.direction += part.direction;
+    const float share = 1.0f / float(1 + parts.size());
     sample.color *= share, sample.direction *= share;
     ++sample.count;
 }
@@ -240,7 +278,7 @@ LuxelSampler::Sample LuxelSampler::RandomSamples(int x, int y, ContributionCount
             const Vec3f place = lightmap_->places[luxel] +
                                 Offset(x, y, float(std::cos(angle) * length), float(std::sin(angle) * length));
             int cluster = 0;
-            if (PlaceInOpen(place, cluster))
+            if (PlaceInOpen(in_->space.Whole(), place, cluster))
                 places.Add(place, lightmap_->normals[luxel], cluster);
         }
         used += int(places.count);

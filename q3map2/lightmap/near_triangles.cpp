@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/near_triangles.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -53,6 +54,18 @@ Q3_VECTOR void MeetBox(const BoxRows b, std::size_t count, const Vec3f &from, co
     for (std::size_t i = 0; i < count; ++i)
         keep[i] = (b.minX[i] <= x1) & (b.maxX[i] >= x0) & (b.minY[i] <= y1) & (b.maxY[i] >= y0) & (b.minZ[i] <= z1) &
                   (b.maxZ[i] >= z0);
+}
+
+/// Takes out of keep boxes that are farther than `reach` from the box from..to.
+Q3_VECTOR void DropFar(const BoxRows b, std::size_t count, const Vec3f &from, const Vec3f &to, float reach,
+                       std::uint8_t *__restrict keep) {
+    const float x0 = from.x, y0 = from.y, z0 = from.z, x1 = to.x, y1 = to.y, z1 = to.z, most = reach * reach;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float x = std::max(std::max(b.minX[i] - x1, x0 - b.maxX[i]), 0.0f);
+        const float y = std::max(std::max(b.minY[i] - y1, y0 - b.maxY[i]), 0.0f);
+        const float z = std::max(std::max(b.minZ[i] - z1, z0 - b.maxZ[i]), 0.0f);
+        keep[i] = keep[i] & (x * x + y * y + z * z <= most);
+    }
 }
 
 /// keep[i]: box i is met by the beam's start as it moves along.
@@ -118,19 +131,25 @@ void NearTriangles::Copy(const NearTriangles &from) {
     copy(from.seeThrough_, seeThrough_);
 }
 
-void NearTriangles::Select(const NearTriangles &from, const Boundsf &box) {
+void NearTriangles::KeepNear(const NearTriangles &from, const Boundsf &starts, float reach) {
     keep_.resize(from.Count());
     const auto &r = from.rows_;
-    MeetBox({r[kMinX].data(), r[kMinY].data(), r[kMinZ].data(), r[kMaxX].data(), r[kMaxY].data(), r[kMaxZ].data()},
-            from.Count(), box.mins, box.maxs, keep_.data());
+    const BoxRows boxes{r[kMinX].data(), r[kMinY].data(), r[kMinZ].data(),
+                        r[kMaxX].data(), r[kMaxY].data(), r[kMaxZ].data()};
+    const Vec3f all{reach, reach, reach};
+    MeetBox(boxes, from.Count(), starts.mins - all, starts.maxs + all, keep_.data());
+    DropFar(boxes, from.Count(), starts.mins, starts.maxs, reach, keep_.data());
+}
+
+void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, float reach) {
+    KeepNear(from, starts, reach);
     Copy(from);
 }
 
-void NearTriangles::Select(const NearTriangles &from, const Boundsf &box, const Vec3f &normal, float dist) {
-    keep_.resize(from.Count());
+void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, float reach, const Vec3f &normal,
+                           float dist) {
+    KeepNear(from, starts, reach);
     const auto &r = from.rows_;
-    MeetBox({r[kMinX].data(), r[kMinY].data(), r[kMinZ].data(), r[kMaxX].data(), r[kMaxY].data(), r[kMaxZ].data()},
-            from.Count(), box.mins, box.maxs, keep_.data());
     for (std::size_t i = 0; i < keep_.size(); ++i) {
         if (keep_[i] == 0)
             continue;
@@ -160,11 +179,10 @@ NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneM
     std::array<std::size_t, kFew> met;
     std::size_t count = 0;
     for (std::size_t word = 0; word < keep_.size(); word += kWord) {
-        std::uint64_t any;
+        std::uint64_t any; // a byte of 0 or 1 each
         std::memcpy(&any, keep_.data() + word, kWord);
-        for (std::size_t i = word; any != 0 && i < word + kWord; ++i) {
-            if (keep_[i] == 0)
-                continue;
+        for (; any != 0; any &= any - 1) {
+            const std::size_t i = word + std::size_t(std::countr_zero(any)) / 8;
             if (count == kFew || seeThrough_[i] != 0)
                 return Outcome::NotKnown;
             met[count++] = i;
@@ -176,7 +194,10 @@ NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneM
     blockers.surface.fill(-1);
     blockers.distance = packet.distance;
     for (std::size_t i = 0; i < count; ++i)
-        Test(met[i], packet, live, nearest, blockers);
+        if (beam.narrow)
+            TestBeam(met[i], packet, live, beam.direction, nearest, blockers);
+        else
+            Test(met[i], packet, live, nearest, blockers);
     return blockers.hit.Any() ? Outcome::Traced : Outcome::Missed;
 }
 
@@ -200,6 +221,34 @@ Q3_VECTOR void NearTriangles::Test(std::size_t triangle, const RayPacket &packet
         const float t = (bx * qx + by * qy + bz * qz) * inverse;
         const bool hit = !flat & (live[i] != 0) & (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) &
                          (t >= nearest) & (t <= blockers.distance[i]);
+        blockers.distance[i] = hit ? t : blockers.distance[i];
+        blockers.surface[i] = hit ? surface : blockers.surface[i];
+        blockers.hit[i] = hit ? -1 : blockers.hit[i];
+    }
+}
+
+/// Test where all rays have one direction: the same values, but what does not depend on where a ray starts is found
+/// once.
+Q3_VECTOR void NearTriangles::TestBeam(std::size_t triangle, const RayPacket &packet, const LaneMask &live,
+                                       const Vec3f &direction, float nearest, LightScene::Blockers &blockers) const {
+    const float cx = rows_[kX][triangle], cy = rows_[kY][triangle], cz = rows_[kZ][triangle];
+    const float ax = rows_[kAx][triangle], ay = rows_[kAy][triangle], az = rows_[kAz][triangle];
+    const float bx = rows_[kBx][triangle], by = rows_[kBy][triangle], bz = rows_[kBz][triangle];
+    const float dx = direction.x, dy = direction.y, dz = direction.z;
+    const float px = dy * bz - dz * by, py = dz * bx - dx * bz, pz = dx * by - dy * bx;
+    const float determinant = ax * px + ay * py + az * pz;
+    if (std::abs(determinant) < kLeastDeterminant)
+        return;
+    const float inverse = 1 / determinant;
+    const std::int32_t surface = surface_[triangle];
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float sx = packet.origin.x[i] - cx, sy = packet.origin.y[i] - cy, sz = packet.origin.z[i] - cz;
+        const float u = (sx * px + sy * py + sz * pz) * inverse;
+        const float qx = sy * az - sz * ay, qy = sz * ax - sx * az, qz = sx * ay - sy * ax;
+        const float v = (dx * qx + dy * qy + dz * qz) * inverse;
+        const float t = (bx * qx + by * qy + bz * qz) * inverse;
+        const bool hit = (live[i] != 0) & (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) & (t >= nearest) &
+                         (t <= blockers.distance[i]);
         blockers.distance[i] = hit ? t : blockers.distance[i];
         blockers.surface[i] = hit ? surface : blockers.surface[i];
         blockers.hit[i] = hit ? -1 : blockers.hit[i];

@@ -26,10 +26,10 @@ class NearTriangles {
   public:
     void Add(const LightScene::BlockerTriangle &triangle);
     std::size_t Count() const { return surface_.size(); }
-    /// Becomes those of `from` whose bounds meet the box.
-    void Select(const NearTriangles &from, const Boundsf &box);
+    /// Becomes those of `from` whose bounds are within `reach` of the box that rays start in. Game units.
+    void Select(const NearTriangles &from, const Boundsf &starts, float reach);
     /// The same without those that lie behind the plane, normal . p = dist.
-    void Select(const NearTriangles &from, const Boundsf &box, const Vec3f &normal, float dist);
+    void Select(const NearTriangles &from, const Boundsf &starts, float reach, const Vec3f &normal, float dist);
     enum class Outcome {
         Missed,  ///< no ray meets a triangle; `blockers` holds nothing
         Traced,  ///< `blockers` is set
@@ -44,9 +44,12 @@ class NearTriangles {
     /// Rows of floats: bounds, then the first corner and the edges from it to the others.
     enum Row { kMinX, kMinY, kMinZ, kMaxX, kMaxY, kMaxZ, kX, kY, kZ, kAx, kAy, kAz, kBx, kBy, kBz, kRows };
 
+    void KeepNear(const NearTriangles &from, const Boundsf &starts, float reach);
     void Copy(const NearTriangles &from);
     void Test(std::size_t triangle, const RayPacket &packet, const LaneMask &live, float nearest,
               LightScene::Blockers &blockers) const;
+    void TestBeam(std::size_t triangle, const RayPacket &packet, const LaneMask &live, const Vec3f &direction,
+                  float nearest, LightScene::Blockers &blockers) const;
 
     std::array<std::vector<float>, kRows> rows_;
     std::vector<std::int32_t> surface_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace q3 {
 
@@ -19,6 +20,8 @@ constexpr float kTouching = 1.0f / 64, kDirtOwn = 0.5f, kClose = 1.5f;
 constexpr float kBehind = 2;
 /// Rays start this far behind their place, so that what touches it is met. Game units.
 constexpr float kBack = 0.1f;
+/// Triangles count as near when they are no farther off than rays are long and this. Game units.
+constexpr float kReachSlack = 1;
 /// Rays go on this far behind what does not count, past so many such hits. Game units.
 constexpr float kStep = 1.0f / 64;
 constexpr int kMostPassed = 8;
@@ -116,18 +119,22 @@ bool IsOwn(const OpenPlaces &places, int surface) {
 }
 
 /// Whether a ray goes into a solid right behind what it hit.
-bool EntersSolid(const BspSpace &space, const RayPacket &rays, std::size_t ray, float distance) {
-    const Vec3f behind = rays.origin[ray] + rays.direction[ray] * (distance + kBehind);
-    return space.Map().leafs[std::size_t(space.LeafAt(behind))].cluster < 0;
+bool EntersSolid(const BspRegion &space, const RayPacket &rays, std::size_t ray, float distance) {
+    return space.InSolidLeaf(rays.origin[ray] + rays.direction[ray] * (distance + kBehind));
 }
 
-/// A box that holds all that rays of some length from the places can meet.
-Boundsf Reach(const OpenPlaces &places, float length) {
+Boundsf BoundsOf(const OpenPlaces &places) {
     Boundsf box;
     for (std::size_t i = 0; i < places.count; ++i)
         box.Add(places.position[i]);
-    const Vec3f all{length + 1, length + 1, length + 1};
-    return {box.mins - all, box.maxs + all};
+    return box;
+}
+
+/// What EntersSolid asks about where a place touches a wall.
+BspRegion TouchedSpace(const BspSpace &space, const OpenPlaces &places) {
+    constexpr Vec3f kReach = Vec3f{1, 1, 1} * (2 * kBack + kBehind);
+    const Boundsf box = BoundsOf(places);
+    return space.Whole().Around({box.mins - kReach, box.maxs + kReach});
 }
 
 /// Beams of rays from places that face the same way, in one direction after the other: cheaper than BeamOf.
@@ -156,15 +163,15 @@ class FlatBeams {
 };
 
 /// Triangles that rays from the places can meet.
-void SelectNear(const OpenPlaces &places, float length, const NearTriangles &from, NearTriangles &nearby) {
+void SelectNear(const OpenPlaces &places, float reach, const NearTriangles &from, NearTriangles &nearby) {
     const Vec3f normal = places.normal[0];
     float lowest = Dot(normal, places.position[0]);
     for (std::size_t i = 1; i < places.count; ++i) {
         if (!(places.normal[i] == normal))
-            return nearby.Select(from, Reach(places, length));
+            return nearby.Select(from, BoundsOf(places), reach);
         lowest = std::min(lowest, Dot(normal, places.position[i]));
     }
-    nearby.Select(from, Reach(places, length), normal, lowest - kBack);
+    nearby.Select(from, BoundsOf(places), reach, normal, lowest - kBack);
 }
 
 } // namespace
@@ -188,13 +195,15 @@ struct Surroundings::Walk {
             work.rays += std::uint64_t(live.Count());
         if (outcome == Outcome::Missed)
             return;
-        RayPacket rest = rays;
-        rest.live = live;
-        if (outcome == Outcome::NotKnown)
-            scene.TraceBlockers(rest, kind, places.receiveShadows, nearest, blockers, work);
-        Lanes done{}; // of each ray, before `rest`
+        if (outcome == Outcome::NotKnown) {
+            RayPacket all = rays;
+            all.live = live;
+            scene.TraceBlockers(all, kind, places.receiveShadows, nearest, blockers, work);
+        }
+        std::optional<RayPacket> rest; // of rays whose hits do not count; few packets have some
+        Lanes done{};                  // of each ray, before `rest`
         for (int hit = 0; hit < kMostPassed; ++hit) {
-            rest.live = {};
+            LaneMask goesOn{};
             for (std::size_t i = 0; i < places.count; ++i) {
                 if (blockers.hit[i] == 0)
                     continue;
@@ -206,25 +215,28 @@ struct Surroundings::Walk {
                 }
                 const float step = blockers.distance[i] + kStep;
                 done[i] += step;
-                rest.origin.Set(i, rest.origin[i] + rest.direction[i] * step);
-                rest.distance[i] = rays.distance[i] - done[i];
-                rest.live[i] = -1;
+                if (!rest)
+                    rest = rays;
+                rest->origin.Set(i, rest->origin[i] + rest->direction[i] * step);
+                rest->distance[i] = rays.distance[i] - done[i];
+                goesOn[i] = -1;
             }
-            if (!rest.live.Any())
+            if (!rest || !goesOn.Any())
                 return;
-            scene.TraceBlockers(rest, kind, places.receiveShadows, 0, blockers, work);
+            rest->live = goesOn;
+            scene.TraceBlockers(*rest, kind, places.receiveShadows, 0, blockers, work);
         }
     }
 };
 
-void Surroundings::Gather(const OpenPlaces &places, const RayPacket &rays, const CloseRules &rules, Nearby *nearby,
-                          Lanes &missing, RayCounts &counts) const {
+void Surroundings::Gather(const OpenPlaces &places, const RayPacket &rays, const CloseRules &rules,
+                          const BspRegion &space, Nearby *nearby, Lanes &missing, RayCounts &counts) const {
     LaneMask live = rays.live;
     const RayBeam *const beam = nearby ? &nearby->beam : nullptr;
     const Walk solids{scene_, places, rays, rules.solids, nearby ? &nearby->solids : nullptr, beam, 0};
     solids.Run(live, missing, counts, [&](std::size_t ray, float distance, int) {
         // Rays that leave a wall which the place touches are free.
-        return distance > 2 * kBack || EntersSolid(space_, rays, ray, distance);
+        return distance > 2 * kBack || EntersSolid(space, rays, ray, distance);
     });
     if (!live.Any())
         return;
@@ -258,17 +270,18 @@ void Surroundings::Dirt(std::span<const OpenPlaces> blocks, std::vector<Lanes> &
     Boundsf box;
     for (const OpenPlaces &places : blocks)
         if (fits(places))
-            box.Add(Reach(places, depth_));
+            box.Add(BoundsOf(places));
+    const float reach = depth_ + kReachSlack;
     Nearby around, nearby;
     if (!box.Empty()) {
-        around.solids.Select(all_.solids, box);
-        around.surfaces.Select(all_.surfaces, box);
+        around.solids.Select(all_.solids, box, reach);
+        around.surfaces.Select(all_.surfaces, box, reach);
     }
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         bool few = false;
         if (fits(blocks[i])) {
-            SelectNear(blocks[i], depth_, around.solids, nearby.solids);
-            SelectNear(blocks[i], depth_, around.surfaces, nearby.surfaces);
+            SelectNear(blocks[i], reach, around.solids, nearby.solids);
+            SelectNear(blocks[i], reach, around.surfaces, nearby.surfaces);
             few = nearby.solids.Count() + nearby.surfaces.Count() <= kMostNear;
         }
         Dirt(blocks[i], few ? &nearby : nullptr, dirt[i], counts);
@@ -290,6 +303,7 @@ void Surroundings::Dirt(const OpenPlaces &places, Nearby *nearby, Lanes &dirt, R
         counts.rays += 2 * places.count * dirtDirections_.size();
         return;
     }
+    const BspRegion space = TouchedSpace(space_, places);
     const FlatBeams beams(places);
     Lanes gathered{};
     Lanes3 local{};
@@ -307,7 +321,7 @@ void Surroundings::Dirt(const OpenPlaces &places, Nearby *nearby, Lanes &dirt, R
         }
         if (nearby)
             beams.Set(rays, !differ, nearby->beam);
-        Gather(places, rays, rules, nearby, gathered, counts);
+        Gather(places, rays, rules, space, nearby, gathered, counts);
     }
     for (std::size_t i = 0; i < places.count; ++i) {
         const float share = gathered[i] / float(dirtDirections_.size());
@@ -325,12 +339,13 @@ void Surroundings::Openness(const OpenPlaces &places, float distance, Lanes &ope
         rays.live[i] = -1;
     const CloseRules rules{places.vertices ? LightScene::BlockerKind::Solids : LightScene::BlockerKind::LegacySolids,
                            kClose, 0};
+    const BspRegion space = TouchedSpace(space_, places);
     Lanes gathered{};
     Lanes3 local{};
     for (const Vec3f &direction : floodDirections_) {
         local.Fill(direction);
         SetDirections(frames, places, local, rays);
-        Gather(places, rays, rules, nullptr, gathered, counts);
+        Gather(places, rays, rules, space, nullptr, gathered, counts);
     }
     for (std::size_t i = 0; i < places.count; ++i)
         open[i] = std::clamp(1 - gathered[i] / float(floodDirections_.size()), 0.0f, 1.0f);

@@ -51,9 +51,9 @@ class Surroundings {
     struct Walk;
     void Dirt(const OpenPlaces &places, Nearby *nearby, Lanes &dirt, RayCounts &counts) const;
     /// Adds to `missing` the share of each live ray that lies behind what blocks it: a solid on its way, wherever that
-    /// is, or else a surface. nearby: all that can block, or null.
-    void Gather(const OpenPlaces &places, const RayPacket &rays, const CloseRules &rules, Nearby *nearby,
-                Lanes &missing, RayCounts &counts) const;
+    /// is, or else a surface. space: around the places. nearby: all that can block, or null.
+    void Gather(const OpenPlaces &places, const RayPacket &rays, const CloseRules &rules, const BspRegion &space,
+                Nearby *nearby, Lanes &missing, RayCounts &counts) const;
 
     const LightScene &scene_;
     const BspSpace &space_;
