@@ -16,9 +16,8 @@ constexpr std::int64_t kMaxPoints = 0x100000;
 constexpr float kMinCell = 8;
 constexpr float kNudgeMargin = -0.125f;
 constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
-constexpr Vec3f kClear{kSolidMargin, kSolidMargin, kSolidMargin};
-constexpr int kNudges = 16;     ///< steps from the point to half a cell away
-constexpr float kAtLeaf = 0.2f; ///< places farther from a leaf are never taken to be in it. Game units
+constexpr int kNudges = 16;            ///< steps from the point to half a cell away
+constexpr float kAtLeaf = 0.2f;        ///< places farther from a leaf are never taken to be in it. Game units
 constexpr std::size_t kMaxRecords = 32767;
 /// Lights fainter than this in all of a brick are represented by a few of them. Byte scale.
 constexpr float kFaint = 1.0f / 16;
@@ -39,7 +38,7 @@ struct LegacyPoint {
     }
 };
 
-/// The first of MovePoint's steps whose spots need looking at: those of smaller ones lie in a box without open leafs.
+/// The first of PlacePoint's steps whose spots need looking at: those of smaller ones lie in a box without open leafs.
 int FirstOpenStep(const BspRegion &space, const Vec3f &base, const Vec3f &half) {
     int first = 1;
     for (int last = kNudges; first < last;) {
@@ -53,10 +52,13 @@ int FirstOpenStep(const BspRegion &space, const Vec3f &base, const Vec3f &half) 
     return first;
 }
 
-/// Finds the place of a point that is in a solid: the nearest open spot up to half a cell away. The established program
-/// draws spots at random, ever farther away.
-bool MovePoint(const BspRegion &region, const Vec3f &half, Vec3f &position, int &cluster) {
+/// Finds the point's place: where it is, or, when that is solid, the nearest open spot up to half a cell away. The
+/// established program draws spots at random, ever farther away.
+bool PlacePoint(const BspRegion &region, const Vec3f &half, Vec3f &position, int &cluster) {
     const Vec3f base = position;
+    cluster = region.ClusterAt(base, 0);
+    if (cluster >= 0)
+        return true;
     if (!region.AnyOpen(base - half, base + half, kNudgeMargin))
         return false;
     const BspRegion space = region.Around({base - half, base + half});
@@ -78,7 +80,10 @@ bool MovePoint(const BspRegion &region, const Vec3f &half, Vec3f &position, int 
 /// Many points lie in the plane of a wall or a floor. Their rays start a hair off it, so that those into the wall are
 /// blocked and the others are not.
 Vec3f ClearOfSolids(const BspRegion &space, const Vec3f &p) {
-    const auto clear = [&](const Vec3f &at) { return !space.AnySolid(at - kClear, at + kClear); };
+    const auto clear = [&](const Vec3f &at) {
+        const Vec3f margin{kSolidMargin, kSolidMargin, kSolidMargin};
+        return !space.AnySolid(at - margin, at + margin);
+    };
     if (clear(p))
         return p;
     for (int axes = 1; axes <= 3; ++axes)
@@ -103,14 +108,10 @@ std::vector<LightPlaces> PlaceBrick(const BspSpace &space, const GridLayout &lay
         const BspRegion around = RegionAround(brick, near, margin);
         for (const BrickPoint &at : near) {
             Vec3f position = at.position;
-            // Most points are in the open, and all that is asked about them is in one leaf.
-            const BspRegion spot = around.Around({position - kClear, position + kClear});
-            int cluster = spot.ClusterAt(position, 0);
-            const bool open = cluster >= 0;
-            if (!open && !MovePoint(around, half, position, cluster))
+            int cluster = kSolidCluster;
+            if (!PlacePoint(around, half, position, cluster))
                 continue;
-            const bool clear = open && !spot.AnySolid(position - kClear, position + kClear);
-            AddPlace(blocks, position, clear ? position : ClearOfSolids(around, position), cluster, at.index);
+            AddPlace(blocks, position, ClearOfSolids(around, position), cluster, at.index);
             ++work.open;
         }
     }
