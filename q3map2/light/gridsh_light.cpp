@@ -19,22 +19,31 @@ constexpr double kMaxCoefficient = 1e9;
 /// Sum of what arrives at a place, [channel][k], unit scale.
 using PointSum = std::array<ShVector, 3>;
 
-using ChannelSum = std::array<std::array<double, kPacketSize>, 9>;
+using ChannelSum = std::array<DoubleLanes, 9>;
+using ShortSum = std::array<Lanes, 9>;
 
-/// The three channels at once: the moments are read and widened once.
-Q3_VECTOR void AddScaled(const Arrivals &arrivals, double red, double green, double blue,
-                         std::array<ChannelSum, 3> &sum) {
+/// The three channels at once: the moments are read once.
+Q3_VECTOR void AddScaled(const Arrivals &arrivals, float red, float green, float blue, std::array<ShortSum, 3> &sum) {
     for (std::size_t k = 0; k < 9; ++k) {
-        double *r = sum[0][k].data(), *g = sum[1][k].data(), *b = sum[2][k].data();
+        float *r = sum[0][k].data(), *g = sum[1][k].data(), *b = sum[2][k].data();
         const float *moments = arrivals.moments[k].data();
 #pragma GCC ivdep
         for (std::size_t i = 0; i < kPacketSize; ++i) {
-            const auto moment = double(moments[i]);
-            r[i] += red * moment;
-            g[i] += green * moment;
-            b[i] += blue * moment;
+            r[i] += red * moments[i];
+            g[i] += green * moments[i];
+            b[i] += blue * moments[i];
         }
     }
+}
+
+/// Moves one sum to the other.
+Q3_VECTOR void MoveSum(ShortSum &from, ChannelSum &to) {
+    for (std::size_t k = 0; k < 9; ++k)
+#pragma GCC ivdep
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            to[k][i] += double(from[k][i]);
+            from[k][i] = 0;
+        }
 }
 
 void AddTinted(const Arrivals &arrivals, const Lanes &tint, double scale, ChannelSum &sum) {
@@ -43,29 +52,43 @@ void AddTinted(const Arrivals &arrivals, const Lanes &tint, double scale, Channe
             sum[k][i] += scale * double(tint[i]) * double(arrivals.moments[k][i]);
 }
 
-/// The same for a block of places.
-struct BlockSum {
-    alignas(64) std::array<ChannelSum, 3> sum{};
-
+/// The same for a block of places. A few lights are added up in floats, which is twice as fast, before their sum is
+/// added to that of all, so thousands of lights lose no more digits than one.
+class BlockSum {
+  public:
     void Add(const Light &light, const Arrivals &arrivals) {
         std::array<double, 3> scale{};
         for (std::size_t channel = 0; channel < 3; ++channel)
             scale[channel] = (light.negative ? -1 : 1) * double(light.color[channel]) / 255;
         if (!arrivals.tinted) {
-            AddScaled(arrivals, scale[0], scale[1], scale[2], sum);
+            AddScaled(arrivals, float(scale[0]), float(scale[1]), float(scale[2]), few_);
+            if (++count_ == kFew)
+                Flush();
             return;
         }
         const Lanes *tints[] = {&arrivals.tint.x, &arrivals.tint.y, &arrivals.tint.z};
         for (std::size_t channel = 0; channel < 3; ++channel)
-            AddTinted(arrivals, *tints[channel], scale[channel], sum[channel]);
+            AddTinted(arrivals, *tints[channel], scale[channel], sum_[channel]);
+    }
+    /// After the last light.
+    void Flush() {
+        for (std::size_t channel = 0; channel < 3 && count_ > 0; ++channel)
+            MoveSum(few_[channel], sum_[channel]);
+        count_ = 0;
     }
     PointSum Of(std::size_t i) const {
         PointSum point;
         for (std::size_t channel = 0; channel < 3; ++channel)
             for (std::size_t k = 0; k < 9; ++k)
-                point[channel][k] = sum[channel][k][i];
+                point[channel][k] = sum_[channel][k][i];
         return point;
     }
+
+  private:
+    static constexpr int kFew = 16;
+    std::array<ShortSum, 3> few_{};
+    std::array<ChannelSum, 3> sum_{};
+    int count_ = 0; ///< lights in few_
 };
 
 /// A hemisphere of uniform light around +z or -z, as floodlight gives it.
@@ -146,7 +169,8 @@ std::vector<bspGridPointSH_t> PlaceLighter::Values(std::vector<LightPlaces> &blo
     const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
     std::vector<bspGridPointSH_t> values;
     values.reserve(blocks.size() * kPacketSize);
-    for (std::size_t block = 0; block < blocks.size(); ++block)
+    for (std::size_t block = 0; block < blocks.size(); ++block) {
+        sums[block].Flush();
         for (std::size_t i = 0; i < blocks[block].count; ++i) {
             PointSum sum = sums[block].Of(i);
             if (flood)
@@ -155,6 +179,7 @@ std::vector<bspGridPointSH_t> PlaceLighter::Values(std::vector<LightPlaces> &blo
                 AddIndirect(in_, blocks[block].rayOrigin[i], blocks[block].index[i], sum, work.counts);
             values.push_back(StorePoint(in_, sum));
         }
+    }
     return values;
 }
 
