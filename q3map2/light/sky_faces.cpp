@@ -107,14 +107,17 @@ SkyFaces::SkyFaces(const Triangles &skies, std::span<const int> indexes) {
         if (few_)
             AddFace(pieces, indexOf[surface]);
     }
+    // Most rays meet a large face, and then need no look at the edges of those behind it.
+    std::stable_sort(faces_.begin(), faces_.end(), [](const Face &a, const Face &b) { return a.area > b.area; });
 }
 
 void SkyFaces::AddFace(std::span<const Winding<double>> pieces, int skyIndex) {
     const Winding<double> &first = pieces.front();
     const Vec3d normal = Normalize(Cross(first[2] - first[0], first[1] - first[0]));
-    Face face{{Vec3f(normal), float(Dot(normal, first[0]))}, {}, skyIndex};
+    Face face{{Vec3f(normal), float(Dot(normal, first[0]))}, {}, skyIndex, 0};
     for (const Winding<double> &w : pieces) {
         Piece &piece = face.pieces.emplace_back();
+        face.area += WindingArea(w);
         for (std::size_t i = 0; i < w.size(); ++i) {
             const Vec3d &a = w[i], &b = w[(i + 1) % w.size()];
             const Vec3d inward = Normalize(Cross(b - a, normal));

@@ -41,6 +41,7 @@ class SkyFaces {
         Plane3 plane; ///< towards the room
         std::vector<Piece> pieces;
         int skyIndex;
+        double area;
     };
     void AddFace(std::span<const Winding<double>> pieces, int skyIndex);
     static void Test(const Face &face, const Lanes3 &origin, const Lanes3 &direction, float nearest, SkyHits &hits);
