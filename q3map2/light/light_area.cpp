@@ -329,11 +329,11 @@ void AreaContribution::Refine(std::size_t i) {
 Q3_VECTOR void AreaContribution::Convolve() {
     const float fromAll = float(4 * std::numbers::pi * kShC0);
     for (std::size_t i = 0; i < kPacketSize; ++i)
-        arrivals_->add[i] = arrivals_->moments[0][i] * weight_ * fromAll;
+        arrivals_->add[i] = arrivals_->moments[0][i] * share_[i] * weight_ * fromAll;
     for (std::size_t k = 0; k < 9; ++k) {
         const float scale = weight_ * (settings_.radiance ? 1 : float(kCosineLobe[k]));
         for (std::size_t i = 0; i < kPacketSize; ++i)
-            arrivals_->moments[k][i] = live_[i] != 0 ? arrivals_->moments[k][i] * scale : 0;
+            arrivals_->moments[k][i] = live_[i] != 0 ? arrivals_->moments[k][i] * share_[i] * scale : 0;
     }
 }
 
@@ -369,6 +369,7 @@ void AreaContribution::Add(LightPlaces &places, Arrivals &arrivals) {
         PointMoments();
     else if (method == Method::Quadrature)
         QuadratureMoments();
+    share_.fill(1);
     counts_.skippedMoments += std::uint64_t(method == Method::ClosedForm ? 0 : live_.Count());
     for (std::size_t i = 0; i < places_->count; ++i) {
         if (refine[i] != 0) {
@@ -379,9 +380,7 @@ void AreaContribution::Add(LightPlaces &places, Arrivals &arrivals) {
             continue;
         if (near_[i] != 0 || method == Method::ClosedForm)
             SetMoments(i, Moments(i).Projection());
-        const float share = clear_[i] / float(probes);
-        for (Lanes &row : arrivals_->moments)
-            row[i] *= share;
+        share_[i] = clear_[i] / float(probes);
         arrivals_->tint.Set(i, tinted_ && clear_[i] > 0 ? firstTint_[i] / clear_[i] : Vec3f{1, 1, 1});
     }
     Convolve();

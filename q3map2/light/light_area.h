@@ -67,6 +67,7 @@ class AreaContribution {
     float brightest_ = 0;
     MomentLanes nearMoments_; ///< where near_
     Lanes clear_;             ///< first rays that arrived
+    Lanes share_;             ///< of the whole light that arrives, where it is not refined
     Lanes3 firstTint_;
     bool tinted_ = false;
 };
