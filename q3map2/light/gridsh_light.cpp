@@ -85,7 +85,7 @@ class BlockSum {
     }
 
   private:
-    static constexpr int kFew = 16;
+    static constexpr int kFew = 16; ///< lights that are added up in floats
     std::array<ShortSum, 3> few_{};
     std::array<ChannelSum, 3> sum_{};
     int count_ = 0; ///< lights in few_
