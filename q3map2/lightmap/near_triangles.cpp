@@ -194,65 +194,69 @@ NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneM
     blockers.surface.fill(-1);
     blockers.distance = packet.distance;
     for (std::size_t i = 0; i < count; ++i)
-        if (beam.narrow)
-            TestBeam(met[i], packet, live, beam.direction, nearest, blockers);
-        else
-            Test(met[i], packet, live, nearest, blockers);
+        Test(met[i], packet, live, beam, nearest, blockers);
     return blockers.hit.Any() ? Outcome::Traced : Outcome::Missed;
 }
 
-/// Moeller and Trumbore's test of one triangle with all rays.
-Q3_VECTOR void NearTriangles::Test(std::size_t triangle, const RayPacket &packet, const LaneMask &live, float nearest,
-                                   LightScene::Blockers &blockers) const {
-    const float cx = rows_[kX][triangle], cy = rows_[kY][triangle], cz = rows_[kZ][triangle];
-    const float ax = rows_[kAx][triangle], ay = rows_[kAy][triangle], az = rows_[kAz][triangle];
-    const float bx = rows_[kBx][triangle], by = rows_[kBy][triangle], bz = rows_[kBz][triangle];
-    const std::int32_t surface = surface_[triangle];
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float dx = packet.direction.x[i], dy = packet.direction.y[i], dz = packet.direction.z[i];
-        const float px = dy * bz - dz * by, py = dz * bx - dx * bz, pz = dx * by - dy * bx;
-        const float determinant = ax * px + ay * py + az * pz;
-        const bool flat = std::abs(determinant) < kLeastDeterminant;
-        const float inverse = 1 / (flat ? 1 : determinant);
-        const float sx = packet.origin.x[i] - cx, sy = packet.origin.y[i] - cy, sz = packet.origin.z[i] - cz;
-        const float u = (sx * px + sy * py + sz * pz) * inverse;
-        const float qx = sy * az - sz * ay, qy = sz * ax - sx * az, qz = sx * ay - sy * ax;
-        const float v = (dx * qx + dy * qy + dz * qz) * inverse;
-        const float t = (bx * qx + by * qy + bz * qz) * inverse;
-        const bool hit = !flat & (live[i] != 0) & (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) &
-                         (t >= nearest) & (t <= blockers.distance[i]);
-        blockers.distance[i] = hit ? t : blockers.distance[i];
-        blockers.surface[i] = hit ? surface : blockers.surface[i];
-        blockers.hit[i] = hit ? -1 : blockers.hit[i];
+namespace {
+
+/// What Moeller and Trumbore's test of a triangle needs of the direction of a ray.
+struct Slope {
+    Vec3f direction, p;
+    float inverse;
+    bool flat; ///< the ray goes along the triangle
+    Slope(const Vec3f &d, const Vec3f &a, const Vec3f &b) : direction(d), p(Cross(d, b)) {
+        const float determinant = Dot(a, p);
+        flat = std::abs(determinant) < kLeastDeterminant;
+        inverse = 1 / (flat ? 1 : determinant);
     }
+};
+
+/// A triangle: its first corner and the edges from there.
+struct Seen {
+    Vec3f corner, a, b;
+    std::int32_t surface;
+};
+
+/// The rest of the test, for ray i.
+inline void TestRay(std::size_t i, const Seen &triangle, const Slope &slope, const RayPacket &packet,
+                    const LaneMask &live, float nearest, LightScene::Blockers &blockers) {
+    const Vec3f s = packet.origin[i] - triangle.corner, q = Cross(s, triangle.a);
+    const float u = Dot(s, slope.p) * slope.inverse, v = Dot(slope.direction, q) * slope.inverse;
+    const float t = Dot(triangle.b, q) * slope.inverse;
+    const bool hit = !slope.flat & (live[i] != 0) & (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) &
+                     (t >= nearest) & (t <= blockers.distance[i]);
+    blockers.distance[i] = hit ? t : blockers.distance[i];
+    blockers.surface[i] = hit ? triangle.surface : blockers.surface[i];
+    blockers.hit[i] = hit ? -1 : blockers.hit[i];
 }
 
-/// Test where all rays have one direction: the same values, but what does not depend on where a ray starts is found
-/// once.
-Q3_VECTOR void NearTriangles::TestBeam(std::size_t triangle, const RayPacket &packet, const LaneMask &live,
-                                       const Vec3f &direction, float nearest, LightScene::Blockers &blockers) const {
-    const float cx = rows_[kX][triangle], cy = rows_[kY][triangle], cz = rows_[kZ][triangle];
-    const float ax = rows_[kAx][triangle], ay = rows_[kAy][triangle], az = rows_[kAz][triangle];
-    const float bx = rows_[kBx][triangle], by = rows_[kBy][triangle], bz = rows_[kBz][triangle];
-    const float dx = direction.x, dy = direction.y, dz = direction.z;
-    const float px = dy * bz - dz * by, py = dz * bx - dx * bz, pz = dx * by - dy * bx;
-    const float determinant = ax * px + ay * py + az * pz;
-    if (std::abs(determinant) < kLeastDeterminant)
-        return;
-    const float inverse = 1 / determinant;
-    const std::int32_t surface = surface_[triangle];
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float sx = packet.origin.x[i] - cx, sy = packet.origin.y[i] - cy, sz = packet.origin.z[i] - cz;
-        const float u = (sx * px + sy * py + sz * pz) * inverse;
-        const float qx = sy * az - sz * ay, qy = sz * ax - sx * az, qz = sx * ay - sy * ax;
-        const float v = (dx * qx + dy * qy + dz * qz) * inverse;
-        const float t = (bx * qx + by * qy + bz * qz) * inverse;
-        const bool hit = (live[i] != 0) & (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) & (t >= nearest) &
-                         (t <= blockers.distance[i]);
-        blockers.distance[i] = hit ? t : blockers.distance[i];
-        blockers.surface[i] = hit ? surface : blockers.surface[i];
-        blockers.hit[i] = hit ? -1 : blockers.hit[i];
-    }
+Q3_VECTOR void TestPacket(const Seen triangle, const RayPacket &packet, const LaneMask &live, float nearest,
+                          LightScene::Blockers &blockers) {
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        TestRay(i, triangle, Slope(packet.direction[i], triangle.a, triangle.b), packet, live, nearest, blockers);
+}
+
+/// The same values where all rays have one direction.
+Q3_VECTOR void TestBeam(const Seen triangle, const Vec3f &direction, const RayPacket &packet, const LaneMask &live,
+                        float nearest, LightScene::Blockers &blockers) {
+    const Slope slope(direction, triangle.a, triangle.b);
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        TestRay(i, triangle, slope, packet, live, nearest, blockers);
+}
+
+} // namespace
+
+void NearTriangles::Test(std::size_t triangle, const RayPacket &packet, const LaneMask &live, const RayBeam &beam,
+                         float nearest, LightScene::Blockers &blockers) const {
+    const auto row = [&](Row first) {
+        return Vec3f{rows_[first][triangle], rows_[first + 1][triangle], rows_[first + 2][triangle]};
+    };
+    const Seen seen{row(kX), row(kAx), row(kBx), surface_[triangle]};
+    if (beam.narrow)
+        TestBeam(seen, beam.direction, packet, live, nearest, blockers);
+    else
+        TestPacket(seen, packet, live, nearest, blockers);
 }
 
 } // namespace q3

@@ -46,10 +46,8 @@ class NearTriangles {
 
     void KeepNear(const NearTriangles &from, const Boundsf &starts, float reach);
     void Copy(const NearTriangles &from);
-    void Test(std::size_t triangle, const RayPacket &packet, const LaneMask &live, float nearest,
+    void Test(std::size_t triangle, const RayPacket &packet, const LaneMask &live, const RayBeam &beam, float nearest,
               LightScene::Blockers &blockers) const;
-    void TestBeam(std::size_t triangle, const RayPacket &packet, const LaneMask &live, const Vec3f &direction,
-                  float nearest, LightScene::Blockers &blockers) const;
 
     std::array<std::vector<float>, kRows> rows_;
     std::vector<std::int32_t> surface_;
