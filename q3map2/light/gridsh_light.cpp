@@ -23,7 +23,8 @@ using ChannelSum = std::array<DoubleLanes, 9>;
 using ShortSum = std::array<Lanes, 9>;
 
 /// The three channels at once: the moments are read once.
-Q3_VECTOR void AddScaled(const Arrivals &arrivals, float red, float green, float blue, std::array<ShortSum, 3> &sum) {
+Q3_VECTOR void AddScaled(const Arrivals &arrivals, const Vec3f &scale, std::array<ShortSum, 3> &sum) {
+    const auto [red, green, blue] = scale;
     for (std::size_t k = 0; k < 9; ++k) {
         float *r = sum[0][k].data(), *g = sum[1][k].data(), *b = sum[2][k].data();
         const float *moments = arrivals.moments[k].data();
@@ -56,12 +57,10 @@ void AddTinted(const Arrivals &arrivals, const Lanes &tint, double scale, Channe
 /// added to that of all, so thousands of lights lose no more digits than one.
 class BlockSum {
   public:
-    void Add(const Light &light, const Arrivals &arrivals) {
-        std::array<double, 3> scale{};
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            scale[channel] = (light.negative ? -1 : 1) * double(light.color[channel]) / 255;
+    /// scale: colour of the light, 1 = byte 255.
+    void Add(const Vec3d &scale, const Arrivals &arrivals) {
         if (!arrivals.tinted) {
-            AddScaled(arrivals, float(scale[0]), float(scale[1]), float(scale[2]), few_);
+            AddScaled(arrivals, Vec3f(scale), few_);
             if (++count_ == kFew)
                 Flush();
             return;
@@ -162,9 +161,10 @@ std::vector<bspGridPointSH_t> PlaceLighter::Values(std::vector<LightPlaces> &blo
     for (const BrickLight &one : candidates.List()) {
         pass.skip.pvs = settings_.skip.pvs && !one.seenByAll;
         LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, arrivals, work.counts);
+        const Vec3d scale = Vec3d(one.light->color) * ((one.light->negative ? -1 : 1) / 255.0);
         for (std::size_t block = 0; block < blocks.size(); ++block)
             if (arrivals[block].live.Any())
-                sums[block].Add(*one.light, arrivals[block]);
+                sums[block].Add(scale, arrivals[block]);
     }
     const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
     std::vector<bspGridPointSH_t> values;

@@ -88,15 +88,17 @@ Q3_VECTOR void SampleMoments::Add(const AreaSamples &samples, const LaneMask &se
     }
 }
 
+/// Counts the rays that arrived.
+Q3_VECTOR void AddSeen(const RayPacket &rays, Lanes &clear) {
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        clear[i] -= float(rays.live[i]);
+}
+
 } // namespace
 
 inline float AreaContribution::Lift(std::size_t i) const {
     const float off = std::min(kEmitterGap, 0.5f * height_[i]);
     return below_[i] != 0 ? -off : off;
-}
-
-PolygonMoments AreaContribution::Moments(std::size_t i) const {
-    return near_[i] != 0 ? nearMoments_.Of(i) : MomentsOfPolygon(Corners(i), Vec3d(places_->position[i]));
 }
 
 /// How each place is to the light.
@@ -121,18 +123,23 @@ Q3_VECTOR void AreaContribution::MeasureLanes() {
     }
 }
 
-/// Moments of the light where it is near, and what it gives there.
-void AreaContribution::MeasureNear() {
+/// Moments of the light by their closed form.
+void AreaContribution::MeasureMoments(const LaneMask &those) {
     LaneMask front, behind;
     for (std::size_t i = 0; i < kPacketSize; ++i)
-        front[i] = near_[i] & ~below_[i], behind[i] = near_[i] & below_[i];
+        front[i] = those[i] & ~below_[i], behind[i] = those[i] & below_[i];
     if (front.Any())
-        nearMoments_.Measure(light_.w, places_->position, front);
+        moments_.Measure(light_.w, places_->position, front);
     if (behind.Any())
-        nearMoments_.Measure(light_.shape.back, places_->position, behind);
+        moments_.Measure(light_.shape.back, places_->position, behind);
+}
+
+/// Moments of the light where it is near, and what it gives there.
+void AreaContribution::MeasureNear() {
+    MeasureMoments(near_);
     for (std::size_t i = 0; i < kPacketSize; ++i)
         if (near_[i] != 0)
-            facing_[i] = light_.add * float(nearMoments_.FirstLength(i) / std::numbers::pi);
+            facing_[i] = light_.add * float(moments_.FirstLength(i) / std::numbers::pi);
 }
 
 /// Ends places out of the light's bounds and those that get at most `least`, which is not negative. What the others get
@@ -207,38 +214,50 @@ Q3_VECTOR void AreaContribution::AimAll(const Vec3f &target, RayPacket &rays) co
     }
 }
 
+/// What arrived of a probe of which some was tinted, or of one after it.
+void AreaContribution::AddTint(const RayPacket &rays) {
+    if (!tinted_) // all before came through clear air
+        firstTint_ = {clear_, clear_, clear_};
+    tinted_ = true;
+    for (std::size_t i = 0; i < places_->count; ++i)
+        if (rays.live[i] != 0)
+            firstTint_.Set(i, firstTint_[i] + (rays.tinted ? rays.tint[i] : Vec3f{1, 1, 1}));
+}
+
 void AreaContribution::FirstLook(int probes) {
     clear_.fill(0);
-    firstTint_.Fill({});
     RayPacket rays;
     for (int probe = 0; probe < probes; ++probe) {
         AimAll(ProbeTarget(probe), rays);
         scene_.TraceToLight(rays, ShadowRules::Exact, counts_);
-        for (std::size_t i = 0; i < kPacketSize; ++i)
-            clear_[i] -= float(rays.live[i]);
-        tinted_ = tinted_ || rays.tinted;
-        if (!rays.tinted)
-            rays.tint.Fill({1, 1, 1});
-        for (std::size_t i = 0; i < places_->count; ++i)
-            if (rays.live[i] != 0)
-                firstTint_.Set(i, firstTint_[i] + rays.tint[i]);
+        if (tinted_ || rays.tinted)
+            AddTint(rays);
+        AddSeen(rays, clear_);
     }
 }
 
-bool AreaContribution::NeedsMore(std::size_t i, int probes) const {
-    const auto whole = [&](std::size_t j) { return clear_[j] == float(probes); };
-    const auto hidden = [&](std::size_t j) { return clear_[j] == 0; };
+/// Live places for which the first rays are not enough; the others end that none of them reached.
+Q3_VECTOR LaneMask AreaContribution::TakeUnsure(int probes) {
+    const float all = float(probes);
+    std::int32_t anyWhole = 0, anyNotWhole = 0, anyHidden = 0, anySeen = 0;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const std::int32_t whole = -std::int32_t(clear_[i] == all), hidden = -std::int32_t(clear_[i] == 0);
+        anyWhole |= live_[i] & whole, anyNotWhole |= live_[i] & ~whole;
+        anyHidden |= live_[i] & hidden, anySeen |= live_[i] & ~hidden;
+    }
+    const std::int32_t mixed = ((anyWhole & anyNotWhole) | (anyHidden & anySeen)) != 0 ? -1 : 0;
+    // Shortcuts: dim lights are sure, and places all alike.
     const bool shortcuts = settings_.skip.probes;
-    if (shortcuts && facing_[i] < kRefine)
-        return false;
-    if (!whole(i) && !hidden(i))
-        return true;
-    if (shortcuts && facing_[i] < 2 * kRefine)
-        return false;
-    for (std::size_t j = 0; j < places_->count; ++j)
-        if (live_[j] != 0 && (whole(j) != whole(i) || hidden(j) != hidden(i)))
-            return true;
-    return false;
+    const float partlyFrom = shortcuts ? kRefine : 0, mixedFrom = shortcuts ? 2 * kRefine : 0;
+    LaneMask unsure;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const std::int32_t partly = -std::int32_t((clear_[i] != all) & (clear_[i] != 0));
+        const std::int32_t asked =
+            (partly & -std::int32_t(facing_[i] >= partlyFrom)) | (mixed & -std::int32_t(facing_[i] >= mixedFrom));
+        unsure[i] = live_[i] & asked;
+        live_[i] &= -std::int32_t(clear_[i] > 0);
+    }
+    return unsure;
 }
 
 /// Projections of the far light as a point, for all places.
@@ -278,6 +297,36 @@ void AreaContribution::QuadratureMoments() {
             const Vec3f at = sum / 6 + corner * 0.5f;
             AddSample(at, strength);
         }
+    }
+}
+
+/// Closed forms for the places that are near, or for all, and for those that need them for more.
+void AreaContribution::TakeClosedForms(bool all, const LaneMask &refine) {
+    LaneMask more, taken;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        taken[i] = all ? live_[i] : near_[i];
+        more[i] = (taken[i] | refine[i]) & ~near_[i];
+    }
+    if (more.Any())
+        MeasureMoments(more);
+    if (taken.Any())
+        moments_.Project(double(light_.add) / std::numbers::pi, taken, arrivals_->moments);
+}
+
+/// What the first rays say of the places that are not refined.
+Q3_VECTOR void AreaContribution::SetShares(float probes, const LaneMask &refine) {
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        share_[i] = refine[i] != 0 ? 1 : clear_[i] / probes;
+    if (!tinted_) {
+        if (refine.Any()) // may find tints
+            arrivals_->tint.Fill({1, 1, 1});
+        return;
+    }
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float seen = clear_[i] > 0 ? clear_[i] : 1;
+        arrivals_->tint.x[i] = firstTint_.x[i] / seen;
+        arrivals_->tint.y[i] = firstTint_.y[i] / seen;
+        arrivals_->tint.z[i] = firstTint_.z[i] / seen;
     }
 }
 
@@ -356,12 +405,7 @@ void AreaContribution::Add(LightPlaces &places, Arrivals &arrivals) {
     const int probes = Probes();
     counts_.skippedProbes += std::uint64_t(probes == 1 ? live_.Count() : 0);
     FirstLook(probes);
-    const LaneMask asked = live_;
-    LaneMask refine{};
-    for (std::size_t i = 0; i < places_->count; ++i) {
-        refine.Set(i, asked[i] != 0 && NeedsMore(i, probes));
-        live_.Set(i, asked[i] != 0 && clear_[i] > 0);
-    }
+    const LaneMask refine = TakeUnsure(probes);
     if (!live_.Any() && !refine.Any())
         return;
     const Method method = ChooseMethod();
@@ -369,20 +413,11 @@ void AreaContribution::Add(LightPlaces &places, Arrivals &arrivals) {
         PointMoments();
     else if (method == Method::Quadrature)
         QuadratureMoments();
-    share_.fill(1);
     counts_.skippedMoments += std::uint64_t(method == Method::ClosedForm ? 0 : live_.Count());
-    for (std::size_t i = 0; i < places_->count; ++i) {
-        if (refine[i] != 0) {
-            Refine(i);
-            continue;
-        }
-        if (live_[i] == 0)
-            continue;
-        if (near_[i] != 0 || method == Method::ClosedForm)
-            SetMoments(i, Moments(i).Projection());
-        share_[i] = clear_[i] / float(probes);
-        arrivals_->tint.Set(i, tinted_ && clear_[i] > 0 ? firstTint_[i] / clear_[i] : Vec3f{1, 1, 1});
-    }
+    TakeClosedForms(method == Method::ClosedForm, refine);
+    SetShares(float(probes), refine);
+    for (unsigned lanes = refine.Bits(); lanes != 0; lanes &= lanes - 1)
+        Refine(std::size_t(std::countr_zero(lanes)));
     Convolve();
     arrivals_->direction = {};
     arrivals_->tinted = tinted_;

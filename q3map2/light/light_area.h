@@ -31,8 +31,9 @@ class AreaContribution {
     /// Rays end so far from the emitter's plane, towards the place: see kEmitterGap.
     float Lift(std::size_t i) const;
     std::span<const Vec3f> Corners(std::size_t i) const { return FromBehind(i) ? light_.shape.back : light_.w; }
-    PolygonMoments Moments(std::size_t i) const;
+    PolygonMoments Moments(std::size_t i) const { return moments_.Of(i); }
     void MeasureLanes();
+    void MeasureMoments(const LaneMask &those);
     void MeasureNear();
     float EndDark(float least);
     bool FindFacing();
@@ -41,10 +42,13 @@ class AreaContribution {
     Vec3f ProbeTarget(int probe) const;
     void AimAll(const Vec3f &target, RayPacket &rays) const;
     void FirstLook(int probes);
-    bool NeedsMore(std::size_t i, int probes) const;
+    void AddTint(const RayPacket &rays);
+    LaneMask TakeUnsure(int probes);
     void PointMoments();
     void AddSample(const Vec3f &at, float strength);
     void QuadratureMoments();
+    void TakeClosedForms(bool all, const LaneMask &refine);
+    void SetShares(float probes, const LaneMask &refine);
     void SetMoments(std::size_t i, const ShVector &projection);
     void Refine(std::size_t i);
     void Convolve();
@@ -65,10 +69,10 @@ class AreaContribution {
     Lanes facing_;    ///< about the light on a surface that faces the light, byte scale
     Lanes error_;     ///< square of size over distance
     float brightest_ = 0;
-    MomentLanes nearMoments_; ///< where near_
-    Lanes clear_;             ///< first rays that arrived
-    Lanes share_;             ///< of the whole light that arrives, where it is not refined
-    Lanes3 firstTint_;
+    MomentLanes moments_; ///< where near_, and elsewhere where they are asked for
+    Lanes clear_;         ///< first rays that arrived
+    Lanes share_;         ///< of the whole light that arrives, where it is not refined
+    Lanes3 firstTint_;    ///< sum of what arrived of them, if tinted_
     bool tinted_ = false;
 };
 

@@ -9,6 +9,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace q3 {
 
@@ -81,15 +82,16 @@ Q3_VECTOR void PointAdd(const Light &light, Arrivals &arrivals) {
             arrivals.add[i] *= ConeShare(light, arrivals.direction[i] * distance[i]);
 }
 
-/// Light without shadows.
+/// Light of suns without shadows.
+Q3_VECTOR void SunArrives(const Light &light, float add, Arrivals &arrivals) {
+    arrivals.add.fill(add);
+    arrivals.direction.Fill(-light.normal);
+    arrivals.distance.fill(kFar);
+}
+
+/// Light of others without shadows.
 void Unshadowed(const Light &light, const ContributionSettings &settings, const LightPlaces &places,
                 Arrivals &arrivals) {
-    if (light.type == LightType::Sun) {
-        arrivals.add.fill(light.photons);
-        arrivals.direction.Fill(-light.normal);
-        arrivals.distance.fill(kFar);
-        return;
-    }
     AimAt(light, places, arrivals);
     if (light.type != LightType::Area)
         PointAdd(light, arrivals);
@@ -143,6 +145,8 @@ class DeltaContribution {
           counts_(counts), exact_(settings.pass == LightPass::GridSH) {}
 
     void Add() {
+        if (light_.type == LightType::Sun)
+            AimAtSky();
         float strongest = 0;
         for (std::size_t block = 0; block < blocks_.size(); ++block)
             if (arrivals_[block].live.Any())
@@ -170,11 +174,13 @@ class DeltaContribution {
         return exact_ && settings_.skip.coarse &&
                strongest * MaxComponent(Max(light_.color, -light_.color)) * settings_.samples < kDim;
     }
+    void AimAtSky();
     void Cast(RayPacket &rays) {
+        const ShadowRules rules = exact_ ? ShadowRules::Exact : ShadowRules::LegacyGrid;
         if (light_.type == LightType::Sun)
-            scene_.TraceToSky(rays, light_.skyIndex, exact_ ? ShadowRules::Exact : ShadowRules::LegacyGrid, counts_);
+            scene_.TraceToSky(rays, light_.skyIndex, rules, counts_, beam_ ? &*beam_ : nullptr);
         else
-            scene_.TraceToLight(rays, exact_ ? ShadowRules::Exact : ShadowRules::LegacyGrid, counts_);
+            scene_.TraceToLight(rays, rules, counts_);
     }
     void SetRay(std::size_t ray, std::size_t block, std::size_t lane, RayPacket &rays) const {
         rays.origin.Set(ray, blocks_[block].rayOrigin[lane]);
@@ -196,19 +202,37 @@ class DeltaContribution {
     std::span<Arrivals> arrivals_;
     ContributionCounts &counts_;
     bool exact_;
+    std::optional<SkyBeam> beam_; ///< all rays of a sun
     /// Rays of blocks that do not fill a packet on their own wait here, with the place that each is from.
     RayPacket waiting_;
     std::array<std::uint32_t, kPacketSize> from_;
     std::size_t waitingCount_ = 0;
 };
 
+void DeltaContribution::AimAtSky() {
+    const SkyFaces *skies = scene_.FewSkies();
+    if (!skies)
+        return;
+    Boundsf box;
+    for (const LightPlaces &places : blocks_)
+        box.Add(places.rayOrigins);
+    beam_.emplace(*skies, -light_.normal, box);
+}
+
 /// Sets what arrives without shadows; afterwards live places have rays to trace. What they get at most.
 float DeltaContribution::Prepare(std::size_t block) {
     LightPlaces &places = blocks_[block];
     Arrivals &arrivals = arrivals_[block];
+    if (light_.type == LightType::Sun) {
+        const float add = light_.photons * weight_;
+        SunArrives(light_, add, arrivals);
+        if (!(add > 0))
+            arrivals.live = {};
+        return add;
+    }
     const int inSight = arrivals.live.Count();
     Unshadowed(light_, settings_, places, arrivals);
-    const float strongest = EndFaint(light_.fast && light_.type != LightType::Sun ? light_.tolerance : 0, arrivals);
+    const float strongest = EndFaint(light_.fast ? light_.tolerance : 0, arrivals);
     const int inReach = arrivals.live.Count();
     counts_.skippedFacing += std::uint64_t(inSight - inReach);
     float weight = weight_;
@@ -334,6 +358,7 @@ ContributionCounts &ContributionCounts::operator+=(const ContributionCounts &o) 
 void LightPlaces::Add(const Vec3f &at, const Vec3f &raysFrom, int clusterAt, std::uint32_t indexAt) {
     position.Set(count, at);
     rayOrigin.Set(count, raysFrom);
+    rayOrigins.Add(raysFrom);
     cluster[count] = clusterAt;
     index[count] = indexAt;
     wanted[count] = -1;

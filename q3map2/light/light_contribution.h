@@ -32,6 +32,7 @@ struct LightPlaces {
     bool oneCluster = true;                         ///< all are in the same
     std::array<std::uint32_t, kPacketSize> index{}; ///< of the grid point: seeds its sample patterns
     LaneMask wanted{};                              ///< places that take (more) light
+    Boundsf rayOrigins;                             ///< of all places
     float collected = 0; ///< faint light that waits to be represented; see ContributionSettings::faint
 
     void Add(const Vec3f &at, const Vec3f &raysFrom, int clusterAt, std::uint32_t indexAt);

@@ -4,7 +4,6 @@
 #include "q3map2/light/light_embree.h"
 #include "q3map2/light/light_space.h"
 #include "q3map2/light/shadow_casters.h"
-#include "q3map2/light/sky_faces.h"
 
 #include <algorithm>
 #include <cmath>
@@ -156,13 +155,12 @@ struct LightScene::State {
     void Tint(RayPacket &packet, const ScenePtr &scene, float nearest) const { Tint(packet, main, scene, nearest); }
     void FindSky(const RayPacket &packet, float nearest, SkyHits &hits) const;
     void SkipSkyBacks(const RayPacket &packet, SkyHits &hits) const;
-    void ClipToSky(RayPacket &packet, int skyIndex, float nearest, bool fromSurface) const;
 };
 
 namespace {
 
 /// Rays of the packet that something in the scene blocks live no longer.
-void EndBlocked(RTCScene scene, RayPacket &packet, float nearest) {
+Q3_VECTOR void EndBlocked(RTCScene scene, RayPacket &packet, float nearest) {
     alignas(64) RTCRay16 rays;
     SetRays(packet.origin, packet.direction, packet.distance, nearest, rays);
     EmbreeContext context;
@@ -349,11 +347,7 @@ void LightScene::State::SkipSkyBacks(const RayPacket &packet, SkyHits &hits) con
 
 /// Rays that meet the sky end there, the others live no longer. To find the sky takes little time; then blockers up to
 /// there need not be the nearest.
-void LightScene::State::ClipToSky(RayPacket &packet, int skyIndex, float nearest, bool fromSurface) const {
-    SkyHits hits;
-    FindSky(packet, nearest, hits);
-    if (fromSurface)
-        SkipSkyBacks(packet, hits);
+static void ClipToSky(const SkyHits &hits, int skyIndex, RayPacket &packet) {
     for (std::size_t i = 0; i < kPacketSize; ++i)
         packet.live.Set(i, hits.hit[i] != 0 && (skyIndex < 0 || hits.skyIndex[i] == skyIndex));
     packet.distance = hits.distance;
@@ -380,15 +374,24 @@ void LightScene::TraceSurfaceToSky(RayPacket &packet, int skyIndex, int receiveS
     const State &s = *state_;
     if (!s.trace || receiveShadows == 0)
         return;
-    if (s.skies)
-        s.ClipToSky(packet, skyIndex, 0, true);
-    else
+    if (s.skies) {
+        SkyHits hits;
+        s.FindSky(packet, 0, hits);
+        s.SkipSkyBacks(packet, hits);
+        ClipToSky(hits, skyIndex, packet);
+    } else
         packet.live = {};
     if (packet.live.Any())
         TraceSurfaceToLight(packet, receiveShadows, counts);
 }
 
-void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts) const {
+const SkyFaces *LightScene::FewSkies() const {
+    const SkyFaces &skies = *state_->skyFaces;
+    return skies.Few() ? &skies : nullptr;
+}
+
+void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts,
+                            const SkyBeam *beam) const {
     packet.tinted = false;
     const State &s = *state_;
     if (!s.trace)
@@ -400,13 +403,19 @@ void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, 
     }
     const bool exact = rules == ShadowRules::Exact;
     const float nearest = exact ? 0 : s.legacyIgnoreRadius;
-    alignas(64) RTCRayHit16 hits;
+    alignas(64) RTCRayHit16 solids;
     if (!exact && s.legacySolids) {
-        FindNearest(s.legacySolids.get(), packet, 0, hits);
+        FindNearest(s.legacySolids.get(), packet, 0, solids);
         for (std::size_t i = 0; i < kPacketSize; ++i)
-            packet.distance[i] = std::min(packet.distance[i], hits.ray.tfar[i] + kSkySlack);
+            packet.distance[i] = std::min(packet.distance[i], solids.ray.tfar[i] + kSkySlack);
     }
-    s.ClipToSky(packet, skyIndex, nearest, false);
+    if (beam)
+        beam->Clip(packet.origin, skyIndex, nearest, packet.distance, packet.live);
+    else {
+        SkyHits hits;
+        s.FindSky(packet, nearest, hits);
+        ClipToSky(hits, skyIndex, packet);
+    }
     if (const ScenePtr &blockers = exact ? s.all : s.surfaces; blockers && packet.live.Any())
         EndBlocked(blockers.get(), packet, nearest);
     s.Tint(packet, exact ? s.filters : s.filtersWithoutPatches, nearest);

@@ -4,6 +4,7 @@
 #include "common/log.h"
 #include "q3map2/light/light_lanes.h"
 #include "q3map2/light/light_options.h"
+#include "q3map2/light/sky_beam.h"
 #include "q3map2/light/surface_table.h"
 
 #include <array>
@@ -57,7 +58,11 @@ class LightScene {
     /// Point, spot and area lights: blocked by solids and by surfaces.
     void TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &counts) const;
     /// Suns: light arrives only where the first thing on the way is a sky, of that number unless -1.
-    void TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts) const;
+    /// `beam`: if all rays are of one; saves time.
+    void TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts,
+                    const SkyBeam *beam = nullptr) const;
+    /// For beams; null where those save no time.
+    const SkyFaces *FewSkies() const;
     /// The same for places on surfaces of a group of shadow receivers: 0 sees all light, 1 (the default) is shadowed by
     /// every group, others as the keys _castShadows and _receiveShadows say. Surfaces nearer than
     /// kSurfaceIgnoreRadius are ignored, and so are corners of solids that a ray leaves within it.

@@ -97,6 +97,17 @@ void MomentLanes::Measure(std::span<const Vec3f> corners, const Lanes3 &places, 
     Keep(seen, those);
 }
 
+Q3_VECTOR void MomentLanes::Project(double scale, const LaneMask &those, std::array<Lanes, 9> &projections) const {
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const auto values =
+            ShFromMoments<double>(solidAngle[i], {x[i], y[i], z[i]}, xy[i], yz[i], zz[i], xz[i], xx[i] - yy[i]);
+        const auto put = [&](std::size_t k) {
+            projections[k][i] = those[i] != 0 ? float(values[k] * scale) : projections[k][i];
+        };
+        put(0), put(1), put(2), put(3), put(4), put(5), put(6), put(7), put(8);
+    }
+}
+
 PolygonMoments MomentLanes::Of(std::size_t i) const {
     PolygonMoments m;
     m.solidAngle = solidAngle[i];

@@ -4,6 +4,7 @@
 #include "libs/sh/polygon_moments.h"
 #include "q3map2/light/light_lanes.h"
 
+#include <array>
 #include <span>
 
 namespace q3 {
@@ -12,9 +13,12 @@ namespace q3 {
 class MomentLanes {
   public:
     /// Moments of the polygon (see MomentsOfPolygon) for those places; the others keep theirs. As exact as
-    /// MomentsOfPolygon where the polygon is not farther away than a few times its size.
+    /// MomentsOfPolygon where the polygon is not farther away than a few times its size; from farther away right to
+    /// 1e-14, which is less of the light of a far lamp than MomentsOfPolygon gives but more than floats hold.
     void Measure(std::span<const Vec3f> corners, const Lanes3 &places, const LaneMask &those);
     PolygonMoments Of(std::size_t i) const;
+    /// Sets the projections (see PolygonMoments::Projection) of those places, times scale.
+    void Project(double scale, const LaneMask &those, std::array<Lanes, 9> &projections) const;
     /// Length of the first moment of place i.
     double FirstLength(std::size_t i) const { return Length(Vec3d{x[i], y[i], z[i]}); }
 

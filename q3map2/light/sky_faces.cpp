@@ -11,13 +11,10 @@ namespace q3 {
 
 namespace {
 
-/// More surfaces or convex pieces take longer than a search for the nearest triangle.
-constexpr std::size_t kMostFaces = 8, kMostPieces = 16;
 /// Surfaces of more triangles are not cut into convex pieces, which takes time by the square of their number.
 constexpr std::size_t kMostTriangles = 256;
-/// Surfaces that are nearer to a convex polygon than this are one; faces reach as far over their edges, so that no ray
-/// slips through where they meet. Game units.
-constexpr double kOverlap = 1.0 / 16;
+/// Surfaces that are nearer to a convex polygon than this are one. Game units.
+constexpr double kOverlap = kSkyOverlap;
 
 /// Half the cross product sum of triangles, three clockwise corners each: its length is their area.
 Vec3d AreaVector(const std::vector<Vec3d> &corners) {
@@ -83,7 +80,7 @@ std::vector<Winding<double>> ConvexPieces(const std::vector<Vec3d> &corners) {
     std::vector<Winding<double>> pieces;
     for (const std::vector<Vec3d> &part : parts)
         pieces.push_back(ConvexFace(part));
-    if (pieces.size() > kMostPieces)
+    if (pieces.size() > kMostSkyPieces)
         pieces.clear();
     return pieces;
 }
@@ -98,12 +95,14 @@ SkyFaces::SkyFaces(const Triangles &skies, std::span<const int> indexes) {
         for (const float *p = &skies.corners[9 * i]; p < &skies.corners[9 * i] + 9; p += 3)
             bySurface[skies.surface[i]].push_back({p[0], p[1], p[2]});
     }
-    few_ = !bySurface.empty() && bySurface.size() <= kMostFaces;
-    std::size_t count = 0;
+    few_ = !bySurface.empty() && bySurface.size() <= kMostSkyFaces;
+    std::size_t count = 0, edges = 0;
     for (const auto &[surface, corners] : bySurface) {
         const auto pieces = few_ ? ConvexPieces(corners) : std::vector<Winding<double>>();
         count += pieces.size();
-        few_ = few_ && !pieces.empty() && count <= kMostPieces;
+        for (const Winding<double> &piece : pieces)
+            edges += piece.size();
+        few_ = few_ && !pieces.empty() && count <= kMostSkyPieces && edges <= kMostSkyEdges;
         if (few_)
             AddFace(pieces, indexOf[surface]);
     }

@@ -5,10 +5,16 @@
 #include "q3map2/light/light_lanes.h"
 #include "q3map2/light/shadow_casters.h"
 
+#include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 namespace q3 {
+
+/// Surfaces of skies are one convex polygon each, or pieces of it, that reach this far over their edges, so that no ray
+/// slips through where they meet. Game units.
+inline constexpr double kSkyOverlap = 1.0 / 16;
 
 /// What the rays of a packet meet of the skies.
 struct SkyHits {
@@ -18,20 +24,15 @@ struct SkyHits {
     alignas(64) std::array<std::int32_t, kPacketSize> skyIndex{}; ///< its number; 0 where there is none
 };
 
+/// More skies, convex pieces of them or edges take longer than a search for the nearest triangle.
+inline constexpr std::size_t kMostSkyFaces = 8, kMostSkyPieces = 16, kMostSkyEdges = 64;
+
 /// The skies of most maps are the few large sides of a box. All rays of a packet are tested against those at once,
 /// which takes a fraction of the time of a search for the nearest of their triangles. A side of any outline is cut into
 /// convex pieces.
 class SkyFaces {
   public:
-    /// indexes: number of the sky of each triangle.
-    SkyFaces(const Triangles &skies, std::span<const int> indexes);
-    /// Whether the skies are few convex pieces, so that this is worth it; Find needs it.
-    bool Few() const { return few_; }
-    /// The nearest face on each live ray between `nearest` and `farthest`. Rays on the edge of a face meet it.
-    void Find(const Lanes3 &origin, const Lanes3 &direction, const Lanes &farthest, const LaneMask &live, float nearest,
-              SkyHits &hits) const;
-
-  private:
+    /// Points on it: normal . p = dist.
     struct Plane3 {
         Vec3f normal;
         float dist;
@@ -43,6 +44,17 @@ class SkyFaces {
         int skyIndex;
         double area;
     };
+
+    /// indexes: number of the sky of each triangle.
+    SkyFaces(const Triangles &skies, std::span<const int> indexes);
+    /// Whether the skies are few convex pieces, so that this is worth it; Find needs it.
+    bool Few() const { return few_; }
+    /// The nearest face on each live ray between `nearest` and `farthest`. Rays on the edge of a face meet it.
+    void Find(const Lanes3 &origin, const Lanes3 &direction, const Lanes &farthest, const LaneMask &live, float nearest,
+              SkyHits &hits) const;
+    const std::vector<Face> &Faces() const { return faces_; }
+
+  private:
     void AddFace(std::span<const Winding<double>> pieces, int skyIndex);
     static void Test(const Face &face, const Lanes3 &origin, const Lanes3 &direction, float nearest, SkyHits &hits);
 

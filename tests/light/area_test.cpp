@@ -121,6 +121,23 @@ TEST_F(AreaTest, NothingReachesBehindASlab) {
     });
 }
 
+TEST_F(AreaTest, AMirroredSceneTakesTheSameRays) {
+    Script(kLampScript);
+    // Eight points from 0 to 448 along x, and the room, the lamp and the two slabs are each other's mirror images.
+    const auto refined = [&](float from, float to) {
+        SceneBuilder scene = Room({-30, -186, 0}, {478, 186, 256});
+        const int box =
+            scene.AddBox({160, -32, 236}, {288, 32, 252}, TestShader("textures/test/wall"), BoxKind::Detail);
+        scene.SetFaceShader(box, BoxFace::MinusZ, TestShader("textures/test/lamp"));
+        scene.AddBox({from, -186, 0}, {to, 186, 200}, TestShader("textures/test/wall"), BoxKind::Detail);
+        const GridView grid = LitGrid(scene, "-gridsh 64 16 16 -noshfill");
+        return result.gridSH.counts.refined;
+    };
+    const auto left = double(refined(90, 100)), right = double(refined(348, 358));
+    EXPECT_GT(left, 300);
+    EXPECT_NEAR(left / right, 1, 0.02);
+}
+
 TEST_F(AreaTest, PenumbraIsBetweenShadowAndLightAndNearTheTruth) {
     Script(kLampScript);
     SceneBuilder scene = CeilingLamp();

@@ -49,6 +49,28 @@ TEST(MomentLanesTest, NearPlacesGetWhatEachGetsAlone) {
     }
 }
 
+TEST(MomentLanesTest, FarPlacesGetTheLightThatEachGetsAlone) {
+    const std::vector<Vec3f> corners = {{0, 0, 0}, {0, 32, 0}, {32, 32, 0}, {32, 0, 0}};
+    for (const float away : {64.0f, 500.0f, 4000.0f, 30000.0f}) {
+        Lanes3 places;
+        LaneMask all;
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            places.Set(i, {16 + away * (float(i) - 8) / 8, 16, -away});
+            all[i] = -1;
+        }
+        MomentLanes lanes;
+        lanes.Measure(corners, places, all);
+        std::array<Lanes, 9> projections;
+        lanes.Project(1, all, projections);
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const PolygonMoments alone = MomentsOfPolygon(corners, Vec3d(places[i]));
+            EXPECT_LT(Off(lanes.Of(i), alone), 2e-14 + 1e-10 * alone.solidAngle) << away;
+            for (std::size_t k = 0; k < 9; ++k)
+                EXPECT_NEAR(double(projections[k][i]), alone.Projection()[k], 3e-14 + 1e-7 * alone.solidAngle);
+        }
+    }
+}
+
 TEST(MomentLanesTest, OtherPlacesKeepTheirs) {
     const std::vector<Vec3f> floor = {{0, 0, 0}, {64, 0, 0}, {64, 64, 0}, {0, 64, 0}};
     const std::vector<Vec3f> ceiling = {{0, 64, 128}, {64, 64, 128}, {64, 0, 128}, {0, 0, 128}};

@@ -116,7 +116,9 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     const BenchLine *fine = report.Line("default"), *coarse = report.Line("coarse"), *plain = report.Line("plain"),
                     *legacy = report.Line("legacy grid");
     ASSERT_TRUE(fine && coarse && plain && legacy);
-    EXPECT_GT(report.Raw(), 0);
+    EXPECT_EQ(report.raw.size(), 5u);
+    EXPECT_EQ(fine->sharesOfRaw.size(), 1u);
+    EXPECT_GT(fine->ShareOfRaw(), 0);
     EXPECT_GT(report.floor, 0);
     // Nothing in nine coefficients beats the floor by more than chance, and interpolation over larger cells errs more.
     EXPECT_GT(fine->errors.rmse, 0.9 * report.floor);

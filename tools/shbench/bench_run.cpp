@@ -50,13 +50,25 @@ void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &s
     result.plan = MakeErrorPlan(map, {truth, errors, causes, places, settings.worstBy, grid, setting}, jobs);
 }
 
-/// Bakes all in turn, so that a machine that changes its pace treats them alike; keeps the least time of each.
-void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const Truth &truth,
+/// Bakes all in turn, so that a machine that changes its pace treats them alike; keeps the least time of each. Bare
+/// Embree is measured between them for the same reason.
+void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const Truth &truth, const RawRays *raw,
                 const BenchSettings &settings, const JobPool &jobs, Log &progress, BenchResult &result) {
+    std::vector<double> &rates = result.report.raw;
+    const auto measureRaw = [&] {
+        if (raw)
+            rates.push_back(raw->PerSecond(settings.rawSeconds));
+    };
+    measureRaw();
     for (int repeat = 0; repeat < settings.repeats; ++repeat)
         for (Contender &one : contenders) {
             progress.Print("{} ({} of {})\n", one.line.name, repeat + 1, settings.repeats);
             const Baked baked = one.bake();
+            measureRaw();
+            if (raw && rates.back() > 0) {
+                const double around = (rates[rates.size() - 2] + rates.back()) / 2;
+                one.line.sharesOfRaw.push_back(double(baked.cost.rays) / baked.cost.cpuSeconds / around);
+            }
             if (repeat == 0 || baked.cost.cpuSeconds < one.line.cost.cpuSeconds)
                 one.line.cost = baked.cost;
             if (repeat > 0)
@@ -73,13 +85,15 @@ std::vector<Contender> Contenders(const BenchMap &map, ShaderLibrary &library, c
     std::vector<Contender> all;
     for (const BakeSetting &setting : settings.bakes.empty() ? DefaultBakes() : settings.bakes) {
         const LightOptions options = LightOptionsFrom(settings.options + " " + setting.options, game);
-        all.push_back({{setting.name, setting.options, {}, {}},
+        all.push_back({{setting.name, setting.options, {}, {}, {}},
                        [&map, &library, &jobs, options] { return Bake(map, options, true, library, jobs); }});
     }
-    all.push_back({{std::string(kPlainName), "one ray per light and point", {}, {}},
+    if (!settings.baselines)
+        return all;
+    all.push_back({{std::string(kPlainName), "one ray per light and point", {}, {}, {}},
                    [&map, &jobs, layout] { return BakePlain(map, layout, jobs); }});
     const LightOptions options = LightOptionsFrom(settings.options, game);
-    all.push_back({{std::string(kLegacyName), "no -sh", {}, {}},
+    all.push_back({{std::string(kLegacyName), "no -sh", {}, {}, {}},
                    [&map, &library, &jobs, options] { return Bake(map, options, false, library, jobs); },
                    true});
     return all;
@@ -136,14 +150,9 @@ BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSet
     report.floor = FloorError(truth);
 
     std::unique_ptr<RawRays> raw;
-    if (settings.raw) {
-        progress.Print("raw rays\n");
+    if (settings.raw)
         raw = std::make_unique<RawRays>(map, layout, settings.truth.seed);
-        report.rawBefore = raw->PerSecond(settings.rawSeconds);
-    }
-    BakeInTurn(map, contenders, truth, settings, jobs, progress, result);
-    if (raw)
-        report.rawAfter = raw->PerSecond(settings.rawSeconds);
+    BakeInTurn(map, contenders, truth, raw.get(), settings, jobs, progress, result);
     for (Contender &one : contenders)
         report.lines.push_back(std::move(one.line));
     return result;

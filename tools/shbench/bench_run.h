@@ -19,7 +19,8 @@ struct BenchSettings {
     std::string options;            ///< light options of the reference and, before their own, of all bakes
     int repeats = 1;
     bool raw = true;
-    double rawSeconds = 2;       ///< CPU time of each of its two measurements
+    bool baselines = true;       ///< measures the plain method and the legacy grid as well
+    double rawSeconds = 1;       ///< CPU time of each measurement of bare Embree
     std::filesystem::path cache; ///< folder of reference light; empty: none
     std::string worstOf = std::string(kDefaultName);
     std::size_t worst = 0; ///< number of worst positions to list

@@ -27,7 +27,7 @@ std::vector<std::string> Cells(const BenchReport &report, const BenchLine &line)
             Ratio(cost.cpuSeconds, base ? base->cost.cpuSeconds : 0),
             fmt::format("{:.3f}", double(cost.rays) / 1e6),
             fmt::format("{:.2f}", PerSecond(cost) / 1e6),
-            Ratio(PerSecond(cost), report.Raw(), "{:.3f}"),
+            line.ShareOfRaw() > 0 ? fmt::format("{:.3f}", line.ShareOfRaw()) : "-",
             fmt::format("{}", cost.points),
             fmt::format("{:.2f}", double(cost.bytes) / 1e6),
             fmt::format("{:.3f}", line.errors.rmse),
@@ -52,7 +52,8 @@ nlohmann::json LineJson(const BenchReport &report, const BenchLine &line) {
             {"rays", cost.rays},
             {"raysPerCpuSecond", PerSecond(cost)},
             {"raysPerPassCpuSecond", ratio(double(cost.rays), cost.cpuSeconds - cost.setUpSeconds)},
-            {"shareOfRaw", ratio(PerSecond(cost), report.Raw())},
+            {"shareOfRaw", line.ShareOfRaw() > 0 ? nlohmann::json(line.ShareOfRaw()) : nlohmann::json()},
+            {"sharesOfRaw", line.sharesOfRaw},
             {"points", cost.points},
             {"litPoints", cost.litPoints},
             {"lumpBytes", cost.bytes},
@@ -67,6 +68,14 @@ nlohmann::json LineJson(const BenchReport &report, const BenchLine &line) {
 }
 
 } // namespace
+
+double BenchLine::ShareOfRaw() const {
+    if (sharesOfRaw.empty())
+        return 0;
+    std::vector<double> sorted = sharesOfRaw;
+    std::sort(sorted.begin(), sorted.end());
+    return (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]) / 2;
+}
 
 const BenchLine *BenchReport::Line(std::string_view name) const {
     const auto found = std::find_if(lines.begin(), lines.end(), [&](const BenchLine &l) { return l.name == name; });
@@ -96,9 +105,9 @@ std::string TableText(const BenchReport &report) {
                         double(report.truthRays) / 1e6, report.truthCpuSeconds,
                         report.truthFromCache ? " (from the cache)" : "", report.truthNoise);
     text += fmt::format("floor: {:.3f} byte, displayed RMSE of the exact L2 projection\n", report.floor);
-    if (report.Raw() > 0)
-        text += fmt::format("raw: {:.2f} M rays per CPU s before the bakes, {:.2f} after\n", report.rawBefore / 1e6,
-                            report.rawAfter / 1e6);
+    if (const auto [least, most] = std::minmax_element(report.raw.begin(), report.raw.end()); !report.raw.empty())
+        text += fmt::format("raw: {:.2f} to {:.2f} M rays per CPU s, measured {} times\n", *least / 1e6, *most / 1e6,
+                            report.raw.size());
     text += fmt::format("bakes: {} threads, least CPU time of {}\n\n", report.threads, report.repeats);
     std::vector<std::vector<std::string>> rows = {{"setting", "CPU s", "set-up", "x default", "M rays", "M rays/s",
                                                    "share of raw", "points", "MB", "RMSE", "95 %", "99 %", "x floor",
@@ -122,7 +131,7 @@ std::string JsonText(const BenchReport &report) {
                                   {"cpuSeconds", report.truthCpuSeconds},
                                   {"fromCache", report.truthFromCache}}},
                                 {"floor", report.floor},
-                                {"raw", {{"before", report.rawBefore}, {"after", report.rawAfter}}},
+                                {"rawRaysPerCpuSecond", report.raw},
                                 {"threads", report.threads},
                                 {"repeats", report.repeats},
                                 {"settings", lines}};

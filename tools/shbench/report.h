@@ -15,6 +15,10 @@ struct BenchLine {
     std::string name, options;
     BakeCost cost;
     ShownErrors errors;
+    /// Of each of its bakes: its rays per CPU second over bare Embree's just before and after it. Empty: not measured.
+    std::vector<double> sharesOfRaw;
+    /// Their median; 0 without any.
+    double ShareOfRaw() const;
 };
 
 /// Everything measured on one map.
@@ -24,12 +28,12 @@ struct BenchReport {
     double truthNoise = 0, truthCpuSeconds = 0;
     std::uint64_t truthRays = 0;
     bool truthFromCache = false;
-    double floor = 0;                   ///< displayed RMSE of the exact L2 projection
-    double rawBefore = 0, rawAfter = 0; ///< rays per CPU second; 0: not measured
+    double floor = 0; ///< displayed RMSE of the exact L2 projection
+    std::vector<double>
+        raw; ///< rays per CPU second of bare Embree, before the first bake and after each one; may be empty
     int repeats = 1, threads = 1;
     std::vector<BenchLine> lines;
 
-    double Raw() const { return (rawBefore + rawAfter) / 2; }
     /// The line of that name, or null.
     const BenchLine *Line(std::string_view name) const;
 };

@@ -32,6 +32,7 @@ constexpr std::string_view kUsage =
   --positions N, --seed N                   of the reference (2000, 1)
   --repeat N                                bakes in turn so often, quotes the least CPU time (1)
   --no-raw                                  does not measure bare Embree
+  --no-baselines                            neither the plain method nor the legacy grid
   --cache FOLDER, --no-cache                of the reference (the user's cache folder, q3map2-sh/shbench)
   --worst N, --worst-of NAME                lists the worst positions of a setting (default), and why
   --worst-by reference|projection           worst against the light there (usual), or against its exact projection
@@ -107,6 +108,7 @@ Command ParseCommand(Arguments arguments, Log &log) {
     if (arguments.TakeFlag("--no-cache"))
         settings.cache.clear();
     settings.raw = !arguments.TakeFlag("--no-raw");
+    settings.baselines = !arguments.TakeFlag("--no-baselines");
     arguments.TakeFlag("--raw");
     command.jsonFile = TakeText(arguments, "--json");
     command.plotBase = TakeText(arguments, "--plot");
