@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 namespace q3 {
 
@@ -41,6 +42,8 @@ constexpr float kSmallMove = 0.1f / 255;
 constexpr int kMaxSweeps = 40;
 /// A point waits while those around it move by less than this.
 constexpr float kAtRest = kSmallMove / 4;
+/// Rows ahead of the one that is worked on whose points are fetched.
+constexpr std::size_t kAhead = 3;
 /// Points of equal parity on all axes share no cell, so that they can move at the same time.
 constexpr int kParities = 8;
 
@@ -253,56 +256,83 @@ bool GridFit::AnyMoving(const Row &row, const std::vector<std::uint8_t> &moving)
     return false;
 }
 
+/// Has the points around a row on their way: they lie all over the grid, and waiting for them was half of the time.
+/// Inlined, as compilers take it for a function without effect.
+[[gnu::always_inline]] inline void GridFit::Prefetch(const Row &row, const LightGridSH &grid) const {
+    constexpr std::size_t kCacheLine = 64;
+    const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
+    for (std::size_t s = 0; s < kStencil; s += 3) {
+        const float *factors = &row.stencil[s];
+        if (factors[0] == 0 && factors[1] == 0 && factors[2] == 0)
+            continue;
+        const auto *three = reinterpret_cast<const char *>(grid.points.data() + row.index + OffsetOf(s, width, slice));
+        for (std::size_t byte = 0; byte < 3 * sizeof(bspGridPointSH_t); byte += kCacheLine)
+            __builtin_prefetch(three + byte);
+    }
+}
+
 /// One step of Gauss and Seidel. The largest move of a coefficient, or its share of the light there.
-Q3_VECTOR float GridFit::Relax(const Row &row, const Numbers &before, LightGridSH &grid) const {
-    constexpr std::size_t kCenter = kStencil / 2;
-    float total = 0;
-    for (const float s : row.stencil)
-        total += s;
-    if (!(total > kLeastWeight))
-        return 0;
-    const float pull = pull_ * total, diagonal = row.stencil[kCenter] + pull;
-    Numbers value;
-    for (std::size_t i = 0; i < kGridNumbers; ++i)
-        value[i] = row.rhs[i] + pull * before[i];
+Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
+    // Two overlapping vectors of 16 numbers, of which the second holds the last ones: no rest is left for slow code.
+    constexpr std::size_t kWide = 16, kSecond = kGridNumbers - kWide;
+    std::array<float, kWide> first, second;
+    for (std::size_t i = 0; i < kWide; ++i)
+        first[i] = row.rhs[i], second[i] = row.rhs[kSecond + i];
     const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
     for (std::size_t s = 0; s < kStencil; ++s) {
         const float factor = row.stencil[s];
         if (s == kCenter || factor == 0)
             continue;
         const float *neighbour = grid.points[std::size_t(row.index + OffsetOf(s, width, slice))].coeffs[0].data();
-        for (std::size_t i = 0; i < kGridNumbers; ++i)
-            value[i] -= factor * neighbour[i];
+        for (std::size_t i = 0; i < kWide; ++i) {
+            first[i] -= factor * neighbour[i];
+            second[i] -= factor * neighbour[kSecond + i];
+        }
     }
-    const float inverse = 1 / diagonal;
-    for (float &one : value)
-        one *= inverse;
+    const float inverse = 1 / row.stencil[kCenter];
+    Numbers value;
+    for (std::size_t i = 0; i < kWide; ++i)
+        value[i] = first[i] * inverse;
+    for (std::size_t i = 0; i < kWide; ++i)
+        value[kSecond + i] = second[i] * inverse;
     LimitToLight(value, mostBands_);
     bspGridPointSH_t &stored = grid.points[row.index];
     const auto old = std::bit_cast<Numbers>(stored);
-    float move = 0;
+    // Floats from 0 up are in the order of their bits, and compilers make vector code of the greatest integer.
+    std::int32_t most = 0;
     for (std::size_t i = 0; i < kGridNumbers; ++i)
-        move = std::max(move, std::abs(value[i] - old[i]));
-    move /= std::max({1.0f, value[0], value[1], value[2]});
+        most = std::max(most, std::bit_cast<std::int32_t>(std::abs(value[i] - old[i])));
     stored = std::bit_cast<bspGridPointSH_t>(value);
-    return move;
+    return std::bit_cast<float>(most) / std::max({1.0f, value[0], value[1], value[2]});
+}
+
+/// Makes the pull towards the present value part of a row. False: too little weight to move the point.
+bool GridFit::AddPull(const bspGridPointSH_t &present, Row &row) const {
+    const float total = std::accumulate(row.stencil.begin(), row.stencil.end(), 0.0f);
+    if (!(total > kLeastWeight))
+        return false;
+    const float pull = pull_ * total;
+    const auto before = std::bit_cast<Numbers>(present);
+    for (std::size_t i = 0; i < kGridNumbers; ++i)
+        row.rhs[i] += pull * before[i];
+    row.stencil[kCenter] += pull;
+    return true;
 }
 
 void GridFit::Solve(LightGridSH &grid, const JobPool &jobs) {
     std::array<std::vector<std::size_t>, kParities> parities;
-    std::vector<Numbers> before(rows_.size());
     for (std::size_t i = 0; i < rows_.size(); ++i) {
         const std::int64_t index = rows_[i].index, row = index / layout_.bounds[0];
         const std::int64_t x = index % layout_.bounds[0], y = row % layout_.bounds[1], z = row / layout_.bounds[1];
-        parities[std::size_t((x & 1) + 2 * (y & 1) + 4 * (z & 1))].push_back(i);
-        before[i] = std::bit_cast<Numbers>(grid.points[rows_[i].index]);
+        if (AddPull(grid.points[rows_[i].index], rows_[i]))
+            parities[std::size_t((x & 1) + 2 * (y & 1) + 4 * (z & 1))].push_back(i);
     }
     std::vector<std::uint8_t> moving(states_.size(), 1);
     const auto relax = [&](std::size_t i) {
         const Row &row = rows_[i];
         if (!AnyMoving(row, moving))
             return 0.0f;
-        const float move = Relax(row, before[i], grid);
+        const float move = Relax(row, grid);
         moving[row.index] = move > kAtRest;
         return move;
     };
@@ -314,8 +344,11 @@ void GridFit::Solve(LightGridSH &grid, const JobPool &jobs) {
             std::vector<float> moves(static_cast<std::size_t>(chunks));
             jobs.For(chunks, [&](std::int64_t chunk, int) {
                 const std::size_t end = std::min(rows.size(), std::size_t((chunk + 1) * kChunk));
-                for (auto i = std::size_t(chunk * kChunk); i < end; ++i)
+                for (auto i = std::size_t(chunk * kChunk); i < end; ++i) {
+                    if (i + kAhead < end)
+                        Prefetch(rows_[rows[i + kAhead]], grid);
                     moves[std::size_t(chunk)] = std::max(moves[std::size_t(chunk)], relax(rows[i]));
+                }
             });
             for (const float move : moves)
                 largest = std::max(largest, move);

@@ -43,7 +43,7 @@ class GridFit {
 
   private:
     using Numbers = std::array<float, kGridNumbers>;
-    static constexpr std::size_t kStencil = 27;
+    static constexpr std::size_t kStencil = 27, kCenter = kStencil / 2;
     /// One equation: the sum over 27 points around of stencil times value is rhs.
     struct Row {
         std::uint32_t index = 0;
@@ -74,7 +74,9 @@ class GridFit {
     void FindSeen(std::span<FitSample> samples, GridStats &work) const;
     void Accumulate(const FitSample &sample);
     bool AnyMoving(const Row &row, const std::vector<std::uint8_t> &moving) const;
-    float Relax(const Row &row, const Numbers &before, LightGridSH &grid) const;
+    bool AddPull(const bspGridPointSH_t &present, Row &row) const;
+    void Prefetch(const Row &row, const LightGridSH &grid) const;
+    float Relax(const Row &row, LightGridSH &grid) const;
 
     const GridInputs &in_;
     const GridLayout &layout_;

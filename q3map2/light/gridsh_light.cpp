@@ -16,9 +16,7 @@ constexpr float kFaint = 1.0f / 4;
 /// Sums beyond this, from absurd keys and scales, are cut. 1 = byte 255.
 constexpr double kMaxCoefficient = 1e9;
 
-/// Sum of what arrives at a place, [channel][k], unit scale.
-using PointSum = std::array<ShVector, 3>;
-
+/// Sums of what arrives at the places of a block, by coefficient, unit scale.
 using ChannelSum = std::array<DoubleLanes, 9>;
 using ShortSum = std::array<Lanes, 9>;
 
@@ -75,13 +73,9 @@ class BlockSum {
             MoveSum(few_[channel], sum_[channel]);
         count_ = 0;
     }
-    PointSum Of(std::size_t i) const {
-        PointSum point;
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            for (std::size_t k = 0; k < 9; ++k)
-                point[channel][k] = sum_[channel][k][i];
-        return point;
-    }
+    /// Adds light to place i.
+    void Add(std::size_t i, std::size_t channel, std::size_t k, double light) { sum_[channel][k][i] += light; }
+    const std::array<ChannelSum, 3> &Channels() const { return sum_; }
 
   private:
     static constexpr int kFew = 16; ///< lights that are added up in floats
@@ -91,23 +85,24 @@ class BlockSum {
 };
 
 /// A hemisphere of uniform light around +z or -z, as floodlight gives it.
-void AddFlood(const GridInputs &in, const Vec3f &position, PointSum &sum, RayCounts &counts) {
+void AddFlood(const GridInputs &in, const LightPlaces &places, std::size_t i, BlockSum &sum, RayCounts &counts) {
+    const Vec3f position = places.position[i];
     for (const float up : {1.0f, -1.0f}) {
         const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.options.lowQuality, counts);
         const Vec3d light = Vec3d(in.world.floodColor) * (double(in.world.floodIntensity) * share / 255);
         const double convolve0 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[0] / std::numbers::pi;
         const double convolve1 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[2] / std::numbers::pi;
         for (std::size_t channel = 0; channel < 3; ++channel) {
-            sum[channel][0] += light[channel] * convolve0 * kShC0 * 2 * std::numbers::pi;
-            sum[channel][2] += light[channel] * convolve1 * kShC1 * std::numbers::pi * up;
+            sum.Add(i, channel, 0, light[channel] * convolve0 * kShC0 * 2 * std::numbers::pi);
+            sum.Add(i, channel, 2, light[channel] * convolve1 * kShC1 * std::numbers::pi * up);
         }
     }
 }
 
 /// Bounced light.
-void AddIndirect(const GridInputs &in, const Vec3f &position, std::uint32_t index, PointSum &sum, RayCounts &counts) {
+void AddIndirect(const GridInputs &in, const LightPlaces &places, std::size_t i, BlockSum &sum, RayCounts &counts) {
     std::vector<IndirectRay> rays;
-    in.indirect->Gather(position, index, rays);
+    in.indirect->Gather(places.rayOrigin[i], places.index[i], rays);
     counts.rays += rays.size();
     const double share = IndirectLight::kFacing / 255.0 / double(rays.size());
     for (const IndirectRay &ray : rays) {
@@ -117,27 +112,46 @@ void AddIndirect(const GridInputs &in, const Vec3f &position, std::uint32_t inde
         for (std::size_t k = 0; k < 9; ++k) {
             const double weight = basis[k] * (in.options.shRadiance ? 1 : kCosineLobe[k]) * share;
             for (std::size_t channel = 0; channel < 3; ++channel)
-                sum[channel][k] += weight * double(ray.color[channel]);
+                sum.Add(i, channel, k, weight * double(ray.color[channel]));
         }
     }
 }
 
-/// Ambient light, the minimum, the grid scale; and no channel whose mean is negative.
-bspGridPointSH_t StorePoint(const GridInputs &in, const PointSum &total) {
+/// What a channel adds to all light, what it has at least, and the factor of it as it is stored.
+struct ChannelScale {
+    double ambient, least, scale;
+};
+
+/// Values of a channel as they are stored; zero where its mean is negative.
+Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, ShortSum &stored) {
+    const auto [ambient, least, scale] = channel;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const double mean = sum[0][i] + ambient;
+        stored[0][i] = float(std::min(std::max(mean < 0 ? 0 : mean, least) * scale, kMaxCoefficient));
+    }
+    for (std::size_t k = 1; k < 9; ++k)
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const double value = sum[0][i] + ambient < 0 ? 0 : sum[k][i] * scale;
+            stored[k][i] = float(std::min(std::max(value, -kMaxCoefficient), kMaxCoefficient));
+        }
+}
+
+/// Appends the values of a block: with ambient light, the minimum and the grid scale.
+void StoreBlock(const GridInputs &in, const BlockSum &sum, std::size_t count, std::vector<bspGridPointSH_t> &values) {
     // Coefficient 0 of light 1 from everywhere.
     const double uniform = 1 / kShC0 / (in.options.shRadiance ? std::numbers::pi : 1);
-    const double scale = in.options.gridScale > 0 ? in.options.gridScale : 1;
-    bspGridPointSH_t stored{};
-    for (std::size_t channel = 0; channel < 3; ++channel) {
-        ShVector sum = total[channel];
-        sum[0] += double(in.world.ambient[channel]) / 255 * uniform;
-        if (sum[0] < 0)
-            sum = {};
-        sum[0] = std::max(sum[0], double(in.world.minGrid[channel]) / 255 * uniform);
+    std::array<ShortSum, 3> stored;
+    for (std::size_t channel = 0; channel < 3; ++channel)
+        StoreChannel(sum.Channels()[channel],
+                     {double(in.world.ambient[channel]) / 255 * uniform,
+                      double(in.world.minGrid[channel]) / 255 * uniform,
+                      in.options.gridScale > 0 ? in.options.gridScale : 1},
+                     stored[channel]);
+    for (std::size_t i = 0; i < count; ++i) {
+        bspGridPointSH_t &point = values.emplace_back();
         for (std::size_t k = 0; k < 9; ++k)
-            stored.coeffs[k][channel] = float(std::clamp(sum[k] * scale, -kMaxCoefficient, kMaxCoefficient));
+            point.coeffs[k] = {stored[0][k][i], stored[1][k][i], stored[2][k][i]};
     }
-    return stored;
 }
 
 } // namespace
@@ -170,15 +184,14 @@ std::vector<bspGridPointSH_t> PlaceLighter::Values(std::vector<LightPlaces> &blo
     std::vector<bspGridPointSH_t> values;
     values.reserve(blocks.size() * kPacketSize);
     for (std::size_t block = 0; block < blocks.size(); ++block) {
-        sums[block].Flush();
-        for (std::size_t i = 0; i < blocks[block].count; ++i) {
-            PointSum sum = sums[block].Of(i);
-            if (flood)
-                AddFlood(in_, blocks[block].position[i], sum, work.counts);
-            if (in_.indirect)
-                AddIndirect(in_, blocks[block].rayOrigin[i], blocks[block].index[i], sum, work.counts);
-            values.push_back(StorePoint(in_, sum));
-        }
+        const LightPlaces &places = blocks[block];
+        BlockSum &sum = sums[block];
+        sum.Flush();
+        for (std::size_t i = 0; i < places.count && flood; ++i)
+            AddFlood(in_, places, i, sum, work.counts);
+        for (std::size_t i = 0; i < places.count && in_.indirect; ++i)
+            AddIndirect(in_, places, i, sum, work.counts);
+        StoreBlock(in_, sum, places.count, values);
     }
     return values;
 }
