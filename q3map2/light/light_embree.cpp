@@ -3,10 +3,15 @@
 
 #include "common/error.h"
 
+#include <cstdlib>
+#include <string>
+
 namespace q3 {
 
 DevicePtr NewDevice() {
-    DevicePtr device(rtcNewDevice("threads=1"));
+    const char *more = std::getenv("Q3MAP2_EMBREE");
+    const std::string settings = std::string("threads=1") + (more ? "," : "") + (more ? more : "");
+    DevicePtr device(rtcNewDevice(settings.c_str()));
     if (!device)
         throw Error("Embree: cannot make a device");
     return device;

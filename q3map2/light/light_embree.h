@@ -67,20 +67,25 @@ inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context,
 }
 #endif
 
-/// A device for one thread's calls at a time while scenes are made; tracing needs no device. Errors: Error.
+/// A device for one thread's calls at a time while scenes are made; tracing needs no device. The environment variable
+/// Q3MAP2_EMBREE adds settings, see rtcNewDevice: "isa=avx2" does as on an older processor. Errors: Error.
 DevicePtr NewDevice();
 /// An empty scene, watertight and built for fast tracing.
 ScenePtr NewScene(RTCDevice device);
 /// Triangles of three corners each, xyz one after the other, committed. Errors: Error, out of memory.
 GeometryPtr NewTriangles(RTCDevice device, std::span<const float> corners);
 
-/// Rays between `nearest` and `distance` along unit directions.
-inline void SetRays(const Lanes3 &origin, const Lanes3 &direction, const Lanes &distance, float nearest,
-                    RTCRay16 &rays) {
-    const auto row = [](const Lanes &from, float *to) { std::copy(from.begin(), from.end(), to); };
-    row(origin.x, rays.org_x), row(origin.y, rays.org_y), row(origin.z, rays.org_z);
-    row(direction.x, rays.dir_x), row(direction.y, rays.dir_y), row(direction.z, rays.dir_z);
-    row(distance, rays.tfar);
+/// Live rays between `nearest` and `distance` along unit directions. The others' numbers may be anything, but Embree
+/// looks at all rays on processors without vectors of 16 numbers: there they become rays that end before they start.
+inline void SetRays(const Lanes3 &origin, const Lanes3 &direction, const Lanes &distance, const LaneMask &live,
+                    float nearest, RTCRay16 &rays) {
+    const auto row = [&](const Lanes &from, float none, float *to) {
+        for (std::size_t i = 0; i < kPacketSize; ++i)
+            to[i] = live[i] != 0 ? from[i] : none;
+    };
+    row(origin.x, 0, rays.org_x), row(origin.y, 0, rays.org_y), row(origin.z, 0, rays.org_z);
+    row(direction.x, 0, rays.dir_x), row(direction.y, 0, rays.dir_y), row(direction.z, 1, rays.dir_z);
+    row(distance, -1, rays.tfar);
     std::fill_n(rays.tnear, kPacketSize, nearest);
     std::fill_n(rays.time, kPacketSize, 0.0f);
     std::fill_n(rays.mask, kPacketSize, ~0u);

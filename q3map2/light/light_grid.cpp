@@ -5,6 +5,7 @@
 #include "q3map2/light/light_tone.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -22,21 +23,58 @@ constexpr std::size_t kMaxRecords = 32767;
 /// Lights fainter than this in all of a brick are represented by a few of them. Byte scale.
 constexpr float kFaint = 1.0f / 16;
 
-/// What one light gave to a point.
-struct GridRecord {
-    Vec3f direction, color, ownAmbient;
-};
+/// Blocks that are lit together, so that their rays fill packets; more would keep more records at once.
+constexpr std::size_t kTogether = 4;
 
-struct LegacyPoint {
-    Vec3f sum; // running, of all styles: for -cheapgrid
-    Vec3d directionSum;
-    std::vector<GridRecord> records;
-
-    void Clear() {
-        sum = {}, directionSum = {};
-        records.clear();
+/// What lights give to the points of a few blocks. How much of it is ambient hangs on the main direction of a point,
+/// which is known at the end, so all of it is recorded.
+class GridRecords {
+  public:
+    explicit GridRecords(std::size_t points) : points_(points) { records_.reserve(kUsual * points); }
+    /// Light from a direction, and ambient light of its own; `turn` turns the main direction.
+    void Add(std::size_t point, const Vec3f &direction, const Vec3f &color, const Vec3f &ownAmbient,
+             const Vec3d &turn) {
+        records_.push_back({std::uint32_t(point), direction, color, ownAmbient});
+        points_[point].turns += turn;
+        ++points_[point].records;
     }
+    std::size_t Count(std::size_t point) const { return points_[point].records; }
+
+    /// Light of a point in its two parts.
+    struct Light {
+        Vec3f main, ambient, directed;
+    };
+    std::vector<Light> Lights(const LightOptions &options, const Vec3f &ambient) const;
+
+  private:
+    static constexpr std::size_t kUsual = 8; ///< lights that reach a point of most maps
+    struct Record {
+        std::uint32_t point;
+        Vec3f direction, color, ownAmbient;
+    };
+    struct Point {
+        Vec3d turns;
+        std::size_t records = 0;
+    };
+    std::vector<Point> points_;
+    std::vector<Record> records_;
 };
+
+std::vector<GridRecords::Light> GridRecords::Lights(const LightOptions &options, const Vec3f &ambient) const {
+    std::vector<Light> lights;
+    lights.reserve(points_.size());
+    for (const Point &point : points_)
+        lights.push_back({Vec3f(Normalize(point.turns)), ambient, {}});
+    for (const Record &record : records_) {
+        Light &light = lights[record.point];
+        const float k = std::max(0.0f, options.gridAmbientDirectionality +
+                                           Dot(record.direction, light.main) *
+                                               (options.gridDirectionality - options.gridAmbientDirectionality));
+        light.directed += record.color * k;
+        light.ambient += record.color * (0.25f * (1 - k)) + record.ownAmbient;
+    }
+    return lights;
+}
 
 /// The first of PlacePoint's steps whose spots need looking at: those of smaller ones lie in a box without open leafs.
 int FirstOpenStep(const BspRegion &space, const Vec3f &base, const Vec3f &half) {
@@ -118,18 +156,18 @@ std::vector<LightPlaces> PlaceBrick(const BspSpace &space, const GridLayout &lay
     return blocks;
 }
 
-void AddFloodlight(const GridInputs &in, const Vec3f &position, LegacyPoint &point, RayCounts &counts) {
+void AddFloodlight(const GridInputs &in, const Vec3f &position, std::size_t point, GridRecords &records,
+                   RayCounts &counts) {
     for (const float up : {1.0f, -1.0f}) {
         const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.options.lowQuality, counts);
         const Vec3f flood = in.world.floodColor * (in.world.floodIntensity * share);
-        point.records.push_back({{0, 0, 1}, flood * 0.75f, flood * 0.25f});
-        point.directionSum += Vec3d{0, 0, double(Length(flood * 0.75f))};
+        records.Add(point, {0, 0, 1}, flood * 0.75f, flood * 0.25f, Vec3d{0, 0, double(Length(flood * 0.75f))});
     }
 }
 
 /// Every ray is a light of its own.
-void AddIndirect(const GridInputs &in, const Vec3f &position, std::uint32_t index, LegacyPoint &point,
-                 RayCounts &counts) {
+void AddIndirect(const GridInputs &in, const Vec3f &position, std::uint32_t index, std::size_t point,
+                 GridRecords &records, RayCounts &counts) {
     std::vector<IndirectRay> rays;
     in.indirect->Gather(position, index, rays);
     counts.rays += rays.size();
@@ -137,8 +175,7 @@ void AddIndirect(const GridInputs &in, const Vec3f &position, std::uint32_t inde
         if (ray.color == Vec3f{})
             continue;
         const Vec3f color = ray.color * (IndirectLight::kFacing / float(rays.size()));
-        point.records.push_back({ray.direction, color, {}});
-        point.directionSum += Vec3d(ray.direction) * double(Length(color));
+        records.Add(point, ray.direction, color, {}, Vec3d(ray.direction) * double(Length(color)));
     }
 }
 
@@ -151,64 +188,82 @@ std::array<std::uint8_t, 2> DirectionBytes(const Vec3f &t) {
     return {std::uint8_t(fromZ & 255), std::uint8_t(aroundZ & 255)};
 }
 
-bspGridPoint_t StorePoint(const GridInputs &in, const LegacyPoint &point) {
+bspGridPoint_t StorePoint(const GridInputs &in, const GridRecords::Light &light) {
     const LightOptions &o = in.options;
-    const Vec3f main(Normalize(point.directionSum));
-    Vec3f ambient = in.world.ambient, directed;
-    for (const GridRecord &record : point.records) {
-        const float k =
-            std::max(0.0f, o.gridAmbientDirectionality +
-                               Dot(record.direction, main) * (o.gridDirectionality - o.gridAmbientDirectionality));
-        directed += record.color * k;
-        ambient += record.color * (0.25f * (1 - k)) + record.ownAmbient;
-    }
-    ambient = Max(ambient, in.world.minGrid);
     bspGridPoint_t stored;
-    stored.ambient = ColorToBytes(ambient, o.gridScale * o.gridAmbientScale, 1, o.tone);
-    stored.directed = ColorToBytes(directed, o.gridScale, 1, o.tone);
+    stored.ambient = ColorToBytes(Max(light.ambient, in.world.minGrid), o.gridScale * o.gridAmbientScale, 1, o.tone);
+    stored.directed = ColorToBytes(light.directed, o.gridScale, 1, o.tone);
     constexpr std::array<std::uint8_t, 3> kBlack{};
     if (stored.ambient == kBlack && stored.directed != kBlack)
         stored.ambient = {1, 1, 1};
-    stored.latLong = DirectionBytes(main);
+    stored.latLong = DirectionBytes(light.main);
     return stored;
 }
 
-/// Adds what one light gives to the points of a block.
-void AddArrivals(const Light &light, const GridInputs &in, const Arrivals &arrivals, LightPlaces &places,
-                 std::span<LegacyPoint> points) {
-    for (std::size_t i = 0; i < places.count; ++i) {
-        if (arrivals.live[i] == 0)
-            continue;
+/// Points of a few blocks being lit.
+class GridBlocks {
+  public:
+    GridBlocks(const GridInputs &in, std::span<LightPlaces> blocks)
+        : in_(in), blocks_(blocks), records_(blocks.size() * kPacketSize), arrivals_(blocks.size()),
+          sums_(in.options.cheapGrid ? blocks.size() * kPacketSize : 0) {}
+    void Light(const ContributionSettings &settings, std::span<const BrickLight> lights, GridStats &work) {
+        for (const BrickLight &one : lights) {
+            LightContributionToPoint(*one.light, one.weight, settings, in_.scene, blocks_, arrivals_, work.counts);
+            for (std::size_t block = 0; block < blocks_.size(); ++block)
+                AddArrivals(*one.light, block);
+        }
+        for (std::size_t block = 0; block < blocks_.size(); ++block)
+            AddOthers(block, work);
+    }
+    void Store(std::span<bspGridPoint_t> grid) const {
+        const auto lights = records_.Lights(in_.options, in_.world.ambient);
+        for (std::size_t block = 0; block < blocks_.size(); ++block)
+            for (std::size_t i = 0; i < blocks_[block].count; ++i)
+                grid[blocks_[block].index[i]] = StorePoint(in_, lights[block * kPacketSize + i]);
+    }
+
+  private:
+    /// What one light gives to the points of a block.
+    void AddArrivals(const q3::Light &light, std::size_t block);
+    void AddOthers(std::size_t block, GridStats &work);
+
+    const GridInputs &in_;
+    std::span<LightPlaces> blocks_;
+    GridRecords records_;
+    std::vector<Arrivals> arrivals_;
+    std::vector<Vec3f> sums_; ///< of all styles; with -cheapgrid, for which white is enough
+};
+
+void GridBlocks::AddArrivals(const q3::Light &light, std::size_t block) {
+    const Arrivals &arrivals = arrivals_[block];
+    LightPlaces &places = blocks_[block];
+    for (unsigned lanes = arrivals.live.Bits(); lanes != 0; lanes &= lanes - 1) {
+        const auto i = std::size_t(std::countr_zero(lanes));
+        const std::size_t point = block * kPacketSize + i;
         Vec3f color = light.color * (light.negative ? -arrivals.add[i] : arrivals.add[i]);
         if (arrivals.tinted)
             color = color * arrivals.tint[i];
         const Vec3f direction = arrivals.direction[i];
-        points[i].directionSum += Vec3d(direction) * double(Length(color));
-        points[i].sum += color;
         // Light of other styles turns the direction, but this format has no place for its colour.
-        points[i].records.push_back({direction, light.style == 0 ? color : Vec3f{}, {}});
-        const Vec3f &sum = points[i].sum;
-        const bool white = in.options.cheapGrid && sum.x >= 255 && sum.y >= 255 && sum.z >= 255;
-        places.wanted.Set(i, !white && points[i].records.size() < kMaxRecords);
+        records_.Add(point, direction, light.style == 0 ? color : Vec3f{}, {},
+                     Vec3d(direction) * double(Length(color)));
+        bool white = false;
+        if (in_.options.cheapGrid) {
+            const Vec3f sum = sums_[point] += color;
+            white = sum.x >= 255 && sum.y >= 255 && sum.z >= 255;
+        }
+        places.wanted.Set(i, !white && records_.Count(point) < kMaxRecords);
     }
 }
 
-/// The points of a block, lit. `points`: memory for as many.
-void LightBlock(const GridInputs &in, const ContributionSettings &settings, std::span<const BrickLight> lights,
-                LightPlaces &places, std::span<LegacyPoint> points, std::span<bspGridPoint_t> grid, GridStats &work) {
-    for (LegacyPoint &point : points)
-        point.Clear();
-    Arrivals arrivals;
-    for (const BrickLight &one : lights) {
-        LightContributionToPoint(*one.light, one.weight, settings, in.scene, {&places, 1}, {&arrivals, 1}, work.counts);
-        AddArrivals(*one.light, in, arrivals, places, points);
-    }
+void GridBlocks::AddOthers(std::size_t block, GridStats &work) {
+    const LightPlaces &places = blocks_[block];
     for (std::size_t i = 0; i < places.count; ++i) {
-        if (in.options.floodlight || in.world.hasFloodlight)
-            AddFloodlight(in, places.position[i], points[i], work.counts);
-        if (in.indirect)
-            AddIndirect(in, places.rayOrigin[i], places.index[i], points[i], work.counts);
-        grid[places.index[i]] = StorePoint(in, points[i]);
+        const std::size_t point = block * kPacketSize + i;
+        if (in_.options.floodlight || in_.world.hasFloodlight)
+            AddFloodlight(in_, places.position[i], point, records_, work.counts);
+        if (in_.indirect)
+            AddIndirect(in_, places.rayOrigin[i], places.index[i], point, records_, work.counts);
     }
 }
 
@@ -251,9 +306,11 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
         const BrickLights candidates(byCluster, BrickView(blocks), std::uint64_t(brick), kFaint, in.options.skip, work);
         ContributionSettings pass = settings;
         pass.faint = candidates.Many() ? kFaint : 0;
-        std::array<LegacyPoint, kPacketSize> points;
-        for (LightPlaces &places : blocks)
-            LightBlock(in, pass, candidates.List(), places, points, grid, work);
+        for (std::size_t first = 0; first < blocks.size(); first += kTogether) {
+            GridBlocks together(in, std::span(blocks).subspan(first, std::min(kTogether, blocks.size() - first)));
+            together.Light(pass, candidates.List(), work);
+            together.Store(grid);
+        }
     });
     return grid;
 }

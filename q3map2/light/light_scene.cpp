@@ -162,7 +162,7 @@ namespace {
 /// Rays of the packet that something in the scene blocks live no longer.
 Q3_VECTOR void EndBlocked(RTCScene scene, RayPacket &packet, float nearest) {
     alignas(64) RTCRay16 rays;
-    SetRays(packet.origin, packet.direction, packet.distance, nearest, rays);
+    SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
     EmbreeContext context;
     InitContext(context);
     Occluded16(packet.live.data(), scene, context, rays);
@@ -171,8 +171,8 @@ Q3_VECTOR void EndBlocked(RTCScene scene, RayPacket &packet, float nearest) {
 }
 
 /// Nearest hit of every live ray.
-void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayHit16 &hits) {
-    SetRays(packet.origin, packet.direction, packet.distance, nearest, hits.ray);
+Q3_VECTOR void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayHit16 &hits) {
+    SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, hits.ray);
     std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
     EmbreeContext context;
     InitContext(context);
@@ -276,7 +276,7 @@ void LightScene::State::Tint(RayPacket &packet, const Casters &casters, const Sc
     context.triangles[1] = &casters.triangles[kFilterPatches];
     context.table = &table;
     alignas(64) RTCRay16 rays;
-    SetRays(packet.origin, packet.direction, packet.distance, nearest, rays);
+    SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
     Occluded16(packet.live.data(), scene.get(), context.embree, rays);
     packet.filtered = {};
     if (context.crossings.empty())

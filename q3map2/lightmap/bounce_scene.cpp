@@ -207,7 +207,7 @@ void BounceScene::State::Commit() {
 
 std::array<BounceScene::State::Hit, kPacketSize> BounceScene::State::Trace(const RayPacket &rays) const {
     alignas(64) RTCRayHit16 hits;
-    SetRays(rays.origin, rays.direction, rays.distance, 0, hits.ray);
+    SetRays(rays.origin, rays.direction, rays.distance, rays.live, 0, hits.ray);
     std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
     EmbreeContext context;
     InitContext(context);

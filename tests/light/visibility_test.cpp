@@ -2,6 +2,7 @@
 // count.
 #include "tests/light/light_test.h"
 
+#include <cstdlib>
 #include <cstring>
 #include <random>
 
@@ -78,7 +79,8 @@ std::vector<std::byte> BytesOf(const Bsp &bsp) {
     return WriteBsp(bsp, {});
 }
 
-TEST_F(ThreadsTest, EveryThreadCountGivesTheSameBytes) {
+/// Boxes, lamps, a sun and many dim lights.
+SceneBuilder SceneOfAllLights() {
     BoxScene made(11);
     const auto add = [&](std::string_view shader, const std::array<Vec3f, 4> &corners) {
         made.scene.AddQuad(corners, TestShader(shader));
@@ -94,12 +96,55 @@ TEST_F(ThreadsTest, EveryThreadCountGivesTheSameBytes) {
                                  {"light", "20"},
                                  {"_samples", "2"},
                                  {"_deviance", "10"}}));
-    const std::string options = "-gridsh 40 40 40 -floodlight";
-    const Bsp one = Lit(made.scene, options, 1);
-    EXPECT_GT(result.gridSH.counts.refined, 100u) << "the scene has penumbras";
-    EXPECT_EQ(BytesOf(one), BytesOf(Lit(made.scene, options, 2)));
-    EXPECT_EQ(BytesOf(one), BytesOf(Lit(made.scene, options, 7)));
+    return made.scene;
 }
+
+TEST_F(ThreadsTest, EveryThreadCountGivesTheSameBytes) {
+    const SceneBuilder scene = SceneOfAllLights();
+    const std::string options = "-gridsh 40 40 40 -floodlight";
+    const Bsp one = Lit(scene, options, 1);
+    EXPECT_GT(result.gridSH.counts.refined, 100u) << "the scene has penumbras";
+    EXPECT_EQ(BytesOf(one), BytesOf(Lit(scene, options, 2)));
+    EXPECT_EQ(BytesOf(one), BytesOf(Lit(scene, options, 7)));
+}
+
+#ifdef __x86_64__
+
+/// What Embree may use of the processor; the usual again at the end.
+class EmbreeFor {
+  public:
+    explicit EmbreeFor(const std::string &processor) { setenv("Q3MAP2_EMBREE", ("isa=" + processor).c_str(), 1); }
+    ~EmbreeFor() { unsetenv("Q3MAP2_EMBREE"); }
+};
+
+/// On processors without vectors of 16 floats Embree takes packets apart, and looks at rays that are not live.
+class ProcessorTest : public LightTest, public testing::WithParamInterface<std::string> {};
+
+TEST_P(ProcessorTest, EveryProcessorGivesTheSameLight) {
+    const SceneBuilder scene = SceneOfAllLights();
+    const std::string options = "-gridsh 40 40 40 -floodlight -samples 2 -dirty -bounce 1 -bouncegrid";
+    surfaces = true;
+    const Bsp usual = Lit(scene, options);
+    const EmbreeFor other(GetParam());
+    const Bsp bsp = Lit(scene, options);
+    const GridView grid(bsp), usualGrid(usual);
+    ASSERT_EQ(grid.Count(), usualGrid.Count());
+    double off = 0;
+    for (std::size_t i = 0; i < grid.Count(); ++i)
+        off += Difference(grid.At(i), usualGrid.At(i)) * 255 / double(grid.Count());
+    EXPECT_LT(off, 0.01) << "bytes, mean; a ray may meet or miss an edge";
+    ASSERT_EQ(bsp.lightmaps.size(), usual.lightmaps.size());
+    ASSERT_GT(bsp.lightmaps.size(), 0u);
+    double lightmapOff = 0;
+    for (std::size_t i = 0; i < bsp.lightmaps.size(); ++i)
+        lightmapOff += std::abs(int(bsp.lightmaps[i]) - int(usual.lightmaps[i])) / double(bsp.lightmaps.size());
+    EXPECT_LT(lightmapOff, 0.01);
+}
+
+INSTANTIATE_TEST_SUITE_P(Processors, ProcessorTest, testing::Values("sse4.2", "avx", "avx2"),
+                         [](const auto &one) { return one.param == "sse4.2" ? "sse42" : one.param; });
+
+#endif
 
 } // namespace
 
