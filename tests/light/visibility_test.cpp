@@ -122,7 +122,7 @@ class ProcessorTest : public LightTest, public testing::WithParamInterface<std::
 
 TEST_P(ProcessorTest, EveryProcessorGivesTheSameLight) {
     const SceneBuilder scene = SceneOfAllLights();
-    const std::string options = "-gridsh 40 40 40 -floodlight -samples 2 -dirty -bounce 1 -bouncegrid";
+    const std::string options = "-gridsh 80 80 80 -floodlight -samplesize 32 -samples 2 -dirty -bounce 1 -bouncegrid";
     surfaces = true;
     const Bsp usual = Lit(scene, options);
     const EmbreeFor other(GetParam());
