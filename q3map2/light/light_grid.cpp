@@ -41,10 +41,10 @@ class GridRecords {
     std::size_t Count(std::size_t point) const { return points_[point].records; }
 
     /// Light of a point in its two parts.
-    struct Light {
+    struct Parts {
         Vec3f main, ambient, directed;
     };
-    std::vector<Light> Lights(const LightOptions &options, const Vec3f &ambient) const;
+    std::vector<Parts> All(const LightOptions &options, const Vec3f &ambient) const;
 
   private:
     static constexpr std::size_t kUsual = 8; ///< lights that reach a point of most maps
@@ -60,20 +60,20 @@ class GridRecords {
     std::vector<Record> records_;
 };
 
-std::vector<GridRecords::Light> GridRecords::Lights(const LightOptions &options, const Vec3f &ambient) const {
-    std::vector<Light> lights;
-    lights.reserve(points_.size());
+std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, const Vec3f &ambient) const {
+    std::vector<Parts> all;
+    all.reserve(points_.size());
     for (const Point &point : points_)
-        lights.push_back({Vec3f(Normalize(point.turns)), ambient, {}});
+        all.push_back({Vec3f(Normalize(point.turns)), ambient, {}});
     for (const Record &record : records_) {
-        Light &light = lights[record.point];
+        Parts &light = all[record.point];
         const float k = std::max(0.0f, options.gridAmbientDirectionality +
                                            Dot(record.direction, light.main) *
                                                (options.gridDirectionality - options.gridAmbientDirectionality));
         light.directed += record.color * k;
         light.ambient += record.color * (0.25f * (1 - k)) + record.ownAmbient;
     }
-    return lights;
+    return all;
 }
 
 /// The first of PlacePoint's steps whose spots need looking at: those of smaller ones lie in a box without open leafs.
@@ -188,7 +188,7 @@ std::array<std::uint8_t, 2> DirectionBytes(const Vec3f &t) {
     return {std::uint8_t(fromZ & 255), std::uint8_t(aroundZ & 255)};
 }
 
-bspGridPoint_t StorePoint(const GridInputs &in, const GridRecords::Light &light) {
+bspGridPoint_t StorePoint(const GridInputs &in, const GridRecords::Parts &light) {
     const LightOptions &o = in.options;
     bspGridPoint_t stored;
     stored.ambient = ColorToBytes(Max(light.ambient, in.world.minGrid), o.gridScale * o.gridAmbientScale, 1, o.tone);
@@ -206,7 +206,7 @@ class GridBlocks {
     GridBlocks(const GridInputs &in, std::span<LightPlaces> blocks)
         : in_(in), blocks_(blocks), records_(blocks.size() * kPacketSize), arrivals_(blocks.size()),
           sums_(in.options.cheapGrid ? blocks.size() * kPacketSize : 0) {}
-    void Light(const ContributionSettings &settings, std::span<const BrickLight> lights, GridStats &work) {
+    void Trace(const ContributionSettings &settings, std::span<const BrickLight> lights, GridStats &work) {
         for (const BrickLight &one : lights) {
             LightContributionToPoint(*one.light, one.weight, settings, in_.scene, blocks_, arrivals_, work.counts);
             for (std::size_t block = 0; block < blocks_.size(); ++block)
@@ -216,7 +216,7 @@ class GridBlocks {
             AddOthers(block, work);
     }
     void Store(std::span<bspGridPoint_t> grid) const {
-        const auto lights = records_.Lights(in_.options, in_.world.ambient);
+        const auto lights = records_.All(in_.options, in_.world.ambient);
         for (std::size_t block = 0; block < blocks_.size(); ++block)
             for (std::size_t i = 0; i < blocks_[block].count; ++i)
                 grid[blocks_[block].index[i]] = StorePoint(in_, lights[block * kPacketSize + i]);
@@ -224,7 +224,7 @@ class GridBlocks {
 
   private:
     /// What one light gives to the points of a block.
-    void AddArrivals(const q3::Light &light, std::size_t block);
+    void AddArrivals(const Light &light, std::size_t block);
     void AddOthers(std::size_t block, GridStats &work);
 
     const GridInputs &in_;
@@ -234,7 +234,7 @@ class GridBlocks {
     std::vector<Vec3f> sums_; ///< of all styles; with -cheapgrid, for which white is enough
 };
 
-void GridBlocks::AddArrivals(const q3::Light &light, std::size_t block) {
+void GridBlocks::AddArrivals(const Light &light, std::size_t block) {
     const Arrivals &arrivals = arrivals_[block];
     LightPlaces &places = blocks_[block];
     for (unsigned lanes = arrivals.live.Bits(); lanes != 0; lanes &= lanes - 1) {
@@ -308,7 +308,7 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
         pass.faint = candidates.Many() ? kFaint : 0;
         for (std::size_t first = 0; first < blocks.size(); first += kTogether) {
             GridBlocks together(in, std::span(blocks).subspan(first, std::min(kTogether, blocks.size() - first)));
-            together.Light(pass, candidates.List(), work);
+            together.Trace(pass, candidates.List(), work);
             together.Store(grid);
         }
     });
