@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Moments of polygons: random ones against quadrature, and those with known values.
 #include "libs/math/winding.h"
+#include "q3map2/light/moment_lanes.h"
 #include "tests/stress/polygon_reference.h"
 
 #include <gtest/gtest.h>
@@ -108,6 +109,55 @@ TEST(PolygonMoments, RandomPolygonsStayWithinTheStatedError) {
     absolute.Print("absolute");
     clear.Print("absolute, edges over 1e-4 of corners away");
     relative.Print("relative, solid angles over 1e-6");
+    share.Print("share of the stated bound");
+}
+
+/// What the baker takes: places are floats, and at least this far in front of the polygon's plane.
+constexpr double kClearance = 1.0 / 64;
+
+Moments10 LaneMoments(const PolygonCase &polygon, const Vec3f &p, std::size_t lane) {
+    Lanes3 places;
+    places.Fill(polygon.corners[0]); // a corner, where nothing is defined, must not disturb the others
+    places.Set(lane, p);
+    LaneMask those{};
+    those.Set(lane, true);
+    MomentLanes lanes;
+    lanes.Measure(polygon.corners, places, those);
+    return ToArray(lanes.Of(lane));
+}
+
+TEST(PolygonMoments, LanesOfRandomPolygonsStayWithinTheStatedError) {
+    Worst absolute, clear, share;
+    std::uint64_t failures = 0, used = 0;
+    const GaussRule gauss;
+    for (std::uint64_t i = 0; i < RandomCount() && failures < 10; i++) {
+        const PolygonCase polygon = RandomPolygon(i);
+        const Vec3f place(polygon.p);
+        const Vec3d p(place);
+        if (!(PolygonAspect(polygon.corners, p).height >= kClearance))
+            continue;
+        Moments10 exact = ReferenceMoments(polygon.corners, p, gauss);
+        if (!(exact[0] > 0)) // seen from behind by most of it
+            exact = {};
+        const auto off = Differences(exact, LaneMoments(polygon, place, i % kPacketSize));
+        const Measures m = Measure({polygon.view, polygon.corners, p});
+        const double bound = 1e-14 * m.farthest / m.edge;
+        used++;
+        share.Add(off, bound, i);
+        absolute.Add(off, 1, i);
+        if (m.edge * 1e4 > m.farthest)
+            clear.Add(off, 1, i);
+        if (!(std::max({off[0], off[1], off[2]}) <= bound)) {
+            failures++;
+            ADD_FAILURE() << "polygon " << i << ": errors " << off[0] << ' ' << off[1] << ' ' << off[2] << " over "
+                          << bound;
+        }
+    }
+    EXPECT_GT(used, RandomCount() / 4);
+    std::printf("lanes: worst errors of order 0, 1, 2 and the numbers of their polygons, of %llu\n",
+                (unsigned long long)used);
+    absolute.Print("absolute");
+    clear.Print("absolute, edges over 1e-4 of corners away");
     share.Print("share of the stated bound");
 }
 
