@@ -365,7 +365,7 @@ void AreaContribution::Refine(std::size_t i) {
         return;
     tint += Vec3d{1, 1, 1} * double(clear);
     const double share = double(clear) / n;
-    ShVector projection = Moments(i).Projection();
+    ShVector projection = moments_.Of(i).Projection();
     for (std::size_t k = 0; k < 9; ++k) {
         const double visible = SampleMoments::Total(moments.visible[k]), whole = SampleMoments::Total(moments.whole[k]);
         projection[k] = share * projection[k] + (visible - share * whole) / n;

@@ -31,7 +31,6 @@ class AreaContribution {
     /// Rays end so far from the emitter's plane, towards the place: see kEmitterGap.
     float Lift(std::size_t i) const;
     std::span<const Vec3f> Corners(std::size_t i) const { return FromBehind(i) ? light_.shape.back : light_.w; }
-    PolygonMoments Moments(std::size_t i) const { return moments_.Of(i); }
     void MeasureLanes();
     void MeasureMoments(const LaneMask &those);
     void MeasureNear();

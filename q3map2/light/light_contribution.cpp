@@ -4,6 +4,7 @@
 #include "q3map2/light/light_area.h"
 #include "q3map2/light/light_formfactor.h"
 #include "q3map2/light/light_terms.h"
+#include "q3map2/light/sky_beam.h"
 
 #include <algorithm>
 #include <bit>

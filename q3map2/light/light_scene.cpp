@@ -4,6 +4,7 @@
 #include "q3map2/light/light_embree.h"
 #include "q3map2/light/light_space.h"
 #include "q3map2/light/shadow_casters.h"
+#include "q3map2/light/sky_beam.h"
 
 #include <algorithm>
 #include <cmath>
@@ -168,6 +169,14 @@ Q3_VECTOR void EndBlocked(RTCScene scene, RayPacket &packet, float nearest) {
     Occluded16(packet.live.data(), scene, context, rays);
     for (std::size_t i = 0; i < kPacketSize; ++i)
         packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
+}
+
+/// Rays that meet the sky end there, the others live no longer. To find the sky takes little time; then blockers up to
+/// there need not be the nearest.
+void ClipToSky(const SkyHits &hits, int skyIndex, RayPacket &packet) {
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        packet.live.Set(i, hits.hit[i] != 0 && (skyIndex < 0 || hits.skyIndex[i] == skyIndex));
+    packet.distance = hits.distance;
 }
 
 /// Nearest hit of every live ray.
@@ -343,14 +352,6 @@ void LightScene::State::SkipSkyBacks(const RayPacket &packet, SkyHits &hits) con
             hits.distance[i] = next.distance[i];
             hits.skyIndex[i] = next.skyIndex[i];
         }
-}
-
-/// Rays that meet the sky end there, the others live no longer. To find the sky takes little time; then blockers up to
-/// there need not be the nearest.
-static void ClipToSky(const SkyHits &hits, int skyIndex, RayPacket &packet) {
-    for (std::size_t i = 0; i < kPacketSize; ++i)
-        packet.live.Set(i, hits.hit[i] != 0 && (skyIndex < 0 || hits.skyIndex[i] == skyIndex));
-    packet.distance = hits.distance;
 }
 
 void LightScene::TraceSurfaceToLight(RayPacket &packet, int receiveShadows, RayCounts &counts) const {

@@ -4,7 +4,6 @@
 #include "common/log.h"
 #include "q3map2/light/light_lanes.h"
 #include "q3map2/light/light_options.h"
-#include "q3map2/light/sky_beam.h"
 #include "q3map2/light/surface_table.h"
 
 #include <array>
@@ -13,6 +12,9 @@
 #include <vector>
 
 namespace q3 {
+
+class SkyBeam;
+class SkyFaces;
 
 /// Whose shadow rules count.
 enum class ShadowRules {

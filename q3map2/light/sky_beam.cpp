@@ -30,7 +30,7 @@ void SkyBeam::Add(const SkyFaces::Face &face, const Vec3d &direction, const Box 
     for (const SkyFaces::Piece &piece : face.pieces) {
         Range range{edgeCount_, edgeCount_};
         bool outside = false;
-        for (const SkyFaces::Plane3 &edge : piece) {
+        for (const SkyLinear &edge : piece) {
             // Where the ray meets the plane: origin + direction * (way . origin - start).
             const double along = Dot(Vec3d(edge.normal), direction);
             const Vec3d across = Vec3d(edge.normal) + way * along;
@@ -61,19 +61,8 @@ Q3_VECTOR void SkyBeam::Clip(const Lanes3 &origin, int skyIndex, float nearest, 
         LaneMask inside;
         inside.fill(face.pieces.from == face.pieces.to ? -1 : 0);
         for (std::size_t piece = face.pieces.from; piece < face.pieces.to; ++piece) {
-            Lanes least; ///< how far inside the nearest edge
-            least.fill(0);
-            for (std::size_t edge = pieces_[piece].from; edge < pieces_[piece].to; ++edge) {
-                const auto [across, from] = edges_[edge];
-#pragma GCC unroll 1
-                for (std::size_t i = 0; i < kPacketSize; ++i) {
-                    const float in = across.x * origin.x[i] + across.y * origin.y[i] + across.z * origin.z[i] - from;
-                    least[i] = in < least[i] ? in : least[i];
-                }
-            }
-#pragma GCC unroll 1
-            for (std::size_t i = 0; i < kPacketSize; ++i)
-                inside[i] |= -std::int32_t(least[i] >= 0);
+            const auto [from, to] = pieces_[piece];
+            AddInside({edges_.data() + from, to - from}, origin, inside);
         }
         const auto [way, start] = face.distance;
         const std::int32_t wanted = skyIndex < 0 || face.skyIndex == skyIndex ? -1 : 0;

@@ -21,16 +21,11 @@ class SkyBeam {
     void Clip(const Lanes3 &origin, int skyIndex, float nearest, Lanes &distance, LaneMask &live) const;
 
   private:
-    /// Of an origin: normal . origin - dist.
-    struct Linear {
-        Vec3f normal;
-        float dist;
-    };
     struct Range {
         std::size_t from = 0, to = 0;
     };
     struct Face {
-        Linear distance;
+        SkyLinear distance; ///< from an origin
         int skyIndex;
         Range pieces; ///< those that some rays meet and others do not; none: all rays meet the face
     };
@@ -41,8 +36,8 @@ class SkyBeam {
 
     std::size_t faceCount_ = 0, pieceCount_ = 0, edgeCount_ = 0;
     std::array<Face, kMostSkyFaces> faces_;
-    std::array<Range, kMostSkyPieces> pieces_; ///< of edges_
-    std::array<Linear, kMostSkyEdges> edges_;  ///< towards the inside
+    std::array<Range, kMostSkyPieces> pieces_;   ///< of edges_
+    std::array<SkyLinear, kMostSkyEdges> edges_; ///< towards the inside
 };
 
 } // namespace q3

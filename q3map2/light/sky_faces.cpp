@@ -13,8 +13,6 @@ namespace {
 
 /// Surfaces of more triangles are not cut into convex pieces, which takes time by the square of their number.
 constexpr std::size_t kMostTriangles = 256;
-/// Surfaces that are nearer to a convex polygon than this are one. Game units.
-constexpr double kOverlap = kSkyOverlap;
 
 /// Half the cross product sum of triangles, three clockwise corners each: its length is their area.
 Vec3d AreaVector(const std::vector<Vec3d> &corners) {
@@ -27,11 +25,11 @@ Vec3d AreaVector(const std::vector<Vec3d> &corners) {
 /// The convex polygon that triangles in one plane make; empty when they make none.
 Winding<double> ConvexFace(const std::vector<Vec3d> &corners) {
     const Vec3d area = AreaVector(corners);
-    Winding<double> hull = ConvexHull(corners, Normalize(area), kOverlap / 2);
+    Winding<double> hull = ConvexHull(corners, Normalize(area), kSkyOverlap / 2);
     double around = 0;
     for (std::size_t i = 0; i < hull.size(); ++i)
         around += Length(hull[(i + 1) % hull.size()] - hull[i]);
-    if (std::abs(WindingArea(hull) - Length(area)) > kOverlap * around)
+    if (std::abs(WindingArea(hull) - Length(area)) > kSkyOverlap * around)
         return {};
     return hull;
 }
@@ -50,7 +48,7 @@ bool Adjacent(const std::vector<Vec3d> &a, const std::vector<Vec3d> &b) {
 std::vector<Winding<double>> ConvexPieces(const std::vector<Vec3d> &corners) {
     const Vec3d normal = Normalize(AreaVector(corners));
     for (const Vec3d &p : corners)
-        if (std::abs(Dot(normal, p - corners[0])) > kOverlap)
+        if (std::abs(Dot(normal, p - corners[0])) > kSkyOverlap)
             return {};
     if (const Winding<double> whole = ConvexFace(corners); !whole.empty())
         return {whole};
@@ -120,7 +118,7 @@ void SkyFaces::AddFace(std::span<const Winding<double>> pieces, int skyIndex) {
         for (std::size_t i = 0; i < w.size(); ++i) {
             const Vec3d &a = w[i], &b = w[(i + 1) % w.size()];
             const Vec3d inward = Normalize(Cross(b - a, normal));
-            piece.push_back({Vec3f(inward), float(Dot(inward, a) - kOverlap)});
+            piece.push_back({Vec3f(inward), float(Dot(inward, a) - kSkyOverlap)});
         }
     }
     faces_.push_back(std::move(face));
@@ -148,23 +146,11 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
     for (const Piece &piece : face.pieces) {
         if (open == 0)
             break;
-        Lanes least; ///< how far inside the nearest edge
-        least.fill(0);
-        for (const Plane3 &edge : piece) {
-            const Vec3f across = edge.normal;
-            const float from = edge.dist;
-#pragma GCC unroll 1
-            for (std::size_t i = 0; i < kPacketSize; ++i) {
-                const float in = across.x * at.x[i] + across.y * at.y[i] + across.z * at.z[i] - from;
-                least[i] = in < least[i] ? in : least[i];
-            }
-        }
+        AddInside(piece, at, inside);
         open = 0;
 #pragma GCC unroll 1
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
-            inside[i] |= -std::int32_t(least[i] >= 0);
+        for (std::size_t i = 0; i < kPacketSize; ++i)
             open |= between[i] & ~inside[i];
-        }
     }
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const std::int32_t met = between[i] & inside[i], behind = -std::int32_t(toward[i] > 0);

@@ -12,10 +12,6 @@
 
 namespace q3 {
 
-/// Surfaces of skies are one convex polygon each, or pieces of it, that reach this far over their edges, so that no ray
-/// slips through where they meet. Game units.
-inline constexpr double kSkyOverlap = 1.0 / 16;
-
 /// What the rays of a packet meet of the skies.
 struct SkyHits {
     LaneMask hit{};                                               ///< rays that meet a sky
@@ -26,20 +22,40 @@ struct SkyHits {
 
 /// More skies, convex pieces of them or edges take longer than a search for the nearest triangle.
 inline constexpr std::size_t kMostSkyFaces = 8, kMostSkyPieces = 16, kMostSkyEdges = 64;
+/// What is nearer to a convex polygon than this is one; pieces reach as far over their edges, so that no ray slips
+/// through where they meet. Game units.
+inline constexpr double kSkyOverlap = 1.0 / 16;
+/// A linear function of places, game units: normal . p - dist.
+struct SkyLinear {
+    Vec3f normal;
+    float dist;
+};
+/// Adds to `inside` the places that are on the inside of all edges of a convex piece. Inlined, to be compiled as the
+/// vector code that asks.
+[[gnu::always_inline]] inline void AddInside(std::span<const SkyLinear> edges, const Lanes3 &places, LaneMask &inside) {
+    Lanes least; ///< how far inside the nearest edge
+    least.fill(0);
+    for (const auto &[across, dist] : edges) {
+        const float x = across.x, y = across.y, z = across.z, from = dist;
+#pragma GCC unroll 1
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const float in = x * places.x[i] + y * places.y[i] + z * places.z[i] - from;
+            least[i] = in < least[i] ? in : least[i];
+        }
+    }
+#pragma GCC unroll 1
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        inside[i] |= -std::int32_t(least[i] >= 0);
+}
 
 /// The skies of most maps are the few large sides of a box. All rays of a packet are tested against those at once,
 /// which takes a fraction of the time of a search for the nearest of their triangles. A side of any outline is cut into
 /// convex pieces.
 class SkyFaces {
   public:
-    /// Points on it: normal . p = dist.
-    struct Plane3 {
-        Vec3f normal;
-        float dist;
-    };
-    using Piece = std::vector<Plane3>; ///< by edge: across the face, towards the inside of the piece
+    using Piece = std::vector<SkyLinear>; ///< by edge: how far inside of it
     struct Face {
-        Plane3 plane; ///< towards the room
+        SkyLinear plane; ///< towards the room
         std::vector<Piece> pieces;
         int skyIndex;
         double area;

@@ -29,8 +29,8 @@ struct BenchReport {
     std::uint64_t truthRays = 0;
     bool truthFromCache = false;
     double floor = 0; ///< displayed RMSE of the exact L2 projection
-    std::vector<double>
-        raw; ///< rays per CPU second of bare Embree, before the first bake and after each one; may be empty
+    /// Rays per CPU second of bare Embree, before the first bake and after each one. Empty: not measured.
+    std::vector<double> raw;
     int repeats = 1, threads = 1;
     std::vector<BenchLine> lines;
 

@@ -31,7 +31,7 @@ constexpr std::string_view kUsage =
   --bake "NAME: LIGHT OPTIONS"              a setting to measure, instead of the usual list; repeatable
   --positions N, --seed N                   of the reference (2000, 1)
   --repeat N                                bakes in turn so often, quotes the least CPU time (1)
-  --no-raw                                  does not measure bare Embree
+  --raw, --no-raw                           measures bare Embree, or does not (it does)
   --no-baselines                            neither the plain method nor the legacy grid
   --cache FOLDER, --no-cache                of the reference (the user's cache folder, q3map2-sh/shbench)
   --worst N, --worst-of NAME                lists the worst positions of a setting (default), and why
@@ -107,9 +107,9 @@ Command ParseCommand(Arguments arguments, Log &log) {
     settings.cache = TakeText(arguments, "--cache", settings.cache.string());
     if (arguments.TakeFlag("--no-cache"))
         settings.cache.clear();
-    settings.raw = !arguments.TakeFlag("--no-raw");
+    const bool noRaw = arguments.TakeFlag("--no-raw");
+    settings.raw = arguments.TakeFlag("--raw") || !noRaw;
     settings.baselines = !arguments.TakeFlag("--no-baselines");
-    arguments.TakeFlag("--raw");
     command.jsonFile = TakeText(arguments, "--json");
     command.plotBase = TakeText(arguments, "--plot");
     command.scaleLights = arguments.TakeFlag("--scale-lights");
