@@ -298,10 +298,9 @@ Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
     LimitToLight(value, mostBands_);
     bspGridPointSH_t &stored = grid.points[row.index];
     const auto old = std::bit_cast<Numbers>(stored);
-    // Floats from 0 up are in the order of their bits, and compilers make vector code of the greatest integer.
     std::int32_t most = 0;
     for (std::size_t i = 0; i < kGridNumbers; ++i)
-        most = std::max(most, std::bit_cast<std::int32_t>(std::abs(value[i] - old[i])));
+        most = std::max(most, OrderedBits(std::abs(value[i] - old[i])));
     stored = std::bit_cast<bspGridPointSH_t>(value);
     return std::bit_cast<float>(most) / std::max({1.0f, value[0], value[1], value[2]});
 }

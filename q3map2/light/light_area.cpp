@@ -146,14 +146,13 @@ void AreaContribution::MeasureNear() {
 /// at most.
 Q3_VECTOR float AreaContribution::EndDark(float least) {
     const Vec3f from = light_.bounds.mins, to = light_.bounds.maxs;
-    // Floats from 0 up are in the order of their bits, and compilers make vector code of the greatest integer.
     std::int32_t brightest = 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float x = places_->position.x[i], y = places_->position.y[i], z = places_->position.z[i];
         const bool lit = (facing_[i] > least) & (x >= from.x) & (y >= from.y) & (z >= from.z) & (x <= to.x) &
                          (y <= to.y) & (z <= to.z);
         live_[i] = lit ? live_[i] : 0;
-        brightest = std::max(brightest, std::bit_cast<std::int32_t>(facing_[i]) & live_[i]);
+        brightest = std::max(brightest, OrderedBits(facing_[i]) & live_[i]);
     }
     return std::bit_cast<float>(brightest);
 }

@@ -105,12 +105,11 @@ void Unshadowed(const Light &light, const ContributionSettings &settings, const 
 
 /// Ends places that get at most `least`, which is not negative. What the others get at most.
 Q3_VECTOR float EndFaint(float least, Arrivals &arrivals) {
-    // Floats from 0 up are in the order of their bits, and compilers make vector code of the greatest integer.
     std::int32_t strongest = 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const std::int32_t kept = (arrivals.live[i] != 0) & (arrivals.add[i] > least) ? -1 : 0;
         arrivals.live[i] = kept;
-        strongest = std::max(strongest, std::bit_cast<std::int32_t>(arrivals.add[i]) & kept);
+        strongest = std::max(strongest, OrderedBits(arrivals.add[i]) & kept);
     }
     return std::bit_cast<float>(strongest);
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -67,5 +68,11 @@ struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
         return four;
     }
 };
+
+/// Floats that are not negative are in the order of their bits, and compilers make vector code of the greatest integer
+/// but not of the greatest float. Back: std::bit_cast<float>.
+inline std::int32_t OrderedBits(float x) {
+    return std::bit_cast<std::int32_t>(x);
+}
 
 } // namespace q3

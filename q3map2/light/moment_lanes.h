@@ -12,9 +12,9 @@ namespace q3 {
 /// PolygonMoments of sixteen places at once.
 class MomentLanes {
   public:
-    /// Moments of the polygon (see MomentsOfPolygon) for those places; the others keep theirs. As exact as
-    /// MomentsOfPolygon where the polygon is not farther away than a few times its size; from farther away right to
-    /// 1e-14, which is less of the light of a far lamp than MomentsOfPolygon gives but more than floats hold.
+    /// Moments of the polygon (see MomentsOfPolygon) for those places, 1/64 of a unit or more in front of its plane;
+    /// the others keep theirs. Right to 1e-14 times the distance of the farthest corner over that of the nearest edge;
+    /// tested against quadrature.
     void Measure(std::span<const Vec3f> corners, const Lanes3 &places, const LaneMask &those);
     PolygonMoments Of(std::size_t i) const;
     /// Sets the projections (see PolygonMoments::Projection) of those places, times scale.
