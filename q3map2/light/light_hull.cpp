@@ -51,6 +51,40 @@ void ForEachLeaf(const Bsp &bsp, int child, Winding<double> w, double epsilon, c
     }
 }
 
+/// Cuts w by the tree and calls visit(points, leaf) for the piece in each leaf, until it returns false; so does the
+/// function. Pieces in a node's plane go to the child that side(plane) says.
+template <typename Side, typename Visit>
+bool Walk(const Bsp &bsp, const Winding<double> &w, double epsilon, const Side &side, const Visit &visit) {
+    std::vector<Fragment> stack;
+    stack.push_back({bsp.nodes.empty() ? -1 : 0, w});
+    while (!stack.empty()) {
+        Fragment fragment = std::move(stack.back());
+        stack.pop_back();
+        while (fragment.child >= 0) {
+            const bspNode_t &node = bsp.nodes[std::size_t(fragment.child)];
+            const Plane plane = PlaneOf(bsp, node);
+            bool anyFront = false, anyBack = false;
+            for (const Vec3d &p : fragment.w) {
+                const double d = plane.Distance(p);
+                anyFront |= d > epsilon, anyBack |= d < -epsilon;
+            }
+            if (!anyFront || !anyBack) {
+                fragment.child = node.children[anyFront ? 0 : anyBack ? 1 : side(plane)];
+                continue;
+            }
+            Winding<double> front, back;
+            SplitWinding(fragment.w, plane.normal, plane.dist, epsilon, front, back);
+            if (!front.empty() && !back.empty())
+                stack.push_back({node.children[0], std::move(front)});
+            fragment.child = node.children[back.empty() ? 0 : 1];
+            fragment.w = std::move(back.empty() ? front : back);
+        }
+        if (!fragment.w.empty() && !visit(fragment.w.size(), std::size_t(-1 - fragment.child)))
+            return false;
+    }
+    return true;
+}
+
 void Grow(Winding<double> &w) {
     const Vec3d normal = Normalize(WindingAreaVector(w));
     Winding<double> grown = w;
@@ -71,35 +105,24 @@ std::vector<bool> SolidLeafs(const Bsp &bsp) {
 
 void CountTriangles(const Bsp &bsp, const Winding<double> &w, double epsilon, std::vector<int> &counts) {
     const Vec3d facing = -WindingAreaVector(w); // clockwise seen from the front
-    std::vector<Fragment> stack;
-    stack.push_back({bsp.nodes.empty() ? -1 : 0, w});
-    Winding<double> front, back;
-    while (!stack.empty()) {
-        Fragment fragment = std::move(stack.back());
-        stack.pop_back();
-        if (fragment.child < 0) {
-            counts[std::size_t(-1 - fragment.child)] += int(fragment.w.size()) - 2;
-            continue;
-        }
-        const bspNode_t &node = bsp.nodes[std::size_t(fragment.child)];
-        const Plane plane = PlaneOf(bsp, node);
-        const auto onPlane = [&](const Vec3d &p) { return std::abs(plane.Distance(p)) <= epsilon; };
-        if (std::all_of(fragment.w.begin(), fragment.w.end(), onPlane)) {
-            stack.push_back({node.children[Dot(facing, plane.normal) > 0 ? 0 : 1], std::move(fragment.w)});
-            continue;
-        }
-        SplitWinding(fragment.w, plane.normal, plane.dist, epsilon, front, back);
-        if (!front.empty())
-            stack.push_back({node.children[0], front});
-        if (!back.empty())
-            stack.push_back({node.children[1], back});
-    }
+    Walk(
+        bsp, w, epsilon, [&](const Plane &plane) { return Dot(facing, plane.normal) > 0 ? 0 : 1; },
+        [&](std::size_t points, std::size_t leaf) {
+            counts[leaf] += int(points) - 2;
+            return true;
+        });
 }
 
-std::vector<Winding<double>> SolidHull(const Bsp &bsp, const std::vector<bool> &solidLeafs) {
-    std::vector<Winding<double>> hull;
+bool SolidBehind(const Bsp &bsp, const Winding<double> &w, const std::vector<bool> &solidLeafs) {
+    const Vec3d facing = -WindingAreaVector(w);
+    return Walk(
+        bsp, w, kClipEpsilon, [&](const Plane &plane) { return Dot(facing, plane.normal) > 0 ? 1 : 0; },
+        [&](std::size_t, std::size_t leaf) { return bool(solidLeafs[leaf]); });
+}
+
+void SolidHulls(const Bsp &bsp, std::span<SolidHull> hulls) {
     if (bsp.nodes.empty())
-        return hull;
+        return;
     std::vector<int> parents(bsp.nodes.size(), -1);
     for (std::size_t i = 0; i < bsp.nodes.size(); ++i)
         for (const int child : bsp.nodes[i].children)
@@ -117,21 +140,24 @@ std::vector<Winding<double>> SolidHull(const Bsp &bsp, const std::vector<bool> &
         }
         if (w.empty())
             continue;
-        const auto keep = [&](Winding<double> piece) {
-            if (WindingArea(piece) < kMinArea)
+        const auto keep = [&](Winding<double> &piece, std::size_t frontLeaf, std::size_t backLeaf) {
+            const auto between = [&](const SolidHull &hull) {
+                return hull.solidLeafs[frontLeaf] != hull.solidLeafs[backLeaf];
+            };
+            if (std::none_of(hulls.begin(), hulls.end(), between) || WindingArea(piece) < kMinArea)
                 return;
             Grow(piece);
-            hull.push_back(std::move(piece));
+            for (SolidHull &hull : hulls)
+                if (between(hull))
+                    hull.faces.push_back(piece);
         };
         const auto [inFront, inBack] = bsp.nodes[i].children;
         ForEachLeaf(bsp, inFront, std::move(w), kClipEpsilon, [&](Winding<double> piece, std::size_t frontLeaf) {
             ForEachLeaf(bsp, inBack, std::move(piece), kClipEpsilon, [&](Winding<double> small, std::size_t backLeaf) {
-                if (solidLeafs[frontLeaf] != solidLeafs[backLeaf])
-                    keep(std::move(small));
+                keep(small, frontLeaf, backLeaf);
             });
         });
     }
-    return hull;
 }
 
 } // namespace q3

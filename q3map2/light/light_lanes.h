@@ -69,6 +69,12 @@ struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
     }
 };
 
+/// Negative if the sign of x is set. Loops that collect such bits, `| Sign(most - x)`, become vector code where those
+/// that collect comparisons do not.
+inline std::int32_t Sign(float x) {
+    return std::bit_cast<std::int32_t>(x);
+}
+
 /// Floats that are not negative are in the order of their bits, and compilers make vector code of the greatest integer
 /// but not of the greatest float. Back: std::bit_cast<float>.
 inline std::int32_t OrderedBits(float x) {

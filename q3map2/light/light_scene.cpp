@@ -193,16 +193,14 @@ Q3_VECTOR void FindNearest(RTCScene scene, const RayPacket &packet, float neares
 LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius)
     : state_(std::make_unique<State>(bsp, table, options, legacyIgnoreRadius)) {
     State &s = *state_;
-    AddSolids(bsp, SolidLeafs(bsp), s.main.triangles[kSolids]);
-    AddSurfaces(bsp, table, options, 1, s.main.triangles);
-    AddSolids(bsp, LegacySolidLeafs(bsp, s.main.triangles, kLegacyGridEpsilon), s.main.triangles[kLegacySolids]);
+    s.main.triangles = ShadowCasters(bsp, table, options);
     for (const int surface : s.main.triangles[kSkies].surface)
         s.skyIndexes.push_back(table[std::size_t(surface)].skyIndex);
     s.skyFaces.emplace(s.main.triangles[kSkies], s.skyIndexes);
     s.device = NewDevice();
     s.MakeGeometries(s.main);
     s.legacySolids = s.MakeScene({kLegacySolids});
-    s.surfaces = s.MakeScene({kSurfaces});
+    s.surfaces = s.MakeScene({kSurfaces, kOpenedSurfaces});
     s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
     s.skies = s.MakeScene({kSkies});
     s.filters = s.MakeScene({kFilters, kFilterPatches});
@@ -217,7 +215,8 @@ LightScene::~LightScene() = default;
 void LightScene::State::MakeBlockers() {
     std::call_once(blockersMade, [&] {
         solidHull = MakeScene({kSolids});
-        blockers = MakeScene({kSurfaces, kPatches, kFilters, kFilterPatches});
+        blockers =
+            MakeScene({kSurfaces, kOpenedSurfaces, kCoveredSurfaces, kPatches, kFilters, kFilterPatches});
         Triangles &solids = main.triangles[kLegacySurfaceSolids];
         TrianglesByKind again; // the first ones are in Embree now
         AddSurfaces(bsp, table, options, 1, again);
@@ -468,7 +467,8 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
 std::vector<LightScene::BlockerTriangle> LightScene::BlockerTriangles() const {
     state_->MakeBlockers();
     std::vector<BlockerTriangle> result;
-    for (const GeometryId id : {kLegacySurfaceSolids, kSurfaces, kPatches, kFilters, kFilterPatches}) {
+    for (const GeometryId id : {kLegacySurfaceSolids, kSurfaces, kOpenedSurfaces, kCoveredSurfaces, kPatches, kFilters,
+                                kFilterPatches}) {
         const RTCGeometry geometry = state_->main.geometries[id].get();
         if (!geometry)
             continue;

@@ -5,6 +5,7 @@
 #include "libs/math/winding.h"
 #include "q3map2/bspfile/bsp_tree.h"
 
+#include <span>
 #include <vector>
 
 namespace q3 {
@@ -88,11 +89,18 @@ class BspSpace {
 std::vector<bool> SolidLeafs(const Bsp &bsp);
 
 /// Polygons between solid leafs and others: everything that blocks light as a volume, as a closed surface. Slightly
-/// overlapping, so that no ray slips through where they meet. Iterative; time grows with nodes times depth.
-std::vector<Winding<double>> SolidHull(const Bsp &bsp, const std::vector<bool> &solidLeafs);
+/// overlapping, so that no ray slips through where they meet.
+struct SolidHull {
+    std::vector<bool> solidLeafs; ///< by leaf: whether it counts as solid
+    std::vector<Winding<double>> faces;
+};
+/// Sets the faces of several hulls of one map. Iterative; time grows with nodes times depth.
+void SolidHulls(const Bsp &bsp, std::span<SolidHull> hulls);
 
 /// Cuts the polygon by the tree and adds to each leaf's count the triangles of its piece there. A polygon within
 /// epsilon (game units) of a node's plane goes to the side that it faces.
 void CountTriangles(const Bsp &bsp, const Winding<double> &w, double epsilon, std::vector<int> &counts);
+/// Whether all that lies right behind the polygon is solid.
+bool SolidBehind(const Bsp &bsp, const Winding<double> &w, const std::vector<bool> &solidLeafs);
 
 } // namespace q3

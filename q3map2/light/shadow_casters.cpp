@@ -5,6 +5,7 @@
 #include "q3map2/light/light_space.h"
 
 #include <cmath>
+#include <utility>
 
 namespace q3 {
 
@@ -97,19 +98,51 @@ void AddSurfaces(const Bsp &bsp, const SurfaceTable &table, const LightOptions &
     }
 }
 
-void AddSolids(const Bsp &bsp, const std::vector<bool> &solidLeafs, Triangles &triangles) {
-    for (const Winding<double> &w : SolidHull(bsp, solidLeafs))
+namespace {
+
+void AddFaces(const std::vector<Winding<double>> &faces, Triangles &triangles) {
+    for (const Winding<double> &w : faces)
         for (std::size_t i = 2; i < w.size(); ++i)
             triangles.Add(Vec3f(w[0]), Vec3f(w[i - 1]), Vec3f(w[i]), -1);
+}
+
+/// Most surfaces are faces of solids, whose hull blocks the same rays. Moves those of kSurfaces out of it.
+void SetCoveredAside(const Bsp &bsp, const std::vector<bool> &solidLeafs, const std::vector<bool> &legacySolidLeafs,
+                     TrianglesByKind &triangles) {
+    const Triangles all = std::exchange(triangles[kSurfaces], {});
+    for (std::size_t i = 0; i < all.Count(); ++i) {
+        const Winding<double> w = all.Polygon(i);
+        const GeometryId kind = !SolidBehind(bsp, w, solidLeafs)         ? kSurfaces
+                                : !SolidBehind(bsp, w, legacySolidLeafs) ? kOpenedSurfaces
+                                                                         : kCoveredSurfaces;
+        triangles[kind].Copy(all, i);
+    }
+}
+
+} // namespace
+
+void AddSolids(const Bsp &bsp, std::vector<bool> solidLeafs, Triangles &triangles) {
+    SolidHull hull{std::move(solidLeafs), {}};
+    SolidHulls(bsp, {&hull, 1});
+    AddFaces(hull.faces, triangles);
+}
+
+TrianglesByKind ShadowCasters(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options) {
+    TrianglesByKind triangles;
+    AddSurfaces(bsp, table, options, 1, triangles);
+    std::array<SolidHull, 2> hulls{{{SolidLeafs(bsp), {}}, {LegacySolidLeafs(bsp, triangles, kLegacyGridEpsilon), {}}}};
+    SolidHulls(bsp, hulls);
+    AddFaces(hulls[0].faces, triangles[kSolids]);
+    AddFaces(hulls[1].faces, triangles[kLegacySolids]);
+    SetCoveredAside(bsp, hulls[0].solidLeafs, hulls[1].solidLeafs, triangles);
+    return triangles;
 }
 
 std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles, double epsilon) {
     std::vector<int> counts(bsp.leafs.size());
     for (const GeometryId id : {kSurfaces, kPatches, kSkies, kFilters, kFilterPatches})
-        for (std::size_t i = 0; i < triangles[id].Count(); ++i) {
-            const float *c = triangles[id].corners.data() + 9 * i;
-            CountTriangles(bsp, {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}, epsilon, counts);
-        }
+        for (std::size_t i = 0; i < triangles[id].Count(); ++i)
+            CountTriangles(bsp, triangles[id].Polygon(i), epsilon, counts);
     std::vector<bool> solid = SolidLeafs(bsp);
     for (std::size_t i = 0; i < solid.size(); ++i)
         for (std::size_t axis = 0; axis < 3; ++axis)

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. What casts shadows, as triangles by kind.
 #pragma once
 
+#include "libs/math/winding.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/light/light_options.h"
 #include "q3map2/light/surface_table.h"
@@ -13,7 +14,9 @@ namespace q3 {
 /// Kinds of shadow casters: rays of different passes meet different ones.
 enum GeometryId : unsigned {
     kSolids,
-    kSurfaces,
+    kSurfaces,        ///< that no solid covers: the hull blocks the same rays as those on faces of solids
+    kOpenedSurfaces,  ///< covered by solids, but not by kLegacySolids
+    kCoveredSurfaces, ///< covered by kLegacySolids
     kPatches,
     kSkies,
     kFilters,
@@ -35,15 +38,28 @@ struct Triangles {
         surface.push_back(surfaceNumber);
     }
     std::size_t Count() const { return surface.size(); }
+    Winding<double> Polygon(std::size_t i) const {
+        const float *c = corners.data() + 9 * i;
+        return {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}};
+    }
+    /// Appends one of `from`.
+    void Copy(const Triangles &from, std::size_t i) {
+        corners.insert(corners.end(), from.corners.begin() + std::ptrdiff_t(9 * i),
+                       from.corners.begin() + std::ptrdiff_t(9 * i + 9));
+        surface.push_back(from.surface[i]);
+        st.push_back(from.st[i]);
+    }
 };
 
 using TrianglesByKind = std::array<Triangles, kGeometries>;
 
-/// Adds the surfaces that shadow receivers of that group.
+/// All that shadows receivers of group 1, but for kLegacySurfaceSolids.
+TrianglesByKind ShadowCasters(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options);
+/// Adds the surfaces that shadow receivers of that group; all of the world's to kSurfaces, covered or not.
 void AddSurfaces(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, int receiveShadows,
                  TrianglesByKind &triangles);
 /// Adds the hull of solid leafs.
-void AddSolids(const Bsp &bsp, const std::vector<bool> &solidLeafs, Triangles &triangles);
+void AddSolids(const Bsp &bsp, std::vector<bool> solidLeafs, Triangles &triangles);
 /// Solid leafs as the established program sees them: without those that surfaces sunk into walls have opened. A surface
 /// reaches into a leaf by more than epsilon, in game units; kLegacySolids or kLegacySurfaceSolids.
 std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles, double epsilon);

@@ -37,10 +37,11 @@ struct BlockBalls {
     const float *x, *y, *z, *radius, *nx, *ny, *nz, *thickness;
 };
 
-/// keep[i]: some place of ball i may get light. Of area lights at most strength * cosine / distance^2 arrives.
+/// keep[i]: -1 if some place of ball i may get light. Of area lights at most strength * cosine / distance^2 arrives.
 Q3_VECTOR void KeepBalls(const LightReach &light, bool twoSided, const BlockBalls &balls, std::size_t count,
-                         std::uint8_t *keep) {
-    const float aside = twoSided ? 1e30f : 0;
+                         std::int32_t *__restrict keep) {
+    const float aside = twoSided ? 1e30f : 0, behind = light.area && light.oneSided ? 1 : 1e30f;
+    const float strong = light.bounded ? 0 : 1e30f;
     for (std::size_t i = 0; i < count; ++i) {
         const float r = balls.radius[i];
         const float x = light.origin.x - balls.x[i], y = light.origin.y - balls.y[i], z = light.origin.z - balls.z[i];
@@ -52,12 +53,11 @@ Q3_VECTOR void KeepBalls(const LightReach &light, bool twoSided, const BlockBall
                     cz = light.center.z - balls.z[i];
         const float near = std::sqrt(cx * cx + cy * cy + cz * cz) - r - light.areaRadius;
         const float height = std::max(std::abs(s) + r + 1, kPushHeight);
-        const float most = light.strength * std::min(height, std::max(near, 0.0f));
-        const bool reached = d - r < light.envelope;
-        const bool inFront = facing + balls.thickness[i] + aside >= 0;
-        const bool lit = !light.area | !light.oneSided | (s + r >= -1);
-        const bool strong = !light.bounded | (near <= 1) | (most >= light.least * near * near * near);
-        keep[i] = reached & inFront & lit & strong ? 1 : 0;
+        const float most = light.strength * std::min(height, std::max(near, 0.0f)) + strong;
+        const std::int32_t faint = Sign(1 - near) & Sign(most - light.least * near * near * near);
+        keep[i] = ~(Sign(light.envelope - (d - r)) | Sign(facing + balls.thickness[i] + aside) |
+                    Sign(s + r + behind) | faint) >>
+                  31;
     }
 }
 
@@ -130,11 +130,11 @@ void LuxelBlocks::Build(const RawLightmap &lightmap) {
 
 void LuxelBlocks::Reached(const Light &light, const SampleSettings &settings, std::vector<std::uint32_t> &reached) {
     const bool everywhere = light.type == LightType::Sun && !settings.Occludes(light);
-    seen_.assign(clusters_.size(), 1);
+    seen_.assign(clusters_.size(), -1);
     for (std::size_t i = 1; i < clusters_.size(); ++i)
-        seen_[i] = everywhere || light.SeenFrom(clusters_[i]) ? 1 : 0;
+        seen_[i] = everywhere || light.SeenFrom(clusters_[i]) ? -1 : 0;
     if (light.type == LightType::Sun)
-        std::fill(keep_.begin(), keep_.end(), std::uint8_t(1));
+        std::fill(keep_.begin(), keep_.end(), -1);
     else
         KeepBalls(
             LightReach(light, settings.pointAreas), Count() > 0 && samples_[0].twoSided,

@@ -40,7 +40,7 @@ class LuxelBlocks {
     std::vector<float> x_, y_, z_, radius_, nx_, ny_, nz_, thickness_;
     std::vector<std::int32_t> clusterSlot_;
     std::vector<int> clusters_;
-    std::vector<std::uint8_t> seen_, keep_;
+    std::vector<std::int32_t> seen_, keep_; ///< -1: yes
 };
 
 } // namespace q3

@@ -18,11 +18,6 @@ constexpr float kSlack = 0.05f;
 constexpr float kEdge = 1e-5f;
 constexpr float kLeastDeterminant = 1e-12f;
 
-/// By value, since bytes that are written might be anything the compiler knows only by reference.
-struct BoxRows {
-    const float *minX, *minY, *minZ, *maxX, *maxY, *maxZ;
-};
-
 /// Bounds of the starts of live rays and of their ends. False: their directions differ.
 Q3_VECTOR bool Extents(const RayPacket &packet, std::array<float, 6> &low, std::array<float, 6> &high) {
     constexpr float kNone = 1e30f;
@@ -47,41 +42,122 @@ Q3_VECTOR bool Extents(const RayPacket &packet, std::array<float, 6> &low, std::
     return same;
 }
 
-/// keep[i]: box i meets the box from..to.
-Q3_VECTOR void MeetBox(const BoxRows b, std::size_t count, const Vec3f &from, const Vec3f &to,
-                       std::uint8_t *__restrict keep) {
-    const float x0 = from.x, y0 = from.y, z0 = from.z, x1 = to.x, y1 = to.y, z1 = to.z;
-    for (std::size_t i = 0; i < count; ++i)
-        keep[i] = (b.minX[i] <= x1) & (b.maxX[i] >= x0) & (b.minY[i] <= y1) & (b.maxY[i] >= y0) & (b.minZ[i] <= z1) &
-                  (b.maxZ[i] >= z0);
+/// Triangles whose bounds are within `reach` of a box, and not behind a plane.
+struct Neighbourhood {
+    Boundsf box;
+    float reach = 0;
+    Vec3f normal; ///< zero: no plane
+    float dist = 0;
+};
+
+Q3_VECTOR void FindNear(const NearTriangles::Group &group, const Neighbourhood &around, LaneMask &near) {
+    const Vec3f from = around.box.mins, to = around.box.maxs, n = around.normal;
+    const float most = around.reach * around.reach, least = around.dist - kSlack;
+    LaneMask found;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float x = std::max(std::max(group.mins.x[i] - to.x, from.x - group.maxs.x[i]), 0.0f);
+        const float y = std::max(std::max(group.mins.y[i] - to.y, from.y - group.maxs.y[i]), 0.0f);
+        const float z = std::max(std::max(group.mins.z[i] - to.z, from.z - group.maxs.z[i]), 0.0f);
+        const float corner = Dot(n, group.corner[i]), a = Dot(n, group.a[i]), b = Dot(n, group.b[i]);
+        const float highest = corner + std::max(std::max(a, b), 0.0f);
+        found[i] = ~(Sign(most - (x * x + y * y + z * z)) | Sign(highest - least)) >> 31;
+    }
+    near = found;
 }
 
-/// Takes out of keep boxes that are farther than `reach` from the box from..to.
-Q3_VECTOR void DropFar(const BoxRows b, std::size_t count, const Vec3f &from, const Vec3f &to, float reach,
-                       std::uint8_t *__restrict keep) {
-    const float x0 = from.x, y0 = from.y, z0 = from.z, x1 = to.x, y1 = to.y, z1 = to.z, most = reach * reach;
-    for (std::size_t i = 0; i < count; ++i) {
-        const float x = std::max(std::max(b.minX[i] - x1, x0 - b.maxX[i]), 0.0f);
-        const float y = std::max(std::max(b.minY[i] - y1, y0 - b.maxY[i]), 0.0f);
-        const float z = std::max(std::max(b.minZ[i] - z1, z0 - b.maxZ[i]), 0.0f);
-        keep[i] = keep[i] & (x * x + y * y + z * z <= most);
+Q3_VECTOR void FindInBox(const NearTriangles::Group &group, const Vec3f &from, const Vec3f &to, LaneMask &met) {
+    LaneMask found;
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        found[i] = ~(Sign(to.x - group.mins.x[i]) | Sign(group.maxs.x[i] - from.x) | Sign(to.y - group.mins.y[i]) |
+                     Sign(group.maxs.y[i] - from.y) | Sign(to.z - group.mins.z[i]) | Sign(group.maxs.z[i] - from.z)) >>
+                   31;
+    met = found;
+}
+
+/// A narrow beam: where its rays start, as a box around its middle, and how far along they may meet something.
+struct NarrowBeam {
+    Vec3f direction, middle, half;
+    float nearest, length;
+    NarrowBeam(const RayBeam &beam, float nearestAt)
+        : direction(beam.direction), middle((beam.from + beam.to) * 0.5f),
+          half((beam.to - beam.from) * 0.5f + Vec3f{kSlack, kSlack, kSlack}), nearest(nearestAt), length(beam.length) {}
+};
+
+/// Moeller and Trumbore's test, as far as it is the same for all rays of a beam.
+Q3_VECTOR void SetForms(const NearTriangles::Group &group, const NarrowBeam &beam, NearTriangles::Forms &forms,
+                        LaneMask &met) {
+    const Vec3f d = beam.direction, h = beam.half;
+    const auto reach = [&](const Vec3f &v) { return std::abs(v.x) * h.x + std::abs(v.y) * h.y + std::abs(v.z) * h.z; };
+    NearTriangles::Form us, vs, ts;
+    LaneMask found;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const Vec3f a = group.a[i], b = group.b[i], s = beam.middle - group.corner[i], p = Cross(d, b);
+        const float determinant = Dot(a, p), size = std::abs(determinant);
+        const float inverse = 1 / (size < kLeastDeterminant ? 1 : determinant);
+        const Vec3f u = p * inverse, v = Cross(a, d) * inverse, t = Cross(a, b) * inverse;
+        const float um = Dot(s, u), vm = Dot(s, v), tm = Dot(s, t), tr = reach(t);
+        us.slope.x[i] = u.x, us.slope.y[i] = u.y, us.slope.z[i] = u.z, us.middle[i] = um;
+        vs.slope.x[i] = v.x, vs.slope.y[i] = v.y, vs.slope.z[i] = v.z, vs.middle[i] = vm;
+        ts.slope.x[i] = t.x, ts.slope.y[i] = t.y, ts.slope.z[i] = t.z, ts.middle[i] = tm;
+        found[i] = ~(Sign(size - kLeastDeterminant) | Sign(um + reach(u) + kEdge) | Sign(vm + reach(v) + kEdge) |
+                     Sign(1 + kEdge - (um + vm) + reach(u + v)) | Sign(tm + tr - beam.nearest) |
+                     Sign(beam.length - (tm - tr))) >>
+                   31;
+    }
+    forms.u = us, forms.v = vs, forms.t = ts, met = found;
+}
+
+/// The rest of the test, for triangle k and all rays: those that meet it before what they have met so far.
+Q3_VECTOR void MeetTriangle(const NearTriangles::Forms &forms, std::size_t k, const Lanes3 &starts,
+                            const LaneMask &live, float nearest, Lanes &distance, LaneMask &hit) {
+    const Vec3f u = forms.u.slope[k], v = forms.v.slope[k], t = forms.t.slope[k];
+    const float um = forms.u.middle[k], vm = forms.v.middle[k], tm = forms.t.middle[k];
+    Lanes nearer = distance;
+    LaneMask meets;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const Vec3f start = starts[i];
+        const float ui = um + Dot(u, start), vi = vm + Dot(v, start), ti = tm + Dot(t, start);
+        const std::int32_t out = Sign(ui + kEdge) | Sign(vi + kEdge) | Sign(1 + kEdge - (ui + vi)) |
+                                 Sign(ti - nearest) | Sign(nearer[i] - ti);
+        const std::int32_t met = (~out >> 31) & live[i];
+        nearer[i] = met != 0 ? ti : nearer[i];
+        meets[i] = met;
+    }
+    distance = nearer, hit = meets;
+}
+
+/// The whole test where directions differ.
+Q3_VECTOR void MeetTriangle(const NearTriangles::Group &group, std::size_t k, const RayPacket &packet,
+                            const LaneMask &live, float nearest, Lanes &distance, LaneMask &hit) {
+    const Vec3f corner = group.corner[k], a = group.a[k], b = group.b[k];
+    Lanes nearer = distance;
+    LaneMask meets;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const Vec3f d = packet.direction[i], p = Cross(d, b), s = packet.origin[i] - corner, q = Cross(s, a);
+        const float determinant = Dot(a, p), size = std::abs(determinant);
+        const float inverse = 1 / (size < kLeastDeterminant ? 1 : determinant);
+        const float u = Dot(s, p) * inverse, v = Dot(d, q) * inverse, t = Dot(b, q) * inverse;
+        const std::int32_t out = Sign(size - kLeastDeterminant) | Sign(u + kEdge) | Sign(v + kEdge) |
+                                 Sign(1 + kEdge - (u + v)) | Sign(t - nearest) | Sign(nearer[i] - t);
+        const std::int32_t met = (~out >> 31) & live[i];
+        nearer[i] = met != 0 ? t : nearer[i];
+        meets[i] = met;
+    }
+    distance = nearer, hit = meets;
+}
+
+Q3_VECTOR void SetStarts(const Lanes3 &origin, const Vec3f &middle, Lanes3 &starts) {
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        starts.x[i] = origin.x[i] - middle.x;
+        starts.y[i] = origin.y[i] - middle.y;
+        starts.z[i] = origin.z[i] - middle.z;
     }
 }
 
-/// keep[i]: box i is met by the beam's start as it moves along.
-Q3_VECTOR void MeetBeam(const BoxRows b, std::size_t count, const RayBeam &beam, std::uint8_t *__restrict keep) {
-    constexpr float kNever = 1e30f; // of an axis along which the beam does not move
-    const auto inverse = [](float d) { return d == 0 ? kNever : 1 / d; };
-    const float ix = inverse(beam.direction.x), iy = inverse(beam.direction.y), iz = inverse(beam.direction.z);
-    const float x0 = beam.from.x, y0 = beam.from.y, z0 = beam.from.z;
-    const float x1 = beam.to.x, y1 = beam.to.y, z1 = beam.to.z, length = beam.length;
-    for (std::size_t i = 0; i < count; ++i) {
-        const float xa = (b.minX[i] - x1) * ix, xb = (b.maxX[i] - x0) * ix;
-        const float ya = (b.minY[i] - y1) * iy, yb = (b.maxY[i] - y0) * iy;
-        const float za = (b.minZ[i] - z1) * iz, zb = (b.maxZ[i] - z0) * iz;
-        const float enter = std::max(std::max(std::min(xa, xb), std::min(ya, yb)), std::max(std::min(za, zb), 0.0f));
-        const float leave = std::min(std::min(std::max(xa, xb), std::max(ya, yb)), std::min(std::max(za, zb), length));
-        keep[i] = enter <= leave;
+Q3_VECTOR void SetSurface(const LaneMask &hit, std::int32_t surface, LightScene::Blockers &blockers) {
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        blockers.surface[i] = hit[i] != 0 ? surface : blockers.surface[i];
+        blockers.hit[i] |= hit[i];
     }
 }
 
@@ -103,160 +179,107 @@ RayBeam BeamOf(const RayPacket &packet) {
     return beam;
 }
 
+unsigned NearTriangles::Used(std::size_t group) const {
+    const std::size_t left = count_ - group * kPacketSize;
+    return left >= kPacketSize ? kAllLanes : (1u << left) - 1;
+}
+
+void NearTriangles::Append(const Group &from, std::size_t lane) {
+    const std::size_t to = count_++ % kPacketSize;
+    if (to == 0)
+        groups_.push_back(from); // its lanes are set one by one from here on
+    Group &last = groups_.back();
+    for (auto row : {&Group::mins, &Group::maxs, &Group::corner, &Group::a, &Group::b})
+        (last.*row).Set(to, (from.*row)[lane]);
+    last.surface[to] = from.surface[lane];
+    last.seeThrough = (to == 0 ? 0 : last.seeThrough) | ((from.seeThrough >> lane & 1u) << to);
+}
+
 void NearTriangles::Add(const LightScene::BlockerTriangle &triangle) {
     const auto &[a, b, c] = triangle.corners;
-    const Vec3f low = Min(a, Min(b, c)), high = Max(a, Max(b, c)), ab = b - a, ac = c - a;
-    std::size_t row = 0;
-    for (const Vec3f &v : {low, high, a, ab, ac})
-        for (const float number : {v.x, v.y, v.z})
-            rows_[row++].push_back(number);
-    surface_.push_back(triangle.surface);
-    seeThrough_.push_back(triangle.seeThrough ? 1 : 0);
-}
-
-/// Those of `from` that keep_ says.
-void NearTriangles::Copy(const NearTriangles &from) {
-    std::vector<std::size_t> kept;
-    for (std::size_t i = 0; i < from.Count(); ++i)
-        if (keep_[i] != 0)
-            kept.push_back(i);
-    const auto copy = [&](const auto &source, auto &target) {
-        target.resize(kept.size());
-        for (std::size_t i = 0; i < kept.size(); ++i)
-            target[i] = source[kept[i]];
-    };
-    for (std::size_t row = 0; row < kRows; ++row)
-        copy(from.rows_[row], rows_[row]);
-    copy(from.surface_, surface_);
-    copy(from.seeThrough_, seeThrough_);
-}
-
-void NearTriangles::KeepNear(const NearTriangles &from, const Boundsf &starts, float reach) {
-    keep_.resize(from.Count());
-    const auto &r = from.rows_;
-    const BoxRows boxes{r[kMinX].data(), r[kMinY].data(), r[kMinZ].data(),
-                        r[kMaxX].data(), r[kMaxY].data(), r[kMaxZ].data()};
-    const Vec3f all{reach, reach, reach};
-    MeetBox(boxes, from.Count(), starts.mins - all, starts.maxs + all, keep_.data());
-    DropFar(boxes, from.Count(), starts.mins, starts.maxs, reach, keep_.data());
+    Group one{};
+    one.mins.Set(0, Min(a, Min(b, c))), one.maxs.Set(0, Max(a, Max(b, c)));
+    one.corner.Set(0, a), one.a.Set(0, b - a), one.b.Set(0, c - a);
+    one.surface[0] = triangle.surface;
+    one.seeThrough = triangle.seeThrough ? 1 : 0;
+    Append(one, 0);
 }
 
 void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, float reach) {
-    KeepNear(from, starts, reach);
-    Copy(from);
+    Select(from, starts, reach, {}, 0);
 }
 
 void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, float reach, const Vec3f &normal,
                            float dist) {
-    KeepNear(from, starts, reach);
-    const auto &r = from.rows_;
-    for (std::size_t i = 0; i < keep_.size(); ++i) {
-        if (keep_[i] == 0)
-            continue;
-        const float corner = Dot(normal, {r[kX][i], r[kY][i], r[kZ][i]});
-        const float b = Dot(normal, {r[kAx][i], r[kAy][i], r[kAz][i]});
-        const float c = Dot(normal, {r[kBx][i], r[kBy][i], r[kBz][i]});
-        keep_[i] = corner + std::max({b, c, 0.0f}) >= dist - kSlack ? 1 : 0;
+    groups_.clear();
+    count_ = 0;
+    const Neighbourhood around{starts, reach, normal, dist};
+    LaneMask near;
+    for (std::size_t group = 0; group < from.groups_.size(); ++group) {
+        FindNear(from.groups_[group], around, near);
+        for (unsigned lanes = near.Bits() & from.Used(group); lanes != 0; lanes &= lanes - 1)
+            Append(from.groups_[group], std::size_t(std::countr_zero(lanes)));
     }
-    Copy(from);
 }
 
-NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneMask &live, const RayBeam &exact,
-                                            float nearest, LightScene::Blockers &blockers) {
-    if (Count() == 0)
-        return Outcome::Missed;
-    RayBeam beam = exact;
-    const Vec3f slack{kSlack, kSlack, kSlack};
-    beam.from -= slack, beam.to += slack;
-    const BoxRows boxes{rows_[kMinX].data(), rows_[kMinY].data(), rows_[kMinZ].data(),
-                        rows_[kMaxX].data(), rows_[kMaxY].data(), rows_[kMaxZ].data()};
-    constexpr std::size_t kWord = sizeof(std::uint64_t);
-    keep_.assign((Count() + kWord - 1) / kWord * kWord, 0);
-    if (beam.narrow)
-        MeetBeam(boxes, Count(), beam, keep_.data());
-    else
-        MeetBox(boxes, Count(), beam.from, beam.to, keep_.data());
-    std::array<std::size_t, kFew> met;
-    std::size_t count = 0;
-    for (std::size_t word = 0; word < keep_.size(); word += kWord) {
-        std::uint64_t any; // a byte of 0 or 1 each
-        std::memcpy(&any, keep_.data() + word, kWord);
-        for (; any != 0; any &= any - 1) {
-            const std::size_t i = word + std::size_t(std::countr_zero(any)) / 8;
-            if (count == kFew || seeThrough_[i] != 0)
-                return Outcome::NotKnown;
-            met[count++] = i;
-        }
+bool NearTriangles::SetMet(std::size_t number, unsigned met) {
+    met &= Used(number);
+    forms_[number].met = met;
+    anyMet_ = anyMet_ || met != 0;
+    if (count_ > kFew)
+        metCount_ += std::size_t(std::popcount(met));
+    return metCount_ <= kFew && (met & groups_[number].seeThrough) == 0;
+}
+
+bool NearTriangles::MeetForms(const RayBeam &beam, float nearest) {
+    const NarrowBeam narrow(beam, nearest);
+    LaneMask met;
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+        SetForms(groups_[i], narrow, forms_[i], met);
+        if (!SetMet(i, met.Bits()))
+            return false;
     }
-    if (count == 0)
+    return true;
+}
+
+bool NearTriangles::MeetBounds(const RayBeam &beam) {
+    const Vec3f slack{kSlack, kSlack, kSlack};
+    LaneMask met;
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+        FindInBox(groups_[i], beam.from - slack, beam.to + slack, met);
+        if (!SetMet(i, met.Bits()))
+            return false;
+    }
+    return true;
+}
+
+NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneMask &live, const RayBeam &beam,
+                                            float nearest, LightScene::Blockers &blockers) {
+    if (forms_.size() < groups_.size())
+        forms_.resize(groups_.size());
+    metCount_ = 0, anyMet_ = false;
+    if (!(beam.narrow ? MeetForms(beam, nearest) : MeetBounds(beam)))
+        return Outcome::NotKnown;
+    if (!anyMet_)
         return Outcome::Missed;
     blockers.hit = {};
     blockers.surface.fill(-1);
     blockers.distance = packet.distance;
-    for (std::size_t i = 0; i < count; ++i)
-        Test(met[i], packet, live, beam, nearest, blockers);
-    return blockers.hit.Any() ? Outcome::Traced : Outcome::Missed;
-}
-
-namespace {
-
-/// What Moeller and Trumbore's test of a triangle needs of the direction of a ray.
-struct Slope {
-    Vec3f direction, p;
-    float inverse;
-    bool flat; ///< the ray goes along the triangle
-    Slope(const Vec3f &d, const Vec3f &a, const Vec3f &b) : direction(d), p(Cross(d, b)) {
-        const float determinant = Dot(a, p);
-        flat = std::abs(determinant) < kLeastDeterminant;
-        inverse = 1 / (flat ? 1 : determinant);
-    }
-};
-
-/// A triangle: its first corner and the edges from there.
-struct Seen {
-    Vec3f corner, a, b;
-    std::int32_t surface;
-};
-
-/// The rest of the test, for ray i.
-inline void TestRay(std::size_t i, const Seen &triangle, const Slope &slope, const RayPacket &packet,
-                    const LaneMask &live, float nearest, LightScene::Blockers &blockers) {
-    const Vec3f s = packet.origin[i] - triangle.corner, q = Cross(s, triangle.a);
-    const float u = Dot(s, slope.p) * slope.inverse, v = Dot(slope.direction, q) * slope.inverse;
-    const float t = Dot(triangle.b, q) * slope.inverse;
-    const bool hit = !slope.flat & (live[i] != 0) & (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) &
-                     (t >= nearest) & (t <= blockers.distance[i]);
-    blockers.distance[i] = hit ? t : blockers.distance[i];
-    blockers.surface[i] = hit ? triangle.surface : blockers.surface[i];
-    blockers.hit[i] = hit ? -1 : blockers.hit[i];
-}
-
-Q3_VECTOR void TestPacket(const Seen triangle, const RayPacket &packet, const LaneMask &live, float nearest,
-                          LightScene::Blockers &blockers) {
-    for (std::size_t i = 0; i < kPacketSize; ++i)
-        TestRay(i, triangle, Slope(packet.direction[i], triangle.a, triangle.b), packet, live, nearest, blockers);
-}
-
-/// The same values where all rays have one direction.
-Q3_VECTOR void TestBeam(const Seen triangle, const Vec3f &direction, const RayPacket &packet, const LaneMask &live,
-                        float nearest, LightScene::Blockers &blockers) {
-    const Slope slope(direction, triangle.a, triangle.b);
-    for (std::size_t i = 0; i < kPacketSize; ++i)
-        TestRay(i, triangle, slope, packet, live, nearest, blockers);
-}
-
-} // namespace
-
-void NearTriangles::Test(std::size_t triangle, const RayPacket &packet, const LaneMask &live, const RayBeam &beam,
-                         float nearest, LightScene::Blockers &blockers) const {
-    const auto row = [&](Row first) {
-        return Vec3f{rows_[first][triangle], rows_[first + 1][triangle], rows_[first + 2][triangle]};
-    };
-    const Seen seen{row(kX), row(kAx), row(kBx), surface_[triangle]};
+    Lanes3 starts;
     if (beam.narrow)
-        TestBeam(seen, beam.direction, packet, live, nearest, blockers);
-    else
-        TestPacket(seen, packet, live, nearest, blockers);
+        SetStarts(packet.origin, NarrowBeam(beam, nearest).middle, starts);
+    LaneMask hit;
+    for (std::size_t i = 0; i < groups_.size(); ++i)
+        for (unsigned met = forms_[i].met; met != 0; met &= met - 1) {
+            const auto k = std::size_t(std::countr_zero(met));
+            if (beam.narrow)
+                MeetTriangle(forms_[i], k, starts, live, nearest, blockers.distance, hit);
+            else
+                MeetTriangle(groups_[i], k, packet, live, nearest, blockers.distance, hit);
+            if (hit.Any())
+                SetSurface(hit, groups_[i].surface[k], blockers);
+        }
+    return blockers.hit.Any() ? Outcome::Traced : Outcome::Missed;
 }
 
 } // namespace q3

@@ -20,12 +20,12 @@ struct RayBeam {
 /// Of the packet's live rays.
 RayBeam BeamOf(const RayPacket &packet);
 
-/// Triangles in rows for vector code. Where rays are short, testing each of those nearby is faster than walking through
-/// the whole scene. Memory is reused.
+/// Triangles in groups for vector code. Where rays are short, testing each of those nearby is faster than walking
+/// through the whole scene. Memory is reused.
 class NearTriangles {
   public:
     void Add(const LightScene::BlockerTriangle &triangle);
-    std::size_t Count() const { return surface_.size(); }
+    std::size_t Count() const { return count_; }
     /// Becomes those of `from` whose bounds are within `reach` of the box that rays start in. Game units.
     void Select(const NearTriangles &from, const Boundsf &starts, float reach);
     /// The same without those that lie behind the plane, normal . p = dist.
@@ -40,19 +40,37 @@ class NearTriangles {
     Outcome Trace(const RayPacket &packet, const LaneMask &live, const RayBeam &beam, float nearest,
                   LightScene::Blockers &blockers);
 
+    /// Sixteen triangles: bounds, the first corner and the edges from it to the others.
+    struct Group {
+        Lanes3 mins, maxs, corner, a, b;
+        std::array<std::int32_t, kPacketSize> surface;
+        unsigned seeThrough = 0; ///< bits of lanes
+    };
+    /// A number that is linear in where a ray starts: slope . start + middle.
+    struct Form {
+        Lanes3 slope;
+        Lanes middle;
+    };
+    /// Where rays of one direction meet the planes of sixteen triangles: in shares of the edges, and along the ray.
+    struct Forms {
+        Form u, v, t;
+        unsigned met = 0; ///< bits of triangles that some rays of the beam may meet
+    };
+
   private:
-    /// Rows of floats: bounds, then the first corner and the edges from it to the others.
-    enum Row { kMinX, kMinY, kMinZ, kMaxX, kMaxY, kMaxZ, kX, kY, kZ, kAx, kAy, kAz, kBx, kBy, kBz, kRows };
+    void Append(const Group &from, std::size_t lane);
+    /// Bits of lanes in use.
+    unsigned Used(std::size_t group) const;
+    bool MeetForms(const RayBeam &beam, float nearest);
+    bool MeetBounds(const RayBeam &beam);
+    /// Adds those of group `number`, by bit, to what is met. False: too many or see-through ones.
+    bool SetMet(std::size_t number, unsigned met);
 
-    void KeepNear(const NearTriangles &from, const Boundsf &starts, float reach);
-    void Copy(const NearTriangles &from);
-    void Test(std::size_t triangle, const RayPacket &packet, const LaneMask &live, const RayBeam &beam, float nearest,
-              LightScene::Blockers &blockers) const;
-
-    std::array<std::vector<float>, kRows> rows_;
-    std::vector<std::int32_t> surface_;
-    std::vector<std::uint8_t> seeThrough_;
-    std::vector<std::uint8_t> keep_; ///< of the triangles selected from
+    std::size_t count_ = 0;
+    std::vector<Group> groups_;
+    bool anyMet_ = false;
+    std::size_t metCount_ = 0; ///< where there may be too many
+    std::vector<Forms> forms_; ///< by group, of the last beam
 };
 
 } // namespace q3

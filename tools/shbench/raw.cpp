@@ -2,7 +2,7 @@
 #include "tools/shbench/raw.h"
 
 #include "q3map2/light/light_embree.h"
-#include "q3map2/light/light_patch.h"
+#include "q3map2/light/shadow_casters.h"
 #include "tools/shbench/truth_lights.h"
 
 #include <algorithm>
@@ -25,44 +25,12 @@ double ThreadSeconds() {
     return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-void AddCorner(std::vector<float> &corners, const Vec3f &p) {
-    corners.insert(corners.end(), {p.x, p.y, p.z});
-}
-
-bool Opaque(const SurfaceEntry &entry, const bspShader_t &record, std::uint32_t noDraw) {
-    return entry.castShadows > 0 && !entry.skyBoxCopy && (record.surfaceFlags & noDraw) == 0 &&
-           (entry.shader->compileFlags & (C_NODRAW | C_TRANSLUCENT | C_SKY)) == 0;
-}
-
-/// Corners of all triangles, nine numbers each.
+/// Corners of all triangles that the baker's rays meet, nine numbers each.
 std::vector<float> Triangles(const BenchMap &map) {
+    const TrianglesByKind casters = ShadowCasters(map.bsp, map.table, map.options);
     std::vector<float> corners;
-    for (const Winding<double> &w : SolidHull(map.bsp, SolidLeafs(map.bsp)))
-        for (std::size_t i = 2; i < w.size(); ++i)
-            for (const Vec3d &p : {w[0], w[i - 1], w[i]})
-                AddCorner(corners, Vec3f(p));
-    for (std::size_t n = 0; n < map.table.size(); ++n) {
-        const SurfaceEntry &entry = map.table[n];
-        const bspDrawSurface_t &surface = map.bsp.drawSurfaces[n];
-        if (map.options.noSurfaces ||
-            !Opaque(entry, map.bsp.shaders[std::size_t(surface.shaderNum)], map.options.noDrawSurfaceFlags))
-            continue;
-        if (surface.surfaceType == MST_PATCH && map.options.patchShadows) {
-            const Mesh mesh = TessellatePatch(map.bsp, surface, entry.longestCurve);
-            for (int y = 0; y + 1 < mesh.height; ++y)
-                for (int x = 0; x + 1 < mesh.width; ++x) {
-                    const auto quad = MeshQuad(mesh, x, y);
-                    for (const std::size_t corner : {0u, 1u, 2u, 0u, 2u, 3u})
-                        AddCorner(corners, quad[corner].xyz + entry.origin);
-                }
-        }
-        if (surface.surfaceType != MST_PLANAR && surface.surfaceType != MST_TRIANGLE_SOUP)
-            continue;
-        for (int i = 0; i < surface.numIndexes / 3 * 3; ++i) {
-            const int index = map.bsp.drawIndexes[std::size_t(surface.firstIndex + i)];
-            AddCorner(corners, Vec3f(map.bsp.drawVerts[std::size_t(surface.firstVert + index)].xyz) + entry.origin);
-        }
-    }
+    for (const GeometryId id : {kSolids, kSurfaces, kPatches})
+        corners.insert(corners.end(), casters[id].corners.begin(), casters[id].corners.end());
     return corners;
 }
 
