@@ -246,14 +246,14 @@ void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, 
                                   const NormalMap &normals, bool thinEdges) {
     std::array<LuxelVertex, 3> flat;
     for (std::size_t i = 0; i < 3; ++i)
-        flat[i] = {triangle[i].luxel};
+        flat[i].luxel = LuxelVertex::Pair{triangle[i].luxel[0], triangle[i].luxel[1]};
     const auto sample = [&](const LuxelVertex &v) {
         if (Settled(v, normals))
             return;
         SurfaceVertex whole;
         whole.xyz = OntoPlane(raw_.origin + raw_.step[0] * (v.luxel[0] - 0.5f) + raw_.step[1] * (v.luxel[1] - 0.5f),
                               AxesOf(raw_.axis).along, plane.normal, plane.dist);
-        whole.normal = triangle[0].normal, whole.luxel = v.luxel;
+        whole.normal = triangle[0].normal, whole.luxel = {v.luxel[0], v.luxel[1]};
         MapSample(whole, plane, normals);
     };
     if (thinEdges)
