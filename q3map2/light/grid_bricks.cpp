@@ -85,12 +85,13 @@ void AddPlace(std::vector<LightPlaces> &blocks, const Vec3f &position, const Vec
 }
 
 BrickView::BrickView(std::span<const LightPlaces> blocks) {
-    for (const LightPlaces &places : blocks)
-        for (std::size_t i = 0; i < places.count; ++i) {
+    for (const LightPlaces &places : blocks) {
+        for (std::size_t i = 0; i < places.count; ++i)
             box.Add(places.position[i]);
-            if (std::find(clusters.begin(), clusters.end(), places.cluster[i]) == clusters.end())
-                clusters.push_back(places.cluster[i]);
-        }
+        for (std::size_t i = 0; i < places.clusters.count; ++i)
+            if (std::find(clusters.begin(), clusters.end(), places.clusters.number[i]) == clusters.end())
+                clusters.push_back(places.clusters.number[i]);
+    }
 }
 
 LightsByCluster::LightsByCluster(const std::vector<Light> &lights) : lights_(lights) {

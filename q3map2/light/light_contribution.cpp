@@ -359,10 +359,9 @@ void LightPlaces::Add(const Vec3f &at, const Vec3f &raysFrom, int clusterAt, std
     position.Set(count, at);
     rayOrigin.Set(count, raysFrom);
     rayOrigins.Add(raysFrom);
-    cluster[count] = clusterAt;
+    clusters.Add(count, clusterAt);
     index[count] = indexAt;
     wanted[count] = -1;
-    oneCluster = oneCluster && clusterAt == cluster[0];
     ++count;
 }
 

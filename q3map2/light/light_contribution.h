@@ -28,8 +28,7 @@ struct ContributionCounts : RayCounts {
 struct LightPlaces {
     std::size_t count = 0;
     Lanes3 position{}, rayOrigin{}; ///< rays start at the position or a hair beside, clear of solids
-    std::array<int, kPacketSize> cluster{};
-    bool oneCluster = true;                         ///< all are in the same
+    LaneClusters clusters;
     std::array<std::uint32_t, kPacketSize> index{}; ///< of the grid point: seeds its sample patterns
     LaneMask wanted{};                              ///< places that take (more) light
     Boundsf rayOrigins;                             ///< of all places
@@ -79,11 +78,10 @@ void LightContributionToPoint(const Light &light, float weight, const Contributi
 struct LightSamples {
     std::size_t count = 0;
     Lanes3 position{}, normal{}; ///< normals are units
-    std::array<int, kPacketSize> cluster{};
-    bool oneCluster = true; ///< all are in the same
-    LaneMask wanted{};      ///< places that take light
-    bool twoSided = false;  ///< light from behind counts too
-    float collected = 0;    ///< faint light that waits to be represented; see SampleSettings::faint
+    LaneClusters clusters;
+    LaneMask wanted{};     ///< places that take light
+    bool twoSided = false; ///< light from behind counts too
+    float collected = 0;   ///< faint light that waits to be represented; see SampleSettings::faint
 
     void Add(const Vec3f &at, const Vec3f &normalAt, int clusterAt);
 };

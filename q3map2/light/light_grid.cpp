@@ -47,7 +47,7 @@ class GridRecords {
     std::vector<Parts> All(const LightOptions &options, const Vec3f &ambient) const;
 
   private:
-    static constexpr std::size_t kUsual = 8; ///< lights that reach a point of most maps
+    static constexpr std::size_t kUsual = 16; ///< lights that reach a point of most maps
     struct Record {
         std::uint32_t point;
         Vec3f direction, color, ownAmbient;

@@ -113,11 +113,16 @@ void CountTriangles(const Bsp &bsp, const Winding<double> &w, double epsilon, st
         });
 }
 
-bool SolidBehind(const Bsp &bsp, const Winding<double> &w, const std::vector<bool> &solidLeafs) {
+bool SolidBehind(const Bsp &bsp, const Winding<double> &w, const std::vector<bool> &solidLeafs,
+                 const std::vector<bool> &others, bool &othersToo) {
     const Vec3d facing = -WindingAreaVector(w);
+    othersToo = true;
     return Walk(
         bsp, w, kClipEpsilon, [&](const Plane &plane) { return Dot(facing, plane.normal) > 0 ? 1 : 0; },
-        [&](std::size_t, std::size_t leaf) { return bool(solidLeafs[leaf]); });
+        [&](std::size_t, std::size_t leaf) {
+            othersToo = othersToo && others[leaf];
+            return bool(solidLeafs[leaf]);
+        });
 }
 
 void SolidHulls(const Bsp &bsp, std::span<SolidHull> hulls) {

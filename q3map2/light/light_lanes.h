@@ -55,6 +55,16 @@ struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
         const Four bits = (At(0) & kBits) | (At(4) & (kBits << 4)) | (At(8) & (kBits << 8)) | (At(12) & (kBits << 12));
         return unsigned(bits[0] | bits[1] | bits[2] | bits[3]);
     }
+    /// Places without their bit count no longer.
+    void Keep(unsigned bits) {
+        constexpr Four kBits = {1, 2, 4, 8};
+        const auto four = std::int32_t(bits);
+        const Four all = {four, four, four, four};
+        for (std::size_t i = 0; i < kPacketSize; i += 4) {
+            const Four bit = kBits << int(i), kept = At(i) & ((all & bit) == bit);
+            std::memcpy(data() + i, &kept, sizeof kept);
+        }
+    }
     int Count() const {
         const Four count = At(0) + At(4) + At(8) + At(12);
         return -(count[0] + count[1] + count[2] + count[3]);
@@ -74,6 +84,22 @@ struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
 inline std::int32_t Sign(float x) {
     return std::bit_cast<std::int32_t>(x);
 }
+
+/// Clusters of up to 16 places: neighbours are in few.
+struct LaneClusters {
+    std::size_t count = 0;
+    std::array<int, kPacketSize> number{};     ///< each once
+    std::array<unsigned, kPacketSize> lanes{}; ///< bits of the places in it
+
+    void Add(std::size_t lane, int cluster) {
+        std::size_t i = 0;
+        while (i < count && number[i] != cluster)
+            ++i;
+        if (i == count)
+            number[count++] = cluster;
+        lanes[i] |= 1u << lane;
+    }
+};
 
 /// Floats that are not negative are in the order of their bits, and compilers make vector code of the greatest integer
 /// but not of the greatest float. Back: std::bit_cast<float>.

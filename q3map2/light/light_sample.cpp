@@ -253,9 +253,8 @@ void Trace(const Light &light, const SampleSettings &settings, const LightScene 
 void LightSamples::Add(const Vec3f &at, const Vec3f &normalAt, int clusterAt) {
     position.Set(count, at);
     normal.Set(count, normalAt);
-    cluster[count] = clusterAt;
+    clusters.Add(count, clusterAt);
     wanted[count] = -1;
-    oneCluster = oneCluster && clusterAt == cluster[0];
     ++count;
 }
 

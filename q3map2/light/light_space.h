@@ -100,7 +100,8 @@ void SolidHulls(const Bsp &bsp, std::span<SolidHull> hulls);
 /// Cuts the polygon by the tree and adds to each leaf's count the triangles of its piece there. A polygon within
 /// epsilon (game units) of a node's plane goes to the side that it faces.
 void CountTriangles(const Bsp &bsp, const Winding<double> &w, double epsilon, std::vector<int> &counts);
-/// Whether all that lies right behind the polygon is solid.
-bool SolidBehind(const Bsp &bsp, const Winding<double> &w, const std::vector<bool> &solidLeafs);
+/// Whether all leafs right behind the polygon are solid; if so, `othersToo`: by the other list, too.
+bool SolidBehind(const Bsp &bsp, const Winding<double> &w, const std::vector<bool> &solidLeafs,
+                 const std::vector<bool> &others, bool &othersToo);
 
 } // namespace q3

@@ -35,19 +35,10 @@ LaneMask InSight(const Light &light, bool skipPvs, const Places &places, Contrib
     counts.pairs += std::uint64_t(wanted);
     if (!skipPvs || light.seenFrom.empty())
         return live;
-    int last = places.cluster[0];
-    bool seen = light.SeenFrom(last);
-    if (places.oneCluster) {
-        counts.skippedPvs += seen ? 0 : std::uint64_t(wanted);
-        return seen ? live : LaneMask{};
-    }
-    for (std::size_t i = 0; i < places.count; ++i) {
-        if (places.cluster[i] != last) {
-            last = places.cluster[i];
-            seen = light.SeenFrom(last);
-        }
-        live[i] = seen ? live[i] : 0;
-    }
+    unsigned seen = 0;
+    for (std::size_t i = 0; i < places.clusters.count; ++i)
+        seen |= light.SeenFrom(places.clusters.number[i]) ? places.clusters.lanes[i] : 0;
+    live.Keep(seen);
     counts.skippedPvs += std::uint64_t(wanted - live.Count());
     return live;
 }

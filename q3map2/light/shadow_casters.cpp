@@ -111,11 +111,9 @@ void SetCoveredAside(const Bsp &bsp, const std::vector<bool> &solidLeafs, const 
                      TrianglesByKind &triangles) {
     const Triangles all = std::exchange(triangles[kSurfaces], {});
     for (std::size_t i = 0; i < all.Count(); ++i) {
-        const Winding<double> w = all.Polygon(i);
-        const GeometryId kind = !SolidBehind(bsp, w, solidLeafs)         ? kSurfaces
-                                : !SolidBehind(bsp, w, legacySolidLeafs) ? kOpenedSurfaces
-                                                                         : kCoveredSurfaces;
-        triangles[kind].Copy(all, i);
+        bool legacy = false;
+        const bool covered = SolidBehind(bsp, all.Polygon(i), solidLeafs, legacySolidLeafs, legacy);
+        triangles[!covered ? kSurfaces : legacy ? kCoveredSurfaces : kOpenedSurfaces].Copy(all, i);
     }
 }
 

@@ -24,8 +24,8 @@ inline constexpr int kLightmapByVertex = -3;
 
 /// Luxel codes that are no cluster.
 enum LuxelCode : int {
-    kUnmapped = -1, ///< no surface there
-    kOccluded = -2, ///< a surface, but no open place to light it from
+    kUnmapped = -2, ///< no surface there
+    kOccluded = -1, ///< a surface, but no open place to light it from
     kFlooded = -3   ///< was one of these, got light from its neighbours
 };
 

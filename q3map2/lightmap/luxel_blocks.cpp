@@ -104,7 +104,7 @@ void LuxelBlocks::FinishBlock() {
     x_.push_back(center.x), y_.push_back(center.y), z_.push_back(center.z);
     radius_.push_back(radius + kSlack), thickness_.push_back(thickness + kSlack);
     nx_.push_back(normal.x), ny_.push_back(normal.y), nz_.push_back(normal.z);
-    clusterSlot_.push_back(block.oneCluster ? ClusterSlot(block.cluster[0]) : 0);
+    clusterSlot_.push_back(block.clusters.count == 1 ? ClusterSlot(block.clusters.number[0]) : 0);
 }
 
 void LuxelBlocks::Build(const RawLightmap &lightmap) {

@@ -247,8 +247,14 @@ void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, 
     std::array<LuxelVertex, 3> flat;
     for (std::size_t i = 0; i < 3; ++i)
         flat[i].luxel = LuxelVertex::Pair{triangle[i].luxel[0], triangle[i].luxel[1]};
-    const auto sample = [&](const LuxelVertex &v) {
-        if (Settled(v, normals))
+    // Settled, for vertices that are known to lie in the lightmap: most samples end here.
+    const int width = superWidth_, right = superWidth_ - 1, bottom = superHeight_ - 1;
+    const int unsettled = raw_.planar ? kUnmapped : kOccluded;
+    static_assert(kUnmapped < kOccluded && kOccluded < 0);
+    const int *const codes = raw_.codes.data();
+    const auto sample = [=, this, &triangle, &plane, &normals](LuxelVertex v) {
+        const int x = std::min(int(v.luxel[0]), right), y = std::min(int(v.luxel[1]), bottom);
+        if (codes[std::ptrdiff_t(y) * width + x] > unsettled)
             return;
         SurfaceVertex whole;
         whole.xyz = OntoPlane(raw_.origin + raw_.step[0] * (v.luxel[0] - 0.5f) + raw_.step[1] * (v.luxel[1] - 0.5f),
