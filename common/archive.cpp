@@ -48,6 +48,10 @@ class BlockFile {
     }
     /// How many bytes there were.
     std::size_t Read(char *to, std::size_t size) {
+        if (size == 1 && at_ >= blockAt_ && at_ < blockAt_ + blockSize_) { // how minizip reads directories
+            *to = block_[std::size_t(at_++ - blockAt_)];
+            return 1;
+        }
         std::size_t done = 0;
         while (done < size) {
             if (at_ < blockAt_ || at_ >= blockAt_ + blockSize_) {

@@ -18,7 +18,6 @@ constexpr float kMinCell = 8;
 constexpr float kNudgeMargin = -0.125f;
 constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
 constexpr int kNudges = 16;            ///< steps from the point to half a cell away
-constexpr float kAtLeaf = 0.2f;        ///< places farther from a leaf are never taken to be in it. Game units
 constexpr std::size_t kMaxRecords = 32767;
 /// Lights fainter than this in all of a brick are represented by a few of them. Byte scale.
 constexpr float kFaint = 1.0f / 16;

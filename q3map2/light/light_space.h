@@ -12,6 +12,8 @@ namespace q3 {
 
 /// Half the width of a player. Game units.
 inline constexpr float kPlayerHalfSize = 16;
+/// Places farther from a leaf are never taken to be in it. Game units.
+inline constexpr float kAtLeaf = 0.2f;
 
 class BspSpace;
 

@@ -21,6 +21,15 @@ constexpr float kTileDepth = 0.5f;
 constexpr std::array<std::array<float, 2>, 8> kNudges{
     {{-1, 0}, {1, 0}, {0, 1}, {0, -1}, {-1, 1}, {1, -1}, {1, 1}, {-1, -1}}};
 
+/// Holds p and its nudges.
+Boundsf BoxAround(const Vec3f &p, const std::array<Vec3f, 2> &steps) {
+    Boundsf box;
+    box.Add(p);
+    for (const auto &[across, down] : kNudges)
+        box.Add(p + steps[0] * (across * 0.5f) + steps[1] * (down * 0.5f));
+    return box;
+}
+
 /// Two unit vectors across n and each other.
 std::array<Vec3f, 2> Across(const Vec3f &n) {
     const float x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
@@ -117,6 +126,14 @@ int LuxelPlacer::ClusterAt(const Vec3f &p, const Tile &tile, ClusterFilter &filt
     return filter.Allowed(region.ClusterAt(p, kBrushEpsilon));
 }
 
+bool LuxelPlacer::AnyOpen(const Boundsf &box, const Tile &tile) const {
+    const Vec3f margin{kAtLeaf, kAtLeaf, kAtLeaf}, from = box.mins - margin, to = box.maxs + margin;
+    const auto holds = [&](const Boundsf &part) { return part.Contains(from) && part.Contains(to); };
+    const BspRegion whole = in_.space.Whole();
+    const BspRegion &region = holds(tile.box) ? *tile.region : holds(box_) ? region_ : whole;
+    return region.AnyOpen(from, to, kBrushEpsilon);
+}
+
 Vec3f LuxelPlacer::OnSurface(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane) const {
     Vec3f p = v.xyz;
     if (raw_.hasVectors)
@@ -154,6 +171,14 @@ std::optional<LuxelPlacer::Place> LuxelPlacer::Find(int x, int y, const SurfaceV
     }
     if (!in_.lightmap.dark) {
         const auto steps = NudgeSteps(plane);
+        const Vec3f above = v.xyz + v.normal * offset;
+        Boundsf box = BoxAround(p + probe, steps);
+        if (lastTry)
+            box.Add(above);
+        if (!AnyOpen(box, tile)) {
+            ++counts.failed;
+            return std::nullopt;
+        }
         for (std::size_t i = 0; i < kNudges.size(); ++i) {
             const Vec3f nudged = p + steps[0] * (kNudges[i][0] * 0.5f) + steps[1] * (kNudges[i][1] * 0.5f);
             cluster = ClusterAt(nudged + probe, tile, filter);
@@ -163,7 +188,6 @@ std::optional<LuxelPlacer::Place> LuxelPlacer::Find(int x, int y, const SurfaceV
             }
         }
         if (lastTry) {
-            const Vec3f above = v.xyz + v.normal * offset;
             cluster = ClusterAt(above, tile, filter);
             if (cluster >= 0) {
                 ++counts.atVertex;

@@ -62,6 +62,8 @@ class LuxelPlacer {
     Boundsf TileBox(int x, int y, const Vec3f &p, float lift) const;
     void SetTileReach();
     int ClusterAt(const Vec3f &p, const Tile &tile, ClusterFilter &filter) const;
+    /// Whether some place of the box may be open.
+    bool AnyOpen(const Boundsf &box, const Tile &tile) const;
     Vec3f OnSurface(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane) const;
     std::array<Vec3f, 2> NudgeSteps(const LuxelPlane &plane) const;
 
