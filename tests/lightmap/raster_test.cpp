@@ -32,7 +32,11 @@ std::vector<std::array<SurfaceVertex, 3>> SomeTriangles() {
 }
 
 LuxelVertex Short(const SurfaceVertex &v) {
-    return {v.luxel};
+    return {LuxelVertex::Pair{v.luxel[0], v.luxel[1]}};
+}
+
+std::array<float, 2> LuxelOf(LuxelVertex v) {
+    return {v.luxel[0], v.luxel[1]};
 }
 
 TEST(LuxelRasterTest, EveryLuxelInsideATriangleGetsASample) {
@@ -52,7 +56,7 @@ TEST(LuxelRasterTest, ShortVerticesGetTheSameSamples) {
         Luxels whole, brief;
         SubdivideTriangle<true>(a, b, c, 1.0f, [&](const SurfaceVertex &v) { whole.push_back(v.luxel); });
         SubdivideTriangle<true>(Short(a), Short(b), Short(c), 1.0f,
-                                [&](const LuxelVertex &v) { brief.push_back(v.luxel); });
+                                [&](LuxelVertex v) { brief.push_back(LuxelOf(v)); });
         EXPECT_EQ(whole, brief);
     }
 }
@@ -64,7 +68,7 @@ TEST(LuxelRasterTest, EdgesGetTheSamplesOfATriangleWithoutWidthEachOnce) {
             if (std::find(thin.begin(), thin.end(), v.luxel) == thin.end())
                 thin.push_back(v.luxel);
         });
-        SubdivideEdge(Short(a), Short(b), 1.0f, [&](const LuxelVertex &v) { edge.push_back(v.luxel); });
+        SubdivideEdge(Short(a), Short(b), 1.0f, [&](LuxelVertex v) { edge.push_back(LuxelOf(v)); });
         EXPECT_EQ(thin, edge);
         EXPECT_FALSE(edge.empty());
     }
