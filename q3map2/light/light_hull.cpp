@@ -158,9 +158,8 @@ void SolidHulls(const Bsp &bsp, std::span<SolidHull> hulls) {
         };
         const auto [inFront, inBack] = bsp.nodes[i].children;
         ForEachLeaf(bsp, inFront, std::move(w), kClipEpsilon, [&](Winding<double> piece, std::size_t frontLeaf) {
-            ForEachLeaf(bsp, inBack, std::move(piece), kClipEpsilon, [&](Winding<double> small, std::size_t backLeaf) {
-                keep(small, frontLeaf, backLeaf);
-            });
+            ForEachLeaf(bsp, inBack, std::move(piece), kClipEpsilon,
+                        [&](Winding<double> small, std::size_t backLeaf) { keep(small, frontLeaf, backLeaf); });
         });
     }
 }

@@ -215,8 +215,7 @@ LightScene::~LightScene() = default;
 void LightScene::State::MakeBlockers() {
     std::call_once(blockersMade, [&] {
         solidHull = MakeScene({kSolids});
-        blockers =
-            MakeScene({kSurfaces, kOpenedSurfaces, kCoveredSurfaces, kPatches, kFilters, kFilterPatches});
+        blockers = MakeScene({kSurfaces, kOpenedSurfaces, kCoveredSurfaces, kPatches, kFilters, kFilterPatches});
         Triangles &solids = main.triangles[kLegacySurfaceSolids];
         TrianglesByKind again; // the first ones are in Embree now
         AddSurfaces(bsp, table, options, 1, again);
@@ -467,8 +466,8 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
 std::vector<LightScene::BlockerTriangle> LightScene::BlockerTriangles() const {
     state_->MakeBlockers();
     std::vector<BlockerTriangle> result;
-    for (const GeometryId id : {kLegacySurfaceSolids, kSurfaces, kOpenedSurfaces, kCoveredSurfaces, kPatches, kFilters,
-                                kFilterPatches}) {
+    for (const GeometryId id :
+         {kLegacySurfaceSolids, kSurfaces, kOpenedSurfaces, kCoveredSurfaces, kPatches, kFilters, kFilterPatches}) {
         const RTCGeometry geometry = state_->main.geometries[id].get();
         if (!geometry)
             continue;

@@ -55,8 +55,8 @@ Q3_VECTOR void KeepBalls(const LightReach &light, bool twoSided, const BlockBall
         const float height = std::max(std::abs(s) + r + 1, kPushHeight);
         const float most = light.strength * std::min(height, std::max(near, 0.0f)) + strong;
         const std::int32_t faint = Sign(1 - near) & Sign(most - light.least * near * near * near);
-        keep[i] = ~(Sign(light.envelope - (d - r)) | Sign(facing + balls.thickness[i] + aside) |
-                    Sign(s + r + behind) | faint) >>
+        keep[i] = ~(Sign(light.envelope - (d - r)) | Sign(facing + balls.thickness[i] + aside) | Sign(s + r + behind) |
+                    faint) >>
                   31;
     }
 }

@@ -11,7 +11,7 @@ inline constexpr float kThinEdge = 0.01f;
 
 /// What tells apart samples of a triangle where all normals are the same and no image bends them.
 struct LuxelVertex {
-    using Pair = float __attribute__((vector_size(2 * sizeof(float)))); ///< halves the time
+    using Pair = float __attribute__((vector_size(2 * sizeof(float)))); ///< one operation for both
     Pair luxel{};
 };
 

@@ -121,8 +121,8 @@ TEST_P(NearTrianglesTest, TheFirstTriangleOfEachRayIsFound) {
 TEST_P(NearTrianglesTest, SeeThroughTrianglesInTheWayAreLeftToTheScene) {
     const RayPacket rays = Rays();
     const Vec3f at = rays.origin[1] + rays.direction[1] * 50.0f;
-    LightScene::BlockerTriangle wall{{at + Vec3f{-400, -300, 20}, at + Vec3f{400, -300, 20}, at + Vec3f{0, 400, -40}}, 3,
-                                     true};
+    LightScene::BlockerTriangle wall{
+        {at + Vec3f{-400, -300, 20}, at + Vec3f{400, -300, 20}, at + Vec3f{0, 400, -40}}, 3, true};
     NearTriangles near;
     near.Add(wall);
     LightScene::Blockers blockers;
