@@ -18,59 +18,143 @@ constexpr float kMinCell = 8;
 constexpr float kNudgeMargin = -0.125f;
 constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
 constexpr int kNudges = 16;            ///< steps from the point to half a cell away
-constexpr std::size_t kMaxRecords = 32767;
+constexpr std::int32_t kMaxRecords = 32767;
 /// Lights fainter than this in all of a brick are represented by a few of them. Byte scale.
 constexpr float kFaint = 1.0f / 16;
 
 /// Blocks that are lit together, so that their rays fill packets; more would keep more records at once.
 constexpr std::size_t kTogether = 4;
 
-/// What lights give to the points of a few blocks. How much of it is ambient hangs on the main direction of a point,
-/// which is known at the end, so all of it is recorded.
+/// What reaches the points of a few blocks. How much of it is ambient hangs on the main direction of a point, which is
+/// known at the end, so all of it is recorded.
 class GridRecords {
   public:
-    explicit GridRecords(std::size_t points) : points_(points) { records_.reserve(kUsual * points); }
-    /// Light from a direction, and ambient light of its own; `turn` turns the main direction.
-    void Add(std::size_t point, const Vec3f &direction, const Vec3f &color, const Vec3f &ownAmbient,
+    explicit GridRecords(std::size_t blocks) : blocks_(blocks) { lights_.reserve(kUsual * blocks); }
+    /// What a light gives to points of a block.
+    void Add(std::size_t block, const Light &light, const Arrivals &arrivals);
+    /// Light of a point from a direction, and ambient light of its own; `turn` turns the main direction.
+    void Add(std::size_t block, std::size_t lane, const Vec3f &direction, const Vec3f &color, const Vec3f &ownAmbient,
              const Vec3d &turn) {
-        records_.push_back({std::uint32_t(point), direction, color, ownAmbient});
-        points_[point].turns += turn;
-        ++points_[point].records;
+        others_.push_back({block, lane, direction, color, ownAmbient});
+        Block &to = blocks_[block];
+        to.turnX[lane] += turn.x, to.turnY[lane] += turn.y, to.turnZ[lane] += turn.z;
+        ++to.records[lane];
     }
-    std::size_t Count(std::size_t point) const { return points_[point].records; }
+    std::int32_t Count(std::size_t block, std::size_t lane) const { return blocks_[block].records[lane]; }
+    /// The light of the last light that was added, in full colour.
+    Vec3f LastColor(std::size_t lane) const { return last_[lane]; }
 
-    /// Light of a point in its two parts.
+    /// Light of the points of a block in its two parts.
     struct Parts {
-        Vec3f main, ambient, directed;
+        Lanes3 main, ambient, directed;
     };
     std::vector<Parts> All(const LightOptions &options, const Vec3f &ambient) const;
 
   private:
-    static constexpr std::size_t kUsual = 16; ///< lights that reach a point of most maps
-    struct Record {
-        std::uint32_t point;
+    static constexpr std::size_t kUsual = 16; ///< lights that reach a block of most maps
+    struct Block {
+        DoubleLanes turnX{}, turnY{}, turnZ{};
+        std::array<std::int32_t, kPacketSize> records{};
+    };
+    struct LightRecord {
+        std::size_t block;
+        Lanes3 direction, color; ///< zero where nothing arrives
+    };
+    struct PointRecord {
+        std::size_t block, lane;
         Vec3f direction, color, ownAmbient;
     };
-    struct Point {
-        Vec3d turns;
-        std::size_t records = 0;
-    };
-    std::vector<Point> points_;
-    std::vector<Record> records_;
+    static void Turn(const Lanes3 &color, const Arrivals &arrivals, LightRecord &record, Block &block);
+    static void Divide(const LightRecord &record, const LightOptions &options, Parts &parts);
+
+    std::vector<Block> blocks_;
+    std::vector<LightRecord> lights_;
+    std::vector<PointRecord> others_;
+    Lanes3 last_;
 };
 
+/// Colours of what arrives.
+Q3_VECTOR void SetColors(const Light &light, const Arrivals &arrivals, Lanes3 &color) {
+    const Vec3f c = light.color;
+    const bool negative = light.negative;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float add = negative ? -arrivals.add[i] : arrivals.add[i];
+        color.x[i] = c.x * add, color.y[i] = c.y * add, color.z[i] = c.z * add;
+    }
+    if (arrivals.tinted)
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            color.x[i] *= arrivals.tint.x[i];
+            color.y[i] *= arrivals.tint.y[i];
+            color.z[i] *= arrivals.tint.z[i];
+        }
+}
+
+Q3_VECTOR void GridRecords::Turn(const Lanes3 &color, const Arrivals &arrivals, LightRecord &record, Block &block) {
+    Lanes weight;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const bool live = arrivals.live[i] != 0;
+        const float r = color.x[i], g = color.y[i], b = color.z[i], length = std::sqrt(r * r + g * g + b * b);
+        weight[i] = live ? length : 0;
+        record.color.x[i] = live ? r : 0, record.color.y[i] = live ? g : 0, record.color.z[i] = live ? b : 0;
+        record.direction.x[i] = live ? arrivals.direction.x[i] : 0;
+        record.direction.y[i] = live ? arrivals.direction.y[i] : 0;
+        record.direction.z[i] = live ? arrivals.direction.z[i] : 0;
+    }
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        block.turnX[i] += double(record.direction.x[i]) * double(weight[i]);
+        block.turnY[i] += double(record.direction.y[i]) * double(weight[i]);
+        block.turnZ[i] += double(record.direction.z[i]) * double(weight[i]);
+        block.records[i] -= arrivals.live[i];
+    }
+}
+
+void GridRecords::Add(std::size_t block, const Light &light, const Arrivals &arrivals) {
+    SetColors(light, arrivals, last_);
+    LightRecord &record = lights_.emplace_back();
+    record.block = block;
+    Turn(last_, arrivals, record, blocks_[block]);
+    // Light of other styles turns the direction, but this format has no place for its colour.
+    if (light.style != 0)
+        record.color.Fill({});
+}
+
+/// Adds a record to the two parts.
+Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const LightOptions &options, Parts &parts) {
+    const float least = options.gridAmbientDirectionality,
+                more = options.gridDirectionality - options.gridAmbientDirectionality;
+    const Lanes3 &color = record.color, &direction = record.direction;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float along =
+            direction.x[i] * parts.main.x[i] + direction.y[i] * parts.main.y[i] + direction.z[i] * parts.main.z[i];
+        const float k = std::max(0.0f, least + along * more), share = 0.25f * (1 - k);
+        parts.directed.x[i] += color.x[i] * k;
+        parts.directed.y[i] += color.y[i] * k;
+        parts.directed.z[i] += color.z[i] * k;
+        parts.ambient.x[i] += color.x[i] * share;
+        parts.ambient.y[i] += color.y[i] * share;
+        parts.ambient.z[i] += color.z[i] * share;
+    }
+}
+
 std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, const Vec3f &ambient) const {
-    std::vector<Parts> all;
-    all.reserve(points_.size());
-    for (const Point &point : points_)
-        all.push_back({Vec3f(Normalize(point.turns)), ambient, {}});
-    for (const Record &record : records_) {
-        Parts &light = all[record.point];
+    std::vector<Parts> all(blocks_.size());
+    for (std::size_t block = 0; block < blocks_.size(); ++block) {
+        const Block &from = blocks_[block];
+        for (std::size_t i = 0; i < kPacketSize; ++i)
+            all[block].main.Set(i, Vec3f(Normalize(Vec3d{from.turnX[i], from.turnY[i], from.turnZ[i]})));
+        all[block].ambient.Fill(ambient);
+        all[block].directed.Fill({});
+    }
+    for (const LightRecord &record : lights_)
+        Divide(record, options, all[record.block]);
+    for (const PointRecord &record : others_) {
+        Parts &light = all[record.block];
         const float k = std::max(0.0f, options.gridAmbientDirectionality +
-                                           Dot(record.direction, light.main) *
+                                           Dot(record.direction, light.main[record.lane]) *
                                                (options.gridDirectionality - options.gridAmbientDirectionality));
-        light.directed += record.color * k;
-        light.ambient += record.color * (0.25f * (1 - k)) + record.ownAmbient;
+        light.directed.Set(record.lane, light.directed[record.lane] + record.color * k);
+        light.ambient.Set(record.lane,
+                          light.ambient[record.lane] + (record.color * (0.25f * (1 - k)) + record.ownAmbient));
     }
     return all;
 }
@@ -155,26 +239,26 @@ std::vector<LightPlaces> PlaceBrick(const BspSpace &space, const GridLayout &lay
     return blocks;
 }
 
-void AddFloodlight(const GridInputs &in, const Vec3f &position, std::size_t point, GridRecords &records,
-                   RayCounts &counts) {
+void AddFloodlight(const GridInputs &in, const Vec3f &position, std::size_t block, std::size_t lane,
+                   GridRecords &records, RayCounts &counts) {
     for (const float up : {1.0f, -1.0f}) {
         const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.options.lowQuality, counts);
         const Vec3f flood = in.world.floodColor * (in.world.floodIntensity * share);
-        records.Add(point, {0, 0, 1}, flood * 0.75f, flood * 0.25f, Vec3d{0, 0, double(Length(flood * 0.75f))});
+        records.Add(block, lane, {0, 0, 1}, flood * 0.75f, flood * 0.25f, Vec3d{0, 0, double(Length(flood * 0.75f))});
     }
 }
 
 /// Every ray is a light of its own.
-void AddIndirect(const GridInputs &in, const Vec3f &position, std::uint32_t index, std::size_t point,
+void AddIndirect(const GridInputs &in, const LightPlaces &places, std::size_t block, std::size_t lane,
                  GridRecords &records, RayCounts &counts) {
     std::vector<IndirectRay> rays;
-    in.indirect->Gather(position, index, rays);
+    in.indirect->Gather(places.rayOrigin[lane], places.index[lane], rays);
     counts.rays += rays.size();
     for (const IndirectRay &ray : rays) {
         if (ray.color == Vec3f{})
             continue;
         const Vec3f color = ray.color * (IndirectLight::kFacing / float(rays.size()));
-        records.Add(point, ray.direction, color, {}, Vec3d(ray.direction) * double(Length(color)));
+        records.Add(block, lane, ray.direction, color, {}, Vec3d(ray.direction) * double(Length(color)));
     }
 }
 
@@ -187,15 +271,15 @@ std::array<std::uint8_t, 2> DirectionBytes(const Vec3f &t) {
     return {std::uint8_t(fromZ & 255), std::uint8_t(aroundZ & 255)};
 }
 
-bspGridPoint_t StorePoint(const GridInputs &in, const GridRecords::Parts &light) {
+bspGridPoint_t StorePoint(const GridInputs &in, const Vec3f &main, const Vec3f &ambient, const Vec3f &directed) {
     const LightOptions &o = in.options;
     bspGridPoint_t stored;
-    stored.ambient = ColorToBytes(Max(light.ambient, in.world.minGrid), o.gridScale * o.gridAmbientScale, 1, o.tone);
-    stored.directed = ColorToBytes(light.directed, o.gridScale, 1, o.tone);
+    stored.ambient = ColorToBytes(Max(ambient, in.world.minGrid), o.gridScale * o.gridAmbientScale, 1, o.tone);
+    stored.directed = ColorToBytes(directed, o.gridScale, 1, o.tone);
     constexpr std::array<std::uint8_t, 3> kBlack{};
     if (stored.ambient == kBlack && stored.directed != kBlack)
         stored.ambient = {1, 1, 1};
-    stored.latLong = DirectionBytes(light.main);
+    stored.latLong = DirectionBytes(main);
     return stored;
 }
 
@@ -203,7 +287,7 @@ bspGridPoint_t StorePoint(const GridInputs &in, const GridRecords::Parts &light)
 class GridBlocks {
   public:
     GridBlocks(const GridInputs &in, std::span<LightPlaces> blocks)
-        : in_(in), blocks_(blocks), records_(blocks.size() * kPacketSize), arrivals_(blocks.size()),
+        : in_(in), blocks_(blocks), records_(blocks.size()), arrivals_(blocks.size()),
           sums_(in.options.cheapGrid ? blocks.size() * kPacketSize : 0) {}
     void Trace(const ContributionSettings &settings, std::span<const BrickLight> lights, GridStats &work) {
         for (const BrickLight &one : lights) {
@@ -218,7 +302,8 @@ class GridBlocks {
         const auto lights = records_.All(in_.options, in_.world.ambient);
         for (std::size_t block = 0; block < blocks_.size(); ++block)
             for (std::size_t i = 0; i < blocks_[block].count; ++i)
-                grid[blocks_[block].index[i]] = StorePoint(in_, lights[block * kPacketSize + i]);
+                grid[blocks_[block].index[i]] =
+                    StorePoint(in_, lights[block].main[i], lights[block].ambient[i], lights[block].directed[i]);
     }
 
   private:
@@ -235,34 +320,28 @@ class GridBlocks {
 
 void GridBlocks::AddArrivals(const Light &light, std::size_t block) {
     const Arrivals &arrivals = arrivals_[block];
+    if (!arrivals.live.Any())
+        return;
+    records_.Add(block, light, arrivals);
     LightPlaces &places = blocks_[block];
     for (unsigned lanes = arrivals.live.Bits(); lanes != 0; lanes &= lanes - 1) {
         const auto i = std::size_t(std::countr_zero(lanes));
-        const std::size_t point = block * kPacketSize + i;
-        Vec3f color = light.color * (light.negative ? -arrivals.add[i] : arrivals.add[i]);
-        if (arrivals.tinted)
-            color = color * arrivals.tint[i];
-        const Vec3f direction = arrivals.direction[i];
-        // Light of other styles turns the direction, but this format has no place for its colour.
-        records_.Add(point, direction, light.style == 0 ? color : Vec3f{}, {},
-                     Vec3d(direction) * double(Length(color)));
         bool white = false;
         if (in_.options.cheapGrid) {
-            const Vec3f sum = sums_[point] += color;
+            const Vec3f sum = sums_[block * kPacketSize + i] += records_.LastColor(i);
             white = sum.x >= 255 && sum.y >= 255 && sum.z >= 255;
         }
-        places.wanted.Set(i, !white && records_.Count(point) < kMaxRecords);
+        places.wanted.Set(i, !white && records_.Count(block, i) < kMaxRecords);
     }
 }
 
 void GridBlocks::AddOthers(std::size_t block, GridStats &work) {
     const LightPlaces &places = blocks_[block];
     for (std::size_t i = 0; i < places.count; ++i) {
-        const std::size_t point = block * kPacketSize + i;
         if (in_.options.floodlight || in_.world.hasFloodlight)
-            AddFloodlight(in_, places.position[i], point, records_, work.counts);
+            AddFloodlight(in_, places.position[i], block, i, records_, work.counts);
         if (in_.indirect)
-            AddIndirect(in_, places.rayOrigin[i], places.index[i], point, records_, work.counts);
+            AddIndirect(in_, places, block, i, records_, work.counts);
     }
 }
 
