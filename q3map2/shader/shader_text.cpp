@@ -40,11 +40,10 @@ std::string ShaderTextScanner::TakeText() {
     return std::move(text_);
 }
 
-void ShaderTextScanner::WriteLine(const std::string &token) {
+void ShaderTextScanner::StartLine() {
     if (line_ != 0)
         text_ += '\n';
     text_.append(std::size_t(depth_), '\t');
-    text_ += token;
 }
 
 void ShaderTextScanner::Write(const std::string &token) {
@@ -53,7 +52,8 @@ void ShaderTextScanner::Write(const std::string &token) {
         return;
     if (opens || closes) {
         depth_ -= closes ? 1 : 0;
-        WriteLine(token);
+        StartLine();
+        text_ += token;
         depth_ += opens ? 1 : 0;
         text_ += '\n';
         line_ = 0;
@@ -61,11 +61,15 @@ void ShaderTextScanner::Write(const std::string &token) {
     }
     const bool quoted = token.empty() || std::any_of(token.begin(), token.end(),
                                                      [](char c) { return static_cast<unsigned char>(c) <= 32; });
-    const std::string written = quoted ? '"' + token + '"' : token;
     if (line_ == scanner_.Line())
-        text_ += ' ' + written;
+        text_ += ' ';
     else
-        WriteLine(written);
+        StartLine();
+    if (quoted)
+        text_ += '"';
+    text_ += token;
+    if (quoted)
+        text_ += '"';
     line_ = scanner_.Line();
 }
 

@@ -27,7 +27,7 @@ class ShaderTextScanner {
 
   private:
     void Write(const std::string &token);
-    void WriteLine(const std::string &token);
+    void StartLine();
 
     TextScanner &scanner_;
     bool recording_ = false;
