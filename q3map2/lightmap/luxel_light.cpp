@@ -20,14 +20,15 @@ constexpr float kBounceDirections = 0.25f;
 
 /// colour and direction of what arrives, lane by lane.
 Q3_VECTOR void FillArrivals(const Light &light, const SampleArrivals &from, float directionScale, LuxelArrivals &out) {
-    const bool colored = light.color.x + light.color.y + light.color.z > 0;
+    const Vec3f c = light.color;
+    const std::int32_t colored = c.x + c.y + c.z > 0 ? -1 : 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float add = from.live[i] != 0 ? from.add[i] : 0;
-        out.color.x[i] = add * light.color.x;
-        out.color.y[i] = add * light.color.y;
-        out.color.z[i] = add * light.color.z;
-        out.lit[i] = colored ? from.live[i] : 0;
-        out.forced[i] = from.filtered[i] != 0 && from.add[i] > 1 ? -1 : 0;
+        out.color.x[i] = add * c.x, out.color.y[i] = add * c.y, out.color.z[i] = add * c.z;
+    }
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        out.lit[i] = from.live[i] & colored;
+        out.forced[i] = from.add[i] > 1 ? from.filtered[i] : 0;
     }
     if (from.tinted)
         for (std::size_t i = 0; i < kPacketSize; ++i)
