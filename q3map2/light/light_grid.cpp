@@ -25,13 +25,22 @@ constexpr float kFaint = 1.0f / 16;
 /// Blocks that are lit together, so that their rays fill packets; more would keep more records at once.
 constexpr std::size_t kTogether = 4;
 
+/// How much of light from a direction is directed, by its cosine to the main direction.
+struct Directed {
+    float least, more;
+    explicit Directed(const LightOptions &options)
+        : least(options.gridAmbientDirectionality),
+          more(options.gridDirectionality - options.gridAmbientDirectionality) {}
+    float Share(float along) const { return std::max(0.0f, least + along * more); }
+};
+
 /// What reaches the points of a few blocks. How much of it is ambient hangs on the main direction of a point, which is
 /// known at the end, so all of it is recorded.
 class GridRecords {
   public:
     explicit GridRecords(std::size_t blocks) : blocks_(blocks) { lights_.reserve(kUsual * blocks); }
-    /// What a light gives to points of a block.
-    void Add(std::size_t block, const Light &light, const Arrivals &arrivals);
+    /// What a light gives to points of a block. Without `colored` it turns the main direction only.
+    void Add(std::size_t block, const Lanes3 &color, bool colored, const Arrivals &arrivals);
     /// Light of a point from a direction, and ambient light of its own; `turn` turns the main direction.
     void Add(std::size_t block, std::size_t lane, const Vec3f &direction, const Vec3f &color, const Vec3f &ownAmbient,
              const Vec3d &turn) {
@@ -41,8 +50,6 @@ class GridRecords {
         ++to.records[lane];
     }
     std::int32_t Count(std::size_t block, std::size_t lane) const { return blocks_[block].records[lane]; }
-    /// The light of the last light that was added, in full colour.
-    Vec3f LastColor(std::size_t lane) const { return last_[lane]; }
 
     /// Light of the points of a block in its two parts.
     struct Parts {
@@ -65,12 +72,11 @@ class GridRecords {
         Vec3f direction, color, ownAmbient;
     };
     static void Turn(const Lanes3 &color, const Arrivals &arrivals, LightRecord &record, Block &block);
-    static void Divide(const LightRecord &record, const LightOptions &options, Parts &parts);
+    static void Divide(const LightRecord &record, const Directed &directed, Parts &parts);
 
     std::vector<Block> blocks_;
     std::vector<LightRecord> lights_;
     std::vector<PointRecord> others_;
-    Lanes3 last_;
 };
 
 /// Colours of what arrives.
@@ -108,35 +114,33 @@ Q3_VECTOR void GridRecords::Turn(const Lanes3 &color, const Arrivals &arrivals, 
     }
 }
 
-void GridRecords::Add(std::size_t block, const Light &light, const Arrivals &arrivals) {
-    SetColors(light, arrivals, last_);
+void GridRecords::Add(std::size_t block, const Lanes3 &color, bool colored, const Arrivals &arrivals) {
     LightRecord &record = lights_.emplace_back();
     record.block = block;
-    Turn(last_, arrivals, record, blocks_[block]);
-    // Light of other styles turns the direction, but this format has no place for its colour.
-    if (light.style != 0)
+    Turn(color, arrivals, record, blocks_[block]);
+    if (!colored)
         record.color.Fill({});
 }
 
 /// Adds a record to the two parts.
-Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const LightOptions &options, Parts &parts) {
-    const float least = options.gridAmbientDirectionality,
-                more = options.gridDirectionality - options.gridAmbientDirectionality;
+Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &directed, Parts &parts) {
+    const Directed shares = directed; // out of the way of what is written
     const Lanes3 &color = record.color, &direction = record.direction;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float along =
             direction.x[i] * parts.main.x[i] + direction.y[i] * parts.main.y[i] + direction.z[i] * parts.main.z[i];
-        const float k = std::max(0.0f, least + along * more), share = 0.25f * (1 - k);
+        const float k = shares.Share(along), rest = 0.25f * (1 - k);
         parts.directed.x[i] += color.x[i] * k;
         parts.directed.y[i] += color.y[i] * k;
         parts.directed.z[i] += color.z[i] * k;
-        parts.ambient.x[i] += color.x[i] * share;
-        parts.ambient.y[i] += color.y[i] * share;
-        parts.ambient.z[i] += color.z[i] * share;
+        parts.ambient.x[i] += color.x[i] * rest;
+        parts.ambient.y[i] += color.y[i] * rest;
+        parts.ambient.z[i] += color.z[i] * rest;
     }
 }
 
 std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, const Vec3f &ambient) const {
+    const Directed directed(options);
     std::vector<Parts> all(blocks_.size());
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
         const Block &from = blocks_[block];
@@ -146,12 +150,10 @@ std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, co
         all[block].directed.Fill({});
     }
     for (const LightRecord &record : lights_)
-        Divide(record, options, all[record.block]);
+        Divide(record, directed, all[record.block]);
     for (const PointRecord &record : others_) {
         Parts &light = all[record.block];
-        const float k = std::max(0.0f, options.gridAmbientDirectionality +
-                                           Dot(record.direction, light.main[record.lane]) *
-                                               (options.gridDirectionality - options.gridAmbientDirectionality));
+        const float k = directed.Share(Dot(record.direction, light.main[record.lane]));
         light.directed.Set(record.lane, light.directed[record.lane] + record.color * k);
         light.ambient.Set(record.lane,
                           light.ambient[record.lane] + (record.color * (0.25f * (1 - k)) + record.ownAmbient));
@@ -322,13 +324,16 @@ void GridBlocks::AddArrivals(const Light &light, std::size_t block) {
     const Arrivals &arrivals = arrivals_[block];
     if (!arrivals.live.Any())
         return;
-    records_.Add(block, light, arrivals);
+    Lanes3 color;
+    SetColors(light, arrivals, color);
+    // Light of other styles turns the direction, but this format has no place for its colour.
+    records_.Add(block, color, light.style == 0, arrivals);
     LightPlaces &places = blocks_[block];
     for (unsigned lanes = arrivals.live.Bits(); lanes != 0; lanes &= lanes - 1) {
         const auto i = std::size_t(std::countr_zero(lanes));
         bool white = false;
         if (in_.options.cheapGrid) {
-            const Vec3f sum = sums_[block * kPacketSize + i] += records_.LastColor(i);
+            const Vec3f sum = sums_[block * kPacketSize + i] += color[i];
             white = sum.x >= 255 && sum.y >= 255 && sum.z >= 255;
         }
         places.wanted.Set(i, !white && records_.Count(block, i) < kMaxRecords);

@@ -79,12 +79,6 @@ struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
     }
 };
 
-/// Negative if the sign of x is set. Loops that collect such bits, `| Sign(most - x)`, become vector code where those
-/// that collect comparisons do not.
-inline std::int32_t Sign(float x) {
-    return std::bit_cast<std::int32_t>(x);
-}
-
 /// Clusters of up to 16 places: neighbours are in few.
 struct LaneClusters {
     std::size_t count = 0;
@@ -105,6 +99,12 @@ struct LaneClusters {
 /// but not of the greatest float. Back: std::bit_cast<float>.
 inline std::int32_t OrderedBits(float x) {
     return std::bit_cast<std::int32_t>(x);
+}
+
+/// Negative if the sign of x is set. Loops that collect such bits, `| Sign(most - x)`, become vector code where those
+/// that collect comparisons do not.
+inline std::int32_t Sign(float x) {
+    return OrderedBits(x);
 }
 
 } // namespace q3

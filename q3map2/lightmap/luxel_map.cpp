@@ -94,11 +94,11 @@ class LuxelMapper {
                          const NormalMap &normals, bool thinEdges);
     bool MapQuad(const std::array<SurfaceVertex, 4> &quad, const Image *normals);
     /// Whether a further sample there changes nothing.
-    template <typename Vertex> bool Settled(const Vertex &v, const NormalMap &normals) const {
+    bool Settled(const SurfaceVertex &v, const NormalMap &normals) const {
         const int code = raw_.codes[LuxelAt(v)];
         return code >= 0 ? allOneNormal_ && !normals.Active() : code == kOccluded && raw_.planar;
     }
-    template <typename Vertex> std::size_t LuxelAt(const Vertex &v) const {
+    std::size_t LuxelAt(const SurfaceVertex &v) const {
         return std::size_t(LuxelOf(v.luxel[1], superHeight_)) * std::size_t(superWidth_) +
                std::size_t(LuxelOf(v.luxel[0], superWidth_));
     }

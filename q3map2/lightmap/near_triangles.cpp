@@ -18,6 +18,19 @@ constexpr float kSlack = 0.05f;
 constexpr float kEdge = 1e-5f;
 constexpr float kLeastDeterminant = 1e-12f;
 
+} // namespace
+
+/// A narrow beam: where its rays start, as a box around its middle, and how far along they may meet something.
+struct NearTriangles::NarrowBeam {
+    Vec3f direction, middle, half;
+    float nearest, length;
+    NarrowBeam(const RayBeam &beam, float nearestAt)
+        : direction(beam.direction), middle((beam.from + beam.to) * 0.5f),
+          half((beam.to - beam.from) * 0.5f + Vec3f{kSlack, kSlack, kSlack}), nearest(nearestAt), length(beam.length) {}
+};
+
+namespace {
+
 /// Bounds of the starts of live rays and of their ends. False: their directions differ.
 Q3_VECTOR bool Extents(const RayPacket &packet, std::array<float, 6> &low, std::array<float, 6> &high) {
     constexpr float kNone = 1e30f;
@@ -74,18 +87,9 @@ Q3_VECTOR void FindInBox(const NearTriangles::Group &group, const Vec3f &from, c
     met = found;
 }
 
-/// A narrow beam: where its rays start, as a box around its middle, and how far along they may meet something.
-struct NarrowBeam {
-    Vec3f direction, middle, half;
-    float nearest, length;
-    NarrowBeam(const RayBeam &beam, float nearestAt)
-        : direction(beam.direction), middle((beam.from + beam.to) * 0.5f),
-          half((beam.to - beam.from) * 0.5f + Vec3f{kSlack, kSlack, kSlack}), nearest(nearestAt), length(beam.length) {}
-};
-
 /// Moeller and Trumbore's test, as far as it is the same for all rays of a beam.
-Q3_VECTOR void SetForms(const NearTriangles::Group &group, const NarrowBeam &beam, NearTriangles::Forms &forms,
-                        LaneMask &met) {
+Q3_VECTOR void SetForms(const NearTriangles::Group &group, const NearTriangles::NarrowBeam &beam,
+                        NearTriangles::Forms &forms, LaneMask &met) {
     const Vec3f d = beam.direction, h = beam.half;
     const auto reach = [&](const Vec3f &v) { return std::abs(v.x) * h.x + std::abs(v.y) * h.y + std::abs(v.z) * h.z; };
     NearTriangles::Form us, vs, ts;
@@ -222,52 +226,40 @@ void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, flo
     }
 }
 
-bool NearTriangles::SetMet(std::size_t number, unsigned met) {
-    met &= Used(number);
-    forms_[number].met = met;
-    anyMet_ = anyMet_ || met != 0;
-    if (count_ > kFew)
-        metCount_ += std::size_t(std::popcount(met));
-    return metCount_ <= kFew && (met & groups_[number].seeThrough) == 0;
-}
-
-bool NearTriangles::MeetForms(const RayBeam &beam, float nearest) {
-    const NarrowBeam narrow(beam, nearest);
-    LaneMask met;
-    for (std::size_t i = 0; i < groups_.size(); ++i) {
-        SetForms(groups_[i], narrow, forms_[i], met);
-        if (!SetMet(i, met.Bits()))
-            return false;
-    }
-    return true;
-}
-
-bool NearTriangles::MeetBounds(const RayBeam &beam) {
+NearTriangles::Outcome NearTriangles::FindMet(const RayBeam &beam, const NarrowBeam &narrow) {
     const Vec3f slack{kSlack, kSlack, kSlack};
-    LaneMask met;
+    bool any = false;
+    std::size_t many = 0; // counted where there may be too many
+    LaneMask lanes;
     for (std::size_t i = 0; i < groups_.size(); ++i) {
-        FindInBox(groups_[i], beam.from - slack, beam.to + slack, met);
-        if (!SetMet(i, met.Bits()))
-            return false;
+        if (beam.narrow)
+            SetForms(groups_[i], narrow, forms_[i], lanes);
+        else
+            FindInBox(groups_[i], beam.from - slack, beam.to + slack, lanes);
+        const unsigned met = lanes.Bits() & Used(i);
+        if (count_ > kFew)
+            many += std::size_t(std::popcount(met));
+        if (many > kFew || (met & groups_[i].seeThrough) != 0)
+            return Outcome::NotKnown;
+        forms_[i].met = met;
+        any = any || met != 0;
     }
-    return true;
+    return any ? Outcome::Traced : Outcome::Missed;
 }
 
 NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneMask &live, const RayBeam &beam,
                                             float nearest, LightScene::Blockers &blockers) {
     if (forms_.size() < groups_.size())
         forms_.resize(groups_.size());
-    metCount_ = 0, anyMet_ = false;
-    if (!(beam.narrow ? MeetForms(beam, nearest) : MeetBounds(beam)))
-        return Outcome::NotKnown;
-    if (!anyMet_)
-        return Outcome::Missed;
+    const NarrowBeam narrow(beam, nearest);
+    if (const Outcome outcome = FindMet(beam, narrow); outcome != Outcome::Traced)
+        return outcome;
     blockers.hit = {};
     blockers.surface.fill(-1);
     blockers.distance = packet.distance;
     Lanes3 starts;
     if (beam.narrow)
-        SetStarts(packet.origin, NarrowBeam(beam, nearest).middle, starts);
+        SetStarts(packet.origin, narrow.middle, starts);
     LaneMask hit;
     for (std::size_t i = 0; i < groups_.size(); ++i)
         for (unsigned met = forms_[i].met; met != 0; met &= met - 1) {

@@ -56,20 +56,17 @@ class NearTriangles {
         Form u, v, t;
         unsigned met = 0; ///< bits of triangles that some rays of the beam may meet
     };
+    struct NarrowBeam;
 
   private:
     void Append(const Group &from, std::size_t lane);
     /// Bits of lanes in use.
     unsigned Used(std::size_t group) const;
-    bool MeetForms(const RayBeam &beam, float nearest);
-    bool MeetBounds(const RayBeam &beam);
-    /// Adds those of group `number`, by bit, to what is met. False: too many or see-through ones.
-    bool SetMet(std::size_t number, unsigned met);
+    /// Sets `met` of forms_; Traced: some triangle may be met.
+    Outcome FindMet(const RayBeam &beam, const NarrowBeam &narrow);
 
     std::size_t count_ = 0;
     std::vector<Group> groups_;
-    bool anyMet_ = false;
-    std::size_t metCount_ = 0; ///< where there may be too many
     std::vector<Forms> forms_; ///< by group, of the last beam
 };
 

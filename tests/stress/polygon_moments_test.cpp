@@ -80,6 +80,14 @@ struct Worst {
     }
 };
 
+/// 1, and a failure, where polygon i errs by more than its bound.
+std::uint64_t Exceeds(std::uint64_t i, const std::array<double, 3> &off, double bound) {
+    if (std::max({off[0], off[1], off[2]}) <= bound)
+        return 0;
+    ADD_FAILURE() << "polygon " << i << ": errors " << off[0] << ' ' << off[1] << ' ' << off[2] << " over " << bound;
+    return 1;
+}
+
 TEST(PolygonMoments, RandomPolygonsStayWithinTheStatedError) {
     Worst absolute, relative, clear, share;
     std::uint64_t failures = 0;
@@ -98,11 +106,7 @@ TEST(PolygonMoments, RandomPolygonsStayWithinTheStatedError) {
             relative.Add(off, double(exact[0]), i);
         if (m.edge * 1e4 > m.farthest)
             clear.Add(off, 1, i);
-        if (!(std::max({off[0], off[1], off[2]}) <= bound)) {
-            failures++;
-            ADD_FAILURE() << "polygon " << i << ": errors " << off[0] << ' ' << off[1] << ' ' << off[2] << " over "
-                          << bound;
-        }
+        failures += Exceeds(i, off, bound);
     }
     std::printf("worst errors of order 0, 1, 2 and the numbers of their polygons, of %llu\n",
                 (unsigned long long)RandomCount());
@@ -147,11 +151,7 @@ TEST(PolygonMoments, LanesOfRandomPolygonsStayWithinTheStatedError) {
         absolute.Add(off, 1, i);
         if (m.edge * 1e4 > m.farthest)
             clear.Add(off, 1, i);
-        if (!(std::max({off[0], off[1], off[2]}) <= bound)) {
-            failures++;
-            ADD_FAILURE() << "polygon " << i << ": errors " << off[0] << ' ' << off[1] << ' ' << off[2] << " over "
-                          << bound;
-        }
+        failures += Exceeds(i, off, bound);
     }
     EXPECT_GT(used, RandomCount() / 4);
     std::printf("lanes: worst errors of order 0, 1, 2 and the numbers of their polygons, of %llu\n",
