@@ -89,6 +89,19 @@ void FilterHit(const RTCFilterFunctionNArguments *arguments) {
     }
 }
 
+/// A packet of the legacy grid. The Embree context comes first, so that the filter gets this record.
+struct LegacyContext {
+    EmbreeContext embree;
+    float nearestSurface;
+};
+
+void NearSurfaceHit(const RTCFilterFunctionNArguments *arguments) {
+    const float nearest = reinterpret_cast<const LegacyContext *>(arguments->context)->nearestSurface;
+    for (unsigned i = 0; i < arguments->N; ++i)
+        if (RTCRayN_tfar(arguments->ray, arguments->N, i) < nearest)
+            arguments->valid[i] = 0;
+}
+
 /// Of nearest hits: see-through surfaces stop a ray where their texel is opaque.
 void OpaqueHit(const RTCFilterFunctionNArguments *arguments) {
     const auto &[triangles, table] = *static_cast<const FilterSurfaces *>(arguments->geometryUserPtr);
@@ -123,7 +136,7 @@ struct LightScene::State {
     Casters main;
     std::vector<int> skyIndexes; ///< by triangle of kSkies
     std::optional<SkyFaces> skyFaces;
-    ScenePtr legacySolids, surfaces, all, skies, filters, filtersWithoutPatches;
+    ScenePtr legacySolids, legacySurfaces, legacyAll, all, skies, filters, filtersWithoutPatches;
     std::once_flag blockersMade;
     ScenePtr solidHull, legacySurfaceSolids, blockers; ///< for TraceBlockers, see MakeBlockers
 
@@ -160,13 +173,14 @@ struct LightScene::State {
 
 namespace {
 
-/// Rays of the packet that something in the scene blocks live no longer.
-Q3_VECTOR void EndBlocked(RTCScene scene, RayPacket &packet, float nearest) {
+/// Rays of the packet that something in the scene blocks live no longer; surfaces only do from `nearestSurface` on.
+Q3_VECTOR void EndBlocked(RTCScene scene, RayPacket &packet, float nearest, float nearestSurface = 0) {
     alignas(64) RTCRay16 rays;
     SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
-    EmbreeContext context;
-    InitContext(context);
-    Occluded16(packet.live.data(), scene, context, rays);
+    LegacyContext context;
+    InitContext(context.embree);
+    context.nearestSurface = nearestSurface;
+    Occluded16(packet.live.data(), scene, context.embree, rays);
     for (std::size_t i = 0; i < kPacketSize; ++i)
         packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
 }
@@ -199,10 +213,13 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
     s.skyFaces.emplace(s.main.triangles[kSkies], s.skyIndexes);
     s.device = NewDevice();
     s.MakeGeometries(s.main);
-    s.legacySolids = s.MakeScene({kLegacySolids});
-    s.surfaces = s.MakeScene({kSurfaces, kOpenedSurfaces});
     s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
     s.skies = s.MakeScene({kSkies});
+    s.legacyAll = s.MakeScene({kLegacySolids, kLegacySurfaces});
+    if (s.skies) {
+        s.legacySolids = s.MakeScene({kLegacySolids});
+        s.legacySurfaces = s.MakeScene({kLegacySurfaces});
+    }
     s.filters = s.MakeScene({kFilters, kFilterPatches});
     s.filtersWithoutPatches = s.MakeScene({kFilters});
     for (const SurfaceEntry &entry : table)
@@ -242,6 +259,10 @@ void LightScene::State::MakeGeometries(Casters &casters) const {
             rtcCommitGeometry(geometry);
         } else
             casters.triangles[id].corners = {};
+        if (id == kLegacySurfaces) {
+            rtcSetGeometryOccludedFilterFunction(geometry, NearSurfaceHit);
+            rtcCommitGeometry(geometry);
+        }
     }
 }
 
@@ -309,10 +330,8 @@ void LightScene::TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &c
         s.Tint(packet, s.filters, 0);
         return;
     }
-    if (s.legacySolids)
-        EndBlocked(s.legacySolids.get(), packet, 0);
-    if (s.surfaces)
-        EndBlocked(s.surfaces.get(), packet, s.legacyIgnoreRadius);
+    if (s.legacyAll)
+        EndBlocked(s.legacyAll.get(), packet, 0, s.legacyIgnoreRadius);
     s.Tint(packet, s.filtersWithoutPatches, s.legacyIgnoreRadius);
 }
 
@@ -415,7 +434,7 @@ void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, 
         s.FindSky(packet, nearest, hits);
         ClipToSky(hits, skyIndex, packet);
     }
-    if (const ScenePtr &blockers = exact ? s.all : s.surfaces; blockers && packet.live.Any())
+    if (const ScenePtr &blockers = exact ? s.all : s.legacySurfaces; blockers && packet.live.Any())
         EndBlocked(blockers.get(), packet, nearest);
     s.Tint(packet, exact ? s.filters : s.filtersWithoutPatches, nearest);
 }

@@ -113,7 +113,10 @@ void SetCoveredAside(const Bsp &bsp, const std::vector<bool> &solidLeafs, const 
     for (std::size_t i = 0; i < all.Count(); ++i) {
         bool legacy = false;
         const bool covered = SolidBehind(bsp, all.Polygon(i), solidLeafs, legacySolidLeafs, legacy);
-        triangles[!covered ? kSurfaces : legacy ? kCoveredSurfaces : kOpenedSurfaces].Copy(all, i);
+        const GeometryId kind = !covered ? kSurfaces : legacy ? kCoveredSurfaces : kOpenedSurfaces;
+        triangles[kind].Copy(all, i);
+        if (kind != kCoveredSurfaces)
+            triangles[kLegacySurfaces].Copy(all, i);
     }
 }
 

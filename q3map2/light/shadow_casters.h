@@ -22,6 +22,7 @@ enum GeometryId : unsigned {
     kFilters,
     kFilterPatches,
     kLegacySolids,        ///< for the legacy grid
+    kLegacySurfaces,      ///< for the legacy grid: kSurfaces and kOpenedSurfaces
     kLegacySurfaceSolids, ///< for dirt and floodlight on surfaces
     kGeometries
 };
