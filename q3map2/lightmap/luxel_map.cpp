@@ -42,11 +42,6 @@ Boundsf BoundsOfLuxels(const RawLightmap &raw, float margin) {
     return box;
 }
 
-/// Luxel of a coordinate; NaN gives 0.
-int LuxelOf(float coordinate, int size) {
-    return coordinate > 0 ? std::min(int(coordinate), size - 1) : 0;
-}
-
 class LuxelMapper {
   public:
     LuxelMapper(const SurfaceInputs &in, const SurfaceLight &surfaces, RawLightmap &raw, MapScratch &scratch)
@@ -91,18 +86,12 @@ class LuxelMapper {
     void MapMesh(const bspDrawSurface_t &surface, const SurfaceEntry &entry);
     void MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const Image *normals, bool thinEdges);
     void MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane,
-                         const NormalMap &normals, bool thinEdges);
+                         const NormalMap &normals);
     bool MapQuad(const std::array<SurfaceVertex, 4> &quad, const Image *normals);
-    /// Whether a further sample there changes nothing.
-    bool Settled(const SurfaceVertex &v, const NormalMap &normals) const {
-        const int code = raw_.codes[LuxelAt(v)];
-        return code >= 0 ? allOneNormal_ && !normals.Active() : code == kOccluded && raw_.planar;
+    void MapSample(const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals) {
+        MapLuxel(LuxelOf(v.luxel[0], superWidth_), LuxelOf(v.luxel[1], superHeight_), v, plane, normals);
     }
-    std::size_t LuxelAt(const SurfaceVertex &v) const {
-        return std::size_t(LuxelOf(v.luxel[1], superHeight_)) * std::size_t(superWidth_) +
-               std::size_t(LuxelOf(v.luxel[0], superWidth_));
-    }
-    void MapSample(const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals);
+    void MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals);
     void MapRing(int pass);
     Vec3f NormalAround(int x, int y, int pass) const;
     void MakeUnitNormals();
@@ -219,14 +208,14 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
         return;
     plane.triangle = &triangle;
     const NormalMap map(normals, triangle[0], triangle[1], triangle[2]);
-    const auto sample = [&](const SurfaceVertex &v) {
-        if (!Settled(v, map))
-            MapSample(v, plane, map);
-    };
+    if (allOneNormal_ && !map.Active() && raw_.planar && raw_.hasVectors) {
+        if (!thinEdges)
+            MapFlatTriangle(triangle, plane, map);
+        return;
+    }
+    const auto sample = [&](const SurfaceVertex &v) { MapSample(v, plane, map); };
     for (const SurfaceVertex &v : triangle)
         sample(v);
-    if (allOneNormal_ && !map.Active() && raw_.hasVectors)
-        return MapFlatTriangle(triangle, plane, map, thinEdges);
     const auto subdivide = [&]<bool kFlat>() {
         if (thinEdges)
             ForThinEdges(triangle, [&](const SurfaceVertex &p, const SurfaceVertex &q) {
@@ -241,32 +230,19 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
         subdivide.template operator()<false>();
 }
 
-/// The inside of a triangle in a projected lightmap where one sample a luxel tells all.
+/// A triangle of a planar lightmap where one sample a luxel tells all.
 void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane,
-                                  const NormalMap &normals, bool thinEdges) {
-    std::array<LuxelVertex, 3> flat;
-    for (std::size_t i = 0; i < 3; ++i)
-        flat[i].luxel = LuxelVertex::Pair{triangle[i].luxel[0], triangle[i].luxel[1]};
-    // Settled, for vertices that are known to lie in the lightmap: most samples end here.
-    const int width = superWidth_, right = superWidth_ - 1, bottom = superHeight_ - 1;
-    const int unsettled = raw_.planar ? kUnmapped : kOccluded;
-    static_assert(kUnmapped < kOccluded && kOccluded < 0);
-    const int *const codes = raw_.codes.data();
-    const auto sample = [=, this, &triangle, &plane, &normals](LuxelVertex v) {
-        const int x = std::min(int(v.luxel[0]), right), y = std::min(int(v.luxel[1]), bottom);
-        if (codes[std::ptrdiff_t(y) * width + x] > unsettled)
-            return;
-        SurfaceVertex whole;
-        whole.xyz = OntoPlane(raw_.origin + raw_.step[0] * (v.luxel[0] - 0.5f) + raw_.step[1] * (v.luxel[1] - 0.5f),
-                              AxesOf(raw_.axis).along, plane.normal, plane.dist);
-        whole.normal = triangle[0].normal, whole.luxel = {v.luxel[0], v.luxel[1]};
-        MapSample(whole, plane, normals);
-    };
-    if (thinEdges)
-        ForThinEdges(flat,
-                     [&](const LuxelVertex &p, const LuxelVertex &q) { SubdivideEdge(p, q, threshold2_, sample); });
-    else
-        SubdivideTriangle<true>(flat[0], flat[1], flat[2], threshold2_, sample);
+                                  const NormalMap &normals) {
+    ForLuxels({triangle[0].luxel, triangle[1].luxel, triangle[2].luxel}, superWidth_, superHeight_,
+              [&](int x, int y, const std::array<float, 2> &place) {
+                  if (raw_.codes[raw_.SuperIndex(x, y)] != kUnmapped)
+                      return;
+                  SurfaceVertex v;
+                  v.xyz = OntoPlane(raw_.origin + raw_.step[0] * (place[0] - 0.5f) + raw_.step[1] * (place[1] - 0.5f),
+                                    AxesOf(raw_.axis).along, plane.normal, plane.dist);
+                  v.normal = triangle[0].normal;
+                  MapLuxel(x, y, v, plane, normals);
+              });
 }
 
 /// False if the quad is not flat.
@@ -275,10 +251,7 @@ bool LuxelMapper::MapQuad(const std::array<SurfaceVertex, 4> &quad, const Image 
     if (!Usable(plane) || std::abs(Dot(plane.normal, quad[3].xyz) - plane.dist) > kQuadFlatness)
         return false;
     const NormalMap map(normals, quad[0], quad[1], quad[2]);
-    const auto sample = [&](const SurfaceVertex &v) {
-        if (!Settled(v, map))
-            MapSample(v, plane, map);
-    };
+    const auto sample = [&](const SurfaceVertex &v) { MapSample(v, plane, map); };
     for (const SurfaceVertex &v : quad)
         sample(v);
     if (oneNormal_)
@@ -288,10 +261,12 @@ bool LuxelMapper::MapQuad(const std::array<SurfaceVertex, 4> &quad, const Image 
     return true;
 }
 
-void LuxelMapper::MapSample(const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals) {
-    const std::size_t luxel = LuxelAt(v);
-    const int x = int(luxel % std::size_t(superWidth_)), y = int(luxel / std::size_t(superWidth_));
+/// What a surface that passes through the luxel at v makes of it.
+void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals) {
+    const std::size_t luxel = raw_.SuperIndex(x, y);
     int &code = raw_.codes[luxel];
+    if (code >= 0 ? allOneNormal_ && !normals.Active() : code == kOccluded && raw_.planar)
+        return; // nothing would change
     const auto normal = [&] { return normals.Active() ? normals.Bent(v) : v.normal; };
     if (code >= 0) {
         raw_.normals[luxel] += normal();

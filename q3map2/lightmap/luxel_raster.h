@@ -4,26 +4,18 @@
 #include "q3map2/light/light_patch.h"
 #include "q3map2/lightmap/lightmaps.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace q3 {
 
 /// Edges whose ends differ by less along an axis of the lightmap get samples of their own. Luxels.
 inline constexpr float kThinEdge = 0.01f;
 
-/// What tells apart samples of a triangle where all normals are the same and no image bends them.
-struct LuxelVertex {
-    using Pair = float __attribute__((vector_size(2 * sizeof(float)))); ///< one operation for both
-    Pair luxel{};
-};
-
 inline float LuxelDistance2(const SurfaceVertex &a, const SurfaceVertex &b) {
     const float s = a.luxel[0] - b.luxel[0], t = a.luxel[1] - b.luxel[1];
     return s * s + t * t;
 }
-inline float LuxelDistance2(LuxelVertex a, LuxelVertex b) {
-    const LuxelVertex::Pair way = a.luxel - b.luxel, squares = way * way;
-    return squares[0] + squares[1];
-}
-
 /// The vertex between two whose normals are equal, if kFlat: the normal is not made a unit vector anew.
 template <bool kFlat> SurfaceVertex Between(const SurfaceVertex &a, const SurfaceVertex &b) {
     if constexpr (kFlat) {
@@ -39,39 +31,31 @@ template <bool kFlat> SurfaceVertex Between(const SurfaceVertex &a, const Surfac
         return HalfwayVert(a, b);
 }
 
-template <bool kFlat> LuxelVertex Between(const LuxelVertex &a, const LuxelVertex &b) {
-    return {(a.luxel + b.luxel) * 0.5f};
-}
-
-/// How vertices are handed down: in registers if they fit.
-template <typename Vertex>
-using PassVertex = std::conditional_t<sizeof(Vertex) <= 2 * sizeof(float), Vertex, const Vertex &>;
-
 /// SubdivideTriangle, the squared lengths of whose edges are known; the longest of them is above the threshold.
-template <bool kFlat, typename Vertex, typename Sample>
-void SubdivideEdges(PassVertex<Vertex> a, PassVertex<Vertex> b, PassVertex<Vertex> c, float ab, float bc, float ca,
-                    float threshold2, const Sample &sample) {
+template <bool kFlat, typename Sample>
+void SubdivideEdges(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c, float ab, float bc,
+                    float ca, float threshold2, const Sample &sample) {
     // Asked before the call: more than half of all triangles are the last.
-    const auto halve = [&](PassVertex<Vertex> p, PassVertex<Vertex> q, PassVertex<Vertex> r, float pq, float qr,
+    const auto halve = [&](const SurfaceVertex &p, const SurfaceVertex &q, const SurfaceVertex &r, float pq, float qr,
                            float rp) {
         if (std::max(pq, std::max(qr, rp)) > threshold2)
-            SubdivideEdges<kFlat, Vertex>(p, q, r, pq, qr, rp, threshold2, sample);
+            SubdivideEdges<kFlat>(p, q, r, pq, qr, rp, threshold2, sample);
     };
     const float longest = std::max(ab, std::max(bc, ca));
     if (ab == longest) {
-        const Vertex m = Between<kFlat>(a, b);
+        const SurfaceVertex m = Between<kFlat>(a, b);
         sample(m);
         const float am = LuxelDistance2(a, m), mb = LuxelDistance2(m, b), mc = LuxelDistance2(m, c);
         halve(m, b, c, mb, bc, mc);
         halve(a, m, c, am, mc, ca);
     } else if (bc == longest) {
-        const Vertex m = Between<kFlat>(b, c);
+        const SurfaceVertex m = Between<kFlat>(b, c);
         sample(m);
         const float bm = LuxelDistance2(b, m), mc = LuxelDistance2(m, c), ma = LuxelDistance2(m, a);
         halve(a, m, c, ma, mc, ca);
         halve(a, b, m, ab, bm, ma);
     } else {
-        const Vertex m = Between<kFlat>(c, a);
+        const SurfaceVertex m = Between<kFlat>(c, a);
         sample(m);
         const float cm = LuxelDistance2(c, m), ma = LuxelDistance2(m, a), bm = LuxelDistance2(b, m);
         halve(a, b, m, ab, bm, ma);
@@ -81,21 +65,12 @@ void SubdivideEdges(PassVertex<Vertex> a, PassVertex<Vertex> b, PassVertex<Verte
 
 /// Halves the longest edge until none is longer than the root of `threshold2` (above 0); sample(vertex) gets each
 /// point made on the way.
-template <bool kFlat, typename Vertex, typename Sample>
-void SubdivideTriangle(const Vertex &a, const Vertex &b, const Vertex &c, float threshold2, const Sample &sample) {
+template <bool kFlat, typename Sample>
+void SubdivideTriangle(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c, float threshold2,
+                       const Sample &sample) {
     const float ab = LuxelDistance2(a, b), bc = LuxelDistance2(b, c), ca = LuxelDistance2(c, a);
     if (std::max(ab, std::max(bc, ca)) > threshold2)
-        SubdivideEdges<kFlat, Vertex>(a, b, c, ab, bc, ca, threshold2, sample);
-}
-
-/// The points that SubdivideTriangle makes of p, q, q, in the same order, but each once.
-template <typename Sample> void SubdivideEdge(LuxelVertex p, LuxelVertex q, float threshold2, const Sample &sample) {
-    if (!(LuxelDistance2(p, q) > threshold2))
-        return;
-    const LuxelVertex m = Between<true>(p, q);
-    sample(m);
-    SubdivideEdge(m, q, threshold2, sample);
-    SubdivideEdge(p, m, threshold2, sample);
+        SubdivideEdges<kFlat>(a, b, c, ab, bc, ca, threshold2, sample);
 }
 
 /// The same for a quad: halves the pair of opposite edges that holds the longest.
@@ -120,10 +95,52 @@ void SubdivideQuad(const SurfaceVertex &a, const SurfaceVertex &b, const Surface
     }
 }
 
-/// Calls edge(p, q) for the edges of the triangle that run along an axis of the lightmap.
-template <typename Vertex, typename Edge> void ForThinEdges(const std::array<Vertex, 3> &triangle, const Edge &edge) {
+/// Luxel of a coordinate in a lightmap of that size; NaN gives 0.
+inline int LuxelOf(float coordinate, int size) {
+    return coordinate > 0 ? std::min(int(coordinate), size - 1) : 0;
+}
+
+/// Of coordinates along an axis of the lightmap.
+struct LuxelSpan {
+    float from = std::numeric_limits<float>::infinity(), to = -from;
+    void Add(float at) { from = std::min(from, at), to = std::max(to, at); }
+    float Nearest(float at) const { return std::clamp(at, from, to); }
+};
+
+/// The part of a triangle between two lines across the second axis, along the first. Luxels.
+inline LuxelSpan SpanBetween(const std::array<std::array<float, 2>, 3> &triangle, float top, float bottom) {
+    LuxelSpan span;
     for (std::size_t i = 0; i < 3; ++i) {
-        const Vertex &p = triangle[i], &q = triangle[(i + 1) % 3];
+        const auto &p = triangle[i], &q = triangle[(i + 1) % 3];
+        if (p[1] >= top && p[1] <= bottom)
+            span.Add(p[0]);
+        for (const float line : {top, bottom})
+            if ((p[1] < line) != (q[1] < line))
+                span.Add(p[0] + (q[0] - p[0]) * ((line - p[1]) / (q[1] - p[1])));
+    }
+    return span;
+}
+
+/// Calls luxel(x, y, place) for each luxel of the lightmap that the triangle touches; `place` is a point of the
+/// triangle in the luxel or beside it.
+template <typename Luxel>
+void ForLuxels(const std::array<std::array<float, 2>, 3> &triangle, int width, int height, const Luxel &luxel) {
+    LuxelSpan tall;
+    for (const auto &corner : triangle)
+        tall.Add(corner[1]);
+    for (int y = LuxelOf(tall.from, height), last = LuxelOf(tall.to, height); y <= last; ++y) {
+        const LuxelSpan row = SpanBetween(triangle, float(y), float(y + 1));
+        const float middle = tall.Nearest(float(y) + 0.5f);
+        const LuxelSpan through = SpanBetween(triangle, middle, middle);
+        for (int x = LuxelOf(row.from, width), end = LuxelOf(row.to, width); x <= end; ++x)
+            luxel(x, y, std::array<float, 2>{through.Nearest(float(x) + 0.5f), middle});
+    }
+}
+
+/// Calls edge(p, q) for the edges of the triangle that run along an axis of the lightmap.
+template <typename Edge> void ForThinEdges(const std::array<SurfaceVertex, 3> &triangle, const Edge &edge) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        const SurfaceVertex &p = triangle[i], &q = triangle[(i + 1) % 3];
         if (std::abs(p.luxel[0] - q.luxel[0]) < kThinEdge || std::abs(p.luxel[1] - q.luxel[1]) < kThinEdge)
             edge(p, q);
     }
