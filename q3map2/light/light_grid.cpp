@@ -224,6 +224,7 @@ Vec3f ClearOfSolids(const BspRegion &space, const Vec3f &p) {
 std::vector<LightPlaces> PlaceBrick(const BspSpace &space, const GridLayout &layout, std::span<const BrickPoint> points,
                                     GridStats &work) {
     std::vector<LightPlaces> blocks;
+    blocks.reserve((points.size() + kPacketSize - 1) / kPacketSize);
     const Vec3f half = Vec3f(layout.size) * 0.5f, margin = half + Vec3f{1, 1, 1};
     const BspRegion brick = RegionAround(space.Whole(), points, margin);
     for (std::size_t first = 0; first < points.size(); first += kPacketSize) {

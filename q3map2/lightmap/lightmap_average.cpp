@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Light of super luxels becomes light of luxels.
 #include "q3map2/lightmap/lightmaps.h"
+#include "q3map2/lightmap/luxel_masks.h"
 
 #include <algorithm>
 
@@ -33,7 +34,7 @@ struct LuxelSum {
 /// Luxels of one style of one raw lightmap in one pass. Vectors are reused.
 struct LuxelGrid {
     std::vector<Vec3f> colors, directions, lastPass;
-    std::vector<std::uint8_t> valid;
+    LuxelMask valid;
 };
 
 class Averager {
@@ -112,7 +113,7 @@ class Averager {
     const LightmapOptions &options_;
 };
 
-/// Mean of the up to 8 neighbours that are valid; unused without one.
+/// Mean of the up to 8 neighbours that are valid, of which there is one.
 Vec3f FromNeighbours(const RawLightmap &lightmap, const LuxelGrid &grid, int x, int y) {
     Vec3f sum;
     int count = 0;
@@ -120,7 +121,7 @@ Vec3f FromNeighbours(const RawLightmap &lightmap, const LuxelGrid &grid, int x, 
         for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, lightmap.width - 1); ++nx)
             if (const std::size_t at = lightmap.Index(nx, ny); grid.valid[at])
                 sum += grid.colors[at], ++count;
-    return count > 0 ? Max(sum / float(count), Vec3f{}) : kUnused;
+    return Max(sum / float(count), Vec3f{});
 }
 
 /// Adds a pass to what there is; a luxel without value in one of them takes the other's.
@@ -143,10 +144,13 @@ void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last
         const Averager averager(lightmap, style, in.lightmap);
         averager.Fill(grid, style == 0 && !pass.bounce ? lightmap.ambient : Vec3f{});
         radiosity.resize(grid.colors.size());
+        const LuxelMask touching = Spread(grid.valid, lightmap.width, lightmap.height);
         for (int y = 0; y < lightmap.height; ++y)
             for (int x = 0; x < lightmap.width; ++x) {
                 const std::size_t at = lightmap.Index(x, y);
-                radiosity[at] = grid.valid[at] ? Max(grid.colors[at], Vec3f{}) : FromNeighbours(lightmap, grid, x, y);
+                radiosity[at] = grid.valid[at] ? Max(grid.colors[at], Vec3f{})
+                                : touching[at] ? FromNeighbours(lightmap, grid, x, y)
+                                               : kUnused;
             }
         Accumulate(radiosity, store, lightmap.result[style]);
         lightmap.resultDirections.resize(std::max(lightmap.resultDirections.size(), grid.directions.size()));

@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. The last step of a pass over luxels: floodlight, dirt, and luxels without light of their own.
 #include "q3map2/lightmap/lightmaps.h"
+#include "q3map2/lightmap/luxel_masks.h"
 
 #include <algorithm>
 
@@ -47,15 +48,26 @@ class LuxelFill {
     void Run() {
         for (std::size_t slot = 0; slot < kStyles; ++slot)
             if (!lightmap_.light[slot].empty())
-                for (int y = 0; y < lightmap_.SuperHeight(); ++y)
-                    for (int x = 0; x < lightmap_.SuperWidth(); ++x)
-                        Fill(slot, x, y);
+                FillSlot(slot);
     }
 
   private:
     bool Splotch(std::size_t slot, std::size_t luxel) const {
         const Vec3f &light = lightmap_.light[slot][luxel];
         return lightmap_.splotchFix && (light.x <= ambient_.x || light.y <= ambient_.y || light.z <= ambient_.z);
+    }
+
+    void FillSlot(std::size_t slot) {
+        LuxelMask sources(lightmap_.codes.size());
+        for (std::size_t i = 0; i < sources.size(); ++i)
+            sources[i] = lightmap_.Mapped(i) && lightmap_.filled[slot][i] != 0;
+        const LuxelMask touching = Spread(sources, lightmap_.SuperWidth(), lightmap_.SuperHeight());
+        const bool mappedToo = lightmap_.splotchFix || filter_;
+        for (int y = 0; y < lightmap_.SuperHeight(); ++y)
+            for (int x = 0; x < lightmap_.SuperWidth(); ++x)
+                if (const std::size_t at = lightmap_.SuperIndex(x, y);
+                    touching[at] != 0 && (mappedToo || !lightmap_.Mapped(at)))
+                    Fill(slot, x, y);
     }
 
     void Fill(std::size_t slot, int x, int y) {

@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Where each luxel is lit from.
 #include "q3map2/lightmap/lightmaps.h"
+#include "q3map2/lightmap/luxel_masks.h"
 #include "q3map2/lightmap/luxel_normal.h"
 #include "q3map2/lightmap/luxel_place.h"
 #include "q3map2/lightmap/luxel_raster.h"
@@ -85,13 +86,13 @@ class LuxelMapper {
     void MapTriangles(const bspDrawSurface_t &surface, const Image *normals);
     void MapMesh(const bspDrawSurface_t &surface, const SurfaceEntry &entry);
     void MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const Image *normals, bool thinEdges);
-    void MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane,
-                         const NormalMap &normals);
+    void MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane);
     bool MapQuad(const std::array<SurfaceVertex, 4> &quad, const Image *normals);
     void MapSample(const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals) {
         MapLuxel(LuxelOf(v.luxel[0], superWidth_), LuxelOf(v.luxel[1], superHeight_), v, plane, normals);
     }
     void MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals);
+    void Take(std::size_t luxel, const LuxelPlacer::Place &place, const Vec3f &normal, int pass);
     void MapRing(int pass);
     Vec3f NormalAround(int x, int y, int pass) const;
     void MakeUnitNormals();
@@ -210,7 +211,7 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
     const NormalMap map(normals, triangle[0], triangle[1], triangle[2]);
     if (allOneNormal_ && !map.Active() && raw_.planar && raw_.hasVectors) {
         if (!thinEdges)
-            MapFlatTriangle(triangle, plane, map);
+            MapFlatTriangle(triangle, plane);
         return;
     }
     const auto sample = [&](const SurfaceVertex &v) { MapSample(v, plane, map); };
@@ -231,17 +232,24 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
 }
 
 /// A triangle of a planar lightmap where one sample a luxel tells all.
-void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane,
-                                  const NormalMap &normals) {
+void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane) {
+    const auto vertex = [&](const std::array<float, 2> &at) {
+        SurfaceVertex v;
+        v.xyz = OntoPlane(raw_.origin + raw_.step[0] * (at[0] - 0.5f) + raw_.step[1] * (at[1] - 0.5f),
+                          AxesOf(raw_.axis).along, plane.normal, plane.dist);
+        v.normal = triangle[0].normal;
+        return v;
+    };
     ForLuxels({triangle[0].luxel, triangle[1].luxel, triangle[2].luxel}, superWidth_, superHeight_,
-              [&](int x, int y, const std::array<float, 2> &place) {
-                  if (raw_.codes[raw_.SuperIndex(x, y)] != kUnmapped)
+              [&](int x, int y, const LuxelRow &row) {
+                  const std::size_t luxel = raw_.SuperIndex(x, y);
+                  if (raw_.codes[luxel] != kUnmapped)
                       return;
-                  SurfaceVertex v;
-                  v.xyz = OntoPlane(raw_.origin + raw_.step[0] * (place[0] - 0.5f) + raw_.step[1] * (place[1] - 0.5f),
-                                    AxesOf(raw_.axis).along, plane.normal, plane.dist);
-                  v.normal = triangle[0].normal;
-                  MapLuxel(x, y, v, plane, normals);
+                  LuxelPlacer::Place place = placer_.Middle(x, y, {}, plane, offset_, *filter_, counts_.placed);
+                  if (place.Closed())
+                      place = placer_.Beside(x, y, place.xyz, vertex(row.PlaceNear(x)), plane, offset_, true, *filter_,
+                                             counts_.placed);
+                  Take(luxel, place, triangle[0].normal, 1);
               });
 }
 
@@ -264,7 +272,7 @@ bool LuxelMapper::MapQuad(const std::array<SurfaceVertex, 4> &quad, const Image 
 /// What a surface that passes through the luxel at v makes of it.
 void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals) {
     const std::size_t luxel = raw_.SuperIndex(x, y);
-    int &code = raw_.codes[luxel];
+    const int code = raw_.codes[luxel];
     if (code >= 0 ? allOneNormal_ && !normals.Active() : code == kOccluded && raw_.planar)
         return; // nothing would change
     const auto normal = [&] { return normals.Active() ? normals.Bent(v) : v.normal; };
@@ -273,16 +281,23 @@ void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlan
         ++scratch_.hits[luxel];
         return;
     }
-    const auto place = placer_.Find(x, y, v, plane, offset_, true, *filter_, counts_.placed);
-    if (!place) {
-        code = kOccluded;
+    LuxelPlacer::Place place = placer_.Middle(x, y, v.xyz, plane, offset_, *filter_, counts_.placed);
+    if (place.Closed())
+        place = placer_.Beside(x, y, place.xyz, v, plane, offset_, true, *filter_, counts_.placed);
+    Take(luxel, place, normal(), 1);
+}
+
+/// The luxel's place, found in that pass.
+void LuxelMapper::Take(std::size_t luxel, const LuxelPlacer::Place &place, const Vec3f &normal, int pass) {
+    if (place.Closed()) {
+        raw_.codes[luxel] = kOccluded;
         return;
     }
-    code = place->cluster;
-    raw_.places[luxel] = place->xyz;
-    raw_.normals[luxel] = normal();
+    raw_.codes[luxel] = place.cluster;
+    raw_.places[luxel] = place.xyz;
+    raw_.normals[luxel] = normal;
     scratch_.hits[luxel] = 1;
-    scratch_.passes[luxel] = 1;
+    scratch_.passes[luxel] = std::uint8_t(pass);
 }
 
 void LuxelMapper::MakeUnitNormals() {
@@ -308,22 +323,23 @@ void LuxelMapper::MapRing(int pass) {
     const std::vector<int> anywhere;
     ClusterFilter filter(in_.space, anywhere);
     const LuxelPlane plane{raw_.planeNormal, raw_.planeDist, nullptr};
-    for (int y = 0; y < raw_.SuperHeight(); ++y)
-        for (int x = 0; x < raw_.SuperWidth(); ++x) {
+    LuxelMask earlier(raw_.codes.size());
+    for (std::size_t i = 0; i < earlier.size(); ++i)
+        earlier[i] = raw_.Mapped(i) && scratch_.passes[i] < pass;
+    const LuxelMask touching = Spread(earlier, superWidth_, superHeight_);
+    for (int y = 0; y < superHeight_; ++y)
+        for (int x = 0; x < superWidth_; ++x) {
             const std::size_t luxel = raw_.SuperIndex(x, y);
-            if (raw_.codes[luxel] != kUnmapped)
+            if (raw_.codes[luxel] != kUnmapped || touching[luxel] == 0)
                 continue;
             SurfaceVertex v;
             v.normal = NormalAround(x, y, pass);
             if (v.normal == Vec3f{})
                 continue;
-            const auto place = placer_.Find(x, y, v, plane, kSampleOffset, false, filter, counts_.placed);
-            raw_.codes[luxel] = place ? place->cluster : int(kOccluded);
-            if (!place)
-                continue;
-            raw_.places[luxel] = place->xyz;
-            raw_.normals[luxel] = v.normal;
-            scratch_.passes[luxel] = std::uint8_t(pass);
+            LuxelPlacer::Place place = placer_.Middle(x, y, {}, plane, kSampleOffset, filter, counts_.placed);
+            if (place.Closed())
+                place = placer_.Beside(x, y, place.xyz, v, plane, kSampleOffset, false, filter, counts_.placed);
+            Take(luxel, place, v.normal, pass);
         }
 }
 

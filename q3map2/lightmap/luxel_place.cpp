@@ -134,8 +134,8 @@ bool LuxelPlacer::AnyOpen(const Boundsf &box, const Tile &tile) const {
     return region.AnyOpen(from, to, kBrushEpsilon);
 }
 
-Vec3f LuxelPlacer::OnSurface(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane) const {
-    Vec3f p = v.xyz;
+Vec3f LuxelPlacer::OnSurface(int x, int y, const Vec3f &onSurface, const LuxelPlane &plane) const {
+    Vec3f p = onSurface;
     if (raw_.hasVectors)
         p = OntoPlane(raw_.origin + raw_.step[0] * float(x) + raw_.step[1] * float(y), axes_.along, plane.normal,
                       plane.dist);
@@ -153,50 +153,42 @@ std::array<Vec3f, 2> LuxelPlacer::NudgeSteps(const LuxelPlane &plane) const {
     return steps;
 }
 
-std::optional<LuxelPlacer::Place> LuxelPlacer::Find(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane,
-                                                    float offset, bool lastTry, ClusterFilter &filter,
-                                                    PlacementCounts &counts) {
-    Vec3f p = OnSurface(x, y, v, plane);
-    const float lift = plane.normal[axes_.along] >= 0 ? offset : -offset;
+LuxelPlacer::Place LuxelPlacer::Middle(int x, int y, const Vec3f &onSurface, const LuxelPlane &plane, float offset,
+                                       ClusterFilter &filter, PlacementCounts &counts) {
+    Vec3f p = OnSurface(x, y, onSurface, plane);
+    const float lift = Lift(plane, offset);
     if (raw_.hasVectors)
         p[axes_.along] += lift;
     else
         p += plane.normal * offset;
-    const Tile &tile = TileOf(x, y, p, lift);
-    const Vec3f probe = in_.lightmap.extraVisNudge ? plane.normal : Vec3f{};
-    int cluster = ClusterAt(p + probe, tile, filter);
-    if (cluster >= 0) {
-        ++counts.nudges[0];
-        return Place{p, cluster};
+    const int cluster = ClusterAt(p + Probe(plane), TileOf(x, y, p, lift), filter);
+    counts.nudges[0] += cluster >= 0;
+    return {p, cluster};
+}
+
+LuxelPlacer::Place LuxelPlacer::Beside(int x, int y, const Vec3f &middle, const SurfaceVertex &v,
+                                       const LuxelPlane &plane, float offset, bool lastTry, ClusterFilter &filter,
+                                       PlacementCounts &counts) {
+    const Tile &tile = TileOf(x, y, middle, Lift(plane, offset));
+    const Vec3f probe = Probe(plane), above = v.xyz + v.normal * offset;
+    const auto steps = NudgeSteps(plane);
+    Boundsf box = BoxAround(middle + probe, steps);
+    if (lastTry)
+        box.Add(above);
+    if (in_.lightmap.dark || !AnyOpen(box, tile)) {
+        ++counts.failed;
+        return {};
     }
-    if (!in_.lightmap.dark) {
-        const auto steps = NudgeSteps(plane);
-        const Vec3f above = v.xyz + v.normal * offset;
-        Boundsf box = BoxAround(p + probe, steps);
-        if (lastTry)
-            box.Add(above);
-        if (!AnyOpen(box, tile)) {
-            ++counts.failed;
-            return std::nullopt;
-        }
-        for (std::size_t i = 0; i < kNudges.size(); ++i) {
-            const Vec3f nudged = p + steps[0] * (kNudges[i][0] * 0.5f) + steps[1] * (kNudges[i][1] * 0.5f);
-            cluster = ClusterAt(nudged + probe, tile, filter);
-            if (cluster >= 0) {
-                ++counts.nudges[i + 1];
-                return Place{nudged, cluster};
-            }
-        }
-        if (lastTry) {
-            cluster = ClusterAt(above, tile, filter);
-            if (cluster >= 0) {
-                ++counts.atVertex;
-                return Place{above, cluster};
-            }
+    for (std::size_t i = 0; i < kNudges.size(); ++i) {
+        const Vec3f nudged = middle + steps[0] * (kNudges[i][0] * 0.5f) + steps[1] * (kNudges[i][1] * 0.5f);
+        if (const int cluster = ClusterAt(nudged + probe, tile, filter); cluster >= 0) {
+            ++counts.nudges[i + 1];
+            return {nudged, cluster};
         }
     }
-    ++counts.failed;
-    return std::nullopt;
+    const int cluster = lastTry ? ClusterAt(above, tile, filter) : kSolidCluster;
+    ++(cluster >= 0 ? counts.atVertex : counts.failed);
+    return {above, cluster};
 }
 
 } // namespace q3

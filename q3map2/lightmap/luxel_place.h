@@ -42,14 +42,20 @@ class LuxelPlacer {
   public:
     LuxelPlacer(const SurfaceInputs &in, const RawLightmap &raw, const Boundsf &around);
 
+    /// Closed where no light may be taken: cluster < 0.
     struct Place {
         Vec3f xyz;
-        int cluster = 0;
+        int cluster = kSolidCluster;
+        bool Closed() const { return cluster < 0; }
     };
-    /// Where super luxel (x, y) is lit from, when a surface passes through it at `v`; nothing if all places about it
-    /// are closed. offset: lift off the surface, game units. `lastTry`: also right above `v`.
-    std::optional<Place> Find(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane, float offset, bool lastTry,
-                              ClusterFilter &filter, PlacementCounts &counts);
+    /// The middle of super luxel (x, y), lifted off the surface by `offset`, game units. Where the lightmap has no
+    /// vectors, it lies at `onSurface`.
+    Place Middle(int x, int y, const Vec3f &onSurface, const LuxelPlane &plane, float offset, ClusterFilter &filter,
+                 PlacementCounts &counts);
+    /// An open place beside the middle, which is closed; `lastTry`: also right above v, where a surface passes through
+    /// the luxel. Closed if there is none.
+    Place Beside(int x, int y, const Vec3f &middle, const SurfaceVertex &v, const LuxelPlane &plane, float offset,
+                 bool lastTry, ClusterFilter &filter, PlacementCounts &counts);
 
   private:
     /// The part of the tree around a few neighbouring luxels, made when the first of them is placed.
@@ -64,7 +70,12 @@ class LuxelPlacer {
     int ClusterAt(const Vec3f &p, const Tile &tile, ClusterFilter &filter) const;
     /// Whether some place of the box may be open.
     bool AnyOpen(const Boundsf &box, const Tile &tile) const;
-    Vec3f OnSurface(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane) const;
+    Vec3f OnSurface(int x, int y, const Vec3f &onSurface, const LuxelPlane &plane) const;
+    float Lift(const LuxelPlane &plane, float offset) const {
+        return plane.normal[axes_.along] >= 0 ? offset : -offset;
+    }
+    /// From a place to where its cluster is looked up.
+    Vec3f Probe(const LuxelPlane &plane) const { return in_.lightmap.extraVisNudge ? plane.normal : Vec3f{}; }
     std::array<Vec3f, 2> NudgeSteps(const LuxelPlane &plane) const;
 
     const SurfaceInputs &in_;

@@ -121,19 +121,26 @@ inline LuxelSpan SpanBetween(const std::array<std::array<float, 2>, 3> &triangle
     return span;
 }
 
-/// Calls luxel(x, y, place) for each luxel of the lightmap that the triangle touches; `place` is a point of the
-/// triangle in the luxel or beside it.
+/// Part of a triangle in one row of luxels: a line through the middle of what it has there.
+struct LuxelRow {
+    LuxelSpan along;
+    float down = 0;
+    /// The point of the line nearest to the middle of luxel x: in the luxel or beside it.
+    std::array<float, 2> PlaceNear(int x) const { return {along.Nearest(float(x) + 0.5f), down}; }
+};
+
+/// Calls luxel(x, y, row) for each luxel of the lightmap that the triangle touches.
 template <typename Luxel>
 void ForLuxels(const std::array<std::array<float, 2>, 3> &triangle, int width, int height, const Luxel &luxel) {
     LuxelSpan tall;
     for (const auto &corner : triangle)
         tall.Add(corner[1]);
     for (int y = LuxelOf(tall.from, height), last = LuxelOf(tall.to, height); y <= last; ++y) {
-        const LuxelSpan row = SpanBetween(triangle, float(y), float(y + 1));
-        const float middle = tall.Nearest(float(y) + 0.5f);
-        const LuxelSpan through = SpanBetween(triangle, middle, middle);
-        for (int x = LuxelOf(row.from, width), end = LuxelOf(row.to, width); x <= end; ++x)
-            luxel(x, y, std::array<float, 2>{through.Nearest(float(x) + 0.5f), middle});
+        const LuxelSpan touched = SpanBetween(triangle, float(y), float(y + 1));
+        const float down = tall.Nearest(float(y) + 0.5f);
+        const LuxelRow row{SpanBetween(triangle, down, down), down};
+        for (int x = LuxelOf(touched.from, width), end = LuxelOf(touched.to, width); x <= end; ++x)
+            luxel(x, y, row);
     }
 }
 
