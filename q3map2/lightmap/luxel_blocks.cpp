@@ -96,13 +96,14 @@ void LuxelBlocks::FinishBlock() {
             normal = {};
     }
     const Vec3f center = box.Center();
-    float radius = 0, thickness = 0;
+    float radius2 = 0, thickness = 0;
     for (std::size_t i = 0; i < block.count; ++i) {
-        radius = std::max(radius, Length(block.position[i] - center));
-        thickness = std::max(thickness, std::abs(Dot(block.position[i] - center, normal)));
+        const Vec3f out = block.position[i] - center;
+        radius2 = std::max(radius2, Dot(out, out));
+        thickness = std::max(thickness, std::abs(Dot(out, normal)));
     }
     x_.push_back(center.x), y_.push_back(center.y), z_.push_back(center.z);
-    radius_.push_back(radius + kSlack), thickness_.push_back(thickness + kSlack);
+    radius_.push_back(std::sqrt(radius2) + kSlack), thickness_.push_back(thickness + kSlack);
     nx_.push_back(normal.x), ny_.push_back(normal.y), nz_.push_back(normal.z);
     clusterSlot_.push_back(block.clusters.count == 1 ? ClusterSlot(block.clusters.number[0]) : 0);
 }
