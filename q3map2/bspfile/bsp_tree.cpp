@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Point queries on the BSP tree.
 #include "q3map2/bspfile/bsp_tree.h"
 
-#include <array>
 #include <cmath>
 
 namespace q3 {
@@ -11,51 +10,83 @@ namespace {
 /// Beyond kOnPlane, for rounding. Game units.
 constexpr float kRoom = 0.1f;
 
-} // namespace
+BspTree::Node ReadNode(const Bsp &bsp, std::size_t number) {
+    const bspNode_t &node = bsp.nodes[number];
+    const bspPlane_t &plane = bsp.planes[std::size_t(node.planeNum)];
+    return {Vec3f(plane.normal), plane.dist, {node.children[0], node.children[1]}};
+}
 
-int LeafAt(const Bsp &bsp, const Vec3f &p, BspChild from) {
+/// nodeOf(child) and clusterOf(leaf) tell of the tree.
+template <typename NodeOf, typename ClusterOf>
+int FindLeaf(const Vec3f &p, BspChild from, const NodeOf &nodeOf, const ClusterOf &clusterOf) {
     // Back children that wait for their turn: a leaf found through a front child counts unless it is solid.
-    std::array<int, 64> pending;
-    int depth = 0;
-    int child = from, firstLeaf = -1;
+    std::array<BspChild, 64> pending;
+    std::size_t waiting = 0;
+    BspChild child = from;
+    int firstLeaf = -1;
     for (;;) {
         while (child >= 0) {
-            const bspNode_t &node = bsp.nodes[std::size_t(child)];
-            const bspPlane_t &plane = bsp.planes[std::size_t(node.planeNum)];
-            const float d = Dot(Vec3f(plane.normal), p) - plane.dist;
+            const BspTree::Node &node = nodeOf(child);
+            const float d = Dot(node.normal, p) - node.dist;
+            // Branches: processors guess them and go on, where a child chosen by its index would have to wait for d.
             if (d > kOnPlane)
                 child = node.children[0];
             else if (d < -kOnPlane)
                 child = node.children[1];
             else {
-                if (depth < int(pending.size()))
-                    pending[std::size_t(depth++)] = node.children[1];
+                if (waiting < pending.size())
+                    pending[waiting++] = node.children[1];
                 child = node.children[0];
             }
         }
         const int leaf = LeafOf(child);
         if (firstLeaf < 0)
             firstLeaf = leaf;
-        if (bsp.leafs[std::size_t(leaf)].cluster != kSolidCluster)
+        if (clusterOf(leaf) != kSolidCluster)
             return leaf;
-        if (depth == 0)
+        if (waiting == 0)
             return firstLeaf;
-        child = pending[std::size_t(--depth)];
+        child = pending[--waiting];
     }
 }
 
-BspChild ChildAround(const Bsp &bsp, const Boundsf &box, BspChild from) {
+} // namespace
+
+int LeafAt(const Bsp &bsp, const Vec3f &p) {
+    return FindLeaf(
+        p, RootOf(bsp), [&](BspChild child) { return ReadNode(bsp, std::size_t(child)); },
+        [&](int leaf) { return bsp.leafs[std::size_t(leaf)].cluster; });
+}
+
+BspTree::BspTree(const Bsp &bsp) {
+    nodes_.reserve(bsp.nodes.size());
+    for (std::size_t i = 0; i < bsp.nodes.size(); ++i)
+        nodes_.push_back(ReadNode(bsp, i));
+    clusters_.reserve(bsp.leafs.size());
+    for (const bspLeaf_t &leaf : bsp.leafs)
+        clusters_.push_back(leaf.cluster);
+}
+
+int BspTree::LeafAt(const Vec3f &p, BspChild from) const {
+    return FindLeaf(
+        p, from, [&](BspChild child) -> const Node & { return NodeOf(child); },
+        [&](int leaf) { return ClusterOf(leaf); });
+}
+
+BspChild BspTree::ChildAround(const Boundsf &box, BspChild from) const {
     const Vec3f center = box.Center(), half = (box.maxs - box.mins) * 0.5f;
     BspChild child = from;
     while (child >= 0) {
-        const bspNode_t &node = bsp.nodes[std::size_t(child)];
-        const bspPlane_t &plane = bsp.planes[std::size_t(node.planeNum)];
-        const Vec3f n(plane.normal);
-        const float d = Dot(n, center) - plane.dist;
+        const Node &node = NodeOf(child);
+        const Vec3f &n = node.normal;
+        const float d = Dot(n, center) - node.dist;
         const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + kOnPlane + kRoom;
-        if (!(std::abs(d) > reach))
+        if (d > reach)
+            child = node.children[0];
+        else if (d < -reach)
+            child = node.children[1];
+        else
             break;
-        child = node.children[d > 0 ? 0 : 1];
     }
     return child;
 }

@@ -4,6 +4,9 @@
 #include "libs/math/bounds.h"
 #include "q3map2/bspfile/bspfile.h"
 
+#include <array>
+#include <vector>
+
 namespace q3 {
 
 /// Points within this distance of a node's plane count as on both sides. Game units; spec of cluster lookup.
@@ -23,13 +26,30 @@ inline BspChild RootOf(const Bsp &bsp) {
 }
 
 /// Number of the leaf that holds p in a validated Bsp. A point within kOnPlane of a plane belongs to the front, unless
-/// the leaf found there is solid. `from`: where the search starts, see ChildAround.
-int LeafAt(const Bsp &bsp, const Vec3f &p, BspChild from);
-inline int LeafAt(const Bsp &bsp, const Vec3f &p) {
-    return LeafAt(bsp, p, RootOf(bsp));
-}
+/// the leaf found there is solid.
+int LeafAt(const Bsp &bsp, const Vec3f &p);
 
-/// The lowest child under `from` that holds the box with some room: places in the box are found from it as from `from`.
-BspChild ChildAround(const Bsp &bsp, const Boundsf &box, BspChild from);
+/// The tree of a validated Bsp for many point queries: a copy of what those read, which fits into near caches.
+class BspTree {
+  public:
+    struct Node {
+        Vec3f normal;
+        float dist = 0;
+        std::array<BspChild, 2> children{};
+    };
+    explicit BspTree(const Bsp &bsp);
+
+    const Node &NodeOf(BspChild child) const { return nodes_[std::size_t(child)]; }
+    int ClusterOf(int leaf) const { return clusters_[std::size_t(leaf)]; }
+    /// As the function above; `from`: where the search starts, see ChildAround.
+    int LeafAt(const Vec3f &p, BspChild from) const;
+    /// The lowest child under `from` that holds the box with some room: places in the box are found from it as from
+    /// `from`.
+    BspChild ChildAround(const Boundsf &box, BspChild from) const;
+
+  private:
+    std::vector<Node> nodes_;
+    std::vector<int> clusters_; ///< by leaf
+};
 
 } // namespace q3

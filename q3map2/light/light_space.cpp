@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-BspSpace::BspSpace(const Bsp &bsp, const std::vector<bool> &opaqueBrush) : bsp_(bsp) {
+BspSpace::BspSpace(const Bsp &bsp, const std::vector<bool> &opaqueBrush) : bsp_(bsp), tree_(bsp) {
     opaqueFirst_.reserve(bsp.leafs.size() + 1);
     opaqueFirst_.push_back(0);
     for (const bspLeaf_t &leaf : bsp.leafs) {
@@ -55,10 +55,8 @@ bool BspSpace::FilledByBrush(std::size_t leafNum, const Boundsf &box, float epsi
 }
 
 int BspSpace::ClusterOf(int leafNum, const Vec3f &p, float epsilon) const {
-    const bspLeaf_t &leaf = bsp_.leafs[std::size_t(leafNum)];
-    if (leaf.cluster < 0 || HeldByBrush(std::size_t(leafNum), p, {}, epsilon))
-        return kSolidCluster;
-    return leaf.cluster;
+    const int cluster = tree_.ClusterOf(leafNum);
+    return cluster < 0 || HeldByBrush(std::size_t(leafNum), p, {}, epsilon) ? kSolidCluster : cluster;
 }
 
 bool BspSpace::Visible(int a, int b) const {
@@ -103,30 +101,29 @@ void BspSpace::ClustersOf(const Winding<float> &w, std::vector<int> &clusters) c
 }
 
 BspRegion BspRegion::Around(const Boundsf &box) const {
-    return {space_, ChildAround(space_.bsp_, box, top_)};
+    return {space_, space_.tree_.ChildAround(box, top_)};
 }
 
 int BspRegion::ClusterAt(const Vec3f &p, float epsilon) const {
-    return space_.ClusterOf(LeafAt(space_.bsp_, p, top_), p, epsilon);
+    return space_.ClusterOf(space_.tree_.LeafAt(p, top_), p, epsilon);
 }
 
 bool BspRegion::InSolidLeaf(const Vec3f &p) const {
-    return space_.bsp_.leafs[std::size_t(LeafAt(space_.bsp_, p, top_))].cluster < 0;
+    return space_.tree_.ClusterOf(space_.tree_.LeafAt(p, top_)) < 0;
 }
 
 bool BspRegion::AnyOpen(const Vec3f &mins, const Vec3f &maxs, float epsilon) const {
     return Touches(mins, maxs, [&](std::size_t leaf) {
-        return space_.bsp_.leafs[leaf].cluster >= 0 && !space_.FilledByBrush(leaf, {mins, maxs}, epsilon);
+        return space_.tree_.ClusterOf(int(leaf)) >= 0 && !space_.FilledByBrush(leaf, {mins, maxs}, epsilon);
     });
 }
 
 bool BspRegion::AnySolid(const Vec3f &mins, const Vec3f &maxs) const {
-    return Touches(mins, maxs, [&](std::size_t leaf) { return space_.bsp_.leafs[leaf].cluster < 0; });
+    return Touches(mins, maxs, [&](std::size_t leaf) { return space_.tree_.ClusterOf(int(leaf)) < 0; });
 }
 
 /// Whether the box touches a leaf that is `wanted`.
 template <typename Leaf> bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, const Leaf &wanted) const {
-    const Bsp &bsp = space_.bsp_;
     const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;
     std::array<BspChild, 32> pending;
     std::vector<BspChild> more; // where that is full
@@ -146,19 +143,22 @@ template <typename Leaf> bool BspRegion::Touches(const Vec3f &mins, const Vec3f 
             }
             continue;
         }
-        const bspNode_t &node = bsp.nodes[std::size_t(child)];
-        const bspPlane_t &plane = bsp.planes[std::size_t(node.planeNum)];
-        const Vec3f n(plane.normal);
-        const float d = Dot(n, center) - plane.dist;
+        const BspTree::Node &node = space_.tree_.NodeOf(child);
+        const Vec3f &n = node.normal;
+        const float d = Dot(n, center) - node.dist;
         const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
-        const bool front = d >= -reach, back = d <= reach;
-        if (front && back) {
-            if (waiting < pending.size())
-                pending[waiting++] = node.children[1];
-            else
-                more.push_back(node.children[1]);
+        // Branches, as in BspTree::LeafAt.
+        if (d < -reach)
+            child = node.children[1];
+        else {
+            if (!(d > reach)) {
+                if (waiting < pending.size())
+                    pending[waiting++] = node.children[1];
+                else
+                    more.push_back(node.children[1]);
+            }
+            child = node.children[0];
         }
-        child = node.children[front ? 0 : 1];
     }
 }
 

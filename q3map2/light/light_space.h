@@ -80,6 +80,7 @@ class BspSpace {
     bool HeldByBrush(std::size_t leaf, const Vec3f &center, const Vec3f &half, float epsilon) const;
 
     const Bsp &bsp_;
+    BspTree tree_;
     // Opaque brushes of leaf i: from opaqueFirst_[i] to before opaqueFirst_[i + 1].
     std::vector<std::uint32_t> opaqueFirst_;
     std::vector<std::int32_t> opaqueBrushes_;

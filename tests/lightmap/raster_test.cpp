@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/luxel_raster.h"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -11,8 +12,6 @@ namespace q3::test {
 
 namespace {
 
-using Luxels = std::vector<std::array<float, 2>>;
-
 /// A vertex of a surface that lies in the grid.
 SurfaceVertex At(float s, float t) {
     SurfaceVertex v;
@@ -20,23 +19,109 @@ SurfaceVertex At(float s, float t) {
     return v;
 }
 
-std::vector<std::array<SurfaceVertex, 3>> SomeTriangles() {
+using Triangle = std::array<std::array<float, 2>, 3>;
+
+constexpr int kWide = 40, kTall = 33;
+
+std::vector<Triangle> SomeTriangles() {
     std::mt19937 random(7);
-    std::uniform_real_distribution<float> place(0, 40);
-    std::vector<std::array<SurfaceVertex, 3>> triangles;
-    for (int i = 0; i < 20; ++i)
+    std::uniform_real_distribution<float> across(0, kWide), down(0, kTall);
+    std::vector<Triangle> triangles;
+    for (int i = 0; i < 50; ++i)
         triangles.push_back(
-            {At(place(random), place(random)), At(place(random), place(random)), At(place(random), place(random))});
-    triangles.push_back({At(0, 0), At(32, 0), At(0, 32)});
+            {{{across(random), down(random)}, {across(random), down(random)}, {across(random), down(random)}}});
     return triangles;
 }
 
-LuxelVertex Short(const SurfaceVertex &v) {
-    return {LuxelVertex::Pair{v.luxel[0], v.luxel[1]}};
+/// Times that ForLuxels names each luxel.
+std::vector<int> Named(const Triangle &triangle) {
+    std::vector<int> times(kWide * kTall);
+    ForLuxels(triangle, kWide, kTall, [&](int x, int y, const LuxelRow &) { ++times[std::size_t(y * kWide + x)]; });
+    return times;
 }
 
-std::array<float, 2> LuxelOf(LuxelVertex v) {
-    return {v.luxel[0], v.luxel[1]};
+/// The triangle cut by the four sides of a luxel, and its area there.
+double AreaIn(const Triangle &triangle, int x, int y) {
+    std::vector<std::array<double, 2>> w;
+    for (const auto &p : triangle)
+        w.push_back({p[0], p[1]});
+    const auto cut = [&](std::size_t axis, double sign, double limit) {
+        std::vector<std::array<double, 2>> in;
+        for (std::size_t i = 0; i < w.size(); ++i) {
+            const auto &p = w[i], &q = w[(i + 1) % w.size()];
+            const double a = sign * p[axis] - limit, b = sign * q[axis] - limit;
+            if (a <= 0)
+                in.push_back(p);
+            if ((a < 0 && b > 0) || (a > 0 && b < 0))
+                in.push_back({p[0] + (q[0] - p[0]) * a / (a - b), p[1] + (q[1] - p[1]) * a / (a - b)});
+        }
+        w = in;
+    };
+    cut(0, 1, x + 1), cut(0, -1, -x), cut(1, 1, y + 1), cut(1, -1, -y);
+    double area = 0;
+    for (std::size_t i = 0; i < w.size(); ++i) {
+        const auto &p = w[i], &q = w[(i + 1) % w.size()];
+        area += (p[0] * q[1] - p[1] * q[0]) / 2;
+    }
+    return std::abs(area);
+}
+
+double Distance(const std::array<float, 2> &p, const Triangle &triangle) {
+    double least = 1e9;
+    bool left = true, right = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto &a = triangle[i], &b = triangle[(i + 1) % 3];
+        const double dx = b[0] - a[0], dy = b[1] - a[1], px = p[0] - a[0], py = p[1] - a[1];
+        const double side = dx * py - dy * px;
+        left = left && side >= 0, right = right && side <= 0;
+        const double t = std::clamp((px * dx + py * dy) / (dx * dx + dy * dy), 0.0, 1.0);
+        least = std::min(least, std::hypot(px - dx * t, py - dy * t));
+    }
+    return left || right ? 0 : least;
+}
+
+TEST(LuxelRasterTest, ALuxelThatHoldsPartOfATriangleIsNamedOnce) {
+    for (const Triangle &triangle : SomeTriangles()) {
+        const std::vector<int> times = Named(triangle);
+        for (int y = 0; y < kTall; ++y)
+            for (int x = 0; x < kWide; ++x) {
+                const double area = AreaIn(triangle, x, y);
+                const int named = times[std::size_t(y * kWide + x)];
+                EXPECT_LE(named, 1);
+                EXPECT_TRUE(area < 1e-6 || named == 1) << x << " " << y << " holds " << area;
+                EXPECT_TRUE(area > 0 || named == 0) << x << " " << y << " holds nothing";
+            }
+    }
+}
+
+TEST(LuxelRasterTest, PlacesOfLuxelsLieOnTheTriangle) {
+    for (const Triangle &triangle : SomeTriangles())
+        ForLuxels(triangle, kWide, kTall, [&](int x, int y, const LuxelRow &row) {
+            const auto place = row.PlaceNear(x);
+            EXPECT_LT(Distance(place, triangle), 1e-3);
+            EXPECT_GE(place[1], float(y));
+            EXPECT_LE(place[1], float(y + 1));
+        });
+}
+
+/// As SubdivideTriangle, which names luxels by the points that fall into them.
+TEST(LuxelRasterTest, EdgesAndCornersOnLuxelBordersBelongToTheNextLuxel) {
+    std::vector<int> expected(kWide * kTall);
+    for (int y = 2; y <= 4; ++y)
+        for (int x = 3; x <= 6; ++x)
+            expected[std::size_t(y * kWide + x)] = 1;
+    std::vector<int> both = Named({{{3, 2}, {6, 2}, {6, 4}}});
+    const std::vector<int> other = Named({{{3, 2}, {6, 4}, {3, 4}}});
+    for (std::size_t i = 0; i < both.size(); ++i)
+        both[i] = both[i] + other[i] > 0 ? 1 : 0;
+    EXPECT_EQ(both, expected);
+}
+
+TEST(LuxelRasterTest, ATriangleWithoutWidthNamesTheLuxelsAlongIt) {
+    std::vector<int> expected(kWide * kTall);
+    for (int x = 2; x <= 9; ++x)
+        expected[std::size_t(5 * kWide + x)] = 1;
+    EXPECT_EQ(Named({{{2.5f, 5.5f}, {9.25f, 5.5f}, {4, 5.5f}}}), expected);
 }
 
 TEST(LuxelRasterTest, EveryLuxelInsideATriangleGetsASample) {
@@ -49,29 +134,6 @@ TEST(LuxelRasterTest, EveryLuxelInsideATriangleGetsASample) {
     for (int t = 0; t < kSide; ++t)
         for (int s = 0; s + t + 2 < kSide; ++s)
             EXPECT_GT(hits[std::size_t(t * kSide + s)], 0) << s << " " << t;
-}
-
-TEST(LuxelRasterTest, ShortVerticesGetTheSameSamples) {
-    for (const auto &[a, b, c] : SomeTriangles()) {
-        Luxels whole, brief;
-        SubdivideTriangle<true>(a, b, c, 1.0f, [&](const SurfaceVertex &v) { whole.push_back(v.luxel); });
-        SubdivideTriangle<true>(Short(a), Short(b), Short(c), 1.0f,
-                                [&](LuxelVertex v) { brief.push_back(LuxelOf(v)); });
-        EXPECT_EQ(whole, brief);
-    }
-}
-
-TEST(LuxelRasterTest, EdgesGetTheSamplesOfATriangleWithoutWidthEachOnce) {
-    for (const auto &[a, b, c] : SomeTriangles()) {
-        Luxels thin, edge;
-        SubdivideTriangle<true>(a, b, b, 1.0f, [&](const SurfaceVertex &v) {
-            if (std::find(thin.begin(), thin.end(), v.luxel) == thin.end())
-                thin.push_back(v.luxel);
-        });
-        SubdivideEdge(Short(a), Short(b), 1.0f, [&](LuxelVertex v) { edge.push_back(LuxelOf(v)); });
-        EXPECT_EQ(thin, edge);
-        EXPECT_FALSE(edge.empty());
-    }
 }
 
 } // namespace
