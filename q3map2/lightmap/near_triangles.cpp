@@ -111,43 +111,52 @@ Q3_VECTOR void SetForms(const NearTriangles::Group &group, const NearTriangles::
     forms.u = us, forms.v = vs, forms.t = ts, met = found;
 }
 
-/// The rest of the test, for triangle k and all rays: those that meet it before what they have met so far.
-Q3_VECTOR void MeetTriangle(const NearTriangles::Forms &forms, std::size_t k, const Lanes3 &starts,
-                            const LaneMask &live, float nearest, Lanes &distance, LaneMask &hit) {
-    const Vec3f u = forms.u.slope[k], v = forms.v.slope[k], t = forms.t.slope[k];
-    const float um = forms.u.middle[k], vm = forms.v.middle[k], tm = forms.t.middle[k];
-    Lanes nearer = distance;
-    LaneMask meets;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const Vec3f start = starts[i];
-        const float ui = um + Dot(u, start), vi = vm + Dot(v, start), ti = tm + Dot(t, start);
-        const std::int32_t out = Sign(ui + kEdge) | Sign(vi + kEdge) | Sign(1 + kEdge - (ui + vi)) |
-                                 Sign(ti - nearest) | Sign(nearer[i] - ti);
-        const std::int32_t met = (~out >> 31) & live[i];
-        nearer[i] = met != 0 ? ti : nearer[i];
-        meets[i] = met;
+/// The rest of the test, for the triangles that `met` says and all rays: those that meet one before what they have met
+/// so far.
+Q3_VECTOR void MeetTriangles(const NearTriangles::Group &group, const NearTriangles::Forms &forms, const Lanes3 &starts,
+                             const LaneMask &live, float nearest, LightScene::Blockers &first) {
+    LightScene::Blockers now = first; // out of the way of what is read
+    for (unsigned met = forms.met; met != 0; met &= met - 1) {
+        const auto k = std::size_t(std::countr_zero(met));
+        const Vec3f u = forms.u.slope[k], v = forms.v.slope[k], t = forms.t.slope[k];
+        const float um = forms.u.middle[k], vm = forms.v.middle[k], tm = forms.t.middle[k];
+        const std::int32_t surface = group.surface[k];
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const Vec3f start = starts[i];
+            const float ui = um + Dot(u, start), vi = vm + Dot(v, start), ti = tm + Dot(t, start);
+            const std::int32_t out = Sign(ui + kEdge) | Sign(vi + kEdge) | Sign(1 + kEdge - (ui + vi)) |
+                                     Sign(ti - nearest) | Sign(now.distance[i] - ti);
+            const std::int32_t meets = (~out >> 31) & live[i];
+            now.distance[i] = meets != 0 ? ti : now.distance[i];
+            now.surface[i] = meets != 0 ? surface : now.surface[i];
+            now.hit[i] |= meets;
+        }
     }
-    distance = nearer, hit = meets;
+    first = now;
 }
 
 /// The whole test where directions differ.
-Q3_VECTOR void MeetTriangle(const NearTriangles::Group &group, std::size_t k, const RayPacket &packet,
-                            const LaneMask &live, float nearest, Lanes &distance, LaneMask &hit) {
-    const Vec3f corner = group.corner[k], a = group.a[k], b = group.b[k];
-    Lanes nearer = distance;
-    LaneMask meets;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const Vec3f d = packet.direction[i], p = Cross(d, b), s = packet.origin[i] - corner, q = Cross(s, a);
-        const float determinant = Dot(a, p), size = std::abs(determinant);
-        const float inverse = 1 / (size < kLeastDeterminant ? 1 : determinant);
-        const float u = Dot(s, p) * inverse, v = Dot(d, q) * inverse, t = Dot(b, q) * inverse;
-        const std::int32_t out = Sign(size - kLeastDeterminant) | Sign(u + kEdge) | Sign(v + kEdge) |
-                                 Sign(1 + kEdge - (u + v)) | Sign(t - nearest) | Sign(nearer[i] - t);
-        const std::int32_t met = (~out >> 31) & live[i];
-        nearer[i] = met != 0 ? t : nearer[i];
-        meets[i] = met;
+Q3_VECTOR void MeetTriangles(const NearTriangles::Group &group, unsigned met, const RayPacket &packet,
+                             const LaneMask &live, float nearest, LightScene::Blockers &first) {
+    LightScene::Blockers now = first; // out of the way of what is read
+    for (; met != 0; met &= met - 1) {
+        const auto k = std::size_t(std::countr_zero(met));
+        const Vec3f corner = group.corner[k], a = group.a[k], b = group.b[k];
+        const std::int32_t surface = group.surface[k];
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const Vec3f d = packet.direction[i], p = Cross(d, b), s = packet.origin[i] - corner, q = Cross(s, a);
+            const float determinant = Dot(a, p), size = std::abs(determinant);
+            const float inverse = 1 / (size < kLeastDeterminant ? 1 : determinant);
+            const float u = Dot(s, p) * inverse, v = Dot(d, q) * inverse, t = Dot(b, q) * inverse;
+            const std::int32_t out = Sign(size - kLeastDeterminant) | Sign(u + kEdge) | Sign(v + kEdge) |
+                                     Sign(1 + kEdge - (u + v)) | Sign(t - nearest) | Sign(now.distance[i] - t);
+            const std::int32_t meets = (~out >> 31) & live[i];
+            now.distance[i] = meets != 0 ? t : now.distance[i];
+            now.surface[i] = meets != 0 ? surface : now.surface[i];
+            now.hit[i] |= meets;
+        }
     }
-    distance = nearer, hit = meets;
+    first = now;
 }
 
 Q3_VECTOR void SetStarts(const Lanes3 &origin, const Vec3f &middle, Lanes3 &starts) {
@@ -155,13 +164,6 @@ Q3_VECTOR void SetStarts(const Lanes3 &origin, const Vec3f &middle, Lanes3 &star
         starts.x[i] = origin.x[i] - middle.x;
         starts.y[i] = origin.y[i] - middle.y;
         starts.z[i] = origin.z[i] - middle.z;
-    }
-}
-
-Q3_VECTOR void SetSurface(const LaneMask &hit, std::int32_t surface, LightScene::Blockers &blockers) {
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        blockers.surface[i] = hit[i] != 0 ? surface : blockers.surface[i];
-        blockers.hit[i] |= hit[i];
     }
 }
 
@@ -260,17 +262,14 @@ NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneM
     Lanes3 starts;
     if (beam.narrow)
         SetStarts(packet.origin, narrow.middle, starts);
-    LaneMask hit;
-    for (std::size_t i = 0; i < groups_.size(); ++i)
-        for (unsigned met = forms_[i].met; met != 0; met &= met - 1) {
-            const auto k = std::size_t(std::countr_zero(met));
-            if (beam.narrow)
-                MeetTriangle(forms_[i], k, starts, live, nearest, blockers.distance, hit);
-            else
-                MeetTriangle(groups_[i], k, packet, live, nearest, blockers.distance, hit);
-            if (hit.Any())
-                SetSurface(hit, groups_[i].surface[k], blockers);
-        }
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+        if (forms_[i].met == 0)
+            continue;
+        if (beam.narrow)
+            MeetTriangles(groups_[i], forms_[i], starts, live, nearest, blockers);
+        else
+            MeetTriangles(groups_[i], forms_[i].met, packet, live, nearest, blockers);
+    }
     return blockers.hit.Any() ? Outcome::Traced : Outcome::Missed;
 }
 
