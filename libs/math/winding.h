@@ -28,37 +28,46 @@ inline Winding<double> WindingInPlane(const Plane &plane, double halfSize) {
     return {center - right + up, center + right + up, center + right - up, center - right - up};
 }
 
-/// Cuts `w` by the plane normal . p = dist. Points within epsilon count as on the plane and go to both sides; a side
-/// that has no point beyond epsilon is empty. A winding within the plane goes to the front.
-template <typename T>
-void SplitWinding(const Winding<T> &w, const Vec3<T> &normal, T dist, T epsilon, Winding<T> &front, Winding<T> &back) {
-    front.clear(), back.clear();
-    bool anyFront = false, anyBack = false;
-    for (const Vec3<T> &p : w) {
-        const T d = Dot(normal, p) - dist;
-        anyFront |= d > epsilon, anyBack |= d < -epsilon;
-    }
-    if (!anyBack || !anyFront) {
-        (anyBack ? back : front) = w;
-        return;
-    }
-    for (std::size_t i = 0; i < w.size(); ++i) {
-        const Vec3<T> &a = w[i], &b = w[(i + 1) % w.size()];
-        const T da = Dot(normal, a) - dist, db = Dot(normal, b) - dist;
-        if (da >= -epsilon)
-            front.push_back(a);
-        if (da <= epsilon)
-            back.push_back(a);
-        if ((da > epsilon && db < -epsilon) || (da < -epsilon && db > epsilon)) {
-            const Vec3<T> cut = a + (b - a) * (da / (da - db));
-            front.push_back(cut), back.push_back(cut);
+/// Cuts convex polygons by planes. One serves for many cuts, so that they take no new memory each.
+template <typename T> class WindingCutter {
+  public:
+    /// Where w is against the plane normal . p = dist. Points within epsilon count as on it.
+    void Place(const Winding<T> &w, const Vec3<T> &normal, T dist, T epsilon) {
+        if (distances_.size() < w.size())
+            distances_.resize(w.size());
+        epsilon_ = epsilon;
+        anyFront_ = anyBack_ = false;
+        for (std::size_t i = 0; i < w.size(); ++i) {
+            const T d = distances_[i] = Dot(normal, w[i]) - dist;
+            anyFront_ |= d > epsilon, anyBack_ |= d < -epsilon;
         }
     }
-    if (front.size() < 3)
-        front.clear();
-    if (back.size() < 3)
-        back.clear();
-}
+    /// Whether points of the latest polygon are off the plane.
+    bool AnyFront() const { return anyFront_; }
+    bool AnyBack() const { return anyBack_; }
+    /// The latest polygon's part on one side; points on the plane are in both. Empty when fewer than three are left.
+    void Front(const Winding<T> &w, Winding<T> &part) const { Part(w, T(1), part); }
+    void Back(const Winding<T> &w, Winding<T> &part) const { Part(w, T(-1), part); }
+
+  private:
+    void Part(const Winding<T> &w, T side, Winding<T> &part) const {
+        part.clear();
+        for (std::size_t i = 0; i < w.size(); ++i) {
+            const std::size_t next = i + 1 < w.size() ? i + 1 : 0;
+            const T da = distances_[i], db = distances_[next];
+            if (da * side >= -epsilon_)
+                part.push_back(w[i]);
+            if ((da > epsilon_ && db < -epsilon_) || (da < -epsilon_ && db > epsilon_))
+                part.push_back(w[i] + (w[next] - w[i]) * (da / (da - db)));
+        }
+        if (part.size() < 3)
+            part.clear();
+    }
+
+    std::vector<T> distances_;
+    T epsilon_ = 0;
+    bool anyFront_ = false, anyBack_ = false;
+};
 
 /// Cuts corners, each with a place `xyz`, by the plane at `dist` across an axis. Those within epsilon go to both sides.
 /// lerp(a, b, t) makes new ones. `front` and `back` are empty before.
@@ -79,14 +88,14 @@ void CutAcrossAxis(const std::vector<Corner> &corners, std::size_t axis, float d
     }
 }
 
-/// Half the cross product sum: its length is the area.
-template <typename T> Vec3d WindingAreaVector(const Winding<T> &w) {
+/// Half the cross product sum: its length is the area. Points: a Winding or an array.
+template <typename Points> Vec3d WindingAreaVector(const Points &w) {
     Vec3d sum;
     for (std::size_t i = 2; i < w.size(); ++i)
         sum += Cross(Vec3d(w[i - 1] - w[0]), Vec3d(w[i] - w[0]));
     return sum * 0.5;
 }
-template <typename T> double WindingArea(const Winding<T> &w) {
+template <typename Points> double WindingArea(const Points &w) {
     return Length(WindingAreaVector(w));
 }
 template <typename T> Bounds<T> WindingBounds(const Winding<T> &w) {

@@ -23,68 +23,6 @@ Plane PlaneOf(const Bsp &bsp, const bspNode_t &node) {
     return {Vec3d(plane.normal), double(plane.dist)};
 }
 
-struct Fragment {
-    int child;
-    Winding<double> w;
-};
-
-/// Cuts w by the subtree below `child` and calls visit(piece, leaf) for the piece in each leaf.
-template <typename Visit>
-void ForEachLeaf(const Bsp &bsp, int child, Winding<double> w, double epsilon, const Visit &visit) {
-    std::vector<Fragment> stack;
-    stack.push_back({child, std::move(w)});
-    Winding<double> front, back;
-    while (!stack.empty()) {
-        Fragment fragment = std::move(stack.back());
-        stack.pop_back();
-        if (fragment.child < 0) {
-            visit(std::move(fragment.w), std::size_t(-1 - fragment.child));
-            continue;
-        }
-        const bspNode_t &node = bsp.nodes[std::size_t(fragment.child)];
-        const Plane plane = PlaneOf(bsp, node);
-        SplitWinding(fragment.w, plane.normal, plane.dist, epsilon, front, back);
-        if (!front.empty())
-            stack.push_back({node.children[0], front});
-        if (!back.empty())
-            stack.push_back({node.children[1], back});
-    }
-}
-
-/// Cuts w by the tree and calls visit(points, leaf) for the piece in each leaf, until it returns false; so does the
-/// function. Pieces in a node's plane go to the child that side(plane) says.
-template <typename Side, typename Visit>
-bool Walk(const Bsp &bsp, const Winding<double> &w, double epsilon, const Side &side, const Visit &visit) {
-    std::vector<Fragment> stack;
-    stack.push_back({bsp.nodes.empty() ? -1 : 0, w});
-    while (!stack.empty()) {
-        Fragment fragment = std::move(stack.back());
-        stack.pop_back();
-        while (fragment.child >= 0) {
-            const bspNode_t &node = bsp.nodes[std::size_t(fragment.child)];
-            const Plane plane = PlaneOf(bsp, node);
-            bool anyFront = false, anyBack = false;
-            for (const Vec3d &p : fragment.w) {
-                const double d = plane.Distance(p);
-                anyFront |= d > epsilon, anyBack |= d < -epsilon;
-            }
-            if (!anyFront || !anyBack) {
-                fragment.child = node.children[anyFront ? 0 : anyBack ? 1 : side(plane)];
-                continue;
-            }
-            Winding<double> front, back;
-            SplitWinding(fragment.w, plane.normal, plane.dist, epsilon, front, back);
-            if (!front.empty() && !back.empty())
-                stack.push_back({node.children[0], std::move(front)});
-            fragment.child = node.children[back.empty() ? 0 : 1];
-            fragment.w = std::move(back.empty() ? front : back);
-        }
-        if (!fragment.w.empty() && !visit(fragment.w.size(), std::size_t(-1 - fragment.child)))
-            return false;
-    }
-    return true;
-}
-
 void Grow(Winding<double> &w) {
     const Vec3d normal = Normalize(WindingAreaVector(w));
     Winding<double> grown = w;
@@ -103,65 +41,108 @@ std::vector<bool> SolidLeafs(const Bsp &bsp) {
     return solid;
 }
 
-void CountTriangles(const Bsp &bsp, const Winding<double> &w, double epsilon, std::vector<int> &counts) {
-    const Vec3d facing = -WindingAreaVector(w); // clockwise seen from the front
-    Walk(
-        bsp, w, epsilon, [&](const Plane &plane) { return Dot(facing, plane.normal) > 0 ? 0 : 1; },
-        [&](std::size_t points, std::size_t leaf) {
-            counts[leaf] += int(points) - 2;
+void CountTriangles(TreeWalk<double> &tree, const Triangled &triangle, double epsilon, std::vector<int> &counts) {
+    const Vec3d facing = -WindingAreaVector(triangle); // clockwise seen from the front
+    tree.Walk(
+        tree.Root(), triangle, epsilon,
+        [&](const bspPlane_t &plane) { return Dot(facing, Vec3d(plane.normal)) > 0 ? InPlane::Front : InPlane::Back; },
+        [&](const Winding<double> &piece, std::size_t leaf) {
+            counts[leaf] += int(piece.size()) - 2;
             return true;
         });
 }
 
-bool SolidBehind(const Bsp &bsp, const Winding<double> &w, const std::vector<bool> &solidLeafs,
+bool SolidBehind(TreeWalk<double> &tree, const Triangled &triangle, const std::vector<bool> &solidLeafs,
                  const std::vector<bool> &others, bool &othersToo) {
-    const Vec3d facing = -WindingAreaVector(w);
+    const Vec3d facing = -WindingAreaVector(triangle);
     othersToo = true;
-    return Walk(
-        bsp, w, kClipEpsilon, [&](const Plane &plane) { return Dot(facing, plane.normal) > 0 ? 1 : 0; },
-        [&](std::size_t, std::size_t leaf) {
+    return tree.Walk(
+        tree.Root(), triangle, kClipEpsilon,
+        [&](const bspPlane_t &plane) { return Dot(facing, Vec3d(plane.normal)) > 0 ? InPlane::Back : InPlane::Front; },
+        [&](const Winding<double> &, std::size_t leaf) {
             othersToo = othersToo && others[leaf];
             return bool(solidLeafs[leaf]);
         });
 }
 
-void SolidHulls(const Bsp &bsp, std::span<SolidHull> hulls) {
-    if (bsp.nodes.empty())
-        return;
-    std::vector<int> parents(bsp.nodes.size(), -1);
+namespace {
+
+/// Faces of hulls in the planes of nodes.
+class HullFaces {
+  public:
+    HullFaces(const Bsp &bsp, std::span<SolidHull> hulls);
+    /// Adds those in the plane of one node.
+    void Add(int node);
+
+  private:
+    bool ClipToNode(int number, Winding<double> &w);
+    void Keep(Winding<double> &piece, std::size_t frontLeaf, std::size_t backLeaf);
+
+    const Bsp &bsp_;
+    std::span<SolidHull> hulls_;
+    std::vector<int> parents_; // by node; -1: none
+    TreeWalk<double> front_, back_;
+    WindingCutter<double> cutter_;
+    Winding<double> part_;
+};
+
+HullFaces::HullFaces(const Bsp &bsp, std::span<SolidHull> hulls)
+    : bsp_(bsp), hulls_(hulls), parents_(bsp.nodes.size(), -1), front_(bsp), back_(bsp) {
     for (std::size_t i = 0; i < bsp.nodes.size(); ++i)
         for (const int child : bsp.nodes[i].children)
             if (child >= 0)
-                parents[std::size_t(child)] = int(i);
+                parents_[std::size_t(child)] = int(i);
+}
 
-    Winding<double> front, back;
-    for (std::size_t i = 0; i < bsp.nodes.size(); ++i) {
-        Winding<double> w = WindingInPlane(PlaneOf(bsp, bsp.nodes[i]), kWorldHalfSize);
-        for (int child = int(i), up = parents[i]; up >= 0 && !w.empty(); child = up, up = parents[std::size_t(up)]) {
-            const bspNode_t &node = bsp.nodes[std::size_t(up)];
-            const Plane plane = PlaneOf(bsp, node);
-            SplitWinding(w, plane.normal, plane.dist, kClipEpsilon, front, back);
-            w = node.children[0] == child ? front : back;
-        }
-        if (w.empty())
+/// Cuts away what other nodes have cut off before the tree gets to that node. False when nothing is left.
+bool HullFaces::ClipToNode(int number, Winding<double> &w) {
+    for (int child = number, up = parents_[std::size_t(number)]; up >= 0; child = up, up = parents_[std::size_t(up)]) {
+        const bspNode_t &node = bsp_.nodes[std::size_t(up)];
+        const Plane plane = PlaneOf(bsp_, node);
+        cutter_.Place(w, plane.normal, plane.dist, kClipEpsilon);
+        const bool front = node.children[0] == child;
+        if (!(front ? cutter_.AnyBack() : cutter_.AnyFront()) && (front || cutter_.AnyBack()))
             continue;
-        const auto keep = [&](Winding<double> &piece, std::size_t frontLeaf, std::size_t backLeaf) {
-            const auto between = [&](const SolidHull &hull) {
-                return hull.solidLeafs[frontLeaf] != hull.solidLeafs[backLeaf];
-            };
-            if (std::none_of(hulls.begin(), hulls.end(), between) || WindingArea(piece) < kMinArea)
-                return;
-            Grow(piece);
-            for (SolidHull &hull : hulls)
-                if (between(hull))
-                    hull.faces.push_back(piece);
-        };
-        const auto [inFront, inBack] = bsp.nodes[i].children;
-        ForEachLeaf(bsp, inFront, std::move(w), kClipEpsilon, [&](Winding<double> piece, std::size_t frontLeaf) {
-            ForEachLeaf(bsp, inBack, std::move(piece), kClipEpsilon,
-                        [&](Winding<double> small, std::size_t backLeaf) { keep(small, frontLeaf, backLeaf); });
-        });
+        if (!(front ? cutter_.AnyFront() : cutter_.AnyBack()))
+            return false;
+        front ? cutter_.Front(w, part_) : cutter_.Back(w, part_);
+        std::swap(w, part_);
+        if (w.empty())
+            return false;
     }
+    return true;
+}
+
+void HullFaces::Keep(Winding<double> &piece, std::size_t frontLeaf, std::size_t backLeaf) {
+    const auto between = [&](const SolidHull &hull) { return hull.solidLeafs[frontLeaf] != hull.solidLeafs[backLeaf]; };
+    if (std::none_of(hulls_.begin(), hulls_.end(), between) || WindingArea(piece) < kMinArea)
+        return;
+    Grow(piece);
+    for (SolidHull &hull : hulls_)
+        if (between(hull))
+            hull.faces.push_back(piece);
+}
+
+void HullFaces::Add(int node) {
+    Winding<double> w = WindingInPlane(PlaneOf(bsp_, bsp_.nodes[std::size_t(node)]), kWorldHalfSize);
+    if (!ClipToNode(node, w))
+        return;
+    const auto toFront = [](const bspPlane_t &) { return InPlane::Front; };
+    const auto [inFront, inBack] = bsp_.nodes[std::size_t(node)].children;
+    front_.Walk(inFront, w, kClipEpsilon, toFront, [&](const Winding<double> &piece, std::size_t frontLeaf) {
+        return back_.Walk(inBack, piece, kClipEpsilon, toFront, [&](Winding<double> &small, std::size_t backLeaf) {
+            Keep(small, frontLeaf, backLeaf);
+            return true;
+        });
+    });
+}
+
+} // namespace
+
+void SolidHulls(const Bsp &bsp, std::span<SolidHull> hulls) {
+    HullFaces faces(bsp, hulls);
+    for (std::size_t i = 0; i < bsp.nodes.size(); ++i)
+        faces.Add(int(i));
 }
 
 } // namespace q3

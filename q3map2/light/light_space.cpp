@@ -69,35 +69,15 @@ bool BspSpace::Visible(int a, int b) const {
 }
 
 void BspSpace::ClustersOf(const Winding<float> &w, std::vector<int> &clusters) const {
-    struct Piece {
-        int child;
-        Winding<float> w;
-    };
-    std::vector<Piece> stack;
-    stack.push_back({RootOf(bsp_), w});
-    Winding<float> front, back;
-    while (!stack.empty()) {
-        Piece piece = std::move(stack.back());
-        stack.pop_back();
-        if (piece.child < 0) {
-            const int cluster = bsp_.leafs[std::size_t(LeafOf(piece.child))].cluster;
+    TreeWalk<float> tree(bsp_);
+    tree.Walk(
+        RootOf(bsp_), w, kOnPlane, [](const bspPlane_t &) { return InPlane::Both; },
+        [&](const Winding<float> &, std::size_t leaf) {
+            const int cluster = bsp_.leafs[leaf].cluster;
             if (cluster >= 0 && std::find(clusters.begin(), clusters.end(), cluster) == clusters.end())
                 clusters.push_back(cluster);
-            continue;
-        }
-        const bspNode_t &node = bsp_.nodes[std::size_t(piece.child)];
-        const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
-        SplitWinding(piece.w, Vec3f(plane.normal), plane.dist, kOnPlane, front, back);
-        const auto onPlane = [&](const Vec3f &p) {
-            return std::abs(Dot(Vec3f(plane.normal), p) - plane.dist) <= kOnPlane;
-        };
-        if (std::all_of(piece.w.begin(), piece.w.end(), onPlane))
-            back = piece.w;
-        if (!front.empty())
-            stack.push_back({node.children[0], front});
-        if (!back.empty())
-            stack.push_back({node.children[1], back});
-    }
+            return true;
+        });
 }
 
 BspRegion BspRegion::Around(const Boundsf &box) const {

@@ -4,7 +4,9 @@
 #include "libs/math/bounds.h"
 #include "libs/math/winding.h"
 #include "q3map2/bspfile/bsp_tree.h"
+#include "q3map2/light/tree_walk.h"
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -88,6 +90,9 @@ class BspSpace {
     std::int32_t visRowBytes_ = 0;
 };
 
+/// Corners of a triangle. Game units.
+using Triangled = std::array<Vec3d, 3>;
+
 /// By leaf: whether it is solid.
 std::vector<bool> SolidLeafs(const Bsp &bsp);
 
@@ -100,11 +105,11 @@ struct SolidHull {
 /// Sets the faces of several hulls of one map. Iterative; time grows with nodes times depth.
 void SolidHulls(const Bsp &bsp, std::span<SolidHull> hulls);
 
-/// Cuts the polygon by the tree and adds to each leaf's count the triangles of its piece there. A polygon within
+/// Cuts the triangle by the tree and adds to each leaf's count the triangles of its piece there. A triangle within
 /// epsilon (game units) of a node's plane goes to the side that it faces.
-void CountTriangles(const Bsp &bsp, const Winding<double> &w, double epsilon, std::vector<int> &counts);
-/// Whether all leafs right behind the polygon are solid; if so, `othersToo`: by the other list, too.
-bool SolidBehind(const Bsp &bsp, const Winding<double> &w, const std::vector<bool> &solidLeafs,
+void CountTriangles(TreeWalk<double> &tree, const Triangled &triangle, double epsilon, std::vector<int> &counts);
+/// Whether all leafs right behind the triangle are solid; if so, `othersToo`: by the other list, too.
+bool SolidBehind(TreeWalk<double> &tree, const Triangled &triangle, const std::vector<bool> &solidLeafs,
                  const std::vector<bool> &others, bool &othersToo);
 
 } // namespace q3

@@ -110,9 +110,10 @@ void AddFaces(const std::vector<Winding<double>> &faces, Triangles &triangles) {
 void SetCoveredAside(const Bsp &bsp, const std::vector<bool> &solidLeafs, const std::vector<bool> &legacySolidLeafs,
                      TrianglesByKind &triangles) {
     const Triangles all = std::exchange(triangles[kSurfaces], {});
+    TreeWalk<double> tree(bsp);
     for (std::size_t i = 0; i < all.Count(); ++i) {
         bool legacy = false;
-        const bool covered = SolidBehind(bsp, all.Polygon(i), solidLeafs, legacySolidLeafs, legacy);
+        const bool covered = SolidBehind(tree, all.Corners(i), solidLeafs, legacySolidLeafs, legacy);
         const GeometryId kind = !covered ? kSurfaces : legacy ? kCoveredSurfaces : kOpenedSurfaces;
         triangles[kind].Copy(all, i);
         if (kind != kCoveredSurfaces)
@@ -141,9 +142,10 @@ TrianglesByKind ShadowCasters(const Bsp &bsp, const SurfaceTable &table, const L
 
 std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles, double epsilon) {
     std::vector<int> counts(bsp.leafs.size());
+    TreeWalk<double> tree(bsp);
     for (const GeometryId id : {kSurfaces, kPatches, kSkies, kFilters, kFilterPatches})
         for (std::size_t i = 0; i < triangles[id].Count(); ++i)
-            CountTriangles(bsp, triangles[id].Polygon(i), epsilon, counts);
+            CountTriangles(tree, triangles[id].Corners(i), epsilon, counts);
     std::vector<bool> solid = SolidLeafs(bsp);
     for (std::size_t i = 0; i < solid.size(); ++i)
         for (std::size_t axis = 0; axis < 3; ++axis)

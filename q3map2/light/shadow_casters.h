@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. What casts shadows, as triangles by kind.
 #pragma once
 
-#include "libs/math/winding.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/light/light_options.h"
+#include "q3map2/light/light_space.h"
 #include "q3map2/light/surface_table.h"
 
 #include <array>
@@ -34,15 +34,13 @@ struct Triangles {
     std::vector<std::array<float, 6>> st; // texture coordinates of the corners; of surfaces only
 
     void Add(const Vec3f &a, const Vec3f &b, const Vec3f &c, int surfaceNumber) {
-        for (const Vec3f &p : {a, b, c})
-            corners.insert(corners.end(), {p.x, p.y, p.z});
+        corners.insert(corners.end(), {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z});
         surface.push_back(surfaceNumber);
     }
     std::size_t Count() const { return surface.size(); }
-    /// Corners of triangle i. Game units.
-    Winding<double> Polygon(std::size_t i) const {
+    Triangled Corners(std::size_t i) const {
         const float *c = corners.data() + 9 * i;
-        return {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}};
+        return {{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}};
     }
     /// Appends one of `from`.
     void Copy(const Triangles &from, std::size_t i) {

@@ -12,7 +12,7 @@ namespace {
 double Area(const Triangles &triangles) {
     double area = 0;
     for (std::size_t i = 0; i < triangles.Count(); ++i)
-        area += WindingArea(triangles.Polygon(i));
+        area += WindingArea(triangles.Corners(i));
     return area;
 }
 

@@ -1,0 +1,90 @@
+// GPL-2.0-or-later. Polygons cut by the BSP tree.
+#pragma once
+
+#include "libs/math/winding.h"
+#include "q3map2/bspfile/bsp_tree.h"
+
+#include <utility>
+#include <vector>
+
+namespace q3 {
+
+/// Where pieces in the plane of a node go.
+enum class InPlane { Front, Back, Both };
+
+/// Cuts convex polygons by the tree of a validated Bsp. One serves for many, one after the other, so that pieces take
+/// no new memory each. Iterative. Keeps a reference.
+template <typename T> class TreeWalk {
+  public:
+    explicit TreeWalk(const Bsp &bsp) : bsp_(bsp) {}
+
+    /// The whole tree.
+    BspChild Root() const { return RootOf(bsp_); }
+
+    /// Cuts w, a range of points, by the tree below `from` and calls visit(piece, leaf) for the piece in each leaf,
+    /// until it returns false; so does the function. Backs come before fronts. Points within epsilon (game units) of a
+    /// node's plane count as on it; inPlane(plane) is asked about pieces all of which do. The visitor may change its
+    /// piece.
+    template <typename Points, typename WhereInPlane, typename Visit>
+    bool Walk(BspChild from, const Points &w, T epsilon, const WhereInPlane &inPlane, const Visit &visit) {
+        waiting_ = 0;
+        Push(from).assign(w.begin(), w.end());
+        while (waiting_ > 0) {
+            Piece &piece = pieces_[waiting_ - 1];
+            if (piece.child < 0) {
+                --waiting_;
+                if (!visit(piece.w, std::size_t(LeafOf(piece.child))))
+                    return false;
+                continue;
+            }
+            const bspNode_t &node = bsp_.nodes[std::size_t(piece.child)];
+            const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
+            cutter_.Place(piece.w, Vec3<T>(plane.normal), T(plane.dist), epsilon);
+            if (cutter_.AnyFront() != cutter_.AnyBack())
+                piece.child = node.children[cutter_.AnyFront() ? 0 : 1];
+            else if (cutter_.AnyFront())
+                Split(node);
+            else
+                Choose(node, inPlane(plane));
+        }
+        return true;
+    }
+
+  private:
+    struct Piece {
+        BspChild child;
+        Winding<T> w;
+    };
+
+    Winding<T> &Push(BspChild child) {
+        if (waiting_ == pieces_.size())
+            pieces_.emplace_back();
+        Piece &piece = pieces_[waiting_++];
+        piece.child = child;
+        return piece.w;
+    }
+    /// Replaces the piece on top by its two parts.
+    void Split(const bspNode_t &node) {
+        const Winding<T> &whole = pieces_[--waiting_].w;
+        cutter_.Front(whole, front_), cutter_.Back(whole, back_);
+        if (!front_.empty())
+            std::swap(Push(node.children[0]), front_);
+        if (!back_.empty())
+            std::swap(Push(node.children[1]), back_);
+    }
+    void Choose(const bspNode_t &node, InPlane where) {
+        pieces_[waiting_ - 1].child = node.children[where == InPlane::Back ? 1 : 0];
+        if (where != InPlane::Both)
+            return;
+        Winding<T> &copy = Push(node.children[1]);
+        copy = pieces_[waiting_ - 2].w;
+    }
+
+    const Bsp &bsp_;
+    WindingCutter<T> cutter_;
+    std::vector<Piece> pieces_; // the first waiting_ are to be walked, others are memory
+    std::size_t waiting_ = 0;
+    Winding<T> front_, back_;
+};
+
+} // namespace q3
