@@ -4,6 +4,7 @@
 #include "libs/math/bounds.h"
 #include "libs/math/vec.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -35,12 +36,13 @@ template <typename T> class WindingCutter {
     void Place(const Winding<T> &w, const Vec3<T> &normal, T dist, T epsilon) {
         if (distances_.size() < w.size())
             distances_.resize(w.size());
-        epsilon_ = epsilon;
-        anyFront_ = anyBack_ = false;
-        for (std::size_t i = 0; i < w.size(); ++i) {
-            const T d = distances_[i] = Dot(normal, w[i]) - dist;
-            anyFront_ |= d > epsilon, anyBack_ |= d < -epsilon;
+        T least = 0, most = 0;
+        T *distance = distances_.data();
+        for (const Vec3<T> &p : w) {
+            const T d = *distance++ = Dot(normal, p) - dist;
+            least = std::min(least, d), most = std::max(most, d);
         }
+        epsilon_ = epsilon, anyFront_ = most > epsilon, anyBack_ = least < -epsilon;
     }
     /// Whether points of the latest polygon are off the plane.
     bool AnyFront() const { return anyFront_; }

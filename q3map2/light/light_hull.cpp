@@ -100,12 +100,15 @@ bool HullFaces::ClipToNode(int number, Winding<double> &w) {
         const bspNode_t &node = bsp_.nodes[std::size_t(up)];
         const Plane plane = PlaneOf(bsp_, node);
         cutter_.Place(w, plane.normal, plane.dist, kClipEpsilon);
-        const bool front = node.children[0] == child;
-        if (!(front ? cutter_.AnyBack() : cutter_.AnyFront()) && (front || cutter_.AnyBack()))
-            continue;
-        if (!(front ? cutter_.AnyFront() : cutter_.AnyBack()))
+        const bool inFront = cutter_.AnyFront() || !cutter_.AnyBack(); // in the plane: in front
+        if (node.children[0] == child ? !inFront : !cutter_.AnyBack())
             return false;
-        front ? cutter_.Front(w, part_) : cutter_.Back(w, part_);
+        if (!cutter_.AnyFront() || !cutter_.AnyBack())
+            continue;
+        if (node.children[0] == child)
+            cutter_.Front(w, part_);
+        else
+            cutter_.Back(w, part_);
         std::swap(w, part_);
         if (w.empty())
             return false;

@@ -136,8 +136,12 @@ struct LightScene::State {
     Casters main;
     std::vector<int> skyIndexes; ///< by triangle of kSkies
     std::optional<SkyFaces> skyFaces;
-    ScenePtr legacySolids, legacySurfaces, legacyAll, all, skies, filters, filtersWithoutPatches;
-    std::once_flag blockersMade;
+    ScenePtr all, skies, filters, filtersWithoutPatches;
+    // Not every run needs these: the first ray that does has them made.
+    std::once_flag legacyMade, legacySunsMade, blockersMade;
+    std::mutex making;
+    ScenePtr legacyAll;                                ///< see MakeLegacy
+    ScenePtr legacySolids, legacySurfaces;             ///< see MakeLegacySuns
     ScenePtr solidHull, legacySurfaceSolids, blockers; ///< for TraceBlockers, see MakeBlockers
 
     /// Shadow casters for receivers of another group than 1, who are shadowed by some groups only.
@@ -153,6 +157,16 @@ struct LightScene::State {
 
     /// What only dirt and floodlight need, when the first of them asks. Safe from several threads.
     void MakeBlockers();
+    /// The same for the legacy grid, and for suns there.
+    void MakeLegacy();
+    void MakeLegacySuns();
+    /// Calls make() the first time. One thread at a time: scenes share the device and geometries.
+    template <typename Make> void Once(std::once_flag &made, const Make &make) {
+        std::call_once(made, [&] {
+            const std::lock_guard lock(making);
+            make();
+        });
+    }
 
     void MakeGeometries(Casters &casters) const;
     ScenePtr MakeScene(const Casters &casters, std::initializer_list<GeometryId> ids) const;
@@ -215,11 +229,6 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
     s.MakeGeometries(s.main);
     s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
     s.skies = s.MakeScene({kSkies});
-    s.legacyAll = s.MakeScene({kLegacySolids, kLegacySurfaces});
-    if (s.skies) {
-        s.legacySolids = s.MakeScene({kLegacySolids});
-        s.legacySurfaces = s.MakeScene({kLegacySurfaces});
-    }
     s.filters = s.MakeScene({kFilters, kFilterPatches});
     s.filtersWithoutPatches = s.MakeScene({kFilters});
     for (const SurfaceEntry &entry : table)
@@ -229,8 +238,19 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
 
 LightScene::~LightScene() = default;
 
+void LightScene::State::MakeLegacy() {
+    Once(legacyMade, [&] { legacyAll = MakeScene({kLegacySolids, kLegacySurfaces}); });
+}
+
+void LightScene::State::MakeLegacySuns() {
+    Once(legacySunsMade, [&] {
+        legacySolids = MakeScene({kLegacySolids});
+        legacySurfaces = MakeScene({kLegacySurfaces});
+    });
+}
+
 void LightScene::State::MakeBlockers() {
-    std::call_once(blockersMade, [&] {
+    Once(blockersMade, [&] {
         solidHull = MakeScene({kSolids});
         blockers = MakeScene({kSurfaces, kOpenedSurfaces, kCoveredSurfaces, kPatches, kFilters, kFilterPatches});
         Triangles &solids = main.triangles[kLegacySurfaceSolids];
@@ -320,7 +340,7 @@ void LightScene::State::Tint(RayPacket &packet, const Casters &casters, const Sc
 
 void LightScene::TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &counts) const {
     packet.tinted = false;
-    const State &s = *state_;
+    State &s = *state_;
     if (!s.trace)
         return;
     counts.rays += std::uint64_t(packet.live.Count());
@@ -330,6 +350,7 @@ void LightScene::TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &c
         s.Tint(packet, s.filters, 0);
         return;
     }
+    s.MakeLegacy();
     if (s.legacyAll)
         EndBlocked(s.legacyAll.get(), packet, 0, s.legacyIgnoreRadius);
     s.Tint(packet, s.filtersWithoutPatches, s.legacyIgnoreRadius);
@@ -411,7 +432,7 @@ const SkyFaces *LightScene::FewSkies() const {
 void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts,
                             const SkyBeam *beam) const {
     packet.tinted = false;
-    const State &s = *state_;
+    State &s = *state_;
     if (!s.trace)
         return;
     counts.rays += std::uint64_t(packet.live.Count());
@@ -420,6 +441,8 @@ void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, 
         return;
     }
     const bool exact = rules == ShadowRules::Exact;
+    if (!exact)
+        s.MakeLegacySuns();
     const float nearest = exact ? 0 : s.legacyIgnoreRadius;
     alignas(64) RTCRayHit16 solids;
     if (!exact && s.legacySolids) {

@@ -58,6 +58,82 @@ TEST_F(SpaceTest, BoxesWithoutOpenPlacesHaveNone) {
     EXPECT_GT(open, 100);
 }
 
+/// Area of w, and whether each of its pieces is about the leaf that it comes with.
+double AreaOfPieces(const Bsp &bsp, TreeWalk<double> &tree, const Winding<double> &w) {
+    double area = 0;
+    tree.Walk(
+        tree.Root(), w, 0.01, [](const bspPlane_t &) { return InPlane::Front; },
+        [&](const Winding<double> &piece, std::size_t number) {
+            const bspLeaf_t &leaf = bsp.leafs[number];
+            for (const Vec3d &p : piece)
+                for (std::size_t axis = 0; axis < 3 && leaf.cluster >= 0; ++axis) {
+                    EXPECT_GE(p[axis], leaf.mins[axis] - 1);
+                    EXPECT_LE(p[axis], leaf.maxs[axis] + 1);
+                }
+            area += WindingArea(piece);
+            return true;
+        });
+    return area;
+}
+
+TEST_F(SpaceTest, PiecesInLeafsMakeUpThePolygon) {
+    std::mt19937 random(31);
+    std::uniform_real_distribution<double> place(-600, 600);
+    TreeWalk<double> tree(bsp);
+    for (int i = 0; i < 500; ++i) {
+        const auto corner = [&] { return Vec3d{place(random), place(random), place(random)}; };
+        const Winding<double> w{corner(), corner(), corner()};
+        EXPECT_NEAR(AreaOfPieces(bsp, tree, w), WindingArea(w), 1e-6 * WindingArea(w));
+    }
+}
+
+TEST_F(SpaceTest, PolygonsInAPlaneOfTheTreeGoWhereTheyAreSent) {
+    const bspPlane_t &plane = bsp.planes[std::size_t(bsp.nodes[0].planeNum)];
+    const Winding<double> w = WindingInPlane({Vec3d(plane.normal), plane.dist}, 4096);
+    TreeWalk<double> tree(bsp);
+    for (const InPlane where : {InPlane::Front, InPlane::Back, InPlane::Both}) {
+        double area = 0;
+        int asked = 0;
+        tree.Walk(
+            tree.Root(), w, 0.01, [&](const bspPlane_t &) { return ++asked == 1 ? where : InPlane::Front; },
+            [&](const Winding<double> &piece, std::size_t) {
+                area += WindingArea(piece);
+                return true;
+            });
+        EXPECT_NEAR(area, WindingArea(w) * (where == InPlane::Both ? 2 : 1), 1);
+    }
+}
+
+TEST_F(SpaceTest, AWalkEndsWhenItsVisitorHasSeenEnough) {
+    const bspPlane_t &plane = bsp.planes[std::size_t(bsp.nodes[0].planeNum)];
+    const Winding<double> w = WindingInPlane({Vec3d(plane.normal), plane.dist}, 4096);
+    TreeWalk<double> tree(bsp);
+    int seen = 0;
+    const auto toFront = [](const bspPlane_t &) { return InPlane::Front; };
+    const auto visit = [&](const Winding<double> &, std::size_t) { return ++seen < 2; };
+    EXPECT_FALSE(tree.Walk(tree.Root(), w, 0.01, toFront, visit));
+    EXPECT_EQ(seen, 2);
+    EXPECT_NEAR(AreaOfPieces(bsp, tree, w), WindingArea(w), 1);
+}
+
+TEST_F(SpaceTest, TheHullOfSolidsIsTheRoom) {
+    SolidHull hull{SolidLeafs(bsp), {}};
+    SolidHulls(bsp, {&hull, 1});
+    Bounds<double> bounds;
+    double area = 0;
+    for (const Winding<double> &face : hull.faces) {
+        for (const Vec3d &p : face)
+            bounds.Add(p);
+        area += WindingArea(face);
+    }
+    EXPECT_FALSE(hull.faces.empty());
+    EXPECT_NEAR(area, 6.0 * 1024 * 1024, 1e-3 * 6 * 1024 * 1024);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(bounds.mins[axis], -512, 0.1);
+        EXPECT_NEAR(bounds.maxs[axis], 512, 0.1);
+    }
+}
+
 } // namespace
 
 } // namespace q3::test
