@@ -23,6 +23,7 @@ constexpr std::uint64_t kMaxDeflateRatio = 1032; // no deflate stream can expand
 constexpr std::size_t kMaxName = 255;
 constexpr std::size_t kChunk = 1u << 16;
 constexpr std::size_t kBlock = 1u << 14;
+constexpr std::size_t kHeaderSize = 46; // of an entry in the directory, before its name
 
 /// A file read in blocks: minizip asks for single bytes, and seeks before each few.
 class BlockFile {
@@ -124,14 +125,42 @@ Zip Open(const std::filesystem::path &path) {
     return zip;
 }
 
+/// The start of an entry in the directory: PKWARE's APPNOTE.TXT, 4.3.12.
+struct DirectoryHeader {
+    std::uint32_t signature, flags, checksum, packedSize, size, nameSize, extraSize, commentSize, dataAt;
+
+    explicit DirectoryHeader(const std::array<char, kHeaderSize> &bytes)
+        : signature(Number<4>(&bytes[0])), flags(Number<2>(&bytes[8])), checksum(Number<4>(&bytes[16])),
+          packedSize(Number<4>(&bytes[20])), size(Number<4>(&bytes[24])), nameSize(Number<2>(&bytes[28])),
+          extraSize(Number<2>(&bytes[30])), commentSize(Number<2>(&bytes[32])), dataAt(Number<4>(&bytes[42])) {}
+
+    bool IsPlain() const {
+        constexpr std::uint32_t kSignature = 0x02014b50, kIsInExtra = 0xFFFFFFFF; // the latter: zip64
+        return signature == kSignature && packedSize != kIsInExtra && size != kIsInExtra && dataAt != kIsInExtra;
+    }
+    std::uint64_t WholeSize() const { return kHeaderSize + nameSize + extraSize + commentSize; }
+
+  private:
+    /// Little-endian.
+    template <int count> static std::uint32_t Number(const char *at) {
+        std::uint32_t number = 0;
+        for (int i = 0; i < count; ++i)
+            number |= std::uint32_t(static_cast<unsigned char>(at[i])) << (8 * i);
+        return number;
+    }
+};
+
 } // namespace
 
 std::string SafeName(std::string_view name) {
     std::string safe(name);
-    std::replace(safe.begin(), safe.end(), '\\', '/');
-    const auto isControl = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
-    if (safe.empty() || safe.front() == '/' || safe.find(':') != std::string::npos ||
-        std::any_of(safe.begin(), safe.end(), isControl))
+    for (char &c : safe) {
+        if (c == '\\')
+            c = '/';
+        if (static_cast<unsigned char>(c) < 32 || c == 127 || c == ':')
+            return {};
+    }
+    if (safe.empty() || safe.front() == '/')
         return {};
     for (std::size_t up = safe.find(".."); up != std::string::npos; up = safe.find("..", up + 1))
         if ((up == 0 || safe[up - 1] == '/') && (up + 2 == safe.size() || safe[up + 2] == '/'))
@@ -162,6 +191,48 @@ Archive::Archive(std::filesystem::path path) : path_(std::move(path)), reader_(s
     // An entry takes at least 46 bytes of the directory.
     entries_.reserve(std::size_t(std::min<std::uint64_t>(global.number_entry, fileSize_ / 46)));
 
+    if (!ReadPlainDirectory(global.number_entry)) {
+        entries_.clear();
+        ReadAnyDirectory();
+    }
+}
+
+/// minizip needs thousands of instructions a header, but knows all variants and what to say of damage. So this gives up
+/// where anything is unusual, also when bytes before the archive move it: then its first header is not in its place.
+bool Archive::ReadPlainDirectory(std::uint64_t count) {
+    constexpr std::uint64_t kMoreThanPlain = 0xFFFF;
+    unz64_file_pos first{};
+    unz_file_info64 info{};
+    BlockFile file(path_.c_str());
+    if (count >= kMoreThanPlain || !file.IsOpen() || unzGetFilePos64(reader_->zip.get(), &first) != UNZ_OK ||
+        unzGetCurrentFileInfo64(reader_->zip.get(), &info, nullptr, 0, nullptr, 0, nullptr, 0) != UNZ_OK)
+        return false;
+    std::uint64_t at = first.pos_in_zip_directory;
+    for (std::uint64_t number = 0; number < count; ++number) {
+        std::array<char, kHeaderSize> bytes;
+        file.Seek(at, ZLIB_FILEFUNC_SEEK_SET);
+        if (file.Read(bytes.data(), bytes.size()) != bytes.size())
+            return false;
+        const DirectoryHeader header(bytes);
+        // minizip looks at up to 4 bytes behind a damaged extra field.
+        if (!header.IsPlain() || at + header.WholeSize() + 4 > fileSize_ ||
+            (number == 0 && (header.checksum != info.crc || header.packedSize != info.compressed_size ||
+                             header.size != info.uncompressed_size || header.nameSize != info.size_filename)))
+            return false;
+        std::array<char, kMaxName> name;
+        if (header.nameSize <= kMaxName) {
+            if (file.Read(name.data(), header.nameSize) != header.nameSize)
+                return false;
+            Add(std::string_view(name.data(), header.nameSize),
+                {{}, at, number, header.packedSize, header.size, (header.flags & 1) != 0});
+        }
+        at += header.WholeSize();
+    }
+    return true;
+}
+
+void Archive::ReadAnyDirectory() {
+    const Zip &zip = reader_->zip;
     int result = unzGoToFirstFile(zip.get());
     for (; result == UNZ_OK; result = unzGoToNextFile(zip.get())) {
         unz_file_info64 info{};
@@ -170,18 +241,24 @@ Archive::Archive(std::filesystem::path path) : path_(std::move(path)), reader_(s
         if (unzGetCurrentFileInfo64(zip.get(), &info, buffer.data(), kMaxName, nullptr, 0, nullptr, 0) != UNZ_OK ||
             unzGetFilePos64(zip.get(), &at) != UNZ_OK)
             break;
-        if (info.size_filename > kMaxName)
-            continue;
-        std::string name = SafeName(std::string_view(buffer.data(), info.size_filename));
-        if (name.empty() || name.back() == '/')
-            continue;
-        std::string key = LowerCase(name);
-        entries_.insert_or_assign(std::move(key),
-                                  Entry{std::move(name), at.pos_in_zip_directory, at.num_of_file, info.compressed_size,
-                                        info.uncompressed_size, (info.flag & 1) != 0});
+        if (info.size_filename <= kMaxName)
+            Add(std::string_view(buffer.data(), info.size_filename), {{},
+                                                                      at.pos_in_zip_directory,
+                                                                      at.num_of_file,
+                                                                      info.compressed_size,
+                                                                      info.uncompressed_size,
+                                                                      (info.flag & 1) != 0});
     }
     if (result != UNZ_END_OF_LIST_OF_FILE)
         throw Error("{}: the directory of the archive is damaged after {} entries", path_.string(), entries_.size());
+}
+
+void Archive::Add(std::string_view name, Entry entry) {
+    entry.name = SafeName(name);
+    if (entry.name.empty() || entry.name.back() == '/')
+        return;
+    std::string key = LowerCase(entry.name);
+    entries_.insert_or_assign(std::move(key), std::move(entry));
 }
 
 const Archive::Entry *Archive::Find(std::string_view name) const {

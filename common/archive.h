@@ -40,6 +40,10 @@ class Archive {
 
     struct Reader;
 
+    /// False, and nothing done: something is unusual about the directory.
+    bool ReadPlainDirectory(std::uint64_t count);
+    void ReadAnyDirectory();
+    void Add(std::string_view name, Entry entry);
     const Entry *Find(std::string_view name) const;
     std::string Place(const Entry &entry) const;
 

@@ -211,6 +211,42 @@ TEST_F(Vfs, NoChangedOrMissingByteOfAnArchiveDoesHarm) {
     EXPECT_GT(out.log.WarningCount("unreadable game file"), 0);
 }
 
+// What an archive may have besides entries, and what goes beyond the plain format.
+TEST_F(Vfs, UnusualArchivesAreReadAll) {
+    const GameFolder::Entries entries = {{"a.txt", "first"}, {std::string(300, 'n'), "long"}, {"b.txt", "second"}};
+    folder.WriteArchive("whole.zip", entries);
+    const std::string whole = folder.ReadBack("whole.zip");
+    const std::size_t directory = whole.find("PK\x01\x02"), end = whole.find("PK\x05\x06");
+    std::string commented = whole, extended = whole;
+    commented.replace(end + 20, 2, std::string("\x03\0", 2)); // size of the archive's comment
+    commented += "end";
+    // An extra field of 8 bytes of the first header, and a comment of 2; the directory grows by 10.
+    extended.replace(directory + 30, 4, std::string("\x08\0\x02\0", 4));
+    extended.insert(directory + 46 + 5, "\x99\x99\x04\0abcdcc", 10);
+    extended[end + 10 + 12] = char(extended[end + 10 + 12] + 10);
+    for (const std::string &bytes : {whole, commented, extended, "bytes before it" + whole}) {
+        folder.Write("a.pk3", bytes);
+        VirtualFileSystem other(out.log);
+        other.Mount(folder.Root(), "pk3");
+        const auto a = other.Read("a.txt"), b = other.Read("b.txt");
+        ASSERT_TRUE(a && b);
+        EXPECT_EQ(Text(*a) + Text(*b), "firstsecond");
+        EXPECT_FALSE(other.Exists(entries[1].first));
+    }
+    EXPECT_EQ(out.log.WarningCount("unreadable archive"), 0);
+}
+
+TEST_F(Vfs, DamagedDirectoryIsAWarningThatCountsTheEntriesBefore) {
+    folder.WriteArchive("a.pk3", {{"a.txt", "first"}, {"b.txt", "second"}, {"c.txt", "third"}});
+    std::string bytes = folder.ReadBack("a.pk3");
+    bytes[bytes.rfind("PK\x01\x02")] = 'X';
+    folder.Write("a.pk3", bytes);
+    vfs.Mount(folder.Root(), "pk3");
+    EXPECT_FALSE(vfs.Exists("a.txt"));
+    EXPECT_EQ(out.log.WarningCount("unreadable archive"), 1);
+    EXPECT_THAT(out.text, HasSubstr("the directory of the archive is damaged after 2 entries"));
+}
+
 TEST_F(Vfs, LargeEntryComesWhole) {
     std::string text(3'000'000, '\0');
     for (std::size_t i = 0; i < text.size(); ++i)
