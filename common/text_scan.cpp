@@ -12,42 +12,57 @@ namespace {
 constexpr std::size_t kMaxToken = 1023;
 constexpr std::size_t kMaxIncludeDepth = 16;
 constexpr int kMaxIncludes = 256; // in all: files that include others twice would multiply
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF", kInclude = "$include";
 
 bool IsBlank(char c) {
     return static_cast<unsigned char>(c) <= 32;
 }
 
+/// Where the plain token that begins there ends.
+std::size_t PlainEnd(const std::string &text, std::size_t begin) {
+    const char *end = text.c_str() + begin;
+    while (!IsBlank(*end) && *end != ';') // the 0 after the text is a blank
+        ++end;
+    return std::size_t(end - text.c_str());
+}
+
 } // namespace
 
+std::string TextPlace::Text() const {
+    return fmt::format("{}:{}", file, line);
+}
+
 TextScanner::TextScanner(std::string text, std::string name, Include include) : include_(std::move(include)) {
-    lastName_ = name;
+    last_.file = names_.emplace_back(std::move(name));
     const std::size_t at = text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
-    files_.push_back({std::move(text), std::move(name), at, 1});
+    files_.push_back({std::move(text), at, last_});
 }
 
-std::string TextScanner::Location() const {
-    return fmt::format("{}:{}", lastName_, lastLine_);
-}
-
-bool TextScanner::Next(std::string &token) {
-    return Read(token, true);
-}
-
-bool TextScanner::NextOnLine(std::string &token) {
-    return Read(token, false);
+bool TextScanner::HasIncludes() const {
+    const std::string &text = files_.front().text;
+    for (std::size_t at = text.find('$'); include_ && at != std::string::npos; at = text.find('$', at + 1))
+        if (StartsWithNoCase(std::string_view(text).substr(at), kInclude))
+            return true;
+    return false;
 }
 
 void TextScanner::SkipLine() {
-    std::string rest;
-    while (Read(rest, false)) {
+    for (std::string_view rest; Read(rest, false);) {
     }
 }
 
-bool TextScanner::Read(std::string &token, bool crossLines) {
+bool TextScanner::Copied(std::string &token, bool crossLines) {
+    std::string_view view;
+    const bool got = Read(view, crossLines);
+    if (got)
+        token = view;
+    return got;
+}
+
+bool TextScanner::Read(std::string_view &token, bool crossLines) {
     if (pushedBack_) {
         pushedBack_ = false;
-        token = last_;
+        token = token_;
         return true;
     }
     for (;;) {
@@ -59,11 +74,11 @@ bool TextScanner::Read(std::string &token, bool crossLines) {
             continue;
         }
         Cut(file);
-        if (include_ && EqualNoCase(last_, "$include")) {
+        if (include_ && token_.starts_with('$') && EqualNoCase(token_, kInclude)) {
             OpenInclude();
             continue;
         }
-        token = last_;
+        token = token_;
         return true;
     }
 }
@@ -71,54 +86,62 @@ bool TextScanner::Read(std::string &token, bool crossLines) {
 /// Moves to the first byte of a token. False: the file, or without crossLines the line, ends first; then the position
 /// is before the line's end or its comment.
 bool TextScanner::SkipBlanks(File &file, bool crossLines) const {
-    const std::string &text = file.text;
-    while (file.at < text.size()) {
-        const char c = text[file.at];
-        const char next = file.at + 1 < text.size() ? text[file.at + 1] : '\0';
-        if (IsBlank(c)) {
-            if (c == '\n' && !crossLines)
-                return false;
-            file.line += c == '\n';
-            ++file.at;
-        } else if (c == ';' || c == '#' || (c == '/' && next == '/')) {
+    const std::string_view text = file.text;
+    std::size_t at = file.at;
+    const auto stop = [&](bool found) {
+        file.at = at;
+        return found;
+    };
+    for (;;) {
+        for (; at < text.size() && IsBlank(text[at]); ++at)
+            if (text[at] == '\n') {
+                if (!crossLines)
+                    return stop(false);
+                ++file.place.line;
+            }
+        if (at >= text.size())
+            return stop(false);
+        const char c = text[at], next = c == '/' && at + 1 < text.size() ? text[at + 1] : '\0';
+        if (c == ';' || c == '#' || next == '/') {
             if (!crossLines)
-                return false;
-            file.at = std::min(text.find('\n', file.at), text.size());
-        } else if (c == '/' && next == '*') {
-            const std::size_t close = text.find("*/", file.at + 2);
-            const std::size_t end = close == std::string::npos ? text.size() : close + 2;
-            const auto lines = std::count(text.begin() + file.at, text.begin() + end, '\n');
+                return stop(false);
+            at = std::min(text.find('\n', at), text.size());
+        } else if (next == '*') {
+            const std::size_t close = text.find("*/", at + 2);
+            const std::size_t end = close == std::string_view::npos ? text.size() : close + 2;
+            const auto lines = std::ranges::count(text.substr(at, end - at), '\n');
             if (lines > 0 && !crossLines)
-                return false;
-            file.line += int(lines);
-            file.at = end;
+                return stop(false);
+            file.place.line += int(lines);
+            at = end;
         } else {
-            return true;
+            return stop(true);
         }
     }
-    return false;
 }
 
-/// Takes the token that starts here into last_.
+/// Makes the token that starts here the last one.
 void TextScanner::Cut(File &file) {
     const std::string &text = file.text;
     std::size_t begin = file.at, end = begin;
-    lastName_ = file.name;
-    lastLine_ = file.line;
+    last_ = file.place;
     if (text[begin] == '"') {
         ++begin;
         end = std::min(text.find('"', begin), text.size());
         file.at = std::min(end + 1, text.size());
-        file.line += int(std::count(text.begin() + begin, text.begin() + end, '\n'));
+        file.place.line += int(std::count(text.begin() + begin, text.begin() + end, '\n'));
     } else {
-        while (end < text.size() && !IsBlank(text[end]) && text[end] != ';')
-            ++end;
+        end = PlainEnd(text, begin);
         file.at = end;
     }
     if (end - begin > kMaxToken)
-        throw Error("{}: a token of {} bytes, expected at most {} (a quote that is not closed?)", Location(),
-                    end - begin, kMaxToken);
-    last_.assign(text, begin, end - begin);
+        FailLong(end - begin);
+    token_ = std::string_view(text).substr(begin, end - begin);
+}
+
+void TextScanner::FailLong(std::size_t size) const {
+    throw Error("{}: a token of {} bytes, expected at most {} (a quote that is not closed?)", Location(), size,
+                kMaxToken);
 }
 
 void TextScanner::OpenInclude() {
@@ -126,15 +149,15 @@ void TextScanner::OpenInclude() {
     File &file = files_.back();
     if (SkipBlanks(file, false)) {
         Cut(file);
-        name = last_;
+        name = token_;
     }
     const bool circle =
-        std::any_of(files_.begin(), files_.end(), [&](const File &open) { return EqualNoCase(open.name, name); });
+        std::any_of(files_.begin(), files_.end(), [&](const File &open) { return EqualNoCase(open.place.file, name); });
     if (circle || files_.size() > kMaxIncludeDepth || ++includeCount_ > kMaxIncludes)
         throw Error("{}: $include {} expected to end, but includes run in a circle, over {} deep or over {} in all",
                     Location(), name, kMaxIncludeDepth, kMaxIncludes);
     if (std::optional<std::string> text = include_(name))
-        files_.push_back({std::move(*text), name, 0, 1});
+        files_.push_back({std::move(*text), 0, {names_.emplace_back(name), 1}});
 }
 
 } // namespace q3

@@ -4,13 +4,22 @@
 #include "common/text.h"
 
 #include <cstddef>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace q3 {
+
+/// A line of a file.
+struct TextPlace {
+    std::string_view file;
+    int line = 1;
+
+    /// "file:line".
+    std::string Text() const;
+};
 
 /// Cuts text into tokens. White space is every byte up to 32; comments are `;`, `#`, `//` to the end of the line and
 /// `/* */`. A quoted token runs to the next quote, without escapes; a plain one to white space or `;`. Braces and
@@ -22,40 +31,54 @@ class TextScanner {
 
     /// `name` is for messages. Without `include`, "$include" is an ordinary token.
     TextScanner(std::string text, std::string name, Include include = {});
+    TextScanner(TextScanner &&) = default;
 
     /// Reads the next token, on whatever line; false at the end. Error: a token over 1023 bytes, includes nested too
     /// deep, in a circle or too many.
-    bool Next(std::string &token);
+    bool Next(std::string &token) { return Copied(token, true); }
+    /// The same without a copy: the token stays until the next call of Next.
+    bool Next(std::string_view &token) { return Read(token, true); }
     /// Reads the next token of the current line; false, and nothing read, when the line (or an included file) ends
     /// first or a comment follows.
-    bool NextOnLine(std::string &token);
+    bool NextOnLine(std::string &token) { return Copied(token, false); }
+    bool NextOnLine(std::string_view &token) { return Read(token, false); }
     /// The last token read will be read again. One token of push-back.
     void PushBack() { pushedBack_ = true; }
     /// Reads over what is left of the current line.
     void SkipLine();
     /// Line of the last token read, from 1, in the file that held it.
-    int Line() const { return lastLine_; }
+    int Line() const { return last_.line; }
+    /// Of the last token read, good as long as the scanner.
+    const TextPlace &Place() const { return last_; }
     /// "file:line" of the last token read.
-    std::string Location() const;
+    std::string Location() const { return last_.Text(); }
+    /// What comes after the last token in the file that held it.
+    std::string_view Unread() const { return std::string_view(files_.back().text).substr(files_.back().at); }
+    /// Whether the file asks for includes, so that not all tokens are in its own text. To be asked before the first
+    /// token.
+    bool HasIncludes() const;
 
   private:
     struct File {
-        std::string text, name;
+        std::string text;
         std::size_t at = 0;
-        int line = 1;
+        TextPlace place;
     };
 
-    bool Read(std::string &token, bool crossLines);
+    bool Copied(std::string &token, bool crossLines);
+    bool Read(std::string_view &token, bool crossLines);
     bool SkipBlanks(File &file, bool crossLines) const;
     void Cut(File &file);
+    [[noreturn]] void FailLong(std::size_t size) const;
     void OpenInclude();
 
-    std::vector<File> files_; ///< the innermost include last
+    std::deque<std::string> names_; ///< of all files so far; places refer to them
+    std::deque<File> files_;        ///< the innermost include last; tokens refer to their texts
     Include include_;
     int includeCount_ = 0;
     bool pushedBack_ = false;
-    std::string last_, lastName_;
-    int lastLine_ = 1;
+    std::string_view token_; ///< the last one
+    TextPlace last_;
 };
 
 } // namespace q3

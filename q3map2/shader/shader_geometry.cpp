@@ -18,7 +18,7 @@ constexpr std::size_t kMaxSteps = 64, kMaxScattered = 64;
 constexpr int kMaxTextureSide = 65536, kMaxFurLayers = 256;
 constexpr float kTerrainShadeAngle = 179; // degrees; q3map_terrain smooths everything
 
-float Number(const std::string &text) {
+float Number(std::string_view text) {
     return float(std::clamp(NumberFromText(text), -kMaxNumber, kMaxNumber));
 }
 
@@ -161,7 +161,7 @@ std::string Fur(ShaderInfo &shader, Words words, const ShaderOptions &, const Ga
 }
 
 std::string SurfaceModel(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
-    const SurfaceModelDirective model{.model = words[0],
+    const SurfaceModelDirective model{.model = std::string(words[0]),
                                       .density = Number(words[1]),
                                       .odds = Number(words[2]),
                                       .minScale = Number(words[3]),
@@ -177,7 +177,7 @@ std::string SurfaceModel(ShaderInfo &shader, Words words, const ShaderOptions &,
 }
 
 std::string Foliage(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
-    const FoliageDirective foliage{.model = words[0],
+    const FoliageDirective foliage{.model = std::string(words[0]),
                                    .scale = Number(words[1]),
                                    .density = Number(words[2]),
                                    .odds = Number(words[3]),
@@ -235,7 +235,7 @@ const GeometryDirective *FindGeometryDirective(std::string_view name) {
     return found == kDirectives.end() ? nullptr : &*found;
 }
 
-void ApplyDeform(ShaderInfo &shader, std::span<const std::string> words) {
+void ApplyDeform(ShaderInfo &shader, std::span<const std::string_view> words) {
     const std::string kind = LowerCase(words[0]);
     if (kind.starts_with("autosprite")) {
         shader.autosprite = true;

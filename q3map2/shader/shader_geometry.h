@@ -12,7 +12,7 @@ namespace q3 {
 
 /// A directive and how many words follow it, parentheses not counted.
 struct GeometryDirective {
-    using Words = std::span<const std::string>;
+    using Words = std::span<const std::string_view>;
     std::string_view name; ///< lower case
     std::size_t required, optional;
     /// Changes the shader; returns what is wrong with the words, empty if nothing is.
@@ -23,7 +23,7 @@ struct GeometryDirective {
 const GeometryDirective *FindGeometryDirective(std::string_view name);
 
 /// deformVertexes with its words: sprites and movement.
-void ApplyDeform(ShaderInfo &shader, std::span<const std::string> words);
+void ApplyDeform(ShaderInfo &shader, std::span<const std::string_view> words);
 /// q3map_terrain.
 void ApplyTerrain(ShaderInfo &shader);
 

@@ -4,11 +4,13 @@
 #include "common/error.h"
 #include "q3map2/shader/image_size.h"
 #include "q3map2/shader/shader_parse.h"
+#include "q3map2/shader/shader_text.h"
 
 #include <array>
 #include <cstdlib>
 #include <set>
 #include <unordered_map>
+#include <utility>
 
 namespace q3 {
 
@@ -267,6 +269,8 @@ const ShaderInfo &ShaderLibrary::Get(std::string_view name) {
     ParsedShader &shader = state_->table.FindOrAdd(name.empty() ? kMissingName : name, state_->log);
     const ShaderOptions &options = state_->table.Options();
     if (!shader.lookedUp) {
+        if (const auto body = std::exchange(shader.body, std::nullopt))
+            shader.info.scriptText = TidyBody(*body);
         state_->table.ApplyGlobalFlags(shader.info);
         if (options.imageSizes)
             state_->FindTextureSize(shader);

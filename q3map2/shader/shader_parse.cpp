@@ -27,17 +27,24 @@ constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from 
 constexpr std::array<std::string_view, 5> kOtherDirectives = {
     "q3map_novertexshadows", "q3map_patchshadows", "q3map_stylemarker", "q3map_stylemarker2", "q3map_vertexshadows"};
 
-float Number(const std::string &text) {
+float Number(std::string_view text) {
     return float(std::clamp(NumberFromText(text), -kMaxNumber, kMaxNumber));
+}
+
+/// Whether the word is `lower` but for its case. Most words differ at once.
+bool IsWord(std::string_view word, std::string_view lower) {
+    return word.size() == lower.size() && (word[0] | 0x20) == lower[0] && EqualNoCase(word, lower);
 }
 
 class ScriptParser {
   public:
-    ScriptParser(TextScanner &scanner, ShaderTable &table, Log &log) : scanner_(scanner), table_(table), log_(log) {}
+    ScriptParser(TextScanner &scanner, ShaderTable &table, Log &log)
+        : scanner_(scanner), hasIncludes_(scanner.HasIncludes()), table_(table), log_(log) {}
 
     void ParseScript() {
-        for (std::string name; scanner_.Next(name);) {
-            std::string brace;
+        for (std::string_view token; scanner_.Next(token);) {
+            const std::string name(token);
+            std::string_view brace;
             if (!scanner_.Next(brace)) {
                 WarnSyntax(name, "the end of the file");
                 return;
@@ -52,7 +59,7 @@ class ScriptParser {
     }
 
   private:
-    using Words = std::vector<std::string>;
+    using Words = std::vector<std::string_view>;
     struct Directive {
         std::string_view name; ///< lower case
         std::size_t required, optional;
@@ -62,57 +69,57 @@ class ScriptParser {
     static const std::array<Directive, 42> kDirectives;
 
     void WarnSyntax(std::string_view name, std::string_view found) {
-        log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}", scanner_.Location(), name,
+        log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}", scanner_.Place().Text(), name,
                   found);
     }
     void ParseShader(std::string_view name);
     void ParseStage();
-    void ParseDirective(const std::string &word);
-    void RunDirective(const Directive &directive, const std::string &word);
-    void RunDirective(const GeometryDirective &directive, const std::string &word);
-    void WarnIncomplete(const std::string &location, std::string_view word, std::size_t found, std::size_t expected);
+    void ParseDirective(std::string_view word);
+    void RunDirective(const Directive &directive, std::string_view word);
+    void RunDirective(const GeometryDirective &directive, std::string_view word);
+    void WarnIncomplete(const TextPlace &place, std::string_view word, std::size_t expected);
     bool ApplyParm(std::string_view name);
     bool NoImageYet() const {
-        return shader_.editorImage.empty() && shader_.lightImage.empty() && shader_.implicitImage.empty();
+        return shader_->editorImage.empty() && shader_->lightImage.empty() && shader_->implicitImage.empty();
     }
     Vec3f Color(const Words &words) const;
     template <typename T> void AddSun(std::vector<T> &suns, const T &sun) {
         if (suns.size() < kMaxSuns)
             suns.push_back(sun);
         else
-            log_.Warn("too many suns", "{}: shader {}: more than {} suns, the others are left out", scanner_.Location(),
-                      shader_.info.name, kMaxSuns);
+            log_.Warn("too many suns", "{}: shader {}: more than {} suns, the others are left out",
+                      scanner_.Place().Text(), shader_->info.name, kMaxSuns);
         ApplyParm("sky");
     }
 
     void SurfaceParmLine(const Words &words);
     void Cull(const Words &words);
-    void DeformVertexes(const Words &words) { ApplyDeform(shader_.info, words); }
+    void DeformVertexes(const Words &words) { ApplyDeform(shader_->info, words); }
     const std::string &ImplicitImage(const Words &words);
-    void ImplicitMap(const Words &words) { shader_.info.implicitMap = ImplicitImage(words); }
-    void ImplicitMask(const Words &words) { shader_.info.implicitMask = ImplicitImage(words); }
-    void ImplicitBlend(const Words &words) { shader_.info.implicitBlend = ImplicitImage(words); }
+    void ImplicitMap(const Words &words) { shader_->info.implicitMap = ImplicitImage(words); }
+    void ImplicitMask(const Words &words) { shader_->info.implicitMask = ImplicitImage(words); }
+    void ImplicitBlend(const Words &words) { shader_->info.implicitBlend = ImplicitImage(words); }
     void SkyParms(const Words &words);
-    void EditorImage(const Words &words) { shader_.editorImage = WithoutExtension(words[0]); }
-    void LightImage(const Words &words) { shader_.lightImage = WithoutExtension(words[0]); }
+    void EditorImage(const Words &words) { shader_->editorImage = WithoutExtension(words[0]); }
+    void LightImage(const Words &words) { shader_->lightImage = WithoutExtension(words[0]); }
     void LightRgb(const Words &words);
-    void SurfaceLight(const Words &words) { shader_.info.surfaceLight = Number(words[0]); }
+    void SurfaceLight(const Words &words) { shader_->info.surfaceLight = Number(words[0]); }
     void LightSubdivide(const Words &words);
     void Backsplash(const Words &words);
-    void LightStyle(const Words &words) { shader_.info.lightStyle = std::clamp(IntegerFromText(words[0]), 0, 255); }
-    void BounceScale(const Words &words) { shader_.info.bounceScale = Number(words[0]); }
-    void NoFast(const Words &) { shader_.info.noFast = true; }
-    void ForceSunlight(const Words &) { shader_.info.forceSunlight = true; }
+    void LightStyle(const Words &words) { shader_->info.lightStyle = std::clamp(IntegerFromText(words[0]), 0, 255); }
+    void BounceScale(const Words &words) { shader_->info.bounceScale = Number(words[0]); }
+    void NoFast(const Words &) { shader_->info.noFast = true; }
+    void ForceSunlight(const Words &) { shader_->info.forceSunlight = true; }
     void VertexScale(const Words &words);
     void FilterRadius(const Words &words);
     void Sun(const Words &words);
     void SkyLight(const Words &words);
     void BaseShader(const Words &words);
-    void DeprecateShader(const Words &words) { shader_.replacement = words[0]; }
+    void DeprecateShader(const Words &words) { shader_->replacement = words[0]; }
     void Material(const Words &words);
     void VertexLighting(const Words &) { ApplyParm("pointlight"); }
 
-    LightmapDirectives &Lightmap() { return shader_.info.lightmap; }
+    LightmapDirectives &Lightmap() { return shader_->info.lightmap; }
     void SampleSize(const Words &words) { Lightmap().sampleSize = std::max(0, IntegerFromText(words[0])); }
     void SampleOffset(const Words &words) { Lightmap().sampleOffset = Number(words[0]); }
     void LightmapAxis(const Words &words);
@@ -123,14 +130,16 @@ class ScriptParser {
     void NoDirt(const Words &) { Lightmap().noDirt = true; }
     void NoVertexLight(const Words &) { Lightmap().noVertexLight = true; }
     void ShadeAngle(const Words &words) { Lightmap().shadeAngle = Number(words[0]); }
-    void Terrain(const Words &) { ApplyTerrain(shader_.info); }
+    void Terrain(const Words &) { ApplyTerrain(shader_->info); }
     void NormalImage(const Words &words) { Lightmap().normalImage = WithoutExtension(words[0]); }
     void FloodLight(const Words &words);
 
     ShaderTextScanner scanner_;
+    bool hasIncludes_;
     ShaderTable &table_;
     Log &log_;
-    ParsedShader shader_;
+    std::unique_ptr<ParsedShader> shader_;
+    Words words_; ///< of the directive
 };
 
 using Self = ScriptParser;
@@ -185,12 +194,14 @@ void ScriptParser::ParseShader(std::string_view name) {
         name.remove_suffix(kHiddenSuffix.size());
     if (name.size() > kMaxName)
         log_.Warn("long shader name", "{}: shader name {} is longer than the {} bytes that a map can hold",
-                  scanner_.Location(), name, kMaxName);
-    shader_ = table_.MakeDefault(name);
-    shader_.info.defined = true;
+                  scanner_.Place().Text(), name, kMaxName);
+    shader_.reset(new ParsedShader(table_.MakeDefault(name))); // made in place
+    shader_->info.defined = true;
     bool hasStages = false;
-    scanner_.Record();
-    std::string word;
+    const char *bodyBegin = scanner_.Unread().data();
+    if (hasIncludes_)
+        scanner_.Record();
+    std::string_view word;
     while (scanner_.Next(word) && word != "}") {
         if (word == "{") {
             hasStages = true;
@@ -198,9 +209,14 @@ void ScriptParser::ParseShader(std::string_view name) {
         } else
             ParseDirective(word);
     }
-    std::string text = scanner_.TakeText();
+    shader_->info.scriptText.clear(), shader_->body.reset();
     // A hidden entry without stages is a few words for the compiler beside what the engine draws.
-    shader_.info.scriptText = isHidden && !hasStages ? std::string() : std::move(text);
+    if (isHidden && !hasStages)
+        scanner_.TakeText();
+    else if (hasIncludes_)
+        shader_->info.scriptText = scanner_.TakeText();
+    else
+        shader_->body.emplace(bodyBegin, scanner_.Unread().data());
     table_.Define(std::move(shader_));
 }
 
@@ -208,25 +224,26 @@ void ScriptParser::ParseShader(std::string_view name) {
 void ScriptParser::ParseStage() {
     static constexpr std::array<std::string_view, 6> kImageWords = {"map",          "clampmap", "animmap",
                                                                     "clampanimmap", "mapcomp",  "mapnocomp"};
-    std::string word;
+    std::string_view word;
     while (scanner_.Next(word) && word != "}") {
-        const std::string key = LowerCase(word);
-        if (std::find(kImageWords.begin(), kImageWords.end(), key) == kImageWords.end())
+        const auto known = std::find_if(kImageWords.begin(), kImageWords.end(),
+                                        [&](std::string_view image) { return IsWord(word, image); });
+        if (known == kImageWords.end())
             continue;
-        const int arguments = key == "animmap" || key == "clampanimmap" ? 2 : 1; // a rate, then the first frame
+        const int arguments = known->ends_with("animmap") ? 2 : 1; // a rate, then the first frame
         for (int i = 0; i < arguments && word != "}"; ++i)
             if (!scanner_.Next(word))
                 return;
         if (word == "}")
             return;
         const bool builtIn = !word.empty() && (word[0] == '$' || word[0] == '*');
-        shader_.builtInImage |= builtIn;
+        shader_->builtInImage |= builtIn;
         if (NoImageYet() && !word.empty() && !builtIn)
-            shader_.lightImage = WithoutExtension(word);
+            shader_->lightImage = WithoutExtension(word);
     }
 }
 
-void ScriptParser::ParseDirective(const std::string &word) {
+void ScriptParser::ParseDirective(std::string_view word) {
     const std::string key = LowerCase(word);
     const auto found = std::find_if(kDirectives.begin(), kDirectives.end(),
                                     [&](const Directive &directive) { return directive.name == key; });
@@ -237,51 +254,49 @@ void ScriptParser::ParseDirective(const std::string &word) {
     constexpr std::string_view kPrefix = "q3map_";
     const bool isOther = std::find(kOtherDirectives.begin(), kOtherDirectives.end(), key) != kOtherDirectives.end();
     if (key.starts_with(kPrefix) && !isOther && !ApplyParm(key.substr(kPrefix.size())))
-        log_.Warn("unknown shader directive", "{}: shader {}: unknown directive {}", scanner_.Location(),
-                  shader_.info.name, word);
+        log_.Warn("unknown shader directive", "{}: shader {}: unknown directive {}", scanner_.Place().Text(),
+                  shader_->info.name, word);
     scanner_.SkipLine();
 }
 
-void ScriptParser::RunDirective(const Directive &directive, const std::string &word) {
-    Words words;
-    std::string argument;
-    const std::string location = scanner_.Location();
-    while (words.size() < directive.required + directive.optional && scanner_.NextOnLine(argument))
-        words.push_back(argument);
-    if (words.size() < directive.required)
-        WarnIncomplete(location, word, words.size(), directive.required);
+void ScriptParser::RunDirective(const Directive &directive, std::string_view word) {
+    const TextPlace place = scanner_.Place();
+    words_.clear();
+    for (std::string_view next; words_.size() < directive.required + directive.optional && scanner_.NextOnLine(next);)
+        words_.emplace_back(next);
+    if (words_.size() < directive.required)
+        WarnIncomplete(place, word, directive.required);
     else
-        (this->*directive.apply)(words);
+        (this->*directive.apply)(words_);
     if (!directive.keepsLine)
         scanner_.SkipLine();
 }
 
-void ScriptParser::RunDirective(const GeometryDirective &directive, const std::string &word) {
-    Words words;
-    const std::string location = scanner_.Location();
-    for (std::string argument; words.size() < directive.required + directive.optional && scanner_.NextOnLine(argument);)
-        if (argument != "(" && argument != ")")
-            words.push_back(argument);
-    if (words.size() < directive.required) {
-        WarnIncomplete(location, word, words.size(), directive.required);
-    } else if (const std::string fault = directive.apply(shader_.info, words, table_.Options(), table_.ForGame());
+void ScriptParser::RunDirective(const GeometryDirective &directive, std::string_view word) {
+    const TextPlace place = scanner_.Place();
+    words_.clear();
+    for (std::string_view next; words_.size() < directive.required + directive.optional && scanner_.NextOnLine(next);)
+        if (next != "(" && next != ")")
+            words_.emplace_back(next);
+    if (words_.size() < directive.required) {
+        WarnIncomplete(place, word, directive.required);
+    } else if (const std::string fault = directive.apply(shader_->info, words_, table_.Options(), table_.ForGame());
                !fault.empty()) {
-        log_.Warn("shader directive", "{}: shader {}: {}: {}", location, shader_.info.name, word, fault);
+        log_.Warn("shader directive", "{}: shader {}: {}: {}", place.Text(), shader_->info.name, word, fault);
     }
     scanner_.SkipLine();
 }
 
-void ScriptParser::WarnIncomplete(const std::string &location, std::string_view word, std::size_t found,
-                                  std::size_t expected) {
-    log_.Warn("incomplete shader directive", "{}: shader {}: {} with {} arguments, expected {}", location,
-              shader_.info.name, word, found, expected);
+void ScriptParser::WarnIncomplete(const TextPlace &place, std::string_view word, std::size_t expected) {
+    log_.Warn("incomplete shader directive", "{}: shader {}: {} with {} arguments, expected {}", place.Text(),
+              shader_->info.name, word, words_.size(), expected);
 }
 
 bool ScriptParser::ApplyParm(std::string_view name) {
     const SurfaceParm *parm = table_.ForGame().FindParm(name);
     if (!parm)
         return false;
-    ShaderInfo &info = shader_.info;
+    ShaderInfo &info = shader_->info;
     info.contentFlags = (info.contentFlags & ~parm->contentClear) | parm->contentSet;
     info.surfaceFlags = (info.surfaceFlags & ~parm->surfaceClear) | parm->surfaceSet;
     info.compileFlags = (info.compileFlags & ~parm->compileClear) | parm->compileSet;
@@ -298,50 +313,50 @@ Vec3f ScriptParser::Color(const Words &words) const {
 
 void ScriptParser::SurfaceParmLine(const Words &words) {
     if (!ApplyParm(words[0]))
-        log_.Warn("unknown surfaceparm", "{}: shader {}: unknown surfaceparm {}", scanner_.Location(),
-                  shader_.info.name, words[0]);
+        log_.Warn("unknown surfaceparm", "{}: shader {}: unknown surfaceparm {}", scanner_.Place().Text(),
+                  shader_->info.name, words[0]);
 }
 
 void ScriptParser::Cull(const Words &words) {
     const std::string side = LowerCase(words[0]);
     if (side == "none" || side == "disable" || side == "twosided")
-        shader_.info.twoSided = true;
+        shader_->info.twoSided = true;
 }
 
 const std::string &ScriptParser::ImplicitImage(const Words &words) {
-    return shader_.implicitImage = words[0] == "-" ? shader_.info.name : WithoutExtension(words[0]);
+    return shader_->implicitImage = words[0] == "-" ? shader_->info.name : WithoutExtension(words[0]);
 }
 
 void ScriptParser::SkyParms(const Words &words) {
     if (words[0] == "-" || EqualNoCase(words[0], "full"))
         return;
-    shader_.info.skyImageBase = words[0];
-    if (shader_.lightImage.empty())
-        shader_.lightImage = words[0] + "_up";
+    shader_->info.skyImageBase = words[0];
+    if (shader_->lightImage.empty())
+        shader_->lightImage = shader_->info.skyImageBase + "_up";
 }
 
 void ScriptParser::LightRgb(const Words &words) {
-    shader_.info.color = Color(words);
-    shader_.colorGiven = true;
+    shader_->info.color = Color(words);
+    shader_->colorGiven = true;
 }
 
 void ScriptParser::LightSubdivide(const Words &words) {
-    shader_.info.lightSubdivide = float(IntegerFromText(words[0]));
+    shader_->info.lightSubdivide = float(IntegerFromText(words[0]));
 }
 
 void ScriptParser::Backsplash(const Words &words) {
-    shader_.info.backsplashFraction = Number(words[0]) * 0.01f;
-    shader_.info.backsplashDistance = Number(words[1]);
+    shader_->info.backsplashFraction = Number(words[0]) * 0.01f;
+    shader_->info.backsplashDistance = Number(words[1]);
 }
 
 void ScriptParser::VertexScale(const Words &words) {
-    shader_.info.vertexScale =
-        float(std::clamp(double(shader_.info.vertexScale) * double(Number(words[0])), -kMaxNumber, kMaxNumber));
+    shader_->info.vertexScale =
+        float(std::clamp(double(shader_->info.vertexScale) * double(Number(words[0])), -kMaxNumber, kMaxNumber));
 }
 
 void ScriptParser::FilterRadius(const Words &words) {
-    shader_.info.lightmapFilterRadius = Number(words[0]);
-    shader_.info.lightFilterRadius = Number(words[1]);
+    shader_->info.lightmapFilterRadius = Number(words[0]);
+    shader_->info.lightFilterRadius = Number(words[1]);
 }
 
 /// r g b intensity degrees elevation [deviance samples]. Style and radius count as set so far.
@@ -355,14 +370,14 @@ void ScriptParser::Sun(const Words &words) {
         Vec3d{std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation), std::sin(elevation)});
     if (words.size() == 7)
         log_.Warn("incomplete shader directive", "{}: shader {}: a sun with a deviance but no samples",
-                  scanner_.Location(), shader_.info.name);
+                  scanner_.Place().Text(), shader_->info.name);
     if (words.size() > 7) {
         sun.deviance = float(double(Number(words[6])) * kRadians);
         sun.samples = std::max(1, IntegerFromText(words[7]));
     }
-    sun.filterRadius = shader_.info.lightFilterRadius;
-    sun.style = shader_.info.lightStyle;
-    AddSun(shader_.info.suns, sun);
+    sun.filterRadius = shader_->info.lightFilterRadius;
+    sun.style = shader_->info.lightStyle;
+    AddSun(shader_->info.suns, sun);
 }
 
 /// value iterations [horizon_min horizon_max [sample_color]]
@@ -372,7 +387,7 @@ void ScriptParser::SkyLight(const Words &words) {
     sky.iterations = std::max(2, IntegerFromText(words[1]));
     if (sky.iterations > kMaxSkyIterations) {
         log_.Warn("sky light iterations", "{}: shader {}: {} sky light iterations are limited to {}",
-                  scanner_.Location(), shader_.info.name, sky.iterations, kMaxSkyIterations);
+                  scanner_.Place().Text(), shader_->info.name, sky.iterations, kMaxSkyIterations);
         sky.iterations = kMaxSkyIterations;
     }
     if (words.size() > 2)
@@ -381,15 +396,15 @@ void ScriptParser::SkyLight(const Words &words) {
         sky.horizonMax = std::clamp(IntegerFromText(words[3]), -90, 90);
     if (words.size() > 4)
         sky.sampleColor = IntegerFromText(words[4]) != 0;
-    AddSun(shader_.info.skyLights, sky);
+    AddSun(shader_->info.skyLights, sky);
 }
 
 void ScriptParser::LightmapAxis(const Words &words) {
     static constexpr std::array<Vec3f, 3> kAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     const std::size_t axis = words[0].size() == 1 ? std::string_view("xyz").find(LowerCase(words[0])) : kAxes.size();
     if (axis >= kAxes.size())
-        log_.Warn("lightmap axis", "{}: shader {}: q3map_lightmapAxis {}, expected x, y or z", scanner_.Location(),
-                  shader_.info.name, words[0]);
+        log_.Warn("lightmap axis", "{}: shader {}: q3map_lightmapAxis {}, expected x, y or z", scanner_.Place().Text(),
+                  shader_->info.name, words[0]);
     Lightmap().axis = axis < kAxes.size() ? kAxes[axis] : Vec3f{};
 }
 
@@ -401,7 +416,7 @@ void ScriptParser::LightmapSize(const Words &words) {
     if (!good)
         log_.Warn("lightmap page size",
                   "{}: shader {}: q3map_lightmapSize {} {}, expected powers of two from 2 to {}; not used",
-                  scanner_.Location(), shader_.info.name, words[0], words[1], kMaxPageSide);
+                  scanner_.Place().Text(), shader_->info.name, words[0], words[1], kMaxPageSide);
     Lightmap().pageSize = good ? size : std::array<int, 2>{};
 }
 
@@ -421,15 +436,15 @@ void ScriptParser::FloodLight(const Words &words) {
 /// Everything of an earlier shader, over all that was set so far; the name stays.
 void ScriptParser::BaseShader(const Words &words) {
     const ParsedShader *base = table_.Find(words[0], log_);
-    std::string name = std::move(shader_.info.name);
-    shader_ = base ? *base : table_.MakeDefault({});
-    shader_.info.name = std::move(name);
-    shader_.info.defined = true;
+    std::string name = std::move(shader_->info.name);
+    *shader_ = base ? *base : table_.MakeDefault({});
+    shader_->info.name = std::move(name);
+    shader_->info.defined = true;
 }
 
 void ScriptParser::Material(const Words &words) {
-    if (!ApplyParm("*mat_" + words[0]))
-        log_.Warn("unknown material", "{}: shader {}: unknown material {}", scanner_.Location(), shader_.info.name,
+    if (!ApplyParm("*mat_" + std::string(words[0])))
+        log_.Warn("unknown material", "{}: shader {}: unknown material {}", scanner_.Place().Text(), shader_->info.name,
                   words[0]);
 }
 

@@ -7,6 +7,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -17,11 +18,12 @@ namespace q3 {
 struct ParsedShader {
     ShaderInfo info;
     std::string editorImage, lightImage, implicitImage;
-    std::string replacement;   ///< q3map_deprecateShader
-    bool builtInImage = false; ///< a stage draws an image of the engine, such as $whiteimage
-    bool colorGiven = false;   ///< q3map_lightRGB: info.color is final
-    bool lookedUp = false;     ///< somebody has its info
-    bool imagesReady = false;  ///< light image and colours are in info
+    std::optional<std::string> body; ///< what info.scriptText will be made of at look-up, unless that is settled
+    std::string replacement;         ///< q3map_deprecateShader
+    bool builtInImage = false;       ///< a stage draws an image of the engine, such as $whiteimage
+    bool colorGiven = false;         ///< q3map_lightRGB: info.color is final
+    bool lookedUp = false;           ///< somebody has its info
+    bool imagesReady = false;        ///< light image and colours are in info
 };
 
 /// All shaders by name. References stay valid as long as the table.
@@ -35,7 +37,7 @@ class ShaderTable {
     /// A shader with the defaults of the game and the command line.
     ParsedShader MakeDefault(std::string_view name) const;
     /// Adds a script's definition; a name that is there already keeps the first one.
-    void Define(ParsedShader shader);
+    void Define(std::unique_ptr<ParsedShader> shader);
     /// The definition of that name (without case and extension) or of what replaces it, or null.
     const ParsedShader *Find(std::string_view name, Log &log) const;
     /// The same; an unknown name is added as an implicit shader.

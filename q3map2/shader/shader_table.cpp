@@ -70,12 +70,9 @@ ParsedShader ShaderTable::MakeDefault(std::string_view name) const {
     return shader;
 }
 
-void ShaderTable::Define(ParsedShader shader) {
-    const auto [slot, isNew] = shaders_.try_emplace(Key(shader.info.name));
-    if (!isNew)
-        return;
-    slot->second = std::make_unique<ParsedShader>(std::move(shader));
-    ++definedCount_;
+void ShaderTable::Define(std::unique_ptr<ParsedShader> shader) {
+    std::string key = Key(shader->info.name);
+    definedCount_ += shaders_.try_emplace(std::move(key), std::move(shader)).second ? 1 : 0;
 }
 
 void ShaderTable::ForEach(const std::function<void(ParsedShader &)> &visit) {

@@ -5,24 +5,8 @@
 
 namespace q3 {
 
-bool ShaderTextScanner::Next(std::string &token) {
-    if (!scanner_.Next(token))
-        return false;
-    if (recording_)
-        Write(token);
-    return true;
-}
-
-bool ShaderTextScanner::NextOnLine(std::string &token) {
-    if (!scanner_.NextOnLine(token))
-        return false;
-    if (recording_)
-        Write(token);
-    return true;
-}
-
 void ShaderTextScanner::SkipLine() {
-    for (std::string rest; NextOnLine(rest);) {
+    for (std::string_view rest; NextOnLine(rest);) {
     }
 }
 
@@ -46,7 +30,7 @@ void ShaderTextScanner::StartLine() {
     text_.append(std::size_t(depth_), '\t');
 }
 
-void ShaderTextScanner::Write(const std::string &token) {
+void ShaderTextScanner::Write(std::string_view token) {
     const bool opens = token == "{", closes = token == "}";
     if (closes && depth_ == 0)
         return;
@@ -71,6 +55,15 @@ void ShaderTextScanner::Write(const std::string &token) {
     if (quoted)
         text_ += '"';
     line_ = scanner_.Line();
+}
+
+std::string TidyBody(std::string_view body) {
+    TextScanner scanner{std::string(body), {}};
+    ShaderTextScanner text(scanner);
+    text.Record();
+    for (std::string_view token; text.Next(token);) {
+    }
+    return text.TakeText();
 }
 
 } // namespace q3

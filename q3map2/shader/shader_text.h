@@ -4,6 +4,7 @@
 #include "common/text_scan.h"
 
 #include <string>
+#include <string_view>
 
 namespace q3 {
 
@@ -13,12 +14,14 @@ class ShaderTextScanner {
   public:
     explicit ShaderTextScanner(TextScanner &scanner) : scanner_(scanner) {}
 
-    bool Next(std::string &token);
-    bool NextOnLine(std::string &token);
+    /// As TextScanner.
+    bool Next(std::string_view &token) { return Recorded(scanner_.Next(token), token); }
+    bool NextOnLine(std::string_view &token) { return Recorded(scanner_.NextOnLine(token), token); }
     void SkipLine();
     /// Not while recording.
     void PushBack() { scanner_.PushBack(); }
-    std::string Location() const { return scanner_.Location(); }
+    const TextPlace &Place() const { return scanner_.Place(); }
+    std::string_view Unread() const { return scanner_.Unread(); }
 
     /// Starts afresh with an opening brace.
     void Record();
@@ -26,7 +29,12 @@ class ShaderTextScanner {
     std::string TakeText();
 
   private:
-    void Write(const std::string &token);
+    bool Recorded(bool got, std::string_view token) {
+        if (got && recording_)
+            Write(token);
+        return got;
+    }
+    void Write(std::string_view token);
     void StartLine();
 
     TextScanner &scanner_;
@@ -34,5 +42,8 @@ class ShaderTextScanner {
     std::string text_;
     int depth_ = 0, line_ = 0; ///< line_: of the last token in the script; 0: the text ends with a whole line
 };
+
+/// The text of a shader, tidied. `body`: what follows its opening brace, without includes.
+std::string TidyBody(std::string_view body);
 
 } // namespace q3

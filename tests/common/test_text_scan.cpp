@@ -182,6 +182,38 @@ TEST(TextScanner, IncludesInACircleOrTooManyAreErrors) {
     EXPECT_THROW(All(TextScanner("$include 0", "test", From(doubling))), Error);
 }
 
+TEST(TextScanner, TokensOfALineStayWhileFilesAreIncluded) {
+    TextScanner scanner("a $include one.inc\nc", "test", From({{"one.inc", "b d"}}));
+    std::string_view a, b, d, c;
+    ASSERT_TRUE(scanner.NextOnLine(a) && scanner.NextOnLine(b) && scanner.NextOnLine(d));
+    EXPECT_FALSE(scanner.NextOnLine(c));
+    EXPECT_EQ(std::string(a) + std::string(b) + std::string(d), "abd");
+    const TextPlace place = scanner.Place();
+    ASSERT_TRUE(scanner.Next(c));
+    EXPECT_EQ(c, "c");
+    EXPECT_EQ(scanner.Location(), "test:2");
+    EXPECT_EQ(place.Text(), "one.inc:1");
+}
+
+TEST(TextScanner, UnreadIsWhatFollowsTheLastToken) {
+    TextScanner scanner("a \"{\" b; c", "test");
+    std::string_view token;
+    scanner.Next(token);
+    EXPECT_EQ(scanner.Unread(), " \"{\" b; c");
+    scanner.Next(token);
+    EXPECT_EQ(scanner.Unread(), " b; c");
+    scanner.Next(token);
+    EXPECT_EQ(scanner.Unread(), "; c");
+    EXPECT_FALSE(scanner.Next(token));
+    EXPECT_EQ(scanner.Unread(), "");
+}
+
+TEST(TextScanner, KnowsWhetherItsFileIncludesOthers) {
+    EXPECT_TRUE(TextScanner("map $lightmap\n$INCLUDE x", "test", From({})).HasIncludes());
+    EXPECT_FALSE(TextScanner("map $lightmap $inc", "test", From({})).HasIncludes());
+    EXPECT_FALSE(TextScanner("$include x", "test").HasIncludes());
+}
+
 TEST(Text, CaseIsOfAsciiAlone) {
     EXPECT_EQ(LowerCase("AbC\xC3\x89"), "abc\xC3\x89");
     EXPECT_TRUE(EqualNoCase("SurfaceParm", "surfaceparm"));

@@ -83,6 +83,28 @@ TEST_F(ShaderText, IsTidied) {
                             "}\n");
 }
 
+// Text is made at look-up, but where a script includes others: both ways agree.
+TEST_F(ShaderText, IsTheSameWithIncludes) {
+    const std::string body =
+        "\"qer_editorimage\" \"a b\" # comment\n{ map $lightmap\n} surfaceparm slick { }\n\"\" x\n";
+    const std::string plain = LoadShader(body).scriptText;
+    folder.Write("scripts/empty.inc", "");
+    EXPECT_EQ(LoadShader(body + "$include scripts/empty.inc").scriptText, plain);
+    folder.Write("scripts/body.inc", body);
+    EXPECT_EQ(LoadShader("$include scripts/body.inc").scriptText, plain);
+    LoadScript("$include scripts/empty.inc\nhalf {");
+    EXPECT_EQ(Get("half").scriptText, "{\n}\n");
+    LoadScript("half {");
+    EXPECT_EQ(Get("half").scriptText, "{\n}\n");
+}
+
+TEST_F(ShaderText, WarningNamesTheLineOfTheDirectiveNotOfWhatItIncludes) {
+    folder.Write("scripts/words.inc", "\n\n1 2\n");
+    LoadShader("cull none\nq3map_sun $include scripts/words.inc");
+    EXPECT_THAT(out.text,
+                testing::HasSubstr("scripts/test.shader:4: shader s: q3map_sun with 0 arguments, expected 6"));
+}
+
 TEST_F(ShaderText, ReadsBackAsTheSameShader) {
     const ShaderInfo first = LoadShader("q3map_surfacelight 300\nq3map_lightImage \"a b\"\ncull none\n"
                                         "{\nmap $lightmap\n}\nq3map_sun 1 0.5 0.25 100 30 60\nsurfaceparm slick");
