@@ -35,11 +35,11 @@ std::string TextPlace::Text() const {
 TextScanner::TextScanner(std::string text, std::string name, Include include) : include_(std::move(include)) {
     last_.file = names_.emplace_back(std::move(name));
     const std::size_t at = text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
-    files_.push_back({std::move(text), at, last_});
+    files_.push_back({&texts_.emplace_back(std::move(text)), at, last_});
 }
 
 bool TextScanner::HasIncludes() const {
-    const std::string &text = files_.front().text;
+    const std::string &text = texts_.front();
     for (std::size_t at = text.find('$'); include_ && at != std::string::npos; at = text.find('$', at + 1))
         if (StartsWithNoCase(std::string_view(text).substr(at), kInclude))
             return true;
@@ -86,7 +86,7 @@ bool TextScanner::Read(std::string_view &token, bool crossLines) {
 /// Moves to the first byte of a token. False: the file, or without crossLines the line, ends first; then the position
 /// is before the line's end or its comment.
 bool TextScanner::SkipBlanks(File &file, bool crossLines) const {
-    const std::string_view text = file.text;
+    const std::string_view text = *file.text;
     std::size_t at = file.at;
     const auto stop = [&](bool found) {
         file.at = at;
@@ -122,7 +122,7 @@ bool TextScanner::SkipBlanks(File &file, bool crossLines) const {
 
 /// Makes the token that starts here the last one.
 void TextScanner::Cut(File &file) {
-    const std::string &text = file.text;
+    const std::string &text = *file.text;
     std::size_t begin = file.at, end = begin;
     last_ = file.place;
     if (text[begin] == '"') {
@@ -157,7 +157,7 @@ void TextScanner::OpenInclude() {
         throw Error("{}: $include {} expected to end, but includes run in a circle, over {} deep or over {} in all",
                     Location(), name, kMaxIncludeDepth, kMaxIncludes);
     if (std::optional<std::string> text = include_(name))
-        files_.push_back({std::move(*text), 0, {names_.emplace_back(name), 1}});
+        files_.push_back({&texts_.emplace_back(std::move(*text)), 0, {names_.emplace_back(name), 1}});
 }
 
 } // namespace q3

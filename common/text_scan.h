@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace q3 {
 
@@ -36,7 +37,7 @@ class TextScanner {
     /// Reads the next token, on whatever line; false at the end. Error: a token over 1023 bytes, includes nested too
     /// deep, in a circle or too many.
     bool Next(std::string &token) { return Copied(token, true); }
-    /// The same without a copy: the token stays until the next call of Next.
+    /// The same without a copy: the token is good as long as the scanner.
     bool Next(std::string_view &token) { return Read(token, true); }
     /// Reads the next token of the current line; false, and nothing read, when the line (or an included file) ends
     /// first or a comment follows.
@@ -53,14 +54,14 @@ class TextScanner {
     /// "file:line" of the last token read.
     std::string Location() const { return last_.Text(); }
     /// What comes after the last token in the file that held it.
-    std::string_view Unread() const { return std::string_view(files_.back().text).substr(files_.back().at); }
+    std::string_view Unread() const { return std::string_view(*files_.back().text).substr(files_.back().at); }
     /// Whether the file asks for includes, so that not all tokens are in its own text. To be asked before the first
     /// token.
     bool HasIncludes() const;
 
   private:
     struct File {
-        std::string text;
+        const std::string *text;
         std::size_t at = 0;
         TextPlace place;
     };
@@ -72,8 +73,8 @@ class TextScanner {
     [[noreturn]] void FailLong(std::size_t size) const;
     void OpenInclude();
 
-    std::deque<std::string> names_; ///< of all files so far; places refer to them
-    std::deque<File> files_;        ///< the innermost include last; tokens refer to their texts
+    std::deque<std::string> names_, texts_; ///< of all files so far; places and tokens refer to them
+    std::vector<File> files_;               ///< the innermost include last
     Include include_;
     int includeCount_ = 0;
     bool pushedBack_ = false;
