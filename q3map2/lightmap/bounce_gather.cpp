@@ -17,7 +17,7 @@ namespace {
 constexpr int kRays = 24, kFewestRays = 4, kSets = 16;
 constexpr int kVertexRays = 256, kPlaceRays = 96;
 constexpr std::uint64_t kMostLinks = std::uint64_t(192) << 20;
-constexpr float kFar = 1e6f;
+constexpr float kEndless = 1e6f; ///< length of rays. Game units
 /// Rays of vertices start this far off, or the second where a surface is that near. Game units.
 constexpr float kLift = 1, kLeastLift = 1.0f / 16;
 /// Places are clear of solids if nothing solid is so near. Game units.
@@ -81,7 +81,7 @@ Vec3f ClearPlace(const BspSpace &space, const RawLightmap &raw, std::size_t luxe
     return place;
 }
 
-/// Calls use(index, emitter) for rays that are given one by one with an index, traced in packets.
+/// Calls use(index, emitter) for rays that go all ways and are given one by one with an index, traced in packets.
 template <typename Use> class RayQueue {
   public:
     RayQueue(const BounceScene &scene, const Use &use) : scene_(scene), use_(use) {}
@@ -89,7 +89,7 @@ template <typename Use> class RayQueue {
     void Add(std::size_t index, const Vec3f &origin, const Vec3f &direction) {
         rays_.origin.Set(count_, origin);
         rays_.direction.Set(count_, direction);
-        rays_.distance[count_] = kFar;
+        rays_.distance[count_] = kEndless;
         rays_.live[count_] = -1;
         indices_[count_++] = index;
         if (count_ == kPacketSize)
@@ -100,7 +100,7 @@ template <typename Use> class RayQueue {
     void Flush() {
         if (count_ == 0)
             return;
-        const auto found = scene_.FirstEmitters(rays_);
+        const auto found = scene_.FirstEmitters(rays_, false);
         for (std::size_t i = 0; i < count_; ++i)
             use_(indices_[i], found[i]);
         rays_.live = {};
@@ -217,38 +217,75 @@ int BounceGather::RaysALuxel(const RawLightmap &raw) const {
     return std::max(kFewestRays, kRays / (raw.super * raw.super));
 }
 
+struct BounceGather::Askers {
+    std::uint32_t set = 0;
+    std::size_t count = 0;
+    std::array<std::size_t, kPacketSize> luxels{}, links{};
+
+    void Add(std::size_t luxel, std::size_t link) { luxels[count] = luxel, links[count++] = link; }
+};
+
+/// Sixteen luxels that ask the same set ask a direction together: their rays go the same way.
 std::vector<EmitterId> BounceGather::Links(const RawLightmap &raw) const {
-    const int count = RaysALuxel(raw);
-    std::vector<EmitterId> links;
-    links.resize(raw.codes.size() * std::size_t(count));
+    const auto count = std::size_t(RaysALuxel(raw));
+    std::vector<std::size_t> first(raw.codes.size());
     std::size_t used = 0;
-    std::vector<std::size_t> asking;
-    const auto store = [&](std::size_t at, EmitterId emitter) {
-        const std::size_t luxel = asking[at / std::size_t(count)];
-        const float share = emitter == kNoEmitter ? 0
-                            : pieces_ ? pieces_->Share(emitter, raw.places[luxel], raw.normals[luxel], raw.twoSided)
-                                      : 1;
-        // Links have no weight: of those that count in part, that part is kept.
-        links[at] = share > Fraction(std::uint32_t(at)) ? emitter : kNoEmitter;
-    };
-    {
-        RayQueue queue(scene_, store);
-        for (int y = 0; y < raw.SuperHeight(); ++y)
-            for (int x = 0; x < raw.SuperWidth(); ++x) {
-                const std::size_t luxel = raw.SuperIndex(x, y);
-                if (!raw.Mapped(luxel))
-                    continue;
-                asking.push_back(luxel);
-                const Frame frame(raw.normals[luxel]);
-                const std::uint32_t first = SetOf(x, y) * std::uint32_t(count);
-                const Vec3f place = ClearPlace(space_, raw, luxel, frame);
-                for (int i = 0; i < count; ++i)
-                    queue.Add(used++, place, frame.World(directions_[first + std::uint32_t(i)]));
-            }
+    for (std::size_t luxel = 0; luxel < first.size(); ++luxel) {
+        first[luxel] = used;
+        used += raw.Mapped(luxel) ? count : 0;
     }
-    links.resize(used);
-    links.shrink_to_fit();
+    std::vector<EmitterId> links(used);
+    std::array<Askers, kSets> askers;
+    for (std::uint32_t set = 0; set < kSets; ++set)
+        askers[set].set = set;
+    const auto ask = [&](Askers &some) {
+        Ask(raw, some, links);
+        some.count = 0;
+    };
+    constexpr int kTile = 16; // each set has a packet of luxels in it
+    for (int top = 0; top < raw.SuperHeight(); top += kTile)
+        for (int left = 0; left < raw.SuperWidth(); left += kTile)
+            for (int y = top; y < std::min(top + kTile, raw.SuperHeight()); ++y)
+                for (int x = left; x < std::min(left + kTile, raw.SuperWidth()); ++x) {
+                    const std::size_t luxel = raw.SuperIndex(x, y);
+                    if (!raw.Mapped(luxel))
+                        continue;
+                    Askers &some = askers[SetOf(x, y)];
+                    some.Add(luxel, first[luxel]);
+                    if (some.count == kPacketSize)
+                        ask(some);
+                }
+    for (Askers &some : askers)
+        if (some.count > 0)
+            ask(some);
     return links;
+}
+
+void BounceGather::Ask(const RawLightmap &raw, const Askers &askers, std::vector<EmitterId> &links) const {
+    const auto count = std::uint32_t(RaysALuxel(raw));
+    std::vector<Frame> frames;
+    RayPacket rays;
+    rays.distance.fill(kEndless);
+    for (std::size_t i = 0; i < askers.count; ++i) {
+        const std::size_t luxel = askers.luxels[i];
+        frames.emplace_back(raw.normals[luxel]);
+        rays.origin.Set(i, ClearPlace(space_, raw, luxel, frames.back()));
+        rays.live[i] = -1;
+    }
+    for (std::uint32_t ray = 0; ray < count; ++ray) {
+        for (std::size_t i = 0; i < askers.count; ++i)
+            rays.direction.Set(i, frames[i].World(directions_[askers.set * count + ray]));
+        const auto found = scene_.FirstEmitters(rays, true);
+        for (std::size_t i = 0; i < askers.count; ++i) {
+            const std::size_t luxel = askers.luxels[i], at = askers.links[i] + ray;
+            const float share = found[i] == kNoEmitter ? 0
+                                : pieces_
+                                    ? pieces_->Share(found[i], raw.places[luxel], raw.normals[luxel], raw.twoSided)
+                                    : 1;
+            // Links have no weight: of those that count in part, that part is kept.
+            links[at] = share > Fraction(std::uint32_t(at)) ? found[i] : kNoEmitter;
+        }
+    }
 }
 
 std::vector<Vec3f> BounceGather::Found(const Emission &emission, std::size_t lightmap, std::size_t slot,
@@ -310,7 +347,7 @@ void BounceGather::AddToLuxels(const std::vector<std::vector<Vec3f>> &all, std::
 float BounceGather::LiftAt(const Vec3f &place, const Vec3f &normal) const {
     RayPacket ahead;
     ahead.Aim(0, place + normal * kLeastLift, place + normal * kLift);
-    return scene_.FirstEmitters(ahead)[0] == kNoEmitter ? kLift : kLeastLift;
+    return scene_.FirstEmitters(ahead, false)[0] == kNoEmitter ? kLift : kLeastLift;
 }
 
 Vec3f BounceGather::At(const Vec3f &place, const Vec3f &normal, bool twoSided, const Emission &emission) const {

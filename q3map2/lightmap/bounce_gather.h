@@ -31,7 +31,10 @@ class BounceGather {
     std::uint64_t Rays() const { return rays_; }
 
   private:
+    /// Luxels of a lightmap that ask the same directions, and where the links of each begin.
+    struct Askers;
     std::vector<EmitterId> Links(const RawLightmap &raw) const;
+    void Ask(const RawLightmap &raw, const Askers &askers, std::vector<EmitterId> &links) const;
     float LiftAt(const Vec3f &place, const Vec3f &normal) const;
     int RaysALuxel(const RawLightmap &raw) const;
 

@@ -166,7 +166,7 @@ struct BounceScene::State {
     }
     void AddSurface(int number);
     void Commit();
-    std::array<Hit, kPacketSize> Trace(const RayPacket &rays) const;
+    std::array<Hit, kPacketSize> Trace(const RayPacket &rays, bool coherent) const;
     EmitterId EmitterAt(const Hit &hit) const;
     Vec3f ColorAt(int surface, const std::array<float, 2> &st) const {
         return textures.at(in.table[std::size_t(surface)].shader).At(st) * SentOn(in, std::size_t(surface));
@@ -205,13 +205,13 @@ void BounceScene::State::Commit() {
     rtcCommitScene(scene.get());
 }
 
-std::array<BounceScene::State::Hit, kPacketSize> BounceScene::State::Trace(const RayPacket &rays) const {
+std::array<BounceScene::State::Hit, kPacketSize> BounceScene::State::Trace(const RayPacket &rays, bool coherent) const {
     alignas(64) RTCRayHit16 hits;
     SetRays(rays.origin, rays.direction, rays.distance, rays.live, 0, hits.ray);
     std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
     EmbreeContext context;
     InitContext(context);
-    Intersect16(rays.live.data(), scene.get(), context, hits, false);
+    Intersect16(rays.live.data(), scene.get(), context, hits, coherent);
     std::array<Hit, kPacketSize> found;
     for (std::size_t i = 0; i < kPacketSize; ++i)
         if (rays.live[i] != 0 && hits.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID) {
@@ -260,9 +260,9 @@ BounceScene::BounceScene(const SurfaceInputs &in, const SurfaceLight &surfaces, 
 
 BounceScene::~BounceScene() = default;
 
-std::array<EmitterId, kPacketSize> BounceScene::FirstEmitters(const RayPacket &rays) const {
+std::array<EmitterId, kPacketSize> BounceScene::FirstEmitters(const RayPacket &rays, bool coherent) const {
     std::array<EmitterId, kPacketSize> found;
-    const auto hits = state_->Trace(rays);
+    const auto hits = state_->Trace(rays, coherent);
     for (std::size_t i = 0; i < kPacketSize; ++i)
         found[i] = hits[i].triangle ? state_->EmitterAt(hits[i]) : kNoEmitter;
     return found;
@@ -277,7 +277,7 @@ void BounceScene::FindReflectance(const SurfaceInputs &in, const SurfaceLight &s
         std::array<std::size_t, kPacketSize> texels{};
         std::size_t count = 0;
         const auto flush = [&] {
-            const auto hits = state_->Trace(rays);
+            const auto hits = state_->Trace(rays, false);
             for (std::size_t i = 0; i < count; ++i)
                 if (const auto *triangle = hits[i].triangle) {
                     const auto &c = triangle->corners;

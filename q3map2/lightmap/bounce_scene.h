@@ -52,7 +52,8 @@ class BounceScene {
     ~BounceScene();
 
     /// The emitter whose front each live ray meets first; kNoEmitter where that sends no light on, or nothing is met.
-    std::array<EmitterId, kPacketSize> FirstEmitters(const RayPacket &rays) const;
+    /// coherent: the rays go much the same way, which is faster.
+    std::array<EmitterId, kPacketSize> FirstEmitters(const RayPacket &rays, bool coherent) const;
     /// Share of the light that each emitter sends on, in channels, over 1 only by -bouncescale: colour of the texture
     /// there times the scales. Zero: sends nothing.
     const std::vector<Vec3f> &Reflectance() const { return reflectance_; }
