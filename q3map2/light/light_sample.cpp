@@ -230,8 +230,8 @@ Q3_VECTOR float Strongest(const SampleArrivals &arrivals) {
     return strongest;
 }
 
-void Trace(const Light &light, const SampleSettings &settings, const LightScene &scene, const LightSamples &samples,
-           SampleArrivals &arrivals, ContributionCounts &counts) {
+Q3_VECTOR void Trace(const Light &light, const SampleSettings &settings, const LightScene &scene,
+                     const LightSamples &samples, SampleArrivals &arrivals, ContributionCounts &counts) {
     RayPacket rays;
     rays.origin = samples.position;
     rays.direction = arrivals.direction;
