@@ -233,24 +233,24 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
 
 /// A triangle of a planar lightmap where one sample a luxel tells all.
 void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane) {
-    const auto vertex = [&](const std::array<float, 2> &at) {
+    const LuxelTriangle flat = {triangle[0].luxel, triangle[1].luxel, triangle[2].luxel};
+    const auto vertexIn = [&](int x, int y) {
+        const auto [across, down] = MiddleIn(flat, x, y);
         SurfaceVertex v;
-        v.xyz = OntoPlane(raw_.origin + raw_.step[0] * (at[0] - 0.5f) + raw_.step[1] * (at[1] - 0.5f),
+        v.xyz = OntoPlane(raw_.origin + raw_.step[0] * (across - 0.5f) + raw_.step[1] * (down - 0.5f),
                           AxesOf(raw_.axis).along, plane.normal, plane.dist);
         v.normal = triangle[0].normal;
         return v;
     };
-    ForLuxels({triangle[0].luxel, triangle[1].luxel, triangle[2].luxel}, superWidth_, superHeight_,
-              [&](int x, int y, const LuxelRow &row) {
-                  const std::size_t luxel = raw_.SuperIndex(x, y);
-                  if (raw_.codes[luxel] != kUnmapped)
-                      return;
-                  LuxelPlacer::Place place = placer_.Middle(x, y, {}, plane, offset_, *filter_, counts_.placed);
-                  if (place.Closed())
-                      place = placer_.Beside(x, y, place.xyz, vertex(row.PlaceNear(x)), plane, offset_, true, *filter_,
-                                             counts_.placed);
-                  Take(luxel, place, triangle[0].normal, 1);
-              });
+    ForLuxels(flat, superWidth_, superHeight_, [&](int x, int y) {
+        const std::size_t luxel = raw_.SuperIndex(x, y);
+        if (raw_.codes[luxel] != kUnmapped)
+            return;
+        LuxelPlacer::Place place = placer_.Middle(x, y, {}, plane, offset_, *filter_, counts_.placed);
+        if (place.Closed())
+            place = placer_.Beside(x, y, place.xyz, vertexIn(x, y), plane, offset_, true, *filter_, counts_.placed);
+        Take(luxel, place, triangle[0].normal, 1);
+    });
 }
 
 /// False if the quad is not flat.

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Samples of triangles and quads no farther apart than a threshold in luxels.
 #pragma once
 
+#include "libs/math/winding.h"
 #include "q3map2/light/light_patch.h"
 #include "q3map2/lightmap/lightmaps.h"
 
@@ -100,15 +101,17 @@ inline int LuxelOf(float coordinate, int size) {
     return coordinate > 0 ? std::min(int(coordinate), size - 1) : 0;
 }
 
+/// Corners in a lightmap. Luxels.
+using LuxelTriangle = std::array<std::array<float, 2>, 3>;
+
 /// Of coordinates along an axis of the lightmap.
 struct LuxelSpan {
     float from = std::numeric_limits<float>::infinity(), to = -from;
     void Add(float at) { from = std::min(from, at), to = std::max(to, at); }
-    float Nearest(float at) const { return std::clamp(at, from, to); }
 };
 
-/// The part of a triangle between two lines across the second axis, along the first. Luxels.
-inline LuxelSpan SpanBetween(const std::array<std::array<float, 2>, 3> &triangle, float top, float bottom) {
+/// The part of a triangle between two lines across the second axis, along the first.
+inline LuxelSpan SpanBetween(const LuxelTriangle &triangle, float top, float bottom) {
     LuxelSpan span;
     for (std::size_t i = 0; i < 3; ++i) {
         const auto &p = triangle[i], &q = triangle[(i + 1) % 3];
@@ -121,27 +124,36 @@ inline LuxelSpan SpanBetween(const std::array<std::array<float, 2>, 3> &triangle
     return span;
 }
 
-/// Part of a triangle in one row of luxels: a line through the middle of what it has there.
-struct LuxelRow {
-    LuxelSpan along;
-    float down = 0;
-    /// The point of the line nearest to the middle of luxel x: in the luxel or beside it.
-    std::array<float, 2> PlaceNear(int x) const { return {along.Nearest(float(x) + 0.5f), down}; }
-};
-
-/// Calls luxel(x, y, row) for each luxel of the lightmap that the triangle touches.
-template <typename Luxel>
-void ForLuxels(const std::array<std::array<float, 2>, 3> &triangle, int width, int height, const Luxel &luxel) {
+/// Calls luxel(x, y) for each luxel of the lightmap that the triangle touches.
+template <typename Luxel> void ForLuxels(const LuxelTriangle &triangle, int width, int height, const Luxel &luxel) {
     LuxelSpan tall;
     for (const auto &corner : triangle)
         tall.Add(corner[1]);
     for (int y = LuxelOf(tall.from, height), last = LuxelOf(tall.to, height); y <= last; ++y) {
-        const LuxelSpan touched = SpanBetween(triangle, float(y), float(y + 1));
-        const float down = tall.Nearest(float(y) + 0.5f);
-        const LuxelRow row{SpanBetween(triangle, down, down), down};
-        for (int x = LuxelOf(touched.from, width), end = LuxelOf(touched.to, width); x <= end; ++x)
-            luxel(x, y, row);
+        const LuxelSpan row = SpanBetween(triangle, float(y), float(y + 1));
+        for (int x = LuxelOf(row.from, width), end = LuxelOf(row.to, width); x <= end; ++x)
+            luxel(x, y);
     }
+}
+
+/// The middle of the triangle's part in luxel (x, y), which it touches.
+inline std::array<float, 2> MiddleIn(const LuxelTriangle &triangle, int x, int y) {
+    Winding<float> part, rest;
+    for (const auto &corner : triangle)
+        part.push_back({corner[0], corner[1], 0});
+    WindingCutter<float> cutter;
+    const auto cut = [&](const Vec3f &normal, float dist) {
+        cutter.Place(part, normal, dist, 0);
+        cutter.Back(part, rest);
+        if (!rest.empty())
+            part.swap(rest);
+    };
+    cut({1, 0, 0}, float(x + 1)), cut({-1, 0, 0}, float(-x));
+    cut({0, 1, 0}, float(y + 1)), cut({0, -1, 0}, float(-y));
+    Vec3f sum;
+    for (const Vec3f &p : part)
+        sum += p;
+    return {sum.x / float(part.size()), sum.y / float(part.size())};
 }
 
 /// Calls edge(p, q) for the edges of the triangle that run along an axis of the lightmap.

@@ -19,14 +19,12 @@ SurfaceVertex At(float s, float t) {
     return v;
 }
 
-using Triangle = std::array<std::array<float, 2>, 3>;
-
 constexpr int kWide = 40, kTall = 33;
 
-std::vector<Triangle> SomeTriangles() {
+std::vector<LuxelTriangle> SomeTriangles() {
     std::mt19937 random(7);
     std::uniform_real_distribution<float> across(0, kWide), down(0, kTall);
-    std::vector<Triangle> triangles;
+    std::vector<LuxelTriangle> triangles;
     for (int i = 0; i < 50; ++i)
         triangles.push_back(
             {{{across(random), down(random)}, {across(random), down(random)}, {across(random), down(random)}}});
@@ -34,14 +32,14 @@ std::vector<Triangle> SomeTriangles() {
 }
 
 /// Times that ForLuxels names each luxel.
-std::vector<int> Named(const Triangle &triangle) {
+std::vector<int> Named(const LuxelTriangle &triangle) {
     std::vector<int> times(kWide * kTall);
-    ForLuxels(triangle, kWide, kTall, [&](int x, int y, const LuxelRow &) { ++times[std::size_t(y * kWide + x)]; });
+    ForLuxels(triangle, kWide, kTall, [&](int x, int y) { ++times[std::size_t(y * kWide + x)]; });
     return times;
 }
 
 /// The triangle cut by the four sides of a luxel, and its area there.
-double AreaIn(const Triangle &triangle, int x, int y) {
+double AreaIn(const LuxelTriangle &triangle, int x, int y) {
     std::vector<std::array<double, 2>> w;
     for (const auto &p : triangle)
         w.push_back({p[0], p[1]});
@@ -66,7 +64,7 @@ double AreaIn(const Triangle &triangle, int x, int y) {
     return std::abs(area);
 }
 
-double Distance(const std::array<float, 2> &p, const Triangle &triangle) {
+double Distance(const std::array<float, 2> &p, const LuxelTriangle &triangle) {
     double least = 1e9;
     bool left = true, right = true;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -81,7 +79,7 @@ double Distance(const std::array<float, 2> &p, const Triangle &triangle) {
 }
 
 TEST(LuxelRasterTest, ALuxelThatHoldsPartOfATriangleIsNamedOnce) {
-    for (const Triangle &triangle : SomeTriangles()) {
+    for (const LuxelTriangle &triangle : SomeTriangles()) {
         const std::vector<int> times = Named(triangle);
         for (int y = 0; y < kTall; ++y)
             for (int x = 0; x < kWide; ++x) {
@@ -94,14 +92,16 @@ TEST(LuxelRasterTest, ALuxelThatHoldsPartOfATriangleIsNamedOnce) {
     }
 }
 
-TEST(LuxelRasterTest, PlacesOfLuxelsLieOnTheTriangle) {
-    for (const Triangle &triangle : SomeTriangles())
-        ForLuxels(triangle, kWide, kTall, [&](int x, int y, const LuxelRow &row) {
-            const auto place = row.PlaceNear(x);
-            EXPECT_LT(Distance(place, triangle), 1e-3);
-            EXPECT_GE(place[1], float(y));
-            EXPECT_LE(place[1], float(y + 1));
+TEST(LuxelRasterTest, MiddlesLieInTheLuxelAndOnTheTriangle) {
+    for (const LuxelTriangle &triangle : SomeTriangles())
+        ForLuxels(triangle, kWide, kTall, [&](int x, int y) {
+            const auto [across, down] = MiddleIn(triangle, x, y);
+            EXPECT_LT(Distance({across, down}, triangle), 1e-4);
+            EXPECT_NEAR(across, float(x) + 0.5f, 0.5001f);
+            EXPECT_NEAR(down, float(y) + 0.5f, 0.5001f);
         });
+    const LuxelTriangle tip = {{{52.6f, 115.5f}, {0.6f, 103.7f}, {0.5f, 115.5f}}};
+    EXPECT_GE(MiddleIn(tip, 1, 103)[0], 1) << "beside the corner, which is in the luxel before";
 }
 
 /// As SubdivideTriangle, which names luxels by the points that fall into them.
