@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Which surfaces rays need to meet besides solids.
+#include "q3map2/light/light_scene.h"
 #include "q3map2/light/shadow_casters.h"
 #include "tests/light/light_test.h"
 #include "tests/lightmap/surface_case.h"
@@ -49,6 +50,30 @@ TEST_F(CastersTest, FacesThatOverhangSolidsAreMetThemselves) {
     scene.AddQuad({{{96, 64, 64}, {96, 128, 64}, {160, 128, 64}, {160, 64, 64}}}, TestShader("textures/test/wall"));
     const TrianglesByKind casters = Casters(scene);
     EXPECT_NEAR(Area(casters[kSurfaces]), 64 * 64, 1);
+}
+
+/// Rays along x from x = 16 to 240; what stands in their way 32 or 128 units on.
+TEST_F(CastersTest, TheLegacyGridIgnoresSurfacesThatAreNearButNoSolids) {
+    SceneBuilder scene = Room({0, 0, 0}, {256, 512, 128});
+    const auto quad = [&](float x, float y) {
+        scene.AddQuad({{{x, y - 16, 32}, {x, y + 16, 32}, {x, y + 16, 96}, {x, y - 16, 96}}},
+                      TestShader("textures/test/wall"));
+    };
+    quad(48, 64), quad(144, 160), quad(48, 256), quad(144, 256);
+    scene.AddBox({40, 336, 16}, {48, 368, 112}, TestShader("textures/test/wall"), BoxKind::Structural);
+    SurfaceCase made(scene, folder);
+    const LightScene traced(made.bsp, made.table, made.settings.light, 64);
+    const auto arrives = [&](ShadowRules rules) {
+        RayPacket rays;
+        std::size_t lane = 0;
+        for (const float y : {64.0f, 160.0f, 256.0f, 352.0f, 448.0f})
+            rays.Aim(lane++, {16, y, 64}, {240, y, 64});
+        RayCounts counts;
+        traced.TraceToLight(rays, rules, counts);
+        return rays.live.Bits();
+    };
+    EXPECT_EQ(arrives(ShadowRules::LegacyGrid), 1u << 0 | 1u << 4) << "past the near quad, and with nothing in the way";
+    EXPECT_EQ(arrives(ShadowRules::Exact), 1u << 4);
 }
 
 } // namespace
