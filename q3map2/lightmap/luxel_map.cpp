@@ -246,10 +246,9 @@ void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, 
         const std::size_t luxel = raw_.SuperIndex(x, y);
         if (raw_.codes[luxel] != kUnmapped)
             return;
-        LuxelPlacer::Place place = placer_.Middle(x, y, {}, plane, offset_, *filter_, counts_.placed);
-        if (place.Closed())
-            place = placer_.Beside(x, y, place.xyz, vertexIn(x, y), plane, offset_, true, *filter_, counts_.placed);
-        Take(luxel, place, triangle[0].normal, 1);
+        const auto vertex = [&] { return vertexIn(x, y); };
+        Take(luxel, placer_.Find(x, y, {}, plane, offset_, true, *filter_, counts_.placed, vertex), triangle[0].normal,
+             1);
     });
 }
 
@@ -281,10 +280,8 @@ void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlan
         ++scratch_.hits[luxel];
         return;
     }
-    LuxelPlacer::Place place = placer_.Middle(x, y, v.xyz, plane, offset_, *filter_, counts_.placed);
-    if (place.Closed())
-        place = placer_.Beside(x, y, place.xyz, v, plane, offset_, true, *filter_, counts_.placed);
-    Take(luxel, place, normal(), 1);
+    const auto vertex = [&] { return v; };
+    Take(luxel, placer_.Find(x, y, v.xyz, plane, offset_, true, *filter_, counts_.placed, vertex), normal(), 1);
 }
 
 /// The luxel's place, found in that pass.
@@ -336,10 +333,9 @@ void LuxelMapper::MapRing(int pass) {
             v.normal = NormalAround(x, y, pass);
             if (v.normal == Vec3f{})
                 continue;
-            LuxelPlacer::Place place = placer_.Middle(x, y, {}, plane, kSampleOffset, filter, counts_.placed);
-            if (place.Closed())
-                place = placer_.Beside(x, y, place.xyz, v, plane, kSampleOffset, false, filter, counts_.placed);
-            Take(luxel, place, v.normal, pass);
+            const auto vertex = [&] { return v; };
+            Take(luxel, placer_.Find(x, y, {}, plane, kSampleOffset, false, filter, counts_.placed, vertex), v.normal,
+                 pass);
         }
 }
 

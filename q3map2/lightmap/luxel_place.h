@@ -48,16 +48,21 @@ class LuxelPlacer {
         int cluster = kSolidCluster;
         bool Closed() const { return cluster < 0; }
     };
-    /// The middle of super luxel (x, y), lifted off the surface by `offset`, game units. Where the lightmap has no
-    /// vectors, it lies at `onSurface`.
-    Place Middle(int x, int y, const Vec3f &onSurface, const LuxelPlane &plane, float offset, ClusterFilter &filter,
-                 PlacementCounts &counts);
-    /// An open place beside the middle, which is closed; `lastTry`: also right above v, where a surface passes through
-    /// the luxel. Closed if there is none.
-    Place Beside(int x, int y, const Vec3f &middle, const SurfaceVertex &v, const LuxelPlane &plane, float offset,
-                 bool lastTry, ClusterFilter &filter, PlacementCounts &counts);
+    /// Where super luxel (x, y) is lit from: its middle, or else an open place beside it; closed if there is none.
+    /// offset: lift off the surface, game units. Without vectors the middle lies at `onSurface`. `lastTry`: also right
+    /// above vertex(), where a surface passes through the luxel; it is asked where the middle is closed.
+    template <typename Vertex>
+    Place Find(int x, int y, const Vec3f &onSurface, const LuxelPlane &plane, float offset, bool lastTry,
+               ClusterFilter &filter, PlacementCounts &counts, const Vertex &vertex) {
+        const Place middle = Middle(x, y, onSurface, plane, offset, filter, counts);
+        return middle.Closed() ? Beside(x, y, middle.xyz, vertex(), plane, offset, lastTry, filter, counts) : middle;
+    }
 
   private:
+    Place Middle(int x, int y, const Vec3f &onSurface, const LuxelPlane &plane, float offset, ClusterFilter &filter,
+                 PlacementCounts &counts);
+    Place Beside(int x, int y, const Vec3f &middle, const SurfaceVertex &v, const LuxelPlane &plane, float offset,
+                 bool lastTry, ClusterFilter &filter, PlacementCounts &counts);
     /// The part of the tree around a few neighbouring luxels, made when the first of them is placed.
     struct Tile {
         Boundsf box;

@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. Samples of triangles and quads no farther apart than a threshold in luxels.
+// GPL-2.0-or-later. Which luxels surfaces lie in: those that a triangle touches, or samples no farther apart than a
+// threshold.
 #pragma once
 
 #include "libs/math/winding.h"
@@ -17,6 +18,7 @@ inline float LuxelDistance2(const SurfaceVertex &a, const SurfaceVertex &b) {
     const float s = a.luxel[0] - b.luxel[0], t = a.luxel[1] - b.luxel[1];
     return s * s + t * t;
 }
+
 /// The vertex between two whose normals are equal, if kFlat: the normal is not made a unit vector anew.
 template <bool kFlat> SurfaceVertex Between(const SurfaceVertex &a, const SurfaceVertex &b) {
     if constexpr (kFlat) {
@@ -104,7 +106,7 @@ inline int LuxelOf(float coordinate, int size) {
 /// Corners in a lightmap. Luxels.
 using LuxelTriangle = std::array<std::array<float, 2>, 3>;
 
-/// Of coordinates along an axis of the lightmap.
+/// Range of coordinates along an axis of the lightmap.
 struct LuxelSpan {
     float from = std::numeric_limits<float>::infinity(), to = -from;
     void Add(float at) { from = std::min(from, at), to = std::max(to, at); }
