@@ -297,9 +297,12 @@ class GridBlocks {
             LightContributionToPoint(*one.light, one.weight, settings, in_.scene, blocks_, arrivals_, work.counts);
             for (std::size_t block = 0; block < blocks_.size(); ++block)
                 if (arrivals_[block].live.Any()) {
-                    AddArrivals(*one.light, block);
+                    Lanes3 color;
+                    SetColors(*one.light, arrivals_[block], color);
+                    // Light of other styles turns the direction, but this format has no place for its colour.
+                    records_.Add(block, color, one.light->style == 0, arrivals_[block]);
                     if (in_.options.cheapGrid || lights.size() > std::size_t(kMaxRecords))
-                        EndSated(block);
+                        EndSated(block, color);
                 }
         }
         for (std::size_t block = 0; block < blocks_.size(); ++block)
@@ -314,33 +317,23 @@ class GridBlocks {
     }
 
   private:
-    /// What one light gives to the points of a block.
-    void AddArrivals(const Light &light, std::size_t block);
-    /// Points that are white already, or have as many lights as are kept, want no more.
-    void EndSated(std::size_t block);
+    /// Points that are white, with what has just arrived, or have as many lights as are kept want no more.
+    void EndSated(std::size_t block, const Lanes3 &color);
     void AddOthers(std::size_t block, GridStats &work);
 
     const GridInputs &in_;
     std::span<LightPlaces> blocks_;
     GridRecords records_;
     std::vector<Arrivals> arrivals_;
-    Lanes3 colors_;           ///< of what arrived last
     std::vector<Vec3f> sums_; ///< of all styles; with -cheapgrid, for which white is enough
 };
 
-void GridBlocks::AddArrivals(const Light &light, std::size_t block) {
-    const Arrivals &arrivals = arrivals_[block];
-    SetColors(light, arrivals, colors_);
-    // Light of other styles turns the direction, but this format has no place for its colour.
-    records_.Add(block, colors_, light.style == 0, arrivals);
-}
-
-void GridBlocks::EndSated(std::size_t block) {
+void GridBlocks::EndSated(std::size_t block, const Lanes3 &color) {
     for (unsigned lanes = arrivals_[block].live.Bits(); lanes != 0; lanes &= lanes - 1) {
         const auto i = std::size_t(std::countr_zero(lanes));
         bool white = false;
         if (in_.options.cheapGrid) {
-            const Vec3f sum = sums_[block * kPacketSize + i] += colors_[i];
+            const Vec3f sum = sums_[block * kPacketSize + i] += color[i];
             white = sum.x >= 255 && sum.y >= 255 && sum.z >= 255;
         }
         blocks_[block].wanted.Set(i, !white && records_.Count(block, i) < kMaxRecords);
