@@ -188,8 +188,7 @@ Archive::Archive(std::filesystem::path path) : path_(std::move(path)), reader_(s
         throw Error("{}: the directory of the archive is damaged", path_.string());
     if (global.number_entry == 0)
         return;
-    // An entry takes at least 46 bytes of the directory.
-    entries_.reserve(std::size_t(std::min<std::uint64_t>(global.number_entry, fileSize_ / 46)));
+    entries_.reserve(std::size_t(std::min<std::uint64_t>(global.number_entry, fileSize_ / kHeaderSize)));
 
     if (!ReadPlainDirectory(global.number_entry)) {
         entries_.clear();

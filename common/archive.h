@@ -40,7 +40,7 @@ class Archive {
 
     struct Reader;
 
-    /// False, and nothing done: something is unusual about the directory.
+    /// False: something is unusual about the directory, and entries_ may hold part of it.
     bool ReadPlainDirectory(std::uint64_t count);
     void ReadAnyDirectory();
     void Add(std::string_view name, Entry entry);

@@ -41,7 +41,7 @@ std::vector<bool> SolidLeafs(const Bsp &bsp) {
     return solid;
 }
 
-void CountTriangles(TreeWalk<double> &tree, const Triangled &triangle, double epsilon, std::vector<int> &counts) {
+void CountTriangles(TreeWalk<double> &tree, const TriangleCorners &triangle, double epsilon, std::vector<int> &counts) {
     const Vec3d facing = -WindingAreaVector(triangle); // clockwise seen from the front
     tree.Walk(
         tree.Root(), triangle, epsilon,
@@ -52,7 +52,7 @@ void CountTriangles(TreeWalk<double> &tree, const Triangled &triangle, double ep
         });
 }
 
-bool SolidBehind(TreeWalk<double> &tree, const Triangled &triangle, const std::vector<bool> &solidLeafs,
+bool SolidBehind(TreeWalk<double> &tree, const TriangleCorners &triangle, const std::vector<bool> &solidLeafs,
                  const std::vector<bool> &others, bool &othersToo) {
     const Vec3d facing = -WindingAreaVector(triangle);
     othersToo = true;

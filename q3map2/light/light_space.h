@@ -91,7 +91,7 @@ class BspSpace {
 };
 
 /// Corners of a triangle. Game units.
-using Triangled = std::array<Vec3d, 3>;
+using TriangleCorners = std::array<Vec3d, 3>;
 
 /// By leaf: whether it is solid.
 std::vector<bool> SolidLeafs(const Bsp &bsp);
@@ -107,9 +107,9 @@ void SolidHulls(const Bsp &bsp, std::span<SolidHull> hulls);
 
 /// Cuts the triangle by the tree and adds to each leaf's count the triangles of its piece there. A triangle within
 /// epsilon (game units) of a node's plane goes to the side that it faces.
-void CountTriangles(TreeWalk<double> &tree, const Triangled &triangle, double epsilon, std::vector<int> &counts);
+void CountTriangles(TreeWalk<double> &tree, const TriangleCorners &triangle, double epsilon, std::vector<int> &counts);
 /// Whether all leafs right behind the triangle are solid; if so, `othersToo`: by the other list, too.
-bool SolidBehind(TreeWalk<double> &tree, const Triangled &triangle, const std::vector<bool> &solidLeafs,
+bool SolidBehind(TreeWalk<double> &tree, const TriangleCorners &triangle, const std::vector<bool> &solidLeafs,
                  const std::vector<bool> &others, bool &othersToo);
 
 } // namespace q3

@@ -38,7 +38,7 @@ struct Triangles {
         surface.push_back(surfaceNumber);
     }
     std::size_t Count() const { return surface.size(); }
-    Triangled Corners(std::size_t i) const {
+    TriangleCorners Corners(std::size_t i) const {
         const float *c = corners.data() + 9 * i;
         return {{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}};
     }
