@@ -140,9 +140,9 @@ struct LightScene::State {
     // Not every run needs these: the first ray that does has them made.
     std::once_flag legacyMade, legacySunsMade, blockersMade;
     std::mutex making;
-    ScenePtr legacyAll;                                ///< see MakeLegacy
-    ScenePtr legacySolids, legacySurfaces;             ///< see MakeLegacySuns
-    ScenePtr solidHull, legacySurfaceSolids, blockers; ///< for TraceBlockers, see MakeBlockers
+    ScenePtr legacyAll;                          ///< see MakeLegacy
+    ScenePtr legacySolids, legacySurfaces;       ///< see MakeLegacySuns
+    ScenePtr solidHull, blockerSolids, blockers; ///< for TraceBlockers, see MakeBlockers
 
     /// Shadow casters for receivers of another group than 1, who are shadowed by some groups only.
     struct Group {
@@ -169,6 +169,8 @@ struct LightScene::State {
     }
 
     void MakeGeometries(Casters &casters) const;
+    /// If there are triangles of that kind, which are in Embree from here on.
+    void MakeGeometry(GeometryId id, Casters &casters) const;
     ScenePtr MakeScene(const Casters &casters, std::initializer_list<GeometryId> ids) const;
     ScenePtr MakeScene(std::initializer_list<GeometryId> ids) const { return MakeScene(main, ids); }
     void MakeGroup(int receiveShadows);
@@ -252,37 +254,35 @@ void LightScene::State::MakeLegacySuns() {
 void LightScene::State::MakeBlockers() {
     Once(blockersMade, [&] {
         solidHull = MakeScene({kSolids});
-        blockers = MakeScene({kSurfaces, kOpenedSurfaces, kCoveredSurfaces, kPatches, kFilters, kFilterPatches});
-        Triangles &solids = main.triangles[kLegacySurfaceSolids];
-        TrianglesByKind again; // the first ones are in Embree now
-        AddSurfaces(bsp, table, options, 1, again);
-        AddSolids(bsp, LegacySolidLeafs(bsp, again, kLegacySurfaceEpsilon), solids);
-        if (solids.Count() == 0)
-            return;
-        main.geometries[kLegacySurfaceSolids] = NewTriangles(device.get(), solids.corners);
-        solids.corners = {};
-        legacySurfaceSolids = MakeScene({kLegacySurfaceSolids});
+        AddBlockers(bsp, table, options, main.triangles);
+        MakeGeometry(kBlockerSolids, main);
+        MakeGeometry(kBlockerSurfaces, main);
+        blockerSolids = MakeScene({kBlockerSolids});
+        blockers = MakeScene({kBlockerSurfaces, kPatches, kFilters, kFilterPatches});
     });
 }
 
 void LightScene::State::MakeGeometries(Casters &casters) const {
-    for (std::size_t id = 0; id < kGeometries; ++id) {
-        if (casters.triangles[id].Count() == 0)
-            continue;
-        casters.geometries[id] = NewTriangles(device.get(), casters.triangles[id].corners);
-        const RTCGeometry geometry = casters.geometries[id].get();
-        if (id == kFilters || id == kFilterPatches) {
-            rtcSetGeometryOccludedFilterFunction(geometry, FilterHit);
-            casters.filterSurfaces[id] = {&casters.triangles[id], &table};
-            rtcSetGeometryUserData(geometry, &casters.filterSurfaces[id]);
-            rtcSetGeometryIntersectFilterFunction(geometry, OpaqueHit);
-            rtcCommitGeometry(geometry);
-        } else
-            casters.triangles[id].corners = {};
-        if (id == kLegacySurfaces) {
-            rtcSetGeometryOccludedFilterFunction(geometry, NearSurfaceHit);
-            rtcCommitGeometry(geometry);
-        }
+    for (unsigned id = 0; id < kGeometries; ++id)
+        MakeGeometry(GeometryId(id), casters);
+}
+
+void LightScene::State::MakeGeometry(GeometryId id, Casters &casters) const {
+    if (casters.triangles[id].Count() == 0)
+        return;
+    casters.geometries[id] = NewTriangles(device.get(), casters.triangles[id].corners);
+    const RTCGeometry geometry = casters.geometries[id].get();
+    if (id == kFilters || id == kFilterPatches) {
+        rtcSetGeometryOccludedFilterFunction(geometry, FilterHit);
+        casters.filterSurfaces[id] = {&casters.triangles[id], &table};
+        rtcSetGeometryUserData(geometry, &casters.filterSurfaces[id]);
+        rtcSetGeometryIntersectFilterFunction(geometry, OpaqueHit);
+        rtcCommitGeometry(geometry);
+    } else
+        casters.triangles[id].corners = {};
+    if (id == kLegacySurfaces) {
+        rtcSetGeometryOccludedFilterFunction(geometry, NearSurfaceHit);
+        rtcCommitGeometry(geometry);
     }
 }
 
@@ -487,7 +487,7 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
     blockers.hit = {};
     const State::Group *group = s.FindGroup(receiveShadows);
     const ScenePtr &scene = kind == BlockerKind::Solids         ? s.solidHull
-                            : kind == BlockerKind::LegacySolids ? s.legacySurfaceSolids
+                            : kind == BlockerKind::LegacySolids ? s.blockerSolids
                             : group                             ? group->blockers
                                                                 : s.blockers;
     if (!scene || receiveShadows == 0)
@@ -508,8 +508,7 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
 std::vector<LightScene::BlockerTriangle> LightScene::BlockerTriangles() const {
     state_->MakeBlockers();
     std::vector<BlockerTriangle> result;
-    for (const GeometryId id :
-         {kLegacySurfaceSolids, kSurfaces, kOpenedSurfaces, kCoveredSurfaces, kPatches, kFilters, kFilterPatches}) {
+    for (const GeometryId id : {kBlockerSolids, kBlockerSurfaces, kPatches, kFilters, kFilterPatches}) {
         const RTCGeometry geometry = state_->main.geometries[id].get();
         if (!geometry)
             continue;

@@ -106,17 +106,18 @@ void AddFaces(const std::vector<Winding<double>> &faces, Triangles &triangles) {
             triangles.Add(Vec3f(w[0]), Vec3f(w[i - 1]), Vec3f(w[i]), -1);
 }
 
-/// Most surfaces are faces of solids, whose hull blocks the same rays. Moves those of kSurfaces out of it.
-void SetCoveredAside(const Bsp &bsp, const std::vector<bool> &solidLeafs, const std::vector<bool> &legacySolidLeafs,
+/// Most surfaces are faces of solids, whose hull blocks the same rays. Leaves those out of kSurfaces and
+/// kLegacySurfaces.
+void LeaveCoveredOut(const Bsp &bsp, const std::vector<bool> &solidLeafs, const std::vector<bool> &legacySolidLeafs,
                      TrianglesByKind &triangles) {
     const Triangles all = std::exchange(triangles[kSurfaces], {});
     TreeWalk<double> tree(bsp);
     for (std::size_t i = 0; i < all.Count(); ++i) {
         bool legacy = false;
         const bool covered = SolidBehind(tree, all.Corners(i), solidLeafs, legacySolidLeafs, legacy);
-        const GeometryId kind = !covered ? kSurfaces : legacy ? kCoveredSurfaces : kOpenedSurfaces;
-        triangles[kind].Copy(all, i);
-        if (kind != kCoveredSurfaces)
+        if (!covered)
+            triangles[kSurfaces].Copy(all, i);
+        if (!covered || !legacy)
             triangles[kLegacySurfaces].Copy(all, i);
     }
 }
@@ -136,8 +137,20 @@ TrianglesByKind ShadowCasters(const Bsp &bsp, const SurfaceTable &table, const L
     SolidHulls(bsp, hulls);
     AddFaces(hulls[0].faces, triangles[kSolids]);
     AddFaces(hulls[1].faces, triangles[kLegacySolids]);
-    SetCoveredAside(bsp, hulls[0].solidLeafs, hulls[1].solidLeafs, triangles);
+    LeaveCoveredOut(bsp, hulls[0].solidLeafs, hulls[1].solidLeafs, triangles);
     return triangles;
+}
+
+void AddBlockers(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, TrianglesByKind &triangles) {
+    TrianglesByKind all;
+    AddSurfaces(bsp, table, options, 1, all);
+    const std::vector<bool> solidLeafs = LegacySolidLeafs(bsp, all, kBlockerEpsilon);
+    AddSolids(bsp, solidLeafs, triangles[kBlockerSolids]);
+    TreeWalk<double> tree(bsp);
+    bool same = true;
+    for (std::size_t i = 0; i < all[kSurfaces].Count(); ++i)
+        if (!SolidBehind(tree, all[kSurfaces].Corners(i), solidLeafs, solidLeafs, same))
+            triangles[kBlockerSurfaces].Copy(all[kSurfaces], i);
 }
 
 std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles, double epsilon) {

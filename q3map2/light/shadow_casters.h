@@ -14,16 +14,15 @@ namespace q3 {
 /// Kinds of shadow casters: rays of different passes meet different ones.
 enum GeometryId : unsigned {
     kSolids,
-    kSurfaces,        ///< that no solid covers: the hull blocks the same rays as those on faces of solids
-    kOpenedSurfaces,  ///< covered by solids, but not by kLegacySolids
-    kCoveredSurfaces, ///< covered by kLegacySolids
+    kSurfaces, ///< that no solid covers: the hull blocks the same rays as those on faces of solids
     kPatches,
     kSkies,
     kFilters,
     kFilterPatches,
-    kLegacySolids,        ///< for the legacy grid
-    kLegacySurfaces,      ///< for the legacy grid: kSurfaces and kOpenedSurfaces
-    kLegacySurfaceSolids, ///< for dirt and floodlight on surfaces
+    kLegacySolids,    ///< for the legacy grid
+    kLegacySurfaces,  ///< for the legacy grid: those that kLegacySolids do not cover
+    kBlockerSolids,   ///< for dirt and floodlight on surfaces
+    kBlockerSurfaces, ///< for those too: those that kBlockerSolids do not cover
     kGeometries
 };
 
@@ -53,17 +52,19 @@ struct Triangles {
 
 using TrianglesByKind = std::array<Triangles, kGeometries>;
 
-/// All that shadows receivers of group 1, but for kLegacySurfaceSolids.
+/// All that shadows receivers of group 1, but for kBlockerSolids and kBlockerSurfaces.
 TrianglesByKind ShadowCasters(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options);
 /// Adds the surfaces that shadow receivers of that group; all of the world's to kSurfaces, covered or not.
 void AddSurfaces(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, int receiveShadows,
                  TrianglesByKind &triangles);
 /// Adds the hull of solid leafs.
 void AddSolids(const Bsp &bsp, std::vector<bool> solidLeafs, Triangles &triangles);
+/// Sets kBlockerSolids and kBlockerSurfaces.
+void AddBlockers(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, TrianglesByKind &triangles);
 /// Solid leafs as the established program sees them: without those that surfaces sunk into walls have opened. A surface
-/// reaches into a leaf by more than epsilon, in game units; kLegacySolids or kLegacySurfaceSolids.
+/// reaches into a leaf by more than epsilon, in game units; kLegacySolids or kBlockerSolids.
 std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles, double epsilon);
 /// Found by comparing with what that program stores: one value for both makes one of them differ.
-inline constexpr double kLegacyGridEpsilon = 0.25, kLegacySurfaceEpsilon = 0.05;
+inline constexpr double kLegacyGridEpsilon = 0.25, kBlockerEpsilon = 0.05;
 
 } // namespace q3
