@@ -234,21 +234,11 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
 /// A triangle of a planar lightmap where one sample a luxel tells all.
 void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane) {
     const LuxelTriangle flat = {triangle[0].luxel, triangle[1].luxel, triangle[2].luxel};
-    const auto vertexIn = [&](int x, int y) {
-        const auto [across, down] = MiddleIn(flat, x, y);
-        SurfaceVertex v;
-        v.xyz = OntoPlane(raw_.origin + raw_.step[0] * (across - 0.5f) + raw_.step[1] * (down - 0.5f),
-                          AxesOf(raw_.axis).along, plane.normal, plane.dist);
-        v.normal = triangle[0].normal;
-        return v;
-    };
     ForLuxels(flat, superWidth_, superHeight_, [&](int x, int y) {
         const std::size_t luxel = raw_.SuperIndex(x, y);
-        if (raw_.codes[luxel] != kUnmapped)
-            return;
-        const auto vertex = [&] { return vertexIn(x, y); };
-        Take(luxel, placer_.Find(x, y, {}, plane, offset_, true, *filter_, counts_.placed, vertex), triangle[0].normal,
-             1);
+        if (raw_.codes[luxel] == kUnmapped)
+            Take(luxel, placer_.Find(x, y, nullptr, plane, offset_, true, *filter_, counts_.placed), triangle[0].normal,
+                 1);
     });
 }
 
@@ -280,8 +270,7 @@ void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlan
         ++scratch_.hits[luxel];
         return;
     }
-    const auto vertex = [&] { return v; };
-    Take(luxel, placer_.Find(x, y, v.xyz, plane, offset_, true, *filter_, counts_.placed, vertex), normal(), 1);
+    Take(luxel, placer_.Find(x, y, &v, plane, offset_, true, *filter_, counts_.placed), normal(), 1);
 }
 
 /// The luxel's place, found in that pass.
@@ -329,13 +318,9 @@ void LuxelMapper::MapRing(int pass) {
             const std::size_t luxel = raw_.SuperIndex(x, y);
             if (raw_.codes[luxel] != kUnmapped || touching[luxel] == 0)
                 continue;
-            SurfaceVertex v;
-            v.normal = NormalAround(x, y, pass);
-            if (v.normal == Vec3f{})
-                continue;
-            const auto vertex = [&] { return v; };
-            Take(luxel, placer_.Find(x, y, {}, plane, kSampleOffset, false, filter, counts_.placed, vertex), v.normal,
-                 pass);
+            if (const Vec3f normal = NormalAround(x, y, pass); normal != Vec3f{})
+                Take(luxel, placer_.Find(x, y, nullptr, plane, kSampleOffset, false, filter, counts_.placed), normal,
+                     pass);
         }
 }
 

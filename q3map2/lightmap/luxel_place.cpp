@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. From where one luxel is lit: a place in the open near its surface.
 #include "q3map2/lightmap/luxel_place.h"
 
+#include "q3map2/lightmap/luxel_raster.h"
+
 #include <cmath>
 
 namespace q3 {
@@ -134,11 +136,12 @@ bool LuxelPlacer::AnyOpen(const Boundsf &box, const Tile &tile) const {
     return region.AnyOpen(from, to, kBrushEpsilon);
 }
 
-Vec3f LuxelPlacer::OnSurface(int x, int y, const Vec3f &onSurface, const LuxelPlane &plane) const {
-    Vec3f p = onSurface;
-    if (raw_.hasVectors)
-        p = OntoPlane(raw_.origin + raw_.step[0] * float(x) + raw_.step[1] * float(y), axes_.along, plane.normal,
-                      plane.dist);
+Vec3f LuxelPlacer::OnPlane(float x, float y, const LuxelPlane &plane) const {
+    return OntoPlane(raw_.origin + raw_.step[0] * x + raw_.step[1] * y, axes_.along, plane.normal, plane.dist);
+}
+
+Vec3f LuxelPlacer::OnSurface(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane) const {
+    Vec3f p = raw_.hasVectors ? OnPlane(float(x), float(y), plane) : sample->xyz;
     if (in_.lightmap.triangleCheck && plane.triangle)
         p = IntoTriangle(p, *plane.triangle, plane.normal);
     return p;
@@ -153,9 +156,9 @@ std::array<Vec3f, 2> LuxelPlacer::NudgeSteps(const LuxelPlane &plane) const {
     return steps;
 }
 
-LuxelPlacer::Place LuxelPlacer::Middle(int x, int y, const Vec3f &onSurface, const LuxelPlane &plane, float offset,
+LuxelPlacer::Place LuxelPlacer::Middle(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset,
                                        ClusterFilter &filter, PlacementCounts &counts) {
-    Vec3f p = OnSurface(x, y, onSurface, plane);
+    Vec3f p = OnSurface(x, y, sample, plane);
     const float lift = Lift(plane, offset);
     if (raw_.hasVectors)
         p[axes_.along] += lift;
@@ -166,15 +169,36 @@ LuxelPlacer::Place LuxelPlacer::Middle(int x, int y, const Vec3f &onSurface, con
     return {p, cluster};
 }
 
-LuxelPlacer::Place LuxelPlacer::Beside(int x, int y, const Vec3f &middle, const SurfaceVertex &v,
+Vec3f LuxelPlacer::Above(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset) const {
+    if (sample)
+        return sample->xyz + sample->normal * offset;
+    const auto &[a, b, c] = *plane.triangle;
+    const auto [across, down] = MiddleIn({a.luxel, b.luxel, c.luxel}, x, y);
+    return OnPlane(across - 0.5f, down - 0.5f, plane) + a.normal * offset;
+}
+
+Boundsf LuxelPlacer::AboveBox(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset) const {
+    Boundsf box;
+    if (sample)
+        box.Add(Above(x, y, sample, plane, offset));
+    else
+        for (const float across : {-0.5f, 0.5f})
+            for (const float down : {-0.5f, 0.5f})
+                box.Add(OnPlane(float(x) + across, float(y) + down, plane) + (*plane.triangle)[0].normal * offset);
+    return box;
+}
+
+LuxelPlacer::Place LuxelPlacer::Beside(int x, int y, const Vec3f &middle, const SurfaceVertex *sample,
                                        const LuxelPlane &plane, float offset, bool lastTry, ClusterFilter &filter,
                                        PlacementCounts &counts) {
     const Tile &tile = TileOf(x, y, middle, Lift(plane, offset));
-    const Vec3f probe = Probe(plane), above = v.xyz + v.normal * offset;
+    const Vec3f probe = Probe(plane);
     const auto steps = NudgeSteps(plane);
     Boundsf box = BoxAround(middle + probe, steps);
-    if (lastTry)
-        box.Add(above);
+    if (lastTry) {
+        const Boundsf above = AboveBox(x, y, sample, plane, offset);
+        box.Add(above.mins), box.Add(above.maxs);
+    }
     if (in_.lightmap.dark || !AnyOpen(box, tile)) {
         ++counts.failed;
         return {};
@@ -186,9 +210,13 @@ LuxelPlacer::Place LuxelPlacer::Beside(int x, int y, const Vec3f &middle, const 
             return {nudged, cluster};
         }
     }
-    const int cluster = lastTry ? ClusterAt(above, tile, filter) : kSolidCluster;
-    ++(cluster >= 0 ? counts.atVertex : counts.failed);
-    return {above, cluster};
+    Place place;
+    if (lastTry) {
+        place.xyz = Above(x, y, sample, plane, offset);
+        place.cluster = ClusterAt(place.xyz, tile, filter);
+    }
+    ++(place.Closed() ? counts.failed : counts.atVertex);
+    return place;
 }
 
 } // namespace q3

@@ -49,20 +49,24 @@ class LuxelPlacer {
         bool Closed() const { return cluster < 0; }
     };
     /// Where super luxel (x, y) is lit from: its middle, or else an open place beside it; closed if there is none.
-    /// offset: lift off the surface, game units. Without vectors the middle lies at `onSurface`. `lastTry`: also right
-    /// above vertex(), where a surface passes through the luxel; it is asked where the middle is closed.
-    template <typename Vertex>
-    Place Find(int x, int y, const Vec3f &onSurface, const LuxelPlane &plane, float offset, bool lastTry,
-               ClusterFilter &filter, PlacementCounts &counts, const Vertex &vertex) {
-        const Place middle = Middle(x, y, onSurface, plane, offset, filter, counts);
-        return middle.Closed() ? Beside(x, y, middle.xyz, vertex(), plane, offset, lastTry, filter, counts) : middle;
+    /// offset: lift off the surface, game units. sample: where the surface passes through the luxel; without vectors
+    /// the middle is there. Null: somewhere in plane.triangle, of a planar lightmap. `lastTry`: also right above the
+    /// sample, or the middle of the triangle's part in the luxel.
+    Place Find(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset, bool lastTry,
+               ClusterFilter &filter, PlacementCounts &counts) {
+        const Place middle = Middle(x, y, sample, plane, offset, filter, counts);
+        return middle.Closed() ? Beside(x, y, middle.xyz, sample, plane, offset, lastTry, filter, counts) : middle;
     }
 
   private:
-    Place Middle(int x, int y, const Vec3f &onSurface, const LuxelPlane &plane, float offset, ClusterFilter &filter,
-                 PlacementCounts &counts);
-    Place Beside(int x, int y, const Vec3f &middle, const SurfaceVertex &v, const LuxelPlane &plane, float offset,
+    Place Middle(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset,
+                 ClusterFilter &filter, PlacementCounts &counts);
+    Place Beside(int x, int y, const Vec3f &middle, const SurfaceVertex *sample, const LuxelPlane &plane, float offset,
                  bool lastTry, ClusterFilter &filter, PlacementCounts &counts);
+    /// The last try.
+    Vec3f Above(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset) const;
+    /// Holds it.
+    Boundsf AboveBox(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset) const;
     /// The part of the tree around a few neighbouring luxels, made when the first of them is placed.
     struct Tile {
         Boundsf box;
@@ -75,7 +79,9 @@ class LuxelPlacer {
     int ClusterAt(const Vec3f &p, const Tile &tile, ClusterFilter &filter) const;
     /// Whether some place of the box may be open.
     bool AnyOpen(const Boundsf &box, const Tile &tile) const;
-    Vec3f OnSurface(int x, int y, const Vec3f &onSurface, const LuxelPlane &plane) const;
+    /// Where the lightmap's (x, y) is on the plane, in luxels from the middle of the first.
+    Vec3f OnPlane(float x, float y, const LuxelPlane &plane) const;
+    Vec3f OnSurface(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane) const;
     float Lift(const LuxelPlane &plane, float offset) const {
         return plane.normal[axes_.along] >= 0 ? offset : -offset;
     }

@@ -7,6 +7,7 @@
 #include "q3map2/lightmap/lightmaps.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 namespace q3 {
@@ -147,8 +148,14 @@ inline std::array<float, 2> MiddleIn(const LuxelTriangle &triangle, int x, int y
     const auto cut = [&](const Vec3f &normal, float dist) {
         cutter.Place(part, normal, dist, 0);
         cutter.Back(part, rest);
-        if (!rest.empty())
-            part.swap(rest);
+        if (rest.empty()) { // only touches the luxel: by an edge or a corner
+            float least = std::numeric_limits<float>::infinity();
+            for (const Vec3f &p : part)
+                least = std::min(least, Dot(normal, p));
+            std::copy_if(part.begin(), part.end(), std::back_inserter(rest),
+                         [&](const Vec3f &p) { return Dot(normal, p) == least; });
+        }
+        part.swap(rest);
     };
     cut({1, 0, 0}, float(x + 1)), cut({-1, 0, 0}, float(-x));
     cut({0, 1, 0}, float(y + 1)), cut({0, -1, 0}, float(-y));

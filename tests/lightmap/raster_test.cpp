@@ -104,6 +104,13 @@ TEST(LuxelRasterTest, MiddlesLieInTheLuxelAndOnTheTriangle) {
     EXPECT_GE(MiddleIn(tip, 1, 103)[0], 1) << "beside the corner, which is in the luxel before";
 }
 
+TEST(LuxelRasterTest, MiddlesOfTrianglesThatOnlyTouchALuxelLieWhereTheyDo) {
+    const LuxelTriangle below = {{{6.5f, 5}, {1.5f, 9}, {23, 9}}};
+    const std::array<float, 2> onEdge = MiddleIn(below, 10, 9), atCorner = MiddleIn(below, 23, 9);
+    EXPECT_EQ(onEdge, (std::array<float, 2>{10.5f, 9}));
+    EXPECT_EQ(atCorner, (std::array<float, 2>{23, 9}));
+}
+
 /// As SubdivideTriangle, which names luxels by the points that fall into them.
 TEST(LuxelRasterTest, EdgesAndCornersOnLuxelBordersBelongToTheNextLuxel) {
     std::vector<int> expected(kWide * kTall);
