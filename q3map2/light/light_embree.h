@@ -77,8 +77,10 @@ GeometryPtr NewTriangles(RTCDevice device, std::span<const float> corners);
 
 /// Live rays between `nearest` and `distance` along unit directions. The others' numbers may be anything, but Embree
 /// looks at all rays on processors without vectors of 16 numbers: there they become rays that end before they start.
+/// nearest: a float, or one for each ray.
+template <typename Nearest>
 inline void SetRays(const Lanes3 &origin, const Lanes3 &direction, const Lanes &distance, const LaneMask &live,
-                    float nearest, RTCRay16 &rays) {
+                    const Nearest &nearest, RTCRay16 &rays) {
     const auto row = [&](const Lanes &from, float none, float *to) {
         for (std::size_t i = 0; i < kPacketSize; ++i)
             to[i] = live[i] != 0 ? from[i] : none;
@@ -86,7 +88,10 @@ inline void SetRays(const Lanes3 &origin, const Lanes3 &direction, const Lanes &
     row(origin.x, 0, rays.org_x), row(origin.y, 0, rays.org_y), row(origin.z, 0, rays.org_z);
     row(direction.x, 0, rays.dir_x), row(direction.y, 0, rays.dir_y), row(direction.z, 1, rays.dir_z);
     row(distance, -1, rays.tfar);
-    std::fill_n(rays.tnear, kPacketSize, nearest);
+    if constexpr (std::is_same_v<Nearest, Lanes>)
+        std::copy_n(nearest.begin(), kPacketSize, rays.tnear);
+    else
+        std::fill_n(rays.tnear, kPacketSize, float(nearest));
     std::fill_n(rays.time, kPacketSize, 0.0f);
     std::fill_n(rays.mask, kPacketSize, ~0u);
     std::fill_n(rays.flags, kPacketSize, 0u);

@@ -209,13 +209,19 @@ void ClipToSky(const SkyHits &hits, int skyIndex, RayPacket &packet) {
     packet.distance = hits.distance;
 }
 
-/// Nearest hit of every live ray.
-Q3_VECTOR void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayHit16 &hits) {
+/// Nearest hit of every live ray beyond its `nearest`.
+Q3_VECTOR void FindNearest(RTCScene scene, const RayPacket &packet, const Lanes &nearest, RTCRayHit16 &hits) {
     SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, hits.ray);
     std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
     EmbreeContext context;
     InitContext(context);
     Intersect16(packet.live.data(), scene, context, hits);
+}
+
+void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayHit16 &hits) {
+    Lanes all;
+    all.fill(nearest);
+    FindNearest(scene, packet, all, hits);
 }
 
 } // namespace
@@ -479,7 +485,7 @@ void LightScene::TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts 
             packet.distance[i] = blockers.ray.tfar[i];
 }
 
-void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int receiveShadows, float nearest,
+void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int receiveShadows, const Lanes &nearest,
                                Blockers &blockers, RayCounts &counts) const {
     state_->MakeBlockers();
     const State &s = *state_;

@@ -84,10 +84,10 @@ class LightScene {
         LegacySolids, ///< without those that surfaces sunk into them open to the established program
         Surfaces      ///< that cast shadows; see-through ones where their texel is opaque
     };
-    /// The first blocker of a kind beyond `nearest` on each live ray; none for receivers of group 0. For dirt, and
+    /// The first blocker of a kind on each live ray beyond its `nearest`; none for receivers of group 0. For dirt, and
     /// floodlight on surfaces.
-    void TraceBlockers(const RayPacket &packet, BlockerKind kind, int receiveShadows, float nearest, Blockers &blockers,
-                       RayCounts &counts) const;
+    void TraceBlockers(const RayPacket &packet, BlockerKind kind, int receiveShadows, const Lanes &nearest,
+                       Blockers &blockers, RayCounts &counts) const;
     struct BlockerTriangle {
         std::array<Vec3f, 3> corners;
         int surface = -1;        ///< as in Blockers

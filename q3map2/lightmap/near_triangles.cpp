@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
+#include <span>
 
 namespace q3 {
 
@@ -98,7 +98,7 @@ Q3_VECTOR void SetForms(const NearTriangles::Group &group, const NearTriangles::
         const Vec3f a = group.a[i], b = group.b[i], s = beam.middle - group.corner[i], p = Cross(d, b);
         const float determinant = Dot(a, p), size = std::abs(determinant);
         const float inverse = 1 / (size < kLeastDeterminant ? 1 : determinant);
-        const Vec3f u = p * inverse, v = Cross(a, d) * inverse, t = Cross(a, b) * inverse;
+        const Vec3f u = p * inverse, v = Cross(a, d) * inverse, t = group.across[i] * inverse;
         const float um = Dot(s, u), vm = Dot(s, v), tm = Dot(s, t), tr = reach(t);
         us.slope.x[i] = u.x, us.slope.y[i] = u.y, us.slope.z[i] = u.z, us.middle[i] = um;
         vs.slope.x[i] = v.x, vs.slope.y[i] = v.y, vs.slope.z[i] = v.z, vs.middle[i] = vm;
@@ -111,49 +111,58 @@ Q3_VECTOR void SetForms(const NearTriangles::Group &group, const NearTriangles::
     forms.u = us, forms.v = vs, forms.t = ts, met = found;
 }
 
+using Groups = std::span<const NearTriangles::Group>;
+using GroupForms = std::span<const NearTriangles::Forms>;
+
 /// The rest of the test, for the triangles that `met` says and all rays: those that meet one before what they have met
 /// so far.
-Q3_VECTOR void MeetTriangles(const NearTriangles::Group &group, const NearTriangles::Forms &forms, const Lanes3 &starts,
-                             const LaneMask &live, float nearest, LightScene::Blockers &first) {
+Q3_VECTOR void MeetTriangles(Groups groups, GroupForms all, const Lanes3 &starts, const LaneMask &live,
+                             const Lanes &nearest, LightScene::Blockers &first) {
     LightScene::Blockers now = first; // out of the way of what is read
-    for (unsigned met = forms.met; met != 0; met &= met - 1) {
-        const auto k = std::size_t(std::countr_zero(met));
-        const Vec3f u = forms.u.slope[k], v = forms.v.slope[k], t = forms.t.slope[k];
-        const float um = forms.u.middle[k], vm = forms.v.middle[k], tm = forms.t.middle[k];
-        const std::int32_t surface = group.surface[k];
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
-            const Vec3f start = starts[i];
-            const float ui = um + Dot(u, start), vi = vm + Dot(v, start), ti = tm + Dot(t, start);
-            const std::int32_t out = Sign(ui + kEdge) | Sign(vi + kEdge) | Sign(1 + kEdge - (ui + vi)) |
-                                     Sign(ti - nearest) | Sign(now.distance[i] - ti);
-            const std::int32_t meets = (~out >> 31) & live[i];
-            now.distance[i] = meets != 0 ? ti : now.distance[i];
-            now.surface[i] = meets != 0 ? surface : now.surface[i];
-            now.hit[i] |= meets;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const NearTriangles::Forms &forms = all[g];
+        for (unsigned met = forms.met; met != 0; met &= met - 1) {
+            const auto k = std::size_t(std::countr_zero(met));
+            const Vec3f u = forms.u.slope[k], v = forms.v.slope[k], t = forms.t.slope[k];
+            const float um = forms.u.middle[k], vm = forms.v.middle[k], tm = forms.t.middle[k];
+            const std::int32_t surface = groups[g].surface[k];
+            for (std::size_t i = 0; i < kPacketSize; ++i) {
+                const Vec3f start = starts[i];
+                const float ui = um + Dot(u, start), vi = vm + Dot(v, start), ti = tm + Dot(t, start);
+                const std::int32_t out = Sign(ui + kEdge) | Sign(vi + kEdge) | Sign(1 + kEdge - (ui + vi)) |
+                                         Sign(ti - nearest[i]) | Sign(now.distance[i] - ti);
+                const std::int32_t meets = (~out >> 31) & live[i];
+                now.distance[i] = meets != 0 ? ti : now.distance[i];
+                now.surface[i] = meets != 0 ? surface : now.surface[i];
+                now.hit[i] |= meets;
+            }
         }
     }
     first = now;
 }
 
 /// The whole test where directions differ.
-Q3_VECTOR void MeetTriangles(const NearTriangles::Group &group, unsigned met, const RayPacket &packet,
-                             const LaneMask &live, float nearest, LightScene::Blockers &first) {
+Q3_VECTOR void MeetTriangles(Groups groups, GroupForms forms, const RayPacket &packet, const LaneMask &live,
+                             const Lanes &nearest, LightScene::Blockers &first) {
     LightScene::Blockers now = first; // out of the way of what is read
-    for (; met != 0; met &= met - 1) {
-        const auto k = std::size_t(std::countr_zero(met));
-        const Vec3f corner = group.corner[k], a = group.a[k], b = group.b[k];
-        const std::int32_t surface = group.surface[k];
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
-            const Vec3f d = packet.direction[i], p = Cross(d, b), s = packet.origin[i] - corner, q = Cross(s, a);
-            const float determinant = Dot(a, p), size = std::abs(determinant);
-            const float inverse = 1 / (size < kLeastDeterminant ? 1 : determinant);
-            const float u = Dot(s, p) * inverse, v = Dot(d, q) * inverse, t = Dot(b, q) * inverse;
-            const std::int32_t out = Sign(size - kLeastDeterminant) | Sign(u + kEdge) | Sign(v + kEdge) |
-                                     Sign(1 + kEdge - (u + v)) | Sign(t - nearest) | Sign(now.distance[i] - t);
-            const std::int32_t meets = (~out >> 31) & live[i];
-            now.distance[i] = meets != 0 ? t : now.distance[i];
-            now.surface[i] = meets != 0 ? surface : now.surface[i];
-            now.hit[i] |= meets;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const NearTriangles::Group &group = groups[g];
+        for (unsigned met = forms[g].met; met != 0; met &= met - 1) {
+            const auto k = std::size_t(std::countr_zero(met));
+            const Vec3f corner = group.corner[k], a = group.a[k], b = group.b[k];
+            const std::int32_t surface = group.surface[k];
+            for (std::size_t i = 0; i < kPacketSize; ++i) {
+                const Vec3f d = packet.direction[i], p = Cross(d, b), s = packet.origin[i] - corner, q = Cross(s, a);
+                const float determinant = Dot(a, p), size = std::abs(determinant);
+                const float inverse = 1 / (size < kLeastDeterminant ? 1 : determinant);
+                const float u = Dot(s, p) * inverse, v = Dot(d, q) * inverse, t = Dot(b, q) * inverse;
+                const std::int32_t out = Sign(size - kLeastDeterminant) | Sign(u + kEdge) | Sign(v + kEdge) |
+                                         Sign(1 + kEdge - (u + v)) | Sign(t - nearest[i]) | Sign(now.distance[i] - t);
+                const std::int32_t meets = (~out >> 31) & live[i];
+                now.distance[i] = meets != 0 ? t : now.distance[i];
+                now.surface[i] = meets != 0 ? surface : now.surface[i];
+                now.hit[i] |= meets;
+            }
         }
     }
     first = now;
@@ -195,7 +204,7 @@ void NearTriangles::Append(const Group &from, std::size_t lane) {
     if (to == 0)
         groups_.push_back(from); // its lanes are set one by one from here on
     Group &last = groups_.back();
-    for (auto row : {&Group::mins, &Group::maxs, &Group::corner, &Group::a, &Group::b})
+    for (auto row : {&Group::mins, &Group::maxs, &Group::corner, &Group::a, &Group::b, &Group::across})
         (last.*row).Set(to, (from.*row)[lane]);
     last.surface[to] = from.surface[lane];
     last.seeThrough = (to == 0 ? 0 : last.seeThrough) | ((from.seeThrough >> lane & 1u) << to);
@@ -205,7 +214,7 @@ void NearTriangles::Add(const LightScene::BlockerTriangle &triangle) {
     const auto &[a, b, c] = triangle.corners;
     Group one{};
     one.mins.Set(0, Min(a, Min(b, c))), one.maxs.Set(0, Max(a, Max(b, c)));
-    one.corner.Set(0, a), one.a.Set(0, b - a), one.b.Set(0, c - a);
+    one.corner.Set(0, a), one.a.Set(0, b - a), one.b.Set(0, c - a), one.across.Set(0, Cross(b - a, c - a));
     one.surface[0] = triangle.surface;
     one.seeThrough = triangle.seeThrough ? 1 : 0;
     Append(one, 0);
@@ -254,22 +263,25 @@ NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneM
     if (forms_.size() < groups_.size())
         forms_.resize(groups_.size());
     const NarrowBeam narrow(beam, nearest);
+    narrow_ = beam.narrow, middle_ = narrow.middle;
     if (const Outcome outcome = FindMet(beam, narrow); outcome != Outcome::Traced)
         return outcome;
+    Lanes nearests;
+    nearests.fill(nearest);
+    return TraceOn(packet, live, nearests, blockers);
+}
+
+NearTriangles::Outcome NearTriangles::TraceOn(const RayPacket &packet, const LaneMask &live, const Lanes &nearest,
+                                              LightScene::Blockers &blockers) const {
     blockers.hit = {};
     blockers.surface.fill(-1);
     blockers.distance = packet.distance;
-    Lanes3 starts;
-    if (beam.narrow)
-        SetStarts(packet.origin, narrow.middle, starts);
-    for (std::size_t i = 0; i < groups_.size(); ++i) {
-        if (forms_[i].met == 0)
-            continue;
-        if (beam.narrow)
-            MeetTriangles(groups_[i], forms_[i], starts, live, nearest, blockers);
-        else
-            MeetTriangles(groups_[i], forms_[i].met, packet, live, nearest, blockers);
-    }
+    if (narrow_) {
+        Lanes3 starts;
+        SetStarts(packet.origin, middle_, starts);
+        MeetTriangles(groups_, forms_, starts, live, nearest, blockers);
+    } else
+        MeetTriangles(groups_, forms_, packet, live, nearest, blockers);
     return blockers.hit.Any() ? Outcome::Traced : Outcome::Missed;
 }
 

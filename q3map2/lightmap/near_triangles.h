@@ -39,10 +39,13 @@ class NearTriangles {
     /// would find it. The beam holds all of them.
     Outcome Trace(const RayPacket &packet, const LaneMask &live, const RayBeam &beam, float nearest,
                   LightScene::Blockers &blockers);
+    /// After Traced: the first triangle beyond each ray's own `nearest` on some of the same rays; Missed or Traced.
+    Outcome TraceOn(const RayPacket &packet, const LaneMask &live, const Lanes &nearest,
+                    LightScene::Blockers &blockers) const;
 
-    /// Sixteen triangles: bounds, the first corner and the edges from it to the others.
+    /// Sixteen triangles: bounds, the first corner, the edges from it to the others, and those edges' cross product.
     struct Group {
-        Lanes3 mins, maxs, corner, a, b;
+        Lanes3 mins, maxs, corner, a, b, across;
         std::array<std::int32_t, kPacketSize> surface;
         unsigned seeThrough = 0; ///< bits of lanes
     };
@@ -67,7 +70,10 @@ class NearTriangles {
 
     std::size_t count_ = 0;
     std::vector<Group> groups_;
-    std::vector<Forms> forms_; ///< by group, of the last beam
+    // Of the last beam.
+    std::vector<Forms> forms_; ///< by group
+    bool narrow_ = false;
+    Vec3f middle_;
 };
 
 } // namespace q3

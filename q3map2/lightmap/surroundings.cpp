@@ -2,9 +2,9 @@
 #include "q3map2/lightmap/surroundings.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 namespace q3 {
 
@@ -114,6 +114,22 @@ Vec3f RandomDirection(std::uint32_t seed, std::size_t ray) {
             float(std::cos(elevation))};
 }
 
+/// Share of a ray, from its place on, that lies behind what blocks it.
+float ShareBehind(float distance, float length) {
+    return 1 - std::max(0.0f, distance - kBack) / std::max(kStep, length - kBack);
+}
+
+/// Ends rays that are blocked farther than `sure`; `close`: those that are before.
+Q3_VECTOR void EndFar(const LightScene::Blockers &blockers, float sure, const Lanes &length, LaneMask &live,
+                      Lanes &missing, LaneMask &close) {
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const std::int32_t hit = blockers.hit[i], far = hit & (Sign(sure - blockers.distance[i]) >> 31);
+        missing[i] += far != 0 ? ShareBehind(blockers.distance[i], length[i]) : 0;
+        live[i] &= ~far;
+        close[i] = hit & ~far;
+    }
+}
+
 bool IsOwn(const OpenPlaces &places, int surface) {
     return std::find(places.surfaces.begin(), places.surfaces.end(), surface) != places.surfaces.end();
 }
@@ -185,47 +201,50 @@ struct Surroundings::Walk {
     NearTriangles *nearby;
     const RayBeam *beam;
     float nearest;
+    float sure; ///< what is farther than this counts
 
-    /// Ends in `live` the rays that are blocked, by counts(ray, distance, from the place to the hit, what it is).
+    /// Ends in `live` the rays that are blocked. counts(ray, distance, what it is) is asked about what is nearer than
+    /// `sure`; distances are from where rays start.
     template <typename Counts> void Run(LaneMask &live, Lanes &missing, RayCounts &work, const Counts &counts) const {
-        using Outcome = NearTriangles::Outcome;
+        Lanes from;
+        from.fill(nearest);
+        LaneMask going = live;
         LightScene::Blockers blockers;
-        const Outcome outcome = nearby ? nearby->Trace(rays, live, *beam, nearest, blockers) : Outcome::NotKnown;
-        if (outcome != Outcome::NotKnown)
-            work.rays += std::uint64_t(live.Count());
-        if (outcome == Outcome::Missed)
-            return;
-        if (outcome == Outcome::NotKnown) {
-            RayPacket all = rays;
-            all.live = live;
-            scene.TraceBlockers(all, kind, places.receiveShadows, nearest, blockers, work);
-        }
-        std::optional<RayPacket> rest; // of rays whose hits do not count; few packets have some
-        Lanes done{};                  // of each ray, before `rest`
+        Outcome outcome = nearby ? nearby->Trace(rays, going, *beam, nearest, blockers) : Outcome::NotKnown;
         for (int hit = 0; hit < kMostPassed; ++hit) {
-            LaneMask goesOn{};
-            for (std::size_t i = 0; i < places.count; ++i) {
-                if (blockers.hit[i] == 0)
-                    continue;
-                const float distance = done[i] + blockers.distance[i];
-                if (counts(i, distance, blockers.surface[i])) {
-                    missing[i] += 1 - std::max(0.0f, distance - kBack) / std::max(kStep, rays.distance[i] - kBack);
-                    live[i] = 0;
-                    continue;
-                }
-                const float step = blockers.distance[i] + kStep;
-                done[i] += step;
-                if (!rest)
-                    rest = rays;
-                rest->origin.Set(i, rest->origin[i] + rest->direction[i] * step);
-                rest->distance[i] = rays.distance[i] - done[i];
-                goesOn[i] = -1;
-            }
-            if (!rest || !goesOn.Any())
+            if (outcome == Outcome::NotKnown)
+                TraceInScene(going, from, blockers, work);
+            else
+                work.rays += std::uint64_t(going.Count());
+            if (outcome == Outcome::Missed)
                 return;
-            rest->live = goesOn;
-            scene.TraceBlockers(*rest, kind, places.receiveShadows, 0, blockers, work);
+            LaneMask close;
+            EndFar(blockers, sure, rays.distance, live, missing, close);
+            going = {};
+            for (unsigned lanes = close.Bits(); lanes != 0; lanes &= lanes - 1) {
+                const auto i = std::size_t(std::countr_zero(lanes));
+                const float distance = blockers.distance[i];
+                if (counts(i, distance, blockers.surface[i])) {
+                    missing[i] += ShareBehind(distance, rays.distance[i]);
+                    live[i] = 0;
+                } else {
+                    from[i] = distance + kStep;
+                    going[i] = -1;
+                }
+            }
+            if (!going.Any())
+                return;
+            if (outcome == Outcome::Traced)
+                outcome = nearby->TraceOn(rays, going, from, blockers);
         }
+    }
+
+  private:
+    using Outcome = NearTriangles::Outcome;
+    void TraceInScene(const LaneMask &going, const Lanes &from, LightScene::Blockers &blockers, RayCounts &work) const {
+        RayPacket some = rays;
+        some.live = going;
+        scene.TraceBlockers(some, kind, places.receiveShadows, from, blockers, work);
     }
 };
 
@@ -233,10 +252,10 @@ void Surroundings::Gather(const OpenPlaces &places, const RayPacket &rays, const
                           const BspRegion &space, Nearby *nearby, Lanes &missing, RayCounts &counts) const {
     LaneMask live = rays.live;
     const RayBeam *const beam = nearby ? &nearby->beam : nullptr;
-    const Walk solids{scene_, places, rays, rules.solids, nearby ? &nearby->solids : nullptr, beam, 0};
+    const Walk solids{scene_, places, rays, rules.solids, nearby ? &nearby->solids : nullptr, beam, 0, 2 * kBack};
     solids.Run(live, missing, counts, [&](std::size_t ray, float distance, int) {
         // Rays that leave a wall which the place touches are free.
-        return distance > 2 * kBack || EntersSolid(space, rays, ray, distance);
+        return EntersSolid(space, rays, ray, distance);
     });
     if (!live.Any())
         return;
@@ -246,10 +265,9 @@ void Surroundings::Gather(const OpenPlaces &places, const RayPacket &rays, const
                         LightScene::BlockerKind::Surfaces,
                         nearby ? &nearby->surfaces : nullptr,
                         beam,
-                        rules.nearest + kBack};
-    surfaces.Run(live, missing, counts, [&](std::size_t, float distance, int surface) {
-        return distance > rules.ownSurface + kBack || !IsOwn(places, surface);
-    });
+                        rules.nearest + kBack,
+                        rules.ownSurface + kBack};
+    surfaces.Run(live, missing, counts, [&](std::size_t, float, int surface) { return !IsOwn(places, surface); });
 }
 
 Surroundings::Surroundings(const SurfaceInputs &in)
