@@ -292,16 +292,22 @@ void LuxelMapper::MakeUnitNormals() {
             raw_.normals[i] = Normalize(raw_.normals[i]);
 }
 
-/// Mean normal of neighbours that an earlier pass mapped; zero without any.
+/// Mean normal of neighbours that an earlier pass mapped; zero without any. Of equal ones not a bit differs: blocks of
+/// luxels that all face the same way take less time.
 Vec3f LuxelMapper::NormalAround(int x, int y, int pass) const {
     Vec3f sum;
+    const Vec3f *one = nullptr;
+    bool equal = true;
     for (int v = std::max(0, y - 1); v <= std::min(raw_.SuperHeight() - 1, y + 1); ++v)
         for (int u = std::max(0, x - 1); u <= std::min(raw_.SuperWidth() - 1, x + 1); ++u) {
             const std::size_t luxel = raw_.SuperIndex(u, v);
-            if (raw_.Mapped(luxel) && scratch_.passes[luxel] < pass)
-                sum += raw_.normals[luxel];
+            if (!raw_.Mapped(luxel) || scratch_.passes[luxel] >= pass)
+                continue;
+            sum += raw_.normals[luxel];
+            equal = equal && (!one || *one == raw_.normals[luxel]);
+            one = &raw_.normals[luxel];
         }
-    return Normalize(sum);
+    return one && equal ? *one : Normalize(sum);
 }
 
 /// Luxels beside the surface that touch mapped ones: texture filtering reads them.

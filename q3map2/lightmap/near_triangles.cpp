@@ -55,6 +55,12 @@ Q3_VECTOR bool Extents(const RayPacket &packet, std::array<float, 6> &low, std::
     return same;
 }
 
+/// Square of the distance between two boxes.
+float Gap2(const Boundsf &a, const Boundsf &b) {
+    const Vec3f gap = Max(Max(a.mins - b.maxs, b.mins - a.maxs), {});
+    return Dot(gap, gap);
+}
+
 /// Triangles whose bounds are within `reach` of a box, and not behind a plane.
 struct Neighbourhood {
     Boundsf box;
@@ -218,6 +224,8 @@ void NearTriangles::Add(const LightScene::BlockerTriangle &triangle) {
     one.surface[0] = triangle.surface;
     one.seeThrough = triangle.seeThrough ? 1 : 0;
     Append(one, 0);
+    bounds_.resize(groups_.size());
+    bounds_.back().Add(Boundsf{one.mins[0], one.maxs[0]});
 }
 
 void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, float reach) {
@@ -226,11 +234,13 @@ void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, flo
 
 void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, float reach, const Vec3f &normal,
                            float dist) {
-    groups_.clear();
+    groups_.clear(), bounds_.clear();
     count_ = 0;
     const Neighbourhood around{starts, reach, normal, dist};
     LaneMask near;
     for (std::size_t group = 0; group < from.groups_.size(); ++group) {
+        if (group < from.bounds_.size() && Gap2(from.bounds_[group], starts) > reach * reach)
+            continue;
         FindNear(from.groups_[group], around, near);
         for (unsigned lanes = near.Bits() & from.Used(group); lanes != 0; lanes &= lanes - 1)
             Append(from.groups_[group], std::size_t(std::countr_zero(lanes)));

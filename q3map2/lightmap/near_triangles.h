@@ -70,6 +70,7 @@ class NearTriangles {
 
     std::size_t count_ = 0;
     std::vector<Group> groups_;
+    std::vector<Boundsf> bounds_; ///< by group; none of those that were selected
     // Of the last beam.
     std::vector<Forms> forms_; ///< by group
     bool narrow_ = false;

@@ -277,9 +277,14 @@ Surroundings::Surroundings(const SurfaceInputs &in)
     if (random_)
         dirtDirections_.assign(kRandomRays, {});
     dirtDirections_.push_back({0, 0, 1});
-    if (in.lightmap.dirty)
+}
+
+const Surroundings::Nearby &Surroundings::All() const {
+    std::call_once(allMade_, [&] {
         for (const LightScene::BlockerTriangle &triangle : scene_.BlockerTriangles())
             (triangle.surface < 0 ? all_.solids : all_.surfaces).Add(triangle);
+    });
+    return all_;
 }
 
 void Surroundings::Dirt(std::span<const OpenPlaces> blocks, std::vector<Lanes> &dirt, RayCounts &counts) const {
@@ -292,8 +297,8 @@ void Surroundings::Dirt(std::span<const OpenPlaces> blocks, std::vector<Lanes> &
     const float reach = depth_ + kReachSlack;
     Nearby around, nearby;
     if (!box.Empty()) {
-        around.solids.Select(all_.solids, box, reach);
-        around.surfaces.Select(all_.surfaces, box, reach);
+        around.solids.Select(All().solids, box, reach);
+        around.surfaces.Select(All().surfaces, box, reach);
     }
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         bool few = false;

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -60,7 +61,10 @@ class Surroundings {
     float depth_, scale_, gain_;
     bool random_;
     std::vector<Vec3f> dirtDirections_, floodDirections_; ///< right, up, normal
-    Nearby all_;                                          ///< for dirt
+    /// For dirt of luxels; made when the first asks.
+    const Nearby &All() const;
+    mutable std::once_flag allMade_;
+    mutable Nearby all_;
 };
 
 /// Floodlight of the world and of a shader together.
