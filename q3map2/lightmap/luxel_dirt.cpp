@@ -8,18 +8,24 @@ namespace {
 /// Every value becomes the mean of itself and its mapped neighbours that have any, in place and row by row: later
 /// luxels see what earlier ones became. That is how dirt is known to look.
 void SmoothDirt(RawLightmap &raw) {
-    const int width = raw.SuperWidth(), height = raw.SuperHeight();
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            float sum = 0, count = 0;
-            for (int ny = std::max(0, y - 1); ny <= std::min(height - 1, y + 1); ++ny)
-                for (int nx = std::max(0, x - 1); nx <= std::min(width - 1, x + 1); ++nx) {
-                    const std::size_t neighbour = raw.SuperIndex(nx, ny);
-                    const bool self = nx == x && ny == y;
-                    if (self || (raw.Mapped(neighbour) && raw.dirt[neighbour] > 0))
-                        sum += raw.dirt[neighbour], count += 1;
-                }
-            raw.dirt[raw.SuperIndex(x, y)] = sum / count;
+    const auto width = std::size_t(raw.SuperWidth()), height = std::size_t(raw.SuperHeight()), row = width + 2;
+    std::vector<float> counted(row * (height + 2)); // with a border; 0 where a neighbour does not count
+    const auto at = [&](std::size_t x, std::size_t y) { return (y + 1) * row + x + 1; };
+    for (std::size_t y = 0; y < height; ++y)
+        for (std::size_t x = 0; x < width; ++x)
+            if (const std::size_t luxel = y * width + x; raw.Mapped(luxel))
+                counted[at(x, y)] = raw.dirt[luxel];
+    for (std::size_t y = 0; y < height; ++y)
+        for (std::size_t x = 0; x < width; ++x) {
+            float &own = counted[at(x, y)];
+            float sum = 0, count = own > 0 ? 0 : 1; // itself counts always
+            for (const float *left = &own - row - 1; left <= &own + row - 1; left += row)
+                for (const float value : {left[0], left[1], left[2]})
+                    sum += value, count += value > 0 ? 1 : 0;
+            const std::size_t luxel = y * width + x;
+            raw.dirt[luxel] = sum / count;
+            if (raw.Mapped(luxel))
+                own = raw.dirt[luxel];
         }
 }
 

@@ -2,6 +2,10 @@
 #pragma once
 
 #include "q3map2/lightmap/luxel_blocks.h"
+#include "q3map2/lightmap/luxel_place.h"
+
+#include <algorithm>
+#include <optional>
 
 namespace q3 {
 
@@ -79,6 +83,7 @@ class LuxelSampler {
     void TakeParts(const Closer &whole, std::span<Sample> parts, float bias, ContributionCounts &counts) const;
     Sample RandomSamples(int x, int y, ContributionCounts &counts) const;
     bool RowIsMixed(int y) const;
+    void Touch(std::size_t luxel) { first_ = std::min(first_, luxel), last_ = std::max(last_, luxel); }
 
     const SurfaceInputs *in_ = nullptr;
     const RawLightmap *lightmap_ = nullptr;
@@ -87,10 +92,11 @@ class LuxelSampler {
     LuxelPass pass_;
     int width_ = 0, height_ = 0, levels_ = 1, random_ = 0;
     float box_ = 1;
-    std::vector<std::uint8_t> allowed_;     ///< by cluster: samples may lie there; empty: in all
-    std::vector<std::uint8_t> mappedStamp_; ///< mapped luxels of the stamp from each luxel on
-    std::vector<std::uint8_t> lit_, done_;  ///< by luxel
+    mutable std::optional<ClusterFilter> allowed_; ///< where samples may lie
+    std::vector<std::uint8_t> mappedStamp_;        ///< mapped luxels of the stamp from each luxel on
+    std::vector<std::uint8_t> lit_, done_;         ///< by luxel
     std::vector<std::uint32_t> doneList_;
+    std::size_t first_ = 0, last_ = 0;    ///< that the light has set; first_ > last_: none
     std::vector<LuxelArrivals> arrivals_; ///< by block; only where lit_ says so
 };
 

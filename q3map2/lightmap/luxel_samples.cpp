@@ -51,13 +51,7 @@ void LuxelSampler::Start(const SurfaceInputs &in, const RawLightmap &lightmap, c
     levels_ = std::max(in.lightmap.samples, 1);
     random_ = in.lightmap.randomSamples ? RandomCount(levels_, in.lightmap.samplesExact) : 0;
     box_ = float(std::clamp(in.lightmap.samplesSearchBox, 1, 4));
-    allowed_.clear();
-    if (!lightmap.clusters.empty()) {
-        allowed_.assign(std::size_t(in.space.ClusterCount()), 0);
-        for (std::size_t c = 0; c < allowed_.size(); ++c)
-            allowed_[c] = std::any_of(lightmap.clusters.begin(), lightmap.clusters.end(),
-                                      [&](int from) { return from == int(c) || in.space.Visible(int(c), from); });
-    }
+    allowed_.emplace(in.space, lightmap.clusters);
     const std::size_t luxels = std::size_t(width_) * std::size_t(height_);
     mappedStamp_.assign(luxels, 0);
     for (int y = 0; y + 1 < height_; ++y)
@@ -66,12 +60,15 @@ void LuxelSampler::Start(const SurfaceInputs &in, const RawLightmap &lightmap, c
                 std::uint8_t(Mapped(x, y) + Mapped(x + 1, y) + Mapped(x, y + 1) + Mapped(x + 1, y + 1));
     lit_.assign(luxels, 0), done_.assign(luxels, 0);
     doneList_.clear();
+    first_ = luxels, last_ = 0;
     arrivals_.resize(blocks.Count());
 }
 
 void LuxelSampler::StartLight(const Light &light) {
     light_ = &light;
-    std::fill(lit_.begin(), lit_.end(), std::uint8_t(0));
+    if (first_ <= last_)
+        std::fill(lit_.data() + first_, lit_.data() + last_ + 1, std::uint8_t(0));
+    first_ = lit_.size(), last_ = 0;
     for (const std::uint32_t luxel : doneList_)
         done_[luxel] = 0;
     doneList_.clear();
@@ -84,6 +81,7 @@ void LuxelSampler::Put(std::size_t block, const LuxelArrivals &arrivals) {
     for (std::size_t i = 0; i < count; ++i) {
         const int value = (arrivals.lit[i] != 0 ? 1 : 0) + (arrivals.forced[i] != 0 ? kForced : 0);
         lit_[luxels[i]] = std::uint8_t(value);
+        Touch(luxels[i]);
     }
 }
 
@@ -94,7 +92,10 @@ bool LuxelSampler::RowIsMixed(int y) const {
 }
 
 void LuxelSampler::Refine(LuxelSum &sum, ContributionCounts &counts) {
-    for (int y = 0; y + 1 < height_; ++y) {
+    if (first_ > last_)
+        return;
+    const auto row = [&](std::size_t luxel) { return int(luxel / std::size_t(width_)); };
+    for (int y = std::max(0, row(first_) - 1); y + 1 < height_ && y <= row(last_); ++y) { // last_ grows on the way
         if (!RowIsMixed(y))
             continue;
         for (int x = 0; x + 1 < width_; ++x) {
@@ -145,6 +146,7 @@ void LuxelSampler::RefineStamp(int x, int y, LuxelSum &sum, ContributionCounts &
 /// What a closer look at the luxel gave.
 void LuxelSampler::SetLuxel(std::size_t luxel, const Sample &after, LuxelSum &sum) {
     done_[luxel] = 1;
+    Touch(luxel);
     doneList_.push_back(std::uint32_t(luxel));
     const Sample before = ReadLuxel(luxel);
     const auto slot = std::size_t(blocks_->SlotOf(luxel));
@@ -182,8 +184,8 @@ Vec3f LuxelSampler::Offset(int x, int y, float across, float down) const {
 }
 
 bool LuxelSampler::PlaceInOpen(const BspRegion &space, const Vec3f &place, int &cluster) const {
-    cluster = space.ClusterAt(place, kSampleMargin);
-    return cluster >= 0 && (allowed_.empty() || allowed_[std::size_t(cluster)] != 0);
+    cluster = allowed_->Allowed(space.ClusterAt(place, kSampleMargin));
+    return cluster >= 0;
 }
 
 /// Where the four parts of each sample lie, sample by sample.
