@@ -95,11 +95,10 @@ Q3_VECTOR void FindInBox(const NearTriangles::Group &group, const Vec3f &from, c
 
 /// Moeller and Trumbore's test, as far as it is the same for all rays of a beam.
 Q3_VECTOR void SetForms(const NearTriangles::Group &group, const NearTriangles::NarrowBeam &beam,
-                        NearTriangles::Forms &forms, LaneMask &met) {
+                        NearTriangles::Forms &__restrict forms, LaneMask &__restrict met) {
     const Vec3f d = beam.direction, h = beam.half;
     const auto reach = [&](const Vec3f &v) { return std::abs(v.x) * h.x + std::abs(v.y) * h.y + std::abs(v.z) * h.z; };
-    NearTriangles::Form us, vs, ts;
-    LaneMask found;
+    NearTriangles::Form &us = forms.u, &vs = forms.v, &ts = forms.t;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const Vec3f a = group.a[i], b = group.b[i], s = beam.middle - group.corner[i], p = Cross(d, b);
         const float determinant = Dot(a, p), size = std::abs(determinant);
@@ -109,12 +108,11 @@ Q3_VECTOR void SetForms(const NearTriangles::Group &group, const NearTriangles::
         us.slope.x[i] = u.x, us.slope.y[i] = u.y, us.slope.z[i] = u.z, us.middle[i] = um;
         vs.slope.x[i] = v.x, vs.slope.y[i] = v.y, vs.slope.z[i] = v.z, vs.middle[i] = vm;
         ts.slope.x[i] = t.x, ts.slope.y[i] = t.y, ts.slope.z[i] = t.z, ts.middle[i] = tm;
-        found[i] = ~(Sign(size - kLeastDeterminant) | Sign(um + reach(u) + kEdge) | Sign(vm + reach(v) + kEdge) |
-                     Sign(1 + kEdge - (um + vm) + reach(u + v)) | Sign(tm + tr - beam.nearest) |
-                     Sign(beam.length - (tm - tr))) >>
-                   31;
+        met[i] = ~(Sign(size - kLeastDeterminant) | Sign(um + reach(u) + kEdge) | Sign(vm + reach(v) + kEdge) |
+                   Sign(1 + kEdge - (um + vm) + reach(u + v)) | Sign(tm + tr - beam.nearest) |
+                   Sign(beam.length - (tm - tr))) >>
+                 31;
     }
-    forms.u = us, forms.v = vs, forms.t = ts, met = found;
 }
 
 using Groups = std::span<const NearTriangles::Group>;
@@ -200,11 +198,6 @@ RayBeam BeamOf(const RayPacket &packet) {
     return beam;
 }
 
-unsigned NearTriangles::Used(std::size_t group) const {
-    const std::size_t left = count_ - group * kPacketSize;
-    return left >= kPacketSize ? kAllLanes : (1u << left) - 1;
-}
-
 void NearTriangles::Append(const Group &from, std::size_t lane) {
     const std::size_t to = count_++ % kPacketSize;
     if (to == 0)
@@ -213,6 +206,7 @@ void NearTriangles::Append(const Group &from, std::size_t lane) {
     for (auto row : {&Group::mins, &Group::maxs, &Group::corner, &Group::a, &Group::b, &Group::across})
         (last.*row).Set(to, (from.*row)[lane]);
     last.surface[to] = from.surface[lane];
+    last.used = (2u << to) - 1;
     last.seeThrough = (to == 0 ? 0 : last.seeThrough) | ((from.seeThrough >> lane & 1u) << to);
 }
 
@@ -242,7 +236,7 @@ void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, flo
         if (group < from.bounds_.size() && Gap2(from.bounds_[group], starts) > reach * reach)
             continue;
         FindNear(from.groups_[group], around, near);
-        for (unsigned lanes = near.Bits() & from.Used(group); lanes != 0; lanes &= lanes - 1)
+        for (unsigned lanes = near.Bits() & from.groups_[group].used; lanes != 0; lanes &= lanes - 1)
             Append(from.groups_[group], std::size_t(std::countr_zero(lanes)));
     }
 }
@@ -257,7 +251,7 @@ NearTriangles::Outcome NearTriangles::FindMet(const RayBeam &beam, const NarrowB
             SetForms(groups_[i], narrow, forms_[i], lanes);
         else
             FindInBox(groups_[i], beam.from - slack, beam.to + slack, lanes);
-        const unsigned met = lanes.Bits() & Used(i);
+        const unsigned met = lanes.Bits() & groups_[i].used;
         if (count_ > kFew)
             many += std::size_t(std::popcount(met));
         if (many > kFew || (met & groups_[i].seeThrough) != 0)

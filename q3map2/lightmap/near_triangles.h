@@ -47,7 +47,7 @@ class NearTriangles {
     struct Group {
         Lanes3 mins, maxs, corner, a, b, across;
         std::array<std::int32_t, kPacketSize> surface;
-        unsigned seeThrough = 0; ///< bits of lanes
+        unsigned used = 0, seeThrough = 0; ///< bits of lanes
     };
     /// A number that is linear in where a ray starts: slope . start + middle.
     struct Form {
@@ -63,8 +63,6 @@ class NearTriangles {
 
   private:
     void Append(const Group &from, std::size_t lane);
-    /// Bits of lanes in use.
-    unsigned Used(std::size_t group) const;
     /// Sets `met` of forms_; Traced: some triangle may be met.
     Outcome FindMet(const RayBeam &beam, const NarrowBeam &narrow);
 
