@@ -124,6 +124,12 @@ Vec3f FromNeighbours(const RawLightmap &lightmap, const LuxelGrid &grid, int x, 
     return Max(sum / float(count), Vec3f{});
 }
 
+/// Gives back the memory of what only passes need, so that what comes next has it.
+void EndPasses(RawLightmap &lightmap) {
+    lightmap.places = {}, lightmap.dirt = {}, lightmap.floodlight = {};
+    lightmap.light = {}, lightmap.filled = {}, lightmap.directions = {};
+}
+
 /// Adds a pass to what there is; a luxel without value in one of them takes the other's.
 void Accumulate(const std::vector<Vec3f> &pass, bool store, std::vector<Vec3f> &result) {
     if (result.empty())
@@ -158,6 +164,8 @@ void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last
             if (grid.valid[i])
                 lightmap.resultDirections[i] += grid.directions[i];
     }
+    if (last)
+        EndPasses(lightmap);
 }
 
 } // namespace
