@@ -132,6 +132,10 @@ void EndPasses(RawLightmap &lightmap) {
 
 /// Adds a pass to what there is; a luxel without value in one of them takes the other's.
 void Accumulate(const std::vector<Vec3f> &pass, bool store, std::vector<Vec3f> &result) {
+    if (result.empty() && store) {
+        result = pass;
+        return;
+    }
     if (result.empty())
         result.assign(pass.size(), kUnused);
     for (std::size_t i = 0; i < pass.size(); ++i)
@@ -151,13 +155,12 @@ void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last
         averager.Fill(grid, style == 0 && !pass.bounce ? lightmap.ambient : Vec3f{});
         radiosity.resize(grid.colors.size());
         const LuxelMask touching = Spread(grid.valid, lightmap.width, lightmap.height);
+        std::size_t at = 0;
         for (int y = 0; y < lightmap.height; ++y)
-            for (int x = 0; x < lightmap.width; ++x) {
-                const std::size_t at = lightmap.Index(x, y);
+            for (int x = 0; x < lightmap.width; ++x, ++at)
                 radiosity[at] = grid.valid[at] ? Max(grid.colors[at], Vec3f{})
                                 : touching[at] ? FromNeighbours(lightmap, grid, x, y)
                                                : kUnused;
-            }
         Accumulate(radiosity, store, lightmap.result[style]);
         lightmap.resultDirections.resize(std::max(lightmap.resultDirections.size(), grid.directions.size()));
         for (std::size_t i = 0; i < grid.directions.size(); ++i)

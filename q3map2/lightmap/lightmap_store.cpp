@@ -146,22 +146,25 @@ class Storer {
             const StoredSlot &slot = stored_.slots[std::size_t(i)];
             if (slot.twin >= 0 || slot.page < 0)
                 return;
+            const ToneMapper bytes(1, slot.brightness, tone_);
             if (slot.solid)
-                return PutTexel(slot, 0, 0, slot.color, slot.direction);
+                return PutTexel(slot, 0, 0, slot.color, slot.direction, bytes);
             for (int y = 0; y < slot.height; ++y)
                 for (int x = 0; x < slot.width; ++x)
                     if (const std::size_t at = std::size_t(y) * std::size_t(slot.width) + std::size_t(x); slot.Used(at))
-                        PutTexel(slot, x, y, slot.texels[at], slot.directions.empty() ? Vec3f{} : slot.directions[at]);
+                        PutTexel(slot, x, y, slot.texels[at], slot.directions.empty() ? Vec3f{} : slot.directions[at],
+                                 bytes);
         });
         in_.jobs.For(std::int64_t(written_.size()),
                      [&](std::int64_t i, int) { FillPage(result_.pages[std::size_t(i)], written_[std::size_t(i)]); });
     }
 
-    void PutTexel(const StoredSlot &slot, int x, int y, const Vec3f &color, const Vec3f &direction) {
+    void PutTexel(const StoredSlot &slot, int x, int y, const Vec3f &color, const Vec3f &direction,
+                  const ToneMapper &bytes) {
         LightmapPage &page = result_.pages[std::size_t(slot.page)];
         const std::size_t at = std::size_t(slot.y + y) * std::size_t(page.width) + std::size_t(slot.x + x);
         const Vec3f least = slot.style == 0 ? in_.world.minLight : Vec3f{};
-        Put(page.colors, at, ColorToBytes(Max(color, least), 1, slot.brightness, tone_));
+        Put(page.colors, at, bytes.Bytes(Max(color, least)));
         if (!page.directions.empty())
             Put(page.directions, at, DirectionBytes(direction));
         if (!written_.empty())
