@@ -52,6 +52,17 @@ TEST_F(CastersTest, FacesThatOverhangSolidsAreMetThemselves) {
     EXPECT_NEAR(Area(casters[kSurfaces]), 64 * 64, 1);
 }
 
+TEST_F(CastersTest, DirtMeetsFacesOfSolidsAsSolidsAlone) {
+    SceneBuilder scene = Room({0, 0, 0}, {512, 256, 128});
+    scene.AddBox({64, 64, 32}, {128, 128, 96}, TestShader("textures/test/wall"), BoxKind::Structural);
+    scene.AddBox({256, 64, 32}, {288, 96, 64}, TestShader("textures/test/wall"), BoxKind::Detail);
+    SurfaceCase made(scene, folder);
+    TrianglesByKind casters;
+    AddBlockers(made.bsp, made.table, made.settings.light, casters);
+    EXPECT_NEAR(Area(casters[kBlockerSurfaces]), 6.0 * 32 * 32, 1);
+    EXPECT_GE(Area(casters[kBlockerSolids]), 2.0 * (512 * 256 + 512 * 128 + 256 * 128) + 6.0 * 64 * 64);
+}
+
 /// Rays along x from x = 16 to 240; what stands in their way 32 or 128 units on.
 TEST_F(CastersTest, TheLegacyGridIgnoresSurfacesThatAreNearButNoSolids) {
     SceneBuilder scene = Room({0, 0, 0}, {256, 512, 128});

@@ -171,6 +171,24 @@ TEST_F(LuxelTest, TrianglesMapWhatTheyTouchAndARing) {
     }
 }
 
+/// Their rays go together only if not a bit differs.
+TEST_F(LuxelTest, LuxelsBesideATiltedSurfaceHaveItsVeryNormal) {
+    const std::array<Vec3f, 3> corners{{{30, 20, 10}, {120, 420, 170}, {450, 60, 230}}};
+    SurfaceCase c(WithTriangle(EmptyRoom(), corners), folder);
+    const SurfaceLight surfaces = c.Mapped();
+    const RawLightmap &raw = LightmapOf(c, surfaces, kA);
+    const auto first = std::find_if(raw.codes.begin(), raw.codes.end(), [](int code) { return code >= 0; });
+    const Vec3f normal = raw.normals[std::size_t(first - raw.codes.begin())];
+    EXPECT_GT(std::abs(normal.x), 0.1f);
+    int mapped = 0;
+    for (std::size_t i = 0; i < raw.codes.size(); ++i)
+        if (raw.Mapped(i)) {
+            EXPECT_EQ(raw.normals[i], normal) << i;
+            ++mapped;
+        }
+    EXPECT_GT(mapped, 100);
+}
+
 TEST_F(LuxelTest, PlacesStayOnTheirSideOfAThinWall) {
     SceneBuilder scene = EmptyRoom({0, 0, 0}, {512, 256, 128});
     scene.AddBox({254, 0, 0}, {258, 256, 128}, Shaded("textures/test/wall"));

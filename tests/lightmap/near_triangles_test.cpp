@@ -23,8 +23,8 @@ struct Hit {
     bool doubtful = false;
 };
 
-/// The first triangle on a ray, by solving for the point in the triangle's plane.
-Hit FirstHit(const Triangles &triangles, const Vec3d &origin, const Vec3d &direction) {
+/// The first triangle beyond `nearest` on a ray, by solving for the point in the triangle's plane.
+Hit FirstHit(const Triangles &triangles, const Vec3d &origin, const Vec3d &direction, double nearest = kNearest) {
     Hit first;
     for (const LightScene::BlockerTriangle &triangle : triangles) {
         const Vec3d a(triangle.corners[0]), ab = Vec3d(triangle.corners[1]) - a, ac = Vec3d(triangle.corners[2]) - a;
@@ -33,7 +33,7 @@ Hit FirstHit(const Triangles &triangles, const Vec3d &origin, const Vec3d &direc
         const Vec3d p = origin + direction * t - a;
         const double u = Dot(Cross(p, ac), normal) / Dot(normal, normal);
         const double v = Dot(Cross(ab, p), normal) / Dot(normal, normal);
-        const double inside = std::min({u, v, 1 - u - v}), along = std::min(t - kNearest, kLength - t);
+        const double inside = std::min({u, v, 1 - u - v}), along = std::min(t - nearest, kLength - t);
         if (!(inside > -kEdge && along > -kEnd))
             continue;
         first.doubtful = first.doubtful || inside < kEdge || along < kEnd || std::abs(t - first.distance) < kEnd;
@@ -116,6 +116,43 @@ TEST_P(NearTrianglesTest, TheFirstTriangleOfEachRayIsFound) {
     EXPECT_GT(hits, 300);
     EXPECT_GT(misses, 300);
     EXPECT_LT(doubtful, 300);
+}
+
+TEST_P(NearTrianglesTest, RaysGoOnBehindWhatTheyMet) {
+    int second = 0, none = 0;
+    for (int round = 0; round < 200; ++round) {
+        const Triangles triangles = Some(20 + round % 40);
+        const RayPacket rays = Rays();
+        NearTriangles near;
+        for (const LightScene::BlockerTriangle &triangle : triangles)
+            near.Add(triangle);
+        LightScene::Blockers blockers;
+        if (near.Trace(rays, rays.live, BeamOf(rays), kNearest, blockers) != NearTriangles::Outcome::Traced)
+            continue;
+        const LaneMask on = blockers.hit;
+        Lanes behind = blockers.distance;
+        for (float &distance : behind)
+            distance += 0.5f;
+        const auto outcome = near.TraceOn(rays, on, behind, blockers);
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const bool hit = outcome == NearTriangles::Outcome::Traced && blockers.hit[i] != 0;
+            const Hit next = FirstHit(triangles, Vec3d(rays.origin[i]), Vec3d(rays.direction[i]), double(behind[i]));
+            if (on[i] == 0) {
+                EXPECT_FALSE(hit);
+                continue;
+            }
+            if (next.doubtful)
+                continue;
+            ASSERT_EQ(hit, next.surface >= 0) << round << " " << i;
+            ++(hit ? second : none);
+            if (!hit)
+                continue;
+            EXPECT_EQ(blockers.surface[i], next.surface);
+            EXPECT_NEAR(blockers.distance[i], next.distance, 1e-2);
+        }
+    }
+    EXPECT_GT(second, 30);
+    EXPECT_GT(none, 30);
 }
 
 TEST_P(NearTrianglesTest, SeeThroughTrianglesInTheWayAreLeftToTheScene) {
