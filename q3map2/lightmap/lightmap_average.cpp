@@ -143,6 +143,21 @@ void Accumulate(const std::vector<Vec3f> &pass, bool store, std::vector<Vec3f> &
             result[i] = (result[i].x >= 0 ? result[i] : Vec3f{}) + (store ? pass[i] : Vec3f{});
 }
 
+/// The first pass gives its vector away.
+void AddDirections(LuxelGrid &grid, std::vector<Vec3f> &result) {
+    const std::size_t count = grid.directions.size();
+    if (result.empty()) {
+        result.swap(grid.directions);
+        for (std::size_t i = 0; i < count; ++i)
+            if (!grid.valid[i])
+                result[i] = {};
+        return;
+    }
+    for (std::size_t i = 0; i < count; ++i)
+        if (grid.valid[i])
+            result[i] += grid.directions[i];
+}
+
 void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last, LuxelGrid &grid,
                      RawLightmap &lightmap) {
     const bool store = pass.bounce || !in.lightmap.bounceOnly || in.lightmap.bounces == 0;
@@ -162,10 +177,7 @@ void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last
                                 : touching[at] ? FromNeighbours(lightmap, grid, x, y)
                                                : kUnused;
         Accumulate(radiosity, store, lightmap.result[style]);
-        lightmap.resultDirections.resize(std::max(lightmap.resultDirections.size(), grid.directions.size()));
-        for (std::size_t i = 0; i < grid.directions.size(); ++i)
-            if (grid.valid[i])
-                lightmap.resultDirections[i] += grid.directions[i];
+        AddDirections(grid, lightmap.resultDirections);
     }
     if (last)
         EndPasses(lightmap);

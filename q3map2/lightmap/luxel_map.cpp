@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace q3 {
 
@@ -61,12 +62,13 @@ class LuxelMapper {
     MapCounts Run() {
         allOneNormal_ = HasOneNormal();
         for (std::size_t i = 0; i < raw_.surfaces.size(); ++i) {
-            if (i > 0)
+            if (std::exchange(anyClosed_, false)) // for one surface; the next may find a place
                 std::replace_if(
                     raw_.codes.begin(), raw_.codes.end(), [](int code) { return code < 0; }, int(kUnmapped));
             MapSurface(raw_.surfaces[i]);
         }
-        MakeUnitNormals();
+        if (anySums_)
+            MakeUnitNormals();
         if (raw_.planar)
             for (int pass = 2; pass <= std::max(1, raw_.super / 2) + 1; ++pass)
                 MapRing(pass);
@@ -105,6 +107,7 @@ class LuxelMapper {
     float threshold2_ = 1;
     int superWidth_ = 0, superHeight_ = 0;
     MapCounts counts_;
+    bool anyClosed_ = false, anySums_ = false; // some luxel is closed, or has the sum of several normals
 
     // Of the surface being mapped.
     float offset_ = kSampleOffset;
@@ -268,6 +271,7 @@ void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlan
     if (code >= 0) {
         raw_.normals[luxel] += normal();
         ++scratch_.hits[luxel];
+        anySums_ = true;
         return;
     }
     Take(luxel, placer_.Find(x, y, &v, plane, offset_, true, *filter_, counts_.placed), normal(), 1);
@@ -277,6 +281,7 @@ void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlan
 void LuxelMapper::Take(std::size_t luxel, const LuxelPlacer::Place &place, const Vec3f &normal, int pass) {
     if (place.Closed()) {
         raw_.codes[luxel] = kOccluded;
+        anyClosed_ = true;
         return;
     }
     raw_.codes[luxel] = place.cluster;
