@@ -66,8 +66,8 @@ struct RawLightmap {
     std::size_t SuperIndex(int x, int y) const { return std::size_t(y) * std::size_t(SuperWidth()) + std::size_t(x); }
     std::size_t Index(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
 
-    // Super grid, placed once: luxel_map.cpp. Places are kept, as what each pass sets is, until the last is averaged. A
-    // luxel is mapped if its code is a cluster, >= 0.
+    // Super grid, placed once: luxel_map.cpp. A luxel is mapped if its code is a cluster, >= 0. Averaging the last pass
+    // ends places, dirt, floodlight and what passes set.
     std::vector<Vec3f> places, normals;
     std::vector<int> codes; ///< cluster or LuxelCode
     bool Mapped(std::size_t luxel) const { return codes[luxel] >= 0; }

@@ -96,7 +96,7 @@ class LuxelSampler {
     std::vector<std::uint8_t> mappedStamp_;        ///< mapped luxels of the stamp from each luxel on
     std::vector<std::uint8_t> lit_, done_;         ///< by luxel
     std::vector<std::uint32_t> doneList_;
-    std::size_t first_ = 0, last_ = 0;    ///< that the light has set; first_ > last_: none
+    std::size_t first_ = 0, last_ = 0;    ///< of the luxels that the light has set; first_ > last_: none
     std::vector<LuxelArrivals> arrivals_; ///< by block; only where lit_ says so
 };
 

@@ -195,10 +195,8 @@ LuxelPlacer::Place LuxelPlacer::Beside(int x, int y, const Vec3f &middle, const 
     const Vec3f probe = Probe(plane);
     const auto steps = NudgeSteps(plane);
     Boundsf box = BoxAround(middle + probe, steps);
-    if (lastTry) {
-        const Boundsf above = AboveBox(x, y, sample, plane, offset);
-        box.Add(above.mins), box.Add(above.maxs);
-    }
+    if (lastTry)
+        box.Add(AboveBox(x, y, sample, plane, offset));
     if (in_.lightmap.dark || !AnyOpen(box, tile)) {
         ++counts.failed;
         return {};
