@@ -82,7 +82,7 @@ class LightScene {
     enum class BlockerKind {
         Solids,       ///< those behind skies too
         LegacySolids, ///< without those that surfaces sunk into them open to the established program
-        Surfaces      ///< that cast shadows; see-through ones where their texel is opaque
+        Surfaces ///< that cast shadows; see-through ones where their texel is opaque, for group 1 none on LegacySolids
     };
     /// The first blocker of a kind on each live ray beyond its `nearest`; none for receivers of group 0. For dirt, and
     /// floodlight on surfaces.

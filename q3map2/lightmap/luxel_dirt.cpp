@@ -19,9 +19,9 @@ void SmoothDirt(RawLightmap &raw) {
         for (std::size_t x = 0; x < width; ++x) {
             float &own = counted[at(x, y)];
             float sum = 0, count = own > 0 ? 0 : 1; // itself counts always
-            for (const float *left = &own - row - 1; left <= &own + row - 1; left += row)
-                for (const float value : {left[0], left[1], left[2]})
-                    sum += value, count += value > 0 ? 1 : 0;
+            for (const std::size_t first : {y * row + x, (y + 1) * row + x, (y + 2) * row + x})
+                for (std::size_t i = first; i < first + 3; ++i)
+                    sum += counted[i], count += counted[i] > 0 ? 1.0f : 0.0f;
             const std::size_t luxel = y * width + x;
             raw.dirt[luxel] = sum / count;
             if (raw.Mapped(luxel))

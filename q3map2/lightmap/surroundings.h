@@ -50,6 +50,8 @@ class Surroundings {
         float ownSurface;               ///< those that the place is on do not when nearer than this
     };
     struct Walk;
+    /// All that there are, for dirt of luxels; made when the first asks.
+    const Nearby &All() const;
     void Dirt(const OpenPlaces &places, Nearby *nearby, Lanes &dirt, RayCounts &counts) const;
     /// Adds to `missing` the share of each live ray that lies behind what blocks it: a solid on its way, wherever that
     /// is, or else a surface. space: around the places. nearby: all that can block, or null.
@@ -61,10 +63,8 @@ class Surroundings {
     float depth_, scale_, gain_;
     bool random_;
     std::vector<Vec3f> dirtDirections_, floodDirections_; ///< right, up, normal
-    /// For dirt of luxels; made when the first asks.
-    const Nearby &All() const;
     mutable std::once_flag allMade_;
-    mutable Nearby all_;
+    mutable Nearby all_; ///< see All
 };
 
 /// Floodlight of the world and of a shader together.
