@@ -4,8 +4,8 @@
 #include "q3map2/convert/convert.h"
 #include "q3map2/light_inputs.h"
 #include "q3map2/lightmap/light_world.h"
-#include "q3map2/lightmap/lightmap_pages.h"
-#include "q3map2/lightmap/lightmap_scripts.h"
+#include "q3map2/lightmap/store/lightmap_pages.h"
+#include "q3map2/lightmap/store/lightmap_scripts.h"
 #include "q3map2/stages.h"
 
 namespace q3 {

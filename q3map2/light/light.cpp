@@ -2,9 +2,9 @@
 #include "q3map2/light/light.h"
 
 #include "common/error.h"
-#include "q3map2/light/gridsh_dering.h"
-#include "q3map2/light/gridsh_error.h"
-#include "q3map2/light/light_space.h"
+#include "q3map2/light/grid/gridsh_dering.h"
+#include "q3map2/light/grid/gridsh_error.h"
+#include "q3map2/light/scene/light_space.h"
 
 #include <algorithm>
 

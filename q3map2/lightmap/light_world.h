@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/light/light.h"
-#include "q3map2/lightmap/lightmaps.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
 namespace q3 {
 

@@ -2,7 +2,7 @@
 #include "tests/light/light_test.h"
 
 #include "common/arguments.h"
-#include "q3map2/light/gridsh_dering.h"
+#include "q3map2/light/grid/gridsh_dering.h"
 
 #include "common/error.h"
 

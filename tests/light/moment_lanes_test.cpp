@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Moments for sixteen places at once: as for each alone.
-#include "q3map2/light/moment_lanes.h"
+#include "q3map2/light/transfer/moment_lanes.h"
 
 #include <gtest/gtest.h>
 

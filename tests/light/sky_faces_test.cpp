@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Skies as convex polygons: the same sky as triangle by triangle.
-#include "q3map2/light/sky_beam.h"
+#include "q3map2/light/scene/sky_beam.h"
 
 #include <gtest/gtest.h>
 

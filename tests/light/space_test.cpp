@@ -3,7 +3,7 @@
 #include "tests/light/light_test.h"
 
 #include "q3map2/light/light.h"
-#include "q3map2/light/light_space.h"
+#include "q3map2/light/scene/light_space.h"
 
 #include <random>
 

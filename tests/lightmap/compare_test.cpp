@@ -2,8 +2,8 @@
 #include "tools/lightmap_compare/compare.h"
 
 #include "common/error.h"
-#include "q3map2/lightmap/lightmap_pages.h"
-#include "q3map2/lightmap/lightmap_scripts.h"
+#include "q3map2/lightmap/store/lightmap_pages.h"
+#include "q3map2/lightmap/store/lightmap_scripts.h"
 #include "tests/lightmap/store_fixture.h"
 
 #include <gmock/gmock.h>

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Light on luxels: against the established program, closed forms and slow code.
 #include "common/files.h"
-#include "q3map2/light/light_formfactor.h"
-#include "q3map2/light/light_tone.h"
-#include "q3map2/lightmap/luxel_light.h"
+#include "q3map2/light/batch/light_formfactor.h"
+#include "q3map2/light/tone/light_tone.h"
+#include "q3map2/lightmap/direct/luxel_light.h"
 #include "tests/lightmap/luxel_vectors.h"
 #include "tests/lightmap/surface_case.h"
 

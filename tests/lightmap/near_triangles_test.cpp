@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Short rays among near triangles against a slow test of each in double.
-#include "q3map2/lightmap/near_triangles.h"
+#include "q3map2/lightmap/ao/near_triangles.h"
 
 #include <cmath>
 #include <random>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Options of lightmaps, vertex light and bounces on the command line.
-#include "q3map2/lightmap/lightmap_options.h"
+#include "q3map2/lightmap/options/lightmap_options.h"
 
 #include "common/error.h"
 #include "tests/common/game_folder.h"

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Places on pages, against a page kept as a plain array.
-#include "q3map2/lightmap/lightmap_pack.h"
+#include "q3map2/lightmap/store/lightmap_pack.h"
 
 #include <random>
 

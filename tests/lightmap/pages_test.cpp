@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Pages and made shaders as files.
-#include "q3map2/lightmap/lightmap_pages.h"
+#include "q3map2/lightmap/store/lightmap_pages.h"
 
 #include "common/error.h"
 #include "common/files.h"

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Samples of triangles in the grid of a lightmap.
-#include "q3map2/lightmap/luxel_raster.h"
+#include "q3map2/lightmap/raw/luxel_raster.h"
 
 #include <algorithm>
 #include <cmath>

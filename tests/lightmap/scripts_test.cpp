@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Shaders made for light styles, hints to engines, and lightmaps that vertices stand for.
-#include "q3map2/lightmap/lightmap_scripts.h"
+#include "q3map2/lightmap/store/lightmap_scripts.h"
 #include "tests/lightmap/store_fixture.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. What storing writes into a file: every luxel is shown where it belongs.
-#include "q3map2/lightmap/lightmap_scripts.h"
+#include "q3map2/lightmap/store/lightmap_scripts.h"
 #include "tests/lightmap/store_fixture.h"
 
 #include <gmock/gmock.h>

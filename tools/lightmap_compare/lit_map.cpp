@@ -8,7 +8,7 @@
 #include "common/text_scan.h"
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/bspfile/bsp_tree.h"
-#include "q3map2/lightmap/lightmap_scripts.h"
+#include "q3map2/lightmap/store/lightmap_scripts.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,9 +3,9 @@
 
 #include "common/cpu_time.h"
 #include "q3map2/light/light.h"
-#include "q3map2/light/light_scene.h"
-#include "q3map2/light/light_space.h"
-#include "q3map2/light/surface_table.h"
+#include "q3map2/light/scene/light_scene.h"
+#include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/scene/surface_table.h"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. What lightmaps and vertex light take, pass by pass, against bare Embree.
 #pragma once
 
-#include "q3map2/lightmap/lightmap_options.h"
+#include "q3map2/lightmap/options/lightmap_options.h"
 #include "tools/shbench/bench_map.h"
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. How many rays the machine can do at best on a map.
 #include "tools/shbench/raw.h"
 
-#include "q3map2/light/light_embree.h"
-#include "q3map2/light/shadow_casters.h"
+#include "q3map2/light/scene/light_embree.h"
+#include "q3map2/light/scene/shadow_casters.h"
 #include "tools/shbench/truth_lights.h"
 
 #include <algorithm>

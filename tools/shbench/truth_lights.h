@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Light of one source at a place without spherical harmonics: falloff, cones, random rays to areas.
 #pragma once
 
-#include "q3map2/light/light_scene.h"
-#include "q3map2/light/light_sources.h"
+#include "q3map2/light/scene/light_scene.h"
+#include "q3map2/light/sources/light_sources.h"
 
 #include <array>
 #include <cstdint>

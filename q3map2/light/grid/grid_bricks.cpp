@@ -1,0 +1,212 @@
+// GPL-2.0-or-later. Light grids in bricks.
+#include "q3map2/light/grid/grid_bricks.h"
+
+#include "common/progress.h"
+#include "libs/math/low_discrepancy.h"
+
+#include <algorithm>
+#include <atomic>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::array<int, 3> kBrick = {8, 8, 4};
+constexpr std::array<int, 3> kBlock = {4, 2, 2};
+/// Points this far behind the centre of a one-sided lamp, moved off by a unit, get nothing from it in either grid. Game
+/// units.
+constexpr float kBehind = 2;
+/// So few faint lights are all taken.
+constexpr std::ptrdiff_t kFewFaint = 32;
+constexpr std::uint64_t kSeedFaint = 0x4661696E74ull;
+
+bool CanReach(const LightsByCluster::Reach &light, const BrickView &brick) {
+    if (!light.sun) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (light.bounds.mins[axis] > brick.box.maxs[axis] || light.bounds.maxs[axis] < brick.box.mins[axis])
+                return false;
+        if (brick.box.Distance(light.origin) > light.envelope)
+            return false;
+    }
+    if (light.oneSided) {
+        const Vec3f n(light.normal);
+        const Vec3f farthest{n.x > 0 ? brick.box.maxs.x : brick.box.mins.x,
+                             n.y > 0 ? brick.box.maxs.y : brick.box.mins.y,
+                             n.z > 0 ? brick.box.maxs.z : brick.box.mins.z};
+        if (Dot(n, farthest) < light.dist - kBehind)
+            return false;
+    }
+    return true;
+}
+
+} // namespace
+
+GridBricks::GridBricks(const GridLayout &layout) : layout_(layout) {
+    count_ = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        bricks_[axis] = (layout.bounds[axis] + kBrick[axis] - 1) / kBrick[axis];
+        count_ *= bricks_[axis];
+    }
+}
+
+std::vector<BrickPoint> GridBricks::Points(std::int64_t brick) const {
+    const int origin[3] = {int(brick % bricks_[0]) * kBrick[0], int(brick / bricks_[0] % bricks_[1]) * kBrick[1],
+                           int(brick / bricks_[0] / bricks_[1]) * kBrick[2]};
+    std::vector<BrickPoint> points;
+    const int total = kBrick[0] * kBrick[1] * kBrick[2], inBlock = kBlock[0] * kBlock[1] * kBlock[2];
+    points.reserve(std::size_t(total));
+    for (int i = 0; i < total; ++i) {
+        const int block = i / inBlock, inside = i % inBlock;
+        const int x = origin[0] + block % (kBrick[0] / kBlock[0]) * kBlock[0] + inside % kBlock[0];
+        const int rest = block / (kBrick[0] / kBlock[0]);
+        const int y = origin[1] + rest % (kBrick[1] / kBlock[1]) * kBlock[1] + inside / kBlock[0] % kBlock[1];
+        const int z = origin[2] + rest / (kBrick[1] / kBlock[1]) * kBlock[2] + inside / (kBlock[0] * kBlock[1]);
+        if (x >= layout_.bounds[0] || y >= layout_.bounds[1] || z >= layout_.bounds[2])
+            continue;
+        points.push_back({Vec3f(layout_.Position(x, y, z)), std::uint32_t(layout_.Index(x, y, z))});
+    }
+    return points;
+}
+
+BspRegion RegionAround(const BspRegion &in, std::span<const BrickPoint> points, const Vec3f &margin) {
+    Boundsf box;
+    for (const BrickPoint &point : points) {
+        box.Add(point.position - margin);
+        box.Add(point.position + margin);
+    }
+    return in.Around(box);
+}
+
+void AddPlace(std::vector<LightPlaces> &blocks, const Vec3f &position, const Vec3f &rayOrigin, int cluster,
+              std::uint32_t index) {
+    if (blocks.empty() || blocks.back().count == kPacketSize)
+        blocks.emplace_back();
+    blocks.back().Add(position, rayOrigin, cluster, index);
+}
+
+BrickView::BrickView(std::span<const LightPlaces> blocks) {
+    for (const LightPlaces &places : blocks) {
+        for (std::size_t i = 0; i < places.count; ++i)
+            box.Add(places.position[i]);
+        for (std::size_t i = 0; i < places.clusters.count; ++i)
+            if (std::find(clusters.begin(), clusters.end(), places.clusters.number[i]) == clusters.end())
+                clusters.push_back(places.clusters.number[i]);
+    }
+}
+
+LightsByCluster::LightsByCluster(const std::vector<Light> &lights) : lights_(lights) {
+    const std::size_t words = (lights.size() + 63) / 64;
+    everywhere_.resize(words);
+    reach_.reserve(lights.size());
+    for (const Light &light : lights)
+        reach_.push_back({light.bounds, light.origin, light.normal, light.envelope, light.dist,
+                          light.type == LightType::Sun, light.type == LightType::Area && !light.twoSided});
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const std::uint64_t bit = std::uint64_t(1) << (i % 64);
+        if (lights[i].seenFrom.empty())
+            everywhere_[i / 64] |= bit;
+        if (rows_.size() < lights[i].seenFrom.size())
+            rows_.resize(lights[i].seenFrom.size(), std::vector<std::uint64_t>(words));
+        for (std::size_t cluster = 0; cluster < lights[i].seenFrom.size(); ++cluster)
+            if (lights[i].seenFrom[cluster])
+                rows_[cluster][i / 64] |= bit;
+    }
+}
+
+BrickLights::BrickLights(const LightsByCluster &lights, const BrickView &brick, std::uint64_t seed, float faint,
+                         const SkipOptions &skip, GridStats &work) {
+    const auto use = [&](std::size_t number, bool seenByAll) {
+        if (skip.reach && !CanReach(lights.ReachOf(number), brick)) {
+            ++work.skippedReach;
+            return;
+        }
+        const Light &light = lights.Lights()[number];
+        list_.push_back({&light, 1, LightBound(light, brick.box), seenByAll});
+    };
+    if (skip.pvs)
+        work.skippedPvs += lights.ForEach(brick.clusters, use);
+    else
+        for (std::size_t i = 0; i < lights.Lights().size(); ++i)
+            use(i, true);
+    const auto isFaint = [&](const BrickLight &one) { return one.bound < faint; };
+    if (!skip.faint || std::count_if(list_.begin(), list_.end(), isFaint) <= kFewFaint)
+        return;
+    many_ = true;
+    float collected = float(UnitFromHash(HashIndex(kSeedFaint ^ seed))) * faint;
+    const auto represented = [&](BrickLight &one) {
+        if (!isFaint(one))
+            return false;
+        collected += one.bound;
+        if (collected < faint)
+            return true;
+        collected -= faint;
+        one.weight = faint / one.bound;
+        return false;
+    };
+    const std::size_t before = list_.size();
+    // In order, so not by std::remove_if, which may copy its predicate.
+    std::size_t kept = 0;
+    for (BrickLight one : list_)
+        if (!represented(one))
+            list_[kept++] = one;
+    list_.resize(kept);
+    work.skippedFaint += before - kept;
+}
+
+void StartFaint(std::vector<LightPlaces> &blocks, float faint) {
+    for (LightPlaces &places : blocks)
+        places.collected = float(UnitFromHash(HashIndex(kSeedFaint + places.index[0]))) * faint;
+}
+
+void GridStats::Add(const GridStats &o) {
+    open += o.open, moved += o.moved, filled += o.filled;
+    skippedFaint += o.skippedFaint, skippedReach += o.skippedReach, skippedPvs += o.skippedPvs;
+    counts += o.counts;
+}
+
+void RunGridBricks(const GridInputs &in, const GridBricks &bricks, GridStats &stats,
+                   const std::function<void(std::int64_t, GridStats &)> &trace) {
+    std::vector<GridStats> work(std::size_t(in.jobs.Threads()));
+    Progress progress(in.log, bricks.Count());
+    std::atomic<std::uint64_t> raysSoFar{0};
+    in.jobs.For(
+        bricks.Count(),
+        [&](std::int64_t brick, int worker) {
+            GridStats &mine = work[std::size_t(worker)];
+            const std::uint64_t before = mine.counts.rays;
+            trace(brick, mine);
+            raysSoFar += mine.counts.rays - before;
+        },
+        [&](std::int64_t done) { progress.Update(done, raysSoFar); });
+    progress.Finish();
+    for (const GridStats &part : work)
+        stats.Add(part);
+    stats.seconds += progress.Seconds();
+}
+
+void GridStats::Print(Log &log, bool verbose) const {
+    log.Count(open, "points in the open");
+    if (moved + filled > 0) {
+        log.Count(moved, "points in solids lit from the nearest open place");
+        log.Count(filled, "points in solids filled from neighbours");
+    }
+    log.Count((long long)(counts.rays), "rays");
+    if (!verbose)
+        return;
+    const auto count = [&](std::uint64_t number, const char *what) { log.Count((long long)(number), what); };
+    count(skippedPvs, "pairs of brick and light hidden by visibility data, skipped (-noskippvs)");
+    count(skippedReach, "pairs of brick and light out of reach, skipped (-noskipreach)");
+    count(skippedFaint, "pairs of brick and light too faint, represented by others (-noskipfaint)");
+    count(counts.pairs, "pairs of point and light");
+    count(counts.skippedPvs, "hidden by visibility data, skipped (-noskippvs)");
+    count(counts.skippedFacing, "out of reach, cone or side");
+    count(counts.skippedFaint, "too faint, represented by others (-noskipfaint)");
+    count(counts.skippedProbes, "with a faint area light, judged by one ray (-noskipprobes)");
+    count(counts.skippedMoments, "with a far area light, approximated by points (-noskipmoments)");
+    count(counts.skippedCoarse, "taken from neighbours that all agree (-noskipcoarse)");
+    count(counts.refined, "with an area light partly hidden, refined");
+    if (seconds > 0)
+        log.Print("{:9.2f} million rays per second of the pass\n", double(counts.rays) / seconds / 1e6);
+}
+
+} // namespace q3

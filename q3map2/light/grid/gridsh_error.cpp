@@ -1,0 +1,274 @@
+// GPL-2.0-or-later. How far the SH grid is from the light that it stands for.
+#include "q3map2/light/grid/gridsh_error.h"
+
+#include "libs/math/low_discrepancy.h"
+#include "q3map2/light/grid/gridsh_dering.h"
+#include "q3map2/light/grid/gridsh_display.h"
+#include "q3map2/light/grid/gridsh_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::uint64_t kSeed = 0x4572726F72ull;
+/// Tries for one place in the open.
+constexpr std::size_t kTries = 2000;
+constexpr float kMinCell = 8;
+/// Sample patterns of the places start here, apart from those of grid points.
+constexpr std::uint32_t kFirstIndex = 0x80000000u;
+constexpr double kDark = 0.01, kShownLit = 0.05; ///< shares of the map's mean light: see GridSHError::leak
+/// Errors under this are not to be seen. 255ths.
+constexpr double kInvisible = 0.1;
+
+struct Place {
+    Vec3f position;
+    int cluster = kSolidCluster;
+    std::uint32_t order = 0; ///< neighbours have similar numbers
+};
+
+/// Interleaves the upper bits of three fractions.
+std::uint32_t Interleaved(const Vec3f &fraction) {
+    constexpr int kBits = 10;
+    std::uint32_t code = 0;
+    for (int bit = kBits - 1; bit >= 0; --bit)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            code = code << 1 | (std::uint32_t(fraction[axis] * (1 << kBits)) >> bit & 1);
+    return code;
+}
+
+/// Random places that a player can be in, neighbours after each other.
+std::vector<Place> FindPlaces(const BspSpace &space, std::size_t count) {
+    const bspModel_t &world = space.Map().models.front();
+    const Vec3f mins(world.mins), size = Vec3f(world.maxs) - mins;
+    std::vector<Place> places;
+    for (std::size_t i = 0; i < count * kTries && places.size() < count; ++i) {
+        Vec3f fraction;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            fraction[axis] = float(UnitFromHash(HashIndex(kSeed + 3 * i + axis)));
+        const Vec3f p = mins + size * fraction;
+        const int cluster = space.ClusterAt(p, kPlayerHalfSize);
+        if (cluster >= 0 && space.PlayerFits(p))
+            places.push_back({p, cluster, Interleaved(fraction)});
+    }
+    std::stable_sort(places.begin(), places.end(), [](const Place &a, const Place &b) { return a.order < b.order; });
+    return places;
+}
+
+/// What grid points there would hold, without shortcuts.
+std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vector<Light> &lights,
+                                          const std::vector<Place> &places) {
+    LightOptions options = in.options;
+    options.shSamples = std::max(1.0f, options.shSamples);
+    options.skip.faint = options.skip.moments = options.skip.probes = options.skip.coarse = false;
+    const GridInputs exact{in.space, in.scene, options, in.world, in.jobs, in.log};
+    const PlaceLighter lighter(exact, lights);
+    std::vector<bspGridPointSH_t> points(places.size());
+    in.jobs.For(std::int64_t((places.size() + kPacketSize - 1) / kPacketSize), [&](std::int64_t block, int) {
+        const std::size_t first = std::size_t(block) * kPacketSize;
+        std::vector<LightPlaces> packet(1);
+        for (std::size_t i = first; i < std::min(places.size(), first + kPacketSize); ++i)
+            packet[0].Add(places[i].position, places[i].position, places[i].cluster, kFirstIndex + std::uint32_t(i));
+        GridStats work;
+        lighter.Trace(packet, std::uint64_t(block), work, [&](std::uint32_t index, const bspGridPointSH_t &value) {
+            bspGridPointSH_t &point = points[index - kFirstIndex];
+            point = value;
+            if (options.shDering)
+                DeringPoint(point, options.shRadiance);
+        });
+    });
+    return points;
+}
+
+/// Every second point per axis of a grid, as if the others had not been lit.
+class EverySecond {
+  public:
+    EverySecond(const LightGridSH &grid, const BspSpace &space) : grid_(grid), space_(space) {}
+
+    /// Trilinear blend; false outside. Points in solids that the finer grid had no use for are left out: with cells
+    /// that large they would have been filled.
+    bool Sample(const Vec3f &p, shgrid_coeffs &out) const {
+        const auto &h = grid_.header;
+        std::array<int, 3> low{};
+        Vec3f fraction;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const float at = (p[axis] - h.gridMins[axis]) / (2 * h.gridSize[axis]);
+            low[axis] = int(std::floor(at));
+            fraction[axis] = at - float(low[axis]);
+            if (low[axis] < 0 || 2 * low[axis] + 2 >= h.gridBounds[axis])
+                return false;
+        }
+        out = {};
+        float total = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+            std::array<int, 3> at{};
+            float weight = 1;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const int upper = corner >> axis & 1;
+                at[axis] = 2 * (low[axis] + upper);
+                weight *= upper != 0 ? fraction[axis] : 1 - fraction[axis];
+            }
+            if (!AddPoint(at, weight, out))
+                continue;
+            total += weight;
+        }
+        for (auto &k : out.c)
+            for (float &c : k)
+                c = total > 0 ? c / total : 0;
+        return true;
+    }
+
+  private:
+    bool AddPoint(const std::array<int, 3> &at, float weight, shgrid_coeffs &out) const {
+        const auto &h = grid_.header;
+        const auto width = std::size_t(h.gridBounds[0]), height = std::size_t(h.gridBounds[1]);
+        const bspGridPointSH_t &point =
+            grid_.points[std::size_t(at[0]) + width * (std::size_t(at[1]) + height * std::size_t(at[2]))];
+        const GridLayout layout{h.gridMins, h.gridSize, h.gridBounds};
+        const bool black = std::all_of(point.coeffs.begin(), point.coeffs.end(), [](const auto &k) {
+            return std::all_of(k.begin(), k.end(), [](float c) { return c == 0; });
+        });
+        if (black && space_.ClusterAt(Vec3f(layout.Position(at[0], at[1], at[2])), 0) < 0)
+            return false;
+        for (std::size_t k = 0; k < 9; ++k)
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                out.c[k][channel] += weight * point.coeffs[k][channel];
+        return true;
+    }
+
+    const LightGridSH &grid_;
+    const BspSpace &space_;
+};
+
+/// Differences over many places.
+class Differences {
+  public:
+    void Add(const DisplayedLight &a, const DisplayedLight &b) {
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            all_.push_back(std::abs(a[i] - b[i]));
+            squares_ += double(all_.back()) * double(all_.back());
+        }
+    }
+    double Rms() const { return all_.empty() ? 0 : std::sqrt(squares_ / double(all_.size())); }
+    double Percentile95() {
+        if (all_.empty())
+            return 0;
+        const auto rank = all_.begin() + std::ptrdiff_t(all_.size() * 95 / 100);
+        std::nth_element(all_.begin(), rank, all_.end());
+        return double(*rank);
+    }
+
+  private:
+    std::vector<float> all_;
+    double squares_ = 0;
+};
+
+double Mean(const DisplayedLight &shown) {
+    double sum = 0;
+    for (const float light : shown)
+        sum += double(light);
+    return sum / double(shown.size());
+}
+
+/// Share of places that are dark and shown lit.
+double LeakShare(const std::vector<DisplayedLight> &exact, const std::vector<DisplayedLight> &shown) {
+    double mean = 0;
+    for (const DisplayedLight &place : exact)
+        mean += Mean(place) / double(exact.size());
+    std::size_t leaks = 0;
+    for (std::size_t i = 0; i < exact.size(); ++i)
+        leaks += Mean(exact[i]) < kDark * mean && Mean(shown[i]) > kShownLit * mean;
+    return double(leaks) / double(exact.size());
+}
+
+/// Sets `doubled` and `order`, from the places that lie inside the grid of doubled cells too.
+void CompareWithDoubled(const GridInputs &in, const LightGridSH &grid, const std::vector<Place> &places,
+                        const std::vector<DisplayedLight> &exact, const std::vector<DisplayedLight> &shown,
+                        GridSHError &error) {
+    const EverySecond everySecond(grid, in.space);
+    Differences here, coarse;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        shgrid_coeffs coeffs;
+        if (!everySecond.Sample(places[i].position, coeffs))
+            continue;
+        here.Add(shown[i], exact[i]);
+        coarse.Add(DisplayLight(coeffs, in.options.shRadiance), exact[i]);
+    }
+    constexpr double kLeast = 0.5, kMost = 2;
+    const double fine = here.Percentile95();
+    error.doubled = coarse.Percentile95();
+    if (fine > 0 && error.doubled > 0)
+        error.order = std::clamp(std::log2(error.doubled / fine), kLeast, kMost);
+}
+
+} // namespace
+
+GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const std::vector<Light> &lights,
+                          std::size_t places) {
+    const std::clock_t start = std::clock();
+    GridSHError error;
+    const std::vector<Place> found = FindPlaces(in.space, places);
+    error.places = found.size();
+    if (found.empty())
+        return error;
+    const auto &h = grid.header;
+    const shgrid_grid reader{{h.gridMins[0], h.gridMins[1], h.gridMins[2]},
+                             {h.gridSize[0], h.gridSize[1], h.gridSize[2]},
+                             {h.gridBounds[0], h.gridBounds[1], h.gridBounds[2]},
+                             h.numPoints,
+                             reinterpret_cast<const unsigned char *>(grid.points.data())};
+    const std::vector<bspGridPointSH_t> points = ExactPoints(in, lights, found);
+    std::vector<DisplayedLight> exact, shown;
+    Differences differences;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        const float position[3] = {found[i].position.x, found[i].position.y, found[i].position.z};
+        shgrid_coeffs coeffs;
+        shgrid_sample(&reader, position, &coeffs);
+        exact.push_back(DisplayLight(points[i], in.options.shRadiance));
+        shown.push_back(DisplayLight(coeffs, in.options.shRadiance));
+        differences.Add(shown[i], exact[i]);
+    }
+    error.rms = differences.Rms();
+    error.percentile95 = differences.Percentile95();
+    error.leak = LeakShare(exact, shown);
+    CompareWithDoubled(in, grid, found, exact, shown, error);
+    error.cpuSeconds = double(std::clock() - start) / CLOCKS_PER_SEC;
+    return error;
+}
+
+Float3 CellOfHalfError(const Float3 &cell, const GridSHError &error) {
+    Float3 finer{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        finer[axis] = std::max(kMinCell, std::round(cell[axis] * float(std::exp2(-1 / error.order))));
+    return finer;
+}
+
+void PrintGridSHError(const GridSHError &error, const Float3 &cell, const Float3 &legacyCell, Log &log) {
+    log.Section("CheckGridSH");
+    if (error.places == 0) {
+        log.Print("No place is {} units clear of solids: nothing to check\n", kPlayerHalfSize);
+        return;
+    }
+    log.Count((long long)(error.places), "places that a player can be in, 26 directions each");
+    log.Print("{:9.2f} of 255 is the error of displayed light (RMS)\n", error.rms);
+    log.Print("{:9.2f} of 255: 95 % of it is under this; under {:.2f} with doubled cells\n", error.percentile95,
+              error.doubled);
+    log.Print("{:9.2f} % of these places are dark and shown lit (leaks)\n", 100 * error.leak);
+    const Float3 finer = CellOfHalfError(cell, error);
+    double scale = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        scale *= double(legacyCell[axis] / finer[axis]);
+    if (error.percentile95 < kInvisible)
+        log.Print("Hardly anybody can see that: smaller cells are of no use\n");
+    else if (finer == cell)
+        log.Print("These are the smallest cells that there are\n");
+    else
+        log.Print("95 % would be under half of that: -gridsh {} {} {} or -gridscalesh {:.3g}\n", finer[0], finer[1],
+                  finer[2], std::cbrt(scale));
+    log.Print("{:9.2f} CPU seconds for the check\n", error.cpuSeconds);
+}
+
+} // namespace q3

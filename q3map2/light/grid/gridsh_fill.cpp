@@ -1,0 +1,365 @@
+// GPL-2.0-or-later. SH grid points in solids.
+#include "q3map2/light/grid/gridsh_fill.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <span>
+
+namespace q3 {
+
+namespace {
+
+/// A point this near to open space is lit from there. Game units.
+constexpr float kSmallSteps[] = {0.5f, 1, 2};
+/// A side of mean light 0 weighs as much as one of this light. 1 = byte 255.
+constexpr double kDarkest = 1.0 / 8192;
+/// A point beside a wall weighs as much on its own side as this many neighbours at the shortest distance.
+constexpr double kOwnWeight = 2;
+
+struct Offset {
+    int x, y, z;
+};
+
+/// The 26 neighbours of a point, or fractions of a cell.
+constexpr std::array<Offset, 26> MakeNeighbours() {
+    std::array<Offset, 26> result{};
+    std::size_t n = 0;
+    for (int z = -1; z <= 1; ++z)
+        for (int y = -1; y <= 1; ++y)
+            for (int x = -1; x <= 1; ++x)
+                if (x != 0 || y != 0 || z != 0)
+                    result[n++] = {x, y, z};
+    return result;
+}
+constexpr std::array<Offset, 26> kNeighbours = MakeNeighbours();
+
+bool TryPlace(const BspRegion &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
+    const PlacedPoint open = PlaceInOpen(space, p);
+    if (open.state != PointState::Open)
+        return false;
+    placed = {state, p, open.cluster};
+    return true;
+}
+
+/// Small steps along the axes and diagonals, the nearest first.
+bool TrySmallSteps(const BspRegion &space, const Vec3f &p, PlacedPoint &placed) {
+    for (const float step : kSmallSteps)
+        for (int axes = 1; axes <= 3; ++axes)
+            for (const Offset &o : kNeighbours)
+                if (std::abs(o.x) + std::abs(o.y) + std::abs(o.z) == axes &&
+                    TryPlace(space, p + Vec3f{float(o.x), float(o.y), float(o.z)} * step, PointState::Beside, placed))
+                    return true;
+    return false;
+}
+
+/// Places within a cell around p on a lattice of quarter cells, the nearest first.
+bool TryCells(const BspRegion &space, const Vec3f &p, const Vec3f &cell, PlacedPoint &placed) {
+    constexpr int kSteps = 4;
+    const Vec3f step = cell / kSteps;
+    const auto anyOpen = [&](const Vec3f &from, const Vec3f &to) {
+        return space.AnyOpen(p + step * from, p + step * to, kClearance);
+    };
+    for (int shell = 1; shell <= kSteps; ++shell) {
+        const auto reach = float(shell);
+        if (!anyOpen({-reach, -reach, -reach}, {reach, reach, reach}))
+            continue;
+        for (int z = -shell; z <= shell; ++z) {
+            if (!anyOpen({-reach, -reach, float(z)}, {reach, reach, float(z)}))
+                continue;
+            for (int y = -shell; y <= shell; ++y)
+                for (int x = -shell; x <= shell; ++x)
+                    if (std::max({std::abs(x), std::abs(y), std::abs(z)}) == shell &&
+                        TryPlace(space, p + step * Vec3f{float(x), float(y), float(z)}, PointState::Moved, placed))
+                        return true;
+        }
+    }
+    return false;
+}
+
+bool HasOpenNeighbour(const GridLayout &layout, const std::vector<int> &clusters, std::uint32_t index) {
+    const std::int64_t width = layout.bounds[0], height = layout.bounds[1];
+    const std::int64_t x = index % width, y = index / width % height, z = index / width / height;
+    return std::any_of(kNeighbours.begin(), kNeighbours.end(), [&](const Offset &o) {
+        const std::int64_t nx = x + o.x, ny = y + o.y, nz = z + o.z;
+        return nx >= 0 && ny >= 0 && nz >= 0 && nx < width && ny < height && nz < layout.bounds[2] &&
+               clusters[std::size_t(layout.Index(nx, ny, nz))] >= 0;
+    });
+}
+
+/// Lit neighbours of one solid point that see each other.
+struct Side {
+    double weight = 0;
+    std::array<double, kGridNumbers> sum{};
+    double Mean() const { return std::max(0.0, (sum[0] + sum[1] + sum[2]) / weight / 3 * kShC0); }
+};
+
+/// Rays between places that are near each other, gathered into full packets.
+class SightRays {
+  public:
+    SightRays(const LightScene &scene, RayCounts &counts) : scene_(scene), counts_(counts) {}
+    /// Sets a bit of `seen`, at the latest in Flush, if the places see each other.
+    void Ask(const Vec3f &from, const Vec3f &to, std::uint32_t bit, std::uint32_t &seen) {
+        rays_.Aim(count_, from, to);
+        answers_[count_++] = {&seen, bit};
+        if (count_ == kPacketSize)
+            Flush();
+    }
+    void Flush() {
+        if (count_ == 0)
+            return;
+        for (std::size_t i = count_; i < kPacketSize; ++i)
+            rays_.live[i] = 0;
+        scene_.TraceToLight(rays_, ShadowRules::Exact, counts_);
+        for (std::size_t i = 0; i < count_; ++i)
+            *answers_[i].seen |= rays_.live[i] != 0 ? answers_[i].bit : 0;
+        count_ = 0;
+    }
+
+  private:
+    struct Answer {
+        std::uint32_t *seen;
+        std::uint32_t bit;
+    };
+    const LightScene &scene_;
+    RayCounts &counts_;
+    RayPacket rays_;
+    std::array<Answer, kPacketSize> answers_;
+    std::size_t count_ = 0;
+};
+
+/// sum[i] += weight * value[i].
+Q3_VECTOR void AddWeighted(double weight, const float *value, double *sum) {
+    for (std::size_t i = 0; i < kGridNumbers; ++i)
+        sum[i] += weight * double(value[i]);
+}
+
+class Filler {
+  public:
+    Filler(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
+           const std::vector<PointState> &states)
+        : in_(in), layout_(layout), displaced_(displaced), states_(states) {
+        for (std::size_t i = 0; i < kNeighbours.size(); ++i) {
+            const Offset &o = kNeighbours[i];
+            const Vec3f cell(layout.size), offset = cell * Vec3f{float(o.x), float(o.y), float(o.z)};
+            weights_[i] = 1 / double(Dot(offset, offset));
+        }
+    }
+
+    /// The value of a Solid or Beside point, or nothing: no lit neighbour, or none on another side. Null: not divided.
+    std::optional<bspGridPointSH_t> Fill(int x, int y, int z, const SolidSides::OfPoint *divided,
+                                         const LightGridSH &grid) const {
+        if (!divided && states_[IndexOf(x, y, z)] == PointState::Beside)
+            return std::nullopt;
+        const Around lit = AroundPoint(x, y, z, false);
+        if (lit.count == 0)
+            return std::nullopt;
+        std::vector<Side> sums(divided ? divided->count : 1);
+        for (std::size_t i = 0; i < lit.count; ++i) {
+            Side &side = sums[divided ? divided->sides[i] : 0];
+            const Neighbour &neighbour = lit.neighbours[i];
+            side.weight += neighbour.weight;
+            AddWeighted(neighbour.weight, grid.points[neighbour.index].coeffs[0].data(), side.sum.data());
+        }
+        return Blend(sums);
+    }
+
+    /// Appends the sides of those points, xyz, that have several.
+    void FindSides(std::span<const std::array<int, 3>> points, std::vector<SolidSides::OfPoint> &found,
+                   RayCounts &counts) const {
+        // The first round of all points goes together: most have one side only.
+        std::vector<Around> around;
+        std::vector<std::uint32_t> seen(points.size(), 1);
+        SightRays rays(in_.scene, counts);
+        around.reserve(points.size());
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            const Around &lit = around.emplace_back(AroundPoint(points[n][0], points[n][1], points[n][2], true));
+            for (std::size_t i = 1; i < lit.count; ++i)
+                rays.Ask(lit.neighbours[i].place, lit.neighbours[0].place, 1u << i, seen[n]);
+        }
+        rays.Flush();
+        for (std::size_t n = 0; n < points.size(); ++n)
+            if (const std::uint32_t all = (1u << around[n].count) - 1; (~seen[n] & all) != 0)
+                found.push_back(SidesOf(std::uint32_t(IndexOf(points[n][0], points[n][1], points[n][2])), around[n],
+                                        ~seen[n] & all, rays));
+    }
+
+  private:
+    struct Neighbour {
+        std::size_t index;
+        Vec3f place;
+        double weight;
+    };
+    /// Lit neighbours, and before them the point itself when it is lit beside.
+    struct Around {
+        std::array<Neighbour, SolidSides::kMostAround> neighbours;
+        std::size_t count = 0;
+    };
+
+    std::size_t IndexOf(int x, int y, int z) const { return std::size_t(layout_.Index(x, y, z)); }
+    double Shortest() const {
+        const double shortest = double(std::min({layout_.size[0], layout_.size[1], layout_.size[2]}));
+        return shortest * shortest;
+    }
+
+    Vec3f PlaceOf(std::size_t index, int x, int y, int z) const {
+        if (states_[index] == PointState::Open || states_[index] == PointState::OnLamp)
+            return Vec3f(layout_.Position(x, y, z));
+        const auto found = std::lower_bound(displaced_.begin(), displaced_.end(), index,
+                                            [](const Displacement &d, std::size_t i) { return d.index < i; });
+        return found->position;
+    }
+
+    /// places: those of neighbours too.
+    Around AroundPoint(int x, int y, int z, bool places) const {
+        Around lit;
+        const std::size_t own = IndexOf(x, y, z);
+        if (states_[own] == PointState::Beside)
+            lit.neighbours[lit.count++] = {own, places ? PlaceOf(own, x, y, z) : Vec3f{}, kOwnWeight / Shortest()};
+        for (std::size_t i = 0; i < kNeighbours.size(); ++i) {
+            const Offset &o = kNeighbours[i];
+            const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
+            if (nx < 0 || ny < 0 || nz < 0 || nx >= layout_.bounds[0] || ny >= layout_.bounds[1] ||
+                nz >= layout_.bounds[2])
+                continue;
+            const std::size_t index = IndexOf(nx, ny, nz);
+            const PointState state = states_[index];
+            if (state == PointState::Void || state == PointState::Solid)
+                continue;
+            lit.neighbours[lit.count++] = {index, places ? PlaceOf(index, nx, ny, nz) : Vec3f{}, weights_[i]};
+        }
+        return lit;
+    }
+
+    /// Sorts what is lit around a point into sides: the first of a side sees all of it, and none of the sides before.
+    /// unseen: what the very first does not see, by bit.
+    static SolidSides::OfPoint SidesOf(std::uint32_t index, const Around &lit, std::uint32_t unseen, SightRays &rays) {
+        SolidSides::OfPoint result{index, 1, {}};
+        while (unseen != 0) {
+            const auto first = std::size_t(std::countr_zero(unseen));
+            std::uint32_t seen = 1u << first;
+            for (std::uint32_t left = unseen & (unseen - 1); left != 0; left &= left - 1) {
+                const auto i = std::size_t(std::countr_zero(left));
+                rays.Ask(lit.neighbours[i].place, lit.neighbours[first].place, 1u << i, seen);
+            }
+            rays.Flush();
+            for (std::uint32_t side = seen; side != 0; side &= side - 1)
+                result.sides[std::size_t(std::countr_zero(side))] = std::uint8_t(result.count);
+            ++result.count;
+            unseen &= ~seen;
+        }
+        return result;
+    }
+
+    static bspGridPointSH_t Blend(const std::vector<Side> &sides) {
+        std::array<double, kGridNumbers> sum{};
+        double total = 0;
+        for (const Side &side : sides) {
+            const double weight = side.weight / (side.Mean() + kDarkest);
+            total += weight;
+            for (std::size_t i = 0; i < kGridNumbers; ++i)
+                sum[i] += side.sum[i] / side.weight * weight;
+        }
+        std::array<float, kGridNumbers> filled;
+        for (std::size_t i = 0; i < kGridNumbers; ++i)
+            filled[i] = float(sum[i] / total);
+        return std::bit_cast<bspGridPointSH_t>(filled);
+    }
+
+    const GridInputs &in_;
+    const GridLayout &layout_;
+    const std::vector<Displacement> &displaced_;
+    const std::vector<PointState> &states_;
+    std::array<double, kNeighbours.size()> weights_; ///< inverse squares of distances
+};
+
+} // namespace
+
+PlacedPoint PlaceInOpen(const BspRegion &space, const Vec3f &p) {
+    const Vec3f margin{kClearance, kClearance, kClearance};
+    const int cluster = space.ClusterAt(p, kClearance);
+    const bool open = cluster >= 0 && !space.AnySolid(p - margin, p + margin);
+    return {open ? PointState::Open : PointState::Void, p, cluster};
+}
+
+PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, const std::vector<int> &clusters,
+                           const BrickPoint &point) {
+    PlacedPoint placed;
+    const Vec3f cell(layout.size), &p = point.position;
+    if (!space.AnyOpen(p - cell, p + cell, kClearance))
+        return placed;
+    constexpr float kReach = *std::max_element(std::begin(kSmallSteps), std::end(kSmallSteps));
+    const Vec3f reach{kReach, kReach, kReach};
+    if (space.AnyOpen(p - reach, p + reach, kClearance) && TrySmallSteps(space, p, placed))
+        return placed;
+    if (HasOpenNeighbour(layout, clusters, point.index))
+        placed.state = PointState::Solid;
+    else
+        TryCells(space, p, cell, placed);
+    return placed;
+}
+
+SolidSides FindSolidSides(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
+                          const std::vector<PointState> &states) {
+    const int width = layout.bounds[0], height = layout.bounds[1];
+    const std::int64_t rows = std::int64_t(height) * layout.bounds[2];
+    const Filler filler(in, layout, displaced, states);
+    std::vector<std::vector<SolidSides::OfPoint>> found(static_cast<std::size_t>(rows));
+    in.jobs.For(rows, [&](std::int64_t row, int) {
+        std::vector<std::array<int, 3>> points;
+        for (int x = 0; x < width; ++x) {
+            const PointState state = states[std::size_t(row) * std::size_t(width) + std::size_t(x)];
+            if (state == PointState::Solid || state == PointState::Beside)
+                points.push_back({x, int(row % height), int(row / height)});
+        }
+        RayCounts counts; // not of the light itself
+        filler.FindSides(points, found[std::size_t(row)], counts);
+    });
+    SolidSides sides;
+    sides.divided.resize(states.size());
+    for (const auto &row : found) {
+        for (const SolidSides::OfPoint &point : row)
+            sides.divided[point.index] = true;
+        sides.points.insert(sides.points.end(), row.begin(), row.end());
+    }
+    return sides;
+}
+
+void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
+                const SolidSides &sides, std::vector<PointState> &states, LightGridSH &grid) {
+    struct Value {
+        std::size_t index;
+        bspGridPointSH_t point;
+    };
+    const int width = layout.bounds[0], height = layout.bounds[1];
+    const std::int64_t rows = std::int64_t(height) * layout.bounds[2];
+    // Sources are values as they were lit, so the order of filling does not matter.
+    std::vector<std::vector<Value>> filled(static_cast<std::size_t>(rows));
+    const Filler filler(in, layout, displaced, states);
+    in.jobs.For(rows, [&](std::int64_t row, int) {
+        const auto first = std::size_t(row) * std::size_t(width);
+        auto divided =
+            std::lower_bound(sides.points.begin(), sides.points.end(), first,
+                             [](const SolidSides::OfPoint &p, std::size_t index) { return p.index < index; });
+        for (int x = 0; x < width; ++x) {
+            const std::size_t index = first + std::size_t(x);
+            if (states[index] != PointState::Solid && states[index] != PointState::Beside)
+                continue;
+            const bool isDivided = divided != sides.points.end() && divided->index == index;
+            if (const auto value =
+                    filler.Fill(x, int(row % height), int(row / height), isDivided ? &*divided : nullptr, grid))
+                filled[std::size_t(row)].push_back({index, *value});
+            divided += isDivided ? 1 : 0;
+        }
+    });
+    for (const auto &row : filled)
+        for (const Value &value : row) {
+            grid.points[value.index] = value.point;
+            states[value.index] = PointState::Filled;
+        }
+    std::replace(states.begin(), states.end(), PointState::Solid, PointState::Void);
+}
+
+} // namespace q3

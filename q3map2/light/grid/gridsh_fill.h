@@ -1,0 +1,74 @@
+// GPL-2.0-or-later. SH grid points in solids: where they take their light from.
+#pragma once
+
+#include "q3map2/light/grid/grid_bricks.h"
+#include "q3map2/light/grid/light_grid.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace q3 {
+
+/// Floats of a point: nine coefficients of three channels.
+inline constexpr std::size_t kGridNumbers = 27;
+static_assert(sizeof(bspGridPointSH_t) == kGridNumbers * sizeof(float));
+
+/// Points keep this clear of solids when they are lit. Game units.
+inline constexpr float kClearance = 0.125f;
+
+enum class PointState : std::uint8_t {
+    Void,   ///< in a solid, no open space in the cells around it: stays zero
+    Open,   ///< lit where it is
+    OnLamp, ///< lit where it is, in the plane of a surface light, which gives nothing there; then fitted
+    Beside, ///< in the plane of a wall or just inside it: lit from a small step beside
+    Moved,  ///< in a solid that leaves no lit neighbour: lit from the nearest open place of its cells
+    Solid,  ///< in a solid, to be filled
+    Filled  ///< in a solid, filled from neighbours
+};
+
+struct PlacedPoint {
+    PointState state = PointState::Void;
+    Vec3f position;
+    int cluster = kSolidCluster;
+};
+
+/// A point as Open if it can be lit where it is. Its cluster alone if it is in the open but too near to a solid; else
+/// kSolidCluster. `space` holds a unit around it.
+PlacedPoint PlaceInOpen(const BspRegion &space, const Vec3f &p);
+
+/// Decides where a point is lit from that cannot be lit where it is. `space` holds the cells around it, `clusters` what
+/// PlaceInOpen says of all points.
+PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, const std::vector<int> &clusters,
+                           const BrickPoint &point);
+
+/// Where a point is lit from, when that is not where it is.
+struct Displacement {
+    std::uint32_t index = 0;
+    Vec3f position;
+};
+
+/// What is lit around points that are in or beside solids: which parts of it see each other.
+struct SolidSides {
+    /// Places around a point that can be lit: 26 neighbours, and the point itself.
+    static constexpr std::size_t kMostAround = 27;
+    struct OfPoint {
+        std::uint32_t index = 0, count = 0;
+        std::array<std::uint8_t, kMostAround> sides{}; ///< of what is lit around it, in order
+    };
+    std::vector<bool> divided;   ///< by point: what is lit around it does not all see each other
+    std::vector<OfPoint> points; ///< those divided, by index
+};
+
+/// Looks what is lit around each point in or beside a solid. `displaced` is sorted by index.
+SolidSides FindSolidSides(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
+                          const std::vector<PointState> &states);
+
+/// Gives every point in a solid that has lit neighbours a value, so that interpolation beside walls is right.
+/// Neighbours that do not see each other form sides; a side counts the more the darker it is, so that a wall thinner
+/// than a cell lets no light through. A point beside a wall is treated alike when it has neighbours on the other side.
+/// `displaced` is sorted by index. Changes Solid to Filled or Void in `states`.
+void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
+                const SolidSides &sides, std::vector<PointState> &states, LightGridSH &grid);
+
+} // namespace q3

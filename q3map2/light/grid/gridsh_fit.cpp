@@ -1,0 +1,360 @@
+// GPL-2.0-or-later. Grid points fitted to the light between them.
+#include "q3map2/light/grid/gridsh_fit.h"
+
+#include "libs/math/low_discrepancy.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+namespace q3 {
+
+namespace {
+
+/// Samples in each cell that has a point in a solid.
+constexpr float kPerCell = 4;
+/// With -shfit, cells where the mean light of samples differs by more than this take so many times the samples: what
+/// linear blends make of the light beside a lamp hangs on where the samples are. 1 = byte 255.
+constexpr float kSteep = 16.0f / 255;
+constexpr int kSteepFactor = 6;
+/// Candidates drawn at most for each sample wanted, with and without -shfit: cells that are mostly solid get as many
+/// samples as others.
+constexpr int kMostTriesAll = 8, kMostTries = 2;
+/// Of the weight of a point's samples: how strongly it keeps to the value that it had.
+constexpr float kPull = 0.1f, kPullAll = 0.03f;
+/// Light under this counts more: there a leak shows. 1 = byte 255.
+constexpr float kDark = 0.02f;
+/// Mean light over the inverse of this counts less, by the power of kFall: the screen is white there on some side, and
+/// the steep light beside a lamp, which no grid fits, would pull at points cells away. With all points fitted there is
+/// more to follow it with.
+constexpr float kBeyondScreen = 3, kBeyondScreenAll = 2.2f, kFall = 4, kFallAll = 2;
+/// Keeps weights of absurd light within floats.
+constexpr float kMostBeyond = 1e4f;
+/// Points of less weight keep the value that they had.
+constexpr float kLeastWeight = 1e-30f;
+/// Norm of bands 1 and 2 over coefficient 0 of light from one direction, plain and convolved with the cosine: light
+/// that is nowhere negative has no more. Blends of points that see it in different directions have less, so a point may
+/// have more by this factor.
+constexpr float kMostBandsPlain = 2.8284271f, kMostBands = 1.2829003f, kBeyond = 1.25f;
+/// A relaxation ends when no coefficient moves by more than this, or this share of the light there. 1 = byte 255.
+constexpr float kSmallMove = 0.1f / 255;
+constexpr int kMaxSweeps = 40;
+/// A point waits while those around it move by less than this.
+constexpr float kAtRest = kSmallMove / 4;
+/// Rows ahead of the one that is worked on whose points are fetched.
+constexpr std::size_t kAhead = 3;
+/// Points of equal parity on all axes share no cell, so that they can move at the same time.
+constexpr int kParities = 8;
+
+/// From a point to the one at place s of its stencil.
+std::int64_t OffsetOf(std::size_t s, std::int64_t width, std::int64_t slice) {
+    return std::int64_t(s % 3) - 1 + (std::int64_t(s / 3 % 3) - 1) * width + (std::int64_t(s / 9) - 1) * slice;
+}
+
+float MeanLight(const bspGridPointSH_t &value) {
+    return float(kShC0) * std::max({value.coeffs[0][0], value.coeffs[0][1], value.coeffs[0][2]});
+}
+
+bool IsSteep(std::span<const FitSample> samples) {
+    float least = 1, most = 0;
+    for (const FitSample &sample : samples) {
+        const float shown = std::min(1.0f, MeanLight(sample.value));
+        least = std::min(least, shown), most = std::max(most, shown);
+    }
+    return most - least > kSteep;
+}
+
+Vec3f PositionOf(const GridLayout &layout, std::int64_t index) {
+    const std::int64_t row = index / layout.bounds[0];
+    return Vec3f(
+        layout.Position(int(index % layout.bounds[0]), int(row % layout.bounds[1]), int(row / layout.bounds[1])));
+}
+
+/// Brings each channel back to near what light that is nowhere negative can be. Coefficient k of a channel is at
+/// 3 k + channel.
+void LimitToLight(std::array<float, kGridNumbers> &point, float mostBands) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        float bands = 0;
+        for (std::size_t i = channel + 3; i < kGridNumbers; i += 3)
+            bands += point[i] * point[i];
+        bands = std::sqrt(bands);
+        point[channel] = std::max(0.0f, point[channel]);
+        const float most = mostBands * point[channel];
+        for (std::size_t i = channel + 3; i < kGridNumbers && bands > most; i += 3)
+            point[i] *= most / bands;
+    }
+}
+
+} // namespace
+
+GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,
+                 const std::vector<bool> &divided)
+    : in_(in), layout_(layout),
+      perCell_(int(std::ceil((in.options.shFit > 0 ? float(in.options.shFit) : kPerCell) * in.options.shSamples))),
+      pull_(in.options.shFit > 0 ? kPullAll : kPull),
+      beyondScreen_(in.options.shFit > 0 ? kBeyondScreenAll : kBeyondScreen),
+      mostBands_(kBeyond * (in.options.shRadiance ? kMostBandsPlain : kMostBands)), states_(states),
+      rowOf_(states.size(), -1) {
+    if (!in.options.shFill)
+        return;
+    for (std::size_t i = 0; i < states.size(); ++i)
+        if (states[i] != PointState::Void && !divided[i] && (in.options.shFit > 0 || states[i] != PointState::Open)) {
+            rowOf_[i] = std::int32_t(rows_.size());
+            rows_.push_back({std::uint32_t(i)});
+        }
+}
+
+std::array<GridFit::Corner, 8> GridFit::CornersAt(const Vec3f &p) const {
+    std::array<std::int64_t, 3> low{};
+    std::array<float, 3> part{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float at =
+            std::clamp((p[axis] - layout_.mins[axis]) / layout_.size[axis], 0.0f, float(layout_.bounds[axis] - 1));
+        low[axis] = std::min(std::int64_t(at), std::max<std::int64_t>(0, layout_.bounds[axis] - 2));
+        part[axis] = at - float(low[axis]);
+    }
+    const std::int64_t step[3] = {layout_.bounds[0] > 1 ? 1 : 0, layout_.bounds[1] > 1 ? layout_.bounds[0] : 0,
+                                  layout_.bounds[2] > 1 ? std::int64_t(layout_.bounds[0]) * layout_.bounds[1] : 0};
+    const std::int64_t base = layout_.Index(low[0], low[1], low[2]);
+    std::array<Corner, 8> corners;
+    for (std::size_t c = 0; c < 8; ++c) {
+        const bool x = c & 1, y = c & 2, z = c & 4;
+        corners[c] = {base + (x ? step[0] : 0) + (y ? step[1] : 0) + (z ? step[2] : 0),
+                      (x ? part[0] : 1 - part[0]) * (y ? part[1] : 1 - part[1]) * (z ? part[2] : 1 - part[2])};
+    }
+    return corners;
+}
+
+bool GridFit::AnyRow(const BrickPoint &point) const {
+    for (const Corner &corner : CornersAt(point.position + Vec3f(layout_.size) * 0.5f))
+        if (rowOf_[std::size_t(corner.index)] >= 0)
+            return true;
+    return false;
+}
+
+std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, const PlaceLighter &lighter,
+                                            GridStats &work) const {
+    std::vector<FitSample> samples;
+    if (rows_.empty())
+        return samples;
+    const Vec3f cell(layout_.size);
+    const BspRegion space = RegionAround(in_.space.Whole(), points, cell + Vec3f{1, 1, 1} * kPlayerHalfSize);
+    std::vector<Draw> cells;
+    for (const BrickPoint &point : points)
+        if (AnyRow(point) && space.AnyOpen(point.position, point.position + cell, kClearance))
+            cells.push_back({&point, perCell_});
+    LightSamples(space, cells, 0, lighter, samples, work);
+    if (in_.options.shFit > 0) {
+        for (Draw &draw : cells) {
+            const auto [first, count] = draw.rounds[0];
+            draw.wanted = IsSteep(std::span(samples.data() + first, count)) ? (kSteepFactor - 1) * perCell_ : 0;
+        }
+        LightSamples(space, cells, 1, lighter, samples, work);
+    }
+    for (const Draw &draw : cells)
+        for (const auto &[first, count] : draw.rounds)
+            for (FitSample &sample : std::span(samples.data() + first, count))
+                sample.weight = float(perCell_) / float(draw.tried);
+    if (in_.options.shFit > 0)
+        FindSeen(samples, work);
+    return samples;
+}
+
+/// Draws places in cells, where a player fits, and lights them.
+void GridFit::LightSamples(const BspRegion &space, std::span<Draw> cells, std::size_t round,
+                           const PlaceLighter &lighter, std::vector<FitSample> &samples, GridStats &work) const {
+    std::vector<LightPlaces> blocks;
+    const Vec3f cell(layout_.size);
+    const int tries = in_.options.shFit > 0 ? kMostTriesAll : kMostTries;
+    std::size_t next = samples.size();
+    for (Draw &draw : cells) {
+        Draw::Range &drawn = draw.rounds[round];
+        drawn.first = samples.size();
+        for (const int end = draw.tried + draw.wanted * tries;
+             draw.tried < end && samples.size() - drawn.first < std::size_t(draw.wanted); ++draw.tried) {
+            const Sample2 s = PlasticSample(std::uint32_t(draw.tried), draw.point->index);
+            const std::uint64_t hash = HashIndex((std::uint64_t(draw.point->index) << 16) + std::uint64_t(draw.tried));
+            const double layer = (draw.tried % perCell_ + UnitFromHash(hash)) / perCell_;
+            const Vec3f p = draw.point->position + cell * Vec3f{float(s.u), float(s.v), float(layer)};
+            const int cluster = space.ClusterAt(p, kClearance);
+            if (cluster < 0 || !space.PlayerFits(p))
+                continue;
+            AddPlace(blocks, p, p, cluster, std::uint32_t(hash));
+            samples.push_back({p, {}});
+        }
+        drawn.count = samples.size() - drawn.first;
+    }
+    if (blocks.empty())
+        return;
+    std::uint64_t seed = HashIndex(cells.front().point->index);
+    for (std::size_t i = 0; i < round; ++i)
+        seed = HashIndex(seed);
+    lighter.Trace(blocks, seed, work,
+                  [&](std::uint32_t, const bspGridPointSH_t &value) { samples[next++].value = value; });
+}
+
+/// Rays from samples to the points in the open around them.
+void GridFit::FindSeen(std::span<FitSample> samples, GridStats &work) const {
+    constexpr std::size_t kAtOnce = kPacketSize / 8;
+    for (std::size_t first = 0; first < samples.size(); first += kAtOnce) {
+        const std::size_t count = std::min(kAtOnce, samples.size() - first);
+        RayPacket rays{};
+        LaneMask asked{};
+        for (std::size_t ray = 0; ray < count * 8; ++ray) {
+            const FitSample &sample = samples[first + ray / 8];
+            const auto point = std::size_t(CornersAt(sample.position)[ray % 8].index);
+            asked.Set(ray, states_[point] == PointState::Open && rowOf_[point] >= 0);
+            if (asked[ray] != 0)
+                rays.Aim(ray, sample.position, PositionOf(layout_, std::int64_t(point)));
+        }
+        in_.scene.TraceToLight(rays, ShadowRules::Exact, work.counts);
+        for (std::size_t ray = 0; ray < count * 8; ++ray)
+            if (asked[ray] != 0 && rays.live[ray] == 0)
+                samples[first + ray / 8].sees &= std::uint8_t(~(1u << (ray % 8)));
+    }
+}
+
+void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
+    const std::lock_guard lock(mutex_);
+    waiting_.emplace(brick, std::move(samples));
+    while (!waiting_.empty() && waiting_.begin()->first == next_) {
+        for (const FitSample &sample : waiting_.begin()->second)
+            Accumulate(sample);
+        waiting_.erase(waiting_.begin());
+        ++next_;
+    }
+}
+
+void GridFit::Accumulate(const FitSample &sample) {
+    const float mean = MeanLight(sample.value), beyond = std::clamp(beyondScreen_ * mean, 1.0f, kMostBeyond);
+    const float weight = sample.weight * std::pow(kDark / (kDark + mean), 0.25f) /
+                         std::pow(beyond, in_.options.shFit > 0 ? kFallAll : kFall);
+    const auto corners = CornersAt(sample.position);
+    const auto numbers = std::bit_cast<Numbers>(sample.value);
+    for (std::size_t a = 0; a < 8; ++a) {
+        const std::int32_t number = rowOf_[std::size_t(corners[a].index)];
+        if (number < 0 || (sample.sees >> a & 1) == 0)
+            continue;
+        Row &row = rows_[std::size_t(number)];
+        const float share = weight * corners[a].weight;
+        for (std::size_t i = 0; i < kGridNumbers; ++i)
+            row.rhs[i] += share * numbers[i];
+        for (std::size_t b = 0; b < 8; ++b) {
+            // Offset of corner b from corner a on each axis, -1 to 1, as a place of the stencil.
+            const auto axis = [&](std::size_t bit) { return 1 + int((b >> bit) & 1) - int((a >> bit) & 1); };
+            row.stencil[std::size_t(axis(0) + 3 * (axis(1) + 3 * axis(2)))] += share * corners[b].weight;
+        }
+    }
+}
+
+bool GridFit::AnyMoving(const Row &row, const std::vector<std::uint8_t> &moving) const {
+    const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
+    for (std::size_t s = 0; s < kStencil; ++s)
+        if (row.stencil[s] != 0 && moving[std::size_t(row.index + OffsetOf(s, width, slice))] != 0)
+            return true;
+    return false;
+}
+
+/// Has the points around a row on their way: they lie all over the grid, and waiting for them was half of the time.
+/// Inlined, as compilers take it for a function without effect.
+[[gnu::always_inline]] inline void GridFit::Prefetch(const Row &row, const LightGridSH &grid) const {
+    constexpr std::size_t kCacheLine = 64;
+    const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
+    for (std::size_t s = 0; s < kStencil; s += 3) {
+        const float *factors = &row.stencil[s];
+        if (factors[0] == 0 && factors[1] == 0 && factors[2] == 0)
+            continue;
+        const auto *three = reinterpret_cast<const char *>(grid.points.data() + row.index + OffsetOf(s, width, slice));
+        for (std::size_t byte = 0; byte < 3 * sizeof(bspGridPointSH_t); byte += kCacheLine)
+            __builtin_prefetch(three + byte);
+    }
+}
+
+/// One step of Gauss and Seidel. The largest move of a coefficient, or its share of the light there.
+Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
+    // Two overlapping vectors of 16 numbers, of which the second holds the last ones: no rest is left for slow code.
+    constexpr std::size_t kWide = 16, kSecond = kGridNumbers - kWide;
+    std::array<float, kWide> first, second;
+    for (std::size_t i = 0; i < kWide; ++i)
+        first[i] = row.rhs[i], second[i] = row.rhs[kSecond + i];
+    const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
+    for (std::size_t s = 0; s < kStencil; ++s) {
+        const float factor = row.stencil[s];
+        if (s == kCenter || factor == 0)
+            continue;
+        const float *neighbour = grid.points[std::size_t(row.index + OffsetOf(s, width, slice))].coeffs[0].data();
+        for (std::size_t i = 0; i < kWide; ++i) {
+            first[i] -= factor * neighbour[i];
+            second[i] -= factor * neighbour[kSecond + i];
+        }
+    }
+    const float inverse = 1 / row.stencil[kCenter];
+    Numbers value;
+    for (std::size_t i = 0; i < kWide; ++i)
+        value[i] = first[i] * inverse;
+    for (std::size_t i = 0; i < kWide; ++i)
+        value[kSecond + i] = second[i] * inverse;
+    LimitToLight(value, mostBands_);
+    bspGridPointSH_t &stored = grid.points[row.index];
+    const auto old = std::bit_cast<Numbers>(stored);
+    std::int32_t most = 0;
+    for (std::size_t i = 0; i < kGridNumbers; ++i)
+        most = std::max(most, OrderedBits(std::abs(value[i] - old[i])));
+    stored = std::bit_cast<bspGridPointSH_t>(value);
+    return std::bit_cast<float>(most) / std::max({1.0f, value[0], value[1], value[2]});
+}
+
+/// Makes the pull towards the present value part of a row. False: too little weight to move the point.
+bool GridFit::AddPull(const bspGridPointSH_t &present, Row &row) const {
+    const float total = std::accumulate(row.stencil.begin(), row.stencil.end(), 0.0f);
+    if (!(total > kLeastWeight))
+        return false;
+    const float pull = pull_ * total;
+    const auto before = std::bit_cast<Numbers>(present);
+    for (std::size_t i = 0; i < kGridNumbers; ++i)
+        row.rhs[i] += pull * before[i];
+    row.stencil[kCenter] += pull;
+    return true;
+}
+
+void GridFit::Solve(LightGridSH &grid, const JobPool &jobs) {
+    std::array<std::vector<std::size_t>, kParities> parities;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        const std::int64_t index = rows_[i].index, row = index / layout_.bounds[0];
+        const std::int64_t x = index % layout_.bounds[0], y = row % layout_.bounds[1], z = row / layout_.bounds[1];
+        if (AddPull(grid.points[rows_[i].index], rows_[i]))
+            parities[std::size_t((x & 1) + 2 * (y & 1) + 4 * (z & 1))].push_back(i);
+    }
+    std::vector<std::uint8_t> moving(states_.size(), 1);
+    const auto relax = [&](std::size_t i) {
+        const Row &row = rows_[i];
+        if (!AnyMoving(row, moving))
+            return 0.0f;
+        const float move = Relax(row, grid);
+        moving[row.index] = move > kAtRest;
+        return move;
+    };
+    constexpr std::int64_t kChunk = 256;
+    for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+        float largest = 0;
+        for (const auto &rows : parities) {
+            const std::int64_t chunks = (std::int64_t(rows.size()) + kChunk - 1) / kChunk;
+            std::vector<float> moves(static_cast<std::size_t>(chunks));
+            jobs.For(chunks, [&](std::int64_t chunk, int) {
+                const std::size_t end = std::min(rows.size(), std::size_t((chunk + 1) * kChunk));
+                for (auto i = std::size_t(chunk * kChunk); i < end; ++i) {
+                    if (i + kAhead < end)
+                        Prefetch(rows_[rows[i + kAhead]], grid);
+                    moves[std::size_t(chunk)] = std::max(moves[std::size_t(chunk)], relax(rows[i]));
+                }
+            });
+            for (const float move : moves)
+                largest = std::max(largest, move);
+        }
+        if (largest < kSmallMove)
+            break;
+    }
+}
+
+} // namespace q3

@@ -1,0 +1,401 @@
+// GPL-2.0-or-later. The legacy light grid.
+#include "q3map2/light/grid/light_grid.h"
+
+#include "q3map2/light/grid/grid_bricks.h"
+#include "q3map2/light/tone/light_tone.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::int64_t kMaxPoints = 0x100000;
+constexpr float kMinCell = 8;
+constexpr float kNudgeMargin = -0.125f;
+constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
+constexpr int kNudges = 16;            ///< steps from the point to half a cell away
+constexpr std::int32_t kMaxRecords = 32767;
+/// Lights fainter than this in all of a brick are represented by a few of them. Byte scale.
+constexpr float kFaint = 1.0f / 16;
+
+/// Blocks that are lit together, so that their rays fill packets; more would keep more records at once.
+constexpr std::size_t kTogether = 4;
+
+/// How much of light from a direction is directed, by its cosine to the main direction.
+struct Directed {
+    float least, more;
+    explicit Directed(const LightOptions &options)
+        : least(options.gridAmbientDirectionality),
+          more(options.gridDirectionality - options.gridAmbientDirectionality) {}
+    float Share(float along) const { return std::max(0.0f, least + along * more); }
+};
+
+/// What reaches the points of a few blocks. How much of it is ambient hangs on the main direction of a point, which is
+/// known at the end, so all of it is recorded.
+class GridRecords {
+  public:
+    explicit GridRecords(std::size_t blocks) : blocks_(blocks) { lights_.reserve(kUsual * blocks); }
+    /// What a light gives to points of a block. Without `colored` it turns the main direction only.
+    void Add(std::size_t block, const Lanes3 &color, bool colored, const Arrivals &arrivals);
+    /// Light of a point from a direction, and ambient light of its own; `turn` turns the main direction.
+    void Add(std::size_t block, std::size_t lane, const Vec3f &direction, const Vec3f &color, const Vec3f &ownAmbient,
+             const Vec3d &turn) {
+        others_.push_back({block, lane, direction, color, ownAmbient});
+        Block &to = blocks_[block];
+        to.turnX[lane] += turn.x, to.turnY[lane] += turn.y, to.turnZ[lane] += turn.z;
+        ++to.records[lane];
+    }
+    std::int32_t Count(std::size_t block, std::size_t lane) const { return blocks_[block].records[lane]; }
+
+    /// Light of the points of a block in its two parts.
+    struct Parts {
+        Lanes3 main, ambient, directed;
+    };
+    std::vector<Parts> All(const LightOptions &options, const Vec3f &ambient) const;
+
+  private:
+    static constexpr std::size_t kUsual = 16; ///< lights that reach a block of most maps
+    struct Block {
+        DoubleLanes turnX{}, turnY{}, turnZ{};
+        std::array<std::int32_t, kPacketSize> records{};
+    };
+    struct LightRecord {
+        std::size_t block;
+        Lanes3 direction, color; ///< zero where nothing arrives
+    };
+    struct PointRecord {
+        std::size_t block, lane;
+        Vec3f direction, color, ownAmbient;
+    };
+    static void Turn(const Lanes3 &color, const Arrivals &arrivals, LightRecord &record, Block &block);
+    static void Divide(const LightRecord &record, const Directed &directed, Parts &parts);
+
+    std::vector<Block> blocks_;
+    std::vector<LightRecord> lights_;
+    std::vector<PointRecord> others_;
+};
+
+/// Colours of what arrives.
+Q3_VECTOR void SetColors(const Light &light, const Arrivals &arrivals, Lanes3 &color) {
+    const Vec3f c = light.color;
+    const bool negative = light.negative;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float add = negative ? -arrivals.add[i] : arrivals.add[i];
+        color.x[i] = c.x * add, color.y[i] = c.y * add, color.z[i] = c.z * add;
+    }
+    if (arrivals.tinted)
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            color.x[i] *= arrivals.tint.x[i];
+            color.y[i] *= arrivals.tint.y[i];
+            color.z[i] *= arrivals.tint.z[i];
+        }
+}
+
+Q3_VECTOR void GridRecords::Turn(const Lanes3 &color, const Arrivals &arrivals, LightRecord &record, Block &block) {
+    Lanes weight;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const bool live = arrivals.live[i] != 0;
+        const float r = color.x[i], g = color.y[i], b = color.z[i], length = std::sqrt(r * r + g * g + b * b);
+        weight[i] = live ? length : 0;
+        record.color.x[i] = live ? r : 0, record.color.y[i] = live ? g : 0, record.color.z[i] = live ? b : 0;
+        record.direction.x[i] = live ? arrivals.direction.x[i] : 0;
+        record.direction.y[i] = live ? arrivals.direction.y[i] : 0;
+        record.direction.z[i] = live ? arrivals.direction.z[i] : 0;
+    }
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        block.turnX[i] += double(record.direction.x[i]) * double(weight[i]);
+        block.turnY[i] += double(record.direction.y[i]) * double(weight[i]);
+        block.turnZ[i] += double(record.direction.z[i]) * double(weight[i]);
+        block.records[i] -= arrivals.live[i];
+    }
+}
+
+void GridRecords::Add(std::size_t block, const Lanes3 &color, bool colored, const Arrivals &arrivals) {
+    LightRecord &record = lights_.emplace_back();
+    record.block = block;
+    Turn(color, arrivals, record, blocks_[block]);
+    if (!colored)
+        record.color.Fill({});
+}
+
+/// Adds a record to the two parts.
+Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &directed, Parts &parts) {
+    const Directed shares = directed; // out of the way of what is written
+    const Lanes3 &color = record.color, &direction = record.direction;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float along =
+            direction.x[i] * parts.main.x[i] + direction.y[i] * parts.main.y[i] + direction.z[i] * parts.main.z[i];
+        const float k = shares.Share(along), rest = 0.25f * (1 - k);
+        parts.directed.x[i] += color.x[i] * k;
+        parts.directed.y[i] += color.y[i] * k;
+        parts.directed.z[i] += color.z[i] * k;
+        parts.ambient.x[i] += color.x[i] * rest;
+        parts.ambient.y[i] += color.y[i] * rest;
+        parts.ambient.z[i] += color.z[i] * rest;
+    }
+}
+
+std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, const Vec3f &ambient) const {
+    const Directed directed(options);
+    std::vector<Parts> all(blocks_.size());
+    for (std::size_t block = 0; block < blocks_.size(); ++block) {
+        const Block &from = blocks_[block];
+        for (std::size_t i = 0; i < kPacketSize; ++i)
+            all[block].main.Set(i, Vec3f(Normalize(Vec3d{from.turnX[i], from.turnY[i], from.turnZ[i]})));
+        all[block].ambient.Fill(ambient);
+        all[block].directed.Fill({});
+    }
+    for (const LightRecord &record : lights_)
+        Divide(record, directed, all[record.block]);
+    for (const PointRecord &record : others_) {
+        Parts &light = all[record.block];
+        const float k = directed.Share(Dot(record.direction, light.main[record.lane]));
+        light.directed.Set(record.lane, light.directed[record.lane] + record.color * k);
+        light.ambient.Set(record.lane,
+                          light.ambient[record.lane] + (record.color * (0.25f * (1 - k)) + record.ownAmbient));
+    }
+    return all;
+}
+
+/// The first of PlacePoint's steps whose spots need looking at: those of smaller ones lie in a box without open leafs.
+int FirstOpenStep(const BspRegion &space, const Vec3f &base, const Vec3f &half) {
+    int first = 1;
+    for (int last = kNudges; first < last;) {
+        const int step = (first + last) / 2;
+        const Vec3f reach = half * (float(step) / kNudges) + Vec3f{kAtLeaf, kAtLeaf, kAtLeaf};
+        if (space.AnyOpen(base - reach, base + reach, kNudgeMargin))
+            last = step;
+        else
+            first = step + 1;
+    }
+    return first;
+}
+
+/// Finds the point's place: where it is, or, when that is solid, the nearest open spot up to half a cell away. The
+/// established program draws spots at random, ever farther away.
+bool PlacePoint(const BspRegion &region, const Vec3f &half, Vec3f &position, int &cluster) {
+    const Vec3f base = position;
+    cluster = region.ClusterAt(base, 0);
+    if (cluster >= 0)
+        return true;
+    if (!region.AnyOpen(base - half, base + half, kNudgeMargin))
+        return false;
+    const BspRegion space = region.Around({base - half, base + half});
+    for (int step = FirstOpenStep(space, base, half); step <= kNudges; ++step)
+        for (int axes = 1; axes <= 3; ++axes)
+            for (int z = -1; z <= 1; ++z)
+                for (int y = -1; y <= 1; ++y)
+                    for (int x = -1; x <= 1; ++x) {
+                        if (std::abs(x) + std::abs(y) + std::abs(z) != axes)
+                            continue;
+                        position = base + half * Vec3f{float(x), float(y), float(z)} * (float(step) / kNudges);
+                        cluster = space.ClusterAt(position, kNudgeMargin);
+                        if (cluster >= 0)
+                            return true;
+                    }
+    return false;
+}
+
+/// Many points lie in the plane of a wall or a floor. Their rays start a hair off it, so that those into the wall are
+/// blocked and the others are not.
+Vec3f ClearOfSolids(const BspRegion &space, const Vec3f &p) {
+    const auto clear = [&](const Vec3f &at) {
+        const Vec3f margin{kSolidMargin, kSolidMargin, kSolidMargin};
+        return !space.AnySolid(at - margin, at + margin);
+    };
+    if (clear(p))
+        return p;
+    for (int axes = 1; axes <= 3; ++axes)
+        for (int z = -1; z <= 1; ++z)
+            for (int y = -1; y <= 1; ++y)
+                for (int x = -1; x <= 1; ++x) {
+                    const Vec3f at = p + Vec3f{float(x), float(y), float(z)} * (2.5f * kSolidMargin);
+                    if (std::abs(x) + std::abs(y) + std::abs(z) == axes && clear(at))
+                        return at;
+                }
+    return p;
+}
+
+/// The places of a brick's points, block by block. Counts those in the open.
+std::vector<LightPlaces> PlaceBrick(const BspSpace &space, const GridLayout &layout, std::span<const BrickPoint> points,
+                                    GridStats &work) {
+    std::vector<LightPlaces> blocks;
+    blocks.reserve((points.size() + kPacketSize - 1) / kPacketSize);
+    const Vec3f half = Vec3f(layout.size) * 0.5f, margin = half + Vec3f{1, 1, 1};
+    const BspRegion brick = RegionAround(space.Whole(), points, margin);
+    for (std::size_t first = 0; first < points.size(); first += kPacketSize) {
+        const auto near = points.subspan(first, std::min(kPacketSize, points.size() - first));
+        const BspRegion around = RegionAround(brick, near, margin);
+        for (const BrickPoint &at : near) {
+            Vec3f position = at.position;
+            int cluster = kSolidCluster;
+            if (!PlacePoint(around, half, position, cluster))
+                continue;
+            AddPlace(blocks, position, ClearOfSolids(around, position), cluster, at.index);
+            ++work.open;
+        }
+    }
+    return blocks;
+}
+
+void AddFloodlight(const GridInputs &in, const Vec3f &position, std::size_t block, std::size_t lane,
+                   GridRecords &records, RayCounts &counts) {
+    for (const float up : {1.0f, -1.0f}) {
+        const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.options.lowQuality, counts);
+        const Vec3f flood = in.world.floodColor * (in.world.floodIntensity * share);
+        records.Add(block, lane, {0, 0, 1}, flood * 0.75f, flood * 0.25f, Vec3d{0, 0, double(Length(flood * 0.75f))});
+    }
+}
+
+/// Every ray is a light of its own.
+void AddIndirect(const GridInputs &in, const LightPlaces &places, std::size_t block, std::size_t lane,
+                 GridRecords &records, RayCounts &counts) {
+    std::vector<IndirectRay> rays;
+    in.indirect->Gather(places.rayOrigin[lane], places.index[lane], rays);
+    counts.rays += rays.size();
+    for (const IndirectRay &ray : rays) {
+        if (ray.color == Vec3f{})
+            continue;
+        const Vec3f color = ray.color * (IndirectLight::kFacing / float(rays.size()));
+        records.Add(block, lane, ray.direction, color, {}, Vec3d(ray.direction) * double(Length(color)));
+    }
+}
+
+std::array<std::uint8_t, 2> DirectionBytes(const Vec3f &t) {
+    if (t.x == 0 && t.y == 0)
+        return {std::uint8_t(t.z > 0 ? 0 : 128), 0};
+    constexpr double kScale = 180 / std::numbers::pi * 255 / 360;
+    const int fromZ = int(std::acos(std::clamp(double(t.z), -1.0, 1.0)) * kScale);
+    const int aroundZ = int(std::atan2(double(t.y), double(t.x)) * kScale);
+    return {std::uint8_t(fromZ & 255), std::uint8_t(aroundZ & 255)};
+}
+
+bspGridPoint_t StorePoint(const GridInputs &in, const Vec3f &main, const Vec3f &ambient, const Vec3f &directed) {
+    const LightOptions &o = in.options;
+    bspGridPoint_t stored;
+    stored.ambient = ColorToBytes(Max(ambient, in.world.minGrid), o.gridScale * o.gridAmbientScale, 1, o.tone);
+    stored.directed = ColorToBytes(directed, o.gridScale, 1, o.tone);
+    constexpr std::array<std::uint8_t, 3> kBlack{};
+    if (stored.ambient == kBlack && stored.directed != kBlack)
+        stored.ambient = {1, 1, 1};
+    stored.latLong = DirectionBytes(main);
+    return stored;
+}
+
+/// Points of a few blocks being lit.
+class GridBlocks {
+  public:
+    GridBlocks(const GridInputs &in, std::span<LightPlaces> blocks)
+        : in_(in), blocks_(blocks), records_(blocks.size()), arrivals_(blocks.size()),
+          sums_(in.options.cheapGrid ? blocks.size() * kPacketSize : 0) {}
+    void Trace(const ContributionSettings &settings, std::span<const BrickLight> lights, GridStats &work) {
+        for (const BrickLight &one : lights) {
+            LightContributionToPoint(*one.light, one.weight, settings, in_.scene, blocks_, arrivals_, work.counts);
+            for (std::size_t block = 0; block < blocks_.size(); ++block)
+                if (arrivals_[block].live.Any()) {
+                    Lanes3 color;
+                    SetColors(*one.light, arrivals_[block], color);
+                    // Light of other styles turns the direction, but this format has no place for its colour.
+                    records_.Add(block, color, one.light->style == 0, arrivals_[block]);
+                    if (in_.options.cheapGrid || lights.size() > std::size_t(kMaxRecords))
+                        EndSated(block, color);
+                }
+        }
+        for (std::size_t block = 0; block < blocks_.size(); ++block)
+            AddOthers(block, work);
+    }
+    void Store(std::span<bspGridPoint_t> grid) const {
+        const auto lights = records_.All(in_.options, in_.world.ambient);
+        for (std::size_t block = 0; block < blocks_.size(); ++block)
+            for (std::size_t i = 0; i < blocks_[block].count; ++i)
+                grid[blocks_[block].index[i]] =
+                    StorePoint(in_, lights[block].main[i], lights[block].ambient[i], lights[block].directed[i]);
+    }
+
+  private:
+    /// Points that are white, with what has just arrived, or have as many lights as are kept want no more.
+    void EndSated(std::size_t block, const Lanes3 &color);
+    void AddOthers(std::size_t block, GridStats &work);
+
+    const GridInputs &in_;
+    std::span<LightPlaces> blocks_;
+    GridRecords records_;
+    std::vector<Arrivals> arrivals_;
+    std::vector<Vec3f> sums_; ///< of all styles; with -cheapgrid, for which white is enough
+};
+
+void GridBlocks::EndSated(std::size_t block, const Lanes3 &color) {
+    for (unsigned lanes = arrivals_[block].live.Bits(); lanes != 0; lanes &= lanes - 1) {
+        const auto i = std::size_t(std::countr_zero(lanes));
+        bool white = false;
+        if (in_.options.cheapGrid) {
+            const Vec3f sum = sums_[block * kPacketSize + i] += color[i];
+            white = sum.x >= 255 && sum.y >= 255 && sum.z >= 255;
+        }
+        blocks_[block].wanted.Set(i, !white && records_.Count(block, i) < kMaxRecords);
+    }
+}
+
+void GridBlocks::AddOthers(std::size_t block, GridStats &work) {
+    const LightPlaces &places = blocks_[block];
+    for (std::size_t i = 0; i < places.count; ++i) {
+        if (in_.options.floodlight || in_.world.hasFloodlight)
+            AddFloodlight(in_, places.position[i], block, i, records_, work.counts);
+        if (in_.indirect)
+            AddIndirect(in_, places, block, i, records_, work.counts);
+    }
+}
+
+} // namespace
+
+GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {
+    const Vec3f wanted = world.Vector({"gridsize"}).value_or(Vec3f{64, 64, 128});
+    Float3 size{};
+    for (std::size_t i = 0; i < 3; ++i)
+        size[i] = std::max(kMinCell, std::floor(wanted[i]));
+    const bspModel_t &model = bsp.models.front();
+    GridLayout layout = LayoutGrid(model.mins, model.maxs, size);
+    for (std::size_t axis = 0; layout.Count() > kMaxPoints; axis = (axis + 1) % 3) {
+        size[axis] += 16;
+        layout = LayoutGrid(model.mins, model.maxs, size);
+    }
+    if (size[0] != wanted.x || size[1] != wanted.y || size[2] != wanted.z) {
+        world.Set("gridsize", fmt::format("{:.0f} {:.0f} {:.0f}", size[0], size[1], size[2]));
+        log.Print("Grid size changed to {:.0f} {:.0f} {:.0f}\n", size[0], size[1], size[2]);
+    }
+    log.Count(layout.Count(), "grid points");
+    return layout;
+}
+
+std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
+                                      GridStats &stats) {
+    const ContributionSettings settings{.pass = LightPass::LegacyGrid,
+                                        .sunOnly = in.options.sunOnly,
+                                        .pointAreas = in.options.faster,
+                                        .skip = in.options.skip};
+    const LightsByCluster byCluster(lights);
+    std::vector<bspGridPoint_t> grid(std::size_t(layout.Count()), bspGridPoint_t{});
+    const GridBricks bricks(layout);
+    stats.points = layout.Count();
+    RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
+        std::vector<LightPlaces> blocks = PlaceBrick(in.space, layout, bricks.Points(brick), work);
+        if (blocks.empty())
+            return;
+        StartFaint(blocks, kFaint);
+        const BrickLights candidates(byCluster, BrickView(blocks), std::uint64_t(brick), kFaint, in.options.skip, work);
+        ContributionSettings pass = settings;
+        pass.faint = candidates.Many() ? kFaint : 0;
+        for (std::size_t first = 0; first < blocks.size(); first += kTogether) {
+            GridBlocks together(in, std::span(blocks).subspan(first, std::min(kTogether, blocks.size() - first)));
+            together.Trace(pass, candidates.List(), work);
+            together.Store(grid);
+        }
+    });
+    return grid;
+}
+
+} // namespace q3

@@ -1,0 +1,178 @@
+// GPL-2.0-or-later. The SH light grid: placement, and light at every point in the open.
+#include "q3map2/light/grid/gridsh_fill.h"
+#include "q3map2/light/grid/gridsh_fit.h"
+#include "q3map2/light/grid/gridsh_light.h"
+#include "q3map2/light/grid/light_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace q3 {
+
+namespace {
+
+constexpr float kMinCell = 8;
+/// Engines hold lump lengths in 32-bit integers.
+constexpr std::int64_t kMaxPoints = (0x7fffffffll - 40) / 108;
+
+/// Points this near to a surface light's plane are in it. Game units.
+constexpr float kOnLamp = 1.0f / 64;
+
+/// Whether p is on the polygon of a surface light.
+bool OnLamp(const Light &light, const Vec3f &p) {
+    if (std::abs(Dot(Vec3f(light.shape.normal), p) - float(light.shape.dist)) > kOnLamp)
+        return false;
+    bool left = false, right = false;
+    for (std::size_t i = 0; i < light.w.size(); ++i) {
+        const Vec3f &a = light.w[i], edge = light.w[(i + 1) % light.w.size()] - a;
+        const float side = Dot(Cross(edge, p - a), Vec3f(light.shape.normal)), margin = kOnLamp * Length(edge);
+        left = left || side > margin, right = right || side < -margin;
+    }
+    return !(left && right);
+}
+
+/// Where points are lit from, and which of them are.
+class PointPlaces {
+  public:
+    PointPlaces(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
+        : states_(std::size_t(layout.Count()), PointState::Void), places_(std::size_t(bricks.Count())) {
+        std::vector<int> clusters(states_.size());
+        ForBlocks(in, bricks, {1, 1, 1}, [&](std::int64_t, const BspRegion &whole, std::span<const BrickPoint> points) {
+            const BspRegion space = RegionAround(whole, points, {1, 1, 1});
+            for (const BrickPoint &point : points) {
+                const PlacedPoint placed = PlaceInOpen(space, point.position);
+                clusters[point.index] = placed.cluster;
+                states_[point.index] = placed.state;
+            }
+        });
+        std::vector<std::vector<Displacement>> displaced(places_.size());
+        const Vec3f margin = Vec3f(layout.size) + Vec3f{1, 1, 1};
+        ForBlocks(in, bricks, margin,
+                  [&](std::int64_t brick, const BspRegion &whole, std::span<const BrickPoint> points) {
+                      std::optional<BspRegion> space;
+                      for (const BrickPoint &point : points) {
+                          PlacedPoint placed{PointState::Open, point.position, clusters[point.index]};
+                          if (states_[point.index] != PointState::Open) {
+                              if (!space)
+                                  space.emplace(RegionAround(whole, points, margin));
+                              placed = PlaceGridPoint(*space, layout, clusters, point);
+                          }
+                          Place(placed, point, places_[std::size_t(brick)], displaced[std::size_t(brick)]);
+                      }
+                  });
+        for (const auto &part : displaced)
+            displaced_.insert(displaced_.end(), part.begin(), part.end());
+        std::sort(displaced_.begin(), displaced_.end(),
+                  [](const Displacement &a, const Displacement &b) { return a.index < b.index; });
+    }
+    void FindOnLamps(const GridLayout &layout, const std::vector<Light> &lights) {
+        for (const Light &light : lights) {
+            if (light.type != LightType::Area)
+                continue;
+            const Boundsf box = WindingBounds(light.w);
+            std::array<int, 3> first{}, last{};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const float cell = layout.size[axis], least = (box.mins[axis] - kOnLamp - layout.mins[axis]) / cell;
+                const float most = (box.maxs[axis] + kOnLamp - layout.mins[axis]) / cell;
+                const auto end = float(layout.bounds[axis]);
+                first[axis] = int(std::ceil(std::clamp(least, 0.0f, end)));
+                last[axis] = int(std::floor(std::clamp(most, -1.0f, end - 1)));
+            }
+            for (int z = first[2]; z <= last[2]; ++z)
+                for (int y = first[1]; y <= last[1]; ++y)
+                    for (int x = first[0]; x <= last[0]; ++x) {
+                        PointState &state = states_[std::size_t(layout.Index(x, y, z))];
+                        if (state == PointState::Open && OnLamp(light, Vec3f(layout.Position(x, y, z))))
+                            state = PointState::OnLamp;
+                    }
+        }
+    }
+    /// Places of a brick that are to be lit; taken once.
+    std::vector<LightPlaces> Take(std::int64_t brick) { return std::move(places_[std::size_t(brick)]); }
+    std::vector<PointState> &States() { return states_; }
+    const std::vector<Displacement> &Displaced() const { return displaced_; }
+
+  private:
+    /// Calls use(brick, region, points) for small blocks of neighbouring points, with the region around the brick;
+    /// bricks on all workers.
+    template <typename Use>
+    static void ForBlocks(const GridInputs &in, const GridBricks &bricks, const Vec3f &margin, const Use &use) {
+        in.jobs.For(bricks.Count(), [&](std::int64_t brick, int) {
+            const std::vector<BrickPoint> points = bricks.Points(brick);
+            const std::span<const BrickPoint> all(points);
+            const BspRegion around = RegionAround(in.space.Whole(), all, margin);
+            for (std::size_t first = 0; first < all.size(); first += kPacketSize)
+                use(brick, around, all.subspan(first, std::min(kPacketSize, all.size() - first)));
+        });
+    }
+    void Place(const PlacedPoint &placed, const BrickPoint &point, std::vector<LightPlaces> &places,
+               std::vector<Displacement> &displaced) {
+        states_[point.index] = placed.state;
+        if (placed.cluster < 0)
+            return;
+        if (placed.state != PointState::Open)
+            displaced.push_back({point.index, placed.position});
+        AddPlace(places, placed.position, placed.position, placed.cluster, point.index);
+    }
+
+    std::vector<PointState> states_;
+    std::vector<std::vector<LightPlaces>> places_;
+    std::vector<Displacement> displaced_;
+};
+
+} // namespace
+
+GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOptions &options, Log &log) {
+    Float3 size{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const float wanted = options.gridSizeSH ? (*options.gridSizeSH)[i] : legacySize[i] / options.gridScaleSH;
+        size[i] = std::max(kMinCell, wanted);
+    }
+    const bspModel_t &model = bsp.models.front();
+    GridLayout layout = LayoutGrid(model.mins, model.maxs, size);
+    const Float3 asked = size;
+    while (layout.Count() > kMaxPoints) {
+        for (float &axis : size)
+            axis += kMinCell;
+        layout = LayoutGrid(model.mins, model.maxs, size);
+    }
+    if (size != asked)
+        log.Warn("SH grid size", "an SH grid with cells of {} {} {} passes the 2 GiB of a lump; {} {} {} is used",
+                 asked[0], asked[1], asked[2], size[0], size[1], size[2]);
+    log.Print("SH grid cells of {} {} {}\n", size[0], size[1], size[2]);
+    log.Count(layout.Count(), "SH grid points");
+    return layout;
+}
+
+LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
+                        GridStats &stats) {
+    LightGridSH grid;
+    grid.header = {layout.mins, layout.size, layout.bounds, std::int32_t(layout.Count())};
+    grid.points.assign(std::size_t(layout.Count()), bspGridPointSH_t{});
+    stats.points = layout.Count();
+
+    const GridBricks bricks(layout);
+    PointPlaces places(in, layout, bricks);
+    places.FindOnLamps(layout, lights);
+    const PlaceLighter lighter(in, lights);
+    const SolidSides sides = FindSolidSides(in, layout, places.Displaced(), places.States());
+    GridFit fit(in, layout, places.States(), sides.divided);
+    RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
+        std::vector<LightPlaces> blocks = places.Take(brick);
+        if (!blocks.empty())
+            lighter.Trace(blocks, std::uint64_t(brick), work,
+                          [&](std::uint32_t index, const bspGridPointSH_t &value) { grid.points[index] = value; });
+        fit.AddSamples(brick, fit.SampleCells(bricks.Points(brick), lighter, work));
+    });
+    FillGridSH(in, layout, places.Displaced(), sides, places.States(), grid);
+    fit.Solve(grid, in.jobs);
+    const auto &states = places.States();
+    for (const PointState state : {PointState::Open, PointState::OnLamp, PointState::Beside})
+        stats.open += std::count(states.begin(), states.end(), state);
+    stats.moved = std::count(states.begin(), states.end(), PointState::Moved);
+    stats.filled = std::count(states.begin(), states.end(), PointState::Filled);
+    return grid;
+}
+
+} // namespace q3

@@ -1,0 +1,101 @@
+// GPL-2.0-or-later. Embree 3.13 and 4 under one face: packets of 16 rays; handles that release themselves.
+#pragma once
+
+#if Q3_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include "q3map2/light/batch/light_lanes.h"
+
+#include <algorithm>
+#include <memory>
+#include <numeric>
+#include <span>
+#include <type_traits>
+
+namespace q3 {
+
+struct ReleaseDevice {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+struct ReleaseScene {
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+struct ReleaseGeometry {
+    void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+using DevicePtr = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice>;
+using ScenePtr = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
+using GeometryPtr = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry>;
+
+#if Q3_EMBREE_MAJOR >= 4
+using EmbreeContext = RTCRayQueryContext;
+inline void InitContext(EmbreeContext &context) {
+    rtcInitRayQueryContext(&context);
+}
+/// coherent: the rays of a packet are close to each other.
+inline void Intersect16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRayHit16 &rays,
+                        bool coherent = true) {
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    arguments.context = &context;
+    rtcIntersect16(valid, scene, &rays, &arguments);
+}
+inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRay16 &rays) {
+    RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    arguments.context = &context;
+    rtcOccluded16(valid, scene, &rays, &arguments);
+}
+#else
+using EmbreeContext = RTCIntersectContext;
+inline void InitContext(EmbreeContext &context) {
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+}
+inline void Intersect16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRayHit16 &rays,
+                        bool coherent = true) {
+    context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    rtcIntersect16(valid, scene, &context, &rays);
+}
+inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRay16 &rays) {
+    rtcOccluded16(valid, scene, &context, &rays);
+}
+#endif
+
+/// A device for one thread's calls at a time while scenes are made; tracing needs no device. The environment variable
+/// Q3MAP2_EMBREE adds settings, see rtcNewDevice: "isa=avx2" does as on an older processor. Errors: Error.
+DevicePtr NewDevice();
+/// An empty scene, watertight and built for fast tracing.
+ScenePtr NewScene(RTCDevice device);
+/// Triangles of three corners each, xyz one after the other, committed. Errors: Error, out of memory.
+GeometryPtr NewTriangles(RTCDevice device, std::span<const float> corners);
+
+/// Live rays between `nearest` and `distance` along unit directions. The others' numbers may be anything, but Embree
+/// looks at all rays on processors without vectors of 16 numbers: there they become rays that end before they start.
+/// nearest: a float, or one for each ray.
+template <typename Nearest>
+inline void SetRays(const Lanes3 &origin, const Lanes3 &direction, const Lanes &distance, const LaneMask &live,
+                    const Nearest &nearest, RTCRay16 &rays) {
+    const auto row = [&](const Lanes &from, float none, float *to) {
+        for (std::size_t i = 0; i < kPacketSize; ++i)
+            to[i] = live[i] != 0 ? from[i] : none;
+    };
+    row(origin.x, 0, rays.org_x), row(origin.y, 0, rays.org_y), row(origin.z, 0, rays.org_z);
+    row(direction.x, 0, rays.dir_x), row(direction.y, 0, rays.dir_y), row(direction.z, 1, rays.dir_z);
+    row(distance, -1, rays.tfar);
+    if constexpr (std::is_same_v<Nearest, Lanes>)
+        std::copy_n(nearest.begin(), kPacketSize, rays.tnear);
+    else
+        std::fill_n(rays.tnear, kPacketSize, float(nearest));
+    std::fill_n(rays.time, kPacketSize, 0.0f);
+    std::fill_n(rays.mask, kPacketSize, ~0u);
+    std::fill_n(rays.flags, kPacketSize, 0u);
+    std::iota(rays.id, rays.id + kPacketSize, 0u);
+}
+
+} // namespace q3

@@ -1,0 +1,538 @@
+// GPL-2.0-or-later. What rays see: solids, surfaces, skies and see-through surfaces in Embree.
+#include "q3map2/light/scene/light_scene.h"
+
+#include "q3map2/light/scene/light_embree.h"
+#include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/scene/shadow_casters.h"
+#include "q3map2/light/scene/sky_beam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace q3 {
+
+namespace {
+
+/// Legacy sun rays look for the sky this far beyond the first solid. Game units.
+constexpr float kSkySlack = 0.125f;
+/// Light under this share counts as blocked.
+constexpr float kOpaqueTint = 0.001f;
+/// Two hits of one see-through surface nearer than this are one: the shared edge of its triangles. Game units.
+constexpr float kSameHit = 0.01f;
+
+/// Multiplies what the texel under the hit lets through; spec of alpha shadows and light filters.
+Vec3f FilterAt(const ShaderInfo &shader, const std::array<float, 6> &st, float u, float v) {
+    const Image &image = *shader.lightImage;
+    const auto texel = [&](std::size_t i, int size) {
+        const float t = (1 - u - v) * st[i] + u * st[2 + i] + v * st[4 + i];
+        const float fraction = t - std::floor(t);
+        return std::isfinite(fraction) ? std::clamp(int(fraction * float(size)), 0, size - 1) : 0;
+    };
+    const auto rgba = image.Texel(texel(0, image.width), texel(1, image.height));
+    Vec3f through{1, 1, 1};
+    if ((shader.compileFlags & C_LIGHTFILTER) != 0)
+        through = Vec3f{float(rgba[0]), float(rgba[1]), float(rgba[2])} / 255;
+    if ((shader.compileFlags & C_ALPHASHADOW) != 0)
+        through *= float(255 - rgba[3]) / 255;
+    return through;
+}
+
+/// What OpaqueHit needs of a geometry.
+struct FilterSurfaces {
+    const Triangles *triangles;
+    const SurfaceTable *table;
+};
+
+/// A packet on its way through see-through surfaces. The Embree context comes first, so that the filter gets this
+/// record.
+struct FilterContext {
+    EmbreeContext embree;
+    const Triangles *triangles[2]; // kFilters, kFilterPatches
+    const SurfaceTable *table;
+    struct Crossing {
+        unsigned ray;
+        int surface;
+        float distance;
+    };
+    std::vector<Crossing> crossings; ///< most packets meet nothing
+    Lanes3 tint;                     ///< once there are crossings
+};
+
+void FilterHit(const RTCFilterFunctionNArguments *arguments) {
+    auto &context = *reinterpret_cast<FilterContext *>(arguments->context);
+    for (unsigned i = 0; i < arguments->N; ++i) {
+        if (arguments->valid[i] != -1)
+            continue;
+        const bool patch = RTCHitN_geomID(arguments->hit, arguments->N, i) == kFilterPatches;
+        const Triangles &triangles = *context.triangles[patch ? 1 : 0];
+        const unsigned primitive = RTCHitN_primID(arguments->hit, arguments->N, i);
+        const float distance = RTCRayN_tfar(arguments->ray, arguments->N, i);
+        const unsigned ray = RTCRayN_id(arguments->ray, arguments->N, i);
+        const int surface = triangles.surface[primitive];
+        const auto same = [&](const FilterContext::Crossing &c) {
+            return c.ray == ray && c.surface == surface && std::abs(c.distance - distance) < kSameHit;
+        };
+        if (context.crossings.empty())
+            context.tint.Fill({1, 1, 1});
+        if (std::none_of(context.crossings.begin(), context.crossings.end(), same)) {
+            context.crossings.push_back({ray, surface, distance});
+            context.tint.Set(ray, context.tint[ray] * FilterAt(*(*context.table)[std::size_t(surface)].shader,
+                                                               triangles.st[primitive],
+                                                               RTCHitN_u(arguments->hit, arguments->N, i),
+                                                               RTCHitN_v(arguments->hit, arguments->N, i)));
+        }
+        if (MaxComponent(context.tint[ray]) > kOpaqueTint)
+            arguments->valid[i] = 0;
+    }
+}
+
+/// A packet of the legacy grid. The Embree context comes first, so that the filter gets this record.
+struct LegacyContext {
+    EmbreeContext embree;
+    float nearestSurface;
+};
+
+void NearSurfaceHit(const RTCFilterFunctionNArguments *arguments) {
+    const float nearest = reinterpret_cast<const LegacyContext *>(arguments->context)->nearestSurface;
+    for (unsigned i = 0; i < arguments->N; ++i)
+        if (RTCRayN_tfar(arguments->ray, arguments->N, i) < nearest)
+            arguments->valid[i] = 0;
+}
+
+/// Of nearest hits: see-through surfaces stop a ray where their texel is opaque.
+void OpaqueHit(const RTCFilterFunctionNArguments *arguments) {
+    const auto &[triangles, table] = *static_cast<const FilterSurfaces *>(arguments->geometryUserPtr);
+    for (unsigned i = 0; i < arguments->N; ++i) {
+        if (arguments->valid[i] != -1)
+            continue;
+        const unsigned primitive = RTCHitN_primID(arguments->hit, arguments->N, i);
+        const ShaderInfo &shader = *(*table)[std::size_t(triangles->surface[primitive])].shader;
+        const Vec3f through = FilterAt(shader, triangles->st[primitive], RTCHitN_u(arguments->hit, arguments->N, i),
+                                       RTCHitN_v(arguments->hit, arguments->N, i));
+        if (MaxComponent(through) > kOpaqueTint)
+            arguments->valid[i] = 0;
+    }
+}
+
+/// Triangles and what Embree makes of them, by GeometryId.
+struct Casters {
+    std::array<Triangles, kGeometries> triangles;
+    std::array<GeometryPtr, kGeometries> geometries;
+    std::array<FilterSurfaces, kGeometries> filterSurfaces{};
+};
+
+} // namespace
+
+struct LightScene::State {
+    const Bsp &bsp;
+    const SurfaceTable table;
+    const LightOptions options;
+    float legacyIgnoreRadius;
+    bool trace;
+    DevicePtr device;
+    Casters main;
+    std::vector<int> skyIndexes; ///< by triangle of kSkies
+    std::optional<SkyFaces> skyFaces;
+    ScenePtr all, skies, filters, filtersWithoutPatches;
+    // Not every run needs these: the first ray that does has them made.
+    std::once_flag legacyMade, legacySunsMade, blockersMade;
+    std::mutex making;
+    ScenePtr legacyAll;                          ///< see MakeLegacy
+    ScenePtr legacySolids, legacySurfaces;       ///< see MakeLegacySuns
+    ScenePtr solidHull, blockerSolids, blockers; ///< for TraceBlockers, see MakeBlockers
+
+    /// Shadow casters for receivers of another group than 1, who are shadowed by some groups only.
+    struct Group {
+        int receiveShadows = 0;
+        Casters casters;
+        ScenePtr all, filters, blockers;
+    };
+    std::vector<std::unique_ptr<Group>> groups;
+
+    State(const Bsp &map, const SurfaceTable &t, const LightOptions &o, float radius)
+        : bsp(map), table(t), options(o), legacyIgnoreRadius(radius), trace(!o.noTrace) {}
+
+    /// What only dirt and floodlight need, when the first of them asks. Safe from several threads.
+    void MakeBlockers();
+    /// The same for the legacy grid, and for suns there.
+    void MakeLegacy();
+    void MakeLegacySuns();
+    /// Calls make() the first time. One thread at a time: scenes share the device and geometries.
+    template <typename Make> void Once(std::once_flag &made, const Make &make) {
+        std::call_once(made, [&] {
+            const std::lock_guard lock(making);
+            make();
+        });
+    }
+
+    void MakeGeometries(Casters &casters) const;
+    /// If there are triangles of that kind, which are in Embree from here on.
+    void MakeGeometry(GeometryId id, Casters &casters) const;
+    ScenePtr MakeScene(const Casters &casters, std::initializer_list<GeometryId> ids) const;
+    ScenePtr MakeScene(std::initializer_list<GeometryId> ids) const { return MakeScene(main, ids); }
+    void MakeGroup(int receiveShadows);
+    /// Null for group 1.
+    const Group *FindGroup(int receiveShadows) const {
+        for (const auto &group : groups)
+            if (group->receiveShadows == receiveShadows)
+                return group.get();
+        return nullptr;
+    }
+    void Tint(RayPacket &packet, const Casters &casters, const ScenePtr &scene, float nearest) const;
+    void Tint(RayPacket &packet, const ScenePtr &scene, float nearest) const { Tint(packet, main, scene, nearest); }
+    void FindSky(const RayPacket &packet, float nearest, SkyHits &hits) const;
+    void SkipSkyBacks(const RayPacket &packet, SkyHits &hits) const;
+};
+
+namespace {
+
+/// Rays of the packet that something in the scene blocks live no longer; surfaces only do from `nearestSurface` on.
+Q3_VECTOR void EndBlocked(RTCScene scene, RayPacket &packet, float nearest, float nearestSurface = 0) {
+    alignas(64) RTCRay16 rays;
+    SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
+    LegacyContext context;
+    InitContext(context.embree);
+    context.nearestSurface = nearestSurface;
+    Occluded16(packet.live.data(), scene, context.embree, rays);
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
+}
+
+/// Rays that meet the sky end there, the others live no longer. To find the sky takes little time; then blockers up to
+/// there need not be the nearest.
+void ClipToSky(const SkyHits &hits, int skyIndex, RayPacket &packet) {
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        packet.live.Set(i, hits.hit[i] != 0 && (skyIndex < 0 || hits.skyIndex[i] == skyIndex));
+    packet.distance = hits.distance;
+}
+
+/// Nearest hit of every live ray beyond its `nearest`.
+Q3_VECTOR void FindNearest(RTCScene scene, const RayPacket &packet, const Lanes &nearest, RTCRayHit16 &hits) {
+    SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, hits.ray);
+    std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
+    EmbreeContext context;
+    InitContext(context);
+    Intersect16(packet.live.data(), scene, context, hits);
+}
+
+void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayHit16 &hits) {
+    Lanes all;
+    all.fill(nearest);
+    FindNearest(scene, packet, all, hits);
+}
+
+} // namespace
+
+LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius)
+    : state_(std::make_unique<State>(bsp, table, options, legacyIgnoreRadius)) {
+    State &s = *state_;
+    s.main.triangles = ShadowCasters(bsp, table, options);
+    for (const int surface : s.main.triangles[kSkies].surface)
+        s.skyIndexes.push_back(table[std::size_t(surface)].skyIndex);
+    s.skyFaces.emplace(s.main.triangles[kSkies], s.skyIndexes);
+    s.device = NewDevice();
+    s.MakeGeometries(s.main);
+    s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
+    s.skies = s.MakeScene({kSkies});
+    s.filters = s.MakeScene({kFilters, kFilterPatches});
+    s.filtersWithoutPatches = s.MakeScene({kFilters});
+    for (const SurfaceEntry &entry : table)
+        if (entry.receiveShadows != 0 && entry.receiveShadows != 1 && !s.FindGroup(entry.receiveShadows))
+            s.MakeGroup(entry.receiveShadows);
+}
+
+LightScene::~LightScene() = default;
+
+void LightScene::State::MakeLegacy() {
+    Once(legacyMade, [&] { legacyAll = MakeScene({kLegacySolids, kLegacySurfaces}); });
+}
+
+void LightScene::State::MakeLegacySuns() {
+    Once(legacySunsMade, [&] {
+        legacySolids = MakeScene({kLegacySolids});
+        legacySurfaces = MakeScene({kLegacySurfaces});
+    });
+}
+
+void LightScene::State::MakeBlockers() {
+    Once(blockersMade, [&] {
+        solidHull = MakeScene({kSolids});
+        AddBlockers(bsp, table, options, main.triangles);
+        MakeGeometry(kBlockerSolids, main);
+        MakeGeometry(kBlockerSurfaces, main);
+        blockerSolids = MakeScene({kBlockerSolids});
+        blockers = MakeScene({kBlockerSurfaces, kPatches, kFilters, kFilterPatches});
+    });
+}
+
+void LightScene::State::MakeGeometries(Casters &casters) const {
+    for (unsigned id = 0; id < kGeometries; ++id)
+        MakeGeometry(GeometryId(id), casters);
+}
+
+void LightScene::State::MakeGeometry(GeometryId id, Casters &casters) const {
+    if (casters.triangles[id].Count() == 0)
+        return;
+    casters.geometries[id] = NewTriangles(device.get(), casters.triangles[id].corners);
+    const RTCGeometry geometry = casters.geometries[id].get();
+    if (id == kFilters || id == kFilterPatches) {
+        rtcSetGeometryOccludedFilterFunction(geometry, FilterHit);
+        casters.filterSurfaces[id] = {&casters.triangles[id], &table};
+        rtcSetGeometryUserData(geometry, &casters.filterSurfaces[id]);
+        rtcSetGeometryIntersectFilterFunction(geometry, OpaqueHit);
+        rtcCommitGeometry(geometry);
+    } else
+        casters.triangles[id].corners = {};
+    if (id == kLegacySurfaces) {
+        rtcSetGeometryOccludedFilterFunction(geometry, NearSurfaceHit);
+        rtcCommitGeometry(geometry);
+    }
+}
+
+ScenePtr LightScene::State::MakeScene(const Casters &casters, std::initializer_list<GeometryId> ids) const {
+    ScenePtr scene = NewScene(device.get());
+    bool any = false;
+    for (const GeometryId id : ids)
+        if (casters.geometries[id]) {
+            rtcAttachGeometryByID(scene.get(), casters.geometries[id].get(), id);
+            any = true;
+        }
+    if (!any)
+        return nullptr;
+    rtcCommitScene(scene.get());
+    return scene;
+}
+
+void LightScene::State::MakeGroup(int receiveShadows) {
+    auto group = std::make_unique<Group>();
+    group->receiveShadows = receiveShadows;
+    AddSurfaces(bsp, table, options, receiveShadows, group->casters.triangles);
+    MakeGeometries(group->casters);
+    if (const RTCGeometry shared = main.geometries[kSolids].get()) {
+        rtcRetainGeometry(shared);
+        group->casters.geometries[kSolids].reset(shared);
+    }
+    group->all = MakeScene(group->casters, {kSolids, kSurfaces, kPatches});
+    group->filters = MakeScene(group->casters, {kFilters, kFilterPatches});
+    group->blockers = MakeScene(group->casters, {kSurfaces, kPatches, kFilters, kFilterPatches});
+    groups.push_back(std::move(group));
+}
+
+void LightScene::State::Tint(RayPacket &packet, const Casters &casters, const ScenePtr &scene, float nearest) const {
+    if (!scene || !packet.live.Any())
+        return;
+    FilterContext context;
+    InitContext(context.embree);
+    context.triangles[0] = &casters.triangles[kFilters];
+    context.triangles[1] = &casters.triangles[kFilterPatches];
+    context.table = &table;
+    alignas(64) RTCRay16 rays;
+    SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
+    Occluded16(packet.live.data(), scene.get(), context.embree, rays);
+    packet.filtered = {};
+    if (context.crossings.empty())
+        return;
+    for (const FilterContext::Crossing &crossing : context.crossings)
+        packet.filtered[crossing.ray] = -1;
+    packet.tint = context.tint;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
+        packet.tinted = packet.tinted || (packet.live[i] & packet.filtered[i]) != 0;
+    }
+}
+
+void LightScene::TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &counts) const {
+    packet.tinted = false;
+    State &s = *state_;
+    if (!s.trace)
+        return;
+    counts.rays += std::uint64_t(packet.live.Count());
+    if (rules == ShadowRules::Exact) {
+        if (s.all)
+            EndBlocked(s.all.get(), packet, 0);
+        s.Tint(packet, s.filters, 0);
+        return;
+    }
+    s.MakeLegacy();
+    if (s.legacyAll)
+        EndBlocked(s.legacyAll.get(), packet, 0, s.legacyIgnoreRadius);
+    s.Tint(packet, s.filtersWithoutPatches, s.legacyIgnoreRadius);
+}
+
+/// The nearest sky on each live ray.
+void LightScene::State::FindSky(const RayPacket &packet, float nearest, SkyHits &hits) const {
+    if (skyFaces->Few())
+        return skyFaces->Find(packet.origin, packet.direction, packet.distance, packet.live, nearest, hits);
+    alignas(64) RTCRayHit16 found;
+    FindNearest(skies.get(), packet, nearest, found);
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const Vec3f back{found.hit.Ng_x[i], found.hit.Ng_y[i], found.hit.Ng_z[i]};
+        const bool hit = packet.live[i] != 0 && found.hit.geomID[i] == kSkies;
+        hits.hit.Set(i, hit);
+        hits.behind.Set(i, hit && Dot(packet.direction[i], back) < 0);
+        hits.distance[i] = found.ray.tfar[i];
+        hits.skyIndex[i] = hit ? skyIndexes[found.hit.primID[i]] : 0;
+    }
+}
+
+/// A place on a floor that meets a sky lies in the sky's plane: its rays into the room meet the sky from behind first,
+/// which does not count.
+void LightScene::State::SkipSkyBacks(const RayPacket &packet, SkyHits &hits) const {
+    LaneMask again{};
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        again.Set(i, hits.behind[i] != 0 && hits.distance[i] < kSurfaceIgnoreRadius);
+    if (!again.Any())
+        return;
+    RayPacket rays = packet;
+    rays.live = again;
+    SkyHits next;
+    FindSky(rays, kSurfaceIgnoreRadius, next);
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        if (again[i] != 0) {
+            hits.hit[i] = next.hit[i];
+            hits.distance[i] = next.distance[i];
+            hits.skyIndex[i] = next.skyIndex[i];
+        }
+}
+
+void LightScene::TraceSurfaceToLight(RayPacket &packet, int receiveShadows, RayCounts &counts) const {
+    packet.tinted = false;
+    packet.filtered = {};
+    const State &s = *state_;
+    if (!s.trace || receiveShadows == 0)
+        return;
+    counts.rays += std::uint64_t(packet.live.Count());
+    const State::Group *group = s.FindGroup(receiveShadows);
+    // A solid nearer than the radius needs no ray of its own: its far side blocks. Only corners that end within the
+    // radius do not, and they should not: half of a low wall's luxels would stand for their shadow.
+    if (const ScenePtr &blockers = group ? group->all : s.all)
+        EndBlocked(blockers.get(), packet, kSurfaceIgnoreRadius);
+    s.Tint(packet, group ? group->casters : s.main, group ? group->filters : s.filters, kSurfaceIgnoreRadius);
+}
+
+void LightScene::TraceSurfaceToSky(RayPacket &packet, int skyIndex, int receiveShadows, RayCounts &counts) const {
+    packet.tinted = false;
+    packet.filtered = {};
+    const State &s = *state_;
+    if (!s.trace || receiveShadows == 0)
+        return;
+    if (s.skies) {
+        SkyHits hits;
+        s.FindSky(packet, 0, hits);
+        s.SkipSkyBacks(packet, hits);
+        ClipToSky(hits, skyIndex, packet);
+    } else
+        packet.live = {};
+    if (packet.live.Any())
+        TraceSurfaceToLight(packet, receiveShadows, counts);
+}
+
+const SkyFaces *LightScene::FewSkies() const {
+    const SkyFaces &skies = *state_->skyFaces;
+    return skies.Few() ? &skies : nullptr;
+}
+
+void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts,
+                            const SkyBeam *beam) const {
+    packet.tinted = false;
+    State &s = *state_;
+    if (!s.trace)
+        return;
+    counts.rays += std::uint64_t(packet.live.Count());
+    if (!s.skies) {
+        packet.live = {};
+        return;
+    }
+    const bool exact = rules == ShadowRules::Exact;
+    if (!exact)
+        s.MakeLegacySuns();
+    const float nearest = exact ? 0 : s.legacyIgnoreRadius;
+    alignas(64) RTCRayHit16 solids;
+    if (!exact && s.legacySolids) {
+        FindNearest(s.legacySolids.get(), packet, 0, solids);
+        for (std::size_t i = 0; i < kPacketSize; ++i)
+            packet.distance[i] = std::min(packet.distance[i], solids.ray.tfar[i] + kSkySlack);
+    }
+    if (beam)
+        beam->Clip(packet.origin, skyIndex, nearest, packet.distance, packet.live);
+    else {
+        SkyHits hits;
+        s.FindSky(packet, nearest, hits);
+        ClipToSky(hits, skyIndex, packet);
+    }
+    if (const ScenePtr &blockers = exact ? s.all : s.legacySurfaces; blockers && packet.live.Any())
+        EndBlocked(blockers.get(), packet, nearest);
+    s.Tint(packet, exact ? s.filters : s.filtersWithoutPatches, nearest);
+}
+
+void LightScene::TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts &counts) const {
+    const State &s = *state_;
+    counts.rays += std::uint64_t(packet.live.Count());
+    if (!s.all)
+        return;
+    alignas(64) RTCRayHit16 blockers;
+    FindNearest(s.all.get(), packet, ignoreRadius, blockers);
+    RayPacket toSky = packet;
+    std::copy_n(blockers.ray.tfar, kPacketSize, toSky.distance.begin());
+    SkyHits skies;
+    if (s.skies)
+        s.FindSky(toSky, ignoreRadius, skies);
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        if (packet.live[i] != 0 && blockers.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID && skies.hit[i] == 0)
+            packet.distance[i] = blockers.ray.tfar[i];
+}
+
+void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int receiveShadows, const Lanes &nearest,
+                               Blockers &blockers, RayCounts &counts) const {
+    state_->MakeBlockers();
+    const State &s = *state_;
+    counts.rays += std::uint64_t(packet.live.Count());
+    blockers.hit = {};
+    const State::Group *group = s.FindGroup(receiveShadows);
+    const ScenePtr &scene = kind == BlockerKind::Solids         ? s.solidHull
+                            : kind == BlockerKind::LegacySolids ? s.blockerSolids
+                            : group                             ? group->blockers
+                                                                : s.blockers;
+    if (!scene || receiveShadows == 0)
+        return;
+    alignas(64) RTCRayHit16 hits;
+    FindNearest(scene.get(), packet, nearest, hits);
+    const Casters &casters = group ? group->casters : s.main;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const unsigned id = hits.hit.geomID[i];
+        const bool hit = packet.live[i] != 0 && id != RTC_INVALID_GEOMETRY_ID;
+        blockers.hit.Set(i, hit);
+        blockers.distance[i] = hits.ray.tfar[i];
+        blockers.surface[i] =
+            hit && kind == BlockerKind::Surfaces ? casters.triangles[id].surface[hits.hit.primID[i]] : -1;
+    }
+}
+
+std::vector<LightScene::BlockerTriangle> LightScene::BlockerTriangles() const {
+    state_->MakeBlockers();
+    std::vector<BlockerTriangle> result;
+    for (const GeometryId id : {kBlockerSolids, kBlockerSurfaces, kPatches, kFilters, kFilterPatches}) {
+        const RTCGeometry geometry = state_->main.geometries[id].get();
+        if (!geometry)
+            continue;
+        const auto *c = static_cast<const float *>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+        for (const int surface : state_->main.triangles[id].surface) {
+            const std::array<Vec3f, 3> corners = {{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}}};
+            result.push_back({corners, surface, id == kFilters || id == kFilterPatches});
+            c += 9;
+        }
+    }
+    return result;
+}
+
+std::size_t LightScene::TriangleCount() const {
+    std::size_t count = 0;
+    for (const GeometryId id : {kSolids, kSurfaces, kPatches, kSkies, kFilters, kFilterPatches})
+        count += state_->main.triangles[id].Count();
+    return count;
+}
+
+} // namespace q3

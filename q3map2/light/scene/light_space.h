@@ -1,0 +1,115 @@
+// GPL-2.0-or-later. Where a point is in the map: leafs, clusters, solids, and what sees what.
+#pragma once
+
+#include "libs/math/bounds.h"
+#include "libs/math/winding.h"
+#include "q3map2/bspfile/bsp_tree.h"
+#include "q3map2/light/scene/tree_walk.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace q3 {
+
+/// Half the width of a player. Game units.
+inline constexpr float kPlayerHalfSize = 16;
+/// Places farther from a leaf are never taken to be in it. Game units.
+inline constexpr float kAtLeaf = 0.2f;
+
+class BspSpace;
+
+/// The part of a map's tree around a box: queries about places in the box give what the whole tree gives, sooner. Keeps
+/// a reference.
+class BspRegion {
+  public:
+    /// The region around a box in this one.
+    BspRegion Around(const Boundsf &box) const;
+    /// Cluster of p, or kSolidCluster in a solid leaf or not farther than epsilon outside an opaque brush (negative:
+    /// deeper than -epsilon inside).
+    int ClusterAt(const Vec3f &p, float epsilon) const;
+    /// Whether p is in a solid leaf; brushes do not count.
+    bool InSolidLeaf(const Vec3f &p) const;
+    /// False if ClusterAt(p, epsilon) says solid of all p in the box. True in doubt.
+    bool AnyOpen(const Vec3f &mins, const Vec3f &maxs, float epsilon) const;
+    /// Whether the box touches a solid leaf.
+    bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const;
+    /// Whether a player can be about there: p is kPlayerHalfSize clear of solid leafs on all sides.
+    bool PlayerFits(const Vec3f &p) const {
+        const Vec3f half{kPlayerHalfSize, kPlayerHalfSize, kPlayerHalfSize};
+        return !AnySolid(p - half, p + half);
+    }
+
+  private:
+    friend class BspSpace;
+    BspRegion(const BspSpace &space, BspChild top) : space_(space), top_(top) {}
+    template <typename Leaf> bool Touches(const Vec3f &mins, const Vec3f &maxs, const Leaf &wanted) const;
+
+    const BspSpace &space_;
+    BspChild top_;
+};
+
+/// Point queries on the tree of a validated Bsp. Const after construction, so safe for concurrent use. Keeps a
+/// reference.
+class BspSpace {
+  public:
+    /// opaqueBrush[i]: brush i of the world model blocks light as a volume, so points in it are not lit.
+    BspSpace(const Bsp &bsp, const std::vector<bool> &opaqueBrush);
+
+    /// The whole map. See BspRegion for the queries that repeat here.
+    BspRegion Whole() const { return {*this, RootOf(bsp_)}; }
+    int ClusterAt(const Vec3f &p, float epsilon) const { return Whole().ClusterAt(p, epsilon); }
+    bool AnyOpen(const Vec3f &mins, const Vec3f &maxs, float epsilon) const {
+        return Whole().AnyOpen(mins, maxs, epsilon);
+    }
+    bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const { return Whole().AnySolid(mins, maxs); }
+    bool PlayerFits(const Vec3f &p) const { return Whole().PlayerFits(p); }
+
+    /// Whether a sees b: true without visibility data, false for kSolidCluster.
+    bool Visible(int a, int b) const;
+    int ClusterCount() const { return clusterCount_; }
+    /// Appends every cluster of non-solid leafs that the polygon passes through, without order or duplicates.
+    void ClustersOf(const Winding<float> &w, std::vector<int> &clusters) const;
+    /// Union of the bounds of all leafs whose cluster `cluster` sees.
+    Boundsf VisibleBounds(int cluster) const;
+
+    const Bsp &Map() const { return bsp_; }
+
+  private:
+    friend class BspRegion;
+    int ClusterOf(int leaf, const Vec3f &p, float epsilon) const;
+    bool FilledByBrush(std::size_t leaf, const Boundsf &box, float epsilon) const;
+    bool HeldByBrush(std::size_t leaf, const Vec3f &center, const Vec3f &half, float epsilon) const;
+
+    const Bsp &bsp_;
+    BspTree tree_;
+    // Opaque brushes of leaf i: from opaqueFirst_[i] to before opaqueFirst_[i + 1].
+    std::vector<std::uint32_t> opaqueFirst_;
+    std::vector<std::int32_t> opaqueBrushes_;
+    int clusterCount_ = 0;
+    std::int32_t visRowBytes_ = 0;
+};
+
+/// Corners of a triangle. Game units.
+using TriangleCorners = std::array<Vec3d, 3>;
+
+/// By leaf: whether it is solid.
+std::vector<bool> SolidLeafs(const Bsp &bsp);
+
+/// Polygons between solid leafs and others: everything that blocks light as a volume, as a closed surface. Slightly
+/// overlapping, so that no ray slips through where they meet.
+struct SolidHull {
+    std::vector<bool> solidLeafs; ///< by leaf: whether it counts as solid
+    std::vector<Winding<double>> faces;
+};
+/// Sets the faces of several hulls of one map. Iterative; time grows with nodes times depth.
+void SolidHulls(const Bsp &bsp, std::span<SolidHull> hulls);
+
+/// Cuts the triangle by the tree and adds to each leaf's count the triangles of its piece there. A triangle within
+/// epsilon (game units) of a node's plane goes to the side that it faces.
+void CountTriangles(TreeWalk<double> &tree, const TriangleCorners &triangle, double epsilon, std::vector<int> &counts);
+/// Whether all leafs right behind the triangle are solid; if so, `othersToo`: by the other list, too.
+bool SolidBehind(TreeWalk<double> &tree, const TriangleCorners &triangle, const std::vector<bool> &solidLeafs,
+                 const std::vector<bool> &others, bool &othersToo);
+
+} // namespace q3

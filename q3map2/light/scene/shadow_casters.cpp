@@ -1,0 +1,171 @@
+// GPL-2.0-or-later. What casts shadows, as triangles by kind.
+#include "q3map2/light/scene/shadow_casters.h"
+
+#include "q3map2/light/scene/light_patch.h"
+#include "q3map2/light/scene/light_space.h"
+
+#include <cmath>
+#include <utility>
+
+namespace q3 {
+
+namespace {
+
+/// Skies stand this far in front of their brushes, so that rays meet them before the solid behind. Game units.
+constexpr float kSkyLift = 1.0f / 16;
+/// In the established program an opaque leaf larger than this that at least so many triangles reach into stops being
+/// solid.
+constexpr int kLostLeafSize = 32, kLostLeafTriangles = 5;
+
+/// Whether casters of a group shadow receivers of another.
+bool Shadows(int castShadows, int receiveShadows) {
+    if (receiveShadows == 1)
+        return castShadows > 0;
+    if (receiveShadows > 1)
+        return castShadows == 1 || std::abs(castShadows) == receiveShadows;
+    return castShadows != 0 && std::abs(castShadows) == -receiveShadows;
+}
+
+bool CastsShadow(const SurfaceEntry &entry, const bspShader_t &record, std::uint32_t noDrawBit, int receiveShadows) {
+    const std::uint32_t flags = entry.shader->compileFlags;
+    const bool seeThrough = (flags & (C_ALPHASHADOW | C_LIGHTFILTER)) != 0;
+    return Shadows(entry.castShadows, receiveShadows) && !entry.skyBoxCopy && (flags & C_NODRAW) == 0 &&
+           ((flags & C_TRANSLUCENT) == 0 || seeThrough) && (record.surfaceFlags & noDrawBit) == 0;
+}
+
+GeometryId KindOf(const ShaderInfo &shader, bool patch) {
+    if ((shader.compileFlags & C_SKY) != 0)
+        return kSkies;
+    const bool filter = (shader.compileFlags & (C_ALPHASHADOW | C_LIGHTFILTER)) != 0 && shader.imageFound;
+    return filter ? (patch ? kFilterPatches : kFilters) : (patch ? kPatches : kSurfaces);
+}
+
+struct Corner {
+    Vec3f xyz;
+    std::array<float, 2> st;
+};
+
+void AddTriangle(Triangles &triangles, bool sky, int surface, const Corner &a, const Corner &b, const Corner &c) {
+    Vec3f lift;
+    if (sky)
+        lift = Normalize(Cross(c.xyz - a.xyz, b.xyz - a.xyz)) * kSkyLift;
+    triangles.Add(a.xyz + lift, b.xyz + lift, c.xyz + lift, surface);
+    triangles.st.push_back({a.st[0], a.st[1], b.st[0], b.st[1], c.st[0], c.st[1]});
+}
+
+void AddSurface(const Bsp &bsp, int number, const SurfaceEntry &entry, TrianglesByKind &triangles) {
+    const bspDrawSurface_t &surface = bsp.drawSurfaces[std::size_t(number)];
+    const bool patch = surface.surfaceType == MST_PATCH;
+    const GeometryId kind = KindOf(*entry.shader, patch);
+    const bool sky = kind == kSkies;
+    if (patch) {
+        const Mesh mesh = TessellatePatch(bsp, surface, entry.longestCurve);
+        const auto corner = [&](const MeshVert &v) { return Corner{v.xyz + entry.origin, v.st}; };
+        for (int y = 0; y + 1 < mesh.height; ++y)
+            for (int x = 0; x + 1 < mesh.width; ++x) {
+                const auto q = MeshQuad(mesh, x, y);
+                AddTriangle(triangles[kind], sky, number, corner(q[0]), corner(q[1]), corner(q[2]));
+                AddTriangle(triangles[kind], sky, number, corner(q[0]), corner(q[2]), corner(q[3]));
+            }
+        return;
+    }
+    if (surface.surfaceType != MST_PLANAR && surface.surfaceType != MST_TRIANGLE_SOUP)
+        return;
+    for (int i = 0; i + 2 < surface.numIndexes; i += 3) {
+        std::array<Corner, 3> c;
+        for (int k = 0; k < 3; ++k) {
+            const int index = bsp.drawIndexes[std::size_t(surface.firstIndex + i + k)];
+            const bspDrawVert_t &v = bsp.drawVerts[std::size_t(surface.firstVert + index)];
+            c[std::size_t(k)] = {Vec3f(v.xyz) + entry.origin, v.st};
+        }
+        AddTriangle(triangles[kind], sky, number, c[0], c[1], c[2]);
+    }
+}
+
+} // namespace
+
+void AddSurfaces(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, int receiveShadows,
+                 TrianglesByKind &triangles) {
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        const bool sky = (table[i].shader->compileFlags & C_SKY) != 0;
+        const bspDrawSurface_t &surface = bsp.drawSurfaces[i];
+        const bspShader_t &record = bsp.shaders[std::size_t(surface.shaderNum)];
+        const bool patch = surface.surfaceType == MST_PATCH;
+        if (!CastsShadow(table[i], record, options.noDrawSurfaceFlags, receiveShadows) ||
+            (patch && !options.patchShadows) || (options.noSurfaces && !sky))
+            continue;
+        AddSurface(bsp, int(i), table[i], triangles);
+    }
+}
+
+namespace {
+
+void AddFaces(const std::vector<Winding<double>> &faces, Triangles &triangles) {
+    for (const Winding<double> &w : faces)
+        for (std::size_t i = 2; i < w.size(); ++i)
+            triangles.Add(Vec3f(w[0]), Vec3f(w[i - 1]), Vec3f(w[i]), -1);
+}
+
+/// Most surfaces are faces of solids, whose hull blocks the same rays. Leaves those out of kSurfaces and
+/// kLegacySurfaces.
+void LeaveCoveredOut(const Bsp &bsp, const std::vector<bool> &solidLeafs, const std::vector<bool> &legacySolidLeafs,
+                     TrianglesByKind &triangles) {
+    const Triangles all = std::exchange(triangles[kSurfaces], {});
+    TreeWalk<double> tree(bsp);
+    for (std::size_t i = 0; i < all.Count(); ++i) {
+        bool legacy = false;
+        const bool covered = SolidBehind(tree, all.Corners(i), solidLeafs, legacySolidLeafs, legacy);
+        if (!covered)
+            triangles[kSurfaces].Copy(all, i);
+        if (!covered || !legacy)
+            triangles[kLegacySurfaces].Copy(all, i);
+    }
+}
+
+} // namespace
+
+void AddSolids(const Bsp &bsp, std::vector<bool> solidLeafs, Triangles &triangles) {
+    SolidHull hull{std::move(solidLeafs), {}};
+    SolidHulls(bsp, {&hull, 1});
+    AddFaces(hull.faces, triangles);
+}
+
+TrianglesByKind ShadowCasters(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options) {
+    TrianglesByKind triangles;
+    AddSurfaces(bsp, table, options, 1, triangles);
+    std::array<SolidHull, 2> hulls{{{SolidLeafs(bsp), {}}, {LegacySolidLeafs(bsp, triangles, kLegacyGridEpsilon), {}}}};
+    SolidHulls(bsp, hulls);
+    AddFaces(hulls[0].faces, triangles[kSolids]);
+    AddFaces(hulls[1].faces, triangles[kLegacySolids]);
+    LeaveCoveredOut(bsp, hulls[0].solidLeafs, hulls[1].solidLeafs, triangles);
+    return triangles;
+}
+
+void AddBlockers(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, TrianglesByKind &triangles) {
+    TrianglesByKind all;
+    AddSurfaces(bsp, table, options, 1, all);
+    const std::vector<bool> solidLeafs = LegacySolidLeafs(bsp, all, kBlockerEpsilon);
+    AddSolids(bsp, solidLeafs, triangles[kBlockerSolids]);
+    TreeWalk<double> tree(bsp);
+    bool same = true;
+    for (std::size_t i = 0; i < all[kSurfaces].Count(); ++i)
+        if (!SolidBehind(tree, all[kSurfaces].Corners(i), solidLeafs, solidLeafs, same))
+            triangles[kBlockerSurfaces].Copy(all[kSurfaces], i);
+}
+
+std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles, double epsilon) {
+    std::vector<int> counts(bsp.leafs.size());
+    TreeWalk<double> tree(bsp);
+    for (const GeometryId id : {kSurfaces, kPatches, kSkies, kFilters, kFilterPatches})
+        for (std::size_t i = 0; i < triangles[id].Count(); ++i)
+            CountTriangles(tree, triangles[id].Corners(i), epsilon, counts);
+    std::vector<bool> solid = SolidLeafs(bsp);
+    for (std::size_t i = 0; i < solid.size(); ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (counts[i] >= kLostLeafTriangles &&
+                std::int64_t(bsp.leafs[i].maxs[axis]) - bsp.leafs[i].mins[axis] > kLostLeafSize)
+                solid[i] = false;
+    return solid;
+}
+
+} // namespace q3

@@ -1,0 +1,81 @@
+// GPL-2.0-or-later. Skies as a few convex polygons.
+#pragma once
+
+#include "libs/math/winding.h"
+#include "q3map2/light/batch/light_lanes.h"
+#include "q3map2/light/scene/shadow_casters.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace q3 {
+
+/// What the rays of a packet meet of the skies.
+struct SkyHits {
+    LaneMask hit{};                                               ///< rays that meet a sky
+    LaneMask behind{};                                            ///< of those, the ones that come from behind it
+    Lanes distance;                                               ///< to it; where there is none, as far as was looked
+    alignas(64) std::array<std::int32_t, kPacketSize> skyIndex{}; ///< its number; 0 where there is none
+};
+
+/// More skies, convex pieces of them or edges take longer than a search for the nearest triangle.
+inline constexpr std::size_t kMostSkyFaces = 8, kMostSkyPieces = 16, kMostSkyEdges = 64;
+/// What is nearer to a convex polygon than this is one; pieces reach as far over their edges, so that no ray slips
+/// through where they meet. Game units.
+inline constexpr double kSkyOverlap = 1.0 / 16;
+/// A linear function of places, game units: normal . p - dist.
+struct SkyLinear {
+    Vec3f normal;
+    float dist;
+};
+/// Adds to `inside` the places that are on the inside of all edges of a convex piece. Inlined, to be compiled as the
+/// vector code that asks.
+[[gnu::always_inline]] inline void AddInside(std::span<const SkyLinear> edges, const Lanes3 &places, LaneMask &inside) {
+    Lanes least; ///< how far inside the nearest edge
+    least.fill(0);
+    for (const auto &[across, dist] : edges) {
+        const float x = across.x, y = across.y, z = across.z, from = dist;
+#pragma GCC unroll 1
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const float in = x * places.x[i] + y * places.y[i] + z * places.z[i] - from;
+            least[i] = in < least[i] ? in : least[i];
+        }
+    }
+#pragma GCC unroll 1
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        inside[i] |= -std::int32_t(least[i] >= 0);
+}
+
+/// The skies of most maps are the few large sides of a box. All rays of a packet are tested against those at once,
+/// which takes a fraction of the time of a search for the nearest of their triangles. A side of any outline is cut into
+/// convex pieces.
+class SkyFaces {
+  public:
+    using Piece = std::vector<SkyLinear>; ///< by edge: how far inside of it
+    struct Face {
+        SkyLinear plane; ///< towards the room
+        std::vector<Piece> pieces;
+        int skyIndex;
+        double area;
+    };
+
+    /// indexes: number of the sky of each triangle.
+    SkyFaces(const Triangles &skies, std::span<const int> indexes);
+    /// Whether the skies are few convex pieces, so that this is worth it; Find needs it.
+    bool Few() const { return few_; }
+    /// The nearest face on each live ray between `nearest` and `farthest`. Rays on the edge of a face meet it.
+    void Find(const Lanes3 &origin, const Lanes3 &direction, const Lanes &farthest, const LaneMask &live, float nearest,
+              SkyHits &hits) const;
+    const std::vector<Face> &Faces() const { return faces_; }
+
+  private:
+    void AddFace(std::span<const Winding<double>> pieces, int skyIndex);
+    static void Test(const Face &face, const Lanes3 &origin, const Lanes3 &direction, float nearest, SkyHits &hits);
+
+    bool few_ = false;
+    std::vector<Face> faces_;
+};
+
+} // namespace q3

@@ -1,0 +1,168 @@
+// GPL-2.0-or-later. How far each light of a pass reaches.
+#include "q3map2/light/batch/light_formfactor.h"
+#include "q3map2/light/sources/light_sources.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace q3 {
+
+namespace {
+
+constexpr float kLinearScale = 1.0f / 8000;
+constexpr float kLightMargin = 0.125f; ///< lights this near to a solid count as in it. Game units
+constexpr float kFirstReach = 100, kReachStep = 10;
+
+/// Smallest distance of the sequence 100, 110, ... from which an area light gives at most its tolerance. Looked for one
+/// by one where the form factor may still grow, by halving beyond.
+float AreaReach(const Light &light) {
+    const auto tooMuch = [&](int step) {
+        const float r = kFirstReach + kReachStep * float(step);
+        const Vec3f p = light.origin + light.normal * r;
+        return std::abs(FormFactor(p, -light.normal, light.w)) * light.add > light.tolerance;
+    };
+    constexpr int kLinearSteps = 90, kLastStep = int((kFar - kFirstReach) / kReachStep);
+    for (int step = 0; step < kLinearSteps; ++step)
+        if (!tooMuch(step))
+            return kFirstReach + kReachStep * float(step);
+    if (tooMuch(kLastStep))
+        return kFar;
+    int low = kLinearSteps - 1, high = kLastStep;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        (tooMuch(middle) ? low : high) = middle;
+    }
+    return kFirstReach + kReachStep * float(high);
+}
+
+float Reach(const Light &light) {
+    if (light.type == LightType::Area)
+        return light.fast ? AreaReach(light) : kFar;
+    if (light.linear)
+        return (light.photons * kLinearScale - (light.fast ? light.tolerance : 0)) / light.fade;
+    return light.fast ? std::sqrt(light.photons / light.tolerance) : kFar;
+}
+
+/// Moves a light that is in a solid by steps of 2 units, as the established program does: it goes on after a success,
+/// so a light can wander. Returns the cluster of the last attempt.
+int NudgeOut(Light &light, const BspSpace &space) {
+    static constexpr float kSteps[4] = {0, 0, 2, -2};
+    int cluster = kSolidCluster;
+    for (const float x : kSteps)
+        for (const float y : kSteps)
+            for (const float z : kSteps) {
+                const Vec3f p = light.origin + Vec3f{x, y, z};
+                cluster = space.ClusterAt(p, kLightMargin);
+                if (cluster >= 0)
+                    light.origin = p;
+            }
+    return cluster;
+}
+
+void FindClusters(Light &light, LightPass pass, const BspSpace &space) {
+    light.clusters.clear();
+    int cluster = space.ClusterAt(light.origin, kLightMargin);
+    if (cluster < 0)
+        cluster = NudgeOut(light, space);
+    if (cluster >= 0)
+        light.clusters.push_back(cluster);
+    if (pass == LightPass::GridSH && light.type == LightType::Area) {
+        Winding<float> lifted = light.w;
+        for (Vec3f &p : lifted)
+            p += light.normal;
+        space.ClustersOf(lifted, light.clusters);
+        if (light.twoSided) {
+            for (Vec3f &p : lifted)
+                p -= light.normal * 2;
+            space.ClustersOf(lifted, light.clusters);
+        }
+    }
+}
+
+/// Whether the light ends where it falls below the tolerance.
+bool EndsAtTolerance(const Light &light, LightPass pass, const LightOptions &options, bool fastPoint) {
+    if (light.noFast || pass == LightPass::GridSH) // the SH grid represents faint light instead of leaving it out
+        return false;
+    const bool area = light.type == LightType::Area;
+    if (pass == LightPass::Surfaces)
+        return options.fast || (!area && fastPoint);
+    return options.fastGrid || light.alwaysFast || !area;
+}
+
+std::vector<bool> SeenFrom(const std::vector<int> &clusters, const BspSpace &space) {
+    std::vector<bool> seen(std::size_t(space.ClusterCount()));
+    for (int from = 0; from < space.ClusterCount(); ++from)
+        seen[std::size_t(from)] =
+            std::any_of(clusters.begin(), clusters.end(), [&](int c) { return space.Visible(from, c); });
+    return seen;
+}
+
+} // namespace
+
+std::vector<bool> SkySeenFrom(const BspSpace &space, const SurfaceTable &table) {
+    const Bsp &bsp = space.Map();
+    const auto isSky = [&](int surface) { return (table[std::size_t(surface)].shader->compileFlags & C_SKY) != 0; };
+    std::vector<bool> inLeaf(table.size());
+    std::vector<int> skyClusters;
+    for (const bspLeaf_t &leaf : bsp.leafs)
+        for (int i = 0; i < leaf.numBSPLeafSurfaces; ++i) {
+            const int surface = bsp.leafSurfaces[std::size_t(leaf.firstBSPLeafSurface + i)];
+            inLeaf[std::size_t(surface)] = true;
+            if (leaf.cluster >= 0 && isSky(surface) && (skyClusters.empty() || skyClusters.back() != leaf.cluster))
+                skyClusters.push_back(leaf.cluster);
+        }
+    for (std::size_t i = 0; i < table.size(); ++i)
+        if (!inLeaf[i] && isSky(int(i)))
+            return {};
+    return SeenFrom(skyClusters, space);
+}
+
+std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, const LightOptions &options,
+                                  const BspSpace &space, const std::vector<bool> &skySeenFrom, int &culled,
+                                  bool fastPoint) {
+    std::map<int, Boundsf> visibleBounds;
+    const auto boundsOf = [&](int cluster) -> const Boundsf & {
+        auto found = visibleBounds.find(cluster);
+        if (found == visibleBounds.end())
+            found = visibleBounds.emplace(cluster, space.VisibleBounds(cluster)).first;
+        return found->second;
+    };
+    const auto wanted = [&](const Light &light) { return pass == LightPass::Surfaces ? light.surfaces : light.grid; };
+    const auto prepare = [&](Light &light) {
+        if (light.photons < 0 || light.add < 0) {
+            light.photons = -light.photons, light.add = -light.add;
+            light.negative = true;
+        }
+        if (light.type == LightType::Sun) {
+            light.envelope = kFar;
+            light.bounds = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+            if (!(pass == LightPass::Surfaces && options.noTrace)) // without rays, suns shine everywhere
+                light.seenFrom = skySeenFrom;
+            return wanted(light);
+        }
+        FindClusters(light, pass, space);
+        if (light.clusters.empty())
+            return false;
+        light.fast = EndsAtTolerance(light, pass, options, fastPoint);
+        light.seenFrom = SeenFrom(light.clusters, space);
+        light.bounds = {};
+        for (const int cluster : light.clusters)
+            light.bounds.Add(boundsOf(cluster));
+        light.bounds.Add(light.origin);
+        const Vec3f corner = Max(light.bounds.maxs, light.origin * 2 - light.bounds.mins);
+        light.envelope = std::min(Reach(light), Length(corner - light.origin));
+        if (pass == LightPass::GridSH && !options.skip.reach) {
+            light.bounds = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+            light.envelope = Reach(light);
+        }
+        return wanted(light) && light.envelope > 0;
+    };
+    const std::size_t before = lights.size();
+    std::erase_if(lights, [&](Light &light) { return !prepare(light); });
+    culled = int(before - lights.size());
+    std::stable_sort(lights.begin(), lights.end(), [](const Light &a, const Light &b) { return a.style < b.style; });
+    return lights;
+}
+
+} // namespace q3

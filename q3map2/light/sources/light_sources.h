@@ -1,0 +1,115 @@
+// GPL-2.0-or-later. Everything that shines, in the photometric model of the established program.
+#pragma once
+
+#include "common/log.h"
+#include "libs/math/winding.h"
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/light/options/light_options.h"
+#include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/scene/surface_table.h"
+#include "q3map2/shader/shader.h"
+
+#include <array>
+#include <vector>
+
+namespace q3 {
+
+/// Distance of suns: "infinite". Game units, 8 times the half size of the world.
+inline constexpr float kFar = 524288;
+
+enum class LightType { Point, Spot, Area, Sun };
+
+/// What visibility and moments of an area light need of its polygon.
+struct AreaShape {
+    Winding<float> back;           ///< the polygon the other way round
+    Vec3d normal;                  ///< of its plane, by its corners
+    double dist = 0;               ///< origin of the plane: normal . p = dist
+    Vec3f center;                  ///< of gravity
+    float radius = 0, area = 0;    ///< around the centre; square units
+    std::vector<float> cumulative; ///< area of the first triangles of the fan, by triangle
+};
+
+/// One light. Colour times the number that falloff or form factor give is light on the byte scale, 255 = full.
+struct Light {
+    LightType type = LightType::Point;
+    bool linear = false;     ///< falloff photons / 8000 - distance * fade instead of photons / distance^2
+    bool grid = true;        ///< lights grid points
+    bool surfaces = true;    ///< lights lightmaps and vertices
+    bool alwaysFast = false; ///< entity lights: the falloff tolerance counts in every pass
+    bool noFast = false;     ///< q3map_noFast
+    bool twoSided = false;
+    bool negative = false;  ///< subtracts
+    bool angle = true;      ///< surfaces: weaker at grazing angles
+    float angleScale = 0;   ///< surfaces: cosines are divided by it, up to 1; 0: not
+    float filterRadius = 0; ///< lightmaps: blur of its light. Game units
+    Vec3f color{1, 1, 1};
+    float photons = 0;
+    float add = 0;  ///< area: light per unit of form factor
+    Vec3f origin;   ///< area: 1 unit off the centre of the box of the polygon
+    Vec3f normal;   ///< spot: aim; area: facing; sun: away from the sun
+    float dist = 0; ///< area: origin . normal
+    float fade = 1;
+    float radiusByDist = 0; ///< spot: cone radius per unit of distance
+    float extraDist = 0;
+    float tolerance = 1;
+    int style = 0;
+    int skyIndex = -1; ///< sun: the sky that it shines through; -1 any
+    Winding<float> w;  ///< area: clockwise seen from the front
+    AreaShape shape;   ///< area: derived from w by SetShape
+
+    // Set by SetupEnvelopes.
+    std::vector<int> clusters;  ///< where it is; empty for suns
+    std::vector<bool> seenFrom; ///< by cluster: points there may see it; empty: everywhere
+    float envelope = 0;         ///< no light beyond this distance
+    Boundsf bounds;
+    bool fast = false; ///< contributions up to the tolerance count as none
+
+    bool SeenFrom(int cluster) const { return cluster >= 0 && (seenFrom.empty() || seenFrom[std::size_t(cluster)]); }
+    void SetShape();
+};
+
+/// World keys that concern light.
+struct WorldLight {
+    Vec3f ambient; ///< byte scale
+    Vec3f minGrid; ///< least light of grid points, lightmaps, vertices; byte scale
+    Vec3f minLight, minVertex;
+    float maxLight = 255;
+    bool noShaderSun = false;
+    bool hasFloodlight = false;
+    Vec3f floodColor{0.94f, 0.94f, 1.0f}; ///< normalised
+    float floodDistance = 1024, floodIntensity = 128, floodDirectionScale = 1;
+};
+WorldLight ReadWorldLight(const Entity &world, const LightOptions &options);
+
+/// Lights of entities whose class name starts with "light", in entity order. Unusable keys are warnings.
+std::vector<Light> EntityLights(const std::vector<Entity> &entities, const LightOptions &options, Log &log);
+
+/// Lights of shaders, in draw surface order: suns, sky light, area lights. Numbers the skies that shine in the table.
+struct SurfaceLightCounts {
+    int areaLights = 0, skyLights = 0;
+};
+std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const LightOptions &options,
+                                 const WorldLight &world, ShaderLibrary &library, SurfaceLightCounts &counts, Log &log);
+
+/// The directions and colours of one q3map_skyLight: unit vectors towards the sky, photons of each.
+std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const ShaderInfo &shader, ShaderLibrary &library,
+                                       Log &log);
+
+/// How SetupEnvelopes bounds the lights of a pass.
+enum class LightPass {
+    LegacyGrid, ///< as the established program: tolerance of entity lights and under -fast, the light's one cluster
+    GridSH,     ///< no tolerance; all clusters that an area light touches
+    Surfaces    ///< lightmaps and vertices: tolerance of point lights and under -fast, the light's one cluster
+};
+
+/// Prepares lights for a pass: sign of negative lights, clusters, envelope, bounds. Lights in solid are nudged out, or
+/// dropped; `culled` gets the number of those dropped. Stable sort by style at the end. skySeenFrom: see SkySeenFrom.
+/// fastPoint: false for -nofastpoint, for surfaces.
+std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, const LightOptions &options,
+                                  const BspSpace &space, const std::vector<bool> &skySeenFrom, int &culled,
+                                  bool fastPoint = true);
+
+/// By cluster: some leaf that it sees holds a sky surface. Empty, that is everywhere, when a sky is in no leaf.
+std::vector<bool> SkySeenFrom(const BspSpace &space, const SurfaceTable &table);
+
+} // namespace q3

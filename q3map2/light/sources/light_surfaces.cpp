@@ -1,0 +1,283 @@
+// GPL-2.0-or-later. Lights that shaders make of surfaces.
+#include "libs/math/winding.h"
+#include "q3map2/light/scene/light_patch.h"
+#include "q3map2/light/sources/light_sources.h"
+#include "q3map2/light/sources/light_suns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace q3 {
+
+namespace {
+
+constexpr float kDefaultSubdivide = 999;
+constexpr float kOnCut = 0.125f; ///< corners this near to a cut count as on it. Game units
+constexpr double kMinArea = 1, kMaxArea = 20'000'000;
+constexpr float kFlatQuad = 0.1f; ///< a quad's fourth corner this near to the plane of the others keeps it whole
+constexpr int kMaxSkies = 32;
+/// Polygons with a corner farther out than this are in no map. Game units.
+constexpr float kMaxCoordinate = 262144;
+/// About so many lights at most come from one polygon.
+constexpr double kMaxPieces = 65536;
+
+using Polygon = std::vector<MeshVert>;
+
+MeshVert Lerp(const MeshVert &a, const MeshVert &b, float t) {
+    return {a.xyz + (b.xyz - a.xyz) * t, Normalize(a.normal + (b.normal - a.normal) * t), {}};
+}
+
+/// Makes the area lights of one shader's polygons.
+class AreaLightMaker {
+  public:
+    AreaLightMaker(const ShaderInfo &shader, const LightOptions &options, std::vector<Light> &lights, int &count,
+                   Log &log)
+        : shader_(shader), options_(options), lights_(lights), count_(count), log_(log) {}
+
+    void Add(Polygon first) {
+        if (!InTheWorld(first))
+            return;
+        const float limit = PieceSize(first);
+        std::vector<Polygon> stack;
+        stack.push_back(std::move(first));
+        while (!stack.empty()) {
+            const Polygon polygon = std::move(stack.back());
+            stack.pop_back();
+            if (polygon.size() < 3)
+                continue;
+            Boundsf box;
+            for (const MeshVert &v : polygon)
+                box.Add(v.xyz);
+            std::size_t axis = 0;
+            while (axis < 3 && !(box.maxs[axis] - box.mins[axis] > limit))
+                ++axis;
+            if (axis == 3) {
+                AddLight(polygon, box);
+                continue;
+            }
+            Polygon front, back;
+            CutAcrossAxis(polygon, axis, box.Center()[axis], kOnCut, Lerp, front, back);
+            stack.push_back(std::move(back));
+            stack.push_back(std::move(front));
+        }
+    }
+
+  private:
+    bool InTheWorld(const Polygon &polygon) {
+        for (const MeshVert &v : polygon)
+            if (!IsFinite(v.xyz) || MaxComponent(Max(v.xyz, -v.xyz)) > kMaxCoordinate) {
+                log_.Warn("light surface", "{}: a surface light with a corner at {:g} {:g} {:g} is left out",
+                          shader_.name, v.xyz.x, v.xyz.y, v.xyz.z);
+                return false;
+            }
+        return true;
+    }
+
+    /// Longest side of the box of a piece: the shader's, or larger when that makes too many.
+    float PieceSize(const Polygon &polygon) {
+        const float wanted = shader_.lightSubdivide > 0 ? shader_.lightSubdivide : kDefaultSubdivide;
+        Winding<float> w;
+        for (const MeshVert &v : polygon)
+            w.push_back(v.xyz);
+        const Boundsf box = WindingBounds(w);
+        const double length = double(MaxComponent(box.maxs - box.mins));
+        const float least = float(std::max(length / kMaxPieces, std::sqrt(2 * WindingArea(w) / kMaxPieces)));
+        if (wanted < least)
+            log_.Warn("light subdivision",
+                      "{}: q3map_lightSubdivide {:g} is too small for a surface of {:g} units, "
+                      "{:g} is used",
+                      shader_.name, wanted, length, least);
+        return std::max(wanted, least);
+    }
+
+    void AddLight(const Polygon &polygon, const Boundsf &box) {
+        Light light;
+        Vec3f normal;
+        for (const MeshVert &v : polygon) {
+            light.w.push_back(v.xyz);
+            normal += v.normal;
+        }
+        const double area = WindingArea(light.w);
+        light.normal = Normalize(normal);
+        if (!(area >= kMinArea && area <= kMaxArea) || light.normal == Vec3f{})
+            return;
+        const float value = std::min(shader_.surfaceLight, 1e9f);
+        light.type = LightType::Area;
+        light.color = shader_.color;
+        light.photons = value * float(area) * options_.areaScale;
+        light.add = value * 3 * options_.areaScale;
+        light.style = options_.noStyles || shader_.lightStyle == 255 ? 0 : shader_.lightStyle;
+        light.noFast = shader_.noFast;
+        light.twoSided = shader_.twoSided || (shader_.compileFlags & C_FOG) != 0;
+        light.origin = box.Center() + light.normal;
+        light.dist = Dot(light.origin, light.normal);
+        light.SetShape();
+        lights_.push_back(light);
+        ++count_;
+        if (shader_.backsplashFraction > 0 && (shader_.compileFlags & C_SKY) == 0)
+            AddBacksplash(light);
+    }
+
+    /// The light that a lamp throws back onto the surface it sits on.
+    void AddBacksplash(const Light &light) {
+        Light splash = light;
+        const Vec3f moved = light.normal * shader_.backsplashDistance;
+        std::reverse(splash.w.begin(), splash.w.end());
+        for (Vec3f &p : splash.w)
+            p += moved;
+        splash.photons *= 7 * shader_.backsplashFraction;
+        splash.add *= 7 * shader_.backsplashFraction;
+        splash.origin = light.origin + moved;
+        splash.normal = -light.normal;
+        splash.dist = Dot(splash.origin, splash.normal);
+        splash.SetShape();
+        splash.twoSided = false;
+        lights_.push_back(std::move(splash));
+    }
+
+    const ShaderInfo &shader_;
+    const LightOptions &options_;
+    std::vector<Light> &lights_;
+    int &count_;
+    Log &log_;
+};
+
+void AddPatchLights(const Mesh &mesh, const Vec3f &offset, AreaLightMaker &maker) {
+    for (int y = 0; y + 1 < mesh.height; ++y)
+        for (int x = 0; x + 1 < mesh.width; ++x) {
+            auto quad = MeshQuad(mesh, x, y);
+            for (MeshVert &v : quad)
+                v.xyz += offset;
+            const Vec3f normal = Normalize(Cross(quad[2].xyz - quad[0].xyz, quad[1].xyz - quad[0].xyz));
+            if (normal != Vec3f{} && std::abs(Dot(normal, quad[3].xyz - quad[0].xyz)) < kFlatQuad)
+                maker.Add({quad.begin(), quad.end()});
+            else {
+                maker.Add({quad[0], quad[1], quad[2]});
+                maker.Add({quad[0], quad[2], quad[3]});
+            }
+        }
+}
+
+void AddTriangleLights(const Bsp &bsp, const bspDrawSurface_t &surface, const Vec3f &offset, AreaLightMaker &maker) {
+    for (int i = 0; i + 2 < surface.numIndexes; i += 3) {
+        Polygon triangle;
+        for (int k = 0; k < 3; ++k) {
+            const int index = bsp.drawIndexes[std::size_t(surface.firstIndex + i + k)];
+            const bspDrawVert_t &v = bsp.drawVerts[std::size_t(surface.firstVert + index)];
+            triangle.push_back({Vec3f(v.xyz) + offset, Vec3f(v.normal), {}});
+        }
+        maker.Add(std::move(triangle));
+    }
+}
+
+/// autosprite surfaces shine as one point.
+Light SpriteLight(const Bsp &bsp, const bspDrawSurface_t &surface, const ShaderInfo &shader, const Vec3f &offset,
+                  const LightOptions &options) {
+    Boundsf box;
+    for (int i = 0; i < surface.numVerts; ++i)
+        box.Add(Vec3f(bsp.drawVerts[std::size_t(surface.firstVert + i)].xyz) + offset);
+    Light light;
+    light.origin = surface.numVerts > 0 ? box.Center() : offset;
+    light.photons = std::min(shader.surfaceLight, 1e9f) * options.pointScale;
+    light.color = shader.color;
+    light.style = shader.lightStyle;
+    light.alwaysFast = true;
+    light.noFast = shader.noFast;
+    return light;
+}
+
+/// Numbers the skies that shine and makes the lights of each once.
+class SkyLights {
+  public:
+    SkyLights(const LightOptions &options, const WorldLight &world, ShaderLibrary &library, std::vector<Light> &lights,
+              SurfaceLightCounts &counts, Log &log)
+        : options_(options), world_(world), library_(library), lights_(lights), counts_(counts), log_(log) {}
+
+    /// Number of the sky, -1 when any sky will do.
+    int Add(const ShaderInfo &shader) {
+        const auto known = numbers_.find(&shader);
+        if (known != numbers_.end())
+            return known->second;
+        int number = -1;
+        if (!options_.oneSky) {
+            if (next_ < kMaxSkies)
+                number = next_++;
+            else
+                log_.Warn("skies", "{}: more than {} skies, its suns shine through any", shader.name, kMaxSkies);
+        }
+        numbers_[&shader] = number;
+        if (!world_.noShaderSun)
+            AddSuns(shader.suns, number);
+        for (const SkyLightDirective &sky : shader.skyLights)
+            AddSuns(SkyLightSuns(sky, shader, library_, log_), number);
+        return number;
+    }
+
+  private:
+    void AddSuns(const std::vector<SunDirective> &suns, int number) {
+        for (const SunDirective &sun : suns)
+            for (Light &light : MakeSuns(sun, number, options_)) {
+                lights_.push_back(std::move(light));
+                ++counts_.skyLights;
+            }
+    }
+
+    const LightOptions &options_;
+    const WorldLight &world_;
+    ShaderLibrary &library_;
+    std::vector<Light> &lights_;
+    SurfaceLightCounts &counts_;
+    Log &log_;
+    std::map<const ShaderInfo *, int> numbers_;
+    int next_ = 0;
+};
+
+} // namespace
+
+void Light::SetShape() {
+    shape = {};
+    shape.back.assign(w.rbegin(), w.rend());
+    shape.normal = -Normalize(WindingAreaVector(w));
+    if (w.size() < 3)
+        return;
+    shape.dist = Dot(shape.normal, Vec3d(w.front()));
+    Vec3d center;
+    for (std::size_t i = 2; i < w.size(); ++i) {
+        const float triangle = float(WindingArea(Winding<float>{w[0], w[i - 1], w[i]}));
+        shape.area += triangle;
+        shape.cumulative.push_back(shape.area);
+        center += Vec3d(w[0] + w[i - 1] + w[i]) * (double(triangle) / 3);
+    }
+    shape.center = shape.area > 0 ? Vec3f(center / double(shape.area)) : w.front();
+    for (const Vec3f &p : w)
+        shape.radius = std::max(shape.radius, Length(p - shape.center));
+}
+
+std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const LightOptions &options,
+                                 const WorldLight &world, ShaderLibrary &library, SurfaceLightCounts &counts,
+                                 Log &log) {
+    std::vector<Light> lights;
+    SkyLights skies(options, world, library, lights, counts, log);
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        SurfaceEntry &entry = table[i];
+        const ShaderInfo &shader = *entry.shader;
+        if (!shader.suns.empty() || !shader.skyLights.empty())
+            entry.skyIndex = skies.Add(shader);
+        if (!(shader.surfaceLight > 0))
+            continue;
+        const bspDrawSurface_t &surface = bsp.drawSurfaces[i];
+        if (shader.autosprite) {
+            lights.push_back(SpriteLight(bsp, surface, shader, entry.origin, options));
+            continue;
+        }
+        AreaLightMaker maker(shader, options, lights, counts.areaLights, log);
+        if (surface.surfaceType == MST_PATCH)
+            AddPatchLights(TessellatePatch(bsp, surface, entry.longestCurve), entry.origin, maker);
+        else if (surface.surfaceType == MST_PLANAR || surface.surfaceType == MST_TRIANGLE_SOUP)
+            AddTriangleLights(bsp, surface, entry.origin, maker);
+    }
+    return lights;
+}
+
+} // namespace q3

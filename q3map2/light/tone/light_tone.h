@@ -1,0 +1,48 @@
+// GPL-2.0-or-later. Float light to stored bytes.
+#pragma once
+
+#include "q3map2/light/options/light_options.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+namespace q3 {
+
+/// The established program's chain from light on the byte scale to bytes: scale, contrast, gamma, exposure, saturation,
+/// compensation, hue-preserving limit, sRGB, truncation; for many colours. Keeps a reference.
+class ToneMapper {
+  public:
+    /// A scale or brightness of 0 or less counts as 1.
+    ToneMapper(float scale, float brightness, const ToneOptions &tone)
+        : tone_(tone), scale_(scale > 0 ? scale : 1), factor_((brightness > 0 ? brightness : 1) / tone.compensate),
+          plain_(tone.contrast == 1 && tone.gamma == 1 && tone.exposure == 0 && tone.saturation == 1) {}
+
+    /// NaN gives 0.
+    std::array<std::uint8_t, 3> Bytes(const Vec3f &color) const {
+        const Vec3f scaled = color * scale_;
+        Vec3f v = (plain_ ? Max(scaled, {}) : Graded(scaled)) * factor_;
+        if (const float m = MaxComponent(v); m > tone_.maxLight)
+            v *= tone_.maxLight / m;
+        if (tone_.sRgb)
+            v = InSrgb(v);
+        const auto byte = [](float c) { return std::uint8_t(int(std::min(std::max(0.0f, c), 255.0f))); };
+        return {byte(v.x), byte(v.y), byte(v.z)};
+    }
+
+  private:
+    Vec3f Graded(const Vec3f &color) const;
+    static Vec3f InSrgb(const Vec3f &color);
+
+    const ToneOptions &tone_;
+    float scale_, factor_;
+    bool plain_; ///< without contrast, gamma, exposure and saturation, which few maps change
+};
+
+/// One colour by the same chain.
+inline std::array<std::uint8_t, 3> ColorToBytes(const Vec3f &color, float scale, float brightness,
+                                                const ToneOptions &tone) {
+    return ToneMapper(scale, brightness, tone).Bytes(color);
+}
+
+} // namespace q3

@@ -1,0 +1,61 @@
+// GPL-2.0-or-later. Dirt: luxels in corners and crevices get less light.
+#include "q3map2/lightmap/ao/surroundings.h"
+
+namespace q3 {
+
+namespace {
+
+/// Every value becomes the mean of itself and its mapped neighbours that have any, in place and row by row: later
+/// luxels see what earlier ones became. That is how dirt is known to look.
+void SmoothDirt(RawLightmap &raw) {
+    const auto width = std::size_t(raw.SuperWidth()), height = std::size_t(raw.SuperHeight()), row = width + 2;
+    std::vector<float> counted(row * (height + 2)); // with a border; 0 where a neighbour does not count
+    const auto at = [&](std::size_t x, std::size_t y) { return (y + 1) * row + x + 1; };
+    for (std::size_t y = 0; y < height; ++y)
+        for (std::size_t x = 0; x < width; ++x)
+            if (const std::size_t luxel = y * width + x; raw.Mapped(luxel))
+                counted[at(x, y)] = raw.dirt[luxel];
+    for (std::size_t y = 0; y < height; ++y)
+        for (std::size_t x = 0; x < width; ++x) {
+            float &own = counted[at(x, y)];
+            float sum = 0, count = own > 0 ? 0 : 1; // itself counts always
+            for (const std::size_t first : {y * row + x, (y + 1) * row + x, (y + 2) * row + x})
+                for (std::size_t i = first; i < first + 3; ++i)
+                    sum += counted[i], count += counted[i] > 0 ? 1.0f : 0.0f;
+            const std::size_t luxel = y * width + x;
+            raw.dirt[luxel] = sum / count;
+            if (raw.Mapped(luxel))
+                own = raw.dirt[luxel];
+        }
+}
+
+} // namespace
+
+void DirtLuxels(const SurfaceInputs &in, SurfaceLight &surfaces) {
+    if (!in.lightmap.dirty)
+        return;
+    for (RawLightmap &raw : surfaces.lightmaps)
+        raw.dirt.assign(raw.codes.size(), raw.noDirt ? 1.0f : 0.0f);
+    const Surroundings around(in);
+    std::vector<RayCounts> counts(std::size_t(in.jobs.Threads()));
+    ForMappedLuxels(
+        in, surfaces, [](const RawLightmap &raw) { return !raw.noDirt; },
+        [&](RawLightmap &raw, std::span<const OpenPlaces> blocks, std::span<const LuxelNumbers> luxels,
+            std::size_t worker) {
+            std::vector<Lanes> dirt;
+            around.Dirt(blocks, dirt, counts[worker]);
+            for (std::size_t b = 0; b < blocks.size(); ++b)
+                for (std::size_t i = 0; i < blocks[b].count; ++i)
+                    raw.dirt[luxels[b][i]] = dirt[b][i];
+        });
+    in.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t i, int) {
+        if (RawLightmap &raw = surfaces.lightmaps[std::size_t(i)]; !raw.noDirt)
+            SmoothDirt(raw);
+    });
+    std::uint64_t rays = 0;
+    for (const RayCounts &one : counts)
+        rays += one.rays;
+    in.log.Count((long long)(rays), "rays of dirt");
+}
+
+} // namespace q3

@@ -1,0 +1,56 @@
+// GPL-2.0-or-later. Floodlight on luxels: light from wherever the surroundings are open.
+#include "q3map2/lightmap/ao/surroundings.h"
+
+namespace q3 {
+
+namespace {
+
+/// Floodlight that the shader of a raw lightmap's first surface asks for, beside the world's.
+FloodSource ShaderFlood(const SurfaceInputs &in, const RawLightmap &raw) {
+    if (raw.surfaces.empty())
+        return {};
+    const LightmapDirectives &shader = in.table[std::size_t(raw.surfaces.front())].shader->lightmap;
+    return {shader.floodColor * shader.floodIntensity, std::max(1.0f, shader.floodDistance)};
+}
+
+float DirectionScale(const SurfaceInputs &in, const RawLightmap &raw) {
+    const bool own = ShaderFlood(in, raw).light != Vec3f{};
+    const float scale = own ? in.table[std::size_t(raw.surfaces.front())].shader->lightmap.floodDirectionScale
+                            : in.world.floodDirectionScale;
+    return scale < 0 ? 1 : scale;
+}
+
+} // namespace
+
+void FloodLuxels(const SurfaceInputs &in, SurfaceLight &surfaces) {
+    const FloodSource world = WorldFlood(in);
+    const auto wants = [&](const RawLightmap &raw) {
+        return world.light != Vec3f{} || ShaderFlood(in, raw).light != Vec3f{};
+    };
+    for (RawLightmap &raw : surfaces.lightmaps)
+        if (wants(raw)) {
+            raw.floodlight.assign(raw.codes.size(), {});
+            raw.floodDirectionScale = DirectionScale(in, raw);
+        }
+    const Surroundings around(in);
+    std::vector<RayCounts> counts(std::size_t(in.jobs.Threads()));
+    const auto look = [&](RawLightmap &raw, std::span<const OpenPlaces> blocks, std::span<const LuxelNumbers> luxels,
+                          std::size_t worker) {
+        for (const FloodSource &source : {world, ShaderFlood(in, raw)}) {
+            for (std::size_t b = 0; b < blocks.size() && source.light != Vec3f{}; ++b) {
+                Lanes open;
+                around.Openness(blocks[b], source.distance, open, counts[worker]);
+                for (std::size_t i = 0; i < blocks[b].count; ++i)
+                    raw.floodlight[luxels[b][i]] += source.light * open[i];
+            }
+        }
+    };
+    ForMappedLuxels(in, surfaces, wants, look);
+    std::uint64_t rays = 0;
+    for (const RayCounts &one : counts)
+        rays += one.rays;
+    if (rays > 0)
+        in.log.Count((long long)(rays), "rays of floodlight");
+}
+
+} // namespace q3

@@ -1,0 +1,155 @@
+// GPL-2.0-or-later. Bounced light on surfaces.
+#include "q3map2/lightmap/bounce/light_bounce.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+/// Vertices gather so far from the rim of their surface, which often lies in the plane of another. Game units.
+constexpr float kInward = 2;
+
+/// Slot that holds a style, or kStyles.
+std::size_t SlotOf(const Styles &styles, std::uint8_t style) {
+    return std::size_t(std::find(styles.begin(), styles.end(), style) - styles.begin());
+}
+
+/// The slot for a style, taken if it is new; kStyles when all are taken by others.
+std::size_t ClaimSlot(Styles &styles, std::uint8_t style) {
+    const std::size_t known = SlotOf(styles, style);
+    const std::size_t slot = known < kStyles ? known : SlotOf(styles, kNoStyle);
+    if (slot < kStyles)
+        styles[slot] = style;
+    return slot;
+}
+
+} // namespace
+
+Bounces::Bounces(const SurfaceInputs &in, const SurfaceLight &surfaces)
+    : in_(in), numbers_(surfaces), scene_(in, surfaces, numbers_),
+      pieces_(in.options.fast ? Pieces(surfaces) : nullptr), gather_(in, surfaces, scene_, pieces_.get()),
+      total_(numbers_.Count()) {}
+
+void Bounces::CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emission &emission) const {
+    const std::vector<Vec3f> &reflectance = scene_.Reflectance();
+    emission.assign(numbers_.Count(), {});
+    for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i) {
+        const RawLightmap &raw = surfaces.lightmaps[i];
+        const std::size_t slot = SlotOf(raw.styles, style);
+        if (slot >= kStyles || raw.radiosity[slot].empty())
+            continue;
+        const EmitterId first = numbers_.FirstOf(i);
+        for (std::size_t t = 0; t < raw.radiosity[slot].size(); ++t)
+            emission[first + t] = Max(raw.radiosity[slot][t], Vec3f{}) * reflectance[first + t];
+    }
+    for (std::size_t i = 0; i < in_.bsp.drawSurfaces.size(); ++i) {
+        const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[i];
+        const std::size_t slot = surfaces.lightmapOf[i] < 0 ? SlotOf(surfaces.vertex.styles[i], style) : kStyles;
+        if (slot >= kStyles || surfaces.vertex.radiosity[slot].empty())
+            continue;
+        for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v)
+            emission[numbers_.Vertex(v)] =
+                Max(surfaces.vertex.radiosity[slot][std::size_t(v)], Vec3f{}) * reflectance[numbers_.Vertex(v)];
+    }
+}
+
+std::vector<std::uint8_t> Bounces::UsedStyles(const SurfaceLight &surfaces) {
+    std::vector<std::uint8_t> styles{0};
+    const auto note = [&](const Styles &some) {
+        for (const std::uint8_t style : some)
+            if (style != kNoStyle && std::find(styles.begin(), styles.end(), style) == styles.end())
+                styles.push_back(style);
+    };
+    for (const RawLightmap &raw : surfaces.lightmaps)
+        note(raw.styles);
+    for (const Styles &vertexStyles : surfaces.vertex.styles)
+        note(vertexStyles);
+    return styles;
+}
+
+std::unique_ptr<const BouncePieces> Bounces::Pieces(const SurfaceLight &surfaces) const {
+    Emission all(numbers_.Count()), one;
+    for (const std::uint8_t style : UsedStyles(surfaces)) {
+        CollectStyle(surfaces, style, one);
+        for (std::size_t i = 0; i < all.size(); ++i)
+            all[i] += one[i];
+    }
+    return std::make_unique<const BouncePieces>(in_, surfaces, numbers_, all);
+}
+
+bool Bounces::TakeUp(const SurfaceLight &surfaces) {
+    byStyle_.clear();
+    bool any = false;
+    for (const std::uint8_t style : UsedStyles(surfaces)) {
+        Emission &emission = byStyle_[style];
+        CollectStyle(surfaces, style, emission);
+        any = any || std::any_of(emission.begin(), emission.end(), [](const Vec3f &one) { return one != Vec3f{}; });
+        if (style == 0)
+            for (std::size_t i = 0; i < emission.size(); ++i)
+                total_[i] += emission[i];
+    }
+    return any;
+}
+
+void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
+    std::vector<std::vector<Vec3f>> found(surfaces.lightmaps.size());
+    std::vector<std::size_t> slots(surfaces.lightmaps.size());
+    for (const auto &[style, emission] : byStyle_) {
+        in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
+            const auto i = std::size_t(number);
+            RawLightmap &raw = surfaces.lightmaps[i];
+            slots[i] = ClaimSlot(raw.styles, style);
+            found[i].clear();
+            if (slots[i] < kStyles)
+                found[i] = gather_.Found(emission, i, slots[i], raw);
+        });
+        in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
+            const auto i = std::size_t(number);
+            RawLightmap &raw = surfaces.lightmaps[i];
+            if (slots[i] >= kStyles)
+                return;
+            raw.light[slots[i]].resize(raw.codes.size());
+            raw.filled[slots[i]].resize(raw.codes.size());
+            for (std::size_t luxel = 0; luxel < raw.codes.size(); ++luxel)
+                raw.filled[slots[i]][luxel] = raw.filled[slots[i]][luxel] || raw.Mapped(luxel);
+            gather_.AddToLuxels(found, i, slots[i], raw);
+        });
+    }
+}
+
+void Bounces::AddToVertices(SurfaceLight &surfaces) const {
+    VertexLight &vertex = surfaces.vertex;
+    // Slots first: they are shared by all surfaces.
+    for (const auto &[style, emission] : byStyle_)
+        for (std::size_t i = 0; i < in_.bsp.drawSurfaces.size(); ++i)
+            if (surfaces.lightmapOf[i] < 0)
+                if (const std::size_t slot = ClaimSlot(vertex.styles[i], style); slot < kStyles) {
+                    vertex.sum[slot].resize(surfaces.verts.size());
+                    vertex.radiosity[slot].resize(surfaces.verts.size());
+                }
+    in_.jobs.For(std::int64_t(in_.bsp.drawSurfaces.size()), [&](std::int64_t number, int) {
+        const auto i = std::size_t(number);
+        const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[i];
+        if (surfaces.lightmapOf[i] >= 0 || in_.table[i].shader->lightmap.noVertexLight)
+            return;
+        Vec3f center;
+        for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v)
+            center += surfaces.verts[std::size_t(v)].xyz / float(surface.numVerts);
+        for (const auto &[style, emission] : byStyle_) {
+            const std::size_t slot = SlotOf(vertex.styles[i], style);
+            if (slot >= kStyles)
+                continue;
+            for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v) {
+                const SurfaceVertex &at = surfaces.verts[std::size_t(v)];
+                const Vec3f inward = center - at.xyz;
+                const Vec3f place = at.xyz + inward * std::min(0.25f, kInward / std::max(1.0f, Length(inward)));
+                const Vec3f light = gather_.At(place, at.normal, in_.table[i].shader->twoSided, emission);
+                vertex.sum[slot][std::size_t(v)] += light;
+                vertex.radiosity[slot][std::size_t(v)] += light;
+            }
+        }
+    });
+}
+
+} // namespace q3

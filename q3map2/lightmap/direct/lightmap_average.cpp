@@ -1,0 +1,195 @@
+// GPL-2.0-or-later. Light of super luxels becomes light of luxels.
+#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/raw/luxel_masks.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+constexpr Vec3f kUnused{-1, -1, -1};
+constexpr Vec3f kBorderColor{255, 0, 0};
+
+/// -debug: what luxels that are no cluster show.
+Vec3f DebugColor(int code) {
+    switch (code) {
+    case kUnmapped:
+        return {255, 204, 0};
+    case kOccluded:
+        return {255, 0, 255};
+    default:
+        return {0, 32, 255};
+    }
+}
+
+/// What the super luxels of one luxel add up to.
+struct LuxelSum {
+    Vec3f lit;     ///< of luxels in the open, and of those filled in from them
+    Vec3f reserve; ///< counts only where nothing is lit
+    int litCount = 0, reserveCount = 0, surfaceCount = 0;
+    Vec3f direction;
+};
+
+/// Luxels of one style of one raw lightmap in one pass. Vectors are reused.
+struct LuxelGrid {
+    std::vector<Vec3f> colors, directions, lastPass;
+    LuxelMask valid;
+};
+
+class Averager {
+  public:
+    Averager(const RawLightmap &lightmap, std::size_t style, const LightmapOptions &options)
+        : lightmap_(lightmap), style_(style), options_(options) {}
+
+    void Fill(LuxelGrid &grid, const Vec3f &ambient) const {
+        const std::size_t count = std::size_t(lightmap_.width) * std::size_t(lightmap_.height);
+        grid.colors.resize(count);
+        grid.valid.resize(count);
+        grid.directions.resize(HasDirections() ? count : 0);
+        if (lightmap_.super == 1 && !options_.debug && !options_.border)
+            return FillFromEqual(grid, ambient);
+        for (int y = 0; y < lightmap_.height; ++y)
+            for (int x = 0; x < lightmap_.width; ++x) {
+                const std::size_t at = lightmap_.Index(x, y);
+                const LuxelSum sum = Sum(x, y);
+                const bool lit = sum.litCount > 0;
+                const int samples = lit ? sum.litCount : sum.reserveCount;
+                grid.valid[at] = samples > 0 || sum.surfaceCount > 0;
+                grid.colors[at] = samples > 0 ? (lit ? sum.lit : sum.reserve) / float(samples) : ambient;
+                if (options_.debug && style_ > 0 && x < 2 && y < 2)
+                    grid.colors[at] = kBorderColor, grid.valid[at] = true;
+                if (HasDirections())
+                    grid.directions[at] = sum.direction;
+            }
+    }
+
+  private:
+    bool HasDirections() const { return style_ == 0 && !lightmap_.directions.empty(); }
+
+    /// Fill where super luxels are luxels.
+    void FillFromEqual(LuxelGrid &grid, const Vec3f &ambient) const {
+        const std::vector<std::uint8_t> &filled = lightmap_.filled[style_];
+        const std::vector<Vec3f> &light = lightmap_.light[style_];
+        for (std::size_t at = 0; at < grid.colors.size(); ++at) {
+            grid.valid[at] = filled[at] != 0 || lightmap_.codes[at] != kUnmapped;
+            grid.colors[at] = filled[at] != 0 ? light[at] : ambient;
+        }
+        if (HasDirections())
+            grid.directions = lightmap_.directions;
+    }
+
+    LuxelSum Sum(int x, int y) const {
+        LuxelSum sum;
+        const int super = lightmap_.super;
+        for (int sy = y * super; sy < (y + 1) * super; ++sy)
+            for (int sx = x * super; sx < (x + 1) * super; ++sx)
+                Add(sx, sy, sum);
+        return sum;
+    }
+
+    void Add(int x, int y, LuxelSum &sum) const {
+        const std::size_t at = lightmap_.SuperIndex(x, y);
+        const int code = lightmap_.codes[at];
+        const bool filled = lightmap_.filled[style_][at] != 0;
+        sum.surfaceCount += code != kUnmapped;
+        if (HasDirections())
+            sum.direction += lightmap_.directions[at];
+        if (options_.border &&
+            (x == 0 || y == 0 || x == lightmap_.SuperWidth() - 1 || y == lightmap_.SuperHeight() - 1)) {
+            if (filled)
+                sum.lit += kBorderColor, ++sum.litCount;
+        } else if (options_.debug && code < 0) {
+            sum.reserve += DebugColor(code), ++sum.reserveCount;
+        } else if (filled && (code >= 0 || code == kFlooded)) {
+            sum.lit += lightmap_.light[style_][at], ++sum.litCount;
+        } else if (filled) {
+            sum.reserve += lightmap_.light[style_][at], ++sum.reserveCount;
+        }
+    }
+
+    const RawLightmap &lightmap_;
+    std::size_t style_;
+    const LightmapOptions &options_;
+};
+
+/// Mean of the up to 8 neighbours that are valid, of which there is one.
+Vec3f FromNeighbours(const RawLightmap &lightmap, const LuxelGrid &grid, int x, int y) {
+    Vec3f sum;
+    int count = 0;
+    for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, lightmap.height - 1); ++ny)
+        for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, lightmap.width - 1); ++nx)
+            if (const std::size_t at = lightmap.Index(nx, ny); grid.valid[at])
+                sum += grid.colors[at], ++count;
+    return Max(sum / float(count), Vec3f{});
+}
+
+/// Gives back the memory of what only passes need, so that what comes next has it.
+void EndPasses(RawLightmap &lightmap) {
+    lightmap.places = {}, lightmap.dirt = {}, lightmap.floodlight = {};
+    lightmap.light = {}, lightmap.filled = {}, lightmap.directions = {};
+}
+
+/// Adds a pass to what there is; a luxel without value in one of them takes the other's.
+void Accumulate(const std::vector<Vec3f> &pass, bool store, std::vector<Vec3f> &result) {
+    if (result.empty() && store) {
+        result = pass;
+        return;
+    }
+    if (result.empty())
+        result.assign(pass.size(), kUnused);
+    for (std::size_t i = 0; i < pass.size(); ++i)
+        if (pass[i].x >= 0)
+            result[i] = (result[i].x >= 0 ? result[i] : Vec3f{}) + (store ? pass[i] : Vec3f{});
+}
+
+/// The first pass gives its vector away.
+void AddDirections(LuxelGrid &grid, std::vector<Vec3f> &result) {
+    const std::size_t count = grid.directions.size();
+    if (result.empty()) {
+        result.swap(grid.directions);
+        for (std::size_t i = 0; i < count; ++i)
+            if (!grid.valid[i])
+                result[i] = {};
+        return;
+    }
+    for (std::size_t i = 0; i < count; ++i)
+        if (grid.valid[i])
+            result[i] += grid.directions[i];
+}
+
+void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last, LuxelGrid &grid,
+                     RawLightmap &lightmap) {
+    const bool store = pass.bounce || !in.lightmap.bounceOnly || in.lightmap.bounces == 0;
+    for (std::size_t style = 0; style < kStyles; ++style) {
+        lightmap.radiosity[style].clear();
+        if (lightmap.styles[style] == kNoStyle || lightmap.light[style].empty())
+            continue;
+        std::vector<Vec3f> &radiosity = last ? grid.lastPass : lightmap.radiosity[style];
+        const Averager averager(lightmap, style, in.lightmap);
+        averager.Fill(grid, style == 0 && !pass.bounce ? lightmap.ambient : Vec3f{});
+        radiosity.resize(grid.colors.size());
+        const LuxelMask touching = Spread(grid.valid, lightmap.width, lightmap.height);
+        std::size_t at = 0;
+        for (int y = 0; y < lightmap.height; ++y)
+            for (int x = 0; x < lightmap.width; ++x, ++at)
+                radiosity[at] = grid.valid[at] ? Max(grid.colors[at], Vec3f{})
+                                : touching[at] ? FromNeighbours(lightmap, grid, x, y)
+                                               : kUnused;
+        Accumulate(radiosity, store, lightmap.result[style]);
+        AddDirections(grid, lightmap.resultDirections);
+    }
+    if (last)
+        EndPasses(lightmap);
+}
+
+} // namespace
+
+void AverageLuxels(const SurfaceInputs &in, const SurfacePass &pass, bool last, SurfaceLight &surfaces) {
+    std::vector<LuxelGrid> grids(std::size_t(in.jobs.Threads()));
+    in.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t i, int worker) {
+        AverageLightmap(in, pass, last, grids[std::size_t(worker)], surfaces.lightmaps[std::size_t(i)]);
+    });
+}
+
+} // namespace q3

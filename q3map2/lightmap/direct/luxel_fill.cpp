@@ -1,0 +1,124 @@
+// GPL-2.0-or-later. The last step of a pass over luxels: floodlight, dirt, and luxels without light of their own.
+#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/raw/luxel_masks.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+/// -dark: ambient light counts as so many neighbours.
+constexpr float kDarkNeighbours = 2;
+
+void AddFloodlight(RawLightmap &lightmap, bool deluxe) {
+    for (std::size_t i = 0; i < lightmap.floodlight.size(); ++i) {
+        if (!lightmap.Mapped(i))
+            continue;
+        const Vec3f &flood = lightmap.floodlight[i];
+        lightmap.light[0][i] += flood;
+        if (deluxe && lightmap.floodDirectionScale > 0) {
+            const float grey = 0.2989f * flood.x + 0.5870f * flood.y + 0.1140f * flood.z;
+            const float share = std::max(1.0f / 256, grey / 255 * lightmap.floodDirectionScale);
+            lightmap.directions[i] += lightmap.normals[i] * share;
+        }
+    }
+}
+
+void ShowNormals(RawLightmap &lightmap) {
+    for (std::size_t i = 0; i < lightmap.codes.size(); ++i)
+        if (lightmap.Mapped(i))
+            lightmap.light[0][i] = (lightmap.normals[i] + Vec3f{1, 1, 1}) * 127.5f;
+}
+
+void ApplyDirt(RawLightmap &lightmap) {
+    for (std::vector<Vec3f> &light : lightmap.light)
+        for (std::size_t i = 0; i < light.size() && i < lightmap.dirt.size(); ++i)
+            light[i] *= lightmap.dirt[i];
+}
+
+/// Fills luxels from their neighbours.
+class LuxelFill {
+  public:
+    LuxelFill(const SurfaceInputs &in, const SurfacePass &pass, RawLightmap &lightmap)
+        : lightmap_(lightmap), dark_(in.lightmap.dark), filter_(in.lightmap.filter),
+          ambient_(pass.bounce ? Vec3f{} : lightmap.ambient) {}
+
+    /// In place, row by row: with q3map_splotchfix a repaired luxel helps the next.
+    void Run() {
+        for (std::size_t slot = 0; slot < kStyles; ++slot)
+            if (!lightmap_.light[slot].empty())
+                FillSlot(slot);
+    }
+
+  private:
+    bool Splotch(std::size_t slot, std::size_t luxel) const {
+        const Vec3f &light = lightmap_.light[slot][luxel];
+        return lightmap_.splotchFix && (light.x <= ambient_.x || light.y <= ambient_.y || light.z <= ambient_.z);
+    }
+
+    void FillSlot(std::size_t slot) {
+        LuxelMask sources(lightmap_.codes.size());
+        for (std::size_t i = 0; i < sources.size(); ++i)
+            sources[i] = lightmap_.Mapped(i) && lightmap_.filled[slot][i] != 0;
+        const LuxelMask touching = Spread(sources, lightmap_.SuperWidth(), lightmap_.SuperHeight());
+        const bool mappedToo = lightmap_.splotchFix || filter_;
+        for (int y = 0; y < lightmap_.SuperHeight(); ++y)
+            for (int x = 0; x < lightmap_.SuperWidth(); ++x)
+                if (const std::size_t at = lightmap_.SuperIndex(x, y);
+                    touching[at] != 0 && (mappedToo || !lightmap_.Mapped(at)))
+                    Fill(slot, x, y);
+    }
+
+    void Fill(std::size_t slot, int x, int y) {
+        const std::size_t at = lightmap_.SuperIndex(x, y);
+        const bool mapped = lightmap_.Mapped(at), wanted = !mapped || Splotch(slot, at);
+        const bool turned = slot == 0 && !lightmap_.directions.empty() && (!mapped || filter_);
+        if (!wanted && !turned)
+            return;
+        Vec3f color, direction;
+        float colors = 0, directions = 0;
+        for (int oy = std::max(y - 1, 0); oy <= std::min(y + 1, lightmap_.SuperHeight() - 1); ++oy)
+            for (int ox = std::max(x - 1, 0); ox <= std::min(x + 1, lightmap_.SuperWidth() - 1); ++ox) {
+                const std::size_t from = lightmap_.SuperIndex(ox, oy);
+                if (from == at || !lightmap_.Mapped(from) || lightmap_.filled[slot][from] == 0)
+                    continue;
+                if (turned)
+                    direction += lightmap_.directions[from], directions += 1;
+                if (!lightmap_.splotchFix || !(lightmap_.light[slot][from] == ambient_))
+                    color += lightmap_.light[slot][from], colors += 1;
+            }
+        if (directions > 0)
+            lightmap_.directions[at] = direction / directions;
+        if (!wanted || colors == 0)
+            return;
+        if (dark_) {
+            color += slot == 0 ? ambient_ * kDarkNeighbours : Vec3f{};
+            colors += kDarkNeighbours;
+        }
+        lightmap_.light[slot][at] = color / colors;
+        lightmap_.filled[slot][at] = 1;
+        if (lightmap_.codes[at] < 0)
+            lightmap_.codes[at] = kFlooded;
+    }
+
+    RawLightmap &lightmap_;
+    bool dark_, filter_;
+    Vec3f ambient_;
+};
+
+} // namespace
+
+void FinishLuxels(const SurfaceInputs &in, const SurfacePass &pass, SurfaceLight &surfaces) {
+    in.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t index, int) {
+        RawLightmap &lightmap = surfaces.lightmaps[std::size_t(index)];
+        if (!pass.bounce)
+            AddFloodlight(lightmap, in.lightmap.deluxe);
+        if (in.lightmap.debugNormals)
+            ShowNormals(lightmap);
+        ApplyDirt(lightmap);
+        LuxelFill(in, pass, lightmap).Run();
+    });
+}
+
+} // namespace q3

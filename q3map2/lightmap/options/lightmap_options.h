@@ -1,0 +1,77 @@
+// GPL-2.0-or-later. Settings of lightmaps, vertex light and bounces. Const after parsing.
+#pragma once
+
+#include "common/arguments.h"
+#include "common/log.h"
+#include "libs/math/vec.h"
+#include "q3map2/light/options/light_options.h"
+#include "q3map2/shader/games.h"
+
+#include <array>
+#include <optional>
+#include <string>
+
+namespace q3 {
+
+/// What luxels show instead of light; spec of debug modes.
+enum class LuxelShow { Light, Surfaces, Axis, Cluster, Origin, Dirt, NormalMap };
+
+struct LightmapOptions {
+    bool onlyGrid = false; ///< -onlygrid: lightmaps and vertex colours stay as they are
+
+    // Samples.
+    int super = 1;                          ///< -super, 1 to 8
+    int samples = 1;                        ///< -samples: levels of adaptive subsampling plus one
+    bool samplesExact = false;              ///< -samples +N
+    bool randomSamples = false;             ///< -randomsamples
+    int samplesSearchBox = 1;               ///< -samplessearchboxsize, 1 to 4
+    bool filter = false;                    ///< -filter
+    float threshold = 1;                    ///< -thresh: luxels
+    int sampleSize = 16, minSampleSize = 0; ///< -samplesize, -minsamplesize: without a surface file only
+    int sampleScale = 0;                    ///< -samplescale; 0: off
+    int rawSizeLimit = 0;                   ///< -rawlightmapsizelimit; 0: off
+    bool triangleCheck = false, extraVisNudge = false, dark = false;
+    bool shade = false;
+    float shadeAngle = 0; ///< degrees
+    bool halfLambert = false, fastPoint = true;
+    bool fast = false, faster = false, cheap = false;
+
+    // Dirt.
+    bool dirty = false;
+    bool dirtRandom = false; ///< -dirtmode 1
+    float dirtDepth = 128, dirtScale = 1, dirtGain = 1;
+
+    // Bounces.
+    int bounces = 0;
+    bool bounceGrid = false, bounceOnly = false;
+    float bounceScale = 0.25f, bounceColorRatio = 1;
+
+    // Vertices.
+    float vertexScale = 1;
+    std::optional<float> noVertex; ///< -novertex: constant light, share of 127.5
+    bool cpma = false, noLightmaps = false;
+
+    // Storing.
+    float brightness = 1;
+    float approximate = 0; ///< -approx: byte tolerance; 0: off
+    std::array<int, 2> pageSize{128, 128}, gamePageSize{128, 128};
+    bool external = false;
+    std::string externalFolder; ///< -lightmapdir
+    bool deluxe = false, deluxeTangent = false;
+    bool collapse = true, fastAllocate = true;
+    int searchBlock = 0; ///< pages; 0: all
+    bool fill = false, fillPink = false;
+    bool exportPages = false, triangleSoup = false;
+    bool sRgbTexture = false;
+
+    // Debug.
+    bool debug = false, border = false, debugNormals = false, debugDeluxe = false, debugSampleSize = false;
+    LuxelShow show = LuxelShow::Light;
+};
+
+/// Takes the options of lightmaps, vertex light and bounces off `arguments`; -fast and what else concerns the grids too
+/// comes from `light`, which is parsed first. Errors: Error, for values out of range; a page size that is no power of
+/// two is a warning, and the game's is used.
+LightmapOptions ParseLightmapOptions(Arguments &arguments, const LightOptions &light, const Game &game, Log &log);
+
+} // namespace q3

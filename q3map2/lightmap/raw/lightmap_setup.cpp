@@ -1,0 +1,440 @@
+// GPL-2.0-or-later. Which surfaces share a raw lightmap, its size and its projection.
+#include "q3map2/light/scene/light_patch.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/raw/luxel_axes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <unordered_map>
+
+namespace q3 {
+
+namespace {
+
+/// Vectors whose components differ by less are equal; plane distances too.
+constexpr float kEqual = 0.001f;
+/// A plane that leans so far from its projection axis has no use for it.
+constexpr float kEdgeOn = 1e-4f;
+
+bool Same(const Vec3f &a, const Vec3f &b) {
+    return std::abs(a.x - b.x) < kEqual && std::abs(a.y - b.y) < kEqual && std::abs(a.z - b.z) < kEqual;
+}
+
+bool Overlap(const Boundsf &a, const Boundsf &b) {
+    return a.mins.x <= b.maxs.x && b.mins.x <= a.maxs.x && a.mins.y <= b.maxs.y && b.mins.y <= a.maxs.y &&
+           a.mins.z <= b.maxs.z && b.mins.z <= a.maxs.z;
+}
+
+/// What decides who shares a raw lightmap, of one draw surface.
+struct Candidate {
+    int number = 0;
+    bool patch = false, planar = false, lightmapped = false, mergable = false;
+    Vec3f normal;
+    float dist = 0;
+    const SurfaceEntry *entry = nullptr;
+    std::array<int, 2> pageSize{};
+};
+
+std::tuple<std::string_view, int, float, float, float, bool> FirstKeys(const Candidate &c) {
+    const Vec3f &axis = c.entry->axis;
+    return {c.entry->shader->name, c.entry->sampleSize, axis.x, axis.y, axis.z, c.planar};
+}
+
+/// Planes of one distance are in one cell or in two neighbouring ones.
+std::int64_t PlaneCell(float dist) {
+    return std::int64_t(std::clamp(std::floor(double(dist)), -1e15, 1e15));
+}
+
+class LightmapSetup {
+  public:
+    LightmapSetup(const SurfaceInputs &in, SurfaceLight &surfaces) : in_(in), out_(surfaces) {}
+
+    void Run() {
+        MakeVerts();
+        CollectClusters();
+        MakeCandidates();
+        for (std::size_t i = 0; i < order_.size(); ++i)
+            if (order_[i].lightmapped)
+                (order_[i].mergable ? mergable_ : onPlanes_[PlaneCell(order_[i].dist)]).push_back(i);
+        taken_.resize(order_.size());
+        for (std::size_t i = 0; i < order_.size(); ++i)
+            if (order_[i].lightmapped && !taken_[i])
+                MakeLightmap(i);
+        Report();
+    }
+
+  private:
+    void MakeVerts();
+    void CollectClusters();
+    void MakeCandidates();
+    Candidate MakeCandidate(int number) const;
+    bool LightmapOf(const Candidate &c) const;
+    void MakeLightmap(std::size_t seedPosition);
+    std::vector<std::size_t> MaySharers(const Candidate &seed);
+    RawLightmap Seed(const Candidate &c) const;
+    bool Fits(const RawLightmap &raw, const Candidate &seed, const Candidate &c) const;
+    void Take(RawLightmap &raw, const Candidate &c) const;
+    bool Project(RawLightmap &raw, const Candidate &first) const;
+    bool GrowToFit(RawLightmap &raw) const;
+    MeshOf<SurfaceVertex> MeshOfPatch(const Candidate &c) const;
+    void MeasurePatch(RawLightmap &raw, const Candidate &c);
+    void PlaceVerts(const RawLightmap &raw);
+    void Finish(RawLightmap &raw);
+    void Report() const;
+
+    const SurfaceInputs &in_;
+    SurfaceLight &out_;
+    std::vector<Candidate> order_;
+    // By position in order_.
+    std::vector<bool> taken_;
+    std::vector<std::size_t> mergable_;
+    std::unordered_map<std::int64_t, std::vector<std::size_t>> onPlanes_; // by PlaneCell; those not mergable
+    int grown_ = 0;
+};
+
+void LightmapSetup::MakeVerts() {
+    const Bsp &bsp = in_.bsp;
+    const auto made = [&](std::size_t i, const Vec3f &origin) {
+        const bspDrawVert_t &v = bsp.drawVerts[i];
+        return SurfaceVertex{Vec3f(v.xyz) + origin, Vec3f(v.normal), v.st, {}};
+    };
+    out_.verts.resize(bsp.drawVerts.size());
+    for (std::size_t i = 0; i < out_.verts.size(); ++i)
+        out_.verts[i] = made(i, {});
+    out_.bounds.resize(bsp.drawSurfaces.size());
+    for (std::size_t s = 0; s < bsp.drawSurfaces.size(); ++s)
+        for (int k = 0; k < bsp.drawSurfaces[s].numVerts; ++k) {
+            const auto vert = std::size_t(bsp.drawSurfaces[s].firstVert + k);
+            out_.verts[vert] = made(vert, in_.table[s].origin);
+            out_.bounds[s].Add(out_.verts[vert].xyz);
+        }
+}
+
+void LightmapSetup::CollectClusters() {
+    const Bsp &bsp = in_.bsp;
+    out_.clusters.resize(bsp.drawSurfaces.size());
+    for (const bspLeaf_t &leaf : bsp.leafs) {
+        if (leaf.cluster < 0)
+            continue;
+        const Boundsf box{{float(leaf.mins[0]), float(leaf.mins[1]), float(leaf.mins[2])},
+                          {float(leaf.maxs[0]), float(leaf.maxs[1]), float(leaf.maxs[2])}};
+        for (int k = 0; k < leaf.numBSPLeafSurfaces; ++k) {
+            const auto surface = std::size_t(bsp.leafSurfaces[std::size_t(leaf.firstBSPLeafSurface + k)]);
+            if (Overlap(box, out_.bounds[surface]))
+                out_.clusters[surface].push_back(leaf.cluster);
+        }
+    }
+    for (std::vector<int> &clusters : out_.clusters) {
+        std::sort(clusters.begin(), clusters.end());
+        clusters.erase(std::unique(clusters.begin(), clusters.end()), clusters.end());
+    }
+}
+
+bool LightmapSetup::LightmapOf(const Candidate &c) const {
+    const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(c.number)];
+    return (surface.surfaceType == MST_PLANAR || c.patch) && surface.numVerts > 0 && !in_.lightmap.noLightmaps &&
+           (c.entry->shader->compileFlags & C_VERTEXLIT) == 0 && c.entry->sampleSize > 0 && c.entry->parent < 0 &&
+           (c.patch || c.entry->axis != Vec3f{});
+}
+
+Candidate LightmapSetup::MakeCandidate(int number) const {
+    const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(number)];
+    Candidate c;
+    c.number = number;
+    c.entry = &in_.table[std::size_t(number)];
+    c.patch = surface.surfaceType == MST_PATCH;
+    c.normal = Vec3f(surface.lightmapVecs[2]);
+    c.planar = c.normal != Vec3f{} && surface.numVerts > 0;
+    if (c.planar)
+        c.dist = Dot(out_.verts[std::size_t(surface.firstVert)].xyz, c.normal);
+    const LightmapDirectives &shader = c.entry->shader->lightmap;
+    c.mergable = shader.mergable;
+    for (std::size_t i = 0; i < 2; ++i)
+        c.pageSize[i] = shader.pageSize[i] > 0 ? shader.pageSize[i] : in_.lightmap.pageSize[i];
+    c.lightmapped = LightmapOf(c);
+    return c;
+}
+
+/// Surfaces that belong together stand together: by shader name, then by what must be equal.
+void LightmapSetup::MakeCandidates() {
+    for (std::size_t i = 0; i < in_.table.size(); ++i)
+        order_.push_back(MakeCandidate(int(i)));
+    const auto before = [&](const Candidate &a, const Candidate &b) {
+        const auto keysA = FirstKeys(a), keysB = FirstKeys(b);
+        if (keysA != keysB)
+            return keysA > keysB;
+        const auto more = [&](const Candidate &c) {
+            const Vec3f &mins = out_.bounds[std::size_t(c.number)].mins;
+            return std::tuple(c.normal.x, c.normal.y, c.normal.z, c.dist, mins.x, mins.y, mins.z, -c.number);
+        };
+        return more(a) > more(b);
+    };
+    std::sort(order_.begin(), order_.end(), before);
+}
+
+RawLightmap LightmapSetup::Seed(const Candidate &c) const {
+    const LightmapDirectives &shader = c.entry->shader->lightmap;
+    RawLightmap raw;
+    raw.entity = c.entry->entity;
+    raw.receiveShadows = c.entry->receiveShadows;
+    raw.sampleSize = float(c.entry->sampleSize) * float(std::max(1, in_.lightmap.sampleScale));
+    raw.actualSampleSize = raw.sampleSize;
+    raw.ambient = c.entry->ambient;
+    raw.brightness = in_.lightmap.brightness * shader.brightness;
+    raw.filterRadius = c.entry->shader->lightmapFilterRadius;
+    raw.splotchFix = shader.splotchFix;
+    raw.pageSize = c.pageSize;
+    raw.planar = c.planar;
+    raw.planeNormal = c.normal;
+    raw.planeDist = c.dist;
+    raw.axis = c.entry->axis;
+    raw.super = in_.lightmap.super;
+    return raw;
+}
+
+bool LightmapSetup::Fits(const RawLightmap &raw, const Candidate &seed, const Candidate &c) const {
+    const bool samePlane =
+        raw.planar && c.planar && std::abs(raw.planeDist - c.dist) < kEqual && Same(raw.planeNormal, c.normal);
+    if (!(samePlane || c.mergable) || !Overlap(raw.bounds, out_.bounds[std::size_t(c.number)]))
+        return false;
+    const SurfaceEntry &a = *seed.entry, &b = *c.entry;
+    return Same(raw.axis, b.axis) && a.sampleSize == b.sampleSize && a.ambient == b.ambient && a.entity == b.entity &&
+           a.receiveShadows == b.receiveShadows && seed.pageSize == c.pageSize &&
+           a.shader->lightmap.brightness == b.shader->lightmap.brightness &&
+           a.shader->lightmapFilterRadius == b.shader->lightmapFilterRadius &&
+           a.shader->lightmap.splotchFix == b.shader->lightmap.splotchFix;
+}
+
+/// Adds a surface; the plane goes when it does not hold for all.
+void LightmapSetup::Take(RawLightmap &raw, const Candidate &c) const {
+    raw.surfaces.push_back(c.number);
+    raw.bounds.Add(out_.bounds[std::size_t(c.number)]);
+    if (!c.planar || std::abs(raw.planeDist - c.dist) >= kEqual || !Same(raw.planeNormal, c.normal))
+        raw.planar = false;
+    raw.noDirt = raw.noDirt || c.entry->shader->lightmap.noDirt;
+    raw.twoSided = raw.twoSided || c.entry->shader->twoSided;
+}
+
+/// Sets the size and enlarges the sample size until the page holds it. False: no size will do.
+bool LightmapSetup::GrowToFit(RawLightmap &raw) const {
+    constexpr int kSteps = 4096;
+    std::array<float, 2> most{float(raw.pageSize[0]), float(raw.pageSize[1])};
+    if (in_.lightmap.rawSizeLimit > 0)
+        for (float &m : most)
+            m = std::min(m, float(in_.lightmap.rawSizeLimit));
+    const float limit = std::min(most[0], most[1]);
+    const Vec3f extent = raw.bounds.maxs - raw.bounds.mins;
+    float size = raw.sampleSize;
+    // No smaller one fits; whole steps from the asked size on.
+    if (limit > 1)
+        size += std::max(0.0f, std::ceil(MaxComponent(extent) / (limit - 1) - size));
+    Boundsf rounded;
+    for (int step = 0; step < kSteps; ++step, size += 1) {
+        Vec3f count;
+        for (std::size_t i = 0; i < 3; ++i) {
+            rounded.mins[i] = size * std::floor(raw.bounds.mins[i] / size);
+            rounded.maxs[i] = size * std::ceil(raw.bounds.maxs[i] / size);
+            count[i] = (rounded.maxs[i] - rounded.mins[i]) / size + 1;
+        }
+        if (!(MaxComponent(count) <= limit))
+            continue;
+        const LuxelAxes axes = AxesOf(raw.axis);
+        raw.width = int(count[axes.u]);
+        raw.height = int(count[axes.v]);
+        raw.actualSampleSize = size;
+        if (!raw.planar)
+            raw.bounds = rounded;
+        return true;
+    }
+    return false;
+}
+
+/// Size, origin and steps of a projected raw lightmap. False: it has none.
+bool LightmapSetup::Project(RawLightmap &raw, const Candidate &first) const {
+    const LuxelAxes axes = AxesOf(raw.axis);
+    const Vec3f normal = first.planar ? first.normal : raw.axis;
+    if (std::abs(normal[axes.along]) < kEdgeOn || !GrowToFit(raw))
+        return false;
+    const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(first.number)];
+    const Vec3f &onPlane = out_.verts[std::size_t(surface.firstVert)].xyz;
+    raw.hasVectors = true;
+    raw.origin = OntoPlane(raw.bounds.mins, axes.along, normal, Dot(normal, onPlane));
+    raw.storedOrigin = raw.origin;
+    for (std::size_t i = 0; i < 2; ++i) {
+        const std::size_t axis = i == 0 ? axes.u : axes.v;
+        raw.step[i] = {};
+        raw.step[i][axis] = raw.actualSampleSize;
+        raw.step[i][axes.along] = -raw.actualSampleSize * normal[axis] / normal[axes.along];
+    }
+    return IsFinite(raw.origin) && IsFinite(raw.step[0]) && IsFinite(raw.step[1]);
+}
+
+MeshOf<SurfaceVertex> LightmapSetup::MeshOfPatch(const Candidate &c) const {
+    const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(c.number)];
+    MeshOf<SurfaceVertex> mesh{surface.patchWidth, surface.patchHeight, {}};
+    const auto first = out_.verts.begin() + surface.firstVert;
+    mesh.verts.assign(first, first + surface.numVerts);
+    return mesh;
+}
+
+/// Luxels that the longest row needs; at least one a control point, at most a page.
+int LuxelsAlong(const MeshOf<SurfaceVertex> &mesh, float sampleSize, int least, int most) {
+    float length = 0;
+    for (int x = 0; x + 1 < mesh.width; ++x) {
+        float longest = 0;
+        for (int y = 0; y < mesh.height; ++y)
+            longest = std::max(longest, Length(mesh.At(x + 1, y).xyz - mesh.At(x, y).xyz));
+        length += longest;
+    }
+    return std::min(std::max(int(std::min(std::ceil(length / sampleSize), float(most))) + 1, least), most);
+}
+
+bool FirstColumnIsLast(const MeshOf<SurfaceVertex> &mesh) {
+    bool same = true;
+    for (int y = 0; y < mesh.height && same; ++y)
+        same = Same(mesh.At(0, y).xyz, mesh.At(mesh.width - 1, y).xyz);
+    return same;
+}
+
+/// Size and control points of a patch that follows its own parameters.
+void LightmapSetup::MeasurePatch(RawLightmap &raw, const Candidate &c) {
+    const MeshOf<SurfaceVertex> control = MeshOfPatch(c), turned = patch::Transposed(control);
+    const MeshOf<SurfaceVertex> mesh = Tessellated(control, c.entry->longestCurve);
+    raw.width = LuxelsAlong(mesh, raw.sampleSize, control.width, raw.pageSize[0]);
+    raw.height = LuxelsAlong(patch::Transposed(mesh), raw.sampleSize, control.height, raw.pageSize[1]);
+    raw.wrapS = FirstColumnIsLast(control);
+    raw.wrapT = FirstColumnIsLast(turned);
+    const auto super = float(raw.super);
+    const auto firstVert = std::size_t(in_.bsp.drawSurfaces[std::size_t(c.number)].firstVert);
+    for (std::size_t i = 0; i < control.verts.size(); ++i) {
+        const auto x = float(int(i) % control.width), y = float(int(i) / control.width);
+        out_.verts[firstVert + i].luxel = {(x * float(raw.width - 1) / float(control.width - 1) + 0.5f) * super,
+                                           (y * float(raw.height - 1) / float(control.height - 1) + 0.5f) * super};
+    }
+}
+
+void LightmapSetup::PlaceVerts(const RawLightmap &raw) {
+    const LuxelAxes axes = AxesOf(raw.axis);
+    const auto super = float(raw.super);
+    for (const int number : raw.surfaces) {
+        const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(number)];
+        for (int k = 0; k < surface.numVerts; ++k) {
+            SurfaceVertex &v = out_.verts[std::size_t(surface.firstVert + k)];
+            const Vec3f from = v.xyz - raw.bounds.mins;
+            v.luxel = {(from[axes.u] / raw.actualSampleSize + 0.5f) * super,
+                       (from[axes.v] / raw.actualSampleSize + 0.5f) * super};
+        }
+    }
+}
+
+/// Positions of those not taken that are in the seed's plane or need not be.
+std::vector<std::size_t> LightmapSetup::MaySharers(const Candidate &seed) {
+    const auto isTaken = [&](std::size_t position) { return taken_[position]; };
+    std::erase_if(mergable_, isTaken);
+    std::vector<std::size_t> positions = mergable_;
+    if (seed.planar)
+        for (std::int64_t cell = PlaneCell(seed.dist - kEqual); cell <= PlaneCell(seed.dist + kEqual); ++cell)
+            if (const auto found = onPlanes_.find(cell); found != onPlanes_.end()) {
+                std::erase_if(found->second, isTaken);
+                positions.insert(positions.end(), found->second.begin(), found->second.end());
+            }
+    std::sort(positions.begin(), positions.end());
+    return positions;
+}
+
+void LightmapSetup::MakeLightmap(std::size_t seedPosition) {
+    const Candidate &seed = order_[seedPosition];
+    taken_[seedPosition] = true;
+    RawLightmap raw = Seed(seed);
+    Take(raw, seed);
+    const bool own = seed.patch && raw.axis == Vec3f{};
+    bool fits = true;
+    if (own) {
+        raw.planar = false;
+        MeasurePatch(raw, seed);
+    } else {
+        fits = Project(raw, seed);
+        const std::vector<std::size_t> sharers = MaySharers(seed);
+        for (bool added = true; added;) {
+            added = false;
+            for (const std::size_t position : sharers) {
+                if (taken_[position] || !Fits(raw, seed, order_[position]))
+                    continue;
+                Take(raw, order_[position]);
+                fits = Project(raw, seed);
+                taken_[position] = added = true;
+            }
+        }
+    }
+    if (fits)
+        Finish(raw);
+    else
+        in_.log.Warn("surface without a lightmap projection",
+                     "surface {} ({}): no lightmap fits it along its lightmapAxis, it is lit at its vertices",
+                     seed.number, seed.entry->shader->name);
+}
+
+void LightmapSetup::Finish(RawLightmap &raw) {
+    const int first = raw.surfaces.front();
+    const auto name = [&](int surface) { return std::string_view(in_.table[std::size_t(surface)].shader->name); };
+    std::stable_sort(raw.surfaces.begin(), raw.surfaces.end(), [&](int a, int b) { return name(a) < name(b); });
+    for (const int number : raw.surfaces) {
+        const std::vector<int> &clusters = out_.clusters[std::size_t(number)];
+        raw.clusters.insert(raw.clusters.end(), clusters.begin(), clusters.end());
+        out_.lightmapOf[std::size_t(number)] = int(out_.lightmaps.size());
+    }
+    std::sort(raw.clusters.begin(), raw.clusters.end());
+    raw.clusters.erase(std::unique(raw.clusters.begin(), raw.clusters.end()), raw.clusters.end());
+    if (raw.hasVectors) {
+        PlaceVerts(raw);
+        // From the centre of luxels to that of the first of their samples.
+        const auto super = float(raw.super);
+        raw.origin -= (raw.step[0] + raw.step[1]) * (0.5f - 0.5f / super);
+        raw.step[0] *= 1 / super;
+        raw.step[1] *= 1 / super;
+    }
+    if (raw.actualSampleSize != raw.sampleSize) {
+        ++grown_;
+        if (in_.lightmap.debugSampleSize)
+            in_.log.Print("surface {} at ({} {} {}): sample size {} increased to {} to fit the lightmap\n", first,
+                          raw.bounds.mins.x, raw.bounds.mins.y, raw.bounds.mins.z, raw.sampleSize,
+                          raw.actualSampleSize);
+    }
+    out_.lightmaps.push_back(std::move(raw));
+}
+
+void LightmapSetup::Report() const {
+    int lightmapped = 0, planar = 0, patches = 0, planarPatches = 0;
+    for (const Candidate &c : order_) {
+        if (out_.lightmapOf[std::size_t(c.number)] < 0)
+            continue;
+        ++lightmapped;
+        planar += c.planar && !c.patch ? 1 : 0;
+        patches += c.patch ? 1 : 0;
+        planarPatches += c.patch && c.planar ? 1 : 0;
+    }
+    Log &log = in_.log;
+    log.Count((long long)(order_.size()), "surfaces");
+    log.Count((long long)(out_.lightmaps.size()), "raw lightmaps");
+    log.Count((long long)(order_.size()) - lightmapped, "surfaces vertex lit");
+    log.Count(lightmapped, "surfaces lightmapped");
+    log.Count(planar, "planar surfaces lightmapped");
+    log.Count(lightmapped - planar - patches, "non-planar surfaces lightmapped");
+    log.Count(patches, "patches lightmapped");
+    log.Count(planarPatches, "planar patches lightmapped");
+    if (grown_ > 0)
+        log.Count(grown_, "raw lightmaps with a sample size increased to fit");
+}
+
+} // namespace
+
+SurfaceLight SetupSurfaceLight(const SurfaceInputs &in) {
+    SurfaceLight surfaces;
+    surfaces.lightmapOf.assign(in.bsp.drawSurfaces.size(), -1);
+    surfaces.vertex.styles.assign(in.bsp.drawSurfaces.size(), Styles{0, kNoStyle, kNoStyle, kNoStyle});
+    LightmapSetup(in, surfaces).Run();
+    return surfaces;
+}
+
+} // namespace q3

@@ -1,0 +1,43 @@
+// GPL-2.0-or-later. Normals from images: q3map_normalImage.
+#include "q3map2/lightmap/raw/luxel_normal.h"
+
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+/// Triangles with less area in texture space have no usable directions.
+constexpr float kLeastArea = 1e-8f;
+
+int NearestTexel(float coordinate, int size) {
+    const float fraction = coordinate - std::floor(coordinate);
+    return std::isfinite(fraction) ? int(float(size) * fraction + 0.5f) % size : 0;
+}
+
+} // namespace
+
+NormalMap::NormalMap(const Image *image, const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c)
+    : image_(image) {
+    const float s1 = b.st[0] - a.st[0], t1 = b.st[1] - a.st[1], s2 = c.st[0] - a.st[0], t2 = c.st[1] - a.st[1];
+    const float area = s1 * t2 - s2 * t1;
+    if (!(std::abs(area) >= kLeastArea)) {
+        image_ = nullptr;
+        return;
+    }
+    const Vec3f ab = b.xyz - a.xyz, ac = c.xyz - a.xyz;
+    s_ = Normalize((ab * t2 - ac * t1) / area);
+    t_ = Normalize((ac * s1 - ab * s2) / area);
+    if (!IsFinite(s_) || !IsFinite(t_))
+        image_ = nullptr;
+}
+
+Vec3f NormalMap::Bent(const SurfaceVertex &v) const {
+    const auto texel = image_->Texel(NearestTexel(v.st[0], image_->width), NearestTexel(v.st[1], image_->height));
+    const auto signedOf = [](std::uint8_t c) { return (float(c) - 127) / 127.5f; };
+    const Vec3f bent =
+        Normalize(v.normal + s_ * signedOf(texel[0]) + t_ * signedOf(texel[1]) + v.normal * signedOf(texel[2]));
+    return bent == Vec3f{} ? v.normal : bent;
+}
+
+} // namespace q3

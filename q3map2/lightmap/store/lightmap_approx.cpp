@@ -1,0 +1,185 @@
+// GPL-2.0-or-later. Lightmaps that vertex colours can stand for.
+#include "q3map2/lightmap/store/lightmap_approx.h"
+
+#include "q3map2/light/tone/light_tone.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+/// Bounds up to so many luxels on every axis need no lightmap.
+constexpr float kTinyLuxels = 2;
+/// Steps across a curve of a patch at most.
+constexpr int kMaxSteps = 64;
+/// Halvings of a triangle at most: ends the search for any threshold.
+constexpr int kMaxDepth = 20;
+
+/// A place on a surface, where both are known.
+struct Sample {
+    std::array<float, 2> luxel{}; ///< of the lightmap, not of the super grid
+    std::array<Vec3f, kStyles> colors{};
+};
+
+Sample Blend(const Sample &a, const Sample &b, float share) {
+    Sample result;
+    for (std::size_t i = 0; i < 2; ++i)
+        result.luxel[i] = a.luxel[i] + (b.luxel[i] - a.luxel[i]) * share;
+    for (std::size_t style = 0; style < kStyles; ++style)
+        result.colors[style] = a.colors[style] + (b.colors[style] - a.colors[style]) * share;
+    return result;
+}
+
+/// At t of the quadratic curve with these control points.
+Sample OnCurve(const Sample &a, const Sample &b, const Sample &c, float t) {
+    return Blend(Blend(a, b, t), Blend(b, c, t), t);
+}
+
+float SquaredDistance(const Sample &a, const Sample &b) {
+    const float s = a.luxel[0] - b.luxel[0], t = a.luxel[1] - b.luxel[1];
+    return s * s + t * t;
+}
+
+class Approximation {
+  public:
+    Approximation(const SurfaceInputs &in, const SurfaceLight &surfaces, const RawLightmap &lightmap)
+        : in_(in), surfaces_(surfaces), lightmap_(lightmap),
+          spacing_(std::max(in.lightmap.threshold * in.lightmap.threshold, 0.125f)) {}
+
+    bool Holds(int surface) const {
+        const bspDrawSurface_t &record = in_.bsp.drawSurfaces[std::size_t(surface)];
+        if (in_.table[std::size_t(surface)].shader->lightmap.noVertexLight)
+            return false;
+        if (record.surfaceType == MST_PATCH)
+            return PatchHolds(record);
+        for (int i = record.firstIndex; i < record.firstIndex + record.numIndexes; i += 3) {
+            std::array<Sample, 3> corners;
+            for (std::size_t k = 0; k < 3; ++k)
+                corners[k] = AtVertex(record.firstVert + in_.bsp.drawIndexes[std::size_t(i) + k]);
+            if (!std::all_of(corners.begin(), corners.end(), [&](const Sample &s) { return Close(s); }) ||
+                !TriangleHolds(corners, 0))
+                return false;
+        }
+        return true;
+    }
+
+  private:
+    Sample AtVertex(int vertex) const {
+        Sample sample;
+        const auto v = std::size_t(vertex);
+        for (std::size_t i = 0; i < 2; ++i)
+            sample.luxel[i] = surfaces_.verts[v].luxel[i] / float(lightmap_.super);
+        for (std::size_t style = 0; style < kStyles; ++style)
+            if (!surfaces_.vertex.sum[style].empty())
+                sample.colors[style] = surfaces_.vertex.sum[style][v];
+        return sample;
+    }
+
+    bool Close(const Sample &sample) const {
+        const auto along = [](float place, int count) { return std::clamp(int(std::floor(place)), 0, count - 1); };
+        const std::size_t at =
+            lightmap_.Index(along(sample.luxel[0], lightmap_.width), along(sample.luxel[1], lightmap_.height));
+        for (std::size_t style = 0; style < kStyles; ++style) {
+            if (lightmap_.styles[style] == kNoStyle || lightmap_.result[style].empty())
+                continue;
+            const Vec3f &luxel = lightmap_.result[style][at];
+            if (luxel.x < 0)
+                continue;
+            const Vec3f least = style == 0 ? in_.world.minLight : Vec3f{};
+            const auto wanted = ColorToBytes(Max(luxel, least), 1, lightmap_.brightness, in_.options.tone);
+            const auto got = ColorToBytes(Max(sample.colors[style], least), 1, 1, in_.options.tone);
+            for (std::size_t i = 0; i < 3; ++i)
+                if (float(std::abs(int(wanted[i]) - int(got[i]))) > in_.lightmap.approximate)
+                    return false;
+        }
+        return true;
+    }
+
+    /// Halves the longest edge until all are short.
+    bool TriangleHolds(const std::array<Sample, 3> &corners, int depth) const {
+        std::size_t longest = 0;
+        float length = 0;
+        for (std::size_t i = 0; i < 3; ++i)
+            if (const float d = SquaredDistance(corners[i], corners[(i + 1) % 3]); d > length)
+                longest = i, length = d;
+        if (length <= spacing_ * spacing_ || depth >= kMaxDepth)
+            return true;
+        const Sample middle = Blend(corners[longest], corners[(longest + 1) % 3], 0.5f);
+        if (!Close(middle))
+            return false;
+        std::array<Sample, 3> one = corners, other = corners;
+        one[(longest + 1) % 3] = other[longest] = middle;
+        return TriangleHolds(one, depth + 1) && TriangleHolds(other, depth + 1);
+    }
+
+    int Steps(const Sample &a, const Sample &b, const Sample &c) const {
+        const float length = std::sqrt(SquaredDistance(a, b)) + std::sqrt(SquaredDistance(b, c));
+        return std::clamp(int(std::ceil(length / spacing_)), 1, kMaxSteps);
+    }
+
+    /// All places of every piece of 3 x 3 control points, as engines draw it.
+    bool PatchHolds(const bspDrawSurface_t &record) const {
+        for (int y = 0; y + 2 < record.patchHeight; y += 2)
+            for (int x = 0; x + 2 < record.patchWidth; x += 2) {
+                std::array<std::array<Sample, 3>, 3> points;
+                for (int row = 0; row < 3; ++row)
+                    for (int column = 0; column < 3; ++column)
+                        points[std::size_t(row)][std::size_t(column)] =
+                            AtVertex(record.firstVert + (y + row) * record.patchWidth + x + column);
+                if (!PieceHolds(points))
+                    return false;
+            }
+        return true;
+    }
+
+    bool PieceHolds(const std::array<std::array<Sample, 3>, 3> &p) const {
+        int across = 1, down = 1;
+        for (std::size_t i = 0; i < 3; ++i) {
+            across = std::max(across, Steps(p[i][0], p[i][1], p[i][2]));
+            down = std::max(down, Steps(p[0][i], p[1][i], p[2][i]));
+        }
+        for (int x = 0; x <= across; ++x) {
+            std::array<Sample, 3> column;
+            for (std::size_t row = 0; row < 3; ++row)
+                column[row] = OnCurve(p[row][0], p[row][1], p[row][2], float(x) / float(across));
+            for (int y = 0; y <= down; ++y)
+                if (!Close(OnCurve(column[0], column[1], column[2], float(y) / float(down))))
+                    return false;
+        }
+        return true;
+    }
+
+    const SurfaceInputs &in_;
+    const SurfaceLight &surfaces_;
+    const RawLightmap &lightmap_;
+    float spacing_; ///< luxels between places that are looked at
+};
+
+VertexStandIn StandInFor(const SurfaceInputs &in, const SurfaceLight &surfaces, const RawLightmap &lightmap) {
+    const auto drawn = [&](int surface) { return !in.table[std::size_t(surface)].shader->lightmap.noVertexLight; };
+    const Vec3f size = lightmap.bounds.maxs - lightmap.bounds.mins;
+    if (MaxComponent(size) <= kTinyLuxels * lightmap.sampleSize &&
+        std::all_of(lightmap.surfaces.begin(), lightmap.surfaces.end(), drawn))
+        return VertexStandIn::Forced;
+    const Approximation approximation(in, surfaces, lightmap);
+    const bool close = std::all_of(lightmap.surfaces.begin(), lightmap.surfaces.end(),
+                                   [&](int surface) { return approximation.Holds(surface); });
+    return close ? VertexStandIn::Close : VertexStandIn::No;
+}
+
+} // namespace
+
+std::vector<VertexStandIn> FindVertexStandIns(const SurfaceInputs &in, const SurfaceLight &surfaces) {
+    std::vector<VertexStandIn> standIns(surfaces.lightmaps.size(), VertexStandIn::No);
+    if (in.lightmap.approximate > 0)
+        in.jobs.For(std::int64_t(standIns.size()), [&](std::int64_t i, int) {
+            const RawLightmap &lightmap = surfaces.lightmaps[std::size_t(i)];
+            if (!lightmap.result[0].empty())
+                standIns[std::size_t(i)] = StandInFor(in, surfaces, lightmap);
+        });
+    return standIns;
+}
+
+} // namespace q3

@@ -1,0 +1,212 @@
+// GPL-2.0-or-later. Places of lightmaps on pages.
+#include "q3map2/lightmap/store/lightmap_pack.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace q3 {
+
+namespace {
+
+constexpr int kWordBits = 64;
+/// Fast allocation: positions a lightmap's width, and one of how many parts of a page must be free for a look at it.
+constexpr int kFastSteps = 15;
+constexpr double kFastFree = 10;
+
+/// Word `index` of the row after a shift towards lower columns.
+std::uint64_t Shifted(const std::uint64_t *row, std::size_t words, std::size_t index, int shift) {
+    const std::size_t at = index + std::size_t(shift / kWordBits);
+    const int part = shift % kWordBits;
+    std::uint64_t word = at < words ? row[at] >> part : 0;
+    if (part != 0 && at + 1 < words)
+        word |= row[at + 1] << (kWordBits - part);
+    return word;
+}
+
+} // namespace
+
+Stamp MakeStamp(const StoredSlot &slot) {
+    if (slot.solid)
+        return {1, 1, 1, {{0, 0, 1}}};
+    Stamp stamp{slot.width, slot.height, 0, {}};
+    for (int y = 0; y < slot.height; ++y)
+        for (int x = 0; x < slot.width; ++x) {
+            if (!slot.Used(std::size_t(y) * std::size_t(slot.width) + std::size_t(x)))
+                continue;
+            ++stamp.used;
+            if (stamp.runs.empty() || stamp.runs.back().row != y ||
+                stamp.runs.back().start + stamp.runs.back().length != x)
+                stamp.runs.push_back({y, x, 0});
+            ++stamp.runs.back().length;
+        }
+    // Long runs leave the fewest columns open.
+    std::stable_sort(stamp.runs.begin(), stamp.runs.end(),
+                     [](const Stamp::Run &a, const Stamp::Run &b) { return a.length > b.length; });
+    return stamp;
+}
+
+PageSpace::PageSpace(int width, int height)
+    : width_(width), height_(height), free_(width * height), words_(std::size_t((width + kWordBits - 1) / kWordBits)),
+      bits_(std::size_t(height) * kLevels * words_) {}
+
+bool PageSpace::Fits(const Stamp &stamp, int x, int y) const {
+    if (x < 0 || y < 0 || x + stamp.width > width_ || y + stamp.height > height_)
+        return false;
+    for (const Stamp::Run &run : stamp.runs) {
+        const std::uint64_t *row = Row(y + run.row, 0);
+        for (int column = x + run.start; column < x + run.start + run.length; ++column)
+            if ((row[column / kWordBits] >> (column % kWordBits) & 1) != 0)
+                return false;
+    }
+    return true;
+}
+
+/// Clears the columns at which the run meets a taken texel; false when none is left.
+bool PageSpace::Remove(const Stamp::Run &run, int y, std::span<std::uint64_t> open) const {
+    const int level = std::min(int(std::bit_width(unsigned(run.length))) - 1, kLevels - 1);
+    const std::uint64_t *row = Row(y + run.row, level);
+    std::uint64_t any = 0;
+    const int window = 1 << level;
+    const int last = run.start + run.length - window;
+    for (std::size_t i = 0; i < words_; ++i) {
+        if (open[i] == 0)
+            continue;
+        std::uint64_t taken = Shifted(row, words_, i, last);
+        for (int at = run.start; at < last; at += window)
+            taken |= Shifted(row, words_, i, at);
+        any |= open[i] &= ~taken;
+    }
+    return any != 0;
+}
+
+std::optional<std::array<int, 2>> PageSpace::Find(const Stamp &stamp, int stepX, int stepY) const {
+    if (stamp.width > width_ || stamp.height > height_)
+        return std::nullopt;
+    std::vector<std::uint64_t> columns(words_), open(words_);
+    for (int x = 0; x + stamp.width <= width_; x += stepX)
+        columns[std::size_t(x / kWordBits)] |= std::uint64_t(1) << (x % kWordBits);
+    for (int y = 0; y + stamp.height <= height_; y += stepY) {
+        open = columns;
+        const bool found = std::all_of(stamp.runs.begin(), stamp.runs.end(),
+                                       [&](const Stamp::Run &run) { return Remove(run, y, open); });
+        for (std::size_t i = 0; i < words_ && found; ++i)
+            if (open[i] != 0)
+                return std::array{int(i) * kWordBits + std::countr_zero(open[i]), y};
+    }
+    return std::nullopt;
+}
+
+void PageSpace::Take(const Stamp &stamp, int x, int y) {
+    for (const Stamp::Run &run : stamp.runs) {
+        std::uint64_t *row = Row(y + run.row, 0);
+        for (int column = x + run.start; column < x + run.start + run.length; ++column)
+            row[column / kWordBits] |= std::uint64_t(1) << (column % kWordBits);
+    }
+    for (int row = y; row < y + stamp.height; ++row)
+        Rebuild(row);
+    free_ -= stamp.used;
+}
+
+void PageSpace::Rebuild(int row) {
+    for (int level = 1; level < kLevels; ++level) {
+        const std::uint64_t *below = Row(row, level - 1);
+        for (std::size_t i = 0; i < words_; ++i)
+            Row(row, level)[i] = below[i] | Shifted(below, words_, i, 1 << (level - 1));
+    }
+}
+
+namespace {
+
+class Packer {
+  public:
+    Packer(const LightmapOptions &options, StoredSlots &stored) : options_(options), stored_(stored) {}
+
+    void Place(StoredSlot &slot) {
+        const Stamp stamp = MakeStamp(slot);
+        const StoredSlot *first = nullptr;
+        if (slot.style > 0)
+            first = &stored_.slots[std::size_t(stored_.slotOf[std::size_t(slot.lightmap)][0])];
+        if ((first && PlaceBeside(*first, stamp, slot)) || PlaceAnywhere(stamp, slot))
+            return;
+        pages_.emplace_back(slot.pageSize[0], slot.pageSize[1]);
+        Put(pages_.size() - 1, stamp, first ? std::array{first->x, first->y} : std::array{0, 0}, slot);
+    }
+
+    std::vector<std::array<int, 2>> Sizes() const {
+        std::vector<std::array<int, 2>> sizes;
+        for (const PageSpace &page : pages_)
+            sizes.push_back({page.Width(), page.Height()});
+        return sizes;
+    }
+
+  private:
+    bool Possible(const PageSpace &page, const Stamp &stamp, const StoredSlot &slot) const {
+        return page.Free() >= stamp.used && page.Width() == slot.pageSize[0] && page.Height() == slot.pageSize[1];
+    }
+
+    void Put(std::size_t page, const Stamp &stamp, std::array<int, 2> at, StoredSlot &slot) {
+        pages_[page].Take(stamp, at[0], at[1]);
+        slot.page = int(page), slot.x = at[0], slot.y = at[1];
+    }
+
+    /// Where the lightmap's first style is, on any page, or half a page beside: then few stages are needed.
+    bool PlaceBeside(const StoredSlot &first, const Stamp &stamp, StoredSlot &slot) {
+        for (const bool shifted : {false, true})
+            for (std::size_t page = 0; page < pages_.size(); ++page) {
+                if (!Possible(pages_[page], stamp, slot))
+                    continue;
+                const int reach = shifted ? 1 : 0;
+                for (int dy = -reach; dy <= reach; ++dy)
+                    for (int dx = -reach; dx <= reach; ++dx) {
+                        const std::array at{first.x + dx * pages_[page].Width() / 2,
+                                            first.y + dy * pages_[page].Height() / 2};
+                        if (!pages_[page].Fits(stamp, at[0], at[1]))
+                            continue;
+                        Put(page, stamp, at, slot);
+                        return true;
+                    }
+            }
+        return false;
+    }
+
+    bool PlaceAnywhere(const Stamp &stamp, StoredSlot &slot) {
+        std::size_t page = 0;
+        if (const std::size_t block = std::size_t(options_.searchBlock); block > 0 && !pages_.empty())
+            page = (pages_.size() - 1) / block * block;
+        const bool fast = options_.fastAllocate;
+        for (; page < pages_.size(); ++page) {
+            const PageSpace &space = pages_[page];
+            if (!Possible(space, stamp, slot) ||
+                (fast && double(space.Free()) * kFastFree < double(space.Width()) * space.Height()))
+                continue;
+            const auto at = space.Find(stamp, fast ? std::max(1, stamp.width / kFastSteps) : 1,
+                                       fast ? std::max(1, stamp.height / kFastSteps) : 1);
+            if (at) {
+                Put(page, stamp, *at, slot);
+                return true;
+            }
+        }
+        return false;
+    }
+
+    const LightmapOptions &options_;
+    StoredSlots &stored_;
+    std::vector<PageSpace> pages_;
+};
+
+} // namespace
+
+std::vector<std::array<int, 2>> PackSlots(const std::vector<std::size_t> &order, const LightmapOptions &options,
+                                          StoredSlots &stored) {
+    Packer packer(options, stored);
+    for (const std::size_t i : order)
+        packer.Place(stored.slots[i]);
+    for (StoredSlot &slot : stored.slots)
+        if (slot.twin >= 0) {
+            const StoredSlot &first = stored.slots[std::size_t(slot.twin)];
+            slot.page = first.page, slot.x = first.x, slot.y = first.y;
+        }
+    return packer.Sizes();
+}
+
+} // namespace q3

@@ -1,0 +1,139 @@
+// GPL-2.0-or-later. Lightmap pages and made shaders as files beside the map.
+#include "q3map2/lightmap/store/lightmap_pages.h"
+
+#include "common/error.h"
+#include "common/files.h"
+#include "common/image.h"
+
+#include <algorithm>
+#include <system_error>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::size_t kTgaHeader = 18;
+
+/// An uncompressed 24-bit TGA, first row at the bottom. topDown: the first row of `rgb` is the top one.
+std::vector<std::byte> EncodeTga(std::span<const std::uint8_t> rgb, int width, int height, bool topDown) {
+    std::vector<std::byte> file(kTgaHeader + rgb.size());
+    file[2] = std::byte{2};
+    file[12] = std::byte(width & 255), file[13] = std::byte(width >> 8);
+    file[14] = std::byte(height & 255), file[15] = std::byte(height >> 8);
+    file[16] = std::byte{24};
+    const std::size_t row = 3 * std::size_t(width);
+    for (std::size_t y = 0; y < std::size_t(height); ++y) {
+        const std::size_t from = (topDown ? std::size_t(height) - 1 - y : y) * row;
+        for (std::size_t i = 0; i < row; i += 3)
+            for (std::size_t k = 0; k < 3; ++k)
+                file[kTgaHeader + y * row + i + k] = std::byte(rgb[from + i + 2 - k]);
+    }
+    return file;
+}
+
+void MakeFolder(const std::filesystem::path &folder) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    if (failed)
+        throw Error("{}: cannot make this folder: {}", folder.string(), failed.message());
+}
+
+std::filesystem::path PageFile(const std::filesystem::path &folder, int number) {
+    return folder / fmt::format("lm_{:04}.tga", number);
+}
+
+std::filesystem::path ExportedFile(const std::filesystem::path &folder, std::size_t number) {
+    return folder / fmt::format("lightmap_{:04}.tga", number);
+}
+
+std::size_t PageBytes(int side) {
+    return 3 * std::size_t(side) * std::size_t(side);
+}
+
+} // namespace
+
+void WritePages(const std::filesystem::path &folder, const StoredLightmaps &stored, Log &log) {
+    int next = 0;
+    long long written = 0;
+    for (const LightmapPage &page : stored.pages) {
+        next = page.file + (page.directions.empty() ? 1 : 2);
+        if (!page.external)
+            continue;
+        if (written == 0)
+            MakeFolder(folder);
+        ReplaceFile(PageFile(folder, page.file), EncodeTga(page.colors, page.width, page.height, true));
+        if (!page.directions.empty())
+            ReplaceFile(PageFile(folder, page.file + 1), EncodeTga(page.directions, page.width, page.height, true));
+        written += page.directions.empty() ? 1 : 2;
+    }
+    if (written == 0)
+        return;
+    log.Print("Wrote {} lightmaps to {}\n", written, folder.string());
+    std::error_code ignored;
+    while (std::filesystem::remove(PageFile(folder, next), ignored))
+        ++next;
+}
+
+std::filesystem::path ScriptPath(const std::filesystem::path &bspPath, const Game &game) {
+    const auto name = fmt::format("q3map2_{}.shader", bspPath.stem().string());
+    return bspPath.parent_path().parent_path() / game.shaderDir / name;
+}
+
+void WriteScript(const std::filesystem::path &script, const StoredLightmaps &stored, Log &log) {
+    if (stored.scripts.empty()) {
+        std::error_code ignored;
+        std::filesystem::remove(script, ignored);
+        return;
+    }
+    std::string text = "// Made by the light stage for this map, and replaced when it is lit again.\n";
+    for (const StoredLightmaps::Script &one : stored.scripts)
+        text += fmt::format("\n{}\n{}{}", one.shader, one.text, one.text.ends_with('\n') ? "" : "\n");
+    MakeFolder(script.parent_path());
+    ReplaceFile(script, std::as_bytes(std::span(text)));
+    log.Print("Wrote {} shaders to {}\n", stored.scripts.size(), script.string());
+}
+
+void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &folder, Log &log) {
+    const std::size_t bytes = PageBytes(side), pages = bsp.lightmaps.size() / bytes;
+    if (pages == 0) {
+        log.Warn("no lightmaps", "the map has no lightmaps to export");
+        return;
+    }
+    MakeFolder(folder);
+    for (std::size_t i = 0; i < pages; ++i)
+        ReplaceFile(ExportedFile(folder, i),
+                    EncodeTga(std::span(bsp.lightmaps).subspan(i * bytes, bytes), side, side, false));
+    log.Print("Wrote {} lightmaps to {}\n", pages, folder.string());
+}
+
+void ImportLightmaps(Bsp &bsp, int side, const std::filesystem::path &folder, Log &log) {
+    const std::size_t bytes = PageBytes(side), pages = bsp.lightmaps.size() / bytes;
+    if (pages == 0)
+        throw Error("the map has no lightmaps to replace");
+    std::size_t replaced = 0;
+    for (std::size_t i = 0; i < pages; ++i) {
+        const auto path = ExportedFile(folder, i);
+        std::error_code ignored;
+        if (!std::filesystem::exists(path, ignored)) {
+            log.Warn("lightmap image missing", "{}: not found; this lightmap stays", path.string());
+            continue;
+        }
+        const Image image = DecodeTga(ReadFile(path), path.string());
+        if (image.width != side || image.height != side) {
+            log.Warn("lightmap image size", "{}: {} x {}, expected {} x {}; this lightmap stays", path.string(),
+                     image.width, image.height, side, side);
+            continue;
+        }
+        // The bottom row of the picture is the first one of the page.
+        std::uint8_t *to = bsp.lightmaps.data() + i * bytes;
+        for (int y = side - 1; y >= 0; --y)
+            for (int x = 0; x < side; ++x, to += 3) {
+                const auto texel = image.Texel(x, y);
+                std::copy_n(texel.begin(), 3, to);
+            }
+        ++replaced;
+    }
+    log.Print("Read {} of {} lightmaps from {}\n", replaced, pages, folder.string());
+}
+
+} // namespace q3

@@ -1,0 +1,233 @@
+// GPL-2.0-or-later. Shaders made for surfaces whose light one lightmap of the file cannot show.
+#include "q3map2/lightmap/store/lightmap_scripts.h"
+
+#include "common/text.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+
+#include <glib.h>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::size_t kMaxShaderName = 63;
+constexpr std::size_t kChecksumDigits = 32;
+/// Images that an engine takes in one animMap, and stages in one shader.
+constexpr std::size_t kFrames = 8, kStages = 8;
+constexpr std::string_view kDefaultWave = "wave noise 0.5 1 0 5.37";
+
+/// First place of the word, with characters around that belong to no word, without case.
+std::size_t FindWord(std::string_view text, std::string_view word) {
+    const auto part = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$'; };
+    for (std::size_t at = 0; at + word.size() <= text.size(); ++at) {
+        const std::size_t end = at + word.size();
+        if (EqualNoCase(text.substr(at, word.size()), word) && (at == 0 || !part(text[at - 1])) &&
+            (end == text.size() || !part(text[end])))
+            return at;
+    }
+    return std::string_view::npos;
+}
+
+std::string Replaced(std::string_view text, std::size_t at, std::size_t length, std::string_view with) {
+    return fmt::format("{}{}{}", text.substr(0, at), with, text.substr(at + length));
+}
+
+/// What a shader without script looks like: light, then the image over it.
+std::string DefaultText(const ShaderInfo &shader) {
+    constexpr std::string_view kLight = "\t{{\n\t\tmap $lightmap\n\t\trgbGen identity\n{}\t}}\n";
+    constexpr std::string_view kImage =
+        "\t{{\n\t\tmap {}.tga\n\t\tblendFunc GL_DST_COLOR GL_ZERO\n\t\trgbGen identity\n{}\t}}\n";
+    constexpr std::string_view kEqual = "\t\tdepthFunc equal\n";
+    if (!shader.implicitMask.empty()) {
+        // The mask's depth first, so that light added later stays within it.
+        const std::string mask = fmt::format("\tcull none\n\t{{\n\t\tmap {}.tga\n\t\talphaFunc GE128\n\t\tdepthWrite\n"
+                                             "\t\trgbGen const ( 0 0 0 )\n\t}}\n",
+                                             shader.implicitMask);
+        return "{\n" + mask + fmt::format(fmt::runtime(kLight), kEqual) + "\tq3map_styleMarker2\n" +
+               fmt::format(fmt::runtime(kImage), shader.implicitMask, kEqual) + "}\n";
+    }
+    const std::string &image = shader.implicitMap.empty() ? shader.name : shader.implicitMap;
+    return "{\n" + fmt::format(fmt::runtime(kLight), "") + "\tq3map_styleMarker\n" +
+           fmt::format(fmt::runtime(kImage), image, "") + "}\n";
+}
+
+std::string TextOf(const ShaderInfo &shader) {
+    return shader.scriptText.empty() ? DefaultText(shader) : shader.scriptText;
+}
+
+std::string StageText(const StyleStage &stage, bool depthEqual, const Entity &world, std::string_view mapName) {
+    const std::string rgbKey = fmt::format("_style{}rgbgen", stage.style);
+    const std::string alphaKey = fmt::format("_style{}alphagen", stage.style);
+    std::string text = "{\n";
+    const auto line = [&](std::string_view words) { text += fmt::format("\t\t{}\n", words); };
+    line(stage.file < 0 ? "map $lightmap" : "map " + PagePath(mapName, stage.file));
+    line("blendFunc GL_SRC_ALPHA GL_ONE");
+    if (depthEqual)
+        line("depthFunc equal");
+    line(fmt::format("rgbGen {}", world.Has(rgbKey) ? world.Value(rgbKey) : kDefaultWave));
+    if (world.Has(alphaKey))
+        line(fmt::format("alphaGen {}", world.Value(alphaKey)));
+    line("tcGen lightmap");
+    if (stage.move[0] != 0 || stage.move[1] != 0)
+        line(fmt::format("tcMod transform 1 0 0 1 {:.5f} {:.5f}", stage.move[0], stage.move[1]));
+    return text + "\t}";
+}
+
+std::string HintName(std::string_view mapName, std::size_t number) {
+    return fmt::format("maps/{}/nomipmaps{}", mapName, number);
+}
+
+/// Surfaces at the start of the file that only name images.
+std::size_t CountHints(std::string_view mapName, const Bsp &bsp) {
+    const std::string prefix = fmt::format("maps/{}/nomipmaps", mapName);
+    std::size_t count = 0;
+    while (count < bsp.drawSurfaces.size()) {
+        const bspDrawSurface_t &surface = bsp.drawSurfaces[count];
+        const std::string_view name = FieldName(bsp.shaders[std::size_t(surface.shaderNum)].shader);
+        if (surface.surfaceType != MST_FLARE || surface.numVerts != 0 || !StartsWithNoCase(name, prefix))
+            break;
+        ++count;
+    }
+    return count;
+}
+
+void MoveSurfaceNumbers(Bsp &bsp, int by) {
+    for (std::int32_t &surface : bsp.leafSurfaces)
+        surface += by;
+    for (bspModel_t &model : bsp.models)
+        model.firstBSPSurface += by;
+}
+
+} // namespace
+
+std::string PagePath(std::string_view mapName, int file) {
+    return fmt::format("maps/{}/lm_{:04}.tga", mapName, file);
+}
+
+std::string StyledText(const ShaderInfo &shader, std::span<const StyleStage> stages, const Entity &world,
+                       std::string_view mapName) {
+    const std::string text = TextOf(shader);
+    std::string_view marker = "q3map_styleMarker2";
+    std::size_t at = FindWord(text, marker);
+    const bool second = at != std::string::npos;
+    if (!second) {
+        marker = "q3map_styleMarker";
+        at = FindWord(text, marker);
+    }
+    if (at == std::string::npos)
+        return {};
+    std::string all;
+    for (const StyleStage &stage : stages)
+        all += (all.empty() ? "" : "\n\t") + StageText(stage, second, world, mapName);
+    return Replaced(text, at, marker.size(), all);
+}
+
+std::string ImageText(const ShaderInfo &shader, std::string text, int file, std::string_view mapName) {
+    if (text.empty()) {
+        text = TextOf(shader);
+        for (const std::string_view marker : {"\tq3map_styleMarker\n", "\tq3map_styleMarker2\n"})
+            if (const std::size_t line = text.find(marker); line != std::string::npos)
+                text.erase(line, marker.size());
+    }
+    constexpr std::string_view kLightmap = "$lightmap";
+    const std::size_t at = FindWord(text, kLightmap);
+    if (at == std::string::npos)
+        return {};
+    return Replaced(text, at, kLightmap.size(), PagePath(mapName, file) + "\n\t\ttcGen lightmap");
+}
+
+std::string ShaderNameFor(std::string_view text, std::string_view mapName) {
+    gchar *digits = g_compute_checksum_for_string(G_CHECKSUM_MD5, text.data(), gssize(text.size()));
+    std::string checksum(digits);
+    g_free(digits);
+    for (char &c : checksum)
+        c = char(std::toupper(static_cast<unsigned char>(c)));
+    return fmt::format("{}/{}", mapName.substr(0, kMaxShaderName - kChecksumDigits - 1), checksum);
+}
+
+bool IsMadeName(std::string_view shader, std::string_view mapName) {
+    const std::string prefix = fmt::format("{}/", mapName.substr(0, kMaxShaderName - kChecksumDigits - 1));
+    return StartsWithNoCase(shader, prefix) && shader.size() == prefix.size() + kChecksumDigits &&
+           std::all_of(shader.begin() + std::ptrdiff_t(prefix.size()), shader.end(),
+                       [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; });
+}
+
+int ShaderNumber(Bsp &bsp, std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags) {
+    for (std::size_t i = 0; i < bsp.shaders.size(); ++i)
+        if (const bspShader_t &shader = bsp.shaders[i]; EqualNoCase(FieldName(shader.shader), name) &&
+                                                        shader.surfaceFlags == surfaceFlags &&
+                                                        shader.contentFlags == contentFlags)
+            return int(i);
+    bspShader_t shader{{}, surfaceFlags, contentFlags};
+    std::copy_n(name.begin(), std::min(name.size(), kMaxShaderName), shader.shader.begin());
+    bsp.shaders.push_back(shader);
+    return int(bsp.shaders.size()) - 1;
+}
+
+void RemoveMipmapHints(std::string_view mapName, Bsp &bsp) {
+    const std::size_t count = CountHints(mapName, bsp);
+    const auto isHint = [&](int surface) { return surface >= 0 && std::size_t(surface) < count; };
+    // Another tool may have put them into a model or a leaf: then they stay.
+    for (const bspModel_t &model : bsp.models)
+        if (model.numBSPSurfaces > 0 && isHint(model.firstBSPSurface))
+            return;
+    if (count == 0 || std::any_of(bsp.leafSurfaces.begin(), bsp.leafSurfaces.end(), isHint))
+        return;
+    bsp.drawSurfaces.erase(bsp.drawSurfaces.begin(), bsp.drawSurfaces.begin() + std::ptrdiff_t(count));
+    for (bspModel_t &model : bsp.models)
+        model.firstBSPSurface = std::max(model.firstBSPSurface, std::int32_t(count));
+    MoveSurfaceNumbers(bsp, -int(count));
+}
+
+namespace {
+
+/// Surfaces without vertices, first in the file, whose shaders make engines load the images without mipmaps.
+void AddMipmapHints(std::string_view mapName, StoredLightmaps &stored, Bsp &bsp) {
+    std::vector<int> files;
+    for (const LightmapPage &page : stored.pages) {
+        const std::string path = PagePath(mapName, page.file);
+        const auto names = [&](const auto &script) { return script.text.find(path) != std::string::npos; };
+        if (page.external && std::any_of(stored.scripts.begin(), stored.scripts.end(), names))
+            files.push_back(page.file);
+    }
+    std::vector<bspDrawSurface_t> hints;
+    for (std::size_t at = 0; at < files.size(); at += kFrames * kStages) {
+        std::string text = "{\n\tnomipmaps\n";
+        for (std::size_t i = at; i < std::min(files.size(), at + kFrames * kStages); ++i) {
+            if ((i - at) % kFrames == 0)
+                text += i == at ? "\t{\n\t\tanimMap .0042" : "\n\t}\n\t{\n\t\tanimMap .0042";
+            text += " " + PagePath(mapName, files[i]);
+        }
+        text += "\n\t}\n}\n";
+        const std::string name = HintName(mapName, hints.size());
+        stored.scripts.push_back({name, text});
+        bspDrawSurface_t surface{};
+        surface.shaderNum = ShaderNumber(bsp, name, 0, 0);
+        surface.fogNum = -1;
+        surface.surfaceType = MST_FLARE;
+        surface.lightmapNum = kLightmapByVertex;
+        hints.push_back(surface);
+    }
+    bsp.drawSurfaces.insert(bsp.drawSurfaces.begin(), hints.begin(), hints.end());
+    MoveSurfaceNumbers(bsp, int(hints.size()));
+}
+
+} // namespace
+
+void FinishForFile(const LightmapOptions &options, std::string_view mapName, StoredLightmaps &stored, Bsp &bsp) {
+    // Engines load the pages themselves where all are images.
+    if (!options.external)
+        AddMipmapHints(mapName, stored, bsp);
+    if (!options.triangleSoup)
+        return;
+    for (bspDrawSurface_t &surface : bsp.drawSurfaces)
+        if (surface.surfaceType == MST_PLANAR) {
+            surface.surfaceType = MST_TRIANGLE_SOUP;
+            surface.lightmapNum = kLightmapByVertex;
+        }
+}
+
+} // namespace q3

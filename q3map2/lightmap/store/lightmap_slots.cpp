@@ -1,0 +1,273 @@
+// GPL-2.0-or-later. Lightmaps on their way to pages.
+#include "q3map2/lightmap/store/lightmap_slots.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <tuple>
+
+namespace q3 {
+
+namespace {
+
+/// Byte scale: colours of one solid lightmap, and of two that are joined, differ by at most this.
+constexpr float kSolidDifference = 0.0625f;
+/// Channels of two texels that are joined differ by less, byte scale.
+constexpr float kTwinDifference = 3;
+/// Mean over texels of the sum of channel differences, of 768.
+constexpr float kTwinMean = 0.0025f;
+/// Directions of one solid lightmap differ by at most this: a step of their bytes.
+constexpr float kSolidDirection = 1.0f / 127;
+
+float MaxDifference(const Vec3f &a, const Vec3f &b) {
+    const Vec3f d = a - b;
+    return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+}
+
+// ---- closed surfaces -------------------------------------------------------------------------------------------
+
+void JoinTexels(Vec3f &a, Vec3f &b, bool colors) {
+    if (colors && (a.x < 0 || b.x < 0)) {
+        (a.x < 0 ? a : b) = a.x < 0 ? b : a;
+        return;
+    }
+    a = b = (a + b) * 0.5f;
+}
+
+void JoinSeams(const RawLightmap &lightmap, std::vector<Vec3f> &texels, bool colors) {
+    if (texels.empty())
+        return;
+    if (lightmap.wrapS)
+        for (int y = 0; y < lightmap.height; ++y)
+            JoinTexels(texels[lightmap.Index(0, y)], texels[lightmap.Index(lightmap.width - 1, y)], colors);
+    if (lightmap.wrapT)
+        for (int x = 0; x < lightmap.width; ++x)
+            JoinTexels(texels[lightmap.Index(x, 0)], texels[lightmap.Index(x, lightmap.height - 1)], colors);
+}
+
+// ---- directions ------------------------------------------------------------------------------------------------
+
+/// Components of d along the tangent, the bitangent and the normal n.
+Vec3f InTangentSpace(const Vec3f &d, const Vec3f &n) {
+    Vec3f tangent{n.z < 0 ? -1.0f : 1.0f, 0, 0}, bitangent{0, 1, 0};
+    if (n.x != 0 || n.y != 0) {
+        tangent = Normalize(Cross(n, Vec3f{0, 0, 1}));
+        bitangent = Normalize(Cross(tangent, n));
+    }
+    if (n.x > 0 || n.y < 0 || n.z < 0)
+        tangent = -tangent;
+    return {Dot(d, tangent), Dot(d, bitangent), Dot(d, n)};
+}
+
+/// Of the places that the luxel covers.
+Vec3f MeanNormal(const RawLightmap &lightmap, int x, int y) {
+    Vec3f sum;
+    for (int sy = y * lightmap.super; sy < (y + 1) * lightmap.super; ++sy)
+        for (int sx = x * lightmap.super; sx < (x + 1) * lightmap.super; ++sx)
+            if (const std::size_t at = lightmap.SuperIndex(sx, sy); lightmap.codes[at] != kUnmapped)
+                sum += lightmap.normals[at];
+    return sum == Vec3f{} ? lightmap.planeNormal : Normalize(sum);
+}
+
+void FinishDirections(const RawLightmap &lightmap, bool tangentSpace, std::vector<Vec3f> &directions) {
+    for (Vec3f &d : directions)
+        d = Normalize(d);
+    if (!tangentSpace || directions.empty())
+        return;
+    for (int y = 0; y < lightmap.height; ++y)
+        for (int x = 0; x < lightmap.width; ++x) {
+            Vec3f &d = directions[lightmap.Index(x, y)];
+            d = InTangentSpace(d, MeanNormal(lightmap, x, y));
+        }
+}
+
+// ---- solid lightmaps -------------------------------------------------------------------------------------------
+
+bool DirectionsAgree(const StoredSlot &slot) {
+    return std::all_of(slot.directions.begin(), slot.directions.end(),
+                       [&](const Vec3f &d) { return MaxDifference(d, slot.directions.front()) <= kSolidDirection; });
+}
+
+/// Texels are dropped where one colour stands for all.
+void FindSolid(StoredSlot &slot) {
+    Vec3f least = slot.texels.front(), most = least;
+    for (const Vec3f &texel : slot.texels)
+        least = Min(least, texel), most = Max(most, texel);
+    const bool tiny = slot.width <= 2 && slot.height <= 2;
+    if (!tiny && (least.x < 0 || MaxDifference(least, most) > kSolidDifference || !DirectionsAgree(slot)))
+        return;
+    slot.solid = true;
+    slot.color = Max(least, Vec3f{});
+    for (const Vec3f &d : slot.directions)
+        slot.direction += d;
+    slot.direction = Normalize(slot.direction);
+}
+
+// ---- twins -----------------------------------------------------------------------------------------------------
+
+/// A few texels of a slot side by side in memory: most pairs differ in one of them.
+struct TwinKey {
+    std::array<Vec3f, 4> texels;
+    bool Differs(const TwinKey &other) const {
+        for (std::size_t i = 0; i < texels.size(); ++i)
+            if (texels[i].x >= 0 && other.texels[i].x >= 0 &&
+                MaxDifference(texels[i], other.texels[i]) >= kTwinDifference)
+                return true;
+        return false;
+    }
+};
+
+TwinKey KeyOf(const StoredSlot &slot) {
+    TwinKey key;
+    if (slot.solid) {
+        key.texels.fill(slot.color);
+        return key;
+    }
+    for (std::size_t i = 0; i < key.texels.size(); ++i)
+        key.texels[i] = slot.texels[(2 * i + 1) * slot.texels.size() / (2 * key.texels.size())];
+    return key;
+}
+
+bool Alike(const StoredSlot &a, const StoredSlot &b) {
+    if (a.solid)
+        return MaxDifference(a.color, b.color) <= kSolidDifference;
+    float sum = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < a.texels.size(); ++i) {
+        if (!a.Used(i) || !b.Used(i))
+            continue;
+        const Vec3f d = a.texels[i] - b.texels[i];
+        if (MaxDifference(a.texels[i], b.texels[i]) >= kTwinDifference)
+            return false;
+        sum += (std::abs(d.x) + std::abs(d.y) + std::abs(d.z)) / 768;
+        if (sum > kTwinMean * float(++count))
+            return false;
+    }
+    return true;
+}
+
+/// `count`: slots that are in `a` with this one.
+void Join(StoredSlot &a, const StoredSlot &b, int count) {
+    const float share = 1 / float(count);
+    a.color += (b.color - a.color) * share;
+    for (std::size_t i = 0; i < a.texels.size() && !a.solid; ++i)
+        if (!a.Used(i))
+            a.texels[i] = b.texels[i];
+        else if (b.Used(i))
+            a.texels[i] += (b.texels[i] - a.texels[i]) * share;
+}
+
+/// Slots of one kind, in order. Only these can be alike.
+void JoinGroup(const std::vector<std::size_t> &group, std::vector<StoredSlot> &slots) {
+    std::vector<TwinKey> keys;
+    for (const std::size_t i : group)
+        keys.push_back(KeyOf(slots[i]));
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        StoredSlot &first = slots[group[i]];
+        int count = 1;
+        for (std::size_t j = i + 1; j < group.size() && first.twin < 0; ++j) {
+            StoredSlot &second = slots[group[j]];
+            if (keys[i].Differs(keys[j]) || second.twin >= 0 || !Alike(first, second))
+                continue;
+            Join(first, second, ++count);
+            second.twin = int(group[i]);
+            keys[i] = KeyOf(first);
+        }
+    }
+}
+
+} // namespace
+
+StoredSlots MakeSlots(const SurfaceInputs &in, const SurfaceLight &surfaces) {
+    StoredSlots stored;
+    stored.slotOf.resize(surfaces.lightmaps.size());
+    for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i)
+        for (std::size_t style = 0; style < kStyles; ++style) {
+            const RawLightmap &lightmap = surfaces.lightmaps[i];
+            const bool used = lightmap.styles[style] != kNoStyle && !lightmap.result[style].empty() &&
+                              (style == 0 || stored.slotOf[i][0] >= 0);
+            stored.slotOf[i][style] = used ? int(stored.slots.size()) : -1;
+            if (used)
+                stored.slots.push_back({int(i),
+                                        style,
+                                        lightmap.width,
+                                        lightmap.height,
+                                        lightmap.pageSize,
+                                        lightmap.brightness,
+                                        {},
+                                        {},
+                                        false,
+                                        {},
+                                        {},
+                                        -1,
+                                        false,
+                                        -1,
+                                        0,
+                                        0});
+        }
+    const bool collapse = in.lightmap.collapse && !surfaces.styled;
+    in.jobs.For(std::int64_t(stored.slots.size()), [&](std::int64_t i, int) {
+        StoredSlot &slot = stored.slots[std::size_t(i)];
+        const RawLightmap &lightmap = surfaces.lightmaps[std::size_t(slot.lightmap)];
+        slot.texels = lightmap.result[slot.style];
+        slot.directions = lightmap.resultDirections;
+        JoinSeams(lightmap, slot.texels, true);
+        JoinSeams(lightmap, slot.directions, false);
+        FinishDirections(lightmap, in.lightmap.deluxeTangent, slot.directions);
+        if (collapse)
+            FindSolid(slot);
+    });
+    return stored;
+}
+
+void JoinTwins(std::vector<StoredSlot> &slots) {
+    std::map<std::tuple<int, int, std::array<int, 2>, float, int>, std::vector<std::size_t>> groups;
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+        const StoredSlot &slot = slots[i];
+        if (slot.byVertex)
+            continue;
+        // Solid ones by steps of red: of those alike, most are equal.
+        const int step = slot.solid ? int(std::clamp(slot.color.x / kSolidDifference, 0.0f, 1e6f)) : 0;
+        const std::array<int, 2> size = slot.solid ? std::array{-1, -1} : std::array{slot.width, slot.height};
+        groups[{size[0], size[1], slot.pageSize, slot.brightness, step}].push_back(i);
+    }
+    for (const auto &[key, group] : groups)
+        JoinGroup(group, slots);
+}
+
+std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLight &surfaces,
+                                      const StoredSlots &stored) {
+    std::map<std::string_view, int> rankOf;
+    for (const SurfaceEntry &entry : in.table)
+        rankOf[entry.shader->name] = 0;
+    int rank = 0;
+    for (auto &[name, number] : rankOf)
+        number = rank++;
+    struct Key {
+        std::vector<int> shaders; ///< ranks, each once
+        int styles = 0, area = 0;
+    };
+    std::vector<Key> keys(surfaces.lightmaps.size());
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        const RawLightmap &lightmap = surfaces.lightmaps[i];
+        for (const int surface : lightmap.surfaces)
+            keys[i].shaders.push_back(rankOf[in.table[std::size_t(surface)].shader->name]);
+        std::sort(keys[i].shaders.begin(), keys[i].shaders.end());
+        keys[i].shaders.erase(std::unique(keys[i].shaders.begin(), keys[i].shaders.end()), keys[i].shaders.end());
+        for (const std::uint8_t style : lightmap.styles)
+            keys[i].styles -= style;
+        keys[i].area = -lightmap.width * lightmap.height;
+    }
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < stored.slots.size(); ++i)
+        if (stored.slots[i].twin < 0 && !stored.slots[i].byVertex)
+            order.push_back(i);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        const Key &x = keys[std::size_t(stored.slots[a].lightmap)], &y = keys[std::size_t(stored.slots[b].lightmap)];
+        return std::tie(x.shaders, x.styles, x.area) < std::tie(y.shaders, y.styles, y.area);
+    });
+    return order;
+}
+
+} // namespace q3

@@ -1,0 +1,342 @@
+// GPL-2.0-or-later. Results of lighting into the file: pages, numbers, coordinates, vertex colours, made shaders.
+#include "q3map2/light/tone/light_tone.h"
+#include "q3map2/lightmap/store/lightmap_approx.h"
+#include "q3map2/lightmap/store/lightmap_pack.h"
+#include "q3map2/lightmap/store/lightmap_scripts.h"
+#include "q3map2/lightmap/store/lightmap_slots.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace q3 {
+
+namespace {
+
+using Bytes = std::array<std::uint8_t, 3>;
+
+/// Components -1..1 as a colour.
+Bytes DirectionBytes(const Vec3f &direction) {
+    const Vec3f d = Normalize(direction);
+    const auto byte = [](float c) { return std::uint8_t(std::clamp(c * 127.5f + 127.5f, 0.0f, 255.0f)); };
+    return {byte(d.x), byte(d.y), byte(d.z)};
+}
+
+void Put(std::vector<std::uint8_t> &pixels, std::size_t at, const Bytes &color) {
+    std::copy(color.begin(), color.end(), pixels.begin() + std::ptrdiff_t(3 * at));
+}
+
+/// Gives texels without light the mean of their neighbours, ring after ring; pages wrap. `written`: by texel.
+void FillPage(LightmapPage &page, std::vector<std::uint8_t> written) {
+    const int w = page.width, h = page.height;
+    const auto neighbours = [&](std::size_t at) {
+        const int x = int(at) % w, y = int(at) / w;
+        const auto index = [&](int column, int row) { return std::size_t(row) * std::size_t(w) + std::size_t(column); };
+        return std::array{index((x + 1) % w, y), index((x + w - 1) % w, y), index(x, (y + 1) % h),
+                          index(x, (y + h - 1) % h)};
+    };
+    std::vector<std::size_t> ring, next;
+    const auto reach = [&](std::size_t from) {
+        for (const std::size_t at : neighbours(from))
+            if (written[at] == 0)
+                written[at] = 2, next.push_back(at);
+    };
+    for (std::size_t at = 0; at < written.size(); ++at)
+        if (written[at] == 1)
+            reach(at);
+    std::vector<Bytes> means;
+    while (!next.empty()) {
+        ring.swap(next), next.clear(), means.clear();
+        for (const std::size_t at : ring) {
+            std::array<int, 3> sum{};
+            int count = 0;
+            for (const std::size_t other : neighbours(at))
+                if (written[other] == 1) {
+                    ++count;
+                    for (std::size_t i = 0; i < 3; ++i)
+                        sum[i] += page.colors[3 * other + i];
+                }
+            means.push_back({std::uint8_t(sum[0] / count), std::uint8_t(sum[1] / count), std::uint8_t(sum[2] / count)});
+        }
+        for (std::size_t i = 0; i < ring.size(); ++i)
+            Put(page.colors, ring[i], means[i]), written[ring[i]] = 1;
+        for (const std::size_t at : ring)
+            reach(at);
+    }
+}
+
+class Storer {
+  public:
+    Storer(const SurfaceInputs &in, const SurfaceLight &surfaces, std::string_view mapName, Bsp &bsp)
+        : in_(in), surfaces_(surfaces), mapName_(mapName), bsp_(bsp), tone_(in.options.tone) {
+        tone_.maxLight = std::min(tone_.maxLight, in.world.maxLight);
+        const std::vector<Entity> entities = ParseEntities(bsp.entities, mapName);
+        if (!entities.empty())
+            world_ = entities.front();
+    }
+
+    StoredLightmaps Run() {
+        stored_ = MakeSlots(in_, surfaces_);
+        CountUsed();
+        StandIn();
+        if (in_.lightmap.collapse && !surfaces_.styled && !in_.lightmap.deluxe)
+            JoinTwins(stored_.slots);
+        MakePages(PackSlots(PackingOrder(in_, surfaces_, stored_), in_.lightmap, stored_));
+        FillTexels();
+        for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i)
+            if (!CopiesParent(i))
+                StoreSurface(i);
+        for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i)
+            if (CopiesParent(i))
+                CopyParent(i);
+        StoreLump();
+        Print();
+        return std::move(result_);
+    }
+
+  private:
+    void CountUsed() {
+        for (const StoredSlot &slot : stored_.slots)
+            used_ += std::count_if(slot.texels.begin(), slot.texels.end(), [](const Vec3f &t) { return t.x >= 0; });
+    }
+
+    void StandIn() {
+        const std::vector<VertexStandIn> standIns = FindVertexStandIns(in_, surfaces_);
+        for (StoredSlot &slot : stored_.slots) {
+            const VertexStandIn kind = standIns[std::size_t(slot.lightmap)];
+            const bool tooLarge = slot.width > slot.pageSize[0] || slot.height > slot.pageSize[1];
+            slot.byVertex = kind != VertexStandIn::No || tooLarge;
+            if (slot.style == 0) {
+                forced_ += kind == VertexStandIn::Forced;
+                approximated_ += kind == VertexStandIn::Close;
+            }
+        }
+    }
+
+    void MakePages(const std::vector<std::array<int, 2>> &sizes) {
+        int number = 0;
+        const int numbers = in_.lightmap.deluxe ? 2 : 1;
+        for (std::size_t i = 0; i < sizes.size(); ++i) {
+            LightmapPage page;
+            page.width = sizes[i][0], page.height = sizes[i][1];
+            page.file = int(i) * numbers;
+            page.external = in_.lightmap.external;
+            if (page.external || sizes[i] == in_.lightmap.gamePageSize) {
+                page.number = number;
+                number += numbers;
+            } else
+                page.external = true;
+            const std::size_t texels = std::size_t(page.width) * std::size_t(page.height);
+            page.colors.resize(3 * texels);
+            if (in_.lightmap.deluxe)
+                page.directions.resize(3 * texels);
+            if (in_.lightmap.fillPink)
+                for (std::size_t at = 0; at < texels; ++at)
+                    Put(page.colors, at, {255, 0, 255});
+            result_.pages.push_back(std::move(page));
+        }
+        if (in_.lightmap.fill)
+            for (const LightmapPage &page : result_.pages)
+                written_.emplace_back(std::size_t(page.width) * std::size_t(page.height));
+    }
+
+    void FillTexels() {
+        in_.jobs.For(std::int64_t(stored_.slots.size()), [&](std::int64_t i, int) {
+            const StoredSlot &slot = stored_.slots[std::size_t(i)];
+            if (slot.twin >= 0 || slot.page < 0)
+                return;
+            const ToneMapper bytes(1, slot.brightness, tone_);
+            if (slot.solid)
+                return PutTexel(slot, 0, 0, slot.color, slot.direction, bytes);
+            for (int y = 0; y < slot.height; ++y)
+                for (int x = 0; x < slot.width; ++x)
+                    if (const std::size_t at = std::size_t(y) * std::size_t(slot.width) + std::size_t(x); slot.Used(at))
+                        PutTexel(slot, x, y, slot.texels[at], slot.directions.empty() ? Vec3f{} : slot.directions[at],
+                                 bytes);
+        });
+        in_.jobs.For(std::int64_t(written_.size()),
+                     [&](std::int64_t i, int) { FillPage(result_.pages[std::size_t(i)], written_[std::size_t(i)]); });
+    }
+
+    void PutTexel(const StoredSlot &slot, int x, int y, const Vec3f &color, const Vec3f &direction,
+                  const ToneMapper &bytes) {
+        LightmapPage &page = result_.pages[std::size_t(slot.page)];
+        const std::size_t at = std::size_t(slot.y + y) * std::size_t(page.width) + std::size_t(slot.x + x);
+        const Vec3f least = slot.style == 0 ? in_.world.minLight : Vec3f{};
+        Put(page.colors, at, bytes.Bytes(Max(color, least)));
+        if (!page.directions.empty())
+            Put(page.directions, at, DirectionBytes(direction));
+        if (!written_.empty())
+            written_[std::size_t(slot.page)][at] = 1;
+    }
+
+    const StoredSlot *SlotOf(std::size_t surface, std::size_t style) const {
+        const int lightmap = surfaces_.lightmapOf[surface];
+        const int slot = lightmap < 0 ? -1 : stored_.slotOf[std::size_t(lightmap)][style];
+        return slot < 0 || stored_.slots[std::size_t(slot)].page < 0 ? nullptr : &stored_.slots[std::size_t(slot)];
+    }
+
+    std::array<float, 2> Coordinates(const StoredSlot &slot, std::size_t vertex) const {
+        const LightmapPage &page = result_.pages[std::size_t(slot.page)];
+        const float super = float(surfaces_.lightmaps[std::size_t(slot.lightmap)].super);
+        const std::array<float, 2> &luxel = surfaces_.verts[vertex].luxel;
+        const float x = slot.solid ? 0.5f : luxel[0] / super, y = slot.solid ? 0.5f : luxel[1] / super;
+        return {(float(slot.x) + x) / float(page.width), (float(slot.y) + y) / float(page.height)};
+    }
+
+    void StoreSurface(std::size_t i) {
+        bspDrawSurface_t &surface = bsp_.drawSurfaces[i];
+        surface.lightmapX = surface.lightmapY = surface.lightmapWidth = surface.lightmapHeight = 0;
+        surface.lightmapNum = kLightmapByVertex;
+        // A shader made by an earlier run, whose script is gone.
+        const bspShader_t old = bsp_.shaders[std::size_t(surface.shaderNum)];
+        const ShaderInfo &shader = *in_.table[i].shader;
+        if (IsMadeName(FieldName(old.shader), mapName_) && !IsMadeName(shader.name, mapName_))
+            surface.shaderNum = ShaderNumber(bsp_, shader.name, old.surfaceFlags, old.contentFlags);
+        StoreVertexColors(i);
+        const StoredSlot *slot = SlotOf(i, 0);
+        if (!slot)
+            return;
+        const RawLightmap &lightmap = surfaces_.lightmaps[std::size_t(slot->lightmap)];
+        surface.lightmapOrigin = {lightmap.storedOrigin.x, lightmap.storedOrigin.y, lightmap.storedOrigin.z};
+        const LightmapPage &page = result_.pages[std::size_t(slot->page)];
+        surface.lightmapNum = page.number < 0 ? kLightmapByVertex : page.number;
+        if (in_.lightmap.debugDeluxe && in_.lightmap.deluxe && page.number >= 0)
+            ++surface.lightmapNum;
+        for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v)
+            bsp_.drawVerts[std::size_t(v)].lightmap = Coordinates(*slot, std::size_t(v));
+        combinations_.insert({slot->page, surface.shaderNum});
+        MakeShader(i, *slot);
+    }
+
+    /// For styles beyond the first, and for pages that the file cannot hold.
+    void MakeShader(std::size_t i, const StoredSlot &slot) {
+        bspDrawSurface_t &surface = bsp_.drawSurfaces[i];
+        const ShaderInfo &shader = *in_.table[i].shader;
+        LightmapPage &page = result_.pages[std::size_t(slot.page)];
+        std::string text;
+        if (const std::vector<StyleStage> stages = StagesOf(i, slot); !stages.empty()) {
+            text = StyledText(shader, stages, world_, mapName_);
+            for (std::size_t style = 1; style < kStyles && !text.empty(); ++style)
+                if (const StoredSlot *other = SlotOf(i, style); other && other->page != slot.page)
+                    result_.pages[std::size_t(other->page)].external = true;
+        }
+        if (page.number < 0)
+            text = ImageText(shader, text, page.file, mapName_);
+        if (text.empty())
+            return;
+        const std::string name = ShaderNameFor(text, mapName_);
+        if (made_.insert(name).second)
+            result_.scripts.push_back({name, text});
+        const bspShader_t old = bsp_.shaders[std::size_t(surface.shaderNum)];
+        surface.shaderNum = ShaderNumber(bsp_, name, old.surfaceFlags, old.contentFlags);
+    }
+
+    std::vector<StyleStage> StagesOf(std::size_t i, const StoredSlot &first) const {
+        std::vector<StyleStage> stages;
+        const auto vertex = std::size_t(bsp_.drawSurfaces[i].firstVert);
+        for (std::size_t style = 1; style < kStyles; ++style) {
+            const StoredSlot *slot = SlotOf(i, style);
+            if (!slot)
+                continue;
+            const LightmapPage &page = result_.pages[std::size_t(slot->page)];
+            const auto from = Coordinates(first, vertex), to = Coordinates(*slot, vertex);
+            const bool samePage = slot->page == first.page && page.number >= 0;
+            stages.push_back({surfaces_.lightmaps[std::size_t(first.lightmap)].styles[style],
+                              samePage ? -1 : page.file,
+                              {to[0] - from[0], to[1] - from[1]}});
+        }
+        return stages;
+    }
+
+    void StoreVertexColors(std::size_t i) {
+        const bspDrawSurface_t &surface = bsp_.drawSurfaces[i];
+        const ShaderInfo &shader = *in_.table[i].shader;
+        const std::vector<Vec3f> &sum = surfaces_.vertex.sum[0];
+        if (shader.lightmap.noVertexLight || sum.empty())
+            return;
+        const float scale = shader.vertexScale * in_.lightmap.vertexScale;
+        for (auto v = std::size_t(surface.firstVert); v < std::size_t(surface.firstVert + surface.numVerts); ++v) {
+            const Bytes color = ColorToBytes(Max(sum[v], in_.world.minVertex), scale, 1, tone_);
+            std::copy(color.begin(), color.end(), bsp_.drawVerts[v].color.begin());
+        }
+    }
+
+    bool CopiesParent(std::size_t i) const {
+        const int parent = in_.table[i].parent;
+        return parent >= 0 && std::size_t(parent) < bsp_.drawSurfaces.size() && std::size_t(parent) != i &&
+               in_.table[std::size_t(parent)].parent < 0 &&
+               bsp_.drawSurfaces[std::size_t(parent)].numVerts == bsp_.drawSurfaces[i].numVerts &&
+               bsp_.drawSurfaces[std::size_t(parent)].numIndexes == bsp_.drawSurfaces[i].numIndexes;
+    }
+
+    void CopyParent(std::size_t i) {
+        const bspDrawSurface_t &parent = bsp_.drawSurfaces[std::size_t(in_.table[i].parent)];
+        bspDrawSurface_t &surface = bsp_.drawSurfaces[i];
+        const bspDrawSurface_t old = surface;
+        surface = parent;
+        surface.fogNum = old.fogNum;
+        surface.firstVert = old.firstVert, surface.firstIndex = old.firstIndex;
+        surface.lightmapVecs = old.lightmapVecs;
+        for (int v = 0; v < surface.numVerts; ++v) {
+            bspDrawVert_t &to = bsp_.drawVerts[std::size_t(surface.firstVert + v)];
+            const bspDrawVert_t &from = bsp_.drawVerts[std::size_t(parent.firstVert + v)];
+            to.lightmap = from.lightmap, to.color = from.color;
+        }
+    }
+
+    void StoreLump() {
+        bsp_.lightmaps.clear();
+        for (const LightmapPage &page : result_.pages) {
+            if (in_.lightmap.external || page.number < 0)
+                continue;
+            bsp_.lightmaps.insert(bsp_.lightmaps.end(), page.colors.begin(), page.colors.end());
+            bsp_.lightmaps.insert(bsp_.lightmaps.end(), page.directions.begin(), page.directions.end());
+        }
+    }
+
+    void Print() const {
+        long long stored = (long long)(bsp_.lightmaps.size() / 3), solid = 0, twins = 0, twinLuxels = 0, numbered = 0;
+        for (const StoredSlot &slot : stored_.slots) {
+            solid += slot.solid;
+            twins += slot.twin >= 0;
+            twinLuxels += slot.twin >= 0 ? (long long)(slot.texels.size()) : 0;
+        }
+        for (const LightmapPage &page : result_.pages)
+            numbered += page.number < 0 ? 0 : page.directions.empty() ? 1 : 2;
+        Log &log = in_.log;
+        log.Count(used_, "luxels used");
+        log.Print("{:9} luxels stored ({:.2f} percent efficiency)\n", stored,
+                  stored > 0 ? 100 * double(used_) / double(stored) : 0);
+        log.Count(solid, "solid surface lightmaps");
+        log.Print("{:9} identical surface lightmaps, using {} luxels\n", twins, twinLuxels);
+        log.Count(forced_, "vertex forced surfaces");
+        log.Count(approximated_, "vertex approximated surfaces");
+        log.Count(in_.lightmap.external ? 0 : numbered, "BSP lightmaps");
+        log.Count((long long)(result_.pages.size()), "total lightmaps");
+        log.Count((long long)(combinations_.size()), "unique lightmap/shader combinations");
+    }
+
+    const SurfaceInputs &in_;
+    const SurfaceLight &surfaces_;
+    const std::string mapName_;
+    Bsp &bsp_;
+    ToneOptions tone_;
+    Entity world_;
+    StoredSlots stored_;
+    StoredLightmaps result_;
+    std::vector<std::vector<std::uint8_t>> written_; ///< by page, texel; only with -fill
+    std::set<std::pair<int, int>> combinations_;     ///< of page and shader
+    std::set<std::string> made_;
+    long long used_ = 0, forced_ = 0, approximated_ = 0;
+};
+
+} // namespace
+
+StoredLightmaps StoreLightmaps(const SurfaceInputs &in, const SurfaceLight &surfaces, std::string_view mapName,
+                               Bsp &bsp) {
+    return Storer(in, surfaces, mapName, bsp).Run();
+}
+
+} // namespace q3

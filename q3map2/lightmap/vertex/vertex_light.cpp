@@ -1,0 +1,437 @@
+// GPL-2.0-or-later. Light at the vertices of surfaces.
+#include "common/debug_color.h"
+#include "q3map2/lightmap/ao/surroundings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace q3 {
+
+namespace {
+
+/// Rays start this far over the vertex, and this far inside its surface, clear of the solids that touch it. Game units.
+constexpr float kOver = 1.0f / 8, kInside = 1.0f / 4;
+/// A vertex is in a solid when it is this deep in. Game units.
+constexpr float kDeep = 0.125f;
+/// Vertices in the dark are lit from up to two such steps aside on each axis. Game units.
+constexpr float kNudge = 4;
+constexpr std::array<int, 5> kNudgeSteps = {0, 1, -1, 2, -2};
+constexpr float kWhite = 255;
+/// Light of a vertex that a constant is asked for, byte scale, at 1.
+constexpr float kConstant = 127.5f;
+
+/// Light at the vertices of one surface.
+struct SurfaceVertexLight {
+    Styles styles{0, kNoStyle, kNoStyle, kNoStyle};
+    std::array<std::vector<Vec3f>, kStyles> values; ///< empty for styles that are not used
+    bool constant = false;                          ///< the same in all passes
+};
+
+/// The slot of a style among `styles`, which may be free; none if all are taken.
+std::optional<std::size_t> SlotOf(const Styles &styles, int style) {
+    for (std::size_t slot = 0; slot < kStyles; ++slot)
+        if (styles[slot] == style || styles[slot] == kNoStyle)
+            return slot;
+    return std::nullopt;
+}
+
+/// Whether two clusters see each other is asked again and again for the same ones.
+class ClusterFilter {
+  public:
+    ClusterFilter(const BspSpace &space, const std::vector<int> &clusters) : space_(space), clusters_(clusters) {}
+    /// The cluster of a vertex; kSolidCluster also where no cluster of the surface sees it.
+    int At(const Vec3f &p) {
+        const int cluster = space_.ClusterAt(p, -kDeep);
+        if (cluster < 0 || clusters_.empty())
+            return cluster;
+        if (cluster != last_) {
+            last_ = cluster;
+            seen_ = std::any_of(clusters_.begin(), clusters_.end(), [&](int c) { return space_.Visible(cluster, c); });
+        }
+        return seen_ ? cluster : kSolidCluster;
+    }
+
+  private:
+    const BspSpace &space_;
+    const std::vector<int> &clusters_;
+    int last_ = kSolidCluster;
+    bool seen_ = false;
+};
+
+/// What is the same for all vertices that are lit on their own.
+class VertexLighter {
+  public:
+    VertexLighter(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
+                  const SurfaceLight &surfaces, std::size_t surface, const Surroundings &around,
+                  ContributionCounts &counts);
+    SurfaceVertexLight Run();
+
+  private:
+    using Numbers = std::vector<std::size_t>; // of vertices in the surface
+    void FindLights(const std::vector<Light> &lights);
+    void FindPlaces();
+    /// Lights the vertices at their places moved by `offset`, where that is in the open. Returns those.
+    Numbers LightAt(const Numbers &vertices, const Vec3f &offset);
+    void AddLights(std::span<LightSamples> blocks, const Numbers &vertices);
+    void AddSurroundings(const LightSamples &block, std::span<const std::size_t> vertices);
+    void AddTo(std::size_t slot, std::size_t vertex, const Vec3f &light);
+    bool Bright(std::size_t vertex) const;
+    void FillClosed(const std::vector<bool> &lit);
+
+    const SurfaceInputs &in_;
+    const SurfacePass &pass_;
+    const SurfaceEntry &entry_;
+    const bspDrawSurface_t &surface_;
+    const Boundsf &bounds_;
+    std::span<const SurfaceVertex> verts_;
+    const Surroundings &around_;
+    ContributionCounts &counts_;
+    ClusterFilter clusters_;
+    const std::vector<int> &surfaceClusters_;
+    int number_;
+    Vec3f ambient_;
+    FloodSource flood_;
+    SampleSettings settings_;
+    std::vector<const Light *> lights_;
+    std::vector<Vec3f> places_; // where rays start
+    SurfaceVertexLight result_;
+};
+
+VertexLighter::VertexLighter(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
+                             const SurfaceLight &surfaces, std::size_t surface, const Surroundings &around,
+                             ContributionCounts &counts)
+    : in_(in), pass_(pass), entry_(in.table[surface]), surface_(in.bsp.drawSurfaces[surface]),
+      bounds_(surfaces.bounds[surface]),
+      verts_(surfaces.verts.data() + surface_.firstVert, std::size_t(surface_.numVerts)), around_(around),
+      counts_(counts), clusters_(in.space, surfaces.clusters[surface]), surfaceClusters_(surfaces.clusters[surface]),
+      number_(int(surface)), ambient_(pass.bounce ? Vec3f{} : entry_.ambient),
+      flood_(pass.bounce ? FloodSource{} : WorldFlood(in)) {
+    settings_.sunOnly = in.options.sunOnly;
+    settings_.pointAreas = in.options.faster;
+    settings_.halfLambert = in.lightmap.halfLambert;
+    settings_.receiveShadows = entry_.receiveShadows;
+    settings_.occlusion = surfaces.lightmapOf[surface] < 0; // -cpma lights lightmapped surfaces without shadows
+    settings_.sunOcclusion = settings_.occlusion && !entry_.shader->forceSunlight;
+    FindLights(lights);
+    FindPlaces();
+}
+
+void VertexLighter::FindLights(const std::vector<Light> &lights) {
+    const Vec3f center = bounds_.Center();
+    const float radius = Length(bounds_.maxs - center);
+    for (const Light &light : lights) {
+        if (!light.surfaces || light.envelope <= 0)
+            continue;
+        if (light.type != LightType::Sun) {
+            const bool seen = surfaceClusters_.empty() || light.seenFrom.empty() ||
+                              std::any_of(surfaceClusters_.begin(), surfaceClusters_.end(),
+                                          [&](int cluster) { return light.SeenFrom(cluster); });
+            if (in_.options.sunOnly || !seen || Length(light.origin - center) - light.envelope - radius > 0)
+                continue;
+        }
+        lights_.push_back(&light);
+    }
+}
+
+/// Rays start a hair over the vertex and towards the middle of what is around it on the surface.
+void VertexLighter::FindPlaces() {
+    std::vector<Vec3f> around(verts_.size());
+    std::vector<float> counts(verts_.size());
+    const auto connect = [&](std::size_t a, std::size_t b) {
+        around[a] += verts_[b].xyz, counts[a] += 1;
+        around[b] += verts_[a].xyz, counts[b] += 1;
+    };
+    if (surface_.surfaceType == MST_PATCH) {
+        const auto width = std::size_t(surface_.patchWidth), height = std::size_t(surface_.patchHeight);
+        for (std::size_t y = 0; y < height; ++y)
+            for (std::size_t x = 0; x < width; ++x) {
+                if (x + 1 < width)
+                    connect(y * width + x, y * width + x + 1);
+                if (y + 1 < height)
+                    connect(y * width + x, (y + 1) * width + x);
+            }
+    } else {
+        for (int i = 0; i + 2 < surface_.numIndexes; i += 3) {
+            const int *corner = in_.bsp.drawIndexes.data() + surface_.firstIndex + i;
+            for (std::size_t k = 0; k < 3; ++k)
+                connect(std::size_t(corner[k]), std::size_t(corner[(k + 1) % 3]));
+        }
+    }
+    places_.resize(verts_.size());
+    for (std::size_t v = 0; v < verts_.size(); ++v) {
+        const Vec3f inside = counts[v] > 0 ? Normalize(around[v] / counts[v] - verts_[v].xyz) : Vec3f{};
+        places_[v] = verts_[v].xyz + verts_[v].normal * kOver + inside * kInside;
+    }
+}
+
+SurfaceVertexLight VertexLighter::Run() {
+    result_.values[0].assign(verts_.size(), ambient_);
+    std::vector<bool> lit(verts_.size()); // at least one place was in the open
+    Numbers dark(verts_.size());
+    for (std::size_t v = 0; v < dark.size(); ++v)
+        dark[v] = v;
+    const bool anyLight = !lights_.empty() || flood_.light != Vec3f{};
+    for (const int x : kNudgeSteps)
+        for (const int y : kNudgeSteps)
+            for (const int z : kNudgeSteps) {
+                if (dark.empty() || (!anyLight && (x != 0 || y != 0 || z != 0)))
+                    continue;
+                for (const std::size_t v : LightAt(dark, Vec3f{float(x), float(y), float(z)} * kNudge))
+                    lit[v] = true;
+                std::erase_if(dark, [&](std::size_t v) { return lit[v] && Bright(v); });
+            }
+    FillClosed(lit);
+    return std::move(result_);
+}
+
+VertexLighter::Numbers VertexLighter::LightAt(const Numbers &vertices, const Vec3f &offset) {
+    Numbers open;
+    std::vector<LightSamples> blocks;
+    for (const std::size_t v : vertices) {
+        const int cluster = clusters_.At(verts_[v].xyz + offset);
+        if (cluster < 0)
+            continue;
+        if (open.size() % kPacketSize == 0) {
+            blocks.emplace_back();
+            blocks.back().twoSided = entry_.shader->twoSided;
+        }
+        open.push_back(v);
+        blocks.back().Add(places_[v] + offset, verts_[v].normal, cluster);
+    }
+    for (const std::size_t v : open)
+        for (std::size_t slot = 0; slot < kStyles; ++slot)
+            if (!result_.values[slot].empty())
+                result_.values[slot][v] = slot == 0 ? ambient_ : Vec3f{};
+    AddLights(blocks, open);
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+        AddSurroundings(blocks[b], std::span(open).subspan(b * kPacketSize, blocks[b].count));
+    return open;
+}
+
+void VertexLighter::AddLights(std::span<LightSamples> blocks, const Numbers &vertices) {
+    SampleArrivals arrivals;
+    for (const Light *light : lights_) {
+        const auto slot = SlotOf(result_.styles, light->style);
+        if (!slot) {
+            in_.log.Warn("too many light styles", "a surface near {:.0f} {:.0f} {:.0f} gets more than {} light styles",
+                         bounds_.Center().x, bounds_.Center().y, bounds_.Center().z, kStyles);
+            continue;
+        }
+        for (std::size_t b = 0; b < blocks.size(); ++b) {
+            LightContributionToSample(*light, settings_, in_.scene, blocks[b], arrivals, counts_);
+            for (std::size_t i = 0; i < blocks[b].count; ++i) {
+                if (arrivals.live[i] == 0)
+                    continue;
+                const std::size_t v = vertices[b * kPacketSize + i];
+                const Vec3f color = light->color * (light->negative ? -arrivals.add[i] : arrivals.add[i]);
+                AddTo(*slot, v, arrivals.tinted ? color * arrivals.tint[i] : color);
+                result_.styles[*slot] = std::uint8_t(light->style);
+                const Vec3f &so = result_.values[0][v];
+                if (in_.lightmap.cheap && std::min({so.x, so.y, so.z}) >= kWhite)
+                    blocks[b].wanted[i] = 0;
+            }
+        }
+    }
+}
+
+void VertexLighter::AddTo(std::size_t slot, std::size_t vertex, const Vec3f &light) {
+    std::vector<Vec3f> &values = result_.values[slot];
+    if (values.empty())
+        values.resize(verts_.size());
+    values[vertex] += light;
+}
+
+/// Dirt, and then floodlight, which it does not darken.
+void VertexLighter::AddSurroundings(const LightSamples &block, std::span<const std::size_t> vertices) {
+    const bool dirty = in_.lightmap.dirty && !pass_.bounce && !entry_.shader->lightmap.noDirt;
+    if (!dirty && flood_.light == Vec3f{})
+        return;
+    OpenPlaces places;
+    places.receiveShadows = entry_.receiveShadows;
+    places.surfaces = {&number_, 1};
+    places.vertices = true;
+    for (std::size_t i = 0; i < block.count; ++i)
+        places.Add(block.position[i], block.normal[i], std::uint32_t(surface_.firstVert) + std::uint32_t(vertices[i]));
+    const bool anyLight = std::any_of(vertices.begin(), vertices.end(), [&](std::size_t v) {
+        return std::any_of(result_.values.begin(), result_.values.end(),
+                           [&](const auto &values) { return !values.empty() && values[v] != Vec3f{}; });
+    });
+    if (dirty && anyLight) {
+        std::vector<Lanes> dirt;
+        around_.Dirt({&places, 1}, dirt, counts_);
+        for (std::vector<Vec3f> &values : result_.values)
+            for (std::size_t i = 0; i < block.count && !values.empty(); ++i)
+                values[vertices[i]] *= dirt[0][i];
+    }
+    if (flood_.light != Vec3f{}) {
+        Lanes open;
+        around_.Openness(places, flood_.distance, open, counts_);
+        for (std::size_t i = 0; i < block.count; ++i)
+            result_.values[0][vertices[i]] += flood_.light * open[i];
+    }
+}
+
+bool VertexLighter::Bright(std::size_t vertex) const {
+    const Vec3f &light = result_.values[0][vertex];
+    return light.x > ambient_.x || light.y > ambient_.y || light.z > ambient_.z;
+}
+
+/// Vertices that are nowhere in the open get the mean of the bright ones.
+void VertexLighter::FillClosed(const std::vector<bool> &lit) {
+    for (std::size_t slot = 0; slot < kStyles; ++slot) {
+        std::vector<Vec3f> &values = result_.values[slot];
+        if (values.empty())
+            continue;
+        Vec3f sum;
+        float count = 0;
+        for (std::size_t v = 0; v < values.size(); ++v)
+            if (lit[v] && Bright(v))
+                sum += values[v], count += 1;
+        const Vec3f mean = count > 0 ? sum / count : slot == 0 ? ambient_ : Vec3f{};
+        for (std::size_t v = 0; v < values.size(); ++v)
+            if (!lit[v])
+                values[v] = mean;
+    }
+}
+
+/// Values that do not come from light, or none.
+std::optional<SurfaceVertexLight> ShownInstead(const SurfaceInputs &in, const SurfaceLight &surfaces,
+                                               std::size_t surface) {
+    const bspDrawSurface_t &record = in.bsp.drawSurfaces[surface];
+    const std::span<const SurfaceVertex> verts(surfaces.verts.data() + record.firstVert, std::size_t(record.numVerts));
+    SurfaceVertexLight result;
+    result.constant = true;
+    std::vector<Vec3f> &values = result.values[0];
+    values.resize(verts.size());
+    const auto fill = [&](float light) { std::fill(values.begin(), values.end(), Vec3f{light, light, light}); };
+    const Boundsf &bounds = surfaces.bounds[surface];
+    const bool onItsOwn = surfaces.lightmapOf[surface] < 0 || in.lightmap.cpma;
+    if (in.lightmap.show == LuxelShow::Surfaces)
+        std::fill(values.begin(), values.end(), DebugColor(int(surface)));
+    else if (in.lightmap.show == LuxelShow::Origin && onItsOwn)
+        for (std::size_t v = 0; v < verts.size(); ++v)
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const float size = bounds.maxs[axis] - bounds.mins[axis];
+                values[v][axis] = size > 0 ? (verts[v].xyz[axis] - bounds.mins[axis]) / size * kWhite : 0;
+            }
+    else if (in.lightmap.show == LuxelShow::NormalMap)
+        for (std::size_t v = 0; v < verts.size(); ++v)
+            values[v] = (verts[v].normal + Vec3f{1, 1, 1}) * kConstant;
+    else if (in.table[surface].shader->lightmap.noVertexLight)
+        fill(kConstant);
+    else if (in.lightmap.noVertex)
+        fill(kConstant * *in.lightmap.noVertex);
+    else
+        return std::nullopt;
+    return result;
+}
+
+/// Mean light of the mapped luxels nearest to a place in the super grid, in growing squares.
+Vec3f NearestLight(const RawLightmap &raw, const std::vector<Vec3f> &light, const std::array<float, 2> &place,
+                   const Vec3f &otherwise) {
+    const int width = raw.SuperWidth(), height = raw.SuperHeight();
+    const auto at = [](float coordinate, int size) {
+        return std::isfinite(coordinate) ? int(std::clamp(std::floor(coordinate), 0.0f, float(size - 1))) : 0;
+    };
+    const int x = at(place[0], width), y = at(place[1], height);
+    for (int radius = 0; radius < std::max(width, height); ++radius) {
+        Vec3f sum;
+        float count = 0;
+        for (int v = std::max(0, y - radius); v <= std::min(height - 1, y + radius); ++v)
+            for (int u = std::max(0, x - radius); u <= std::min(width - 1, x + radius); ++u)
+                // Smaller squares had none.
+                if (const std::size_t luxel = raw.SuperIndex(u, v);
+                    std::max(std::abs(u - x), std::abs(v - y)) == radius && raw.Mapped(luxel))
+                    sum += light[luxel], count += 1;
+        if (count > 0)
+            return sum / count;
+    }
+    return otherwise;
+}
+
+SurfaceVertexLight FromLightmap(const SurfaceInputs &in, const SurfacePass &pass, const SurfaceLight &surfaces,
+                                std::size_t surface) {
+    const bspDrawSurface_t &record = in.bsp.drawSurfaces[surface];
+    const RawLightmap &raw = surfaces.lightmaps[std::size_t(surfaces.lightmapOf[surface])];
+    const Vec3f ambient = pass.bounce ? Vec3f{} : in.table[surface].ambient;
+    SurfaceVertexLight result;
+    result.styles = raw.styles;
+    for (std::size_t slot = 0; slot < kStyles; ++slot) {
+        if (raw.light[slot].empty())
+            continue;
+        result.values[slot].resize(std::size_t(record.numVerts));
+        for (std::size_t v = 0; v < result.values[slot].size(); ++v)
+            result.values[slot][v] =
+                NearestLight(raw, raw.light[slot], surfaces.verts[std::size_t(record.firstVert) + v].luxel,
+                             slot == 0 ? ambient : Vec3f{});
+    }
+    return result;
+}
+
+/// Adds one surface's light to that of all.
+void Store(const SurfaceInputs &in, const SurfacePass &pass, std::size_t surface, const SurfaceVertexLight &from,
+           VertexLight &vertex) {
+    // Light that bounces are made of, but that is not shown itself. A constant is shown once.
+    const bool direct = !pass.bounce;
+    const bool kept = from.constant ? direct : !(direct && in.lightmap.bounceOnly && in.lightmap.bounces > 0);
+    const bool sent = !from.constant || direct;
+    const auto first = std::size_t(in.bsp.drawSurfaces[surface].firstVert);
+    Styles &styles = vertex.styles[surface];
+    for (std::size_t slot = 0; slot < kStyles; ++slot) {
+        if (from.values[slot].empty())
+            continue;
+        const auto to = SlotOf(styles, from.styles[slot]);
+        if (!to)
+            continue;
+        styles[*to] = from.styles[slot];
+        for (auto *values : {&vertex.sum[*to], &vertex.radiosity[*to]})
+            if (values->empty())
+                values->resize(in.bsp.drawVerts.size());
+        for (std::size_t v = 0; v < from.values[slot].size(); ++v) {
+            if (kept)
+                vertex.sum[*to][first + v] += from.values[slot][v];
+            if (sent)
+                vertex.radiosity[*to][first + v] = from.values[slot][v];
+        }
+    }
+}
+
+} // namespace
+
+void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
+                   SurfaceLight &surfaces, ContributionCounts &counts) {
+    const std::size_t count = in.bsp.drawSurfaces.size();
+    VertexLight &vertex = surfaces.vertex;
+    vertex.styles.resize(count, Styles{0, kNoStyle, kNoStyle, kNoStyle});
+    vertex.sum[0].resize(in.bsp.drawVerts.size());
+    vertex.radiosity[0].resize(in.bsp.drawVerts.size());
+    for (std::vector<Vec3f> &values : vertex.radiosity)
+        std::fill(values.begin(), values.end(), Vec3f{});
+
+    const Surroundings around(in);
+    std::vector<SurfaceVertexLight> results(count);
+    std::vector<ContributionCounts> work(std::size_t(in.jobs.Threads()));
+    in.jobs.For(std::int64_t(count), [&](std::int64_t number, int worker) {
+        const auto surface = std::size_t(number);
+        if (in.bsp.drawSurfaces[surface].numVerts <= 0 || in.table[surface].parent >= 0)
+            return;
+        if (auto shown = ShownInstead(in, surfaces, surface))
+            results[surface] = std::move(*shown);
+        else if (surfaces.lightmapOf[surface] >= 0 && !in.lightmap.cpma)
+            results[surface] = FromLightmap(in, pass, surfaces, surface);
+        else
+            results[surface] =
+                VertexLighter(in, lights, pass, surfaces, surface, around, work[std::size_t(worker)]).Run();
+    });
+    long long vertices = 0;
+    for (std::size_t surface = 0; surface < count; ++surface) {
+        Store(in, pass, surface, results[surface], vertex);
+        vertices += (long long)(results[surface].values[0].size());
+    }
+    for (const ContributionCounts &one : work)
+        counts += one;
+    in.log.Count(vertices, "vertices lit");
+}
+
+} // namespace q3
