@@ -34,8 +34,8 @@ using SurfaceTable = std::vector<SurfaceEntry>;
 /// What surfaces get that neither a surface file nor their shader or entity says otherwise about.
 struct SurfaceDefaults {
     int sampleSize = 16, minSampleSize = 0; ///< game units a luxel
-    bool noLightmaps = false;          ///< all are lit at their vertices
-    Vec3f ambient;                     ///< byte scale
+    bool noLightmaps = false;               ///< all are lit at their vertices
+    Vec3f ambient;                          ///< byte scale
 };
 
 /// Major axis of a normal with its sign: of equal components z wins, then x.

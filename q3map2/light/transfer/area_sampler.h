@@ -35,7 +35,7 @@ class AreaSampler {
     const Light &light_;
     Vec3f p_;
     float height_;
-    Sample2 start_; ///< of the pattern
+    Sample2 start_;                            ///< of the pattern
     std::vector<SphericalTriangle> triangles_; // empty: by area
     std::vector<double> cumulative_;
     Vec3d normal_;

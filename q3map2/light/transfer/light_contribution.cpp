@@ -1,10 +1,10 @@
 // GPL-2.0-or-later. What one light gives to places of a light grid.
 #include "q3map2/light/transfer/light_contribution.h"
 
-#include "q3map2/light/transfer/light_area.h"
 #include "q3map2/light/batch/light_formfactor.h"
-#include "q3map2/light/transfer/light_terms.h"
 #include "q3map2/light/scene/sky_beam.h"
+#include "q3map2/light/transfer/light_area.h"
+#include "q3map2/light/transfer/light_terms.h"
 
 #include <algorithm>
 #include <bit>

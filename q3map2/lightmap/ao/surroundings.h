@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. How open the surroundings of places on surfaces are: dirt and floodlight.
 #pragma once
 
-#include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/ao/near_triangles.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <cstdint>
 #include <functional>

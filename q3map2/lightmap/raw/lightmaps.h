@@ -2,9 +2,9 @@
 #pragma once
 
 #include "common/jobs.h"
-#include "q3map2/light/transfer/light_contribution.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/scene/surface_table.h"
+#include "q3map2/light/transfer/light_contribution.h"
 #include "q3map2/lightmap/options/lightmap_options.h"
 
 #include <array>
