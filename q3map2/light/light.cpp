@@ -144,8 +144,8 @@ std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const Indir
     return points;
 }
 
-LightGridSH LightGridInSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
-                          GridStats &stats) {
+LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
+                       GridStats &stats) {
     const LightOptions &options = setup.options;
     log.Section("TraceGridSH");
     const GridLayout layout = SetupGridSH(setup.bsp, setup.layout.size, options, log);

@@ -47,8 +47,8 @@ struct LightSetup {
 std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs,
                                             Log &log, GridStats &stats);
 /// The SH grid, likewise.
-LightGridSH LightGridInSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
-                          GridStats &stats);
+LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
+                       GridStats &stats);
 
 /// All lights of a map in the order in which they count, before SetupEnvelopes; fills the sky numbers of `table`.
 std::vector<Light> CreateLights(const Bsp &bsp, const std::vector<Entity> &entities, SurfaceTable &table,

@@ -30,7 +30,7 @@ class SurfacePasses {
                 bounces_.emplace(in_, surfaces_);
                 in_.log.Count((long long)(bounces_->Rays()), "rays that all bounces go by");
             }
-            if (!bounces_->TakeUp(surfaces_)) {
+            if (!bounces_->CollectRadiosity(surfaces_)) {
                 in_.log.Print("No light is left to bounce\n");
                 averaged_ = true;
                 break;
@@ -110,7 +110,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
                                    .noLightmaps = lightmap.noLightmaps,
                                    .ambient = {}};
     LightSetup setup(bsp, inputs, options, defaults, library, log);
-    library.SettleImages(lightmap.bounces > 0 && !lightmap.onlyGrid);
+    library.ReleaseImages(lightmap.bounces > 0 && !lightmap.onlyGrid);
     LightResult result;
     std::optional<SurfacePasses> surfaces;
     std::unique_ptr<IndirectLight> bounced;
@@ -125,7 +125,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     if (!options.noGrid)
         bsp.gridPoints = LightLegacyGrid(setup, bounced.get(), jobs, log, result.grid);
     if (options.sh) {
-        bsp.gridSH = LightGridInSH(setup, bounced.get(), jobs, log, result.gridSH);
+        bsp.gridSH = BakeGridSH(setup, bounced.get(), jobs, log, result.gridSH);
         bsp.gridSHContainer = options.shBspx ? GridSHContainer::Bspx : GridSHContainer::Lump;
         if (options.shRadiance)
             setup.stored.front().Set(kGridSHKey, "radiance");

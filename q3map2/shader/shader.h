@@ -102,7 +102,7 @@ class ShaderLibrary {
 
     /// The shader of that name (without case and extension). Unknown names give an implicit shader with the image of
     /// that name. The reference stays valid as long as the library. Images, and colours from them, are there for
-    /// shaders that shine or let light through; for others see SettleImages.
+    /// shaders that shine or let light through; for others see ReleaseImages.
     const ShaderInfo &Get(std::string_view name);
     /// An image by its name without extension; null when there is none. Cached.
     std::shared_ptr<const Image> LoadImage(std::string_view nameWithoutExtension);
@@ -111,7 +111,7 @@ class ShaderLibrary {
     /// shadows, light filters) and, if bounced light will take its colours from them, those of drawn surfaces: they
     /// are read now for all shaders that were looked up. A ShaderInfo that loses its image keeps its colours and gets
     /// the white one.
-    void SettleImages(bool keepForBounces);
+    void ReleaseImages(bool keepForBounces);
 
   private:
     struct State;

@@ -288,7 +288,7 @@ std::shared_ptr<const Image> ShaderLibrary::LoadImage(std::string_view nameWitho
     return state_->CachedImage(nameWithoutExtension);
 }
 
-void ShaderLibrary::SettleImages(bool keepForBounces) {
+void ShaderLibrary::ReleaseImages(bool keepForBounces) {
     state_->table.ForEach([&](ParsedShader &shader) {
         const bool bounces = keepForBounces && Reflects(shader.info);
         if (bounces && shader.lookedUp && !shader.imagesReady)

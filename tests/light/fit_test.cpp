@@ -21,7 +21,7 @@ SceneBuilder LitRoom() {
     return scene;
 }
 
-/// Root of the mean square of what interpolation errs by at places `clear` units off the walls and 60 off the light,
+/// Root of the mean square of what interpolation errs by at receivers `clear` units off the walls and 60 off the light,
 /// between `low` and `high` along x.
 double ErrorBetween(const GridView &grid, double low, double high, double clear = 17) {
     double sum = 0;

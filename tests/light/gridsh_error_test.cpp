@@ -53,7 +53,7 @@ void Corrupt(Bsp &bsp, std::size_t k, double amount) {
 TEST_F(GridSHErrorTest, UniformLightHasNone) {
     for (const std::string_view options : {"-sh", "-sh -shradiance", "-sh -gridscale 2", "-sh -shdering"}) {
         const GridSHError error = Measure(Lit(Ambient("60"), options), options);
-        EXPECT_EQ(error.places, 2000u) << options;
+        EXPECT_EQ(error.receivers, 2000u) << options;
         EXPECT_LT(error.rms, 1e-3) << options;
         EXPECT_LT(error.percentile95, 1e-3) << options;
         EXPECT_LT(error.doubled, 1e-3) << options;
@@ -109,7 +109,7 @@ TEST_F(GridSHErrorTest, LightInADarkRoomIsALeak) {
     Bsp bsp = Lit(scene, "-sh");
     EXPECT_LT(Measure(bsp).leak, 0.02);
     Corrupt(bsp, 0, 60);
-    // Places 16 units clear of walls: from -234 to -16 and from 32 to 234.
+    // Receivers 16 units clear of walls: from -234 to -16 and from 32 to 234.
     EXPECT_NEAR(Measure(bsp).leak, 202.0 / 420, 0.07);
 }
 
@@ -172,7 +172,7 @@ TEST_F(GridSHErrorTest, IsPrintedOnRequest) {
     EXPECT_FALSE(Printed("CheckGridSH"));
     Lit(scene, "-sh -sherror");
     EXPECT_TRUE(Printed("--- CheckGridSH ---"));
-    EXPECT_TRUE(Printed("2000 places that a player can be in"));
+    EXPECT_TRUE(Printed("2000 receivers that a player can be in"));
     EXPECT_TRUE(Printed("95 % would be under half of that: -gridsh "));
     Lit(scene, "-sh -sherror -gridsh 8 8 8");
     EXPECT_TRUE(Printed("These are the smallest cells"));

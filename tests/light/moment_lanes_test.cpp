@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Moments for sixteen places at once: as for each alone.
+// GPL-2.0-or-later. Moments for sixteen receivers at once: as for each alone.
 #include "q3map2/light/transfer/moment_lanes.h"
 
 #include <gtest/gtest.h>
@@ -31,17 +31,18 @@ TEST(MomentLanesTest, NearPlacesGetWhatEachGetsAlone) {
             const float angle = 6.2831853f * float(i) / float(count);
             corners.push_back(middle + right * (width * std::cos(angle)) + up * (height * std::sin(angle)));
         }
-        Lanes3 places;
+        Lanes3 receivers;
         LaneMask all;
         for (std::size_t i = 0; i < kPacketSize; ++i) {
             const float off = (0.02f + std::abs(any(random))) * (width + height);
-            places.Set(i, middle + right * (2 * width * any(random)) + up * (2 * height * any(random)) - normal * off);
+            receivers.Set(i,
+                          middle + right * (2 * width * any(random)) + up * (2 * height * any(random)) - normal * off);
             all[i] = -1;
         }
         MomentLanes lanes;
-        lanes.Measure(corners, places, all);
+        lanes.Measure(corners, receivers, all);
         for (std::size_t i = 0; i < kPacketSize; ++i) {
-            const PolygonMoments alone = MomentsOfPolygon(corners, Vec3d(places[i]));
+            const PolygonMoments alone = MomentsOfPolygon(corners, Vec3d(receivers[i]));
             ASSERT_GT(alone.solidAngle, 0);
             EXPECT_LT(Off(lanes.Of(i), alone), 1e-11) << round;
             EXPECT_NEAR(lanes.FirstLength(i), Length(alone.first), 1e-11);
@@ -52,18 +53,18 @@ TEST(MomentLanesTest, NearPlacesGetWhatEachGetsAlone) {
 TEST(MomentLanesTest, FarPlacesGetTheLightThatEachGetsAlone) {
     const std::vector<Vec3f> corners = {{0, 0, 0}, {0, 32, 0}, {32, 32, 0}, {32, 0, 0}};
     for (const float away : {64.0f, 500.0f, 4000.0f, 30000.0f}) {
-        Lanes3 places;
+        Lanes3 receivers;
         LaneMask all;
         for (std::size_t i = 0; i < kPacketSize; ++i) {
-            places.Set(i, {16 + away * (float(i) - 8) / 8, 16, -away});
+            receivers.Set(i, {16 + away * (float(i) - 8) / 8, 16, -away});
             all[i] = -1;
         }
         MomentLanes lanes;
-        lanes.Measure(corners, places, all);
+        lanes.Measure(corners, receivers, all);
         std::array<Lanes, 9> projections;
         lanes.Project(1, all, projections);
         for (std::size_t i = 0; i < kPacketSize; ++i) {
-            const PolygonMoments alone = MomentsOfPolygon(corners, Vec3d(places[i]));
+            const PolygonMoments alone = MomentsOfPolygon(corners, Vec3d(receivers[i]));
             EXPECT_LT(Off(lanes.Of(i), alone), 2e-14 + 1e-10 * alone.solidAngle) << away;
             for (std::size_t k = 0; k < 9; ++k)
                 EXPECT_NEAR(double(projections[k][i]), alone.Projection()[k], 3e-14 + 1e-7 * alone.solidAngle);
@@ -74,14 +75,14 @@ TEST(MomentLanesTest, FarPlacesGetTheLightThatEachGetsAlone) {
 TEST(MomentLanesTest, OtherPlacesKeepTheirs) {
     const std::vector<Vec3f> floor = {{0, 0, 0}, {64, 0, 0}, {64, 64, 0}, {0, 64, 0}};
     const std::vector<Vec3f> ceiling = {{0, 64, 128}, {64, 64, 128}, {64, 0, 128}, {0, 0, 128}};
-    Lanes3 places;
-    places.Fill({32, 32, 50});
+    Lanes3 receivers;
+    receivers.Fill({32, 32, 50});
     LaneMask even, odd;
     for (std::size_t i = 0; i < kPacketSize; ++i)
         even.Set(i, i % 2 == 0), odd.Set(i, i % 2 != 0);
     MomentLanes lanes;
-    lanes.Measure(std::vector<Vec3f>(floor.rbegin(), floor.rend()), places, even);
-    lanes.Measure(std::vector<Vec3f>(ceiling.rbegin(), ceiling.rend()), places, odd);
+    lanes.Measure(std::vector<Vec3f>(floor.rbegin(), floor.rend()), receivers, even);
+    lanes.Measure(std::vector<Vec3f>(ceiling.rbegin(), ceiling.rend()), receivers, odd);
     const double below = lanes.Of(0).first.z, above = lanes.Of(1).first.z;
     EXPECT_LT(below, 0);
     EXPECT_GT(above, 0);
@@ -91,13 +92,13 @@ TEST(MomentLanesTest, OtherPlacesKeepTheirs) {
 
 TEST(MomentLanesTest, FromBehindAndInAPlaneThereIsNothing) {
     const std::vector<Vec3f> floor = {{0, 64, 0}, {64, 64, 0}, {64, 0, 0}, {0, 0, 0}};
-    Lanes3 places;
+    Lanes3 receivers;
     for (std::size_t i = 0; i < kPacketSize; ++i)
-        places.Set(i, {32, 32, i % 2 == 0 ? -50.0f : 50.0f});
+        receivers.Set(i, {32, 32, i % 2 == 0 ? -50.0f : 50.0f});
     LaneMask all;
     all.fill(-1);
     MomentLanes lanes;
-    lanes.Measure(floor, places, all);
+    lanes.Measure(floor, receivers, all);
     const bool above = lanes.Of(1).solidAngle > 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const bool front = (i % 2 == 1) == above;

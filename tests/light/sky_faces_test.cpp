@@ -185,7 +185,7 @@ bool NearEdge(const Vec3d &p) {
     return near(p.x) + near(p.y) + near(p.z) > 1;
 }
 
-/// Rays of one direction from places of a box, small and large, in, behind and beside the skies.
+/// Rays of one direction from receivers of a box, small and large, in, behind and beside the skies.
 void ExpectBeamsMeetTheNearest(const Triangles &skies, float nearest, int wanted) {
     const SkyFaces faces(skies, IndexesOf(skies));
     ASSERT_TRUE(faces.Few());

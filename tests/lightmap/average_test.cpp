@@ -11,8 +11,8 @@ TEST_F(AverageTest, LuxelIsTheMeanOfItsOpenPlaces) {
     MakeLightmaps(2, 1, 2);
     RawLightmap &raw = surfaces.lightmaps[0];
     Fill(raw, [](int x, int y) { return Vec3f{float(10 * x), float(100 * y), 7}; });
-    raw.codes[raw.SuperIndex(0, 0)] = kOccluded; // has light, but of a place that is not open
-    raw.codes[raw.SuperIndex(1, 0)] = kFlooded;
+    raw.luxelClusters[raw.SuperIndex(0, 0)] = kOccluded; // has light, but of a place that is not open
+    raw.luxelClusters[raw.SuperIndex(1, 0)] = kFlooded;
     Average();
     EXPECT_EQ(raw.result[0][0], (Vec3f{20.0f / 3, 200.0f / 3, 7}));
     EXPECT_EQ(raw.result[0][1], (Vec3f{25, 50, 7}));
@@ -25,7 +25,7 @@ TEST_F(AverageTest, ClosedPlacesCountWhereNothingIsOpen) {
     raw.ambient = {3, 4, 5};
     for (int y = 0; y < 2; ++y)
         for (int x = 0; x < 4; ++x)
-            raw.codes[raw.SuperIndex(x, y)] = kOccluded, raw.filled[0][raw.SuperIndex(x, y)] = x < 2;
+            raw.luxelClusters[raw.SuperIndex(x, y)] = kOccluded, raw.filled[0][raw.SuperIndex(x, y)] = x < 2;
     Average();
     EXPECT_EQ(raw.result[0][0], (Vec3f{0.5f, 0, 0}));
     EXPECT_EQ(raw.result[0][1], (Vec3f{3, 4, 5})) << "a surface without light has the ambient light";
@@ -82,9 +82,9 @@ TEST_F(AverageTest, DebugModesPaintWhatIsNoCluster) {
     MakeLightmaps(6, 6);
     RawLightmap &raw = surfaces.lightmaps[0];
     Fill(raw, [](int, int) { return Vec3f{9, 9, 9}; });
-    raw.codes[raw.Index(2, 2)] = kUnmapped;
-    raw.codes[raw.Index(3, 2)] = kOccluded;
-    raw.codes[raw.Index(4, 2)] = kFlooded;
+    raw.luxelClusters[raw.Index(2, 2)] = kUnmapped;
+    raw.luxelClusters[raw.Index(3, 2)] = kOccluded;
+    raw.luxelClusters[raw.Index(4, 2)] = kFlooded;
     lightmap.debug = lightmap.border = true;
     Average();
     EXPECT_EQ(raw.result[0][raw.Index(2, 2)], (Vec3f{255, 204, 0}));

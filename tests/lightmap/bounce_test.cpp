@@ -209,7 +209,7 @@ TEST_F(SliverTest, FastEndsPiecesThatItLiesBehindOrThatLieBehindIt) {
     // The row above, which only texture filtering reads, is over the plate, and smoothing takes its share.
     const double seen = AtSliver(0, 96, 0.5f, "");
     EXPECT_GT(seen, 20);
-    EXPECT_LT(AtSliver(0, 96, 0.5f, "-fast"), 0.6 * seen) << "the sliver's places are behind the plate";
+    EXPECT_LT(AtSliver(0, 96, 0.5f, "-fast"), 0.6 * seen) << "the sliver's receivers are behind the plate";
     EXPECT_GT(AtSliver(0, 96, 0.005f, "-fast"), 5);
     EXPECT_GT(AtSliver(60, 220, 0.005f, ""), 5);
     EXPECT_EQ(AtSliver(60, 220, 0.005f, "-fast"), 0) << "the middles of the plate's triangles are behind the sliver";

@@ -237,7 +237,7 @@ TEST_F(CompareTest, DirectionsAreComparedInDegrees) {
     const auto towards = [&](const Vec3f &direction) {
         Light(30);
         for (RawLightmap &raw : surfaces.lightmaps)
-            raw.directions.assign(raw.codes.size(), direction);
+            raw.directions.assign(raw.luxelClusters.size(), direction);
     };
     towards({0, 0, 1});
     const LitMap a = Written("a");

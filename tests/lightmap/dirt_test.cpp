@@ -85,10 +85,10 @@ class DirtTest : public testing::Test {
     }
     /// Dirt of all luxels: worked out for each, then smoothed in reading order.
     std::vector<double> Expected(const RawLightmap &raw, const LightmapOptions &o) const {
-        std::vector<double> dirt(raw.codes.size());
+        std::vector<double> dirt(raw.luxelClusters.size());
         for (std::size_t i = 0; i < dirt.size(); ++i)
             if (raw.Mapped(i))
-                dirt[i] = RawDirt(Vec3d(raw.places[i]), o);
+                dirt[i] = RawDirt(Vec3d(raw.positions[i]), o);
         for (int y = 0; y < raw.SuperHeight(); ++y)
             for (int x = 0; x < raw.SuperWidth(); ++x) {
                 double sum = dirt[raw.SuperIndex(x, y)];
@@ -209,7 +209,7 @@ TEST_F(DirtTest, RandomRaysAgreeWithTheMeanOverTheCone) {
     for (std::size_t i = 0; i < raw.dirt.size(); ++i)
         if (raw.Mapped(i)) {
             // Elevations of even spread, 48 rays to one straight up.
-            const Vec3d p(raw.places[i]);
+            const Vec3d p(raw.positions[i]);
             const double up = 1 - std::min(1.0, Distance(p, {1e-9, 1e-9, 1}, 128) / 128);
             sum += double(raw.dirt[i]), ++count;
             expected += 1 - (Shut(p, 44, 2, 128, false) * 48 + up) / 49;
@@ -287,9 +287,9 @@ TEST_F(DirtTest, LuxelsInThePlaneOfAWallSeeAwayFromIt) {
     SurfaceLight surfaces = c.Mapped();
     RawLightmap &raw = surfaces.lightmaps[std::size_t(surfaces.lightmapOf[std::size_t(SurfacesOf(c, kFloor)[0])])];
     raw.width = raw.height = raw.super = 1;
-    raw.places = {{1024, 0, 1}};
+    raw.positions = {{1024, 0, 1}};
     raw.normals = {{0, 0, 1}};
-    raw.codes = {0};
+    raw.luxelClusters = {0};
     DirtLuxels(c.Inputs(), surfaces);
     EXPECT_NEAR(raw.dirt[0], 1 - 3 * 7 / 49.0, 1e-3);
 }
@@ -312,9 +312,9 @@ TEST_F(FloodTest, WorldsByOpenness) {
     const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
     EXPECT_EQ(raw.floodDirectionScale, 0.25f);
     int mapped = 0;
-    for (std::size_t i = 0; i < raw.codes.size(); ++i)
+    for (std::size_t i = 0; i < raw.luxelClusters.size(); ++i)
         if (raw.Mapped(i)) {
-            const double open = 1 - Shut(Vec3d(raw.places[i]), 4, 22, 200, false);
+            const double open = 1 - Shut(Vec3d(raw.positions[i]), 4, 22, 200, false);
             EXPECT_NEAR(raw.floodlight[i].x, 80 * open, 0.1);
             EXPECT_NEAR(raw.floodlight[i].z, 20 * open, 0.1);
             ++mapped;
@@ -333,14 +333,15 @@ TEST_F(FloodTest, ShadersAddTheirOwn) {
         SurfaceLight surfaces = c.Mapped();
         FloodLuxels(c.Inputs(), surfaces);
         const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
-        const auto open = std::size_t(std::find_if(raw.codes.begin(), raw.codes.end(), [](int c0) { return c0 >= 0; }) -
-                                      raw.codes.begin());
-        ASSERT_LT(open, raw.codes.size());
+        const auto open = std::size_t(
+            std::find_if(raw.luxelClusters.begin(), raw.luxelClusters.end(), [](int c0) { return c0 >= 0; }) -
+            raw.luxelClusters.begin());
+        ASSERT_LT(open, raw.luxelClusters.size());
         EXPECT_EQ(raw.floodDirectionScale, 0.5f);
         // Walls are 1024 away and more; the world's light reaches 1024.
         EXPECT_NEAR(raw.floodlight[open].y - raw.floodlight[open].x, 30, 1e-3);
         EXPECT_EQ(raw.floodlight[open].x > 100, world);
-        EXPECT_TRUE(LightmapOf(c, surfaces, kFloor).floodlight.size() == raw.codes.size());
+        EXPECT_TRUE(LightmapOf(c, surfaces, kFloor).floodlight.size() == raw.luxelClusters.size());
     }
 }
 

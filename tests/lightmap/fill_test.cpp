@@ -17,8 +17,8 @@ class FinishTest : public testing::Test {
         RawLightmap &m = Luxels();
         m.width = kWidth, m.height = kHeight;
         const std::size_t count = kWidth * kHeight;
-        m.codes.assign(count, 0);
-        m.places.assign(count, {});
+        m.luxelClusters.assign(count, 0);
+        m.positions.assign(count, {});
         m.normals.assign(count, {0, 0, 1});
         m.light[0].resize(count);
         m.filled[0].assign(count, 1);
@@ -27,7 +27,7 @@ class FinishTest : public testing::Test {
     }
     RawLightmap &Luxels() { return surfaces_.lightmaps[0]; }
     void Unmap(std::size_t i, LuxelCode code = kUnmapped) {
-        Luxels().codes[i] = code;
+        Luxels().luxelClusters[i] = code;
         Luxels().light[0][i] = {};
         Luxels().filled[0][i] = 0;
     }
@@ -51,8 +51,8 @@ TEST_F(FinishTest, UnmappedLuxelsGetTheMeanOfMappedNeighbours) {
     // Neighbours of the corner: 1 (no), 4, 5. Of its neighbour: 2, 4, 5, 6.
     EXPECT_FLOAT_EQ(Light(0), (50 + 60) / 2.0f);
     EXPECT_FLOAT_EQ(Light(1), (30 + 50 + 60 + 70) / 4.0f);
-    EXPECT_EQ(Luxels().codes[0], kFlooded);
-    EXPECT_EQ(Luxels().codes[1], kFlooded);
+    EXPECT_EQ(Luxels().luxelClusters[0], kFlooded);
+    EXPECT_EQ(Luxels().luxelClusters[1], kFlooded);
     EXPECT_EQ(Luxels().filled[0][0], 1);
 }
 
@@ -60,9 +60,9 @@ TEST_F(FinishTest, LuxelsWithoutNeighboursStayUnmapped) {
     for (const std::size_t i : {0u, 1u, 4u, 5u})
         Unmap(i);
     Finish();
-    EXPECT_EQ(Luxels().codes[0], kUnmapped);
+    EXPECT_EQ(Luxels().luxelClusters[0], kUnmapped);
     EXPECT_EQ(Luxels().filled[0][0], 0);
-    EXPECT_EQ(Luxels().codes[1], kFlooded);
+    EXPECT_EQ(Luxels().luxelClusters[1], kFlooded);
 }
 
 TEST_F(FinishTest, DarkFillsLeanTowardsAmbient) {
@@ -81,7 +81,7 @@ TEST_F(FinishTest, SplotchesAreFilledFromBrighterNeighbours) {
     EXPECT_FLOAT_EQ(Light(0), (50 + 60) / 2.0f);
     // Row by row: the repaired corner counts already.
     EXPECT_FLOAT_EQ(Light(1), (55 + 30 + 50 + 60 + 70) / 5.0f);
-    EXPECT_EQ(Luxels().codes[0], 0);
+    EXPECT_EQ(Luxels().luxelClusters[0], 0);
 }
 
 TEST_F(FinishTest, DirtDarkensFloodlightToo) {
@@ -114,18 +114,18 @@ TEST_F(FinishTest, NormalsAreShownAsColours) {
 
 TEST_F(FinishTest, DebugModesReplaceTheLight) {
     Luxels().normals[1] = {1, 0, 0};
-    Luxels().codes[2] = 1;
+    Luxels().luxelClusters[2] = 1;
     Luxels().styles = {0, kNoStyle, kNoStyle, kNoStyle};
-    const auto shown = [&](LuxelShow show) {
+    const auto shown = [&](DebugView show) {
         case_.settings.lightmap.show = show;
         ContributionCounts counts;
         LightLuxels(case_.Inputs(), {}, {}, surfaces_, counts);
         return Luxels().light[0];
     };
-    EXPECT_EQ(shown(LuxelShow::NormalMap)[1], (Vec3f{255, 127.5f, 127.5f}));
-    EXPECT_EQ(shown(LuxelShow::Cluster)[2], (Vec3f{192, 128, 128}));
-    EXPECT_EQ(shown(LuxelShow::Cluster)[1], (Vec3f{255, 0, 0}));
-    EXPECT_EQ(shown(LuxelShow::Light)[1], (Vec3f{}));
+    EXPECT_EQ(shown(DebugView::NormalMap)[1], (Vec3f{255, 127.5f, 127.5f}));
+    EXPECT_EQ(shown(DebugView::Cluster)[2], (Vec3f{192, 128, 128}));
+    EXPECT_EQ(shown(DebugView::Cluster)[1], (Vec3f{255, 0, 0}));
+    EXPECT_EQ(shown(DebugView::Light)[1], (Vec3f{}));
 }
 
 } // namespace

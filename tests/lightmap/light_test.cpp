@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Light on luxels: against the established program, closed forms and slow code.
 #include "common/files.h"
-#include "q3map2/light/batch/light_formfactor.h"
+#include "q3map2/light/batch/form_factor.h"
 #include "q3map2/light/tone/light_tone.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "tests/lightmap/luxel_vectors.h"
@@ -70,10 +70,10 @@ class LuxelLightTest : public testing::Test {
     /// Calls check(place, normal, light) for every mapped luxel of the floor.
     template <typename Check> void ForFloor(const Lit &lit, const Check &check) const {
         const RawLightmap &floor = Floor(lit);
-        ASSERT_GE(floor.codes.size(), 200u);
-        for (std::size_t i = 0; i < floor.codes.size(); ++i)
+        ASSERT_GE(floor.luxelClusters.size(), 200u);
+        for (std::size_t i = 0; i < floor.luxelClusters.size(); ++i)
             if (floor.Mapped(i))
-                check(floor.places[i], floor.normals[i], floor.light[0][i]);
+                check(floor.positions[i], floor.normals[i], floor.light[0][i]);
     }
 
     SceneBuilder scene_ = EmptyRoom();
@@ -108,7 +108,7 @@ TEST_F(LuxelLightTest, LightEndsAtTheTolerance) {
         EXPECT_NEAR(got.x, light.photons / (way * way) * (99 / way), 1e-3f) << p.x << " " << p.y;
     });
     const RawLightmap &ending = Floor(fast), &whole = Floor(full);
-    for (std::size_t i = 0; i < whole.codes.size(); ++i) {
+    for (std::size_t i = 0; i < whole.luxelClusters.size(); ++i) {
         EXPECT_EQ(ending.light[0][i].x, whole.light[0][i].x > 1 ? whole.light[0][i].x : 0);
         ended += whole.light[0][i].x > 0 && whole.light[0][i].x <= 1 ? 1 : 0;
     }
@@ -219,10 +219,10 @@ TEST_F(LuxelLightTest, DirectionsPointToTheLight) {
     const Vec3f at{30, -50, 120};
     const Lit lit(Case(settings), {PointLight(at, 1e7f)});
     const RawLightmap &floor = Floor(lit);
-    for (std::size_t i = 0; i < floor.codes.size(); ++i)
+    for (std::size_t i = 0; i < floor.luxelClusters.size(); ++i)
         if (floor.Mapped(i)) {
             const Vec3f expected =
-                Normalize(at - floor.places[i]) * (floor.light[0][i].x / 255) + Vec3f{0, 0, 1.0f / 256};
+                Normalize(at - floor.positions[i]) * (floor.light[0][i].x / 255) + Vec3f{0, 0, 1.0f / 256};
             EXPECT_LT(Length(floor.directions[i] - expected), 1e-4f * Length(expected));
         }
 }
@@ -269,17 +269,17 @@ class LuxelCullTest : public LuxelLightTest {
     double LargestDifference(SurfaceCase &c, const Lit &lit) {
         const RawLightmap &floor = Floor(lit);
         double largest = 0;
-        for (std::size_t i = 0; i < floor.codes.size(); ++i) {
+        for (std::size_t i = 0; i < floor.luxelClusters.size(); ++i) {
             if (!floor.Mapped(i))
                 continue;
             double sum = 0;
             for (const Light &light : lit.lights) {
-                LightSamples one;
-                one.Add(floor.places[i], floor.normals[i], floor.codes[i]);
-                SampleArrivals arrivals;
+                SurfaceReceiverBatch one;
+                one.Add(floor.positions[i], floor.normals[i], floor.luxelClusters[i]);
+                SurfaceIncidentLight incident;
                 ContributionCounts counts;
-                LightContributionToSample(light, {}, c.scene, one, arrivals, counts);
-                sum += arrivals.live[0] != 0 ? double(arrivals.add[0]) : 0;
+                LightContributionToSample(light, {}, c.scene, one, incident, counts);
+                sum += incident.live[0] != 0 ? double(incident.add[0]) : 0;
             }
             largest = std::max(largest, std::abs(sum - double(floor.light[0][i].x)));
         }
@@ -396,8 +396,8 @@ TEST_P(LuxelVectorTest, GivesTheSameBytes) {
         const Vec3f place(expected.place), normal(expected.normal);
         bool found = false;
         for (const RawLightmap &raw : surfaces.lightmaps)
-            for (std::size_t i = 0; i < raw.codes.size() && !found; ++i) {
-                if (!raw.Mapped(i) || Length(raw.places[i] - place) > 0.2f || Dot(raw.normals[i], normal) < 0.9f)
+            for (std::size_t i = 0; i < raw.luxelClusters.size() && !found; ++i) {
+                if (!raw.Mapped(i) || Length(raw.positions[i] - place) > 0.2f || Dot(raw.normals[i], normal) < 0.9f)
                     continue;
                 found = true;
                 const auto got = ColorToBytes(raw.light[0][i], 1, raw.brightness, setup.options.tone);

@@ -62,13 +62,13 @@ TEST_F(LuxelTest, OpenLuxelsStandAUnitOffTheirCentre) {
                     continue;
                 ++mapped;
                 const auto centre = [&](int k) { return (float(k) + 0.5f) * 16 / float(super) - 8; };
-                ExpectVector(raw.places[luxel], {10 + centre(x), 20 + centre(y), -29});
+                ExpectVector(raw.positions[luxel], {10 + centre(x), 20 + centre(y), -29});
                 ExpectVector(raw.normals[luxel], {0, 0, 1});
-                EXPECT_EQ(raw.codes[luxel], c.space.ClusterAt(raw.places[luxel], 0));
+                EXPECT_EQ(raw.luxelClusters[luxel], c.space.ClusterAt(raw.positions[luxel], 0));
             }
         // What the rectangle covers, rounded outward, and the ring around it as far as the lightmap goes.
         EXPECT_GE(mapped, int(std::ceil(100.0 / 16 * super)) * int(std::ceil(70.0 / 16 * super)));
-        EXPECT_EQ(std::size_t(mapped) <= raw.codes.size(), true);
+        EXPECT_EQ(std::size_t(mapped) <= raw.luxelClusters.size(), true);
     }
 }
 
@@ -85,8 +85,8 @@ TEST_F(LuxelTest, NoPlaceIsInSolid) {
                 if (!raw.Mapped(luxel))
                     continue;
                 ++mapped;
-                EXPECT_GE(c.space.ClusterAt(raw.places[luxel], 0.125f), 0);
-                const Vec3f off = raw.places[luxel] - (raw.origin + raw.step[0] * float(x) + raw.step[1] * float(y));
+                EXPECT_GE(c.space.ClusterAt(raw.positions[luxel], 0.125f), 0);
+                const Vec3f off = raw.positions[luxel] - (raw.origin + raw.step[0] * float(x) + raw.step[1] * float(y));
                 EXPECT_NEAR(std::abs(Dot(off, raw.planeNormal)), 1, 1e-3);
                 EXPECT_LT(Length(off), 12) << "at most half a luxel along both axes";
                 nudged += Length(off) > 2 ? 1 : 0;
@@ -106,7 +106,7 @@ TEST_F(LuxelTest, CoveredLuxelsAreOccluded) {
         for (int x = 1; x < 16; ++x) {
             const float px = float(x) * 16, py = float(y) * 16;
             const float inside = std::min(std::min(px - 90, 200 - px), std::min(py - 90, 200 - py));
-            const int code = raw.codes[raw.SuperIndex(x, y)];
+            const int code = raw.luxelClusters[raw.SuperIndex(x, y)];
             if (inside > 9) {
                 EXPECT_EQ(code, kOccluded) << x << ' ' << y;
             }
@@ -129,11 +129,11 @@ TEST_F(LuxelTest, DarkDoesNotNudge) {
         for (int y = 0; y < raw.height; ++y) {
             // The box stands on column 4, from 6 units to its left to 6 to its right.
             const std::size_t luxel = raw.SuperIndex(4, y);
-            EXPECT_EQ(raw.codes[luxel] == kOccluded, dark);
+            EXPECT_EQ(raw.luxelClusters[luxel] == kOccluded, dark);
             if (!dark) {
-                EXPECT_EQ(std::abs(raw.places[luxel].x - 80), 8);
+                EXPECT_EQ(std::abs(raw.positions[luxel].x - 80), 8);
             }
-            EXPECT_EQ(raw.places[raw.SuperIndex(3, y)].x, 64);
+            EXPECT_EQ(raw.positions[raw.SuperIndex(3, y)].x, 64);
         }
     }
 }
@@ -163,7 +163,7 @@ TEST_F(LuxelTest, TrianglesMapWhatTheyTouchAndARing) {
                 }
                 // A luxel reaches 11.3 units from its centre, and the ring is one luxel, 22.6 units diagonally.
                 if (!inside(16.0 * x, 16.0 * y, 11.4 + 22.7)) {
-                    EXPECT_EQ(raw.codes[luxel], kUnmapped) << x << ' ' << y;
+                    EXPECT_EQ(raw.luxelClusters[luxel], kUnmapped) << x << ' ' << y;
                 }
                 if (raw.Mapped(luxel))
                     ExpectVector(raw.normals[luxel], {0, 0, 1});
@@ -177,11 +177,12 @@ TEST_F(LuxelTest, LuxelsBesideATiltedSurfaceHaveItsVeryNormal) {
     SurfaceCase c(WithTriangle(EmptyRoom(), corners), folder);
     const SurfaceLight surfaces = c.Mapped();
     const RawLightmap &raw = LightmapOf(c, surfaces, kA);
-    const auto first = std::find_if(raw.codes.begin(), raw.codes.end(), [](int code) { return code >= 0; });
-    const Vec3f normal = raw.normals[std::size_t(first - raw.codes.begin())];
+    const auto first =
+        std::find_if(raw.luxelClusters.begin(), raw.luxelClusters.end(), [](int code) { return code >= 0; });
+    const Vec3f normal = raw.normals[std::size_t(first - raw.luxelClusters.begin())];
     EXPECT_GT(std::abs(normal.x), 0.1f);
     int mapped = 0;
-    for (std::size_t i = 0; i < raw.codes.size(); ++i)
+    for (std::size_t i = 0; i < raw.luxelClusters.size(); ++i)
         if (raw.Mapped(i)) {
             EXPECT_EQ(raw.normals[i], normal) << i;
             ++mapped;
@@ -203,7 +204,7 @@ TEST_F(LuxelTest, PlacesStayOnTheirSideOfAThinWall) {
     for (int y = 0; y < raw.height; ++y) {
         const std::size_t luxel = raw.SuperIndex(0, y);
         ASSERT_TRUE(raw.Mapped(luxel));
-        EXPECT_GT(raw.places[luxel].x, 258) << "half a luxel to the left is the other room";
+        EXPECT_GT(raw.positions[luxel].x, 258) << "half a luxel to the left is the other room";
     }
 }
 
@@ -276,7 +277,7 @@ TEST_F(LuxelTest, NormalImagesBendNormals) {
         const Vec3f expected = Normalize(Vec3f{0, 0, 1} * (1 + 128 / 127.5f) + s * (bent.toward.x * 128 / 127.5f) +
                                          t * (bent.toward.y * 127 / 127.5f));
         int mapped = 0;
-        for (std::size_t i = 0; i < raw.codes.size(); ++i)
+        for (std::size_t i = 0; i < raw.luxelClusters.size(); ++i)
             if (raw.Mapped(i)) {
                 ++mapped;
                 ExpectVector(raw.normals[i], expected);
@@ -310,7 +311,7 @@ TEST_F(LuxelTest, CurvesAreLiftedAlongTheirNormals) {
             for (int x = 0; x < raw.width; ++x) {
                 const std::size_t luxel = raw.SuperIndex(x, y);
                 ASSERT_TRUE(raw.Mapped(luxel)) << x << ' ' << y;
-                const Vec3f &p = raw.places[luxel];
+                const Vec3f &p = raw.positions[luxel];
                 const float radius = std::hypot(p.x, p.y);
                 side = Dot(raw.normals[luxel], {p.x / radius, p.y / radius, 0}) > 0 ? 1.0f : -1.0f;
                 // Parabolas bulge up to 12 units beyond the circle; chords cut up to 5 off.
@@ -332,8 +333,8 @@ TEST_F(LuxelTest, ThreadsDoNotMatter) {
     ASSERT_EQ(a.lightmaps.size(), b.lightmaps.size());
     for (std::size_t i = 0; i < a.lightmaps.size(); ++i) {
         EXPECT_EQ(a.lightmaps[i].surfaces, b.lightmaps[i].surfaces);
-        EXPECT_EQ(a.lightmaps[i].codes, b.lightmaps[i].codes);
-        EXPECT_TRUE(a.lightmaps[i].places == b.lightmaps[i].places);
+        EXPECT_EQ(a.lightmaps[i].luxelClusters, b.lightmaps[i].luxelClusters);
+        EXPECT_TRUE(a.lightmaps[i].positions == b.lightmaps[i].positions);
         EXPECT_TRUE(a.lightmaps[i].normals == b.lightmaps[i].normals);
     }
 }
@@ -351,8 +352,8 @@ TEST_F(LuxelTest, VerticesOfAnotherLightmapMapNothing) {
     SurfaceCase c(bsp, folder, settings);
     const SurfaceLight surfaces = c.Mapped();
     const auto mapped = [&](std::string_view shader) {
-        const std::vector<int> &codes = LightmapOf(c, surfaces, shader).codes;
-        return std::count_if(codes.begin(), codes.end(), [](int code) { return code >= 0; });
+        const std::vector<int> &luxelClusters = LightmapOf(c, surfaces, shader).luxelClusters;
+        return std::count_if(luxelClusters.begin(), luxelClusters.end(), [](int code) { return code >= 0; });
     };
     EXPECT_EQ(mapped(kA), 64 * 64);
     EXPECT_EQ(mapped(kB), 0);
@@ -365,10 +366,10 @@ TEST_F(LuxelTest, TriangleCheckPullsPlacesInside) {
     SurfaceCase c(WithTriangle(EmptyRoom(), corners), folder, settings);
     const SurfaceLight surfaces = c.Mapped();
     const RawLightmap &raw = LightmapOf(c, surfaces, kA);
-    const Vec3f &corner = raw.places[raw.SuperIndex(0, 0)], &edge = raw.places[raw.SuperIndex(0, 5)];
+    const Vec3f &corner = raw.positions[raw.SuperIndex(0, 0)], &edge = raw.positions[raw.SuperIndex(0, 5)];
     ExpectVector(corner, {1, 1, 1});
     ExpectVector(edge, {1, 80, 1});
-    ExpectVector(raw.places[raw.SuperIndex(4, 4)], {64, 64, 1});
+    ExpectVector(raw.positions[raw.SuperIndex(4, 4)], {64, 64, 1});
 }
 
 } // namespace

@@ -122,7 +122,7 @@ TEST_P(NearTrianglesTest, TheFirstTriangleOfEachRayIsFound) {
         LightScene::Blockers blockers;
         blockers.hit = {};
         const auto outcome = near.Trace(rays, rays.live, BeamOf(rays), kNearest, blockers);
-        ASSERT_NE(outcome, NearTriangles::Outcome::NotKnown);
+        ASSERT_NE(outcome, NearTriangles::Outcome::Undecided);
         ExpectFirst(triangles, rays, rays.live, nearest, outcome, blockers, counts);
     }
     EXPECT_GT(counts.hits, 300);
@@ -145,7 +145,7 @@ TEST_P(NearTrianglesTest, RaysGoOnBehindWhatTheyMet) {
         Lanes behind = blockers.distance;
         for (float &distance : behind)
             distance += 0.5f;
-        const auto outcome = near.TraceOn(rays, on, behind, blockers);
+        const auto outcome = near.TraceNextHit(rays, on, behind, blockers);
         ExpectFirst(triangles, rays, on, behind, outcome, blockers, counts);
     }
     EXPECT_GT(counts.hits, 30);
@@ -161,7 +161,7 @@ TEST_P(NearTrianglesTest, SeeThroughTrianglesInTheWayAreLeftToTheScene) {
     NearTriangles near;
     near.Add(wall);
     LightScene::Blockers blockers;
-    EXPECT_EQ(near.Trace(rays, rays.live, BeamOf(rays), kNearest, blockers), NearTriangles::Outcome::NotKnown);
+    EXPECT_EQ(near.Trace(rays, rays.live, BeamOf(rays), kNearest, blockers), NearTriangles::Outcome::Undecided);
     wall.seeThrough = false;
     NearTriangles opaque;
     opaque.Add(wall);

@@ -67,7 +67,7 @@ TEST_F(LightmapOptionsTest, EveryOptionIsTaken) {
     EXPECT_EQ(o.searchBlock, 4);
     EXPECT_TRUE(o.exportPages && o.triangleSoup && o.sRgbTexture && o.debug && o.border && o.debugNormals);
     EXPECT_TRUE(o.debugDeluxe && o.deluxe && o.debugSampleSize && o.onlyGrid);
-    EXPECT_EQ(o.show, LuxelShow::Axis);
+    EXPECT_EQ(o.show, DebugView::Axis);
 }
 
 TEST_F(LightmapOptionsTest, WhatTheGridsShareComesFromTheirs) {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Places on pages, against a page kept as a plain array.
+// GPL-2.0-or-later. Receivers on pages, against a page kept as a plain array.
 #include "q3map2/lightmap/store/lightmap_pack.h"
 
 #include <random>

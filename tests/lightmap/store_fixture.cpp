@@ -36,9 +36,9 @@ void StoreTest::MakeLightmaps(int width, int height, int super) {
         raw.pageSize = lightmap.pageSize;
         raw.planar = true, raw.planeNormal = Vec3f(surface.lightmapVecs[2]);
         const std::size_t count = std::size_t(raw.SuperWidth()) * std::size_t(raw.SuperHeight());
-        raw.codes.assign(count, 0);
+        raw.luxelClusters.assign(count, 0);
         raw.normals.assign(count, raw.planeNormal);
-        raw.places.resize(count);
+        raw.positions.resize(count);
         for (int v = 0; v < surface.numVerts; ++v) {
             const Vec3f at(bsp.drawVerts[std::size_t(surface.firstVert + v)].xyz);
             // The first corner at the middle of luxel (0, 0), the third at that of the last.
@@ -53,8 +53,8 @@ void StoreTest::MakeLightmaps(int width, int height, int super) {
 }
 
 void StoreTest::Fill(RawLightmap &raw, const std::function<Vec3f(int x, int y)> &color, std::size_t slot) {
-    raw.light[slot].resize(raw.codes.size());
-    raw.filled[slot].assign(raw.codes.size(), 1);
+    raw.light[slot].resize(raw.luxelClusters.size());
+    raw.filled[slot].assign(raw.luxelClusters.size(), 1);
     for (int y = 0; y < raw.SuperHeight(); ++y)
         for (int x = 0; x < raw.SuperWidth(); ++x)
             raw.light[slot][raw.SuperIndex(x, y)] = color(x, y);
@@ -72,7 +72,7 @@ void StoreTest::FillNoise(RawLightmap &raw, std::uint32_t seed, std::size_t slot
 }
 
 void StoreTest::Unmap(RawLightmap &raw, int x, int y) {
-    raw.codes[raw.SuperIndex(x, y)] = kUnmapped;
+    raw.luxelClusters[raw.SuperIndex(x, y)] = kUnmapped;
     raw.filled[0][raw.SuperIndex(x, y)] = 0;
 }
 

@@ -288,11 +288,11 @@ TEST_F(VertexTest, LightmappedSurfacesReadTheNearestLuxels) {
     };
     raw.styles = {0, 9, kNoStyle, kNoStyle};
     for (std::size_t slot = 0; slot < 2; ++slot) {
-        raw.light[slot].resize(raw.codes.size());
-        for (std::size_t i = 0; i < raw.codes.size(); ++i)
+        raw.light[slot].resize(raw.luxelClusters.size());
+        for (std::size_t i = 0; i < raw.luxelClusters.size(); ++i)
             raw.light[slot][i] = Vec3f{float(i), float(slot), 1};
     }
-    std::fill(raw.codes.begin(), raw.codes.end(), 0);
+    std::fill(raw.luxelClusters.begin(), raw.luxelClusters.end(), 0);
     AddPass(c, surfaces);
     EXPECT_EQ(StylesOf(c, surfaces, kLit), raw.styles);
     for (const std::size_t v : vertices)
@@ -301,7 +301,7 @@ TEST_F(VertexTest, LightmappedSurfacesReadTheNearestLuxels) {
 
     // The luxel below is not mapped: the mean of its neighbours; then nothing is.
     const std::size_t v = vertices[0];
-    raw.codes[at(v)] = kOccluded;
+    raw.luxelClusters[at(v)] = kOccluded;
     const int x = int(at(v)) % raw.SuperWidth(), y = int(at(v)) / raw.SuperWidth();
     Vec3f sum;
     float count = 0;
@@ -312,7 +312,7 @@ TEST_F(VertexTest, LightmappedSurfacesReadTheNearestLuxels) {
                 sum += raw.light[0][raw.SuperIndex(x + dx, y + dy)], count += 1;
     AddPass(c, surfaces, {.bounce = true});
     EXPECT_EQ(surfaces.vertex.radiosity[0][v], sum / count);
-    std::fill(raw.codes.begin(), raw.codes.end(), int(kUnmapped));
+    std::fill(raw.luxelClusters.begin(), raw.luxelClusters.end(), int(kUnmapped));
     AddPass(c, surfaces, {.bounce = true});
     EXPECT_EQ(surfaces.vertex.radiosity[0][v], Vec3f{});
 }
@@ -335,9 +335,9 @@ TEST_F(VertexTest, CpmaLightsLightmappedSurfacesWithoutShadows) {
 TEST_F(VertexTest, ShownInsteadOfLight) {
     SceneBuilder scene = Floors();
     CaseSettings settings = Settings();
-    settings.lightmap.show = LuxelShow::NormalMap;
+    settings.lightmap.show = DebugView::NormalMap;
     SurfaceCase normals(scene, folder, settings);
-    settings.lightmap.show = LuxelShow::Origin;
+    settings.lightmap.show = DebugView::Origin;
     SurfaceCase origins(scene, folder, settings);
     const SurfaceLight a = Lit(normals), b = Lit(origins);
     for (const std::size_t v : VerticesOf(normals, kFloor)) {

@@ -36,7 +36,7 @@ class LibraryTest : public testing::Test {
     /// With the image and colours that bounced light would see.
     const ShaderInfo &Get(std::string_view name) {
         const ShaderInfo &info = library->Get(name);
-        library->SettleImages(true);
+        library->ReleaseImages(true);
         return info;
     }
     int Warnings(std::string_view kind) const { return out.log.WarningCount(kind); }

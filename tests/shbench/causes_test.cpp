@@ -97,8 +97,8 @@ TEST_F(CausesTest, WeightsAreTrilinearOverTheCornersThatThePositionSees) {
     const auto map = Map(scene);
     const CellSight open(*map, kLayout, {16, 32, 48});
     EXPECT_FALSE(open.AnyHidden());
-    EXPECT_EQ(open.Places()[0], (Vec3f{0, 0, 0}));
-    EXPECT_EQ(open.Places()[7], (Vec3f{64, 64, 64}));
+    EXPECT_EQ(open.Receivers()[0], (Vec3f{0, 0, 0}));
+    EXPECT_EQ(open.Receivers()[7], (Vec3f{64, 64, 64}));
     EXPECT_NEAR(open.Weights()[0], 0.75 * 0.5 * 0.25, 1e-6);
     EXPECT_NEAR(open.Weights()[5], 0.25 * 0.5 * 0.75, 1e-6);
     const CellSight beside(*map, kLayout, {80, 32, 48}); // x = 128 is behind the wall

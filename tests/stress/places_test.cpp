@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Lights and lamps in awkward places: far from the origin, on points and planes, in walls, many in
+// GPL-2.0-or-later. Lights and lamps in awkward receivers: far from the origin, on points and planes, in walls, many in
 // one spot.
 #include "tests/stress/stress_test.h"
 
@@ -60,12 +60,12 @@ TEST_F(PlacesTest, RoomAsLargeAsTheWorld) {
 
 TEST_F(PlacesTest, LightsOnGridPointsAndPlanes) {
     // On a point, on the edge of a cell, on its face, and all of them together at once.
-    const Vec3d places[] = {{64, 64, 64}, {64, 64, 96}, {64, 96, 96}, {0, 0, 128}};
+    const Vec3d receivers[] = {{64, 64, 64}, {64, 64, 96}, {64, 96, 96}, {0, 0, 128}};
     SceneBuilder scene = Room();
-    for (const Vec3d &at : places)
+    for (const Vec3d &at : receivers)
         scene.AddEntity(PointLight(fmt::format("{} {} {}", at.x, at.y, at.z)));
     ExpectPoints(GridView(LitSoundly(scene)), kExact, 60, [&](const Vec3d &p, Coefficients &c) {
-        for (const Vec3d &at : places)
+        for (const Vec3d &at : receivers)
             c = c + FromPoint(p, at, 300);
         return Inside(p, RoomBounds());
     });

@@ -116,17 +116,17 @@ TEST(PolygonMoments, RandomPolygonsStayWithinTheStatedError) {
     share.Print("share of the stated bound");
 }
 
-/// What the baker takes: places are floats, and at least this far in front of the polygon's plane.
+/// What the baker takes: receivers are floats, and at least this far in front of the polygon's plane.
 constexpr double kClearance = 1.0 / 64;
 
 Moments10 LaneMoments(const PolygonCase &polygon, const Vec3f &p, std::size_t lane) {
-    Lanes3 places;
-    places.Fill(polygon.corners[0]); // a corner, where nothing is defined, must not disturb the others
-    places.Set(lane, p);
+    Lanes3 receivers;
+    receivers.Fill(polygon.corners[0]); // a corner, where nothing is defined, must not disturb the others
+    receivers.Set(lane, p);
     LaneMask those{};
     those.Set(lane, true);
     MomentLanes lanes;
-    lanes.Measure(polygon.corners, places, those);
+    lanes.Measure(polygon.corners, receivers, those);
     return ToArray(lanes.Of(lane));
 }
 

@@ -70,8 +70,8 @@ class Comparer {
         SurfaceDifference difference{surface, std::string(a_.ShaderOf(surface)), {}, {}, {}, {}};
         double worst = -1;
         std::size_t count = 0;
-        const std::vector<Place> places = PlacesOn(a_.Map(), surface, samples_);
-        for (const Place &place : places) {
+        const std::vector<Place> receivers = PlacesOn(a_.Map(), surface, samples_);
+        for (const Place &place : receivers) {
             if (IsBuried(a_.Map(), surface, place)) {
                 ++result_.buried;
                 continue;
@@ -93,7 +93,7 @@ class Comparer {
         difference.spread = own.Summary();
         difference.a = difference.a / double(count), difference.b = difference.b / double(count);
         surfaces_.Add(difference.spread.mean);
-        result_.byArea.Add(AreaOf(a_.Map(), surface) * double(count) / double(places.size()), difference.spread);
+        result_.byArea.Add(AreaOf(a_.Map(), surface) * double(count) / double(receivers.size()), difference.spread);
         ++result_.surfacesCompared;
         result_.surfacesWithin2 += difference.spread.mean <= kCloseSurface;
         result_.worst.push_back(std::move(difference));

@@ -69,7 +69,7 @@ struct Comparison {
     std::vector<SurfaceDifference> worst; ///< surfaces with lightmaps in both, the worst mean first
 };
 
-/// Samples every surface at the same places of both. shaders: of the game, null if unknown. Errors: Error, for files of
+/// Samples every surface at the same receivers of both. shaders: of the game, null if unknown. Errors: Error, for files of
 /// different maps.
 Comparison Compare(const LitMap &a, const LitMap &b, int samplesASurface, std::size_t worstCount,
                    ShaderLibrary *shaders = nullptr);

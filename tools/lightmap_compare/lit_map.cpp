@@ -230,16 +230,16 @@ double AreaOf(const Bsp &bsp, std::size_t surface) {
 
 std::vector<Place> PlacesOn(const Bsp &bsp, std::size_t surface, int count) {
     const bspDrawSurface_t &s = bsp.drawSurfaces[surface];
-    std::vector<Place> places;
+    std::vector<Place> receivers;
     if (s.surfaceType == MST_PATCH) {
         for (int i = 0; i < count; ++i) {
             const Sample2 at = PlasticSample(std::uint32_t(i), surface);
-            places.push_back(OnPatch(s, at.u, at.v));
+            receivers.push_back(OnPatch(s, at.u, at.v));
         }
-        return places;
+        return receivers;
     }
     if (s.surfaceType != MST_PLANAR && s.surfaceType != MST_TRIANGLE_SOUP)
-        return places;
+        return receivers;
     const std::vector<double> area = AreasUpTo(bsp, s);
     const auto index = [&](std::size_t triangle, std::size_t corner) {
         return s.firstVert + bsp.drawIndexes[std::size_t(s.firstIndex) + 3 * triangle + corner];
@@ -250,10 +250,10 @@ std::vector<Place> PlacesOn(const Bsp &bsp, std::size_t surface, int count) {
         const auto t = std::size_t(std::upper_bound(area.begin(), area.end() - 1, chosen) - area.begin()) - 1;
         const double q = std::sqrt(at.u);
         const std::size_t triangle = std::min(t, std::size_t(s.numIndexes) / 3 - 1);
-        places.push_back(
+        receivers.push_back(
             {{index(triangle, 0), index(triangle, 1), index(triangle, 2)}, {1 - q, q * (1 - at.v), q * at.v}, 3});
     }
-    return places;
+    return receivers;
 }
 
 } // namespace q3::compare

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A lit map as an engine draws it: light at places of its surfaces.
+// GPL-2.0-or-later. A lit map as an engine draws it: light at receivers of its surfaces.
 #pragma once
 
 #include "common/log.h"
@@ -73,7 +73,7 @@ bool IsBuried(const Bsp &bsp, std::size_t surface, const Place &place);
 /// Square units; of patches roughly. 0 for surfaces that are not drawn as triangles or patches.
 double AreaOf(const Bsp &bsp, std::size_t surface);
 
-/// `count` well-spread places of a surface, uniform by area on triangles and by parameter on patches; none for surfaces
+/// `count` well-spread receivers of a surface, uniform by area on triangles and by parameter on patches; none for surfaces
 /// that are not drawn so.
 std::vector<Place> PlacesOn(const Bsp &bsp, std::size_t surface, int count);
 

@@ -37,8 +37,8 @@ void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &s
                  const Baked &baked, const ShownLight &shown, const JobPool &jobs, BenchResult &result) {
     const std::vector<PlaceErrors> errors = ErrorsByPlace(truth, shown);
     const auto causes = FindCauses(map, LayoutOf(map, baked, one.legacy), truth, errors, jobs);
-    const auto places = WorstPlaces(truth, shown, settings.worst, settings.worstBy);
-    result.worst = WorstText(truth, places, errors, causes, one.line.name);
+    const auto receivers = WorstPlaces(truth, shown, settings.worst, settings.worstBy);
+    result.worst = WorstText(truth, receivers, errors, causes, one.line.name);
     if (!settings.plan)
         return;
     const bool isBake = one.line.name != kPlainName && !one.legacy; // the others' text is no list of options
@@ -47,7 +47,7 @@ void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &s
     if (options.find('-') != std::string::npos)
         setting += ": " + options;
     const std::string grid = one.legacy ? "legacy grid" : "SH grid";
-    result.plan = MakeErrorPlan(map, {truth, errors, causes, places, settings.worstBy, grid, setting}, jobs);
+    result.plan = MakeErrorPlan(map, {truth, errors, causes, receivers, settings.worstBy, grid, setting}, jobs);
 }
 
 /// Bakes all in turn, so that a machine that changes its pace treats them alike; keeps the least time of each. Bare

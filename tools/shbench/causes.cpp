@@ -30,7 +30,7 @@ struct Candidate {
     bool isNear = false;
     ShVector here{};  ///< at the position without shadows, for full colour
     Vec3d color;      ///< with sign, times scale, 1.0 = byte 255
-    double bytes = 0; ///< RMS over normals; of near lights the largest of all places
+    double bytes = 0; ///< RMS over normals; of near lights the largest of all receivers
 };
 
 /// RMS over all directions of a sum over the basis.
@@ -53,7 +53,7 @@ double ShownChange(const TruthPoint &point, const Change &change) {
 std::vector<Candidate> LightsThatMatter(const BenchMap &map, const CellSight &sight, const Vec3f &cell,
                                         double gridError) {
     const double scale = (map.options.gridScale > 0 ? double(map.options.gridScale) : 1) / 255;
-    const Vec3f &position = sight.Places()[CellSight::kSelf];
+    const Vec3f &position = sight.Receivers()[CellSight::kSelf];
     std::vector<Candidate> all;
     for (const Light &light : map.lights) {
         if (map.options.sunOnly && light.type != LightType::Sun)
@@ -62,7 +62,7 @@ std::vector<Candidate> LightsThatMatter(const BenchMap &map, const CellSight &si
                       Vec3d(light.color) * scale};
         double strongest = RmsOf(one.here);
         for (std::size_t corner = 0; one.isNear && corner < CellSight::kCorners; ++corner)
-            strongest = std::max(strongest, RmsOf(UnshadowedLight(light, Vec3d(sight.Places()[corner]))));
+            strongest = std::max(strongest, RmsOf(UnshadowedLight(light, Vec3d(sight.Receivers()[corner]))));
         one.bytes = 255 * strongest * MaxComponent(one.color);
         one.color = one.color * (light.negative ? -1.0 : 1.0);
         if (one.bytes > 0)
@@ -97,7 +97,7 @@ void AddChanges(const Candidate &one, const CellSight &sight, CellChanges &chang
             changes.shadows[k] += missed * one.here[k];
         if (!one.isNear)
             continue;
-        const ShVector there = UnshadowedLight(*one.light, Vec3d(sight.Places()[corner]));
+        const ShVector there = UnshadowedLight(*one.light, Vec3d(sight.Receivers()[corner]));
         for (std::size_t k = 0; k < 9; ++k)
             changes.nearness[k] += seen * (there[k] - one.here[k]);
     }

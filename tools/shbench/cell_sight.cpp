@@ -135,20 +135,20 @@ CellSight::CellSight(const BenchMap &map, const GridLayout &layout, const Vec3f 
     for (std::size_t corner = 0; corner < kCorners; ++corner) {
         const std::array<std::size_t, 3> upper = {corner & 1, corner >> 1 & 1, corner >> 2 & 1};
         const Float3 at = layout.Position(ends[0][upper[0]], ends[1][upper[1]], ends[2][upper[2]]);
-        places_[corner] = {at[0], at[1], at[2]};
+        receivers_[corner] = {at[0], at[1], at[2]};
         weights_[corner] = 1;
         for (std::size_t axis = 0; axis < 3; ++axis)
             weights_[corner] *= upper[axis] ? shares[axis] : 1 - shares[axis];
     }
-    places_[kSelf] = position;
+    receivers_[kSelf] = position;
     SetWeights();
 }
 
 void CellSight::SetWeights() {
     RayPacket packet{};
     for (std::size_t corner = 0; corner < kCorners; ++corner)
-        if (weights_[corner] > 0 && map_.space.ClusterAt(places_[corner], 0) >= 0)
-            packet.Aim(corner, places_[corner], places_[kSelf]);
+        if (weights_[corner] > 0 && map_.space.ClusterAt(receivers_[corner], 0) >= 0)
+            packet.Aim(corner, receivers_[corner], receivers_[kSelf]);
     RayCounts counts;
     map_.scene.TraceToLight(packet, ShadowRules::Exact, counts);
     double sum = 0;
@@ -165,24 +165,24 @@ void CellSight::SetWeights() {
 
 void CellSight::AddRay(const Light &light, const Vec3f &target, Shares &sums) const {
     RayPacket packet{};
-    for (std::size_t i = 0; i < places_.size(); ++i) {
-        if ((i != kSelf && weights_[i] == 0) || !Reaches(light, places_[i]))
+    for (std::size_t i = 0; i < receivers_.size(); ++i) {
+        if ((i != kSelf && weights_[i] == 0) || !Reaches(light, receivers_[i]))
             continue;
         Vec3d end(target);
         if (light.type == LightType::Area) {
-            const double height = HeightOver(light, places_[i]);
+            const double height = HeightOver(light, receivers_[i]);
             end += light.shape.normal * std::copysign(std::min(kGap, std::abs(height) / 2), height);
         }
-        packet.Aim(i, places_[i], Vec3f(end));
+        packet.Aim(i, receivers_[i], Vec3f(end));
         if (light.type == LightType::Sun)
-            packet.direction.Set(i, -light.normal), packet.distance[i] = kFar;
+            packet.direction.Set(i, -light.normal), packet.distance[i] = kSunDistance;
     }
     RayCounts counts;
     if (light.type == LightType::Sun)
         map_.scene.TraceToSky(packet, light.skyIndex, ShadowRules::Exact, counts);
     else
         map_.scene.TraceToLight(packet, ShadowRules::Exact, counts);
-    for (std::size_t i = 0; i < places_.size(); ++i)
+    for (std::size_t i = 0; i < receivers_.size(); ++i)
         if (packet.live[i] != 0)
             sums[i] += packet.tinted ? Vec3d(packet.tint[i]) : Vec3d{1, 1, 1};
 }
@@ -199,7 +199,7 @@ CellSight::Shares CellSight::Seen(const Light &light, int samples) const {
     for (Vec3d &share : shares)
         share = share / double(std::max(ray, 1));
     for (std::size_t corner = 0; corner < kCorners; ++corner)
-        if (weights_[corner] > 0 && !Reaches(light, places_[corner]))
+        if (weights_[corner] > 0 && !Reaches(light, receivers_[corner]))
             shares[corner] = shares[kSelf];
     return shares;
 }

@@ -20,11 +20,11 @@ double CellsToLight(const Light &light, const Vec3f &p, const Vec3f &cell);
 /// A position and the eight corners of its cell.
 class CellSight {
   public:
-    static constexpr std::size_t kCorners = 8, kSelf = kCorners; ///< numbers of the places
+    static constexpr std::size_t kCorners = 8, kSelf = kCorners; ///< numbers of the receivers
 
     CellSight(const BenchMap &map, const GridLayout &layout, const Vec3f &position);
 
-    const std::array<Vec3f, kCorners + 1> &Places() const { return places_; }
+    const std::array<Vec3f, kCorners + 1> &Receivers() const { return receivers_; }
     /// Weights of the corners that are in the open with a free line to the position, of sum 1. All zero if there are
     /// none.
     const std::array<double, kCorners> &Weights() const { return weights_; }
@@ -41,7 +41,7 @@ class CellSight {
     void AddRay(const Light &light, const Vec3f &target, Shares &sums) const;
 
     const BenchMap &map_;
-    std::array<Vec3f, kCorners + 1> places_;
+    std::array<Vec3f, kCorners + 1> receivers_;
     std::array<double, kCorners> weights_{};
     bool anyHidden_ = false;
 };

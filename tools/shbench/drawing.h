@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Lines, dots and text as SVG and PNG, and places for labels.
+// GPL-2.0-or-later. Lines, dots and text as SVG and PNG, and receivers for labels.
 #pragma once
 
 #include <cairo.h>
@@ -44,7 +44,7 @@ class Drawing {
     cairo_t *canvas_;
 };
 
-/// Picks places for labels beside their dots, clear of each other and of what else is taken.
+/// Picks receivers for labels beside their dots, clear of each other and of what else is taken.
 class LabelPlaces {
   public:
     explicit LabelPlaces(const Box &frame) : frame_(frame) {}

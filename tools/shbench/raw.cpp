@@ -111,7 +111,7 @@ std::uint64_t RawRays::State::Trace(const Task &task) const {
         for (std::size_t i = 0; i < std::size_t(kPacket); ++i) {
             valid[i] = start + i < task.count ? -1 : 0;
             const Vec3f &p = points[task.first + (start + i < task.count ? start + i : start)];
-            const Vec3f way = task.far ? task.target * kFar : task.target - p;
+            const Vec3f way = task.far ? task.target * kSunDistance : task.target - p;
             const float distance = std::max(Length(way), 1e-3f);
             rays.org_x[i] = p.x, rays.org_y[i] = p.y, rays.org_z[i] = p.z;
             rays.dir_x[i] = way.x / distance, rays.dir_y[i] = way.y / distance, rays.dir_z[i] = way.z / distance;

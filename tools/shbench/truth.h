@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Reference light at random places of a map, by brute force.
+// GPL-2.0-or-later. Reference light at random receivers of a map, by brute force.
 #pragma once
 
 #include "common/jobs.h"
@@ -33,7 +33,7 @@ struct Truth {
     double cpuSeconds = 0;
 };
 
-/// Places uniform in the space that a player can be in: in a cluster, a cube of 16 units half size clear of solid.
+/// Receivers uniform in the space that a player can be in: in a cluster, a cube of 16 units half size clear of solid.
 /// Errors: hardly any such space.
 std::vector<Vec3f> PlayerPositions(const BenchMap &map, int count, std::uint64_t seed);
 

@@ -149,7 +149,7 @@ void PlaceRays::CastToSky(const Light &sun, DirectionSum &sum) {
     RayPacket packet{};
     packet.origin.Set(0, Vec3f(p_));
     packet.direction.Set(0, -sun.normal);
-    packet.distance[0] = kFar;
+    packet.distance[0] = kSunDistance;
     packet.live[0] = -1;
     scene_.TraceToSky(packet, sun.skyIndex, ShadowRules::Exact, counts_);
     if (packet.live[0] != 0)

@@ -77,20 +77,20 @@ BspRegion RegionAround(const BspRegion &in, std::span<const BrickPoint> points, 
     return in.Around(box);
 }
 
-void AddPlace(std::vector<LightPlaces> &blocks, const Vec3f &position, const Vec3f &rayOrigin, int cluster,
-              std::uint32_t index) {
+void AddReceiver(std::vector<ReceiverBatch> &blocks, const Vec3f &position, const Vec3f &rayOrigin, int cluster,
+                 std::uint32_t index) {
     if (blocks.empty() || blocks.back().count == kPacketSize)
         blocks.emplace_back();
     blocks.back().Add(position, rayOrigin, cluster, index);
 }
 
-BrickView::BrickView(std::span<const LightPlaces> blocks) {
-    for (const LightPlaces &places : blocks) {
-        for (std::size_t i = 0; i < places.count; ++i)
-            box.Add(places.position[i]);
-        for (std::size_t i = 0; i < places.clusters.count; ++i)
-            if (std::find(clusters.begin(), clusters.end(), places.clusters.number[i]) == clusters.end())
-                clusters.push_back(places.clusters.number[i]);
+BrickView::BrickView(std::span<const ReceiverBatch> blocks) {
+    for (const ReceiverBatch &receivers : blocks) {
+        for (std::size_t i = 0; i < receivers.count; ++i)
+            box.Add(receivers.position[i]);
+        for (std::size_t i = 0; i < receivers.clusters.count; ++i)
+            if (std::find(clusters.begin(), clusters.end(), receivers.clusters.number[i]) == clusters.end())
+                clusters.push_back(receivers.clusters.number[i]);
     }
 }
 
@@ -132,14 +132,14 @@ BrickLights::BrickLights(const LightsByCluster &lights, const BrickView &brick, 
     if (!skip.faint || std::count_if(list_.begin(), list_.end(), isFaint) <= kFewFaint)
         return;
     many_ = true;
-    float collected = float(UnitFromHash(HashIndex(kSeedFaint ^ seed))) * faint;
+    float faintResidual = float(UnitFromHash(HashIndex(kSeedFaint ^ seed))) * faint;
     const auto represented = [&](BrickLight &one) {
         if (!isFaint(one))
             return false;
-        collected += one.bound;
-        if (collected < faint)
+        faintResidual += one.bound;
+        if (faintResidual < faint)
             return true;
-        collected -= faint;
+        faintResidual -= faint;
         one.weight = faint / one.bound;
         return false;
     };
@@ -153,9 +153,9 @@ BrickLights::BrickLights(const LightsByCluster &lights, const BrickView &brick, 
     work.skippedFaint += before - kept;
 }
 
-void StartFaint(std::vector<LightPlaces> &blocks, float faint) {
-    for (LightPlaces &places : blocks)
-        places.collected = float(UnitFromHash(HashIndex(kSeedFaint + places.index[0]))) * faint;
+void StartFaintResiduals(std::vector<ReceiverBatch> &blocks, float faint) {
+    for (ReceiverBatch &receivers : blocks)
+        receivers.faintResidual = float(UnitFromHash(HashIndex(kSeedFaint + receivers.index[0]))) * faint;
 }
 
 void GridStats::Add(const GridStats &o) {

@@ -33,12 +33,12 @@ class GridBricks {
 BspRegion RegionAround(const BspRegion &in, std::span<const BrickPoint> points, const Vec3f &margin);
 
 /// Appends a place to the last block, or to a new one when that is full.
-void AddPlace(std::vector<LightPlaces> &blocks, const Vec3f &position, const Vec3f &rayOrigin, int cluster,
-              std::uint32_t index);
+void AddReceiver(std::vector<ReceiverBatch> &blocks, const Vec3f &position, const Vec3f &rayOrigin, int cluster,
+                 std::uint32_t index);
 
-/// Where the places of a brick are.
+/// Where the receivers of a brick are.
 struct BrickView {
-    explicit BrickView(std::span<const LightPlaces> blocks);
+    explicit BrickView(std::span<const ReceiverBatch> blocks);
     Boundsf box;
     std::vector<int> clusters; ///< each once
 };
@@ -112,7 +112,7 @@ class BrickLights {
 };
 
 /// Sets where each block's count of faint light starts: spread evenly.
-void StartFaint(std::vector<LightPlaces> &blocks, float faint);
+void StartFaintResiduals(std::vector<ReceiverBatch> &blocks, float faint);
 
 /// Runs `trace(brick, work)` for every brick on all workers, with progress; adds the work up into `stats`.
 void RunGridBricks(const GridInputs &in, const GridBricks &bricks, GridStats &stats,

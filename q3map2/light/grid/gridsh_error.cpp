@@ -4,7 +4,7 @@
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/light/grid/gridsh_dering.h"
 #include "q3map2/light/grid/gridsh_display.h"
-#include "q3map2/light/grid/gridsh_light.h"
+#include "q3map2/light/grid/probe_integrator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ constexpr std::uint64_t kSeed = 0x4572726F72ull;
 /// Tries for one place in the open.
 constexpr std::size_t kTries = 2000;
 constexpr float kMinCell = 8;
-/// Sample patterns of the places start here, apart from those of grid points.
+/// Sample patterns of the receivers start here, apart from those of grid points.
 constexpr std::uint32_t kFirstIndex = 0x80000000u;
 constexpr double kDark = 0.01, kShownLit = 0.05; ///< shares of the map's mean light: see GridSHError::leak
 /// Errors under this are not to be seen. 255ths.
@@ -40,38 +40,40 @@ std::uint32_t Interleaved(const Vec3f &fraction) {
     return code;
 }
 
-/// Random places that a player can be in, neighbours after each other.
+/// Random receivers that a player can be in, neighbours after each other.
 std::vector<Place> FindPlaces(const BspSpace &space, std::size_t count) {
     const bspModel_t &world = space.Map().models.front();
     const Vec3f mins(world.mins), size = Vec3f(world.maxs) - mins;
-    std::vector<Place> places;
-    for (std::size_t i = 0; i < count * kTries && places.size() < count; ++i) {
+    std::vector<Place> receivers;
+    for (std::size_t i = 0; i < count * kTries && receivers.size() < count; ++i) {
         Vec3f fraction;
         for (std::size_t axis = 0; axis < 3; ++axis)
             fraction[axis] = float(UnitFromHash(HashIndex(kSeed + 3 * i + axis)));
         const Vec3f p = mins + size * fraction;
         const int cluster = space.ClusterAt(p, kPlayerHalfSize);
         if (cluster >= 0 && space.PlayerFits(p))
-            places.push_back({p, cluster, Interleaved(fraction)});
+            receivers.push_back({p, cluster, Interleaved(fraction)});
     }
-    std::stable_sort(places.begin(), places.end(), [](const Place &a, const Place &b) { return a.order < b.order; });
-    return places;
+    std::stable_sort(receivers.begin(), receivers.end(),
+                     [](const Place &a, const Place &b) { return a.order < b.order; });
+    return receivers;
 }
 
 /// What grid points there would hold, without shortcuts.
 std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vector<Light> &lights,
-                                          const std::vector<Place> &places) {
+                                          const std::vector<Place> &receivers) {
     LightOptions options = in.options;
     options.shSamples = std::max(1.0f, options.shSamples);
     options.skip.faint = options.skip.moments = options.skip.probes = options.skip.coarse = false;
     const GridInputs exact{in.space, in.scene, options, in.world, in.jobs, in.log};
-    const PlaceLighter lighter(exact, lights);
-    std::vector<bspGridPointSH_t> points(places.size());
-    in.jobs.For(std::int64_t((places.size() + kPacketSize - 1) / kPacketSize), [&](std::int64_t block, int) {
+    const ProbeIntegrator lighter(exact, lights);
+    std::vector<bspGridPointSH_t> points(receivers.size());
+    in.jobs.For(std::int64_t((receivers.size() + kPacketSize - 1) / kPacketSize), [&](std::int64_t block, int) {
         const std::size_t first = std::size_t(block) * kPacketSize;
-        std::vector<LightPlaces> packet(1);
-        for (std::size_t i = first; i < std::min(places.size(), first + kPacketSize); ++i)
-            packet[0].Add(places[i].position, places[i].position, places[i].cluster, kFirstIndex + std::uint32_t(i));
+        std::vector<ReceiverBatch> packet(1);
+        for (std::size_t i = first; i < std::min(receivers.size(), first + kPacketSize); ++i)
+            packet[0].Add(receivers[i].position, receivers[i].position, receivers[i].cluster,
+                          kFirstIndex + std::uint32_t(i));
         GridStats work;
         lighter.Trace(packet, std::uint64_t(block), work, [&](std::uint32_t index, const bspGridPointSH_t &value) {
             bspGridPointSH_t &point = points[index - kFirstIndex];
@@ -143,7 +145,7 @@ class EverySecond {
     const BspSpace &space_;
 };
 
-/// Differences over many places.
+/// Differences over many receivers.
 class Differences {
   public:
     void Add(const DisplayedLight &a, const DisplayedLight &b) {
@@ -173,7 +175,7 @@ double Mean(const DisplayedLight &shown) {
     return sum / double(shown.size());
 }
 
-/// Share of places that are dark and shown lit.
+/// Share of receivers that are dark and shown lit.
 double LeakShare(const std::vector<DisplayedLight> &exact, const std::vector<DisplayedLight> &shown) {
     double mean = 0;
     for (const DisplayedLight &place : exact)
@@ -184,15 +186,15 @@ double LeakShare(const std::vector<DisplayedLight> &exact, const std::vector<Dis
     return double(leaks) / double(exact.size());
 }
 
-/// Sets `doubled` and `order`, from the places that lie inside the grid of doubled cells too.
-void CompareWithDoubled(const GridInputs &in, const LightGridSH &grid, const std::vector<Place> &places,
+/// Sets `doubled` and `order`, from the receivers that lie inside the grid of doubled cells too.
+void CompareWithDoubled(const GridInputs &in, const LightGridSH &grid, const std::vector<Place> &receivers,
                         const std::vector<DisplayedLight> &exact, const std::vector<DisplayedLight> &shown,
                         GridSHError &error) {
     const EverySecond everySecond(grid, in.space);
     Differences here, coarse;
-    for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
         shgrid_coeffs coeffs;
-        if (!everySecond.Sample(places[i].position, coeffs))
+        if (!everySecond.Sample(receivers[i].position, coeffs))
             continue;
         here.Add(shown[i], exact[i]);
         coarse.Add(DisplayLight(coeffs, in.options.shRadiance), exact[i]);
@@ -207,11 +209,11 @@ void CompareWithDoubled(const GridInputs &in, const LightGridSH &grid, const std
 } // namespace
 
 GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const std::vector<Light> &lights,
-                          std::size_t places) {
+                          std::size_t receivers) {
     const std::clock_t start = std::clock();
     GridSHError error;
-    const std::vector<Place> found = FindPlaces(in.space, places);
-    error.places = found.size();
+    const std::vector<Place> found = FindPlaces(in.space, receivers);
+    error.receivers = found.size();
     if (found.empty())
         return error;
     const auto &h = grid.header;
@@ -248,15 +250,15 @@ Float3 CellOfHalfError(const Float3 &cell, const GridSHError &error) {
 
 void PrintGridSHError(const GridSHError &error, const Float3 &cell, const Float3 &legacyCell, Log &log) {
     log.Section("CheckGridSH");
-    if (error.places == 0) {
+    if (error.receivers == 0) {
         log.Print("No place is {} units clear of solids: nothing to check\n", kPlayerHalfSize);
         return;
     }
-    log.Count((long long)(error.places), "places that a player can be in, 26 directions each");
+    log.Count((long long)(error.receivers), "receivers that a player can be in, 26 directions each");
     log.Print("{:9.2f} of 255 is the error of displayed light (RMS)\n", error.rms);
     log.Print("{:9.2f} of 255: 95 % of it is under this; under {:.2f} with doubled cells\n", error.percentile95,
               error.doubled);
-    log.Print("{:9.2f} % of these places are dark and shown lit (leaks)\n", 100 * error.leak);
+    log.Print("{:9.2f} % of these receivers are dark and shown lit (leaks)\n", 100 * error.leak);
     const Float3 finer = CellOfHalfError(cell, error);
     double scale = 1;
     for (std::size_t axis = 0; axis < 3; ++axis)

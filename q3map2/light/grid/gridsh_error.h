@@ -11,22 +11,22 @@ namespace q3 {
 /// Differences between what a game shows from the grid and what a point at the same place would hold. Displayed light:
 /// cut to 0..255 first. In 255ths.
 struct GridSHError {
-    std::size_t places = 0;  ///< 0: nothing below counts
-    double rms = 0;          ///< over places, 26 directions and 3 channels
-    double percentile95 = 0; ///< of the absolute difference
-    double leak = 0;         ///< share of places with less than 1 % of the map's mean light, shown with more than 5 %
-    double doubled = 0;      ///< percentile95 from every second point per axis, that is, with doubled cells
-    double order = 2;        ///< percentile95 falls as this power of the cell size; 0.5 to 2
+    std::size_t receivers = 0; ///< 0: nothing below counts
+    double rms = 0;            ///< over receivers, 26 directions and 3 channels
+    double percentile95 = 0;   ///< of the absolute difference
+    double leak = 0;    ///< share of receivers with less than 1 % of the map's mean light, shown with more than 5 %
+    double doubled = 0; ///< percentile95 from every second point per axis, that is, with doubled cells
+    double order = 2;   ///< percentile95 falls as this power of the cell size; 0.5 to 2
     double cpuSeconds = 0;
 };
 
-/// Compares at random places 16 units clear of solids, always the same ones: `grid`, as it is stored, with exact light
-/// of `lights` (by SetupEnvelopes for the SH grid). Fewer places where little space is open.
+/// Compares at random receivers 16 units clear of solids, always the same ones: `grid`, as it is stored, with exact
+/// light of `lights` (by SetupEnvelopes for the SH grid). Fewer receivers where little space is open.
 GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const std::vector<Light> &lights,
-                          std::size_t places = 2000);
+                          std::size_t receivers = 2000);
 
-/// Cell size with about half of percentile95 (few places close to bright lamps rule the RMS, and no cells help those):
-/// whole units, at least 8.
+/// Cell size with about half of percentile95 (few receivers close to bright lamps rule the RMS, and no cells help
+/// those): whole units, at least 8.
 Float3 CellOfHalfError(const Float3 &cell, const GridSHError &error);
 
 /// For mappers; names the options that halve the error.

@@ -55,7 +55,7 @@ bool TrySmallSteps(const BspRegion &space, const Vec3f &p, PlacedPoint &placed) 
     return false;
 }
 
-/// Places within a cell around p on a lattice of quarter cells, the nearest first.
+/// Receivers within a cell around p on a lattice of quarter cells, the nearest first.
 bool TryCells(const BspRegion &space, const Vec3f &p, const Vec3f &cell, PlacedPoint &placed) {
     constexpr int kSteps = 4;
     const Vec3f step = cell / kSteps;
@@ -92,15 +92,15 @@ bool HasOpenNeighbour(const GridLayout &layout, const std::vector<int> &clusters
 /// Lit neighbours of one solid point that see each other.
 struct Side {
     double weight = 0;
-    std::array<double, kGridNumbers> sum{};
+    std::array<double, kShFloats> sum{};
     double Mean() const { return std::max(0.0, (sum[0] + sum[1] + sum[2]) / weight / 3 * kShC0); }
 };
 
-/// Rays between places that are near each other, gathered into full packets.
+/// Rays between receivers that are near each other, gathered into full packets.
 class SightRays {
   public:
     SightRays(const LightScene &scene, RayCounts &counts) : scene_(scene), counts_(counts) {}
-    /// Sets a bit of `seen`, at the latest in Flush, if the places see each other.
+    /// Sets a bit of `seen`, at the latest in Flush, if the receivers see each other.
     void Ask(const Vec3f &from, const Vec3f &to, std::uint32_t bit, std::uint32_t &seen) {
         rays_.Aim(count_, from, to);
         answers_[count_++] = {&seen, bit};
@@ -132,7 +132,7 @@ class SightRays {
 
 /// sum[i] += weight * value[i].
 Q3_VECTOR void AddWeighted(double weight, const float *value, double *sum) {
-    for (std::size_t i = 0; i < kGridNumbers; ++i)
+    for (std::size_t i = 0; i < kShFloats; ++i)
         sum[i] += weight * double(value[i]);
 }
 
@@ -148,17 +148,17 @@ class Filler {
         }
     }
 
-    /// The value of a Solid or Beside point, or nothing: no lit neighbour, or none on another side. Null: not divided.
-    std::optional<bspGridPointSH_t> Fill(int x, int y, int z, const SolidSides::OfPoint *divided,
+    /// The value of a Solid or Beside point, or nothing: no lit neighbour, or none on another side. Null: not isSplit.
+    std::optional<bspGridPointSH_t> Fill(int x, int y, int z, const VisibilityGroups::OfPoint *isSplit,
                                          const LightGridSH &grid) const {
-        if (!divided && states_[IndexOf(x, y, z)] == PointState::Beside)
+        if (!isSplit && states_[IndexOf(x, y, z)] == PointState::Beside)
             return std::nullopt;
         const Around lit = AroundPoint(x, y, z, false);
         if (lit.count == 0)
             return std::nullopt;
-        std::vector<Side> sums(divided ? divided->count : 1);
+        std::vector<Side> sums(isSplit ? isSplit->count : 1);
         for (std::size_t i = 0; i < lit.count; ++i) {
-            Side &side = sums[divided ? divided->sides[i] : 0];
+            Side &side = sums[isSplit ? isSplit->sides[i] : 0];
             const Neighbour &neighbour = lit.neighbours[i];
             side.weight += neighbour.weight;
             AddWeighted(neighbour.weight, grid.points[neighbour.index].coeffs[0].data(), side.sum.data());
@@ -167,7 +167,7 @@ class Filler {
     }
 
     /// Appends the sides of those points, xyz, that have several.
-    void FindSides(std::span<const std::array<int, 3>> points, std::vector<SolidSides::OfPoint> &found,
+    void FindSides(std::span<const std::array<int, 3>> points, std::vector<VisibilityGroups::OfPoint> &found,
                    RayCounts &counts) const {
         // The first round of all points goes together: most have one side only.
         std::vector<Around> around;
@@ -194,7 +194,7 @@ class Filler {
     };
     /// Lit neighbours, and before them the point itself when it is lit beside.
     struct Around {
-        std::array<Neighbour, SolidSides::kMostAround> neighbours;
+        std::array<Neighbour, VisibilityGroups::kMostAround> neighbours;
         std::size_t count = 0;
     };
 
@@ -205,19 +205,19 @@ class Filler {
     }
 
     Vec3f PlaceOf(std::size_t index, int x, int y, int z) const {
-        if (states_[index] == PointState::Open || states_[index] == PointState::OnLamp)
+        if (states_[index] == PointState::Open || states_[index] == PointState::OnEmitter)
             return Vec3f(layout_.Position(x, y, z));
         const auto found = std::lower_bound(displaced_.begin(), displaced_.end(), index,
                                             [](const Displacement &d, std::size_t i) { return d.index < i; });
         return found->position;
     }
 
-    /// places: those of neighbours too.
-    Around AroundPoint(int x, int y, int z, bool places) const {
+    /// receivers: those of neighbours too.
+    Around AroundPoint(int x, int y, int z, bool receivers) const {
         Around lit;
         const std::size_t own = IndexOf(x, y, z);
         if (states_[own] == PointState::Beside)
-            lit.neighbours[lit.count++] = {own, places ? PlaceOf(own, x, y, z) : Vec3f{}, kOwnWeight / Shortest()};
+            lit.neighbours[lit.count++] = {own, receivers ? PlaceOf(own, x, y, z) : Vec3f{}, kOwnWeight / Shortest()};
         for (std::size_t i = 0; i < kNeighbours.size(); ++i) {
             const Offset &o = kNeighbours[i];
             const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
@@ -226,17 +226,18 @@ class Filler {
                 continue;
             const std::size_t index = IndexOf(nx, ny, nz);
             const PointState state = states_[index];
-            if (state == PointState::Void || state == PointState::Solid)
+            if (state == PointState::Exterior || state == PointState::Solid)
                 continue;
-            lit.neighbours[lit.count++] = {index, places ? PlaceOf(index, nx, ny, nz) : Vec3f{}, weights_[i]};
+            lit.neighbours[lit.count++] = {index, receivers ? PlaceOf(index, nx, ny, nz) : Vec3f{}, weights_[i]};
         }
         return lit;
     }
 
     /// Sorts what is lit around a point into sides: the first of a side sees all of it, and none of the sides before.
     /// unseen: what the very first does not see, by bit.
-    static SolidSides::OfPoint SidesOf(std::uint32_t index, const Around &lit, std::uint32_t unseen, SightRays &rays) {
-        SolidSides::OfPoint result{index, 1, {}};
+    static VisibilityGroups::OfPoint SidesOf(std::uint32_t index, const Around &lit, std::uint32_t unseen,
+                                             SightRays &rays) {
+        VisibilityGroups::OfPoint result{index, 1, {}};
         while (unseen != 0) {
             const auto first = std::size_t(std::countr_zero(unseen));
             std::uint32_t seen = 1u << first;
@@ -254,16 +255,16 @@ class Filler {
     }
 
     static bspGridPointSH_t Blend(const std::vector<Side> &sides) {
-        std::array<double, kGridNumbers> sum{};
+        std::array<double, kShFloats> sum{};
         double total = 0;
         for (const Side &side : sides) {
             const double weight = side.weight / (side.Mean() + kDarkest);
             total += weight;
-            for (std::size_t i = 0; i < kGridNumbers; ++i)
+            for (std::size_t i = 0; i < kShFloats; ++i)
                 sum[i] += side.sum[i] / side.weight * weight;
         }
-        std::array<float, kGridNumbers> filled;
-        for (std::size_t i = 0; i < kGridNumbers; ++i)
+        std::array<float, kShFloats> filled;
+        for (std::size_t i = 0; i < kShFloats; ++i)
             filled[i] = float(sum[i] / total);
         return std::bit_cast<bspGridPointSH_t>(filled);
     }
@@ -281,7 +282,7 @@ PlacedPoint PlaceInOpen(const BspRegion &space, const Vec3f &p) {
     const Vec3f margin{kClearance, kClearance, kClearance};
     const int cluster = space.ClusterAt(p, kClearance);
     const bool open = cluster >= 0 && !space.AnySolid(p - margin, p + margin);
-    return {open ? PointState::Open : PointState::Void, p, cluster};
+    return {open ? PointState::Open : PointState::Exterior, p, cluster};
 }
 
 PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, const std::vector<int> &clusters,
@@ -301,12 +302,12 @@ PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, con
     return placed;
 }
 
-SolidSides FindSolidSides(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
-                          const std::vector<PointState> &states) {
+VisibilityGroups FindSolidSides(const GridInputs &in, const GridLayout &layout,
+                                const std::vector<Displacement> &displaced, const std::vector<PointState> &states) {
     const int width = layout.bounds[0], height = layout.bounds[1];
     const std::int64_t rows = std::int64_t(height) * layout.bounds[2];
     const Filler filler(in, layout, displaced, states);
-    std::vector<std::vector<SolidSides::OfPoint>> found(static_cast<std::size_t>(rows));
+    std::vector<std::vector<VisibilityGroups::OfPoint>> found(static_cast<std::size_t>(rows));
     in.jobs.For(rows, [&](std::int64_t row, int) {
         std::vector<std::array<int, 3>> points;
         for (int x = 0; x < width; ++x) {
@@ -317,18 +318,18 @@ SolidSides FindSolidSides(const GridInputs &in, const GridLayout &layout, const 
         RayCounts counts; // not of the light itself
         filler.FindSides(points, found[std::size_t(row)], counts);
     });
-    SolidSides sides;
-    sides.divided.resize(states.size());
+    VisibilityGroups sides;
+    sides.isSplit.resize(states.size());
     for (const auto &row : found) {
-        for (const SolidSides::OfPoint &point : row)
-            sides.divided[point.index] = true;
+        for (const VisibilityGroups::OfPoint &point : row)
+            sides.isSplit[point.index] = true;
         sides.points.insert(sides.points.end(), row.begin(), row.end());
     }
     return sides;
 }
 
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
-                const SolidSides &sides, std::vector<PointState> &states, LightGridSH &grid) {
+                const VisibilityGroups &sides, std::vector<PointState> &states, LightGridSH &grid) {
     struct Value {
         std::size_t index;
         bspGridPointSH_t point;
@@ -340,18 +341,18 @@ void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vecto
     const Filler filler(in, layout, displaced, states);
     in.jobs.For(rows, [&](std::int64_t row, int) {
         const auto first = std::size_t(row) * std::size_t(width);
-        auto divided =
+        auto isSplit =
             std::lower_bound(sides.points.begin(), sides.points.end(), first,
-                             [](const SolidSides::OfPoint &p, std::size_t index) { return p.index < index; });
+                             [](const VisibilityGroups::OfPoint &p, std::size_t index) { return p.index < index; });
         for (int x = 0; x < width; ++x) {
             const std::size_t index = first + std::size_t(x);
             if (states[index] != PointState::Solid && states[index] != PointState::Beside)
                 continue;
-            const bool isDivided = divided != sides.points.end() && divided->index == index;
+            const bool isDivided = isSplit != sides.points.end() && isSplit->index == index;
             if (const auto value =
-                    filler.Fill(x, int(row % height), int(row / height), isDivided ? &*divided : nullptr, grid))
+                    filler.Fill(x, int(row % height), int(row / height), isDivided ? &*isSplit : nullptr, grid))
                 filled[std::size_t(row)].push_back({index, *value});
-            divided += isDivided ? 1 : 0;
+            isSplit += isDivided ? 1 : 0;
         }
     });
     for (const auto &row : filled)
@@ -359,7 +360,7 @@ void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vecto
             grid.points[value.index] = value.point;
             states[value.index] = PointState::Filled;
         }
-    std::replace(states.begin(), states.end(), PointState::Solid, PointState::Void);
+    std::replace(states.begin(), states.end(), PointState::Solid, PointState::Exterior);
 }
 
 } // namespace q3

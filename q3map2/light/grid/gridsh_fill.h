@@ -11,24 +11,24 @@
 namespace q3 {
 
 /// Floats of a point: nine coefficients of three channels.
-inline constexpr std::size_t kGridNumbers = 27;
-static_assert(sizeof(bspGridPointSH_t) == kGridNumbers * sizeof(float));
+inline constexpr std::size_t kShFloats = 27;
+static_assert(sizeof(bspGridPointSH_t) == kShFloats * sizeof(float));
 
 /// Points keep this clear of solids when they are lit. Game units.
 inline constexpr float kClearance = 0.125f;
 
 enum class PointState : std::uint8_t {
-    Void,   ///< in a solid, no open space in the cells around it: stays zero
-    Open,   ///< lit where it is
-    OnLamp, ///< lit where it is, in the plane of a surface light, which gives nothing there; then fitted
-    Beside, ///< in the plane of a wall or just inside it: lit from a small step beside
-    Moved,  ///< in a solid that leaves no lit neighbour: lit from the nearest open place of its cells
-    Solid,  ///< in a solid, to be filled
-    Filled  ///< in a solid, filled from neighbours
+    Exterior,  ///< in a solid, no open space in the cells around it: stays zero
+    Open,      ///< lit where it is
+    OnEmitter, ///< lit where it is, in the plane of a surface light, which gives nothing there; then fitted
+    Beside,    ///< in the plane of a wall or just inside it: lit from a small step beside
+    Moved,     ///< in a solid that leaves no lit neighbour: lit from the nearest open place of its cells
+    Solid,     ///< in a solid, to be filled
+    Filled     ///< in a solid, filled from neighbours
 };
 
 struct PlacedPoint {
-    PointState state = PointState::Void;
+    PointState state = PointState::Exterior;
     Vec3f position;
     int cluster = kSolidCluster;
 };
@@ -49,26 +49,26 @@ struct Displacement {
 };
 
 /// What is lit around points that are in or beside solids: which parts of it see each other.
-struct SolidSides {
-    /// Places around a point that can be lit: 26 neighbours, and the point itself.
+struct VisibilityGroups {
+    /// Receivers around a point that can be lit: 26 neighbours, and the point itself.
     static constexpr std::size_t kMostAround = 27;
     struct OfPoint {
         std::uint32_t index = 0, count = 0;
         std::array<std::uint8_t, kMostAround> sides{}; ///< of what is lit around it, in order
     };
-    std::vector<bool> divided;   ///< by point: what is lit around it does not all see each other
-    std::vector<OfPoint> points; ///< those divided, by index
+    std::vector<bool> isSplit;   ///< by point: what is lit around it does not all see each other
+    std::vector<OfPoint> points; ///< those isSplit, by index
 };
 
 /// Looks what is lit around each point in or beside a solid. `displaced` is sorted by index.
-SolidSides FindSolidSides(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
-                          const std::vector<PointState> &states);
+VisibilityGroups FindSolidSides(const GridInputs &in, const GridLayout &layout,
+                                const std::vector<Displacement> &displaced, const std::vector<PointState> &states);
 
 /// Gives every point in a solid that has lit neighbours a value, so that interpolation beside walls is right.
 /// Neighbours that do not see each other form sides; a side counts the more the darker it is, so that a wall thinner
 /// than a cell lets no light through. A point beside a wall is treated alike when it has neighbours on the other side.
-/// `displaced` is sorted by index. Changes Solid to Filled or Void in `states`.
+/// `displaced` is sorted by index. Changes Solid to Filled or Exterior in `states`.
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
-                const SolidSides &sides, std::vector<PointState> &states, LightGridSH &grid);
+                const VisibilityGroups &sides, std::vector<PointState> &states, LightGridSH &grid);
 
 } // namespace q3

@@ -73,15 +73,15 @@ Vec3f PositionOf(const GridLayout &layout, std::int64_t index) {
 
 /// Brings each channel back to near what light that is nowhere negative can be. Coefficient k of a channel is at
 /// 3 k + channel.
-void LimitToLight(std::array<float, kGridNumbers> &point, float mostBands) {
+void LimitToLight(std::array<float, kShFloats> &point, float mostBands) {
     for (std::size_t channel = 0; channel < 3; ++channel) {
         float bands = 0;
-        for (std::size_t i = channel + 3; i < kGridNumbers; i += 3)
+        for (std::size_t i = channel + 3; i < kShFloats; i += 3)
             bands += point[i] * point[i];
         bands = std::sqrt(bands);
         point[channel] = std::max(0.0f, point[channel]);
         const float most = mostBands * point[channel];
-        for (std::size_t i = channel + 3; i < kGridNumbers && bands > most; i += 3)
+        for (std::size_t i = channel + 3; i < kShFloats && bands > most; i += 3)
             point[i] *= most / bands;
     }
 }
@@ -89,7 +89,7 @@ void LimitToLight(std::array<float, kGridNumbers> &point, float mostBands) {
 } // namespace
 
 GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,
-                 const std::vector<bool> &divided)
+                 const std::vector<bool> &isSplit)
     : in_(in), layout_(layout),
       perCell_(int(std::ceil((in.options.shFit > 0 ? float(in.options.shFit) : kPerCell) * in.options.shSamples))),
       pull_(in.options.shFit > 0 ? kPullAll : kPull),
@@ -99,7 +99,8 @@ GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vect
     if (!in.options.shFill)
         return;
     for (std::size_t i = 0; i < states.size(); ++i)
-        if (states[i] != PointState::Void && !divided[i] && (in.options.shFit > 0 || states[i] != PointState::Open)) {
+        if (states[i] != PointState::Exterior && !isSplit[i] &&
+            (in.options.shFit > 0 || states[i] != PointState::Open)) {
             rowOf_[i] = std::int32_t(rows_.size());
             rows_.push_back({std::uint32_t(i)});
         }
@@ -133,7 +134,7 @@ bool GridFit::AnyRow(const BrickPoint &point) const {
     return false;
 }
 
-std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, const PlaceLighter &lighter,
+std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, const ProbeIntegrator &lighter,
                                             GridStats &work) const {
     std::vector<FitSample> samples;
     if (rows_.empty())
@@ -144,13 +145,13 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     for (const BrickPoint &point : points)
         if (AnyRow(point) && space.AnyOpen(point.position, point.position + cell, kClearance))
             cells.push_back({&point, perCell_});
-    LightSamples(space, cells, 0, lighter, samples, work);
+    SurfaceReceiverBatch(space, cells, 0, lighter, samples, work);
     if (in_.options.shFit > 0) {
         for (Draw &draw : cells) {
             const auto [first, count] = draw.rounds[0];
             draw.wanted = IsSteep(std::span(samples.data() + first, count)) ? (kSteepFactor - 1) * perCell_ : 0;
         }
-        LightSamples(space, cells, 1, lighter, samples, work);
+        SurfaceReceiverBatch(space, cells, 1, lighter, samples, work);
     }
     for (const Draw &draw : cells)
         for (const auto &[first, count] : draw.rounds)
@@ -161,10 +162,11 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     return samples;
 }
 
-/// Draws places in cells, where a player fits, and lights them.
-void GridFit::LightSamples(const BspRegion &space, std::span<Draw> cells, std::size_t round,
-                           const PlaceLighter &lighter, std::vector<FitSample> &samples, GridStats &work) const {
-    std::vector<LightPlaces> blocks;
+/// Draws receivers in cells, where a player fits, and lights them.
+void GridFit::SurfaceReceiverBatch(const BspRegion &space, std::span<Draw> cells, std::size_t round,
+                                   const ProbeIntegrator &lighter, std::vector<FitSample> &samples,
+                                   GridStats &work) const {
+    std::vector<ReceiverBatch> blocks;
     const Vec3f cell(layout_.size);
     const int tries = in_.options.shFit > 0 ? kMostTriesAll : kMostTries;
     std::size_t next = samples.size();
@@ -180,7 +182,7 @@ void GridFit::LightSamples(const BspRegion &space, std::span<Draw> cells, std::s
             const int cluster = space.ClusterAt(p, kClearance);
             if (cluster < 0 || !space.PlayerFits(p))
                 continue;
-            AddPlace(blocks, p, p, cluster, std::uint32_t(hash));
+            AddReceiver(blocks, p, p, cluster, std::uint32_t(hash));
             samples.push_back({p, {}});
         }
         drawn.count = samples.size() - drawn.first;
@@ -231,14 +233,14 @@ void GridFit::Accumulate(const FitSample &sample) {
     const float weight = sample.weight * std::pow(kDark / (kDark + mean), 0.25f) /
                          std::pow(beyond, in_.options.shFit > 0 ? kFallAll : kFall);
     const auto corners = CornersAt(sample.position);
-    const auto numbers = std::bit_cast<Numbers>(sample.value);
+    const auto numbers = std::bit_cast<ShCoefficients>(sample.value);
     for (std::size_t a = 0; a < 8; ++a) {
         const std::int32_t number = rowOf_[std::size_t(corners[a].index)];
         if (number < 0 || (sample.sees >> a & 1) == 0)
             continue;
         Row &row = rows_[std::size_t(number)];
         const float share = weight * corners[a].weight;
-        for (std::size_t i = 0; i < kGridNumbers; ++i)
+        for (std::size_t i = 0; i < kShFloats; ++i)
             row.rhs[i] += share * numbers[i];
         for (std::size_t b = 0; b < 8; ++b) {
             // Offset of corner b from corner a on each axis, -1 to 1, as a place of the stencil.
@@ -274,7 +276,7 @@ bool GridFit::AnyMoving(const Row &row, const std::vector<std::uint8_t> &moving)
 /// One step of Gauss and Seidel. The largest move of a coefficient, or its share of the light there.
 Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
     // Two overlapping vectors of 16 numbers, of which the second holds the last ones: no rest is left for slow code.
-    constexpr std::size_t kWide = 16, kSecond = kGridNumbers - kWide;
+    constexpr std::size_t kWide = 16, kSecond = kShFloats - kWide;
     std::array<float, kWide> first, second;
     for (std::size_t i = 0; i < kWide; ++i)
         first[i] = row.rhs[i], second[i] = row.rhs[kSecond + i];
@@ -290,16 +292,16 @@ Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
         }
     }
     const float inverse = 1 / row.stencil[kCenter];
-    Numbers value;
+    ShCoefficients value;
     for (std::size_t i = 0; i < kWide; ++i)
         value[i] = first[i] * inverse;
     for (std::size_t i = 0; i < kWide; ++i)
         value[kSecond + i] = second[i] * inverse;
     LimitToLight(value, mostBands_);
     bspGridPointSH_t &stored = grid.points[row.index];
-    const auto old = std::bit_cast<Numbers>(stored);
+    const auto old = std::bit_cast<ShCoefficients>(stored);
     std::int32_t most = 0;
-    for (std::size_t i = 0; i < kGridNumbers; ++i)
+    for (std::size_t i = 0; i < kShFloats; ++i)
         most = std::max(most, OrderedBits(std::abs(value[i] - old[i])));
     stored = std::bit_cast<bspGridPointSH_t>(value);
     return std::bit_cast<float>(most) / std::max({1.0f, value[0], value[1], value[2]});
@@ -311,8 +313,8 @@ bool GridFit::AddPull(const bspGridPointSH_t &present, Row &row) const {
     if (!(total > kLeastWeight))
         return false;
     const float pull = pull_ * total;
-    const auto before = std::bit_cast<Numbers>(present);
-    for (std::size_t i = 0; i < kGridNumbers; ++i)
+    const auto before = std::bit_cast<ShCoefficients>(present);
+    for (std::size_t i = 0; i < kShFloats; ++i)
         row.rhs[i] += pull * before[i];
     row.stencil[kCenter] += pull;
     return true;

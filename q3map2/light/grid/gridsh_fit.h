@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/light/grid/gridsh_fill.h"
-#include "q3map2/light/grid/gridsh_light.h"
+#include "q3map2/light/grid/probe_integrator.h"
 
 #include <map>
 #include <mutex>
@@ -29,12 +29,12 @@ struct FitSample {
 /// Keeps references to everything that it is made of.
 class GridFit {
   public:
-    /// states: of the points, before FillGridSH; divided: see DividedPoints.
+    /// states: of the points, before FillGridSH; isSplit: see DividedPoints.
     GridFit(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,
-            const std::vector<bool> &divided);
+            const std::vector<bool> &isSplit);
 
     /// Samples of the cells whose lowest corners are the points of a brick. From any thread.
-    std::vector<FitSample> SampleCells(std::span<const BrickPoint> points, const PlaceLighter &lighter,
+    std::vector<FitSample> SampleCells(std::span<const BrickPoint> points, const ProbeIntegrator &lighter,
                                        GridStats &work) const;
     /// Takes the samples of a brick; each brick once. From any thread; sums in the order of bricks.
     void AddSamples(std::int64_t brick, std::vector<FitSample> samples);
@@ -42,13 +42,13 @@ class GridFit {
     void Solve(LightGridSH &grid, const JobPool &jobs);
 
   private:
-    using Numbers = std::array<float, kGridNumbers>;
+    using ShCoefficients = std::array<float, kShFloats>;
     static constexpr std::size_t kStencil = 27, kCenter = kStencil / 2;
     /// One equation: the sum over 27 points around of stencil times value is rhs.
     struct Row {
         std::uint32_t index = 0;
         std::array<float, kStencil> stencil{};
-        std::array<float, kGridNumbers> rhs{};
+        std::array<float, kShFloats> rhs{};
     };
     struct Corner {
         std::int64_t index;
@@ -69,8 +69,8 @@ class GridFit {
 
     std::array<Corner, 8> CornersAt(const Vec3f &p) const;
     bool AnyRow(const BrickPoint &point) const;
-    void LightSamples(const BspRegion &space, std::span<Draw> cells, std::size_t round, const PlaceLighter &lighter,
-                      std::vector<FitSample> &samples, GridStats &work) const;
+    void SurfaceReceiverBatch(const BspRegion &space, std::span<Draw> cells, std::size_t round,
+                              const ProbeIntegrator &lighter, std::vector<FitSample> &samples, GridStats &work) const;
     void FindSeen(std::span<FitSample> samples, GridStats &work) const;
     void Accumulate(const FitSample &sample);
     bool AnyMoving(const Row &row, const std::vector<std::uint8_t> &moving) const;

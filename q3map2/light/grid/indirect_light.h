@@ -15,7 +15,7 @@ struct IndirectRay {
     Vec3f color;     ///< byte scale: a sphere full of this colour lights what faces anywhere by it
 };
 
-/// Bounced light at places in the open. Const after construction; safe from several threads.
+/// Bounced light at receivers in the open. Const after construction; safe from several threads.
 class IndirectLight {
   public:
     /// A sphere full of colour 1 has this much light of all its rays together, each taken as a light that is faced.

@@ -40,7 +40,7 @@ class GridRecords {
   public:
     explicit GridRecords(std::size_t blocks) : blocks_(blocks) { lights_.reserve(kUsual * blocks); }
     /// What a light gives to points of a block. Without `colored` it turns the main direction only.
-    void Add(std::size_t block, const Lanes3 &color, bool colored, const Arrivals &arrivals);
+    void Add(std::size_t block, const Lanes3 &color, bool colored, const IncidentLight &incident);
     /// Light of a point from a direction, and ambient light of its own; `turn` turns the main direction.
     void Add(std::size_t block, std::size_t lane, const Vec3f &direction, const Vec3f &color, const Vec3f &ownAmbient,
              const Vec3d &turn) {
@@ -71,7 +71,7 @@ class GridRecords {
         std::size_t block, lane;
         Vec3f direction, color, ownAmbient;
     };
-    static void Turn(const Lanes3 &color, const Arrivals &arrivals, LightRecord &record, Block &block);
+    static void Turn(const Lanes3 &color, const IncidentLight &incident, LightRecord &record, Block &block);
     static void Divide(const LightRecord &record, const Directed &directed, Parts &parts);
 
     std::vector<Block> blocks_;
@@ -80,44 +80,45 @@ class GridRecords {
 };
 
 /// Colours of what arrives.
-Q3_VECTOR void SetColors(const Light &light, const Arrivals &arrivals, Lanes3 &color) {
+Q3_VECTOR void SetColors(const Light &light, const IncidentLight &incident, Lanes3 &color) {
     const Vec3f c = light.color;
     const bool negative = light.negative;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float add = negative ? -arrivals.add[i] : arrivals.add[i];
+        const float add = negative ? -incident.add[i] : incident.add[i];
         color.x[i] = c.x * add, color.y[i] = c.y * add, color.z[i] = c.z * add;
     }
-    if (arrivals.tinted)
+    if (incident.tinted)
         for (std::size_t i = 0; i < kPacketSize; ++i) {
-            color.x[i] *= arrivals.tint.x[i];
-            color.y[i] *= arrivals.tint.y[i];
-            color.z[i] *= arrivals.tint.z[i];
+            color.x[i] *= incident.tint.x[i];
+            color.y[i] *= incident.tint.y[i];
+            color.z[i] *= incident.tint.z[i];
         }
 }
 
-Q3_VECTOR void GridRecords::Turn(const Lanes3 &color, const Arrivals &arrivals, LightRecord &record, Block &block) {
+Q3_VECTOR void GridRecords::Turn(const Lanes3 &color, const IncidentLight &incident, LightRecord &record,
+                                 Block &block) {
     Lanes weight;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const bool live = arrivals.live[i] != 0;
+        const bool live = incident.live[i] != 0;
         const float r = color.x[i], g = color.y[i], b = color.z[i], length = std::sqrt(r * r + g * g + b * b);
         weight[i] = live ? length : 0;
         record.color.x[i] = live ? r : 0, record.color.y[i] = live ? g : 0, record.color.z[i] = live ? b : 0;
-        record.direction.x[i] = live ? arrivals.direction.x[i] : 0;
-        record.direction.y[i] = live ? arrivals.direction.y[i] : 0;
-        record.direction.z[i] = live ? arrivals.direction.z[i] : 0;
+        record.direction.x[i] = live ? incident.direction.x[i] : 0;
+        record.direction.y[i] = live ? incident.direction.y[i] : 0;
+        record.direction.z[i] = live ? incident.direction.z[i] : 0;
     }
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         block.turnX[i] += double(record.direction.x[i]) * double(weight[i]);
         block.turnY[i] += double(record.direction.y[i]) * double(weight[i]);
         block.turnZ[i] += double(record.direction.z[i]) * double(weight[i]);
-        block.records[i] -= arrivals.live[i];
+        block.records[i] -= incident.live[i];
     }
 }
 
-void GridRecords::Add(std::size_t block, const Lanes3 &color, bool colored, const Arrivals &arrivals) {
+void GridRecords::Add(std::size_t block, const Lanes3 &color, bool colored, const IncidentLight &incident) {
     LightRecord &record = lights_.emplace_back();
     record.block = block;
-    Turn(color, arrivals, record, blocks_[block]);
+    Turn(color, incident, record, blocks_[block]);
     if (!colored)
         record.color.Fill({});
 }
@@ -220,10 +221,10 @@ Vec3f ClearOfSolids(const BspRegion &space, const Vec3f &p) {
     return p;
 }
 
-/// The places of a brick's points, block by block. Counts those in the open.
-std::vector<LightPlaces> PlaceBrick(const BspSpace &space, const GridLayout &layout, std::span<const BrickPoint> points,
-                                    GridStats &work) {
-    std::vector<LightPlaces> blocks;
+/// The receivers of a brick's points, block by block. Counts those in the open.
+std::vector<ReceiverBatch> PlaceBrick(const BspSpace &space, const GridLayout &layout,
+                                      std::span<const BrickPoint> points, GridStats &work) {
+    std::vector<ReceiverBatch> blocks;
     blocks.reserve((points.size() + kPacketSize - 1) / kPacketSize);
     const Vec3f half = Vec3f(layout.size) * 0.5f, margin = half + Vec3f{1, 1, 1};
     const BspRegion brick = RegionAround(space.Whole(), points, margin);
@@ -235,7 +236,7 @@ std::vector<LightPlaces> PlaceBrick(const BspSpace &space, const GridLayout &lay
             int cluster = kSolidCluster;
             if (!PlacePoint(around, half, position, cluster))
                 continue;
-            AddPlace(blocks, position, ClearOfSolids(around, position), cluster, at.index);
+            AddReceiver(blocks, position, ClearOfSolids(around, position), cluster, at.index);
             ++work.open;
         }
     }
@@ -252,10 +253,10 @@ void AddFloodlight(const GridInputs &in, const Vec3f &position, std::size_t bloc
 }
 
 /// Every ray is a light of its own.
-void AddIndirect(const GridInputs &in, const LightPlaces &places, std::size_t block, std::size_t lane,
+void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t block, std::size_t lane,
                  GridRecords &records, RayCounts &counts) {
     std::vector<IndirectRay> rays;
-    in.indirect->Gather(places.rayOrigin[lane], places.index[lane], rays);
+    in.indirect->Gather(receivers.rayOrigin[lane], receivers.index[lane], rays);
     counts.rays += rays.size();
     for (const IndirectRay &ray : rays) {
         if (ray.color == Vec3f{})
@@ -289,18 +290,18 @@ bspGridPoint_t StorePoint(const GridInputs &in, const Vec3f &main, const Vec3f &
 /// Points of a few blocks being lit.
 class GridBlocks {
   public:
-    GridBlocks(const GridInputs &in, std::span<LightPlaces> blocks)
-        : in_(in), blocks_(blocks), records_(blocks.size()), arrivals_(blocks.size()),
+    GridBlocks(const GridInputs &in, std::span<ReceiverBatch> blocks)
+        : in_(in), blocks_(blocks), records_(blocks.size()), incident_(blocks.size()),
           sums_(in.options.cheapGrid ? blocks.size() * kPacketSize : 0) {}
-    void Trace(const ContributionSettings &settings, std::span<const BrickLight> lights, GridStats &work) {
+    void Trace(const LightSettings &settings, std::span<const BrickLight> lights, GridStats &work) {
         for (const BrickLight &one : lights) {
-            LightContributionToPoint(*one.light, one.weight, settings, in_.scene, blocks_, arrivals_, work.counts);
+            LightContributionToPoint(*one.light, one.weight, settings, in_.scene, blocks_, incident_, work.counts);
             for (std::size_t block = 0; block < blocks_.size(); ++block)
-                if (arrivals_[block].live.Any()) {
+                if (incident_[block].live.Any()) {
                     Lanes3 color;
-                    SetColors(*one.light, arrivals_[block], color);
+                    SetColors(*one.light, incident_[block], color);
                     // Light of other styles turns the direction, but this format has no place for its colour.
-                    records_.Add(block, color, one.light->style == 0, arrivals_[block]);
+                    records_.Add(block, color, one.light->style == 0, incident_[block]);
                     if (in_.options.cheapGrid || lights.size() > std::size_t(kMaxRecords))
                         EndSated(block, color);
                 }
@@ -322,14 +323,14 @@ class GridBlocks {
     void AddOthers(std::size_t block, GridStats &work);
 
     const GridInputs &in_;
-    std::span<LightPlaces> blocks_;
+    std::span<ReceiverBatch> blocks_;
     GridRecords records_;
-    std::vector<Arrivals> arrivals_;
+    std::vector<IncidentLight> incident_;
     std::vector<Vec3f> sums_; ///< of all styles; with -cheapgrid, for which white is enough
 };
 
 void GridBlocks::EndSated(std::size_t block, const Lanes3 &color) {
-    for (unsigned lanes = arrivals_[block].live.Bits(); lanes != 0; lanes &= lanes - 1) {
+    for (unsigned lanes = incident_[block].live.Bits(); lanes != 0; lanes &= lanes - 1) {
         const auto i = std::size_t(std::countr_zero(lanes));
         bool white = false;
         if (in_.options.cheapGrid) {
@@ -341,12 +342,12 @@ void GridBlocks::EndSated(std::size_t block, const Lanes3 &color) {
 }
 
 void GridBlocks::AddOthers(std::size_t block, GridStats &work) {
-    const LightPlaces &places = blocks_[block];
-    for (std::size_t i = 0; i < places.count; ++i) {
+    const ReceiverBatch &receivers = blocks_[block];
+    for (std::size_t i = 0; i < receivers.count; ++i) {
         if (in_.options.floodlight || in_.world.hasFloodlight)
-            AddFloodlight(in_, places.position[i], block, i, records_, work.counts);
+            AddFloodlight(in_, receivers.position[i], block, i, records_, work.counts);
         if (in_.indirect)
-            AddIndirect(in_, places, block, i, records_, work.counts);
+            AddIndirect(in_, receivers, block, i, records_, work.counts);
     }
 }
 
@@ -373,21 +374,21 @@ GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {
 
 std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
                                       GridStats &stats) {
-    const ContributionSettings settings{.pass = LightPass::LegacyGrid,
-                                        .sunOnly = in.options.sunOnly,
-                                        .pointAreas = in.options.faster,
-                                        .skip = in.options.skip};
+    const LightSettings settings{.pass = LightPass::LegacyGrid,
+                                 .sunOnly = in.options.sunOnly,
+                                 .pointAreas = in.options.faster,
+                                 .skip = in.options.skip};
     const LightsByCluster byCluster(lights);
     std::vector<bspGridPoint_t> grid(std::size_t(layout.Count()), bspGridPoint_t{});
     const GridBricks bricks(layout);
     stats.points = layout.Count();
     RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
-        std::vector<LightPlaces> blocks = PlaceBrick(in.space, layout, bricks.Points(brick), work);
+        std::vector<ReceiverBatch> blocks = PlaceBrick(in.space, layout, bricks.Points(brick), work);
         if (blocks.empty())
             return;
-        StartFaint(blocks, kFaint);
+        StartFaintResiduals(blocks, kFaint);
         const BrickLights candidates(byCluster, BrickView(blocks), std::uint64_t(brick), kFaint, in.options.skip, work);
-        ContributionSettings pass = settings;
+        LightSettings pass = settings;
         pass.faint = candidates.Many() ? kFaint : 0;
         for (std::size_t first = 0; first < blocks.size(); first += kTogether) {
             GridBlocks together(in, std::span(blocks).subspan(first, std::min(kTogether, blocks.size() - first)));

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. The SH light grid: placement, and light at every point in the open.
 #include "q3map2/light/grid/gridsh_fill.h"
 #include "q3map2/light/grid/gridsh_fit.h"
-#include "q3map2/light/grid/gridsh_light.h"
 #include "q3map2/light/grid/light_grid.h"
+#include "q3map2/light/grid/probe_integrator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ constexpr std::int64_t kMaxPoints = (0x7fffffffll - 40) / 108;
 constexpr float kOnLamp = 1.0f / 64;
 
 /// Whether p is on the polygon of a surface light.
-bool OnLamp(const Light &light, const Vec3f &p) {
+bool OnEmitter(const Light &light, const Vec3f &p) {
     if (std::abs(Dot(Vec3f(light.shape.normal), p) - float(light.shape.dist)) > kOnLamp)
         return false;
     bool left = false, right = false;
@@ -36,7 +36,7 @@ bool OnLamp(const Light &light, const Vec3f &p) {
 class PointPlaces {
   public:
     PointPlaces(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
-        : states_(std::size_t(layout.Count()), PointState::Void), places_(std::size_t(bricks.Count())) {
+        : states_(std::size_t(layout.Count()), PointState::Exterior), receivers_(std::size_t(bricks.Count())) {
         std::vector<int> clusters(states_.size());
         ForBlocks(in, bricks, {1, 1, 1}, [&](std::int64_t, const BspRegion &whole, std::span<const BrickPoint> points) {
             const BspRegion space = RegionAround(whole, points, {1, 1, 1});
@@ -46,7 +46,7 @@ class PointPlaces {
                 states_[point.index] = placed.state;
             }
         });
-        std::vector<std::vector<Displacement>> displaced(places_.size());
+        std::vector<std::vector<Displacement>> displaced(receivers_.size());
         const Vec3f margin = Vec3f(layout.size) + Vec3f{1, 1, 1};
         ForBlocks(in, bricks, margin,
                   [&](std::int64_t brick, const BspRegion &whole, std::span<const BrickPoint> points) {
@@ -58,7 +58,7 @@ class PointPlaces {
                                   space.emplace(RegionAround(whole, points, margin));
                               placed = PlaceGridPoint(*space, layout, clusters, point);
                           }
-                          Place(placed, point, places_[std::size_t(brick)], displaced[std::size_t(brick)]);
+                          Place(placed, point, receivers_[std::size_t(brick)], displaced[std::size_t(brick)]);
                       }
                   });
         for (const auto &part : displaced)
@@ -83,13 +83,13 @@ class PointPlaces {
                 for (int y = first[1]; y <= last[1]; ++y)
                     for (int x = first[0]; x <= last[0]; ++x) {
                         PointState &state = states_[std::size_t(layout.Index(x, y, z))];
-                        if (state == PointState::Open && OnLamp(light, Vec3f(layout.Position(x, y, z))))
-                            state = PointState::OnLamp;
+                        if (state == PointState::Open && OnEmitter(light, Vec3f(layout.Position(x, y, z))))
+                            state = PointState::OnEmitter;
                     }
         }
     }
-    /// Places of a brick that are to be lit; taken once.
-    std::vector<LightPlaces> Take(std::int64_t brick) { return std::move(places_[std::size_t(brick)]); }
+    /// Receivers of a brick that are to be lit; taken once.
+    std::vector<ReceiverBatch> Take(std::int64_t brick) { return std::move(receivers_[std::size_t(brick)]); }
     std::vector<PointState> &States() { return states_; }
     const std::vector<Displacement> &Displaced() const { return displaced_; }
 
@@ -106,18 +106,18 @@ class PointPlaces {
                 use(brick, around, all.subspan(first, std::min(kPacketSize, all.size() - first)));
         });
     }
-    void Place(const PlacedPoint &placed, const BrickPoint &point, std::vector<LightPlaces> &places,
+    void Place(const PlacedPoint &placed, const BrickPoint &point, std::vector<ReceiverBatch> &receivers,
                std::vector<Displacement> &displaced) {
         states_[point.index] = placed.state;
         if (placed.cluster < 0)
             return;
         if (placed.state != PointState::Open)
             displaced.push_back({point.index, placed.position});
-        AddPlace(places, placed.position, placed.position, placed.cluster, point.index);
+        AddReceiver(receivers, placed.position, placed.position, placed.cluster, point.index);
     }
 
     std::vector<PointState> states_;
-    std::vector<std::vector<LightPlaces>> places_;
+    std::vector<std::vector<ReceiverBatch>> receivers_;
     std::vector<Displacement> displaced_;
 };
 
@@ -153,22 +153,22 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     stats.points = layout.Count();
 
     const GridBricks bricks(layout);
-    PointPlaces places(in, layout, bricks);
-    places.FindOnLamps(layout, lights);
-    const PlaceLighter lighter(in, lights);
-    const SolidSides sides = FindSolidSides(in, layout, places.Displaced(), places.States());
-    GridFit fit(in, layout, places.States(), sides.divided);
+    PointPlaces receivers(in, layout, bricks);
+    receivers.FindOnLamps(layout, lights);
+    const ProbeIntegrator lighter(in, lights);
+    const VisibilityGroups sides = FindSolidSides(in, layout, receivers.Displaced(), receivers.States());
+    GridFit fit(in, layout, receivers.States(), sides.isSplit);
     RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
-        std::vector<LightPlaces> blocks = places.Take(brick);
+        std::vector<ReceiverBatch> blocks = receivers.Take(brick);
         if (!blocks.empty())
             lighter.Trace(blocks, std::uint64_t(brick), work,
                           [&](std::uint32_t index, const bspGridPointSH_t &value) { grid.points[index] = value; });
         fit.AddSamples(brick, fit.SampleCells(bricks.Points(brick), lighter, work));
     });
-    FillGridSH(in, layout, places.Displaced(), sides, places.States(), grid);
+    FillGridSH(in, layout, receivers.Displaced(), sides, receivers.States(), grid);
     fit.Solve(grid, in.jobs);
-    const auto &states = places.States();
-    for (const PointState state : {PointState::Open, PointState::OnLamp, PointState::Beside})
+    const auto &states = receivers.States();
+    for (const PointState state : {PointState::Open, PointState::OnEmitter, PointState::Beside})
         stats.open += std::count(states.begin(), states.end(), state);
     stats.moved = std::count(states.begin(), states.end(), PointState::Moved);
     stats.filled = std::count(states.begin(), states.end(), PointState::Filled);

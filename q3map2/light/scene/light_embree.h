@@ -7,7 +7,7 @@
 #include <embree3/rtcore.h>
 #endif
 
-#include "q3map2/light/batch/light_lanes.h"
+#include "q3map2/light/batch/lanes.h"
 
 #include <algorithm>
 #include <memory>

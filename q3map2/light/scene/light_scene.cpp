@@ -190,7 +190,7 @@ struct LightScene::State {
 namespace {
 
 /// Rays of the packet that something in the scene blocks live no longer; surfaces only do from `nearestSurface` on.
-Q3_VECTOR void EndBlocked(RTCScene scene, RayPacket &packet, float nearest, float nearestSurface = 0) {
+Q3_VECTOR void MaskOccluded(RTCScene scene, RayPacket &packet, float nearest, float nearestSurface = 0) {
     alignas(64) RTCRay16 rays;
     SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
     LegacyContext context;
@@ -352,13 +352,13 @@ void LightScene::TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &c
     counts.rays += std::uint64_t(packet.live.Count());
     if (rules == ShadowRules::Exact) {
         if (s.all)
-            EndBlocked(s.all.get(), packet, 0);
+            MaskOccluded(s.all.get(), packet, 0);
         s.Tint(packet, s.filters, 0);
         return;
     }
     s.MakeLegacy();
     if (s.legacyAll)
-        EndBlocked(s.legacyAll.get(), packet, 0, s.legacyIgnoreRadius);
+        MaskOccluded(s.legacyAll.get(), packet, 0, s.legacyIgnoreRadius);
     s.Tint(packet, s.filtersWithoutPatches, s.legacyIgnoreRadius);
 }
 
@@ -409,7 +409,7 @@ void LightScene::TraceSurfaceToLight(RayPacket &packet, int receiveShadows, RayC
     // A solid nearer than the radius needs no ray of its own: its far side blocks. Only corners that end within the
     // radius do not, and they should not: half of a low wall's luxels would stand for their shadow.
     if (const ScenePtr &blockers = group ? group->all : s.all)
-        EndBlocked(blockers.get(), packet, kSurfaceIgnoreRadius);
+        MaskOccluded(blockers.get(), packet, kSurfaceIgnoreRadius);
     s.Tint(packet, group ? group->casters : s.main, group ? group->filters : s.filters, kSurfaceIgnoreRadius);
 }
 
@@ -464,7 +464,7 @@ void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, 
         ClipToSky(hits, skyIndex, packet);
     }
     if (const ScenePtr &blockers = exact ? s.all : s.legacySurfaces; blockers && packet.live.Any())
-        EndBlocked(blockers.get(), packet, nearest);
+        MaskOccluded(blockers.get(), packet, nearest);
     s.Tint(packet, exact ? s.filters : s.filtersWithoutPatches, nearest);
 }
 

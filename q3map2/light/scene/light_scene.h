@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/log.h"
-#include "q3map2/light/batch/light_lanes.h"
+#include "q3map2/light/batch/lanes.h"
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/scene/surface_table.h"
 
@@ -22,7 +22,7 @@ enum class ShadowRules {
     Exact       ///< everything that casts shadows does
 };
 
-/// One packet of rays: from neighbouring places toward one light, or from one place toward one lamp.
+/// One packet of rays: from neighbouring receivers toward one light, or from one place toward one lamp.
 struct RayPacket {
     Lanes3 origin, direction; ///< unit directions
     Lanes distance;           ///< game units; to the light
@@ -42,7 +42,7 @@ struct RayPacket {
     }
 };
 
-/// Rays from surfaces ignore surfaces nearer than this: places lie a little off their own. Game units.
+/// Rays from surfaces ignore surfaces nearer than this: receivers lie a little off their own. Game units.
 inline constexpr float kSurfaceIgnoreRadius = 1.5f;
 
 /// Rays cast so far, for statistics; one per worker.
@@ -65,8 +65,8 @@ class LightScene {
                     const SkyBeam *beam = nullptr) const;
     /// For beams; null where those save no time.
     const SkyFaces *FewSkies() const;
-    /// The same for places on surfaces of a group of shadow receivers: 0 sees all light, 1 (the default) is shadowed by
-    /// every group, others as the keys _castShadows and _receiveShadows say. Surfaces nearer than
+    /// The same for receivers on surfaces of a group of shadow receivers: 0 sees all light, 1 (the default) is shadowed
+    /// by every group, others as the keys _castShadows and _receiveShadows say. Surfaces nearer than
     /// kSurfaceIgnoreRadius are ignored, and so are corners of solids that a ray leaves within it.
     void TraceSurfaceToLight(RayPacket &packet, int receiveShadows, RayCounts &counts) const;
     void TraceSurfaceToSky(RayPacket &packet, int skyIndex, int receiveShadows, RayCounts &counts) const;

@@ -14,13 +14,13 @@ namespace q3 {
 
 /// Half the width of a player. Game units.
 inline constexpr float kPlayerHalfSize = 16;
-/// Places farther from a leaf are never taken to be in it. Game units.
+/// Receivers farther from a leaf are never taken to be in it. Game units.
 inline constexpr float kAtLeaf = 0.2f;
 
 class BspSpace;
 
-/// The part of a map's tree around a box: queries about places in the box give what the whole tree gives, sooner. Keeps
-/// a reference.
+/// The part of a map's tree around a box: queries about receivers in the box give what the whole tree gives, sooner.
+/// Keeps a reference.
 class BspRegion {
   public:
     /// The region around a box in this one.

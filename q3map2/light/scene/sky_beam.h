@@ -9,12 +9,12 @@
 
 namespace q3 {
 
-/// The skies that rays of one direction can meet from places of a box, for many packets of them. How far it is to a
+/// The skies that rays of one direction can meet from receivers of a box, for many packets of them. How far it is to a
 /// sky, and how far inside of an edge a ray meets its plane, are linear in the ray's origin, so most skies and edges
 /// are decided for the whole box.
 class SkyBeam {
   public:
-    /// For rays from places of the box, which is not empty. The skies are few.
+    /// For rays from receivers of the box, which is not empty. The skies are few.
     SkyBeam(const SkyFaces &skies, const Vec3f &direction, const Boundsf &box);
     /// Live rays that meet a sky of that number (-1: of any) first, from `nearest` (not negative) to `distance`, end
     /// there; the others live no longer. Rays on the edge of a sky meet it.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "libs/math/winding.h"
-#include "q3map2/light/batch/light_lanes.h"
+#include "q3map2/light/batch/lanes.h"
 #include "q3map2/light/scene/shadow_casters.h"
 
 #include <array>
@@ -25,21 +25,22 @@ inline constexpr std::size_t kMostSkyFaces = 8, kMostSkyPieces = 16, kMostSkyEdg
 /// What is nearer to a convex polygon than this is one; pieces reach as far over their edges, so that no ray slips
 /// through where they meet. Game units.
 inline constexpr double kSkyOverlap = 1.0 / 16;
-/// A linear function of places, game units: normal . p - dist.
+/// A linear function of receivers, game units: normal . p - dist.
 struct SkyLinear {
     Vec3f normal;
     float dist;
 };
-/// Adds to `inside` the places that are on the inside of all edges of a convex piece. Inlined, to be compiled as the
+/// Adds to `inside` the receivers that are on the inside of all edges of a convex piece. Inlined, to be compiled as the
 /// vector code that asks.
-[[gnu::always_inline]] inline void AddInside(std::span<const SkyLinear> edges, const Lanes3 &places, LaneMask &inside) {
+[[gnu::always_inline]] inline void AddInside(std::span<const SkyLinear> edges, const Lanes3 &receivers,
+                                             LaneMask &inside) {
     Lanes least; ///< how far inside the nearest edge
     least.fill(0);
     for (const auto &[across, dist] : edges) {
         const float x = across.x, y = across.y, z = across.z, from = dist;
 #pragma GCC unroll 1
         for (std::size_t i = 0; i < kPacketSize; ++i) {
-            const float in = x * places.x[i] + y * places.y[i] + z * places.z[i] - from;
+            const float in = x * receivers.x[i] + y * receivers.y[i] + z * receivers.z[i] - from;
             least[i] = in < least[i] ? in : least[i];
         }
     }

@@ -190,7 +190,7 @@ WorldLight ReadWorldLight(const Entity &world, const LightOptions &options) {
         }
         if (v[0] != 0 || v[1] != 0 || v[2] != 0)
             result.floodColor = {float(v[0]), float(v[1]), float(v[2])};
-        result.floodDistance = v[3] < 1 ? 1024 : float(std::min(v[3], double(kFar)));
+        result.floodDistance = v[3] < 1 ? 1024 : float(std::min(v[3], double(kSunDistance)));
         result.floodIntensity = v[4] < 1 ? 128 : float(std::min(v[4], double(kMaxWorldFactor)));
         result.floodDirectionScale = v[5] < 0 ? 1 : float(std::min(v[5], double(kMaxWorldFactor)));
     }

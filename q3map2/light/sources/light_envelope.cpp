@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. How far each light of a pass reaches.
-#include "q3map2/light/batch/light_formfactor.h"
+#include "q3map2/light/batch/form_factor.h"
 #include "q3map2/light/sources/light_sources.h"
 
 #include <algorithm>
@@ -22,12 +22,12 @@ float AreaReach(const Light &light) {
         const Vec3f p = light.origin + light.normal * r;
         return std::abs(FormFactor(p, -light.normal, light.w)) * light.add > light.tolerance;
     };
-    constexpr int kLinearSteps = 90, kLastStep = int((kFar - kFirstReach) / kReachStep);
+    constexpr int kLinearSteps = 90, kLastStep = int((kSunDistance - kFirstReach) / kReachStep);
     for (int step = 0; step < kLinearSteps; ++step)
         if (!tooMuch(step))
             return kFirstReach + kReachStep * float(step);
     if (tooMuch(kLastStep))
-        return kFar;
+        return kSunDistance;
     int low = kLinearSteps - 1, high = kLastStep;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
@@ -38,10 +38,10 @@ float AreaReach(const Light &light) {
 
 float Reach(const Light &light) {
     if (light.type == LightType::Area)
-        return light.fast ? AreaReach(light) : kFar;
+        return light.fast ? AreaReach(light) : kSunDistance;
     if (light.linear)
         return (light.photons * kLinearScale - (light.fast ? light.tolerance : 0)) / light.fade;
-    return light.fast ? std::sqrt(light.photons / light.tolerance) : kFar;
+    return light.fast ? std::sqrt(light.photons / light.tolerance) : kSunDistance;
 }
 
 /// Moves a light that is in a solid by steps of 2 units, as the established program does: it goes on after a success,
@@ -135,8 +135,8 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
             light.negative = true;
         }
         if (light.type == LightType::Sun) {
-            light.envelope = kFar;
-            light.bounds = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+            light.envelope = kSunDistance;
+            light.bounds = {{-kSunDistance, -kSunDistance, -kSunDistance}, {kSunDistance, kSunDistance, kSunDistance}};
             if (!(pass == LightPass::Surfaces && options.noTrace)) // without rays, suns shine everywhere
                 light.seenFrom = skySeenFrom;
             return wanted(light);
@@ -153,7 +153,7 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
         const Vec3f corner = Max(light.bounds.maxs, light.origin * 2 - light.bounds.mins);
         light.envelope = std::min(Reach(light), Length(corner - light.origin));
         if (pass == LightPass::GridSH && !options.skip.reach) {
-            light.bounds = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+            light.bounds = {{-kSunDistance, -kSunDistance, -kSunDistance}, {kSunDistance, kSunDistance, kSunDistance}};
             light.envelope = Reach(light);
         }
         return wanted(light) && light.envelope > 0;

@@ -15,7 +15,7 @@
 namespace q3 {
 
 /// Distance of suns: "infinite". Game units, 8 times the half size of the world.
-inline constexpr float kFar = 524288;
+inline constexpr float kSunDistance = 524288;
 
 enum class LightType { Point, Spot, Area, Sun };
 

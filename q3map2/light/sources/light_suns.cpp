@@ -148,7 +148,7 @@ std::vector<Light> MakeSuns(const SunDirective &sun, int skyIndex, const LightOp
             const Sample2 offset = DiscOffset(i, sun.deviance);
             direction = DirectionFromAngles(azimuth + offset.u, elevation + offset.v);
         }
-        light.origin = direction * kFar;
+        light.origin = direction * kSunDistance;
         light.normal = -direction;
         lights.push_back(light);
     }

@@ -3,7 +3,7 @@
 
 #include "libs/math/low_discrepancy.h"
 #include "libs/math/spherical_triangle.h"
-#include "q3map2/light/batch/light_lanes.h"
+#include "q3map2/light/batch/lanes.h"
 #include "q3map2/light/sources/light_sources.h"
 
 #include <span>

@@ -14,7 +14,7 @@ namespace q3 {
 
 namespace {
 
-/// Places nearer than this to an emitter's plane get nothing from it. Game units.
+/// Receivers nearer than this to an emitter's plane get nothing from it. Game units.
 constexpr float kPlaneClearance = 1.0f / 64;
 /// Lights that give less than this are judged by one ray; brighter ones by their corners. Byte scale.
 constexpr float kFaint = 1.0f / 4;
@@ -47,9 +47,9 @@ int RefinedRays(float facing, float samples) {
 
 /// moments[k] += weight * Y[k](direction), or = instead of +=.
 template <bool kAdd>
-inline void BasisLanes(std::size_t i, float x, float y, float z, float weight, Arrivals &arrivals) {
+inline void BasisLanes(std::size_t i, float x, float y, float z, float weight, IncidentLight &incident) {
     const auto basis = ShBasis(Vec3f{x, y, z});
-    auto &m = arrivals.moments;
+    auto &m = incident.shCoeffs;
     const auto put = [&](Lanes &row, float value) { row[i] = kAdd ? row[i] + value * weight : value * weight; };
     put(m[0], basis[0]), put(m[1], basis[1]), put(m[2], basis[2]), put(m[3], basis[3]), put(m[4], basis[4]);
     put(m[5], basis[5]), put(m[6], basis[6]), put(m[7], basis[7]), put(m[8], basis[8]);
@@ -107,7 +107,7 @@ Q3_VECTOR void AreaContribution::MeasureLanes() {
     const bool twoSided = light_.twoSided;
     const float strength = light_.add * shape.area / std::numbers::pi_v<float>, size2 = shape.radius * shape.radius;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float px = places_->position.x[i], py = places_->position.y[i], pz = places_->position.z[i];
+        const float px = receivers_->position.x[i], py = receivers_->position.y[i], pz = receivers_->position.z[i];
         const float s =
             float(shape.normal.x * double(px) + shape.normal.y * double(py) + shape.normal.z * double(pz) - shape.dist);
         const float x = shape.center.x - px, y = shape.center.y - py, z = shape.center.z - pz;
@@ -116,7 +116,7 @@ Q3_VECTOR void AreaContribution::MeasureLanes() {
         below_[i] = s < 0 ? -1 : 0;
         distance2_[i] = d2;
         error_[i] = d2 > 0 ? size2 / d2 : 1;
-        facing_[i] = d2 > 0 ? strength * height_[i] / (d2 * std::sqrt(d2)) : 0;
+        unoccludedEstimate_[i] = d2 > 0 ? strength * height_[i] / (d2 * std::sqrt(d2)) : 0;
         const bool inFront = (height_[i] >= kPlaneClearance) & ((s > 0) | twoSided);
         live_[i] = inFront ? live_[i] : 0;
         near_[i] = error_[i] < kNearError ? 0 : live_[i];
@@ -129,9 +129,9 @@ void AreaContribution::MeasureMoments(const LaneMask &those) {
     for (std::size_t i = 0; i < kPacketSize; ++i)
         front[i] = those[i] & ~below_[i], behind[i] = those[i] & below_[i];
     if (front.Any())
-        moments_.Measure(light_.w, places_->position, front);
+        moments_.Measure(light_.w, receivers_->position, front);
     if (behind.Any())
-        moments_.Measure(light_.shape.back, places_->position, behind);
+        moments_.Measure(light_.shape.back, receivers_->position, behind);
 }
 
 /// Moments of the light where it is near, and what it gives there.
@@ -139,33 +139,33 @@ void AreaContribution::MeasureNear() {
     MeasureMoments(near_);
     for (std::size_t i = 0; i < kPacketSize; ++i)
         if (near_[i] != 0)
-            facing_[i] = light_.add * float(moments_.FirstLength(i) / std::numbers::pi);
+            unoccludedEstimate_[i] = light_.add * float(moments_.FirstLength(i) / std::numbers::pi);
 }
 
-/// Ends places out of the light's bounds and those that get at most `least`, which is not negative. What the others get
-/// at most.
-Q3_VECTOR float AreaContribution::EndDark(float least) {
+/// Ends receivers out of the light's bounds and those that get at most `least`, which is not negative. What the others
+/// get at most.
+Q3_VECTOR float AreaContribution::CullUnlit(float least) {
     const Vec3f from = light_.bounds.mins, to = light_.bounds.maxs;
     std::int32_t brightest = 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float x = places_->position.x[i], y = places_->position.y[i], z = places_->position.z[i];
-        const bool lit = (facing_[i] > least) & (x >= from.x) & (y >= from.y) & (z >= from.z) & (x <= to.x) &
-                         (y <= to.y) & (z <= to.z);
+        const float x = receivers_->position.x[i], y = receivers_->position.y[i], z = receivers_->position.z[i];
+        const bool lit = (unoccludedEstimate_[i] > least) & (x >= from.x) & (y >= from.y) & (z >= from.z) &
+                         (x <= to.x) & (y <= to.y) & (z <= to.z);
         live_[i] = lit ? live_[i] : 0;
-        brightest = std::max(brightest, OrderedBits(facing_[i]) & live_[i]);
+        brightest = std::max(brightest, OrderedBits(unoccludedEstimate_[i]) & live_[i]);
     }
     return std::bit_cast<float>(brightest);
 }
 
 /// What the light gives about to each place, without shadows. False: nothing to any.
-bool AreaContribution::FindFacing() {
+bool AreaContribution::EstimateUnoccluded() {
     MeasureLanes();
     MeasureNear();
-    brightest_ = EndDark(light_.fast ? light_.tolerance : 0);
+    brightest_ = CullUnlit(light_.fast ? light_.tolerance : 0);
     return live_.Any();
 }
 
-/// The cheapest method that is good enough for all places that are not near.
+/// The cheapest method that is good enough for all receivers that are not near.
 AreaContribution::Method AreaContribution::ChooseMethod() const {
     if (!settings_.skip.moments)
         return Method::ClosedForm;
@@ -173,7 +173,7 @@ AreaContribution::Method AreaContribution::ChooseMethod() const {
     // triangle by the fourth power.
     float asPoint = 0, asSamples = 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float light = live_[i] != 0 && near_[i] == 0 ? facing_[i] * error_[i] : 0;
+        const float light = live_[i] != 0 && near_[i] == 0 ? unoccludedEstimate_[i] * error_[i] : 0;
         asPoint = std::max(asPoint, light);
         asSamples = std::max(asSamples, light * error_[i]);
     }
@@ -187,20 +187,20 @@ int AreaContribution::Probes() const {
     return int(light_.w.size()) + (brightest_ < kBright && shortcuts ? 0 : kInnerProbes);
 }
 
-/// Where a probe goes, but for the lift off the emitter; the same for all places, so that their rays stay together.
+/// Where a probe goes, but for the lift off the emitter; the same for all receivers, so that their rays stay together.
 Vec3f AreaContribution::ProbeTarget(int probe) const {
     const bool one = brightest_ < kFaint && settings_.skip.probes;
     const int corners = one ? 0 : int(light_.w.size());
     if (probe >= corners)
-        return PointByArea(light_, PlasticSample(std::uint32_t(probe - corners), places_->index[0]));
+        return PointByArea(light_, PlasticSample(std::uint32_t(probe - corners), receivers_->index[0]));
     const Vec3f &corner = light_.w[std::size_t(probe)];
     return corner + (light_.shape.center - corner) * kCornerInset;
 }
 
-/// Rays from all live places to just before the target.
+/// Rays from all live receivers to just before the target.
 Q3_VECTOR void AreaContribution::AimAll(const Vec3f &target, RayPacket &rays) const {
     const Vec3f normal(light_.shape.normal);
-    rays.origin = places_->rayOrigin;
+    rays.origin = receivers_->rayOrigin;
     rays.live = live_;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float lift = Lift(i);
@@ -218,12 +218,12 @@ void AreaContribution::AddTint(const RayPacket &rays) {
     if (!tinted_) // all before came through clear air
         firstTint_ = {clear_, clear_, clear_};
     tinted_ = true;
-    for (std::size_t i = 0; i < places_->count; ++i)
+    for (std::size_t i = 0; i < receivers_->count; ++i)
         if (rays.live[i] != 0)
             firstTint_.Set(i, firstTint_[i] + (rays.tinted ? rays.tint[i] : Vec3f{1, 1, 1}));
 }
 
-void AreaContribution::FirstLook(int probes) {
+void AreaContribution::TraceProbes(int probes) {
     clear_.fill(0);
     RayPacket rays;
     for (int probe = 0; probe < probes; ++probe) {
@@ -235,8 +235,8 @@ void AreaContribution::FirstLook(int probes) {
     }
 }
 
-/// Live places for which the first rays are not enough; the others end that none of them reached.
-Q3_VECTOR LaneMask AreaContribution::TakeUnsure(int probes) {
+/// Live receivers for which the first rays are not enough; the others end that none of them reached.
+Q3_VECTOR LaneMask AreaContribution::LanesToRefine(int probes) {
     const float all = float(probes);
     std::int32_t anyWhole = 0, anyNotWhole = 0, anyHidden = 0, anySeen = 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
@@ -245,39 +245,39 @@ Q3_VECTOR LaneMask AreaContribution::TakeUnsure(int probes) {
         anyHidden |= live_[i] & hidden, anySeen |= live_[i] & ~hidden;
     }
     const std::int32_t mixed = ((anyWhole & anyNotWhole) | (anyHidden & anySeen)) != 0 ? -1 : 0;
-    // Shortcuts: dim lights are sure, and places all alike.
+    // Shortcuts: dim lights are sure, and receivers all alike.
     const bool shortcuts = settings_.skip.probes;
     const float partlyFrom = shortcuts ? kRefine : 0, mixedFrom = shortcuts ? 2 * kRefine : 0;
     LaneMask unsure;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const std::int32_t partly = -std::int32_t((clear_[i] != all) & (clear_[i] != 0));
-        const std::int32_t asked =
-            (partly & -std::int32_t(facing_[i] >= partlyFrom)) | (mixed & -std::int32_t(facing_[i] >= mixedFrom));
+        const std::int32_t asked = (partly & -std::int32_t(unoccludedEstimate_[i] >= partlyFrom)) |
+                                   (mixed & -std::int32_t(unoccludedEstimate_[i] >= mixedFrom));
         unsure[i] = live_[i] & asked;
         live_[i] &= -std::int32_t(clear_[i] > 0);
     }
     return unsure;
 }
 
-/// Projections of the far light as a point, for all places.
+/// Projections of the far light as a point, for all receivers.
 Q3_VECTOR void AreaContribution::PointMoments() {
     const Vec3f center = light_.shape.center;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float d = std::sqrt(distance2_[i]), divisor = d > 0 ? d : 1;
-        BasisLanes<false>(i, (center.x - places_->position.x[i]) / divisor,
-                          (center.y - places_->position.y[i]) / divisor, (center.z - places_->position.z[i]) / divisor,
-                          facing_[i], *arrivals_);
+        BasisLanes<false>(i, (center.x - receivers_->position.x[i]) / divisor,
+                          (center.y - receivers_->position.y[i]) / divisor,
+                          (center.z - receivers_->position.z[i]) / divisor, unoccludedEstimate_[i], *incident_);
     }
 }
 
 /// Adds a small piece of the emitter.
 Q3_VECTOR void AreaContribution::AddSample(const Vec3f &at, float strength) {
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float x = at.x - places_->position.x[i], y = at.y - places_->position.y[i],
-                    z = at.z - places_->position.z[i];
+        const float x = at.x - receivers_->position.x[i], y = at.y - receivers_->position.y[i],
+                    z = at.z - receivers_->position.z[i];
         const float d = std::sqrt(x * x + y * y + z * z), divisor = d > 0 ? d : 1;
         BasisLanes<true>(i, x / divisor, y / divisor, z / divisor,
-                         strength * height_[i] / (divisor * divisor * divisor), *arrivals_);
+                         strength * height_[i] / (divisor * divisor * divisor), *incident_);
     }
 }
 
@@ -285,7 +285,7 @@ Q3_VECTOR void AreaContribution::AddSample(const Vec3f &at, float strength) {
 void AreaContribution::QuadratureMoments() {
     const Winding<float> &w = light_.w;
     const AreaShape &shape = light_.shape;
-    for (Lanes &row : arrivals_->moments)
+    for (Lanes &row : incident_->shCoeffs)
         row.fill(0);
     float before = 0;
     for (std::size_t t = 2; t < w.size(); ++t) {
@@ -299,7 +299,7 @@ void AreaContribution::QuadratureMoments() {
     }
 }
 
-/// Closed forms for the places that are near, or for all, and for those that need them for more.
+/// Closed forms for the receivers that are near, or for all, and for those that need them for more.
 void AreaContribution::TakeClosedForms(bool all, const LaneMask &refine) {
     LaneMask more, taken;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
@@ -309,23 +309,23 @@ void AreaContribution::TakeClosedForms(bool all, const LaneMask &refine) {
     if (more.Any())
         MeasureMoments(more);
     if (taken.Any())
-        moments_.Project(double(light_.add) / std::numbers::pi, taken, arrivals_->moments);
+        moments_.Project(double(light_.add) / std::numbers::pi, taken, incident_->shCoeffs);
 }
 
-/// What the first rays say of the places that are not refined.
+/// What the first rays say of the receivers that are not refined.
 Q3_VECTOR void AreaContribution::SetShares(float probes, const LaneMask &refine) {
     for (std::size_t i = 0; i < kPacketSize; ++i)
         share_[i] = refine[i] != 0 ? 1 : clear_[i] / probes;
     if (!tinted_) {
         if (refine.Any()) // may find tints
-            arrivals_->tint.Fill({1, 1, 1});
+            incident_->tint.Fill({1, 1, 1});
         return;
     }
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float seen = clear_[i] > 0 ? clear_[i] : 1;
-        arrivals_->tint.x[i] = firstTint_.x[i] / seen;
-        arrivals_->tint.y[i] = firstTint_.y[i] / seen;
-        arrivals_->tint.z[i] = firstTint_.z[i] / seen;
+        incident_->tint.x[i] = firstTint_.x[i] / seen;
+        incident_->tint.y[i] = firstTint_.y[i] / seen;
+        incident_->tint.z[i] = firstTint_.z[i] / seen;
     }
 }
 
@@ -333,15 +333,16 @@ Q3_VECTOR void AreaContribution::SetShares(float probes, const LaneMask &refine)
 void AreaContribution::SetMoments(std::size_t i, const ShVector &projection) {
     const double scale = double(light_.add) / std::numbers::pi;
     for (std::size_t k = 0; k < 9; ++k)
-        arrivals_->moments[k][i] = float(projection[k] * scale);
+        incident_->shCoeffs[k][i] = float(projection[k] * scale);
 }
 
 /// Corrects the closed form by what many rays see: with V and W the traced moments of the visible part and of the whole
 /// and f the visible share, f * exact + V - f * W is exact where nothing or everything is hidden.
 void AreaContribution::Refine(std::size_t i) {
-    const int n = RefinedRays(facing_[i], settings_.samples);
+    const int n = RefinedRays(unoccludedEstimate_[i], settings_.samples);
     const Vec3f lift = Vec3f(light_.shape.normal) * Lift(i);
-    const AreaSampler sampler(light_, Corners(i), places_->position[i], height_[i], places_->index[i], near_[i] != 0);
+    const AreaSampler sampler(light_, Corners(i), receivers_->position[i], height_[i], receivers_->index[i],
+                              near_[i] != 0);
     SampleMoments moments;
     Vec3d tint;
     int clear = 0;
@@ -350,7 +351,7 @@ void AreaContribution::Refine(std::size_t i) {
     AreaSamples samples{};
     for (int first = 0; first < n; first += int(kPacketSize)) {
         sampler.Take(std::uint32_t(first), samples);
-        AimFrom(places_->rayOrigin[i], samples.target, lift, rays);
+        AimFrom(receivers_->rayOrigin[i], samples.target, lift, rays);
         scene_.TraceToLight(rays, ShadowRules::Exact, counts_);
         moments.Add(samples, rays.live);
         clear += rays.live.Count();
@@ -370,41 +371,41 @@ void AreaContribution::Refine(std::size_t i) {
         projection[k] = share * projection[k] + (visible - share * whole) / n;
     }
     SetMoments(i, projection);
-    arrivals_->tint.Set(i, Vec3f(tint / double(clear)));
+    incident_->tint.Set(i, Vec3f(tint / double(clear)));
 }
 
 /// From light to what is stored.
 Q3_VECTOR void AreaContribution::Convolve() {
     const float fromAll = float(4 * std::numbers::pi * kShC0);
     for (std::size_t i = 0; i < kPacketSize; ++i)
-        arrivals_->add[i] = arrivals_->moments[0][i] * share_[i] * weight_ * fromAll;
+        incident_->add[i] = incident_->shCoeffs[0][i] * share_[i] * weight_ * fromAll;
     for (std::size_t k = 0; k < 9; ++k) {
         const float scale = weight_ * (settings_.radiance ? 1 : float(kCosineLobe[k]));
         for (std::size_t i = 0; i < kPacketSize; ++i)
-            arrivals_->moments[k][i] = live_[i] != 0 ? arrivals_->moments[k][i] * share_[i] * scale : 0;
+            incident_->shCoeffs[k][i] = live_[i] != 0 ? incident_->shCoeffs[k][i] * share_[i] * scale : 0;
     }
 }
 
-void AreaContribution::Add(LightPlaces &places, Arrivals &arrivals) {
-    places_ = &places;
-    arrivals_ = &arrivals;
+void AreaContribution::Add(ReceiverBatch &receivers, IncidentLight &incident) {
+    receivers_ = &receivers;
+    incident_ = &incident;
     weight_ = givenWeight_;
     tinted_ = false;
-    live_ = arrivals_->live;
-    arrivals_->live = {};
+    live_ = incident_->live;
+    incident_->live = {};
     const int inSight = live_.Count();
-    const bool any = light_.w.size() >= 3 && FindFacing();
+    const bool any = light_.w.size() >= 3 && EstimateUnoccluded();
     counts_.skippedFacing += std::uint64_t(any ? inSight - live_.Count() : inSight);
     if (!any)
         return;
-    if (!TakeFaint(settings_.faint, brightest_, *places_, weight_)) {
+    if (!SelectFaintLight(settings_.faint, brightest_, *receivers_, weight_)) {
         counts_.skippedFaint += std::uint64_t(live_.Count());
         return;
     }
     const int probes = Probes();
     counts_.skippedProbes += std::uint64_t(probes == 1 ? live_.Count() : 0);
-    FirstLook(probes);
-    const LaneMask refine = TakeUnsure(probes);
+    TraceProbes(probes);
+    const LaneMask refine = LanesToRefine(probes);
     if (!live_.Any() && !refine.Any())
         return;
     const Method method = ChooseMethod();
@@ -418,9 +419,9 @@ void AreaContribution::Add(LightPlaces &places, Arrivals &arrivals) {
     for (unsigned lanes = refine.Bits(); lanes != 0; lanes &= lanes - 1)
         Refine(std::size_t(std::countr_zero(lanes)));
     Convolve();
-    arrivals_->direction = {};
-    arrivals_->tinted = tinted_;
-    arrivals_->live = live_;
+    incident_->direction = {};
+    incident_->tinted = tinted_;
+    incident_->live = live_;
 }
 
 } // namespace q3

@@ -9,20 +9,20 @@
 
 namespace q3 {
 
-/// Light of one area light at places, block by block.
+/// Light of one area light at receivers, block by block.
 ///
 /// A few well-spread rays first: one for a faint light, else the corners and, for a bright one, samples of the inside.
 /// All clear: the closed form is the answer; all blocked: zero. Where they disagree, among themselves or, for a bright
-/// light, with the other places of the block, many rays correct the closed form; for a faint light the share of the
+/// light, with the other receivers of the block, many rays correct the closed form; for a faint light the share of the
 /// first rays that arrive does.
 class AreaContribution {
   public:
-    AreaContribution(const Light &light, float weight, const ContributionSettings &settings, const LightScene &scene,
+    AreaContribution(const Light &light, float weight, const LightSettings &settings, const LightScene &scene,
                      ContributionCounts &counts)
         : light_(light), givenWeight_(weight), settings_(settings), scene_(scene), counts_(counts) {}
 
-    /// Sets the arrivals of live places, and which stay alive.
-    void Add(LightPlaces &places, Arrivals &arrivals);
+    /// Sets the incident of live receivers, and which stay alive.
+    void Add(ReceiverBatch &receivers, IncidentLight &incident);
 
   private:
     /// How moments are found, by what each errs.
@@ -34,15 +34,15 @@ class AreaContribution {
     void MeasureLanes();
     void MeasureMoments(const LaneMask &those);
     void MeasureNear();
-    float EndDark(float least);
-    bool FindFacing();
+    float CullUnlit(float least);
+    bool EstimateUnoccluded();
     Method ChooseMethod() const;
     int Probes() const;
     Vec3f ProbeTarget(int probe) const;
     void AimAll(const Vec3f &target, RayPacket &rays) const;
-    void FirstLook(int probes);
+    void TraceProbes(int probes);
     void AddTint(const RayPacket &rays);
-    LaneMask TakeUnsure(int probes);
+    LaneMask LanesToRefine(int probes);
     void PointMoments();
     void AddSample(const Vec3f &at, float strength);
     void QuadratureMoments();
@@ -54,19 +54,19 @@ class AreaContribution {
 
     const Light &light_;
     float givenWeight_;
-    const ContributionSettings &settings_;
+    const LightSettings &settings_;
     const LightScene &scene_;
     ContributionCounts &counts_;
 
     // Of the block.
-    LightPlaces *places_ = nullptr;
-    Arrivals *arrivals_ = nullptr;
+    ReceiverBatch *receivers_ = nullptr;
+    IncidentLight *incident_ = nullptr;
     float weight_ = 1; ///< with what the light stands for in the block
     LaneMask live_{}, below_{}, near_{};
-    Lanes height_;    ///< distance to the plane of the light
-    Lanes distance2_; ///< squared, to its centre
-    Lanes facing_;    ///< about the light on a surface that faces the light, byte scale
-    Lanes error_;     ///< square of size over distance
+    Lanes height_;             ///< distance to the plane of the light
+    Lanes distance2_;          ///< squared, to its centre
+    Lanes unoccludedEstimate_; ///< about the light on a surface that faces the light, byte scale
+    Lanes error_;              ///< square of size over distance
     float brightest_ = 0;
     MomentLanes moments_; ///< where near_, and elsewhere where they are asked for
     Lanes clear_;         ///< first rays that arrived

@@ -1,7 +1,7 @@
-// GPL-2.0-or-later. What one light gives to places of a light grid.
+// GPL-2.0-or-later. What one light gives to receivers of a light grid.
 #include "q3map2/light/transfer/light_contribution.h"
 
-#include "q3map2/light/batch/light_formfactor.h"
+#include "q3map2/light/batch/form_factor.h"
 #include "q3map2/light/scene/sky_beam.h"
 #include "q3map2/light/transfer/light_area.h"
 #include "q3map2/light/transfer/light_terms.h"
@@ -33,7 +33,7 @@ float FarAreaAdd(const Light &light, const Vec3f &p) {
 }
 
 /// Area light by the established program's formula.
-float LegacyAreaAdd(const Light &light, const Vec3f &p, const Vec3f &u, float d, const ContributionSettings &settings) {
+float LegacyAreaAdd(const Light &light, const Vec3f &p, const Vec3f &u, float d, const LightSettings &settings) {
     if (settings.pointAreas) {
         const float dAttenuated = std::max(kNearest, std::sqrt(d * d + light.extraDist * light.extraDist));
         return light.photons / (dAttenuated * dAttenuated);
@@ -51,79 +51,79 @@ float LegacyAreaAdd(const Light &light, const Vec3f &p, const Vec3f &u, float d,
     return (f < 0 && !light.twoSided ? 0 : std::abs(f)) * light.add;
 }
 
-/// Direction and distance to the light; ends places beyond its reach.
-Q3_VECTOR void AimAt(const Light &light, const LightPlaces &places, Arrivals &arrivals) {
+/// Direction and distance to the light; ends receivers beyond its reach.
+Q3_VECTOR void AimAt(const Light &light, const ReceiverBatch &receivers, IncidentLight &incident) {
     const Vec3f from = light.bounds.mins, to = light.bounds.maxs;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float px = places.position.x[i], py = places.position.y[i], pz = places.position.z[i];
+        const float px = receivers.position.x[i], py = receivers.position.y[i], pz = receivers.position.z[i];
         const float x = light.origin.x - px, y = light.origin.y - py, z = light.origin.z - pz;
         const float d = std::sqrt(x * x + y * y + z * z), divisor = d > 0 ? d : 1;
-        arrivals.distance[i] = d;
-        arrivals.direction.x[i] = x / divisor;
-        arrivals.direction.y[i] = y / divisor;
-        arrivals.direction.z[i] = z / divisor;
+        incident.distance[i] = d;
+        incident.direction.x[i] = x / divisor;
+        incident.direction.y[i] = y / divisor;
+        incident.direction.z[i] = z / divisor;
         const bool inside = (px >= from.x) & (py >= from.y) & (pz >= from.z) & (px <= to.x) & (py <= to.y) &
                             (pz <= to.z) & (d <= light.envelope);
-        arrivals.live[i] = inside ? arrivals.live[i] : 0;
+        incident.live[i] = inside ? incident.live[i] : 0;
     }
 }
 
 /// Falloff of point lights and spotlights.
-Q3_VECTOR void PointAdd(const Light &light, Arrivals &arrivals) {
-    const Lanes &distance = arrivals.distance;
+Q3_VECTOR void PointAdd(const Light &light, IncidentLight &incident) {
+    const Lanes &distance = incident.distance;
     const float extra2 = light.extraDist * light.extraDist;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float d = std::max(kNearest, std::sqrt(distance[i] * distance[i] + extra2));
-        arrivals.add[i] = light.linear ? light.photons * kLinearScale - d * light.fade : light.photons / (d * d);
+        incident.add[i] = light.linear ? light.photons * kLinearScale - d * light.fade : light.photons / (d * d);
     }
     if (light.type != LightType::Spot)
         return;
     for (std::size_t i = 0; i < kPacketSize; ++i)
-        if (arrivals.live[i] != 0 && arrivals.add[i] > 0)
-            arrivals.add[i] *= ConeShare(light, arrivals.direction[i] * distance[i]);
+        if (incident.live[i] != 0 && incident.add[i] > 0)
+            incident.add[i] *= ConeShare(light, incident.direction[i] * distance[i]);
 }
 
 /// Light of suns without shadows.
-Q3_VECTOR void SunArrives(const Light &light, float add, Arrivals &arrivals) {
-    arrivals.add.fill(add);
-    arrivals.direction.Fill(-light.normal);
-    arrivals.distance.fill(kFar);
+Q3_VECTOR void SunArrives(const Light &light, float add, IncidentLight &incident) {
+    incident.add.fill(add);
+    incident.direction.Fill(-light.normal);
+    incident.distance.fill(kSunDistance);
 }
 
 /// Light of others without shadows.
-void Unshadowed(const Light &light, const ContributionSettings &settings, const LightPlaces &places,
-                Arrivals &arrivals) {
-    AimAt(light, places, arrivals);
+void Unshadowed(const Light &light, const LightSettings &settings, const ReceiverBatch &receivers,
+                IncidentLight &incident) {
+    AimAt(light, receivers, incident);
     if (light.type != LightType::Area)
-        PointAdd(light, arrivals);
+        PointAdd(light, incident);
     else
         for (std::size_t i = 0; i < kPacketSize; ++i)
-            arrivals.add[i] = arrivals.live[i] == 0 ? 0
-                                                    : LegacyAreaAdd(light, places.position[i], arrivals.direction[i],
-                                                                    arrivals.distance[i], settings);
+            incident.add[i] = incident.live[i] == 0 ? 0
+                                                    : LegacyAreaAdd(light, receivers.position[i], incident.direction[i],
+                                                                    incident.distance[i], settings);
 }
 
-/// Ends places that get at most `least`, which is not negative. What the others get at most.
-Q3_VECTOR float EndFaint(float least, Arrivals &arrivals) {
+/// Ends receivers that get at most `least`, which is not negative. What the others get at most.
+Q3_VECTOR float CullFaint(float least, IncidentLight &incident) {
     std::int32_t strongest = 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const std::int32_t kept = (arrivals.live[i] != 0) & (arrivals.add[i] > least) ? -1 : 0;
-        arrivals.live[i] = kept;
-        strongest = std::max(strongest, OrderedBits(arrivals.add[i]) & kept);
+        const std::int32_t kept = (incident.live[i] != 0) & (incident.add[i] > least) ? -1 : 0;
+        incident.live[i] = kept;
+        strongest = std::max(strongest, OrderedBits(incident.add[i]) & kept);
     }
     return std::bit_cast<float>(strongest);
 }
 
 /// Moments of light from one direction; from everywhere alike in the light itself, where the direction is zero.
-Q3_VECTOR void DirectionMoments(Arrivals &arrivals, bool radiance) {
+Q3_VECTOR void DirectionMoments(IncidentLight &incident, bool radiance) {
     const float s0 = float(kShC0) * (radiance ? 1 : float(kCosineLobe[0]));
     const float s1 = float(kShC1) * (radiance ? 1 : float(kCosineLobe[1]));
     const float band2 = radiance ? 1 : float(kCosineLobe[4]);
     const float s2 = float(kShC2) * band2, s3 = float(kShC3) * band2, s4 = float(kShC4) * band2;
-    auto &m = arrivals.moments;
+    auto &m = incident.shCoeffs;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float x = arrivals.direction.x[i], y = arrivals.direction.y[i], z = arrivals.direction.z[i];
-        const float add = arrivals.live[i] != 0 ? arrivals.add[i] : 0;
+        const float x = incident.direction.x[i], y = incident.direction.y[i], z = incident.direction.z[i];
+        const float add = incident.live[i] != 0 ? incident.add[i] : 0;
         m[0][i] = s0 * add;
         m[1][i] = s1 * y * add;
         m[2][i] = s1 * z * add;
@@ -139,9 +139,9 @@ Q3_VECTOR void DirectionMoments(Arrivals &arrivals, bool radiance) {
 /// Delta lights, and area lights as the legacy grid takes them: one ray each.
 class DeltaContribution {
   public:
-    DeltaContribution(const Light &light, float weight, const ContributionSettings &settings, const LightScene &scene,
-                      std::span<LightPlaces> blocks, std::span<Arrivals> arrivals, ContributionCounts &counts)
-        : light_(light), weight_(weight), settings_(settings), scene_(scene), blocks_(blocks), arrivals_(arrivals),
+    DeltaContribution(const Light &light, float weight, const LightSettings &settings, const LightScene &scene,
+                      std::span<ReceiverBatch> blocks, std::span<IncidentLight> incident, ContributionCounts &counts)
+        : light_(light), weight_(weight), settings_(settings), scene_(scene), blocks_(blocks), incident_(incident),
           counts_(counts), exact_(settings.pass == LightPass::GridSH) {}
 
     void Add() {
@@ -149,24 +149,24 @@ class DeltaContribution {
             AimAtSky();
         float strongest = 0;
         for (std::size_t block = 0; block < blocks_.size(); ++block)
-            if (arrivals_[block].live.Any())
+            if (incident_[block].live.Any())
                 strongest = std::max(strongest, Prepare(block));
         if (Dim(strongest))
             TraceCoarse();
         else
             for (std::size_t block = 0; block < blocks_.size(); ++block)
-                Trace(block, arrivals_[block].live.Bits());
+                Trace(block, incident_[block].live.Bits());
         Flush();
-        for (Arrivals &one : arrivals_)
+        for (IncidentLight &one : incident_)
             if (exact_ && one.live.Any())
                 DirectionMoments(one, settings_.radiance);
     }
 
   private:
-    /// Places of a full block that are spread over all its axes.
-    static constexpr std::array<std::size_t, 4> kSpread = {0, 5, 10, 15};
-    static constexpr unsigned kSpreadBits = 1u << 0 | 1u << 5 | 1u << 10 | 1u << 15;
-    static constexpr std::size_t kPerPacket = kPacketSize / kSpread.size();
+    /// Receivers of a full block that are spread over all its axes.
+    static constexpr std::array<std::size_t, 4> kCoarseLanes = {0, 5, 10, 15};
+    static constexpr unsigned kCoarseLaneBits = 1u << 0 | 1u << 5 | 1u << 10 | 1u << 15;
+    static constexpr std::size_t kPerPacket = kPacketSize / kCoarseLanes.size();
 
     float Prepare(std::size_t block);
     /// Whether coarse visibility is good enough for a light that gives at most `strongest`.
@@ -184,22 +184,22 @@ class DeltaContribution {
     }
     void SetRay(std::size_t ray, std::size_t block, std::size_t lane, RayPacket &rays) const {
         rays.origin.Set(ray, blocks_[block].rayOrigin[lane]);
-        rays.direction.Set(ray, arrivals_[block].direction[lane]);
-        rays.distance[ray] = arrivals_[block].distance[lane];
+        rays.direction.Set(ray, incident_[block].direction[lane]);
+        rays.distance[ray] = incident_[block].distance[lane];
         rays.live[ray] = -1;
     }
     void TraceFull(std::size_t block);
     void Trace(std::size_t block, unsigned lanes);
     void Flush();
     void TraceCoarse();
-    void AskSpread(std::span<const std::size_t> blocks);
+    void TraceCoarseProbes(std::span<const std::size_t> blocks);
 
     const Light &light_;
     float weight_;
-    const ContributionSettings &settings_;
+    const LightSettings &settings_;
     const LightScene &scene_;
-    std::span<LightPlaces> blocks_;
-    std::span<Arrivals> arrivals_;
+    std::span<ReceiverBatch> blocks_;
+    std::span<IncidentLight> incident_;
     ContributionCounts &counts_;
     bool exact_;
     std::optional<SkyBeam> beam_; ///< all rays of a sun
@@ -214,56 +214,56 @@ void DeltaContribution::AimAtSky() {
     if (!skies)
         return;
     Boundsf box;
-    for (const LightPlaces &places : blocks_)
-        box.Add(places.rayOrigins);
+    for (const ReceiverBatch &receivers : blocks_)
+        box.Add(receivers.rayOrigins);
     beam_.emplace(*skies, -light_.normal, box);
 }
 
-/// Sets what arrives without shadows; afterwards live places have rays to trace. What they get at most.
+/// Sets what arrives without shadows; afterwards live receivers have rays to trace. What they get at most.
 float DeltaContribution::Prepare(std::size_t block) {
-    LightPlaces &places = blocks_[block];
-    Arrivals &arrivals = arrivals_[block];
+    ReceiverBatch &receivers = blocks_[block];
+    IncidentLight &incident = incident_[block];
     if (light_.type == LightType::Sun) {
         const float add = light_.photons * weight_;
-        SunArrives(light_, add, arrivals);
+        SunArrives(light_, add, incident);
         if (!(add > 0))
-            arrivals.live = {};
+            incident.live = {};
         return add;
     }
-    const int inSight = arrivals.live.Count();
-    Unshadowed(light_, settings_, places, arrivals);
-    const float strongest = EndFaint(light_.fast ? light_.tolerance : 0, arrivals);
-    const int inReach = arrivals.live.Count();
+    const int inSight = incident.live.Count();
+    Unshadowed(light_, settings_, receivers, incident);
+    const float strongest = CullFaint(light_.fast ? light_.tolerance : 0, incident);
+    const int inReach = incident.live.Count();
     counts_.skippedFacing += std::uint64_t(inSight - inReach);
     float weight = weight_;
     if (light_.type == LightType::Area && inReach > 0 &&
-        !TakeFaint(settings_.faint, strongest, places.collected, weight)) {
+        !SelectFaintLight(settings_.faint, strongest, receivers.faintResidual, weight)) {
         counts_.skippedFaint += std::uint64_t(inReach);
-        arrivals.live = {};
+        incident.live = {};
         return 0;
     }
     if (weight != 1)
-        for (float &add : arrivals.add)
+        for (float &add : incident.add)
             add *= weight;
     return strongest * weight;
 }
 
-/// Rays from all places of a block.
+/// Rays from all receivers of a block.
 void DeltaContribution::TraceFull(std::size_t block) {
-    Arrivals &arrivals = arrivals_[block];
+    IncidentLight &incident = incident_[block];
     RayPacket rays;
     rays.origin = blocks_[block].rayOrigin;
-    rays.direction = arrivals.direction;
-    rays.distance = arrivals.distance;
-    rays.live = arrivals.live;
+    rays.direction = incident.direction;
+    rays.distance = incident.distance;
+    rays.live = incident.live;
     Cast(rays);
-    arrivals.live = rays.live;
-    arrivals.tinted = rays.tinted;
+    incident.live = rays.live;
+    incident.tinted = rays.tinted;
     if (rays.tinted)
-        arrivals.tint = rays.tint;
+        incident.tint = rays.tint;
 }
 
-/// Rays from those places of a block, by bit; some of them later, together with those of other blocks.
+/// Rays from those receivers of a block, by bit; some of them later, together with those of other blocks.
 void DeltaContribution::Trace(std::size_t block, unsigned lanes) {
     if (lanes == kAllLanes)
         return TraceFull(block);
@@ -284,65 +284,65 @@ void DeltaContribution::Flush() {
         waiting_.live[ray] = 0;
     Cast(waiting_);
     for (std::size_t ray = 0; ray < waitingCount_; ++ray) {
-        Arrivals &arrivals = arrivals_[from_[ray] / kPacketSize];
+        IncidentLight &incident = incident_[from_[ray] / kPacketSize];
         const std::size_t lane = from_[ray] % kPacketSize;
-        arrivals.live[lane] = waiting_.live[ray];
+        incident.live[lane] = waiting_.live[ray];
         if (waiting_.tinted && waiting_.live[ray] != 0) {
-            if (!arrivals.tinted)
-                arrivals.tint.Fill({1, 1, 1});
-            arrivals.tinted = true;
-            arrivals.tint.Set(lane, waiting_.tint[ray]);
+            if (!incident.tinted)
+                incident.tint.Fill({1, 1, 1});
+            incident.tinted = true;
+            incident.tint.Set(lane, waiting_.tint[ray]);
         }
     }
     waitingCount_ = 0;
 }
 
-/// Rays from a few places of each block first, and from the others where those differ.
+/// Rays from a few receivers of each block first, and from the others where those differ.
 void DeltaContribution::TraceCoarse() {
     std::array<std::size_t, kPerPacket> asked;
     std::size_t count = 0;
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
-        const unsigned live = arrivals_[block].live.Bits();
-        if ((live & kSpreadBits) != kSpreadBits) {
+        const unsigned live = incident_[block].live.Bits();
+        if ((live & kCoarseLaneBits) != kCoarseLaneBits) {
             Trace(block, live);
             continue;
         }
         asked[count++] = block;
         if (count == kPerPacket)
-            AskSpread(asked), count = 0;
+            TraceCoarseProbes(asked), count = 0;
     }
     if (count > 0)
-        AskSpread(std::span(asked).first(count));
+        TraceCoarseProbes(std::span(asked).first(count));
 }
 
-void DeltaContribution::AskSpread(std::span<const std::size_t> blocks) {
+void DeltaContribution::TraceCoarseProbes(std::span<const std::size_t> blocks) {
     RayPacket rays;
-    for (std::size_t ray = 0; ray < blocks.size() * kSpread.size(); ++ray)
-        SetRay(ray, blocks[ray / kSpread.size()], kSpread[ray % kSpread.size()], rays);
+    for (std::size_t ray = 0; ray < blocks.size() * kCoarseLanes.size(); ++ray)
+        SetRay(ray, blocks[ray / kCoarseLanes.size()], kCoarseLanes[ray % kCoarseLanes.size()], rays);
     Cast(rays);
     for (std::size_t n = 0; n < blocks.size(); ++n) {
-        const std::int32_t *seen = rays.live.data() + n * kSpread.size();
-        Arrivals &arrivals = arrivals_[blocks[n]];
-        const unsigned live = arrivals.live.Bits();
+        const std::int32_t *seen = rays.live.data() + n * kCoarseLanes.size();
+        IncidentLight &incident = incident_[blocks[n]];
+        const unsigned live = incident.live.Bits();
         int clear = 0;
         bool tinted = false;
-        for (std::size_t i = 0; i < kSpread.size(); ++i) {
+        for (std::size_t i = 0; i < kCoarseLanes.size(); ++i) {
             clear -= seen[i];
-            tinted = tinted || (rays.tinted && (seen[i] & rays.filtered[n * kSpread.size() + i]) != 0);
+            tinted = tinted || (rays.tinted && (seen[i] & rays.filtered[n * kCoarseLanes.size() + i]) != 0);
         }
         if (tinted) {
             Trace(blocks[n], live);
             continue;
         }
-        if (clear != 0 && clear != int(kSpread.size())) {
-            for (std::size_t i = 0; i < kSpread.size(); ++i)
-                arrivals.live[kSpread[i]] = seen[i];
-            Trace(blocks[n], live & ~kSpreadBits);
+        if (clear != 0 && clear != int(kCoarseLanes.size())) {
+            for (std::size_t i = 0; i < kCoarseLanes.size(); ++i)
+                incident.live[kCoarseLanes[i]] = seen[i];
+            Trace(blocks[n], live & ~kCoarseLaneBits);
             continue;
         }
-        counts_.skippedCoarse += std::uint64_t(std::popcount(live & ~kSpreadBits));
+        counts_.skippedCoarse += std::uint64_t(std::popcount(live & ~kCoarseLaneBits));
         if (clear == 0)
-            arrivals.live = {};
+            incident.live = {};
     }
 }
 
@@ -355,7 +355,7 @@ ContributionCounts &ContributionCounts::operator+=(const ContributionCounts &o) 
     return *this;
 }
 
-void LightPlaces::Add(const Vec3f &at, const Vec3f &raysFrom, int clusterAt, std::uint32_t indexAt) {
+void ReceiverBatch::Add(const Vec3f &at, const Vec3f &raysFrom, int clusterAt, std::uint32_t indexAt) {
     position.Set(count, at);
     rayOrigin.Set(count, raysFrom);
     rayOrigins.Add(raysFrom);
@@ -365,33 +365,33 @@ void LightPlaces::Add(const Vec3f &at, const Vec3f &raysFrom, int clusterAt, std
     ++count;
 }
 
-void LightContributionToPoint(const Light &light, float weight, const ContributionSettings &settings,
-                              const LightScene &scene, std::span<LightPlaces> blocks, std::span<Arrivals> arrivals,
+void LightContributionToPoint(const Light &light, float weight, const LightSettings &settings, const LightScene &scene,
+                              std::span<ReceiverBatch> blocks, std::span<IncidentLight> incident,
                               ContributionCounts &counts) {
     for (std::size_t i = 0; i < blocks.size(); ++i) {
-        arrivals[i].live = settings.sunOnly && light.type != LightType::Sun
+        incident[i].live = settings.sunOnly && light.type != LightType::Sun
                                ? LaneMask{}
                                : InSight(light, settings.skip.pvs, blocks[i], counts);
-        arrivals[i].tinted = false;
+        incident[i].tinted = false;
     }
     if (light.type == LightType::Area && settings.pass == LightPass::GridSH) {
         AreaContribution area(light, weight, settings, scene, counts);
         for (std::size_t i = 0; i < blocks.size(); ++i)
-            if (arrivals[i].live.Any())
-                area.Add(blocks[i], arrivals[i]);
+            if (incident[i].live.Any())
+                area.Add(blocks[i], incident[i]);
         return;
     }
-    DeltaContribution(light, weight, settings, scene, blocks, arrivals.first(blocks.size()), counts).Add();
+    DeltaContribution(light, weight, settings, scene, blocks, incident.first(blocks.size()), counts).Add();
 }
 
-bool TakeFaint(float faint, float strongest, float &collected, float &weight) {
+bool SelectFaintLight(float faint, float strongest, float &faintResidual, float &weight) {
     const float light = strongest * weight;
     if (light >= faint)
         return true;
-    collected += light;
-    if (collected < faint)
+    faintResidual += light;
+    if (faintResidual < faint)
         return false;
-    collected -= faint;
+    faintResidual -= faint;
     weight = faint / strongest;
     return true;
 }

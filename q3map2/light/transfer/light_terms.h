@@ -27,17 +27,17 @@ inline float ConeShare(const Light &light, const Vec3f &toLight) {
     return off > coneRadius - kConeFade ? (coneRadius - off) / kConeFade : 1;
 }
 
-/// Wanted places (LightPlaces or LightSamples) that may see the light; counts pairs.
-template <typename Places>
-LaneMask InSight(const Light &light, bool skipPvs, const Places &places, ContributionCounts &counts) {
-    LaneMask live = places.wanted;
+/// Wanted receivers (ReceiverBatch or SurfaceReceiverBatch) that may see the light; counts pairs.
+template <typename Receivers>
+LaneMask InSight(const Light &light, bool skipPvs, const Receivers &receivers, ContributionCounts &counts) {
+    LaneMask live = receivers.wanted;
     const int wanted = live.Count();
     counts.pairs += std::uint64_t(wanted);
     if (!skipPvs || light.seenFrom.empty())
         return live;
     unsigned seen = 0;
-    for (std::size_t i = 0; i < places.clusters.count; ++i)
-        seen |= light.SeenFrom(places.clusters.number[i]) ? places.clusters.lanes[i] : 0;
+    for (std::size_t i = 0; i < receivers.clusters.count; ++i)
+        seen |= light.SeenFrom(receivers.clusters.number[i]) ? receivers.clusters.lanes[i] : 0;
     live.Keep(seen);
     counts.skippedPvs += std::uint64_t(wanted - live.Count());
     return live;

@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Moments of one polygon as neighbouring places see it: the formulas of polygon_moments.h, laid out
-// for vector code.
+// GPL-2.0-or-later. Moments of one polygon as neighbouring receivers see it: the formulas of polygon_moments.h, laid
+// out for vector code.
 #include "q3map2/light/transfer/moment_lanes.h"
 
 #include "libs/math/lane_functions.h"
@@ -10,10 +10,10 @@
 
 namespace q3 {
 
-Q3_VECTOR void MomentLanes::SeenCorner::See(Vec3f corner, const Lanes3 &places) {
+Q3_VECTOR void MomentLanes::SeenCorner::See(Vec3f corner, const Lanes3 &receivers) {
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const double wx = double(corner.x) - double(places.x[i]), wy = double(corner.y) - double(places.y[i]),
-                     wz = double(corner.z) - double(places.z[i]);
+        const double wx = double(corner.x) - double(receivers.x[i]), wy = double(corner.y) - double(receivers.y[i]),
+                     wz = double(corner.z) - double(receivers.z[i]);
         const double l = std::sqrt(wx * wx + wy * wy + wz * wz), divisor = l > 0 ? l : 1;
         x[i] = wx, y[i] = wy, z[i] = wz;
         dx[i] = wx / divisor, dy[i] = wy / divisor, dz[i] = wz / divisor;
@@ -80,16 +80,16 @@ Q3_VECTOR void MomentLanes::Keep(const MomentLanes &from, const LaneMask &those)
     keep(from.xy, xy), keep(from.yz, yz), keep(from.xz, xz);
 }
 
-void MomentLanes::Measure(std::span<const Vec3f> corners, const Lanes3 &places, const LaneMask &those) {
+void MomentLanes::Measure(std::span<const Vec3f> corners, const Lanes3 &receivers, const LaneMask &those) {
     MomentLanes seen;
     seen.Clear();
     HalfAngle half;
     half.real.fill(1), half.imaginary.fill(0);
     const Vec3d normal = PolygonAspect(corners, {}).normal;
     SeenCorner a, b;
-    a.See(corners.back(), places);
+    a.See(corners.back(), receivers);
     for (const Vec3f &corner : corners) {
-        b.See(corner, places);
+        b.See(corner, receivers);
         seen.AddEdge(a, b, normal, half);
         std::swap(a, b);
     }

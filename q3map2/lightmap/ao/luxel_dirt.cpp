@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Dirt: luxels in corners and crevices get less light.
-#include "q3map2/lightmap/ao/surroundings.h"
+#include "q3map2/lightmap/ao/ambient_occlusion.h"
 
 namespace q3 {
 
@@ -35,12 +35,12 @@ void DirtLuxels(const SurfaceInputs &in, SurfaceLight &surfaces) {
     if (!in.lightmap.dirty)
         return;
     for (RawLightmap &raw : surfaces.lightmaps)
-        raw.dirt.assign(raw.codes.size(), raw.noDirt ? 1.0f : 0.0f);
-    const Surroundings around(in);
+        raw.dirt.assign(raw.luxelClusters.size(), raw.noDirt ? 1.0f : 0.0f);
+    const AmbientOcclusion around(in);
     std::vector<RayCounts> counts(std::size_t(in.jobs.Threads()));
     ForMappedLuxels(
         in, surfaces, [](const RawLightmap &raw) { return !raw.noDirt; },
-        [&](RawLightmap &raw, std::span<const OpenPlaces> blocks, std::span<const LuxelNumbers> luxels,
+        [&](RawLightmap &raw, std::span<const OpenReceivers> blocks, std::span<const LuxelNumbers> luxels,
             std::size_t worker) {
             std::vector<Lanes> dirt;
             around.Dirt(blocks, dirt, counts[worker]);

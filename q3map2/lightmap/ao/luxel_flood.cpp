@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Floodlight on luxels: light from wherever the surroundings are open.
-#include "q3map2/lightmap/ao/surroundings.h"
+#include "q3map2/lightmap/ao/ambient_occlusion.h"
 
 namespace q3 {
 
@@ -29,17 +29,17 @@ void FloodLuxels(const SurfaceInputs &in, SurfaceLight &surfaces) {
     };
     for (RawLightmap &raw : surfaces.lightmaps)
         if (wants(raw)) {
-            raw.floodlight.assign(raw.codes.size(), {});
+            raw.floodlight.assign(raw.luxelClusters.size(), {});
             raw.floodDirectionScale = DirectionScale(in, raw);
         }
-    const Surroundings around(in);
+    const AmbientOcclusion around(in);
     std::vector<RayCounts> counts(std::size_t(in.jobs.Threads()));
-    const auto look = [&](RawLightmap &raw, std::span<const OpenPlaces> blocks, std::span<const LuxelNumbers> luxels,
+    const auto look = [&](RawLightmap &raw, std::span<const OpenReceivers> blocks, std::span<const LuxelNumbers> luxels,
                           std::size_t worker) {
         for (const FloodSource &source : {world, ShaderFlood(in, raw)}) {
             for (std::size_t b = 0; b < blocks.size() && source.light != Vec3f{}; ++b) {
                 Lanes open;
-                around.Openness(blocks[b], source.distance, open, counts[worker]);
+                around.SkyVisibility(blocks[b], source.distance, open, counts[worker]);
                 for (std::size_t i = 0; i < blocks[b].count; ++i)
                     raw.floodlight[luxels[b][i]] += source.light * open[i];
             }

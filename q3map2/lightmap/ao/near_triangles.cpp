@@ -98,12 +98,12 @@ Q3_VECTOR void SetForms(const NearTriangles::Group &group, const NearTriangles::
                         NearTriangles::Forms &__restrict forms, LaneMask &__restrict met) {
     const Vec3f d = beam.direction, h = beam.half;
     const auto reach = [&](const Vec3f &v) { return std::abs(v.x) * h.x + std::abs(v.y) * h.y + std::abs(v.z) * h.z; };
-    NearTriangles::Form &us = forms.u, &vs = forms.v, &ts = forms.t;
+    NearTriangles::LinearForm &us = forms.u, &vs = forms.v, &ts = forms.t;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const Vec3f a = group.a[i], b = group.b[i], s = beam.middle - group.corner[i], p = Cross(d, b);
         const float determinant = Dot(a, p), size = std::abs(determinant);
         const float inverse = 1 / (size < kLeastDeterminant ? 1 : determinant);
-        const Vec3f u = p * inverse, v = Cross(a, d) * inverse, t = group.across[i] * inverse;
+        const Vec3f u = p * inverse, v = Cross(a, d) * inverse, t = group.normal[i] * inverse;
         const float um = Dot(s, u), vm = Dot(s, v), tm = Dot(s, t), tr = reach(t);
         us.slope.x[i] = u.x, us.slope.y[i] = u.y, us.slope.z[i] = u.z, us.middle[i] = um;
         vs.slope.x[i] = v.x, vs.slope.y[i] = v.y, vs.slope.z[i] = v.z, vs.middle[i] = vm;
@@ -203,7 +203,7 @@ void NearTriangles::Append(const Group &from, std::size_t lane) {
     if (to == 0)
         groups_.push_back(from); // its lanes are set one by one from here on
     Group &last = groups_.back();
-    for (auto row : {&Group::mins, &Group::maxs, &Group::corner, &Group::a, &Group::b, &Group::across})
+    for (auto row : {&Group::mins, &Group::maxs, &Group::corner, &Group::a, &Group::b, &Group::normal})
         (last.*row).Set(to, (from.*row)[lane]);
     last.surface[to] = from.surface[lane];
     last.used = (2u << to) - 1;
@@ -214,7 +214,7 @@ void NearTriangles::Add(const LightScene::BlockerTriangle &triangle) {
     const auto &[a, b, c] = triangle.corners;
     Group one{};
     one.mins.Set(0, Min(a, Min(b, c))), one.maxs.Set(0, Max(a, Max(b, c)));
-    one.corner.Set(0, a), one.a.Set(0, b - a), one.b.Set(0, c - a), one.across.Set(0, Cross(b - a, c - a));
+    one.corner.Set(0, a), one.a.Set(0, b - a), one.b.Set(0, c - a), one.normal.Set(0, Cross(b - a, c - a));
     one.surface[0] = triangle.surface;
     one.seeThrough = triangle.seeThrough ? 1 : 0;
     Append(one, 0);
@@ -255,7 +255,7 @@ NearTriangles::Outcome NearTriangles::FindMet(const RayBeam &beam, const NarrowB
         if (count_ > kFew)
             many += std::size_t(std::popcount(met));
         if (many > kFew || (met & groups_[i].seeThrough) != 0)
-            return Outcome::NotKnown;
+            return Outcome::Undecided;
         forms_[i].met = met;
         any = any || met != 0;
     }
@@ -272,11 +272,11 @@ NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneM
         return outcome;
     Lanes nearests;
     nearests.fill(nearest);
-    return TraceOn(packet, live, nearests, blockers);
+    return TraceNextHit(packet, live, nearests, blockers);
 }
 
-NearTriangles::Outcome NearTriangles::TraceOn(const RayPacket &packet, const LaneMask &live, const Lanes &nearest,
-                                              LightScene::Blockers &blockers) const {
+NearTriangles::Outcome NearTriangles::TraceNextHit(const RayPacket &packet, const LaneMask &live, const Lanes &nearest,
+                                                   LightScene::Blockers &blockers) const {
     blockers.hit = {};
     blockers.surface.fill(-1);
     blockers.distance = packet.distance;

@@ -31,32 +31,32 @@ class NearTriangles {
     /// The same without those that lie behind the plane, normal . p = dist.
     void Select(const NearTriangles &from, const Boundsf &starts, float reach, const Vec3f &normal, float dist);
     enum class Outcome {
-        Missed,  ///< no ray meets a triangle; `blockers` holds nothing
-        Traced,  ///< `blockers` is set
-        NotKnown ///< too many triangles or see-through ones are in the way; `blockers` is as it was
+        Missed,   ///< no ray meets a triangle; `blockers` holds nothing
+        Traced,   ///< `blockers` is set
+        Undecided ///< too many triangles or see-through ones are in the way; `blockers` is as it was
     };
     /// The first triangle beyond `nearest` on each ray of the packet that `live` says, as LightScene::TraceBlockers
     /// would find it. The beam holds all of them.
     Outcome Trace(const RayPacket &packet, const LaneMask &live, const RayBeam &beam, float nearest,
                   LightScene::Blockers &blockers);
     /// After Traced: the first triangle beyond each ray's own `nearest` on some of the same rays; Missed or Traced.
-    Outcome TraceOn(const RayPacket &packet, const LaneMask &live, const Lanes &nearest,
-                    LightScene::Blockers &blockers) const;
+    Outcome TraceNextHit(const RayPacket &packet, const LaneMask &live, const Lanes &nearest,
+                         LightScene::Blockers &blockers) const;
 
     /// Sixteen triangles: bounds, the first corner, the edges from it to the others, and those edges' cross product.
     struct Group {
-        Lanes3 mins, maxs, corner, a, b, across;
+        Lanes3 mins, maxs, corner, a, b, normal;
         std::array<std::int32_t, kPacketSize> surface;
         unsigned used = 0, seeThrough = 0; ///< bits of lanes
     };
     /// A number that is linear in where a ray starts: slope . start + middle.
-    struct Form {
+    struct LinearForm {
         Lanes3 slope;
         Lanes middle;
     };
     /// Where rays of one direction meet the planes of sixteen triangles: in shares of the edges, and along the ray.
     struct Forms {
-        Form u, v, t;
+        LinearForm u, v, t;
         unsigned met = 0; ///< bits of triangles that some rays of the beam may meet
     };
     struct NarrowBeam;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Bounced light at luxels, vertices and places, gathered by rays.
+// GPL-2.0-or-later. Bounced light at luxels, vertices and receivers, gathered by rays.
 #include "q3map2/lightmap/bounce/bounce_gather.h"
 
 #include "libs/math/low_discrepancy.h"
@@ -20,7 +20,7 @@ constexpr std::uint64_t kMostLinks = std::uint64_t(192) << 20;
 constexpr float kEndless = 1e6f; ///< length of rays. Game units
 /// Rays of vertices start this far off, or the second where a surface is that near. Game units.
 constexpr float kLift = 1, kLeastLift = 1.0f / 16;
-/// Places are clear of solids if nothing solid is so near. Game units.
+/// Receivers are clear of solids if nothing solid is so near. Game units.
 constexpr float kMargin = 0.25f;
 /// Luxels share what they found with those up to this many luxels away whose normals differ by less than its cosine.
 constexpr int kWindow = 2;
@@ -30,7 +30,7 @@ constexpr double kStiffness = 0.7;
 /// Weight of bounced light in deluxe directions; spec of deluxe.
 constexpr float kBounceDirection = 0.25f;
 
-float Grey(const Vec3f &c) {
+float Luminance(const Vec3f &c) {
     return 0.2989f * c.x + 0.587f * c.y + 0.114f * c.z;
 }
 
@@ -66,7 +66,7 @@ std::uint32_t SetOf(int x, int y) {
 /// Where rays of a luxel start: half a luxel aside if that is clear of solids and the place is not. Luxels at the edge
 /// of a wall lie in the plane of the next, behind which their rays would get lost.
 Vec3f ClearPlace(const BspSpace &space, const RawLightmap &raw, std::size_t luxel, const Frame &frame) {
-    const Vec3f margin{kMargin, kMargin, kMargin}, place = raw.places[luxel];
+    const Vec3f margin{kMargin, kMargin, kMargin}, place = raw.positions[luxel];
     const auto clear = [&](const Vec3f &p) { return !space.AnySolid(p - margin, p + margin); };
     if (clear(place))
         return place;
@@ -198,26 +198,28 @@ bool MeanOfWindow(const RawLightmap &raw, const std::vector<Vec3f> &values, int 
 } // namespace
 
 BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
-                           const BouncePieces *pieces)
+                           const RadiosityPatches *pieces)
     : space_(in.space), scene_(scene), pieces_(pieces), joints_(in, surfaces, kWindow, kAlike),
       links_(surfaces.lightmaps.size()) {
     for (std::uint32_t i = 0; i < std::uint32_t(std::max(kSets * kRays, kVertexRays)); ++i)
         directions_.push_back(CosineDirection(i));
     for (const RawLightmap &raw : surfaces.lightmaps)
-        rays_ += std::uint64_t(std::count_if(raw.codes.begin(), raw.codes.end(), [](int code) { return code >= 0; })) *
+        rays_ += std::uint64_t(std::count_if(raw.luxelClusters.begin(), raw.luxelClusters.end(),
+                                             [](int code) { return code >= 0; })) *
                  std::uint64_t(RaysALuxel(raw));
     keep_ = rays_ <= kMostLinks;
     if (!keep_)
         return;
-    in.jobs.For(std::int64_t(links_.size()),
-                [&](std::int64_t i, int) { links_[std::size_t(i)] = Links(surfaces.lightmaps[std::size_t(i)]); });
+    in.jobs.For(std::int64_t(links_.size()), [&](std::int64_t i, int) {
+        links_[std::size_t(i)] = TransportLinks(surfaces.lightmaps[std::size_t(i)]);
+    });
 }
 
 int BounceGather::RaysALuxel(const RawLightmap &raw) const {
     return std::max(kFewestRays, kRays / (raw.super * raw.super));
 }
 
-struct BounceGather::Askers {
+struct BounceGather::GatherBatch {
     std::uint32_t set = 0;
     std::size_t count = 0;
     std::array<std::size_t, kPacketSize> luxels{}, links{};
@@ -226,19 +228,19 @@ struct BounceGather::Askers {
 };
 
 /// Sixteen luxels that ask the same set ask a direction together: their rays go the same way.
-std::vector<EmitterId> BounceGather::Links(const RawLightmap &raw) const {
+std::vector<EmitterId> BounceGather::TransportLinks(const RawLightmap &raw) const {
     const auto count = std::size_t(RaysALuxel(raw));
-    std::vector<std::size_t> first(raw.codes.size());
+    std::vector<std::size_t> first(raw.luxelClusters.size());
     std::size_t used = 0;
     for (std::size_t luxel = 0; luxel < first.size(); ++luxel) {
         first[luxel] = used;
         used += raw.Mapped(luxel) ? count : 0;
     }
     std::vector<EmitterId> links(used);
-    std::array<Askers, kSets> askers;
+    std::array<GatherBatch, kSets> askers;
     for (std::uint32_t set = 0; set < kSets; ++set)
         askers[set].set = set;
-    const auto ask = [&](Askers &some) {
+    const auto ask = [&](GatherBatch &some) {
         Ask(raw, some, links);
         some.count = 0;
     };
@@ -250,18 +252,18 @@ std::vector<EmitterId> BounceGather::Links(const RawLightmap &raw) const {
                     const std::size_t luxel = raw.SuperIndex(x, y);
                     if (!raw.Mapped(luxel))
                         continue;
-                    Askers &some = askers[SetOf(x, y)];
+                    GatherBatch &some = askers[SetOf(x, y)];
                     some.Add(luxel, first[luxel]);
                     if (some.count == kPacketSize)
                         ask(some);
                 }
-    for (Askers &some : askers)
+    for (GatherBatch &some : askers)
         if (some.count > 0)
             ask(some);
     return links;
 }
 
-void BounceGather::Ask(const RawLightmap &raw, const Askers &askers, std::vector<EmitterId> &links) const {
+void BounceGather::Ask(const RawLightmap &raw, const GatherBatch &askers, std::vector<EmitterId> &links) const {
     const auto count = std::uint32_t(RaysALuxel(raw));
     std::vector<Frame> frames;
     RayPacket rays;
@@ -280,23 +282,23 @@ void BounceGather::Ask(const RawLightmap &raw, const Askers &askers, std::vector
             const std::size_t luxel = askers.luxels[i], at = askers.links[i] + ray;
             const float share = found[i] == kNoEmitter ? 0
                                 : pieces_
-                                    ? pieces_->Share(found[i], raw.places[luxel], raw.normals[luxel], raw.twoSided)
+                                    ? pieces_->Share(found[i], raw.positions[luxel], raw.normals[luxel], raw.twoSided)
                                     : 1;
-            // Links have no weight: of those that count in part, that part is kept.
+            // TransportLinks have no weight: of those that count in part, that part is kept.
             links[at] = share > Fraction(std::uint32_t(at)) ? found[i] : kNoEmitter;
         }
     }
 }
 
-std::vector<Vec3f> BounceGather::Found(const Emission &emission, std::size_t lightmap, std::size_t slot,
-                                       RawLightmap &raw) const {
+std::vector<Vec3f> BounceGather::GatheredIrradiance(const Emission &emission, std::size_t lightmap, std::size_t slot,
+                                                    RawLightmap &raw) const {
     const int count = RaysALuxel(raw);
-    const std::vector<EmitterId> anew = keep_ ? std::vector<EmitterId>{} : Links(raw);
+    const std::vector<EmitterId> anew = keep_ ? std::vector<EmitterId>{} : TransportLinks(raw);
     const std::vector<EmitterId> &links = keep_ ? links_[lightmap] : anew;
-    std::vector<Vec3f> found(raw.codes.size());
+    std::vector<Vec3f> found(raw.luxelClusters.size());
     const bool directed = !raw.directions.empty() && slot == 0;
     std::size_t next = 0;
-    for (std::size_t luxel = 0; luxel < raw.codes.size(); ++luxel) {
+    for (std::size_t luxel = 0; luxel < raw.luxelClusters.size(); ++luxel) {
         if (!raw.Mapped(luxel))
             continue;
         const auto x = int(luxel % std::size_t(raw.SuperWidth())), y = int(luxel / std::size_t(raw.SuperWidth()));
@@ -309,7 +311,7 @@ std::vector<Vec3f> BounceGather::Found(const Emission &emission, std::size_t lig
                 continue;
             sum += emission[link];
             if (directed)
-                direction += frame.World(directions_[first + std::uint32_t(i)]) * Grey(emission[link]);
+                direction += frame.World(directions_[first + std::uint32_t(i)]) * Luminance(emission[link]);
         }
         found[luxel] = sum / float(count);
         if (directed)
@@ -334,7 +336,7 @@ void BounceGather::AddToLuxels(const std::vector<std::vector<Vec3f>> &all, std::
                 samples.clear();
                 for (const auto &[near, dx, dy] : neighbourhood.Around(raw, x, y, reach))
                     samples.push_back({found[near], dx, dy});
-                for (const auto &[other, near, dx, dy] : joints_.Across(lightmap, luxel))
+                for (const auto &[other, near, dx, dy] : joints_.NeighborsAcross(lightmap, luxel))
                     if (!all[other].empty())
                         samples.push_back({all[other][near], dx, dy});
                 light = PlaneAtCenter(samples);

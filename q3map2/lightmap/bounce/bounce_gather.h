@@ -1,9 +1,9 @@
-// GPL-2.0-or-later. Bounced light at luxels, vertices and places, gathered by rays.
+// GPL-2.0-or-later. Bounced light at luxels, vertices and receivers, gathered by rays.
 #pragma once
 
 #include "q3map2/light/grid/indirect_light.h"
-#include "q3map2/lightmap/bounce/bounce_joints.h"
-#include "q3map2/lightmap/bounce/bounce_pieces.h"
+#include "q3map2/lightmap/bounce/lightmap_seams.h"
+#include "q3map2/lightmap/bounce/radiosity_patches.h"
 
 namespace q3 {
 
@@ -17,10 +17,11 @@ class BounceGather {
   public:
     /// pieces: where the light of emitters ends; null: nowhere. Keeps references.
     BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
-                 const BouncePieces *pieces);
+                 const RadiosityPatches *pieces);
 
     /// What rays of the luxels of a lightmap found, by luxel of the super grid; directions of slot 0 are added to raw.
-    std::vector<Vec3f> Found(const Emission &emission, std::size_t lightmap, std::size_t slot, RawLightmap &raw) const;
+    std::vector<Vec3f> GatheredIrradiance(const Emission &emission, std::size_t lightmap, std::size_t slot,
+                                          RawLightmap &raw) const;
     /// Adds what was found, by lightmap, to slot `slot` of a raw lightmap: smoothed over neighbours that see each
     /// other, also in lightmaps that touch. A plane is fitted to what they found, so that gradients stay.
     void AddToLuxels(const std::vector<std::vector<Vec3f>> &found, std::size_t lightmap, std::size_t slot,
@@ -32,16 +33,16 @@ class BounceGather {
 
   private:
     /// Luxels of a lightmap that ask the same directions, and where the links of each begin.
-    struct Askers;
-    std::vector<EmitterId> Links(const RawLightmap &raw) const;
-    void Ask(const RawLightmap &raw, const Askers &askers, std::vector<EmitterId> &links) const;
+    struct GatherBatch;
+    std::vector<EmitterId> TransportLinks(const RawLightmap &raw) const;
+    void Ask(const RawLightmap &raw, const GatherBatch &askers, std::vector<EmitterId> &links) const;
     float LiftAt(const Vec3f &place, const Vec3f &normal) const;
     int RaysALuxel(const RawLightmap &raw) const;
 
     const BspSpace &space_;
     const BounceScene &scene_;
-    const BouncePieces *pieces_;
-    LightmapJoints joints_;
+    const RadiosityPatches *pieces_;
+    LightmapSeams joints_;
     std::vector<Vec3f> directions_; // of a cosine-weighted hemisphere around +z
     bool keep_ = false;
     std::vector<std::vector<EmitterId>> links_; // by lightmap, then mapped luxel, then ray; empty: asked anew

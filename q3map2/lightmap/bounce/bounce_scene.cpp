@@ -131,7 +131,7 @@ std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces,
     return faces;
 }
 
-float SentOn(const SurfaceInputs &in, std::size_t surface) {
+float BounceScale(const SurfaceInputs &in, std::size_t surface) {
     return kEmission * in.table[surface].shader->bounceScale * in.lightmap.bounceScale;
 }
 
@@ -169,7 +169,7 @@ struct BounceScene::State {
     std::array<Hit, kPacketSize> Trace(const RayPacket &rays, bool coherent) const;
     EmitterId EmitterAt(const Hit &hit) const;
     Vec3f ColorAt(int surface, const std::array<float, 2> &st) const {
-        return textures.at(in.table[std::size_t(surface)].shader).At(st) * SentOn(in, std::size_t(surface));
+        return textures.at(in.table[std::size_t(surface)].shader).At(st) * BounceScale(in, std::size_t(surface));
     }
 };
 
@@ -297,8 +297,8 @@ void BounceScene::FindReflectance(const SurfaceInputs &in, const SurfaceLight &s
                 const std::size_t luxel = raw.SuperIndex(x * raw.super + half, y * raw.super + half);
                 if (!raw.Mapped(luxel))
                     continue;
-                rays.Aim(count, raw.places[luxel] + raw.normals[luxel],
-                         raw.places[luxel] - raw.normals[luxel] * kSelfReach);
+                rays.Aim(count, raw.positions[luxel] + raw.normals[luxel],
+                         raw.positions[luxel] - raw.normals[luxel] * kSelfReach);
                 texels[count++] = raw.Index(x, y);
                 if (count == kPacketSize)
                     flush();

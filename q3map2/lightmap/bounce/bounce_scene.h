@@ -42,10 +42,10 @@ bool MeetsBounces(const SurfaceInputs &in, std::size_t surface);
 /// Triangles of a surface, quads of a curve; clockwise seen from the front.
 std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t surface);
 /// What a white texture of this surface sends on of a luxel's light, over the byte scale.
-float SentOn(const SurfaceInputs &in, std::size_t surface);
+float BounceScale(const SurfaceInputs &in, std::size_t surface);
 
-/// Visible surfaces in Embree. Solids are not in it: their visible sides are surfaces at the same places, and what has
-/// none is hidden by the backs of others. Const after construction; safe from several threads.
+/// Visible surfaces in Embree. Solids are not in it: their visible sides are surfaces at the same receivers, and what
+/// has none is hidden by the backs of others. Const after construction; safe from several threads.
 class BounceScene {
   public:
     BounceScene(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterNumbers &emitters);

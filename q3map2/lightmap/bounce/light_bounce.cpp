@@ -68,17 +68,17 @@ std::vector<std::uint8_t> Bounces::UsedStyles(const SurfaceLight &surfaces) {
     return styles;
 }
 
-std::unique_ptr<const BouncePieces> Bounces::Pieces(const SurfaceLight &surfaces) const {
+std::unique_ptr<const RadiosityPatches> Bounces::Pieces(const SurfaceLight &surfaces) const {
     Emission all(numbers_.Count()), one;
     for (const std::uint8_t style : UsedStyles(surfaces)) {
         CollectStyle(surfaces, style, one);
         for (std::size_t i = 0; i < all.size(); ++i)
             all[i] += one[i];
     }
-    return std::make_unique<const BouncePieces>(in_, surfaces, numbers_, all);
+    return std::make_unique<const RadiosityPatches>(in_, surfaces, numbers_, all);
 }
 
-bool Bounces::TakeUp(const SurfaceLight &surfaces) {
+bool Bounces::CollectRadiosity(const SurfaceLight &surfaces) {
     byStyle_.clear();
     bool any = false;
     for (const std::uint8_t style : UsedStyles(surfaces)) {
@@ -102,16 +102,16 @@ void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
             slots[i] = ClaimSlot(raw.styles, style);
             found[i].clear();
             if (slots[i] < kStyles)
-                found[i] = gather_.Found(emission, i, slots[i], raw);
+                found[i] = gather_.GatheredIrradiance(emission, i, slots[i], raw);
         });
         in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
             const auto i = std::size_t(number);
             RawLightmap &raw = surfaces.lightmaps[i];
             if (slots[i] >= kStyles)
                 return;
-            raw.light[slots[i]].resize(raw.codes.size());
-            raw.filled[slots[i]].resize(raw.codes.size());
-            for (std::size_t luxel = 0; luxel < raw.codes.size(); ++luxel)
+            raw.light[slots[i]].resize(raw.luxelClusters.size());
+            raw.filled[slots[i]].resize(raw.luxelClusters.size());
+            for (std::size_t luxel = 0; luxel < raw.luxelClusters.size(); ++luxel)
                 raw.filled[slots[i]][luxel] = raw.filled[slots[i]][luxel] || raw.Mapped(luxel);
             gather_.AddToLuxels(found, i, slots[i], raw);
         });

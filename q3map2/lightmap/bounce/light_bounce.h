@@ -17,7 +17,7 @@ class Bounces {
     Bounces(const SurfaceInputs &in, const SurfaceLight &surfaces);
 
     /// Takes up the radiosity of the latest pass. False: nothing sends light on.
-    bool TakeUp(const SurfaceLight &surfaces);
+    bool CollectRadiosity(const SurfaceLight &surfaces);
     /// Adds what was taken up to the luxels' light of this pass.
     void AddToLuxels(SurfaceLight &surfaces) const;
     /// The same for vertices of surfaces without lightmaps, into sum and radiosity.
@@ -29,13 +29,13 @@ class Bounces {
 
   private:
     static std::vector<std::uint8_t> UsedStyles(const SurfaceLight &surfaces);
-    std::unique_ptr<const BouncePieces> Pieces(const SurfaceLight &surfaces) const;
+    std::unique_ptr<const RadiosityPatches> Pieces(const SurfaceLight &surfaces) const;
     void CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emission &emission) const;
 
     const SurfaceInputs &in_;
     EmitterNumbers numbers_;
     BounceScene scene_;
-    std::unique_ptr<const BouncePieces> pieces_; // under -fast; else null
+    std::unique_ptr<const RadiosityPatches> pieces_; // under -fast; else null
     BounceGather gather_;
     std::map<std::uint8_t, Emission> byStyle_; // of the latest pass
     Emission total_;

@@ -72,7 +72,7 @@ class Averager {
         const std::vector<std::uint8_t> &filled = lightmap_.filled[style_];
         const std::vector<Vec3f> &light = lightmap_.light[style_];
         for (std::size_t at = 0; at < grid.colors.size(); ++at) {
-            grid.valid[at] = filled[at] != 0 || lightmap_.codes[at] != kUnmapped;
+            grid.valid[at] = filled[at] != 0 || lightmap_.luxelClusters[at] != kUnmapped;
             grid.colors[at] = filled[at] != 0 ? light[at] : ambient;
         }
         if (HasDirections())
@@ -90,7 +90,7 @@ class Averager {
 
     void Add(int x, int y, LuxelSum &sum) const {
         const std::size_t at = lightmap_.SuperIndex(x, y);
-        const int code = lightmap_.codes[at];
+        const int code = lightmap_.luxelClusters[at];
         const bool filled = lightmap_.filled[style_][at] != 0;
         sum.surfaceCount += code != kUnmapped;
         if (HasDirections())
@@ -126,7 +126,7 @@ Vec3f FromNeighbours(const RawLightmap &lightmap, const LuxelGrid &grid, int x, 
 
 /// Gives back the memory of what only passes need, so that what comes next has it.
 void EndPasses(RawLightmap &lightmap) {
-    lightmap.places = {}, lightmap.dirt = {}, lightmap.floodlight = {};
+    lightmap.positions = {}, lightmap.dirt = {}, lightmap.floodlight = {};
     lightmap.light = {}, lightmap.filled = {}, lightmap.directions = {};
 }
 

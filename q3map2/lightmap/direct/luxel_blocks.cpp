@@ -78,16 +78,16 @@ void LuxelBlocks::AddLuxel(const RawLightmap &lightmap, std::size_t luxel) {
         samples_.back().twoSided = lightmap.twoSided;
         luxels_.emplace_back();
     }
-    LightSamples &block = samples_.back();
+    SurfaceReceiverBatch &block = samples_.back();
     luxels_.back()[block.count] = std::uint32_t(luxel);
     slots_[luxel] = std::int32_t((samples_.size() - 1) * kPacketSize + block.count);
-    block.Add(lightmap.places[luxel], lightmap.normals[luxel], lightmap.codes[luxel]);
+    block.Add(lightmap.positions[luxel], lightmap.normals[luxel], lightmap.luxelClusters[luxel]);
 }
 
 void LuxelBlocks::FinishBlock() {
     if (samples_.empty())
         return;
-    const LightSamples &block = samples_.back();
+    const SurfaceReceiverBatch &block = samples_.back();
     Boundsf box;
     Vec3f normal = block.normal[0];
     for (std::size_t i = 0; i < block.count; ++i) {
@@ -129,7 +129,8 @@ void LuxelBlocks::Build(const RawLightmap &lightmap) {
     keep_.resize(padded);
 }
 
-void LuxelBlocks::Reached(const Light &light, const SampleSettings &settings, std::vector<std::uint32_t> &reached) {
+void LuxelBlocks::Reached(const Light &light, const SurfaceLightSettings &settings,
+                          std::vector<std::uint32_t> &reached) {
     const bool everywhere = light.type == LightType::Sun && !settings.Occludes(light);
     seen_.assign(clusters_.size(), -1);
     for (std::size_t i = 1; i < clusters_.size(); ++i)

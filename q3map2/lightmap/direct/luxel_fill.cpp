@@ -26,7 +26,7 @@ void AddFloodlight(RawLightmap &lightmap, bool deluxe) {
 }
 
 void ShowNormals(RawLightmap &lightmap) {
-    for (std::size_t i = 0; i < lightmap.codes.size(); ++i)
+    for (std::size_t i = 0; i < lightmap.luxelClusters.size(); ++i)
         if (lightmap.Mapped(i))
             lightmap.light[0][i] = (lightmap.normals[i] + Vec3f{1, 1, 1}) * 127.5f;
 }
@@ -58,7 +58,7 @@ class LuxelFill {
     }
 
     void FillSlot(std::size_t slot) {
-        LuxelMask sources(lightmap_.codes.size());
+        LuxelMask sources(lightmap_.luxelClusters.size());
         for (std::size_t i = 0; i < sources.size(); ++i)
             sources[i] = lightmap_.Mapped(i) && lightmap_.filled[slot][i] != 0;
         const LuxelMask touching = Spread(sources, lightmap_.SuperWidth(), lightmap_.SuperHeight());
@@ -98,8 +98,8 @@ class LuxelFill {
         }
         lightmap_.light[slot][at] = color / colors;
         lightmap_.filled[slot][at] = 1;
-        if (lightmap_.codes[at] < 0)
-            lightmap_.codes[at] = kFlooded;
+        if (lightmap_.luxelClusters[at] < 0)
+            lightmap_.luxelClusters[at] = kFlooded;
     }
 
     RawLightmap &lightmap_;

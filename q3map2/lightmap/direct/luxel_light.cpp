@@ -2,8 +2,8 @@
 #include "q3map2/lightmap/direct/luxel_light.h"
 
 #include "common/progress.h"
+#include "q3map2/lightmap/direct/debug_view.h"
 #include "q3map2/lightmap/direct/luxel_lists.h"
-#include "q3map2/lightmap/direct/luxel_show.h"
 
 #include <algorithm>
 #include <atomic>
@@ -19,7 +19,8 @@ constexpr float kFaint = 1.0f / 16;
 constexpr float kBounceDirections = 0.25f;
 
 /// colour and direction of what arrives, lane by lane.
-Q3_VECTOR void FillArrivals(const Light &light, const SampleArrivals &from, float directionScale, LuxelArrivals &out) {
+Q3_VECTOR void FillArrivals(const Light &light, const SurfaceIncidentLight &from, float directionScale,
+                            LuxelIncidentLight &out) {
     const Vec3f c = light.color;
     const std::int32_t colored = c.x + c.y + c.z > 0 ? -1 : 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
@@ -54,7 +55,7 @@ Q3_VECTOR void AddLanes(const Lanes3 &what, float sign, Lanes3 &sum) {
     }
 }
 
-float Grey(const Vec3f &c) {
+float Luminance(const Vec3f &c) {
     return 0.2989f * c.x + 0.5870f * c.y + 0.1140f * c.z;
 }
 
@@ -93,8 +94,8 @@ class LightmapPass {
         Clear();
         if (worker_.blocks.Count() == 0)
             return;
-        if (in_.lightmap.show != LuxelShow::Light) {
-            ShowLuxels(in_.lightmap.show, lightmap_);
+        if (in_.lightmap.show != DebugView::Light) {
+            DrawDebugView(in_.lightmap.show, lightmap_);
             return;
         }
         if (sampling_)
@@ -109,14 +110,14 @@ class LightmapPass {
   private:
     /// Ambient light where a luxel is mapped; nothing elsewhere and in other styles.
     void Clear() {
-        const std::size_t count = lightmap_.codes.size();
+        const std::size_t count = lightmap_.luxelClusters.size();
         const Vec3f ambient = pass_.bounce ? Vec3f{} : lightmap_.ambient;
         for (std::size_t slot = 0; slot < kStyles; ++slot)
             if (slot == 0 || !lightmap_.light[slot].empty())
                 ClearSlot(slot, slot == 0 ? ambient : Vec3f{});
         if (!pass_.deluxe)
             return;
-        const float share = std::max(1.0f / 256, Grey(ambient) / 255);
+        const float share = std::max(1.0f / 256, Luminance(ambient) / 255);
         lightmap_.directions.assign(count, {});
         for (std::size_t i = 0; i < count; ++i)
             if (lightmap_.Mapped(i))
@@ -124,7 +125,7 @@ class LightmapPass {
     }
 
     void ClearSlot(std::size_t slot, const Vec3f &value) {
-        const std::size_t count = lightmap_.codes.size();
+        const std::size_t count = lightmap_.luxelClusters.size();
         lightmap_.light[slot].assign(count, {});
         lightmap_.filled[slot].assign(count, 0);
         for (std::size_t i = 0; i < count; ++i)
@@ -166,17 +167,17 @@ class LightmapPass {
         if (sampling_)
             worker_.sampler.StartLight(light);
         LuxelSum *sum = nullptr;
-        LuxelArrivals arrivals;
+        LuxelIncidentLight incident;
         for (const std::uint32_t block : worker_.reached) {
-            if (!LuxelContribution(light, pass_, in_.scene, worker_.blocks.Samples(block), arrivals, worker_.counts))
+            if (!LuxelContribution(light, pass_, in_.scene, worker_.blocks.Samples(block), incident, worker_.counts))
                 continue;
             if (!sum)
                 sum = &SumFor(light, slot);
-            AddLanes(arrivals.color, light.negative ? -1.0f : 1.0f, sum->color[block]);
+            AddLanes(incident.color, light.negative ? -1.0f : 1.0f, sum->color[block]);
             if (pass_.deluxe)
-                AddLanes(arrivals.direction, 1, sum->direction[block]);
+                AddLanes(incident.direction, 1, sum->direction[block]);
             if (sampling_)
-                worker_.sampler.Put(block, arrivals);
+                worker_.sampler.Put(block, incident);
         }
         if (sampling_ && sum)
             worker_.sampler.Refine(*sum, worker_.counts);
@@ -228,15 +229,15 @@ LuxelSum &LuxelSums::Find(std::size_t slot, int radius, std::size_t blocks) {
     return sum;
 }
 
-bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightScene &scene, LightSamples &samples,
-                       LuxelArrivals &out, ContributionCounts &counts) {
-    SampleArrivals arrivals;
-    LightContributionToSample(light, pass.settings, scene, samples, arrivals, counts);
-    if (!arrivals.live.Any() && !arrivals.filtered.Any())
+bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightScene &scene,
+                       SurfaceReceiverBatch &samples, LuxelIncidentLight &out, ContributionCounts &counts) {
+    SurfaceIncidentLight incident;
+    LightContributionToSample(light, pass.settings, scene, samples, incident, counts);
+    if (!incident.live.Any() && !incident.filtered.Any())
         return false;
     const float scale =
-        pass.deluxe ? std::max(0.0f, Grey(light.color)) / 255 * (pass.bounce ? kBounceDirections : 1) : 0;
-    FillArrivals(light, arrivals, scale, out);
+        pass.deluxe ? std::max(0.0f, Luminance(light.color)) / 255 * (pass.bounce ? kBounceDirections : 1) : 0;
+    FillArrivals(light, incident, scale, out);
     return true;
 }
 
@@ -247,7 +248,7 @@ void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, cons
     std::vector<std::size_t> order(surfaces.lightmaps.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return surfaces.lightmaps[a].codes.size() > surfaces.lightmaps[b].codes.size();
+        return surfaces.lightmaps[a].luxelClusters.size() > surfaces.lightmaps[b].luxelClusters.size();
     });
     std::vector<Worker> workers(std::size_t(in.jobs.Threads()));
     std::atomic<std::uint64_t> raysSoFar{0};

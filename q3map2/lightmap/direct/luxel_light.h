@@ -28,23 +28,23 @@ struct LuxelSums {
 };
 
 /// What one light gives to a block: colours, and direction sums when there are any; zero where nothing.
-struct LuxelArrivals {
+struct LuxelIncidentLight {
     Lanes3 color{}, direction{};
     LaneMask lit{}, forced{};
 };
 
 /// Settings of a pass over one raw lightmap.
 struct LuxelPass {
-    SampleSettings settings;
+    SurfaceLightSettings settings;
     bool bounce = false, deluxe = false;
 };
 
 /// Light of one source at a block of samples, as it is added up. False: none at all.
-bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightScene &scene, LightSamples &samples,
-                       LuxelArrivals &out, ContributionCounts &counts);
+bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightScene &scene,
+                       SurfaceReceiverBatch &samples, LuxelIncidentLight &out, ContributionCounts &counts);
 
 /// Adaptive subsampling (-samples, -randomsamples): where one light lights some luxels of a stamp of 2 x 2 but not all,
-/// more places are looked at around each.
+/// more receivers are looked at around each.
 class LuxelSampler {
   public:
     /// Before the first light of a lightmap. `blocks` must outlive the lights.
@@ -52,7 +52,7 @@ class LuxelSampler {
     /// Before each light.
     void StartLight(const Light &light);
     /// What the light gives to a block.
-    void Put(std::size_t block, const LuxelArrivals &arrivals);
+    void Put(std::size_t block, const LuxelIncidentLight &incident);
     /// Looks closer and adds what changes to `sum`.
     void Refine(LuxelSum &sum, ContributionCounts &counts);
 
@@ -96,8 +96,8 @@ class LuxelSampler {
     std::vector<std::uint8_t> mappedStamp_;        ///< mapped luxels of the stamp from each luxel on
     std::vector<std::uint8_t> lit_, done_;         ///< by luxel
     std::vector<std::uint32_t> doneList_;
-    std::size_t first_ = 0, last_ = 0;    ///< of the luxels that the light has set; first_ > last_: none
-    std::vector<LuxelArrivals> arrivals_; ///< by block; only where lit_ says so
+    std::size_t first_ = 0, last_ = 0;         ///< of the luxels that the light has set; first_ > last_: none
+    std::vector<LuxelIncidentLight> incident_; ///< by block; only where lit_ says so
 };
 
 /// Blur of dense rows: the mean over mapped luxels up to `radius` away on both axes, the outermost by half.

@@ -17,7 +17,7 @@ constexpr float kBehindPlane = 1;
 bool OnLitSide(const Light &light, const Vec3f &center, const Vec3f &normal) {
     if (!light.twoSided && Dot(light.normal, normal) > kSameFacing)
         return false;
-    const Vec3f origin = light.type == LightType::Sun ? light.normal * -kFar : light.origin;
+    const Vec3f origin = light.type == LightType::Sun ? light.normal * -kSunDistance : light.origin;
     return Dot(origin - center, normal) >= -kBehindPlane;
 }
 

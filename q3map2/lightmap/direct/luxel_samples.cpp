@@ -61,7 +61,7 @@ void LuxelSampler::Start(const SurfaceInputs &in, const RawLightmap &lightmap, c
     lit_.assign(luxels, 0), done_.assign(luxels, 0);
     doneList_.clear();
     first_ = luxels, last_ = 0;
-    arrivals_.resize(blocks.Count());
+    incident_.resize(blocks.Count());
 }
 
 void LuxelSampler::StartLight(const Light &light) {
@@ -74,12 +74,12 @@ void LuxelSampler::StartLight(const Light &light) {
     doneList_.clear();
 }
 
-void LuxelSampler::Put(std::size_t block, const LuxelArrivals &arrivals) {
-    arrivals_[block] = arrivals;
+void LuxelSampler::Put(std::size_t block, const LuxelIncidentLight &incident) {
+    incident_[block] = incident;
     const auto &luxels = blocks_->Luxels(block);
     const std::size_t count = blocks_->Samples(block).count;
     for (std::size_t i = 0; i < count; ++i) {
-        const int value = (arrivals.lit[i] != 0 ? 1 : 0) + (arrivals.forced[i] != 0 ? kForced : 0);
+        const int value = (incident.lit[i] != 0 ? 1 : 0) + (incident.forced[i] != 0 ? kForced : 0);
         lit_[luxels[i]] = std::uint8_t(value);
         Touch(luxels[i]);
     }
@@ -109,14 +109,14 @@ void LuxelSampler::Refine(LuxelSum &sum, ContributionCounts &counts) {
 
 LuxelSampler::Sample LuxelSampler::ReadLuxel(std::size_t luxel) const {
     Sample sample;
-    sample.place = lightmap_->places[luxel];
+    sample.place = lightmap_->positions[luxel];
     if (lit_[luxel] == 0)
         return sample;
     const auto slot = std::size_t(blocks_->SlotOf(luxel));
-    const LuxelArrivals &arrivals = arrivals_[slot / kPacketSize];
-    sample.color = arrivals.color[slot % kPacketSize];
+    const LuxelIncidentLight &incident = incident_[slot / kPacketSize];
+    sample.color = incident.color[slot % kPacketSize];
     if (pass_.deluxe)
-        sample.direction = arrivals.direction[slot % kPacketSize];
+        sample.direction = incident.direction[slot % kPacketSize];
     return sample;
 }
 
@@ -151,12 +151,12 @@ void LuxelSampler::SetLuxel(std::size_t luxel, const Sample &after, LuxelSum &su
     const Sample before = ReadLuxel(luxel);
     const auto slot = std::size_t(blocks_->SlotOf(luxel));
     const std::size_t block = slot / kPacketSize, lane = slot % kPacketSize;
-    LuxelArrivals &arrivals = arrivals_[block];
-    arrivals.color.Set(lane, after.color);
+    LuxelIncidentLight &incident = incident_[block];
+    incident.color.Set(lane, after.color);
     const float sign = light_->negative ? -1.0f : 1.0f;
     sum.color[block].Set(lane, sum.color[block][lane] + (after.color - before.color) * sign);
     if (pass_.deluxe) {
-        arrivals.direction.Set(lane, after.direction);
+        incident.direction.Set(lane, after.direction);
         sum.direction[block].Set(lane, sum.direction[block][lane] + after.direction - before.direction);
     }
     const bool lit = after.color.x + after.color.y + after.color.z > 0;
@@ -174,7 +174,7 @@ Vec3f LuxelSampler::Step(int x, int y, int dx, int dy) const {
     if (!inside(ox, oy) || !Mapped(x + ox, y + oy))
         return {};
     const Vec3f step =
-        lightmap_->places[lightmap_->SuperIndex(x + ox, y + oy)] - lightmap_->places[lightmap_->SuperIndex(x, y)];
+        lightmap_->positions[lightmap_->SuperIndex(x + ox, y + oy)] - lightmap_->positions[lightmap_->SuperIndex(x, y)];
     return there ? step : -step;
 }
 
@@ -190,13 +190,13 @@ bool LuxelSampler::PlaceInOpen(const BspRegion &space, const Vec3f &place, int &
 
 /// Where the four parts of each sample lie, sample by sample.
 LuxelSampler::PartPlaces LuxelSampler::PlacesOfParts(std::span<const Closer> samples, float bias) const {
-    PartPlaces places;
+    PartPlaces receivers;
     std::size_t count = 0;
     for (const Closer &one : samples)
         for (const float down : {-bias, bias})
             for (const float across : {-bias, bias})
-                places[count++] = one.sample->place + Offset(one.x, one.y, across, down);
-    return places;
+                receivers[count++] = one.sample->place + Offset(one.x, one.y, across, down);
+    return receivers;
 }
 
 void LuxelSampler::Subsample(std::span<const Closer> samples, float bias, ContributionCounts &counts) const {
@@ -209,28 +209,28 @@ void LuxelSampler::Subsample(std::span<const Closer> samples, float bias, Contri
     const BspRegion space = in_->space.Whole().Around(box);
     std::array<Sample, kPacketSize> parts;
     std::array<std::size_t, kMostCloser + 1> first{}; // part of each sample
-    LightSamples places;
-    places.twoSided = lightmap_->twoSided;
+    SurfaceReceiverBatch receivers;
+    receivers.twoSided = lightmap_->twoSided;
     for (std::size_t k = 0; k < samples.size(); ++k) {
         const Vec3f normal = lightmap_->normals[lightmap_->SuperIndex(samples[k].x, samples[k].y)];
         for (std::size_t i = k * kParts; i < (k + 1) * kParts; ++i) {
             int cluster = 0;
             if (!PlaceInOpen(space, at[i], cluster))
                 continue;
-            parts[places.count].place = at[i];
-            parts[places.count].count = samples[k].sample->count + 1;
-            places.Add(at[i], normal, cluster);
+            parts[receivers.count].place = at[i];
+            parts[receivers.count].count = samples[k].sample->count + 1;
+            receivers.Add(at[i], normal, cluster);
         }
-        first[k + 1] = places.count;
+        first[k + 1] = receivers.count;
     }
-    if (places.count == 0)
+    if (receivers.count == 0)
         return;
-    LuxelArrivals arrivals;
-    if (LuxelContribution(*light_, pass_, in_->scene, places, arrivals, counts))
-        for (std::size_t i = 0; i < places.count; ++i) {
-            parts[i].color = arrivals.color[i];
-            parts[i].direction = arrivals.direction[i];
-            parts[i].lit = arrivals.lit[i] != 0, parts[i].forced = arrivals.forced[i] != 0;
+    LuxelIncidentLight incident;
+    if (LuxelContribution(*light_, pass_, in_->scene, receivers, incident, counts))
+        for (std::size_t i = 0; i < receivers.count; ++i) {
+            parts[i].color = incident.color[i];
+            parts[i].direction = incident.direction[i];
+            parts[i].lit = incident.lit[i] != 0, parts[i].forced = incident.forced[i] != 0;
         }
     for (std::size_t k = 0; k < samples.size(); ++k)
         TakeParts(samples[k], std::span(parts).subspan(first[k], first[k + 1] - first[k]), bias, counts);
@@ -270,25 +270,25 @@ LuxelSampler::Sample LuxelSampler::RandomSamples(int x, int y, ContributionCount
     Sample mean;
     int used = 0;
     for (int first = 0; first < random_; first += int(kPacketSize)) {
-        LightSamples places;
-        places.twoSided = lightmap_->twoSided;
+        SurfaceReceiverBatch receivers;
+        receivers.twoSided = lightmap_->twoSided;
         for (int i = first; i < std::min(random_, first + int(kPacketSize)); ++i) {
             // Offsets whose density falls off as a normal distribution of that width does, but with an end.
             const Sample2 s = PlasticSample(std::uint32_t(i), kSeedSamples + luxel);
             const double angle = s.u * 2 * std::numbers::pi;
             const double length = double(sigma) * 2.738612787525831 * (1 - std::sqrt(1 - std::sqrt(s.v)));
-            const Vec3f place = lightmap_->places[luxel] +
+            const Vec3f place = lightmap_->positions[luxel] +
                                 Offset(x, y, float(std::cos(angle) * length), float(std::sin(angle) * length));
             int cluster = 0;
             if (PlaceInOpen(in_->space.Whole(), place, cluster))
-                places.Add(place, lightmap_->normals[luxel], cluster);
+                receivers.Add(place, lightmap_->normals[luxel], cluster);
         }
-        used += int(places.count);
-        LuxelArrivals arrivals;
-        if (places.count == 0 || !LuxelContribution(*light_, pass_, in_->scene, places, arrivals, counts))
+        used += int(receivers.count);
+        LuxelIncidentLight incident;
+        if (receivers.count == 0 || !LuxelContribution(*light_, pass_, in_->scene, receivers, incident, counts))
             continue;
-        for (std::size_t i = 0; i < places.count; ++i)
-            mean.color += arrivals.color[i], mean.direction += arrivals.direction[i];
+        for (std::size_t i = 0; i < receivers.count; ++i)
+            mean.color += incident.color[i], mean.direction += incident.direction[i];
     }
     if (used == 0)
         return ReadLuxel(luxel);

@@ -189,16 +189,16 @@ void ParseDebug(Arguments &arguments, LightmapOptions &o) {
     o.deluxe |= o.debugDeluxe;
     struct Show {
         std::string_view name;
-        LuxelShow show;
+        DebugView show;
     };
-    constexpr Show kShows[] = {{"-debugsurfaces", LuxelShow::Surfaces}, {"-debugsurface", LuxelShow::Surfaces},
-                               {"-debugaxis", LuxelShow::Axis},         {"-debugcluster", LuxelShow::Cluster},
-                               {"-debugorigin", LuxelShow::Origin},     {"-dirtdebug", LuxelShow::Dirt},
-                               {"-debugdirt", LuxelShow::Dirt},         {"-normalmap", LuxelShow::NormalMap}};
+    constexpr Show kShows[] = {{"-debugsurfaces", DebugView::Surfaces}, {"-debugsurface", DebugView::Surfaces},
+                               {"-debugaxis", DebugView::Axis},         {"-debugcluster", DebugView::Cluster},
+                               {"-debugorigin", DebugView::Origin},     {"-dirtdebug", DebugView::Dirt},
+                               {"-debugdirt", DebugView::Dirt},         {"-normalmap", DebugView::NormalMap}};
     for (const auto &[name, show] : kShows)
         if (arguments.TakeFlag(name))
             o.show = show;
-    o.dirty |= o.show == LuxelShow::Dirt;
+    o.dirty |= o.show == DebugView::Dirt;
 }
 
 } // namespace

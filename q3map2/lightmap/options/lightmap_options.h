@@ -14,7 +14,7 @@
 namespace q3 {
 
 /// What luxels show instead of light; spec of debug modes.
-enum class LuxelShow { Light, Surfaces, Axis, Cluster, Origin, Dirt, NormalMap };
+enum class DebugView { Light, Surfaces, Axis, Cluster, Origin, Dirt, NormalMap };
 
 struct LightmapOptions {
     bool onlyGrid = false; ///< -onlygrid: lightmaps and vertex colours stay as they are
@@ -66,7 +66,7 @@ struct LightmapOptions {
 
     // Debug.
     bool debug = false, border = false, debugNormals = false, debugDeluxe = false, debugSampleSize = false;
-    LuxelShow show = LuxelShow::Light;
+    DebugView show = DebugView::Light;
 };
 
 /// Takes the options of lightmaps, vertex light and bounces off `arguments`; -fast and what else concerns the grids too

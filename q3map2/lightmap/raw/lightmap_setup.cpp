@@ -71,7 +71,7 @@ class LightmapSetup {
     Candidate MakeCandidate(int number) const;
     bool LightmapOf(const Candidate &c) const;
     void MakeLightmap(std::size_t seedPosition);
-    std::vector<std::size_t> MaySharers(const Candidate &seed);
+    std::vector<std::size_t> MergeCandidates(const Candidate &seed);
     RawLightmap Seed(const Candidate &c) const;
     bool Fits(const RawLightmap &raw, const Candidate &seed, const Candidate &c) const;
     void Take(RawLightmap &raw, const Candidate &c) const;
@@ -329,7 +329,7 @@ void LightmapSetup::PlaceVerts(const RawLightmap &raw) {
 }
 
 /// Positions of those not taken that are in the seed's plane or need not be.
-std::vector<std::size_t> LightmapSetup::MaySharers(const Candidate &seed) {
+std::vector<std::size_t> LightmapSetup::MergeCandidates(const Candidate &seed) {
     const auto isTaken = [&](std::size_t position) { return taken_[position]; };
     std::erase_if(mergable_, isTaken);
     std::vector<std::size_t> positions = mergable_;
@@ -355,7 +355,7 @@ void LightmapSetup::MakeLightmap(std::size_t seedPosition) {
         MeasurePatch(raw, seed);
     } else {
         fits = Project(raw, seed);
-        const std::vector<std::size_t> sharers = MaySharers(seed);
+        const std::vector<std::size_t> sharers = MergeCandidates(seed);
         for (bool added = true; added;) {
             added = false;
             for (const std::size_t position : sharers) {

@@ -33,7 +33,7 @@ std::uint64_t CellKey(const Vec3f &p) {
     return key;
 }
 
-/// The cells that places near p may be in, each once.
+/// The cells that receivers near p may be in, each once.
 std::vector<std::uint64_t> CellsAround(const Vec3f &p) {
     std::vector<std::uint64_t> keys;
     for (const float x : {-kSamePlace, kSamePlace})

@@ -22,7 +22,7 @@ inline constexpr std::uint8_t kNoStyle = 255;
 /// lightmapNum of surfaces that are lit at their vertices.
 inline constexpr int kLightmapByVertex = -3;
 
-/// Luxel codes that are no cluster.
+/// Luxel luxelClusters that are no cluster.
 enum LuxelCode : int {
     kUnmapped = -2, ///< no surface there
     kOccluded = -1, ///< a surface, but no open place to light it from
@@ -55,7 +55,7 @@ struct RawLightmap {
     Vec3f planeNormal; ///< if planar
     float planeDist = 0;
     Vec3f axis;                  ///< of projection; zero: a patch by its own parameters
-    bool hasVectors = false;     ///< projected; else places come from the mesh
+    bool hasVectors = false;     ///< projected; else receivers come from the mesh
     Vec3f origin;                ///< world place of luxel (0, 0) of the super grid
     std::array<Vec3f, 2> step{}; ///< world step of one luxel of the super grid
     Vec3f storedOrigin;          ///< what the file's lightmapOrigin gets
@@ -67,10 +67,10 @@ struct RawLightmap {
     std::size_t Index(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
 
     // Super grid, placed once: luxel_map.cpp. A luxel is mapped if its code is a cluster, >= 0. Averaging the last pass
-    // ends places, dirt, floodlight and what passes set.
-    std::vector<Vec3f> places, normals;
-    std::vector<int> codes; ///< cluster or LuxelCode
-    bool Mapped(std::size_t luxel) const { return codes[luxel] >= 0; }
+    // ends receivers, dirt, floodlight and what passes set.
+    std::vector<Vec3f> positions, normals;
+    std::vector<int> luxelClusters; ///< cluster or LuxelCode
+    bool Mapped(std::size_t luxel) const { return luxelClusters[luxel] >= 0; }
 
     // Super grid, once: luxel_dirt.cpp, luxel_flood.cpp. Empty when off.
     std::vector<float> dirt;       ///< factor

@@ -52,9 +52,9 @@ class LuxelMapper {
         const float threshold = std::max(kLeastThreshold, std::abs(in.lightmap.threshold));
         threshold2_ = threshold * threshold;
         const auto count = std::size_t(raw.SuperWidth()) * std::size_t(raw.SuperHeight());
-        raw.places.assign(count, {});
+        raw.positions.assign(count, {});
         raw.normals.assign(count, {});
-        raw.codes.assign(count, kUnmapped);
+        raw.luxelClusters.assign(count, kUnmapped);
         scratch.hits.assign(count, 0);
         scratch.passes.assign(count, 0);
     }
@@ -64,7 +64,8 @@ class LuxelMapper {
         for (std::size_t i = 0; i < raw_.surfaces.size(); ++i) {
             if (std::exchange(anyClosed_, false)) // for one surface; the next may find a place
                 std::replace_if(
-                    raw_.codes.begin(), raw_.codes.end(), [](int code) { return code < 0; }, int(kUnmapped));
+                    raw_.luxelClusters.begin(), raw_.luxelClusters.end(), [](int code) { return code < 0; },
+                    int(kUnmapped));
             MapSurface(raw_.surfaces[i]);
         }
         if (anySums_)
@@ -72,7 +73,7 @@ class LuxelMapper {
         if (raw_.planar)
             for (int pass = 2; pass <= std::max(1, raw_.super / 2) + 1; ++pass)
                 MapRing(pass);
-        for (const int code : raw_.codes) {
+        for (const int code : raw_.luxelClusters) {
             counts_.mapped += code >= 0 ? 1 : 0;
             counts_.occluded += code == kOccluded ? 1 : 0;
         }
@@ -239,7 +240,7 @@ void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, 
     const LuxelTriangle flat = {triangle[0].luxel, triangle[1].luxel, triangle[2].luxel};
     ForLuxels(flat, superWidth_, superHeight_, [&](int x, int y) {
         const std::size_t luxel = raw_.SuperIndex(x, y);
-        if (raw_.codes[luxel] == kUnmapped)
+        if (raw_.luxelClusters[luxel] == kUnmapped)
             Take(luxel, placer_.Find(x, y, nullptr, plane, offset_, true, *filter_, counts_.placed), triangle[0].normal,
                  1);
     });
@@ -264,7 +265,7 @@ bool LuxelMapper::MapQuad(const std::array<SurfaceVertex, 4> &quad, const Image 
 /// What a surface that passes through the luxel at v makes of it.
 void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals) {
     const std::size_t luxel = raw_.SuperIndex(x, y);
-    const int code = raw_.codes[luxel];
+    const int code = raw_.luxelClusters[luxel];
     if (code >= 0 ? allOneNormal_ && !normals.Active() : code == kOccluded && raw_.planar)
         return; // nothing would change
     const auto normal = [&] { return normals.Active() ? normals.Bent(v) : v.normal; };
@@ -280,19 +281,19 @@ void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlan
 /// The luxel's place, found in that pass.
 void LuxelMapper::Take(std::size_t luxel, const LuxelPlacer::Place &place, const Vec3f &normal, int pass) {
     if (place.Closed()) {
-        raw_.codes[luxel] = kOccluded;
+        raw_.luxelClusters[luxel] = kOccluded;
         anyClosed_ = true;
         return;
     }
-    raw_.codes[luxel] = place.cluster;
-    raw_.places[luxel] = place.xyz;
+    raw_.luxelClusters[luxel] = place.cluster;
+    raw_.positions[luxel] = place.xyz;
     raw_.normals[luxel] = normal;
     scratch_.hits[luxel] = 1;
     scratch_.passes[luxel] = std::uint8_t(pass);
 }
 
 void LuxelMapper::MakeUnitNormals() {
-    for (std::size_t i = 0; i < raw_.codes.size(); ++i)
+    for (std::size_t i = 0; i < raw_.luxelClusters.size(); ++i)
         if (raw_.Mapped(i) && scratch_.hits[i] > 1)
             raw_.normals[i] = Normalize(raw_.normals[i]);
 }
@@ -320,14 +321,14 @@ void LuxelMapper::MapRing(int pass) {
     const std::vector<int> anywhere;
     ClusterFilter filter(in_.space, anywhere);
     const LuxelPlane plane{raw_.planeNormal, raw_.planeDist, nullptr};
-    LuxelMask earlier(raw_.codes.size());
+    LuxelMask earlier(raw_.luxelClusters.size());
     for (std::size_t i = 0; i < earlier.size(); ++i)
         earlier[i] = raw_.Mapped(i) && scratch_.passes[i] < pass;
     const LuxelMask touching = Spread(earlier, superWidth_, superHeight_);
     for (int y = 0; y < superHeight_; ++y)
         for (int x = 0; x < superWidth_; ++x) {
             const std::size_t luxel = raw_.SuperIndex(x, y);
-            if (raw_.codes[luxel] != kUnmapped || touching[luxel] == 0)
+            if (raw_.luxelClusters[luxel] != kUnmapped || touching[luxel] == 0)
                 continue;
             if (const Vec3f normal = NormalAround(x, y, pass); normal != Vec3f{})
                 Take(luxel, placer_.Find(x, y, nullptr, plane, kSampleOffset, false, filter, counts_.placed), normal,
@@ -339,7 +340,7 @@ void Report(const SurfaceLight &surfaces, const std::vector<MapCounts> &counts, 
     MapCounts sum;
     std::size_t luxels = 0;
     for (std::size_t i = 0; i < counts.size(); ++i) {
-        luxels += surfaces.lightmaps[i].codes.size();
+        luxels += surfaces.lightmaps[i].luxelClusters.size();
         sum.mapped += counts[i].mapped;
         sum.occluded += counts[i].occluded;
         sum.placed.atVertex += counts[i].placed.atVertex;

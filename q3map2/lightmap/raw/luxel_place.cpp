@@ -9,13 +9,13 @@ namespace q3 {
 
 namespace {
 
-/// Places so near an opaque brush are in it. Game units.
+/// Receivers so near an opaque brush are in it. Game units.
 constexpr float kBrushEpsilon = 0.125f;
-/// -trianglecheck: places closer than this to the edge are moved a unit inside. Game units.
+/// -trianglecheck: receivers closer than this to the edge are moved a unit inside. Game units.
 constexpr float kEdgeMargin = 0.125f;
 constexpr int kTriangleRounds = 3;
-/// Luxels on a side of those that share a part of the tree, and how far from its plane a planar lightmap's places may
-/// be for it, game units.
+/// Luxels on a side of those that share a part of the tree, and how far from its plane a planar lightmap's receivers
+/// may be for it, game units.
 constexpr int kTile = 4;
 constexpr float kTileDepth = 0.5f;
 
@@ -79,8 +79,8 @@ LuxelPlacer::LuxelPlacer(const SurfaceInputs &in, const RawLightmap &raw, const 
     SetTileReach();
 }
 
-/// From the middle of a tile, or where that is not known from any of its places, to all places; those that are farther
-/// off only cost time.
+/// From the middle of a tile, or where that is not known from any of its receivers, to all receivers; those that are
+/// farther off only cost time.
 void LuxelPlacer::SetTileReach() {
     middles_ = raw_.planar && raw_.hasVectors;
     const float luxels = middles_ ? kTile / 2 + 0.25f : kTile + 0.5f;
@@ -98,8 +98,8 @@ void LuxelPlacer::SetTileReach() {
         tileReach_[axes_.along] = depth;
 }
 
-/// A box about the places of luxel (x, y) and its neighbours, one of whose places is p, lifted by `lift` along the
-/// projection.
+/// A box about the receivers of luxel (x, y) and its neighbours, one of whose receivers is p, lifted by `lift` along
+/// the projection.
 Boundsf LuxelPlacer::TileBox(int x, int y, const Vec3f &p, float lift) const {
     Vec3f middle = p;
     if (middles_) {

@@ -21,7 +21,7 @@ struct PlacementCounts {
     std::uint64_t atVertex = 0, failed = 0;
 };
 
-/// Which clusters may hold places of luxels: those that see one of the surface's.
+/// Which clusters may hold receivers of luxels: those that see one of the surface's.
 class ClusterFilter {
   public:
     /// `clusters` empty: all are allowed. Both are kept as references.
@@ -37,7 +37,7 @@ class ClusterFilter {
     std::vector<Known> known_;
 };
 
-/// Places luxels of one raw lightmap. Keeps references. For one thread.
+/// Receivers luxels of one raw lightmap. Keeps references. For one thread.
 class LuxelPlacer {
   public:
     LuxelPlacer(const SurfaceInputs &in, const RawLightmap &raw, const Boundsf &around);
@@ -72,7 +72,7 @@ class LuxelPlacer {
         Boundsf box;
         std::optional<BspRegion> region;
     };
-    /// That of luxel (x, y), one of whose places is p, lifted by `lift` along the projection.
+    /// That of luxel (x, y), one of whose receivers is p, lifted by `lift` along the projection.
     const Tile &TileOf(int x, int y, const Vec3f &p, float lift);
     Boundsf TileBox(int x, int y, const Vec3f &p, float lift) const;
     void SetTileReach();

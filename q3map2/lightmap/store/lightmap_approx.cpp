@@ -119,7 +119,7 @@ class Approximation {
         return std::clamp(int(std::ceil(length / spacing_)), 1, kMaxSteps);
     }
 
-    /// All places of every piece of 3 x 3 control points, as engines draw it.
+    /// All receivers of every piece of 3 x 3 control points, as engines draw it.
     bool PatchHolds(const bspDrawSurface_t &record) const {
         for (int y = 0; y + 2 < record.patchHeight; y += 2)
             for (int x = 0; x + 2 < record.patchWidth; x += 2) {
@@ -154,7 +154,7 @@ class Approximation {
     const SurfaceInputs &in_;
     const SurfaceLight &surfaces_;
     const RawLightmap &lightmap_;
-    float spacing_; ///< luxels between places that are looked at
+    float spacing_; ///< luxels between receivers that are looked at
 };
 
 VertexStandIn StandInFor(const SurfaceInputs &in, const SurfaceLight &surfaces, const RawLightmap &lightmap) {

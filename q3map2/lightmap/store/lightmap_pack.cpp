@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Places of lightmaps on pages.
+// GPL-2.0-or-later. Receivers of lightmaps on pages.
 #include "q3map2/lightmap/store/lightmap_pack.h"
 
 #include <algorithm>

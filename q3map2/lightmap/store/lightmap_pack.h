@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Places of lightmaps on pages.
+// GPL-2.0-or-later. Receivers of lightmaps on pages.
 #pragma once
 
 #include "q3map2/lightmap/store/lightmap_slots.h"

@@ -60,12 +60,12 @@ Vec3f InTangentSpace(const Vec3f &d, const Vec3f &n) {
     return {Dot(d, tangent), Dot(d, bitangent), Dot(d, n)};
 }
 
-/// Of the places that the luxel covers.
+/// Of the receivers that the luxel covers.
 Vec3f MeanNormal(const RawLightmap &lightmap, int x, int y) {
     Vec3f sum;
     for (int sy = y * lightmap.super; sy < (y + 1) * lightmap.super; ++sy)
         for (int sx = x * lightmap.super; sx < (x + 1) * lightmap.super; ++sx)
-            if (const std::size_t at = lightmap.SuperIndex(sx, sy); lightmap.codes[at] != kUnmapped)
+            if (const std::size_t at = lightmap.SuperIndex(sx, sy); lightmap.luxelClusters[at] != kUnmapped)
                 sum += lightmap.normals[at];
     return sum == Vec3f{} ? lightmap.planeNormal : Normalize(sum);
 }

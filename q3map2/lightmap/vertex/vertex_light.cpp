@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Light at the vertices of surfaces.
 #include "common/debug_color.h"
-#include "q3map2/lightmap/ao/surroundings.h"
+#include "q3map2/lightmap/ao/ambient_occlusion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,7 +63,7 @@ class ClusterFilter {
 class VertexLighter {
   public:
     VertexLighter(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
-                  const SurfaceLight &surfaces, std::size_t surface, const Surroundings &around,
+                  const SurfaceLight &surfaces, std::size_t surface, const AmbientOcclusion &around,
                   ContributionCounts &counts);
     SurfaceVertexLight Run();
 
@@ -71,10 +71,10 @@ class VertexLighter {
     using Numbers = std::vector<std::size_t>; // of vertices in the surface
     void FindLights(const std::vector<Light> &lights);
     void FindPlaces();
-    /// Lights the vertices at their places moved by `offset`, where that is in the open. Returns those.
+    /// Lights the vertices at their receivers moved by `offset`, where that is in the open. Returns those.
     Numbers LightAt(const Numbers &vertices, const Vec3f &offset);
-    void AddLights(std::span<LightSamples> blocks, const Numbers &vertices);
-    void AddSurroundings(const LightSamples &block, std::span<const std::size_t> vertices);
+    void AddLights(std::span<SurfaceReceiverBatch> blocks, const Numbers &vertices);
+    void AddSurroundings(const SurfaceReceiverBatch &block, std::span<const std::size_t> vertices);
     void AddTo(std::size_t slot, std::size_t vertex, const Vec3f &light);
     bool Bright(std::size_t vertex) const;
     void FillClosed(const std::vector<bool> &lit);
@@ -85,21 +85,21 @@ class VertexLighter {
     const bspDrawSurface_t &surface_;
     const Boundsf &bounds_;
     std::span<const SurfaceVertex> verts_;
-    const Surroundings &around_;
+    const AmbientOcclusion &around_;
     ContributionCounts &counts_;
     ClusterFilter clusters_;
     const std::vector<int> &surfaceClusters_;
     int number_;
     Vec3f ambient_;
     FloodSource flood_;
-    SampleSettings settings_;
+    SurfaceLightSettings settings_;
     std::vector<const Light *> lights_;
-    std::vector<Vec3f> places_; // where rays start
+    std::vector<Vec3f> receivers_; // where rays start
     SurfaceVertexLight result_;
 };
 
 VertexLighter::VertexLighter(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
-                             const SurfaceLight &surfaces, std::size_t surface, const Surroundings &around,
+                             const SurfaceLight &surfaces, std::size_t surface, const AmbientOcclusion &around,
                              ContributionCounts &counts)
     : in_(in), pass_(pass), entry_(in.table[surface]), surface_(in.bsp.drawSurfaces[surface]),
       bounds_(surfaces.bounds[surface]),
@@ -158,10 +158,10 @@ void VertexLighter::FindPlaces() {
                 connect(std::size_t(corner[k]), std::size_t(corner[(k + 1) % 3]));
         }
     }
-    places_.resize(verts_.size());
+    receivers_.resize(verts_.size());
     for (std::size_t v = 0; v < verts_.size(); ++v) {
         const Vec3f inside = counts[v] > 0 ? Normalize(around[v] / counts[v] - verts_[v].xyz) : Vec3f{};
-        places_[v] = verts_[v].xyz + verts_[v].normal * kOver + inside * kInside;
+        receivers_[v] = verts_[v].xyz + verts_[v].normal * kOver + inside * kInside;
     }
 }
 
@@ -187,7 +187,7 @@ SurfaceVertexLight VertexLighter::Run() {
 
 VertexLighter::Numbers VertexLighter::LightAt(const Numbers &vertices, const Vec3f &offset) {
     Numbers open;
-    std::vector<LightSamples> blocks;
+    std::vector<SurfaceReceiverBatch> blocks;
     for (const std::size_t v : vertices) {
         const int cluster = clusters_.At(verts_[v].xyz + offset);
         if (cluster < 0)
@@ -197,7 +197,7 @@ VertexLighter::Numbers VertexLighter::LightAt(const Numbers &vertices, const Vec
             blocks.back().twoSided = entry_.shader->twoSided;
         }
         open.push_back(v);
-        blocks.back().Add(places_[v] + offset, verts_[v].normal, cluster);
+        blocks.back().Add(receivers_[v] + offset, verts_[v].normal, cluster);
     }
     for (const std::size_t v : open)
         for (std::size_t slot = 0; slot < kStyles; ++slot)
@@ -209,8 +209,8 @@ VertexLighter::Numbers VertexLighter::LightAt(const Numbers &vertices, const Vec
     return open;
 }
 
-void VertexLighter::AddLights(std::span<LightSamples> blocks, const Numbers &vertices) {
-    SampleArrivals arrivals;
+void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> blocks, const Numbers &vertices) {
+    SurfaceIncidentLight incident;
     for (const Light *light : lights_) {
         const auto slot = SlotOf(result_.styles, light->style);
         if (!slot) {
@@ -219,13 +219,13 @@ void VertexLighter::AddLights(std::span<LightSamples> blocks, const Numbers &ver
             continue;
         }
         for (std::size_t b = 0; b < blocks.size(); ++b) {
-            LightContributionToSample(*light, settings_, in_.scene, blocks[b], arrivals, counts_);
+            LightContributionToSample(*light, settings_, in_.scene, blocks[b], incident, counts_);
             for (std::size_t i = 0; i < blocks[b].count; ++i) {
-                if (arrivals.live[i] == 0)
+                if (incident.live[i] == 0)
                     continue;
                 const std::size_t v = vertices[b * kPacketSize + i];
-                const Vec3f color = light->color * (light->negative ? -arrivals.add[i] : arrivals.add[i]);
-                AddTo(*slot, v, arrivals.tinted ? color * arrivals.tint[i] : color);
+                const Vec3f color = light->color * (light->negative ? -incident.add[i] : incident.add[i]);
+                AddTo(*slot, v, incident.tinted ? color * incident.tint[i] : color);
                 result_.styles[*slot] = std::uint8_t(light->style);
                 const Vec3f &so = result_.values[0][v];
                 if (in_.lightmap.cheap && std::min({so.x, so.y, so.z}) >= kWhite)
@@ -243,30 +243,31 @@ void VertexLighter::AddTo(std::size_t slot, std::size_t vertex, const Vec3f &lig
 }
 
 /// Dirt, and then floodlight, which it does not darken.
-void VertexLighter::AddSurroundings(const LightSamples &block, std::span<const std::size_t> vertices) {
+void VertexLighter::AddSurroundings(const SurfaceReceiverBatch &block, std::span<const std::size_t> vertices) {
     const bool dirty = in_.lightmap.dirty && !pass_.bounce && !entry_.shader->lightmap.noDirt;
     if (!dirty && flood_.light == Vec3f{})
         return;
-    OpenPlaces places;
-    places.receiveShadows = entry_.receiveShadows;
-    places.surfaces = {&number_, 1};
-    places.vertices = true;
+    OpenReceivers receivers;
+    receivers.receiveShadows = entry_.receiveShadows;
+    receivers.surfaces = {&number_, 1};
+    receivers.vertices = true;
     for (std::size_t i = 0; i < block.count; ++i)
-        places.Add(block.position[i], block.normal[i], std::uint32_t(surface_.firstVert) + std::uint32_t(vertices[i]));
+        receivers.Add(block.position[i], block.normal[i],
+                      std::uint32_t(surface_.firstVert) + std::uint32_t(vertices[i]));
     const bool anyLight = std::any_of(vertices.begin(), vertices.end(), [&](std::size_t v) {
         return std::any_of(result_.values.begin(), result_.values.end(),
                            [&](const auto &values) { return !values.empty() && values[v] != Vec3f{}; });
     });
     if (dirty && anyLight) {
         std::vector<Lanes> dirt;
-        around_.Dirt({&places, 1}, dirt, counts_);
+        around_.Dirt({&receivers, 1}, dirt, counts_);
         for (std::vector<Vec3f> &values : result_.values)
             for (std::size_t i = 0; i < block.count && !values.empty(); ++i)
                 values[vertices[i]] *= dirt[0][i];
     }
     if (flood_.light != Vec3f{}) {
         Lanes open;
-        around_.Openness(places, flood_.distance, open, counts_);
+        around_.SkyVisibility(receivers, flood_.distance, open, counts_);
         for (std::size_t i = 0; i < block.count; ++i)
             result_.values[0][vertices[i]] += flood_.light * open[i];
     }
@@ -307,15 +308,15 @@ std::optional<SurfaceVertexLight> ShownInstead(const SurfaceInputs &in, const Su
     const auto fill = [&](float light) { std::fill(values.begin(), values.end(), Vec3f{light, light, light}); };
     const Boundsf &bounds = surfaces.bounds[surface];
     const bool onItsOwn = surfaces.lightmapOf[surface] < 0 || in.lightmap.cpma;
-    if (in.lightmap.show == LuxelShow::Surfaces)
+    if (in.lightmap.show == DebugView::Surfaces)
         std::fill(values.begin(), values.end(), DebugColor(int(surface)));
-    else if (in.lightmap.show == LuxelShow::Origin && onItsOwn)
+    else if (in.lightmap.show == DebugView::Origin && onItsOwn)
         for (std::size_t v = 0; v < verts.size(); ++v)
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const float size = bounds.maxs[axis] - bounds.mins[axis];
                 values[v][axis] = size > 0 ? (verts[v].xyz[axis] - bounds.mins[axis]) / size * kWhite : 0;
             }
-    else if (in.lightmap.show == LuxelShow::NormalMap)
+    else if (in.lightmap.show == DebugView::NormalMap)
         for (std::size_t v = 0; v < verts.size(); ++v)
             values[v] = (verts[v].normal + Vec3f{1, 1, 1}) * kConstant;
     else if (in.table[surface].shader->lightmap.noVertexLight)
@@ -409,7 +410,7 @@ void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, co
     for (std::vector<Vec3f> &values : vertex.radiosity)
         std::fill(values.begin(), values.end(), Vec3f{});
 
-    const Surroundings around(in);
+    const AmbientOcclusion around(in);
     std::vector<SurfaceVertexLight> results(count);
     std::vector<ContributionCounts> work(std::size_t(in.jobs.Threads()));
     in.jobs.For(std::int64_t(count), [&](std::int64_t number, int worker) {

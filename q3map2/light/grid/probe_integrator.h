@@ -8,29 +8,29 @@
 
 namespace q3 {
 
-/// Lights places for the SH grid: points of the grid and what lies between them. Const after construction; safe from
+/// Lights receivers for the SH grid: points of the grid and what lies between them. Const after construction; safe from
 /// several threads. Keeps references.
-class PlaceLighter {
+class ProbeIntegrator {
   public:
-    PlaceLighter(const GridInputs &in, const std::vector<Light> &lights);
+    ProbeIntegrator(const GridInputs &in, const std::vector<Light> &lights);
 
     /// Calls store(place index, coefficients) for every place of the blocks, which are near each other: `seed` makes
     /// their common choices. Light of all lights, floodlight, ambient and minimum, scaled as it is stored.
     template <typename Store>
-    void Trace(std::vector<LightPlaces> &blocks, std::uint64_t seed, GridStats &work, const Store &store) const {
+    void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work, const Store &store) const {
         const std::vector<bspGridPointSH_t> values = Values(blocks, seed, work);
         std::size_t next = 0;
-        for (const LightPlaces &places : blocks)
-            for (std::size_t i = 0; i < places.count; ++i)
-                store(places.index[i], values[next++]);
+        for (const ReceiverBatch &receivers : blocks)
+            for (std::size_t i = 0; i < receivers.count; ++i)
+                store(receivers.index[i], values[next++]);
     }
 
   private:
-    std::vector<bspGridPointSH_t> Values(std::vector<LightPlaces> &blocks, std::uint64_t seed, GridStats &work) const;
+    std::vector<bspGridPointSH_t> Values(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work) const;
 
     const GridInputs &in_;
     LightsByCluster lights_;
-    ContributionSettings settings_;
+    LightSettings settings_;
     float faint_;
 };
 

@@ -3,7 +3,7 @@
 
 #include "libs/math/winding.h"
 #include "libs/sh/polygon_moments.h"
-#include "q3map2/light/batch/light_lanes.h"
+#include "q3map2/light/batch/lanes.h"
 
 #include <cmath>
 #include <numbers>
@@ -35,7 +35,7 @@ inline float FormFactor(const Vec3f &p, const Vec3f &n, const Winding<float> &w)
 /// Edges of a polygon see no more than a full turn; more is rounding beside a degenerate one, and counts as nothing.
 inline constexpr float kMostFormAngle = 6.3f;
 
-/// FormFactor for 16 places, in floats: f errs by about 1e-6.
+/// FormFactor for 16 receivers, in floats: f errs by about 1e-6.
 void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> w, Lanes &f);
 
 } // namespace q3

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. SH coefficients at any place in the open.
-#include "q3map2/light/grid/gridsh_light.h"
+#include "q3map2/light/grid/probe_integrator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,16 +16,16 @@ constexpr float kFaint = 1.0f / 4;
 /// Sums beyond this, from absurd keys and scales, are cut. 1 = byte 255.
 constexpr double kMaxCoefficient = 1e9;
 
-/// Sums of what arrives at the places of a block, by coefficient, unit scale.
+/// Sums of what arrives at the receivers of a block, by coefficient, unit scale.
 using ChannelSum = std::array<DoubleLanes, 9>;
 using ShortSum = std::array<Lanes, 9>;
 
 /// The three channels at once: the moments are read once.
-Q3_VECTOR void AddScaled(const Arrivals &arrivals, const Vec3f &scale, std::array<ShortSum, 3> &sum) {
+Q3_VECTOR void AddScaled(const IncidentLight &incident, const Vec3f &scale, std::array<ShortSum, 3> &sum) {
     const auto [red, green, blue] = scale;
     for (std::size_t k = 0; k < 9; ++k) {
         float *r = sum[0][k].data(), *g = sum[1][k].data(), *b = sum[2][k].data();
-        const float *moments = arrivals.moments[k].data();
+        const float *moments = incident.shCoeffs[k].data();
 #pragma GCC ivdep
         for (std::size_t i = 0; i < kPacketSize; ++i) {
             r[i] += red * moments[i];
@@ -45,27 +45,27 @@ Q3_VECTOR void MoveSum(ShortSum &from, ChannelSum &to) {
         }
 }
 
-void AddTinted(const Arrivals &arrivals, const Lanes &tint, double scale, ChannelSum &sum) {
+void AddTinted(const IncidentLight &incident, const Lanes &tint, double scale, ChannelSum &sum) {
     for (std::size_t i = 0; i < kPacketSize; ++i)
-        for (std::size_t k = 0; k < 9 && arrivals.live[i] != 0; ++k)
-            sum[k][i] += scale * double(tint[i]) * double(arrivals.moments[k][i]);
+        for (std::size_t k = 0; k < 9 && incident.live[i] != 0; ++k)
+            sum[k][i] += scale * double(tint[i]) * double(incident.shCoeffs[k][i]);
 }
 
-/// The same for a block of places. A few lights are added up in floats, which is twice as fast, before their sum is
+/// The same for a block of receivers. A few lights are added up in floats, which is twice as fast, before their sum is
 /// added to that of all, so thousands of lights lose no more digits than one.
 class BlockSum {
   public:
     /// scale: colour of the light, 1 = byte 255.
-    void Add(const Vec3d &scale, const Arrivals &arrivals) {
-        if (!arrivals.tinted) {
-            AddScaled(arrivals, Vec3f(scale), few_);
+    void Add(const Vec3d &scale, const IncidentLight &incident) {
+        if (!incident.tinted) {
+            AddScaled(incident, Vec3f(scale), few_);
             if (++count_ == kFew)
                 Flush();
             return;
         }
-        const Lanes *tints[] = {&arrivals.tint.x, &arrivals.tint.y, &arrivals.tint.z};
+        const Lanes *tints[] = {&incident.tint.x, &incident.tint.y, &incident.tint.z};
         for (std::size_t channel = 0; channel < 3; ++channel)
-            AddTinted(arrivals, *tints[channel], scale[channel], sum_[channel]);
+            AddTinted(incident, *tints[channel], scale[channel], sum_[channel]);
     }
     /// After the last light.
     void Flush() {
@@ -85,8 +85,8 @@ class BlockSum {
 };
 
 /// A hemisphere of uniform light around +z or -z, as floodlight gives it.
-void AddFlood(const GridInputs &in, const LightPlaces &places, std::size_t i, BlockSum &sum, RayCounts &counts) {
-    const Vec3f position = places.position[i];
+void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, BlockSum &sum, RayCounts &counts) {
+    const Vec3f position = receivers.position[i];
     for (const float up : {1.0f, -1.0f}) {
         const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.options.lowQuality, counts);
         const Vec3d light = Vec3d(in.world.floodColor) * (double(in.world.floodIntensity) * share / 255);
@@ -100,9 +100,10 @@ void AddFlood(const GridInputs &in, const LightPlaces &places, std::size_t i, Bl
 }
 
 /// Bounced light.
-void AddIndirect(const GridInputs &in, const LightPlaces &places, std::size_t i, BlockSum &sum, RayCounts &counts) {
+void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, BlockSum &sum,
+                 RayCounts &counts) {
     std::vector<IndirectRay> rays;
-    in.indirect->Gather(places.rayOrigin[i], places.index[i], rays);
+    in.indirect->Gather(receivers.rayOrigin[i], receivers.index[i], rays);
     counts.rays += rays.size();
     const double share = IndirectLight::kFacing / 255.0 / double(rays.size());
     for (const IndirectRay &ray : rays) {
@@ -156,7 +157,7 @@ void StoreBlock(const GridInputs &in, const BlockSum &sum, std::size_t count, st
 
 } // namespace
 
-PlaceLighter::PlaceLighter(const GridInputs &in, const std::vector<Light> &lights)
+ProbeIntegrator::ProbeIntegrator(const GridInputs &in, const std::vector<Light> &lights)
     : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
                                           .sunOnly = in.options.sunOnly,
                                           .radiance = in.options.shRadiance,
@@ -164,34 +165,34 @@ PlaceLighter::PlaceLighter(const GridInputs &in, const std::vector<Light> &light
                                           .skip = in.options.skip},
       faint_(kFaint / in.options.shSamples) {}
 
-std::vector<bspGridPointSH_t> PlaceLighter::Values(std::vector<LightPlaces> &blocks, std::uint64_t seed,
-                                                   GridStats &work) const {
-    StartFaint(blocks, faint_);
+std::vector<bspGridPointSH_t> ProbeIntegrator::Values(std::vector<ReceiverBatch> &blocks, std::uint64_t seed,
+                                                      GridStats &work) const {
+    StartFaintResiduals(blocks, faint_);
     std::vector<BlockSum> sums(blocks.size());
-    std::vector<Arrivals> arrivals(blocks.size());
+    std::vector<IncidentLight> incident(blocks.size());
     const BrickLights candidates(lights_, BrickView(blocks), seed, faint_, in_.options.skip, work);
-    ContributionSettings pass = settings_;
+    LightSettings pass = settings_;
     pass.faint = candidates.Many() ? faint_ : 0;
     for (const BrickLight &one : candidates.List()) {
         pass.skip.pvs = settings_.skip.pvs && !one.seenByAll;
-        LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, arrivals, work.counts);
+        LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, incident, work.counts);
         const Vec3d scale = Vec3d(one.light->color) * ((one.light->negative ? -1 : 1) / 255.0);
         for (std::size_t block = 0; block < blocks.size(); ++block)
-            if (arrivals[block].live.Any())
-                sums[block].Add(scale, arrivals[block]);
+            if (incident[block].live.Any())
+                sums[block].Add(scale, incident[block]);
     }
     const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
     std::vector<bspGridPointSH_t> values;
     values.reserve(blocks.size() * kPacketSize);
     for (std::size_t block = 0; block < blocks.size(); ++block) {
-        const LightPlaces &places = blocks[block];
+        const ReceiverBatch &receivers = blocks[block];
         BlockSum &sum = sums[block];
         sum.Flush();
-        for (std::size_t i = 0; i < places.count && flood; ++i)
-            AddFlood(in_, places, i, sum, work.counts);
-        for (std::size_t i = 0; i < places.count && in_.indirect; ++i)
-            AddIndirect(in_, places, i, sum, work.counts);
-        StoreBlock(in_, sum, places.count, values);
+        for (std::size_t i = 0; i < receivers.count && flood; ++i)
+            AddFlood(in_, receivers, i, sum, work.counts);
+        for (std::size_t i = 0; i < receivers.count && in_.indirect; ++i)
+            AddIndirect(in_, receivers, i, sum, work.counts);
+        StoreBlock(in_, sum, receivers.count, values);
     }
     return values;
 }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Sixteen of everything: neighbouring places and their rays, laid out for vector code.
+// GPL-2.0-or-later. Sixteen of everything: neighbouring receivers and their rays, laid out for vector code.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -21,7 +21,7 @@
 
 namespace q3 {
 
-/// Rays that are traced together, and places that are lit together.
+/// Rays that are traced together, and receivers that are lit together.
 inline constexpr std::size_t kPacketSize = 16;
 
 /// One number of each place.
@@ -38,11 +38,11 @@ struct Lanes3 {
     void Fill(const Vec3f &v) { x.fill(v.x), y.fill(v.y), z.fill(v.z); }
 };
 
-/// Bits of all places, see LaneMask::Bits.
+/// Bits of all receivers, see LaneMask::Bits.
 inline constexpr unsigned kAllLanes = (1u << kPacketSize) - 1;
 
-/// Which places count: -1 those that do, 0 the others, as Embree wants it. Questions about all of them take four at a
-/// time, which compilers do not find on their own outside of Q3_VECTOR.
+/// Which receivers count: -1 those that do, 0 the others, as Embree wants it. Questions about all of them take four at
+/// a time, which compilers do not find on their own outside of Q3_VECTOR.
 struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
     void Set(std::size_t i, bool on) { (*this)[i] = on ? -1 : 0; }
     bool Any() const {
@@ -55,7 +55,7 @@ struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
         const Four bits = (At(0) & kBits) | (At(4) & (kBits << 4)) | (At(8) & (kBits << 8)) | (At(12) & (kBits << 12));
         return unsigned(bits[0] | bits[1] | bits[2] | bits[3]);
     }
-    /// Places without their bit count no longer.
+    /// Receivers without their bit count no longer.
     void Keep(unsigned bits) {
         constexpr Four kBits = {1, 2, 4, 8};
         const auto four = std::int32_t(bits);
@@ -79,11 +79,11 @@ struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
     }
 };
 
-/// Clusters of up to 16 places: neighbours are in few.
+/// Clusters of up to 16 receivers: neighbours are in few.
 struct LaneClusters {
     std::size_t count = 0;
     std::array<int, kPacketSize> number{};     ///< each once
-    std::array<unsigned, kPacketSize> lanes{}; ///< bits of the places in it
+    std::array<unsigned, kPacketSize> lanes{}; ///< bits of the receivers in it
 
     void Add(std::size_t lane, int cluster) {
         std::size_t i = 0;

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Under -fast: how far bounced light reaches.
-#include "q3map2/lightmap/bounce/bounce_pieces.h"
+#include "q3map2/lightmap/bounce/radiosity_patches.h"
 
 #include "libs/math/lane_functions.h"
 #include "libs/math/winding.h"
@@ -25,12 +25,12 @@ constexpr double kMaxPieces = 65536;
 constexpr float kFlatQuad = 0.1f; ///< a quad's fourth corner this near to the plane of the others keeps it whole
 /// Weights of samples of a triangle go from 1 to this.
 constexpr int kSteps = 5, kMostSamples = 150;
-/// Places so near to the plane of a piece see it from that far off. Game units.
+/// Receivers so near to the plane of a piece see it from that far off. Game units.
 constexpr float kPushReach = 8;
 /// Near the plane of a piece, what of it lies behind the receiver takes away from what lies before it: wholly up to
 /// kPushReach from the plane, not at all from here on. Game units.
 constexpr float kLowReach = 16;
-/// Places so far behind the plane 1 unit before a piece lie behind the piece itself. Game units; some for rounding.
+/// Receivers so far behind the plane 1 unit before a piece lie behind the piece itself. Game units; some for rounding.
 constexpr float kBehind = 1.01f;
 /// From so many radii on a piece looks like a point; and one that is brighter by this factor as a point is bright.
 constexpr float kFarRadii = 3, kSurely = 4;
@@ -111,8 +111,8 @@ void FlatFaces(Face face, std::vector<Face> &flat) {
 } // namespace
 
 /// Cuts the faces of one surface.
-struct BouncePieces::Maker {
-    BouncePieces &to;
+struct RadiosityPatches::Maker {
+    RadiosityPatches &to;
     const SurfaceInputs &in;
     const SurfaceLight &surfaces;
     const EmitterNumbers &emitters;
@@ -134,7 +134,7 @@ struct BouncePieces::Maker {
     void Mark(const Face &face, std::uint32_t piece, const RawLightmap &raw);
 };
 
-void BouncePieces::Maker::Begin(std::size_t number) {
+void RadiosityPatches::Maker::Begin(std::size_t number) {
     surface = number;
     const auto most = [&](EmitterId first, std::size_t count) {
         float value = 0;
@@ -146,11 +146,11 @@ void BouncePieces::Maker::Begin(std::size_t number) {
     const RawLightmap *raw = Lightmap();
     const float value = raw ? most(Texel(0, 0), std::size_t(raw->width) * std::size_t(raw->height))
                             : most(emitters.Vertex(record.firstVert), std::size_t(record.numVerts));
-    const float full = 255 * SentOn(in, number);
+    const float full = 255 * BounceScale(in, number);
     varies = value * value > kVaries * full * full;
 }
 
-void BouncePieces::Maker::Add(Face first) {
+void RadiosityPatches::Maker::Add(Face first) {
     for (const FaceCorner &corner : first)
         if (!IsFinite(corner.xyz) || MaxComponent(Max(corner.xyz, -corner.xyz)) > kMaxCoordinate)
             return;
@@ -187,7 +187,7 @@ void BouncePieces::Maker::Add(Face first) {
     }
 }
 
-bool BouncePieces::Maker::Varies(const Face &face) const {
+bool RadiosityPatches::Maker::Varies(const Face &face) const {
     Vec3f least{1e30f, 1e30f, 1e30f}, most;
     const auto take = [&](const Vec3f &light) { least = Min(least, light), most = Max(most, light); };
     const RawLightmap *raw = Lightmap();
@@ -209,11 +209,11 @@ bool BouncePieces::Maker::Varies(const Face &face) const {
                         take(emission[Texel(x, y)]);
                 }
     const Vec3f range = (most - least) * most;
-    const float full = 255 * SentOn(in, surface);
+    const float full = 255 * BounceScale(in, surface);
     return MaxComponent(range) > kVaries * full * full;
 }
 
-void BouncePieces::Maker::AddPiece(const Face &face, double area) {
+void RadiosityPatches::Maker::AddPiece(const Face &face, double area) {
     const ShaderInfo &shader = *in.table[surface].shader;
     Piece piece;
     Vec3f mean;
@@ -231,7 +231,7 @@ void BouncePieces::Maker::AddPiece(const Face &face, double area) {
     piece.origin = mean + piece.normal;
     piece.dist = Dot(piece.origin, piece.normal);
     // Light of form factor 1 is 255 times what white sends on.
-    const float add = 255 * std::abs(SentOn(in, surface));
+    const float add = 255 * std::abs(BounceScale(in, surface));
     piece.least = shader.noFast ? -2 : in.options.tolerance / add;
     float radius = 0;
     for (const Vec3f &p : w)
@@ -251,7 +251,7 @@ void BouncePieces::Maker::AddPiece(const Face &face, double area) {
 }
 
 /// Texels belong to the piece that their middle is in, else to one that their rim may be in.
-void BouncePieces::Maker::Mark(const Face &face, std::uint32_t piece, const RawLightmap &raw) {
+void RadiosityPatches::Maker::Mark(const Face &face, std::uint32_t piece, const RawLightmap &raw) {
     std::vector<std::array<float, 2>> at;
     std::array<float, 2> least{1e30f, 1e30f}, most{-1e30f, -1e30f};
     for (const FaceCorner &corner : face) {
@@ -279,8 +279,8 @@ void BouncePieces::Maker::Mark(const Face &face, std::uint32_t piece, const RawL
         }
 }
 
-BouncePieces::BouncePieces(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterNumbers &emitters,
-                           std::span<const Vec3f> emission)
+RadiosityPatches::RadiosityPatches(const SurfaceInputs &in, const SurfaceLight &surfaces,
+                                   const EmitterNumbers &emitters, std::span<const Vec3f> emission)
     : pieceOf_(emitters.Count(), kNone) {
     Maker maker{*this, in, surfaces, emitters, emission};
     maker.surely.resize(emitters.Count());
@@ -297,7 +297,7 @@ BouncePieces::BouncePieces(const SurfaceInputs &in, const SurfaceLight &surfaces
     }
 }
 
-float BouncePieces::ShareOf(const Piece &piece, const Vec3f &place, const Vec3f &normal, bool twoSided) const {
+float RadiosityPatches::ShareOf(const Piece &piece, const Vec3f &place, const Vec3f &normal, bool twoSided) const {
     const float over = Dot(place, piece.normal) - piece.dist;
     if ((!piece.twoSided && over < -kBehind) || (!twoSided && Dot(piece.origin - place, normal) < 0))
         return 0;

@@ -8,11 +8,11 @@ namespace q3 {
 /// Surfaces in the pieces that the established program makes area lights of in a bounce: under -fast such a light
 /// counts only where it gives more than the tolerance in white, whatever its colour. Const after construction; safe
 /// from several threads.
-class BouncePieces {
+class RadiosityPatches {
   public:
     /// Pieces are smaller where the light, what emitters send on in the first bounce, varies much.
-    BouncePieces(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterNumbers &emitters,
-                 std::span<const Vec3f> emission);
+    RadiosityPatches(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterNumbers &emitters,
+                     std::span<const Vec3f> emission);
 
     /// Share of this emitter's light that counts at a place with a normal, 0 to 1.
     float Share(EmitterId emitter, const Vec3f &place, const Vec3f &normal, bool twoSided) const {

@@ -6,6 +6,6 @@
 namespace q3 {
 
 /// Sets every mapped luxel of style slot 0 to what `show` asks for.
-void ShowLuxels(LuxelShow show, RawLightmap &lightmap);
+void DrawDebugView(DebugView show, RawLightmap &lightmap);
 
 } // namespace q3

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Where lightmaps touch: luxels across the joint.
-#include "q3map2/lightmap/bounce/bounce_joints.h"
+#include "q3map2/lightmap/bounce/lightmap_seams.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,13 +35,13 @@ int WindowOf(const RawLightmap &raw, int reach) {
 std::array<Vec3f, 2> StepsAt(const RawLightmap &raw, int x, int y) {
     if (raw.hasVectors)
         return raw.step;
-    const Vec3f place = raw.places[raw.SuperIndex(x, y)];
+    const Vec3f place = raw.positions[raw.SuperIndex(x, y)];
     const auto step = [&](int sx, int sy) {
         for (const int side : {1, -1}) {
             const int ox = x + side * sx, oy = y + side * sy;
             if (ox >= 0 && oy >= 0 && ox < raw.SuperWidth() && oy < raw.SuperHeight() &&
                 raw.Mapped(raw.SuperIndex(ox, oy)))
-                return (raw.places[raw.SuperIndex(ox, oy)] - place) * float(side);
+                return (raw.positions[raw.SuperIndex(ox, oy)] - place) * float(side);
         }
         return Vec3f{};
     };
@@ -58,7 +58,7 @@ struct CellHash {
 } // namespace
 
 /// Rim luxels by place.
-struct LightmapJoints::Finder {
+struct LightmapSeams::Finder {
     const SurfaceInputs &in;
     const SurfaceLight &surfaces;
     const std::vector<Rim> &rims;
@@ -70,12 +70,12 @@ struct LightmapJoints::Finder {
         const auto number = [](float v) { return std::int32_t(std::floor(v / (2 * kFarthest))); };
         return {number(p.x), number(p.y), number(p.z)};
     }
-    const Vec3f &Place(const Rim &rim) const { return surfaces.lightmaps[rim.lightmap].places[rim.luxel]; }
+    const Vec3f &Place(const Rim &rim) const { return surfaces.lightmaps[rim.lightmap].positions[rim.luxel]; }
     void Find(std::size_t rim, std::vector<Neighbour> &found) const;
     void DropHidden(const Rim &rim, std::vector<Neighbour> &found) const;
 };
 
-void LightmapJoints::Finder::Find(std::size_t number, std::vector<Neighbour> &found) const {
+void LightmapSeams::Finder::Find(std::size_t number, std::vector<Neighbour> &found) const {
     const Rim &rim = rims[number];
     const RawLightmap &raw = surfaces.lightmaps[rim.lightmap];
     const auto width = std::uint32_t(raw.SuperWidth());
@@ -111,10 +111,10 @@ void LightmapJoints::Finder::Find(std::size_t number, std::vector<Neighbour> &fo
     DropHidden(rim, found);
 }
 
-void LightmapJoints::Finder::DropHidden(const Rim &rim, std::vector<Neighbour> &found) const {
+void LightmapSeams::Finder::DropHidden(const Rim &rim, std::vector<Neighbour> &found) const {
     const auto over = [&](std::uint32_t lightmap, std::uint32_t luxel) {
         const RawLightmap &raw = surfaces.lightmaps[lightmap];
-        return raw.places[luxel] + raw.normals[luxel] * kLift;
+        return raw.positions[luxel] + raw.normals[luxel] * kLift;
     };
     RayCounts counts;
     std::size_t kept = 0;
@@ -131,7 +131,7 @@ void LightmapJoints::Finder::DropHidden(const Rim &rim, std::vector<Neighbour> &
     found.resize(kept);
 }
 
-LightmapJoints::LightmapJoints(const SurfaceInputs &in, const SurfaceLight &surfaces, int reach, float alike) {
+LightmapSeams::LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfaces, int reach, float alike) {
     for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i) {
         const RawLightmap &raw = surfaces.lightmaps[i];
         firstOf_.push_back(rims_.size());
@@ -166,7 +166,8 @@ LightmapJoints::LightmapJoints(const SurfaceInputs &in, const SurfaceLight &surf
     rims_.push_back({~std::uint32_t(0), ~std::uint32_t(0), next});
 }
 
-std::span<const LightmapJoints::Neighbour> LightmapJoints::Across(std::size_t lightmap, std::size_t luxel) const {
+std::span<const LightmapSeams::Neighbour> LightmapSeams::NeighborsAcross(std::size_t lightmap,
+                                                                         std::size_t luxel) const {
     const auto begin = rims_.begin() + std::ptrdiff_t(firstOf_[lightmap]),
                end = rims_.begin() + std::ptrdiff_t(firstOf_[lightmap + 1]);
     const auto rim = std::lower_bound(begin, end, luxel, [](const Rim &one, std::size_t l) { return one.luxel < l; });

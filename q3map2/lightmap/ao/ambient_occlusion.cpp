@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. How open the surroundings of places on surfaces are: dirt and floodlight.
-#include "q3map2/lightmap/ao/surroundings.h"
+// GPL-2.0-or-later. How open the surroundings of receivers on surfaces are: dirt and floodlight.
+#include "q3map2/lightmap/ao/ambient_occlusion.h"
 
 #include <algorithm>
 #include <bit>
@@ -70,30 +70,32 @@ Q3_VECTOR void SetFrames(const Lanes3 &normal, Frames &frames) {
     }
 }
 
-/// Rays along right x + up y + normal z, from a little behind the places.
-Q3_VECTOR void SetDirections(const Frames &frames, const OpenPlaces &places, const Lanes3 &local, RayPacket &rays) {
-    const Lanes3 &normal = places.normal;
+/// Rays along right x + up y + normal z, from a little behind the receivers.
+Q3_VECTOR void SetDirections(const Frames &frames, const OpenReceivers &receivers, const Lanes3 &local,
+                             RayPacket &rays) {
+    const Lanes3 &normal = receivers.normal;
     Lanes3 &direction = rays.direction;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float x = local.x[i], y = local.y[i], z = local.z[i];
         direction.x[i] = frames.right.x[i] * x + frames.up.x[i] * y + normal.x[i] * z;
         direction.y[i] = frames.right.y[i] * x + frames.up.y[i] * y + normal.y[i] * z;
         direction.z[i] = frames.right.z[i] * x + frames.up.z[i] * y + normal.z[i] * z;
-        rays.origin.x[i] = places.position.x[i] - direction.x[i] * kBack;
-        rays.origin.y[i] = places.position.y[i] - direction.y[i] * kBack;
-        rays.origin.z[i] = places.position.z[i] - direction.z[i] * kBack;
+        rays.origin.x[i] = receivers.position.x[i] - direction.x[i] * kBack;
+        rays.origin.y[i] = receivers.position.y[i] - direction.y[i] * kBack;
+        rays.origin.z[i] = receivers.position.z[i] - direction.z[i] * kBack;
     }
 }
 
-/// The same where all places face the same way and take the same direction.
-Q3_VECTOR void SetOneDirection(const Frames &frames, const OpenPlaces &places, const Vec3f &local, RayPacket &rays) {
-    const Vec3f direction = frames.right[0] * local.x + frames.up[0] * local.y + places.normal[0] * local.z;
+/// The same where all receivers face the same way and take the same direction.
+Q3_VECTOR void SetOneDirection(const Frames &frames, const OpenReceivers &receivers, const Vec3f &local,
+                               RayPacket &rays) {
+    const Vec3f direction = frames.right[0] * local.x + frames.up[0] * local.y + receivers.normal[0] * local.z;
     const Vec3f back = direction * kBack;
     rays.direction.Fill(direction);
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        rays.origin.x[i] = places.position.x[i] - back.x;
-        rays.origin.y[i] = places.position.y[i] - back.y;
-        rays.origin.z[i] = places.position.z[i] - back.z;
+        rays.origin.x[i] = receivers.position.x[i] - back.x;
+        rays.origin.y[i] = receivers.position.y[i] - back.y;
+        rays.origin.z[i] = receivers.position.z[i] - back.z;
     }
 }
 
@@ -120,8 +122,8 @@ float ShareBehind(float distance, float length) {
 }
 
 /// Ends rays that are blocked farther than `sure`; `close`: those that are before.
-Q3_VECTOR void EndFar(const LightScene::Blockers &blockers, float sure, const Lanes &length, LaneMask &live,
-                      Lanes &missing, LaneMask &close) {
+Q3_VECTOR void CullDistant(const LightScene::Blockers &blockers, float sure, const Lanes &length, LaneMask &live,
+                           Lanes &missing, LaneMask &close) {
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const std::int32_t hit = blockers.hit[i], far = hit & (Sign(sure - blockers.distance[i]) >> 31);
         missing[i] += far != 0 ? ShareBehind(blockers.distance[i], length[i]) : 0;
@@ -130,8 +132,8 @@ Q3_VECTOR void EndFar(const LightScene::Blockers &blockers, float sure, const La
     }
 }
 
-bool IsOwn(const OpenPlaces &places, int surface) {
-    return std::find(places.surfaces.begin(), places.surfaces.end(), surface) != places.surfaces.end();
+bool IsOwn(const OpenReceivers &receivers, int surface) {
+    return std::find(receivers.surfaces.begin(), receivers.surfaces.end(), surface) != receivers.surfaces.end();
 }
 
 /// Whether a ray goes into a solid right behind what it hit.
@@ -139,27 +141,27 @@ bool EntersSolid(const BspRegion &space, const RayPacket &rays, std::size_t ray,
     return space.InSolidLeaf(rays.origin[ray] + rays.direction[ray] * (distance + kBehind));
 }
 
-Boundsf BoundsOf(const OpenPlaces &places) {
+Boundsf BoundsOf(const OpenReceivers &receivers) {
     Boundsf box;
-    for (std::size_t i = 0; i < places.count; ++i)
-        box.Add(places.position[i]);
+    for (std::size_t i = 0; i < receivers.count; ++i)
+        box.Add(receivers.position[i]);
     return box;
 }
 
 /// What EntersSolid asks about where a place touches a wall.
-BspRegion TouchedSpace(const BspSpace &space, const OpenPlaces &places) {
+BspRegion TouchedSpace(const BspSpace &space, const OpenReceivers &receivers) {
     constexpr Vec3f kReach = Vec3f{1, 1, 1} * (2 * kBack + kBehind);
-    const Boundsf box = BoundsOf(places);
+    const Boundsf box = BoundsOf(receivers);
     return space.Whole().Around({box.mins - kReach, box.maxs + kReach});
 }
 
-/// Beams of rays from places that face the same way, in one direction after the other: cheaper than BeamOf.
+/// Beams of rays from receivers that face the same way, in one direction after the other: cheaper than BeamOf.
 class FlatBeams {
   public:
-    explicit FlatBeams(const OpenPlaces &places) {
-        for (std::size_t i = 0; i < places.count; ++i) {
-            starts_.Add(places.position[i]);
-            flat_ = flat_ && places.normal[i] == places.normal[0];
+    explicit FlatBeams(const OpenReceivers &receivers) {
+        for (std::size_t i = 0; i < receivers.count; ++i) {
+            starts_.Add(receivers.position[i]);
+            flat_ = flat_ && receivers.normal[i] == receivers.normal[0];
         }
     }
     bool Flat() const { return flat_; }
@@ -178,24 +180,24 @@ class FlatBeams {
     bool flat_ = true;
 };
 
-/// Triangles that rays from the places can meet.
-void SelectNear(const OpenPlaces &places, float reach, const NearTriangles &from, NearTriangles &nearby) {
-    const Vec3f normal = places.normal[0];
-    float lowest = Dot(normal, places.position[0]);
-    for (std::size_t i = 1; i < places.count; ++i) {
-        if (!(places.normal[i] == normal))
-            return nearby.Select(from, BoundsOf(places), reach);
-        lowest = std::min(lowest, Dot(normal, places.position[i]));
+/// Triangles that rays from the receivers can meet.
+void SelectNear(const OpenReceivers &receivers, float reach, const NearTriangles &from, NearTriangles &nearby) {
+    const Vec3f normal = receivers.normal[0];
+    float lowest = Dot(normal, receivers.position[0]);
+    for (std::size_t i = 1; i < receivers.count; ++i) {
+        if (!(receivers.normal[i] == normal))
+            return nearby.Select(from, BoundsOf(receivers), reach);
+        lowest = std::min(lowest, Dot(normal, receivers.position[i]));
     }
-    nearby.Select(from, BoundsOf(places), reach, normal, lowest - kBack);
+    nearby.Select(from, BoundsOf(receivers), reach, normal, lowest - kBack);
 }
 
 } // namespace
 
 /// Rays that look for blockers of one kind, past those that do not count.
-struct Surroundings::Walk {
+struct AmbientOcclusion::Walk {
     const LightScene &scene;
-    const OpenPlaces &places;
+    const OpenReceivers &receivers;
     const RayPacket &rays;
     LightScene::BlockerKind kind;
     NearTriangles *nearby;
@@ -210,16 +212,16 @@ struct Surroundings::Walk {
         from.fill(nearest);
         LaneMask going = live;
         LightScene::Blockers blockers;
-        Outcome outcome = nearby ? nearby->Trace(rays, going, *beam, nearest, blockers) : Outcome::NotKnown;
+        Outcome outcome = nearby ? nearby->Trace(rays, going, *beam, nearest, blockers) : Outcome::Undecided;
         for (int hit = 0; hit < kMostPassed; ++hit) {
-            if (outcome == Outcome::NotKnown)
+            if (outcome == Outcome::Undecided)
                 TraceInScene(going, from, blockers, work);
             else
                 work.rays += std::uint64_t(going.Count());
             if (outcome == Outcome::Missed)
                 return;
             LaneMask close;
-            EndFar(blockers, sure, rays.distance, live, missing, close);
+            CullDistant(blockers, sure, rays.distance, live, missing, close);
             going = {};
             for (unsigned lanes = close.Bits(); lanes != 0; lanes &= lanes - 1) {
                 const auto i = std::size_t(std::countr_zero(lanes));
@@ -235,7 +237,7 @@ struct Surroundings::Walk {
             if (!going.Any())
                 return;
             if (outcome == Outcome::Traced)
-                outcome = nearby->TraceOn(rays, going, from, blockers);
+                outcome = nearby->TraceNextHit(rays, going, from, blockers);
         }
     }
 
@@ -244,15 +246,15 @@ struct Surroundings::Walk {
     void TraceInScene(const LaneMask &going, const Lanes &from, LightScene::Blockers &blockers, RayCounts &work) const {
         RayPacket some = rays;
         some.live = going;
-        scene.TraceBlockers(some, kind, places.receiveShadows, from, blockers, work);
+        scene.TraceBlockers(some, kind, receivers.receiveShadows, from, blockers, work);
     }
 };
 
-void Surroundings::Gather(const OpenPlaces &places, const RayPacket &rays, const CloseRules &rules,
-                          const BspRegion &space, Nearby *nearby, Lanes &missing, RayCounts &counts) const {
+void AmbientOcclusion::Gather(const OpenReceivers &receivers, const RayPacket &rays, const CloseRules &rules,
+                              const BspRegion &space, Nearby *nearby, Lanes &missing, RayCounts &counts) const {
     LaneMask live = rays.live;
     const RayBeam *const beam = nearby ? &nearby->beam : nullptr;
-    const Walk solids{scene_, places, rays, rules.solids, nearby ? &nearby->solids : nullptr, beam, 0, 2 * kBack};
+    const Walk solids{scene_, receivers, rays, rules.solids, nearby ? &nearby->solids : nullptr, beam, 0, 2 * kBack};
     solids.Run(live, missing, counts, [&](std::size_t ray, float distance, int) {
         // Rays that leave a wall which the place touches are free.
         return EntersSolid(space, rays, ray, distance);
@@ -260,17 +262,17 @@ void Surroundings::Gather(const OpenPlaces &places, const RayPacket &rays, const
     if (!live.Any())
         return;
     const Walk surfaces{scene_,
-                        places,
+                        receivers,
                         rays,
                         LightScene::BlockerKind::Surfaces,
                         nearby ? &nearby->surfaces : nullptr,
                         beam,
                         rules.nearest + kBack,
                         rules.ownSurface + kBack};
-    surfaces.Run(live, missing, counts, [&](std::size_t, float, int surface) { return !IsOwn(places, surface); });
+    surfaces.Run(live, missing, counts, [&](std::size_t, float, int surface) { return !IsOwn(receivers, surface); });
 }
 
-Surroundings::Surroundings(const SurfaceInputs &in)
+AmbientOcclusion::AmbientOcclusion(const SurfaceInputs &in)
     : scene_(in.scene), space_(in.space), depth_(in.lightmap.dirtDepth), scale_(in.lightmap.dirtScale),
       gain_(in.lightmap.dirtGain), random_(in.lightmap.dirtRandom), dirtDirections_(Rings(kDirtElevations, kAzimuths)),
       floodDirections_(Rings(kFloodElevations, in.options.lowQuality ? kAzimuths / 2 : kAzimuths)) {
@@ -279,7 +281,7 @@ Surroundings::Surroundings(const SurfaceInputs &in)
     dirtDirections_.push_back({0, 0, 1});
 }
 
-const Surroundings::Nearby &Surroundings::All() const {
+const AmbientOcclusion::Nearby &AmbientOcclusion::All() const {
     std::call_once(allMade_, [&] {
         for (const LightScene::BlockerTriangle &triangle : scene_.BlockerTriangles())
             (triangle.surface < 0 ? all_.solids : all_.surfaces).Add(triangle);
@@ -287,13 +289,15 @@ const Surroundings::Nearby &Surroundings::All() const {
     return all_;
 }
 
-void Surroundings::Dirt(std::span<const OpenPlaces> blocks, std::vector<Lanes> &dirt, RayCounts &counts) const {
-    const auto fits = [](const OpenPlaces &places) { return places.receiveShadows == 1 && !places.vertices; };
+void AmbientOcclusion::Dirt(std::span<const OpenReceivers> blocks, std::vector<Lanes> &dirt, RayCounts &counts) const {
+    const auto fits = [](const OpenReceivers &receivers) {
+        return receivers.receiveShadows == 1 && !receivers.vertices;
+    };
     dirt.resize(blocks.size());
     Boundsf box;
-    for (const OpenPlaces &places : blocks)
-        if (fits(places))
-            box.Add(BoundsOf(places));
+    for (const OpenReceivers &receivers : blocks)
+        if (fits(receivers))
+            box.Add(BoundsOf(receivers));
     const float reach = depth_ + kReachSlack;
     Nearby around, nearby;
     if (!box.Empty()) {
@@ -311,66 +315,67 @@ void Surroundings::Dirt(std::span<const OpenPlaces> blocks, std::vector<Lanes> &
     }
 }
 
-void Surroundings::Dirt(const OpenPlaces &places, Nearby *nearby, Lanes &dirt, RayCounts &counts) const {
+void AmbientOcclusion::Dirt(const OpenReceivers &receivers, Nearby *nearby, Lanes &dirt, RayCounts &counts) const {
     constexpr auto kSolids = LightScene::BlockerKind::LegacySolids;
     const CloseRules rules =
-        places.vertices ? CloseRules{kSolids, kClose, 0} : CloseRules{kSolids, kTouching, kDirtOwn};
+        receivers.vertices ? CloseRules{kSolids, kClose, 0} : CloseRules{kSolids, kTouching, kDirtOwn};
     Frames frames;
-    SetFrames(places.normal, frames);
+    SetFrames(receivers.normal, frames);
     RayPacket rays;
     rays.distance.fill(depth_ + kBack);
-    for (std::size_t i = 0; i < places.count; ++i)
+    for (std::size_t i = 0; i < receivers.count; ++i)
         rays.live[i] = -1;
     if (nearby && nearby->solids.Count() + nearby->surfaces.Count() == 0) {
         dirt.fill(1);
-        counts.rays += 2 * places.count * dirtDirections_.size();
+        counts.rays += 2 * receivers.count * dirtDirections_.size();
         return;
     }
-    const BspRegion space = TouchedSpace(space_, places);
-    const FlatBeams beams(places);
+    const BspRegion space = TouchedSpace(space_, receivers);
+    const FlatBeams beams(receivers);
     Lanes gathered{};
     Lanes3 local{};
     for (std::size_t ray = 0; ray < dirtDirections_.size(); ++ray) {
         const bool differ = random_ && ray < kRandomRays;
         if (!differ && beams.Flat())
-            SetOneDirection(frames, places, dirtDirections_[ray], rays);
+            SetOneDirection(frames, receivers, dirtDirections_[ray], rays);
         else {
             if (differ)
-                for (std::size_t i = 0; i < places.count; ++i)
-                    local.Set(i, RandomDirection(places.seed[i], ray));
+                for (std::size_t i = 0; i < receivers.count; ++i)
+                    local.Set(i, RandomDirection(receivers.seed[i], ray));
             else
                 local.Fill(dirtDirections_[ray]);
-            SetDirections(frames, places, local, rays);
+            SetDirections(frames, receivers, local, rays);
         }
         if (nearby)
             beams.Set(rays, !differ, nearby->beam);
-        Gather(places, rays, rules, space, nearby, gathered, counts);
+        Gather(receivers, rays, rules, space, nearby, gathered, counts);
     }
-    for (std::size_t i = 0; i < places.count; ++i) {
+    for (std::size_t i = 0; i < receivers.count; ++i) {
         const float share = gathered[i] / float(dirtDirections_.size());
         const float shut = share > 0 ? std::min(1.0f, gain_ == 1 ? share : std::pow(share, gain_)) * scale_ : 0;
         dirt[i] = 1 - std::min(1.0f, shut);
     }
 }
 
-void Surroundings::Openness(const OpenPlaces &places, float distance, Lanes &open, RayCounts &counts) const {
+void AmbientOcclusion::SkyVisibility(const OpenReceivers &receivers, float distance, Lanes &open,
+                                     RayCounts &counts) const {
     Frames frames;
-    SetFrames(places.normal, frames);
+    SetFrames(receivers.normal, frames);
     RayPacket rays;
     rays.distance.fill(distance + kBack);
-    for (std::size_t i = 0; i < places.count; ++i)
+    for (std::size_t i = 0; i < receivers.count; ++i)
         rays.live[i] = -1;
-    const CloseRules rules{places.vertices ? LightScene::BlockerKind::Solids : LightScene::BlockerKind::LegacySolids,
+    const CloseRules rules{receivers.vertices ? LightScene::BlockerKind::Solids : LightScene::BlockerKind::LegacySolids,
                            kClose, 0};
-    const BspRegion space = TouchedSpace(space_, places);
+    const BspRegion space = TouchedSpace(space_, receivers);
     Lanes gathered{};
     Lanes3 local{};
     for (const Vec3f &direction : floodDirections_) {
         local.Fill(direction);
-        SetDirections(frames, places, local, rays);
-        Gather(places, rays, rules, space, nullptr, gathered, counts);
+        SetDirections(frames, receivers, local, rays);
+        Gather(receivers, rays, rules, space, nullptr, gathered, counts);
     }
-    for (std::size_t i = 0; i < places.count; ++i)
+    for (std::size_t i = 0; i < receivers.count; ++i)
         open[i] = std::clamp(1 - gathered[i] / float(floodDirections_.size()), 0.0f, 1.0f);
 }
 
@@ -416,7 +421,7 @@ void ForMappedLuxels(const SurfaceInputs &in, SurfaceLight &surfaces,
         RawLightmap &raw = surfaces.lightmaps[task.lightmap];
         const std::vector<std::uint32_t> &all = luxels[task.lightmap];
         const std::size_t end = std::min(all.size(), task.first + kTaskBlocks * kPacketSize);
-        std::vector<OpenPlaces> blocks;
+        std::vector<OpenReceivers> blocks;
         std::vector<LuxelNumbers> numbers;
         for (std::size_t i = task.first; i < end; ++i) {
             if (blocks.empty() || blocks.back().count == kPacketSize) {
@@ -426,7 +431,7 @@ void ForMappedLuxels(const SurfaceInputs &in, SurfaceLight &surfaces,
                 numbers.emplace_back();
             }
             numbers.back()[blocks.back().count] = all[i];
-            blocks.back().Add(raw.places[all[i]], raw.normals[all[i]],
+            blocks.back().Add(raw.positions[all[i]], raw.normals[all[i]],
                               std::uint32_t(task.lightmap) * kSeedStep + all[i]);
         }
         look(raw, blocks, numbers, std::size_t(worker));

@@ -10,7 +10,7 @@ namespace q3 {
 
 /// Luxels near the rim of a raw lightmap and those of other lightmaps around them that face the same way, in sight.
 /// Const after construction.
-class LightmapJoints {
+class LightmapSeams {
   public:
     struct Neighbour {
         std::uint32_t lightmap, luxel; ///< of the super grid
@@ -18,10 +18,10 @@ class LightmapJoints {
     };
 
     /// reach: luxels to each side, twice as many of a super grid. alike: least cosine between normals.
-    LightmapJoints(const SurfaceInputs &in, const SurfaceLight &surfaces, int reach, float alike);
+    LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfaces, int reach, float alike);
 
     /// In a fixed order.
-    std::span<const Neighbour> Across(std::size_t lightmap, std::size_t luxel) const;
+    std::span<const Neighbour> NeighborsAcross(std::size_t lightmap, std::size_t luxel) const;
 
   private:
     struct Rim {

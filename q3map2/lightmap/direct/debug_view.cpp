@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. What luxels show instead of light.
-#include "q3map2/lightmap/direct/luxel_show.h"
+#include "q3map2/lightmap/direct/debug_view.h"
 
 #include "common/debug_color.h"
 
@@ -26,30 +26,30 @@ Vec3f PlaceColor(const Vec3f &place, const Boundsf &box) {
 
 } // namespace
 
-void ShowLuxels(LuxelShow show, RawLightmap &lightmap) {
-    for (std::size_t i = 0; i < lightmap.codes.size(); ++i) {
+void DrawDebugView(DebugView show, RawLightmap &lightmap) {
+    for (std::size_t i = 0; i < lightmap.luxelClusters.size(); ++i) {
         if (!lightmap.Mapped(i))
             continue;
         Vec3f &color = lightmap.light[0][i];
         switch (show) {
-        case LuxelShow::Light:
+        case DebugView::Light:
             break;
-        case LuxelShow::Surfaces:
+        case DebugView::Surfaces:
             color = DebugColor(lightmap.surfaces.empty() ? 0 : lightmap.surfaces.front());
             break;
-        case LuxelShow::Axis:
+        case DebugView::Axis:
             color = VectorColor(lightmap.axis);
             break;
-        case LuxelShow::Cluster:
-            color = DebugColor(lightmap.codes[i]);
+        case DebugView::Cluster:
+            color = DebugColor(lightmap.luxelClusters[i]);
             break;
-        case LuxelShow::Origin:
-            color = PlaceColor(lightmap.places[i], lightmap.bounds);
+        case DebugView::Origin:
+            color = PlaceColor(lightmap.positions[i], lightmap.bounds);
             break;
-        case LuxelShow::Dirt: // FinishLuxels multiplies by it
+        case DebugView::Dirt: // FinishLuxels multiplies by it
             color = {255, 255, 255};
             break;
-        case LuxelShow::NormalMap:
+        case DebugView::NormalMap:
             color = VectorColor(lightmap.normals[i]);
             break;
         }
