@@ -1,0 +1,24 @@
+# Installed files and packages: cmake --install, cpack -G "DEB;TGZ".
+include(GNUInstallDirs)
+
+install(TARGETS q3map2 RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(FILES libs/shgrid/shgrid.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs PATTERN "*.1" EXCLUDE)
+install(DIRECTORY tools/demo_arena DESTINATION ${CMAKE_INSTALL_DATADIR}/q3map2-sh)
+
+set(CPACK_PACKAGE_NAME q3map2-sh)
+set(CPACK_PACKAGE_VENDOR "q3map2-sh")
+set(CPACK_PACKAGE_CONTACT "The q3map2-sh developers <q3map2-sh@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Map compiler for the Quake III Arena family with a spherical-harmonics light grid")
+set(CPACK_PACKAGE_DESCRIPTION
+    "Compiles map sources to BSP files, computes their visibility and bakes lightmaps, vertex light, the legacy light
+grid and a light grid of L2 spherical harmonics. Its command line and files are those of q3map2.")
+set(CPACK_RESOURCE_FILE_LICENSE ${CMAKE_CURRENT_SOURCE_DIR}/LICENSE)
+set(CPACK_GENERATOR TGZ)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_SOURCE_IGNORE_FILES "/build" "/demo/" "/\\.git/")
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION games)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+include(CPack)
