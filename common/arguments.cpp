@@ -2,7 +2,7 @@
 #include "common/arguments.h"
 
 #include "common/error.h"
-#include "common/text.h"
+#include "common/text/text.h"
 
 #include <algorithm>
 #include <charconv>

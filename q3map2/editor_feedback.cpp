@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The stream by which an editor follows a compile.
 #include "q3map2/editor_feedback.h"
 
-#include "common/text.h"
+#include "common/text/text.h"
 
 #include <arpa/inet.h>
 #include <libxml/tree.h>

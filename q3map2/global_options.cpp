@@ -2,7 +2,7 @@
 #include "q3map2/global_options.h"
 
 #include "common/error.h"
-#include "common/text.h"
+#include "common/text/text.h"
 #include "q3map2/bspfile/entities.h"
 
 #include <glib.h>

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "common/arguments.h"
+#include "common/files/vfs.h"
 #include "common/jobs.h"
 #include "common/log.h"
-#include "common/vfs.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/shader/games.h"
 

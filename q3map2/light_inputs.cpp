@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Files beside a .bsp that lighting wants.
 #include "q3map2/light_inputs.h"
 
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/stages.h"
 
 namespace q3 {

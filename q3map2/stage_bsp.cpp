@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. q3map2 [-bsp]: a map source in, CompileMap, files out.
 #include "common/error.h"
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/command_record.h"
 #include "q3map2/geometry/compile_map.h"
 #include "q3map2/stages.h"

@@ -2,7 +2,7 @@
 #include "q3map2/bspfile/bspfile.h"
 
 #include "common/error.h"
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/bspfile/bsp_layout.h"
 
 namespace q3 {

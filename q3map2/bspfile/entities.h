@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Entities: ordered key and value pairs, as in the entity lump and in .map files.
 #pragma once
 
-#include "common/text.h"
+#include "common/text/text.h"
 #include "libs/math/vec.h"
 
 #include <initializer_list>

@@ -2,7 +2,7 @@
 #include "q3map2/bspfile/prtfile.h"
 
 #include "common/error.h"
-#include "common/files.h"
+#include "common/files/files.h"
 
 #include <charconv>
 #include <cmath>

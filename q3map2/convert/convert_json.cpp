@@ -2,7 +2,7 @@
 #include "q3map2/convert/convert_json.h"
 
 #include "common/error.h"
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/convert/convert.h"
 #include "q3map2/convert/convert_json_archive.h"
 #include "q3map2/convert/convert_json_records.h"

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. A compiled map from a folder of JSON files.
 #include "common/error.h"
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/convert/convert.h"
 #include "q3map2/convert/convert_json.h"
 #include "q3map2/convert/convert_json_archive.h"

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. A picture of what the light grids of a map hold.
 #include "common/error.h"
-#include "common/image.h"
+#include "common/image/image.h"
 #include "q3map2/convert/convert.h"
 #include "q3map2/convert/grid_preview_canvas.h"
 #include "q3map2/convert/grid_preview_light.h"

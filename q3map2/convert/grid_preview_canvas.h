@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. A picture to draw on: rectangles, spheres, small letters. Internal to the grid preview.
 #pragma once
 
-#include "common/image.h"
+#include "common/image/image.h"
 #include "libs/math/vec.h"
 
 #include <functional>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Entities of the map source as the game gets them.
-#include "common/text.h"
+#include "common/text/text.h"
 #include "q3map2/geometry/compile_map.h"
 
 #include <algorithm>

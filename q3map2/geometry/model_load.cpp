@@ -2,7 +2,7 @@
 #include "q3map2/geometry/model_load.h"
 
 #include "common/error.h"
-#include "common/text.h"
+#include "common/text/text.h"
 
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>

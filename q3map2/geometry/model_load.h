@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Model files as triangles in the map's axes.
 #pragma once
 
+#include "common/files/vfs.h"
 #include "common/log.h"
-#include "common/vfs.h"
 #include "q3map2/map/map.h"
 
 #include <array>

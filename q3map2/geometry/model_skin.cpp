@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Other shaders for models: skin files and _remap keys.
 #include "q3map2/geometry/models.h"
 
-#include "common/text_scan.h"
+#include "common/text/text_scan.h"
 
 #include <algorithm>
 #include <optional>

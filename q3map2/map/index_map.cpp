@@ -2,8 +2,8 @@
 #include "q3map2/map/index_map.h"
 
 #include "common/error.h"
-#include "common/image.h"
-#include "common/image_index.h"
+#include "common/image/image.h"
+#include "common/image/image_index.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #include "q3map2/map/map_scanner.h"
 
 #include "common/error.h"
-#include "common/files.h"
+#include "common/files/files.h"
 
 #include <algorithm>
 #include <filesystem>

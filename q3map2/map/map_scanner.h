@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Tokens of map text, and where in it something is wrong.
 #pragma once
 
-#include "common/text_scan.h"
+#include "common/text/text_scan.h"
 #include "q3map2/map/map.h"
 
 #include <string>

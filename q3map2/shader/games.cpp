@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The games table: what differs between the games that share the format.
 #include "q3map2/shader/games.h"
 
-#include "common/text_scan.h"
+#include "common/text/text_scan.h"
 #include "q3map2/shader/surfaceparms.h"
 
 #include <algorithm>

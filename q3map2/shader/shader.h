@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. Shader scripts as the compiler reads them.
 #pragma once
 
-#include "common/image.h"
+#include "common/files/vfs.h"
+#include "common/image/image.h"
 #include "common/log.h"
-#include "common/vfs.h"
 #include "libs/math/vec.h"
 #include "q3map2/shader/games.h"
 #include "q3map2/shader/geometry_directives.h"

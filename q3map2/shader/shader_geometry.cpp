@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Directives of shader scripts that shape surfaces.
 #include "q3map2/shader/shader_geometry.h"
 
-#include "common/text.h"
+#include "common/text/text.h"
 #include "q3map2/shader/shader_parse.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. From script text to shaders, before any image is read.
 #pragma once
 
-#include "common/text_scan.h"
+#include "common/text/text_scan.h"
 #include "q3map2/shader/shader.h"
 
 #include <deque>

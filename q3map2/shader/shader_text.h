@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Reading a shader script and keeping its text, tidied.
 #pragma once
 
-#include "common/text_scan.h"
+#include "common/text/text_scan.h"
 
 #include <string>
 #include <string_view>

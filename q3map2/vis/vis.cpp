@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The vis stage as a whole, and its statistics.
 #include "q3map2/vis/vis.h"
 
-#include "common/text.h"
+#include "common/text/text.h"
 #include "q3map2/vis/vis_map.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Entity text of the lump and of map sources.
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/bspfile/entities.h"
 #include "tests/bspfile/sample_bsp.h"
 

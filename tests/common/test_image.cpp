@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Image decoders.
 #include "common/error.h"
-#include "common/files.h"
-#include "common/image.h"
-#include "common/image_index.h"
+#include "common/files/files.h"
+#include "common/image/image.h"
+#include "common/image/image_index.h"
 #include "tests/common/game_folder.h"
 
 #include <turbojpeg.h>

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. The tokenizer.
 #include "common/error.h"
-#include "common/text_scan.h"
+#include "common/text/text_scan.h"
 
 #include <map>
 

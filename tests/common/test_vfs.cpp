@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The virtual file system.
-#include "common/vfs.h"
+#include "common/files/vfs.h"
 #include "tests/common/game_folder.h"
 
 #include <algorithm>

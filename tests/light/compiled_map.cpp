@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The map sources of tests/data/maps through the bsp stage.
 #include "tests/light/compiled_map.h"
 
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/geometry/compile_map.h"
 #include "tests/common/game_folder.h"
 

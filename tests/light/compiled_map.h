@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The map sources of tests/data/maps, and scenes, through the bsp stage.
 #pragma once
 
-#include "common/vfs.h"
+#include "common/files/vfs.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "tools/scene/scene_builder.h"
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Light on luxels: against the established program, closed forms and slow code.
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/light/batch/form_factor.h"
 #include "q3map2/light/tone/light_tone.h"
 #include "q3map2/lightmap/direct/luxel_light.h"

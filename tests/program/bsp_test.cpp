@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The bsp stage as a user runs it: which files it reads, writes and removes.
 #include "tests/program/run_program.h"
 
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/bspfile/bspfile.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The program when something is wrong: exit status, one clear line, the old map untouched.
-#include "common/files.h"
+#include "common/files/files.h"
 #include "tests/program/run_program.h"
 
 #include <cstring>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The program as a whole: stages from file to file.
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/entities.h"
 #include "tests/program/run_program.h"

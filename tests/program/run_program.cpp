@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Runs the built program as a user would.
 #include "tests/program/run_program.h"
 
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/geometry/compile_map.h"
 
 #include <cstdlib>

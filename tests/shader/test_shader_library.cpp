@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Finding scripts, shaders, images and colours.
 #include "tests/shader/library_test.h"
 
-#include "common/files.h"
+#include "common/files/files.h"
 
 #include <turbojpeg.h>
 

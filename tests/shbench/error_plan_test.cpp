@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. The picture of a grid's errors.
 #include "common/error.h"
-#include "common/image.h"
+#include "common/image/image.h"
 #include "tests/shbench/bench_test.h"
 #include "tools/shbench/error_plan.h"
 

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. q3map2 -vis from file to file, and the check of its results by lines of sight.
 #include "common/error.h"
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/stages.h"

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. collision_compare: do players meet the same solids in two files of one map?
 #include "common/arguments.h"
 #include "common/error.h"
-#include "common/text.h"
+#include "common/text/text.h"
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/bspfile/bsp_tree.h"
 #include "tools/collision_compare/collision.h"

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. lightmap_compare: two lit files of one map, surface by surface.
 #include "common/arguments.h"
 #include "common/error.h"
-#include "common/files.h"
-#include "common/text.h"
+#include "common/files/files.h"
+#include "common/text/text.h"
 #include "q3map2/global_options.h"
 #include "tools/lightmap_compare/compare.h"
 

@@ -2,7 +2,7 @@
 #include "tools/shbench/drawing.h"
 
 #include "common/error.h"
-#include "common/text.h"
+#include "common/text/text.h"
 
 #include <cairo-svg.h>
 

@@ -2,7 +2,7 @@
 #include "tools/shbench/scaling.h"
 
 #include "common/error.h"
-#include "common/files.h"
+#include "common/files/files.h"
 #include "tools/scene/scene_builder.h"
 #include "tools/shbench/report.h"
 #include "tools/shbench/truth_lights.h"

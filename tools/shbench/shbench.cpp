@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. shbench: error of the SH light grid against time.
 #include "common/error.h"
-#include "common/files.h"
-#include "common/text.h"
+#include "common/files/files.h"
+#include "common/text/text.h"
 #include "q3map2/stages.h"
 #include "tools/shbench/bench_run.h"
 #include "tools/shbench/drawing.h"

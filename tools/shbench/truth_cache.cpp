@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Reference light in files, found again by all that determines it.
 #include "common/error.h"
-#include "common/files.h"
+#include "common/files/files.h"
 #include "tools/shbench/truth.h"
 
 #include <glib.h>

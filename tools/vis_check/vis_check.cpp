@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. vis_check: whether the visibility data of a map hides something that can be seen.
 #include "common/arguments.h"
 #include "common/error.h"
-#include "common/text.h"
+#include "common/text/text.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "tools/vis_check/sight_check.h"
 

@@ -2,7 +2,7 @@
 #include "q3map2/light/scene/surface_table.h"
 
 #include "common/error.h"
-#include "common/text.h"
+#include "common/text/text.h"
 #include "q3map2/light/scene/light_patch.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #include "q3map2/lightmap/options/lightmap_options.h"
 
 #include "common/error.h"
-#include "common/text.h"
+#include "common/text/text.h"
 
 #include <algorithm>
 #include <bit>

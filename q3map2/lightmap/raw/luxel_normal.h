@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Normals from images: q3map_normalImage.
 #pragma once
 
-#include "common/image.h"
+#include "common/image/image.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 
 namespace q3 {

@@ -2,8 +2,8 @@
 #include "q3map2/lightmap/store/lightmap_pages.h"
 
 #include "common/error.h"
-#include "common/files.h"
-#include "common/image.h"
+#include "common/files/files.h"
+#include "common/image/image.h"
 
 #include <algorithm>
 #include <system_error>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Shaders made for surfaces whose light one lightmap of the file cannot show.
 #include "q3map2/lightmap/store/lightmap_scripts.h"
 
-#include "common/text.h"
+#include "common/text/text.h"
 
 #include <algorithm>
 #include <cctype>

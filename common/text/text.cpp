@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Comparing text without case, and numbers in it.
-#include "common/text.h"
+#include "common/text/text.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. TGA, as games of this family read it.
-#include "common/image.h"
+#include "common/image/image.h"
 
-#include "common/image_check.h"
+#include "common/image/image_check.h"
 
 #include <algorithm>
 #include <string>

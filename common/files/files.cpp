@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Files: reading, and safe replacement.
-#include "common/files.h"
+#include "common/files/files.h"
 
 #include "common/error.h"
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The tokenizer that shader scripts, their lists and map text share.
-#include "common/text_scan.h"
+#include "common/text/text_scan.h"
 
 #include "common/error.h"
 

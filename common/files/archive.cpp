@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. One zip archive (pk3), opened for reading.
-#include "common/archive.h"
+#include "common/files/archive.h"
 
 #include "common/error.h"
-#include "common/text_scan.h"
+#include "common/text/text_scan.h"
 
 #include <minizip/unzip.h>
 

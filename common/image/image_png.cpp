@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. PNG through libpng.
-#include "common/image.h"
+#include "common/image/image.h"
 
-#include "common/files.h"
-#include "common/image_check.h"
-#include "common/image_index.h"
+#include "common/files/files.h"
+#include "common/image/image_check.h"
+#include "common/image/image_index.h"
 
 #include <png.h>
 

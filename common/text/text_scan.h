@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The tokenizer that shader scripts, their lists and map text share.
 #pragma once
 
-#include "common/text.h"
+#include "common/text/text.h"
 
 #include <cstddef>
 #include <deque>

@@ -1,10 +1,10 @@
 // GPL-2.0-or-later. The game's files: folders and pk3 archives as one tree.
-#include "common/vfs.h"
+#include "common/files/vfs.h"
 
-#include "common/archive.h"
 #include "common/error.h"
-#include "common/files.h"
-#include "common/text_scan.h"
+#include "common/files/archive.h"
+#include "common/files/files.h"
+#include "common/text/text_scan.h"
 
 #include <algorithm>
 #include <set>
