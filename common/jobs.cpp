@@ -1,55 +1,183 @@
-// GPL-2.0-or-later. Loops over indices on several threads.
+// GPL-2.0-or-later. Parallel loops over indices.
 #include "common/jobs.h"
 
 #include <algorithm>
+#include <atomic>
+#include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <thread>
+#include <system_error>
 #include <vector>
 
 namespace q3 {
 
+namespace {
+
 constexpr int kMaxThreads = 64;
 
-JobPool::JobPool(int threads)
-    : threads_(std::clamp(threads < 1 ? int(std::thread::hardware_concurrency()) : threads, 1, kMaxThreads)) {}
+/// One call of For, shared by the workers that take part.
+class Loop {
+  public:
+    Loop(std::int64_t count, const std::function<void(std::int64_t, int)> &body,
+         const std::function<void(std::int64_t)> &done)
+        : count_(count), body_(body), done_(done) {}
+
+    /// Takes and runs indices until none is left.
+    void Run(int worker) {
+        for (std::int64_t index; (index = next_.fetch_add(1)) < count_;) {
+            try {
+                body_(index, worker);
+                if (done_) {
+                    const std::lock_guard lock(mutex_);
+                    done_(++finished_);
+                }
+            } catch (...) {
+                Fail(index);
+            }
+        }
+    }
+    /// Once every worker has left Run.
+    void Rethrow() const {
+        if (error_)
+            std::rethrow_exception(error_);
+    }
+
+  private:
+    /// The lowest index that fails has always been handed out by now, and runs to its end: so the error that is kept
+    /// does not depend on timing.
+    void Fail(std::int64_t index) {
+        next_ = count_;
+        const std::lock_guard lock(mutex_);
+        if (!error_ || index < failed_)
+            error_ = std::current_exception(), failed_ = index;
+    }
+
+    const std::int64_t count_;
+    const std::function<void(std::int64_t, int)> &body_;
+    const std::function<void(std::int64_t)> &done_;
+    std::atomic<std::int64_t> next_{0};
+    std::mutex mutex_; ///< of what follows, and of done_
+    std::int64_t finished_ = 0, failed_ = 0;
+    std::exception_ptr error_;
+};
+
+} // namespace
+
+class JobPool::Workers {
+  public:
+    Workers(int threads, const ThreadStarter &start) {
+        threads_.reserve(std::size_t(threads));
+        try {
+            for (int worker = 1; worker < threads; ++worker)
+                threads_.push_back(start([this, worker] { Serve(worker); }));
+        } catch (const std::system_error &) {
+            // As many as there are.
+        } catch (...) {
+            Stop();
+            throw;
+        }
+    }
+    ~Workers() { Stop(); }
+    Workers(const Workers &) = delete;
+    Workers &operator=(const Workers &) = delete;
+
+    int Count() const { return int(threads_.size()) + 1; }
+
+    /// Number of the worker that this thread is in the loop that runs now; -1: it takes no part in one.
+    int CurrentWorker() const {
+        const std::thread::id self = std::this_thread::get_id();
+        if (caller_.load() == self)
+            return 0;
+        for (std::size_t i = 0; i < threads_.size(); ++i)
+            if (threads_[i].get_id() == self)
+                return int(i) + 1;
+        return -1;
+    }
+
+    /// For a thread outside the pool.
+    void Run(Loop &loop, std::int64_t count) {
+        const std::lock_guard turn(turn_);
+        caller_ = std::this_thread::get_id();
+        if (const int others = int(std::min<std::int64_t>(Count(), count)) - 1; others > 0)
+            RunWith(others, loop);
+        else
+            loop.Run(0);
+        caller_ = std::thread::id();
+    }
+
+  private:
+    void RunWith(int others, Loop &loop) {
+        {
+            const std::lock_guard lock(mutex_);
+            loop_ = &loop, wanted_ = others;
+        }
+        for (int i = 0; i < others; ++i)
+            wake_.notify_one();
+        loop.Run(0);
+        std::unique_lock lock(mutex_);
+        wanted_ = 0; // whoever is still asleep has nothing left to do
+        idle_.wait(lock, [this] { return running_ == 0; });
+    }
+
+    void Serve(int worker) {
+        std::unique_lock lock(mutex_);
+        for (;;) {
+            wake_.wait(lock, [this] { return stopped_ || wanted_ > 0; });
+            if (stopped_)
+                return;
+            Loop &loop = *loop_;
+            --wanted_, ++running_;
+            lock.unlock();
+            loop.Run(worker);
+            lock.lock();
+            if (--running_ == 0)
+                idle_.notify_one();
+        }
+    }
+
+    void Stop() {
+        {
+            const std::lock_guard lock(mutex_);
+            stopped_ = true;
+        }
+        wake_.notify_all();
+        for (std::thread &thread : threads_)
+            thread.join();
+    }
+
+    std::mutex turn_; ///< held by the outside thread whose loop runs
+    std::atomic<std::thread::id> caller_{};
+    std::mutex mutex_; ///< of what follows
+    std::condition_variable wake_, idle_;
+    Loop *loop_ = nullptr;
+    int wanted_ = 0;  ///< workers that may still join the loop
+    int running_ = 0; ///< those in it, the caller aside
+    bool stopped_ = false;
+    std::vector<std::thread> threads_; ///< worker i + 1
+};
+
+JobPool::JobPool(int threads, const ThreadStarter &start)
+    : workers_(std::make_unique<Workers>(
+          std::clamp(threads < 1 ? int(std::thread::hardware_concurrency()) : threads, 1, kMaxThreads),
+          start ? start : [](std::function<void()> work) { return std::thread(std::move(work)); })) {}
+
+JobPool::~JobPool() = default;
+JobPool::JobPool(JobPool &&) noexcept = default;
+JobPool &JobPool::operator=(JobPool &&) noexcept = default;
+
+int JobPool::Threads() const {
+    return workers_->Count();
+}
 
 void JobPool::For(std::int64_t count, const std::function<void(std::int64_t, int)> &body,
                   const std::function<void(std::int64_t)> &done) const {
-    std::atomic<std::int64_t> next{0};
-    std::int64_t finished = 0;
-    std::mutex mutex;
-    std::exception_ptr failure;
-
-    auto work = [&](int worker) {
-        for (;;) {
-            const std::int64_t index = next.fetch_add(1);
-            if (index >= count)
-                return;
-            try {
-                body(index, worker);
-                if (done) {
-                    const std::lock_guard lock(mutex);
-                    done(++finished);
-                }
-            } catch (...) {
-                const std::lock_guard lock(mutex);
-                if (!failure)
-                    failure = std::current_exception();
-                next = count;
-                return;
-            }
-        }
-    };
-
-    const int workers = int(std::min<std::int64_t>(threads_, count));
-    std::vector<std::jthread> others;
-    for (int worker = 1; worker < workers; ++worker)
-        others.emplace_back(work, worker);
-    work(0);
-    others.clear();
-    if (failure)
-        std::rethrow_exception(failure);
+    Loop loop(count, body, done);
+    const int nested = workers_->CurrentWorker();
+    if (nested >= 0)
+        loop.Run(nested);
+    else
+        workers_->Run(loop, count);
+    loop.Rethrow();
 }
 
 } // namespace q3

@@ -1,29 +1,56 @@
-// GPL-2.0-or-later. Loops over indices on several threads.
+// GPL-2.0-or-later. Parallel loops over indices.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <thread>
 
 namespace q3 {
 
-/// Runs loops on a fixed number of threads. Results may not depend on which worker does what: a worker writes only the
-/// slots of its own indices.
+/// Worker threads that run loops. They start with the pool, sleep between loops and end with the pool.
+///
+/// Workers: worker 0 is the thread that calls For, workers 1 to Threads() - 1 are threads of the pool. A worker runs
+/// one index at a time, so scratch memory may be kept per worker number. Results must not depend on which worker runs
+/// an index: a body writes only what belongs to its index or its worker.
+///
+/// Order: indices are handed out in ascending order, each exactly once. At most Threads() bodies run at the same time;
+/// it is not promised that two ever do, so a body must never wait for another index.
+///
+/// Errors: when a body throws, no further index is handed out, bodies that are running finish, and For throws the error
+/// of the lowest index that failed. It is the same error for every number of threads.
+///
+/// Threads that the system refuses to start: the pool has fewer workers, in the extreme the caller alone.
+///
+/// Nesting: For called by a body of the same pool runs its whole loop on the calling worker, in order and under that
+/// worker's number. Calls from threads outside the pool take turns.
+///
+/// Cost of an empty loop: under 0.1 microseconds for one index or one worker, else up to 20 microseconds to wake the
+/// others. For returns as soon as every index is done and does not wait for workers that are still asleep.
 class JobPool {
   public:
-    /// threads < 1: one per hardware thread.
-    explicit JobPool(int threads = 0);
+    /// Starts a thread that runs `work`. std::system_error: the system has none left.
+    using ThreadStarter = std::function<std::thread(std::function<void()> work)>;
 
-    int Threads() const { return threads_; }
+    /// threads < 1: one per hardware thread. At most 64. `start` is std::thread's constructor unless given.
+    explicit JobPool(int threads = 0, const ThreadStarter &start = {});
+    ~JobPool();
+    /// Neither pool may be running a loop. One that was moved from can only be assigned to or destroyed.
+    JobPool(JobPool &&) noexcept;
+    JobPool &operator=(JobPool &&) noexcept;
 
-    /// Calls body(index, worker) once for every index in 0..count-1, worker in 0..Threads()-1. With one thread it runs
-    /// on the caller's. An exception from body stops the loop and is thrown to the caller. `done`, if given, is called
-    /// from any worker with the number of finished indices, never concurrently with itself.
+    /// Number of workers, the caller of For included.
+    int Threads() const;
+
+    /// Calls body(index, worker) for every index in 0 .. count - 1 and returns when all have finished. `done`, if
+    /// given, is called after each index by the worker that ran it, with the number of indices finished so far; never
+    /// concurrently with itself. An error that it throws counts as one of that index.
     void For(std::int64_t count, const std::function<void(std::int64_t, int)> &body,
              const std::function<void(std::int64_t)> &done = {}) const;
 
   private:
-    int threads_;
+    class Workers;
+    std::unique_ptr<Workers> workers_;
 };
 
 } // namespace q3

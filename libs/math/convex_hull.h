@@ -7,12 +7,13 @@
 
 namespace q3 {
 
-/// The convex hull of points in a plane, clockwise seen from where the unit normal points to, without corners that
-/// stick out by less than `tolerance`. Empty when all points are so near to a line. Andrew's monotone chain.
+/// The convex hull of points in a plane, clockwise as seen from the tip of the unit normal, without corners that stick
+/// out by less than `tolerance`. Empty when all points are that close to a line. Andrew's monotone chain.
 inline Winding<double> ConvexHull(std::vector<Vec3d> points, const Vec3d &normal, double tolerance) {
     const Vec3d axis = std::abs(normal.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
     const Vec3d right = Normalize(Cross(axis, normal)), up = Cross(normal, right);
-    std::sort(points.begin(), points.end(), [&](const Vec3d &a, const Vec3d &b) {
+    // Stable, as points that differ only along the normal compare equal.
+    std::stable_sort(points.begin(), points.end(), [&](const Vec3d &a, const Vec3d &b) {
         const double ax = Dot(a, right), bx = Dot(b, right);
         return ax != bx ? ax < bx : Dot(a, up) < Dot(b, up);
     });

@@ -119,7 +119,7 @@ class Reader {
         for (std::size_t slot = 0; slot < lumps_.size(); slot++)
             if (lumps_[slot].length > 0)
                 order.push_back(slot);
-        std::ranges::sort(order, {}, [this](std::size_t slot) { return lumps_[slot].offset; });
+        std::ranges::stable_sort(order, {}, [this](std::size_t slot) { return lumps_[slot].offset; });
         for (std::size_t i = 1; i < order.size(); i++)
             if (lumps_[order[i]].offset < lumps_[order[i - 1]].End())
                 log_.Warn("overlapping lumps", "{}: lump {} ({}) overlaps lump {} ({})", name_, order[i - 1],

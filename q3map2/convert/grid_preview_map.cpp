@@ -216,7 +216,7 @@ std::vector<Vec3f> PreviewMap::ChoosePlaces(std::size_t count,
         for (Candidate &candidate : candidates)
             candidate.distance = std::min(candidate.distance, Length(candidate.position - chosen.back()));
     }
-    std::ranges::sort(chosen, [](const Vec3f &a, const Vec3f &b) { return a.y != b.y ? a.y > b.y : a.x < b.x; });
+    std::ranges::stable_sort(chosen, [](const Vec3f &a, const Vec3f &b) { return a.y != b.y ? a.y > b.y : a.x < b.x; });
     return chosen;
 }
 

@@ -89,8 +89,9 @@ EdgeLines MakeLines(EdgeList &list, const Boundsf &bounds, Counts &counts) {
             oblique.push_back(&edge);
     }
     counts.axialLines = lines.Count();
-    // Not stable: edges of one length stand as the library's introsort leaves them, and so in established files.
-    std::sort(oblique.begin(), oblique.end(), [](const Edge *a, const Edge *b) { return a->length < b->length; });
+    // Edges of equal length stay in the order of the surfaces.
+    std::stable_sort(oblique.begin(), oblique.end(),
+                     [](const Edge *a, const Edge *b) { return a->length < b->length; });
     for (Edge *edge : oblique)
         edge->line = lines.Add(edge->from, edge->to, edge->direction);
     counts.lines = lines.Count();

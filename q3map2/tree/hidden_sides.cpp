@@ -107,7 +107,7 @@ std::vector<std::pair<int, int>> TouchingPairs(const std::deque<Brush> &brushes)
     for (std::size_t i = 0; i < order.size(); i++)
         order[i] = int(i);
     const auto box = [&](int i) -> const Boundsf & { return brushes[std::size_t(i)].bounds; };
-    std::sort(order.begin(), order.end(), [&](int a, int b) { return box(a).mins.x < box(b).mins.x; });
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return box(a).mins.x < box(b).mins.x; });
     std::vector<std::pair<int, int>> pairs;
     for (std::size_t i = 0; i < order.size(); i++)
         for (std::size_t j = i + 1; j < order.size() && box(order[j]).mins.x <= box(order[i]).maxs.x; j++) {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Passages: what may be seen through a portal and one that follows it.
+// GPL-2.0-or-later. Passages: the portals seen through a pair of consecutive portals.
 #include "common/progress.h"
 #include "q3map2/vis/separators.h"
 #include "q3map2/vis/vis_map.h"
@@ -11,11 +11,11 @@ namespace {
 
 constexpr int kMaxPlanes = 64;
 
+/// Separators of a pair of consecutive portals: the region seen through both is in front of all of them.
 struct PassagePlanes {
     VisPlane planes[kMaxPlanes];
     int count = 0;
 
-    /// Of a pair of portals: in front of all of them is what can be seen through both.
     PassagePlanes(const WindingView &first, const WindingView &second) {
         AddSeparators(first, second, false);
         AddSeparators(second, first, true);
@@ -25,19 +25,19 @@ struct PassagePlanes {
             count += SeparatorOfEdge(s, t, edge, flip, planes[count]);
     }
     /// Whether a part of the portal is in front of all planes.
-    bool Lets(const FlowPortal &q) const {
+    bool MaySee(const FlowPortal &q) const {
         WindingBuffer buffers[2];
         const VisPlane *cutting[kMaxPlanes];
         int cuts = 0;
         for (int i = 0; i < count; ++i) {
-            const float d = planes[i].Distance(q.centre);
+            const float d = planes[i].Distance(q.center);
             if (d < -q.radius + kOnEpsilon)
                 return false;
             if (d <= q.radius)
                 cutting[cuts++] = &planes[i];
         }
         for (int i = 0; i < cuts; ++i)
-            if (PointDistances(q.winding, *cutting[i]).greatest < kOnEpsilon)
+            if (PointDistances(q.winding, *cutting[i]).max < kOnEpsilon)
                 return false;
         WindingView winding = q.winding;
         for (int i = 0; i < cuts; ++i)
@@ -56,7 +56,7 @@ std::uint64_t Passages::BytesFor(const VisMap &map) {
     return rows * WordsOf(map.NumPortals()) * sizeof(BitWord);
 }
 
-Passages::Passages(const VisMap &map, const SightTable &sight, const JobPool &jobs, Log &log) {
+Passages::Passages(const VisMap &map, const MightSeeTable &mightSee, const JobPool &jobs, Log &log) {
     const std::size_t count = map.NumPortals();
     start_.resize(count);
     std::size_t rows = 0;
@@ -73,15 +73,15 @@ Passages::Passages(const VisMap &map, const SightTable &sight, const JobPool &jo
             if (map.Portal(p).removed)
                 return;
             const auto after = map.PortalsAfter(p);
-            for (std::size_t place = 0; place < after.size(); ++place) {
-                const auto t = std::size_t(after[place]);
-                BitWord *const row = table_.Row(start_[p] + place);
-                const BitWord *const a = sight.Row(p), *const b = sight.Row(t);
+            for (std::size_t next = 0; next < after.size(); ++next) {
+                const auto t = std::size_t(after[next]);
+                BitWord *const row = table_.Row(start_[p] + next);
+                const BitWord *const a = mightSee.Row(p), *const b = mightSee.Row(t);
                 for (std::size_t i = 0; i < table_.Words(); ++i)
                     row[i] = a[i] & b[i];
                 const PassagePlanes planes(map.Portal(p).winding, map.Portal(t).winding);
-                ForEachBit(table_.Bits(start_[p] + place), [&](std::size_t q) {
-                    if (!planes.Lets(map.Portal(q)))
+                ForEachBit(table_.Bits(start_[p] + next), [&](std::size_t q) {
+                    if (!planes.MaySee(map.Portal(q)))
                         ClearBit(row, q);
                 });
             }
@@ -90,31 +90,31 @@ Passages::Passages(const VisMap &map, const SightTable &sight, const JobPool &jo
     progress.Finish();
 }
 
-void Passages::Narrow(const VisMap &map, SightTable &sight, const JobPool &jobs) const {
+void Passages::TightenMightSee(const VisMap &map, MightSeeTable &mightSee, const JobPool &jobs) const {
     constexpr int kRounds = 4; // later ones find little
-    const std::size_t words = sight.Words();
+    const std::size_t words = mightSee.Words();
     for (int round = 0; round < kRounds; ++round) {
-        const SightTable before = sight;
+        const MightSeeTable before = mightSee;
         jobs.For(std::int64_t(map.NumPortals()), [&](std::int64_t index, int) {
             const auto p = std::size_t(index);
             if (map.Portal(p).removed)
                 return;
-            BitWord *const row = sight.Row(p);
+            BitWord *const row = mightSee.Row(p);
             std::fill_n(row, words, BitWord(0));
             const auto after = map.PortalsAfter(p);
-            for (std::size_t place = 0; place < after.size(); ++place) {
-                const auto t = std::size_t(after[place]);
+            for (std::size_t next = 0; next < after.size(); ++next) {
+                const auto t = std::size_t(after[next]);
                 if (!before.Test(p, t))
                     continue;
                 SetBit(row, t);
-                const BitWord *const through = Row(p, place), *const beyond = before.Row(t);
+                const BitWord *const through = Row(p, next), *const beyond = before.Row(t);
                 for (std::size_t i = 0; i < words; ++i)
                     row[i] |= through[i] & beyond[i];
             }
             for (std::size_t i = 0; i < words; ++i)
                 row[i] &= before.Row(p)[i];
         });
-        ApplySymmetry(map, sight);
+        ApplySymmetry(map, mightSee);
     }
 }
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Leafs and portals from a portal file.
+// GPL-2.0-or-later. The graph of leafs and portals, from a portal file.
 #include "q3map2/vis/portal_graph.h"
 
 #include "common/error.h"
@@ -9,7 +9,7 @@ namespace q3 {
 
 namespace {
 
-/// The plane of the first three points; if they are on a line, that of the polygon.
+/// The plane of the first three points; if they are collinear, that of the whole polygon.
 VisPlane PlaneOfWinding(std::span<const Vec3f> points, std::string_view name, int line) {
     VisPlane plane;
     if (PlaneOfPoints(points[0], points[1], points[2], plane))
@@ -24,7 +24,7 @@ VisPlane PlaneOfWinding(std::span<const Vec3f> points, std::string_view name, in
 
 } // namespace
 
-void GraphPortal::MakeSphere() {
+void GraphPortal::UpdateBoundingSphere() {
     Vec3d sum;
     for (const Vec3f &p : winding)
         sum += Vec3d(p);
@@ -34,7 +34,7 @@ void GraphPortal::MakeSphere() {
         const Vec3f away(Vec3d(p) - sum);
         largest = std::max(largest, std::sqrt(double(Dot(away, away))));
     }
-    centre = Vec3f(sum);
+    center = Vec3f(sum);
     radius = float(largest);
 }
 
@@ -66,7 +66,7 @@ PortalGraph BuildPortalGraph(const PortalFile &file, std::string_view name) {
         forward.leaf = winding.clusters[1];
         forward.hint = winding.hint;
         forward.sky = winding.sky;
-        forward.MakeSphere();
+        forward.UpdateBoundingSphere();
         GraphPortal backward = forward;
         std::reverse(backward.winding.begin(), backward.winding.end());
         backward.plane = plane;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Leafs and the portals between them, each way a portal of its own.
+// GPL-2.0-or-later. The graph of leafs and directed portals.
 #pragma once
 
 #include "libs/math/winding.h"
@@ -10,55 +10,55 @@
 
 namespace q3 {
 
-/// A way from one leaf to another. Portal i of the file gives 2 i, from clusters[0] to clusters[1], and 2 i + 1 back.
+/// A directed portal. Portal i of the file gives 2 i, from clusters[0] to clusters[1], and its twin 2 i + 1, back.
 struct GraphPortal {
     Winding<float> winding;
     VisPlane plane; ///< normal into `leaf`
-    Vec3f centre;
+    Vec3f center;
     float radius = 0;
-    int leaf = 0; ///< where it leads
+    int leaf = 0; ///< leaf that it leads to
     bool hint = false, sky = false;
     bool removed = false;
-    bool joined = false; ///< has taken up another portal, so its twin may differ from it
+    bool joined = false; ///< merged with another portal, so its twin may differ from it
 
-    /// Centre and radius from the winding.
-    void MakeSphere();
+    /// Sets center (mean of the points) and radius from the winding.
+    void UpdateBoundingSphere();
 };
 
-/// A polygon that bounds a leaf and cannot be passed. Normal out of its leaf.
+/// A solid polygon that bounds a leaf; its normal points out of the leaf.
 struct GraphFace {
     Winding<float> winding;
     VisPlane plane;
 };
 
 struct GraphLeaf {
-    std::vector<int> portals; ///< that lead out of it, in the order of the file
+    std::vector<int> portals; ///< portals out of it, in the order of the file
     std::vector<GraphFace> faces;
-    int mergedInto = -1; ///< leaf; -1: still one of its own
+    int mergedInto = -1; ///< leaf that took it up; -1: not merged
 };
 
 struct PortalGraph {
     std::vector<GraphPortal> portals;
     std::vector<GraphLeaf> leafs; ///< by cluster
 
-    /// The leaf that a leaf has become part of in the end.
+    /// The leaf at the end of the chain of merges; the leaf itself if it was not merged.
     int Root(int leaf) const;
-    /// Portals not removed, and those of them with the hint flag.
+    /// Number of portals not removed, and of those with the hint flag.
     int ActivePortals() const;
     int HintPortals() const;
 };
 
-/// Error: a winding without area. `name` is for messages.
+/// Error: a winding without area. `name` is the file name in messages.
 PortalGraph BuildPortalGraph(const PortalFile &file, std::string_view name);
 
-/// Merges leafs whose union is convex within 0.2 units, until none is left; with `keepHints` not through hint portals.
-/// Returns how many leafs became part of another.
+/// Merges neighboring leafs whose union is convex within 0.2 units until no such pair is left; with `keepHints` not
+/// through hint portals. Returns the number of leafs that were merged into another.
 int MergeLeafs(PortalGraph &graph, bool keepHints);
 
 struct MergedPortals {
     int pairs = 0, hintPairs = 0;
 };
-/// Joins portals that lead from one leaf to one other and make a convex polygon together.
+/// Merges portals between the same two leafs whose union is a convex polygon.
 MergedPortals MergePortals(PortalGraph &graph);
 
 } // namespace q3

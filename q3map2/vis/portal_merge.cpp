@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Fewer leafs and portals: merging what is convex together.
+// GPL-2.0-or-later. Merging of leafs and portals whose union is convex.
 #include "q3map2/vis/portal_graph.h"
 
 #include <algorithm>
@@ -9,15 +9,15 @@ namespace q3 {
 namespace {
 
 constexpr double kConcave = 0.2;     ///< units by which merged leafs may be concave
-constexpr float kSamePoint = 0.1f;   ///< units an axis between corners that are one
-constexpr float kCollinear = 0.005f; ///< units off a line within which a corner is none
+constexpr float kSamePoint = 0.1f;   ///< units per axis within which corners are equal
+constexpr float kCollinear = 0.005f; ///< units off the line of its neighbors within which a corner is dropped
 
 struct Border {
     const Winding<float> *winding;
     const VisPlane *plane;
 };
 
-/// What bounds a leaf, without the portals to `other`.
+/// Faces and portals that bound a leaf, without the portals to `other`.
 std::vector<Border> BordersOf(const PortalGraph &graph, int leaf, int other) {
     std::vector<Border> borders;
     const GraphLeaf &one = graph.leafs[std::size_t(leaf)];
@@ -45,7 +45,7 @@ bool IsUnionConvex(const PortalGraph &graph, int i, int j) {
     return true;
 }
 
-/// Takes the portals that lead to `other` out of a leaf's list.
+/// Marks the portals of a leaf that lead to `other` as removed; returns the remaining ones.
 std::vector<int> KeptPortals(PortalGraph &graph, int leaf, int other) {
     std::vector<int> kept;
     for (const int p : graph.leafs[std::size_t(leaf)].portals) {
@@ -92,14 +92,14 @@ bool SameCorner(const Vec3f &a, const Vec3f &b) {
     return std::abs(away.x) < kSamePoint && std::abs(away.y) < kSamePoint && std::abs(away.z) < kSamePoint;
 }
 
-/// How far `p` is beyond the line from `a` to `b` in the plane of normal `n`, to the outside.
-float Beyond(const Vec3f &n, const Vec3f &from, const Vec3f &to, const Vec3f &p, const Vec3f &origin) {
-    const Vec3f side = Cross(n, to - from);
-    const Vec3f unit(Normalize(Vec3d(side)));
-    return Dot(p - origin, unit);
+/// Signed distance of `p` from the line through `origin` in direction `to - from`, in the plane of normal `n`; positive
+/// on the outer side.
+float DistanceOutside(const Vec3f &n, const Vec3f &from, const Vec3f &to, const Vec3f &p, const Vec3f &origin) {
+    const Vec3f outward(Normalize(Vec3d(Cross(n, to - from))));
+    return Dot(p - origin, outward);
 }
 
-/// The convex polygon of two with an edge in common.
+/// The union of two polygons with a common edge, if it is convex.
 std::optional<Winding<float>> Join(const Winding<float> &f, const Winding<float> &g, const Vec3f &normal) {
     const std::size_t m = f.size(), n = g.size();
     std::size_t i = 0, j = n;
@@ -113,8 +113,8 @@ std::optional<Winding<float>> Join(const Winding<float> &f, const Winding<float>
     if (i == m)
         return std::nullopt;
     const Vec3f &p1 = f[i], &p2 = f[(i + 1) % m];
-    const float first = Beyond(normal, f[(i + m - 1) % m], p1, g[(j + 2) % n], p1);
-    const float second = Beyond(normal, p2, f[(i + 2) % m], g[(j + n - 1) % n], p2);
+    const float first = DistanceOutside(normal, f[(i + m - 1) % m], p1, g[(j + 2) % n], p1);
+    const float second = DistanceOutside(normal, p2, f[(i + 2) % m], g[(j + n - 1) % n], p2);
     if (first > kCollinear || second > kCollinear)
         return std::nullopt;
     const bool keepFirst = first < -kCollinear, keepSecond = second < -kCollinear;
@@ -143,7 +143,7 @@ bool JoinFirstPair(PortalGraph &graph, const GraphLeaf &leaf, MergedPortals &mer
             if (!joined)
                 continue;
             one.winding = std::move(*joined);
-            one.MakeSphere();
+            one.UpdateBoundingSphere();
             merged.pairs++;
             merged.hintPairs += one.hint && other.hint;
             one.hint |= other.hint;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Planes between two windings: they bound what can be seen from one through the other.
+// GPL-2.0-or-later. Separating planes of two windings: they bound the region seen from one through the other.
 #pragma once
 
 #include "q3map2/vis/vis_winding.h"
@@ -8,8 +8,8 @@
 
 namespace q3 {
 
-/// The plane through an edge of `s` (its point `edge` and the next) and a point of `t` that has `s` on its back and `t`
-/// in front; sides exchanged if `flip`. False: there is none.
+/// The plane through an edge of `s` (points `edge` and `edge` + 1) and a point of `t` that has `s` behind it and `t` in
+/// front; with `flip`, facing the other way. False: no point of `t` gives such a plane.
 inline bool SeparatorOfEdge(const WindingView &s, const WindingView &t, int edge, bool flip, VisPlane &plane) {
     const int after = edge + 1 == s.count ? 0 : edge + 1;
     const Vec3f a = s.Point(edge), b = s.Point(after);
@@ -42,10 +42,10 @@ inline bool SeparatorOfEdge(const WindingView &s, const WindingView &t, int edge
     return false;
 }
 
-/// What SeparatorOfEdge looks for, of all edges of `s` at once and without trying point after point: written to
-/// `planes` as far as there is room; returns how many. `normal` is that of the plane of `s`, whose points run
-/// counter-clockwise for who it points at. `t` lies on that side, with `behind` on the other. All planes have `s` on
-/// their back.
+/// The planes of SeparatorOfEdge for all edges of `s`, found in one pass over the points of `t` per edge. `normal` is
+/// the unit normal of `s`; seen from its tip the points of `s` run counterclockwise. `t` lies on that side, or on the
+/// opposite one with `behind`. All planes have `s` behind them. Writes as many as fit into `planes`, returns their
+/// number.
 int TangentPlanes(const WindingView &s, const Vec3f &normal, const WindingView &t, bool behind,
                   std::span<VisPlane> planes);
 

@@ -26,7 +26,7 @@ void Merge(PortalGraph &graph, const VisOptions &options, Log &log) {
     log.Print("{:6} active portals\n{:6} hint portals\n", graph.ActivePortals(), graph.HintPortals());
 }
 
-void AnnounceFarPlane(const FarPlane &farPlane, Log &log) {
+void LogFarPlane(const FarPlane &farPlane, Log &log) {
     if (farPlane.distance <= 0)
         return;
     log.Print("farplane distance = {:.1f}\n", farPlane.distance);
@@ -38,47 +38,47 @@ void AnnounceFarPlane(const FarPlane &farPlane, Log &log) {
         log.Print("farplane Exact distance mode on\n");
 }
 
-/// All passes that the options ask for, each into the table of the one before.
-SightTable SightOf(const VisMap &map, const VisOptions &options, const JobPool &jobs, Log &log) {
+/// Runs the passes that the options ask for; each one tightens the table of the one before.
+MightSeeTable PortalVisibility(const VisMap &map, const VisOptions &options, const JobPool &jobs, Log &log) {
     const std::size_t count = map.NumPortals();
     log.Print("\n");
     log.Section(fmt::format("BasePortalVis ({})", count));
-    SightTable sight = FloodSight(map, options.farPlane, jobs, log);
+    MightSeeTable mightSee = FloodMightSee(map, options.farPlane, jobs, log);
     if (!options.plain)
-        ApplySymmetry(map, sight);
+        ApplySymmetry(map, mightSee);
     if (options.fast)
-        return sight;
+        return mightSee;
     std::optional<Passages> passages;
-    FlowSettings settings{.passages = nullptr, .clip = true, .alone = options.plain};
+    FlowSettings settings{.passages = nullptr, .clip = true, .reference = options.plain};
     const std::uint64_t bytes = Passages::BytesFor(map);
     if (!options.noPassage && bytes > kMaxPassageBytes)
         log.Warn("too many passages", "passages would take {} MB, so there are none; -merge makes fewer portals",
                  bytes >> 20);
     else if (!options.noPassage) {
         log.Print("{:7} average number of passages per leaf\n{:7} MB required passage memory\n",
-                  bytes / sizeof(BitWord) / std::max<std::size_t>(1, sight.Words() * count), bytes >> 20);
+                  bytes / sizeof(BitWord) / std::max<std::size_t>(1, mightSee.Words() * count), bytes >> 20);
         log.Section(fmt::format("CreatePassages ({})", count));
-        passages.emplace(map, sight, jobs, log);
+        passages.emplace(map, mightSee, jobs, log);
         settings.passages = &*passages;
     }
     if (settings.passages != nullptr) {
         settings.clip = !options.passageOnly;
         if (!options.plain)
-            passages->Narrow(map, sight, jobs);
+            passages->TightenMightSee(map, mightSee, jobs);
         log.Section(fmt::format("{} ({})", settings.clip ? "PassagePortalFlow" : "PassageFlow", count));
     }
-    PortalFlow(map, OrderPortals(map, sight, !options.noSort), settings, jobs, log, sight);
-    return sight;
+    PortalFlow(map, OrderPortals(map, mightSee, !options.noSort), settings, jobs, log, mightSee);
+    return mightSee;
 }
 
-/// Rows of clusters: the leafs that the portals lead to which are seen through the portals of the cluster's leaf.
-BitTable ClusterRows(const PortalGraph &graph, const VisMap &map, const SightTable &sight) {
+/// The rows of clusters: a cluster sees the leafs behind all portals that are seen through those of its own leaf.
+BitTable ClusterRows(const PortalGraph &graph, const VisMap &map, const MightSeeTable &mightSee) {
     const std::size_t clusters = graph.leafs.size();
     std::vector<std::size_t> root(clusters);
     for (std::size_t c = 0; c < clusters; ++c)
         root[c] = std::size_t(graph.Root(int(c)));
     BitTable leafRows(clusters, clusters), rows(clusters, clusters);
-    std::vector<BitWord> seen(sight.Words());
+    std::vector<BitWord> seen(mightSee.Words());
     for (std::size_t leaf = 0; leaf < clusters; ++leaf) {
         if (root[leaf] != leaf)
             continue;
@@ -86,7 +86,7 @@ BitTable ClusterRows(const PortalGraph &graph, const VisMap &map, const SightTab
         for (const int p : map.PortalsOf(int(leaf))) {
             SetBit(seen.data(), std::size_t(p));
             for (std::size_t i = 0; i < seen.size(); ++i)
-                seen[i] |= sight.Row(std::size_t(p))[i];
+                seen[i] |= mightSee.Row(std::size_t(p))[i];
         }
         SetBit(leafRows.Row(leaf), leaf);
         ForEachBit(seen, [&](std::size_t q) { SetBit(leafRows.Row(leaf), std::size_t(map.Portal(q).leaf)); });
@@ -146,11 +146,11 @@ Visibility ComputeVisibility(const PortalFile &file, std::string_view name, cons
     result.clusters = file.clusters;
     result.rowBytes = 8 * WordsOf(std::size_t(file.clusters));
     log.Print("visdatasize:{}\n", 8 + std::size_t(result.clusters) * result.rowBytes);
-    AnnounceFarPlane(options.farPlane, log);
+    LogFarPlane(options.farPlane, log);
     const VisMap map(graph, !options.plain);
-    const SightTable sight = SightOf(map, options, jobs, log);
+    const MightSeeTable mightSee = PortalVisibility(map, options, jobs, log);
     log.Print("creating leaf vis...\n");
-    BitTable rows = ClusterRows(graph, map, sight);
+    BitTable rows = ClusterRows(graph, map, mightSee);
     if (!options.plain)
         MakeSymmetric(rows, graph.leafs.size());
     result.rows.resize(std::size_t(result.clusters) * result.rowBytes);

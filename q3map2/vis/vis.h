@@ -20,14 +20,14 @@ enum class FarPlaneMode {
     RadiusOnly, ///< the sum of their radii, wherever they are
 };
 
-/// Beyond it nothing is seen, but through sky portals.
+/// Portals farther apart than this do not see each other, unless one of them is a sky portal.
 struct FarPlane {
     double distance = 0; ///< game units; 0: none
     FarPlaneMode mode = FarPlaneMode::Nearest;
 };
 
-/// The keys `_farplanedist`, `fogclip`, `distancecull` of the world: the first one that is not empty. A number, then a
-/// letter for the mode: o, e, r.
+/// From the first of the worldspawn keys `_farplanedist`, `fogclip`, `distancecull` that is not empty: a number, then
+/// optionally the letter of a mode: o (Origins), e (Exact), r (RadiusOnly).
 FarPlane FarPlaneOf(const Entity &world);
 
 struct VisOptions {
@@ -38,11 +38,11 @@ struct VisOptions {
     bool noPassage = false;    ///< -nopassage: portal flow alone
     bool passageOnly = false;  ///< -passageOnly: passages alone
     bool noSort = false;       ///< -nosort: portals in the order of the file
-    bool plain = false;        ///< -plain: each direction and each portal for itself, in turn
+    bool plain = false;        ///< -plain: reference mode, see FlowSettings::reference
     FarPlane farPlane{};
 };
 
-/// What clusters may see.
+/// The potentially visible set of every cluster.
 struct Visibility {
     int clusters = 0;
     std::size_t rowBytes = 0;       ///< a multiple of 8
@@ -51,19 +51,19 @@ struct Visibility {
     bool Sees(int from, int to) const {
         return (rows[std::size_t(from) * rowBytes + std::size_t(to >> 3)] >> (to & 7) & 1) != 0;
     }
-    /// Clusters that one sees, itself included.
+    /// Number of clusters that a cluster sees, itself included.
     int Count(int from) const;
     /// The bytes of the visibility lump.
     std::vector<std::uint8_t> Lump() const;
 };
 
-/// What each cluster of a portal file may see: never less than it does see, and itself always. The bytes do not depend
-/// on the number of threads. `name` is for messages. Errors: those of BuildPortalGraph.
+/// The clusters that each cluster of a portal file may see: a superset of what it does see, itself included. The bytes
+/// do not depend on the number of threads. `name` is for messages. Errors: those of BuildPortalGraph.
 Visibility ComputeVisibility(const PortalFile &file, std::string_view name, const VisOptions &options,
                              const JobPool &jobs, Log &log);
 
-/// Prints total, average, deviation, minimum and maximum of visible clusters; with `histogram` how many see how many.
-/// A cluster counts itself twice, as logs of map compilers have it.
+/// Prints total, average, deviation, minimum and maximum of visible clusters; with `histogram` also the number of
+/// clusters for each count. Counts are one too high, as in the logs of other map compilers, for comparison.
 void PrintStatistics(const Visibility &visibility, bool histogram, Log &log);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What the passes over portals read, and the first of them: the flood.
+// GPL-2.0-or-later. Portals in compact form, the flood and symmetry.
 #include "q3map2/vis/vis_map.h"
 
 #include "common/progress.h"
@@ -23,7 +23,7 @@ double DistanceOf(const VisPlane &plane, const Vec3f &p) {
 bool IsTooFar(const FarPlane &farPlane, const FlowPortal &p, const FlowPortal &t) {
     if (farPlane.distance <= 0 || p.sky || t.sky)
         return false;
-    const Vec3f away = p.centre - t.centre;
+    const Vec3f away = p.center - t.center;
     const double length = std::sqrt(double(Dot(away, away)));
     const double radii = double(p.radius) + double(t.radius);
     switch (farPlane.mode) {
@@ -48,14 +48,14 @@ bool AnyPointInFront(const VisPlane &plane, const FlowPortal &t, double sign) {
     return false;
 }
 
-/// The same, for most portals without their points. The centre is the mean of the points, so that far ones decide by it
-/// alone.
+/// The same, decided for most portals by the bounding sphere. The center is the mean of the points, so if it is in
+/// front some point is.
 inline bool ReachesFront(const VisPlane &plane, const FlowPortal &t, float sign) {
     constexpr float kRounding = 0.5f;
-    const float centre = sign * plane.Distance(t.centre);
-    if (centre > kOnEpsilon + kRounding)
+    const float center = sign * plane.Distance(t.center);
+    if (center > kOnEpsilon + kRounding)
         return true;
-    return centre >= -t.radius - kRounding && AnyPointInFront(plane, t, double(sign));
+    return center >= -t.radius - kRounding && AnyPointInFront(plane, t, double(sign));
 }
 
 void FloodFrom(const VisMap &map, const FarPlane &farPlane, std::size_t from, BitWord *seen, BitTable &tested,
@@ -80,12 +80,13 @@ void FloodFrom(const VisMap &map, const FarPlane &farPlane, std::size_t from, Bi
     }
 }
 
-/// Exchanges every bit with its neighbour.
+/// Exchanges bits 2 i and 2 i + 1: the bits of a portal and its twin.
 BitWord SwapPairs(BitWord word) {
     constexpr BitWord kEven = 0x5555555555555555u;
     return (word & kEven) << 1 | (word >> 1 & kEven);
 }
 
+/// Transposes a 64 x 64 bit matrix (Warren, Hacker's Delight, 7-3).
 void Transpose64(std::array<BitWord, 64> &block) {
     BitWord mask = 0x00000000ffffffffu;
     for (std::size_t step = 32; step != 0; step >>= 1, mask ^= mask << step)
@@ -102,11 +103,11 @@ VisMap::VisMap(const PortalGraph &graph, bool widestFirst) {
     std::size_t floats = 0;
     for (const GraphPortal &portal : graph.portals)
         floats += portal.removed ? 0 : 3 * Padded(portal.winding.size());
-    points_.reserve(floats); // portals point into it
+    points_.reserve(floats); // windings point into it
     for (std::size_t i = 0; i < graph.portals.size(); ++i) {
         const GraphPortal &portal = graph.portals[i], &twin = graph.portals[i ^ 1];
         FlowPortal flow;
-        flow.plane = portal.plane, flow.centre = portal.centre, flow.radius = portal.radius;
+        flow.plane = portal.plane, flow.center = portal.center, flow.radius = portal.radius;
         flow.leaf = portal.leaf, flow.sky = portal.sky, flow.removed = portal.removed;
         flow.hasTwin = !portal.removed && !twin.removed && !portal.joined && !twin.joined;
         if (!portal.removed) {
@@ -124,7 +125,7 @@ VisMap::VisMap(const PortalGraph &graph, bool widestFirst) {
         for (const int p : leaf.portals)
             if (!graph.portals[std::size_t(p)].removed)
                 leafPortals_.push_back(p);
-        // What wide portals show first need not be looked for through narrow ones.
+        // What a wide portal shows need not be searched for through narrow ones.
         if (widestFirst)
             std::stable_sort(leafPortals_.begin() + leafFirst_.back(), leafPortals_.end(), [&](int a, int b) {
                 return portals_[std::size_t(a)].radius > portals_[std::size_t(b)].radius;
@@ -133,9 +134,9 @@ VisMap::VisMap(const PortalGraph &graph, bool widestFirst) {
     leafFirst_.push_back(int(leafPortals_.size()));
 }
 
-SightTable FloodSight(const VisMap &map, const FarPlane &farPlane, const JobPool &jobs, Log &log) {
+MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const JobPool &jobs, Log &log) {
     const std::size_t count = map.NumPortals();
-    SightTable sight(count, count);
+    MightSeeTable mightSee(count, count);
     struct Scratch {
         BitTable tested;
         std::vector<int> leafs;
@@ -150,29 +151,29 @@ SightTable FloodSight(const VisMap &map, const FarPlane &farPlane, const JobPool
             const auto p = std::size_t(index);
             Scratch &mine = scratch[std::size_t(worker)];
             if (!map.Portal(p).removed)
-                FloodFrom(map, farPlane, p, sight.Row(p), mine.tested, mine.leafs);
+                FloodFrom(map, farPlane, p, mightSee.Row(p), mine.tested, mine.leafs);
         },
         [&](std::int64_t done) { progress.Update(done, 0); });
     progress.Finish();
-    return sight;
+    return mightSee;
 }
 
-void ApplySymmetry(const VisMap &map, SightTable &sight) {
-    const std::size_t count = map.NumPortals(), words = sight.Words();
+void ApplySymmetry(const VisMap &map, MightSeeTable &mightSee) {
+    const std::size_t count = map.NumPortals(), words = mightSee.Words();
     std::vector<BitWord> twins(words);
     for (std::size_t p = 0; p < count; ++p)
         if (map.Portal(p).hasTwin)
             SetBit(twins.data(), p);
-    // Bit q of row p against bit p ^ 1 of row q ^ 1: blocks of 64 x 64, and the one across the diagonal.
+    // Bit q of row p against bit p ^ 1 of row q ^ 1: each block of 64 x 64 bits against its mirror image.
     std::array<BitWord, 64> block, across;
     const auto load = [&](std::size_t row, std::size_t word, std::array<BitWord, 64> &into) {
         for (std::size_t k = 0; k < 64; ++k)
-            into[k] = 64 * row + k < count ? sight.Row(64 * row + k)[word] : 0;
+            into[k] = 64 * row + k < count ? mightSee.Row(64 * row + k)[word] : 0;
     };
     const auto restrict = [&](std::size_t row, std::size_t word, const std::array<BitWord, 64> &by) {
         for (std::size_t k = 0; k < 64 && 64 * row + k < count; ++k)
             if (TestBit(twins.data(), 64 * row + k))
-                sight.Row(64 * row + k)[word] &= SwapPairs(by[k ^ 1]) | ~twins[word];
+                mightSee.Row(64 * row + k)[word] &= SwapPairs(by[k ^ 1]) | ~twins[word];
     };
     for (std::size_t row = 0; row < words; ++row)
         for (std::size_t word = row; word < words; ++word) {
@@ -185,14 +186,14 @@ void ApplySymmetry(const VisMap &map, SightTable &sight) {
         }
 }
 
-std::vector<int> OrderPortals(const VisMap &map, const SightTable &sight, bool sorted) {
+std::vector<int> OrderPortals(const VisMap &map, const MightSeeTable &mightSee, bool sorted) {
     std::vector<int> order(map.NumPortals());
     std::iota(order.begin(), order.end(), 0);
     if (!sorted)
         return order;
     std::vector<std::size_t> cost(order.size());
     for (std::size_t p = 0; p < cost.size(); ++p)
-        cost[p] = CountBits(sight.Bits(p));
+        cost[p] = CountBits(mightSee.Bits(p));
     std::stable_sort(order.begin(), order.end(),
                      [&](int a, int b) { return cost[std::size_t(a)] < cost[std::size_t(b)]; });
     return order;

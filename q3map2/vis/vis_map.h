@@ -1,7 +1,7 @@
-// GPL-2.0-or-later. What the passes over portals read. Internal to the folder.
+// GPL-2.0-or-later. Portals in compact form, and the passes over them. Internal to the folder.
 #pragma once
 
-#include "q3map2/vis/bit_table.h"
+#include "libs/math/bit_table.h"
 #include "q3map2/vis/portal_graph.h"
 #include "q3map2/vis/vis.h"
 
@@ -10,33 +10,33 @@
 
 namespace q3 {
 
-/// A portal as the passes need it: small, and all of them in one run of memory.
+/// A directed portal in the form that the passes read: small and contiguous in memory.
 struct alignas(16) FlowPortal {
     VisPlane plane; ///< normal into `leaf`
-    Vec3f centre;
+    Vec3f center;
     float radius = 0;
     WindingView winding;
-    int leaf = 0; ///< where it leads
+    int leaf = 0; ///< leaf that it leads to
     bool sky = false, removed = false;
-    bool hasTwin = false; ///< portal ^ 1 is the same opening the other way
+    bool hasTwin = false; ///< portal ^ 1 has the same winding and the opposite direction
 };
 
-/// The graph in the form for the passes. Does not change.
+/// The portal graph, read only.
 class VisMap {
   public:
-    /// With `widestFirst` the portals out of a leaf are in order of their radius, else in that of the file.
+    /// Portals out of a leaf are in descending order of radius with `widestFirst`, else in that of the file.
     VisMap(const PortalGraph &graph, bool widestFirst);
     VisMap(const VisMap &) = delete;
     VisMap &operator=(const VisMap &) = delete;
 
     std::size_t NumPortals() const { return portals_.size(); }
     const FlowPortal &Portal(std::size_t index) const { return portals_[index]; }
-    /// Portals that lead out of a leaf, without removed ones.
+    /// Portals that lead out of a leaf; removed ones are left out.
     std::span<const int> PortalsOf(int leaf) const {
         const auto first = std::size_t(leafFirst_[std::size_t(leaf)]);
         return {leafPortals_.data() + first, std::size_t(leafFirst_[std::size_t(leaf) + 1]) - first};
     }
-    /// Those that lead out of the leaf that a portal leads to.
+    /// Portals that lead out of the leaf behind a portal: the candidates for the next portal of a chain.
     std::span<const int> PortalsAfter(std::size_t portal) const { return PortalsOf(portals_[portal].leaf); }
 
   private:
@@ -45,45 +45,49 @@ class VisMap {
     std::vector<float> points_;
 };
 
-/// Row p: the portals that may be seen through portal p.
-using SightTable = BitTable;
+/// Bit q of row p: portal q may be seen through portal p. Passes only clear bits.
+using MightSeeTable = BitTable;
 
-/// What is in front of each portal and can be reached without turning round.
-SightTable FloodSight(const VisMap &map, const FarPlane &farPlane, const JobPool &jobs, Log &log);
+/// The first estimate: q may be seen through p if part of q is in front of p, part of p is behind q, both are within
+/// the far plane, and a chain of such portals leads from p to q.
+MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const JobPool &jobs, Log &log);
 
-/// What is seen one way is seen the other way: clears bits whose twin is clear.
-void ApplySymmetry(const VisMap &map, SightTable &sight);
+/// Visibility is symmetric: clears bit q of row p if bit p ^ 1 of row q ^ 1 is clear, for portals that have twins.
+void ApplySymmetry(const VisMap &map, MightSeeTable &mightSee);
 
-/// Portals by the number of bits of their rows, least first; in order of their index if not `sorted`.
-std::vector<int> OrderPortals(const VisMap &map, const SightTable &sight, bool sorted);
+/// Portals in ascending order of the number of bits of their rows, ties by index; all by index unless `sorted`.
+std::vector<int> OrderPortals(const VisMap &map, const MightSeeTable &mightSee, bool sorted);
 
-/// For a portal and each that follows it: what may be seen through both.
+/// For each portal and each portal that can follow it in a chain: the portals that may be seen through both.
 class Passages {
   public:
-    /// Bytes that they would take.
+    /// Memory of the table in bytes.
     static std::uint64_t BytesFor(const VisMap &map);
-    Passages(const VisMap &map, const SightTable &sight, const JobPool &jobs, Log &log);
+    Passages(const VisMap &map, const MightSeeTable &mightSee, const JobPool &jobs, Log &log);
 
-    /// Of portal `first` and the portal at `place` in VisMap::PortalsAfter(first).
-    const BitWord *Row(std::size_t first, std::size_t place) const { return table_.Row(start_[first] + place); }
+    /// Portals seen through `first` and then through VisMap::PortalsAfter(first)[next].
+    const BitWord *Row(std::size_t first, std::size_t next) const { return table_.Row(start_[first] + next); }
 
-    /// Takes out of the rows of `sight` what no portal that follows lets through, several times: rows that became
-    /// smaller make others smaller.
-    void Narrow(const VisMap &map, SightTable &sight, const JobPool &jobs) const;
+    /// Restricts each row p to the union over next portals t of t itself and of passage(p, t) & row t, in several
+    /// rounds, as smaller rows make others smaller.
+    void TightenMightSee(const VisMap &map, MightSeeTable &mightSee, const JobPool &jobs) const;
 
   private:
-    std::vector<std::size_t> start_;
+    std::vector<std::size_t> start_; ///< by portal: its first row of table_
     BitTable table_;
 };
 
 struct FlowSettings {
     const Passages *passages = nullptr; ///< nullptr: none
-    bool clip = true;                   ///< clips windings; else passages alone decide
-    bool alone = false; ///< one portal at a time, each direction for itself, separators as far as they were needed
+    bool clip = true;                   ///< clip windings by separators; else only passages restrict chains
+    /// Reference mode: one portal after the other without the results of its twin, and only the separators that the
+    /// established algorithm finds.
+    bool reference = false;
 };
 
-/// Follows every portal in the given order and replaces its row by what it finds.
+/// Replaces the row of every portal, taken in the given order, by the portals that are seen along chains from it. The
+/// result does not depend on the number of workers.
 void PortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const JobPool &jobs,
-                Log &log, SightTable &sight);
+                Log &log, MightSeeTable &mightSee);
 
 } // namespace q3

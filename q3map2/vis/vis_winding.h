@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Windings of the portal flow: no allocation, points as three runs of numbers.
+// GPL-2.0-or-later. Windings of the portal flow: without allocation, coordinates as structure of arrays.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -10,16 +10,17 @@
 
 namespace q3 {
 
-/// Points within it count as on a plane. Game units. Comparisons of floats against it equal those against 0.1 itself.
+/// Points nearer to a plane than this (game units) are on it. No float lies between 0.1f and 0.1, so comparing a float
+/// with either gives the same.
 inline constexpr float kOnEpsilon = 0.1f;
-/// A cut that would give more points is not made.
+/// A clip that would give more points is skipped, which leaves the winding too large and so is safe.
 inline constexpr int kMaxCutPoints = 24;
 /// Points of the largest portal.
 inline constexpr int kMaxPortalPoints = 512;
-/// Runs are padded to whole groups, so that loops take a group at once.
+/// Arrays are padded to whole groups, which loops process at once.
 inline constexpr int kPointGroup = 4;
 
-/// A group of points on one axis, worked on at once.
+/// One coordinate of a group of points. GCC and clang both have this vector type.
 using PointLanes = float __attribute__((vector_size(sizeof(float) * kPointGroup)));
 
 inline PointLanes LoadLanes(const float *from) {
@@ -30,16 +31,16 @@ inline PointLanes LoadLanes(const float *from) {
 inline void StoreLanes(const PointLanes &lanes, float *to) {
     std::memcpy(to, &lanes, sizeof(lanes));
 }
-inline PointLanes LesserLanes(const PointLanes &a, const PointLanes &b) {
+inline PointLanes MinLanes(const PointLanes &a, const PointLanes &b) {
     return a < b ? a : b;
 }
-inline PointLanes GreaterLanes(const PointLanes &a, const PointLanes &b) {
+inline PointLanes MaxLanes(const PointLanes &a, const PointLanes &b) {
     return a > b ? a : b;
 }
-inline float LeastLane(const PointLanes &lanes) {
+inline float MinLane(const PointLanes &lanes) {
     return std::min(std::min(lanes[0], lanes[1]), std::min(lanes[2], lanes[3]));
 }
-inline float GreatestLane(const PointLanes &lanes) {
+inline float MaxLane(const PointLanes &lanes) {
     return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
 }
 
@@ -50,7 +51,7 @@ struct VisPlane {
     VisPlane Flipped() const { return {-normal, -dist}; }
 };
 
-/// The plane of three points, clockwise for who its normal points at. False: they are on a line.
+/// The plane of three points; seen from the tip of its normal they run clockwise. False: they are collinear.
 inline bool PlaneOfPoints(const Vec3f &a, const Vec3f &b, const Vec3f &c, VisPlane &plane) {
     const Vec3f normal = Cross(c - a, b - a);
     const double length = std::sqrt(double(normal.x) * double(normal.x) + double(normal.y) * double(normal.y) +
@@ -63,18 +64,18 @@ inline bool PlaneOfPoints(const Vec3f &a, const Vec3f &b, const Vec3f &c, VisPla
     return true;
 }
 
-/// Points that lie somewhere else: x[i], y[i], z[i]. Padding repeats the first point.
+/// A view of points (x[i], y[i], z[i]) in arrays owned by others. Padding repeats the first point.
 struct WindingView {
     const float *x = nullptr, *y = nullptr, *z = nullptr;
     int count = 0;
     Vec3f Point(int i) const { return {x[i], y[i], z[i]}; }
-    /// How far the points from i on, a group of them, are along a direction.
-    PointLanes Along(const Vec3f &n, int i) const {
+    /// Dot products of the group of points from i on with a direction.
+    PointLanes Project(const Vec3f &n, int i) const {
         return LoadLanes(x + i) * n.x + LoadLanes(y + i) * n.y + LoadLanes(z + i) * n.z;
     }
 };
 
-/// Where the result of a cut is put.
+/// Storage for a clipped winding.
 struct WindingBuffer {
     float x[kMaxCutPoints + kPointGroup], y[kMaxCutPoints + kPointGroup], z[kMaxCutPoints + kPointGroup];
 
@@ -86,24 +87,25 @@ struct WindingBuffer {
     }
 };
 
-/// Distances of all points, padding included; the least and the greatest.
+/// Signed distances of all points from a plane, and their extrema.
 struct PointDistances {
     float of[kMaxPortalPoints];
-    float least, greatest;
+    float min, max;
 
     PointDistances(const WindingView &w, const VisPlane &plane) {
-        PointLanes low = w.Along(plane.normal, 0) - plane.dist, high = low;
+        PointLanes low = w.Project(plane.normal, 0) - plane.dist, high = low;
         StoreLanes(low, of);
         for (int i = kPointGroup; i < w.count; i += kPointGroup) {
-            const PointLanes d = w.Along(plane.normal, i) - plane.dist;
+            const PointLanes d = w.Project(plane.normal, i) - plane.dist;
             StoreLanes(d, of + i);
-            low = LesserLanes(d, low), high = GreaterLanes(d, high);
+            low = MinLanes(d, low), high = MaxLanes(d, high);
         }
-        least = LeastLane(low), greatest = GreatestLane(high);
+        min = MinLane(low), max = MaxLane(high);
     }
 };
 
-/// Where the edge from a (distance da) to b (db) meets the plane; exact on the axis of an axial plane.
+/// Intersection of the edge from a (distance da) to b (distance db) with the plane; exact on the axis of an axial
+/// plane.
 inline Vec3f CutEdge(const Vec3f &a, const Vec3f &b, float da, float db, const VisPlane &plane) {
     const float f = da / (da - db);
     Vec3f cut = a + (b - a) * f;
@@ -116,13 +118,13 @@ inline Vec3f CutEdge(const Vec3f &a, const Vec3f &b, float da, float db, const V
     return cut;
 }
 
-/// Makes `w` its part in front of the plane, in `buffer` if it had to be cut. False: nothing is in front. A cut of more
-/// than kMaxCutPoints is left out. `buffer` must not be what `w` refers to.
+/// Clips `w` to the front of the plane; if points change they are stored in `buffer`, which must not be what `w` views.
+/// False: nothing is in front. A clip to more than kMaxCutPoints points is skipped.
 inline bool ChopInFront(WindingView &w, const VisPlane &plane, WindingBuffer &buffer) {
     const PointDistances d(w, plane);
-    if (!(d.least <= -kOnEpsilon))
+    if (!(d.min <= -kOnEpsilon))
         return true;
-    if (!(d.greatest >= kOnEpsilon))
+    if (!(d.max >= kOnEpsilon))
         return false;
     int count = 0;
     for (int i = 0; i < w.count; ++i) {

@@ -26,9 +26,13 @@ std::string Corridor(int rooms, int flags) {
 }
 
 VisRun RunVis(const std::string &prt, const VisOptions &options, int threads) {
+    return RunVis(prt, options, JobPool(threads));
+}
+
+VisRun RunVis(const std::string &prt, const VisOptions &options, const JobPool &jobs) {
     VisRun run;
     Log log([&](LogLevel, std::string_view text) { run.log += text; }, true);
-    run.visibility = ComputeVisibility(ParsePortalFile(prt, "test.prt"), "test.prt", options, JobPool(threads), log);
+    run.visibility = ComputeVisibility(ParsePortalFile(prt, "test.prt"), "test.prt", options, jobs, log);
     PrintStatistics(run.visibility, true, log);
     for (int from = 0; from < run.visibility.clusters; ++from) {
         run.rows += from == 0 ? "" : " ";
@@ -56,7 +60,7 @@ RoomGrid::RoomGrid(std::uint32_t seed) : windows_(std::size_t(3 * kRooms)) {
                 window.low[k] = base + low;
                 window.high[k] = base + std::min(low + size, int(kRoom));
             }
-            // Counter-clockwise for who stands in the next room: the normal points at this one.
+            // Counterclockwise as seen from the next room.
             std::string line = fmt::format("4 {} {} 0 ", room, room + steps[axis]);
             const double corners[4][2] = {{window.low[0], window.low[1]},
                                           {window.high[0], window.low[1]},

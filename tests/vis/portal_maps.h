@@ -22,6 +22,7 @@ struct VisRun {
     bool Printed(std::string_view part) const { return log.find(part) != std::string::npos; }
 };
 VisRun RunVis(const std::string &prt, const VisOptions &options = {}, int threads = 1);
+VisRun RunVis(const std::string &prt, const VisOptions &options, const JobPool &jobs);
 
 /// Rooms of 128 units a side in a grid, with a window in most walls. Cell (x, y, z) has number x + 6 y + 36 z.
 class RoomGrid {

@@ -22,12 +22,12 @@ struct Polygon {
     WindingView view;
     Vec3f normal;
 
-    Polygon(const Vec3f &centre, const Vec3f &towards, float radius, int corners) : normal(Normalize(towards)) {
+    Polygon(const Vec3f &center, const Vec3f &towards, float radius, int corners) : normal(Normalize(towards)) {
         const Vec3f right = Normalize(Cross(normal, std::abs(normal.z) < 0.9f ? Vec3f(0, 0, 1) : Vec3f(1, 0, 0)));
         const Vec3f up = Cross(normal, right);
         for (int i = 0; i < corners; ++i) {
             const float turn = 2 * std::numbers::pi_v<float> * (float(i) + 0.3f) / float(corners);
-            buffer.Set(i, centre + right * (radius * std::cos(turn)) + up * (radius * std::sin(turn)));
+            buffer.Set(i, center + right * (radius * std::cos(turn)) + up * (radius * std::sin(turn)));
         }
         view = buffer.View(corners);
     }
@@ -52,8 +52,8 @@ void ExpectSamePlanes(const Polygon &s, const Polygon &t, bool behind) {
     ASSERT_EQ(count, int(slow.size()));
     for (std::size_t i = 0; i < slow.size(); ++i) {
         EXPECT_NEAR(Length(planes[i].normal), 1, 1e-5);
-        EXPECT_LT(PointDistances(s.view, planes[i]).greatest, 0.01f) << "the first polygon is behind";
-        EXPECT_GT(PointDistances(t.view, planes[i]).least, -0.01f) << "the second one is in front";
+        EXPECT_LT(PointDistances(s.view, planes[i]).max, 0.01f) << "the first polygon is behind";
+        EXPECT_GT(PointDistances(t.view, planes[i]).min, -0.01f) << "the second one is in front";
         // One within 0.1 units may touch another corner.
         for (const WindingView *const view : {&s.view, &t.view})
             for (int k = 0; k < view->count; ++k)
@@ -90,8 +90,8 @@ TEST(Separators, OfSquaresThatShareAnEdge) {
     const int count = TangentPlanes(a.View(4), {0, 0, 1}, b.View(4), false, planes);
     for (int i = 0; i < count; ++i) {
         const VisPlane &plane = planes[std::size_t(i)];
-        EXPECT_LE(PointDistances(a.View(4), plane).greatest, kOnEpsilon);
-        EXPECT_GE(PointDistances(b.View(4), plane).least, -kOnEpsilon);
+        EXPECT_LE(PointDistances(a.View(4), plane).max, kOnEpsilon);
+        EXPECT_GE(PointDistances(b.View(4), plane).min, -kOnEpsilon);
     }
     EXPECT_EQ(count, int(SlowPlanes(a.View(4), b.View(4)).size()));
 }
@@ -113,7 +113,7 @@ TEST(VisMapOrder, PortalsWithLeastInFrontComeFirst) {
     const PortalGraph graph = BuildPortalGraph(ParsePortalFile(grid.Prt(), "grid.prt"), "grid.prt");
     const VisMap map(graph, false);
     Log log([](LogLevel, std::string_view) {});
-    const SightTable sight = FloodSight(map, {}, JobPool(1), log);
+    const MightSeeTable sight = FloodMightSee(map, {}, JobPool(1), log);
     const std::vector<int> sorted = OrderPortals(map, sight, true), asInFile = OrderPortals(map, sight, false);
     ASSERT_EQ(sorted.size(), map.NumPortals());
     bool differs = false;
@@ -149,13 +149,13 @@ TEST(Passages, NarrowSightBetweenFloodAndFlow) {
     const VisMap map(graph, true);
     Log log([](LogLevel, std::string_view) {});
     const auto narrowed = [&](int threads) {
-        SightTable sight = FloodSight(map, {}, JobPool(threads), log);
+        MightSeeTable sight = FloodMightSee(map, {}, JobPool(threads), log);
         const Passages passages(map, sight, JobPool(threads), log);
-        passages.Narrow(map, sight, JobPool(threads));
+        passages.TightenMightSee(map, sight, JobPool(threads));
         return sight;
     };
-    const SightTable flood = FloodSight(map, {}, JobPool(1), log), one = narrowed(1), three = narrowed(3);
-    SightTable flow = flood;
+    const MightSeeTable flood = FloodMightSee(map, {}, JobPool(1), log), one = narrowed(1), three = narrowed(3);
+    MightSeeTable flow = flood;
     PortalFlow(map, OrderPortals(map, flood, true), {}, JobPool(1), log, flow);
     std::size_t fewer = 0;
     for (std::size_t p = 0; p < map.NumPortals(); ++p)

@@ -1,7 +1,10 @@
 // GPL-2.0-or-later. What clusters see: small maps with known answers, and maps of rooms against lines of sight.
 #include "tests/vis/portal_maps.h"
 
+#include <functional>
 #include <random>
+#include <system_error>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -182,11 +185,11 @@ TEST(VisRooms, NothingThatIsSeenIsHidden) {
         for (const VisOptions &options : AllModes())
             found.push_back(RunVis(grid.Prt(), options).visibility);
         std::mt19937 random(seed);
-        const auto place = [&](int cells) { return double(random()) / 4294967296.0 * RoomGrid::kRoom * cells; };
+        const auto coordinate = [&](int cells) { return double(random()) / 4294967296.0 * RoomGrid::kRoom * cells; };
         int clear = 0;
         for (int i = 0; i < 100000; ++i) {
-            const Vec3d a(place(RoomGrid::kSide), place(RoomGrid::kSide), place(RoomGrid::kFloors));
-            const Vec3d b(place(RoomGrid::kSide), place(RoomGrid::kSide), place(RoomGrid::kFloors));
+            const Vec3d a(coordinate(RoomGrid::kSide), coordinate(RoomGrid::kSide), coordinate(RoomGrid::kFloors));
+            const Vec3d b(coordinate(RoomGrid::kSide), coordinate(RoomGrid::kSide), coordinate(RoomGrid::kFloors));
             if (!grid.IsClear(a, b, 0.5))
                 continue;
             clear++;
@@ -249,6 +252,22 @@ TEST(VisRooms, ThreadsDoNotChangeTheBytes) {
         EXPECT_EQ(one.rows, RunVis(grid.Prt(), options, 2).visibility.rows);
         EXPECT_EQ(one.rows, RunVis(grid.Prt(), options, 5).visibility.rows);
     }
+}
+
+/// Of eight threads only two can be started; nothing waits for the others.
+TEST(VisRooms, ThreadsThatCannotBeStartedDoNotChangeTheBytes) {
+    const RoomGrid grid(7);
+    for (const VisOptions &options : AllModes())
+        for (const int limit : {0, 2}) {
+            int started = 0;
+            const JobPool few(8, [&](std::function<void()> work) {
+                if (started == limit)
+                    throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+                ++started;
+                return std::thread(std::move(work));
+            });
+            EXPECT_EQ(RunVis(grid.Prt(), options, few).visibility.rows, RunVis(grid.Prt(), options).visibility.rows);
+        }
 }
 
 } // namespace

@@ -88,8 +88,8 @@ void Print(const Result &r, std::size_t worst) {
                r.moved > 0 ? 100.0 * double(r.equal) / double(r.moved) : 0.0);
     fmt::print("{} moves leave A, {} leave B\n", r.outOfA, r.outOfB);
     std::vector<Move> sorted = r.different;
-    std::sort(sorted.begin(), sorted.end(),
-              [](const Move &x, const Move &y) { return std::abs(x.difference) > std::abs(y.difference); });
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [](const Move &x, const Move &y) { return std::abs(x.difference) > std::abs(y.difference); });
     for (std::size_t i = 0; i < std::min(worst, sorted.size()); ++i)
         fmt::print("B {:+9.2f} units, from {:.1f} {:.1f} {:.1f} towards {:.1f} {:.1f} {:.1f}\n", sorted[i].difference,
                    sorted[i].start.x, sorted[i].start.y, sorted[i].start.z, sorted[i].end.x, sorted[i].end.y,

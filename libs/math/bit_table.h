@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Rows of bits, worked on in words.
+// GPL-2.0-or-later. Bit sets in rows of 64-bit words: sets of portals, clusters or lights.
 #pragma once
 
 #include <bit>
@@ -11,6 +11,7 @@ namespace q3 {
 
 using BitWord = std::uint64_t;
 
+/// Words that hold so many bits.
 inline std::size_t WordsOf(std::size_t bits) {
     return (bits + 63) / 64;
 }
@@ -29,14 +30,14 @@ inline std::size_t CountBits(std::span<const BitWord> row) {
         count += std::size_t(std::popcount(word));
     return count;
 }
-/// Calls visit(bit) for every set bit, in ascending order.
+/// Calls visit(bit) for every set bit in ascending order. `visit` may clear bits of the row.
 template <typename Visit> void ForEachBit(std::span<const BitWord> row, Visit &&visit) {
     for (std::size_t i = 0; i < row.size(); ++i)
         for (BitWord word = row[i]; word != 0; word &= word - 1)
             visit(64 * i + std::size_t(std::countr_zero(word)));
 }
 
-/// `rows` rows of `bits` bits, all clear. Different rows may be written from different threads.
+/// A table of bits, all clear at first. Rows start at whole words, so threads may write different rows at once.
 class BitTable {
   public:
     BitTable() = default;
