@@ -12,8 +12,7 @@
 
 namespace q3 {
 
-/// The directory of one archive. Contents are read when asked for; the file stays open. Concurrent reads are safe, one
-/// after the other.
+/// One open archive: its directory in memory, contents read on demand. Safe for concurrent reads, which take turns.
 class Archive {
   public:
     /// Reads the directory. Error: missing, not an archive, or damaged.
@@ -26,26 +25,25 @@ class Archive {
     bool Contains(std::string_view name) const { return Find(name) != nullptr; }
     /// Contents of an entry. Error: absent, damaged, encrypted, or over 256 MiB.
     std::vector<std::byte> Read(std::string_view name) const;
-    /// All names as they are written, in no order.
+    /// All names as stored, in unspecified order.
     std::vector<std::string> Names() const;
     const std::filesystem::path &Path() const { return path_; }
 
   private:
     struct Entry {
         std::string name;
-        std::uint64_t directoryAt, number; ///< where minizip finds it again
+        std::uint64_t directoryAt, number; ///< its position for unzGoToFilePos64
         std::uint64_t packedSize, size;
         bool encrypted;
     };
 
     struct Reader;
 
-    /// False: something is unusual about the directory, and entries_ may hold part of it.
-    bool ReadPlainDirectory(std::uint64_t count);
-    void ReadAnyDirectory();
+    void ReadDirectory();
     void Add(std::string_view name, Entry entry);
     const Entry *Find(std::string_view name) const;
-    std::string Place(const Entry &entry) const;
+    /// "archive.pk3 :: inner name", for messages.
+    std::string Location(const Entry &entry) const;
 
     std::filesystem::path path_;
     std::uint64_t fileSize_ = 0;
