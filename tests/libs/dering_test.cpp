@@ -252,25 +252,6 @@ TEST(Dering, AbsurdValuesBecomeFiniteOnes) {
             }
 }
 
-TEST(Dering, ChannelsAreChangedOnTheirOwn) {
-    const std::vector<ShVector> samples = Samples(300);
-    for (std::size_t i = 0; i + 2 < samples.size(); i++) {
-        ShVector scaled = samples[i];
-        for (double &x : scaled)
-            x *= 0.3;
-        for (std::array<ShVector, 3> channels :
-             {std::array{samples[i], samples[i + 1], samples[i + 2]}, std::array{samples[i], scaled, samples[i + 1]}}) {
-            const std::array<ShVector, 3> before = channels;
-            const std::array<bool, 3> changed = RemoveNegativeLobes(channels);
-            for (std::size_t channel = 0; channel < 3; channel++) {
-                ShVector alone = before[channel];
-                EXPECT_EQ(changed[channel], RemoveNegativeLobes(alone));
-                EXPECT_LE(std::sqrt(Distance2(channels[channel], alone)), 1e-4 * std::abs(alone[0]));
-            }
-        }
-    }
-}
-
 } // namespace
 
 } // namespace q3::test

@@ -12,10 +12,12 @@ namespace q3 {
 
 DeringStats DeringPoint(bspGridPointSH_t &point, bool radiance) {
     std::array<ShVector, 3> channels;
-    for (std::size_t channel = 0; channel < 3; ++channel)
+    std::array<bool, 3> changed{};
+    for (std::size_t channel = 0; channel < 3; ++channel) {
         for (std::size_t k = 0; k < 9; ++k)
             channels[channel][k] = double(point.coeffs[k][channel]);
-    const std::array<bool, 3> changed = RemoveNegativeLobes(channels);
+        changed[channel] = RemoveNegativeLobes(channels[channel]);
+    }
     if (!changed[0] && !changed[1] && !changed[2])
         return {};
     const DisplayedLight before = DisplayLight(point, radiance);

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Bounced light at luxels, vertices and receivers, gathered by rays.
 #include "q3map2/lightmap/bounce/bounce_gather.h"
 
+#include "libs/math/color.h"
 #include "libs/math/low_discrepancy.h"
 
 #include <algorithm>
@@ -29,10 +30,6 @@ constexpr float kAlike = 0.9f;
 constexpr double kStiffness = 0.7;
 /// Weight of bounced light in deluxe directions; spec of deluxe.
 constexpr float kBounceDirection = 0.25f;
-
-float Luminance(const Vec3f &c) {
-    return 0.2989f * c.x + 0.587f * c.y + 0.114f * c.z;
-}
 
 /// Direction i of a cosine-weighted hemisphere around +z.
 Vec3f CosineDirection(std::uint32_t i) {

@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. The last step of a pass over luxels: floodlight, dirt, and luxels without light of their own.
+#include "libs/math/color.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_masks.h"
 
@@ -18,8 +19,7 @@ void AddFloodlight(RawLightmap &lightmap, bool deluxe) {
         const Vec3f &flood = lightmap.floodlight[i];
         lightmap.light[0][i] += flood;
         if (deluxe && lightmap.floodDirectionScale > 0) {
-            const float grey = 0.2989f * flood.x + 0.5870f * flood.y + 0.1140f * flood.z;
-            const float share = std::max(1.0f / 256, grey / 255 * lightmap.floodDirectionScale);
+            const float share = std::max(1.0f / 256, Luminance(flood) / 255 * lightmap.floodDirectionScale);
             lightmap.directions[i] += lightmap.normals[i] * share;
         }
     }

@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/direct/luxel_light.h"
 
 #include "common/progress.h"
+#include "libs/math/color.h"
 #include "q3map2/lightmap/direct/debug_view.h"
 #include "q3map2/lightmap/direct/luxel_lists.h"
 
@@ -53,10 +54,6 @@ Q3_VECTOR void AddLanes(const Lanes3 &what, float sign, Lanes3 &sum) {
         sum.y[i] += what.y[i] * sign;
         sum.z[i] += what.z[i] * sign;
     }
-}
-
-float Luminance(const Vec3f &c) {
-    return 0.2989f * c.x + 0.5870f * c.y + 0.1140f * c.z;
 }
 
 /// What one worker keeps from lightmap to lightmap.
