@@ -3,10 +3,10 @@
 
 namespace q3 {
 
-/// CPU seconds of all threads so far.
+/// CPU seconds of all threads of the process so far.
 double CpuSeconds();
 
-/// CPU seconds since it was made.
+/// Measures CPU seconds from its construction.
 class CpuTimer {
   public:
     CpuTimer() : start_(CpuSeconds()) {}

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Colours that tell numbers apart in the debug modes.
+// GPL-2.0-or-later. Colors that distinguish indices in the debug modes.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -9,7 +9,7 @@
 
 namespace q3 {
 
-/// One of twelve colours, 8 bits a channel. Neighbouring numbers differ.
+/// One of twelve colors, 8 bits a channel. Consecutive numbers differ.
 inline std::array<std::uint8_t, 3> DebugColorBytes(std::size_t number) {
     constexpr std::array<std::array<std::uint8_t, 3>, 12> kColors = {{{255, 0, 0},
                                                                       {192, 128, 128},
@@ -25,7 +25,7 @@ inline std::array<std::uint8_t, 3> DebugColorBytes(std::size_t number) {
                                                                       {128, 192, 128}}};
     return kColors[number % kColors.size()];
 }
-/// The same on the byte scale. number >= 0.
+/// The same as floats from 0 to 255. number >= 0.
 inline Vec3f DebugColor(int number) {
     const auto [r, g, b] = DebugColorBytes(std::size_t(number));
     return {float(r), float(g), float(b)};

@@ -9,7 +9,7 @@
 
 namespace q3 {
 
-/// Bad input, bad arguments or a failing file system. The text is one line that names the file, the place and what was
+/// Bad input, bad arguments or a failing file system. The text is one line that names the file, the line or entry, and what was
 /// expected. Only main() turns it into an exit status; libraries neither print nor exit.
 class Error : public std::runtime_error {
   public:

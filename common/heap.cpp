@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. How the program's memory comes from the system.
+// GPL-2.0-or-later. Large pages for the heap.
 #include "common/heap.h"
 
 #if defined(__GLIBC__) && defined(__linux__)
@@ -16,9 +16,9 @@ namespace q3 {
 namespace {
 
 constexpr int kMiB = 1 << 20;
-/// Address space of the heap that gets large pages; the system gives memory only to what is used of it.
+/// Address space of the heap that gets large pages; memory is assigned only to pages that are touched.
 constexpr int kLargePart = 256 * kMiB;
-/// Larger blocks have memory of their own; the most that the C library would raise it to by itself.
+/// Larger blocks are mapped separately. The highest threshold that glibc would choose by itself.
 constexpr int kOwnMemory = 32 * kMiB;
 constexpr std::uintptr_t kLargePage = 2 * kMiB;
 
@@ -30,8 +30,8 @@ void UseLargePages() {
         return;
     const auto end = [] { return reinterpret_cast<std::uintptr_t>(sbrk(0)); };
     const std::uintptr_t before = end();
-    // More than what is left of the heap, so that it grows; freeing it leaves it as large as it has become. Volatile,
-    // since compilers leave out memory that nobody uses.
+    // An allocation beyond the end of the heap makes it grow by M_TOP_PAD, and it keeps that size when freed. Volatile,
+    // since compilers remove unused allocations.
     void *volatile grown = std::malloc(kMiB);
     std::free(grown);
     mallopt(M_TOP_PAD, kMiB);

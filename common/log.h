@@ -16,7 +16,7 @@ namespace q3 {
 
 enum class LogLevel { Normal = 1, Warning = 2, Error = 3 };
 
-/// A place in the map source that an editor shows with a message.
+/// A position in the map source that an editor marks along with a message.
 struct LogMark {
     int entity = -1, primitive = -1;        ///< numbers in the map source; -1: it is a line
     std::vector<std::array<float, 3>> line; ///< its points in order

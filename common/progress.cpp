@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. How far a pass has come.
+// GPL-2.0-or-later. Progress of a pass.
 #include "common/progress.h"
 
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. How far a pass has come.
+// GPL-2.0-or-later. Progress of a pass.
 #pragma once
 
 #include "common/log.h"
@@ -8,15 +8,15 @@
 
 namespace q3 {
 
-/// Into a file or an editor: "0...1...2...3...4...5...6...7...8...9... (12)", which editors know. On a terminal: one live line with
-/// percent, rays per second and time left.
+/// Prints the progress of a pass: on a terminal one live line with percent, rays per second and time left; into a file
+/// or an editor "0...1...2...3...4...5...6...7...8...9... (12)", which editors parse.
 class Progress {
   public:
     Progress(Log &log, std::int64_t total);
 
-    /// `rays` cast so far in this pass. Not safe to call from two threads at once.
+    /// `done` of `total` steps are finished; `rays`: cast so far in this pass. Not for concurrent calls.
     void Update(std::int64_t done, std::uint64_t rays);
-    /// Ends the line with the seconds it took.
+    /// Ends the line with the elapsed seconds.
     void Finish();
     double Seconds() const;
 

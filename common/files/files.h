@@ -45,7 +45,7 @@ class FileReplacement {
     FileReplacement &operator=(const FileReplacement &) = delete;
     ~FileReplacement();
     void Append(std::span<const std::byte> data);
-    /// The file is complete: it takes its place. Once, and nothing after it.
+    /// Completes the file and renames it over the old one. To be called once, as the last call.
     void Commit();
 
   private:

@@ -22,7 +22,7 @@ class PcxReader {
         Expect("mark", Byte(0), kMark);
         Expect("encoding", Byte(2), kRuns);
         Expect("bits of a texel", Byte(3), 8);
-        Expect("colour planes", Byte(65), 1);
+        Expect("color planes", Byte(65), 1);
         const int width = int(Word(8)) - int(Word(4)) + 1, height = int(Word(10)) - int(Word(6)) + 1;
         CheckImageSize(width < 1 ? 0 : std::uint64_t(width), height < 1 ? 0 : std::uint64_t(height), name_);
         const std::size_t stride = Word(66), rows = std::size_t(height);

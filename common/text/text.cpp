@@ -11,9 +11,13 @@ namespace q3 {
 
 namespace {
 
-char Lower(char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; }
+char Lower(char c) {
+    return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+}
 
-bool IsBlank(char c) { return static_cast<unsigned char>(c) <= ' '; }
+bool IsBlank(char c) {
+    return static_cast<unsigned char>(c) <= ' ';
+}
 
 } // namespace
 
@@ -45,7 +49,9 @@ std::optional<double> TakeNumber(std::string_view &text) {
     return value;
 }
 
-double NumberFromText(std::string_view text) { return TakeNumber(text).value_or(0); }
+double NumberFromText(std::string_view text) {
+    return TakeNumber(text).value_or(0);
+}
 
 int IntegerFromText(std::string_view text) {
     const long value = std::strtol(std::string(text).c_str(), nullptr, 10);

@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Functions for loops over lanes: no branches and no calls but square roots, so compilers make vector
-// code of such loops.
+// GPL-2.0-or-later. Elementary functions without branches or calls other than square roots, so that compilers vectorize
+// loops that use them.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@ struct SineCosine {
     double sine, cosine;
 };
 
-/// Of an angle from -pi to pi, right to 1e-15: Taylor series of half the angle.
+/// Sine and cosine of an angle from -pi to pi, error 1e-15: Taylor series of half the angle.
 inline SineCosine SineCosineOf(double angle) {
     const double half = angle * 0.5, square = half * half;
     double sine = 1, cosine = 1;
@@ -23,7 +23,7 @@ inline SineCosine SineCosineOf(double angle) {
     return {2 * sine * cosine, cosine * cosine - sine * sine};
 }
 
-/// atan2(y, x) for y >= 0, from 0 to pi, right to a relative 2e-15; 0 where both are 0. The angle is halved three
+/// atan2(y, x) for y >= 0, from 0 to pi, relative error 2e-15; 0 where both are 0. The angle is halved three
 /// times, until the series of the arc tangent converges fast.
 inline double AngleOf(double y, double x) {
     const double sum = std::sqrt(x * x + y * y) + std::abs(x);
@@ -38,7 +38,7 @@ inline double AngleOf(double y, double x) {
     return x < 0 ? std::numbers::pi - angle : angle;
 }
 
-/// The same in floats, right to 3e-7. Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
+/// The same in float, error 3e-7. Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
 inline float AngleOf(float y, float x) {
     constexpr float kPi = std::numbers::pi_v<float>;
     const float across = std::abs(x), big = across > y ? across : y, small = across > y ? y : across;

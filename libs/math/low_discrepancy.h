@@ -1,11 +1,11 @@
-// GPL-2.0-or-later. Sample patterns that depend on an index alone.
+// GPL-2.0-or-later. Hashes and low-discrepancy points as functions of an index.
 #pragma once
 
 #include <cstdint>
 
 namespace q3 {
 
-/// Mixes 64 bits well; the finaliser of SplitMix64 (Steele, Lea, Flood 2014).
+/// A hash of 64 bits: the output function of SplitMix64 (Steele, Lea and Flood, 2014).
 constexpr std::uint64_t HashIndex(std::uint64_t x) {
     x += 0x9E3779B97F4A7C15u;
     x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -14,19 +14,22 @@ constexpr std::uint64_t HashIndex(std::uint64_t x) {
 }
 
 /// 0 <= value < 1 from the upper bits of a hash.
-constexpr double UnitFromHash(std::uint64_t hash) { return double(hash >> 11) * 0x1p-53; }
+constexpr double UnitFromHash(std::uint64_t hash) {
+    return double(hash >> 11) * 0x1p-53;
+}
 
 struct Sample2 {
     double u, v;
 };
 
-/// Steps of the additive recurrence with the plastic number.
+/// Steps of the R2 sequence, the additive recurrence with the plastic number (Roberts, 2018).
 inline constexpr double kPlasticA1 = 0.7548776662466927, kPlasticA2 = 0.5698402909980532;
 
-/// Point `i` of the additive recurrence with the plastic number (Roberts 2018), shifted by a hash of `seed`, both in [0, 1).
+/// Point `i` of the R2 sequence in [0, 1)^2, with a toroidal shift by a hash of `seed`.
 constexpr Sample2 PlasticSample(std::uint32_t i, std::uint64_t seed) {
     const std::uint64_t hash = HashIndex(seed);
-    const double u = UnitFromHash(hash) + kPlasticA1 * double(i), v = UnitFromHash(HashIndex(hash)) + kPlasticA2 * double(i);
+    const double u = UnitFromHash(hash) + kPlasticA1 * double(i),
+                 v = UnitFromHash(HashIndex(hash)) + kPlasticA2 * double(i);
     return {u - double(std::int64_t(u)), v - double(std::int64_t(v))};
 }
 

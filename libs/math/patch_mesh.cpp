@@ -9,7 +9,7 @@ namespace {
 constexpr float kCurveUnit = 16;
 constexpr int kMaxHalvings = 3;
 constexpr int kMaxMeshSize = 128;
-/// A row or column closer than this to the line through its neighbours is dropped. Game units.
+/// A row or column closer than this to the line through its neighbors is dropped. Game units.
 constexpr float kFlat = 0.1f;
 
 } // namespace

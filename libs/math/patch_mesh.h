@@ -18,7 +18,7 @@ struct MeshVert {
 };
 
 /// Rows of `width` vertices, `height` of them. A vertex has xyz, normal, st and perhaps lightmap coordinates `luxel`
-/// and a colour in bytes `color`.
+/// and a color in bytes `color`.
 template <typename Vert> struct MeshOf {
     int width = 0, height = 0;
     std::vector<Vert> verts;
@@ -26,7 +26,7 @@ template <typename Vert> struct MeshOf {
 };
 using Mesh = MeshOf<MeshVert>;
 
-/// The vertex between two: everything is the mean, the normal a unit vector again.
+/// The vertex between two: the mean of all attributes, with the normal renormalized.
 template <typename Vert> Vert HalfwayVert(const Vert &a, const Vert &b) {
     Vert middle = a;
     middle.xyz = (a.xyz + b.xyz) * 0.5f;
@@ -43,19 +43,19 @@ template <typename Vert> Vert HalfwayVert(const Vert &a, const Vert &b) {
     return middle;
 }
 
-/// Length of the curve with these control points, from above; 0 when it is next to straight or a point.
+/// Upper bound of the length of the curve with these control points; 0 when it is nearly straight or a point.
 float CurveLength(const Vec3f &a, const Vec3f &b, const Vec3f &c);
 
 /// Pieces of Tessellated.
 namespace patch {
 
-/// Tolerance of curves where nothing else is asked for.
+/// Default tolerance of curves.
 inline constexpr int kSubdivisions = 8;
 /// How often the curves of a patch are halved: subdivisions * 16 * 2^n game units need n halvings, at most 3.
 int Halvings(float longestCurve, int subdivisions = kSubdivisions);
 /// How many of `spans` curves along an axis of `size` points are halved.
 int SpansToHalve(int size, int spans);
-/// Whether p is so close to the line through a and b that the mesh does without it.
+/// Whether p is so close to the line through a and b that the mesh leaves it out.
 bool NearLine(const Vec3f &p, const Vec3f &a, const Vec3f &b);
 
 template <typename Vert> MeshOf<Vert> Transposed(const MeshOf<Vert> &mesh) {
@@ -122,7 +122,7 @@ template <typename Vert> MeshOf<Vert> WithoutFlatColumns(const MeshOf<Vert> &mes
 
 } // namespace patch
 
-/// Moves the control points that are not on the curve there.
+/// Moves control points that are off the curve onto it.
 template <typename Vert> MeshOf<Vert> OnCurve(MeshOf<Vert> mesh) {
     patch::PutOnCurve(mesh);
     mesh = patch::Transposed(mesh);
@@ -130,7 +130,7 @@ template <typename Vert> MeshOf<Vert> OnCurve(MeshOf<Vert> mesh) {
     return patch::Transposed(mesh);
 }
 
-/// The mesh that light meets for these control points; longestCurve in game units decides how fine.
+/// The mesh that casts and receives light for these control points; longestCurve (game units) sets its resolution.
 template <typename Vert>
 MeshOf<Vert> Tessellated(MeshOf<Vert> mesh, float longestCurve, int subdivisions = patch::kSubdivisions) {
     for (int i = patch::Halvings(longestCurve, subdivisions); i > 0; --i)

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Points of a triangle, uniform in solid angle.
+// GPL-2.0-or-later. Uniform sampling of spherical triangles.
 #pragma once
 
 #include "libs/math/lane_functions.h"
@@ -11,9 +11,9 @@
 
 namespace q3 {
 
-/// The triangle a, b, c as seen from the origin: gives unit directions uniform over its solid angle.
-/// Arvo, Stratified Sampling of Spherical Triangles, 1995. Under about 3e-4 sr rounding shows; a triangle of no solid
-/// angle gives directions between its corners.
+/// The triangle a, b, c seen from the origin. Samples unit directions uniformly over its solid angle (Arvo, Stratified
+/// Sampling of Spherical Triangles, 1995). Below about 3e-4 sr rounding shows; a triangle without solid angle gives
+/// directions between its corners.
 class SphericalTriangle {
   public:
     SphericalTriangle(const Vec3d &a, const Vec3d &b, const Vec3d &c) : a_(Normalize(a)), b_(Normalize(b)) {
@@ -29,7 +29,7 @@ class SphericalTriangle {
 
     double SolidAngle() const { return area_; }
 
-    /// Without branches and calls, so that loops over samples become vector code.
+    /// Without branches or calls, so that loops over samples vectorize.
     Vec3d Sample(const Sample2 &s) const {
         const auto [sinD, cosD] = SineCosineOf(s.u * area_ - alpha_);
         const double u = cosD - cosA_, v = sinD + sinA_ * cosC_;

@@ -7,7 +7,7 @@
 
 namespace q3 {
 
-/// Three numbers: a position or displacement in game units, a direction, or an RGB colour.
+/// Three numbers: a position or displacement in game units, a direction, or an RGB color.
 template <typename T> struct Vec3 {
     T x{}, y{}, z{};
 

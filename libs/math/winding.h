@@ -18,7 +18,7 @@ struct Plane {
     double Distance(const Vec3d &p) const { return Dot(normal, p) - dist; }
 };
 
-/// The square of half edge `halfSize` in the plane, centred at the point of the plane nearest to the origin.
+/// The square of half edge `halfSize` in the plane, centered at the point of the plane nearest to the origin.
 inline Winding<double> WindingInPlane(const Plane &plane, double halfSize) {
     const Vec3d &n = plane.normal;
     const double ax = std::abs(n.x), ay = std::abs(n.y), az = std::abs(n.z);
@@ -29,11 +29,11 @@ inline Winding<double> WindingInPlane(const Plane &plane, double halfSize) {
     return {center - right + up, center + right + up, center + right - up, center - right - up};
 }
 
-/// Cuts convex polygons by planes. One serves for many cuts, so that they take no new memory each.
+/// Splits convex polygons by planes. Keeps its memory from cut to cut.
 template <typename T> class WindingCutter {
   public:
-    /// Where w is against the plane normal . p = dist. Points within epsilon count as on it.
-    void Place(const Winding<T> &w, const Vec3<T> &normal, T dist, T epsilon) {
+    /// Classifies the points of w against the plane Dot(normal, p) = dist. Points within epsilon are on the plane.
+    void Classify(const Winding<T> &w, const Vec3<T> &normal, T dist, T epsilon) {
         if (distances_.size() < w.size())
             distances_.resize(w.size());
         T least = 0, most = 0;
@@ -44,10 +44,11 @@ template <typename T> class WindingCutter {
         }
         epsilon_ = epsilon, anyFront_ = most > epsilon, anyBack_ = least < -epsilon;
     }
-    /// Whether points of the latest polygon are off the plane.
+    /// Whether points of the latest polygon are in front of, or behind, the plane.
     bool AnyFront() const { return anyFront_; }
     bool AnyBack() const { return anyBack_; }
-    /// The latest polygon's part on one side; points on the plane are in both. Empty when fewer than three are left.
+    /// The part of the latest polygon, passed again as w, on one side; points on the plane are in both. Empty when
+    /// fewer than three are left.
     void Front(const Winding<T> &w, Winding<T> &part) const { Part(w, T(1), part); }
     void Back(const Winding<T> &w, Winding<T> &part) const { Part(w, T(-1), part); }
 
@@ -71,8 +72,8 @@ template <typename T> class WindingCutter {
     bool anyFront_ = false, anyBack_ = false;
 };
 
-/// Cuts corners, each with a place `xyz`, by the plane at `dist` across an axis. Those within epsilon go to both sides.
-/// lerp(a, b, t) makes new ones. `front` and `back` are empty before.
+/// Splits a convex polygon by the plane where coordinate `axis` is `dist`. Corners have a position `xyz`; those within
+/// epsilon of the plane go to both sides, and lerp(a, b, t) makes new ones. `front` and `back` must be empty.
 template <typename Corner, typename Lerp>
 void CutAcrossAxis(const std::vector<Corner> &corners, std::size_t axis, float dist, float epsilon, const Lerp &lerp,
                    std::vector<Corner> &front, std::vector<Corner> &back) {
@@ -90,7 +91,7 @@ void CutAcrossAxis(const std::vector<Corner> &corners, std::size_t axis, float d
     }
 }
 
-/// Half the cross product sum: its length is the area. Points: a Winding or an array.
+/// Half the sum of cross products; its length is the area. Points: a Winding or an array.
 template <typename Points> Vec3d WindingAreaVector(const Points &w) {
     Vec3d sum;
     for (std::size_t i = 2; i < w.size(); ++i)

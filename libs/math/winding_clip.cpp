@@ -12,30 +12,30 @@ constexpr double kOnPlane = 0.1;
 constexpr double kTinyEdge = 0.2;
 constexpr double kBaseHalfEdge = 2 * kMaxWorldCoord;
 
-enum Place : std::uint8_t { kFront, kBack, kOn };
+enum PointSide : std::uint8_t { kFront, kBack, kOn };
 
 /// Points of a polygon against a plane. Few polygons have more than the inline room.
-class Places {
+class PointSides {
   public:
-    template <typename T> Places(const Winding<T> &w, const Plane &plane, double epsilon) {
+    template <typename T> PointSides(const Winding<T> &w, const Plane &plane, double epsilon) {
         if (w.size() > kInline)
             many_.resize(w.size());
         at_ = many_.empty() ? few_ : many_.data();
         for (std::size_t i = 0; i < w.size(); ++i) {
             const double distance = plane.Distance(Vec3d(w[i]));
-            const Place place = distance > epsilon ? kFront : distance < -epsilon ? kBack : kOn;
-            at_[i] = {distance, place};
-            ++counts_[place];
+            const PointSide side = distance > epsilon ? kFront : distance < -epsilon ? kBack : kOn;
+            at_[i] = {distance, side};
+            ++counts_[side];
         }
     }
-    Places(const Places &) = delete;
-    Places &operator=(const Places &) = delete;
+    PointSides(const PointSides &) = delete;
+    PointSides &operator=(const PointSides &) = delete;
     double Distance(std::size_t i) const { return at_[i].first; }
-    Place At(std::size_t i) const { return at_[i].second; }
-    bool Any(Place place) const { return counts_[place] > 0; }
+    PointSide At(std::size_t i) const { return at_[i].second; }
+    bool Any(PointSide side) const { return counts_[side] > 0; }
 
   private:
-    using Entry = std::pair<double, Place>;
+    using Entry = std::pair<double, PointSide>;
     static constexpr std::size_t kInline = 32;
     Entry few_[kInline];
     std::vector<Entry> many_;
@@ -56,17 +56,17 @@ template <typename T> Vec3<T> CutPoint(const Vec3<T> &a, const Vec3<T> &b, doubl
 
 /// Hands the points of both parts, in order, to the two functions.
 template <typename T, typename ToFront, typename ToBack>
-void WalkCut(const Winding<T> &w, const Places &places, const Plane &plane, ToFront toFront, ToBack toBack) {
+void WalkCut(const Winding<T> &w, const PointSides &sides, const Plane &plane, ToFront toFront, ToBack toBack) {
     for (std::size_t i = 0; i < w.size(); ++i) {
         const std::size_t next = i + 1 < w.size() ? i + 1 : 0;
-        const Place here = places.At(i), there = places.At(next);
+        const PointSide here = sides.At(i), there = sides.At(next);
         if (here != kBack)
             toFront(w[i]);
         if (here != kFront)
             toBack(w[i]);
         if (here == kOn || there == kOn || here == there)
             continue;
-        const Vec3<T> cut = CutPoint(w[i], w[next], places.Distance(i), places.Distance(next), plane);
+        const Vec3<T> cut = CutPoint(w[i], w[next], sides.Distance(i), sides.Distance(next), plane);
         toFront(cut), toBack(cut);
     }
 }
@@ -75,33 +75,33 @@ void Clip(const Polygon &w, const Plane &plane, double epsilon, bool keepOn, Pol
     if (&w == &front || &w == &back)
         return Clip(Polygon(w), plane, epsilon, keepOn, front, back);
     front.clear(), back.clear();
-    const Places places(w, plane, epsilon);
-    if (!places.Any(kFront)) {
-        if (keepOn || places.Any(kBack))
+    const PointSides sides(w, plane, epsilon);
+    if (!sides.Any(kFront)) {
+        if (keepOn || sides.Any(kBack))
             back = w;
         return;
     }
-    if (!places.Any(kBack)) {
+    if (!sides.Any(kBack)) {
         front = w;
         return;
     }
     front.reserve(w.size() + 2), back.reserve(w.size() + 2);
     WalkCut(
-        w, places, plane, [&](const Vec3f &p) { front.push_back(p); }, [&](const Vec3f &p) { back.push_back(p); });
+        w, sides, plane, [&](const Vec3f &p) { front.push_back(p); }, [&](const Vec3f &p) { back.push_back(p); });
 }
 
 template <typename T> bool Chop(Winding<T> &w, const Plane &plane, double epsilon) {
-    const Places places(w, plane, epsilon);
-    if (!places.Any(kFront)) {
+    const PointSides sides(w, plane, epsilon);
+    if (!sides.Any(kFront)) {
         w.clear();
         return false;
     }
-    if (!places.Any(kBack))
+    if (!sides.Any(kBack))
         return true;
     Winding<T> front;
     front.reserve(w.size() + 2);
     WalkCut(
-        w, places, plane, [&](const Vec3<T> &p) { front.push_back(p); }, [](const Vec3<T> &) {});
+        w, sides, plane, [&](const Vec3<T> &p) { front.push_back(p); }, [](const Vec3<T> &) {});
     w = std::move(front);
     return true;
 }

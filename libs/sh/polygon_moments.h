@@ -30,7 +30,7 @@ struct PolygonMoments {
     ShVector Projection() const { return ShFromMoments<double>(solidAngle, first, xy, yz, zz, xz, xx - yy); }
 };
 
-/// atan2(y, x) for y >= 0 or x > 0: by its series where that is exact to 1e-13, which is many times faster there.
+/// atan2(y, x) for y >= 0 or x > 0; for small angles by its series, exact to 1e-13 and many times faster.
 inline double FastAtan2(double y, double x) {
     if (!(x > 0 && std::abs(y) < 0.125 * x))
         return std::atan2(y, x);
@@ -39,12 +39,12 @@ inline double FastAtan2(double y, double x) {
 }
 
 /// A complex number whose argument is half the signed solid angle of the triangle with corners a, b, c (of lengths la,
-/// lb, lc) as seen from the origin: positive when they run clockwise. `across` is b x c, or
-/// (b - a) x (c - a), which keeps the digits of small triangles far away.
+/// lb, lc) seen from the origin: positive when they run clockwise. `normal` is b x c, or (b - a) x (c - a), which loses
+/// fewer digits for small triangles far away.
 /// Van Oosterom and Strackee, The Solid Angle of a Plane Triangle, 1983.
 inline std::complex<double> HalfSolidAngle(const Vec3d &a, double la, const Vec3d &b, double lb, const Vec3d &c,
-                                           double lc, const Vec3d &across) {
-    return {la * lb * lc + Dot(a, b) * lc + Dot(b, c) * la + Dot(c, a) * lb, Dot(a, across)};
+                                           double lc, const Vec3d &normal) {
+    return {la * lb * lc + Dot(a, b) * lc + Dot(b, c) * la + Dot(c, a) * lb, Dot(a, normal)};
 }
 
 /// Signed solid angle of a triangle as seen from the origin, -2 pi to 2 pi.
@@ -53,7 +53,7 @@ inline double TriangleSolidAngle(const Vec3d &a, const Vec3d &b, const Vec3d &c)
     return half.imag() == 0 ? 0 : 2 * FastAtan2(half.imag(), half.real());
 }
 
-/// How a polygon lies around the point that sees it, for the choice of formulas.
+/// Size, distance and height of a polygon relative to the receiver p, for the choice of formulas.
 struct PolygonAspect {
     Vec3d normal;        ///< unit, away from the point when it is in front; zero for a polygon without area
     double size = 0;     ///< longest distance from the first corner, squared
@@ -96,23 +96,24 @@ inline void AddFarTriangle(PolygonMoments &m, const Vec3d &a, const Vec3d &ab, c
     }
 }
 
-/// A corner as seen from the point.
+/// A corner relative to the receiver.
 struct SeenCorner {
-    Vec3d way, direction; ///< from the point; its unit vector
+    Vec3d offset, direction; ///< from the receiver; the unit vector along it
     double length = 0;
-    explicit SeenCorner(const Vec3d &w) : way(w), direction(Normalize(w)), length(Length(w)) {}
+    explicit SeenCorner(const Vec3d &w) : offset(w), direction(Normalize(w)), length(Length(w)) {}
 };
 
-/// Adds to the first and second moments what the edge from a to b gives. `across` is their cross product.
+/// Adds the contribution of the edge from a to b to the first and second moments. `cross` is the cross product of their
+/// offsets.
 ///
 /// With D the Laplacian of the sphere, D(w_i) = -2 w_i and D(w_i w_j) = 2 delta_ij - 6 w_i w_j, so the divergence
 /// theorem turns both moments into integrals along the edges, which are arcs of great circles with a constant outward
 /// normal; a third of the solid angle on the diagonal is all that remains.
-inline void AddEdge(PolygonMoments &m, const SeenCorner &a, const SeenCorner &b, const Vec3d &across) {
-    const double sine = Length(across), cosine = Dot(a.way, b.way);
+inline void AddEdge(PolygonMoments &m, const SeenCorner &a, const SeenCorner &b, const Vec3d &cross) {
+    const double sine = Length(cross), cosine = Dot(a.offset, b.offset);
     if (!(sine > 0)) // in line with the point
         return;
-    const Vec3d outward = across / -sine; // clockwise corners: the inside is to the right of each edge
+    const Vec3d outward = cross / -sine; // clockwise corners: the inside is to the right of each edge
     // Integral of w along the arc, in the form that keeps its digits.
     const Vec3d arc = cosine > 0 ? (a.direction + b.direction) * (sine / (a.length * b.length + cosine))
                                  : Cross(outward, b.direction - a.direction);
@@ -123,26 +124,26 @@ inline void AddEdge(PolygonMoments &m, const SeenCorner &a, const SeenCorner &b,
     m.xz -= (arc.x * outward.z + arc.z * outward.x) / 6;
 }
 
-/// By edges, for a polygon that is not far away.
+/// By integrals along the edges, for a polygon that is not far away.
 inline PolygonMoments MomentsByEdges(std::span<const Vec3f> corners, const Vec3d &p, const PolygonAspect &aspect) {
     PolygonMoments m;
-    // Near the polygon the triangles from the plane's point below p keep their digits, farther away those of the fan of
-    // corners. Numbers multiply, arguments add up: to half the solid angle, which is under pi.
+    // Near the polygon, triangles from the foot of the perpendicular lose fewer digits; farther away, those of the fan
+    // of corners. The arguments of the factors add up to half the solid angle, which is below pi.
     const bool fan = 4 * aspect.size < aspect.distance;
     const SeenCorner first{Vec3d(corners[0]) - p};
     std::complex<double> half = 1;
     SeenCorner a{Vec3d(corners.back()) - p};
     for (std::size_t i = 0; i < corners.size(); ++i) {
         const SeenCorner b{Vec3d(corners[i]) - p};
-        const Vec3d edge = b.way - a.way, across = Cross(a.way, edge);
-        AddEdge(m, a, b, across);
+        const Vec3d edge = b.offset - a.offset, cross = Cross(a.offset, edge);
+        AddEdge(m, a, b, cross);
         const double scale = 1 / (a.length * b.length);
         if (!fan)
-            half *= scale * HalfSolidAngle(aspect.normal, 1, a.way, a.length, b.way, b.length, across);
+            half *= scale * HalfSolidAngle(aspect.normal, 1, a.offset, a.length, b.offset, b.length, cross);
         else if (i >= 2)
             half *= scale / first.length *
-                    HalfSolidAngle(first.way, first.length, a.way, a.length, b.way, b.length,
-                                   Cross(a.way - first.way, edge));
+                    HalfSolidAngle(first.offset, first.length, a.offset, a.length, b.offset, b.length,
+                                   Cross(a.offset - first.offset, edge));
         a = b;
     }
     m.solidAngle = 2 * FastAtan2(half.imag(), half.real());

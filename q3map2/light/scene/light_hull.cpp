@@ -99,7 +99,7 @@ bool HullFaces::ClipToNode(int number, Winding<double> &w) {
     for (int child = number, up = parents_[std::size_t(number)]; up >= 0; child = up, up = parents_[std::size_t(up)]) {
         const bspNode_t &node = bsp_.nodes[std::size_t(up)];
         const Plane plane = PlaneOf(bsp_, node);
-        cutter_.Place(w, plane.normal, plane.dist, kClipEpsilon);
+        cutter_.Classify(w, plane.normal, plane.dist, kClipEpsilon);
         const bool inFront = cutter_.AnyFront() || !cutter_.AnyBack(); // in the plane: in front
         if (node.children[0] == child ? !inFront : !cutter_.AnyBack())
             return false;

@@ -39,7 +39,7 @@ template <typename T> class TreeWalk {
             }
             const bspNode_t &node = bsp_.nodes[std::size_t(piece.child)];
             const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
-            cutter_.Place(piece.w, Vec3<T>(plane.normal), T(plane.dist), epsilon);
+            cutter_.Classify(piece.w, Vec3<T>(plane.normal), T(plane.dist), epsilon);
             if (cutter_.AnyFront() != cutter_.AnyBack())
                 piece.child = node.children[cutter_.AnyFront() ? 0 : 1];
             else if (cutter_.AnyFront())

@@ -146,7 +146,7 @@ inline std::array<float, 2> MiddleIn(const LuxelTriangle &triangle, int x, int y
         part.push_back({corner[0], corner[1], 0});
     WindingCutter<float> cutter;
     const auto cut = [&](const Vec3f &normal, float dist) {
-        cutter.Place(part, normal, dist, 0);
+        cutter.Classify(part, normal, dist, 0);
         cutter.Back(part, rest);
         if (rest.empty()) { // only touches the luxel: by an edge or a corner
             float least = std::numeric_limits<float>::infinity();
