@@ -8,8 +8,8 @@
 
 namespace q3 {
 
-/// Into a file or an editor: "0...1...2...3...4...5...6...7...8...9... (12)", which editors know. On a terminal: one live line with
-/// percent, rays per second and time left.
+/// "0...1...2...3...4...5...6...7...8...9... (12)", which editors know. A terminal gets one live line instead, with
+/// percent, rays per second and time left; an editor that follows gets the former all the same.
 class Progress {
   public:
     Progress(Log &log, std::int64_t total);
@@ -21,6 +21,8 @@ class Progress {
     double Seconds() const;
 
   private:
+    void DrawLive(std::int64_t done, std::uint64_t rays);
+
     Log &log_;
     std::int64_t total_;
     bool terminal_;

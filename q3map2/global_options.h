@@ -21,7 +21,6 @@ struct GlobalOptions {
     bool force = false;
     int threads = 0;                                  ///< 0: one per hardware thread
     std::optional<int> subdivisions, maxDrawSurfaces; ///< of the bsp stage
-    std::string connect;                              ///< address of the editor, empty without one
     std::optional<std::string> help;                  ///< topic, possibly empty
     std::vector<std::string> basePaths, gameDirs, pakPaths, forbidden;
     std::optional<std::string> baseGame, home, homeBase;
@@ -31,7 +30,7 @@ struct GlobalOptions {
     }
 };
 
-/// Takes the global options off `arguments`. An unknown -game is a warning.
+/// Takes the global options off `arguments`. An unknown -game is an Error, with -force a warning.
 GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log);
 
 /// Game folders in the order in which they win: mods before the base game, home before base paths, -fs_pakpath last.
