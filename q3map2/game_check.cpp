@@ -71,20 +71,21 @@ void RequireGameFiles(const GlobalOptions &options, const std::vector<fs::path> 
     };
     for (const std::string &path : options.basePaths)
         if (!IsFolder(path))
-            Report(options.force, "no base path",
-                   fmt::format("no game files: -fs_basepath {} is no folder; it must be the one that holds {} (searched: "
-                               "{})",
-                               path, base, Joined(folders)),
-                   log);
+            return Report(
+                options.force, "no base path",
+                fmt::format("no game files: -fs_basepath {} is no folder; it must be the one that holds {} (searched: "
+                            "{})",
+                            path, base, Joined(folders)),
+                log);
     for (const std::string &gameDir : options.gameDirs) {
         std::vector<fs::path> searched;
         std::copy_if(folders.begin(), folders.end(), std::back_inserter(searched),
                      [&](const fs::path &folder) { return isGameDir(folder, gameDir); });
         if (std::none_of(searched.begin(), searched.end(), IsFolder))
-            Report(options.force, "no mod folder",
-                   fmt::format("-fs_game {}: no such folder; correct it or -fs_basepath (searched: {})", gameDir,
-                               Joined(searched)),
-                   log);
+            return Report(options.force, "no mod folder",
+                          fmt::format("-fs_game {}: no such folder; correct it or -fs_basepath (searched: {})", gameDir,
+                                      Joined(searched)),
+                          log);
     }
     if (std::none_of(folders.begin(), folders.end(),
                      [&](const fs::path &folder) { return HoldsGameFiles(folder, *options.game); }))

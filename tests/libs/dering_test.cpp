@@ -253,21 +253,34 @@ TEST(Dering, AbsurdValuesBecomeFiniteOnes) {
 }
 
 TEST(Dering, ChannelsAreChangedOnTheirOwn) {
-    const std::vector<ShVector> samples = Samples(300);
-    for (std::size_t i = 0; i + 2 < samples.size(); i++) {
-        ShVector scaled = samples[i];
-        for (double &x : scaled)
-            x *= 0.3;
-        for (std::array<ShVector, 3> channels :
-             {std::array{samples[i], samples[i + 1], samples[i + 2]}, std::array{samples[i], scaled, samples[i + 1]}}) {
-            const std::array<ShVector, 3> before = channels;
-            const std::array<bool, 3> changed = RemoveNegativeLobes(channels);
-            for (std::size_t channel = 0; channel < 3; channel++) {
-                ShVector alone = before[channel];
-                EXPECT_EQ(changed[channel], RemoveNegativeLobes(alone));
-                EXPECT_LE(std::sqrt(Distance2(channels[channel], alone)), 1e-4 * std::abs(alone[0]));
-            }
-        }
+    // A channel that is nowhere negative stays whatever the others are; one with a lobe loses it and keeps its mean.
+    const std::vector<Vec3d> directions = Directions(20000);
+    const ShVector dark{}, smooth{4, 0.1, -0.2, 0.3}, ringing = Rounded(Delta({0.6, 0, 0.8}, 3, true));
+    ASSERT_LT(MinimumOfSh(ringing).value, 0);
+    ASSERT_GT(MinimumOfSh(smooth).value, 0);
+    for (std::size_t lobed = 0; lobed < 3; lobed++) {
+        std::array<ShVector, 3> channels{};
+        channels[lobed] = ringing, channels[(lobed + 1) % 3] = smooth;
+        const std::array<bool, 3> changed = RemoveNegativeLobes(channels);
+        for (std::size_t channel = 0; channel < 3; channel++)
+            EXPECT_EQ(changed[channel], channel == lobed);
+        EXPECT_EQ(channels[(lobed + 1) % 3], smooth);
+        EXPECT_EQ(channels[(lobed + 2) % 3], dark);
+        EXPECT_EQ(channels[lobed][0], ringing[0]);
+        EXPECT_GE(Lowest(Rounded(channels[lobed]), directions), 0);
+    }
+}
+
+/// Colours whose channels are multiples of each other share their work: the results must be nearest all the same.
+TEST(Dering, ProportionalChannelsBecomeProportional) {
+    const ShVector ringing = Rounded(Delta({0.6, 0, 0.8}, 3, true));
+    std::array<ShVector, 3> channels{ringing, ringing, ringing};
+    for (std::size_t k = 0; k < 9; k++)
+        channels[1][k] *= 0.5, channels[2][k] *= 0.125;
+    EXPECT_EQ(RemoveNegativeLobes(channels), (std::array{true, true, true}));
+    for (std::size_t k = 0; k < 9; k++) {
+        EXPECT_NEAR(channels[1][k], 0.5 * channels[0][k], 1e-4 * std::abs(ringing[0]));
+        EXPECT_NEAR(channels[2][k], 0.125 * channels[0][k], 1e-4 * std::abs(ringing[0]));
     }
 }
 
