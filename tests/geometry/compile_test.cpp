@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Whole compiles of small maps.
-#include "tests/geometry/compile_test.h"
+#include "tests/geometry/compile_fixture.h"
 
 #include <set>
 

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Bounced light: a closed white room knows the answer.
 #include "tests/light/compiled_map.h"
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include <cmath>
 

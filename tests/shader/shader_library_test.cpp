@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Finding scripts, shaders, images and colours.
-#include "tests/shader/library_test.h"
+#include "tests/shader/library_fixture.h"
 
 #include "common/files.h"
 
