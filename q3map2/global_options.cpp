@@ -87,8 +87,8 @@ GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log) {
         options.game = FindGame("quake3");
         return options;
     }
-    while (arguments.TakeValue("-connect"))
-        continue; // EditorAddress has read it
+    while (const auto address = arguments.TakeValue("-connect"))
+        options.connect = *address;
     options.verbose = arguments.TakeFirstFlag("-v");
     log.SetVerbose(options.verbose);
     options.force = arguments.TakeFlag("-force");

@@ -21,6 +21,7 @@ struct GlobalOptions {
     bool force = false;
     int threads = 0;                                  ///< 0: one per hardware thread
     std::optional<int> subdivisions, maxDrawSurfaces; ///< of the bsp stage
+    std::string connect;                              ///< address of the editor, empty without one
     std::optional<std::string> help;                  ///< topic, possibly empty
     std::vector<std::string> basePaths, gameDirs, pakPaths, forbidden;
     std::optional<std::string> baseGame, home, homeBase;

@@ -144,10 +144,10 @@ TEST_F(ProgramTest, EditorGetsErrors) {
 }
 
 TEST_F(ProgramTest, EditorGetsErrorsInOptions) {
-    for (const std::string options : {"-game tetris -light", "-fs_basepath /nope -light", "-light -gridsh 1 2"}) {
+    for (const std::string options :
+         {"-game tetris -light MAP", "-fs_basepath /nope -light MAP", "-light MAP -threads"}) {
         Listener editor;
-        const Outcome outcome =
-            Run(options + " MAP -connect " + editor.Address() + (options.ends_with("2") ? " -subdivisions" : ""));
+        const Outcome outcome = Run("-connect " + editor.Address() + " " + options);
         EXPECT_EQ(outcome.status, 1) << options;
         const std::string errors = TextOfLevel(Messages(Payloads(editor.Received())), "3");
         EXPECT_NE(errors.find("ERROR"), std::string::npos) << options;

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Which texels of a surface's lightmap hold light of that surface.
 #pragma once
 
-#include "q3map2/light/light_space.h"
+#include "q3map2/light/scene/light_space.h"
 #include "tools/lightmap_compare/lit_map.h"
 
 namespace q3::compare {
