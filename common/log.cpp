@@ -26,6 +26,7 @@ Log::Sink Both(Log::Sink first, Log::Sink second) {
 void Log::AddSink(Sink sink, MarkSink marks) {
     const std::lock_guard lock(mutex_);
     sink_ = Both(std::move(sink_), sink);
+    added_ = added_ ? Both(std::move(added_), sink) : sink;
     if (marks)
         markSink_ = std::move(marks);
     else
@@ -35,6 +36,17 @@ void Log::AddSink(Sink sink, MarkSink marks) {
 void Log::Write(LogLevel level, std::string_view text) {
     const std::lock_guard lock(mutex_);
     sink_(level, text);
+}
+
+void Log::WriteLive(std::string_view text) {
+    const std::lock_guard lock(mutex_);
+    own_(LogLevel::Normal, text);
+}
+
+void Log::WriteAdded(std::string_view text) {
+    const std::lock_guard lock(mutex_);
+    if (added_)
+        added_(LogLevel::Normal, text);
 }
 
 void Log::Mark(LogLevel level, std::string_view text, const LogMark &mark) {

@@ -29,7 +29,7 @@ class Log {
     using MarkSink = std::function<void(LogLevel, std::string_view, const LogMark &)>;
 
     explicit Log(Sink sink = StandardOutput(), bool verbose = false)
-        : sink_(sink), unmarked_(std::move(sink)), verbose_(verbose) {}
+        : own_(sink), sink_(sink), unmarked_(std::move(sink)), verbose_(verbose) {}
     ~Log() { FlushWarnings(); }
     Log(const Log &) = delete;
     Log &operator=(const Log &) = delete;
@@ -65,6 +65,10 @@ class Log {
     int WarningCount(std::string_view kind) const;
 
     void Write(LogLevel level, std::string_view text);
+    /// To the sink of the constructor alone: what a terminal draws over again.
+    void WriteLive(std::string_view text);
+    /// To the added sinks alone.
+    void WriteAdded(std::string_view text);
     /// For editors only.
     void Mark(LogLevel level, std::string_view text, const LogMark &mark);
     /// Warn with a mark: an editor gets each one, others as Warn says.
@@ -75,7 +79,9 @@ class Log {
     /// Whether to print one more warning of that kind.
     bool CountWarning(std::string_view kind);
 
-    Sink sink_;
+    Sink own_;          ///< of the constructor
+    Sink added_;        ///< the others; null without
+    Sink sink_;         ///< all of them
     MarkSink markSink_; ///< null: marks are not wanted
     Sink unmarked_;     ///< the sinks that get text only
     bool verbose_ = false;

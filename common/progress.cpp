@@ -14,32 +14,37 @@ double Progress::Seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
+void Progress::DrawLive(std::int64_t done, std::uint64_t rays) {
+    const double seconds = Seconds();
+    if (seconds - lastShown_ < kRedrawSeconds || done == 0)
+        return;
+    lastShown_ = seconds;
+    const double share = double(done) / double(total_);
+    std::string line = fmt::format("\r{:3.0f} %  ", 100 * share);
+    if (rays > 0)
+        line += fmt::format("{:.1f} million rays/s  ", double(rays) / seconds / 1e6);
+    log_.WriteLive(line + fmt::format("{:.0f} s left   ", seconds * (1 - share) / share));
+}
+
 void Progress::Update(std::int64_t done, std::uint64_t rays) {
     if (total_ <= 0)
         return;
-    if (terminal_) {
-        const double seconds = Seconds();
-        if (seconds - lastShown_ < kRedrawSeconds || done == 0)
-            return;
-        lastShown_ = seconds;
-        const double share = double(done) / double(total_);
-        log_.Print("\r{:3.0f} %  ", 100 * share);
-        if (rays > 0)
-            log_.Print("{:.1f} million rays/s  ", double(rays) / seconds / 1e6);
-        log_.Print("{:.0f} s left   ", seconds * (1 - share) / share);
+    if (terminal_)
+        DrawLive(done, rays);
+    std::string steps;
+    for (; step_ < kSteps && done * kSteps >= std::int64_t(step_ + 1) * total_; ++step_)
+        steps += step_ % 4 == 0 ? fmt::format("{}", step_ / 4) : ".";
+    if (steps.empty())
         return;
-    }
-    for (; step_ < kSteps && done * kSteps >= std::int64_t(step_ + 1) * total_; ++step_) {
-        if (step_ % 4 == 0)
-            log_.Print("{}", step_ / 4);
-        else
-            log_.Print(".");
-    }
+    if (terminal_)
+        log_.WriteAdded(steps);
+    else
+        log_.Write(LogLevel::Normal, steps);
 }
 
 void Progress::Finish() {
     if (terminal_)
-        log_.Print("\r{:60}\r", "");
+        log_.WriteLive(fmt::format("\r{:60}\r", ""));
     log_.Print(" ({:.0f})\n", Seconds());
 }
 

@@ -9,7 +9,7 @@
 namespace q3 {
 
 /// Prints the progress of a pass: on a terminal one live line with percent, rays per second and time left; into a file
-/// or an editor "0...1...2...3...4...5...6...7...8...9... (12)", which editors parse.
+/// or to an editor that follows "0...1...2...3...4...5...6...7...8...9... (12)".
 class Progress {
   public:
     Progress(Log &log, std::int64_t total);
@@ -21,6 +21,8 @@ class Progress {
     double Seconds() const;
 
   private:
+    void DrawLive(std::int64_t done, std::uint64_t rays);
+
     Log &log_;
     std::int64_t total_;
     bool terminal_;

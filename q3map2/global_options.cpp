@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/text/text.h"
 #include "q3map2/bspfile/entities.h"
+#include "q3map2/game_check.h"
 
 #include <glib.h>
 
@@ -46,10 +47,7 @@ void TakeGame(Arguments &arguments, GlobalOptions &options, Log &log) {
             options.game = game;
             continue;
         }
-        std::string known;
-        for (const Game &game : Games())
-            known += fmt::format(" {}", game.name);
-        log.Warn("unknown game", "-game {}: unknown, {} is used; known games:{}", *name, options.game->name, known);
+        ReportUnknownGame(*name, options, log);
     }
 }
 

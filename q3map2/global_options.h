@@ -31,7 +31,7 @@ struct GlobalOptions {
     }
 };
 
-/// Takes the global options off `arguments`. An unknown -game is a warning.
+/// Takes the global options off `arguments`. An unknown -game is an Error, with -force a warning.
 GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log);
 
 /// Game folders in the order in which they win: mods before the base game, home before base paths, -fs_pakpath last.

@@ -43,6 +43,7 @@ int RunStage(const StageContext &context, Arguments arguments) {
 }
 
 int Run(const std::vector<std::string> &words, const std::filesystem::path &program, Log &log) {
+    EditorFeedback::Attach(EditorAddress(words), log); // first: the editor gets errors in options, too
     Arguments arguments(words);
     const GlobalOptions options = ParseGlobalOptions(arguments, log);
     if (options.help) {
@@ -50,7 +51,6 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
         return 0;
     }
     const auto start = std::chrono::steady_clock::now();
-    EditorFeedback::Attach(options.connect, log);
     log.Print("{}\n", kVersion);
     const StageContext context{options, program, arguments.Rest(), log};
     const int status = RunStage(context, std::move(arguments));

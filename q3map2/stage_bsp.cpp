@@ -2,6 +2,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "q3map2/command_record.h"
+#include "q3map2/game_check.h"
 #include "q3map2/geometry/compile_map.h"
 #include "q3map2/stages.h"
 
@@ -105,6 +106,8 @@ int BspStage(const StageContext &context, Arguments arguments) {
     const fs::path source = SourcePath(file, options);
     const BspFormat format = context.options.Format();
     const auto folders = GameFolders(context.options, context.words, context.program);
+    if (!options.onlyEntities)
+        RequireGameFiles(context.options, folders, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     if (!options.onlyEntities)
         RemoveStaleFiles(source);

@@ -2,6 +2,7 @@
 #include "common/error.h"
 #include "q3map2/command_record.h"
 #include "q3map2/convert/convert.h"
+#include "q3map2/game_check.h"
 #include "q3map2/light_inputs.h"
 #include "q3map2/lightmap/light_world.h"
 #include "q3map2/lightmap/store/lightmap_pages.h"
@@ -41,6 +42,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const auto bspPath = WithExtension(std::filesystem::absolute(file), ".bsp");
 
     const auto folders = GameFolders(context.options, context.words, context.program);
+    RequireGameFiles(context.options, folders, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
@@ -51,6 +53,8 @@ int LightStage(const StageContext &context, Arguments arguments) {
 
     ShaderLibrary library(vfs, *context.options.game, options.shader, log);
     log.Count((long long)(library.DefinedCount()), "shaders defined");
+    for (const bspShader_t &shader : bsp.shaders)
+        library.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
     const JobPool jobs(context.options.threads);
     log.Count(jobs.Threads(), "threads");
     LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);

@@ -60,16 +60,21 @@ Sealing MapCompiler::Seal(Tree &tree, bool warn) {
 /// True when the compile goes on.
 bool MapCompiler::ReportLeak(const Tree &tree) {
     result_.leakLine = LeakLine(tree, map_);
-    LogMark mark;
+    LogMark trail;
     for (const Vec3f &p : result_.leakLine)
-        mark.line.push_back({p.x, p.y, p.z});
-    context_.log.Mark(LogLevel::Error, "MAP LEAKED\n", mark);
+        trail.line.push_back({p.x, p.y, p.z});
     context_.log.Print("**********************\n******* leaked *******\n**********************\n");
     if (const int entity = LeakedEntity(tree); entity >= 0) {
         const MapEntity &reached = map_.entities[std::size_t(entity)];
-        context_.log.Print("{}: the {} at {} {} {} can be reached from outside the map\n", reached.Who(),
-                           reached.pairs.ClassName(), reached.origin.x, reached.origin.y, reached.origin.z);
+        const std::string cause =
+            fmt::format("the {} at {} {} {} can be reached from outside the map", reached.pairs.ClassName(),
+                        reached.origin.x, reached.origin.y, reached.origin.z);
+        context_.log.Print("{}: {}\n", reached.Who(), cause);
+        context_.log.Mark(LogLevel::Warning, fmt::format("Entity {}, Brush 0: {}", reached.number, cause),
+                          {.entity = reached.number, .primitive = 0, .line = {}});
     }
+    // Last: an editor closes the connection at the trail.
+    context_.log.Mark(LogLevel::Error, "MAP LEAKED\n", trail);
     result_.abandoned = context_.options.leakTest;
     if (result_.abandoned)
         context_.log.Print("--- MAP LEAKED, ABORTING LEAKTEST ---\n");

@@ -146,6 +146,18 @@ std::uint32_t Game::NoDrawSurfaceFlags() const {
     return parm ? parm->surfaceSet : 0;
 }
 
+std::uint32_t Game::CompileFlagsOf(std::uint32_t surfaceFlags, std::uint32_t contentFlags) const {
+    constexpr std::uint32_t kSolidContent = 0x1;
+    std::uint32_t flags = (contentFlags & kSolidContent) != 0 ? std::uint32_t(C_SOLID) : 0;
+    for (const SurfaceParm &parm : surfaceParms) {
+        const bool hasBits = (parm.contentSet | parm.surfaceSet) != 0 && parm.name != "default";
+        if (hasBits && (contentFlags & parm.contentSet) == parm.contentSet &&
+            (surfaceFlags & parm.surfaceSet) == parm.surfaceSet)
+            flags |= parm.compileSet;
+    }
+    return flags;
+}
+
 std::span<const Game> Games() {
     return kGames;
 }

@@ -64,6 +64,9 @@ struct Game {
     const SurfaceParm *FindParm(std::string_view parm) const;
     /// Surface and content bits that mark a BSP shader record as nodraw in this game (0 when the game has none).
     std::uint32_t NoDrawSurfaceFlags() const;
+    /// CompileFlags that a .bsp's shader record implies: C_SOLID as its content bit says, and those of every parm whose
+    /// content and surface bits are all set. Parms without bits of their own leave no trace in a .bsp.
+    std::uint32_t CompileFlagsOf(std::uint32_t surfaceFlags, std::uint32_t contentFlags) const;
 };
 
 /// All rows, quake3 first.

@@ -104,6 +104,9 @@ class ShaderLibrary {
     /// that name. The reference stays valid as long as the library. Images, and colours from them, are there for
     /// shaders that shine or let light through; for others see ReleaseImages.
     const ShaderInfo &Get(std::string_view name);
+    /// Flags of a shader record in a .bsp, for a shader that no script defines; the first call for a name counts, and
+    /// a record without any flag says nothing. To be called before Get.
+    void SetDefaultFlags(std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags);
     /// An image by its name without extension; null when there is none. Cached.
     std::shared_ptr<const Image> LoadImage(std::string_view nameWithoutExtension);
     std::size_t DefinedCount() const;

@@ -284,6 +284,17 @@ const ShaderInfo &ShaderLibrary::Get(std::string_view name) {
     return shader.info;
 }
 
+void ShaderLibrary::SetDefaultFlags(std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags) {
+    if (name.empty() || (surfaceFlags | contentFlags) == 0)
+        return;
+    ParsedShader &shader = state_->table.FindOrAdd(name, state_->log);
+    if (shader.info.defined || std::exchange(shader.hasBspFlags, true))
+        return;
+    shader.info.surfaceFlags = surfaceFlags;
+    shader.info.contentFlags = contentFlags;
+    shader.info.compileFlags = state_->table.ForGame().CompileFlagsOf(surfaceFlags, contentFlags);
+}
+
 std::shared_ptr<const Image> ShaderLibrary::LoadImage(std::string_view nameWithoutExtension) {
     return state_->CachedImage(nameWithoutExtension);
 }

@@ -22,6 +22,7 @@ struct ParsedShader {
     std::string replacement;         ///< q3map_deprecateShader
     bool builtInImage = false;       ///< a stage draws an image of the engine, such as $whiteimage
     bool colorGiven = false;         ///< q3map_lightRGB: info.color is final
+    bool hasBspFlags = false;        ///< no script defines it; flags are those of a .bsp
     bool lookedUp = false;           ///< somebody has its info
     bool imagesReady = false;        ///< light image and colours are in info
 };

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Whole compiles of what shaders and entities add to a map: copies, layers, plants, layers of
 // terrain, clip brushes of models.
-#include "tests/geometry/compile_test.h"
+#include "tests/geometry/compile_fixture.h"
 
 #include <cmath>
 #include <map>

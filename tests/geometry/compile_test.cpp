@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Whole compiles of small maps.
-#include "tests/geometry/compile_test.h"
+#include "tests/geometry/compile_fixture.h"
 
 #include <set>
 
@@ -11,6 +11,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
+/// Counts, bounds and indexes are those that the established q3map2 gives for this room with -meta.
 TEST_F(CompileTest, EmptyRoomHasTheKnownCounts) {
     const CompiledMap map = Compile(MapText(Room()));
     const Bsp &bsp = map.bsp;
@@ -18,7 +19,7 @@ TEST_F(CompileTest, EmptyRoomHasTheKnownCounts) {
     EXPECT_EQ(bsp.brushSides.size(), 36u);
     EXPECT_EQ(bsp.planes.size(), 28u);
     EXPECT_EQ(bsp.nodes.size(), 19u);
-    EXPECT_EQ(bsp.leafs.size(), 21u); // one that no node refers to
+    EXPECT_EQ(bsp.leafs.size(), 21u); // 20 of a tree with 19 splits, and the first, which no node refers to
     EXPECT_EQ(bsp.leafSurfaces.size(), 16u);
     EXPECT_EQ(bsp.leafBrushes.size(), 20u);
     EXPECT_EQ(bsp.models.size(), 1u);

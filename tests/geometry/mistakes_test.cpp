@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. What a mapper does wrong, and the one message that says so. The whole stage runs.
 #include "common/error.h"
-#include "tests/geometry/compile_test.h"
+#include "tests/geometry/compile_fixture.h"
 
 #include <gmock/gmock.h>
 

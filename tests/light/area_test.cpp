@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. SH grid: lamps against quadrature, and what stands between.
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Which surfaces rays need to meet besides solids.
 #include "q3map2/light/scene/light_scene.h"
 #include "q3map2/light/scene/shadow_casters.h"
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 #include "tests/lightmap/surface_case.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. SH grid: lights without size against their formulas.
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include <cmath>
 

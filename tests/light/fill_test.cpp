@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. SH grid: points in solids, and what interpolation shows beside walls.
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include <algorithm>
 

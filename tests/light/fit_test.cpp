@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. SH grid: points fitted to the light between them.
 #include "common/error.h"
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. SH grid: -shdering takes negative lobes away and nothing else.
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include "common/arguments.h"
 #include "q3map2/light/grid/gridsh_dering.h"

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. SH grid: -sherror says how far it is off, and which cells halve that.
 #include "q3map2/light/grid/gridsh_error.h"
 
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include <cmath>
 #include <iterator>

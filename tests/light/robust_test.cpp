@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Light stage: keys and maps that make no sense. Nothing may crash, hang or leave a number that is
 // not finite.
 #include "common/error.h"
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include <cmath>
 #include <limits>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Scenes of boxes as map sources: what they say, and that the bsp stage makes the same room of them.
 #include "common/error.h"
 #include "tests/light/compiled_map.h"
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include <random>
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. SH grid: each thing that is skipped, its counter, its switch and what it costs.
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Point and box queries: what boxes say holds for the points in them.
 #include "tests/light/compiled_map.h"
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include "q3map2/light/light.h"
 #include "q3map2/light/scene/light_space.h"

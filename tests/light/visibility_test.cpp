@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. SH grid: shadows of random boxes against slow slab tests, and the same bytes from every thread
 // count.
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include <cstdlib>
 #include <cstring>

@@ -131,6 +131,36 @@ TEST_F(CompareTest, BlackSamplesAreCountedApart) {
     EXPECT_LT(c.lightmaps.worst, 1e-9);
 }
 
+TEST_F(CompareTest, TexelsUnderABoxAreNotCompared) {
+    // A detail box stands on the floor: no luxel is under it, so its texels are free for other lightmaps.
+    SceneBuilder scene;
+    scene.SetInterior({0, 0, 0}, {256, 256, 256}, {"textures/test/wall"});
+    scene.AddBox({64, 64, 0}, {192, 192, 64}, {"textures/test/box"}, BoxKind::Detail);
+    bsp = scene.Build();
+    constexpr int kWidth = 33; // luxels of 8 units
+    const auto light = [&](bool other) {
+        MakeLightmaps(kWidth, kWidth);
+        for (std::size_t i = 0; i < bsp.drawSurfaces.size(); ++i) {
+            const bspDrawVert_t *v = &bsp.drawVerts[std::size_t(bsp.drawSurfaces[i].firstVert)];
+            const Vec3f origin(v[0].xyz), across = Vec3f(v[1].xyz) - origin, down = Vec3f(v[3].xyz) - origin;
+            const bool floor = origin.z == 0 && across.z == 0 && down.z == 0;
+            Fill(surfaces.lightmaps[i], [&](int x, int y) {
+                const Vec3f p = origin + across * (float(x) / (kWidth - 1)) + down * (float(y) / (kWidth - 1));
+                const bool under = floor && std::min({p.x - 64, 192 - p.x, p.y - 64, 192 - p.y}) > 4.5f;
+                return other && under ? Vec3f{250, 250, 250} : Vec3f{40, 50, 60};
+            });
+        }
+        surfaces.vertex.sum[0].assign(bsp.drawVerts.size(), {10, 20, 30});
+    };
+    light(false);
+    const LitMap a = Written("a");
+    light(true);
+    const Comparison c = Compare(a, Written("b"), 1000, 0);
+    EXPECT_LT(c.lightmaps.worst, 1e-3);
+    EXPECT_NEAR(double(c.buried + c.uncovered) / 1000, 0.25, 0.03) << "the box has a quarter of the floor";
+    EXPECT_THAT(ToText(c), testing::HasSubstr("without a luxel"));
+}
+
 TEST_F(CompareTest, ByAreaASliverCountsAsLittleAsItIs) {
     Light(30);
     const auto lower = [&](std::size_t surface, float share) {

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Brushes: windings, contents, bevels.
-#include "tests/map/map_test.h"
+#include "tests/map/map_fixture.h"
 
 #include <algorithm>
 #include <random>

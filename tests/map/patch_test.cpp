@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Patches: text, curves, groups, normals, meshes.
 #include "libs/math/patch_mesh.h"
-#include "tests/map/map_test.h"
+#include "tests/map/map_fixture.h"
 
 #include <numbers>
 

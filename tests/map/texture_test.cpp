@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Texture coordinates of brush sides in the forms of the map language.
-#include "tests/map/map_test.h"
+#include "tests/map/map_fixture.h"
 
 #include <array>
 #include <numbers>

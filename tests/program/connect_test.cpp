@@ -143,6 +143,33 @@ TEST_F(ProgramTest, EditorGetsErrors) {
     EXPECT_NE(TextOfLevel(Messages(Payloads(editor.Received())), "3").find("/nowhere/x.bsp"), std::string::npos);
 }
 
+TEST_F(ProgramTest, EditorGetsErrorsInOptions) {
+    for (const std::string options :
+         {"-game tetris -light MAP", "-fs_basepath /nope -light MAP", "-light MAP -threads"}) {
+        Listener editor;
+        const Outcome outcome = Run("-connect " + editor.Address() + " " + options);
+        EXPECT_EQ(outcome.status, 1) << options;
+        const std::string errors = TextOfLevel(Messages(Payloads(editor.Received())), "3");
+        EXPECT_NE(errors.find("ERROR"), std::string::npos) << options;
+        ASSERT_EQ(outcome.ErrorLines().size(), 1u) << outcome.text;
+        EXPECT_NE(errors.find(outcome.ErrorLines().front()), std::string::npos) << errors;
+    }
+}
+
+TEST_F(ProgramTest, EditorGetsNoLiveLineOfATerminal) {
+    Listener editor;
+    const Outcome outcome = RunOnTerminal({"-connect", editor.Address(), "-fs_basepath", (folder_ / "base").string(),
+                                           "-light", "-sh", "-samplesize", "4", Map(".bsp").string()},
+                                          folder_.Root());
+    ASSERT_EQ(outcome.status, 0) << outcome.text;
+    ASSERT_TRUE(outcome.Printed("\r          ")) << "the terminal has its live line: " << outcome.text;
+    const std::string payload = Payloads(editor.Received());
+    EXPECT_EQ(payload.find('\r'), std::string::npos);
+    EXPECT_EQ(payload.find("&#13;"), std::string::npos) << payload;
+    EXPECT_EQ(payload.find(" s left"), std::string::npos);
+    EXPECT_NE(payload.find("0...1...2...3...4...5...6...7...8...9... ("), std::string::npos) << payload;
+}
+
 TEST_F(ProgramTest, EditorIsShownLeaksAndBrushes) {
     // A floor with a side twice, so that brush 0 of entity 0 is worth a look; nothing around it.
     constexpr std::string_view kMap = R"({
@@ -170,7 +197,13 @@ TEST_F(ProgramTest, EditorIsShownLeaksAndBrushes) {
     const std::size_t select = payload.find("<select level=\"2\">Entity 0, Brush 0: ");
     ASSERT_NE(select, std::string::npos) << payload;
     EXPECT_LT(payload.find("<brush>0 0</brush></select>", select), payload.find("<message", select));
-    EXPECT_NE(payload.find("<message level=\"3\">MAP LEAKED\n<polyline><point>"), std::string::npos) << payload;
+    // The editor closes at the trail: what leaked, and from where, comes before it.
+    const std::size_t trail = payload.find("<message level=\"3\">MAP LEAKED\n<polyline><point>");
+    ASSERT_NE(trail, std::string::npos) << payload;
+    const std::string_view cause = "the info_player_start at 32 32 32 can be reached from outside the map";
+    EXPECT_LT(payload.find(fmt::format("<select level=\"2\">Entity 1, Brush 0: {}<brush>1 0</brush></select>", cause)),
+              trail);
+    EXPECT_LT(payload.find("******* leaked *******"), trail);
     EXPECT_NE(payload.find("<point>32.000000 32.000000 32.000000</point></polyline></message>"), std::string::npos);
 }
 

@@ -6,7 +6,8 @@
 #include <fstream>
 #include <map>
 
-#include <unistd.h>
+#include <csignal>
+#include <sys/resource.h>
 
 namespace q3::test {
 
@@ -154,11 +155,41 @@ TEST_F(FailureTest, OptionsWithBadValues) {
     ExpectError("-light -sh -gridsh 0 0 0 MAP", "-gridsh");
 }
 
-TEST_F(FailureTest, WriteProtectedMapStays) {
-    if (geteuid() == 0)
-        GTEST_SKIP() << "nothing is write protected for root";
-    std::filesystem::permissions(Map(".bsp"), std::filesystem::perms::owner_read);
-    ExpectError("-light MAP", "demo.bsp");
+/// While it lives, this process and its children cannot write past that size, as on a full disk; this holds for root.
+class FileSizeLimit {
+  public:
+    explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+        getrlimit(RLIMIT_FSIZE, &before_);
+        const rlimit limit{bytes, before_.rlim_max};
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~FileSizeLimit() {
+        setrlimit(RLIMIT_FSIZE, &before_);
+        std::signal(SIGXFSZ, handler_);
+    }
+    FileSizeLimit(const FileSizeLimit &) = delete;
+    FileSizeLimit &operator=(const FileSizeLimit &) = delete;
+
+  private:
+    void (*handler_)(int);
+    rlimit before_{};
+};
+
+TEST_F(FailureTest, MapThatCannotBeWrittenWholeStays) {
+    const std::size_t size = MapBytes().size();
+    for (const std::size_t limit : {std::size_t(0), std::size_t(4096), size / 2}) {
+        const FileSizeLimit full(limit);
+        ExpectError("-light MAP", "demo.bsp: cannot write");
+        ExpectError("-json -unpack MAP", "cannot write");
+    }
+}
+
+TEST_F(FailureTest, FolderWhereAFileMustGo) {
+    std::filesystem::create_directories(Map(".srf") / "inner");
+    ExpectError("-meta " + Map(".map").string(), "demo.srf: cannot write: not a regular file");
+    std::filesystem::remove_all(Map(".srf"));
+    Overwrite(Map(""), "where the pages would go");
+    ExpectError("-light -external -lightmapsize 256 MAP", Map("").string());
 }
 
 TEST_F(FailureTest, ArchiveWithADamagedEntryIsAWarning) {

@@ -140,6 +140,7 @@ TEST_F(ProgramTest, PreviewIsAPicture) {
 TEST_F(ProgramTest, ThreadsAndPlaceOfOptionsDoNotChangeTheBytes) {
     const std::string original = (folder_ / "original.bsp").string();
     std::filesystem::copy_file(Map(".bsp"), original);
+    std::filesystem::create_directories(folder_ / "base/mod");
     std::vector<std::byte> first;
     for (const std::string words :
          {"-threads 1 -light -sh MAP", "-light -threads 2 -sh MAP", "-v -light -sh -threads 7 MAP",
@@ -194,7 +195,7 @@ TEST_F(ProgramTest, UnknownOptionsWarnAndGoOn) {
     const Outcome outcome = RunWell("-light -zork -onlygrid -lomem MAP");
     EXPECT_TRUE(outcome.Printed("WARNING: Unknown argument \"-zork\"")) << outcome.text;
     EXPECT_TRUE(outcome.Printed("-lomem")) << "options that change nothing are named";
-    EXPECT_TRUE(RunWell("-game tetris -light MAP").Printed("WARNING: -game tetris: unknown"));
+    EXPECT_TRUE(RunWell("-force -game tetris -light MAP").Printed("WARNING: -game tetris: unknown"));
     EXPECT_TRUE(RunWell("-json -zork -unpack MAP").Printed("Unknown argument \"-zork\""));
 }
 

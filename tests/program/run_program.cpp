@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include <csignal>
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -32,6 +33,27 @@ constexpr unsigned kMaxSeconds = 120;
     alarm(kMaxSeconds);
     execv(PROGRAM, words.data());
     _exit(127);
+}
+
+/// Runs PROGRAM with its output into `to`, of which `from` is the other end.
+Outcome RunInto(int from, int to, const std::vector<std::string> &arguments, const std::filesystem::path &home,
+                std::size_t killAfter) {
+    Outcome outcome;
+    const pid_t child = fork();
+    if (child == 0)
+        Become(arguments, home.string(), to);
+    close(to);
+    char buffer[4096];
+    for (ssize_t got; (got = read(from, buffer, sizeof buffer)) > 0;) {
+        outcome.text.append(buffer, std::size_t(got));
+        if (child > 0 && outcome.text.size() >= killAfter)
+            kill(child, SIGKILL);
+    }
+    close(from);
+    int status = 0;
+    if (child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status))
+        outcome.status = WEXITSTATUS(status);
+    return outcome;
 }
 
 /// The demo's source after the bsp stage.
@@ -66,24 +88,17 @@ std::vector<std::string> Outcome::ErrorLines() const {
 Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home,
                        std::size_t killAfter) {
     int pipes[2];
-    Outcome outcome;
     if (pipe(pipes) != 0)
-        return outcome;
-    const pid_t child = fork();
-    if (child == 0)
-        Become(arguments, home.string(), pipes[1]);
-    close(pipes[1]);
-    char buffer[4096];
-    for (ssize_t got; (got = read(pipes[0], buffer, sizeof buffer)) > 0;) {
-        outcome.text.append(buffer, std::size_t(got));
-        if (child > 0 && outcome.text.size() >= killAfter)
-            kill(child, SIGKILL);
-    }
-    close(pipes[0]);
-    int status = 0;
-    if (child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status))
-        outcome.status = WEXITSTATUS(status);
-    return outcome;
+        return {};
+    return RunInto(pipes[0], pipes[1], arguments, home, killAfter);
+}
+
+Outcome RunOnTerminal(const std::vector<std::string> &arguments, const std::filesystem::path &home) {
+    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0)
+        return {};
+    const int screen = open(ptsname(terminal), O_RDWR | O_NOCTTY);
+    return screen < 0 ? Outcome() : RunInto(terminal, screen, arguments, home, std::size_t(-1));
 }
 
 std::int32_t IntOf(const std::vector<std::byte> &file, std::size_t at) {

@@ -25,6 +25,9 @@ struct Outcome {
 Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home,
                        std::size_t killAfter = std::size_t(-1));
 
+/// The same with standard output and standard error on a terminal, which begins lines with a carriage return.
+Outcome RunOnTerminal(const std::vector<std::string> &arguments, const std::filesystem::path &home);
+
 /// One lump of a .bsp file on disk.
 std::vector<std::byte> LumpOf(const std::vector<std::byte> &file, std::size_t lump);
 std::int32_t IntOf(const std::vector<std::byte> &file, std::size_t at);

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Causes of errors in scenes where they are known.
-#include "tests/shbench/bench_test.h"
+#include "tests/shbench/bench_fixture.h"
 #include "tools/shbench/causes.h"
 #include "tools/shbench/cell_sight.h"
 #include "tools/shbench/plain.h"

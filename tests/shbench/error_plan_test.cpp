@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The picture of a grid's errors.
 #include "common/error.h"
 #include "common/image/image.h"
-#include "tests/shbench/bench_test.h"
+#include "tests/shbench/bench_fixture.h"
 #include "tools/shbench/error_plan.h"
 
 #include <cmath>

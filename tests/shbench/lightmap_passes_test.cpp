@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Lightmaps pass by pass: names, rays, shares.
 #include "common/error.h"
-#include "tests/shbench/bench_test.h"
+#include "tests/shbench/bench_fixture.h"
 #include "tools/shbench/lightmap_passes.h"
 
 #include <nlohmann/json.hpp>

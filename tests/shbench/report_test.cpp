@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Errors, reports and charts.
-#include "tests/shbench/bench_test.h"
+#include "tests/shbench/bench_fixture.h"
 #include "tools/shbench/bench_run.h"
 #include "tools/shbench/plain.h"
 #include "tools/shbench/raw.h"

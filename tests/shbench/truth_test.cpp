@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Reference light against closed forms.
-#include "tests/shbench/bench_test.h"
+#include "tests/shbench/bench_fixture.h"
 #include "tools/shbench/errors.h"
 
 #include <array>

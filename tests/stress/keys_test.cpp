@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Every numeric key of lights and of the world, with every kind of absurd number.
-#include "tests/stress/stress_test.h"
+#include "tests/stress/stress_fixture.h"
 
 namespace q3::test {
 

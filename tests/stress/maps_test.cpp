@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Maps that are hardly maps: empty, solid, thin, huge, broken.
-#include "tests/stress/stress_test.h"
+#include "tests/stress/stress_fixture.h"
 
 #include <limits>
 

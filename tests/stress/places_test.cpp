@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Lights and lamps in awkward receivers: far from the origin, on points and planes, in walls, many in
 // one spot.
-#include "tests/stress/stress_test.h"
+#include "tests/stress/stress_fixture.h"
 
 #include <cmath>
 

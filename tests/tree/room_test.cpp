@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Rooms: counts known by hand, leaks, areas, clusters, the portal file.
-#include "tests/tree/tree_test.h"
+#include "tests/tree/tree_fixture.h"
 
 #include "common/error.h"
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Which sides split the tree, which are hidden, and what of them lies in the open.
-#include "tests/tree/tree_test.h"
+#include "tests/tree/tree_fixture.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The tree as a partition of space, against slow code that follows the definitions.
-#include "tests/tree/tree_test.h"
+#include "tests/tree/tree_fixture.h"
 
 #include <cmath>
 #include <numbers>

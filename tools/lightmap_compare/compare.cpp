@@ -2,6 +2,7 @@
 #include "tools/lightmap_compare/compare.h"
 
 #include "common/error.h"
+#include "tools/lightmap_compare/luxel_cover.h"
 
 #include <nlohmann/json.hpp>
 
@@ -40,7 +41,7 @@ double Degrees(const Vec3d &a, const Vec3d &b) {
 class Comparer {
   public:
     Comparer(const LitMap &a, const LitMap &b, int samples, ShaderLibrary *shaders)
-        : a_(a), b_(b), samples_(samples), shaders_(shaders) {}
+        : a_(a), b_(b), coverA_(a), coverB_(b), samples_(samples), shaders_(shaders) {}
 
     Comparison Run(std::size_t worstCount) {
         for (std::size_t i = 0; i < a_.Map().drawSurfaces.size(); ++i) {
@@ -74,6 +75,10 @@ class Comparer {
         for (const Place &place : receivers) {
             if (IsBuried(a_.Map(), surface, place)) {
                 ++result_.buried;
+                continue;
+            }
+            if (!coverA_.Covers(surface, place) || !coverB_.Covers(surface, place)) {
+                ++result_.uncovered;
                 continue;
             }
             const Vec3d x = a_.Light(surface, place), y = b_.Light(surface, place);
@@ -117,6 +122,7 @@ class Comparer {
     }
 
     const LitMap &a_, &b_;
+    const LuxelCover coverA_, coverB_;
     int samples_;
     ShaderLibrary *shaders_;
     Comparison result_;
@@ -197,8 +203,8 @@ std::string ToText(const Comparison &c) {
     std::string text = fmt::format("surfaces with lightmap in both {}, only in A {}, only in B {}, in neither {}\n",
                                    c.lightmapped.both, c.lightmapped.onlyA, c.lightmapped.onlyB, c.lightmapped.neither);
     text += Line("lightmap samples", c.lightmaps);
-    text += fmt::format("  left out: in solids {}, black in A only {}, in B only {}, in both {}\n", c.buried,
-                        c.lit.onlyB, c.lit.onlyA, c.lit.neither);
+    text += fmt::format("  left out: in solids {}, without a luxel {}, black in A only {}, in B only {}, in both {}\n",
+                        c.buried, c.uncovered, c.lit.onlyB, c.lit.onlyA, c.lit.neither);
     text += fmt::format("  by area: mean {:.2f}, within 8 {:.2f} %\n", c.byArea.mean, 100 * c.byArea.within8);
     text += Line("means of surfaces", c.surfaces);
     text += fmt::format("  {} of {} surfaces within 2\n", c.surfacesWithin2, c.surfacesCompared);

@@ -56,6 +56,8 @@ struct AreaSpread {
 struct Comparison {
     Sides lightmapped;      ///< surfaces
     std::size_t buried = 0; ///< samples in solids, left out: there pages hold light of other surfaces
+    /// Samples with texels that no luxel of their surface covers, left out for the same reason.
+    std::size_t uncovered = 0;
     Sides lit;              ///< the other samples, by whose light is not black
     Spread lightmaps;       ///< those that are black in neither, on surfaces with lightmaps in both
     AreaSpread byArea;      ///< the same samples: slivers of surfaces have as many as walls, and nobody sees them

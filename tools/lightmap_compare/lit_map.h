@@ -42,6 +42,11 @@ class LitMap {
     bool Deluxe() const { return deluxe_; }
     /// Number of the page that lights the surface; -1: its vertices do.
     int PageOf(std::size_t surface) const { return pageOf_[surface]; }
+    /// Texels across and down; the surface must have a page.
+    std::array<int, 2> PageSize(std::size_t surface) const {
+        const Page &page = pages_[std::size_t(PageOf(surface))];
+        return {page.width, page.height};
+    }
     /// Bilinear, byte scale; the surface must have a page.
     Vec3d Light(std::size_t surface, const Place &place) const { return Sample(PageOf(surface), place); }
     /// Towards the light, not of length 1. Needs Deluxe.

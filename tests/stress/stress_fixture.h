@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/bspfile.h"
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include <algorithm>
 #include <string>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Directives of lightmaps, the kept text of shaders, and images that are freed.
-#include "tests/shader/library_test.h"
+#include "tests/shader/library_fixture.h"
 
 #include <gmock/gmock.h>
 

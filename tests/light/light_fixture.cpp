@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Lighting of small scenes in process, and the definition of the SH grid to compare with.
-#include "tests/light/light_test.h"
+#include "tests/light/light_fixture.h"
 
 #include "tests/light/compiled_map.h"
 

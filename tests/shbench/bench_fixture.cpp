@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Small scenes for tests of the benchmark.
-#include "tests/shbench/bench_test.h"
+#include "tests/shbench/bench_fixture.h"
 
 namespace q3::test {
 

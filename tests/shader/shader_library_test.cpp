@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Finding scripts, shaders, images and colours.
-#include "tests/shader/library_test.h"
+#include "tests/shader/library_fixture.h"
 
 #include "common/files/files.h"
 
@@ -324,6 +324,20 @@ TEST_F(VectorGame, ScriptReadsAsItsLightsExpect) {
     EXPECT_EQ(library.Get("textures/vec/sky_box").skyImageBase, "env/vecsky");
     for (const auto *side : {"_lf", "_rt", "_ft", "_bk", "_up", "_dn"})
         EXPECT_NE(library.LoadImage(std::string("env/vecsky") + side), nullptr) << side;
+}
+
+TEST_F(ShaderLookUp, FlagsOfAMapCountForShadersWithoutScript) {
+    LoadScript("textures/scripted\n{\n\tsurfaceparm nomarks\n}\n");
+    library->SetDefaultFlags("textures/Clip", 0x80, 0x10000);
+    library->SetDefaultFlags("textures/clip", 0, 1); // a second record of the name
+    library->SetDefaultFlags("textures/scripted", 0x80, 0x10000);
+    library->SetDefaultFlags("noshader", 0, 0);
+    EXPECT_EQ(Get("textures/clip").compileFlags, std::uint32_t(C_TRANSLUCENT | C_DETAIL | C_NODRAW));
+    EXPECT_EQ(Get("textures/clip").surfaceFlags, 0x80u);
+    EXPECT_EQ(Get("textures/clip").contentFlags, 0x10000u);
+    EXPECT_FALSE(Get("textures/clip").defined);
+    EXPECT_EQ(Get("textures/scripted").compileFlags, std::uint32_t(C_SOLID | C_NOMARKS));
+    EXPECT_EQ(Get("noshader").compileFlags, std::uint32_t(C_SOLID));
 }
 
 } // namespace

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/map/map.h"
-#include "tests/shader/library_test.h"
+#include "tests/shader/library_fixture.h"
 
 #include <string>
 #include <string_view>

@@ -98,5 +98,34 @@ TEST(Games, LightDefaults) {
     EXPECT_FLOAT_EQ(FindGame("prophecy")->gridAmbientScale, 0.6f);
 }
 
+TEST(Games, FlagsOfAShaderRecordSayWhatItsParmsDid) {
+    const Game &game = *FindGame("quake3");
+    EXPECT_EQ(game.CompileFlagsOf(0, 1), std::uint32_t(C_SOLID));
+    EXPECT_EQ(game.CompileFlagsOf(0, 0), 0u);
+    // Clip with nodraw, as oacmpdm8 has it; a trigger; a sky; water.
+    EXPECT_EQ(game.CompileFlagsOf(0x4CB0, 0x10000),
+              std::uint32_t(C_TRANSLUCENT | C_DETAIL | C_NODRAW | C_VERTEXLIT | C_NOMARKS));
+    EXPECT_EQ(game.CompileFlagsOf(0x80, 0x40000000), std::uint32_t(C_TRANSLUCENT | C_NODRAW));
+    EXPECT_EQ(game.CompileFlagsOf(0xC34, 1), std::uint32_t(C_SOLID | C_SKY | C_VERTEXLIT | C_NOMARKS));
+    EXPECT_EQ(game.CompileFlagsOf(0, 0x20000020), std::uint32_t(C_TRANSLUCENT | C_LIQUID));
+    // Bits of a material, or half of a parm's bits, say nothing.
+    EXPECT_EQ(FindGame("etut")->CompileFlagsOf(0x1200000, 1), std::uint32_t(C_SOLID));
+    EXPECT_EQ(FindGame("ef")->CompileFlagsOf(0x8, 1), std::uint32_t(C_SOLID));
+    EXPECT_EQ(FindGame("ef")->CompileFlagsOf(0x8, 0x80), std::uint32_t(C_TRANSLUCENT | C_DETAIL));
+}
+
+/// What a script's parms make of a shader comes back from the bits that it leaves in a .bsp, but for parms without.
+TEST(Games, EveryParmComesBackFromItsBits) {
+    for (const Game &game : Games())
+        for (const SurfaceParm &parm : game.surfaceParms) {
+            if (parm.name == "default" || parm.name == "nonsolid" || (parm.contentSet | parm.surfaceSet) == 0)
+                continue;
+            const std::uint32_t contents = (1 & ~parm.contentClear) | parm.contentSet;
+            const std::uint32_t expected = (C_SOLID & ~parm.compileClear) | parm.compileSet;
+            EXPECT_EQ(game.CompileFlagsOf(parm.surfaceSet, contents) & expected, expected)
+                << game.name << ' ' << parm.name;
+        }
+}
+
 } // namespace
 } // namespace q3

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Worlds of boxes, and what the tree makes of them.
-#include "tests/tree/tree_test.h"
+#include "tests/tree/tree_fixture.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,0 +1,98 @@
+// GPL-2.0-or-later. Whether the game that the options name is there.
+#include "q3map2/game_check.h"
+
+#include "common/error.h"
+#include "common/nearest_names.h"
+#include "common/text.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+
+namespace q3 {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kNearestGames = 3;
+
+bool IsFolder(const fs::path &path) {
+    std::error_code absent;
+    return fs::is_directory(path, absent);
+}
+
+bool HoldsGameFiles(const fs::path &folder, const Game &game) {
+    const std::string archive = fmt::format(".{}", game.archiveExtension), packFolder = archive + "dir";
+    std::error_code failed;
+    for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
+        const std::string name = LowerCase(at->path().filename().string());
+        if (name.ends_with(archive) || name.ends_with(packFolder))
+            return true;
+        for (const std::string_view part : {game.shaderDir, std::string_view("textures"), std::string_view("models")})
+            if (name == part && IsFolder(at->path()))
+                return true;
+    }
+    return false;
+}
+
+std::string Joined(const std::vector<fs::path> &folders) {
+    std::vector<std::string> names;
+    for (const fs::path &folder : folders)
+        names.push_back(folder.string());
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+void Report(bool force, std::string_view kind, std::string_view text, Log &log) {
+    if (!force)
+        throw Error("{}; -force goes on without", text);
+    log.Warn(kind, "{}", text);
+}
+
+} // namespace
+
+void ReportUnknownGame(std::string_view name, const GlobalOptions &options, Log &log) {
+    std::vector<std::string> names;
+    for (const Game &game : Games())
+        names.emplace_back(game.name);
+    const auto nearest = NearestNames(name, std::move(names), kNearestGames);
+    if (!options.force)
+        throw Error("-game {}: unknown; the nearest names are {} (-help game lists all); -force goes on with {}", name,
+                    fmt::join(nearest, ", "), options.game->name);
+    log.Warn("unknown game", "-game {}: unknown, {} is used; the nearest names are {}", name, options.game->name,
+             fmt::join(nearest, ", "));
+}
+
+void RequireGameFiles(const GlobalOptions &options, const std::vector<fs::path> &folders, Log &log) {
+    const std::string_view base = options.baseGame ? std::string_view(*options.baseGame) : options.game->gameDir;
+    const auto isGameDir = [](const fs::path &folder, const std::string &gameDir) {
+        return folder.string().ends_with("/" + gameDir);
+    };
+    for (const std::string &path : options.basePaths)
+        if (!IsFolder(path))
+            return Report(
+                options.force, "no base path",
+                fmt::format("no game files: -fs_basepath {} is no folder; it must be the one that holds {} (searched: "
+                            "{})",
+                            path, base, Joined(folders)),
+                log);
+    for (const std::string &gameDir : options.gameDirs) {
+        std::vector<fs::path> searched;
+        std::copy_if(folders.begin(), folders.end(), std::back_inserter(searched),
+                     [&](const fs::path &folder) { return isGameDir(folder, gameDir); });
+        if (std::none_of(searched.begin(), searched.end(), IsFolder))
+            return Report(options.force, "no mod folder",
+                          fmt::format("-fs_game {}: no such folder; correct it or -fs_basepath (searched: {})", gameDir,
+                                      Joined(searched)),
+                          log);
+    }
+    if (std::none_of(folders.begin(), folders.end(),
+                     [&](const fs::path &folder) { return HoldsGameFiles(folder, *options.game); }))
+        Report(options.force, "no game files",
+               fmt::format("no game files found; give the folder that holds {} by -fs_basepath (searched: {})", base,
+                           Joined(folders)),
+               log);
+}
+
+} // namespace q3

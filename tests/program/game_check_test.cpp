@@ -1,0 +1,156 @@
+// GPL-2.0-or-later. Game files that are not where the options say: an error that names the folders searched.
+#include "tests/program/run_program.h"
+
+#include "common/files.h"
+#include "q3map2/bspfile/bspfile.h"
+
+#include <array>
+
+namespace q3::test {
+
+namespace {
+
+class GameCheckTest : public ProgramTest {
+  protected:
+    /// Without the -fs_basepath that Run gives.
+    Outcome RunBare(std::vector<std::string> arguments) {
+        arguments.push_back(Map(".bsp").string());
+        return RunProgramFile(arguments, folder_.Root());
+    }
+    std::string ErrorOf(const Outcome &outcome) {
+        EXPECT_EQ(outcome.status, 1) << outcome.text;
+        const auto lines = outcome.ErrorLines();
+        EXPECT_EQ(lines.size(), 1u) << outcome.text;
+        return lines.empty() ? "" : lines.front();
+    }
+    void ExpectParts(const std::string &line, const std::vector<std::string> &parts) {
+        for (const std::string &part : parts)
+            EXPECT_NE(line.find(part), std::string::npos) << part << " is not in: " << line;
+    }
+};
+
+TEST_F(GameCheckTest, BasePathThatIsNotThere) {
+    const auto before = MapBytes();
+    for (const char *stage : {"-light", "-bsp"})
+        ExpectParts(
+            ErrorOf(RunBare({"-fs_basepath", "/nope", stage})),
+            {"no game files", "-fs_basepath /nope", "/nope/baseq3", (folder_ / ".q3a/baseq3").string(), "-force"});
+    EXPECT_EQ(MapBytes(), before);
+}
+
+TEST_F(GameCheckTest, BasePathThatIsNotThereBesideFilesOfTheHomeFolder) {
+    folder_.Write(".q3a/baseq3/scripts/home.shader", "");
+    ExpectParts(ErrorOf(RunBare({"-fs_basepath", "/nope", "-light"})), {"-fs_basepath /nope"});
+}
+
+TEST_F(GameCheckTest, FolderWithoutGameFiles) {
+    folder_.Write("empty/baseq3/q3config.cfg", "");
+    ExpectParts(ErrorOf(RunBare({"-fs_basepath", (folder_ / "empty").string(), "-light"})),
+                {"no game files", (folder_ / "empty/baseq3").string(), "-fs_basepath"});
+    // Whatever the program takes for the engine's folder without -fs_basepath has no baseq3.
+    ExpectParts(ErrorOf(RunBare({"-light"})), {"no game files", "baseq3", "-fs_basepath"});
+}
+
+TEST_F(GameCheckTest, OneArchiveIsEnough) {
+    folder_.WriteArchive("packed/baseq3/pak0.PK3", {{"scripts/a.shader", "textures/a\n{\n}\n"}});
+    EXPECT_EQ(RunBare({"-fs_basepath", (folder_ / "packed").string(), "-light", "-onlygrid"}).status, 0);
+}
+
+TEST_F(GameCheckTest, ModWithoutBaseGame) {
+    std::filesystem::rename(game_, folder_ / "base/mod");
+    game_ = folder_ / "base/mod";
+    maps_ = game_ / "maps";
+    RunWell("-fs_game mod -light -onlygrid MAP");
+}
+
+TEST_F(GameCheckTest, ModThatIsNotThere) {
+    ExpectError("-fs_game moda -light MAP", "-fs_game moda: no such folder");
+    const std::string line = ErrorOf(Run("-fs_game moda -bsp MAP"));
+    ExpectParts(line, {(folder_ / "base/moda").string(), (folder_ / ".q3a/moda").string(), "-force"});
+}
+
+TEST_F(GameCheckTest, UnknownGameNamesTheNearest) {
+    ExpectError("-game quake -light MAP", "-game quake: unknown; the nearest names are quake3");
+    ExpectError("-game QuakeLife -bsp MAP", "quakelive");
+    ExpectError("-game tremolous -light MAP", "tremulous");
+}
+
+TEST_F(GameCheckTest, ForceGoesOnWithAWarning) {
+    const auto expectWarning = [&](const Outcome &outcome, std::string_view text) {
+        EXPECT_EQ(outcome.status, 0) << outcome.text;
+        EXPECT_TRUE(outcome.Printed(fmt::format("WARNING: {}", text))) << outcome.text;
+    };
+    expectWarning(RunBare({"-fs_basepath", "/nope", "-force", "-light", "-onlygrid"}), "no game files");
+    expectWarning(Run("-force -fs_game moda -light -onlygrid MAP"), "-fs_game moda: no such folder");
+    expectWarning(Run("-light -onlygrid -force -game tetris MAP"), "-game tetris: unknown, quake3 is used");
+}
+
+TEST_F(GameCheckTest, OtherStagesNeedNoGameFiles) {
+    RunWell("-light -sh -gridsh 64 64 64 MAP");
+    const std::vector<std::string> nowhere{"-fs_basepath", "/nope", "-fs_game", "moda"};
+    for (const std::vector<std::string> &stage : {std::vector<std::string>{"-info"},
+                                                  {"-export"},
+                                                  {"-import"},
+                                                  {"-json", "-unpack"},
+                                                  {"-json", "-pack"},
+                                                  {"-shpreview", (folder_ / "p.png").string()}}) {
+        std::vector<std::string> words = nowhere;
+        words.insert(words.end(), stage.begin(), stage.end());
+        EXPECT_EQ(RunBare(words).status, 0) << stage.front();
+    }
+}
+
+TEST_F(GameCheckTest, EntitiesAloneNeedNoGameFiles) {
+    EXPECT_EQ(RunBare({"-fs_basepath", "/nope", "-bsp", "-onlyents"}).status, 0);
+}
+
+/// A box brush of one texture.
+std::string Box(const std::array<int, 3> &mins, const std::array<int, 3> &maxs, std::string_view texture) {
+    const auto [x, y, z] = mins;
+    const auto [u, v, w] = maxs;
+    const std::string end = fmt::format(" {} 0 0 0 1 1\n", texture);
+    std::string text = "{\n";
+    const auto at = [](int a, int b, int c) { return fmt::format("( {} {} {} ) ", a, b, c); };
+    for (const std::string &points : {at(x, y, z) + at(x, v, z) + at(x, y, w), at(u, y, z) + at(u, y, w) + at(u, v, z),
+                                      at(x, y, z) + at(x, y, w) + at(u, y, z), at(x, v, z) + at(u, v, z) + at(x, v, w),
+                                      at(x, y, z) + at(u, y, z) + at(x, v, z), at(x, y, w) + at(x, v, w) + at(u, y, w)})
+        text += points + end;
+    return text + "}\n";
+}
+
+/// A room of 256 x 256 x 256 units full of water, with a clip brush in its lower half and a sky for a ceiling.
+std::string PoolMap() {
+    std::string text = "{\n\"classname\" \"worldspawn\"\n";
+    text += Box({-144, -144, -16}, {144, 144, 0}, "pool/wall") + Box({-144, -144, 256}, {144, 144, 272}, "pool/sky");
+    for (const int side : {-144, 128}) {
+        text += Box({side, -144, 0}, {side + 16, 144, 256}, "pool/wall");
+        text += Box({-128, side, 0}, {128, side + 16, 256}, "pool/wall");
+    }
+    text += Box({-128, -128, 0}, {128, 128, 256}, "pool/water") + Box({-96, -96, 8}, {96, 96, 128}, "pool/clip");
+    return text + "}\n{\n\"classname\" \"light\"\n\"origin\" \"0 0 200\"\n\"light\" \"300\"\n}\n";
+}
+
+TEST_F(GameCheckTest, FlagsOfTheMapStandInForScripts) {
+    folder_.Write("base/baseq3/scripts/pool.shader",
+                  "textures/pool/wall\n{\n}\ntextures/pool/sky\n{\n\tsurfaceparm sky\n}\n"
+                  "textures/pool/water\n{\n\tsurfaceparm water\n\tsurfaceparm trans\n}\n"
+                  "textures/pool/clip\n{\n\tsurfaceparm playerclip\n\tsurfaceparm nodraw\n}\n");
+    std::filesystem::remove(game_ / "scripts/shaderlist.txt");
+    folder_.Write("base/baseq3/maps/pool.map", PoolMap());
+    const std::string bsp = (maps_ / "pool.bsp").string();
+    RunWell("-meta " + bsp);
+    const auto gridWith = [&](const std::string &basePath) {
+        const Outcome outcome = RunProgramFile(
+            {"-fs_basepath", basePath, "-force", "-light", "-sh", "-gridsh", "32", "32", "32", "-onlygrid", bsp},
+            folder_.Root());
+        EXPECT_EQ(outcome.status, 0) << outcome.text;
+        return LumpOf(ReadFile(bsp), LUMP_LIGHTGRID_SH);
+    };
+    const auto scripts = gridWith((folder_ / "base").string()), noScripts = gridWith("/nope");
+    EXPECT_EQ(noScripts, scripts) << "what is translucent is not taken for solid";
+    EXPECT_FALSE(scripts.empty());
+}
+
+} // namespace
+
+} // namespace q3::test

@@ -1,0 +1,31 @@
+// GPL-2.0-or-later. Which texels of a surface's lightmap hold light of that surface.
+#pragma once
+
+#include "q3map2/light/scene/light_space.h"
+#include "tools/lightmap_compare/lit_map.h"
+
+namespace q3::compare {
+
+/// Texels of one file that a luxel of their surface can cover. A luxel is lit from the open a unit above its middle, or
+/// half a luxel beside; where all of that is in solids it does not exist, and packing may put other lightmaps there.
+/// Keeps a reference.
+class LuxelCover {
+  public:
+    explicit LuxelCover(const LitMap &map);
+    /// Whether all texels that the light at a position on the surface is blended from are covered. True on patches and
+    /// on surfaces of brush entities, where positions are not known.
+    bool Covers(std::size_t surface, const Place &position) const;
+
+  private:
+    /// The surface around texel coordinates: xyz = origin + s along[0] + t along[1].
+    struct TexelFrame {
+        Vec3d origin, normal;
+        std::array<Vec3d, 2> along;
+    };
+    bool IsOpen(const TexelFrame &frame, double s, double t) const;
+
+    const LitMap &map_;
+    BspSpace space_;
+};
+
+} // namespace q3::compare
