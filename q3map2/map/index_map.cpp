@@ -2,7 +2,6 @@
 #include "q3map2/map/index_map.h"
 
 #include "common/error.h"
-#include "common/image.h"
 #include "common/image_index.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/text_scan.h"
-#include "q3map2/map/map.h"
+#include "q3map2/map/bsp_context.h"
 
 #include <string>
 #include <string_view>

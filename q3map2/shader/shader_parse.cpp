@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. From script text to shaders, before any image is read.
 #include "q3map2/shader/shader_parse.h"
 
-#include "common/text.h"
+#include "q3map2/shader/shader_color.h"
 #include "q3map2/shader/shader_geometry.h"
 #include "q3map2/shader/shader_text.h"
 

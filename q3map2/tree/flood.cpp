@@ -1,8 +1,7 @@
 // GPL-2.0-or-later. What entities can reach: finds leaks and closes what lies outside.
-#include "q3map2/tree/tree.h"
+#include "q3map2/tree/flood.h"
 
 #include "common/files.h"
-#include "common/text.h"
 
 #include <algorithm>
 #include <span>

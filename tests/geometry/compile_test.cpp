@@ -1,5 +1,7 @@
 // GPL-2.0-or-later. Whole compiles of small maps.
 #include "tests/geometry/compile_test.h"
+#include "common/error.h"
+#include "q3map2/geometry/game_entities.h"
 
 #include <set>
 

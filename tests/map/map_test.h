@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Map text of brushes and patches, and a reader of it.
 #pragma once
 
-#include "q3map2/map/map.h"
+#include "q3map2/map/map_parse.h"
 #include "tests/shader/library_test.h"
 
 #include <string>

@@ -1,5 +1,4 @@
 // GPL-2.0-or-later. The plane table, and how planes of maps snap to it.
-#include "q3map2/map/planes.h"
 #include "tests/map/map_test.h"
 
 #include <random>

@@ -1,0 +1,48 @@
+// GPL-2.0-or-later. Model files as triangles in the map's axes.
+#pragma once
+
+#include "common/vfs.h"
+#include "q3map2/map/map.h"
+
+#include <array>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace q3 {
+
+struct ModelMesh {
+    std::string shader; ///< as the model names it, without extension; with the model's folder if it had none
+    std::vector<DrawVert> verts;
+    std::vector<std::array<int, 3>> triangles; ///< clockwise seen from the front
+};
+
+struct Model {
+    std::vector<ModelMesh> meshes;
+};
+
+/// Models of the game's files, each read once.
+class ModelLibrary {
+  public:
+    /// vfs null: there are no files.
+    explicit ModelLibrary(const VirtualFileSystem *vfs) : vfs_(vfs) {}
+    /// Null when it cannot be read: `problem` then says why. Everything that assimp reads: md3, ase, obj ...
+    const Model *Get(std::string_view name, int frame, std::string &problem);
+
+  private:
+    struct Entry {
+        std::unique_ptr<Model> model;
+        std::string problem;
+    };
+    const VirtualFileSystem *vfs_;
+    std::map<std::pair<std::string, int>, Entry> entries_;
+};
+
+/// Shader name for a material: without extension, with the model's folder when it has none; paths from other machines
+/// are cut at their "models" or "textures" folder.
+std::string ShaderOfMaterial(std::string_view material, std::string_view modelName);
+
+} // namespace q3
