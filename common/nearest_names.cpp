@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Names like a misspelt one.
 #include "common/nearest_names.h"
 
-#include "common/text.h"
+#include "common/text/text.h"
 
 #include <algorithm>
 #include <numeric>

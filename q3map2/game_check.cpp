@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "common/nearest_names.h"
-#include "common/text.h"
+#include "common/text/text.h"
 
 #include <fmt/ranges.h>
 

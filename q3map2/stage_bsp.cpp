@@ -4,7 +4,11 @@
 #include "q3map2/command_record.h"
 #include "q3map2/game_check.h"
 #include "q3map2/geometry/compile_map.h"
+#include "q3map2/geometry/game_entities.h"
+#include "q3map2/geometry/map_text.h"
+#include "q3map2/map/map_parse.h"
 #include "q3map2/stages.h"
+#include "q3map2/tree/flood.h"
 
 namespace q3 {
 

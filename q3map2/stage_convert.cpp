@@ -1,6 +1,9 @@
 // GPL-2.0-or-later. q3map2 -json, -info and -shpreview.
 #include "common/error.h"
-#include "q3map2/convert/convert.h"
+#include "q3map2/convert/bsp_info.h"
+#include "q3map2/convert/json/convert_json.h"
+#include "q3map2/convert/json/convert_json_pack.h"
+#include "q3map2/convert/preview/grid_preview.h"
 #include "q3map2/stages.h"
 
 namespace q3 {

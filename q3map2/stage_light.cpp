@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. q3map2 -light: files in, LightWorld, file out.
 #include "common/error.h"
 #include "q3map2/command_record.h"
-#include "q3map2/convert/convert.h"
+#include "q3map2/convert/preview/grid_preview.h"
 #include "q3map2/game_check.h"
 #include "q3map2/light_inputs.h"
 #include "q3map2/lightmap/light_world.h"

@@ -1,16 +1,14 @@
 // GPL-2.0-or-later. Where the parts of an IBSP file lie. Internal to the folder. See docs/bsp_format.md.
 #pragma once
 
-#include "q3map2/bspfile/bspfile.h"
+#include "q3map2/bspfile/bsp_records.h"
 
 #include <array>
 #include <cstdint>
 #include <cstring>
 #include <functional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 namespace q3 {
 
@@ -82,63 +80,5 @@ template <typename AnyBsp, typename Visit> void ForEachArray(AnyBsp &bsp, Visit 
     visit(LUMP_VISIBILITY, bsp.visibility);
     visit(LUMP_ADVERTISEMENTS, bsp.advertisements);
 }
-
-/// Lump lengths and BSPX lengths in, positions out.
-struct FilePlan {
-    std::size_t slots = 17;
-    std::array<FilePart, kNumLumps> lumps{}; ///< only the first `slots` are in the file
-    std::uint64_t bspxStart = 0;             ///< position of the BSPX directory, when there is one
-    std::vector<FilePart> bspx;
-    std::uint64_t size = 0; ///< of the whole file
-};
-
-/// Places every lump. `slots` is 17, 18 or 19; an empty slot 17 of a 19-slot file gets offset 0. Errors: a file of 2^31
-/// bytes or more, which no reader could address.
-FilePlan PlanFile(std::size_t slots, const std::array<std::uint64_t, kNumLumps> &lengths,
-                  std::span<const std::uint64_t> bspxLengths);
-
-/// The bytes of a file, as the pieces of memory that they come from. Refers to the Bsp.
-class BspPieces {
-  public:
-    using Append = std::function<void(std::span<const std::byte>)>;
-
-    /// Errors as WriteBsp.
-    BspPieces(const Bsp &bsp, const BspFormat &format);
-    std::uint64_t Size() const { return plan_.size; }
-    /// Appends all bytes of the file in order.
-    void Write(const Append &append) const;
-
-  private:
-    using Pieces = std::vector<std::span<const std::byte>>; ///< one after the other, a lump
-
-    void TakeLumps(const Bsp &bsp, const BspFormat &format);
-    void TakeBspx(const Bsp &bsp);
-    void MakeHeader(int version);
-    void MakeDirectory();
-
-    std::array<Pieces, kNumLumps> lumps_;
-    std::vector<std::string_view> bspxNames_;
-    std::vector<Pieces> bspx_;
-    FilePlan plan_;
-    std::vector<std::byte> header_, directory_;
-};
-
-/// An entry of a BSPX directory.
-struct BspxPart {
-    std::string name;
-    FilePart part;
-};
-
-/// The BSPX directory at `start`, if there is one. A malformed directory is a warning and gives nothing; of two lumps
-/// with one name the first is kept.
-std::vector<BspxPart> ReadBspx(const ByteSource &file, std::uint64_t start, std::string_view name, Log &log);
-
-/// The SH light grid in a part of the file. Errors: the length, and those of CheckLightGridSH.
-LightGridSH ReadLightGridSH(const ByteSource &file, const FilePart &part, std::string_view name);
-/// ReadBsp from wherever the file is: its bytes are read once, into the records.
-Bsp ReadBspFrom(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log);
-
-/// Checks the numbers of the header against the count of points, and that all floats are finite. Errors name the field.
-void CheckLightGridSH(const LightGridSH &grid, std::string_view name);
 
 } // namespace q3

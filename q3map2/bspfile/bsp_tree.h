@@ -2,7 +2,7 @@
 #pragma once
 
 #include "libs/math/bounds.h"
-#include "q3map2/bspfile/bspfile.h"
+#include "q3map2/bspfile/bsp.h"
 
 #include <array>
 #include <vector>

@@ -1,6 +1,9 @@
 // GPL-2.0-or-later. What ReadBsp promises: every index, count and float that a stage relies on is in range.
+#include "q3map2/bspfile/bsp_validate.h"
+
 #include "common/error.h"
 #include "q3map2/bspfile/bsp_layout.h"
+#include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/entities.h"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Placement of the legacy light grid, and the SH light grid lump.
+#include "q3map2/bspfile/bspfile_grid.h"
+
 #include "common/error.h"
-#include "q3map2/bspfile/bsp_layout.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,19 +61,6 @@ void CheckLightGridSH(const LightGridSH &grid, std::string_view name) {
                 if (!std::isfinite(value))
                     throw Error("{}: SH light grid: point {}: coeffs[{}] is {}, not a finite number", name, i, k,
                                 value);
-}
-
-LightGridSH ReadLightGridSH(const ByteSource &file, const FilePart &part, std::string_view name) {
-    LightGridSH grid;
-    constexpr std::int64_t head = sizeof grid.header;
-    constexpr std::int64_t point = sizeof(bspGridPointSH_t);
-    if (part.length <= head || (part.length - head) % point != 0)
-        throw Error("{}: SH light grid: length {} is not {} plus a multiple of {}", name, part.length, head, point);
-    file.Fill(std::uint64_t(part.offset), std::span(&grid.header, 1));
-    grid.points.resize(std::size_t((part.length - head) / point));
-    file.Fill(std::uint64_t(part.offset + head), std::span(grid.points));
-    CheckLightGridSH(grid, name);
-    return grid;
 }
 
 } // namespace q3

@@ -1,6 +1,10 @@
 // GPL-2.0-or-later. IBSP files of version 46 and 47: bytes to records.
+#include "q3map2/bspfile/bspfile_ibsp.h"
+
 #include "common/error.h"
-#include "q3map2/bspfile/bsp_layout.h"
+#include "q3map2/bspfile/bsp_validate.h"
+#include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/bspfile/bspx.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,6 +14,20 @@ namespace q3 {
 static_assert(std::endian::native == std::endian::little, "records are copied as they lie in the file");
 
 namespace {
+
+/// Reads the SH light grid from a part of the file. Errors: a bad length, and those of CheckLightGridSH.
+LightGridSH ReadLightGridSH(const ByteSource &file, const FilePart &part, std::string_view name) {
+    LightGridSH grid;
+    constexpr std::int64_t head = sizeof grid.header;
+    constexpr std::int64_t point = sizeof(bspGridPointSH_t);
+    if (part.length <= head || (part.length - head) % point != 0)
+        throw Error("{}: SH light grid: length {} is not {} plus a multiple of {}", name, part.length, head, point);
+    file.Fill(std::uint64_t(part.offset), std::span(&grid.header, 1));
+    grid.points.resize(std::size_t((part.length - head) / point));
+    file.Fill(std::uint64_t(part.offset + head), std::span(grid.points));
+    CheckLightGridSH(grid, name);
+    return grid;
+}
 
 constexpr std::size_t kClassicSlots = 17;
 constexpr std::size_t kLightmapPageBytes = 128 * 128 * 3;

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. The BSPX directory that may follow the header lumps.
+#include "q3map2/bspfile/bspx.h"
+
 #include "common/error.h"
-#include "q3map2/bspfile/bsp_layout.h"
+#include "q3map2/bspfile/bsp.h"
 
 #include <algorithm>
 #include <unordered_set>

@@ -1,8 +1,10 @@
 // GPL-2.0-or-later. What a compiled map holds, in numbers.
+#include "q3map2/convert/bsp_info.h"
+
 #include "common/error.h"
 #include "q3map2/bspfile/bsp_tree.h"
+#include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/entities.h"
-#include "q3map2/convert/convert.h"
 
 #include <algorithm>
 #include <string>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Texts about the brushes of a map, and what engines can hold.
-#include "q3map2/geometry/compile_map.h"
+#include "q3map2/geometry/map_text.h"
 
 #include <algorithm>
 #include <array>

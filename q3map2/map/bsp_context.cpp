@@ -1,4 +1,6 @@
 // GPL-2.0-or-later. Messages of the bsp stage that name a place in the map source.
+#include "q3map2/map/bsp_context.h"
+
 #include "common/error.h"
 #include "q3map2/map/map.h"
 

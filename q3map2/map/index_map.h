@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Index maps: pictures that say which layer of a terrain is where.
 #pragma once
 
+#include "q3map2/map/bsp_context.h"
 #include "q3map2/map/map.h"
 
 #include <cstdint>

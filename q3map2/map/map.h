@@ -5,15 +5,13 @@
 #include "libs/math/winding_clip.h"
 #include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/entities.h"
-#include "q3map2/map/bsp_options.h"
 #include "q3map2/map/planes.h"
-#include "q3map2/shader/shader.h"
+#include "q3map2/shader/shader_info.h"
 
 #include <array>
 #include <cstdint>
 #include <deque>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -113,49 +111,5 @@ struct Map {
     const ShaderInfo *defaultCelShader = nullptr;
     MapEntity &World() { return entities.front(); }
 };
-
-/// What every step of the stage gets.
-struct BspContext {
-    const BspOptions &options;
-    const Game &game;
-    ShaderLibrary &shaders;
-    Log &log;
-    const VirtualFileSystem *vfs = nullptr; ///< of models, skins and index maps; null: there are none
-
-    /// "Entity E, Brush B: text" as a warning; with an editor connected it selects the primitive.
-    void WarnAt(std::string_view kind, int entity, int primitive, std::string_view text) const;
-    [[noreturn]] void FailAt(int entity, int primitive, std::string_view text) const;
-};
-
-/// Reads map text: entities, brushes with windings and bevels, patches; applies origin brushes, joins func_groups into
-/// the world. map_parse.cpp. Errors: Error with file, line, entity and primitive.
-Map ReadMap(std::string_view text, std::string_view name, const BspContext &context);
-/// Keys that all surfaces of an entity share. `world` gives the ambient light and cel shader it falls back to.
-SurfaceSettings SettingsOf(const MapEntity &entity, const Map &map, const BspContext &context);
-
-// map_brush.cpp
-/// Makes sides' windings and the bounds from their planes; false when the brush encloses nothing or leaves the world.
-bool MakeBrushWindings(Brush &brush, const PlaneTable &planes);
-/// Appends the planes that boxes of any size need to collide with it exactly. Once, after its windings.
-void AddBrushBevels(Brush &brush, PlaneTable &planes, int snap);
-/// Flags, content shader, detail and opaque from the sides.
-void SetBrushContents(Brush &brush, const BspContext &context);
-/// A brush from planes for generated solids; the front side has `shader`. Nothing when it encloses nothing.
-std::unique_ptr<Brush> BrushFromPlanes(std::span<const Plane> planes, const ShaderInfo *front,
-                                       const BspContext &context, PlaneTable &table);
-
-// map_patch.cpp
-/// Longest curve of each patch, and groups that change their detail together.
-void FinishPatches(std::deque<Patch> &patches);
-/// Normals of control points, from their neighbours and from the curve.
-void SetPatchNormals(Patch &patch);
-/// Triangle mesh of a patch for a curve tolerance.
-struct PatchMesh {
-    int width = 0, height = 0;
-    std::vector<DrawVert> verts;
-};
-PatchMesh TessellatePatch(const Patch &patch, int subdivisions);
-/// Corner indexes of the triangles of a mesh, clockwise seen from the front.
-std::vector<std::array<int, 3>> MeshTriangles(const PatchMesh &mesh);
 
 } // namespace q3

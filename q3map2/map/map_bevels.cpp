@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Planes that let boxes collide with brushes exactly: axial ones, and those of edges.
-#include "q3map2/map/map.h"
+#include "q3map2/map/map_bevels.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Brushes: what their sides make them, and windings from planes.
-#include "q3map2/map/map.h"
+#include "q3map2/map/map_brush.h"
 
 #include "common/error.h"
 

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Brushes and patches of an entity that moves about its origin.
 #pragma once
 
+#include "q3map2/map/bsp_context.h"
 #include "q3map2/map/map.h"
 
 namespace q3 {

@@ -1,10 +1,14 @@
 // GPL-2.0-or-later. Map text to entities.
-#include "q3map2/map/map.h"
+#include "q3map2/map/map_parse.h"
 
 #include "common/error.h"
 #include "q3map2/map/index_map.h"
+#include "q3map2/map/map_bevels.h"
+#include "q3map2/map/map_brush.h"
 #include "q3map2/map/map_origin.h"
+#include "q3map2/map/map_patch.h"
 #include "q3map2/map/map_primitive.h"
+#include "q3map2/map/map_settings.h"
 
 #include <algorithm>
 #include <cmath>

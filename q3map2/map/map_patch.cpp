@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Patches: normals, groups that change their detail together, meshes.
-#include "q3map2/map/map.h"
+#include "q3map2/map/map_patch.h"
 
 #include "libs/math/patch_mesh.h"
 

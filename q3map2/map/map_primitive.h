@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Brushes and patches of map text.
 #pragma once
 
+#include "q3map2/map/map.h"
 #include "q3map2/map/map_scanner.h"
 
 #include <optional>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/text/text_scan.h"
+#include "q3map2/map/bsp_context.h"
 #include "q3map2/map/map.h"
 
 #include <string>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Keys that all surfaces of an entity share.
-#include "q3map2/map/map.h"
+#include "q3map2/map/map_settings.h"
 
 #include <algorithm>
 

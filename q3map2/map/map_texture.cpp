@@ -35,12 +35,13 @@ const BaseAxes &BaseAxesOf(const Vec3d &normal) {
     return *best;
 }
 
-struct SineCosine {
+/// Rotation by an angle.
+struct Rotation {
     double sine, cosine;
 };
 
 /// Exact at right angles.
-SineCosine RotationOf(double degrees) {
+Rotation RotationOf(double degrees) {
     if (degrees == 0)
         return {0, 1};
     if (degrees == 90)
@@ -71,7 +72,7 @@ std::array<double, 4> Row(const Vec3d &axis, double shift, int size) {
 TextureProjection ProjectClassic(const TextureAxes &texture, const Vec3d &normal, const GeometryDirectives &shader) {
     const BaseAxes &base = BaseAxesOf(normal);
     const std::size_t sv = MainAxis(base.s), tv = MainAxis(base.t);
-    const SineCosine rotation = RotationOf(texture.rotate);
+    const Rotation rotation = RotationOf(texture.rotate);
     const std::array<int, 2> size{shader.textureWidth, shader.textureHeight};
     TextureProjection projection;
     for (std::size_t row = 0; row < 2; ++row) {

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Colours of shaders and lights.
-#include "q3map2/shader/shader.h"
+#include "q3map2/shader/shader_color.h"
 
 #include <cmath>
 

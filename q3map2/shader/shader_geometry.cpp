@@ -2,7 +2,9 @@
 #include "q3map2/shader/shader_geometry.h"
 
 #include "common/text/text.h"
+#include "q3map2/shader/shader_color.h"
 #include "q3map2/shader/shader_parse.h"
+#include "q3map2/shader/shader_table.h"
 
 #include <algorithm>
 #include <numbers>

@@ -1,8 +1,9 @@
 // GPL-2.0-or-later. Finds scripts and images, and hands out complete shaders.
-#include "q3map2/shader/shader.h"
+#include "q3map2/shader/shader_library.h"
 
 #include "common/error.h"
 #include "q3map2/shader/image_size.h"
+#include "q3map2/shader/shader_color.h"
 #include "q3map2/shader/shader_parse.h"
 #include "q3map2/shader/shader_text.h"
 

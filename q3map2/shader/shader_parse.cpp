@@ -2,6 +2,7 @@
 #include "q3map2/shader/shader_parse.h"
 
 #include "common/text/text.h"
+#include "q3map2/shader/shader_color.h"
 #include "q3map2/shader/shader_geometry.h"
 #include "q3map2/shader/shader_text.h"
 

@@ -2,71 +2,12 @@
 #pragma once
 
 #include "common/text/text_scan.h"
-#include "q3map2/shader/shader.h"
-
-#include <deque>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <unordered_map>
+#include "q3map2/shader/shader_table.h"
 
 namespace q3 {
-
-/// A shader and the image names from which its colours will come. Names are without extension, empty when not given.
-struct ParsedShader {
-    ShaderInfo info;
-    std::string editorImage, lightImage, implicitImage;
-    std::optional<std::string> body; ///< what info.scriptText will be made of at look-up, unless that is settled
-    std::string replacement;         ///< q3map_deprecateShader
-    bool builtInImage = false;       ///< a stage draws an image of the engine, such as $whiteimage
-    bool colorGiven = false;         ///< q3map_lightRGB: info.color is final
-    bool hasBspFlags = false;        ///< no script defines it; flags are those of a .bsp
-    bool lookedUp = false;           ///< somebody has its info
-    bool imagesReady = false;        ///< light image and colours are in info
-};
-
-/// All shaders by name. References stay valid as long as the table.
-class ShaderTable {
-  public:
-    ShaderTable(const Game &game, const ShaderOptions &options);
-
-    const Game &ForGame() const { return game_; }
-    const ShaderOptions &Options() const { return options_; }
-
-    /// A shader with the defaults of the game and the command line.
-    ParsedShader MakeDefault(std::string_view name) const;
-    /// Adds a script's definition; a name that is there already keeps the first one.
-    void Define(std::unique_ptr<ParsedShader> shader);
-    /// The definition of that name (without case and extension) or of what replaces it, or null.
-    const ParsedShader *Find(std::string_view name, Log &log) const;
-    /// The same; an unknown name is added as an implicit shader.
-    ParsedShader &FindOrAdd(std::string_view name, Log &log);
-    std::size_t DefinedCount() const { return definedCount_; }
-    static constexpr std::size_t kMaxCustomParms = 256;
-    /// One more surfaceparm, after those of the game; false: there are too many.
-    bool AddCustomParm(std::string name, std::uint32_t contentFlags, std::uint32_t surfaceFlags);
-    /// Flags that the command line gives to all shaders.
-    void ApplyGlobalFlags(ShaderInfo &info) const;
-    void ForEach(const std::function<void(ParsedShader &)> &visit);
-
-  private:
-    std::string FollowReplacements(std::string_view name, Log &log) const;
-
-    Game game_;
-    ShaderOptions options_;
-    std::uint32_t globalFlags_ = 0;                                          ///< surface flags for all shaders
-    std::deque<std::string> customNames_;                                    ///< parms refer to them
-    std::unordered_map<std::string, std::unique_ptr<ParsedShader>> shaders_; ///< by lower-case name
-    std::size_t definedCount_ = 0;
-};
 
 /// Reads all shaders of one script into the table. Mistakes in the script are warnings with their line. Error: the
 /// scanner's; what stood before is in the table.
 void ParseShaderScript(TextScanner &scanner, ShaderTable &table, Log &log);
-
-/// Copy up to the last '.' that follows the last slash.
-std::string WithoutExtension(std::string_view name);
 
 } // namespace q3

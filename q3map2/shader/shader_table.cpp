@@ -1,7 +1,8 @@
 // GPL-2.0-or-later. All shaders by name.
-#include "q3map2/shader/shader_parse.h"
+#include "q3map2/shader/shader_table.h"
 
 #include "common/error.h"
+#include "common/text/text.h"
 
 #include <algorithm>
 

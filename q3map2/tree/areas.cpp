@@ -1,7 +1,9 @@
 // GPL-2.0-or-later. Numbers of clusters and areas.
+#include "q3map2/tree/areas.h"
+
 #include "common/error.h"
 #include "q3map2/bspfile/bsp_layout.h"
-#include "q3map2/tree/tree.h"
+#include "q3map2/tree/portals.h"
 
 #include <utility>
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Puts brushes into the leafs of the tree that they reach.
-#include "q3map2/tree/tree.h"
+#include "q3map2/tree/brush_filter.h"
 
 #include <algorithm>
 #include <optional>

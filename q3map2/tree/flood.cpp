@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. What entities can reach: finds leaks and closes what lies outside.
-#include "q3map2/tree/tree.h"
+#include "q3map2/tree/flood.h"
 
 #include "common/files/files.h"
 #include "common/text/text.h"

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Sides that other brushes cover, and so need not be drawn.
-#include "q3map2/tree/tree.h"
+#include "q3map2/tree/hidden_sides.h"
 
 #include <algorithm>
 #include <cmath>

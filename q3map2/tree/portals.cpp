@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Portals: the polygons through which one leaf opens to another.
-#include "q3map2/tree/tree.h"
+#include "q3map2/tree/portals.h"
 
 #include "common/error.h"
 

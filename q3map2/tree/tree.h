@@ -1,12 +1,12 @@
 // GPL-2.0-or-later. The BSP tree of the world: splits, portals, what is inside.
 #pragma once
 
-#include "q3map2/map/map.h"
+#include "libs/math/winding_clip.h"
+#include "q3map2/map/bsp_context.h"
+#include "q3map2/map/planes.h"
 
+#include <array>
 #include <cstdint>
-#include <deque>
-#include <filesystem>
-#include <string>
 #include <vector>
 
 namespace q3 {
@@ -58,41 +58,10 @@ struct Tree {
     int LeafAt(const Vec3f &p, const PlaneTable &planes) const;
 };
 
-enum class Sealing { Sealed, Leaked, Empty };
-
-/// Faces of the structural brushes' windings, for the first tree. Brushes of fewer than four sides become detail.
-std::vector<TreeFace> StructuralFaces(MapEntity &world, const BspContext &context);
-/// Faces of the visible hulls, for the second.
-std::vector<TreeFace> VisibleFaces(const MapEntity &world, const BspContext &context);
-/// tree.cpp. The tree of these faces.
+/// The tree of these faces.
 Tree BuildTree(std::vector<TreeFace> faces, const std::array<int, 3> &blockSize, PlaneTable &planes,
                const BspContext &context);
-/// A tree of one leaf, for the other models.
+/// A tree of one leaf, for brush entities.
 Tree SingleLeafTree(const Boundsf &bounds);
-/// portals.cpp. Portals between leafs, bounds of nodes.
-void MakePortals(Tree &tree, const PlaneTable &planes, const BspContext &context);
-bool IsPassable(const Tree &tree, const TreePortal &portal);
-/// brush_filter.cpp. Puts the brushes (structural ones, or detail ones) into the leafs that they reach; opaque
-/// structural ones make their leafs opaque, area portals mark portals.
-void FilterStructuralBrushes(const MapEntity &entity, Tree &tree, PlaneTable &planes, const BspContext &context);
-void FilterDetailBrushes(const MapEntity &entity, Tree &tree, PlaneTable &planes, const BspContext &context);
-/// flood.cpp. Floods from all entities that stand in the open; `warn` of those in solid (once is enough a map).
-Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, bool warn = true);
-/// Makes opaque what no entity reaches.
-void FillOutside(Tree &tree, const BspContext &context);
-/// The line from outside to the entity that reached it: centres of portals, then its origin. Empty: sealed.
-std::vector<Vec3f> LeakLine(const Tree &tree, const Map &map);
-/// The entity at the end of that line (index in the map); -1: sealed.
-int LeakedEntity(const Tree &tree);
-void WriteLeakFile(const std::filesystem::path &path, const std::vector<Vec3f> &line);
-/// hidden_sides.cpp. Marks sides that others cover.
-void CullSides(MapEntity &entity, const PlaneTable &planes, const BspContext &context);
-/// Sets the visible hull of each side from its parts in leafs that are not opaque.
-void ClipSidesIntoTree(MapEntity &entity, const Tree &tree, const PlaneTable &planes, const BspContext &context);
-/// areas.cpp. Cluster and area numbers; how many there are. Error: more clusters than a .bsp may have.
-int NumberClusters(Tree &tree, bool deep);
-int FloodAreas(Tree &tree);
-/// prtfile.cpp. The text of the portal file.
-std::string PortalFileText(const Tree &tree, const PlaneTable &planes, int clusters);
 
 } // namespace q3

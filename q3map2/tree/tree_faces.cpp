@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Which polygons may split the tree.
-#include "q3map2/tree/tree.h"
+#include "q3map2/tree/tree_faces.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The part of each brush side that lies in the open, as one convex polygon.
-#include "q3map2/tree/tree.h"
+#include "q3map2/tree/visible_hulls.h"
 
 #include "common/error.h"
 

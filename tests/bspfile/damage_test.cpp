@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Every field that a damaged file may hold: refused with a message that names it.
+#include "q3map2/bspfile/bspfile.h"
 #include "tests/bspfile/sample_bsp.h"
 
 #include <gmock/gmock.h>

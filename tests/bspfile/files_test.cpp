@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Files on disk are replaced whole or not at all.
 #include "common/files/files.h"
+#include "q3map2/bspfile/bspfile.h"
 #include "tests/bspfile/sample_bsp.h"
 
 #include <gmock/gmock.h>

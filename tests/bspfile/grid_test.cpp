@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Placement of the light grid, and the SH lump.
+#include "q3map2/bspfile/bspfile.h"
 #include "tests/bspfile/sample_bsp.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,6 @@
 // GPL-2.0-or-later. Files cut, mangled and forged: an Error or a valid map, nothing else.
+#include "common/error.h"
+#include "q3map2/bspfile/bspfile.h"
 #include "tests/bspfile/sample_bsp.h"
 
 #include <gmock/gmock.h>

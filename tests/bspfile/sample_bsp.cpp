@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. A small valid map for the tests.
 #include "tests/bspfile/sample_bsp.h"
+#include "common/error.h"
 
 #include <algorithm>
 

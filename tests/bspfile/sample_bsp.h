@@ -2,7 +2,8 @@
 #pragma once
 
 #include "common/error.h"
-#include "q3map2/bspfile/bspfile.h"
+#include "common/log.h"
+#include "q3map2/bspfile/bsp.h"
 
 #include <cstring>
 #include <functional>

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. JSON folders back to maps.
 #include "common/error.h"
-#include "q3map2/convert/convert.h"
+#include "q3map2/convert/json/convert_json.h"
+#include "q3map2/convert/json/convert_json_pack.h"
 #include "tests/convert/small_bsp.h"
 
 #include <gmock/gmock.h>

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. A map of one brush and one face, and helpers for tests of the convert stages.
 #pragma once
 
-#include "common/log.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/shader/games.h"
 

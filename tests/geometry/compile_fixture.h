@@ -2,7 +2,9 @@
 #pragma once
 
 #include "common/error.h"
+#include "q3map2/bspfile/bspfile.h"
 #include "q3map2/geometry/compile_map.h"
+#include "q3map2/map/map_parse.h"
 #include "tests/common/game_folder.h"
 
 #include <algorithm>

@@ -1,4 +1,7 @@
 // GPL-2.0-or-later. Decals on faces, patches and models.
+#include "q3map2/geometry/effects/decals.h"
+#include "q3map2/geometry/faces/brush_faces.h"
+#include "q3map2/geometry/faces/patch_surfaces.h"
 #include "tests/geometry/extra_scene.h"
 
 #include <gmock/gmock.h>

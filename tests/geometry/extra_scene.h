@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. A game folder with scripts and models, and a small map made by hand.
 #pragma once
 
-#include "q3map2/geometry/models.h"
-#include "q3map2/geometry/surface_extra.h"
+#include "q3map2/geometry/surface/draw_surface.h"
+#include "q3map2/map/map_brush.h"
 #include "tests/common/game_folder.h"
 
 #include <cstddef>

@@ -1,4 +1,14 @@
 // GPL-2.0-or-later. Derived surfaces: copies, fog hull, portals, flares, fur, sky box, patch meshes, terrain.
+#include "q3map2/geometry/effects/debug_portals.h"
+#include "q3map2/geometry/effects/derived_surfaces.h"
+#include "q3map2/geometry/effects/flares.h"
+#include "q3map2/geometry/effects/fog_hull.h"
+#include "q3map2/geometry/effects/fur.h"
+#include "q3map2/geometry/effects/skybox.h"
+#include "q3map2/geometry/effects/terrain.h"
+#include "q3map2/geometry/faces/brush_faces.h"
+#include "q3map2/geometry/faces/patch_mesh.h"
+#include "q3map2/geometry/faces/patch_surfaces.h"
 #include "q3map2/map/index_map.h"
 #include "tests/geometry/extra_scene.h"
 

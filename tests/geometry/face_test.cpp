@@ -1,5 +1,8 @@
 // GPL-2.0-or-later. Draw surfaces of brush sides and patches, their classification and subdivision.
 #include "common/error.h"
+#include "q3map2/geometry/faces/brush_faces.h"
+#include "q3map2/geometry/faces/patch_surfaces.h"
+#include "q3map2/geometry/faces/subdivide.h"
 #include "tests/geometry/face_scene.h"
 
 #include <algorithm>

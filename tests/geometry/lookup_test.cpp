@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Hashed look-ups give what a search in order of addition gives.
-#include "q3map2/geometry/point_table.h"
-#include "q3map2/geometry/tjunction_lines.h"
+#include "q3map2/geometry/faces/tjunction_lines.h"
+#include "q3map2/geometry/surface/point_table.h"
 
 #include <cmath>
 #include <random>

@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. The meta step: which triangles share vertices, normals and surfaces.
+#include "q3map2/geometry/faces/tjunctions.h"
 #include "tests/geometry/face_scene.h"
 
 #include <algorithm>

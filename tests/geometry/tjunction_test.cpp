@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. T-junction repair: no vertex of a face is left alone on the edge of another.
 #include "common/error.h"
+#include "q3map2/geometry/faces/tjunctions.h"
 #include "tests/geometry/face_scene.h"
 
 #include <algorithm>

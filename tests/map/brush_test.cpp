@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Brushes: windings, contents, bevels.
+#include "q3map2/map/map_brush.h"
 #include "tests/map/map_fixture.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 // GPL-2.0-or-later. Map text of brushes and patches, and a reader of it.
 #include "tests/map/map_fixture.h"
-
 #include "common/error.h"
 
 namespace q3::test {

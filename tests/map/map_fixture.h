@@ -2,6 +2,7 @@
 #pragma once
 
 #include "q3map2/map/map.h"
+#include "q3map2/map/map_parse.h"
 #include "tests/shader/library_fixture.h"
 
 #include <string>

@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Patches: text, curves, groups, normals, meshes.
 #include "libs/math/patch_mesh.h"
+#include "q3map2/map/map_patch.h"
 #include "tests/map/map_fixture.h"
 
 #include <numbers>

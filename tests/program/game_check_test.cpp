@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Game files that are not where the options say: an error that names the folders searched.
 #include "tests/program/run_program.h"
 
-#include "common/files.h"
+#include "common/files/files.h"
 #include "q3map2/bspfile/bspfile.h"
 
 #include <array>

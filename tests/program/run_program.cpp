@@ -3,6 +3,7 @@
 
 #include "common/files/files.h"
 #include "q3map2/geometry/compile_map.h"
+#include "q3map2/map/map_parse.h"
 
 #include <cstdlib>
 #include <cstring>

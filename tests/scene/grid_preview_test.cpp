@@ -1,10 +1,10 @@
 // GPL-2.0-or-later. The picture of the light grids, and the parts that decide what it shows.
 #include "common/error.h"
 #include "libs/sh/sh.h"
-#include "q3map2/convert/convert.h"
-#include "q3map2/convert/grid_preview_canvas.h"
-#include "q3map2/convert/grid_preview_light.h"
-#include "q3map2/convert/grid_preview_map.h"
+#include "q3map2/convert/preview/grid_preview.h"
+#include "q3map2/convert/preview/grid_preview_canvas.h"
+#include "q3map2/convert/preview/grid_preview_light.h"
+#include "q3map2/convert/preview/grid_preview_map.h"
 #include "tools/scene/scene_builder.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,8 @@
 // GPL-2.0-or-later. Maps made of boxes: what a stage that reads them relies on.
 #include "common/error.h"
+#include "libs/math/bounds.h"
+#include "q3map2/bspfile/bspfile.h"
+#include "q3map2/bspfile/entities.h"
 #include "tools/scene/demo_scene.h"
 #include "tools/scene/scene_builder.h"
 

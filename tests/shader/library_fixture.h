@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. A shader library over a small game folder.
 #pragma once
 
-#include "q3map2/shader/shader.h"
+#include "q3map2/shader/shader_library.h"
 #include "tests/common/game_folder.h"
 
 #include <array>

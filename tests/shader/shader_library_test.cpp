@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Finding scripts, shaders, images and colours.
-#include "tests/shader/library_fixture.h"
-
 #include "common/files/files.h"
+#include "q3map2/shader/shader_color.h"
+#include "tests/shader/library_fixture.h"
 
 #include <turbojpeg.h>
 

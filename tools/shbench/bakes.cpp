@@ -2,7 +2,7 @@
 #include "tools/shbench/bakes.h"
 
 #include "common/error.h"
-#include "q3map2/convert/grid_preview_light.h"
+#include "q3map2/convert/preview/grid_preview_light.h"
 #include "q3map2/lightmap/light_world.h"
 
 #include <memory>

@@ -1,0 +1,74 @@
+// GPL-2.0-or-later. A compiled map in memory: all lumps of an IBSP file.
+#pragma once
+
+#include "q3map2/bspfile/bsp_records.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// One named lump of the BSPX directory that may follow the header lumps.
+struct BspxLump {
+    std::string name; ///< at most 23 bytes; 24, without a NUL, are read and written back
+    std::vector<std::byte> data;
+};
+
+inline constexpr std::string_view kBspxLightGridSH = "LIGHTGRID_SH";
+
+/// The SH light grid, as in lump 18 or the BSPX lump of that name.
+struct LightGridSH {
+    bspGridSHHeader_t header{};
+    std::vector<bspGridPointSH_t> points;
+};
+
+/// Where the SH light grid is stored.
+enum class GridSHContainer {
+    Lump, ///< lump 18 of a version 47 file with 19 slots: engines that know it only
+    Bspx  ///< BSPX lump of a version 46 file: unmodified engines load it and see no SH grid
+};
+
+/// All lumps of an IBSP file as records. A value: copy, compare, edit. ReadBsp returns only validated data.
+struct Bsp {
+    std::string entities; ///< text of the lump without the final NUL
+    std::vector<bspShader_t> shaders;
+    std::vector<bspPlane_t> planes;
+    std::vector<bspNode_t> nodes;
+    std::vector<bspLeaf_t> leafs;
+    std::vector<std::int32_t> leafSurfaces, leafBrushes;
+    std::vector<bspModel_t> models;
+    std::vector<bspBrush_t> brushes;
+    std::vector<bspBrushSide_t> brushSides;
+    std::vector<bspDrawVert_t> drawVerts;
+    std::vector<std::int32_t> drawIndexes;
+    std::vector<bspFog_t> fogs;
+    std::vector<bspDrawSurface_t> drawSurfaces;
+    std::vector<std::uint8_t> lightmaps; ///< pages of 128 * 128 * 3 bytes
+    std::vector<bspGridPoint_t> gridPoints;
+    std::vector<std::uint8_t> visibility; ///< i32 clusters, i32 bytes per row, rows; empty: everything is visible
+    std::vector<bspAdvertisement_t> advertisements;
+    std::optional<LightGridSH> gridSH;
+    GridSHContainer gridSHContainer = GridSHContainer::Lump;
+    std::vector<BspxLump> bspx; ///< without LIGHTGRID_SH, which is in gridSH
+};
+
+/// Which header a file without an SH lump gets. Version 46: 17 slots. Version 47: 17 slots (Wolfenstein family) or 18
+/// with the advertisement lump (Quake Live).
+struct BspFormat {
+    int version = 46;
+    bool advertisements = false; ///< slot 17 belongs to the format
+    bool force = false;          ///< ident and version mismatches, and ragged lumps, are warnings
+};
+
+/// Name of a 64-byte field: up to the first NUL.
+template <std::size_t N> std::string_view FieldName(const std::array<char, N> &field) {
+    const std::string_view all(field.data(), N);
+    return all.substr(0, all.find('\0'));
+}
+
+} // namespace q3

@@ -1,0 +1,33 @@
+// GPL-2.0-or-later. Placement of the legacy light grid, and the SH light grid lump.
+#pragma once
+
+#include "q3map2/bspfile/bsp.h"
+
+#include <cstdint>
+#include <string_view>
+
+namespace q3 {
+
+/// Legacy light grid placement of a world model: cell, first point, points per axis.
+struct GridLayout {
+    Float3 mins{}, size{};
+    Int3 bounds{};
+    std::int64_t Count() const { return std::int64_t(bounds[0]) * bounds[1] * bounds[2]; }
+    /// Number of point (x, y, z) in the lump.
+    std::int64_t Index(std::int64_t x, std::int64_t y, std::int64_t z) const {
+        return x + bounds[0] * (y + bounds[1] * z);
+    }
+    /// World position of point (x, y, z), in float arithmetic as engines do it.
+    Float3 Position(int x, int y, int z) const {
+        return {mins[0] + float(x) * size[0], mins[1] + float(y) * size[1], mins[2] + float(z) * size[2]};
+    }
+};
+/// mins = size * ceil(worldMins / size), bounds = (size * floor(worldMaxs / size) - mins) / size + 1, each at least 1
+/// (a world thinner than a cell may hold no point). Errors: a cell size that is not above 0, counts that no int32
+/// holds, a product above 2^62.
+GridLayout LayoutGrid(const Float3 &worldMins, const Float3 &worldMaxs, const Float3 &size);
+
+/// Checks the numbers of the header against the count of points, and that all floats are finite. Errors name the field.
+void CheckLightGridSH(const LightGridSH &grid, std::string_view name);
+
+} // namespace q3

@@ -1,0 +1,130 @@
+// GPL-2.0-or-later. A compiled map as a folder of JSON files.
+#include "q3map2/convert/json/convert_json.h"
+
+#include "common/error.h"
+#include "common/files/files.h"
+#include "q3map2/convert/json/convert_json_archive.h"
+#include "q3map2/convert/json/convert_json_files.h"
+#include "q3map2/convert/json/convert_json_records.h"
+
+#include <system_error>
+
+namespace q3 {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Writes the files of one folder.
+class Unpacker {
+  public:
+    Unpacker(const Bsp &bsp, const Game &game, const fs::path &folder, Log &log)
+        : bsp_(bsp), game_(game), folder_(folder), log_(log) {}
+
+    void Run() {
+        ForEachJsonFile(bsp_, [this](std::string_view file, std::string_view prefix, const auto &records) {
+            WriteRecords(file, prefix, records);
+        });
+        WriteEntities();
+        WriteIf(!bsp_.advertisements.empty(), kJsonAdvertisements,
+                [this] { WriteRecords(kJsonAdvertisements, "Advertisement", bsp_.advertisements); });
+        WriteIf(bsp_.gridSH.has_value(), kJsonGridSH, [this] { WriteGridSH(*bsp_.gridSH); });
+        const bool gridInBspx = bsp_.gridSH && bsp_.gridSHContainer == GridSHContainer::Bspx;
+        WriteIf(gridInBspx || !bsp_.bspx.empty(), kJsonBspx, [&] { WriteBspx(gridInBspx); });
+    }
+
+  private:
+    fs::path Announce(std::string_view file) const {
+        const fs::path path = folder_ / file;
+        log_.Print("writing {}\n", path.string());
+        return path;
+    }
+
+    /// A file that does not belong to this map may be there from another one, and would be packed.
+    template <typename Write> void WriteIf(bool wanted, std::string_view file, const Write &write) const {
+        if (wanted) {
+            write();
+            return;
+        }
+        std::error_code error;
+        fs::remove(folder_ / file, error);
+        if (error)
+            throw Error("{}: cannot remove this file of an earlier map: {}", (folder_ / file).string(),
+                        error.message());
+    }
+
+    template <typename Record> void WriteRecord(JsonWriter &writer, Record record) const {
+        JsonRecordWriter archive(writer, game_);
+        Describe(archive, record);
+        archive.Finish();
+    }
+
+    template <typename Record>
+    void WriteRecords(std::string_view file, std::string_view prefix, const std::vector<Record> &records) const {
+        JsonWriter writer(Announce(file));
+        writer.BeginObject();
+        for (std::size_t i = 0; i < records.size(); i++) {
+            writer.Member(prefix, i);
+            WriteRecord(writer, records[i]);
+        }
+        writer.EndObject();
+        writer.Finish();
+    }
+
+    void WriteEntities() const {
+        std::vector<Entity> entities;
+        bool same = false;
+        try {
+            entities = ParseEntities(bsp_.entities, "entity lump");
+            same = FormatEntities(entities) == bsp_.entities;
+        } catch (const Error &error) {
+            log_.Warn("entity text", "{}: the text goes to {} as it is, no entity to {}", error.what(), kJsonEntityText,
+                      kJsonEntities);
+        }
+        WriteRecords(kJsonEntities, "entity", entities);
+        WriteIf(!same, kJsonEntityText,
+                [this] { ReplaceFile(Announce(kJsonEntityText), std::as_bytes(std::span(bsp_.entities))); });
+    }
+
+    void WriteGridSH(const LightGridSH &grid) const {
+        JsonWriter writer(Announce(kJsonGridSH));
+        writer.BeginObject();
+        writer.Member(kJsonGridSHHeader);
+        WriteRecord(writer, grid.header);
+        writer.Member(kJsonGridSHPoints);
+        writer.BeginList();
+        for (const bspGridPointSH_t &point : grid.points) {
+            writer.Element();
+            WriteRecord(writer, point);
+        }
+        writer.EndList();
+        writer.EndObject();
+        writer.Finish();
+    }
+
+    void WriteBspx(bool gridInBspx) const {
+        std::vector<JsonBspxEntry> entries;
+        for (const BspxLump &lump : bsp_.bspx)
+            entries.push_back({lump.name, HexText(lump.data), ""});
+        if (gridInBspx)
+            entries.push_back({std::string(kBspxLightGridSH), "", std::string(kJsonGridSH)});
+        WriteRecords(kJsonBspx, "bspx", entries);
+    }
+
+    const Bsp &bsp_;
+    const Game &game_;
+    const fs::path &folder_;
+    Log &log_;
+};
+
+} // namespace
+
+void UnpackJson(const Bsp &bsp, const Game &game, const fs::path &folder, Log &log) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error)
+        throw Error("{}: cannot make the folder: {}", folder.string(), error.message());
+    Unpacker(bsp, game, folder, log).Run();
+}
+
+} // namespace q3

@@ -1,0 +1,174 @@
+// GPL-2.0-or-later. Writes a record to JSON and reads it back; Describe() lists the members for both.
+#pragma once
+
+#include "q3map2/convert/json/convert_json_flags.h"
+#include "q3map2/convert/json/convert_json_pack.h"
+#include "q3map2/convert/json/convert_json_read.h"
+#include "q3map2/convert/json/convert_json_write.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace q3 {
+
+inline constexpr std::string_view kJsonNanBits = "nanBits";
+
+/// Writes one record. What the plain members cannot hold follows them: bytes behind the end of a name, bits of NaNs.
+class JsonRecordWriter {
+  public:
+    JsonRecordWriter(JsonWriter &writer, const Game &game) : writer_(writer), game_(game) {}
+
+    template <typename T> void Field(std::string_view name, const T &value) {
+        Open();
+        writer_.Member(name);
+        writer_.Value(value);
+        NoteNans(value);
+    }
+    /// The record is this array and no object.
+    template <typename T> void Whole(const T &value) {
+        whole_ = true;
+        writer_.Value(value);
+    }
+    template <typename Members> void Group(std::string_view name, const Members &members) {
+        Open();
+        writer_.Member(name);
+        writer_.BeginObject();
+        members();
+        writer_.EndObject();
+    }
+    void Text(std::string_view name, const std::string &value) { Field(name, std::string_view(value)); }
+    void OneOf(std::string_view first, const std::string &value, std::string_view second, const std::string &other) {
+        other.empty() ? Text(first, value) : Text(second, other);
+    }
+    void Name(std::string_view name, const std::array<char, 64> &field);
+    void Flags(std::string_view name, std::uint32_t value, FlagKind kind);
+    void Pairs(std::string_view name, const std::vector<std::pair<std::string, std::string>> &pairs);
+    /// Call once after the last member.
+    void Finish();
+
+  private:
+    void Open() {
+        if (!std::exchange(open_, true))
+            writer_.BeginObject();
+    }
+    template <typename T> void NoteNans(const T &) {}
+    template <typename T, std::size_t N> void NoteNans(const std::array<T, N> &values) {
+        for (const T &value : values)
+            NoteNans(value);
+    }
+    void NoteNans(float value) {
+        if (std::isnan(value))
+            NoteNan(value);
+    }
+    void NoteNan(float value);
+
+    JsonWriter &writer_;
+    const Game &game_;
+    bool open_ = false, whole_ = false, oddNans_ = false;
+    std::vector<std::pair<std::string, std::string>> nameBytes_;
+    std::vector<std::string> nanBits_; ///< of every NaN of the record, in member order
+};
+
+/// What reading needs to know beside the record.
+struct JsonReadRules {
+    const Game &game;
+    const PackJsonOptions &options;
+    Log &log;
+};
+
+/// Reads one record. Errors: Error with file, record, member and what was expected.
+class JsonRecordReader {
+  public:
+    JsonRecordReader(const JsonRecord &record, const JsonReadRules &rules);
+
+    template <typename T> void Field(std::string_view name, T &value) {
+        if (!Read(Require(name), value))
+            Fail(name, "expected " + Expected<T>());
+    }
+    template <typename T> void Whole(T &value) {
+        if (!Read(0, value))
+            record_.Fail("expected " + Expected<T>());
+    }
+    template <typename Members> void Group(std::string_view name, const Members &members) {
+        const std::size_t node = Require(name);
+        if (record_.nodes[node].kind != JsonNode::Object)
+            Fail(name, "expected an object");
+        const auto outer = std::exchange(object_, node);
+        group_ = name;
+        members();
+        object_ = outer;
+        group_ = {};
+    }
+    void Text(std::string_view name, std::string &value);
+    void OneOf(std::string_view first, std::string &value, std::string_view second, std::string &other);
+    void Name(std::string_view name, std::array<char, 64> &field);
+    void Flags(std::string_view name, std::uint32_t &value, FlagKind kind);
+    void Pairs(std::string_view name, std::vector<std::pair<std::string, std::string>> &pairs);
+    void Finish();
+
+  private:
+    template <typename T> struct IsArray : std::false_type {};
+    template <typename T, std::size_t N> struct IsArray<std::array<T, N>> : std::true_type {};
+
+    bool Read(std::size_t node, float &value);
+    bool Read(std::size_t node, std::int32_t &value) const;
+    bool Read(std::size_t node, std::uint8_t &value) const;
+    template <typename T, std::size_t N> bool Read(std::size_t node, std::array<T, N> &values) {
+        if (record_.nodes[node].kind != JsonNode::Array || record_.nodes[node].count != N)
+            return false;
+        std::size_t child = node + 1;
+        for (T &value : values) {
+            if (!Read(child, value))
+                return false;
+            child = record_.nodes[child].next;
+        }
+        return true;
+    }
+
+    template <typename T> static std::string Expected() {
+        if constexpr (IsArray<T>::value)
+            return ExpectedCount<T>() + ExpectedUnit<T>();
+        else
+            return (std::is_same_v<T, float> ? "a " : "an ") + ExpectedUnit<T>();
+    }
+    template <typename T> static std::string ExpectedCount() {
+        using Element = typename T::value_type;
+        const std::string count = std::to_string(std::tuple_size_v<T>) + ' ';
+        if constexpr (IsArray<Element>::value)
+            return count + "x " + ExpectedCount<Element>();
+        else
+            return count;
+    }
+    template <typename T> static std::string ExpectedUnit(std::string_view plural = "") {
+        if constexpr (IsArray<T>::value)
+            return ExpectedUnit<typename T::value_type>("s");
+        else
+            return fmt::format("{}{}{}", std::is_same_v<T, float> ? "number" : "integer", plural,
+                               std::is_same_v<T, float>          ? ""
+                               : std::is_same_v<T, std::uint8_t> ? " in 0..255"
+                                                                 : " in -2147483648..2147483647");
+    }
+
+    std::size_t Require(std::string_view name) const;
+    std::string_view RequireText(std::string_view name) const;
+    std::uint32_t FlagBits(std::string_view member, const JsonNode &node, FlagKind kind) const;
+    [[noreturn]] void Fail(std::string_view name, std::string_view text) const;
+
+    const JsonRecord &record_;
+    const JsonReadRules &rules_;
+    std::size_t object_ = 0; ///< node whose members are read
+    std::string_view group_; ///< its name when it is not the record
+    std::vector<std::uint32_t> nanBits_;
+    std::size_t nans_ = 0; ///< NaNs read so far
+};
+
+/// Bytes of hexadecimal text. False: an odd count of digits or another character.
+bool ParseHexText(std::string_view text, std::vector<std::byte> &bytes);
+
+} // namespace q3

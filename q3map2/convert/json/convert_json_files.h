@@ -1,0 +1,38 @@
+// GPL-2.0-or-later. Names of the files of a JSON folder, in the order they are written. See docs/json.md.
+#pragma once
+
+#include <string_view>
+
+namespace q3 {
+
+/// Calls visit(file, member prefix, records) for every lump that is a plain list of records. All must be in a folder.
+template <typename AnyBsp, typename Visit> void ForEachJsonFile(AnyBsp &bsp, Visit &&visit) {
+    visit("shaders.json", "shader", bsp.shaders);
+    visit("models.json", "model", bsp.models);
+    visit("planes.json", "plane", bsp.planes);
+    visit("leafs.json", "leaf", bsp.leafs);
+    visit("nodes.json", "node", bsp.nodes);
+    visit("LeafSurfaces.json", "LeafSurface", bsp.leafSurfaces);
+    visit("LeafBrushes.json", "LeafBrush", bsp.leafBrushes);
+    visit("Brushes.json", "Brush", bsp.brushes);
+    visit("BrushSides.json", "BrushSide", bsp.brushSides);
+    visit("DrawVert.json", "DrawVert", bsp.drawVerts);
+    visit("DrawSurfaces.json", "DrawSurface", bsp.drawSurfaces);
+    visit("fogs.json", "fog", bsp.fogs);
+    visit("DrawIndexes.json", "DrawIndex", bsp.drawIndexes);
+    visit("VisBytes.json", "VisByte", bsp.visibility);
+    visit("LightBytes.json", "LightByte", bsp.lightmaps);
+    visit("GridPoints.json", "GridPoint", bsp.gridPoints);
+}
+
+inline constexpr std::string_view kJsonEntities = "entities.json";
+
+// Files that other programs do not know. They are there only when the map has such data.
+inline constexpr std::string_view kJsonEntityText = "entities.ent"; ///< text that the pairs would not give again
+inline constexpr std::string_view kJsonAdvertisements = "Advertisements.json";
+inline constexpr std::string_view kJsonGridSH = "GridPointsSH.json";
+inline constexpr std::string_view kJsonBspx = "bspx.json";
+
+inline constexpr std::string_view kJsonGridSHHeader = "header", kJsonGridSHPoints = "points";
+
+} // namespace q3

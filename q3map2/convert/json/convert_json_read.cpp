@@ -1,0 +1,226 @@
+// GPL-2.0-or-later. Reads the records of a JSON file one by one.
+#include "q3map2/convert/json/convert_json_read.h"
+
+#include "common/error.h"
+#include "q3map2/convert/json/convert_json_filter.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::size_t kMaxDepth = 16;
+constexpr std::size_t kMaxNodes = 1 << 20;
+constexpr std::size_t kMaxShown = 120;
+
+/// NaN and infinities as the filter spells them.
+bool SpecialNumber(std::string_view text, float &value) {
+    const bool minus = text.starts_with('-');
+    const std::string_view word = text.substr(minus ? 1 : 0);
+    if (word == "Infinity")
+        value = std::numeric_limits<float>::infinity();
+    else if (word == "NaN")
+        value = std::numeric_limits<float>::quiet_NaN();
+    else
+        return false;
+    value = minus ? -value : value;
+    return true;
+}
+
+/// Receives the tokens of nlohmann's parser and builds one record at a time.
+class Handler {
+  public:
+    Handler(const std::filesystem::path &path, std::string_view list,
+            const std::function<void(const JsonRecord &)> &record)
+        : list_(list), deliver_(record) {
+        record_.file = path.string();
+    }
+
+    bool null() { return Scalar(JsonNode::Other); }
+    bool boolean(bool) { return Scalar(JsonNode::Other); }
+    bool number_integer(std::int64_t value) {
+        JsonNode &node = Add(JsonNode::Integer);
+        node.integer = value;
+        node.real = float(value);
+        return Done();
+    }
+    bool number_unsigned(std::uint64_t value) {
+        JsonNode &node = Add(value <= INT64_MAX ? JsonNode::Integer : JsonNode::Real);
+        node.integer = std::int64_t(value);
+        node.real = float(value);
+        return Done();
+    }
+    // The double is not used: rounding twice could miss the nearest float.
+    bool number_float(double value, const std::string &token) {
+        JsonNode &node = Add(JsonNode::Real);
+        const auto result = std::from_chars(token.data(), token.data() + token.size(), node.real);
+        if (result.ec == std::errc::result_out_of_range && std::abs(value) < 1)
+            node.real = float(value);
+        else if (result.ec != std::errc())
+            node.kind = JsonNode::Other;
+        return Done();
+    }
+    bool string(std::string &text) {
+        JsonNode &node = Add(JsonNode::Text);
+        node.special = SpecialNumber(text, node.real);
+        if (!node.special)
+            JsonFilter::RestoreBytes(text);
+        node.textAt = record_.chars.size();
+        node.textLength = text.size();
+        record_.chars += text;
+        return Done();
+    }
+    bool binary(nlohmann::json::binary_t &) { return false; }
+    bool start_object(std::size_t) {
+        if (depth_ == 0) {
+            depth_ = 1;
+            return true;
+        }
+        return Open(JsonNode::Object);
+    }
+    bool start_array(std::size_t) {
+        if (depth_ == 1 && open_.empty() && !list_.empty() && record_.name == list_) {
+            record_.inList = true;
+            listed_ = 0;
+            depth_ = 2;
+            return true;
+        }
+        return Open(JsonNode::Array);
+    }
+    bool end_object() {
+        if (open_.empty()) {
+            depth_ = 0;
+            return true;
+        }
+        return CloseNode();
+    }
+    bool end_array() {
+        if (open_.empty()) {
+            record_.inList = false;
+            depth_ = 1;
+            return true;
+        }
+        return CloseNode();
+    }
+    bool key(std::string &name) {
+        JsonFilter::RestoreBytes(name);
+        if (open_.empty()) {
+            record_.name = name;
+        } else {
+            keyAt_ = record_.chars.size();
+            keyLength_ = name.size();
+            record_.chars += name;
+        }
+        return true;
+    }
+    bool parse_error(std::size_t, const std::string &, const nlohmann::detail::exception &error) {
+        std::string_view what = error.what();
+        what.remove_prefix(std::min(what.size(), what.find("] ") == what.npos ? 0 : what.find("] ") + 2));
+        const std::string place = record_.name.empty() ? "" : "at or after " + record_.Label() + ": ";
+        throw Error("{}: {}not valid JSON: {}", record_.file, place, ShownText(what));
+    }
+
+  private:
+    bool Scalar(JsonNode::Kind kind) {
+        Add(kind);
+        return Done();
+    }
+
+    JsonNode &Add(JsonNode::Kind kind) {
+        if (depth_ == 0)
+            throw Error("{}: expected an object", record_.file);
+        if (open_.empty()) {
+            record_.nodes.clear();
+            record_.chars.clear();
+            keyLength_ = 0;
+            record_.index = record_.inList ? listed_++ : members_++;
+        } else {
+            record_.nodes[open_.back()].count++;
+        }
+        if (record_.nodes.size() >= kMaxNodes)
+            record_.Fail(fmt::format("more than {} values", kMaxNodes));
+        JsonNode &node = record_.nodes.emplace_back();
+        node.kind = kind;
+        node.nameAt = keyAt_;
+        node.nameLength = keyLength_;
+        keyLength_ = 0;
+        return node;
+    }
+
+    bool Open(JsonNode::Kind kind) {
+        Add(kind);
+        if (open_.size() >= kMaxDepth)
+            record_.Fail(fmt::format("objects and arrays are nested deeper than {}", kMaxDepth));
+        open_.push_back(record_.nodes.size() - 1);
+        return true;
+    }
+
+    bool CloseNode() {
+        record_.nodes[open_.back()].next = record_.nodes.size();
+        open_.pop_back();
+        if (open_.empty())
+            deliver_(record_);
+        return true;
+    }
+
+    bool Done() {
+        record_.nodes.back().next = record_.nodes.size();
+        if (open_.empty())
+            deliver_(record_);
+        return true;
+    }
+
+    std::string_view list_;
+    const std::function<void(const JsonRecord &)> &deliver_;
+    JsonRecord record_;
+    std::vector<std::size_t> open_; ///< objects and arrays of the record that are not closed
+    std::size_t depth_ = 0;         ///< 0: outside, 1: in the top-level object, 2: in the list
+    std::size_t members_ = 0, listed_ = 0;
+    std::size_t keyAt_ = 0, keyLength_ = 0;
+};
+
+} // namespace
+
+std::size_t JsonRecord::Find(std::size_t object, std::string_view member) const {
+    std::size_t found = 0;
+    for (std::size_t at = object + 1; at < nodes[object].next; at = nodes[at].next) {
+        if (Name(nodes[at]) != member)
+            continue;
+        if (found != 0)
+            Fail(fmt::format("{} is given twice", member));
+        found = at;
+    }
+    return found;
+}
+
+std::string JsonRecord::Label() const {
+    return inList ? fmt::format("{}[{}]", ShownText(name), index) : ShownText(name);
+}
+
+void JsonRecord::Fail(std::string_view text) const {
+    throw Error("{}: {}: {}", file, Label(), text);
+}
+
+void ReadJsonRecords(const std::filesystem::path &path, std::string_view list,
+                     const std::function<void(const JsonRecord &)> &record) {
+    JsonFilter filter(path);
+    Handler handler(path, list, record);
+    nlohmann::json::sax_parse(JsonFilterIterator(filter), JsonFilterIterator(), &handler);
+}
+
+std::string ShownText(std::string_view text) {
+    std::string shown(text.substr(0, kMaxShown));
+    std::ranges::replace_if(
+        shown, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; }, ' ');
+    if (text.size() > kMaxShown)
+        shown += "...";
+    return shown;
+}
+
+} // namespace q3

@@ -1,0 +1,175 @@
+// GPL-2.0-or-later. The members of every JSON record, in order, for reading and writing alike. See docs/json.md.
+#pragma once
+
+#include "common/files/archive.h"
+#include "q3map2/bspfile/bsp_records.h"
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/convert/json/convert_json_flags.h"
+
+#include <array>
+#include <cstdint>
+
+namespace q3 {
+
+/// Light styles in every record of the four-slot form: slot 0 is the normal light, the others are unused.
+inline constexpr std::array<std::uint8_t, 4> kJsonStyles = {0, 255, 255, 255};
+
+/// A value in slot 0 of four. Records of the established layout have room for four light styles; IBSP has one.
+template <typename T> std::array<T, 4> Slots(const T &first, const T &rest = {}) {
+    return {first, rest, rest, rest};
+}
+
+template <typename Archive> void Describe(Archive &a, bspShader_t &shader) {
+    a.Name("shader", shader.shader);
+    a.Flags("surfaceFlags", shader.surfaceFlags, FlagKind::Surface);
+    a.Flags("contentFlags", shader.contentFlags, FlagKind::Content);
+}
+
+template <typename Archive, typename Record> void DescribeBounds(Archive &a, Record &record) {
+    a.Group("minmax", [&] {
+        a.Field("mins", record.mins);
+        a.Field("maxs", record.maxs);
+    });
+}
+
+template <typename Archive> void Describe(Archive &a, bspModel_t &model) {
+    DescribeBounds(a, model);
+    a.Field("firstBSPSurface", model.firstBSPSurface);
+    a.Field("numBSPSurfaces", model.numBSPSurfaces);
+    a.Field("firstBSPBrush", model.firstBSPBrush);
+    a.Field("numBSPBrushes", model.numBSPBrushes);
+}
+
+template <typename Archive> void Describe(Archive &a, bspPlane_t &plane) {
+    std::array<float, 4> values = {plane.normal[0], plane.normal[1], plane.normal[2], plane.dist};
+    a.Whole(values);
+    plane = {{values[0], values[1], values[2]}, values[3]};
+}
+
+template <typename Archive> void Describe(Archive &a, bspLeaf_t &leaf) {
+    a.Field("cluster", leaf.cluster);
+    a.Field("area", leaf.area);
+    DescribeBounds(a, leaf);
+    a.Field("firstBSPLeafSurface", leaf.firstBSPLeafSurface);
+    a.Field("numBSPLeafSurfaces", leaf.numBSPLeafSurfaces);
+    a.Field("firstBSPLeafBrush", leaf.firstBSPLeafBrush);
+    a.Field("numBSPLeafBrushes", leaf.numBSPLeafBrushes);
+}
+
+template <typename Archive> void Describe(Archive &a, bspNode_t &node) {
+    a.Field("planeNum", node.planeNum);
+    a.Field("children", node.children);
+    DescribeBounds(a, node);
+}
+
+/// Indices and bytes: lumps of single numbers.
+template <typename Archive> void Describe(Archive &a, std::int32_t &number) {
+    a.Field("Num", number);
+}
+template <typename Archive> void Describe(Archive &a, std::uint8_t &number) {
+    a.Field("Num", number);
+}
+
+template <typename Archive> void Describe(Archive &a, bspBrush_t &brush) {
+    a.Field("firstSide", brush.firstSide);
+    a.Field("numSides", brush.numSides);
+    a.Field("shaderNum", brush.shaderNum);
+}
+
+template <typename Archive> void Describe(Archive &a, bspBrushSide_t &side) {
+    std::int32_t surfaceNum = -1; // no such field in IBSP
+    a.Field("planeNum", side.planeNum);
+    a.Field("shaderNum", side.shaderNum);
+    a.Field("surfaceNum", surfaceNum);
+}
+
+template <typename Archive> void Describe(Archive &a, bspDrawVert_t &vert) {
+    auto lightmap = Slots(vert.lightmap);
+    auto color = Slots(vert.color);
+    a.Field("xyz", vert.xyz);
+    a.Field("st", vert.st);
+    a.Field("lightmap", lightmap);
+    a.Field("normal", vert.normal);
+    a.Field("color", color);
+    vert.lightmap = lightmap[0];
+    vert.color = color[0];
+}
+
+template <typename Archive> void Describe(Archive &a, bspDrawSurface_t &surface) {
+    auto styles = kJsonStyles, vertexStyles = kJsonStyles;
+    auto lightmapNum = Slots(surface.lightmapNum, -3);
+    auto lightmapX = Slots(surface.lightmapX);
+    auto lightmapY = Slots(surface.lightmapY);
+    a.Field("shaderNum", surface.shaderNum);
+    a.Field("fogNum", surface.fogNum);
+    a.Field("surfaceType", surface.surfaceType);
+    a.Field("firstVert", surface.firstVert);
+    a.Field("numVerts", surface.numVerts);
+    a.Field("firstIndex", surface.firstIndex);
+    a.Field("numIndexes", surface.numIndexes);
+    a.Field("lightmapStyles", styles);
+    a.Field("vertexStyles", vertexStyles);
+    a.Field("lightmapNum", lightmapNum);
+    a.Field("lightmapX", lightmapX);
+    a.Field("lightmapY", lightmapY);
+    a.Field("lightmapWidth", surface.lightmapWidth);
+    a.Field("lightmapHeight", surface.lightmapHeight);
+    a.Field("lightmapOrigin", surface.lightmapOrigin);
+    a.Field("lightmapVecs", surface.lightmapVecs);
+    a.Field("patchWidth", surface.patchWidth);
+    a.Field("patchHeight", surface.patchHeight);
+    surface.lightmapNum = lightmapNum[0];
+    surface.lightmapX = lightmapX[0];
+    surface.lightmapY = lightmapY[0];
+}
+
+template <typename Archive> void Describe(Archive &a, bspFog_t &fog) {
+    a.Name("shader", fog.shader);
+    a.Field("brushNum", fog.brushNum);
+    a.Field("visibleSide", fog.visibleSide);
+}
+
+template <typename Archive> void Describe(Archive &a, bspGridPoint_t &point) {
+    auto ambient = Slots(point.ambient, point.ambient);
+    auto directed = Slots(point.directed, point.directed);
+    auto styles = kJsonStyles;
+    a.Field("ambient", ambient);
+    a.Field("directed", directed);
+    a.Field("styles", styles);
+    a.Field("latLong", point.latLong);
+    point.ambient = ambient[0];
+    point.directed = directed[0];
+}
+
+template <typename Archive> void Describe(Archive &a, Entity &entity) {
+    a.Pairs("KeyValue", entity.pairs);
+}
+
+template <typename Archive> void Describe(Archive &a, bspAdvertisement_t &advertisement) {
+    a.Field("cellId", advertisement.cellId);
+    a.Field("normal", advertisement.normal);
+    a.Field("rect", advertisement.rect);
+    a.Name("model", advertisement.model);
+}
+
+template <typename Archive> void Describe(Archive &a, bspGridSHHeader_t &header) {
+    a.Field("gridMins", header.gridMins);
+    a.Field("gridSize", header.gridSize);
+    a.Field("gridBounds", header.gridBounds);
+}
+
+template <typename Archive> void Describe(Archive &a, bspGridPointSH_t &point) {
+    a.Whole(point.coeffs);
+}
+
+/// One entry of the BSPX directory: its bytes in hex, or the file that holds the SH light grid.
+struct JsonBspxEntry {
+    std::string name;
+    std::string bytes, file; ///< one of the two
+};
+template <typename Archive> void Describe(Archive &a, JsonBspxEntry &entry) {
+    a.Text("name", entry.name);
+    a.OneOf("bytes", entry.bytes, "file", entry.file);
+}
+
+} // namespace q3

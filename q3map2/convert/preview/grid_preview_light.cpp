@@ -1,0 +1,128 @@
+// GPL-2.0-or-later. What the two light grids of a map show at a position.
+#include "q3map2/convert/preview/grid_preview_light.h"
+
+#include "common/error.h"
+#include "q3map2/bspfile/entities.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::string_view kConventionKey = "_q3map2_sh", kRadiance = "radiance";
+constexpr Float3 kDefaultGridSize = {64, 64, 128};
+constexpr float kRenormaliseBelow = 0.99f; ///< engines leave a sum of weights above this as it is
+
+Entity World(const Bsp &bsp) {
+    try {
+        auto entities = ParseEntities(bsp.entities, "entities");
+        return entities.empty() ? Entity{} : entities[0];
+    } catch (const Error &) {
+        return {}; // ReadBsp has warned
+    }
+}
+
+Vec3f Decode(const bspGridPoint_t &point) {
+    constexpr float step = 2 * std::numbers::pi_v<float> / 256;
+    const float polar = float(point.latLong[0]) * step, around = float(point.latLong[1]) * step;
+    return {std::cos(around) * std::sin(polar), std::sin(around) * std::sin(polar), std::cos(polar)};
+}
+
+Vec3f Color(const std::array<std::uint8_t, 3> &bytes) {
+    return Vec3f(float(bytes[0]), float(bytes[1]), float(bytes[2])) / 255.0f;
+}
+
+} // namespace
+
+ShPreview::ShPreview(const Bsp &bsp) {
+    if (!bsp.gridSH || bsp.gridSH->points.empty())
+        throw Error("the map has no SH light grid to show: light it with -sh first");
+    const bspGridSHHeader_t &head = bsp.gridSH->header;
+    std::ranges::copy(head.gridMins, grid_.mins);
+    std::ranges::copy(head.gridSize, grid_.cell);
+    std::ranges::copy(head.gridBounds, grid_.bounds);
+    grid_.count = head.numPoints;
+    grid_.points = reinterpret_cast<const unsigned char *>(bsp.gridSH->points.data());
+    radiance_ = World(bsp).Value(kConventionKey) == kRadiance;
+}
+
+shgrid_coeffs ShPreview::At(const Vec3f &position) const {
+    const float at[3] = {position.x, position.y, position.z};
+    shgrid_coeffs coeffs;
+    shgrid_sample(&grid_, at, &coeffs);
+    if (radiance_)
+        shgrid_convolve(&coeffs);
+    return coeffs;
+}
+
+Vec3f LightOn(const shgrid_coeffs &coeffs, const Vec3f &normal) {
+    const float along[3] = {normal.x, normal.y, normal.z};
+    float rgb[3];
+    shgrid_evaluate(&coeffs, along, rgb);
+    return {rgb[0], rgb[1], rgb[2]};
+}
+
+Vec3f LightOn(const LegacySample &sample, const Vec3f &normal) {
+    return sample.ambient + sample.directed * std::max(0.0f, Dot(normal, sample.direction));
+}
+
+std::optional<LegacyPreview> LegacyPreview::Make(const Bsp &bsp) {
+    LegacyPreview preview;
+    const auto given = World(bsp).Vector({"gridsize"});
+    const Float3 size = given ? Float3{given->x, given->y, given->z} : kDefaultGridSize;
+    try {
+        preview.layout_ = LayoutGrid(bsp.models[0].mins, bsp.models[0].maxs, size);
+    } catch (const Error &) {
+        return std::nullopt; // ReadBsp has warned
+    }
+    if (bsp.gridPoints.empty() || preview.layout_.Count() != std::int64_t(bsp.gridPoints.size()))
+        return std::nullopt;
+    preview.points_ = bsp.gridPoints;
+    return preview;
+}
+
+LegacySample LegacyPreview::At(const Vec3f &position) const {
+    std::array<int, 3> low;
+    Vec3f fraction;
+    for (std::size_t axis = 0; axis < 3; axis++) {
+        const float last = float(layout_.bounds[axis] - 1);
+        const float at = (position[axis] - layout_.mins[axis]) / layout_.size[axis];
+        const float cell = std::clamp(std::floor(at), 0.0f, last);
+        low[axis] = std::min(int(cell), layout_.bounds[axis] - 1);
+        fraction[axis] = std::clamp(at - cell, 0.0f, 1.0f);
+    }
+    LegacySample sum;
+    float total = 0;
+    for (unsigned corner = 0; corner < 8; corner++) {
+        float weight = 1;
+        std::int64_t index = 0, stride = 1;
+        bool inside = true;
+        for (std::size_t axis = 0; axis < 3; axis++) {
+            const bool upper = corner >> axis & 1;
+            inside = inside && low[axis] + upper < layout_.bounds[axis];
+            weight *= upper ? fraction[axis] : 1 - fraction[axis];
+            index += stride * (low[axis] + upper);
+            stride *= layout_.bounds[axis];
+        }
+        if (!inside)
+            continue;
+        const bspGridPoint_t &point = points_[std::size_t(index)];
+        if (point.ambient == std::array<std::uint8_t, 3>{}) // inside a wall
+            continue;
+        total += weight;
+        sum.ambient += Color(point.ambient) * weight;
+        sum.directed += Color(point.directed) * weight;
+        sum.direction += Decode(point) * weight;
+    }
+    if (total > 0 && total < kRenormaliseBelow) {
+        sum.ambient = sum.ambient / total;
+        sum.directed = sum.directed / total;
+    }
+    sum.direction = Normalize(sum.direction);
+    return sum;
+}
+
+} // namespace q3

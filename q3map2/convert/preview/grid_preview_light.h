@@ -1,0 +1,48 @@
+// GPL-2.0-or-later. What the two light grids of a map show at a position. Internal to the grid preview.
+#pragma once
+
+#include "libs/math/vec.h"
+#include "libs/shgrid/shgrid.h"
+#include "q3map2/bspfile/bspfile_grid.h"
+
+#include <optional>
+#include <span>
+
+namespace q3 {
+
+/// The SH grid through the engine-side reader. Reads the points of the Bsp in place: keep it.
+class ShPreview {
+  public:
+    /// Errors: no SH grid.
+    explicit ShPreview(const Bsp &bsp);
+    shgrid_coeffs At(const Vec3f &position) const;
+    const shgrid_grid &Grid() const { return grid_; }
+
+  private:
+    shgrid_grid grid_{};
+    bool radiance_ = false; ///< not convolved yet
+};
+
+/// Light on a unit normal; 1.0 is lightmap byte 255, linear.
+Vec3f LightOn(const shgrid_coeffs &coeffs, const Vec3f &normal);
+
+/// What an engine keeps of the legacy grid for one object.
+struct LegacySample {
+    Vec3f ambient, directed;
+    Vec3f direction; ///< toward the light, unit or zero
+};
+Vec3f LightOn(const LegacySample &sample, const Vec3f &normal);
+
+/// The legacy grid as an engine blends it: corners without ambient light are left out, the rest is renormalised.
+class LegacyPreview {
+  public:
+    /// Nothing when the map has no legacy grid, or one of a length that engines ignore. Keep the Bsp.
+    static std::optional<LegacyPreview> Make(const Bsp &bsp);
+    LegacySample At(const Vec3f &position) const;
+
+  private:
+    GridLayout layout_;
+    std::span<const bspGridPoint_t> points_;
+};
+
+} // namespace q3

@@ -1,0 +1,223 @@
+// GPL-2.0-or-later. Where a map is open, and which places stand for it.
+#include "q3map2/convert/preview/grid_preview_map.h"
+
+#include "common/error.h"
+#include "q3map2/bspfile/bsp_tree.h"
+#include "q3map2/bspfile/entities.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::uint32_t kContentsSolid = 1, kSurfSky = 4;
+constexpr std::int32_t kTopSide = 5;        ///< of a brush: faces up
+constexpr std::int32_t kPlaneBudget = 4096; ///< planes tested for one position: absurd brush lists cost no more
+constexpr Vec3f kWorldLimit{131072, 131072, 131072}; ///< of engines
+constexpr float kFloorBelow = 128, kFloorStep = 16;  ///< how far down a floor is looked for
+constexpr float kRoom = 24;                          ///< free distance around a place
+constexpr int kHeights = 96, kHeightSamples = 64;    ///< probes for the best height, per axis
+constexpr int kAreaSamples = 256;
+constexpr int kCandidateColumns = 40, kCandidateLevels = 24;
+constexpr std::array<std::string_view, 6> kPlaceClasses = {"info_player_", "team_", "item_",
+                                                           "weapon_",      "ammo_", "holdable_"};
+constexpr Vec3f kPlayMargin{384, 384, 160}; ///< around those
+constexpr float kWeakWeight = 0.6f;         ///< of a dark place, against 1.6 of a strongly lit one
+
+// Middle of cell i of n between two bounds.
+float Middle(float low, float high, int i, int n) {
+    return low + (high - low) * ((float(i) + 0.5f) / float(n));
+}
+
+// World bounds as the map states them, but inside what engines allow and at least a unit wide.
+Boundsf WorldBounds(const Bsp &bsp) {
+    Boundsf bounds{Max(Vec3f(bsp.models[0].mins), -kWorldLimit), Min(Vec3f(bsp.models[0].maxs), kWorldLimit)};
+    for (std::size_t axis = 0; axis < 3; axis++)
+        if (bounds.maxs[axis] - bounds.mins[axis] < 1) {
+            bounds.mins[axis] = std::min(bounds.mins[axis], kWorldLimit[axis] - 1);
+            bounds.maxs[axis] = bounds.mins[axis] + 1;
+        }
+    return bounds;
+}
+
+// Where players start and things lie.
+Boundsf EntityBounds(const Bsp &bsp) {
+    Boundsf bounds;
+    try {
+        for (const Entity &entity : ParseEntities(bsp.entities, "entities")) {
+            const auto isPlace = [&](std::string_view prefix) { return StartsWithNoCase(entity.ClassName(), prefix); };
+            const auto origin = entity.Vector({"origin"});
+            if (origin && std::ranges::any_of(kPlaceClasses, isPlace))
+                bounds.Add(*origin);
+        }
+    } catch (const Error &) { // ReadBsp has warned
+    }
+    return bounds;
+}
+
+Boundsf PlaySpace(const Bsp &bsp) {
+    const Boundsf world = WorldBounds(bsp), places = EntityBounds(bsp);
+    if (places.Empty())
+        return world;
+    const Boundsf space{Max(world.mins, places.mins - kPlayMargin), Min(world.maxs, places.maxs + kPlayMargin)};
+    return space.Empty() ? world : space;
+}
+
+struct Candidate {
+    Vec3f position;
+    float weight = 0;
+    float distance = std::numeric_limits<float>::max(); ///< to the nearest chosen one
+};
+
+std::vector<Candidate> Weigh(const std::vector<Vec3f> &positions, const std::function<float(const Vec3f &)> &strength) {
+    std::vector<Candidate> candidates;
+    std::vector<float> sorted;
+    for (const Vec3f &position : positions) {
+        candidates.push_back({position, strength(position)});
+        sorted.push_back(candidates.back().weight);
+    }
+    const auto high = sorted.begin() + std::ptrdiff_t(sorted.size() * 3 / 4);
+    std::nth_element(sorted.begin(), high, sorted.end());
+    const float strong = *high;
+    for (Candidate &candidate : candidates)
+        candidate.weight = kWeakWeight + (strong > 0 ? std::min(1.0f, candidate.weight / strong) : 0);
+    return candidates;
+}
+
+} // namespace
+
+PreviewMap::PreviewMap(const Bsp &bsp) : bsp_(bsp), space_(PlaySpace(bsp)) {}
+
+bool PreviewMap::InBrush(const bspBrush_t &brush, const Vec3f &position, std::int32_t &budget) const {
+    if (!(bsp_.shaders[std::size_t(brush.shaderNum)].contentFlags & kContentsSolid))
+        return false;
+    for (std::int32_t side = 0; side < brush.numSides; side++) {
+        const auto plane = std::size_t(bsp_.brushSides[std::size_t(brush.firstSide + side)].planeNum);
+        if (--budget < 0 || Dot(Vec3f(bsp_.planes[plane].normal), position) - bsp_.planes[plane].dist > 0)
+            return false;
+    }
+    return true;
+}
+
+const bspLeaf_t &PreviewMap::LeafAt(const Vec3f &position) const {
+    return bsp_.leafs[std::size_t(q3::LeafAt(bsp_, position))];
+}
+
+const bspBrush_t *PreviewMap::BrushAt(const bspLeaf_t &leaf, const Vec3f &position) const {
+    std::int32_t budget = kPlaneBudget;
+    for (std::int32_t i = 0; i < std::min(leaf.numBSPLeafBrushes, kPlaneBudget); i++) {
+        const auto number = std::size_t(bsp_.leafBrushes[std::size_t(leaf.firstBSPLeafBrush + i)]);
+        if (InBrush(bsp_.brushes[number], position, budget))
+            return &bsp_.brushes[number];
+    }
+    return nullptr;
+}
+
+bool PreviewMap::IsOpen(const Vec3f &position) const {
+    const bspLeaf_t &leaf = LeafAt(position);
+    return leaf.cluster >= 0 && !BrushAt(leaf, position);
+}
+
+bool PreviewMap::IsOverFloor(const Vec3f &position) const {
+    if (!IsOpen(position))
+        return false;
+    for (float down = kFloorStep; down <= kFloorBelow; down += kFloorStep) {
+        const Vec3f below = position - Vec3f(0, 0, down);
+        const bspLeaf_t &leaf = LeafAt(below);
+        const bspBrush_t *brush = BrushAt(leaf, below);
+        if (!brush && leaf.cluster >= 0)
+            continue;
+        if (!brush)
+            return true;
+        const auto top = std::size_t(bsp_.brushSides[std::size_t(brush->firstSide + kTopSide)].shaderNum);
+        return !(bsp_.shaders[top].surfaceFlags & kSurfSky);
+    }
+    return false;
+}
+
+bool PreviewMap::HasRoom(const Vec3f &position) const {
+    for (std::size_t axis = 0; axis < 3; axis++)
+        for (const float side : {-kRoom, kRoom}) {
+            Vec3f beside = position;
+            beside[axis] += side;
+            if (!IsOpen(beside))
+                return false;
+        }
+    return true;
+}
+
+float PreviewMap::BestHeight() const {
+    const auto [mins, maxs] = space_;
+    float best = (mins.z + maxs.z) / 2;
+    int most = 0;
+    for (int level = 0; level < kHeights; level++) {
+        const float height = Middle(mins.z, maxs.z, level, kHeights);
+        int open = 0;
+        for (int row = 0; row < kHeightSamples; row++)
+            for (int column = 0; column < kHeightSamples; column++) {
+                const Vec3f position(Middle(mins.x, maxs.x, column, kHeightSamples),
+                                     Middle(mins.y, maxs.y, row, kHeightSamples), height);
+                open += IsOverFloor(position) && IsOpen(position + Vec3f(0, 0, kRoom));
+            }
+        if (open > most)
+            most = open, best = height;
+    }
+    return best;
+}
+
+Boundsf PreviewMap::OpenArea(float height) const {
+    const auto [mins, maxs] = space_;
+    Boundsf area;
+    for (int row = 0; row < kAreaSamples; row++)
+        for (int column = 0; column < kAreaSamples; column++) {
+            const Vec3f position(Middle(mins.x, maxs.x, column, kAreaSamples),
+                                 Middle(mins.y, maxs.y, row, kAreaSamples), height);
+            if (IsOpen(position))
+                area.Add(position);
+        }
+    if (area.Empty())
+        return space_;
+    const Vec3f cell = (maxs - mins) / float(kAreaSamples);
+    return {area.mins - cell, area.maxs + cell};
+}
+
+std::vector<Vec3f> PreviewMap::Candidates() const {
+    const auto [mins, maxs] = space_;
+    std::vector<Vec3f> standing, open;
+    for (int level = 0; level < kCandidateLevels; level++)
+        for (int row = 0; row < kCandidateColumns; row++)
+            for (int column = 0; column < kCandidateColumns; column++) {
+                const Vec3f position(Middle(mins.x, maxs.x, column, kCandidateColumns),
+                                     Middle(mins.y, maxs.y, row, kCandidateColumns),
+                                     Middle(mins.z, maxs.z, level, kCandidateLevels));
+                if (!IsOpen(position))
+                    continue;
+                open.push_back(position);
+                if (HasRoom(position) && IsOverFloor(position))
+                    standing.push_back(position);
+            }
+    return standing.empty() ? open : standing;
+}
+
+std::vector<Vec3f> PreviewMap::ChoosePlaces(std::size_t count,
+                                            const std::function<float(const Vec3f &)> &strength) const {
+    const std::vector<Vec3f> positions = Candidates();
+    if (positions.empty())
+        return {space_.Center()};
+    std::vector<Candidate> candidates = Weigh(positions, strength);
+    std::vector<Vec3f> chosen;
+    // The first is the strongest, since all distances are alike.
+    while (chosen.size() < std::min(count, candidates.size())) {
+        const auto best = std::ranges::max_element(
+            candidates, {}, [](const Candidate &c) { return std::min(c.distance, 1e18f) * c.weight; });
+        chosen.push_back(best->position);
+        for (Candidate &candidate : candidates)
+            candidate.distance = std::min(candidate.distance, Length(candidate.position - chosen.back()));
+    }
+    std::ranges::stable_sort(chosen, [](const Vec3f &a, const Vec3f &b) { return a.y != b.y ? a.y > b.y : a.x < b.x; });
+    return chosen;
+}
+
+} // namespace q3

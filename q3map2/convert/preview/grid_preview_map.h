@@ -1,0 +1,43 @@
+// GPL-2.0-or-later. Where a map is open, and which places stand for it. Internal to the grid preview.
+#pragma once
+
+#include "libs/math/bounds.h"
+#include "q3map2/bspfile/bsp.h"
+
+#include <functional>
+#include <vector>
+
+namespace q3 {
+
+/// The solid space of a map: the tree, and solid brushes in its open leafs. Heights, areas and places are looked for
+/// where the game takes place: around player starts and items. Keep the Bsp.
+class PreviewMap {
+  public:
+    explicit PreviewMap(const Bsp &bsp);
+
+    bool IsOpen(const Vec3f &position) const;
+    /// Open with solid, that is no sky, at most 128 units below: where things stand.
+    bool IsOverFloor(const Vec3f &position) const;
+    /// Height at which the most ground is over a floor; the middle when nothing is.
+    float BestHeight() const;
+    /// Rectangle (in x and y) of what is open at that height; the whole space when nothing is.
+    Boundsf OpenArea(float height) const;
+
+    /// Up to `count` open places, spread over the map by farthest-point choice; distances count more where `strength`
+    /// (of a position, >= 0) is large. In reading order: north first.
+    std::vector<Vec3f> ChoosePlaces(std::size_t count, const std::function<float(const Vec3f &)> &strength) const;
+
+  private:
+    const bspLeaf_t &LeafAt(const Vec3f &position) const;
+    /// Solid brush of the leaf that holds the position; null when there is none.
+    const bspBrush_t *BrushAt(const bspLeaf_t &leaf, const Vec3f &position) const;
+    /// Lowers `budget` by the planes it tests; outside when that runs out.
+    bool InBrush(const bspBrush_t &brush, const Vec3f &position, std::int32_t &budget) const;
+    bool HasRoom(const Vec3f &position) const;
+    std::vector<Vec3f> Candidates() const;
+
+    const Bsp &bsp_;
+    Boundsf space_; ///< around player starts and items; the world bounds when there are none
+};
+
+} // namespace q3

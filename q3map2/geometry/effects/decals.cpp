@@ -1,0 +1,273 @@
+// GPL-2.0-or-later. Decals: the patches of _decal entities projected on what stands in their way.
+#include "q3map2/geometry/effects/decals.h"
+
+#include "q3map2/map/map_patch.h"
+#include "q3map2/map/map_settings.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+namespace {
+
+constexpr std::size_t kMaxProjectors = 1024;
+constexpr double kMinDistance = 0.125, kClipEpsilon = 0.0625, kFacingEpsilon = 0.0001;
+
+const MapEntity *FindTarget(const Map &map, std::string_view name) {
+    const auto at = std::find_if(map.entities.begin(), map.entities.end(), [&](const MapEntity &entity) {
+        return EqualNoCase(entity.pairs.Value({"targetname", "_targetname"}), name);
+    });
+    return at == map.entities.end() ? nullptr : &*at;
+}
+
+Vec3d StartOf(const MapEntity &entity) {
+    if (entity.origin != Vec3f{})
+        return Vec3d(entity.origin);
+    Boundsf bounds;
+    for (const Patch &patch : entity.patches)
+        for (const DrawVert &vert : patch.verts)
+            bounds.Add(vert.xyz);
+    return Vec3d(bounds.Center());
+}
+
+/// The affine function of points that has these values at the corners and does not change along `direction`.
+bool ProjectTexture(const std::array<Vec3d, 3> &corners, const std::array<DrawVert, 3> &verts, const Vec3d &direction,
+                    DecalProjector &projector) {
+    const auto flat = [&](const Vec3d &v) { return v - direction * Dot(v, direction); };
+    const Vec3d e1 = flat(corners[1] - corners[0]), e2 = flat(corners[2] - corners[0]);
+    const double a = Dot(e1, e1), b = Dot(e1, e2), c = Dot(e2, e2), det = a * c - b * b;
+    if (!(det > 1e-9 * std::max(1., a * c)))
+        return false;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double s1 = double(verts[1].st[axis]) - double(verts[0].st[axis]);
+        const double s2 = double(verts[2].st[axis]) - double(verts[0].st[axis]);
+        const Vec3d gradient = (e1 * (s1 * c - s2 * b) + e2 * (s2 * a - s1 * b)) / det;
+        projector.texture[axis] = {gradient.x, gradient.y, gradient.z,
+                                   double(verts[0].st[axis]) - Dot(gradient, corners[0])};
+    }
+    return true;
+}
+
+Plane PlaneAt(const Vec3d &normal, const Vec3d &point) {
+    const Vec3d unit = Normalize(normal);
+    return {unit, Dot(unit, point)};
+}
+
+/// The prism from a triangle along `way`: planes face outwards.
+bool MakeProjector(std::array<DrawVert, 3> verts, const Vec3f &origin, const Vec3d &way, DecalProjector &projector) {
+    std::array<Vec3d, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i)
+        corners[i] = Vec3d(verts[i].xyz + origin);
+    const Vec3d direction = Normalize(way);
+    if (!ProjectTexture(corners, verts, direction, projector))
+        return false;
+    Vec3d normal = Cross(corners[1] - corners[0], corners[2] - corners[0]);
+    if (Dot(normal, direction) > 0) {
+        normal = -normal;
+        std::swap(corners[1], corners[2]);
+    }
+    projector.planes = {PlaneAt(normal, corners[0]), PlaneAt(-normal, corners[0] + way)};
+    Vec3d middle;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3d &from = corners[i], &to = corners[(i + 1) % 3];
+        projector.planes.push_back(PlaneAt(Cross(to - from, -direction), from));
+        middle += (from + from + way) / 6.;
+    }
+    projector.center = Vec3f(middle);
+    double radius = 0;
+    for (const Vec3d &corner : corners)
+        radius = std::max({radius, Length(corner - middle), Length(corner + way - middle)});
+    projector.radius = float(radius);
+    return true;
+}
+
+void AddProjectors(const MapEntity &entity, const Vec3d &way, const Map &map, const BspContext &context,
+                   std::vector<DecalProjector> &projectors) {
+    const SurfaceSettings settings = SettingsOf(entity, map, context);
+    for (const Patch &patch : entity.patches) {
+        const PatchMesh mesh = TessellatePatch(patch, context.options.subdivisions);
+        for (const auto &[a, b, c] : MeshTriangles(mesh)) {
+            DecalProjector projector;
+            projector.shader = patch.shader;
+            projector.settings = settings;
+            if (!MakeProjector({mesh.verts[std::size_t(a)], mesh.verts[std::size_t(b)], mesh.verts[std::size_t(c)]},
+                               entity.origin, way, projector))
+                continue;
+            if (projectors.size() == kMaxProjectors) {
+                context.log.Warn("too many decals", "{}: more than {} decal triangles; the rest is left out",
+                                 entity.Who(), kMaxProjectors);
+                return;
+            }
+            projectors.push_back(std::move(projector));
+        }
+    }
+}
+
+/// Where the decal goes from the entity; nothing after a warning.
+std::optional<Vec3d> WayOf(const MapEntity &entity, const Map &map, const BspContext &context) {
+    if (entity.patches.empty()) {
+        context.log.Warn("decal without patches", "{}: a _decal without patches is left out", entity.Who());
+        return {};
+    }
+    const std::string_view name = entity.pairs.Value("target");
+    const MapEntity *target = name.empty() ? nullptr : FindTarget(map, name);
+    if (target == nullptr) {
+        context.log.Warn("decal without target",
+                         "{}: a _decal is left out: expected a \"target\" that names an entity, got '{}'", entity.Who(),
+                         name);
+        return {};
+    }
+    return Vec3d(target->origin) - StartOf(entity);
+}
+
+// ---- applying
+
+struct Piece {
+    Polygon polygon;
+    Plane plane;
+    int planeNum = -1;
+};
+
+Piece TrianglePiece(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
+    Piece piece;
+    piece.polygon = {a, b, c};
+    piece.plane = PlaneOf(piece.polygon);
+    return piece;
+}
+
+std::vector<Piece> PiecesOf(const DrawSurface &surface, const BspContext &context) {
+    std::vector<Piece> pieces;
+    if (surface.kind == SurfaceKind::Face) {
+        Piece piece;
+        for (const DrawVert &vert : surface.verts)
+            piece.polygon.push_back(vert.xyz);
+        piece.plane = PlaneOf(piece.polygon);
+        piece.planeNum = surface.planeNum;
+        pieces.push_back(std::move(piece));
+    } else if (surface.kind == SurfaceKind::Patch) {
+        Patch patch;
+        patch.shader = surface.shader;
+        patch.width = surface.width, patch.height = surface.height;
+        patch.verts = surface.verts;
+        patch.longestCurve = surface.longestCurve;
+        const PatchMesh mesh = TessellatePatch(patch, context.options.subdivisions);
+        for (const auto &[a, b, c] : MeshTriangles(mesh))
+            pieces.push_back(TrianglePiece(mesh.verts[std::size_t(a)].xyz, mesh.verts[std::size_t(b)].xyz,
+                                           mesh.verts[std::size_t(c)].xyz));
+    } else {
+        for (std::size_t i = 0; i + 2 < surface.indexes.size(); i += 3)
+            pieces.push_back(TrianglePiece(surface.verts[std::size_t(surface.indexes[i])].xyz,
+                                           surface.verts[std::size_t(surface.indexes[i + 1])].xyz,
+                                           surface.verts[std::size_t(surface.indexes[i + 2])].xyz));
+    }
+    return pieces;
+}
+
+bool TakesDecals(const DrawSurface &surface) {
+    if (surface.shader == nullptr || surface.Empty() || surface.isCopy || surface.shader->autosprite ||
+        (surface.shader->compileFlags & C_NOMARKS))
+        return false;
+    switch (surface.kind) {
+    case SurfaceKind::Face:
+    case SurfaceKind::Patch:
+        return true;
+    case SurfaceKind::Triangles:
+    case SurfaceKind::ForcedMeta:
+        return !surface.shader->scriptText.empty();
+    default:
+        return false;
+    }
+}
+
+struct Sphere {
+    Vec3f center;
+    float radius = 0;
+};
+
+Sphere SphereOf(const DrawSurface &surface) {
+    Boundsf bounds;
+    for (const DrawVert &vert : surface.verts)
+        bounds.Add(vert.xyz);
+    return {bounds.Center(), Length(bounds.maxs - bounds.mins) * 0.5f};
+}
+
+/// The part of the piece in the prism. False when there is none.
+bool ClipToProjector(Piece &piece, const DecalProjector &projector, const Vec3d &origin) {
+    if (piece.plane.normal == Vec3d{} || Dot(piece.plane.normal, projector.planes[0].normal) < -kFacingEpsilon)
+        return false;
+    Polygon front, back;
+    for (Plane plane : projector.planes) {
+        plane.dist -= Dot(plane.normal, origin);
+        ClipPolygon(piece.polygon, plane, kClipEpsilon, front, back);
+        if (back.size() < 3)
+            return false;
+        piece.polygon = back;
+    }
+    return true;
+}
+
+DrawSurface DecalSurface(const Piece &piece, const DecalProjector &projector, const DrawSurface &surface,
+                         const Vec3f &origin) {
+    DrawSurface decal;
+    decal.kind = SurfaceKind::Decal;
+    decal.shader = projector.shader;
+    decal.settings = surface.settings;
+    decal.settings.celShader = projector.settings.celShader;
+    decal.fogNum = surface.fogNum;
+    decal.planar = true;
+    decal.planeNum = piece.planeNum;
+    for (const Vec3f &point : piece.polygon) {
+        DrawVert vert;
+        const Vec3d world = Vec3d(point + origin);
+        vert.xyz = point;
+        vert.normal = Vec3f(piece.plane.normal);
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+            const auto &row = projector.texture[axis];
+            vert.st[axis] = float(row[0] * world.x + row[1] * world.y + row[2] * world.z + row[3]);
+        }
+        const double d = -projector.planes[0].Distance(world), rest = -projector.planes[1].Distance(world);
+        const double alpha = d + rest > 0 ? 255 * rest / (d + rest) : 255;
+        vert.color = {255, 255, 255, std::uint8_t(std::clamp(alpha, 0., 255.))};
+        decal.bounds.Add(vert.xyz);
+        decal.verts.push_back(vert);
+    }
+    return decal;
+}
+
+} // namespace
+
+std::vector<DecalProjector> CollectDecals(Map &map, const BspContext &context) {
+    std::vector<DecalProjector> projectors;
+    for (MapEntity &entity : map.entities) {
+        if (!EqualNoCase(entity.pairs.ClassName(), "_decal"))
+            continue;
+        const auto way = WayOf(entity, map, context);
+        if (way && Length(*way) > kMinDistance)
+            AddProjectors(entity, *way, map, context, projectors);
+        entity.brushes.clear();
+        entity.patches.clear();
+    }
+    context.log.Verbose("{:9} decal projectors\n", projectors.size());
+    return projectors;
+}
+
+void ApplyDecals(const std::vector<DecalProjector> &projectors, Geometry &geometry, std::size_t first,
+                 const BspContext &context, const Vec3f &origin) {
+    const std::size_t count = geometry.surfaces.size();
+    if (projectors.empty())
+        return;
+    std::vector<Sphere> spheres(count);
+    for (std::size_t i = first; i < count; ++i)
+        spheres[i] = SphereOf(geometry.surfaces[i]);
+    for (const DecalProjector &projector : projectors)
+        for (std::size_t i = first; i < count; ++i) {
+            const Vec3f apart = spheres[i].center + origin - projector.center;
+            if (!TakesDecals(geometry.surfaces[i]) || Length(apart) > spheres[i].radius + projector.radius)
+                continue;
+            for (Piece &piece : PiecesOf(geometry.surfaces[i], context))
+                if (ClipToProjector(piece, projector, Vec3d(origin)))
+                    geometry.surfaces.push_back(DecalSurface(piece, projector, geometry.surfaces[i], origin));
+        }
+}
+
+} // namespace q3

@@ -1,0 +1,29 @@
+// GPL-2.0-or-later. Decals: patches of _decal entities projected onto surfaces.
+#pragma once
+
+#include "q3map2/geometry/surface/draw_surface.h"
+#include "q3map2/map/bsp_context.h"
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace q3 {
+
+/// A triangular prism in which surfaces get a decal.
+struct DecalProjector {
+    const ShaderInfo *shader = nullptr;
+    SurfaceSettings settings;
+    std::vector<Plane> planes;                      ///< front, back, three sides
+    std::array<std::array<double, 4>, 2> texture{}; ///< s = texture[0] . (p, 1), t = texture[1] . (p, 1)
+    Vec3f center;                                   ///< of the bounding sphere
+    float radius = 0;
+};
+
+/// Projectors of all _decal entities.
+std::vector<DecalProjector> CollectDecals(Map &map, const BspContext &context);
+/// Appends decals on the surfaces from `first` on. `origin` is the entity's: its surfaces are stored relative to it.
+void ApplyDecals(const std::vector<DecalProjector> &projectors, Geometry &geometry, std::size_t first,
+                 const BspContext &context, const Vec3f &origin = {});
+
+} // namespace q3

@@ -1,0 +1,217 @@
+// GPL-2.0-or-later. Fog volumes: which surfaces are in them, faces and patches cut at their borders.
+#include "q3map2/geometry/effects/fog.h"
+
+#include "common/error.h"
+#include "q3map2/geometry/effects/fog_patch.h"
+#include "q3map2/geometry/faces/brush_faces.h"
+
+#include <algorithm>
+
+namespace q3 {
+namespace {
+
+constexpr double kFogEpsilon = 0.1;
+constexpr std::size_t kMaxFogs = 31; ///< engines sort by five bits
+
+int SideAgainst(const Brush &brush, const PlaneTable &planes, const Vec3f &direction) {
+    int best = -1;
+    double least = 0;
+    for (std::size_t i = 0; i < brush.sides.size(); ++i) {
+        const BrushSide &side = brush.sides[i];
+        if (side.bevel || side.planeNum < 0)
+            continue;
+        const double d = Dot(planes[side.planeNum].normal, Vec3d(direction));
+        if (d < least)
+            best = int(i), least = d;
+    }
+    return best;
+}
+
+Boundsf BoundsOf(const DrawSurface &surface) {
+    Boundsf bounds;
+    for (const DrawVert &vert : surface.verts)
+        bounds.Add(vert.xyz);
+    return bounds;
+}
+
+struct FogCounts {
+    int polygons = 0, patches = 0, fogged = 0;
+};
+
+/// Fogs the surfaces of the world with one brush.
+class WorldFogger {
+  public:
+    WorldFogger(Map &map, Geometry &geometry, PlaneTable &planes, const BspContext &context)
+        : map_(map), geometry_(geometry), planes_(planes), context_(context) {}
+
+    void Apply(int fogNum, const MapFog &fog) {
+        const std::size_t count = geometry_.surfaces.size();
+        const Brush *brush =
+            fog.brush < 0 ? nullptr : &map_.entities[std::size_t(fog.entity)].brushes[std::size_t(fog.brush)];
+        for (std::size_t i = 0; i < count; ++i) {
+            const DrawSurface &surface = geometry_.surfaces[i];
+            if (surface.Empty() || surface.shader == nullptr || surface.shader->geometry.noFog)
+                continue;
+            const bool inside =
+                brush == nullptr ? surface.fogNum < 0 : BoundsOf(surface).Touches(brush->bounds) && Cut(i, *brush);
+            if (inside) {
+                geometry_.surfaces[i].fogNum = fogNum;
+                ++counts.fogged;
+            }
+        }
+    }
+
+    FogCounts counts;
+
+  private:
+    bool Cut(std::size_t number, const Brush &brush) {
+        switch (geometry_.surfaces[number].kind) {
+        case SurfaceKind::Face:
+            return CutFace(number, brush);
+        case SurfaceKind::Patch:
+            return CutPatch(number, brush);
+        case SurfaceKind::Triangles:
+        case SurfaceKind::ForcedMeta:
+        case SurfaceKind::Meta:
+            return true;
+        default:
+            return false;
+        }
+    }
+
+    /// A surface of the same brush side as surface `number`. Its number.
+    std::size_t Fragment(std::size_t number, const Polygon &w) {
+        const DrawSurface original = geometry_.surfaces[number];
+        const std::size_t made =
+            std::size_t(MakeFaceSurface(map_.World(), original.brush, original.side, w, geometry_, planes_, context_));
+        DrawSurface &fragment = geometry_.surfaces[made];
+        fragment.fogNum = original.fogNum;
+        fragment.shader = original.shader;
+        if (fragment.planeNum != original.planeNum) { // the side seen from within
+            fragment.planeNum = original.planeNum;
+            for (DrawVert &vert : fragment.verts)
+                vert.normal = original.verts.front().normal;
+        }
+        return made;
+    }
+
+    bool CutFace(std::size_t number, const Brush &brush) {
+        Polygon inside, front, back;
+        for (const DrawVert &vert : geometry_.surfaces[number].verts)
+            inside.push_back(vert.xyz);
+        const int planeNum = geometry_.surfaces[number].planeNum;
+        std::vector<Polygon> outside;
+        for (const BrushSide &side : brush.sides) {
+            if (side.planeNum < 0 || (planeNum >= 0 && side.planeNum == (planeNum ^ 1)))
+                continue;
+            if (side.planeNum == planeNum)
+                return false;
+            ClipPolygon(inside, planes_[side.planeNum], kFogEpsilon, front, back);
+            if (back.empty())
+                return false;
+            if (!front.empty())
+                outside.push_back(front);
+            inside = back;
+        }
+        if (outside.empty() || geometry_.surfaces[number].brush < 0)
+            return true;
+        for (const Polygon &w : outside)
+            Fragment(number, w);
+        counts.polygons += int(outside.size());
+        const std::size_t rest = Fragment(number, inside);
+        geometry_.surfaces[number] = std::move(geometry_.surfaces[rest]);
+        geometry_.surfaces.pop_back();
+        return true;
+    }
+
+    bool CutPatch(std::size_t number, const Brush &brush) {
+        for (std::size_t i = 4; i <= 5 && i < brush.sides.size(); ++i) {
+            if (brush.sides[i].planeNum < 0)
+                continue;
+            auto cut = CutPatchSurface(geometry_.surfaces[number], planes_[brush.sides[i].planeNum], kFogEpsilon);
+            if (cut.result == PatchCut::Outside)
+                return false;
+            if (cut.result == PatchCut::Impossible) {
+                const DrawSurface &surface = geometry_.surfaces[number];
+                context_.log.Warn("patch not cut by fog",
+                                  "Entity {}: a patch of {} crosses the border of a fog more than once, or slanted to "
+                                  "its rows and columns; it stays whole and without that fog",
+                                  surface.settings.entity, surface.shader->name);
+                return false;
+            }
+            if (cut.result == PatchCut::Cut) {
+                geometry_.surfaces[number] = std::move(cut.inside);
+                geometry_.surfaces.push_back(std::move(cut.outside));
+                ++counts.patches;
+            }
+        }
+        return true;
+    }
+
+    Map &map_;
+    Geometry &geometry_;
+    PlaneTable &planes_;
+    const BspContext &context_;
+};
+
+} // namespace
+
+std::vector<MapFog> CollectFogs(const Map &map, const BspContext &context, int &defaultFog) {
+    std::vector<MapFog> fogs;
+    defaultFog = -1;
+    if (context.options.noFog || map.entities.empty())
+        return fogs;
+    for (std::size_t e = 0; e < map.entities.size(); ++e) {
+        const auto &brushes = map.entities[e].brushes;
+        for (std::size_t b = 0; b < brushes.size(); ++b) {
+            const ShaderInfo *shader = brushes[b].contentShader;
+            if (shader == nullptr || !shader->geometry.hasFogParms)
+                continue;
+            const auto &direction = shader->geometry.fogDir;
+            fogs.push_back({shader, int(e), int(b), direction ? SideAgainst(brushes[b], map.planes, *direction) : -1});
+        }
+    }
+    if (const std::string_view name = map.entities.front().pairs.Value({"_fog", "fog"}); !name.empty()) {
+        const ShaderInfo &shader = context.shaders.Get(name);
+        if (!shader.geometry.hasFogParms)
+            throw Error(
+                "{}: the global fog {} of the world's \"_fog\" key is not a fog: expected a shader with fogparms",
+                map.name, name);
+        defaultFog = int(fogs.size());
+        fogs.push_back({&shader, -1, -1, -1});
+    }
+    if (fogs.size() > kMaxFogs)
+        context.log.Warn("too many fogs", "{} fogs, but engines draw at most {}", fogs.size(), kMaxFogs);
+    return fogs;
+}
+
+void FogWorldSurfaces(Map &map, Geometry &geometry, PlaneTable &planes, const BspContext &context) {
+    WorldFogger fogger(map, geometry, planes, context);
+    for (std::size_t i = 0; i < geometry.fogs.size(); ++i)
+        fogger.Apply(int(i), MapFog(geometry.fogs[i]));
+    context.log.Verbose("{:9} fog polygon fragments\n{:9} fog patch fragments\n{:9} fogged drawsurfs\n",
+                        fogger.counts.polygons, fogger.counts.patches, fogger.counts.fogged);
+}
+
+int FogOfModelSurface(const DrawSurface &surface, const Vec3f &origin, const Map &map, const Geometry &geometry) {
+    int best = geometry.defaultFog;
+    double most = 0;
+    const Boundsf bounds = BoundsOf(surface);
+    for (std::size_t i = 0; i < geometry.fogs.size(); ++i) {
+        const MapFog &fog = geometry.fogs[i];
+        if (fog.brush < 0)
+            continue;
+        const Boundsf &box = map.entities[std::size_t(fog.entity)].brushes[std::size_t(fog.brush)].bounds;
+        double shared = 1;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double low = std::max(double(bounds.mins[axis] + origin[axis]), double(box.mins[axis]) - 1);
+            const double high = std::min(double(bounds.maxs[axis] + origin[axis]), double(box.maxs[axis]) + 1);
+            shared *= high - low >= 1 ? high - low : 0;
+        }
+        if (shared > most)
+            best = int(i), most = shared;
+    }
+    return best;
+}
+
+} // namespace q3

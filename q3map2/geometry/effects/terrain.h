@@ -1,0 +1,15 @@
+// GPL-2.0-or-later. Terrain from index maps.
+#pragma once
+
+#include "q3map2/geometry/surface/draw_surface.h"
+#include "q3map2/map/bsp_context.h"
+
+#include <cstddef>
+
+namespace q3 {
+
+/// Sets heights, alpha and shaders of faces and patches (from `first` on) with an indexed shader, from the index maps
+/// of their entities.
+void ApplyIndexedTerrain(const MapEntity &entity, Geometry &geometry, std::size_t first, const BspContext &context);
+
+} // namespace q3

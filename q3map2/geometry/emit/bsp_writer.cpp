@@ -1,0 +1,244 @@
+// GPL-2.0-or-later. Records of the .bsp but draw surfaces.
+#include "q3map2/geometry/emit/bsp_writer.h"
+
+#include "common/error.h"
+#include "common/text/text.h"
+#include "q3map2/geometry/emit/emit_srf.h"
+#include "q3map2/map/map_settings.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::size_t kMaxName = 63;
+constexpr std::string_view kNoShader = "noshader";
+
+Float3 Values(const Vec3f &v) {
+    return {v.x, v.y, v.z};
+}
+
+/// Whole numbers around a box; none for an empty one.
+void SetBounds(const Boundsf &bounds, Int3 &mins, Int3 &maxs) {
+    mins = maxs = {};
+    if (bounds.Empty())
+        return;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        mins[axis] = std::int32_t(std::floor(bounds.mins[axis]));
+        maxs[axis] = std::int32_t(std::ceil(bounds.maxs[axis]));
+    }
+}
+
+std::array<char, 64> NameField(std::string_view name) {
+    if (name.size() > kMaxName)
+        throw Error("shader name {}: {} bytes, expected at most {}", name, name.size(), kMaxName);
+    std::array<char, 64> field{};
+    std::copy(name.begin(), name.end(), field.begin());
+    return field;
+}
+
+/// Bounds of the brushes of an entity; only of those that say where the light grid is, if there are some.
+Boundsf BoundsOf(const MapEntity &entity, bool isWorld) {
+    Boundsf all, grid;
+    for (const Brush &brush : entity.brushes) {
+        all.Add(brush.bounds);
+        if ((brush.compileFlags & C_LIGHTGRID) != 0)
+            grid.Add(brush.bounds);
+    }
+    for (const Patch &patch : entity.patches)
+        for (const DrawVert &vert : patch.verts)
+            all.Add(vert.xyz);
+    return isWorld && !grid.Empty() ? grid : all;
+}
+
+/// The side of a fog brush that is seen from outside, as engines want it.
+int VisibleSide(const Brush &brush) {
+    constexpr int kAxial = 6;
+    const auto isVisible = [&](int number) {
+        const BrushSide &side = brush.sides[std::size_t(number)];
+        return side.visibleHull.size() >= 3 && side.shader && (side.compileFlags & C_NODRAW) == 0;
+    };
+    const int count = int(brush.sides.size());
+    for (int i = std::min(kAxial, count) - 1; i >= 0; --i)
+        if (isVisible(i))
+            return i;
+    for (int i = kAxial; i < count; ++i)
+        if (isVisible(i))
+            return i;
+    return -1;
+}
+
+} // namespace
+
+BspWriter::BspWriter(Map &map, const BspContext &context)
+    : map_(map), context_(context), worldSettings_(SettingsOf(map.World(), map, context)), skyBox_(ReadSkyBox(map)) {
+    bsp.drawIndexes = {0, 1, 2, 0, 2, 3};
+    bsp.leafs.emplace_back(); // no node refers to it
+    surfaceFile =
+        DefaultSurfaceBlock(worldSettings_, std::max(context.options.sampleSize, context.options.minSampleSize));
+}
+
+int BspWriter::ShaderNumber(std::string_view name, std::optional<std::uint32_t> surfaceFlags,
+                            std::optional<std::uint32_t> contentFlags) {
+    const std::string_view known = name.empty() ? kNoShader : name;
+    const std::string key = LowerCase(known);
+    const auto [first, last] = shaderNumbers_.equal_range(key);
+    for (auto entry = first; entry != last; ++entry) {
+        const bspShader_t &shader = bsp.shaders[std::size_t(entry->second)];
+        if (shader.surfaceFlags == surfaceFlags.value_or(shader.surfaceFlags) &&
+            shader.contentFlags == contentFlags.value_or(shader.contentFlags))
+            return entry->second;
+    }
+    const ShaderInfo &info = context_.shaders.Get(known);
+    const int number = int(bsp.shaders.size());
+    bsp.shaders.push_back(
+        {NameField(known), surfaceFlags.value_or(info.surfaceFlags), contentFlags.value_or(info.contentFlags)});
+    shaderNumbers_.emplace(key, number);
+    return number;
+}
+
+void BspWriter::BeginModel(const MapEntity &entity) {
+    const Boundsf bounds = BoundsOf(entity, bsp.models.empty());
+    bspModel_t model{};
+    if (!bounds.Empty()) {
+        model.mins = Values(bounds.mins);
+        model.maxs = Values(bounds.maxs);
+    }
+    model.firstBSPSurface = std::int32_t(bsp.drawSurfaces.size());
+    model.firstBSPBrush = std::int32_t(bsp.brushes.size());
+    bsp.models.push_back(model);
+}
+
+void BspWriter::EmitBrushes(MapEntity &entity) {
+    for (Brush &brush : entity.brushes) {
+        brush.bspBrush = int(bsp.brushes.size());
+        bspBrush_t record{};
+        const ShaderInfo *content = brush.contentShader;
+        record.shaderNum =
+            content ? ShaderNumber(content->name, content->surfaceFlags, content->contentFlags) : ShaderNumber("");
+        record.firstSide = std::int32_t(bsp.brushSides.size());
+        record.numSides = std::int32_t(brush.sides.size());
+        bsp.brushes.push_back(record);
+        for (const BrushSide &side : brush.sides)
+            EmitBrushSide(side);
+    }
+}
+
+void BspWriter::EmitBrushSide(const BrushSide &side) {
+    bspBrushSide_t record{};
+    record.planeNum = side.planeNum;
+    if (side.shader)
+        record.shaderNum = ShaderNumber(side.shader->name);
+    else
+        record.shaderNum = side.bevel ? ShaderNumber(kNoShader, side.surfaceFlags) : ShaderNumber(kNoShader);
+    bsp.brushSides.push_back(record);
+}
+
+/// Sides whose surfaces were given another shader take it over: engines ask the side what was hit.
+void BspWriter::FixSideShaders(const MapEntity &entity, const Geometry &geometry) {
+    for (const Brush &brush : entity.brushes)
+        for (std::size_t i = 0; i < brush.sides.size() && brush.bspBrush >= 0; ++i) {
+            const BrushSide &side = brush.sides[i];
+            if (side.surface < 0 || !side.shader)
+                continue;
+            const ShaderInfo *shader = geometry.surfaces[std::size_t(side.surface)].shader;
+            if (shader && !EqualNoCase(shader->name, side.shader->name)) {
+                const std::size_t first = std::size_t(bsp.brushes[std::size_t(brush.bspBrush)].firstSide);
+                bsp.brushSides[first + i].shaderNum = ShaderNumber(shader->name);
+            }
+        }
+}
+
+int BspWriter::EmitLeaf(const MapEntity &entity, const TreeNode &leaf, const Boundsf &bounds) {
+    bspLeaf_t record{};
+    record.cluster = leaf.opaque ? -1 : std::max(leaf.cluster, 0);
+    record.area = leaf.opaque ? -1 : std::max(leaf.area, 0);
+    SetBounds(bounds, record.mins, record.maxs);
+    record.firstBSPLeafBrush = std::int32_t(bsp.leafBrushes.size());
+    for (const int brush : leaf.brushes)
+        if (const int number = entity.brushes[std::size_t(brush)].bspBrush; number >= 0)
+            bsp.leafBrushes.push_back(number);
+    record.numBSPLeafBrushes = std::int32_t(bsp.leafBrushes.size()) - record.firstBSPLeafBrush;
+    if (!leaf.opaque) {
+        record.firstBSPLeafSurface = std::int32_t(bsp.leafSurfaces.size());
+        bsp.leafSurfaces.insert(bsp.leafSurfaces.end(), leaf.surfaces.begin(), leaf.surfaces.end());
+        record.numBSPLeafSurfaces = std::int32_t(leaf.surfaces.size());
+    }
+    bsp.leafs.push_back(record);
+    return int(bsp.leafs.size()) - 1;
+}
+
+/// Nodes in the order of a walk that takes front children first.
+void BspWriter::EmitNodes(const MapEntity &entity, const Tree &tree) {
+    struct Visit {
+        int node, parent;
+        std::size_t child;
+    };
+    std::vector<Visit> stack{{tree.head, -1, 0}};
+    while (!stack.empty()) {
+        const Visit visit = stack.back();
+        stack.pop_back();
+        const TreeNode &node = tree.nodes[std::size_t(visit.node)];
+        int number = 0;
+        if (node.IsLeaf()) {
+            number = -1 - EmitLeaf(entity, node, node.bounds);
+        } else {
+            number = int(bsp.nodes.size());
+            bspNode_t record{};
+            record.planeNum = node.planeNum;
+            SetBounds(node.bounds, record.mins, record.maxs);
+            bsp.nodes.push_back(record);
+            stack.push_back({node.children[1], number, 1});
+            stack.push_back({node.children[0], number, 0});
+        }
+        if (visit.parent >= 0)
+            bsp.nodes[std::size_t(visit.parent)].children[visit.child] = number;
+    }
+}
+
+void BspWriter::EmitTree(const MapEntity &entity, const Tree &tree) {
+    if (bsp.models.size() > 1) {
+        const bspModel_t &model = bsp.models.back();
+        Boundsf bounds;
+        bounds.Add(Vec3f(model.mins));
+        bounds.Add(Vec3f(model.maxs));
+        EmitLeaf(entity, tree.nodes[std::size_t(tree.head)], bounds);
+        return;
+    }
+    EmitNodes(entity, tree);
+}
+
+void BspWriter::EndModel() {
+    bspModel_t &model = bsp.models.back();
+    model.numBSPSurfaces = std::int32_t(bsp.drawSurfaces.size()) - model.firstBSPSurface;
+    model.numBSPBrushes = std::int32_t(bsp.brushes.size()) - model.firstBSPBrush;
+}
+
+void BspWriter::EmitFogs(const Geometry &geometry) {
+    for (const MapFog &fog : geometry.fogs) {
+        bspFog_t record{};
+        record.shader = NameField(fog.shader->name);
+        record.brushNum = record.visibleSide = -1;
+        if (fog.entity >= 0 && fog.brush >= 0) {
+            const Brush &brush = map_.entities[std::size_t(fog.entity)].brushes[std::size_t(fog.brush)];
+            record.brushNum = brush.bspBrush;
+            record.visibleSide = fog.visibleSide >= 0 ? fog.visibleSide : VisibleSide(brush);
+        }
+        bsp.fogs.push_back(record);
+    }
+}
+
+void BspWriter::EmitPlanes() {
+    for (int i = 0; i < map_.planes.Count(); ++i) {
+        const Plane &plane = map_.planes[i];
+        bsp.planes.push_back({Values(Vec3f(plane.normal)), float(plane.dist)});
+    }
+    for (bspShader_t &shader : bsp.shaders)
+        if (const std::string &other = context_.shaders.Get(FieldName(shader.shader)).geometry.remapShader;
+            !other.empty())
+            shader.shader = NameField(other);
+}
+
+} // namespace q3

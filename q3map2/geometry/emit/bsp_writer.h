@@ -1,0 +1,66 @@
+// GPL-2.0-or-later. Writing the .bsp: models, brushes, surfaces, the tree.
+#pragma once
+
+#include "q3map2/bspfile/bsp.h"
+#include "q3map2/geometry/effects/skybox.h"
+#include "q3map2/geometry/emit/index_runs.h"
+#include "q3map2/tree/tree.h"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// Collects the records of a .bsp, model by model: BeginModel, EmitBrushes, EmitSurfaces, EmitTree, EndModel for the
+/// world and then each other model; EmitFogs and EmitPlanes once at the end. Errors: Error, when a limit is exceeded.
+class BspWriter {
+  public:
+    BspWriter(Map &map, const BspContext &context);
+
+    /// Entry of the shader table of that name and, where given, flags; appended if there is none.
+    int ShaderNumber(std::string_view name, std::optional<std::uint32_t> surfaceFlags = {},
+                     std::optional<std::uint32_t> contentFlags = {});
+    void BeginModel(const MapEntity &entity);
+    /// Gives the brushes their numbers.
+    void EmitBrushes(MapEntity &entity);
+    /// The final pass over the surfaces from `first` on: changes coordinates and colours, makes fur, foliage and
+    /// flares, puts surfaces into leafs, appends those that are in one.
+    void EmitSurfaces(MapEntity &entity, Tree &tree, Geometry &geometry, std::size_t first);
+    /// Nodes and leafs; of models other than the world one leaf. After the brush sides know their surfaces.
+    void EmitTree(const MapEntity &entity, const Tree &tree);
+    void EndModel();
+    void EmitFogs(const Geometry &geometry);
+    /// Planes, and the names that replace others.
+    void EmitPlanes();
+    /// Flares in no leaf that make engines load the images of skies.
+    void EmitSkyImages();
+
+    Bsp bsp;
+    std::string surfaceFile; ///< text of the .srf
+
+  private:
+    void EmitBrushSide(const BrushSide &side);
+    void EmitSurface(MapEntity &entity, Tree &tree, Geometry &geometry, std::size_t number);
+    void EmitSkyBoxCopies(Tree &tree, Geometry &geometry);
+    void WriteSurface(const DrawSurface &surface);
+    void WriteVerts(const DrawSurface &surface);
+    int SurfaceShader(const DrawSurface &surface);
+    void FixSideShaders(const MapEntity &entity, const Geometry &geometry);
+    void EmitNodes(const MapEntity &entity, const Tree &tree);
+    int EmitLeaf(const MapEntity &entity, const TreeNode &leaf, const Boundsf &bounds);
+
+    Map &map_;
+    const BspContext &context_;
+    SurfaceSettings worldSettings_;
+    IndexRuns runs_;
+    std::multimap<std::string, int, std::less<>> shaderNumbers_; ///< by lower-case name
+    std::vector<const ShaderInfo *> skies_;                      ///< of written surfaces
+    std::optional<SkyBoxTransform> skyBox_;
+    std::vector<DrawSurface> skyBoxCopies_;
+};
+
+} // namespace q3

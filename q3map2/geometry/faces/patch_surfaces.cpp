@@ -1,0 +1,74 @@
+// GPL-2.0-or-later. Draw surfaces of patches.
+#include "q3map2/geometry/faces/patch_surfaces.h"
+
+#include "q3map2/map/map_patch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace q3 {
+namespace {
+
+constexpr double kSame = 0.001; ///< game units, and components of normals
+
+bool Same(const Vec3f &a, const Vec3f &b) {
+    const Vec3d d = Vec3d(a) - Vec3d(b);
+    return std::abs(d.x) <= kSame && std::abs(d.y) <= kSame && std::abs(d.z) <= kSame;
+}
+
+/// A flat patch lies in a plane of the table, and its normals are that plane's.
+void FlattenPatch(DrawSurface &surface, PlaneTable &planes) {
+    const DrawVert &first = surface.verts.front();
+    const Vec3d normal(first.normal), origin(first.xyz);
+    surface.planar = std::ranges::all_of(surface.verts, [&](const DrawVert &v) {
+        return Same(v.normal, first.normal) && std::abs(Dot(Vec3d(v.xyz) - origin, normal)) <= kSame;
+    });
+    if (!surface.planar)
+        return;
+    const std::array<Vec3d, 1> point{origin};
+    surface.planeNum = planes.Find(normal, Dot(normal, origin), point);
+    surface.planar = surface.planeNum >= 0;
+    if (!surface.planar)
+        return;
+    surface.lightmapVecs[2] = Vec3f(planes[surface.planeNum].normal);
+    for (DrawVert &v : surface.verts)
+        v.normal = surface.lightmapVecs[2];
+}
+
+void SetTextureCoordinates(DrawSurface &surface, const Vec3f &origin, const BspOptions &options) {
+    const GeometryDirectives &shader = surface.shader->geometry;
+    for (DrawVert &v : surface.verts) {
+        if (shader.hasTexGen)
+            v.st = {Dot(shader.texGen[0], v.xyz + origin), Dot(shader.texGen[1], v.xyz + origin)};
+        if (options.flat)
+            v.st = {1 - 1 / float(shader.textureWidth), 1 - 1 / float(shader.textureHeight)};
+    }
+}
+
+} // namespace
+
+void MakePatchSurfaces(MapEntity &entity, Geometry &geometry, PlaneTable &planes, const BspContext &context) {
+    for (std::size_t i = 0; i < entity.patches.size(); ++i) {
+        Patch &patch = entity.patches[i];
+        if (patch.verts.empty())
+            continue;
+        SetPatchNormals(patch);
+        DrawSurface surface;
+        surface.kind = SurfaceKind::Patch;
+        surface.shader = patch.shader;
+        surface.settings = patch.settings;
+        surface.patch = int(i), surface.primitive = patch.primitive;
+        surface.width = patch.width, surface.height = patch.height;
+        surface.longestCurve = patch.longestCurve;
+        surface.verts = patch.verts;
+        surface.lightmapVecs = {patch.lodBounds.mins, patch.lodBounds.maxs, Vec3f{}};
+        for (const DrawVert &v : surface.verts)
+            surface.bounds.Add(v.xyz);
+        FlattenPatch(surface, planes);
+        SetTextureCoordinates(surface, entity.Origin(), context.options);
+        geometry.surfaces.push_back(std::move(surface));
+    }
+}
+
+} // namespace q3

@@ -1,0 +1,44 @@
+// GPL-2.0-or-later. Lines along edges of surfaces, with all the vertices on them.
+#pragma once
+
+#include "libs/math/winding.h"
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace q3 {
+
+struct EdgeLine {
+    struct Point {
+        double along; ///< distance from the origin
+        Vec3f xyz;
+    };
+    Vec3d origin, direction;
+    std::array<Plane, 2> planes; ///< the line is where they meet
+    std::vector<Point> points;   ///< in order along the line
+};
+
+/// Edges find the first line that both of their ends are near to, in order of addition.
+class EdgeLines {
+  public:
+    /// All points to come lie in `bounds`; about so many edges will.
+    EdgeLines(const Boundsf &bounds, std::size_t edges);
+    /// Puts the ends of the edge on a line, one there is or a new one; its number. `direction` is a unit vector.
+    int Add(const Vec3f &a, const Vec3f &b, const Vec3d &direction);
+    const EdgeLine &operator[](int line) const { return lines_[std::size_t(line)]; }
+    int Count() const { return int(lines_.size()); }
+
+  private:
+    int Find(const Vec3d &a, const Vec3d &b) const;
+    std::array<int, 3> CellOf(const Vec3d &p) const;
+    void EnterCells(int line);
+
+    Boundsd bounds_;
+    double cellSize_ = 1;
+    std::array<int, 3> size_{};
+    std::vector<std::vector<int>> cells_; ///< lines that pass, in order
+    std::vector<EdgeLine> lines_;
+};
+
+} // namespace q3

@@ -1,0 +1,258 @@
+// GPL-2.0-or-later. Closes cracks: faces get the vertices of others that lie on their edges.
+#include "q3map2/geometry/faces/tjunctions.h"
+
+#include "q3map2/geometry/faces/tjunction_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+namespace q3 {
+namespace {
+
+constexpr double kDegenerate = 0.1; ///< game units: shorter edges are none, nearer vertices are one
+constexpr double kStraight = 0.1;   ///< of the middle of a patch's border to its ends' line
+constexpr double kNearWhole = 0.01;
+constexpr std::size_t kMaxVerts = 256;
+
+struct Edge {
+    std::size_t surface = 0;
+    int vert = 0; ///< first vertex in a face; -1 for a patch
+    Vec3f from, to;
+    Vec3d direction;
+    double length = 0;
+    bool axial = false;
+    int line = -1;
+};
+
+struct Counts {
+    int degenerate = 0, axialLines = 0, lines = 0, added = 0, verts = 0, natural = 0, rotated = 0, impossible = 0;
+};
+
+bool IsRepaired(const DrawSurface &surface) {
+    if (surface.Empty() || surface.shader == nullptr)
+        return false;
+    if (surface.kind != SurfaceKind::Face && surface.kind != SurfaceKind::Patch)
+        return false;
+    const ShaderInfo &shader = *surface.shader;
+    return (shader.compileFlags & C_NODRAW) == 0 && !shader.autosprite && !shader.geometry.noTJunctions;
+}
+
+class EdgeList {
+  public:
+    void Add(std::size_t surface, int vert, const Vec3f &from, const Vec3f &to) {
+        Edge edge{surface, vert, from, to, {}, Length(Vec3d(to) - Vec3d(from)), false, -1};
+        if (edge.length < kDegenerate) {
+            ++degenerate;
+            return;
+        }
+        edge.direction = (Vec3d(to) - Vec3d(from)) / edge.length;
+        const Vec3f d(edge.direction);
+        edge.axial = std::abs(d.x + d.y + d.z) == 1;
+        edges.push_back(edge);
+    }
+    void AddFace(const DrawSurface &surface, std::size_t number) {
+        // From the last vertex: where lines are as near to each other as the tolerance, the first decides.
+        const std::size_t count = surface.verts.size();
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t from = (i + count - 1) % count;
+            Add(number, int(from), surface.verts[from].xyz, surface.verts[i].xyz);
+        }
+    }
+    /// Those curves of the border that are straight.
+    void AddPatch(const DrawSurface &surface, std::size_t number) {
+        const int w = surface.width, h = surface.height;
+        const auto curve = [&](int start, int step) {
+            const auto at = [&](int i) { return surface.verts[std::size_t(start + i * step)].xyz; };
+            const Vec3d a(at(0)), b(at(1)), c(at(2));
+            const Vec3d direction = Normalize(c - a), offset = b - a;
+            if (Length(offset - direction * Dot(offset, direction)) <= kStraight)
+                Add(number, -1, at(0), at(2));
+        };
+        for (int x = 0; x + 2 < w; x += 2)
+            curve(x, 1), curve((h - 1) * w + x, 1);
+        for (int y = 0; y + 2 < h; y += 2)
+            curve(y * w, w), curve(y * w + w - 1, w);
+    }
+    std::vector<Edge> edges;
+    int degenerate = 0;
+};
+
+EdgeLines MakeLines(EdgeList &list, const Boundsf &bounds, Counts &counts) {
+    EdgeLines lines(bounds, list.edges.size());
+    std::vector<Edge *> oblique;
+    for (Edge &edge : list.edges) {
+        if (edge.axial)
+            edge.line = lines.Add(edge.from, edge.to, edge.direction);
+        else
+            oblique.push_back(&edge);
+    }
+    counts.axialLines = lines.Count();
+    // Edges of equal length stay in the order of the surfaces.
+    std::stable_sort(oblique.begin(), oblique.end(),
+                     [](const Edge *a, const Edge *b) { return a->length < b->length; });
+    for (Edge *edge : oblique)
+        edge->line = lines.Add(edge->from, edge->to, edge->direction);
+    counts.lines = lines.Count();
+    counts.degenerate = list.degenerate;
+    return lines;
+}
+
+DrawVert Between(const DrawVert &a, const DrawVert &b, double fraction, const Vec3f &xyz) {
+    DrawVert vert = a;
+    vert.xyz = xyz;
+    vert.inserted = true;
+    for (std::size_t i = 0; i < 2; ++i)
+        vert.st[i] = float(double(a.st[i]) + fraction * (double(b.st[i]) - double(a.st[i])));
+    for (std::size_t i = 0; i < 4; ++i)
+        vert.color[i] = std::uint8_t(double(a.color[i]) + fraction * (double(b.color[i]) - double(a.color[i])));
+    return vert;
+}
+
+/// A vertex and the edge of the original face that it begins or lies on.
+struct Corner {
+    DrawVert vert;
+    std::size_t edge = 0;
+};
+
+void AddPointsOn(const EdgeLine &line, const DrawVert &a, const DrawVert &b, std::size_t edge,
+                 std::vector<Corner> &corners) {
+    const double from = Dot(Vec3d(a.xyz) - line.origin, line.direction);
+    const double to = Dot(Vec3d(b.xyz) - line.origin, line.direction);
+    const double lo = std::min(from, to) + kDegenerate, hi = std::max(from, to) - kDegenerate;
+    const auto begin = std::ranges::upper_bound(line.points, lo, {}, &EdgeLine::Point::along);
+    const std::size_t before = corners.size();
+    for (auto p = begin; p != line.points.end() && p->along < hi; ++p)
+        corners.push_back({Between(a, b, (p->along - from) / (to - from), p->xyz), edge});
+    if (to < from)
+        std::reverse(corners.begin() + std::ptrdiff_t(before), corners.end());
+}
+
+/// A vertex from which a triangle fan has no triangle within one edge.
+std::size_t FanStart(const std::vector<Corner> &corners) {
+    const std::size_t n = corners.size();
+    for (std::size_t i = 0; i < n; ++i) {
+        const auto edge = [&](std::size_t offset) { return corners[(i + offset) % n].edge; };
+        if (edge(1) != edge(0) && edge(n - 1) != edge(n - 2))
+            return i;
+    }
+    return n;
+}
+
+void InsertVerts(DrawSurface &surface, const EdgeLines &lines, std::span<const Edge> edges, Counts &counts,
+                 const BspContext &context) {
+    std::vector<int> lineFrom(surface.verts.size(), -1);
+    for (const Edge &edge : edges)
+        lineFrom[std::size_t(edge.vert)] = edge.line;
+    std::vector<Corner> corners;
+    for (std::size_t i = 0; i < surface.verts.size(); ++i) {
+        corners.push_back({surface.verts[i], i});
+        if (lineFrom[i] >= 0)
+            AddPointsOn(lines[lineFrom[i]], surface.verts[i], surface.verts[(i + 1) % surface.verts.size()], i,
+                        corners);
+    }
+    if (corners.size() > kMaxVerts)
+        context.FailAt(surface.settings.entity, surface.primitive,
+                       "a face of shader " + surface.shader->name + " has " + std::to_string(corners.size()) +
+                           " vertices with those of its neighbours, expected at most " + std::to_string(kMaxVerts));
+    counts.added += int(corners.size() - surface.verts.size());
+    counts.verts += int(corners.size());
+    const std::size_t start = FanStart(corners);
+    ++(start == 0 ? counts.natural : start == corners.size() ? counts.impossible : counts.rotated);
+    // By one vertex whichever start was found: the established order.
+    if (start != 0)
+        std::ranges::rotate(corners, corners.begin() + 1);
+    surface.verts.clear();
+    for (const Corner &corner : corners)
+        surface.verts.push_back(corner.vert);
+}
+
+float WeldedCoordinate(double a, double b) {
+    const double offA = std::abs(a - std::nearbyint(a)), offB = std::abs(b - std::nearbyint(b));
+    const double chosen = offA == 0 ? a : offB == 0 ? b : offA <= offB ? a : b;
+    const double whole = std::nearbyint(chosen);
+    return float(std::abs(chosen - whole) < kNearWhole ? whole : chosen);
+}
+
+DrawVert Welded(const DrawVert &a, const DrawVert &b) {
+    DrawVert vert = a;
+    for (std::size_t i = 0; i < 3; ++i)
+        vert.xyz[i] = WeldedCoordinate(double(a.xyz[i]), double(b.xyz[i]));
+    const Vec3f normal = Normalize(a.normal + b.normal);
+    vert.normal = normal == Vec3f{} ? a.normal : normal;
+    for (std::size_t i = 0; i < 2; ++i)
+        vert.st[i] = (a.st[i] + b.st[i]) / 2;
+    for (std::size_t i = 0; i < 4; ++i)
+        vert.color[i] = std::uint8_t((a.color[i] + b.color[i]) / 2);
+    return vert;
+}
+
+/// Neighbours that are one point for all purposes become one.
+void Weld(DrawSurface &surface) {
+    std::vector<DrawVert> &verts = surface.verts;
+    for (std::size_t i = 0; i < verts.size() && verts.size() > 1;) {
+        const std::size_t next = (i + 1) % verts.size();
+        if (Length(Vec3d(verts[i].xyz) - Vec3d(verts[next].xyz)) >= kDegenerate) {
+            ++i;
+            continue;
+        }
+        verts[i] = Welded(verts[i], verts[next]);
+        verts.erase(verts.begin() + std::ptrdiff_t(next));
+        // The new vertex has a new neighbour: it is looked at again.
+        if (next < i)
+            --i;
+    }
+    if (verts.size() < 3)
+        verts.clear();
+}
+
+void Report(const Counts &counts, Log &log) {
+    if (!log.IsVerbose())
+        return;
+    log.Count(counts.axialLines, "axial edge lines");
+    log.Count(counts.lines - counts.axialLines, "non-axial edge lines");
+    log.Count(counts.degenerate, "degenerate edges");
+    log.Count(counts.added, "verts added for T-junctions");
+    log.Count(counts.verts, "total verts");
+    log.Count(counts.natural, "naturally ordered");
+    log.Count(counts.rotated, "rotated orders");
+    log.Count(counts.impossible, "can't order");
+}
+
+} // namespace
+
+void FixTJunctions(Geometry &geometry, std::size_t first, const BspContext &context) {
+    if (context.options.noTJunctions)
+        return;
+    EdgeList list;
+    Boundsf bounds;
+    for (std::size_t i = first; i < geometry.surfaces.size(); ++i) {
+        const DrawSurface &surface = geometry.surfaces[i];
+        if (!IsRepaired(surface))
+            continue;
+        for (const DrawVert &v : surface.verts)
+            bounds.Add(v.xyz);
+        if (surface.kind == SurfaceKind::Face)
+            list.AddFace(surface, i);
+        else
+            list.AddPatch(surface, i);
+    }
+    Counts counts;
+    const EdgeLines lines = MakeLines(list, bounds, counts);
+    std::size_t edge = 0;
+    for (std::size_t i = first; i < geometry.surfaces.size(); ++i) {
+        const std::size_t begin = edge;
+        while (edge < list.edges.size() && list.edges[edge].surface == i)
+            ++edge;
+        DrawSurface &surface = geometry.surfaces[i];
+        if (surface.kind != SurfaceKind::Face || !IsRepaired(surface))
+            continue;
+        InsertVerts(surface, lines, std::span(list.edges).subspan(begin, edge - begin), counts, context);
+        Weld(surface);
+    }
+    Report(counts, context.log);
+}
+
+} // namespace q3

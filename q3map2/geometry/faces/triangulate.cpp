@@ -1,0 +1,181 @@
+// GPL-2.0-or-later. Polygons to triangles.
+#include "q3map2/geometry/faces/triangulate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+namespace q3 {
+namespace {
+
+constexpr double kMinSine2 = 1e-5;  ///< of the smallest angle
+constexpr double kMinTwiceArea = 1; ///< square units
+constexpr std::size_t kMaxIndexes = 1024;
+constexpr int kMaxAreaTries = 8;
+
+using Verts = std::vector<DrawVert>;
+using Indexes = std::vector<int>;
+
+const DrawVert &At(const Verts &verts, int i) {
+    const int n = int(verts.size());
+    return verts[std::size_t((i % n + n) % n)];
+}
+
+Vec3d Position(const Verts &verts, int i) {
+    return Vec3d(At(verts, i).xyz);
+}
+
+double TwiceArea(const Vec3d &a, const Vec3d &b, const Vec3d &c) {
+    return Length(Cross(b - a, c - a));
+}
+
+/// Neither a needle nor a speck: those crack when drawn.
+bool IsSound(const Vec3d &a, const Vec3d &b, const Vec3d &c) {
+    const double twice = TwiceArea(a, b, c);
+    std::array<double, 3> squares{Dot(b - a, b - a), Dot(c - b, c - b), Dot(a - c, a - c)};
+    std::ranges::sort(squares);
+    // The smallest angle lies between the two longest edges: sine = 2 area / (their product).
+    return twice > kMinTwiceArea && twice * twice > kMinSine2 * squares[1] * squares[2];
+}
+
+/// A strip that zigzags from the two sides of a start vertex, first along vertices inserted by T-junction repair.
+std::optional<Indexes> StripFrom(const Verts &verts, int start) {
+    const int n = int(verts.size());
+    const auto wrap = [n](int i) { return (i % n + n) % n; };
+    Indexes indexes;
+    int i = start % n, j = wrap(start - 1);
+    bool back = false;
+    while (true) {
+        const bool here = At(verts, back ? i + 1 : j - 1).inserted, other = At(verts, back ? j - 1 : i + 1).inserted;
+        if (here >= other)
+            back = !back;
+        const int k = back ? j : i;
+        (back ? j : i) = wrap(back ? j - 1 : i + 1);
+        if (i == j)
+            return indexes;
+        if (!IsSound(Position(verts, i), Position(verts, j), Position(verts, k)))
+            return {};
+        indexes.insert(indexes.end(), {i, j, k});
+    }
+}
+
+std::optional<Indexes> Strip(const DrawSurface &surface) {
+    const auto order = [](const DrawVert &v) { return std::tuple(v.xyz.x, v.xyz.y, v.xyz.z); };
+    const int n = int(surface.verts.size());
+    const int least = surface.shader->autosprite
+                          ? 0
+                          : int(std::ranges::min_element(surface.verts, {}, order) - surface.verts.begin());
+    for (int r = 0; r < n; ++r)
+        if (std::optional<Indexes> indexes = StripFrom(surface.verts, least + r))
+            return indexes;
+    return {};
+}
+
+/// Triangles around a vertex inserted in the middle.
+void Fan(DrawSurface &surface) {
+    const int n = int(surface.verts.size());
+    Vec3d xyz, normal;
+    std::array<double, 2> st{};
+    std::array<double, 4> color{};
+    for (const DrawVert &v : surface.verts) {
+        xyz += Vec3d(v.xyz), normal += Vec3d(v.normal);
+        for (std::size_t i = 0; i < 2; ++i)
+            st[i] += double(v.st[i]);
+        for (std::size_t i = 0; i < 4; ++i)
+            color[i] += v.color[i];
+    }
+    DrawVert middle;
+    middle.xyz = Vec3f(xyz / n), middle.normal = Vec3f(Normalize(normal));
+    for (std::size_t i = 0; i < 2; ++i)
+        middle.st[i] = float(st[i] / n);
+    for (std::size_t i = 0; i < 4; ++i)
+        middle.color[i] = std::uint8_t(color[i] / n);
+    surface.verts.insert(surface.verts.begin(), middle);
+    surface.indexes.clear();
+    for (int i = 0; i < n; ++i)
+        surface.indexes.insert(surface.indexes.end(), {0, i == 0 ? n : i, i + 1});
+}
+
+/// Appends the largest triangle between the vertices first..last of the polygon, then those of the rest on each side
+/// of it. False when one is not sound. `width` is what a unit of perimeter costs.
+bool LargestTriangles(const Verts &verts, int first, int last, double width, Indexes &indexes) {
+    if (last - first < 2)
+        return true;
+    std::array<int, 3> best{};
+    double bestValue = 0;
+    bool found = false;
+    // One corner of the triangle on the edge first-last; it then divides the polygon in two.
+    for (int k = first + 1; k < last; ++k) {
+        const Vec3d a = Position(verts, first), b = Position(verts, k), c = Position(verts, last);
+        if (!IsSound(a, b, c))
+            continue;
+        const double value = TwiceArea(a, b, c) / 2 - width * (Length(b - a) + Length(c - b) + Length(a - c));
+        if (!found || value > bestValue)
+            best = {first, k, last}, bestValue = value, found = true;
+    }
+    if (!found)
+        return false;
+    indexes.insert(indexes.end(), best.begin(), best.end());
+    return LargestTriangles(verts, first, best[1], width, indexes) &&
+           LargestTriangles(verts, best[1], last, width, indexes);
+}
+
+/// The largest triangle of the polygon, then the largest in each part that it leaves, and so on. Tried with ever
+/// smaller weight of the perimeter.
+std::optional<Indexes> MaxArea(const Verts &verts) {
+    const int n = int(verts.size());
+    double width = 2;
+    for (int attempt = 0; attempt < kMaxAreaTries; ++attempt, width /= 2) {
+        std::array<int, 3> best{};
+        double bestValue = 0;
+        for (int i = 0; i < n; ++i)
+            for (int j = i + 1; j < n; ++j)
+                for (int k = j + 1; k < n; ++k) {
+                    const Vec3d a = Position(verts, i), b = Position(verts, j), c = Position(verts, k);
+                    const double value =
+                        TwiceArea(a, b, c) / 2 - width * (Length(b - a) + Length(c - b) + Length(a - c));
+                    if (IsSound(a, b, c) && (best[2] == 0 || value > bestValue))
+                        best = {i, j, k}, bestValue = value;
+                }
+        if (best[2] == 0)
+            return {};
+        Indexes indexes(best.begin(), best.end());
+        if (LargestTriangles(verts, best[0], best[1], width, indexes) &&
+            LargestTriangles(verts, best[1], best[2], width, indexes) &&
+            LargestTriangles(verts, best[2], best[0] + n, width, indexes)) {
+            for (int &i : indexes)
+                i %= n;
+            return indexes;
+        }
+    }
+    return {};
+}
+
+} // namespace
+
+void TriangulateFace(DrawSurface &surface, const BspContext &context) {
+    surface.indexes.clear();
+    const std::size_t n = surface.verts.size();
+    if (n < 3)
+        return;
+    if (n > kMaxIndexes / 3)
+        context.FailAt(surface.settings.entity, surface.primitive,
+                       "a face of shader " + surface.shader->name + " has " + std::to_string(n) +
+                           " vertices, expected at most " + std::to_string(kMaxIndexes / 3));
+    if (n == 3) {
+        surface.indexes = {0, 1, 2};
+        return;
+    }
+    std::optional<Indexes> indexes;
+    if (context.options.maxArea)
+        indexes = MaxArea(surface.verts);
+    if (!indexes)
+        indexes = Strip(surface);
+    if (indexes)
+        surface.indexes = std::move(*indexes);
+    else
+        Fan(surface);
+}
+
+} // namespace q3

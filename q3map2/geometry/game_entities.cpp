@@ -1,0 +1,92 @@
+// GPL-2.0-or-later. Entities of the map source as the game gets them.
+#include "q3map2/geometry/game_entities.h"
+#include "common/text/text.h"
+#include "q3map2/geometry/compile_map.h"
+
+#include <algorithm>
+#include <array>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::array<std::string_view, 3> kNoted = {"_q3map2_cmdline", "_q3map2_version", "gridsize"};
+
+std::string_view CloneOf(const MapEntity &entity) {
+    return entity.pairs.Value({"_ins", "_instance", "_clone"});
+}
+
+bool HasPrimitives(const MapEntity &entity) {
+    return !entity.brushes.empty() || !entity.patches.empty();
+}
+
+/// Gives clones the model of the entity that they name.
+void ShareModels(Map &map, const BspContext &context) {
+    for (MapEntity &entity : map.entities) {
+        const std::string_view name = CloneOf(entity);
+        if (name.empty())
+            continue;
+        const auto parent = std::find_if(map.entities.begin(), map.entities.end(), [&](const MapEntity &other) {
+            return EqualNoCase(other.pairs.Value("_clonename"), name);
+        });
+        if (parent == map.entities.end() || !parent->pairs.Has("model")) {
+            context.log.Warn("clone without parent", "{}: it is a clone of {}, but {}", entity.Who(), name,
+                             parent == map.entities.end() ? "no entity has that _clonename"
+                                                          : "that entity has no model");
+            continue;
+        }
+        const std::string model(parent->pairs.Value("model"));
+        entity.pairs.Set("model", model);
+    }
+}
+
+} // namespace
+
+void NumberModels(Map &map, const BspContext &context) {
+    int models = 1;
+    for (std::size_t i = 0; i < map.entities.size(); ++i) {
+        MapEntity &entity = map.entities[i];
+        if (i == 0) {
+            entity.model = 0;
+            continue;
+        }
+        if (!CloneOf(entity).empty()) {
+            entity.brushes.clear();
+            entity.patches.clear();
+        }
+        if (HasPrimitives(entity)) {
+            entity.model = models++;
+            entity.pairs.Set("model", fmt::format("*{}", entity.model));
+        }
+    }
+    ShareModels(map, context);
+    context.log.Verbose("{:9} models\n", models);
+}
+
+std::string GameEntities(const Map &map, const BspOptions &options) {
+    const Entity &world = map.entities.front().pairs;
+    const bool keepLights = options.keepLights || world.Flag("_keepLights");
+    const bool keepModels = options.keepModels || world.Flag("_keepModels");
+    std::vector<Entity> kept;
+    for (const MapEntity &entity : map.entities) {
+        const std::string_view name = entity.pairs.ClassName();
+        const bool isCompiledIn = EqualNoCase(name, "_decal") || EqualNoCase(name, "_skybox") ||
+                                  EqualNoCase(name, "func_group") || EqualNoCase(name, "group_info") ||
+                                  (EqualNoCase(name, "misc_model") && !keepModels) ||
+                                  (StartsWithNoCase(name, "light") && !keepLights);
+        if (&entity.pairs == &world || (!isCompiledIn && !entity.pairs.pairs.empty()))
+            kept.push_back(entity.pairs);
+    }
+    return FormatEntities(kept);
+}
+
+void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context) {
+    NumberModels(map, context);
+    const std::vector<Entity> old = ParseEntities(bsp.entities, map.name);
+    for (const std::string_view key : kNoted)
+        if (!old.empty() && old.front().Has(key))
+            map.World().pairs.Set(key, old.front().Value(key));
+    bsp.entities = GameEntities(map, context.options);
+}
+
+} // namespace q3

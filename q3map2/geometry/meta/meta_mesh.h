@@ -1,0 +1,77 @@
+// GPL-2.0-or-later. Triangles of all faces of a model with shared vertices, before they are merged into surfaces.
+#pragma once
+
+#include "q3map2/geometry/surface/draw_surface.h"
+#include "q3map2/geometry/surface/point_table.h"
+#include "q3map2/map/bsp_context.h"
+
+#include <array>
+#include <cstddef>
+#include <unordered_map>
+#include <vector>
+
+namespace q3 {
+
+/// Triangles that agree in all of this may be merged.
+struct MetaKey {
+    int shaderOrder = 0; ///< order of first appearance
+    int fogNum = -1, entity = 0, castShadows = 0, receiveShadows = 0, sampleSize = 0;
+    Vec3f ambient;
+    bool backSide = false;
+    bool operator==(const MetaKey &) const = default;
+};
+
+/// Points that agree in position share a group.
+struct MetaVert {
+    DrawVert vert;
+    int group = 0;
+    std::vector<int> triangles; ///< in order of addition
+};
+
+struct MetaTriangle {
+    std::array<int, 3> verts{}; ///< numbers of MetaVert, clockwise seen from the front
+    int key = 0;                ///< number of MetaKey
+    int surface = 0;            ///< in Geometry: where it comes from
+    int planeNum = -1;
+    Plane plane;
+    Vec3f lightmapAxis;
+};
+
+class MetaMesh {
+  public:
+    /// Adds the triangles of the surface with that number. `planes` are the table's.
+    void Add(const DrawSurface &surface, int number, const PlaneTable &planes, const BspContext &context);
+
+    const std::vector<MetaTriangle> &Triangles() const { return triangles_; }
+    const std::vector<MetaVert> &Verts() const { return verts_; }
+    const std::vector<MetaKey> &Keys() const { return keys_; }
+    /// Numbers of the vertices of a group, in order of addition.
+    const std::vector<int> &Group(int group) const { return groups_[std::size_t(group)]; }
+    int GroupCount() const { return int(groups_.size()); }
+    /// Gives corners new normals and shares vertices anew.
+    void ReplaceNormals(const std::vector<std::array<Vec3f, 3>> &normals);
+
+  private:
+    int KeyOf(const DrawSurface &surface);
+    int VertOf(const DrawVert &vert);
+    bool HasTriangle(const MetaTriangle &triangle) const;
+    void Link(MetaTriangle triangle, const std::array<DrawVert, 3> &corners, bool refuseRepeated,
+              const DrawSurface *surface, const BspContext *context);
+
+    PointTable positions_{0.001};
+    std::vector<std::vector<int>> groups_;
+    std::vector<MetaVert> verts_;
+    std::vector<MetaTriangle> triangles_;
+    std::vector<MetaKey> keys_;
+    std::unordered_map<const ShaderInfo *, int> shaderOrder_;
+};
+
+/// Vertices agree in position and normal within this, per component.
+inline constexpr double kSameVector = 0.001;
+bool SameVector(const Vec3f &a, const Vec3f &b);
+
+/// Triangulates the faces (from `first` on) that take part in the meta step and replaces them and the ForcedMeta
+/// surfaces by merged triangle surfaces.
+void MakeMetaSurfaces(Geometry &geometry, std::size_t first, PlaneTable &planes, const BspContext &context);
+
+} // namespace q3

@@ -1,0 +1,229 @@
+// GPL-2.0-or-later. Clip brushes of models: solids behind their polygons.
+#include "q3map2/geometry/models/model_clip.h"
+
+#include "q3map2/geometry/models/model_clip_merge.h"
+#include "q3map2/map/map_bevels.h"
+#include "q3map2/map/map_brush.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace q3 {
+namespace {
+
+constexpr double kMinFacing = 0.01; ///< cosine: an extrusion along the polygon itself makes no solid
+
+/// Which way and how far solids go.
+struct Extrusion {
+    unsigned mode = 0; ///< ModelFlags of shapes
+    double depth = 2;
+    Vec3d terrainAxis; ///< from the average facing: towards the back
+    Boundsd bounds;    ///< of the model
+};
+
+bool IsKnownMode(unsigned mode) {
+    constexpr unsigned up = kModelClipUp, down = kModelClipDown, terrain = kModelClipTerrain;
+    constexpr std::array<unsigned, 8> plain{0,
+                                            kModelClipPyramid,
+                                            kModelClipPyramid | kModelClipAxialBack,
+                                            kModelClipFaceNormals,
+                                            kModelClipFaceNormals | kModelClipPyramid,
+                                            kModelClipAxialBack,
+                                            kModelClipVertexNormals,
+                                            kModelClipVertexNormals | kModelClipPyramid};
+    if (std::ranges::find(plain, mode) != plain.end())
+        return true;
+    const unsigned direction = mode & (up | down | terrain), rest = mode & ~(up | down | terrain);
+    return (direction == terrain || direction == up || direction == down || direction == (up | down)) &&
+           (rest == 0 || rest == kModelClipAxialBack || rest == kModelClipFull);
+}
+
+/// Signed unit axis of the largest component.
+Vec3d AxisOf(const Vec3d &v) {
+    std::size_t axis = 0;
+    for (std::size_t i = 1; i < 3; ++i)
+        if (std::abs(v[i]) > std::abs(v[axis]))
+            axis = i;
+    Vec3d result;
+    result[axis] = v[axis] < 0 ? -1 : 1;
+    return result;
+}
+
+/// Unit vector from the front to the back.
+Vec3d BackWay(const Extrusion &extrusion, const Vec3d &normal) {
+    const unsigned mode = extrusion.mode;
+    if (mode & (kModelClipFaceNormals | kModelClipVertexNormals))
+        return -normal;
+    if (mode & kModelClipTerrain)
+        return extrusion.terrainAxis;
+    const bool up = mode & kModelClipUp, down = mode & kModelClipDown;
+    if (up && down)
+        return {0, 0, normal.z > 0 ? -1. : 1.};
+    if (up || down)
+        return {0, 0, up ? 1. : -1.};
+    return -AxisOf(normal);
+}
+
+Vec3d CentroidOf(const Polygon &polygon) {
+    Vec3d sum;
+    for (const Vec3f &p : polygon)
+        sum += Vec3d(p);
+    return sum / double(polygon.size());
+}
+
+/// A plane through the points, its front away from `inside`.
+Plane PlaneAway(const Vec3d &a, const Vec3d &b, const Vec3d &c, const Vec3d &inside) {
+    Vec3d normal = Normalize(Cross(b - a, c - a));
+    if (Dot(normal, inside - a) > 0)
+        normal = -normal;
+    return {normal, Dot(normal, a)};
+}
+
+/// The flat back of the axial modes.
+Plane FlatBack(const Extrusion &extrusion, const Polygon &polygon, const Vec3d &way) {
+    const Vec3d axis = AxisOf(way);
+    double nearest = 1e30, farthest = -1e30;
+    for (const Vec3f &p : polygon) {
+        nearest = std::min(nearest, Dot(Vec3d(p), axis));
+        farthest = std::max(farthest, Dot(Vec3d(p), axis));
+    }
+    if (extrusion.mode & kModelClipFull) {
+        double extreme = -1e30;
+        for (const Vec3d &p : {extrusion.bounds.mins, extrusion.bounds.maxs})
+            extreme = std::max(extreme, Dot(p, axis));
+        return {axis, extreme};
+    }
+    if (extrusion.depth < 0)
+        return {axis, std::min(farthest + 1, nearest - extrusion.depth)};
+    return {axis, farthest + extrusion.depth};
+}
+
+Plane BackPlane(const Extrusion &extrusion, const Polygon &polygon, const Plane &front, const Vec3d &way) {
+    if (extrusion.mode & (kModelClipAxialBack | kModelClipFull))
+        return FlatBack(extrusion, polygon, way);
+    const double depth = std::abs(extrusion.depth);
+    return {-front.normal, -(front.dist + Dot(front.normal, way) * depth)};
+}
+
+/// Planes of the solid behind a clockwise polygon, the front first. Empty: its way runs along the polygon.
+std::vector<Plane> SolidPlanes(const Extrusion &extrusion, Polygon polygon, Plane front) {
+    const Vec3d way = BackWay(extrusion, front.normal);
+    if (std::abs(Dot(way, front.normal)) < kMinFacing)
+        return {};
+    if (Dot(way, front.normal) > 0) { // extruded to where it faces: solid from its back
+        polygon = Reversed(polygon);
+        front = {-front.normal, -front.dist};
+    }
+    const bool pyramid = extrusion.mode & kModelClipPyramid, tilted = extrusion.mode & kModelClipFaceNormals;
+    const Vec3d center = CentroidOf(polygon), inside = center + way * 0.5;
+    const Vec3d apex = center + way * std::abs(extrusion.depth);
+    std::vector<Plane> planes{front};
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Vec3d a(polygon[i]), b(polygon[(i + 1) % polygon.size()]);
+        if (!pyramid)
+            planes.push_back(PlaneAway(a, b, a + way, center));
+        else if (!tilted)
+            planes.push_back(PlaneAway(a, b, apex, inside));
+        else {
+            const Vec3d outward = PlaneAway(a, b, a + way, center).normal;
+            const Vec3d normal = Normalize(outward + way);
+            planes.push_back({normal, Dot(normal, a)});
+        }
+    }
+    if (!pyramid || tilted || (extrusion.mode & kModelClipAxialBack))
+        planes.push_back(BackPlane(extrusion, polygon, front, way));
+    return planes;
+}
+
+/// The solid of a triangle whose corners go back along their own normals.
+std::vector<Plane> VertexNormalPlanes(const Extrusion &extrusion, const ClipMesh &mesh,
+                                      const std::array<int, 3> &triangle) {
+    std::array<Vec3d, 3> front, back;
+    Vec3d center, backCenter;
+    for (std::size_t i = 0; i < 3; ++i) {
+        front[i] = Vec3d(mesh.points[std::size_t(triangle[i])]);
+        back[i] = front[i] - Vec3d(mesh.normals[std::size_t(triangle[i])]) * std::abs(extrusion.depth);
+        center += front[i] / 3., backCenter += back[i] / 3.;
+    }
+    const Vec3d inside = (center + backCenter) * 0.5;
+    const bool pyramid = extrusion.mode & kModelClipPyramid;
+    std::vector<Plane> planes{PlaneAway(front[0], front[1], front[2], inside)};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t j = (i + 1) % 3;
+        planes.push_back(PlaneAway(front[i], front[j], pyramid ? backCenter : (back[i] + back[j]) * 0.5, inside));
+    }
+    if (!pyramid)
+        planes.push_back(PlaneAway(back[0], back[1], back[2], inside));
+    return planes;
+}
+
+class Clipper {
+  public:
+    Clipper(const ModelPlacement &placement, MapEntity &target, PlaneTable &planes, const BspContext &context)
+        : placement_(placement), target_(target), planes_(planes), context_(context) {}
+
+    void Add(const std::vector<Plane> &planes, const ShaderInfo *shader, const Vec3d &where) {
+        auto brush = planes.size() < 4 ? nullptr : BrushFromPlanes(planes, shader, context_, planes_);
+        if (!brush) {
+            context_.log.Warn("triangle not autoclipped",
+                              "{}: the model {} has no clip brush at ({:.0f} {:.0f} {:.0f})", placement_.who,
+                              placement_.name, where.x, where.y, where.z);
+            return;
+        }
+        brush->settings = placement_.settings;
+        brush->generated = brush->detail = true;
+        brush->compileFlags |= C_DETAIL;
+        AddBrushBevels(*brush, planes_, context_.options.bevelSnap);
+        target_.brushes.push_back(std::move(*brush));
+    }
+
+  private:
+    const ModelPlacement &placement_;
+    MapEntity &target_;
+    PlaneTable &planes_;
+    const BspContext &context_;
+};
+
+Extrusion ExtrusionOf(const std::vector<ClipMesh> &meshes, const ModelPlacement &placement) {
+    Extrusion extrusion;
+    extrusion.mode = placement.flags & kModelClipShapes;
+    extrusion.depth = placement.clipDepth;
+    Vec3d facing;
+    for (const ClipMesh &mesh : meshes) {
+        for (const Vec3f &p : mesh.points)
+            extrusion.bounds.Add(Vec3d(p));
+        for (const auto &[a, b, c] : mesh.triangles) {
+            const Vec3d p(mesh.points[std::size_t(a)]);
+            facing += Normalize(Cross(Vec3d(mesh.points[std::size_t(c)]) - p, Vec3d(mesh.points[std::size_t(b)]) - p));
+        }
+    }
+    extrusion.terrainAxis = -AxisOf(facing);
+    return extrusion;
+}
+
+} // namespace
+
+void MakeClipBrushes(const std::vector<ClipMesh> &meshes, const ModelPlacement &placement, MapEntity &target,
+                     PlaneTable &planes, const BspContext &context) {
+    const Extrusion extrusion = ExtrusionOf(meshes, placement);
+    if (!IsKnownMode(extrusion.mode)) {
+        context.log.Warn("unknown clip mode",
+                         "{}: the spawnflags {} of the model {} are no way to clip; it gets no clip brushes",
+                         placement.who, placement.flags, placement.name);
+        return;
+    }
+    Clipper clipper(placement, target, planes, context);
+    for (const ClipMesh &mesh : meshes) {
+        if (extrusion.mode & kModelClipVertexNormals) {
+            for (const auto &triangle : mesh.triangles)
+                clipper.Add(VertexNormalPlanes(extrusion, mesh, triangle), mesh.shader,
+                            Vec3d(mesh.points[std::size_t(triangle[0])]));
+            continue;
+        }
+        for (const Polygon &polygon : MergedTriangles(mesh.points, mesh.triangles))
+            clipper.Add(SolidPlanes(extrusion, polygon, PlaneOf(polygon)), mesh.shader, Vec3d(polygon.front()));
+    }
+}
+
+} // namespace q3

@@ -1,0 +1,47 @@
+// GPL-2.0-or-later. How a model is placed in the map.
+#pragma once
+
+#include "q3map2/geometry/models/model_transform.h"
+#include "q3map2/map/map.h"
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace q3 {
+
+/// Spawnflags of misc_model.
+enum ModelFlags : unsigned {
+    kModelRenameAlternative = 1,
+    kModelClip = 2,
+    kModelForceMeta = 4,
+    kModelClipFaceNormals = 8,
+    kModelClipTerrain = 16,
+    kModelColorToAlpha = 32,
+    kModelClipVertexNormals = 128,
+    kModelClipPyramid = 256,
+    kModelClipDown = 512,
+    kModelClipUp = 1024,
+    kModelClipFull = 2048,
+    kModelClipAxialBack = 4096
+};
+inline constexpr unsigned kModelClipShapes = kModelClipFaceNormals | kModelClipTerrain | kModelClipVertexNormals |
+                                             kModelClipPyramid | kModelClipDown | kModelClipUp | kModelClipFull |
+                                             kModelClipAxialBack;
+
+/// Another shader for a material; empty: the mesh is left out.
+using ShaderMap = std::function<std::string(std::string_view)>;
+
+struct ModelPlacement {
+    std::string name;
+    std::string who; ///< MapEntity::Who of its entity, for messages
+    int frame = 0;
+    ModelTransform transform;
+    SurfaceSettings settings;
+    unsigned flags = 0;
+    double clipDepth = 2;
+    ShaderMap shaders; ///< none: the model's own
+    int fogNum = -1;
+};
+
+} // namespace q3

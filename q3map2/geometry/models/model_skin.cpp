@@ -1,0 +1,113 @@
+// GPL-2.0-or-later. Other shaders for models: skin files and _remap keys.
+#include "q3map2/geometry/models/model_skin.h"
+
+#include "common/text/text_scan.h"
+#include "q3map2/shader/shader_table.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace q3 {
+namespace {
+
+constexpr std::size_t kMaxShaderName = 63;
+
+struct Replacement {
+    std::string from, to;
+};
+
+std::string_view Trimmed(std::string_view text) {
+    while (!text.empty() && (unsigned char)(text.front()) <= ' ')
+        text.remove_prefix(1);
+    while (!text.empty() && (unsigned char)(text.back()) <= ' ')
+        text.remove_suffix(1);
+    return text;
+}
+
+/// A line "replace FROM TO" or "FROM,TO".
+std::optional<Replacement> SkinLine(std::string_view line) {
+    if (const std::size_t comma = line.find(','); comma != std::string_view::npos)
+        return Replacement{WithoutExtension(Trimmed(line.substr(0, comma))),
+                           WithoutExtension(Trimmed(line.substr(comma + 1)))};
+    TextScanner scanner{std::string(line), "skin"};
+    std::string word, from, to;
+    if (scanner.Next(word) && EqualNoCase(word, "replace") && scanner.Next(from) && scanner.Next(to))
+        return Replacement{WithoutExtension(from), WithoutExtension(to)};
+    return {};
+}
+
+std::vector<Replacement> ReadSkin(std::string_view text) {
+    std::vector<Replacement> skin;
+    while (!text.empty()) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        if (auto line = SkinLine(Trimmed(text.substr(0, end))); line && !line->from.empty())
+            skin.push_back(std::move(*line));
+        text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    return skin;
+}
+
+std::optional<std::vector<Replacement>> SkinOf(const MapEntity &entity, std::string_view model,
+                                               const BspContext &context) {
+    const std::string_view skin = entity.pairs.Value({"_skin", "skin"});
+    if (skin.empty())
+        return {};
+    const bool digits = std::all_of(skin.begin(), skin.end(), [](char c) { return c >= '0' && c <= '9'; });
+    const std::string name =
+        (digits ? std::string(model) : WithoutExtension(model)) + "_" + std::string(skin) + ".skin";
+    const auto bytes = context.vfs == nullptr ? std::nullopt : context.vfs->Read(name);
+    if (!bytes) {
+        context.log.Warn("skin not found", "{}: the skin file {} cannot be read", entity.Who(), name);
+        return {};
+    }
+    return ReadSkin({reinterpret_cast<const char *>(bytes->data()), bytes->size()});
+}
+
+/// Longest first; "*" last.
+std::vector<Replacement> RemapsOf(const MapEntity &entity, const BspContext &context) {
+    std::vector<Replacement> remaps;
+    for (const auto &[key, value] : entity.pairs.pairs) {
+        if (!StartsWithNoCase(key, "_remap"))
+            continue;
+        const std::size_t semicolon = value.find(';');
+        Replacement remap;
+        if (semicolon != std::string::npos)
+            remap = {value.substr(0, semicolon), value.substr(semicolon + 1)};
+        if (remap.from.empty() || remap.to.empty() || remap.to.size() > kMaxShaderName)
+            context.log.Warn("bad remap", "{}: \"{}\" \"{}\" is ignored: expected FROM;TO with at most {} characters",
+                             entity.Who(), key, value, kMaxShaderName);
+        else
+            remaps.push_back(std::move(remap));
+    }
+    std::stable_sort(remaps.begin(), remaps.end(), [](const Replacement &a, const Replacement &b) {
+        return (a.from == "*" ? 0 : a.from.size()) > (b.from == "*" ? 0 : b.from.size());
+    });
+    return remaps;
+}
+
+bool EndsWithNoCase(std::string_view text, std::string_view end) {
+    return text.size() >= end.size() && EqualNoCase(text.substr(text.size() - end.size()), end);
+}
+
+} // namespace
+
+ShaderMap ShaderMapOf(const MapEntity &entity, std::string_view model, const BspContext &context) {
+    auto skin = SkinOf(entity, model, context);
+    auto remaps = RemapsOf(entity, context);
+    return [skin = std::move(skin), remaps = std::move(remaps)](std::string_view shader) {
+        std::string name(shader);
+        if (skin) {
+            const auto line = std::find_if(skin->begin(), skin->end(),
+                                           [&](const Replacement &r) { return EqualNoCase(r.from, name); });
+            if (line == skin->end() || line->to.empty())
+                return std::string();
+            name = line->to;
+        }
+        for (const Replacement &remap : remaps)
+            if (remap.from == "*" || EndsWithNoCase(name, remap.from))
+                return WithoutExtension(remap.to);
+        return name;
+    };
+}
+
+} // namespace q3

@@ -1,0 +1,14 @@
+// GPL-2.0-or-later. Shader replacements of misc_model entities.
+#pragma once
+
+#include "q3map2/geometry/models/model_placement.h"
+#include "q3map2/map/bsp_context.h"
+
+#include <string_view>
+
+namespace q3 {
+
+/// The replacements that the skin file and the _remap keys of a misc_model define.
+ShaderMap ShaderMapOf(const MapEntity &entity, std::string_view model, const BspContext &context);
+
+} // namespace q3

@@ -1,0 +1,23 @@
+// GPL-2.0-or-later. Affine transforms of placed models.
+#pragma once
+
+#include "libs/math/vec.h"
+
+#include <array>
+
+namespace q3 {
+
+/// point' = linear . point + origin.
+struct ModelTransform {
+    std::array<Vec3d, 3> rows{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
+    Vec3d origin;
+
+    Vec3d Point(const Vec3d &p) const;
+    /// By the inverse transpose; unit length. A flat transform leaves the normal as it is.
+    Vec3d Normal(const Vec3d &n) const;
+    double Determinant() const;
+};
+/// Scale, then roll, pitch and yaw in degrees, then the origin.
+ModelTransform MakeModelTransform(const Vec3d &scale, const Vec3d &pitchYawRoll, const Vec3d &origin);
+
+} // namespace q3

@@ -1,0 +1,219 @@
+// GPL-2.0-or-later. misc_model: model files placed in the map.
+#include "q3map2/geometry/models/models.h"
+
+#include "q3map2/geometry/models/model_clip.h"
+#include "q3map2/geometry/models/model_load.h"
+#include "q3map2/geometry/models/model_skin.h"
+#include "q3map2/map/map_settings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace q3 {
+namespace {
+
+constexpr double kToRadians = std::numbers::pi / 180;
+
+Vec3d ScaleOf(const Entity &pairs) {
+    if (const auto scale = pairs.Vector({"modelscale_vec"}))
+        return Vec3d(*scale);
+    const double scale = pairs.Number({"modelscale"}, 1);
+    return scale == 0 ? Vec3d{1, 1, 1} : Vec3d{scale, scale, scale};
+}
+
+Vec3d AnglesOf(const Entity &pairs) {
+    if (const auto angles = pairs.Vector({"angles"}))
+        return Vec3d(*angles);
+    return {0, pairs.Number({"angle"}), 0};
+}
+
+/// The same settings as for brushes, but a model casts shadows as what it belongs to does.
+SurfaceSettings ModelSettings(const MapEntity &entity, const MapEntity &target, const Map &map,
+                              const BspContext &context) {
+    SurfaceSettings settings = SettingsOf(entity, map, context);
+    const bool world = &target == &map.entities.front();
+    settings.entity = target.number;
+    settings.castShadows = int(entity.pairs.Number({"_castShadows", "_cs"}, world ? 1 : 0));
+    settings.receiveShadows = int(entity.pairs.Number({"_receiveShadows", "_rs"}, 1));
+    return settings;
+}
+
+DrawVert Placed(DrawVert vert, const ModelPlacement &placement, const ShaderInfo &shader) {
+    const Vec3d point = placement.transform.Point(Vec3d(vert.xyz));
+    vert.xyz = Vec3f(point);
+    vert.normal = Vec3f(placement.transform.Normal(Vec3d(vert.normal)));
+    if (shader.geometry.hasTexGen)
+        for (std::size_t axis = 0; axis < 2; ++axis)
+            vert.st[axis] = float(Dot(Vec3d(shader.geometry.texGen[axis]), point));
+    if (placement.flags & kModelColorToAlpha) {
+        const int grey = (int(vert.color[0]) + vert.color[1] + vert.color[2] + 1) / 3;
+        vert.color = {255, 255, 255, std::uint8_t(grey)};
+    }
+    return vert;
+}
+
+DrawSurface SurfaceOf(const ModelMesh &mesh, const ModelPlacement &placement, const ShaderInfo &shader) {
+    DrawSurface surface;
+    const bool meta = shader.geometry.forceMeta || (placement.flags & kModelForceMeta);
+    surface.kind = meta ? SurfaceKind::ForcedMeta : SurfaceKind::Triangles;
+    surface.shader = &shader;
+    surface.settings = placement.settings;
+    surface.fogNum = placement.fogNum;
+    for (const DrawVert &vert : mesh.verts) {
+        surface.verts.push_back(Placed(vert, placement, shader));
+        surface.bounds.Add(surface.verts.back().xyz);
+    }
+    const bool mirrored = placement.transform.Determinant() < 0;
+    for (const auto &[a, b, c] : mesh.triangles)
+        surface.indexes.insert(surface.indexes.end(), {mirrored ? b : a, mirrored ? a : b, c});
+    return surface;
+}
+
+std::string RenamedShader(std::string name, const ModelPlacement &placement, const BspContext &context) {
+    if (context.options.rename)
+        name += placement.flags & kModelRenameAlternative ? "_RMG_BSP" : "_BSP";
+    return name;
+}
+
+bool WantsClip(const ShaderInfo &shader, unsigned flags) {
+    return shader.geometry.clipModel || ((flags & (kModelClip | kModelClipShapes)) && (shader.compileFlags & C_SOLID));
+}
+
+ClipMesh ClipMeshOf(const DrawSurface &surface) {
+    ClipMesh mesh;
+    mesh.shader = surface.shader;
+    for (const DrawVert &vert : surface.verts) {
+        mesh.points.push_back(vert.xyz);
+        mesh.normals.push_back(vert.normal);
+    }
+    for (std::size_t i = 0; i + 2 < surface.indexes.size(); i += 3)
+        mesh.triangles.push_back({surface.indexes[i], surface.indexes[i + 1], surface.indexes[i + 2]});
+    return mesh;
+}
+
+bool InsideWorld(const DrawSurface &surface) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (!(surface.bounds.mins[axis] >= -kMaxWorldCoord && surface.bounds.maxs[axis] <= kMaxWorldCoord))
+            return false;
+    return true;
+}
+
+bool BelongsTo(const MapEntity &model, const MapEntity &target, bool world) {
+    const std::string_view name = model.pairs.Value({"_target", "target"});
+    if (world)
+        return name.empty();
+    return !name.empty() && EqualNoCase(name, target.pairs.Value({"targetname", "_targetname"}));
+}
+
+void WarnOfLostModels(const Map &map, const BspContext &context) {
+    for (const MapEntity &entity : map.entities) {
+        if (!EqualNoCase(entity.pairs.ClassName(), "misc_model") || BelongsTo(entity, map.entities.front(), true))
+            continue;
+        const bool found = std::any_of(map.entities.begin() + 1, map.entities.end(), [&](const MapEntity &target) {
+            return (!target.brushes.empty() || !target.patches.empty()) && BelongsTo(entity, target, false);
+        });
+        if (!found)
+            context.log.Warn("model without its target",
+                             "{}: no entity with brushes has the targetname '{}' that this misc_model targets",
+                             entity.Who(), entity.pairs.Value({"_target", "target"}));
+    }
+}
+
+std::optional<ModelPlacement> PlacementOf(const MapEntity &entity, const MapEntity &target, const Map &map,
+                                          const Geometry &geometry, const BspContext &context) {
+    ModelPlacement placement;
+    placement.name = entity.pairs.Value("model");
+    if (placement.name.empty()) {
+        context.log.Warn("misc_model without model", "{}: misc_model without a \"model\" key", entity.Who());
+        return {};
+    }
+    placement.who = entity.Who();
+    placement.frame = std::max(0, int(entity.pairs.Number({"_frame", "frame"})));
+    const bool world = &target == &map.entities.front();
+    const Vec3d origin = Vec3d(entity.origin) - (world ? Vec3d{} : Vec3d(target.origin));
+    placement.transform = MakeModelTransform(ScaleOf(entity.pairs), AnglesOf(entity.pairs), origin);
+    placement.settings = ModelSettings(entity, target, map, context);
+    placement.flags = unsigned(IntegerFromText(entity.pairs.Value("spawnflags")));
+    placement.clipDepth = entity.pairs.Number({"_clipdepth"}, context.options.clipDepth);
+    placement.shaders = ShaderMapOf(entity, placement.name, context);
+    placement.fogNum = geometry.defaultFog;
+    return placement;
+}
+
+} // namespace
+
+Vec3d ModelTransform::Point(const Vec3d &p) const {
+    return Vec3d{Dot(rows[0], p), Dot(rows[1], p), Dot(rows[2], p)} + origin;
+}
+
+double ModelTransform::Determinant() const {
+    return Dot(rows[0], Cross(rows[1], rows[2]));
+}
+
+Vec3d ModelTransform::Normal(const Vec3d &n) const {
+    // Rows of the cofactor matrix: the inverse transpose but for the determinant's size.
+    const Vec3d turned{Dot(Cross(rows[1], rows[2]), n), Dot(Cross(rows[2], rows[0]), n),
+                       Dot(Cross(rows[0], rows[1]), n)};
+    const Vec3d unit = Normalize(Determinant() < 0 ? -turned : turned);
+    return unit == Vec3d{} ? n : unit;
+}
+
+ModelTransform MakeModelTransform(const Vec3d &scale, const Vec3d &pitchYawRoll, const Vec3d &origin) {
+    const Vec3d a = pitchYawRoll * kToRadians;
+    const double sp = std::sin(a.x), cp = std::cos(a.x), sy = std::sin(a.y), cy = std::cos(a.y);
+    const double sr = std::sin(a.z), cr = std::cos(a.z);
+    ModelTransform transform;
+    transform.rows[0] = Vec3d{cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr} * scale;
+    transform.rows[1] = Vec3d{sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr} * scale;
+    transform.rows[2] = Vec3d{-sp, cp * sr, cp * cr} * scale;
+    transform.origin = origin;
+    return transform;
+}
+
+bool PlaceModel(const ModelPlacement &placement, MapEntity &target, Geometry &geometry, PlaneTable &planes,
+                const BspContext &context) {
+    if (!geometry.models)
+        geometry.models = std::make_shared<ModelLibrary>(context.vfs);
+    std::string problem;
+    const Model *model = geometry.models->Get(placement.name, placement.frame, problem);
+    if (model == nullptr) {
+        context.log.Warn("model cannot be read", "{}: the model {} cannot be read: {}", placement.who, placement.name,
+                         problem);
+        return false;
+    }
+    std::vector<ClipMesh> clip;
+    for (const ModelMesh &mesh : model->meshes) {
+        const std::string name = placement.shaders ? placement.shaders(mesh.shader) : mesh.shader;
+        if (name.empty() || mesh.triangles.empty())
+            continue;
+        const ShaderInfo &shader = context.shaders.Get(RenamedShader(name, placement, context));
+        DrawSurface surface = SurfaceOf(mesh, placement, shader);
+        if (!InsideWorld(surface)) {
+            context.log.Warn("model outside the world", "{}: the model {} leaves the world and is left out",
+                             placement.who, placement.name);
+            continue;
+        }
+        if (WantsClip(shader, placement.flags))
+            clip.push_back(ClipMeshOf(surface));
+        geometry.surfaces.push_back(std::move(surface));
+    }
+    if (!clip.empty())
+        MakeClipBrushes(clip, placement, target, planes, context);
+    return true;
+}
+
+void AddEntityModels(Map &map, MapEntity &target, Geometry &geometry, const BspContext &context) {
+    const bool world = &target == &map.entities.front();
+    if (world)
+        WarnOfLostModels(map, context);
+    for (const MapEntity &entity : map.entities) {
+        if (!EqualNoCase(entity.pairs.ClassName(), "misc_model") || !BelongsTo(entity, target, world))
+            continue;
+        if (const auto placement = PlacementOf(entity, target, map, geometry, context))
+            PlaceModel(*placement, target, geometry, map.planes, context);
+    }
+}
+
+} // namespace q3

@@ -1,0 +1,63 @@
+// GPL-2.0-or-later. Draw surfaces while they are made: from brush sides, patches and models to the .bsp.
+#pragma once
+
+#include "q3map2/map/map.h"
+
+#include <array>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace q3 {
+
+enum class SurfaceKind { Bad, Face, Patch, Triangles, ForcedMeta, Meta, FogHull, Decal, Flare, Foliage, Shader };
+
+/// One draw surface. Indexes count from its first vertex; faces are polygons until they are triangulated.
+struct DrawSurface {
+    SurfaceKind kind = SurfaceKind::Bad;
+    const ShaderInfo *shader = nullptr;
+    SurfaceSettings settings;
+    int brush = -1, side = -1; ///< of the entity; -1: not from a brush
+    int patch = -1;
+    int primitive = -1; ///< number in its entity of the map source, for messages
+    int planeNum = -1;
+    bool planar = false;
+    int fogNum = -1;
+    Vec3f lightmapAxis; ///< zero: none
+    int sampleSize = 0; ///< 0: lit at vertices
+    std::array<Vec3f, 3> lightmapVecs{};
+    Vec3f lightmapOrigin;
+    float longestCurve = 0;
+    Boundsf bounds;
+    std::vector<DrawVert> verts;
+    std::vector<int> indexes;
+    int width = 0, height = 0; ///< patches; foliage: instances, model vertices
+    bool backSide = false;     ///< written reversed
+    bool skyBoxCopy = false;
+    int parent = -1; ///< sky box copies: number of the surface in the .bsp
+    bool furred = false, isCopy = false;
+    bool collisionOnly = false; ///< patches that triangles draw: written with the nodraw and pointlight flags
+    bool Empty() const { return verts.empty(); }
+};
+
+/// Fog volume of the map.
+struct MapFog {
+    const ShaderInfo *shader = nullptr;
+    int entity = -1, brush = -1; ///< indexes in the map; -1: the global fog
+    int visibleSide = -1;        ///< -1: decided when it is written
+};
+
+class ModelLibrary;
+
+/// Everything that is gathered on the way to the .bsp.
+struct Geometry {
+    std::vector<DrawSurface> surfaces; ///< of all entities, in the order of making
+    std::vector<MapFog> fogs;
+    int defaultFog = -1;
+    std::shared_ptr<ModelLibrary> models; ///< read so far; see models.h
+    std::deque<ShaderInfo> ownShaders;    ///< that take something from the shader they replace
+};
+
+} // namespace q3

@@ -1,0 +1,24 @@
+// GPL-2.0-or-later. What every step of the bsp stage needs besides its input.
+#pragma once
+
+#include "q3map2/map/bsp_options.h"
+#include "q3map2/shader/shader_library.h"
+
+#include <string_view>
+
+namespace q3 {
+
+/// What every step of the stage gets.
+struct BspContext {
+    const BspOptions &options;
+    const Game &game;
+    ShaderLibrary &shaders;
+    Log &log;
+    const VirtualFileSystem *vfs = nullptr; ///< of models, skins and index maps; null: there are none
+
+    /// "Entity E, Brush B: text" as a warning; with an editor connected it selects the primitive.
+    void WarnAt(std::string_view kind, int entity, int primitive, std::string_view text) const;
+    [[noreturn]] void FailAt(int entity, int primitive, std::string_view text) const;
+};
+
+} // namespace q3

@@ -1,0 +1,13 @@
+// GPL-2.0-or-later. Bevel planes of brushes.
+#pragma once
+
+#include "q3map2/map/map.h"
+
+namespace q3 {
+
+/// Appends the bevel planes that boxes of any size need to collide with the brush exactly: axial ones, and those of
+/// slanted edges. To be called once, after MakeBrushWindings. `snap`: axial bevels go to multiples of it, game units;
+/// 0: off.
+void AddBrushBevels(Brush &brush, PlaneTable &planes, int snap);
+
+} // namespace q3

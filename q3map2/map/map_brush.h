@@ -1,0 +1,21 @@
+// GPL-2.0-or-later. Windings and contents of brushes.
+#pragma once
+
+#include "q3map2/map/bsp_context.h"
+#include "q3map2/map/map.h"
+
+#include <memory>
+#include <span>
+
+namespace q3 {
+
+/// Computes the windings of the sides and the bounds. False when the planes enclose no volume, or the brush extends
+/// beyond the world.
+bool MakeBrushWindings(Brush &brush, const PlaneTable &planes);
+/// Derives flags, content shader, detail and opaque from the sides.
+void SetBrushContents(Brush &brush, const BspContext &context);
+/// A generated brush from planes; the first side has shader `front`. Null when the planes enclose no volume.
+std::unique_ptr<Brush> BrushFromPlanes(std::span<const Plane> planes, const ShaderInfo *front,
+                                       const BspContext &context, PlaneTable &table);
+
+} // namespace q3

@@ -1,0 +1,92 @@
+// GPL-2.0-or-later. A shader: what scripts and images say of a surface.
+#pragma once
+
+#include "common/image/image.h"
+#include "q3map2/shader/games.h"
+#include "q3map2/shader/geometry_directives.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace q3 {
+
+/// q3map_sun, q3map_sunExt, sun.
+struct SunDirective {
+    Vec3f direction;    ///< unit, towards the sun
+    Vec3f color;        ///< largest component 1
+    float photons = 0;  ///< may be negative
+    float deviance = 0; ///< radians
+    int samples = 1;
+    float filterRadius = 0;
+    int style = 0;
+};
+
+/// q3map_skyLight.
+struct SkyLightDirective {
+    float value = 0;
+    int iterations = 2, horizonMin = 0, horizonMax = 90;
+    bool sampleColor = true;
+};
+
+/// What a shader says of the lightmaps and vertex light of its surfaces.
+struct LightmapDirectives {
+    int sampleSize = 0;            ///< q3map_lightmapSampleSize; 0: unset
+    float sampleOffset = 0;        ///< q3map_lightmapSampleOffset; 0: unset
+    Vec3f axis;                    ///< q3map_lightmapAxis; zero: unset
+    std::array<int, 2> pageSize{}; ///< q3map_lightmapSize; 0: unset
+    float brightness = 1;          ///< q3map_lightmapBrightness, -Gamma; factor of -brightness
+    bool mergable = false, splotchFix = false, noDirt = false, noVertexLight = false;
+    float shadeAngle = 0;    ///< q3map_shadeAngle, degrees
+    std::string normalImage; ///< q3map_normalImage, without extension
+    /// q3map_floodLight; none while the intensity is 0. Colour normalised.
+    Vec3f floodColor;
+    float floodDistance = 0, floodIntensity = 0, floodDirectionScale = 1;
+};
+
+/// How shader scripts and images are interpreted, beyond the game's table.
+struct ShaderOptions {
+    bool sRgbColor = false;          ///< colours of lights and shaders are sRGB
+    float backsplashScale = 1;       ///< multiplies the default fraction
+    float backsplashDistance = -999; ///< replaces the default 23 when >= -900
+    bool imageSizes = false;         ///< for the bsp stage: sizes of images; pixels only where flares need a colour
+    bool customInfoParms = false;    ///< read scripts/custinfoparms.txt
+    bool noOb = false;               ///< surfaceparm noob for all shaders without ob
+    std::vector<std::string> globalFlags{}; ///< surfaceparms whose surface flags all shaders get
+};
+
+/// One shader with everything that matters to light. Defaults are those of a shader that no script defines.
+struct ShaderInfo {
+    std::string name;
+    bool defined = false; ///< by a script
+    std::uint32_t surfaceFlags = 0, contentFlags = 1, compileFlags = C_SOLID;
+
+    float surfaceLight = 0; ///< q3map_surfacelight
+    float backsplashFraction = 0.05f, backsplashDistance = 23;
+    float bounceScale = 1;
+    float lightSubdivide = 0; ///< 0: unset
+    int lightStyle = 0;
+    float vertexScale = 1;
+    float lightmapFilterRadius = 0, lightFilterRadius = 0; ///< q3map_lightmapFilterRadius self other
+    LightmapDirectives lightmap;
+    GeometryDirectives geometry;
+    bool twoSided = false;   ///< cull none / disable / twosided
+    bool autosprite = false; ///< deformVertexes autosprite...
+    bool noFast = false;     ///< q3map_noFast
+    bool forceSunlight = false;
+    std::vector<SunDirective> suns;
+    std::vector<SkyLightDirective> skyLights;
+    std::string skyImageBase; ///< skyParms base, without _up etc.; empty: none
+
+    // Of the image; see ShaderLibrary::Get for when it is read.
+    Vec3f color{1, 1, 1}; ///< light colour: q3map_lightRGB, else the light image's mean; largest component 1
+    Vec3f averageColor{255, 255, 255};       ///< mean of the light image, 0..255, or the q3map_lightRGB vector
+    std::shared_ptr<const Image> lightImage; ///< never null once looked up; 64 x 64 white when no file was found
+    bool imageFound = false;                 ///< false: lightImage is the white default
+    std::string scriptText; ///< the body in braces, tidied; empty if no script defines what the engine draws
+    std::string implicitMap, implicitMask, implicitBlend; ///< images without extension; empty without
+};
+
+} // namespace q3

@@ -1,0 +1,42 @@
+// GPL-2.0-or-later. All shaders and images of the game files, by name.
+#pragma once
+
+#include "common/files/vfs.h"
+#include "q3map2/shader/shader_info.h"
+
+#include <cstddef>
+#include <memory>
+#include <string_view>
+
+namespace q3 {
+
+/// All scripts and images, looked up by name. Not thread safe: look up everything before workers start.
+class ShaderLibrary {
+  public:
+    /// Reads every script that shaderlist.txt files name (or, without any, all *.shader files of the shader folder).
+    ShaderLibrary(const VirtualFileSystem &vfs, const Game &game, const ShaderOptions &options, Log &log);
+    ~ShaderLibrary();
+    ShaderLibrary(ShaderLibrary &&) noexcept;
+
+    /// The shader of that name (without case and extension). Unknown names give an implicit shader with the image of
+    /// that name. The reference stays valid as long as the library. Images, and colours from them, are there for
+    /// shaders that shine or let light through; for others see ReleaseImages.
+    const ShaderInfo &Get(std::string_view name);
+    /// Flags of a shader record in a .bsp, for a shader that no script defines; the first call for a name counts, and
+    /// a record without any flag says nothing. To be called before Get.
+    void SetDefaultFlags(std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags);
+    /// An image by its name without extension; null when there is none. Cached.
+    std::shared_ptr<const Image> LoadImage(std::string_view nameWithoutExtension);
+    std::size_t DefinedCount() const;
+    /// To be called once lights are made. Frees all images but those of shaders that see-through surfaces need (alpha
+    /// shadows, light filters) and, if bounced light will take its colours from them, those of drawn surfaces: they
+    /// are read now for all shaders that were looked up. A ShaderInfo that loses its image keeps its colours and gets
+    /// the white one.
+    void ReleaseImages(bool keepForBounces);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace q3

@@ -1,0 +1,29 @@
+// GPL-2.0-or-later. Flood fill from entities: finds leaks, fills what lies outside.
+#pragma once
+
+#include "q3map2/map/map.h"
+#include "q3map2/tree/tree.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace q3 {
+
+enum class Sealing {
+    Sealed,
+    Leaked, ///< an entity can reach the outside
+    Empty   ///< no entity stands in the open
+};
+
+/// Floods from all point entities that stand in the open. `warn` of those in solid (once a map is enough).
+Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, bool warn = true);
+/// Makes leafs opaque that no entity reaches.
+void FillOutside(Tree &tree, const BspContext &context);
+/// The shortest line from outside to an entity: centers of portals, then the entity's origin. Empty: sealed.
+std::vector<Vec3f> LeakLine(const Tree &tree, const Map &map);
+/// The entity at the end of that line (index in the map); -1: sealed.
+int LeakedEntity(const Tree &tree);
+/// Writes the line as a .lin file, a point a line.
+void WriteLeakFile(const std::filesystem::path &path, const std::vector<Vec3f> &line);
+
+} // namespace q3
