@@ -5,18 +5,10 @@
 #include "common/text.h"
 
 #include <algorithm>
-#include <charconv>
+
+#include <fmt/ranges.h>
 
 namespace q3 {
-
-namespace {
-
-bool WholeNumber(std::string_view word, int &number) {
-    const auto result = std::from_chars(word.data(), word.data() + word.size(), number);
-    return result.ec == std::errc() && result.ptr == word.data() + word.size();
-}
-
-} // namespace
 
 std::optional<std::size_t> Arguments::Find(std::initializer_list<std::string_view> names) const {
     for (std::size_t i = 0; i < words_.size(); ++i)
@@ -67,11 +59,11 @@ std::optional<int> Arguments::TakeCount(std::string_view name) {
     const auto at = Find({name});
     if (!at)
         return std::nullopt;
-    int count = 0;
     const auto first = words_.begin() + std::ptrdiff_t(*at);
-    const bool follows = first + 1 != words_.end() && WholeNumber(*(first + 1), count) && count >= 1;
+    const std::optional<int> count = first + 1 == words_.end() ? std::nullopt : WholeInteger(*(first + 1));
+    const bool follows = count && *count >= 1;
     words_.erase(first, first + (follows ? 2 : 1));
-    return follows ? count : 0;
+    return follows ? *count : 0;
 }
 
 std::string Arguments::TakeLast() {
@@ -80,6 +72,16 @@ std::string Arguments::TakeLast() {
     std::string last = std::move(words_.back());
     words_.pop_back();
     return last;
+}
+
+std::string Arguments::TakeAt(std::size_t at) {
+    std::string word = std::move(words_[at]);
+    words_.erase(words_.begin() + std::ptrdiff_t(at));
+    return word;
+}
+
+void Arguments::NoteChange(std::string_view name, const std::vector<std::string> &values, std::string before) {
+    changes_.push_back({std::string(name), fmt::format("{}", fmt::join(values, " ")), std::move(before)});
 }
 
 std::string Arguments::TakeFirst() {

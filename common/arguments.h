@@ -32,13 +32,23 @@ class Arguments {
     /// Takes the last word off: the input file of every stage. Nothing left: empty.
     std::string TakeLast();
     std::string TakeFirst();
+    /// Takes the word at that position of Rest() off.
+    std::string TakeAt(std::size_t at);
     const std::vector<std::string> &Rest() const { return words_; }
     bool Empty() const { return words_.empty(); }
+
+    /// An option that changed a setting.
+    struct Change {
+        std::string name, values, before;
+    };
+    void NoteChange(std::string_view name, const std::vector<std::string> &values, std::string before);
+    const std::vector<Change> &Changes() const { return changes_; }
 
   private:
     std::optional<std::size_t> Find(std::initializer_list<std::string_view> names) const;
 
     std::vector<std::string> words_;
+    std::vector<Change> changes_;
 };
 
 } // namespace q3
