@@ -21,17 +21,10 @@ std::optional<std::size_t> Arguments::Find(std::initializer_list<std::string_vie
 bool Arguments::TakeFlag(std::initializer_list<std::string_view> names) {
     bool found = false;
     while (const auto at = Find(names)) {
-        words_.erase(words_.begin() + std::ptrdiff_t(*at));
+        Erase(*at, 1);
         found = true;
     }
     return found;
-}
-
-bool Arguments::TakeFirstFlag(std::string_view name) {
-    const auto at = Find({name});
-    if (at)
-        words_.erase(words_.begin() + std::ptrdiff_t(*at));
-    return at.has_value();
 }
 
 std::optional<std::vector<std::string>> Arguments::TakeValues(std::initializer_list<std::string_view> names,
@@ -44,7 +37,7 @@ std::optional<std::vector<std::string>> Arguments::TakeValues(std::initializer_l
                     words_.size() - *at - 1);
     const auto first = words_.begin() + std::ptrdiff_t(*at);
     std::vector<std::string> values(first + 1, first + 1 + std::ptrdiff_t(count));
-    words_.erase(first, first + 1 + std::ptrdiff_t(count));
+    Erase(*at, count + 1);
     return values;
 }
 
@@ -55,28 +48,18 @@ std::optional<std::string> Arguments::TakeValue(std::initializer_list<std::strin
     return std::move(values->front());
 }
 
-std::optional<int> Arguments::TakeCount(std::string_view name) {
-    const auto at = Find({name});
-    if (!at)
-        return std::nullopt;
-    const auto first = words_.begin() + std::ptrdiff_t(*at);
-    const std::optional<int> count = first + 1 == words_.end() ? std::nullopt : WholeInteger(*(first + 1));
-    const bool follows = count && *count >= 1;
-    words_.erase(first, first + (follows ? 2 : 1));
-    return follows ? *count : 0;
+void Arguments::Erase(std::size_t at, std::size_t count) {
+    words_.erase(words_.begin() + std::ptrdiff_t(at), words_.begin() + std::ptrdiff_t(at + count));
+    beforeStage_ -= std::min(beforeStage_, at + count) - std::min(beforeStage_, at);
 }
 
 std::string Arguments::TakeLast() {
-    if (words_.empty())
-        return {};
-    std::string last = std::move(words_.back());
-    words_.pop_back();
-    return last;
+    return words_.empty() ? std::string() : TakeAt(words_.size() - 1);
 }
 
 std::string Arguments::TakeAt(std::size_t at) {
     std::string word = std::move(words_[at]);
-    words_.erase(words_.begin() + std::ptrdiff_t(at));
+    Erase(at, 1);
     return word;
 }
 
@@ -85,11 +68,7 @@ void Arguments::NoteChange(std::string_view name, const std::vector<std::string>
 }
 
 std::string Arguments::TakeFirst() {
-    if (words_.empty())
-        return {};
-    std::string first = std::move(words_.front());
-    words_.erase(words_.begin());
-    return first;
+    return words_.empty() ? std::string() : TakeAt(0);
 }
 
 } // namespace q3

@@ -134,6 +134,11 @@ std::string SettingText(const std::vector<std::string> &values) {
     return fmt::format("{}", fmt::join(values, " "));
 }
 
+void WarnWithoutEffect(const std::vector<std::string> &given, Log &log) {
+    if (!given.empty())
+        log.Warn("options without effect", "without effect: {}", fmt::join(given, " "));
+}
+
 SettingValues TakeOccurrence(const SettingInfo &info, SettingKind kind, Arguments &arguments, std::size_t at,
                              Log &log) {
     const std::string name = arguments.TakeAt(at);
@@ -149,9 +154,9 @@ SettingValues TakeOccurrence(const SettingInfo &info, SettingKind kind, Argument
                         info.values);
         }
         const std::string &next = arguments.Rest()[at];
-        if (!required && !IsNumber(next, kind))
+        if (!required && !isText && !IsNumber(next, kind))
             break;
-        if (isText && next.size() > 1 && next.front() == '-' && !WholeNumber(next))
+        if (isText && required && next.size() > 1 && next.front() == '-' && !WholeNumber(next))
             throw Error("{} needs a value: {} {}; found {}", name, info.name, info.values, next);
         values.words.push_back(arguments.TakeAt(at));
         if (!isText)
@@ -160,6 +165,11 @@ SettingValues TakeOccurrence(const SettingInfo &info, SettingKind kind, Argument
             CheckChoice(info, name, values.words.back(), log);
     }
     return values;
+}
+
+void WarnOfUnknown(const Arguments &arguments, Log &log) {
+    for (const std::string &word : arguments.Rest())
+        log.Warn("unknown argument", "Unknown argument \"{}\"", word);
 }
 
 std::vector<std::string> NearestNames(std::string_view word, std::span<const std::string> names) {

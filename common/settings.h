@@ -164,6 +164,16 @@ template <typename Options> SettingTarget<Options> Do(std::function<void(Options
     return target;
 }
 
+/// An option of other versions that changes nothing here: its name is added to `given`, for WarnWithoutEffect.
+template <typename Options>
+Setting<Options> WithoutEffect(std::vector<std::string> Options::*given, std::string_view name, std::string_view help,
+                               std::string_view alias = {}) {
+    const auto note = [given, name](Options &o, const SettingValues &) { (o.*given).emplace_back(name); };
+    return {{.name = name, .aliases = {alias}, .help = help}, Do<Options>(note)};
+}
+/// One warning that names these options; none if there are none.
+void WarnWithoutEffect(const std::vector<std::string> &given, Log &log);
+
 /// Takes one occurrence, the word at `at` and its values, off `arguments`. Errors: Error, for missing values, text that
 /// is no number, and numbers out of range that the setting refuses.
 SettingValues TakeOccurrence(const SettingInfo &info, SettingKind kind, Arguments &arguments, std::size_t at, Log &log);
@@ -214,6 +224,9 @@ std::vector<SettingSection> Describe(const std::vector<SettingGroup<Options>> &t
     }
     return sections;
 }
+
+/// Names every word that is left over, in one warning each. After all tables have taken theirs.
+void WarnOfUnknown(const Arguments &arguments, Log &log);
 
 /// The names that look most like a mistyped word, best first, at most three; none that is too far off.
 std::vector<std::string> NearestNames(std::string_view word, std::span<const std::string> names);

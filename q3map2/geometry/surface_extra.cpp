@@ -2,6 +2,7 @@
 #include "q3map2/geometry/surface_extra.h"
 
 #include "common/debug_color.h"
+#include "q3map2/bspfile/surface_keys.h"
 
 #include <algorithm>
 #include <array>
@@ -98,7 +99,7 @@ void MakeDerivedSurfaces(Geometry &geometry, std::size_t first, const BspContext
 }
 
 void MakeFogHull(const Map &map, Geometry &geometry, const BspContext &context) {
-    const std::string_view name = map.entities.front().pairs.Value("_foghull");
+    const std::string_view name = keys::kFogHull.Text(map.entities.front().pairs);
     if (name.empty())
         return;
     Boundsf bounds;

@@ -17,8 +17,7 @@ BspOptions ParseBspOptions(Arguments &arguments, const Game &game, Log &log) {
     TakeSettings(BspSettings(), o, arguments, log);
     o.maxVertexLitVerts = std::max(o.maxVertexLitVerts, o.maxSurfaceVerts);
     o.meta |= o.patchMeta; // meshes of patches are drawn by the meta step alone
-    if (o.sRgbTextureGiven)
-        log.Warn("options without effect", "-sRGBtex and -nosRGBtex concern the light stage only");
+    WarnWithoutEffect(o.withoutEffect, log);
     return o;
 }
 

@@ -36,9 +36,9 @@ struct BspOptions {
     bool rename = false;
     bool customInfoParms = false;
     bool sRgbColor = false;        ///< colors of shaders are sRGB
-    bool sRgbTextureGiven = false; ///< an option of the light stage was given
+    std::vector<std::string> withoutEffect; ///< given options that change nothing
     bool autoCaulk = false, verboseEntities = false, fakeMap = false;
-    bool debugSurfaces = false, debugInset = false, debugPortals = false, debugClip = false;
+    bool debugSurfaces = false, debugInset = false, debugPortals = false;
     std::string tempName; ///< -tempname: the map text is read from here and the file deleted afterwards
     int subdivisions = 8; ///< curve tolerance
     int maxDrawSurfaces = 131072;

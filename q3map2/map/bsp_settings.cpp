@@ -200,7 +200,6 @@ Group Debugging() {
              {{.name = "-debuginset", .help = "Shrink triangles, so that gaps show between them"},
               &BspOptions::debugInset},
              {{.name = "-debugportals", .help = "Draw the portals as surfaces"}, &BspOptions::debugPortals},
-             {{.name = "-debugclip", .help = "Draw the clip brushes of models as surfaces"}, &BspOptions::debugClip},
              {{.name = "-fakemap", .help = "Write the brushes of the world to fakemap.map in the current folder"},
               &BspOptions::fakeMap},
              {{.name = "-verboseentities", .help = "With -v: print details of brush entities too"},
@@ -209,9 +208,9 @@ Group Debugging() {
 
 Group Foreign() {
     return {"Accepted without effect",
-            "They do something in the light stage only; a warning says so.",
-            {{{.name = "-sRGBtex", .aliases = {"-nosRGBtex"}, .help = "Concerns the light stage"},
-              &BspOptions::sRgbTextureGiven}}};
+            "A warning names them.",
+            {WithoutEffect(&BspOptions::withoutEffect, "-sRGBtex", "Concerns the light stage only", "-nosRGBtex"),
+             WithoutEffect(&BspOptions::withoutEffect, "-debugclip", "Clip brushes of models are not drawn")}};
 }
 
 } // namespace

@@ -2,11 +2,9 @@
 #include "q3map2/light/options/light_options.h"
 
 #include "common/error.h"
-#include "q3map2/light/light_settings.h"
+#include "q3map2/light/options/light_settings.h"
 
 #include <algorithm>
-
-#include <fmt/ranges.h>
 
 namespace q3 {
 
@@ -64,8 +62,7 @@ LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log)
     TakeSettings(LightSettings(), o, arguments, log);
     ApplyInclusions(o);
     CheckCombinations(o);
-    if (!o.withoutEffect.empty())
-        log.Warn("options without effect", "without effect: {}", fmt::join(o.withoutEffect, " "));
+    WarnWithoutEffect(o.withoutEffect, log);
     return o;
 }
 

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Settings of lightmaps, vertex light and bounces.
 #include "q3map2/lightmap/options/lightmap_options.h"
 
-#include "q3map2/lightmap/lightmap_settings.h"
+#include "q3map2/lightmap/options/lightmap_settings.h"
 
 #include <algorithm>
 #include <bit>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/settings.h"
-#include "q3map2/light/light_options.h"
+#include "q3map2/light/options/light_options.h"
 
 namespace q3 {
 

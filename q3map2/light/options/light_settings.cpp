@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The options of lights and light grids, declared.
-#include "q3map2/light/light_settings.h"
+#include "q3map2/light/options/light_settings.h"
 
 #include <algorithm>
 
@@ -352,10 +352,8 @@ Group Speed() {
 }
 
 Group Foreign() {
-    const auto nothing = [](std::string_view name, std::string_view help) -> Setting<LightOptions> {
-        return {{.name = name, .help = help}, Do<LightOptions>([name](LightOptions &o, const Values &) {
-                    o.withoutEffect.emplace_back(name);
-                })};
+    const auto nothing = [](std::string_view name, std::string_view help) {
+        return WithoutEffect(&LightOptions::withoutEffect, name, help);
     };
     return {"Accepted without effect",
             "Options of the original q3map2 that choose what is always so here. A warning names them.",

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The options of lightmaps, vertex light and bounces, declared.
-#include "q3map2/lightmap/lightmap_settings.h"
+#include "q3map2/lightmap/options/lightmap_settings.h"
 
 #include "common/error.h"
 #include "common/text.h"
@@ -127,7 +127,7 @@ Group Samples() {
              {{.name = "-dark", .help = "Do not move luxels out of walls: seams stay dark"}, &LightmapOptions::dark},
              {{.name = "-trianglecheck", .help = "Use only luxel positions inside triangles"},
               &LightmapOptions::triangleCheck},
-             {{.name = "-extravisnudge", .help = "Try more positions for luxels inside walls"},
+             {{.name = "-extravisnudge", .help = "Test luxel positions one game unit in front of the surface"},
               &LightmapOptions::extraVisNudge}}};
 }
 

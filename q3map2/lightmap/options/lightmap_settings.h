@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/settings.h"
-#include "q3map2/lightmap/lightmap_options.h"
+#include "q3map2/lightmap/options/lightmap_options.h"
 
 namespace q3 {
 
