@@ -62,7 +62,7 @@ LightmapOptions ParseLightmapOptions(Arguments &arguments, const LightOptions &l
     ApplyPageSizes(o, log);
     o.shade |= o.shadeAngle > 0;
     o.deluxe |= o.debugDeluxe;
-    o.dirty |= o.show == LuxelShow::Dirt;
+    o.dirty |= o.show == DebugView::Dirt;
     return o;
 }
 

@@ -38,7 +38,7 @@ SettingTarget<LightmapOptions> Choice(bool LightmapOptions::*field) {
     return Do<LightmapOptions>([field](LightmapOptions &o, const Values &v) { o.*field = v.words[0] == "1"; });
 }
 
-SettingTarget<LightmapOptions> Show(LuxelShow show) {
+SettingTarget<LightmapOptions> Show(DebugView show) {
     return Do<LightmapOptions>([show](LightmapOptions &o, const Values &) { o.show = show; });
 }
 
@@ -314,15 +314,15 @@ Group Debugging() {
              {{.name = "-border", .help = "Draw the border of each lightmap red"}, &LightmapOptions::border},
              {{.name = "-fillpink", .help = "Draw unused texels pink"}, &LightmapOptions::fillPink},
              {{.name = "-debugsurfaces", .aliases = {"-debugsurface"}, .help = "Color each surface differently"},
-              Show(LuxelShow::Surfaces)},
+              Show(DebugView::Surfaces)},
              {{.name = "-debugaxis", .help = "Show the axis along which lightmaps are projected"},
-              Show(LuxelShow::Axis)},
+              Show(DebugView::Axis)},
              {{.name = "-debugcluster", .help = "Show the visibility cluster of each luxel"},
-              Show(LuxelShow::Cluster)},
-             {{.name = "-debugorigin", .help = "Show the position of each luxel"}, Show(LuxelShow::Origin)},
+              Show(DebugView::Cluster)},
+             {{.name = "-debugorigin", .help = "Show the position of each luxel"}, Show(DebugView::Origin)},
              {{.name = "-dirtdebug", .aliases = {"-debugdirt"}, .help = "Show dirt; includes -dirty"},
-              Show(LuxelShow::Dirt)},
-             {{.name = "-normalmap", .help = "Show normals, as a normal map"}, Show(LuxelShow::NormalMap)},
+              Show(DebugView::Dirt)},
+             {{.name = "-normalmap", .help = "Show normals, as a normal map"}, Show(DebugView::NormalMap)},
              {{.name = "-debugnormals", .help = "Show normals"}, &LightmapOptions::debugNormals},
              {{.name = "-debugdeluxe", .help = "Show light directions; includes -deluxe"},
               &LightmapOptions::debugDeluxe},
