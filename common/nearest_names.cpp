@@ -3,33 +3,52 @@
 
 #include "common/text/text.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
-#include <numeric>
+#include <utility>
 
 namespace q3 {
 
 std::size_t EditDistance(std::string_view a, std::string_view b) {
-    // row[j]: distance of the first i characters of a from the first j of b.
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t(0));
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (std::size_t j = 0; j < b.size(); ++j) {
-            const std::size_t replaced = diagonal + (EqualNoCase(a.substr(i, 1), b.substr(j, 1)) ? 0 : 1);
-            diagonal = row[j + 1];
-            row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+    std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+    for (std::size_t i = 0; i <= a.size(); ++i)
+        for (std::size_t j = 0; j <= b.size(); ++j) {
+            if (i == 0 || j == 0) {
+                d[i][j] = i + j;
+                continue;
+            }
+            d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
         }
-    }
-    return row.back();
+    return d[a.size()][b.size()];
 }
 
-std::vector<std::string> NearestNames(std::string_view word, std::vector<std::string> names, std::size_t count) {
-    std::stable_sort(names.begin(), names.end(), [&](const std::string &a, const std::string &b) {
-        return EditDistance(word, a) < EditDistance(word, b);
-    });
-    names.resize(std::min(names.size(), count));
-    return names;
+std::vector<std::string> NearestNames(std::string_view word, std::span<const std::string> names) {
+    const auto bare = [](std::string_view name) {
+        while (name.starts_with('-'))
+            name.remove_prefix(1);
+        return LowerCase(name);
+    };
+    const std::string wanted = bare(word);
+    const std::size_t most = std::max<std::size_t>(1, wanted.size() / 3);
+    std::vector<std::pair<std::size_t, std::string>> near;
+    for (const std::string &name : names)
+        if (const std::size_t distance = EditDistance(wanted, bare(name)); distance <= most)
+            near.emplace_back(distance, name);
+    std::ranges::sort(near);
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    std::vector<std::string> result;
+    for (std::size_t i = 0; i < near.size() && i < 3; ++i)
+        if (near[i].first == near.front().first)
+            result.push_back(near[i].second);
+    return result;
+}
+
+std::string DidYouMean(std::string_view word, std::span<const std::string> names) {
+    const std::vector<std::string> near = NearestNames(word, names);
+    return near.empty() ? "" : fmt::format("; did you mean {}?", fmt::join(near, " or "));
 }
 
 } // namespace q3

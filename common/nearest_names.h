@@ -2,16 +2,21 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace q3 {
 
-/// Edit distance of Levenshtein without case: insertions, deletions and replacements that make `a` into `b`.
+/// Insertions, deletions, replacements and swaps of neighbours that make `a` into `b`, no letter edited twice (optimal
+/// string alignment).
 std::size_t EditDistance(std::string_view a, std::string_view b);
 
-/// Up to `count` of the names, by increasing edit distance from `word`; equally near ones in their order.
-std::vector<std::string> NearestNames(std::string_view word, std::vector<std::string> names, std::size_t count);
+/// The names at the least edit distance from a mistyped word, without case and leading dashes: at most three, none
+/// farther off than a third of the word's length.
+std::vector<std::string> NearestNames(std::string_view word, std::span<const std::string> names);
+/// "; did you mean -light?", or nothing.
+std::string DidYouMean(std::string_view word, std::span<const std::string> names);
 
 } // namespace q3

@@ -16,8 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kNearestGames = 3;
-
 bool IsFolder(const fs::path &path) {
     std::error_code absent;
     return fs::is_directory(path, absent);
@@ -56,12 +54,11 @@ void ReportUnknownGame(std::string_view name, const GlobalOptions &options, Log 
     std::vector<std::string> names;
     for (const Game &game : Games())
         names.emplace_back(game.name);
-    const auto nearest = NearestNames(name, std::move(names), kNearestGames);
+    const std::string hint = DidYouMean(name, names);
     if (!options.force)
-        throw Error("-game {}: unknown; the nearest names are {} (-help game lists all); -force goes on with {}", name,
-                    fmt::join(nearest, ", "), options.game->name);
-    log.Warn("unknown game", "-game {}: unknown, {} is used; the nearest names are {}", name, options.game->name,
-             fmt::join(nearest, ", "));
+        throw Error("-game {}: unknown{} -help game lists all; -force goes on with {}", name, hint.empty() ? ";" : hint,
+                    options.game->name);
+    log.Warn("unknown game", "-game {}: unknown, {} is used{}", name, options.game->name, hint);
 }
 
 void RequireGameFiles(const GlobalOptions &options, const std::vector<fs::path> &folders, Log &log) {

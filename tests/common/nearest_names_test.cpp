@@ -12,15 +12,16 @@ TEST(NearestNames, DistanceCountsInsertionsDeletionsAndReplacements) {
     EXPECT_EQ(EditDistance("", "abc"), 3u);
     EXPECT_EQ(EditDistance("abc", ""), 3u);
     EXPECT_EQ(EditDistance("kitten", "sitting"), 3u);
-    EXPECT_EQ(EditDistance("-lihgt", "-light"), 2u);
-    EXPECT_EQ(EditDistance("Quake3", "qUAKE3"), 0u);
+    EXPECT_EQ(EditDistance("lihgt", "light"), 1u); // neighbours swapped
 }
 
-TEST(NearestNames, NearestFirstThenInTheirOrder) {
-    EXPECT_THAT(NearestNames("quake", {"wolf", "quakelive", "quake3", "quakes"}, 3),
-                testing::ElementsAre("quake3", "quakes", "quakelive"));
-    EXPECT_THAT(NearestNames("x", {"a", "b"}, 5), testing::ElementsAre("a", "b"));
-    EXPECT_TRUE(NearestNames("x", {}, 5).empty());
+TEST(NearestNames, OnlyTheNearestAndNoneFarOff) {
+    const std::vector<std::string> names{"wolf", "quakelive", "quake3", "quakes"};
+    EXPECT_THAT(NearestNames("-QUAKE", names), testing::ElementsAre("quake3", "quakes"));
+    EXPECT_THAT(NearestNames("wlof", names), testing::ElementsAre("wolf"));
+    EXPECT_TRUE(NearestNames("tetris", names).empty());
+    EXPECT_EQ(DidYouMean("-lihgt", std::vector<std::string>{"-light", "-vis"}), "; did you mean -light?");
+    EXPECT_EQ(DidYouMean("x", names), "");
 }
 
 } // namespace

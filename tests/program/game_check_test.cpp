@@ -70,7 +70,7 @@ TEST_F(GameCheckTest, ModThatIsNotThere) {
 }
 
 TEST_F(GameCheckTest, UnknownGameNamesTheNearest) {
-    ExpectError("-game quake -light MAP", "-game quake: unknown; the nearest names are quake3");
+    ExpectError("-game quake -light MAP", "-game quake: unknown; did you mean quake3?");
     ExpectError("-game QuakeLife -bsp MAP", "quakelive");
     ExpectError("-game tremolous -light MAP", "tremulous");
 }
