@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/options/lightmap_options.h"
 
 #include "common/error.h"
+#include "common/settings.h"
 #include "tests/common/game_folder.h"
 
 #include <sstream>
