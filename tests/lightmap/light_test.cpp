@@ -328,7 +328,8 @@ class LuxelCullTest : public LuxelLightTest {
             }
         } else {
             const Vec3d way = from - p;
-            add = double(light.photons) * Dot(way, n) / std::pow(Length(way), 3);
+            const double distance = std::max(Length(way), 16.0); // nearer, light grows no more
+            add = double(light.photons) * Dot(Normalize(way), n) / (distance * distance);
         }
         const double least = light.fast ? double(light.tolerance) : 0;
         return add > least && Clear(p, from) ? add : 0;
