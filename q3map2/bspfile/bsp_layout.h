@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Where the parts of an IBSP file lie. Internal to the folder. See docs/bsp_format.md.
+// GPL-2.0-or-later. Layout of IBSP files. Internal to the folder. See docs/bsp_format.md.
 #pragma once
 
 #include "q3map2/bspfile/bsp_records.h"

@@ -14,7 +14,7 @@
 
 namespace q3 {
 
-/// Lump lengths and BSPX lengths in, positions out.
+/// Layout of a file.
 struct FilePlan {
     std::size_t slots = 17;
     std::array<FilePart, kNumLumps> lumps{}; ///< only the first `slots` are in the file
@@ -23,8 +23,8 @@ struct FilePlan {
     std::uint64_t size = 0; ///< of the whole file
 };
 
-/// Places every lump. `slots` is 17, 18 or 19; an empty slot 17 of a 19-slot file gets offset 0. Errors: a file of 2^31
-/// bytes or more, which no reader could address.
+/// Lays out the lumps. `slots` is 17, 18 or 19; an empty slot 17 of a 19-slot file gets offset 0. Errors: a file of
+/// 2^31 bytes or more, which no reader could address.
 FilePlan PlanFile(std::size_t slots, const std::array<std::uint64_t, kNumLumps> &lengths,
                   std::span<const std::uint64_t> bspxLengths);
 

@@ -9,7 +9,7 @@
 
 namespace q3 {
 
-/// Points within this distance of a node's plane count as on both sides. Game units; spec of cluster lookup.
+/// Points within this distance of a node's plane count as on both sides. Game units.
 inline constexpr float kOnPlane = 0.1f;
 
 /// Cluster of solid leafs.
@@ -43,7 +43,7 @@ class BspTree {
     int ClusterOf(int leaf) const { return clusters_[std::size_t(leaf)]; }
     /// As the function above; `from`: where the search starts, see ChildAround.
     int LeafAt(const Vec3f &p, BspChild from) const;
-    /// The lowest child under `from` that holds the box with some room: places in the box are found from it as from
+    /// The lowest child under `from` that holds the box with some room: points in the box are found from it as from
     /// `from`.
     BspChild ChildAround(const Boundsf &box, BspChild from) const;
 

@@ -32,7 +32,7 @@ double Length(const Float3 &v) {
 }
 
 /// A record in messages, such as "leaf 12".
-struct Place {
+struct RecordRef {
     std::string_view record;
     std::size_t index;
 };
@@ -62,27 +62,26 @@ class Validator {
 
   private:
     template <typename... Args>
-    [[noreturn]] void Fail(const Place &place, fmt::format_string<Args...> format, Args &&...args) const {
-        throw Error("{}: {} {}: {}", name_, place.record, place.index,
-                    fmt::format(format, std::forward<Args>(args)...));
+    [[noreturn]] void Fail(const RecordRef &at, fmt::format_string<Args...> format, Args &&...args) const {
+        throw Error("{}: {} {}: {}", name_, at.record, at.index, fmt::format(format, std::forward<Args>(args)...));
     }
 
     /// low <= value < count, else an error that names the field.
-    void Index(const Place &place, std::string_view field, std::int64_t value, std::int64_t low, std::uint64_t count,
+    void Index(const RecordRef &at, std::string_view field, std::int64_t value, std::int64_t low, std::uint64_t count,
                std::string_view of) const {
         if (value < low || value >= std::int64_t(count))
-            Fail(place, "{} {} is outside {}..{} of {} {}", field, value, low, std::int64_t(count) - 1, count, of);
+            Fail(at, "{} {} is outside {}..{} of {} {}", field, value, low, std::int64_t(count) - 1, count, of);
     }
 
     /// first .. first + num lies inside the count.
-    void Range(const Place &place, std::string_view firstField, std::int64_t first, std::string_view numField,
+    void Range(const RecordRef &at, std::string_view firstField, std::int64_t first, std::string_view numField,
                std::int64_t num, std::size_t count, std::string_view of) const {
         if (first < 0)
-            Fail(place, "{} {} is negative", firstField, first);
+            Fail(at, "{} {} is negative", firstField, first);
         if (num < 0)
-            Fail(place, "{} {} is negative", numField, num);
+            Fail(at, "{} {} is negative", numField, num);
         if (first + num > std::int64_t(count))
-            Fail(place, "{} {} + {} {} exceeds {} {}", firstField, first, numField, num, count, of);
+            Fail(at, "{} {} + {} {} exceeds {} {}", firstField, first, numField, num, count, of);
     }
 
     void Sharing(std::string_view users, std::string_view field, std::uint64_t used, std::uint64_t limit) const {
@@ -129,14 +128,14 @@ class Validator {
     void CheckPlanes() const {
         for (std::size_t i = 0; i < bsp_.planes.size(); i++) {
             const bspPlane_t &plane = bsp_.planes[i];
-            const Place place{"plane", i};
+            const RecordRef at{"plane", i};
             if (!AllFinite(plane.normal))
-                Fail(place, "normal {} {} {} is not finite", plane.normal[0], plane.normal[1], plane.normal[2]);
+                Fail(at, "normal {} {} {} is not finite", plane.normal[0], plane.normal[1], plane.normal[2]);
             if (!std::isfinite(plane.dist))
-                Fail(place, "dist {} is not finite", plane.dist);
+                Fail(at, "dist {} is not finite", plane.dist);
             const double length = Length(plane.normal);
             if (length == 0)
-                Fail(place, "normal is zero");
+                Fail(at, "normal is zero");
             if (std::abs(length - 1) > 0.01)
                 log_.Warn("plane normal length", "{}: plane {}: normal has length {:.3f}, expected 1", name_, i,
                           length);
@@ -146,13 +145,13 @@ class Validator {
     void CheckNodes() const {
         for (std::size_t i = 0; i < bsp_.nodes.size(); i++) {
             const bspNode_t &node = bsp_.nodes[i];
-            const Place place{"node", i};
-            Index(place, "planeNum", node.planeNum, 0, bsp_.planes.size(), "planes");
+            const RecordRef at{"node", i};
+            Index(at, "planeNum", node.planeNum, 0, bsp_.planes.size(), "planes");
             for (const std::int64_t child : node.children) {
                 if (child >= 0)
-                    Index(place, "child", child, 0, bsp_.nodes.size(), "nodes");
+                    Index(at, "child", child, 0, bsp_.nodes.size(), "nodes");
                 else if (-1 - child >= std::int64_t(bsp_.leafs.size()))
-                    Fail(place, "child {} is leaf {} of {} leafs", child, -1 - child, bsp_.leafs.size());
+                    Fail(at, "child {} is leaf {} of {} leafs", child, -1 - child, bsp_.leafs.size());
             }
         }
     }
@@ -183,12 +182,12 @@ class Validator {
         std::uint64_t surfaces = 0, brushes = 0;
         for (std::size_t i = 0; i < bsp_.leafs.size(); i++) {
             const bspLeaf_t &leaf = bsp_.leafs[i];
-            const Place place{"leaf", i};
-            Index(place, "cluster", leaf.cluster, -1, std::uint64_t(clusters_), "clusters");
-            Index(place, "area", leaf.area, -1, kMaxAreas, "areas");
-            Range(place, "firstBSPLeafSurface", leaf.firstBSPLeafSurface, "numBSPLeafSurfaces", leaf.numBSPLeafSurfaces,
+            const RecordRef at{"leaf", i};
+            Index(at, "cluster", leaf.cluster, -1, std::uint64_t(clusters_), "clusters");
+            Index(at, "area", leaf.area, -1, kMaxAreas, "areas");
+            Range(at, "firstBSPLeafSurface", leaf.firstBSPLeafSurface, "numBSPLeafSurfaces", leaf.numBSPLeafSurfaces,
                   bsp_.leafSurfaces.size(), "leaf surfaces");
-            Range(place, "firstBSPLeafBrush", leaf.firstBSPLeafBrush, "numBSPLeafBrushes", leaf.numBSPLeafBrushes,
+            Range(at, "firstBSPLeafBrush", leaf.firstBSPLeafBrush, "numBSPLeafBrushes", leaf.numBSPLeafBrushes,
                   bsp_.leafBrushes.size(), "leaf brushes");
             surfaces += std::uint64_t(leaf.numBSPLeafSurfaces);
             brushes += std::uint64_t(leaf.numBSPLeafBrushes);
@@ -208,20 +207,20 @@ class Validator {
         std::uint64_t surfaces = 0, brushes = 0;
         for (std::size_t i = 0; i < bsp_.models.size(); i++) {
             const bspModel_t &model = bsp_.models[i];
-            const Place place{"model", i};
-            Range(place, "firstBSPSurface", model.firstBSPSurface, "numBSPSurfaces", model.numBSPSurfaces,
+            const RecordRef at{"model", i};
+            Range(at, "firstBSPSurface", model.firstBSPSurface, "numBSPSurfaces", model.numBSPSurfaces,
                   bsp_.drawSurfaces.size(), "surfaces");
-            Range(place, "firstBSPBrush", model.firstBSPBrush, "numBSPBrushes", model.numBSPBrushes,
-                  bsp_.brushes.size(), "brushes");
+            Range(at, "firstBSPBrush", model.firstBSPBrush, "numBSPBrushes", model.numBSPBrushes, bsp_.brushes.size(),
+                  "brushes");
             surfaces += std::uint64_t(model.numBSPSurfaces);
             brushes += std::uint64_t(model.numBSPBrushes);
             for (std::size_t axis = 0; axis < 3; axis++) {
                 if (!std::isfinite(model.mins[axis]))
-                    Fail(place, "mins[{}] {} is not finite", axis, model.mins[axis]);
+                    Fail(at, "mins[{}] {} is not finite", axis, model.mins[axis]);
                 if (!std::isfinite(model.maxs[axis]))
-                    Fail(place, "maxs[{}] {} is not finite", axis, model.maxs[axis]);
+                    Fail(at, "maxs[{}] {} is not finite", axis, model.maxs[axis]);
                 if (i == 0 && model.mins[axis] > model.maxs[axis])
-                    Fail(place, "mins[{}] {} is above maxs[{}] {}", axis, model.mins[axis], axis, model.maxs[axis]);
+                    Fail(at, "mins[{}] {} is above maxs[{}] {}", axis, model.mins[axis], axis, model.maxs[axis]);
             }
         }
         Sharing("models", "numBSPSurfaces", surfaces, kMaxSharing * bsp_.drawSurfaces.size());
@@ -230,18 +229,18 @@ class Validator {
 
     void CheckBrushes() const {
         for (std::size_t i = 0; i < bsp_.brushSides.size(); i++) {
-            const Place place{"brush side", i};
-            Index(place, "planeNum", bsp_.brushSides[i].planeNum, 0, bsp_.planes.size(), "planes");
-            Index(place, "shaderNum", bsp_.brushSides[i].shaderNum, 0, bsp_.shaders.size(), "shaders");
+            const RecordRef at{"brush side", i};
+            Index(at, "planeNum", bsp_.brushSides[i].planeNum, 0, bsp_.planes.size(), "planes");
+            Index(at, "shaderNum", bsp_.brushSides[i].shaderNum, 0, bsp_.shaders.size(), "shaders");
         }
         std::uint64_t sides = 0;
         for (std::size_t i = 0; i < bsp_.brushes.size(); i++) {
             const bspBrush_t &brush = bsp_.brushes[i];
-            const Place place{"brush", i};
-            Range(place, "firstSide", brush.firstSide, "numSides", brush.numSides, bsp_.brushSides.size(), "sides");
+            const RecordRef at{"brush", i};
+            Range(at, "firstSide", brush.firstSide, "numSides", brush.numSides, bsp_.brushSides.size(), "sides");
             if (brush.numSides < std::int32_t(kBoxSides))
-                Fail(place, "numSides {} is under {}", brush.numSides, kBoxSides);
-            Index(place, "shaderNum", brush.shaderNum, 0, bsp_.shaders.size(), "shaders");
+                Fail(at, "numSides {} is under {}", brush.numSides, kBoxSides);
+            Index(at, "shaderNum", brush.shaderNum, 0, bsp_.shaders.size(), "shaders");
             sides += std::uint64_t(brush.numSides);
             CheckBox(i);
         }
@@ -262,10 +261,10 @@ class Validator {
     void CheckFogs() const {
         for (std::size_t i = 0; i < bsp_.fogs.size(); i++) {
             const bspFog_t &fog = bsp_.fogs[i];
-            const Place place{"fog", i};
-            Index(place, "brushNum", fog.brushNum, -1, bsp_.brushes.size(), "brushes");
+            const RecordRef at{"fog", i};
+            Index(at, "brushNum", fog.brushNum, -1, bsp_.brushes.size(), "brushes");
             const std::int32_t sides = fog.brushNum < 0 ? 0 : bsp_.brushes[std::size_t(fog.brushNum)].numSides;
-            Index(place, "visibleSide", fog.visibleSide, -1, std::uint64_t(sides), "sides");
+            Index(at, "visibleSide", fog.visibleSide, -1, std::uint64_t(sides), "sides");
         }
     }
 
@@ -283,18 +282,18 @@ class Validator {
         std::uint64_t verts = 0, indexes = 0;
         for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); i++) {
             const bspDrawSurface_t &surface = bsp_.drawSurfaces[i];
-            const Place place{"surface", i};
-            Index(place, "shaderNum", surface.shaderNum, 0, bsp_.shaders.size(), "shaders");
-            Index(place, "fogNum", surface.fogNum, -1, bsp_.fogs.size(), "fogs");
-            Index(place, "surfaceType", surface.surfaceType, MST_BAD, MST_FOLIAGE + 1, "surface types");
-            Range(place, "firstVert", surface.firstVert, "numVerts", surface.numVerts, bsp_.drawVerts.size(), "verts");
-            Range(place, "firstIndex", surface.firstIndex, "numIndexes", surface.numIndexes, bsp_.drawIndexes.size(),
+            const RecordRef at{"surface", i};
+            Index(at, "shaderNum", surface.shaderNum, 0, bsp_.shaders.size(), "shaders");
+            Index(at, "fogNum", surface.fogNum, -1, bsp_.fogs.size(), "fogs");
+            Index(at, "surfaceType", surface.surfaceType, MST_BAD, MST_FOLIAGE + 1, "surface types");
+            Range(at, "firstVert", surface.firstVert, "numVerts", surface.numVerts, bsp_.drawVerts.size(), "verts");
+            Range(at, "firstIndex", surface.firstIndex, "numIndexes", surface.numIndexes, bsp_.drawIndexes.size(),
                   "indexes");
             verts += std::uint64_t(surface.numVerts);
             indexes += std::uint64_t(surface.numIndexes);
             if (surface.surfaceType == MST_PATCH)
-                CheckPatch(place, surface);
-            CheckLightmap(place, surface);
+                CheckPatch(at, surface);
+            CheckLightmap(at, surface);
         }
         Sharing("surfaces", "numVerts", verts, kMaxSharing * bsp_.drawVerts.size());
         Sharing("surfaces", "numIndexes", indexes, kMaxIndexesPerVert * verts);
@@ -302,49 +301,49 @@ class Validator {
             CheckTriangles({"surface", i}, bsp_.drawSurfaces[i]);
     }
 
-    void CheckPatch(const Place &place, const bspDrawSurface_t &surface) const {
+    void CheckPatch(const RecordRef &at, const bspDrawSurface_t &surface) const {
         const auto side = [&](std::string_view field, std::int32_t value) {
             if (value < kMinPatchSide || value > kMaxPatchSide || value % 2 == 0)
-                Fail(place, "{} {} is not an odd number in {}..{}", field, value, kMinPatchSide, kMaxPatchSide);
+                Fail(at, "{} {} is not an odd number in {}..{}", field, value, kMinPatchSide, kMaxPatchSide);
         };
         side("patchWidth", surface.patchWidth);
         side("patchHeight", surface.patchHeight);
         if (surface.patchWidth * surface.patchHeight != surface.numVerts)
-            Fail(place, "patchWidth {} x patchHeight {} is not numVerts {}", surface.patchWidth, surface.patchHeight,
+            Fail(at, "patchWidth {} x patchHeight {} is not numVerts {}", surface.patchWidth, surface.patchHeight,
                  surface.numVerts);
     }
 
-    void CheckLightmap(const Place &place, const bspDrawSurface_t &surface) const {
+    void CheckLightmap(const RecordRef &at, const bspDrawSurface_t &surface) const {
         if (!AllFinite(surface.lightmapOrigin))
-            Fail(place, "lightmapOrigin is not finite");
+            Fail(at, "lightmapOrigin is not finite");
         for (const Float3 &vector : surface.lightmapVecs)
             if (!AllFinite(vector))
-                Fail(place, "lightmapVecs are not finite");
+                Fail(at, "lightmapVecs are not finite");
         if (surface.surfaceType == MST_FLARE)
             return; // a flare's number means nothing
         const auto pages = std::int64_t(bsp_.lightmaps.size() / kLightmapPageBytes);
         // Without pages in the file, numbers count those beside it.
         if (surface.lightmapNum < -4 || (pages > 0 && surface.lightmapNum >= pages))
             log_.Warn("lightmapNum", "{}: surface {}: lightmapNum {} is not one of {} pages: taken as lit by vertex",
-                      name_, place.index, surface.lightmapNum, pages);
+                      name_, at.index, surface.lightmapNum, pages);
         const auto inPage = [](std::int64_t start, std::int64_t length) {
             return start >= 0 && length >= 0 && start + length <= kLightmapSide;
         };
         if (!inPage(surface.lightmapX, surface.lightmapWidth) || !inPage(surface.lightmapY, surface.lightmapHeight))
             log_.Warn("lightmap rectangle",
-                      "{}: surface {}: the lightmap rectangle {} {} {} {} leaves the page: ignored", name_, place.index,
+                      "{}: surface {}: the lightmap rectangle {} {} {} {} leaves the page: ignored", name_, at.index,
                       surface.lightmapX, surface.lightmapY, surface.lightmapWidth, surface.lightmapHeight);
     }
 
-    void CheckTriangles(const Place &place, const bspDrawSurface_t &surface) const {
+    void CheckTriangles(const RecordRef &at, const bspDrawSurface_t &surface) const {
         const bool triangles = surface.surfaceType == MST_PLANAR || surface.surfaceType == MST_TRIANGLE_SOUP;
         if (triangles && surface.numIndexes % 3 != 0)
-            Fail(place, "numIndexes {} is not a multiple of 3", surface.numIndexes);
+            Fail(at, "numIndexes {} is not a multiple of 3", surface.numIndexes);
         const auto run =
             std::span(bsp_.drawIndexes).subspan(std::size_t(surface.firstIndex), std::size_t(surface.numIndexes));
         for (std::size_t i = 0; i < run.size(); i++)
             if (run[i] < 0 || run[i] >= surface.numVerts)
-                Fail(place, "index {} of its {} is {}, but numVerts is {}", i, run.size(), run[i], surface.numVerts);
+                Fail(at, "index {} of its {} is {}, but numVerts is {}", i, run.size(), run[i], surface.numVerts);
     }
 
     void CheckAdvertisements() const {

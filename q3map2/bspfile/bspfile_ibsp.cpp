@@ -101,7 +101,7 @@ class Reader {
         return part;
     }
 
-    // What slot 17 holds is only a guess from the place of the first lump: other layouts have text or lumps there.
+    // What slot 17 holds is only a guess from the offset of the first lump: other layouts have text or lumps there.
     void ReadAdvertisementSlot() {
         if (version_ != 47 || !format_.advertisements || firstByte_ < std::int64_t(HeaderBytes(18)))
             return;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What a compiled map holds, in numbers.
+// GPL-2.0-or-later. Counts and sizes of a .bsp file.
 #include "q3map2/convert/bsp_info.h"
 
 #include "common/error.h"

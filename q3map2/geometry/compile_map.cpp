@@ -44,7 +44,7 @@ class MapCompiler {
     CompiledMap Compile();
 
   private:
-    /// False: there is nothing more to do.
+    /// False: the compile ends here (-leaktest, -autocaulk).
     bool CompileWorld();
     void CompileModel(MapEntity &entity);
     Sealing Seal(Tree &tree, bool warn);
@@ -83,7 +83,7 @@ Sealing MapCompiler::Seal(Tree &tree, bool warn) {
     return sealing;
 }
 
-/// True when the compile goes on.
+/// Reports the leak. True if the compile goes on.
 bool MapCompiler::ReportLeak(const Tree &tree) {
     result_.leakLine = LeakLine(tree, map_);
     LogMark trail;
@@ -95,7 +95,7 @@ bool MapCompiler::ReportLeak(const Tree &tree) {
         const std::string cause =
             fmt::format("the {} at {} {} {} can be reached from outside the map", reached.pairs.ClassName(),
                         reached.origin.x, reached.origin.y, reached.origin.z);
-        context_.log.Print("{}: {}\n", reached.Who(), cause);
+        context_.log.Print("{}: {}\n", reached.MessagePrefix(), cause);
         context_.log.Mark(LogLevel::Warning, fmt::format("Entity {}, Brush 0: {}", reached.number, cause),
                           {.entity = reached.number, .primitive = 0, .line = {}});
     }
@@ -128,7 +128,7 @@ bool MapCompiler::CompileWorld() {
         throw Error("{}: no structural brush is seen from where the entities stand, and engines load no map without a "
                     "node: at least the walls around the map must be structural",
                     map_.name);
-    Seal(tree, false); // what stands in solids was said
+    Seal(tree, false); // already warned of entities in solid
     const int clusters = NumberClusters(tree, context_.options.deep);
     if (sealing == Sealing::Sealed)
         result_.portalFile = PortalFileText(tree, map_.planes, clusters);
@@ -168,12 +168,12 @@ void MapCompiler::CompileModel(MapEntity &entity) {
         for (int i = 0; i < int(entity.brushes.size()); ++i)
             if (entity.brushes[std::size_t(i)].detail == detail)
                 brushes.push_back(i);
-    std::reverse(brushes.begin(), brushes.end()); // as leafs have them: the last one first
+    std::reverse(brushes.begin(), brushes.end()); // leafs hold brushes in reverse order
     ShapeSurfaces(entity, first);
     EmitModel(entity, tree, first);
 }
 
-/// From faces and patches to the surfaces that will be drawn.
+/// Subdivision, T-junctions, derived surfaces, decals, the meta step.
 void MapCompiler::ShapeSurfaces(MapEntity &entity, std::size_t first) {
     if (!context_.options.noSubdivide)
         SubdivideFaces(entity, geometry_, first, map_.planes, context_);

@@ -31,7 +31,7 @@ void ShareModels(Map &map, const BspContext &context) {
             return EqualNoCase(other.pairs.Value("_clonename"), name);
         });
         if (parent == map.entities.end() || !parent->pairs.Has("model")) {
-            context.log.Warn("clone without parent", "{}: it is a clone of {}, but {}", entity.Who(), name,
+            context.log.Warn("clone without parent", "{}: it is a clone of {}, but {}", entity.MessagePrefix(), name,
                              parent == map.entities.end() ? "no entity has that _clonename"
                                                           : "that entity has no model");
             continue;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Texts about the brushes of a map, and what engines can hold.
+// GPL-2.0-or-later. Text output about the brushes of a map, and limits of engines.
 #include "q3map2/geometry/map_text.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace q3 {
 
 namespace {
 
-/// What an editor should put on a side that nobody sees.
+/// Letter of the shader that an editor should apply to a hidden side.
 char CaulkLetter(const Brush &brush, const BrushSide &side) {
     const bool isSeen = side.visibleHull.size() >= 3 && !side.culled;
     if (isSeen || !side.shader || (side.compileFlags & C_NODRAW) != 0)

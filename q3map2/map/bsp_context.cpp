@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Messages of the bsp stage that name a place in the map source.
+// GPL-2.0-or-later. Messages of the bsp stage about entities and primitives.
 #include "q3map2/map/bsp_context.h"
 
 #include "common/error.h"
@@ -6,8 +6,8 @@
 
 namespace q3 {
 
-std::string MapEntity::Who() const {
-    return place.empty() ? fmt::format("Entity {}", number) : fmt::format("Entity {}: {}", number, place);
+std::string MapEntity::MessagePrefix() const {
+    return location.empty() ? fmt::format("Entity {}", number) : fmt::format("Entity {}: {}", number, location);
 }
 
 void BspContext::WarnAt(std::string_view kind, int entity, int primitive, std::string_view text) const {

@@ -8,13 +8,13 @@
 
 namespace q3 {
 
-/// What every step of the stage gets.
+/// Options, game files and log of a compile.
 struct BspContext {
     const BspOptions &options;
     const Game &game;
     ShaderLibrary &shaders;
     Log &log;
-    const VirtualFileSystem *vfs = nullptr; ///< of models, skins and index maps; null: there are none
+    const VirtualFileSystem *vfs = nullptr; ///< for models, skins and index maps; null: none are found
 
     /// "Entity E, Brush B: text" as a warning; with an editor connected it selects the primitive.
     void WarnAt(std::string_view kind, int entity, int primitive, std::string_view text) const;

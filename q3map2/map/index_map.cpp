@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Index maps: pictures that say which layer of a terrain is where.
+// GPL-2.0-or-later. Index maps: images with the terrain layer of each texel.
 #include "q3map2/map/index_map.h"
 
 #include "common/error.h"
@@ -58,7 +58,7 @@ Boundsf CoveredBy(const MapEntity &entity, const Vec3f &shift) {
 }
 
 void Warn(const MapEntity &entity, std::string_view text, const BspContext &context) {
-    context.log.Warn("index map", "{}: its index map has no effect: {}", entity.Who(), text);
+    context.log.Warn("index map", "{}: its index map has no effect: {}", entity.MessagePrefix(), text);
 }
 
 } // namespace

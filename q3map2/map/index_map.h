@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Index maps: pictures that say which layer of a terrain is where.
+// GPL-2.0-or-later. Index maps: images with the terrain layer of each texel.
 #pragma once
 
 #include "q3map2/map/bsp_context.h"
@@ -11,8 +11,9 @@
 
 namespace q3 {
 
+/// An image of layer numbers over a terrain.
 struct IndexMap {
-    Boundsf bounds; ///< what the picture covers, game units; its top row at the largest y
+    Boundsf bounds; ///< extent of the image, game units; its top row is at the largest y
     int width = 0, height = 0, layers = 1;
     std::vector<std::uint8_t> pixels; ///< numbers of layers
     std::vector<float> offsets;       ///< heights of layers, game units; missing ones are 0
@@ -22,8 +23,9 @@ struct IndexMap {
     float OffsetOf(int layer) const;
 };
 
-/// The map that the keys of an entity name, over its brushes and patches moved by `shift`. Null without such keys, and
-/// after a warning when one is missing or the picture (tga, png, pcx) cannot be read or is under 2 x 2.
+/// The index map that the keys of an entity name, over the bounds of its brushes and patches moved by `shift`. Null
+/// without such keys, and after a warning when a key is missing or the image (tga, png, pcx) cannot be read or is under
+/// 2 x 2.
 std::shared_ptr<const IndexMap> ReadIndexMap(const MapEntity &entity, const Vec3f &shift, const BspContext &context);
 
 } // namespace q3

@@ -17,7 +17,7 @@
 
 namespace q3 {
 
-/// Vertex of a draw surface while it is made.
+/// Vertex of a draw surface during the bsp stage.
 struct DrawVert {
     Vec3f xyz, normal;
     std::array<float, 2> st{};
@@ -27,7 +27,7 @@ struct DrawVert {
 
 struct IndexMap;
 
-/// What the keys of an entity say about all its surfaces.
+/// Settings of all surfaces of an entity, from its keys.
 struct SurfaceSettings {
     int entity = 0; ///< number in the map source
     int castShadows = 1, receiveShadows = 1;
@@ -40,24 +40,24 @@ struct SurfaceSettings {
     bool operator==(const SurfaceSettings &) const = default;
 };
 
-/// s = vecs[0] . (p, 1), t = vecs[1] . (p, 1), p with the entity's origin added. All three forms of the map language
-/// and explicit texture vectors come to this; image sizes are in it.
+/// s = vecs[0] . (p, 1), t = vecs[1] . (p, 1), p with the entity's origin added. All texture
+/// forms of the map format are converted to this; the division by the image size is included.
 struct TextureProjection {
     std::array<std::array<double, 4>, 2> vecs{};
 };
 
 struct BrushSide {
     int planeNum = -1;                  ///< front is outside
-    Plane plane;                        ///< as the points of the map say, in double
-    bool hasPlane = false;              ///< false: only the table's plane is there
+    Plane plane;                        ///< through the points of the map source, in double
+    bool hasPlane = false;              ///< false: use that of the plane table
     const ShaderInfo *shader = nullptr; ///< null: bevels, and backs of generated brushes
     std::uint32_t surfaceFlags = 0, contentFlags = 0, compileFlags = 0;
     TextureProjection texture;
-    Polygon winding;     ///< empty: bevels, and sides that the others cut off
-    Polygon visibleHull; ///< of its part in the open; see ClipSidesIntoTree
+    Polygon winding;     ///< empty for bevels and sides that other sides cut off
+    Polygon visibleHull; ///< convex hull of its parts in open leafs; see ClipSidesIntoTree
     bool bevel = false;
     bool culled = false; ///< makes no draw surface: hidden behind another brush
-    int surface = -1;    ///< draw surface made from it last
+    int surface = -1;    ///< index of the latest draw surface made from it
 };
 
 /// A convex solid. Sides 0 to 5 are the axial ones in the order -x +x -y +y -z +z once bevels are there.
@@ -82,7 +82,7 @@ struct Patch {
     int width = 0, height = 0;   ///< odd, 3 to 31
     std::vector<DrawVert> verts; ///< row * width + column
     float longestCurve = 0;
-    Boundsf lodBounds; ///< of the group that changes its detail together
+    Boundsf lodBounds; ///< of all patches that share their level of detail
     bool grouped = false;
     bool patchMeta = false;
     int patchSubdivisions = 0; ///< curve tolerance from keys; 0: the option's
@@ -91,16 +91,16 @@ struct Patch {
 struct MapEntity {
     Entity pairs;
     int number = 0;                  ///< in the map source
-    std::string place;               ///< FILE:LINE of its "{"; empty: not from a file
-    std::deque<Brush> brushes;       ///< opaque ones in front in reverse order, then the others in order
+    std::string location;            ///< FILE:LINE of its "{"; empty: not from a file
+    std::deque<Brush> brushes;       ///< opaque brushes first, in reverse order of the source, then the others in order
     std::deque<Patch> patches;       ///< newest in front
     std::vector<Brush> colorVolumes; ///< brushes whose shader modifies colours inside
-    Vec3f origin;                    ///< value of the key, with the origin brush's centre added
-    Vec3f brushOrigin;               ///< centre of the origin brush: what its brushes were moved by
+    Vec3f origin;                    ///< value of the key, with the center of the origin brush added
+    Vec3f brushOrigin;               ///< center of the origin brush, by which brushes were moved
     int model = -1;                  ///< 0 the world; -1 none
     Vec3f Origin() const { return origin; }
-    /// How messages begin that are about it: "Entity 3: maps/x.map:120".
-    std::string Who() const;
+    /// Start of messages about the entity: "Entity 3: maps/x.map:120".
+    std::string MessagePrefix() const;
 };
 
 struct Map {

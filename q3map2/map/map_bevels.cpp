@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Planes that let boxes collide with brushes exactly: axial ones, and those of edges.
+// GPL-2.0-or-later. Bevel planes of brushes: axial ones, and those of slanted edges.
 #include "q3map2/map/map_bevels.h"
 
 #include <cmath>
@@ -7,12 +7,12 @@ namespace q3 {
 
 namespace {
 
-/// Surface flags that bevels have from the sides they touch: what a player feels or hears.
+/// Surface flags that bevels inherit from the sides they touch: slick, damage and step sounds.
 constexpr std::uint32_t kBevelSurfaceFlags = 0xC3043;
 constexpr double kOnPlane = 0.1;
 constexpr double kHalf = 0.5;
 
-/// The unit vector that floats hold.
+/// The unit vector rounded to float.
 Vec3d StoredUnit(const Vec3d &v) {
     const Vec3d stored{Vec3f(v)};
     return Vec3d(Vec3f(stored * (1 / Length(stored))));
@@ -77,7 +77,7 @@ Vec3d SlantedEdge(const Vec3f &from, const Vec3f &to, const PlaneTable &planes) 
 
 enum class Fit { New, OnBevel, Rejected };
 
-/// Whether the plane has the whole brush behind it and is not one of its planes. `match`: the side that it equals.
+/// Whether the whole brush is behind the plane and it is not one of its planes. `match`: the side that it equals.
 Fit FitPlane(const Brush &brush, const Plane &plane, const PlaneTable &planes, std::size_t &match) {
     for (std::size_t i = 0; i < brush.sides.size(); ++i) {
         const BrushSide &side = brush.sides[i];

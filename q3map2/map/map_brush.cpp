@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Brushes: what their sides make them, and windings from planes.
+// GPL-2.0-or-later. Windings and contents of brushes.
 #include "q3map2/map/map_brush.h"
 
 #include "common/error.h"
@@ -11,12 +11,12 @@ namespace q3 {
 namespace {
 
 constexpr double kWindingEpsilon = 0x1p-24;
-/// Three planes whose determinant is smaller meet nowhere in particular.
+/// Least determinant of three planes that meet in a point.
 constexpr double kParallel = 1e-9;
-/// Corners count although so far in front of a plane. Game units.
+/// Greatest distance of a corner in front of the other planes. Game units.
 constexpr double kCornerSlack = 0.1;
 constexpr double kShortEdge = 0.1;
-/// Coordinates so near to a whole number become it where edges are welded.
+/// Welded coordinates this near to an integer are rounded to it.
 constexpr double kNearWhole = 0.01;
 /// Triples of planes grow with the cube: brushes of more sides take their box from clipped polygons.
 constexpr std::size_t kMaxTripleSides = 40;
@@ -33,7 +33,7 @@ std::vector<Plane> SolidPlanes(const Brush &brush, const PlaneTable &planes) {
     return solid;
 }
 
-/// Box of the points where three planes meet and that no plane cuts off.
+/// Bounds of the intersections of three planes that no other plane cuts off.
 Boundsd CornerBox(const std::vector<Plane> &planes) {
     Boundsd box;
     const std::size_t count = planes.size();
@@ -55,7 +55,7 @@ Boundsd CornerBox(const std::vector<Plane> &planes) {
     return box;
 }
 
-/// The plane over the box's extent along the two axes that it is flattest in, clockwise from the front.
+/// The plane's polygon over the box, projected along the dominant axis of the normal; clockwise from the front.
 Winding<double> ColumnPolygon(const Plane &plane, const Boundsd &box) {
     std::size_t z = 0;
     for (std::size_t axis = 1; axis < 3; ++axis)
@@ -103,7 +103,7 @@ bool IsFlat(const Boundsd &box) {
     return box.Empty() || !(size.x > 0 && size.y > 0 && size.z > 0);
 }
 
-/// One point for two: of each coordinate the one that is nearer to a whole number.
+/// Welds two points: each coordinate is the one nearer to an integer.
 Vec3d Weld(const Vec3d &a, const Vec3d &b) {
     Vec3d welded;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -128,7 +128,7 @@ void WeldShortEdges(Winding<double> &w) {
     }
 }
 
-/// What a brush of several shaders is called: the highest of its sides.
+/// Rank of a shader: the content shader of a brush is the one of its sides with the highest rank.
 int ContentClass(const ShaderInfo &shader, const Game &game) {
     const SurfaceParm *clip = game.FindParm("playerclip");
     if (shader.compileFlags & C_LIQUID)
@@ -148,7 +148,7 @@ bool MakeBrushWindings(Brush &brush, const PlaneTable &table) {
     const bool few = planes.size() <= kMaxTripleSides;
     Boundsd box = few ? CornerBox(planes) : PolygonBox(planes);
     const Vec3d center = box.Center();
-    // Far outside, arithmetic means nothing any more.
+    // Far outside the world precision is lost.
     if (IsFlat(box) || !(Length(center) <= 8 * kMaxWorldCoord))
         return false;
     for (Plane &plane : planes)

@@ -38,7 +38,7 @@ bool InWorld(const Patch &patch) {
     return std::ranges::all_of(patch.verts, [](const DrawVert &v) { return InWorld(v.xyz); });
 }
 
-/// Undoes the move by the origin brush. The key origin moves a group too.
+/// Undoes the translation by the origin brush. The origin key translates a group too.
 void MoveBack(MapEntity &group, PlaneTable &planes, const BspContext &context) {
     if (group.origin == Vec3f{})
         return;

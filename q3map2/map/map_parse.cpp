@@ -68,11 +68,11 @@ class MapReader {
     MapScanner scanner_;
     PrimitiveReader primitives_;
     int entityCount_ = 0, primitiveCount_ = 0;
-    std::string primitivePlace_; ///< file and line where the one that is being read begins
-    bool entityIsOpen_ = false;  ///< its "{" was read, and a pair of the one before may be missing its "}"
+    std::string primitiveLocation_; ///< file and line where the one that is being read begins
+    bool entityIsOpen_ = false;     ///< its "{" was read, and a pair of the one before may be missing its "}"
 };
 
-/// About as many as there are class names.
+/// Estimates the number of entities from the "classname" keys.
 std::size_t MapReader::EntityEstimate(std::string_view text) {
     constexpr std::string_view word = "\"classname\"";
     std::size_t count = 1;
@@ -83,7 +83,7 @@ std::size_t MapReader::EntityEstimate(std::string_view text) {
 
 /// Reads up to the "{" of an entity; what is before it does not belong there.
 bool MapReader::FindEntity() {
-    scanner_.SetPlace(-1, -1);
+    scanner_.SetContext(-1, -1);
     if (entityIsOpen_)
         return true;
     std::string token;
@@ -105,7 +105,7 @@ void MapReader::ReadEntity() {
     primitiveCount_ = 0;
     MapEntity entity;
     entity.number = entityCount_++;
-    entity.place = scanner_.Location();
+    entity.location = scanner_.Location();
     while (ReadPairOrPrimitive(entity)) {
     }
     FinishEntity(entity);
@@ -113,7 +113,7 @@ void MapReader::ReadEntity() {
 
 /// False: the entity ends.
 bool MapReader::ReadPairOrPrimitive(MapEntity &entity) {
-    scanner_.SetPlace(entity.number, -1);
+    scanner_.SetContext(entity.number, -1);
     std::string key;
     if (!scanner_.Next(key)) {
         context_.log.Warn("entity without end", "{}: the file ends within entity {}, expected '}}'",
@@ -134,7 +134,7 @@ bool MapReader::ReadPairOrPrimitive(MapEntity &entity) {
 }
 
 void MapReader::ReadPrimitive(MapEntity &entity) {
-    scanner_.SetPlace(entity.number, primitiveCount_);
+    scanner_.SetContext(entity.number, primitiveCount_);
     const std::string first = scanner_.Need("a side of a brush, brushDef or patchDef2");
     if (EqualNoCase(first, "classname")) {
         context_.log.Warn("missing brace",
@@ -145,7 +145,7 @@ void MapReader::ReadPrimitive(MapEntity &entity) {
         return;
     }
     const int primitive = primitiveCount_++;
-    primitivePlace_ = scanner_.Location();
+    primitiveLocation_ = scanner_.Location();
     if (EqualNoCase(first, "terrainDef")) {
         scanner_.Warn("terrain", "terrainDef is not supported and left out");
         if (!scanner_.SkipBlock())
@@ -168,10 +168,10 @@ void MapReader::ReadPrimitive(MapEntity &entity) {
 
 /// Of the brush that is being read.
 void MapReader::Warn(const Brush &brush, std::string_view kind, std::string_view text) const {
-    context_.WarnAt(kind, brush.settings.entity, brush.primitive, fmt::format("{}: {}", primitivePlace_, text));
+    context_.WarnAt(kind, brush.settings.entity, brush.primitive, fmt::format("{}: {}", primitiveLocation_, text));
 }
 
-/// Leaves out sides without a plane or with that of another. False: the brush is nothing.
+/// Removes sides without a plane and duplicates. False: the brush is ignored.
 bool MapReader::CheckPlanes(Brush &brush) const {
     std::vector<BrushSide> kept;
     for (BrushSide &side : brush.sides) {
@@ -224,7 +224,7 @@ void MapReader::AddBrush(MapEntity &entity, Brush brush) {
     }
     if (brush.compileFlags & C_AREAPORTAL)
         KeepLargestAreaPortal(brush);
-    if (!context_.options.autoCaulk) // editors know the sides as the map has them
+    if (!context_.options.autoCaulk) // the .caulk file numbers sides as in the map source
         AddBrushBevels(brush, map_.planes, context_.options.bevelSnap);
     if (brush.contentShader && brush.contentShader->geometry.IsColorVolume())
         entity.colorVolumes.push_back(std::move(brush));

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Patches: normals, groups that change their detail together, meshes.
+// GPL-2.0-or-later. Patches: normals, shared level of detail, tessellation.
 #include "q3map2/map/map_patch.h"
 
 #include "libs/math/patch_mesh.h"
@@ -11,9 +11,9 @@ namespace q3 {
 
 namespace {
 
-/// Points of two patches nearer than this along each axis join them. Game units.
+/// Patches with points nearer than this along each axis share their level of detail. Game units.
 constexpr float kTouching = 1;
-/// First and last columns this near make a tube. Game units.
+/// Greatest distance of first and last column of a closed patch. Game units.
 constexpr float kClosed = 1;
 constexpr float kNormalsDiffer = 0.75f;
 constexpr int kMaxSteps = 3;
@@ -37,7 +37,7 @@ bool Within(const Vec3f &a, const Vec3f &b, float distance) {
     return std::abs(a.x - b.x) < distance && std::abs(a.y - b.y) < distance && std::abs(a.z - b.z) < distance;
 }
 
-/// Sets of patches, joined one by one.
+/// Union-find over patches.
 class Groups {
   public:
     explicit Groups(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0); }
@@ -80,7 +80,7 @@ void JoinCells(CellSpan a, CellSpan b, Groups &groups) {
                 return groups.Join(p.patch, q.patch);
 }
 
-/// All points of a cell touch each other, so a cell is of one group.
+/// All points of a cell touch each other, so a cell belongs to one group.
 Groups TouchingPatches(const std::deque<Patch> &patches) {
     std::vector<CellPoint> points;
     for (std::size_t i = 0; i < patches.size(); ++i)
@@ -99,17 +99,17 @@ Groups TouchingPatches(const std::deque<Patch> &patches) {
         if (i > 0 && points[i].cell == points[i - 1].cell)
             continue;
         const CellSpan own = cellAt(points[i].cell);
-        for (int neighbour = 14; neighbour < 27; ++neighbour) // half of them: pairs once
+        for (int neighbour = 14; neighbour < 27; ++neighbour) // half of them, so that each pair is visited once
             JoinCells(own, cellAt(CellOf(points[i].xyz, neighbour / 9 - 1, neighbour / 3 % 3 - 1, neighbour % 3 - 1)),
                       groups);
     }
     return groups;
 }
 
-/// Looks around the control points of a grid.
-class Neighbours {
+/// Directions from control points of a grid to their neighbors.
+class NeighborDirections {
   public:
-    explicit Neighbours(const PatchGrid &grid) : grid_(grid) {
+    explicit NeighborDirections(const PatchGrid &grid) : grid_(grid) {
         wrapX_ = wrapY_ = true;
         for (int y = 0; y < grid.height; ++y)
             wrapX_ = wrapX_ && Within(grid.At(0, y).xyz, grid.At(grid.width - 1, y).xyz, kClosed);
@@ -133,7 +133,7 @@ class Neighbours {
     }
 
   private:
-    /// Towards the first other point in these steps; zero when there is none.
+    /// Direction to the first distinct point in that direction of the grid; zero if there is none.
     Vec3f Direction(int x, int y, int stepX, int stepY) const {
         const Vec3f &base = grid_.At(x, y).xyz;
         int atX = x, atY = y;
@@ -185,7 +185,7 @@ void FinishPatches(std::deque<Patch> &patches) {
 
 void SetPatchNormals(Patch &patch) {
     const PatchGrid control{patch.width, patch.height, patch.verts}, curve = OnCurve(control);
-    const Neighbours atControl(control), atCurve(curve);
+    const NeighborDirections atControl(control), atCurve(curve);
     for (int y = 0; y < patch.height; ++y)
         for (int x = 0; x < patch.width; ++x) {
             const Vec3f first = atControl.NormalAt(x, y), second = atCurve.NormalAt(x, y);

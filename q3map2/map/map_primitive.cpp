@@ -13,9 +13,9 @@ constexpr std::size_t kMaxSides = 1024;
 constexpr std::size_t kMaxShaderName = 63;
 constexpr int kMaxPatchSize = 31;
 constexpr std::string_view kTextures = "textures/";
-/// The one bit of the old contents word that still counts.
+/// Detail, the only bit of the contents word of a side that still has a meaning.
 constexpr int kDetailContents = 0x8000000;
-/// Control points nearer to one line than this make no surface. Game units.
+/// Patches whose control points are all nearer to one line than this are ignored. Game units.
 constexpr float kOnOneLine = 0.01f;
 
 /// The float next to it; 0 when there is none.
@@ -87,7 +87,7 @@ void PrimitiveReader::ReadPlaneNumbers(BrushSide &side) {
     side.planeNum = planes_.Find(side.plane.normal, side.plane.dist);
 }
 
-/// Names are those below textures/; where `complete`, they may have it in front.
+/// The name with "textures/" in front. `complete`: the token may have it already.
 std::string PrimitiveReader::ShaderName(const std::string &token, bool complete) const {
     std::string name = complete && StartsWithNoCase(token, kTextures) ? token : std::string(kTextures) + token;
     if (name.size() > kMaxShaderName)
@@ -103,7 +103,7 @@ const ShaderInfo &PrimitiveReader::Shader(const std::string &name) {
     return *shader;
 }
 
-/// What follows the shader's name in classic and Valve 220 sides.
+/// Reads the texture axes after the shader name of classic and Valve 220 sides.
 TextureProjection PrimitiveReader::ReadAxes(const BrushSide &side) {
     TextureAxes texture;
     const std::string first = scanner_.NeedOnLine("a number or '['");

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Tokens of map text, and where in it something is wrong.
+// GPL-2.0-or-later. Tokens of map text, and messages with their location.
 #pragma once
 
 #include "common/text/text_scan.h"
@@ -10,25 +10,25 @@
 
 namespace q3 {
 
-/// Reads a map source token by token. What it throws names file and line, and the entity and primitive that SetPlace
-/// told it of.
+/// Reads a map source token by token. Errors name file and line, and the entity and primitive given
+/// to SetContext.
 class MapScanner {
   public:
-    /// `name` is the file's; the files that $include asks for are sought beside it.
+    /// `name` is the file's; files that $include names are relative to its folder.
     MapScanner(std::string_view text, std::string_view name, const BspContext &context);
 
     /// Numbers of the entity and of the primitive in it that are being read; -1: none.
-    void SetPlace(int entity, int primitive) { entity_ = entity, primitive_ = primitive; }
-    /// The next token, on whatever line; false at the end.
+    void SetContext(int entity, int primitive) { entity_ = entity, primitive_ = primitive; }
+    /// The next token, on any line; false at the end.
     bool Next(std::string &token);
     /// The next token of this line; false when there is none.
     bool NextOnLine(std::string &token);
     void PushBack() { scanner_.PushBack(); }
-    /// The next token, on whatever line. `what` says what was expected should the text end.
+    /// The next token, on any line. Error, with `what` as what was expected, at the end of the text.
     std::string Need(std::string_view what);
     /// The next token of this line.
     std::string NeedOnLine(std::string_view what);
-    /// Reads this token or fails.
+    /// Reads a token. Error if it is another one.
     void Expect(std::string_view token);
     /// Numbers of this line. What is not a number is 0, after a warning.
     double Number();
@@ -49,7 +49,7 @@ class MapScanner {
     int entity_ = -1, primitive_ = -1;
 };
 
-/// Text from a file, fit for a message of one line.
+/// Text from a file, shortened and without control characters, for one-line messages.
 std::string Shown(std::string_view text);
 
 } // namespace q3

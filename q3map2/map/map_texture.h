@@ -23,7 +23,7 @@ using TextureMatrix = std::array<std::array<double, 3>, 2>;
 TextureProjection ProjectClassic(const TextureAxes &texture, const Vec3d &normal, const GeometryDirectives &shader);
 TextureProjection ProjectValve(const TextureAxes &texture, const GeometryDirectives &shader);
 TextureProjection ProjectMatrix(const TextureMatrix &matrix, const Vec3d &normal);
-/// What the shader or -flat puts in place of the side's own axes; numbers that a file cannot hold become 0.
+/// The side's own projection, or what the shader or -flat replaces it by. Numbers beyond the range of float become 0.
 TextureProjection FinalProjection(TextureProjection own, const GeometryDirectives &shader, bool flat);
 
 } // namespace q3

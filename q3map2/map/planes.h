@@ -23,11 +23,11 @@ class PlaneTable {
     /// Float values, held in double.
     const Plane &operator[](int number) const { return planes_[std::size_t(number)]; }
     int Count() const { return int(planes_.size()); }
-    /// Whether a plane counts as equal to one of the table.
+    /// Whether a plane equals that of the table within the epsilons.
     bool Equal(int number, const Vec3d &normal, double dist) const;
     /// True when the normal is along an axis.
     bool IsAxial(int number) const;
-    /// Brings a normal that is nearly along an axis, or in a coordinate plane, there. True when it changed.
+    /// Snaps a normal that is nearly along an axis or in a coordinate plane. True when it changed.
     bool SnapNormal(Vec3d &normal) const;
 
   private:

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What shader scripts say of the shape of surfaces: the part that the bsp stage works with.
+// GPL-2.0-or-later. Directives of shader scripts that the bsp stage uses.
 #pragma once
 
 #include "libs/math/vec.h"

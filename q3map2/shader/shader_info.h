@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A shader: what scripts and images say of a surface.
+// GPL-2.0-or-later. Properties of a shader, from scripts and images.
 #pragma once
 
 #include "common/image/image.h"
@@ -31,7 +31,7 @@ struct SkyLightDirective {
     bool sampleColor = true;
 };
 
-/// What a shader says of the lightmaps and vertex light of its surfaces.
+/// Directives about lightmaps and vertex light.
 struct LightmapDirectives {
     int sampleSize = 0;            ///< q3map_lightmapSampleSize; 0: unset
     float sampleOffset = 0;        ///< q3map_lightmapSampleOffset; 0: unset
@@ -41,7 +41,7 @@ struct LightmapDirectives {
     bool mergable = false, splotchFix = false, noDirt = false, noVertexLight = false;
     float shadeAngle = 0;    ///< q3map_shadeAngle, degrees
     std::string normalImage; ///< q3map_normalImage, without extension
-    /// q3map_floodLight; none while the intensity is 0. Colour normalised.
+    /// q3map_floodLight; none while the intensity is 0. The largest component of the color is 1.
     Vec3f floodColor;
     float floodDistance = 0, floodIntensity = 0, floodDirectionScale = 1;
 };

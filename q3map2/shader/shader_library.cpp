@@ -25,7 +25,7 @@ std::string Text(const std::vector<std::byte> &bytes) {
     return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
 }
 
-/// Direct light needs its image: it shines, or light passes through it.
+/// Whether direct light needs the image: the shader emits or transmits light.
 bool NeedsImage(const ShaderInfo &info) {
     return info.surfaceLight != 0 || !info.suns.empty() || !info.skyLights.empty() ||
            (info.compileFlags & kSeeThrough) != 0;
@@ -228,7 +228,7 @@ std::optional<std::array<int, 2>> ShaderLibrary::State::ImageSize(const std::str
     return std::nullopt;
 }
 
-/// Sides are mapped by the image that editors show, which need not be the one that gives light.
+/// The size of the editor image, by which brush sides are mapped. It may differ from the light image.
 void ShaderLibrary::State::FindTextureSize(ParsedShader &shader) {
     GeometryDirectives &geometry = shader.info.geometry;
     std::array<int, 2> size{kDefaultImageSize, kDefaultImageSize};
@@ -241,7 +241,7 @@ void ShaderLibrary::State::FindTextureSize(ParsedShader &shader) {
                     found = true;
                 }
         const bool named = !shader.editorImage.empty() || !shader.implicitImage.empty() || !shader.lightImage.empty();
-        if (!found && (named || !shader.builtInImage)) // what the engine makes up needs no file
+        if (!found && (named || !shader.builtInImage)) // built-in images have no file
             log.Warn("image not found", "shader {}: couldn't find image", shader.info.name);
     }
     if (!geometry.textureSizeGiven) {

@@ -20,7 +20,7 @@ class ShaderLibrary {
 
     /// The shader of that name (without case and extension). Unknown names give an implicit shader with the image of
     /// that name. The reference stays valid as long as the library. Images, and colours from them, are there for
-    /// shaders that shine or let light through; for others see ReleaseImages.
+    /// shaders that emit or transmit light; for others see ReleaseImages.
     const ShaderInfo &Get(std::string_view name);
     /// Flags of a shader record in a .bsp, for a shader that no script defines; the first call for a name counts, and
     /// a record without any flag says nothing. To be called before Get.
@@ -28,10 +28,9 @@ class ShaderLibrary {
     /// An image by its name without extension; null when there is none. Cached.
     std::shared_ptr<const Image> LoadImage(std::string_view nameWithoutExtension);
     std::size_t DefinedCount() const;
-    /// To be called once lights are made. Frees all images but those of shaders that see-through surfaces need (alpha
-    /// shadows, light filters) and, if bounced light will take its colours from them, those of drawn surfaces: they
-    /// are read now for all shaders that were looked up. A ShaderInfo that loses its image keeps its colours and gets
-    /// the white one.
+    /// To be called once the lights are made. Frees all images except those of alpha shadows and light filters. With
+    /// `keepForBounces`, images of all reflecting shaders that were looked up are kept too, and read if they were not.
+    /// A ShaderInfo whose image is freed keeps its colors and refers to the white default image.
     void ReleaseImages(bool keepForBounces);
 
   private:

@@ -24,7 +24,7 @@ constexpr std::size_t kMaxName = 63;
 constexpr int kMaxPageSide = 8192;
 constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
 
-/// Marks in the text, and words without effect: known, so not worth a warning.
+/// Known words without effect, which cause no warning.
 constexpr std::array<std::string_view, 5> kOtherDirectives = {
     "q3map_novertexshadows", "q3map_patchshadows", "q3map_stylemarker", "q3map_stylemarker2", "q3map_vertexshadows"};
 
@@ -32,7 +32,7 @@ float Number(std::string_view text) {
     return float(std::clamp(NumberFromText(text), -kMaxNumber, kMaxNumber));
 }
 
-/// Whether the word is `lower` but for its case. Most words differ at once.
+/// Whether the word equals `lower` without case.
 bool IsWord(std::string_view word, std::string_view lower) {
     return word.size() == lower.size() && (word[0] | 0x20) == lower[0] && EqualNoCase(word, lower);
 }

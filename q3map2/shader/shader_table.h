@@ -20,12 +20,12 @@ namespace q3 {
 struct ParsedShader {
     ShaderInfo info;
     std::string editorImage, lightImage, implicitImage;
-    std::optional<std::string> body; ///< what info.scriptText will be made of at look-up, unless that is settled
+    std::optional<std::string> body; ///< source of info.scriptText, which is made at look-up; empty: already made
     std::string replacement;         ///< q3map_deprecateShader
     bool builtInImage = false;       ///< a stage draws an image of the engine, such as $whiteimage
     bool hasBspFlags = false;        ///< no script defines it; flags are those of a .bsp
     bool colorGiven = false;         ///< q3map_lightRGB: info.color is final
-    bool lookedUp = false;           ///< somebody has its info
+    bool lookedUp = false;           ///< returned by ShaderLibrary::Get
     bool imagesReady = false;        ///< light image and colours are in info
 };
 

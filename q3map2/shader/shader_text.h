@@ -8,8 +8,8 @@
 
 namespace q3 {
 
-/// A scanner that can write down the tokens it reads: without comments, those of one line joined by blanks, braces on
-/// lines of their own, indented by tabs.
+/// A scanner that can record the tokens it reads as tidy text: without comments, tokens of a line joined by blanks,
+/// braces on lines of their own, indented by tabs.
 class ShaderTextScanner {
   public:
     explicit ShaderTextScanner(TextScanner &scanner) : scanner_(scanner) {}

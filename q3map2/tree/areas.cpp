@@ -63,7 +63,7 @@ std::vector<int> LeafsInOrder(const Tree &tree) {
     return leafs;
 }
 
-/// Gives the area to all leafs that open to this one. A sky box leaf among them makes all of them sky box.
+/// Sets the area of all leafs connected to `start`. If one of them is a sky box leaf, all become sky box leafs.
 void FloodArea(Tree &tree, int start, int area) {
     std::vector<int> members, pending{start};
     bool skyBox = false;

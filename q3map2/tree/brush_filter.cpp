@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Puts brushes into the leafs of the tree that they reach.
+// GPL-2.0-or-later. Finds the leafs of brushes.
 #include "q3map2/tree/brush_filter.h"
 
 #include <algorithm>
@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kSideEpsilon = 0.1;
 constexpr double kLeastVolume = 1; ///< cubic units
-constexpr double kOverlap = 1;     ///< that an area portal must reach over a portal
+constexpr double kOverlap = 1;     ///< by which an area portal must extend over a portal
 
-/// What a cut leaves of a brush.
-struct Piece {
+/// Part of a brush between split planes.
+struct BrushFragment {
     struct Side {
         int planeNum = -1;
         Polygon polygon;
@@ -23,15 +23,15 @@ struct Piece {
     std::vector<Side> sides;
 };
 
-Piece PieceOf(const Brush &brush) {
-    Piece piece;
+BrushFragment PieceOf(const Brush &brush) {
+    BrushFragment piece;
     for (const BrushSide &side : brush.sides)
         if (!side.winding.empty())
             piece.sides.push_back({side.planeNum, side.winding});
     return piece;
 }
 
-double VolumeOf(const Piece &piece, const PlaneTable &planes) {
+double VolumeOf(const BrushFragment &piece, const PlaneTable &planes) {
     if (piece.sides.empty())
         return 0;
     const Vec3d corner(piece.sides[0].polygon[0]);
@@ -41,12 +41,12 @@ double VolumeOf(const Piece &piece, const PlaneTable &planes) {
     return sum / 3;
 }
 
-/// Whether it has sides, extents on all axes, and stays inside the world.
-bool IsSolid(const Piece &piece) {
+/// Whether it has sides, a volume, and lies inside the world.
+bool IsSolid(const BrushFragment &piece) {
     if (piece.sides.size() < 3)
         return false;
     Boundsf bounds;
-    for (const Piece::Side &side : piece.sides)
+    for (const BrushFragment::Side &side : piece.sides)
         bounds.Add(WindingBounds(side.polygon));
     for (std::size_t axis = 0; axis < 3; axis++)
         if (double(bounds.mins[axis]) < -kMaxWorldCoord || double(bounds.maxs[axis]) > kMaxWorldCoord ||
@@ -55,9 +55,9 @@ bool IsSolid(const Piece &piece) {
     return true;
 }
 
-std::pair<double, double> Reach(const Piece &piece, const Plane &plane) {
+std::pair<double, double> Reach(const BrushFragment &piece, const Plane &plane) {
     double low = 0, high = 0;
-    for (const Piece::Side &side : piece.sides)
+    for (const BrushFragment::Side &side : piece.sides)
         for (const Vec3f &p : side.polygon) {
             const double d = plane.Distance(Vec3d(p));
             low = std::min(low, d), high = std::max(high, d);
@@ -66,9 +66,9 @@ std::pair<double, double> Reach(const Piece &piece, const Plane &plane) {
 }
 
 /// The part of a plane inside the piece.
-Polygon SectionOf(const Piece &piece, const Plane &plane, const PlaneTable &planes) {
+Polygon SectionOf(const BrushFragment &piece, const Plane &plane, const PlaneTable &planes) {
     Winding<double> section = BaseWinding(plane);
-    for (const Piece::Side &side : piece.sides) {
+    for (const BrushFragment::Side &side : piece.sides) {
         if (section.empty())
             break;
         ChopPolygon(section, planes[side.planeNum ^ 1], 0.0);
@@ -79,9 +79,9 @@ Polygon SectionOf(const Piece &piece, const Plane &plane, const PlaneTable &plan
     return rounded;
 }
 
-/// Front and back half; nothing where there is none. The piece is used up.
-std::array<std::optional<Piece>, 2> SplitPiece(Piece piece, int planeNum, const PlaneTable &planes) {
-    std::array<std::optional<Piece>, 2> halves;
+/// Splits the fragment, which is consumed, into front and back part; null where there is none.
+std::array<std::optional<BrushFragment>, 2> SplitPiece(BrushFragment piece, int planeNum, const PlaneTable &planes) {
+    std::array<std::optional<BrushFragment>, 2> halves;
     const Plane &plane = planes[planeNum];
     const auto [low, high] = Reach(piece, plane);
     if (high < kSideEpsilon || low > -kSideEpsilon) {
@@ -93,8 +93,8 @@ std::array<std::optional<Piece>, 2> SplitPiece(Piece piece, int planeNum, const 
         halves[high >= -low ? 0 : 1] = std::move(piece);
         return halves;
     }
-    std::array<Piece, 2> parts;
-    for (const Piece::Side &side : piece.sides) {
+    std::array<BrushFragment, 2> parts;
+    for (const BrushFragment::Side &side : piece.sides) {
         std::array<Polygon, 2> cut;
         ClipPolygon(side.polygon, plane, 0.0, cut[0], cut[1]);
         for (std::size_t i = 0; i < 2; i++)
@@ -153,10 +153,10 @@ void MarkAreaPortals(const Brush &brush, Tree &tree, int leaf, const PlaneTable 
     }
 }
 
-/// Walks brushes down the tree and counts.
-class Filter {
+/// Descends the tree with brushes.
+class BrushFilter {
   public:
-    Filter(const Tree &tree, const PlaneTable &planes) : tree_(tree), planes_(planes) {}
+    BrushFilter(const Tree &tree, const PlaneTable &planes) : tree_(tree), planes_(planes) {}
     /// Calls `reached` with every leaf that the brush reaches.
     template <typename Reached> void Add(const Brush &brush, const Reached &reached);
     void Report(Log &log, std::string_view name) const;
@@ -167,9 +167,9 @@ class Filter {
     long long brushes_ = 0, references_ = 0, lost_ = 0;
 };
 
-template <typename Reached> void Filter::Add(const Brush &brush, const Reached &reached) {
+template <typename Reached> void BrushFilter::Add(const Brush &brush, const Reached &reached) {
     brushes_++;
-    std::vector<std::pair<int, Piece>> pending;
+    std::vector<std::pair<int, BrushFragment>> pending;
     pending.emplace_back(tree_.head, PieceOf(brush));
     while (!pending.empty()) {
         auto [at, piece] = std::move(pending.back());
@@ -189,7 +189,7 @@ template <typename Reached> void Filter::Add(const Brush &brush, const Reached &
     }
 }
 
-void Filter::Report(Log &log, std::string_view name) const {
+void BrushFilter::Report(Log &log, std::string_view name) const {
     if (!log.IsVerbose())
         return;
     log.Count(brushes_, name);
@@ -198,7 +198,7 @@ void Filter::Report(Log &log, std::string_view name) const {
         log.Count(lost_, "pieces of brushes too thin to split");
 }
 
-/// In front: readers meet the brush that came last first.
+/// At the front: engines test the latest brush first.
 void PushBrush(TreeNode &leaf, std::size_t brush) {
     leaf.brushes.insert(leaf.brushes.begin(), int(brush));
 }
@@ -207,7 +207,7 @@ void PushBrush(TreeNode &leaf, std::size_t brush) {
 
 void FilterStructuralBrushes(const MapEntity &entity, Tree &tree, PlaneTable &planes, const BspContext &context) {
     context.log.Verbose("--- FilterStructuralBrushesIntoTree ---\n");
-    Filter filter(tree, planes);
+    BrushFilter filter(tree, planes);
     for (std::size_t i = 0; i < entity.brushes.size(); i++) {
         const Brush &brush = entity.brushes[i];
         if (brush.detail)
@@ -228,7 +228,7 @@ void FilterStructuralBrushes(const MapEntity &entity, Tree &tree, PlaneTable &pl
 
 void FilterDetailBrushes(const MapEntity &entity, Tree &tree, PlaneTable &planes, const BspContext &context) {
     context.log.Verbose("--- FilterDetailBrushesIntoTree ---\n");
-    Filter filter(tree, planes);
+    BrushFilter filter(tree, planes);
     for (std::size_t i = 0; i < entity.brushes.size(); i++)
         if (entity.brushes[i].detail)
             filter.Add(entity.brushes[i], [&](int leaf) { PushBrush(tree.nodes[std::size_t(leaf)], i); });

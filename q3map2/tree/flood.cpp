@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What entities can reach: finds leaks and closes what lies outside.
+// GPL-2.0-or-later. Flood fill from entities: finds leaks, fills what lies outside.
 #include "q3map2/tree/flood.h"
 
 #include "common/files/files.h"
@@ -12,7 +12,7 @@ namespace q3 {
 
 namespace {
 
-/// Whether an entity marks the space that it stands in as inside: not those of brushes, which may lie anywhere.
+/// Whether the entity is a starting point. Brush entities are not: their origin may be anywhere.
 bool Floods(const MapEntity &entity) {
     return !entity.pairs.pairs.empty() && entity.model < 0 && entity.brushes.empty() && entity.patches.empty() &&
            !EqualNoCase(entity.pairs.ClassName(), "_decal") && !entity.pairs.Value("model").starts_with('*');
@@ -68,7 +68,7 @@ Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, boo
         const int leaf = tree.LeafAt(entity.Origin() + Vec3f(0, 0, 1), map.planes);
         if (tree.nodes[std::size_t(leaf)].opaque) {
             if (warn)
-                context.log.Warn("entity in solid", "{}: the {} stands in solid", entity.Who(),
+                context.log.Warn("entity in solid", "{}: the {} stands in solid", entity.MessagePrefix(),
                                  entity.pairs.ClassName());
             continue;
         }
@@ -116,16 +116,16 @@ void FillOutside(Tree &tree, const BspContext &context) {
 
 namespace {
 
-struct LeakWay {
+struct LeakPath {
     std::vector<int> portals;
     int entity = -1;
 };
 
-/// From outside, always to the leaf with the fewest steps to an entity.
-LeakWay WayOfLeak(const Tree &tree) {
-    LeakWay way;
+/// The path from outside, always on to the neighbor with the fewest steps to an entity.
+LeakPath FindLeakPath(const Tree &tree) {
+    LeakPath path;
     if (tree.outside < 0 || tree.nodes[std::size_t(tree.outside)].occupied == 0)
-        return way;
+        return path;
     int leaf = tree.outside;
     while (tree.nodes[std::size_t(leaf)].occupied > 1) {
         int next = -1, through = -1, steps = tree.nodes[std::size_t(leaf)].occupied;
@@ -137,31 +137,31 @@ LeakWay WayOfLeak(const Tree &tree) {
         }
         if (next < 0)
             return {};
-        way.portals.push_back(through);
+        path.portals.push_back(through);
         leaf = next;
     }
-    way.entity = tree.nodes[std::size_t(leaf)].occupant;
-    return way;
+    path.entity = tree.nodes[std::size_t(leaf)].occupant;
+    return path;
 }
 
 } // namespace
 
 int LeakedEntity(const Tree &tree) {
-    return WayOfLeak(tree).entity;
+    return FindLeakPath(tree).entity;
 }
 
 std::vector<Vec3f> LeakLine(const Tree &tree, const Map &map) {
-    const LeakWay way = WayOfLeak(tree);
+    const LeakPath path = FindLeakPath(tree);
     std::vector<Vec3f> line;
-    for (const int number : way.portals) {
+    for (const int number : path.portals) {
         const Polygon &polygon = tree.portals[std::size_t(number)].polygon;
         Vec3d sum;
         for (const Vec3f &p : polygon)
             sum += Vec3d(p);
         line.emplace_back(sum / double(polygon.size()));
     }
-    if (way.entity >= 0)
-        line.push_back(map.entities[std::size_t(way.entity)].Origin());
+    if (path.entity >= 0)
+        line.push_back(map.entities[std::size_t(path.entity)].Origin());
     return line;
 }
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Sides that other brushes cover, and so need not be drawn.
+// GPL-2.0-or-later. Sides that other brushes cover.
 #include "q3map2/tree/hidden_sides.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ struct Culled {
     int hidden = 0, coincident = 0;
 };
 
-/// Shaders that move or offset what they draw are seen even where another side lies.
+/// Shaders that move or offset the surface stay visible on coincident sides.
 bool StaysInPlace(const BrushSide &side) {
     return side.shader && !side.shader->autosprite && !side.shader->geometry.polygonOffset;
 }
@@ -82,7 +82,7 @@ bool Coincide(const BrushSide &a, const BrushSide &b) {
            !(a.culled && b.culled) && StaysInPlace(a) && StaysInPlace(b) && SamePoints(a.winding, b.winding);
 }
 
-/// Whether something that coincides with this side stays to be seen through it, or instead of it.
+/// Whether a coincident side stays visible through this one, or instead of it.
 bool Covers(const BrushSide &side) {
     return !side.culled && !(side.compileFlags & (C_TRANSLUCENT | C_NODRAW));
 }

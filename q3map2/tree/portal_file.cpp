@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The portal file: what the visibility stage works on.
+// GPL-2.0-or-later. The .prt file, input of the vis stage.
 #include "q3map2/tree/portal_file.h"
 
 #include "q3map2/tree/portals.h"
@@ -45,7 +45,7 @@ void PortalFileWriter::AppendPoints(std::string &text, const Polygon &polygon) {
 }
 
 void PortalFileWriter::AddPortal(const TreePortal &portal) {
-    // Readers take the plane from the points: where thin ones turned it around, the sides change places.
+    // Readers compute the plane from the points. Where a thin polygon flips it, the two clusters are swapped.
     int front = tree_.nodes[std::size_t(portal.nodes[0])].cluster;
     int back = tree_.nodes[std::size_t(portal.nodes[1])].cluster;
     const Polygon &w = portal.polygon;

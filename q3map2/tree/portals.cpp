@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Portals: the polygons through which one leaf opens to another.
+// GPL-2.0-or-later. Portals: polygons between adjacent leafs.
 #include "q3map2/tree/portals.h"
 
 #include "common/error.h"
@@ -23,7 +23,7 @@ struct Reach {
     bool front = false, back = false;
 };
 
-/// On which sides a polygon has points farther than epsilon: most are clear of most planes.
+/// Sides of the plane on which the polygon has points farther away than epsilon.
 template <typename T> Reach ReachOf(const Winding<T> &w, const Plane &plane, double epsilon) {
     Reach reach;
     for (const Vec3<T> &p : w) {
@@ -42,7 +42,7 @@ void Chop(Winding<double> &w, const Plane &plane, double epsilon) {
 }
 
 /// Makes the portals of a tree from its head down. While it works, a node's list is in order of addition (the newest is
-/// first in every walk) with -1 for portals that left.
+/// first in every walk) with -1 for removed portals.
 class PortalMaker {
   public:
     PortalMaker(Tree &tree, const PlaneTable &planes, Log &log) : tree_(tree), planes_(planes), log_(log) {}
@@ -67,7 +67,7 @@ class PortalMaker {
     Tree &tree_;
     const PlaneTable &planes_;
     Log &log_;
-    std::vector<std::array<std::size_t, 2>> places_; ///< of each portal in the lists of its two nodes
+    std::vector<std::array<std::size_t, 2>> positions_; ///< of each portal in the lists of its two nodes
     int tiny_ = 0;
 };
 
@@ -75,7 +75,7 @@ int PortalMaker::NewPortal(TreePortal portal) {
     if (tree_.portals.size() >= kMostPortals)
         throw Error("the tree has more than {} portals: make brushes detail", kMostPortals);
     tree_.portals.push_back(std::move(portal));
-    places_.emplace_back();
+    positions_.emplace_back();
     return int(tree_.portals.size()) - 1;
 }
 
@@ -83,14 +83,14 @@ void PortalMaker::Attach(int portal, int front, int back) {
     Portal(portal).nodes = {front, back};
     for (std::size_t side = 0; side < 2; side++) {
         std::vector<int> &list = Node(Portal(portal).nodes[side]).portals;
-        places_[std::size_t(portal)][side] = list.size();
+        positions_[std::size_t(portal)][side] = list.size();
         list.push_back(portal);
     }
 }
 
 void PortalMaker::Detach(int portal) {
     for (std::size_t side = 0; side < 2; side++)
-        Node(Portal(portal).nodes[side]).portals[places_[std::size_t(portal)][side]] = -1;
+        Node(Portal(portal).nodes[side]).portals[positions_[std::size_t(portal)][side]] = -1;
     Portal(portal).nodes = {-1, -1};
 }
 
@@ -128,7 +128,7 @@ void PortalMaker::SetBounds(int node) {
                 bounds.Add(p);
     if (bounds.Empty() || bounds.mins.x >= bounds.maxs.x) {
         log_.Warn("node without volume", "a node of the tree has no volume ({} tiny portals so far)", tiny_);
-        // Nothing that boxes are tested against: the corner of the parent's.
+        // A leaf without portals gets a degenerate box in the corner of its parent's.
         const int parent = Node(node).parent;
         const Vec3f corner = parent >= 0 ? Node(parent).bounds.mins : Vec3f{};
         if (bounds.Empty())
@@ -209,7 +209,7 @@ void PortalMaker::SplitPortal(int number, int node, const Plane &plane) {
 
 void PortalMaker::SplitNodePortals(int node) {
     const Plane &plane = planes_[Node(node).planeNum];
-    // Parts go to the children and to the other sides, never back to this list: only marks of those that left appear.
+    // Parts go to the lists of the children and of the other nodes, never back to this one, which only gains -1 marks.
     for (std::size_t i = Node(node).portals.size(); i-- > 0;)
         if (const int portal = Node(node).portals[i]; portal >= 0)
             SplitPortal(portal, node, plane);

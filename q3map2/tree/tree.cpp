@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Builds the tree: chooses planes and shares the faces out.
+// GPL-2.0-or-later. Builds the tree: chooses split planes and distributes the faces.
 #include "q3map2/tree/tree.h"
 
 #include "common/error.h"
@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kSideEpsilon = 0.1, kClipEpsilon = 0.2; ///< game units
 constexpr std::size_t kMostNodes = std::size_t(1) << 20;
-/// Choosing the plane of a node looks at all candidates as long as it has held fewer faces against planes than this,
-/// and at so many of the others, evenly spaced. Tens of thousands of tilted brushes come to that.
+/// Budget of plane-face tests for a node. Once it is spent, only this many of the remaining candidate planes, evenly
+/// spaced, are tested. Reached with tens of thousands of tilted brushes.
 constexpr std::int64_t kManyTests = std::int64_t(1) << 20;
 constexpr std::size_t kSample = 32;
 
@@ -30,14 +30,14 @@ class TreeBuilder {
         int planeNum = -1;
         std::uint32_t flags = 0;
     };
-    /// Work that waits: a node, its faces in order, its box.
+    /// A pending node: its faces in order and its box.
     struct Pending {
         int node = 0;
         std::vector<int> faces;
         Boundsf bounds;
     };
     /// Faces of a list that lie on one plane; `first` of them has the highest own value.
-    struct Group {
+    struct PlaneGroup {
         int planeNum = 0, facing = 0;
         std::size_t first = 0;
         double bonus = 0, bound = 0;
@@ -47,8 +47,8 @@ class TreeBuilder {
     Choice BlockSplit(const Boundsf &bounds) const;
     Choice ChooseSplit(const std::vector<int> &list);
     void FillGroups(const std::vector<int> &list);
-    double BoundOf(const Group &group) const;
-    double ValueOf(const Group &group, const std::vector<int> &list, double enough);
+    double BoundOf(const PlaneGroup &group) const;
+    double ValueOf(const PlaneGroup &group, const std::vector<int> &list, double enough);
     double BonusOf(const TreeFace &face) const;
     PolygonSide SideOfFace(int face, int planeNum) const;
     void SplitFace(int number, const Plane &plane, std::array<std::vector<int>, 2> &parts);
@@ -60,9 +60,9 @@ class TreeBuilder {
     const std::array<int, 3> &blockSize_;
     PlaneTable &planes_;
     const BspOptions &options_;
-    std::vector<Group> groups_;
+    std::vector<PlaneGroup> groups_;
     std::unordered_map<int, std::size_t> groupOf_;
-    std::unordered_map<int, int> uses_; ///< how often a plane was chosen
+    std::unordered_map<int, int> uses_; ///< number of nodes split by a plane
     std::int64_t sideTests_ = 0;
 };
 
@@ -94,14 +94,14 @@ void TreeBuilder::FillGroups(const std::vector<int> &list) {
         const auto [it, added] = groupOf_.try_emplace(face.planeNum, groups_.size());
         if (added)
             groups_.push_back({face.planeNum, 0, i, bonus, 0});
-        Group &group = groups_[it->second];
+        PlaneGroup &group = groups_[it->second];
         group.facing++;
         if (bonus > group.bonus)
             group.first = i, group.bonus = bonus;
     }
 }
 
-/// SideOf with the box first: most faces are clear of a plane.
+/// SideOf with a test of the bounding box first: most faces are clear of a plane.
 PolygonSide TreeBuilder::SideOfFace(int face, int planeNum) const {
     const Plane &plane = planes_[planeNum];
     const Boundsf &box = faceBounds_[std::size_t(face)];
@@ -118,8 +118,8 @@ PolygonSide TreeBuilder::SideOfFace(int face, int planeNum) const {
     return SideOf(faces_[std::size_t(face)].polygon, plane);
 }
 
-/// What the plane would be worth if it cut no face.
-double TreeBuilder::BoundOf(const Group &group) const {
+/// Upper bound of the score: as if the plane split no face.
+double TreeBuilder::BoundOf(const PlaneGroup &group) const {
     if (!options_.altSplit)
         return 5.0 * group.facing + (planes_.IsAxial(group.planeNum) ? 5 : 0) + group.bonus;
     const auto used = uses_.find(group.planeNum);
@@ -127,7 +127,7 @@ double TreeBuilder::BoundOf(const Group &group) const {
 }
 
 /// Higher is better; anything below `enough` may be returned early.
-double TreeBuilder::ValueOf(const Group &group, const std::vector<int> &list, double enough) {
+double TreeBuilder::ValueOf(const PlaneGroup &group, const std::vector<int> &list, double enough) {
     double value = group.bound;
     int front = 0, back = 0;
     for (const int face : list) {
@@ -147,17 +147,17 @@ TreeBuilder::Choice TreeBuilder::ChooseSplit(const std::vector<int> &list) {
     if (list.empty())
         return {};
     FillGroups(list);
-    // Best hopes first: the others end early, most of them before they start.
-    for (Group &group : groups_)
+    // By descending upper bound, so that most candidates end early.
+    for (PlaneGroup &group : groups_)
         group.bound = BoundOf(group);
-    std::sort(groups_.begin(), groups_.end(), [](const Group &a, const Group &b) {
+    std::sort(groups_.begin(), groups_.end(), [](const PlaneGroup &a, const PlaneGroup &b) {
         return a.bound != b.bound ? a.bound > b.bound : a.first < b.first;
     });
-    const Group *best = nullptr;
+    const PlaneGroup *best = nullptr;
     double bestValue = std::numeric_limits<double>::lowest();
     const std::int64_t enough = sideTests_ + kManyTests;
     for (std::size_t at = 0, step = 1; at < groups_.size(); at += step) {
-        const Group &group = groups_[at];
+        const PlaneGroup &group = groups_[at];
         if (best && group.bound < bestValue)
             break;
         if (best && group.bound == bestValue && group.first > best->first)
@@ -172,7 +172,7 @@ TreeBuilder::Choice TreeBuilder::ChooseSplit(const std::vector<int> &list) {
     return {best->planeNum, faces_[std::size_t(list[best->first])].compileFlags};
 }
 
-/// Cuts a face that crosses the plane; the pieces left go to the lists.
+/// Splits a face at the plane and appends the parts to the lists.
 void TreeBuilder::SplitFace(int number, const Plane &plane, std::array<std::vector<int>, 2> &parts) {
     Polygon front, back;
     ClipPolygon(faces_[std::size_t(number)].polygon, plane, kClipEpsilon, front, back);

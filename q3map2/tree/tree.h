@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The BSP tree of the world: splits, portals, what is inside.
+// GPL-2.0-or-later. The BSP tree during the bsp stage.
 #pragma once
 
 #include "libs/math/winding_clip.h"
@@ -19,6 +19,7 @@ struct TreeFace {
     std::uint32_t compileFlags = 0;
 };
 
+/// A polygon between two leafs.
 struct TreePortal {
     Polygon polygon;
     Plane plane; ///< front is nodes[0]
@@ -34,14 +35,14 @@ struct TreeNode {
     std::array<int, 2> children{-1, -1}; ///< front, back
     int parent = -1;
     std::uint32_t compileFlags = 0; ///< of the face that chose the plane
-    bool structural = false;        ///< a split that is not detail's, here or below
+    bool structural = false;        ///< split by a structural face, here or below
     Boundsf bounds;                 ///< of its portals, once there are portals
     std::vector<int> portals;       ///< numbers of TreePortal
 
     // Leafs.
     bool opaque = false, areaPortal = false, skyBox = false;
     int cluster = -1, area = -1;
-    int occupied = 0;          ///< steps from an entity; 0: not reached
+    int occupied = 0;          ///< leafs on the shortest path to an entity, itself included; 0: not reached
     int occupant = -1;         ///< entity (index in the map) the flood came from
     std::vector<int> brushes;  ///< indexes in the entity's brush list; last pushed first
     std::vector<int> surfaces; ///< of the .bsp, in order of addition
@@ -54,11 +55,11 @@ struct Tree {
     std::vector<TreePortal> portals; ///< removed ones have no polygon
     int head = 0, outside = -1;
     Boundsf bounds;
-    std::int64_t sideTests = 0; ///< how often a face was held against a plane to choose splits
+    std::int64_t sideTests = 0; ///< plane-face tests made to choose split planes
     int LeafAt(const Vec3f &p, const PlaneTable &planes) const;
 };
 
-/// The tree of these faces.
+/// Builds the tree of the faces. `blockSize`: forced splits, game units; see Map::blockSize.
 Tree BuildTree(std::vector<TreeFace> faces, const std::array<int, 3> &blockSize, PlaneTable &planes,
                const BspContext &context);
 /// A tree of one leaf, for brush entities.

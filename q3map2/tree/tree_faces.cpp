@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Which polygons may split the tree.
+// GPL-2.0-or-later. Faces that split the tree.
 #include "q3map2/tree/tree_faces.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ int PriorityOf(std::uint32_t flags) {
     return priority;
 }
 
-/// Detail is what the brush is, whatever its sides say.
+/// The detail flag of the brush overrides that of its sides.
 TreeFace FaceOf(const Brush &brush, const BrushSide &side, const Polygon &polygon) {
     TreeFace face;
     face.polygon = polygon;

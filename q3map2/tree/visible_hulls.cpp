@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The part of each brush side that lies in the open, as one convex polygon.
+// GPL-2.0-or-later. Visible hulls of brush sides.
 #include "q3map2/tree/visible_hulls.h"
 
 #include "common/error.h"
@@ -12,7 +12,7 @@ namespace {
 constexpr double kEpsilon = 0.1;
 constexpr std::size_t kMostPoints = 128;
 
-/// Grows the hull, clockwise seen against `normal`, so that it holds p.
+/// Extends the convex hull, clockwise seen against `normal`, by p.
 void AddPoint(Polygon &hull, const Vec3f &p, const Vec3d &normal) {
     const std::size_t count = hull.size();
     std::vector<bool> seen(count);
@@ -25,12 +25,12 @@ void AddPoint(Polygon &hull, const Vec3f &p, const Vec3d &normal) {
     }
     if (!outside)
         return;
-    std::size_t last = 0; // before the edges that p sees
+    std::size_t last = 0; // edge before the edges that face p
     while (last < count && (seen[last] || !seen[(last + 1) % count]))
         last++;
     if (last == count)
         return;
-    Polygon grown{p}; // first: it decides where fans and repairs of edges begin
+    Polygon grown{p}; // first, because fans and T-junction repair start at the first vertex
     for (std::size_t i = 1; i < count; i++) {
         const std::size_t edge = (last + i) % count, next = (edge + 1) % count;
         if (!(seen[edge] && seen[next]))

@@ -121,14 +121,14 @@ TEST(GridPreview, PlacesAreOpenAndSpread) {
     EXPECT_FALSE(map.IsOpen({0, 0, 300})) << "outside";
     EXPECT_TRUE(map.IsOverFloor({100, 100, 100}));
     EXPECT_FALSE(map.IsOverFloor({100, 100, 200})) << "the floor is farther than 128 below";
-    const auto places = map.ChoosePlaces(12, [](const Vec3f &p) { return p.x > 0 ? 1.0f : 0.0f; });
-    ASSERT_EQ(places.size(), 12u);
-    for (std::size_t i = 0; i < places.size(); i++) {
-        EXPECT_TRUE(map.IsOverFloor(places[i]));
+    const auto positions = map.ChoosePositions(12, [](const Vec3f &p) { return p.x > 0 ? 1.0f : 0.0f; });
+    ASSERT_EQ(positions.size(), 12u);
+    for (std::size_t i = 0; i < positions.size(); i++) {
+        EXPECT_TRUE(map.IsOverFloor(positions[i]));
         for (std::size_t j = 0; j < i; j++)
-            EXPECT_GT(Length(places[i] - places[j]), 64);
+            EXPECT_GT(Length(positions[i] - positions[j]), 64);
     }
-    EXPECT_GT(std::ranges::count_if(places, [](const Vec3f &p) { return p.x > 0; }), 6) << "light draws places";
+    EXPECT_GT(std::ranges::count_if(positions, [](const Vec3f &p) { return p.x > 0; }), 6) << "light draws positions";
 }
 
 TEST(GridPreview, SphereShowsTheLightOfItsNormals) {

@@ -122,8 +122,8 @@ class Handler {
     bool parse_error(std::size_t, const std::string &, const nlohmann::detail::exception &error) {
         std::string_view what = error.what();
         what.remove_prefix(std::min(what.size(), what.find("] ") == what.npos ? 0 : what.find("] ") + 2));
-        const std::string place = record_.name.empty() ? "" : "at or after " + record_.Label() + ": ";
-        throw Error("{}: {}not valid JSON: {}", record_.file, place, ShownText(what));
+        const std::string location = record_.name.empty() ? "" : "at or after " + record_.Label() + ": ";
+        throw Error("{}: {}not valid JSON: {}", record_.file, location, ShownText(what));
     }
 
   private:

@@ -31,7 +31,7 @@ struct JsonRecord {
     std::string file;            ///< path, for messages
     std::string name;            ///< of the top-level member
     bool inList = false;         ///< an element of the list `name`
-    std::size_t index = 0;       ///< place among the records of that kind
+    std::size_t index = 0;       ///< index among the records of that kind
     std::vector<JsonNode> nodes; ///< the first is the record itself
     std::string chars;           ///< names and texts
 

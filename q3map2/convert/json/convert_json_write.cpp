@@ -24,7 +24,7 @@ template <typename Integer> void AppendInteger(std::string &text, Integer value)
     text.append(digits.data(), end);
 }
 
-/// Digits without point or leading zeros, and the place of the point: value = 0.DIGITS * 10^point.
+/// Digits without point or leading zeros, and the position of the point: value = 0.DIGITS * 10^point.
 void AppendDigits(std::string &text, std::string_view digits, int point) {
     const int count = int(digits.size());
     if (point > kMaxPlainDigits || point <= kMinPlainPoint) {

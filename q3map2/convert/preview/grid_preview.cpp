@@ -65,14 +65,14 @@ class Preview {
   public:
     explicit Preview(const Bsp &bsp)
         : map_(bsp), sh_(bsp), legacy_(LegacyPreview::Make(bsp)), plan_(map_), canvas_(kWidth, kHeight, kPaper) {
-        places_ = map_.ChoosePlaces(kColumns * kRows, [this](const Vec3f &p) { return Strength(sh_.At(p)); });
+        positions_ = map_.ChoosePositions(kColumns * kRows, [this](const Vec3f &p) { return Strength(sh_.At(p)); });
         exposure_ = ChooseExposure();
     }
 
     const Image &Draw() {
         DrawGround();
         DrawLattice();
-        for (std::size_t i = 0; i < places_.size(); i++) {
+        for (std::size_t i = 0; i < positions_.size(); i++) {
             DrawMark(i);
             DrawPair(i);
         }
@@ -80,16 +80,16 @@ class Preview {
         return canvas_.Picture();
     }
 
-    std::size_t Places() const { return places_.size(); }
+    std::size_t PositionCount() const { return positions_.size(); }
     bool HasLegacy() const { return legacy_.has_value(); }
     float Exposure() const { return exposure_; }
 
   private:
-    // So that nine of ten places have their brightest side within what a screen can show. Two digits, to be read.
+    // So that nine of ten positions have their brightest side within what a screen can show. Two digits, to be read.
     float ChooseExposure() const {
         std::vector<float> brightest;
-        for (const Vec3f &place : places_) {
-            const shgrid_coeffs coeffs = sh_.At(place);
+        for (const Vec3f &position : positions_) {
+            const shgrid_coeffs coeffs = sh_.At(position);
             float most = 0;
             for (int direction = 0; direction < 27; direction++)
                 most = std::max(most, MaxComponent(LightOn(coeffs, Normalize(Vec3f(float(direction % 3 - 1),
@@ -149,8 +149,8 @@ class Preview {
 
     void DrawMark(std::size_t index) {
         const std::string number = std::to_string(index + 1);
-        const int x = std::clamp(int(plan_.X(places_[index])), kPlanLeft + 14, kPlanLeft + kPlanSide - 14);
-        const int y = std::clamp(int(plan_.Y(places_[index])), kPlanTop + 10, kPlanTop + kPlanSide - 10);
+        const int x = std::clamp(int(plan_.X(positions_[index])), kPlanLeft + 14, kPlanLeft + kPlanSide - 14);
+        const int y = std::clamp(int(plan_.Y(positions_[index])), kPlanTop + 10, kPlanTop + kPlanSide - 10);
         const int width = Canvas::TextWidth(2, number) + 8, height = 2 * Canvas::kGlyphHeight + 6;
         canvas_.Rectangle(x - width / 2 - 2, y - height / 2 - 2, width + 4, height + 4, kMark);
         canvas_.Rectangle(x - width / 2, y - height / 2, width, height, kSolid);
@@ -160,18 +160,19 @@ class Preview {
     void DrawPair(std::size_t index) {
         const int left = kPairsLeft + int(index) % kColumns * kCellWidth;
         const int top = kPairsTop + int(index) / kColumns * kCellHeight;
-        const Vec3f &place = places_[index];
+        const Vec3f &position = positions_[index];
         canvas_.Rectangle(left, top, kCellWidth - 8, kCellHeight - 8, kSolid);
         canvas_.Text(left + 10, top + 10, 2, kMark, std::to_string(index + 1));
-        canvas_.Text(left + 48, top + 14, 1, kFaint, fmt::format("AT {:.0f} {:.0f} {:.0f}", place.x, place.y, place.z));
+        canvas_.Text(left + 48, top + 14, 1, kFaint,
+                     fmt::format("AT {:.0f} {:.0f} {:.0f}", position.x, position.y, position.z));
         const float middle = float(left + (kCellWidth - 8) / 2), y = float(top + 104);
         if (!legacy_) {
-            DrawSphere(canvas_, middle, y + 8, kSingleRadius, ObjectView(), Shading(sh_.At(place)));
+            DrawSphere(canvas_, middle, y + 8, kSingleRadius, ObjectView(), Shading(sh_.At(position)));
             return;
         }
         const float apart = kPairRadius + 1.5f;
-        DrawSphere(canvas_, middle - apart, y, kPairRadius, ObjectView(), Shading(sh_.At(place)));
-        DrawSphere(canvas_, middle + apart, y, kPairRadius, ObjectView(), Shading(legacy_->At(place)));
+        DrawSphere(canvas_, middle - apart, y, kPairRadius, ObjectView(), Shading(sh_.At(position)));
+        DrawSphere(canvas_, middle + apart, y, kPairRadius, ObjectView(), Shading(legacy_->At(position)));
         canvas_.TextCentered(int(middle - apart), top + 176, 2, kInk, "SH");
         canvas_.TextCentered(int(middle + apart), top + 176, 2, kFaint, "LEGACY");
     }
@@ -203,7 +204,7 @@ class Preview {
     std::optional<LegacyPreview> legacy_;
     Plan plan_;
     Canvas canvas_;
-    std::vector<Vec3f> places_;
+    std::vector<Vec3f> positions_;
     float exposure_ = 1;
 };
 
@@ -212,7 +213,7 @@ class Preview {
 void WriteGridPreview(const std::filesystem::path &png, const Bsp &bsp, Log &log) {
     Preview preview(bsp);
     WritePng(png, preview.Draw());
-    log.Print("Writing {}\n{} places, {}, exposure {:.2g}\n", png.string(), preview.Places(),
+    log.Print("Writing {}\n{} positions, {}, exposure {:.2g}\n", png.string(), preview.PositionCount(),
               preview.HasLegacy() ? "both grids" : "SH grid only", preview.Exposure());
 }
 

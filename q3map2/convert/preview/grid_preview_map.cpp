@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Where a map is open, and which places stand for it.
+// GPL-2.0-or-later. Open space of a map, and sample positions in it.
 #include "q3map2/convert/preview/grid_preview_map.h"
 
 #include "common/error.h"
@@ -17,14 +17,14 @@ constexpr std::int32_t kTopSide = 5;        ///< of a brush: faces up
 constexpr std::int32_t kPlaneBudget = 4096; ///< planes tested for one position: absurd brush lists cost no more
 constexpr Vec3f kWorldLimit{131072, 131072, 131072}; ///< of engines
 constexpr float kFloorBelow = 128, kFloorStep = 16;  ///< how far down a floor is looked for
-constexpr float kRoom = 24;                          ///< free distance around a place
+constexpr float kRoom = 24;                          ///< free distance around a position
 constexpr int kHeights = 96, kHeightSamples = 64;    ///< probes for the best height, per axis
 constexpr int kAreaSamples = 256;
 constexpr int kCandidateColumns = 40, kCandidateLevels = 24;
 constexpr std::array<std::string_view, 6> kPlaceClasses = {"info_player_", "team_", "item_",
                                                            "weapon_",      "ammo_", "holdable_"};
 constexpr Vec3f kPlayMargin{384, 384, 160}; ///< around those
-constexpr float kWeakWeight = 0.6f;         ///< of a dark place, against 1.6 of a strongly lit one
+constexpr float kWeakWeight = 0.6f;         ///< of a dark position, against 1.6 of a strongly lit one
 
 // Middle of cell i of n between two bounds.
 float Middle(float low, float high, int i, int n) {
@@ -58,10 +58,10 @@ Boundsf EntityBounds(const Bsp &bsp) {
 }
 
 Boundsf PlaySpace(const Bsp &bsp) {
-    const Boundsf world = WorldBounds(bsp), places = EntityBounds(bsp);
-    if (places.Empty())
+    const Boundsf world = WorldBounds(bsp), entities = EntityBounds(bsp);
+    if (entities.Empty())
         return world;
-    const Boundsf space{Max(world.mins, places.mins - kPlayMargin), Min(world.maxs, places.maxs + kPlayMargin)};
+    const Boundsf space{Max(world.mins, entities.mins - kPlayMargin), Min(world.maxs, entities.maxs + kPlayMargin)};
     return space.Empty() ? world : space;
 }
 
@@ -201,8 +201,8 @@ std::vector<Vec3f> PreviewMap::Candidates() const {
     return standing.empty() ? open : standing;
 }
 
-std::vector<Vec3f> PreviewMap::ChoosePlaces(std::size_t count,
-                                            const std::function<float(const Vec3f &)> &strength) const {
+std::vector<Vec3f> PreviewMap::ChoosePositions(std::size_t count,
+                                               const std::function<float(const Vec3f &)> &strength) const {
     const std::vector<Vec3f> positions = Candidates();
     if (positions.empty())
         return {space_.Center()};

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Where a map is open, and which places stand for it. Internal to the grid preview.
+// GPL-2.0-or-later. Open space of a map, and sample positions in it. Internal to the grid preview.
 #pragma once
 
 #include "libs/math/bounds.h"
@@ -9,8 +9,8 @@
 
 namespace q3 {
 
-/// The solid space of a map: the tree, and solid brushes in its open leafs. Heights, areas and places are looked for
-/// where the game takes place: around player starts and items. Keep the Bsp.
+/// The solid space of a map: the tree, and solid brushes in its open leafs. Heights, areas and positions are searched
+/// for around player starts and items. Keep the Bsp.
 class PreviewMap {
   public:
     explicit PreviewMap(const Bsp &bsp);
@@ -23,9 +23,9 @@ class PreviewMap {
     /// Rectangle (in x and y) of what is open at that height; the whole space when nothing is.
     Boundsf OpenArea(float height) const;
 
-    /// Up to `count` open places, spread over the map by farthest-point choice; distances count more where `strength`
-    /// (of a position, >= 0) is large. In reading order: north first.
-    std::vector<Vec3f> ChoosePlaces(std::size_t count, const std::function<float(const Vec3f &)> &strength) const;
+    /// Up to `count` open positions, spread over the map by farthest-point choice; distances count more where
+    /// `strength` (of a position, >= 0) is large. In reading order: north first.
+    std::vector<Vec3f> ChoosePositions(std::size_t count, const std::function<float(const Vec3f &)> &strength) const;
 
   private:
     const bspLeaf_t &LeafAt(const Vec3f &position) const;

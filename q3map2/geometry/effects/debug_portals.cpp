@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint8_t kPortalAlpha = 32;
 
-/// Triangles of a polygon: all from its first point.
+/// Triangle fan around the first point.
 std::vector<int> FanIndexes(std::size_t points) {
     std::vector<int> indexes;
     for (int i = 2; i < int(points); ++i)

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Decals: the patches of _decal entities projected on what stands in their way.
+// GPL-2.0-or-later. Decals: patches of _decal entities projected onto surfaces.
 #include "q3map2/geometry/effects/decals.h"
 
 #include "q3map2/map/map_patch.h"
@@ -30,7 +30,7 @@ Vec3d StartOf(const MapEntity &entity) {
     return Vec3d(bounds.Center());
 }
 
-/// The affine function of points that has these values at the corners and does not change along `direction`.
+/// The affine function of points with these values at the corners that is constant along `direction`.
 bool ProjectTexture(const std::array<Vec3d, 3> &corners, const std::array<DrawVert, 3> &verts, const Vec3d &direction,
                     DecalProjector &projector) {
     const auto flat = [&](const Vec3d &v) { return v - direction * Dot(v, direction); };
@@ -53,7 +53,7 @@ Plane PlaneAt(const Vec3d &normal, const Vec3d &point) {
     return {unit, Dot(unit, point)};
 }
 
-/// The prism from a triangle along `way`: planes face outwards.
+/// The prism of a triangle extruded along `way`. Planes face outward.
 bool MakeProjector(std::array<DrawVert, 3> verts, const Vec3f &origin, const Vec3d &way, DecalProjector &projector) {
     std::array<Vec3d, 3> corners;
     for (std::size_t i = 0; i < 3; ++i)
@@ -95,7 +95,7 @@ void AddProjectors(const MapEntity &entity, const Vec3d &way, const Map &map, co
                 continue;
             if (projectors.size() == kMaxProjectors) {
                 context.log.Warn("too many decals", "{}: more than {} decal triangles; the rest is left out",
-                                 entity.Who(), kMaxProjectors);
+                                 entity.MessagePrefix(), kMaxProjectors);
                 return;
             }
             projectors.push_back(std::move(projector));
@@ -103,18 +103,18 @@ void AddProjectors(const MapEntity &entity, const Vec3d &way, const Map &map, co
     }
 }
 
-/// Where the decal goes from the entity; nothing after a warning.
+/// Direction and distance of the projection; empty, after a warning, if the target is missing.
 std::optional<Vec3d> WayOf(const MapEntity &entity, const Map &map, const BspContext &context) {
     if (entity.patches.empty()) {
-        context.log.Warn("decal without patches", "{}: a _decal without patches is left out", entity.Who());
+        context.log.Warn("decal without patches", "{}: a _decal without patches is left out", entity.MessagePrefix());
         return {};
     }
     const std::string_view name = entity.pairs.Value("target");
     const MapEntity *target = name.empty() ? nullptr : FindTarget(map, name);
     if (target == nullptr) {
         context.log.Warn("decal without target",
-                         "{}: a _decal is left out: expected a \"target\" that names an entity, got '{}'", entity.Who(),
-                         name);
+                         "{}: a _decal is left out: expected a \"target\" that names an entity, got '{}'",
+                         entity.MessagePrefix(), name);
         return {};
     }
     return Vec3d(target->origin) - StartOf(entity);
@@ -122,23 +122,23 @@ std::optional<Vec3d> WayOf(const MapEntity &entity, const Map &map, const BspCon
 
 // ---- applying
 
-struct Piece {
+struct DecalFragment {
     Polygon polygon;
     Plane plane;
     int planeNum = -1;
 };
 
-Piece TrianglePiece(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
-    Piece piece;
+DecalFragment TrianglePiece(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
+    DecalFragment piece;
     piece.polygon = {a, b, c};
     piece.plane = PlaneOf(piece.polygon);
     return piece;
 }
 
-std::vector<Piece> PiecesOf(const DrawSurface &surface, const BspContext &context) {
-    std::vector<Piece> pieces;
+std::vector<DecalFragment> PiecesOf(const DrawSurface &surface, const BspContext &context) {
+    std::vector<DecalFragment> pieces;
     if (surface.kind == SurfaceKind::Face) {
-        Piece piece;
+        DecalFragment piece;
         for (const DrawVert &vert : surface.verts)
             piece.polygon.push_back(vert.xyz);
         piece.plane = PlaneOf(piece.polygon);
@@ -191,8 +191,8 @@ Sphere SphereOf(const DrawSurface &surface) {
     return {bounds.Center(), Length(bounds.maxs - bounds.mins) * 0.5f};
 }
 
-/// The part of the piece in the prism. False when there is none.
-bool ClipToProjector(Piece &piece, const DecalProjector &projector, const Vec3d &origin) {
+/// Clips the fragment to the prism. False when nothing is left.
+bool ClipToProjector(DecalFragment &piece, const DecalProjector &projector, const Vec3d &origin) {
     if (piece.plane.normal == Vec3d{} || Dot(piece.plane.normal, projector.planes[0].normal) < -kFacingEpsilon)
         return false;
     Polygon front, back;
@@ -206,7 +206,7 @@ bool ClipToProjector(Piece &piece, const DecalProjector &projector, const Vec3d 
     return true;
 }
 
-DrawSurface DecalSurface(const Piece &piece, const DecalProjector &projector, const DrawSurface &surface,
+DrawSurface DecalSurface(const DecalFragment &piece, const DecalProjector &projector, const DrawSurface &surface,
                          const Vec3f &origin) {
     DrawSurface decal;
     decal.kind = SurfaceKind::Decal;
@@ -264,7 +264,7 @@ void ApplyDecals(const std::vector<DecalProjector> &projectors, Geometry &geomet
             const Vec3f apart = spheres[i].center + origin - projector.center;
             if (!TakesDecals(geometry.surfaces[i]) || Length(apart) > spheres[i].radius + projector.radius)
                 continue;
-            for (Piece &piece : PiecesOf(geometry.surfaces[i], context))
+            for (DecalFragment &piece : PiecesOf(geometry.surfaces[i], context))
                 if (ClipToProjector(piece, projector, Vec3d(origin)))
                     geometry.surfaces.push_back(DecalSurface(piece, projector, geometry.surfaces[i], origin));
         }

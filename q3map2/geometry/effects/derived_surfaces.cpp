@@ -26,7 +26,7 @@ const ShaderInfo *CelShaderFor(const DrawSurface &surface) {
     return cel;
 }
 
-/// Surfaces that `surface` brings about, and how many copies stand between them and an original.
+/// Appends the copies of surface `number`. chain[i]: length of the chain of clones from an original to surface i.
 void AppendCopies(std::size_t number, std::vector<int> &chain, Geometry &geometry, const BspContext &context) {
     const DrawSurface surface = geometry.surfaces[number]; // appending moves the list
     const auto add = [&](DrawSurface copy, int links) {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Fog volumes: which surfaces are in them, faces and patches cut at their borders.
+// GPL-2.0-or-later. Fog volumes: faces and patches cut at their borders, fog numbers of surfaces.
 #include "q3map2/geometry/effects/fog.h"
 
 #include "common/error.h"
@@ -12,7 +12,7 @@ namespace q3 {
 namespace {
 
 constexpr double kFogEpsilon = 0.1;
-constexpr std::size_t kMaxFogs = 31; ///< engines sort by five bits
+constexpr std::size_t kMaxFogs = 31; ///< engines have five bits for the fog in their sort key
 
 int SideAgainst(const Brush &brush, const PlaneTable &planes, const Vec3f &direction) {
     int best = -1;
@@ -39,7 +39,7 @@ struct FogCounts {
     int polygons = 0, patches = 0, fogged = 0;
 };
 
-/// Fogs the surfaces of the world with one brush.
+/// Cuts the surfaces of the world at one fog brush and sets fogNum of the parts inside.
 class WorldFogger {
   public:
     WorldFogger(Map &map, Geometry &geometry, PlaneTable &planes, const BspContext &context)
@@ -80,7 +80,7 @@ class WorldFogger {
         }
     }
 
-    /// A surface of the same brush side as surface `number`. Its number.
+    /// Appends a face of the same brush side as surface `number` and returns its index.
     std::size_t Fragment(std::size_t number, const Polygon &w) {
         const DrawSurface original = geometry_.surfaces[number];
         const std::size_t made =

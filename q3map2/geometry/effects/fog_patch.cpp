@@ -17,7 +17,7 @@ struct Grid {
     const DrawVert &At(int column, int row) const { return verts[std::size_t(row * width + column)]; }
 };
 
-/// Turned by 90 degrees, so that the front stays the front.
+/// Swaps rows and columns and keeps the front side.
 Grid Turned(const Grid &grid) {
     Grid turned{grid.height, grid.width, {}};
     for (int row = 0; row < turned.height; ++row)
@@ -30,7 +30,7 @@ Grid TurnedBack(const Grid &grid) {
     return Turned(Turned(Turned(grid)));
 }
 
-/// The column after which all rows cross the plane, once; -1: they do not.
+/// Index of the column after which every row crosses the plane, exactly once; -1: there is none.
 int CrossingColumn(const Grid &grid, const Plane &plane, double epsilon) {
     int found = -1;
     for (int row = 0; row < grid.height; ++row) {
@@ -73,7 +73,7 @@ std::vector<DrawVert> CrossingVerts(const Grid &grid, int column, const Plane &p
     return verts;
 }
 
-/// Columns from..to and the crossing, once or twice, at the end where they were cut.
+/// Columns from..to, and at the cut end one or two columns on the plane, so that the width stays odd.
 Grid Part(const Grid &grid, int from, int to, const std::vector<DrawVert> &crossing) {
     const int copies = (to - from + 1) % 2 == 0 ? 1 : 2;
     Grid part{to - from + 1 + copies, grid.height, {}};

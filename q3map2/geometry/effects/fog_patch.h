@@ -5,6 +5,7 @@
 
 namespace q3 {
 
+/// Result of cutting a patch by a plane.
 struct PatchCut {
     enum Result { Inside, Outside, Cut, Impossible };
     Result result = Inside;

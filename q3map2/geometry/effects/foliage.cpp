@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Foliage surfaces: one model and the many places where it grows.
+// GPL-2.0-or-later. Foliage surfaces: one model and its instances.
 #include "q3map2/geometry/effects/foliage.h"
 
 #include "q3map2/geometry/models/model_load.h"
@@ -15,7 +15,7 @@ bool IsSteep(const SurfaceTriangle &t) {
     return Normalize(Cross(c - a, b - a)).z < kMinUp;
 }
 
-/// Share of places that are taken; 0: none.
+/// Probability of an instance at the triangle.
 double Growth(const SurfaceTriangle &t, const FoliageDirective &directive) {
     double alpha = (int(t[0].color[3]) + t[1].color[3] + t[2].color[3]) / 765.;
     if (directive.invertAlpha == 1)

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Fur: layers of a surface above each other.
+// GPL-2.0-or-later. Fur: copies of a surface stacked along its normals.
 #include "q3map2/geometry/effects/fur.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Sky boxes: rooms that are drawn, larger, around everything.
+// GPL-2.0-or-later. Sky boxes: a room that engines draw enlarged around the map.
 #include "q3map2/geometry/effects/skybox.h"
 
 #include "q3map2/geometry/models/model_transform.h"

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Indexed terrain: surfaces take shader, alpha and height from the layers at their corners.
+// GPL-2.0-or-later. Terrain from index maps: shader, alpha and height from the layers at the corners of surfaces.
 #include "q3map2/geometry/effects/terrain.h"
 
 #include "q3map2/map/index_map.h"
@@ -9,7 +9,7 @@
 namespace q3 {
 namespace {
 
-/// `layer` with what it lacks of the indexed shader that it stands for.
+/// Copy of `layer` with the properties of the indexed shader that it does not set itself.
 ShaderInfo Inherited(const ShaderInfo &layer, const ShaderInfo &indexed) {
     ShaderInfo shader = layer;
     GeometryDirectives &own = shader.geometry;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Records of the .bsp but draw surfaces.
+// GPL-2.0-or-later. Records of the .bsp, except draw surfaces.
 #include "q3map2/geometry/emit/bsp_writer.h"
 
 #include "common/error.h"
@@ -20,7 +20,7 @@ Float3 Values(const Vec3f &v) {
     return {v.x, v.y, v.z};
 }
 
-/// Whole numbers around a box; none for an empty one.
+/// Bounds rounded outward to integers; zeros for an empty box.
 void SetBounds(const Boundsf &bounds, Int3 &mins, Int3 &maxs) {
     mins = maxs = {};
     if (bounds.Empty())
@@ -39,7 +39,7 @@ std::array<char, 64> NameField(std::string_view name) {
     return field;
 }
 
-/// Bounds of the brushes of an entity; only of those that say where the light grid is, if there are some.
+/// Bounds of an entity. For a world with brushes that delimit the light grid (surfaceparm lightgrid), theirs only.
 Boundsf BoundsOf(const MapEntity &entity, bool isWorld) {
     Boundsf all, grid;
     for (const Brush &brush : entity.brushes) {
@@ -53,7 +53,8 @@ Boundsf BoundsOf(const MapEntity &entity, bool isWorld) {
     return isWorld && !grid.Empty() ? grid : all;
 }
 
-/// The side of a fog brush that is seen from outside, as engines want it.
+/// Index of the visible side of a fog brush that goes into the fogs lump: the last axial one, else the first other
+/// one; -1: none.
 int VisibleSide(const Brush &brush) {
     constexpr int kAxial = 6;
     const auto isVisible = [&](int number) {
@@ -136,7 +137,8 @@ void BspWriter::EmitBrushSide(const BrushSide &side) {
     bsp.brushSides.push_back(record);
 }
 
-/// Sides whose surfaces were given another shader take it over: engines ask the side what was hit.
+/// Copies shaders that surfaces received later to their brush sides, because engines take the properties of what was
+/// hit from the side.
 void BspWriter::FixSideShaders(const MapEntity &entity, const Geometry &geometry) {
     for (const Brush &brush : entity.brushes)
         for (std::size_t i = 0; i < brush.sides.size() && brush.bspBrush >= 0; ++i) {
@@ -170,7 +172,7 @@ int BspWriter::EmitLeaf(const MapEntity &entity, const TreeNode &leaf, const Bou
     return int(bsp.leafs.size()) - 1;
 }
 
-/// Nodes in the order of a walk that takes front children first.
+/// Appends nodes in depth-first order, front children first.
 void BspWriter::EmitNodes(const MapEntity &entity, const Tree &tree) {
     struct Visit {
         int node, parent;

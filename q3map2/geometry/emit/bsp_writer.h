@@ -21,22 +21,22 @@ class BspWriter {
   public:
     BspWriter(Map &map, const BspContext &context);
 
-    /// Entry of the shader table of that name and, where given, flags; appended if there is none.
+    /// Index in the shaders lump of the entry with that name and, where given, flags; appended if there is none.
     int ShaderNumber(std::string_view name, std::optional<std::uint32_t> surfaceFlags = {},
                      std::optional<std::uint32_t> contentFlags = {});
     void BeginModel(const MapEntity &entity);
-    /// Gives the brushes their numbers.
+    /// Appends brushes and sides; sets Brush::bspBrush.
     void EmitBrushes(MapEntity &entity);
-    /// The final pass over the surfaces from `first` on: changes coordinates and colours, makes fur, foliage and
-    /// flares, puts surfaces into leafs, appends those that are in one.
+    /// The final pass over the surfaces from `first` on: modifies coordinates and colors, adds fur, foliage and
+    /// flares, finds the leafs of each surface and appends surfaces that are in at least one.
     void EmitSurfaces(MapEntity &entity, Tree &tree, Geometry &geometry, std::size_t first);
-    /// Nodes and leafs; of models other than the world one leaf. After the brush sides know their surfaces.
+    /// Appends nodes and leafs; for models other than the world one leaf. After EmitSurfaces.
     void EmitTree(const MapEntity &entity, const Tree &tree);
     void EndModel();
     void EmitFogs(const Geometry &geometry);
-    /// Planes, and the names that replace others.
+    /// Appends the planes and applies q3map_remapShader.
     void EmitPlanes();
-    /// Flares in no leaf that make engines load the images of skies.
+    /// Appends flares outside of all leafs that make engines load the images of skies (-skyfix).
     void EmitSkyImages();
 
     Bsp bsp;

@@ -53,13 +53,13 @@ std::array<std::uint8_t, 4> OpaqueDebugColor(std::size_t number) {
     return {r, g, b, 255};
 }
 
-/// Order of vertices and triangles as they are written.
+/// Brings vertices and triangles into the order in which they are written.
 void Arrange(DrawSurface &surface, const BspContext &context) {
     if (surface.shader->geometry.invert != surface.backSide)
         ReverseSurface(surface);
     if (surface.kind == SurfaceKind::Patch)
         return;
-    // Sprites are quads, and foliage has its places behind its vertices.
+    // Sprites are quads, and the instances of foliage follow its vertices.
     if (context.options.debugInset && !surface.shader->autosprite && surface.kind != SurfaceKind::Foliage)
         InsetTriangles(surface);
     if (!surface.shader->autosprite)
@@ -122,7 +122,7 @@ void BspWriter::WriteSurface(const DrawSurface &surface) {
         record.firstVert = std::int32_t(bsp.drawVerts.size());
         record.numVerts = std::int32_t(surface.verts.size());
         WriteVerts(surface);
-        record.firstIndex = runs_.Place(bsp.drawIndexes, surface.indexes);
+        record.firstIndex = runs_.FindOrAppend(bsp.drawIndexes, surface.indexes);
         record.numIndexes = std::int32_t(surface.indexes.size());
     }
     surfaceFile += SurfaceBlock(surface, int(bsp.drawSurfaces.size()), surface.shader->name, worldSettings_,
@@ -139,7 +139,7 @@ void BspWriter::EmitSurface(MapEntity &entity, Tree &tree, Geometry &geometry, s
     const bool isWorld = bsp.models.size() == 1;
     {
         DrawSurface &surface = geometry.surfaces[number];
-        if (!surface.furred) // layers of fur are copies of what is modified already
+        if (!surface.furred) // layers of fur are copies of a modified surface
             ModifySurface(surface, entity, map_.World(), map_.planes);
     }
     if (geometry.surfaces[number].kind != SurfaceKind::Flare) {
@@ -164,7 +164,7 @@ void BspWriter::EmitSurface(MapEntity &entity, Tree &tree, Geometry &geometry, s
     WriteSurface(surface);
 }
 
-/// The sky box is seen wherever a sky is.
+/// Copies of sky box surfaces go to each leaf with a sky surface.
 void BspWriter::EmitSkyBoxCopies(Tree &tree, Geometry &geometry) {
     std::vector<std::size_t> skyLeafs;
     const std::size_t model = std::size_t(bsp.models.back().firstBSPSurface);

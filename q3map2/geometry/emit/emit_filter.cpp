@@ -10,17 +10,17 @@ namespace {
 
 constexpr double kEpsilon = 0.1; // game units
 
-/// Puts polygons and points of one surface into leafs.
-class Filter {
+/// Finds the leafs of polygons and points of one surface.
+class SurfaceFilter {
   public:
-    Filter(Tree &tree, const PlaneTable &planes, int number, bool &inSkyBox)
+    SurfaceFilter(Tree &tree, const PlaneTable &planes, int number, bool &inSkyBox)
         : tree_(tree), planes_(planes), number_(number), inSkyBox_(inSkyBox) {}
 
     int Count() const { return count_; }
     /// `planeNum` is the polygon's own, or -1.
     void AddPolygon(Polygon polygon, int planeNum);
     void AddPoint(const Vec3f &p) { AddHull({&p, 1}); }
-    /// Everything that the convex hull of the points may reach.
+    /// All leafs that the convex hull of the points may reach (conservative).
     void AddHull(std::span<const Vec3f> points);
     void AddEverywhere();
 
@@ -36,7 +36,7 @@ class Filter {
     std::vector<int> stack_;
 };
 
-void Filter::AddLeaf(TreeNode &leaf) {
+void SurfaceFilter::AddLeaf(TreeNode &leaf) {
     if (leaf.opaque)
         return;
     inSkyBox_ |= leaf.skyBox;
@@ -45,8 +45,9 @@ void Filter::AddLeaf(TreeNode &leaf) {
         leaf.surfaces.push_back(number_);
 }
 
-/// The parts of a polygon that go on to the children.
-std::vector<std::pair<int, Polygon>> Filter::Split(const TreeNode &node, const Polygon &polygon, int planeNum) const {
+/// Parts of a polygon in front of and behind the plane of a node.
+std::vector<std::pair<int, Polygon>> SurfaceFilter::Split(const TreeNode &node, const Polygon &polygon,
+                                                          int planeNum) const {
     if (planeNum >= 0 && planeNum == node.planeNum)
         return {{node.children[0], polygon}};
     if (planeNum >= 0 && (planeNum ^ 1) == node.planeNum)
@@ -63,7 +64,7 @@ std::vector<std::pair<int, Polygon>> Filter::Split(const TreeNode &node, const P
     return parts;
 }
 
-void Filter::AddPolygon(Polygon polygon, int planeNum) {
+void SurfaceFilter::AddPolygon(Polygon polygon, int planeNum) {
     std::vector<std::pair<int, Polygon>> stack;
     stack.emplace_back(tree_.head, std::move(polygon));
     while (!stack.empty()) {
@@ -79,7 +80,7 @@ void Filter::AddPolygon(Polygon polygon, int planeNum) {
     }
 }
 
-void Filter::AddHull(std::span<const Vec3f> points) {
+void SurfaceFilter::AddHull(std::span<const Vec3f> points) {
     stack_.assign(1, tree_.head);
     while (!stack_.empty()) {
         TreeNode &node = tree_.nodes[std::size_t(stack_.back())];
@@ -102,7 +103,7 @@ void Filter::AddHull(std::span<const Vec3f> points) {
     }
 }
 
-void Filter::AddEverywhere() {
+void SurfaceFilter::AddEverywhere() {
     for (TreeNode &node : tree_.nodes)
         if (node.IsLeaf() && node.cluster >= 0)
             AddLeaf(node);
@@ -133,8 +134,8 @@ Polygon PolygonOf(const DrawSurface &surface) {
     return polygon;
 }
 
-/// A polygon that deformVertexes moves about.
-void AddMoving(const Polygon &polygon, const std::pair<Vec3f, Vec3f> &move, Filter &filter) {
+/// Bounds of a polygon that deformVertexes moves.
+void AddMoving(const Polygon &polygon, const std::pair<Vec3f, Vec3f> &move, SurfaceFilter &filter) {
     std::vector<Vec3f> corners;
     for (const Vec3f &p : polygon)
         for (unsigned corner = 0; corner < 8; ++corner) {
@@ -146,14 +147,14 @@ void AddMoving(const Polygon &polygon, const std::pair<Vec3f, Vec3f> &move, Filt
     filter.AddHull(corners);
 }
 
-void AddPolygonOf(const DrawSurface &surface, Polygon polygon, int planeNum, Filter &filter) {
+void AddPolygonOf(const DrawSurface &surface, Polygon polygon, int planeNum, SurfaceFilter &filter) {
     if (const auto &move = surface.shader->geometry.move)
         AddMoving(polygon, *move, filter);
     else
         filter.AddPolygon(std::move(polygon), planeNum);
 }
 
-void AddTriangles(const DrawSurface &surface, Filter &filter) {
+void AddTriangles(const DrawSurface &surface, SurfaceFilter &filter) {
     for (std::size_t i = 0; i + 2 < surface.indexes.size(); i += 3) {
         Polygon triangle;
         for (std::size_t j = 0; j < 3; ++j)
@@ -167,7 +168,7 @@ void AddTriangles(const DrawSurface &surface, Filter &filter) {
 } // namespace
 
 int FilterSurface(const DrawSurface &surface, int number, Tree &tree, const PlaneTable &planes, bool &inSkyBox) {
-    Filter filter(tree, planes, number, inSkyBox);
+    SurfaceFilter filter(tree, planes, number, inSkyBox);
     switch (surface.kind) {
     case SurfaceKind::Face:
     case SurfaceKind::Decal:

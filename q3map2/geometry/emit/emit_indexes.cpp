@@ -9,14 +9,15 @@ namespace q3 {
 namespace {
 
 constexpr std::size_t kTriangle = 3; // indexes
-constexpr int kWarmHits = 3;         // all that a triangle can have once every vertex is in the cache once
+constexpr int kWarmHits = 3;         // all three vertices are in the cache
 
-/// What was used last, newest first.
+/// FIFO of the vertices used last, newest first.
 class VertexCache {
   public:
     explicit VertexCache(const std::vector<int> &indexes) { std::copy_n(indexes.begin(), kSize, entries_.begin()); }
 
-    /// Entries that the triangle uses. At the start there are several for one vertex: well-connected ones come first.
+    /// Number of entries that the triangle uses. The first indexes fill the cache, repeats included, so a vertex may
+    /// count more than once at the start.
     int Hits(const int *triangle) const {
         return int(std::count_if(entries_.begin(), entries_.end(), [&](int entry) {
             return entry == triangle[0] || entry == triangle[1] || entry == triangle[2];

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kVolumeSlack = 1; // game units
 
-/// Factor of a step that looks at the normal.
+/// Factor of a step that depends on the normal.
 float Facing(const ColorStep &step, const Vec3f &normal) {
     using enum ColorStep::Kind;
     const float d = Dot(normal, step.value);

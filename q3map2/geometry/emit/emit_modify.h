@@ -6,15 +6,15 @@
 
 namespace q3 {
 
-/// Sets texture coordinates and colours as the shader's directives say, and colour volumes.
+/// Applies tcMod, tcGen, rgbMod and alphaMod directives of the shader, and color volumes.
 void ModifySurface(DrawSurface &surface, const MapEntity &entity, const MapEntity &world, const PlaneTable &planes);
-/// Whole repeats off texture coordinates, so that they are near 0.
+/// Subtracts whole repeats from texture coordinates, so that they are near 0.
 void BiasTexture(DrawSurface &surface);
-/// Every triangle one unit smaller, with vertices of its own (-debuginset).
+/// Shrinks each triangle by one game unit and gives it vertices of its own (-debuginset).
 void InsetTriangles(DrawSurface &surface);
-/// Turns it around.
+/// Reverses orientation: normals and winding order.
 void ReverseSurface(DrawSurface &surface);
-/// The vertex order that engines need to turn the quad around its long axis. A warning when it is no oblong quad.
+/// Puts vertices into the order in which engines rotate the quad about its long axis. Warns if it is no oblong quad.
 void OrderSpriteQuad(DrawSurface &surface, const BspContext &context);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The .srf: what the light stage wants to know of surfaces and the .bsp has no place for.
+// GPL-2.0-or-later. The .srf file: properties of surfaces that the light stage needs and the .bsp cannot hold.
 #include "q3map2/geometry/emit/emit_srf.h"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Runs of draw indexes that are in the list already.
+// GPL-2.0-or-later. Equal runs of draw indexes are stored once.
 #include "q3map2/geometry/emit/index_runs.h"
 
 #include <algorithm>
@@ -17,25 +17,25 @@ template <typename List> std::uint64_t HashOf(const List &list, std::size_t at, 
 
 } // namespace
 
-void IndexRuns::Learn(const std::vector<std::int32_t> &list) {
-    for (; learnedTriangles_ + kTriangle <= list.size(); ++learnedTriangles_)
-        triangles_[HashOf(list, learnedTriangles_, kTriangle)].push_back(std::int32_t(learnedTriangles_));
-    for (; learnedPairs_ + kPair <= list.size(); ++learnedPairs_)
-        pairs_[HashOf(list, learnedPairs_, kPair)].push_back(std::int32_t(learnedPairs_));
+void IndexRuns::HashNewEntries(const std::vector<std::int32_t> &list) {
+    for (; hashedTriangles_ + kTriangle <= list.size(); ++hashedTriangles_)
+        triangles_[HashOf(list, hashedTriangles_, kTriangle)].push_back(std::int32_t(hashedTriangles_));
+    for (; hashedPairs_ + kPair <= list.size(); ++hashedPairs_)
+        pairs_[HashOf(list, hashedPairs_, kPair)].push_back(std::int32_t(hashedPairs_));
 }
 
-int IndexRuns::Place(std::vector<std::int32_t> &list, std::span<const int> run) {
+int IndexRuns::FindOrAppend(std::vector<std::int32_t> &list, std::span<const int> run) {
     const int end = int(list.size());
     if (run.size() < kTriangle)
         return end;
-    Learn(list);
+    HashNewEntries(list);
     const bool isLong = run.size() >= kPair;
-    const auto &places = isLong ? pairs_ : triangles_;
-    if (const auto found = places.find(HashOf(run, 0, isLong ? kPair : kTriangle)); found != places.end())
-        for (const std::int32_t place : found->second)
-            if (std::size_t(place) + run.size() <= list.size() &&
-                std::equal(run.begin(), run.end(), list.begin() + place))
-                return place;
+    const auto &offsets = isLong ? pairs_ : triangles_;
+    if (const auto found = offsets.find(HashOf(run, 0, isLong ? kPair : kTriangle)); found != offsets.end())
+        for (const std::int32_t offset : found->second)
+            if (std::size_t(offset) + run.size() <= list.size() &&
+                std::equal(run.begin(), run.end(), list.begin() + offset))
+                return offset;
     list.insert(list.end(), run.begin(), run.end());
     return end;
 }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The list of draw indexes, where equal runs are stored once.
+// GPL-2.0-or-later. Equal runs of draw indexes are stored once.
 #pragma once
 
 #include <cstdint>
@@ -8,18 +8,19 @@
 
 namespace q3 {
 
-/// Finds where a run of indexes already is in a list.
+/// Hash table of the runs of indexes in a list.
 class IndexRuns {
   public:
-    /// First place in `list` of that run, which is appended when it is nowhere. An empty run: the end of the list.
-    int Place(std::vector<std::int32_t> &list, std::span<const int> run);
+    /// Offset of the first occurrence of the run in `list`; a run that does not occur is appended. For an empty run,
+    /// the end of the list.
+    int FindOrAppend(std::vector<std::int32_t> &list, std::span<const int> run);
 
   private:
-    void Learn(const std::vector<std::int32_t> &list);
+    void HashNewEntries(const std::vector<std::int32_t> &list);
 
-    /// Places by a hash of the indexes that start there, in order.
+    /// Offsets by the hash of the three or six indexes that start there, ascending.
     std::unordered_map<std::uint64_t, std::vector<std::int32_t>> triangles_, pairs_;
-    std::size_t learnedTriangles_ = 0, learnedPairs_ = 0;
+    std::size_t hashedTriangles_ = 0, hashedPairs_ = 0;
 };
 
 } // namespace q3

@@ -11,7 +11,8 @@ float Snapped(float coordinate, bool snap) {
     return snap ? float(std::floor(8.0 * double(coordinate) + 0.5) / 8) : coordinate;
 }
 
-/// In single precision, as established: coordinates on the border between two repeats of the image stay on their side.
+/// In single precision like the established program, so that coordinates at the border of two repeats of the image
+/// round to the same side.
 std::array<float, 2> TextureCoordinates(const BrushSide &side, const Vec3f &p) {
     std::array<float, 2> st{};
     for (std::size_t i = 0; i < 2; ++i) {
@@ -26,7 +27,7 @@ std::array<float, 2> FlatCoordinates(const ShaderInfo &shader) {
     return {1 - 1 / float(shader.geometry.textureWidth), 1 - 1 / float(shader.geometry.textureHeight)};
 }
 
-/// Fog volumes are seen from inside too: their sides have a second polygon, turned around.
+/// Whether `w` is the back face of a fog brush side, which is visible from inside too.
 bool TurnedAround(const BrushSide &side, const Polygon &w, const PlaneTable &planes) {
     return (side.shader->compileFlags & C_FOG) != 0 && Dot(WindingAreaVector(w), planes[side.planeNum].normal) > 0;
 }

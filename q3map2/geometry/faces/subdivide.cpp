@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Faces cut by a world grid, where their shader wants finer vertices.
+// GPL-2.0-or-later. Faces cut by a world-aligned grid (tessSize).
 #include "q3map2/geometry/faces/subdivide.h"
 
 #include "common/error.h"
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kOnEpsilon = 0.1;
 
-/// The lowest grid plane that the polygon reaches beyond.
+/// The lowest grid plane that cuts the polygon.
 std::optional<Plane> GridPlane(const Polygon &w, double size) {
     const Boundsf bounds = WindingBounds(w);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -39,7 +39,7 @@ std::vector<Polygon> GridPieces(Polygon w, double size, const DrawSurface &surfa
         Polygon front, back;
         if (plane)
             ClipPolygonKeepOn(piece, *plane, kOnEpsilon, front, back);
-        // A grid so fine that rounding moves the cut onto an end would go on for ever.
+        // Ends the loop where the grid is so fine that rounding moves the cut onto a vertex.
         if (!plane || front == piece || back == piece) {
             pieces.push_back(piece);
             if (int(pieces.size()) > limit)

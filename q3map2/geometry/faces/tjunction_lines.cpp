@@ -61,7 +61,7 @@ std::array<int, 3> EdgeLines::CellOf(const Vec3d &p) const {
 
 void EdgeLines::EnterCells(int number) {
     const EdgeLine &line = lines_[std::size_t(number)];
-    // The part within the bounds, with some margin: nothing is looked up elsewhere.
+    // Only the part within the bounds and a margin: nothing is looked up elsewhere.
     double from = std::numeric_limits<double>::lowest(), to = std::numeric_limits<double>::max();
     for (std::size_t i = 0; i < 3; ++i) {
         const double d = line.direction[i];

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Lines along edges of surfaces, with all the vertices on them.
+// GPL-2.0-or-later. Lines along edges of surfaces and the vertices on them.
 #pragma once
 
 #include "libs/math/winding.h"
@@ -9,22 +9,23 @@
 
 namespace q3 {
 
+/// A line with the vertices on it.
 struct EdgeLine {
     struct Point {
         double along; ///< distance from the origin
         Vec3f xyz;
     };
     Vec3d origin, direction;
-    std::array<Plane, 2> planes; ///< the line is where they meet
+    std::array<Plane, 2> planes; ///< perpendicular; the line is their intersection
     std::vector<Point> points;   ///< in order along the line
 };
 
-/// Edges find the first line that both of their ends are near to, in order of addition.
+/// Lines by a grid of cells. An edge belongs to the first line, in order of addition, that both of its ends are near.
 class EdgeLines {
   public:
-    /// All points to come lie in `bounds`; about so many edges will.
+    /// All points will lie in `bounds`. `edges`: estimated number of edges.
     EdgeLines(const Boundsf &bounds, std::size_t edges);
-    /// Puts the ends of the edge on a line, one there is or a new one; its number. `direction` is a unit vector.
+    /// Adds the ends of the edge to an existing or new line and returns its index. `direction` is a unit vector.
     int Add(const Vec3f &a, const Vec3f &b, const Vec3d &direction);
     const EdgeLine &operator[](int line) const { return lines_[std::size_t(line)]; }
     int Count() const { return int(lines_.size()); }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Closes cracks: faces get the vertices of others that lie on their edges.
+// GPL-2.0-or-later. T-junction repair: inserts vertices of other surfaces into the edges of faces.
 #include "q3map2/geometry/faces/tjunctions.h"
 
 #include "q3map2/geometry/faces/tjunction_lines.h"
@@ -12,8 +12,8 @@
 namespace q3 {
 namespace {
 
-constexpr double kDegenerate = 0.1; ///< game units: shorter edges are none, nearer vertices are one
-constexpr double kStraight = 0.1;   ///< of the middle of a patch's border to its ends' line
+constexpr double kDegenerate = 0.1; ///< game units: shorter edges are ignored, nearer vertices are welded
+constexpr double kStraight = 0.1;   ///< distance of the middle control point of a straight border curve from its chord
 constexpr double kNearWhole = 0.01;
 constexpr std::size_t kMaxVerts = 256;
 
@@ -54,14 +54,14 @@ class EdgeList {
         edges.push_back(edge);
     }
     void AddFace(const DrawSurface &surface, std::size_t number) {
-        // From the last vertex: where lines are as near to each other as the tolerance, the first decides.
+        // Starts at the last vertex: of lines within the tolerance of each other the first one is used.
         const std::size_t count = surface.verts.size();
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t from = (i + count - 1) % count;
             Add(number, int(from), surface.verts[from].xyz, surface.verts[i].xyz);
         }
     }
-    /// Those curves of the border that are straight.
+    /// Adds the straight border curves.
     void AddPatch(const DrawSurface &surface, std::size_t number) {
         const int w = surface.width, h = surface.height;
         const auto curve = [&](int start, int step) {
@@ -112,13 +112,13 @@ DrawVert Between(const DrawVert &a, const DrawVert &b, double fraction, const Ve
 }
 
 /// A vertex and the edge of the original face that it begins or lies on.
-struct Corner {
+struct FaceVert {
     DrawVert vert;
     std::size_t edge = 0;
 };
 
 void AddPointsOn(const EdgeLine &line, const DrawVert &a, const DrawVert &b, std::size_t edge,
-                 std::vector<Corner> &corners) {
+                 std::vector<FaceVert> &corners) {
     const double from = Dot(Vec3d(a.xyz) - line.origin, line.direction);
     const double to = Dot(Vec3d(b.xyz) - line.origin, line.direction);
     const double lo = std::min(from, to) + kDegenerate, hi = std::max(from, to) - kDegenerate;
@@ -130,8 +130,8 @@ void AddPointsOn(const EdgeLine &line, const DrawVert &a, const DrawVert &b, std
         std::reverse(corners.begin() + std::ptrdiff_t(before), corners.end());
 }
 
-/// A vertex from which a triangle fan has no triangle within one edge.
-std::size_t FanStart(const std::vector<Corner> &corners) {
+/// A vertex from which a triangle fan has no degenerate triangle.
+std::size_t FanStart(const std::vector<FaceVert> &corners) {
     const std::size_t n = corners.size();
     for (std::size_t i = 0; i < n; ++i) {
         const auto edge = [&](std::size_t offset) { return corners[(i + offset) % n].edge; };
@@ -146,7 +146,7 @@ void InsertVerts(DrawSurface &surface, const EdgeLines &lines, std::span<const E
     std::vector<int> lineFrom(surface.verts.size(), -1);
     for (const Edge &edge : edges)
         lineFrom[std::size_t(edge.vert)] = edge.line;
-    std::vector<Corner> corners;
+    std::vector<FaceVert> corners;
     for (std::size_t i = 0; i < surface.verts.size(); ++i) {
         corners.push_back({surface.verts[i], i});
         if (lineFrom[i] >= 0)
@@ -156,16 +156,16 @@ void InsertVerts(DrawSurface &surface, const EdgeLines &lines, std::span<const E
     if (corners.size() > kMaxVerts)
         context.FailAt(surface.settings.entity, surface.primitive,
                        "a face of shader " + surface.shader->name + " has " + std::to_string(corners.size()) +
-                           " vertices with those of its neighbours, expected at most " + std::to_string(kMaxVerts));
+                           " vertices after T-junction repair, expected at most " + std::to_string(kMaxVerts));
     counts.added += int(corners.size() - surface.verts.size());
     counts.verts += int(corners.size());
     const std::size_t start = FanStart(corners);
     ++(start == 0 ? counts.natural : start == corners.size() ? counts.impossible : counts.rotated);
-    // By one vertex whichever start was found: the established order.
+    // By one vertex, whichever start was found, as the established program does.
     if (start != 0)
         std::ranges::rotate(corners, corners.begin() + 1);
     surface.verts.clear();
-    for (const Corner &corner : corners)
+    for (const FaceVert &corner : corners)
         surface.verts.push_back(corner.vert);
 }
 
@@ -189,7 +189,7 @@ DrawVert Welded(const DrawVert &a, const DrawVert &b) {
     return vert;
 }
 
-/// Neighbours that are one point for all purposes become one.
+/// Welds neighbors nearer than kDegenerate.
 void Weld(DrawSurface &surface) {
     std::vector<DrawVert> &verts = surface.verts;
     for (std::size_t i = 0; i < verts.size() && verts.size() > 1;) {
@@ -200,7 +200,7 @@ void Weld(DrawSurface &surface) {
         }
         verts[i] = Welded(verts[i], verts[next]);
         verts.erase(verts.begin() + std::ptrdiff_t(next));
-        // The new vertex has a new neighbour: it is looked at again.
+        // The welded vertex has a new neighbor, so it is tested again.
         if (next < i)
             --i;
     }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Polygons to triangles.
+// GPL-2.0-or-later. Triangulation of polygons.
 #include "q3map2/geometry/faces/triangulate.h"
 
 #include <algorithm>
@@ -30,7 +30,7 @@ double TwiceArea(const Vec3d &a, const Vec3d &b, const Vec3d &c) {
     return Length(Cross(b - a, c - a));
 }
 
-/// Neither a needle nor a speck: those crack when drawn.
+/// Whether the triangle is neither a sliver nor tiny; such triangles crack when drawn.
 bool IsSound(const Vec3d &a, const Vec3d &b, const Vec3d &c) {
     const double twice = TwiceArea(a, b, c);
     std::array<double, 3> squares{Dot(b - a, b - a), Dot(c - b, c - b), Dot(a - c, a - c)};
@@ -98,7 +98,8 @@ void Fan(DrawSurface &surface) {
 }
 
 /// Appends the largest triangle between the vertices first..last of the polygon, then those of the rest on each side
-/// of it. False when one is not sound. `width` is what a unit of perimeter costs.
+/// of it. False when one is not sound. The value of a triangle is
+/// its area minus `width` times its perimeter.
 bool LargestTriangles(const Verts &verts, int first, int last, double width, Indexes &indexes) {
     if (last - first < 2)
         return true;
@@ -121,8 +122,8 @@ bool LargestTriangles(const Verts &verts, int first, int last, double width, Ind
            LargestTriangles(verts, best[1], last, width, indexes);
 }
 
-/// The largest triangle of the polygon, then the largest in each part that it leaves, and so on. Tried with ever
-/// smaller weight of the perimeter.
+/// The largest triangle of the polygon, then the largest in each part that it leaves, and so on. Repeated with
+/// half the weight of the perimeter until all triangles are sound.
 std::optional<Indexes> MaxArea(const Verts &verts) {
     const int n = int(verts.size());
     double width = 2;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Draw surfaces of triangles that touch: grown from a seed by the triangle that fits best.
+// GPL-2.0-or-later. Greedy merging: a surface grows from a seed by the candidate with the highest score.
 #include "q3map2/geometry/meta/meta_merge.h"
 
 #include "q3map2/geometry/surface/surface_class.h"
@@ -12,11 +12,11 @@
 namespace q3 {
 namespace {
 
-// Points that a candidate earns.
+// Scores of candidates.
 constexpr int kSameSurface = 1000, kSameAxis = 100000, kSharedVertex = 10000, kTextureKept = 200;
 constexpr int kTextureRangeKept = 100, kTextureNarrowGrows = 50;
 constexpr int kAdequate = 110000, kGood = 120200;
-/// Seeds are taken in this direction.
+/// Direction in which seeds are ordered.
 constexpr Vec3d kSweep{0.786868, 0.316861, 0.529564};
 
 using TextureBounds = std::array<std::array<float, 2>, 2>; ///< mins, maxs
@@ -33,9 +33,9 @@ struct Growth {
     bool Empty() const { return surface.indexes.empty(); }
 };
 
-class Merger {
+class SurfaceGrower {
   public:
-    Merger(const MetaMesh &mesh, Geometry &geometry, PlaneTable &planes, const BspContext &context)
+    SurfaceGrower(const MetaMesh &mesh, Geometry &geometry, PlaneTable &planes, const BspContext &context)
         : mesh_(mesh), geometry_(geometry), planes_(planes), context_(context), used_(mesh.Triangles().size()),
           seenBy_(mesh.Triangles().size(), -1), slots_(mesh.Verts().size(), -1) {}
     void Run();
@@ -48,8 +48,8 @@ class Merger {
     void Discover(Growth &growth, const MetaTriangle &triangle);
     bool MayJoin(const Growth &growth, const MetaTriangle &triangle) const;
     int Score(const Growth &growth, const MetaTriangle &triangle) const;
-    /// Vertices of the surface at the corner's point with its normal, up to the very same vertex; `isNew`: there is
-    /// none.
+    /// Vertices of the surface at the position and with the normal of the corner, up to the identical vertex. `isNew`:
+    /// there is none.
     int Matches(int vert, bool &isNew) const;
     bool FitsLightmap(const Growth &growth, const MetaTriangle &triangle) const;
     int TextureScore(const Growth &growth, const MetaTriangle &triangle) const;
@@ -61,7 +61,7 @@ class Merger {
     const BspContext &context_;
     std::vector<char> used_;
     std::vector<int> seenBy_; ///< by triangle: the seed whose cloud it entered last
-    std::vector<int> slots_;  ///< by vertex: its place in the surface that is growing; -1: not in it
+    std::vector<int> slots_;  ///< by vertex: its index in the growing surface; -1: not in it
 };
 
 const DrawVert &Vert(const MetaMesh &mesh, int i) {
@@ -76,7 +76,7 @@ TextureBounds WithTexture(TextureBounds bounds, const DrawVert &vert) {
     return bounds;
 }
 
-std::vector<int> Merger::SeedOrder() const {
+std::vector<int> SurfaceGrower::SeedOrder() const {
     std::vector<double> sweep;
     for (const MetaTriangle &t : mesh_.Triangles()) {
         std::array<double, 3> along{};
@@ -95,7 +95,7 @@ std::vector<int> Merger::SeedOrder() const {
     return order;
 }
 
-Growth Merger::Start(const MetaTriangle &seed) const {
+Growth SurfaceGrower::Start(const MetaTriangle &seed) const {
     const DrawSurface &from = geometry_.surfaces[std::size_t(seed.surface)];
     const BspOptions &options = context_.options;
     Growth growth;
@@ -114,7 +114,7 @@ Growth Merger::Start(const MetaTriangle &seed) const {
     return growth;
 }
 
-bool Merger::MayJoin(const Growth &growth, const MetaTriangle &triangle) const {
+bool SurfaceGrower::MayJoin(const Growth &growth, const MetaTriangle &triangle) const {
     if (triangle.key != growth.seed->key)
         return false;
     if (growth.anyPlane)
@@ -124,7 +124,7 @@ bool Merger::MayJoin(const Growth &growth, const MetaTriangle &triangle) const {
            std::abs(triangle.plane.dist - growth.seed->plane.dist) <= kSameVector;
 }
 
-void Merger::Discover(Growth &growth, const MetaTriangle &triangle) {
+void SurfaceGrower::Discover(Growth &growth, const MetaTriangle &triangle) {
     const int seed = int(growth.seed - mesh_.Triangles().data());
     for (const int corner : triangle.verts)
         for (const int vert : mesh_.Group(mesh_.Verts()[std::size_t(corner)].group))
@@ -137,7 +137,7 @@ void Merger::Discover(Growth &growth, const MetaTriangle &triangle) {
             }
 }
 
-void Merger::AddTriangle(Growth &growth, int number) {
+void SurfaceGrower::AddTriangle(Growth &growth, int number) {
     const MetaTriangle &triangle = mesh_.Triangles()[std::size_t(number)];
     used_[std::size_t(number)] = 1;
     for (const int v : triangle.verts) {
@@ -157,7 +157,7 @@ void Merger::AddTriangle(Growth &growth, int number) {
     Discover(growth, triangle);
 }
 
-int Merger::Matches(int vert, bool &isNew) const {
+int SurfaceGrower::Matches(int vert, bool &isNew) const {
     const int own = slots_[std::size_t(vert)];
     isNew = own < 0;
     int matches = 0;
@@ -169,7 +169,7 @@ int Merger::Matches(int vert, bool &isNew) const {
     return matches;
 }
 
-bool Merger::FitsLightmap(const Growth &growth, const MetaTriangle &triangle) const {
+bool SurfaceGrower::FitsLightmap(const Growth &growth, const MetaTriangle &triangle) const {
     if (growth.vertexLit || growth.surface.lightmapAxis == Vec3f{})
         return true;
     Boundsf bounds = growth.bounds;
@@ -180,7 +180,7 @@ bool Merger::FitsLightmap(const Growth &growth, const MetaTriangle &triangle) co
     return MaxComponent(bounds.maxs - bounds.mins) <= float(growth.maxExtent);
 }
 
-int Merger::TextureScore(const Growth &growth, const MetaTriangle &triangle) const {
+int SurfaceGrower::TextureScore(const Growth &growth, const MetaTriangle &triangle) const {
     TextureBounds bounds = growth.texture;
     for (const int v : triangle.verts)
         bounds = WithTexture(bounds, Vert(mesh_, v));
@@ -203,7 +203,7 @@ int Merger::TextureScore(const Growth &growth, const MetaTriangle &triangle) con
     return score;
 }
 
-int Merger::Score(const Growth &growth, const MetaTriangle &triangle) const {
+int SurfaceGrower::Score(const Growth &growth, const MetaTriangle &triangle) const {
     if (int(growth.surface.indexes.size()) + 3 > context_.options.maxSurfaceIndexes)
         return 0;
     int added = 0, matches = 0;
@@ -226,7 +226,7 @@ int Merger::Score(const Growth &growth, const MetaTriangle &triangle) const {
     return score + TextureScore(growth, triangle);
 }
 
-void Merger::Finish(Growth &growth) {
+void SurfaceGrower::Finish(Growth &growth) {
     for (const int v : growth.verts)
         slots_[std::size_t(v)] = -1;
     ClassifySurface(growth.surface, planes_, context_);
@@ -234,7 +234,7 @@ void Merger::Finish(Growth &growth) {
     geometry_.surfaces.push_back(std::move(growth.surface));
 }
 
-void Merger::Grow(int seed) {
+void SurfaceGrower::Grow(int seed) {
     const BspOptions &options = context_.options;
     const int adequate = options.metaAdequateScore >= 0 ? options.metaAdequateScore : kAdequate;
     const int good = options.metaGoodScore >= 0 ? options.metaGoodScore : kGood;
@@ -259,7 +259,7 @@ void Merger::Grow(int seed) {
     Finish(growth);
 }
 
-void Merger::Run() {
+void SurfaceGrower::Run() {
     for (const int seed : SeedOrder())
         if (used_[std::size_t(seed)] == 0)
             Grow(seed);
@@ -268,7 +268,7 @@ void Merger::Run() {
 } // namespace
 
 void MergeTriangles(const MetaMesh &mesh, Geometry &geometry, PlaneTable &planes, const BspContext &context) {
-    Merger(mesh, geometry, planes, context).Run();
+    SurfaceGrower(mesh, geometry, planes, context).Run();
 }
 
 } // namespace q3

@@ -23,13 +23,13 @@ bool SameCorner(const DrawVert &a, const DrawVert &b) {
 
 bool HasShortEdge(const std::array<DrawVert, 3> &corners) {
     for (std::size_t i = 0; i < 3; ++i)
-        // Not a number is not long either: models may have such vertices.
+        // Written so that NaN, which models may contain, counts as short.
         if (!(Length(Vec3d(corners[(i + 1) % 3].xyz) - Vec3d(corners[i].xyz)) >= kMinEdge))
             return true;
     return false;
 }
 
-/// The plane of the surface, or of the corners. Zero normal: the corners are in a line.
+/// The plane of the surface, or of the corners. Zero normal: collinear corners.
 Plane TrianglePlane(const DrawSurface &surface, const std::array<DrawVert, 3> &corners, const PlaneTable &planes) {
     if (surface.planar && surface.planeNum >= 0)
         return planes[surface.planeNum];
@@ -46,7 +46,7 @@ Vec3f TriangleAxis(const DrawSurface &surface, const Plane &plane) {
     return DominantAxis(Vec3f(plane.normal));
 }
 
-/// Takes part in the meta step.
+/// Whether the surface takes part in the meta step.
 bool IsMetaSurface(const DrawSurface &surface, const BspOptions &options) {
     if (surface.Empty() || surface.shader == nullptr || surface.shader->autosprite)
         return false;
@@ -72,7 +72,7 @@ int MetaMesh::KeyOf(const DrawSurface &surface) {
     key.sampleSize = surface.sampleSize;
     key.ambient = surface.settings.ambient;
     key.backSide = surface.backSide;
-    // The newest is nearly always the one.
+    // Searched from the back, because the newest key nearly always matches.
     const auto found = std::find(keys_.rbegin(), keys_.rend(), key);
     if (found != keys_.rend())
         return int(keys_.rend() - found) - 1;

@@ -12,7 +12,7 @@
 
 namespace q3 {
 
-/// Triangles that agree in all of this may be merged.
+/// Triangles with equal keys may be merged.
 struct MetaKey {
     int shaderOrder = 0; ///< order of first appearance
     int fogNum = -1, entity = 0, castShadows = 0, receiveShadows = 0, sampleSize = 0;
@@ -21,22 +21,24 @@ struct MetaKey {
     bool operator==(const MetaKey &) const = default;
 };
 
-/// Points that agree in position share a group.
+/// Vertex of the mesh. Vertices at the same position form a group.
 struct MetaVert {
     DrawVert vert;
     int group = 0;
     std::vector<int> triangles; ///< in order of addition
 };
 
+/// Triangle of the mesh.
 struct MetaTriangle {
-    std::array<int, 3> verts{}; ///< numbers of MetaVert, clockwise seen from the front
-    int key = 0;                ///< number of MetaKey
-    int surface = 0;            ///< in Geometry: where it comes from
+    std::array<int, 3> verts{}; ///< indexes in Verts(), clockwise seen from the front
+    int key = 0;                ///< index in Keys()
+    int surface = 0;            ///< index in Geometry::surfaces of its source
     int planeNum = -1;
     Plane plane;
     Vec3f lightmapAxis;
 };
 
+/// Triangle mesh with shared vertices.
 class MetaMesh {
   public:
     /// Adds the triangles of the surface with that number. `planes` are the table's.
@@ -48,7 +50,7 @@ class MetaMesh {
     /// Numbers of the vertices of a group, in order of addition.
     const std::vector<int> &Group(int group) const { return groups_[std::size_t(group)]; }
     int GroupCount() const { return int(groups_.size()); }
-    /// Gives corners new normals and shares vertices anew.
+    /// Replaces the corner normals and finds the shared vertices again.
     void ReplaceNormals(const std::vector<std::array<Vec3f, 3>> &normals);
 
   private:
@@ -66,7 +68,7 @@ class MetaMesh {
     std::unordered_map<const ShaderInfo *, int> shaderOrder_;
 };
 
-/// Vertices agree in position and normal within this, per component.
+/// Tolerance of SameVector, per component.
 inline constexpr double kSameVector = 0.001;
 bool SameVector(const Vec3f &a, const Vec3f &b);
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Normals common to faces that meet at small angles.
+// GPL-2.0-or-later. Smoothed normals.
 #include "q3map2/geometry/meta/meta_smooth.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ constexpr double kSameNormal = 0.01; ///< per component
 constexpr double kAngleSlack = 1e-6; ///< radians
 
 /// A corner of a triangle at the point that is being smoothed.
-struct Corner {
+struct SmoothedCorner {
     int triangle = 0, corner = 0;
     double angle = 0; ///< radians
     Vec3d normal;
@@ -28,8 +28,8 @@ double ShadeAngle(const DrawSurface &surface, const BspOptions &options) {
     return std::max(0., double(degrees)) * std::numbers::pi / 180;
 }
 
-std::vector<Corner> CornersOf(const MetaMesh &mesh, int group, const std::vector<double> &angles) {
-    std::vector<Corner> corners;
+std::vector<SmoothedCorner> CornersOf(const MetaMesh &mesh, int group, const std::vector<double> &angles) {
+    std::vector<SmoothedCorner> corners;
     for (const int v : mesh.Group(group))
         for (const int t : mesh.Verts()[std::size_t(v)].triangles) {
             const MetaTriangle &triangle = mesh.Triangles()[std::size_t(t)];
@@ -41,15 +41,15 @@ std::vector<Corner> CornersOf(const MetaMesh &mesh, int group, const std::vector
     return corners;
 }
 
-bool Together(const Corner &a, const Corner &b) {
+bool Together(const SmoothedCorner &a, const SmoothedCorner &b) {
     const double angle = std::acos(std::clamp(Dot(a.normal, b.normal), -1., 1.));
     return angle + kAngleSlack < std::min(a.angle, b.angle);
 }
 
-/// Sum of the distinct normals; their number.
-int SumOfDistinct(const std::vector<Corner *> &corners, Vec3d &sum) {
+/// Adds up the distinct normals and returns their number.
+int SumOfDistinct(const std::vector<SmoothedCorner *> &corners, Vec3d &sum) {
     std::vector<Vec3d> distinct;
-    for (const Corner *corner : corners) {
+    for (const SmoothedCorner *corner : corners) {
         const bool known = std::ranges::any_of(distinct, [&](const Vec3d &n) {
             const Vec3d d = n - corner->normal;
             return std::abs(d.x) <= kSameNormal && std::abs(d.y) <= kSameNormal && std::abs(d.z) <= kSameNormal;
@@ -62,26 +62,26 @@ int SumOfDistinct(const std::vector<Corner *> &corners, Vec3d &sum) {
     return int(distinct.size());
 }
 
-/// How many corners got another normal.
-int SmoothPoint(std::vector<Corner> corners, std::vector<std::array<Vec3f, 3>> &normals) {
+/// Returns the number of corners whose normal changed.
+int SmoothPoint(std::vector<SmoothedCorner> corners, std::vector<std::array<Vec3f, 3>> &normals) {
     int changed = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
         if (corners[i].done)
             continue;
-        std::vector<Corner *> together{&corners[i]};
+        std::vector<SmoothedCorner *> together{&corners[i]};
         for (std::size_t k = i + 1; k < corners.size(); ++k)
             if (!corners[k].done && Together(corners[i], corners[k]))
                 together.push_back(&corners[k]);
         if (together.size() < 2)
             continue;
-        for (Corner *corner : together)
+        for (SmoothedCorner *corner : together)
             corner->done = true;
         Vec3d sum;
         const bool several = SumOfDistinct(together, sum) > 1;
         const Vec3f normal(Normalize(sum));
         if (!several || normal == Vec3f{})
             continue;
-        for (const Corner *corner : together)
+        for (const SmoothedCorner *corner : together)
             normals[std::size_t(corner->triangle)][std::size_t(corner->corner)] = normal;
         changed += int(together.size());
     }

@@ -12,13 +12,13 @@
 namespace q3 {
 namespace {
 
-constexpr double kMinFacing = 0.01; ///< cosine: an extrusion along the polygon itself makes no solid
+constexpr double kMinFacing = 0.01; ///< least cosine between extrusion direction and normal
 
-/// Which way and how far solids go.
+/// Parameters of the extrusion.
 struct Extrusion {
     unsigned mode = 0; ///< ModelFlags of shapes
     double depth = 2;
-    Vec3d terrainAxis; ///< from the average facing: towards the back
+    Vec3d terrainAxis; ///< against the average normal
     Boundsd bounds;    ///< of the model
 };
 
@@ -50,8 +50,8 @@ Vec3d AxisOf(const Vec3d &v) {
     return result;
 }
 
-/// Unit vector from the front to the back.
-Vec3d BackWay(const Extrusion &extrusion, const Vec3d &normal) {
+/// Direction of extrusion, a unit vector.
+Vec3d ExtrusionDirection(const Extrusion &extrusion, const Vec3d &normal) {
     const unsigned mode = extrusion.mode;
     if (mode & (kModelClipFaceNormals | kModelClipVertexNormals))
         return -normal;
@@ -72,7 +72,7 @@ Vec3d CentroidOf(const Polygon &polygon) {
     return sum / double(polygon.size());
 }
 
-/// A plane through the points, its front away from `inside`.
+/// The plane through the points that faces away from `inside`.
 Plane PlaneAway(const Vec3d &a, const Vec3d &b, const Vec3d &c, const Vec3d &inside) {
     Vec3d normal = Normalize(Cross(b - a, c - a));
     if (Dot(normal, inside - a) > 0)
@@ -80,7 +80,7 @@ Plane PlaneAway(const Vec3d &a, const Vec3d &b, const Vec3d &c, const Vec3d &ins
     return {normal, Dot(normal, a)};
 }
 
-/// The flat back of the axial modes.
+/// Axis-aligned back plane.
 Plane FlatBack(const Extrusion &extrusion, const Polygon &polygon, const Vec3d &way) {
     const Vec3d axis = AxisOf(way);
     double nearest = 1e30, farthest = -1e30;
@@ -106,12 +106,13 @@ Plane BackPlane(const Extrusion &extrusion, const Polygon &polygon, const Plane 
     return {-front.normal, -(front.dist + Dot(front.normal, way) * depth)};
 }
 
-/// Planes of the solid behind a clockwise polygon, the front first. Empty: its way runs along the polygon.
+/// Planes of the solid behind a clockwise polygon, the front first. Empty when the extrusion is parallel to the
+/// polygon.
 std::vector<Plane> SolidPlanes(const Extrusion &extrusion, Polygon polygon, Plane front) {
-    const Vec3d way = BackWay(extrusion, front.normal);
+    const Vec3d way = ExtrusionDirection(extrusion, front.normal);
     if (std::abs(Dot(way, front.normal)) < kMinFacing)
         return {};
-    if (Dot(way, front.normal) > 0) { // extruded to where it faces: solid from its back
+    if (Dot(way, front.normal) > 0) { // extruded along its normal
         polygon = Reversed(polygon);
         front = {-front.normal, -front.dist};
     }
@@ -136,7 +137,7 @@ std::vector<Plane> SolidPlanes(const Extrusion &extrusion, Polygon polygon, Plan
     return planes;
 }
 
-/// The solid of a triangle whose corners go back along their own normals.
+/// Planes of the prism of a triangle whose corners are extruded against their vertex normals.
 std::vector<Plane> VertexNormalPlanes(const Extrusion &extrusion, const ClipMesh &mesh,
                                       const std::array<int, 3> &triangle) {
     std::array<Vec3d, 3> front, back;
@@ -158,9 +159,9 @@ std::vector<Plane> VertexNormalPlanes(const Extrusion &extrusion, const ClipMesh
     return planes;
 }
 
-class Clipper {
+class ClipBrushBuilder {
   public:
-    Clipper(const ModelPlacement &placement, MapEntity &target, PlaneTable &planes, const BspContext &context)
+    ClipBrushBuilder(const ModelPlacement &placement, MapEntity &target, PlaneTable &planes, const BspContext &context)
         : placement_(placement), target_(target), planes_(planes), context_(context) {}
 
     void Add(const std::vector<Plane> &planes, const ShaderInfo *shader, const Vec3d &where) {
@@ -209,11 +210,11 @@ void MakeClipBrushes(const std::vector<ClipMesh> &meshes, const ModelPlacement &
     const Extrusion extrusion = ExtrusionOf(meshes, placement);
     if (!IsKnownMode(extrusion.mode)) {
         context.log.Warn("unknown clip mode",
-                         "{}: the spawnflags {} of the model {} are no way to clip; it gets no clip brushes",
+                         "{}: the spawnflags {} of the model {} select no known clip mode; no clip brushes are made",
                          placement.who, placement.flags, placement.name);
         return;
     }
-    Clipper clipper(placement, target, planes, context);
+    ClipBrushBuilder clipper(placement, target, planes, context);
     for (const ClipMesh &mesh : meshes) {
         if (extrusion.mode & kModelClipVertexNormals) {
             for (const auto &triangle : mesh.triangles)

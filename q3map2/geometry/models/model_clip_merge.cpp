@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Triangles of a mesh joined to convex polygons.
+// GPL-2.0-or-later. Triangles of a mesh merged to convex polygons.
 #include "q3map2/geometry/models/model_clip_merge.h"
 
 #include <algorithm>
@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kSameNormal = 0.00001, kSamePlane = 0.01, kStraight = 0.00001;
 
-struct Piece {
-    std::vector<int> corners; ///< numbers of positions; empty: joined to another
+struct ConvexPolygon {
+    std::vector<int> corners; ///< indexes of positions; empty: merged into another
     Plane plane;
 };
 
@@ -23,9 +23,9 @@ Plane PlaneOfCorners(const std::vector<Vec3f> &positions, const std::vector<int>
     return {normal, Dot(normal, a)};
 }
 
-class Merger {
+class PolygonMerger {
   public:
-    Merger(std::span<const Vec3f> points, std::span<const std::array<int, 3>> triangles) {
+    PolygonMerger(std::span<const Vec3f> points, std::span<const std::array<int, 3>> triangles) {
         std::map<std::tuple<float, float, float>, int> numbers;
         std::vector<int> numberOf;
         for (const Vec3f &p : points) {
@@ -35,23 +35,23 @@ class Merger {
             numberOf.push_back(at->second);
         }
         for (const auto &[a, b, c] : triangles) {
-            Piece piece{{numberOf[std::size_t(a)], numberOf[std::size_t(b)], numberOf[std::size_t(c)]}, {}};
-            piece.plane = PlaneOfCorners(positions_, piece.corners);
-            if (piece.plane.normal == Vec3d{})
+            ConvexPolygon polygon{{numberOf[std::size_t(a)], numberOf[std::size_t(b)], numberOf[std::size_t(c)]}, {}};
+            polygon.plane = PlaneOfCorners(positions_, polygon.corners);
+            if (polygon.plane.normal == Vec3d{})
                 continue;
-            pieces_.push_back(std::move(piece));
-            Register(pieces_.size() - 1);
+            polygons_.push_back(std::move(polygon));
+            Register(polygons_.size() - 1);
         }
     }
 
     std::vector<Polygon> Run() {
-        for (std::size_t i = 0; i < pieces_.size(); ++i)
-            while (!pieces_[i].corners.empty() && JoinOne(i)) {
+        for (std::size_t i = 0; i < polygons_.size(); ++i)
+            while (!polygons_[i].corners.empty() && JoinOne(i)) {
             }
         std::vector<Polygon> polygons;
-        for (const Piece &piece : pieces_) {
+        for (const ConvexPolygon &source : polygons_) {
             Polygon polygon;
-            for (const int corner : piece.corners)
+            for (const int corner : source.corners)
                 polygon.push_back(positions_[std::size_t(corner)]);
             if (!polygon.empty())
                 polygons.push_back(std::move(polygon));
@@ -62,34 +62,34 @@ class Merger {
   private:
     static std::uint64_t Edge(int from, int to) { return std::uint64_t(std::uint32_t(from)) << 32 | std::uint32_t(to); }
 
-    void Register(std::size_t piece) {
-        const std::vector<int> &corners = pieces_[piece].corners;
+    void Register(std::size_t polygon) {
+        const std::vector<int> &corners = polygons_[polygon].corners;
         for (std::size_t i = 0; i < corners.size(); ++i)
-            edges_[Edge(corners[i], corners[(i + 1) % corners.size()])] = piece;
+            edges_[Edge(corners[i], corners[(i + 1) % corners.size()])] = polygon;
     }
 
     bool JoinOne(std::size_t number) {
-        const std::vector<int> corners = pieces_[number].corners;
+        const std::vector<int> corners = polygons_[number].corners;
         for (std::size_t i = 0; i < corners.size(); ++i) {
             const auto at = edges_.find(Edge(corners[(i + 1) % corners.size()], corners[i]));
-            if (at == edges_.end() || at->second == number || pieces_[at->second].corners.empty())
+            if (at == edges_.end() || at->second == number || polygons_[at->second].corners.empty())
                 continue;
-            Piece &other = pieces_[at->second];
-            if (Length(other.plane.normal - pieces_[number].plane.normal) > kSameNormal ||
-                std::abs(other.plane.dist - pieces_[number].plane.dist) > kSamePlane)
+            ConvexPolygon &other = polygons_[at->second];
+            if (Length(other.plane.normal - polygons_[number].plane.normal) > kSameNormal ||
+                std::abs(other.plane.dist - polygons_[number].plane.dist) > kSamePlane)
                 continue;
             std::vector<int> joined = Joined(corners, i, other.corners);
-            if (!Tidy(joined, pieces_[number].plane.normal))
+            if (!Tidy(joined, polygons_[number].plane.normal))
                 continue;
             other.corners.clear();
-            pieces_[number].corners = std::move(joined);
+            polygons_[number].corners = std::move(joined);
             Register(number);
             return true;
         }
         return false;
     }
 
-    /// `a` from the end of its edge to the start, then `b` without that edge. Empty: b has no such edge any more.
+    /// The union of `a` and `b` across edge `edge` of `a`. Empty: `b` no longer has the edge.
     static std::vector<int> Joined(const std::vector<int> &a, std::size_t edge, const std::vector<int> &b) {
         const int start = a[edge], end = a[(edge + 1) % a.size()];
         const auto at = std::find(b.begin(), b.end(), end);
@@ -103,7 +103,7 @@ class Merger {
         return joined;
     }
 
-    /// Drops corners on straight lines. False when it is not convex.
+    /// Removes collinear corners. False if the polygon is not convex.
     bool Tidy(std::vector<int> &corners, const Vec3d &normal) const {
         for (std::size_t i = 0; i < corners.size() && corners.size() > 2;) {
             const Vec3d a(positions_[std::size_t(corners[(i + corners.size() - 1) % corners.size()])]),
@@ -123,14 +123,14 @@ class Merger {
     }
 
     std::vector<Vec3f> positions_;
-    std::vector<Piece> pieces_;
+    std::vector<ConvexPolygon> polygons_;
     std::unordered_map<std::uint64_t, std::size_t> edges_;
 };
 
 } // namespace
 
 std::vector<Polygon> MergedTriangles(std::span<const Vec3f> points, std::span<const std::array<int, 3>> triangles) {
-    return Merger(points, triangles).Run();
+    return PolygonMerger(points, triangles).Run();
 }
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Triangles of a mesh joined to convex polygons.
+// GPL-2.0-or-later. Triangles of a mesh merged to convex polygons.
 #pragma once
 
 #include "libs/math/winding_clip.h"
@@ -9,8 +9,8 @@
 
 namespace q3 {
 
-/// Clockwise polygons. Neighbours in one plane are joined while the result is convex; triangles without area are left
-/// out.
+/// Clockwise polygons. Coplanar neighbors are merged while the result is convex; degenerate triangles are
+/// ignored.
 std::vector<Polygon> MergedTriangles(std::span<const Vec3f> points, std::span<const std::array<int, 3>> triangles);
 
 } // namespace q3

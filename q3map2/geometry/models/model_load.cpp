@@ -26,7 +26,7 @@ struct FileBytes {
     std::vector<std::byte> bytes;
 };
 
-/// A file in memory that belongs to the stream.
+/// A stream over a file in memory.
 class FileStream : private FileBytes, public Assimp::MemoryIOStream {
   public:
     explicit FileStream(std::vector<std::byte> file)
@@ -49,7 +49,7 @@ class GameFiles : public Assimp::IOSystem {
         if (std::string_view(mode).find_first_of("wa+") != std::string_view::npos)
             return nullptr;
         auto bytes = vfs_.Read(VfsName(name));
-        return bytes ? new FileStream(std::move(*bytes)) : nullptr; // assimp gives it back to Close
+        return bytes ? new FileStream(std::move(*bytes)) : nullptr; // assimp passes it to Close
     }
     void Close(Assimp::IOStream *stream) override { delete stream; }
     bool ComparePaths(const char *a, const char *b) const override { return EqualNoCase(VfsName(a), VfsName(b)); }
@@ -113,7 +113,7 @@ ModelMesh MeshOf(const aiMesh &source, const aiScene &scene, std::string_view mo
 
 Model ReadModel(const VirtualFileSystem &vfs, const std::string &name, int frame) {
     Assimp::Importer importer;
-    importer.SetIOHandler(new GameFiles(vfs)); // the importer's from here
+    importer.SetIOHandler(new GameFiles(vfs)); // the importer owns it
     importer.SetPropertyBool(AI_CONFIG_IMPORT_MD3_HANDLE_MULTIPART, false);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_MD3_LOAD_SHADERS, false);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);

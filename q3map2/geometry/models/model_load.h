@@ -15,12 +15,14 @@
 
 namespace q3 {
 
+/// Triangles of a model with one shader.
 struct ModelMesh {
     std::string shader; ///< as the model names it, without extension; with the model's folder if it had none
     std::vector<DrawVert> verts;
     std::vector<std::array<int, 3>> triangles; ///< clockwise seen from the front
 };
 
+/// A model file.
 struct Model {
     std::vector<ModelMesh> meshes;
 };
@@ -28,9 +30,10 @@ struct Model {
 /// Models of the game's files, each read once.
 class ModelLibrary {
   public:
-    /// vfs null: there are no files.
+    /// With `vfs` null no model is found.
     explicit ModelLibrary(const VirtualFileSystem *vfs) : vfs_(vfs) {}
-    /// Null when it cannot be read: `problem` then says why. Everything that assimp reads: md3, ase, obj ...
+    /// The model in any format that assimp reads (md3, ase, obj ...). Null with the reason in `problem` if it cannot be
+    /// read.
     const Model *Get(std::string_view name, int frame, std::string &problem);
 
   private:

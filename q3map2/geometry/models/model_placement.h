@@ -29,18 +29,19 @@ inline constexpr unsigned kModelClipShapes = kModelClipFaceNormals | kModelClipT
                                              kModelClipPyramid | kModelClipDown | kModelClipUp | kModelClipFull |
                                              kModelClipAxialBack;
 
-/// Another shader for a material; empty: the mesh is left out.
+/// Maps the shader of a mesh to its replacement; empty: the mesh is omitted.
 using ShaderMap = std::function<std::string(std::string_view)>;
 
+/// A model with its transform and settings.
 struct ModelPlacement {
     std::string name;
-    std::string who; ///< MapEntity::Who of its entity, for messages
+    std::string who; ///< MapEntity::MessagePrefix of its entity, for messages
     int frame = 0;
     ModelTransform transform;
     SurfaceSettings settings;
     unsigned flags = 0;
     double clipDepth = 2;
-    ShaderMap shaders; ///< none: the model's own
+    ShaderMap shaders; ///< empty: no replacements
     int fogNum = -1;
 };
 

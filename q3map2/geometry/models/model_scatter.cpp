@@ -41,7 +41,7 @@ DrawVert MiddleOf(const std::vector<DrawVert> &verts) {
     return middle;
 }
 
-/// Turns z to the direction.
+/// Rows of a rotation that maps z to `up`.
 std::array<Vec3d, 3> AxesFor(const Vec3d &up) {
     const Vec3d helper = std::abs(up.z) > 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1};
     const Vec3d right = Normalize(helper - up * Dot(helper, up)), forward = Cross(up, right);
@@ -72,7 +72,7 @@ void Scatter(std::size_t number, const SurfaceModelDirective &directive, Scatter
     if (!Bisect(triangles, directive.density))
         context.log.Warn("surface models too dense",
                          "{}: q3map_surfaceModel with a density of {} would need more than {} "
-                         "places on one surface",
+                         "sample points on one surface",
                          geometry.surfaces[number].shader->name, directive.density, kMaxTriangles);
     ModelPlacement placement;
     placement.name = directive.model;

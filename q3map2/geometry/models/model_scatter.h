@@ -15,13 +15,13 @@ namespace q3 {
 
 using SurfaceTriangle = std::array<DrawVert, 3>;
 
-/// Triangles of a surface: faces and decals as a fan around their middle, patches as meshes. Clockwise.
+/// Triangles of a surface: faces and decals as a fan around their centroid, patches tessellated. Clockwise.
 std::vector<SurfaceTriangle> TrianglesOf(const DrawSurface &surface, const BspContext &context);
-/// The triangles with edges halved, the longest first, until none is longer than `density`. At most 2^18 a surface;
-/// false when that stopped it.
+/// Bisects triangles at their longest edge until no edge is longer than `density` game units. False if it stopped at
+/// 2^18 triangles.
 bool Bisect(std::vector<SurfaceTriangle> &triangles, float density);
 
-/// Numbers in 0..1, the same on every machine.
+/// Uniform random numbers in 0..1, the same on every machine.
 class ScatterRandom {
   public:
     explicit ScatterRandom(std::uint32_t seed) : engine_(seed) {}

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Other shaders for models: skin files and _remap keys.
+// GPL-2.0-or-later. Shader replacements of models: skin files and _remap keys.
 #include "q3map2/geometry/models/model_skin.h"
 
 #include "common/text/text_scan.h"
@@ -57,7 +57,7 @@ std::optional<std::vector<Replacement>> SkinOf(const MapEntity &entity, std::str
         (digits ? std::string(model) : WithoutExtension(model)) + "_" + std::string(skin) + ".skin";
     const auto bytes = context.vfs == nullptr ? std::nullopt : context.vfs->Read(name);
     if (!bytes) {
-        context.log.Warn("skin not found", "{}: the skin file {} cannot be read", entity.Who(), name);
+        context.log.Warn("skin not found", "{}: the skin file {} cannot be read", entity.MessagePrefix(), name);
         return {};
     }
     return ReadSkin({reinterpret_cast<const char *>(bytes->data()), bytes->size()});
@@ -75,7 +75,7 @@ std::vector<Replacement> RemapsOf(const MapEntity &entity, const BspContext &con
             remap = {value.substr(0, semicolon), value.substr(semicolon + 1)};
         if (remap.from.empty() || remap.to.empty() || remap.to.size() > kMaxShaderName)
             context.log.Warn("bad remap", "{}: \"{}\" \"{}\" is ignored: expected FROM;TO with at most {} characters",
-                             entity.Who(), key, value, kMaxShaderName);
+                             entity.MessagePrefix(), key, value, kMaxShaderName);
         else
             remaps.push_back(std::move(remap));
     }

@@ -31,7 +31,7 @@ Vec3d AnglesOf(const Entity &pairs) {
     return {0, keys::kAngle.Number(pairs), 0};
 }
 
-/// The same settings as for brushes, but a model casts shadows as what it belongs to does.
+/// As for brushes, except that the default of _castShadows is that of the entity the model belongs to.
 SurfaceSettings ModelSettings(const MapEntity &entity, const MapEntity &target, const Map &map,
                               const BspContext &context) {
     SurfaceSettings settings = SettingsOf(entity, map, context);
@@ -119,7 +119,7 @@ void WarnOfLostModels(const Map &map, const BspContext &context) {
         if (!found)
             context.log.Warn("model without its target",
                              "{}: no entity with brushes has the targetname '{}' that this misc_model targets",
-                             entity.Who(), entity.pairs.Value({"_target", "target"}));
+                             entity.MessagePrefix(), entity.pairs.Value({"_target", "target"}));
     }
 }
 
@@ -128,10 +128,10 @@ std::optional<ModelPlacement> PlacementOf(const MapEntity &entity, const MapEnti
     ModelPlacement placement;
     placement.name = entity.pairs.Value("model");
     if (placement.name.empty()) {
-        context.log.Warn("misc_model without model", "{}: misc_model without a \"model\" key", entity.Who());
+        context.log.Warn("misc_model without model", "{}: misc_model without a \"model\" key", entity.MessagePrefix());
         return {};
     }
-    placement.who = entity.Who();
+    placement.who = entity.MessagePrefix();
     WarnOfBadKeys(entity.pairs, std::size_t(entity.number), keys::kModelKeys, context.log);
     placement.frame = keys::kFrame.Integer(entity.pairs);
     const bool world = &target == &map.entities.front();

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Draw surfaces while they are made: from brush sides, patches and models to the .bsp.
+// GPL-2.0-or-later. Draw surfaces during the bsp stage.
 #pragma once
 
 #include "q3map2/map/map.h"
@@ -12,6 +12,7 @@
 
 namespace q3 {
 
+/// Where a surface comes from and how it is processed.
 enum class SurfaceKind { Bad, Face, Patch, Triangles, ForcedMeta, Meta, FogHull, Decal, Flare, Foliage, Shader };
 
 /// One draw surface. Indexes count from its first vertex; faces are polygons until they are triangulated.
@@ -46,18 +47,18 @@ struct DrawSurface {
 struct MapFog {
     const ShaderInfo *shader = nullptr;
     int entity = -1, brush = -1; ///< indexes in the map; -1: the global fog
-    int visibleSide = -1;        ///< -1: decided when it is written
+    int visibleSide = -1;        ///< -1: chosen by BspWriter::EmitFogs
 };
 
 class ModelLibrary;
 
-/// Everything that is gathered on the way to the .bsp.
+/// Surfaces and fogs of the map.
 struct Geometry {
-    std::vector<DrawSurface> surfaces; ///< of all entities, in the order of making
+    std::vector<DrawSurface> surfaces; ///< of all entities, in order of creation
     std::vector<MapFog> fogs;
     int defaultFog = -1;
-    std::shared_ptr<ModelLibrary> models; ///< read so far; see models.h
-    std::deque<ShaderInfo> ownShaders;    ///< that take something from the shader they replace
+    std::shared_ptr<ModelLibrary> models; ///< models read so far; see model_load.h
+    std::deque<ShaderInfo> ownShaders;    ///< shaders of terrain layers, completed from the indexed shader
 };
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Numbers for points in space.
+// GPL-2.0-or-later. Points in space with a tolerance, by hashing.
 #include "q3map2/geometry/surface/point_table.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace q3 {
 namespace {
 
 constexpr double kCell = 0.5;
-/// Draw vertices lie on eighths of a unit: borders of cells between those keep them away from borders.
+/// Draw vertices lie on multiples of 1/8. Cell borders halfway between those keep them away from borders.
 constexpr double kShift = 0.0625;
 constexpr double kFar = 1e9; ///< cells
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Numbers for points in space, equal ones within a tolerance.
+// GPL-2.0-or-later. Points in space with a tolerance, by hashing.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -9,12 +9,12 @@
 
 namespace q3 {
 
-/// Finds by hashing what a search through all points in order of addition would find first.
+/// Spatial hash of points. Finds the same point as a linear search in order of addition.
 class PointTable {
   public:
     /// Points are the same when no coordinate differs by more than `tolerance`, which is less than an eighth.
     explicit PointTable(double tolerance) : tolerance_(tolerance) {}
-    /// Number of the first point that is the same, or of the new one.
+    /// Index of the first point that is the same, or of the new one.
     int FindOrAdd(const Vec3f &p);
     int Count() const { return int(points_.size()); }
 

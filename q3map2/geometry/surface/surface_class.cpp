@@ -7,7 +7,7 @@
 namespace q3 {
 namespace {
 
-constexpr double kPlanar = 0.5; ///< game units that vertices of a planar surface may be off
+constexpr double kPlanar = 0.5; ///< game units: greatest distance of vertices of a planar surface from the plane
 constexpr float kAxisFacing = 0.25f;
 constexpr int kMaxSampleSize = 16384;
 
@@ -33,7 +33,7 @@ void FindPlane(DrawSurface &surface, PlaneTable &planes) {
     surface.lightmapVecs[2] = surface.planar ? Vec3f(plane.normal) : Vec3f{};
 }
 
-/// The axis that all normals face; zero when none does.
+/// The first signed axis that all normals face; zero if there is none.
 Vec3f CommonAxis(const DrawSurface &surface) {
     constexpr std::array<Vec3f, 6> kAxes{Vec3f{0, 0, -1}, Vec3f{0, 0, 1},  Vec3f{-1, 0, 0},
                                          Vec3f{1, 0, 0},  Vec3f{0, -1, 0}, Vec3f{0, 1, 0}};
