@@ -1,11 +1,9 @@
 // GPL-2.0-or-later. Arguments to exit status.
-#include "common/heap.h"
 #include "q3map2/stages.h"
 
 #include <system_error>
 
 int main(int argc, char **argv) {
-    q3::UseLargePages();
     std::error_code failed;
     auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
     if (failed)
