@@ -5,18 +5,10 @@
 #include "common/text/text.h"
 
 #include <algorithm>
-#include <charconv>
+
+#include <fmt/ranges.h>
 
 namespace q3 {
-
-namespace {
-
-bool WholeNumber(std::string_view word, int &number) {
-    const auto result = std::from_chars(word.data(), word.data() + word.size(), number);
-    return result.ec == std::errc() && result.ptr == word.data() + word.size();
-}
-
-} // namespace
 
 std::optional<std::size_t> Arguments::Find(std::initializer_list<std::string_view> names) const {
     for (std::size_t i = 0; i < words_.size(); ++i)
@@ -29,17 +21,10 @@ std::optional<std::size_t> Arguments::Find(std::initializer_list<std::string_vie
 bool Arguments::TakeFlag(std::initializer_list<std::string_view> names) {
     bool found = false;
     while (const auto at = Find(names)) {
-        words_.erase(words_.begin() + std::ptrdiff_t(*at));
+        Erase(*at, 1);
         found = true;
     }
     return found;
-}
-
-bool Arguments::TakeFirstFlag(std::string_view name) {
-    const auto at = Find({name});
-    if (at)
-        words_.erase(words_.begin() + std::ptrdiff_t(*at));
-    return at.has_value();
 }
 
 std::optional<std::vector<std::string>> Arguments::TakeValues(std::initializer_list<std::string_view> names,
@@ -52,7 +37,7 @@ std::optional<std::vector<std::string>> Arguments::TakeValues(std::initializer_l
                     words_.size() - *at - 1);
     const auto first = words_.begin() + std::ptrdiff_t(*at);
     std::vector<std::string> values(first + 1, first + 1 + std::ptrdiff_t(count));
-    words_.erase(first, first + 1 + std::ptrdiff_t(count));
+    Erase(*at, count + 1);
     return values;
 }
 
@@ -63,31 +48,27 @@ std::optional<std::string> Arguments::TakeValue(std::initializer_list<std::strin
     return std::move(values->front());
 }
 
-std::optional<int> Arguments::TakeCount(std::string_view name) {
-    const auto at = Find({name});
-    if (!at)
-        return std::nullopt;
-    int count = 0;
-    const auto first = words_.begin() + std::ptrdiff_t(*at);
-    const bool follows = first + 1 != words_.end() && WholeNumber(*(first + 1), count) && count >= 1;
-    words_.erase(first, first + (follows ? 2 : 1));
-    return follows ? count : 0;
+void Arguments::Erase(std::size_t at, std::size_t count) {
+    words_.erase(words_.begin() + std::ptrdiff_t(at), words_.begin() + std::ptrdiff_t(at + count));
+    beforeStage_ -= std::min(beforeStage_, at + count) - std::min(beforeStage_, at);
 }
 
 std::string Arguments::TakeLast() {
-    if (words_.empty())
-        return {};
-    std::string last = std::move(words_.back());
-    words_.pop_back();
-    return last;
+    return words_.empty() ? std::string() : TakeAt(words_.size() - 1);
+}
+
+std::string Arguments::TakeAt(std::size_t at) {
+    std::string word = std::move(words_[at]);
+    Erase(at, 1);
+    return word;
+}
+
+void Arguments::NoteChange(std::string_view name, const std::vector<std::string> &values, std::string before) {
+    changes_.push_back({std::string(name), fmt::format("{}", fmt::join(values, " ")), std::move(before)});
 }
 
 std::string Arguments::TakeFirst() {
-    if (words_.empty())
-        return {};
-    std::string first = std::move(words_.front());
-    words_.erase(words_.begin());
-    return first;
+    return words_.empty() ? std::string() : TakeAt(0);
 }
 
 } // namespace q3

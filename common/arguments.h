@@ -17,8 +17,6 @@ class Arguments {
     /// Removes every occurrence of any of these names; true if there was one.
     bool TakeFlag(std::initializer_list<std::string_view> names);
     bool TakeFlag(std::string_view name) { return TakeFlag({name}); }
-    /// Removes the first occurrence only.
-    bool TakeFirstFlag(std::string_view name);
     /// Removes the first occurrence of any of these names with `count` values and returns them. Error: too few values.
     std::optional<std::vector<std::string>> TakeValues(std::initializer_list<std::string_view> names,
                                                        std::size_t count);
@@ -26,19 +24,33 @@ class Arguments {
     std::optional<std::string> TakeValue(std::initializer_list<std::string_view> names);
     std::optional<std::string> TakeValue(std::string_view name) { return TakeValue({name}); }
 
-    /// Removes the first occurrence and, if a whole number of at least 1 follows, that; 0 without one.
-    std::optional<int> TakeCount(std::string_view name);
-
     /// Takes the last word off: the input file of every stage. Nothing left: empty.
     std::string TakeLast();
     std::string TakeFirst();
+    /// Takes the word at that position of Rest() off.
+    std::string TakeAt(std::size_t at);
     const std::vector<std::string> &Rest() const { return words_; }
     bool Empty() const { return words_.empty(); }
+
+    /// From now on the words before that position of Rest() count as standing before the stage word.
+    void SetBeforeStage(std::size_t end) { beforeStage_ = end; }
+    bool IsBeforeStage(std::size_t at) const { return at < beforeStage_; }
+
+    /// An option that changed a setting.
+    struct Change {
+        std::string name, values, before;
+    };
+    void NoteChange(std::string_view name, const std::vector<std::string> &values, std::string before);
+    const std::vector<Change> &Changes() const { return changes_; }
 
   private:
     std::optional<std::size_t> Find(std::initializer_list<std::string_view> names) const;
 
+    void Erase(std::size_t at, std::size_t count);
+
     std::vector<std::string> words_;
+    std::size_t beforeStage_ = 0; ///< so many words, at the front
+    std::vector<Change> changes_;
 };
 
 } // namespace q3

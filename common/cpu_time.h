@@ -1,10 +1,12 @@
-// GPL-2.0-or-later. CPU time of this process.
+// GPL-2.0-or-later. CPU time and memory of this process.
 #pragma once
 
 namespace q3 {
 
 /// CPU seconds of all threads of the process so far.
 double CpuSeconds();
+/// Most memory that was resident so far, in bytes.
+double PeakMemory();
 
 /// Measures CPU seconds from its construction.
 class CpuTimer {

@@ -56,6 +56,7 @@ void Log::Mark(LogLevel level, std::string_view text, const LogMark &mark) {
 }
 
 bool Log::CountWarning(std::string_view kind) {
+    ++totals_.try_emplace(std::string(kind), 0).first->second;
     auto found = warnings_.find(kind);
     if (found == warnings_.end())
         found = warnings_.emplace(kind, 0).first;
@@ -82,6 +83,21 @@ void Log::FlushWarnings() {
         if (count > 1 && !verbose_)
             sink_(LogLevel::Normal, fmt::format("{:9} more warnings like it: {} (-v lists them)\n", count - 1, kind));
     warnings_.clear();
+}
+
+std::map<std::string, int, std::less<>> Log::WarningTotals() const {
+    const std::lock_guard lock(mutex_);
+    return totals_;
+}
+
+void Log::Repeat(std::string line) {
+    const std::lock_guard lock(mutex_);
+    repeated_.push_back(std::move(line));
+}
+
+std::vector<std::string> Log::Repeated() const {
+    const std::lock_guard lock(mutex_);
+    return repeated_;
 }
 
 int Log::WarningCount(std::string_view kind) const {

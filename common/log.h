@@ -61,6 +61,11 @@ class Log {
     }
     /// Prints how many further warnings of each kind there were (each one in full under -v), then forgets them.
     void FlushWarnings();
+    /// How many warnings of each kind there were so far, flushed or not.
+    std::map<std::string, int, std::less<>> WarningTotals() const;
+    /// Keeps a line that the summary at the end of the run prints again.
+    void Repeat(std::string line);
+    std::vector<std::string> Repeated() const;
     /// Warnings of that kind since the last flush, for tests.
     int WarningCount(std::string_view kind) const;
 
@@ -86,7 +91,8 @@ class Log {
     Sink unmarked_;     ///< the sinks that get text only
     bool verbose_ = false;
     mutable std::mutex mutex_;
-    std::map<std::string, int, std::less<>> warnings_;
+    std::map<std::string, int, std::less<>> warnings_, totals_;
+    std::vector<std::string> repeated_;
 };
 
 } // namespace q3

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The record that a map keeps of how it was made.
 #include "q3map2/command_record.h"
 
-#include "q3map2/stages.h"
+#include "q3map2/version.h"
 
 namespace q3 {
 

@@ -5,6 +5,7 @@
 #include "common/text/text.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/game_check.h"
+#include "q3map2/global_settings.h"
 
 #include <glib.h>
 
@@ -13,8 +14,6 @@
 namespace q3 {
 
 namespace {
-
-constexpr int kMaxThreads = 64, kMaxDrawSurfaces = 1 << 24;
 
 std::string WithSlashes(std::string path) {
     std::replace(path.begin(), path.end(), '\\', '/');
@@ -27,27 +26,22 @@ void AddUnique(std::vector<std::string> &list, std::string value) {
         list.push_back(std::move(value));
 }
 
-void TakeList(Arguments &arguments, std::string_view name, std::vector<std::string> &list) {
-    while (const auto value = arguments.TakeValue(name))
-        AddUnique(list, *value);
+/// Slashes instead of backslashes, and every path once.
+void Normalize(std::vector<std::string> &list) {
+    std::vector<std::string> unique;
+    for (std::string &path : list)
+        AddUnique(unique, std::move(path));
+    list = std::move(unique);
 }
 
-void TakeHelp(Arguments &arguments, GlobalOptions &options) {
-    const std::vector<std::string> &words = arguments.Rest();
-    for (std::size_t i = 0; i < words.size(); ++i)
-        for (const std::string_view name : {"-help", "--help", "-h"})
-            if (EqualNoCase(words[i], name))
-                options.help = i + 1 < words.size() ? words[i + 1] : "";
-}
-
-void TakeGame(Arguments &arguments, GlobalOptions &options, Log &log) {
+void ChooseGame(GlobalOptions &options, Log &log) {
     options.game = FindGame("quake3");
-    while (const auto name = arguments.TakeValue("-game")) {
-        if (const Game *game = FindGame(*name)) {
+    for (const std::string &name : options.games) {
+        if (const Game *game = FindGame(name)) {
             options.game = game;
             continue;
         }
-        ReportUnknownGame(*name, options, log);
+        ReportUnknownGame(name, options, log);
     }
 }
 
@@ -82,37 +76,12 @@ std::string HomeRoot(const GlobalOptions &options) {
 
 GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log) {
     GlobalOptions options;
-    TakeHelp(arguments, options);
-    if (options.help) {
-        options.game = FindGame("quake3");
-        return options;
-    }
-    while (const auto address = arguments.TakeValue("-connect"))
-        options.connect = *address;
-    options.verbose = arguments.TakeFirstFlag("-v");
+    TakeSettings(GlobalSettings(), options, arguments, log);
     log.SetVerbose(options.verbose);
-    options.force = arguments.TakeFlag("-force");
-    while (const auto threads = arguments.TakeValue("-threads"))
-        options.threads = std::clamp(IntegerFromText(*threads), 0, kMaxThreads);
-    while (const auto value = arguments.TakeValue("-subdivisions"))
-        options.subdivisions = std::max(1, IntegerFromText(*value));
-    while (const auto value = arguments.TakeValue("-maxmapdrawsurfs"))
-        options.maxDrawSurfaces = std::abs(std::max(-kMaxDrawSurfaces, IntegerFromText(*value)));
-    TakeGame(arguments, options, log);
-    TakeList(arguments, "-fs_forbiddenpath", options.forbidden);
-    TakeList(arguments, "-fs_basepath", options.basePaths);
-    TakeList(arguments, "-fs_game", options.gameDirs);
-    while (const auto value = arguments.TakeValue("-fs_basegame"))
-        options.baseGame = *value;
-    while (const auto value = arguments.TakeValue("-fs_home"))
-        options.home = *value;
-    while (const auto value = arguments.TakeValue("-fs_homebase"))
-        options.homeBase = *value;
-    while (const auto value = arguments.TakeValue("-fs_homepath")) {
-        options.home = *value;
-        options.homeBase = ".";
-    }
-    TakeList(arguments, "-fs_pakpath", options.pakPaths);
+    ChooseGame(options, log);
+    for (std::vector<std::string> *list :
+         {&options.forbidden, &options.basePaths, &options.gameDirs, &options.pakPaths})
+        Normalize(*list);
     return options;
 }
 

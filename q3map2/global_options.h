@@ -6,6 +6,7 @@
 #include "common/jobs.h"
 #include "common/log.h"
 #include "q3map2/bspfile/bspfile.h"
+#include "q3map2/map/bsp_options.h"
 #include "q3map2/shader/games.h"
 
 #include <filesystem>
@@ -15,14 +16,18 @@
 
 namespace q3 {
 
+/// Declared in global_settings.cpp.
 struct GlobalOptions {
     const Game *game = nullptr;
     bool verbose = false;
     bool force = false;
-    int threads = 0;                                  ///< 0: one per hardware thread
-    std::optional<int> subdivisions, maxDrawSurfaces; ///< of the bsp stage
-    std::string connect;                              ///< address of the editor, empty without one
-    std::optional<std::string> help;                  ///< topic, possibly empty
+    bool version = false;
+    int threads = 0;                                    ///< 0: one per hardware thread
+    int subdivisions = BspOptions{}.subdivisions;       ///< of the bsp stage
+    int maxDrawSurfaces = BspOptions{}.maxDrawSurfaces; ///< of the bsp stage
+    std::string connect;                                ///< address of the editor, empty without one
+    std::optional<std::string> help;                    ///< topic, possibly empty
+    std::vector<std::string> games;                     ///< every -game, in order
     std::vector<std::string> basePaths, gameDirs, pakPaths, forbidden;
     std::optional<std::string> baseGame, home, homeBase;
 
@@ -31,7 +36,8 @@ struct GlobalOptions {
     }
 };
 
-/// Takes the global options off `arguments`. An unknown -game is an Error, with -force a warning.
+/// Takes the global options off `arguments`. Errors: those of TakeSettings, and an unknown -game, which is a warning with
+/// -force.
 GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log);
 
 /// Game folders in the order in which they win: mods before the base game, home before base paths, -fs_pakpath last.

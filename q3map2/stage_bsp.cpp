@@ -1,13 +1,15 @@
 // GPL-2.0-or-later. q3map2 [-bsp]: a map source in, CompileMap, files out.
 #include "common/error.h"
 #include "common/files/files.h"
+#include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/command_record.h"
 #include "q3map2/game_check.h"
 #include "q3map2/geometry/compile_map.h"
 #include "q3map2/geometry/game_entities.h"
 #include "q3map2/geometry/map_text.h"
 #include "q3map2/map/map_parse.h"
-#include "q3map2/stages.h"
+#include "q3map2/run_report.h"
+#include "q3map2/stage_words.h"
 #include "q3map2/tree/flood.h"
 
 namespace q3 {
@@ -21,10 +23,19 @@ void WriteText(const fs::path &path, const std::string &text, Log &log) {
     ReplaceFile(path, std::as_bytes(std::span(text.data(), text.size())));
 }
 
-/// The map source that the word names. `.map` unless it is a region, or entities for -onlyents.
-fs::path SourcePath(const std::string &file, const BspOptions &options) {
+/// The map source that the word names. `.map` unless it is a region, or entities for -onlyents. Errors: a .bsp that may
+/// have been meant for another stage, or that has no source.
+fs::path SourcePath(const std::string &file, const BspOptions &options, bool stageGiven) {
     const fs::path path = fs::absolute(file);
     const std::string extension = LowerCase(path.extension().string());
+    const bool hasSource = fs::exists(WithExtension(path, ".map")) || !options.tempName.empty();
+    if (extension == ".bsp" && !stageGiven)
+        throw Error("{} is a compiled map, which the bsp stage would replace; name a stage: -bsp compiles {}, -light "
+                    "lights it, -vis computes what can be seen",
+                    path.string(), WithExtension(path, ".map").filename().string());
+    if (extension == ".bsp" && !hasSource)
+        throw Error("{} is a compiled map and has no map source beside it: {} does not exist", path.string(),
+                    WithExtension(path, ".map").string());
     if (extension == ".reg" || (extension == ".ent" && options.onlyEntities))
         return path;
     return WithExtension(path, ".map");
@@ -46,11 +57,6 @@ Map ReadSource(const fs::path &source, const BspOptions &options, const BspConte
     return ReadMap({reinterpret_cast<const char *>(bytes.data()), bytes.size()}, file.string(), context);
 }
 
-void WarnOfUnknownOptions(const Arguments &arguments, Log &log) {
-    for (const std::string &word : arguments.Rest())
-        log.Warn("unknown option", "Unknown option \"{}\"", word);
-}
-
 void WriteFiles(const fs::path &source, const CompiledMap &compiled, const BspContext &context,
                 const BspFormat &format) {
     Log &log = context.log;
@@ -68,9 +74,8 @@ void WriteFiles(const fs::path &source, const CompiledMap &compiled, const BspCo
 
 BspOptions TakeOptions(const StageContext &context, Arguments &arguments) {
     BspOptions options = ParseBspOptions(arguments, *context.options.game, context.log);
-    options.subdivisions = context.options.subdivisions.value_or(options.subdivisions);
-    options.maxDrawSurfaces = context.options.maxDrawSurfaces.value_or(options.maxDrawSurfaces);
-    WarnOfUnknownOptions(arguments, context.log);
+    options.subdivisions = context.options.subdivisions;
+    options.maxDrawSurfaces = context.options.maxDrawSurfaces;
     return options;
 }
 
@@ -84,9 +89,25 @@ ShaderOptions ShadersFor(const BspOptions &options) {
     return shader;
 }
 
+/// What the map is made of.
+void PrintCounts(const Bsp &bsp, Log &log) {
+    log.Count((long long)(ParseEntities(bsp.entities, "the entities").size()), "entities");
+    log.Count((long long)(bsp.models.size()), "models");
+    log.Count((long long)(bsp.brushes.size()), "brushes");
+    log.Count((long long)(bsp.planes.size()), "planes");
+    log.Count((long long)(bsp.nodes.size()), "nodes");
+    log.Count((long long)(bsp.leafs.size()), "leafs");
+    log.Count((long long)(bsp.drawSurfaces.size()), "draw surfaces");
+    log.Count((long long)(bsp.drawVerts.size()), "vertices");
+    log.Count((long long)(bsp.drawIndexes.size() / 3), "triangles");
+    log.Count((long long)(bsp.shaders.size()), "shaders");
+    log.Count((long long)(bsp.fogs.size()), "fogs");
+}
+
 void CompileToFiles(const fs::path &source, Map &map, const std::vector<std::string> &recorded,
                     const BspContext &context, const BspFormat &format) {
     Entity &world = map.World().pairs;
+    PrintChangedKeys(world, keys::kWorldKeys, "worldspawn", context.log);
     RecordCommand(world, "-bsp", recorded);
     if (context.options.keepLights)
         world.Set("_keepLights", "1");
@@ -94,20 +115,22 @@ void CompileToFiles(const fs::path &source, Map &map, const std::vector<std::str
         world.Set("_keepModels", "1");
     if (context.options.fakeMap)
         WriteText(fs::absolute("fakemap.map"), FakeMapText(map.World(), map.planes), context.log);
-    WriteFiles(source, CompileMap(map, context), context, format);
+    const CompiledMap compiled = CompileMap(map, context);
+    if (!compiled.abandoned && !context.options.autoCaulk)
+        PrintCounts(compiled.bsp, context.log);
+    WriteFiles(source, compiled, context, format);
 }
 
 } // namespace
 
 int BspStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
-    const std::string file = arguments.TakeLast();
-    if (file.empty())
-        throw Error("usage: q3map2 [global options] [-bsp] [options] maps/x.map");
+    const std::vector<std::string> given = arguments.Rest();
     log.Section("BSP");
-    const std::vector<std::string> recorded = arguments.Rest();
     const BspOptions options = TakeOptions(context, arguments);
-    const fs::path source = SourcePath(file, options);
+    const StageFile file = TakeFile(context, arguments, given);
+    PrintChangedOptions(arguments, log);
+    const fs::path source = SourcePath(file.file, options, context.stageGiven);
     const BspFormat format = context.options.Format();
     const auto folders = GameFolders(context.options, context.words, context.program);
     if (!options.onlyEntities)
@@ -126,7 +149,7 @@ int BspStage(const StageContext &context, Arguments arguments) {
         ReplaceEntities(bsp, map, bspContext);
         WriteBspFile(path, bsp, format, log);
     } else {
-        CompileToFiles(source, map, recorded, bspContext, format);
+        CompileToFiles(source, map, file.recorded, bspContext, format);
     }
     if (!options.tempName.empty())
         fs::remove(fs::absolute(options.tempName));

@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. q3map2 -light: files in, LightWorld, file out.
 #include "common/error.h"
+#include "q3map2/bspfile/light_keys.h"
 #include "q3map2/command_record.h"
 #include "q3map2/convert/preview/grid_preview.h"
 #include "q3map2/game_check.h"
@@ -7,7 +8,8 @@
 #include "q3map2/lightmap/light_world.h"
 #include "q3map2/lightmap/store/lightmap_pages.h"
 #include "q3map2/lightmap/store/lightmap_scripts.h"
-#include "q3map2/stages.h"
+#include "q3map2/run_report.h"
+#include "q3map2/stage_words.h"
 
 namespace q3 {
 
@@ -17,13 +19,8 @@ struct PagesFiles {
     std::filesystem::path bsp, folder;
 };
 
-PagesFiles FindPages(const StageContext &context, Arguments &arguments, std::string_view stage) {
-    const std::string file = arguments.TakeLast();
-    if (file.empty())
-        throw Error("usage: q3map2 [global options] {} maps/x.bsp", stage);
-    for (const std::string &word : arguments.Rest())
-        context.log.Warn("unknown argument", "Unknown argument \"{}\"", word);
-    const auto bsp = WithExtension(std::filesystem::absolute(file), ".bsp");
+PagesFiles FindPages(const StageContext &context, Arguments &arguments) {
+    const auto bsp = WithExtension(std::filesystem::absolute(TakeFile(context, arguments, {}).file), ".bsp");
     return {bsp, WithExtension(bsp, "")};
 }
 
@@ -31,15 +28,13 @@ PagesFiles FindPages(const StageContext &context, Arguments &arguments, std::str
 
 int LightStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
-    const std::string file = arguments.TakeLast();
-    if (file.empty())
-        throw Error("usage: q3map2 [global options] -light [options] maps/x.bsp");
+    const std::vector<std::string> given = arguments.Rest();
     log.Section("Light");
-    const std::vector<std::string> recorded = arguments.Rest();
     const LightOptions options = ParseLightOptions(arguments, *context.options.game, log);
     const LightmapOptions lightmap = ParseLightmapOptions(arguments, options, *context.options.game, log);
-    WarnOfUnknown(arguments, log);
-    const auto bspPath = WithExtension(std::filesystem::absolute(file), ".bsp");
+    const StageFile file = TakeFile(context, arguments, given);
+    PrintChangedOptions(arguments, log);
+    const auto bspPath = WithExtension(std::filesystem::absolute(file.file), ".bsp");
 
     const auto folders = GameFolders(context.options, context.words, context.program);
     RequireGameFiles(context.options, folders, log);
@@ -48,6 +43,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
     const LightInputs inputs = ReadLightInputs(bspPath, log);
+    PrintChangedKeys(ParseEntities(bsp.entities, inputs.name).front(), keys::kWorldLightKeys, "worldspawn", log);
     if (!lightmap.onlyGrid)
         RemoveMipmapHints(inputs.name, bsp);
 
@@ -58,7 +54,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const JobPool jobs(context.options.threads);
     log.Count(jobs.Threads(), "threads");
     LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);
-    RecordCommand(bsp, "-light", inputs.name, recorded);
+    RecordCommand(bsp, "-light", inputs.name, file.recorded);
     if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump && !format.advertisements && format.version == 46)
         log.Print("The SH grid makes this a version 47 file, which engines without SH support refuse; -shbspx keeps "
                   "version 46\n");
@@ -78,14 +74,14 @@ int LightStage(const StageContext &context, Arguments arguments) {
 }
 
 int ExportStage(const StageContext &context, Arguments arguments) {
-    const PagesFiles files = FindPages(context, arguments, "-export");
+    const PagesFiles files = FindPages(context, arguments);
     const Bsp bsp = ReadBspFile(files.bsp, context.options.Format(), context.log);
     ExportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log);
     return 0;
 }
 
 int ImportStage(const StageContext &context, Arguments arguments) {
-    const PagesFiles files = FindPages(context, arguments, "-import");
+    const PagesFiles files = FindPages(context, arguments);
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(files.bsp, format, context.log);
     ImportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log);

@@ -1,9 +1,10 @@
 // GPL-2.0-or-later. q3map2 -vis: the .bsp and its .prt in, visibility data into the .bsp.
 #include "common/error.h"
-#include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/command_record.h"
-#include "q3map2/stages.h"
-#include "q3map2/vis/vis.h"
+#include "q3map2/run_report.h"
+#include "q3map2/stage_words.h"
+#include "q3map2/vis/vis_options.h"
 
 #include <algorithm>
 #include <system_error>
@@ -12,38 +13,18 @@ namespace q3 {
 
 namespace {
 
-struct VisSwitches {
-    VisOptions options;
-    bool savePrt = false, histogram = false;
-};
-
-VisSwitches ParseVisOptions(Arguments &arguments, Log &log) {
-    VisSwitches switches;
-    VisOptions &options = switches.options;
-    const auto take = [&](std::string_view name, bool &to) {
-        if (!arguments.TakeFlag(name))
-            return;
-        to = true;
-        log.Print("{} = true\n", name == "-fast" ? "fastvis" : LowerCase(name.substr(1)));
-    };
-    take("-fast", options.fast);
-    take("-merge", options.merge);
-    take("-mergeportals", options.mergePortals);
-    take("-nopassage", options.noPassage);
-    take("-passageOnly", options.passageOnly);
-    take("-nosort", options.noSort);
-    take("-saveprt", switches.savePrt);
-    take("-hint", options.keepHints);
-    take("-plain", options.plain);
-    options.merge |= options.keepHints;
-    options.passageOnly &= !options.noPassage;
-    if (arguments.TakeFlag("-v")) {
-        switches.histogram = true;
-        log.Print("Extra verbose mode enabled\n");
-    }
-    for (const std::string &word : arguments.Rest())
-        log.Warn("unknown argument", "Unknown option \"{}\"", word);
-    return switches;
+/// Errors: no file, with the likely reason and what to do.
+void CheckPrtExists(const std::filesystem::path &bspPath, const std::filesystem::path &prtPath) {
+    if (std::filesystem::exists(prtPath))
+        return;
+    const auto leakPath = WithExtension(bspPath, ".lin");
+    if (std::filesystem::exists(leakPath))
+        throw Error("{} is missing, because the map leaked: {} shows where, load it in the editor, close the leak and "
+                    "compile the map again",
+                    prtPath.string(), leakPath.string());
+    throw Error("{} is missing, which the bsp stage writes for a map without leaks, and -vis deletes: compile the map "
+                "again, and use -saveprt to run -vis more than once",
+                prtPath.string());
 }
 
 void CheckClusters(const Bsp &bsp, const std::filesystem::path &bspPath, const PortalFile &portals,
@@ -66,18 +47,18 @@ void RemovePrt(const std::filesystem::path &path, Log &log) {
 
 int VisStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
-    const std::string file = arguments.TakeLast();
-    if (file.empty())
-        throw Error("usage: q3map2 [global options] -vis [options] maps/x.bsp");
+    const std::vector<std::string> given = arguments.Rest();
     log.Section("Vis");
-    const std::vector<std::string> recorded = arguments.Rest();
-    VisSwitches switches = ParseVisOptions(arguments, log);
-    const auto bspPath = WithExtension(std::filesystem::absolute(file), ".bsp");
+    VisStageOptions options = ParseVisOptions(arguments, log);
+    const StageFile file = TakeFile(context, arguments, given);
+    PrintChangedOptions(arguments, log);
+    const auto bspPath = WithExtension(std::filesystem::absolute(file.file), ".bsp");
     const auto prtPath = WithExtension(bspPath, ".prt");
 
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
+    CheckPrtExists(bspPath, prtPath);
     log.Print("Loading {}\n", prtPath.string());
     const PortalFile portals = ReadPortalFile(prtPath);
     log.Print("{:6} portalclusters\n{:6} numportals\n{:6} numfaces\n", portals.clusters, portals.portals.size(),
@@ -88,15 +69,16 @@ int VisStage(const StageContext &context, Arguments arguments) {
     }
     CheckClusters(bsp, bspPath, portals, prtPath);
     const std::string name = bspPath.string();
-    RecordCommand(bsp, "-vis", name, recorded);
-    switches.options.farPlane = FarPlaneOf(ParseEntities(bsp.entities, name).front());
+    RecordCommand(bsp, "-vis", name, file.recorded);
+    const Entity world = ParseEntities(bsp.entities, name).front();
+    options.vis.farPlane = FarPlaneOf(world);
 
     const JobPool jobs(context.options.threads);
-    const Visibility visibility = ComputeVisibility(portals, prtPath.string(), switches.options, jobs, log);
-    PrintStatistics(visibility, switches.histogram, log);
+    const Visibility visibility = ComputeVisibility(portals, prtPath.string(), options.vis, jobs, log);
+    PrintStatistics(visibility, options.histogram, log);
     bsp.visibility = visibility.Lump();
     WriteBspFile(bspPath, bsp, format, log);
-    if (!switches.savePrt)
+    if (!options.savePrt)
         RemovePrt(prtPath, log);
     return 0;
 }

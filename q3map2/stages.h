@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/arguments.h"
+#include "common/settings.h"
 #include "q3map2/global_options.h"
 
 #include <filesystem>
@@ -10,15 +11,36 @@
 
 namespace q3 {
 
-inline constexpr std::string_view kVersion = "q3map2-sh 0.1.0";
+struct Stage;
 
 /// What a stage gets besides its arguments.
 struct StageContext {
     const GlobalOptions &options;
+    const Stage &stage;
+    bool stageGiven;                ///< false: no stage word, which means the bsp stage
     std::filesystem::path program;  ///< real path of the executable
     std::vector<std::string> words; ///< all words of the command line, to find the engine path in
     Log &log;
 };
+
+/// A word such as -light and what it starts.
+struct Stage {
+    std::string_view word;  ///< with its dash
+    std::string_view usage; ///< what follows "q3map2 "
+    std::string_view help;  ///< one sentence without its full stop
+    std::string_view intro; ///< for the documentation page
+    int (*run)(const StageContext &, Arguments);
+    std::vector<SettingSection> (*settings)(); ///< null: no options of its own
+
+    /// Names and aliases of its options and of those that every stage accepts.
+    std::vector<std::string> OptionNames() const;
+    bool HasOption(std::string_view word) const;
+};
+
+/// All stages; the first is the one that runs without a stage word.
+std::vector<Stage> Stages();
+/// The options that every stage accepts.
+std::vector<SettingSection> GlobalSections();
 
 // Each takes its options off `arguments`, whose stage word is gone already, and returns the exit status.
 int BspStage(const StageContext &context, Arguments arguments);
@@ -29,9 +51,6 @@ int ImportStage(const StageContext &context, Arguments arguments);
 int JsonStage(const StageContext &context, Arguments arguments);
 int InfoStage(const StageContext &context, Arguments arguments);
 int PreviewStage(const StageContext &context, Arguments arguments);
-
-/// -help: the text of a topic, or of all.
-void PrintUsage(std::string_view topic, Log &log);
 
 /// The path with its extension (if any) replaced.
 std::filesystem::path WithExtension(const std::filesystem::path &path, std::string_view extension);

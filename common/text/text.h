@@ -21,4 +21,9 @@ double NumberFromText(std::string_view text);
 /// The same for whole numbers; out of range is clamped.
 int IntegerFromText(std::string_view text);
 
+/// The finite number that the text is, as a whole: nothing before it but a sign, and nothing after it.
+std::optional<double> WholeNumber(std::string_view text);
+/// The same for whole numbers that fit an int.
+std::optional<int> WholeInteger(std::string_view text);
+
 } // namespace q3

@@ -2,9 +2,9 @@
 #include "q3map2/convert/bsp_info.h"
 
 #include "common/error.h"
-#include "q3map2/bspfile/bsp_tree.h"
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/grid_shares.h"
 
 #include <algorithm>
 #include <string>
@@ -23,39 +23,6 @@ constexpr std::string_view kConventionKey = "_q3map2_sh", kRadiance = "radiance"
 
 /// Sizes that the established table prints where they differ from the file: those of records with four light styles.
 constexpr std::size_t kWideBrushSide = 12, kWideSurface = 148, kWideVert = 80, kWideGridPoint = 30;
-
-/// SH points by place. Every point is one of the three.
-struct GridShares {
-    std::size_t lit = 0;      ///< in open space
-    std::size_t filled = 0;   ///< in solid, with light taken from neighbours
-    std::size_t darkVoid = 0; ///< in solid, all zero
-};
-
-bool InSolid(const Bsp &bsp, const Float3 &position) {
-    return bsp.leafs[std::size_t(LeafAt(bsp, Vec3f(position)))].cluster < 0;
-}
-
-bool IsZero(const bspGridPointSH_t &point) {
-    return std::ranges::all_of(point.coeffs, [](const Float3 &rgb) { return rgb == Float3{}; });
-}
-
-GridShares CountShares(const Bsp &bsp, const LightGridSH &grid) {
-    const bspGridSHHeader_t &head = grid.header;
-    const GridLayout layout{head.gridMins, head.gridSize, head.gridBounds};
-    GridShares shares;
-    std::size_t index = 0;
-    for (int z = 0; z < head.gridBounds[2]; z++)
-        for (int y = 0; y < head.gridBounds[1]; y++)
-            for (int x = 0; x < head.gridBounds[0]; x++, index++) {
-                if (!InSolid(bsp, layout.Position(x, y, z)))
-                    shares.lit++;
-                else if (IsZero(grid.points[index]))
-                    shares.darkVoid++;
-                else
-                    shares.filled++;
-            }
-    return shares;
-}
 
 /// Prints the table of one file.
 class InfoTable {
@@ -131,14 +98,15 @@ class InfoTable {
             head.gridBounds[0] - 1, head.gridBounds[1] - 1, head.gridBounds[2] - 1);
         Note("cells of {} x {} x {} units, {} x {} x {} points", head.gridSize[0], head.gridSize[1], head.gridSize[2],
              head.gridBounds[0], head.gridBounds[1], head.gridBounds[2]);
-        Note("from ( {} {} {} ) to ( {} {} {} )", head.gridMins[0], head.gridMins[1], head.gridMins[2], last[0],
-             last[1], last[2]);
+        const auto shown = [](float value) { return value + 0.0f; }; // no "-0"
+        Note("from ( {} {} {} ) to ( {} {} {} )", shown(head.gridMins[0]), shown(head.gridMins[1]),
+             shown(head.gridMins[2]), shown(last[0]), shown(last[1]), shown(last[2]));
         Note("stored in {}", bsp_.gridSHContainer == GridSHContainer::Lump ? "lump 18" : "BSPX lump LIGHTGRID_SH");
         const std::vector<Entity> entities = Entities();
         const bool radiance = !entities.empty() && entities[0].Value(kConventionKey) == kRadiance;
         Note("coefficients are {}", radiance ? "radiance, not convolved (-shradiance)" : "cosine-convolved");
-        const GridShares shares = CountShares(bsp_, grid);
-        Share(shares.lit, "lit points", grid.points.size());
+        const GridShares shares = CountGridShares(bsp_, grid);
+        Share(shares.open, "lit points", grid.points.size());
         Share(shares.filled, "filled points", grid.points.size());
         Share(shares.darkVoid, "void points", grid.points.size());
         log_.Print("\n");

@@ -2,6 +2,7 @@
 #include "q3map2/geometry/compile_map.h"
 
 #include "common/error.h"
+#include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/geometry/effects/debug_portals.h"
 #include "q3map2/geometry/effects/decals.h"
 #include "q3map2/geometry/effects/derived_surfaces.h"
@@ -75,7 +76,7 @@ Sealing MapCompiler::Seal(Tree &tree, bool warn) {
                     "needs one, such as info_player_start, and not in a solid",
                     map_.name);
     const Entity &world = map_.World().pairs;
-    if (world.Flag("_ignoreleaks") || world.Flag("ignoreleaks"))
+    if (keys::kIgnoreLeaks.Flag(world))
         sealing = Sealing::Sealed;
     if (sealing == Sealing::Sealed)
         FillOutside(tree, context_);

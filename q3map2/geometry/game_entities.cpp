@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Entities of the map source as the game gets them.
 #include "q3map2/geometry/game_entities.h"
 #include "common/text/text.h"
+#include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/geometry/compile_map.h"
 
 #include <algorithm>
@@ -65,7 +66,7 @@ void NumberModels(Map &map, const BspContext &context) {
 
 std::string GameEntities(const Map &map, const BspOptions &options) {
     const Entity &world = map.entities.front().pairs;
-    const bool keepLights = options.keepLights || world.Flag("_keepLights");
+    const bool keepLights = options.keepLights || keys::kKeepLights.Flag(world);
     const bool keepModels = options.keepModels || world.Flag("_keepModels");
     std::vector<Entity> kept;
     for (const MapEntity &entity : map.entities) {

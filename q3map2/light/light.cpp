@@ -2,6 +2,8 @@
 #include "q3map2/light/light.h"
 
 #include "common/error.h"
+#include "q3map2/bspfile/grid_shares.h"
+#include "q3map2/bspfile/light_keys.h"
 #include "q3map2/light/grid/gridsh_dering.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/scene/light_space.h"
@@ -19,7 +21,12 @@ bool IsLight(const Entity &entity) {
 /// Entities with the lights that count: those of the .map source when there is one, since compilers strip them from the
 /// .bsp; else what the .bsp kept.
 std::vector<Entity> EntitiesWithLights(std::vector<Entity> entities, const LightInputs &inputs, Log &log) {
-    const bool kept = entities.front().Flag("_keepLights");
+    const bool kept = keys::kKeepLights.Flag(entities.front());
+    WarnOfBadKeys(entities.front(), 0, keys::kWorldLightKeys, log);
+    const std::vector<Entity> &sources = inputs.mapEntities && !kept ? *inputs.mapEntities : entities;
+    for (std::size_t i = 0; i < sources.size(); ++i)
+        if (IsLight(sources[i]))
+            WarnOfBadKeys(sources[i], i, keys::kLightKeys, log);
     if (inputs.mapEntities && !kept) {
         std::erase_if(entities, IsLight);
         std::copy_if(inputs.mapEntities->begin(), inputs.mapEntities->end(), std::back_inserter(entities), IsLight);
@@ -157,7 +164,12 @@ LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     log.Count(culled, "lights culled");
     const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
     LightGridSH grid = TraceGridSH(in, layout, lights, stats);
-    stats.Print(log, log.IsVerbose());
+    GridStats shown = stats; // points counted as -info counts them in the file, not by where they were lit from
+    const GridShares shares = CountGridShares(setup.bsp, grid);
+    shown.open = std::int64_t(shares.open);
+    shown.filled = std::int64_t(shares.filled);
+    shown.moved = 0;
+    shown.Print(log, log.IsVerbose());
     if (options.shDering) {
         const DeringStats changed = DeringGridSH(grid, options.shRadiance, jobs);
         log.Count(changed.points, "points rid of negative lobes");

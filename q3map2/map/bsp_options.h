@@ -10,7 +10,7 @@
 
 namespace q3 {
 
-/// See docs/options.md, "bsp". Lengths in game units.
+/// Declared, with units and ranges, in bsp_settings.cpp.
 struct BspOptions {
     bool meta = false, patchMeta = false;
     int sampleSize = 16, minSampleSize = 0;
@@ -35,15 +35,17 @@ struct BspOptions {
     std::vector<std::string> globalFlags; ///< surfaceparm names of -globalflag
     bool rename = false;
     bool customInfoParms = false;
-    bool sRgbColor = false; ///< colours of shaders are sRGB
+    bool sRgbColor = false;                 ///< colors of shaders are sRGB
+    std::vector<std::string> withoutEffect; ///< given options that change nothing
     bool autoCaulk = false, verboseEntities = false, fakeMap = false;
-    bool debugSurfaces = false, debugInset = false, debugPortals = false, debugClip = false;
+    bool debugSurfaces = false, debugInset = false, debugPortals = false;
     std::string tempName; ///< -tempname: the map text is read from here and the file deleted afterwards
     int subdivisions = 8; ///< curve tolerance
     int maxDrawSurfaces = 131072;
 };
 
-/// Takes the options of the bsp stage off `arguments`; what the game's table says is the default.
+/// Takes the options of the bsp stage off `arguments`; what the game's table says is the default. Errors: those of
+/// TakeSettings.
 BspOptions ParseBspOptions(Arguments &arguments, const Game &game, Log &log);
 
 } // namespace q3

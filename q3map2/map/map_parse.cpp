@@ -2,6 +2,7 @@
 #include "q3map2/map/map_parse.h"
 
 #include "common/error.h"
+#include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/map/index_map.h"
 #include "q3map2/map/map_bevels.h"
 #include "q3map2/map/map_brush.h"
@@ -273,14 +274,15 @@ void MapReader::DropAreaPortals(MapEntity &entity) const {
 }
 
 void MapReader::ApplyPatchKeys(MapEntity &entity) const {
-    const auto key = [&](std::initializer_list<std::string_view> names) {
-        const std::string_view own = entity.pairs.Value(names);
-        const bool asWorld = EqualNoCase(entity.pairs.ClassName(), "func_group") && !map_.entities.empty();
-        return std::string(own.empty() && asWorld ? map_.entities.front().pairs.Value(names) : own);
+    if (!entity.brushes.empty() || !entity.patches.empty())
+        WarnOfBadKeys(entity.pairs, std::size_t(entity.number), keys::kSurfaceKeys, context_.log);
+    const bool asWorld = EqualNoCase(entity.pairs.ClassName(), "func_group") && !map_.entities.empty();
+    const auto owner = [&](const EntityKey &key) -> const Entity & {
+        return asWorld && !key.Given(entity.pairs) ? map_.entities.front().pairs : entity.pairs;
     };
-    const bool meta = context_.options.patchMeta || key({"_patchMeta", "patchMeta"}).starts_with('1');
-    const int subdivide = IntegerFromText(key({"_patchSubdivide", "patchSubdivide"}));
-    const int quality = IntegerFromText(key({"_patchQuality", "patchQuality"}));
+    const bool meta = context_.options.patchMeta || keys::kPatchMeta.Flag(owner(keys::kPatchMeta));
+    const int subdivide = keys::kPatchSubdivide.Integer(owner(keys::kPatchSubdivide));
+    const int quality = keys::kPatchQuality.Integer(owner(keys::kPatchQuality));
     int subdivisions = std::max(subdivide, 0);
     if (quality > 0)
         subdivisions = std::max(1, (subdivide > 0 ? subdivide : context_.options.subdivisions) / quality);
@@ -295,12 +297,14 @@ void MapReader::FinishWorld(const MapEntity &world) {
     if (!EqualNoCase(world.pairs.ClassName(), "worldspawn"))
         context_.log.Warn("first entity", "{}: the first entity is '{}', expected worldspawn; it is taken as the world",
                           map_.name, Shown(world.pairs.ClassName()));
-    const std::string_view cel = world.pairs.Value("_celshader");
+    WarnOfBadKeys(world.pairs, 0, keys::kWorldKeys, context_.log);
+    WarnOfBadKeys(world.pairs, 0, keys::kWorldLightKeys, context_.log);
+    const std::string_view cel = keys::kCelShader.Text(world.pairs);
     if (!cel.empty())
         map_.defaultCelShader = &context_.shaders.Get(fmt::format("textures/{}", cel));
     else if (!options.celShader.empty())
         map_.defaultCelShader = &context_.shaders.Get(options.celShader);
-    std::string_view text = world.pairs.Value({"_blocksize", "blocksize", "chopsize"});
+    std::string_view text = keys::kBlockSize.Text(world.pairs);
     std::vector<int> sizes;
     while (sizes.size() < 3) {
         const std::optional<double> number = TakeNumber(text);

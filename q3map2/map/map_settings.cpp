@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Keys that all surfaces of an entity share.
 #include "q3map2/map/map_settings.h"
 
+#include "q3map2/bspfile/surface_keys.h"
+
 #include <algorithm>
 
 namespace q3 {
@@ -10,16 +12,11 @@ namespace {
 constexpr float kMaxColor = 1e6f; // far over any light, and no overflow in products
 
 Vec3f AmbientOf(const Entity &pairs) {
-    const float ambient = std::clamp(float(pairs.Number({"_ambient", "ambient"})), -kMaxColor, kMaxColor);
-    Vec3f color = pairs.Vector({"_color"}).value_or(Vec3f{1, 1, 1});
+    const float ambient = std::clamp(float(keys::kAmbient.Number(pairs)), -kMaxColor, kMaxColor);
+    Vec3f color = keys::kWorldColor.Vector(pairs).value_or(Vec3f{1, 1, 1});
     for (std::size_t i = 0; i < 3; ++i)
         color[i] = std::clamp(color[i], -kMaxColor, kMaxColor);
     return color * ambient;
-}
-
-int WholeNumber(const Entity &pairs, std::initializer_list<std::string_view> keys, int fallback) {
-    const std::string_view text = pairs.Value(keys);
-    return text.empty() ? fallback : IntegerFromText(text);
 }
 
 } // namespace
@@ -29,18 +26,16 @@ SurfaceSettings SettingsOf(const MapEntity &entity, const Map &map, const BspCon
     const bool isWorld = entity.number == 0;
     SurfaceSettings settings;
     settings.entity = entity.number;
-    settings.castShadows =
-        WholeNumber(pairs, {"_castShadows", "_cs"}, isWorld || EqualNoCase(pairs.ClassName(), "func_group") ? 1 : 0);
-    settings.receiveShadows = WholeNumber(pairs, {"_receiveShadows", "_rs"}, 1);
-    settings.sampleSize = std::max(0, WholeNumber(pairs, {"_lightmapsamplesize", "_samplesize", "_ss"}, 0));
-    settings.lightmapScale =
-        std::clamp(float(pairs.Number({"lightmapscale", "_lightmapscale", "_ls"})), 0.0f, kMaxColor);
-    settings.shadeAngle =
-        std::clamp(float(pairs.Number({"_shadeangle", "_smoothnormals", "_sn", "_sa", "_smooth"})), 0.0f, 360.0f);
+    const bool casts = isWorld || EqualNoCase(pairs.ClassName(), "func_group");
+    settings.castShadows = keys::kCastShadows.Integer(pairs, casts ? 1 : 0);
+    settings.receiveShadows = keys::kReceiveShadows.Integer(pairs);
+    settings.sampleSize = keys::kSampleSize.Integer(pairs);
+    settings.lightmapScale = float(keys::kLightmapScale.Number(pairs, 0));
+    settings.shadeAngle = float(keys::kShadeAngle.Number(pairs));
     settings.ambient = AmbientOf(pairs);
     if (settings.ambient == Vec3f{} && !isWorld && !map.entities.empty())
         settings.ambient = AmbientOf(map.entities.front().pairs);
-    const std::string_view cel = pairs.Value("_celshader");
+    const std::string_view cel = keys::kCelShader.Text(pairs);
     settings.celShader = cel.empty() ? map.defaultCelShader : &context.shaders.Get(fmt::format("textures/{}", cel));
     return settings;
 }

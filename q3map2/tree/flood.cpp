@@ -3,6 +3,7 @@
 
 #include "common/files/files.h"
 #include "common/text/text.h"
+#include "q3map2/bspfile/surface_keys.h"
 
 #include <algorithm>
 #include <span>
@@ -88,7 +89,7 @@ Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, boo
     }
     const MapEntity &world = map.entities.front();
     const bool leaked = tree.outside >= 0 && tree.nodes[std::size_t(tree.outside)].occupied != 0;
-    const bool ignored = world.pairs.Value({"_ignoreleaks", "ignoreleaks"}).starts_with('1');
+    const bool ignored = keys::kIgnoreLeaks.Flag(world.pairs);
     return leaked && !ignored ? Sealing::Leaked : Sealing::Sealed;
 }
 

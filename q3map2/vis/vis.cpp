@@ -2,6 +2,7 @@
 #include "q3map2/vis/vis.h"
 
 #include "common/text/text.h"
+#include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/vis/vis_map.h"
 
 #include <algorithm>
@@ -110,7 +111,7 @@ void MakeSymmetric(BitTable &rows, std::size_t clusters) {
 } // namespace
 
 FarPlane FarPlaneOf(const Entity &world) {
-    const std::string_view value = world.Value({"_farplanedist", "fogclip", "distancecull"});
+    const std::string_view value = keys::kFarPlaneDist.Text(world);
     FarPlane farPlane;
     farPlane.distance = std::max(0.0, NumberFromText(value));
     if (value.ends_with('o'))
@@ -166,7 +167,7 @@ void PrintStatistics(const Visibility &visibility, bool histogram, Log &log) {
     std::map<int, int> clustersOf;
     double total = 0, squares = 0;
     for (int c = 0; c < visibility.clusters; ++c) {
-        const int count = visibility.Count(c) + 1;
+        const int count = visibility.Count(c);
         clustersOf[count]++;
         total += count;
         squares += double(count) * count;
@@ -180,7 +181,7 @@ void PrintStatistics(const Visibility &visibility, bool histogram, Log &log) {
     log.Print("Total clusters: {}\nTotal visible clusters: {:.0f}\n", visibility.clusters, total);
     log.Print("Average clusters visible: {:.2f} ({:.3f}%/total)\n", average, 100 * average / all);
     const auto line = [&](std::string_view what, std::string_view value, double number) {
-        log.Print("  {}: {} ({:.3f}%/total, {:.3f}%/avg)\n", what, value, 100 * number / all, 100 * number / average);
+        log.Print("  {}: {} ({:.3f}%/total)\n", what, value, 100 * number / all);
     };
     line("Standard deviation", fmt::format("{:.2f}", deviation), deviation);
     line("Minimum", fmt::format("{}", least), least);

@@ -62,8 +62,8 @@ struct Visibility {
 Visibility ComputeVisibility(const PortalFile &file, std::string_view name, const VisOptions &options,
                              const JobPool &jobs, Log &log);
 
-/// Prints total, average, deviation, minimum and maximum of visible clusters; with `histogram` also the number of
-/// clusters for each count. Counts are one too high, as in the logs of other map compilers, for comparison.
+/// Prints total, average, deviation, minimum and maximum of visible clusters, in which each cluster counts itself; with
+/// `histogram` how many see how many. Percentages are of all clusters.
 void PrintStatistics(const Visibility &visibility, bool histogram, Log &log);
 
 } // namespace q3

@@ -145,15 +145,17 @@ TEST_F(LightmapOptionsTest, GamesHaveTheirDefaults) {
 }
 
 TEST_F(LightmapOptionsTest, ValuesWithoutMeaningAreDefaults) {
-    const LightmapOptions o = Parse("-dirtdepth 0 -dirtscale -1 -dirtgain x -dirtmode 7 -thresh -2 -brightness -1");
-    EXPECT_EQ((std::array{o.dirtDepth, o.dirtScale, o.dirtGain, o.threshold, o.brightness}),
-              (std::array{128.0f, 1.0f, 1.0f, 1.0f, 1.0f}));
+    const LightmapOptions o = Parse("-dirtdepth 0 -dirtscale -1 -dirtmode 7 -thresh -2 -brightness -1");
+    EXPECT_EQ((std::array{o.dirtDepth, o.dirtScale, o.threshold, o.brightness}),
+              (std::array{128.0f, 1.0f, 1.0f, 1.0f}));
+    EXPECT_EQ(log.log.WarningCount("value out of range"), 5);
     EXPECT_FALSE(o.dirtRandom);
 }
 
 TEST_F(LightmapOptionsTest, NumbersOutOfRangeFail) {
     for (const auto *text : {"-super 9", "-super 0", "-samples 0", "-samples 65", "-bounce -1", "-bounce x -super x",
-                             "-samplessearchboxsize 5", "-samplesize 0", "-bounce"})
+                             "-samplessearchboxsize 5", "-samplesize 0", "-bounce", "-dirtgain x", "-dirtgain 1.5x",
+                             "-bounce 2.5", "-thresh nan", "-brightness inf", "-novertex 2", "-lightmapdir -dark"})
         EXPECT_THROW(Parse(text), Error) << text;
 }
 

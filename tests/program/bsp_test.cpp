@@ -103,7 +103,7 @@ TEST_F(BspTest, TemporarySourceIsDeleted) {
 
 TEST_F(BspTest, UnknownOptionIsAWarning) {
     WriteMap(MapSource("room.map"));
-    EXPECT_TRUE(RunWell("-frobnicate " + Room("").string()).Printed("Unknown option \"-frobnicate\""));
+    EXPECT_TRUE(RunWell("-bsp -frobnicate " + Room("").string()).Printed("Unknown option \"-frobnicate\""));
 }
 
 TEST_F(BspTest, BrokenSourceLeavesTheOldMap) {

@@ -199,13 +199,6 @@ TEST_F(ProgramTest, UnknownOptionsWarnAndGoOn) {
     EXPECT_TRUE(RunWell("-json -zork -unpack MAP").Printed("Unknown argument \"-zork\""));
 }
 
-TEST_F(ProgramTest, HelpListsTheStages) {
-    const Outcome outcome = RunWell("-help");
-    for (const char *stage : {"-light", "-export", "-import", "-json", "-info", "-shpreview"})
-        EXPECT_TRUE(outcome.Printed(stage)) << stage;
-    EXPECT_TRUE(RunWell("-help light").Printed("-gridscalesh"));
-}
-
 } // namespace
 
 } // namespace q3::test

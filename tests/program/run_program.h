@@ -16,7 +16,7 @@ struct Outcome {
     int status = -1;  ///< exit status; -1 when a signal ended it
     std::string text; ///< standard output and standard error
     bool Printed(std::string_view part) const { return text.find(part) != std::string::npos; }
-    /// The lines after the error header; empty when there was no error.
+    /// The lines after the error header but those of every run's end; empty when there was no error.
     std::vector<std::string> ErrorLines() const;
 };
 

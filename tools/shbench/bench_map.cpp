@@ -2,6 +2,7 @@
 #include "tools/shbench/bench_map.h"
 
 #include "common/error.h"
+#include "common/settings.h"
 
 #include <algorithm>
 #include <cstdio>

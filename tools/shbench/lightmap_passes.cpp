@@ -2,6 +2,7 @@
 #include "tools/shbench/lightmap_passes.h"
 
 #include "common/error.h"
+#include "common/settings.h"
 #include "q3map2/lightmap/light_world.h"
 #include "tools/shbench/report.h"
 

@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/light_keys.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,7 +72,7 @@ Vec3f LightOn(const LegacySample &sample, const Vec3f &normal) {
 
 std::optional<LegacyPreview> LegacyPreview::Make(const Bsp &bsp) {
     LegacyPreview preview;
-    const auto given = World(bsp).Vector({"gridsize"});
+    const auto given = keys::kGridSize.Vector(World(bsp));
     const Float3 size = given ? Float3{given->x, given->y, given->z} : kDefaultGridSize;
     try {
         preview.layout_ = LayoutGrid(bsp.models[0].mins, bsp.models[0].maxs, size);

@@ -2,6 +2,7 @@
 #include "q3map2/geometry/effects/fog.h"
 
 #include "common/error.h"
+#include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/geometry/effects/fog_patch.h"
 #include "q3map2/geometry/faces/brush_faces.h"
 
@@ -171,7 +172,7 @@ std::vector<MapFog> CollectFogs(const Map &map, const BspContext &context, int &
             fogs.push_back({shader, int(e), int(b), direction ? SideAgainst(brushes[b], map.planes, *direction) : -1});
         }
     }
-    if (const std::string_view name = map.entities.front().pairs.Value({"_fog", "fog"}); !name.empty()) {
+    if (const std::string_view name = keys::kFog.Text(map.entities.front().pairs); !name.empty()) {
         const ShaderInfo &shader = context.shaders.Get(name);
         if (!shader.geometry.hasFogParms)
             throw Error(

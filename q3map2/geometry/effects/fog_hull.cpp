@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. The box that the world key _foghull puts around the map.
 #include "q3map2/geometry/effects/fog_hull.h"
 
+#include "q3map2/bspfile/surface_keys.h"
+
 #include <array>
 #include <string>
 
@@ -12,7 +14,7 @@ constexpr float kFogHullDistance = 128; ///< game units
 } // namespace
 
 void MakeFogHull(const Map &map, Geometry &geometry, const BspContext &context) {
-    const std::string_view name = map.entities.front().pairs.Value("_foghull");
+    const std::string_view name = keys::kFogHull.Text(map.entities.front().pairs);
     if (name.empty())
         return;
     Boundsf bounds;

@@ -6,6 +6,8 @@
 #include "q3map2/geometry/models/model_skin.h"
 #include "q3map2/map/map_settings.h"
 
+#include "q3map2/bspfile/surface_keys.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -17,16 +19,16 @@ namespace {
 constexpr double kToRadians = std::numbers::pi / 180;
 
 Vec3d ScaleOf(const Entity &pairs) {
-    if (const auto scale = pairs.Vector({"modelscale_vec"}))
+    if (const auto scale = keys::kModelScaleVec.Vector(pairs))
         return Vec3d(*scale);
-    const double scale = pairs.Number({"modelscale"}, 1);
+    const double scale = keys::kModelScale.Number(pairs);
     return scale == 0 ? Vec3d{1, 1, 1} : Vec3d{scale, scale, scale};
 }
 
 Vec3d AnglesOf(const Entity &pairs) {
-    if (const auto angles = pairs.Vector({"angles"}))
+    if (const auto angles = keys::kAngles.Vector(pairs))
         return Vec3d(*angles);
-    return {0, pairs.Number({"angle"}), 0};
+    return {0, keys::kAngle.Number(pairs), 0};
 }
 
 /// The same settings as for brushes, but a model casts shadows as what it belongs to does.
@@ -35,8 +37,8 @@ SurfaceSettings ModelSettings(const MapEntity &entity, const MapEntity &target, 
     SurfaceSettings settings = SettingsOf(entity, map, context);
     const bool world = &target == &map.entities.front();
     settings.entity = target.number;
-    settings.castShadows = int(entity.pairs.Number({"_castShadows", "_cs"}, world ? 1 : 0));
-    settings.receiveShadows = int(entity.pairs.Number({"_receiveShadows", "_rs"}, 1));
+    settings.castShadows = keys::kCastShadows.Integer(entity.pairs, world ? 1 : 0);
+    settings.receiveShadows = keys::kReceiveShadows.Integer(entity.pairs);
     return settings;
 }
 
@@ -130,13 +132,14 @@ std::optional<ModelPlacement> PlacementOf(const MapEntity &entity, const MapEnti
         return {};
     }
     placement.who = entity.Who();
-    placement.frame = std::max(0, int(entity.pairs.Number({"_frame", "frame"})));
+    WarnOfBadKeys(entity.pairs, std::size_t(entity.number), keys::kModelKeys, context.log);
+    placement.frame = keys::kFrame.Integer(entity.pairs);
     const bool world = &target == &map.entities.front();
     const Vec3d origin = Vec3d(entity.origin) - (world ? Vec3d{} : Vec3d(target.origin));
     placement.transform = MakeModelTransform(ScaleOf(entity.pairs), AnglesOf(entity.pairs), origin);
     placement.settings = ModelSettings(entity, target, map, context);
     placement.flags = unsigned(IntegerFromText(entity.pairs.Value("spawnflags")));
-    placement.clipDepth = entity.pairs.Number({"_clipdepth"}, context.options.clipDepth);
+    placement.clipDepth = keys::kClipDepth.Number(entity.pairs, context.options.clipDepth);
     placement.shaders = ShaderMapOf(entity, placement.name, context);
     placement.fogNum = geometry.defaultFog;
     return placement;

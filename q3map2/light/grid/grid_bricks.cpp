@@ -186,10 +186,10 @@ void RunGridBricks(const GridInputs &in, const GridBricks &bricks, GridStats &st
 
 void GridStats::Print(Log &log, bool verbose) const {
     log.Count(open, "points in the open");
-    if (moved + filled > 0) {
-        log.Count(moved, "points in solids lit from the nearest open place");
-        log.Count(filled, "points in solids filled from neighbours");
-    }
+    if (moved > 0)
+        log.Count(moved, "points in solids lit from the nearest open position");
+    if (filled > 0)
+        log.Count(filled, "points in solids filled from neighbors");
     log.Count((long long)(counts.rays), "rays");
     if (!verbose)
         return;

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The legacy light grid.
 #include "q3map2/light/grid/light_grid.h"
 
+#include "q3map2/bspfile/light_keys.h"
 #include "q3map2/light/grid/grid_bricks.h"
 #include "q3map2/light/tone/light_tone.h"
 
@@ -354,7 +355,7 @@ void GridBlocks::AddOthers(std::size_t block, GridStats &work) {
 } // namespace
 
 GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {
-    const Vec3f wanted = world.Vector({"gridsize"}).value_or(Vec3f{64, 64, 128});
+    const Vec3f wanted = keys::kGridSize.Vector(world).value_or(Vec3f{64, 64, 128});
     Float3 size{};
     for (std::size_t i = 0; i < 3; ++i)
         size[i] = std::max(kMinCell, std::floor(wanted[i]));

@@ -30,6 +30,7 @@ struct SkipOptions {
     bool coarse = false; ///< rays of dim lights where neighbours all see the same; of fast grids alone
 };
 
+/// Declared, with units, ranges and help, in light_settings.cpp.
 struct LightOptions {
     // Intensities, already multiplied by their defaults.
     float pointScale = 7500, spotScale = 7500, areaScale = 0.25f, skyScale = 1;
@@ -61,19 +62,18 @@ struct LightOptions {
     bool shError = false;  ///< compare the grid with exact light and say how far it is off
     float gridScaleSH = 2;
     std::optional<Vec3f> gridSizeSH;
-    int shFit = 0;       ///< fit all points to so many samples a cell; 0: those in solids only
-    bool shFill = true;  ///< fit points in solids; else fill from neighbours alone
-    float shSamples = 1; ///< factor of the number of rays
+    int shFit = 0;                       ///< fit all points to so many samples a cell; 0: those in solids only
+    bool shFill = true;                  ///< fit points in solids; else fill from neighbours alone
+    float shSamples = 1;                 ///< factor of the number of rays
+    std::optional<float> givenShSamples; ///< -shsamples
     SkipOptions skip;
 
-    std::string previewFile; ///< -shpreview
+    std::string previewFile;                ///< -shpreview
+    std::vector<std::string> withoutEffect; ///< given options that change nothing
 };
 
 /// Takes the options of the grids, and those that the grids share with lightmaps, off `arguments`. Errors: Error, for
 /// values out of range. Words that it does not know stay.
 LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log);
-
-/// Names every word that is left over, in one warning each. After all parsers have taken theirs.
-void WarnOfUnknown(const Arguments &arguments, Log &log);
 
 } // namespace q3

@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/text/text.h"
+#include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/light/scene/light_patch.h"
 
 #include <algorithm>
@@ -132,18 +133,14 @@ struct ModelOwner {
     float lightmapScale = 0; // 0: unset
 };
 
-int WholeNumber(const Entity &entity, std::initializer_list<std::string_view> keys, int fallback) {
-    return int(std::clamp(entity.Number(keys, fallback), -1e9, 1e9));
-}
-
 ModelOwner OwnerFrom(const std::vector<Entity> &entities, std::size_t number, int castShadows) {
     const Entity &entity = entities[number];
-    return {number == 0 ? Vec3f{} : entity.Vector({"origin"}).value_or(Vec3f{}),
+    return {number == 0 ? Vec3f{} : keys::kOrigin.Vector(entity).value_or(Vec3f{}),
             int(number),
-            WholeNumber(entity, {"_castShadows", "_cs"}, castShadows),
-            WholeNumber(entity, {"_receiveShadows", "_rs"}, 1),
-            int(std::clamp(entity.Number({"_lightmapsamplesize", "_samplesize", "_ss"}), 0.0, double(kMaxSampleSize))),
-            float(std::clamp(entity.Number({"lightmapscale", "_lightmapscale", "_ls"}), 0.0, double(kMaxSampleSize)))};
+            keys::kCastShadows.Integer(entity, castShadows),
+            keys::kReceiveShadows.Integer(entity),
+            keys::kSampleSize.Integer(entity),
+            float(std::min(keys::kLightmapScale.Number(entity, 0), double(kMaxSampleSize)))};
 }
 
 /// Owner of each model: the first entity, and for inline models the entity with "model" "*n".

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Lights that mappers place as entities, and the light keys of the world.
 #include "common/error.h"
 #include "libs/math/low_discrepancy.h"
+#include "q3map2/bspfile/light_keys.h"
 #include "q3map2/light/sources/light_sources.h"
 #include "q3map2/light/sources/light_suns.h"
 
@@ -12,12 +13,9 @@ namespace q3 {
 
 namespace {
 
-/// Larger intensities overflow float once squared distances divide them. Far over any that a map can use.
-constexpr float kMaxIntensity = 1e9f;
+constexpr auto kMaxIntensity = float(keys::kMaxIntensity);
 /// Limit of world keys, for the same reason.
 constexpr float kMaxWorldFactor = 1e6f;
-constexpr int kMaxSamples = 4096;
-constexpr double kMaxFilterRadius = 65536; ///< game units
 /// Lights farther out than this are not in any map. Game units.
 constexpr float kMaxCoordinate = 262144;
 constexpr std::uint64_t kSeedJitter = 0x4C69676874ull;
@@ -31,15 +29,11 @@ std::string Label(const Entity &entity) {
     return fmt::format("{} at \"{}\"", entity.ClassName(), entity.Value("origin"));
 }
 
-int SpawnFlags(const Entity &entity) {
-    return int(std::clamp(entity.Number({"spawnflags"}), -1e9, 1e9));
-}
-
 float Intensity(const Entity &entity, Log &log) {
-    double intensity = entity.Number({"_light", "light"}, 300);
+    double intensity = keys::kLight.Number(entity);
     if (intensity == 0)
-        intensity = 300;
-    if (const double scale = entity.Number({"scale"}); scale != 0)
+        intensity = keys::kLight.initial;
+    if (const double scale = keys::kScale.Number(entity); scale != 0)
         intensity *= scale;
     if (!(std::abs(intensity) <= kMaxIntensity)) {
         log.Warn("light intensity", "{}: intensity {:g} is limited to {:g}", Label(entity), intensity, kMaxIntensity);
@@ -49,37 +43,36 @@ float Intensity(const Entity &entity, Log &log) {
 }
 
 int Style(const Entity &entity) {
-    const double style = entity.Number({"_style", "style"});
-    if (!(style >= 0 && style <= 254))
-        throw Error("{}: style {} is not in 0..254", Label(entity), entity.Value({"_style", "style"}));
-    return int(style);
+    if (!keys::kStyle.InRange(entity))
+        throw Error("{}: style {} is not in 0..254", Label(entity), keys::kStyle.Text(entity));
+    return keys::kStyle.Integer(entity);
 }
 
 Light LightFromKeys(const Entity &entity, const LightOptions &options, Log &log) {
     Light light;
-    const int flags = SpawnFlags(entity);
+    const int flags = keys::kSpawnFlags.Integer(entity);
     light.linear = ((flags & 1) != 0) != options.wolfLighting;
     light.angle = ((flags & 3) == 0) != options.wolfLighting;
     light.grid = (flags & 16) == 0;
     if (EqualNoCase(entity.ClassName(), "lightJunior"))
         light.grid = true, light.surfaces = false;
     light.alwaysFast = true;
-    light.origin = entity.Vector({"origin"}).value_or(Vec3f{});
-    light.color = DecodeColor(entity.Vector({"_color"}).value_or(Vec3f{1, 1, 1}), options.shader.sRgbColor);
+    light.origin = keys::kOrigin.Vector(entity).value_or(Vec3f{});
+    light.color = DecodeColor(keys::kColor.Vector(entity).value_or(Vec3f{1, 1, 1}), options.shader.sRgbColor);
     if ((flags & 32) == 0)
         light.color = NormalizeColor(light.color);
-    light.fade = float(entity.Number({"fade"}, 1));
+    light.fade = float(keys::kFade.Number(entity));
     if (light.fade == 0)
         light.fade = 1;
-    light.extraDist = float(std::max(0.0, entity.Number({"_extradist"}, options.extraDist)));
-    light.angleScale = float(std::clamp(entity.Number({"_anglescale"}), -1e6, 1e6));
+    light.extraDist = float(keys::kExtraDist.Number(entity, options.extraDist));
+    light.angleScale = float(keys::kAngleScale.Number(entity));
     light.angle = light.angle || light.angleScale != 0;
-    light.filterRadius =
-        float(std::clamp(entity.Number({"_filterradius", "_filteradius", "_filter"}), 0.0, kMaxFilterRadius));
+    light.filterRadius = float(keys::kFilterRadius.Number(entity));
     light.style = Style(entity);
     light.photons = Intensity(entity, log);
     if (!IsFinite(light.color) || MaxComponent(Max(light.color, -light.color)) > kMaxIntensity) {
-        log.Warn("light colour", "{}: _color {} is out of range, white is used", Label(entity), entity.Value("_color"));
+        log.Warn("light colour", "{}: _color {} is out of range, white is used", Label(entity),
+                 keys::kColor.Text(entity));
         light.color = {1, 1, 1};
     }
     return light;
@@ -102,18 +95,18 @@ void Aim(Light &light, const Entity &entity, const Vec3f &target, const LightOpt
     float distance = Length(target - light.origin);
     if (distance == 0)
         distance = 64;
-    double radius = entity.Number({"radius"}, 64);
+    double radius = keys::kRadius.Number(entity);
     if (radius == 0)
-        radius = 64;
-    light.radiusByDist = (float(std::clamp(radius, -1e6, 1e6)) + 16) / distance;
+        radius = keys::kRadius.initial;
+    light.radiusByDist = (float(radius) + 16) / distance;
     light.photons *= options.spotScale;
 }
 
 void AddEntityLights(const Entity &entity, std::size_t number, const std::vector<Entity> &entities,
                      const LightOptions &options, std::vector<Light> &lights, Log &log) {
     Light light = LightFromKeys(entity, options, log);
-    const int samples = int(std::clamp(entity.Number({"_samples"}, 1), 1.0, double(kMaxSamples)));
-    const float deviance = float(std::clamp(entity.Number({"_deviance", "_deviation", "_jitter"}), 0.0, 1e6));
+    const int samples = keys::kSamples.Integer(entity);
+    const float deviance = float(keys::kDeviance.Number(entity));
     if (MaxComponent(Max(light.origin, -light.origin)) > kMaxCoordinate) {
         log.Warn("light origin", "{} is outside any map, it is dropped", Label(entity));
         return;
@@ -121,13 +114,13 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
     light.photons /= float(samples);
     light.tolerance = options.tolerance / float(samples);
 
-    const std::string_view target = entity.Value("target");
+    const std::string_view target = keys::kTarget.Text(entity);
     const Entity *aimedAt = target.empty() ? nullptr : FindTarget(entities, target);
     if (!target.empty() && !aimedAt)
         log.Warn("light target", "{}: target \"{}\" does not exist, the light has no direction", Label(entity), target);
-    const Vec3f targetOrigin = aimedAt ? aimedAt->Vector({"origin"}).value_or(Vec3f{}) : Vec3f{};
+    const Vec3f targetOrigin = aimedAt ? keys::kOrigin.Vector(*aimedAt).value_or(Vec3f{}) : Vec3f{};
 
-    if (aimedAt && entity.Number({"_sun"}) != 0) {
+    if (aimedAt && keys::kSun.Number(entity) != 0) {
         SunDirective sun{.direction = Normalize(light.origin - targetOrigin),
                          .color = light.color,
                          .photons = light.photons,
@@ -162,26 +155,24 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
 
 WorldLight ReadWorldLight(const Entity &world, const LightOptions &options) {
     WorldLight result;
-    Vec3f color = world.Vector({"_color"}).value_or(Vec3f{1, 1, 1});
+    Vec3f color = keys::kWorldColor.Vector(world).value_or(Vec3f{1, 1, 1});
     if (color == Vec3f{})
         color = {1, 1, 1};
     color = DecodeColor(color, options.shader.sRgbColor);
     color = Max(Min(color, Vec3f{kMaxWorldFactor, kMaxWorldFactor, kMaxWorldFactor}),
                 -Vec3f{kMaxWorldFactor, kMaxWorldFactor, kMaxWorldFactor});
-    const auto scaled = [&](std::initializer_list<std::string_view> keys) {
-        return color * float(std::clamp(world.Number(keys), -double(kMaxWorldFactor), double(kMaxWorldFactor)));
-    };
-    result.ambient = scaled({"_ambient", "ambient"});
-    result.minLight = scaled({"_minlight"});
-    result.minGrid = world.Has("_mingridlight") ? scaled({"_mingridlight"}) : result.minLight;
-    result.minVertex = world.Has("_minvertexlight") ? scaled({"_minvertexlight"}) : result.minLight;
-    if (world.Has("_maxlight"))
-        result.maxLight = float(std::clamp(world.Number({"_maxlight"}), 0.0, 255.0));
-    result.noShaderSun = world.Flag("_noshadersun");
-    if (world.Has("_floodlight")) {
+    const auto scaled = [&](const EntityKey &key) { return color * float(key.Number(world)); };
+    result.ambient = scaled(keys::kAmbient);
+    result.minLight = scaled(keys::kMinLight);
+    result.minGrid = keys::kMinGridLight.Given(world) ? scaled(keys::kMinGridLight) : result.minLight;
+    result.minVertex = keys::kMinVertexLight.Given(world) ? scaled(keys::kMinVertexLight) : result.minLight;
+    if (keys::kMaxLight.Given(world))
+        result.maxLight = float(keys::kMaxLight.Number(world));
+    result.noShaderSun = keys::kNoShaderSun.Flag(world);
+    if (keys::kFloodlight.Given(world)) {
         result.hasFloodlight = true;
         double v[6] = {0, 0, 0, 0, 0, -1};
-        std::string_view text = world.Value("_floodlight");
+        std::string_view text = keys::kFloodlight.Text(world);
         for (double &value : v) {
             const std::optional<double> number = TakeNumber(text);
             if (!number)

@@ -16,6 +16,7 @@ namespace q3 {
 /// What luxels show instead of light; spec of debug modes.
 enum class DebugView { Light, Surfaces, Axis, Cluster, Origin, Dirt, NormalMap };
 
+/// Declared, with units, ranges and help, in lightmap_settings.cpp.
 struct LightmapOptions {
     bool onlyGrid = false; ///< -onlygrid: lightmaps and vertex colours stay as they are
 
@@ -55,11 +56,14 @@ struct LightmapOptions {
     float brightness = 1;
     float approximate = 0; ///< -approx: byte tolerance; 0: off
     std::array<int, 2> pageSize{128, 128}, gamePageSize{128, 128};
+    std::vector<int> lightmapSize, hackSize; ///< -lightmapsize, -extlmhacksize as given; empty: not given
     bool external = false;
     std::string externalFolder; ///< -lightmapdir
     bool deluxe = false, deluxeTangent = false;
     bool collapse = true, fastAllocate = true;
-    int searchBlock = 0; ///< pages; 0: all
+    int searchBlock = 0;            ///< pages; 0: all
+    std::optional<int> searchPower; ///< -lightmapsearchpower
+    bool noSearch = false;          ///< -nolightmapsearch
     bool fill = false, fillPink = false;
     bool exportPages = false, triangleSoup = false;
     bool sRgbTexture = false;

@@ -1,0 +1,125 @@
+// GPL-2.0-or-later. Settings declared once.
+#include "common/settings.h"
+
+#include "common/error.h"
+#include "common/text/text.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/ranges.h>
+
+namespace q3 {
+
+namespace {
+
+bool IsNumber(std::string_view word, SettingKind kind) {
+    return kind == SettingKind::Integer ? WholeInteger(word).has_value() : WholeNumber(word).has_value();
+}
+
+/// What a message about a bad value expects.
+std::string Expected(const SettingInfo &info, SettingKind kind) {
+    const std::string range = info.range.Text();
+    std::string text = kind == SettingKind::Integer ? "a whole number" : "a number";
+    if (info.Required() > 1)
+        text = fmt::format("{} numbers", info.Required());
+    if (!range.empty())
+        text += " " + range;
+    if (!info.unit.empty())
+        text += fmt::format(" ({})", info.unit);
+    return text;
+}
+
+double CheckedNumber(const SettingInfo &info, SettingKind kind, std::string_view name, std::string_view word,
+                     Log &log) {
+    if (!IsNumber(word, kind))
+        throw Error("{} {}: expected {}", name, word, Expected(info, kind));
+    const double number = *WholeNumber(word);
+    if (info.range.Contains(number)) {
+        if (number < info.floor)
+            log.Warn("value under the minimum", "{} {}: the minimum is {:g}; {:g} is used", name, word, info.floor,
+                     info.floor);
+        return std::max(number, info.floor);
+    }
+    const double used = info.outside == OutOfRange::Clamp ? info.range.Clamp(number) : info.outsideValue;
+    if (info.outside == OutOfRange::Refuse)
+        throw Error("{} {}: expected {}", name, word, Expected(info, kind));
+    log.Warn("value out of range", "{} {}: expected {}; {:g} is used", name, word, Expected(info, kind), used);
+    return used;
+}
+
+void CheckChoice(const SettingInfo &info, std::string_view name, std::string &word, Log &log) {
+    for (std::size_t at = 0; at <= info.values.size();) {
+        const std::size_t end = std::min(info.values.find('|', at), info.values.size());
+        if (EqualNoCase(info.values.substr(at, end - at), word))
+            return;
+        at = end + 1;
+    }
+    if (info.outside == OutOfRange::Refuse)
+        throw Error("{} {}: expected {}", name, word, info.values);
+    const std::string used = fmt::format("{:g}", info.outsideValue);
+    log.Warn("value out of range", "{} {}: expected {}; {} is used", name, word, info.values, used);
+    word = used;
+}
+
+} // namespace
+
+std::string SettingText(bool value) {
+    return value ? "on" : "off";
+}
+
+std::string SettingText(double value) {
+    return fmt::format("{:.7g}", value);
+}
+
+std::string SettingText(int value) {
+    return fmt::format("{}", value);
+}
+
+std::string SettingText(const std::string &value) {
+    return value;
+}
+
+std::string SettingText(const std::vector<std::string> &values) {
+    return fmt::format("{}", fmt::join(values, " "));
+}
+
+void WarnWithoutEffect(const std::vector<std::string> &given, Log &log) {
+    if (!given.empty())
+        log.Warn("options without effect", "without effect: {}", fmt::join(given, " "));
+}
+
+SettingValues TakeOccurrence(const SettingInfo &info, SettingKind kind, Arguments &arguments, std::size_t at,
+                             Log &log) {
+    const std::string name = arguments.TakeAt(at);
+    const bool isText = kind == SettingKind::Text || kind == SettingKind::Choice;
+    SettingValues values;
+    while (values.words.size() < info.Most()) {
+        const bool required = values.words.size() < info.Required();
+        if (at >= arguments.Rest().size()) {
+            if (!required)
+                break;
+            throw Error("{} needs {}: {} {}; the command line ends before", name,
+                        info.Required() == 1 ? "a value" : fmt::format("{} values", info.Required()), info.name,
+                        info.values);
+        }
+        const std::string &next = arguments.Rest()[at];
+        if (!required && !isText && !IsNumber(next, kind))
+            break;
+        if (isText && required && next.size() > 1 && next.front() == '-' && !WholeNumber(next))
+            throw Error("{} needs a value: {} {}; found {}", name, info.name, info.values, next);
+        values.words.push_back(arguments.TakeAt(at));
+        if (!isText)
+            values.numbers.push_back(CheckedNumber(info, kind, name, values.words.back(), log));
+        else if (kind == SettingKind::Choice)
+            CheckChoice(info, name, values.words.back(), log);
+    }
+    return values;
+}
+
+void WarnOfUnknown(const Arguments &arguments, Log &log) {
+    for (const std::string &word : arguments.Rest())
+        log.Warn("unknown argument", "Unknown argument \"{}\"", word);
+}
+
+} // namespace q3

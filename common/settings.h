@@ -1,0 +1,167 @@
+// GPL-2.0-or-later. Settings declared once: parsing, ranges, help and documentation come from one table.
+#pragma once
+
+#include "common/arguments.h"
+#include "common/log.h"
+#include "common/setting_info.h"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace q3 {
+
+/// The values of one occurrence of an option, checked.
+struct SettingValues {
+    std::vector<std::string> words;
+    std::vector<double> numbers; ///< of the kinds Integer and Number
+};
+
+std::string SettingText(bool value);
+std::string SettingText(double value);
+std::string SettingText(int value);
+std::string SettingText(const std::string &value);
+std::string SettingText(const std::vector<std::string> &values);
+template <typename T> std::string SettingText(const std::optional<T> &value) {
+    return value ? SettingText(*value) : std::string();
+}
+
+/// Where the values of an option go: a field of `Options`, or a function.
+template <typename Options> class SettingTarget {
+  public:
+    /// A field: a pointer to a member, or a generic function from Options & to a reference.
+    template <typename Field> SettingTarget(Field field) {
+        using T = std::remove_cvref_t<std::invoke_result_t<Field, Options &>>;
+        apply = [field](Options &o, const SettingValues &values) { Assign(std::invoke(field, o), values); };
+        text = [field](const Options &o) { return SettingText(std::invoke(field, o)); };
+        kind = KindOf(static_cast<const T *>(nullptr));
+    }
+
+    std::function<void(Options &, const SettingValues &)> apply;
+    std::function<std::string(const Options &)> text; ///< the value now; empty function: not one field
+    SettingKind kind = SettingKind::Flag;             ///< by the type of the field
+
+    /// For Off and Do.
+    SettingTarget() = default;
+
+  private:
+    static SettingKind KindOf(const bool *) { return SettingKind::Flag; }
+    static SettingKind KindOf(const int *) { return SettingKind::Integer; }
+    static SettingKind KindOf(const float *) { return SettingKind::Number; }
+    static SettingKind KindOf(const double *) { return SettingKind::Number; }
+    static SettingKind KindOf(const std::string *) { return SettingKind::Text; }
+    static SettingKind KindOf(const std::vector<std::string> *) { return SettingKind::Text; }
+    template <typename T> static SettingKind KindOf(const std::optional<T> *) {
+        return KindOf(static_cast<const T *>(nullptr));
+    }
+
+    static void Assign(bool &field, const SettingValues &) { field = true; }
+    static void Assign(int &field, const SettingValues &values) { field = int(values.numbers.front()); }
+    static void Assign(float &field, const SettingValues &values) { field = float(values.numbers.front()); }
+    static void Assign(double &field, const SettingValues &values) { field = values.numbers.front(); }
+    static void Assign(std::string &field, const SettingValues &values) { field = values.words.front(); }
+    static void Assign(std::vector<std::string> &field, const SettingValues &values) {
+        field.push_back(values.words.front());
+    }
+    template <typename T> static void Assign(std::optional<T> &field, const SettingValues &values) {
+        Assign(field.emplace(), values);
+    }
+};
+
+/// One option of a stage. The field's value in default options is its documented default.
+template <typename Options> struct Setting {
+    SettingInfo info;
+    SettingTarget<Options> target;
+
+    SettingKind Kind() const { return info.kind != SettingKind::Flag ? info.kind : target.kind; }
+};
+
+/// Settings of a stage under one heading.
+template <typename Options> struct SettingGroup {
+    std::string_view title, intro;
+    std::vector<Setting<Options>> settings;
+};
+
+/// A flag that turns a field off.
+template <typename Options> SettingTarget<Options> Off(bool Options::*field) {
+    SettingTarget<Options> target;
+    target.apply = [field](Options &o, const SettingValues &) { o.*field = false; };
+    return target;
+}
+
+/// Anything else. The declaration says the kind and, if there is one, the default.
+template <typename Options> SettingTarget<Options> Do(std::function<void(Options &, const SettingValues &)> apply) {
+    SettingTarget<Options> target;
+    target.apply = std::move(apply);
+    return target;
+}
+
+/// An option of other versions that changes nothing here: its name is added to `given`, for WarnWithoutEffect.
+template <typename Options>
+Setting<Options> WithoutEffect(std::vector<std::string> Options::*given, std::string_view name, std::string_view help,
+                               std::string_view alias = {}) {
+    const auto note = [given, name](Options &o, const SettingValues &) { (o.*given).emplace_back(name); };
+    return {{.name = name, .aliases = {alias}, .help = help}, Do<Options>(note)};
+}
+/// One warning that names these options; none if there are none.
+void WarnWithoutEffect(const std::vector<std::string> &given, Log &log);
+
+/// Takes one occurrence, the word at `at` and its values, off `arguments`. Errors: Error, for missing values, text that
+/// is no number, and numbers out of range that the setting refuses.
+SettingValues TakeOccurrence(const SettingInfo &info, SettingKind kind, Arguments &arguments, std::size_t at, Log &log);
+
+/// Takes all settings of the table off `arguments`, which notes those whose value changes. Different settings act in
+/// the order of the table, repeated ones in the order of the command line. Errors: those of TakeOccurrence.
+template <typename Options>
+void TakeSettings(const std::vector<SettingGroup<Options>> &table, Options &options, Arguments &arguments, Log &log) {
+    std::vector<const Setting<Options> *> settings;
+    for (const SettingGroup<Options> &group : table)
+        for (const Setting<Options> &setting : group.settings)
+            settings.push_back(&setting);
+    std::vector<std::vector<SettingValues>> found(settings.size());
+    for (std::size_t at = 0; at < arguments.Rest().size();) {
+        std::size_t which = 0;
+        while (which < settings.size() && !(settings[which]->info.Names(arguments.Rest()[at]) &&
+                                            !(settings[which]->info.firstOnly && !found[which].empty())))
+            ++which;
+        if (which == settings.size())
+            ++at;
+        else
+            found[which].push_back(TakeOccurrence(settings[which]->info, settings[which]->Kind(), arguments, at, log));
+    }
+    for (std::size_t i = 0; i < settings.size(); ++i) {
+        const auto &target = settings[i]->target;
+        const std::string before = target.text ? target.text(options) : std::string();
+        for (const SettingValues &values : found[i])
+            target.apply(options, values);
+        if (!found[i].empty() && (!target.text || target.text(options) != before))
+            arguments.NoteChange(settings[i]->info.name, found[i].back().words,
+                                 settings[i]->info.initial.empty() ? before : std::string(settings[i]->info.initial));
+    }
+}
+
+/// What is printed about the settings of a table.
+template <typename Options>
+std::vector<SettingSection> Describe(const std::vector<SettingGroup<Options>> &table, const Options &initial = {}) {
+    std::vector<SettingSection> sections;
+    for (const SettingGroup<Options> &group : table) {
+        SettingSection &section = sections.emplace_back(SettingSection{group.title, group.intro, {}});
+        for (const Setting<Options> &setting : group.settings) {
+            SettingEntry entry{setting.info, std::string(setting.info.initial)};
+            entry.info.kind = setting.Kind();
+            if (entry.initial.empty() && setting.target.text)
+                entry.initial = setting.target.text(initial);
+            section.entries.push_back(std::move(entry));
+        }
+    }
+    return sections;
+}
+
+/// Names every word that is left over, in one warning each. After all tables have taken theirs.
+void WarnOfUnknown(const Arguments &arguments, Log &log);
+
+} // namespace q3

@@ -1,0 +1,20 @@
+// GPL-2.0-or-later. Options of the -json stage.
+#pragma once
+
+#include "common/arguments.h"
+#include "common/log.h"
+#include "common/settings.h"
+
+namespace q3 {
+
+struct JsonOptions {
+    bool pack = false, unpack = false;
+    bool useFlagNames = false, skipFlags = false;
+};
+
+/// The options of the -json stage, declared.
+std::vector<SettingGroup<JsonOptions>> JsonSettings();
+/// Takes them off `arguments`. Errors: -pack with -unpack.
+JsonOptions ParseJsonOptions(Arguments &arguments, Log &log);
+
+} // namespace q3

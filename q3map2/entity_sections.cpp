@@ -1,0 +1,27 @@
+// GPL-2.0-or-later. What is printed about the keys of entities.
+#include "q3map2/entity_sections.h"
+
+#include "q3map2/bspfile/surface_keys.h"
+
+namespace q3 {
+
+std::vector<SettingSection> EntitySections() {
+    return {DescribeKeys("Worldspawn: light",
+                         "The light stage writes `_q3map2_cmdline`, `_q3map2_version`, and `_q3map2_sh` with the value "
+                         "`radiance` after `-shradiance`.",
+                         keys::kWorldLightKeys),
+            DescribeKeys("Lights",
+                         "Every entity whose class name starts with `light`. A point light of intensity I gives "
+                         "7500 I / d² of 255 at distance d, at least 16; a linear one 0.9375 I − d `fade`. Entities of "
+                         "the class `lightJunior` shine on the grids only. `_anglescale`, `_filterradius` and "
+                         "spawnflag 2 have no meaning for grids.",
+                         keys::kLightKeys),
+            DescribeKeys("Worldspawn: bsp and vis", "", keys::kWorldKeys),
+            DescribeKeys("Entities with brushes or patches, and the world",
+                         "The bsp stage writes what these keys say to the `.srf`. The light stage reads the keys of a "
+                         "map without one; with a `.srf`, its `castShadows` counts where it is not 0.",
+                         keys::kSurfaceKeys),
+            DescribeKeys("misc_model", "", keys::kModelKeys)};
+}
+
+} // namespace q3

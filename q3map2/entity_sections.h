@@ -1,0 +1,15 @@
+// GPL-2.0-or-later. What is printed about the keys of entities.
+#pragma once
+
+#include "common/setting_info.h"
+
+namespace q3 {
+
+inline constexpr std::string_view kKeyRules =
+    "Key names are without case. Of several names of a key the first one present counts. Text that is no number, a "
+    "number with something after it, and a number out of range are warnings that name the entity and the key.";
+
+/// All declared keys, by kind of entity.
+std::vector<SettingSection> EntitySections();
+
+} // namespace q3

@@ -1,0 +1,170 @@
+// GPL-2.0-or-later. q3map2 -help.
+#include "q3map2/help.h"
+
+#include "common/error.h"
+#include "common/text/text.h"
+#include "q3map2/documentation.h"
+#include "q3map2/entity_sections.h"
+#include "q3map2/stages.h"
+#include "q3map2/version.h"
+
+#include <algorithm>
+#include <map>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::size_t kNameColumn = 26, kLineWidth = 100;
+
+/// Wraps words at the line width; every line but the first is indented.
+std::string Wrapped(std::string_view text, std::size_t indent, std::size_t column) {
+    std::string result;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = std::min(text.find(' ', at), text.size());
+        if (column + (end - at) > kLineWidth && column > indent) {
+            if (result.ends_with(' '))
+                result.pop_back();
+            result += "\n" + std::string(indent, ' ');
+            column = indent;
+        }
+        result += text.substr(at, end - at + 1);
+        column += end - at + 1;
+        at = end + 1;
+    }
+    return result;
+}
+
+/// "  -name VALUES          help (default, range)".
+std::string EntryLine(const SettingEntry &entry) {
+    std::string name = "  " + std::string(entry.info.name);
+    for (const std::string_view alias : entry.info.aliases)
+        if (!alias.empty())
+            name += fmt::format(", {}", alias);
+    if (!entry.info.values.empty())
+        name += fmt::format(" {}", entry.info.values);
+    std::string line = name.size() < kNameColumn ? name + std::string(kNameColumn - name.size(), ' ')
+                                                 : name + "\n" + std::string(kNameColumn, ' ');
+    return line + Wrapped(FullHelp(entry), kNameColumn, kNameColumn) + "\n";
+}
+
+std::string SectionText(const SettingSection &section) {
+    std::string text = fmt::format("\n{}\n", section.title);
+    if (!section.intro.empty())
+        text += Wrapped(WithoutMarkup(section.intro), 0, 0) + "\n";
+    for (const SettingEntry &entry : section.entries)
+        text += EntryLine(entry);
+    return text;
+}
+
+std::string StageText(const Stage &stage) {
+    std::string text = fmt::format("q3map2 {}\n{}.\n", stage.usage, stage.help);
+    if (!stage.intro.empty())
+        text += Wrapped(WithoutMarkup(stage.intro), 0, 0) + "\n";
+    if (stage.settings)
+        for (const SettingSection &section : stage.settings())
+            text += SectionText(section);
+    return text;
+}
+
+std::string GlobalText() {
+    std::string text;
+    for (const SettingSection &section : GlobalSections())
+        text += SectionText(section);
+    return text;
+}
+
+std::string KeysText() {
+    std::string text;
+    for (const SettingSection &section : EntitySections())
+        text += SectionText(section);
+    return text;
+}
+
+std::string Overview() {
+    std::string text = fmt::format("{}\nq3map2 [global options] STAGE [options] FILE\n\nStages\n", kVersion);
+    for (const Stage &stage : Stages())
+        text += fmt::format("  {:<44}{}\n", stage.usage, stage.help);
+    text +=
+        "\nq3map2 -help STAGE lists the options of a stage, -help OPTION explains one, -help keys lists the keys of\n"
+        "entities, -help all prints everything.\n";
+    return text + GlobalText();
+}
+
+std::string AllText() {
+    std::string text = Overview();
+    for (const Stage &stage : Stages())
+        text += fmt::format("\n{:-<80}\n{}", "", StageText(stage));
+    return text + fmt::format("\n{:-<80}\n{}", "", KeysText());
+}
+
+/// One option or key, by name with or without its dash, wherever it occurs.
+std::string SettingHelp(std::string_view topic) {
+    std::string text;
+    const auto add = [&](std::string_view owner, const std::vector<SettingSection> &sections) {
+        for (const SettingSection &section : sections)
+            for (const SettingEntry &entry : section.entries)
+                if (entry.info.Names(topic) || entry.info.Names(fmt::format("-{}", topic))) {
+                    text += fmt::format("{}, {}\n{}", owner, section.title, EntryLine(entry));
+                    if (!entry.info.details.empty())
+                        text += fmt::format("{:{}}{}\n", "", kNameColumn,
+                                            Wrapped(WithoutMarkup(entry.info.details), kNameColumn, kNameColumn));
+                }
+    };
+    add("every stage", GlobalSections());
+    for (const Stage &stage : Stages())
+        if (stage.settings)
+            add(stage.word, stage.settings());
+    add("entities", EntitySections());
+    return text;
+}
+
+std::string GamesText() {
+    std::string text;
+    for (const Game &game : Games())
+        text += fmt::format("  {}\n", game.name);
+    return text;
+}
+
+[[noreturn]] void FailUnknown(std::string_view topic, const std::vector<std::string> &topics) {
+    std::vector<std::string> names = topics;
+    for (const Stage &stage : Stages()) {
+        names.emplace_back(stage.word);
+        for (std::string &name : stage.OptionNames())
+            names.push_back(std::move(name));
+    }
+    for (const SettingSection &section : EntitySections())
+        for (const SettingEntry &entry : section.entries)
+            names.emplace_back(entry.info.name);
+    throw Error("-help {}: no such stage, option or key{}", topic, DidYouMean(topic, names));
+}
+
+} // namespace
+
+std::string HelpText(std::string_view topic) {
+    std::string_view bare = topic;
+    while (bare.starts_with('-'))
+        bare.remove_prefix(1);
+    if (bare.empty())
+        return Overview();
+    const std::map<std::string, std::string (*)()> pages = {
+        {"common", GlobalText},   {"keys", KeysText},         {"game", GamesText},
+        {"all", AllText},         {"markdown", MarkdownPage}, {"man", ManualPage},
+        {"bash", BashCompletion}, {"zsh", ZshCompletion},     {"fish", FishCompletion}};
+    if (const auto page = pages.find(LowerCase(bare)); page != pages.end())
+        return page->second();
+    std::string text;
+    for (const Stage &stage : Stages())
+        if (EqualNoCase(stage.word.substr(1), bare))
+            text += StageText(stage);
+    text += text.empty() || !SettingHelp(bare).empty() ? (text.empty() ? "" : "\n") + SettingHelp(bare) : "";
+    if (text.empty()) {
+        std::vector<std::string> topics;
+        for (const auto &[name, page] : pages)
+            topics.push_back(name);
+        FailUnknown(topic, topics);
+    }
+    return text;
+}
+
+} // namespace q3

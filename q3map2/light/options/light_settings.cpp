@@ -1,0 +1,372 @@
+// GPL-2.0-or-later. The options of lights and light grids, declared.
+#include "q3map2/light/options/light_settings.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+using Group = SettingGroup<LightOptions>;
+using Values = SettingValues;
+
+/// What -shfit takes without a number, and the most it takes.
+constexpr int kDefaultFit = 6, kMaxFit = 64;
+/// -gridsh: the format's smallest cell. Game units.
+constexpr double kMinCell = 8;
+
+/// An option by whose value `multiply` multiplies.
+template <typename Multiply>
+Setting<LightOptions> Factor(std::string_view name, std::string_view alias, std::string_view initial,
+                             std::string_view help, Multiply multiply) {
+    return {{.name = name,
+             .aliases = {alias},
+             .values = "F",
+             .kind = SettingKind::Number,
+             .initial = initial,
+             .help = help},
+            Do<LightOptions>([multiply](LightOptions &o, const Values &v) { multiply(o, float(v.numbers[0])); })};
+}
+
+Group GridSH() {
+    const auto cell = [](LightOptions &o, const Values &v) {
+        o.gridSizeSH = Vec3f{float(v.numbers[0]), float(v.numbers[1]), float(v.numbers[2])};
+    };
+    return {"SH light grid",
+            "",
+            {{{.name = "-sh",
+               .help = "Bake the SH light grid into lump 18 of a version 47 file",
+               .details = "Without it a relight drops an SH grid that the file had."},
+              &LightOptions::sh},
+             {{.name = "-shbspx",
+               .help = "Bake it into a BSPX lump of a version 46 file, which unmodified engines load; includes -sh"},
+              &LightOptions::shBspx},
+             {{.name = "-shradiance",
+               .help = "Store radiance instead of irradiance, for engines that convolve themselves; includes -sh"},
+              &LightOptions::shRadiance},
+             {{.name = "-gridscalesh",
+               .values = "F",
+               .range = {.low = 0, .aboveLow = true},
+               .help = "Points per axis relative to the legacy grid: 2 halves the cell of gridsize"},
+              &LightOptions::gridScaleSH},
+             {{.name = "-gridsh",
+               .values = "X Y Z",
+               .kind = SettingKind::Number,
+               .unit = "game units",
+               .initial = "gridsize divided by -gridscalesh",
+               .range = {.low = 0, .aboveLow = true},
+               .floor = kMinCell,
+               .help = "Size of a cell",
+               .details = "The smallest cell is 8; a smaller value becomes 8, with a warning."},
+              Do<LightOptions>(cell)}}};
+}
+
+Group QualityOfGridSH() {
+    const auto fit = [](LightOptions &o, const Values &v) {
+        o.shFit = v.numbers.empty() ? kDefaultFit : int(v.numbers[0]);
+    };
+    return {
+        "SH light grid: quality",
+        "",
+        {{{.name = "-shdering",
+           .help = "Remove negative lobes, the dark side that a strong light leaves",
+           .details =
+               "Where a channel of a point is below zero in some direction, its bands 1 and 2 become the nearest "
+               "values that are not; the mean and all other points stay. Interpolated values are then "
+               "nowhere negative either. Needs `-sh`, `-shbspx` or `-shradiance`."},
+          &LightOptions::shDering},
+         {{.name = "-sherror",
+           .help = "Compare the grid with exact light and print its error, after baking",
+           .details = "At 2000 random positions that a player can reach: the error of displayed light, the share of "
+                      "light leaks, and the cell size that would halve the error. Needs `-sh`, `-shbspx` or "
+                      "`-shradiance`."},
+          &LightOptions::shError},
+         {{.name = "-shfit",
+           .values = "[N]",
+           .kind = SettingKind::Integer,
+           .unit = "samples a cell",
+           .initial = "off; 6 without N",
+           .range = {1, kMaxFit},
+           .help = "Fit the points to N light samples in each cell by least squares: slower, more exact",
+           .details = "Samples are taken where players can be, more of them beside lamps. Takes about N times as long; "
+                      "[accuracy.md](accuracy.md) says what it gains. Needs `-sh`, `-shbspx` or `-shradiance`, and "
+                      "excludes `-noshfill`."},
+          Do<LightOptions>(fit)},
+         {{.name = "-noshfill", .help = "Fill points inside walls from their neighbors, without fitting them"},
+          Off(&LightOptions::shFill)},
+         {{.name = "-shsamples",
+           .values = "F",
+           .initial = "1; 1/16 with -fast",
+           .range = {1.0 / 64, 64},
+           .help = "Factor for the number of rays and samples"},
+          &LightOptions::givenShSamples},
+         {{.name = "-shpreview",
+           .values = "FILE.png",
+           .initial = "none",
+           .help = "Draw both light grids to a picture; needs -sh"},
+          &LightOptions::previewFile}}};
+}
+
+Group Skips() {
+    const auto skip = [](bool SkipOptions::*field) {
+        return Do<LightOptions>([field](LightOptions &o, const Values &) { o.skip.*field = false; });
+    };
+    const auto none = [](LightOptions &o, const Values &) {
+        o.skip = {.reach = false, .pvs = false, .faint = false, .moments = false, .probes = false, .coarse = false};
+    };
+    return {"Accelerations to switch off",
+            "Light that cannot matter is not computed. These switches compute it all the same, to measure what is "
+            "lost.",
+            {{{.name = "-noskip", .help = "Trace every light at every point: all of the following"},
+              Do<LightOptions>(none)},
+             {{.name = "-noskipreach", .help = "Trace lights that are out of reach or face away too"},
+              skip(&SkipOptions::reach)},
+             {{.name = "-noskippvs", .help = "Trace lights that visibility data hides too"}, skip(&SkipOptions::pvs)},
+             {{.name = "-noskipfaint",
+               .help = "Trace all faint lights instead of a random few",
+               .details = "Of both grids, and of surface lights in lightmaps."},
+              skip(&SkipOptions::faint)},
+             {{.name = "-noskipmoments", .help = "Integrate far surface lights exactly too (both grids)"},
+              skip(&SkipOptions::moments)},
+             {{.name = "-noskipprobes", .help = "Cast several rays to faint surface lights too"},
+              skip(&SkipOptions::probes)},
+             {{.name = "-noskipcoarse", .help = "With -fast or -fastgrid: cast rays to dim lights at every point"},
+              skip(&SkipOptions::coarse)}}};
+}
+
+Group Intensities() {
+    const auto backsplash = [](LightOptions &o, const Values &v) {
+        o.shader.backsplashScale *= float(v.numbers[0]);
+        o.shader.backsplashDistance = float(v.numbers[1]);
+    };
+    return {"Light intensities",
+            "Each factor multiplies, and multiplies again when it is repeated.",
+            {Factor("-scale", "", "1", "Factor of all lights",
+                    [](LightOptions &o, float f) {
+                        o.pointScale *= f, o.spotScale *= f, o.areaScale *= f, o.skyScale *= f;
+                    }),
+             Factor("-point", "-pointscale", "1, of 7500", "Factor of point lights and spotlights",
+                    [](LightOptions &o, float f) { o.pointScale *= f, o.spotScale *= f; }),
+             Factor("-spherical", "-sphericalscale", "1, of 7500", "Factor of point lights only",
+                    [](LightOptions &o, float f) { o.pointScale *= f; }),
+             Factor("-spot", "-spotscale", "1, of 7500", "Factor of spotlights only",
+                    [](LightOptions &o, float f) { o.spotScale *= f; }),
+             Factor("-area", "-areascale", "1, of 0.25", "Factor of surface lights (q3map_surfaceLight)",
+                    [](LightOptions &o, float f) { o.areaScale *= f; }),
+             Factor("-sky", "-skyscale", "1", "Factor of suns and sky light",
+                    [](LightOptions &o, float f) { o.skyScale *= f; }),
+             Factor("-gridscale", "", "by game, usually 1",
+                    "Factor of both light grids; a product of 0 or less counts as 1",
+                    [](LightOptions &o, float f) { o.gridScale *= f; }),
+             Factor("-gridambientscale", "", "by game, usually 1", "Factor of the ambient part of the legacy grid",
+                    [](LightOptions &o, float f) { o.gridAmbientScale *= f; }),
+             {{.name = "-backsplash",
+               .values = "F DIST",
+               .kind = SettingKind::Number,
+               .initial = "1 23",
+               .help = "Light that surface lights throw back on their own wall: factor, distance in game units",
+               .details = "The factor is of the default 5 %. A distance under −900 keeps the default. A shader's "
+                          "`q3map_backsplash` wins."},
+              Do<LightOptions>(backsplash)}}};
+}
+
+Group Falloff() {
+    const auto directed = [](LightOptions &o, const Values &v) {
+        o.gridDirectionality = float(v.numbers[0]);
+        o.gridAmbientDirectionality = std::min(o.gridAmbientDirectionality, o.gridDirectionality);
+    };
+    const auto ambient = [](LightOptions &o, const Values &v) {
+        o.gridAmbientDirectionality = float(v.numbers[0]);
+        o.gridDirectionality = std::max(o.gridDirectionality, o.gridAmbientDirectionality);
+    };
+    return {"Direction and falloff",
+            "",
+            {{{.name = "-griddirectionality",
+               .values = "F",
+               .kind = SettingKind::Number,
+               .initial = "1",
+               .range = {.high = 1},
+               .outside = OutOfRange::Clamp,
+               .help = "Legacy grid: share of light from the main direction that stays directed"},
+              Do<LightOptions>(directed)},
+             {{.name = "-gridambientdirectionality",
+               .values = "F",
+               .kind = SettingKind::Number,
+               .initial = "0",
+               .range = {.low = -1},
+               .outside = OutOfRange::Clamp,
+               .help = "Legacy grid: the same share of light from the opposite side"},
+              Do<LightOptions>(ambient)},
+             {{.name = "-extradist",
+               .values = "F",
+               .unit = "game units",
+               .range = {.low = 0},
+               .help = "Soften point lights and spotlights nearby: distance d becomes √(d² + F²)",
+               .details = "The key `_extradist` of a light wins."},
+              &LightOptions::extraDist},
+             {{.name = "-wolf",
+               .initial = "by game",
+               .help = "Lights without spawnflags fall off linearly, as in the Wolfenstein games"},
+              &LightOptions::wolfLighting},
+             {{.name = "-q3", .initial = "by game", .help = "Lights without spawnflags fall off with the square"},
+              Off(&LightOptions::wolfLighting)}}};
+}
+
+Group Tone() {
+    const auto contrast = [](LightOptions &o, const Values &v) {
+        const float c = float(v.numbers[0]);
+        o.tone.contrast = 259 * (c + 255) / (255 * (259 - c));
+    };
+    const auto tone = [](float ToneOptions::*field) {
+        return [field](auto &o) -> auto & {
+            return o.tone.*field;
+        };
+    };
+    return {"Tone of lightmaps, vertices and the legacy grid",
+            "The SH grid is linear and unclamped and takes none of these. The order is: scale, contrast, gamma, "
+            "exposure, saturation, brightness and compensate, `_maxlight` (the color keeps its hue), sRGB, cut to a "
+            "byte.",
+            {{{.name = "-contrast",
+               .values = "F",
+               .kind = SettingKind::Number,
+               .initial = "0",
+               .range = {-255, 255},
+               .help = "Contrast around the middle gray 128"},
+              Do<LightOptions>(contrast)},
+             {{.name = "-gamma",
+               .values = "F",
+               .initial = "by game, usually 1",
+               .range = {.low = 0, .aboveLow = true},
+               .outside = OutOfRange::UseDefault,
+               .outsideValue = 1,
+               .help = "Gamma: the exponent is 1/F, so more than 1 brightens dark areas"},
+              tone(&ToneOptions::gamma)},
+             {{.name = "-exposure",
+               .values = "F",
+               .initial = "by game, usually 0 = off",
+               .help = "Soft limit of bright light: 255 (1 − e^(−c / F)) of the largest channel"},
+              tone(&ToneOptions::exposure)},
+             {{.name = "-saturation", .values = "F", .help = "Color saturation; 0 is gray, more than 1 is vivid"},
+              tone(&ToneOptions::saturation)},
+             {{.name = "-compensate",
+               .values = "F",
+               .initial = "by game, usually 1",
+               .range = {.low = 0, .aboveLow = true},
+               .outside = OutOfRange::UseDefault,
+               .outsideValue = 1,
+               .help = "Divisor of stored light, for engines that multiply it again"},
+              tone(&ToneOptions::compensate)}}};
+}
+
+Group ColorSpaces() {
+    const auto sRgb = [](bool light, bool color, bool texture, bool on) {
+        return Do<LightOptions>([=](LightOptions &o, const Values &) {
+            o.tone.sRgb = light ? on : o.tone.sRgb;
+            o.shader.sRgbColor = color ? on : o.shader.sRgbColor;
+            o.sRgbTexture = texture ? on : o.sRgbTexture;
+        });
+    };
+    return {
+        "Color spaces",
+        "",
+        {{{.name = "-sRGBlight",
+           .initial = "by game, usually off",
+           .help = "Store light in sRGB",
+           .details = "The falloff tolerance becomes 0.077."},
+          sRgb(true, false, false, true)},
+         {{.name = "-nosRGBlight", .help = "Store light linearly"}, sRgb(true, false, false, false)},
+         {{.name = "-sRGBcolor",
+           .initial = "by game, usually off",
+           .help = "Colors of entities, suns and q3map_lightRGB are sRGB",
+           .details = "Concerns both grids too."},
+          sRgb(false, true, false, true)},
+         {{.name = "-nosRGBcolor", .help = "These colors are linear"}, sRgb(false, true, false, false)},
+         {{.name = "-sRGBtex",
+           .initial = "by game, usually off",
+           .help = "Colors of images are sRGB where they tint bounced light"},
+          sRgb(false, false, true, true)},
+         {{.name = "-nosRGBtex", .help = "These colors are linear"}, sRgb(false, false, true, false)},
+         {{.name = "-sRGB", .help = "-sRGBlight, -sRGBcolor and -sRGBtex"}, sRgb(true, true, true, true)},
+         {{.name = "-nosRGB", .help = "-nosRGBlight, -nosRGBcolor and -nosRGBtex"}, sRgb(true, true, true, false)}}};
+}
+
+Group Speed() {
+    return {"Speed and quality",
+            "",
+            {{{.name = "-fast",
+               .help = "Quick draft: lights end where they get faint, and the SH grid takes few samples",
+               .details = "Area lights give nothing where they would give at most the tolerance of 1 of 255; SH grid: "
+                          "`-shsamples` of 1/16. Bounced light ends in the same way, on surfaces."},
+              &LightOptions::fast},
+             {{.name = "-fastgrid", .help = "-fast for both light grids only"}, &LightOptions::fastGrid},
+             {{.name = "-faster",
+               .help = "-fast, and area lights count as points",
+               .details = "Not for the SH grid. In the legacy grid they then shine to all sides."},
+              &LightOptions::faster},
+             {{.name = "-cheap", .help = "Add no more light to vertices and legacy grid points that are white already"},
+              &LightOptions::cheap},
+             {{.name = "-cheapgrid", .help = "-cheap for the legacy grid only"}, &LightOptions::cheapGrid},
+             {{.name = "-nogrid", .help = "Leave the legacy light grid as it is"}, &LightOptions::noGrid}}};
+}
+
+Group Rays() {
+    return {
+        "Lights and shadows", "",
+        {{{.name = "-notrace",
+           .help = "No shadows",
+           .details = "Suns shine everywhere. Floodlight, dirt and bounces still look around."},
+          &LightOptions::noTrace},
+         {{.name = "-nosurf", .help = "Shadows of structural brushes only"}, &LightOptions::noSurfaces},
+         {{.name = "-patchshadows",
+           .initial = "by game, usually off",
+           .help = "Curved surfaces cast shadows",
+           .details = "Not in the legacy grid."},
+          &LightOptions::patchShadows},
+         {{.name = "-sunonly", .help = "Only suns and sky light shine"}, &LightOptions::sunOnly},
+         {{.name = "-onesky", .help = "Suns shine through every sky, not only through that of their shader"},
+          &LightOptions::oneSky},
+         {{.name = "-style",
+           .aliases = {"-styles"},
+           .initial = "by game, usually on",
+           .help = "Light styles (flickering and switchable lights) count",
+           .details = "In lightmaps styled light needs a stage of its own, see "
+                      "[lightmaps.md](lightmaps.md); vertices and grids cannot store it."},
+          Off(&LightOptions::noStyles)},
+         {{.name = "-nostyle", .aliases = {"-nostyles"}, .help = "Light styles do not count"}, &LightOptions::noStyles},
+         {{.name = "-floodlight",
+           .help = "Add soft light wherever there is open space around",
+           .details = "With the values of the worldspawn key `_floodlight`, or the color 0.94 0.94 1, distance "
+                      "1024 and intensity 128."},
+          &LightOptions::floodlight},
+         {{.name = "-lowquality", .help = "Floodlight with 32 rays a hemisphere instead of 64"},
+          &LightOptions::lowQuality},
+         {{.name = "-custinfoparms", .help = "Read more surfaceparms from scripts/custinfoparms.txt"},
+          [](auto &o) -> auto &{return o.shader.customInfoParms;
+}
+} // namespace
+} // namespace q3
+}
+;
+}
+
+Group Foreign() {
+    const auto nothing = [](std::string_view name, std::string_view help) {
+        return WithoutEffect(&LightOptions::withoutEffect, name, help);
+    };
+    return {"Accepted without effect",
+            "Options of the original q3map2 that choose what is always so here. A warning names them.",
+            {nothing("-lomem", "Memory is always saved"),
+             nothing("-fastallocate", "Lightmaps are always packed quickly; see -slowallocate"),
+             nothing("-fastbounce", "Bounced light has no lamps that could end early; see -fast"),
+             nothing("-nobouncestore", "The .bsp is always written once, after the last bounce"),
+             nothing("-dump", "Bounced light has no lamps that could be written to a .map")}};
+}
+
+} // namespace
+
+std::vector<SettingGroup<LightOptions>> LightSettings() {
+    return {GridSH(), QualityOfGridSH(), Skips(), Intensities(), Falloff(),
+            Tone(),   ColorSpaces(),     Speed(), Rays(),        Foreign()};
+}
+
+} // namespace q3

@@ -1,0 +1,48 @@
+// GPL-2.0-or-later. What a run prints about itself.
+#include "q3map2/run_report.h"
+
+#include "common/cpu_time.h"
+
+namespace q3 {
+
+namespace {
+
+constexpr double kMegabyte = 1024 * 1024;
+
+std::string WarningText(const Log &log) {
+    std::string kinds;
+    int total = 0;
+    for (const auto &[kind, count] : log.WarningTotals()) {
+        kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", count, kind);
+        total += count;
+    }
+    if (total == 0)
+        return "no warnings";
+    return fmt::format("{} warning{} ({})", total, total == 1 ? "" : "s", kinds);
+}
+
+} // namespace
+
+void PrintChangedOptions(const Arguments &arguments, Log &log) {
+    for (const Arguments::Change &change : arguments.Changes())
+        log.Print("  {}{}{} (command line{}{})\n", change.name, change.values.empty() ? "" : " ", change.values,
+                  change.before.empty() ? "" : "; default ", change.before);
+}
+
+void PrintChangedKeys(const Entity &entity, std::span<const EntityKey> keys, std::string_view source, Log &log) {
+    for (const EntityKey &key : keys)
+        if (const std::string_view value = key.Text(entity); !value.empty() && value != key.InitialText())
+            log.Print("  {} {} ({}{}{})\n", key.info.name, value, source, key.InitialText().empty() ? "" : "; default ",
+                      key.InitialText());
+}
+
+void RunReport::PrintEnd(bool failed, Log &log) const {
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    for (const std::string &line : log.Repeated())
+        log.Print("{}\n", line);
+    log.Print("{:9.0f} seconds elapsed\n", seconds);
+    log.Print("{}: {}, {:.1f} s, {:.1f} CPU s, {:.0f} MB peak memory\n", failed ? "failed" : "done", WarningText(log),
+              seconds, CpuSeconds(), PeakMemory() / kMegabyte);
+}
+
+} // namespace q3

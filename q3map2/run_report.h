@@ -1,0 +1,28 @@
+// GPL-2.0-or-later. What a run prints about itself: its settings at the start, how it went at the end.
+#pragma once
+
+#include "common/arguments.h"
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/entity_key.h"
+
+#include <chrono>
+#include <string_view>
+
+namespace q3 {
+
+/// Prints the options that changed a setting, with the value that they replace.
+void PrintChangedOptions(const Arguments &arguments, Log &log);
+/// Prints those of the keys that an entity has with another value than their default. `source` is its class name.
+void PrintChangedKeys(const Entity &entity, std::span<const EntityKey> keys, std::string_view source, Log &log);
+
+/// Times a run.
+class RunReport {
+  public:
+    /// Prints unknown options again, then one line: how the run ended, its warnings by kind, times and memory.
+    void PrintEnd(bool failed, Log &log) const;
+
+  private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+} // namespace q3

@@ -1,0 +1,48 @@
+// GPL-2.0-or-later. What this build of the program is.
+#include "q3map2/version.h"
+
+#include "q3map2/commit.h"
+
+#if Q3_EMBREE_MAJOR == 3
+#include <embree3/rtcore_config.h>
+#else
+#include <embree4/rtcore_config.h>
+#endif
+
+#include <fmt/format.h>
+
+namespace q3 {
+
+namespace {
+
+/// The widest instructions of this machine that the program has code for.
+std::string_view SimdLevel() {
+#if defined(__x86_64__)
+    // The same choice that target_clones makes in light/batch/light_lanes.h.
+    __builtin_cpu_init();
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") &&
+        __builtin_cpu_supports("avx512dq"))
+        return "AVX-512 (x86-64-v4)";
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+        return "AVX2 (x86-64-v3)";
+    return "SSE2 (x86-64)";
+#else
+    return "baseline of this architecture";
+#endif
+}
+
+} // namespace
+
+std::string VersionText() {
+    return fmt::format("{}\ncommit   {}\ncompiler {}\nEmbree   {}\nSIMD     {}\n", kVersion, kCommit,
+#if defined(__clang__)
+                       fmt::format("Clang {}", __clang_version__),
+#elif defined(__GNUC__)
+                       fmt::format("GCC {}", __VERSION__),
+#else
+                       "unknown",
+#endif
+                       RTC_VERSION_STRING, SimdLevel());
+}
+
+} // namespace q3

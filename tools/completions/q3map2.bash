@@ -1,0 +1,25 @@
+# Generated: q3map2 -help bash > tools/completions/q3map2.bash
+_q3map2() {
+    local current=${COMP_WORDS[COMP_CWORD]} options="" word
+    for word in "${COMP_WORDS[@]:1}"; do
+        case $word in
+            -bsp) options="-meta -patchmeta -leaktest -onlyents -keeplights -keepmodels -nodetail -fulldetail -nowater -nohint -nocurves -nofog -nosubdivide -notjunc -samplesize -minsamplesize -mv -mi -np -metaadequatescore -metagoodscore -maxarea -nobrushsnap -flares -noflares -skyfix -celshader -flat -ne -de -snap -deep -altsplit -clipdepth -rename -custinfoparms -noob -globalflag -sRGBcolor -nosRGBcolor -tempname -autocaulk -debugsurfaces -debuginset -debugportals -fakemap -verboseentities -sRGBtex -debugclip " ;;
+            -vis) options="-saveprt -fast -merge -hint -mergeportals -nopassage -passageOnly -nosort -plain -v " ;;
+            -light) options="-sh -shbspx -shradiance -gridscalesh -gridsh -shdering -sherror -shfit -noshfill -shsamples -shpreview -noskip -noskipreach -noskippvs -noskipfaint -noskipmoments -noskipprobes -noskipcoarse -scale -point -spherical -spot -area -sky -gridscale -gridambientscale -backsplash -griddirectionality -gridambientdirectionality -extradist -wolf -q3 -contrast -gamma -exposure -saturation -compensate -sRGBlight -nosRGBlight -sRGBcolor -nosRGBcolor -sRGBtex -nosRGBtex -sRGB -nosRGB -fast -fastgrid -faster -cheap -cheapgrid -nogrid -notrace -nosurf -patchshadows -sunonly -onesky -style -nostyle -floodlight -lowquality -custinfoparms -onlygrid -super -samples -randomsamples -samplessearchboxsize -filter -thresh -samplesize -minsamplesize -samplescale -rawlightmapsizelimit -shade -shadeangle -lightanglehl -nofastpoint -dark -trianglecheck -extravisnudge -dirty -dirtdepth -dirtscale -dirtgain -dirtmode -bounce -bouncegrid -bounceonly -bouncescale -bouncecolorratio -vertexscale -novertex -cpma -nolm -lightmapsize -external -lightmapdir -extlmhacksize -deluxe -nodeluxe -deluxemode -brightness -approx -nocollapse -slowallocate -lightmapsearchblocksize -lightmapsearchpower -nolightmapsearch -fill -export -trisoup -debug -border -fillpink -debugsurfaces -debugaxis -debugcluster -debugorigin -dirtdebug -normalmap -debugnormals -debugdeluxe -debugsamplesize -lomem -fastallocate -fastbounce -nobouncestore -dump " ;;
+            -info) options="" ;;
+            -json) options="-unpack -pack -useflagnames -skipflags " ;;
+            -export) options="" ;;
+            -import) options="" ;;
+            -shpreview) options="" ;;
+        esac
+    done
+    COMPREPLY=()
+    if [[ $current == -* ]]; then
+        [[ -z $options ]] && options="-bsp -vis -light -info -json -export -import -shpreview -meta -patchmeta -leaktest -onlyents -keeplights -keepmodels -nodetail -fulldetail -nowater -nohint -nocurves -nofog -nosubdivide -notjunc -samplesize -minsamplesize -mv -mi -np -metaadequatescore -metagoodscore -maxarea -nobrushsnap -flares -noflares -skyfix -celshader -flat -ne -de -snap -deep -altsplit -clipdepth -rename -custinfoparms -noob -globalflag -sRGBcolor -nosRGBcolor -tempname -autocaulk -debugsurfaces -debuginset -debugportals -fakemap -verboseentities -sRGBtex -debugclip "
+        mapfile -t COMPREPLY < <(compgen -W "$options -help -version -v -threads -force -connect -subdivisions -maxmapdrawsurfs -game -fs_basepath -fs_game -fs_basegame -fs_home -fs_homebase -fs_homepath -fs_pakpath -fs_forbiddenpath " -- "$current")
+    else
+        compopt -o filenames
+        mapfile -t COMPREPLY < <(compgen -f -- "$current")
+    fi
+}
+complete -F _q3map2 q3map2
