@@ -13,16 +13,6 @@ namespace q3 {
 
 namespace {
 
-std::size_t CountValues(std::string_view values, bool withOptional) {
-    std::size_t count = 0;
-    for (std::size_t at = 0; at < values.size();) {
-        const std::size_t end = std::min(values.find(' ', at), values.size());
-        count += end > at && (withOptional || values[at] != '[');
-        at = end + 1;
-    }
-    return count;
-}
-
 bool IsNumber(std::string_view word, SettingKind kind) {
     return kind == SettingKind::Integer ? WholeInteger(word).has_value() : WholeNumber(word).has_value();
 }
@@ -73,31 +63,6 @@ void CheckChoice(const SettingInfo &info, std::string_view name, std::string &wo
 }
 
 } // namespace
-
-std::string SettingRange::Text() const {
-    const bool hasLow = low > -kMaxSetting, hasHigh = high < kMaxSetting;
-    const std::string bottom = fmt::format("{} {:g}", aboveLow ? "over" : "from", low);
-    if (hasLow && hasHigh)
-        return fmt::format("{} {} {:g}", bottom, belowHigh ? "and below" : aboveLow ? "up to" : "to", high);
-    if (hasLow)
-        return aboveLow ? bottom : fmt::format("of at least {:g}", low);
-    if (hasHigh)
-        return fmt::format("of at most {:g}", high);
-    return {};
-}
-
-bool SettingInfo::Names(std::string_view word) const {
-    return EqualNoCase(name, word) ||
-           std::ranges::any_of(aliases, [&](std::string_view a) { return !a.empty() && EqualNoCase(a, word); });
-}
-
-std::size_t SettingInfo::Required() const {
-    return CountValues(values, false);
-}
-
-std::size_t SettingInfo::Most() const {
-    return CountValues(values, true);
-}
 
 std::string SettingText(bool value) {
     return value ? "on" : "off";

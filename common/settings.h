@@ -3,11 +3,10 @@
 
 #include "common/arguments.h"
 #include "common/log.h"
+#include "common/setting_info.h"
 
-#include <array>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -15,69 +14,6 @@
 #include <vector>
 
 namespace q3 {
-
-/// Numbers beyond this would overflow float once a few of them are multiplied.
-inline constexpr double kMaxSetting = 1e6;
-
-enum class SettingKind {
-    Flag,    ///< no value
-    Integer, ///< whole numbers
-    Number,  ///< numbers, possibly with a fraction
-    Text,    ///< a word: a name or a path
-    Choice   ///< one of the words in `values`, which "|" separates
-};
-
-/// What happens to a number outside the range of its setting. Text that is no number is always an error.
-enum class OutOfRange {
-    Refuse,    ///< an error
-    Clamp,     ///< a warning that names both values; the nearest value of the range is used
-    UseDefault ///< a warning; SettingInfo::outsideValue is used
-};
-
-struct SettingRange {
-    double low = -kMaxSetting, high = kMaxSetting;
-    bool aboveLow = false, belowHigh = false; ///< the end itself is not allowed
-
-    bool Contains(double number) const {
-        return (aboveLow ? number > low : number >= low) && (belowHigh ? number < high : number <= high);
-    }
-    double Clamp(double number) const { return number < low ? low : number > high ? high : number; }
-    /// "from 1 to 8", "over 0"; empty when any number will do.
-    std::string Text() const;
-};
-
-/// The declaration of an option of the command line or of a key of an entity.
-struct SettingInfo {
-    std::string_view name{};                   ///< with its dash, if it is an option
-    std::array<std::string_view, 4> aliases{}; ///< the used ones first
-    std::string_view values{};                 ///< their names: "N", "X Y Z", "W [H]" with H optional, "0|1"
-    SettingKind kind = SettingKind::Flag;      ///< of options: follows from the field if that is a number or a text
-    std::string_view unit{};                   ///< "game units", "degrees"
-    std::string_view initial{};                ///< the default in words; of options: empty for that of the field
-    SettingRange range{};
-    OutOfRange outside = OutOfRange::Refuse;
-    double outsideValue = 0;     ///< for OutOfRange::UseDefault
-    double floor = -kMaxSetting; ///< smaller numbers of the range become this, with a warning
-    bool firstOnly = false;      ///< a repetition belongs to another table
-    std::string_view help{};     ///< one line, a sentence without its full stop
-    std::string_view details{};  ///< more for the documentation page
-
-    bool Names(std::string_view word) const;
-    /// Number of values that must follow, and of those that may.
-    std::size_t Required() const, Most() const;
-};
-
-/// Everything printed about a setting.
-struct SettingEntry {
-    SettingInfo info;
-    std::string initial; ///< the default as text; empty: none
-};
-
-/// Settings under one heading of the help.
-struct SettingSection {
-    std::string_view title, intro;
-    std::vector<SettingEntry> entries;
-};
 
 /// The values of one occurrence of an option, checked.
 struct SettingValues {

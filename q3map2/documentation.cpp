@@ -27,6 +27,8 @@ bool HasRange(const SettingEntry &entry) {
 /// Range and unit: "from 1 to 8 luxels".
 std::string Limits(const SettingEntry &entry) {
     std::string text = HasRange(entry) ? entry.info.range.Text() : "";
+    if (text.starts_with("of "))
+        text.erase(0, 3);
     if (!entry.info.unit.empty())
         text += (text.empty() ? "in " : " ") + std::string(entry.info.unit);
     return text;
@@ -57,7 +59,7 @@ std::string MarkdownTable(const SettingSection &section, std::string_view headin
     for (const SettingEntry &entry : section.entries) {
         std::string effect = std::string(entry.info.help);
         if (const std::string limits = Limits(entry); !limits.empty())
-            effect += fmt::format("; {}", limits);
+            effect += fmt::format(" ({})", limits);
         effect += ".";
         if (!entry.info.details.empty())
             effect += fmt::format(" {}", entry.info.details);

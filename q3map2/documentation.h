@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Files that are generated from the declared settings.
 #pragma once
 
-#include "common/settings.h"
+#include "common/setting_info.h"
 
 #include <string>
 

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. What is printed about the keys of entities.
 #pragma once
 
-#include "common/settings.h"
+#include "common/setting_info.h"
 
 namespace q3 {
 

@@ -11,62 +11,64 @@ constexpr int kMaxThreads = 64, kMaxDrawSurfaces = 1 << 24;
 
 Group General() {
     const auto help = [](GlobalOptions &o, const SettingValues &v) { o.help = v.words.empty() ? "" : v.words[0]; };
+    return {"General",
+            "They may stand anywhere on the line.",
+            {{{.name = "-help",
+               .aliases = {"--help", "-h"},
+               .values = "[TOPIC]",
+               .kind = SettingKind::Text,
+               .help = "Print this overview, or what there is about a stage, an option, or keys",
+               .details = "Topics: a stage, an option, `keys`, `game` (the known games), and `all`. `markdown`, `man`, "
+                          "`bash`, `zsh` and `fish` print this page, the manual page and shell completions."},
+              Do<GlobalOptions>(help)},
+             {{.name = "-version",
+               .aliases = {"--version"},
+               .help = "Print the version, commit, compiler, Embree version and SIMD level"},
+              &GlobalOptions::version},
+             {{.name = "-v",
+               .firstOnly = true,
+               .help = "Print more: every warning, scripts as they are read, counters",
+               .details = "A second `-v` belongs to the vis stage."},
+              &GlobalOptions::verbose},
+             {{.name = "-threads",
+               .values = "N",
+               .initial = "one per hardware thread",
+               .range = {0, kMaxThreads},
+               .outside = OutOfRange::Clamp,
+               .help = "Number of worker threads",
+               .details = "The output does not depend on it."},
+              &GlobalOptions::threads},
+             {{.name = "-force",
+               .help = "Go on without game files, and load files with another ident or version",
+               .details = "Damaged lumps become warnings."},
+              &GlobalOptions::force},
+             {{.name = "-connect",
+               .values = "A.B.C.D:PORT",
+               .initial = "none",
+               .help = "Send everything that is printed to a level editor"},
+              &GlobalOptions::connect}}};
+}
+
+Group OfBsp() {
     const auto drawSurfaces = [](GlobalOptions &o, const SettingValues &v) {
         o.maxDrawSurfaces = int(v.numbers[0] < 0 ? -v.numbers[0] : v.numbers[0]);
     };
-    return {
-        "General",
-        "They may stand anywhere on the line.",
-        {{{.name = "-help",
-           .aliases = {"--help", "-h"},
-           .values = "[TOPIC]",
-           .kind = SettingKind::Text,
-           .help = "Print this overview, or what there is about a stage, an option, or keys",
-           .details = "Topics: a stage, an option, `keys`, `game` (the known games), and `all`. `markdown`, `man`, "
-                      "`bash`, `zsh` and `fish` print this page, the manual page and shell completions."},
-          Do<GlobalOptions>(help)},
-         {{.name = "-version",
-           .aliases = {"--version"},
-           .help = "Print the version, commit, compiler, Embree version and SIMD level"},
-          &GlobalOptions::version},
-         {{.name = "-v",
-           .firstOnly = true,
-           .help = "Print more: every warning, scripts as they are read, counters",
-           .details = "A second `-v` belongs to the vis stage."},
-          &GlobalOptions::verbose},
-         {{.name = "-threads",
-           .values = "N",
-           .initial = "one per hardware thread",
-           .range = {0, kMaxThreads},
-           .outside = OutOfRange::Clamp,
-           .help = "Number of worker threads",
-           .details = "The output does not depend on it."},
-          &GlobalOptions::threads},
-         {{.name = "-force",
-           .help = "Go on where the program would stop: other file versions, no game files",
-           .details = "Loads files with another ident or version, damaged lumps included, and goes on with an unknown "
-                      "`-game` or without game files. Each becomes a warning."},
-          &GlobalOptions::force},
-         {{.name = "-connect",
-           .values = "A.B.C.D:PORT",
-           .initial = "none",
-           .help = "Send everything that is printed to a level editor"},
-          &GlobalOptions::connect},
-         {{.name = "-subdivisions",
-           .values = "N",
-           .range = {.low = 1},
-           .outside = OutOfRange::Clamp,
-           .help = "bsp stage: tolerance of patches turned into triangles; smaller is finer",
-           .details = "Accepted with every stage, since editors always send it."},
-          &GlobalOptions::subdivisions},
-         {{.name = "-maxmapdrawsurfs",
-           .values = "N",
-           .kind = SettingKind::Integer,
-           .initial = "131072",
-           .range = {-kMaxDrawSurfaces, kMaxDrawSurfaces},
-           .help = "bsp stage: most draw surfaces while compiling",
-           .details = "A negative number counts as its absolute value."},
-          Do<GlobalOptions>(drawSurfaces)}}};
+    return {"Of the bsp stage",
+            "Accepted with every stage, since editors send them always.",
+            {{{.name = "-subdivisions",
+               .values = "N",
+               .range = {.low = 1},
+               .outside = OutOfRange::Clamp,
+               .help = "bsp stage: tolerance of patches turned into triangles; smaller is finer"},
+              &GlobalOptions::subdivisions},
+             {{.name = "-maxmapdrawsurfs",
+               .values = "N",
+               .kind = SettingKind::Integer,
+               .initial = "131072",
+               .range = {-kMaxDrawSurfaces, kMaxDrawSurfaces},
+               .help = "bsp stage: most draw surfaces while compiling",
+               .details = "A negative number counts as its absolute value."},
+              Do<GlobalOptions>(drawSurfaces)}}};
 }
 
 Group GamePaths() {
@@ -74,66 +76,63 @@ Group GamePaths() {
         o.home = v.words[0];
         o.homeBase = ".";
     };
-    return {
-        "Game and folders",
-        "Without `-fs_basepath` the first word of the command line, program path included, that contains the "
-        "game's name (\"quake\") gives it: `/games/Quake3/baseq3/maps/x.bsp` means `/games/Quake3/`. Otherwise it "
-        "is the folder above the program's.\n\n"
-        "The bsp and light stages stop when an `-fs_basepath` is no folder, an `-fs_game` is in none of them, or no "
-        "game folder holds an archive or a folder `scripts`, `textures` or `models`; the message names the folders "
-        "that were searched. `-force` makes that a warning: the light stage then takes surface and content flags "
-        "(sky, nodraw, translucent, clip and the like) from the shader records of the .bsp, and no light from "
-        "shaders.",
-        {{{.name = "-game",
-           .values = "NAME",
-           .initial = "quake3",
-           .help = "Game that the map is for; -help game lists them",
-           .details = "Decides folder names, surfaceparms, file version and defaults of light."},
-          &GlobalOptions::games},
-         {{.name = "-fs_basepath",
-           .values = "DIR",
-           .initial = "see above",
-           .help = "Folder in which the game is installed; repeatable"},
-          &GlobalOptions::basePaths},
-         {{.name = "-fs_game",
-           .values = "DIR",
-           .initial = "none",
-           .help = "Mod folder; repeatable, the first wins, and all win over the base game"},
-          &GlobalOptions::gameDirs},
-         {{.name = "-fs_basegame", .values = "DIR", .initial = "by game", .help = "Folder of the base game"},
-          &GlobalOptions::baseGame},
-         {{.name = "-fs_home",
-           .values = "DIR",
-           .initial = "home of the user",
-           .help = "Folder that holds the folder with the user's own files"},
-          &GlobalOptions::home},
-         {{.name = "-fs_homebase",
-           .values = "DIR",
-           .initial = "by game",
-           .help = "Name of that folder, such as .q3a; under -fs_home without its dot"},
-          &GlobalOptions::homeBase},
-         {{.name = "-fs_homepath",
-           .values = "DIR",
-           .kind = SettingKind::Text,
-           .initial = "none",
-           .help = "Both in one: the folder with the user's own files"},
-          Do<GlobalOptions>(homePath)},
-         {{.name = "-fs_pakpath",
-           .values = "DIR",
-           .initial = "none",
-           .help = "One more folder with game files, searched last; repeatable"},
-          &GlobalOptions::pakPaths},
-         {{.name = "-fs_forbiddenpath",
-           .values = "MASK",
-           .initial = "none",
-           .help = "Skip folders and archives of that name, with ? and *; repeatable"},
-          &GlobalOptions::forbidden}}};
+    return {"Game and folders",
+            "Without `-fs_basepath` the first word of the command line, program path included, that contains the "
+            "game's name (\"quake\") gives it: `/games/Quake3/baseq3/maps/x.bsp` means `/games/Quake3/`. Otherwise it "
+            "is the folder above the program's. The bsp and light stages need the game's files and stop when an "
+            "`-fs_basepath` is no folder, an `-fs_game` is nowhere, or no game folder holds an archive or one of the "
+            "folders `scripts`, `textures` and `models`; an unknown `-game` is an error in all stages. With `-force` "
+            "these are warnings; the light stage then knows of a shader what the shader records of the `.bsp` say.",
+            {{{.name = "-game",
+               .values = "NAME",
+               .initial = "quake3",
+               .help = "Game that the map is for; -help game lists them",
+               .details = "Decides folder names, surfaceparms, file version and defaults of light."},
+              &GlobalOptions::games},
+             {{.name = "-fs_basepath",
+               .values = "DIR",
+               .initial = "see above",
+               .help = "Folder in which the game is installed; repeatable"},
+              &GlobalOptions::basePaths},
+             {{.name = "-fs_game",
+               .values = "DIR",
+               .initial = "none",
+               .help = "Mod folder; repeatable, the first wins, and all win over the base game"},
+              &GlobalOptions::gameDirs},
+             {{.name = "-fs_basegame", .values = "DIR", .initial = "by game", .help = "Folder of the base game"},
+              &GlobalOptions::baseGame},
+             {{.name = "-fs_home",
+               .values = "DIR",
+               .initial = "home of the user",
+               .help = "Folder that holds the folder with the user's own files"},
+              &GlobalOptions::home},
+             {{.name = "-fs_homebase",
+               .values = "DIR",
+               .initial = "by game",
+               .help = "Name of that folder, such as .q3a; under -fs_home without its dot"},
+              &GlobalOptions::homeBase},
+             {{.name = "-fs_homepath",
+               .values = "DIR",
+               .kind = SettingKind::Text,
+               .initial = "none",
+               .help = "Both in one: the folder with the user's own files"},
+              Do<GlobalOptions>(homePath)},
+             {{.name = "-fs_pakpath",
+               .values = "DIR",
+               .initial = "none",
+               .help = "One more folder with game files, searched last; repeatable"},
+              &GlobalOptions::pakPaths},
+             {{.name = "-fs_forbiddenpath",
+               .values = "MASK",
+               .initial = "none",
+               .help = "Skip folders and archives of that name, with ? and *; repeatable"},
+              &GlobalOptions::forbidden}}};
 }
 
 } // namespace
 
 std::vector<SettingGroup<GlobalOptions>> GlobalSettings() {
-    return {General(), GamePaths()};
+    return {General(), OfBsp(), GamePaths()};
 }
 
 } // namespace q3

@@ -10,7 +10,6 @@
 #include "q3map2/map/map_parse.h"
 #include "q3map2/run_report.h"
 #include "q3map2/stage_words.h"
-#include "q3map2/stages.h"
 #include "q3map2/tree/flood.h"
 
 namespace q3 {

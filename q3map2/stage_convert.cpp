@@ -6,7 +6,6 @@
 #include "q3map2/convert/json/convert_json_pack.h"
 #include "q3map2/convert/preview/grid_preview.h"
 #include "q3map2/stage_words.h"
-#include "q3map2/stages.h"
 
 namespace q3 {
 

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. A key of an entity, declared once.
 #include "q3map2/bspfile/entity_key.h"
 
+#include "common/settings.h"
+
 namespace q3 {
 
 namespace {

@@ -1,20 +1,20 @@
 // GPL-2.0-or-later. A key of an entity, declared once: names, default, range and help.
 #pragma once
 
-#include "common/settings.h"
+#include "common/log.h"
+#include "common/setting_info.h"
 #include "q3map2/bspfile/entities.h"
 
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace q3 {
 
-/// Reads a key, and says everything that is printed about it. Unreadable text and a missing key are the default; numbers
-/// out of range are clamped. WarnOfBadKeys tells the user about both.
+/// Reads a key, and says everything that is printed about it. Unreadable text and a missing key are the default;
+/// numbers out of range are clamped. WarnOfBadKeys tells the user about both.
 struct EntityKey {
-    SettingInfo info;   ///< `name` and `aliases`: the first one present counts; kinds are Integer, Number, Text and Flag
+    SettingInfo info; ///< `name` and `aliases`: the first one present counts; kinds are Integer, Number, Text and Flag
     double initial = 0; ///< of numbers
 
     std::string_view Text(const Entity &entity) const;

@@ -2,7 +2,6 @@
 #include "q3map2/convert/bsp_info.h"
 
 #include "common/error.h"
-#include "q3map2/bspfile/bsp_tree.h"
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/grid_shares.h"

@@ -6,16 +6,16 @@
 namespace q3 {
 
 std::vector<SettingGroup<JsonOptions>> JsonSettings() {
-    return {{"JSON",
-             "The files are described in [json.md](json.md).",
-             {{{.name = "-unpack", .initial = "this, without -pack", .help = "Write all lumps as JSON files into maps/x/"},
-               &JsonOptions::unpack},
-              {{.name = "-pack", .help = "Read these files and write maps/x_json.bsp"}, &JsonOptions::pack},
-              {{.name = "-useflagnames",
-                .help = "With -pack: take surface flags by their names in the game's table"},
-               &JsonOptions::useFlagNames},
-              {{.name = "-skipflags", .help = "With -useflagnames: drop names that the table does not have"},
-               &JsonOptions::skipFlags}}}};
+    return {
+        {"JSON",
+         "The files are described in [json.md](json.md).",
+         {{{.name = "-unpack", .initial = "this, without -pack", .help = "Write all lumps as JSON files into maps/x/"},
+           &JsonOptions::unpack},
+          {{.name = "-pack", .help = "Read these files and write maps/x_json.bsp"}, &JsonOptions::pack},
+          {{.name = "-useflagnames", .help = "With -pack: take surface flags by their names in the game's table"},
+           &JsonOptions::useFlagNames},
+          {{.name = "-skipflags", .help = "With -useflagnames: drop names that the table does not have"},
+           &JsonOptions::skipFlags}}}};
 }
 
 JsonOptions ParseJsonOptions(Arguments &arguments, Log &log) {

@@ -1,8 +1,6 @@
 // GPL-2.0-or-later. Options of the bsp stage.
 #include "q3map2/map/bsp_options.h"
 
-#include "common/error.h"
-#include "common/text/text.h"
 #include "q3map2/map/bsp_settings.h"
 
 #include <algorithm>

@@ -35,7 +35,7 @@ struct BspOptions {
     std::vector<std::string> globalFlags; ///< surfaceparm names of -globalflag
     bool rename = false;
     bool customInfoParms = false;
-    bool sRgbColor = false;        ///< colors of shaders are sRGB
+    bool sRgbColor = false;                 ///< colors of shaders are sRGB
     std::vector<std::string> withoutEffect; ///< given options that change nothing
     bool autoCaulk = false, verboseEntities = false, fakeMap = false;
     bool debugSurfaces = false, debugInset = false, debugPortals = false;

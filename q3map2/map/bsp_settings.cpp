@@ -94,60 +94,65 @@ Group Surfaces() {
                .range = {0, 180},
                .help = "Merge faces of different planes, and smooth edges flatter than this",
                .details = "0 turns it off."},
-              &BspOptions::nonPlanarAngle},
-             {{.name = "-metaadequatescore",
-               .values = "N",
-               .initial = "110000",
-               .range = kScore,
-               .help = "Score from which -meta merges a triangle into a surface; -1 is the default"},
-              &BspOptions::metaAdequateScore},
-             {{.name = "-metagoodscore",
-               .values = "N",
-               .initial = "120200",
-               .range = kScore,
-               .help = "Score at which -meta stops looking for a better surface; -1 is the default"},
-              &BspOptions::metaGoodScore},
-             {{.name = "-maxarea", .help = "Triangulate faces into large triangles instead of strips"},
-              &BspOptions::maxArea},
-             {{.name = "-nobrushsnap", .help = "Do not round vertices to 1/8 game unit"},
-              Off(&BspOptions::snapVertices)},
-             {{.name = "-flares", .initial = "off", .help = "Make flare surfaces for lights and shaders"},
-              &BspOptions::flares},
-             {{.name = "-noflares", .help = "Make no flare surfaces"}, Off(&BspOptions::flares)},
-             {{.name = "-skyfix", .help = "Add invisible surfaces that make old drivers load sky images"},
-              &BspOptions::skyFix},
-             {{.name = "-celshader",
-               .values = "NAME",
-               .initial = "none",
-               .help = "Outline every surface by a copy with the shader textures/NAME",
-               .details = "The key `_celshader` of an entity wins."},
-              Do<BspOptions>([](BspOptions &o, const SettingValues &v) { o.celShader = "textures/" + v.words[0]; })},
-             {{.name = "-flat", .help = "Give all vertices of a surface one texture coordinate"},
-              &BspOptions::flat}}};
+              &BspOptions::nonPlanarAngle}}};
+}
+
+Group Shaping() {
+    return {
+        "Merging and special surfaces",
+        "",
+        {{{.name = "-metaadequatescore",
+           .values = "N",
+           .initial = "110000",
+           .range = kScore,
+           .help = "Score from which -meta merges a triangle into a surface; -1 is the default"},
+          &BspOptions::metaAdequateScore},
+         {{.name = "-metagoodscore",
+           .values = "N",
+           .initial = "120200",
+           .range = kScore,
+           .help = "Score at which -meta stops looking for a better surface; -1 is the default"},
+          &BspOptions::metaGoodScore},
+         {{.name = "-maxarea", .help = "Triangulate faces into large triangles instead of strips"},
+          &BspOptions::maxArea},
+         {{.name = "-nobrushsnap", .help = "Do not round vertices to 1/8 game unit"}, Off(&BspOptions::snapVertices)},
+         {{.name = "-flares", .initial = "off", .help = "Make flare surfaces for lights and shaders"},
+          &BspOptions::flares},
+         {{.name = "-noflares", .help = "Make no flare surfaces"}, Off(&BspOptions::flares)},
+         {{.name = "-skyfix", .help = "Add invisible surfaces that make old drivers load sky images"},
+          &BspOptions::skyFix},
+         {{.name = "-celshader",
+           .values = "NAME",
+           .initial = "none",
+           .help = "Outline every surface by a copy with the shader textures/NAME",
+           .details = "The key `_celshader` of an entity wins."},
+          Do<BspOptions>([](BspOptions &o, const SettingValues &v) { o.celShader = "textures/" + v.words[0]; })},
+         {{.name = "-flat", .help = "Give all vertices of a surface one texture coordinate"}, &BspOptions::flat}}};
 }
 
 Group Tree() {
-    return {"Planes and tree",
-            "",
-            {{{.name = "-ne", .values = "F", .range = kEpsilon, .help = "Difference up to which plane normals are equal"},
-              &BspOptions::normalEpsilon},
-             {{.name = "-de",
-               .values = "F",
-               .unit = "game units",
-               .range = kEpsilon,
-               .help = "Difference up to which plane distances are equal"},
-              &BspOptions::distanceEpsilon},
-             {{.name = "-snap",
-               .values = "N",
-               .unit = "game units",
-               .range = {0, kMaxBevelSnap},
-               .help = "Snap the bevel planes of brushes to multiples of N; 0 turns it off"},
-              &BspOptions::bevelSnap},
-             {{.name = "-deep",
-               .help = "Let detail brushes split the tree too, after everything else",
-               .details = "Visibility does not change."},
-              &BspOptions::deep},
-             {{.name = "-altsplit", .help = "Choose splitting planes by other weights"}, &BspOptions::altSplit}}};
+    return {
+        "Planes and tree",
+        "",
+        {{{.name = "-ne", .values = "F", .range = kEpsilon, .help = "Difference up to which plane normals are equal"},
+          &BspOptions::normalEpsilon},
+         {{.name = "-de",
+           .values = "F",
+           .unit = "game units",
+           .range = kEpsilon,
+           .help = "Difference up to which plane distances are equal"},
+          &BspOptions::distanceEpsilon},
+         {{.name = "-snap",
+           .values = "N",
+           .unit = "game units",
+           .range = {0, kMaxBevelSnap},
+           .help = "Snap the bevel planes of brushes to multiples of N; 0 turns it off"},
+          &BspOptions::bevelSnap},
+         {{.name = "-deep",
+           .help = "Let detail brushes split the tree too, after everything else",
+           .details = "Visibility does not change."},
+          &BspOptions::deep},
+         {{.name = "-altsplit", .help = "Choose splitting planes by other weights"}, &BspOptions::altSplit}}};
 }
 
 Group Shaders() {
@@ -194,16 +199,16 @@ Group Editors() {
 }
 
 Group Debugging() {
-    return {"For debugging",
-            "",
-            {{{.name = "-debugsurfaces", .help = "Color each surface differently"}, &BspOptions::debugSurfaces},
-             {{.name = "-debuginset", .help = "Shrink triangles, so that gaps show between them"},
-              &BspOptions::debugInset},
-             {{.name = "-debugportals", .help = "Draw the portals as surfaces"}, &BspOptions::debugPortals},
-             {{.name = "-fakemap", .help = "Write the brushes of the world to fakemap.map in the current folder"},
-              &BspOptions::fakeMap},
-             {{.name = "-verboseentities", .help = "With -v: print details of brush entities too"},
-              &BspOptions::verboseEntities}}};
+    return {
+        "For debugging",
+        "",
+        {{{.name = "-debugsurfaces", .help = "Color each surface differently"}, &BspOptions::debugSurfaces},
+         {{.name = "-debuginset", .help = "Shrink triangles, so that gaps show between them"}, &BspOptions::debugInset},
+         {{.name = "-debugportals", .help = "Draw the portals as surfaces"}, &BspOptions::debugPortals},
+         {{.name = "-fakemap", .help = "Write the brushes of the world to fakemap.map in the current folder"},
+          &BspOptions::fakeMap},
+         {{.name = "-verboseentities", .help = "With -v: print details of brush entities too"},
+          &BspOptions::verboseEntities}}};
 }
 
 Group Foreign() {
@@ -216,7 +221,7 @@ Group Foreign() {
 } // namespace
 
 std::vector<SettingGroup<BspOptions>> BspSettings() {
-    return {Basics(), LeaveOut(), Surfaces(), Tree(), Shaders(), Editors(), Debugging(), Foreign()};
+    return {Basics(), LeaveOut(), Surfaces(), Shaping(), Tree(), Shaders(), Editors(), Debugging(), Foreign()};
 }
 
 } // namespace q3

@@ -7,7 +7,9 @@ namespace {
 
 /// A flag of VisOptions.
 auto Vis(bool VisOptions::*field) {
-    return [field](auto &o) -> auto & { return o.vis.*field; };
+    return [field](auto &o) -> auto & {
+        return o.vis.*field;
+    };
 }
 
 } // namespace
@@ -42,8 +44,7 @@ std::vector<SettingGroup<VisStageOptions>> VisSettings() {
                 .help = "Compute as the original q3map2 does, one portal after the other on one thread",
                 .details = "Each direction is computed separately, and the lump is that of the original program."},
                Vis(&VisOptions::plain)},
-              {{.name = "-v",
-                .help = "A second -v: print how many clusters see how many others"},
+              {{.name = "-v", .help = "A second -v: print how many clusters see how many others"},
                &VisStageOptions::histogram}}}};
 }
 

@@ -20,8 +20,18 @@ TEST(NearestNames, OnlyTheNearestAndNoneFarOff) {
     EXPECT_THAT(NearestNames("-QUAKE", names), testing::ElementsAre("quake3", "quakes"));
     EXPECT_THAT(NearestNames("wlof", names), testing::ElementsAre("wolf"));
     EXPECT_TRUE(NearestNames("tetris", names).empty());
-    EXPECT_EQ(DidYouMean("-lihgt", std::vector<std::string>{"-light", "-vis"}), "; did you mean -light?");
+
     EXPECT_EQ(DidYouMean("x", names), "");
+}
+
+TEST(NearestNames, SwappedMissingAndWrongLetters) {
+    const std::vector<std::string> names{"-light", "-vis", "-bsp", "-sky", "-skyscale"};
+    EXPECT_THAT(NearestNames("-lihgt", names), testing::ElementsAre("-light"));
+    EXPECT_THAT(NearestNames("lght", names), testing::ElementsAre("-light"));
+    EXPECT_THAT(NearestNames("-SKYSCLAE", names), testing::ElementsAre("-skyscale"));
+    EXPECT_THAT(NearestNames("-vos", names), testing::ElementsAre("-vis"));
+    EXPECT_TRUE(NearestNames("-frobnicate", names).empty());
+    EXPECT_EQ(DidYouMean("-lihgt", names), "; did you mean -light?");
 }
 
 } // namespace

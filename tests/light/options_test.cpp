@@ -120,8 +120,8 @@ TEST_F(OptionsTest, FastTakesFewOfManyDimLightsAndKeepsTheirLight) {
     const std::uint64_t rays = result.gridSH.counts.rays;
     const GridView fast = LitGrid(scene, "-fast");
     EXPECT_LT(result.gridSH.counts.rays, rays / 3);
-    // A light of g bytes is taken with a probability p >= g / kChoice, as g / p: a variance of at most kChoice g. So the
-    // light of a point, L bytes of many lights, has one of at most kChoice L.
+    // A light of g bytes is taken with a probability p >= g / kChoice, as g / p: a variance of at most kChoice g. So
+    // the light of a point, L bytes of many lights, has one of at most kChoice L.
     constexpr double kChoice = 4; // bytes of faint light that one taken light stands for: 1/4 over 1/16, the samples
     double sumAll = 0, sumFast = 0, squares = 0;
     for (std::size_t i = 0; i < all.Count(); i++) {

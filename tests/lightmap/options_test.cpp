@@ -155,8 +155,8 @@ TEST_F(LightmapOptionsTest, ValuesWithoutMeaningAreDefaults) {
 
 TEST_F(LightmapOptionsTest, NumbersOutOfRangeFail) {
     for (const auto *text : {"-super 9", "-super 0", "-samples 0", "-samples 65", "-bounce -1", "-bounce x -super x",
-                             "-samplessearchboxsize 5", "-samplesize 0", "-bounce", "-dirtgain x", "-dirtgain 1.5x", "-bounce 2.5",
-                             "-thresh nan", "-brightness inf", "-novertex 2", "-lightmapdir -dark"})
+                             "-samplessearchboxsize 5", "-samplesize 0", "-bounce", "-dirtgain x", "-dirtgain 1.5x",
+                             "-bounce 2.5", "-thresh nan", "-brightness inf", "-novertex 2", "-lightmapdir -dark"})
         EXPECT_THROW(Parse(text), Error) << text;
 }
 

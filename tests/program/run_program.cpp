@@ -2,6 +2,7 @@
 #include "tests/program/run_program.h"
 
 #include "common/files/files.h"
+#include "q3map2/bspfile/bspfile.h"
 #include "q3map2/geometry/compile_map.h"
 #include "q3map2/map/map_parse.h"
 

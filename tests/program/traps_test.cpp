@@ -116,7 +116,7 @@ TEST_F(TrapsTest, BadNumbersInKeysWarnWithEntityAndKey) {
 }
 
 TEST_F(TrapsTest, EveryRunEndsWithOneLine) {
-    for (const std::string words :
+    for (const std::string &words :
          {"-bsp " + Map(".map").string(), std::string("-vis MAP"), std::string("-light -onlygrid MAP"),
           std::string("-info MAP"), std::string("-export MAP"), std::string("-json MAP")}) {
         const std::string line = LastLine(RunWell(words));

@@ -2,6 +2,7 @@
 #include "q3map2/geometry/effects/fog_hull.h"
 
 #include "q3map2/bspfile/surface_keys.h"
+
 #include <array>
 #include <string>
 

@@ -2,7 +2,6 @@
 #include "q3map2/light/options/light_options.h"
 
 #include "common/error.h"
-#include "common/text/text.h"
 #include "q3map2/light/options/light_settings.h"
 
 #include <algorithm>

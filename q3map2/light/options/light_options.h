@@ -62,13 +62,13 @@ struct LightOptions {
     bool shError = false;  ///< compare the grid with exact light and say how far it is off
     float gridScaleSH = 2;
     std::optional<Vec3f> gridSizeSH;
-    int shFit = 0;       ///< fit all points to so many samples a cell; 0: those in solids only
-    bool shFill = true;  ///< fit points in solids; else fill from neighbours alone
-    float shSamples = 1; ///< factor of the number of rays
-    std::optional<float> givenShSamples;    ///< -shsamples
+    int shFit = 0;                       ///< fit all points to so many samples a cell; 0: those in solids only
+    bool shFill = true;                  ///< fit points in solids; else fill from neighbours alone
+    float shSamples = 1;                 ///< factor of the number of rays
+    std::optional<float> givenShSamples; ///< -shsamples
     SkipOptions skip;
 
-    std::string previewFile; ///< -shpreview
+    std::string previewFile;                ///< -shpreview
     std::vector<std::string> withoutEffect; ///< given options that change nothing
 };
 

@@ -15,51 +15,65 @@ constexpr int kDefaultFit = 6, kMaxFit = 64;
 /// -gridsh: the format's smallest cell. Game units.
 constexpr double kMinCell = 8;
 
-/// A function that multiplies by the option's value.
-template <typename Multiply> SettingTarget<LightOptions> Factor(Multiply multiply) {
-    return Do<LightOptions>([multiply](LightOptions &o, const Values &v) { multiply(o, float(v.numbers[0])); });
+/// An option by whose value `multiply` multiplies.
+template <typename Multiply>
+Setting<LightOptions> Factor(std::string_view name, std::string_view alias, std::string_view initial,
+                             std::string_view help, Multiply multiply) {
+    return {{.name = name,
+             .aliases = {alias},
+             .values = "F",
+             .kind = SettingKind::Number,
+             .initial = initial,
+             .help = help},
+            Do<LightOptions>([multiply](LightOptions &o, const Values &v) { multiply(o, float(v.numbers[0])); })};
 }
 
 Group GridSH() {
     const auto cell = [](LightOptions &o, const Values &v) {
         o.gridSizeSH = Vec3f{float(v.numbers[0]), float(v.numbers[1]), float(v.numbers[2])};
     };
+    return {"SH light grid",
+            "",
+            {{{.name = "-sh",
+               .help = "Bake the SH light grid into lump 18 of a version 47 file",
+               .details = "Without it a relight drops an SH grid that the file had."},
+              &LightOptions::sh},
+             {{.name = "-shbspx",
+               .help = "Bake it into a BSPX lump of a version 46 file, which unmodified engines load; includes -sh"},
+              &LightOptions::shBspx},
+             {{.name = "-shradiance",
+               .help = "Store radiance instead of irradiance, for engines that convolve themselves; includes -sh"},
+              &LightOptions::shRadiance},
+             {{.name = "-gridscalesh",
+               .values = "F",
+               .range = {.low = 0, .aboveLow = true},
+               .help = "Points per axis relative to the legacy grid: 2 halves the cell of gridsize"},
+              &LightOptions::gridScaleSH},
+             {{.name = "-gridsh",
+               .values = "X Y Z",
+               .kind = SettingKind::Number,
+               .unit = "game units",
+               .initial = "gridsize divided by -gridscalesh",
+               .range = {.low = 0, .aboveLow = true},
+               .floor = kMinCell,
+               .help = "Size of a cell",
+               .details = "The smallest cell is 8; a smaller value becomes 8, with a warning."},
+              Do<LightOptions>(cell)}}};
+}
+
+Group QualityOfGridSH() {
     const auto fit = [](LightOptions &o, const Values &v) {
         o.shFit = v.numbers.empty() ? kDefaultFit : int(v.numbers[0]);
     };
     return {
-        "SH light grid",
+        "SH light grid: quality",
         "",
-        {{{.name = "-sh",
-           .help = "Bake the SH light grid into lump 18 of a version 47 file",
-           .details = "Without it a relight drops an SH grid that the file had."},
-          &LightOptions::sh},
-         {{.name = "-shbspx",
-           .help = "Bake it into a BSPX lump of a version 46 file, which unmodified engines load; includes -sh"},
-          &LightOptions::shBspx},
-         {{.name = "-shradiance",
-           .help = "Store radiance instead of irradiance, for engines that convolve themselves; includes -sh"},
-          &LightOptions::shRadiance},
-         {{.name = "-gridscalesh",
-           .values = "F",
-           .range = {.low = 0, .aboveLow = true},
-           .help = "Points per axis relative to the legacy grid: 2 halves the cell of gridsize"},
-          &LightOptions::gridScaleSH},
-         {{.name = "-gridsh",
-           .values = "X Y Z",
-           .kind = SettingKind::Number,
-           .unit = "game units",
-           .initial = "gridsize divided by -gridscalesh",
-           .range = {.low = 0, .aboveLow = true},
-           .floor = kMinCell,
-           .help = "Size of a cell",
-           .details = "The smallest cell is 8; a smaller value becomes 8, with a warning."},
-          Do<LightOptions>(cell)},
-         {{.name = "-shdering",
+        {{{.name = "-shdering",
            .help = "Remove negative lobes, the dark side that a strong light leaves",
-           .details = "Where a channel of a point is below zero in some direction, its bands 1 and 2 become the nearest "
-                      "values that are not; the mean and all other points stay. Interpolated values are then "
-                      "nowhere negative either. Needs `-sh`, `-shbspx` or `-shradiance`."},
+           .details =
+               "Where a channel of a point is below zero in some direction, its bands 1 and 2 become the nearest "
+               "values that are not; the mean and all other points stay. Interpolated values are then "
+               "nowhere negative either. Needs `-sh`, `-shbspx` or `-shradiance`."},
           &LightOptions::shDering},
          {{.name = "-sherror",
            .help = "Compare the grid with exact light and print its error, after baking",
@@ -116,8 +130,7 @@ Group Skips() {
               skip(&SkipOptions::moments)},
              {{.name = "-noskipprobes", .help = "Cast several rays to faint surface lights too"},
               skip(&SkipOptions::probes)},
-             {{.name = "-noskipcoarse",
-               .help = "With -fast or -fastgrid: cast rays to dim lights at every point"},
+             {{.name = "-noskipcoarse", .help = "With -fast or -fastgrid: cast rays to dim lights at every point"},
               skip(&SkipOptions::coarse)}}};
 }
 
@@ -128,58 +141,25 @@ Group Intensities() {
     };
     return {"Light intensities",
             "Each factor multiplies, and multiplies again when it is repeated.",
-            {{{.name = "-scale", .values = "F", .kind = SettingKind::Number, .initial = "1", .help = "Factor of all lights"},
-              Factor([](LightOptions &o, float f) {
-                  o.pointScale *= f, o.spotScale *= f, o.areaScale *= f, o.skyScale *= f;
-              })},
-             {{.name = "-point",
-               .aliases = {"-pointscale"},
-               .values = "F",
-               .kind = SettingKind::Number,
-               .initial = "1, of 7500",
-               .help = "Factor of point lights and spotlights"},
-              Factor([](LightOptions &o, float f) { o.pointScale *= f, o.spotScale *= f; })},
-             {{.name = "-spherical",
-               .aliases = {"-sphericalscale"},
-               .values = "F",
-               .kind = SettingKind::Number,
-               .initial = "1, of 7500",
-               .help = "Factor of point lights only"},
-              Factor([](LightOptions &o, float f) { o.pointScale *= f; })},
-             {{.name = "-spot",
-               .aliases = {"-spotscale"},
-               .values = "F",
-               .kind = SettingKind::Number,
-               .initial = "1, of 7500",
-               .help = "Factor of spotlights only"},
-              Factor([](LightOptions &o, float f) { o.spotScale *= f; })},
-             {{.name = "-area",
-               .aliases = {"-areascale"},
-               .values = "F",
-               .kind = SettingKind::Number,
-               .initial = "1, of 0.25",
-               .help = "Factor of surface lights (q3map_surfaceLight)"},
-              Factor([](LightOptions &o, float f) { o.areaScale *= f; })},
-             {{.name = "-sky",
-               .aliases = {"-skyscale"},
-               .values = "F",
-               .kind = SettingKind::Number,
-               .initial = "1",
-               .help = "Factor of suns and sky light"},
-              Factor([](LightOptions &o, float f) { o.skyScale *= f; })},
-             {{.name = "-gridscale",
-               .values = "F",
-               .kind = SettingKind::Number,
-               .initial = "by game, usually 1",
-               .help = "Factor of both light grids",
-               .details = "A product of 0 or less counts as 1."},
-              Factor([](LightOptions &o, float f) { o.gridScale *= f; })},
-             {{.name = "-gridambientscale",
-               .values = "F",
-               .kind = SettingKind::Number,
-               .initial = "by game, usually 1",
-               .help = "Factor of the ambient part of the legacy grid"},
-              Factor([](LightOptions &o, float f) { o.gridAmbientScale *= f; })},
+            {Factor("-scale", "", "1", "Factor of all lights",
+                    [](LightOptions &o, float f) {
+                        o.pointScale *= f, o.spotScale *= f, o.areaScale *= f, o.skyScale *= f;
+                    }),
+             Factor("-point", "-pointscale", "1, of 7500", "Factor of point lights and spotlights",
+                    [](LightOptions &o, float f) { o.pointScale *= f, o.spotScale *= f; }),
+             Factor("-spherical", "-sphericalscale", "1, of 7500", "Factor of point lights only",
+                    [](LightOptions &o, float f) { o.pointScale *= f; }),
+             Factor("-spot", "-spotscale", "1, of 7500", "Factor of spotlights only",
+                    [](LightOptions &o, float f) { o.spotScale *= f; }),
+             Factor("-area", "-areascale", "1, of 0.25", "Factor of surface lights (q3map_surfaceLight)",
+                    [](LightOptions &o, float f) { o.areaScale *= f; }),
+             Factor("-sky", "-skyscale", "1", "Factor of suns and sky light",
+                    [](LightOptions &o, float f) { o.skyScale *= f; }),
+             Factor("-gridscale", "", "by game, usually 1",
+                    "Factor of both light grids; a product of 0 or less counts as 1",
+                    [](LightOptions &o, float f) { o.gridScale *= f; }),
+             Factor("-gridambientscale", "", "by game, usually 1", "Factor of the ambient part of the legacy grid",
+                    [](LightOptions &o, float f) { o.gridAmbientScale *= f; }),
              {{.name = "-backsplash",
                .values = "F DIST",
                .kind = SettingKind::Number,
@@ -237,13 +217,10 @@ Group Tone() {
         const float c = float(v.numbers[0]);
         o.tone.contrast = 259 * (c + 255) / (255 * (259 - c));
     };
-    const auto tone = [](float ToneOptions::*field) { return [field](auto &o) -> auto & { return o.tone.*field; }; };
-    const auto sRgb = [](bool light, bool color, bool texture, bool on) {
-        return Do<LightOptions>([=](LightOptions &o, const Values &) {
-            o.tone.sRgb = light ? on : o.tone.sRgb;
-            o.shader.sRgbColor = color ? on : o.shader.sRgbColor;
-            o.sRgbTexture = texture ? on : o.sRgbTexture;
-        });
+    const auto tone = [](float ToneOptions::*field) {
+        return [field](auto &o) -> auto & {
+            return o.tone.*field;
+        };
     };
     return {"Tone of lightmaps, vertices and the legacy grid",
             "The SH grid is linear and unclamped and takes none of these. The order is: scale, contrast, gamma, "
@@ -278,27 +255,39 @@ Group Tone() {
                .outside = OutOfRange::UseDefault,
                .outsideValue = 1,
                .help = "Divisor of stored light, for engines that multiply it again"},
-              tone(&ToneOptions::compensate)},
-             {{.name = "-sRGBlight",
-               .initial = "by game, usually off",
-               .help = "Store light in sRGB",
-               .details = "The falloff tolerance becomes 0.077."},
-              sRgb(true, false, false, true)},
-             {{.name = "-nosRGBlight", .help = "Store light linearly"}, sRgb(true, false, false, false)},
-             {{.name = "-sRGBcolor",
-               .initial = "by game, usually off",
-               .help = "Colors of entities, suns and q3map_lightRGB are sRGB",
-               .details = "Concerns both grids too."},
-              sRgb(false, true, false, true)},
-             {{.name = "-nosRGBcolor", .help = "These colors are linear"}, sRgb(false, true, false, false)},
-             {{.name = "-sRGBtex",
-               .initial = "by game, usually off",
-               .help = "Colors of images are sRGB where they tint bounced light"},
-              sRgb(false, false, true, true)},
-             {{.name = "-nosRGBtex", .help = "These colors are linear"}, sRgb(false, false, true, false)},
-             {{.name = "-sRGB", .help = "-sRGBlight, -sRGBcolor and -sRGBtex"}, sRgb(true, true, true, true)},
-             {{.name = "-nosRGB", .help = "-nosRGBlight, -nosRGBcolor and -nosRGBtex"},
-              sRgb(true, true, true, false)}}};
+              tone(&ToneOptions::compensate)}}};
+}
+
+Group ColorSpaces() {
+    const auto sRgb = [](bool light, bool color, bool texture, bool on) {
+        return Do<LightOptions>([=](LightOptions &o, const Values &) {
+            o.tone.sRgb = light ? on : o.tone.sRgb;
+            o.shader.sRgbColor = color ? on : o.shader.sRgbColor;
+            o.sRgbTexture = texture ? on : o.sRgbTexture;
+        });
+    };
+    return {
+        "Color spaces",
+        "",
+        {{{.name = "-sRGBlight",
+           .initial = "by game, usually off",
+           .help = "Store light in sRGB",
+           .details = "The falloff tolerance becomes 0.077."},
+          sRgb(true, false, false, true)},
+         {{.name = "-nosRGBlight", .help = "Store light linearly"}, sRgb(true, false, false, false)},
+         {{.name = "-sRGBcolor",
+           .initial = "by game, usually off",
+           .help = "Colors of entities, suns and q3map_lightRGB are sRGB",
+           .details = "Concerns both grids too."},
+          sRgb(false, true, false, true)},
+         {{.name = "-nosRGBcolor", .help = "These colors are linear"}, sRgb(false, true, false, false)},
+         {{.name = "-sRGBtex",
+           .initial = "by game, usually off",
+           .help = "Colors of images are sRGB where they tint bounced light"},
+          sRgb(false, false, true, true)},
+         {{.name = "-nosRGBtex", .help = "These colors are linear"}, sRgb(false, false, true, false)},
+         {{.name = "-sRGB", .help = "-sRGBlight, -sRGBcolor and -sRGBtex"}, sRgb(true, true, true, true)},
+         {{.name = "-nosRGB", .help = "-nosRGBlight, -nosRGBcolor and -nosRGBtex"}, sRgb(true, true, true, false)}}};
 }
 
 Group Speed() {
@@ -317,38 +306,47 @@ Group Speed() {
              {{.name = "-cheap", .help = "Add no more light to vertices and legacy grid points that are white already"},
               &LightOptions::cheap},
              {{.name = "-cheapgrid", .help = "-cheap for the legacy grid only"}, &LightOptions::cheapGrid},
-             {{.name = "-nogrid", .help = "Leave the legacy light grid as it is"}, &LightOptions::noGrid},
-             {{.name = "-notrace",
-               .help = "No shadows",
-               .details = "Suns shine everywhere. Floodlight, dirt and bounces still look around."},
-              &LightOptions::noTrace},
-             {{.name = "-nosurf", .help = "Shadows of structural brushes only"}, &LightOptions::noSurfaces},
-             {{.name = "-patchshadows",
-               .initial = "by game, usually off",
-               .help = "Curved surfaces cast shadows",
-               .details = "Not in the legacy grid."},
-              &LightOptions::patchShadows},
-             {{.name = "-sunonly", .help = "Only suns and sky light shine"}, &LightOptions::sunOnly},
-             {{.name = "-onesky", .help = "Suns shine through every sky, not only through that of their shader"},
-              &LightOptions::oneSky},
-             {{.name = "-style",
-               .aliases = {"-styles"},
-               .initial = "by game, usually on",
-               .help = "Light styles (flickering and switchable lights) count",
-               .details = "In lightmaps styled light needs a stage of its own, see "
-                          "[lightmaps.md](lightmaps.md); vertices and grids cannot store it."},
-              Off(&LightOptions::noStyles)},
-             {{.name = "-nostyle", .aliases = {"-nostyles"}, .help = "Light styles do not count"},
-              &LightOptions::noStyles},
-             {{.name = "-floodlight",
-               .help = "Add soft light wherever there is open space around",
-               .details = "With the values of the worldspawn key `_floodlight`, or the color 0.94 0.94 1, distance "
-                          "1024 and intensity 128."},
-              &LightOptions::floodlight},
-             {{.name = "-lowquality", .help = "Floodlight with 32 rays a hemisphere instead of 64"},
-              &LightOptions::lowQuality},
-             {{.name = "-custinfoparms", .help = "Read more surfaceparms from scripts/custinfoparms.txt"},
-              [](auto &o) -> auto & { return o.shader.customInfoParms; }}}};
+             {{.name = "-nogrid", .help = "Leave the legacy light grid as it is"}, &LightOptions::noGrid}}};
+}
+
+Group Rays() {
+    return {
+        "Lights and shadows", "",
+        {{{.name = "-notrace",
+           .help = "No shadows",
+           .details = "Suns shine everywhere. Floodlight, dirt and bounces still look around."},
+          &LightOptions::noTrace},
+         {{.name = "-nosurf", .help = "Shadows of structural brushes only"}, &LightOptions::noSurfaces},
+         {{.name = "-patchshadows",
+           .initial = "by game, usually off",
+           .help = "Curved surfaces cast shadows",
+           .details = "Not in the legacy grid."},
+          &LightOptions::patchShadows},
+         {{.name = "-sunonly", .help = "Only suns and sky light shine"}, &LightOptions::sunOnly},
+         {{.name = "-onesky", .help = "Suns shine through every sky, not only through that of their shader"},
+          &LightOptions::oneSky},
+         {{.name = "-style",
+           .aliases = {"-styles"},
+           .initial = "by game, usually on",
+           .help = "Light styles (flickering and switchable lights) count",
+           .details = "In lightmaps styled light needs a stage of its own, see "
+                      "[lightmaps.md](lightmaps.md); vertices and grids cannot store it."},
+          Off(&LightOptions::noStyles)},
+         {{.name = "-nostyle", .aliases = {"-nostyles"}, .help = "Light styles do not count"}, &LightOptions::noStyles},
+         {{.name = "-floodlight",
+           .help = "Add soft light wherever there is open space around",
+           .details = "With the values of the worldspawn key `_floodlight`, or the color 0.94 0.94 1, distance "
+                      "1024 and intensity 128."},
+          &LightOptions::floodlight},
+         {{.name = "-lowquality", .help = "Floodlight with 32 rays a hemisphere instead of 64"},
+          &LightOptions::lowQuality},
+         {{.name = "-custinfoparms", .help = "Read more surfaceparms from scripts/custinfoparms.txt"},
+          [](auto &o) -> auto &{return o.shader.customInfoParms;
+}
+} // namespace
+} // namespace q3
+}
+;
 }
 
 Group Foreign() {
@@ -367,7 +365,8 @@ Group Foreign() {
 } // namespace
 
 std::vector<SettingGroup<LightOptions>> LightSettings() {
-    return {GridSH(), Skips(), Intensities(), Falloff(), Tone(), Speed(), Foreign()};
+    return {GridSH(), QualityOfGridSH(), Skips(), Intensities(), Falloff(),
+            Tone(),   ColorSpaces(),     Speed(), Rays(),        Foreign()};
 }
 
 } // namespace q3

@@ -1,8 +1,6 @@
 // GPL-2.0-or-later. Settings of lightmaps, vertex light and bounces.
 #include "q3map2/lightmap/options/lightmap_options.h"
 
-#include "common/error.h"
-#include "common/text/text.h"
 #include "q3map2/lightmap/options/lightmap_settings.h"
 
 #include <algorithm>

@@ -61,7 +61,7 @@ struct LightmapOptions {
     std::string externalFolder; ///< -lightmapdir
     bool deluxe = false, deluxeTangent = false;
     bool collapse = true, fastAllocate = true;
-    int searchBlock = 0; ///< pages; 0: all
+    int searchBlock = 0;            ///< pages; 0: all
     std::optional<int> searchPower; ///< -lightmapsearchpower
     bool noSearch = false;          ///< -nolightmapsearch
     bool fill = false, fillPink = false;
