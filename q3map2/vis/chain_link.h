@@ -42,7 +42,7 @@ struct ChainLink {
     std::size_t lastPortal = 0;                 ///< the last portal of the chain
     std::span<const int> candidates;            ///< portals that lead out of the leaf behind it
     std::size_t nextPortal = 0;                 ///< index in `candidates` of the portal to try next
-    bool hasPass = false;                       ///< the chain has more than its first portal
+    int length = 1;                             ///< portals of the chain
     WindingView source, pass;                   ///< clipped windings of the first and of the last portal
     WindingBuffer sourceBuffers[2], passBuffers[2];
     Separators separators[2]; ///< source against pass, pass against source
@@ -63,6 +63,7 @@ struct ChainLink {
         return false;
     }
     bool MaySee(std::size_t q) const { return q >> 6 >= low && q >> 6 < high && TestBit(mightSee, q); }
+    bool HasPass() const { return length > 1; }
     /// Clips the last portal, or the first, to the front of a plane. False: nothing is left.
     bool ClipPass(const VisPlane &plane) { return Clip(pass, passBuffers, plane); }
     bool ClipSource(const VisPlane &plane) { return Clip(source, sourceBuffers, plane); }

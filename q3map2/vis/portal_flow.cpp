@@ -16,6 +16,10 @@ namespace {
 /// Portals that are searched from the same state of the table, in parallel. Constant, so that the result does not
 /// depend on the number of threads.
 constexpr std::size_t kBatch = 64;
+/// Length of chains up to which the first portal is clipped too. That tightens the result; in longer chains it costs
+/// more time than it saves.
+constexpr int kMaxSourceClipLength = 5;
+
 /// Searches the chains from one portal at a time.
 class ChainSearch {
   public:
@@ -31,8 +35,8 @@ class ChainSearch {
         first.low = 0, first.high = mightSee_.Words();
         std::iota(first.unseenStorage.begin(), first.unseenStorage.end(), 0u);
         first.unseenWords = first.unseenStorage;
+        first.length = 1;
         first.source = base_->winding;
-        first.hasPass = false;
         StartLink(first, base);
         for (std::size_t depth = 0;;) {
             ChainLink &last = *links_[depth];
@@ -64,7 +68,7 @@ class ChainSearch {
         link.lastPortal = portal;
         link.candidates = map_.PortalsAfter(portal);
         link.nextPortal = 0;
-        if (settings_.reference || !link.hasPass)
+        if (settings_.reference || !link.HasPass())
             link.separators[0].count = link.separators[1].count = 0;
     }
 
@@ -118,14 +122,17 @@ class ChainSearch {
         const bool continues = HasUnseen(last, candidate, q);
         if (!continues && TestBit(seen_, q))
             return false;
-        next.hasPass = true;
         next.pass = portal.winding;
         if (!(ahead > portal.radius) && !next.ClipPass(base_->plane))
             return false;
         next.source = last.source;
         if (!(behind < -base_->radius) && !next.ClipSource(portal.plane.Flipped()))
             return false;
-        if (last.hasPass && !(settings_.reference ? ClipAsNeeded(last, portal, next) : Clip(last, portal, next)))
+        if (last.HasPass() && !(settings_.reference ? ClipAsNeeded(last, portal, next) : Clip(last, portal, next)))
+            return false;
+        next.length = last.length + 1;
+        if (continues && !settings_.reference && last.HasPass() && next.length <= kMaxSourceClipLength &&
+            !ClipSourceBackwards(last, portal, next))
             return false;
         SetBit(seen_, q);
         if (!continues)
@@ -157,6 +164,21 @@ class ChainSearch {
             for (int i = 0; i < list.count; ++i)
                 if (!(list.planes[i].Distance(portal.center) > portal.radius) && !next.ClipPass(list.planes[i]))
                     return false;
+        return true;
+    }
+
+    /// Clips the first portal to the part that is seen backwards, from `portal` through the portal before it. False:
+    /// nothing is left.
+    bool ClipSourceBackwards(const ChainLink &last, const FlowPortal &portal, ChainLink &next) const {
+        VisPlane planes[kMaxSeparators];
+        int count = TangentPlanes(next.pass, portal.plane.normal, last.pass, true, planes);
+        for (int i = 0; i < count; ++i)
+            if (!next.ClipSource(planes[i]))
+                return false;
+        count = TangentPlanes(last.pass, map_.Portal(last.lastPortal).plane.normal, next.pass, false, planes);
+        for (int i = 0; i < count; ++i)
+            if (!next.ClipSource(planes[i].Flipped()))
+                return false;
         return true;
     }
 
