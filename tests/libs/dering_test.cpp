@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Spherical harmonics without negative lobes: nowhere negative, and the nearest of that kind.
+// GPL-2.0-or-later. Spherical harmonics without negative lobes: nowhere negative.
 #include "libs/sh/dering.h"
 
 #include <algorithm>
@@ -14,9 +14,6 @@ namespace q3::test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-/// From bands that are this many means long, the slow method below does not get near.
-constexpr double kFarthest = 30;
 
 /// Spread evenly over the sphere.
 std::vector<Vec3d> Directions(int count) {
@@ -41,13 +38,6 @@ double Lowest(const ShVector &c, const std::vector<Vec3d> &directions) {
     for (const Vec3d &n : directions)
         lowest = std::min(lowest, Evaluate(c, n));
     return lowest;
-}
-
-double Distance2(const ShVector &a, const ShVector &b) {
-    double sum = 0;
-    for (std::size_t k = 0; k < 9; k++)
-        sum += (a[k] - b[k]) * (a[k] - b[k]);
-    return sum;
 }
 
 /// Light of one direction: sharp as projected, or convolved with the clamped cosine.
@@ -94,34 +84,6 @@ ShVector Rounded(ShVector c) {
     for (double &x : c)
         x = double(float(x));
     return c;
-}
-
-/// A lower bound of half the squared distance to everything that is not negative in these directions: the value of the
-/// dual problem after some sweeps of Hildreth's method. Mean 1.
-double DualBound(const ShVector &c, const std::vector<ShVector> &basis, int sweeps) {
-    std::vector<double> weights(basis.size());
-    ShVector moved = c;
-    const double norm = 2 / kPi;
-    const auto at = [](const ShVector &a, const ShVector &b) {
-        double sum = 0;
-        for (std::size_t k = 0; k < 9; k++)
-            sum += a[k] * b[k];
-        return sum;
-    };
-    for (int sweep = 0; sweep < sweeps; sweep++)
-        for (std::size_t i = 0; i < basis.size(); i++) {
-            const double value = at(moved, basis[i]);
-            if (value >= 0 && weights[i] == 0)
-                continue;
-            const double change = std::max(-weights[i], -value / norm);
-            weights[i] += change;
-            for (std::size_t k = 1; k < 9; k++)
-                moved[k] += change * basis[i][k];
-        }
-    double bound = -Distance2(moved, c) / 2;
-    for (std::size_t i = 0; i < basis.size(); i++)
-        bound -= weights[i] * at(c, basis[i]);
-    return bound;
 }
 
 TEST(Dering, MinimumIsTheLeastOfAllDirections) {
@@ -186,52 +148,73 @@ TEST(Dering, WhatIsNowhereNegativeStaysAsItIs) {
     EXPECT_EQ(kept, 2000);
 }
 
-TEST(Dering, NothingNearerIsNowhereNegative) {
-    std::vector<ShVector> basis;
-    for (const Vec3d &n : Directions(20000))
-        basis.push_back(ShBasis(n));
+/// The factors of bands 1 and 2, each the same for all its coefficients that are not zero.
+std::array<double, 2> FactorsOf(const ShVector &before, const ShVector &after) {
+    std::array<double, 2> factors{1, 1};
+    for (std::size_t k = 1; k < 9; k++) {
+        double &factor = factors[k < 4 ? 0 : 1];
+        if (before[k] == 0)
+            continue;
+        factor = after[k] / before[k];
+        for (std::size_t i = k < 4 ? 1 : 4; i < (k < 4 ? 4u : 9u); i++)
+            EXPECT_NEAR(after[i], factor * before[i], 1e-12 * std::abs(before[i]));
+    }
+    return factors;
+}
+
+TEST(Dering, BandsAreScaledByAWindow) {
     int changed = 0;
-    for (const ShVector &sample : Samples(60)) {
-        ShVector before = sample;
-        const double length = std::sqrt(Distance2(before, {before[0]}));
-        for (std::size_t k = 1; k < 9; k++)
-            before[k] /= std::max(sample[0] * kShC0, length / kFarthest);
-        before[0] = 1 / kShC0;
+    for (const ShVector &before : Samples(200)) {
         ShVector after = before;
         if (!RemoveNegativeLobes(after))
             continue;
         changed++;
-        const double distance = Distance2(before, after) / 2, bound = DualBound(before, basis, 400);
-        EXPECT_GT(bound, 0);
-        EXPECT_LE(distance, bound * 1.002 + 1e-5);
-        EXPECT_GE(distance, bound * (1 - 1e-9) - 1e-9);
+        const auto [band1, band2] = FactorsOf(before, after);
+        // 1 / (1 + 4 x) and 1 / (1 + 36 x).
+        EXPECT_NEAR(9 * (1 / band1 - 1), 1 / band2 - 1, 1e-9 / band2);
+    }
+    EXPECT_GT(changed, 150);
+}
+
+TEST(Dering, TheWindowIsNoNarrowerThanNeeded) {
+    const std::vector<Vec3d> directions = Directions(100000);
+    int changed = 0;
+    for (const ShVector &before : Samples(60)) {
+        ShVector after = before;
+        if (!RemoveNegativeLobes(after))
+            continue;
+        changed++;
+        const auto [band1, band2] = FactorsOf(before, after);
+        // A thousandth less of lambda is too little.
+        ShVector wider = before;
+        const double lambda = (1 / band2 - 1) / 36 * 0.998 - 1e-5;
+        for (std::size_t k = 1; k < 9; k++)
+            wider[k] /= 1 + (k < 4 ? 4 : 36) * lambda;
+        EXPECT_LT(MinimumOfSh(wider).value, 0) << band1;
     }
     EXPECT_GT(changed, 40);
 }
 
-TEST(Dering, LightOfOneDirectionBecomesASquare) {
-    // Around its direction the light 1/4 + t/2 + 15/32 (t^2 - 1/3) has mean 1/4. Nowhere negative and zero on a ring,
-    // it is m (1 + k t)^2 / (1 + k^2/3); the k that is nearest by direct search.
-    const double linear = 0.5, square = 15.0 / 32, mean = 0.25;
-    const auto parts = [&](double k) {
-        const double scale = mean / (1 + k * k / 3);
-        return std::array<double, 2>{2 * scale * k, scale * k * k};
+TEST(Dering, LightOfOneDirection) {
+    // Around its direction the light is 1/4 + t/2 + 15/32 (t^2 - 1/3). Lambda by direct search over t and lambda.
+    const auto lowest = [](double lambda) {
+        double least = 1;
+        for (double t = -1; t <= 1; t += 1e-3)
+            least =
+                std::min(least, 0.25 + t / 2 / (1 + 4 * lambda) + 15.0 / 32 * (t * t - 1.0 / 3) / (1 + 36 * lambda));
+        return least;
     };
-    double best = std::numeric_limits<double>::max(), bestK = 0;
-    for (double k = 0.5; k < 4; k += 1e-5) {
-        // Squared norms of t and t^2 - 1/3 over the sphere: 4 pi / 3 and 16 pi / 45.
-        const auto [a, b] = parts(k);
-        const double distance = (a - linear) * (a - linear) / 3 + (b - square) * (b - square) * 4 / 45;
-        if (distance < best)
-            best = distance, bestK = k;
-    }
-    const auto [a, b] = parts(bestK);
+    double lambda = 0;
+    while (lowest(lambda) < 0)
+        lambda += 1e-5;
+    EXPECT_GT(lambda, 0);
     for (const Vec3d &d : {Vec3d{0, 0, 1}, Normalize(Vec3d{1, -2, 0.5}), Vec3d{-1, 0, 0}}) {
         ShVector c = Delta(d, 3, true);
         EXPECT_TRUE(RemoveNegativeLobes(c));
         for (const Vec3d &n : Directions(50)) {
             const double t = Dot(n, d);
-            EXPECT_NEAR(Evaluate(c, n), 3 * (mean + a * t + b * (t * t - 1.0 / 3)), 1e-4);
+            const double expected = 0.25 + t / 2 / (1 + 4 * lambda) + 15.0 / 32 * (t * t - 1.0 / 3) / (1 + 36 * lambda);
+            EXPECT_NEAR(Evaluate(c, n), 3 * expected, 1e-3);
         }
     }
 }
