@@ -15,9 +15,13 @@ std::string Problem(const EntityKey &key, std::string_view text) {
         const std::optional<double> number = TakeNumber(text);
         if (!number)
             break;
-        if (!key.info.range.Contains(*number))
-            return fmt::format("expected a number {}; {:g} is used", key.info.range.Text(),
+        if (!key.info.range.Contains(*number)) {
+            const std::string range = key.info.range.Text(); // empty: the bounds of all settings
+            return fmt::format("expected a number {}; {:g} is used",
+                               range.empty() ? fmt::format("from {:g} to {:g}", key.info.range.low, key.info.range.high)
+                                             : range,
                                key.info.range.Clamp(*number));
+        }
     }
     if (count < required)
         return required == 1 ? "expected a number" : fmt::format("expected {} numbers", required);

@@ -123,6 +123,7 @@ Group Shaping() {
           &BspOptions::skyFix},
          {{.name = "-celshader",
            .values = "NAME",
+           .kind = SettingKind::Text,
            .initial = "none",
            .help = "Outline every surface by a copy with the shader textures/NAME",
            .details = "The key `_celshader` of an entity wins."},

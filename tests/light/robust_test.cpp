@@ -124,7 +124,9 @@ INSTANTIATE_TEST_SUITE_P(Keys, AbsurdKeyTest, testing::ValuesIn(kKeyCases),
 
 TEST_F(RobustTest, AbsurdIntensitiesAndColoursAreNamed) {
     ExpectSane(LitWith({{"light", "1e38"}}));
-    EXPECT_TRUE(Printed("WARNING: light at \"10 20 100\": intensity 1e+38 is limited")) << printed;
+    EXPECT_TRUE(
+        Printed("WARNING: entity 1 (light): _light \"1e38\": expected a number from -1e+09 to 1e+09; 1e+09 is used"))
+        << printed;
     ExpectSane(LitWith({{"_color", "1e38 1e38 1e38"}, {"spawnflags", "32"}}));
     EXPECT_TRUE(Printed("WARNING: light at \"10 20 100\": _color")) << printed;
     ExpectSane(LitWith({{"origin", "1e30 0 0"}}));
@@ -213,7 +215,7 @@ TEST_F(RobustTest, CellSizesThatMakeNoSense) {
         EXPECT_NE(text.find(std::string(options.substr(0, options.find(' ')))), std::string::npos) << text;
     }
     EXPECT_NE(ErrorOfLit(scene, "-gridsh 32 32"), "no error");
-    EXPECT_EQ(GridView(Lit(scene, "-gridsh 0.001 64 1e30")).Grid().header.gridSize[0], 8);
+    EXPECT_EQ(GridView(Lit(scene, "-gridsh 0.001 64 1e6")).Grid().header.gridSize[0], 8);
     for (const char *size :
          {"", "x y z", "64", "0 0 0", "-64 -64 -128", "nan nan nan", "1e38 1e38 1e38", "1e-38 1 1"}) {
         SceneBuilder sized = Room();
@@ -300,7 +302,12 @@ TEST_F(RobustTest, OptionsThatMakeNoSense) {
                                            "-sky -1",
                                            "-area -1"}) {
         SCOPED_TRACE(options);
-        ExpectSane(Lit(scene, std::string(options) + " -gridsh 100 100 100"));
+        try {
+            ExpectSane(Lit(scene, std::string(options) + " -gridsh 100 100 100"));
+        } catch (const Error &refused) {
+            EXPECT_TRUE(std::string_view(refused.what()).starts_with(options.substr(0, options.find(' '))))
+                << refused.what();
+        }
     }
 }
 

@@ -138,7 +138,7 @@ TEST_F(GameCheckTest, FlagsOfTheMapStandInForScripts) {
     std::filesystem::remove(game_ / "scripts/shaderlist.txt");
     folder_.Write("base/baseq3/maps/pool.map", PoolMap());
     const std::string bsp = (maps_ / "pool.bsp").string();
-    RunWell("-meta " + bsp);
+    RunWell("-meta " + (maps_ / "pool.map").string());
     const auto gridWith = [&](const std::string &basePath) {
         const Outcome outcome = RunProgramFile(
             {"-fs_basepath", basePath, "-force", "-light", "-sh", "-gridsh", "32", "32", "32", "-onlygrid", bsp},

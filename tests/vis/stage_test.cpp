@@ -79,7 +79,7 @@ TEST_F(VisStageTest, WritesTheLumpAndRemovesThePortals) {
     const Bsp before = Read();
     EXPECT_EQ(Run({"-vis", "-FAST", "-nosuch"}), 0);
     EXPECT_THAT(text_, testing::HasSubstr("--- Vis ---"));
-    EXPECT_THAT(text_, testing::HasSubstr("fastvis = true"));
+    EXPECT_THAT(text_, testing::HasSubstr("-fast (command line"));
     EXPECT_THAT(text_, testing::HasSubstr("Unknown option \"-nosuch\""));
     EXPECT_THAT(text_, testing::HasSubstr("     6 portalclusters\n     5 numportals\n     0 numfaces\n"));
     EXPECT_THAT(text_, testing::HasSubstr("--- BasePortalVis (10) ---\n0...1...2...3...4...5...6...7...8...9... (0)"));
