@@ -2,7 +2,16 @@
 #include "q3map2/lightmap/light_world.h"
 
 #include "common/cpu_time.h"
+#include "q3map2/lightmap/ao/luxel_dirt.h"
+#include "q3map2/lightmap/ao/luxel_flood.h"
 #include "q3map2/lightmap/bounce/light_bounce.h"
+#include "q3map2/lightmap/direct/lightmap_average.h"
+#include "q3map2/lightmap/direct/luxel_fill.h"
+#include "q3map2/lightmap/direct/luxel_light.h"
+#include "q3map2/lightmap/raw/lightmap_setup.h"
+#include "q3map2/lightmap/raw/lightmap_shade.h"
+#include "q3map2/lightmap/raw/luxel_map.h"
+#include "q3map2/lightmap/vertex/vertex_light.h"
 
 #include <memory>
 #include <optional>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/light/light.h"
-#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/store/lightmap_store.h"
 
 namespace q3 {
 

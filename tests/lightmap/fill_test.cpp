@@ -1,4 +1,6 @@
 // GPL-2.0-or-later. The last step over luxels: floodlight, dirt, luxels filled from their neighbours; debug modes.
+#include "q3map2/lightmap/direct/luxel_fill.h"
+#include "q3map2/lightmap/direct/luxel_light.h"
 #include "tests/lightmap/surface_case.h"
 
 #include <gtest/gtest.h>

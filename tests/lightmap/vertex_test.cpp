@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Light at vertices.
+#include "q3map2/lightmap/vertex/vertex_light.h"
 #include "tests/lightmap/surface_case.h"
 
 #include <algorithm>

@@ -379,12 +379,6 @@ void AmbientOcclusion::SkyVisibility(const OpenReceivers &receivers, float dista
         open[i] = std::clamp(1 - gathered[i] / float(floodDirections_.size()), 0.0f, 1.0f);
 }
 
-FloodSource WorldFlood(const SurfaceInputs &in) {
-    if (!in.options.floodlight && !in.world.hasFloodlight)
-        return {};
-    return {in.world.floodColor * in.world.floodIntensity, in.world.floodDistance};
-}
-
 namespace {
 
 /// Mapped luxels in order of tiles, so that neighbours are next to each other.

@@ -67,14 +67,6 @@ class AmbientOcclusion {
     mutable Nearby all_; ///< see All
 };
 
-/// Floodlight of the world and of a shader together.
-struct FloodSource {
-    Vec3f light; ///< where everything is open, byte scale
-    float distance = 1024;
-};
-/// Of the world; no light without it.
-FloodSource WorldFlood(const SurfaceInputs &in);
-
 /// Numbers in the super grid.
 using LuxelNumbers = std::array<std::uint32_t, kPacketSize>;
 

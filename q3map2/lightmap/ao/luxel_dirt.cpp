@@ -1,4 +1,6 @@
 // GPL-2.0-or-later. Dirt: luxels in corners and crevices get less light.
+#include "q3map2/lightmap/ao/luxel_dirt.h"
+
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 
 namespace q3 {

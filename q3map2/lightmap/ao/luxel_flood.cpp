@@ -1,4 +1,6 @@
 // GPL-2.0-or-later. Floodlight on luxels: light from wherever the surroundings are open.
+#include "q3map2/lightmap/ao/luxel_flood.h"
+
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 
 namespace q3 {
@@ -21,6 +23,12 @@ float DirectionScale(const SurfaceInputs &in, const RawLightmap &raw) {
 }
 
 } // namespace
+
+FloodSource WorldFlood(const SurfaceInputs &in) {
+    if (!in.options.floodlight && !in.world.hasFloodlight)
+        return {};
+    return {in.world.floodColor * in.world.floodIntensity, in.world.floodDistance};
+}
 
 void FloodLuxels(const SurfaceInputs &in, SurfaceLight &surfaces) {
     const FloodSource world = WorldFlood(in);

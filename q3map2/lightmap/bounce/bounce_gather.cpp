@@ -3,6 +3,7 @@
 
 #include "libs/math/color.h"
 #include "libs/math/low_discrepancy.h"
+#include "q3map2/lightmap/raw/deluxe.h"
 
 #include <algorithm>
 #include <atomic>
@@ -28,8 +29,6 @@ constexpr int kWindow = 2;
 constexpr float kAlike = 0.9f;
 /// Weight of a flat plane against the neighbours' spread. Luxels squared.
 constexpr double kStiffness = 0.7;
-/// Weight of bounced light in deluxe directions; spec of deluxe.
-constexpr float kBounceDirection = 0.25f;
 
 /// Direction i of a cosine-weighted hemisphere around +z.
 Vec3f CosineDirection(std::uint32_t i) {
@@ -312,7 +311,7 @@ std::vector<Vec3f> BounceGather::GatheredIrradiance(const Emission &emission, st
         }
         found[luxel] = sum / float(count);
         if (directed)
-            raw.directions[luxel] += direction * (kBounceDirection / 255 / float(count));
+            raw.directions[luxel] += direction * (kDeluxeBounceShare / 255 / float(count));
     }
     return found;
 }

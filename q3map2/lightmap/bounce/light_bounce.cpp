@@ -10,15 +10,9 @@ namespace {
 /// Vertices gather so far from the rim of their surface, which often lies in the plane of another. Game units.
 constexpr float kInward = 2;
 
-/// Slot that holds a style, or kStyles.
-std::size_t SlotOf(const Styles &styles, std::uint8_t style) {
-    return std::size_t(std::find(styles.begin(), styles.end(), style) - styles.begin());
-}
-
-/// The slot for a style, taken if it is new; kStyles when all are taken by others.
+/// The slot for a style, taken if it is new; kStyles when others hold all.
 std::size_t ClaimSlot(Styles &styles, std::uint8_t style) {
-    const std::size_t known = SlotOf(styles, style);
-    const std::size_t slot = known < kStyles ? known : SlotOf(styles, kNoStyle);
+    const std::size_t slot = StyleSlotFor(styles, style);
     if (slot < kStyles)
         styles[slot] = style;
     return slot;
@@ -36,7 +30,7 @@ void Bounces::CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emi
     emission.assign(numbers_.Count(), {});
     for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i) {
         const RawLightmap &raw = surfaces.lightmaps[i];
-        const std::size_t slot = SlotOf(raw.styles, style);
+        const std::size_t slot = FindStyleSlot(raw.styles, style);
         if (slot >= kStyles || raw.radiosity[slot].empty())
             continue;
         const EmitterId first = numbers_.FirstOf(i);
@@ -45,7 +39,7 @@ void Bounces::CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emi
     }
     for (std::size_t i = 0; i < in_.bsp.drawSurfaces.size(); ++i) {
         const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[i];
-        const std::size_t slot = surfaces.lightmapOf[i] < 0 ? SlotOf(surfaces.vertex.styles[i], style) : kStyles;
+        const std::size_t slot = surfaces.lightmapOf[i] < 0 ? FindStyleSlot(surfaces.vertex.styles[i], style) : kStyles;
         if (slot >= kStyles || surfaces.vertex.radiosity[slot].empty())
             continue;
         for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v)
@@ -137,7 +131,7 @@ void Bounces::AddToVertices(SurfaceLight &surfaces) const {
         for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v)
             center += surfaces.verts[std::size_t(v)].xyz / float(surface.numVerts);
         for (const auto &[style, emission] : byStyle_) {
-            const std::size_t slot = SlotOf(vertex.styles[i], style);
+            const std::size_t slot = FindStyleSlot(vertex.styles[i], style);
             if (slot >= kStyles)
                 continue;
             for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v) {

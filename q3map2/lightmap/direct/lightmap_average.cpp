@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Light of super luxels becomes light of luxels.
-#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/direct/lightmap_average.h"
+
 #include "q3map2/lightmap/raw/luxel_masks.h"
 
 #include <algorithm>

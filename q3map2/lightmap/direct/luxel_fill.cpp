@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The last step of a pass over luxels: floodlight, dirt, and luxels without light of their own.
+#include "q3map2/lightmap/direct/luxel_fill.h"
+
 #include "libs/math/color.h"
-#include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_masks.h"
 
 #include <algorithm>

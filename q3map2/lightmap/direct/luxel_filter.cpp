@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Blur of light on luxels.
-#include "q3map2/lightmap/direct/luxel_light.h"
+#include "q3map2/lightmap/direct/luxel_filter.h"
 
 #include <algorithm>
 

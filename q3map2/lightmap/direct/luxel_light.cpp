@@ -4,7 +4,9 @@
 #include "common/progress.h"
 #include "libs/math/color.h"
 #include "q3map2/lightmap/direct/debug_view.h"
+#include "q3map2/lightmap/direct/luxel_filter.h"
 #include "q3map2/lightmap/direct/luxel_lists.h"
+#include "q3map2/lightmap/direct/luxel_samples.h"
 
 #include <algorithm>
 #include <atomic>
@@ -16,37 +18,6 @@ namespace {
 
 /// Area lights that give a block of luxels less are represented by a few. Byte scale.
 constexpr float kFaint = 1.0f / 16;
-/// Directions of bounced light count less.
-constexpr float kBounceDirections = 0.25f;
-
-/// colour and direction of what arrives, lane by lane.
-Q3_VECTOR void FillArrivals(const Light &light, const SurfaceIncidentLight &from, float directionScale,
-                            LuxelIncidentLight &out) {
-    const Vec3f c = light.color;
-    const std::int32_t colored = c.x + c.y + c.z > 0 ? -1 : 0;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float add = from.live[i] != 0 ? from.add[i] : 0;
-        out.color.x[i] = add * c.x, out.color.y[i] = add * c.y, out.color.z[i] = add * c.z;
-    }
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        out.lit[i] = from.live[i] & colored;
-        out.forced[i] = from.add[i] > 1 ? from.filtered[i] : 0;
-    }
-    if (from.tinted)
-        for (std::size_t i = 0; i < kPacketSize; ++i)
-            if (from.live[i] != 0) {
-                out.color.x[i] *= from.tint.x[i];
-                out.color.y[i] *= from.tint.y[i];
-                out.color.z[i] *= from.tint.z[i];
-            }
-    if (directionScale > 0)
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
-            const float weight = from.live[i] != 0 && from.undirected[i] == 0 ? from.add[i] * directionScale : 0;
-            out.direction.x[i] = weight > 0 ? from.direction.x[i] * weight : 0;
-            out.direction.y[i] = weight > 0 ? from.direction.y[i] * weight : 0;
-            out.direction.z[i] = weight > 0 ? from.direction.z[i] * weight : 0;
-        }
-}
 
 Q3_VECTOR void AddLanes(const Lanes3 &what, float sign, Lanes3 &sum) {
     for (std::size_t i = 0; i < kPacketSize; ++i) {
@@ -130,14 +101,6 @@ class LightmapPass {
                 lightmap_.light[slot][i] = value, lightmap_.filled[slot][i] = 1;
     }
 
-    /// The slot of the light's style, or a free one; kStyles if there is none.
-    std::size_t SlotFor(int style) const {
-        std::size_t slot = 0;
-        while (slot < kStyles && lightmap_.styles[slot] != style && lightmap_.styles[slot] != kNoStyle)
-            ++slot;
-        return slot;
-    }
-
     int RadiusFor(const Light &light) const {
         const float radius = std::max({0.0f, lightmap_.filterRadius, light.filterRadius});
         const int luxels = int(std::min(float(lightmap_.super) * radius / std::max(lightmap_.sampleSize, 1.0f), 1e6f));
@@ -153,7 +116,7 @@ class LightmapPass {
     }
 
     void AddLight(const Light &light) {
-        const std::size_t slot = SlotFor(light.style);
+        const std::size_t slot = StyleSlotFor(lightmap_.styles, light.style);
         if (slot == kStyles) {
             in_.log.Warn("light styles", "light of style {} left out on a surface that already has {} styles",
                          light.style, kStyles);
@@ -212,31 +175,6 @@ class LightmapPass {
 };
 
 } // namespace
-
-LuxelSum &LuxelSums::Find(std::size_t slot, int radius, std::size_t blocks) {
-    for (std::size_t i = 0; i < used; ++i)
-        if (sums[i].slot == slot && sums[i].radius == radius)
-            return sums[i];
-    if (used == sums.size())
-        sums.emplace_back();
-    LuxelSum &sum = sums[used++];
-    sum.slot = slot, sum.radius = radius;
-    sum.color.assign(blocks, {});
-    sum.direction.assign(deluxe ? blocks : 0, {});
-    return sum;
-}
-
-bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightScene &scene,
-                       SurfaceReceiverBatch &samples, LuxelIncidentLight &out, ContributionCounts &counts) {
-    SurfaceIncidentLight incident;
-    LightContributionToSample(light, pass.settings, scene, samples, incident, counts);
-    if (!incident.live.Any() && !incident.filtered.Any())
-        return false;
-    const float scale =
-        pass.deluxe ? std::max(0.0f, Luminance(light.color)) / 255 * (pass.bounce ? kBounceDirections : 1) : 0;
-    FillArrivals(light, incident, scale, out);
-    return true;
-}
 
 void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
                  SurfaceLight &surfaces, ContributionCounts &counts) {

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. More samples for luxels at the edges of light.
+#include "q3map2/lightmap/direct/luxel_samples.h"
+
 #include "libs/math/low_discrepancy.h"
-#include "q3map2/lightmap/direct/luxel_light.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Which surfaces share a raw lightmap, its size and its projection.
+#include "q3map2/lightmap/raw/lightmap_setup.h"
+
 #include "q3map2/light/scene/light_patch.h"
-#include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_axes.h"
 
 #include <algorithm>
@@ -432,7 +433,7 @@ void LightmapSetup::Report() const {
 SurfaceLight SetupSurfaceLight(const SurfaceInputs &in) {
     SurfaceLight surfaces;
     surfaces.lightmapOf.assign(in.bsp.drawSurfaces.size(), -1);
-    surfaces.vertex.styles.assign(in.bsp.drawSurfaces.size(), Styles{0, kNoStyle, kNoStyle, kNoStyle});
+    surfaces.vertex.styles.assign(in.bsp.drawSurfaces.size(), kOnlyStyle0);
     LightmapSetup(in, surfaces).Run();
     return surfaces;
 }

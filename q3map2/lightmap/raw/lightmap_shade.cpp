@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. -shade: normals smoothed over edges.
-#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/raw/lightmap_shade.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Light on surfaces: what the steps from luxel placement to storing hand on.
+// GPL-2.0-or-later. Records of light on surfaces that the passes from luxel mapping to storing share.
 #pragma once
 
 #include "common/jobs.h"
@@ -6,18 +6,13 @@
 #include "q3map2/light/scene/surface_table.h"
 #include "q3map2/light/transfer/light_contribution.h"
 #include "q3map2/lightmap/options/lightmap_options.h"
+#include "q3map2/lightmap/raw/style_slots.h"
 
 #include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 namespace q3 {
-
-/// Light styles that one surface can hold; style 0 comes first.
-inline constexpr std::size_t kStyles = 4;
-using Styles = std::array<std::uint8_t, kStyles>;
-inline constexpr std::uint8_t kNoStyle = 255;
 
 /// lightmapNum of surfaces that are lit at their vertices.
 inline constexpr int kLightmapByVertex = -3;
@@ -78,7 +73,7 @@ struct RawLightmap {
     float floodDirectionScale = 1;
 
     // Super grid, each pass: luxel_light.cpp. Byte scale; empty for styles that are not used.
-    Styles styles{0, kNoStyle, kNoStyle, kNoStyle};
+    Styles styles = kOnlyStyle0;
     std::array<std::vector<Vec3f>, kStyles> light;
     std::array<std::vector<std::uint8_t>, kStyles> filled; ///< whether the luxel holds a value
     std::vector<Vec3f> directions;                         ///< deluxe: sums towards the light; else empty
@@ -120,58 +115,10 @@ struct SurfaceInputs {
     Log &log;
 };
 
-/// Which pass lights the surfaces.
+/// Which pass lights the surfaces. The passes over surfaces are in headers of their own. Each is called from one thread
+/// and uses the workers of SurfaceInputs::jobs; results do not depend on their number.
 struct SurfacePass {
     bool bounce = false; ///< bounced light only: no ambient, no floodlight, vertices without dirt
 };
-
-// In the order of the stage. Each is safe to call from one thread and uses the workers of `in.jobs`; results do not
-// depend on their number.
-
-/// Vertices, clusters, raw lightmaps: which surfaces share one, their sizes and projections. lightmap_setup.cpp.
-SurfaceLight SetupSurfaceLight(const SurfaceInputs &in);
-/// -shade: normals of vertices that meet at less than their shading angle become one. lightmap_shade.cpp.
-void SmoothNormals(const SurfaceInputs &in, SurfaceLight &surfaces);
-/// Where each luxel is lit from. luxel_map.cpp.
-void MapLuxels(const SurfaceInputs &in, SurfaceLight &surfaces);
-/// -dirty: how open the surroundings of each luxel are. luxel_dirt.cpp.
-void DirtLuxels(const SurfaceInputs &in, SurfaceLight &surfaces);
-/// Floodlight on each luxel. luxel_flood.cpp.
-void FloodLuxels(const SurfaceInputs &in, SurfaceLight &surfaces);
-/// Direct or bounced light on all luxels; `lights` by SetupEnvelopes for surfaces. luxel_light.cpp.
-void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
-                 SurfaceLight &surfaces, ContributionCounts &counts);
-/// Fills in luxels without light of their own from their neighbours, after dirt and floodlight were applied: the last
-/// step of a pass. luxel_fill.cpp.
-void FinishLuxels(const SurfaceInputs &in, const SurfacePass &pass, SurfaceLight &surfaces);
-/// Light at the vertices of all surfaces: of its own where there is no lightmap, else read from it. vertex_light.cpp.
-void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
-                   SurfaceLight &surfaces, ContributionCounts &counts);
-/// Averages super luxels into results and radiosity. `last`: no bounce follows. lightmap_average.cpp.
-void AverageLuxels(const SurfaceInputs &in, const SurfacePass &pass, bool last, SurfaceLight &surfaces);
-
-/// A lightmap page: RGB rows.
-struct LightmapPage {
-    int width = 128, height = 128;
-    int number = -1;       ///< that surfaces name; -1: only shaders made for them name its image
-    int file = 0;          ///< number of its image; deluxe: that of the directions is the next
-    bool external = false; ///< the image is needed
-    std::vector<std::uint8_t> colors;
-    std::vector<std::uint8_t> directions; ///< deluxe: the page after it; else empty
-};
-
-/// What storing makes beyond the Bsp.
-struct StoredLightmaps {
-    std::vector<LightmapPage> pages;
-    struct Script {
-        std::string shader, text;
-    };
-    std::vector<Script> scripts; ///< generated shaders, each once
-};
-
-/// Packs results into pages and writes them, coordinates, numbers and vertex colours into `bsp`. mapName: without path
-/// and extension. lightmap_store.cpp.
-StoredLightmaps StoreLightmaps(const SurfaceInputs &in, const SurfaceLight &surfaces, std::string_view mapName,
-                               Bsp &bsp);
 
 } // namespace q3

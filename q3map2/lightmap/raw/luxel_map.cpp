@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Where each luxel is lit from.
-#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/raw/luxel_map.h"
+
 #include "q3map2/lightmap/raw/luxel_masks.h"
 #include "q3map2/lightmap/raw/luxel_normal.h"
 #include "q3map2/lightmap/raw/luxel_place.h"

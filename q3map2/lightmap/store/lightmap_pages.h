@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Lightmap pages and made shaders as files beside the map.
 #pragma once
 
-#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/store/lightmap_store.h"
 
 #include <filesystem>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/bspfile/entities.h"
-#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/store/lightmap_store.h"
 
 #include <cstdint>
 #include <span>

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Results of lighting into the file: pages, numbers, coordinates, vertex colours, made shaders.
+#include "q3map2/lightmap/store/lightmap_store.h"
+
 #include "q3map2/light/tone/light_tone.h"
-#include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/store/lightmap_approx.h"
 #include "q3map2/lightmap/store/lightmap_pack.h"
 #include "q3map2/lightmap/store/lightmap_scripts.h"

@@ -1,6 +1,9 @@
 // GPL-2.0-or-later. Light at the vertices of surfaces.
+#include "q3map2/lightmap/vertex/vertex_light.h"
+
 #include "common/debug_color.h"
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
+#include "q3map2/lightmap/ao/luxel_flood.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,18 +26,10 @@ constexpr float kConstant = 127.5f;
 
 /// Light at the vertices of one surface.
 struct SurfaceVertexLight {
-    Styles styles{0, kNoStyle, kNoStyle, kNoStyle};
+    Styles styles = kOnlyStyle0;
     std::array<std::vector<Vec3f>, kStyles> values; ///< empty for styles that are not used
     bool constant = false;                          ///< the same in all passes
 };
-
-/// The slot of a style among `styles`, which may be free; none if all are taken.
-std::optional<std::size_t> SlotOf(const Styles &styles, int style) {
-    for (std::size_t slot = 0; slot < kStyles; ++slot)
-        if (styles[slot] == style || styles[slot] == kNoStyle)
-            return slot;
-    return std::nullopt;
-}
 
 /// Whether two clusters see each other is asked again and again for the same ones.
 class ClusterFilter {
@@ -212,8 +207,8 @@ VertexLighter::Numbers VertexLighter::LightAt(const Numbers &vertices, const Vec
 void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> blocks, const Numbers &vertices) {
     SurfaceIncidentLight incident;
     for (const Light *light : lights_) {
-        const auto slot = SlotOf(result_.styles, light->style);
-        if (!slot) {
+        const std::size_t slot = StyleSlotFor(result_.styles, light->style);
+        if (slot == kStyles) {
             in_.log.Warn("too many light styles", "a surface near {:.0f} {:.0f} {:.0f} gets more than {} light styles",
                          bounds_.Center().x, bounds_.Center().y, bounds_.Center().z, kStyles);
             continue;
@@ -225,8 +220,8 @@ void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> blocks, const Numb
                     continue;
                 const std::size_t v = vertices[b * kPacketSize + i];
                 const Vec3f color = light->color * (light->negative ? -incident.add[i] : incident.add[i]);
-                AddTo(*slot, v, incident.tinted ? color * incident.tint[i] : color);
-                result_.styles[*slot] = std::uint8_t(light->style);
+                AddTo(slot, v, incident.tinted ? color * incident.tint[i] : color);
+                result_.styles[slot] = std::uint8_t(light->style);
                 const Vec3f &so = result_.values[0][v];
                 if (in_.lightmap.cheap && std::min({so.x, so.y, so.z}) >= kWhite)
                     blocks[b].wanted[i] = 0;
@@ -382,18 +377,18 @@ void Store(const SurfaceInputs &in, const SurfacePass &pass, std::size_t surface
     for (std::size_t slot = 0; slot < kStyles; ++slot) {
         if (from.values[slot].empty())
             continue;
-        const auto to = SlotOf(styles, from.styles[slot]);
-        if (!to)
+        const std::size_t to = StyleSlotFor(styles, from.styles[slot]);
+        if (to == kStyles)
             continue;
-        styles[*to] = from.styles[slot];
-        for (auto *values : {&vertex.sum[*to], &vertex.radiosity[*to]})
+        styles[to] = from.styles[slot];
+        for (auto *values : {&vertex.sum[to], &vertex.radiosity[to]})
             if (values->empty())
                 values->resize(in.bsp.drawVerts.size());
         for (std::size_t v = 0; v < from.values[slot].size(); ++v) {
             if (kept)
-                vertex.sum[*to][first + v] += from.values[slot][v];
+                vertex.sum[to][first + v] += from.values[slot][v];
             if (sent)
-                vertex.radiosity[*to][first + v] = from.values[slot][v];
+                vertex.radiosity[to][first + v] = from.values[slot][v];
         }
     }
 }
@@ -404,7 +399,7 @@ void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, co
                    SurfaceLight &surfaces, ContributionCounts &counts) {
     const std::size_t count = in.bsp.drawSurfaces.size();
     VertexLight &vertex = surfaces.vertex;
-    vertex.styles.resize(count, Styles{0, kNoStyle, kNoStyle, kNoStyle});
+    vertex.styles.resize(count, kOnlyStyle0);
     vertex.sum[0].resize(in.bsp.drawVerts.size());
     vertex.radiosity[0].resize(in.bsp.drawVerts.size());
     for (std::vector<Vec3f> &values : vertex.radiosity)

@@ -1,0 +1,67 @@
+// GPL-2.0-or-later. The light of one source on a block of luxels, and sums of such light.
+#include "q3map2/lightmap/direct/luxel_contribution.h"
+
+#include "q3map2/lightmap/raw/deluxe.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+/// Color and direction of what arrives, lane by lane.
+Q3_VECTOR void SetIncidentLight(const Light &light, const SurfaceIncidentLight &from, float directionScale,
+                                LuxelIncidentLight &out) {
+    const Vec3f c = light.color;
+    const std::int32_t colored = c.x + c.y + c.z > 0 ? -1 : 0;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        const float add = from.live[i] != 0 ? from.add[i] : 0;
+        out.color.x[i] = add * c.x, out.color.y[i] = add * c.y, out.color.z[i] = add * c.z;
+    }
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        out.lit[i] = from.live[i] & colored;
+        out.forced[i] = from.add[i] > 1 ? from.filtered[i] : 0;
+    }
+    if (from.tinted)
+        for (std::size_t i = 0; i < kPacketSize; ++i)
+            if (from.live[i] != 0) {
+                out.color.x[i] *= from.tint.x[i];
+                out.color.y[i] *= from.tint.y[i];
+                out.color.z[i] *= from.tint.z[i];
+            }
+    if (directionScale > 0)
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const float weight = from.live[i] != 0 && from.undirected[i] == 0 ? from.add[i] * directionScale : 0;
+            out.direction.x[i] = weight > 0 ? from.direction.x[i] * weight : 0;
+            out.direction.y[i] = weight > 0 ? from.direction.y[i] * weight : 0;
+            out.direction.z[i] = weight > 0 ? from.direction.z[i] * weight : 0;
+        }
+}
+
+} // namespace
+
+LuxelSum &LuxelSums::Find(std::size_t slot, int radius, std::size_t blocks) {
+    for (std::size_t i = 0; i < used; ++i)
+        if (sums[i].slot == slot && sums[i].radius == radius)
+            return sums[i];
+    if (used == sums.size())
+        sums.emplace_back();
+    LuxelSum &sum = sums[used++];
+    sum.slot = slot, sum.radius = radius;
+    sum.color.assign(blocks, {});
+    sum.direction.assign(deluxe ? blocks : 0, {});
+    return sum;
+}
+
+bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightScene &scene,
+                       SurfaceReceiverBatch &samples, LuxelIncidentLight &out, ContributionCounts &counts) {
+    SurfaceIncidentLight incident;
+    LightContributionToSample(light, pass.settings, scene, samples, incident, counts);
+    if (!incident.live.Any() && !incident.filtered.Any())
+        return false;
+    const float scale = pass.deluxe ? DeluxeWeight(light.color) * (pass.bounce ? kDeluxeBounceShare : 1) : 0;
+    SetIncidentLight(light, incident, scale, out);
+    return true;
+}
+
+} // namespace q3

@@ -1,0 +1,11 @@
+// GPL-2.0-or-later. Which surfaces share a raw lightmap, its size and its projection.
+#pragma once
+
+#include "q3map2/lightmap/raw/lightmaps.h"
+
+namespace q3 {
+
+/// Vertices, clusters and raw lightmaps of all draw surfaces. Logs how many surfaces get a lightmap.
+SurfaceLight SetupSurfaceLight(const SurfaceInputs &in);
+
+} // namespace q3

@@ -1,0 +1,11 @@
+// GPL-2.0-or-later. The position, normal and cluster at which each luxel is lit.
+#pragma once
+
+#include "q3map2/lightmap/raw/lightmaps.h"
+
+namespace q3 {
+
+/// Sets positions, normals and luxelClusters of all raw lightmaps. Logs how many luxels are mapped and occluded.
+void MapLuxels(const SurfaceInputs &in, SurfaceLight &surfaces);
+
+} // namespace q3
