@@ -20,6 +20,7 @@ namespace q3 {
 
 namespace {
 
+/// The passes over surfaces, from setup to storing.
 class SurfacePasses {
   public:
     SurfacePasses(const LightSetup &setup, const LightmapOptions &lightmap, const JobPool &jobs, Log &log)
@@ -31,13 +32,13 @@ class SurfacePasses {
     void Run() {
         in_.log.Section("IlluminateRawLightmap");
         Pass(setup_.lights, {}, nullptr);
-        const int asked = in_.lightmap.bounces;
-        for (int bounce = 1; bounce <= asked; ++bounce) {
-            in_.log.Section(fmt::format("Radiosity (bounce {} of {})", bounce, asked));
+        const int bounces = in_.lightmap.bounces;
+        for (int bounce = 1; bounce <= bounces; ++bounce) {
+            in_.log.Section(fmt::format("Radiosity (bounce {} of {})", bounce, bounces));
             AverageLuxels(in_, {.bounce = bounce > 1}, false, surfaces_);
             if (!bounces_) {
                 bounces_.emplace(in_, surfaces_);
-                in_.log.Count((long long)(bounces_->Rays()), "rays that all bounces go by");
+                in_.log.Count((long long)(bounces_->Rays()), "gather rays of bounces");
             }
             if (!bounces_->CollectRadiosity(surfaces_)) {
                 in_.log.Print("No light is left to bounce\n");
@@ -47,9 +48,9 @@ class SurfacePasses {
             Pass({}, {.bounce = true}, &*bounces_);
         }
         if (!averaged_)
-            AverageLuxels(in_, {.bounce = asked > 0}, true, surfaces_);
+            AverageLuxels(in_, {.bounce = bounces > 0}, true, surfaces_);
     }
-    /// For the grids under -bouncegrid; else null.
+    /// -bouncegrid: bounced light for the light grids; else null.
     std::unique_ptr<IndirectLight> ForGrids() const {
         if (!bounces_ || !in_.lightmap.bounceGrid)
             return nullptr;

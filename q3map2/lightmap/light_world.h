@@ -9,12 +9,12 @@ namespace q3 {
 struct LightResult {
     GridStats grid, gridSH;
     ContributionCounts surfaces; ///< work for lightmaps and vertices, all passes
-    StoredLightmaps lightmaps;   ///< what goes beside the map
+    StoredLightmaps lightmaps;   ///< files beside the map
 };
 
-/// Lights `bsp`: lightmaps, vertex colours and both grids, from one set of lights in one scene. With
-/// lightmap.onlyGrid, lightmaps and vertex colours stay as they are, bit for bit. Without options.sh an older SH grid
-/// is dropped, since it no longer fits. Errors: Error, for keys and files that make no sense.
+/// Lights `bsp`: lightmaps, vertex colors and both grids, from one set of lights in one scene. With
+/// lightmap.onlyGrid, lightmaps and vertex colors stay as they are, bit for bit. Without options.sh an SH grid of
+/// an earlier run is removed, since it no longer fits. Errors: Error, for invalid keys and files.
 LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &options,
                        const LightmapOptions &lightmap, ShaderLibrary &library, const JobPool &jobs, Log &log);
 

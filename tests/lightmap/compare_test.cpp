@@ -196,8 +196,8 @@ TEST_F(CompareTest, WhatIsInSolidsIsLeftOut) {
     bsp = scene.Build();
     for (std::size_t i = 0; i < bsp.drawSurfaces.size(); ++i) {
         std::size_t buried = 0;
-        for (const compare::Place &place : compare::PlacesOn(bsp, i, 1000))
-            buried += compare::IsBuried(bsp, i, place);
+        for (const compare::SurfacePoint &point : compare::PointsOn(bsp, i, 1000))
+            buried += compare::IsBuried(bsp, i, point);
         const bool shelf =
             FieldName(bsp.shaders[std::size_t(bsp.drawSurfaces[i].shaderNum)].shader) == "textures/test/shelf";
         EXPECT_NEAR(double(buried), shelf ? 750 : 0, 10) << i;
@@ -304,8 +304,8 @@ TEST_F(CompareTest, PatchesAreSampledOnTheirCurves) {
     for (std::size_t i = 0; i < bsp.drawSurfaces.size(); ++i) {
         if (bsp.drawSurfaces[i].surfaceType != MST_PATCH)
             continue;
-        for (const compare::Place &place : compare::PlacesOn(bsp, i, 200)) {
-            const Vec3d p = map.Position(place);
+        for (const compare::SurfacePoint &point : compare::PointsOn(bsp, i, 200)) {
+            const Vec3d p = map.Position(point);
             const double t = p.x / 128;
             ASSERT_NEAR(p.z, 32 + 2 * t * (1 - t) * 64, 1e-3);
             ASSERT_TRUE(p.y >= 0 && p.y <= 128);

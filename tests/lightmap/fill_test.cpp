@@ -28,7 +28,7 @@ class FinishTest : public testing::Test {
             m.light[0][i] = Vec3f{1, 1, 1} * (10 * float(i + 1));
     }
     RawLightmap &Luxels() { return surfaces_.lightmaps[0]; }
-    void Unmap(std::size_t i, LuxelCode code = kUnmapped) {
+    void Unmap(std::size_t i, NoCluster code = kUnmapped) {
         Luxels().luxelClusters[i] = code;
         Luxels().light[0][i] = {};
         Luxels().filled[0][i] = 0;

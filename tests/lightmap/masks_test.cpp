@@ -24,14 +24,14 @@ TEST(LuxelMaskTest, SpreadsToNeighboursButNotAroundTheEnds) {
         LuxelMask mask(std::size_t(width * height));
         for (std::uint8_t &one : mask)
             one = random() % 8 == 0 ? 1 : 0;
-        const LuxelMask spread = Spread(mask, width, height);
+        const LuxelMask spread = Dilate(mask, width, height);
         ASSERT_EQ(spread.size(), mask.size());
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x)
                 EXPECT_EQ(spread[std::size_t(y * width + x)] != 0, HoldsAround(mask, width, height, x, y))
                     << x << " " << y << " of " << width << " x " << height;
     }
-    EXPECT_TRUE(Spread({}, 0, 0).empty());
+    EXPECT_TRUE(Dilate({}, 0, 0).empty());
 }
 
 } // namespace

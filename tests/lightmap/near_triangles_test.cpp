@@ -121,7 +121,7 @@ TEST_P(NearTrianglesTest, TheFirstTriangleOfEachRayIsFound) {
         near.Select(all, starts, kLength);
         LightScene::Blockers blockers;
         blockers.hit = {};
-        const auto outcome = near.Trace(rays, rays.live, BeamOf(rays), kNearest, blockers);
+        const auto outcome = near.Trace(rays, rays.live, RayBounds(rays), kNearest, blockers);
         ASSERT_NE(outcome, NearTriangles::Outcome::Undecided);
         ExpectFirst(triangles, rays, rays.live, nearest, outcome, blockers, counts);
     }
@@ -139,7 +139,7 @@ TEST_P(NearTrianglesTest, RaysGoOnBehindWhatTheyMet) {
         for (const LightScene::BlockerTriangle &triangle : triangles)
             near.Add(triangle);
         LightScene::Blockers blockers;
-        if (near.Trace(rays, rays.live, BeamOf(rays), kNearest, blockers) != NearTriangles::Outcome::Traced)
+        if (near.Trace(rays, rays.live, RayBounds(rays), kNearest, blockers) != NearTriangles::Outcome::Traced)
             continue;
         const LaneMask on = blockers.hit;
         Lanes behind = blockers.distance;
@@ -161,11 +161,11 @@ TEST_P(NearTrianglesTest, SeeThroughTrianglesInTheWayAreLeftToTheScene) {
     NearTriangles near;
     near.Add(wall);
     LightScene::Blockers blockers;
-    EXPECT_EQ(near.Trace(rays, rays.live, BeamOf(rays), kNearest, blockers), NearTriangles::Outcome::Undecided);
+    EXPECT_EQ(near.Trace(rays, rays.live, RayBounds(rays), kNearest, blockers), NearTriangles::Outcome::Undecided);
     wall.seeThrough = false;
     NearTriangles opaque;
     opaque.Add(wall);
-    EXPECT_EQ(opaque.Trace(rays, rays.live, BeamOf(rays), kNearest, blockers), NearTriangles::Outcome::Traced);
+    EXPECT_EQ(opaque.Trace(rays, rays.live, RayBounds(rays), kNearest, blockers), NearTriangles::Outcome::Traced);
 }
 
 INSTANTIATE_TEST_SUITE_P(Directions, NearTrianglesTest, testing::Bool(),

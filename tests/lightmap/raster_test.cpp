@@ -31,10 +31,10 @@ std::vector<LuxelTriangle> SomeTriangles() {
     return triangles;
 }
 
-/// Times that ForLuxels names each luxel.
+/// Times that ForCoveredLuxels names each luxel.
 std::vector<int> Named(const LuxelTriangle &triangle) {
     std::vector<int> times(kWide * kTall);
-    ForLuxels(triangle, kWide, kTall, [&](int x, int y) { ++times[std::size_t(y * kWide + x)]; });
+    ForCoveredLuxels(triangle, kWide, kTall, [&](int x, int y) { ++times[std::size_t(y * kWide + x)]; });
     return times;
 }
 
@@ -94,19 +94,19 @@ TEST(LuxelRasterTest, ALuxelThatHoldsPartOfATriangleIsNamedOnce) {
 
 TEST(LuxelRasterTest, MiddlesLieInTheLuxelAndOnTheTriangle) {
     for (const LuxelTriangle &triangle : SomeTriangles())
-        ForLuxels(triangle, kWide, kTall, [&](int x, int y) {
-            const auto [across, down] = MiddleIn(triangle, x, y);
+        ForCoveredLuxels(triangle, kWide, kTall, [&](int x, int y) {
+            const auto [across, down] = ClippedCenter(triangle, x, y);
             EXPECT_LT(Distance({across, down}, triangle), 1e-4);
             EXPECT_NEAR(across, float(x) + 0.5f, 0.5001f);
             EXPECT_NEAR(down, float(y) + 0.5f, 0.5001f);
         });
     const LuxelTriangle tip = {{{52.6f, 115.5f}, {0.6f, 103.7f}, {0.5f, 115.5f}}};
-    EXPECT_GE(MiddleIn(tip, 1, 103)[0], 1) << "beside the corner, which is in the luxel before";
+    EXPECT_GE(ClippedCenter(tip, 1, 103)[0], 1) << "beside the corner, which is in the luxel before";
 }
 
 TEST(LuxelRasterTest, MiddlesOfTrianglesThatOnlyTouchALuxelLieWhereTheyDo) {
     const LuxelTriangle below = {{{6.5f, 5}, {1.5f, 9}, {23, 9}}};
-    const std::array<float, 2> onEdge = MiddleIn(below, 10, 9), atCorner = MiddleIn(below, 23, 9);
+    const std::array<float, 2> onEdge = ClippedCenter(below, 10, 9), atCorner = ClippedCenter(below, 23, 9);
     EXPECT_EQ(onEdge, (std::array<float, 2>{10.5f, 9}));
     EXPECT_EQ(atCorner, (std::array<float, 2>{23, 9}));
 }

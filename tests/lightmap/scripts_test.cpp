@@ -99,9 +99,9 @@ TEST_F(ScriptsTest, NamesDependOnTheTextAlone) {
     EXPECT_EQ(ShaderNameFor("a", "room"), ShaderNameFor("a", "room"));
     EXPECT_NE(ShaderNameFor("a", "room"), ShaderNameFor("b", "room"));
     EXPECT_EQ(ShaderNameFor("a", std::string(80, 'x')).size(), 63u) << "what a map can hold";
-    EXPECT_TRUE(IsMadeName(ShaderNameFor("a", "room"), "room"));
-    EXPECT_FALSE(IsMadeName("room/floor", "room"));
-    EXPECT_FALSE(IsMadeName("textures/test/wall", "room"));
+    EXPECT_TRUE(IsGeneratedName(ShaderNameFor("a", "room"), "room"));
+    EXPECT_FALSE(IsGeneratedName("room/floor", "room"));
+    EXPECT_FALSE(IsGeneratedName("textures/test/wall", "room"));
 }
 
 TEST_F(ScriptsTest, TriangleSoupHasNoLightmap) {

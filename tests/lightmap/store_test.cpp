@@ -303,7 +303,7 @@ TEST_F(StoreTest, PagesOfAnotherSizeAreShownByMadeShaders) {
         EXPECT_THAT(script->text, HasSubstr("map maps/room/lm_0000.tga\n\t\ttcGen lightmap"));
         EXPECT_THAT(script->text, testing::Not(HasSubstr("styleMarker"))) << "nothing flickers";
         own += script->text.find("cull none") != std::string::npos;
-        EXPECT_TRUE(IsMadeName(shader, "room"));
+        EXPECT_TRUE(IsGeneratedName(shader, "room"));
     }
     EXPECT_EQ(own, 1);
     EXPECT_EQ(kept, 1);

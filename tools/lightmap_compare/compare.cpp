@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. How far the light of two files of one map is apart.
+// GPL-2.0-or-later. Differences of the light of two files of one map.
 #include "tools/lightmap_compare/compare.h"
 
 #include "common/error.h"
@@ -14,10 +14,10 @@ namespace q3::compare {
 
 namespace {
 
-/// Means of surfaces that agree in look.
+/// Surfaces whose mean differs by at most this look the same, and samples whose largest channel does. Byte scale.
 constexpr double kCloseSurface = 2;
 constexpr double kCloseSample = 8;
-/// Coordinates are floats: a sample of one texel has a trace of the next.
+/// Samples up to this count as black: rounded coordinates mix in a trace of the next texel. Byte scale.
 constexpr double kBlack = 0.5;
 
 void CheckSameMap(const Bsp &a, const Bsp &b) {
@@ -71,17 +71,17 @@ class Comparer {
         SurfaceDifference difference{surface, std::string(a_.ShaderOf(surface)), {}, {}, {}, {}};
         double worst = -1;
         std::size_t count = 0;
-        const std::vector<Place> receivers = PlacesOn(a_.Map(), surface, samples_);
-        for (const Place &place : receivers) {
-            if (IsBuried(a_.Map(), surface, place)) {
+        const std::vector<SurfacePoint> points = PointsOn(a_.Map(), surface, samples_);
+        for (const SurfacePoint &point : points) {
+            if (IsBuried(a_.Map(), surface, point)) {
                 ++result_.buried;
                 continue;
             }
-            if (!coverA_.Covers(surface, place) || !coverB_.Covers(surface, place)) {
+            if (!coverA_.Covers(surface, point) || !coverB_.Covers(surface, point)) {
                 ++result_.uncovered;
                 continue;
             }
-            const Vec3d x = a_.Light(surface, place), y = b_.Light(surface, place);
+            const Vec3d x = a_.Light(surface, point), y = b_.Light(surface, point);
             const bool litX = MaxComponent(x) >= kBlack, litY = MaxComponent(y) >= kBlack;
             result_.lit.Add(litX, litY);
             if (!litX || !litY)
@@ -89,16 +89,16 @@ class Comparer {
             own.Add(x, y), lightmaps_.Add(x, y);
             difference.a += x, difference.b += y, ++count;
             if (const double off = Length(x - y); off > worst)
-                worst = off, difference.place = a_.Position(place);
+                worst = off, difference.position = a_.Position(point);
             if (a_.Deluxe() && b_.Deluxe())
-                directions_.Add(Degrees(a_.Direction(surface, place), b_.Direction(surface, place)));
+                directions_.Add(Degrees(a_.Direction(surface, point), b_.Direction(surface, point)));
         }
         if (count == 0)
             return;
         difference.spread = own.Summary();
         difference.a = difference.a / double(count), difference.b = difference.b / double(count);
         surfaces_.Add(difference.spread.mean);
-        result_.byArea.Add(AreaOf(a_.Map(), surface) * double(count) / double(receivers.size()), difference.spread);
+        result_.byArea.Add(AreaOf(a_.Map(), surface) * double(count) / double(points.size()), difference.spread);
         ++result_.surfacesCompared;
         result_.surfacesWithin2 += difference.spread.mean <= kCloseSurface;
         result_.worst.push_back(std::move(difference));
@@ -220,8 +220,8 @@ std::string ToText(const Comparison &c) {
         text +=
             fmt::format("surface {:5} mean {:6.2f} at ({:.0f} {:.0f} {:.0f}) A {:.0f} {:.0f} {:.0f} B {:.0f} {:.0f} "
                         "{:.0f} {}\n",
-                        one.surface, one.spread.mean, one.place.x, one.place.y, one.place.z, one.a.x, one.a.y, one.a.z,
-                        one.b.x, one.b.y, one.b.z, one.shader);
+                        one.surface, one.spread.mean, one.position.x, one.position.y, one.position.z, one.a.x, one.a.y,
+                        one.a.z, one.b.x, one.b.y, one.b.z, one.shader);
     return text;
 }
 
@@ -230,7 +230,7 @@ std::string ToJson(const Comparison &c) {
     for (const SurfaceDifference &one : c.worst)
         worst.push_back({{"surface", one.surface},
                          {"shader", one.shader},
-                         {"place", Json(one.place)},
+                         {"place", Json(one.position)},
                          {"difference", Json(one.spread)},
                          {"a", Json(one.a)},
                          {"b", Json(one.b)}});

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. How far the light of two files of one map is apart.
+// GPL-2.0-or-later. Differences of the light of two files of one map.
 #pragma once
 
 #include "tools/lightmap_compare/lit_map.h"
@@ -9,17 +9,17 @@
 
 namespace q3::compare {
 
-/// Of many differences. Bytes of 255, or degrees.
+/// Statistics of differences. Bytes of 255, or degrees.
 struct Spread {
     std::size_t count = 0;
-    double mean = 0;         ///< of all channels
+    double mean = 0;         ///< mean absolute difference of all channels
     double within8 = 0;      ///< share whose largest channel is within 8
     double percentile95 = 0; ///< of the largest channel
     double percentile99 = 0, worst = 0;
-    std::optional<double> bias; ///< mean of A - B, of colours
+    std::optional<double> bias; ///< mean of A - B, of colors
 };
 
-/// Gathers differences.
+/// Collects differences.
 class Differences {
   public:
     void Add(const Vec3d &a, const Vec3d &b);
@@ -35,18 +35,18 @@ class Differences {
 struct SurfaceDifference {
     std::size_t surface = 0;
     std::string shader;
-    Vec3d place; ///< where it is worst
+    Vec3d position; ///< where it is worst
     Spread spread;
     Vec3d a, b; ///< mean light in both
 };
 
-/// Numbers of surfaces and samples by which of the files has something.
+/// Counts of surfaces or samples that have something in both files, in one, or in neither.
 struct Sides {
     std::size_t both = 0, onlyA = 0, onlyB = 0, neither = 0;
     void Add(bool a, bool b) { ++(a ? b ? both : onlyA : b ? onlyB : neither); }
 };
 
-/// Of samples that count by the area they stand for.
+/// Means weighted by surface area.
 struct AreaSpread {
     double area = 0; ///< square units
     double mean = 0, within8 = 0;
@@ -54,24 +54,25 @@ struct AreaSpread {
 };
 
 struct Comparison {
-    Sides lightmapped;      ///< surfaces
-    std::size_t buried = 0; ///< samples in solids, left out: there pages hold light of other surfaces
+    Sides lightmapped; ///< surfaces
+    /// Samples in solids, left out: nobody sees them, and pages hold light of other surfaces there.
+    std::size_t buried = 0;
     /// Samples with texels that no luxel of their surface covers, left out for the same reason.
     std::size_t uncovered = 0;
-    Sides lit;              ///< the other samples, by whose light is not black
-    Spread lightmaps;       ///< those that are black in neither, on surfaces with lightmaps in both
-    AreaSpread byArea;      ///< the same samples: slivers of surfaces have as many as walls, and nobody sees them
-    Spread surfaces;        ///< means of those surfaces
+    Sides lit;         ///< the other samples, by whether they are not black
+    Spread lightmaps;  ///< samples that are black in neither file, on surfaces with lightmaps in both
+    AreaSpread byArea; ///< the same samples; without weights a sliver counts as much as a wall
+    Spread surfaces;   ///< means of those surfaces
     std::size_t surfacesWithin2 = 0, surfacesCompared = 0;
     Spread directions;                    ///< degrees; no samples unless both are deluxe
-    Spread vertices;                      ///< colours of surfaces without lightmap in both, but for the next two
-    Spread undrawnVertices;               ///< the same of skies and others that no engine draws by them
-    Spread unseenVertices;                ///< the same where the shader draws no vertex colours; needs shaders
-    Spread lightmapVertices;              ///< colours of surfaces with lightmap in both
+    Spread vertices;                      ///< colors of surfaces without lightmap in both, but for the next two
+    Spread undrawnVertices;               ///< the same for skies and other surfaces that no engine draws
+    Spread unseenVertices;                ///< the same where the shader does not use vertex colors; needs shaders
+    Spread lightmapVertices;              ///< colors of surfaces with lightmap in both
     std::vector<SurfaceDifference> worst; ///< surfaces with lightmaps in both, the worst mean first
 };
 
-/// Samples every surface at the same receivers of both. shaders: of the game, null if unknown. Errors: Error, for files of
+/// Samples every surface at the same points in both. shaders: of the game, null if unknown. Errors: Error, for files of
 /// different maps.
 Comparison Compare(const LitMap &a, const LitMap &b, int samplesASurface, std::size_t worstCount,
                    ShaderLibrary *shaders = nullptr);

@@ -15,7 +15,7 @@ namespace q3::compare {
 namespace {
 
 constexpr std::string_view kUsage = R"(usage: lightmap_compare [options] A.bsp B.bsp
-  --samples N     receivers a surface (1000)
+  --samples N     points on each surface (1000)
   --worst N       surfaces to list (10)
   --pagesize N    side of the pages in the files (128)
   --json FILE     the same as JSON

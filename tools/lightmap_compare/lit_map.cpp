@@ -48,7 +48,7 @@ std::vector<Page> PagesOfFolder(const std::filesystem::path &folder, std::size_t
     }
 }
 
-/// Made shaders and the first page image that each names.
+/// Generated shaders and the first page image that each names.
 std::map<std::string, int> PagesOfShaders(const std::filesystem::path &script, std::string_view mapName) {
     std::map<std::string, int> result;
     std::error_code ignored;
@@ -77,28 +77,28 @@ Vec3d Texel(const Page &page, int x, int y) {
     return {double(page.rgb[at]), double(page.rgb[at + 1]), double(page.rgb[at + 2])};
 }
 
-Place OnPatch(const bspDrawSurface_t &s, double u, double v) {
+SurfacePoint OnPatch(const bspDrawSurface_t &s, double u, double v) {
     const int across = (s.patchWidth - 1) / 2, down = (s.patchHeight - 1) / 2;
     const int column = std::min(int(u * across), across - 1), row = std::min(int(v * down), down - 1);
     const auto weights = [](double t) { return std::array{(1 - t) * (1 - t), 2 * t * (1 - t), t * t}; };
     const auto a = weights(u * across - column), b = weights(v * down - row);
-    Place place;
+    SurfacePoint point;
     for (int y = 0; y < 3; ++y)
         for (int x = 0; x < 3; ++x) {
-            place.verts[place.count] = s.firstVert + (2 * row + y) * s.patchWidth + 2 * column + x;
-            place.weights[place.count++] = a[std::size_t(x)] * b[std::size_t(y)];
+            point.verts[point.count] = s.firstVert + (2 * row + y) * s.patchWidth + 2 * column + x;
+            point.weights[point.count++] = a[std::size_t(x)] * b[std::size_t(y)];
         }
-    return place;
+    return point;
 }
 
-Vec3d PositionOf(const Bsp &bsp, const Place &place) {
+Vec3d PositionOf(const Bsp &bsp, const SurfacePoint &point) {
     Vec3d sum;
-    for (std::size_t i = 0; i < place.count; ++i)
-        sum += Vec3d(bsp.drawVerts[std::size_t(place.verts[i])].xyz) * place.weights[i];
+    for (std::size_t i = 0; i < point.count; ++i)
+        sum += Vec3d(bsp.drawVerts[std::size_t(point.verts[i])].xyz) * point.weights[i];
     return sum;
 }
 
-/// Areas of the triangles up to each, twice.
+/// Running sums of twice the areas of the triangles.
 std::vector<double> AreasUpTo(const Bsp &bsp, const bspDrawSurface_t &s) {
     std::vector<double> area{0};
     for (int i = s.firstIndex; i + 2 < s.firstIndex + s.numIndexes; i += 3) {
@@ -139,7 +139,7 @@ LitMap LitMap::Load(const std::filesystem::path &path, int side, Log &log) {
                                       fmt::format("q3map2_{}.shader", name),
                                   name);
     std::vector<Page> pages = PagesOfLump(bsp, side);
-    // Made shaders count pages of the lump and images in one row.
+    // Generated shaders count pages of the lump and images in one row.
     std::size_t most = 0;
     for (const auto &[shader, page] : shaders)
         most = std::max(most, std::size_t(std::max(page, 0)) + 1);
@@ -154,12 +154,12 @@ LitMap LitMap::Load(const std::filesystem::path &path, int side, Log &log) {
     return LitMap(std::move(bsp), std::move(pages), std::move(shaders));
 }
 
-Vec3d LitMap::Sample(int page, const Place &place) const {
+Vec3d LitMap::Sample(int page, const SurfacePoint &point) const {
     const Page &p = pages_[std::size_t(page)];
     double s = 0, t = 0;
-    for (std::size_t i = 0; i < place.count; ++i) {
-        const bspDrawVert_t &v = bsp_.drawVerts[std::size_t(place.verts[i])];
-        s += place.weights[i] * double(v.lightmap[0]), t += place.weights[i] * double(v.lightmap[1]);
+    for (std::size_t i = 0; i < point.count; ++i) {
+        const bspDrawVert_t &v = bsp_.drawVerts[std::size_t(point.verts[i])];
+        s += point.weights[i] * double(v.lightmap[0]), t += point.weights[i] * double(v.lightmap[1]);
     }
     const auto along = [](double coordinate, int size) {
         const double at = coordinate * size - 0.5;
@@ -172,12 +172,12 @@ Vec3d LitMap::Sample(int page, const Place &place) const {
            (Texel(p, x0, y1) * (1 - fx) + Texel(p, x1, y1) * fx) * fy;
 }
 
-Vec3d LitMap::Direction(std::size_t surface, const Place &place) const {
-    return (Sample(PageOf(surface) + 1, place) - Vec3d{127.5, 127.5, 127.5}) / 127.5;
+Vec3d LitMap::Direction(std::size_t surface, const SurfacePoint &point) const {
+    return (Sample(PageOf(surface) + 1, point) - Vec3d{127.5, 127.5, 127.5}) / 127.5;
 }
 
-Vec3d LitMap::Position(const Place &place) const {
-    return PositionOf(bsp_, place);
+Vec3d LitMap::Position(const SurfacePoint &point) const {
+    return PositionOf(bsp_, point);
 }
 
 bool IsUndrawn(const Bsp &bsp, std::size_t surface) {
@@ -200,16 +200,16 @@ bool DrawsVertexColors(const ShaderInfo &shader) {
     return false;
 }
 
-bool IsBuried(const Bsp &bsp, std::size_t surface, const Place &place) {
+bool IsBuried(const Bsp &bsp, std::size_t surface, const SurfacePoint &point) {
     constexpr float kBefore = 1; // game units
     const bspModel_t &world = bsp.models.front();
     const auto number = std::int64_t(surface);
     if (number < world.firstBSPSurface || number >= std::int64_t(world.firstBSPSurface) + world.numBSPSurfaces)
         return false;
     Vec3d normal;
-    for (std::size_t i = 0; i < place.count; ++i)
-        normal += Vec3d(bsp.drawVerts[std::size_t(place.verts[i])].normal) * place.weights[i];
-    const Vec3f before = Vec3f(PositionOf(bsp, place)) + Normalize(Vec3f(normal)) * kBefore;
+    for (std::size_t i = 0; i < point.count; ++i)
+        normal += Vec3d(bsp.drawVerts[std::size_t(point.verts[i])].normal) * point.weights[i];
+    const Vec3f before = Vec3f(PositionOf(bsp, point)) + Normalize(Vec3f(normal)) * kBefore;
     return bsp.leafs[std::size_t(LeafAt(bsp, before))].cluster == kSolidCluster;
 }
 
@@ -228,18 +228,18 @@ double AreaOf(const Bsp &bsp, std::size_t surface) {
     return area;
 }
 
-std::vector<Place> PlacesOn(const Bsp &bsp, std::size_t surface, int count) {
+std::vector<SurfacePoint> PointsOn(const Bsp &bsp, std::size_t surface, int count) {
     const bspDrawSurface_t &s = bsp.drawSurfaces[surface];
-    std::vector<Place> receivers;
+    std::vector<SurfacePoint> points;
     if (s.surfaceType == MST_PATCH) {
         for (int i = 0; i < count; ++i) {
             const Sample2 at = PlasticSample(std::uint32_t(i), surface);
-            receivers.push_back(OnPatch(s, at.u, at.v));
+            points.push_back(OnPatch(s, at.u, at.v));
         }
-        return receivers;
+        return points;
     }
     if (s.surfaceType != MST_PLANAR && s.surfaceType != MST_TRIANGLE_SOUP)
-        return receivers;
+        return points;
     const std::vector<double> area = AreasUpTo(bsp, s);
     const auto index = [&](std::size_t triangle, std::size_t corner) {
         return s.firstVert + bsp.drawIndexes[std::size_t(s.firstIndex) + 3 * triangle + corner];
@@ -250,10 +250,10 @@ std::vector<Place> PlacesOn(const Bsp &bsp, std::size_t surface, int count) {
         const auto t = std::size_t(std::upper_bound(area.begin(), area.end() - 1, chosen) - area.begin()) - 1;
         const double q = std::sqrt(at.u);
         const std::size_t triangle = std::min(t, std::size_t(s.numIndexes) / 3 - 1);
-        receivers.push_back(
+        points.push_back(
             {{index(triangle, 0), index(triangle, 1), index(triangle, 2)}, {1 - q, q * (1 - at.v), q * at.v}, 3});
     }
-    return receivers;
+    return points;
 }
 
 } // namespace q3::compare

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A lit map as an engine draws it: light at receivers of its surfaces.
+// GPL-2.0-or-later. A lit map as an engine draws it: light at points of its surfaces.
 #pragma once
 
 #include "common/log.h"
@@ -16,9 +16,9 @@
 
 namespace q3::compare {
 
-/// A place on a surface: between which vertices, and with what weights. The same for all files of a map.
-struct Place {
-    std::array<int, 9> verts{}; ///< numbers in the file
+/// A point of a surface: vertices and their weights. The same for all files of a map.
+struct SurfacePoint {
+    std::array<int, 9> verts{}; ///< indices of draw vertices
     std::array<double, 9> weights{};
     std::size_t count = 0;
 };
@@ -38,7 +38,7 @@ class LitMap {
 
     const Bsp &Map() const { return bsp_; }
     std::size_t PageCount() const { return pages_.size(); }
-    /// Pages come in pairs of light and its direction.
+    /// Whether pages come in pairs of light and light directions.
     bool Deluxe() const { return deluxe_; }
     /// Number of the page that lights the surface; -1: its vertices do.
     int PageOf(std::size_t surface) const { return pageOf_[surface]; }
@@ -48,16 +48,16 @@ class LitMap {
         return {page.width, page.height};
     }
     /// Bilinear, byte scale; the surface must have a page.
-    Vec3d Light(std::size_t surface, const Place &place) const { return Sample(PageOf(surface), place); }
-    /// Towards the light, not of length 1. Needs Deluxe.
-    Vec3d Direction(std::size_t surface, const Place &place) const;
-    Vec3d Position(const Place &place) const;
+    Vec3d Light(std::size_t surface, const SurfacePoint &point) const { return Sample(PageOf(surface), point); }
+    /// Direction towards the light, not normalized. Needs Deluxe.
+    Vec3d Direction(std::size_t surface, const SurfacePoint &point) const;
+    Vec3d Position(const SurfacePoint &point) const;
     std::string_view ShaderOf(std::size_t surface) const {
         return FieldName(bsp_.shaders[std::size_t(bsp_.drawSurfaces[surface].shaderNum)].shader);
     }
 
   private:
-    Vec3d Sample(int page, const Place &place) const;
+    Vec3d Sample(int page, const SurfacePoint &point) const;
 
     Bsp bsp_;
     std::vector<Page> pages_;
@@ -65,21 +65,21 @@ class LitMap {
     bool deluxe_ = false;
 };
 
-/// Whether engines leave the surface out or draw a sky in its place, by the flags of its shader in Quake III.
+/// Whether engines leave the surface out or draw a sky instead, by the flags of its shader in Quake III.
 bool IsUndrawn(const Bsp &bsp, std::size_t surface);
 
-/// Whether engines draw the vertex colours of a shader's surfaces without lightmap: those of a shader that no script
+/// Whether engines draw the vertex colors of a shader's surfaces without lightmap: those of a shader that no script
 /// defines as they are, those of others where a stage says rgbGen vertex or the like. With r_vertexLight 0.
 bool DrawsVertexColors(const ShaderInfo &shader);
 
-/// Whether a place on a surface of the world is buried in solid leafs, so that nobody sees it.
-bool IsBuried(const Bsp &bsp, std::size_t surface, const Place &place);
+/// Whether a point on a surface of the world is buried in solid leafs, so that nobody sees it.
+bool IsBuried(const Bsp &bsp, std::size_t surface, const SurfacePoint &point);
 
 /// Square units; of patches roughly. 0 for surfaces that are not drawn as triangles or patches.
 double AreaOf(const Bsp &bsp, std::size_t surface);
 
-/// `count` well-spread receivers of a surface, uniform by area on triangles and by parameter on patches; none for surfaces
+/// `count` well-spread points of a surface, uniform by area on triangles and by parameter on patches; none for surfaces
 /// that are not drawn so.
-std::vector<Place> PlacesOn(const Bsp &bsp, std::size_t surface, int count);
+std::vector<SurfacePoint> PointsOn(const Bsp &bsp, std::size_t surface, int count);
 
 } // namespace q3::compare

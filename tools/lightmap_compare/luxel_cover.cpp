@@ -45,7 +45,7 @@ bool LuxelCover::IsOpen(const TexelFrame &frame, double s, double t) const {
     return false;
 }
 
-bool LuxelCover::Covers(std::size_t surface, const Place &position) const {
+bool LuxelCover::Covers(std::size_t surface, const SurfacePoint &position) const {
     const Bsp &bsp = map_.Map();
     const bspModel_t &world = bsp.models.front();
     const auto number = std::int64_t(surface);

@@ -14,7 +14,7 @@ class LuxelCover {
     explicit LuxelCover(const LitMap &map);
     /// Whether all texels that the light at a position on the surface is blended from are covered. True on patches and
     /// on surfaces of brush entities, where positions are not known.
-    bool Covers(std::size_t surface, const Place &position) const;
+    bool Covers(std::size_t surface, const SurfacePoint &position) const;
 
   private:
     /// The surface around texel coordinates: xyz = origin + s along[0] + t along[1].

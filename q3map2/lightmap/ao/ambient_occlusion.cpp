@@ -1,5 +1,7 @@
-// GPL-2.0-or-later. How open the surroundings of receivers on surfaces are: dirt and floodlight.
+// GPL-2.0-or-later. Ambient occlusion at receivers on surfaces: dirt and the sky visibility of floodlight.
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
+
+#include "q3map2/lightmap/raw/luxel_tiles.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,34 +12,35 @@ namespace q3 {
 
 namespace {
 
-constexpr int kAzimuths = 16;
-constexpr int kCone = 88; // degrees from the normal
+/// Directions: rings of azimuths at elevations up to kConeDegrees from the normal.
+constexpr int kAzimuths = 16, kConeDegrees = 88;
 constexpr int kDirtElevations = 3, kFloodElevations = 4;
-/// Dirt of luxels: touching surfaces do not count, nor those that the luxel is on when nearer than the second. Dirt of
-/// vertices and floodlight: none does that is nearer than the last. Game units.
-constexpr float kTouching = 1.0f / 64, kDirtOwn = 0.5f, kClose = 1.5f;
-/// How far behind a hit a solid is looked for. Game units.
-constexpr float kBehind = 2;
-/// Rays start this far behind their place, so that what touches it is met. Game units.
-constexpr float kBack = 0.1f;
-/// Triangles count as near when they are no farther off than rays are long and this. Game units.
+/// Hits that do not count. Dirt of luxels: nearer than kTouching, and on the luxel's own surfaces nearer than
+/// kOwnSurface. Dirt of vertices, and floodlight: nearer than kNearHit. Game units.
+constexpr float kTouching = 1.0f / 64, kOwnSurface = 0.5f, kNearHit = 1.5f;
+/// A ray enters a solid if this far behind the hit there is one. Game units.
+constexpr float kSolidDepth = 2;
+/// Rays start this far behind the receiver, so that they hit what touches it. Game units.
+constexpr float kRayBackoff = 0.1f;
+/// Triangles are near if they are within the ray length plus this. Game units.
 constexpr float kReachSlack = 1;
-/// Rays go on this far behind what does not count, past so many such hits. Game units.
+/// A ray continues this far behind a hit that does not count, game units, past this many such hits.
 constexpr float kStep = 1.0f / 64;
-constexpr int kMostPassed = 8;
+constexpr int kMaxPassedHits = 8;
+/// -dirtmode 1: rays of each receiver besides the normal.
 constexpr std::size_t kRandomRays = 48;
-/// With more triangles nearby, rays go through the scene.
-constexpr std::size_t kMostNear = 512;
-/// Luxels that one task lights: tiles of this many on a side, in order along rows of tiles.
+/// With more triangles nearby, rays are traced in the scene.
+constexpr std::size_t kMaxNearby = 512;
+/// Luxels are taken in tiles of this side, row by row of tiles, kTaskBlocks blocks of 16 to a task.
 constexpr int kTile = 4;
 constexpr std::size_t kTaskBlocks = 64;
 constexpr std::uint32_t kSeedStep = 0x9e3779b9u; // spreads seeds of one lightmap from those of others
 
-/// Rings of azimuths around the normal. The step between rings is whole degrees, as it always was. Components that
-/// rounding leaves of zero would let rays in the plane of a wall meet it anywhere.
-std::vector<Vec3f> Rings(int elevations, int azimuths) {
+/// Rings of directions around +z. The step between rings is whole degrees, as in the established program. Components
+/// that are zero but for rounding are made zero: they would make rays in the plane of a wall hit it.
+std::vector<Vec3f> ConeDirections(int elevations, int azimuths) {
     std::vector<Vec3f> directions;
-    const double step = kCone / elevations, radian = std::numbers::pi / 180;
+    const double step = kConeDegrees / elevations, radian = std::numbers::pi / 180;
     const auto component = [](double c) { return std::abs(c) < 1e-12 ? 0.0f : float(c); };
     for (int e = 0; e < elevations; ++e)
         for (int a = 0; a < azimuths; ++a) {
@@ -48,12 +51,12 @@ std::vector<Vec3f> Rings(int elevations, int azimuths) {
     return directions;
 }
 
-/// Axes around each normal.
-struct Frames {
+/// Tangent frame of each receiver; the normal is the third axis.
+struct ReceiverFrames {
     Lanes3 right, up;
 };
 
-Q3_VECTOR void SetFrames(const Lanes3 &normal, Frames &frames) {
+Q3_VECTOR void SetReceiverFrames(const Lanes3 &normal, ReceiverFrames &frames) {
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float nx = normal.x[i], ny = normal.y[i], nz = normal.z[i];
         // normal x z, or +-x where that is zero
@@ -70,8 +73,8 @@ Q3_VECTOR void SetFrames(const Lanes3 &normal, Frames &frames) {
     }
 }
 
-/// Rays along right x + up y + normal z, from a little behind the receivers.
-Q3_VECTOR void SetDirections(const Frames &frames, const OpenReceivers &receivers, const Lanes3 &local,
+/// Rays along right x + up y + normal z, starting kRayBackoff behind the receivers.
+Q3_VECTOR void SetDirections(const ReceiverFrames &frames, const OcclusionReceivers &receivers, const Lanes3 &local,
                              RayPacket &rays) {
     const Lanes3 &normal = receivers.normal;
     Lanes3 &direction = rays.direction;
@@ -80,108 +83,71 @@ Q3_VECTOR void SetDirections(const Frames &frames, const OpenReceivers &receiver
         direction.x[i] = frames.right.x[i] * x + frames.up.x[i] * y + normal.x[i] * z;
         direction.y[i] = frames.right.y[i] * x + frames.up.y[i] * y + normal.y[i] * z;
         direction.z[i] = frames.right.z[i] * x + frames.up.z[i] * y + normal.z[i] * z;
-        rays.origin.x[i] = receivers.position.x[i] - direction.x[i] * kBack;
-        rays.origin.y[i] = receivers.position.y[i] - direction.y[i] * kBack;
-        rays.origin.z[i] = receivers.position.z[i] - direction.z[i] * kBack;
+        rays.origin.x[i] = receivers.position.x[i] - direction.x[i] * kRayBackoff;
+        rays.origin.y[i] = receivers.position.y[i] - direction.y[i] * kRayBackoff;
+        rays.origin.z[i] = receivers.position.z[i] - direction.z[i] * kRayBackoff;
     }
 }
 
-/// The same where all receivers face the same way and take the same direction.
-Q3_VECTOR void SetOneDirection(const Frames &frames, const OpenReceivers &receivers, const Vec3f &local,
-                               RayPacket &rays) {
-    const Vec3f direction = frames.right[0] * local.x + frames.up[0] * local.y + receivers.normal[0] * local.z;
-    const Vec3f back = direction * kBack;
-    rays.direction.Fill(direction);
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        rays.origin.x[i] = receivers.position.x[i] - back.x;
-        rays.origin.y[i] = receivers.position.y[i] - back.y;
-        rays.origin.z[i] = receivers.position.z[i] - back.z;
-    }
-}
-
+/// An integer hash with good avalanche, as of the lowbias32 family.
 std::uint32_t Hash(std::uint32_t x) {
     x ^= x >> 16, x *= 0x7feb352du;
     x ^= x >> 15, x *= 0x846ca68bu;
     return x ^ (x >> 16);
 }
 
-/// Direction number `ray` of a place: a low-discrepancy sequence, shifted by the place's seed.
+/// Direction number `ray`: a golden ratio sequence in azimuth and elevation, rotated by the seed of the receiver.
 Vec3f RandomDirection(std::uint32_t seed, std::size_t ray) {
     constexpr double kUnit = 1.0 / 4294967296.0, kGolden = 0.6180339887498949; // golden ratio
     double azimuth = (double(ray) + 0.5) / double(kRandomRays) + Hash(seed) * kUnit;
     double elevation = double(ray) * kGolden + Hash(seed ^ kSeedStep) * kUnit;
     azimuth = (azimuth - std::floor(azimuth)) * 2 * std::numbers::pi;
-    elevation = (elevation - std::floor(elevation)) * kCone * std::numbers::pi / 180;
+    elevation = (elevation - std::floor(elevation)) * kConeDegrees * std::numbers::pi / 180;
     return {float(std::sin(elevation) * std::cos(azimuth)), float(std::sin(elevation) * std::sin(azimuth)),
             float(std::cos(elevation))};
 }
 
-/// Share of a ray, from its place on, that lies behind what blocks it.
-float ShareBehind(float distance, float length) {
-    return 1 - std::max(0.0f, distance - kBack) / std::max(kStep, length - kBack);
+/// Share of a ray, from the receiver on, that lies behind a hit: 1 - (distance - b) / (length - b), b = kRayBackoff.
+float OccludedShare(float distance, float length) {
+    return 1 - std::max(0.0f, distance - kRayBackoff) / std::max(kStep, length - kRayBackoff);
 }
 
-/// Ends rays that are blocked farther than `sure`; `close`: those that are before.
+/// Counts hits beyond `sure` and removes their rays from `live`; `close`: hits before it, which need a look.
 Q3_VECTOR void CullDistant(const LightScene::Blockers &blockers, float sure, const Lanes &length, LaneMask &live,
-                           Lanes &missing, LaneMask &close) {
+                           Lanes &occlusion, LaneMask &close) {
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const std::int32_t hit = blockers.hit[i], far = hit & (Sign(sure - blockers.distance[i]) >> 31);
-        missing[i] += far != 0 ? ShareBehind(blockers.distance[i], length[i]) : 0;
+        occlusion[i] += far != 0 ? OccludedShare(blockers.distance[i], length[i]) : 0;
         live[i] &= ~far;
         close[i] = hit & ~far;
     }
 }
 
-bool IsOwn(const OpenReceivers &receivers, int surface) {
+bool IsOwnSurface(const OcclusionReceivers &receivers, int surface) {
     return std::find(receivers.surfaces.begin(), receivers.surfaces.end(), surface) != receivers.surfaces.end();
 }
 
-/// Whether a ray goes into a solid right behind what it hit.
+/// Whether the ray enters a solid at its hit, other than one that leaves it.
 bool EntersSolid(const BspRegion &space, const RayPacket &rays, std::size_t ray, float distance) {
-    return space.InSolidLeaf(rays.origin[ray] + rays.direction[ray] * (distance + kBehind));
+    return space.InSolidLeaf(rays.origin[ray] + rays.direction[ray] * (distance + kSolidDepth));
 }
 
-Boundsf BoundsOf(const OpenReceivers &receivers) {
+Boundsf BoundsOf(const OcclusionReceivers &receivers) {
     Boundsf box;
     for (std::size_t i = 0; i < receivers.count; ++i)
         box.Add(receivers.position[i]);
     return box;
 }
 
-/// What EntersSolid asks about where a place touches a wall.
-BspRegion TouchedSpace(const BspSpace &space, const OpenReceivers &receivers) {
-    constexpr Vec3f kReach = Vec3f{1, 1, 1} * (2 * kBack + kBehind);
+/// The part of the BSP tree that EntersSolid needs for hits near the receivers.
+BspRegion TouchedSpace(const BspSpace &space, const OcclusionReceivers &receivers) {
+    constexpr Vec3f kReach = Vec3f{1, 1, 1} * (2 * kRayBackoff + kSolidDepth);
     const Boundsf box = BoundsOf(receivers);
     return space.Whole().Around({box.mins - kReach, box.maxs + kReach});
 }
 
-/// Beams of rays from receivers that face the same way, in one direction after the other: cheaper than BeamOf.
-class FlatBeams {
-  public:
-    explicit FlatBeams(const OpenReceivers &receivers) {
-        for (std::size_t i = 0; i < receivers.count; ++i) {
-            starts_.Add(receivers.position[i]);
-            flat_ = flat_ && receivers.normal[i] == receivers.normal[0];
-        }
-    }
-    bool Flat() const { return flat_; }
-    /// Of rays by SetDirections.
-    void Set(const RayPacket &rays, bool oneDirection, RayBeam &beam) const {
-        if (!flat_ || !oneDirection) {
-            beam = BeamOf(rays);
-            return;
-        }
-        const Vec3f direction = rays.direction[0], back = direction * kBack;
-        beam = {starts_.mins - back, starts_.maxs - back, true, direction, rays.distance[0]};
-    }
-
-  private:
-    Boundsf starts_;
-    bool flat_ = true;
-};
-
-/// Triangles that rays from the receivers can meet.
-void SelectNear(const OpenReceivers &receivers, float reach, const NearTriangles &from, NearTriangles &nearby) {
+/// Selects the triangles that rays of length `reach` from the receivers can hit.
+void SelectNear(const OcclusionReceivers &receivers, float reach, const NearTriangles &from, NearTriangles &nearby) {
     const Vec3f normal = receivers.normal[0];
     float lowest = Dot(normal, receivers.position[0]);
     for (std::size_t i = 1; i < receivers.count; ++i) {
@@ -189,31 +155,31 @@ void SelectNear(const OpenReceivers &receivers, float reach, const NearTriangles
             return nearby.Select(from, BoundsOf(receivers), reach);
         lowest = std::min(lowest, Dot(normal, receivers.position[i]));
     }
-    nearby.Select(from, BoundsOf(receivers), reach, normal, lowest - kBack);
+    nearby.Select(from, BoundsOf(receivers), reach, normal, lowest - kRayBackoff);
 }
 
 } // namespace
 
-/// Rays that look for blockers of one kind, past those that do not count.
-struct AmbientOcclusion::Walk {
+/// Traces rays to the first blocker of a kind that counts.
+struct AmbientOcclusion::BlockerTracer {
     const LightScene &scene;
-    const OpenReceivers &receivers;
+    const OcclusionReceivers &receivers;
     const RayPacket &rays;
     LightScene::BlockerKind kind;
     NearTriangles *nearby;
-    const RayBeam *beam;
+    const Boundsf *bounds; ///< of the rays; null without `nearby`
     float nearest;
-    float sure; ///< what is farther than this counts
+    float sure; ///< hits beyond this count
 
-    /// Ends in `live` the rays that are blocked. counts(ray, distance, what it is) is asked about what is nearer than
-    /// `sure`; distances are from where rays start.
-    template <typename Counts> void Run(LaneMask &live, Lanes &missing, RayCounts &work, const Counts &counts) const {
+    /// Removes blocked rays from `live` and adds their OccludedShare. counts(ray, distance, surface): whether a hit
+    /// nearer than `sure` counts. Distances are from ray origins.
+    template <typename Counts> void Run(LaneMask &live, Lanes &occlusion, RayCounts &work, const Counts &counts) const {
         Lanes from;
         from.fill(nearest);
         LaneMask going = live;
         LightScene::Blockers blockers;
-        Outcome outcome = nearby ? nearby->Trace(rays, going, *beam, nearest, blockers) : Outcome::Undecided;
-        for (int hit = 0; hit < kMostPassed; ++hit) {
+        Outcome outcome = nearby ? nearby->Trace(rays, going, *bounds, nearest, blockers) : Outcome::Undecided;
+        for (int hit = 0; hit < kMaxPassedHits; ++hit) {
             if (outcome == Outcome::Undecided)
                 TraceInScene(going, from, blockers, work);
             else
@@ -221,13 +187,13 @@ struct AmbientOcclusion::Walk {
             if (outcome == Outcome::Missed)
                 return;
             LaneMask close;
-            CullDistant(blockers, sure, rays.distance, live, missing, close);
+            CullDistant(blockers, sure, rays.distance, live, occlusion, close);
             going = {};
             for (unsigned lanes = close.Bits(); lanes != 0; lanes &= lanes - 1) {
                 const auto i = std::size_t(std::countr_zero(lanes));
                 const float distance = blockers.distance[i];
                 if (counts(i, distance, blockers.surface[i])) {
-                    missing[i] += ShareBehind(distance, rays.distance[i]);
+                    occlusion[i] += OccludedShare(distance, rays.distance[i]);
                     live[i] = 0;
                 } else {
                     from[i] = distance + kStep;
@@ -250,79 +216,84 @@ struct AmbientOcclusion::Walk {
     }
 };
 
-void AmbientOcclusion::Gather(const OpenReceivers &receivers, const RayPacket &rays, const CloseRules &rules,
-                              const BspRegion &space, Nearby *nearby, Lanes &missing, RayCounts &counts) const {
+void AmbientOcclusion::AccumulateOcclusion(const OcclusionReceivers &receivers, const RayPacket &rays,
+                                           const NearHitRules &rules, const BspRegion &space, Nearby *nearby,
+                                           Lanes &occlusion, RayCounts &counts) const {
     LaneMask live = rays.live;
-    const RayBeam *const beam = nearby ? &nearby->beam : nullptr;
-    const Walk solids{scene_, receivers, rays, rules.solids, nearby ? &nearby->solids : nullptr, beam, 0, 2 * kBack};
-    solids.Run(live, missing, counts, [&](std::size_t ray, float distance, int) {
-        // Rays that leave a wall which the place touches are free.
+    const Boundsf *const bounds = nearby ? &nearby->rayBounds : nullptr;
+    const BlockerTracer solids{scene_, receivers, rays,           rules.solids, nearby ? &nearby->solids : nullptr,
+                               bounds, 0,         2 * kRayBackoff};
+    solids.Run(live, occlusion, counts, [&](std::size_t ray, float distance, int) {
+        // A ray that leaves a solid at the hit started in a wall that the receiver touches.
         return EntersSolid(space, rays, ray, distance);
     });
     if (!live.Any())
         return;
-    const Walk surfaces{scene_,
-                        receivers,
-                        rays,
-                        LightScene::BlockerKind::Surfaces,
-                        nearby ? &nearby->surfaces : nullptr,
-                        beam,
-                        rules.nearest + kBack,
-                        rules.ownSurface + kBack};
-    surfaces.Run(live, missing, counts, [&](std::size_t, float, int surface) { return !IsOwn(receivers, surface); });
+    const BlockerTracer surfaces{scene_,
+                                 receivers,
+                                 rays,
+                                 LightScene::BlockerKind::Surfaces,
+                                 nearby ? &nearby->surfaces : nullptr,
+                                 bounds,
+                                 rules.nearest + kRayBackoff,
+                                 rules.ownSurface + kRayBackoff};
+    surfaces.Run(live, occlusion, counts,
+                 [&](std::size_t, float, int surface) { return !IsOwnSurface(receivers, surface); });
 }
 
 AmbientOcclusion::AmbientOcclusion(const SurfaceInputs &in)
     : scene_(in.scene), space_(in.space), depth_(in.lightmap.dirtDepth), scale_(in.lightmap.dirtScale),
-      gain_(in.lightmap.dirtGain), random_(in.lightmap.dirtRandom), dirtDirections_(Rings(kDirtElevations, kAzimuths)),
-      floodDirections_(Rings(kFloodElevations, in.options.lowQuality ? kAzimuths / 2 : kAzimuths)) {
+      gain_(in.lightmap.dirtGain), random_(in.lightmap.dirtRandom),
+      dirtDirections_(ConeDirections(kDirtElevations, kAzimuths)),
+      floodDirections_(ConeDirections(kFloodElevations, in.options.lowQuality ? kAzimuths / 2 : kAzimuths)) {
     if (random_)
         dirtDirections_.assign(kRandomRays, {});
     dirtDirections_.push_back({0, 0, 1});
 }
 
-const AmbientOcclusion::Nearby &AmbientOcclusion::All() const {
-    std::call_once(allMade_, [&] {
+const AmbientOcclusion::Nearby &AmbientOcclusion::AllBlockers() const {
+    std::call_once(allBlockersMade_, [&] {
         for (const LightScene::BlockerTriangle &triangle : scene_.BlockerTriangles())
-            (triangle.surface < 0 ? all_.solids : all_.surfaces).Add(triangle);
+            (triangle.surface < 0 ? allBlockers_.solids : allBlockers_.surfaces).Add(triangle);
     });
-    return all_;
+    return allBlockers_;
 }
 
-void AmbientOcclusion::Dirt(std::span<const OpenReceivers> blocks, std::vector<Lanes> &dirt, RayCounts &counts) const {
-    const auto fits = [](const OpenReceivers &receivers) {
+void AmbientOcclusion::Dirt(std::span<const OcclusionReceivers> blocks, std::vector<Lanes> &dirt,
+                            RayCounts &counts) const {
+    const auto fits = [](const OcclusionReceivers &receivers) {
         return receivers.receiveShadows == 1 && !receivers.vertices;
     };
     dirt.resize(blocks.size());
     Boundsf box;
-    for (const OpenReceivers &receivers : blocks)
+    for (const OcclusionReceivers &receivers : blocks)
         if (fits(receivers))
             box.Add(BoundsOf(receivers));
     const float reach = depth_ + kReachSlack;
     Nearby around, nearby;
     if (!box.Empty()) {
-        around.solids.Select(All().solids, box, reach);
-        around.surfaces.Select(All().surfaces, box, reach);
+        around.solids.Select(AllBlockers().solids, box, reach);
+        around.surfaces.Select(AllBlockers().surfaces, box, reach);
     }
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         bool few = false;
         if (fits(blocks[i])) {
             SelectNear(blocks[i], reach, around.solids, nearby.solids);
             SelectNear(blocks[i], reach, around.surfaces, nearby.surfaces);
-            few = nearby.solids.Count() + nearby.surfaces.Count() <= kMostNear;
+            few = nearby.solids.Count() + nearby.surfaces.Count() <= kMaxNearby;
         }
         Dirt(blocks[i], few ? &nearby : nullptr, dirt[i], counts);
     }
 }
 
-void AmbientOcclusion::Dirt(const OpenReceivers &receivers, Nearby *nearby, Lanes &dirt, RayCounts &counts) const {
+void AmbientOcclusion::Dirt(const OcclusionReceivers &receivers, Nearby *nearby, Lanes &dirt, RayCounts &counts) const {
     constexpr auto kSolids = LightScene::BlockerKind::LegacySolids;
-    const CloseRules rules =
-        receivers.vertices ? CloseRules{kSolids, kClose, 0} : CloseRules{kSolids, kTouching, kDirtOwn};
-    Frames frames;
-    SetFrames(receivers.normal, frames);
+    const NearHitRules rules =
+        receivers.vertices ? NearHitRules{kSolids, kNearHit, 0} : NearHitRules{kSolids, kTouching, kOwnSurface};
+    ReceiverFrames frames;
+    SetReceiverFrames(receivers.normal, frames);
     RayPacket rays;
-    rays.distance.fill(depth_ + kBack);
+    rays.distance.fill(depth_ + kRayBackoff);
     for (std::size_t i = 0; i < receivers.count; ++i)
         rays.live[i] = -1;
     if (nearby && nearby->solids.Count() + nearby->surfaces.Count() == 0) {
@@ -331,73 +302,50 @@ void AmbientOcclusion::Dirt(const OpenReceivers &receivers, Nearby *nearby, Lane
         return;
     }
     const BspRegion space = TouchedSpace(space_, receivers);
-    const FlatBeams beams(receivers);
-    Lanes gathered{};
+    Lanes occlusion{};
     Lanes3 local{};
     for (std::size_t ray = 0; ray < dirtDirections_.size(); ++ray) {
-        const bool differ = random_ && ray < kRandomRays;
-        if (!differ && beams.Flat())
-            SetOneDirection(frames, receivers, dirtDirections_[ray], rays);
-        else {
-            if (differ)
-                for (std::size_t i = 0; i < receivers.count; ++i)
-                    local.Set(i, RandomDirection(receivers.seed[i], ray));
-            else
-                local.Fill(dirtDirections_[ray]);
-            SetDirections(frames, receivers, local, rays);
-        }
+        if (random_ && ray < kRandomRays)
+            for (std::size_t i = 0; i < receivers.count; ++i)
+                local.Set(i, RandomDirection(receivers.seed[i], ray));
+        else
+            local.Fill(dirtDirections_[ray]);
+        SetDirections(frames, receivers, local, rays);
         if (nearby)
-            beams.Set(rays, !differ, nearby->beam);
-        Gather(receivers, rays, rules, space, nearby, gathered, counts);
+            nearby->rayBounds = RayBounds(rays);
+        AccumulateOcclusion(receivers, rays, rules, space, nearby, occlusion, counts);
     }
     for (std::size_t i = 0; i < receivers.count; ++i) {
-        const float share = gathered[i] / float(dirtDirections_.size());
-        const float shut = share > 0 ? std::min(1.0f, gain_ == 1 ? share : std::pow(share, gain_)) * scale_ : 0;
-        dirt[i] = 1 - std::min(1.0f, shut);
+        const float share = occlusion[i] / float(dirtDirections_.size());
+        const float darkening = share > 0 ? std::min(1.0f, gain_ == 1 ? share : std::pow(share, gain_)) * scale_ : 0;
+        dirt[i] = 1 - std::min(1.0f, darkening);
     }
 }
 
-void AmbientOcclusion::SkyVisibility(const OpenReceivers &receivers, float distance, Lanes &open,
+void AmbientOcclusion::SkyVisibility(const OcclusionReceivers &receivers, float distance, Lanes &visibility,
                                      RayCounts &counts) const {
-    Frames frames;
-    SetFrames(receivers.normal, frames);
+    ReceiverFrames frames;
+    SetReceiverFrames(receivers.normal, frames);
     RayPacket rays;
-    rays.distance.fill(distance + kBack);
+    rays.distance.fill(distance + kRayBackoff);
     for (std::size_t i = 0; i < receivers.count; ++i)
         rays.live[i] = -1;
-    const CloseRules rules{receivers.vertices ? LightScene::BlockerKind::Solids : LightScene::BlockerKind::LegacySolids,
-                           kClose, 0};
+    const NearHitRules rules{
+        receivers.vertices ? LightScene::BlockerKind::Solids : LightScene::BlockerKind::LegacySolids, kNearHit, 0};
     const BspRegion space = TouchedSpace(space_, receivers);
-    Lanes gathered{};
+    Lanes occlusion{};
     Lanes3 local{};
     for (const Vec3f &direction : floodDirections_) {
         local.Fill(direction);
         SetDirections(frames, receivers, local, rays);
-        Gather(receivers, rays, rules, space, nullptr, gathered, counts);
+        AccumulateOcclusion(receivers, rays, rules, space, nullptr, occlusion, counts);
     }
     for (std::size_t i = 0; i < receivers.count; ++i)
-        open[i] = std::clamp(1 - gathered[i] / float(floodDirections_.size()), 0.0f, 1.0f);
+        visibility[i] = std::clamp(1 - occlusion[i] / float(floodDirections_.size()), 0.0f, 1.0f);
 }
 
-namespace {
-
-/// Mapped luxels in order of tiles, so that neighbours are next to each other.
-std::vector<std::uint32_t> MappedLuxels(const RawLightmap &raw) {
-    std::vector<std::uint32_t> luxels;
-    const int width = raw.SuperWidth(), height = raw.SuperHeight();
-    for (int top = 0; top < height; top += kTile)
-        for (int left = 0; left < width; left += kTile)
-            for (int y = top; y < std::min(top + kTile, height); ++y)
-                for (int x = left; x < std::min(left + kTile, width); ++x)
-                    if (const std::size_t luxel = raw.SuperIndex(x, y); raw.Mapped(luxel))
-                        luxels.push_back(std::uint32_t(luxel));
-    return luxels;
-}
-
-} // namespace
-
-void ForMappedLuxels(const SurfaceInputs &in, SurfaceLight &surfaces,
-                     const std::function<bool(const RawLightmap &)> &wants, const LookAtLuxels &look) {
+void ForMappedLuxelBatches(const SurfaceInputs &in, SurfaceLight &surfaces,
+                           const std::function<bool(const RawLightmap &)> &wants, const LuxelBatchFunction &batch) {
     struct Task {
         std::size_t lightmap, first;
     };
@@ -406,7 +354,8 @@ void ForMappedLuxels(const SurfaceInputs &in, SurfaceLight &surfaces,
     for (std::size_t i = 0; i < luxels.size(); ++i) {
         if (!wants(surfaces.lightmaps[i]))
             continue;
-        luxels[i] = MappedLuxels(surfaces.lightmaps[i]);
+        ForMappedLuxelsByTile(surfaces.lightmaps[i], kTile,
+                              [&](std::size_t luxel, int, int) { luxels[i].push_back(std::uint32_t(luxel)); });
         for (std::size_t first = 0; first < luxels[i].size(); first += kTaskBlocks * kPacketSize)
             tasks.push_back({i, first});
     }
@@ -415,8 +364,8 @@ void ForMappedLuxels(const SurfaceInputs &in, SurfaceLight &surfaces,
         RawLightmap &raw = surfaces.lightmaps[task.lightmap];
         const std::vector<std::uint32_t> &all = luxels[task.lightmap];
         const std::size_t end = std::min(all.size(), task.first + kTaskBlocks * kPacketSize);
-        std::vector<OpenReceivers> blocks;
-        std::vector<LuxelNumbers> numbers;
+        std::vector<OcclusionReceivers> blocks;
+        std::vector<LuxelIndices> numbers;
         for (std::size_t i = task.first; i < end; ++i) {
             if (blocks.empty() || blocks.back().count == kPacketSize) {
                 blocks.emplace_back();
@@ -428,7 +377,7 @@ void ForMappedLuxels(const SurfaceInputs &in, SurfaceLight &surfaces,
             blocks.back().Add(raw.positions[all[i]], raw.normals[all[i]],
                               std::uint32_t(task.lightmap) * kSeedStep + all[i]);
         }
-        look(raw, blocks, numbers, std::size_t(worker));
+        batch(raw, blocks, numbers, std::size_t(worker));
     });
 }
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Dirt: luxels in corners and crevices get less light.
+// GPL-2.0-or-later. -dirty: ambient occlusion of luxels.
 #include "q3map2/lightmap/ao/luxel_dirt.h"
 
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
@@ -7,11 +7,11 @@ namespace q3 {
 
 namespace {
 
-/// Every value becomes the mean of itself and its mapped neighbours that have any, in place and row by row: later
-/// luxels see what earlier ones became. That is how dirt is known to look.
+/// Blur of 3 x 3 luxels over mapped ones with dirt above 0, in place and row by row as in the established program: a
+/// luxel averages values that are already blurred above and to the left of it.
 void SmoothDirt(RawLightmap &raw) {
     const auto width = std::size_t(raw.SuperWidth()), height = std::size_t(raw.SuperHeight()), row = width + 2;
-    std::vector<float> counted(row * (height + 2)); // with a border; 0 where a neighbour does not count
+    std::vector<float> counted(row * (height + 2)); // with a border; 0: does not count as a neighbor
     const auto at = [&](std::size_t x, std::size_t y) { return (y + 1) * row + x + 1; };
     for (std::size_t y = 0; y < height; ++y)
         for (std::size_t x = 0; x < width; ++x)
@@ -20,7 +20,7 @@ void SmoothDirt(RawLightmap &raw) {
     for (std::size_t y = 0; y < height; ++y)
         for (std::size_t x = 0; x < width; ++x) {
             float &own = counted[at(x, y)];
-            float sum = 0, count = own > 0 ? 0 : 1; // itself counts always
+            float sum = 0, count = own > 0 ? 0 : 1; // a luxel itself always counts
             for (const std::size_t first : {y * row + x, (y + 1) * row + x, (y + 2) * row + x})
                 for (std::size_t i = first; i < first + 3; ++i)
                     sum += counted[i], count += counted[i] > 0 ? 1.0f : 0.0f;
@@ -38,14 +38,14 @@ void DirtLuxels(const SurfaceInputs &in, SurfaceLight &surfaces) {
         return;
     for (RawLightmap &raw : surfaces.lightmaps)
         raw.dirt.assign(raw.luxelClusters.size(), raw.noDirt ? 1.0f : 0.0f);
-    const AmbientOcclusion around(in);
+    const AmbientOcclusion occlusion(in);
     std::vector<RayCounts> counts(std::size_t(in.jobs.Threads()));
-    ForMappedLuxels(
+    ForMappedLuxelBatches(
         in, surfaces, [](const RawLightmap &raw) { return !raw.noDirt; },
-        [&](RawLightmap &raw, std::span<const OpenReceivers> blocks, std::span<const LuxelNumbers> luxels,
+        [&](RawLightmap &raw, std::span<const OcclusionReceivers> blocks, std::span<const LuxelIndices> luxels,
             std::size_t worker) {
             std::vector<Lanes> dirt;
-            around.Dirt(blocks, dirt, counts[worker]);
+            occlusion.Dirt(blocks, dirt, counts[worker]);
             for (std::size_t b = 0; b < blocks.size(); ++b)
                 for (std::size_t i = 0; i < blocks[b].count; ++i)
                     raw.dirt[luxels[b][i]] = dirt[b][i];

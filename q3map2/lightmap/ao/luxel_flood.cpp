@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Floodlight on luxels: light from wherever the surroundings are open.
+// GPL-2.0-or-later. Floodlight: light from wherever the hemisphere over a receiver is open.
 #include "q3map2/lightmap/ao/luxel_flood.h"
 
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
@@ -40,20 +40,20 @@ void FloodLuxels(const SurfaceInputs &in, SurfaceLight &surfaces) {
             raw.floodlight.assign(raw.luxelClusters.size(), {});
             raw.floodDirectionScale = DirectionScale(in, raw);
         }
-    const AmbientOcclusion around(in);
+    const AmbientOcclusion occlusion(in);
     std::vector<RayCounts> counts(std::size_t(in.jobs.Threads()));
-    const auto look = [&](RawLightmap &raw, std::span<const OpenReceivers> blocks, std::span<const LuxelNumbers> luxels,
-                          std::size_t worker) {
+    const auto addFlood = [&](RawLightmap &raw, std::span<const OcclusionReceivers> blocks,
+                              std::span<const LuxelIndices> luxels, std::size_t worker) {
         for (const FloodSource &source : {world, ShaderFlood(in, raw)}) {
             for (std::size_t b = 0; b < blocks.size() && source.light != Vec3f{}; ++b) {
-                Lanes open;
-                around.SkyVisibility(blocks[b], source.distance, open, counts[worker]);
+                Lanes skyVisibility;
+                occlusion.SkyVisibility(blocks[b], source.distance, skyVisibility, counts[worker]);
                 for (std::size_t i = 0; i < blocks[b].count; ++i)
-                    raw.floodlight[luxels[b][i]] += source.light * open[i];
+                    raw.floodlight[luxels[b][i]] += source.light * skyVisibility[i];
             }
         }
     };
-    ForMappedLuxels(in, surfaces, wants, look);
+    ForMappedLuxelBatches(in, surfaces, wants, addFlood);
     std::uint64_t rays = 0;
     for (const RayCounts &one : counts)
         rays += one.rays;

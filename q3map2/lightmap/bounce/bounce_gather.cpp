@@ -1,9 +1,10 @@
-// GPL-2.0-or-later. Bounced light at luxels, vertices and receivers, gathered by rays.
+// GPL-2.0-or-later. Final gathering of bounced light at luxels, vertices and light grid points.
 #include "q3map2/lightmap/bounce/bounce_gather.h"
 
 #include "libs/math/color.h"
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/lightmap/raw/deluxe.h"
+#include "q3map2/lightmap/raw/luxel_tiles.h"
 
 #include <algorithm>
 #include <atomic>
@@ -15,20 +16,22 @@ namespace q3 {
 
 namespace {
 
-/// Rays of a luxel; 16 neighbours have 16 times as many different ones.
-constexpr int kRays = 24, kFewestRays = 4, kSets = 16;
-constexpr int kVertexRays = 256, kPlaceRays = 96;
-constexpr std::uint64_t kMostLinks = std::uint64_t(192) << 20;
-constexpr float kEndless = 1e6f; ///< length of rays. Game units
-/// Rays of vertices start this far off, or the second where a surface is that near. Game units.
-constexpr float kLift = 1, kLeastLift = 1.0f / 16;
-/// Receivers are clear of solids if nothing solid is so near. Game units.
-constexpr float kMargin = 0.25f;
-/// Luxels share what they found with those up to this many luxels away whose normals differ by less than its cosine.
-constexpr int kWindow = 2;
-constexpr float kAlike = 0.9f;
-/// Weight of a flat plane against the neighbours' spread. Luxels squared.
-constexpr double kStiffness = 0.7;
+/// Rays per luxel, and sets of directions: the luxels of a 4 x 4 block have one each, 384 directions together.
+constexpr int kRays = 24, kMinRays = 4, kDirectionSets = 16;
+constexpr int kVertexRays = 256, kProbeRays = 96;
+/// With more hits (768 MiB) rays are traced anew in each bounce.
+constexpr std::uint64_t kMaxKeptHits = std::uint64_t(192) << 20;
+/// Longer than any map. Game units.
+constexpr float kRayLength = 1e6f;
+/// Rays of vertices start this far off their surface; kMinRayLift where another surface is nearer. Game units.
+constexpr float kRayLift = 1, kMinRayLift = 1.0f / 16;
+/// Ray origins with a solid this near are moved aside. Game units.
+constexpr float kSolidMargin = 0.25f;
+/// The denoising window reaches this many luxels to each side, over luxels whose normals have at least this cosine.
+constexpr int kWindowReach = 2;
+constexpr float kMinNormalCosine = 0.9f;
+/// Ridge regression: added to the variance of x and y, so that slopes of small windows stay small. Luxels squared.
+constexpr double kSlopePenalty = 0.7;
 
 /// Direction i of a cosine-weighted hemisphere around +z.
 Vec3f CosineDirection(std::uint32_t i) {
@@ -37,14 +40,15 @@ Vec3f CosineDirection(std::uint32_t i) {
     return {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(std::sqrt(1 - s.u))};
 }
 
-/// A fraction for each number, as if by chance; neighbours are spread.
-float Fraction(std::uint32_t number) {
+/// Dither threshold in [0, 1) of the additive golden ratio sequence.
+float DitherThreshold(std::uint32_t number) {
     constexpr std::uint32_t kGolden = 2654435769u; // 2^32 over the golden ratio
     return float((number * kGolden) >> 8) * 0x1p-24f;
 }
 
-struct Frame {
-    explicit Frame(const Vec3f &n) : normal(n) {
+/// Tangent frame of a receiver.
+struct GatherFrame {
+    explicit GatherFrame(const Vec3f &n) : normal(n) {
         const Vec3f axis = std::abs(n.z) > 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1};
         right = Normalize(Cross(axis, n));
         up = Cross(n, right);
@@ -53,31 +57,31 @@ struct Frame {
     Vec3f normal, right, up;
 };
 
-/// Which of the sixteen sets of directions a luxel asks: neighbours ask sets that are far apart.
-std::uint32_t SetOf(int x, int y) {
+/// The set of directions of a luxel, 0 to 15: the 4 x 4 Bayer matrix, so neighbors have sets that are far apart.
+std::uint32_t DirectionSetOf(int x, int y) {
     constexpr std::uint32_t kOrder[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
     return kOrder[y & 3][x & 3];
 }
 
-/// Where rays of a luxel start: half a luxel aside if that is clear of solids and the place is not. Luxels at the edge
-/// of a wall lie in the plane of the next, behind which their rays would get lost.
-Vec3f ClearPlace(const BspSpace &space, const RawLightmap &raw, std::size_t luxel, const Frame &frame) {
-    const Vec3f margin{kMargin, kMargin, kMargin}, place = raw.positions[luxel];
+/// Origin of the rays of a luxel: its position, or half a luxel aside if only that is clear of solids. Luxels at the
+/// edge of a wall lie in the plane of the adjacent wall, and their rays would start behind it.
+Vec3f ClearOrigin(const BspSpace &space, const RawLightmap &raw, std::size_t luxel, const GatherFrame &frame) {
+    const Vec3f margin{kSolidMargin, kSolidMargin, kSolidMargin}, position = raw.positions[luxel];
     const auto clear = [&](const Vec3f &p) { return !space.AnySolid(p - margin, p + margin); };
-    if (clear(place))
-        return place;
+    if (clear(position))
+        return position;
     const float half = raw.actualSampleSize / float(2 * raw.super);
     const Vec3f u = raw.hasVectors ? raw.step[0] * 0.5f : frame.right * half;
     const Vec3f v = raw.hasVectors ? raw.step[1] * 0.5f : frame.up * half;
     for (const auto &[x, y] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}) {
-        const Vec3f aside = place + u * float(x) + v * float(y);
+        const Vec3f aside = position + u * float(x) + v * float(y);
         if (clear(aside))
             return aside;
     }
-    return place;
+    return position;
 }
 
-/// Calls use(index, emitter) for rays that go all ways and are given one by one with an index, traced in packets.
+/// Traces incoherent rays in packets; calls use(index, emitter) with the index each ray was added with.
 template <typename Use> class RayQueue {
   public:
     RayQueue(const BounceScene &scene, const Use &use) : scene_(scene), use_(use) {}
@@ -85,7 +89,7 @@ template <typename Use> class RayQueue {
     void Add(std::size_t index, const Vec3f &origin, const Vec3f &direction) {
         rays_.origin.Set(count_, origin);
         rays_.direction.Set(count_, direction);
-        rays_.distance[count_] = kEndless;
+        rays_.distance[count_] = kRayLength;
         rays_.live[count_] = -1;
         indices_[count_++] = index;
         if (count_ == kPacketSize)
@@ -96,9 +100,9 @@ template <typename Use> class RayQueue {
     void Flush() {
         if (count_ == 0)
             return;
-        const auto found = scene_.FirstEmitters(rays_, false);
+        const auto emitters = scene_.FirstEmitters(rays_, false);
         for (std::size_t i = 0; i < count_; ++i)
-            use_(indices_[i], found[i]);
+            use_(indices_[i], emitters[i]);
         rays_.live = {};
         count_ = 0;
     }
@@ -109,14 +113,14 @@ template <typename Use> class RayQueue {
     std::size_t count_ = 0;
 };
 
-/// A luxel's neighbours in a window, each reached over mapped ones that face the same way.
-class Neighbourhood {
+/// Luxels in the window around a luxel that are connected to it over mapped luxels with similar normals (flood fill).
+class LuxelWindow {
   public:
-    struct Neighbour {
+    struct Neighbor {
         std::size_t luxel;
         float dx, dy;
     };
-    const std::vector<Neighbour> &Around(const RawLightmap &raw, int x, int y, int reach) {
+    const std::vector<Neighbor> &Around(const RawLightmap &raw, int x, int y, int reach) {
         list_.clear();
         const int side = 2 * reach + 1;
         seen_.assign(std::size_t(side * side), 0);
@@ -131,7 +135,7 @@ class Neighbourhood {
                     seen_[std::size_t((oy + reach) * side + ox + reach)] != 0)
                     continue;
                 const std::size_t luxel = raw.SuperIndex(x + ox, y + oy);
-                if (raw.Mapped(luxel) && Dot(raw.normals[luxel], raw.normals[center]) > kAlike)
+                if (raw.Mapped(luxel) && Dot(raw.normals[luxel], raw.normals[center]) > kMinNormalCosine)
                     Visit(luxel, ox, oy, reach);
             }
         }
@@ -143,28 +147,28 @@ class Neighbourhood {
         seen_[std::size_t((dy + reach) * (2 * reach + 1) + dx + reach)] = 1;
         list_.push_back({luxel, float(dx), float(dy)});
     }
-    std::vector<Neighbour> list_;
+    std::vector<Neighbor> list_;
     std::vector<std::uint8_t> seen_;
 };
 
-struct Sample {
-    Vec3f found;
-    float dx, dy; ///< luxels from the centre
+struct WindowSample {
+    Vec3f value;
+    float dx, dy; ///< luxels from the center
 };
 
-/// Height at the centre of the plane that fits the neighbours' values best, with slopes held back: at the rim of a
-/// lightmap, with neighbours on one side only, free slopes would make noise of neighbours a seam.
-Vec3f PlaneAtCenter(const std::vector<Sample> &around) {
+/// Value at (0, 0) of the plane a + b x + c y fitted to the samples by least squares, with kSlopePenalty on b and c: at
+/// the rim of a lightmap, with samples on one side only, free slopes would turn noise into a seam.
+Vec3f FittedPlaneAtCenter(const std::vector<WindowSample> &around) {
     double mx = 0, my = 0;
     Vec3d mean;
     const auto n = double(around.size());
     for (const auto &[value, dx, dy] : around)
         mx += double(dx) / n, my += double(dy) / n, mean += Vec3d(value) * (1 / n);
-    double xx = kStiffness * n, xy = 0, yy = kStiffness * n;
+    double xx = kSlopePenalty * n, xy = 0, yy = kSlopePenalty * n;
     Vec3d xv, yv;
-    for (const auto &[found, dx, dy] : around) {
+    for (const auto &[sampled, dx, dy] : around) {
         const double x = double(dx) - mx, y = double(dy) - my;
-        const Vec3d value = Vec3d(found) - mean;
+        const Vec3d value = Vec3d(sampled) - mean;
         xx += x * x, xy += x * y, yy += y * y;
         xv += value * x, yv += value * y;
     }
@@ -173,16 +177,15 @@ Vec3f PlaneAtCenter(const std::vector<Sample> &around) {
     return Max(Vec3f(mean - slopeX * mx - slopeY * my), Vec3f{});
 }
 
-/// Mean of the whole window around a luxel, which is its plane's height there; false if part of it is missing or faces
-/// another way.
-bool MeanOfWindow(const RawLightmap &raw, const std::vector<Vec3f> &values, int x, int y, int reach, Vec3f &mean) {
+/// Mean over the window, which is FittedPlaneAtCenter of a complete window; false if it is not complete.
+bool MeanOverWindow(const RawLightmap &raw, const std::vector<Vec3f> &values, int x, int y, int reach, Vec3f &mean) {
     if (x < reach || y < reach || x + reach >= raw.SuperWidth() || y + reach >= raw.SuperHeight())
         return false;
     const Vec3f normal = raw.normals[raw.SuperIndex(x, y)];
     mean = {};
     for (int row = y - reach; row <= y + reach; ++row)
         for (std::size_t i = raw.SuperIndex(x - reach, row); i <= raw.SuperIndex(x + reach, row); ++i) {
-            if (!raw.Mapped(i) || !(Dot(raw.normals[i], normal) > kAlike))
+            if (!raw.Mapped(i) || !(Dot(raw.normals[i], normal) > kMinNormalCosine))
                 return false;
             mean += values[i];
         }
@@ -194,168 +197,164 @@ bool MeanOfWindow(const RawLightmap &raw, const std::vector<Vec3f> &values, int 
 } // namespace
 
 BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
-                           const RadiosityPatches *pieces)
-    : space_(in.space), scene_(scene), pieces_(pieces), joints_(in, surfaces, kWindow, kAlike),
-      links_(surfaces.lightmaps.size()) {
-    for (std::uint32_t i = 0; i < std::uint32_t(std::max(kSets * kRays, kVertexRays)); ++i)
+                           const RadiosityPatches *patches)
+    : space_(in.space), scene_(scene), patches_(patches), seams_(in, surfaces, kWindowReach, kMinNormalCosine),
+      emitterHits_(surfaces.lightmaps.size()) {
+    for (std::uint32_t i = 0; i < std::uint32_t(std::max(kDirectionSets * kRays, kVertexRays)); ++i)
         directions_.push_back(CosineDirection(i));
     for (const RawLightmap &raw : surfaces.lightmaps)
         rays_ += std::uint64_t(std::count_if(raw.luxelClusters.begin(), raw.luxelClusters.end(),
                                              [](int code) { return code >= 0; })) *
-                 std::uint64_t(RaysALuxel(raw));
-    keep_ = rays_ <= kMostLinks;
+                 std::uint64_t(RaysPerLuxel(raw));
+    keep_ = rays_ <= kMaxKeptHits;
     if (!keep_)
         return;
-    in.jobs.For(std::int64_t(links_.size()), [&](std::int64_t i, int) {
-        links_[std::size_t(i)] = TransportLinks(surfaces.lightmaps[std::size_t(i)]);
+    in.jobs.For(std::int64_t(emitterHits_.size()), [&](std::int64_t i, int) {
+        emitterHits_[std::size_t(i)] = TraceEmitterHits(surfaces.lightmaps[std::size_t(i)]);
     });
 }
 
-int BounceGather::RaysALuxel(const RawLightmap &raw) const {
-    return std::max(kFewestRays, kRays / (raw.super * raw.super));
+int BounceGather::RaysPerLuxel(const RawLightmap &raw) const {
+    return std::max(kMinRays, kRays / (raw.super * raw.super));
 }
 
 struct BounceGather::GatherBatch {
     std::uint32_t set = 0;
     std::size_t count = 0;
-    std::array<std::size_t, kPacketSize> luxels{}, links{};
+    std::array<std::size_t, kPacketSize> luxels{}, firstHits{};
 
-    void Add(std::size_t luxel, std::size_t link) { luxels[count] = luxel, links[count++] = link; }
+    void Add(std::size_t luxel, std::size_t firstHit) { luxels[count] = luxel, firstHits[count++] = firstHit; }
 };
 
-/// Sixteen luxels that ask the same set ask a direction together: their rays go the same way.
-std::vector<EmitterId> BounceGather::TransportLinks(const RawLightmap &raw) const {
-    const auto count = std::size_t(RaysALuxel(raw));
+/// Luxels with the same set are traced in packets of 16, one direction at a time, so that rays are coherent.
+std::vector<EmitterId> BounceGather::TraceEmitterHits(const RawLightmap &raw) const {
+    const auto count = std::size_t(RaysPerLuxel(raw));
     std::vector<std::size_t> first(raw.luxelClusters.size());
     std::size_t used = 0;
     for (std::size_t luxel = 0; luxel < first.size(); ++luxel) {
         first[luxel] = used;
         used += raw.Mapped(luxel) ? count : 0;
     }
-    std::vector<EmitterId> links(used);
-    std::array<GatherBatch, kSets> askers;
-    for (std::uint32_t set = 0; set < kSets; ++set)
-        askers[set].set = set;
-    const auto ask = [&](GatherBatch &some) {
-        Ask(raw, some, links);
-        some.count = 0;
+    std::vector<EmitterId> hits(used);
+    std::array<GatherBatch, kDirectionSets> batches;
+    for (std::uint32_t set = 0; set < kDirectionSets; ++set)
+        batches[set].set = set;
+    const auto flush = [&](GatherBatch &batch) {
+        TraceBatch(raw, batch, hits);
+        batch.count = 0;
     };
-    constexpr int kTile = 16; // each set has a packet of luxels in it
-    for (int top = 0; top < raw.SuperHeight(); top += kTile)
-        for (int left = 0; left < raw.SuperWidth(); left += kTile)
-            for (int y = top; y < std::min(top + kTile, raw.SuperHeight()); ++y)
-                for (int x = left; x < std::min(left + kTile, raw.SuperWidth()); ++x) {
-                    const std::size_t luxel = raw.SuperIndex(x, y);
-                    if (!raw.Mapped(luxel))
-                        continue;
-                    GatherBatch &some = askers[SetOf(x, y)];
-                    some.Add(luxel, first[luxel]);
-                    if (some.count == kPacketSize)
-                        ask(some);
-                }
-    for (GatherBatch &some : askers)
-        if (some.count > 0)
-            ask(some);
-    return links;
+    constexpr int kTile = 16; // in which each set has 16 luxels, a packet
+    ForMappedLuxelsByTile(raw, kTile, [&](std::size_t luxel, int x, int y) {
+        GatherBatch &batch = batches[DirectionSetOf(x, y)];
+        batch.Add(luxel, first[luxel]);
+        if (batch.count == kPacketSize)
+            flush(batch);
+    });
+    for (GatherBatch &batch : batches)
+        if (batch.count > 0)
+            flush(batch);
+    return hits;
 }
 
-void BounceGather::Ask(const RawLightmap &raw, const GatherBatch &askers, std::vector<EmitterId> &links) const {
-    const auto count = std::uint32_t(RaysALuxel(raw));
-    std::vector<Frame> frames;
+void BounceGather::TraceBatch(const RawLightmap &raw, const GatherBatch &batch, std::vector<EmitterId> &hits) const {
+    const auto count = std::uint32_t(RaysPerLuxel(raw));
+    std::vector<GatherFrame> frames;
     RayPacket rays;
-    rays.distance.fill(kEndless);
-    for (std::size_t i = 0; i < askers.count; ++i) {
-        const std::size_t luxel = askers.luxels[i];
+    rays.distance.fill(kRayLength);
+    for (std::size_t i = 0; i < batch.count; ++i) {
+        const std::size_t luxel = batch.luxels[i];
         frames.emplace_back(raw.normals[luxel]);
-        rays.origin.Set(i, ClearPlace(space_, raw, luxel, frames.back()));
+        rays.origin.Set(i, ClearOrigin(space_, raw, luxel, frames.back()));
         rays.live[i] = -1;
     }
     for (std::uint32_t ray = 0; ray < count; ++ray) {
-        for (std::size_t i = 0; i < askers.count; ++i)
-            rays.direction.Set(i, frames[i].World(directions_[askers.set * count + ray]));
-        const auto found = scene_.FirstEmitters(rays, true);
-        for (std::size_t i = 0; i < askers.count; ++i) {
-            const std::size_t luxel = askers.luxels[i], at = askers.links[i] + ray;
-            const float share = found[i] == kNoEmitter ? 0
-                                : pieces_
-                                    ? pieces_->Share(found[i], raw.positions[luxel], raw.normals[luxel], raw.twoSided)
-                                    : 1;
-            // TransportLinks have no weight: of those that count in part, that part is kept.
-            links[at] = share > Fraction(std::uint32_t(at)) ? found[i] : kNoEmitter;
+        for (std::size_t i = 0; i < batch.count; ++i)
+            rays.direction.Set(i, frames[i].World(directions_[batch.set * count + ray]));
+        const auto emitters = scene_.FirstEmitters(rays, true);
+        for (std::size_t i = 0; i < batch.count; ++i) {
+            const std::size_t luxel = batch.luxels[i], at = batch.firstHits[i] + ray;
+            const float share = emitters[i] == kNoEmitter ? 0
+                                : patches_ ? patches_->ContributionShare(emitters[i], raw.positions[luxel],
+                                                                         raw.normals[luxel], raw.twoSided)
+                                           : 1;
+            // Hits have no weight: of hits with share s, a fraction s is kept.
+            hits[at] = share > DitherThreshold(std::uint32_t(at)) ? emitters[i] : kNoEmitter;
         }
     }
 }
 
 std::vector<Vec3f> BounceGather::GatheredIrradiance(const Emission &emission, std::size_t lightmap, std::size_t slot,
                                                     RawLightmap &raw) const {
-    const int count = RaysALuxel(raw);
-    const std::vector<EmitterId> anew = keep_ ? std::vector<EmitterId>{} : TransportLinks(raw);
-    const std::vector<EmitterId> &links = keep_ ? links_[lightmap] : anew;
-    std::vector<Vec3f> found(raw.luxelClusters.size());
+    const int count = RaysPerLuxel(raw);
+    const std::vector<EmitterId> traced = keep_ ? std::vector<EmitterId>{} : TraceEmitterHits(raw);
+    const std::vector<EmitterId> &hits = keep_ ? emitterHits_[lightmap] : traced;
+    std::vector<Vec3f> irradiance(raw.luxelClusters.size());
     const bool directed = !raw.directions.empty() && slot == 0;
     std::size_t next = 0;
     for (std::size_t luxel = 0; luxel < raw.luxelClusters.size(); ++luxel) {
         if (!raw.Mapped(luxel))
             continue;
         const auto x = int(luxel % std::size_t(raw.SuperWidth())), y = int(luxel / std::size_t(raw.SuperWidth()));
-        const std::uint32_t first = SetOf(x, y) * std::uint32_t(count);
-        const Frame frame(raw.normals[luxel]);
+        const std::uint32_t first = DirectionSetOf(x, y) * std::uint32_t(count);
+        const GatherFrame frame(raw.normals[luxel]);
         Vec3f sum, direction;
         for (int i = 0; i < count; ++i) {
-            const EmitterId link = links[next++];
-            if (link == kNoEmitter)
+            const EmitterId hit = hits[next++];
+            if (hit == kNoEmitter)
                 continue;
-            sum += emission[link];
+            sum += emission[hit];
             if (directed)
-                direction += frame.World(directions_[first + std::uint32_t(i)]) * Luminance(emission[link]);
+                direction += frame.World(directions_[first + std::uint32_t(i)]) * Luminance(emission[hit]);
         }
-        found[luxel] = sum / float(count);
+        irradiance[luxel] = sum / float(count);
         if (directed)
             raw.directions[luxel] += direction * (kDeluxeBounceShare / 255 / float(count));
     }
-    return found;
+    return irradiance;
 }
 
 void BounceGather::AddToLuxels(const std::vector<std::vector<Vec3f>> &all, std::size_t lightmap, std::size_t slot,
                                RawLightmap &raw) const {
-    const std::vector<Vec3f> &found = all[lightmap];
-    const int reach = kWindow * std::min(raw.super, 2);
-    std::vector<Sample> samples;
-    Neighbourhood neighbourhood;
+    const std::vector<Vec3f> &irradiance = all[lightmap];
+    const int reach = kWindowReach * std::min(raw.super, 2);
+    std::vector<WindowSample> samples;
+    LuxelWindow window;
     for (int y = 0; y < raw.SuperHeight(); ++y)
         for (int x = 0; x < raw.SuperWidth(); ++x) {
             const std::size_t luxel = raw.SuperIndex(x, y);
             if (!raw.Mapped(luxel))
                 continue;
             Vec3f light;
-            if (!MeanOfWindow(raw, found, x, y, reach, light)) {
+            if (!MeanOverWindow(raw, irradiance, x, y, reach, light)) {
                 samples.clear();
-                for (const auto &[near, dx, dy] : neighbourhood.Around(raw, x, y, reach))
-                    samples.push_back({found[near], dx, dy});
-                for (const auto &[other, near, dx, dy] : joints_.NeighborsAcross(lightmap, luxel))
+                for (const auto &[near, dx, dy] : window.Around(raw, x, y, reach))
+                    samples.push_back({irradiance[near], dx, dy});
+                for (const auto &[other, near, dx, dy] : seams_.NeighborsAcross(lightmap, luxel))
                     if (!all[other].empty())
                         samples.push_back({all[other][near], dx, dy});
-                light = PlaneAtCenter(samples);
+                light = FittedPlaneAtCenter(samples);
             }
             raw.light[slot][luxel] += light;
         }
 }
 
-/// Decals and other surfaces a hair over a floor face it from nearer than the lift, which would take them through.
-float BounceGather::LiftAt(const Vec3f &place, const Vec3f &normal) const {
+/// Less than kRayLift where another surface faces this one from nearer, such as that of a decal over a floor.
+float BounceGather::RayLiftAt(const Vec3f &position, const Vec3f &normal) const {
     RayPacket ahead;
-    ahead.Aim(0, place + normal * kLeastLift, place + normal * kLift);
-    return scene_.FirstEmitters(ahead, false)[0] == kNoEmitter ? kLift : kLeastLift;
+    ahead.Aim(0, position + normal * kMinRayLift, position + normal * kRayLift);
+    return scene_.FirstEmitters(ahead, false)[0] == kNoEmitter ? kRayLift : kMinRayLift;
 }
 
-Vec3f BounceGather::At(const Vec3f &place, const Vec3f &normal, bool twoSided, const Emission &emission) const {
-    const Frame frame(normal);
+Vec3f BounceGather::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided,
+                                 const Emission &emission) const {
+    const GatherFrame frame(normal);
     Vec3f sum;
     const auto add = [&](std::size_t, EmitterId emitter) {
         if (emitter != kNoEmitter)
-            sum += emission[emitter] * (pieces_ ? pieces_->Share(emitter, place, normal, twoSided) : 1);
+            sum +=
+                emission[emitter] * (patches_ ? patches_->ContributionShare(emitter, position, normal, twoSided) : 1);
     };
-    const Vec3f start = place + normal * LiftAt(place, normal);
+    const Vec3f start = position + normal * RayLiftAt(position, normal);
     {
         RayQueue queue(scene_, add);
         for (std::uint32_t i = 0; i < std::uint32_t(kVertexRays); ++i)
@@ -364,10 +363,10 @@ Vec3f BounceGather::At(const Vec3f &place, const Vec3f &normal, bool twoSided, c
     return sum / float(kVertexRays);
 }
 
-void BouncedLight::Gather(const Vec3f &place, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
+void BouncedLight::Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
     rays.clear();
-    std::array<Vec3f, kPlaceRays> directions;
-    for (std::uint32_t i = 0; i < std::uint32_t(kPlaceRays); ++i) {
+    std::array<Vec3f, kProbeRays> directions;
+    for (std::uint32_t i = 0; i < std::uint32_t(kProbeRays); ++i) {
         const Sample2 s = PlasticSample(i, seed);
         const double z = 1 - 2 * s.u, radius = std::sqrt(std::max(0.0, 1 - z * z)), angle = 2 * std::numbers::pi * s.v;
         directions[i] = {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(z)};
@@ -377,7 +376,7 @@ void BouncedLight::Gather(const Vec3f &place, std::uint64_t seed, std::vector<In
     };
     RayQueue queue(scene_, add);
     for (std::size_t i = 0; i < directions.size(); ++i)
-        queue.Add(i, place, directions[i]);
+        queue.Add(i, position, directions[i]);
 }
 
 } // namespace q3

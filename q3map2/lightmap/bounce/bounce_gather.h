@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Bounced light at luxels, vertices and receivers, gathered by rays.
+// GPL-2.0-or-later. Final gathering of bounced light at luxels, vertices and light grid points.
 #pragma once
 
 #include "q3map2/light/grid/indirect_light.h"
@@ -7,53 +7,57 @@
 
 namespace q3 {
 
-/// Light that each emitter sends on, byte scale: what it got times its reflectance.
+/// Radiosity of each emitter, byte scale: light it received times its reflectance.
 using Emission = std::vector<Vec3f>;
 
-/// Which emitters luxels see. Each mapped luxel asks a few directions, spread by the cosine; sixteen neighbours ask
-/// different ones. What they find is the same for every bounce, so it is kept when it fits into memory. Const after
-/// construction; safe from several threads, each lightmap by one.
+/// Monte Carlo estimate of irradiance over cosine-weighted directions: E = 1/N sum of the radiosity that ray i hits, on
+/// a scale where E equals the radiosity of surroundings of one radiosity. Each mapped luxel traces N = 24 rays; the 16
+/// luxels of a 4 x 4 block trace different ones. Rays hit the same emitters in every bounce, so hits are kept if memory
+/// allows. Const after construction; safe from several threads, each lightmap by one.
 class BounceGather {
   public:
-    /// pieces: where the light of emitters ends; null: nowhere. Keeps references.
+    /// patches: null unless faint emitters are left out (-fast). Keeps references.
     BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
-                 const RadiosityPatches *pieces);
+                 const RadiosityPatches *patches);
 
-    /// What rays of the luxels of a lightmap found, by luxel of the super grid; directions of slot 0 are added to raw.
+    /// The estimate for the luxels of a lightmap, by luxel of the super grid; zero for unmapped ones. Slot 0 also adds
+    /// to raw.directions.
     std::vector<Vec3f> GatheredIrradiance(const Emission &emission, std::size_t lightmap, std::size_t slot,
                                           RawLightmap &raw) const;
-    /// Adds what was found, by lightmap, to slot `slot` of a raw lightmap: smoothed over neighbours that see each
-    /// other, also in lightmaps that touch. A plane is fitted to what they found, so that gradients stay.
-    void AddToLuxels(const std::vector<std::vector<Vec3f>> &found, std::size_t lightmap, std::size_t slot,
+    /// Adds estimates to style slot `slot` of a raw lightmap, denoised: the value at the luxel of a plane fitted by
+    /// least squares to the window around it, which keeps gradients. At the rim the window includes luxels of other
+    /// lightmaps. irradiance: by lightmap, then luxel.
+    void AddToLuxels(const std::vector<std::vector<Vec3f>> &irradiance, std::size_t lightmap, std::size_t slot,
                      RawLightmap &raw) const;
-    /// Light at a place with a normal: a vertex. twoSided: of a surface that is seen from both sides.
-    Vec3f At(const Vec3f &place, const Vec3f &normal, bool twoSided, const Emission &emission) const;
+    /// Estimate at a vertex, by 256 rays. twoSided: its surface is seen from both sides.
+    Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided, const Emission &emission) const;
 
+    /// Rays that all luxels trace, once.
     std::uint64_t Rays() const { return rays_; }
 
   private:
-    /// Luxels of a lightmap that ask the same directions, and where the links of each begin.
+    /// Luxels of a lightmap that trace the same directions, and the index of the first hit of each.
     struct GatherBatch;
-    std::vector<EmitterId> TransportLinks(const RawLightmap &raw) const;
-    void Ask(const RawLightmap &raw, const GatherBatch &askers, std::vector<EmitterId> &links) const;
-    float LiftAt(const Vec3f &place, const Vec3f &normal) const;
-    int RaysALuxel(const RawLightmap &raw) const;
+    std::vector<EmitterId> TraceEmitterHits(const RawLightmap &raw) const;
+    void TraceBatch(const RawLightmap &raw, const GatherBatch &batch, std::vector<EmitterId> &hits) const;
+    float RayLiftAt(const Vec3f &position, const Vec3f &normal) const;
+    int RaysPerLuxel(const RawLightmap &raw) const;
 
     const BspSpace &space_;
     const BounceScene &scene_;
-    const RadiosityPatches *pieces_;
-    LightmapSeams joints_;
-    std::vector<Vec3f> directions_; // of a cosine-weighted hemisphere around +z
+    const RadiosityPatches *patches_;
+    LightmapSeams seams_;
+    std::vector<Vec3f> directions_; // cosine-weighted over the hemisphere around +z
     bool keep_ = false;
-    std::vector<std::vector<EmitterId>> links_; // by lightmap, then mapped luxel, then ray; empty: asked anew
+    std::vector<std::vector<EmitterId>> emitterHits_; // by lightmap, then mapped luxel, then ray; empty unless keep_
     std::uint64_t rays_ = 0;
 };
 
-/// Bounced light for the grids.
+/// Bounced light at points of the light grids.
 class BouncedLight : public IndirectLight {
   public:
     BouncedLight(const BounceScene &scene, Emission emission) : scene_(scene), emission_(std::move(emission)) {}
-    void Gather(const Vec3f &place, std::uint64_t seed, std::vector<IndirectRay> &rays) const override;
+    void Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const override;
 
   private:
     const BounceScene &scene_;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What rays that gather bounced light meet.
+// GPL-2.0-or-later. The surfaces that reflect bounced light, as a scene for gather rays.
 #include "q3map2/lightmap/bounce/bounce_scene.h"
 
 #include "common/error.h"
@@ -13,14 +13,16 @@ namespace q3 {
 
 namespace {
 
-/// Area light of a wall of luxel value 1, over the byte scale; spec of radiosity: 187.5 * 3 / 255.
-constexpr float kEmission = 187.5f * 3 / 255;
-/// Textures are averaged down to this many texels a side: a luxel covers more than one texel.
-constexpr int kCoarse = 16;
-/// To find the surface under a luxel. Game units.
-constexpr float kSelfReach = 16;
+/// Light that a white wall of luxel value 1 gives to a point whose whole hemisphere it covers, at -bouncescale 1. The
+/// established program makes such a wall an area light of 187.5 per luxel value of 255, and area lights of form factor
+/// 1 give 3 times that.
+constexpr float kLegacyRadiosity = 187.5f * 3 / 255;
+/// Textures are averaged down to this many texels a side, since a luxel covers several texels.
+constexpr int kTextureSide = 16;
+/// The surface under a luxel is looked for this far below its position. Game units.
+constexpr float kSurfaceDepth = 16;
 
-/// A texture in few texels: what light turns into on it, 0 to 1.
+/// Reflectance of a texture, 0 to 1, at low resolution.
 class CoarseTexture {
   public:
     CoarseTexture(const ShaderInfo &shader, const LightmapOptions &options);
@@ -41,15 +43,15 @@ CoarseTexture::CoarseTexture(const ShaderInfo &shader, const LightmapOptions &op
     const auto color = [&](Vec3f c) {
         if (options.sRgbTexture)
             c = {LinearFromSrgb(c.x), LinearFromSrgb(c.y), LinearFromSrgb(c.z)};
-        const float grey = (c.x + c.y + c.z) / 3, ratio = options.bounceColorRatio;
-        return c * ratio + Vec3f{grey, grey, grey} * (1 - ratio);
+        const float gray = (c.x + c.y + c.z) / 3, ratio = options.bounceColorRatio;
+        return c * ratio + Vec3f{gray, gray, gray} * (1 - ratio);
     };
     if (!shader.imageFound || !shader.lightImage) {
         texels_ = {color(shader.averageColor / 255)};
         return;
     }
     const Image &image = *shader.lightImage;
-    width_ = std::min(kCoarse, image.width), height_ = std::min(kCoarse, image.height);
+    width_ = std::min(kTextureSide, image.width), height_ = std::min(kTextureSide, image.height);
     for (int y = 0; y < height_; ++y)
         for (int x = 0; x < width_; ++x) {
             const int left = x * image.width / width_, right = (x + 1) * image.width / width_;
@@ -64,7 +66,8 @@ CoarseTexture::CoarseTexture(const ShaderInfo &shader, const LightmapOptions &op
         }
 }
 
-/// Texels at rims have light but no surface under their middle: they take the mean of their neighbours.
+/// Texels at the rim of a surface may have light but no surface under their center: they get the mean reflectance of
+/// their neighbors.
 void FillUnmapped(const RawLightmap &raw, std::span<Vec3f> texels) {
     const std::vector<Vec3f> own(texels.begin(), texels.end());
     for (int y = 0; y < raw.height; ++y)
@@ -106,7 +109,7 @@ std::vector<Face> FacesOfPatch(const SurfaceInputs &in, const SurfaceLight &surf
 
 } // namespace
 
-bool MeetsBounces(const SurfaceInputs &in, std::size_t surface) {
+bool IsInBounceScene(const SurfaceInputs &in, std::size_t surface) {
     const ShaderInfo &shader = *in.table[surface].shader;
     const bspShader_t &record = in.bsp.shaders[std::size_t(in.bsp.drawSurfaces[surface].shaderNum)];
     return (shader.compileFlags & (C_NODRAW | C_TRANSLUCENT | C_SKY)) == 0 && !shader.autosprite &&
@@ -132,14 +135,14 @@ std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces,
 }
 
 float BounceScale(const SurfaceInputs &in, std::size_t surface) {
-    return kEmission * in.table[surface].shader->bounceScale * in.lightmap.bounceScale;
+    return kLegacyRadiosity * in.table[surface].shader->bounceScale * in.lightmap.bounceScale;
 }
 
 struct BounceScene::State {
     struct Triangle {
         int surface = 0;
         std::array<FaceCorner, 3> corners;
-        Vec3f normal; // of its front, not normalised
+        Vec3f normal; // of its front, not normalized
         bool emits = false, twoSided = false;
     };
     struct Hit {
@@ -149,12 +152,12 @@ struct BounceScene::State {
     std::vector<Triangle> triangles;
     const SurfaceInputs &in;
     const SurfaceLight &surfaces;
-    const EmitterNumbers &emitters;
+    const EmitterIndex &emitters;
     std::map<const ShaderInfo *, CoarseTexture> textures;
     DevicePtr device;
     ScenePtr scene;
 
-    State(const SurfaceInputs &inputs, const SurfaceLight &light, const EmitterNumbers &numbers)
+    State(const SurfaceInputs &inputs, const SurfaceLight &light, const EmitterIndex &numbers)
         : in(inputs), surfaces(light), emitters(numbers) {}
 
     void Add(int surface, const FaceCorner &a, const FaceCorner &b, const FaceCorner &c, const Vec3f &front, bool emits,
@@ -176,7 +179,7 @@ struct BounceScene::State {
 void BounceScene::State::AddSurface(int number) {
     const auto index = std::size_t(number);
     const ShaderInfo &shader = *in.table[index].shader;
-    if (!MeetsBounces(in, index))
+    if (!IsInBounceScene(in, index))
         return;
     const bool emits = shader.bounceScale > 0;
     if (emits)
@@ -238,7 +241,7 @@ EmitterId BounceScene::State::EmitterAt(const Hit &hit) const {
     return emitters.Texel(std::size_t(lightmap), texel(0, raw.width), texel(1, raw.height));
 }
 
-EmitterNumbers::EmitterNumbers(const SurfaceLight &surfaces) {
+EmitterIndex::EmitterIndex(const SurfaceLight &surfaces) {
     for (const RawLightmap &raw : surfaces.lightmaps) {
         first_.push_back(EmitterId(count_));
         widths_.push_back(raw.width);
@@ -250,7 +253,7 @@ EmitterNumbers::EmitterNumbers(const SurfaceLight &surfaces) {
         throw Error("bounced light: {} luxels are too many", count_);
 }
 
-BounceScene::BounceScene(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterNumbers &emitters)
+BounceScene::BounceScene(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters)
     : state_(std::make_unique<State>(in, surfaces, emitters)) {
     for (std::size_t i = 0; i < in.bsp.drawSurfaces.size(); ++i)
         state_->AddSurface(int(i));
@@ -268,8 +271,7 @@ std::array<EmitterId, kPacketSize> BounceScene::FirstEmitters(const RayPacket &r
     return found;
 }
 
-void BounceScene::FindReflectance(const SurfaceInputs &in, const SurfaceLight &surfaces,
-                                  const EmitterNumbers &emitters) {
+void BounceScene::FindReflectance(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters) {
     reflectance_.assign(emitters.Count(), {});
     in.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t number, int) {
         const RawLightmap &raw = surfaces.lightmaps[std::size_t(number)];
@@ -298,7 +300,7 @@ void BounceScene::FindReflectance(const SurfaceInputs &in, const SurfaceLight &s
                 if (!raw.Mapped(luxel))
                     continue;
                 rays.Aim(count, raw.positions[luxel] + raw.normals[luxel],
-                         raw.positions[luxel] - raw.normals[luxel] * kSelfReach);
+                         raw.positions[luxel] - raw.normals[luxel] * kSurfaceDepth);
                 texels[count++] = raw.Index(x, y);
                 if (count == kPacketSize)
                     flush();

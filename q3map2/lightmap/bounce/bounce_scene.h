@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What rays that gather bounced light meet.
+// GPL-2.0-or-later. The surfaces that reflect bounced light, as a scene for gather rays.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"
@@ -8,14 +8,14 @@
 
 namespace q3 {
 
-/// Number of something that sends light on: a texel of a raw lightmap, or a vertex of a surface without one.
+/// Index of an emitter: a texel of a raw lightmap, or a draw vertex of a surface without lightmap.
 using EmitterId = std::uint32_t;
 inline constexpr EmitterId kNoEmitter = ~EmitterId(0);
 
 /// Numbers texels of all raw lightmaps (without supersampling), then all draw vertices.
-class EmitterNumbers {
+class EmitterIndex {
   public:
-    explicit EmitterNumbers(const SurfaceLight &surfaces);
+    explicit EmitterIndex(const SurfaceLight &surfaces);
     EmitterId Texel(std::size_t lightmap, int x, int y) const {
         return first_[lightmap] + EmitterId(y * widths_[lightmap] + x);
     }
@@ -29,38 +29,38 @@ class EmitterNumbers {
     std::size_t count_ = 0;
 };
 
-/// A corner of a face of a draw surface.
+/// A corner of a triangle or quad of a draw surface.
 struct FaceCorner {
     Vec3f xyz, normal;
     std::array<float, 2> st{}, luxel{};
-    int vertex = 0; ///< draw vertex that it is nearest to
+    int vertex = 0; ///< the nearest draw vertex
 };
 using Face = std::vector<FaceCorner>;
 
-/// Whether bounced light meets the surface at all.
-bool MeetsBounces(const SurfaceInputs &in, std::size_t surface);
+/// Whether gather rays can hit the surface: not skies, translucent, undrawn and autosprite surfaces.
+bool IsInBounceScene(const SurfaceInputs &in, std::size_t surface);
 /// Triangles of a surface, quads of a curve; clockwise seen from the front.
 std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t surface);
-/// What a white texture of this surface sends on of a luxel's light, over the byte scale.
+/// Radiosity of a surface with a white texture over the light it receives: 187.5 * 3 / 255 * q3map_bounce *
+/// -bouncescale.
 float BounceScale(const SurfaceInputs &in, std::size_t surface);
 
-/// Visible surfaces in Embree. Solids are not in it: their visible sides are surfaces at the same receivers, and what
-/// has none is hidden by the backs of others. Const after construction; safe from several threads.
+/// Drawn surfaces as an Embree scene. Solids are not in it: their visible sides are drawn surfaces. Const after
+/// construction; safe from several threads.
 class BounceScene {
   public:
-    BounceScene(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterNumbers &emitters);
+    BounceScene(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters);
     ~BounceScene();
 
-    /// The emitter whose front each live ray meets first; kNoEmitter where that sends no light on, or nothing is met.
-    /// coherent: the rays go much the same way, which is faster.
+    /// The emitter at the first hit of each live ray; kNoEmitter for misses, for backs of one-sided surfaces and for
+    /// surfaces that reflect nothing. coherent: hint that directions are much the same.
     std::array<EmitterId, kPacketSize> FirstEmitters(const RayPacket &rays, bool coherent) const;
-    /// Share of the light that each emitter sends on, in channels, over 1 only by -bouncescale: colour of the texture
-    /// there times the scales. Zero: sends nothing.
+    /// By emitter and channel: color of the texture there times BounceScale. Zero: reflects nothing.
     const std::vector<Vec3f> &Reflectance() const { return reflectance_; }
 
   private:
     struct State;
-    void FindReflectance(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterNumbers &emitters);
+    void FindReflectance(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters);
 
     std::unique_ptr<State> state_;
     std::vector<Vec3f> reflectance_;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Bounced light on surfaces.
+// GPL-2.0-or-later. Radiosity: bounced light on surfaces.
 #include "q3map2/lightmap/bounce/light_bounce.h"
 
 #include <algorithm>
@@ -7,7 +7,7 @@ namespace q3 {
 
 namespace {
 
-/// Vertices gather so far from the rim of their surface, which often lies in the plane of another. Game units.
+/// Vertices gather this far inside of their surface, since its edge often lies in the plane of another. Game units.
 constexpr float kInward = 2;
 
 /// The slot for a style, taken if it is new; kStyles when others hold all.
@@ -21,19 +21,19 @@ std::size_t ClaimSlot(Styles &styles, std::uint8_t style) {
 } // namespace
 
 Bounces::Bounces(const SurfaceInputs &in, const SurfaceLight &surfaces)
-    : in_(in), numbers_(surfaces), scene_(in, surfaces, numbers_),
-      pieces_(in.options.fast ? Pieces(surfaces) : nullptr), gather_(in, surfaces, scene_, pieces_.get()),
-      total_(numbers_.Count()) {}
+    : in_(in), emitters_(surfaces), scene_(in, surfaces, emitters_),
+      patches_(in.options.fast ? MakePatches(surfaces) : nullptr), gather_(in, surfaces, scene_, patches_.get()),
+      total_(emitters_.Count()) {}
 
 void Bounces::CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emission &emission) const {
     const std::vector<Vec3f> &reflectance = scene_.Reflectance();
-    emission.assign(numbers_.Count(), {});
+    emission.assign(emitters_.Count(), {});
     for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i) {
         const RawLightmap &raw = surfaces.lightmaps[i];
         const std::size_t slot = FindStyleSlot(raw.styles, style);
         if (slot >= kStyles || raw.radiosity[slot].empty())
             continue;
-        const EmitterId first = numbers_.FirstOf(i);
+        const EmitterId first = emitters_.FirstOf(i);
         for (std::size_t t = 0; t < raw.radiosity[slot].size(); ++t)
             emission[first + t] = Max(raw.radiosity[slot][t], Vec3f{}) * reflectance[first + t];
     }
@@ -43,33 +43,33 @@ void Bounces::CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emi
         if (slot >= kStyles || surfaces.vertex.radiosity[slot].empty())
             continue;
         for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v)
-            emission[numbers_.Vertex(v)] =
-                Max(surfaces.vertex.radiosity[slot][std::size_t(v)], Vec3f{}) * reflectance[numbers_.Vertex(v)];
+            emission[emitters_.Vertex(v)] =
+                Max(surfaces.vertex.radiosity[slot][std::size_t(v)], Vec3f{}) * reflectance[emitters_.Vertex(v)];
     }
 }
 
 std::vector<std::uint8_t> Bounces::UsedStyles(const SurfaceLight &surfaces) {
     std::vector<std::uint8_t> styles{0};
-    const auto note = [&](const Styles &some) {
+    const auto add = [&](const Styles &some) {
         for (const std::uint8_t style : some)
             if (style != kNoStyle && std::find(styles.begin(), styles.end(), style) == styles.end())
                 styles.push_back(style);
     };
     for (const RawLightmap &raw : surfaces.lightmaps)
-        note(raw.styles);
+        add(raw.styles);
     for (const Styles &vertexStyles : surfaces.vertex.styles)
-        note(vertexStyles);
+        add(vertexStyles);
     return styles;
 }
 
-std::unique_ptr<const RadiosityPatches> Bounces::Pieces(const SurfaceLight &surfaces) const {
-    Emission all(numbers_.Count()), one;
+std::unique_ptr<const RadiosityPatches> Bounces::MakePatches(const SurfaceLight &surfaces) const {
+    Emission all(emitters_.Count()), one;
     for (const std::uint8_t style : UsedStyles(surfaces)) {
         CollectStyle(surfaces, style, one);
         for (std::size_t i = 0; i < all.size(); ++i)
             all[i] += one[i];
     }
-    return std::make_unique<const RadiosityPatches>(in_, surfaces, numbers_, all);
+    return std::make_unique<const RadiosityPatches>(in_, surfaces, emitters_, all);
 }
 
 bool Bounces::CollectRadiosity(const SurfaceLight &surfaces) {
@@ -114,7 +114,7 @@ void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
 
 void Bounces::AddToVertices(SurfaceLight &surfaces) const {
     VertexLight &vertex = surfaces.vertex;
-    // Slots first: they are shared by all surfaces.
+    // Before the jobs: all surfaces share the vectors of a slot.
     for (const auto &[style, emission] : byStyle_)
         for (std::size_t i = 0; i < in_.bsp.drawSurfaces.size(); ++i)
             if (surfaces.lightmapOf[i] < 0)
@@ -137,8 +137,8 @@ void Bounces::AddToVertices(SurfaceLight &surfaces) const {
             for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v) {
                 const SurfaceVertex &at = surfaces.verts[std::size_t(v)];
                 const Vec3f inward = center - at.xyz;
-                const Vec3f place = at.xyz + inward * std::min(0.25f, kInward / std::max(1.0f, Length(inward)));
-                const Vec3f light = gather_.At(place, at.normal, in_.table[i].shader->twoSided, emission);
+                const Vec3f position = at.xyz + inward * std::min(0.25f, kInward / std::max(1.0f, Length(inward)));
+                const Vec3f light = gather_.IrradianceAt(position, at.normal, in_.table[i].shader->twoSided, emission);
                 vertex.sum[slot][std::size_t(v)] += light;
                 vertex.radiosity[slot][std::size_t(v)] += light;
             }

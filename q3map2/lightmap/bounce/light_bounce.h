@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Bounced light on surfaces.
+// GPL-2.0-or-later. Radiosity: bounced light on surfaces.
 #pragma once
 
 #include "q3map2/lightmap/bounce/bounce_gather.h"
@@ -7,35 +7,34 @@
 
 namespace q3 {
 
-/// Light that goes from surface to surface, gathered by rays.
-///
-/// A wall of luxel value v whose texture is white sends 187.5 * 3 * -bouncescale / 255 of v on, as the established
-/// program does: 0.55 by default.
+/// Radiosity by gathering: in bounce k, B_k = rho E_k and E_(k+1) is the irradiance due to B_k. rho of a white texture
+/// is 187.5 * 3 / 255 * -bouncescale = 0.55 by default, as in the established program.
 class Bounces {
   public:
     /// After the direct pass. Keeps references.
     Bounces(const SurfaceInputs &in, const SurfaceLight &surfaces);
 
-    /// Takes up the radiosity of the latest pass. False: nothing sends light on.
+    /// Computes the emission from the light of the latest pass. False: it is zero everywhere.
     bool CollectRadiosity(const SurfaceLight &surfaces);
-    /// Adds what was taken up to the luxels' light of this pass.
+    /// Gathers the emission at all luxels, into the light of this pass.
     void AddToLuxels(SurfaceLight &surfaces) const;
     /// The same for vertices of surfaces without lightmaps, into sum and radiosity.
     void AddToVertices(SurfaceLight &surfaces) const;
-    /// All light of style 0 that was taken up so far, for the grids.
+    /// Emission of style 0 summed over all bounces so far, for the light grids.
     BouncedLight Total() const { return {scene_, total_}; }
 
+    /// Gather rays of all luxels.
     std::uint64_t Rays() const { return gather_.Rays(); }
 
   private:
     static std::vector<std::uint8_t> UsedStyles(const SurfaceLight &surfaces);
-    std::unique_ptr<const RadiosityPatches> Pieces(const SurfaceLight &surfaces) const;
+    std::unique_ptr<const RadiosityPatches> MakePatches(const SurfaceLight &surfaces) const;
     void CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emission &emission) const;
 
     const SurfaceInputs &in_;
-    EmitterNumbers numbers_;
+    EmitterIndex emitters_;
     BounceScene scene_;
-    std::unique_ptr<const RadiosityPatches> pieces_; // under -fast; else null
+    std::unique_ptr<const RadiosityPatches> patches_; // under -fast; else null
     BounceGather gather_;
     std::map<std::uint8_t, Emission> byStyle_; // of the latest pass
     Emission total_;

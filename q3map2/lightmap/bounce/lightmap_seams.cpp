@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Where lightmaps touch: luxels across the joint.
+// GPL-2.0-or-later. Neighboring luxels across the seams between lightmaps.
 #include "q3map2/lightmap/bounce/lightmap_seams.h"
 
 #include <algorithm>
@@ -9,14 +9,16 @@ namespace q3 {
 
 namespace {
 
-/// Luxels farther apart are no neighbours, whatever their size. Game units.
-constexpr float kFarthest = 40;
-/// Sight is tested from this far over the surface: over the edge between a floor and a ramp. Game units.
+/// Greatest distance between neighbors, whatever the luxel size. Game units.
+constexpr float kMaxDistance = 40;
+/// Sight is tested between points this far over the surface, so that the edge of a ramp does not block it. Game units.
 constexpr float kLift = 4;
-/// Planes of neighbours are at most so far apart: luxels, and game units more.
-constexpr float kAside = 0.5f, kAsideUnits = 2;
+/// Greatest distance of a neighbor from the plane of the luxel: kPlaneDistanceLuxels luxels + kPlaneDistance game
+/// units.
+constexpr float kPlaneDistanceLuxels = 0.5f, kPlaneDistance = 2;
 
-bool Whole(const RawLightmap &raw, int x, int y, int reach) {
+/// Whether the whole window around the luxel is mapped: then it is not near the rim.
+bool WindowIsMapped(const RawLightmap &raw, int x, int y, int reach) {
     if (x < reach || y < reach || x + reach >= raw.SuperWidth() || y + reach >= raw.SuperHeight())
         return false;
     for (int row = y - reach; row <= y + reach; ++row)
@@ -26,22 +28,22 @@ bool Whole(const RawLightmap &raw, int x, int y, int reach) {
     return true;
 }
 
-/// Finer luxels take more neighbours, as in their own lightmap.
-int WindowOf(const RawLightmap &raw, int reach) {
+/// As in the lightmap itself: twice as many luxels of a super grid.
+int WindowReach(const RawLightmap &raw, int reach) {
     return reach * std::min(raw.super, 2);
 }
 
-/// World steps from a luxel to the next ones.
+/// World steps from a luxel to the next column and row.
 std::array<Vec3f, 2> StepsAt(const RawLightmap &raw, int x, int y) {
     if (raw.hasVectors)
         return raw.step;
-    const Vec3f place = raw.positions[raw.SuperIndex(x, y)];
+    const Vec3f position = raw.positions[raw.SuperIndex(x, y)];
     const auto step = [&](int sx, int sy) {
         for (const int side : {1, -1}) {
             const int ox = x + side * sx, oy = y + side * sy;
             if (ox >= 0 && oy >= 0 && ox < raw.SuperWidth() && oy < raw.SuperHeight() &&
                 raw.Mapped(raw.SuperIndex(ox, oy)))
-                return (raw.positions[raw.SuperIndex(ox, oy)] - place) * float(side);
+                return (raw.positions[raw.SuperIndex(ox, oy)] - position) * float(side);
         }
         return Vec3f{};
     };
@@ -57,38 +59,38 @@ struct CellHash {
 
 } // namespace
 
-/// Rim luxels by place.
+/// Finds neighbors by a spatial hash of all rim luxels.
 struct LightmapSeams::Finder {
     const SurfaceInputs &in;
     const SurfaceLight &surfaces;
-    const std::vector<Rim> &rims;
+    const std::vector<RimLuxel> &rims;
     int reach;
-    float alike;
+    float minCosine;
     std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> cells = {};
 
     static Cell CellOf(const Vec3f &p) {
-        const auto number = [](float v) { return std::int32_t(std::floor(v / (2 * kFarthest))); };
+        const auto number = [](float v) { return std::int32_t(std::floor(v / (2 * kMaxDistance))); };
         return {number(p.x), number(p.y), number(p.z)};
     }
-    const Vec3f &Place(const Rim &rim) const { return surfaces.lightmaps[rim.lightmap].positions[rim.luxel]; }
-    void Find(std::size_t rim, std::vector<Neighbour> &found) const;
-    void DropHidden(const Rim &rim, std::vector<Neighbour> &found) const;
+    const Vec3f &Position(const RimLuxel &rim) const { return surfaces.lightmaps[rim.lightmap].positions[rim.luxel]; }
+    void Find(std::size_t rim, std::vector<Neighbor> &found) const;
+    void DropOccluded(const RimLuxel &rim, std::vector<Neighbor> &found) const;
 };
 
-void LightmapSeams::Finder::Find(std::size_t number, std::vector<Neighbour> &found) const {
-    const Rim &rim = rims[number];
+void LightmapSeams::Finder::Find(std::size_t number, std::vector<Neighbor> &found) const {
+    const RimLuxel &rim = rims[number];
     const RawLightmap &raw = surfaces.lightmaps[rim.lightmap];
     const auto width = std::uint32_t(raw.SuperWidth());
-    const Vec3f place = Place(rim), normal = raw.normals[rim.luxel];
+    const Vec3f position = Position(rim), normal = raw.normals[rim.luxel];
     const auto steps = StepsAt(raw, int(rim.luxel % width), int(rim.luxel / width));
     const float xx = Dot(steps[0], steps[0]), xy = Dot(steps[0], steps[1]), yy = Dot(steps[1], steps[1]);
     const float det = xx * yy - xy * xy;
     if (!(det > 0))
         return;
-    const float aside = kAside * std::sqrt(std::max(xx, yy)) + kAsideUnits,
-                farthest = float(WindowOf(raw, reach)) + 0.5f;
-    const Vec3f half{kFarthest, kFarthest, kFarthest};
-    const Cell low = CellOf(place - half), high = CellOf(place + half);
+    const float planeDistance = kPlaneDistanceLuxels * std::sqrt(std::max(xx, yy)) + kPlaneDistance,
+                maxLuxels = float(WindowReach(raw, reach)) + 0.5f;
+    const Vec3f half{kMaxDistance, kMaxDistance, kMaxDistance};
+    const Cell low = CellOf(position - half), high = CellOf(position + half);
     for (std::int32_t x = low[0]; x <= high[0]; ++x)
         for (std::int32_t y = low[1]; y <= high[1]; ++y)
             for (std::int32_t z = low[2]; z <= high[2]; ++z) {
@@ -96,22 +98,22 @@ void LightmapSeams::Finder::Find(std::size_t number, std::vector<Neighbour> &fou
                 if (cell == cells.end())
                     continue;
                 for (const std::uint32_t other : cell->second) {
-                    const Rim &to = rims[other];
-                    const Vec3f way = Place(to) - place;
-                    if (to.lightmap == rim.lightmap || Dot(way, way) > kFarthest * kFarthest ||
-                        std::abs(Dot(way, normal)) > aside ||
-                        !(Dot(surfaces.lightmaps[to.lightmap].normals[to.luxel], normal) > alike))
+                    const RimLuxel &to = rims[other];
+                    const Vec3f offset = Position(to) - position;
+                    if (to.lightmap == rim.lightmap || Dot(offset, offset) > kMaxDistance * kMaxDistance ||
+                        std::abs(Dot(offset, normal)) > planeDistance ||
+                        !(Dot(surfaces.lightmaps[to.lightmap].normals[to.luxel], normal) > minCosine))
                         continue;
-                    const float u = Dot(way, steps[0]), v = Dot(way, steps[1]);
+                    const float u = Dot(offset, steps[0]), v = Dot(offset, steps[1]);
                     const float dx = (u * yy - v * xy) / det, dy = (v * xx - u * xy) / det;
-                    if (std::abs(dx) <= farthest && std::abs(dy) <= farthest)
+                    if (std::abs(dx) <= maxLuxels && std::abs(dy) <= maxLuxels)
                         found.push_back({to.lightmap, to.luxel, dx, dy});
                 }
             }
-    DropHidden(rim, found);
+    DropOccluded(rim, found);
 }
 
-void LightmapSeams::Finder::DropHidden(const Rim &rim, std::vector<Neighbour> &found) const {
+void LightmapSeams::Finder::DropOccluded(const RimLuxel &rim, std::vector<Neighbor> &found) const {
     const auto over = [&](std::uint32_t lightmap, std::uint32_t luxel) {
         const RawLightmap &raw = surfaces.lightmaps[lightmap];
         return raw.positions[luxel] + raw.normals[luxel] * kLift;
@@ -131,24 +133,24 @@ void LightmapSeams::Finder::DropHidden(const Rim &rim, std::vector<Neighbour> &f
     found.resize(kept);
 }
 
-LightmapSeams::LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfaces, int reach, float alike) {
+LightmapSeams::LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfaces, int reach, float minCosine) {
     for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i) {
         const RawLightmap &raw = surfaces.lightmaps[i];
         firstOf_.push_back(rims_.size());
         for (int y = 0; y < raw.SuperHeight(); ++y)
             for (int x = 0; x < raw.SuperWidth(); ++x)
                 if (const std::size_t luxel = raw.SuperIndex(x, y);
-                    raw.Mapped(luxel) && !Whole(raw, x, y, WindowOf(raw, reach)))
+                    raw.Mapped(luxel) && !WindowIsMapped(raw, x, y, WindowReach(raw, reach)))
                     rims_.push_back({std::uint32_t(i), std::uint32_t(luxel), 0});
     }
     firstOf_.push_back(rims_.size());
-    Finder finder{in, surfaces, rims_, reach, alike};
+    Finder finder{in, surfaces, rims_, reach, minCosine};
     for (std::size_t i = 0; i < rims_.size(); ++i)
-        finder.cells[Finder::CellOf(finder.Place(rims_[i]))].push_back(std::uint32_t(i));
-    std::vector<std::vector<Neighbour>> found(surfaces.lightmaps.size());
+        finder.cells[Finder::CellOf(finder.Position(rims_[i]))].push_back(std::uint32_t(i));
+    std::vector<std::vector<Neighbor>> found(surfaces.lightmaps.size());
     in.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
-        std::vector<Neighbour> one;
+        std::vector<Neighbor> one;
         for (std::size_t rim = firstOf_[i]; rim < firstOf_[i + 1]; ++rim) {
             one.clear();
             finder.Find(rim, one);
@@ -157,23 +159,23 @@ LightmapSeams::LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfac
         }
     });
     for (const auto &one : found)
-        neighbours_.insert(neighbours_.end(), one.begin(), one.end());
+        neighbors_.insert(neighbors_.end(), one.begin(), one.end());
     std::uint32_t next = 0;
-    for (Rim &rim : rims_) {
+    for (RimLuxel &rim : rims_) {
         const std::uint32_t count = rim.first;
         rim.first = next, next += count;
     }
     rims_.push_back({~std::uint32_t(0), ~std::uint32_t(0), next});
 }
 
-std::span<const LightmapSeams::Neighbour> LightmapSeams::NeighborsAcross(std::size_t lightmap,
-                                                                         std::size_t luxel) const {
+std::span<const LightmapSeams::Neighbor> LightmapSeams::NeighborsAcross(std::size_t lightmap, std::size_t luxel) const {
     const auto begin = rims_.begin() + std::ptrdiff_t(firstOf_[lightmap]),
                end = rims_.begin() + std::ptrdiff_t(firstOf_[lightmap + 1]);
-    const auto rim = std::lower_bound(begin, end, luxel, [](const Rim &one, std::size_t l) { return one.luxel < l; });
+    const auto rim =
+        std::lower_bound(begin, end, luxel, [](const RimLuxel &one, std::size_t l) { return one.luxel < l; });
     if (rim == end || rim->luxel != luxel)
         return {};
-    return std::span(neighbours_).subspan(rim->first, (rim + 1)->first - rim->first);
+    return std::span(neighbors_).subspan(rim->first, (rim + 1)->first - rim->first);
 }
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Where lightmaps touch: luxels across the joint.
+// GPL-2.0-or-later. Neighboring luxels across the seams between lightmaps.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"
@@ -8,29 +8,30 @@
 
 namespace q3 {
 
-/// Luxels near the rim of a raw lightmap and those of other lightmaps around them that face the same way, in sight.
-/// Const after construction.
+/// For luxels near the rim of a raw lightmap: those of other lightmaps around them, nearly in the same plane, with
+/// similar normals and in sight. Const after construction.
 class LightmapSeams {
   public:
-    struct Neighbour {
+    struct Neighbor {
         std::uint32_t lightmap, luxel; ///< of the super grid
-        float dx, dy;                  ///< from the luxel, in steps of its own lightmap
+        float dx, dy;                  ///< offset from the luxel, in luxels of its own lightmap
     };
 
-    /// reach: luxels to each side, twice as many of a super grid. alike: least cosine between normals.
-    LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfaces, int reach, float alike);
+    /// reach: of the window, luxels to each side, and twice as many of a super grid. minCosine: least cosine between
+    /// normals.
+    LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfaces, int reach, float minCosine);
 
-    /// In a fixed order.
-    std::span<const Neighbour> NeighborsAcross(std::size_t lightmap, std::size_t luxel) const;
+    /// The neighbors of a luxel, in an order that does not depend on threads; none unless it is near the rim.
+    std::span<const Neighbor> NeighborsAcross(std::size_t lightmap, std::size_t luxel) const;
 
   private:
-    struct Rim {
-        std::uint32_t lightmap, luxel, first;
+    struct RimLuxel {
+        std::uint32_t lightmap, luxel, first; ///< first: in neighbors_
     };
     struct Finder;
-    std::vector<Rim> rims_;            // by lightmap, then luxel; the last one is an end
+    std::vector<RimLuxel> rims_;       // by lightmap, then luxel; then a sentinel
     std::vector<std::size_t> firstOf_; // in rims_, by lightmap
-    std::vector<Neighbour> neighbours_;
+    std::vector<Neighbor> neighbors_;
 };
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Under -fast: how far bounced light reaches.
+// GPL-2.0-or-later. Under -fast: which emitters are too faint to light a receiver.
 #include "q3map2/lightmap/bounce/radiosity_patches.h"
 
 #include "libs/math/lane_functions.h"
@@ -12,28 +12,31 @@ namespace q3 {
 
 namespace {
 
-/// Longest side of the box of a piece, halved while light varies in it, down to the least. Game units.
-constexpr float kPieceSize = 256, kLeastSize = 64;
-/// Light varies much if its range times its greatest value exceeds this, in a channel; 1 = byte 255.
-constexpr float kVaries = 0.75f;
+/// Longest side of the bounds of a patch, and how far it is halved while light varies in it. Game units.
+constexpr float kPatchSize = 256, kMinPatchSize = 64;
+/// Light varies much if (max - min) * max is above this in a channel; 1 is white.
+constexpr float kLightVaries = 0.75f;
 constexpr float kOnCut = 0.125f; ///< corners this near to a cut count as on it. Game units
+/// Patches of other areas make no light, as in the established program. Game units squared.
 constexpr double kMinArea = 1, kMaxArea = 20'000'000;
-/// Polygons with a corner farther out than this are in no map. Game units.
+/// Polygons with a coordinate beyond this are damaged: no map is so large. Game units.
 constexpr float kMaxCoordinate = 262144;
-/// About so many pieces at most come from one polygon.
-constexpr double kMaxPieces = 65536;
+/// Bounds the patches of one polygon, roughly.
+constexpr double kMaxPatches = 65536;
 constexpr float kFlatQuad = 0.1f; ///< a quad's fourth corner this near to the plane of the others keeps it whole
-/// Weights of samples of a triangle go from 1 to this.
-constexpr int kSteps = 5, kMostSamples = 150;
-/// Receivers so near to the plane of a piece see it from that far off. Game units.
-constexpr float kPushReach = 8;
-/// Near the plane of a piece, what of it lies behind the receiver takes away from what lies before it: wholly up to
-/// kPushReach from the plane, not at all from here on. Game units.
-constexpr float kLowReach = 16;
-/// Receivers so far behind the plane 1 unit before a piece lie behind the piece itself. Game units; some for rounding.
-constexpr float kBehind = 1.01f;
-/// From so many radii on a piece looks like a point; and one that is brighter by this factor as a point is bright.
-constexpr float kFarRadii = 3, kSurely = 4;
+/// Samples of a triangle have barycentric weights i : j : k, each 1 to kMaxWeight; of a polygon at most kMaxSamples.
+constexpr int kMaxWeight = 5, kMaxSamples = 150;
+/// Receivers nearer to the plane of a patch are moved to this height over it for form factors. Game units.
+constexpr float kMinHeight = 8;
+/// The form factor that decides about a patch is not clipped at the receiver's horizon: the part of the patch behind
+/// the receiver counts negative. Up to kMinHeight off the plane of the patch the light is reduced by this in full, from
+/// kClipHeight on not at all, and linearly in between. Game units.
+constexpr float kClipHeight = 16;
+/// Receivers this far behind the plane 1 unit over a patch are behind the patch. Game units, 0.01 for rounding.
+constexpr float kBehindPlane = 1.01f;
+/// Beyond kFarRadii radii a patch counts as a point source; nearer it counts without the exact form factor if as a
+/// point source it is kPointMargin times as bright as needed.
+constexpr float kFarRadii = 3, kPointMargin = 4;
 
 FaceCorner Lerp(const FaceCorner &a, const FaceCorner &b, float t) {
     FaceCorner c;
@@ -52,14 +55,15 @@ Winding<float> WindingOf(const Face &face) {
     return w;
 }
 
-/// Part of a form factor that an edge from u to v makes, both from the place; times 2 pi.
+/// Lambert's formula: 2 pi times the contribution of the polygon edge from u to v, relative to the receiver, to the
+/// form factor: angle(u, v) * n . (u x v) / |u x v|.
 float EdgeFactor(const Vec3f &u, const Vec3f &v, const Vec3f &n) {
     const Vec3f c = Cross(u, v);
     const float length = Length(c);
     return length > 0 ? AngleOf(length, Dot(u, v)) * Dot(n, c) / length : 0;
 }
 
-/// FormFactor in floats.
+/// Form factor of a polygon from a point with normal n, not clipped at its horizon.
 float FormFactor(const Vec3f &p, const Vec3f &n, std::span<const Vec3f> w) {
     float total = 0;
     Vec3f u = w.back() - p;
@@ -71,8 +75,8 @@ float FormFactor(const Vec3f &p, const Vec3f &n, std::span<const Vec3f> w) {
     return total / (2 * std::numbers::pi_v<float>);
 }
 
-/// Of the part of a convex polygon that is not behind the place.
-float FormFactorInFront(const Vec3f &p, const Vec3f &n, std::span<const Vec3f> w) {
+/// Form factor of a convex polygon, clipped at the horizon of the point.
+float ClippedFormFactor(const Vec3f &p, const Vec3f &n, std::span<const Vec3f> w) {
     float total = 0;
     Vec3f u = w.back() - p, leaves, enters;
     float before = Dot(n, u);
@@ -96,7 +100,7 @@ bool HoldsLight(const RawLightmap &raw, std::size_t texel) {
                        [&](const auto &slot) { return !slot.empty() && slot[texel].x >= 0; });
 }
 
-/// Faces as one light each would take them: quads that are not flat become triangles.
+/// Splits quads that are not flat into triangles.
 void FlatFaces(Face face, std::vector<Face> &flat) {
     if (face.size() == 4) {
         const Vec3f normal = Normalize(Cross(face[2].xyz - face[0].xyz, face[1].xyz - face[0].xyz));
@@ -110,17 +114,17 @@ void FlatFaces(Face face, std::vector<Face> &flat) {
 
 } // namespace
 
-/// Cuts the faces of one surface.
-struct RadiosityPatches::Maker {
+/// Subdivides the faces of surfaces into patches.
+struct RadiosityPatches::PatchBuilder {
     RadiosityPatches &to;
     const SurfaceInputs &in;
     const SurfaceLight &surfaces;
-    const EmitterNumbers &emitters;
+    const EmitterIndex &emitters;
     std::span<const Vec3f> emission;
     std::size_t surface = 0;
-    bool varies = false;                           ///< its light may vary much
-    std::vector<std::uint8_t> surely = {};         ///< texels whose middle is in their piece
-    std::vector<std::pair<Face, float>> todo = {}; ///< and the sizes to cut them to
+    bool varies = false;                              ///< its greatest light is enough to vary much
+    std::vector<std::uint8_t> centerFound = {};       ///< texels whose center is in their patch
+    std::vector<std::pair<Face, float>> pending = {}; ///< faces, and the longest sides of bounds they are cut to
 
     const RawLightmap *Lightmap() const {
         const int lightmap = surfaces.lightmapOf[surface];
@@ -129,12 +133,12 @@ struct RadiosityPatches::Maker {
     EmitterId Texel(int x, int y) const { return emitters.Texel(std::size_t(surfaces.lightmapOf[surface]), x, y); }
     void Begin(std::size_t number);
     void Add(Face first);
-    bool Varies(const Face &face) const;
-    void AddPiece(const Face &face, double area);
-    void Mark(const Face &face, std::uint32_t piece, const RawLightmap &raw);
+    bool LightVaries(const Face &face) const;
+    void AddPatch(const Face &face, double area);
+    void AssignTexels(const Face &face, std::uint32_t patch, const RawLightmap &raw);
 };
 
-void RadiosityPatches::Maker::Begin(std::size_t number) {
+void RadiosityPatches::PatchBuilder::Begin(std::size_t number) {
     surface = number;
     const auto most = [&](EmitterId first, std::size_t count) {
         float value = 0;
@@ -147,22 +151,22 @@ void RadiosityPatches::Maker::Begin(std::size_t number) {
     const float value = raw ? most(Texel(0, 0), std::size_t(raw->width) * std::size_t(raw->height))
                             : most(emitters.Vertex(record.firstVert), std::size_t(record.numVerts));
     const float full = 255 * BounceScale(in, number);
-    varies = value * value > kVaries * full * full;
+    varies = value * value > kLightVaries * full * full;
 }
 
-void RadiosityPatches::Maker::Add(Face first) {
+void RadiosityPatches::PatchBuilder::Add(Face first) {
     for (const FaceCorner &corner : first)
         if (!IsFinite(corner.xyz) || MaxComponent(Max(corner.xyz, -corner.xyz)) > kMaxCoordinate)
             return;
     const Winding<float> whole = WindingOf(first);
     const Boundsf bounds = WindingBounds(whole);
-    const float least = float(std::max(double(MaxComponent(bounds.maxs - bounds.mins)) / kMaxPieces,
-                                       std::sqrt(2 * WindingArea(whole) / kMaxPieces)));
+    const float least = float(std::max(double(MaxComponent(bounds.maxs - bounds.mins)) / kMaxPatches,
+                                       std::sqrt(2 * WindingArea(whole) / kMaxPatches)));
     const float wanted = in.table[surface].shader->lightSubdivide;
-    todo.emplace_back(std::move(first), std::max(wanted > 0 ? wanted : kPieceSize, least));
-    while (!todo.empty()) {
-        auto [face, size] = std::move(todo.back());
-        todo.pop_back();
+    pending.emplace_back(std::move(first), std::max(wanted > 0 ? wanted : kPatchSize, least));
+    while (!pending.empty()) {
+        auto [face, size] = std::move(pending.back());
+        pending.pop_back();
         const Winding<float> w = WindingOf(face);
         const Boundsf box = WindingBounds(w);
         std::size_t axis = 0;
@@ -172,22 +176,22 @@ void RadiosityPatches::Maker::Add(Face first) {
             Face front, back;
             CutAcrossAxis(face, axis, box.Center()[axis], kOnCut, Lerp, front, back);
             if (back.size() >= 3)
-                todo.emplace_back(std::move(back), size);
+                pending.emplace_back(std::move(back), size);
             if (front.size() >= 3)
-                todo.emplace_back(std::move(front), size);
+                pending.emplace_back(std::move(front), size);
             continue;
         }
         const double area = WindingArea(w);
         if (!(area >= kMinArea && area <= kMaxArea))
             continue;
-        if (varies && size > kLeastSize && Varies(face))
-            todo.emplace_back(std::move(face), size / 2);
+        if (varies && size > kMinPatchSize && LightVaries(face))
+            pending.emplace_back(std::move(face), size / 2);
         else
-            AddPiece(face, area);
+            AddPatch(face, area);
     }
 }
 
-bool RadiosityPatches::Maker::Varies(const Face &face) const {
+bool RadiosityPatches::PatchBuilder::LightVaries(const Face &face) const {
     Vec3f least{1e30f, 1e30f, 1e30f}, most;
     const auto take = [&](const Vec3f &light) { least = Min(least, light), most = Max(most, light); };
     const RawLightmap *raw = Lightmap();
@@ -196,9 +200,9 @@ bool RadiosityPatches::Maker::Varies(const Face &face) const {
             take(emission[emitters.Vertex(corner.vertex)]);
     int samples = 0;
     for (std::size_t v = 1; raw && v + 1 < face.size(); ++v)
-        for (int i = 1; i <= kSteps; ++i)
-            for (int j = 1; j <= kSteps; ++j)
-                for (int k = 1; k <= kSteps && samples < kMostSamples; ++k, ++samples) {
+        for (int i = 1; i <= kMaxWeight; ++i)
+            for (int j = 1; j <= kMaxWeight; ++j)
+                for (int k = 1; k <= kMaxWeight && samples < kMaxSamples; ++k, ++samples) {
                     const auto texel = [&](std::size_t axis, int size) {
                         const float at = float(i) * face[0].luxel[axis] + float(j) * face[v].luxel[axis] +
                                          float(k) * face[v + 1].luxel[axis];
@@ -210,48 +214,48 @@ bool RadiosityPatches::Maker::Varies(const Face &face) const {
                 }
     const Vec3f range = (most - least) * most;
     const float full = 255 * BounceScale(in, surface);
-    return MaxComponent(range) > kVaries * full * full;
+    return MaxComponent(range) > kLightVaries * full * full;
 }
 
-void RadiosityPatches::Maker::AddPiece(const Face &face, double area) {
+void RadiosityPatches::PatchBuilder::AddPatch(const Face &face, double area) {
     const ShaderInfo &shader = *in.table[surface].shader;
-    Piece piece;
+    Patch patch;
     Vec3f mean;
     for (const FaceCorner &corner : face)
-        piece.normal += corner.normal, mean += corner.xyz / float(face.size());
-    piece.normal = Normalize(piece.normal);
-    if (piece.normal == Vec3f{})
+        patch.normal += corner.normal, mean += corner.xyz / float(face.size());
+    patch.normal = Normalize(patch.normal);
+    if (patch.normal == Vec3f{})
         return;
     const Winding<float> w = WindingOf(face);
     Vec3d center;
     for (std::size_t i = 2; i < w.size(); ++i)
         center += Vec3d(w[0] + w[i - 1] + w[i]) * (WindingArea(Winding<float>{w[0], w[i - 1], w[i]}) / 3);
-    piece.center = Vec3f(center / area);
-    piece.plane = -Vec3f(WindingAreaVector(w));
-    piece.origin = mean + piece.normal;
-    piece.dist = Dot(piece.origin, piece.normal);
-    // Light of form factor 1 is 255 times what white sends on.
+    patch.center = Vec3f(center / area);
+    patch.areaNormal = -Vec3f(WindingAreaVector(w));
+    patch.origin = mean + patch.normal;
+    patch.dist = Dot(patch.origin, patch.normal);
+    // White light of form factor 1.
     const float add = 255 * std::abs(BounceScale(in, surface));
-    piece.least = shader.noFast ? -2 : in.options.tolerance / add;
+    patch.minFormFactor = shader.noFast ? -2 : in.options.tolerance / add;
     float radius = 0;
     for (const Vec3f &p : w)
-        radius = std::max(radius, Length(p - piece.center));
-    piece.far = kFarRadii * kFarRadii * radius * radius;
-    piece.twoSided = shader.twoSided || (shader.compileFlags & C_FOG) != 0;
-    piece.first = std::uint32_t(to.corners_.size()), piece.count = std::uint32_t(w.size());
-    const auto number = std::uint32_t(to.pieces_.size());
-    to.pieces_.push_back(piece);
+        radius = std::max(radius, Length(p - patch.center));
+    patch.farDistance2 = kFarRadii * kFarRadii * radius * radius;
+    patch.twoSided = shader.twoSided || (shader.compileFlags & C_FOG) != 0;
+    patch.first = std::uint32_t(to.corners_.size()), patch.count = std::uint32_t(w.size());
+    const auto number = std::uint32_t(to.patches_.size());
+    to.patches_.push_back(patch);
     to.corners_.insert(to.corners_.end(), w.begin(), w.end());
     if (const RawLightmap *raw = Lightmap())
-        return Mark(face, number, *raw);
+        return AssignTexels(face, number, *raw);
     for (const FaceCorner &corner : face)
-        if (std::uint32_t &known = to.pieceOf_[emitters.Vertex(corner.vertex)];
-            known == kNone || Length(to.pieces_[known].plane) < Length(piece.plane))
+        if (std::uint32_t &known = to.patchOf_[emitters.Vertex(corner.vertex)];
+            known == kNone || Length(to.patches_[known].areaNormal) < Length(patch.areaNormal))
             known = number;
 }
 
-/// Texels belong to the piece that their middle is in, else to one that their rim may be in.
-void RadiosityPatches::Maker::Mark(const Face &face, std::uint32_t piece, const RawLightmap &raw) {
+/// Assigns texels to the patch that their center is in, else to the first whose bounds they overlap.
+void RadiosityPatches::PatchBuilder::AssignTexels(const Face &face, std::uint32_t patch, const RawLightmap &raw) {
     std::vector<std::array<float, 2>> at;
     std::array<float, 2> least{1e30f, 1e30f}, most{-1e30f, -1e30f};
     for (const FaceCorner &corner : face) {
@@ -272,56 +276,58 @@ void RadiosityPatches::Maker::Mark(const Face &face, std::uint32_t piece, const 
     for (int y = whole(least[1], raw.height); y <= whole(most[1], raw.height); ++y)
         for (int x = whole(least[0], raw.width); x <= whole(most[0], raw.width); ++x) {
             const EmitterId texel = Texel(x, y);
-            const bool middle = surely[texel] == 0 && inside(float(x) + 0.5f, float(y) + 0.5f);
-            if (middle || to.pieceOf_[texel] == kNone)
-                to.pieceOf_[texel] = piece;
-            surely[texel] |= std::uint8_t(middle);
+            const bool middle = centerFound[texel] == 0 && inside(float(x) + 0.5f, float(y) + 0.5f);
+            if (middle || to.patchOf_[texel] == kNone)
+                to.patchOf_[texel] = patch;
+            centerFound[texel] |= std::uint8_t(middle);
         }
 }
 
-RadiosityPatches::RadiosityPatches(const SurfaceInputs &in, const SurfaceLight &surfaces,
-                                   const EmitterNumbers &emitters, std::span<const Vec3f> emission)
-    : pieceOf_(emitters.Count(), kNone) {
-    Maker maker{*this, in, surfaces, emitters, emission};
-    maker.surely.resize(emitters.Count());
+RadiosityPatches::RadiosityPatches(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters,
+                                   std::span<const Vec3f> emission)
+    : patchOf_(emitters.Count(), kNone) {
+    PatchBuilder builder{*this, in, surfaces, emitters, emission};
+    builder.centerFound.resize(emitters.Count());
     std::vector<Face> flat;
     for (std::size_t i = 0; i < in.bsp.drawSurfaces.size(); ++i) {
-        if (!MeetsBounces(in, i) || !(in.table[i].shader->bounceScale > 0))
+        if (!IsInBounceScene(in, i) || !(in.table[i].shader->bounceScale > 0))
             continue;
-        maker.Begin(i);
+        builder.Begin(i);
         flat.clear();
         for (Face &face : FacesOf(in, surfaces, i))
             FlatFaces(std::move(face), flat);
         for (Face &face : flat)
-            maker.Add(std::move(face));
+            builder.Add(std::move(face));
     }
 }
 
-float RadiosityPatches::ShareOf(const Piece &piece, const Vec3f &place, const Vec3f &normal, bool twoSided) const {
-    const float over = Dot(place, piece.normal) - piece.dist;
-    if ((!piece.twoSided && over < -kBehind) || (!twoSided && Dot(piece.origin - place, normal) < 0))
+float RadiosityPatches::ContributionShareOf(const Patch &patch, const Vec3f &position, const Vec3f &normal,
+                                            bool twoSided) const {
+    const float over = Dot(position, patch.normal) - patch.dist;
+    if ((!patch.twoSided && over < -kBehindPlane) || (!twoSided && Dot(patch.origin - position, normal) < 0))
         return 0;
     const float height = std::abs(over);
-    const Vec3f p = height < kPushReach ? place + piece.normal * (kPushReach - over) : place;
-    const Vec3f way = piece.center - p;
-    const float distance2 = Dot(way, way), ahead = Dot(normal, way);
-    const bool anySide = piece.twoSided || twoSided;
+    const Vec3f p = height < kMinHeight ? position + patch.normal * (kMinHeight - over) : position;
+    const Vec3f toCenter = patch.center - p;
+    const float distance2 = Dot(toCenter, toCenter), ahead = Dot(normal, toCenter);
+    const bool anySide = patch.twoSided || twoSided;
     const auto enough = [&](float factor, float least) { return (anySide ? std::abs(factor) : factor) > least; };
-    const float asPoint = -ahead * Dot(piece.plane, way);
-    const float least = piece.least * std::numbers::pi_v<float> * distance2 * distance2;
-    // Nothing of a piece whose ball lies before the receiver is behind it.
-    const bool parted = height < kLowReach && !(ahead > 0 && kFarRadii * kFarRadii * ahead * ahead > piece.far);
-    if (distance2 > piece.far || (!parted && asPoint > kSurely * least))
+    const float asPoint = -ahead * Dot(patch.areaNormal, toCenter);
+    const float least = patch.minFormFactor * std::numbers::pi_v<float> * distance2 * distance2;
+    // If the bounding sphere of the patch is over the horizon of the receiver, so is the patch.
+    const bool clipped =
+        height < kClipHeight && !(ahead > 0 && kFarRadii * kFarRadii * ahead * ahead > patch.farDistance2);
+    if (distance2 > patch.farDistance2 || (!clipped && asPoint > kPointMargin * least))
         return enough(asPoint, least) ? 1 : 0;
-    const auto corners = std::span(corners_).subspan(piece.first, piece.count);
+    const auto corners = std::span(corners_).subspan(patch.first, patch.count);
     const float whole = FormFactor(p, normal, corners);
-    if (!enough(whole, piece.least))
+    if (!enough(whole, patch.minFormFactor))
         return 0;
-    if (!parted)
+    if (!clipped)
         return 1;
-    const float front = FormFactorInFront(p, normal, corners);
+    const float front = ClippedFormFactor(p, normal, corners);
     const float left = front != 0 ? std::clamp(whole / front, 0.0f, 1.0f) : 0;
-    const float low = std::min(1.0f, (kLowReach - height) / (kLowReach - kPushReach));
+    const float low = std::min(1.0f, (kClipHeight - height) / (kClipHeight - kMinHeight));
     return 1 - (1 - left) * low;
 }
 

@@ -1,43 +1,43 @@
-// GPL-2.0-or-later. Under -fast: how far bounced light reaches.
+// GPL-2.0-or-later. Under -fast: which emitters are too faint to light a receiver.
 #pragma once
 
 #include "q3map2/lightmap/bounce/bounce_scene.h"
 
 namespace q3 {
 
-/// Surfaces in the pieces that the established program makes area lights of in a bounce: under -fast such a light
-/// counts only where it gives more than the tolerance in white, whatever its colour. Const after construction; safe
-/// from several threads.
+/// Surfaces subdivided into patches, as the established program does to make area lights of them in a bounce. Under
+/// -fast it leaves out a patch where white light of it, 255 * rho * form factor, is not above the tolerance. Const
+/// after construction; safe from several threads.
 class RadiosityPatches {
   public:
-    /// Pieces are smaller where the light, what emitters send on in the first bounce, varies much.
-    RadiosityPatches(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterNumbers &emitters,
+    /// emission: of the first bounce; patches are smaller where it varies much.
+    RadiosityPatches(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters,
                      std::span<const Vec3f> emission);
 
-    /// Share of this emitter's light that counts at a place with a normal, 0 to 1.
-    float Share(EmitterId emitter, const Vec3f &place, const Vec3f &normal, bool twoSided) const {
-        const std::uint32_t piece = pieceOf_[emitter];
-        return piece == kNone ? 0 : ShareOf(pieces_[piece], place, normal, twoSided);
+    /// Share of the light of an emitter that counts at a receiver, 0 to 1.
+    float ContributionShare(EmitterId emitter, const Vec3f &position, const Vec3f &normal, bool twoSided) const {
+        const std::uint32_t patch = patchOf_[emitter];
+        return patch == kNone ? 0 : ContributionShareOf(patches_[patch], position, normal, twoSided);
     }
 
   private:
     static constexpr std::uint32_t kNone = ~std::uint32_t(0);
-    struct Piece {
-        Vec3f center, plane;                ///< of gravity; normal of its corners times area
-        Vec3f normal;                       ///< that it shines along
-        Vec3f origin;                       ///< of its light: 1 unit before its middle
-        float dist = 0;                     ///< of the plane 1 unit before it
-        float least = 0;                    ///< form factor from which it counts; negative: everywhere
-        float far = 0;                      ///< from this squared distance on it looks like a point
+    struct Patch {
+        Vec3f center, areaNormal;           ///< center of gravity; unit normal times area
+        Vec3f normal;                       ///< of the vertices: the side that it lights
+        Vec3f origin;                       ///< of the area light: 1 unit over the mean of the corners
+        float dist = 0;                     ///< of the plane through origin
+        float minFormFactor = 0;            ///< it counts where the form factor is above this; negative: everywhere
+        float farDistance2 = 0;             ///< squared distance beyond which it counts as a point source
         std::uint32_t first = 0, count = 0; ///< in corners_
         bool twoSided = false;
     };
-    struct Maker;
-    float ShareOf(const Piece &piece, const Vec3f &place, const Vec3f &normal, bool twoSided) const;
+    struct PatchBuilder;
+    float ContributionShareOf(const Patch &patch, const Vec3f &position, const Vec3f &normal, bool twoSided) const;
 
-    std::vector<Piece> pieces_;
+    std::vector<Patch> patches_;
     std::vector<Vec3f> corners_;
-    std::vector<std::uint32_t> pieceOf_; ///< by emitter
+    std::vector<std::uint32_t> patchOf_; ///< by emitter
 };
 
 } // namespace q3

@@ -1,11 +1,11 @@
-// GPL-2.0-or-later. What luxels show instead of light, for looking into a map.
+// GPL-2.0-or-later. Debug views: luxels show something else than light.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"
 
 namespace q3 {
 
-/// Sets every mapped luxel of style slot 0 to what `show` asks for.
-void DrawDebugView(DebugView show, RawLightmap &lightmap);
+/// Overwrites the light of every mapped luxel, style slot 0, by the view. Does nothing for DebugView::Light.
+void DrawDebugView(DebugView view, RawLightmap &lightmap);
 
 } // namespace q3

@@ -12,9 +12,9 @@ namespace {
 constexpr Vec3f kUnused{-1, -1, -1};
 constexpr Vec3f kBorderColor{255, 0, 0};
 
-/// -debug: what luxels that are no cluster show.
-Vec3f DebugColor(int code) {
-    switch (code) {
+/// -debug: color of luxels without a cluster.
+Vec3f NoClusterColor(int cluster) {
+    switch (cluster) {
     case kUnmapped:
         return {255, 204, 0};
     case kOccluded:
@@ -24,10 +24,10 @@ Vec3f DebugColor(int code) {
     }
 }
 
-/// What the super luxels of one luxel add up to.
-struct LuxelSum {
-    Vec3f lit;     ///< of luxels in the open, and of those filled in from them
-    Vec3f reserve; ///< counts only where nothing is lit
+/// Sums over the super luxels of a luxel.
+struct SuperLuxelSum {
+    Vec3f lit;     ///< of mapped super luxels, and those filled from them
+    Vec3f reserve; ///< of others that hold a value; used only if litCount is 0
     int litCount = 0, reserveCount = 0, surfaceCount = 0;
     Vec3f direction;
 };
@@ -53,7 +53,7 @@ class Averager {
         for (int y = 0; y < lightmap_.height; ++y)
             for (int x = 0; x < lightmap_.width; ++x) {
                 const std::size_t at = lightmap_.Index(x, y);
-                const LuxelSum sum = Sum(x, y);
+                const SuperLuxelSum sum = Sum(x, y);
                 const bool lit = sum.litCount > 0;
                 const int samples = lit ? sum.litCount : sum.reserveCount;
                 grid.valid[at] = samples > 0 || sum.surfaceCount > 0;
@@ -68,7 +68,7 @@ class Averager {
   private:
     bool HasDirections() const { return style_ == 0 && !lightmap_.directions.empty(); }
 
-    /// Fill where super luxels are luxels.
+    /// Fill with one super luxel to a luxel.
     void FillFromEqual(LuxelGrid &grid, const Vec3f &ambient) const {
         const std::vector<std::uint8_t> &filled = lightmap_.filled[style_];
         const std::vector<Vec3f> &light = lightmap_.light[style_];
@@ -80,8 +80,8 @@ class Averager {
             grid.directions = lightmap_.directions;
     }
 
-    LuxelSum Sum(int x, int y) const {
-        LuxelSum sum;
+    SuperLuxelSum Sum(int x, int y) const {
+        SuperLuxelSum sum;
         const int super = lightmap_.super;
         for (int sy = y * super; sy < (y + 1) * super; ++sy)
             for (int sx = x * super; sx < (x + 1) * super; ++sx)
@@ -89,20 +89,20 @@ class Averager {
         return sum;
     }
 
-    void Add(int x, int y, LuxelSum &sum) const {
+    void Add(int x, int y, SuperLuxelSum &sum) const {
         const std::size_t at = lightmap_.SuperIndex(x, y);
-        const int code = lightmap_.luxelClusters[at];
+        const int cluster = lightmap_.luxelClusters[at];
         const bool filled = lightmap_.filled[style_][at] != 0;
-        sum.surfaceCount += code != kUnmapped;
+        sum.surfaceCount += cluster != kUnmapped;
         if (HasDirections())
             sum.direction += lightmap_.directions[at];
         if (options_.border &&
             (x == 0 || y == 0 || x == lightmap_.SuperWidth() - 1 || y == lightmap_.SuperHeight() - 1)) {
             if (filled)
                 sum.lit += kBorderColor, ++sum.litCount;
-        } else if (options_.debug && code < 0) {
-            sum.reserve += DebugColor(code), ++sum.reserveCount;
-        } else if (filled && (code >= 0 || code == kFlooded)) {
+        } else if (options_.debug && cluster < 0) {
+            sum.reserve += NoClusterColor(cluster), ++sum.reserveCount;
+        } else if (filled && (cluster >= 0 || cluster == kFlooded)) {
             sum.lit += lightmap_.light[style_][at], ++sum.litCount;
         } else if (filled) {
             sum.reserve += lightmap_.light[style_][at], ++sum.reserveCount;
@@ -114,8 +114,8 @@ class Averager {
     const LightmapOptions &options_;
 };
 
-/// Mean of the up to 8 neighbours that are valid, of which there is one.
-Vec3f FromNeighbours(const RawLightmap &lightmap, const LuxelGrid &grid, int x, int y) {
+/// Mean of the valid ones of the 8 neighbors; there is at least one.
+Vec3f NeighborMean(const RawLightmap &lightmap, const LuxelGrid &grid, int x, int y) {
     Vec3f sum;
     int count = 0;
     for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, lightmap.height - 1); ++ny)
@@ -125,13 +125,13 @@ Vec3f FromNeighbours(const RawLightmap &lightmap, const LuxelGrid &grid, int x, 
     return Max(sum / float(count), Vec3f{});
 }
 
-/// Gives back the memory of what only passes need, so that what comes next has it.
+/// Frees what only passes need.
 void EndPasses(RawLightmap &lightmap) {
     lightmap.positions = {}, lightmap.dirt = {}, lightmap.floodlight = {};
     lightmap.light = {}, lightmap.filled = {}, lightmap.directions = {};
 }
 
-/// Adds a pass to what there is; a luxel without value in one of them takes the other's.
+/// Adds the light of a pass (only marks used luxels unless `store`); a luxel that is used in one of them takes that.
 void Accumulate(const std::vector<Vec3f> &pass, bool store, std::vector<Vec3f> &result) {
     if (result.empty() && store) {
         result = pass;
@@ -144,7 +144,7 @@ void Accumulate(const std::vector<Vec3f> &pass, bool store, std::vector<Vec3f> &
             result[i] = (result[i].x >= 0 ? result[i] : Vec3f{}) + (store ? pass[i] : Vec3f{});
 }
 
-/// The first pass gives its vector away.
+/// Adds the directions of a pass; swaps the first one in.
 void AddDirections(LuxelGrid &grid, std::vector<Vec3f> &result) {
     const std::size_t count = grid.directions.size();
     if (result.empty()) {
@@ -170,12 +170,12 @@ void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last
         const Averager averager(lightmap, style, in.lightmap);
         averager.Fill(grid, style == 0 && !pass.bounce ? lightmap.ambient : Vec3f{});
         radiosity.resize(grid.colors.size());
-        const LuxelMask touching = Spread(grid.valid, lightmap.width, lightmap.height);
+        const LuxelMask touching = Dilate(grid.valid, lightmap.width, lightmap.height);
         std::size_t at = 0;
         for (int y = 0; y < lightmap.height; ++y)
             for (int x = 0; x < lightmap.width; ++x, ++at)
                 radiosity[at] = grid.valid[at] ? Max(grid.colors[at], Vec3f{})
-                                : touching[at] ? FromNeighbours(lightmap, grid, x, y)
+                                : touching[at] ? NeighborMean(lightmap, grid, x, y)
                                                : kUnused;
         Accumulate(radiosity, store, lightmap.result[style]);
         AddDirections(grid, lightmap.resultDirections);

@@ -1,5 +1,7 @@
-// GPL-2.0-or-later. Mapped luxels in blocks, and which lights reach them.
+// GPL-2.0-or-later. Mapped luxels of a raw lightmap in blocks of 16 neighbors.
 #include "q3map2/lightmap/direct/luxel_blocks.h"
+
+#include "q3map2/lightmap/raw/luxel_tiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,14 +11,15 @@ namespace q3 {
 
 namespace {
 
-/// Side of the tiles in which luxels are taken.
+/// Luxels are taken in tiles of this side, so that those of a block are near each other.
 constexpr int kTile = 4;
-/// Form factors of area lights are taken from up to this much nearer to their plane, see kAreaPush. Game units.
+/// Receivers near the plane of an area light are moved up to kPushReach towards it, to at least kPushHeight over it,
+/// for the form factor (kAreaPush). Game units.
 constexpr float kPushReach = 16, kPushHeight = 8;
-/// Rounding of spheres. Game units.
+/// Added to bounds for rounding. Game units.
 constexpr float kSlack = 0.05f;
 
-/// What Reached needs of a light, the same for all blocks.
+/// Bounds of the light of a source.
 struct LightReach {
     Vec3f origin, normal, center;
     float dist = 0, envelope = 0;
@@ -33,61 +36,55 @@ struct LightReach {
     }
 };
 
-struct BlockBalls {
+struct BlockSpheres {
     const float *x, *y, *z, *radius, *nx, *ny, *nz, *thickness;
 };
 
-/// keep[i]: -1 if some place of ball i may get light. Of area lights at most strength * cosine / distance^2 arrives.
-Q3_VECTOR void KeepBalls(const LightReach &light, bool twoSided, const BlockBalls &balls, std::size_t count,
-                         std::int32_t *__restrict keep) {
+/// keep[i]: -1 if a receiver in sphere i may get light: within the envelope, facing it, on its lit side, and for area
+/// lights not faint: strength * height / distance^3 >= tolerance, the form factor of a differential area.
+Q3_VECTOR void CullBlocks(const LightReach &light, bool twoSided, const BlockSpheres &spheres, std::size_t count,
+                          std::int32_t *__restrict keep) {
     const float aside = twoSided ? 1e30f : 0, behind = light.area && light.oneSided ? 1 : 1e30f;
     const float strong = light.bounded ? 0 : 1e30f;
     for (std::size_t i = 0; i < count; ++i) {
-        const float r = balls.radius[i];
-        const float x = light.origin.x - balls.x[i], y = light.origin.y - balls.y[i], z = light.origin.z - balls.z[i];
+        const float r = spheres.radius[i];
+        const float x = light.origin.x - spheres.x[i], y = light.origin.y - spheres.y[i],
+                    z = light.origin.z - spheres.z[i];
         const float d = std::sqrt(x * x + y * y + z * z);
-        const float facing = x * balls.nx[i] + y * balls.ny[i] + z * balls.nz[i];
+        const float facing = x * spheres.nx[i] + y * spheres.ny[i] + z * spheres.nz[i];
         const float s =
-            balls.x[i] * light.normal.x + balls.y[i] * light.normal.y + balls.z[i] * light.normal.z - light.dist;
-        const float cx = light.center.x - balls.x[i], cy = light.center.y - balls.y[i],
-                    cz = light.center.z - balls.z[i];
+            spheres.x[i] * light.normal.x + spheres.y[i] * light.normal.y + spheres.z[i] * light.normal.z - light.dist;
+        const float cx = light.center.x - spheres.x[i], cy = light.center.y - spheres.y[i],
+                    cz = light.center.z - spheres.z[i];
         const float near = std::sqrt(cx * cx + cy * cy + cz * cz) - r - light.areaRadius;
         const float height = std::max(std::abs(s) + r + 1, kPushHeight);
         const float most = light.strength * std::min(height, std::max(near, 0.0f)) + strong;
         const std::int32_t faint = Sign(1 - near) & Sign(most - light.least * near * near * near);
-        keep[i] = ~(Sign(light.envelope - (d - r)) | Sign(facing + balls.thickness[i] + aside) | Sign(s + r + behind) |
-                    faint) >>
+        keep[i] = ~(Sign(light.envelope - (d - r)) | Sign(facing + spheres.thickness[i] + aside) |
+                    Sign(s + r + behind) | faint) >>
                   31;
     }
 }
 
 } // namespace
 
-int LuxelBlocks::ClusterSlot(int cluster) {
-    const auto found = std::find(clusters_.begin() + 1, clusters_.end(), cluster);
-    if (found != clusters_.end())
-        return int(found - clusters_.begin());
-    clusters_.push_back(cluster);
-    return int(clusters_.size()) - 1;
-}
-
 void LuxelBlocks::AddLuxel(const RawLightmap &lightmap, std::size_t luxel) {
-    if (samples_.empty() || samples_.back().count == kPacketSize) {
+    if (receivers_.empty() || receivers_.back().count == kPacketSize) {
         FinishBlock();
-        samples_.emplace_back();
-        samples_.back().twoSided = lightmap.twoSided;
+        receivers_.emplace_back();
+        receivers_.back().twoSided = lightmap.twoSided;
         luxels_.emplace_back();
     }
-    SurfaceReceiverBatch &block = samples_.back();
+    SurfaceReceiverBatch &block = receivers_.back();
     luxels_.back()[block.count] = std::uint32_t(luxel);
-    slots_[luxel] = std::int32_t((samples_.size() - 1) * kPacketSize + block.count);
+    slots_[luxel] = std::int32_t((receivers_.size() - 1) * kPacketSize + block.count);
     block.Add(lightmap.positions[luxel], lightmap.normals[luxel], lightmap.luxelClusters[luxel]);
 }
 
 void LuxelBlocks::FinishBlock() {
-    if (samples_.empty())
+    if (receivers_.empty())
         return;
-    const SurfaceReceiverBatch &block = samples_.back();
+    const SurfaceReceiverBatch &block = receivers_.back();
     Boundsf box;
     Vec3f normal = block.normal[0];
     for (std::size_t i = 0; i < block.count; ++i) {
@@ -105,23 +102,14 @@ void LuxelBlocks::FinishBlock() {
     x_.push_back(center.x), y_.push_back(center.y), z_.push_back(center.z);
     radius_.push_back(std::sqrt(radius2) + kSlack), thickness_.push_back(thickness + kSlack);
     nx_.push_back(normal.x), ny_.push_back(normal.y), nz_.push_back(normal.z);
-    clusterSlot_.push_back(block.clusters.count == 1 ? ClusterSlot(block.clusters.number[0]) : 0);
 }
 
 void LuxelBlocks::Build(const RawLightmap &lightmap) {
-    const int width = lightmap.SuperWidth(), height = lightmap.SuperHeight();
-    samples_.clear(), luxels_.clear();
-    slots_.assign(std::size_t(width) * std::size_t(height), -1);
+    receivers_.clear(), luxels_.clear();
+    slots_.assign(lightmap.luxelClusters.size(), -1);
     for (auto *row : {&x_, &y_, &z_, &radius_, &nx_, &ny_, &nz_, &thickness_})
         row->clear();
-    clusterSlot_.clear();
-    clusters_.assign(1, -1);
-    for (int tileY = 0; tileY < height; tileY += kTile)
-        for (int tileX = 0; tileX < width; tileX += kTile)
-            for (int y = tileY; y < std::min(tileY + kTile, height); ++y)
-                for (int x = tileX; x < std::min(tileX + kTile, width); ++x)
-                    if (lightmap.Mapped(lightmap.SuperIndex(x, y)))
-                        AddLuxel(lightmap, lightmap.SuperIndex(x, y));
+    ForMappedLuxelsByTile(lightmap, kTile, [&](std::size_t luxel, int, int) { AddLuxel(lightmap, luxel); });
     FinishBlock();
     const std::size_t padded = (Count() + kPacketSize - 1) / kPacketSize * kPacketSize;
     for (auto *row : {&x_, &y_, &z_, &radius_, &nx_, &ny_, &nz_, &thickness_})
@@ -129,21 +117,17 @@ void LuxelBlocks::Build(const RawLightmap &lightmap) {
     keep_.resize(padded);
 }
 
-void LuxelBlocks::Reached(const Light &light, const SurfaceLightSettings &settings,
-                          std::vector<std::uint32_t> &reached) {
-    const bool everywhere = light.type == LightType::Sun && !settings.Occludes(light);
-    seen_.assign(clusters_.size(), -1);
-    for (std::size_t i = 1; i < clusters_.size(); ++i)
-        seen_[i] = everywhere || light.SeenFrom(clusters_[i]) ? -1 : 0;
+void LuxelBlocks::FindReached(const Light &light, const SurfaceLightSettings &settings,
+                              std::vector<std::uint32_t> &reached) {
     if (light.type == LightType::Sun)
         std::fill(keep_.begin(), keep_.end(), -1);
     else
-        KeepBalls(
-            LightReach(light, settings.pointAreas), Count() > 0 && samples_[0].twoSided,
+        CullBlocks(
+            LightReach(light, settings.pointAreas), Count() > 0 && receivers_[0].twoSided,
             {x_.data(), y_.data(), z_.data(), radius_.data(), nx_.data(), ny_.data(), nz_.data(), thickness_.data()},
             keep_.size(), keep_.data());
     for (std::size_t i = 0; i < Count(); ++i)
-        if ((keep_[i] & seen_[std::size_t(clusterSlot_[i])]) != 0)
+        if (keep_[i] != 0)
             reached.push_back(std::uint32_t(i));
 }
 

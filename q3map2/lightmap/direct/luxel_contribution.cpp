@@ -9,7 +9,7 @@ namespace q3 {
 
 namespace {
 
-/// Color and direction of what arrives, lane by lane.
+/// Color and direction of incident light. directionScale: length of directions over the light; 0: none.
 Q3_VECTOR void SetIncidentLight(const Light &light, const SurfaceIncidentLight &from, float directionScale,
                                 LuxelIncidentLight &out) {
     const Vec3f c = light.color;
@@ -20,7 +20,7 @@ Q3_VECTOR void SetIncidentLight(const Light &light, const SurfaceIncidentLight &
     }
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         out.lit[i] = from.live[i] & colored;
-        out.forced[i] = from.add[i] > 1 ? from.filtered[i] : 0;
+        out.filtered[i] = from.add[i] > 1 ? from.filtered[i] : 0;
     }
     if (from.tinted)
         for (std::size_t i = 0; i < kPacketSize; ++i)
@@ -54,9 +54,9 @@ LuxelSum &LuxelSums::Find(std::size_t slot, int radius, std::size_t blocks) {
 }
 
 bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightScene &scene,
-                       SurfaceReceiverBatch &samples, LuxelIncidentLight &out, ContributionCounts &counts) {
+                       SurfaceReceiverBatch &receivers, LuxelIncidentLight &out, ContributionCounts &counts) {
     SurfaceIncidentLight incident;
-    LightContributionToSample(light, pass.settings, scene, samples, incident, counts);
+    LightContributionToSample(light, pass.settings, scene, receivers, incident, counts);
     if (!incident.live.Any() && !incident.filtered.Any())
         return false;
     const float scale = pass.deluxe ? DeluxeWeight(light.color) * (pass.bounce ? kDeluxeBounceShare : 1) : 0;

@@ -5,7 +5,7 @@
 
 namespace q3 {
 
-/// Light of one pass for one style slot that is blurred by one radius: by block.
+/// Sum of the light of sources with one style slot and one blur radius, by block.
 struct LuxelSum {
     std::size_t slot = 0;
     int radius = 0; ///< luxels of the super grid
@@ -23,10 +23,11 @@ struct LuxelSums {
     LuxelSum &Find(std::size_t slot, int radius, std::size_t blocks);
 };
 
-/// What one light gives to a block: colours, and direction sums when there are any; zero where nothing.
+/// Light of one source at the receivers of a block; zero where none arrives.
 struct LuxelIncidentLight {
-    Lanes3 color{}, direction{};
-    LaneMask lit{}, forced{};
+    Lanes3 color{}, direction{}; ///< direction: unit vector to the source times its luminance; zero unless deluxe
+    LaneMask lit{};
+    LaneMask filtered{}; ///< the shadow ray passed a transparent surface
 };
 
 /// Settings of a pass over one raw lightmap.
@@ -35,8 +36,8 @@ struct LuxelPass {
     bool bounce = false, deluxe = false;
 };
 
-/// Light of one source at a block of samples, as it is added up. False: none at all.
+/// Evaluates a source at a block of receivers. False: no light arrives, and `out` is not set.
 bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightScene &scene,
-                       SurfaceReceiverBatch &samples, LuxelIncidentLight &out, ContributionCounts &counts);
+                       SurfaceReceiverBatch &receivers, LuxelIncidentLight &out, ContributionCounts &counts);
 
 } // namespace q3

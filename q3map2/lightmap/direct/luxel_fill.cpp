@@ -3,6 +3,7 @@
 
 #include "libs/math/color.h"
 #include "q3map2/lightmap/raw/luxel_masks.h"
+#include "q3map2/lightmap/raw/vector_colors.h"
 
 #include <algorithm>
 
@@ -10,8 +11,8 @@ namespace q3 {
 
 namespace {
 
-/// -dark: ambient light counts as so many neighbours.
-constexpr float kDarkNeighbours = 2;
+/// -dark: weight of ambient light in the mean, in neighbors.
+constexpr float kDarkNeighbors = 2;
 
 void AddFloodlight(RawLightmap &lightmap, bool deluxe) {
     for (std::size_t i = 0; i < lightmap.floodlight.size(); ++i) {
@@ -29,7 +30,7 @@ void AddFloodlight(RawLightmap &lightmap, bool deluxe) {
 void ShowNormals(RawLightmap &lightmap) {
     for (std::size_t i = 0; i < lightmap.luxelClusters.size(); ++i)
         if (lightmap.Mapped(i))
-            lightmap.light[0][i] = (lightmap.normals[i] + Vec3f{1, 1, 1}) * 127.5f;
+            lightmap.light[0][i] = VectorColor(lightmap.normals[i]);
 }
 
 void ApplyDirt(RawLightmap &lightmap) {
@@ -38,14 +39,14 @@ void ApplyDirt(RawLightmap &lightmap) {
             light[i] *= lightmap.dirt[i];
 }
 
-/// Fills luxels from their neighbours.
+/// Fills luxels from their neighbors.
 class LuxelFill {
   public:
     LuxelFill(const SurfaceInputs &in, const SurfacePass &pass, RawLightmap &lightmap)
         : lightmap_(lightmap), dark_(in.lightmap.dark), filter_(in.lightmap.filter),
           ambient_(pass.bounce ? Vec3f{} : lightmap.ambient) {}
 
-    /// In place, row by row: with q3map_splotchfix a repaired luxel helps the next.
+    /// In place and row by row: with q3map_splotchFix a fixed luxel counts as a neighbor of the next.
     void Run() {
         for (std::size_t slot = 0; slot < kStyles; ++slot)
             if (!lightmap_.light[slot].empty())
@@ -62,7 +63,7 @@ class LuxelFill {
         LuxelMask sources(lightmap_.luxelClusters.size());
         for (std::size_t i = 0; i < sources.size(); ++i)
             sources[i] = lightmap_.Mapped(i) && lightmap_.filled[slot][i] != 0;
-        const LuxelMask touching = Spread(sources, lightmap_.SuperWidth(), lightmap_.SuperHeight());
+        const LuxelMask touching = Dilate(sources, lightmap_.SuperWidth(), lightmap_.SuperHeight());
         const bool mappedToo = lightmap_.splotchFix || filter_;
         for (int y = 0; y < lightmap_.SuperHeight(); ++y)
             for (int x = 0; x < lightmap_.SuperWidth(); ++x)
@@ -94,8 +95,8 @@ class LuxelFill {
         if (!wanted || colors == 0)
             return;
         if (dark_) {
-            color += slot == 0 ? ambient_ * kDarkNeighbours : Vec3f{};
-            colors += kDarkNeighbours;
+            color += slot == 0 ? ambient_ * kDarkNeighbors : Vec3f{};
+            colors += kDarkNeighbors;
         }
         lightmap_.light[slot][at] = color / colors;
         lightmap_.filled[slot][at] = 1;

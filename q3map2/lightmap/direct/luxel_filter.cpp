@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Blur of light on luxels.
+// GPL-2.0-or-later. -filter: blur of light over luxels.
 #include "q3map2/lightmap/direct/luxel_filter.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@ void LuxelFilter::Apply(const RawLightmap &lightmap, int radius, std::vector<Vec
     const int width = lightmap.SuperWidth(), height = lightmap.SuperHeight();
     rows_.assign(values.size(), {});
     rowWeight_.assign(values.size(), 0);
-    // The weights of both axes multiply, so one axis goes after the other.
+    // A separable kernel: rows, then columns.
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const std::size_t at = lightmap.SuperIndex(x, y);

@@ -5,10 +5,10 @@
 
 namespace q3 {
 
-/// Blur of dense rows: the mean over mapped luxels up to `radius` away on both axes, the outermost by half.
+/// Box filter over mapped luxels up to `radius` away on both axes, with weight 1/2 at the outermost.
 class LuxelFilter {
   public:
-    /// `values` of super luxels in place; those of luxels that are not mapped do not count, and become zero.
+    /// Filters `values`, by super luxel, in place. Those of luxels that are not mapped do not count, and become zero.
     void Apply(const RawLightmap &lightmap, int radius, std::vector<Vec3f> &values);
 
   private:

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Direct or bounced light on luxels.
+// GPL-2.0-or-later. Direct light on luxels.
 #include "q3map2/lightmap/direct/luxel_light.h"
 
 #include "common/progress.h"
@@ -16,7 +16,7 @@ namespace q3 {
 
 namespace {
 
-/// Area lights that give a block of luxels less are represented by a few. Byte scale.
+/// Of area lights that give every luxel of a block less than this, only some are traced, with more weight. Byte scale.
 constexpr float kFaint = 1.0f / 16;
 
 Q3_VECTOR void AddLanes(const Lanes3 &what, float sign, Lanes3 &sum) {
@@ -27,14 +27,14 @@ Q3_VECTOR void AddLanes(const Lanes3 &what, float sign, Lanes3 &sum) {
     }
 }
 
-/// What one worker keeps from lightmap to lightmap.
+/// Memory that a worker keeps from lightmap to lightmap.
 struct Worker {
     LuxelBlocks blocks;
     LuxelSums sums;
     LuxelSampler sampler;
     LuxelFilter filter;
     LuxelLightList list;
-    std::vector<std::uint32_t> reached;
+    std::vector<std::uint32_t> reachedBlocks;
     std::vector<Vec3f> dense;
     ContributionCounts counts;
 };
@@ -76,7 +76,7 @@ class LightmapPass {
     }
 
   private:
-    /// Ambient light where a luxel is mapped; nothing elsewhere and in other styles.
+    /// Sets mapped luxels to ambient light in slot 0 and to zero in others.
     void Clear() {
         const std::size_t count = lightmap_.luxelClusters.size();
         const Vec3f ambient = pass_.bounce ? Vec3f{} : lightmap_.ambient;
@@ -107,7 +107,7 @@ class LightmapPass {
         return luxels == 0 && (radius > 0 || in_.lightmap.filter) ? 1 : luxels;
     }
 
-    /// The light's sum; a style that is new takes its slot.
+    /// The sum that the light adds to. Takes a slot for a new style.
     LuxelSum &SumFor(const Light &light, std::size_t slot) {
         if (lightmap_.light[slot].empty())
             ClearSlot(slot, {});
@@ -122,14 +122,14 @@ class LightmapPass {
                          light.style, kStyles);
             return;
         }
-        worker_.reached.clear();
-        worker_.blocks.Reached(light, pass_.settings, worker_.reached);
+        worker_.reachedBlocks.clear();
+        worker_.blocks.FindReached(light, pass_.settings, worker_.reachedBlocks);
         if (sampling_)
             worker_.sampler.StartLight(light);
         LuxelSum *sum = nullptr;
         LuxelIncidentLight incident;
-        for (const std::uint32_t block : worker_.reached) {
-            if (!LuxelContribution(light, pass_, in_.scene, worker_.blocks.Samples(block), incident, worker_.counts))
+        for (const std::uint32_t block : worker_.reachedBlocks) {
+            if (!LuxelContribution(light, pass_, in_.scene, worker_.blocks.Receivers(block), incident, worker_.counts))
                 continue;
             if (!sum)
                 sum = &SumFor(light, slot);
@@ -137,20 +137,20 @@ class LightmapPass {
             if (pass_.deluxe)
                 AddLanes(incident.direction, 1, sum->direction[block]);
             if (sampling_)
-                worker_.sampler.Put(block, incident);
+                worker_.sampler.SetBlock(block, incident);
         }
         if (sampling_ && sum)
             worker_.sampler.Refine(*sum, worker_.counts);
     }
 
-    /// Adds lanes to dense rows, blurred if the sum wants that.
+    /// Adds a sum by block to luxels, blurred by `radius`.
     void AddDense(const std::vector<Lanes3> &lanes, int radius, std::vector<Vec3f> &to) {
         std::vector<Vec3f> &dense = radius > 0 ? worker_.dense : to;
         if (radius > 0)
             dense.assign(to.size(), {});
         for (std::size_t block = 0; block < worker_.blocks.Count(); ++block) {
             const auto &luxels = worker_.blocks.Luxels(block);
-            for (std::size_t i = 0; i < worker_.blocks.Samples(block).count; ++i)
+            for (std::size_t i = 0; i < worker_.blocks.Receivers(block).count; ++i)
                 dense[luxels[i]] += lanes[block][i];
         }
         if (radius == 0)
@@ -179,7 +179,7 @@ class LightmapPass {
 void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
                  SurfaceLight &surfaces, ContributionCounts &counts) {
     const LuxelLights lists(lights, in.space);
-    // The largest first, so that no worker is left with one at the end.
+    // The largest first, so that all workers finish at about the same time.
     std::vector<std::size_t> order(surfaces.lightmaps.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Which lights a surface has to look at.
+// GPL-2.0-or-later. Culling of lights for a raw lightmap.
 #include "q3map2/lightmap/direct/luxel_lists.h"
 
 #include <algorithm>
@@ -8,12 +8,12 @@ namespace q3 {
 
 namespace {
 
-/// Lights that face the same way as the surface do not light it. A cosine.
+/// A light does not light a surface whose normal has at least this cosine with its own.
 constexpr float kSameFacing = 0.999f;
-/// Lights may be so far behind the plane of a surface. Game units.
+/// Lights up to this far behind the plane of a surface count. Game units.
 constexpr float kBehindPlane = 1;
 
-/// Whether the light is on the side of a flat surface from which it can light it.
+/// Whether the light can reach the front side of a plane.
 bool OnLitSide(const Light &light, const Vec3f &center, const Vec3f &normal) {
     if (!light.twoSided && Dot(light.normal, normal) > kSameFacing)
         return false;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Which lights a surface has to look at.
+// GPL-2.0-or-later. Culling of lights for a raw lightmap.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"
@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// The lights of a pass, with those that each cluster may see as rows of bits.
+/// The lights of a pass, and a row of bits for each cluster: the lights it may see.
 class LuxelLights {
   public:
     LuxelLights(const std::vector<Light> &lights, const BspSpace &space);
@@ -18,11 +18,11 @@ class LuxelLights {
     const std::vector<Light> &lights_;
     std::size_t words_ = 0;
     std::vector<std::uint64_t> suns_;
-    std::vector<std::uint64_t> rows_; ///< words_ a cluster; suns are in none
+    std::vector<std::uint64_t> rows_; ///< words_ for each cluster; without suns
 };
 
-/// The lights that may reach a raw lightmap: of the right side, near enough, in a cluster that one of its clusters
-/// sees. Reused from lightmap to lightmap.
+/// The lights that may reach a raw lightmap: seen from one of its clusters, with the lightmap in their envelope, and on
+/// the front side of a planar one. Reused from lightmap to lightmap.
 class LuxelLightList {
   public:
     void Build(const LuxelLights &all, const RawLightmap &lightmap, bool sunOnly);

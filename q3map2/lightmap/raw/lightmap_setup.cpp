@@ -13,13 +13,14 @@ namespace q3 {
 
 namespace {
 
-/// Vectors whose components differ by less are equal; plane distances too.
-constexpr float kEqual = 0.001f;
-/// A plane that leans so far from its projection axis has no use for it.
+/// Components of equal vectors differ by less, and distances of equal planes (game units).
+constexpr float kEqualEpsilon = 0.001f;
+/// Planes whose normal has a smaller component along the projection axis are edge-on: they cannot be projected.
 constexpr float kEdgeOn = 1e-4f;
 
-bool Same(const Vec3f &a, const Vec3f &b) {
-    return std::abs(a.x - b.x) < kEqual && std::abs(a.y - b.y) < kEqual && std::abs(a.z - b.z) < kEqual;
+bool NearlyEqual(const Vec3f &a, const Vec3f &b) {
+    return std::abs(a.x - b.x) < kEqualEpsilon && std::abs(a.y - b.y) < kEqualEpsilon &&
+           std::abs(a.z - b.z) < kEqualEpsilon;
 }
 
 bool Overlap(const Boundsf &a, const Boundsf &b) {
@@ -27,7 +28,7 @@ bool Overlap(const Boundsf &a, const Boundsf &b) {
            a.mins.z <= b.maxs.z && b.mins.z <= a.maxs.z;
 }
 
-/// What decides who shares a raw lightmap, of one draw surface.
+/// A draw surface, and what decides with which others it shares a raw lightmap.
 struct Candidate {
     int number = 0;
     bool patch = false, planar = false, lightmapped = false, mergable = false;
@@ -42,7 +43,8 @@ std::tuple<std::string_view, int, float, float, float, bool> FirstKeys(const Can
     return {c.entry->shader->name, c.entry->sampleSize, axis.x, axis.y, axis.z, c.planar};
 }
 
-/// Planes of one distance are in one cell or in two neighbouring ones.
+/// Hash cell of a plane distance, 1 game unit wide: distances that differ by kEqualEpsilon are in the same or in
+/// neighboring cells.
 std::int64_t PlaneCell(float dist) {
     return std::int64_t(std::clamp(std::floor(double(dist)), -1e15, 1e15));
 }
@@ -70,17 +72,17 @@ class LightmapSetup {
     void CollectClusters();
     void MakeCandidates();
     Candidate MakeCandidate(int number) const;
-    bool LightmapOf(const Candidate &c) const;
+    bool GetsLightmap(const Candidate &c) const;
     void MakeLightmap(std::size_t seedPosition);
     std::vector<std::size_t> MergeCandidates(const Candidate &seed);
     RawLightmap Seed(const Candidate &c) const;
     bool Fits(const RawLightmap &raw, const Candidate &seed, const Candidate &c) const;
-    void Take(RawLightmap &raw, const Candidate &c) const;
+    void AddSurface(RawLightmap &raw, const Candidate &c) const;
     bool Project(RawLightmap &raw, const Candidate &first) const;
     bool GrowToFit(RawLightmap &raw) const;
     MeshOf<SurfaceVertex> MeshOfPatch(const Candidate &c) const;
     void MeasurePatch(RawLightmap &raw, const Candidate &c);
-    void PlaceVerts(const RawLightmap &raw);
+    void SetLuxelCoordinates(const RawLightmap &raw);
     void Finish(RawLightmap &raw);
     void Report() const;
 
@@ -132,7 +134,7 @@ void LightmapSetup::CollectClusters() {
     }
 }
 
-bool LightmapSetup::LightmapOf(const Candidate &c) const {
+bool LightmapSetup::GetsLightmap(const Candidate &c) const {
     const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(c.number)];
     return (surface.surfaceType == MST_PLANAR || c.patch) && surface.numVerts > 0 && !in_.lightmap.noLightmaps &&
            (c.entry->shader->compileFlags & C_VERTEXLIT) == 0 && c.entry->sampleSize > 0 && c.entry->parent < 0 &&
@@ -153,11 +155,11 @@ Candidate LightmapSetup::MakeCandidate(int number) const {
     c.mergable = shader.mergable;
     for (std::size_t i = 0; i < 2; ++i)
         c.pageSize[i] = shader.pageSize[i] > 0 ? shader.pageSize[i] : in_.lightmap.pageSize[i];
-    c.lightmapped = LightmapOf(c);
+    c.lightmapped = GetsLightmap(c);
     return c;
 }
 
-/// Surfaces that belong together stand together: by shader name, then by what must be equal.
+/// All surfaces, in the order in which they become raw lightmaps: by shader name, then by what sharers must have equal.
 void LightmapSetup::MakeCandidates() {
     for (std::size_t i = 0; i < in_.table.size(); ++i)
         order_.push_back(MakeCandidate(int(i)));
@@ -195,29 +197,30 @@ RawLightmap LightmapSetup::Seed(const Candidate &c) const {
 }
 
 bool LightmapSetup::Fits(const RawLightmap &raw, const Candidate &seed, const Candidate &c) const {
-    const bool samePlane =
-        raw.planar && c.planar && std::abs(raw.planeDist - c.dist) < kEqual && Same(raw.planeNormal, c.normal);
+    const bool samePlane = raw.planar && c.planar && std::abs(raw.planeDist - c.dist) < kEqualEpsilon &&
+                           NearlyEqual(raw.planeNormal, c.normal);
     if (!(samePlane || c.mergable) || !Overlap(raw.bounds, out_.bounds[std::size_t(c.number)]))
         return false;
     const SurfaceEntry &a = *seed.entry, &b = *c.entry;
-    return Same(raw.axis, b.axis) && a.sampleSize == b.sampleSize && a.ambient == b.ambient && a.entity == b.entity &&
-           a.receiveShadows == b.receiveShadows && seed.pageSize == c.pageSize &&
+    return NearlyEqual(raw.axis, b.axis) && a.sampleSize == b.sampleSize && a.ambient == b.ambient &&
+           a.entity == b.entity && a.receiveShadows == b.receiveShadows && seed.pageSize == c.pageSize &&
            a.shader->lightmap.brightness == b.shader->lightmap.brightness &&
            a.shader->lightmapFilterRadius == b.shader->lightmapFilterRadius &&
            a.shader->lightmap.splotchFix == b.shader->lightmap.splotchFix;
 }
 
-/// Adds a surface; the plane goes when it does not hold for all.
-void LightmapSetup::Take(RawLightmap &raw, const Candidate &c) const {
+/// Adds a surface. The lightmap stays planar as long as all surfaces are in one plane.
+void LightmapSetup::AddSurface(RawLightmap &raw, const Candidate &c) const {
     raw.surfaces.push_back(c.number);
     raw.bounds.Add(out_.bounds[std::size_t(c.number)]);
-    if (!c.planar || std::abs(raw.planeDist - c.dist) >= kEqual || !Same(raw.planeNormal, c.normal))
+    if (!c.planar || std::abs(raw.planeDist - c.dist) >= kEqualEpsilon || !NearlyEqual(raw.planeNormal, c.normal))
         raw.planar = false;
     raw.noDirt = raw.noDirt || c.entry->shader->lightmap.noDirt;
     raw.twoSided = raw.twoSided || c.entry->shader->twoSided;
 }
 
-/// Sets the size and enlarges the sample size until the page holds it. False: no size will do.
+/// Sets width and height, with the smallest sample size, in whole units from the wanted one on, at which they fit the
+/// page. False: there is none up to kSteps units more.
 bool LightmapSetup::GrowToFit(RawLightmap &raw) const {
     constexpr int kSteps = 4096;
     std::array<float, 2> most{float(raw.pageSize[0]), float(raw.pageSize[1])};
@@ -227,7 +230,7 @@ bool LightmapSetup::GrowToFit(RawLightmap &raw) const {
     const float limit = std::min(most[0], most[1]);
     const Vec3f extent = raw.bounds.maxs - raw.bounds.mins;
     float size = raw.sampleSize;
-    // No smaller one fits; whole steps from the asked size on.
+    // Below this the longest side alone is too long for the page.
     if (limit > 1)
         size += std::max(0.0f, std::ceil(MaxComponent(extent) / (limit - 1) - size));
     Boundsf rounded;
@@ -251,7 +254,7 @@ bool LightmapSetup::GrowToFit(RawLightmap &raw) const {
     return false;
 }
 
-/// Size, origin and steps of a projected raw lightmap. False: it has none.
+/// Size, origin and steps of a projected raw lightmap. False: the surface cannot be projected along its axis.
 bool LightmapSetup::Project(RawLightmap &raw, const Candidate &first) const {
     const LuxelAxes axes = AxesOf(raw.axis);
     const Vec3f normal = first.planar ? first.normal : raw.axis;
@@ -279,7 +282,8 @@ MeshOf<SurfaceVertex> LightmapSetup::MeshOfPatch(const Candidate &c) const {
     return mesh;
 }
 
-/// Luxels that the longest row needs; at least one a control point, at most a page.
+/// Luxels along the rows: length of the longest row / sampleSize, from `least` (one a control point) to `most` (a
+/// page).
 int LuxelsAlong(const MeshOf<SurfaceVertex> &mesh, float sampleSize, int least, int most) {
     float length = 0;
     for (int x = 0; x + 1 < mesh.width; ++x) {
@@ -291,14 +295,16 @@ int LuxelsAlong(const MeshOf<SurfaceVertex> &mesh, float sampleSize, int least, 
     return std::min(std::max(int(std::min(std::ceil(length / sampleSize), float(most))) + 1, least), most);
 }
 
+/// Whether the patch closes on itself along its rows.
 bool FirstColumnIsLast(const MeshOf<SurfaceVertex> &mesh) {
     bool same = true;
     for (int y = 0; y < mesh.height && same; ++y)
-        same = Same(mesh.At(0, y).xyz, mesh.At(mesh.width - 1, y).xyz);
+        same = NearlyEqual(mesh.At(0, y).xyz, mesh.At(mesh.width - 1, y).xyz);
     return same;
 }
 
-/// Size and control points of a patch that follows its own parameters.
+/// Size of a patch without a projection axis, and luxel coordinates of its control points: proportional to their column
+/// and row.
 void LightmapSetup::MeasurePatch(RawLightmap &raw, const Candidate &c) {
     const MeshOf<SurfaceVertex> control = MeshOfPatch(c), turned = patch::Transposed(control);
     const MeshOf<SurfaceVertex> mesh = Tessellated(control, c.entry->longestCurve);
@@ -315,7 +321,7 @@ void LightmapSetup::MeasurePatch(RawLightmap &raw, const Candidate &c) {
     }
 }
 
-void LightmapSetup::PlaceVerts(const RawLightmap &raw) {
+void LightmapSetup::SetLuxelCoordinates(const RawLightmap &raw) {
     const LuxelAxes axes = AxesOf(raw.axis);
     const auto super = float(raw.super);
     for (const int number : raw.surfaces) {
@@ -329,13 +335,14 @@ void LightmapSetup::PlaceVerts(const RawLightmap &raw) {
     }
 }
 
-/// Positions of those not taken that are in the seed's plane or need not be.
+/// Positions in order_ of surfaces without a lightmap yet that are in the plane of the seed, or mergable.
 std::vector<std::size_t> LightmapSetup::MergeCandidates(const Candidate &seed) {
     const auto isTaken = [&](std::size_t position) { return taken_[position]; };
     std::erase_if(mergable_, isTaken);
     std::vector<std::size_t> positions = mergable_;
     if (seed.planar)
-        for (std::int64_t cell = PlaneCell(seed.dist - kEqual); cell <= PlaneCell(seed.dist + kEqual); ++cell)
+        for (std::int64_t cell = PlaneCell(seed.dist - kEqualEpsilon); cell <= PlaneCell(seed.dist + kEqualEpsilon);
+             ++cell)
             if (const auto found = onPlanes_.find(cell); found != onPlanes_.end()) {
                 std::erase_if(found->second, isTaken);
                 positions.insert(positions.end(), found->second.begin(), found->second.end());
@@ -348,10 +355,10 @@ void LightmapSetup::MakeLightmap(std::size_t seedPosition) {
     const Candidate &seed = order_[seedPosition];
     taken_[seedPosition] = true;
     RawLightmap raw = Seed(seed);
-    Take(raw, seed);
-    const bool own = seed.patch && raw.axis == Vec3f{};
+    AddSurface(raw, seed);
+    const bool parametric = seed.patch && raw.axis == Vec3f{};
     bool fits = true;
-    if (own) {
+    if (parametric) {
         raw.planar = false;
         MeasurePatch(raw, seed);
     } else {
@@ -362,7 +369,7 @@ void LightmapSetup::MakeLightmap(std::size_t seedPosition) {
             for (const std::size_t position : sharers) {
                 if (taken_[position] || !Fits(raw, seed, order_[position]))
                     continue;
-                Take(raw, order_[position]);
+                AddSurface(raw, order_[position]);
                 fits = Project(raw, seed);
                 taken_[position] = added = true;
             }
@@ -388,8 +395,8 @@ void LightmapSetup::Finish(RawLightmap &raw) {
     std::sort(raw.clusters.begin(), raw.clusters.end());
     raw.clusters.erase(std::unique(raw.clusters.begin(), raw.clusters.end()), raw.clusters.end());
     if (raw.hasVectors) {
-        PlaceVerts(raw);
-        // From the centre of luxels to that of the first of their samples.
+        SetLuxelCoordinates(raw);
+        // From the center of luxel (0, 0) to that of its first super luxel.
         const auto super = float(raw.super);
         raw.origin -= (raw.step[0] + raw.step[1]) * (0.5f - 0.5f / super);
         raw.step[0] *= 1 / super;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. -shade: normals smoothed over edges.
+// GPL-2.0-or-later. -shade: phong shading of vertex normals.
 #include "q3map2/lightmap/raw/lightmap_shade.h"
 
 #include <algorithm>
@@ -10,14 +10,16 @@ namespace q3 {
 
 namespace {
 
-/// Vertices nearer than this on all axes are one place. Game units.
-constexpr float kSamePlace = 0.001f;
-/// Normals that differ by less on all axes have one vote.
+/// Vertices this near on each axis share a position. Game units.
+constexpr float kSamePosition = 0.001f;
+/// Normals whose components differ by less count once in the mean.
 constexpr float kSameNormal = 0.01f;
-constexpr float kAngleSlack = 1e-6f; // radians
-constexpr std::size_t kMostVotes = 256;
+/// Rounding of angles: normals at exactly the shading angle are not joined. Radians.
+constexpr float kAngleSlack = 1e-6f;
+/// Vertices that share one normal, at most.
+constexpr std::size_t kMaxGroup = 256;
 
-/// Side of the cells that vertices are looked up by. Game units.
+/// Side of the hash cells that vertices are found by. Game units.
 constexpr double kCell = 0.125;
 
 bool Near(const Vec3f &a, const Vec3f &b, float epsilon) {
@@ -33,12 +35,12 @@ std::uint64_t CellKey(const Vec3f &p) {
     return key;
 }
 
-/// The cells that receivers near p may be in, each once.
+/// Cells that positions within kSamePosition of p can be in, each once.
 std::vector<std::uint64_t> CellsAround(const Vec3f &p) {
     std::vector<std::uint64_t> keys;
-    for (const float x : {-kSamePlace, kSamePlace})
-        for (const float y : {-kSamePlace, kSamePlace})
-            for (const float z : {-kSamePlace, kSamePlace})
+    for (const float x : {-kSamePosition, kSamePosition})
+        for (const float y : {-kSamePosition, kSamePosition})
+            for (const float z : {-kSamePosition, kSamePosition})
                 keys.push_back(CellKey(p + Vec3f{x, y, z}));
     std::sort(keys.begin(), keys.end());
     keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
@@ -81,41 +83,41 @@ void SmoothNormals(const SurfaceInputs &in, SurfaceLight &surfaces) {
             cells[CellKey(verts[i].xyz)].push_back(i);
     const auto original = [&](std::size_t i) { return Vec3f(in.bsp.drawVerts[i].normal); };
     std::vector<bool> done(verts.size());
-    std::vector<std::size_t> together;
-    std::vector<Vec3f> votes;
+    std::vector<std::size_t> group;
+    std::vector<Vec3f> distinct;
     std::size_t smoothed = 0;
     for (std::size_t i = 0; i < angles.size(); ++i) {
         if (!(angles[i] > 0) || done[i])
             continue;
-        together.clear();
-        votes.clear();
+        group.clear();
+        distinct.clear();
         Vec3f sum;
         for (const std::uint64_t key : CellsAround(verts[i].xyz)) {
             const auto cell = cells.find(key);
             if (cell == cells.end())
                 continue;
             for (const std::size_t j : cell->second)
-                if (j >= i && !done[j] && Near(verts[i].xyz, verts[j].xyz, kSamePlace) &&
+                if (j >= i && !done[j] && Near(verts[i].xyz, verts[j].xyz, kSamePosition) &&
                     (j == i || AngleBetween(original(i), original(j)) + kAngleSlack < std::min(angles[i], angles[j])))
-                    together.push_back(j);
+                    group.push_back(j);
         }
-        std::sort(together.begin(), together.end());
-        together.resize(std::min(together.size(), kMostVotes));
-        for (const std::size_t j : together) {
+        std::sort(group.begin(), group.end());
+        group.resize(std::min(group.size(), kMaxGroup));
+        for (const std::size_t j : group) {
             const Vec3f normal = original(j);
-            if (std::none_of(votes.begin(), votes.end(),
-                             [&](const Vec3f &vote) { return Near(vote, normal, kSameNormal); })) {
-                votes.push_back(normal);
+            if (std::none_of(distinct.begin(), distinct.end(),
+                             [&](const Vec3f &other) { return Near(other, normal, kSameNormal); })) {
+                distinct.push_back(normal);
                 sum += normal;
             }
         }
-        if (together.size() < 2 || Normalize(sum) == Vec3f{})
+        if (group.size() < 2 || Normalize(sum) == Vec3f{})
             continue;
-        for (const std::size_t j : together) {
+        for (const std::size_t j : group) {
             verts[j].normal = Normalize(sum);
             done[j] = true;
         }
-        smoothed += together.size();
+        smoothed += group.size();
     }
     in.log.Count((long long)(smoothed), "vertices with smoothed normals");
 }

@@ -17,19 +17,18 @@ namespace q3 {
 /// lightmapNum of surfaces that are lit at their vertices.
 inline constexpr int kLightmapByVertex = -3;
 
-/// Luxel luxelClusters that are no cluster.
-enum LuxelCode : int {
-    kUnmapped = -2, ///< no surface there
-    kOccluded = -1, ///< a surface, but no open place to light it from
-    kFlooded = -3   ///< was one of these, got light from its neighbours
+/// Values of RawLightmap::luxelClusters that are no cluster.
+enum NoCluster : int {
+    kUnmapped = -2, ///< no surface passes through the luxel
+    kOccluded = -1, ///< one does, but every position to light it from is in a solid or an unseen cluster
+    kFlooded = -3   ///< was unmapped or occluded, and took the mean light of its neighbors
 };
 
-/// A draw vertex as lighting sees it: in the world, with smoothed normal. The map's own record stays as it is until
-/// storing.
+/// A draw vertex in world space, with smoothed normal. The draw vertex of the Bsp stays as it is until storing.
 struct SurfaceVertex {
     Vec3f xyz, normal;
     std::array<float, 2> st{};
-    std::array<float, 2> luxel{}; ///< place in its raw lightmap's super grid; luxel k covers [k, k + 1)
+    std::array<float, 2> luxel{}; ///< coordinates in the super grid of its raw lightmap; luxel k covers [k, k + 1)
 };
 
 /// The private lightmap of one or several draw surfaces, before packing. Super grid: width x height luxels times
@@ -37,9 +36,9 @@ struct SurfaceVertex {
 struct RawLightmap {
     // Set up once: lightmap_setup.cpp.
     std::vector<int> surfaces; ///< draw surface numbers, by shader name
-    std::vector<int> clusters; ///< of all leafs that hold them; empty: no filtering by visibility
+    std::vector<int> clusters; ///< of all leafs that hold the surfaces; empty: visibility is not tested
     int entity = 0, receiveShadows = 1;
-    float sampleSize = 16;       ///< as asked for, game units a luxel
+    float sampleSize = 16;       ///< as the map or the options ask for, game units a luxel
     float actualSampleSize = 16; ///< after growing to fit
     Vec3f ambient;               ///< byte scale
     float brightness = 1, filterRadius = 0;
@@ -49,11 +48,11 @@ struct RawLightmap {
     bool planar = false;
     Vec3f planeNormal; ///< if planar
     float planeDist = 0;
-    Vec3f axis;                  ///< of projection; zero: a patch by its own parameters
-    bool hasVectors = false;     ///< projected; else receivers come from the mesh
-    Vec3f origin;                ///< world place of luxel (0, 0) of the super grid
+    Vec3f axis;                  ///< of projection; zero: a patch, which is parameterized by its rows and columns
+    bool hasVectors = false;     ///< projected; else positions come from the mesh of the patch
+    Vec3f origin;                ///< world position of luxel (0, 0) of the super grid
     std::array<Vec3f, 2> step{}; ///< world step of one luxel of the super grid
-    Vec3f storedOrigin;          ///< what the file's lightmapOrigin gets
+    Vec3f storedOrigin;          ///< lightmapOrigin of the draw surfaces
     bool wrapS = false, wrapT = false;
     int width = 0, height = 0, super = 1;
     int SuperWidth() const { return width * super; }
@@ -61,14 +60,14 @@ struct RawLightmap {
     std::size_t SuperIndex(int x, int y) const { return std::size_t(y) * std::size_t(SuperWidth()) + std::size_t(x); }
     std::size_t Index(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
 
-    // Super grid, placed once: luxel_map.cpp. A luxel is mapped if its code is a cluster, >= 0. Averaging the last pass
-    // ends receivers, dirt, floodlight and what passes set.
-    std::vector<Vec3f> positions, normals;
-    std::vector<int> luxelClusters; ///< cluster or LuxelCode
+    // Super grid, once: luxel_map.cpp. A luxel is mapped if it has a cluster, >= 0. Averaging the last pass frees
+    // positions, dirt, floodlight and what passes set.
+    std::vector<Vec3f> positions, normals; ///< of the receiver that stands for the luxel
+    std::vector<int> luxelClusters;        ///< cluster of the position, or NoCluster
     bool Mapped(std::size_t luxel) const { return luxelClusters[luxel] >= 0; }
 
     // Super grid, once: luxel_dirt.cpp, luxel_flood.cpp. Empty when off.
-    std::vector<float> dirt;       ///< factor
+    std::vector<float> dirt;       ///< factor of the light, 0 to 1
     std::vector<Vec3f> floodlight; ///< byte scale
     float floodDirectionScale = 1;
 
@@ -76,7 +75,7 @@ struct RawLightmap {
     Styles styles = kOnlyStyle0;
     std::array<std::vector<Vec3f>, kStyles> light;
     std::array<std::vector<std::uint8_t>, kStyles> filled; ///< whether the luxel holds a value
-    std::vector<Vec3f> directions;                         ///< deluxe: sums towards the light; else empty
+    std::vector<Vec3f> directions; ///< deluxe: sum of unit vector towards the light times luminance; else empty
 
     // width x height: lightmap_average.cpp. A texel whose red is negative is not used.
     std::array<std::vector<Vec3f>, kStyles> result;    ///< added up over passes
@@ -91,18 +90,18 @@ struct VertexLight {
     std::vector<Styles> styles;                        ///< by draw surface
 };
 
-/// Everything about the surfaces of a map that lighting them changes.
+/// What the passes compute for the surfaces of a map.
 struct SurfaceLight {
     std::vector<SurfaceVertex> verts;       ///< by draw vertex
     std::vector<Boundsf> bounds;            ///< by draw surface
-    std::vector<std::vector<int>> clusters; ///< by draw surface: of the leafs that hold it
+    std::vector<std::vector<int>> clusters; ///< by draw surface: clusters of the leafs that hold it
     std::vector<int> lightmapOf;            ///< by draw surface: number of its raw lightmap, -1: lit at vertices
     std::vector<RawLightmap> lightmaps;
     VertexLight vertex;
     bool styled = false; ///< some light has a style: nothing is collapsed
 };
 
-/// What all steps read. Const while workers run.
+/// What all passes read. Const while workers run.
 struct SurfaceInputs {
     const Bsp &bsp;
     const BspSpace &space;

@@ -8,12 +8,12 @@
 
 namespace q3 {
 
-/// World axes (0 x, 1 y, 2 z) along which a projected raw lightmap has its columns, its rows and its projection.
+/// World axes (0 x, 1 y, 2 z) of a projected raw lightmap: of its columns, its rows and its projection.
 struct LuxelAxes {
     std::size_t u = 0, v = 1, along = 2;
 };
 
-/// By the largest component of the axis; of equal ones z wins, then x.
+/// Projection along the largest component of `axis`; among equal ones z goes first, then x.
 inline LuxelAxes AxesOf(const Vec3f &axis) {
     const float x = std::abs(axis.x), y = std::abs(axis.y), z = std::abs(axis.z);
     if (z >= x && z >= y)
@@ -21,7 +21,7 @@ inline LuxelAxes AxesOf(const Vec3f &axis) {
     return x >= y ? LuxelAxes{1, 2, 0} : LuxelAxes{0, 2, 1};
 }
 
-/// p moved along an axis onto the plane; normal[along] is not zero.
+/// p projected along a world axis onto the plane normal . p = dist; normal[along] is not zero.
 inline Vec3f OntoPlane(Vec3f p, std::size_t along, const Vec3f &normal, float dist) {
     p[along] -= (Dot(normal, p) - dist) / normal[along];
     return p;

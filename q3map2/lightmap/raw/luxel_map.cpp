@@ -1,9 +1,9 @@
-// GPL-2.0-or-later. Where each luxel is lit from.
+// GPL-2.0-or-later. The position, normal and cluster at which each luxel is lit.
 #include "q3map2/lightmap/raw/luxel_map.h"
 
 #include "q3map2/lightmap/raw/luxel_masks.h"
 #include "q3map2/lightmap/raw/luxel_normal.h"
-#include "q3map2/lightmap/raw/luxel_place.h"
+#include "q3map2/lightmap/raw/luxel_position.h"
 #include "q3map2/lightmap/raw/luxel_raster.h"
 
 #include <algorithm>
@@ -17,24 +17,24 @@ namespace {
 
 /// Lift of luxels off their surface where the shader does not say. Game units.
 constexpr float kSampleOffset = 1;
-/// The finest -thresh that counts; finer ones would only take time. Luxels.
+/// Smallest -thresh: samples this dense reach every luxel that a surface covers more than a corner of. Luxels.
 constexpr float kLeastThreshold = 1.0f / 32;
-/// The fourth corner of a quad of a patch may be so far off the plane of the others. Game units.
+/// A quad of a patch counts as flat if its fourth corner is at most this far off the plane of the others. Game units.
 constexpr float kQuadFlatness = 0.5f;
 
 /// Counts of one raw lightmap.
 struct MapCounts {
-    PlacementCounts placed;
+    PositionCounts positions;
     std::uint64_t mapped = 0, occluded = 0;
 };
 
-/// The reusable memory of one worker.
+/// Memory that a worker keeps from lightmap to lightmap, by luxel.
 struct MapScratch {
-    std::vector<int> hits;            // samples in each luxel
-    std::vector<std::uint8_t> passes; // that mapped each luxel
+    std::vector<int> hits;            // samples of surfaces in the luxel
+    std::vector<std::uint8_t> passes; // pass that mapped it: 1 surfaces, 2 and more rings around them
 };
 
-Boundsf BoundsOfLuxels(const RawLightmap &raw, float margin) {
+Boundsf LuxelBounds(const RawLightmap &raw, float margin) {
     Boundsf box = raw.bounds;
     if (raw.hasVectors)
         for (const int x : {-1, raw.SuperWidth()})
@@ -48,7 +48,8 @@ Boundsf BoundsOfLuxels(const RawLightmap &raw, float margin) {
 class LuxelMapper {
   public:
     LuxelMapper(const SurfaceInputs &in, const SurfaceLight &surfaces, RawLightmap &raw, MapScratch &scratch)
-        : in_(in), surfaces_(surfaces), raw_(raw), scratch_(scratch), placer_(in, raw, BoundsOfLuxels(raw, Reach())) {
+        : in_(in), surfaces_(surfaces), raw_(raw), scratch_(scratch),
+          positionFinder_(in, raw, LuxelBounds(raw, PositionMargin())) {
         superWidth_ = raw.SuperWidth(), superHeight_ = raw.SuperHeight();
         const float threshold = std::max(kLeastThreshold, std::abs(in.lightmap.threshold));
         threshold2_ = threshold * threshold;
@@ -63,9 +64,9 @@ class LuxelMapper {
     MapCounts Run() {
         allOneNormal_ = HasOneNormal();
         for (std::size_t i = 0; i < raw_.surfaces.size(); ++i) {
-            if (std::exchange(anyClosed_, false)) // for one surface; the next may find a place
+            if (std::exchange(anyOccluded_, false)) // by one surface; the next may find an open position
                 std::replace_if(
-                    raw_.luxelClusters.begin(), raw_.luxelClusters.end(), [](int code) { return code < 0; },
+                    raw_.luxelClusters.begin(), raw_.luxelClusters.end(), [](int cluster) { return cluster < 0; },
                     int(kUnmapped));
             MapSurface(raw_.surfaces[i]);
         }
@@ -73,16 +74,16 @@ class LuxelMapper {
             MakeUnitNormals();
         if (raw_.planar)
             for (int pass = 2; pass <= std::max(1, raw_.super / 2) + 1; ++pass)
-                MapRing(pass);
-        for (const int code : raw_.luxelClusters) {
-            counts_.mapped += code >= 0 ? 1 : 0;
-            counts_.occluded += code == kOccluded ? 1 : 0;
+                MapBorder(pass);
+        for (const int cluster : raw_.luxelClusters) {
+            counts_.mapped += cluster >= 0 ? 1 : 0;
+            counts_.occluded += cluster == kOccluded ? 1 : 0;
         }
         return counts_;
     }
 
   private:
-    float Reach() const;
+    float PositionMargin() const;
     bool HasOneNormal() const;
     LuxelPlane PlaneOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c) const;
     bool Usable(const LuxelPlane &plane) const;
@@ -96,8 +97,8 @@ class LuxelMapper {
         MapLuxel(LuxelOf(v.luxel[0], superWidth_), LuxelOf(v.luxel[1], superHeight_), v, plane, normals);
     }
     void MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals);
-    void Take(std::size_t luxel, const LuxelPlacer::Place &place, const Vec3f &normal, int pass);
-    void MapRing(int pass);
+    void SetLuxel(std::size_t luxel, const LuxelPosition &position, const Vec3f &normal, int pass);
+    void MapBorder(int pass);
     Vec3f NormalAround(int x, int y, int pass) const;
     void MakeUnitNormals();
 
@@ -105,29 +106,29 @@ class LuxelMapper {
     const SurfaceLight &surfaces_;
     RawLightmap &raw_;
     MapScratch &scratch_;
-    LuxelPlacer placer_;
+    LuxelPositionFinder positionFinder_;
     float threshold2_ = 1;
     int superWidth_ = 0, superHeight_ = 0;
     MapCounts counts_;
-    bool anyClosed_ = false, anySums_ = false; // some luxel is closed, or has the sum of several normals
+    bool anyOccluded_ = false, anySums_ = false; // some luxel is occluded, or has the sum of several normals
 
     // Of the surface being mapped.
     float offset_ = kSampleOffset;
-    ClusterFilter *filter_ = nullptr;
-    bool oneNormal_ = false;    // all its vertices have the same
-    bool allOneNormal_ = false; // so have those of the other surfaces: one sample a luxel tells all
+    VisibleClusters *filter_ = nullptr;
+    bool oneNormal_ = false;    // all its vertices have the same normal
+    bool allOneNormal_ = false; // and those of all surfaces of the lightmap: one sample a luxel is enough
 };
 
-float OffsetOf(const SurfaceEntry &entry) {
+float SampleOffsetOf(const SurfaceEntry &entry) {
     const float offset = entry.shader->lightmap.sampleOffset;
     return offset == 0 ? kSampleOffset : offset;
 }
 
-/// How far from its surfaces a luxel may be placed.
-float LuxelMapper::Reach() const {
+/// How far the position of a luxel can be from its surfaces: lift, lookup offset and nudge. Game units.
+float LuxelMapper::PositionMargin() const {
     float offset = kSampleOffset;
     for (const int number : raw_.surfaces)
-        offset = std::max(offset, std::abs(OffsetOf(in_.table[std::size_t(number)])));
+        offset = std::max(offset, std::abs(SampleOffsetOf(in_.table[std::size_t(number)])));
     return offset + 1 + raw_.actualSampleSize;
 }
 
@@ -152,7 +153,7 @@ LuxelPlane LuxelMapper::PlaneOf(const SurfaceVertex &a, const SurfaceVertex &b, 
     return {normal, Dot(normal, a.xyz), nullptr};
 }
 
-/// Luxels can be placed on it: it has a normal, and is not seen edge-on along the projection.
+/// Whether luxels can be projected onto the plane: it has a normal, and is not edge-on along the projection axis.
 bool LuxelMapper::Usable(const LuxelPlane &plane) const {
     return plane.normal != Vec3f{} && IsFinite(plane.normal) &&
            (!raw_.hasVectors || std::abs(plane.normal[AxesOf(raw_.axis).along]) > 1e-6f);
@@ -161,9 +162,9 @@ bool LuxelMapper::Usable(const LuxelPlane &plane) const {
 void LuxelMapper::MapSurface(int number) {
     const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(number)];
     const SurfaceEntry &entry = in_.table[std::size_t(number)];
-    ClusterFilter filter(in_.space, surfaces_.clusters[std::size_t(number)]);
+    VisibleClusters filter(in_.space, surfaces_.clusters[std::size_t(number)]);
     filter_ = &filter;
-    offset_ = OffsetOf(entry);
+    offset_ = SampleOffsetOf(entry);
     const auto first = surfaces_.verts.begin() + surface.firstVert;
     // Vertices that a damaged map shares among surfaces may lie in another lightmap.
     const auto inside = [&](const SurfaceVertex &v) {
@@ -222,13 +223,13 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
     const auto sample = [&](const SurfaceVertex &v) { MapSample(v, plane, map); };
     for (const SurfaceVertex &v : triangle)
         sample(v);
-    const auto subdivide = [&]<bool kFlat>() {
+    const auto subdivide = [&]<bool kOneNormal>() {
         if (thinEdges)
-            ForThinEdges(triangle, [&](const SurfaceVertex &p, const SurfaceVertex &q) {
-                SubdivideTriangle<kFlat>(p, q, q, threshold2_, sample);
+            ForAxisEdges(triangle, [&](const SurfaceVertex &p, const SurfaceVertex &q) {
+                SubdivideTriangle<kOneNormal>(p, q, q, threshold2_, sample);
             });
         else
-            SubdivideTriangle<kFlat>(triangle[0], triangle[1], triangle[2], threshold2_, sample);
+            SubdivideTriangle<kOneNormal>(triangle[0], triangle[1], triangle[2], threshold2_, sample);
     };
     if (oneNormal_)
         subdivide.template operator()<true>();
@@ -236,14 +237,14 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
         subdivide.template operator()<false>();
 }
 
-/// A triangle of a planar lightmap where one sample a luxel tells all.
+/// A triangle of a planar lightmap with one normal: covered luxels are found row by row.
 void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane) {
     const LuxelTriangle flat = {triangle[0].luxel, triangle[1].luxel, triangle[2].luxel};
-    ForLuxels(flat, superWidth_, superHeight_, [&](int x, int y) {
+    ForCoveredLuxels(flat, superWidth_, superHeight_, [&](int x, int y) {
         const std::size_t luxel = raw_.SuperIndex(x, y);
         if (raw_.luxelClusters[luxel] == kUnmapped)
-            Take(luxel, placer_.Find(x, y, nullptr, plane, offset_, true, *filter_, counts_.placed), triangle[0].normal,
-                 1);
+            SetLuxel(luxel, positionFinder_.Find(x, y, nullptr, plane, offset_, true, *filter_, counts_.positions),
+                     triangle[0].normal, 1);
     });
 }
 
@@ -263,31 +264,31 @@ bool LuxelMapper::MapQuad(const std::array<SurfaceVertex, 4> &quad, const Image 
     return true;
 }
 
-/// What a surface that passes through the luxel at v makes of it.
+/// Maps luxel (x, y), which the surface passes through at v, or adds the normal there to those it has.
 void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals) {
     const std::size_t luxel = raw_.SuperIndex(x, y);
-    const int code = raw_.luxelClusters[luxel];
-    if (code >= 0 ? allOneNormal_ && !normals.Active() : code == kOccluded && raw_.planar)
+    const int cluster = raw_.luxelClusters[luxel];
+    if (cluster >= 0 ? allOneNormal_ && !normals.Active() : cluster == kOccluded && raw_.planar)
         return; // nothing would change
-    const auto normal = [&] { return normals.Active() ? normals.Bent(v) : v.normal; };
-    if (code >= 0) {
+    const auto normal = [&] { return normals.Active() ? normals.Perturbed(v) : v.normal; };
+    if (cluster >= 0) {
         raw_.normals[luxel] += normal();
         ++scratch_.hits[luxel];
         anySums_ = true;
         return;
     }
-    Take(luxel, placer_.Find(x, y, &v, plane, offset_, true, *filter_, counts_.placed), normal(), 1);
+    SetLuxel(luxel, positionFinder_.Find(x, y, &v, plane, offset_, true, *filter_, counts_.positions), normal(), 1);
 }
 
-/// The luxel's place, found in that pass.
-void LuxelMapper::Take(std::size_t luxel, const LuxelPlacer::Place &place, const Vec3f &normal, int pass) {
-    if (place.Closed()) {
+/// Stores the position that was found for the luxel in this pass.
+void LuxelMapper::SetLuxel(std::size_t luxel, const LuxelPosition &position, const Vec3f &normal, int pass) {
+    if (position.Occluded()) {
         raw_.luxelClusters[luxel] = kOccluded;
-        anyClosed_ = true;
+        anyOccluded_ = true;
         return;
     }
-    raw_.luxelClusters[luxel] = place.cluster;
-    raw_.positions[luxel] = place.xyz;
+    raw_.luxelClusters[luxel] = position.cluster;
+    raw_.positions[luxel] = position.xyz;
     raw_.normals[luxel] = normal;
     scratch_.hits[luxel] = 1;
     scratch_.passes[luxel] = std::uint8_t(pass);
@@ -299,8 +300,8 @@ void LuxelMapper::MakeUnitNormals() {
             raw_.normals[i] = Normalize(raw_.normals[i]);
 }
 
-/// Mean normal of neighbours that an earlier pass mapped; zero without any. Of equal ones not a bit differs: blocks of
-/// luxels that all face the same way take less time.
+/// Mean normal of neighbors that an earlier pass mapped; zero without any. The mean of equal normals is exactly that
+/// normal, since blocks of luxels with one normal are cheaper to light.
 Vec3f LuxelMapper::NormalAround(int x, int y, int pass) const {
     Vec3f sum;
     const Vec3f *one = nullptr;
@@ -317,23 +318,24 @@ Vec3f LuxelMapper::NormalAround(int x, int y, int pass) const {
     return one && equal ? *one : Normalize(sum);
 }
 
-/// Luxels beside the surface that touch mapped ones: texture filtering reads them.
-void LuxelMapper::MapRing(int pass) {
+/// Maps a ring of luxels around those that earlier passes mapped: texture filtering reads them.
+void LuxelMapper::MapBorder(int pass) {
     const std::vector<int> anywhere;
-    ClusterFilter filter(in_.space, anywhere);
+    VisibleClusters filter(in_.space, anywhere);
     const LuxelPlane plane{raw_.planeNormal, raw_.planeDist, nullptr};
     LuxelMask earlier(raw_.luxelClusters.size());
     for (std::size_t i = 0; i < earlier.size(); ++i)
         earlier[i] = raw_.Mapped(i) && scratch_.passes[i] < pass;
-    const LuxelMask touching = Spread(earlier, superWidth_, superHeight_);
+    const LuxelMask touching = Dilate(earlier, superWidth_, superHeight_);
     for (int y = 0; y < superHeight_; ++y)
         for (int x = 0; x < superWidth_; ++x) {
             const std::size_t luxel = raw_.SuperIndex(x, y);
             if (raw_.luxelClusters[luxel] != kUnmapped || touching[luxel] == 0)
                 continue;
             if (const Vec3f normal = NormalAround(x, y, pass); normal != Vec3f{})
-                Take(luxel, placer_.Find(x, y, nullptr, plane, kSampleOffset, false, filter, counts_.placed), normal,
-                     pass);
+                SetLuxel(luxel,
+                         positionFinder_.Find(x, y, nullptr, plane, kSampleOffset, false, filter, counts_.positions),
+                         normal, pass);
         }
 }
 
@@ -344,18 +346,18 @@ void Report(const SurfaceLight &surfaces, const std::vector<MapCounts> &counts, 
         luxels += surfaces.lightmaps[i].luxelClusters.size();
         sum.mapped += counts[i].mapped;
         sum.occluded += counts[i].occluded;
-        sum.placed.atVertex += counts[i].placed.atVertex;
-        sum.placed.failed += counts[i].placed.failed;
-        for (std::size_t k = 0; k < sum.placed.nudges.size(); ++k)
-            sum.placed.nudges[k] += counts[i].placed.nudges[k];
+        sum.positions.atVertex += counts[i].positions.atVertex;
+        sum.positions.failed += counts[i].positions.failed;
+        for (std::size_t k = 0; k < sum.positions.nudges.size(); ++k)
+            sum.positions.nudges[k] += counts[i].positions.nudges[k];
     }
     log.Count((long long)(luxels), "luxels");
     log.Count((long long)(sum.mapped), "luxels mapped");
     log.Count((long long)(sum.occluded), "luxels occluded");
-    log.Verbose("{:9} luxels placed at their centre, {} nudged, {} at a vertex; {} attempts failed\n",
-                sum.placed.nudges[0],
-                std::accumulate(sum.placed.nudges.begin() + 1, sum.placed.nudges.end(), std::uint64_t(0)),
-                sum.placed.atVertex, sum.placed.failed);
+    log.Verbose("{:9} luxels lit at their center, {} nudged, {} at a vertex; {} attempts failed\n",
+                sum.positions.nudges[0],
+                std::accumulate(sum.positions.nudges.begin() + 1, sum.positions.nudges.end(), std::uint64_t(0)),
+                sum.positions.atVertex, sum.positions.failed);
 }
 
 } // namespace

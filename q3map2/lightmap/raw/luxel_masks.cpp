@@ -6,9 +6,9 @@
 
 namespace q3 {
 
-LuxelMask Spread(const LuxelMask &mask, int width, int height) {
+LuxelMask Dilate(const LuxelMask &mask, int width, int height) {
     const auto w = std::size_t(std::max(width, 0));
-    LuxelMask spread(mask.size()), row(w + 2); // with a column on either side that has nothing
+    LuxelMask spread(mask.size()), row(w + 2); // with a zero column on either side
     for (int y = 0; y < height; ++y) {
         const std::uint8_t *own = mask.data() + std::size_t(y) * w;
         const std::uint8_t *above = y > 0 ? own - w : own, *below = y + 1 < height ? own + w : own;

@@ -6,11 +6,11 @@
 
 namespace q3 {
 
-/// A byte for each luxel of a lightmap, row by row: not 0 where something holds.
+/// A byte for each luxel of a lightmap, row by row; not 0: set.
 using LuxelMask = std::vector<std::uint8_t>;
 
-/// Whether it holds for the luxel or one of its up to 8 neighbours: what looks for those can leave out the others.
-/// `mask` has width * height bytes.
-LuxelMask Spread(const LuxelMask &mask, int width, int height);
+/// Dilation by 3 x 3: not 0 where the mask is set for the luxel or one of its up to 8 neighbors. `mask` has
+/// width * height bytes.
+LuxelMask Dilate(const LuxelMask &mask, int width, int height);
 
 } // namespace q3

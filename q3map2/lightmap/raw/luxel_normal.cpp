@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Normals from images: q3map_normalImage.
+// GPL-2.0-or-later. Normal mapping: q3map_normalImage.
 #include "q3map2/lightmap/raw/luxel_normal.h"
 
 #include <cmath>
@@ -7,7 +7,7 @@ namespace q3 {
 
 namespace {
 
-/// Triangles with less area in texture space have no usable directions.
+/// Triangles with less area in texture space, in textures squared, have no usable tangents.
 constexpr float kLeastArea = 1e-8f;
 
 int NearestTexel(float coordinate, int size) {
@@ -32,7 +32,7 @@ NormalMap::NormalMap(const Image *image, const SurfaceVertex &a, const SurfaceVe
         image_ = nullptr;
 }
 
-Vec3f NormalMap::Bent(const SurfaceVertex &v) const {
+Vec3f NormalMap::Perturbed(const SurfaceVertex &v) const {
     const auto texel = image_->Texel(NearestTexel(v.st[0], image_->width), NearestTexel(v.st[1], image_->height));
     const auto signedOf = [](std::uint8_t c) { return (float(c) - 127) / 127.5f; };
     const Vec3f bent =

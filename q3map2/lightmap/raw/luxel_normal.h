@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Normals from images: q3map_normalImage.
+// GPL-2.0-or-later. Normal mapping: q3map_normalImage.
 #pragma once
 
 #include "common/image/image.h"
@@ -12,12 +12,12 @@ class NormalMap {
     /// No image, or a triangle without area in texture space: normals stay as they are. Keeps a reference.
     NormalMap(const Image *image, const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c);
     bool Active() const { return image_ != nullptr; }
-    /// The vertex's normal bent by the nearest texel, a unit vector.
-    Vec3f Bent(const SurfaceVertex &v) const;
+    /// The vertex normal perturbed by the nearest texel: Normalize(N + S s + T t + N n), components s, t, n in [-1, 1].
+    Vec3f Perturbed(const SurfaceVertex &v) const;
 
   private:
     const Image *image_;
-    Vec3f s_, t_; ///< unit directions of growing texture coordinates
+    Vec3f s_, t_; ///< unit vectors along which the texture coordinates s and t grow
 };
 
 } // namespace q3

@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Which luxels surfaces lie in: those that a triangle touches, or samples no farther apart than a
-// threshold.
+// GPL-2.0-or-later. Luxels that a surface covers: by rows of a triangle, or by subdivision into samples at most a
+// threshold apart.
 #pragma once
 
 #include "libs/math/winding.h"
@@ -12,17 +12,18 @@
 
 namespace q3 {
 
-/// Edges whose ends differ by less along an axis of the lightmap get samples of their own. Luxels.
-inline constexpr float kThinEdge = 0.01f;
+/// Edges along an axis of the lightmap (ends differ by less on the other axis) are sampled too: subdividing the
+/// triangle may skip luxels along them. Luxels.
+inline constexpr float kAxisEdge = 0.01f;
 
 inline float LuxelDistance2(const SurfaceVertex &a, const SurfaceVertex &b) {
     const float s = a.luxel[0] - b.luxel[0], t = a.luxel[1] - b.luxel[1];
     return s * s + t * t;
 }
 
-/// The vertex between two whose normals are equal, if kFlat: the normal is not made a unit vector anew.
-template <bool kFlat> SurfaceVertex Between(const SurfaceVertex &a, const SurfaceVertex &b) {
-    if constexpr (kFlat) {
+/// The midpoint of an edge. kOneNormal: the normals of its ends are equal, and taken as they are.
+template <bool kOneNormal> SurfaceVertex Midpoint(const SurfaceVertex &a, const SurfaceVertex &b) {
+    if constexpr (kOneNormal) {
         SurfaceVertex middle;
         middle.xyz = (a.xyz + b.xyz) * 0.5f;
         middle.normal = a.normal;
@@ -35,31 +36,31 @@ template <bool kFlat> SurfaceVertex Between(const SurfaceVertex &a, const Surfac
         return HalfwayVert(a, b);
 }
 
-/// SubdivideTriangle, the squared lengths of whose edges are known; the longest of them is above the threshold.
-template <bool kFlat, typename Sample>
+/// SubdivideTriangle with the squared edge lengths ab, bc, ca, the longest of which is above the threshold.
+template <bool kOneNormal, typename Sample>
 void SubdivideEdges(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c, float ab, float bc,
                     float ca, float threshold2, const Sample &sample) {
-    // Asked before the call: more than half of all triangles are the last.
+    // Tested before the call: more than half of all calls would return at once.
     const auto halve = [&](const SurfaceVertex &p, const SurfaceVertex &q, const SurfaceVertex &r, float pq, float qr,
                            float rp) {
         if (std::max(pq, std::max(qr, rp)) > threshold2)
-            SubdivideEdges<kFlat>(p, q, r, pq, qr, rp, threshold2, sample);
+            SubdivideEdges<kOneNormal>(p, q, r, pq, qr, rp, threshold2, sample);
     };
     const float longest = std::max(ab, std::max(bc, ca));
     if (ab == longest) {
-        const SurfaceVertex m = Between<kFlat>(a, b);
+        const SurfaceVertex m = Midpoint<kOneNormal>(a, b);
         sample(m);
         const float am = LuxelDistance2(a, m), mb = LuxelDistance2(m, b), mc = LuxelDistance2(m, c);
         halve(m, b, c, mb, bc, mc);
         halve(a, m, c, am, mc, ca);
     } else if (bc == longest) {
-        const SurfaceVertex m = Between<kFlat>(b, c);
+        const SurfaceVertex m = Midpoint<kOneNormal>(b, c);
         sample(m);
         const float bm = LuxelDistance2(b, m), mc = LuxelDistance2(m, c), ma = LuxelDistance2(m, a);
         halve(a, m, c, ma, mc, ca);
         halve(a, b, m, ab, bm, ma);
     } else {
-        const SurfaceVertex m = Between<kFlat>(c, a);
+        const SurfaceVertex m = Midpoint<kOneNormal>(c, a);
         sample(m);
         const float cm = LuxelDistance2(c, m), ma = LuxelDistance2(m, a), bm = LuxelDistance2(b, m);
         halve(a, b, m, ab, bm, ma);
@@ -69,16 +70,16 @@ void SubdivideEdges(const SurfaceVertex &a, const SurfaceVertex &b, const Surfac
 
 /// Halves the longest edge until none is longer than the root of `threshold2` (above 0); sample(vertex) gets each
 /// point made on the way.
-template <bool kFlat, typename Sample>
+template <bool kOneNormal, typename Sample>
 void SubdivideTriangle(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c, float threshold2,
                        const Sample &sample) {
     const float ab = LuxelDistance2(a, b), bc = LuxelDistance2(b, c), ca = LuxelDistance2(c, a);
     if (std::max(ab, std::max(bc, ca)) > threshold2)
-        SubdivideEdges<kFlat>(a, b, c, ab, bc, ca, threshold2, sample);
+        SubdivideEdges<kOneNormal>(a, b, c, ab, bc, ca, threshold2, sample);
 }
 
 /// The same for a quad: halves the pair of opposite edges that holds the longest.
-template <bool kFlat, typename Sample>
+template <bool kOneNormal, typename Sample>
 void SubdivideQuad(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c, const SurfaceVertex &d,
                    float threshold2, const Sample &sample) {
     const float even = std::max(LuxelDistance2(a, b), LuxelDistance2(c, d));
@@ -86,16 +87,16 @@ void SubdivideQuad(const SurfaceVertex &a, const SurfaceVertex &b, const Surface
     if (!(std::max(even, odd) > threshold2))
         return;
     const bool first = even >= odd;
-    const SurfaceVertex m = first ? Between<kFlat>(a, b) : Between<kFlat>(b, c);
-    const SurfaceVertex n = first ? Between<kFlat>(c, d) : Between<kFlat>(d, a);
+    const SurfaceVertex m = first ? Midpoint<kOneNormal>(a, b) : Midpoint<kOneNormal>(b, c);
+    const SurfaceVertex n = first ? Midpoint<kOneNormal>(c, d) : Midpoint<kOneNormal>(d, a);
     sample(m);
     sample(n);
     if (first) {
-        SubdivideQuad<kFlat>(a, m, n, d, threshold2, sample);
-        SubdivideQuad<kFlat>(m, b, c, n, threshold2, sample);
+        SubdivideQuad<kOneNormal>(a, m, n, d, threshold2, sample);
+        SubdivideQuad<kOneNormal>(m, b, c, n, threshold2, sample);
     } else {
-        SubdivideQuad<kFlat>(a, b, m, n, threshold2, sample);
-        SubdivideQuad<kFlat>(n, m, c, d, threshold2, sample);
+        SubdivideQuad<kOneNormal>(a, b, m, n, threshold2, sample);
+        SubdivideQuad<kOneNormal>(n, m, c, d, threshold2, sample);
     }
 }
 
@@ -104,7 +105,7 @@ inline int LuxelOf(float coordinate, int size) {
     return coordinate > 0 ? std::min(int(coordinate), size - 1) : 0;
 }
 
-/// Corners in a lightmap. Luxels.
+/// Corners of a triangle in lightmap coordinates. Luxels.
 using LuxelTriangle = std::array<std::array<float, 2>, 3>;
 
 /// Range of coordinates along an axis of the lightmap.
@@ -113,7 +114,7 @@ struct LuxelSpan {
     void Add(float at) { from = std::min(from, at), to = std::max(to, at); }
 };
 
-/// The part of a triangle between two lines across the second axis, along the first.
+/// Extent along the first axis of the part of a triangle between top and bottom, on the second axis.
 inline LuxelSpan SpanBetween(const LuxelTriangle &triangle, float top, float bottom) {
     LuxelSpan span;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -127,8 +128,9 @@ inline LuxelSpan SpanBetween(const LuxelTriangle &triangle, float top, float bot
     return span;
 }
 
-/// Calls luxel(x, y) for each luxel of the lightmap that the triangle touches.
-template <typename Luxel> void ForLuxels(const LuxelTriangle &triangle, int width, int height, const Luxel &luxel) {
+/// Calls luxel(x, y) for each luxel that the triangle touches.
+template <typename Luxel>
+void ForCoveredLuxels(const LuxelTriangle &triangle, int width, int height, const Luxel &luxel) {
     LuxelSpan tall;
     for (const auto &corner : triangle)
         tall.Add(corner[1]);
@@ -139,37 +141,37 @@ template <typename Luxel> void ForLuxels(const LuxelTriangle &triangle, int widt
     }
 }
 
-/// The middle of the triangle's part in luxel (x, y), which it touches.
-inline std::array<float, 2> MiddleIn(const LuxelTriangle &triangle, int x, int y) {
-    Winding<float> part, rest;
+/// Mean of the corners of the triangle clipped to luxel (x, y), which it touches.
+inline std::array<float, 2> ClippedCenter(const LuxelTriangle &triangle, int x, int y) {
+    Winding<float> clipped, rest;
     for (const auto &corner : triangle)
-        part.push_back({corner[0], corner[1], 0});
+        clipped.push_back({corner[0], corner[1], 0});
     WindingCutter<float> cutter;
     const auto cut = [&](const Vec3f &normal, float dist) {
-        cutter.Classify(part, normal, dist, 0);
-        cutter.Back(part, rest);
-        if (rest.empty()) { // only touches the luxel: by an edge or a corner
+        cutter.Classify(clipped, normal, dist, 0);
+        cutter.Back(clipped, rest);
+        if (rest.empty()) { // the triangle only touches the luxel, by an edge or a corner
             float least = std::numeric_limits<float>::infinity();
-            for (const Vec3f &p : part)
+            for (const Vec3f &p : clipped)
                 least = std::min(least, Dot(normal, p));
-            std::copy_if(part.begin(), part.end(), std::back_inserter(rest),
+            std::copy_if(clipped.begin(), clipped.end(), std::back_inserter(rest),
                          [&](const Vec3f &p) { return Dot(normal, p) == least; });
         }
-        part.swap(rest);
+        clipped.swap(rest);
     };
     cut({1, 0, 0}, float(x + 1)), cut({-1, 0, 0}, float(-x));
     cut({0, 1, 0}, float(y + 1)), cut({0, -1, 0}, float(-y));
     Vec3f sum;
-    for (const Vec3f &p : part)
+    for (const Vec3f &p : clipped)
         sum += p;
-    return {sum.x / float(part.size()), sum.y / float(part.size())};
+    return {sum.x / float(clipped.size()), sum.y / float(clipped.size())};
 }
 
 /// Calls edge(p, q) for the edges of the triangle that run along an axis of the lightmap.
-template <typename Edge> void ForThinEdges(const std::array<SurfaceVertex, 3> &triangle, const Edge &edge) {
+template <typename Edge> void ForAxisEdges(const std::array<SurfaceVertex, 3> &triangle, const Edge &edge) {
     for (std::size_t i = 0; i < 3; ++i) {
         const SurfaceVertex &p = triangle[i], &q = triangle[(i + 1) % 3];
-        if (std::abs(p.luxel[0] - q.luxel[0]) < kThinEdge || std::abs(p.luxel[1] - q.luxel[1]) < kThinEdge)
+        if (std::abs(p.luxel[0] - q.luxel[0]) < kAxisEdge || std::abs(p.luxel[1] - q.luxel[1]) < kAxisEdge)
             edge(p, q);
     }
 }

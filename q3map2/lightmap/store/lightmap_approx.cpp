@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Lightmaps that vertex colours can stand for.
+// GPL-2.0-or-later. -approx: surfaces whose lightmap vertex colors can replace.
 #include "q3map2/lightmap/store/lightmap_approx.h"
 
 #include "q3map2/light/tone/light_tone.h"
@@ -10,21 +10,21 @@ namespace q3 {
 
 namespace {
 
-/// Bounds up to so many luxels on every axis need no lightmap.
+/// Surfaces with bounds up to this on each axis need no lightmap. Luxels.
 constexpr float kTinyLuxels = 2;
-/// Steps across a curve of a patch at most.
+/// Samples along a curve of a patch, at most.
 constexpr int kMaxSteps = 64;
-/// Halvings of a triangle at most: ends the search for any threshold.
+/// Halvings of a triangle, at most: bounds the recursion for any threshold.
 constexpr int kMaxDepth = 20;
 
-/// A place on a surface, where both are known.
-struct Sample {
+/// Interpolated vertex colors at a point of a surface, and where it is in the lightmap.
+struct SurfaceSample {
     std::array<float, 2> luxel{}; ///< of the lightmap, not of the super grid
     std::array<Vec3f, kStyles> colors{};
 };
 
-Sample Blend(const Sample &a, const Sample &b, float share) {
-    Sample result;
+SurfaceSample Blend(const SurfaceSample &a, const SurfaceSample &b, float share) {
+    SurfaceSample result;
     for (std::size_t i = 0; i < 2; ++i)
         result.luxel[i] = a.luxel[i] + (b.luxel[i] - a.luxel[i]) * share;
     for (std::size_t style = 0; style < kStyles; ++style)
@@ -33,11 +33,11 @@ Sample Blend(const Sample &a, const Sample &b, float share) {
 }
 
 /// At t of the quadratic curve with these control points.
-Sample OnCurve(const Sample &a, const Sample &b, const Sample &c, float t) {
+SurfaceSample OnCurve(const SurfaceSample &a, const SurfaceSample &b, const SurfaceSample &c, float t) {
     return Blend(Blend(a, b, t), Blend(b, c, t), t);
 }
 
-float SquaredDistance(const Sample &a, const Sample &b) {
+float SquaredDistance(const SurfaceSample &a, const SurfaceSample &b) {
     const float s = a.luxel[0] - b.luxel[0], t = a.luxel[1] - b.luxel[1];
     return s * s + t * t;
 }
@@ -48,26 +48,26 @@ class Approximation {
         : in_(in), surfaces_(surfaces), lightmap_(lightmap),
           spacing_(std::max(in.lightmap.threshold * in.lightmap.threshold, 0.125f)) {}
 
-    bool Holds(int surface) const {
+    bool Matches(int surface) const {
         const bspDrawSurface_t &record = in_.bsp.drawSurfaces[std::size_t(surface)];
         if (in_.table[std::size_t(surface)].shader->lightmap.noVertexLight)
             return false;
         if (record.surfaceType == MST_PATCH)
-            return PatchHolds(record);
+            return PatchMatches(record);
         for (int i = record.firstIndex; i < record.firstIndex + record.numIndexes; i += 3) {
-            std::array<Sample, 3> corners;
+            std::array<SurfaceSample, 3> corners;
             for (std::size_t k = 0; k < 3; ++k)
                 corners[k] = AtVertex(record.firstVert + in_.bsp.drawIndexes[std::size_t(i) + k]);
-            if (!std::all_of(corners.begin(), corners.end(), [&](const Sample &s) { return Close(s); }) ||
-                !TriangleHolds(corners, 0))
+            if (!std::all_of(corners.begin(), corners.end(), [&](const SurfaceSample &s) { return IsClose(s); }) ||
+                !TriangleMatches(corners, 0))
                 return false;
         }
         return true;
     }
 
   private:
-    Sample AtVertex(int vertex) const {
-        Sample sample;
+    SurfaceSample AtVertex(int vertex) const {
+        SurfaceSample sample;
         const auto v = std::size_t(vertex);
         for (std::size_t i = 0; i < 2; ++i)
             sample.luxel[i] = surfaces_.verts[v].luxel[i] / float(lightmap_.super);
@@ -77,8 +77,10 @@ class Approximation {
         return sample;
     }
 
-    bool Close(const Sample &sample) const {
-        const auto along = [](float place, int count) { return std::clamp(int(std::floor(place)), 0, count - 1); };
+    bool IsClose(const SurfaceSample &sample) const {
+        const auto along = [](float coordinate, int count) {
+            return std::clamp(int(std::floor(coordinate)), 0, count - 1);
+        };
         const std::size_t at =
             lightmap_.Index(along(sample.luxel[0], lightmap_.width), along(sample.luxel[1], lightmap_.height));
         for (std::size_t style = 0; style < kStyles; ++style) {
@@ -97,8 +99,8 @@ class Approximation {
         return true;
     }
 
-    /// Halves the longest edge until all are short.
-    bool TriangleHolds(const std::array<Sample, 3> &corners, int depth) const {
+    /// Compares at the midpoint of the longest edge, and so on for both halves until all edges are short.
+    bool TriangleMatches(const std::array<SurfaceSample, 3> &corners, int depth) const {
         std::size_t longest = 0;
         float length = 0;
         for (std::size_t i = 0; i < 3; ++i)
@@ -106,46 +108,46 @@ class Approximation {
                 longest = i, length = d;
         if (length <= spacing_ * spacing_ || depth >= kMaxDepth)
             return true;
-        const Sample middle = Blend(corners[longest], corners[(longest + 1) % 3], 0.5f);
-        if (!Close(middle))
+        const SurfaceSample middle = Blend(corners[longest], corners[(longest + 1) % 3], 0.5f);
+        if (!IsClose(middle))
             return false;
-        std::array<Sample, 3> one = corners, other = corners;
+        std::array<SurfaceSample, 3> one = corners, other = corners;
         one[(longest + 1) % 3] = other[longest] = middle;
-        return TriangleHolds(one, depth + 1) && TriangleHolds(other, depth + 1);
+        return TriangleMatches(one, depth + 1) && TriangleMatches(other, depth + 1);
     }
 
-    int Steps(const Sample &a, const Sample &b, const Sample &c) const {
+    int Steps(const SurfaceSample &a, const SurfaceSample &b, const SurfaceSample &c) const {
         const float length = std::sqrt(SquaredDistance(a, b)) + std::sqrt(SquaredDistance(b, c));
         return std::clamp(int(std::ceil(length / spacing_)), 1, kMaxSteps);
     }
 
-    /// All receivers of every piece of 3 x 3 control points, as engines draw it.
-    bool PatchHolds(const bspDrawSurface_t &record) const {
+    /// Compares on a grid over each biquadratic patch of 3 x 3 control points, as engines tessellate it.
+    bool PatchMatches(const bspDrawSurface_t &record) const {
         for (int y = 0; y + 2 < record.patchHeight; y += 2)
             for (int x = 0; x + 2 < record.patchWidth; x += 2) {
-                std::array<std::array<Sample, 3>, 3> points;
+                std::array<std::array<SurfaceSample, 3>, 3> points;
                 for (int row = 0; row < 3; ++row)
                     for (int column = 0; column < 3; ++column)
                         points[std::size_t(row)][std::size_t(column)] =
                             AtVertex(record.firstVert + (y + row) * record.patchWidth + x + column);
-                if (!PieceHolds(points))
+                if (!SubPatchMatches(points))
                     return false;
             }
         return true;
     }
 
-    bool PieceHolds(const std::array<std::array<Sample, 3>, 3> &p) const {
+    bool SubPatchMatches(const std::array<std::array<SurfaceSample, 3>, 3> &p) const {
         int across = 1, down = 1;
         for (std::size_t i = 0; i < 3; ++i) {
             across = std::max(across, Steps(p[i][0], p[i][1], p[i][2]));
             down = std::max(down, Steps(p[0][i], p[1][i], p[2][i]));
         }
         for (int x = 0; x <= across; ++x) {
-            std::array<Sample, 3> column;
+            std::array<SurfaceSample, 3> column;
             for (std::size_t row = 0; row < 3; ++row)
                 column[row] = OnCurve(p[row][0], p[row][1], p[row][2], float(x) / float(across));
             for (int y = 0; y <= down; ++y)
-                if (!Close(OnCurve(column[0], column[1], column[2], float(y) / float(down))))
+                if (!IsClose(OnCurve(column[0], column[1], column[2], float(y) / float(down))))
                     return false;
         }
         return true;
@@ -154,7 +156,7 @@ class Approximation {
     const SurfaceInputs &in_;
     const SurfaceLight &surfaces_;
     const RawLightmap &lightmap_;
-    float spacing_; ///< luxels between receivers that are looked at
+    float spacing_; ///< largest distance between compared points, luxels
 };
 
 VertexStandIn StandInFor(const SurfaceInputs &in, const SurfaceLight &surfaces, const RawLightmap &lightmap) {
@@ -165,7 +167,7 @@ VertexStandIn StandInFor(const SurfaceInputs &in, const SurfaceLight &surfaces, 
         return VertexStandIn::Forced;
     const Approximation approximation(in, surfaces, lightmap);
     const bool close = std::all_of(lightmap.surfaces.begin(), lightmap.surfaces.end(),
-                                   [&](int surface) { return approximation.Holds(surface); });
+                                   [&](int surface) { return approximation.Matches(surface); });
     return close ? VertexStandIn::Close : VertexStandIn::No;
 }
 

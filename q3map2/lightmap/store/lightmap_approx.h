@@ -1,14 +1,15 @@
-// GPL-2.0-or-later. Lightmaps that vertex colours can stand for.
+// GPL-2.0-or-later. -approx: surfaces whose lightmap vertex colors can replace.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"
 
 namespace q3 {
 
+/// Whether vertex colors replace a lightmap.
 enum class VertexStandIn {
     No,
-    Forced, ///< the surfaces are hardly larger than a luxel
-    Close   ///< colours interpolated between vertices are within -approx of the lightmap's
+    Forced, ///< yes: the surfaces are at most 2 luxels large
+    Close   ///< yes: interpolated vertex colors are within -approx of the lightmap, in bytes
 };
 
 /// By raw lightmap. All No without -approx.

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Receivers of lightmaps on pages.
+// GPL-2.0-or-later. Packing of lightmaps into pages.
 #include "q3map2/lightmap/store/lightmap_pack.h"
 
 #include <algorithm>
@@ -9,7 +9,8 @@ namespace q3 {
 namespace {
 
 constexpr int kWordBits = 64;
-/// Fast allocation: positions a lightmap's width, and one of how many parts of a page must be free for a look at it.
+/// Fast allocation: steps over a lightmap's width, and pages with less than 1 / kFastFree of their texels free are
+/// skipped.
 constexpr int kFastSteps = 15;
 constexpr double kFastFree = 10;
 
@@ -39,7 +40,7 @@ Stamp MakeStamp(const StoredSlot &slot) {
                 stamp.runs.push_back({y, x, 0});
             ++stamp.runs.back().length;
         }
-    // Long runs leave the fewest columns open.
+    // Long runs first: they rule out most columns.
     std::stable_sort(stamp.runs.begin(), stamp.runs.end(),
                      [](const Stamp::Run &a, const Stamp::Run &b) { return a.length > b.length; });
     return stamp;
@@ -61,7 +62,7 @@ bool PageSpace::Fits(const Stamp &stamp, int x, int y) const {
     return true;
 }
 
-/// Clears the columns at which the run meets a taken texel; false when none is left.
+/// Clears the columns of `open` at which the run would cover a taken texel; false if none is left.
 bool PageSpace::Remove(const Stamp::Run &run, int y, std::span<std::uint64_t> open) const {
     const int level = std::min(int(std::bit_width(unsigned(run.length))) - 1, kLevels - 1);
     const std::uint64_t *row = Row(y + run.row, level);
@@ -121,12 +122,12 @@ class Packer {
   public:
     Packer(const LightmapOptions &options, StoredSlots &stored) : options_(options), stored_(stored) {}
 
-    void Place(StoredSlot &slot) {
+    void Pack(StoredSlot &slot) {
         const Stamp stamp = MakeStamp(slot);
         const StoredSlot *first = nullptr;
         if (slot.style > 0)
             first = &stored_.slots[std::size_t(stored_.slotOf[std::size_t(slot.lightmap)][0])];
-        if ((first && PlaceBeside(*first, stamp, slot)) || PlaceAnywhere(stamp, slot))
+        if ((first && PackBesideFirst(*first, stamp, slot)) || PackAnywhere(stamp, slot))
             return;
         pages_.emplace_back(slot.pageSize[0], slot.pageSize[1]);
         Put(pages_.size() - 1, stamp, first ? std::array{first->x, first->y} : std::array{0, 0}, slot);
@@ -149,8 +150,9 @@ class Packer {
         slot.page = int(page), slot.x = at[0], slot.y = at[1];
     }
 
-    /// Where the lightmap's first style is, on any page, or half a page beside: then few stages are needed.
-    bool PlaceBeside(const StoredSlot &first, const Stamp &stamp, StoredSlot &slot) {
+    /// At the coordinates of the lightmap's first style, on any page, or half a page aside: surfaces that share a
+    /// shader then share the offset of its stages, so few generated shaders are needed.
+    bool PackBesideFirst(const StoredSlot &first, const Stamp &stamp, StoredSlot &slot) {
         for (const bool shifted : {false, true})
             for (std::size_t page = 0; page < pages_.size(); ++page) {
                 if (!Possible(pages_[page], stamp, slot))
@@ -169,7 +171,7 @@ class Packer {
         return false;
     }
 
-    bool PlaceAnywhere(const Stamp &stamp, StoredSlot &slot) {
+    bool PackAnywhere(const Stamp &stamp, StoredSlot &slot) {
         std::size_t page = 0;
         if (const std::size_t block = std::size_t(options_.searchBlock); block > 0 && !pages_.empty())
             page = (pages_.size() - 1) / block * block;
@@ -200,7 +202,7 @@ std::vector<std::array<int, 2>> PackSlots(const std::vector<std::size_t> &order,
                                           StoredSlots &stored) {
     Packer packer(options, stored);
     for (const std::size_t i : order)
-        packer.Place(stored.slots[i]);
+        packer.Pack(stored.slots[i]);
     for (StoredSlot &slot : stored.slots)
         if (slot.twin >= 0) {
             const StoredSlot &first = stored.slots[std::size_t(slot.twin)];

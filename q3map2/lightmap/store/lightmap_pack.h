@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Receivers of lightmaps on pages.
+// GPL-2.0-or-later. Packing of lightmaps into pages.
 #pragma once
 
 #include "q3map2/lightmap/store/lightmap_slots.h"
@@ -11,7 +11,7 @@
 
 namespace q3 {
 
-/// The texels that a lightmap needs: runs in rows. Those between may belong to others.
+/// The texels that a lightmap uses, as runs in rows. Other lightmaps may use those between.
 struct Stamp {
     struct Run {
         int row, start, length;
@@ -22,22 +22,22 @@ struct Stamp {
 };
 Stamp MakeStamp(const StoredSlot &slot);
 
-/// Which texels of a page are taken, kept so that all columns of a row are tested at once.
+/// Which texels of a page are taken, as bit rows, so that 64 columns are tested at once.
 class PageSpace {
   public:
     PageSpace(int width, int height);
     int Width() const { return width_; }
     int Height() const { return height_; }
     int Free() const { return free_; }
-    /// Whether the stamp lies on the page at (x, y), and nothing else where it needs a texel.
+    /// Whether the stamp is inside the page at (x, y) and all its texels are free.
     bool Fits(const Stamp &stamp, int x, int y) const;
-    /// The first place that fits, row by row, among multiples of the steps.
+    /// The first (x, y) that fits, row by row, among multiples of the steps.
     std::optional<std::array<int, 2>> Find(const Stamp &stamp, int stepX, int stepY) const;
     void Take(const Stamp &stamp, int x, int y);
 
   private:
     static constexpr int kLevels = 8;
-    /// Row of bits: texel x is set when one of the 2^level from x on is taken.
+    /// Bit x: whether one of the 2^level texels from x on is taken.
     std::uint64_t *Row(int row, int level) {
         return bits_.data() + (std::size_t(row) * kLevels + std::size_t(level)) * words_;
     }
@@ -52,7 +52,8 @@ class PageSpace {
     std::vector<std::uint64_t> bits_;
 };
 
-/// Gives every slot of `order` a page and a place, and twins that of their first. Returns the sizes of the pages.
+/// Sets page, x and y of every slot in `order`, and of twins those of the slot they share. Returns the sizes of the
+/// pages.
 std::vector<std::array<int, 2>> PackSlots(const std::vector<std::size_t> &order, const LightmapOptions &options,
                                           StoredSlots &stored);
 

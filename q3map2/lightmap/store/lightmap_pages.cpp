@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Lightmap pages and made shaders as files beside the map.
+// GPL-2.0-or-later. Lightmap pages and generated shaders as files beside the map.
 #include "q3map2/lightmap/store/lightmap_pages.h"
 
 #include "common/error.h"

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Lightmap pages and made shaders as files beside the map.
+// GPL-2.0-or-later. Lightmap pages and generated shaders as files beside the map.
 #pragma once
 
 #include "q3map2/lightmap/store/lightmap_store.h"
@@ -7,14 +7,14 @@
 
 namespace q3 {
 
-/// Writes the external pages as lm_NNNN.tga (24 bit, row 0 of the page on top) into the folder, which is made if there
-/// is something to write, and then deletes files of higher numbers that an earlier run left, up to the first gap.
+/// Writes the external pages as lm_NNNN.tga (24 bit, row 0 of the page on top) into the folder, which is created if
+/// there is something to write, and then deletes files of higher numbers that an earlier run left, up to the first gap.
 /// Errors: Error, for files that cannot be written.
 void WritePages(const std::filesystem::path &folder, const StoredLightmaps &stored, Log &log);
 
-/// Where the made shaders of a map belong: ../scripts/q3map2_NAME.shader, beside the folder of the map.
+/// Path of the generated shaders of a map: ../scripts/q3map2_NAME.shader, beside the folder of the map.
 std::filesystem::path ScriptPath(const std::filesystem::path &bspPath, const Game &game);
-/// Writes the made shaders; without any, deletes the file of an earlier run.
+/// Writes the generated shaders; without any, deletes the file of an earlier run.
 void WriteScript(const std::filesystem::path &script, const StoredLightmaps &stored, Log &log);
 
 /// Writes every page of the file as lightmap_NNNN.tga into the folder: rows bottom up by the header, as they are in

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Shaders made for surfaces whose light one lightmap of the file cannot show.
+// GPL-2.0-or-later. Shaders generated for surfaces whose light one lightmap of the file cannot show.
 #include "q3map2/lightmap/store/lightmap_scripts.h"
 
 #include "common/text/text.h"
@@ -19,7 +19,7 @@ constexpr std::size_t kChecksumDigits = 32;
 constexpr std::size_t kFrames = 8, kStages = 8;
 constexpr std::string_view kDefaultWave = "wave noise 0.5 1 0 5.37";
 
-/// First place of the word, with characters around that belong to no word, without case.
+/// Offset of the first whole word, ignoring case; npos: none.
 std::size_t FindWord(std::string_view text, std::string_view word) {
     const auto part = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$'; };
     for (std::size_t at = 0; at + word.size() <= text.size(); ++at) {
@@ -35,14 +35,14 @@ std::string Replaced(std::string_view text, std::size_t at, std::size_t length, 
     return fmt::format("{}{}{}", text.substr(0, at), with, text.substr(at + length));
 }
 
-/// What a shader without script looks like: light, then the image over it.
+/// Script of a shader that has none: the lightmap, multiplied by the image.
 std::string DefaultText(const ShaderInfo &shader) {
     constexpr std::string_view kLight = "\t{{\n\t\tmap $lightmap\n\t\trgbGen identity\n{}\t}}\n";
     constexpr std::string_view kImage =
         "\t{{\n\t\tmap {}.tga\n\t\tblendFunc GL_DST_COLOR GL_ZERO\n\t\trgbGen identity\n{}\t}}\n";
     constexpr std::string_view kEqual = "\t\tdepthFunc equal\n";
     if (!shader.implicitMask.empty()) {
-        // The mask's depth first, so that light added later stays within it.
+        // Depth of the masked image first, so that later stages are drawn only there.
         const std::string mask = fmt::format("\tcull none\n\t{{\n\t\tmap {}.tga\n\t\talphaFunc GE128\n\t\tdepthWrite\n"
                                              "\t\trgbGen const ( 0 0 0 )\n\t}}\n",
                                              shader.implicitMask);
@@ -80,7 +80,7 @@ std::string HintName(std::string_view mapName, std::size_t number) {
     return fmt::format("maps/{}/nomipmaps{}", mapName, number);
 }
 
-/// Surfaces at the start of the file that only name images.
+/// Number of mipmap hints at the start of the file.
 std::size_t CountHints(std::string_view mapName, const Bsp &bsp) {
     const std::string prefix = fmt::format("maps/{}/nomipmaps", mapName);
     std::size_t count = 0;
@@ -148,7 +148,7 @@ std::string ShaderNameFor(std::string_view text, std::string_view mapName) {
     return fmt::format("{}/{}", mapName.substr(0, kMaxShaderName - kChecksumDigits - 1), checksum);
 }
 
-bool IsMadeName(std::string_view shader, std::string_view mapName) {
+bool IsGeneratedName(std::string_view shader, std::string_view mapName) {
     const std::string prefix = fmt::format("{}/", mapName.substr(0, kMaxShaderName - kChecksumDigits - 1));
     return StartsWithNoCase(shader, prefix) && shader.size() == prefix.size() + kChecksumDigits &&
            std::all_of(shader.begin() + std::ptrdiff_t(prefix.size()), shader.end(),
@@ -170,7 +170,7 @@ int ShaderNumber(Bsp &bsp, std::string_view name, std::uint32_t surfaceFlags, st
 void RemoveMipmapHints(std::string_view mapName, Bsp &bsp) {
     const std::size_t count = CountHints(mapName, bsp);
     const auto isHint = [&](int surface) { return surface >= 0 && std::size_t(surface) < count; };
-    // Another tool may have put them into a model or a leaf: then they stay.
+    // They stay if another tool has put them into a model or a leaf.
     for (const bspModel_t &model : bsp.models)
         if (model.numBSPSurfaces > 0 && isHint(model.firstBSPSurface))
             return;
@@ -184,7 +184,7 @@ void RemoveMipmapHints(std::string_view mapName, Bsp &bsp) {
 
 namespace {
 
-/// Surfaces without vertices, first in the file, whose shaders make engines load the images without mipmaps.
+/// See FinishForFile.
 void AddMipmapHints(std::string_view mapName, StoredLightmaps &stored, Bsp &bsp) {
     std::vector<int> files;
     for (const LightmapPage &page : stored.pages) {
@@ -218,7 +218,7 @@ void AddMipmapHints(std::string_view mapName, StoredLightmaps &stored, Bsp &bsp)
 } // namespace
 
 void FinishForFile(const LightmapOptions &options, std::string_view mapName, StoredLightmaps &stored, Bsp &bsp) {
-    // Engines load the pages themselves where all are images.
+    // With -external engines load the pages themselves.
     if (!options.external)
         AddMipmapHints(mapName, stored, bsp);
     if (!options.triangleSoup)

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Shaders made for surfaces whose light one lightmap of the file cannot show.
+// GPL-2.0-or-later. Shaders generated for surfaces whose light one lightmap of the file cannot show.
 #pragma once
 
 #include "q3map2/bspfile/entities.h"
@@ -30,20 +30,20 @@ std::string StyledText(const ShaderInfo &shader, std::span<const StyleStage> sta
 /// when it has no lightmap stage.
 std::string ImageText(const ShaderInfo &shader, std::string text, int file, std::string_view mapName);
 
-/// Name that only this text has: the map's and a checksum. At most 63 bytes.
+/// Name of a generated shader: the map name and a checksum of the text. At most 63 bytes.
 std::string ShaderNameFor(std::string_view text, std::string_view mapName);
-/// Whether ShaderNameFor made that name for this map.
-bool IsMadeName(std::string_view shader, std::string_view mapName);
+/// Whether the name is one of ShaderNameFor for this map.
+bool IsGeneratedName(std::string_view shader, std::string_view mapName);
 
-/// Number of the shader in the file, which gets it if it is new.
+/// Index of the shader in the file; adds it if it is new.
 int ShaderNumber(Bsp &bsp, std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags);
 
-/// Last changes for a file; nothing else may be made of this Bsp. Where made shaders name images of pages, surfaces
-/// without vertices come first whose shaders make engines load these images without mipmaps: the numbers of all
-/// surfaces move. With -trisoup flat surfaces become triangle soups without lightmap.
+/// Last changes before writing the file; surface numbers change. If generated shaders name images of pages, puts
+/// surfaces without vertices first ("mipmap hints"), whose shaders make engines load these images without mipmaps. With
+/// -trisoup planar surfaces become triangle soups without lightmap.
 void FinishForFile(const LightmapOptions &options, std::string_view mapName, StoredLightmaps &stored, Bsp &bsp);
 
-/// Takes those first surfaces away again: a surface file counts without them. Before anything is made of a Bsp.
+/// Removes mipmap hints of an earlier run, so that surface numbers are again those of the surface file.
 void RemoveMipmapHints(std::string_view mapName, Bsp &bsp);
 
 } // namespace q3

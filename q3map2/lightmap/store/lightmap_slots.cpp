@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Lightmaps on their way to pages.
+// GPL-2.0-or-later. Lightmaps to be packed.
 #include "q3map2/lightmap/store/lightmap_slots.h"
 
 #include <algorithm>
@@ -11,13 +11,13 @@ namespace q3 {
 
 namespace {
 
-/// Byte scale: colours of one solid lightmap, and of two that are joined, differ by at most this.
+/// Greatest channel difference within a solid lightmap, and between two that share a texel. Byte scale.
 constexpr float kSolidDifference = 0.0625f;
-/// Channels of two texels that are joined differ by less, byte scale.
+/// Channel differences of texels that twins share are less than this. Byte scale.
 constexpr float kTwinDifference = 3;
-/// Mean over texels of the sum of channel differences, of 768.
+/// Greatest mean over texels of the sum of channel differences / 768.
 constexpr float kTwinMean = 0.0025f;
-/// Directions of one solid lightmap differ by at most this: a step of their bytes.
+/// Greatest difference of direction components within a solid lightmap: one step of their bytes.
 constexpr float kSolidDirection = 1.0f / 127;
 
 float MaxDifference(const Vec3f &a, const Vec3f &b) {
@@ -25,7 +25,8 @@ float MaxDifference(const Vec3f &a, const Vec3f &b) {
     return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
 }
 
-// ---- closed surfaces -------------------------------------------------------------------------------------------
+// ---- seams of closed patches
+// -------------------------------------------------------------------------------------------
 
 void JoinTexels(Vec3f &a, Vec3f &b, bool colors) {
     if (colors && (a.x < 0 || b.x < 0)) {
@@ -60,7 +61,7 @@ Vec3f InTangentSpace(const Vec3f &d, const Vec3f &n) {
     return {Dot(d, tangent), Dot(d, bitangent), Dot(d, n)};
 }
 
-/// Of the receivers that the luxel covers.
+/// Mean normal of the super luxels of a luxel.
 Vec3f MeanNormal(const RawLightmap &lightmap, int x, int y) {
     Vec3f sum;
     for (int sy = y * lightmap.super; sy < (y + 1) * lightmap.super; ++sy)
@@ -89,7 +90,7 @@ bool DirectionsAgree(const StoredSlot &slot) {
                        [&](const Vec3f &d) { return MaxDifference(d, slot.directions.front()) <= kSolidDirection; });
 }
 
-/// Texels are dropped where one colour stands for all.
+/// Marks lightmaps of at most 2 x 2 luxels or one color as solid.
 void FindSolid(StoredSlot &slot) {
     Vec3f least = slot.texels.front(), most = least;
     for (const Vec3f &texel : slot.texels)
@@ -106,7 +107,7 @@ void FindSolid(StoredSlot &slot) {
 
 // ---- twins -----------------------------------------------------------------------------------------------------
 
-/// A few texels of a slot side by side in memory: most pairs differ in one of them.
+/// A few texels of a slot: most pairs of slots already differ in one of them.
 struct TwinKey {
     std::array<Vec3f, 4> texels;
     bool Differs(const TwinKey &other) const {
@@ -147,7 +148,7 @@ bool Alike(const StoredSlot &a, const StoredSlot &b) {
     return true;
 }
 
-/// `count`: slots that are in `a` with this one.
+/// Adds b to the running mean a of `count` slots, b included.
 void Join(StoredSlot &a, const StoredSlot &b, int count) {
     const float share = 1 / float(count);
     a.color += (b.color - a.color) * share;
@@ -158,7 +159,7 @@ void Join(StoredSlot &a, const StoredSlot &b, int count) {
             a.texels[i] += (b.texels[i] - a.texels[i]) * share;
 }
 
-/// Slots of one kind, in order. Only these can be alike.
+/// Finds twins among slots of one size, in order.
 void JoinGroup(const std::vector<std::size_t> &group, std::vector<StoredSlot> &slots) {
     std::vector<TwinKey> keys;
     for (const std::size_t i : group)
@@ -227,7 +228,7 @@ void JoinTwins(std::vector<StoredSlot> &slots) {
         const StoredSlot &slot = slots[i];
         if (slot.byVertex)
             continue;
-        // Solid ones by steps of red: of those alike, most are equal.
+        // Solid slots are compared only within one step of red; most twins have exactly equal colors.
         const int step = slot.solid ? int(std::clamp(slot.color.x / kSolidDifference, 0.0f, 1e6f)) : 0;
         const std::array<int, 2> size = slot.solid ? std::array{-1, -1} : std::array{slot.width, slot.height};
         groups[{size[0], size[1], slot.pageSize, slot.brightness, step}].push_back(i);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Lightmaps on their way to pages: copies of the results, one per style, the alike ones joined.
+// GPL-2.0-or-later. Lightmaps to be packed: copies of the results, one per style; similar ones share texels.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"
@@ -16,12 +16,12 @@ struct StoredSlot {
     std::array<int, 2> pageSize{128, 128};
     float brightness = 1;
     std::vector<Vec3f> texels, directions; ///< directions: empty without deluxe
-    bool solid = false;                    ///< one colour: takes one texel
+    bool solid = false;                    ///< one color: needs one texel
     Vec3f color, direction;                ///< if solid
     int twin = -1;                         ///< slot whose texels it shares
-    bool byVertex = false;                 ///< its surfaces take their light from their vertices: takes no texel
+    bool byVertex = false;                 ///< vertex colors replace it: needs no texel
 
-    // Set by PackSlots; those of twins by the slot that they share.
+    // Set by PackSlots.
     int page = -1, x = 0, y = 0;
 
     bool Used(std::size_t texel) const { return texels[texel].x >= 0; }
@@ -32,14 +32,14 @@ struct StoredSlots {
     std::vector<std::array<int, kStyles>> slotOf; ///< [raw lightmap][style slot]: number, -1: none
 };
 
-/// Copies of all results: seams of surfaces that wrap closed, directions of length 1 (in tangent space if asked for),
-/// and, if lightmaps are to be collapsed, solid ones found.
+/// Copies of all results. Texels at the seam of patches that close on themselves are averaged, directions normalized
+/// (in tangent space with -deluxemode 1) and, unless -nocollapse or light styles forbid it, solid lightmaps marked.
 StoredSlots MakeSlots(const SurfaceInputs &in, const SurfaceLight &surfaces);
 
-/// Joins slots whose texels are nearly alike: `twin` of the later, means in the earlier.
+/// Makes slots with nearly equal texels share them: sets `twin` of the later ones; the first gets the mean.
 void JoinTwins(std::vector<StoredSlot> &slots);
 
-/// Slots that need texels, in the order in which they are packed: by shader names, then first styles, then large ones.
+/// Slots that need texels, in packing order: by shader names, then styles (few first), then area (large first).
 std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLight &surfaces, const StoredSlots &stored);
 
 } // namespace q3

@@ -4,6 +4,8 @@
 #include "common/debug_color.h"
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 #include "q3map2/lightmap/ao/luxel_flood.h"
+#include "q3map2/lightmap/raw/vector_colors.h"
+#include "q3map2/lightmap/raw/visible_clusters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,15 +15,16 @@ namespace q3 {
 
 namespace {
 
-/// Rays start this far over the vertex, and this far inside its surface, clear of the solids that touch it. Game units.
-constexpr float kOver = 1.0f / 8, kInside = 1.0f / 4;
-/// A vertex is in a solid when it is this deep in. Game units.
-constexpr float kDeep = 0.125f;
-/// Vertices in the dark are lit from up to two such steps aside on each axis. Game units.
+/// Shadow rays start this far over the vertex and this far inside its surface, clear of solids that touch it. Game
+/// units.
+constexpr float kLift = 1.0f / 8, kInset = 1.0f / 4;
+/// A vertex counts as inside a solid from this depth on. Game units.
+constexpr float kSolidDepth = 0.125f;
+/// Vertices without light are tried at up to two such steps aside on each axis. Game units.
 constexpr float kNudge = 4;
 constexpr std::array<int, 5> kNudgeSteps = {0, 1, -1, 2, -2};
 constexpr float kWhite = 255;
-/// Light of a vertex that a constant is asked for, byte scale, at 1.
+/// Constant vertex light (-novertex 1, shaders without vertex light). Byte scale.
 constexpr float kConstant = 127.5f;
 
 /// Light at the vertices of one surface.
@@ -31,30 +34,7 @@ struct SurfaceVertexLight {
     bool constant = false;                          ///< the same in all passes
 };
 
-/// Whether two clusters see each other is asked again and again for the same ones.
-class ClusterFilter {
-  public:
-    ClusterFilter(const BspSpace &space, const std::vector<int> &clusters) : space_(space), clusters_(clusters) {}
-    /// The cluster of a vertex; kSolidCluster also where no cluster of the surface sees it.
-    int At(const Vec3f &p) {
-        const int cluster = space_.ClusterAt(p, -kDeep);
-        if (cluster < 0 || clusters_.empty())
-            return cluster;
-        if (cluster != last_) {
-            last_ = cluster;
-            seen_ = std::any_of(clusters_.begin(), clusters_.end(), [&](int c) { return space_.Visible(cluster, c); });
-        }
-        return seen_ ? cluster : kSolidCluster;
-    }
-
-  private:
-    const BspSpace &space_;
-    const std::vector<int> &clusters_;
-    int last_ = kSolidCluster;
-    bool seen_ = false;
-};
-
-/// What is the same for all vertices that are lit on their own.
+/// Lights the vertices of a surface that has no lightmap.
 class VertexLighter {
   public:
     VertexLighter(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
@@ -63,16 +43,16 @@ class VertexLighter {
     SurfaceVertexLight Run();
 
   private:
-    using Numbers = std::vector<std::size_t>; // of vertices in the surface
+    using VertexIndices = std::vector<std::size_t>; // of the surface, from 0
     void FindLights(const std::vector<Light> &lights);
-    void FindPlaces();
-    /// Lights the vertices at their receivers moved by `offset`, where that is in the open. Returns those.
-    Numbers LightAt(const Numbers &vertices, const Vec3f &offset);
-    void AddLights(std::span<SurfaceReceiverBatch> blocks, const Numbers &vertices);
-    void AddSurroundings(const SurfaceReceiverBatch &block, std::span<const std::size_t> vertices);
+    void FindRayOrigins();
+    /// Lights the vertices moved by `offset`; returns those that are not occluded there.
+    VertexIndices LightAt(const VertexIndices &vertices, const Vec3f &offset);
+    void AddLights(std::span<SurfaceReceiverBatch> blocks, const VertexIndices &vertices);
+    void AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::span<const std::size_t> vertices);
     void AddTo(std::size_t slot, std::size_t vertex, const Vec3f &light);
     bool Bright(std::size_t vertex) const;
-    void FillClosed(const std::vector<bool> &lit);
+    void FillOccluded(const std::vector<bool> &lit);
 
     const SurfaceInputs &in_;
     const SurfacePass &pass_;
@@ -80,16 +60,16 @@ class VertexLighter {
     const bspDrawSurface_t &surface_;
     const Boundsf &bounds_;
     std::span<const SurfaceVertex> verts_;
-    const AmbientOcclusion &around_;
+    const AmbientOcclusion &occlusion_;
     ContributionCounts &counts_;
-    ClusterFilter clusters_;
+    VisibleClusters clusters_;
     const std::vector<int> &surfaceClusters_;
     int number_;
     Vec3f ambient_;
     FloodSource flood_;
     SurfaceLightSettings settings_;
     std::vector<const Light *> lights_;
-    std::vector<Vec3f> receivers_; // where rays start
+    std::vector<Vec3f> rayOrigins_; // of shadow rays
     SurfaceVertexLight result_;
 };
 
@@ -98,7 +78,7 @@ VertexLighter::VertexLighter(const SurfaceInputs &in, const std::vector<Light> &
                              ContributionCounts &counts)
     : in_(in), pass_(pass), entry_(in.table[surface]), surface_(in.bsp.drawSurfaces[surface]),
       bounds_(surfaces.bounds[surface]),
-      verts_(surfaces.verts.data() + surface_.firstVert, std::size_t(surface_.numVerts)), around_(around),
+      verts_(surfaces.verts.data() + surface_.firstVert, std::size_t(surface_.numVerts)), occlusion_(around),
       counts_(counts), clusters_(in.space, surfaces.clusters[surface]), surfaceClusters_(surfaces.clusters[surface]),
       number_(int(surface)), ambient_(pass.bounce ? Vec3f{} : entry_.ambient),
       flood_(pass.bounce ? FloodSource{} : WorldFlood(in)) {
@@ -109,7 +89,7 @@ VertexLighter::VertexLighter(const SurfaceInputs &in, const std::vector<Light> &
     settings_.occlusion = surfaces.lightmapOf[surface] < 0; // -cpma lights lightmapped surfaces without shadows
     settings_.sunOcclusion = settings_.occlusion && !entry_.shader->forceSunlight;
     FindLights(lights);
-    FindPlaces();
+    FindRayOrigins();
 }
 
 void VertexLighter::FindLights(const std::vector<Light> &lights) {
@@ -129,8 +109,8 @@ void VertexLighter::FindLights(const std::vector<Light> &lights) {
     }
 }
 
-/// Rays start a hair over the vertex and towards the middle of what is around it on the surface.
-void VertexLighter::FindPlaces() {
+/// Origins: over the vertex, and inset towards the mean of the vertices it shares edges with.
+void VertexLighter::FindRayOrigins() {
     std::vector<Vec3f> around(verts_.size());
     std::vector<float> counts(verts_.size());
     const auto connect = [&](std::size_t a, std::size_t b) {
@@ -153,17 +133,17 @@ void VertexLighter::FindPlaces() {
                 connect(std::size_t(corner[k]), std::size_t(corner[(k + 1) % 3]));
         }
     }
-    receivers_.resize(verts_.size());
+    rayOrigins_.resize(verts_.size());
     for (std::size_t v = 0; v < verts_.size(); ++v) {
         const Vec3f inside = counts[v] > 0 ? Normalize(around[v] / counts[v] - verts_[v].xyz) : Vec3f{};
-        receivers_[v] = verts_[v].xyz + verts_[v].normal * kOver + inside * kInside;
+        rayOrigins_[v] = verts_[v].xyz + verts_[v].normal * kLift + inside * kInset;
     }
 }
 
 SurfaceVertexLight VertexLighter::Run() {
     result_.values[0].assign(verts_.size(), ambient_);
-    std::vector<bool> lit(verts_.size()); // at least one place was in the open
-    Numbers dark(verts_.size());
+    std::vector<bool> lit(verts_.size()); // not occluded at some offset
+    VertexIndices dark(verts_.size());
     for (std::size_t v = 0; v < dark.size(); ++v)
         dark[v] = v;
     const bool anyLight = !lights_.empty() || flood_.light != Vec3f{};
@@ -176,15 +156,15 @@ SurfaceVertexLight VertexLighter::Run() {
                     lit[v] = true;
                 std::erase_if(dark, [&](std::size_t v) { return lit[v] && Bright(v); });
             }
-    FillClosed(lit);
+    FillOccluded(lit);
     return std::move(result_);
 }
 
-VertexLighter::Numbers VertexLighter::LightAt(const Numbers &vertices, const Vec3f &offset) {
-    Numbers open;
+VertexLighter::VertexIndices VertexLighter::LightAt(const VertexIndices &vertices, const Vec3f &offset) {
+    VertexIndices open;
     std::vector<SurfaceReceiverBatch> blocks;
     for (const std::size_t v : vertices) {
-        const int cluster = clusters_.At(verts_[v].xyz + offset);
+        const int cluster = clusters_.Allowed(in_.space.ClusterAt(verts_[v].xyz + offset, -kSolidDepth));
         if (cluster < 0)
             continue;
         if (open.size() % kPacketSize == 0) {
@@ -192,7 +172,7 @@ VertexLighter::Numbers VertexLighter::LightAt(const Numbers &vertices, const Vec
             blocks.back().twoSided = entry_.shader->twoSided;
         }
         open.push_back(v);
-        blocks.back().Add(receivers_[v] + offset, verts_[v].normal, cluster);
+        blocks.back().Add(rayOrigins_[v] + offset, verts_[v].normal, cluster);
     }
     for (const std::size_t v : open)
         for (std::size_t slot = 0; slot < kStyles; ++slot)
@@ -200,11 +180,11 @@ VertexLighter::Numbers VertexLighter::LightAt(const Numbers &vertices, const Vec
                 result_.values[slot][v] = slot == 0 ? ambient_ : Vec3f{};
     AddLights(blocks, open);
     for (std::size_t b = 0; b < blocks.size(); ++b)
-        AddSurroundings(blocks[b], std::span(open).subspan(b * kPacketSize, blocks[b].count));
+        AddAmbientOcclusion(blocks[b], std::span(open).subspan(b * kPacketSize, blocks[b].count));
     return open;
 }
 
-void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> blocks, const Numbers &vertices) {
+void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> blocks, const VertexIndices &vertices) {
     SurfaceIncidentLight incident;
     for (const Light *light : lights_) {
         const std::size_t slot = StyleSlotFor(result_.styles, light->style);
@@ -237,12 +217,12 @@ void VertexLighter::AddTo(std::size_t slot, std::size_t vertex, const Vec3f &lig
     values[vertex] += light;
 }
 
-/// Dirt, and then floodlight, which it does not darken.
-void VertexLighter::AddSurroundings(const SurfaceReceiverBatch &block, std::span<const std::size_t> vertices) {
+/// Multiplies by dirt, then adds floodlight.
+void VertexLighter::AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::span<const std::size_t> vertices) {
     const bool dirty = in_.lightmap.dirty && !pass_.bounce && !entry_.shader->lightmap.noDirt;
     if (!dirty && flood_.light == Vec3f{})
         return;
-    OpenReceivers receivers;
+    OcclusionReceivers receivers;
     receivers.receiveShadows = entry_.receiveShadows;
     receivers.surfaces = {&number_, 1};
     receivers.vertices = true;
@@ -255,14 +235,14 @@ void VertexLighter::AddSurroundings(const SurfaceReceiverBatch &block, std::span
     });
     if (dirty && anyLight) {
         std::vector<Lanes> dirt;
-        around_.Dirt({&receivers, 1}, dirt, counts_);
+        occlusion_.Dirt({&receivers, 1}, dirt, counts_);
         for (std::vector<Vec3f> &values : result_.values)
             for (std::size_t i = 0; i < block.count && !values.empty(); ++i)
                 values[vertices[i]] *= dirt[0][i];
     }
     if (flood_.light != Vec3f{}) {
         Lanes open;
-        around_.SkyVisibility(receivers, flood_.distance, open, counts_);
+        occlusion_.SkyVisibility(receivers, flood_.distance, open, counts_);
         for (std::size_t i = 0; i < block.count; ++i)
             result_.values[0][vertices[i]] += flood_.light * open[i];
     }
@@ -273,8 +253,8 @@ bool VertexLighter::Bright(std::size_t vertex) const {
     return light.x > ambient_.x || light.y > ambient_.y || light.z > ambient_.z;
 }
 
-/// Vertices that are nowhere in the open get the mean of the bright ones.
-void VertexLighter::FillClosed(const std::vector<bool> &lit) {
+/// Vertices that are occluded at all offsets get the mean of those that have light.
+void VertexLighter::FillOccluded(const std::vector<bool> &lit) {
     for (std::size_t slot = 0; slot < kStyles; ++slot) {
         std::vector<Vec3f> &values = result_.values[slot];
         if (values.empty())
@@ -291,9 +271,9 @@ void VertexLighter::FillClosed(const std::vector<bool> &lit) {
     }
 }
 
-/// Values that do not come from light, or none.
-std::optional<SurfaceVertexLight> ShownInstead(const SurfaceInputs &in, const SurfaceLight &surfaces,
-                                               std::size_t surface) {
+/// Values of surfaces whose vertices show a constant or a debug view; none for others.
+std::optional<SurfaceVertexLight> ConstantLight(const SurfaceInputs &in, const SurfaceLight &surfaces,
+                                                std::size_t surface) {
     const bspDrawSurface_t &record = in.bsp.drawSurfaces[surface];
     const std::span<const SurfaceVertex> verts(surfaces.verts.data() + record.firstVert, std::size_t(record.numVerts));
     SurfaceVertexLight result;
@@ -307,13 +287,10 @@ std::optional<SurfaceVertexLight> ShownInstead(const SurfaceInputs &in, const Su
         std::fill(values.begin(), values.end(), DebugColor(int(surface)));
     else if (in.lightmap.show == DebugView::Origin && onItsOwn)
         for (std::size_t v = 0; v < verts.size(); ++v)
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const float size = bounds.maxs[axis] - bounds.mins[axis];
-                values[v][axis] = size > 0 ? (verts[v].xyz[axis] - bounds.mins[axis]) / size * kWhite : 0;
-            }
+            values[v] = PositionColor(verts[v].xyz, bounds);
     else if (in.lightmap.show == DebugView::NormalMap)
         for (std::size_t v = 0; v < verts.size(); ++v)
-            values[v] = (verts[v].normal + Vec3f{1, 1, 1}) * kConstant;
+            values[v] = VectorColor(verts[v].normal);
     else if (in.table[surface].shader->lightmap.noVertexLight)
         fill(kConstant);
     else if (in.lightmap.noVertex)
@@ -323,20 +300,21 @@ std::optional<SurfaceVertexLight> ShownInstead(const SurfaceInputs &in, const Su
     return result;
 }
 
-/// Mean light of the mapped luxels nearest to a place in the super grid, in growing squares.
-Vec3f NearestLight(const RawLightmap &raw, const std::vector<Vec3f> &light, const std::array<float, 2> &place,
+/// Mean light of the mapped luxels nearest to a position in the super grid: on the smallest square around it that has
+/// any.
+Vec3f NearestLight(const RawLightmap &raw, const std::vector<Vec3f> &light, const std::array<float, 2> &position,
                    const Vec3f &otherwise) {
     const int width = raw.SuperWidth(), height = raw.SuperHeight();
     const auto at = [](float coordinate, int size) {
         return std::isfinite(coordinate) ? int(std::clamp(std::floor(coordinate), 0.0f, float(size - 1))) : 0;
     };
-    const int x = at(place[0], width), y = at(place[1], height);
+    const int x = at(position[0], width), y = at(position[1], height);
     for (int radius = 0; radius < std::max(width, height); ++radius) {
         Vec3f sum;
         float count = 0;
         for (int v = std::max(0, y - radius); v <= std::min(height - 1, y + radius); ++v)
             for (int u = std::max(0, x - radius); u <= std::min(width - 1, x + radius); ++u)
-                // Smaller squares had none.
+                // Only the rim of the square: smaller squares had none.
                 if (const std::size_t luxel = raw.SuperIndex(u, v);
                     std::max(std::abs(u - x), std::abs(v - y)) == radius && raw.Mapped(luxel))
                     sum += light[luxel], count += 1;
@@ -365,10 +343,10 @@ SurfaceVertexLight FromLightmap(const SurfaceInputs &in, const SurfacePass &pass
     return result;
 }
 
-/// Adds one surface's light to that of all.
+/// Adds the light of a surface to that of all.
 void Store(const SurfaceInputs &in, const SurfacePass &pass, std::size_t surface, const SurfaceVertexLight &from,
            VertexLight &vertex) {
-    // Light that bounces are made of, but that is not shown itself. A constant is shown once.
+    // kept: added to the result; with -bounceonly direct light is not. sent: bounces on. Constants count in one pass.
     const bool direct = !pass.bounce;
     const bool kept = from.constant ? direct : !(direct && in.lightmap.bounceOnly && in.lightmap.bounces > 0);
     const bool sent = !from.constant || direct;
@@ -412,7 +390,7 @@ void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, co
         const auto surface = std::size_t(number);
         if (in.bsp.drawSurfaces[surface].numVerts <= 0 || in.table[surface].parent >= 0)
             return;
-        if (auto shown = ShownInstead(in, surfaces, surface))
+        if (auto shown = ConstantLight(in, surfaces, surface))
             results[surface] = std::move(*shown);
         else if (surfaces.lightmapOf[surface] >= 0 && !in.lightmap.cpma)
             results[surface] = FromLightmap(in, pass, surfaces, surface);

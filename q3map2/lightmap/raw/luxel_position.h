@@ -1,0 +1,92 @@
+// GPL-2.0-or-later. The position at which a luxel is lit: near its surface, clear of solids.
+#pragma once
+
+#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/raw/luxel_axes.h"
+#include "q3map2/lightmap/raw/visible_clusters.h"
+
+#include <optional>
+
+namespace q3 {
+
+/// The plane that luxels are projected onto, and the triangle in it, or null for a quad.
+struct LuxelPlane {
+    Vec3f normal;
+    float dist = 0;
+    const std::array<SurfaceVertex, 3> *triangle = nullptr;
+};
+
+/// How often each kind of position was found. One luxel may have several failed attempts.
+struct PositionCounts {
+    std::array<std::uint64_t, 9> nudges{}; ///< by nudge + 1; [0]: the center itself
+    std::uint64_t atVertex = 0, failed = 0;
+};
+
+/// The position that was found for a luxel.
+struct LuxelPosition {
+    Vec3f xyz;
+    int cluster = kSolidCluster; ///< below 0: it is in a solid, or in a cluster that does not see the surface
+    bool Occluded() const { return cluster < 0; }
+};
+
+/// Finds positions for the luxels of one raw lightmap. Keeps references. For one thread.
+class LuxelPositionFinder {
+  public:
+    LuxelPositionFinder(const SurfaceInputs &in, const RawLightmap &raw, const Boundsf &bounds);
+
+    /// The position of super luxel (x, y): its center, lifted off the surface by `offset` game units, else the first of
+    /// 8 positions half a luxel aside that is not occluded, else the fallback. sample: a point of the surface in the
+    /// luxel, which is the center of lightmaps that are not projected; null: plane.triangle covers part of the luxel.
+    /// allowFallback: try the position above the sample, or above the part of plane.triangle in the luxel.
+    LuxelPosition Find(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset,
+                       bool allowFallback, VisibleClusters &filter, PositionCounts &counts) {
+        const LuxelPosition center = Centered(x, y, sample, plane, offset, filter, counts);
+        return center.Occluded() ? Nudged(x, y, center.xyz, sample, plane, offset, allowFallback, filter, counts)
+                                 : center;
+    }
+
+  private:
+    LuxelPosition Centered(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset,
+                           VisibleClusters &filter, PositionCounts &counts);
+    LuxelPosition Nudged(int x, int y, const Vec3f &center, const SurfaceVertex *sample, const LuxelPlane &plane,
+                         float offset, bool allowFallback, VisibleClusters &filter, PositionCounts &counts);
+    /// Above the sample, or above the part of the triangle in the luxel.
+    Vec3f Fallback(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset) const;
+    /// Bounds of Fallback; cheaper than computing it.
+    Boundsf FallbackBounds(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset) const;
+    /// A few neighboring luxels, and the part of the BSP tree around them, which is cut out at the first lookup.
+    struct Tile {
+        Boundsf box;
+        std::optional<BspRegion> region;
+    };
+    /// The tile of luxel (x, y), which has position p, `lift` off the plane along the projection axis.
+    const Tile &TileOf(int x, int y, const Vec3f &p, float lift);
+    Boundsf TileBox(int x, int y, const Vec3f &p, float lift) const;
+    void SetTileReach();
+    int ClusterAt(const Vec3f &p, const Tile &tile, VisibleClusters &filter) const;
+    /// False if every position in the box is in a solid.
+    bool AnyOpen(const Boundsf &box, const Tile &tile) const;
+    /// World position of lightmap coordinates on the plane; (0, 0) is the center of the first luxel.
+    Vec3f OnPlane(float x, float y, const LuxelPlane &plane) const;
+    Vec3f OnSurface(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane) const;
+    float Lift(const LuxelPlane &plane, float offset) const {
+        return plane.normal[axes_.along] >= 0 ? offset : -offset;
+    }
+    /// From a position to the point at which its cluster is looked up.
+    Vec3f ClusterLookupOffset(const LuxelPlane &plane) const {
+        return in_.lightmap.extraVisNudge ? plane.normal : Vec3f{};
+    }
+    std::array<Vec3f, 2> NudgeSteps(const LuxelPlane &plane) const;
+
+    const SurfaceInputs &in_;
+    const RawLightmap &raw_;
+    LuxelAxes axes_;
+    Boundsf box_;                   ///< of all positions
+    BspRegion region_;              ///< the part of the BSP tree in box_
+    bool tileCentersKnown_ = false; ///< so boxes of tiles can be small
+    Vec3f tileReach_;               ///< half size of a tile's box
+    int tilesAcross_ = 0;
+    std::vector<Tile> tiles_;
+};
+
+} // namespace q3
