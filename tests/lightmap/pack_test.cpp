@@ -13,39 +13,39 @@ struct PlainPage {
     int width, height;
     std::vector<bool> taken = std::vector<bool>(std::size_t(width) * std::size_t(height));
 
-    bool Fits(const StoredSlot &slot, int x, int y) const {
-        if (x < 0 || y < 0 || x + slot.width > width || y + slot.height > height)
+    bool Fits(const LightmapLayer &layer, int x, int y) const {
+        if (x < 0 || y < 0 || x + layer.width > width || y + layer.height > height)
             return false;
-        for (int row = 0; row < slot.height; ++row)
-            for (int column = 0; column < slot.width; ++column)
-                if (slot.Used(std::size_t(row) * std::size_t(slot.width) + std::size_t(column)) &&
+        for (int row = 0; row < layer.height; ++row)
+            for (int column = 0; column < layer.width; ++column)
+                if (layer.Used(std::size_t(row) * std::size_t(layer.width) + std::size_t(column)) &&
                     taken[std::size_t(y + row) * std::size_t(width) + std::size_t(x + column)])
                     return false;
         return true;
     }
-    std::optional<std::array<int, 2>> Find(const StoredSlot &slot, int stepX, int stepY) const {
+    std::optional<std::array<int, 2>> Find(const LightmapLayer &layer, int stepX, int stepY) const {
         for (int y = 0; y < height; y += stepY)
             for (int x = 0; x < width; x += stepX)
-                if (Fits(slot, x, y))
+                if (Fits(layer, x, y))
                     return std::array{x, y};
         return std::nullopt;
     }
-    template <typename Body> void ForUsed(const StoredSlot &slot, int x, int y, const Body &body) const {
-        for (int row = 0; row < slot.height; ++row)
-            for (int column = 0; column < slot.width; ++column)
-                if (slot.Used(std::size_t(row) * std::size_t(slot.width) + std::size_t(column)))
+    template <typename Body> void ForUsed(const LightmapLayer &layer, int x, int y, const Body &body) const {
+        for (int row = 0; row < layer.height; ++row)
+            for (int column = 0; column < layer.width; ++column)
+                if (layer.Used(std::size_t(row) * std::size_t(layer.width) + std::size_t(column)))
                     body(std::size_t(y + row) * std::size_t(width) + std::size_t(x + column));
     }
 };
 
-StoredSlot RandomSlot(std::mt19937 &random, int most, int unusedPercent) {
-    StoredSlot slot;
-    slot.width = 1 + int(random() % unsigned(most)), slot.height = 1 + int(random() % unsigned(most));
-    slot.texels.resize(std::size_t(slot.width) * std::size_t(slot.height));
-    for (Vec3f &texel : slot.texels)
+LightmapLayer RandomLayer(std::mt19937 &random, int most, int unusedPercent) {
+    LightmapLayer layer;
+    layer.width = 1 + int(random() % unsigned(most)), layer.height = 1 + int(random() % unsigned(most));
+    layer.texels.resize(std::size_t(layer.width) * std::size_t(layer.height));
+    for (Vec3f &texel : layer.texels)
         if (int(random() % 100) < unusedPercent)
             texel = {-1, -1, -1};
-    return slot;
+    return layer;
 }
 
 void ExpectSamePlaces(int width, int height, int most, int unusedPercent) {
@@ -54,13 +54,13 @@ void ExpectSamePlaces(int width, int height, int most, int unusedPercent) {
     PlainPage plain{width, height};
     int placed = 0, refused = 0;
     for (int i = 0; i < 60; ++i) {
-        const StoredSlot slot = RandomSlot(random, most, unusedPercent);
-        const Stamp stamp = MakeStamp(slot);
+        const LightmapLayer layer = RandomLayer(random, most, unusedPercent);
+        const Stamp stamp = MakeStamp(layer);
         const int stepX = 1 + int(random() % 3), stepY = 1 + int(random() % 3);
         const auto at = space.Find(stamp, stepX, stepY);
-        ASSERT_EQ(at, plain.Find(slot, stepX, stepY)) << i;
+        ASSERT_EQ(at, plain.Find(layer, stepX, stepY)) << i;
         const int x = int(random() % unsigned(width)) - 2, y = int(random() % unsigned(height)) - 2;
-        ASSERT_EQ(space.Fits(stamp, x, y), plain.Fits(slot, x, y)) << i;
+        ASSERT_EQ(space.Fits(stamp, x, y), plain.Fits(layer, x, y)) << i;
         if (!at) {
             ++refused;
             continue;
@@ -68,7 +68,7 @@ void ExpectSamePlaces(int width, int height, int most, int unusedPercent) {
         const int before = space.Free();
         space.Take(stamp, (*at)[0], (*at)[1]);
         int used = 0;
-        plain.ForUsed(slot, (*at)[0], (*at)[1], [&](std::size_t texel) { plain.taken[texel] = true, ++used; });
+        plain.ForUsed(layer, (*at)[0], (*at)[1], [&](std::size_t texel) { plain.taken[texel] = true, ++used; });
         ASSERT_EQ(before - space.Free(), used);
         ++placed;
     }
@@ -93,66 +93,66 @@ TEST(Pack, FindsTheFirstFreePlaceForRunsOfManyWords) {
     ExpectSamePlaces(320, 160, 160, 0);
 }
 
-StoredSlot Rectangle(int lightmap, int width, int height, std::size_t style = 0) {
-    StoredSlot slot;
-    slot.lightmap = lightmap, slot.style = style;
-    slot.width = width, slot.height = height;
-    slot.texels.resize(std::size_t(width) * std::size_t(height));
-    return slot;
+LightmapLayer Rectangle(int lightmap, int width, int height, std::size_t style = 0) {
+    LightmapLayer layer;
+    layer.lightmap = lightmap, layer.style = style;
+    layer.width = width, layer.height = height;
+    layer.texels.resize(std::size_t(width) * std::size_t(height));
+    return layer;
 }
 
-std::size_t PackAll(std::vector<StoredSlot> &slots, const LightmapOptions &options) {
-    StoredSlots stored;
+std::size_t PackAll(std::vector<LightmapLayer> &layers, const LightmapOptions &options) {
+    LightmapLayers stored;
     std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-        stored.slotOf.resize(std::max(stored.slotOf.size(), std::size_t(slots[i].lightmap) + 1), {-1, -1, -1, -1});
-        stored.slotOf[std::size_t(slots[i].lightmap)][slots[i].style] = int(i);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        stored.layerOf.resize(std::max(stored.layerOf.size(), std::size_t(layers[i].lightmap) + 1), {-1, -1, -1, -1});
+        stored.layerOf[std::size_t(layers[i].lightmap)][layers[i].style] = int(i);
         order.push_back(i);
     }
-    stored.slots = slots;
-    const std::size_t pages = PackSlots(order, options, stored).size();
-    slots = stored.slots;
+    stored.layers = layers;
+    const std::size_t pages = PackLayers(order, options, stored).size();
+    layers = stored.layers;
     return pages;
 }
 
 TEST(Pack, LightmapsThatAreNotSquareInterlock) {
-    std::vector<StoredSlot> slots{Rectangle(0, 128, 128), Rectangle(1, 128, 128)};
+    std::vector<LightmapLayer> layers{Rectangle(0, 128, 128), Rectangle(1, 128, 128)};
     for (int y = 0; y < 128; ++y)
         for (int x = 0; x < 128; ++x)
-            slots[x > y ? 0 : 1].texels[std::size_t(y * 128 + x)] = {-1, -1, -1};
-    EXPECT_EQ(PackAll(slots, {}), 1u) << "two triangles share one page";
+            layers[x > y ? 0 : 1].texels[std::size_t(y * 128 + x)] = {-1, -1, -1};
+    EXPECT_EQ(PackAll(layers, {}), 1u) << "two triangles share one page";
 }
 
 TEST(Pack, SearchBlocksAndFastAllocation) {
     // 120 x 120 leaves 12 % of a page free: room for the small one of an earlier page.
-    std::vector<StoredSlot> slots{Rectangle(0, 120, 120), Rectangle(1, 120, 120), Rectangle(2, 8, 8)};
+    std::vector<LightmapLayer> layers{Rectangle(0, 120, 120), Rectangle(1, 120, 120), Rectangle(2, 8, 8)};
     LightmapOptions options;
-    EXPECT_EQ(PackAll(slots, options), 2u);
-    EXPECT_EQ(slots[2].page, 0);
+    EXPECT_EQ(PackAll(layers, options), 2u);
+    EXPECT_EQ(layers[2].page, 0);
     options.searchBlock = 1;
-    PackAll(slots, options);
-    EXPECT_EQ(slots[2].page, 1) << "only the last page is looked at";
+    PackAll(layers, options);
+    EXPECT_EQ(layers[2].page, 1) << "only the last page is looked at";
     // 124 x 124 leaves 6 %: too full for a look unless it is exhaustive.
-    slots = {Rectangle(0, 124, 124), Rectangle(1, 4, 4)};
+    layers = {Rectangle(0, 124, 124), Rectangle(1, 4, 4)};
     options = {};
-    EXPECT_EQ(PackAll(slots, options), 2u);
+    EXPECT_EQ(PackAll(layers, options), 2u);
     options.fastAllocate = false;
-    EXPECT_EQ(PackAll(slots, options), 1u);
+    EXPECT_EQ(PackAll(layers, options), 1u);
 }
 
 TEST(Pack, LaterStylesLieWhereTheFirstIs) {
-    std::vector<StoredSlot> slots{Rectangle(0, 128, 40), Rectangle(1, 50, 60), Rectangle(1, 50, 60, 1),
-                                  Rectangle(1, 50, 60, 2)};
-    EXPECT_EQ(PackAll(slots, {}), 2u);
-    EXPECT_EQ(slots[1].y, 40);
-    EXPECT_EQ((std::array{slots[2].page, slots[2].x, slots[2].y}), (std::array{0, 64, 40})) << "half a page beside";
-    EXPECT_EQ((std::array{slots[3].page, slots[3].x, slots[3].y}), (std::array{1, 0, 40})) << "same place, new page";
+    std::vector<LightmapLayer> layers{Rectangle(0, 128, 40), Rectangle(1, 50, 60), Rectangle(1, 50, 60, 1),
+                                      Rectangle(1, 50, 60, 2)};
+    EXPECT_EQ(PackAll(layers, {}), 2u);
+    EXPECT_EQ(layers[1].y, 40);
+    EXPECT_EQ((std::array{layers[2].page, layers[2].x, layers[2].y}), (std::array{0, 64, 40})) << "half a page beside";
+    EXPECT_EQ((std::array{layers[3].page, layers[3].x, layers[3].y}), (std::array{1, 0, 40})) << "same place, new page";
 }
 
 TEST(Pack, PageSizesDoNotMix) {
-    std::vector<StoredSlot> slots{Rectangle(0, 8, 8), Rectangle(1, 8, 8)};
-    slots[1].pageSize = {256, 64};
-    EXPECT_EQ(PackAll(slots, {}), 2u);
+    std::vector<LightmapLayer> layers{Rectangle(0, 8, 8), Rectangle(1, 8, 8)};
+    layers[1].pageSize = {256, 64};
+    EXPECT_EQ(PackAll(layers, {}), 2u);
 }
 
 } // namespace

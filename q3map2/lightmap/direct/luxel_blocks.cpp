@@ -77,7 +77,7 @@ void LuxelBlocks::AddLuxel(const RawLightmap &lightmap, std::size_t luxel) {
     }
     SurfaceReceiverBatch &block = receivers_.back();
     luxels_.back()[block.count] = std::uint32_t(luxel);
-    slots_[luxel] = std::int32_t((receivers_.size() - 1) * kPacketSize + block.count);
+    laneIndices_[luxel] = std::int32_t((receivers_.size() - 1) * kPacketSize + block.count);
     block.Add(lightmap.positions[luxel], lightmap.normals[luxel], lightmap.luxelClusters[luxel]);
 }
 
@@ -106,7 +106,7 @@ void LuxelBlocks::FinishBlock() {
 
 void LuxelBlocks::Build(const RawLightmap &lightmap) {
     receivers_.clear(), luxels_.clear();
-    slots_.assign(lightmap.luxelClusters.size(), -1);
+    laneIndices_.assign(lightmap.luxelClusters.size(), -1);
     for (auto *row : {&x_, &y_, &z_, &radius_, &nx_, &ny_, &nz_, &thickness_})
         row->clear();
     ForMappedLuxelsByTile(lightmap, kTile, [&](std::size_t luxel, int, int) { AddLuxel(lightmap, luxel); });

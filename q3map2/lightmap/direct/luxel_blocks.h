@@ -20,8 +20,8 @@ class LuxelBlocks {
     const SurfaceReceiverBatch &Receivers(std::size_t block) const { return receivers_[block]; }
     /// Index in the super grid of each receiver of a block.
     const std::array<std::uint32_t, kPacketSize> &Luxels(std::size_t block) const { return luxels_[block]; }
-    /// block * kPacketSize + lane of a luxel of the super grid; -1: not mapped.
-    std::int32_t SlotOf(std::size_t luxel) const { return slots_[luxel]; }
+    /// block * kPacketSize + lane in it of a luxel of the super grid; -1: not mapped.
+    std::int32_t LaneIndexOf(std::size_t luxel) const { return laneIndices_[luxel]; }
 
     /// Appends the indices of blocks that the light may reach to `reached`, in order.
     void FindReached(const Light &light, const SurfaceLightSettings &settings, std::vector<std::uint32_t> &reached);
@@ -32,7 +32,7 @@ class LuxelBlocks {
 
     std::vector<SurfaceReceiverBatch> receivers_;
     std::vector<std::array<std::uint32_t, kPacketSize>> luxels_;
-    std::vector<std::int32_t> slots_;
+    std::vector<std::int32_t> laneIndices_;
 
     // By block, padded to whole packets: bounding sphere of the receivers, their common normal (zero if they differ),
     // and how far they are off the plane through the center with that normal.

@@ -115,11 +115,11 @@ LuxelSampler::Sample LuxelSampler::ReadLuxel(std::size_t luxel) const {
     sample.position = lightmap_->positions[luxel];
     if (lit_[luxel] == 0)
         return sample;
-    const auto slot = std::size_t(blocks_->SlotOf(luxel));
-    const LuxelIncidentLight &incident = incident_[slot / kPacketSize];
-    sample.color = incident.color[slot % kPacketSize];
+    const auto laneIndex = std::size_t(blocks_->LaneIndexOf(luxel));
+    const LuxelIncidentLight &incident = incident_[laneIndex / kPacketSize];
+    sample.color = incident.color[laneIndex % kPacketSize];
     if (pass_.deluxe)
-        sample.direction = incident.direction[slot % kPacketSize];
+        sample.direction = incident.direction[laneIndex % kPacketSize];
     return sample;
 }
 
@@ -152,8 +152,8 @@ void LuxelSampler::ReplaceLuxel(std::size_t luxel, const Sample &after, LuxelSum
     Touch(luxel);
     refinedList_.push_back(std::uint32_t(luxel));
     const Sample before = ReadLuxel(luxel);
-    const auto slot = std::size_t(blocks_->SlotOf(luxel));
-    const std::size_t block = slot / kPacketSize, lane = slot % kPacketSize;
+    const auto laneIndex = std::size_t(blocks_->LaneIndexOf(luxel));
+    const std::size_t block = laneIndex / kPacketSize, lane = laneIndex % kPacketSize;
     LuxelIncidentLight &incident = incident_[block];
     incident.color.Set(lane, after.color);
     const float sign = light_->negative ? -1.0f : 1.0f;

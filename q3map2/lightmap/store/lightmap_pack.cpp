@@ -26,13 +26,13 @@ std::uint64_t Shifted(const std::uint64_t *row, std::size_t words, std::size_t i
 
 } // namespace
 
-Stamp MakeStamp(const StoredSlot &slot) {
-    if (slot.solid)
+Stamp MakeStamp(const LightmapLayer &layer) {
+    if (layer.solid)
         return {1, 1, 1, {{0, 0, 1}}};
-    Stamp stamp{slot.width, slot.height, 0, {}};
-    for (int y = 0; y < slot.height; ++y)
-        for (int x = 0; x < slot.width; ++x) {
-            if (!slot.Used(std::size_t(y) * std::size_t(slot.width) + std::size_t(x)))
+    Stamp stamp{layer.width, layer.height, 0, {}};
+    for (int y = 0; y < layer.height; ++y)
+        for (int x = 0; x < layer.width; ++x) {
+            if (!layer.Used(std::size_t(y) * std::size_t(layer.width) + std::size_t(x)))
                 continue;
             ++stamp.used;
             if (stamp.runs.empty() || stamp.runs.back().row != y ||
@@ -120,17 +120,17 @@ namespace {
 
 class Packer {
   public:
-    Packer(const LightmapOptions &options, StoredSlots &stored) : options_(options), stored_(stored) {}
+    Packer(const LightmapOptions &options, LightmapLayers &stored) : options_(options), stored_(stored) {}
 
-    void Pack(StoredSlot &slot) {
-        const Stamp stamp = MakeStamp(slot);
-        const StoredSlot *first = nullptr;
-        if (slot.style > 0)
-            first = &stored_.slots[std::size_t(stored_.slotOf[std::size_t(slot.lightmap)][0])];
-        if ((first && PackBesideFirst(*first, stamp, slot)) || PackAnywhere(stamp, slot))
+    void Pack(LightmapLayer &layer) {
+        const Stamp stamp = MakeStamp(layer);
+        const LightmapLayer *first = nullptr;
+        if (layer.style > 0)
+            first = &stored_.layers[std::size_t(stored_.layerOf[std::size_t(layer.lightmap)][0])];
+        if ((first && PackBesideFirst(*first, stamp, layer)) || PackAnywhere(stamp, layer))
             return;
-        pages_.emplace_back(slot.pageSize[0], slot.pageSize[1]);
-        Put(pages_.size() - 1, stamp, first ? std::array{first->x, first->y} : std::array{0, 0}, slot);
+        pages_.emplace_back(layer.pageSize[0], layer.pageSize[1]);
+        Put(pages_.size() - 1, stamp, first ? std::array{first->x, first->y} : std::array{0, 0}, layer);
     }
 
     std::vector<std::array<int, 2>> Sizes() const {
@@ -141,21 +141,21 @@ class Packer {
     }
 
   private:
-    bool Possible(const PageSpace &page, const Stamp &stamp, const StoredSlot &slot) const {
-        return page.Free() >= stamp.used && page.Width() == slot.pageSize[0] && page.Height() == slot.pageSize[1];
+    bool Possible(const PageSpace &page, const Stamp &stamp, const LightmapLayer &layer) const {
+        return page.Free() >= stamp.used && page.Width() == layer.pageSize[0] && page.Height() == layer.pageSize[1];
     }
 
-    void Put(std::size_t page, const Stamp &stamp, std::array<int, 2> at, StoredSlot &slot) {
+    void Put(std::size_t page, const Stamp &stamp, std::array<int, 2> at, LightmapLayer &layer) {
         pages_[page].Take(stamp, at[0], at[1]);
-        slot.page = int(page), slot.x = at[0], slot.y = at[1];
+        layer.page = int(page), layer.x = at[0], layer.y = at[1];
     }
 
     /// At the coordinates of the lightmap's first style, on any page, or half a page aside: surfaces that share a
     /// shader then share the offset of its stages, so few generated shaders are needed.
-    bool PackBesideFirst(const StoredSlot &first, const Stamp &stamp, StoredSlot &slot) {
+    bool PackBesideFirst(const LightmapLayer &first, const Stamp &stamp, LightmapLayer &layer) {
         for (const bool shifted : {false, true})
             for (std::size_t page = 0; page < pages_.size(); ++page) {
-                if (!Possible(pages_[page], stamp, slot))
+                if (!Possible(pages_[page], stamp, layer))
                     continue;
                 const int reach = shifted ? 1 : 0;
                 for (int dy = -reach; dy <= reach; ++dy)
@@ -164,27 +164,27 @@ class Packer {
                                             first.y + dy * pages_[page].Height() / 2};
                         if (!pages_[page].Fits(stamp, at[0], at[1]))
                             continue;
-                        Put(page, stamp, at, slot);
+                        Put(page, stamp, at, layer);
                         return true;
                     }
             }
         return false;
     }
 
-    bool PackAnywhere(const Stamp &stamp, StoredSlot &slot) {
+    bool PackAnywhere(const Stamp &stamp, LightmapLayer &layer) {
         std::size_t page = 0;
         if (const std::size_t block = std::size_t(options_.searchBlock); block > 0 && !pages_.empty())
             page = (pages_.size() - 1) / block * block;
         const bool fast = options_.fastAllocate;
         for (; page < pages_.size(); ++page) {
             const PageSpace &space = pages_[page];
-            if (!Possible(space, stamp, slot) ||
+            if (!Possible(space, stamp, layer) ||
                 (fast && double(space.Free()) * kFastFree < double(space.Width()) * space.Height()))
                 continue;
             const auto at = space.Find(stamp, fast ? std::max(1, stamp.width / kFastSteps) : 1,
                                        fast ? std::max(1, stamp.height / kFastSteps) : 1);
             if (at) {
-                Put(page, stamp, *at, slot);
+                Put(page, stamp, *at, layer);
                 return true;
             }
         }
@@ -192,21 +192,21 @@ class Packer {
     }
 
     const LightmapOptions &options_;
-    StoredSlots &stored_;
+    LightmapLayers &stored_;
     std::vector<PageSpace> pages_;
 };
 
 } // namespace
 
-std::vector<std::array<int, 2>> PackSlots(const std::vector<std::size_t> &order, const LightmapOptions &options,
-                                          StoredSlots &stored) {
+std::vector<std::array<int, 2>> PackLayers(const std::vector<std::size_t> &order, const LightmapOptions &options,
+                                           LightmapLayers &stored) {
     Packer packer(options, stored);
     for (const std::size_t i : order)
-        packer.Pack(stored.slots[i]);
-    for (StoredSlot &slot : stored.slots)
-        if (slot.twin >= 0) {
-            const StoredSlot &first = stored.slots[std::size_t(slot.twin)];
-            slot.page = first.page, slot.x = first.x, slot.y = first.y;
+        packer.Pack(stored.layers[i]);
+    for (LightmapLayer &layer : stored.layers)
+        if (layer.twin >= 0) {
+            const LightmapLayer &first = stored.layers[std::size_t(layer.twin)];
+            layer.page = first.page, layer.x = first.x, layer.y = first.y;
         }
     return packer.Sizes();
 }

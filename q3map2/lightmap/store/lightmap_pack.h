@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Packing of lightmaps into pages.
 #pragma once
 
-#include "q3map2/lightmap/store/lightmap_slots.h"
+#include "q3map2/lightmap/store/lightmap_layers.h"
 
 #include <array>
 #include <cstdint>
@@ -20,7 +20,7 @@ struct Stamp {
     int used = 1; ///< texels
     std::vector<Run> runs;
 };
-Stamp MakeStamp(const StoredSlot &slot);
+Stamp MakeStamp(const LightmapLayer &layer);
 
 /// Which texels of a page are taken, as bit rows, so that 64 columns are tested at once.
 class PageSpace {
@@ -52,9 +52,9 @@ class PageSpace {
     std::vector<std::uint64_t> bits_;
 };
 
-/// Sets page, x and y of every slot in `order`, and of twins those of the slot they share. Returns the sizes of the
+/// Sets page, x and y of every layer in `order`, and of twins those of the layer they share. Returns the sizes of the
 /// pages.
-std::vector<std::array<int, 2>> PackSlots(const std::vector<std::size_t> &order, const LightmapOptions &options,
-                                          StoredSlots &stored);
+std::vector<std::array<int, 2>> PackLayers(const std::vector<std::size_t> &order, const LightmapOptions &options,
+                                           LightmapLayers &stored);
 
 } // namespace q3

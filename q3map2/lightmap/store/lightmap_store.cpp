@@ -3,9 +3,9 @@
 
 #include "q3map2/light/tone/light_tone.h"
 #include "q3map2/lightmap/store/lightmap_approx.h"
+#include "q3map2/lightmap/store/lightmap_layers.h"
 #include "q3map2/lightmap/store/lightmap_pack.h"
 #include "q3map2/lightmap/store/lightmap_scripts.h"
-#include "q3map2/lightmap/store/lightmap_slots.h"
 
 #include <algorithm>
 #include <cmath>
@@ -79,12 +79,12 @@ class Storer {
     }
 
     StoredLightmaps Run() {
-        stored_ = MakeSlots(in_, surfaces_);
+        stored_ = MakeLayers(in_, surfaces_);
         CountUsed();
         StandIn();
         if (in_.lightmap.collapse && !surfaces_.styled && !in_.lightmap.deluxe)
-            JoinTwins(stored_.slots);
-        MakePages(PackSlots(PackingOrder(in_, surfaces_, stored_), in_.lightmap, stored_));
+            JoinTwins(stored_.layers);
+        MakePages(PackLayers(PackingOrder(in_, surfaces_, stored_), in_.lightmap, stored_));
         FillTexels();
         for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i)
             if (!CopiesParent(i))
@@ -99,17 +99,17 @@ class Storer {
 
   private:
     void CountUsed() {
-        for (const StoredSlot &slot : stored_.slots)
-            used_ += std::count_if(slot.texels.begin(), slot.texels.end(), [](const Vec3f &t) { return t.x >= 0; });
+        for (const LightmapLayer &layer : stored_.layers)
+            used_ += std::count_if(layer.texels.begin(), layer.texels.end(), [](const Vec3f &t) { return t.x >= 0; });
     }
 
     void StandIn() {
         const std::vector<VertexStandIn> standIns = FindVertexStandIns(in_, surfaces_);
-        for (StoredSlot &slot : stored_.slots) {
-            const VertexStandIn kind = standIns[std::size_t(slot.lightmap)];
-            const bool tooLarge = slot.width > slot.pageSize[0] || slot.height > slot.pageSize[1];
-            slot.byVertex = kind != VertexStandIn::No || tooLarge;
-            if (slot.style == 0) {
+        for (LightmapLayer &layer : stored_.layers) {
+            const VertexStandIn kind = standIns[std::size_t(layer.lightmap)];
+            const bool tooLarge = layer.width > layer.pageSize[0] || layer.height > layer.pageSize[1];
+            layer.byVertex = kind != VertexStandIn::No || tooLarge;
+            if (layer.style == 0) {
                 forced_ += kind == VertexStandIn::Forced;
                 approximated_ += kind == VertexStandIn::Close;
             }
@@ -144,47 +144,48 @@ class Storer {
     }
 
     void FillTexels() {
-        in_.jobs.For(std::int64_t(stored_.slots.size()), [&](std::int64_t i, int) {
-            const StoredSlot &slot = stored_.slots[std::size_t(i)];
-            if (slot.twin >= 0 || slot.page < 0)
+        in_.jobs.For(std::int64_t(stored_.layers.size()), [&](std::int64_t i, int) {
+            const LightmapLayer &layer = stored_.layers[std::size_t(i)];
+            if (layer.twin >= 0 || layer.page < 0)
                 return;
-            const ToneMapper bytes(1, slot.brightness, tone_);
-            if (slot.solid)
-                return PutTexel(slot, 0, 0, slot.color, slot.direction, bytes);
-            for (int y = 0; y < slot.height; ++y)
-                for (int x = 0; x < slot.width; ++x)
-                    if (const std::size_t at = std::size_t(y) * std::size_t(slot.width) + std::size_t(x); slot.Used(at))
-                        PutTexel(slot, x, y, slot.texels[at], slot.directions.empty() ? Vec3f{} : slot.directions[at],
-                                 bytes);
+            const ToneMapper bytes(1, layer.brightness, tone_);
+            if (layer.solid)
+                return PutTexel(layer, 0, 0, layer.color, layer.direction, bytes);
+            for (int y = 0; y < layer.height; ++y)
+                for (int x = 0; x < layer.width; ++x)
+                    if (const std::size_t at = std::size_t(y) * std::size_t(layer.width) + std::size_t(x);
+                        layer.Used(at))
+                        PutTexel(layer, x, y, layer.texels[at],
+                                 layer.directions.empty() ? Vec3f{} : layer.directions[at], bytes);
         });
         in_.jobs.For(std::int64_t(written_.size()),
                      [&](std::int64_t i, int) { FillPage(result_.pages[std::size_t(i)], written_[std::size_t(i)]); });
     }
 
-    void PutTexel(const StoredSlot &slot, int x, int y, const Vec3f &color, const Vec3f &direction,
+    void PutTexel(const LightmapLayer &layer, int x, int y, const Vec3f &color, const Vec3f &direction,
                   const ToneMapper &bytes) {
-        LightmapPage &page = result_.pages[std::size_t(slot.page)];
-        const std::size_t at = std::size_t(slot.y + y) * std::size_t(page.width) + std::size_t(slot.x + x);
-        const Vec3f least = slot.style == 0 ? in_.world.minLight : Vec3f{};
+        LightmapPage &page = result_.pages[std::size_t(layer.page)];
+        const std::size_t at = std::size_t(layer.y + y) * std::size_t(page.width) + std::size_t(layer.x + x);
+        const Vec3f least = layer.style == 0 ? in_.world.minLight : Vec3f{};
         Put(page.colors, at, bytes.Bytes(Max(color, least)));
         if (!page.directions.empty())
             Put(page.directions, at, DirectionBytes(direction));
         if (!written_.empty())
-            written_[std::size_t(slot.page)][at] = 1;
+            written_[std::size_t(layer.page)][at] = 1;
     }
 
-    const StoredSlot *SlotOf(std::size_t surface, std::size_t style) const {
+    const LightmapLayer *LayerOf(std::size_t surface, std::size_t style) const {
         const int lightmap = surfaces_.lightmapOf[surface];
-        const int slot = lightmap < 0 ? -1 : stored_.slotOf[std::size_t(lightmap)][style];
-        return slot < 0 || stored_.slots[std::size_t(slot)].page < 0 ? nullptr : &stored_.slots[std::size_t(slot)];
+        const int layer = lightmap < 0 ? -1 : stored_.layerOf[std::size_t(lightmap)][style];
+        return layer < 0 || stored_.layers[std::size_t(layer)].page < 0 ? nullptr : &stored_.layers[std::size_t(layer)];
     }
 
-    std::array<float, 2> Coordinates(const StoredSlot &slot, std::size_t vertex) const {
-        const LightmapPage &page = result_.pages[std::size_t(slot.page)];
-        const float super = float(surfaces_.lightmaps[std::size_t(slot.lightmap)].super);
+    std::array<float, 2> Coordinates(const LightmapLayer &layer, std::size_t vertex) const {
+        const LightmapPage &page = result_.pages[std::size_t(layer.page)];
+        const float super = float(surfaces_.lightmaps[std::size_t(layer.lightmap)].super);
         const std::array<float, 2> &luxel = surfaces_.verts[vertex].luxel;
-        const float x = slot.solid ? 0.5f : luxel[0] / super, y = slot.solid ? 0.5f : luxel[1] / super;
-        return {(float(slot.x) + x) / float(page.width), (float(slot.y) + y) / float(page.height)};
+        const float x = layer.solid ? 0.5f : luxel[0] / super, y = layer.solid ? 0.5f : luxel[1] / super;
+        return {(float(layer.x) + x) / float(page.width), (float(layer.y) + y) / float(page.height)};
     }
 
     void StoreSurface(std::size_t i) {
@@ -197,31 +198,31 @@ class Storer {
         if (IsGeneratedName(FieldName(old.shader), mapName_) && !IsGeneratedName(shader.name, mapName_))
             surface.shaderNum = ShaderNumber(bsp_, shader.name, old.surfaceFlags, old.contentFlags);
         StoreVertexColors(i);
-        const StoredSlot *slot = SlotOf(i, 0);
-        if (!slot)
+        const LightmapLayer *layer = LayerOf(i, 0);
+        if (!layer)
             return;
-        const RawLightmap &lightmap = surfaces_.lightmaps[std::size_t(slot->lightmap)];
+        const RawLightmap &lightmap = surfaces_.lightmaps[std::size_t(layer->lightmap)];
         surface.lightmapOrigin = {lightmap.storedOrigin.x, lightmap.storedOrigin.y, lightmap.storedOrigin.z};
-        const LightmapPage &page = result_.pages[std::size_t(slot->page)];
+        const LightmapPage &page = result_.pages[std::size_t(layer->page)];
         surface.lightmapNum = page.number < 0 ? kLightmapByVertex : page.number;
         if (in_.lightmap.debugDeluxe && in_.lightmap.deluxe && page.number >= 0)
             ++surface.lightmapNum;
         for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v)
-            bsp_.drawVerts[std::size_t(v)].lightmap = Coordinates(*slot, std::size_t(v));
-        combinations_.insert({slot->page, surface.shaderNum});
-        MakeShader(i, *slot);
+            bsp_.drawVerts[std::size_t(v)].lightmap = Coordinates(*layer, std::size_t(v));
+        combinations_.insert({layer->page, surface.shaderNum});
+        MakeShader(i, *layer);
     }
 
     /// Generates a shader if the surface has several styles, or a page that the file cannot hold.
-    void MakeShader(std::size_t i, const StoredSlot &slot) {
+    void MakeShader(std::size_t i, const LightmapLayer &layer) {
         bspDrawSurface_t &surface = bsp_.drawSurfaces[i];
         const ShaderInfo &shader = *in_.table[i].shader;
-        LightmapPage &page = result_.pages[std::size_t(slot.page)];
+        LightmapPage &page = result_.pages[std::size_t(layer.page)];
         std::string text;
-        if (const std::vector<StyleStage> stages = StagesOf(i, slot); !stages.empty()) {
+        if (const std::vector<StyleStage> stages = StagesOf(i, layer); !stages.empty()) {
             text = StyledText(shader, stages, world_, mapName_);
             for (std::size_t style = 1; style < kStyles && !text.empty(); ++style)
-                if (const StoredSlot *other = SlotOf(i, style); other && other->page != slot.page)
+                if (const LightmapLayer *other = LayerOf(i, style); other && other->page != layer.page)
                     result_.pages[std::size_t(other->page)].external = true;
         }
         if (page.number < 0)
@@ -235,16 +236,16 @@ class Storer {
         surface.shaderNum = ShaderNumber(bsp_, name, old.surfaceFlags, old.contentFlags);
     }
 
-    std::vector<StyleStage> StagesOf(std::size_t i, const StoredSlot &first) const {
+    std::vector<StyleStage> StagesOf(std::size_t i, const LightmapLayer &first) const {
         std::vector<StyleStage> stages;
         const auto vertex = std::size_t(bsp_.drawSurfaces[i].firstVert);
         for (std::size_t style = 1; style < kStyles; ++style) {
-            const StoredSlot *slot = SlotOf(i, style);
-            if (!slot)
+            const LightmapLayer *layer = LayerOf(i, style);
+            if (!layer)
                 continue;
-            const LightmapPage &page = result_.pages[std::size_t(slot->page)];
-            const auto from = Coordinates(first, vertex), to = Coordinates(*slot, vertex);
-            const bool samePage = slot->page == first.page && page.number >= 0;
+            const LightmapPage &page = result_.pages[std::size_t(layer->page)];
+            const auto from = Coordinates(first, vertex), to = Coordinates(*layer, vertex);
+            const bool samePage = layer->page == first.page && page.number >= 0;
             stages.push_back({surfaces_.lightmaps[std::size_t(first.lightmap)].styles[style],
                               samePage ? -1 : page.file,
                               {to[0] - from[0], to[1] - from[1]}});
@@ -300,10 +301,10 @@ class Storer {
 
     void Print() const {
         long long stored = (long long)(bsp_.lightmaps.size() / 3), solid = 0, twins = 0, twinLuxels = 0, numbered = 0;
-        for (const StoredSlot &slot : stored_.slots) {
-            solid += slot.solid;
-            twins += slot.twin >= 0;
-            twinLuxels += slot.twin >= 0 ? (long long)(slot.texels.size()) : 0;
+        for (const LightmapLayer &layer : stored_.layers) {
+            solid += layer.solid;
+            twins += layer.twin >= 0;
+            twinLuxels += layer.twin >= 0 ? (long long)(layer.texels.size()) : 0;
         }
         for (const LightmapPage &page : result_.pages)
             numbered += page.number < 0 ? 0 : page.directions.empty() ? 1 : 2;
@@ -326,7 +327,7 @@ class Storer {
     Bsp &bsp_;
     ToneOptions tone_;
     Entity world_;
-    StoredSlots stored_;
+    LightmapLayers stored_;
     StoredLightmaps result_;
     std::vector<std::vector<std::uint8_t>> written_; ///< by page, texel; only with -fill
     std::set<std::pair<int, int>> combinations_;     ///< of page and shader

@@ -9,37 +9,39 @@
 namespace q3 {
 
 /// One style of one raw lightmap. Texels are width x height, row by row, byte scale; red below 0: not used.
-struct StoredSlot {
+struct LightmapLayer {
     int lightmap = 0;
-    std::size_t style = 0; ///< slot of the style, 0 to 3
+    std::size_t style = 0; ///< style slot, 0 to 3
     int width = 0, height = 0;
     std::array<int, 2> pageSize{128, 128};
     float brightness = 1;
     std::vector<Vec3f> texels, directions; ///< directions: empty without deluxe
     bool solid = false;                    ///< one color: needs one texel
     Vec3f color, direction;                ///< if solid
-    int twin = -1;                         ///< slot whose texels it shares
+    int twin = -1;                         ///< layer whose texels it shares
     bool byVertex = false;                 ///< vertex colors replace it: needs no texel
 
-    // Set by PackSlots.
+    // Set by PackLayers.
     int page = -1, x = 0, y = 0;
 
     bool Used(std::size_t texel) const { return texels[texel].x >= 0; }
 };
 
-struct StoredSlots {
-    std::vector<StoredSlot> slots;                ///< by raw lightmap, then style
-    std::vector<std::array<int, kStyles>> slotOf; ///< [raw lightmap][style slot]: number, -1: none
+/// The layers of all raw lightmaps.
+struct LightmapLayers {
+    std::vector<LightmapLayer> layers;             ///< by raw lightmap, then style
+    std::vector<std::array<int, kStyles>> layerOf; ///< [raw lightmap][style slot]: index in layers, -1: none
 };
 
 /// Copies of all results. Texels at the seam of patches that close on themselves are averaged, directions normalized
 /// (in tangent space with -deluxemode 1) and, unless -nocollapse or light styles forbid it, solid lightmaps marked.
-StoredSlots MakeSlots(const SurfaceInputs &in, const SurfaceLight &surfaces);
+LightmapLayers MakeLayers(const SurfaceInputs &in, const SurfaceLight &surfaces);
 
-/// Makes slots with nearly equal texels share them: sets `twin` of the later ones; the first gets the mean.
-void JoinTwins(std::vector<StoredSlot> &slots);
+/// Makes layers with nearly equal texels share them: sets `twin` of the later ones; the first gets the mean.
+void JoinTwins(std::vector<LightmapLayer> &layers);
 
-/// Slots that need texels, in packing order: by shader names, then styles (few first), then area (large first).
-std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLight &surfaces, const StoredSlots &stored);
+/// Indices of layers that need texels, in packing order: by shader names, then styles (few first), then area (large first).
+std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLight &surfaces,
+                                      const LightmapLayers &stored);
 
 } // namespace q3

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Lightmaps to be packed.
-#include "q3map2/lightmap/store/lightmap_slots.h"
+#include "q3map2/lightmap/store/lightmap_layers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -85,29 +85,29 @@ void FinishDirections(const RawLightmap &lightmap, bool tangentSpace, std::vecto
 
 // ---- solid lightmaps -------------------------------------------------------------------------------------------
 
-bool DirectionsAgree(const StoredSlot &slot) {
-    return std::all_of(slot.directions.begin(), slot.directions.end(),
-                       [&](const Vec3f &d) { return MaxDifference(d, slot.directions.front()) <= kSolidDirection; });
+bool DirectionsAgree(const LightmapLayer &layer) {
+    return std::all_of(layer.directions.begin(), layer.directions.end(),
+                       [&](const Vec3f &d) { return MaxDifference(d, layer.directions.front()) <= kSolidDirection; });
 }
 
 /// Marks lightmaps of at most 2 x 2 luxels or one color as solid.
-void FindSolid(StoredSlot &slot) {
-    Vec3f least = slot.texels.front(), most = least;
-    for (const Vec3f &texel : slot.texels)
+void FindSolid(LightmapLayer &layer) {
+    Vec3f least = layer.texels.front(), most = least;
+    for (const Vec3f &texel : layer.texels)
         least = Min(least, texel), most = Max(most, texel);
-    const bool tiny = slot.width <= 2 && slot.height <= 2;
-    if (!tiny && (least.x < 0 || MaxDifference(least, most) > kSolidDifference || !DirectionsAgree(slot)))
+    const bool tiny = layer.width <= 2 && layer.height <= 2;
+    if (!tiny && (least.x < 0 || MaxDifference(least, most) > kSolidDifference || !DirectionsAgree(layer)))
         return;
-    slot.solid = true;
-    slot.color = Max(least, Vec3f{});
-    for (const Vec3f &d : slot.directions)
-        slot.direction += d;
-    slot.direction = Normalize(slot.direction);
+    layer.solid = true;
+    layer.color = Max(least, Vec3f{});
+    for (const Vec3f &d : layer.directions)
+        layer.direction += d;
+    layer.direction = Normalize(layer.direction);
 }
 
 // ---- twins -----------------------------------------------------------------------------------------------------
 
-/// A few texels of a slot: most pairs of slots already differ in one of them.
+/// A few texels of a layer: most pairs of layers already differ in one of them.
 struct TwinKey {
     std::array<Vec3f, 4> texels;
     bool Differs(const TwinKey &other) const {
@@ -119,18 +119,18 @@ struct TwinKey {
     }
 };
 
-TwinKey KeyOf(const StoredSlot &slot) {
+TwinKey KeyOf(const LightmapLayer &layer) {
     TwinKey key;
-    if (slot.solid) {
-        key.texels.fill(slot.color);
+    if (layer.solid) {
+        key.texels.fill(layer.color);
         return key;
     }
     for (std::size_t i = 0; i < key.texels.size(); ++i)
-        key.texels[i] = slot.texels[(2 * i + 1) * slot.texels.size() / (2 * key.texels.size())];
+        key.texels[i] = layer.texels[(2 * i + 1) * layer.texels.size() / (2 * key.texels.size())];
     return key;
 }
 
-bool Alike(const StoredSlot &a, const StoredSlot &b) {
+bool Alike(const LightmapLayer &a, const LightmapLayer &b) {
     if (a.solid)
         return MaxDifference(a.color, b.color) <= kSolidDifference;
     float sum = 0;
@@ -148,8 +148,8 @@ bool Alike(const StoredSlot &a, const StoredSlot &b) {
     return true;
 }
 
-/// Adds b to the running mean a of `count` slots, b included.
-void Join(StoredSlot &a, const StoredSlot &b, int count) {
+/// Adds b to the running mean a of `count` layers, b included.
+void Join(LightmapLayer &a, const LightmapLayer &b, int count) {
     const float share = 1 / float(count);
     a.color += (b.color - a.color) * share;
     for (std::size_t i = 0; i < a.texels.size() && !a.solid; ++i)
@@ -159,16 +159,16 @@ void Join(StoredSlot &a, const StoredSlot &b, int count) {
             a.texels[i] += (b.texels[i] - a.texels[i]) * share;
 }
 
-/// Finds twins among slots of one size, in order.
-void JoinGroup(const std::vector<std::size_t> &group, std::vector<StoredSlot> &slots) {
+/// Finds twins among layers of one size, in order.
+void JoinGroup(const std::vector<std::size_t> &group, std::vector<LightmapLayer> &layers) {
     std::vector<TwinKey> keys;
     for (const std::size_t i : group)
-        keys.push_back(KeyOf(slots[i]));
+        keys.push_back(KeyOf(layers[i]));
     for (std::size_t i = 0; i < group.size(); ++i) {
-        StoredSlot &first = slots[group[i]];
+        LightmapLayer &first = layers[group[i]];
         int count = 1;
         for (std::size_t j = i + 1; j < group.size() && first.twin < 0; ++j) {
-            StoredSlot &second = slots[group[j]];
+            LightmapLayer &second = layers[group[j]];
             if (keys[i].Differs(keys[j]) || second.twin >= 0 || !Alike(first, second))
                 continue;
             Join(first, second, ++count);
@@ -180,65 +180,65 @@ void JoinGroup(const std::vector<std::size_t> &group, std::vector<StoredSlot> &s
 
 } // namespace
 
-StoredSlots MakeSlots(const SurfaceInputs &in, const SurfaceLight &surfaces) {
-    StoredSlots stored;
-    stored.slotOf.resize(surfaces.lightmaps.size());
+LightmapLayers MakeLayers(const SurfaceInputs &in, const SurfaceLight &surfaces) {
+    LightmapLayers stored;
+    stored.layerOf.resize(surfaces.lightmaps.size());
     for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i)
         for (std::size_t style = 0; style < kStyles; ++style) {
             const RawLightmap &lightmap = surfaces.lightmaps[i];
             const bool used = lightmap.styles[style] != kNoStyle && !lightmap.result[style].empty() &&
-                              (style == 0 || stored.slotOf[i][0] >= 0);
-            stored.slotOf[i][style] = used ? int(stored.slots.size()) : -1;
+                              (style == 0 || stored.layerOf[i][0] >= 0);
+            stored.layerOf[i][style] = used ? int(stored.layers.size()) : -1;
             if (used)
-                stored.slots.push_back({int(i),
-                                        style,
-                                        lightmap.width,
-                                        lightmap.height,
-                                        lightmap.pageSize,
-                                        lightmap.brightness,
-                                        {},
-                                        {},
-                                        false,
-                                        {},
-                                        {},
-                                        -1,
-                                        false,
-                                        -1,
-                                        0,
-                                        0});
+                stored.layers.push_back({int(i),
+                                         style,
+                                         lightmap.width,
+                                         lightmap.height,
+                                         lightmap.pageSize,
+                                         lightmap.brightness,
+                                         {},
+                                         {},
+                                         false,
+                                         {},
+                                         {},
+                                         -1,
+                                         false,
+                                         -1,
+                                         0,
+                                         0});
         }
     const bool collapse = in.lightmap.collapse && !surfaces.styled;
-    in.jobs.For(std::int64_t(stored.slots.size()), [&](std::int64_t i, int) {
-        StoredSlot &slot = stored.slots[std::size_t(i)];
-        const RawLightmap &lightmap = surfaces.lightmaps[std::size_t(slot.lightmap)];
-        slot.texels = lightmap.result[slot.style];
-        slot.directions = lightmap.resultDirections;
-        JoinSeams(lightmap, slot.texels, true);
-        JoinSeams(lightmap, slot.directions, false);
-        FinishDirections(lightmap, in.lightmap.deluxeTangent, slot.directions);
+    in.jobs.For(std::int64_t(stored.layers.size()), [&](std::int64_t i, int) {
+        LightmapLayer &layer = stored.layers[std::size_t(i)];
+        const RawLightmap &lightmap = surfaces.lightmaps[std::size_t(layer.lightmap)];
+        layer.texels = lightmap.result[layer.style];
+        layer.directions = lightmap.resultDirections;
+        JoinSeams(lightmap, layer.texels, true);
+        JoinSeams(lightmap, layer.directions, false);
+        FinishDirections(lightmap, in.lightmap.deluxeTangent, layer.directions);
         if (collapse)
-            FindSolid(slot);
+            FindSolid(layer);
     });
     return stored;
 }
 
-void JoinTwins(std::vector<StoredSlot> &slots) {
+void JoinTwins(std::vector<LightmapLayer> &layers) {
     std::map<std::tuple<int, int, std::array<int, 2>, float, int>, std::vector<std::size_t>> groups;
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-        const StoredSlot &slot = slots[i];
-        if (slot.byVertex)
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        const LightmapLayer &layer = layers[i];
+        if (layer.byVertex)
             continue;
-        // Solid slots are compared only within one step of red; most twins have exactly equal colors.
-        const int step = slot.solid ? int(std::clamp(slot.color.x / kSolidDifference, 0.0f, 1e6f)) : 0;
-        const std::array<int, 2> size = slot.solid ? std::array{-1, -1} : std::array{slot.width, slot.height};
-        groups[{size[0], size[1], slot.pageSize, slot.brightness, step}].push_back(i);
+        // Solid layers are compared only within one step of red; most twins have exactly equal colors.
+        const int step = layer.solid ? int(std::clamp(layer.color.x / kSolidDifference, 0.0f, 1e6f)) : 0;
+        const std::array<int, 2> size = layer.solid ? std::array{-1, -1} : std::array{layer.width, layer.height};
+        groups[{size[0], size[1], layer.pageSize, layer.brightness, step}].push_back(i);
     }
     for (const auto &[key, group] : groups)
-        JoinGroup(group, slots);
+        JoinGroup(group, layers);
 }
 
 std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLight &surfaces,
-                                      const StoredSlots &stored) {
+                                      const LightmapLayers &stored) {
     std::map<std::string_view, int> rankOf;
     for (const SurfaceEntry &entry : in.table)
         rankOf[entry.shader->name] = 0;
@@ -261,11 +261,11 @@ std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLigh
         keys[i].area = -lightmap.width * lightmap.height;
     }
     std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < stored.slots.size(); ++i)
-        if (stored.slots[i].twin < 0 && !stored.slots[i].byVertex)
+    for (std::size_t i = 0; i < stored.layers.size(); ++i)
+        if (stored.layers[i].twin < 0 && !stored.layers[i].byVertex)
             order.push_back(i);
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        const Key &x = keys[std::size_t(stored.slots[a].lightmap)], &y = keys[std::size_t(stored.slots[b].lightmap)];
+        const Key &x = keys[std::size_t(stored.layers[a].lightmap)], &y = keys[std::size_t(stored.layers[b].lightmap)];
         return std::tie(x.shaders, x.styles, x.area) < std::tie(y.shaders, y.styles, y.area);
     });
     return order;
