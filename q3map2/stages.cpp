@@ -19,7 +19,8 @@ std::vector<SettingSection> LightSections() {
     for (SettingSection &section : Describe(LightmapSettings()))
         sections.push_back(std::move(section));
     // What changes nothing comes last.
-    std::ranges::stable_partition(sections, [](const SettingSection &s) { return !s.title.starts_with("Accepted"); });
+    std::stable_partition(sections.begin(), sections.end(),
+                          [](const SettingSection &s) { return !s.title.starts_with("Accepted"); });
     return sections;
 }
 

@@ -92,8 +92,8 @@ Groups TouchingPatches(const std::deque<Patch> &patches) {
         if (points[i].cell == points[i - 1].cell)
             groups.Join(points[i].patch, points[i - 1].patch);
     const auto cellAt = [&](std::uint64_t cell) {
-        const auto [first, last] = std::ranges::equal_range(points, cell, {}, &CellPoint::cell);
-        return CellSpan(first, last);
+        const auto first = std::ranges::lower_bound(points, cell, {}, &CellPoint::cell);
+        return CellSpan(first, std::ranges::upper_bound(points, cell, {}, &CellPoint::cell));
     };
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (i > 0 && points[i].cell == points[i - 1].cell)

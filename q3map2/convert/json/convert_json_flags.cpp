@@ -15,7 +15,8 @@ std::uint32_t ParmBits(const SurfaceParm &parm, FlagKind kind) {
 std::vector<std::pair<std::string_view, std::uint32_t>> SplitFlags(std::uint32_t value, const Game &game,
                                                                    FlagKind kind) {
     std::vector<std::pair<std::string_view, std::uint32_t>> parts;
-    for (const SurfaceParm &parm : std::views::reverse(game.surfaceParms)) {
+    for (auto at = game.surfaceParms.rbegin(); at != game.surfaceParms.rend(); ++at) {
+        const SurfaceParm &parm = *at;
         const std::uint32_t bits = ParmBits(parm, kind);
         if (bits == 0 || (value & bits) != bits)
             continue;

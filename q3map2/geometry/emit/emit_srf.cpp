@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. The .srf file: properties of surfaces that the light stage needs and the .bsp cannot hold.
 #include "q3map2/geometry/emit/emit_srf.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 namespace q3 {

@@ -163,7 +163,7 @@ void InsertVerts(DrawSurface &surface, const EdgeLines &lines, std::span<const E
     ++(start == 0 ? counts.natural : start == corners.size() ? counts.impossible : counts.rotated);
     // By one vertex, whichever start was found, as the established program does.
     if (start != 0)
-        std::ranges::rotate(corners, corners.begin() + 1);
+        std::rotate(corners.begin(), corners.begin() + 1, corners.end());
     surface.verts.clear();
     for (const FaceVert &corner : corners)
         surface.verts.push_back(corner.vert);

@@ -2,6 +2,7 @@
 #include "q3map2/geometry/models/model_clip_merge.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <tuple>
 #include <unordered_map>
