@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/light/light.h"
+#include "q3map2/light/sources/light_entities.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 #include "tests/common/game_folder.h"
 #include "tests/light/compiled_map.h"

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The closed surface of everything solid, from the BSP tree.
-#include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/scene/light_hull.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. How open the surroundings of receivers on surfaces are: dirt and floodlight.
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 
+#include "q3map2/light/batch/hemisphere_rings.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -10,9 +12,8 @@ namespace q3 {
 
 namespace {
 
-constexpr int kAzimuths = 16;
 constexpr int kCone = 88; // degrees from the normal
-constexpr int kDirtElevations = 3, kFloodElevations = 4;
+constexpr int kDirtElevations = 3;
 /// Dirt of luxels: touching surfaces do not count, nor those that the luxel is on when nearer than the second. Dirt of
 /// vertices and floodlight: none does that is nearer than the last. Game units.
 constexpr float kTouching = 1.0f / 64, kDirtOwn = 0.5f, kClose = 1.5f;
@@ -32,21 +33,6 @@ constexpr std::size_t kMostNear = 512;
 constexpr int kTile = 4;
 constexpr std::size_t kTaskBlocks = 64;
 constexpr std::uint32_t kSeedStep = 0x9e3779b9u; // spreads seeds of one lightmap from those of others
-
-/// Rings of azimuths around the normal. The step between rings is whole degrees, as it always was. Components that
-/// rounding leaves of zero would let rays in the plane of a wall meet it anywhere.
-std::vector<Vec3f> Rings(int elevations, int azimuths) {
-    std::vector<Vec3f> directions;
-    const double step = kCone / elevations, radian = std::numbers::pi / 180;
-    const auto component = [](double c) { return std::abs(c) < 1e-12 ? 0.0f : float(c); };
-    for (int e = 0; e < elevations; ++e)
-        for (int a = 0; a < azimuths; ++a) {
-            const double elevation = (e + 0.5) * step * radian, azimuth = a * 2 * std::numbers::pi / azimuths;
-            directions.emplace_back(component(std::sin(elevation) * std::cos(azimuth)),
-                                    component(std::sin(elevation) * std::sin(azimuth)), float(std::cos(elevation)));
-        }
-    return directions;
-}
 
 /// Axes around each normal.
 struct Frames {
@@ -274,8 +260,9 @@ void AmbientOcclusion::Gather(const OpenReceivers &receivers, const RayPacket &r
 
 AmbientOcclusion::AmbientOcclusion(const SurfaceInputs &in)
     : scene_(in.scene), space_(in.space), depth_(in.lightmap.dirtDepth), scale_(in.lightmap.dirtScale),
-      gain_(in.lightmap.dirtGain), random_(in.lightmap.dirtRandom), dirtDirections_(Rings(kDirtElevations, kAzimuths)),
-      floodDirections_(Rings(kFloodElevations, in.options.lowQuality ? kAzimuths / 2 : kAzimuths)) {
+      gain_(in.lightmap.dirtGain), random_(in.lightmap.dirtRandom),
+      dirtDirections_(HemisphereRings(kDirtElevations, kRingAzimuths)),
+      floodDirections_(HemisphereRings(kFloodElevations, in.options.lowQuality ? kRingAzimuths / 2 : kRingAzimuths)) {
     if (random_)
         dirtDirections_.assign(kRandomRays, {});
     dirtDirections_.push_back({0, 0, 1});

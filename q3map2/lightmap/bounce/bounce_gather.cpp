@@ -3,6 +3,7 @@
 
 #include "libs/math/color.h"
 #include "libs/math/low_discrepancy.h"
+#include "q3map2/light/batch/ray_batcher.h"
 
 #include <algorithm>
 #include <atomic>
@@ -78,37 +79,14 @@ Vec3f ClearPlace(const BspSpace &space, const RawLightmap &raw, std::size_t luxe
     return place;
 }
 
-/// Calls use(index, emitter) for rays that go all ways and are given one by one with an index, traced in packets.
-template <typename Use> class RayQueue {
-  public:
-    RayQueue(const BounceScene &scene, const Use &use) : scene_(scene), use_(use) {}
-    ~RayQueue() { Flush(); }
-    void Add(std::size_t index, const Vec3f &origin, const Vec3f &direction) {
-        rays_.origin.Set(count_, origin);
-        rays_.direction.Set(count_, direction);
-        rays_.distance[count_] = kEndless;
-        rays_.live[count_] = -1;
-        indices_[count_++] = index;
-        if (count_ == kPacketSize)
-            Flush();
-    }
-
-  private:
-    void Flush() {
-        if (count_ == 0)
-            return;
-        const auto found = scene_.FirstEmitters(rays_, false);
-        for (std::size_t i = 0; i < count_; ++i)
-            use_(indices_[i], found[i]);
-        rays_.live = {};
-        count_ = 0;
-    }
-    const BounceScene &scene_;
-    const Use &use_;
-    RayPacket rays_;
-    std::array<std::size_t, kPacketSize> indices_{};
-    std::size_t count_ = 0;
-};
+/// Rays in all directions, each with a tag: calls use(tag, emitter) with what a ray meets first.
+template <typename Use> auto EmitterRays(const BounceScene &scene, Use use) {
+    return MakeRayBatcher<std::size_t>([&scene, use](RayPacket &packet, std::span<const std::size_t> tags) {
+        const auto found = scene.FirstEmitters(packet, false);
+        for (std::size_t i = 0; i < tags.size(); ++i)
+            use(tags[i], found[i]);
+    });
+}
 
 /// A luxel's neighbours in a window, each reached over mapped ones that face the same way.
 class Neighbourhood {
@@ -357,11 +335,10 @@ Vec3f BounceGather::At(const Vec3f &place, const Vec3f &normal, bool twoSided, c
             sum += emission[emitter] * (pieces_ ? pieces_->Share(emitter, place, normal, twoSided) : 1);
     };
     const Vec3f start = place + normal * LiftAt(place, normal);
-    {
-        RayQueue queue(scene_, add);
-        for (std::uint32_t i = 0; i < std::uint32_t(kVertexRays); ++i)
-            queue.Add(i, start, frame.World(directions_[i]));
-    }
+    auto rays = EmitterRays(scene_, add);
+    for (std::uint32_t i = 0; i < std::uint32_t(kVertexRays); ++i)
+        rays.Add(i, start, frame.World(directions_[i]), kEndless);
+    rays.Flush();
     return sum / float(kVertexRays);
 }
 
@@ -376,9 +353,10 @@ void BouncedLight::Gather(const Vec3f &place, std::uint64_t seed, std::vector<In
     const auto add = [&](std::size_t i, EmitterId emitter) {
         rays.push_back({directions[i], emitter == kNoEmitter ? Vec3f{} : emission_[emitter]});
     };
-    RayQueue queue(scene_, add);
+    auto queue = EmitterRays(scene_, add);
     for (std::size_t i = 0; i < directions.size(); ++i)
-        queue.Add(i, place, directions[i]);
+        queue.Add(i, place, directions[i], kEndless);
+    queue.Flush();
 }
 
 } // namespace q3

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Under -fast: how far bounced light reaches.
 #include "q3map2/lightmap/bounce/radiosity_patches.h"
 
-#include "libs/math/lane_functions.h"
 #include "libs/math/winding.h"
+#include "q3map2/light/batch/form_factor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,25 +52,6 @@ Winding<float> WindingOf(const Face &face) {
     return w;
 }
 
-/// Part of a form factor that an edge from u to v makes, both from the place; times 2 pi.
-float EdgeFactor(const Vec3f &u, const Vec3f &v, const Vec3f &n) {
-    const Vec3f c = Cross(u, v);
-    const float length = Length(c);
-    return length > 0 ? AngleOf(length, Dot(u, v)) * Dot(n, c) / length : 0;
-}
-
-/// FormFactor in floats.
-float FormFactor(const Vec3f &p, const Vec3f &n, std::span<const Vec3f> w) {
-    float total = 0;
-    Vec3f u = w.back() - p;
-    for (const Vec3f &corner : w) {
-        const Vec3f v = corner - p;
-        total += EdgeFactor(u, v, n);
-        u = v;
-    }
-    return total / (2 * std::numbers::pi_v<float>);
-}
-
 /// Of the part of a convex polygon that is not behind the place.
 float FormFactorInFront(const Vec3f &p, const Vec3f &n, std::span<const Vec3f> w) {
     float total = 0;
@@ -81,14 +62,14 @@ float FormFactorInFront(const Vec3f &p, const Vec3f &n, std::span<const Vec3f> w
         const float after = Dot(n, v);
         if ((before >= 0) != (after >= 0)) {
             const Vec3f cut = u + (v - u) * (before / (before - after));
-            total += before >= 0 ? EdgeFactor(u, cut, n) : EdgeFactor(cut, v, n);
+            total += before >= 0 ? EdgeTerm(u, cut, n) : EdgeTerm(cut, v, n);
             (before >= 0 ? leaves : enters) = cut;
         } else if (before >= 0) {
-            total += EdgeFactor(u, v, n);
+            total += EdgeTerm(u, v, n);
         }
         u = v, before = after;
     }
-    return (total + EdgeFactor(leaves, enters, n)) / (2 * std::numbers::pi_v<float>);
+    return (total + EdgeTerm(leaves, enters, n)) / (2 * std::numbers::pi_v<float>);
 }
 
 bool HoldsLight(const RawLightmap &raw, std::size_t texel) {

@@ -71,7 +71,7 @@ struct Worker {
 /// Lights one raw lightmap.
 class LightmapPass {
   public:
-    LightmapPass(const SurfaceInputs &in, const LuxelLights &lights, const SurfacePass &pass, RawLightmap &lightmap,
+    LightmapPass(const SurfaceInputs &in, const LightsByCluster &lights, const SurfacePass &pass, RawLightmap &lightmap,
                  Worker &worker)
         : in_(in), lights_(lights), lightmap_(lightmap), worker_(worker) {
         pass_.bounce = pass.bounce;
@@ -204,7 +204,7 @@ class LightmapPass {
     }
 
     const SurfaceInputs &in_;
-    const LuxelLights &lights_;
+    const LightsByCluster &lights_;
     RawLightmap &lightmap_;
     Worker &worker_;
     LuxelPass pass_;
@@ -240,7 +240,7 @@ bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightSce
 
 void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
                  SurfaceLight &surfaces, ContributionCounts &counts) {
-    const LuxelLights lists(lights, in.space);
+    const LightsByCluster lists(lights, true);
     // The largest first, so that no worker is left with one at the end.
     std::vector<std::size_t> order(surfaces.lightmaps.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
