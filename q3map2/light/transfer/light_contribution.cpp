@@ -172,9 +172,12 @@ float SingleRayLight::Prepare(std::size_t batch) {
     }
     const int inSight = incident.live.Count();
     Unshadowed(light_, settings_, receivers, incident);
-    const float strongest = incident.live.Any() ? CullFaint(light_, incident) : 0;
-    counts_.skippedFacing += std::uint64_t(inSight - incident.live.Count());
-    return strongest * TakeFaint(light_, settings_.faint, strongest, weight_, receivers, incident, counts_);
+    CullFaint(light_, incident);
+    const int inReach = incident.live.Count();
+    counts_.skippedFacing += std::uint64_t(inSight - inReach);
+    if (inReach == 0 || !TakeFaint(light_, settings_.faint, weight_, receivers, incident, counts_))
+        return 0;
+    return Strongest(incident);
 }
 
 /// Rays from those receivers of a batch, by bit: at once if they fill a packet, else together with those of others.

@@ -10,14 +10,11 @@ namespace q3 {
 
 namespace {
 
-Q3_VECTOR float CullBelow(float least, IncidentLight &incident) {
-    float strongest = 0;
+Q3_VECTOR void CullBelow(float least, IncidentLight &incident) {
     for (const std::size_t i : kEachLane) {
         const float add = incident.add[i];
         incident.live[i] = add > least ? incident.live[i] : 0;
-        strongest = std::max(strongest, incident.live[i] != 0 ? add : 0);
     }
-    return strongest;
 }
 
 Q3_VECTOR void SetFalloff(Falloff falloff, const Lanes &angle, IncidentLight &incident) {
@@ -76,22 +73,29 @@ Q3_VECTOR void AreaHeights(const Light &light, const Lanes3 &position, Lanes &s,
     }
 }
 
-float CullFaint(const Light &light, IncidentLight &incident) {
-    return CullBelow(light.fast && light.type != LightType::Sun ? light.tolerance : 0, incident);
+void CullFaint(const Light &light, IncidentLight &incident) {
+    CullBelow(light.fast && light.type != LightType::Sun ? light.tolerance : 0, incident);
 }
 
-float TakeFaint(const Light &light, float faint, float strongest, float weight, ReceiverBatch &receivers,
-                IncidentLight &incident, ContributionCounts &counts) {
-    if (light.type == LightType::Area && strongest > 0 &&
-        !SelectFaintLight(faint, strongest, receivers.faintResidual, weight)) {
+float Strongest(const IncidentLight &incident) {
+    float strongest = 0;
+    for (const std::size_t i : kEachLane)
+        strongest = std::max(strongest, incident.live[i] != 0 ? incident.add[i] : 0);
+    return strongest;
+}
+
+bool TakeFaint(const Light &light, float faint, float weight, ReceiverBatch &receivers, IncidentLight &incident,
+               ContributionCounts &counts) {
+    if (light.type == LightType::Area && faint > 0 &&
+        !SelectFaintLight(faint, Strongest(incident), receivers.faintResidual, weight)) {
         counts.skippedFaint += std::uint64_t(incident.live.Count());
         incident.live = {};
-        return 0;
+        return false;
     }
     if (weight != 1)
         for (float &add : incident.add)
             add *= weight;
-    return weight;
+    return true;
 }
 
 void SetShadowRays(const ReceiverBatch &receivers, const IncidentLight &incident, RayPacket &rays) {

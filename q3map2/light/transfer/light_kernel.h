@@ -29,13 +29,14 @@ void PointLight(const Light &light, const Lanes &angle, IncidentLight &incident)
 /// along the light's normal to kAreaPush over the plane if it is within kAreaPush of it.
 void AreaHeights(const Light &light, const Lanes3 &position, Lanes &s, Lanes3 &pushed);
 
-/// Ends receivers that get at most the light's tolerance if it is `fast`, at most 0 otherwise. The most that one of the
-/// others gets.
-float CullFaint(const Light &light, IncidentLight &incident);
-/// SelectFaintLight for area lights: multiplies `add` by the weight of the light, or ends all receivers. The weight; 0
-/// if the light is not taken.
-float TakeFaint(const Light &light, float faint, float strongest, float weight, ReceiverBatch &receivers,
-                IncidentLight &incident, ContributionCounts &counts);
+/// Ends receivers that get at most the light's tolerance if it is `fast`, at most 0 otherwise.
+void CullFaint(const Light &light, IncidentLight &incident);
+/// The greatest `add` of a live receiver; 0 if there is none.
+float Strongest(const IncidentLight &incident);
+/// SelectFaintLight for area lights, if any receiver is live: multiplies `add` by the weight of the light. False: it is
+/// not taken, and no receiver is live.
+bool TakeFaint(const Light &light, float faint, float weight, ReceiverBatch &receivers, IncidentLight &incident,
+               ContributionCounts &counts);
 
 /// Shadow rays of the live receivers of a batch.
 void SetShadowRays(const ReceiverBatch &receivers, const IncidentLight &incident, RayPacket &rays);

@@ -203,11 +203,10 @@ void LightContributionToSample(const Light &light, const SurfaceLightSettings &s
         return;
     SurfaceTransfer transfer{light, settings, receivers, incident, {}, {}};
     Unshadowed(transfer);
-    const float strongest = incident.live.Any() ? CullFaint(light, incident) : 0;
-    counts.skippedFacing += std::uint64_t(inSight - incident.live.Count());
-    if (!(strongest > 0) || TakeFaint(light, settings.faint, strongest, 1, receivers, incident, counts) == 0)
-        return;
-    if (traced)
+    CullFaint(light, incident);
+    const int inReach = incident.live.Count();
+    counts.skippedFacing += std::uint64_t(inSight - inReach);
+    if (inReach > 0 && TakeFaint(light, settings.faint, 1, receivers, incident, counts) && traced)
         TraceShadows(light, settings, scene, receivers, incident, counts);
 }
 
