@@ -7,6 +7,7 @@
 #include "q3map2/light/grid/gridsh_dering.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/sources/light_envelope.h"
 
 #include <algorithm>
 
@@ -47,7 +48,7 @@ void CountLights(const std::vector<Light> &lights, const SurfaceLightCounts &cou
     log.Count(of(LightType::Sun), "sun/sky lights");
 }
 
-/// Lights that these file formats have no place for: of other styles than 0.
+/// Drops lights of other styles than 0, which the grid formats cannot hold.
 std::size_t DropStyled(std::vector<Light> &lights) {
     return std::erase_if(lights, [](const Light &light) { return light.style != 0; });
 }

@@ -6,8 +6,10 @@
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/light/grid/light_grid.h"
+#include "q3map2/light/grid/light_gridsh.h"
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/sources/light_surfaces.h"
 #include "q3map2/shader/shader.h"
 
 #include <optional>

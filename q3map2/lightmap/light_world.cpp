@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/light_world.h"
 
 #include "common/cpu_time.h"
+#include "q3map2/light/sources/light_envelope.h"
 #include "q3map2/lightmap/ao/luxel_dirt.h"
 #include "q3map2/lightmap/ao/luxel_flood.h"
 #include "q3map2/lightmap/bounce/light_bounce.h"

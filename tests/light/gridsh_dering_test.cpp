@@ -2,6 +2,7 @@
 #include "tests/light/light_fixture.h"
 
 #include "common/arguments.h"
+#include "libs/sh/sh.h"
 #include "q3map2/light/grid/gridsh_dering.h"
 
 #include "common/error.h"

@@ -1,5 +1,8 @@
 // GPL-2.0-or-later. SH grid: -sherror says how far it is off, and which cells halve that.
+#include "libs/sh/sh.h"
 #include "q3map2/light/grid/gridsh_error.h"
+#include "q3map2/light/sources/light_entities.h"
+#include "q3map2/light/sources/light_envelope.h"
 
 #include "tests/light/light_fixture.h"
 

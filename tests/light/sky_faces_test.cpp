@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Skies as convex polygons: the same sky as triangle by triangle.
-#include "q3map2/light/scene/sky_beam.h"
+#include "q3map2/light/scene/sky_faces.h"
 
 #include <gtest/gtest.h>
 
@@ -70,7 +70,7 @@ void ExpectNearest(float nearest) {
         Lanes3 origin, direction;
         Lanes farthest;
         LaneMask live;
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
+        for (const std::size_t i : kEachLane) {
             origin.Set(i, {place(random), place(random), place(random)});
             direction.Set(i, RandomDirection(random));
             farthest[i] = i % 4 == 0 ? 200.0f : 100000.0f;
@@ -78,7 +78,7 @@ void ExpectNearest(float nearest) {
         }
         SkyHits hits;
         faces.Find(origin, direction, farthest, live, nearest, hits);
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
+        for (const std::size_t i : kEachLane) {
             EXPECT_TRUE(live[i] != 0 || hits.hit[i] == 0);
             if (live[i] == 0)
                 continue;
@@ -121,7 +121,7 @@ TEST(SkyFacesTest, NoRaySlipsThroughWhereFacesMeet) {
     LaneMask live;
     live.fill(-1);
     for (int step = 0; step < 400; ++step) {
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
+        for (const std::size_t i : kEachLane) {
             // Toward the edge of ceiling and wall.
             const Vec3f from{256, 100.0f + float(i), 32}, to{512, 1.0f + float(step) * 1.27f, 256};
             origin.Set(i, from), direction.Set(i, Normalize(to - from));
@@ -157,13 +157,13 @@ TEST(SkyFacesTest, ASkyOfAnyOutlineIsMetWhereItsTrianglesAre) {
         Lanes farthest;
         LaneMask live;
         live.fill(-1), farthest.fill(10000);
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
+        for (const std::size_t i : kEachLane) {
             const Vec3f from{place(random), place(random), 0}, to{place(random), place(random), 128};
             origin.Set(i, from), direction.Set(i, Normalize(to - from));
         }
         SkyHits hits;
         faces.Find(origin, direction, farthest, live, 0, hits);
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
+        for (const std::size_t i : kEachLane) {
             const Slow slow = NearestTriangle(skies, Vec3d(origin[i]), Vec3d(direction[i]), 0, 10000);
             const Vec3d p = Vec3d(origin[i]) + Vec3d(direction[i]) * (128 / double(direction[i].z));
             // All edges, also those between triangles, where the slow search may miss, are on multiples of 64 or on
@@ -177,63 +177,6 @@ TEST(SkyFacesTest, ASkyOfAnyOutlineIsMetWhereItsTrianglesAre) {
     }
     EXPECT_GT(met, 5000);
     EXPECT_GT(missed, 5000);
-}
-
-/// Whether a place is near an edge of those skies, where rays may go either way.
-bool NearEdge(const Vec3d &p) {
-    const auto near = [](double x) { return std::abs(std::remainder(x, 64)) < 0.3; };
-    return near(p.x) + near(p.y) + near(p.z) > 1;
-}
-
-/// Rays of one direction from receivers of a box, small and large, in, behind and beside the skies.
-void ExpectBeamsMeetTheNearest(const Triangles &skies, float nearest, int wanted) {
-    const SkyFaces faces(skies, IndexesOf(skies));
-    ASSERT_TRUE(faces.Few());
-    std::mt19937 random(23);
-    std::uniform_real_distribution<float> place(-200, 800), share(0, 1);
-    int met = 0, missed = 0, others = 0;
-    for (int round = 0; round < 3000; ++round) {
-        const Vec3f corner{place(random), place(random), place(random)}, direction = RandomDirection(random);
-        const float size = round % 3 == 0 ? 0 : 300 * share(random);
-        const Boundsf box{corner, corner + Vec3f{size, size, size}};
-        Lanes3 origin;
-        Lanes distance;
-        LaneMask live;
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
-            origin.Set(i, corner + Vec3f{share(random), share(random), share(random)} * size);
-            live.Set(i, i % 5 != 0);
-            distance[i] = i % 4 == 0 ? 200.0f : 100000.0f;
-        }
-        const LaneMask before = live;
-        const Lanes farthest = distance;
-        SkyBeam(faces, direction, box).Clip(origin, wanted, nearest, distance, live);
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
-            EXPECT_TRUE(before[i] != 0 || live[i] == 0);
-            const Slow slow = NearestTriangle(skies, Vec3d(origin[i]), Vec3d(direction), nearest, double(farthest[i]));
-            const Vec3d hit = Vec3d(origin[i]) + Vec3d(direction) * double(distance[i]);
-            const Vec3d slowHit = Vec3d(origin[i]) + Vec3d(direction) * slow.distance;
-            if (before[i] == 0 || NearEdge(hit) || NearEdge(slowHit))
-                continue;
-            const bool expected = slow.skyIndex >= 0 && (wanted < 0 || slow.skyIndex == wanted);
-            ASSERT_EQ(live[i] != 0, expected) << round;
-            (expected ? met : slow.skyIndex >= 0 ? others : missed)++;
-            if (expected) {
-                EXPECT_NEAR(double(distance[i]), slow.distance, 1e-3 * (1 + slow.distance));
-            }
-        }
-    }
-    EXPECT_GT(met, 500);
-    EXPECT_GT(missed, 5000);
-    EXPECT_EQ(others > 500, wanted >= 0);
-}
-
-TEST(SkyBeamTest, RaysOfABeamEndAtTheNearestSky) {
-    ExpectBeamsMeetTheNearest(BoxOfSky(), 0, -1);
-    ExpectBeamsMeetTheNearest(BoxOfSky(), 64, -1);
-    ExpectBeamsMeetTheNearest(CeilingWithHole(), 0, -1);
-}
-TEST(SkyBeamTest, OtherSkiesInFrontOfTheWantedOneBlock) {
-    ExpectBeamsMeetTheNearest(BoxOfSky(), 0, 105);
 }
 
 TEST(SkyFacesTest, SkiesOfManyPiecesOrBentOnesAreLeftToTheTree) {

@@ -3,6 +3,7 @@
 #include "tests/light/light_fixture.h"
 
 #include "q3map2/light/light.h"
+#include "q3map2/light/scene/light_hull.h"
 #include "q3map2/light/scene/light_space.h"
 
 #include <random>

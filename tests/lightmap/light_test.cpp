@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Light on luxels: against the established program, closed forms and slow code.
 #include "common/files/files.h"
 #include "q3map2/light/batch/form_factor.h"
+#include "q3map2/light/sources/light_envelope.h"
 #include "q3map2/light/tone/light_tone.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "tests/lightmap/luxel_vectors.h"
@@ -338,7 +339,7 @@ TEST(FormFactors, AgreeWithTheSlowOnes) {
         Lanes f;
         FormFactors(p, n, w, f);
         for (std::size_t i = 0; i < kPacketSize; ++i)
-            EXPECT_NEAR(f[i], FormFactor(p[i], n[i], w), 2e-5) << round;
+            EXPECT_NEAR(double(f[i]), FormFactor(Vec3d(p[i]), Vec3d(n[i]), w), 2e-5) << round;
     }
 }
 

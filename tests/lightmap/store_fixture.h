@@ -1,7 +1,9 @@
 // GPL-2.0-or-later. Raw lightmaps made by hand, and the maps that they are stored in.
 #pragma once
 
+#include "q3map2/light/sources/light_entities.h"
 #include "q3map2/lightmap/direct/lightmap_average.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/store/lightmap_store.h"
 #include "tests/common/game_folder.h"
 #include "tools/scene/scene_builder.h"

@@ -3,8 +3,10 @@
 
 #include "common/error.h"
 #include "q3map2/light/light.h"
+#include "q3map2/light/sources/light_entities.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 #include "q3map2/lightmap/raw/lightmap_shade.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_map.h"
 #include "tests/common/game_folder.h"
 #include "tests/light/compiled_map.h"

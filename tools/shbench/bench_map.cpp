@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/settings.h"
+#include "q3map2/light/sources/light_envelope.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -6,6 +6,8 @@
 #include "q3map2/light/scene/light_scene.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/scene/surface_table.h"
+#include "q3map2/light/sources/light_entities.h"
+#include "q3map2/light/sources/light_envelope.h"
 
 #include <vector>
 

@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "libs/sh/sh.h"
+#include "q3map2/light/grid/light_floodlight.h"
 #include "q3map2/light/grid/light_grid.h"
 
 #include <algorithm>

@@ -1,8 +1,7 @@
-// GPL-2.0-or-later. Point to polygon form factor of the established program.
+// GPL-2.0-or-later. Form factor between a point of a surface and a polygon.
 #pragma once
 
-#include "libs/math/winding.h"
-#include "libs/sh/polygon_moments.h"
+#include "libs/math/lane_functions.h"
 #include "q3map2/light/batch/lanes.h"
 
 #include <cmath>
@@ -11,31 +10,34 @@
 
 namespace q3 {
 
-/// Cosine-weighted share of the hemisphere around n that the polygon covers as seen from p, -1 to 1; positive in front
-/// of a clockwise polygon. Not clipped to the horizon: parts behind the receiver count negatively.
-inline float FormFactor(const Vec3f &p, const Vec3f &n, const Winding<float> &w) {
-    if (w.empty())
-        return 0;
-    double total = 0;
-    Vec3d u = Normalize(Vec3d(w[0]) - Vec3d(p));
-    for (std::size_t i = 0; i < w.size(); ++i) {
-        const Vec3d v = Normalize(Vec3d(w[(i + 1) % w.size()]) - Vec3d(p));
-        const Vec3d c = Cross(u, v);
-        const double length = Length(c);
-        if (length >= 0.0001) {
-            total += FastAtan2(length, Dot(u, v)) * Dot(Vec3d(n), c) / length;
-            if (std::abs(total) > 6.3)
-                return 0;
-        }
-        u = v;
-    }
-    return float(total / (2 * std::numbers::pi));
-}
-
 /// Edges of a polygon see no more than a full turn; more is rounding beside a degenerate one, and counts as nothing.
 inline constexpr float kMostFormAngle = 6.3f;
 
-/// FormFactor for 16 receivers, in floats: f errs by about 1e-6.
-void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> w, Lanes &f);
+/// An edge's term of Lambert's formula for the form factor: the angle between the directions u and v to its ends, times
+/// n . (u x v) / |u x v|. sine, cosine: |u x v| and u . v, of any length; along: n . (u x v).
+template <typename T> T EdgeTerm(T sine, T cosine, T along) {
+    return sine > 0 ? AngleOf(sine, cosine) * along / sine : T(0);
+}
+template <typename T> T EdgeTerm(const Vec3<T> &u, const Vec3<T> &v, const Vec3<T> &n) {
+    const Vec3<T> across = Cross(u, v);
+    return EdgeTerm(Length(across), Dot(u, v), Dot(n, across));
+}
+
+/// Cosine-weighted share of the hemisphere around n that the polygon covers as seen from p, -1 to 1; positive in front
+/// of a clockwise polygon. Not clipped to the horizon: parts behind the receiver count negatively. Lambert's formula:
+/// the sum of the edges' terms over 2 pi.
+template <typename T> T FormFactor(const Vec3<T> &p, const Vec3<T> &n, std::span<const Vec3f> polygon) {
+    T total = 0;
+    Vec3<T> u = polygon.empty() ? p : Vec3<T>(polygon.back()) - p;
+    for (const Vec3f &corner : polygon) {
+        const Vec3<T> v = Vec3<T>(corner) - p;
+        total += EdgeTerm(u, v, n);
+        u = v;
+    }
+    return std::abs(total) > T(kMostFormAngle) ? T(0) : total / (2 * std::numbers::pi_v<T>);
+}
+
+/// FormFactor of sixteen receivers, in floats: f errs by about 1e-6.
+void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> polygon, Lanes &f);
 
 } // namespace q3

@@ -3,6 +3,7 @@
 
 #include "common/progress.h"
 #include "libs/math/low_discrepancy.h"
+#include "q3map2/light/transfer/faint_lights.h"
 
 #include <algorithm>
 #include <atomic>
@@ -13,14 +14,14 @@ namespace {
 
 constexpr std::array<int, 3> kBrick = {8, 8, 4};
 constexpr std::array<int, 3> kBlock = {4, 2, 2};
-/// Points this far behind the centre of a one-sided lamp, moved off by a unit, get nothing from it in either grid. Game
-/// units.
+/// Points this far behind the origin of a one-sided area light, which is a unit in front of it, get nothing from it in
+/// either grid. Game units.
 constexpr float kBehind = 2;
-/// So few faint lights are all taken.
+/// Up to this many faint lights are all taken.
 constexpr std::ptrdiff_t kFewFaint = 32;
 constexpr std::uint64_t kSeedFaint = 0x4661696E74ull;
 
-bool CanReach(const LightsByCluster::Reach &light, const BrickView &brick) {
+bool CanReach(const BrickCandidates::Reach &light, const BrickView &brick) {
     if (!light.sun) {
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (light.bounds.mins[axis] > brick.box.maxs[axis] || light.bounds.maxs[axis] < brick.box.mins[axis])
@@ -77,13 +78,6 @@ BspRegion RegionAround(const BspRegion &in, std::span<const BrickPoint> points, 
     return in.Around(box);
 }
 
-void AddReceiver(std::vector<ReceiverBatch> &blocks, const Vec3f &position, const Vec3f &rayOrigin, int cluster,
-                 std::uint32_t index) {
-    if (blocks.empty() || blocks.back().count == kPacketSize)
-        blocks.emplace_back();
-    blocks.back().Add(position, rayOrigin, cluster, index);
-}
-
 BrickView::BrickView(std::span<const ReceiverBatch> blocks) {
     for (const ReceiverBatch &receivers : blocks) {
         for (std::size_t i = 0; i < receivers.count; ++i)
@@ -94,60 +88,37 @@ BrickView::BrickView(std::span<const ReceiverBatch> blocks) {
     }
 }
 
-LightsByCluster::LightsByCluster(const std::vector<Light> &lights) : lights_(lights) {
-    const std::size_t words = (lights.size() + 63) / 64;
-    everywhere_.resize(words);
+BrickCandidates::BrickCandidates(const std::vector<Light> &lights) : byCluster_(lights, false) {
     reach_.reserve(lights.size());
     for (const Light &light : lights)
         reach_.push_back({light.bounds, light.origin, light.normal, light.envelope, light.dist,
                           light.type == LightType::Sun, light.type == LightType::Area && !light.twoSided});
-    for (std::size_t i = 0; i < lights.size(); ++i) {
-        const std::uint64_t bit = std::uint64_t(1) << (i % 64);
-        if (lights[i].seenFrom.empty())
-            everywhere_[i / 64] |= bit;
-        if (rows_.size() < lights[i].seenFrom.size())
-            rows_.resize(lights[i].seenFrom.size(), std::vector<std::uint64_t>(words));
-        for (std::size_t cluster = 0; cluster < lights[i].seenFrom.size(); ++cluster)
-            if (lights[i].seenFrom[cluster])
-                rows_[cluster][i / 64] |= bit;
-    }
 }
 
-BrickLights::BrickLights(const LightsByCluster &lights, const BrickView &brick, std::uint64_t seed, float faint,
+BrickLights::BrickLights(const BrickCandidates &lights, const BrickView &brick, std::uint64_t seed, float faint,
                          const SkipOptions &skip, GridStats &work) {
-    const auto use = [&](std::size_t number, bool seenByAll) {
+    const auto use = [&](std::size_t number) {
         if (skip.reach && !CanReach(lights.ReachOf(number), brick)) {
             ++work.skippedReach;
             return;
         }
         const Light &light = lights.Lights()[number];
-        list_.push_back({&light, 1, LightBound(light, brick.box), seenByAll});
+        list_.push_back({&light, 1, LightBound(light, brick.box)});
     };
     if (skip.pvs)
-        work.skippedPvs += lights.ForEach(brick.clusters, use);
+        work.skippedPvs += lights.ByCluster().ForEach(brick.clusters, use);
     else
         for (std::size_t i = 0; i < lights.Lights().size(); ++i)
-            use(i, true);
+            use(i);
     const auto isFaint = [&](const BrickLight &one) { return one.bound < faint; };
     if (!skip.faint || std::count_if(list_.begin(), list_.end(), isFaint) <= kFewFaint)
         return;
     many_ = true;
     float faintResidual = float(UnitFromHash(HashIndex(kSeedFaint ^ seed))) * faint;
-    const auto represented = [&](BrickLight &one) {
-        if (!isFaint(one))
-            return false;
-        faintResidual += one.bound;
-        if (faintResidual < faint)
-            return true;
-        faintResidual -= faint;
-        one.weight = faint / one.bound;
-        return false;
-    };
     const std::size_t before = list_.size();
-    // In order, so not by std::remove_if, which may copy its predicate.
     std::size_t kept = 0;
     for (BrickLight one : list_)
-        if (!represented(one))
+        if (SelectFaintLight(faint, one.bound, faintResidual, one.weight))
             list_[kept++] = one;
     list_.resize(kept);
     work.skippedFaint += before - kept;
@@ -156,12 +127,6 @@ BrickLights::BrickLights(const LightsByCluster &lights, const BrickView &brick, 
 void StartFaintResiduals(std::vector<ReceiverBatch> &blocks, float faint) {
     for (ReceiverBatch &receivers : blocks)
         receivers.faintResidual = float(UnitFromHash(HashIndex(kSeedFaint + receivers.index[0]))) * faint;
-}
-
-void GridStats::Add(const GridStats &o) {
-    open += o.open, moved += o.moved, filled += o.filled;
-    skippedFaint += o.skippedFaint, skippedReach += o.skippedReach, skippedPvs += o.skippedPvs;
-    counts += o.counts;
 }
 
 void RunGridBricks(const GridInputs &in, const GridBricks &bricks, GridStats &stats,
@@ -182,31 +147,6 @@ void RunGridBricks(const GridInputs &in, const GridBricks &bricks, GridStats &st
     for (const GridStats &part : work)
         stats.Add(part);
     stats.seconds += progress.Seconds();
-}
-
-void GridStats::Print(Log &log, bool verbose) const {
-    log.Count(open, "points in the open");
-    if (moved > 0)
-        log.Count(moved, "points in solids lit from the nearest open position");
-    if (filled > 0)
-        log.Count(filled, "points in solids filled from neighbors");
-    log.Count((long long)(counts.rays), "rays");
-    if (!verbose)
-        return;
-    const auto count = [&](std::uint64_t number, const char *what) { log.Count((long long)(number), what); };
-    count(skippedPvs, "pairs of brick and light hidden by visibility data, skipped (-noskippvs)");
-    count(skippedReach, "pairs of brick and light out of reach, skipped (-noskipreach)");
-    count(skippedFaint, "pairs of brick and light too faint, represented by others (-noskipfaint)");
-    count(counts.pairs, "pairs of point and light");
-    count(counts.skippedPvs, "hidden by visibility data, skipped (-noskippvs)");
-    count(counts.skippedFacing, "out of reach, cone or side");
-    count(counts.skippedFaint, "too faint, represented by others (-noskipfaint)");
-    count(counts.skippedProbes, "with a faint area light, judged by one ray (-noskipprobes)");
-    count(counts.skippedMoments, "with a far area light, approximated by points (-noskipmoments)");
-    count(counts.skippedCoarse, "taken from neighbours that all agree (-noskipcoarse)");
-    count(counts.refined, "with an area light partly hidden, refined");
-    if (seconds > 0)
-        log.Print("{:9.2f} million rays per second of the pass\n", double(counts.rays) / seconds / 1e6);
 }
 
 } // namespace q3

@@ -1,9 +1,10 @@
 // GPL-2.0-or-later. Light grids in bricks: neighbouring points share their lights and their rays.
 #pragma once
 
-#include "q3map2/light/grid/light_grid.h"
+#include "q3map2/light/batch/receivers.h"
+#include "q3map2/light/grid/grid_pass.h"
+#include "q3map2/light/sources/lights_by_cluster.h"
 
-#include <bit>
 #include <functional>
 #include <span>
 #include <vector>
@@ -32,43 +33,19 @@ class GridBricks {
 /// The region around some points and what is within `margin` of them on each axis. Game units.
 BspRegion RegionAround(const BspRegion &in, std::span<const BrickPoint> points, const Vec3f &margin);
 
-/// Appends a place to the last block, or to a new one when that is full.
-void AddReceiver(std::vector<ReceiverBatch> &blocks, const Vec3f &position, const Vec3f &rayOrigin, int cluster,
-                 std::uint32_t index);
-
-/// Where the receivers of a brick are.
+/// Bounds and clusters of the receivers of a brick.
 struct BrickView {
     explicit BrickView(std::span<const ReceiverBatch> blocks);
     Boundsf box;
     std::vector<int> clusters; ///< each once
 };
 
-/// Which lights each cluster may see, as rows of bits.
-class LightsByCluster {
+/// The lights of a pass, with what decides whether they reach a brick close together.
+class BrickCandidates {
   public:
-    explicit LightsByCluster(const std::vector<Light> &lights);
-    /// Calls use(number of the light, whether all of the clusters may see it) in order for every light that one of them
-    /// may see, and returns how many it left out.
-    template <typename Use> std::size_t ForEach(std::span<const int> clusters, const Use &use) const {
-        std::vector<std::uint64_t> any = everywhere_, all(any.size(), ~std::uint64_t(0));
-        for (const int cluster : clusters) {
-            const bool known = cluster >= 0 && std::size_t(cluster) < rows_.size();
-            for (std::size_t word = 0; word < any.size(); ++word) {
-                const std::uint64_t row = known ? rows_[std::size_t(cluster)][word] : 0;
-                any[word] |= row;
-                all[word] &= row | everywhere_[word];
-            }
-        }
-        std::size_t used = 0;
-        for (std::size_t word = 0; word < any.size(); ++word)
-            for (std::uint64_t bits = any[word]; bits != 0; bits &= bits - 1, ++used) {
-                const int bit = std::countr_zero(bits);
-                use(word * 64 + std::size_t(bit), (all[word] >> bit & 1) != 0);
-            }
-        return lights_.size() - used;
-    }
-    const std::vector<Light> &Lights() const { return lights_; }
-    /// Where a light matters: what of it decides that, close together.
+    explicit BrickCandidates(const std::vector<Light> &lights);
+    const LightsByCluster &ByCluster() const { return byCluster_; }
+    const std::vector<Light> &Lights() const { return byCluster_.Lights(); }
     struct Reach {
         Boundsf bounds;
         Vec3f origin, normal;
@@ -78,29 +55,25 @@ class LightsByCluster {
     const Reach &ReachOf(std::size_t light) const { return reach_[light]; }
 
   private:
-    const std::vector<Light> &lights_;
-    std::vector<std::uint64_t> everywhere_;
-    std::vector<std::vector<std::uint64_t>> rows_;
+    LightsByCluster byCluster_;
     std::vector<Reach> reach_;
 };
 
-/// A light of a brick, and what its contribution is multiplied by.
+/// A light that may reach a brick, and the factor of its contribution.
 struct BrickLight {
     const Light *light = nullptr;
     float weight = 1;
-    float bound = 0;        ///< see LightBound
-    bool seenByAll = false; ///< by visibility data, from every place of the brick
+    float bound = 0; ///< see LightBound
 };
 
 /// Lights that can reach some point of a brick, in their order.
 ///
-/// Lights whose bound in the brick is under `faint` (byte scale), if there are many, are represented by a few: going
-/// through them in order, every time their bounds add up to `faint` one is taken, with the weight that makes up for the
-/// others. Lights of one surface follow each other in the list, so that a taken light stands for its neighbours. 0
-/// takes every light.
+/// Lights whose bound in the brick is under `faint` (byte scale; 0: none), if there are many, are represented by a few,
+/// see SelectFaintLight. Lights of one surface follow each other in the list, so a chosen one stands for its
+/// neighbours.
 class BrickLights {
   public:
-    BrickLights(const LightsByCluster &lights, const BrickView &brick, std::uint64_t seed, float faint,
+    BrickLights(const BrickCandidates &lights, const BrickView &brick, std::uint64_t seed, float faint,
                 const SkipOptions &skip, GridStats &work);
     const std::vector<BrickLight> &List() const { return list_; }
     /// Whether there were many faint lights.
@@ -111,7 +84,7 @@ class BrickLights {
     bool many_ = false;
 };
 
-/// Sets where each block's count of faint light starts: spread evenly.
+/// Sets ReceiverBatch::faintResidual of each block to a random start, so that blocks do not choose the same lights.
 void StartFaintResiduals(std::vector<ReceiverBatch> &blocks, float faint);
 
 /// Runs `trace(brick, work)` for every brick on all workers, with progress; adds the work up into `stats`.

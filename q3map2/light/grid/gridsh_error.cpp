@@ -15,7 +15,7 @@ namespace q3 {
 namespace {
 
 constexpr std::uint64_t kSeed = 0x4572726F72ull;
-/// Tries for one place in the open.
+/// Random positions tried for each receiver.
 constexpr std::size_t kTries = 2000;
 constexpr float kMinCell = 8;
 /// Sample patterns of the receivers start here, apart from those of grid points.
@@ -24,7 +24,7 @@ constexpr double kDark = 0.01, kShownLit = 0.05; ///< shares of the map's mean l
 /// Errors under this are not to be seen. 255ths.
 constexpr double kInvisible = 0.1;
 
-struct Place {
+struct Receiver {
     Vec3f position;
     int cluster = kSolidCluster;
     std::uint32_t order = 0; ///< neighbours have similar numbers
@@ -41,10 +41,10 @@ std::uint32_t Interleaved(const Vec3f &fraction) {
 }
 
 /// Random receivers that a player can be in, neighbours after each other.
-std::vector<Place> FindPlaces(const BspSpace &space, std::size_t count) {
+std::vector<Receiver> FindReceivers(const BspSpace &space, std::size_t count) {
     const bspModel_t &world = space.Map().models.front();
     const Vec3f mins(world.mins), size = Vec3f(world.maxs) - mins;
-    std::vector<Place> receivers;
+    std::vector<Receiver> receivers;
     for (std::size_t i = 0; i < count * kTries && receivers.size() < count; ++i) {
         Vec3f fraction;
         for (std::size_t axis = 0; axis < 3; ++axis)
@@ -55,25 +55,24 @@ std::vector<Place> FindPlaces(const BspSpace &space, std::size_t count) {
             receivers.push_back({p, cluster, Interleaved(fraction)});
     }
     std::stable_sort(receivers.begin(), receivers.end(),
-                     [](const Place &a, const Place &b) { return a.order < b.order; });
+                     [](const Receiver &a, const Receiver &b) { return a.order < b.order; });
     return receivers;
 }
 
 /// What grid points there would hold, without shortcuts.
 std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vector<Light> &lights,
-                                          const std::vector<Place> &receivers) {
+                                          const std::vector<Receiver> &receivers) {
     LightOptions options = in.options;
     options.shSamples = std::max(1.0f, options.shSamples);
     options.skip.faint = options.skip.moments = options.skip.probes = options.skip.coarse = false;
     const GridInputs exact{in.space, in.scene, options, in.world, in.jobs, in.log};
     const ProbeIntegrator lighter(exact, lights);
     std::vector<bspGridPointSH_t> points(receivers.size());
-    in.jobs.For(std::int64_t((receivers.size() + kPacketSize - 1) / kPacketSize), [&](std::int64_t block, int) {
-        const std::size_t first = std::size_t(block) * kPacketSize;
+    in.jobs.For(std::int64_t(BatchCount(receivers.size())), [&](std::int64_t block, int) {
         std::vector<ReceiverBatch> packet(1);
-        for (std::size_t i = first; i < std::min(receivers.size(), first + kPacketSize); ++i)
-            packet[0].Add(receivers[i].position, receivers[i].position, receivers[i].cluster,
-                          kFirstIndex + std::uint32_t(i));
+        for (const Receiver &receiver : BatchOf(std::span(receivers), std::size_t(block)))
+            packet[0].Add(receiver.position, receiver.position, receiver.cluster,
+                          kFirstIndex + std::uint32_t(&receiver - receivers.data()));
         GridStats work;
         lighter.Trace(packet, std::uint64_t(block), work, [&](std::uint32_t index, const bspGridPointSH_t &value) {
             bspGridPointSH_t &point = points[index - kFirstIndex];
@@ -178,8 +177,8 @@ double Mean(const DisplayedLight &shown) {
 /// Share of receivers that are dark and shown lit.
 double LeakShare(const std::vector<DisplayedLight> &exact, const std::vector<DisplayedLight> &shown) {
     double mean = 0;
-    for (const DisplayedLight &place : exact)
-        mean += Mean(place) / double(exact.size());
+    for (const DisplayedLight &light : exact)
+        mean += Mean(light) / double(exact.size());
     std::size_t leaks = 0;
     for (std::size_t i = 0; i < exact.size(); ++i)
         leaks += Mean(exact[i]) < kDark * mean && Mean(shown[i]) > kShownLit * mean;
@@ -187,7 +186,7 @@ double LeakShare(const std::vector<DisplayedLight> &exact, const std::vector<Dis
 }
 
 /// Sets `doubled` and `order`, from the receivers that lie inside the grid of doubled cells too.
-void CompareWithDoubled(const GridInputs &in, const LightGridSH &grid, const std::vector<Place> &receivers,
+void CompareWithDoubled(const GridInputs &in, const LightGridSH &grid, const std::vector<Receiver> &receivers,
                         const std::vector<DisplayedLight> &exact, const std::vector<DisplayedLight> &shown,
                         GridSHError &error) {
     const EverySecond everySecond(grid, in.space);
@@ -212,7 +211,7 @@ GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const s
                           std::size_t receivers) {
     const std::clock_t start = std::clock();
     GridSHError error;
-    const std::vector<Place> found = FindPlaces(in.space, receivers);
+    const std::vector<Receiver> found = FindReceivers(in.space, receivers);
     error.receivers = found.size();
     if (found.empty())
         return error;
@@ -251,7 +250,7 @@ Float3 CellOfHalfError(const Float3 &cell, const GridSHError &error) {
 void PrintGridSHError(const GridSHError &error, const Float3 &cell, const Float3 &legacyCell, Log &log) {
     log.Section("CheckGridSH");
     if (error.receivers == 0) {
-        log.Print("No place is {} units clear of solids: nothing to check\n", kPlayerHalfSize);
+        log.Print("No position is {} units clear of solids: nothing to check\n", kPlayerHalfSize);
         return;
     }
     log.Count((long long)(error.receivers), "receivers that a player can be in, 26 directions each");

@@ -2,14 +2,15 @@
 #pragma once
 
 #include "q3map2/light/grid/light_grid.h"
+#include "q3map2/light/sources/light_sources.h"
 
 #include <cstddef>
 #include <vector>
 
 namespace q3 {
 
-/// Differences between what a game shows from the grid and what a point at the same place would hold. Displayed light:
-/// cut to 0..255 first. In 255ths.
+/// Differences between what a game shows from the grid and what a grid point at the same position would hold. Displayed
+/// light: cut to 0..255 first. In 255ths.
 struct GridSHError {
     std::size_t receivers = 0; ///< 0: nothing below counts
     double rms = 0;            ///< over receivers, 26 directions and 3 channels

@@ -1,6 +1,9 @@
 // GPL-2.0-or-later. SH grid points in solids.
 #include "q3map2/light/grid/gridsh_fill.h"
 
+#include "libs/sh/sh.h"
+#include "q3map2/light/batch/ray_batcher.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -36,7 +39,7 @@ constexpr std::array<Offset, 26> MakeNeighbours() {
 }
 constexpr std::array<Offset, 26> kNeighbours = MakeNeighbours();
 
-bool TryPlace(const BspRegion &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
+bool TryPosition(const BspRegion &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
     const PlacedPoint open = PlaceInOpen(space, p);
     if (open.state != PointState::Open)
         return false;
@@ -50,12 +53,13 @@ bool TrySmallSteps(const BspRegion &space, const Vec3f &p, PlacedPoint &placed) 
         for (int axes = 1; axes <= 3; ++axes)
             for (const Offset &o : kNeighbours)
                 if (std::abs(o.x) + std::abs(o.y) + std::abs(o.z) == axes &&
-                    TryPlace(space, p + Vec3f{float(o.x), float(o.y), float(o.z)} * step, PointState::Beside, placed))
+                    TryPosition(space, p + Vec3f{float(o.x), float(o.y), float(o.z)} * step, PointState::Beside,
+                                placed))
                     return true;
     return false;
 }
 
-/// Receivers within a cell around p on a lattice of quarter cells, the nearest first.
+/// Positions up to a cell away on a lattice of quarter cells, the nearest first.
 bool TryCells(const BspRegion &space, const Vec3f &p, const Vec3f &cell, PlacedPoint &placed) {
     constexpr int kSteps = 4;
     const Vec3f step = cell / kSteps;
@@ -72,7 +76,7 @@ bool TryCells(const BspRegion &space, const Vec3f &p, const Vec3f &cell, PlacedP
             for (int y = -shell; y <= shell; ++y)
                 for (int x = -shell; x <= shell; ++x)
                     if (std::max({std::abs(x), std::abs(y), std::abs(z)}) == shell &&
-                        TryPlace(space, p + step * Vec3f{float(x), float(y), float(z)}, PointState::Moved, placed))
+                        TryPosition(space, p + step * Vec3f{float(x), float(y), float(z)}, PointState::Moved, placed))
                         return true;
         }
     }
@@ -96,38 +100,31 @@ struct Side {
     double Mean() const { return std::max(0.0, (sum[0] + sum[1] + sum[2]) / weight / 3 * kShC0); }
 };
 
-/// Rays between receivers that are near each other, gathered into full packets.
+/// Asks which positions see each other.
 class SightRays {
   public:
-    SightRays(const LightScene &scene, RayCounts &counts) : scene_(scene), counts_(counts) {}
-    /// Sets a bit of `seen`, at the latest in Flush, if the receivers see each other.
+    SightRays(const LightScene &scene, RayCounts &counts) : rays_(Trace{scene, counts}) {}
+    /// Sets a bit of `seen`, at the latest in Flush, if the positions see each other.
     void Ask(const Vec3f &from, const Vec3f &to, std::uint32_t bit, std::uint32_t &seen) {
-        rays_.Aim(count_, from, to);
-        answers_[count_++] = {&seen, bit};
-        if (count_ == kPacketSize)
-            Flush();
+        rays_.Aim({&seen, bit}, from, to);
     }
-    void Flush() {
-        if (count_ == 0)
-            return;
-        for (std::size_t i = count_; i < kPacketSize; ++i)
-            rays_.live[i] = 0;
-        scene_.TraceToLight(rays_, ShadowRules::Exact, counts_);
-        for (std::size_t i = 0; i < count_; ++i)
-            *answers_[i].seen |= rays_.live[i] != 0 ? answers_[i].bit : 0;
-        count_ = 0;
-    }
+    void Flush() { rays_.Flush(); }
 
   private:
     struct Answer {
         std::uint32_t *seen;
         std::uint32_t bit;
     };
-    const LightScene &scene_;
-    RayCounts &counts_;
-    RayPacket rays_;
-    std::array<Answer, kPacketSize> answers_;
-    std::size_t count_ = 0;
+    struct Trace {
+        const LightScene &scene;
+        RayCounts &counts;
+        void operator()(RayPacket &packet, std::span<const Answer> answers) const {
+            scene.TraceToLight(packet, ShadowRules::Exact, counts);
+            for (std::size_t i = 0; i < answers.size(); ++i)
+                *answers[i].seen |= packet.live[i] != 0 ? answers[i].bit : 0;
+        }
+    };
+    RayBatcher<Answer, Trace> rays_;
 };
 
 /// sum[i] += weight * value[i].
@@ -177,7 +174,7 @@ class Filler {
         for (std::size_t n = 0; n < points.size(); ++n) {
             const Around &lit = around.emplace_back(AroundPoint(points[n][0], points[n][1], points[n][2], true));
             for (std::size_t i = 1; i < lit.count; ++i)
-                rays.Ask(lit.neighbours[i].place, lit.neighbours[0].place, 1u << i, seen[n]);
+                rays.Ask(lit.neighbours[i].position, lit.neighbours[0].position, 1u << i, seen[n]);
         }
         rays.Flush();
         for (std::size_t n = 0; n < points.size(); ++n)
@@ -189,7 +186,7 @@ class Filler {
   private:
     struct Neighbour {
         std::size_t index;
-        Vec3f place;
+        Vec3f position;
         double weight;
     };
     /// Lit neighbours, and before them the point itself when it is lit beside.
@@ -204,7 +201,7 @@ class Filler {
         return shortest * shortest;
     }
 
-    Vec3f PlaceOf(std::size_t index, int x, int y, int z) const {
+    Vec3f PositionOf(std::size_t index, int x, int y, int z) const {
         if (states_[index] == PointState::Open || states_[index] == PointState::OnEmitter)
             return Vec3f(layout_.Position(x, y, z));
         const auto found = std::lower_bound(displaced_.begin(), displaced_.end(), index,
@@ -212,12 +209,13 @@ class Filler {
         return found->position;
     }
 
-    /// receivers: those of neighbours too.
-    Around AroundPoint(int x, int y, int z, bool receivers) const {
+    /// positions: sets those too.
+    Around AroundPoint(int x, int y, int z, bool positions) const {
         Around lit;
         const std::size_t own = IndexOf(x, y, z);
         if (states_[own] == PointState::Beside)
-            lit.neighbours[lit.count++] = {own, receivers ? PlaceOf(own, x, y, z) : Vec3f{}, kOwnWeight / Shortest()};
+            lit.neighbours[lit.count++] = {own, positions ? PositionOf(own, x, y, z) : Vec3f{},
+                                           kOwnWeight / Shortest()};
         for (std::size_t i = 0; i < kNeighbours.size(); ++i) {
             const Offset &o = kNeighbours[i];
             const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
@@ -228,7 +226,7 @@ class Filler {
             const PointState state = states_[index];
             if (state == PointState::Exterior || state == PointState::Solid)
                 continue;
-            lit.neighbours[lit.count++] = {index, receivers ? PlaceOf(index, nx, ny, nz) : Vec3f{}, weights_[i]};
+            lit.neighbours[lit.count++] = {index, positions ? PositionOf(index, nx, ny, nz) : Vec3f{}, weights_[i]};
         }
         return lit;
     }
@@ -243,7 +241,7 @@ class Filler {
             std::uint32_t seen = 1u << first;
             for (std::uint32_t left = unseen & (unseen - 1); left != 0; left &= left - 1) {
                 const auto i = std::size_t(std::countr_zero(left));
-                rays.Ask(lit.neighbours[i].place, lit.neighbours[first].place, 1u << i, seen);
+                rays.Ask(lit.neighbours[i].position, lit.neighbours[first].position, 1u << i, seen);
             }
             rays.Flush();
             for (std::uint32_t side = seen; side != 0; side &= side - 1)
@@ -348,11 +346,11 @@ void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vecto
             const std::size_t index = first + std::size_t(x);
             if (states[index] != PointState::Solid && states[index] != PointState::Beside)
                 continue;
-            const bool isDivided = isSplit != sides.points.end() && isSplit->index == index;
+            const bool split = isSplit != sides.points.end() && isSplit->index == index;
             if (const auto value =
-                    filler.Fill(x, int(row % height), int(row / height), isDivided ? &*isSplit : nullptr, grid))
+                    filler.Fill(x, int(row % height), int(row / height), split ? &*isSplit : nullptr, grid))
                 filled[std::size_t(row)].push_back({index, *value});
-            isSplit += isDivided ? 1 : 0;
+            isSplit += split ? 1 : 0;
         }
     });
     for (const auto &row : filled)

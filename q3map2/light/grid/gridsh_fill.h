@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. SH grid points in solids: where they take their light from.
+// GPL-2.0-or-later. SH grid points in and beside solids: where they are lit from, and how they are filled.
 #pragma once
 
 #include "q3map2/light/grid/grid_bricks.h"
@@ -22,11 +22,12 @@ enum class PointState : std::uint8_t {
     Open,      ///< lit where it is
     OnEmitter, ///< lit where it is, in the plane of a surface light, which gives nothing there; then fitted
     Beside,    ///< in the plane of a wall or just inside it: lit from a small step beside
-    Moved,     ///< in a solid that leaves no lit neighbour: lit from the nearest open place of its cells
+    Moved,     ///< in a solid that leaves no lit neighbour: lit from the nearest point in the open of its cells
     Solid,     ///< in a solid, to be filled
     Filled     ///< in a solid, filled from neighbours
 };
 
+/// Where a point is lit from.
 struct PlacedPoint {
     PointState state = PointState::Exterior;
     Vec3f position;
@@ -42,31 +43,31 @@ PlacedPoint PlaceInOpen(const BspRegion &space, const Vec3f &p);
 PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, const std::vector<int> &clusters,
                            const BrickPoint &point);
 
-/// Where a point is lit from, when that is not where it is.
+/// A point that is lit from another position than its own.
 struct Displacement {
     std::uint32_t index = 0;
     Vec3f position;
 };
 
-/// What is lit around points that are in or beside solids: which parts of it see each other.
+/// Lit neighbours of points in or beside solids, in groups of those that see each other.
 struct VisibilityGroups {
-    /// Receivers around a point that can be lit: 26 neighbours, and the point itself.
+    /// Lit points around a point: 26 neighbours, and the point itself.
     static constexpr std::size_t kMostAround = 27;
     struct OfPoint {
         std::uint32_t index = 0, count = 0;
-        std::array<std::uint8_t, kMostAround> sides{}; ///< of what is lit around it, in order
+        std::array<std::uint8_t, kMostAround> sides{}; ///< group of each lit neighbour, in order
     };
-    std::vector<bool> isSplit;   ///< by point: what is lit around it does not all see each other
-    std::vector<OfPoint> points; ///< those isSplit, by index
+    std::vector<bool> isSplit;   ///< by point: it has more than one group
+    std::vector<OfPoint> points; ///< the split ones, by index
 };
 
-/// Looks what is lit around each point in or beside a solid. `displaced` is sorted by index.
+/// Finds the groups around each point in or beside a solid. `displaced` is sorted by index.
 VisibilityGroups FindSolidSides(const GridInputs &in, const GridLayout &layout,
                                 const std::vector<Displacement> &displaced, const std::vector<PointState> &states);
 
 /// Gives every point in a solid that has lit neighbours a value, so that interpolation beside walls is right.
-/// Neighbours that do not see each other form sides; a side counts the more the darker it is, so that a wall thinner
-/// than a cell lets no light through. A point beside a wall is treated alike when it has neighbours on the other side.
+/// Each group of neighbours is a side of a wall; the darker a side, the more it counts, so that a wall thinner than a
+/// cell lets no light through. Points beside a wall with neighbours on the other side are filled in the same way.
 /// `displaced` is sorted by index. Changes Solid to Filled or Exterior in `states`.
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
                 const VisibilityGroups &sides, std::vector<PointState> &states, LightGridSH &grid);

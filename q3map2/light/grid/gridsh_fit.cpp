@@ -1,7 +1,9 @@
-// GPL-2.0-or-later. Grid points fitted to the light between them.
+// GPL-2.0-or-later. SH grid points fitted to the light between them.
 #include "q3map2/light/grid/gridsh_fit.h"
 
 #include "libs/math/low_discrepancy.h"
+#include "libs/sh/sh.h"
+#include "q3map2/light/batch/ray_batcher.h"
 
 #include <algorithm>
 #include <bit>
@@ -14,40 +16,37 @@ namespace {
 
 /// Samples in each cell that has a point in a solid.
 constexpr float kPerCell = 4;
-/// With -shfit, cells where the mean light of samples differs by more than this take so many times the samples: what
-/// linear blends make of the light beside a lamp hangs on where the samples are. 1 = byte 255.
+/// With -shfit, cells in which the mean light of samples differs by more than kSteep take kSteepFactor times the
+/// samples: with few, the fit beside a lamp depends on where they happen to be. 1 = byte 255.
 constexpr float kSteep = 16.0f / 255;
 constexpr int kSteepFactor = 6;
-/// Candidates drawn at most for each sample wanted, with and without -shfit: cells that are mostly solid get as many
-/// samples as others.
+/// Candidates drawn at most for each sample wanted, with and without -shfit, so that cells that are mostly solid get as
+/// many samples as others.
 constexpr int kMostTriesAll = 8, kMostTries = 2;
-/// Of the weight of a point's samples: how strongly it keeps to the value that it had.
+/// Weight of a point's value before the fit, as a share of the weight of its samples; without and with -shfit.
 constexpr float kPull = 0.1f, kPullAll = 0.03f;
-/// Light under this counts more: there a leak shows. 1 = byte 255.
+/// Samples of mean light m have weight (kDark / (kDark + m))^(1/4): leaks show in the dark. 1 = byte 255.
 constexpr float kDark = 0.02f;
-/// Mean light over the inverse of this counts less, by the power of kFall: the screen is white there on some side, and
-/// the steep light beside a lamp, which no grid fits, would pull at points cells away. With all points fitted there is
-/// more to follow it with.
+/// Samples of mean light m count less where kBeyondScreen * m > 1: their weight is divided by (kBeyondScreen *
+/// m)^kFall. The screen is white there on some side, and the steep light beside a lamp, which no grid fits, would pull
+/// at points cells away. The second values are for -shfit, where more points follow such light.
 constexpr float kBeyondScreen = 3, kBeyondScreenAll = 2.2f, kFall = 4, kFallAll = 2;
-/// Keeps weights of absurd light within floats.
+/// Upper limit of kBeyondScreen * m, which keeps weights of absurd light within floats.
 constexpr float kMostBeyond = 1e4f;
-/// Points of less weight keep the value that they had.
+/// Points whose samples have less weight keep their values.
 constexpr float kLeastWeight = 1e-30f;
-/// Norm of bands 1 and 2 over coefficient 0 of light from one direction, plain and convolved with the cosine: light
-/// that is nowhere negative has no more. Blends of points that see it in different directions have less, so a point may
-/// have more by this factor.
+/// Norm of bands 1 and 2 over coefficient 0 for light from a single direction, plain and convolved with the cosine: the
+/// most that light that is nowhere negative can have. Interpolation between points lowers the ratio, so a point may
+/// exceed it by the factor kBeyond.
 constexpr float kMostBandsPlain = 2.8284271f, kMostBands = 1.2829003f, kBeyond = 1.25f;
-/// A relaxation ends when no coefficient moves by more than this, or this share of the light there. 1 = byte 255.
+/// Relaxation ends when no coefficient moves by more than this, or by more than this share of the light there. 1 = byte
+/// 255.
 constexpr float kSmallMove = 0.1f / 255;
 constexpr int kMaxSweeps = 40;
-/// A point waits while those around it move by less than this.
-constexpr float kAtRest = kSmallMove / 4;
-/// Rows ahead of the one that is worked on whose points are fetched.
-constexpr std::size_t kAhead = 3;
 /// Points of equal parity on all axes share no cell, so that they can move at the same time.
 constexpr int kParities = 8;
 
-/// From a point to the one at place s of its stencil.
+/// Index of the point at entry s of a stencil relative to the point in its center.
 std::int64_t OffsetOf(std::size_t s, std::int64_t width, std::int64_t slice) {
     return std::int64_t(s % 3) - 1 + (std::int64_t(s / 3 % 3) - 1) * width + (std::int64_t(s / 9) - 1) * slice;
 }
@@ -71,8 +70,8 @@ Vec3f PositionOf(const GridLayout &layout, std::int64_t index) {
         layout.Position(int(index % layout.bounds[0]), int(row % layout.bounds[1]), int(row / layout.bounds[1])));
 }
 
-/// Brings each channel back to near what light that is nowhere negative can be. Coefficient k of a channel is at
-/// 3 k + channel.
+/// Limits each channel to about what light that is nowhere negative can have: coefficient 0 at least 0, the norm of the
+/// others at most mostBands times that. Coefficient k of a channel is at 3 k + channel.
 void LimitToLight(std::array<float, kShFloats> &point, float mostBands) {
     for (std::size_t channel = 0; channel < 3; ++channel) {
         float bands = 0;
@@ -145,13 +144,13 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     for (const BrickPoint &point : points)
         if (AnyRow(point) && space.AnyOpen(point.position, point.position + cell, kClearance))
             cells.push_back({&point, perCell_});
-    SurfaceReceiverBatch(space, cells, 0, lighter, samples, work);
+    DrawSamples(space, cells, 0, lighter, samples, work);
     if (in_.options.shFit > 0) {
         for (Draw &draw : cells) {
             const auto [first, count] = draw.rounds[0];
             draw.wanted = IsSteep(std::span(samples.data() + first, count)) ? (kSteepFactor - 1) * perCell_ : 0;
         }
-        SurfaceReceiverBatch(space, cells, 1, lighter, samples, work);
+        DrawSamples(space, cells, 1, lighter, samples, work);
     }
     for (const Draw &draw : cells)
         for (const auto &[first, count] : draw.rounds)
@@ -162,10 +161,9 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     return samples;
 }
 
-/// Draws receivers in cells, where a player fits, and lights them.
-void GridFit::SurfaceReceiverBatch(const BspRegion &space, std::span<Draw> cells, std::size_t round,
-                                   const ProbeIntegrator &lighter, std::vector<FitSample> &samples,
-                                   GridStats &work) const {
+/// Draws positions in cells where a player fits, and lights them.
+void GridFit::DrawSamples(const BspRegion &space, std::span<Draw> cells, std::size_t round,
+                          const ProbeIntegrator &lighter, std::vector<FitSample> &samples, GridStats &work) const {
     std::vector<ReceiverBatch> blocks;
     const Vec3f cell(layout_.size);
     const int tries = in_.options.shFit > 0 ? kMostTriesAll : kMostTries;
@@ -182,7 +180,7 @@ void GridFit::SurfaceReceiverBatch(const BspRegion &space, std::span<Draw> cells
             const int cluster = space.ClusterAt(p, kClearance);
             if (cluster < 0 || !space.PlayerFits(p))
                 continue;
-            AddReceiver(blocks, p, p, cluster, std::uint32_t(hash));
+            BatchWithRoom(blocks).Add(p, p, cluster, std::uint32_t(hash));
             samples.push_back({p, {}});
         }
         drawn.count = samples.size() - drawn.first;
@@ -196,25 +194,27 @@ void GridFit::SurfaceReceiverBatch(const BspRegion &space, std::span<Draw> cells
                   [&](std::uint32_t, const bspGridPointSH_t &value) { samples[next++].value = value; });
 }
 
-/// Rays from samples to the points in the open around them.
+/// Clears `sees` of the corners in the open that a sample does not see.
 void GridFit::FindSeen(std::span<FitSample> samples, GridStats &work) const {
-    constexpr std::size_t kAtOnce = kPacketSize / 8;
-    for (std::size_t first = 0; first < samples.size(); first += kAtOnce) {
-        const std::size_t count = std::min(kAtOnce, samples.size() - first);
-        RayPacket rays{};
-        LaneMask asked{};
-        for (std::size_t ray = 0; ray < count * 8; ++ray) {
-            const FitSample &sample = samples[first + ray / 8];
-            const auto point = std::size_t(CornersAt(sample.position)[ray % 8].index);
-            asked.Set(ray, states_[point] == PointState::Open && rowOf_[point] >= 0);
-            if (asked[ray] != 0)
-                rays.Aim(ray, sample.position, PositionOf(layout_, std::int64_t(point)));
+    struct Sight {
+        FitSample *sample;
+        std::uint8_t bit;
+    };
+    auto rays = MakeRayBatcher<Sight>([&](RayPacket &packet, std::span<const Sight> sights) {
+        in_.scene.TraceToLight(packet, ShadowRules::Exact, work.counts);
+        for (std::size_t i = 0; i < sights.size(); ++i)
+            if (packet.live[i] == 0)
+                sights[i].sample->sees &= std::uint8_t(~sights[i].bit);
+    });
+    for (FitSample &sample : samples) {
+        const auto corners = CornersAt(sample.position);
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            const auto point = std::size_t(corners[i].index);
+            if (states_[point] == PointState::Open && rowOf_[point] >= 0)
+                rays.Aim({&sample, std::uint8_t(1u << i)}, sample.position, PositionOf(layout_, corners[i].index));
         }
-        in_.scene.TraceToLight(rays, ShadowRules::Exact, work.counts);
-        for (std::size_t ray = 0; ray < count * 8; ++ray)
-            if (asked[ray] != 0 && rays.live[ray] == 0)
-                samples[first + ray / 8].sees &= std::uint8_t(~(1u << (ray % 8)));
     }
+    rays.Flush();
 }
 
 void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
@@ -243,71 +243,40 @@ void GridFit::Accumulate(const FitSample &sample) {
         for (std::size_t i = 0; i < kShFloats; ++i)
             row.rhs[i] += share * numbers[i];
         for (std::size_t b = 0; b < 8; ++b) {
-            // Offset of corner b from corner a on each axis, -1 to 1, as a place of the stencil.
+            // Offset of corner b from corner a on each axis, -1 to 1, as an entry of the stencil.
             const auto axis = [&](std::size_t bit) { return 1 + int((b >> bit) & 1) - int((a >> bit) & 1); };
             row.stencil[std::size_t(axis(0) + 3 * (axis(1) + 3 * axis(2)))] += share * corners[b].weight;
         }
     }
 }
 
-bool GridFit::AnyMoving(const Row &row, const std::vector<std::uint8_t> &moving) const {
-    const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
-    for (std::size_t s = 0; s < kStencil; ++s)
-        if (row.stencil[s] != 0 && moving[std::size_t(row.index + OffsetOf(s, width, slice))] != 0)
-            return true;
-    return false;
-}
-
-/// Has the points around a row on their way: they lie all over the grid, and waiting for them was half of the time.
-/// Inlined, as compilers take it for a function without effect.
-[[gnu::always_inline]] inline void GridFit::Prefetch(const Row &row, const LightGridSH &grid) const {
-    constexpr std::size_t kCacheLine = 64;
-    const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
-    for (std::size_t s = 0; s < kStencil; s += 3) {
-        const float *factors = &row.stencil[s];
-        if (factors[0] == 0 && factors[1] == 0 && factors[2] == 0)
-            continue;
-        const auto *three = reinterpret_cast<const char *>(grid.points.data() + row.index + OffsetOf(s, width, slice));
-        for (std::size_t byte = 0; byte < 3 * sizeof(bspGridPointSH_t); byte += kCacheLine)
-            __builtin_prefetch(three + byte);
-    }
-}
-
-/// One step of Gauss and Seidel. The largest move of a coefficient, or its share of the light there.
+/// One Gauss-Seidel step: value = (rhs - sum of stencil * neighbours) / stencil in the center. The largest change of a
+/// coefficient, over the light there if that is more than 1.
 Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
-    // Two overlapping vectors of 16 numbers, of which the second holds the last ones: no rest is left for slow code.
-    constexpr std::size_t kWide = 16, kSecond = kShFloats - kWide;
-    std::array<float, kWide> first, second;
-    for (std::size_t i = 0; i < kWide; ++i)
-        first[i] = row.rhs[i], second[i] = row.rhs[kSecond + i];
+    ShCoefficients value = row.rhs;
     const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
     for (std::size_t s = 0; s < kStencil; ++s) {
         const float factor = row.stencil[s];
         if (s == kCenter || factor == 0)
             continue;
         const float *neighbour = grid.points[std::size_t(row.index + OffsetOf(s, width, slice))].coeffs[0].data();
-        for (std::size_t i = 0; i < kWide; ++i) {
-            first[i] -= factor * neighbour[i];
-            second[i] -= factor * neighbour[kSecond + i];
-        }
+        for (std::size_t i = 0; i < kShFloats; ++i)
+            value[i] -= factor * neighbour[i];
     }
     const float inverse = 1 / row.stencil[kCenter];
-    ShCoefficients value;
-    for (std::size_t i = 0; i < kWide; ++i)
-        value[i] = first[i] * inverse;
-    for (std::size_t i = 0; i < kWide; ++i)
-        value[kSecond + i] = second[i] * inverse;
+    for (float &coefficient : value)
+        coefficient *= inverse;
     LimitToLight(value, mostBands_);
     bspGridPointSH_t &stored = grid.points[row.index];
     const auto old = std::bit_cast<ShCoefficients>(stored);
-    std::int32_t most = 0;
+    float most = 0;
     for (std::size_t i = 0; i < kShFloats; ++i)
-        most = std::max(most, OrderedBits(std::abs(value[i] - old[i])));
+        most = std::max(most, std::abs(value[i] - old[i]));
     stored = std::bit_cast<bspGridPointSH_t>(value);
-    return std::bit_cast<float>(most) / std::max({1.0f, value[0], value[1], value[2]});
+    return most / std::max({1.0f, value[0], value[1], value[2]});
 }
 
-/// Makes the pull towards the present value part of a row. False: too little weight to move the point.
+/// Adds the pull towards the present value to a row. False: too little weight to move the point.
 bool GridFit::AddPull(const bspGridPointSH_t &present, Row &row) const {
     const float total = std::accumulate(row.stencil.begin(), row.stencil.end(), 0.0f);
     if (!(total > kLeastWeight))
@@ -328,15 +297,6 @@ void GridFit::Solve(LightGridSH &grid, const JobPool &jobs) {
         if (AddPull(grid.points[rows_[i].index], rows_[i]))
             parities[std::size_t((x & 1) + 2 * (y & 1) + 4 * (z & 1))].push_back(i);
     }
-    std::vector<std::uint8_t> moving(states_.size(), 1);
-    const auto relax = [&](std::size_t i) {
-        const Row &row = rows_[i];
-        if (!AnyMoving(row, moving))
-            return 0.0f;
-        const float move = Relax(row, grid);
-        moving[row.index] = move > kAtRest;
-        return move;
-    };
     constexpr std::int64_t kChunk = 256;
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
         float largest = 0;
@@ -345,11 +305,8 @@ void GridFit::Solve(LightGridSH &grid, const JobPool &jobs) {
             std::vector<float> moves(static_cast<std::size_t>(chunks));
             jobs.For(chunks, [&](std::int64_t chunk, int) {
                 const std::size_t end = std::min(rows.size(), std::size_t((chunk + 1) * kChunk));
-                for (auto i = std::size_t(chunk * kChunk); i < end; ++i) {
-                    if (i + kAhead < end)
-                        Prefetch(rows_[rows[i + kAhead]], grid);
-                    moves[std::size_t(chunk)] = std::max(moves[std::size_t(chunk)], relax(rows[i]));
-                }
+                for (auto i = std::size_t(chunk * kChunk); i < end; ++i)
+                    moves[std::size_t(chunk)] = std::max(moves[std::size_t(chunk)], Relax(rows_[rows[i]], grid));
             });
             for (const float move : moves)
                 largest = std::max(largest, move);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Grid points fitted to the light between them.
+// GPL-2.0-or-later. SH grid points fitted to the light between them.
 #pragma once
 
 #include "q3map2/light/grid/gridsh_fill.h"
@@ -11,25 +11,26 @@
 
 namespace q3 {
 
-/// Light at a place between points.
+/// Light at a position between grid points.
 struct FitSample {
     Vec3f position;
     bspGridPointSH_t value;
-    float weight = 1;         ///< samples of an open cell over the candidates drawn in this one
-    std::uint8_t sees = 0xff; ///< by corner of its cell: whether it may move that point
+    float weight = 1;         ///< samples per open cell over the candidates that were drawn in this cell
+    std::uint8_t sees = 0xff; ///< bit per corner of its cell: whether the sample counts for that point
 };
 
-/// Least-squares fit of grid points, so that what trilinear interpolation shows where players can be is as near as can
-/// be to the light there. By default it fits the points in solids alone, whose values are free; with -shfit all.
+/// Least-squares fit of grid points to light between them: trilinear interpolation of the fitted points is as near as
+/// can be to the light where players can be. By default only points in solids are fitted, whose values are free; with
+/// -shfit all.
 ///
-/// Minimises, over samples s with weight w, the sum of w |shown(s) - value(s)|^2, plus a pull of each point towards the
-/// value that it had, in proportion to the samples that it takes part in. In SH coefficients, so over all normals
-/// alike. The weight falls with the fourth power of light beyond what a screen can show.
+/// Minimises the sum over samples s of w(s) |interpolated(s) - value(s)|^2 in SH coefficients, plus for each point p
+/// pull * (sum of its samples' weights) * |value(p) - value before(p)|^2. Weights fall with a power of the light beyond
+/// what a screen can show.
 ///
 /// Keeps references to everything that it is made of.
 class GridFit {
   public:
-    /// states: of the points, before FillGridSH; isSplit: see DividedPoints.
+    /// states: of the points, before FillGridSH; isSplit: see VisibilityGroups.
     GridFit(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,
             const std::vector<bool> &isSplit);
 
@@ -44,7 +45,7 @@ class GridFit {
   private:
     using ShCoefficients = std::array<float, kShFloats>;
     static constexpr std::size_t kStencil = 27, kCenter = kStencil / 2;
-    /// One equation: the sum over 27 points around of stencil times value is rhs.
+    /// The normal equation of one point: the sum over the 27 points around it of stencil * value equals rhs.
     struct Row {
         std::uint32_t index = 0;
         std::array<float, kStencil> stencil{};
@@ -55,27 +56,25 @@ class GridFit {
         float weight;
     };
 
-    /// Drawing samples of the cell above a point, in two rounds: where those of each are among all, and how many
-    /// candidates it took.
+    /// Samples drawn in the cell whose lowest corner is a point, in two rounds: their range among all samples, and the
+    /// number of candidates tried.
     struct Draw {
         struct Range {
             std::size_t first = 0, count = 0;
         };
         const BrickPoint *point;
-        int wanted = 0; ///< in this round
-        int tried = 0;
+        int wanted = 0; ///< samples in the round that is drawn
+        int tried = 0;  ///< candidates, in all rounds
         std::array<Range, 2> rounds{};
     };
 
     std::array<Corner, 8> CornersAt(const Vec3f &p) const;
     bool AnyRow(const BrickPoint &point) const;
-    void SurfaceReceiverBatch(const BspRegion &space, std::span<Draw> cells, std::size_t round,
-                              const ProbeIntegrator &lighter, std::vector<FitSample> &samples, GridStats &work) const;
+    void DrawSamples(const BspRegion &space, std::span<Draw> cells, std::size_t round, const ProbeIntegrator &lighter,
+                     std::vector<FitSample> &samples, GridStats &work) const;
     void FindSeen(std::span<FitSample> samples, GridStats &work) const;
     void Accumulate(const FitSample &sample);
-    bool AnyMoving(const Row &row, const std::vector<std::uint8_t> &moving) const;
     bool AddPull(const bspGridPointSH_t &present, Row &row) const;
-    void Prefetch(const Row &row, const LightGridSH &grid) const;
     float Relax(const Row &row, LightGridSH &grid) const;
 
     const GridInputs &in_;
@@ -84,11 +83,11 @@ class GridFit {
     float pull_, beyondScreen_;
     float mostBands_;
     const std::vector<PointState> &states_;
-    std::vector<std::int32_t> rowOf_; // by point; -1: not fitted
+    std::vector<std::int32_t> rowOf_; ///< by point; -1: not fitted
     std::vector<Row> rows_;
     std::mutex mutex_;
-    std::map<std::int64_t, std::vector<FitSample>> waiting_;
-    std::int64_t next_ = 0;
+    std::map<std::int64_t, std::vector<FitSample>> waiting_; ///< by brick: samples that came before those of next_
+    std::int64_t next_ = 0;                                  ///< brick whose samples are added next
 };
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Light that surfaces send on, as grids take it.
+// GPL-2.0-or-later. Bounced light at points in the open, as grids take it.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -9,21 +9,22 @@
 
 namespace q3 {
 
-/// What arrives at a place from one direction.
+/// Bounced light that arrives at a point from one direction.
 struct IndirectRay {
     Vec3f direction; ///< unit, to the surface that sends it
-    Vec3f color;     ///< byte scale: a sphere full of this colour lights what faces anywhere by it
+    Vec3f color;     ///< radiance, byte scale: uniform radiance c all around gives irradiance c to any surface
 };
 
-/// Bounced light at receivers in the open. Const after construction; safe from several threads.
+/// Bounced light at points in the open. Const after construction; safe from several threads.
 class IndirectLight {
   public:
-    /// A sphere full of colour 1 has this much light of all its rays together, each taken as a light that is faced.
+    /// Uniform radiance 1 all around, as directional lights: the sum of their irradiances on surfaces that face each of
+    /// them. Irradiance is the integral of radiance * cosine / pi, so the sum is 4 pi / pi.
     static constexpr float kFacing = 4;
 
     virtual ~IndirectLight() = default;
-    /// Evenly spread samples of the sphere around the place, all of equal weight; `seed` turns them.
-    virtual void Gather(const Vec3f &place, std::uint64_t seed, std::vector<IndirectRay> &rays) const = 0;
+    /// Evenly spread directions around the point, all of equal weight; `seed` rotates the pattern.
+    virtual void Gather(const Vec3f &point, std::uint64_t seed, std::vector<IndirectRay> &rays) const = 0;
 };
 
 } // namespace q3

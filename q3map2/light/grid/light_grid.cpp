@@ -3,7 +3,9 @@
 
 #include "q3map2/bspfile/light_keys.h"
 #include "q3map2/light/grid/grid_bricks.h"
+#include "q3map2/light/grid/light_floodlight.h"
 #include "q3map2/light/tone/light_tone.h"
+#include "q3map2/light/transfer/light_contribution.h"
 
 #include <algorithm>
 #include <bit>
@@ -35,13 +37,13 @@ struct Directed {
     float Share(float along) const { return std::max(0.0f, least + along * more); }
 };
 
-/// What reaches the points of a few blocks. How much of it is ambient hangs on the main direction of a point, which is
-/// known at the end, so all of it is recorded.
+/// What reaches the points of a few blocks. How much of it is ambient depends on the main direction of a point, which
+/// is known at the end, so all of it is recorded.
 class GridRecords {
   public:
     explicit GridRecords(std::size_t blocks) : blocks_(blocks) { lights_.reserve(kUsual * blocks); }
-    /// What a light gives to points of a block. Without `colored` it turns the main direction only.
-    void Add(std::size_t block, const Lanes3 &color, bool colored, const IncidentLight &incident);
+    /// What a light gives to points of a block. Without `colored` it only counts for the main direction.
+    void Add(std::size_t block, const Lanes3 &color, bool colored, const ProbeIncidentLight &incident);
     /// Light of a point from a direction, and ambient light of its own; `turn` turns the main direction.
     void Add(std::size_t block, std::size_t lane, const Vec3f &direction, const Vec3f &color, const Vec3f &ownAmbient,
              const Vec3d &turn) {
@@ -62,7 +64,7 @@ class GridRecords {
     static constexpr std::size_t kUsual = 16; ///< lights that reach a block of most maps
     struct Block {
         DoubleLanes turnX{}, turnY{}, turnZ{};
-        std::array<std::int32_t, kPacketSize> records{};
+        IntLanes records{};
     };
     struct LightRecord {
         std::size_t block;
@@ -72,7 +74,7 @@ class GridRecords {
         std::size_t block, lane;
         Vec3f direction, color, ownAmbient;
     };
-    static void Turn(const Lanes3 &color, const IncidentLight &incident, LightRecord &record, Block &block);
+    static void Turn(const Lanes3 &color, const ProbeIncidentLight &incident, LightRecord &record, Block &block);
     static void Divide(const LightRecord &record, const Directed &directed, Parts &parts);
 
     std::vector<Block> blocks_;
@@ -81,25 +83,25 @@ class GridRecords {
 };
 
 /// Colours of what arrives.
-Q3_VECTOR void SetColors(const Light &light, const IncidentLight &incident, Lanes3 &color) {
+Q3_VECTOR void SetColors(const Light &light, const ProbeIncidentLight &incident, Lanes3 &color) {
     const Vec3f c = light.color;
     const bool negative = light.negative;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const float add = negative ? -incident.add[i] : incident.add[i];
         color.x[i] = c.x * add, color.y[i] = c.y * add, color.z[i] = c.z * add;
     }
     if (incident.tinted)
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
+        for (const std::size_t i : kEachLane) {
             color.x[i] *= incident.tint.x[i];
             color.y[i] *= incident.tint.y[i];
             color.z[i] *= incident.tint.z[i];
         }
 }
 
-Q3_VECTOR void GridRecords::Turn(const Lanes3 &color, const IncidentLight &incident, LightRecord &record,
+Q3_VECTOR void GridRecords::Turn(const Lanes3 &color, const ProbeIncidentLight &incident, LightRecord &record,
                                  Block &block) {
     Lanes weight;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const bool live = incident.live[i] != 0;
         const float r = color.x[i], g = color.y[i], b = color.z[i], length = std::sqrt(r * r + g * g + b * b);
         weight[i] = live ? length : 0;
@@ -108,7 +110,7 @@ Q3_VECTOR void GridRecords::Turn(const Lanes3 &color, const IncidentLight &incid
         record.direction.y[i] = live ? incident.direction.y[i] : 0;
         record.direction.z[i] = live ? incident.direction.z[i] : 0;
     }
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         block.turnX[i] += double(record.direction.x[i]) * double(weight[i]);
         block.turnY[i] += double(record.direction.y[i]) * double(weight[i]);
         block.turnZ[i] += double(record.direction.z[i]) * double(weight[i]);
@@ -116,7 +118,7 @@ Q3_VECTOR void GridRecords::Turn(const Lanes3 &color, const IncidentLight &incid
     }
 }
 
-void GridRecords::Add(std::size_t block, const Lanes3 &color, bool colored, const IncidentLight &incident) {
+void GridRecords::Add(std::size_t block, const Lanes3 &color, bool colored, const ProbeIncidentLight &incident) {
     LightRecord &record = lights_.emplace_back();
     record.block = block;
     Turn(color, incident, record, blocks_[block]);
@@ -128,7 +130,7 @@ void GridRecords::Add(std::size_t block, const Lanes3 &color, bool colored, cons
 Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &directed, Parts &parts) {
     const Directed shares = directed; // out of the way of what is written
     const Lanes3 &color = record.color, &direction = record.direction;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const float along =
             direction.x[i] * parts.main.x[i] + direction.y[i] * parts.main.y[i] + direction.z[i] * parts.main.z[i];
         const float k = shares.Share(along), rest = 0.25f * (1 - k);
@@ -146,7 +148,7 @@ std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, co
     std::vector<Parts> all(blocks_.size());
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
         const Block &from = blocks_[block];
-        for (std::size_t i = 0; i < kPacketSize; ++i)
+        for (const std::size_t i : kEachLane)
             all[block].main.Set(i, Vec3f(Normalize(Vec3d{from.turnX[i], from.turnY[i], from.turnZ[i]})));
         all[block].ambient.Fill(ambient);
         all[block].directed.Fill({});
@@ -163,7 +165,7 @@ std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, co
     return all;
 }
 
-/// The first of PlacePoint's steps whose spots need looking at: those of smaller ones lie in a box without open leafs.
+/// The first of PlacePoint's steps that needs looking at: smaller ones stay in a box without open leafs.
 int FirstOpenStep(const BspRegion &space, const Vec3f &base, const Vec3f &half) {
     int first = 1;
     for (int last = kNudges; first < last;) {
@@ -177,8 +179,8 @@ int FirstOpenStep(const BspRegion &space, const Vec3f &base, const Vec3f &half) 
     return first;
 }
 
-/// Finds the point's place: where it is, or, when that is solid, the nearest open spot up to half a cell away. The
-/// established program draws spots at random, ever farther away.
+/// Finds where the point is lit from: its position or, if that is solid, the nearest open one up to half a cell away.
+/// The established program draws positions at random, ever farther away.
 bool PlacePoint(const BspRegion &region, const Vec3f &half, Vec3f &position, int &cluster) {
     const Vec3f base = position;
     cluster = region.ClusterAt(base, 0);
@@ -226,18 +228,18 @@ Vec3f ClearOfSolids(const BspRegion &space, const Vec3f &p) {
 std::vector<ReceiverBatch> PlaceBrick(const BspSpace &space, const GridLayout &layout,
                                       std::span<const BrickPoint> points, GridStats &work) {
     std::vector<ReceiverBatch> blocks;
-    blocks.reserve((points.size() + kPacketSize - 1) / kPacketSize);
+    blocks.reserve(BatchCount(points.size()));
     const Vec3f half = Vec3f(layout.size) * 0.5f, margin = half + Vec3f{1, 1, 1};
     const BspRegion brick = RegionAround(space.Whole(), points, margin);
-    for (std::size_t first = 0; first < points.size(); first += kPacketSize) {
-        const auto near = points.subspan(first, std::min(kPacketSize, points.size() - first));
+    for (std::size_t batch = 0; batch < BatchCount(points.size()); ++batch) {
+        const std::span<const BrickPoint> near = BatchOf(points, batch);
         const BspRegion around = RegionAround(brick, near, margin);
         for (const BrickPoint &at : near) {
             Vec3f position = at.position;
             int cluster = kSolidCluster;
             if (!PlacePoint(around, half, position, cluster))
                 continue;
-            AddReceiver(blocks, position, ClearOfSolids(around, position), cluster, at.index);
+            BatchWithRoom(blocks).Add(position, ClearOfSolids(around, position), cluster, at.index);
             ++work.open;
         }
     }
@@ -293,7 +295,7 @@ class GridBlocks {
   public:
     GridBlocks(const GridInputs &in, std::span<ReceiverBatch> blocks)
         : in_(in), blocks_(blocks), records_(blocks.size()), incident_(blocks.size()),
-          sums_(in.options.cheapGrid ? blocks.size() * kPacketSize : 0) {}
+          sums_(in.options.cheapGrid ? blocks.size() : 0) {}
     void Trace(const LightSettings &settings, std::span<const BrickLight> lights, GridStats &work) {
         for (const BrickLight &one : lights) {
             LightContributionToPoint(*one.light, one.weight, settings, in_.scene, blocks_, incident_, work.counts);
@@ -319,15 +321,15 @@ class GridBlocks {
     }
 
   private:
-    /// Points that are white, with what has just arrived, or have as many lights as are kept want no more.
+    /// Ends points that `color`, which has just arrived, makes white, and those with as many records as are kept.
     void EndSated(std::size_t block, const Lanes3 &color);
     void AddOthers(std::size_t block, GridStats &work);
 
     const GridInputs &in_;
     std::span<ReceiverBatch> blocks_;
     GridRecords records_;
-    std::vector<IncidentLight> incident_;
-    std::vector<Vec3f> sums_; ///< of all styles; with -cheapgrid, for which white is enough
+    std::vector<ProbeIncidentLight> incident_;
+    std::vector<Lanes3> sums_; ///< by block, of all styles; with -cheapgrid, for which white is enough
 };
 
 void GridBlocks::EndSated(std::size_t block, const Lanes3 &color) {
@@ -335,7 +337,8 @@ void GridBlocks::EndSated(std::size_t block, const Lanes3 &color) {
         const auto i = std::size_t(std::countr_zero(lanes));
         bool white = false;
         if (in_.options.cheapGrid) {
-            const Vec3f sum = sums_[block * kPacketSize + i] += color[i];
+            const Vec3f sum = sums_[block][i] + color[i];
+            sums_[block].Set(i, sum);
             white = sum.x >= 255 && sum.y >= 255 && sum.z >= 255;
         }
         blocks_[block].wanted.Set(i, !white && records_.Count(block, i) < kMaxRecords);
@@ -379,7 +382,7 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
                                  .sunOnly = in.options.sunOnly,
                                  .pointAreas = in.options.faster,
                                  .skip = in.options.skip};
-    const LightsByCluster byCluster(lights);
+    const BrickCandidates all(lights);
     std::vector<bspGridPoint_t> grid(std::size_t(layout.Count()), bspGridPoint_t{});
     const GridBricks bricks(layout);
     stats.points = layout.Count();
@@ -388,7 +391,7 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
         if (blocks.empty())
             return;
         StartFaintResiduals(blocks, kFaint);
-        const BrickLights candidates(byCluster, BrickView(blocks), std::uint64_t(brick), kFaint, in.options.skip, work);
+        const BrickLights candidates(all, BrickView(blocks), std::uint64_t(brick), kFaint, in.options.skip, work);
         LightSettings pass = settings;
         pass.faint = candidates.Many() ? kFaint : 0;
         for (std::size_t first = 0; first < blocks.size(); first += kTogether) {

@@ -1,7 +1,8 @@
-// GPL-2.0-or-later. The SH light grid: placement, and light at every point in the open.
+// GPL-2.0-or-later. The SH light grid: where its points are lit from, and their light.
+#include "q3map2/light/grid/light_gridsh.h"
+
 #include "q3map2/light/grid/gridsh_fill.h"
 #include "q3map2/light/grid/gridsh_fit.h"
-#include "q3map2/light/grid/light_grid.h"
 #include "q3map2/light/grid/probe_integrator.h"
 
 #include <algorithm>
@@ -17,25 +18,25 @@ constexpr float kMinCell = 8;
 constexpr std::int64_t kMaxPoints = (0x7fffffffll - 40) / 108;
 
 /// Points this near to a surface light's plane are in it. Game units.
-constexpr float kOnLamp = 1.0f / 64;
+constexpr float kOnEmitter = 1.0f / 64;
 
 /// Whether p is on the polygon of a surface light.
 bool OnEmitter(const Light &light, const Vec3f &p) {
-    if (std::abs(Dot(Vec3f(light.shape.normal), p) - float(light.shape.dist)) > kOnLamp)
+    if (std::abs(Dot(Vec3f(light.shape.normal), p) - float(light.shape.dist)) > kOnEmitter)
         return false;
     bool left = false, right = false;
     for (std::size_t i = 0; i < light.w.size(); ++i) {
         const Vec3f &a = light.w[i], edge = light.w[(i + 1) % light.w.size()] - a;
-        const float side = Dot(Cross(edge, p - a), Vec3f(light.shape.normal)), margin = kOnLamp * Length(edge);
+        const float side = Dot(Cross(edge, p - a), Vec3f(light.shape.normal)), margin = kOnEmitter * Length(edge);
         left = left || side > margin, right = right || side < -margin;
     }
     return !(left && right);
 }
 
-/// Where points are lit from, and which of them are.
-class PointPlaces {
+/// The receivers of all points, by brick, and what became of each point.
+class PointReceivers {
   public:
-    PointPlaces(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
+    PointReceivers(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
         : states_(std::size_t(layout.Count()), PointState::Exterior), receivers_(std::size_t(bricks.Count())) {
         std::vector<int> clusters(states_.size());
         ForBlocks(in, bricks, {1, 1, 1}, [&](std::int64_t, const BspRegion &whole, std::span<const BrickPoint> points) {
@@ -58,7 +59,7 @@ class PointPlaces {
                                   space.emplace(RegionAround(whole, points, margin));
                               placed = PlaceGridPoint(*space, layout, clusters, point);
                           }
-                          Place(placed, point, receivers_[std::size_t(brick)], displaced[std::size_t(brick)]);
+                          Add(placed, point, receivers_[std::size_t(brick)], displaced[std::size_t(brick)]);
                       }
                   });
         for (const auto &part : displaced)
@@ -66,15 +67,15 @@ class PointPlaces {
         std::sort(displaced_.begin(), displaced_.end(),
                   [](const Displacement &a, const Displacement &b) { return a.index < b.index; });
     }
-    void FindOnLamps(const GridLayout &layout, const std::vector<Light> &lights) {
+    void FindOnEmitters(const GridLayout &layout, const std::vector<Light> &lights) {
         for (const Light &light : lights) {
             if (light.type != LightType::Area)
                 continue;
             const Boundsf box = WindingBounds(light.w);
             std::array<int, 3> first{}, last{};
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                const float cell = layout.size[axis], least = (box.mins[axis] - kOnLamp - layout.mins[axis]) / cell;
-                const float most = (box.maxs[axis] + kOnLamp - layout.mins[axis]) / cell;
+                const float cell = layout.size[axis], least = (box.mins[axis] - kOnEmitter - layout.mins[axis]) / cell;
+                const float most = (box.maxs[axis] + kOnEmitter - layout.mins[axis]) / cell;
                 const auto end = float(layout.bounds[axis]);
                 first[axis] = int(std::ceil(std::clamp(least, 0.0f, end)));
                 last[axis] = int(std::floor(std::clamp(most, -1.0f, end - 1)));
@@ -102,18 +103,18 @@ class PointPlaces {
             const std::vector<BrickPoint> points = bricks.Points(brick);
             const std::span<const BrickPoint> all(points);
             const BspRegion around = RegionAround(in.space.Whole(), all, margin);
-            for (std::size_t first = 0; first < all.size(); first += kPacketSize)
-                use(brick, around, all.subspan(first, std::min(kPacketSize, all.size() - first)));
+            for (std::size_t batch = 0; batch < BatchCount(all.size()); ++batch)
+                use(brick, around, BatchOf(all, batch));
         });
     }
-    void Place(const PlacedPoint &placed, const BrickPoint &point, std::vector<ReceiverBatch> &receivers,
-               std::vector<Displacement> &displaced) {
+    void Add(const PlacedPoint &placed, const BrickPoint &point, std::vector<ReceiverBatch> &receivers,
+             std::vector<Displacement> &displaced) {
         states_[point.index] = placed.state;
         if (placed.cluster < 0)
             return;
         if (placed.state != PointState::Open)
             displaced.push_back({point.index, placed.position});
-        AddReceiver(receivers, placed.position, placed.position, placed.cluster, point.index);
+        BatchWithRoom(receivers).Add(placed.position, placed.position, placed.cluster, point.index);
     }
 
     std::vector<PointState> states_;
@@ -153,8 +154,8 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     stats.points = layout.Count();
 
     const GridBricks bricks(layout);
-    PointPlaces receivers(in, layout, bricks);
-    receivers.FindOnLamps(layout, lights);
+    PointReceivers receivers(in, layout, bricks);
+    receivers.FindOnEmitters(layout, lights);
     const ProbeIntegrator lighter(in, lights);
     const VisibilityGroups sides = FindSolidSides(in, layout, receivers.Displaced(), receivers.States());
     GridFit fit(in, layout, receivers.States(), sides.isSplit);

@@ -1,5 +1,8 @@
-// GPL-2.0-or-later. SH coefficients at any place in the open.
+// GPL-2.0-or-later. SH coefficients at points in the open.
 #include "q3map2/light/grid/probe_integrator.h"
+
+#include "libs/sh/sh.h"
+#include "q3map2/light/grid/light_floodlight.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,79 +12,53 @@ namespace q3 {
 
 namespace {
 
-/// Lights fainter than this in all of a brick, and then at each point, are represented by a few of them. Byte scale; a
-/// quarter of what a screen can show.
+/// Lights that give less than this to all of a brick, and area lights that give less to a batch of it, are represented
+/// by a few of them. Byte scale; a quarter of the smallest step that a screen can show.
 constexpr float kFaint = 1.0f / 4;
 
 /// Sums beyond this, from absurd keys and scales, are cut. 1 = byte 255.
 constexpr double kMaxCoefficient = 1e9;
 
-/// Sums of what arrives at the receivers of a block, by coefficient, unit scale.
+/// Sums of one channel at the receivers of a block, by coefficient; 1 = byte 255.
 using ChannelSum = std::array<DoubleLanes, 9>;
-using ShortSum = std::array<Lanes, 9>;
+/// One channel at the receivers of a block as it is stored.
+using StoredChannel = std::array<Lanes, 9>;
 
-/// The three channels at once: the moments are read once.
-Q3_VECTOR void AddScaled(const IncidentLight &incident, const Vec3f &scale, std::array<ShortSum, 3> &sum) {
+/// sum += scale * coefficients, for the three channels at once: the coefficients are read once.
+Q3_VECTOR void AddScaled(const ProbeIncidentLight &incident, const Vec3d &scale, std::array<ChannelSum, 3> &sum) {
     const auto [red, green, blue] = scale;
-    for (std::size_t k = 0; k < 9; ++k) {
-        float *r = sum[0][k].data(), *g = sum[1][k].data(), *b = sum[2][k].data();
-        const float *moments = incident.shCoeffs[k].data();
-#pragma GCC ivdep
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
-            r[i] += red * moments[i];
-            g[i] += green * moments[i];
-            b[i] += blue * moments[i];
-        }
-    }
-}
-
-/// Moves one sum to the other.
-Q3_VECTOR void MoveSum(ShortSum &from, ChannelSum &to) {
     for (std::size_t k = 0; k < 9; ++k)
-#pragma GCC ivdep
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
-            to[k][i] += double(from[k][i]);
-            from[k][i] = 0;
+        for (const std::size_t i : kEachLane) {
+            const double coefficient = double(incident.shCoeffs[k][i]);
+            sum[0][k][i] += red * coefficient;
+            sum[1][k][i] += green * coefficient;
+            sum[2][k][i] += blue * coefficient;
         }
 }
 
-void AddTinted(const IncidentLight &incident, const Lanes &tint, double scale, ChannelSum &sum) {
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+void AddTinted(const ProbeIncidentLight &incident, const Lanes &tint, double scale, ChannelSum &sum) {
+    for (const std::size_t i : kEachLane)
         for (std::size_t k = 0; k < 9 && incident.live[i] != 0; ++k)
             sum[k][i] += scale * double(tint[i]) * double(incident.shCoeffs[k][i]);
 }
 
-/// The same for a block of receivers. A few lights are added up in floats, which is twice as fast, before their sum is
-/// added to that of all, so thousands of lights lose no more digits than one.
+/// Light at the receivers of a block.
 class BlockSum {
   public:
     /// scale: colour of the light, 1 = byte 255.
-    void Add(const Vec3d &scale, const IncidentLight &incident) {
-        if (!incident.tinted) {
-            AddScaled(incident, Vec3f(scale), few_);
-            if (++count_ == kFew)
-                Flush();
-            return;
-        }
+    void Add(const Vec3d &scale, const ProbeIncidentLight &incident) {
+        if (!incident.tinted)
+            return AddScaled(incident, scale, sum_);
         const Lanes *tints[] = {&incident.tint.x, &incident.tint.y, &incident.tint.z};
         for (std::size_t channel = 0; channel < 3; ++channel)
             AddTinted(incident, *tints[channel], scale[channel], sum_[channel]);
     }
-    /// After the last light.
-    void Flush() {
-        for (std::size_t channel = 0; channel < 3 && count_ > 0; ++channel)
-            MoveSum(few_[channel], sum_[channel]);
-        count_ = 0;
-    }
-    /// Adds light to place i.
+    /// Adds to one coefficient of receiver i.
     void Add(std::size_t i, std::size_t channel, std::size_t k, double light) { sum_[channel][k][i] += light; }
     const std::array<ChannelSum, 3> &Channels() const { return sum_; }
 
   private:
-    static constexpr int kFew = 16; ///< lights that are added up in floats
-    std::array<ShortSum, 3> few_{};
     std::array<ChannelSum, 3> sum_{};
-    int count_ = 0; ///< lights in few_
 };
 
 /// A hemisphere of uniform light around +z or -z, as floodlight gives it.
@@ -118,20 +95,20 @@ void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size
     }
 }
 
-/// What a channel adds to all light, what it has at least, and the factor of it as it is stored.
+/// Ambient light and least light of a channel as coefficient 0, and the factor of all coefficients.
 struct ChannelScale {
     double ambient, least, scale;
 };
 
 /// Values of a channel as they are stored; zero where its mean is negative.
-Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, ShortSum &stored) {
+Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, StoredChannel &stored) {
     const auto [ambient, least, scale] = channel;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const double mean = sum[0][i] + ambient;
         stored[0][i] = float(std::min(std::max(mean < 0 ? 0 : mean, least) * scale, kMaxCoefficient));
     }
     for (std::size_t k = 1; k < 9; ++k)
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
+        for (const std::size_t i : kEachLane) {
             const double value = sum[0][i] + ambient < 0 ? 0 : sum[k][i] * scale;
             stored[k][i] = float(std::min(std::max(value, -kMaxCoefficient), kMaxCoefficient));
         }
@@ -141,7 +118,7 @@ Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, 
 void StoreBlock(const GridInputs &in, const BlockSum &sum, std::size_t count, std::vector<bspGridPointSH_t> &values) {
     // Coefficient 0 of light 1 from everywhere.
     const double uniform = 1 / kShC0 / (in.options.shRadiance ? std::numbers::pi : 1);
-    std::array<ShortSum, 3> stored;
+    std::array<StoredChannel, 3> stored;
     for (std::size_t channel = 0; channel < 3; ++channel)
         StoreChannel(sum.Channels()[channel],
                      {double(in.world.ambient[channel]) / 255 * uniform,
@@ -169,12 +146,11 @@ std::vector<bspGridPointSH_t> ProbeIntegrator::Values(std::vector<ReceiverBatch>
                                                       GridStats &work) const {
     StartFaintResiduals(blocks, faint_);
     std::vector<BlockSum> sums(blocks.size());
-    std::vector<IncidentLight> incident(blocks.size());
+    std::vector<ProbeIncidentLight> incident(blocks.size());
     const BrickLights candidates(lights_, BrickView(blocks), seed, faint_, in_.options.skip, work);
     LightSettings pass = settings_;
     pass.faint = candidates.Many() ? faint_ : 0;
     for (const BrickLight &one : candidates.List()) {
-        pass.skip.pvs = settings_.skip.pvs && !one.seenByAll;
         LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, incident, work.counts);
         const Vec3d scale = Vec3d(one.light->color) * ((one.light->negative ? -1 : 1) / 255.0);
         for (std::size_t block = 0; block < blocks.size(); ++block)
@@ -183,11 +159,13 @@ std::vector<bspGridPointSH_t> ProbeIntegrator::Values(std::vector<ReceiverBatch>
     }
     const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
     std::vector<bspGridPointSH_t> values;
-    values.reserve(blocks.size() * kPacketSize);
+    std::size_t count = 0;
+    for (const ReceiverBatch &receivers : blocks)
+        count += receivers.count;
+    values.reserve(count);
     for (std::size_t block = 0; block < blocks.size(); ++block) {
         const ReceiverBatch &receivers = blocks[block];
         BlockSum &sum = sums[block];
-        sum.Flush();
         for (std::size_t i = 0; i < receivers.count && flood; ++i)
             AddFlood(in_, receivers, i, sum, work.counts);
         for (std::size_t i = 0; i < receivers.count && in_.indirect; ++i)

@@ -1,21 +1,22 @@
-// GPL-2.0-or-later. SH coefficients at any place in the open.
+// GPL-2.0-or-later. SH coefficients at points in the open.
 #pragma once
 
 #include "q3map2/light/grid/grid_bricks.h"
-#include "q3map2/light/grid/light_grid.h"
+#include "q3map2/light/transfer/light_contribution.h"
 
 #include <vector>
 
 namespace q3 {
 
-/// Lights receivers for the SH grid: points of the grid and what lies between them. Const after construction; safe from
+/// Lights receivers for the SH grid: points of the grid and samples between them. Const after construction; safe from
 /// several threads. Keeps references.
 class ProbeIntegrator {
   public:
     ProbeIntegrator(const GridInputs &in, const std::vector<Light> &lights);
 
-    /// Calls store(place index, coefficients) for every place of the blocks, which are near each other: `seed` makes
-    /// their common choices. Light of all lights, floodlight, ambient and minimum, scaled as it is stored.
+    /// Calls store(index of the receiver, coefficients) for every receiver of the blocks, which are neighbours: light
+    /// of all lights, bounced light, floodlight, ambient and minimum, scaled as it is stored. seed: of the random
+    /// choice among faint lights, which is the same for all of the blocks.
     template <typename Store>
     void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work, const Store &store) const {
         const std::vector<bspGridPointSH_t> values = Values(blocks, seed, work);
@@ -29,9 +30,9 @@ class ProbeIntegrator {
     std::vector<bspGridPointSH_t> Values(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work) const;
 
     const GridInputs &in_;
-    LightsByCluster lights_;
+    BrickCandidates lights_;
     LightSettings settings_;
-    float faint_;
+    float faint_; ///< see SelectFaintLight
 };
 
 } // namespace q3

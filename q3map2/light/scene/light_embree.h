@@ -10,6 +10,7 @@
 #include "q3map2/light/batch/lanes.h"
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <numeric>
 #include <span>
@@ -82,20 +83,20 @@ template <typename Nearest>
 inline void SetRays(const Lanes3 &origin, const Lanes3 &direction, const Lanes &distance, const LaneMask &live,
                     const Nearest &nearest, RTCRay16 &rays) {
     const auto row = [&](const Lanes &from, float none, float *to) {
-        for (std::size_t i = 0; i < kPacketSize; ++i)
+        for (const std::size_t i : kEachLane)
             to[i] = live[i] != 0 ? from[i] : none;
     };
     row(origin.x, 0, rays.org_x), row(origin.y, 0, rays.org_y), row(origin.z, 0, rays.org_z);
     row(direction.x, 0, rays.dir_x), row(direction.y, 0, rays.dir_y), row(direction.z, 1, rays.dir_z);
     row(distance, -1, rays.tfar);
     if constexpr (std::is_same_v<Nearest, Lanes>)
-        std::copy_n(nearest.begin(), kPacketSize, rays.tnear);
+        std::copy(nearest.begin(), nearest.end(), rays.tnear);
     else
-        std::fill_n(rays.tnear, kPacketSize, float(nearest));
-    std::fill_n(rays.time, kPacketSize, 0.0f);
-    std::fill_n(rays.mask, kPacketSize, ~0u);
-    std::fill_n(rays.flags, kPacketSize, 0u);
-    std::iota(rays.id, rays.id + kPacketSize, 0u);
+        std::fill(std::begin(rays.tnear), std::end(rays.tnear), float(nearest));
+    std::fill(std::begin(rays.time), std::end(rays.time), 0.0f);
+    std::fill(std::begin(rays.mask), std::end(rays.mask), ~0u);
+    std::fill(std::begin(rays.flags), std::end(rays.flags), 0u);
+    std::iota(std::begin(rays.id), std::end(rays.id), 0u);
 }
 
 } // namespace q3

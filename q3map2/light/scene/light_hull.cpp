@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The closed surface of everything solid, from the BSP tree.
-#include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/scene/light_hull.h"
 
 #include <algorithm>
 #include <cmath>
@@ -131,9 +131,9 @@ void HullFaces::Add(int node) {
     if (!ClipToNode(node, w))
         return;
     const auto toFront = [](const bspPlane_t &) { return InPlane::Front; };
-    const auto [inFront, inBack] = bsp_.nodes[std::size_t(node)].children;
-    front_.Walk(inFront, w, kClipEpsilon, toFront, [&](const Winding<double> &piece, std::size_t frontLeaf) {
-        return back_.Walk(inBack, piece, kClipEpsilon, toFront, [&](Winding<double> &small, std::size_t backLeaf) {
+    const auto &children = bsp_.nodes[std::size_t(node)].children;
+    front_.Walk(children[0], w, kClipEpsilon, toFront, [&](const Winding<double> &piece, std::size_t frontLeaf) {
+        return back_.Walk(children[1], piece, kClipEpsilon, toFront, [&](Winding<double> &small, std::size_t backLeaf) {
             Keep(small, frontLeaf, backLeaf);
             return true;
         });

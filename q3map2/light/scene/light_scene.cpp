@@ -4,7 +4,7 @@
 #include "q3map2/light/scene/light_embree.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/scene/shadow_casters.h"
-#include "q3map2/light/scene/sky_beam.h"
+#include "q3map2/light/scene/sky_faces.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,8 @@ constexpr float kOpaqueTint = 0.001f;
 /// Two hits of one see-through surface nearer than this are one: the shared edge of its triangles. Game units.
 constexpr float kSameHit = 0.01f;
 
-/// Multiplies what the texel under the hit lets through; spec of alpha shadows and light filters.
+/// Transmittance of the texel under a hit, per channel: rgb / 255 of a light filter, times 1 - alpha / 255 of an alpha
+/// shadow.
 Vec3f FilterAt(const ShaderInfo &shader, const std::array<float, 6> &st, float u, float v) {
     const Image &image = *shader.lightImage;
     const auto texel = [&](std::size_t i, int size) {
@@ -144,7 +145,7 @@ struct LightScene::State {
     ScenePtr legacySolids, legacySurfaces;       ///< see MakeLegacySuns
     ScenePtr solidHull, blockerSolids, blockers; ///< for TraceBlockers, see MakeBlockers
 
-    /// Shadow casters for receivers of another group than 1, who are shadowed by some groups only.
+    /// Shadow casters for receivers of another group than 1, which only some groups shadow.
     struct Group {
         int receiveShadows = 0;
         Casters casters;
@@ -189,7 +190,7 @@ struct LightScene::State {
 
 namespace {
 
-/// Rays of the packet that something in the scene blocks live no longer; surfaces only do from `nearestSurface` on.
+/// Ends rays of the packet that something in the scene blocks; surfaces only block from `nearestSurface` on.
 Q3_VECTOR void MaskOccluded(RTCScene scene, RayPacket &packet, float nearest, float nearestSurface = 0) {
     alignas(64) RTCRay16 rays;
     SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
@@ -197,14 +198,14 @@ Q3_VECTOR void MaskOccluded(RTCScene scene, RayPacket &packet, float nearest, fl
     InitContext(context.embree);
     context.nearestSurface = nearestSurface;
     Occluded16(packet.live.data(), scene, context.embree, rays);
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
 }
 
-/// Rays that meet the sky end there, the others live no longer. To find the sky takes little time; then blockers up to
+/// Rays that meet the sky end there, the others are live no longer. Finding the sky first is cheap, and blockers up to
 /// there need not be the nearest.
 void ClipToSky(const SkyHits &hits, int skyIndex, RayPacket &packet) {
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         packet.live.Set(i, hits.hit[i] != 0 && (skyIndex < 0 || hits.skyIndex[i] == skyIndex));
     packet.distance = hits.distance;
 }
@@ -338,7 +339,7 @@ void LightScene::State::Tint(RayPacket &packet, const Casters &casters, const Sc
     for (const FilterContext::Crossing &crossing : context.crossings)
         packet.filtered[crossing.ray] = -1;
     packet.tint = context.tint;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
         packet.tinted = packet.tinted || (packet.live[i] & packet.filtered[i]) != 0;
     }
@@ -368,7 +369,7 @@ void LightScene::State::FindSky(const RayPacket &packet, float nearest, SkyHits 
         return skyFaces->Find(packet.origin, packet.direction, packet.distance, packet.live, nearest, hits);
     alignas(64) RTCRayHit16 found;
     FindNearest(skies.get(), packet, nearest, found);
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const Vec3f back{found.hit.Ng_x[i], found.hit.Ng_y[i], found.hit.Ng_z[i]};
         const bool hit = packet.live[i] != 0 && found.hit.geomID[i] == kSkies;
         hits.hit.Set(i, hit);
@@ -378,11 +379,11 @@ void LightScene::State::FindSky(const RayPacket &packet, float nearest, SkyHits 
     }
 }
 
-/// A place on a floor that meets a sky lies in the sky's plane: its rays into the room meet the sky from behind first,
-/// which does not count.
+/// A receiver on a floor that meets a sky lies in the sky's plane: its rays into the room meet the sky from behind
+/// first, which does not count.
 void LightScene::State::SkipSkyBacks(const RayPacket &packet, SkyHits &hits) const {
     LaneMask again{};
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         again.Set(i, hits.behind[i] != 0 && hits.distance[i] < kSurfaceIgnoreRadius);
     if (!again.Any())
         return;
@@ -390,7 +391,7 @@ void LightScene::State::SkipSkyBacks(const RayPacket &packet, SkyHits &hits) con
     rays.live = again;
     SkyHits next;
     FindSky(rays, kSurfaceIgnoreRadius, next);
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         if (again[i] != 0) {
             hits.hit[i] = next.hit[i];
             hits.distance[i] = next.distance[i];
@@ -430,13 +431,7 @@ void LightScene::TraceSurfaceToSky(RayPacket &packet, int skyIndex, int receiveS
         TraceSurfaceToLight(packet, receiveShadows, counts);
 }
 
-const SkyFaces *LightScene::FewSkies() const {
-    const SkyFaces &skies = *state_->skyFaces;
-    return skies.Few() ? &skies : nullptr;
-}
-
-void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts,
-                            const SkyBeam *beam) const {
+void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts) const {
     packet.tinted = false;
     State &s = *state_;
     if (!s.trace)
@@ -453,16 +448,12 @@ void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, 
     alignas(64) RTCRayHit16 solids;
     if (!exact && s.legacySolids) {
         FindNearest(s.legacySolids.get(), packet, 0, solids);
-        for (std::size_t i = 0; i < kPacketSize; ++i)
+        for (const std::size_t i : kEachLane)
             packet.distance[i] = std::min(packet.distance[i], solids.ray.tfar[i] + kSkySlack);
     }
-    if (beam)
-        beam->Clip(packet.origin, skyIndex, nearest, packet.distance, packet.live);
-    else {
-        SkyHits hits;
-        s.FindSky(packet, nearest, hits);
-        ClipToSky(hits, skyIndex, packet);
-    }
+    SkyHits hits;
+    s.FindSky(packet, nearest, hits);
+    ClipToSky(hits, skyIndex, packet);
     if (const ScenePtr &blockers = exact ? s.all : s.legacySurfaces; blockers && packet.live.Any())
         MaskOccluded(blockers.get(), packet, nearest);
     s.Tint(packet, exact ? s.filters : s.filtersWithoutPatches, nearest);
@@ -476,11 +467,11 @@ void LightScene::TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts 
     alignas(64) RTCRayHit16 blockers;
     FindNearest(s.all.get(), packet, ignoreRadius, blockers);
     RayPacket toSky = packet;
-    std::copy_n(blockers.ray.tfar, kPacketSize, toSky.distance.begin());
+    std::copy(std::begin(blockers.ray.tfar), std::end(blockers.ray.tfar), toSky.distance.begin());
     SkyHits skies;
     if (s.skies)
         s.FindSky(toSky, ignoreRadius, skies);
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         if (packet.live[i] != 0 && blockers.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID && skies.hit[i] == 0)
             packet.distance[i] = blockers.ray.tfar[i];
 }
@@ -501,7 +492,7 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
     alignas(64) RTCRayHit16 hits;
     FindNearest(scene.get(), packet, nearest, hits);
     const Casters &casters = group ? group->casters : s.main;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const unsigned id = hits.hit.geomID[i];
         const bool hit = packet.live[i] != 0 && id != RTC_INVALID_GEOMETRY_ID;
         blockers.hit.Set(i, hit);

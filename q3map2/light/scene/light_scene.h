@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/log.h"
-#include "q3map2/light/batch/lanes.h"
+#include "q3map2/light/batch/ray_packet.h"
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/scene/surface_table.h"
 
@@ -13,42 +13,14 @@
 
 namespace q3 {
 
-class SkyBeam;
-class SkyFaces;
-
 /// Whose shadow rules count.
 enum class ShadowRules {
     LegacyGrid, ///< as the established program: surfaces (and skies) nearer than a radius and all patches are ignored
     Exact       ///< everything that casts shadows does
 };
 
-/// One packet of rays: from neighbouring receivers toward one light, or from one place toward one lamp.
-struct RayPacket {
-    Lanes3 origin, direction; ///< unit directions
-    Lanes distance;           ///< game units; to the light
-    LaneMask live{};          ///< in: rays to trace; out: those whose light arrives
-    LaneMask filtered{};      ///< out, rays of surfaces: those that met a see-through surface
-    bool tinted = false;      ///< out: some ray went through a coloured surface
-    Lanes3 tint;              ///< out, if tinted: what coloured surfaces on the way let through of the live ones
-
-    /// Sets ray i to go from origin to target, which must differ.
-    void Aim(std::size_t i, const Vec3f &from, const Vec3f &target) {
-        const Vec3f way = target - from;
-        const float length = Length(way);
-        origin.Set(i, from);
-        direction.Set(i, length > 0 ? way / length : Vec3f{0, 0, 1});
-        distance[i] = length;
-        live[i] = -1;
-    }
-};
-
 /// Rays from surfaces ignore surfaces nearer than this: receivers lie a little off their own. Game units.
 inline constexpr float kSurfaceIgnoreRadius = 1.5f;
-
-/// Rays cast so far, for statistics; one per worker.
-struct RayCounts {
-    std::uint64_t rays = 0;
-};
 
 /// All shadow casters of a map. Tracing is safe from several threads. Keeps a reference to the Bsp.
 class LightScene {
@@ -60,13 +32,9 @@ class LightScene {
     /// Point, spot and area lights: blocked by solids and by surfaces.
     void TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &counts) const;
     /// Suns: light arrives only where the first thing on the way is a sky, of that number unless -1.
-    /// `beam`: if all rays are of one; saves time.
-    void TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts,
-                    const SkyBeam *beam = nullptr) const;
-    /// For beams; null where those save no time.
-    const SkyFaces *FewSkies() const;
-    /// The same for receivers on surfaces of a group of shadow receivers: 0 sees all light, 1 (the default) is shadowed
-    /// by every group, others as the keys _castShadows and _receiveShadows say. Surfaces nearer than
+    void TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts) const;
+    /// The same for receivers on surfaces. receiveShadows is their shadow group: 0 sees all light, 1 (the default) is
+    /// shadowed by every caster, others as the keys _castShadows and _receiveShadows say. Surfaces nearer than
     /// kSurfaceIgnoreRadius are ignored, and so are corners of solids that a ray leaves within it.
     void TraceSurfaceToLight(RayPacket &packet, int receiveShadows, RayCounts &counts) const;
     void TraceSurfaceToSky(RayPacket &packet, int skyIndex, int receiveShadows, RayCounts &counts) const;
@@ -75,9 +43,9 @@ class LightScene {
 
     /// What the rays of a packet meet first.
     struct Blockers {
-        LaneMask hit{};                                ///< rays that something blocks within packet.distance
-        Lanes distance;                                ///< to it, where there is one
-        std::array<std::int32_t, kPacketSize> surface; ///< its draw surface; -1: a solid
+        LaneMask hit{};   ///< rays that something blocks within packet.distance
+        Lanes distance;   ///< to it, where there is one
+        IntLanes surface; ///< its draw surface; -1: a solid
     };
     enum class BlockerKind {
         Solids,       ///< those behind skies too

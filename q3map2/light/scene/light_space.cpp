@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Where a point is in the map.
 #include "q3map2/light/scene/light_space.h"
 
+#include "q3map2/light/scene/tree_walk.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -46,7 +48,7 @@ bool BspSpace::HeldByBrush(std::size_t leaf, const Vec3f &center, const Vec3f &h
 bool BspSpace::FilledByBrush(std::size_t leafNum, const Boundsf &box, float epsilon) const {
     if (opaqueFirst_[leafNum] == opaqueFirst_[leafNum + 1])
         return false;
-    // Receivers within kOnPlane of a leaf may count as in it.
+    // Points within kOnPlane of a leaf may count as in it.
     const bspLeaf_t &leaf = bsp_.leafs[leafNum];
     const Vec3f onPlane{kOnPlane, kOnPlane, kOnPlane};
     const Vec3f mins = Max(box.mins, Vec3f{float(leaf.mins[0]), float(leaf.mins[1]), float(leaf.mins[2])} - onPlane);

@@ -4,7 +4,6 @@
 #include "libs/math/bounds.h"
 #include "libs/math/winding.h"
 #include "q3map2/bspfile/bsp_tree.h"
-#include "q3map2/light/scene/tree_walk.h"
 
 #include <array>
 #include <span>
@@ -14,12 +13,12 @@ namespace q3 {
 
 /// Half the width of a player. Game units.
 inline constexpr float kPlayerHalfSize = 16;
-/// Receivers farther from a leaf are never taken to be in it. Game units.
+/// Points farther than this from a leaf never count as in it. Game units.
 inline constexpr float kAtLeaf = 0.2f;
 
 class BspSpace;
 
-/// The part of a map's tree around a box: queries about receivers in the box give what the whole tree gives, sooner.
+/// The part of a map's tree around a box: queries about points in the box give what the whole tree gives, sooner.
 /// Keeps a reference.
 class BspRegion {
   public:
@@ -89,27 +88,5 @@ class BspSpace {
     int clusterCount_ = 0;
     std::int32_t visRowBytes_ = 0;
 };
-
-/// Corners of a triangle. Game units.
-using TriangleCorners = std::array<Vec3d, 3>;
-
-/// By leaf: whether it is solid.
-std::vector<bool> SolidLeafs(const Bsp &bsp);
-
-/// Polygons between solid leafs and others: everything that blocks light as a volume, as a closed surface. Slightly
-/// overlapping, so that no ray slips through where they meet.
-struct SolidHull {
-    std::vector<bool> solidLeafs; ///< by leaf: whether it counts as solid
-    std::vector<Winding<double>> faces;
-};
-/// Sets the faces of several hulls of one map. Iterative; time grows with nodes times depth.
-void SolidHulls(const Bsp &bsp, std::span<SolidHull> hulls);
-
-/// Cuts the triangle by the tree and adds to each leaf's count the triangles of its piece there. A triangle within
-/// epsilon (game units) of a node's plane goes to the side that it faces.
-void CountTriangles(TreeWalk<double> &tree, const TriangleCorners &triangle, double epsilon, std::vector<int> &counts);
-/// Whether all leafs right behind the triangle are solid; if so, `othersToo`: by the other list, too.
-bool SolidBehind(TreeWalk<double> &tree, const TriangleCorners &triangle, const std::vector<bool> &solidLeafs,
-                 const std::vector<bool> &others, bool &othersToo);
 
 } // namespace q3

@@ -3,7 +3,7 @@
 
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/light/options/light_options.h"
-#include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/scene/light_hull.h"
 #include "q3map2/light/scene/surface_table.h"
 
 #include <array>

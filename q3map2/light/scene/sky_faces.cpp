@@ -14,7 +14,7 @@ namespace {
 /// Surfaces of more triangles are not cut into convex pieces, which takes time by the square of their number.
 constexpr std::size_t kMostTriangles = 256;
 
-/// Half the cross product sum of triangles, three clockwise corners each: its length is their area.
+/// Area vector of triangles, three clockwise corners each: half the sum of their cross products.
 Vec3d AreaVector(const std::vector<Vec3d> &corners) {
     Vec3d across;
     for (std::size_t i = 0; i < corners.size(); i += 3)
@@ -83,6 +83,23 @@ std::vector<Winding<double>> ConvexPieces(const std::vector<Vec3d> &corners) {
     return pieces;
 }
 
+/// Adds to `inside` the points that are on the inside of all edges of a convex piece.
+Q3_VECTOR void AddInside(std::span<const SkyLinear> edges, const Lanes3 &points, LaneMask &inside) {
+    Lanes least; ///< how far inside the nearest edge
+    least.fill(0);
+    for (const auto &[across, dist] : edges) {
+        const float x = across.x, y = across.y, z = across.z, from = dist;
+        Q3_ROLLED
+        for (const std::size_t i : kEachLane) {
+            const float in = x * points.x[i] + y * points.y[i] + z * points.z[i] - from;
+            least[i] = in < least[i] ? in : least[i];
+        }
+    }
+    Q3_ROLLED
+    for (const std::size_t i : kEachLane)
+        inside[i] |= -std::int32_t(least[i] >= 0);
+}
+
 } // namespace
 
 SkyFaces::SkyFaces(const Triangles &skies, std::span<const int> indexes) {
@@ -132,7 +149,7 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
     Lanes3 at;
     LaneMask between; ///< rays that meet the plane where nothing else was met
     std::int32_t open = 0;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const float dx = direction.x[i], dy = direction.y[i], dz = direction.z[i];
         const float ox = origin.x[i], oy = origin.y[i], oz = origin.z[i];
         toward[i] = n.x * dx + n.y * dy + n.z * dz;
@@ -148,11 +165,11 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
             break;
         AddInside(piece, at, inside);
         open = 0;
-#pragma GCC unroll 1
-        for (std::size_t i = 0; i < kPacketSize; ++i)
+        Q3_ROLLED
+        for (const std::size_t i : kEachLane)
             open |= between[i] & ~inside[i];
     }
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const std::int32_t met = between[i] & inside[i], behind = -std::int32_t(toward[i] > 0);
         const float before = hits.distance[i], here = distance[i];
         hits.hit[i] |= met;
@@ -164,13 +181,13 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
 
 Q3_VECTOR void SkyFaces::Find(const Lanes3 &origin, const Lanes3 &direction, const Lanes &farthest,
                               const LaneMask &live, float nearest, SkyHits &hits) const {
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         hits.hit[i] = hits.behind[i] = hits.skyIndex[i] = 0;
         hits.distance[i] = farthest[i];
     }
     for (const Face &face : faces_)
         Test(face, origin, direction, nearest, hits);
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         hits.hit[i] &= live[i], hits.behind[i] &= live[i];
 }
 

@@ -14,41 +14,22 @@ namespace q3 {
 
 /// What the rays of a packet meet of the skies.
 struct SkyHits {
-    LaneMask hit{};                                               ///< rays that meet a sky
-    LaneMask behind{};                                            ///< of those, the ones that come from behind it
-    Lanes distance;                                               ///< to it; where there is none, as far as was looked
-    alignas(64) std::array<std::int32_t, kPacketSize> skyIndex{}; ///< its number; 0 where there is none
+    LaneMask hit{};      ///< rays that meet a sky
+    LaneMask behind{};   ///< of those, the ones that come from behind it
+    Lanes distance;      ///< to it; where there is none, as far as was looked
+    IntLanes skyIndex{}; ///< its number; 0 where there is none
 };
 
 /// More skies, convex pieces of them or edges take longer than a search for the nearest triangle.
 inline constexpr std::size_t kMostSkyFaces = 8, kMostSkyPieces = 16, kMostSkyEdges = 64;
-/// What is nearer to a convex polygon than this is one; pieces reach as far over their edges, so that no ray slips
+/// Outlines this near to a convex polygon count as convex; pieces reach as far over their edges, so that no ray slips
 /// through where they meet. Game units.
 inline constexpr double kSkyOverlap = 1.0 / 16;
-/// A linear function of receivers, game units: normal . p - dist.
+/// A linear function of points p: normal . p - dist. Game units.
 struct SkyLinear {
     Vec3f normal;
     float dist;
 };
-/// Adds to `inside` the receivers that are on the inside of all edges of a convex piece. Inlined, to be compiled as the
-/// vector code that asks.
-[[gnu::always_inline]] inline void AddInside(std::span<const SkyLinear> edges, const Lanes3 &receivers,
-                                             LaneMask &inside) {
-    Lanes least; ///< how far inside the nearest edge
-    least.fill(0);
-    for (const auto &[across, dist] : edges) {
-        const float x = across.x, y = across.y, z = across.z, from = dist;
-#pragma GCC unroll 1
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
-            const float in = x * receivers.x[i] + y * receivers.y[i] + z * receivers.z[i] - from;
-            least[i] = in < least[i] ? in : least[i];
-        }
-    }
-#pragma GCC unroll 1
-    for (std::size_t i = 0; i < kPacketSize; ++i)
-        inside[i] |= -std::int32_t(least[i] >= 0);
-}
-
 /// The skies of most maps are the few large sides of a box. All rays of a packet are tested against those at once,
 /// which takes a fraction of the time of a search for the nearest of their triangles. A side of any outline is cut into
 /// convex pieces.

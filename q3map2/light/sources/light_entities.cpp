@@ -1,8 +1,9 @@
 // GPL-2.0-or-later. Lights that mappers place as entities, and the light keys of the world.
+#include "q3map2/light/sources/light_entities.h"
+
 #include "common/error.h"
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/bspfile/light_keys.h"
-#include "q3map2/light/sources/light_sources.h"
 #include "q3map2/light/sources/light_suns.h"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ Vec3f DecodeColor(const Vec3f &c, bool sRgb) {
     return sRgb ? Vec3f{LinearFromSrgb(c.x), LinearFromSrgb(c.y), LinearFromSrgb(c.z)} : c;
 }
 
-/// How messages name a light: editors find it by its place.
+/// How messages name a light: editors find it by its position.
 std::string Label(const Entity &entity) {
     return fmt::format("{} at \"{}\"", entity.ClassName(), entity.Value("origin"));
 }

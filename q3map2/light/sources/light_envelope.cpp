@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. How far each light of a pass reaches.
+#include "q3map2/light/sources/light_envelope.h"
+
 #include "q3map2/light/batch/form_factor.h"
-#include "q3map2/light/sources/light_sources.h"
+#include "q3map2/light/sources/falloff.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,17 +12,16 @@ namespace q3 {
 
 namespace {
 
-constexpr float kLinearScale = 1.0f / 8000;
 constexpr float kLightMargin = 0.125f; ///< lights this near to a solid count as in it. Game units
 constexpr float kFirstReach = 100, kReachStep = 10;
 
-/// Smallest distance of the sequence 100, 110, ... from which an area light gives at most its tolerance. Looked for one
-/// by one where the form factor may still grow, by halving beyond.
+/// Smallest distance of the sequence 100, 110, ... at which an area light gives at most its tolerance: searched one by
+/// one where the form factor may still grow with distance, by bisection beyond.
 float AreaReach(const Light &light) {
     const auto tooMuch = [&](int step) {
         const float r = kFirstReach + kReachStep * float(step);
         const Vec3f p = light.origin + light.normal * r;
-        return std::abs(FormFactor(p, -light.normal, light.w)) * light.add > light.tolerance;
+        return std::abs(float(FormFactor(Vec3d(p), Vec3d(-light.normal), light.w))) * light.add > light.tolerance;
     };
     constexpr int kLinearSteps = 90, kLastStep = int((kSunDistance - kFirstReach) / kReachStep);
     for (int step = 0; step < kLinearSteps; ++step)
@@ -39,13 +40,11 @@ float AreaReach(const Light &light) {
 float Reach(const Light &light) {
     if (light.type == LightType::Area)
         return light.fast ? AreaReach(light) : kSunDistance;
-    if (light.linear)
-        return (light.photons * kLinearScale - (light.fast ? light.tolerance : 0)) / light.fade;
-    return light.fast ? std::sqrt(light.photons / light.tolerance) : kSunDistance;
+    return Falloff(light).Reach(light.fast ? light.tolerance : 0);
 }
 
 /// Moves a light that is in a solid by steps of 2 units, as the established program does: it goes on after a success,
-/// so a light can wander. Returns the cluster of the last attempt.
+/// so a light can move several times. Returns the cluster of the last attempt.
 int NudgeOut(Light &light, const BspSpace &space) {
     static constexpr float kSteps[4] = {0, 0, 2, -2};
     int cluster = kSolidCluster;

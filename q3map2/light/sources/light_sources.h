@@ -1,13 +1,8 @@
 // GPL-2.0-or-later. Everything that shines, in the photometric model of the established program.
 #pragma once
 
-#include "common/log.h"
+#include "libs/math/bounds.h"
 #include "libs/math/winding.h"
-#include "q3map2/bspfile/entities.h"
-#include "q3map2/light/options/light_options.h"
-#include "q3map2/light/scene/light_space.h"
-#include "q3map2/light/scene/surface_table.h"
-#include "q3map2/shader/shader.h"
 
 #include <array>
 #include <vector>
@@ -67,49 +62,5 @@ struct Light {
     bool SeenFrom(int cluster) const { return cluster >= 0 && (seenFrom.empty() || seenFrom[std::size_t(cluster)]); }
     void SetShape();
 };
-
-/// World keys that concern light.
-struct WorldLight {
-    Vec3f ambient; ///< byte scale
-    Vec3f minGrid; ///< least light of grid points, lightmaps, vertices; byte scale
-    Vec3f minLight, minVertex;
-    float maxLight = 255;
-    bool noShaderSun = false;
-    bool hasFloodlight = false;
-    Vec3f floodColor{0.94f, 0.94f, 1.0f}; ///< normalised
-    float floodDistance = 1024, floodIntensity = 128, floodDirectionScale = 1;
-};
-WorldLight ReadWorldLight(const Entity &world, const LightOptions &options);
-
-/// Lights of entities whose class name starts with "light", in entity order. Unusable keys are warnings.
-std::vector<Light> EntityLights(const std::vector<Entity> &entities, const LightOptions &options, Log &log);
-
-/// Lights of shaders, in draw surface order: suns, sky light, area lights. Numbers the skies that shine in the table.
-struct SurfaceLightCounts {
-    int areaLights = 0, skyLights = 0;
-};
-std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const LightOptions &options,
-                                 const WorldLight &world, ShaderLibrary &library, SurfaceLightCounts &counts, Log &log);
-
-/// The directions and colours of one q3map_skyLight: unit vectors towards the sky, photons of each.
-std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const ShaderInfo &shader, ShaderLibrary &library,
-                                       Log &log);
-
-/// How SetupEnvelopes bounds the lights of a pass.
-enum class LightPass {
-    LegacyGrid, ///< as the established program: tolerance of entity lights and under -fast, the light's one cluster
-    GridSH,     ///< no tolerance; all clusters that an area light touches
-    Surfaces    ///< lightmaps and vertices: tolerance of point lights and under -fast, the light's one cluster
-};
-
-/// Prepares lights for a pass: sign of negative lights, clusters, envelope, bounds. Lights in solid are nudged out, or
-/// dropped; `culled` gets the number of those dropped. Stable sort by style at the end. skySeenFrom: see SkySeenFrom.
-/// fastPoint: false for -nofastpoint, for surfaces.
-std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, const LightOptions &options,
-                                  const BspSpace &space, const std::vector<bool> &skySeenFrom, int &culled,
-                                  bool fastPoint = true);
-
-/// By cluster: some leaf that it sees holds a sky surface. Empty, that is everywhere, when a sky is in no leaf.
-std::vector<bool> SkySeenFrom(const BspSpace &space, const SurfaceTable &table);
 
 } // namespace q3

@@ -1,7 +1,8 @@
 // GPL-2.0-or-later. Lights that shaders make of surfaces.
+#include "q3map2/light/sources/light_surfaces.h"
+
 #include "libs/math/winding.h"
 #include "q3map2/light/scene/light_patch.h"
-#include "q3map2/light/sources/light_sources.h"
 #include "q3map2/light/sources/light_suns.h"
 
 #include <algorithm>
@@ -19,7 +20,7 @@ constexpr float kFlatQuad = 0.1f; ///< a quad's fourth corner this near to the p
 constexpr int kMaxSkies = 32;
 /// Polygons with a corner farther out than this are in no map. Game units.
 constexpr float kMaxCoordinate = 262144;
-/// About so many lights at most come from one polygon.
+/// About the most lights that one polygon is split into.
 constexpr double kMaxPieces = 65536;
 
 using Polygon = std::vector<MeshVert>;
@@ -74,7 +75,7 @@ class AreaLightMaker {
         return true;
     }
 
-    /// Longest side of the box of a piece: the shader's, or larger when that makes too many.
+    /// Longest side of the box of a piece: that of the shader, or larger where it would make too many.
     float PieceSize(const Polygon &polygon) {
         const float wanted = shader_.lightSubdivide > 0 ? shader_.lightSubdivide : kDefaultSubdivide;
         Winding<float> w;
@@ -119,7 +120,7 @@ class AreaLightMaker {
             AddBacksplash(light);
     }
 
-    /// The light that a lamp throws back onto the surface it sits on.
+    /// Backsplash: an area light a little in front of the emitter that lights its surroundings.
     void AddBacksplash(const Light &light) {
         Light splash = light;
         const Vec3f moved = light.normal * shader_.backsplashDistance;
@@ -171,7 +172,7 @@ void AddTriangleLights(const Bsp &bsp, const bspDrawSurface_t &surface, const Ve
     }
 }
 
-/// autosprite surfaces shine as one point.
+/// An autosprite surface is one point light.
 Light SpriteLight(const Bsp &bsp, const bspDrawSurface_t &surface, const ShaderInfo &shader, const Vec3f &offset,
                   const LightOptions &options) {
     Boundsf box;
@@ -234,25 +235,6 @@ class SkyLights {
 };
 
 } // namespace
-
-void Light::SetShape() {
-    shape = {};
-    shape.back.assign(w.rbegin(), w.rend());
-    shape.normal = -Normalize(WindingAreaVector(w));
-    if (w.size() < 3)
-        return;
-    shape.dist = Dot(shape.normal, Vec3d(w.front()));
-    Vec3d center;
-    for (std::size_t i = 2; i < w.size(); ++i) {
-        const float triangle = float(WindingArea(Winding<float>{w[0], w[i - 1], w[i]}));
-        shape.area += triangle;
-        shape.cumulative.push_back(shape.area);
-        center += Vec3d(w[0] + w[i - 1] + w[i]) * (double(triangle) / 3);
-    }
-    shape.center = shape.area > 0 ? Vec3f(center / double(shape.area)) : w.front();
-    for (const Vec3f &p : w)
-        shape.radius = std::max(shape.radius, Length(p - shape.center));
-}
 
 std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const LightOptions &options,
                                  const WorldLight &world, ShaderLibrary &library, SurfaceLightCounts &counts,

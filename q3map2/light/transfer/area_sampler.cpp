@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Samples of a polygon as a place sees it.
+// GPL-2.0-or-later. Samples of an area light from one receiver.
 #include "q3map2/light/transfer/area_sampler.h"
 
 #include <algorithm>
@@ -8,18 +8,16 @@ namespace q3 {
 
 namespace {
 
-/// Sums under this, of solid angles, come from rounding only.
+/// Solid angles under this come from rounding only.
 constexpr double kNoSolidAngle = 1e-9;
 
-struct alignas(64) LaneNumbers : std::array<std::int32_t, kPacketSize> {};
-
-/// Sixteen samples before they are in a triangle.
+/// Sixteen points of the unit square, and the triangles of the polygon that they fall in.
 struct Picks {
-    DoubleLanes u, v; ///< u: of all triangles
-    LaneNumbers triangle;
+    DoubleLanes u, v; ///< u: from 0 to the sum of the sizes of all triangles
+    IntLanes triangle;
 
-    /// Of a pattern that starts at `start`: samples number `first` and the 15 after it. `sums`: of the sizes of
-    /// triangles.
+    /// Points number `first` and the 15 after it of the pattern that starts at `start`. `sums`: sizes of the triangles,
+    /// summed up.
     template <typename T> Picks(const Sample2 &start, std::uint32_t first, const std::vector<T> &sums) {
         Spread(start, first, double(sums.back()));
         for (std::size_t i = 0; i + 1 < sums.size(); ++i)
@@ -35,7 +33,7 @@ struct Picks {
 };
 
 Q3_VECTOR void Picks::Spread(Sample2 start, std::uint32_t first, double sum) {
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const double number = double(first) + double(std::int32_t(i));
         const double x = start.u + kPlasticA1 * number, y = start.v + kPlasticA2 * number;
         u[i] = (x - std::floor(x)) * sum, v[i] = y - std::floor(y);
@@ -43,13 +41,13 @@ Q3_VECTOR void Picks::Spread(Sample2 start, std::uint32_t first, double sum) {
     }
 }
 
-/// Those beyond the sum are in a later triangle.
+/// Moves samples beyond the sum to the next triangle.
 Q3_VECTOR void Picks::Pass(double sum) {
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         triangle[i] += u[i] >= sum ? 1 : 0;
 }
 
-/// One triangle of several: its number, the sum before it and its own part.
+/// One triangle of several: its number, the sum of the sizes before it, and its own size.
 struct PickedTriangle {
     std::int32_t number;
     double before, size;
@@ -58,16 +56,15 @@ struct PickedTriangle {
         before = i == 0 ? 0 : double(sums[i - 1]);
         size = double(sums[i]) - before;
     }
-    /// From 0 to 1 within it.
+    /// u as a share of this triangle, 0 to 1.
     double Within(double u) const { return size > 0 ? std::min(1.0, std::max(0.0, (u - before) / size)) : 0; }
 };
 
-/// Samples by solid angle in one triangle. The plane of the polygon, seen from p: its normal and distance.
+/// Samples by solid angle in one triangle. normal, distance: the plane of the polygon relative to p.
 Q3_VECTOR void SampleNear(const Picks &picks, PickedTriangle picked, SphericalTriangle triangle, Vec3f p, Vec3d normal,
                           double distance, AreaSamples &samples) {
     Lanes3 &target = samples.target, &direction = samples.direction;
-#pragma GCC ivdep
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const Vec3d d = triangle.Sample({picked.Within(picks.u[i]), picks.v[i]});
         const double facing = Dot(d, normal), along = distance / facing;
         const double length = facing != 0 ? std::max(0.0, along) : 0;
@@ -83,8 +80,7 @@ Q3_VECTOR void SampleNear(const Picks &picks, PickedTriangle picked, SphericalTr
 
 /// Samples by area in one triangle.
 Q3_VECTOR void SampleByArea(const Picks &picks, PickedTriangle picked, Vec3f a, Vec3f b, Vec3f c, Lanes3 &target) {
-#pragma GCC ivdep
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const float root = std::sqrt(float(picked.Within(picks.u[i]))), v = float(picks.v[i]);
         const Vec3f at = a * (1 - root) + b * (root * (1 - v)) + c * (root * v);
         const bool ours = picks.triangle[i] == picked.number;
@@ -94,13 +90,13 @@ Q3_VECTOR void SampleByArea(const Picks &picks, PickedTriangle picked, Vec3f a, 
     }
 }
 
-/// Directions to samples by area as p sees them, and their weights.
+/// Directions to samples by area and their weights, strength / d^3.
 Q3_VECTOR void AimByArea(Vec3f p, float strength, AreaSamples &samples) {
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float x = samples.target.x[i] - p.x, y = samples.target.y[i] - p.y, z = samples.target.z[i] - p.z;
-        const float d = std::sqrt(x * x + y * y + z * z), divisor = d > 0 ? d : 1;
-        samples.direction.x[i] = x / divisor, samples.direction.y[i] = y / divisor,
-        samples.direction.z[i] = z / divisor;
+    for (const std::size_t i : kEachLane) {
+        const Lanes3 &target = samples.target;
+        const auto [x, y, z, d] = DirectionOf(target.x[i] - p.x, target.y[i] - p.y, target.z[i] - p.z);
+        const float divisor = d > 0 ? d : 1;
+        samples.direction.x[i] = x, samples.direction.y[i] = y, samples.direction.z[i] = z;
         samples.weight[i] = strength / (divisor * divisor * divisor);
     }
 }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Samples of a polygon as a place sees it.
+// GPL-2.0-or-later. Samples of an area light from one receiver.
 #pragma once
 
 #include "libs/math/low_discrepancy.h"
@@ -14,18 +14,19 @@ namespace q3 {
 /// Point of the emitter for a sample of the unit square, uniform in area.
 Vec3f PointByArea(const Light &light, const Sample2 &s);
 
-/// Sixteen samples: where they are, the unit direction to there, and a weight: the mean of weight times f(direction)
-/// over all samples is the integral of f over the solid angle.
+/// Sixteen samples: points of the emitter, unit directions to them, and weights: the mean of weight * f(direction) over
+/// all samples estimates the integral of f over the solid angle of the emitter.
 struct AreaSamples {
     Lanes3 target, direction;
     Lanes weight;
 };
 
-/// Low-discrepancy samples of an area light: by solid angle where it is near, else by area, which is many times
-/// cheaper and as good.
+/// Low-discrepancy samples of an area light: uniform in solid angle if it is near, else uniform in area, which is many
+/// times cheaper and as good.
 class AreaSampler {
   public:
-    /// corners: of the side that p sees; height: of p over it; seed: of the pattern.
+    static constexpr int kAtOnce = int(kPacketSize); ///< samples that Take gives
+    /// corners: of the polygon, clockwise as seen from p; height: of p over its plane; seed: of the pattern.
     AreaSampler(const Light &light, std::span<const Vec3f> corners, const Vec3f &p, float height, std::uint64_t seed,
                 bool near);
     /// Samples number `first` and the 15 after it.
@@ -36,8 +37,8 @@ class AreaSampler {
     Vec3f p_;
     float height_;
     Sample2 start_;                            ///< of the pattern
-    std::vector<SphericalTriangle> triangles_; // empty: by area
-    std::vector<double> cumulative_;
+    std::vector<SphericalTriangle> triangles_; ///< of the polygon from p; empty: samples by area
+    std::vector<double> cumulative_;           ///< their solid angles, summed up
     Vec3d normal_;
     double planeDistance_ = 0;
 };

@@ -1,8 +1,9 @@
-// GPL-2.0-or-later. Area lights as the SH grid sees them.
+// GPL-2.0-or-later. Area lights in the SH grid.
 #include "q3map2/light/transfer/light_area.h"
 
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/light/transfer/area_sampler.h"
+#include "q3map2/light/transfer/faint_lights.h"
 
 #include <algorithm>
 #include <bit>
@@ -16,23 +17,22 @@ namespace {
 
 /// Receivers nearer than this to an emitter's plane get nothing from it. Game units.
 constexpr float kPlaneClearance = 1.0f / 64;
-/// Lights that give less than this are judged by one ray; brighter ones by their corners. Byte scale.
+/// Lights that give less than this get one probe ray; brighter ones a ray to each corner. Byte scale.
 constexpr float kFaint = 1.0f / 4;
-/// Under this the share of the first rays that arrive is good enough for a light that is partly hidden. Byte scale.
+/// Partly hidden lights that give less than this are scaled by the share of probe rays that arrive. Byte scale.
 constexpr float kRefine = 0.5f;
-/// From twice this on, neighbours that see another share make it worth a closer look too; from kBright on, samples of
-/// the inside look for what is smaller than a straight shadow edge. Byte scale.
+/// From 2 kRefine on, a receiver is refined too where others of its batch see another share; from kBright on, probe
+/// rays to the inside of the emitter find blockers smaller than its corners tell of. Byte scale.
 constexpr float kBright = 2;
 constexpr int kInnerProbes = 2;
-/// A straight shadow edge that crosses a convex emitter hides or shows one of its corners, so each gets a ray, moved
-/// inward by this share.
+/// A straight shadow edge across a convex emitter parts its corners, so each gets a probe ray, moved toward the centre
+/// by this share.
 constexpr float kCornerInset = 0.01f;
-/// Moments are approximated where that errs by less than this. Byte scale.
+/// Projections are approximated where that errs by less than this. Byte scale.
 constexpr float kMomentError = 1.0f / 256;
-/// Nearer than this square of size over distance the light is not like a point at all.
+/// Beyond this square of radius over distance a light is too near for any approximation.
 constexpr float kNearError = 0.25f;
-/// Rays for a partly hidden light: as many as keep the expected error of the estimate under kTolerance, within these
-/// limits.
+/// Limits of the number of rays to a partly hidden light: as many as keep the expected error under kTolerance.
 constexpr float kMinRefined = 16, kMaxRefined = 1024;
 /// Byte scale.
 constexpr float kTolerance = 0.25f;
@@ -42,12 +42,13 @@ constexpr float kEmitterGap = 0.125f;
 int RefinedRays(float facing, float samples) {
     // A stratified pattern's error falls about as n^-0.75, from half of the light at one ray.
     const float n = std::pow(0.5f * facing / kTolerance, 1 / 0.75f) * samples;
-    return int(std::ceil(std::clamp(n, kMinRefined, kMaxRefined * samples) / float(kPacketSize))) * int(kPacketSize);
+    return int(std::ceil(std::clamp(n, kMinRefined, kMaxRefined * samples) / AreaSampler::kAtOnce)) *
+           AreaSampler::kAtOnce;
 }
 
-/// moments[k] += weight * Y[k](direction), or = instead of +=.
+/// Coefficient k of lane i: += weight * Y[k](x y z), or = with kAdd false.
 template <bool kAdd>
-inline void BasisLanes(std::size_t i, float x, float y, float z, float weight, IncidentLight &incident) {
+inline void BasisLanes(std::size_t i, float x, float y, float z, float weight, ProbeIncidentLight &incident) {
     const auto basis = ShBasis(Vec3f{x, y, z});
     auto &m = incident.shCoeffs;
     const auto put = [&](Lanes &row, float value) { row[i] = kAdd ? row[i] + value * weight : value * weight; };
@@ -55,20 +56,19 @@ inline void BasisLanes(std::size_t i, float x, float y, float z, float weight, I
     put(m[5], basis[5]), put(m[6], basis[6]), put(m[7], basis[7]), put(m[8], basis[8]);
 }
 
-/// Rays from one place to all targets.
+/// Rays from one receiver to sixteen targets, each moved by `lift`.
 Q3_VECTOR void AimFrom(const Vec3f &from, const Lanes3 &target, const Vec3f &lift, RayPacket &rays) {
     const Vec3f back = lift - from;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float x = target.x[i] + back.x, y = target.y[i] + back.y, z = target.z[i] + back.z;
-        const float d = std::sqrt(x * x + y * y + z * z), divisor = d > 0 ? d : 1;
-        rays.direction.x[i] = x / divisor, rays.direction.y[i] = y / divisor, rays.direction.z[i] = z / divisor;
+    for (const std::size_t i : kEachLane) {
+        const auto [x, y, z, d] = DirectionOf(target.x[i] + back.x, target.y[i] + back.y, target.z[i] + back.z);
+        rays.direction.x[i] = x, rays.direction.y[i] = y, rays.direction.z[i] = z;
         rays.distance[i] = d;
     }
     rays.origin.Fill(from);
     rays.live.fill(-1);
 }
 
-/// Moments of samples, a sum for each lane: of all of them and of those that are seen.
+/// Weighted sums of Y[k](direction) over samples, one per lane: over all of them, and over the visible ones.
 struct SampleMoments {
     std::array<Lanes, 9> whole{}, visible{};
 
@@ -77,7 +77,7 @@ struct SampleMoments {
 };
 
 Q3_VECTOR void SampleMoments::Add(const AreaSamples &samples, const LaneMask &seen) {
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const auto basis = ShBasis(Vec3f{samples.direction.x[i], samples.direction.y[i], samples.direction.z[i]});
         const float weight = samples.weight[i], seenWeight = seen[i] != 0 ? weight : 0;
         const auto add = [&](std::size_t k) {
@@ -88,25 +88,26 @@ Q3_VECTOR void SampleMoments::Add(const AreaSamples &samples, const LaneMask &se
     }
 }
 
-/// Counts the rays that arrived.
+/// Adds 1 to each lane whose ray arrived.
 Q3_VECTOR void AddSeen(const RayPacket &rays, Lanes &clear) {
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         clear[i] -= float(rays.live[i]);
 }
 
 } // namespace
 
-inline float AreaContribution::Lift(std::size_t i) const {
+inline float AreaContribution::EmitterOffset(std::size_t i) const {
     const float off = std::min(kEmitterGap, 0.5f * height_[i]);
     return below_[i] != 0 ? -off : off;
 }
 
-/// How each place is to the light.
+/// Height over the emitter's plane, distance and, with A the area and r the radius of the emitter, h the height and d
+/// the distance: unoccluded estimate add A h / (pi d^3), error (r / d)^2. Ends receivers behind a one-sided light.
 Q3_VECTOR void AreaContribution::MeasureLanes() {
     const AreaShape &shape = light_.shape;
     const bool twoSided = light_.twoSided;
     const float strength = light_.add * shape.area / std::numbers::pi_v<float>, size2 = shape.radius * shape.radius;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const float px = receivers_->position.x[i], py = receivers_->position.y[i], pz = receivers_->position.z[i];
         const float s =
             float(shape.normal.x * double(px) + shape.normal.y * double(py) + shape.normal.z * double(pz) - shape.dist);
@@ -117,47 +118,48 @@ Q3_VECTOR void AreaContribution::MeasureLanes() {
         distance2_[i] = d2;
         error_[i] = d2 > 0 ? size2 / d2 : 1;
         unoccludedEstimate_[i] = d2 > 0 ? strength * height_[i] / (d2 * std::sqrt(d2)) : 0;
-        const bool inFront = (height_[i] >= kPlaneClearance) & ((s > 0) | twoSided);
+        const bool inFront = (std::abs(s) >= kPlaneClearance) & (int(s > 0) | int(twoSided));
         live_[i] = inFront ? live_[i] : 0;
         near_[i] = error_[i] < kNearError ? 0 : live_[i];
     }
 }
 
-/// Moments of the light by their closed form.
-void AreaContribution::MeasureMoments(const LaneMask &those) {
+/// Closed-form moments of the emitter's polygon, from the side that each receiver sees.
+void AreaContribution::MeasureMoments(const LaneMask &lanes) {
     LaneMask front, behind;
-    for (std::size_t i = 0; i < kPacketSize; ++i)
-        front[i] = those[i] & ~below_[i], behind[i] = those[i] & below_[i];
+    for (const std::size_t i : kEachLane)
+        front[i] = lanes[i] & ~below_[i], behind[i] = lanes[i] & below_[i];
     if (front.Any())
         moments_.Measure(light_.w, receivers_->position, front);
     if (behind.Any())
         moments_.Measure(light_.shape.back, receivers_->position, behind);
 }
 
-/// Moments of the light where it is near, and what it gives there.
+/// The same for the near receivers, and the unoccluded estimate from them: add |m1| / pi, m1 the first moment.
 void AreaContribution::MeasureNear() {
     MeasureMoments(near_);
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         if (near_[i] != 0)
             unoccludedEstimate_[i] = light_.add * float(moments_.FirstLength(i) / std::numbers::pi);
 }
 
-/// Ends receivers out of the light's bounds and those that get at most `least`, which is not negative. What the others
-/// get at most.
+/// Ends receivers outside the light's bounds and those that get at most `least`, which is not negative. The most that
+/// one of the others gets.
 Q3_VECTOR float AreaContribution::CullUnlit(float least) {
     const Vec3f from = light_.bounds.mins, to = light_.bounds.maxs;
-    std::int32_t brightest = 0;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    float brightest = 0;
+    for (const std::size_t i : kEachLane) {
         const float x = receivers_->position.x[i], y = receivers_->position.y[i], z = receivers_->position.z[i];
-        const bool lit = (unoccludedEstimate_[i] > least) & (x >= from.x) & (y >= from.y) & (z >= from.z) &
-                         (x <= to.x) & (y <= to.y) & (z <= to.z);
+        const float estimate = unoccludedEstimate_[i];
+        const bool lit = (estimate > least) & (x >= from.x) & (y >= from.y) & (z >= from.z) & (x <= to.x) &
+                         (y <= to.y) & (z <= to.z);
         live_[i] = lit ? live_[i] : 0;
-        brightest = std::max(brightest, OrderedBits(unoccludedEstimate_[i]) & live_[i]);
+        brightest = std::max(brightest, live_[i] != 0 ? estimate : 0);
     }
-    return std::bit_cast<float>(brightest);
+    return brightest;
 }
 
-/// What the light gives about to each place, without shadows. False: nothing to any.
+/// Sets unoccludedEstimate_. False: no receiver gets anything.
 bool AreaContribution::EstimateUnoccluded() {
     MeasureLanes();
     MeasureNear();
@@ -165,14 +167,14 @@ bool AreaContribution::EstimateUnoccluded() {
     return live_.Any();
 }
 
-/// The cheapest method that is good enough for all receivers that are not near.
+/// The cheapest method whose error is under kMomentError for all receivers that are not near.
 AreaContribution::Method AreaContribution::ChooseMethod() const {
     if (!settings_.skip.moments)
         return Method::ClosedForm;
     // As a point with a cosine the light errs by about the square of its size over its distance, by three samples a
     // triangle by the fourth power.
     float asPoint = 0, asSamples = 0;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const float light = live_[i] != 0 && near_[i] == 0 ? unoccludedEstimate_[i] * error_[i] : 0;
         asPoint = std::max(asPoint, light);
         asSamples = std::max(asSamples, light * error_[i]);
@@ -187,7 +189,7 @@ int AreaContribution::Probes() const {
     return int(light_.w.size()) + (brightest_ < kBright && shortcuts ? 0 : kInnerProbes);
 }
 
-/// Where a probe goes, but for the lift off the emitter; the same for all receivers, so that their rays stay together.
+/// Point of the emitter for a probe ray: the same for all receivers, so that their rays are coherent.
 Vec3f AreaContribution::ProbeTarget(int probe) const {
     const bool one = brightest_ < kFaint && settings_.skip.probes;
     const int corners = one ? 0 : int(light_.w.size());
@@ -197,25 +199,24 @@ Vec3f AreaContribution::ProbeTarget(int probe) const {
     return corner + (light_.shape.center - corner) * kCornerInset;
 }
 
-/// Rays from all live receivers to just before the target.
+/// Rays from all live receivers to a point of the emitter, ending EmitterOffset in front of it.
 Q3_VECTOR void AreaContribution::AimAll(const Vec3f &target, RayPacket &rays) const {
     const Vec3f normal(light_.shape.normal);
     rays.origin = receivers_->rayOrigin;
     rays.live = live_;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float lift = Lift(i);
-        const float x = target.x + normal.x * lift - rays.origin.x[i];
-        const float y = target.y + normal.y * lift - rays.origin.y[i];
-        const float z = target.z + normal.z * lift - rays.origin.z[i];
-        const float d = std::sqrt(x * x + y * y + z * z), divisor = d > 0 ? d : 1;
-        rays.direction.x[i] = x / divisor, rays.direction.y[i] = y / divisor, rays.direction.z[i] = z / divisor;
+    for (const std::size_t i : kEachLane) {
+        const float lift = EmitterOffset(i);
+        const auto [x, y, z, d] =
+            DirectionOf(target.x + normal.x * lift - rays.origin.x[i], target.y + normal.y * lift - rays.origin.y[i],
+                        target.z + normal.z * lift - rays.origin.z[i]);
+        rays.direction.x[i] = x, rays.direction.y[i] = y, rays.direction.z[i] = z;
         rays.distance[i] = d;
     }
 }
 
-/// What arrived of a probe of which some was tinted, or of one after it.
+/// Adds the transmittances of a round of probe rays; called from the first round on in which a ray was tinted.
 void AreaContribution::AddTint(const RayPacket &rays) {
-    if (!tinted_) // all before came through clear air
+    if (!tinted_) // all rays before were clear
         firstTint_ = {clear_, clear_, clear_};
     tinted_ = true;
     for (std::size_t i = 0; i < receivers_->count; ++i)
@@ -235,54 +236,54 @@ void AreaContribution::TraceProbes(int probes) {
     }
 }
 
-/// Live receivers for which the first rays are not enough; the others end that none of them reached.
+/// Live receivers whose visibility the probe rays leave unsure. Ends those that no probe ray reached and that are not
+/// to be refined.
 Q3_VECTOR LaneMask AreaContribution::LanesToRefine(int probes) {
     const float all = float(probes);
     std::int32_t anyWhole = 0, anyNotWhole = 0, anyHidden = 0, anySeen = 0;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const std::int32_t whole = -std::int32_t(clear_[i] == all), hidden = -std::int32_t(clear_[i] == 0);
         anyWhole |= live_[i] & whole, anyNotWhole |= live_[i] & ~whole;
         anyHidden |= live_[i] & hidden, anySeen |= live_[i] & ~hidden;
     }
     const std::int32_t mixed = ((anyWhole & anyNotWhole) | (anyHidden & anySeen)) != 0 ? -1 : 0;
-    // Shortcuts: dim lights are sure, and receivers all alike.
+    // Shortcuts: what is too dim is not refined, nor, less strictly, where only the neighbours differ.
     const bool shortcuts = settings_.skip.probes;
     const float partlyFrom = shortcuts ? kRefine : 0, mixedFrom = shortcuts ? 2 * kRefine : 0;
     LaneMask unsure;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const std::int32_t partly = -std::int32_t((clear_[i] != all) & (clear_[i] != 0));
-        const std::int32_t asked = (partly & -std::int32_t(unoccludedEstimate_[i] >= partlyFrom)) |
-                                   (mixed & -std::int32_t(unoccludedEstimate_[i] >= mixedFrom));
+    for (const std::size_t i : kEachLane) {
+        const float clear = clear_[i], estimate = unoccludedEstimate_[i];
+        const std::int32_t partly = -std::int32_t((clear != all) & (clear != 0));
+        const std::int32_t asked =
+            (partly & -std::int32_t(estimate >= partlyFrom)) | (mixed & -std::int32_t(estimate >= mixedFrom));
         unsure[i] = live_[i] & asked;
-        live_[i] &= -std::int32_t(clear_[i] > 0);
+        live_[i] &= -std::int32_t(clear > 0);
     }
     return unsure;
 }
 
-/// Projections of the far light as a point, for all receivers.
-Q3_VECTOR void AreaContribution::PointMoments() {
+/// Coefficient k is the unoccluded estimate times Y[k](direction to the centre).
+Q3_VECTOR void AreaContribution::ProjectAsPoint() {
     const Vec3f center = light_.shape.center;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float d = std::sqrt(distance2_[i]), divisor = d > 0 ? d : 1;
-        BasisLanes<false>(i, (center.x - receivers_->position.x[i]) / divisor,
-                          (center.y - receivers_->position.y[i]) / divisor,
-                          (center.z - receivers_->position.z[i]) / divisor, unoccludedEstimate_[i], *incident_);
+    const Lanes3 &p = receivers_->position;
+    for (const std::size_t i : kEachLane) {
+        const auto [x, y, z, d] = DirectionOf(center.x - p.x[i], center.y - p.y[i], center.z - p.z[i]);
+        BasisLanes<false>(i, x, y, z, unoccludedEstimate_[i], *incident_);
     }
 }
 
-/// Adds a small piece of the emitter.
+/// Adds a small piece of the emitter at `at`: strength h / d^3 times Y[k](direction); strength: add * area / pi.
 Q3_VECTOR void AreaContribution::AddSample(const Vec3f &at, float strength) {
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float x = at.x - receivers_->position.x[i], y = at.y - receivers_->position.y[i],
-                    z = at.z - receivers_->position.z[i];
-        const float d = std::sqrt(x * x + y * y + z * z), divisor = d > 0 ? d : 1;
-        BasisLanes<true>(i, x / divisor, y / divisor, z / divisor,
-                         strength * height_[i] / (divisor * divisor * divisor), *incident_);
+    const Lanes3 &p = receivers_->position;
+    for (const std::size_t i : kEachLane) {
+        const auto [x, y, z, d] = DirectionOf(at.x - p.x[i], at.y - p.y[i], at.z - p.z[i]);
+        const float divisor = d > 0 ? d : 1;
+        BasisLanes<true>(i, x, y, z, strength * height_[i] / (divisor * divisor * divisor), *incident_);
     }
 }
 
-/// Three interior points a triangle, exact for quadratic integrands.
-void AreaContribution::QuadratureMoments() {
+/// Quadrature over the emitter with three interior points a triangle, exact for quadratic integrands.
+void AreaContribution::ProjectByQuadrature() {
     const Winding<float> &w = light_.w;
     const AreaShape &shape = light_.shape;
     for (Lanes &row : incident_->shCoeffs)
@@ -299,10 +300,10 @@ void AreaContribution::QuadratureMoments() {
     }
 }
 
-/// Closed forms for the receivers that are near, or for all, and for those that need them for more.
+/// Sets the projections of the near receivers, or of all, by closed form; measures the moments of those to refine too.
 void AreaContribution::TakeClosedForms(bool all, const LaneMask &refine) {
     LaneMask more, taken;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         taken[i] = all ? live_[i] : near_[i];
         more[i] = (taken[i] | refine[i]) & ~near_[i];
     }
@@ -312,16 +313,16 @@ void AreaContribution::TakeClosedForms(bool all, const LaneMask &refine) {
         moments_.Project(double(light_.add) / std::numbers::pi, taken, incident_->shCoeffs);
 }
 
-/// What the first rays say of the receivers that are not refined.
+/// Shares and tints by the probe rays, of the receivers that are not refined.
 Q3_VECTOR void AreaContribution::SetShares(float probes, const LaneMask &refine) {
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         share_[i] = refine[i] != 0 ? 1 : clear_[i] / probes;
     if (!tinted_) {
         if (refine.Any()) // may find tints
             incident_->tint.Fill({1, 1, 1});
         return;
     }
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const float seen = clear_[i] > 0 ? clear_[i] : 1;
         incident_->tint.x[i] = firstTint_.x[i] / seen;
         incident_->tint.y[i] = firstTint_.y[i] / seen;
@@ -329,18 +330,18 @@ Q3_VECTOR void AreaContribution::SetShares(float probes, const LaneMask &refine)
     }
 }
 
-/// Projection of solid angle to light.
-void AreaContribution::SetMoments(std::size_t i, const ShVector &projection) {
+/// Coefficients of receiver i from the projection of the visible solid angle: times add / pi.
+void AreaContribution::SetProjection(std::size_t i, const ShVector &projection) {
     const double scale = double(light_.add) / std::numbers::pi;
     for (std::size_t k = 0; k < 9; ++k)
         incident_->shCoeffs[k][i] = float(projection[k] * scale);
 }
 
-/// Corrects the closed form by what many rays see: with V and W the traced moments of the visible part and of the whole
-/// and f the visible share, f * exact + V - f * W is exact where nothing or everything is hidden.
+/// Corrects the closed form by many rays (a control variate): with V and W the sampled projections of the visible part
+/// and of the whole and f the visible share, f * exact + V - f * W is exact where nothing or everything is hidden.
 void AreaContribution::Refine(std::size_t i) {
     const int n = RefinedRays(unoccludedEstimate_[i], settings_.samples);
-    const Vec3f lift = Vec3f(light_.shape.normal) * Lift(i);
+    const Vec3f lift = Vec3f(light_.shape.normal) * EmitterOffset(i);
     const AreaSampler sampler(light_, Corners(i), receivers_->position[i], height_[i], receivers_->index[i],
                               near_[i] != 0);
     SampleMoments moments;
@@ -349,14 +350,14 @@ void AreaContribution::Refine(std::size_t i) {
     ++counts_.refined;
     RayPacket rays;
     AreaSamples samples{};
-    for (int first = 0; first < n; first += int(kPacketSize)) {
+    for (int first = 0; first < n; first += AreaSampler::kAtOnce) {
         sampler.Take(std::uint32_t(first), samples);
         AimFrom(receivers_->rayOrigin[i], samples.target, lift, rays);
         scene_.TraceToLight(rays, ShadowRules::Exact, counts_);
         moments.Add(samples, rays.live);
         clear += rays.live.Count();
-        for (std::size_t ray = 0; rays.tinted && ray < kPacketSize; ++ray)
-            if (rays.live[ray] != 0)
+        for (const std::size_t ray : kEachLane)
+            if (rays.tinted && rays.live[ray] != 0)
                 tint += Vec3d(rays.tint[ray]) - Vec3d{1, 1, 1};
         tinted_ = tinted_ || rays.tinted;
     }
@@ -370,23 +371,23 @@ void AreaContribution::Refine(std::size_t i) {
         const double visible = SampleMoments::Total(moments.visible[k]), whole = SampleMoments::Total(moments.whole[k]);
         projection[k] = share * projection[k] + (visible - share * whole) / n;
     }
-    SetMoments(i, projection);
+    SetProjection(i, projection);
     incident_->tint.Set(i, Vec3f(tint / double(clear)));
 }
 
-/// From light to what is stored.
+/// Applies share, weight and the cosine lobe; sets `add`.
 Q3_VECTOR void AreaContribution::Convolve() {
     const float fromAll = float(4 * std::numbers::pi * kShC0);
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         incident_->add[i] = incident_->shCoeffs[0][i] * share_[i] * weight_ * fromAll;
     for (std::size_t k = 0; k < 9; ++k) {
         const float scale = weight_ * (settings_.radiance ? 1 : float(kCosineLobe[k]));
-        for (std::size_t i = 0; i < kPacketSize; ++i)
+        for (const std::size_t i : kEachLane)
             incident_->shCoeffs[k][i] = live_[i] != 0 ? incident_->shCoeffs[k][i] * share_[i] * scale : 0;
     }
 }
 
-void AreaContribution::Add(ReceiverBatch &receivers, IncidentLight &incident) {
+void AreaContribution::Add(ReceiverBatch &receivers, ProbeIncidentLight &incident) {
     receivers_ = &receivers;
     incident_ = &incident;
     weight_ = givenWeight_;
@@ -398,7 +399,7 @@ void AreaContribution::Add(ReceiverBatch &receivers, IncidentLight &incident) {
     counts_.skippedFacing += std::uint64_t(any ? inSight - live_.Count() : inSight);
     if (!any)
         return;
-    if (!SelectFaintLight(settings_.faint, brightest_, *receivers_, weight_)) {
+    if (!SelectFaintLight(settings_.faint, brightest_, receivers_->faintResidual, weight_)) {
         counts_.skippedFaint += std::uint64_t(live_.Count());
         return;
     }
@@ -410,9 +411,9 @@ void AreaContribution::Add(ReceiverBatch &receivers, IncidentLight &incident) {
         return;
     const Method method = ChooseMethod();
     if (method == Method::Point)
-        PointMoments();
+        ProjectAsPoint();
     else if (method == Method::Quadrature)
-        QuadratureMoments();
+        ProjectByQuadrature();
     counts_.skippedMoments += std::uint64_t(method == Method::ClosedForm ? 0 : live_.Count());
     TakeClosedForms(method == Method::ClosedForm, refine);
     SetShares(float(probes), refine);

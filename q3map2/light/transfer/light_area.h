@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Area lights as the SH grid sees them: exact moments, sampled visibility.
+// GPL-2.0-or-later. Area lights in the SH grid: exact projection, sampled visibility.
 #pragma once
 
 #include "q3map2/light/transfer/light_contribution.h"
@@ -9,30 +9,31 @@
 
 namespace q3 {
 
-/// Light of one area light at receivers, block by block.
+/// SH projection of one area light at receivers, batch by batch.
 ///
-/// A few well-spread rays first: one for a faint light, else the corners and, for a bright one, samples of the inside.
-/// All clear: the closed form is the answer; all blocked: zero. Where they disagree, among themselves or, for a bright
-/// light, with the other receivers of the block, many rays correct the closed form; for a faint light the share of the
-/// first rays that arrive does.
+/// Each receiver first casts a few probe rays to the emitter: one for a faint light, else one to each corner and, for a
+/// bright light, some to its inside. If all arrive, the projection is the closed form of the whole polygon; if none
+/// does, it is zero. If some do, or if the receivers of the batch disagree about a bright light, the receiver is
+/// refined: many rays correct the closed form. A partly visible light too dim for that is scaled by the share of probe
+/// rays that arrive.
 class AreaContribution {
   public:
     AreaContribution(const Light &light, float weight, const LightSettings &settings, const LightScene &scene,
                      ContributionCounts &counts)
         : light_(light), givenWeight_(weight), settings_(settings), scene_(scene), counts_(counts) {}
 
-    /// Sets the incident of live receivers, and which stay alive.
-    void Add(ReceiverBatch &receivers, IncidentLight &incident);
+    /// Sets `incident` of the live receivers; those that get nothing are live no longer.
+    void Add(ReceiverBatch &receivers, ProbeIncidentLight &incident);
 
   private:
-    /// How moments are found, by what each errs.
+    /// How the unoccluded projection is computed, from the cheapest to the exact one.
     enum class Method { Point, Quadrature, ClosedForm };
     bool FromBehind(std::size_t i) const { return below_[i] != 0; }
-    /// Rays end so far from the emitter's plane, towards the place: see kEmitterGap.
-    float Lift(std::size_t i) const;
+    /// Signed distance along the emitter's normal at which rays of receiver i end in front of it, see kEmitterGap.
+    float EmitterOffset(std::size_t i) const;
     std::span<const Vec3f> Corners(std::size_t i) const { return FromBehind(i) ? light_.shape.back : light_.w; }
     void MeasureLanes();
-    void MeasureMoments(const LaneMask &those);
+    void MeasureMoments(const LaneMask &lanes);
     void MeasureNear();
     float CullUnlit(float least);
     bool EstimateUnoccluded();
@@ -43,12 +44,12 @@ class AreaContribution {
     void TraceProbes(int probes);
     void AddTint(const RayPacket &rays);
     LaneMask LanesToRefine(int probes);
-    void PointMoments();
+    void ProjectAsPoint();
     void AddSample(const Vec3f &at, float strength);
-    void QuadratureMoments();
+    void ProjectByQuadrature();
     void TakeClosedForms(bool all, const LaneMask &refine);
     void SetShares(float probes, const LaneMask &refine);
-    void SetMoments(std::size_t i, const ShVector &projection);
+    void SetProjection(std::size_t i, const ShVector &projection);
     void Refine(std::size_t i);
     void Convolve();
 
@@ -58,20 +59,22 @@ class AreaContribution {
     const LightScene &scene_;
     ContributionCounts &counts_;
 
-    // Of the block.
+    // Of the batch that Add is called for, a lane per receiver.
     ReceiverBatch *receivers_ = nullptr;
-    IncidentLight *incident_ = nullptr;
-    float weight_ = 1; ///< with what the light stands for in the block
-    LaneMask live_{}, below_{}, near_{};
+    ProbeIncidentLight *incident_ = nullptr;
+    float weight_ = 1; ///< given weight times that of SelectFaintLight for this batch
+    LaneMask live_{};
+    LaneMask below_{};         ///< behind the plane of the emitter
+    LaneMask near_{};          ///< so near that only the closed form will do
     Lanes height_;             ///< distance to the plane of the light
-    Lanes distance2_;          ///< squared, to its centre
-    Lanes unoccludedEstimate_; ///< about the light on a surface that faces the light, byte scale
-    Lanes error_;              ///< square of size over distance
-    float brightest_ = 0;
-    MomentLanes moments_; ///< where near_, and elsewhere where they are asked for
-    Lanes clear_;         ///< first rays that arrived
-    Lanes share_;         ///< of the whole light that arrives, where it is not refined
-    Lanes3 firstTint_;    ///< sum of what arrived of them, if tinted_
+    Lanes distance2_;          ///< squared, to the centre of the emitter
+    Lanes unoccludedEstimate_; ///< light without shadows on a surface that faces the emitter, about; byte scale
+    Lanes error_;              ///< square of the emitter's radius over the distance
+    float brightest_ = 0;      ///< greatest unoccludedEstimate_
+    MomentLanes moments_;      ///< of the near receivers and, after TakeClosedForms, of all that need them
+    Lanes clear_;              ///< number of probe rays that arrived
+    Lanes share_;              ///< of the light that arrives; 1 for refined receivers, whose projection has it already
+    Lanes3 firstTint_;         ///< sum of the transmittances of those probe rays, if tinted_
     bool tinted_ = false;
 };
 

@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Moments of one polygon as neighbouring receivers see it: the formulas of polygon_moments.h, laid
-// out for vector code.
+// GPL-2.0-or-later. Moments of one polygon as the receivers of a batch see it: the formulas of polygon_moments.h,
+// laid out for vector code.
 #include "q3map2/light/transfer/moment_lanes.h"
 
 #include "libs/math/lane_functions.h"
@@ -11,7 +11,7 @@
 namespace q3 {
 
 Q3_VECTOR void MomentLanes::SeenCorner::See(Vec3f corner, const Lanes3 &receivers) {
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const double wx = double(corner.x) - double(receivers.x[i]), wy = double(corner.y) - double(receivers.y[i]),
                      wz = double(corner.z) - double(receivers.z[i]);
         const double l = std::sqrt(wx * wx + wy * wy + wz * wz), divisor = l > 0 ? l : 1;
@@ -28,8 +28,7 @@ void MomentLanes::Clear() {
 
 /// See AddEdge in polygon_moments.h.
 Q3_VECTOR void MomentLanes::AddEdge(const SeenCorner &a, const SeenCorner &b, Vec3d normal, HalfAngle &half) {
-#pragma GCC ivdep
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const Vec3d aw{a.x[i], a.y[i], a.z[i]}, bw{b.x[i], b.y[i], b.z[i]};
         const Vec3d ad{a.dx[i], a.dy[i], a.dz[i]}, bd{b.dx[i], b.dy[i], b.dz[i]};
         const double la = a.length[i], lb = b.length[i], lengths = la * lb;
@@ -57,8 +56,7 @@ Q3_VECTOR void MomentLanes::AddEdge(const SeenCorner &a, const SeenCorner &b, Ve
 
 Q3_VECTOR void MomentLanes::Finish(const HalfAngle &half) {
     constexpr double kPi = std::numbers::pi;
-#pragma GCC ivdep
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const double angle = 2 * AngleOf(std::abs(half.imaginary[i]), half.real[i]);
         const double below = angle > kPi ? 4 * kPi - angle : 0; // rounding at 2 pi, or seen from behind
         const double solid = half.imaginary[i] < 0 ? below : angle;
@@ -70,17 +68,17 @@ Q3_VECTOR void MomentLanes::Finish(const HalfAngle &half) {
     }
 }
 
-Q3_VECTOR void MomentLanes::Keep(const MomentLanes &from, const LaneMask &those) {
-    const auto keep = [&](const DoubleLanes &a, DoubleLanes &b) {
-        for (std::size_t i = 0; i < kPacketSize; ++i)
-            b[i] = those[i] != 0 ? a[i] : b[i];
+Q3_VECTOR void MomentLanes::Take(const MomentLanes &from, const LaneMask &lanes) {
+    const auto take = [&](const DoubleLanes &a, DoubleLanes &b) {
+        for (const std::size_t i : kEachLane)
+            b[i] = lanes[i] != 0 ? a[i] : b[i];
     };
-    keep(from.solidAngle, solidAngle), keep(from.x, x), keep(from.y, y), keep(from.z, z);
-    keep(from.xx, xx), keep(from.yy, yy), keep(from.zz, zz);
-    keep(from.xy, xy), keep(from.yz, yz), keep(from.xz, xz);
+    take(from.solidAngle, solidAngle), take(from.x, x), take(from.y, y), take(from.z, z);
+    take(from.xx, xx), take(from.yy, yy), take(from.zz, zz);
+    take(from.xy, xy), take(from.yz, yz), take(from.xz, xz);
 }
 
-void MomentLanes::Measure(std::span<const Vec3f> corners, const Lanes3 &receivers, const LaneMask &those) {
+void MomentLanes::Measure(std::span<const Vec3f> corners, const Lanes3 &receivers, const LaneMask &lanes) {
     MomentLanes seen;
     seen.Clear();
     HalfAngle half;
@@ -94,15 +92,15 @@ void MomentLanes::Measure(std::span<const Vec3f> corners, const Lanes3 &receiver
         std::swap(a, b);
     }
     seen.Finish(half);
-    Keep(seen, those);
+    Take(seen, lanes);
 }
 
-Q3_VECTOR void MomentLanes::Project(double scale, const LaneMask &those, std::array<Lanes, 9> &projections) const {
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+Q3_VECTOR void MomentLanes::Project(double scale, const LaneMask &lanes, std::array<Lanes, 9> &projections) const {
+    for (const std::size_t i : kEachLane) {
         const auto values =
             ShFromMoments<double>(solidAngle[i], {x[i], y[i], z[i]}, xy[i], yz[i], zz[i], xz[i], xx[i] - yy[i]);
         const auto put = [&](std::size_t k) {
-            projections[k][i] = those[i] != 0 ? float(values[k] * scale) : projections[k][i];
+            projections[k][i] = lanes[i] != 0 ? float(values[k] * scale) : projections[k][i];
         };
         put(0), put(1), put(2), put(3), put(4), put(5), put(6), put(7), put(8);
     }

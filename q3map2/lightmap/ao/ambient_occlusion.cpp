@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Ambient occlusion at receivers on surfaces: dirt and the sky visibility of floodlight.
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 
+#include "q3map2/light/batch/hemisphere_rings.h"
 #include "q3map2/lightmap/raw/luxel_tiles.h"
 
 #include <algorithm>
@@ -12,9 +13,8 @@ namespace q3 {
 
 namespace {
 
-/// Directions: rings of azimuths at elevations up to kConeDegrees from the normal.
-constexpr int kAzimuths = 16, kConeDegrees = 88;
-constexpr int kDirtElevations = 3, kFloodElevations = 4;
+/// Rings of directions, see HemisphereRings.
+constexpr int kDirtElevations = 3;
 /// Hits that do not count. Dirt of luxels: nearer than kTouching, and on the luxel's own surfaces nearer than
 /// kOwnSurface. Dirt of vertices, and floodlight: nearer than kNearHit. Game units.
 constexpr float kTouching = 1.0f / 64, kOwnSurface = 0.5f, kNearHit = 1.5f;
@@ -35,21 +35,6 @@ constexpr std::size_t kMaxNearby = 512;
 constexpr int kTile = 4;
 constexpr std::size_t kTaskBlocks = 64;
 constexpr std::uint32_t kSeedStep = 0x9e3779b9u; // spreads seeds of one lightmap from those of others
-
-/// Rings of directions around +z. The step between rings is whole degrees, as in the established program. Components
-/// that are zero but for rounding are made zero: they would make rays in the plane of a wall hit it.
-std::vector<Vec3f> ConeDirections(int elevations, int azimuths) {
-    std::vector<Vec3f> directions;
-    const double step = kConeDegrees / elevations, radian = std::numbers::pi / 180;
-    const auto component = [](double c) { return std::abs(c) < 1e-12 ? 0.0f : float(c); };
-    for (int e = 0; e < elevations; ++e)
-        for (int a = 0; a < azimuths; ++a) {
-            const double elevation = (e + 0.5) * step * radian, azimuth = a * 2 * std::numbers::pi / azimuths;
-            directions.emplace_back(component(std::sin(elevation) * std::cos(azimuth)),
-                                    component(std::sin(elevation) * std::sin(azimuth)), float(std::cos(elevation)));
-        }
-    return directions;
-}
 
 /// Tangent frame of each receiver; the normal is the third axis.
 struct ReceiverFrames {
@@ -244,8 +229,8 @@ void AmbientOcclusion::AccumulateOcclusion(const OcclusionReceivers &receivers, 
 AmbientOcclusion::AmbientOcclusion(const SurfaceInputs &in)
     : scene_(in.scene), space_(in.space), depth_(in.lightmap.dirtDepth), scale_(in.lightmap.dirtScale),
       gain_(in.lightmap.dirtGain), random_(in.lightmap.dirtRandom),
-      dirtDirections_(ConeDirections(kDirtElevations, kAzimuths)),
-      floodDirections_(ConeDirections(kFloodElevations, in.options.lowQuality ? kAzimuths / 2 : kAzimuths)) {
+      dirtDirections_(HemisphereRings(kDirtElevations, kRingAzimuths)),
+      floodDirections_(HemisphereRings(kFloodElevations, in.options.lowQuality ? kRingAzimuths / 2 : kRingAzimuths)) {
     if (random_)
         dirtDirections_.assign(kRandomRays, {});
     dirtDirections_.push_back({0, 0, 1});

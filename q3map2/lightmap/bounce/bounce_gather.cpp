@@ -3,6 +3,7 @@
 
 #include "libs/math/color.h"
 #include "libs/math/low_discrepancy.h"
+#include "q3map2/light/batch/ray_batcher.h"
 #include "q3map2/lightmap/raw/deluxe.h"
 #include "q3map2/lightmap/raw/luxel_tiles.h"
 
@@ -81,37 +82,14 @@ Vec3f ClearOrigin(const BspSpace &space, const RawLightmap &raw, std::size_t lux
     return position;
 }
 
-/// Traces incoherent rays in packets; calls use(index, emitter) with the index each ray was added with.
-template <typename Use> class RayQueue {
-  public:
-    RayQueue(const BounceScene &scene, const Use &use) : scene_(scene), use_(use) {}
-    ~RayQueue() { Flush(); }
-    void Add(std::size_t index, const Vec3f &origin, const Vec3f &direction) {
-        rays_.origin.Set(count_, origin);
-        rays_.direction.Set(count_, direction);
-        rays_.distance[count_] = kRayLength;
-        rays_.live[count_] = -1;
-        indices_[count_++] = index;
-        if (count_ == kPacketSize)
-            Flush();
-    }
-
-  private:
-    void Flush() {
-        if (count_ == 0)
-            return;
-        const auto emitters = scene_.FirstEmitters(rays_, false);
-        for (std::size_t i = 0; i < count_; ++i)
-            use_(indices_[i], emitters[i]);
-        rays_.live = {};
-        count_ = 0;
-    }
-    const BounceScene &scene_;
-    const Use &use_;
-    RayPacket rays_;
-    std::array<std::size_t, kPacketSize> indices_{};
-    std::size_t count_ = 0;
-};
+/// Incoherent rays, each with a tag: calls use(tag, emitter) with the first hit of each.
+template <typename Use> auto EmitterRays(const BounceScene &scene, Use use) {
+    return MakeRayBatcher<std::size_t>([&scene, use](RayPacket &packet, std::span<const std::size_t> tags) {
+        const auto found = scene.FirstEmitters(packet, false);
+        for (std::size_t i = 0; i < tags.size(); ++i)
+            use(tags[i], found[i]);
+    });
+}
 
 /// Luxels in the window around a luxel that are connected to it over mapped luxels with similar normals (flood fill).
 class LuxelWindow {
@@ -355,11 +333,10 @@ Vec3f BounceGather::IrradianceAt(const Vec3f &position, const Vec3f &normal, boo
                 emission[emitter] * (patches_ ? patches_->ContributionShare(emitter, position, normal, twoSided) : 1);
     };
     const Vec3f start = position + normal * RayLiftAt(position, normal);
-    {
-        RayQueue queue(scene_, add);
-        for (std::uint32_t i = 0; i < std::uint32_t(kVertexRays); ++i)
-            queue.Add(i, start, frame.World(directions_[i]));
-    }
+    auto rays = EmitterRays(scene_, add);
+    for (std::uint32_t i = 0; i < std::uint32_t(kVertexRays); ++i)
+        rays.Add(i, start, frame.World(directions_[i]), kRayLength);
+    rays.Flush();
     return sum / float(kVertexRays);
 }
 
@@ -374,9 +351,10 @@ void BouncedLight::Gather(const Vec3f &position, std::uint64_t seed, std::vector
     const auto add = [&](std::size_t i, EmitterId emitter) {
         rays.push_back({directions[i], emitter == kNoEmitter ? Vec3f{} : emission_[emitter]});
     };
-    RayQueue queue(scene_, add);
+    auto queue = EmitterRays(scene_, add);
     for (std::size_t i = 0; i < directions.size(); ++i)
-        queue.Add(i, position, directions[i]);
+        queue.Add(i, position, directions[i], kRayLength);
+    queue.Flush();
 }
 
 } // namespace q3

@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/bounce/bounce_scene.h"
 
 #include "common/error.h"
+#include "q3map2/light/batch/ray_batcher.h"
 #include "q3map2/light/scene/light_embree.h"
 #include "q3map2/light/scene/light_patch.h"
 
@@ -275,12 +276,9 @@ void BounceScene::FindReflectance(const SurfaceInputs &in, const SurfaceLight &s
     reflectance_.assign(emitters.Count(), {});
     in.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t number, int) {
         const RawLightmap &raw = surfaces.lightmaps[std::size_t(number)];
-        RayPacket rays;
-        std::array<std::size_t, kPacketSize> texels{};
-        std::size_t count = 0;
-        const auto flush = [&] {
-            const auto hits = state_->Trace(rays, false);
-            for (std::size_t i = 0; i < count; ++i)
+        auto rays = MakeRayBatcher<std::size_t>([&](RayPacket &packet, std::span<const std::size_t> texels) {
+            const auto hits = state_->Trace(packet, false);
+            for (std::size_t i = 0; i < texels.size(); ++i)
                 if (const auto *triangle = hits[i].triangle) {
                     const auto &c = triangle->corners;
                     const auto st = [&](std::size_t axis) {
@@ -290,23 +288,17 @@ void BounceScene::FindReflectance(const SurfaceInputs &in, const SurfaceLight &s
                     reflectance_[emitters.FirstOf(std::size_t(number)) + texels[i]] =
                         state_->ColorAt(triangle->surface, {st(0), st(1)});
                 }
-            rays.live = {};
-            count = 0;
-        };
+        });
         for (int y = 0; y < raw.height; ++y)
             for (int x = 0; x < raw.width; ++x) {
                 const int half = raw.super / 2;
                 const std::size_t luxel = raw.SuperIndex(x * raw.super + half, y * raw.super + half);
                 if (!raw.Mapped(luxel))
                     continue;
-                rays.Aim(count, raw.positions[luxel] + raw.normals[luxel],
+                rays.Aim(raw.Index(x, y), raw.positions[luxel] + raw.normals[luxel],
                          raw.positions[luxel] - raw.normals[luxel] * kSurfaceDepth);
-                texels[count++] = raw.Index(x, y);
-                if (count == kPacketSize)
-                    flush();
             }
-        if (count > 0)
-            flush();
+        rays.Flush();
         FillUnmapped(
             raw, std::span(reflectance_)
                      .subspan(emitters.FirstOf(std::size_t(number)), std::size_t(raw.width) * std::size_t(raw.height)));

@@ -89,7 +89,9 @@ bool Bounces::CollectRadiosity(const SurfaceLight &surfaces) {
 void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
     std::vector<std::vector<Vec3f>> found(surfaces.lightmaps.size());
     std::vector<std::size_t> slots(surfaces.lightmaps.size());
-    for (const auto &[style, emission] : byStyle_) {
+    for (const auto &ofStyle : byStyle_) {
+        const auto &style = ofStyle.first; // named apart: clang 14 captures no structured bindings
+        const auto &emission = ofStyle.second;
         in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
             const auto i = std::size_t(number);
             RawLightmap &raw = surfaces.lightmaps[i];

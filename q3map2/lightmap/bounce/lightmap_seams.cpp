@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Neighboring luxels across the seams between lightmaps.
 #include "q3map2/lightmap/bounce/lightmap_seams.h"
 
+#include "q3map2/light/batch/ray_batcher.h"
+
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
@@ -119,18 +121,17 @@ void LightmapSeams::Finder::DropOccluded(const RimLuxel &rim, std::vector<Neighb
         return raw.positions[luxel] + raw.normals[luxel] * kLift;
     };
     RayCounts counts;
-    std::size_t kept = 0;
-    for (std::size_t first = 0; first < found.size(); first += kPacketSize) {
-        RayPacket rays;
-        const std::size_t count = std::min(kPacketSize, found.size() - first);
-        for (std::size_t i = 0; i < count; ++i)
-            rays.Aim(i, over(rim.lightmap, rim.luxel), over(found[first + i].lightmap, found[first + i].luxel));
-        in.scene.TraceSurfaceToLight(rays, 1, counts);
-        for (std::size_t i = 0; i < count; ++i)
-            if (rays.live[i] != 0)
-                found[kept++] = found[first + i];
-    }
-    found.resize(kept);
+    std::vector<Neighbor> kept;
+    auto rays = MakeRayBatcher<Neighbor>([&](RayPacket &packet, std::span<const Neighbor> neighbors) {
+        in.scene.TraceSurfaceToLight(packet, 1, counts);
+        for (std::size_t i = 0; i < neighbors.size(); ++i)
+            if (packet.live[i] != 0)
+                kept.push_back(neighbors[i]);
+    });
+    for (const Neighbor &neighbor : found)
+        rays.Aim(neighbor, over(rim.lightmap, rim.luxel), over(neighbor.lightmap, neighbor.luxel));
+    rays.Flush();
+    found = std::move(kept);
 }
 
 LightmapSeams::LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfaces, int reach, float minCosine) {

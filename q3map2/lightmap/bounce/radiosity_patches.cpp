@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Under -fast: which emitters are too faint to light a receiver.
 #include "q3map2/lightmap/bounce/radiosity_patches.h"
 
-#include "libs/math/lane_functions.h"
 #include "libs/math/winding.h"
+#include "q3map2/light/batch/form_factor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,26 +55,6 @@ Winding<float> WindingOf(const Face &face) {
     return w;
 }
 
-/// Lambert's formula: 2 pi times the contribution of the polygon edge from u to v, relative to the receiver, to the
-/// form factor: angle(u, v) * n . (u x v) / |u x v|.
-float EdgeFactor(const Vec3f &u, const Vec3f &v, const Vec3f &n) {
-    const Vec3f c = Cross(u, v);
-    const float length = Length(c);
-    return length > 0 ? AngleOf(length, Dot(u, v)) * Dot(n, c) / length : 0;
-}
-
-/// Form factor of a polygon from a point with normal n, not clipped at its horizon.
-float FormFactor(const Vec3f &p, const Vec3f &n, std::span<const Vec3f> w) {
-    float total = 0;
-    Vec3f u = w.back() - p;
-    for (const Vec3f &corner : w) {
-        const Vec3f v = corner - p;
-        total += EdgeFactor(u, v, n);
-        u = v;
-    }
-    return total / (2 * std::numbers::pi_v<float>);
-}
-
 /// Form factor of a convex polygon, clipped at the horizon of the point.
 float ClippedFormFactor(const Vec3f &p, const Vec3f &n, std::span<const Vec3f> w) {
     float total = 0;
@@ -85,14 +65,14 @@ float ClippedFormFactor(const Vec3f &p, const Vec3f &n, std::span<const Vec3f> w
         const float after = Dot(n, v);
         if ((before >= 0) != (after >= 0)) {
             const Vec3f cut = u + (v - u) * (before / (before - after));
-            total += before >= 0 ? EdgeFactor(u, cut, n) : EdgeFactor(cut, v, n);
+            total += before >= 0 ? EdgeTerm(u, cut, n) : EdgeTerm(cut, v, n);
             (before >= 0 ? leaves : enters) = cut;
         } else if (before >= 0) {
-            total += EdgeFactor(u, v, n);
+            total += EdgeTerm(u, v, n);
         }
         u = v, before = after;
     }
-    return (total + EdgeFactor(leaves, enters, n)) / (2 * std::numbers::pi_v<float>);
+    return (total + EdgeTerm(leaves, enters, n)) / (2 * std::numbers::pi_v<float>);
 }
 
 bool HoldsLight(const RawLightmap &raw, std::size_t texel) {

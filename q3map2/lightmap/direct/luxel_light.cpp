@@ -42,7 +42,7 @@ struct Worker {
 /// Lights one raw lightmap.
 class LightmapPass {
   public:
-    LightmapPass(const SurfaceInputs &in, const LuxelLights &lights, const SurfacePass &pass, RawLightmap &lightmap,
+    LightmapPass(const SurfaceInputs &in, const LightsByCluster &lights, const SurfacePass &pass, RawLightmap &lightmap,
                  Worker &worker)
         : in_(in), lights_(lights), lightmap_(lightmap), worker_(worker) {
         pass_.bounce = pass.bounce;
@@ -167,7 +167,7 @@ class LightmapPass {
     }
 
     const SurfaceInputs &in_;
-    const LuxelLights &lights_;
+    const LightsByCluster &lights_;
     RawLightmap &lightmap_;
     Worker &worker_;
     LuxelPass pass_;
@@ -178,7 +178,7 @@ class LightmapPass {
 
 void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
                  SurfaceLight &surfaces, ContributionCounts &counts) {
-    const LuxelLights lists(lights, in.space);
+    const LightsByCluster lists(lights, true);
     // The largest first, so that all workers finish at about the same time.
     std::vector<std::size_t> order(surfaces.lightmaps.size());
     std::iota(order.begin(), order.end(), std::size_t(0));

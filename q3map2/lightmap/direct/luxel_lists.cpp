@@ -1,9 +1,6 @@
 // GPL-2.0-or-later. Culling of lights for a raw lightmap.
 #include "q3map2/lightmap/direct/luxel_lists.h"
 
-#include <algorithm>
-#include <bit>
-
 namespace q3 {
 
 namespace {
@@ -23,50 +20,26 @@ bool OnLitSide(const Light &light, const Vec3f &center, const Vec3f &normal) {
 
 } // namespace
 
-LuxelLights::LuxelLights(const std::vector<Light> &lights, const BspSpace &space)
-    : lights_(lights), words_((lights.size() + 63) / 64), suns_(words_),
-      rows_(words_ * std::size_t(space.ClusterCount())) {
-    for (std::size_t i = 0; i < lights.size(); ++i) {
-        const std::uint64_t bit = std::uint64_t(1) << (i % 64);
-        if (lights[i].type == LightType::Sun) {
-            suns_[i / 64] |= bit;
-            continue;
-        }
-        for (int cluster = 0; cluster < space.ClusterCount(); ++cluster)
-            if (lights[i].SeenFrom(cluster))
-                rows_[std::size_t(cluster) * words_ + i / 64] |= bit;
-    }
-}
-
-void LuxelLightList::Build(const LuxelLights &all, const RawLightmap &lightmap, bool sunOnly) {
+void LuxelLightList::Build(const LightsByCluster &all, const RawLightmap &lightmap, bool sunOnly) {
     list_.clear();
-    seen_ = all.suns_;
-    if (lightmap.clusters.empty())
-        seen_.assign(all.words_, ~std::uint64_t(0));
-    clusters_ = lightmap.clusters;
-    std::sort(clusters_.begin(), clusters_.end());
-    clusters_.erase(std::unique(clusters_.begin(), clusters_.end()), clusters_.end());
-    for (const int cluster : clusters_)
-        if (cluster >= 0 && (std::size_t(cluster) + 1) * all.words_ <= all.rows_.size())
-            for (std::size_t word = 0; word < all.words_; ++word)
-                seen_[word] |= all.rows_[std::size_t(cluster) * all.words_ + word];
     const Vec3f center = lightmap.bounds.Center();
     const float radius = 0.5f * Length(lightmap.bounds.maxs - lightmap.bounds.mins);
-    for (std::size_t word = 0; word < all.words_; ++word)
-        for (std::uint64_t bits = seen_[word]; bits != 0; bits &= bits - 1) {
-            const std::size_t number = word * 64 + std::size_t(std::countr_zero(bits));
-            if (number >= all.lights_.size())
-                break;
-            const Light &light = all.lights_[number];
-            const bool sun = light.type == LightType::Sun;
-            if (!light.surfaces || light.envelope <= 0 || (sunOnly && !sun))
-                continue;
-            if (!sun && Length(light.origin - center) - light.envelope - radius > 0)
-                continue;
-            if (lightmap.planar && !lightmap.twoSided && !OnLitSide(light, center, lightmap.planeNormal))
-                continue;
-            list_.push_back(&light);
-        }
+    const auto use = [&](std::size_t number) {
+        const Light &light = all.Lights()[number];
+        const bool sun = light.type == LightType::Sun;
+        if (!light.surfaces || light.envelope <= 0 || (sunOnly && !sun))
+            return;
+        if (!sun && Length(light.origin - center) - light.envelope - radius > 0)
+            return;
+        if (lightmap.planar && !lightmap.twoSided && !OnLitSide(light, center, lightmap.planeNormal))
+            return;
+        list_.push_back(&light);
+    };
+    if (!lightmap.clusters.empty())
+        all.ForEach(lightmap.clusters, use);
+    else
+        for (std::size_t i = 0; i < all.Lights().size(); ++i)
+            use(i);
 }
 
 } // namespace q3

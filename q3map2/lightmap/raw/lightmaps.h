@@ -4,7 +4,9 @@
 #include "common/jobs.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/scene/surface_table.h"
+#include "q3map2/light/sources/light_entities.h"
 #include "q3map2/light/transfer/light_contribution.h"
+#include "q3map2/light/transfer/light_sample.h"
 #include "q3map2/lightmap/options/lightmap_options.h"
 #include "q3map2/lightmap/raw/style_slots.h"
 

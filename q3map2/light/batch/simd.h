@@ -1,0 +1,35 @@
+// GPL-2.0-or-later. Vector code for several kinds of processors from one source.
+#pragma once
+
+/// 1: functions marked Q3_VECTOR are compiled for several processors (CMake option Q3MAP2_SIMD); 0: once, as all
+/// others.
+#ifndef Q3MAP2_SIMD
+#define Q3MAP2_SIMD 1
+#endif
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define Q3_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
+#define Q3_SANITIZED 1
+#endif
+#endif
+
+/// On the first declaration of a function: compiles it for processors with vectors of 512, 256 and 128 bits; the loader
+/// picks. Fused multiply-add is off (-ffp-contract=off), so all give the same bits. Sanitizers are set up after the
+/// loader has picked, so they go without.
+#if Q3MAP2_SIMD && defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(Q3_SANITIZED)
+#define Q3_VECTOR __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define Q3_VECTOR
+#endif
+
+/// Before a loop over the lanes that compilers would unroll before they try vector code: keeps it a loop, so that it
+/// becomes vector code.
+#if defined(__clang__)
+#define Q3_ROLLED _Pragma("clang loop unroll(disable)")
+#elif defined(__GNUC__)
+#define Q3_ROLLED _Pragma("GCC unroll 1")
+#else
+#define Q3_ROLLED
+#endif

@@ -1,0 +1,41 @@
+// GPL-2.0-or-later. What a pass over a light grid reads, and what it counts.
+#pragma once
+
+#include "common/jobs.h"
+#include "common/log.h"
+#include "q3map2/bspfile/bspfile.h"
+#include "q3map2/light/grid/indirect_light.h"
+#include "q3map2/light/scene/light_scene.h"
+#include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/sources/light_entities.h"
+#include "q3map2/light/transfer/contribution_counts.h"
+
+namespace q3 {
+
+/// Everything that a grid pass reads.
+struct GridInputs {
+    const BspSpace &space;
+    const LightScene &scene;
+    const LightOptions &options;
+    const WorldLight &world;
+    const JobPool &jobs;
+    Log &log;
+    const IndirectLight *indirect = nullptr; ///< bounced light; null without
+};
+
+/// Counts of points and of the work that they took.
+struct GridStats {
+    std::int64_t points = 0;
+    std::int64_t open = 0;          ///< lit where they stand, or at most a small step beside
+    std::int64_t moved = 0;         ///< in a solid, lit from the nearest point in the open
+    std::int64_t filled = 0;        ///< in a solid, interpolated from lit neighbours
+    std::uint64_t skippedFaint = 0; ///< brick and light pairs left out: too faint to matter
+    std::uint64_t skippedReach = 0; ///< out of reach
+    std::uint64_t skippedPvs = 0;   ///< out of sight
+    ContributionCounts counts;
+    double seconds = 0;
+    void Add(const GridStats &o);
+    void Print(Log &log, bool verbose) const;
+};
+
+} // namespace q3

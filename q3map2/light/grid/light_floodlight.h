@@ -1,0 +1,12 @@
+// GPL-2.0-or-later. Floodlight: cheap light from wherever the surroundings are open.
+#pragma once
+
+#include "q3map2/light/scene/light_scene.h"
+
+namespace q3 {
+
+/// Share of the hemisphere around +z or -z (up: +1 or -1) that is open within `distance`, 0 to 1: the mean
+/// over rays at four elevations of how far each gets, as a share of `distance`.
+float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distance, bool lowQuality, RayCounts &counts);
+
+} // namespace q3

@@ -1,0 +1,29 @@
+// GPL-2.0-or-later. Lights that mappers place as entities, and the light keys of the world.
+#pragma once
+
+#include "common/log.h"
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/light/options/light_options.h"
+#include "q3map2/light/sources/light_sources.h"
+
+#include <vector>
+
+namespace q3 {
+
+/// World keys that concern light.
+struct WorldLight {
+    Vec3f ambient; ///< byte scale
+    Vec3f minGrid; ///< least light of grid points, lightmaps, vertices; byte scale
+    Vec3f minLight, minVertex;
+    float maxLight = 255;
+    bool noShaderSun = false;
+    bool hasFloodlight = false;
+    Vec3f floodColor{0.94f, 0.94f, 1.0f}; ///< normalised
+    float floodDistance = 1024, floodIntensity = 128, floodDirectionScale = 1;
+};
+WorldLight ReadWorldLight(const Entity &world, const LightOptions &options);
+
+/// Lights of entities whose class name starts with "light", in entity order. Unusable keys are warnings.
+std::vector<Light> EntityLights(const std::vector<Entity> &entities, const LightOptions &options, Log &log);
+
+} // namespace q3

@@ -1,0 +1,19 @@
+// GPL-2.0-or-later. Lights that shaders make of surfaces.
+#pragma once
+
+#include "q3map2/light/scene/surface_table.h"
+#include "q3map2/light/sources/light_entities.h"
+#include "q3map2/shader/shader.h"
+
+#include <vector>
+
+namespace q3 {
+
+/// Lights of shaders, in draw surface order: suns, sky light, area lights. Numbers the skies that shine in the table.
+struct SurfaceLightCounts {
+    int areaLights = 0, skyLights = 0;
+};
+std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const LightOptions &options,
+                                 const WorldLight &world, ShaderLibrary &library, SurfaceLightCounts &counts, Log &log);
+
+} // namespace q3

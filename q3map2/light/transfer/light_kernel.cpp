@@ -1,0 +1,115 @@
+// GPL-2.0-or-later. Steps from a light to receivers that grids, luxels and vertices share.
+#include "q3map2/light/transfer/light_kernel.h"
+
+#include "q3map2/light/sources/falloff.h"
+#include "q3map2/light/transfer/faint_lights.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+Q3_VECTOR void CullBelow(float least, IncidentLight &incident) {
+    for (const std::size_t i : kEachLane) {
+        const float add = incident.add[i];
+        incident.live[i] = add > least ? incident.live[i] : 0;
+    }
+}
+
+Q3_VECTOR void SetFalloff(Falloff falloff, const Lanes &angle, IncidentLight &incident) {
+    for (const std::size_t i : kEachLane)
+        incident.add[i] = falloff.At(incident.distance[i], angle[i]);
+}
+
+} // namespace
+
+LaneMask InSight(const Light &light, bool skipPvs, const ReceiverBatch &receivers, ContributionCounts &counts) {
+    LaneMask live = receivers.wanted;
+    const int wanted = live.Count();
+    counts.pairs += std::uint64_t(wanted);
+    if (!skipPvs || light.seenFrom.empty())
+        return live;
+    unsigned seen = 0;
+    for (std::size_t i = 0; i < receivers.clusters.count; ++i)
+        seen |= light.SeenFrom(receivers.clusters.number[i]) ? receivers.clusters.lanes[i] : 0;
+    live.Keep(seen);
+    counts.skippedPvs += std::uint64_t(wanted - live.Count());
+    return live;
+}
+
+Q3_VECTOR void AimAt(const Vec3f &target, const Lanes3 &position, IncidentLight &incident) {
+    const Vec3f t = target;
+    for (const std::size_t i : kEachLane) {
+        const auto [x, y, z, d] = DirectionOf(t.x - position.x[i], t.y - position.y[i], t.z - position.z[i]);
+        incident.distance[i] = d;
+        incident.direction.x[i] = x, incident.direction.y[i] = y, incident.direction.z[i] = z;
+    }
+}
+
+void AimAtSun(const Light &light, IncidentLight &incident) {
+    incident.direction.Fill(-light.normal);
+    incident.distance.fill(kSunDistance);
+}
+
+void PointLight(const Light &light, const Lanes &angle, IncidentLight &incident) {
+    SetFalloff(Falloff(light), angle, incident);
+    if (light.type != LightType::Spot)
+        return;
+    for (const std::size_t i : kEachLane)
+        if (incident.live[i] != 0 && incident.add[i] > 0)
+            incident.add[i] *= ConeShare(light, incident.direction[i] * incident.distance[i]);
+}
+
+Q3_VECTOR void AreaHeights(const Light &light, const Lanes3 &position, Lanes &s, Lanes3 &pushed) {
+    const Vec3f n = light.normal;
+    const float dist = light.dist;
+    for (const std::size_t i : kEachLane) {
+        const float x = position.x[i], y = position.y[i], z = position.z[i];
+        const float height = x * n.x + y * n.y + z * n.z - dist;
+        const float push = std::abs(height) < kAreaPush ? kAreaPush - height : 0;
+        s[i] = height;
+        pushed.x[i] = x + n.x * push, pushed.y[i] = y + n.y * push, pushed.z[i] = z + n.z * push;
+    }
+}
+
+void CullFaint(const Light &light, IncidentLight &incident) {
+    CullBelow(light.fast && light.type != LightType::Sun ? light.tolerance : 0, incident);
+}
+
+float Strongest(const IncidentLight &incident) {
+    float strongest = 0;
+    for (const std::size_t i : kEachLane)
+        strongest = std::max(strongest, incident.live[i] != 0 ? incident.add[i] : 0);
+    return strongest;
+}
+
+bool TakeFaint(const Light &light, float faint, float weight, ReceiverBatch &receivers, IncidentLight &incident,
+               ContributionCounts &counts) {
+    if (light.type == LightType::Area && faint > 0 &&
+        !SelectFaintLight(faint, Strongest(incident), receivers.faintResidual, weight)) {
+        counts.skippedFaint += std::uint64_t(incident.live.Count());
+        incident.live = {};
+        return false;
+    }
+    if (weight != 1)
+        for (float &add : incident.add)
+            add *= weight;
+    return true;
+}
+
+void SetShadowRays(const ReceiverBatch &receivers, const IncidentLight &incident, RayPacket &rays) {
+    rays.origin = receivers.rayOrigin;
+    rays.direction = incident.direction;
+    rays.distance = incident.distance;
+    rays.live = incident.live;
+}
+
+void TakeShadowRays(const RayPacket &rays, IncidentLight &incident) {
+    incident.live = rays.live;
+    incident.tinted = rays.tinted;
+    if (rays.tinted)
+        incident.tint = rays.tint;
+}
+
+} // namespace q3

@@ -1,0 +1,46 @@
+// GPL-2.0-or-later. Steps from a light to receivers that grids, luxels and vertices share.
+#pragma once
+
+#include "q3map2/light/batch/incident_light.h"
+#include "q3map2/light/batch/receivers.h"
+#include "q3map2/light/sources/light_sources.h"
+#include "q3map2/light/transfer/contribution_counts.h"
+
+namespace q3 {
+
+/// Form factors of area lights are taken from at least this far in front of their plane, as in the established program.
+/// Game units.
+inline constexpr float kAreaPush = 8;
+/// One-sided area lights do not light what is farther behind their plane. Game units.
+inline constexpr float kAreaBehind = 1;
+
+/// Wanted receivers that may see the light: by visibility data if asked for. Counts pairs.
+LaneMask InSight(const Light &light, bool skipPvs, const ReceiverBatch &receivers, ContributionCounts &counts);
+
+/// Direction u and distance d of each receiver p to a target t, with D = t - p: d = |D|, u = D / d; zero in the target.
+void AimAt(const Vec3f &target, const Lanes3 &position, IncidentLight &incident);
+/// Direction and distance of suns: the same for all receivers.
+void AimAtSun(const Light &light, IncidentLight &incident);
+
+/// Sets `add` of point lights and spotlights: Falloff at `distance`, with the angle's factor, times ConeShare.
+void PointLight(const Light &light, const Lanes &angle, IncidentLight &incident);
+
+/// s: signed height of each receiver over the plane of an area light; pushed: where its form factor is taken, moved
+/// along the light's normal to kAreaPush over the plane if it is within kAreaPush of it.
+void AreaHeights(const Light &light, const Lanes3 &position, Lanes &s, Lanes3 &pushed);
+
+/// Ends receivers that get at most the light's tolerance if it is `fast`, at most 0 otherwise.
+void CullFaint(const Light &light, IncidentLight &incident);
+/// The greatest `add` of a live receiver; 0 if there is none.
+float Strongest(const IncidentLight &incident);
+/// SelectFaintLight for area lights, if any receiver is live: multiplies `add` by the weight of the light. False: it is
+/// not taken, and no receiver is live.
+bool TakeFaint(const Light &light, float faint, float weight, ReceiverBatch &receivers, IncidentLight &incident,
+               ContributionCounts &counts);
+
+/// Shadow rays of the live receivers of a batch.
+void SetShadowRays(const ReceiverBatch &receivers, const IncidentLight &incident, RayPacket &rays);
+/// What came of them.
+void TakeShadowRays(const RayPacket &rays, IncidentLight &incident);
+
+} // namespace q3

@@ -1,0 +1,34 @@
+// GPL-2.0-or-later. What one light gives to luxels and vertices.
+#pragma once
+
+#include "q3map2/light/batch/incident_light.h"
+#include "q3map2/light/batch/receivers.h"
+#include "q3map2/light/scene/light_scene.h"
+#include "q3map2/light/sources/light_sources.h"
+#include "q3map2/light/transfer/contribution_counts.h"
+
+namespace q3 {
+
+/// Settings of a pass over surfaces.
+struct SurfaceLightSettings {
+    bool sunOnly = false;
+    bool pointAreas = false;  ///< -faster: area lights as points with two cosines
+    bool halfLambert = false; ///< -lightanglehl: light wraps around
+    bool occlusion = true;    ///< rays are traced
+    bool sunOcclusion = true; ///< for suns too
+    int receiveShadows = 1;   ///< shadow group of the surface; 0: nothing shadows it
+    float faint = 0;          ///< as LightSettings::faint
+
+    /// Whether rays are traced for the light.
+    bool Occludes(const Light &light) const {
+        return occlusion && receiveShadows != 0 && (sunOcclusion || light.type != LightType::Sun);
+    }
+};
+
+/// Sets `incident` to what `light`, prepared by SetupEnvelopes for surfaces, gives to receivers on surfaces: falloff,
+/// cones, form factors, sides, angles, visibility by PVS and by one ray each. Safe from several threads.
+void LightContributionToSample(const Light &light, const SurfaceLightSettings &settings, const LightScene &scene,
+                               SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident,
+                               ContributionCounts &counts);
+
+} // namespace q3
