@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. SH grid: what the options change, and what they must not.
+#include "libs/sh/sh.h"
 #include "tests/light/light_fixture.h"
 
 #include <cmath>
