@@ -39,7 +39,7 @@ class SurfacePasses {
             AverageLuxels(in_, {.bounce = bounce > 1}, false, surfaces_);
             if (!bounces_) {
                 bounces_.emplace(in_, surfaces_);
-                in_.log.Count((long long)(bounces_->Rays()), "gather rays of bounces");
+                in_.log.Count((long long)(bounces_->Rays()), "rays gather the light of bounces");
             }
             if (!bounces_->CollectRadiosity(surfaces_)) {
                 in_.log.Print("No light is left to bounce\n");

@@ -48,7 +48,7 @@ TEST(FalloffTest, TheAngleDoesNotWeakenTheFadeOfLinearLights) {
     Light light;
     light.photons = 8000 * 300, light.linear = true, light.fade = 2;
     EXPECT_FLOAT_EQ(Falloff(light).At(100), 300 - 200);
-    EXPECT_FLOAT_EQ(Falloff(light).At(100, 0.75f), 225 - 200);
+    EXPECT_NEAR(Falloff(light).At(100, 0.75f), 225 - 200, 1e-4);
     EXPECT_FLOAT_EQ(Falloff(light).Reach(0), 150);
     EXPECT_FLOAT_EQ(Falloff(light).Reach(20), 140);
 }

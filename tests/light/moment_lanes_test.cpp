@@ -33,7 +33,7 @@ TEST(MomentLanesTest, NearPlacesGetWhatEachGetsAlone) {
         }
         Lanes3 receivers;
         LaneMask all;
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
+        for (const std::size_t i : kEachLane) {
             const float off = (0.02f + std::abs(any(random))) * (width + height);
             receivers.Set(i,
                           middle + right * (2 * width * any(random)) + up * (2 * height * any(random)) - normal * off);
@@ -41,7 +41,7 @@ TEST(MomentLanesTest, NearPlacesGetWhatEachGetsAlone) {
         }
         MomentLanes lanes;
         lanes.Measure(corners, receivers, all);
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
+        for (const std::size_t i : kEachLane) {
             const PolygonMoments alone = MomentsOfPolygon(corners, Vec3d(receivers[i]));
             ASSERT_GT(alone.solidAngle, 0);
             EXPECT_LT(Off(lanes.Of(i), alone), 1e-11) << round;
@@ -55,7 +55,7 @@ TEST(MomentLanesTest, FarPlacesGetTheLightThatEachGetsAlone) {
     for (const float away : {64.0f, 500.0f, 4000.0f, 30000.0f}) {
         Lanes3 receivers;
         LaneMask all;
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
+        for (const std::size_t i : kEachLane) {
             receivers.Set(i, {16 + away * (float(i) - 8) / 8, 16, -away});
             all[i] = -1;
         }
@@ -63,7 +63,7 @@ TEST(MomentLanesTest, FarPlacesGetTheLightThatEachGetsAlone) {
         lanes.Measure(corners, receivers, all);
         std::array<Lanes, 9> projections;
         lanes.Project(1, all, projections);
-        for (std::size_t i = 0; i < kPacketSize; ++i) {
+        for (const std::size_t i : kEachLane) {
             const PolygonMoments alone = MomentsOfPolygon(corners, Vec3d(receivers[i]));
             EXPECT_LT(Off(lanes.Of(i), alone), 2e-14 + 1e-10 * alone.solidAngle) << away;
             for (std::size_t k = 0; k < 9; ++k)
@@ -78,7 +78,7 @@ TEST(MomentLanesTest, OtherPlacesKeepTheirs) {
     Lanes3 receivers;
     receivers.Fill({32, 32, 50});
     LaneMask even, odd;
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         even.Set(i, i % 2 == 0), odd.Set(i, i % 2 != 0);
     MomentLanes lanes;
     lanes.Measure(std::vector<Vec3f>(floor.rbegin(), floor.rend()), receivers, even);
@@ -93,14 +93,14 @@ TEST(MomentLanesTest, OtherPlacesKeepTheirs) {
 TEST(MomentLanesTest, FromBehindAndInAPlaneThereIsNothing) {
     const std::vector<Vec3f> floor = {{0, 64, 0}, {64, 64, 0}, {64, 0, 0}, {0, 0, 0}};
     Lanes3 receivers;
-    for (std::size_t i = 0; i < kPacketSize; ++i)
+    for (const std::size_t i : kEachLane)
         receivers.Set(i, {32, 32, i % 2 == 0 ? -50.0f : 50.0f});
     LaneMask all;
     all.fill(-1);
     MomentLanes lanes;
     lanes.Measure(floor, receivers, all);
     const bool above = lanes.Of(1).solidAngle > 0;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
+    for (const std::size_t i : kEachLane) {
         const bool front = (i % 2 == 1) == above;
         EXPECT_EQ(lanes.Of(i).solidAngle > 0, front);
         EXPECT_EQ(lanes.FirstLength(i) > 0, front);

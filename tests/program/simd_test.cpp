@@ -1,5 +1,4 @@
 // GPL-2.0-or-later. Vector code gives the bytes of plain loops.
-#include "common/files/files.h"
 #include "tests/program/run_program.h"
 
 #include <cstdlib>
