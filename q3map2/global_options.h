@@ -36,8 +36,8 @@ struct GlobalOptions {
     }
 };
 
-/// Takes the global options off `arguments`. Errors: those of TakeSettings, and an unknown -game, which is a warning with
-/// -force.
+/// Takes the global options off `arguments`. Errors: those of TakeSettings, and an unknown -game, which is a warning
+/// with -force.
 GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log);
 
 /// Game folders in the order in which they win: mods before the base game, home before base paths, -fs_pakpath last.

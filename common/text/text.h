@@ -13,8 +13,8 @@ std::string LowerCase(std::string_view text);
 bool EqualNoCase(std::string_view a, std::string_view b);
 bool StartsWithNoCase(std::string_view text, std::string_view prefix);
 
-/// Takes a number off the front of `text`, by C rules: leading blanks, sign, stops at the first character that is not part of it.
-/// Nothing, and `text` as it was but for blanks, when there is no finite number.
+/// Takes a number off the front of `text`, by C rules: leading blanks, sign, stops at the first character that is not
+/// part of it. Nothing, and `text` as it was but for blanks, when there is no finite number.
 std::optional<double> TakeNumber(std::string_view &text);
 /// The number at the front of the text; garbage and non-finite values are 0.
 double NumberFromText(std::string_view text);

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. The map language: entities, keys, and what is said of text that is wrong.
 #include "common/error.h"
 #include "tests/map/map_fixture.h"
-#include "tests/map/map_fixture.h"
 
 #include <random>
 

@@ -3,7 +3,6 @@
 #include "q3map2/bspfile/prtfile.h"
 #include "q3map2/tree/areas.h"
 #include "tests/tree/tree_fixture.h"
-#include "tests/tree/tree_fixture.h"
 
 #include <filesystem>
 #include <fstream>

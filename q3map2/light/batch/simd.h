@@ -33,3 +33,12 @@
 #else
 #define Q3_ROLLED
 #endif
+
+/// Before a loop over the lanes whose arrays do not overlap, where compilers cannot see that.
+#if defined(__clang__)
+#define Q3_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__)
+#define Q3_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define Q3_INDEPENDENT
+#endif

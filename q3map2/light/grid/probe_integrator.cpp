@@ -28,12 +28,13 @@ using StoredChannel = std::array<Lanes, 9>;
 Q3_VECTOR void AddScaled(const ProbeIncidentLight &incident, const Vec3d &scale, std::array<ChannelSum, 3> &sum) {
     const auto [red, green, blue] = scale;
     for (std::size_t k = 0; k < 9; ++k)
-        for (const std::size_t i : kEachLane) {
-            const double coefficient = double(incident.shCoeffs[k][i]);
-            sum[0][k][i] += red * coefficient;
-            sum[1][k][i] += green * coefficient;
-            sum[2][k][i] += blue * coefficient;
-        }
+        Q3_INDEPENDENT
+    for (const std::size_t i : kEachLane) {
+        const double coefficient = double(incident.shCoeffs[k][i]);
+        sum[0][k][i] += red * coefficient;
+        sum[1][k][i] += green * coefficient;
+        sum[2][k][i] += blue * coefficient;
+    }
 }
 
 void AddTinted(const ProbeIncidentLight &incident, const Lanes &tint, double scale, ChannelSum &sum) {

@@ -159,6 +159,8 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
         between[i] = -std::int32_t((d >= nearest) & (d <= hits.distance[i]));
         open |= between[i];
     }
+    if (open == 0) // most faces of a box of skies
+        return;
     LaneMask inside{};
     for (const Piece &piece : face.pieces) {
         if (open == 0)

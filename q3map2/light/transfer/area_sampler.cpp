@@ -64,6 +64,7 @@ struct PickedTriangle {
 Q3_VECTOR void SampleNear(const Picks &picks, PickedTriangle picked, SphericalTriangle triangle, Vec3f p, Vec3d normal,
                           double distance, AreaSamples &samples) {
     Lanes3 &target = samples.target, &direction = samples.direction;
+    Q3_INDEPENDENT
     for (const std::size_t i : kEachLane) {
         const Vec3d d = triangle.Sample({picked.Within(picks.u[i]), picks.v[i]});
         const double facing = Dot(d, normal), along = distance / facing;
@@ -80,6 +81,7 @@ Q3_VECTOR void SampleNear(const Picks &picks, PickedTriangle picked, SphericalTr
 
 /// Samples by area in one triangle.
 Q3_VECTOR void SampleByArea(const Picks &picks, PickedTriangle picked, Vec3f a, Vec3f b, Vec3f c, Lanes3 &target) {
+    Q3_INDEPENDENT
     for (const std::size_t i : kEachLane) {
         const float root = std::sqrt(float(picked.Within(picks.u[i]))), v = float(picks.v[i]);
         const Vec3f at = a * (1 - root) + b * (root * (1 - v)) + c * (root * v);

@@ -24,7 +24,8 @@ Q3_VECTOR void SetFalloff(Falloff falloff, const Lanes &angle, IncidentLight &in
 
 } // namespace
 
-LaneMask InSight(const Light &light, bool skipPvs, const ReceiverBatch &receivers, ContributionCounts &counts) {
+Q3_VECTOR LaneMask InSight(const Light &light, bool skipPvs, const ReceiverBatch &receivers,
+                           ContributionCounts &counts) {
     LaneMask live = receivers.wanted;
     const int wanted = live.Count();
     counts.pairs += std::uint64_t(wanted);
@@ -77,7 +78,7 @@ void CullFaint(const Light &light, IncidentLight &incident) {
     CullBelow(light.fast && light.type != LightType::Sun ? light.tolerance : 0, incident);
 }
 
-float Strongest(const IncidentLight &incident) {
+Q3_VECTOR float Strongest(const IncidentLight &incident) {
     float strongest = 0;
     for (const std::size_t i : kEachLane)
         strongest = std::max(strongest, incident.live[i] != 0 ? incident.add[i] : 0);

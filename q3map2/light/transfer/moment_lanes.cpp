@@ -11,6 +11,7 @@
 namespace q3 {
 
 Q3_VECTOR void MomentLanes::SeenCorner::See(Vec3f corner, const Lanes3 &receivers) {
+    Q3_INDEPENDENT
     for (const std::size_t i : kEachLane) {
         const double wx = double(corner.x) - double(receivers.x[i]), wy = double(corner.y) - double(receivers.y[i]),
                      wz = double(corner.z) - double(receivers.z[i]);
@@ -28,6 +29,7 @@ void MomentLanes::Clear() {
 
 /// See AddEdge in polygon_moments.h.
 Q3_VECTOR void MomentLanes::AddEdge(const SeenCorner &a, const SeenCorner &b, Vec3d normal, HalfAngle &half) {
+    Q3_INDEPENDENT
     for (const std::size_t i : kEachLane) {
         const Vec3d aw{a.x[i], a.y[i], a.z[i]}, bw{b.x[i], b.y[i], b.z[i]};
         const Vec3d ad{a.dx[i], a.dy[i], a.dz[i]}, bd{b.dx[i], b.dy[i], b.dz[i]};

@@ -40,7 +40,8 @@ LightmapLayers MakeLayers(const SurfaceInputs &in, const SurfaceLight &surfaces)
 /// Makes layers with nearly equal texels share them: sets `twin` of the later ones; the first gets the mean.
 void JoinTwins(std::vector<LightmapLayer> &layers);
 
-/// Indices of layers that need texels, in packing order: by shader names, then styles (few first), then area (large first).
+/// Indices of layers that need texels, in packing order: by shader names, then styles (few first), then area (large
+/// first).
 std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLight &surfaces,
                                       const LightmapLayers &stored);
 
