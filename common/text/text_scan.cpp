@@ -28,7 +28,7 @@ std::size_t PlainEnd(const std::string &text, std::size_t begin) {
 
 } // namespace
 
-std::string TextPlace::Text() const {
+std::string TextLocation::Text() const {
     return fmt::format("{}:{}", file, line);
 }
 
@@ -97,7 +97,7 @@ bool TextScanner::SkipBlanks(File &file, bool crossLines) const {
             if (text[at] == '\n') {
                 if (!crossLines)
                     return stop(false);
-                ++file.place.line;
+                ++file.location.line;
             }
         if (at >= text.size())
             return stop(false);
@@ -112,7 +112,7 @@ bool TextScanner::SkipBlanks(File &file, bool crossLines) const {
             const auto lines = std::ranges::count(text.substr(at, end - at), '\n');
             if (lines > 0 && !crossLines)
                 return stop(false);
-            file.place.line += int(lines);
+            file.location.line += int(lines);
             at = end;
         } else {
             return stop(true);
@@ -124,12 +124,12 @@ bool TextScanner::SkipBlanks(File &file, bool crossLines) const {
 void TextScanner::Cut(File &file) {
     const std::string &text = *file.text;
     std::size_t begin = file.at, end = begin;
-    last_ = file.place;
+    last_ = file.location;
     if (text[begin] == '"') {
         ++begin;
         end = std::min(text.find('"', begin), text.size());
         file.at = std::min(end + 1, text.size());
-        file.place.line += int(std::count(text.begin() + begin, text.begin() + end, '\n'));
+        file.location.line += int(std::count(text.begin() + begin, text.begin() + end, '\n'));
     } else {
         end = PlainEnd(text, begin);
         file.at = end;
@@ -151,8 +151,8 @@ void TextScanner::OpenInclude() {
         Cut(file);
         name = token_;
     }
-    const bool circle =
-        std::any_of(files_.begin(), files_.end(), [&](const File &open) { return EqualNoCase(open.place.file, name); });
+    const bool circle = std::any_of(files_.begin(), files_.end(),
+                                    [&](const File &open) { return EqualNoCase(open.location.file, name); });
     if (circle || files_.size() > kMaxIncludeDepth || ++includeCount_ > kMaxIncludes)
         throw Error("{}: $include {} expected to end, but includes run in a circle, over {} deep or over {} in all",
                     Location(), name, kMaxIncludeDepth, kMaxIncludes);

@@ -14,7 +14,7 @@
 namespace q3 {
 
 /// A line of a file.
-struct TextPlace {
+struct TextLocation {
     std::string_view file;
     int line = 1;
 
@@ -50,7 +50,7 @@ class TextScanner {
     /// Line of the last token read, from 1, in the file that held it.
     int Line() const { return last_.line; }
     /// Of the last token read, good as long as the scanner.
-    const TextPlace &Place() const { return last_; }
+    const TextLocation &TokenLocation() const { return last_; }
     /// "file:line" of the last token read.
     std::string Location() const { return last_.Text(); }
     /// What comes after the last token in the file that held it.
@@ -63,7 +63,7 @@ class TextScanner {
     struct File {
         const std::string *text;
         std::size_t at = 0;
-        TextPlace place;
+        TextLocation location;
     };
 
     bool Copied(std::string &token, bool crossLines);
@@ -79,7 +79,7 @@ class TextScanner {
     int includeCount_ = 0;
     bool pushedBack_ = false;
     std::string_view token_; ///< the last one
-    TextPlace last_;
+    TextLocation last_;
 };
 
 } // namespace q3

@@ -70,15 +70,15 @@ class ScriptParser {
     static const std::array<Directive, 42> kDirectives;
 
     void WarnSyntax(std::string_view name, std::string_view found) {
-        log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}", scanner_.Place().Text(), name,
-                  found);
+        log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}",
+                  scanner_.TokenLocation().Text(), name, found);
     }
     void ParseShader(std::string_view name);
     void ParseStage();
     void ParseDirective(std::string_view word);
     void RunDirective(const Directive &directive, std::string_view word);
     void RunDirective(const GeometryDirective &directive, std::string_view word);
-    void WarnIncomplete(const TextPlace &place, std::string_view word, std::size_t expected);
+    void WarnIncomplete(const TextLocation &location, std::string_view word, std::size_t expected);
     bool ApplyParm(std::string_view name);
     bool NoImageYet() const {
         return shader_->editorImage.empty() && shader_->lightImage.empty() && shader_->implicitImage.empty();
@@ -89,7 +89,7 @@ class ScriptParser {
             suns.push_back(sun);
         else
             log_.Warn("too many suns", "{}: shader {}: more than {} suns, the others are left out",
-                      scanner_.Place().Text(), shader_->info.name, kMaxSuns);
+                      scanner_.TokenLocation().Text(), shader_->info.name, kMaxSuns);
         ApplyParm("sky");
     }
 
@@ -195,7 +195,7 @@ void ScriptParser::ParseShader(std::string_view name) {
         name.remove_suffix(kHiddenSuffix.size());
     if (name.size() > kMaxName)
         log_.Warn("long shader name", "{}: shader name {} is longer than the {} bytes that a map can hold",
-                  scanner_.Place().Text(), name, kMaxName);
+                  scanner_.TokenLocation().Text(), name, kMaxName);
     shader_.reset(new ParsedShader(table_.MakeDefault(name))); // made in place
     shader_->info.defined = true;
     bool hasStages = false;
@@ -255,18 +255,18 @@ void ScriptParser::ParseDirective(std::string_view word) {
     constexpr std::string_view kPrefix = "q3map_";
     const bool isOther = std::find(kOtherDirectives.begin(), kOtherDirectives.end(), key) != kOtherDirectives.end();
     if (key.starts_with(kPrefix) && !isOther && !ApplyParm(key.substr(kPrefix.size())))
-        log_.Warn("unknown shader directive", "{}: shader {}: unknown directive {}", scanner_.Place().Text(),
+        log_.Warn("unknown shader directive", "{}: shader {}: unknown directive {}", scanner_.TokenLocation().Text(),
                   shader_->info.name, word);
     scanner_.SkipLine();
 }
 
 void ScriptParser::RunDirective(const Directive &directive, std::string_view word) {
-    const TextPlace place = scanner_.Place();
+    const TextLocation location = scanner_.TokenLocation();
     words_.clear();
     for (std::string_view next; words_.size() < directive.required + directive.optional && scanner_.NextOnLine(next);)
         words_.emplace_back(next);
     if (words_.size() < directive.required)
-        WarnIncomplete(place, word, directive.required);
+        WarnIncomplete(location, word, directive.required);
     else
         (this->*directive.apply)(words_);
     if (!directive.keepsLine)
@@ -274,22 +274,22 @@ void ScriptParser::RunDirective(const Directive &directive, std::string_view wor
 }
 
 void ScriptParser::RunDirective(const GeometryDirective &directive, std::string_view word) {
-    const TextPlace place = scanner_.Place();
+    const TextLocation location = scanner_.TokenLocation();
     words_.clear();
     for (std::string_view next; words_.size() < directive.required + directive.optional && scanner_.NextOnLine(next);)
         if (next != "(" && next != ")")
             words_.emplace_back(next);
     if (words_.size() < directive.required) {
-        WarnIncomplete(place, word, directive.required);
+        WarnIncomplete(location, word, directive.required);
     } else if (const std::string fault = directive.apply(shader_->info, words_, table_.Options(), table_.ForGame());
                !fault.empty()) {
-        log_.Warn("shader directive", "{}: shader {}: {}: {}", place.Text(), shader_->info.name, word, fault);
+        log_.Warn("shader directive", "{}: shader {}: {}: {}", location.Text(), shader_->info.name, word, fault);
     }
     scanner_.SkipLine();
 }
 
-void ScriptParser::WarnIncomplete(const TextPlace &place, std::string_view word, std::size_t expected) {
-    log_.Warn("incomplete shader directive", "{}: shader {}: {} with {} arguments, expected {}", place.Text(),
+void ScriptParser::WarnIncomplete(const TextLocation &location, std::string_view word, std::size_t expected) {
+    log_.Warn("incomplete shader directive", "{}: shader {}: {} with {} arguments, expected {}", location.Text(),
               shader_->info.name, word, words_.size(), expected);
 }
 
@@ -314,7 +314,7 @@ Vec3f ScriptParser::Color(const Words &words) const {
 
 void ScriptParser::SurfaceParmLine(const Words &words) {
     if (!ApplyParm(words[0]))
-        log_.Warn("unknown surfaceparm", "{}: shader {}: unknown surfaceparm {}", scanner_.Place().Text(),
+        log_.Warn("unknown surfaceparm", "{}: shader {}: unknown surfaceparm {}", scanner_.TokenLocation().Text(),
                   shader_->info.name, words[0]);
 }
 
@@ -371,7 +371,7 @@ void ScriptParser::Sun(const Words &words) {
         Vec3d{std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation), std::sin(elevation)});
     if (words.size() == 7)
         log_.Warn("incomplete shader directive", "{}: shader {}: a sun with a deviance but no samples",
-                  scanner_.Place().Text(), shader_->info.name);
+                  scanner_.TokenLocation().Text(), shader_->info.name);
     if (words.size() > 7) {
         sun.deviance = float(double(Number(words[6])) * kRadians);
         sun.samples = std::max(1, IntegerFromText(words[7]));
@@ -388,7 +388,7 @@ void ScriptParser::SkyLight(const Words &words) {
     sky.iterations = std::max(2, IntegerFromText(words[1]));
     if (sky.iterations > kMaxSkyIterations) {
         log_.Warn("sky light iterations", "{}: shader {}: {} sky light iterations are limited to {}",
-                  scanner_.Place().Text(), shader_->info.name, sky.iterations, kMaxSkyIterations);
+                  scanner_.TokenLocation().Text(), shader_->info.name, sky.iterations, kMaxSkyIterations);
         sky.iterations = kMaxSkyIterations;
     }
     if (words.size() > 2)
@@ -404,8 +404,8 @@ void ScriptParser::LightmapAxis(const Words &words) {
     static constexpr std::array<Vec3f, 3> kAxes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     const std::size_t axis = words[0].size() == 1 ? std::string_view("xyz").find(LowerCase(words[0])) : kAxes.size();
     if (axis >= kAxes.size())
-        log_.Warn("lightmap axis", "{}: shader {}: q3map_lightmapAxis {}, expected x, y or z", scanner_.Place().Text(),
-                  shader_->info.name, words[0]);
+        log_.Warn("lightmap axis", "{}: shader {}: q3map_lightmapAxis {}, expected x, y or z",
+                  scanner_.TokenLocation().Text(), shader_->info.name, words[0]);
     Lightmap().axis = axis < kAxes.size() ? kAxes[axis] : Vec3f{};
 }
 
@@ -417,7 +417,7 @@ void ScriptParser::LightmapSize(const Words &words) {
     if (!good)
         log_.Warn("lightmap page size",
                   "{}: shader {}: q3map_lightmapSize {} {}, expected powers of two from 2 to {}; not used",
-                  scanner_.Place().Text(), shader_->info.name, words[0], words[1], kMaxPageSide);
+                  scanner_.TokenLocation().Text(), shader_->info.name, words[0], words[1], kMaxPageSide);
     Lightmap().pageSize = good ? size : std::array<int, 2>{};
 }
 
@@ -445,8 +445,8 @@ void ScriptParser::BaseShader(const Words &words) {
 
 void ScriptParser::Material(const Words &words) {
     if (!ApplyParm("*mat_" + std::string(words[0])))
-        log_.Warn("unknown material", "{}: shader {}: unknown material {}", scanner_.Place().Text(), shader_->info.name,
-                  words[0]);
+        log_.Warn("unknown material", "{}: shader {}: unknown material {}", scanner_.TokenLocation().Text(),
+                  shader_->info.name, words[0]);
 }
 
 } // namespace

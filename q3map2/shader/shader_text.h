@@ -20,7 +20,7 @@ class ShaderTextScanner {
     void SkipLine();
     /// Not while recording.
     void PushBack() { scanner_.PushBack(); }
-    const TextPlace &Place() const { return scanner_.Place(); }
+    const TextLocation &TokenLocation() const { return scanner_.TokenLocation(); }
     std::string_view Unread() const { return scanner_.Unread(); }
 
     /// Starts afresh with an opening brace.

@@ -188,11 +188,11 @@ TEST(TextScanner, TokensOfALineStayWhileFilesAreIncluded) {
     ASSERT_TRUE(scanner.NextOnLine(a) && scanner.NextOnLine(b) && scanner.NextOnLine(d));
     EXPECT_FALSE(scanner.NextOnLine(c));
     EXPECT_EQ(std::string(a) + std::string(b) + std::string(d), "abd");
-    const TextPlace place = scanner.Place();
+    const TextLocation location = scanner.TokenLocation();
     ASSERT_TRUE(scanner.Next(c));
     EXPECT_EQ(c, "c");
     EXPECT_EQ(scanner.Location(), "test:2");
-    EXPECT_EQ(place.Text(), "one.inc:1");
+    EXPECT_EQ(location.Text(), "one.inc:1");
 }
 
 TEST(TextScanner, UnreadIsWhatFollowsTheLastToken) {

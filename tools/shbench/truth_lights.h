@@ -27,7 +27,7 @@ struct DirectionSum {
     DirectionSum &operator+=(const DirectionSum &o);
 };
 
-/// Falloff and cone of a point light or spotlight at p, byte scale for full colour; spec of light contributions.
+/// Falloff and cone of a point light or spotlight at p, byte scale for full colour.
 double PointLightAt(const Light &light, const Vec3d &p);
 
 using Random = std::mt19937_64;

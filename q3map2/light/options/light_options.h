@@ -12,7 +12,7 @@
 
 namespace q3 {
 
-/// How float light becomes bytes; spec of output tone.
+/// How light becomes bytes: scale, exposure, saturation, gamma, sRGB, in the order of light/tone/light_tone.cpp.
 struct ToneOptions {
     float gamma = 1, exposure = 0, compensate = 1, saturation = 1;
     float contrast = 1; ///< the factor, not the option's -255..255

@@ -13,7 +13,7 @@
 
 namespace q3 {
 
-/// What luxels show instead of light; spec of debug modes.
+/// What luxels show instead of light: the -debug... options.
 enum class DebugView { Light, Surfaces, Axis, Cluster, Origin, Dirt, NormalMap };
 
 /// Declared, with units, ranges and help, in lightmap_settings.cpp.
