@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The options that every stage accepts, declared.
+// GPL-2.0-or-later. Declares the options that every stage accepts.
 #include "q3map2/global_settings.h"
 
 namespace q3 {
@@ -49,11 +49,11 @@ Group General() {
               &GlobalOptions::connect}}};
 }
 
-Group OfBsp() {
+Group BspStageOptions() {
     const auto drawSurfaces = [](GlobalOptions &o, const SettingValues &v) {
         o.maxDrawSurfaces = int(v.numbers[0] < 0 ? -v.numbers[0] : v.numbers[0]);
     };
-    return {"Of the bsp stage",
+    return {"Options of the bsp stage",
             "Accepted with every stage, since editors send them always.",
             {{{.name = "-subdivisions",
                .values = "N",
@@ -66,7 +66,7 @@ Group OfBsp() {
                .kind = SettingKind::Integer,
                .initial = "131072",
                .range = {-kMaxDrawSurfaces, kMaxDrawSurfaces},
-               .help = "bsp stage: most draw surfaces while compiling",
+               .help = "bsp stage: maximum number of draw surfaces while compiling",
                .details = "A negative number counts as its absolute value."},
               Do<GlobalOptions>(drawSurfaces)}}};
 }
@@ -109,13 +109,13 @@ Group GamePaths() {
              {{.name = "-fs_homebase",
                .values = "DIR",
                .initial = "by game",
-               .help = "Name of that folder, such as .q3a; under -fs_home without its dot"},
+               .help = "Name of the folder with the user's own files, such as .q3a; its dot is dropped with -fs_home"},
               &GlobalOptions::homeBase},
              {{.name = "-fs_homepath",
                .values = "DIR",
                .kind = SettingKind::Text,
                .initial = "none",
-               .help = "Both in one: the folder with the user's own files"},
+               .help = "Path of the folder with the user's own files, in place of -fs_home and -fs_homebase"},
               Do<GlobalOptions>(homePath)},
              {{.name = "-fs_pakpath",
                .values = "DIR",
@@ -132,7 +132,7 @@ Group GamePaths() {
 } // namespace
 
 std::vector<SettingGroup<GlobalOptions>> GlobalSettings() {
-    return {General(), OfBsp(), GamePaths()};
+    return {General(), BspStageOptions(), GamePaths()};
 }
 
 } // namespace q3

@@ -97,7 +97,7 @@ Group Surfaces() {
               &BspOptions::nonPlanarAngle}}};
 }
 
-Group Shaping() {
+Group Merging() {
     return {
         "Merging and special surfaces",
         "",
@@ -163,8 +163,9 @@ Group Shaders() {
                .values = "F",
                .unit = "game units",
                .help = "Thickness of the clip brushes made for models",
-               .details = "The key `_clipdepth` of a model wins. A negative number is the greatest depth of the kinds "
-                          "of clip brushes that reach to a common back."},
+               .details = "The key `_clipdepth` of a model wins. If F is negative, clip brushes with an "
+                          "axis-aligned back end -F behind the nearest corner of their triangle, or 1 behind the "
+                          "farthest if that is less; other kinds use -F."},
               &BspOptions::clipDepth},
              {{.name = "-rename", .help = "Append _BSP to shader names of models"}, &BspOptions::rename},
              {{.name = "-custinfoparms", .help = "Read more surfaceparms from scripts/custinfoparms.txt"},
@@ -212,7 +213,7 @@ Group Debugging() {
           &BspOptions::verboseEntities}}};
 }
 
-Group Foreign() {
+Group Ignored() {
     return {"Accepted without effect",
             "A warning names them.",
             {WithoutEffect(&BspOptions::withoutEffect, "-sRGBtex", "Concerns the light stage only", "-nosRGBtex"),
@@ -222,7 +223,7 @@ Group Foreign() {
 } // namespace
 
 std::vector<SettingGroup<BspOptions>> BspSettings() {
-    return {Basics(), LeaveOut(), Surfaces(), Shaping(), Tree(), Shaders(), Editors(), Debugging(), Foreign()};
+    return {Basics(), LeaveOut(), Surfaces(), Merging(), Tree(), Shaders(), Editors(), Debugging(), Ignored()};
 }
 
 } // namespace q3

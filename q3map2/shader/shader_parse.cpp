@@ -19,13 +19,13 @@ namespace {
 
 constexpr double kMaxNumber = 1e9; // keeps products of a few numbers finite
 constexpr int kMaxSkyIterations = 128;
-constexpr std::size_t kMaxSuns = 256; // a shader; copies of copies with q3map_baseShader would grow without end
+constexpr std::size_t kMaxSuns = 256; // per shader; q3map_baseShader in a chain could double the list each time
 constexpr std::size_t kMaxName = 63;
 constexpr int kMaxPageSide = 8192;
 constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
 
 /// Known words without effect, which cause no warning.
-constexpr std::array<std::string_view, 5> kOtherDirectives = {
+constexpr std::array<std::string_view, 5> kDirectivesWithoutEffect = {
     "q3map_novertexshadows", "q3map_patchshadows", "q3map_stylemarker", "q3map_stylemarker2", "q3map_vertexshadows"};
 
 float Number(std::string_view text) {
@@ -65,7 +65,7 @@ class ScriptParser {
         std::string_view name; ///< lower case
         std::size_t required, optional;
         void (ScriptParser::*apply)(const Words &);
-        bool keepsLine = false; ///< what follows on the line is another directive
+        bool moreMayFollow = false; ///< what follows on the line is another directive
     };
     static const std::array<Directive, 42> kDirectives;
 
@@ -84,7 +84,7 @@ class ScriptParser {
         return shader_->editorImage.empty() && shader_->lightImage.empty() && shader_->implicitImage.empty();
     }
     Vec3f Color(const Words &words) const;
-    template <typename T> void AddSun(std::vector<T> &suns, const T &sun) {
+    template <typename T> void AddSunOrSkyLight(std::vector<T> &suns, const T &sun) {
         if (suns.size() < kMaxSuns)
             suns.push_back(sun);
         else
@@ -196,7 +196,7 @@ void ScriptParser::ParseShader(std::string_view name) {
     if (name.size() > kMaxName)
         log_.Warn("long shader name", "{}: shader name {} is longer than the {} bytes that a map can hold",
                   scanner_.TokenLocation().Text(), name, kMaxName);
-    shader_.reset(new ParsedShader(table_.MakeDefault(name))); // made in place
+    shader_.reset(new ParsedShader(table_.MakeDefault(name))); // constructs the default on the heap, without a copy
     shader_->info.defined = true;
     bool hasStages = false;
     const char *bodyBegin = scanner_.Unread().data();
@@ -211,7 +211,8 @@ void ScriptParser::ParseShader(std::string_view name) {
             ParseDirective(word);
     }
     shader_->info.scriptText.clear(), shader_->body.reset();
-    // A hidden entry without stages is a few words for the compiler beside what the engine draws.
+    // A hidden definition without stages only holds directives for the compiler. The engine draws another definition
+    // of the same name, so this text is not kept.
     if (isHidden && !hasStages)
         scanner_.TakeText();
     else if (hasIncludes_)
@@ -253,8 +254,9 @@ void ScriptParser::ParseDirective(std::string_view word) {
     if (const GeometryDirective *directive = FindGeometryDirective(key))
         return RunDirective(*directive, word);
     constexpr std::string_view kPrefix = "q3map_";
-    const bool isOther = std::find(kOtherDirectives.begin(), kOtherDirectives.end(), key) != kOtherDirectives.end();
-    if (key.starts_with(kPrefix) && !isOther && !ApplyParm(key.substr(kPrefix.size())))
+    const bool isWithoutEffect = std::find(kDirectivesWithoutEffect.begin(), kDirectivesWithoutEffect.end(), key) !=
+                                 kDirectivesWithoutEffect.end();
+    if (key.starts_with(kPrefix) && !isWithoutEffect && !ApplyParm(key.substr(kPrefix.size())))
         log_.Warn("unknown shader directive", "{}: shader {}: unknown directive {}", scanner_.TokenLocation().Text(),
                   shader_->info.name, word);
     scanner_.SkipLine();
@@ -269,7 +271,7 @@ void ScriptParser::RunDirective(const Directive &directive, std::string_view wor
         WarnIncomplete(location, word, directive.required);
     else
         (this->*directive.apply)(words_);
-    if (!directive.keepsLine)
+    if (!directive.moreMayFollow)
         scanner_.SkipLine();
 }
 
@@ -360,7 +362,8 @@ void ScriptParser::FilterRadius(const Words &words) {
     shader_->info.lightFilterRadius = Number(words[1]);
 }
 
-/// r g b intensity degrees elevation [deviance samples]. Style and radius count as set so far.
+/// r g b intensity degrees elevation [deviance samples]. The sun takes the light style and filter radius that earlier
+/// directives of this shader set.
 void ScriptParser::Sun(const Words &words) {
     constexpr double kRadians = std::numbers::pi / 180;
     const double azimuth = double(Number(words[4])) * kRadians, elevation = double(Number(words[5])) * kRadians;
@@ -378,7 +381,7 @@ void ScriptParser::Sun(const Words &words) {
     }
     sun.filterRadius = shader_->info.lightFilterRadius;
     sun.style = shader_->info.lightStyle;
-    AddSun(shader_->info.suns, sun);
+    AddSunOrSkyLight(shader_->info.suns, sun);
 }
 
 /// value iterations [horizon_min horizon_max [sample_color]]
@@ -397,7 +400,7 @@ void ScriptParser::SkyLight(const Words &words) {
         sky.horizonMax = std::clamp(IntegerFromText(words[3]), -90, 90);
     if (words.size() > 4)
         sky.sampleColor = IntegerFromText(words[4]) != 0;
-    AddSun(shader_->info.skyLights, sky);
+    AddSunOrSkyLight(shader_->info.skyLights, sky);
 }
 
 void ScriptParser::LightmapAxis(const Words &words) {

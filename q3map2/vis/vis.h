@@ -32,7 +32,7 @@ FarPlane FarPlaneOf(const Entity &world);
 
 struct VisOptions {
     bool fast = false;         ///< -fast: flood only
-    bool merge = false;        ///< -merge, -hint: leafs, then portals
+    bool merge = false;        ///< -merge, -hint: merge leafs, then portals
     bool mergePortals = false; ///< -mergeportals
     bool keepHints = false;    ///< -hint: no merging of leafs through hint portals
     bool noPassage = false;    ///< -nopassage: portal flow alone

@@ -63,7 +63,7 @@ TEST_F(SpaceTest, BoxesWithoutOpenPlacesHaveNone) {
 double AreaOfPieces(const Bsp &bsp, TreeWalk<double> &tree, const Winding<double> &w) {
     double area = 0;
     tree.Walk(
-        tree.Root(), w, 0.01, [](const bspPlane_t &) { return InPlane::Front; },
+        tree.Root(), w, 0.01, [](const bspPlane_t &) { return CoplanarSide::Front; },
         [&](const Winding<double> &piece, std::size_t number) {
             const bspLeaf_t &leaf = bsp.leafs[number];
             for (const Vec3d &p : piece)
@@ -92,16 +92,16 @@ TEST_F(SpaceTest, PolygonsInAPlaneOfTheTreeGoWhereTheyAreSent) {
     const bspPlane_t &plane = bsp.planes[std::size_t(bsp.nodes[0].planeNum)];
     const Winding<double> w = WindingInPlane({Vec3d(plane.normal), plane.dist}, 4096);
     TreeWalk<double> tree(bsp);
-    for (const InPlane where : {InPlane::Front, InPlane::Back, InPlane::Both}) {
+    for (const CoplanarSide where : {CoplanarSide::Front, CoplanarSide::Back, CoplanarSide::Both}) {
         double area = 0;
         int asked = 0;
         tree.Walk(
-            tree.Root(), w, 0.01, [&](const bspPlane_t &) { return ++asked == 1 ? where : InPlane::Front; },
+            tree.Root(), w, 0.01, [&](const bspPlane_t &) { return ++asked == 1 ? where : CoplanarSide::Front; },
             [&](const Winding<double> &piece, std::size_t) {
                 area += WindingArea(piece);
                 return true;
             });
-        EXPECT_NEAR(area, WindingArea(w) * (where == InPlane::Both ? 2 : 1), 1);
+        EXPECT_NEAR(area, WindingArea(w) * (where == CoplanarSide::Both ? 2 : 1), 1);
     }
 }
 
@@ -110,7 +110,7 @@ TEST_F(SpaceTest, AWalkEndsWhenItsVisitorHasSeenEnough) {
     const Winding<double> w = WindingInPlane({Vec3d(plane.normal), plane.dist}, 4096);
     TreeWalk<double> tree(bsp);
     int seen = 0;
-    const auto toFront = [](const bspPlane_t &) { return InPlane::Front; };
+    const auto toFront = [](const bspPlane_t &) { return CoplanarSide::Front; };
     const auto visit = [&](const Winding<double> &, std::size_t) { return ++seen < 2; };
     EXPECT_FALSE(tree.Walk(tree.Root(), w, 0.01, toFront, visit));
     EXPECT_EQ(seen, 2);

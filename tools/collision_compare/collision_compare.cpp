@@ -20,16 +20,16 @@ open that are free in both, and says how often it gets equally far, and whether 
 )";
 /// A standing player.
 const Boundsd kPlayer{{-15, -15, -24}, {15, 15, 32}};
-/// Game units: ways are at most so long, and count as equal when they differ by no more than this.
-constexpr double kLongest = 1024, kEqual = 0.25;
+/// Largest offset of a move on each axis; largest difference of two lengths that count as equal. Game units.
+constexpr double kMaxOffset = 1024, kEqualDistance = 0.25;
 
 struct Move {
     Vec3d start, end;
-    double difference; ///< game units that B lets it go farther than A
+    double difference; ///< how much farther the box gets in B than in A; game units
 };
 
 /// Random places and directions; the same for every pair of files.
-class Dice {
+class Rng {
   public:
     double Next() { return UnitFromHash(HashIndex(++count_)); }
     Vec3d InBox(const Boundsd &box) {
@@ -46,7 +46,7 @@ struct Result {
     std::vector<Move> different;
 };
 
-/// Whether the middle of a box there is in the open.
+/// Whether the point, the origin of a player's box, is in an open leaf.
 bool InOpen(const Bsp &bsp, const Vec3d &p) {
     return bsp.leafs[std::size_t(LeafAt(bsp, Vec3f(p)))].cluster != kSolidCluster;
 }
@@ -57,11 +57,11 @@ Result Compare(const Bsp &a, const Bsp &b, long long moves) {
     for (const Bsp *bsp : {&a, &b})
         for (const bspDrawVert_t &v : bsp->drawVerts)
             world.Add(Vec3d(v.xyz));
-    Dice dice;
+    Rng rng;
     Result result;
     while (result.moved < moves && ++result.tried < 1000 * moves) {
-        const Vec3d start = dice.InBox(world);
-        const Vec3d way = dice.InBox({{-1, -1, -1}, {1, 1, 1}}) * kLongest;
+        const Vec3d start = rng.InBox(world);
+        const Vec3d way = rng.InBox({{-1, -1, -1}, {1, 1, 1}}) * kMaxOffset;
         if (!InOpen(b, start))
             continue;
         const auto hitA = inA.Move(kPlayer, start, start + way), hitB = inB.Move(kPlayer, start, start + way);
@@ -73,7 +73,7 @@ Result Compare(const Bsp &a, const Bsp &b, long long moves) {
         result.outOfA += !InOpen(a, start + way * hitA.fraction);
         result.outOfB += !InOpen(b, start + way * hitB.fraction);
         const double difference = (hitB.fraction - hitA.fraction) * Length(way);
-        if (std::abs(difference) <= kEqual)
+        if (std::abs(difference) <= kEqualDistance)
             ++result.equal;
         else
             result.different.push_back({start, start + way, difference});
@@ -84,16 +84,16 @@ Result Compare(const Bsp &a, const Bsp &b, long long moves) {
 void Print(const Result &r, std::size_t worst) {
     fmt::print("{} places tried, {} free in both; solid in A alone {}, in B alone {}\n", r.tried, r.moved,
                r.insideOnlyA, r.insideOnlyB);
-    fmt::print("{} of {} moves end within {} units of each other ({:.4f} %)\n", r.equal, r.moved, kEqual,
+    fmt::print("{} of {} moves end within {} units of each other ({:.4f} %)\n", r.equal, r.moved, kEqualDistance,
                r.moved > 0 ? 100.0 * double(r.equal) / double(r.moved) : 0.0);
     fmt::print("{} moves leave A, {} leave B\n", r.outOfA, r.outOfB);
     std::vector<Move> sorted = r.different;
     std::stable_sort(sorted.begin(), sorted.end(),
                      [](const Move &x, const Move &y) { return std::abs(x.difference) > std::abs(y.difference); });
     for (std::size_t i = 0; i < std::min(worst, sorted.size()); ++i)
-        fmt::print("B {:+9.2f} units, from {:.1f} {:.1f} {:.1f} towards {:.1f} {:.1f} {:.1f}\n", sorted[i].difference,
-                   sorted[i].start.x, sorted[i].start.y, sorted[i].start.z, sorted[i].end.x, sorted[i].end.y,
-                   sorted[i].end.z);
+        fmt::print("in B {:+9.2f} units farther, from {:.1f} {:.1f} {:.1f} towards {:.1f} {:.1f} {:.1f}\n",
+                   sorted[i].difference, sorted[i].start.x, sorted[i].start.y, sorted[i].start.z, sorted[i].end.x,
+                   sorted[i].end.y, sorted[i].end.z);
 }
 
 int Run(const std::vector<std::string> &words) {

@@ -37,8 +37,8 @@ void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &s
                  const Baked &baked, const ShownLight &shown, const JobPool &jobs, BenchResult &result) {
     const std::vector<PlaceErrors> errors = ErrorsByPlace(truth, shown);
     const auto causes = FindCauses(map, LayoutOf(map, baked, one.legacy), truth, errors, jobs);
-    const auto receivers = WorstPlaces(truth, shown, settings.worst, settings.worstBy);
-    result.worst = WorstText(truth, receivers, errors, causes, one.line.name);
+    const auto worst = WorstPlaces(truth, shown, settings.worst, settings.worstBy);
+    result.worst = WorstText(truth, worst, errors, causes, one.line.name);
     if (!settings.plan)
         return;
     const bool isBake = one.line.name != kPlainName && !one.legacy; // the others' text is no list of options
@@ -47,13 +47,14 @@ void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &s
     if (options.find('-') != std::string::npos)
         setting += ": " + options;
     const std::string grid = one.legacy ? "legacy grid" : "SH grid";
-    result.plan = MakeErrorPlan(map, {truth, errors, causes, receivers, settings.worstBy, grid, setting}, jobs);
+    result.plan = MakeErrorPlan(map, {truth, errors, causes, worst, settings.worstBy, grid, setting}, jobs);
 }
 
 /// Bakes all in turn, so that a machine that changes its pace treats them alike; keeps the least time of each. Bare
 /// Embree is measured between them for the same reason.
-void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const Truth &truth, const RawRays *raw,
-                const BenchSettings &settings, const JobPool &jobs, Log &progress, BenchResult &result) {
+void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const Truth &truth,
+                const EmbreeThroughput *raw, const BenchSettings &settings, const JobPool &jobs, Log &progress,
+                BenchResult &result) {
     std::vector<double> &rates = result.report.raw;
     const auto measureRaw = [&] {
         if (raw)
@@ -149,9 +150,9 @@ BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSet
     report.truthNoise = truth.noise, report.truthRays = truth.rays, report.truthCpuSeconds = truth.cpuSeconds;
     report.floor = FloorError(truth);
 
-    std::unique_ptr<RawRays> raw;
+    std::unique_ptr<EmbreeThroughput> raw;
     if (settings.raw)
-        raw = std::make_unique<RawRays>(map, layout, settings.truth.seed);
+        raw = std::make_unique<EmbreeThroughput>(map, layout, settings.truth.seed);
     BakeInTurn(map, contenders, truth, raw.get(), settings, jobs, progress, result);
     for (Contender &one : contenders)
         report.lines.push_back(std::move(one.line));

@@ -16,19 +16,19 @@ namespace q3::bench {
 struct BenchSettings {
     TruthSettings truth;
     std::vector<BakeSetting> bakes; ///< empty: DefaultBakes()
-    std::string options;            ///< light options of the reference and, before their own, of all bakes
+    std::string options;            ///< light options of the reference and all bakes; a bake's own follow them
     int repeats = 1;
     bool raw = true;
-    bool baselines = true;       ///< measures the plain method and the legacy grid as well
+    bool baselines = true;       ///< measures BakePlain and the legacy grid as well
     double rawSeconds = 1;       ///< CPU time of each measurement of bare Embree
     std::filesystem::path cache; ///< folder of reference light; empty: none
     std::string worstOf = std::string(kDefaultName);
     std::size_t worst = 0; ///< number of worst positions to list
-    bool plan = false;     ///< whether they are drawn as well
+    bool plan = false;     ///< draws the worst positions on a plan of the map
     WorstBy worstBy = WorstBy::Shown;
 };
 
-/// The default, faster and slower settings, and other cells.
+/// The default, faster and slower settings, and other sizes of grid cells.
 std::vector<BakeSetting> DefaultBakes();
 
 struct BenchResult {

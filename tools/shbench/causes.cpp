@@ -30,7 +30,7 @@ struct Candidate {
     bool isNear = false;
     ShVector here{};  ///< at the position without shadows, for full colour
     Vec3d color;      ///< with sign, times scale, 1.0 = byte 255
-    double bytes = 0; ///< RMS over normals; of near lights the largest of all receivers
+    double bytes = 0; ///< RMS over normals; of near lights the largest of all positions
 };
 
 /// RMS over all directions of a sum over the basis.

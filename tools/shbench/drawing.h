@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Lines, dots and text as SVG and PNG, and receivers for labels.
+// GPL-2.0-or-later. Lines, dots and text as SVG and PNG, and places for labels.
 #pragma once
 
 #include <cairo.h>
@@ -44,7 +44,7 @@ class Drawing {
     cairo_t *canvas_;
 };
 
-/// Picks receivers for labels beside their dots, clear of each other and of what else is taken.
+/// Picks places for labels beside their dots, where they overlap neither each other nor boxes that are taken.
 class LabelPlaces {
   public:
     explicit LabelPlaces(const Box &frame) : frame_(frame) {}
@@ -58,7 +58,7 @@ class LabelPlaces {
     std::vector<Box> taken_;
 };
 
-/// Pixels of a PNG for a picture unit.
+/// Pixels per picture unit in a PNG.
 inline constexpr int kPngScale = 2;
 
 /// Whether WriteDrawing knows the extension: .svg or .png.

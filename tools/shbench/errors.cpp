@@ -129,7 +129,7 @@ std::vector<WorstPlace> WorstPlaces(const Truth &truth, const ShownLight &shown,
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return ErrorOf(errors[a], by) > ErrorOf(errors[b], by); });
     order.resize(std::min(order.size(), count));
-    std::vector<WorstPlace> receivers;
+    std::vector<WorstPlace> worstPlaces;
     for (const std::size_t p : order) {
         const TruthPoint &point = truth.points[p];
         const NormalLight light = shown(point.position), projected = ProjectedLight(point);
@@ -141,9 +141,9 @@ std::vector<WorstPlace> WorstPlaces(const Truth &truth, const ShownLight &shown,
                 if (error > worst.error)
                     worst = {p, i, error, light[i]};
             }
-        receivers.push_back(worst);
+        worstPlaces.push_back(worst);
     }
-    return receivers;
+    return worstPlaces;
 }
 
 } // namespace q3::bench

@@ -30,7 +30,7 @@ LightmapSettings LightmapSettingsFrom(std::string_view text, const Game &game);
 std::vector<LightmapPass> LightmapPasses(const BenchMap &map, const LightmapSettings &settings, ShaderLibrary &library,
                                          const JobPool &jobs, int repeats);
 
-/// rawPerSecond: rays of bare Embree, see RawRays; 0: not measured.
+/// rawPerSecond: rays of bare Embree, see EmbreeThroughput; 0: not measured.
 std::string LightmapPassTable(const std::vector<LightmapPass> &passes, double rawPerSecond);
 std::string LightmapPassJson(const std::vector<LightmapPass> &passes, double rawPerSecond);
 

@@ -37,7 +37,7 @@ std::vector<float> Triangles(const BenchMap &map) {
 
 } // namespace
 
-struct RawRays::State {
+struct EmbreeThroughput::State {
     std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice> device;
     std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene> scene;
     struct Task {
@@ -54,7 +54,7 @@ struct RawRays::State {
     std::uint64_t Trace(const Task &task) const;
 };
 
-void RawRays::State::MakeScene(const std::vector<float> &corners) {
+void EmbreeThroughput::State::MakeScene(const std::vector<float> &corners) {
     device = NewDevice();
     scene = NewScene(device.get());
     const GeometryPtr geometry = NewTriangles(device.get(), corners);
@@ -62,8 +62,9 @@ void RawRays::State::MakeScene(const std::vector<float> &corners) {
     rtcCommitScene(scene.get());
 }
 
-void RawRays::State::AddBrick(const BenchMap &map, const std::vector<Light> &lights, const bspGridSHHeader_t &layout,
-                              const std::array<int, 3> &brick, Random &random) {
+void EmbreeThroughput::State::AddBrick(const BenchMap &map, const std::vector<Light> &lights,
+                                       const bspGridSHHeader_t &layout, const std::array<int, 3> &brick,
+                                       Random &random) {
     const std::size_t first = points.size();
     int cluster = kSolidCluster;
     const int blocks =
@@ -103,7 +104,7 @@ void RawRays::State::AddBrick(const BenchMap &map, const std::vector<Light> &lig
     tasks.insert(tasks.end(), ofBrick.begin(), ofBrick.end());
 }
 
-std::uint64_t RawRays::State::Trace(const Task &task) const {
+std::uint64_t EmbreeThroughput::State::Trace(const Task &task) const {
     alignas(64) RTCRay16 rays;
     alignas(64) std::array<int, kPacket> valid;
     EmbreeContext context;
@@ -124,7 +125,7 @@ std::uint64_t RawRays::State::Trace(const Task &task) const {
     return task.count;
 }
 
-RawRays::RawRays(const BenchMap &map, const bspGridSHHeader_t &layout, std::uint64_t seed)
+EmbreeThroughput::EmbreeThroughput(const BenchMap &map, const bspGridSHHeader_t &layout, std::uint64_t seed)
     : state_(std::make_unique<State>()) {
     const std::vector<float> corners = Triangles(map);
     if (corners.empty() || map.lights.empty())
@@ -155,9 +156,9 @@ RawRays::RawRays(const BenchMap &map, const bspGridSHHeader_t &layout, std::uint
     }
 }
 
-RawRays::~RawRays() = default;
+EmbreeThroughput::~EmbreeThroughput() = default;
 
-double RawRays::PerSecond(double cpuSeconds) const {
+double EmbreeThroughput::PerSecond(double cpuSeconds) const {
     if (state_->tasks.empty())
         return 0;
     std::uint64_t rays = 0;

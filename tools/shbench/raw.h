@@ -9,13 +9,13 @@ namespace q3::bench {
 
 /// Bare Embree on the triangles that a bake traces: packets of 16 rays, each from neighbouring points of a grid toward
 /// one light that they may see, nothing done with the answers.
-class RawRays {
+class EmbreeThroughput {
   public:
     /// The points are those of `layout` that are in the open. Errors: no memory.
-    RawRays(const BenchMap &map, const bspGridSHHeader_t &layout, std::uint64_t seed);
-    ~RawRays();
-    RawRays(const RawRays &) = delete;
-    RawRays &operator=(const RawRays &) = delete;
+    EmbreeThroughput(const BenchMap &map, const bspGridSHHeader_t &layout, std::uint64_t seed);
+    ~EmbreeThroughput();
+    EmbreeThroughput(const EmbreeThroughput &) = delete;
+    EmbreeThroughput &operator=(const EmbreeThroughput &) = delete;
 
     /// Occlusion rays per second of one thread's CPU time, measured for that long. 0: there is nothing to trace.
     double PerSecond(double cpuSeconds) const;

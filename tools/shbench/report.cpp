@@ -156,16 +156,15 @@ Chart ErrorChart(const BenchReport &report) {
     return chart;
 }
 
-std::string WorstText(const Truth &truth, const std::vector<WorstPlace> &receivers,
-                      const std::vector<PlaceErrors> &errors, const std::vector<Cause> &causes,
-                      std::string_view setting) {
+std::string WorstText(const Truth &truth, const std::vector<WorstPlace> &worst, const std::vector<PlaceErrors> &errors,
+                      const std::vector<Cause> &causes, std::string_view setting) {
     const auto vector = [](const Vec3f &v, double scale, int digits) {
         return fmt::format("{:.{}f} {:.{}f} {:.{}f}", double(v.x) * scale, digits, double(v.y) * scale, digits,
                            double(v.z) * scale, digits);
     };
     std::vector<std::vector<std::string>> rows = {{"no.", "position", "RMS", "floor", "grid", "largest", "normal",
                                                    "truth", "shown", "projection (bytes)", "cause"}};
-    for (const WorstPlace &place : receivers) {
+    for (const WorstPlace &place : worst) {
         const TruthPoint &point = truth.points[place.point];
         const PlaceErrors &error = errors[place.point];
         rows.push_back({std::to_string(rows.size()), vector(point.position, 1, 0), fmt::format("{:.1f}", error.shown),

@@ -16,7 +16,7 @@ struct ScalingStep {
     BakeCost cost;
 };
 
-/// A hall of 2048 x 2048 x 512 units with pillars, lit by so many lights of random receivers that give the same light
+/// A hall of 2048 x 2048 x 512 units with pillars, lit by so many lights at random positions that give the same light
 /// together: point lights, or ceiling lamps (two area lights each).
 struct LightHall {
     Bsp bsp;

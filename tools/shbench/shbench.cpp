@@ -145,9 +145,9 @@ void ReportScaling(const Command &command, const std::vector<ScalingStep> &steps
 /// Bare Embree is measured before and after.
 void RunLightmaps(const Command &command, const LightmapSettings &settings, BenchFiles &files, const JobPool &jobs) {
     const BenchSettings &bench = command.settings;
-    std::unique_ptr<RawRays> raw;
+    std::unique_ptr<EmbreeThroughput> raw;
     if (bench.raw)
-        raw = std::make_unique<RawRays>(files.Map(), DefaultLayout(files.Map()), bench.truth.seed);
+        raw = std::make_unique<EmbreeThroughput>(files.Map(), DefaultLayout(files.Map()), bench.truth.seed);
     const double before = raw ? raw->PerSecond(bench.rawSeconds) : 0;
     const auto passes = LightmapPasses(files.Map(), settings, files.Library(), jobs, bench.repeats);
     const double after = raw ? raw->PerSecond(bench.rawSeconds) : 0;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Reference light at random receivers of a map, by brute force.
+// GPL-2.0-or-later. Reference light at random positions of a map, by brute force.
 #include "tools/shbench/truth.h"
 
 #include "common/error.h"
@@ -100,7 +100,7 @@ std::vector<Vec3f> PlayerPositions(const BenchMap &map, int count, std::uint64_t
     std::vector<Vec3f> positions;
     for (std::int64_t tries = 0; int(positions.size()) < count; ++tries) {
         if (tries > std::int64_t(count) * kTriesPerPosition)
-            throw Error("{}: found only {} of {} receivers where a player can be", map.inputs.name, positions.size(),
+            throw Error("{}: found only {} of {} positions where a player can be", map.inputs.name, positions.size(),
                         count);
         const float x = float(Unit(random)), y = float(Unit(random)), z = float(Unit(random));
         const Vec3f p = mins + size * Vec3f{x, y, z};

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Reference light at random receivers of a map, by brute force.
+// GPL-2.0-or-later. Reference light at random positions of a map, by brute force.
 #pragma once
 
 #include "common/jobs.h"
@@ -14,7 +14,7 @@ namespace q3::bench {
 struct TruthSettings {
     int positions = 2000;
     std::uint64_t seed = 1;
-    /// Standard error that the rays to the area lights of one position are meant to keep together. Byte scale.
+    /// Standard error aimed at for the light of all area lights together at one position. Byte scale.
     double noise = 0.02;
 };
 
@@ -28,12 +28,12 @@ struct TruthPoint {
 
 struct Truth {
     std::vector<TruthPoint> points;
-    double noise = 0; ///< standard error by two independent halves: RMS over all values, displayed, byte scale
+    double noise = 0; ///< measured standard error of the displayed light from two halves of the rays: RMS, byte scale
     std::uint64_t rays = 0;
     double cpuSeconds = 0;
 };
 
-/// Receivers uniform in the space that a player can be in: in a cluster, a cube of 16 units half size clear of solid.
+/// Positions uniform in the space that a player can be in: in a cluster, a cube of 16 units half size clear of solid.
 /// Errors: hardly any such space.
 std::vector<Vec3f> PlayerPositions(const BenchMap &map, int count, std::uint64_t seed);
 
@@ -41,7 +41,7 @@ std::vector<Vec3f> PlayerPositions(const BenchMap &map, int count, std::uint64_t
 TruthPoint TruthAt(const BenchMap &map, const Vec3f &position, std::uint64_t seed, double noiseGoal,
                    std::uint64_t &rays, double *noise = nullptr);
 
-/// On all workers; the same for any number of them.
+/// Computes the reference on all worker threads. The result does not depend on their number.
 Truth MakeTruth(const BenchMap &map, const TruthSettings &settings, const JobPool &jobs);
 
 /// Hex SHA-256 of all that determines the truth.

@@ -78,7 +78,7 @@ void AddWorld(Hash &hash, const WorldLight &world, const LightOptions &options) 
     hash.Value(world.ambient), hash.Value(world.minGrid), hash.Value(world.hasFloodlight);
     hash.Value(world.floodColor), hash.Value(world.floodDistance), hash.Value(world.floodIntensity);
     hash.Value(options.floodlight), hash.Value(options.lowQuality), hash.Value(options.gridScale);
-    hash.Value(options.noTrace), hash.Value(options.noSurfaces), hash.Value(options.sunOnly);
+    hash.Value(options.noTrace), hash.Value(options.structuralShadowsOnly), hash.Value(options.sunOnly);
     hash.Value(options.patchShadows), hash.Value(options.noDrawSurfaceFlags);
 }
 

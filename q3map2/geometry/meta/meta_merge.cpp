@@ -12,9 +12,9 @@
 namespace q3 {
 namespace {
 
-// Scores of candidates.
+// What adds to the score of a candidate; it joins if its score is over kAdequate, and from kGood on the search stops.
 constexpr int kSameSurface = 1000, kSameAxis = 100000, kSharedVertex = 10000, kTextureKept = 200;
-constexpr int kTextureRangeKept = 100, kTextureNarrowGrows = 50;
+constexpr int kTextureRangeKept = 100, kTextureShorterAxisGrows = 50;
 constexpr int kAdequate = 110000, kGood = 120200;
 /// Direction in which seeds are ordered.
 constexpr Vec3d kSweep{0.786868, 0.316861, 0.529564};
@@ -29,7 +29,7 @@ struct Growth {
     std::vector<int> verts; ///< of the mesh, in the order of the surface
     TextureBounds texture{};
     Boundsf bounds;
-    std::vector<int> cloud; ///< candidates, in order of discovery
+    std::vector<int> candidates; ///< candidates, in order of discovery
     bool Empty() const { return surface.indexes.empty(); }
 };
 
@@ -60,7 +60,7 @@ class SurfaceGrower {
     PlaneTable &planes_;
     const BspContext &context_;
     std::vector<char> used_;
-    std::vector<int> seenBy_; ///< by triangle: the seed whose cloud it entered last
+    std::vector<int> seenBy_; ///< by triangle: the seed whose candidates it entered last
     std::vector<int> slots_;  ///< by vertex: its index in the growing surface; -1: not in it
 };
 
@@ -121,7 +121,7 @@ bool SurfaceGrower::MayJoin(const Growth &growth, const MetaTriangle &triangle) 
         return true;
     return triangle.planeNum == growth.seed->planeNum &&
            SameVector(Vec3f(triangle.plane.normal), Vec3f(growth.seed->plane.normal)) &&
-           std::abs(triangle.plane.dist - growth.seed->plane.dist) <= kSameVector;
+           std::abs(triangle.plane.dist - growth.seed->plane.dist) <= kSameVectorEpsilon;
 }
 
 void SurfaceGrower::Discover(Growth &growth, const MetaTriangle &triangle) {
@@ -133,7 +133,7 @@ void SurfaceGrower::Discover(Growth &growth, const MetaTriangle &triangle) {
                 if (used_[i] != 0 || std::exchange(seenBy_[i], seed) == seed)
                     continue;
                 if (MayJoin(growth, mesh_.Triangles()[i]))
-                    growth.cloud.push_back(t);
+                    growth.candidates.push_back(t);
             }
 }
 
@@ -188,7 +188,7 @@ int SurfaceGrower::TextureScore(const Growth &growth, const MetaTriangle &triang
         return kTextureKept;
     const GeometryDirectives &shader = growth.surface.shader->geometry;
     const std::array<double, 2> texels{double(shader.textureWidth), double(shader.textureHeight)};
-    // Ranges in whole texels; far coordinates must not leave int.
+    // Ranges in whole texels, limited so that huge texture coordinates do not overflow the conversion to long long.
     const auto range = [&](const TextureBounds &b, std::size_t i) {
         return (long long)(std::min(1e15, (double(b[1][i]) - double(b[0][i])) * texels[i]));
     };
@@ -198,7 +198,7 @@ int SurfaceGrower::TextureScore(const Growth &growth, const MetaTriangle &triang
         if (range(bounds, i) <= old)
             score += kTextureRangeKept;
         else if (other > old)
-            score += kTextureNarrowGrows;
+            score += kTextureShorterAxisGrows;
     }
     return score;
 }
@@ -243,8 +243,8 @@ void SurfaceGrower::Grow(int seed) {
     while (true) {
         int bestScore = 0;
         std::size_t best = 0;
-        for (std::size_t i = 0; i < growth.cloud.size(); ++i) {
-            const int score = Score(growth, mesh_.Triangles()[std::size_t(growth.cloud[i])]);
+        for (std::size_t i = 0; i < growth.candidates.size(); ++i) {
+            const int score = Score(growth, mesh_.Triangles()[std::size_t(growth.candidates[i])]);
             if (score > bestScore)
                 best = i, bestScore = score;
             if (score >= good)
@@ -252,8 +252,8 @@ void SurfaceGrower::Grow(int seed) {
         }
         if (bestScore <= adequate)
             break;
-        const int triangle = growth.cloud[best];
-        growth.cloud.erase(growth.cloud.begin() + std::ptrdiff_t(best));
+        const int triangle = growth.candidates[best];
+        growth.candidates.erase(growth.candidates.begin() + std::ptrdiff_t(best));
         AddTriangle(growth, triangle);
     }
     Finish(growth);

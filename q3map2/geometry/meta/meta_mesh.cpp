@@ -60,7 +60,8 @@ bool IsMetaSurface(const DrawSurface &surface, const BspOptions &options) {
 
 bool SameVector(const Vec3f &a, const Vec3f &b) {
     const Vec3d d = Vec3d(a) - Vec3d(b);
-    return std::abs(d.x) <= kSameVector && std::abs(d.y) <= kSameVector && std::abs(d.z) <= kSameVector;
+    return std::abs(d.x) <= kSameVectorEpsilon && std::abs(d.y) <= kSameVectorEpsilon &&
+           std::abs(d.z) <= kSameVectorEpsilon;
 }
 
 int MetaMesh::KeyOf(const DrawSurface &surface) {

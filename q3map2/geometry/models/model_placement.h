@@ -12,7 +12,7 @@ namespace q3 {
 
 /// Spawnflags of misc_model.
 enum ModelFlags : unsigned {
-    kModelRenameAlternative = 1,
+    kModelRenameRmg = 1,
     kModelClip = 2,
     kModelForceMeta = 4,
     kModelClipFaceNormals = 8,
@@ -29,8 +29,8 @@ inline constexpr unsigned kModelClipShapes = kModelClipFaceNormals | kModelClipT
                                              kModelClipPyramid | kModelClipDown | kModelClipUp | kModelClipFull |
                                              kModelClipAxialBack;
 
-/// Maps the shader of a mesh to its replacement; empty: the mesh is omitted.
-using ShaderMap = std::function<std::string(std::string_view)>;
+/// Returns the replacement for the shader of a mesh. If it returns an empty string, the mesh is omitted.
+using ShaderRemap = std::function<std::string(std::string_view)>;
 
 /// A model with its transform and settings.
 struct ModelPlacement {
@@ -41,7 +41,7 @@ struct ModelPlacement {
     SurfaceSettings settings;
     unsigned flags = 0;
     double clipDepth = 2;
-    ShaderMap shaders; ///< empty: no replacements
+    ShaderRemap shaders; ///< empty: no replacements
     int fogNum = -1;
 };
 

@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Models scattered over surfaces by q3map_surfaceModel, and the sample points they share with
-// foliage.
+// GPL-2.0-or-later. Models scattered over surfaces by q3map_surfaceModel, and the triangles and random numbers that
+// foliage uses too.
 #pragma once
 
 #include "q3map2/geometry/surface/draw_surface.h"

@@ -91,7 +91,7 @@ bool EndsWithNoCase(std::string_view text, std::string_view end) {
 
 } // namespace
 
-ShaderMap ShaderMapOf(const MapEntity &entity, std::string_view model, const BspContext &context) {
+ShaderRemap ShaderRemapOf(const MapEntity &entity, std::string_view model, const BspContext &context) {
     auto skin = SkinOf(entity, model, context);
     auto remaps = RemapsOf(entity, context);
     return [skin = std::move(skin), remaps = std::move(remaps)](std::string_view shader) {

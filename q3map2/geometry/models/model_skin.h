@@ -9,6 +9,6 @@
 namespace q3 {
 
 /// The replacements that the skin file and the _remap keys of a misc_model define.
-ShaderMap ShaderMapOf(const MapEntity &entity, std::string_view model, const BspContext &context);
+ShaderRemap ShaderRemapOf(const MapEntity &entity, std::string_view model, const BspContext &context);
 
 } // namespace q3

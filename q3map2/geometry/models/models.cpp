@@ -75,7 +75,7 @@ DrawSurface SurfaceOf(const ModelMesh &mesh, const ModelPlacement &placement, co
 
 std::string RenamedShader(std::string name, const ModelPlacement &placement, const BspContext &context) {
     if (context.options.rename)
-        name += placement.flags & kModelRenameAlternative ? "_RMG_BSP" : "_BSP";
+        name += placement.flags & kModelRenameRmg ? "_RMG_BSP" : "_BSP";
     return name;
 }
 
@@ -140,7 +140,7 @@ std::optional<ModelPlacement> PlacementOf(const MapEntity &entity, const MapEnti
     placement.settings = ModelSettings(entity, target, map, context);
     placement.flags = unsigned(IntegerFromText(entity.pairs.Value("spawnflags")));
     placement.clipDepth = keys::kClipDepth.Number(entity.pairs, context.options.clipDepth);
-    placement.shaders = ShaderMapOf(entity, placement.name, context);
+    placement.shaders = ShaderRemapOf(entity, placement.name, context);
     placement.fogNum = geometry.defaultFog;
     return placement;
 }

@@ -20,7 +20,7 @@ Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec
             const float cx = uy * edge.z - uz * edge.y, cy = uz * edge.x - ux * edge.z, cz = ux * edge.y - uy * edge.x;
             const float sine = std::sqrt(cx * cx + cy * cy + cz * cz), cosine = ux * vx + uy * vy + uz * vz;
             total[i] += EdgeTerm(sine, cosine, n.x[i] * cx + n.y[i] * cy + n.z[i] * cz);
-            wrong[i] |= std::abs(total[i]) > kMostFormAngle ? -1 : 0;
+            wrong[i] |= std::abs(total[i]) > kMaxEdgeSum ? -1 : 0;
             u.x[i] = vx, u.y[i] = vy, u.z[i] = vz;
         }
     }

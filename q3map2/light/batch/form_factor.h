@@ -10,8 +10,9 @@
 
 namespace q3 {
 
-/// Edges of a polygon see no more than a full turn; more is rounding beside a degenerate one, and counts as nothing.
-inline constexpr float kMostFormAngle = 6.3f;
+/// Bound of the sum of the edge terms: at most 2 pi in exact arithmetic. A larger sum is rounding error near a
+/// degenerate polygon; the form factor is then 0.
+inline constexpr float kMaxEdgeSum = 6.3f;
 
 /// An edge's term of Lambert's formula for the form factor: the angle between the directions u and v to its ends, times
 /// n . (u x v) / |u x v|. sine, cosine: |u x v| and u . v, of any length; along: n . (u x v).
@@ -34,7 +35,7 @@ template <typename T> T FormFactor(const Vec3<T> &p, const Vec3<T> &n, std::span
         total += EdgeTerm(u, v, n);
         u = v;
     }
-    return std::abs(total) > T(kMostFormAngle) ? T(0) : total / (2 * std::numbers::pi_v<T>);
+    return std::abs(total) > T(kMaxEdgeSum) ? T(0) : total / (2 * std::numbers::pi_v<T>);
 }
 
 /// FormFactor of sixteen receivers, in floats: f errs by about 1e-6.

@@ -8,13 +8,14 @@ namespace q3 {
 
 std::vector<Vec3f> HemisphereRings(int elevations, int azimuths) {
     std::vector<Vec3f> directions;
-    const double step = kConeDegrees / elevations, radian = std::numbers::pi / 180;
+    const double step = kConeDegrees / elevations, radiansPerDegree = std::numbers::pi / 180;
     const auto component = [](double c) { return std::abs(c) < 1e-12 ? 0.0f : float(c); };
     for (int e = 0; e < elevations; ++e)
         for (int a = 0; a < azimuths; ++a) {
-            const double elevation = (e + 0.5) * step * radian, azimuth = a * 2 * std::numbers::pi / azimuths;
-            directions.emplace_back(component(std::sin(elevation) * std::cos(azimuth)),
-                                    component(std::sin(elevation) * std::sin(azimuth)), float(std::cos(elevation)));
+            const double polarAngle = (e + 0.5) * step * radiansPerDegree,
+                         azimuth = a * 2 * std::numbers::pi / azimuths;
+            directions.emplace_back(component(std::sin(polarAngle) * std::cos(azimuth)),
+                                    component(std::sin(polarAngle) * std::sin(azimuth)), float(std::cos(polarAngle)));
         }
     return directions;
 }

@@ -34,10 +34,8 @@
 #define Q3_ROLLED
 #endif
 
-/// Before a loop over the lanes whose arrays do not overlap, where compilers cannot see that.
-#if defined(__clang__)
-#define Q3_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#elif defined(__GNUC__)
+/// Before a loop over the lanes whose arrays do not overlap, where g++ cannot see that. clang checks it at run time.
+#if defined(__GNUC__) && !defined(__clang__)
 #define Q3_INDEPENDENT _Pragma("GCC ivdep")
 #else
 #define Q3_INDEPENDENT

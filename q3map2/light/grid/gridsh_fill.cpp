@@ -135,7 +135,7 @@ Q3_VECTOR void AddWeighted(double weight, const float *value, double *sum) {
 
 class Filler {
   public:
-    Filler(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
+    Filler(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
            const std::vector<PointState> &states)
         : in_(in), layout_(layout), displaced_(displaced), states_(states) {
         for (std::size_t i = 0; i < kNeighbours.size(); ++i) {
@@ -146,16 +146,16 @@ class Filler {
     }
 
     /// The value of a Solid or Beside point, or nothing: no lit neighbour, or none on another side. Null: not isSplit.
-    std::optional<bspGridPointSH_t> Fill(int x, int y, int z, const VisibilityGroups::OfPoint *isSplit,
+    std::optional<bspGridPointSH_t> Fill(int x, int y, int z, const VisibilityGroups::PointGroups *isSplit,
                                          const LightGridSH &grid) const {
         if (!isSplit && states_[IndexOf(x, y, z)] == PointState::Beside)
             return std::nullopt;
         const Around lit = AroundPoint(x, y, z, false);
         if (lit.count == 0)
             return std::nullopt;
-        std::vector<Side> sums(isSplit ? isSplit->count : 1);
+        std::vector<Side> sums(isSplit ? isSplit->groupCount : 1);
         for (std::size_t i = 0; i < lit.count; ++i) {
-            Side &side = sums[isSplit ? isSplit->sides[i] : 0];
+            Side &side = sums[isSplit ? isSplit->groups[i] : 0];
             const Neighbour &neighbour = lit.neighbours[i];
             side.weight += neighbour.weight;
             AddWeighted(neighbour.weight, grid.points[neighbour.index].coeffs[0].data(), side.sum.data());
@@ -164,7 +164,7 @@ class Filler {
     }
 
     /// Appends the sides of those points, xyz, that have several.
-    void FindSides(std::span<const std::array<int, 3>> points, std::vector<VisibilityGroups::OfPoint> &found,
+    void FindSides(std::span<const std::array<int, 3>> points, std::vector<VisibilityGroups::PointGroups> &found,
                    RayCounts &counts) const {
         // The first round of all points goes together: most have one side only.
         std::vector<Around> around;
@@ -191,7 +191,7 @@ class Filler {
     };
     /// Lit neighbours, and before them the point itself when it is lit beside.
     struct Around {
-        std::array<Neighbour, VisibilityGroups::kMostAround> neighbours;
+        std::array<Neighbour, VisibilityGroups::kMaxNeighbors> neighbours;
         std::size_t count = 0;
     };
 
@@ -205,7 +205,7 @@ class Filler {
         if (states_[index] == PointState::Open || states_[index] == PointState::OnEmitter)
             return Vec3f(layout_.Position(x, y, z));
         const auto found = std::lower_bound(displaced_.begin(), displaced_.end(), index,
-                                            [](const Displacement &d, std::size_t i) { return d.index < i; });
+                                            [](const DisplacedPoint &d, std::size_t i) { return d.index < i; });
         return found->position;
     }
 
@@ -233,9 +233,9 @@ class Filler {
 
     /// Sorts what is lit around a point into sides: the first of a side sees all of it, and none of the sides before.
     /// unseen: what the very first does not see, by bit.
-    static VisibilityGroups::OfPoint SidesOf(std::uint32_t index, const Around &lit, std::uint32_t unseen,
-                                             SightRays &rays) {
-        VisibilityGroups::OfPoint result{index, 1, {}};
+    static VisibilityGroups::PointGroups SidesOf(std::uint32_t index, const Around &lit, std::uint32_t unseen,
+                                                 SightRays &rays) {
+        VisibilityGroups::PointGroups result{index, 1, {}};
         while (unseen != 0) {
             const auto first = std::size_t(std::countr_zero(unseen));
             std::uint32_t seen = 1u << first;
@@ -245,8 +245,8 @@ class Filler {
             }
             rays.Flush();
             for (std::uint32_t side = seen; side != 0; side &= side - 1)
-                result.sides[std::size_t(std::countr_zero(side))] = std::uint8_t(result.count);
-            ++result.count;
+                result.groups[std::size_t(std::countr_zero(side))] = std::uint8_t(result.groupCount);
+            ++result.groupCount;
             unseen &= ~seen;
         }
         return result;
@@ -269,7 +269,7 @@ class Filler {
 
     const GridInputs &in_;
     const GridLayout &layout_;
-    const std::vector<Displacement> &displaced_;
+    const std::vector<DisplacedPoint> &displaced_;
     const std::vector<PointState> &states_;
     std::array<double, kNeighbours.size()> weights_; ///< inverse squares of distances
 };
@@ -300,12 +300,13 @@ PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, con
     return placed;
 }
 
-VisibilityGroups FindSolidSides(const GridInputs &in, const GridLayout &layout,
-                                const std::vector<Displacement> &displaced, const std::vector<PointState> &states) {
+VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &layout,
+                                      const std::vector<DisplacedPoint> &displaced,
+                                      const std::vector<PointState> &states) {
     const int width = layout.bounds[0], height = layout.bounds[1];
     const std::int64_t rows = std::int64_t(height) * layout.bounds[2];
     const Filler filler(in, layout, displaced, states);
-    std::vector<std::vector<VisibilityGroups::OfPoint>> found(static_cast<std::size_t>(rows));
+    std::vector<std::vector<VisibilityGroups::PointGroups>> found(static_cast<std::size_t>(rows));
     in.jobs.For(rows, [&](std::int64_t row, int) {
         std::vector<std::array<int, 3>> points;
         for (int x = 0; x < width; ++x) {
@@ -316,18 +317,18 @@ VisibilityGroups FindSolidSides(const GridInputs &in, const GridLayout &layout,
         RayCounts counts; // not of the light itself
         filler.FindSides(points, found[std::size_t(row)], counts);
     });
-    VisibilityGroups sides;
-    sides.isSplit.resize(states.size());
+    VisibilityGroups groups;
+    groups.isSplit.resize(states.size());
     for (const auto &row : found) {
-        for (const VisibilityGroups::OfPoint &point : row)
-            sides.isSplit[point.index] = true;
-        sides.points.insert(sides.points.end(), row.begin(), row.end());
+        for (const VisibilityGroups::PointGroups &point : row)
+            groups.isSplit[point.index] = true;
+        groups.points.insert(groups.points.end(), row.begin(), row.end());
     }
-    return sides;
+    return groups;
 }
 
-void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
-                const VisibilityGroups &sides, std::vector<PointState> &states, LightGridSH &grid) {
+void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
+                const VisibilityGroups &groups, std::vector<PointState> &states, LightGridSH &grid) {
     struct Value {
         std::size_t index;
         bspGridPointSH_t point;
@@ -340,13 +341,13 @@ void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vecto
     in.jobs.For(rows, [&](std::int64_t row, int) {
         const auto first = std::size_t(row) * std::size_t(width);
         auto isSplit =
-            std::lower_bound(sides.points.begin(), sides.points.end(), first,
-                             [](const VisibilityGroups::OfPoint &p, std::size_t index) { return p.index < index; });
+            std::lower_bound(groups.points.begin(), groups.points.end(), first,
+                             [](const VisibilityGroups::PointGroups &p, std::size_t index) { return p.index < index; });
         for (int x = 0; x < width; ++x) {
             const std::size_t index = first + std::size_t(x);
             if (states[index] != PointState::Solid && states[index] != PointState::Beside)
                 continue;
-            const bool split = isSplit != sides.points.end() && isSplit->index == index;
+            const bool split = isSplit != groups.points.end() && isSplit->index == index;
             if (const auto value =
                     filler.Fill(x, int(row % height), int(row / height), split ? &*isSplit : nullptr, grid))
                 filled[std::size_t(row)].push_back({index, *value});

@@ -22,7 +22,7 @@ enum class PointState : std::uint8_t {
     Open,      ///< lit where it is
     OnEmitter, ///< lit where it is, in the plane of a surface light, which gives nothing there; then fitted
     Beside,    ///< in the plane of a wall or just inside it: lit from a small step beside
-    Moved,     ///< in a solid that leaves no lit neighbour: lit from the nearest point in the open of its cells
+    Moved,     ///< in a solid, without lit neighbours: lit from the nearest open position in the cells around it
     Solid,     ///< in a solid, to be filled
     Filled     ///< in a solid, filled from neighbours
 };
@@ -34,17 +34,17 @@ struct PlacedPoint {
     int cluster = kSolidCluster;
 };
 
-/// A point as Open if it can be lit where it is. Its cluster alone if it is in the open but too near to a solid; else
-/// kSolidCluster. `space` holds a unit around it.
+/// State Open, with position and cluster, if the point can be lit where it is. If it is in the open but too near to a
+/// solid, only the cluster is set; in a solid that is kSolidCluster. `space` reaches one game unit around the point.
 PlacedPoint PlaceInOpen(const BspRegion &space, const Vec3f &p);
 
-/// Decides where a point is lit from that cannot be lit where it is. `space` holds the cells around it, `clusters` what
-/// PlaceInOpen says of all points.
+/// Chooses the state and the lit position of a point for which PlaceInOpen did not return Open. `space` covers the
+/// grid cells around the point; `clusters` are the clusters that PlaceInOpen returned, by grid point.
 PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, const std::vector<int> &clusters,
                            const BrickPoint &point);
 
 /// A point that is lit from another position than its own.
-struct Displacement {
+struct DisplacedPoint {
     std::uint32_t index = 0;
     Vec3f position;
 };
@@ -52,24 +52,26 @@ struct Displacement {
 /// Lit neighbours of points in or beside solids, in groups of those that see each other.
 struct VisibilityGroups {
     /// Lit points around a point: 26 neighbours, and the point itself.
-    static constexpr std::size_t kMostAround = 27;
-    struct OfPoint {
-        std::uint32_t index = 0, count = 0;
-        std::array<std::uint8_t, kMostAround> sides{}; ///< group of each lit neighbour, in order
+    static constexpr std::size_t kMaxNeighbors = 27;
+    struct PointGroups {
+        std::uint32_t index = 0, groupCount = 0; ///< the point; number of its groups
+        std::array<std::uint8_t, kMaxNeighbors>
+            groups{}; ///< group of the point itself if lit, then of each lit neighbour
     };
-    std::vector<bool> isSplit;   ///< by point: it has more than one group
-    std::vector<OfPoint> points; ///< the split ones, by index
+    std::vector<bool> isSplit;       ///< by point: it has more than one group
+    std::vector<PointGroups> points; ///< the split ones, by index
 };
 
 /// Finds the groups around each point in or beside a solid. `displaced` is sorted by index.
-VisibilityGroups FindSolidSides(const GridInputs &in, const GridLayout &layout,
-                                const std::vector<Displacement> &displaced, const std::vector<PointState> &states);
+VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &layout,
+                                      const std::vector<DisplacedPoint> &displaced,
+                                      const std::vector<PointState> &states);
 
 /// Gives every point in a solid that has lit neighbours a value, so that interpolation beside walls is right.
 /// Each group of neighbours is a side of a wall; the darker a side, the more it counts, so that a wall thinner than a
 /// cell lets no light through. Points beside a wall with neighbours on the other side are filled in the same way.
 /// `displaced` is sorted by index. Changes Solid to Filled or Exterior in `states`.
-void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Displacement> &displaced,
-                const VisibilityGroups &sides, std::vector<PointState> &states, LightGridSH &grid);
+void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
+                const VisibilityGroups &groups, std::vector<PointState> &states, LightGridSH &grid);
 
 } // namespace q3

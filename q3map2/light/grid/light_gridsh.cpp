@@ -47,7 +47,7 @@ class PointReceivers {
                 states_[point.index] = placed.state;
             }
         });
-        std::vector<std::vector<Displacement>> displaced(receivers_.size());
+        std::vector<std::vector<DisplacedPoint>> displaced(receivers_.size());
         const Vec3f margin = Vec3f(layout.size) + Vec3f{1, 1, 1};
         ForBlocks(in, bricks, margin,
                   [&](std::int64_t brick, const BspRegion &whole, std::span<const BrickPoint> points) {
@@ -65,7 +65,7 @@ class PointReceivers {
         for (const auto &part : displaced)
             displaced_.insert(displaced_.end(), part.begin(), part.end());
         std::sort(displaced_.begin(), displaced_.end(),
-                  [](const Displacement &a, const Displacement &b) { return a.index < b.index; });
+                  [](const DisplacedPoint &a, const DisplacedPoint &b) { return a.index < b.index; });
     }
     void FindOnEmitters(const GridLayout &layout, const std::vector<Light> &lights) {
         for (const Light &light : lights) {
@@ -92,7 +92,7 @@ class PointReceivers {
     /// Receivers of a brick that are to be lit; taken once.
     std::vector<ReceiverBatch> Take(std::int64_t brick) { return std::move(receivers_[std::size_t(brick)]); }
     std::vector<PointState> &States() { return states_; }
-    const std::vector<Displacement> &Displaced() const { return displaced_; }
+    const std::vector<DisplacedPoint> &Displaced() const { return displaced_; }
 
   private:
     /// Calls use(brick, region, points) for small blocks of neighbouring points, with the region around the brick;
@@ -108,7 +108,7 @@ class PointReceivers {
         });
     }
     void Add(const PlacedPoint &placed, const BrickPoint &point, std::vector<ReceiverBatch> &receivers,
-             std::vector<Displacement> &displaced) {
+             std::vector<DisplacedPoint> &displaced) {
         states_[point.index] = placed.state;
         if (placed.cluster < 0)
             return;
@@ -119,7 +119,7 @@ class PointReceivers {
 
     std::vector<PointState> states_;
     std::vector<std::vector<ReceiverBatch>> receivers_;
-    std::vector<Displacement> displaced_;
+    std::vector<DisplacedPoint> displaced_;
 };
 
 } // namespace
@@ -157,7 +157,7 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     PointReceivers receivers(in, layout, bricks);
     receivers.FindOnEmitters(layout, lights);
     const ProbeIntegrator lighter(in, lights);
-    const VisibilityGroups sides = FindSolidSides(in, layout, receivers.Displaced(), receivers.States());
+    const VisibilityGroups sides = FindVisibilityGroups(in, layout, receivers.Displaced(), receivers.States());
     GridFit fit(in, layout, receivers.States(), sides.isSplit);
     RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
         std::vector<ReceiverBatch> blocks = receivers.Take(brick);

@@ -27,7 +27,7 @@ struct SkipOptions {
     bool faint = true;   ///< faint lights, represented by a few
     bool moments = true; ///< closed form of far area lights, approximated by points
     bool probes = true;  ///< more than one ray toward faint area lights
-    bool coarse = false; ///< rays of dim lights where neighbours all see the same; of fast grids alone
+    bool coarse = false; ///< rays of dim lights, where a few receivers of a batch see the same; only with fastGrid
 };
 
 /// Declared, with units, ranges and help, in light_settings.cpp.
@@ -46,10 +46,11 @@ struct LightOptions {
     // Speed against quality.
     bool fast = false;      ///< lights end where they fall below the tolerance: in all passes
     bool fastGrid = false;  ///< ... on the grids; set by -fast too
-    bool faster = false;    ///< area lights as points, but for the SH grid
+    bool faster = false;    ///< treat area lights as points, except for the SH grid
     bool cheap = false;     ///< stop adding lights to what is white: in all passes that -cheap concerns
     bool cheapGrid = false; ///< ... to points of the legacy grid; set by -cheap too
-    bool noTrace = false, noSurfaces = false, sunOnly = false, oneSky = false, noStyles = false, patchShadows = false;
+    bool noTrace = false, structuralShadowsOnly = false, sunOnly = false, oneSky = false, noStyles = false,
+         patchShadows = false;
     bool floodlight = false, lowQuality = false;
     bool noGrid = false;
     std::uint32_t noDrawSurfaceFlags = 0; ///< the game's bits of surfaces that are not drawn
@@ -62,9 +63,9 @@ struct LightOptions {
     bool shError = false;  ///< compare the grid with exact light and say how far it is off
     float gridScaleSH = 2;
     std::optional<Vec3f> gridSizeSH;
-    int shFit = 0;                       ///< fit all points to so many samples a cell; 0: those in solids only
-    bool shFill = true;                  ///< fit points in solids; else fill from neighbours alone
-    float shSamples = 1;                 ///< factor of the number of rays
+    int shFit = 0;       ///< samples per cell to which all points are fitted; 0: fit points in solids only
+    bool shFill = true;  ///< fit points in solids; else fill from neighbours alone
+    float shSamples = 1; ///< factor of the number of rays
     std::optional<float> givenShSamples; ///< -shsamples
     SkipOptions skip;
 

@@ -145,13 +145,13 @@ Group Intensities() {
                     [](LightOptions &o, float f) {
                         o.pointScale *= f, o.spotScale *= f, o.areaScale *= f, o.skyScale *= f;
                     }),
-             Factor("-point", "-pointscale", "1, of 7500", "Factor of point lights and spotlights",
+             Factor("-point", "-pointscale", "1 (times 7500)", "Factor of point lights and spotlights",
                     [](LightOptions &o, float f) { o.pointScale *= f, o.spotScale *= f; }),
-             Factor("-spherical", "-sphericalscale", "1, of 7500", "Factor of point lights only",
+             Factor("-spherical", "-sphericalscale", "1 (times 7500)", "Factor of point lights only",
                     [](LightOptions &o, float f) { o.pointScale *= f; }),
-             Factor("-spot", "-spotscale", "1, of 7500", "Factor of spotlights only",
+             Factor("-spot", "-spotscale", "1 (times 7500)", "Factor of spotlights only",
                     [](LightOptions &o, float f) { o.spotScale *= f; }),
-             Factor("-area", "-areascale", "1, of 0.25", "Factor of surface lights (q3map_surfaceLight)",
+             Factor("-area", "-areascale", "1 (times 0.25)", "Factor of surface lights (q3map_surfaceLight)",
                     [](LightOptions &o, float f) { o.areaScale *= f; }),
              Factor("-sky", "-skyscale", "1", "Factor of suns and sky light",
                     [](LightOptions &o, float f) { o.skyScale *= f; }),
@@ -316,7 +316,7 @@ Group Rays() {
            .help = "No shadows",
            .details = "Suns shine everywhere. Floodlight, dirt and bounces still look around."},
           &LightOptions::noTrace},
-         {{.name = "-nosurf", .help = "Shadows of structural brushes only"}, &LightOptions::noSurfaces},
+         {{.name = "-nosurf", .help = "Shadows of structural brushes only"}, &LightOptions::structuralShadowsOnly},
          {{.name = "-patchshadows",
            .initial = "by game, usually off",
            .help = "Curved surfaces cast shadows",
@@ -349,7 +349,7 @@ Group Rays() {
 ;
 }
 
-Group Foreign() {
+Group Ignored() {
     const auto nothing = [](std::string_view name, std::string_view help) {
         return WithoutEffect(&LightOptions::withoutEffect, name, help);
     };
@@ -366,7 +366,7 @@ Group Foreign() {
 
 std::vector<SettingGroup<LightOptions>> LightSettings() {
     return {GridSH(), QualityOfGridSH(), Skips(), Intensities(), Falloff(),
-            Tone(),   ColorSpaces(),     Speed(), Rays(),        Foreign()};
+            Tone(),   ColorSpaces(),     Speed(), Rays(),        Ignored()};
 }
 
 } // namespace q3

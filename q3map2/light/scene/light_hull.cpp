@@ -8,7 +8,7 @@ namespace q3 {
 
 namespace {
 
-/// Half edge of the polygon that a node's plane starts from. Game units; engines' worlds end at 131072.
+/// Half the side of the square in a node's plane that clipping starts from. Game units; engines' worlds end at 131072.
 constexpr double kWorldHalfSize = 262144;
 /// Corners within this distance of a plane count as on it. Game units; below the 1/8 that editors snap to.
 constexpr double kClipEpsilon = 0.01;
@@ -45,7 +45,9 @@ void CountTriangles(TreeWalk<double> &tree, const TriangleCorners &triangle, dou
     const Vec3d facing = -WindingAreaVector(triangle); // clockwise seen from the front
     tree.Walk(
         tree.Root(), triangle, epsilon,
-        [&](const bspPlane_t &plane) { return Dot(facing, Vec3d(plane.normal)) > 0 ? InPlane::Front : InPlane::Back; },
+        [&](const bspPlane_t &plane) {
+            return Dot(facing, Vec3d(plane.normal)) > 0 ? CoplanarSide::Front : CoplanarSide::Back;
+        },
         [&](const Winding<double> &piece, std::size_t leaf) {
             counts[leaf] += int(piece.size()) - 2;
             return true;
@@ -53,14 +55,16 @@ void CountTriangles(TreeWalk<double> &tree, const TriangleCorners &triangle, dou
 }
 
 bool SolidBehind(TreeWalk<double> &tree, const TriangleCorners &triangle, const std::vector<bool> &solidLeafs,
-                 const std::vector<bool> &others, bool &othersToo) {
+                 const std::vector<bool> &secondSolidLeafs, bool &solidInSecond) {
     const Vec3d facing = -WindingAreaVector(triangle);
-    othersToo = true;
+    solidInSecond = true;
     return tree.Walk(
         tree.Root(), triangle, kClipEpsilon,
-        [&](const bspPlane_t &plane) { return Dot(facing, Vec3d(plane.normal)) > 0 ? InPlane::Back : InPlane::Front; },
+        [&](const bspPlane_t &plane) {
+            return Dot(facing, Vec3d(plane.normal)) > 0 ? CoplanarSide::Back : CoplanarSide::Front;
+        },
         [&](const Winding<double> &, std::size_t leaf) {
-            othersToo = othersToo && others[leaf];
+            solidInSecond = solidInSecond && secondSolidLeafs[leaf];
             return bool(solidLeafs[leaf]);
         });
 }
@@ -94,7 +98,7 @@ HullFaces::HullFaces(const Bsp &bsp, std::span<SolidHull> hulls)
                 parents_[std::size_t(child)] = int(i);
 }
 
-/// Cuts away what other nodes have cut off before the tree gets to that node. False when nothing is left.
+/// Clips the polygon by the planes of all ancestors of the node, to the node's region. False when nothing is left.
 bool HullFaces::ClipToNode(int number, Winding<double> &w) {
     for (int child = number, up = parents_[std::size_t(number)]; up >= 0; child = up, up = parents_[std::size_t(up)]) {
         const bspNode_t &node = bsp_.nodes[std::size_t(up)];
@@ -130,7 +134,7 @@ void HullFaces::Add(int node) {
     Winding<double> w = WindingInPlane(PlaneOf(bsp_, bsp_.nodes[std::size_t(node)]), kWorldHalfSize);
     if (!ClipToNode(node, w))
         return;
-    const auto toFront = [](const bspPlane_t &) { return InPlane::Front; };
+    const auto toFront = [](const bspPlane_t &) { return CoplanarSide::Front; };
     const auto &children = bsp_.nodes[std::size_t(node)].children;
     front_.Walk(children[0], w, kClipEpsilon, toFront, [&](const Winding<double> &piece, std::size_t frontLeaf) {
         return back_.Walk(children[1], piece, kClipEpsilon, toFront, [&](Winding<double> &small, std::size_t backLeaf) {

@@ -73,7 +73,7 @@ bool BspSpace::Visible(int a, int b) const {
 void BspSpace::ClustersOf(const Winding<float> &w, std::vector<int> &clusters) const {
     TreeWalk<float> tree(bsp_);
     tree.Walk(
-        RootOf(bsp_), w, kOnPlane, [](const bspPlane_t &) { return InPlane::Both; },
+        RootOf(bsp_), w, kOnPlane, [](const bspPlane_t &) { return CoplanarSide::Both; },
         [&](const Winding<float> &, std::size_t leaf) {
             const int cluster = bsp_.leafs[leaf].cluster;
             if (cluster >= 0 && std::find(clusters.begin(), clusters.end(), cluster) == clusters.end())

@@ -92,7 +92,7 @@ void AddSurfaces(const Bsp &bsp, const SurfaceTable &table, const LightOptions &
         const bspShader_t &record = bsp.shaders[std::size_t(surface.shaderNum)];
         const bool patch = surface.surfaceType == MST_PATCH;
         if (!CastsShadow(table[i], record, options.noDrawSurfaceFlags, receiveShadows) ||
-            (patch && !options.patchShadows) || (options.noSurfaces && !sky))
+            (patch && !options.patchShadows) || (options.structuralShadowsOnly && !sky))
             continue;
         AddSurface(bsp, int(i), table[i], triangles);
     }

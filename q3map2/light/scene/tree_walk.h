@@ -10,7 +10,7 @@
 namespace q3 {
 
 /// Where pieces in the plane of a node go.
-enum class InPlane { Front, Back, Both };
+enum class CoplanarSide { Front, Back, Both };
 
 /// Cuts convex polygons by the tree of a validated Bsp. One serves for many, one after the other, so that pieces take
 /// no new memory each. Iterative. Keeps a reference.
@@ -23,16 +23,16 @@ template <typename T> class TreeWalk {
 
     /// Cuts w, a range of points, by the tree below `from` and calls visit(piece, leaf) for the piece in each leaf,
     /// until it returns false; so does the function. Backs come before fronts. Points within epsilon (game units) of a
-    /// node's plane count as on it; inPlane(plane) is asked about pieces all of which do. The visitor may change its
-    /// piece.
-    template <typename Points, typename WhereInPlane, typename Visit>
-    bool Walk(BspChild from, const Points &w, T epsilon, const WhereInPlane &inPlane, const Visit &visit) {
-        waiting_ = 0;
+    /// node's plane count as on it; coplanarSide(plane) is asked about pieces all of which do. The visitor may change
+    /// its piece.
+    template <typename Points, typename ChooseCoplanarSide, typename Visit>
+    bool Walk(BspChild from, const Points &w, T epsilon, const ChooseCoplanarSide &coplanarSide, const Visit &visit) {
+        stackSize_ = 0;
         Push(from).assign(w.begin(), w.end());
-        while (waiting_ > 0) {
-            Piece &piece = pieces_[waiting_ - 1];
+        while (stackSize_ > 0) {
+            Piece &piece = stack_[stackSize_ - 1];
             if (piece.child < 0) {
-                --waiting_;
+                --stackSize_;
                 if (!visit(piece.w, std::size_t(LeafOf(piece.child))))
                     return false;
                 continue;
@@ -45,7 +45,7 @@ template <typename T> class TreeWalk {
             else if (cutter_.AnyFront())
                 Split(node);
             else
-                Choose(node, inPlane(plane));
+                Choose(node, coplanarSide(plane));
         }
         return true;
     }
@@ -57,33 +57,33 @@ template <typename T> class TreeWalk {
     };
 
     Winding<T> &Push(BspChild child) {
-        if (waiting_ == pieces_.size())
-            pieces_.emplace_back();
-        Piece &piece = pieces_[waiting_++];
+        if (stackSize_ == stack_.size())
+            stack_.emplace_back();
+        Piece &piece = stack_[stackSize_++];
         piece.child = child;
         return piece.w;
     }
     /// Replaces the piece on top by its two parts.
     void Split(const bspNode_t &node) {
-        const Winding<T> &whole = pieces_[--waiting_].w;
+        const Winding<T> &whole = stack_[--stackSize_].w;
         cutter_.Front(whole, front_), cutter_.Back(whole, back_);
         if (!front_.empty())
             std::swap(Push(node.children[0]), front_);
         if (!back_.empty())
             std::swap(Push(node.children[1]), back_);
     }
-    void Choose(const bspNode_t &node, InPlane where) {
-        pieces_[waiting_ - 1].child = node.children[where == InPlane::Back ? 1 : 0];
-        if (where != InPlane::Both)
+    void Choose(const bspNode_t &node, CoplanarSide where) {
+        stack_[stackSize_ - 1].child = node.children[where == CoplanarSide::Back ? 1 : 0];
+        if (where != CoplanarSide::Both)
             return;
         Winding<T> &copy = Push(node.children[1]);
-        copy = pieces_[waiting_ - 2].w;
+        copy = stack_[stackSize_ - 2].w;
     }
 
     const Bsp &bsp_;
     WindingCutter<T> cutter_;
-    std::vector<Piece> pieces_; // the first waiting_ are to be walked, others are memory
-    std::size_t waiting_ = 0;
+    std::vector<Piece> stack_; // the first stackSize_ are in use; the rest keep their memory for reuse
+    std::size_t stackSize_ = 0;
     Winding<T> front_, back_;
 };
 

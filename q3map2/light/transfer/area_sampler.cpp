@@ -105,7 +105,7 @@ Q3_VECTOR void AimByArea(Vec3f p, float strength, AreaSamples &samples) {
 
 } // namespace
 
-Vec3f PointByArea(const Light &light, const Sample2 &s) {
+Vec3f SampleUniformArea(const Light &light, const Sample2 &s) {
     const std::vector<float> &sums = light.shape.cumulative;
     const double pick = s.u * double(light.shape.area);
     std::size_t i = 0;

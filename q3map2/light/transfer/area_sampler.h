@@ -12,7 +12,7 @@
 namespace q3 {
 
 /// Point of the emitter for a sample of the unit square, uniform in area.
-Vec3f PointByArea(const Light &light, const Sample2 &s);
+Vec3f SampleUniformArea(const Light &light, const Sample2 &s);
 
 /// Sixteen samples: points of the emitter, unit directions to them, and weights: the mean of weight * f(direction) over
 /// all samples estimates the integral of f over the solid angle of the emitter.
@@ -25,7 +25,7 @@ struct AreaSamples {
 /// times cheaper and as good.
 class AreaSampler {
   public:
-    static constexpr int kAtOnce = int(kPacketSize); ///< samples that Take gives
+    static constexpr int kSamplesPerTake = int(kPacketSize); ///< samples that Take gives
     /// corners: of the polygon, clockwise as seen from p; height: of p over its plane; seed: of the pattern.
     AreaSampler(const Light &light, std::span<const Vec3f> corners, const Vec3f &p, float height, std::uint64_t seed,
                 bool near);

@@ -42,8 +42,8 @@ constexpr float kEmitterGap = 0.125f;
 int RefinedRays(float facing, float samples) {
     // A stratified pattern's error falls about as n^-0.75, from half of the light at one ray.
     const float n = std::pow(0.5f * facing / kTolerance, 1 / 0.75f) * samples;
-    return int(std::ceil(std::clamp(n, kMinRefined, kMaxRefined * samples) / AreaSampler::kAtOnce)) *
-           AreaSampler::kAtOnce;
+    return int(std::ceil(std::clamp(n, kMinRefined, kMaxRefined * samples) / AreaSampler::kSamplesPerTake)) *
+           AreaSampler::kSamplesPerTake;
 }
 
 /// Coefficient k of lane i: += weight * Y[k](x y z), or = with kAdd false.
@@ -194,7 +194,7 @@ Vec3f AreaContribution::ProbeTarget(int probe) const {
     const bool one = brightest_ < kFaint && settings_.skip.probes;
     const int corners = one ? 0 : int(light_.w.size());
     if (probe >= corners)
-        return PointByArea(light_, PlasticSample(std::uint32_t(probe - corners), receivers_->index[0]));
+        return SampleUniformArea(light_, PlasticSample(std::uint32_t(probe - corners), receivers_->index[0]));
     const Vec3f &corner = light_.w[std::size_t(probe)];
     return corner + (light_.shape.center - corner) * kCornerInset;
 }
@@ -350,7 +350,7 @@ void AreaContribution::Refine(std::size_t i) {
     ++counts_.refined;
     RayPacket rays;
     AreaSamples samples{};
-    for (int first = 0; first < n; first += AreaSampler::kAtOnce) {
+    for (int first = 0; first < n; first += AreaSampler::kSamplesPerTake) {
         sampler.Take(std::uint32_t(first), samples);
         AimFrom(receivers_->rayOrigin[i], samples.target, lift, rays);
         scene_.TraceToLight(rays, ShadowRules::Exact, counts_);

@@ -28,7 +28,7 @@ void MomentLanes::Clear() {
 }
 
 /// See AddEdge in polygon_moments.h.
-Q3_VECTOR void MomentLanes::AddEdge(const SeenCorner &a, const SeenCorner &b, Vec3d normal, HalfAngle &half) {
+Q3_VECTOR void MomentLanes::AddEdge(const SeenCorner &a, const SeenCorner &b, Vec3d normal, HalfSolidAngles &half) {
     Q3_INDEPENDENT
     for (const std::size_t i : kEachLane) {
         const Vec3d aw{a.x[i], a.y[i], a.z[i]}, bw{b.x[i], b.y[i], b.z[i]};
@@ -37,10 +37,10 @@ Q3_VECTOR void MomentLanes::AddEdge(const SeenCorner &a, const SeenCorner &b, Ve
         const Vec3d across = Cross(aw, bw - aw);
         const double sine = std::sqrt(Dot(across, across)), cosine = Dot(aw, bw);
         const Vec3d outward = across * (sine > 0 ? -1 / sine : 0);
-        const Vec3d sharp = (ad + bd) * (sine / (lengths + cosine)), blunt = Cross(outward, bd - ad);
-        const bool isSharp = cosine > 0;
-        const double arcX = isSharp ? sharp.x : blunt.x, arcY = isSharp ? sharp.y : blunt.y,
-                     arcZ = isSharp ? sharp.z : blunt.z;
+        const Vec3d acute = (ad + bd) * (sine / (lengths + cosine)), obtuse = Cross(outward, bd - ad);
+        const bool isAcute = cosine > 0;
+        const double arcX = isAcute ? acute.x : obtuse.x, arcY = isAcute ? acute.y : obtuse.y,
+                     arcZ = isAcute ? acute.z : obtuse.z;
         const double angle = AngleOf(sine, cosine) * 0.5;
         x[i] -= outward.x * angle, y[i] -= outward.y * angle, z[i] -= outward.z * angle;
         xx[i] -= arcX * outward.x * (1.0 / 3), yy[i] -= arcY * outward.y * (1.0 / 3);
@@ -56,12 +56,14 @@ Q3_VECTOR void MomentLanes::AddEdge(const SeenCorner &a, const SeenCorner &b, Ve
     }
 }
 
-Q3_VECTOR void MomentLanes::Finish(const HalfAngle &half) {
+Q3_VECTOR void MomentLanes::Finish(const HalfSolidAngles &half) {
     constexpr double kPi = std::numbers::pi;
     for (const std::size_t i : kEachLane) {
+        // A negative imaginary part: with an angle above pi, rounding has pushed a solid angle near 2 pi past it; else
+        // the polygon is seen from behind and counts as 0.
         const double angle = 2 * AngleOf(std::abs(half.imaginary[i]), half.real[i]);
-        const double below = angle > kPi ? 4 * kPi - angle : 0; // rounding at 2 pi, or seen from behind
-        const double solid = half.imaginary[i] < 0 ? below : angle;
+        const double wrapped = angle > kPi ? 4 * kPi - angle : 0;
+        const double solid = half.imaginary[i] < 0 ? wrapped : angle;
         const double on = solid > 0 ? 1 : 0, third = solid * (1.0 / 3);
         solidAngle[i] = on > 0 ? solid : 0;
         x[i] = on > 0 ? x[i] : 0, y[i] = on > 0 ? y[i] : 0, z[i] = on > 0 ? z[i] : 0;
@@ -83,7 +85,7 @@ Q3_VECTOR void MomentLanes::Take(const MomentLanes &from, const LaneMask &lanes)
 void MomentLanes::Measure(std::span<const Vec3f> corners, const Lanes3 &receivers, const LaneMask &lanes) {
     MomentLanes seen;
     seen.Clear();
-    HalfAngle half;
+    HalfSolidAngles half;
     half.real.fill(1), half.imaginary.fill(0);
     const Vec3d normal = PolygonAspect(corners, {}).normal;
     SeenCorner a, b;

@@ -30,12 +30,12 @@ class MomentLanes {
         void See(Vec3f corner, const Lanes3 &receivers);
     };
     /// A complex number per receiver whose argument is half the solid angle so far.
-    struct HalfAngle {
+    struct HalfSolidAngles {
         DoubleLanes real, imaginary;
     };
     void Clear();
-    void AddEdge(const SeenCorner &a, const SeenCorner &b, Vec3d normal, HalfAngle &half);
-    void Finish(const HalfAngle &half);
+    void AddEdge(const SeenCorner &a, const SeenCorner &b, Vec3d normal, HalfSolidAngles &half);
+    void Finish(const HalfSolidAngles &half);
     void Take(const MomentLanes &from, const LaneMask &lanes);
 
     DoubleLanes solidAngle, x, y, z, xx, yy, zz, xy, yz, xz;

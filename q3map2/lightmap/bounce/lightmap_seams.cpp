@@ -30,7 +30,7 @@ bool WindowIsMapped(const RawLightmap &raw, int x, int y, int reach) {
     return true;
 }
 
-/// As in the lightmap itself: twice as many luxels of a super grid.
+/// Half width of the window in luxels of the super grid: `reach`, doubled if the lightmap is supersampled.
 int WindowReach(const RawLightmap &raw, int reach) {
     return reach * std::min(raw.super, 2);
 }
@@ -137,14 +137,14 @@ void LightmapSeams::Finder::DropOccluded(const RimLuxel &rim, std::vector<Neighb
 LightmapSeams::LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfaces, int reach, float minCosine) {
     for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i) {
         const RawLightmap &raw = surfaces.lightmaps[i];
-        firstOf_.push_back(rims_.size());
+        firstRim_.push_back(rims_.size());
         for (int y = 0; y < raw.SuperHeight(); ++y)
             for (int x = 0; x < raw.SuperWidth(); ++x)
                 if (const std::size_t luxel = raw.SuperIndex(x, y);
                     raw.Mapped(luxel) && !WindowIsMapped(raw, x, y, WindowReach(raw, reach)))
                     rims_.push_back({std::uint32_t(i), std::uint32_t(luxel), 0});
     }
-    firstOf_.push_back(rims_.size());
+    firstRim_.push_back(rims_.size());
     Finder finder{in, surfaces, rims_, reach, minCosine};
     for (std::size_t i = 0; i < rims_.size(); ++i)
         finder.cells[Finder::CellOf(finder.Position(rims_[i]))].push_back(std::uint32_t(i));
@@ -152,7 +152,7 @@ LightmapSeams::LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfac
     in.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
         std::vector<Neighbor> one;
-        for (std::size_t rim = firstOf_[i]; rim < firstOf_[i + 1]; ++rim) {
+        for (std::size_t rim = firstRim_[i]; rim < firstRim_[i + 1]; ++rim) {
             one.clear();
             finder.Find(rim, one);
             rims_[rim].first = std::uint32_t(one.size());
@@ -170,8 +170,8 @@ LightmapSeams::LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfac
 }
 
 std::span<const LightmapSeams::Neighbor> LightmapSeams::NeighborsAcross(std::size_t lightmap, std::size_t luxel) const {
-    const auto begin = rims_.begin() + std::ptrdiff_t(firstOf_[lightmap]),
-               end = rims_.begin() + std::ptrdiff_t(firstOf_[lightmap + 1]);
+    const auto begin = rims_.begin() + std::ptrdiff_t(firstRim_[lightmap]),
+               end = rims_.begin() + std::ptrdiff_t(firstRim_[lightmap + 1]);
     const auto rim =
         std::lower_bound(begin, end, luxel, [](const RimLuxel &one, std::size_t l) { return one.luxel < l; });
     if (rim == end || rim->luxel != luxel)

@@ -29,8 +29,8 @@ class LightmapSeams {
         std::uint32_t lightmap, luxel, first; ///< first: in neighbors_
     };
     struct Finder;
-    std::vector<RimLuxel> rims_;       // by lightmap, then luxel; then a sentinel
-    std::vector<std::size_t> firstOf_; // in rims_, by lightmap
+    std::vector<RimLuxel> rims_;        // by lightmap, then luxel; then a sentinel
+    std::vector<std::size_t> firstRim_; // in rims_, by lightmap
     std::vector<Neighbor> neighbors_;
 };
 

@@ -188,7 +188,7 @@ Vec3f LuxelSampler::Offset(int x, int y, float across, float down) const {
 }
 
 bool LuxelSampler::FindOpenCluster(const BspRegion &space, const Vec3f &position, int &cluster) const {
-    cluster = allowed_->Allowed(space.ClusterAt(position, kSampleMargin));
+    cluster = allowed_->ClusterIfAllowed(space.ClusterAt(position, kSampleMargin));
     return cluster >= 0;
 }
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The options of lightmaps, vertex light and bounces, declared.
+// GPL-2.0-or-later. Declares the options of lightmaps, vertex light and bounces.
 #include "q3map2/lightmap/options/lightmap_settings.h"
 
 #include "common/error.h"
@@ -60,7 +60,7 @@ Group Samples() {
            .values = "[+]N",
            .kind = SettingKind::Text,
            .initial = "1",
-           .help = "Take more samples where light changes: grade 1 to 64",
+           .help = "Take more samples where light changes; N from 1 to 64, more is finer",
            .details = "Luxels are halved again and again where neighbors differ. `+N` with `-randomsamples`: "
                       "exactly N samples."},
           Do<LightmapOptions>(TakeSamples)},
@@ -99,7 +99,7 @@ Group LuxelSize() {
                .values = "N",
                .unit = "game units",
                .range = {1, kMaxSampleSize},
-               .help = "Smallest luxel that shaders and entities of such a map may ask for"},
+               .help = "Smallest luxel size that shaders and entities may ask for, in a map without .srf"},
               &LightmapOptions::minSampleSize},
              {{.name = "-samplescale",
                .values = "N",
@@ -115,30 +115,31 @@ Group LuxelSize() {
 }
 
 Group Normals() {
-    return {"Normals and positions",
-            "",
-            {{{.name = "-shade", .help = "Smooth vertex normals across edges, as q3map_shadeAngle of shaders says"},
-              &LightmapOptions::shade},
-             {{.name = "-shadeangle",
-               .values = "F",
-               .unit = "degrees",
-               .range = {0, 360},
-               .help = "Smoothing angle for shaders that name none; over 0 includes -shade"},
-              &LightmapOptions::shadeAngle},
-             {{.name = "-lightanglehl",
-               .values = "0|1",
-               .kind = SettingKind::Choice,
-               .initial = "by game, usually 0",
-               .help = "1: half-Lambert, light falls off more softly with its angle to the surface",
-               .details = "The factor is the square of (a + 1) / 2 in place of the cosine a."},
-              Choice(&LightmapOptions::halfLambert)},
-             {{.name = "-nofastpoint", .help = "Light entities shine on where they are faint, unless -fast is given"},
-              Off(&LightmapOptions::fastPoint)},
-             {{.name = "-dark", .help = "Do not move luxels out of walls: seams stay dark"}, &LightmapOptions::dark},
-             {{.name = "-trianglecheck", .help = "Use only luxel positions inside triangles"},
-              &LightmapOptions::triangleCheck},
-             {{.name = "-extravisnudge", .help = "Test luxel positions one game unit in front of the surface"},
-              &LightmapOptions::extraVisNudge}}};
+    return {
+        "Normals and positions",
+        "",
+        {{{.name = "-shade", .help = "Smooth vertex normals across edges, as q3map_shadeAngle of shaders says"},
+          &LightmapOptions::shade},
+         {{.name = "-shadeangle",
+           .values = "F",
+           .unit = "degrees",
+           .range = {0, 360},
+           .help = "Smoothing angle for shaders that name none; over 0 includes -shade"},
+          &LightmapOptions::shadeAngle},
+         {{.name = "-lightanglehl",
+           .values = "0|1",
+           .kind = SettingKind::Choice,
+           .initial = "by game, usually 0",
+           .help = "1: half-Lambert, light falls off more softly with its angle to the surface",
+           .details = "The factor is the square of (a + 1) / 2 in place of the cosine a."},
+          Choice(&LightmapOptions::halfLambert)},
+         {{.name = "-nofastpoint", .help = "Do not cut off light entities where they get faint; no effect with -fast"},
+          Off(&LightmapOptions::fastPoint)},
+         {{.name = "-dark", .help = "Do not move luxels out of walls: seams stay dark"}, &LightmapOptions::dark},
+         {{.name = "-trianglecheck", .help = "Use only luxel positions inside triangles"},
+          &LightmapOptions::triangleCheck},
+         {{.name = "-extravisnudge", .help = "Test luxel positions one game unit in front of the surface"},
+          &LightmapOptions::extraVisNudge}}};
 }
 
 Group Dirt() {
@@ -191,9 +192,10 @@ Group Bounces() {
          {{.name = "-bouncescale",
            .values = "F",
            .kind = SettingKind::Number,
-           .initial = "1, of 0.25",
+           .initial = "1",
            .help = "Factor of bounced light; repeated ones multiply",
-           .details = "At 0.25 a white wall throws back 0.55 of the light it gets."},
+           .details =
+               "F multiplies a built-in factor of 0.25. At F = 1 a white wall reflects 0.55 of the light it gets."},
           Do<LightmapOptions>(scale)},
          {{.name = "-bouncecolorratio",
            .values = "F",
@@ -218,7 +220,7 @@ Group Vertices() {
                .kind = SettingKind::Number,
                .initial = "off; 1 without F",
                .range = {0, 1, true},
-               .help = "Give all vertices the same light: F of 127.5"},
+               .help = "Give all vertices the same light: F times 127.5"},
               Do<LightmapOptions>(noVertex)},
              {{.name = "-cpma",
                .help = "Light vertices of surfaces with lightmaps separately, without shadows",
@@ -312,7 +314,7 @@ Group Packing() {
            .values = "N",
            .initial = "off",
            .range = {-kMaxSearchPower, kMaxSearchPower},
-           .help = "Search for room in blocks as large as a page with 2^N times the sides of the game's"},
+           .help = "Search for room in blocks of pages; a block has the area of a page with 2^N times the game's side"},
           &LightmapOptions::searchPower},
          {{.name = "-nolightmapsearch", .help = "Search for room on the last page only"}, &LightmapOptions::noSearch},
          {{.name = "-fill", .help = "Fill unused texels with the mean of their neighbors"}, &LightmapOptions::fill},

@@ -5,7 +5,8 @@
 
 namespace q3 {
 
-/// Sets positions, normals and luxelClusters of all raw lightmaps. Logs how many luxels are mapped and occluded.
+/// Sets positions, normals and luxelClusters of all raw lightmaps. Logs how many luxels got a position on a surface
+/// (mapped), and how many found only positions inside solids (occluded).
 void MapLuxels(const SurfaceInputs &in, SurfaceLight &surfaces);
 
 } // namespace q3

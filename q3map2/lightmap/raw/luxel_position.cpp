@@ -107,9 +107,9 @@ const LuxelPositionFinder::Tile &LuxelPositionFinder::TileOf(int x, int y, const
 
 int LuxelPositionFinder::ClusterAt(const Vec3f &p, const Tile &tile, VisibleClusters &filter) const {
     if (!box_.Contains(p))
-        return filter.Allowed(in_.space.ClusterAt(p, kBrushEpsilon));
+        return filter.ClusterIfAllowed(in_.space.ClusterAt(p, kBrushEpsilon));
     const BspRegion &region = tile.box.Contains(p) ? *tile.region : region_;
-    return filter.Allowed(region.ClusterAt(p, kBrushEpsilon));
+    return filter.ClusterIfAllowed(region.ClusterAt(p, kBrushEpsilon));
 }
 
 bool LuxelPositionFinder::AnyOpen(const Boundsf &box, const Tile &tile) const {

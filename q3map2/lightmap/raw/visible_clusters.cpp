@@ -3,7 +3,7 @@
 
 namespace q3 {
 
-int VisibleClusters::Allowed(int cluster) {
+int VisibleClusters::ClusterIfAllowed(int cluster) {
     if (cluster < 0 || known_.empty())
         return cluster;
     Known &known = known_[std::size_t(cluster)];

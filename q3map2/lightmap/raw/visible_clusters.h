@@ -8,15 +8,15 @@
 
 namespace q3 {
 
-/// Positions at which a surface may be lit are in clusters that see one of the clusters of the surface. Results of the
-/// PVS are kept; for one thread.
+/// Filter for the positions from which a surface may be lit: their cluster must see a cluster of the surface. Caches
+/// PVS results, so it is not thread-safe: use one object per thread.
 class VisibleClusters {
   public:
     /// `clusters`: of the surface; empty: all are allowed. Keeps references to both.
     VisibleClusters(const BspSpace &space, const std::vector<int> &clusters)
         : space_(space), clusters_(clusters), known_(clusters.empty() ? 0 : std::size_t(space.ClusterCount())) {}
     /// The cluster, or kSolidCluster if it is not allowed.
-    int Allowed(int cluster);
+    int ClusterIfAllowed(int cluster);
 
   private:
     enum Known : std::uint8_t { Unknown, No, Yes };

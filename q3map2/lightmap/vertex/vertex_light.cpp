@@ -164,7 +164,7 @@ VertexLighter::VertexIndices VertexLighter::LightAt(const VertexIndices &vertice
     VertexIndices open;
     std::vector<SurfaceReceiverBatch> blocks;
     for (const std::size_t v : vertices) {
-        const int cluster = clusters_.Allowed(in_.space.ClusterAt(verts_[v].xyz + offset, -kSolidDepth));
+        const int cluster = clusters_.ClusterIfAllowed(in_.space.ClusterAt(verts_[v].xyz + offset, -kSolidDepth));
         if (cluster < 0)
             continue;
         if (open.size() % kPacketSize == 0) {
