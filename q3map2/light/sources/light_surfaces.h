@@ -9,10 +9,12 @@
 
 namespace q3 {
 
-/// Lights of shaders, in draw surface order: suns, sky light, area lights. Numbers the skies that shine in the table.
+/// How many lights of each kind SurfaceLights made.
 struct SurfaceLightCounts {
     int areaLights = 0, skyLights = 0;
 };
+/// Makes the lights of shaders, in draw surface order: suns, sky lights, area lights. Gives each sky that emits light
+/// its number in `table`.
 std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const LightOptions &options,
                                  const WorldLight &world, ShaderLibrary &library, SurfaceLightCounts &counts, Log &log);
 
