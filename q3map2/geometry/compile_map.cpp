@@ -131,7 +131,7 @@ bool MapCompiler::CompileWorld() {
     Seal(tree, false); // already warned of entities in solid
     const int clusters = NumberClusters(tree, context_.options.deep);
     if (sealing == Sealing::Sealed)
-        result_.portalFile = PortalFileText(tree, map_.planes, clusters);
+        result_.portalFile = PortalFileText(tree, clusters);
     const int areas = FloodAreas(tree);
     context_.log.Verbose("{:9} clusters\n{:9} areas\n", clusters, areas);
     AddEntityModels(map_, world, geometry_, context_);

@@ -14,7 +14,7 @@ namespace {
 
 class PortalFileWriter {
   public:
-    PortalFileWriter(const Tree &tree, const PlaneTable &planes) : tree_(tree), planes_(planes) {}
+    explicit PortalFileWriter(const Tree &tree) : tree_(tree) {}
     std::string Text(int clusters);
 
   private:
@@ -24,7 +24,6 @@ class PortalFileWriter {
     static void AppendPoints(std::string &text, const Polygon &polygon);
 
     const Tree &tree_;
-    const PlaneTable &planes_;
     std::string portals_, faces_;
     int portalCount_ = 0, faceCount_ = 0;
 };
@@ -97,8 +96,8 @@ std::string PortalFileWriter::Text(int clusters) {
 
 } // namespace
 
-std::string PortalFileText(const Tree &tree, const PlaneTable &planes, int clusters) {
-    return PortalFileWriter(tree, planes).Text(clusters);
+std::string PortalFileText(const Tree &tree, int clusters) {
+    return PortalFileWriter(tree).Text(clusters);
 }
 
 } // namespace q3

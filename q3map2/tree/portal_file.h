@@ -8,6 +8,6 @@
 namespace q3 {
 
 /// Text of the portal file, the input of the vis stage.
-std::string PortalFileText(const Tree &tree, const PlaneTable &planes, int clusters);
+std::string PortalFileText(const Tree &tree, int clusters);
 
 } // namespace q3

@@ -108,7 +108,7 @@ Compiled World::Compile() {
     made.secondFaces = VisibleFaces(map.World(), context);
     grow(made.second, made.secondFaces);
     made.clusters = NumberClusters(made.second, options.deep);
-    made.portalFile = PortalFileText(made.second, map.planes, made.clusters);
+    made.portalFile = PortalFileText(made.second, made.clusters);
     std::sscanf(made.portalFile.c_str(), "PRT1 %*d %d %d", &made.visiblePortals, &made.solidFaces);
     made.areas = FloodAreas(made.second);
     FilterDetailBrushes(map.World(), made.second, map.planes, context);
