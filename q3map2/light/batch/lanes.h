@@ -91,8 +91,9 @@ struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
     }
 };
 
-/// Negative if the sign of x is set.
-inline std::int32_t Sign(float x) {
+/// The bits of x as an integer: negative if the sign of x is set. Loops that OR such bits become vector code where
+/// those that OR comparisons do not.
+inline std::int32_t SignBits(float x) {
     return std::bit_cast<std::int32_t>(x);
 }
 

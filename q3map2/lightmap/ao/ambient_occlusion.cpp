@@ -101,7 +101,7 @@ float OccludedShare(float distance, float length) {
 Q3_VECTOR void CullDistant(const LightScene::Blockers &blockers, float sure, const Lanes &length, LaneMask &live,
                            Lanes &occlusion, LaneMask &close) {
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const std::int32_t hit = blockers.hit[i], far = hit & (Sign(sure - blockers.distance[i]) >> 31);
+        const std::int32_t hit = blockers.hit[i], far = hit & (SignBits(sure - blockers.distance[i]) >> 31);
         occlusion[i] += far != 0 ? OccludedShare(blockers.distance[i], length[i]) : 0;
         live[i] &= ~far;
         close[i] = hit & ~far;

@@ -56,7 +56,7 @@ Q3_VECTOR void FindNear(const NearTriangles::Group &group, const SearchRegion &r
         const float z = std::max(std::max(group.mins.z[i] - to.z, from.z - group.maxs.z[i]), 0.0f);
         const float corner = Dot(n, group.corner[i]), a = Dot(n, group.a[i]), b = Dot(n, group.b[i]);
         const float highest = corner + std::max(std::max(a, b), 0.0f);
-        found[i] = ~(Sign(most - (x * x + y * y + z * z)) | Sign(highest - least)) >> 31;
+        found[i] = ~(SignBits(most - (x * x + y * y + z * z)) | SignBits(highest - least)) >> 31;
     }
     near = found;
 }
@@ -64,8 +64,9 @@ Q3_VECTOR void FindNear(const NearTriangles::Group &group, const SearchRegion &r
 Q3_VECTOR void FindInBox(const NearTriangles::Group &group, const Vec3f &from, const Vec3f &to, LaneMask &met) {
     LaneMask found;
     for (std::size_t i = 0; i < kPacketSize; ++i)
-        found[i] = ~(Sign(to.x - group.mins.x[i]) | Sign(group.maxs.x[i] - from.x) | Sign(to.y - group.mins.y[i]) |
-                     Sign(group.maxs.y[i] - from.y) | Sign(to.z - group.mins.z[i]) | Sign(group.maxs.z[i] - from.z)) >>
+        found[i] = ~(SignBits(to.x - group.mins.x[i]) | SignBits(group.maxs.x[i] - from.x) |
+                     SignBits(to.y - group.mins.y[i]) | SignBits(group.maxs.y[i] - from.y) |
+                     SignBits(to.z - group.mins.z[i]) | SignBits(group.maxs.z[i] - from.z)) >>
                    31;
     met = found;
 }
@@ -87,8 +88,9 @@ Q3_VECTOR void IntersectTriangles(Groups groups, std::span<const unsigned> metBi
                 const float determinant = Dot(a, p), size = std::abs(determinant);
                 const float inverse = 1 / (size < kLeastDeterminant ? 1 : determinant);
                 const float u = Dot(s, p) * inverse, v = Dot(d, q) * inverse, t = Dot(b, q) * inverse;
-                const std::int32_t out = Sign(size - kLeastDeterminant) | Sign(u + kEdge) | Sign(v + kEdge) |
-                                         Sign(1 + kEdge - (u + v)) | Sign(t - nearest[i]) | Sign(now.distance[i] - t);
+                const std::int32_t out = SignBits(size - kLeastDeterminant) | SignBits(u + kEdge) |
+                                         SignBits(v + kEdge) | SignBits(1 + kEdge - (u + v)) |
+                                         SignBits(t - nearest[i]) | SignBits(now.distance[i] - t);
                 const std::int32_t meets = (~out >> 31) & live[i];
                 now.distance[i] = meets != 0 ? t : now.distance[i];
                 now.surface[i] = meets != 0 ? surface : now.surface[i];

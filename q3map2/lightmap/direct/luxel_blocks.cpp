@@ -59,9 +59,9 @@ Q3_VECTOR void CullBlocks(const LightReach &light, bool twoSided, const BlockSph
         const float near = std::sqrt(cx * cx + cy * cy + cz * cz) - r - light.areaRadius;
         const float height = std::max(std::abs(s) + r + 1, kPushHeight);
         const float most = light.strength * std::min(height, std::max(near, 0.0f)) + strong;
-        const std::int32_t faint = Sign(1 - near) & Sign(most - light.least * near * near * near);
-        keep[i] = ~(Sign(light.envelope - (d - r)) | Sign(facing + spheres.thickness[i] + aside) |
-                    Sign(s + r + behind) | faint) >>
+        const std::int32_t faint = SignBits(1 - near) & SignBits(most - light.least * near * near * near);
+        keep[i] = ~(SignBits(light.envelope - (d - r)) | SignBits(facing + spheres.thickness[i] + aside) |
+                    SignBits(s + r + behind) | faint) >>
                   31;
     }
 }
