@@ -2,6 +2,7 @@
 #include "q3map2/version.h"
 
 #include "q3map2/commit.h"
+#include "q3map2/light/batch/simd.h"
 
 #if Q3_EMBREE_MAJOR == 3
 #include <embree3/rtcore_config.h>
@@ -17,8 +18,8 @@ namespace {
 
 /// The widest instructions of this machine that the program has code for.
 std::string_view SimdLevel() {
-#if defined(__x86_64__)
-    // The same choice that target_clones makes in light/batch/light_lanes.h.
+#if Q3_VECTOR_CLONES
+    // The choice that the loader makes among the clones of light/batch/simd.h.
     __builtin_cpu_init();
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") &&
         __builtin_cpu_supports("avx512dq"))
@@ -27,7 +28,7 @@ std::string_view SimdLevel() {
         return "AVX2 (x86-64-v3)";
     return "SSE2 (x86-64)";
 #else
-    return "baseline of this architecture";
+    return "base processor of the architecture";
 #endif
 }
 
