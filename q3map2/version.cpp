@@ -28,7 +28,15 @@ std::string_view SimdLevel() {
         return "AVX2 (x86-64-v3)";
     return "SSE2 (x86-64)";
 #else
+#if defined(__AVX512F__)
+    return "AVX-512 (x86-64-v4)";
+#elif defined(__AVX2__)
+    return "AVX2 (x86-64-v3)";
+#elif defined(__x86_64__)
+    return "SSE2 (x86-64)";
+#else
     return "base processor of the architecture";
+#endif
 #endif
 }
 

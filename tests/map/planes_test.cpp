@@ -43,6 +43,15 @@ TEST(PlaneTable, DistancesOnAxesSnapToWholeNumbers) {
     EXPECT_FLOAT_EQ(float(planes[planes.Find({0, 0, 1}, 64.006)].dist), 64.006f);
 }
 
+TEST(PlaneTable, HoldsFloatValues) {
+    for (const Vec3d &normal : {Vec3d{-0.0, 0.1, 1}, Vec3d{0.1, 0, 1}, Vec3d{0.1, 0.7, 1}}) {
+        PlaneTable planes = Table();
+        const Plane &plane = planes[planes.Find(Normalize(normal), 0.1)];
+        EXPECT_EQ(plane.normal, Vec3d(Vec3f(Normalize(normal))));
+        EXPECT_EQ(plane.dist, double(0.1f));
+    }
+}
+
 TEST(PlaneTable, RefusesBadNormals) {
     PlaneTable planes = Table();
     EXPECT_EQ(planes.Find({0, 0, 0.4}, 0), -1);

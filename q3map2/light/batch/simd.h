@@ -17,8 +17,8 @@
 
 /// On the definition of a function: compiles it for processors with vectors of 512, 256 and 128 bits; the loader
 /// picks. Fused multiply-add is off (-ffp-contract=off), so all give the same bits. Sanitizers are set up after the
-/// loader has picked, so they go without. clang 14 resolves clones by other symbols, so its loops are compiled once, for
-/// the base processor.
+/// loader has picked, so they go without. clang resolves clones by other symbols, so its loops are compiled once, for the
+/// processor of the CMake option Q3MAP2_ARCH.
 #if Q3MAP2_SIMD && defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) &&             \
     !defined(Q3_SANITIZED)
 #define Q3_VECTOR __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
