@@ -2,6 +2,7 @@
 #include "common/files/archive.h"
 
 #include "common/error.h"
+#include "common/files/files.h"
 #include "common/text/text_scan.h"
 
 #include <minizip/unzip.h>
@@ -17,10 +18,9 @@ namespace q3 {
 namespace {
 
 constexpr std::uint64_t kMaxEntrySize = 256u << 20;
-constexpr std::uint64_t kMaxDeflateRatio = 1032; // no deflate stream can expand further
 constexpr std::size_t kMaxName = 255;
 constexpr std::size_t kChunk = 1u << 16;
-constexpr std::size_t kHeaderSize = 46; // least size of a directory entry
+constexpr std::size_t kLeastEntry = 46; // least size of a directory entry
 
 struct CloseZip {
     void operator()(void *zip) const { unzClose(zip); }
@@ -72,7 +72,7 @@ Archive::Archive(std::filesystem::path path) : path_(std::move(path)), reader_(s
         throw Error("{}: the directory of the archive is damaged", path_.string());
     if (global.number_entry == 0)
         return;
-    entries_.reserve(std::size_t(std::min<std::uint64_t>(global.number_entry, fileSize_ / kHeaderSize)));
+    entries_.reserve(std::size_t(std::min<std::uint64_t>(global.number_entry, fileSize_ / kLeastEntry)));
     ReadDirectory();
 }
 

@@ -12,6 +12,9 @@
 
 namespace q3 {
 
+/// No deflate stream expands to more than this many times its size.
+inline constexpr std::size_t kMaxDeflateRatio = 1032;
+
 struct CloseFile {
     void operator()(std::FILE *file) const { std::fclose(file); }
 };

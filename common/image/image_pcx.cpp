@@ -9,7 +9,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kHeaderSize = 128;
+constexpr std::size_t kPcxHeader = 128;
 constexpr unsigned kMark = 10, kRuns = 1, kRunBits = 0xC0, kLengthBits = 0x3F;
 
 class PcxReader {
@@ -17,7 +17,7 @@ class PcxReader {
     PcxReader(std::span<const std::byte> file, std::string_view name) : file_(file), name_(name) {}
 
     IndexImage Read() {
-        if (file_.size() < kHeaderSize)
+        if (file_.size() < kPcxHeader)
             TooShort();
         Expect("mark", Byte(0), kMark);
         Expect("encoding", Byte(2), kRuns);
@@ -52,7 +52,7 @@ class PcxReader {
     /// Some writers let runs go on into the next row.
     void ReadRuns(std::size_t count) {
         texels_.reserve(count);
-        std::size_t at = kHeaderSize;
+        std::size_t at = kPcxHeader;
         while (texels_.size() < count) {
             if (at >= file_.size())
                 TooShort();

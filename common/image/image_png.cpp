@@ -16,8 +16,6 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxDeflateRatio = 1032; // no deflate stream can expand further
-
 /// All that the reader owns, outside the frame that libpng's errors jump out of.
 struct PngReader {
     std::span<const std::byte> file;

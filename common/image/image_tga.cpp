@@ -10,7 +10,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kHeaderSize = 18;
+constexpr std::size_t kTgaHeader = 18;
 constexpr std::size_t kMaxPacket = 128; // pixels of one run
 
 enum class Kind { Palette = 1, Color = 2, Grey = 3 };
@@ -49,7 +49,7 @@ class TgaDecoder {
     }
 
     void ReadHeader() {
-        Need(kHeaderSize, "header");
+        Need(kTgaHeader, "header");
         const unsigned type = Byte(2), depth = Byte(16), descriptor = Byte(17);
         const unsigned plainType = type & ~8u;
         if (plainType < 1 || plainType > 3)
@@ -68,7 +68,7 @@ class TgaDecoder {
         CheckImageSize(Word(12), Word(14), name_);
         image_.width = int(Word(12));
         image_.height = int(Word(14));
-        at_ = kHeaderSize;
+        at_ = kTgaHeader;
         Need(Byte(0), "comment");
         at_ += Byte(0);
     }

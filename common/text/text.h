@@ -7,6 +7,10 @@
 
 namespace q3 {
 
+/// Whether the character separates words: a space or a control character.
+constexpr bool IsBlank(char c) {
+    return static_cast<unsigned char>(c) <= ' ';
+}
 /// Copy with A-Z in lower case.
 std::string LowerCase(std::string_view text);
 /// Equal but for the case of A-Z.

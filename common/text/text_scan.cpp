@@ -2,6 +2,7 @@
 #include "common/text/text_scan.h"
 
 #include "common/error.h"
+#include "common/text/text.h"
 
 #include <algorithm>
 
@@ -13,10 +14,6 @@ constexpr std::size_t kMaxToken = 1023;
 constexpr std::size_t kMaxIncludeDepth = 16;
 constexpr int kMaxIncludes = 256; // in all: files that include others twice would multiply
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF", kInclude = "$include";
-
-bool IsBlank(char c) {
-    return static_cast<unsigned char>(c) <= 32;
-}
 
 /// Where the plain token that begins there ends.
 std::size_t PlainEnd(const std::string &text, std::size_t begin) {

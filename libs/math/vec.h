@@ -16,6 +16,7 @@ template <typename T> struct Vec3 {
     template <typename U> constexpr explicit Vec3(const Vec3<U> &v) : x(T(v.x)), y(T(v.y)), z(T(v.z)) {}
     constexpr explicit Vec3(const std::array<float, 3> &v) : x(T(v[0])), y(T(v[1])), z(T(v[2])) {}
 
+    constexpr std::array<T, 3> Array() const { return {x, y, z}; }
     constexpr T &operator[](std::size_t i) { return i == 0 ? x : i == 1 ? y : z; }
     constexpr T operator[](std::size_t i) const { return i == 0 ? x : i == 1 ? y : z; }
 

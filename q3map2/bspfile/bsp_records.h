@@ -30,6 +30,9 @@ enum BspLump {
     kNumLumps
 };
 
+/// Bytes of a lightmap page: 128 x 128 RGB texels.
+inline constexpr std::size_t kLightmapPageBytes = 128 * 128 * 3;
+
 using Float3 = std::array<float, 3>;
 using Int3 = std::array<std::int32_t, 3>;
 

@@ -18,7 +18,6 @@ constexpr int kMaxTreeDepth = 4096;
 constexpr int kMinPatchSide = 3, kMaxPatchSide = 31;
 constexpr std::size_t kBoxSides = 6;
 constexpr std::int64_t kLightmapSide = 128;
-constexpr std::size_t kLightmapPageBytes = 128 * 128 * 3;
 // Ranges of records may overlap, as index runs do in good files; these bounds keep a small file from standing for a
 // huge map. The corpus of real maps stays under a tenth of them.
 constexpr std::uint64_t kMaxSharing = 16, kMaxIndexesPerVert = 64, kSharingSlack = 4096;

@@ -30,7 +30,6 @@ LightGridSH ReadLightGridSH(const ByteSource &file, const FilePart &part, std::s
 }
 
 constexpr std::size_t kClassicSlots = 17;
-constexpr std::size_t kLightmapPageBytes = 128 * 128 * 3;
 
 class Reader {
   public:

@@ -16,7 +16,6 @@ namespace q3 {
 namespace {
 
 constexpr std::string_view kRule = "---------------------------------";
-constexpr std::size_t kLightmapPageBytes = 128 * 128 * 3;
 constexpr double kMegabyte = 1024 * 1024;
 /// worldspawn key in which the light stage leaves the convention of the coefficients.
 constexpr std::string_view kConventionKey = "_q3map2_sh", kRadiance = "radiance";

@@ -25,6 +25,12 @@ struct DrawVert {
     bool inserted = false; ///< by T-junction repair
 };
 
+/// Whether the point is inside the coordinates that a map may use.
+inline bool InWorld(const Vec3f &p) {
+    return std::abs(double(p.x)) <= kMaxWorldCoord && std::abs(double(p.y)) <= kMaxWorldCoord &&
+           std::abs(double(p.z)) <= kMaxWorldCoord;
+}
+
 struct IndexMap;
 
 /// Settings of all surfaces of an entity, from its keys.

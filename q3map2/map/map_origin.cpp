@@ -25,11 +25,6 @@ void MoveBrush(Brush &brush, const Vec3f &by, PlaneTable &planes) {
     MoveBounds(brush.bounds, by);
 }
 
-bool InWorld(const Vec3f &p) {
-    return std::abs(double(p.x)) <= kMaxWorldCoord && std::abs(double(p.y)) <= kMaxWorldCoord &&
-           std::abs(double(p.z)) <= kMaxWorldCoord;
-}
-
 bool InWorld(const Brush &brush) {
     return InWorld(brush.bounds.mins) && InWorld(brush.bounds.maxs);
 }

@@ -36,14 +36,6 @@ bool IsDegenerate(const Patch &patch) {
     return true;
 }
 
-bool InWorld(const Patch &patch) {
-    for (const DrawVert &v : patch.verts)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            if (!(std::abs(double(v.xyz[axis])) <= kMaxWorldCoord))
-                return false;
-    return true;
-}
-
 } // namespace
 
 std::array<double, 3> PrimitiveReader::ReadVector() {
@@ -234,7 +226,7 @@ std::optional<Patch> PrimitiveReader::ReadPatch() {
     if (patch.width < 3 || patch.height < 3 || patch.width % 2 == 0 || patch.height % 2 == 0)
         scanner_.Warn("patch size", fmt::format("a patch of {} x {} points is left out, expected odd numbers from 3",
                                                 patch.width, patch.height));
-    else if (!InWorld(patch))
+    else if (!std::ranges::all_of(patch.verts, [](const DrawVert &v) { return InWorld(v.xyz); }))
         scanner_.Warn("patch outside", "a patch that leaves the world is left out");
     else if (IsDegenerate(patch))
         scanner_.Warn("degenerate patch", "a patch whose points are in one line is left out");

@@ -15,14 +15,9 @@ namespace {
 
 using Words = GeometryDirective::Words;
 
-constexpr double kMaxNumber = 1e9; // keeps products of a few numbers finite
 constexpr std::size_t kMaxSteps = 64, kMaxScattered = 64;
 constexpr int kMaxTextureSide = 65536, kMaxFurLayers = 256;
 constexpr float kTerrainShadeAngle = 179; // degrees; q3map_terrain smooths everything
-
-float Number(std::string_view text) {
-    return float(std::clamp(NumberFromText(text), -kMaxNumber, kMaxNumber));
-}
 
 Vec3f Vector(Words words) {
     return {Number(words[0]), Number(words[1]), Number(words[2])};
@@ -230,6 +225,10 @@ constexpr std::array<GeometryDirective, 34> kDirectives{{
 }};
 
 } // namespace
+
+float Number(std::string_view word) {
+    return float(std::clamp(NumberFromText(word), -kMaxNumber, kMaxNumber));
+}
 
 const GeometryDirective *FindGeometryDirective(std::string_view name) {
     const auto found = std::find_if(kDirectives.begin(), kDirectives.end(),

@@ -10,6 +10,12 @@
 
 namespace q3 {
 
+/// Numbers of scripts are clamped to this, so that products of a few stay finite.
+inline constexpr double kMaxNumber = 1e9;
+
+/// The number at the front of the word, clamped; 0 if there is none.
+float Number(std::string_view word);
+
 /// A directive and how many words follow it, parentheses not counted.
 struct GeometryDirective {
     using Words = std::span<const std::string_view>;

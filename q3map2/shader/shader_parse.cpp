@@ -17,7 +17,6 @@ namespace q3 {
 
 namespace {
 
-constexpr double kMaxNumber = 1e9; // keeps products of a few numbers finite
 constexpr int kMaxSkyIterations = 128;
 constexpr std::size_t kMaxSuns = 256; // per shader; q3map_baseShader in a chain could double the list each time
 constexpr std::size_t kMaxName = 63;
@@ -27,10 +26,6 @@ constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from 
 /// Known words without effect, which cause no warning.
 constexpr std::array<std::string_view, 5> kDirectivesWithoutEffect = {
     "q3map_novertexshadows", "q3map_patchshadows", "q3map_stylemarker", "q3map_stylemarker2", "q3map_vertexshadows"};
-
-float Number(std::string_view text) {
-    return float(std::clamp(NumberFromText(text), -kMaxNumber, kMaxNumber));
-}
 
 /// Whether the word equals `lower` without case.
 bool IsWord(std::string_view word, std::string_view lower) {

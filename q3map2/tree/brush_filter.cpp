@@ -10,7 +10,6 @@ namespace q3 {
 
 namespace {
 
-constexpr double kSideEpsilon = 0.1;
 constexpr double kLeastVolume = 1; ///< cubic units
 constexpr double kOverlap = 1;     ///< by which an area portal must extend over a portal
 
@@ -55,7 +54,8 @@ bool IsSolid(const BrushFragment &piece) {
     return true;
 }
 
-std::pair<double, double> Reach(const BrushFragment &piece, const Plane &plane) {
+/// Least and greatest distance of the piece from the plane; the range holds 0.
+std::pair<double, double> DistanceRange(const BrushFragment &piece, const Plane &plane) {
     double low = 0, high = 0;
     for (const BrushFragment::Side &side : piece.sides)
         for (const Vec3f &p : side.polygon) {
@@ -83,7 +83,7 @@ Polygon SectionOf(const BrushFragment &piece, const Plane &plane, const PlaneTab
 std::array<std::optional<BrushFragment>, 2> SplitPiece(BrushFragment piece, int planeNum, const PlaneTable &planes) {
     std::array<std::optional<BrushFragment>, 2> halves;
     const Plane &plane = planes[planeNum];
-    const auto [low, high] = Reach(piece, plane);
+    const auto [low, high] = DistanceRange(piece, plane);
     if (high < kSideEpsilon || low > -kSideEpsilon) {
         halves[high < kSideEpsilon ? 1 : 0] = std::move(piece);
         return halves;

@@ -11,7 +11,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kSideEpsilon = 0.1, kClipEpsilon = 0.2; ///< game units
+constexpr double kClipEpsilon = 0.2; ///< game units
 constexpr std::size_t kMostNodes = std::size_t(1) << 20;
 /// Budget of plane-face tests for a node. Once it is spent, only this many of the remaining candidate planes, evenly
 /// spaced, are tested. Reached with tens of thousands of tilted brushes.

@@ -11,6 +11,9 @@
 
 namespace q3 {
 
+/// Distance from a plane up to which something counts as on it. Game units.
+inline constexpr double kSideEpsilon = 0.1;
+
 /// A polygon that may split the tree.
 struct TreeFace {
     Polygon polygon;

@@ -54,8 +54,6 @@ class Files : public testing::Test {
 
 const std::vector<std::byte> kNew(100000, std::byte('n'));
 
-const BspFormat kQuakeLive{.version = 47, .advertisements = true};
-
 /// The sample with a grid of side x side x side points.
 Bsp WithGrid(int side, float value) {
     Bsp bsp = SampleBsp();

@@ -16,8 +16,6 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-const BspFormat kQuakeLive{.version = 47, .advertisements = true};
-
 /// The sample in every layout that is written.
 std::vector<Bytes> AllLayouts() {
     Bsp bsp = SampleBsp();

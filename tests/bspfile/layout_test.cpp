@@ -15,7 +15,6 @@ using testing::HasSubstr;
 namespace {
 
 const BspFormat kQuake3{};
-const BspFormat kQuakeLive{.version = 47, .advertisements = true};
 const BspFormat kWolfenstein{.version = 47};
 
 using Bytes = std::vector<std::byte>;

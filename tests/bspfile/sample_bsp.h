@@ -12,6 +12,9 @@
 
 namespace q3::test {
 
+/// The layout of Quake Live.
+inline const BspFormat kQuakeLive{.version = 47, .advertisements = true};
+
 /// A slab of floor under a room: two nodes, four leafs, two brushes, a quad, a 3x3 patch, a soup triangle and a flare,
 /// a fog, two clusters, a light grid of 3 x 3 x 2 points. No lightmap page, no advertisement, no SH grid.
 Bsp SampleBsp();

@@ -12,7 +12,7 @@ namespace q3::test {
 
 namespace {
 
-constexpr std::string_view kFloor = "textures/test/floor";
+constexpr std::string_view kDirtFloor = "textures/test/floor";
 const Boundsf kRoom{{-101.3f, -90.7f, -50}, {111.9f, 95.1f, 121.7f}};
 
 /// A shader whose picture is one texel of that opacity.
@@ -51,7 +51,7 @@ std::optional<double> WayIn(const Vec3d &p, const Vec3d &d, const Boundsf &box) 
 /// A floor inside a room with boxes in it, facing up.
 class DirtTest : public testing::Test {
   protected:
-    void AddFloor(SceneBuilder &scene) const { scene.AddQuad(Rectangle(-75, -70, 85, 77, 0), Shaded(kFloor)); }
+    void AddFloor(SceneBuilder &scene) const { scene.AddQuad(Rectangle(-75, -70, 85, 77, 0), Shaded(kDirtFloor)); }
     /// The room, its floor, and boxes.
     SceneBuilder Room() const {
         SceneBuilder scene = EmptyRoom(kRoom.mins, kRoom.maxs);
@@ -121,7 +121,7 @@ class DirtTest : public testing::Test {
     void ExpectDirt(const CaseSettings &settings) const {
         SurfaceCase c(Room(), folder, settings);
         const SurfaceLight surfaces = DirtOf(c);
-        const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
+        const RawLightmap &raw = LightmapOf(c, surfaces, kDirtFloor);
         const std::vector<double> expected = Expected(raw, settings.lightmap);
         ASSERT_EQ(raw.dirt.size(), expected.size());
         int mapped = 0;
@@ -150,7 +150,7 @@ TEST_F(DirtTest, NothingNearIsClean) {
     AddFloor(scene);
     SurfaceCase c(scene, folder, Dirty());
     const SurfaceLight surfaces = DirtOf(c);
-    const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
+    const RawLightmap &raw = LightmapOf(c, surfaces, kDirtFloor);
     for (std::size_t i = 0; i < raw.dirt.size(); ++i)
         if (raw.Mapped(i)) {
             EXPECT_EQ(raw.dirt[i], 1) << i;
@@ -195,7 +195,7 @@ TEST_F(DirtTest, MoreThanBlackIsBlack) {
     settings.lightmap.dirtScale = 100;
     SurfaceCase c(Room(), folder, settings);
     const SurfaceLight surfaces = DirtOf(c);
-    for (const float dirt : LightmapOf(c, surfaces, kFloor).dirt)
+    for (const float dirt : LightmapOf(c, surfaces, kDirtFloor).dirt)
         EXPECT_EQ(dirt, 0);
 }
 
@@ -205,7 +205,7 @@ TEST_F(DirtTest, RandomRaysAgreeWithTheMeanOverTheCone) {
     settings.lightmap.dirtRandom = true;
     SurfaceCase c(Room(), folder, settings);
     const SurfaceLight surfaces = DirtOf(c);
-    const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
+    const RawLightmap &raw = LightmapOf(c, surfaces, kDirtFloor);
     double sum = 0, expected = 0;
     int count = 0;
     for (std::size_t i = 0; i < raw.dirt.size(); ++i)
@@ -240,7 +240,7 @@ TEST_F(DirtTest, ShadersMayBeWithout) {
     settings.script = "textures/test/floor\n{\nq3map_noDirty\n}\n";
     SurfaceCase c(Room(), folder, settings);
     const SurfaceLight surfaces = DirtOf(c);
-    for (const float dirt : LightmapOf(c, surfaces, kFloor).dirt)
+    for (const float dirt : LightmapOf(c, surfaces, kDirtFloor).dirt)
         EXPECT_EQ(dirt, 1);
 }
 
@@ -249,7 +249,7 @@ TEST_F(DirtTest, ReceiversOfNoShadowAreClean) {
     settings.surfaces = "default\n{\nreceiveShadows 0\nsampleSize 16\nlightmapAxis ( 0 0 1 )\n}\n";
     SurfaceCase c(Room(), folder, settings);
     const SurfaceLight surfaces = DirtOf(c);
-    const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
+    const RawLightmap &raw = LightmapOf(c, surfaces, kDirtFloor);
     int mapped = 0;
     for (std::size_t i = 0; i < raw.dirt.size(); ++i)
         if (raw.Mapped(i)) {
@@ -269,7 +269,7 @@ TEST_F(DirtTest, SeeThroughRoofsCountWhereTheyAreOpaque) {
         settings.script = "textures/test/roof\n{\nsurfaceparm alphashadow\n}\n";
         SurfaceCase c(scene, folder, settings);
         const SurfaceLight surfaces = DirtOf(c);
-        const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
+        const RawLightmap &raw = LightmapOf(c, surfaces, kDirtFloor);
         double gathered = 0; // 32 units to the roof
         for (const double elevation : {14.5, 43.5, 72.5})
             gathered += 16 * (1 - 32 / std::cos(elevation * std::numbers::pi / 180) / 128);
@@ -287,7 +287,7 @@ TEST_F(DirtTest, LuxelsInThePlaneOfAWallSeeAwayFromIt) {
     AddFloor(scene);
     SurfaceCase c(scene, folder, Dirty());
     SurfaceLight surfaces = c.Mapped();
-    RawLightmap &raw = surfaces.lightmaps[std::size_t(surfaces.lightmapOf[std::size_t(SurfacesOf(c, kFloor)[0])])];
+    RawLightmap &raw = surfaces.lightmaps[std::size_t(surfaces.lightmapOf[std::size_t(SurfacesOf(c, kDirtFloor)[0])])];
     raw.width = raw.height = raw.super = 1;
     raw.positions = {{1024, 0, 1}};
     raw.normals = {{0, 0, 1}};
@@ -311,7 +311,7 @@ TEST_F(FloodTest, WorldsByOpenness) {
     SurfaceCase c(scene, folder);
     SurfaceLight surfaces = c.Mapped();
     FloodLuxels(c.Inputs(), surfaces);
-    const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
+    const RawLightmap &raw = LightmapOf(c, surfaces, kDirtFloor);
     EXPECT_EQ(raw.floodDirectionScale, 0.25f);
     int mapped = 0;
     for (std::size_t i = 0; i < raw.luxelClusters.size(); ++i)
@@ -334,7 +334,7 @@ TEST_F(FloodTest, ShadersAddTheirOwn) {
         SurfaceCase c(scene, folder, settings);
         SurfaceLight surfaces = c.Mapped();
         FloodLuxels(c.Inputs(), surfaces);
-        const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
+        const RawLightmap &raw = LightmapOf(c, surfaces, kDirtFloor);
         const auto open = std::size_t(
             std::find_if(raw.luxelClusters.begin(), raw.luxelClusters.end(), [](int c0) { return c0 >= 0; }) -
             raw.luxelClusters.begin());
@@ -343,7 +343,7 @@ TEST_F(FloodTest, ShadersAddTheirOwn) {
         // Walls are 1024 away and more; the world's light reaches 1024.
         EXPECT_NEAR(raw.floodlight[open].y - raw.floodlight[open].x, 30, 1e-3);
         EXPECT_EQ(raw.floodlight[open].x > 100, world);
-        EXPECT_TRUE(LightmapOf(c, surfaces, kFloor).floodlight.size() == raw.luxelClusters.size());
+        EXPECT_TRUE(LightmapOf(c, surfaces, kDirtFloor).floodlight.size() == raw.luxelClusters.size());
     }
 }
 
@@ -356,7 +356,7 @@ TEST_F(FloodTest, LowQualityIsNearToTheWholeOne) {
         SurfaceCase c(Room(), folder, settings);
         SurfaceLight surfaces = c.Mapped();
         FloodLuxels(c.Inputs(), surfaces);
-        const RawLightmap &raw = LightmapOf(c, surfaces, kFloor);
+        const RawLightmap &raw = LightmapOf(c, surfaces, kDirtFloor);
         for (const Vec3f &light : raw.floodlight)
             mean[low ? 1 : 0] += light / float(raw.floodlight.size());
     }

@@ -8,8 +8,6 @@ namespace q3::test {
 
 namespace {
 
-constexpr std::string_view kA = "textures/test/a", kB = "textures/test/b";
-
 class LuxelTest : public testing::Test {
   protected:
     GameFolder folder;
@@ -37,12 +35,6 @@ Bsp WithTriangle(const SceneBuilder &room, const std::array<Vec3f, 3> &corners) 
             surface.lightmapVecs[2] = bsp.drawVerts[std::size_t(surface.firstVert)].normal;
         }
     return bsp;
-}
-
-void ExpectVector(const Vec3f &got, const Vec3f &expected, float within = 1e-3f) {
-    EXPECT_NEAR(got.x, expected.x, within);
-    EXPECT_NEAR(got.y, expected.y, within);
-    EXPECT_NEAR(got.z, expected.z, within);
 }
 
 TEST_F(LuxelTest, OpenLuxelsStandAUnitOffTheirCentre) {

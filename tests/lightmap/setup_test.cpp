@@ -12,18 +12,10 @@ namespace {
 
 using testing::ElementsAre;
 
-constexpr std::string_view kA = "textures/test/a", kB = "textures/test/b";
-
 class SetupTest : public testing::Test {
   protected:
     GameFolder folder;
 };
-
-void ExpectVector(const Vec3f &got, const Vec3f &expected, float within = 1e-3f) {
-    EXPECT_NEAR(got.x, expected.x, within);
-    EXPECT_NEAR(got.y, expected.y, within);
-    EXPECT_NEAR(got.z, expected.z, within);
-}
 
 /// A closed tube around the z axis, seen from inside or outside.
 void AddTube(SceneBuilder &scene, float radius, float height, std::string_view shader) {

@@ -12,10 +12,21 @@
 #include "tests/light/compiled_map.h"
 #include "tools/scene/scene_builder.h"
 
+#include <gtest/gtest.h>
+
 #include <string>
 #include <string_view>
 
 namespace q3::test {
+
+/// Shaders of the surfaces under test; the room has others.
+inline constexpr std::string_view kA = "textures/test/a", kB = "textures/test/b";
+
+inline void ExpectVector(const Vec3f &got, const Vec3f &expected, float within = 1e-3f) {
+    EXPECT_NEAR(got.x, expected.x, within);
+    EXPECT_NEAR(got.y, expected.y, within);
+    EXPECT_NEAR(got.z, expected.z, within);
+}
 
 /// What a case is made of, besides the map.
 struct CaseSettings {

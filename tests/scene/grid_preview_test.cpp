@@ -16,8 +16,8 @@
 namespace q3 {
 namespace {
 
-const SceneShader kWall{"textures/test/wall"};
-constexpr Vec3f kRed{0.8f, 0, 0}, kBlue{0, 0, 0.8f};
+const SceneShader kRoomWall{"textures/test/wall"};
+constexpr Vec3f kRedLight{0.8f, 0, 0}, kBlueLight{0, 0, 0.8f};
 constexpr std::uint8_t kByte = 204; ///< 0.8 of 255
 
 void AddLight(bspGridPointSH_t &point, const Vec3d &direction, const Vec3f &color) {
@@ -30,14 +30,14 @@ void AddLight(bspGridPointSH_t &point, const Vec3d &direction, const Vec3f &colo
 /// A room whose walls, seen from anywhere, shine red from the south and blue from the north.
 Bsp TwoColours() {
     SceneBuilder builder;
-    builder.SetInterior({-256, -256, 0}, {256, 256, 256}, kWall);
-    builder.AddBox({-32, -32, 0}, {32, 32, 256}, kWall);
+    builder.SetInterior({-256, -256, 0}, {256, 256, 256}, kRoomWall);
+    builder.AddBox({-32, -32, 0}, {32, 32, 256}, kRoomWall);
     builder.AddEntity({{{"classname", "info_player_start"}, {"origin", "100 100 32"}}});
     Bsp bsp = builder.Build();
     const GridLayout sh = LayoutGrid(bsp.models[0].mins, bsp.models[0].maxs, {32, 32, 64});
     bspGridPointSH_t point{};
-    AddLight(point, {0, -1, 0}, kRed);
-    AddLight(point, {0, 1, 0}, kBlue);
+    AddLight(point, {0, -1, 0}, kRedLight);
+    AddLight(point, {0, 1, 0}, kBlueLight);
     bsp.gridSH = LightGridSH{{sh.mins, sh.size, sh.bounds, std::int32_t(sh.Count())}, {}};
     bsp.gridSH->points.assign(std::size_t(sh.Count()), point);
     const GridLayout legacy = LayoutGrid(bsp.models[0].mins, bsp.models[0].maxs, {64, 64, 128});

@@ -5,6 +5,7 @@
 #include "tests/common/game_folder.h"
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -13,6 +14,9 @@
 #include <gtest/gtest.h>
 
 namespace q3::test {
+
+/// Surface flags of the surfaceparms slick and dust.
+inline constexpr std::uint32_t kSlick = 0x2, kDust = 0x40000;
 
 /// Write files into `folder`, then Load.
 class LibraryTest : public testing::Test {

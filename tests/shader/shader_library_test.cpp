@@ -10,6 +10,7 @@
 namespace q3 {
 namespace {
 
+using test::kDust, test::kSlick;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
@@ -22,8 +23,6 @@ using ShaderColors = test::LibraryTest;
 std::string Entry(std::string_view name, std::string_view parm) {
     return fmt::format("{}\n{{\nsurfaceparm {}\n}}\n", name, parm);
 }
-
-constexpr std::uint32_t kSlick = 0x2, kDust = 0x40000;
 
 TEST_F(ScriptDiscovery, ListsOfAllFoldersAreReadAndNothingElse) {
     folder.Write("scripts/shaderlist.txt", "one // comment\nOne.shader\ntwo.shader\n");

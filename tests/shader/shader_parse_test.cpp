@@ -6,12 +6,13 @@
 namespace q3 {
 namespace {
 
+using test::kDust, test::kSlick;
 using testing::HasSubstr;
 
 using ShaderGrammar = test::LibraryTest;
 using ShaderDirectives = test::LibraryTest;
 
-constexpr std::uint32_t kSlick = 0x2, kDust = 0x40000, kMetal = 0x1000;
+constexpr std::uint32_t kMetal = 0x1000;
 
 TEST_F(ShaderGrammar, QuotedNamesAndHiddenEntries) {
     LoadScript("\"a b\"\n{\nsurfaceparm slick\n}\nhidden:q3map { \nsurfaceparm dust\n}\n");

@@ -17,10 +17,6 @@ using Surface = SceneBuilder::Surface;
 
 constexpr std::uint32_t kSurfNoDraw = 0x80;
 
-Float3 Array(const Vec3f &v) {
-    return {v.x, v.y, v.z};
-}
-
 Int3 RoundDown(const Vec3f &v) {
     return {int(std::floor(v.x)), int(std::floor(v.y)), int(std::floor(v.z))};
 }
@@ -174,7 +170,7 @@ class MapBuilder {
         surface.patchWidth = source.patchWidth;
         surface.patchHeight = source.patchHeight;
         if (source.type == MST_PATCH) // the level-of-detail group
-            surface.lightmapVecs = {Array(bounds.mins), Array(bounds.maxs), Float3{}};
+            surface.lightmapVecs = {bounds.mins.Array(), bounds.maxs.Array(), Float3{}};
         else if (source.type == MST_PLANAR)
             surface.lightmapVecs[2] = source.verts[0].normal;
         bsp_.drawSurfaces.push_back(surface);
@@ -185,7 +181,7 @@ class MapBuilder {
 
     /// What was added since the last model belongs to this one.
     void EndModel(const Boundsf &bounds) {
-        bspModel_t model{Array(bounds.mins), Array(bounds.maxs), 0, 0, 0, 0};
+        bspModel_t model{bounds.mins.Array(), bounds.maxs.Array(), 0, 0, 0, 0};
         if (!bsp_.models.empty()) {
             const bspModel_t &last = bsp_.models.back();
             model.firstBSPSurface = last.firstBSPSurface + last.numBSPSurfaces;

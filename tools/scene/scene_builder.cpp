@@ -43,12 +43,8 @@ SceneBuilder::Box MakeBox(const Boundsf &bounds, const SceneShader &shader, BoxK
     return box;
 }
 
-Float3 Array(const Vec3f &v) {
-    return {v.x, v.y, v.z};
-}
-
 bspDrawVert_t SceneVert(const Vec3f &point, const Vec3f &normal, float s, float t) {
-    return {Array(point), {s / kSceneTextureSize, t / kSceneTextureSize}, {}, Array(normal), {255, 255, 255, 255}};
+    return {point.Array(), {s / kSceneTextureSize, t / kSceneTextureSize}, {}, normal.Array(), {255, 255, 255, 255}};
 }
 
 // Texture coordinates along the two axes that the normal is farthest from.

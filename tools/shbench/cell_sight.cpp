@@ -14,8 +14,6 @@ namespace q3::bench {
 
 namespace {
 
-/// Rays end this far in front of an emitter, or half way to its plane. Game units.
-constexpr double kGap = 0.125;
 /// Rays to an area light after which no more are cast where each place saw all or nothing.
 constexpr int kFirstRays = 4;
 
@@ -171,7 +169,7 @@ void CellSight::AddRay(const Light &light, const Vec3f &target, Shares &sums) co
         Vec3d end(target);
         if (light.type == LightType::Area) {
             const double height = HeightOver(light, receivers_[i]);
-            end += light.shape.normal * std::copysign(std::min(kGap, std::abs(height) / 2), height);
+            end += light.shape.normal * std::copysign(std::min(kEmitterGap, std::abs(height) / 2), height);
         }
         packet.Aim(i, receivers_[i], Vec3f(end));
         if (light.type == LightType::Sun)

@@ -9,7 +9,7 @@ namespace q3::bench {
 namespace {
 
 /// Picture units.
-constexpr double kLeft = 24, kTop = 102, kMostWidth = 616, kMostHeight = 790;
+constexpr double kPlanLeft = 24, kPlanTop = 102, kMostWidth = 616, kMostHeight = 790;
 constexpr int kCellsPerUnit = 2;   ///< of the ground, per picture unit: pixels of a PNG
 constexpr float kMargin = 48;      ///< of the area around the positions, game units
 constexpr int kMostLevels = 24;    ///< heights at which space is looked for
@@ -172,7 +172,7 @@ PlanFrame FrameOf(const Boundsf &area) {
     PlanFrame frame;
     frame.scale = std::min(kMostWidth / width, kMostHeight / height);
     frame.width = width * frame.scale, frame.height = height * frame.scale;
-    frame.x = kLeft + (kMostWidth - frame.width) / 2, frame.y = kTop;
+    frame.x = kPlanLeft + (kMostWidth - frame.width) / 2, frame.y = kPlanTop;
     return frame;
 }
 

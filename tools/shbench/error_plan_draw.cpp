@@ -17,7 +17,7 @@ namespace q3::bench {
 namespace {
 
 /// Picture units.
-constexpr double kWidth = 1000, kSide = 662, kSideEnd = 976, kBottomMargin = 50;
+constexpr double kPlanWidth = 1000, kSide = 662, kSideEnd = 976, kBottomMargin = 50;
 constexpr double kRing = 8, kLeastDot = 1.6, kMostDot = 4.2, kCross = 3;
 constexpr double kCrossRaster = 8; ///< one cross stands for all lights in a square of it
 constexpr double kLine = 19;       ///< of text
@@ -47,7 +47,7 @@ class PlanPainter {
         drawing_.Use(kInk);
         drawing_.Text(24, 36, 0, plan_.title, 20);
         drawing_.Use(kFaded);
-        drawing_.Text(24, 60, 0, Fitting(plan_.subtitle, kWidth - 48));
+        drawing_.Text(24, 60, 0, Fitting(plan_.subtitle, kPlanWidth - 48));
         drawing_.Text(24, 80, 0,
                       "floor: error of the exact L2 projection, the best that can be stored; grid error: "
                       "difference from it");
@@ -322,7 +322,8 @@ Vec3f ErrorColor(double share) {
 }
 
 void WriteErrorPlan(const ErrorPlan &plan, const std::filesystem::path &file) {
-    WriteDrawing(kWidth, PlanPainter::Height(plan), file, [&](Drawing &drawing) { PlanPainter(plan, drawing).Draw(); });
+    WriteDrawing(kPlanWidth, PlanPainter::Height(plan), file,
+                 [&](Drawing &drawing) { PlanPainter(plan, drawing).Draw(); });
 }
 
 } // namespace q3::bench

@@ -11,10 +11,6 @@ namespace q3::bench {
 
 namespace {
 
-double Displayed(float value) {
-    return 255 * std::clamp(double(value), 0.0, 1.0);
-}
-
 double Percentile(std::vector<float> &values, double share) {
     if (values.empty())
         return 0;

@@ -87,10 +87,6 @@ TruthPoint Finish(const BenchMap &map, const Vec3f &position, const DirectionSum
     return point;
 }
 
-double Displayed(float value) {
-    return 255 * std::clamp(double(value), 0.0, 1.0);
-}
-
 } // namespace
 
 std::vector<Vec3f> PlayerPositions(const BenchMap &map, int count, std::uint64_t seed) {

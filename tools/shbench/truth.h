@@ -5,11 +5,17 @@
 #include "tools/shbench/bench_map.h"
 #include "tools/shbench/truth_lights.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace q3::bench {
+
+/// The byte that a screen shows for light on the scale 1.0 = byte 255, unrounded.
+inline double Displayed(float light) {
+    return 255 * std::clamp(double(light), 0.0, 1.0);
+}
 
 struct TruthSettings {
     int positions = 2000;

@@ -15,8 +15,6 @@ namespace {
 constexpr double kNearest = 16;
 constexpr double kLinearShare = 1.0 / 8000;
 constexpr double kConeRim = 32; ///< game units
-/// Rays end this far in front of the emitter, or half way to its plane. Game units.
-constexpr double kGap = 0.125;
 /// Pieces are cut until their longest edge is under this share of their distance, or so often.
 constexpr double kPieceSize = 0.5;
 constexpr int kMaxCuts = 14;
@@ -106,7 +104,7 @@ void CutAreaLight(const Light &light, const Vec3d &p, std::vector<AreaPiece> &pi
     const double height = Dot(front, p - Vec3d(light.w[0]));
     if (height == 0 || (height < 0 && !light.twoSided))
         return;
-    const Vec3d lift = front * std::copysign(std::min(kGap, 0.5 * std::abs(height)), height);
+    const Vec3d lift = front * std::copysign(std::min(kEmitterGap, 0.5 * std::abs(height)), height);
     struct Part {
         std::array<Vec3d, 3> c;
         int cuts;

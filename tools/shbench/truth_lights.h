@@ -27,6 +27,9 @@ struct DirectionSum {
     DirectionSum &operator+=(const DirectionSum &o);
 };
 
+/// Rays end this far in front of an emitter, or half way to its plane. Game units.
+inline constexpr double kEmitterGap = 0.125;
+
 /// Falloff and cone of a point light or spotlight at p, byte scale for full colour.
 double PointLightAt(const Light &light, const Vec3d &p);
 

@@ -16,10 +16,6 @@ namespace {
 constexpr std::size_t kMaxName = 63;
 constexpr std::string_view kNoShader = "noshader";
 
-Float3 Values(const Vec3f &v) {
-    return {v.x, v.y, v.z};
-}
-
 /// Bounds rounded outward to integers; zeros for an empty box.
 void SetBounds(const Boundsf &bounds, Int3 &mins, Int3 &maxs) {
     mins = maxs = {};
@@ -104,8 +100,8 @@ void BspWriter::BeginModel(const MapEntity &entity) {
     const Boundsf bounds = BoundsOf(entity, bsp.models.empty());
     bspModel_t model{};
     if (!bounds.Empty()) {
-        model.mins = Values(bounds.mins);
-        model.maxs = Values(bounds.maxs);
+        model.mins = bounds.mins.Array();
+        model.maxs = bounds.maxs.Array();
     }
     model.firstBSPSurface = std::int32_t(bsp.drawSurfaces.size());
     model.firstBSPBrush = std::int32_t(bsp.brushes.size());
@@ -235,7 +231,7 @@ void BspWriter::EmitFogs(const Geometry &geometry) {
 void BspWriter::EmitPlanes() {
     for (int i = 0; i < map_.planes.Count(); ++i) {
         const Plane &plane = map_.planes[i];
-        bsp.planes.push_back({Values(Vec3f(plane.normal)), float(plane.dist)});
+        bsp.planes.push_back({Vec3f(plane.normal).Array(), float(plane.dist)});
     }
     for (bspShader_t &shader : bsp.shaders)
         if (const std::string &other = context_.shaders.Get(FieldName(shader.shader)).geometry.remapShader;

@@ -21,10 +21,6 @@ namespace {
 
 constexpr std::string_view kDebugShader = "debugsurfaces";
 
-Float3 Values(const Vec3f &v) {
-    return {v.x, v.y, v.z};
-}
-
 bool IsPolygon(const DrawSurface &surface) {
     return (surface.kind == SurfaceKind::Face || surface.kind == SurfaceKind::Decal) && surface.indexes.empty();
 }
@@ -89,14 +85,14 @@ void BspWriter::WriteVerts(const DrawSurface &surface) {
     for (const DrawVert &vert : surface.verts) {
         bspDrawVert_t record{};
         const Vec3f p = vert.xyz + vert.normal * surface.shader->geometry.offset;
-        record.xyz = Values(p);
+        record.xyz = p.Array();
         record.st = vert.st;
-        record.normal = Values(vert.normal);
+        record.normal = vert.normal.Array();
         record.color = context_.options.debugSurfaces ? OpaqueDebugColor(bsp.drawSurfaces.size()) : vert.color;
         bsp.drawVerts.push_back(record);
         if (growsModel) {
-            model.mins = Values(Min(Vec3f(model.mins), p));
-            model.maxs = Values(Max(Vec3f(model.maxs), p));
+            model.mins = Min(Vec3f(model.mins), p).Array();
+            model.maxs = Max(Vec3f(model.maxs), p).Array();
         }
     }
 }
@@ -110,10 +106,10 @@ void BspWriter::WriteSurface(const DrawSurface &surface) {
     record.lightmapNum = kByVertex;
     const bool isFlare = record.surfaceType == MST_FLARE;
     if (isFlare)
-        record.lightmapOrigin = Values(surface.lightmapOrigin);
+        record.lightmapOrigin = surface.lightmapOrigin.Array();
     const bool keepsVectors = isFlare || record.surfaceType == MST_PATCH;
     for (std::size_t i = keepsVectors ? 0 : 2; i < 3; ++i)
-        record.lightmapVecs[i] = Values(surface.lightmapVecs[i]);
+        record.lightmapVecs[i] = surface.lightmapVecs[i].Array();
     if (record.surfaceType == MST_PATCH || record.surfaceType == MST_FOLIAGE) {
         record.patchWidth = surface.width;
         record.patchHeight = surface.height;

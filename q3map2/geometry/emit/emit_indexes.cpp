@@ -8,8 +8,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kTriangle = 3; // indexes
-constexpr int kWarmHits = 3;         // all three vertices are in the cache
+constexpr int kWarmHits = 3; // all three vertices are in the cache
 
 /// FIFO of the vertices used last, newest first.
 class VertexCache {

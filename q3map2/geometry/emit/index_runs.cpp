@@ -1,12 +1,14 @@
 // GPL-2.0-or-later. Equal runs of draw indexes are stored once.
 #include "q3map2/geometry/emit/index_runs.h"
 
+#include "q3map2/geometry/emit/emit_indexes.h"
+
 #include <algorithm>
 
 namespace q3 {
 namespace {
 
-constexpr std::size_t kTriangle = 3, kPair = 6; ///< indexes
+constexpr std::size_t kPair = 2 * kTriangle; ///< indexes
 
 template <typename List> std::uint64_t HashOf(const List &list, std::size_t at, std::size_t count) {
     std::uint64_t hash = 14695981039346656037u;

@@ -12,6 +12,9 @@
 
 namespace q3 {
 
+/// Smallest cell of either grid, on each axis. Game units.
+inline constexpr float kMinCell = 8;
+
 /// Everything that a grid pass reads.
 struct GridInputs {
     const BspSpace &space;

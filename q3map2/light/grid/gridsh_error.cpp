@@ -17,10 +17,9 @@ namespace {
 constexpr std::uint64_t kSeed = 0x4572726F72ull;
 /// Random positions tried for each receiver.
 constexpr std::size_t kTries = 2000;
-constexpr float kMinCell = 8;
 /// Sample patterns of the receivers start here, apart from those of grid points.
 constexpr std::uint32_t kFirstIndex = 0x80000000u;
-constexpr double kDark = 0.01, kShownLit = 0.05; ///< shares of the map's mean light: see GridSHError::leak
+constexpr double kDarkShare = 0.01, kShownLit = 0.05; ///< shares of the map's mean light: see GridSHError::leak
 /// Errors under this are not to be seen. 255ths.
 constexpr double kInvisible = 0.1;
 
@@ -181,7 +180,7 @@ double LeakShare(const std::vector<DisplayedLight> &exact, const std::vector<Dis
         mean += Mean(light) / double(exact.size());
     std::size_t leaks = 0;
     for (std::size_t i = 0; i < exact.size(); ++i)
-        leaks += Mean(exact[i]) < kDark * mean && Mean(shown[i]) > kShownLit * mean;
+        leaks += Mean(exact[i]) < kDarkShare * mean && Mean(shown[i]) > kShownLit * mean;
     return double(leaks) / double(exact.size());
 }
 

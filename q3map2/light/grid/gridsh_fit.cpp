@@ -25,8 +25,8 @@ constexpr int kSteepFactor = 6;
 constexpr int kMostTriesAll = 8, kMostTries = 2;
 /// Weight of a point's value before the fit, as a share of the weight of its samples; without and with -shfit.
 constexpr float kPull = 0.1f, kPullAll = 0.03f;
-/// Samples of mean light m have weight (kDark / (kDark + m))^(1/4): leaks show in the dark. 1 = byte 255.
-constexpr float kDark = 0.02f;
+/// Samples of mean light m have weight (kDarkLight / (kDarkLight + m))^(1/4): leaks show in the dark. 1 = byte 255.
+constexpr float kDarkLight = 0.02f;
 /// Samples of mean light m count less where kBeyondScreen * m > 1: their weight is divided by (kBeyondScreen *
 /// m)^kFall. The screen is white there on some side, and the steep light beside a lamp, which no grid fits, would pull
 /// at points cells away. The second values are for -shfit, where more points follow such light.
@@ -230,7 +230,7 @@ void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
 
 void GridFit::Accumulate(const FitSample &sample) {
     const float mean = MeanLight(sample.value), beyond = std::clamp(beyondScreen_ * mean, 1.0f, kMostBeyond);
-    const float weight = sample.weight * std::pow(kDark / (kDark + mean), 0.25f) /
+    const float weight = sample.weight * std::pow(kDarkLight / (kDarkLight + mean), 0.25f) /
                          std::pow(beyond, in_.options.shFit > 0 ? kFallAll : kFall);
     const auto corners = CornersAt(sample.position);
     const auto numbers = std::bit_cast<ShCoefficients>(sample.value);

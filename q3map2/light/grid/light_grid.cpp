@@ -16,14 +16,13 @@ namespace q3 {
 
 namespace {
 
-constexpr std::int64_t kMaxPoints = 0x100000;
-constexpr float kMinCell = 8;
+constexpr std::int64_t kMaxLegacyPoints = 0x100000;
 constexpr float kNudgeMargin = -0.125f;
 constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
 constexpr int kNudges = 16;            ///< steps from the point to half a cell away
 constexpr std::int32_t kMaxRecords = 32767;
 /// Lights fainter than this in all of a brick are represented by a few of them. Byte scale.
-constexpr float kFaint = 1.0f / 16;
+constexpr float kFaintInBrick = 1.0f / 16;
 
 /// Blocks that are lit together, so that their rays fill packets; more would keep more records at once.
 constexpr std::size_t kTogether = 4;
@@ -364,7 +363,7 @@ GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {
         size[i] = std::max(kMinCell, std::floor(wanted[i]));
     const bspModel_t &model = bsp.models.front();
     GridLayout layout = LayoutGrid(model.mins, model.maxs, size);
-    for (std::size_t axis = 0; layout.Count() > kMaxPoints; axis = (axis + 1) % 3) {
+    for (std::size_t axis = 0; layout.Count() > kMaxLegacyPoints; axis = (axis + 1) % 3) {
         size[axis] += 16;
         layout = LayoutGrid(model.mins, model.maxs, size);
     }
@@ -390,10 +389,11 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
         std::vector<ReceiverBatch> blocks = PlaceBrick(in.space, layout, bricks.Points(brick), work);
         if (blocks.empty())
             return;
-        StartFaintResiduals(blocks, kFaint);
-        const BrickLights candidates(all, BrickView(blocks), std::uint64_t(brick), kFaint, in.options.skip, work);
+        StartFaintResiduals(blocks, kFaintInBrick);
+        const BrickLights candidates(all, BrickView(blocks), std::uint64_t(brick), kFaintInBrick, in.options.skip,
+                                     work);
         LightSettings pass = settings;
-        pass.faint = candidates.Many() ? kFaint : 0;
+        pass.faint = candidates.Many() ? kFaintInBrick : 0;
         for (std::size_t first = 0; first < blocks.size(); first += kTogether) {
             GridBlocks together(in, std::span(blocks).subspan(first, std::min(kTogether, blocks.size() - first)));
             together.Trace(pass, candidates.List(), work);

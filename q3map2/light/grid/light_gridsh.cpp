@@ -13,9 +13,8 @@ namespace q3 {
 
 namespace {
 
-constexpr float kMinCell = 8;
 /// Engines hold lump lengths in 32-bit integers.
-constexpr std::int64_t kMaxPoints = (0x7fffffffll - 40) / 108;
+constexpr std::int64_t kMaxPointsSH = (0x7fffffffll - 40) / 108;
 
 /// Points this near to a surface light's plane are in it. Game units.
 constexpr float kOnEmitter = 1.0f / 64;
@@ -133,7 +132,7 @@ GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOpti
     const bspModel_t &model = bsp.models.front();
     GridLayout layout = LayoutGrid(model.mins, model.maxs, size);
     const Float3 asked = size;
-    while (layout.Count() > kMaxPoints) {
+    while (layout.Count() > kMaxPointsSH) {
         for (float &axis : size)
             axis += kMinCell;
         layout = LayoutGrid(model.mins, model.maxs, size);

@@ -14,7 +14,7 @@ namespace {
 
 /// Lights that give less than this to all of a brick, and area lights that give less to a batch of it, are represented
 /// by a few of them. Byte scale; a quarter of the smallest step that a screen can show.
-constexpr float kFaint = 1.0f / 4;
+constexpr float kFaintAtProbe = 1.0f / 4;
 
 /// Sums beyond this, from absurd keys and scales, are cut. 1 = byte 255.
 constexpr double kMaxCoefficient = 1e9;
@@ -141,7 +141,7 @@ ProbeIntegrator::ProbeIntegrator(const GridInputs &in, const std::vector<Light> 
                                           .radiance = in.options.shRadiance,
                                           .samples = in.options.shSamples,
                                           .skip = in.options.skip},
-      faint_(kFaint / in.options.shSamples) {}
+      faint_(kFaintAtProbe / in.options.shSamples) {}
 
 std::vector<bspGridPointSH_t> ProbeIntegrator::Values(std::vector<ReceiverBatch> &blocks, std::uint64_t seed,
                                                       GridStats &work) const {

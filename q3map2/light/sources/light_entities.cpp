@@ -17,8 +17,6 @@ namespace {
 constexpr auto kMaxIntensity = float(keys::kMaxIntensity);
 /// Limit of world keys, for the same reason.
 constexpr float kMaxWorldFactor = 1e6f;
-/// Lights farther out than this are not in any map. Game units.
-constexpr float kMaxCoordinate = 262144;
 constexpr std::uint64_t kSeedJitter = 0x4C69676874ull;
 
 Vec3f DecodeColor(const Vec3f &c, bool sRgb) {
@@ -108,7 +106,7 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
     Light light = LightFromKeys(entity, options, log);
     const int samples = keys::kSamples.Integer(entity);
     const float deviance = float(keys::kDeviance.Number(entity));
-    if (MaxComponent(Max(light.origin, -light.origin)) > kMaxCoordinate) {
+    if (MaxComponent(Max(light.origin, -light.origin)) > kMaxLightCoordinate) {
         log.Warn("light origin", "{} is outside any map, it is dropped", Label(entity));
         return;
     }

@@ -12,6 +12,9 @@ namespace q3 {
 /// Distance of suns: "infinite". Game units, 8 times the half size of the world.
 inline constexpr float kSunDistance = 524288;
 
+/// Lights farther out than this on an axis are in no map. Game units.
+inline constexpr float kMaxLightCoordinate = 262144;
+
 enum class LightType { Point, Spot, Area, Sun };
 
 /// What visibility and moments of an area light need of its polygon.

@@ -18,8 +18,6 @@ constexpr float kOnCut = 0.125f; ///< corners this near to a cut count as on it.
 constexpr double kMinArea = 1, kMaxArea = 20'000'000;
 constexpr float kFlatQuad = 0.1f; ///< a quad's fourth corner this near to the plane of the others keeps it whole
 constexpr int kMaxSkies = 32;
-/// Polygons with a corner farther out than this are in no map. Game units.
-constexpr float kMaxCoordinate = 262144;
 /// About the most lights that one polygon is split into.
 constexpr double kMaxPieces = 65536;
 
@@ -67,7 +65,7 @@ class AreaLightMaker {
   private:
     bool InTheWorld(const Polygon &polygon) {
         for (const MeshVert &v : polygon)
-            if (!IsFinite(v.xyz) || MaxComponent(Max(v.xyz, -v.xyz)) > kMaxCoordinate) {
+            if (!IsFinite(v.xyz) || MaxComponent(Max(v.xyz, -v.xyz)) > kMaxLightCoordinate) {
                 log_.Warn("light surface", "{}: a surface light with a corner at {:g} {:g} {:g} is left out",
                           shader_.name, v.xyz.x, v.xyz.y, v.xyz.z);
                 return false;

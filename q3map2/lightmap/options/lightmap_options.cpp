@@ -11,8 +11,7 @@ namespace q3 {
 
 namespace {
 
-/// Sides of pages; every engine's limit is lower.
-constexpr int kMinPageSide = 2, kMaxPageSide = 8192;
+constexpr int kMinPageSide = 2;
 
 /// The size that an option gave. Nothing, and a warning, unless both sides are powers of two in range.
 std::optional<std::array<int, 2>> PageSize(const std::vector<int> &given, std::string_view name, Log &log) {

@@ -13,6 +13,9 @@
 
 namespace q3 {
 
+/// Longest side of a lightmap page. Texels; every engine stops earlier.
+inline constexpr int kMaxPageSide = 8192;
+
 /// What luxels show instead of light: the -debug... options.
 enum class DebugView { Light, Surfaces, Axis, Cluster, Origin, Dirt, NormalMap };
 

@@ -14,7 +14,7 @@ using Group = SettingGroup<LightmapOptions>;
 using Values = SettingValues;
 
 constexpr int kMaxSuper = 8, kMaxSearchBox = 4, kMaxSamples = 64, kMaxExactSamples = 65536, kMaxBounces = 1000;
-constexpr int kMaxSampleSize = 16384, kMaxPageSide = 8192, kMaxSearchBlock = 1 << 20, kMaxSearchPower = 20;
+constexpr int kMaxSampleSize = 16384, kMaxSearchBlock = 1 << 20, kMaxSearchPower = 20;
 constexpr SettingRange kPositive{.low = 0, .aboveLow = true}, kShare{0, 1};
 
 void TakeSamples(LightmapOptions &o, const Values &v) {
