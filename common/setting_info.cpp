@@ -41,11 +41,11 @@ bool SettingInfo::Names(std::string_view word) const {
            std::ranges::any_of(aliases, [&](std::string_view a) { return !a.empty() && EqualNoCase(a, word); });
 }
 
-std::size_t SettingInfo::Required() const {
+std::size_t SettingInfo::MinValues() const {
     return CountValues(values, false);
 }
 
-std::size_t SettingInfo::Most() const {
+std::size_t SettingInfo::MaxValues() const {
     return CountValues(values, true);
 }
 

@@ -57,7 +57,7 @@ struct SettingInfo {
 
     bool Names(std::string_view word) const;
     /// Number of values that must follow, and of those that may.
-    std::size_t Required() const, Most() const;
+    std::size_t MinValues() const, MaxValues() const;
 };
 
 /// Everything printed about a setting.

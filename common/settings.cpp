@@ -17,12 +17,12 @@ bool IsNumber(std::string_view word, SettingKind kind) {
     return kind == SettingKind::Integer ? WholeInteger(word).has_value() : WholeNumber(word).has_value();
 }
 
-/// What a message about a bad value expects.
+/// The expected value in words, for messages about a bad one.
 std::string Expected(const SettingInfo &info, SettingKind kind) {
     const std::string range = info.range.Text();
     std::string text = kind == SettingKind::Integer ? "a whole number" : "a number";
-    if (info.Required() > 1)
-        text = fmt::format("{} numbers", info.Required());
+    if (info.MinValues() > 1)
+        text = fmt::format("{} numbers", info.MinValues());
     if (!range.empty())
         text += " " + range;
     if (!info.unit.empty())
@@ -94,13 +94,13 @@ SettingValues TakeOccurrence(const SettingInfo &info, SettingKind kind, Argument
     const std::string name = arguments.TakeAt(at);
     const bool isText = kind == SettingKind::Text || kind == SettingKind::Choice;
     SettingValues values;
-    while (values.words.size() < info.Most()) {
-        const bool required = values.words.size() < info.Required();
+    while (values.words.size() < info.MaxValues()) {
+        const bool required = values.words.size() < info.MinValues();
         if (at >= arguments.Rest().size()) {
             if (!required)
                 break;
-            throw Error("{} needs {}: {} {}; the command line ends before", name,
-                        info.Required() == 1 ? "a value" : fmt::format("{} values", info.Required()), info.name,
+            throw Error("{} needs {}: {} {}; the command line ends too early", name,
+                        info.MinValues() == 1 ? "a value" : fmt::format("{} values", info.MinValues()), info.name,
                         info.values);
         }
         const std::string &next = arguments.Rest()[at];

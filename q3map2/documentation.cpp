@@ -239,7 +239,7 @@ std::string ZshCompletion() {
         std::string text;
         ForEntries(sections, [&](const SettingInfo &info) {
             text += fmt::format("        '*{}[{}]", info.name, ZshText(info.help));
-            if (info.Required() == 1)
+            if (info.MinValues() == 1)
                 text += fmt::format(":{}:{}", ZshText(info.values), info.kind == SettingKind::Text ? "_files" : "");
             text += "'\n";
         });
@@ -279,7 +279,7 @@ std::string FishCompletion() {
     const auto add = [&](const std::vector<SettingSection> &sections, std::string_view condition) {
         ForEntries(sections, [&](const SettingInfo &info) {
             text += fmt::format("complete -c q3map2{} -o {} {}-d '{}'\n", condition, info.name.substr(1),
-                                info.Required() > 0 ? "-r " : "", Quoted(info.help));
+                                info.MinValues() > 0 ? "-r " : "", Quoted(info.help));
         });
     };
     for (const Stage &stage : Stages())

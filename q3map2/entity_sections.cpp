@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. What is printed about the keys of entities.
 #include "q3map2/entity_sections.h"
 
+#include "q3map2/bspfile/object_keys.h"
 #include "q3map2/bspfile/surface_keys.h"
 
 namespace q3 {
@@ -21,7 +22,15 @@ std::vector<SettingSection> EntitySections() {
                          "The bsp stage writes what these keys say to the `.srf`. The light stage reads the keys of a "
                          "map without one; with a `.srf`, its `castShadows` counts where it is not 0.",
                          keys::kSurfaceKeys),
-            DescribeKeys("misc_model", "", keys::kModelKeys)};
+            DescribeKeys("misc_model", "", keys::kModelKeys),
+            DescribeKeys("Terrain", "Entities whose surfaces blend layers by a picture.", keys::kTerrainKeys),
+            DescribeKeys("Decals", "Entities of the class `_decal`, whose patches are projected onto surfaces.",
+                         keys::kDecalKeys),
+            DescribeKeys("Sky boxes",
+                         "Entities of the class `_skybox`: their area is drawn a second time, enlarged, where sky is.",
+                         keys::kSkyBoxKeys),
+            DescribeKeys("Flares", "Keys of lights for the bsp stage.", keys::kFlareKeys),
+            DescribeKeys("Names and instances", "", keys::kNameKeys)};
 }
 
 } // namespace q3

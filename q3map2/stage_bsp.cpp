@@ -110,9 +110,9 @@ void CompileToFiles(const fs::path &source, Map &map, const std::vector<std::str
     PrintChangedKeys(world, keys::kWorldKeys, "worldspawn", context.log);
     RecordCommand(world, "-bsp", recorded);
     if (context.options.keepLights)
-        world.Set("_keepLights", "1");
+        world.Set(keys::kKeepLights.info.name, "1");
     if (context.options.keepModels)
-        world.Set("_keepModels", "1");
+        world.Set(keys::kKeepModels.info.name, "1");
     if (context.options.fakeMap)
         WriteText(fs::absolute("fakemap.map"), FakeMapText(map.World(), map.planes), context.log);
     const CompiledMap compiled = CompileMap(map, context);

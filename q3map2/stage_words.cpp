@@ -27,8 +27,8 @@ const Stage *FindStage(const std::vector<Stage> &stages, std::string_view word) 
     return found == stages.end() ? nullptr : &*found;
 }
 
-/// Position of the stage word. Words that are an option of another stage of the line, as -export after -light, are no
-/// stage words.
+/// Position of the stage word. A word other than the first is not one if another stage on the line has an option of
+/// that name, such as -export with -light.
 std::optional<std::size_t> FindStageWord(const std::vector<Stage> &stages, const std::vector<std::string> &words) {
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < words.size(); ++i)
@@ -68,8 +68,8 @@ std::size_t FindFile(const StageContext &context, const std::vector<std::string>
     return files.back();
 }
 
-/// Every name that a word without a meaning may have been meant for.
-std::vector<std::string> NamesLike(const StageContext &context) {
+/// All names among which to look for what an unknown word was meant to be.
+std::vector<std::string> KnownNames(const StageContext &context) {
     std::vector<std::string> names = context.stage.OptionNames();
     if (!context.stageGiven)
         for (const Stage &stage : Stages())
@@ -78,7 +78,7 @@ std::vector<std::string> NamesLike(const StageContext &context) {
 }
 
 /// "; it is an option of -light", for an option of other stages.
-std::string OwnersOf(std::string_view word) {
+std::string OwnerHint(std::string_view word) {
     std::vector<std::string_view> owners;
     for (const Stage &stage : Stages())
         if (stage.HasOption(word))
@@ -86,15 +86,16 @@ std::string OwnersOf(std::string_view word) {
     return owners.empty() ? "" : fmt::format("; it is an option of {}", fmt::join(owners, " and "));
 }
 
-/// Warns of what is left, or fails if the words may have been meant for another stage.
+/// Warns about each word left; an error if no stage was named or the word stands before the stage word. With
+/// `optionsOnly`, about words with a dash only.
 void ReportUnknown(const StageContext &context, const Arguments &arguments, bool optionsOnly = false) {
     const bool saysOption = context.stage.word == "-bsp" || context.stage.word == "-vis";
     for (std::size_t i = 0; i < arguments.Rest().size(); ++i) {
         const std::string &word = arguments.Rest()[i];
         if (optionsOnly && !IsOption(word))
             continue;
-        const std::string owners = OwnersOf(word);
-        const std::string hint = owners.empty() ? DidYouMean(word, NamesLike(context)) : owners;
+        const std::string owners = OwnerHint(word);
+        const std::string hint = owners.empty() ? DidYouMean(word, KnownNames(context)) : owners;
         if (!context.stageGiven)
             throw Error("{}: unknown{}{}", word, hint, owners.empty() ? "" : ", which the line does not name");
         if (arguments.IsBeforeStage(i))
@@ -128,7 +129,7 @@ ChosenStage TakeStage(Arguments &arguments) {
 
 StageFile TakeFile(const StageContext &context, Arguments &arguments, std::vector<std::string> given) {
     if (!context.stageGiven)
-        ReportUnknown(context, arguments, true); // before the search for a file among the values of unknown options
+        ReportUnknown(context, arguments, true); // first, as the value of an unknown option could be taken for the file
     StageFile result;
     result.file = arguments.TakeAt(FindFile(context, arguments.Rest()));
     ReportUnknown(context, arguments);

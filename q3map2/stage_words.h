@@ -11,21 +11,21 @@ struct ChosenStage {
     bool given = false;
 };
 
-/// Takes the stage word off `arguments`, from which the global options are gone. It may stand anywhere; without one the
-/// bsp stage is meant. Errors: no words at all, two stages, and names of stages that this program does not have.
+/// Takes the stage word off `arguments`, after the global options were taken. It may stand anywhere; without one the
+/// bsp stage is meant. Errors: no words at all, two stages, and a first word that is a stage of other compilers only.
 ChosenStage TakeStage(Arguments &arguments);
 
-/// The file of a stage, and its options as the map records them: without the file.
+/// The input file of a stage, and the other words, for worldspawn's key _q3map2_cmdline.
 struct StageFile {
     std::string file;
     std::vector<std::string> recorded;
 };
 
-/// Takes the file off `arguments`, from which the options of the stage are gone: the last word without a dash. `given`
-/// are the words before the options were taken. Then whatever is left is unknown: a warning, or an error if it stands
-/// before the stage word or there is none. Errors: no file, or no telling which word is the file.
+/// Takes the input file off `arguments`, after the options of the stage were taken: the last word without a dash.
+/// `given`: the words before the options were taken. Each other word left is unknown: a warning, or an error if it
+/// stands before the stage word or no stage was named. Errors: no file, or it is unclear which word is the file.
 StageFile TakeFile(const StageContext &context, Arguments &arguments, std::vector<std::string> given);
-/// The same for a stage that takes any number of files.
+/// Takes all words without a dash off `arguments`, as files; there may be none. Options left are unknown, as above.
 std::vector<std::string> TakeFiles(const StageContext &context, Arguments &arguments);
 
 } // namespace q3

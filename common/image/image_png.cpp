@@ -16,7 +16,7 @@ namespace q3 {
 
 namespace {
 
-/// All that the reader owns, outside the frame that libpng's errors jump out of.
+/// All that the reader owns, kept outside the functions to which libpng's errors jump back.
 struct PngReader {
     std::span<const std::byte> file;
     std::string_view name;
@@ -48,7 +48,7 @@ void OnRead(png_structp png, png_bytep out, std::size_t count) {
     reader.at += count;
 }
 
-// The functions with setjmp hold no object with a destructor: libpng jumps over their frames.
+// The functions with setjmp hold no object with a destructor: libpng's errors jump back into them and would skip it.
 
 bool ReadInfo(PngReader &reader) {
     if (setjmp(png_jmpbuf(reader.png)))
@@ -86,7 +86,7 @@ bool ReadRows(PngReader &reader, std::size_t texelBytes) {
     return true;
 }
 
-/// Reads as far as the size.
+/// Reads the chunks before the pixel data, and checks the image size.
 void Begin(PngReader &reader) {
     reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader, OnError, OnWarning);
     reader.info = reader.png ? png_create_info_struct(reader.png) : nullptr;

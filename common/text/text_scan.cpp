@@ -12,10 +12,10 @@ namespace {
 
 constexpr std::size_t kMaxToken = 1023;
 constexpr std::size_t kMaxIncludeDepth = 16;
-constexpr int kMaxIncludes = 256; // in all: files that include others twice would multiply
+constexpr int kMaxIncludes = 256; // in total: the depth limit alone would allow exponentially many
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF", kInclude = "$include";
 
-/// Where the plain token that begins there ends.
+/// End of the unquoted token that starts at `begin`.
 std::size_t PlainEnd(const std::string &text, std::size_t begin) {
     const char *end = text.c_str() + begin;
     while (!IsBlank(*end) && *end != ';') // the 0 after the text is a blank
@@ -48,7 +48,7 @@ void TextScanner::SkipLine() {
     }
 }
 
-bool TextScanner::Copied(std::string &token, bool crossLines) {
+bool TextScanner::ReadCopy(std::string &token, bool crossLines) {
     std::string_view view;
     const bool got = Read(view, crossLines);
     if (got)
@@ -70,7 +70,7 @@ bool TextScanner::Read(std::string_view &token, bool crossLines) {
             files_.pop_back();
             continue;
         }
-        Cut(file);
+        ReadToken(file);
         if (include_ && token_.starts_with('$') && EqualNoCase(token_, kInclude)) {
             OpenInclude();
             continue;
@@ -117,8 +117,8 @@ bool TextScanner::SkipBlanks(File &file, bool crossLines) const {
     }
 }
 
-/// Makes the token that starts here the last one.
-void TextScanner::Cut(File &file) {
+/// Reads the token at the current position into token_ and last_, and moves past it.
+void TextScanner::ReadToken(File &file) {
     const std::string &text = *file.text;
     std::size_t begin = file.at, end = begin;
     last_ = file.location;
@@ -145,13 +145,13 @@ void TextScanner::OpenInclude() {
     std::string name;
     File &file = files_.back();
     if (SkipBlanks(file, false)) {
-        Cut(file);
+        ReadToken(file);
         name = token_;
     }
     const bool circle = std::any_of(files_.begin(), files_.end(),
                                     [&](const File &open) { return EqualNoCase(open.location.file, name); });
     if (circle || files_.size() > kMaxIncludeDepth || ++includeCount_ > kMaxIncludes)
-        throw Error("{}: $include {} expected to end, but includes run in a circle, over {} deep or over {} in all",
+        throw Error("{}: $include {} expected includes that end; these run in a circle, nest over {} deep or are over {} in all",
                     Location(), name, kMaxIncludeDepth, kMaxIncludes);
     if (std::optional<std::string> text = include_(name))
         files_.push_back({&texts_.emplace_back(std::move(*text)), 0, {names_.emplace_back(name), 1}});

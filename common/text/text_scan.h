@@ -36,12 +36,12 @@ class TextScanner {
 
     /// Reads the next token, on whatever line; false at the end. Error: a token over 1023 bytes, includes nested too
     /// deep, in a circle or too many.
-    bool Next(std::string &token) { return Copied(token, true); }
+    bool Next(std::string &token) { return ReadCopy(token, true); }
     /// The same without a copy: the token is good as long as the scanner.
     bool Next(std::string_view &token) { return Read(token, true); }
     /// Reads the next token of the current line; false, and nothing read, when the line (or an included file) ends
     /// first or a comment follows.
-    bool NextOnLine(std::string &token) { return Copied(token, false); }
+    bool NextOnLine(std::string &token) { return ReadCopy(token, false); }
     bool NextOnLine(std::string_view &token) { return Read(token, false); }
     /// The last token read will be read again. One token of push-back.
     void PushBack() { pushedBack_ = true; }
@@ -66,10 +66,10 @@ class TextScanner {
         TextLocation location;
     };
 
-    bool Copied(std::string &token, bool crossLines);
+    bool ReadCopy(std::string &token, bool crossLines);
     bool Read(std::string_view &token, bool crossLines);
     bool SkipBlanks(File &file, bool crossLines) const;
-    void Cut(File &file);
+    void ReadToken(File &file);
     [[noreturn]] void FailLong(std::size_t size) const;
     void OpenInclude();
 

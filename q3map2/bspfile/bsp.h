@@ -21,7 +21,7 @@ struct BspxLump {
 
 inline constexpr std::string_view kBspxLightGridSH = "LIGHTGRID_SH";
 
-/// The SH light grid, as in lump 18 or the BSPX lump of that name.
+/// The SH light grid, as in lump 18 or the BSPX lump kBspxLightGridSH.
 struct LightGridSH {
     bspGridSHHeader_t header{};
     std::vector<bspGridPointSH_t> points;
@@ -29,7 +29,7 @@ struct LightGridSH {
 
 /// Where the SH light grid is stored.
 enum class GridSHContainer {
-    Lump, ///< lump 18 of a version 47 file with 19 slots: engines that know it only
+    Lump, ///< lump 18 of a version 47 file with 19 slots: only engines that know this layout load the file
     Bspx  ///< BSPX lump of a version 46 file: unmodified engines load it and see no SH grid
 };
 
@@ -62,7 +62,7 @@ struct Bsp {
 struct BspFormat {
     int version = 46;
     bool advertisements = false; ///< slot 17 belongs to the format
-    bool force = false;          ///< ident and version mismatches, and ragged lumps, are warnings
+    bool force = false;          ///< reading: wrong ident or version, or a partial record (lump dropped), only warns
 };
 
 /// Name of a 64-byte field: up to the first NUL.

@@ -7,8 +7,8 @@ namespace q3 {
 
 namespace {
 
-/// Beyond kOnPlane, for rounding. Game units.
-constexpr float kRoom = 0.1f;
+/// Added to kOnPlane against rounding errors. Game units.
+constexpr float kRoundingSlack = 0.1f;
 
 BspTree::Node ReadNode(const Bsp &bsp, std::size_t number) {
     const bspNode_t &node = bsp.nodes[number];
@@ -16,7 +16,7 @@ BspTree::Node ReadNode(const Bsp &bsp, std::size_t number) {
     return {Vec3f(plane.normal), plane.dist, {node.children[0], node.children[1]}};
 }
 
-/// nodeOf(child) and clusterOf(leaf) tell of the tree.
+/// nodeOf(child) and clusterOf(leaf) read the tree, from a Bsp or from the copy in a BspTree.
 template <typename NodeOf, typename ClusterOf>
 int FindLeaf(const Vec3f &p, BspChild from, const NodeOf &nodeOf, const ClusterOf &clusterOf) {
     // Back children that wait for their turn: a leaf found through a front child counts unless it is solid.
@@ -28,7 +28,7 @@ int FindLeaf(const Vec3f &p, BspChild from, const NodeOf &nodeOf, const ClusterO
         while (child >= 0) {
             const BspTree::Node &node = nodeOf(child);
             const float d = Dot(node.normal, p) - node.dist;
-            // Branches: processors guess them and go on, where a child chosen by its index would have to wait for d.
+            // Branches on purpose: the processor predicts them and runs ahead; children[d < 0] would stall until d is known.
             if (d > kOnPlane)
                 child = node.children[0];
             else if (d < -kOnPlane)
@@ -80,7 +80,7 @@ BspChild BspTree::ChildAround(const Boundsf &box, BspChild from) const {
         const Node &node = NodeOf(child);
         const Vec3f &n = node.normal;
         const float d = Dot(n, center) - node.dist;
-        const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + kOnPlane + kRoom;
+        const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + kOnPlane + kRoundingSlack;
         if (d > reach)
             child = node.children[0];
         else if (d < -reach)

@@ -9,7 +9,7 @@ namespace {
 
 /// What is wrong with the text of a number key; empty: nothing.
 std::string Problem(const EntityKey &key, std::string_view text) {
-    const std::size_t required = key.info.Required(), most = key.info.Most();
+    const std::size_t required = key.info.MinValues(), most = key.info.MaxValues();
     std::size_t count = 0;
     for (; count < most; ++count) {
         const std::optional<double> number = TakeNumber(text);

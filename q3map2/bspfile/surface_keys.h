@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. The keys of entities with brushes, patches or models, and those of the world that the bsp and vis
-// stages read. A new key goes here.
+// GPL-2.0-or-later. The keys of entities with brushes, patches or models that all of their surfaces share, and those of
+// the world that the bsp and vis stages read. A new key goes here.
 #pragma once
 
 #include "q3map2/bspfile/light_keys.h"
@@ -77,36 +77,6 @@ inline constexpr const EntityKey &kCastShadows = kSurfaceKeys[0], &kReceiveShado
                                  &kPatchMeta = kSurfaceKeys[6], &kPatchSubdivide = kSurfaceKeys[7],
                                  &kPatchQuality = kSurfaceKeys[8];
 
-/// The keys of misc_model entities.
-inline constexpr EntityKey kModelKeys[] = {
-    {{.name = "modelscale", .values = "F", .kind = Number, .help = "Size of the model; 0 means 1"}, 1},
-    {{.name = "modelscale_vec",
-      .values = "X Y Z",
-      .kind = Number,
-      .initial = "modelscale",
-      .help = "Size along each axis"}},
-    {{.name = "angle", .values = "F", .kind = Number, .unit = "degrees", .help = "Turn around the vertical axis"}},
-    {{.name = "angles",
-      .values = "PITCH YAW ROLL",
-      .kind = Number,
-      .unit = "degrees",
-      .initial = "angle",
-      .help = "Turns around all axes"}},
-    {{.name = "_frame",
-      .aliases = {"frame"},
-      .values = "N",
-      .kind = Integer,
-      .range = {0, 1e9},
-      .help = "Frame of an animated model"}},
-    {{.name = "_clipdepth",
-      .values = "F",
-      .kind = Number,
-      .unit = "game units",
-      .initial = "-clipdepth",
-      .help = "Thickness of the model's clip brushes"}}};
-inline constexpr const EntityKey &kModelScale = kModelKeys[0], &kModelScaleVec = kModelKeys[1], &kAngle = kModelKeys[2],
-                                 &kAngles = kModelKeys[3], &kFrame = kModelKeys[4], &kClipDepth = kModelKeys[5];
-
 /// The keys of worldspawn that the bsp and vis stages read.
 inline constexpr EntityKey kWorldKeys[] = {
     {{.name = "_ignoreleaks",
@@ -123,6 +93,11 @@ inline constexpr EntityKey kWorldKeys[] = {
       .initial = "1024",
       .range = {0, 4 * kMaxSetting},
       .help = "Size of the blocks into which the tree cuts the map first; 0: none"}},
+    {{.name = "_keepModels",
+      .values = "0|1",
+      .kind = Flag,
+      .initial = "0",
+      .help = "1: misc_model entities stay in the .bsp, as with -keepmodels"}},
     {{.name = "_fog",
       .aliases = {"fog"},
       .values = "SHADER",
@@ -144,7 +119,8 @@ inline constexpr EntityKey kWorldKeys[] = {
       .details = "A letter after the number says how two portals with centers L apart and radii R₁ and R₂ are compared "
                  "with it: hidden if L − R₁ − R₂ is over the distance (no letter), L is (`o`), L + R₁ + R₂ is over "
                  "twice the distance (`e`), or R₁ + R₂ is over it (`r`)."}}};
-inline constexpr const EntityKey &kIgnoreLeaks = kWorldKeys[0], &kBlockSize = kWorldKeys[1], &kFog = kWorldKeys[2],
-                                 &kFogHull = kWorldKeys[3], &kFarPlaneDist = kWorldKeys[4];
+inline constexpr const EntityKey &kIgnoreLeaks = kWorldKeys[0], &kBlockSize = kWorldKeys[1],
+                                 &kKeepModels = kWorldKeys[2], &kFog = kWorldKeys[3], &kFogHull = kWorldKeys[4],
+                                 &kFarPlaneDist = kWorldKeys[5];
 
 } // namespace q3::keys

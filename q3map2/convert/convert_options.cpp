@@ -15,7 +15,7 @@ std::vector<SettingGroup<JsonOptions>> JsonSettings() {
           {{.name = "-useflagnames", .help = "With -pack: take surface flags by their names in the game's table"},
            &JsonOptions::useFlagNames},
           {{.name = "-skipflags", .help = "With -useflagnames: drop names that the table does not have"},
-           &JsonOptions::skipFlags}}}};
+           &JsonOptions::dropUnknownFlags}}}};
 }
 
 JsonOptions ParseJsonOptions(Arguments &arguments, Log &log) {

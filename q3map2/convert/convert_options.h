@@ -9,7 +9,7 @@ namespace q3 {
 
 struct JsonOptions {
     bool pack = false, unpack = false;
-    bool useFlagNames = false, skipFlags = false;
+    bool useFlagNames = false, dropUnknownFlags = false;
 };
 
 /// The options of the -json stage, declared.

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Entities of the map source as the game gets them.
 #include "q3map2/geometry/game_entities.h"
+
 #include "common/text/text.h"
+#include "q3map2/bspfile/object_keys.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/geometry/compile_map.h"
 
@@ -14,7 +16,7 @@ namespace {
 constexpr std::array<std::string_view, 3> kNoted = {"_q3map2_cmdline", "_q3map2_version", "gridsize"};
 
 std::string_view CloneOf(const MapEntity &entity) {
-    return entity.pairs.Value({"_ins", "_instance", "_clone"});
+    return keys::kInstance.Text(entity.pairs);
 }
 
 bool HasPrimitives(const MapEntity &entity) {
@@ -28,7 +30,7 @@ void ShareModels(Map &map, const BspContext &context) {
         if (name.empty())
             continue;
         const auto parent = std::find_if(map.entities.begin(), map.entities.end(), [&](const MapEntity &other) {
-            return EqualNoCase(other.pairs.Value("_clonename"), name);
+            return EqualNoCase(keys::kCloneName.Text(other.pairs), name);
         });
         if (parent == map.entities.end() || !parent->pairs.Has("model")) {
             context.log.Warn("clone without parent", "{}: it is a clone of {}, but {}", entity.MessagePrefix(), name,
@@ -67,7 +69,7 @@ void NumberModels(Map &map, const BspContext &context) {
 std::string GameEntities(const Map &map, const BspOptions &options) {
     const Entity &world = map.entities.front().pairs;
     const bool keepLights = options.keepLights || keys::kKeepLights.Flag(world);
-    const bool keepModels = options.keepModels || world.Flag("_keepModels");
+    const bool keepModels = options.keepModels || keys::kKeepModels.Flag(world);
     std::vector<Entity> kept;
     for (const MapEntity &entity : map.entities) {
         const std::string_view name = entity.pairs.ClassName();

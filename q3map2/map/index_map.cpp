@@ -4,14 +4,13 @@
 #include "common/error.h"
 #include "common/image/image.h"
 #include "common/image/image_index.h"
+#include "q3map2/bspfile/object_keys.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace q3 {
 namespace {
-
-constexpr int kMaxLayers = 255;
 
 std::vector<float> NumbersOf(std::string_view text, std::size_t count) {
     std::vector<float> numbers;
@@ -52,8 +51,8 @@ Boundsf CoveredBy(const MapEntity &entity, const Vec3f &shift) {
             bounds.Add(vert.xyz);
     if (!bounds.Empty())
         bounds = {bounds.mins + shift, bounds.maxs + shift};
-    bounds.mins = entity.pairs.Vector({"min"}).value_or(bounds.mins);
-    bounds.maxs = entity.pairs.Vector({"max"}).value_or(bounds.maxs);
+    bounds.mins = keys::kIndexMapMin.Vector(entity.pairs).value_or(bounds.mins);
+    bounds.maxs = keys::kIndexMapMax.Vector(entity.pairs).value_or(bounds.maxs);
     return bounds;
 }
 
@@ -78,13 +77,13 @@ float IndexMap::OffsetOf(int layer) const {
 }
 
 std::shared_ptr<const IndexMap> ReadIndexMap(const MapEntity &entity, const Vec3f &shift, const BspContext &context) {
-    const std::string_view name = entity.pairs.Value({"_indexmap", "alphamap"});
+    const std::string_view name = keys::kIndexMap.Text(entity.pairs);
     if (name.empty() || (entity.brushes.empty() && entity.patches.empty()))
         return {};
     auto map = std::make_shared<IndexMap>();
-    map->layers = IntegerFromText(entity.pairs.Value({"_layers", "layers"}));
-    map->shader = entity.pairs.Value({"_shader", "shader"});
-    if (map->layers < 1 || map->layers > kMaxLayers)
+    map->layers = IntegerFromText(keys::kLayers.Text(entity.pairs));
+    map->shader = keys::kLayerShader.Text(entity.pairs);
+    if (!keys::kLayers.info.range.Contains(map->layers))
         return Warn(entity, "expected \"_layers\" of 1 to 255", context), nullptr;
     if (map->shader.empty())
         return Warn(entity, "expected \"_shader\"", context), nullptr;
@@ -98,7 +97,7 @@ std::shared_ptr<const IndexMap> ReadIndexMap(const MapEntity &entity, const Vec3
         return Warn(entity, "expected a picture of at least 2 x 2", context), nullptr;
     map->bounds = CoveredBy(entity, shift);
     map->width = picture.width, map->height = picture.height;
-    map->offsets = NumbersOf(entity.pairs.Value({"_offsets", "offsets"}), std::size_t(map->layers));
+    map->offsets = NumbersOf(keys::kLayerOffsets.Text(entity.pairs), std::size_t(map->layers));
     map->pixels = std::move(picture.indexes);
     return map;
 }

@@ -202,7 +202,7 @@ void SetBrushContents(Brush &brush, const BspContext &context) {
     brush.detail = (brush.compileFlags & C_DETAIL) != 0;
 }
 
-std::unique_ptr<Brush> BrushFromPlanes(std::span<const Plane> planes, const ShaderInfo *front,
+std::unique_ptr<Brush> BrushFromPlanes(std::span<const Plane> planes, const ShaderInfo *firstShader,
                                        const BspContext &context, PlaneTable &table) {
     auto brush = std::make_unique<Brush>();
     brush->generated = true;
@@ -218,11 +218,11 @@ std::unique_ptr<Brush> BrushFromPlanes(std::span<const Plane> planes, const Shad
             continue;
         if (sharesPlane(side.planeNum ^ 1))
             return nullptr;
-        if (brush->sides.empty() && front) {
-            side.shader = front;
-            side.surfaceFlags = front->surfaceFlags;
-            side.contentFlags = front->contentFlags;
-            side.compileFlags = front->compileFlags;
+        if (brush->sides.empty() && firstShader) {
+            side.shader = firstShader;
+            side.surfaceFlags = firstShader->surfaceFlags;
+            side.contentFlags = firstShader->contentFlags;
+            side.compileFlags = firstShader->compileFlags;
         }
         brush->sides.push_back(std::move(side));
     }

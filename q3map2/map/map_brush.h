@@ -14,8 +14,9 @@ namespace q3 {
 bool MakeBrushWindings(Brush &brush, const PlaneTable &planes);
 /// Derives flags, content shader, detail and opaque from the sides.
 void SetBrushContents(Brush &brush, const BspContext &context);
-/// A generated brush from planes; the first side has shader `front`. Null when the planes enclose no volume.
-std::unique_ptr<Brush> BrushFromPlanes(std::span<const Plane> planes, const ShaderInfo *front,
+/// A generated brush from planes; the first side has shader `firstShader`. Null when the planes enclose no volume, or
+/// the brush extends beyond the world.
+std::unique_ptr<Brush> BrushFromPlanes(std::span<const Plane> planes, const ShaderInfo *firstShader,
                                        const BspContext &context, PlaneTable &table);
 
 } // namespace q3

@@ -24,24 +24,24 @@ Vec3f Vector(Words words) {
 }
 
 template <bool GeometryDirectives::*flag>
-std::string Set(ShaderInfo &shader, Words, const ShaderOptions &, const Game &) {
+std::string SetFlag(ShaderInfo &shader, Words, const ShaderOptions &, const Game &) {
     shader.geometry.*flag = true;
     return {};
 }
 
 template <float GeometryDirectives::*field>
-std::string Take(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
+std::string SetNumber(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
     shader.geometry.*field = Number(words[0]);
     return {};
 }
 
 template <std::string GeometryDirectives::*name>
-std::string Name(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
+std::string SetShaderName(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
     shader.geometry.*name = WithoutExtension(words[0]);
     return {};
 }
 
-std::string Light(ShaderInfo &shader, Words, const ShaderOptions &, const Game &game) {
+std::string DefaultFlare(ShaderInfo &shader, Words, const ShaderOptions &, const Game &game) {
     shader.geometry.flareShader = game.flareShader;
     return {};
 }
@@ -127,7 +127,7 @@ std::string AddColorStep(ShaderInfo &shader, bool alpha, Words words, const Shad
     if (values.size() < form->words)
         return fmt::format("{} with {} numbers, expected {}", words[0], values.size(), form->words);
     if (shader.geometry.colorSteps.size() >= kMaxSteps)
-        return fmt::format("more than {} steps", kMaxSteps);
+        return fmt::format("more than {} rgbMod and alphaMod directives in one shader", kMaxSteps);
     ColorStep step{.kind = form->kind, .alpha = alpha, .value = {}};
     if (form->words == 1)
         step.value.x = Number(values[0]);
@@ -188,28 +188,28 @@ std::string Foliage(ShaderInfo &shader, Words words, const ShaderOptions &, cons
 
 using G = GeometryDirectives;
 constexpr std::array<GeometryDirective, 34> kDirectives{{
-    {"tesssize", 1, 0, Take<&G::tessSize>},
-    {"q3map_tesssize", 1, 0, Take<&G::tessSize>},
-    {"q3map_offset", 1, 0, Take<&G::offset>},
-    {"polygonoffset", 0, 0, Set<&G::polygonOffset>},
-    {"fogparms", 0, 0, Set<&G::hasFogParms>},
+    {"tesssize", 1, 0, SetNumber<&G::tessSize>},
+    {"q3map_tesssize", 1, 0, SetNumber<&G::tessSize>},
+    {"q3map_offset", 1, 0, SetNumber<&G::offset>},
+    {"polygonoffset", 0, 0, SetFlag<&G::polygonOffset>},
+    {"fogparms", 0, 0, SetFlag<&G::hasFogParms>},
     {"q3map_fogdir", 3, 0, FogDir},
-    {"q3map_nofog", 0, 0, Set<&G::noFog>},
-    {"q3map_invert", 0, 0, Set<&G::invert>},
-    {"q3map_noclip", 0, 0, Set<&G::noClip>},
-    {"q3map_notjunc", 0, 0, Set<&G::noTJunctions>},
-    {"q3map_forcemeta", 0, 0, Set<&G::forceMeta>},
-    {"q3map_nonplanar", 0, 0, Set<&G::nonPlanar>},
-    {"q3map_indexed", 0, 0, Set<&G::indexed>},
-    {"q3map_clipmodel", 0, 0, Set<&G::clipModel>},
-    {"q3map_globaltexture", 0, 0, Set<&G::globalTexture>},
-    {"q3map_cloneshader", 1, 0, Name<&G::cloneShader>},
-    {"q3map_backshader", 1, 0, Name<&G::backShader>},
-    {"q3map_remapshader", 1, 0, Name<&G::remapShader>},
-    {"q3map_flare", 1, 0, Name<&G::flareShader>},
-    {"q3map_flareshader", 1, 0, Name<&G::flareShader>},
-    {"damageshader", 1, 1, Name<&G::damageShader>},
-    {"light", 0, 1, Light},
+    {"q3map_nofog", 0, 0, SetFlag<&G::noFog>},
+    {"q3map_invert", 0, 0, SetFlag<&G::invert>},
+    {"q3map_noclip", 0, 0, SetFlag<&G::noClip>},
+    {"q3map_notjunc", 0, 0, SetFlag<&G::noTJunctions>},
+    {"q3map_forcemeta", 0, 0, SetFlag<&G::forceMeta>},
+    {"q3map_nonplanar", 0, 0, SetFlag<&G::nonPlanar>},
+    {"q3map_indexed", 0, 0, SetFlag<&G::indexed>},
+    {"q3map_clipmodel", 0, 0, SetFlag<&G::clipModel>},
+    {"q3map_globaltexture", 0, 0, SetFlag<&G::globalTexture>},
+    {"q3map_cloneshader", 1, 0, SetShaderName<&G::cloneShader>},
+    {"q3map_backshader", 1, 0, SetShaderName<&G::backShader>},
+    {"q3map_remapshader", 1, 0, SetShaderName<&G::remapShader>},
+    {"q3map_flare", 1, 0, SetShaderName<&G::flareShader>},
+    {"q3map_flareshader", 1, 0, SetShaderName<&G::flareShader>},
+    {"damageshader", 1, 1, SetShaderName<&G::damageShader>},
+    {"light", 0, 1, DefaultFlare},
     {"q3map_tcgen", 7, 0, TexGen},
     {"q3map_tcmod", 2, 1, TexMod},
     {"q3map_texturesize", 2, 0, TextureSize},

@@ -13,7 +13,7 @@ namespace {
 constexpr float kNoSlope = -1e30f;
 constexpr float kMinHeight = 1e-3f; ///< units; v of points in the plane of `s` is raised to it
 
-/// An edge of `s`: u of a point p is Dot(inward, p) - origin, in multiples of the length of `inward`.
+/// An edge of `s`: u of a point p is Dot(inward, p) - origin: its distance from the edge times |inward|.
 struct InwardEdge {
     Vec3f inward;
     float origin, squaredLength; ///< `squaredLength` is that of `inward`

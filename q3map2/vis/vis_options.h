@@ -7,11 +7,11 @@
 
 namespace q3 {
 
-/// Declared in vis_settings.cpp.
+/// Set by the command-line options in the table of vis_settings.cpp.
 struct VisStageOptions {
     VisOptions vis;
     bool savePrt = false;
-    bool histogram = false; ///< a second -v: how many clusters see how many others
+    bool histogram = false; ///< set by a second -v: print the number of clusters for each count of visible clusters
 };
 
 /// Takes the options of the vis stage off `arguments`. Errors: those of TakeSettings.

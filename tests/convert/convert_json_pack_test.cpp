@@ -130,7 +130,7 @@ TEST_F(PackJsonTest, FlagNamesOfTheGameReplaceValuesOnRequest) {
                  R"("surfaceFlags": {"SKY": "0x1", "new": "0x2", "ob": "64"})");
     EXPECT_EQ(Pack({.useFlagNames = true}).shaders[1].surfaceFlags, 4u | 2u);
     EXPECT_THAT(log_.text, HasSubstr("game quake3 has no flag new"));
-    EXPECT_EQ(Pack({.useFlagNames = true, .skipFlags = true}).shaders[1].surfaceFlags, 4u);
+    EXPECT_EQ(Pack({.useFlagNames = true, .dropUnknownFlags = true}).shaders[1].surfaceFlags, 4u);
 }
 
 TEST_F(PackJsonTest, EveryMissingFileIsNamed) {

@@ -24,7 +24,7 @@ std::string With(const std::string &inWorld, const std::string &entities = "") {
 std::string Entity(std::string_view pairs, const std::string &inside = "") {
     return fmt::format("{{\n{}\n{}}}\n", pairs, inside);
 }
-std::string Patch(int width, int height) {
+std::string PatchText(int width, int height) {
     std::string text = fmt::format("{{\npatchDef2\n{{\ntest/wall\n( {} {} 0 0 0 )\n(\n", width, height);
     for (int x = 0; x < width; ++x) {
         text += "(";
@@ -68,8 +68,8 @@ std::vector<Mistake> Mistakes() {
         {"InsideOutBrush", With(Box({96, 96, 48}, {64, 64, 16})), "Entity 0, Brush 6: test.map:52: the brush"},
         {"BrushOutsideTheWorld", With(Boxed({65500, 0, 0}, 64)),
          "Entity 0, Brush 6: test.map:52: the brush reaches beyond 65536 units"},
-        {"EvenPatch", With(Patch(4, 3)), "Entity 0, Brush 6: test.map:"},
-        {"PatchTooLarge", With(Patch(33, 3)), "ERROR Entity 0, Brush 6: test.map:"},
+        {"EvenPatch", With(PatchText(4, 3)), "Entity 0, Brush 6: test.map:"},
+        {"PatchTooLarge", With(PatchText(33, 3)), "ERROR Entity 0, Brush 6: test.map:"},
         {"PatchWithoutBrace", With("{\npatchDef2\n{\ntest/wall\n( 3 3 0 0 0 )\n(\n( ( 0 0 0 0 0 ) )\n"),
          "ERROR Entity 0, Brush 6: test.map:57: "},
         {"MissingTexture", With(Boxed(at, 32, "test/nowhere")), "shader textures/test/nowhere: couldn't find image"},

@@ -40,9 +40,9 @@ bool SharesArea(const Boundsf &rectangle, const Boundsf &box) {
     return true;
 }
 
-class MapBuilder {
+class BspBuilder {
   public:
-    MapBuilder(const Boundsf &interior, const SceneVisibility &visibility)
+    BspBuilder(const Boundsf &interior, const SceneVisibility &visibility)
         : interior_(interior), visibility_(visibility) {}
 
     void AddWorld(const std::vector<Box> &walls, const std::vector<Box> &boxes, const std::vector<Surface> &surfaces) {
@@ -211,7 +211,7 @@ class MapBuilder {
         const Boundsf &region = source.region;
         bspLeaf_t leaf{-1, -1, RoundDown(region.mins), RoundUp(region.maxs), 0, 0, 0, 0};
         if (!source.solid) {
-            leaf.cluster = ClusterOf(region);
+            leaf.cluster = AddToCluster(region);
             leaf.area = 0;
             leaf.firstBSPLeafSurface = std::int32_t(bsp_.leafSurfaces.size());
             for (std::size_t i = 0; i < surfaceBounds_.size(); i++)
@@ -227,7 +227,7 @@ class MapBuilder {
         bsp_.leafs.push_back(leaf);
     }
 
-    std::int32_t ClusterOf(const Boundsf &region) {
+    std::int32_t AddToCluster(const Boundsf &region) {
         if (clusters_.empty() || visibility_.clusterPerLeaf)
             clusters_.emplace_back();
         clusters_.back().Add(region);
@@ -263,7 +263,7 @@ class MapBuilder {
 Bsp SceneBuilder::Build() const {
     if (walls_.empty())
         throw Error("scene: Build needs SetInterior first");
-    MapBuilder builder(interior_, visibility_);
+    BspBuilder builder(interior_, visibility_);
     builder.AddWorld(walls_, boxes_, surfaces_);
     for (const Box &model : models_)
         builder.AddModel(model);

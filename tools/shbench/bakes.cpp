@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Settings under test.
+// GPL-2.0-or-later. Bakes of one grid with their cost, and the light that an engine shows from them.
 #include "tools/shbench/bakes.h"
 
 #include "common/error.h"

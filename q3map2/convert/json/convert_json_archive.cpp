@@ -201,8 +201,8 @@ std::uint32_t JsonRecordReader::FlagBits(std::string_view member, const JsonNode
             return ParmBits(*parm, kind);
         rules_.log.Warn("unknown flag", "{}: {}: {}: game {} has no flag {}, {}", record_.file, record_.Label(), member,
                         rules_.game.name, ShownText(flag),
-                        rules_.options.skipFlags ? "it is dropped" : "its value is used");
-        if (rules_.options.skipFlags)
+                        rules_.options.dropUnknownFlags ? "it is dropped" : "its value is used");
+        if (rules_.options.dropUnknownFlags)
             return 0;
     }
     std::uint32_t bits = 0;

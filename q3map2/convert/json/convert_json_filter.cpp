@@ -72,14 +72,14 @@ void JsonFilter::Step() {
     case '+':
     case '-':
         if (IsLetter(Peek()))
-            Word(c);
+            FilterWord(c);
         else
             Emit(c);
         return;
     case 'N':
     case 'I':
         inAt_--;
-        Word(0);
+        FilterWord(0);
         return;
     case '"':
         inString_ = true;
@@ -127,7 +127,7 @@ bool JsonFilter::SkipComment() {
     return true;
 }
 
-void JsonFilter::Word(char sign) {
+void JsonFilter::FilterWord(char sign) {
     std::string word;
     while (IsLetter(Peek()) && word.size() < kMaxWord)
         word += char(Take());

@@ -10,7 +10,7 @@
 
 namespace q3 {
 
-/// Reads a file block by block and changes what strict JSON has not: comments become a blank, trailing commas go, bare
+/// Reads a file block by block and changes what strict JSON does not allow: comments become a blank, trailing commas go, bare
 /// NaN, Infinity and Inf (with or without sign) become strings, and the bytes 0x80..0xFF of strings, which need not be
 /// UTF-8, become code points U+10FF80..U+10FFFF. Line ends stay. Errors: Error naming the file.
 class JsonFilter {
@@ -46,7 +46,7 @@ class JsonFilter {
     void Step();
     void StringStep(char c);
     bool SkipComment();
-    void Word(char sign);
+    void FilterWord(char sign); ///< sign: already taken from the input; 0: none
     void Emit(char c);
     void EmitHeldComma(char next);
 

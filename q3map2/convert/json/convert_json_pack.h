@@ -11,7 +11,7 @@ namespace q3 {
 
 struct PackJsonOptions {
     bool useFlagNames = false; ///< bits come from the names in the game's table
-    bool skipFlags = false;    ///< with useFlagNames: unknown names are ignored
+    bool dropUnknownFlags = false;    ///< with useFlagNames: unknown names are ignored
 };
 
 /// Reads what UnpackJson (or the established program's -json -unpack) wrote. The result is validated. Errors: Error

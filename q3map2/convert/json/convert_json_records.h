@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. The members of every JSON record, in order, for reading and writing alike. See docs/json.md.
 #pragma once
 
-#include "common/files/archive.h"
 #include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/convert/json/convert_json_flags.h"
@@ -19,20 +18,20 @@ template <typename T> std::array<T, 4> Slots(const T &first, const T &rest = {})
     return {first, rest, rest, rest};
 }
 
-template <typename Archive> void Describe(Archive &a, bspShader_t &shader) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspShader_t &shader) {
     a.Name("shader", shader.shader);
     a.Flags("surfaceFlags", shader.surfaceFlags, FlagKind::Surface);
     a.Flags("contentFlags", shader.contentFlags, FlagKind::Content);
 }
 
-template <typename Archive, typename Record> void DescribeBounds(Archive &a, Record &record) {
+template <typename JsonArchive, typename Record> void DescribeBounds(JsonArchive &a, Record &record) {
     a.Group("minmax", [&] {
         a.Field("mins", record.mins);
         a.Field("maxs", record.maxs);
     });
 }
 
-template <typename Archive> void Describe(Archive &a, bspModel_t &model) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspModel_t &model) {
     DescribeBounds(a, model);
     a.Field("firstBSPSurface", model.firstBSPSurface);
     a.Field("numBSPSurfaces", model.numBSPSurfaces);
@@ -40,13 +39,13 @@ template <typename Archive> void Describe(Archive &a, bspModel_t &model) {
     a.Field("numBSPBrushes", model.numBSPBrushes);
 }
 
-template <typename Archive> void Describe(Archive &a, bspPlane_t &plane) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspPlane_t &plane) {
     std::array<float, 4> values = {plane.normal[0], plane.normal[1], plane.normal[2], plane.dist};
     a.Whole(values);
     plane = {{values[0], values[1], values[2]}, values[3]};
 }
 
-template <typename Archive> void Describe(Archive &a, bspLeaf_t &leaf) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspLeaf_t &leaf) {
     a.Field("cluster", leaf.cluster);
     a.Field("area", leaf.area);
     DescribeBounds(a, leaf);
@@ -56,34 +55,34 @@ template <typename Archive> void Describe(Archive &a, bspLeaf_t &leaf) {
     a.Field("numBSPLeafBrushes", leaf.numBSPLeafBrushes);
 }
 
-template <typename Archive> void Describe(Archive &a, bspNode_t &node) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspNode_t &node) {
     a.Field("planeNum", node.planeNum);
     a.Field("children", node.children);
     DescribeBounds(a, node);
 }
 
 /// Indices and bytes: lumps of single numbers.
-template <typename Archive> void Describe(Archive &a, std::int32_t &number) {
+template <typename JsonArchive> void Describe(JsonArchive &a, std::int32_t &number) {
     a.Field("Num", number);
 }
-template <typename Archive> void Describe(Archive &a, std::uint8_t &number) {
+template <typename JsonArchive> void Describe(JsonArchive &a, std::uint8_t &number) {
     a.Field("Num", number);
 }
 
-template <typename Archive> void Describe(Archive &a, bspBrush_t &brush) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspBrush_t &brush) {
     a.Field("firstSide", brush.firstSide);
     a.Field("numSides", brush.numSides);
     a.Field("shaderNum", brush.shaderNum);
 }
 
-template <typename Archive> void Describe(Archive &a, bspBrushSide_t &side) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspBrushSide_t &side) {
     std::int32_t surfaceNum = -1; // no such field in IBSP
     a.Field("planeNum", side.planeNum);
     a.Field("shaderNum", side.shaderNum);
     a.Field("surfaceNum", surfaceNum);
 }
 
-template <typename Archive> void Describe(Archive &a, bspDrawVert_t &vert) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspDrawVert_t &vert) {
     auto lightmap = Slots(vert.lightmap);
     auto color = Slots(vert.color);
     a.Field("xyz", vert.xyz);
@@ -95,7 +94,7 @@ template <typename Archive> void Describe(Archive &a, bspDrawVert_t &vert) {
     vert.color = color[0];
 }
 
-template <typename Archive> void Describe(Archive &a, bspDrawSurface_t &surface) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspDrawSurface_t &surface) {
     auto styles = kJsonStyles, vertexStyles = kJsonStyles;
     auto lightmapNum = Slots(surface.lightmapNum, -3);
     auto lightmapX = Slots(surface.lightmapX);
@@ -123,13 +122,13 @@ template <typename Archive> void Describe(Archive &a, bspDrawSurface_t &surface)
     surface.lightmapY = lightmapY[0];
 }
 
-template <typename Archive> void Describe(Archive &a, bspFog_t &fog) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspFog_t &fog) {
     a.Name("shader", fog.shader);
     a.Field("brushNum", fog.brushNum);
     a.Field("visibleSide", fog.visibleSide);
 }
 
-template <typename Archive> void Describe(Archive &a, bspGridPoint_t &point) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspGridPoint_t &point) {
     auto ambient = Slots(point.ambient, point.ambient);
     auto directed = Slots(point.directed, point.directed);
     auto styles = kJsonStyles;
@@ -141,24 +140,24 @@ template <typename Archive> void Describe(Archive &a, bspGridPoint_t &point) {
     point.directed = directed[0];
 }
 
-template <typename Archive> void Describe(Archive &a, Entity &entity) {
+template <typename JsonArchive> void Describe(JsonArchive &a, Entity &entity) {
     a.Pairs("KeyValue", entity.pairs);
 }
 
-template <typename Archive> void Describe(Archive &a, bspAdvertisement_t &advertisement) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspAdvertisement_t &advertisement) {
     a.Field("cellId", advertisement.cellId);
     a.Field("normal", advertisement.normal);
     a.Field("rect", advertisement.rect);
     a.Name("model", advertisement.model);
 }
 
-template <typename Archive> void Describe(Archive &a, bspGridSHHeader_t &header) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspGridSHHeader_t &header) {
     a.Field("gridMins", header.gridMins);
     a.Field("gridSize", header.gridSize);
     a.Field("gridBounds", header.gridBounds);
 }
 
-template <typename Archive> void Describe(Archive &a, bspGridPointSH_t &point) {
+template <typename JsonArchive> void Describe(JsonArchive &a, bspGridPointSH_t &point) {
     a.Whole(point.coeffs);
 }
 
@@ -167,7 +166,7 @@ struct JsonBspxEntry {
     std::string name;
     std::string bytes, file; ///< one of the two
 };
-template <typename Archive> void Describe(Archive &a, JsonBspxEntry &entry) {
+template <typename JsonArchive> void Describe(JsonArchive &a, JsonBspxEntry &entry) {
     a.Text("name", entry.name);
     a.OneOf("bytes", entry.bytes, "file", entry.file);
 }

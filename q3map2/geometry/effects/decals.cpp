@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Decals: patches of _decal entities projected onto surfaces.
 #include "q3map2/geometry/effects/decals.h"
 
+#include "q3map2/bspfile/object_keys.h"
 #include "q3map2/map/map_patch.h"
 #include "q3map2/map/map_settings.h"
 
@@ -15,7 +16,7 @@ constexpr double kMinDistance = 0.125, kClipEpsilon = 0.0625, kFacingEpsilon = 0
 
 const MapEntity *FindTarget(const Map &map, std::string_view name) {
     const auto at = std::find_if(map.entities.begin(), map.entities.end(), [&](const MapEntity &entity) {
-        return EqualNoCase(entity.pairs.Value({"targetname", "_targetname"}), name);
+        return EqualNoCase(keys::kTargetName.Text(entity.pairs), name);
     });
     return at == map.entities.end() ? nullptr : &*at;
 }
@@ -109,7 +110,7 @@ std::optional<Vec3d> WayOf(const MapEntity &entity, const Map &map, const BspCon
         context.log.Warn("decal without patches", "{}: a _decal without patches is left out", entity.MessagePrefix());
         return {};
     }
-    const std::string_view name = entity.pairs.Value("target");
+    const std::string_view name = keys::kDecalTarget.Text(entity.pairs);
     const MapEntity *target = name.empty() ? nullptr : FindTarget(map, name);
     if (target == nullptr) {
         context.log.Warn("decal without target",

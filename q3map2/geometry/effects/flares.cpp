@@ -1,11 +1,12 @@
 // GPL-2.0-or-later. Flares of lights and shaders.
 #include "q3map2/geometry/effects/flares.h"
 
+#include "q3map2/bspfile/object_keys.h"
+
 namespace q3 {
 namespace {
 
 constexpr float kFlareDistance = 2; ///< game units in front of the surface
-constexpr std::string_view kFlareShader = "flareshader";
 
 DrawSurface FlareAt(const Vec3f &position, const Vec3f &normal, const Vec3f &color, const ShaderInfo &shader) {
     DrawSurface flare;
@@ -21,7 +22,7 @@ Vec3f DirectionOf(const MapEntity &light, const Map &map) {
     const std::string_view name = light.pairs.Value({"target", "_target"});
     if (!name.empty())
         for (const MapEntity &entity : map.entities)
-            if (EqualNoCase(entity.pairs.Value({"targetname", "_targetname"}), name)) {
+            if (EqualNoCase(keys::kTargetName.Text(entity.pairs), name)) {
                 const Vec3f way = Normalize(entity.origin - light.origin);
                 return way == Vec3f{} ? Vec3f{0, 0, -1} : way;
             }
@@ -36,12 +37,12 @@ void MakeFlares(const Map &map, Geometry &geometry, const BspContext &context) {
     for (const MapEntity &light : map.entities) {
         if (!StartsWithNoCase(light.pairs.ClassName(), "light"))
             continue;
-        std::string_view name = light.pairs.Value("_flareshader");
-        if (name.empty() && !light.pairs.Flag("_flare"))
+        std::string_view name = keys::kFlareShader.Text(light.pairs);
+        if (name.empty() && !keys::kFlare.Flag(light.pairs))
             continue;
         if (name.empty())
-            name = kFlareShader;
-        const Vec3f color = light.pairs.Vector({"_color"}).value_or(Vec3f{1, 1, 1});
+            name = keys::kFlareShader.info.initial;
+        const Vec3f color = keys::kColor.Vector(light.pairs).value_or(Vec3f{1, 1, 1});
         geometry.surfaces.push_back(FlareAt(light.origin, DirectionOf(light, map), color, context.shaders.Get(name)));
     }
 }

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Sky boxes: a room that engines draw enlarged around the map.
 #include "q3map2/geometry/effects/skybox.h"
 
+#include "q3map2/bspfile/object_keys.h"
 #include "q3map2/geometry/models/model_transform.h"
 
 namespace q3 {
@@ -9,16 +10,10 @@ namespace {
 constexpr double kDefaultScale = 64;
 
 Vec3d ScaleOf(const Entity &pairs) {
-    if (const auto scale = pairs.Vector({"_scale"}))
+    if (const auto scale = keys::kSkyBoxScale.Vector(pairs))
         return Vec3d(*scale);
-    const double scale = pairs.Number({"_scale"}, kDefaultScale);
+    const double scale = NumberFromText(keys::kSkyBoxScale.Text(pairs));
     return scale == 0 ? Vec3d{kDefaultScale, kDefaultScale, kDefaultScale} : Vec3d{scale, scale, scale};
-}
-
-Vec3d AnglesOf(const Entity &pairs) {
-    if (const auto angles = pairs.Vector({"angles"}))
-        return Vec3d(*angles);
-    return {0, pairs.Number({"angle"}), 0};
 }
 
 } // namespace

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kWarmHits = 3; // all three vertices are in the cache
 
-/// FIFO of the vertices used last, newest first.
+/// FIFO of the vertices that entered the cache last, newest first. A hit does not move its entry.
 class VertexCache {
   public:
     explicit VertexCache(const std::vector<int> &indexes) { std::copy_n(indexes.begin(), kSize, entries_.begin()); }

@@ -10,7 +10,7 @@ namespace q3 {
 
 /// The block with the defaults of all surfaces. `sampleSize` in game units.
 std::string DefaultSurfaceBlock(const SurfaceSettings &world, int sampleSize);
-/// The block of surface `number` of the .bsp: what differs from the defaults.
+/// The block of surface `number` of the .bsp: its shader, and what differs from the defaults.
 std::string SurfaceBlock(const DrawSurface &surface, int number, std::string_view shader, const SurfaceSettings &world,
                          int sampleSize);
 

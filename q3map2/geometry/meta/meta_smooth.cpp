@@ -14,7 +14,7 @@ constexpr double kAngleSlack = 1e-6; ///< radians
 /// A corner of a triangle at the point that is being smoothed.
 struct SmoothedCorner {
     int triangle = 0, corner = 0;
-    double angle = 0; ///< radians
+    double shadeAngle = 0; ///< radians
     Vec3d normal;
     bool done = false;
 };
@@ -43,11 +43,11 @@ std::vector<SmoothedCorner> CornersOf(const MetaMesh &mesh, int group, const std
 
 bool Together(const SmoothedCorner &a, const SmoothedCorner &b) {
     const double angle = std::acos(std::clamp(Dot(a.normal, b.normal), -1., 1.));
-    return angle + kAngleSlack < std::min(a.angle, b.angle);
+    return angle + kAngleSlack < std::min(a.shadeAngle, b.shadeAngle);
 }
 
 /// Adds up the distinct normals and returns their number.
-int SumOfDistinct(const std::vector<SmoothedCorner *> &corners, Vec3d &sum) {
+int AddDistinctNormals(const std::vector<SmoothedCorner *> &corners, Vec3d &sum) {
     std::vector<Vec3d> distinct;
     for (const SmoothedCorner *corner : corners) {
         const bool known = std::ranges::any_of(distinct, [&](const Vec3d &n) {
@@ -77,7 +77,7 @@ int SmoothPoint(std::vector<SmoothedCorner> corners, std::vector<std::array<Vec3
         for (SmoothedCorner *corner : together)
             corner->done = true;
         Vec3d sum;
-        const bool several = SumOfDistinct(together, sum) > 1;
+        const bool several = AddDistinctNormals(together, sum) > 1;
         const Vec3f normal(Normalize(sum));
         if (!several || normal == Vec3f{})
             continue;

@@ -2,6 +2,7 @@
 #include "q3map2/geometry/models/model_skin.h"
 
 #include "common/text/text_scan.h"
+#include "q3map2/bspfile/object_keys.h"
 #include "q3map2/shader/shader_table.h"
 
 #include <algorithm>
@@ -49,7 +50,7 @@ std::vector<Replacement> ReadSkin(std::string_view text) {
 
 std::optional<std::vector<Replacement>> SkinOf(const MapEntity &entity, std::string_view model,
                                                const BspContext &context) {
-    const std::string_view skin = entity.pairs.Value({"_skin", "skin"});
+    const std::string_view skin = keys::kSkin.Text(entity.pairs);
     if (skin.empty())
         return {};
     const bool digits = std::all_of(skin.begin(), skin.end(), [](char c) { return c >= '0' && c <= '9'; });
@@ -63,18 +64,18 @@ std::optional<std::vector<Replacement>> SkinOf(const MapEntity &entity, std::str
     return ReadSkin({reinterpret_cast<const char *>(bytes->data()), bytes->size()});
 }
 
-/// Longest first; "*" last.
+/// The _remap keys of the entity as replacements: those with the longest `from` first, "*" last.
 std::vector<Replacement> RemapsOf(const MapEntity &entity, const BspContext &context) {
     std::vector<Replacement> remaps;
     for (const auto &[key, value] : entity.pairs.pairs) {
-        if (!StartsWithNoCase(key, "_remap"))
+        if (!StartsWithNoCase(key, keys::kRemapPrefix))
             continue;
         const std::size_t semicolon = value.find(';');
         Replacement remap;
         if (semicolon != std::string::npos)
             remap = {value.substr(0, semicolon), value.substr(semicolon + 1)};
         if (remap.from.empty() || remap.to.empty() || remap.to.size() > kMaxShaderName)
-            context.log.Warn("bad remap", "{}: \"{}\" \"{}\" is ignored: expected FROM;TO with at most {} characters",
+            context.log.Warn("bad remap", "{}: \"{}\" \"{}\" is ignored: expected FROM;TO, TO with at most {} characters",
                              entity.MessagePrefix(), key, value, kMaxShaderName);
         else
             remaps.push_back(std::move(remap));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "libs/math/vec.h"
+#include "q3map2/bspfile/entities.h"
 
 #include <array>
 
@@ -19,5 +20,7 @@ struct ModelTransform {
 };
 /// Scale, then roll, pitch and yaw in degrees, then the origin.
 ModelTransform MakeModelTransform(const Vec3d &scale, const Vec3d &pitchYawRoll, const Vec3d &origin);
+/// Pitch, yaw and roll of an entity in degrees: key angles, else angle as the yaw.
+Vec3d AnglesOf(const Entity &entity);
 
 } // namespace q3

@@ -1,34 +1,25 @@
 // GPL-2.0-or-later. misc_model: model files placed in the map.
 #include "q3map2/geometry/models/models.h"
 
+#include "q3map2/bspfile/object_keys.h"
+#include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/geometry/models/model_clip.h"
 #include "q3map2/geometry/models/model_load.h"
 #include "q3map2/geometry/models/model_skin.h"
 #include "q3map2/map/map_settings.h"
 
-#include "q3map2/bspfile/surface_keys.h"
-
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 namespace q3 {
 namespace {
-
-constexpr double kToRadians = std::numbers::pi / 180;
 
 Vec3d ScaleOf(const Entity &pairs) {
     if (const auto scale = keys::kModelScaleVec.Vector(pairs))
         return Vec3d(*scale);
     const double scale = keys::kModelScale.Number(pairs);
     return scale == 0 ? Vec3d{1, 1, 1} : Vec3d{scale, scale, scale};
-}
-
-Vec3d AnglesOf(const Entity &pairs) {
-    if (const auto angles = keys::kAngles.Vector(pairs))
-        return Vec3d(*angles);
-    return {0, keys::kAngle.Number(pairs), 0};
 }
 
 /// As for brushes, except that the default of _castShadows is that of the entity the model belongs to.
@@ -103,10 +94,10 @@ bool InsideWorld(const DrawSurface &surface) {
 }
 
 bool BelongsTo(const MapEntity &model, const MapEntity &target, bool world) {
-    const std::string_view name = model.pairs.Value({"_target", "target"});
+    const std::string_view name = keys::kModelTarget.Text(model.pairs);
     if (world)
         return name.empty();
-    return !name.empty() && EqualNoCase(name, target.pairs.Value({"targetname", "_targetname"}));
+    return !name.empty() && EqualNoCase(name, keys::kTargetName.Text(target.pairs));
 }
 
 void WarnOfLostModels(const Map &map, const BspContext &context) {
@@ -119,14 +110,14 @@ void WarnOfLostModels(const Map &map, const BspContext &context) {
         if (!found)
             context.log.Warn("model without its target",
                              "{}: no entity with brushes has the targetname '{}' that this misc_model targets",
-                             entity.MessagePrefix(), entity.pairs.Value({"_target", "target"}));
+                             entity.MessagePrefix(), keys::kModelTarget.Text(entity.pairs));
     }
 }
 
 std::optional<ModelPlacement> PlacementOf(const MapEntity &entity, const MapEntity &target, const Map &map,
                                           const Geometry &geometry, const BspContext &context) {
     ModelPlacement placement;
-    placement.name = entity.pairs.Value("model");
+    placement.name = keys::kModel.Text(entity.pairs);
     if (placement.name.empty()) {
         context.log.Warn("misc_model without model", "{}: misc_model without a \"model\" key", entity.MessagePrefix());
         return {};
@@ -138,7 +129,7 @@ std::optional<ModelPlacement> PlacementOf(const MapEntity &entity, const MapEnti
     const Vec3d origin = Vec3d(entity.origin) - (world ? Vec3d{} : Vec3d(target.origin));
     placement.transform = MakeModelTransform(ScaleOf(entity.pairs), AnglesOf(entity.pairs), origin);
     placement.settings = ModelSettings(entity, target, map, context);
-    placement.flags = unsigned(IntegerFromText(entity.pairs.Value("spawnflags")));
+    placement.flags = unsigned(keys::kModelFlags.Integer(entity.pairs));
     placement.clipDepth = keys::kClipDepth.Number(entity.pairs, context.options.clipDepth);
     placement.shaders = ShaderRemapOf(entity, placement.name, context);
     placement.fogNum = geometry.defaultFog;
@@ -146,34 +137,6 @@ std::optional<ModelPlacement> PlacementOf(const MapEntity &entity, const MapEnti
 }
 
 } // namespace
-
-Vec3d ModelTransform::Point(const Vec3d &p) const {
-    return Vec3d{Dot(rows[0], p), Dot(rows[1], p), Dot(rows[2], p)} + origin;
-}
-
-double ModelTransform::Determinant() const {
-    return Dot(rows[0], Cross(rows[1], rows[2]));
-}
-
-Vec3d ModelTransform::Normal(const Vec3d &n) const {
-    // Rows of the cofactor matrix: the inverse transpose but for the determinant's size.
-    const Vec3d turned{Dot(Cross(rows[1], rows[2]), n), Dot(Cross(rows[2], rows[0]), n),
-                       Dot(Cross(rows[0], rows[1]), n)};
-    const Vec3d unit = Normalize(Determinant() < 0 ? -turned : turned);
-    return unit == Vec3d{} ? n : unit;
-}
-
-ModelTransform MakeModelTransform(const Vec3d &scale, const Vec3d &pitchYawRoll, const Vec3d &origin) {
-    const Vec3d a = pitchYawRoll * kToRadians;
-    const double sp = std::sin(a.x), cp = std::cos(a.x), sy = std::sin(a.y), cy = std::cos(a.y);
-    const double sr = std::sin(a.z), cr = std::cos(a.z);
-    ModelTransform transform;
-    transform.rows[0] = Vec3d{cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr} * scale;
-    transform.rows[1] = Vec3d{sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr} * scale;
-    transform.rows[2] = Vec3d{-sp, cp * sr, cp * cr} * scale;
-    transform.origin = origin;
-    return transform;
-}
 
 bool PlaceModel(const ModelPlacement &placement, MapEntity &target, Geometry &geometry, PlaneTable &planes,
                 const BspContext &context) {

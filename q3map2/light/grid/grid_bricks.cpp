@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::array<int, 3> kBrick = {8, 8, 4};
 constexpr std::array<int, 3> kBlock = {4, 2, 2};
-/// Points this far behind the origin of a one-sided area light, which is a unit in front of it, get nothing from it in
-/// either grid. Game units.
+/// A one-sided area light gives nothing, in either grid, to points farther than this behind the plane through its
+/// origin; that plane is 1 unit in front of the surface. Game units.
 constexpr float kBehind = 2;
 /// Up to this many faint lights are all taken.
 constexpr std::ptrdiff_t kFewFaint = 32;

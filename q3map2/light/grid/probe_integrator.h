@@ -8,8 +8,8 @@
 
 namespace q3 {
 
-/// Lights receivers for the SH grid: points of the grid and samples between them. Const after construction; safe from
-/// several threads. Keeps references.
+/// Computes the light at receivers of the SH grid: points of the grid and samples between them. Const after
+/// construction; safe from several threads. Keeps references.
 class ProbeIntegrator {
   public:
     ProbeIntegrator(const GridInputs &in, const std::vector<Light> &lights);

@@ -15,7 +15,7 @@ namespace q3 {
 namespace {
 
 constexpr auto kMaxIntensity = float(keys::kMaxIntensity);
-/// Limit of world keys, for the same reason.
+/// Limit of values from world keys: products of larger ones could overflow float.
 constexpr float kMaxWorldFactor = 1e6f;
 constexpr std::uint64_t kSeedJitter = 0x4C69676874ull;
 

@@ -9,15 +9,15 @@
 
 namespace q3 {
 
-bool SelectFaintLight(float faint, float strongest, float &residual, float &weight) {
-    const float light = strongest * weight;
+bool SelectFaintLight(float faint, float bound, float &residual, float &weight) {
+    const float light = bound * weight;
     if (light >= faint)
         return true;
     residual += light;
     if (residual < faint)
         return false;
     residual -= faint;
-    weight = faint / strongest;
+    weight = faint / bound;
     return true;
 }
 

@@ -14,7 +14,7 @@ namespace q3 {
 
 namespace {
 
-/// Light that a white wall of luxel value 1 gives to a point whose whole hemisphere it covers, at -bouncescale 1. The
+/// Light that a white wall of luxel value 1 gives to a point whose whole hemisphere it covers, at LightmapOptions::bounceScale 1. The
 /// established program makes such a wall an area light of 187.5 per luxel value of 255, and area lights of form factor
 /// 1 give 3 times that.
 constexpr float kLegacyRadiosity = 187.5f * 3 / 255;

@@ -8,7 +8,7 @@
 namespace q3 {
 
 /// Radiosity by gathering: in bounce k, B_k = rho E_k and E_(k+1) is the irradiance due to B_k. rho of a white texture
-/// is 187.5 * 3 / 255 * -bouncescale = 0.55 by default, as in the established program.
+/// is 187.5 * 3 / 255 * 0.25 = 0.55 at -bouncescale 1, the default, as in the established program.
 class Bounces {
   public:
     /// After the direct pass. Keeps references.

@@ -40,7 +40,7 @@ Q3_VECTOR void SetIncidentLight(const Light &light, const SurfaceIncidentLight &
 
 } // namespace
 
-LuxelSum &LuxelSums::Find(std::size_t slot, int radius, std::size_t blocks) {
+LuxelSum &LuxelSums::FindOrAdd(std::size_t slot, int radius, std::size_t blocks) {
     for (std::size_t i = 0; i < used; ++i)
         if (sums[i].slot == slot && sums[i].radius == radius)
             return sums[i];

@@ -20,14 +20,14 @@ struct LuxelSums {
 
     void Clear() { used = 0; }
     /// The sum of that slot and radius; a new one is zero.
-    LuxelSum &Find(std::size_t slot, int radius, std::size_t blocks);
+    LuxelSum &FindOrAdd(std::size_t slot, int radius, std::size_t blocks);
 };
 
 /// Light of one source at the receivers of a block; zero where none arrives.
 struct LuxelIncidentLight {
-    Lanes3 color{}, direction{}; ///< direction: unit vector to the source times its luminance; zero unless deluxe
+    Lanes3 color{}, direction{}; ///< direction: unit vector to the source times its light's luminance here; 0 unless deluxe
     LaneMask lit{};
-    LaneMask filtered{}; ///< the shadow ray passed a transparent surface
+    LaneMask filtered{}; ///< light above 1 before color, and its shadow ray met a transparent surface
 };
 
 /// Settings of a pass over one raw lightmap.

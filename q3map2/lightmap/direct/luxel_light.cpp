@@ -112,7 +112,7 @@ class LightmapPass {
         if (lightmap_.light[slot].empty())
             ClearSlot(slot, {});
         lightmap_.styles[slot] = std::uint8_t(light.style);
-        return worker_.sums.Find(slot, RadiusFor(light), worker_.blocks.Count());
+        return worker_.sums.FindOrAdd(slot, RadiusFor(light), worker_.blocks.Count());
     }
 
     void AddLight(const Light &light) {

@@ -12,7 +12,7 @@ namespace q3 {
 /// the front side of a planar one. Reused from lightmap to lightmap.
 class LuxelLightList {
   public:
-    /// all: of the pass, with suns everywhere.
+    /// all: the lights of the pass, made with sunsEverywhere.
     void Build(const LightsByCluster &all, const RawLightmap &lightmap, bool sunOnly);
     const std::vector<const Light *> &Lights() const { return list_; }
 

@@ -1,0 +1,158 @@
+// GPL-2.0-or-later. The keys of things that the bsp stage compiles into a map: models, terrain, decals, sky boxes,
+// flares and instances. A new key goes here.
+#pragma once
+
+#include "q3map2/bspfile/light_keys.h"
+
+namespace q3::keys {
+
+inline constexpr EntityKey kAngle{
+    {.name = "angle", .values = "F", .kind = Number, .unit = "degrees", .help = "Turn around the vertical axis"}};
+inline constexpr EntityKey kAngles{{.name = "angles",
+                                    .values = "PITCH YAW ROLL",
+                                    .kind = Number,
+                                    .unit = "degrees",
+                                    .initial = "angle",
+                                    .help = "Turns around all axes"}};
+
+/// The keys of misc_model entities.
+inline constexpr EntityKey kModelKeys[] = {
+    {{.name = "model", .values = "FILE", .kind = Text, .help = "The model"}},
+    {{.name = "_target",
+      .aliases = {"target"},
+      .values = "NAME",
+      .kind = Text,
+      .initial = "the world",
+      .help = "The brush entity of that targetname, which the model becomes a part of"}},
+    {{.name = "_skin",
+      .aliases = {"skin"},
+      .values = "NAME",
+      .kind = Text,
+      .help = "Shaders and meshes as the file MODEL_NAME.skin says"}},
+    {{.name = "_remap*",
+      .values = "FROM;TO",
+      .kind = Text,
+      .help = "Shaders whose names end with FROM become TO, where * means all; any key that starts with _remap"}},
+    {{.name = "modelscale", .values = "F", .kind = Number, .help = "Size of the model; 0 means 1"}, 1},
+    {{.name = "modelscale_vec",
+      .values = "X Y Z",
+      .kind = Number,
+      .initial = "modelscale",
+      .help = "Size along each axis"}},
+    kAngle,
+    kAngles,
+    {{.name = "_frame",
+      .aliases = {"frame"},
+      .values = "N",
+      .kind = Integer,
+      .range = {0, 1e9},
+      .help = "Frame of an animated model"}},
+    {{.name = "_clipdepth",
+      .values = "F",
+      .kind = Number,
+      .unit = "game units",
+      .initial = "-clipdepth",
+      .help = "Thickness of the model's clip brushes"}},
+    {{.name = "spawnflags",
+      .values = "N",
+      .kind = Integer,
+      .range = kAnyInteger,
+      .help = "Sum of: 2 clip brushes, 4 triangle surfaces with lightmaps, 32 alpha from the grey of vertex colors",
+      .details =
+          "How clip brushes are made, with or without 2: 8 along the normals of faces, 16 as terrain, 128 along the "
+          "normals of vertices, 256 as pyramids, 512 downward, 1024 upward, 2048 to the model's full depth, 4096 "
+          "with an axial back. 1: -rename appends _RMG_BSP instead of _BSP."}}};
+inline constexpr const EntityKey &kModel = kModelKeys[0], &kModelTarget = kModelKeys[1], &kSkin = kModelKeys[2],
+                                 &kModelScale = kModelKeys[4], &kModelScaleVec = kModelKeys[5], &kFrame = kModelKeys[8],
+                                 &kClipDepth = kModelKeys[9], &kModelFlags = kModelKeys[10];
+/// Start of the names of remap keys.
+inline constexpr std::string_view kRemapPrefix = "_remap";
+
+/// The keys that make the surfaces of an entity indexed terrain.
+inline constexpr EntityKey kTerrainKeys[] = {
+    {{.name = "_indexmap",
+      .aliases = {"alphamap"},
+      .values = "FILE",
+      .kind = Text,
+      .help = "Picture, seen from above, of the layers: palette index or red of each texel"}},
+    {{.name = "_layers",
+      .aliases = {"layers"},
+      .values = "N",
+      .kind = Integer,
+      .initial = "none",
+      .range = {1, 255},
+      .help = "Number of layers; needed"}},
+    {{.name = "_shader",
+      .aliases = {"shader"},
+      .values = "NAME",
+      .kind = Text,
+      .help = "Surfaces get the shader textures/NAME_A, or textures/NAME_AtoB where layers A to B blend; needed"}},
+    {{.name = "_offsets",
+      .aliases = {"offsets"},
+      .values = "Z0 Z1 ...",
+      .kind = Text,
+      .unit = "game units",
+      .initial = "0",
+      .help = "Height added to vertices of each layer"}},
+    {{.name = "min",
+      .values = "X Y Z",
+      .kind = Text,
+      .unit = "game units",
+      .initial = "of the entity",
+      .help = "Corner of the box that the picture covers"}},
+    {{.name = "max",
+      .values = "X Y Z",
+      .kind = Text,
+      .unit = "game units",
+      .initial = "of the entity",
+      .help = "Opposite corner"}}};
+inline constexpr const EntityKey &kIndexMap = kTerrainKeys[0], &kLayers = kTerrainKeys[1],
+                                 &kLayerShader = kTerrainKeys[2], &kLayerOffsets = kTerrainKeys[3],
+                                 &kIndexMapMin = kTerrainKeys[4], &kIndexMapMax = kTerrainKeys[5];
+
+/// The keys of _skybox entities.
+inline constexpr EntityKey kSkyBoxKeys[] = {{{.name = "_scale",
+                                              .values = "F | X Y Z",
+                                              .kind = Text,
+                                              .initial = "64",
+                                              .help = "How many times the sky box is enlarged"}},
+                                            kAngle,
+                                            kAngles};
+inline constexpr const EntityKey &kSkyBoxScale = kSkyBoxKeys[0];
+
+/// The keys of light entities that make flares.
+inline constexpr EntityKey kFlareKeys[] = {{{.name = "_flare",
+                                             .values = "0|1",
+                                             .kind = Flag,
+                                             .initial = "0",
+                                             .help = "1: the light has a flare, with -flares"}},
+                                           {{.name = "_flareshader",
+                                             .values = "NAME",
+                                             .kind = Text,
+                                             .initial = "flareshader",
+                                             .help = "The light has a flare of that shader, with -flares"}}};
+inline constexpr const EntityKey &kFlare = kFlareKeys[0], &kFlareShader = kFlareKeys[1];
+
+/// The keys of entities that are named, targeted or repeated.
+inline constexpr EntityKey kNameKeys[] = {
+    {{.name = "targetname",
+      .aliases = {"_targetname"},
+      .values = "NAME",
+      .kind = Text,
+      .help = "What a light, decal or model names as its target"}},
+    {{.name = "_clonename", .values = "NAME", .kind = Text, .help = "What instances name as their original"}},
+    {{.name = "_ins",
+      .aliases = {"_instance", "_clone"},
+      .values = "NAME",
+      .kind = Text,
+      .help = "The entity has the brush model of that _clonename instead of brushes of its own"}}};
+inline constexpr const EntityKey &kTargetName = kNameKeys[0], &kCloneName = kNameKeys[1], &kInstance = kNameKeys[2];
+
+/// The key of _decal entities.
+inline constexpr EntityKey kDecalKeys[] = {{{.name = "target",
+                                             .values = "NAME",
+                                             .kind = Text,
+                                             .help = "Entity toward which the patches are projected; needed"}}};
+inline constexpr const EntityKey &kDecalTarget = kDecalKeys[0];
+
+} // namespace q3::keys
