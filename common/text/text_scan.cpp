@@ -151,7 +151,8 @@ void TextScanner::OpenInclude() {
     const bool circle = std::any_of(files_.begin(), files_.end(),
                                     [&](const File &open) { return EqualNoCase(open.location.file, name); });
     if (circle || files_.size() > kMaxIncludeDepth || ++includeCount_ > kMaxIncludes)
-        throw Error("{}: $include {} expected includes that end; these run in a circle, nest over {} deep or are over {} in all",
+        throw Error("{}: $include {} expected includes that end; these run in a circle, nest over {} deep or are over "
+                    "{} in all",
                     Location(), name, kMaxIncludeDepth, kMaxIncludes);
     if (std::optional<std::string> text = include_(name))
         files_.push_back({&texts_.emplace_back(std::move(*text)), 0, {names_.emplace_back(name), 1}});

@@ -28,7 +28,8 @@ int FindLeaf(const Vec3f &p, BspChild from, const NodeOf &nodeOf, const ClusterO
         while (child >= 0) {
             const BspTree::Node &node = nodeOf(child);
             const float d = Dot(node.normal, p) - node.dist;
-            // Branches on purpose: the processor predicts them and runs ahead; children[d < 0] would stall until d is known.
+            // Branches on purpose: the processor predicts them and runs ahead; children[d < 0] would stall until d is
+            // known.
             if (d > kOnPlane)
                 child = node.children[0];
             else if (d < -kOnPlane)
@@ -80,7 +81,8 @@ BspChild BspTree::ChildAround(const Boundsf &box, BspChild from) const {
         const Node &node = NodeOf(child);
         const Vec3f &n = node.normal;
         const float d = Dot(n, center) - node.dist;
-        const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + kOnPlane + kRoundingSlack;
+        const float reach =
+            std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + kOnPlane + kRoundingSlack;
         if (d > reach)
             child = node.children[0];
         else if (d < -reach)
