@@ -8,8 +8,9 @@
 
 namespace q3 {
 
-/// The rest of the command line. An option is found by its whole name without case, wherever it stands, and is removed
-/// together with the values after it; so the order of different options never matters, and repeated ones come in order.
+/// The rest of the command line. An option is found by its whole name, case-insensitive, wherever it stands, and is
+/// removed together with the values after it; so the order of different options never matters, and repeated ones come
+/// in order.
 class Arguments {
   public:
     explicit Arguments(std::vector<std::string> words) : words_(std::move(words)) {}

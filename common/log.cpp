@@ -81,7 +81,8 @@ void Log::FlushWarnings() {
     const std::lock_guard lock(mutex_);
     for (const auto &[kind, count] : warnings_)
         if (count > 1 && !verbose_)
-            sink_(LogLevel::Normal, fmt::format("{:9} more warnings like it: {} (-v lists them)\n", count - 1, kind));
+            sink_(LogLevel::Normal,
+                  fmt::format("{:9} more warnings of this kind: {} (-v lists them)\n", count - 1, kind));
     warnings_.clear();
 }
 

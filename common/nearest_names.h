@@ -13,7 +13,7 @@ namespace q3 {
 /// string alignment).
 std::size_t EditDistance(std::string_view a, std::string_view b);
 
-/// The names at the least edit distance from a mistyped word, without case and leading dashes: at most three, none
+/// The names at the least edit distance from a mistyped word, ignoring case and leading dashes: at most three, none
 /// farther off than a third of the word's length.
 std::vector<std::string> NearestNames(std::string_view word, std::span<const std::string> names);
 /// "; did you mean -light?", or nothing.

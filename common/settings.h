@@ -42,7 +42,7 @@ template <typename Options> class SettingTarget {
     }
 
     std::function<void(Options &, const SettingValues &)> apply;
-    std::function<std::string(const Options &)> text; ///< the value now; empty function: not one field
+    std::function<std::string(const Options &)> text; ///< formats the field's current value; null for Off and Do
     SettingKind kind = SettingKind::Flag;             ///< by the type of the field
 
     /// For Off and Do.
@@ -93,7 +93,7 @@ template <typename Options> SettingTarget<Options> Off(bool Options::*field) {
     return target;
 }
 
-/// Anything else. The declaration says the kind and, if there is one, the default.
+/// A target that calls `apply`. The kind and the default, if any, must be given in SettingInfo.
 template <typename Options> SettingTarget<Options> Do(std::function<void(Options &, const SettingValues &)> apply) {
     SettingTarget<Options> target;
     target.apply = std::move(apply);

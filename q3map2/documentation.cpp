@@ -13,7 +13,8 @@ namespace q3 {
 namespace {
 
 constexpr std::string_view kRules =
-    "Option names are whole words without case. Their order does not matter; options, the stage word and the file may "
+    "Option names are whole words, case-insensitive. Their order does not matter; options, the stage word and the file "
+    "may "
     "stand anywhere on the line. The extension of the file is replaced by the one that the stage needs. A number must "
     "be a whole word, finite and in range, or the program stops. An unknown option after the stage word is a warning, "
     "which the end of the run repeats; before it, or when no stage is named, it is an error. Exit status 0: done; 1: "

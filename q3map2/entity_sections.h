@@ -6,7 +6,7 @@
 namespace q3 {
 
 inline constexpr std::string_view kKeyRules =
-    "Key names are without case. Of several names of a key the first one present counts. Text that is no number, a "
+    "Key names are case-insensitive. Of several names of a key the first one present counts. Text that is no number, a "
     "number with something after it, and a number out of range are warnings that name the entity and the key.";
 
 /// All declared keys, by kind of entity.

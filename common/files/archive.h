@@ -20,7 +20,7 @@ class Archive {
     ~Archive();
     Archive(Archive &&) noexcept;
 
-    /// Names compare without case and with '/'. Entries with unsafe names (absolute, "..", control bytes, over 255
+    /// Names are case-insensitive, with '/'. Entries with unsafe names (absolute, "..", control bytes, over 255
     /// bytes) are not in the directory; of two equal names the last counts.
     bool Contains(std::string_view name) const { return Find(name) != nullptr; }
     /// Contents of an entry. Error: absent, damaged, encrypted, or over 256 MiB.

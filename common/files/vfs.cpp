@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// ? is one character and * any run; neither crosses a separator. Without case.
+/// ? is one character and * any run; neither crosses a separator. Case-insensitive.
 bool MatchesWildcard(std::string_view name, std::string_view pattern) {
     const auto separator = [](char c) { return c == '/' || c == '\\' || c == ':'; };
     std::size_t n = 0, p = 0, starPattern = std::string_view::npos, starName = 0;
@@ -48,7 +48,7 @@ std::string LastPart(const fs::path &folder) {
     return folder.has_filename() ? folder.filename().string() : folder.parent_path().filename().string();
 }
 
-bool EndsWithoutCase(std::string_view name, std::string_view end) {
+bool EndsWithNoCase(std::string_view name, std::string_view end) {
     return name.size() >= end.size() && EqualNoCase(name.substr(name.size() - end.size()), end);
 }
 
@@ -68,7 +68,7 @@ struct VirtualFileSystem::State {
     /// Calls use(path) or use(archive) for each occurrence of a safe name, the winner first, until one returns true.
     template <typename UsePath, typename UseArchive>
     void Visit(const std::string &name, UsePath usePath, UseArchive useArchive) const;
-    /// Contents of every occurrence, or of the first readable one. The others are warnings.
+    /// Contents of every occurrence, or of the first readable one. Unreadable ones give a warning.
     std::vector<std::vector<std::byte>> Contents(std::string_view name, bool all) const;
 };
 
@@ -134,9 +134,9 @@ void VirtualFileSystem::Mount(const fs::path &folder, std::string_view archiveEx
         if (state_->IsForbidden(name))
             continue;
         std::error_code unknown;
-        if (EndsWithoutCase(name, archiveEnd))
+        if (EndsWithNoCase(name, archiveEnd))
             archives.push_back(std::move(name));
-        else if (EndsWithoutCase(name, folderEnd) && at->is_directory(unknown))
+        else if (EndsWithNoCase(name, folderEnd) && at->is_directory(unknown))
             packFolders.push_back(std::move(name));
     }
     std::sort(archives.begin(), archives.end(), LessWithoutCase);
@@ -187,7 +187,7 @@ std::vector<std::string> VirtualFileSystem::List(std::string_view folder, std::s
     std::set<std::string> known; // lower case
     std::vector<std::string> names;
     const auto add = [&](std::string name) {
-        if (EndsWithoutCase(name, extension) && known.insert(LowerCase(name)).second)
+        if (EndsWithNoCase(name, extension) && known.insert(LowerCase(name)).second)
             names.push_back(std::move(name));
     };
     for (const fs::path &root : state_->folders) {

@@ -14,7 +14,7 @@
 namespace q3 {
 
 /// Read-only view of all mounted game folders. Names are relative, with '/', such as "textures/base/wall.tga"; archive
-/// names compare without case, loose files by the file system's rules. Precedence: docs/differences.md. Safe for
+/// names are case-insensitive, loose files by the file system's rules. Precedence: docs/differences.md. Safe for
 /// concurrent reads once set up.
 class VirtualFileSystem {
   public:
@@ -37,7 +37,8 @@ class VirtualFileSystem {
     bool Exists(std::string_view name) const;
     /// Where the winner is: a path, or "archive.pk3 :: inner name". Empty when absent.
     std::string Location(std::string_view name) const;
-    /// Names directly in `folder` (no trailing '/') that end in `extension` (with dot), each once, sorted without case.
+    /// Names directly in `folder` (no trailing '/') that end in `extension` (with dot), each once, sorted,
+    /// case-insensitive.
     std::vector<std::string> List(std::string_view folder, std::string_view extension) const;
 
   private:

@@ -28,7 +28,7 @@ class PcxReader {
         const std::size_t stride = Word(66), rows = std::size_t(height);
         if (stride < std::size_t(width))
             throw Error("{}: PCX with {} bytes a row, expected at least {}", name_, stride, width);
-        if (stride * rows > kLengthBits * file_.size()) // before memory is taken
+        if (stride * rows > kLengthBits * file_.size()) // a run is at most 63 texels; checked before allocating
             TooShort();
         ReadRuns(stride * rows);
         IndexImage image{width, height, {}};
@@ -70,7 +70,7 @@ class PcxReader {
 
     std::span<const std::byte> file_;
     std::string_view name_;
-    std::vector<std::uint8_t> texels_; ///< with the filling at the ends of rows
+    std::vector<std::uint8_t> texels_; ///< with the padding at the ends of rows
 };
 
 } // namespace

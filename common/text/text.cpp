@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Comparing text without case, and numbers in it.
+// GPL-2.0-or-later. Case-insensitive comparison of text, and numbers in it.
 #include "common/text/text.h"
 
 #include <algorithm>

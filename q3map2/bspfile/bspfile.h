@@ -15,7 +15,8 @@ namespace q3 {
 
 /// ReadBsp from disk, without the file image in memory.
 Bsp ReadBspFile(const std::filesystem::path &path, const BspFormat &format, Log &log);
-/// The exact bytes of the file. The same Bsp always gives the same bytes. Errors: 2^31 bytes or more, a bad SH grid.
+/// The exact bytes of the file. The same Bsp always gives the same bytes. Errors: 2^31 bytes or
+/// more, a bad SH grid, a BSPX lump name that is too long.
 std::vector<std::byte> WriteBsp(const Bsp &bsp, const BspFormat &format);
 /// Writes the bytes of WriteBsp without a second copy in memory. Replaces the file by a complete one or leaves the old
 /// one unchanged. Prints path and size.

@@ -13,7 +13,7 @@
 
 namespace q3 {
 
-/// One entity. Keys compare without case; duplicates are kept and a look-up finds the first.
+/// One entity. Keys are case-insensitive; duplicates are kept and a look-up finds the first.
 struct Entity {
     std::vector<std::pair<std::string, std::string>> pairs;
 

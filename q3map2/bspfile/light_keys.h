@@ -7,7 +7,7 @@ namespace q3::keys {
 
 using enum SettingKind;
 
-/// Larger intensities overflow float once squared distances divide them.
+/// Keeps products of intensity, color and the scales of options within float.
 inline constexpr double kMaxIntensity = 1e9;
 inline constexpr int kMaxLightSamples = 4096;
 inline constexpr double kMaxFilterRadius = 65536;
@@ -56,7 +56,7 @@ inline constexpr EntityKey kLightKeys[] = {
       .values = "F",
       .kind = Number,
       .range = {0, kMaxSetting},
-      .help = "How far these lights spread: game units, or degrees for a sun"}},
+      .help = "How far the lights of _samples are spread: game units, or degrees for a sun"}},
     {{.name = "_style",
       .aliases = {"style"},
       .values = "N",
@@ -77,7 +77,7 @@ inline constexpr EntityKey kLightKeys[] = {
       .values = "0|1",
       .kind = Integer,
       .range = kAnyInteger,
-      .help = "With a target: a sun that shines from here toward it; the intensity is of 255"}},
+      .help = "With a target: a sun that shines from here toward it; intensity 255 is full light"}},
     {{.name = "_anglescale",
       .values = "F",
       .kind = Number,
@@ -123,26 +123,26 @@ inline constexpr EntityKey kWorldLightKeys[] = {
       .aliases = {"ambient"},
       .values = "F",
       .kind = Number,
-      .unit = "of 255",
+      .unit = "byte values",
       .help = "Light everywhere",
       .details = "Surfaces take it from the `.srf` if there is one."}},
-    {{.name = "_minlight", .values = "F", .kind = Number, .unit = "of 255", .help = "Least light of lightmaps"}},
+    {{.name = "_minlight", .values = "F", .kind = Number, .unit = "byte values", .help = "Least light of lightmaps"}},
     {{.name = "_mingridlight",
       .values = "F",
       .kind = Number,
-      .unit = "of 255",
+      .unit = "byte values",
       .initial = "_minlight",
       .help = "Least light of grid points, in both grids"}},
     {{.name = "_minvertexlight",
       .values = "F",
       .kind = Number,
-      .unit = "of 255",
+      .unit = "byte values",
       .initial = "_minlight",
       .help = "Least light of vertices"}},
     {{.name = "_maxlight",
       .values = "F",
       .kind = Number,
-      .unit = "of 255",
+      .unit = "byte values",
       .range = {0, 255},
       .help = "Most light of lightmaps, vertices and the legacy grid"},
      255},
@@ -156,8 +156,8 @@ inline constexpr EntityKey kWorldLightKeys[] = {
       .kind = Number,
       .initial = "off",
       .help = "Adds soft light wherever there is open space, as -floodlight does, with these values",
-      .details = "Distance (1024) in game units; the intensity (128) is of 255; the scale (1) is of its weight in "
-                 "deluxe pages."}},
+      .details = "Distance (1024) in game units; intensity (128): 255 is full light; scale (1): factor on its "
+                 "weight in deluxe pages."}},
     {{.name = "_keepLights",
       .values = "0|1",
       .kind = Flag,

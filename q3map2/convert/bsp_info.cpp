@@ -17,11 +17,11 @@ namespace {
 
 constexpr std::string_view kRule = "---------------------------------";
 constexpr double kMegabyte = 1024 * 1024;
-/// worldspawn key in which the light stage leaves the convention of the coefficients.
+/// worldspawn key in which the light stage records the convention of the coefficients.
 constexpr std::string_view kConventionKey = "_q3map2_sh", kRadiance = "radiance";
 
-/// Sizes that the established table prints where they differ from the file: those of records with four light styles.
-constexpr std::size_t kWideBrushSide = 12, kWideSurface = 148, kWideVert = 80, kWideGridPoint = 30;
+/// Record sizes of RBSP, which the established program prints for IBSP files too.
+constexpr std::size_t kRbspBrushSideBytes = 12, kRbspSurfaceBytes = 148, kRbspVertBytes = 80, kRbspGridPointBytes = 30;
 
 /// Prints the table of one file.
 class InfoTable {
@@ -55,7 +55,7 @@ class InfoTable {
         Line(bsp_.models, "models");
         Line(bsp_.shaders, "shaders");
         Line(bsp_.brushes, "brushes");
-        Line(bsp_.brushSides, "brushsides", kWideBrushSide);
+        Line(bsp_.brushSides, "brushsides", kRbspBrushSideBytes);
         Line(bsp_.fogs, "fogs");
         Line(bsp_.planes, "planes");
         Line(Entities().size(), "entdata", bsp_.entities.size() + 1);
@@ -73,19 +73,19 @@ class InfoTable {
             if (always || count > 0)
                 log_.Print("{:9}   {}\n", count, name);
         };
-        Line(bsp_.drawSurfaces, "drawsurfaces", kWideSurface);
+        Line(bsp_.drawSurfaces, "drawsurfaces", kRbspSurfaceBytes);
         ofType(MST_PATCH, "patch surfaces", true);
         ofType(MST_PLANAR, "planar surfaces", true);
         ofType(MST_TRIANGLE_SOUP, "trisoup surfaces", true);
         ofType(MST_FLARE, "flare surfaces", false);
-        Line(bsp_.drawVerts, "drawverts", kWideVert);
+        Line(bsp_.drawVerts, "drawverts", kRbspVertBytes);
         Line(bsp_.drawIndexes, "drawindexes");
         log_.Print("\n");
     }
 
     void PrintLight() const {
         Line(bsp_.lightmaps.size() / kLightmapPageBytes, "lightmaps", bsp_.lightmaps.size());
-        Line(bsp_.gridPoints, "lightgrid", kWideGridPoint);
+        Line(bsp_.gridPoints, "lightgrid", kRbspGridPointBytes);
         log_.Print("{:9} {:<14} {:9}\n", "", "visibility", bsp_.visibility.size());
         log_.Print("\n");
     }

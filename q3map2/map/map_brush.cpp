@@ -25,7 +25,7 @@ const Plane &PlaneOfSide(const BrushSide &side, const PlaneTable &planes) {
     return side.hasPlane ? side.plane : planes[side.planeNum];
 }
 
-std::vector<Plane> SolidPlanes(const Brush &brush, const PlaneTable &planes) {
+std::vector<Plane> PlanesWithoutBevels(const Brush &brush, const PlaneTable &planes) {
     std::vector<Plane> solid;
     for (const BrushSide &side : brush.sides)
         if (!side.bevel)
@@ -129,7 +129,7 @@ void WeldShortEdges(Winding<double> &w) {
 }
 
 /// Rank of a shader: the content shader of a brush is the one of its sides with the highest rank.
-int ContentClass(const ShaderInfo &shader, const Game &game) {
+int ContentRank(const ShaderInfo &shader, const Game &game) {
     const SurfaceParm *clip = game.FindParm("playerclip");
     if (shader.compileFlags & C_LIQUID)
         return 4;
@@ -144,7 +144,7 @@ int ContentClass(const ShaderInfo &shader, const Game &game) {
 
 bool MakeBrushWindings(Brush &brush, const PlaneTable &table) {
     brush.bounds = {};
-    std::vector<Plane> planes = SolidPlanes(brush, table);
+    std::vector<Plane> planes = PlanesWithoutBevels(brush, table);
     const bool few = planes.size() <= kMaxTripleSides;
     Boundsd box = few ? CornerBox(planes) : PolygonBox(planes);
     const Vec3d center = box.Center();
@@ -154,12 +154,12 @@ bool MakeBrushWindings(Brush &brush, const PlaneTable &table) {
     for (Plane &plane : planes)
         plane.dist -= Dot(plane.normal, center);
     box = {box.mins - center, box.maxs - center};
-    std::size_t solid = 0;
+    std::size_t planeIndex = 0;
     for (BrushSide &side : brush.sides) {
         side.winding.clear();
         if (side.bevel)
             continue;
-        Winding<double> w = ChoppedPolygon(planes, solid++, box);
+        Winding<double> w = ChoppedPolygon(planes, planeIndex++, box);
         WeldShortEdges(w);
         if (w.size() < 3)
             continue;
@@ -185,13 +185,13 @@ void SetBrushContents(Brush &brush, const BspContext &context) {
         brush.compileFlags |= side.compileFlags;
         if (!side.shader)
             continue;
-        const int rank = ContentClass(*side.shader, context.game);
+        const int rank = ContentRank(*side.shader, context.game);
         if (rank > highest)
             brush.contentShader = side.shader, highest = rank;
     }
     if ((brush.compileFlags & C_DETAIL) && (brush.compileFlags & C_STRUCTURAL)) {
         context.WarnAt("mixed detail and structural", brush.settings.entity, brush.primitive,
-                       "sides are detail and structural, so the brush is structural");
+                       "some sides are detail and others structural; the brush is taken as structural");
         brush.compileFlags &= ~C_DETAIL;
     }
     if (context.options.fullDetail)

@@ -60,7 +60,7 @@ struct Game {
     bool deluxe = false, deluxeTangent = false; ///< light direction pages by default; in tangent space
     std::vector<SurfaceParm> surfaceParms;      ///< in table order, the first match of a name counts
 
-    /// First parm of that name (without case), or null.
+    /// First parm of that name (case-insensitive), or null.
     const SurfaceParm *FindParm(std::string_view parm) const;
     /// Surface and content bits that mark a BSP shader record as nodraw in this game (0 when the game has none).
     std::uint32_t NoDrawSurfaceFlags() const;
@@ -71,7 +71,7 @@ struct Game {
 
 /// All rows, quake3 first.
 std::span<const Game> Games();
-/// Row of that name (without case), or null.
+/// Row of that name (case-insensitive), or null.
 const Game *FindGame(std::string_view name);
 
 } // namespace q3

@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// Width and height that the header tells. Nothing: it is not of that format, or damaged.
+/// Width and height from the header. nullopt: another format, damaged, or over 16384 texels a side.
 std::optional<std::array<int, 2>> TgaSize(std::span<const std::byte> file);
 std::optional<std::array<int, 2>> PngSize(std::span<const std::byte> file);
 std::optional<std::array<int, 2>> JpegSize(std::span<const std::byte> file);

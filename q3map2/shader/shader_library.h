@@ -18,10 +18,10 @@ class ShaderLibrary {
     ~ShaderLibrary();
     ShaderLibrary(ShaderLibrary &&) noexcept;
 
-    /// The shader of that name (without case and extension). Unknown names give an implicit shader with the image of
-    /// that name. The reference stays valid as long as the library. Images, and colours from them, are there for
-    /// shaders that emit or transmit light, or with ShaderOptions::imageSizes for those with a flare shader only; for
-    /// others see ReleaseImages.
+    /// The shader of that name (without extension, case-insensitive). Unknown names give an implicit shader with the
+    /// image of that name. The reference stays valid as long as the library. Images, and colours from them, are there
+    /// for shaders that emit or transmit light, or with ShaderOptions::imageSizes for those with a flare shader only;
+    /// for others see ReleaseImages.
     const ShaderInfo &Get(std::string_view name);
     /// Flags of a shader record in a .bsp, for a shader that no script defines; the first call for a name counts, and
     /// a record without any flag says nothing. To be called before Get.

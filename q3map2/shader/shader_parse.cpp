@@ -27,7 +27,7 @@ constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from 
 constexpr std::array<std::string_view, 5> kDirectivesWithoutEffect = {
     "q3map_novertexshadows", "q3map_patchshadows", "q3map_stylemarker", "q3map_stylemarker2", "q3map_vertexshadows"};
 
-/// Whether the word equals `lower` without case.
+/// Whether the word in lower case equals `lower`.
 bool IsWord(std::string_view word, std::string_view lower) {
     return word.size() == lower.size() && (word[0] | 0x20) == lower[0] && EqualNoCase(word, lower);
 }

@@ -41,7 +41,7 @@ class ShaderTable {
     ParsedShader MakeDefault(std::string_view name) const;
     /// Adds a script's definition; a name that is there already keeps the first one.
     void Define(std::unique_ptr<ParsedShader> shader);
-    /// The definition of that name (without case and extension) or of what replaces it, or null.
+    /// The definition of that name (without extension, case-insensitive) or of what replaces it, or null.
     const ParsedShader *Find(std::string_view name, Log &log) const;
     /// The same; an unknown name is added as an implicit shader.
     ParsedShader &FindOrAdd(std::string_view name, Log &log);

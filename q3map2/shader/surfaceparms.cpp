@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint32_t kAll = 0xFFFFFFFF;
 constexpr std::uint32_t kMaterial = 0xFFF00000; // the field that holds etut's material number
 
-// Columns: name; content set, clear; surface set, clear; compile set, clear.
+// Columns of the lists below: name; content set, clear; surface set, clear; compile set, clear.
 using Parms = std::vector<SurfaceParm>;
 
 Parms Joined(Parms first, const Parms &second) {

@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kClipEpsilon = 0.2; ///< game units
 constexpr std::size_t kMostNodes = std::size_t(1) << 20;
-/// Budget of plane-face tests for a node. Once it is spent, only this many of the remaining candidate planes, evenly
-/// spaced, are tested. Reached with tens of thousands of tilted brushes.
+/// Budget of plane-face tests for a node; reached with tens of thousands of tilted brushes. Once it is spent, only
+/// kSampledPlanes of the remaining candidate planes, evenly spaced, are tested.
 constexpr std::int64_t kManyTests = std::int64_t(1) << 20;
-constexpr std::size_t kSample = 32;
+constexpr std::size_t kSampledPlanes = 32;
 
 class TreeBuilder {
   public:
@@ -36,10 +36,11 @@ class TreeBuilder {
         std::vector<int> faces;
         Boundsf bounds;
     };
-    /// Faces of a list that lie on one plane; `first` of them has the highest own value.
+    /// Faces of a list that lie on one plane. bestFace: position in the list of the one with the highest bonus. facing:
+    /// their number. bound: upper bound of the plane's score.
     struct PlaneGroup {
         int planeNum = 0, facing = 0;
-        std::size_t first = 0;
+        std::size_t bestFace = 0;
         double bonus = 0, bound = 0;
     };
 
@@ -48,7 +49,7 @@ class TreeBuilder {
     Choice ChooseSplit(const std::vector<int> &list);
     void FillGroups(const std::vector<int> &list);
     double BoundOf(const PlaneGroup &group) const;
-    double ValueOf(const PlaneGroup &group, const std::vector<int> &list, double enough);
+    double ValueOf(const PlaneGroup &group, const std::vector<int> &list, double toBeat);
     double BonusOf(const TreeFace &face) const;
     PolygonSide SideOfFace(int face, int planeNum) const;
     void SplitFace(int number, const Plane &plane, std::array<std::vector<int>, 2> &parts);
@@ -97,7 +98,7 @@ void TreeBuilder::FillGroups(const std::vector<int> &list) {
         PlaneGroup &group = groups_[it->second];
         group.facing++;
         if (bonus > group.bonus)
-            group.first = i, group.bonus = bonus;
+            group.bestFace = i, group.bonus = bonus;
     }
 }
 
@@ -126,8 +127,8 @@ double TreeBuilder::BoundOf(const PlaneGroup &group) const {
     return 20000.0 - (used == uses_.end() ? 0 : used->second) - group.facing + group.bonus;
 }
 
-/// Higher is better; anything below `enough` may be returned early.
-double TreeBuilder::ValueOf(const PlaneGroup &group, const std::vector<int> &list, double enough) {
+/// Score of the plane, higher is better. Once it falls below `toBeat` counting stops: then only an upper bound.
+double TreeBuilder::ValueOf(const PlaneGroup &group, const std::vector<int> &list, double toBeat) {
     double value = group.bound;
     int front = 0, back = 0;
     for (const int face : list) {
@@ -137,7 +138,7 @@ double TreeBuilder::ValueOf(const PlaneGroup &group, const std::vector<int> &lis
         sideTests_++;
         front += side == PolygonSide::Front;
         back += side == PolygonSide::Back;
-        if (side == PolygonSide::Cross && (value -= 5) < enough)
+        if (side == PolygonSide::Cross && (value -= 5) < toBeat)
             break;
     }
     return options_.altSplit ? value - std::abs(front - back) : value;
@@ -151,25 +152,25 @@ TreeBuilder::Choice TreeBuilder::ChooseSplit(const std::vector<int> &list) {
     for (PlaneGroup &group : groups_)
         group.bound = BoundOf(group);
     std::sort(groups_.begin(), groups_.end(), [](const PlaneGroup &a, const PlaneGroup &b) {
-        return a.bound != b.bound ? a.bound > b.bound : a.first < b.first;
+        return a.bound != b.bound ? a.bound > b.bound : a.bestFace < b.bestFace;
     });
     const PlaneGroup *best = nullptr;
     double bestValue = std::numeric_limits<double>::lowest();
-    const std::int64_t enough = sideTests_ + kManyTests;
+    const std::int64_t testLimit = sideTests_ + kManyTests;
     for (std::size_t at = 0, step = 1; at < groups_.size(); at += step) {
         const PlaneGroup &group = groups_[at];
         if (best && group.bound < bestValue)
             break;
-        if (best && group.bound == bestValue && group.first > best->first)
+        if (best && group.bound == bestValue && group.bestFace > best->bestFace)
             continue;
-        if (step == 1 && sideTests_ > enough)
-            step = (groups_.size() - at) / kSample + 1;
+        if (step == 1 && sideTests_ > testLimit)
+            step = (groups_.size() - at) / kSampledPlanes + 1;
         const double value = ValueOf(group, list, bestValue);
-        if (!best || value > bestValue || (value == bestValue && group.first < best->first))
+        if (!best || value > bestValue || (value == bestValue && group.bestFace < best->bestFace))
             best = &group, bestValue = value;
     }
     uses_[best->planeNum]++;
-    return {best->planeNum, faces_[std::size_t(list[best->first])].compileFlags};
+    return {best->planeNum, faces_[std::size_t(list[best->bestFace])].compileFlags};
 }
 
 /// Splits a face at the plane and appends the parts to the lists.

@@ -100,6 +100,18 @@ TEST_F(SideTest, TessellationCutsAlongTheWorldGrid) {
     }
 }
 
+TEST_F(SideTest, TessellationCutsFacesThatBeginBesideTheGrid) {
+    shader.geometry.tessSize = 64;
+    AddSide({{-0.05f, 0, 0}, {-0.05f, 64, 0}, {256, 64, 0}, {256, 0, 0}}, shader);
+    Make();
+    SubdivideFaces(entity, geometry, 0, planes, context);
+    std::vector<float> ends;
+    for (const DrawSurface &s : geometry.surfaces)
+        if (!s.Empty())
+            ends.push_back(s.bounds.maxs.x);
+    EXPECT_THAT(ends, testing::UnorderedElementsAre(64, 128, 192, 256));
+}
+
 TEST_F(SideTest, SkyAndSmallFacesAreNotCut) {
     ShaderInfo sky = shader;
     sky.compileFlags |= C_SKY;

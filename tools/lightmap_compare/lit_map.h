@@ -16,7 +16,7 @@
 
 namespace q3::compare {
 
-/// A point of a surface: vertices and their weights. The same for all files of a map.
+/// A point of a surface: vertices and their weights. Valid in all .bsp files of a map that differ in light only.
 struct SurfacePoint {
     std::array<int, 9> verts{}; ///< indices of draw vertices
     std::array<double, 9> weights{};
@@ -29,7 +29,7 @@ struct Page {
     std::vector<std::uint8_t> rgb;
 };
 
-/// A file with its pages: of the lump, or lm_NNNN.tga in the folder of the file's name.
+/// A .bsp file with its lightmap pages: those of the lump, lm_NNNN.tga in the folder named like the file, or both.
 class LitMap {
   public:
     LitMap(Bsp bsp, std::vector<Page> pages, std::map<std::string, int> pageOfShader);
@@ -68,8 +68,9 @@ class LitMap {
 /// Whether engines leave the surface out or draw a sky instead, by the flags of its shader in Quake III.
 bool IsUndrawn(const Bsp &bsp, std::size_t surface);
 
-/// Whether engines draw the vertex colors of a shader's surfaces without lightmap: those of a shader that no script
-/// defines as they are, those of others where a stage says rgbGen vertex or the like. With r_vertexLight 0.
+/// Whether engines show the vertex colors of the shader's surfaces that have no lightmap (r_vertexLight 0): if no
+/// script defines the shader, it has implicitMap, implicitMask or implicitBlend, or a stage has rgbGen vertex or the
+/// like.
 bool DrawsVertexColors(const ShaderInfo &shader);
 
 /// Whether a point on a surface of the world is buried in solid leafs, so that nobody sees it.

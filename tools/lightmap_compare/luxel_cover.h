@@ -6,9 +6,9 @@
 
 namespace q3::compare {
 
-/// Texels of one file that a luxel of their surface can cover. A luxel is lit from the open a unit above its middle, or
-/// half a luxel beside; where all of that is in solids it does not exist, and packing may put other lightmaps there.
-/// Keeps a reference.
+/// Tells which lightmap texels of a map hold light of their own surface. A luxel is lit at an open point one unit above
+/// its center or above a point half a luxel beside. If all of these are in solids, the luxel is unused, and packing may
+/// put another lightmap there. Keeps a reference.
 class LuxelCover {
   public:
     explicit LuxelCover(const LitMap &map);

@@ -9,8 +9,8 @@
 
 namespace q3::bench {
 
-/// Displayed: both sides are cut to 0..1 first, as a screen does, and differences are in bytes of 255. Over all
-/// positions, normals and channels.
+/// Displayed: shown and reference light are clamped to 0..1 first, as a screen does; differences are in bytes of 255.
+/// Over all positions, normals and channels.
 struct ShownErrors {
     double rmse = 0, percentile95 = 0, percentile99 = 0; ///< displayed, against the reference
     double grid = 0;     ///< displayed RMS difference to the exact L2 projection at the place itself
@@ -45,7 +45,7 @@ PlaceErrors ErrorsAt(const TruthPoint &point, const NormalLight &shown, const No
 /// One for each position.
 std::vector<PlaceErrors> ErrorsByPlace(const Truth &truth, const ShownLight &shown);
 
-/// What the worst positions are the worst in.
+/// The error by which positions are ranked.
 enum class WorstBy {
     Shown, ///< PlaceErrors::shown
     Grid   ///< PlaceErrors::grid
@@ -58,7 +58,7 @@ struct WorstPlace {
     double error = 0; ///< displayed, the largest of the normals and channels; bytes
     Vec3f shown;
 };
-/// Where that error is largest, the worst first.
+/// The `count` positions with the largest ErrorOf(errors, by), which is an RMS, the worst first.
 std::vector<WorstPlace> WorstPlaces(const Truth &truth, const ShownLight &shown, std::size_t count,
                                     WorstBy by = WorstBy::Shown);
 

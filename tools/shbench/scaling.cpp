@@ -19,8 +19,8 @@ namespace q3::bench {
 
 namespace {
 
-constexpr float kHallSize = 2048, kHallHeight = 512, kPillar = 64;
-constexpr int kPillars = 4; ///< on each side
+constexpr float kHallSize = 2048, kHallHeight = 512, kPillarWidth = 64;
+constexpr int kPillars = 4; ///< along x and along y: kPillars^2 in all
 constexpr double kTotalIntensity = 8000;
 constexpr double kTotalLampValue = 2'000'000; ///< q3map_surfacelight of all lamps together
 constexpr float kLampSize = 16;
@@ -81,7 +81,7 @@ LightHall MakeLightHall(int lights, bool lamps) {
     for (int x = 0; x < kPillars; ++x)
         for (int y = 0; y < kPillars; ++y) {
             const Vec3f at{(float(x) + 0.5f) * kHallSize / kPillars, (float(y) + 0.5f) * kHallSize / kPillars, 0};
-            const Vec3f half{kPillar / 2, kPillar / 2, 0};
+            const Vec3f half{kPillarWidth / 2, kPillarWidth / 2, 0};
             builder.AddBox(at - half, at + half + Vec3f{0, 0, kHallHeight}, wall);
         }
     Random random(12345);
@@ -143,9 +143,9 @@ std::vector<ScalingStep> ScaleCells(const BenchMap &map, ShaderLibrary &library,
     return steps;
 }
 
-std::string ScalingTable(const std::vector<ScalingStep> &steps, const std::string &size) {
+std::string ScalingTable(const std::vector<ScalingStep> &steps, const std::string &sizeName) {
     std::vector<std::vector<std::string>> rows = {
-        {"series", size, "CPU s", "set-up", "M rays", "lit points", "us per lit point"}};
+        {"series", sizeName, "CPU s", "set-up", "M rays", "lit points", "us per lit point"}};
     for (const ScalingStep &step : steps) {
         const double lit = double(std::max<std::int64_t>(1, step.cost.litPoints));
         rows.push_back({step.series, fmt::format("{:.0f}", step.size), fmt::format("{:.3f}", step.cost.cpuSeconds),
@@ -156,11 +156,11 @@ std::string ScalingTable(const std::vector<ScalingStep> &steps, const std::strin
     return AlignedTable(rows);
 }
 
-std::string ScalingJson(const std::vector<ScalingStep> &steps, const std::string &size) {
+std::string ScalingJson(const std::vector<ScalingStep> &steps, const std::string &sizeName) {
     nlohmann::json all = nlohmann::json::array();
     for (const ScalingStep &step : steps)
         all.push_back({{"series", step.series},
-                       {size, step.size},
+                       {sizeName, step.size},
                        {"cpuSeconds", step.cost.cpuSeconds},
                        {"setUpCpuSeconds", step.cost.setUpSeconds},
                        {"rays", step.cost.rays},
@@ -169,18 +169,18 @@ std::string ScalingJson(const std::vector<ScalingStep> &steps, const std::string
     return all.dump(2) + "\n";
 }
 
-Chart ScalingChart(const std::vector<ScalingStep> &steps, const std::string &size, const std::string &title,
+Chart ScalingChart(const std::vector<ScalingStep> &steps, const std::string &sizeName, const std::string &title,
                    bool rays) {
     Chart chart;
     chart.title = title;
-    chart.x = {size, true};
+    chart.x = {sizeName, true};
     chart.y = {rays ? "rays" : "CPU seconds", true};
     for (const ScalingStep &step : steps) {
         if (chart.series.empty() || chart.series.back().name != step.series)
             chart.series.push_back({step.series, {}, true});
         chart.series.back().points.push_back({step.size, ValueOf(step, rays), {}});
     }
-    // In proportion to the size, from the middle of the first series.
+    // A line of slope 1 through the middle point of the first series.
     if (!chart.series.empty()) {
         const auto &points = chart.series.front().points;
         const ChartPoint &middle = points[points.size() / 2];

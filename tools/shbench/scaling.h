@@ -31,9 +31,10 @@ std::vector<ScalingStep> ScaleLights(const LightOptions &options, const Game &ga
 std::vector<ScalingStep> ScaleCells(const BenchMap &map, ShaderLibrary &library, const LightOptions &options,
                                     const JobPool &jobs, int repeats, Log &progress);
 
-std::string ScalingTable(const std::vector<ScalingStep> &steps, const std::string &size);
-std::string ScalingJson(const std::vector<ScalingStep> &steps, const std::string &size);
+std::string ScalingTable(const std::vector<ScalingStep> &steps, const std::string &sizeName);
+std::string ScalingJson(const std::vector<ScalingStep> &steps, const std::string &sizeName);
 /// CPU seconds, and rays, against size; both axes logarithmic, with a line of slope one.
-Chart ScalingChart(const std::vector<ScalingStep> &steps, const std::string &size, const std::string &title, bool rays);
+Chart ScalingChart(const std::vector<ScalingStep> &steps, const std::string &sizeName, const std::string &title,
+                   bool rays);
 
 } // namespace q3::bench

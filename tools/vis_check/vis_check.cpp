@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::string_view kUsage = R"(usage: vis_check [options] A.bsp B.bsp ...
   --pairs N       pairs of points in open leafs (1000000)
-  --margin F      units around a line that must be clear too for a pair to count as missing (0.5)
+  --margin F      a hidden pair is an error only if parallel lines this many units around are clear too (0.5)
   --seed N        of the random points (1)
-Exit status 1: a map hides clusters that see each other.
+Exit status 1: a map hides clusters that see each other, or an error.
 )";
 
 int Run(const std::vector<std::string> &words) {
@@ -41,8 +41,9 @@ int Run(const std::vector<std::string> &words) {
     while (!arguments.Empty()) {
         const std::string path = arguments.TakeFirst();
         const SightCheck check = CheckSight(ReadBspFile(path, {}, log), pairs, margin, seed);
-        fmt::print("{}: {} pairs, {} see each other, {} of them hidden, {} of those by more than {} units", path,
-                   check.pairs, check.clear, check.hidden, check.missing, margin);
+        fmt::print("{}: {} pairs, {} with a clear line of sight, {} of them hidden by the PVS, {} of those with lines "
+                   "{} units around clear too",
+                   path, check.pairs, check.clear, check.hidden, check.missing, margin);
         if (check.missing > 0)
             fmt::print(" (the first: clusters {} and {})", check.from, check.to);
         fmt::print("\n");

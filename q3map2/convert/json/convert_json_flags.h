@@ -12,7 +12,7 @@ namespace q3 {
 
 enum class FlagKind { Surface, Content };
 
-/// Bits that a surfaceparm sets in that word.
+/// Bits that a surfaceparm sets in the flags of that kind.
 std::uint32_t ParmBits(const SurfaceParm &parm, FlagKind kind);
 
 /// Splits a value into named parts, ascending by bits. The game's table is searched from its end, so of two names for

@@ -10,7 +10,7 @@
 
 namespace q3 {
 
-/// The SH grid through the engine-side reader. Reads the points of the Bsp in place: keep it.
+/// The SH grid through the engine-side reader. Reads the points of the Bsp in place: the Bsp must outlive this.
 class ShPreview {
   public:
     /// Errors: no SH grid.
@@ -36,7 +36,8 @@ Vec3f LightOn(const LegacySample &sample, const Vec3f &normal);
 /// The legacy grid as an engine blends it: corners without ambient light are left out, the rest is renormalised.
 class LegacyPreview {
   public:
-    /// Nothing when the map has no legacy grid, or one of a length that engines ignore. Keep the Bsp.
+    /// Nothing when the map has no legacy grid, or one whose point count engines reject. The Bsp must
+    /// outlive the result.
     static std::optional<LegacyPreview> Make(const Bsp &bsp);
     LegacySample At(const Vec3f &position) const;
 

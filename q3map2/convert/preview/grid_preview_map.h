@@ -10,15 +10,15 @@
 namespace q3 {
 
 /// The solid space of a map: the tree, and solid brushes in its open leafs. Heights, areas and positions are searched
-/// for around player starts and items. Keep the Bsp.
+/// for around player starts and items. The Bsp must outlive it.
 class PreviewMap {
   public:
     explicit PreviewMap(const Bsp &bsp);
 
     bool IsOpen(const Vec3f &position) const;
-    /// Open with solid, that is no sky, at most 128 units below: where things stand.
+    /// Open, with solid other than sky at most 128 units below: where things can stand.
     bool IsOverFloor(const Vec3f &position) const;
-    /// Height at which the most ground is over a floor; the middle when nothing is.
+    /// Height at which the largest area is over a floor; the middle of the space when none is.
     float BestHeight() const;
     /// Rectangle (in x and y) of what is open at that height; the whole space when nothing is.
     Boundsf OpenArea(float height) const;
@@ -31,7 +31,7 @@ class PreviewMap {
     const bspLeaf_t &LeafAt(const Vec3f &position) const;
     /// Solid brush of the leaf that holds the position; null when there is none.
     const bspBrush_t *BrushAt(const bspLeaf_t &leaf, const Vec3f &position) const;
-    /// Lowers `budget` by the planes it tests; outside when that runs out.
+    /// Lowers `budget` by the number of planes it tests; false when it runs out.
     bool InBrush(const bspBrush_t &brush, const Vec3f &position, std::int32_t &budget) const;
     bool HasRoom(const Vec3f &position) const;
     std::vector<Vec3f> Candidates() const;

@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// Appends foliage surfaces for the models that its shader scatters over the surface.
+/// Appends foliage surfaces for the models that the shader of the surface scatters over it.
 void MakeFoliage(std::size_t surface, Geometry &geometry, const BspContext &context);
 
 } // namespace q3

@@ -13,12 +13,12 @@ namespace {
 
 constexpr double kOnEpsilon = 0.1;
 
-/// The lowest grid plane that cuts the polygon.
+/// The lowest grid plane that cuts the polygon, with more than kOnEpsilon of it on both sides.
 std::optional<Plane> GridPlane(const Polygon &w, double size) {
     const Boundsf bounds = WindingBounds(w);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double lo = std::floor(double(bounds.mins[axis]) / size) * size;
-        const double hi = std::ceil(double(bounds.maxs[axis]) / size) * size;
+        const double lo = std::floor((double(bounds.mins[axis]) + kOnEpsilon) / size) * size;
+        const double hi = std::ceil((double(bounds.maxs[axis]) - kOnEpsilon) / size) * size;
         if (hi - lo > size) {
             Plane plane;
             plane.normal[axis] = 1;
@@ -36,11 +36,7 @@ std::vector<Polygon> GridPieces(Polygon w, double size, const DrawSurface &surfa
         const Polygon piece = std::move(open.back());
         open.pop_back();
         const std::optional<Plane> plane = GridPlane(piece, size);
-        Polygon front, back;
-        if (plane)
-            ClipPolygonKeepOn(piece, *plane, kOnEpsilon, front, back);
-        // Ends the loop where the grid is so fine that rounding moves the cut onto a vertex.
-        if (!plane || front == piece || back == piece) {
+        if (!plane) {
             pieces.push_back(piece);
             if (int(pieces.size()) > limit)
                 throw Error("shader " + surface.shader->name + ": tessSize " + std::to_string(int(size)) +
@@ -48,6 +44,8 @@ std::vector<Polygon> GridPieces(Polygon w, double size, const DrawSurface &surfa
                             " pieces, expected a larger size or -maxmapdrawsurfs");
             continue;
         }
+        Polygon front, back;
+        ClipPolygonKeepOn(piece, *plane, kOnEpsilon, front, back);
         if (back.size() >= 3)
             open.push_back(std::move(back));
         if (front.size() >= 3)

@@ -23,7 +23,7 @@ bool SameCorner(const DrawVert &a, const DrawVert &b) {
 
 bool HasShortEdge(const std::array<DrawVert, 3> &corners) {
     for (std::size_t i = 0; i < 3; ++i)
-        // Written so that NaN, which models may contain, counts as short.
+        // Written so that NaN, which forced may contain, counts as short.
         if (!(Length(Vec3d(corners[(i + 1) % 3].xyz) - Vec3d(corners[i].xyz)) >= kMinEdge))
             return true;
     return false;
@@ -154,13 +154,13 @@ void MetaMesh::ReplaceNormals(const std::vector<std::array<Vec3f, 3>> &normals) 
 
 void MakeMetaSurfaces(Geometry &geometry, std::size_t first, PlaneTable &planes, const BspContext &context) {
     MetaMesh mesh;
-    int strips = 0, fans = 0, models = 0;
+    int strips = 0, fans = 0, forced = 0;
     for (std::size_t i = first; i < geometry.surfaces.size(); ++i) {
         DrawSurface &surface = geometry.surfaces[i];
         if (!IsMetaSurface(surface, context.options))
             continue;
         if (surface.kind == SurfaceKind::ForcedMeta)
-            ++models;
+            ++forced;
         else {
             const std::size_t verts = surface.verts.size();
             TriangulateFace(surface, context);
@@ -175,7 +175,7 @@ void MakeMetaSurfaces(Geometry &geometry, std::size_t first, PlaneTable &planes,
     if (log.IsVerbose()) {
         log.Count(strips, "strip faces");
         log.Count(fans, "fan faces");
-        log.Count(models, "forced meta surfaces");
+        log.Count(forced, "forced meta surfaces");
         log.Count(mesh.GroupCount(), "meta positions");
         log.Count(int(mesh.Triangles().size()), "meta triangles");
     }

@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. Triangles of all faces of a model with shared vertices, before they are merged into surfaces.
+// GPL-2.0-or-later. Triangles of an entity's faces and ForcedMeta surfaces, with shared vertices, before they are
+// merged.
 #pragma once
 
 #include "q3map2/geometry/surface/draw_surface.h"
@@ -41,7 +42,7 @@ struct MetaTriangle {
 /// Triangle mesh with shared vertices.
 class MetaMesh {
   public:
-    /// Adds the triangles of the surface with that number. `planes` are the table's.
+    /// Adds the triangles of a surface; `number`: its index in Geometry::surfaces. `planes`: what planeNum refers to.
     void Add(const DrawSurface &surface, int number, const PlaneTable &planes, const BspContext &context);
 
     const std::vector<MetaTriangle> &Triangles() const { return triangles_; }

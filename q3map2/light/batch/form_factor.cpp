@@ -16,7 +16,8 @@ Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec
         for (const std::size_t i : kEachLane) {
             const float ux = u.x[i], uy = u.y[i], uz = u.z[i];
             const float vx = corner.x - p.x[i], vy = corner.y - p.y[i], vz = corner.z - p.z[i];
-            // u x v = u x edge: the edge keeps the digits that the difference of two far corners has lost.
+            // u x v = u x edge, since v = u + edge; this avoids the cancellation in u x v when the receiver is far
+            // away.
             const float cx = uy * edge.z - uz * edge.y, cy = uz * edge.x - ux * edge.z, cz = ux * edge.y - uy * edge.x;
             const float sine = std::sqrt(cx * cx + cy * cy + cz * cz), cosine = ux * vx + uy * vy + uz * vz;
             total[i] += EdgeTerm(sine, cosine, n.x[i] * cx + n.y[i] * cy + n.z[i] * cz);

@@ -40,7 +40,7 @@ struct BrickView {
     std::vector<int> clusters; ///< each once
 };
 
-/// The lights of a pass, with what decides whether they reach a brick close together.
+/// The lights of a pass. What decides whether one reaches a brick (Reach) is kept contiguously, for the cache.
 class BrickCandidates {
   public:
     explicit BrickCandidates(const std::vector<Light> &lights);

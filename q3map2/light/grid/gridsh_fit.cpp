@@ -28,17 +28,18 @@ constexpr float kPull = 0.1f, kPullAll = 0.03f;
 /// Samples of mean light m have weight (kDarkLight / (kDarkLight + m))^(1/4): leaks show in the dark. 1 = byte 255.
 constexpr float kDarkLight = 0.02f;
 /// Samples of mean light m count less where kBeyondScreen * m > 1: their weight is divided by (kBeyondScreen *
-/// m)^kFall. The screen is white there on some side, and the steep light beside a lamp, which no grid fits, would pull
-/// at points cells away. The second values are for -shfit, where more points follow such light.
+/// m)^kFall. Surfaces there are white on at least one side, and the steep light beside a lamp, which no grid
+/// fits, would distort points several cells away. The ...All values are for -shfit, where more points follow such
+/// light.
 constexpr float kBeyondScreen = 3, kBeyondScreenAll = 2.2f, kFall = 4, kFallAll = 2;
 /// Upper limit of kBeyondScreen * m, which keeps weights of absurd light within floats.
-constexpr float kMostBeyond = 1e4f;
+constexpr float kMaxBeyondScreen = 1e4f;
 /// Points whose samples have less weight keep their values.
 constexpr float kLeastWeight = 1e-30f;
 /// Norm of bands 1 and 2 over coefficient 0 for light from a single direction, plain and convolved with the cosine: the
 /// most that light that is nowhere negative can have. Interpolation between points lowers the ratio, so a point may
-/// exceed it by the factor kBeyond.
-constexpr float kMostBandsPlain = 2.8284271f, kMostBands = 1.2829003f, kBeyond = 1.25f;
+/// exceed it by the factor kBandsSlack.
+constexpr float kMostBandsPlain = 2.8284271f, kMostBands = 1.2829003f, kBandsSlack = 1.25f;
 /// Relaxation ends when no coefficient moves by more than this, or by more than this share of the light there. 1 = byte
 /// 255.
 constexpr float kSmallMove = 0.1f / 255;
@@ -51,6 +52,7 @@ std::int64_t OffsetOf(std::size_t s, std::int64_t width, std::int64_t slice) {
     return std::int64_t(s % 3) - 1 + (std::int64_t(s / 3 % 3) - 1) * width + (std::int64_t(s / 9) - 1) * slice;
 }
 
+/// Mean over all directions, of the brightest channel. 1 = byte 255.
 float MeanLight(const bspGridPointSH_t &value) {
     return float(kShC0) * std::max({value.coeffs[0][0], value.coeffs[0][1], value.coeffs[0][2]});
 }
@@ -93,7 +95,7 @@ GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vect
       perCell_(int(std::ceil((in.options.shFit > 0 ? float(in.options.shFit) : kPerCell) * in.options.shSamples))),
       pull_(in.options.shFit > 0 ? kPullAll : kPull),
       beyondScreen_(in.options.shFit > 0 ? kBeyondScreenAll : kBeyondScreen),
-      mostBands_(kBeyond * (in.options.shRadiance ? kMostBandsPlain : kMostBands)), states_(states),
+      mostBands_(kBandsSlack * (in.options.shRadiance ? kMostBandsPlain : kMostBands)), states_(states),
       rowOf_(states.size(), -1) {
     if (!in.options.shFill)
         return;
@@ -126,7 +128,7 @@ std::array<GridFit::Corner, 8> GridFit::CornersAt(const Vec3f &p) const {
     return corners;
 }
 
-bool GridFit::AnyRow(const BrickPoint &point) const {
+bool GridFit::HasFittedCorner(const BrickPoint &point) const {
     for (const Corner &corner : CornersAt(point.position + Vec3f(layout_.size) * 0.5f))
         if (rowOf_[std::size_t(corner.index)] >= 0)
             return true;
@@ -142,7 +144,7 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     const BspRegion space = RegionAround(in_.space.Whole(), points, cell + Vec3f{1, 1, 1} * kPlayerHalfSize);
     std::vector<Draw> cells;
     for (const BrickPoint &point : points)
-        if (AnyRow(point) && space.AnyOpen(point.position, point.position + cell, kClearance))
+        if (HasFittedCorner(point) && space.AnyOpen(point.position, point.position + cell, kClearance))
             cells.push_back({&point, perCell_});
     DrawSamples(space, cells, 0, lighter, samples, work);
     if (in_.options.shFit > 0) {
@@ -229,11 +231,11 @@ void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
 }
 
 void GridFit::Accumulate(const FitSample &sample) {
-    const float mean = MeanLight(sample.value), beyond = std::clamp(beyondScreen_ * mean, 1.0f, kMostBeyond);
+    const float mean = MeanLight(sample.value), beyond = std::clamp(beyondScreen_ * mean, 1.0f, kMaxBeyondScreen);
     const float weight = sample.weight * std::pow(kDarkLight / (kDarkLight + mean), 0.25f) /
                          std::pow(beyond, in_.options.shFit > 0 ? kFallAll : kFall);
     const auto corners = CornersAt(sample.position);
-    const auto numbers = std::bit_cast<ShCoefficients>(sample.value);
+    const auto coefficients = std::bit_cast<ShCoefficients>(sample.value);
     for (std::size_t a = 0; a < 8; ++a) {
         const std::int32_t number = rowOf_[std::size_t(corners[a].index)];
         if (number < 0 || (sample.sees >> a & 1) == 0)
@@ -241,17 +243,17 @@ void GridFit::Accumulate(const FitSample &sample) {
         Row &row = rows_[std::size_t(number)];
         const float share = weight * corners[a].weight;
         for (std::size_t i = 0; i < kShFloats; ++i)
-            row.rhs[i] += share * numbers[i];
+            row.rhs[i] += share * coefficients[i];
         for (std::size_t b = 0; b < 8; ++b) {
-            // Offset of corner b from corner a on each axis, -1 to 1, as an entry of the stencil.
+            // Offset of corner b from corner a on an axis, plus 1: coordinate 0 to 2 in the 3 x 3 x 3 stencil.
             const auto axis = [&](std::size_t bit) { return 1 + int((b >> bit) & 1) - int((a >> bit) & 1); };
             row.stencil[std::size_t(axis(0) + 3 * (axis(1) + 3 * axis(2)))] += share * corners[b].weight;
         }
     }
 }
 
-/// One Gauss-Seidel step: value = (rhs - sum of stencil * neighbours) / stencil in the center. The largest change of a
-/// coefficient, over the light there if that is more than 1.
+/// One Gauss-Seidel step: value = (rhs - sum of stencil * neighbours) / stencil in the center. Then
+/// LimitToLight. Returns the largest change of a coefficient, divided by the largest coefficient 0 if that is above 1.
 Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
     ShCoefficients value = row.rhs;
     const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];

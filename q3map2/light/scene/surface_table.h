@@ -14,24 +14,24 @@ namespace q3 {
 
 struct SurfaceEntry {
     const ShaderInfo *shader = nullptr;
-    Vec3f origin;                             ///< of the entity whose model holds it: vertices are relative to it
-    int entity = 0;                           ///< number in the map source
-    int castShadows = 1;                      ///< shadow group; 0 casts none
-    int receiveShadows = 1;                   ///< shadow group; 0: nothing shadows it
-    int sampleSize = 0;                       ///< game units a luxel; 0: lit at its vertices
-    Vec3f ambient;                            ///< byte scale
-    Vec3f axis;                               ///< of lightmap projection; zero: none
-    int parent = -1;                          ///< draw surface whose light it copies
-    float longestCurve = 0;                   ///< patches: decides the tessellation. Game units
-    bool skyBoxCopy = false;                  ///< lit by its parent surface; never casts shadows
-    int skyIndex = -1;                        ///< number of the sky among those that shine; set with the lights
+    Vec3f origin;            ///< of the entity whose model holds it: vertices are relative to it
+    int entity = 0;          ///< number in the map source
+    int castShadows = 1;     ///< shadow group; 0 casts none
+    int receiveShadows = 1;  ///< shadow group; 0: nothing shadows it
+    int sampleSize = 0;      ///< game units a luxel; 0: lit at its vertices
+    Vec3f ambient;           ///< byte scale
+    Vec3f axis;              ///< of lightmap projection; zero: none
+    int parent = -1;         ///< draw surface whose light it copies
+    float longestCurve = 0;  ///< patches: decides the tessellation. Game units
+    bool skyBoxCopy = false; ///< lit by its parent surface; never casts shadows
+    int skyIndex = -1;       ///< number among the skies that emit light, -1: none; set later, by SurfaceLights
     std::shared_ptr<const Image> normalImage; ///< q3map_normalImage; null without
 };
 
 /// One entry per draw surface.
 using SurfaceTable = std::vector<SurfaceEntry>;
 
-/// What surfaces get that neither a surface file nor their shader or entity says otherwise about.
+/// Used without a surface file: sample size where shader and entity set none, its minimum, and ambient light.
 struct SurfaceDefaults {
     int sampleSize = 16, minSampleSize = 0; ///< game units a luxel
     bool noLightmaps = false;               ///< all are lit at their vertices

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What a light of any kind knows of itself.
+// GPL-2.0-or-later. AreaShape of area lights, from their polygon.
 #include "q3map2/light/sources/light_sources.h"
 
 #include <algorithm>

@@ -10,7 +10,7 @@
 
 namespace q3 {
 
-/// Bounds of the live rays of the packet, from end to end.
+/// Bounds of the origins and ends of the packet's live rays.
 Boundsf RayBounds(const RayPacket &packet);
 
 /// Triangles in groups of 16 for vector code. Where rays are short, testing all triangles nearby is faster than Embree:
@@ -19,12 +19,13 @@ class NearTriangles {
   public:
     void Add(const LightScene::BlockerTriangle &triangle);
     std::size_t Count() const { return count_; }
-    /// Becomes the triangles of `from` whose bounds are within `reach` of the box of ray origins. Game units.
+    /// Replaces the contents: the triangles of `from` whose bounds are within `reach` (game units) of the ray origins'
+    /// box.
     void Select(const NearTriangles &from, const Boundsf &starts, float reach);
     /// The same without triangles that are wholly behind the plane normal . p = dist.
     void Select(const NearTriangles &from, const Boundsf &starts, float reach, const Vec3f &normal, float dist);
     enum class Outcome {
-        Missed,   ///< no ray hits a triangle; `blockers` holds nothing
+        Missed,   ///< no ray hits a triangle; do not read `blockers`
         Traced,   ///< `blockers` is set
         Undecided ///< too many triangles, or transparent ones, are in the bounds; `blockers` is as it was
     };
@@ -49,7 +50,7 @@ class NearTriangles {
 
     std::size_t count_ = 0;
     std::vector<Group> groups_;
-    std::vector<Boundsf> bounds_; ///< by group; none of triangles that were selected
+    std::vector<Boundsf> bounds_; ///< by group; empty after Select
     std::vector<unsigned> met_;   ///< by group: bits of triangles in the latest bounds
 };
 

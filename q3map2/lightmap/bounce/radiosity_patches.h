@@ -6,8 +6,9 @@
 namespace q3 {
 
 /// Surfaces subdivided into patches, as the established program does to make area lights of them in a bounce. Under
-/// -fast it leaves out a patch where white light of it, 255 * rho * form factor, is not above the tolerance. Const
-/// after construction; safe from several threads.
+/// -fast that program skips a patch at receivers where it would give at most the tolerance even if its texture and the
+/// light on it were white: 255 * rho * form factor <= tolerance, rho = BounceScale. Const after construction; safe from
+/// several threads.
 class RadiosityPatches {
   public:
     /// emission: of the first bounce; patches are smaller where it varies much.

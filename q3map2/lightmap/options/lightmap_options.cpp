@@ -23,7 +23,7 @@ std::optional<std::array<int, 2>> PageSize(const std::vector<int> &given, std::s
     };
     if (fits(w) && fits(h))
         return std::array{w, h};
-    log.Warn("page size", "{} {} {}: expected powers of two from {} to {}; taking the game's size", name, w, h,
+    log.Warn("page size", "{} {} {}: expected powers of two from {} to {}; the option is ignored", name, w, h,
              kMinPageSide, kMaxPageSide);
     return std::nullopt;
 }

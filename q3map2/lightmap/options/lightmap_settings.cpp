@@ -287,7 +287,7 @@ Group Storing() {
               &LightmapOptions::brightness},
              {{.name = "-approx",
                .values = "N",
-               .unit = "of 255",
+               .unit = "byte values",
                .range = {.low = 0},
                .help = "Drop a lightmap that vertex light matches within N; 0 turns it off",
                .details = "Surfaces up to two luxels large get none either."},
