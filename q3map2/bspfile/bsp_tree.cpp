@@ -7,9 +7,6 @@ namespace q3 {
 
 namespace {
 
-/// Added to kOnPlane against rounding errors. Game units.
-constexpr float kRoundingSlack = 0.1f;
-
 BspTree::Node ReadNode(const Bsp &bsp, std::size_t number) {
     const bspNode_t &node = bsp.nodes[number];
     const bspPlane_t &plane = bsp.planes[std::size_t(node.planeNum)];
@@ -68,29 +65,10 @@ BspTree::BspTree(const Bsp &bsp) {
         clusters_.push_back(leaf.cluster);
 }
 
-int BspTree::LeafAt(const Vec3f &p, BspChild from) const {
+int BspTree::LeafAt(const Vec3f &p) const {
     return FindLeaf(
-        p, from, [&](BspChild child) -> const Node & { return NodeOf(child); },
+        p, Root(), [&](BspChild child) -> const Node & { return NodeOf(child); },
         [&](int leaf) { return ClusterOf(leaf); });
-}
-
-BspChild BspTree::ChildAround(const Boundsf &box, BspChild from) const {
-    const Vec3f center = box.Center(), half = (box.maxs - box.mins) * 0.5f;
-    BspChild child = from;
-    while (child >= 0) {
-        const Node &node = NodeOf(child);
-        const Vec3f &n = node.normal;
-        const float d = Dot(n, center) - node.dist;
-        const float reach =
-            std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + kOnPlane + kRoundingSlack;
-        if (d > reach)
-            child = node.children[0];
-        else if (d < -reach)
-            child = node.children[1];
-        else
-            break;
-    }
-    return child;
 }
 
 } // namespace q3

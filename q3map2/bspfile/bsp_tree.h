@@ -39,13 +39,11 @@ class BspTree {
     };
     explicit BspTree(const Bsp &bsp);
 
+    BspChild Root() const { return nodes_.empty() ? -1 : 0; }
     const Node &NodeOf(BspChild child) const { return nodes_[std::size_t(child)]; }
     int ClusterOf(int leaf) const { return clusters_[std::size_t(leaf)]; }
-    /// As the function above; `from`: where the search starts, see ChildAround.
-    int LeafAt(const Vec3f &p, BspChild from) const;
-    /// The lowest child under `from` that holds the box with some room: points in the box are found from it as from
-    /// `from`.
-    BspChild ChildAround(const Boundsf &box, BspChild from) const;
+    /// As the function above.
+    int LeafAt(const Vec3f &p) const;
 
   private:
     std::vector<Node> nodes_;

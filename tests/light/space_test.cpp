@@ -46,7 +46,7 @@ TEST_F(SpaceTest, BoxesWithoutOpenPlacesHaveNone) {
         for (const float epsilon : {-0.125f, 0.0f, 0.125f}) {
             const bool any = space.AnyOpen(center - half, center + half, epsilon);
             open += any ? 1 : 0;
-            inBrushes += !any && !space.Whole().InSolidLeaf(center) ? 1 : 0;
+            inBrushes += !any && !space.InSolidLeaf(center) ? 1 : 0;
             for (int k = 0; k < 30 && !any; ++k) {
                 // Corners and edges of the box too.
                 const auto within = [&] { return std::round(share(random) * 3) / 2; };

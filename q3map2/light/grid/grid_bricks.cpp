@@ -69,15 +69,6 @@ std::vector<BrickPoint> GridBricks::Points(std::int64_t brick) const {
     return points;
 }
 
-BspRegion RegionAround(const BspRegion &in, std::span<const BrickPoint> points, const Vec3f &margin) {
-    Boundsf box;
-    for (const BrickPoint &point : points) {
-        box.Add(point.position - margin);
-        box.Add(point.position + margin);
-    }
-    return in.Around(box);
-}
-
 BrickView::BrickView(std::span<const ReceiverBatch> blocks) {
     for (const ReceiverBatch &receivers : blocks) {
         for (std::size_t i = 0; i < receivers.count; ++i)

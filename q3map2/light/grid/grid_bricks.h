@@ -30,9 +30,6 @@ class GridBricks {
     std::int64_t count_ = 0;
 };
 
-/// The region around some points and what is within `margin` of them on each axis. Game units.
-BspRegion RegionAround(const BspRegion &in, std::span<const BrickPoint> points, const Vec3f &margin);
-
 /// Bounds and clusters of the receivers of a brick.
 struct BrickView {
     explicit BrickView(std::span<const ReceiverBatch> blocks);

@@ -39,7 +39,7 @@ constexpr std::array<Offset, 26> MakeNeighbours() {
 }
 constexpr std::array<Offset, 26> kNeighbours = MakeNeighbours();
 
-bool TryPosition(const BspRegion &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
+bool TryPosition(const BspSpace &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
     const PlacedPoint open = PlaceInOpen(space, p);
     if (open.state != PointState::Open)
         return false;
@@ -48,7 +48,7 @@ bool TryPosition(const BspRegion &space, const Vec3f &p, PointState state, Place
 }
 
 /// Small steps along the axes and diagonals, the nearest first.
-bool TrySmallSteps(const BspRegion &space, const Vec3f &p, PlacedPoint &placed) {
+bool TrySmallSteps(const BspSpace &space, const Vec3f &p, PlacedPoint &placed) {
     for (const float step : kSmallSteps)
         for (int axes = 1; axes <= 3; ++axes)
             for (const Offset &o : kNeighbours)
@@ -60,7 +60,7 @@ bool TrySmallSteps(const BspRegion &space, const Vec3f &p, PlacedPoint &placed) 
 }
 
 /// Positions up to a cell away on a lattice of quarter cells, the nearest first.
-bool TryCells(const BspRegion &space, const Vec3f &p, const Vec3f &cell, PlacedPoint &placed) {
+bool TryCells(const BspSpace &space, const Vec3f &p, const Vec3f &cell, PlacedPoint &placed) {
     constexpr int kSteps = 4;
     const Vec3f step = cell / kSteps;
     const auto anyOpen = [&](const Vec3f &from, const Vec3f &to) {
@@ -276,14 +276,14 @@ class Filler {
 
 } // namespace
 
-PlacedPoint PlaceInOpen(const BspRegion &space, const Vec3f &p) {
+PlacedPoint PlaceInOpen(const BspSpace &space, const Vec3f &p) {
     const Vec3f margin{kClearance, kClearance, kClearance};
     const int cluster = space.ClusterAt(p, kClearance);
     const bool open = cluster >= 0 && !space.AnySolid(p - margin, p + margin);
     return {open ? PointState::Open : PointState::Exterior, p, cluster};
 }
 
-PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, const std::vector<int> &clusters,
+PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, const std::vector<int> &clusters,
                            const BrickPoint &point) {
     PlacedPoint placed;
     const Vec3f cell(layout.size), &p = point.position;

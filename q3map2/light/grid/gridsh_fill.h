@@ -36,11 +36,11 @@ struct PlacedPoint {
 
 /// State Open, with position and cluster, if the point can be lit where it is. If it is in the open but too near to a
 /// solid, only the cluster is set; in a solid that is kSolidCluster. `space` reaches one game unit around the point.
-PlacedPoint PlaceInOpen(const BspRegion &space, const Vec3f &p);
+PlacedPoint PlaceInOpen(const BspSpace &space, const Vec3f &p);
 
 /// Chooses the state and the lit position of a point for which PlaceInOpen did not return Open. `space` covers the
 /// grid cells around the point; `clusters` are the clusters that PlaceInOpen returned, by grid point.
-PlacedPoint PlaceGridPoint(const BspRegion &space, const GridLayout &layout, const std::vector<int> &clusters,
+PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, const std::vector<int> &clusters,
                            const BrickPoint &point);
 
 /// A point that is lit from another position than its own.

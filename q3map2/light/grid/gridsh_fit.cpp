@@ -141,18 +141,17 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     if (rows_.empty())
         return samples;
     const Vec3f cell(layout_.size);
-    const BspRegion space = RegionAround(in_.space.Whole(), points, cell + Vec3f{1, 1, 1} * kPlayerHalfSize);
     std::vector<Draw> cells;
     for (const BrickPoint &point : points)
-        if (HasFittedCorner(point) && space.AnyOpen(point.position, point.position + cell, kClearance))
+        if (HasFittedCorner(point) && in_.space.AnyOpen(point.position, point.position + cell, kClearance))
             cells.push_back({&point, perCell_});
-    DrawSamples(space, cells, 0, lighter, samples, work);
+    DrawSamples(cells, 0, lighter, samples, work);
     if (in_.options.shFit > 0) {
         for (Draw &draw : cells) {
             const auto [first, count] = draw.rounds[0];
             draw.wanted = IsSteep(std::span(samples.data() + first, count)) ? (kSteepFactor - 1) * perCell_ : 0;
         }
-        DrawSamples(space, cells, 1, lighter, samples, work);
+        DrawSamples(cells, 1, lighter, samples, work);
     }
     for (const Draw &draw : cells)
         for (const auto &[first, count] : draw.rounds)
@@ -164,8 +163,8 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
 }
 
 /// Draws positions in cells where a player fits, and lights them.
-void GridFit::DrawSamples(const BspRegion &space, std::span<Draw> cells, std::size_t round,
-                          const ProbeIntegrator &lighter, std::vector<FitSample> &samples, GridStats &work) const {
+void GridFit::DrawSamples(std::span<Draw> cells, std::size_t round, const ProbeIntegrator &lighter,
+                          std::vector<FitSample> &samples, GridStats &work) const {
     std::vector<ReceiverBatch> blocks;
     const Vec3f cell(layout_.size);
     const int tries = in_.options.shFit > 0 ? kMostTriesAll : kMostTries;
@@ -179,8 +178,8 @@ void GridFit::DrawSamples(const BspRegion &space, std::span<Draw> cells, std::si
             const std::uint64_t hash = HashIndex((std::uint64_t(draw.point->index) << 16) + std::uint64_t(draw.tried));
             const double layer = (draw.tried % perCell_ + UnitFromHash(hash)) / perCell_;
             const Vec3f p = draw.point->position + cell * Vec3f{float(s.u), float(s.v), float(layer)};
-            const int cluster = space.ClusterAt(p, kClearance);
-            if (cluster < 0 || !space.PlayerFits(p))
+            const int cluster = in_.space.ClusterAt(p, kClearance);
+            if (cluster < 0 || !in_.space.PlayerFits(p))
                 continue;
             BatchWithRoom(blocks).Add(p, p, cluster, std::uint32_t(hash));
             samples.push_back({p, {}});

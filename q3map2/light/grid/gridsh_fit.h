@@ -70,7 +70,7 @@ class GridFit {
 
     std::array<Corner, 8> CornersAt(const Vec3f &p) const;
     bool HasFittedCorner(const BrickPoint &point) const;
-    void DrawSamples(const BspRegion &space, std::span<Draw> cells, std::size_t round, const ProbeIntegrator &lighter,
+    void DrawSamples(std::span<Draw> cells, std::size_t round, const ProbeIntegrator &lighter,
                      std::vector<FitSample> &samples, GridStats &work) const;
     void FindSeen(std::span<FitSample> samples, GridStats &work) const;
     void Accumulate(const FitSample &sample);

@@ -165,7 +165,7 @@ std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, co
 }
 
 /// The first of PlacePoint's steps that needs looking at: smaller ones stay in a box without open leafs.
-int FirstOpenStep(const BspRegion &space, const Vec3f &base, const Vec3f &half) {
+int FirstOpenStep(const BspSpace &space, const Vec3f &base, const Vec3f &half) {
     int first = 1;
     for (int last = kNudges; first < last;) {
         const int step = (first + last) / 2;
@@ -180,14 +180,13 @@ int FirstOpenStep(const BspRegion &space, const Vec3f &base, const Vec3f &half) 
 
 /// Finds where the point is lit from: its position or, if that is solid, the nearest open one up to half a cell away.
 /// The established program draws positions at random, ever farther away.
-bool PlacePoint(const BspRegion &region, const Vec3f &half, Vec3f &position, int &cluster) {
+bool PlacePoint(const BspSpace &space, const Vec3f &half, Vec3f &position, int &cluster) {
     const Vec3f base = position;
-    cluster = region.ClusterAt(base, 0);
+    cluster = space.ClusterAt(base, 0);
     if (cluster >= 0)
         return true;
-    if (!region.AnyOpen(base - half, base + half, kNudgeMargin))
+    if (!space.AnyOpen(base - half, base + half, kNudgeMargin))
         return false;
-    const BspRegion space = region.Around({base - half, base + half});
     for (int step = FirstOpenStep(space, base, half); step <= kNudges; ++step)
         for (int axes = 1; axes <= 3; ++axes)
             for (int z = -1; z <= 1; ++z)
@@ -205,7 +204,7 @@ bool PlacePoint(const BspRegion &region, const Vec3f &half, Vec3f &position, int
 
 /// Many points lie in the plane of a wall or a floor. Their rays start a hair off it, so that those into the wall are
 /// blocked and the others are not.
-Vec3f ClearOfSolids(const BspRegion &space, const Vec3f &p) {
+Vec3f ClearOfSolids(const BspSpace &space, const Vec3f &p) {
     const auto clear = [&](const Vec3f &at) {
         const Vec3f margin{kSolidMargin, kSolidMargin, kSolidMargin};
         return !space.AnySolid(at - margin, at + margin);
@@ -228,19 +227,14 @@ std::vector<ReceiverBatch> PlaceBrick(const BspSpace &space, const GridLayout &l
                                       std::span<const BrickPoint> points, GridStats &work) {
     std::vector<ReceiverBatch> blocks;
     blocks.reserve(BatchCount(points.size()));
-    const Vec3f half = Vec3f(layout.size) * 0.5f, margin = half + Vec3f{1, 1, 1};
-    const BspRegion brick = RegionAround(space.Whole(), points, margin);
-    for (std::size_t batch = 0; batch < BatchCount(points.size()); ++batch) {
-        const std::span<const BrickPoint> near = BatchOf(points, batch);
-        const BspRegion around = RegionAround(brick, near, margin);
-        for (const BrickPoint &at : near) {
-            Vec3f position = at.position;
-            int cluster = kSolidCluster;
-            if (!PlacePoint(around, half, position, cluster))
-                continue;
-            BatchWithRoom(blocks).Add(position, ClearOfSolids(around, position), cluster, at.index);
-            ++work.open;
-        }
+    const Vec3f half = Vec3f(layout.size) * 0.5f;
+    for (const BrickPoint &at : points) {
+        Vec3f position = at.position;
+        int cluster = kSolidCluster;
+        if (!PlacePoint(space, half, position, cluster))
+            continue;
+        BatchWithRoom(blocks).Add(position, ClearOfSolids(space, position), cluster, at.index);
+        ++work.open;
     }
     return blocks;
 }

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace q3 {
 
@@ -38,29 +37,22 @@ class PointReceivers {
     PointReceivers(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
         : states_(std::size_t(layout.Count()), PointState::Exterior), receivers_(std::size_t(bricks.Count())) {
         std::vector<int> clusters(states_.size());
-        ForBlocks(in, bricks, {1, 1, 1}, [&](std::int64_t, const BspRegion &whole, std::span<const BrickPoint> points) {
-            const BspRegion space = RegionAround(whole, points, {1, 1, 1});
+        ForBricks(in, bricks, [&](std::int64_t, std::span<const BrickPoint> points) {
             for (const BrickPoint &point : points) {
-                const PlacedPoint placed = PlaceInOpen(space, point.position);
+                const PlacedPoint placed = PlaceInOpen(in.space, point.position);
                 clusters[point.index] = placed.cluster;
                 states_[point.index] = placed.state;
             }
         });
         std::vector<std::vector<DisplacedPoint>> displaced(receivers_.size());
-        const Vec3f margin = Vec3f(layout.size) + Vec3f{1, 1, 1};
-        ForBlocks(in, bricks, margin,
-                  [&](std::int64_t brick, const BspRegion &whole, std::span<const BrickPoint> points) {
-                      std::optional<BspRegion> space;
-                      for (const BrickPoint &point : points) {
-                          PlacedPoint placed{PointState::Open, point.position, clusters[point.index]};
-                          if (states_[point.index] != PointState::Open) {
-                              if (!space)
-                                  space.emplace(RegionAround(whole, points, margin));
-                              placed = PlaceGridPoint(*space, layout, clusters, point);
-                          }
-                          Add(placed, point, receivers_[std::size_t(brick)], displaced[std::size_t(brick)]);
-                      }
-                  });
+        ForBricks(in, bricks, [&](std::int64_t brick, std::span<const BrickPoint> points) {
+            for (const BrickPoint &point : points) {
+                PlacedPoint placed{PointState::Open, point.position, clusters[point.index]};
+                if (states_[point.index] != PointState::Open)
+                    placed = PlaceGridPoint(in.space, layout, clusters, point);
+                Add(placed, point, receivers_[std::size_t(brick)], displaced[std::size_t(brick)]);
+            }
+        });
         for (const auto &part : displaced)
             displaced_.insert(displaced_.end(), part.begin(), part.end());
         std::sort(displaced_.begin(), displaced_.end(),
@@ -94,17 +86,9 @@ class PointReceivers {
     const std::vector<DisplacedPoint> &Displaced() const { return displaced_; }
 
   private:
-    /// Calls use(brick, region, points) for small blocks of neighbouring points, with the region around the brick;
-    /// bricks on all workers.
-    template <typename Use>
-    static void ForBlocks(const GridInputs &in, const GridBricks &bricks, const Vec3f &margin, const Use &use) {
-        in.jobs.For(bricks.Count(), [&](std::int64_t brick, int) {
-            const std::vector<BrickPoint> points = bricks.Points(brick);
-            const std::span<const BrickPoint> all(points);
-            const BspRegion around = RegionAround(in.space.Whole(), all, margin);
-            for (std::size_t batch = 0; batch < BatchCount(all.size()); ++batch)
-                use(brick, around, BatchOf(all, batch));
-        });
+    /// Calls use(brick, points) for all bricks, on all workers.
+    template <typename Use> static void ForBricks(const GridInputs &in, const GridBricks &bricks, const Use &use) {
+        in.jobs.For(bricks.Count(), [&](std::int64_t brick, int) { use(brick, bricks.Points(brick)); });
     }
     void Add(const PlacedPoint &placed, const BrickPoint &point, std::vector<ReceiverBatch> &receivers,
              std::vector<DisplacedPoint> &displaced) {

@@ -56,11 +56,6 @@ bool BspSpace::FilledByBrush(std::size_t leafNum, const Boundsf &box, float epsi
     return HeldByBrush(leafNum, (mins + maxs) * 0.5f, (maxs - mins) * 0.5f, epsilon);
 }
 
-int BspSpace::ClusterOf(int leafNum, const Vec3f &p, float epsilon) const {
-    const int cluster = tree_.ClusterOf(leafNum);
-    return cluster < 0 || HeldByBrush(std::size_t(leafNum), p, {}, epsilon) ? kSolidCluster : cluster;
-}
-
 bool BspSpace::Visible(int a, int b) const {
     if (a < 0 || b < 0)
         return false;
@@ -82,35 +77,32 @@ void BspSpace::ClustersOf(const Winding<float> &w, std::vector<int> &clusters) c
         });
 }
 
-BspRegion BspRegion::Around(const Boundsf &box) const {
-    return {space_, space_.tree_.ChildAround(box, top_)};
+int BspSpace::ClusterAt(const Vec3f &p, float epsilon) const {
+    const int leaf = tree_.LeafAt(p), cluster = tree_.ClusterOf(leaf);
+    return cluster < 0 || HeldByBrush(std::size_t(leaf), p, {}, epsilon) ? kSolidCluster : cluster;
 }
 
-int BspRegion::ClusterAt(const Vec3f &p, float epsilon) const {
-    return space_.ClusterOf(space_.tree_.LeafAt(p, top_), p, epsilon);
+bool BspSpace::InSolidLeaf(const Vec3f &p) const {
+    return tree_.ClusterOf(tree_.LeafAt(p)) < 0;
 }
 
-bool BspRegion::InSolidLeaf(const Vec3f &p) const {
-    return space_.tree_.ClusterOf(space_.tree_.LeafAt(p, top_)) < 0;
-}
-
-bool BspRegion::AnyOpen(const Vec3f &mins, const Vec3f &maxs, float epsilon) const {
+bool BspSpace::AnyOpen(const Vec3f &mins, const Vec3f &maxs, float epsilon) const {
     return Touches(mins, maxs, [&](std::size_t leaf) {
-        return space_.tree_.ClusterOf(int(leaf)) >= 0 && !space_.FilledByBrush(leaf, {mins, maxs}, epsilon);
+        return tree_.ClusterOf(int(leaf)) >= 0 && !FilledByBrush(leaf, {mins, maxs}, epsilon);
     });
 }
 
-bool BspRegion::AnySolid(const Vec3f &mins, const Vec3f &maxs) const {
-    return Touches(mins, maxs, [&](std::size_t leaf) { return space_.tree_.ClusterOf(int(leaf)) < 0; });
+bool BspSpace::AnySolid(const Vec3f &mins, const Vec3f &maxs) const {
+    return Touches(mins, maxs, [&](std::size_t leaf) { return tree_.ClusterOf(int(leaf)) < 0; });
 }
 
 /// Whether the box touches a leaf that is `wanted`.
-template <typename Leaf> bool BspRegion::Touches(const Vec3f &mins, const Vec3f &maxs, const Leaf &wanted) const {
+template <typename Leaf> bool BspSpace::Touches(const Vec3f &mins, const Vec3f &maxs, const Leaf &wanted) const {
     const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;
     std::array<BspChild, 32> pending;
     std::vector<BspChild> more; // where that is full
     std::size_t waiting = 0;
-    BspChild child = top_;
+    BspChild child = tree_.Root();
     for (;;) {
         if (child < 0) {
             if (wanted(std::size_t(LeafOf(child))))
@@ -125,7 +117,7 @@ template <typename Leaf> bool BspRegion::Touches(const Vec3f &mins, const Vec3f 
             }
             continue;
         }
-        const BspTree::Node &node = space_.tree_.NodeOf(child);
+        const BspTree::Node &node = tree_.NodeOf(child);
         const Vec3f &n = node.normal;
         const float d = Dot(n, center) - node.dist;
         const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;

@@ -16,14 +16,13 @@ inline constexpr float kPlayerHalfSize = 16;
 /// Points farther than this from a leaf never count as in it. Game units.
 inline constexpr float kAtLeaf = 0.2f;
 
-class BspSpace;
-
-/// The part of a map's tree around a box: queries about points in the box give what the whole tree gives, sooner.
-/// Keeps a reference.
-class BspRegion {
+/// Point queries on the tree of a validated Bsp. Const after construction, so safe for concurrent use. Keeps a
+/// reference.
+class BspSpace {
   public:
-    /// The region around a box in this one.
-    BspRegion Around(const Boundsf &box) const;
+    /// opaqueBrush[i]: brush i of the world model blocks light as a volume, so points in it are not lit.
+    BspSpace(const Bsp &bsp, const std::vector<bool> &opaqueBrush);
+
     /// Cluster of p, or kSolidCluster in a solid leaf or not farther than epsilon outside an opaque brush (negative:
     /// deeper than -epsilon inside).
     int ClusterAt(const Vec3f &p, float epsilon) const;
@@ -39,31 +38,6 @@ class BspRegion {
         return !AnySolid(p - half, p + half);
     }
 
-  private:
-    friend class BspSpace;
-    BspRegion(const BspSpace &space, BspChild top) : space_(space), top_(top) {}
-    template <typename Leaf> bool Touches(const Vec3f &mins, const Vec3f &maxs, const Leaf &wanted) const;
-
-    const BspSpace &space_;
-    BspChild top_;
-};
-
-/// Point queries on the tree of a validated Bsp. Const after construction, so safe for concurrent use. Keeps a
-/// reference.
-class BspSpace {
-  public:
-    /// opaqueBrush[i]: brush i of the world model blocks light as a volume, so points in it are not lit.
-    BspSpace(const Bsp &bsp, const std::vector<bool> &opaqueBrush);
-
-    /// The whole map. See BspRegion for the queries that repeat here.
-    BspRegion Whole() const { return {*this, RootOf(bsp_)}; }
-    int ClusterAt(const Vec3f &p, float epsilon) const { return Whole().ClusterAt(p, epsilon); }
-    bool AnyOpen(const Vec3f &mins, const Vec3f &maxs, float epsilon) const {
-        return Whole().AnyOpen(mins, maxs, epsilon);
-    }
-    bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const { return Whole().AnySolid(mins, maxs); }
-    bool PlayerFits(const Vec3f &p) const { return Whole().PlayerFits(p); }
-
     /// Whether a sees b: true without visibility data, false for kSolidCluster.
     bool Visible(int a, int b) const;
     int ClusterCount() const { return clusterCount_; }
@@ -75,8 +49,7 @@ class BspSpace {
     const Bsp &Map() const { return bsp_; }
 
   private:
-    friend class BspRegion;
-    int ClusterOf(int leaf, const Vec3f &p, float epsilon) const;
+    template <typename Leaf> bool Touches(const Vec3f &mins, const Vec3f &maxs, const Leaf &wanted) const;
     bool FilledByBrush(std::size_t leaf, const Boundsf &box, float epsilon) const;
     bool HeldByBrush(std::size_t leaf, const Vec3f &center, const Vec3f &half, float epsilon) const;
 

@@ -113,7 +113,7 @@ bool IsOwnSurface(const OcclusionReceivers &receivers, int surface) {
 }
 
 /// Whether the ray enters a solid at its hit, other than one that leaves it.
-bool EntersSolid(const BspRegion &space, const RayPacket &rays, std::size_t ray, float distance) {
+bool EntersSolid(const BspSpace &space, const RayPacket &rays, std::size_t ray, float distance) {
     return space.InSolidLeaf(rays.origin[ray] + rays.direction[ray] * (distance + kSolidDepth));
 }
 
@@ -122,13 +122,6 @@ Boundsf BoundsOf(const OcclusionReceivers &receivers) {
     for (std::size_t i = 0; i < receivers.count; ++i)
         box.Add(receivers.position[i]);
     return box;
-}
-
-/// The part of the BSP tree that EntersSolid needs for hits near the receivers.
-BspRegion TouchedSpace(const BspSpace &space, const OcclusionReceivers &receivers) {
-    constexpr Vec3f kReach = Vec3f{1, 1, 1} * (2 * kRayBackoff + kSolidDepth);
-    const Boundsf box = BoundsOf(receivers);
-    return space.Whole().Around({box.mins - kReach, box.maxs + kReach});
 }
 
 /// Selects the triangles that rays of length `reach` from the receivers can hit.
@@ -202,15 +195,15 @@ struct AmbientOcclusion::BlockerTracer {
 };
 
 void AmbientOcclusion::AccumulateOcclusion(const OcclusionReceivers &receivers, const RayPacket &rays,
-                                           const NearHitRules &rules, const BspRegion &space, Nearby *nearby,
-                                           Lanes &occlusion, RayCounts &counts) const {
+                                           const NearHitRules &rules, Nearby *nearby, Lanes &occlusion,
+                                           RayCounts &counts) const {
     LaneMask live = rays.live;
     const Boundsf *const bounds = nearby ? &nearby->rayBounds : nullptr;
     const BlockerTracer solids{scene_, receivers, rays,           rules.solids, nearby ? &nearby->solids : nullptr,
                                bounds, 0,         2 * kRayBackoff};
     solids.Run(live, occlusion, counts, [&](std::size_t ray, float distance, int) {
         // A ray that leaves a solid at the hit started in a wall that the receiver touches.
-        return EntersSolid(space, rays, ray, distance);
+        return EntersSolid(space_, rays, ray, distance);
     });
     if (!live.Any())
         return;
@@ -286,7 +279,6 @@ void AmbientOcclusion::Dirt(const OcclusionReceivers &receivers, Nearby *nearby,
         counts.rays += 2 * receivers.count * dirtDirections_.size();
         return;
     }
-    const BspRegion space = TouchedSpace(space_, receivers);
     Lanes occlusion{};
     Lanes3 local{};
     for (std::size_t ray = 0; ray < dirtDirections_.size(); ++ray) {
@@ -298,7 +290,7 @@ void AmbientOcclusion::Dirt(const OcclusionReceivers &receivers, Nearby *nearby,
         SetDirections(frames, receivers, local, rays);
         if (nearby)
             nearby->rayBounds = RayBounds(rays);
-        AccumulateOcclusion(receivers, rays, rules, space, nearby, occlusion, counts);
+        AccumulateOcclusion(receivers, rays, rules, nearby, occlusion, counts);
     }
     for (std::size_t i = 0; i < receivers.count; ++i) {
         const float share = occlusion[i] / float(dirtDirections_.size());
@@ -317,13 +309,12 @@ void AmbientOcclusion::SkyVisibility(const OcclusionReceivers &receivers, float 
         rays.live[i] = -1;
     const NearHitRules rules{
         receivers.vertices ? LightScene::BlockerKind::Solids : LightScene::BlockerKind::LegacySolids, kNearHit, 0};
-    const BspRegion space = TouchedSpace(space_, receivers);
     Lanes occlusion{};
     Lanes3 local{};
     for (const Vec3f &direction : floodDirections_) {
         local.Fill(direction);
         SetDirections(frames, receivers, local, rays);
-        AccumulateOcclusion(receivers, rays, rules, space, nullptr, occlusion, counts);
+        AccumulateOcclusion(receivers, rays, rules, nullptr, occlusion, counts);
     }
     for (std::size_t i = 0; i < receivers.count; ++i)
         visibility[i] = std::clamp(1 - occlusion[i] / float(floodDirections_.size()), 0.0f, 1.0f);

@@ -57,7 +57,7 @@ class AmbientOcclusion {
     /// Adds to `occlusion` the share of each live ray behind its first hit on a solid or, if it hits none, on a
     /// surface. space: around the receivers. nearby: all blockers that rays can hit; null: the scene is traced.
     void AccumulateOcclusion(const OcclusionReceivers &receivers, const RayPacket &rays, const NearHitRules &rules,
-                             const BspRegion &space, Nearby *nearby, Lanes &occlusion, RayCounts &counts) const;
+                             Nearby *nearby, Lanes &occlusion, RayCounts &counts) const;
 
     const LightScene &scene_;
     const BspSpace &space_;

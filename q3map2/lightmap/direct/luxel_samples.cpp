@@ -187,8 +187,8 @@ Vec3f LuxelSampler::Offset(int x, int y, float across, float down) const {
            NeighborStep(x, y, 0, down >= 0 ? 1 : -1) * std::abs(down);
 }
 
-bool LuxelSampler::FindOpenCluster(const BspRegion &space, const Vec3f &position, int &cluster) const {
-    cluster = allowed_->ClusterIfAllowed(space.ClusterAt(position, kSampleMargin));
+bool LuxelSampler::FindOpenCluster(const Vec3f &position, int &cluster) const {
+    cluster = allowed_->ClusterIfAllowed(in_->space.ClusterAt(position, kSampleMargin));
     return cluster >= 0;
 }
 
@@ -208,10 +208,6 @@ void LuxelSampler::Subsample(std::span<const Refinement> samples, float offset, 
     if (samples.empty() || samples.front().sample->count >= maxSamples_)
         return;
     const SubsamplePositions at = PositionsOfSubsamples(samples, offset);
-    Boundsf box;
-    for (std::size_t i = 0; i < samples.size() * kSubsamples; ++i)
-        box.Add(at[i]);
-    const BspRegion space = in_->space.Whole().Around(box);
     std::array<Sample, kPacketSize> subsamples;
     std::array<std::size_t, kMaxRefinements + 1> first{}; // subsample of each sample
     SurfaceReceiverBatch receivers;
@@ -220,7 +216,7 @@ void LuxelSampler::Subsample(std::span<const Refinement> samples, float offset, 
         const Vec3f normal = lightmap_->normals[lightmap_->SuperIndex(samples[k].x, samples[k].y)];
         for (std::size_t i = k * kSubsamples; i < (k + 1) * kSubsamples; ++i) {
             int cluster = 0;
-            if (!FindOpenCluster(space, at[i], cluster))
+            if (!FindOpenCluster(at[i], cluster))
                 continue;
             subsamples[receivers.count].position = at[i];
             subsamples[receivers.count].count = samples[k].sample->count + 1;
@@ -285,7 +281,7 @@ LuxelSampler::Sample LuxelSampler::RandomSamples(int x, int y, ContributionCount
             const Vec3f position = lightmap_->positions[luxel] +
                                    Offset(x, y, float(std::cos(angle) * length), float(std::sin(angle) * length));
             int cluster = 0;
-            if (FindOpenCluster(in_->space.Whole(), position, cluster))
+            if (FindOpenCluster(position, cluster))
                 receivers.Add(position, lightmap_->normals[luxel], cluster);
         }
         used += int(receivers.count);

@@ -34,22 +34,10 @@ struct MapScratch {
     std::vector<std::uint8_t> passes; // pass that mapped it: 1 surfaces, 2 and more rings around them
 };
 
-Boundsf LuxelBounds(const RawLightmap &raw, float margin) {
-    Boundsf box = raw.bounds;
-    if (raw.hasVectors)
-        for (const int x : {-1, raw.SuperWidth()})
-            for (const int y : {-1, raw.SuperHeight()})
-                box.Add(raw.origin + raw.step[0] * float(x) + raw.step[1] * float(y));
-    box.mins -= {margin, margin, margin};
-    box.maxs += {margin, margin, margin};
-    return box;
-}
-
 class LuxelMapper {
   public:
     LuxelMapper(const SurfaceInputs &in, const SurfaceLight &surfaces, RawLightmap &raw, MapScratch &scratch)
-        : in_(in), surfaces_(surfaces), raw_(raw), scratch_(scratch),
-          positionFinder_(in, raw, LuxelBounds(raw, PositionMargin())) {
+        : in_(in), surfaces_(surfaces), raw_(raw), scratch_(scratch), positionFinder_(in, raw) {
         superWidth_ = raw.SuperWidth(), superHeight_ = raw.SuperHeight();
         const float threshold = std::max(kLeastThreshold, std::abs(in.lightmap.threshold));
         threshold2_ = threshold * threshold;
@@ -83,7 +71,6 @@ class LuxelMapper {
     }
 
   private:
-    float PositionMargin() const;
     bool HasOneNormal() const;
     LuxelPlane PlaneOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c) const;
     bool Usable(const LuxelPlane &plane) const;
@@ -122,14 +109,6 @@ class LuxelMapper {
 float SampleOffsetOf(const SurfaceEntry &entry) {
     const float offset = entry.shader->lightmap.sampleOffset;
     return offset == 0 ? kSampleOffset : offset;
-}
-
-/// How far the position of a luxel can be from its surfaces: lift, lookup offset and nudge. Game units.
-float LuxelMapper::PositionMargin() const {
-    float offset = kSampleOffset;
-    for (const int number : raw_.surfaces)
-        offset = std::max(offset, std::abs(SampleOffsetOf(in_.table[std::size_t(number)])));
-    return offset + 1 + raw_.actualSampleSize;
 }
 
 bool LuxelMapper::HasOneNormal() const {

@@ -14,10 +14,6 @@ constexpr float kBrushEpsilon = 0.125f;
 /// -trianglecheck: positions closer than this to an edge are moved to 1 unit inside of it. Game units.
 constexpr float kEdgeMargin = 0.125f;
 constexpr int kTriangleRounds = 3; // moving off one edge may cross another
-/// Side of the tiles of luxels that share a BspRegion, and how far off its plane the positions of a planar lightmap may
-/// be to be looked up there, game units.
-constexpr int kTile = 4;
-constexpr float kTileDepth = 0.5f;
 
 /// Offsets in half luxels, in the order in which they are tried.
 constexpr std::array<std::array<float, 2>, 8> kNudges{
@@ -57,67 +53,13 @@ Vec3f MovedIntoTriangle(Vec3f p, const std::array<SurfaceVertex, 3> &triangle, c
 
 } // namespace
 
-LuxelPositionFinder::LuxelPositionFinder(const SurfaceInputs &in, const RawLightmap &raw, const Boundsf &bounds)
-    : in_(in), raw_(raw), axes_(AxesOf(raw.axis)), box_(bounds), region_(in.space.Whole().Around(bounds)),
-      tilesAcross_((raw.SuperWidth() + kTile - 1) / kTile),
-      tiles_(std::size_t(tilesAcross_) * std::size_t((raw.SuperHeight() + kTile - 1) / kTile)) {
-    SetTileReach();
+int LuxelPositionFinder::ClusterAt(const Vec3f &p, VisibleClusters &filter) const {
+    return filter.ClusterIfAllowed(in_.space.ClusterAt(p, kBrushEpsilon));
 }
 
-/// Half size of a tile's box around the tile center; around any position in the tile where the center is not known. A
-/// position outside of the box is looked up in a larger region, which only takes longer.
-void LuxelPositionFinder::SetTileReach() {
-    tileCentersKnown_ = raw_.planar && raw_.hasVectors;
-    const float luxels = tileCentersKnown_ ? kTile / 2 + 0.25f : kTile + 0.5f;
-    const float size = luxels * raw_.actualSampleSize / float(raw_.super);
-    tileReach_ = {size, size, size};
-    if (!tileCentersKnown_)
-        return;
-    float depth = kTileDepth;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        if (axis != axes_.along) {
-            tileReach_[axis] = (std::abs(raw_.step[0][axis]) + std::abs(raw_.step[1][axis])) * luxels;
-            depth += std::abs(raw_.planeNormal[axis] / raw_.planeNormal[axes_.along]) * tileReach_[axis];
-        }
-    if (std::isfinite(depth))
-        tileReach_[axes_.along] = depth;
-}
-
-/// Bounds of the positions in the tile of luxel (x, y), whose own is p, `lift` off its plane along the projection axis.
-Boundsf LuxelPositionFinder::TileBox(int x, int y, const Vec3f &p, float lift) const {
-    Vec3f center = p;
-    if (tileCentersKnown_) {
-        constexpr float kHalf = (kTile - 1) * 0.5f;
-        center = OntoPlane(raw_.origin + raw_.step[0] * (float(x / kTile * kTile) + kHalf) +
-                               raw_.step[1] * (float(y / kTile * kTile) + kHalf),
-                           axes_.along, raw_.planeNormal, raw_.planeDist);
-        center[axes_.along] += lift;
-    }
-    return {center - tileReach_, center + tileReach_};
-}
-
-const LuxelPositionFinder::Tile &LuxelPositionFinder::TileOf(int x, int y, const Vec3f &p, float lift) {
-    Tile &tile = tiles_[std::size_t(y / kTile) * std::size_t(tilesAcross_) + std::size_t(x / kTile)];
-    if (!tile.region) {
-        tile.box = TileBox(x, y, p, lift);
-        tile.region.emplace(region_.Around(tile.box));
-    }
-    return tile;
-}
-
-int LuxelPositionFinder::ClusterAt(const Vec3f &p, const Tile &tile, VisibleClusters &filter) const {
-    if (!box_.Contains(p))
-        return filter.ClusterIfAllowed(in_.space.ClusterAt(p, kBrushEpsilon));
-    const BspRegion &region = tile.box.Contains(p) ? *tile.region : region_;
-    return filter.ClusterIfAllowed(region.ClusterAt(p, kBrushEpsilon));
-}
-
-bool LuxelPositionFinder::AnyOpen(const Boundsf &box, const Tile &tile) const {
-    const Vec3f margin{kAtLeaf, kAtLeaf, kAtLeaf}, from = box.mins - margin, to = box.maxs + margin;
-    const auto holds = [&](const Boundsf &part) { return part.Contains(from) && part.Contains(to); };
-    const BspRegion whole = in_.space.Whole();
-    const BspRegion &region = holds(tile.box) ? *tile.region : holds(box_) ? region_ : whole;
-    return region.AnyOpen(from, to, kBrushEpsilon);
+bool LuxelPositionFinder::AnyOpen(const Boundsf &box) const {
+    const Vec3f margin{kAtLeaf, kAtLeaf, kAtLeaf};
+    return in_.space.AnyOpen(box.mins - margin, box.maxs + margin, kBrushEpsilon);
 }
 
 Vec3f LuxelPositionFinder::OnPlane(float x, float y, const LuxelPlane &plane) const {
@@ -143,12 +85,11 @@ std::array<Vec3f, 2> LuxelPositionFinder::NudgeSteps(const LuxelPlane &plane) co
 LuxelPosition LuxelPositionFinder::Centered(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane,
                                             float offset, VisibleClusters &filter, PositionCounts &counts) {
     Vec3f p = OnSurface(x, y, sample, plane);
-    const float lift = Lift(plane, offset);
     if (raw_.hasVectors)
-        p[axes_.along] += lift;
+        p[axes_.along] += plane.normal[axes_.along] >= 0 ? offset : -offset;
     else
         p += plane.normal * offset;
-    const int cluster = ClusterAt(p + ClusterLookupOffset(plane), TileOf(x, y, p, lift), filter);
+    const int cluster = ClusterAt(p + ClusterLookupOffset(plane), filter);
     counts.nudges[0] += cluster >= 0;
     return {p, cluster};
 }
@@ -177,19 +118,18 @@ Boundsf LuxelPositionFinder::FallbackBounds(int x, int y, const SurfaceVertex *s
 LuxelPosition LuxelPositionFinder::Nudged(int x, int y, const Vec3f &center, const SurfaceVertex *sample,
                                           const LuxelPlane &plane, float offset, bool allowFallback,
                                           VisibleClusters &filter, PositionCounts &counts) {
-    const Tile &tile = TileOf(x, y, center, Lift(plane, offset));
     const Vec3f lookupOffset = ClusterLookupOffset(plane);
     const auto steps = NudgeSteps(plane);
     Boundsf box = BoxAround(center + lookupOffset, steps);
     if (allowFallback)
         box.Add(FallbackBounds(x, y, sample, plane, offset));
-    if (in_.lightmap.dark || !AnyOpen(box, tile)) {
+    if (in_.lightmap.dark || !AnyOpen(box)) {
         ++counts.failed;
         return {};
     }
     for (std::size_t i = 0; i < kNudges.size(); ++i) {
         const Vec3f nudged = center + steps[0] * (kNudges[i][0] * 0.5f) + steps[1] * (kNudges[i][1] * 0.5f);
-        if (const int cluster = ClusterAt(nudged + lookupOffset, tile, filter); cluster >= 0) {
+        if (const int cluster = ClusterAt(nudged + lookupOffset, filter); cluster >= 0) {
             ++counts.nudges[i + 1];
             return {nudged, cluster};
         }
@@ -197,7 +137,7 @@ LuxelPosition LuxelPositionFinder::Nudged(int x, int y, const Vec3f &center, con
     LuxelPosition position;
     if (allowFallback) {
         position.xyz = Fallback(x, y, sample, plane, offset);
-        position.cluster = ClusterAt(position.xyz, tile, filter);
+        position.cluster = ClusterAt(position.xyz, filter);
     }
     ++(position.Occluded() ? counts.failed : counts.atVertex);
     return position;

@@ -5,8 +5,6 @@
 #include "q3map2/lightmap/raw/luxel_axes.h"
 #include "q3map2/lightmap/raw/visible_clusters.h"
 
-#include <optional>
-
 namespace q3 {
 
 /// The plane that luxels are projected onto, and the triangle in it, or null for a quad.
@@ -32,7 +30,8 @@ struct LuxelPosition {
 /// Finds positions for the luxels of one raw lightmap. Keeps references. For one thread.
 class LuxelPositionFinder {
   public:
-    LuxelPositionFinder(const SurfaceInputs &in, const RawLightmap &raw, const Boundsf &bounds);
+    LuxelPositionFinder(const SurfaceInputs &in, const RawLightmap &raw)
+        : in_(in), raw_(raw), axes_(AxesOf(raw.axis)) {}
 
     /// The position of super luxel (x, y): its center, lifted off the surface by `offset` game units, else the first of
     /// 8 positions half a luxel aside that is not occluded, else the fallback. sample: a point of the surface in the
@@ -54,24 +53,12 @@ class LuxelPositionFinder {
     Vec3f Fallback(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset) const;
     /// Bounds of Fallback; cheaper than computing it.
     Boundsf FallbackBounds(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset) const;
-    /// A few neighboring luxels, and the part of the BSP tree around them, which is cut out at the first lookup.
-    struct Tile {
-        Boundsf box;
-        std::optional<BspRegion> region;
-    };
-    /// The tile of luxel (x, y), which has position p, `lift` off the plane along the projection axis.
-    const Tile &TileOf(int x, int y, const Vec3f &p, float lift);
-    Boundsf TileBox(int x, int y, const Vec3f &p, float lift) const;
-    void SetTileReach();
-    int ClusterAt(const Vec3f &p, const Tile &tile, VisibleClusters &filter) const;
+    int ClusterAt(const Vec3f &p, VisibleClusters &filter) const;
     /// False if every position in the box is in a solid.
-    bool AnyOpen(const Boundsf &box, const Tile &tile) const;
+    bool AnyOpen(const Boundsf &box) const;
     /// World position of lightmap coordinates on the plane; (0, 0) is the center of the first luxel.
     Vec3f OnPlane(float x, float y, const LuxelPlane &plane) const;
     Vec3f OnSurface(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane) const;
-    float Lift(const LuxelPlane &plane, float offset) const {
-        return plane.normal[axes_.along] >= 0 ? offset : -offset;
-    }
     /// From a position to the point at which its cluster is looked up.
     Vec3f ClusterLookupOffset(const LuxelPlane &plane) const {
         return in_.lightmap.extraVisNudge ? plane.normal : Vec3f{};
@@ -81,12 +68,6 @@ class LuxelPositionFinder {
     const SurfaceInputs &in_;
     const RawLightmap &raw_;
     LuxelAxes axes_;
-    Boundsf box_;                   ///< of all positions
-    BspRegion region_;              ///< the part of the BSP tree in box_
-    bool tileCentersKnown_ = false; ///< so boxes of tiles can be small
-    Vec3f tileReach_;               ///< half size of a tile's box
-    int tilesAcross_ = 0;
-    std::vector<Tile> tiles_;
 };
 
 } // namespace q3
