@@ -50,7 +50,14 @@ std::optional<std::string> Arguments::TakeValue(std::initializer_list<std::strin
 
 void Arguments::Erase(std::size_t at, std::size_t count) {
     words_.erase(words_.begin() + std::ptrdiff_t(at), words_.begin() + std::ptrdiff_t(at + count));
-    beforeStage_ -= std::min(beforeStage_, at + count) - std::min(beforeStage_, at);
+    for (std::size_t *end : {&prepended_, &beforeStage_})
+        *end -= std::min(*end, at + count) - std::min(*end, at);
+}
+
+void Arguments::Prepend(const std::vector<std::string> &words) {
+    words_.insert(words_.begin(), words.begin(), words.end());
+    prepended_ += words.size();
+    beforeStage_ += words.size();
 }
 
 std::string Arguments::TakeLast() {

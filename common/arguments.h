@@ -33,9 +33,12 @@ class Arguments {
     const std::vector<std::string> &Rest() const { return words_; }
     bool Empty() const { return words_.empty(); }
 
+    /// Puts words in front of the others. They count as standing after the stage word.
+    void Prepend(const std::vector<std::string> &words);
+
     /// From now on the words before that position of Rest() count as standing before the stage word.
     void SetBeforeStage(std::size_t end) { beforeStage_ = end; }
-    bool IsBeforeStage(std::size_t at) const { return at < beforeStage_; }
+    bool IsBeforeStage(std::size_t at) const { return at >= prepended_ && at < beforeStage_; }
 
     /// An option that changed a setting.
     struct Change {
@@ -50,7 +53,8 @@ class Arguments {
     void Erase(std::size_t at, std::size_t count);
 
     std::vector<std::string> words_;
-    std::size_t beforeStage_ = 0; ///< so many words, at the front
+    std::size_t prepended_ = 0;   ///< so many words, at the front
+    std::size_t beforeStage_ = 0; ///< words up to here stood before the stage word, but for those prepended
     std::vector<Change> changes_;
 };
 

@@ -2,6 +2,7 @@
 #include "common/error.h"
 #include "q3map2/editor_feedback.h"
 #include "q3map2/help.h"
+#include "q3map2/presets.h"
 #include "q3map2/run_report.h"
 #include "q3map2/stage_words.h"
 #include "q3map2/version.h"
@@ -27,6 +28,7 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
     }
     log.Print("{}\n", kVersion);
     const ChosenStage chosen = TakeStage(arguments);
+    ExpandPreset(chosen.stage, arguments, log);
     const StageContext context{options, chosen.stage, chosen.given, program, arguments.Rest(), log};
     const int status = chosen.stage.run(context, std::move(arguments));
     log.FlushWarnings();

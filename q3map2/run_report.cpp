@@ -13,7 +13,7 @@ std::string WarningText(const Log &log) {
     std::string kinds;
     int total = 0;
     for (const auto &[kind, count] : log.WarningTotals()) {
-        kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", count, kind);
+        kinds += fmt::format("{}{}: {}", kinds.empty() ? "" : ", ", kind, count);
         total += count;
     }
     if (total == 0)

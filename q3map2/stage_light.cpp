@@ -4,6 +4,7 @@
 #include "q3map2/command_record.h"
 #include "q3map2/convert/preview/grid_preview.h"
 #include "q3map2/game_check.h"
+#include "q3map2/grid_size_report.h"
 #include "q3map2/light_inputs.h"
 #include "q3map2/lightmap/light_world.h"
 #include "q3map2/lightmap/store/lightmap_pages.h"
@@ -66,6 +67,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
         WriteScript(ScriptPath(bspPath, *context.options.game), result.lightmaps, log);
     }
     WriteBspFile(bspPath, bsp, format, log);
+    PrintGridSHSize(bsp, std::filesystem::file_size(bspPath), log);
     if (lightmap.exportPages && !lightmap.external)
         ExportLightmaps(bsp, lightmap.gamePageSize[0], folder, log);
     if (!options.previewFile.empty())

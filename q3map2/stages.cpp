@@ -6,6 +6,7 @@
 #include "q3map2/light/options/light_settings.h"
 #include "q3map2/lightmap/options/lightmap_settings.h"
 #include "q3map2/map/bsp_settings.h"
+#include "q3map2/presets.h"
 #include "q3map2/vis/vis_settings.h"
 
 #include <algorithm>
@@ -14,8 +15,14 @@ namespace q3 {
 
 namespace {
 
+/// The sections after that of the stage's presets.
+std::vector<SettingSection> AfterPresets(std::vector<SettingSection> sections) {
+    sections.insert(sections.begin(), PresetSection());
+    return sections;
+}
+
 std::vector<SettingSection> LightSections() {
-    std::vector<SettingSection> sections = Describe(LightSettings());
+    std::vector<SettingSection> sections = AfterPresets(Describe(LightSettings()));
     for (SettingSection &section : Describe(LightmapSettings()))
         sections.push_back(std::move(section));
     // What changes nothing comes last.
@@ -34,11 +41,11 @@ std::vector<Stage> Stages() {
          "replaced by mistake. Old `.prt`, `.lin` and `.reg` files beside it are removed first. A map that leaks gets "
          "`x.lin` in place of `x.prt`; that is no error, and the exit status is 0. A map without an entity in the open "
          "is an error, because nothing tells its inside from its outside.",
-         BspStage, [] { return Describe(BspSettings()); }},
+         BspStage, [] { return AfterPresets(Describe(BspSettings())); }},
         {"-vis", "-vis [options] maps/x.bsp", "Compute what can be seen from where, from maps/x.prt",
          "Reads `x.bsp` and `x.prt`, which the bsp stage wrote, and puts visibility data into `x.bsp`. "
          "[vis.md](vis.md) explains when to use what.",
-         VisStage, [] { return Describe(VisSettings()); }},
+         VisStage, [] { return AfterPresets(Describe(VisSettings())); }},
         {"-light", "-light [options] maps/x.bsp", "Light a compiled map: lightmaps, vertices and light grids", "",
          LightStage, LightSections},
         {"-info", "-info maps/a.bsp maps/b.bsp ...", "Print counts, bytes and the light grid of maps", "", InfoStage,

@@ -80,7 +80,7 @@ TEST_F(TrapsTest, UnknownOptionsOfAStageWarnAndAreRepeatedAtTheEnd) {
     const std::string text = "Unknown argument \"-bounc\"; did you mean -bounce?";
     EXPECT_THAT(outcome.text, HasSubstr("WARNING: " + text));
     EXPECT_GT(outcome.text.rfind(text), outcome.text.find("Writing"));
-    EXPECT_THAT(LastLine(outcome), HasSubstr("1 unknown option"));
+    EXPECT_THAT(LastLine(outcome), HasSubstr("1 warning (unknown option: 1)"));
 }
 
 TEST_F(TrapsTest, BadNumbersAreRefusedByName) {

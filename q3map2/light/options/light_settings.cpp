@@ -12,6 +12,8 @@ using Values = SettingValues;
 
 /// What -shfit takes without a number, and the most it takes.
 constexpr int kDefaultFit = 6, kMaxFit = 64;
+/// -shsmall: the cell on all axes. Game units.
+constexpr float kSmallCell = 64;
 /// -gridsh: the format's smallest cell. Game units.
 constexpr double kMinCell = 8;
 
@@ -32,6 +34,11 @@ Group GridSH() {
     const auto cell = [](LightOptions &o, const Values &v) {
         o.gridSizeSH = Vec3f{float(v.numbers[0]), float(v.numbers[1]), float(v.numbers[2])};
     };
+    const auto small = [](LightOptions &o, const Values &) {
+        o.sh = true;
+        o.gridSizeSH = Vec3f{kSmallCell, kSmallCell, kSmallCell};
+        o.shFit = kDefaultFit;
+    };
     return {"SH light grid",
             "",
             {{{.name = "-sh",
@@ -44,6 +51,10 @@ Group GridSH() {
              {{.name = "-shradiance",
                .help = "Store radiance instead of irradiance, for engines that convolve themselves; includes -sh"},
               &LightOptions::shRadiance},
+             {{.name = "-shsmall",
+               .help = "A grid of about a quarter of the bytes: -gridsh 64 64 64 -shfit; includes -sh",
+               .details = "[ship_sh.md](ship_sh.md) compares sizes and errors. `-gridsh` and `-shfit N` override it."},
+              Do<LightOptions>(small)},
              {{.name = "-gridscalesh",
                .values = "F",
                .range = {.low = 0, .aboveLow = true},
@@ -71,9 +82,9 @@ Group QualityOfGridSH() {
         {{{.name = "-shdering",
            .help = "Remove negative lobes, the dark side that a strong light leaves",
            .details =
-               "Where a channel of a point is below zero in some direction, its bands 1 and 2 become the nearest "
-               "values that are not; the mean and all other points stay. Interpolated values are then "
-               "nowhere negative either. Needs `-sh`, `-shbspx` or `-shradiance`."},
+               "Where a channel of a point is below zero in some direction, its bands 1 and 2 are scaled by the least "
+               "window that leaves no negative value (Sloan 2008); the mean and all other points stay. Interpolated "
+               "values are then nowhere negative either. Needs `-sh`, `-shbspx` or `-shradiance`."},
           &LightOptions::shDering},
          {{.name = "-sherror",
            .help = "Compare the grid with exact light and print its error, after baking",

@@ -1,0 +1,67 @@
+// GPL-2.0-or-later. What an SH grid costs in a file.
+#include "q3map2/grid_size_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <zlib.h>
+
+namespace q3 {
+
+namespace {
+
+constexpr double kMegabyte = 1e6;
+constexpr std::size_t kPiece = std::size_t(1) << 18, kMostPieces = 16;
+/// Smaller grids are no burden, whatever their share of the file.
+constexpr std::uint64_t kSmallGrid = 1000000;
+
+std::size_t DeflatedSize(std::span<const std::byte> data) {
+    uLongf size = compressBound(uLong(data.size()));
+    std::vector<Bytef> packed(size);
+    compress2(packed.data(), &size, reinterpret_cast<const Bytef *>(data.data()), uLong(data.size()),
+              Z_BEST_COMPRESSION);
+    return size;
+}
+
+/// The cell with twice the volume and the same proportions, in whole units.
+std::array<int, 3> HalfAsManyPoints(const Float3 &cell) {
+    std::array<int, 3> wider{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        wider[axis] = int(std::lround(double(cell[axis]) * std::cbrt(2.0)));
+    return wider;
+}
+
+} // namespace
+
+std::uint64_t EstimateDeflated(std::span<const std::byte> data) {
+    const std::size_t pieces = (data.size() + kPiece - 1) / kPiece, used = std::min(pieces, kMostPieces);
+    std::uint64_t sampled = 0, packed = 0;
+    for (std::size_t i = 0; i < used; ++i) {
+        const std::size_t first = i * pieces / used * kPiece;
+        const auto piece = data.subspan(first, std::min(kPiece, data.size() - first));
+        sampled += piece.size();
+        packed += DeflatedSize(piece);
+    }
+    return sampled == 0 ? 0 : packed * data.size() / sampled;
+}
+
+void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
+    if (!bsp.gridSH)
+        return;
+    const LightGridSH &grid = *bsp.gridSH;
+    const auto points = std::as_bytes(std::span(grid.points));
+    const std::uint64_t bytes = sizeof(grid.header) + points.size();
+    const std::array<int, 3> cell = HalfAsManyPoints(grid.header.gridSize);
+    log.Print("SH grid: {} points, {:.1f} of the file's {:.1f} MB, about {:.1f} MB zipped; -gridsh {} {} {} would take "
+              "half\n",
+              grid.points.size(), double(bytes) / kMegabyte, double(fileBytes) / kMegabyte,
+              double(EstimateDeflated(points)) / kMegabyte, cell[0], cell[1], cell[2]);
+    if (bytes > kSmallGrid && bytes > fileBytes / 2)
+        log.Warn("large SH grid",
+                 "the SH grid is {:.0f} % of the file; -shsmall bakes one of about a quarter of the "
+                 "default size",
+                 100 * double(bytes) / double(fileBytes));
+}
+
+} // namespace q3

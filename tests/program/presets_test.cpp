@@ -1,0 +1,81 @@
+// GPL-2.0-or-later. -preset, -shsmall, and the line about the size of the SH grid.
+#include "q3map2/grid_size_report.h"
+#include "q3map2/presets.h"
+#include "tests/program/run_program.h"
+
+#include "common/files/files.h"
+
+#include <gmock/gmock.h>
+
+#include <random>
+
+namespace q3::test {
+
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+using PresetTest = ProgramTest;
+
+TEST_F(PresetTest, StandsForOptionsThatTheLineOverrides) {
+    const Outcome plain = RunWell("-light -preset draft -gridsh 128 128 128 -sh MAP");
+    EXPECT_THAT(plain.text, HasSubstr("preset draft: -faster -gridsh 64 64 128\n"));
+    EXPECT_THAT(plain.text, HasSubstr("  -gridsh 128 128 128 (command line"));
+    EXPECT_EQ(IntOf(LumpOf(MapBytes(), 18), 12), 0x43000000) << "cell of 128 units";
+}
+
+TEST_F(PresetTest, GivesNoGridOptionsWithoutAGrid) {
+    const Outcome run = RunWell("-light -preset draft MAP");
+    EXPECT_THAT(run.text, HasSubstr("preset draft: -faster\n"));
+    EXPECT_THAT(run.text, Not(HasSubstr("without effect")));
+}
+
+TEST_F(PresetTest, TheMapRecordsItsOptions) {
+    RunWell("-light -preset draft MAP");
+    const std::vector<std::byte> file = MapBytes();
+    const std::string text(reinterpret_cast<const char *>(file.data()), file.size());
+    EXPECT_THAT(text, HasSubstr("-light -faster\""));
+}
+
+TEST_F(PresetTest, UnknownNamesAreErrorsWithTheNearest) {
+    ExpectError("-light -preset finel MAP", "-preset finel: expected one of draft, normal, final; did you mean final?");
+    ExpectError("-light -preset draft -preset final MAP", "-preset: expected once, found twice");
+    ExpectError("-preset draft -ligth MAP", "did you mean -light?");
+}
+
+TEST_F(PresetTest, ShSmallIsAFittedGridOfSixtyFour) {
+    const Outcome run = RunWell("-light -shsmall MAP");
+    EXPECT_THAT(run.text, HasSubstr("SH grid: "));
+    EXPECT_THAT(run.text, HasSubstr("-gridsh 81 81 81 would take half"));
+    const std::vector<std::byte> small = MapBytes();
+    RunWell("-light -sh -gridsh 64 64 64 -shfit MAP");
+    EXPECT_EQ(LumpOf(small, 18), LumpOf(MapBytes(), 18));
+}
+
+TEST(PresetTable, IsInTheDocumentation) {
+    const auto bytes = ReadFile(std::filesystem::path(SOURCE) / "docs/presets.md");
+    const std::string page(reinterpret_cast<const char *>(bytes.data()), bytes.size());
+    for (const Preset &preset : Presets())
+        for (const std::string_view options : {preset.bsp, preset.vis, preset.light, preset.gridSH}) {
+            if (!options.empty()) {
+                EXPECT_THAT(page, HasSubstr(fmt::format("`{}`", options)));
+            }
+        }
+}
+
+TEST(GridSize, OfBytesThatDoNotCompressIsTheirNumber) {
+    std::mt19937 random(5);
+    std::vector<std::byte> noise(9000000), zeros(9000000);
+    for (std::byte &b : noise)
+        b = std::byte(random());
+    EXPECT_NEAR(double(EstimateDeflated(noise)), 9e6, 9e3);
+    EXPECT_LT(EstimateDeflated(zeros), 20000u);
+    std::copy_n(noise.begin(), 4500000, zeros.begin());
+    EXPECT_NEAR(double(EstimateDeflated(zeros)), 4.5e6, 4e5) << "half noise, half zeros";
+    EXPECT_EQ(EstimateDeflated({}), 0u);
+}
+
+} // namespace
+
+} // namespace q3::test
