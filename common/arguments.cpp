@@ -10,6 +10,13 @@
 
 namespace q3 {
 
+std::string LastValueOf(std::string_view option, const std::vector<std::string> &words) {
+    for (std::size_t i = words.size(); i-- > 1;)
+        if (EqualNoCase(words[i - 1], option))
+            return words[i];
+    return {};
+}
+
 std::optional<std::size_t> Arguments::Find(std::initializer_list<std::string_view> names) const {
     for (std::size_t i = 0; i < words_.size(); ++i)
         for (const std::string_view name : names)

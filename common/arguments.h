@@ -8,6 +8,9 @@
 
 namespace q3 {
 
+/// The word after the last occurrence of an option, for those that count before the line is parsed. Empty: none.
+std::string LastValueOf(std::string_view option, const std::vector<std::string> &words);
+
 /// The rest of the command line. An option is found by its whole name, case-insensitive, wherever it stands, and is
 /// removed together with the values after it; so the order of different options never matters, and repeated ones come
 /// in order.

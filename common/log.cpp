@@ -2,17 +2,27 @@
 #include "common/log.h"
 
 #include <cstdio>
+#include <cstdlib>
+
+#include <unistd.h>
 
 namespace q3 {
 
-Log::Sink Log::StandardOutput() {
-    return [](LogLevel, std::string_view text) {
-        std::fwrite(text.data(), 1, text.size(), stdout);
-        std::fflush(stdout);
-    };
+namespace {
+
+/// Whether warnings and errors are colored: on a terminal that can, unless NO_COLOR is set (no-color.org).
+bool WantsColor() {
+    const char *noColor = std::getenv("NO_COLOR"), *terminal = std::getenv("TERM");
+    return isatty(STDOUT_FILENO) != 0 && (noColor == nullptr || *noColor == 0) &&
+           (terminal == nullptr || std::string_view(terminal) != "dumb");
 }
 
-namespace {
+/// The text in yellow or red, its line end behind the color.
+std::string Colored(LogLevel level, std::string_view text) {
+    const std::size_t end = text.find_last_not_of('\n') + 1;
+    return fmt::format("\x1b[{}m{}\x1b[0m{}", level == LogLevel::Error ? 31 : 33, text.substr(0, end),
+                       text.substr(end));
+}
 
 Log::Sink Both(Log::Sink first, Log::Sink second) {
     return [first = std::move(first), second = std::move(second)](LogLevel level, std::string_view text) {
@@ -22,6 +32,15 @@ Log::Sink Both(Log::Sink first, Log::Sink second) {
 }
 
 } // namespace
+
+Log::Sink Log::StandardOutput() {
+    return [color = WantsColor()](LogLevel level, std::string_view text) {
+        const std::string colored = color && level != LogLevel::Normal ? Colored(level, text) : std::string();
+        const std::string_view shown = colored.empty() ? text : colored;
+        std::fwrite(shown.data(), 1, shown.size(), stdout);
+        std::fflush(stdout);
+    };
+}
 
 void Log::AddSink(Sink sink, MarkSink marks) {
     const std::lock_guard lock(mutex_);
@@ -36,6 +55,30 @@ void Log::AddSink(Sink sink, MarkSink marks) {
 void Log::Write(LogLevel level, std::string_view text) {
     const std::lock_guard lock(mutex_);
     sink_(level, text);
+}
+
+void Log::SectionText(std::string_view name, bool print) {
+    const std::lock_guard lock(mutex_);
+    if (observer_)
+        observer_->OnSection(name);
+    if (print)
+        sink_(LogLevel::Normal, fmt::format("--- {} ---\n", name));
+}
+
+void Log::CountText(long long value, std::string_view name, bool print) {
+    const std::lock_guard lock(mutex_);
+    if (observer_)
+        observer_->OnCount(value, name);
+    if (print)
+        sink_(LogLevel::Normal, fmt::format("{:9} {}\n", value, name));
+}
+
+void Log::Setting(std::string_view name, std::string_view value, std::string_view source, std::string_view initial) {
+    const std::lock_guard lock(mutex_);
+    if (observer_)
+        observer_->OnSetting(name, value, source, initial);
+    sink_(LogLevel::Normal, fmt::format("  {}{}{} ({}{}{})\n", name, value.empty() ? "" : " ", value, source,
+                                        initial.empty() ? "" : "; default ", initial));
 }
 
 void Log::WriteLive(std::string_view text) {
@@ -65,12 +108,16 @@ bool Log::CountWarning(std::string_view kind) {
 
 void Log::WarnText(std::string_view kind, std::string text) {
     const std::lock_guard lock(mutex_);
+    if (observer_)
+        observer_->OnWarning(kind, text, nullptr);
     if (CountWarning(kind))
         sink_(LogLevel::Warning, "WARNING: " + text + "\n");
 }
 
 void Log::WarnAt(std::string_view kind, const LogMark &mark, std::string text) {
     const std::lock_guard lock(mutex_);
+    if (observer_)
+        observer_->OnWarning(kind, text, &mark);
     if (CountWarning(kind))
         unmarked_(LogLevel::Warning, "WARNING: " + text + "\n");
     if (markSink_)

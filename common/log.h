@@ -22,6 +22,18 @@ struct LogMark {
     std::vector<std::array<float, 3>> line; ///< its points in order
 };
 
+/// Told what a run does, for its report. Called with the log locked: must not print.
+class LogObserver {
+  public:
+    virtual ~LogObserver() = default;
+    virtual void OnSection(std::string_view name) = 0;
+    virtual void OnCount(long long value, std::string_view name) = 0;
+    /// A setting that is not at its default. `source`: "command line", or the class name of the entity with the key.
+    virtual void OnSetting(std::string_view name, std::string_view value, std::string_view source,
+                           std::string_view initial) = 0;
+    virtual void OnWarning(std::string_view kind, std::string_view text, const LogMark *mark) = 0;
+};
+
 /// Prints to standard output and, when set, to a second sink (the editor). Safe to call from worker threads.
 class Log {
   public:
@@ -36,6 +48,8 @@ class Log {
 
     static Sink StandardOutput();
 
+    /// At most one; null: none. Must outlive its use.
+    void SetObserver(LogObserver *observer) { observer_ = observer; }
     void SetVerbose(bool on) { verbose_ = on; }
     bool IsVerbose() const { return verbose_; }
     /// Adds a sink that receives everything printed from now on. With `marks`, what has a mark goes there instead.
@@ -50,9 +64,14 @@ class Log {
             Write(LogLevel::Normal, fmt::format(format, std::forward<Args>(args)...));
     }
     /// "--- Name ---" on a line of its own.
-    void Section(std::string_view name) { Print("--- {} ---\n", name); }
+    void Section(std::string_view name) { SectionText(name, true); }
     /// One count as editors' users know it: the value right-aligned in nine columns, then its name.
-    void Count(long long value, std::string_view name) { Print("{:9} {}\n", value, name); }
+    void Count(long long value, std::string_view name) { CountText(value, name, true); }
+    /// The same, only printed under -v. An observer is told in any case.
+    void VerboseSection(std::string_view name) { SectionText(name, verbose_); }
+    void VerboseCount(long long value, std::string_view name) { CountText(value, name, verbose_); }
+    /// A setting that is not at its default; see LogObserver::OnSetting.
+    void Setting(std::string_view name, std::string_view value, std::string_view source, std::string_view initial);
 
     /// Prints the first warning of each kind as "WARNING: text" and counts the others, for FlushWarnings. `kind` is a
     /// short constant phrase such as "shader not found".
@@ -80,6 +99,8 @@ class Log {
     void WarnAt(std::string_view kind, const LogMark &mark, std::string text);
 
   private:
+    void SectionText(std::string_view name, bool print);
+    void CountText(long long value, std::string_view name, bool print);
     void WarnText(std::string_view kind, std::string text);
     /// Whether to print one more warning of that kind.
     bool CountWarning(std::string_view kind);
@@ -90,6 +111,7 @@ class Log {
     MarkSink markSink_; ///< null: marks are not wanted
     Sink unmarked_;     ///< the sinks that get text only
     bool verbose_ = false;
+    LogObserver *observer_ = nullptr;
     mutable std::mutex mutex_;
     std::map<std::string, int, std::less<>> warnings_, totals_;
     std::vector<std::string> repeated_;

@@ -133,14 +133,6 @@ class Connection {
 
 } // namespace
 
-std::string EditorAddress(const std::vector<std::string> &words) {
-    std::string address;
-    for (std::size_t i = 0; i + 1 < words.size(); ++i)
-        if (EqualNoCase(words[i], "-connect"))
-            address = words[i + 1];
-    return address;
-}
-
 void EditorFeedback::Attach(const std::string &address, Log &log) {
     const std::size_t colon = address.rfind(':');
     if (colon == std::string::npos)

@@ -8,9 +8,6 @@
 
 namespace q3 {
 
-/// The word after the last -connect, which is there before any option is parsed; empty without one.
-std::string EditorAddress(const std::vector<std::string> &words);
-
 /// Sends everything that is logged to an editor as XML: one TCP connection, messages of a little-endian length and at
 /// most 1014 bytes, the root element q3map_feedback never closed.
 class EditorFeedback {

@@ -25,6 +25,8 @@ struct GlobalOptions {
     int threads = 0;                                    ///< 0: one per hardware thread
     int subdivisions = BspOptions{}.subdivisions;       ///< of the bsp stage
     int maxDrawSurfaces = BspOptions{}.maxDrawSurfaces; ///< of the bsp stage
+    std::string logFile;                                ///< empty: none
+    std::string reportFile;                             ///< empty: none
     std::string connect;                                ///< address of the editor, empty without one
     std::optional<std::string> help;                    ///< topic, possibly empty
     std::vector<std::string> games;                     ///< every -game, in order

@@ -3,19 +3,33 @@
 #include "q3map2/editor_feedback.h"
 #include "q3map2/help.h"
 #include "q3map2/presets.h"
+#include "q3map2/report_file.h"
 #include "q3map2/run_report.h"
 #include "q3map2/stage_words.h"
 #include "q3map2/version.h"
 
+#include <fstream>
+#include <memory>
 #include <new>
 
 namespace q3 {
 
 namespace {
 
+/// Everything that is printed goes to the file too, without the live progress of terminals.
+void AddLogFile(const std::string &path, Log &log) {
+    auto file = std::make_shared<std::ofstream>(path, std::ios::binary);
+    if (!*file)
+        throw Error("-log {}: the file cannot be written", path);
+    log.AddSink([file](LogLevel, std::string_view text) { *file << text << std::flush; });
+}
+
 int Run(const std::vector<std::string> &words, const std::filesystem::path &program, const RunReport &report,
         Log &log) {
-    EditorFeedback::Attach(EditorAddress(words), log); // first: the editor gets errors in options, too
+    // First, so that errors in options arrive.
+    EditorFeedback::Attach(LastValueOf("-connect", words), log);
+    if (const std::string file = LastValueOf("-log", words); !file.empty())
+        AddLogFile(file, log);
     Arguments arguments(words);
     const GlobalOptions options = ParseGlobalOptions(arguments, log);
     if (options.help) {
@@ -45,14 +59,28 @@ std::filesystem::path WithExtension(const std::filesystem::path &path, std::stri
 
 int RunProgram(const std::vector<std::string> &arguments, const std::filesystem::path &program, Log &log) {
     const RunReport report;
+    ReportFile collected;
+    log.SetObserver(&collected);
+    const auto end = [&](int status, std::string_view error) {
+        const std::string path = LastValueOf("-report", arguments);
+        if (path.empty())
+            return status;
+        try {
+            collected.Write(path, arguments, error);
+        } catch (const Error &failure) {
+            log.Write(LogLevel::Error, fmt::format("-report: {}\n", failure.what()));
+            return 1;
+        }
+        return status;
+    };
     const auto fail = [&](std::string_view text) {
         log.FlushWarnings();
         log.Write(LogLevel::Error, fmt::format("************ ERROR ************\n{}\n", text));
         report.PrintEnd(true, log);
-        return 1;
+        return end(1, text);
     };
     try {
-        return Run(arguments, program, report, log);
+        return end(Run(arguments, program, report, log), "");
     } catch (const Error &error) {
         return fail(error.what());
     } catch (const std::bad_alloc &) {

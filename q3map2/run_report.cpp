@@ -25,15 +25,13 @@ std::string WarningText(const Log &log) {
 
 void PrintChangedOptions(const Arguments &arguments, Log &log) {
     for (const Arguments::Change &change : arguments.Changes())
-        log.Print("  {}{}{} (command line{}{})\n", change.name, change.values.empty() ? "" : " ", change.values,
-                  change.before.empty() ? "" : "; default ", change.before);
+        log.Setting(change.name, change.values, "command line", change.before);
 }
 
 void PrintChangedKeys(const Entity &entity, std::span<const EntityKey> keys, std::string_view source, Log &log) {
     for (const EntityKey &key : keys)
         if (const std::string_view value = key.Text(entity); !value.empty() && value != key.InitialText())
-            log.Print("  {} {} ({}{}{})\n", key.info.name, value, source, key.InitialText().empty() ? "" : "; default ",
-                      key.InitialText());
+            log.Setting(key.info.name, value, source, key.InitialText());
 }
 
 void RunReport::PrintEnd(bool failed, Log &log) const {

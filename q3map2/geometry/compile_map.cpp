@@ -133,7 +133,8 @@ bool MapCompiler::CompileWorld() {
     if (sealing == Sealing::Sealed)
         result_.portalFile = PortalFileText(tree, clusters);
     const int areas = FloodAreas(tree);
-    context_.log.Verbose("{:9} clusters\n{:9} areas\n", clusters, areas);
+    context_.log.VerboseCount(clusters, "clusters");
+    context_.log.VerboseCount(areas, "areas");
     AddEntityModels(map_, world, geometry_, context_);
     AddShaderModels(world, geometry_, 0, map_.planes, context_);
     writer_.EmitBrushes(world);

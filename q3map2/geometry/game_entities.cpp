@@ -63,7 +63,7 @@ void NumberModels(Map &map, const BspContext &context) {
         }
     }
     ShareModels(map, context);
-    context.log.Verbose("{:9} models\n", models);
+    context.log.VerboseCount(models, "models");
 }
 
 std::string GameEntities(const Map &map, const BspOptions &options) {

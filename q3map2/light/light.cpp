@@ -148,7 +148,7 @@ std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const Indir
     log.Count(culled, "lights culled");
     const GridInputs in{setup.space, setup.scene, setup.options, setup.world, jobs, log, indirect};
     auto points = TraceGrid(in, setup.layout, lights, stats);
-    stats.Print(log, log.IsVerbose());
+    stats.Print(log);
     return points;
 }
 
@@ -170,7 +170,7 @@ LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     shown.open = std::int64_t(shares.open);
     shown.filled = std::int64_t(shares.filled);
     shown.moved = 0;
-    shown.Print(log, log.IsVerbose());
+    shown.Print(log);
     if (options.shDering) {
         const DeringStats changed = DeringGridSH(grid, options.shRadiance, jobs);
         log.Count(changed.points, "points rid of negative lobes");

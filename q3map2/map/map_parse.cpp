@@ -365,16 +365,14 @@ void MapReader::PrintCounts() const {
         }
     }
     const std::size_t worldBrushes = map_.entities.front().brushes.size();
-    if (context_.log.IsVerbose()) {
-        context_.log.Count((long long)(worldBrushes), "total world brushes");
-        context_.log.Count(detail, "detail brushes");
-        context_.log.Count(patches, "patches");
-        context_.log.Count(boxBevels, "boxbevels");
-        context_.log.Count(edgeBevels, "edgebevels");
-        context_.log.Count((long long)(map_.entities.size()), "entities");
-        context_.log.Count(map_.planes.Count(), "planes");
-        context_.log.Count(areaPortals, "areaportals");
-    }
+    context_.log.VerboseCount((long long)(worldBrushes), "total world brushes");
+    context_.log.VerboseCount(detail, "detail brushes");
+    context_.log.VerboseCount(patches, "patches");
+    context_.log.VerboseCount(boxBevels, "boxbevels");
+    context_.log.VerboseCount(edgeBevels, "edgebevels");
+    context_.log.VerboseCount((long long)(map_.entities.size()), "entities");
+    context_.log.VerboseCount(map_.planes.Count(), "planes");
+    context_.log.VerboseCount(areaPortals, "areaportals");
     if (worldBrushes > kManyBrushes && double(worldDetail) < 0.1 * double(worldBrushes))
         context_.log.Warn("few detail brushes",
                           "over 90 percent of the {} brushes of the world are structural: this makes vis slow",

@@ -190,12 +190,10 @@ template <typename Reached> void BrushFilter::Add(const Brush &brush, const Reac
 }
 
 void BrushFilter::Report(Log &log, std::string_view name) const {
-    if (!log.IsVerbose())
-        return;
-    log.Count(brushes_, name);
-    log.Count(references_, "cluster references");
+    log.VerboseCount(brushes_, name);
+    log.VerboseCount(references_, "cluster references");
     if (lost_ > 0)
-        log.Count(lost_, "pieces of brushes too thin to split");
+        log.VerboseCount(lost_, "pieces of brushes too thin to split");
 }
 
 /// At the front: engines test the latest brush first.
@@ -206,7 +204,7 @@ void PushBrush(TreeNode &leaf, std::size_t brush) {
 } // namespace
 
 void FilterStructuralBrushes(const MapEntity &entity, Tree &tree, PlaneTable &planes, const BspContext &context) {
-    context.log.Verbose("--- FilterStructuralBrushesIntoTree ---\n");
+    context.log.VerboseSection("FilterStructuralBrushesIntoTree");
     BrushFilter filter(tree, planes);
     for (std::size_t i = 0; i < entity.brushes.size(); i++) {
         const Brush &brush = entity.brushes[i];
@@ -227,7 +225,7 @@ void FilterStructuralBrushes(const MapEntity &entity, Tree &tree, PlaneTable &pl
 }
 
 void FilterDetailBrushes(const MapEntity &entity, Tree &tree, PlaneTable &planes, const BspContext &context) {
-    context.log.Verbose("--- FilterDetailBrushesIntoTree ---\n");
+    context.log.VerboseSection("FilterDetailBrushesIntoTree");
     BrushFilter filter(tree, planes);
     for (std::size_t i = 0; i < entity.brushes.size(); i++)
         if (entity.brushes[i].detail)

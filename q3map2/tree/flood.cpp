@@ -59,7 +59,7 @@ void MarkSkyBox(Tree &tree, int start) {
 } // namespace
 
 Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, bool warn) {
-    context.log.Verbose("--- FloodEntities ---\n");
+    context.log.VerboseSection("FloodEntities");
     bool inside = false;
     for (std::size_t i = 1; i < map.entities.size(); i++) {
         const MapEntity &entity = map.entities[i];
@@ -78,11 +78,9 @@ Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, boo
             MarkSkyBox(tree, leaf);
         inside = true;
     }
-    if (context.log.IsVerbose()) {
-        const auto flooded = std::count_if(tree.nodes.begin(), tree.nodes.end(),
-                                           [](const TreeNode &node) { return node.occupied != 0; });
-        context.log.Count(flooded, "flooded leafs");
-    }
+    const auto flooded =
+        std::count_if(tree.nodes.begin(), tree.nodes.end(), [](const TreeNode &node) { return node.occupied != 0; });
+    context.log.VerboseCount(flooded, "flooded leafs");
     if (!inside) {
         context.log.Verbose("no entity stands in the open: nothing can be filled\n");
         return Sealing::Empty;
@@ -94,7 +92,7 @@ Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, boo
 }
 
 void FillOutside(Tree &tree, const BspContext &context) {
-    context.log.Verbose("--- FillOutside ---\n");
+    context.log.VerboseSection("FillOutside");
     long long solid = 0, filled = 0, inside = 0;
     for (int i = 0; i < int(tree.nodes.size()); i++) {
         TreeNode &node = tree.nodes[std::size_t(i)];
@@ -107,11 +105,9 @@ void FillOutside(Tree &tree, const BspContext &context) {
         else
             inside++;
     }
-    if (context.log.IsVerbose()) {
-        context.log.Count(solid, "solid leafs");
-        context.log.Count(filled, "leafs filled");
-        context.log.Count(inside, "inside leafs");
-    }
+    context.log.VerboseCount(solid, "solid leafs");
+    context.log.VerboseCount(filled, "leafs filled");
+    context.log.VerboseCount(inside, "inside leafs");
 }
 
 namespace {

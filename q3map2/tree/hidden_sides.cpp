@@ -122,7 +122,7 @@ std::vector<std::pair<int, int>> TouchingPairs(const std::deque<Brush> &brushes)
 } // namespace
 
 void CullSides(MapEntity &entity, const PlaneTable &planes, const BspContext &context) {
-    context.log.Verbose("--- CullSides ---\n");
+    context.log.VerboseSection("CullSides");
     Culled culled;
     for (const auto &[first, second] : TouchingPairs(entity.brushes)) {
         Brush &a = entity.brushes[std::size_t(first)], &b = entity.brushes[std::size_t(second)];
@@ -130,10 +130,8 @@ void CullSides(MapEntity &entity, const PlaneTable &planes, const BspContext &co
         CullHidden(b, a, planes, culled);
         CullCoincident(a, b, culled);
     }
-    if (context.log.IsVerbose()) {
-        context.log.Count(culled.hidden, "hidden faces culled");
-        context.log.Count(culled.coincident, "coincident faces culled");
-    }
+    context.log.VerboseCount(culled.hidden, "hidden faces culled");
+    context.log.VerboseCount(culled.coincident, "coincident faces culled");
 }
 
 } // namespace q3

@@ -239,11 +239,10 @@ void PortalMaker::Make() {
 } // namespace
 
 void MakePortals(Tree &tree, const PlaneTable &planes, const BspContext &context) {
-    context.log.Verbose("--- MakeTreePortals ---\n");
+    context.log.VerboseSection("MakeTreePortals");
     PortalMaker maker(tree, planes, context.log);
     maker.Make();
-    if (context.log.IsVerbose())
-        context.log.Count(maker.TinyCount(), "tiny portals");
+    context.log.VerboseCount(maker.TinyCount(), "tiny portals");
 }
 
 bool IsPassable(const Tree &tree, const TreePortal &portal) {

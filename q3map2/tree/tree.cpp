@@ -283,16 +283,14 @@ int Tree::LeafAt(const Vec3f &p, const PlaneTable &planes) const {
 
 Tree BuildTree(std::vector<TreeFace> faces, const std::array<int, 3> &blockSize, PlaneTable &planes,
                const BspContext &context) {
-    context.log.Verbose("--- FaceBSP ---\n");
+    context.log.VerboseSection("FaceBSP");
     const std::size_t count = faces.size();
     Tree tree = TreeBuilder(std::move(faces), blockSize, planes, context.options).Build();
-    if (context.log.IsVerbose()) {
-        context.log.Count(static_cast<long long>(count), "faces");
-        const auto leafs =
-            std::count_if(tree.nodes.begin(), tree.nodes.end(), [](const TreeNode &node) { return node.IsLeaf(); });
-        context.log.Count(static_cast<long long>(tree.nodes.size()) - leafs, "nodes");
-        context.log.Count(leafs, "leafs");
-    }
+    context.log.VerboseCount(static_cast<long long>(count), "faces");
+    const auto leafs =
+        std::count_if(tree.nodes.begin(), tree.nodes.end(), [](const TreeNode &node) { return node.IsLeaf(); });
+    context.log.VerboseCount(static_cast<long long>(tree.nodes.size()) - leafs, "nodes");
+    context.log.VerboseCount(leafs, "leafs");
     return tree;
 }
 

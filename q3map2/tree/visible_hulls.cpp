@@ -84,7 +84,7 @@ Polygon VisibleHull(const BrushSide &side, const Tree &tree, const PlaneTable &p
 } // namespace
 
 void ClipSidesIntoTree(MapEntity &entity, const Tree &tree, const PlaneTable &planes, const BspContext &context) {
-    context.log.Verbose("--- ClipSidesIntoTree ---\n");
+    context.log.VerboseSection("ClipSidesIntoTree");
     for (Brush &brush : entity.brushes)
         for (BrushSide &side : brush.sides) {
             side.visibleHull.clear();

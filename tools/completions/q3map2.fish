@@ -12,6 +12,8 @@ complete -c q3map2 -o version -d 'Print the version, commit, compiler, Embree ve
 complete -c q3map2 -o v -d 'Print more: every warning, scripts as they are read, counters'
 complete -c q3map2 -o threads -r -d 'Number of worker threads'
 complete -c q3map2 -o force -d 'Go on without game files, and load files with another ident or version'
+complete -c q3map2 -o log -r -d 'Write everything that is printed to a file too'
+complete -c q3map2 -o report -r -d 'Write settings, counts and times of each pass, and all warnings to a file'
 complete -c q3map2 -o connect -r -d 'Send everything that is printed to a level editor'
 complete -c q3map2 -o subdivisions -r -d 'bsp stage: tolerance of patches turned into triangles; smaller is finer'
 complete -c q3map2 -o maxmapdrawsurfs -r -d 'bsp stage: maximum number of draw surfaces while compiling'

@@ -248,7 +248,7 @@ std::vector<DecalProjector> CollectDecals(Map &map, const BspContext &context) {
         entity.brushes.clear();
         entity.patches.clear();
     }
-    context.log.Verbose("{:9} decal projectors\n", projectors.size());
+    context.log.VerboseCount((long long)(projectors.size()), "decal projectors");
     return projectors;
 }
 

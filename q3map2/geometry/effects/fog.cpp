@@ -190,8 +190,9 @@ void FogWorldSurfaces(Map &map, Geometry &geometry, PlaneTable &planes, const Bs
     WorldFogger fogger(map, geometry, planes, context);
     for (std::size_t i = 0; i < geometry.fogs.size(); ++i)
         fogger.Apply(int(i), MapFog(geometry.fogs[i]));
-    context.log.Verbose("{:9} fog polygon fragments\n{:9} fog patch fragments\n{:9} fogged drawsurfs\n",
-                        fogger.counts.polygons, fogger.counts.patches, fogger.counts.fogged);
+    context.log.VerboseCount(fogger.counts.polygons, "fog polygon fragments");
+    context.log.VerboseCount(fogger.counts.patches, "fog patch fragments");
+    context.log.VerboseCount(fogger.counts.fogged, "fogged drawsurfs");
 }
 
 int FogOfModelSurface(const DrawSurface &surface, const Vec3f &origin, const Map &map, const Geometry &geometry) {

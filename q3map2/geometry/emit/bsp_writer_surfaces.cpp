@@ -199,7 +199,7 @@ void BspWriter::EmitSurfaces(MapEntity &entity, Tree &tree, Geometry &geometry, 
     }
     EmitSkyBoxCopies(tree, geometry);
     FixSideShaders(entity, geometry);
-    context_.log.Verbose("{:9} draw surfaces written\n", bsp.drawSurfaces.size() - written);
+    context_.log.VerboseCount((long long)(bsp.drawSurfaces.size() - written), "draw surfaces written");
 }
 
 void BspWriter::EmitSkyImages() {

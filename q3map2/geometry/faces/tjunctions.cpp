@@ -209,16 +209,14 @@ void Weld(DrawSurface &surface) {
 }
 
 void Report(const Counts &counts, Log &log) {
-    if (!log.IsVerbose())
-        return;
-    log.Count(counts.axialLines, "axial edge lines");
-    log.Count(counts.lines - counts.axialLines, "non-axial edge lines");
-    log.Count(counts.degenerate, "degenerate edges");
-    log.Count(counts.added, "verts added for T-junctions");
-    log.Count(counts.verts, "total verts");
-    log.Count(counts.natural, "naturally ordered");
-    log.Count(counts.rotated, "rotated orders");
-    log.Count(counts.impossible, "can't order");
+    log.VerboseCount(counts.axialLines, "axial edge lines");
+    log.VerboseCount(counts.lines - counts.axialLines, "non-axial edge lines");
+    log.VerboseCount(counts.degenerate, "degenerate edges");
+    log.VerboseCount(counts.added, "verts added for T-junctions");
+    log.VerboseCount(counts.verts, "total verts");
+    log.VerboseCount(counts.natural, "naturally ordered");
+    log.VerboseCount(counts.rotated, "rotated orders");
+    log.VerboseCount(counts.impossible, "can't order");
 }
 
 } // namespace

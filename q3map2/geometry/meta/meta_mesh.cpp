@@ -172,23 +172,19 @@ void MakeMetaSurfaces(Geometry &geometry, std::size_t first, PlaneTable &planes,
     if (mesh.Triangles().empty())
         return;
     Log &log = context.log;
-    if (log.IsVerbose()) {
-        log.Count(strips, "strip faces");
-        log.Count(fans, "fan faces");
-        log.Count(forced, "forced meta surfaces");
-        log.Count(mesh.GroupCount(), "meta positions");
-        log.Count(int(mesh.Triangles().size()), "meta triangles");
-    }
+    log.VerboseCount(strips, "strip faces");
+    log.VerboseCount(fans, "fan faces");
+    log.VerboseCount(forced, "forced meta surfaces");
+    log.VerboseCount(mesh.GroupCount(), "meta positions");
+    log.VerboseCount(int(mesh.Triangles().size()), "meta triangles");
     SmoothNormals(mesh, geometry, context);
     const std::size_t before = geometry.surfaces.size();
     MergeTriangles(mesh, geometry, planes, context);
-    if (!log.IsVerbose())
-        return;
     std::size_t verts = 0;
     for (std::size_t i = before; i < geometry.surfaces.size(); ++i)
         verts += geometry.surfaces[i].verts.size();
-    log.Count(int(geometry.surfaces.size() - before), "merged surfaces");
-    log.Count((long long)(verts), "merged vertices");
+    log.VerboseCount(int(geometry.surfaces.size() - before), "merged surfaces");
+    log.VerboseCount((long long)(verts), "merged vertices");
 }
 
 } // namespace q3

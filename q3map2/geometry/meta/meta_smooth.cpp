@@ -107,8 +107,7 @@ void SmoothNormals(MetaMesh &mesh, const Geometry &geometry, const BspContext &c
     int changed = 0;
     for (int group = 0; group < mesh.GroupCount(); ++group)
         changed += SmoothPoint(CornersOf(mesh, group, angles), normals);
-    if (context.log.IsVerbose())
-        context.log.Count(changed, "smoothed corners");
+    context.log.VerboseCount(changed, "smoothed corners");
     if (changed > 0)
         mesh.ReplaceNormals(normals);
 }

@@ -9,16 +9,14 @@ void GridStats::Add(const GridStats &o) {
     counts += o.counts;
 }
 
-void GridStats::Print(Log &log, bool verbose) const {
+void GridStats::Print(Log &log) const {
     log.Count(open, "points in the open");
     if (moved > 0)
         log.Count(moved, "points in solids lit from the nearest open position");
     if (filled > 0)
         log.Count(filled, "points in solids filled from neighbors");
     log.Count((long long)(counts.rays), "rays");
-    if (!verbose)
-        return;
-    const auto count = [&](std::uint64_t number, const char *what) { log.Count((long long)(number), what); };
+    const auto count = [&](std::uint64_t number, const char *what) { log.VerboseCount((long long)(number), what); };
     count(skippedPvs, "pairs of brick and light hidden by visibility data, skipped (-noskippvs)");
     count(skippedReach, "pairs of brick and light out of reach, skipped (-noskipreach)");
     count(skippedFaint, "pairs of brick and light too faint, represented by others (-noskipfaint)");
@@ -31,7 +29,7 @@ void GridStats::Print(Log &log, bool verbose) const {
     count(counts.skippedCoarse, "taken from neighbours that all agree (-noskipcoarse)");
     count(counts.refined, "with an area light partly hidden, refined");
     if (seconds > 0)
-        log.Print("{:9.2f} million rays per second of the pass\n", double(counts.rays) / seconds / 1e6);
+        log.Verbose("{:9.2f} million rays per second of the pass\n", double(counts.rays) / seconds / 1e6);
 }
 
 } // namespace q3

@@ -38,7 +38,7 @@ struct GridStats {
     ContributionCounts counts;
     double seconds = 0;
     void Add(const GridStats &o);
-    void Print(Log &log, bool verbose) const;
+    void Print(Log &log) const;
 };
 
 } // namespace q3
