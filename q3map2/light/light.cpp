@@ -160,7 +160,7 @@ LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     int culled = 0;
     auto lights = SetupEnvelopes(setup.lights, LightPass::GridSH, options, setup.space, setup.skySeenFrom, culled);
     if (const std::size_t styled = DropStyled(lights); styled > 0)
-        log.Count((long long)(styled), "lights with a style other than 0 left out: they change while the game runs");
+        log.Count((long long)(styled), "lights of other styles than 0 left out: they change while the game runs");
     log.Count((long long)(lights.size()), "lights");
     log.Count(culled, "lights culled");
     const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};

@@ -20,7 +20,7 @@ namespace {
 constexpr float kSkySlack = 0.125f;
 /// Transmittance up to this counts as opaque.
 constexpr float kOpaqueTint = 0.001f;
-/// Hits of one see-through surface closer together than this count once: a ray on the shared edge of two triangles hits
+/// Hits of one see-through surface closer together than this count once: a ray on the common edge of two triangles hits
 /// both. Game units.
 constexpr float kSameHit = 0.01f;
 
