@@ -19,8 +19,8 @@ bool IsLight(const Entity &entity) {
     return StartsWithNoCase(entity.ClassName(), "light");
 }
 
-/// Entities with the lights that count: those of the .map source when there is one, since compilers strip them from the
-/// .bsp; else what the .bsp kept.
+/// The entities of the .bsp with the lights to use: those of the .map source if there is one, since compilers strip
+/// lights from the .bsp; else, or with _keepLights, the lights in the .bsp.
 std::vector<Entity> EntitiesWithLights(std::vector<Entity> entities, const LightInputs &inputs, Log &log) {
     const bool kept = keys::kKeepLights.Flag(entities.front());
     WarnOfBadKeys(entities.front(), 0, keys::kWorldLightKeys, log);
@@ -48,7 +48,7 @@ void CountLights(const std::vector<Light> &lights, const SurfaceLightCounts &cou
     log.Count(of(LightType::Sun), "sun/sky lights");
 }
 
-/// Drops lights of other styles than 0, which the grid formats cannot hold.
+/// Drops lights with a style other than 0, which the grid formats cannot hold.
 std::size_t DropStyled(std::vector<Light> &lights) {
     return std::erase_if(lights, [](const Light &light) { return light.style != 0; });
 }
@@ -80,7 +80,7 @@ std::vector<Light> CreateLights(const Bsp &bsp, const std::vector<Entity> &entit
     auto ofSurfaces = SurfaceLights(bsp, table, options, world, library, counts, log);
     std::move(ofSurfaces.begin(), ofSurfaces.end(), std::back_inserter(lights));
     CountLights(lights, counts, log);
-    // The newest light counts first, as in the established program: -cheapgrid depends on it.
+    // The last light made is traced first, as in the established program: -cheapgrid depends on it.
     std::reverse(lights.begin(), lights.end());
     return lights;
 }
@@ -120,7 +120,7 @@ std::vector<Light> CreateLightsLogged(LightSetup &setup, const LightInputs &inpu
     }
 }
 
-/// Legacy rays ignore what is nearer.
+/// Legacy rays ignore surfaces nearer than this: half the longest side of a cell.
 float IgnoreRadius(const GridLayout &layout) {
     return 0.5f * std::max({layout.size[0], layout.size[1], layout.size[2]});
 }

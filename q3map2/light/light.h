@@ -18,17 +18,17 @@
 
 namespace q3 {
 
-/// What lies beside the .bsp.
+/// Files beside the .bsp.
 struct LightInputs {
     std::string name;                               ///< of the map, for messages
     std::optional<std::vector<Entity>> mapEntities; ///< of the .map source, which still has the light entities
     std::string surfaceFile;                        ///< text of the .srf, empty without one
 };
 
-/// A map made ready to be lit: what grids and surfaces share. Const while workers run. Keeps references to what it is
-/// made of.
+/// A map ready to be lit: everything that grids and surfaces share. Const while workers run. Keeps references to
+/// the Bsp and to the library's shaders.
 struct LightSetup {
-    /// Errors: Error, for keys and files that make no sense. Changes worldspawn's gridsize if it allows too many
+    /// Errors: Error, for invalid keys and files. Changes worldspawn's gridsize if it allows too many
     /// points.
     LightSetup(const Bsp &bsp, const LightInputs &inputs, const LightOptions &options, const SurfaceDefaults &defaults,
                ShaderLibrary &library, Log &log);
@@ -37,9 +37,9 @@ struct LightSetup {
     std::vector<Entity> stored; ///< entities that the map keeps
     GridLayout layout;          ///< of the legacy grid
     WorldLight world;
-    LightOptions options; ///< with what worldspawn says
+    LightOptions options; ///< with worldspawn's _maxlight
     SurfaceTable table;
-    std::vector<Light> lights; ///< in the order in which they count
+    std::vector<Light> lights; ///< in the order of tracing
     BspSpace space;
     LightScene scene;
     std::vector<bool> skySeenFrom;
@@ -52,14 +52,14 @@ std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const Indir
 LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
                        GridStats &stats);
 
-/// All lights of a map in the order in which they count, before SetupEnvelopes; fills the sky numbers of `table`.
+/// All lights of a map in the order of tracing, before SetupEnvelopes; fills the sky numbers of `table`.
 std::vector<Light> CreateLights(const Bsp &bsp, const std::vector<Entity> &entities, SurfaceTable &table,
                                 const LightOptions &options, const WorldLight &world, ShaderLibrary &library, Log &log);
 
 /// For each brush whether it blocks light as a volume: a brush of the world none of whose sides is translucent.
 std::vector<bool> OpaqueBrushes(const Bsp &bsp, ShaderLibrary &library);
 
-/// Worldspawn key that tells how the SH grid is to be read; value "radiance" after -shradiance, absent otherwise.
+/// Worldspawn key that tells engines how to read the SH grid; value "radiance" after -shradiance, absent otherwise.
 inline constexpr std::string_view kGridSHKey = "_q3map2_sh";
 
 } // namespace q3

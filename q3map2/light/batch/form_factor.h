@@ -15,7 +15,7 @@ namespace q3 {
 inline constexpr float kMaxEdgeSum = 6.3f;
 
 /// An edge's term of Lambert's formula for the form factor: the angle between the directions u and v to its ends, times
-/// n . (u x v) / |u x v|. sine, cosine: |u x v| and u . v, of any length; along: n . (u x v).
+/// n . (u x v) / |u x v|. sine = |u x v|, cosine = u . v, along = n . (u x v); u and v need not have unit length.
 template <typename T> T EdgeTerm(T sine, T cosine, T along) {
     return sine > 0 ? AngleOf(sine, cosine) * along / sine : T(0);
 }
@@ -38,7 +38,7 @@ template <typename T> T FormFactor(const Vec3<T> &p, const Vec3<T> &n, std::span
     return std::abs(total) > T(kMaxEdgeSum) ? T(0) : total / (2 * std::numbers::pi_v<T>);
 }
 
-/// FormFactor of sixteen receivers, in floats: f errs by about 1e-6.
+/// FormFactor of sixteen receivers in single precision: absolute error about 1e-6.
 void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> polygon, Lanes &f);
 
 } // namespace q3

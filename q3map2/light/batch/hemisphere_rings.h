@@ -7,14 +7,14 @@
 
 namespace q3 {
 
-/// Azimuths of a ring of floodlight and dirt, and elevations of floodlight.
+/// Directions per ring for floodlight and dirt, and number of rings for floodlight.
 inline constexpr int kRingAzimuths = 16, kFloodElevations = 4;
-/// Half angle of the cone of directions of floodlight and dirt. Degrees.
+/// Half angle of the cone that floodlight and dirt rays fill. Degrees.
 inline constexpr int kConeDegrees = 88;
 
-/// Unit directions around +z in rings: ring e of n is at (e + 1/2) floor(kConeDegrees / n) degrees from the axis, with
-/// `azimuths` even steps around it from +x on. Components that are zero but for rounding are zero, so that rays in the
-/// plane of a wall stay in it.
+/// Unit directions around +z in rings: ring e is (e + 1/2) floor(kConeDegrees / elevations) degrees from the axis, with
+/// `azimuths` even steps that start at +x. Components below rounding error are set to 0, so that rays in the plane of a
+/// wall stay in it.
 std::vector<Vec3f> HemisphereRings(int elevations, int azimuths);
 
 } // namespace q3

@@ -7,26 +7,26 @@
 
 namespace q3 {
 
-/// What one light gives to each receiver: colour of the light times `add` times `tint`.
+/// Light of one source at each receiver: the light's color times `add` times `tint`.
 struct IncidentLight {
-    LaneMask live{};     ///< receivers that get any; the others' numbers mean nothing
-    Lanes add;           ///< light of full colour, byte scale, > 0
-    Lanes3 direction;    ///< unit, to the light; zero for a receiver in it
-    Lanes distance;      ///< of the shadow ray. Game units
-    bool tinted = false; ///< by coloured surfaces on the way
+    LaneMask live{};     ///< receivers that get light; values in other lanes are undefined
+    Lanes add;           ///< light for color 1 1 1, byte scale, > 0
+    Lanes3 direction;    ///< unit, to the light; zero at the light's own position
+    Lanes distance;      ///< length of the shadow ray. Game units
+    bool tinted = false; ///< some live ray went through a see-through surface
     Lanes3 tint;         ///< transmittance per channel, if tinted
 };
 
-/// The same with its SH projection, for light grids.
+/// IncidentLight with its SH projection, for light grids.
 struct ProbeIncidentLight : IncidentLight {
     /// SH grid only: the incident radiance projected on the nine basis functions (sh.h), cosine-convolved unless
-    /// LightSettings::radiance, before the tint; byte scale, for a light of colour 1 1 1. Zero where nothing arrives.
+    /// LightSettings::radiance, before the tint; byte scale, for a light of color 1 1 1. Zero where nothing arrives.
     std::array<Lanes, 9> shCoeffs;
 };
 
-/// The same on surfaces.
+/// IncidentLight on surfaces.
 struct SurfaceIncidentLight : IncidentLight {
-    LaneMask undirected{}; ///< lit from behind: nothing for direction maps
+    LaneMask undirected{}; ///< lit from behind: adds nothing to deluxe maps
     LaneMask filtered{};   ///< the ray went through a see-through surface, or ended at one
 };
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Numbers of sixteen receivers or rays side by side (structure of arrays), for vector code.
+// GPL-2.0-or-later. Values of sixteen receivers or rays side by side (structure of arrays), for vector code.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -16,7 +16,7 @@ namespace q3 {
 /// Rays that are traced together, and receivers that are lit together: one each per lane.
 inline constexpr std::size_t kPacketSize = 16;
 
-/// The numbers of the lanes, for loops: `for (const std::size_t i : kEachLane)`.
+/// Lane indices, for loops: `for (const std::size_t i : kEachLane)`.
 struct LaneIndices {
     struct Iterator {
         std::size_t i;
@@ -61,7 +61,7 @@ inline DirectionAndLength DirectionOf(float x, float y, float z) {
 /// LaneMask::Bits of a mask with all lanes set.
 inline constexpr unsigned kAllLanes = (1u << kPacketSize) - 1;
 
-/// A truth value per lane: -1 true, 0 false, as Embree's `valid` argument.
+/// A boolean per lane: -1 true, 0 false, as in Embree's `valid` argument.
 struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
     void Set(std::size_t i, bool on) { (*this)[i] = on ? -1 : 0; }
     bool Any() const {
@@ -91,8 +91,8 @@ struct alignas(64) LaneMask : std::array<std::int32_t, kPacketSize> {
     }
 };
 
-/// The bits of x as an integer: negative if the sign of x is set. Loops that OR such bits become vector code where
-/// those that OR comparisons do not.
+/// The bits of x as an integer: negative if the sign bit of x is set. Compilers vectorize loops that OR such integers,
+/// but not loops that OR comparisons.
 inline std::int32_t SignBits(float x) {
     return std::bit_cast<std::int32_t>(x);
 }

@@ -7,24 +7,24 @@
 
 namespace q3 {
 
-/// One packet of rays, a ray per lane: from neighbouring receivers toward one light, or from one receiver toward one
-/// area light. Numbers of rays that are not live mean nothing.
+/// One packet of rays, a ray per lane: from neighboring receivers toward one light, or from one receiver toward one
+/// area light. Values in lanes that are not live are undefined.
 struct RayPacket {
     Lanes3 origin, direction; ///< unit directions
-    Lanes distance;           ///< where the ray ends: at the light. Game units
-    LaneMask live{};          ///< in: rays to trace; out: those whose light arrives
-    LaneMask filtered{};      ///< out, rays of surfaces: those that met a see-through surface
-    bool tinted = false;      ///< out: some ray went through a coloured surface
-    Lanes3 tint;              ///< out, if tinted: transmittance, per channel, of what the live rays went through
+    Lanes distance;           ///< length of the ray, to the light. Game units
+    LaneMask live{};          ///< in: rays to trace; out: rays whose light arrives
+    LaneMask filtered{};      ///< out: rays that met a see-through surface; valid if tinted, or after TraceSurfaceTo*
+    bool tinted = false;      ///< out: some live ray went through a see-through surface
+    Lanes3 tint;              ///< out, if tinted: transmittance per channel along the live rays
 
-    /// Sets ray i, which is live then.
+    /// Sets ray i and makes it live.
     void Set(std::size_t i, const Vec3f &from, const Vec3f &along, float length) {
         origin.Set(i, from);
         direction.Set(i, along);
         distance[i] = length;
         live[i] = -1;
     }
-    /// The same for a ray between two points; along +z if they are one.
+    /// Sets ray i from one point to another; direction +z if they coincide.
     void Aim(std::size_t i, const Vec3f &from, const Vec3f &target) {
         const Vec3f way = target - from;
         const float length = Length(way);

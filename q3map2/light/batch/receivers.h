@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Neighbouring receivers that are lit together.
+// GPL-2.0-or-later. Neighboring receivers that are lit together.
 #pragma once
 
 #include "q3map2/light/batch/lanes.h"
@@ -11,29 +11,29 @@
 
 namespace q3 {
 
-/// The clusters that the receivers of a batch are in. Neighbours are in few.
+/// The clusters that the receivers of a batch are in: few, since the receivers are neighbors.
 struct LaneClusters {
     std::size_t count = 0;
-    std::array<int, kPacketSize> number{};     ///< each once
-    std::array<unsigned, kPacketSize> lanes{}; ///< bits of the receivers in it, as LaneMask::Bits
+    std::array<int, kPacketSize> number{};     ///< of each cluster, without duplicates
+    std::array<unsigned, kPacketSize> lanes{}; ///< by cluster: bits of its receivers, as LaneMask::Bits
 
     void Add(std::size_t lane, int cluster);
 };
 
-/// Up to sixteen neighbouring receivers: points in the open, of a light grid or between its points.
+/// Up to sixteen neighboring receivers: points in the open, of a light grid or between its points.
 struct ReceiverBatch {
     std::size_t count = 0;
-    Lanes3 position{}, rayOrigin{}; ///< rays start at the position or a hair beside, clear of solids
+    Lanes3 position{}, rayOrigin{}; ///< rays start at the position, or slightly beside it to clear solids
     LaneClusters clusters;
     std::array<std::uint32_t, kPacketSize> index{}; ///< of the grid point: seeds its sample patterns
-    LaneMask wanted{};                              ///< receivers that take (more) light
+    LaneMask wanted{};       ///< receivers to light; cleared for points and vertices that need no more
     float faintResidual = 0; ///< light of faint sources not yet represented; see SelectFaintLight. Byte scale
 
     bool Full() const { return count == kPacketSize; }
     void Add(const Vec3f &at, const Vec3f &raysFrom, int clusterAt, std::uint32_t indexAt);
 };
 
-/// The same on surfaces: luxels or vertices. Rays start at the position.
+/// Receivers on surfaces: luxels or vertices. Rays start at the position.
 struct SurfaceReceiverBatch : ReceiverBatch {
     Lanes3 normal{};       ///< unit
     bool twoSided = false; ///< light from behind counts too
@@ -41,7 +41,7 @@ struct SurfaceReceiverBatch : ReceiverBatch {
     void Add(const Vec3f &at, const Vec3f &normalAt, int clusterAt);
 };
 
-/// The last batch, after a new one where that was full.
+/// The last batch; appends a new one first if the last is full or missing.
 template <typename Batch> Batch &BatchWithRoom(std::vector<Batch> &batches) {
     if (batches.empty() || batches.back().Full())
         batches.emplace_back();
@@ -53,7 +53,7 @@ inline std::size_t BatchCount(std::size_t count) {
     return (count + kPacketSize - 1) / kPacketSize;
 }
 
-/// Receivers of batch number `batch` when all are taken in their order.
+/// The part of `all` that is batch number `batch`, in order.
 template <typename T> std::span<T> BatchOf(std::span<T> all, std::size_t batch) {
     const std::size_t first = batch * kPacketSize;
     return all.subspan(first, std::min(kPacketSize, all.size() - first));

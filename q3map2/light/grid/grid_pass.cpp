@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What a pass over a light grid counts.
+// GPL-2.0-or-later. Statistics of a pass over a light grid.
 #include "q3map2/light/grid/grid_pass.h"
 
 namespace q3 {
@@ -26,7 +26,7 @@ void GridStats::Print(Log &log) const {
     count(counts.skippedFaint, "too faint, represented by others (-noskipfaint)");
     count(counts.skippedProbes, "with a faint area light, judged by one ray (-noskipprobes)");
     count(counts.skippedMoments, "with a far area light, approximated by points (-noskipmoments)");
-    count(counts.skippedCoarse, "taken from neighbours that all agree (-noskipcoarse)");
+    count(counts.skippedCoarse, "with visibility taken from neighbors that agree (-noskipcoarse)");
     count(counts.refined, "with an area light partly hidden, refined");
     if (seconds > 0)
         log.Verbose("{:9.2f} million rays per second of the pass\n", double(counts.rays) / seconds / 1e6);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What a pass over a light grid reads, and what it counts.
+// GPL-2.0-or-later. Inputs and statistics of a pass over a light grid.
 #pragma once
 
 #include "common/jobs.h"
@@ -23,18 +23,18 @@ struct GridInputs {
     const WorldLight &world;
     const JobPool &jobs;
     Log &log;
-    const IndirectLight *indirect = nullptr; ///< bounced light; null without
+    const IndirectLight *indirect = nullptr; ///< bounced light, or null
 };
 
-/// Counts of points and of the work that they took.
+/// Counts of points and of the work to light them.
 struct GridStats {
     std::int64_t points = 0;
-    std::int64_t open = 0;          ///< lit where they stand, or at most a small step beside
+    std::int64_t open = 0;          ///< lit in place or a small step beside; legacy grid: all points that are lit
     std::int64_t moved = 0;         ///< in a solid, lit from the nearest point in the open
-    std::int64_t filled = 0;        ///< in a solid, interpolated from lit neighbours
+    std::int64_t filled = 0;        ///< in a solid, interpolated from lit neighbors
     std::uint64_t skippedFaint = 0; ///< brick and light pairs left out: too faint to matter
-    std::uint64_t skippedReach = 0; ///< out of reach
-    std::uint64_t skippedPvs = 0;   ///< out of sight
+    std::uint64_t skippedReach = 0; ///< brick and light pairs out of reach
+    std::uint64_t skippedPvs = 0;   ///< brick and light pairs hidden by visibility data
     ContributionCounts counts;
     double seconds = 0;
     void Add(const GridStats &o);

@@ -8,17 +8,18 @@
 
 namespace q3 {
 
-/// radiance, below: the coefficients are not convolved with the cosine.
+/// Result of deringing.
 struct DeringStats {
-    std::int64_t points = 0;  ///< changed
-    double largestChange = 0; ///< of displayed light in 26 directions, 255ths
+    std::int64_t points = 0;  ///< number of points changed
+    double largestChange = 0; ///< of displayed light in 26 directions, in 255ths
 };
 
-/// Changes each channel of the point by the least that leaves no direction below zero; see RemoveNegativeLobes.
-/// Channels without such directions keep their bits. Returns the counts of this one point.
+/// Makes the smallest change to each channel that leaves no direction below zero; see RemoveNegativeLobes. Channels
+/// without negative directions keep their bits. radiance: coefficients are not convolved with the cosine.
 DeringStats DeringPoint(bspGridPointSH_t &point, bool radiance);
 
-/// All points. Since games blend points with weights that are not negative, nothing between them is below zero either.
+/// DeringPoint for all points. Since games blend points with weights that are not negative, nothing between them is
+/// below zero either.
 DeringStats DeringGridSH(LightGridSH &grid, bool radiance, const JobPool &jobs);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What a screen shows of SH coefficients.
+// GPL-2.0-or-later. Light that a game displays from SH coefficients.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -13,7 +13,7 @@ namespace q3 {
 /// Light on surfaces that face the 26 faces, edges and corners of a cube, red green blue each: 0 to 255, not rounded.
 using DisplayedLight = std::array<float, 26 * 3>;
 
-/// As an engine shows them. radiance: the coefficients are not yet convolved with the cosine.
+/// Evaluates the coefficients as engines do. radiance: the coefficients are not yet convolved with the cosine.
 inline DisplayedLight DisplayLight(shgrid_coeffs coeffs, bool radiance) {
     if (radiance)
         shgrid_convolve(&coeffs);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. How far the SH grid is from the light that it stands for.
+// GPL-2.0-or-later. Error of the SH grid against exact light.
 #include "q3map2/light/grid/gridsh_error.h"
 
 #include "libs/math/low_discrepancy.h"
@@ -15,22 +15,22 @@ namespace q3 {
 namespace {
 
 constexpr std::uint64_t kSeed = 0x4572726F72ull;
-/// Random positions tried for each receiver.
+/// At most this many random positions are tried per wanted receiver.
 constexpr std::size_t kTries = 2000;
-/// Sample patterns of the receivers start here, apart from those of grid points.
+/// Sample patterns of receivers are seeded from this index on, apart from those of grid points.
 constexpr std::uint32_t kFirstIndex = 0x80000000u;
 constexpr double kDarkShare = 0.01, kShownLit = 0.05; ///< shares of the map's mean light: see GridSHError::leak
-/// Errors under this are not to be seen. 255ths.
+/// Errors below this are invisible. 255ths.
 constexpr double kInvisible = 0.1;
 
 struct Receiver {
     Vec3f position;
     int cluster = kSolidCluster;
-    std::uint32_t order = 0; ///< neighbours have similar numbers
+    std::uint32_t mortonCode = 0; ///< of the position
 };
 
-/// Interleaves the upper bits of three fractions.
-std::uint32_t Interleaved(const Vec3f &fraction) {
+/// Morton code of a point of the unit cube, 10 bits per axis.
+std::uint32_t MortonCode(const Vec3f &fraction) {
     constexpr int kBits = 10;
     std::uint32_t code = 0;
     for (int bit = kBits - 1; bit >= 0; --bit)
@@ -39,7 +39,7 @@ std::uint32_t Interleaved(const Vec3f &fraction) {
     return code;
 }
 
-/// Random receivers that a player can be in, neighbours after each other.
+/// Random positions where a player fits, in Morton order so that batches hold neighbors.
 std::vector<Receiver> FindReceivers(const BspSpace &space, std::size_t count) {
     const bspModel_t &world = space.Map().models.front();
     const Vec3f mins(world.mins), size = Vec3f(world.maxs) - mins;
@@ -51,21 +51,21 @@ std::vector<Receiver> FindReceivers(const BspSpace &space, std::size_t count) {
         const Vec3f p = mins + size * fraction;
         const int cluster = space.ClusterAt(p, kPlayerHalfSize);
         if (cluster >= 0 && space.PlayerFits(p))
-            receivers.push_back({p, cluster, Interleaved(fraction)});
+            receivers.push_back({p, cluster, MortonCode(fraction)});
     }
     std::stable_sort(receivers.begin(), receivers.end(),
-                     [](const Receiver &a, const Receiver &b) { return a.order < b.order; });
+                     [](const Receiver &a, const Receiver &b) { return a.mortonCode < b.mortonCode; });
     return receivers;
 }
 
-/// What grid points there would hold, without shortcuts.
+/// Coefficients that grid points at the receivers would hold, computed without shortcuts.
 std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vector<Light> &lights,
                                           const std::vector<Receiver> &receivers) {
     LightOptions options = in.options;
     options.shSamples = std::max(1.0f, options.shSamples);
     options.skip.faint = options.skip.moments = options.skip.probes = options.skip.coarse = false;
     const GridInputs exact{in.space, in.scene, options, in.world, in.jobs, in.log};
-    const ProbeIntegrator lighter(exact, lights);
+    const ProbeIntegrator integrator(exact, lights);
     std::vector<bspGridPointSH_t> points(receivers.size());
     in.jobs.For(std::int64_t(BatchCount(receivers.size())), [&](std::int64_t block, int) {
         std::vector<ReceiverBatch> packet(1);
@@ -73,7 +73,7 @@ std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vecto
             packet[0].Add(receiver.position, receiver.position, receiver.cluster,
                           kFirstIndex + std::uint32_t(&receiver - receivers.data()));
         GridStats work;
-        lighter.Trace(packet, std::uint64_t(block), work, [&](std::uint32_t index, const bspGridPointSH_t &value) {
+        integrator.Trace(packet, std::uint64_t(block), work, [&](std::uint32_t index, const bspGridPointSH_t &value) {
             bspGridPointSH_t &point = points[index - kFirstIndex];
             point = value;
             if (options.shDering)
@@ -88,8 +88,8 @@ class EverySecond {
   public:
     EverySecond(const LightGridSH &grid, const BspSpace &space) : grid_(grid), space_(space) {}
 
-    /// Trilinear blend; false outside. Points in solids that the finer grid had no use for are left out: with cells
-    /// that large they would have been filled.
+    /// Trilinear blend; false outside. Leaves out black points in solids: the fine grid did not fill them, but a grid
+    /// with cells this large would have.
     bool Sample(const Vec3f &p, shgrid_coeffs &out) const {
         const auto &h = grid_.header;
         std::array<int, 3> low{};
@@ -143,7 +143,7 @@ class EverySecond {
     const BspSpace &space_;
 };
 
-/// Differences over many receivers.
+/// Absolute differences over many receivers.
 class Differences {
   public:
     void Add(const DisplayedLight &a, const DisplayedLight &b) {
@@ -173,7 +173,7 @@ double Mean(const DisplayedLight &shown) {
     return sum / double(shown.size());
 }
 
-/// Share of receivers that are dark and shown lit.
+/// Share of receivers that are dark but displayed as lit.
 double LeakShare(const std::vector<DisplayedLight> &exact, const std::vector<DisplayedLight> &shown) {
     double mean = 0;
     for (const DisplayedLight &light : exact)

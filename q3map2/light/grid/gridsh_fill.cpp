@@ -15,19 +15,19 @@ namespace q3 {
 
 namespace {
 
-/// A point this near to open space is lit from there. Game units.
+/// Distances at which open space beside a point is searched, to light the point from there. Game units.
 constexpr float kSmallSteps[] = {0.5f, 1, 2};
-/// A side of mean light 0 weighs as much as one of this light. 1 = byte 255.
+/// A side of mean light m weighs 1 / (m + kDarkest): keeps the weight of a black side finite. 1 = byte 255.
 constexpr double kDarkest = 1.0 / 8192;
-/// A point beside a wall weighs as much on its own side as this many neighbours at the shortest distance.
+/// A point beside a wall weighs as much on its own side as this many neighbors at the shortest distance.
 constexpr double kOwnWeight = 2;
 
 struct Offset {
     int x, y, z;
 };
 
-/// The 26 neighbours of a point, or fractions of a cell.
-constexpr std::array<Offset, 26> MakeNeighbours() {
+/// Offsets to the 26 neighbors of a point, in cells; also the directions of small steps.
+constexpr std::array<Offset, 26> MakeNeighbors() {
     std::array<Offset, 26> result{};
     std::size_t n = 0;
     for (int z = -1; z <= 1; ++z)
@@ -37,7 +37,7 @@ constexpr std::array<Offset, 26> MakeNeighbours() {
                     result[n++] = {x, y, z};
     return result;
 }
-constexpr std::array<Offset, 26> kNeighbours = MakeNeighbours();
+constexpr std::array<Offset, 26> kNeighbors = MakeNeighbors();
 
 bool TryPosition(const BspSpace &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
     const PlacedPoint open = PlaceInOpen(space, p);
@@ -51,7 +51,7 @@ bool TryPosition(const BspSpace &space, const Vec3f &p, PointState state, Placed
 bool TrySmallSteps(const BspSpace &space, const Vec3f &p, PlacedPoint &placed) {
     for (const float step : kSmallSteps)
         for (int axes = 1; axes <= 3; ++axes)
-            for (const Offset &o : kNeighbours)
+            for (const Offset &o : kNeighbors)
                 if (std::abs(o.x) + std::abs(o.y) + std::abs(o.z) == axes &&
                     TryPosition(space, p + Vec3f{float(o.x), float(o.y), float(o.z)} * step, PointState::Beside,
                                 placed))
@@ -59,7 +59,7 @@ bool TrySmallSteps(const BspSpace &space, const Vec3f &p, PlacedPoint &placed) {
     return false;
 }
 
-/// Positions up to a cell away on a lattice of quarter cells, the nearest first.
+/// Positions up to a cell away on a lattice of quarter cells, the nearest shell first.
 bool TryCells(const BspSpace &space, const Vec3f &p, const Vec3f &cell, PlacedPoint &placed) {
     constexpr int kSteps = 4;
     const Vec3f step = cell / kSteps;
@@ -83,24 +83,24 @@ bool TryCells(const BspSpace &space, const Vec3f &p, const Vec3f &cell, PlacedPo
     return false;
 }
 
-bool HasOpenNeighbour(const GridLayout &layout, const std::vector<int> &clusters, std::uint32_t index) {
+bool HasOpenNeighbor(const GridLayout &layout, const std::vector<int> &clusters, std::uint32_t index) {
     const std::int64_t width = layout.bounds[0], height = layout.bounds[1];
     const std::int64_t x = index % width, y = index / width % height, z = index / width / height;
-    return std::any_of(kNeighbours.begin(), kNeighbours.end(), [&](const Offset &o) {
+    return std::any_of(kNeighbors.begin(), kNeighbors.end(), [&](const Offset &o) {
         const std::int64_t nx = x + o.x, ny = y + o.y, nz = z + o.z;
         return nx >= 0 && ny >= 0 && nz >= 0 && nx < width && ny < height && nz < layout.bounds[2] &&
                clusters[std::size_t(layout.Index(nx, ny, nz))] >= 0;
     });
 }
 
-/// Lit neighbours of one solid point that see each other.
+/// Lit neighbors of one solid point that see each other.
 struct Side {
     double weight = 0;
     std::array<double, kShFloats> sum{};
     double Mean() const { return std::max(0.0, (sum[0] + sum[1] + sum[2]) / weight / 3 * kShC0); }
 };
 
-/// Asks which positions see each other.
+/// Batches rays that test whether two positions see each other.
 class SightRays {
   public:
     SightRays(const LightScene &scene, RayCounts &counts) : rays_(Trace{scene, counts}) {}
@@ -138,35 +138,36 @@ class Filler {
     Filler(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
            const std::vector<PointState> &states)
         : in_(in), layout_(layout), displaced_(displaced), states_(states) {
-        for (std::size_t i = 0; i < kNeighbours.size(); ++i) {
-            const Offset &o = kNeighbours[i];
+        for (std::size_t i = 0; i < kNeighbors.size(); ++i) {
+            const Offset &o = kNeighbors[i];
             const Vec3f cell(layout.size), offset = cell * Vec3f{float(o.x), float(o.y), float(o.z)};
             weights_[i] = 1 / double(Dot(offset, offset));
         }
     }
 
-    /// The value of a Solid or Beside point, or nothing: no lit neighbour, or none on another side. Null: not isSplit.
-    std::optional<bspGridPointSH_t> Fill(int x, int y, int z, const VisibilityGroups::PointGroups *isSplit,
+    /// The value of a Solid or Beside point, or nothing: no lit neighbor, or none on another side. split: the point's
+    /// groups; null if it has one group only.
+    std::optional<bspGridPointSH_t> Fill(int x, int y, int z, const VisibilityGroups::PointGroups *split,
                                          const LightGridSH &grid) const {
-        if (!isSplit && states_[IndexOf(x, y, z)] == PointState::Beside)
+        if (!split && states_[IndexOf(x, y, z)] == PointState::Beside)
             return std::nullopt;
         const Around lit = AroundPoint(x, y, z, false);
         if (lit.count == 0)
             return std::nullopt;
-        std::vector<Side> sums(isSplit ? isSplit->groupCount : 1);
+        std::vector<Side> sums(split ? split->groupCount : 1);
         for (std::size_t i = 0; i < lit.count; ++i) {
-            Side &side = sums[isSplit ? isSplit->groups[i] : 0];
-            const Neighbour &neighbour = lit.neighbours[i];
-            side.weight += neighbour.weight;
-            AddWeighted(neighbour.weight, grid.points[neighbour.index].coeffs[0].data(), side.sum.data());
+            Side &side = sums[split ? split->groups[i] : 0];
+            const Neighbor &neighbor = lit.neighbors[i];
+            side.weight += neighbor.weight;
+            AddWeighted(neighbor.weight, grid.points[neighbor.index].coeffs[0].data(), side.sum.data());
         }
         return Blend(sums);
     }
 
-    /// Appends the sides of those points, xyz, that have several.
+    /// Appends the sides of the points that have several. points: grid coordinates x y z.
     void FindSides(std::span<const std::array<int, 3>> points, std::vector<VisibilityGroups::PointGroups> &found,
                    RayCounts &counts) const {
-        // The first round of all points goes together: most have one side only.
+        // The first rays of all points share packets: most points have one side only and need no more.
         std::vector<Around> around;
         std::vector<std::uint32_t> seen(points.size(), 1);
         SightRays rays(in_.scene, counts);
@@ -174,7 +175,7 @@ class Filler {
         for (std::size_t n = 0; n < points.size(); ++n) {
             const Around &lit = around.emplace_back(AroundPoint(points[n][0], points[n][1], points[n][2], true));
             for (std::size_t i = 1; i < lit.count; ++i)
-                rays.Ask(lit.neighbours[i].position, lit.neighbours[0].position, 1u << i, seen[n]);
+                rays.Ask(lit.neighbors[i].position, lit.neighbors[0].position, 1u << i, seen[n]);
         }
         rays.Flush();
         for (std::size_t n = 0; n < points.size(); ++n)
@@ -184,19 +185,19 @@ class Filler {
     }
 
   private:
-    struct Neighbour {
+    struct Neighbor {
         std::size_t index;
         Vec3f position;
         double weight;
     };
-    /// Lit neighbours, and before them the point itself when it is lit beside.
+    /// The point itself if its state is Beside, then its lit neighbors.
     struct Around {
-        std::array<Neighbour, VisibilityGroups::kMaxNeighbors> neighbours;
+        std::array<Neighbor, VisibilityGroups::kMaxNeighbors> neighbors;
         std::size_t count = 0;
     };
 
     std::size_t IndexOf(int x, int y, int z) const { return std::size_t(layout_.Index(x, y, z)); }
-    double Shortest() const {
+    double ShortestSquared() const {
         const double shortest = double(std::min({layout_.size[0], layout_.size[1], layout_.size[2]}));
         return shortest * shortest;
     }
@@ -209,15 +210,15 @@ class Filler {
         return found->position;
     }
 
-    /// positions: sets those too.
+    /// positions: also sets Neighbor::position, else zero.
     Around AroundPoint(int x, int y, int z, bool positions) const {
         Around lit;
         const std::size_t own = IndexOf(x, y, z);
         if (states_[own] == PointState::Beside)
-            lit.neighbours[lit.count++] = {own, positions ? PositionOf(own, x, y, z) : Vec3f{},
-                                           kOwnWeight / Shortest()};
-        for (std::size_t i = 0; i < kNeighbours.size(); ++i) {
-            const Offset &o = kNeighbours[i];
+            lit.neighbors[lit.count++] = {own, positions ? PositionOf(own, x, y, z) : Vec3f{},
+                                          kOwnWeight / ShortestSquared()};
+        for (std::size_t i = 0; i < kNeighbors.size(); ++i) {
+            const Offset &o = kNeighbors[i];
             const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
             if (nx < 0 || ny < 0 || nz < 0 || nx >= layout_.bounds[0] || ny >= layout_.bounds[1] ||
                 nz >= layout_.bounds[2])
@@ -226,13 +227,13 @@ class Filler {
             const PointState state = states_[index];
             if (state == PointState::Exterior || state == PointState::Solid)
                 continue;
-            lit.neighbours[lit.count++] = {index, positions ? PositionOf(index, nx, ny, nz) : Vec3f{}, weights_[i]};
+            lit.neighbors[lit.count++] = {index, positions ? PositionOf(index, nx, ny, nz) : Vec3f{}, weights_[i]};
         }
         return lit;
     }
 
-    /// Sorts what is lit around a point into sides: the first of a side sees all of it, and none of the sides before.
-    /// unseen: what the very first does not see, by bit.
+    /// Sorts the entries of `lit` into sides: the first entry of a side sees all the others of it, but none of the
+    /// first entries before. unseen: bits of the entries that entry 0 does not see.
     static VisibilityGroups::PointGroups SidesOf(std::uint32_t index, const Around &lit, std::uint32_t unseen,
                                                  SightRays &rays) {
         VisibilityGroups::PointGroups result{index, 1, {}};
@@ -241,7 +242,7 @@ class Filler {
             std::uint32_t seen = 1u << first;
             for (std::uint32_t left = unseen & (unseen - 1); left != 0; left &= left - 1) {
                 const auto i = std::size_t(std::countr_zero(left));
-                rays.Ask(lit.neighbours[i].position, lit.neighbours[first].position, 1u << i, seen);
+                rays.Ask(lit.neighbors[i].position, lit.neighbors[first].position, 1u << i, seen);
             }
             rays.Flush();
             for (std::uint32_t side = seen; side != 0; side &= side - 1)
@@ -271,7 +272,7 @@ class Filler {
     const GridLayout &layout_;
     const std::vector<DisplacedPoint> &displaced_;
     const std::vector<PointState> &states_;
-    std::array<double, kNeighbours.size()> weights_; ///< inverse squares of distances
+    std::array<double, kNeighbors.size()> weights_; ///< inverse squares of distances
 };
 
 } // namespace
@@ -293,7 +294,7 @@ PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, cons
     const Vec3f reach{kReach, kReach, kReach};
     if (space.AnyOpen(p - reach, p + reach, kClearance) && TrySmallSteps(space, p, placed))
         return placed;
-    if (HasOpenNeighbour(layout, clusters, point.index))
+    if (HasOpenNeighbor(layout, clusters, point.index))
         placed.state = PointState::Solid;
     else
         TryCells(space, p, cell, placed);
@@ -314,7 +315,7 @@ VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &la
             if (state == PointState::Solid || state == PointState::Beside)
                 points.push_back({x, int(row % height), int(row / height)});
         }
-        RayCounts counts; // not of the light itself
+        RayCounts counts; // discarded: the log counts rays to lights only
         filler.FindSides(points, found[std::size_t(row)], counts);
     });
     VisibilityGroups groups;
@@ -335,23 +336,23 @@ void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vecto
     };
     const int width = layout.bounds[0], height = layout.bounds[1];
     const std::int64_t rows = std::int64_t(height) * layout.bounds[2];
-    // Sources are values as they were lit, so the order of filling does not matter.
+    // Every value is computed from the lit points before any is stored, so the order does not matter.
     std::vector<std::vector<Value>> filled(static_cast<std::size_t>(rows));
     const Filler filler(in, layout, displaced, states);
     in.jobs.For(rows, [&](std::int64_t row, int) {
         const auto first = std::size_t(row) * std::size_t(width);
-        auto isSplit =
+        auto nextSplit =
             std::lower_bound(groups.points.begin(), groups.points.end(), first,
                              [](const VisibilityGroups::PointGroups &p, std::size_t index) { return p.index < index; });
         for (int x = 0; x < width; ++x) {
             const std::size_t index = first + std::size_t(x);
             if (states[index] != PointState::Solid && states[index] != PointState::Beside)
                 continue;
-            const bool split = isSplit != groups.points.end() && isSplit->index == index;
+            const bool split = nextSplit != groups.points.end() && nextSplit->index == index;
             if (const auto value =
-                    filler.Fill(x, int(row % height), int(row / height), split ? &*isSplit : nullptr, grid))
+                    filler.Fill(x, int(row % height), int(row / height), split ? &*nextSplit : nullptr, grid))
                 filled[std::size_t(row)].push_back({index, *value});
-            isSplit += split ? 1 : 0;
+            nextSplit += split ? 1 : 0;
         }
     });
     for (const auto &row : filled)

@@ -10,7 +10,7 @@
 
 namespace q3 {
 
-/// Floats of a point: nine coefficients of three channels.
+/// Floats per point: nine coefficients for each of three channels.
 inline constexpr std::size_t kShFloats = 27;
 static_assert(sizeof(bspGridPointSH_t) == kShFloats * sizeof(float));
 
@@ -22,9 +22,9 @@ enum class PointState : std::uint8_t {
     Open,      ///< lit where it is
     OnEmitter, ///< lit where it is, in the plane of a surface light, which gives nothing there; then fitted
     Beside,    ///< in the plane of a wall or just inside it: lit from a small step beside
-    Moved,     ///< in a solid, without lit neighbours: lit from the nearest open position in the cells around it
+    Moved,     ///< in a solid, without lit neighbors: lit from the nearest open position in the cells around it
     Solid,     ///< in a solid, to be filled
-    Filled     ///< in a solid, filled from neighbours
+    Filled     ///< in a solid, filled from neighbors
 };
 
 /// Where a point is lit from.
@@ -34,29 +34,29 @@ struct PlacedPoint {
     int cluster = kSolidCluster;
 };
 
-/// State Open, with position and cluster, if the point can be lit where it is. If it is in the open but too near to a
-/// solid, only the cluster is set; in a solid that is kSolidCluster. `space` reaches one game unit around the point.
+/// State Open if the point can be lit where it is, else Exterior. `cluster` is that of the point, also where it is in
+/// the open but too near to a solid; kSolidCluster in a solid.
 PlacedPoint PlaceInOpen(const BspSpace &space, const Vec3f &p);
 
-/// Chooses the state and the lit position of a point for which PlaceInOpen did not return Open. `space` covers the
-/// grid cells around the point; `clusters` are the clusters that PlaceInOpen returned, by grid point.
+/// Chooses the state and the lit position of a point for which PlaceInOpen did not return Open. `clusters`: the
+/// clusters that PlaceInOpen returned, by grid point.
 PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, const std::vector<int> &clusters,
                            const BrickPoint &point);
 
-/// A point that is lit from another position than its own.
+/// A point that is lit from a position other than its own.
 struct DisplacedPoint {
     std::uint32_t index = 0;
     Vec3f position;
 };
 
-/// Lit neighbours of points in or beside solids, in groups of those that see each other.
+/// Lit neighbors of points in or beside solids, grouped by mutual visibility.
 struct VisibilityGroups {
-    /// Lit points around a point: 26 neighbours, and the point itself.
+    /// Lit points around a point: 26 neighbors, and the point itself.
     static constexpr std::size_t kMaxNeighbors = 27;
     struct PointGroups {
         std::uint32_t index = 0, groupCount = 0; ///< the point; number of its groups
         std::array<std::uint8_t, kMaxNeighbors>
-            groups{}; ///< group of the point itself if lit, then of each lit neighbour
+            groups{}; ///< group of the point itself if lit, then of each lit neighbor
     };
     std::vector<bool> isSplit;       ///< by point: it has more than one group
     std::vector<PointGroups> points; ///< the split ones, by index
@@ -67,10 +67,10 @@ VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &la
                                       const std::vector<DisplacedPoint> &displaced,
                                       const std::vector<PointState> &states);
 
-/// Gives every point in a solid that has lit neighbours a value, so that interpolation beside walls is right.
-/// Each group of neighbours is a side of a wall; the darker a side, the more it counts, so that a wall thinner than a
-/// cell lets no light through. Points beside a wall with neighbours on the other side are filled in the same way.
-/// `displaced` is sorted by index. Changes Solid to Filled or Exterior in `states`.
+/// Gives a value to every point in a solid that has lit neighbors, so that interpolation beside walls is right. Each
+/// group of neighbors is a side of a wall; the darker a side, the more it counts, so that a wall thinner than a cell
+/// lets no light through. Points beside a wall with neighbors on the other side are filled in the same way. `displaced`
+/// is sorted by index. Changes Solid to Filled or Exterior in `states`.
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
                 const VisibilityGroups &groups, std::vector<PointState> &states, LightGridSH &grid);
 

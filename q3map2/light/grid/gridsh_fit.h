@@ -15,19 +15,18 @@ namespace q3 {
 struct FitSample {
     Vec3f position;
     bspGridPointSH_t value;
-    float weight = 1;         ///< samples per open cell over the candidates that were drawn in this cell
+    float weight = 1;         ///< samples wanted per cell / candidates tried in this cell
     std::uint8_t sees = 0xff; ///< bit per corner of its cell: whether the sample counts for that point
 };
 
-/// Least-squares fit of grid points to light between them: trilinear interpolation of the fitted points is as near as
-/// can be to the light where players can be. By default only points in solids are fitted, whose values are free; with
-/// -shfit all.
+/// Least-squares fit of grid points to the light between them, so that trilinear interpolation matches it best where
+/// players can be. By default only points in or beside solids and on emitters are fitted; with -shfit all.
 ///
-/// Minimises the sum over samples s of w(s) |interpolated(s) - value(s)|^2 in SH coefficients, plus for each point p
+/// Minimizes the sum over samples s of w(s) |interpolated(s) - value(s)|^2 in SH coefficients, plus for each point p
 /// pull * (sum of its samples' weights) * |value(p) - value before(p)|^2. Weights fall with a power of the light beyond
 /// what a screen can show.
 ///
-/// Keeps references to everything that it is made of.
+/// Keeps references to its constructor arguments.
 class GridFit {
   public:
     /// states: of the points, before FillGridSH; isSplit: see VisibilityGroups.
@@ -37,7 +36,7 @@ class GridFit {
     /// Samples of the cells whose lowest corners are the points of a brick. From any thread.
     std::vector<FitSample> SampleCells(std::span<const BrickPoint> points, const ProbeIntegrator &lighter,
                                        GridStats &work) const;
-    /// Takes the samples of a brick; each brick once. From any thread; sums in the order of bricks.
+    /// Takes the samples of a brick; call once per brick, empty or not. From any thread; sums in the order of bricks.
     void AddSamples(std::int64_t brick, std::vector<FitSample> samples);
     /// Moves the fitted points to their best values. Call once all bricks are in.
     void Solve(LightGridSH &grid, const JobPool &jobs);
@@ -81,12 +80,12 @@ class GridFit {
     const GridLayout &layout_;
     int perCell_;
     float pull_, beyondScreen_;
-    float mostBands_;
+    float mostBands_; ///< limit of the norm of bands 1 and 2 over coefficient 0
     const std::vector<PointState> &states_;
     std::vector<std::int32_t> rowOf_; ///< by point; -1: not fitted
     std::vector<Row> rows_;
     std::mutex mutex_;
-    std::map<std::int64_t, std::vector<FitSample>> waiting_; ///< by brick: samples that came before those of next_
+    std::map<std::int64_t, std::vector<FitSample>> waiting_; ///< by brick: samples that must wait for brick next_
     std::int64_t next_ = 0;                                  ///< brick whose samples are added next
 };
 

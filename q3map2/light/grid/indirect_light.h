@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Bounced light at points in the open, as grids take it.
+// GPL-2.0-or-later. Bounced light at points in the open, for light grids.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -18,8 +18,8 @@ struct IndirectRay {
 /// Bounced light at points in the open. Const after construction; safe from several threads.
 class IndirectLight {
   public:
-    /// Uniform radiance 1 all around, as directional lights: the sum of their irradiances on surfaces that face each of
-    /// them. Irradiance is the integral of radiance * cosine / pi, so the sum is 4 pi / pi.
+    /// Replaces uniform radiance 1 from all directions by directional lights: the sum of their irradiances, each on a
+    /// surface that faces it. Irradiance is the integral of radiance * cosine / pi, so the sum is 4 pi / pi.
     static constexpr float kFacing = 4;
 
     virtual ~IndirectLight() = default;

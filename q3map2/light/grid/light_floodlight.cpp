@@ -24,7 +24,7 @@ float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distan
         for (std::size_t i = 0; i < tags.size(); ++i)
             sum += double(std::min(1.0f, packet.distance[i] / distance));
     });
-    for (const Vec3f &d : directions) // turned about the y axis
+    for (const Vec3f &d : directions) // up = -1: half a turn about the y axis
         rays.Add({}, p, {d.x * up, d.y, d.z * up}, distance);
     rays.Flush();
     return float(sum / double(directions.size()));

@@ -5,8 +5,8 @@
 
 namespace q3 {
 
-/// Share of the hemisphere around +z or -z (up: +1 or -1) that is open within `distance`, 0 to 1: the mean
-/// over rays at four elevations of how far each gets, as a share of `distance`.
+/// Share of the hemisphere around +z or -z (up: +1 or -1) that is open within `distance`, 0 to 1: the mean over rays at
+/// four elevations of min(1, free length / distance).
 float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distance, bool lowQuality, RayCounts &counts);
 
 } // namespace q3

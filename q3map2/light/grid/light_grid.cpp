@@ -17,17 +17,20 @@ namespace q3 {
 namespace {
 
 constexpr std::int64_t kMaxLegacyPoints = 0x100000;
+/// Nudged positions count as open up to 1/8 unit inside a brush: the epsilon of BspSpace::ClusterAt.
 constexpr float kNudgeMargin = -0.125f;
 constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
 constexpr int kNudges = 16;            ///< steps from the point to half a cell away
+/// Lights kept per point: MAX_CONTRIBUTIONS - 1 of the established program.
 constexpr std::int32_t kMaxRecords = 32767;
 /// Lights fainter than this in all of a brick are represented by a few of them. Byte scale.
 constexpr float kFaintInBrick = 1.0f / 16;
 
-/// Blocks that are lit together, so that their rays fill packets; more would keep more records at once.
-constexpr std::size_t kTogether = 4;
+/// Blocks that are lit together, so that their rays fill packets; more would need more memory for records.
+constexpr std::size_t kBlocksTogether = 4;
 
-/// How much of light from a direction is directed, by its cosine to the main direction.
+/// Share of light that is stored as directed: max(0, least + along * more), where `along` is the cosine
+/// between the light's direction and the main direction.
 struct Directed {
     float least, more;
     explicit Directed(const LightOptions &options)
@@ -36,33 +39,35 @@ struct Directed {
     float Share(float along) const { return std::max(0.0f, least + along * more); }
 };
 
-/// What reaches the points of a few blocks. How much of it is ambient depends on the main direction of a point, which
-/// is known at the end, so all of it is recorded.
+/// Light that reaches the points of a few blocks. How much of it is ambient depends on a point's main direction, which
+/// is known only at the end, so every contribution is recorded.
 class GridRecords {
   public:
-    explicit GridRecords(std::size_t blocks) : blocks_(blocks) { lights_.reserve(kUsual * blocks); }
-    /// What a light gives to points of a block. Without `colored` it only counts for the main direction.
+    explicit GridRecords(std::size_t blocks) : blocks_(blocks) { lightRecords_.reserve(kUsualLights * blocks); }
+    /// Adds a light at the points of a block. Without `colored` it counts for the main direction only.
     void Add(std::size_t block, const Lanes3 &color, bool colored, const ProbeIncidentLight &incident);
-    /// Light of a point from a direction, and ambient light of its own; `turn` turns the main direction.
+    /// Adds light from a direction at one point, and ambient light; `weightedDirection` is added to the main
+    /// direction's sum.
     void Add(std::size_t block, std::size_t lane, const Vec3f &direction, const Vec3f &color, const Vec3f &ownAmbient,
-             const Vec3d &turn) {
-        others_.push_back({block, lane, direction, color, ownAmbient});
+             const Vec3d &weightedDirection) {
+        pointRecords_.push_back({block, lane, direction, color, ownAmbient});
         Block &to = blocks_[block];
-        to.turnX[lane] += turn.x, to.turnY[lane] += turn.y, to.turnZ[lane] += turn.z;
+        to.directionSumX[lane] += weightedDirection.x, to.directionSumY[lane] += weightedDirection.y,
+            to.directionSumZ[lane] += weightedDirection.z;
         ++to.records[lane];
     }
     std::int32_t Count(std::size_t block, std::size_t lane) const { return blocks_[block].records[lane]; }
 
-    /// Light of the points of a block in its two parts.
+    /// Main directions of the points of a block, and their light as ambient and directed part.
     struct Parts {
-        Lanes3 main, ambient, directed;
+        Lanes3 mainDirection, ambient, directed;
     };
     std::vector<Parts> All(const LightOptions &options, const Vec3f &ambient) const;
 
   private:
-    static constexpr std::size_t kUsual = 16; ///< lights that reach a block of most maps
+    static constexpr std::size_t kUsualLights = 16; ///< lights that reach a block of most maps
     struct Block {
-        DoubleLanes turnX{}, turnY{}, turnZ{};
+        DoubleLanes directionSumX{}, directionSumY{}, directionSumZ{};
         IntLanes records{};
     };
     struct LightRecord {
@@ -73,15 +78,16 @@ class GridRecords {
         std::size_t block, lane;
         Vec3f direction, color, ownAmbient;
     };
-    static void Turn(const Lanes3 &color, const ProbeIncidentLight &incident, LightRecord &record, Block &block);
+    static void AddDirection(const Lanes3 &color, const ProbeIncidentLight &incident, LightRecord &record,
+                             Block &block);
     static void Divide(const LightRecord &record, const Directed &directed, Parts &parts);
 
     std::vector<Block> blocks_;
-    std::vector<LightRecord> lights_;
-    std::vector<PointRecord> others_;
+    std::vector<LightRecord> lightRecords_;
+    std::vector<PointRecord> pointRecords_;
 };
 
-/// Colours of what arrives.
+/// Color of the arriving light per lane, negative for negative lights.
 Q3_VECTOR void SetColors(const Light &light, const ProbeIncidentLight &incident, Lanes3 &color) {
     const Vec3f c = light.color;
     const bool negative = light.negative;
@@ -97,8 +103,8 @@ Q3_VECTOR void SetColors(const Light &light, const ProbeIncidentLight &incident,
         }
 }
 
-Q3_VECTOR void GridRecords::Turn(const Lanes3 &color, const ProbeIncidentLight &incident, LightRecord &record,
-                                 Block &block) {
+Q3_VECTOR void GridRecords::AddDirection(const Lanes3 &color, const ProbeIncidentLight &incident, LightRecord &record,
+                                         Block &block) {
     Lanes weight;
     for (const std::size_t i : kEachLane) {
         const bool live = incident.live[i] != 0;
@@ -110,28 +116,28 @@ Q3_VECTOR void GridRecords::Turn(const Lanes3 &color, const ProbeIncidentLight &
         record.direction.z[i] = live ? incident.direction.z[i] : 0;
     }
     for (const std::size_t i : kEachLane) {
-        block.turnX[i] += double(record.direction.x[i]) * double(weight[i]);
-        block.turnY[i] += double(record.direction.y[i]) * double(weight[i]);
-        block.turnZ[i] += double(record.direction.z[i]) * double(weight[i]);
+        block.directionSumX[i] += double(record.direction.x[i]) * double(weight[i]);
+        block.directionSumY[i] += double(record.direction.y[i]) * double(weight[i]);
+        block.directionSumZ[i] += double(record.direction.z[i]) * double(weight[i]);
         block.records[i] -= incident.live[i];
     }
 }
 
 void GridRecords::Add(std::size_t block, const Lanes3 &color, bool colored, const ProbeIncidentLight &incident) {
-    LightRecord &record = lights_.emplace_back();
+    LightRecord &record = lightRecords_.emplace_back();
     record.block = block;
-    Turn(color, incident, record, blocks_[block]);
+    AddDirection(color, incident, record, blocks_[block]);
     if (!colored)
         record.color.Fill({});
 }
 
-/// Adds a record to the two parts.
+/// Splits a record into ambient and directed light and adds both.
 Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &directed, Parts &parts) {
-    const Directed shares = directed; // out of the way of what is written
+    const Directed shares = directed; // a copy, which the outputs cannot alias
     const Lanes3 &color = record.color, &direction = record.direction;
     for (const std::size_t i : kEachLane) {
-        const float along =
-            direction.x[i] * parts.main.x[i] + direction.y[i] * parts.main.y[i] + direction.z[i] * parts.main.z[i];
+        const float along = direction.x[i] * parts.mainDirection.x[i] + direction.y[i] * parts.mainDirection.y[i] +
+                            direction.z[i] * parts.mainDirection.z[i];
         const float k = shares.Share(along), rest = 0.25f * (1 - k);
         parts.directed.x[i] += color.x[i] * k;
         parts.directed.y[i] += color.y[i] * k;
@@ -148,15 +154,16 @@ std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, co
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
         const Block &from = blocks_[block];
         for (const std::size_t i : kEachLane)
-            all[block].main.Set(i, Vec3f(Normalize(Vec3d{from.turnX[i], from.turnY[i], from.turnZ[i]})));
+            all[block].mainDirection.Set(
+                i, Vec3f(Normalize(Vec3d{from.directionSumX[i], from.directionSumY[i], from.directionSumZ[i]})));
         all[block].ambient.Fill(ambient);
         all[block].directed.Fill({});
     }
-    for (const LightRecord &record : lights_)
+    for (const LightRecord &record : lightRecords_)
         Divide(record, directed, all[record.block]);
-    for (const PointRecord &record : others_) {
+    for (const PointRecord &record : pointRecords_) {
         Parts &light = all[record.block];
-        const float k = directed.Share(Dot(record.direction, light.main[record.lane]));
+        const float k = directed.Share(Dot(record.direction, light.mainDirection[record.lane]));
         light.directed.Set(record.lane, light.directed[record.lane] + record.color * k);
         light.ambient.Set(record.lane,
                           light.ambient[record.lane] + (record.color * (0.25f * (1 - k)) + record.ownAmbient));
@@ -164,7 +171,7 @@ std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, co
     return all;
 }
 
-/// The first of PlacePoint's steps that needs looking at: smaller ones stay in a box without open leafs.
+/// The first of PlacePoint's steps that can succeed: boxes of smaller steps hold no open leaf.
 int FirstOpenStep(const BspSpace &space, const Vec3f &base, const Vec3f &half) {
     int first = 1;
     for (int last = kNudges; first < last;) {
@@ -202,8 +209,8 @@ bool PlacePoint(const BspSpace &space, const Vec3f &half, Vec3f &position, int &
     return false;
 }
 
-/// Many points lie in the plane of a wall or a floor. Their rays start a hair off it, so that those into the wall are
-/// blocked and the others are not.
+/// Many points lie in the plane of a wall or floor. Their rays start slightly off that plane, so that rays into the
+/// wall are blocked and all other rays are not.
 Vec3f ClearOfSolids(const BspSpace &space, const Vec3f &p) {
     const auto clear = [&](const Vec3f &at) {
         const Vec3f margin{kSolidMargin, kSolidMargin, kSolidMargin};
@@ -222,7 +229,7 @@ Vec3f ClearOfSolids(const BspSpace &space, const Vec3f &p) {
     return p;
 }
 
-/// The receivers of a brick's points, block by block. Counts those in the open.
+/// The receivers of a brick's points, block by block. Counts them in work.open.
 std::vector<ReceiverBatch> PlaceBrick(const BspSpace &space, const GridLayout &layout,
                                       std::span<const BrickPoint> points, GridStats &work) {
     std::vector<ReceiverBatch> blocks;
@@ -248,7 +255,7 @@ void AddFloodlight(const GridInputs &in, const Vec3f &position, std::size_t bloc
     }
 }
 
-/// Every ray is a light of its own.
+/// Bounced light: every ray counts as a directional light.
 void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t block, std::size_t lane,
                  GridRecords &records, RayCounts &counts) {
     std::vector<IndirectRay> rays;
@@ -296,36 +303,36 @@ class GridBlocks {
                 if (incident_[block].live.Any()) {
                     Lanes3 color;
                     SetColors(*one.light, incident_[block], color);
-                    // Light of other styles turns the direction, but this format has no place for its colour.
+                    // Styled light turns the main direction, but this format has no place for its color.
                     records_.Add(block, color, one.light->style == 0, incident_[block]);
                     if (in_.options.cheapGrid || lights.size() > std::size_t(kMaxRecords))
-                        EndSated(block, color);
+                        StopFullPoints(block, color);
                 }
         }
         for (std::size_t block = 0; block < blocks_.size(); ++block)
-            AddOthers(block, work);
+            AddFloodAndBounced(block, work);
     }
     void Store(std::span<bspGridPoint_t> grid) const {
         const auto lights = records_.All(in_.options, in_.world.ambient);
         for (std::size_t block = 0; block < blocks_.size(); ++block)
             for (std::size_t i = 0; i < blocks_[block].count; ++i)
-                grid[blocks_[block].index[i]] =
-                    StorePoint(in_, lights[block].main[i], lights[block].ambient[i], lights[block].directed[i]);
+                grid[blocks_[block].index[i]] = StorePoint(in_, lights[block].mainDirection[i],
+                                                           lights[block].ambient[i], lights[block].directed[i]);
     }
 
   private:
-    /// Ends points that `color`, which has just arrived, makes white, and those with as many records as are kept.
-    void EndSated(std::size_t block, const Lanes3 &color);
-    void AddOthers(std::size_t block, GridStats &work);
+    /// Stops lighting points that `color`, just added, makes white (-cheapgrid), and points with kMaxRecords records.
+    void StopFullPoints(std::size_t block, const Lanes3 &color);
+    void AddFloodAndBounced(std::size_t block, GridStats &work);
 
     const GridInputs &in_;
     std::span<ReceiverBatch> blocks_;
     GridRecords records_;
     std::vector<ProbeIncidentLight> incident_;
-    std::vector<Lanes3> sums_; ///< by block, of all styles; with -cheapgrid, for which white is enough
+    std::vector<Lanes3> sums_; ///< by block: light so far, of all styles; only with -cheapgrid
 };
 
-void GridBlocks::EndSated(std::size_t block, const Lanes3 &color) {
+void GridBlocks::StopFullPoints(std::size_t block, const Lanes3 &color) {
     for (unsigned lanes = incident_[block].live.Bits(); lanes != 0; lanes &= lanes - 1) {
         const auto i = std::size_t(std::countr_zero(lanes));
         bool white = false;
@@ -338,7 +345,7 @@ void GridBlocks::EndSated(std::size_t block, const Lanes3 &color) {
     }
 }
 
-void GridBlocks::AddOthers(std::size_t block, GridStats &work) {
+void GridBlocks::AddFloodAndBounced(std::size_t block, GridStats &work) {
     const ReceiverBatch &receivers = blocks_[block];
     for (std::size_t i = 0; i < receivers.count; ++i) {
         if (in_.options.floodlight || in_.world.hasFloodlight)
@@ -388,8 +395,8 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
                                      work);
         LightSettings pass = settings;
         pass.faint = candidates.Many() ? kFaintInBrick : 0;
-        for (std::size_t first = 0; first < blocks.size(); first += kTogether) {
-            GridBlocks together(in, std::span(blocks).subspan(first, std::min(kTogether, blocks.size() - first)));
+        for (std::size_t first = 0; first < blocks.size(); first += kBlocksTogether) {
+            GridBlocks together(in, std::span(blocks).subspan(first, std::min(kBlocksTogether, blocks.size() - first)));
             together.Trace(pass, candidates.List(), work);
             together.Store(grid);
         }

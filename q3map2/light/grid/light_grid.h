@@ -7,8 +7,8 @@
 
 namespace q3 {
 
-/// Cell size of the legacy grid: worldspawn gridsize or 64 64 128, at least 8, enlarged until at most 1048576 points;
-/// writes a changed size back to `world`.
+/// Cell size of the legacy grid: worldspawn gridsize or 64 64 128, at least 8, enlarged until there are at most 1048576
+/// points. Writes a changed size back to `world`.
 GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log);
 /// The legacy light grid.
 std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,

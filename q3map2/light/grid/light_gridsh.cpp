@@ -31,7 +31,7 @@ bool OnEmitter(const Light &light, const Vec3f &p) {
     return !(left && right);
 }
 
-/// The receivers of all points, by brick, and what became of each point.
+/// The receivers of all points, by brick, and the state of each point.
 class PointReceivers {
   public:
     PointReceivers(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
@@ -122,8 +122,9 @@ GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOpti
         layout = LayoutGrid(model.mins, model.maxs, size);
     }
     if (size != asked)
-        log.Warn("SH grid size", "an SH grid with cells of {} {} {} passes the 2 GiB of a lump; {} {} {} is used",
-                 asked[0], asked[1], asked[2], size[0], size[1], size[2]);
+        log.Warn("SH grid size",
+                 "an SH grid with cells of {} {} {} exceeds the 2 GiB limit of a lump; {} {} {} is used", asked[0],
+                 asked[1], asked[2], size[0], size[1], size[2]);
     log.Print("SH grid cells of {} {} {}\n", size[0], size[1], size[2]);
     log.Count(layout.Count(), "SH grid points");
     return layout;
@@ -139,15 +140,15 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     const GridBricks bricks(layout);
     PointReceivers receivers(in, layout, bricks);
     receivers.FindOnEmitters(layout, lights);
-    const ProbeIntegrator lighter(in, lights);
+    const ProbeIntegrator integrator(in, lights);
     const VisibilityGroups sides = FindVisibilityGroups(in, layout, receivers.Displaced(), receivers.States());
     GridFit fit(in, layout, receivers.States(), sides.isSplit);
     RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
         std::vector<ReceiverBatch> blocks = receivers.Take(brick);
         if (!blocks.empty())
-            lighter.Trace(blocks, std::uint64_t(brick), work,
-                          [&](std::uint32_t index, const bspGridPointSH_t &value) { grid.points[index] = value; });
-        fit.AddSamples(brick, fit.SampleCells(bricks.Points(brick), lighter, work));
+            integrator.Trace(blocks, std::uint64_t(brick), work,
+                             [&](std::uint32_t index, const bspGridPointSH_t &value) { grid.points[index] = value; });
+        fit.AddSamples(brick, fit.SampleCells(bricks.Points(brick), integrator, work));
     });
     FillGridSH(in, layout, receivers.Displaced(), sides, receivers.States(), grid);
     fit.Solve(grid, in.jobs);

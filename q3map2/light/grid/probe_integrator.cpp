@@ -16,7 +16,7 @@ namespace {
 /// by a few of them. Byte scale; a quarter of the smallest step that a screen can show.
 constexpr float kFaintAtProbe = 1.0f / 4;
 
-/// Sums beyond this, from absurd keys and scales, are cut. 1 = byte 255.
+/// Sums beyond this, from absurd keys and scales, are clamped. 1 = byte 255.
 constexpr double kMaxCoefficient = 1e9;
 
 /// Sums of one channel at the receivers of a block, by coefficient; 1 = byte 255.
@@ -46,7 +46,7 @@ void AddTinted(const ProbeIncidentLight &incident, const Lanes &tint, double sca
 /// Light at the receivers of a block.
 class BlockSum {
   public:
-    /// scale: colour of the light, 1 = byte 255.
+    /// scale: color of the light, 1 = byte 255.
     void Add(const Vec3d &scale, const ProbeIncidentLight &incident) {
         if (!incident.tinted)
             return AddScaled(incident, scale, sum_);
@@ -96,7 +96,7 @@ void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size
     }
 }
 
-/// Ambient light and least light of a channel as coefficient 0, and the factor of all coefficients.
+/// Ambient and minimum light of a channel as coefficient 0, and the factor for all coefficients.
 struct ChannelScale {
     double ambient, least, scale;
 };
@@ -115,7 +115,7 @@ Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, 
         }
 }
 
-/// Appends the values of a block: with ambient light, the minimum and the grid scale.
+/// Appends the values of a block, with ambient light, minimum light and grid scale applied.
 void StoreBlock(const GridInputs &in, const BlockSum &sum, std::size_t count, std::vector<bspGridPointSH_t> &values) {
     // Coefficient 0 of light 1 from everywhere.
     const double uniform = 1 / kShC0 / (in.options.shRadiance ? std::numbers::pi : 1);

@@ -10,7 +10,7 @@ namespace q3 {
 
 namespace {
 
-/// -shsamples under -fast.
+/// Default of -shsamples under -fast and -fastgrid.
 constexpr float kFastSamples = 1.0f / 16;
 
 LightOptions GameDefaults(const Game &game) {
@@ -24,11 +24,11 @@ LightOptions GameDefaults(const Game &game) {
     o.noStyles = game.noStyles;
     o.patchShadows = game.patchShadows;
     o.noDrawSurfaceFlags = game.NoDrawSurfaceFlags();
-    o.skip.coarse = true; // of fast grids alone, see ApplyInclusions
+    o.skip.coarse = true; // ApplyInclusions clears it without -fastgrid
     return o;
 }
 
-/// What options say about each other.
+/// Sets options that other options include.
 void ApplyInclusions(LightOptions &o) {
     o.fast |= o.faster;
     o.fastGrid |= o.fast;
@@ -38,7 +38,7 @@ void ApplyInclusions(LightOptions &o) {
     if (o.tone.sRgb)
         o.tolerance = 255 * LinearFromSrgb(1.0f / 255);
     o.shSamples = o.givenShSamples.value_or(o.fastGrid ? kFastSamples : 1);
-    // Repeated factors stay within bounds too.
+    // Repeated factors multiply; keep the product within bounds.
     for (float *scale : {&o.pointScale, &o.spotScale, &o.areaScale, &o.skyScale, &o.gridScale, &o.gridAmbientScale})
         *scale = std::clamp(*scale, float(-kMaxSetting), float(kMaxSetting));
 }

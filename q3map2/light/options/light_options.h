@@ -20,19 +20,19 @@ struct ToneOptions {
     float maxLight = 255; ///< from worldspawn _maxlight
 };
 
-/// Work that a scene does not need and that is left out: one -noskip option each, or -noskip for all.
+/// Shortcuts: each has a -noskip option, and -noskip switches all off.
 struct SkipOptions {
-    bool reach = true;   ///< lights out of reach of a brick of points, or facing away from it
-    bool pvs = true;     ///< lights that visibility data hides
-    bool faint = true;   ///< faint lights, represented by a few
-    bool moments = true; ///< closed form of far area lights, approximated by points
-    bool probes = true;  ///< more than one ray toward faint area lights
-    bool coarse = false; ///< rays of dim lights, where a few receivers of a batch see the same; only with fastGrid
+    bool reach = true;   ///< leave out lights out of reach of a brick of points, or facing away from it
+    bool pvs = true;     ///< leave out lights that visibility data hides
+    bool faint = true;   ///< represent faint lights by a few of them
+    bool moments = true; ///< approximate far area lights by points instead of the closed form
+    bool probes = true;  ///< cast a single ray toward faint area lights
+    bool coarse = false; ///< dim lights: trace a few receivers of a batch, the rest if they differ; only with fastGrid
 };
 
-/// Declared, with units, ranges and help, in light_settings.cpp.
+/// Settings of the light stage. Options with units, ranges and help: light_settings.cpp.
 struct LightOptions {
-    // Intensities, already multiplied by their defaults.
+    // Intensities: the product of the option's factors and the default.
     float pointScale = 7500, spotScale = 7500, areaScale = 0.25f, skyScale = 1;
     float gridScale = 1, gridAmbientScale = 1;
     float gridDirectionality = 1, gridAmbientDirectionality = 0;
@@ -40,41 +40,41 @@ struct LightOptions {
     bool wolfLighting = false;
     ToneOptions tone;
     ShaderOptions shader;
-    bool sRgbTexture = false; ///< colours of images are sRGB where they tint bounced light
+    bool sRgbTexture = false; ///< images are sRGB where they color bounced light
     float tolerance = 1;      ///< falloff tolerance, byte scale
 
     // Speed against quality.
-    bool fast = false;      ///< lights end where they fall below the tolerance: in all passes
-    bool fastGrid = false;  ///< ... on the grids; set by -fast too
+    bool fast = false;      ///< lights end where they fall below the tolerance, except in the SH grid
+    bool fastGrid = false;  ///< legacy grid: as fast; SH grid: fewer samples. Set by -fast too
     bool faster = false;    ///< treat area lights as points, except for the SH grid
-    bool cheap = false;     ///< stop adding lights to what is white: in all passes that -cheap concerns
-    bool cheapGrid = false; ///< ... to points of the legacy grid; set by -cheap too
+    bool cheap = false;     ///< add no more light to white vertices and legacy grid points
+    bool cheapGrid = false; ///< the same for legacy grid points only; set by -cheap too
     bool noTrace = false, structuralShadowsOnly = false, sunOnly = false, oneSky = false, noStyles = false,
          patchShadows = false;
     bool floodlight = false, lowQuality = false;
     bool noGrid = false;
-    std::uint32_t noDrawSurfaceFlags = 0; ///< the game's bits of surfaces that are not drawn
+    std::uint32_t noDrawSurfaceFlags = 0; ///< surface flags of the game that mark surfaces as not drawn
 
     // SH grid.
     bool sh = false;
     bool shBspx = false;
     bool shRadiance = false;
     bool shDering = false; ///< no negative lobes
-    bool shError = false;  ///< compare the grid with exact light and say how far it is off
+    bool shError = false;  ///< compare the grid with exact light and print the error
     float gridScaleSH = 2;
     std::optional<Vec3f> gridSizeSH;
     int shFit = 0;       ///< samples per cell to which all points are fitted; 0: fit points in solids only
-    bool shFill = true;  ///< fit points in solids; else fill from neighbours alone
-    float shSamples = 1; ///< factor of the number of rays
-    std::optional<float> givenShSamples; ///< -shsamples
+    bool shFill = true;  ///< fit points in solids; else fill from neighbors alone
+    float shSamples = 1; ///< factor of the number of rays: -shsamples or its default
+    std::optional<float> givenShSamples; ///< -shsamples, if given
     SkipOptions skip;
 
     std::string previewFile;                ///< -shpreview
-    std::vector<std::string> withoutEffect; ///< given options that change nothing
+    std::vector<std::string> withoutEffect; ///< options given that change nothing
 };
 
-/// Takes the options of the grids, and those that the grids share with lightmaps, off `arguments`. Errors: Error, for
-/// values out of range. Words that it does not know stay.
+/// Removes the options of the grids, and those that grids share with lightmaps, from `arguments`; leaves all others.
+/// Errors: Error, for values out of range.
 LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log);
 
 } // namespace q3

@@ -10,14 +10,14 @@ namespace {
 using Group = SettingGroup<LightOptions>;
 using Values = SettingValues;
 
-/// What -shfit takes without a number, and the most it takes.
+/// -shfit without a number, and its maximum.
 constexpr int kDefaultFit = 6, kMaxFit = 64;
 /// -shsmall: the cell on all axes. Game units.
 constexpr float kSmallCell = 64;
 /// -gridsh: the format's smallest cell. Game units.
 constexpr double kMinCell = 8;
 
-/// An option by whose value `multiply` multiplies.
+/// An option with a factor, which `multiply` applies to the options.
 template <typename Multiply>
 Setting<LightOptions> Factor(std::string_view name, std::string_view alias, std::string_view initial,
                              std::string_view help, Multiply multiply) {
@@ -321,8 +321,12 @@ Group Speed() {
 }
 
 Group Rays() {
+    const auto customInfoParms = [](auto &o) -> auto & {
+        return o.shader.customInfoParms;
+    };
     return {
-        "Lights and shadows", "",
+        "Lights and shadows",
+        "",
         {{{.name = "-notrace",
            .help = "No shadows",
            .details = "Suns shine everywhere. Floodlight, dirt and bounces still look around."},
@@ -352,12 +356,7 @@ Group Rays() {
          {{.name = "-lowquality", .help = "Floodlight with 32 rays a hemisphere instead of 64"},
           &LightOptions::lowQuality},
          {{.name = "-custinfoparms", .help = "Read more surfaceparms from scripts/custinfoparms.txt"},
-          [](auto &o) -> auto &{return o.shader.customInfoParms;
-}
-} // namespace
-} // namespace q3
-}
-;
+          customInfoParms}}};
 }
 
 Group Ignored() {

@@ -13,7 +13,7 @@ DevicePtr NewDevice() {
     const std::string settings = std::string("threads=1") + (more ? "," : "") + (more ? more : "");
     DevicePtr device(rtcNewDevice(settings.c_str()));
     if (!device)
-        throw Error("Embree: cannot make a device");
+        throw Error("Embree: cannot create a device");
     return device;
 }
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Embree 3.13 and 4 under one face: packets of 16 rays; handles that release themselves.
+// GPL-2.0-or-later. One interface to Embree 3.13 and 4: packets of 16 rays, owning handles.
 #pragma once
 
 #if Q3_EMBREE_MAJOR >= 4
@@ -68,17 +68,17 @@ inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context,
 }
 #endif
 
-/// A device for one thread's calls at a time while scenes are made; tracing needs no device. The environment variable
-/// Q3MAP2_EMBREE adds settings, see rtcNewDevice: "isa=avx2" does as on an older processor. Errors: Error.
+/// A device. Only one thread at a time may build scenes with it; tracing needs no device. The environment variable
+/// Q3MAP2_EMBREE adds settings, see rtcNewDevice: "isa=avx2" imitates an older processor. Errors: Error.
 DevicePtr NewDevice();
 /// An empty scene, watertight and built for fast tracing.
 ScenePtr NewScene(RTCDevice device);
 /// Triangles of three corners each, xyz one after the other, committed. Errors: Error, out of memory.
 GeometryPtr NewTriangles(RTCDevice device, std::span<const float> corners);
 
-/// Live rays between `nearest` and `distance` along unit directions. The others' numbers may be anything, but Embree
-/// looks at all rays on processors without vectors of 16 numbers: there they become rays that end before they start.
-/// nearest: a float, or one for each ray.
+/// Live rays between `nearest` and `distance` along unit directions. Lanes that are not live may hold anything and get
+/// rays that end before they start: Embree reads them too on processors without 16-wide vectors. nearest: a float, or
+/// Lanes with one per ray.
 template <typename Nearest>
 inline void SetRays(const Lanes3 &origin, const Lanes3 &direction, const Lanes &distance, const LaneMask &live,
                     const Nearest &nearest, RTCRay16 &rays) {

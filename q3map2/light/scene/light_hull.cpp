@@ -71,11 +71,11 @@ bool SolidBehind(TreeWalk<double> &tree, const TriangleCorners &triangle, const 
 
 namespace {
 
-/// Faces of hulls in the planes of nodes.
+/// Adds the faces of hulls, node by node: they lie in the planes of nodes.
 class HullFaces {
   public:
     HullFaces(const Bsp &bsp, std::span<SolidHull> hulls);
-    /// Adds those in the plane of one node.
+    /// Adds the faces in the plane of one node.
     void Add(int node);
 
   private:

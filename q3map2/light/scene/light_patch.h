@@ -6,7 +6,7 @@
 
 namespace q3 {
 
-/// The mesh of a draw surface; longestCurve in game units decides how fine.
+/// The mesh of a patch; longestCurve (game units) determines how finely it is tessellated.
 Mesh TessellatePatch(const Bsp &bsp, const bspDrawSurface_t &surface, float longestCurve);
 
 /// Longest curve of the patch from its control points, for a map without a .srf file.

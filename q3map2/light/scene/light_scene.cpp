@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What rays see: solids, surfaces, skies and see-through surfaces in Embree.
+// GPL-2.0-or-later. Solids, surfaces, skies and see-through surfaces in Embree, and rays traced against them.
 #include "q3map2/light/scene/light_scene.h"
 
 #include "q3map2/light/scene/light_embree.h"
@@ -18,9 +18,10 @@ namespace {
 
 /// Legacy sun rays look for the sky this far beyond the first solid. Game units.
 constexpr float kSkySlack = 0.125f;
-/// Light under this share counts as blocked.
+/// Transmittance up to this counts as opaque.
 constexpr float kOpaqueTint = 0.001f;
-/// Two hits of one see-through surface nearer than this are one: the shared edge of its triangles. Game units.
+/// Hits of one see-through surface closer together than this count once: a ray on the common edge of two triangles hits
+/// both. Game units.
 constexpr float kSameHit = 0.01f;
 
 /// Transmittance of the texel under a hit, per channel: rgb / 255 of a light filter, times 1 - alpha / 255 of an alpha
@@ -41,7 +42,7 @@ Vec3f FilterAt(const ShaderInfo &shader, const std::array<float, 6> &st, float u
     return through;
 }
 
-/// What OpaqueHit needs of a geometry.
+/// Embree user data of a see-through geometry, for OpaqueHit.
 struct FilterSurfaces {
     const Triangles *triangles;
     const SurfaceTable *table;
@@ -58,8 +59,8 @@ struct FilterContext {
         int surface;
         float distance;
     };
-    std::vector<Crossing> crossings; ///< most packets meet nothing
-    Lanes3 tint;                     ///< once there are crossings
+    std::vector<Crossing> crossings; ///< empty for most packets
+    Lanes3 tint;                     ///< valid if there are crossings
 };
 
 void FilterHit(const RTCFilterFunctionNArguments *arguments) {
@@ -103,7 +104,7 @@ void NearSurfaceHit(const RTCFilterFunctionNArguments *arguments) {
             arguments->valid[i] = 0;
 }
 
-/// Of nearest hits: see-through surfaces stop a ray where their texel is opaque.
+/// Filter of nearest-hit rays: see-through surfaces stop a ray where their texel is opaque.
 void OpaqueHit(const RTCFilterFunctionNArguments *arguments) {
     const auto &[triangles, table] = *static_cast<const FilterSurfaces *>(arguments->geometryUserPtr);
     for (unsigned i = 0; i < arguments->N; ++i) {
@@ -118,7 +119,7 @@ void OpaqueHit(const RTCFilterFunctionNArguments *arguments) {
     }
 }
 
-/// Triangles and what Embree makes of them, by GeometryId.
+/// Triangles and their Embree geometries, by GeometryId.
 struct Casters {
     std::array<Triangles, kGeometries> triangles;
     std::array<GeometryPtr, kGeometries> geometries;
@@ -138,14 +139,14 @@ struct LightScene::State {
     std::vector<int> skyIndexes; ///< by triangle of kSkies
     std::optional<SkyFaces> skyFaces;
     ScenePtr all, skies, filters, filtersWithoutPatches;
-    // Not every run needs these: the first ray that does has them made.
+    // Made on first use: not every run needs them.
     std::once_flag legacyMade, legacySunsMade, blockersMade;
     std::mutex making;
     ScenePtr legacyAll;                          ///< see MakeLegacy
     ScenePtr legacySolids, legacySurfaces;       ///< see MakeLegacySuns
     ScenePtr solidHull, blockerSolids, blockers; ///< for TraceBlockers, see MakeBlockers
 
-    /// Shadow casters for receivers of another group than 1, which only some groups shadow.
+    /// Shadow casters for receivers of a group other than 0 and 1.
     struct Group {
         int receiveShadows = 0;
         Casters casters;
@@ -156,9 +157,10 @@ struct LightScene::State {
     State(const Bsp &map, const SurfaceTable &t, const LightOptions &o, float radius)
         : bsp(map), table(t), options(o), legacyIgnoreRadius(radius), trace(!o.noTrace) {}
 
-    /// What only dirt and floodlight need, when the first of them asks. Safe from several threads.
+    /// Makes, on first use, the scenes of TraceBlockers: for dirt and floodlight on surfaces. Safe from several
+    /// threads.
     void MakeBlockers();
-    /// The same for the legacy grid, and for suns there.
+    /// The same for rays from the legacy grid to lights, and to suns.
     void MakeLegacy();
     void MakeLegacySuns();
     /// Calls make() the first time. One thread at a time: scenes share the device and geometries.
@@ -170,7 +172,7 @@ struct LightScene::State {
     }
 
     void MakeGeometries(Casters &casters) const;
-    /// If there are triangles of that kind, which are in Embree from here on.
+    /// Copies the triangles of a kind, if any, to Embree and frees their corners, except those of filters.
     void MakeGeometry(GeometryId id, Casters &casters) const;
     ScenePtr MakeScene(const Casters &casters, std::initializer_list<GeometryId> ids) const;
     ScenePtr MakeScene(std::initializer_list<GeometryId> ids) const { return MakeScene(main, ids); }
@@ -190,7 +192,7 @@ struct LightScene::State {
 
 namespace {
 
-/// Ends rays of the packet that something in the scene blocks; surfaces only block from `nearestSurface` on.
+/// Clears `live` of rays that something in the scene blocks; kLegacySurfaces block from `nearestSurface` on only.
 Q3_VECTOR void MaskOccluded(RTCScene scene, RayPacket &packet, float nearest, float nearestSurface = 0) {
     alignas(64) RTCRay16 rays;
     SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
@@ -202,8 +204,8 @@ Q3_VECTOR void MaskOccluded(RTCScene scene, RayPacket &packet, float nearest, fl
         packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
 }
 
-/// Rays that meet the sky end there, the others are live no longer. Finding the sky first is cheap, and blockers up to
-/// there need not be the nearest.
+/// Ends rays at the sky and drops rays that miss it. Finding the sky first is cheap, and up to there any hit blocks:
+/// the nearest one need not be found.
 void ClipToSky(const SkyHits &hits, int skyIndex, RayPacket &packet) {
     for (const std::size_t i : kEachLane)
         packet.live.Set(i, hits.hit[i] != 0 && (skyIndex < 0 || hits.skyIndex[i] == skyIndex));
@@ -379,7 +381,7 @@ void LightScene::State::FindSky(const RayPacket &packet, float nearest, SkyHits 
     }
 }
 
-/// A receiver on a floor that meets a sky lies in the sky's plane: its rays into the room meet the sky from behind
+/// Where a floor touches a sky, receivers can lie in the sky's plane: their rays into the room hit the sky from behind
 /// first, which does not count.
 void LightScene::State::SkipSkyBacks(const RayPacket &packet, SkyHits &hits) const {
     LaneMask again{};
@@ -407,8 +409,8 @@ void LightScene::TraceSurfaceToLight(RayPacket &packet, int receiveShadows, RayC
         return;
     counts.rays += std::uint64_t(packet.live.Count());
     const State::Group *group = s.FindGroup(receiveShadows);
-    // A solid nearer than the radius needs no ray of its own: its far side blocks. Only corners that end within the
-    // radius do not, and they should not: half of a low wall's luxels would stand for their shadow.
+    // Solids that a ray enters within the radius still block it with their far side. Only corners that it also leaves
+    // within the radius do not, on purpose: else they would darken half of a low wall's luxels.
     if (const ScenePtr &blockers = group ? group->all : s.all)
         MaskOccluded(blockers.get(), packet, kSurfaceIgnoreRadius);
     s.Tint(packet, group ? group->casters : s.main, group ? group->filters : s.filters, kSurfaceIgnoreRadius);

@@ -26,8 +26,8 @@ BspSpace::BspSpace(const Bsp &bsp, const std::vector<bool> &opaqueBrush) : bsp_(
         std::memcpy(&visRowBytes_, bsp.visibility.data() + 4, 4);
 }
 
-/// Whether one opaque brush of the leaf, grown by epsilon, holds the box.
-bool BspSpace::HeldByBrush(std::size_t leaf, const Vec3f &center, const Vec3f &half, float epsilon) const {
+/// Whether a single opaque brush of the leaf, grown by epsilon, contains the box.
+bool BspSpace::InsideBrush(std::size_t leaf, const Vec3f &center, const Vec3f &half, float epsilon) const {
     for (std::uint32_t i = opaqueFirst_[leaf]; i < opaqueFirst_[leaf + 1]; ++i) {
         const bspBrush_t &brush = bsp_.brushes[std::size_t(opaqueBrushes_[i])];
         bool inside = true;
@@ -53,7 +53,7 @@ bool BspSpace::FilledByBrush(std::size_t leafNum, const Boundsf &box, float epsi
     const Vec3f onPlane{kOnPlane, kOnPlane, kOnPlane};
     const Vec3f mins = Max(box.mins, Vec3f{float(leaf.mins[0]), float(leaf.mins[1]), float(leaf.mins[2])} - onPlane);
     const Vec3f maxs = Min(box.maxs, Vec3f{float(leaf.maxs[0]), float(leaf.maxs[1]), float(leaf.maxs[2])} + onPlane);
-    return HeldByBrush(leafNum, (mins + maxs) * 0.5f, (maxs - mins) * 0.5f, epsilon);
+    return InsideBrush(leafNum, (mins + maxs) * 0.5f, (maxs - mins) * 0.5f, epsilon);
 }
 
 bool BspSpace::Visible(int a, int b) const {
@@ -79,7 +79,7 @@ void BspSpace::ClustersOf(const Winding<float> &w, std::vector<int> &clusters) c
 
 int BspSpace::ClusterAt(const Vec3f &p, float epsilon) const {
     const int leaf = tree_.LeafAt(p), cluster = tree_.ClusterOf(leaf);
-    return cluster < 0 || HeldByBrush(std::size_t(leaf), p, {}, epsilon) ? kSolidCluster : cluster;
+    return cluster < 0 || InsideBrush(std::size_t(leaf), p, {}, epsilon) ? kSolidCluster : cluster;
 }
 
 bool BspSpace::InSolidLeaf(const Vec3f &p) const {
@@ -96,11 +96,11 @@ bool BspSpace::AnySolid(const Vec3f &mins, const Vec3f &maxs) const {
     return Touches(mins, maxs, [&](std::size_t leaf) { return tree_.ClusterOf(int(leaf)) < 0; });
 }
 
-/// Whether the box touches a leaf that is `wanted`.
+/// Whether the box touches a leaf for which `wanted` is true.
 template <typename Leaf> bool BspSpace::Touches(const Vec3f &mins, const Vec3f &maxs, const Leaf &wanted) const {
     const Vec3f center = (mins + maxs) * 0.5f, half = (maxs - mins) * 0.5f;
     std::array<BspChild, 32> pending;
-    std::vector<BspChild> more; // where that is full
+    std::vector<BspChild> more; // overflow of `pending`
     std::size_t waiting = 0;
     BspChild child = tree_.Root();
     for (;;) {
@@ -121,7 +121,7 @@ template <typename Leaf> bool BspSpace::Touches(const Vec3f &mins, const Vec3f &
         const Vec3f &n = node.normal;
         const float d = Dot(n, center) - node.dist;
         const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
-        // Branches, as in BspTree::LeafAt.
+        // Branches rather than conditional moves, as in BspTree::LeafAt.
         if (d < -reach)
             child = node.children[1];
         else {

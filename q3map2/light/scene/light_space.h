@@ -28,20 +28,20 @@ class BspSpace {
     int ClusterAt(const Vec3f &p, float epsilon) const;
     /// Whether p is in a solid leaf; brushes do not count.
     bool InSolidLeaf(const Vec3f &p) const;
-    /// False if ClusterAt(p, epsilon) says solid of all p in the box. True in doubt.
+    /// False only if ClusterAt(p, epsilon) is solid for all p in the box; true in doubt.
     bool AnyOpen(const Vec3f &mins, const Vec3f &maxs, float epsilon) const;
     /// Whether the box touches a solid leaf.
     bool AnySolid(const Vec3f &mins, const Vec3f &maxs) const;
-    /// Whether a player can be about there: p is kPlayerHalfSize clear of solid leafs on all sides.
+    /// Whether a player fits there: p is kPlayerHalfSize clear of solid leafs on all sides.
     bool PlayerFits(const Vec3f &p) const {
         const Vec3f half{kPlayerHalfSize, kPlayerHalfSize, kPlayerHalfSize};
         return !AnySolid(p - half, p + half);
     }
 
-    /// Whether a sees b: true without visibility data, false for kSolidCluster.
+    /// Whether cluster a sees cluster b: true without visibility data, false for kSolidCluster.
     bool Visible(int a, int b) const;
     int ClusterCount() const { return clusterCount_; }
-    /// Appends every cluster of non-solid leafs that the polygon passes through, without order or duplicates.
+    /// Appends every cluster that the polygon passes through, each once, in no particular order.
     void ClustersOf(const Winding<float> &w, std::vector<int> &clusters) const;
     /// Union of the bounds of all leafs whose cluster `cluster` sees.
     Boundsf VisibleBounds(int cluster) const;
@@ -51,7 +51,7 @@ class BspSpace {
   private:
     template <typename Leaf> bool Touches(const Vec3f &mins, const Vec3f &maxs, const Leaf &wanted) const;
     bool FilledByBrush(std::size_t leaf, const Boundsf &box, float epsilon) const;
-    bool HeldByBrush(std::size_t leaf, const Vec3f &center, const Vec3f &half, float epsilon) const;
+    bool InsideBrush(std::size_t leaf, const Vec3f &center, const Vec3f &half, float epsilon) const;
 
     const Bsp &bsp_;
     BspTree tree_;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What casts shadows, as triangles by kind.
+// GPL-2.0-or-later. Shadow casters as triangles by kind.
 #include "q3map2/light/scene/shadow_casters.h"
 
 #include "q3map2/light/scene/light_patch.h"
@@ -13,11 +13,11 @@ namespace {
 
 /// Skies stand this far in front of their brushes, so that rays meet them before the solid behind. Game units.
 constexpr float kSkyLift = 1.0f / 16;
-/// In the established program an opaque leaf larger than this that at least so many triangles reach into stops being
-/// solid.
+/// In the established program a solid leaf longer than kLostLeafSize on an axis stops being solid if at least
+/// kLostLeafTriangles triangles reach into it.
 constexpr int kLostLeafSize = 32, kLostLeafTriangles = 5;
 
-/// Whether casters of a group shadow receivers of another.
+/// Whether casters of group castShadows shadow receivers of group receiveShadows.
 bool Shadows(int castShadows, int receiveShadows) {
     if (receiveShadows == 1)
         return castShadows > 0;
@@ -106,10 +106,10 @@ void AddFaces(const std::vector<Winding<double>> &faces, Triangles &triangles) {
             triangles.Add(Vec3f(w[0]), Vec3f(w[i - 1]), Vec3f(w[i]), -1);
 }
 
-/// Most surfaces are faces of solids, whose hull blocks the same rays. Leaves those out of kSurfaces and
-/// kLegacySurfaces.
-void LeaveCoveredOut(const Bsp &bsp, const std::vector<bool> &solidLeafs, const std::vector<bool> &legacySolidLeafs,
-                     TrianglesByKind &triangles) {
+/// Most surfaces lie on faces of solids, whose hull blocks the same rays. Removes these from kSurfaces, and sets
+/// kLegacySurfaces to those that kLegacySolids do not cover.
+void RemoveCovered(const Bsp &bsp, const std::vector<bool> &solidLeafs, const std::vector<bool> &legacySolidLeafs,
+                   TrianglesByKind &triangles) {
     const Triangles all = std::exchange(triangles[kSurfaces], {});
     TreeWalk<double> tree(bsp);
     for (std::size_t i = 0; i < all.Count(); ++i) {
@@ -137,7 +137,7 @@ TrianglesByKind ShadowCasters(const Bsp &bsp, const SurfaceTable &table, const L
     SolidHulls(bsp, hulls);
     AddFaces(hulls[0].faces, triangles[kSolids]);
     AddFaces(hulls[1].faces, triangles[kLegacySolids]);
-    LeaveCoveredOut(bsp, hulls[0].solidLeafs, hulls[1].solidLeafs, triangles);
+    RemoveCovered(bsp, hulls[0].solidLeafs, hulls[1].solidLeafs, triangles);
     return triangles;
 }
 

@@ -11,7 +11,7 @@ namespace q3 {
 
 namespace {
 
-/// Surfaces of more triangles are not cut into convex pieces, which takes time by the square of their number.
+/// Surfaces with more triangles are not cut into convex pieces: the time grows with the square of their number.
 constexpr std::size_t kMostTriangles = 256;
 
 /// Area vector of triangles, three clockwise corners each: half the sum of their cross products.
@@ -22,14 +22,14 @@ Vec3d AreaVector(const std::vector<Vec3d> &corners) {
     return across;
 }
 
-/// The convex polygon that triangles in one plane make; empty when they make none.
+/// The convex polygon that coplanar triangles cover; empty if what they cover is not convex.
 Winding<double> ConvexFace(const std::vector<Vec3d> &corners) {
     const Vec3d area = AreaVector(corners);
     Winding<double> hull = ConvexHull(corners, Normalize(area), kSkyOverlap / 2);
-    double around = 0;
+    double perimeter = 0;
     for (std::size_t i = 0; i < hull.size(); ++i)
-        around += Length(hull[(i + 1) % hull.size()] - hull[i]);
-    if (std::abs(WindingArea(hull) - Length(area)) > kSkyOverlap * around)
+        perimeter += Length(hull[(i + 1) % hull.size()] - hull[i]);
+    if (std::abs(WindingArea(hull) - Length(area)) > kSkyOverlap * perimeter)
         return {};
     return hull;
 }
@@ -43,8 +43,8 @@ bool Adjacent(const std::vector<Vec3d> &a, const std::vector<Vec3d> &b) {
     return common.size() >= 2;
 }
 
-/// The convex polygons that triangles make, one or several; empty when they are too many or not in one plane. Joins
-/// what makes a convex polygon, as it comes.
+/// Convex polygons that together cover the triangles; empty if they are too many or not coplanar. Greedily joins parts
+/// whose union is convex.
 std::vector<Winding<double>> ConvexPieces(const std::vector<Vec3d> &corners) {
     const Vec3d normal = Normalize(AreaVector(corners));
     for (const Vec3d &p : corners)
@@ -56,7 +56,7 @@ std::vector<Winding<double>> ConvexPieces(const std::vector<Vec3d> &corners) {
         return {};
     std::vector<std::vector<Vec3d>> parts;
     for (std::size_t i = 0; i < corners.size(); i += 3)
-        if (!ConvexFace({corners[i], corners[i + 1], corners[i + 2]}).empty()) // not those of no area
+        if (!ConvexFace({corners[i], corners[i + 1], corners[i + 2]}).empty()) // skips triangles without area
             parts.push_back({corners[i], corners[i + 1], corners[i + 2]});
     const auto join = [&] {
         for (std::size_t i = 0; i < parts.size(); ++i)
@@ -85,7 +85,7 @@ std::vector<Winding<double>> ConvexPieces(const std::vector<Vec3d> &corners) {
 
 /// Adds to `inside` the points that are on the inside of all edges of a convex piece.
 Q3_VECTOR void AddInside(std::span<const SkyLinear> edges, const Lanes3 &points, LaneMask &inside) {
-    Lanes least; ///< how far inside the nearest edge
+    Lanes least; ///< 0, or the negative distance outside the farthest edge
     least.fill(0);
     for (const auto &[across, dist] : edges) {
         const float x = across.x, y = across.y, z = across.z, from = dist;
@@ -121,7 +121,7 @@ SkyFaces::SkyFaces(const Triangles &skies, std::span<const int> indexes) {
         if (few_)
             AddFace(pieces, indexOf[surface]);
     }
-    // Most rays meet a large face, and then need no look at the edges of those behind it.
+    // Large faces first: most rays meet one, which saves testing the edges of faces behind it.
     std::stable_sort(faces_.begin(), faces_.end(), [](const Face &a, const Face &b) { return a.area > b.area; });
 }
 
@@ -147,7 +147,7 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
     const auto [n, dist] = face.plane;
     Lanes distance, toward;
     Lanes3 at;
-    LaneMask between; ///< rays that meet the plane where nothing else was met
+    LaneMask between; ///< rays that meet the plane before any other face
     std::int32_t open = 0;
     for (const std::size_t i : kEachLane) {
         const float dx = direction.x[i], dy = direction.y[i], dz = direction.z[i];
@@ -159,7 +159,7 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
         between[i] = -std::int32_t((d >= nearest) & (d <= hits.distance[i]));
         open |= between[i];
     }
-    if (open == 0) // most faces of a box of skies
+    if (open == 0) // so for most faces of a sky box
         return;
     LaneMask inside{};
     for (const Piece &piece : face.pieces) {

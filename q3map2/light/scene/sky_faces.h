@@ -12,15 +12,15 @@
 
 namespace q3 {
 
-/// What the rays of a packet meet of the skies.
+/// Nearest sky hits of the rays of a packet.
 struct SkyHits {
     LaneMask hit{};      ///< rays that meet a sky
-    LaneMask behind{};   ///< of those, the ones that come from behind it
-    Lanes distance;      ///< to it; where there is none, as far as was looked
-    IntLanes skyIndex{}; ///< its number; 0 where there is none
+    LaneMask behind{};   ///< rays that meet it from behind
+    Lanes distance;      ///< to the sky; without a hit, the length of the ray
+    IntLanes skyIndex{}; ///< number of the sky; 0 without a hit
 };
 
-/// More skies, convex pieces of them or edges take longer than a search for the nearest triangle.
+/// With more skies, convex pieces or edges, Embree finds the nearest triangle faster.
 inline constexpr std::size_t kMostSkyFaces = 8, kMostSkyPieces = 16, kMostSkyEdges = 64;
 /// Outlines this near to a convex polygon count as convex; pieces reach as far over their edges, so that no ray slips
 /// through where they meet. Game units.
@@ -30,22 +30,21 @@ struct SkyLinear {
     Vec3f normal;
     float dist;
 };
-/// The skies of most maps are the few large sides of a box. All rays of a packet are tested against those at once,
-/// which takes a fraction of the time of a search for the nearest of their triangles. A side of any outline is cut into
-/// convex pieces.
+/// The skies of most maps are the few large sides of a box. Testing all rays of a packet against these at once takes a
+/// fraction of the time of Embree's nearest hit. Sides that are not convex are cut into convex pieces.
 class SkyFaces {
   public:
-    using Piece = std::vector<SkyLinear>; ///< by edge: how far inside of it
+    using Piece = std::vector<SkyLinear>; ///< by edge: distance, positive inside
     struct Face {
-        SkyLinear plane; ///< towards the room
+        SkyLinear plane; ///< facing the room
         std::vector<Piece> pieces;
         int skyIndex;
         double area;
     };
 
-    /// indexes: number of the sky of each triangle.
+    /// indexes: sky number of each triangle.
     SkyFaces(const Triangles &skies, std::span<const int> indexes);
-    /// Whether the skies are few convex pieces, so that this is worth it; Find needs it.
+    /// Whether the skies are few convex pieces. Find may be called only then.
     bool Few() const { return few_; }
     /// The nearest face on each live ray between `nearest` and `farthest`. Rays on the edge of a face meet it.
     void Find(const Lanes3 &origin, const Lanes3 &direction, const Lanes &farthest, const LaneMask &live, float nearest,

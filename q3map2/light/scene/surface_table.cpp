@@ -17,9 +17,9 @@ namespace q3 {
 namespace {
 
 constexpr int kMaxSampleSize = 16384;
-/// All vertex normals of a patch must lean at least so far towards the axis that it is projected along.
+/// Least cosine between all vertex normals of a patch and the axis that its lightmap is projected along.
 constexpr float kAxisCone = 0.25f;
-/// How much smaller than the others a component may be and still be the major one.
+/// A component this much smaller than the largest may still be the major one: favors z, then x.
 constexpr float kAxisSlack = 0.0001f;
 
 /// One block of a surface file.
@@ -52,7 +52,7 @@ std::vector<std::string_view> Words(std::string_view line) {
     return words;
 }
 
-/// "( x y z )" from the second word on; absurd numbers are cut.
+/// "( x y z )" from the second word on; absurd numbers are clamped.
 Vec3f VectorFrom(const std::vector<std::string_view> &words) {
     constexpr double kMost = 1e6;
     Vec3f result;
@@ -124,7 +124,7 @@ SurfaceExtras ParseSurfaceExtras(std::string_view text, std::string_view name, s
     return extras;
 }
 
-/// What an entity says of the surfaces of its model.
+/// Keys of an entity that concern the surfaces of its model.
 struct ModelOwner {
     Vec3f origin;
     int entity = 0;
@@ -221,7 +221,7 @@ void ApplyFile(const SurfaceExtras &extras, SurfaceTable &table) {
         entry.receiveShadows = extra.receiveShadows;
         entry.entity = extra.entity;
         entry.sampleSize = extra.sampleSize;
-        // Zero is what the surface file leaves out: the world's.
+        // Zero also stands for a missing key: the world's ambient light.
         entry.ambient = extra.ambient == Vec3f{} ? extras.defaults.ambient : extra.ambient;
         entry.axis = extra.axis;
         entry.longestCurve = extra.longestCurve;

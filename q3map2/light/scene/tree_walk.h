@@ -12,8 +12,8 @@ namespace q3 {
 /// Where pieces in the plane of a node go.
 enum class CoplanarSide { Front, Back, Both };
 
-/// Cuts convex polygons by the tree of a validated Bsp. One serves for many, one after the other, so that pieces take
-/// no new memory each. Iterative. Keeps a reference.
+/// Cuts convex polygons by the tree of a validated Bsp. Use one object for many polygons in turn: it reuses its memory.
+/// Iterative. Keeps a reference.
 template <typename T> class TreeWalk {
   public:
     explicit TreeWalk(const Bsp &bsp) : bsp_(bsp) {}
@@ -23,8 +23,8 @@ template <typename T> class TreeWalk {
 
     /// Cuts w, a range of points, by the tree below `from` and calls visit(piece, leaf) for the piece in each leaf,
     /// until it returns false; so does the function. Backs come before fronts. Points within epsilon (game units) of a
-    /// node's plane count as on it; coplanarSide(plane) is asked about pieces all of which do. The visitor may change
-    /// its piece.
+    /// node's plane count as on it; coplanarSide(plane) decides where pieces go that lie entirely on it. The visitor
+    /// may change its piece.
     template <typename Points, typename ChooseCoplanarSide, typename Visit>
     bool Walk(BspChild from, const Points &w, T epsilon, const ChooseCoplanarSide &coplanarSide, const Visit &visit) {
         stackSize_ = 0;

@@ -8,20 +8,20 @@
 
 namespace q3 {
 
-/// No light is stronger than at this distance. Game units.
+/// Smaller distances count as this one. Game units.
 inline constexpr float kNearest = 16;
-/// Light of a linear light at distance 0, per photon.
+/// Light of a linear light per photon, before the fade.
 inline constexpr float kLinearScale = 1.0f / 8000;
 /// A spotlight fades over this much at the rim of its cone. Game units.
 inline constexpr float kConeFade = 32;
 
 /// Light at distance d with a factor a for the angle of incidence (1 at points without a normal), byte scale for full
-/// colour. With d' = max(16, sqrt(d^2 + extraDist^2)):
+/// color. With d' = max(16, sqrt(d^2 + extraDist^2)):
 ///
 ///     inverse square: a photons / d'^2
 ///     linear:         a photons / 8000 - d' fade
 ///
-/// The angle does not weaken the fade: so the established program has it, and maps are made for it.
+/// The angle does not scale the fade, as in the established program: maps rely on it.
 class Falloff {
   public:
     explicit Falloff(const Light &light)
@@ -32,7 +32,7 @@ class Falloff {
         const float d = std::max(kNearest, std::sqrt(distance * distance + extraDist2_));
         return linear_ ? angle * photons_ * kLinearScale - d * fade_ : photons_ / (d * d) * angle;
     }
-    /// The distance from which on At is at most `least`, without extraDist. Inverse square never falls to 0.
+    /// The distance beyond which At is at most `least`, without extraDist. Inverse square never falls to 0.
     float Reach(float least) const {
         if (linear_)
             return (photons_ * kLinearScale - least) / fade_;

@@ -12,13 +12,13 @@ namespace q3 {
 
 /// World keys that concern light.
 struct WorldLight {
-    Vec3f ambient; ///< byte scale
-    Vec3f minGrid; ///< least light of grid points, lightmaps, vertices; byte scale
-    Vec3f minLight, minVertex;
+    Vec3f ambient;             ///< byte scale
+    Vec3f minGrid;             ///< least light of grid points; byte scale
+    Vec3f minLight, minVertex; ///< least light of lightmaps and of vertices; byte scale
     float maxLight = 255;
     bool noShaderSun = false;
     bool hasFloodlight = false;
-    Vec3f floodColor{0.94f, 0.94f, 1.0f}; ///< normalised
+    Vec3f floodColor{0.94f, 0.94f, 1.0f}; ///< largest component 1
     float floodDistance = 1024, floodIntensity = 128, floodDirectionScale = 1;
 };
 WorldLight ReadWorldLight(const Entity &world, const LightOptions &options);

@@ -18,21 +18,21 @@ constexpr float kFirstReach = 100, kReachStep = 10;
 /// Smallest distance of the sequence 100, 110, ... at which an area light gives at most its tolerance: searched one by
 /// one where the form factor may still grow with distance, by bisection beyond.
 float AreaReach(const Light &light) {
-    const auto tooMuch = [&](int step) {
+    const auto aboveTolerance = [&](int step) {
         const float r = kFirstReach + kReachStep * float(step);
         const Vec3f p = light.origin + light.normal * r;
         return std::abs(float(FormFactor(Vec3d(p), Vec3d(-light.normal), light.w))) * light.add > light.tolerance;
     };
     constexpr int kLinearSteps = 90, kLastStep = int((kSunDistance - kFirstReach) / kReachStep);
     for (int step = 0; step < kLinearSteps; ++step)
-        if (!tooMuch(step))
+        if (!aboveTolerance(step))
             return kFirstReach + kReachStep * float(step);
-    if (tooMuch(kLastStep))
+    if (aboveTolerance(kLastStep))
         return kSunDistance;
     int low = kLinearSteps - 1, high = kLastStep;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
-        (tooMuch(middle) ? low : high) = middle;
+        (aboveTolerance(middle) ? low : high) = middle;
     }
     return kFirstReach + kReachStep * float(high);
 }
@@ -43,8 +43,8 @@ float Reach(const Light &light) {
     return Falloff(light).Reach(light.fast ? light.tolerance : 0);
 }
 
-/// Moves a light that is in a solid by steps of 2 units, as the established program does: it goes on after a success,
-/// so a light can move several times. Returns the cluster of the last attempt.
+/// Moves a light that is in a solid by steps of 2 units, as the established program does: the search continues after a
+/// success, so a light can move several times. Returns the cluster of the last attempt.
 int NudgeOut(Light &light, const BspSpace &space) {
     static constexpr float kSteps[4] = {0, 0, 2, -2};
     int cluster = kSolidCluster;

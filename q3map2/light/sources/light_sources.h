@@ -9,41 +9,41 @@
 
 namespace q3 {
 
-/// Distance of suns: "infinite". Game units, 8 times the half size of the world.
+/// Distance of suns: "infinite". Game units, 8 times kMaxWorldCoord.
 inline constexpr float kSunDistance = 524288;
 
-/// Lights farther out than this on an axis are in no map. Game units.
+/// Lights farther out than this on an axis are left out. Game units.
 inline constexpr float kMaxLightCoordinate = 262144;
 
 enum class LightType { Point, Spot, Area, Sun };
 
-/// What visibility and moments of an area light need of its polygon.
+/// Geometry of an area light's polygon that visibility and moments need.
 struct AreaShape {
-    Winding<float> back;           ///< the polygon the other way round
-    Vec3d normal;                  ///< of its plane, by its corners
+    Winding<float> back;           ///< the polygon with reversed winding
+    Vec3d normal;                  ///< of the plane through the corners
     double dist = 0;               ///< origin of the plane: normal . p = dist
-    Vec3f center;                  ///< of gravity
-    float radius = 0, area = 0;    ///< around the centre; square units
-    std::vector<float> cumulative; ///< area of the first triangles of the fan, by triangle
+    Vec3f center;                  ///< centroid
+    float radius = 0, area = 0;    ///< radius around the center, game units; area, square units
+    std::vector<float> cumulative; ///< running sum of areas over the triangles of the fan
 };
 
-/// One light. Colour times the number that falloff or form factor give is light on the byte scale, 255 = full.
+/// One light. Color times the number that falloff or form factor give is light on the byte scale, 255 = full.
 struct Light {
     LightType type = LightType::Point;
     bool linear = false;     ///< falloff photons / 8000 - distance * fade instead of photons / distance^2
     bool grid = true;        ///< lights grid points
     bool surfaces = true;    ///< lights lightmaps and vertices
-    bool alwaysFast = false; ///< entity lights: the falloff tolerance counts in every pass
-    bool noFast = false;     ///< q3map_noFast
+    bool alwaysFast = false; ///< entity lights: end at their tolerance in the legacy grid without -fast too
+    bool noFast = false;     ///< q3map_noFast: never ends at its tolerance
     bool twoSided = false;
     bool negative = false;  ///< subtracts
     bool angle = true;      ///< surfaces: weaker at grazing angles
-    float angleScale = 0;   ///< surfaces: cosines are divided by it, up to 1; 0: not
+    float angleScale = 0;   ///< surfaces: factor min(1, cosine / angleScale); 0: off
     float filterRadius = 0; ///< lightmaps: blur of its light. Game units
     Vec3f color{1, 1, 1};
     float photons = 0;
     float add = 0;  ///< area: light per unit of form factor
-    Vec3f origin;   ///< area: 1 unit off the centre of the box of the polygon
+    Vec3f origin;   ///< area: 1 unit off the center of the box of the polygon
     Vec3f normal;   ///< spot: aim; area: facing; sun: away from the sun
     float dist = 0; ///< area: origin . normal
     float fade = 1;
@@ -56,11 +56,11 @@ struct Light {
     AreaShape shape;   ///< area: derived from w by SetShape
 
     // Set by SetupEnvelopes.
-    std::vector<int> clusters;  ///< where it is; empty for suns
-    std::vector<bool> seenFrom; ///< by cluster: points there may see it; empty: everywhere
+    std::vector<int> clusters;  ///< clusters that hold it; empty for suns
+    std::vector<bool> seenFrom; ///< by cluster: whether points there may see it; empty: all may
     float envelope = 0;         ///< no light beyond this distance
     Boundsf bounds;
-    bool fast = false; ///< contributions up to the tolerance count as none
+    bool fast = false; ///< contributions up to the tolerance are left out
 
     bool SeenFrom(int cluster) const { return cluster >= 0 && (seenFrom.empty() || seenFrom[std::size_t(cluster)]); }
     void SetShape();

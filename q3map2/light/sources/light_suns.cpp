@@ -28,12 +28,12 @@ Sample2 DiscOffset(int i, double radius) {
     return {r * std::cos(angle), r * std::sin(angle)};
 }
 
-/// One direction of the six sky images with the mean colour of its cell.
+/// Direction through a cell of one of the six sky images, and the cell's mean color.
 struct SkyProbe {
     Vec3f direction, color;
 };
 
-constexpr int kSkyCells = 64;
+constexpr int kSkyCells = 64; ///< per side of a sky image
 
 /// Unit-cube vector of a face at a = 1 - 2u, b = 1 - 2v, u and v the fractions along image columns and rows.
 Vec3f FaceVector(std::size_t face, float a, float b) {
@@ -76,7 +76,7 @@ std::vector<SkyProbe> SkyProbes(const std::string &base, ShaderLibrary &library,
     for (std::size_t face = 0; face < kSuffixes.size(); ++face) {
         const auto image = library.LoadImage(base + kSuffixes[face]);
         if (!image) {
-            log.Warn("sky image", "{}{}: sky image not found, the sky light takes the shader's colour", base,
+            log.Warn("sky image", "{}{}: sky image not found, the sky light uses the shader's color", base,
                      kSuffixes[face]);
             return {};
         }

@@ -13,7 +13,7 @@ namespace q3 {
 /// The lights of one sun: samples of equal strength spread over its deviance, the first in its exact direction.
 std::vector<Light> MakeSuns(const SunDirective &sun, int skyIndex, const LightOptions &options);
 
-/// The directions and colours of one q3map_skyLight: unit vectors towards the sky, photons of each.
+/// The directions and colors of one q3map_skyLight: unit vectors toward the sky, photons of each.
 std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const ShaderInfo &shader, ShaderLibrary &library,
                                        Log &log);
 

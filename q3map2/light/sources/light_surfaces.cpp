@@ -16,9 +16,10 @@ namespace {
 constexpr float kDefaultSubdivide = 999;
 constexpr float kOnCut = 0.125f; ///< corners this near to a cut count as on it. Game units
 constexpr double kMinArea = 1, kMaxArea = 20'000'000;
-constexpr float kFlatQuad = 0.1f; ///< a quad's fourth corner this near to the plane of the others keeps it whole
+/// A quad stays whole if its fourth corner is this near to the plane of the others. Game units.
+constexpr float kFlatQuad = 0.1f;
 constexpr int kMaxSkies = 32;
-/// About the most lights that one polygon is split into.
+/// Approximate maximum number of lights that one polygon is split into.
 constexpr double kMaxPieces = 65536;
 
 using Polygon = std::vector<MeshVert>;
@@ -73,7 +74,7 @@ class AreaLightMaker {
         return true;
     }
 
-    /// Longest side of the box of a piece: that of the shader, or larger where it would make too many.
+    /// Maximum side of a piece's bounding box: q3map_lightSubdivide, or more where that would make too many pieces.
     float PieceSize(const Polygon &polygon) {
         const float wanted = shader_.lightSubdivide > 0 ? shader_.lightSubdivide : kDefaultSubdivide;
         Winding<float> w;
@@ -193,7 +194,7 @@ class SkyLights {
               SurfaceLightCounts &counts, Log &log)
         : options_(options), world_(world), library_(library), lights_(lights), counts_(counts), log_(log) {}
 
-    /// Number of the sky, -1 when any sky will do.
+    /// Number of the sky; -1: its suns shine through any sky.
     int Add(const ShaderInfo &shader) {
         const auto known = numbers_.find(&shader);
         if (known != numbers_.end())

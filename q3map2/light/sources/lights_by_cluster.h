@@ -35,7 +35,7 @@ class LightsByCluster {
   private:
     const std::vector<Light> &lights_;
     std::vector<std::uint64_t> everywhere_;        ///< lights that every cluster may see
-    std::vector<std::vector<std::uint64_t>> rows_; ///< by cluster: the others that it may see
+    std::vector<std::vector<std::uint64_t>> rows_; ///< by cluster: lights that it may see, without those of everywhere_
 };
 
 } // namespace q3

@@ -28,8 +28,8 @@ Vec3f ToneMapper::Graded(const Vec3f &color) const {
         v *= (1 - std::exp(-m / tone_.exposure)) * 255 / m;
     if (tone_.saturation == 1)
         return v;
-    const float grey = 0.3086f * v.x + 0.6094f * v.y + 0.0820f * v.z;
-    return Each(v, [&](float c) { return NotNegative(grey * (1 - tone_.saturation) + c * tone_.saturation); });
+    const float gray = 0.3086f * v.x + 0.6094f * v.y + 0.0820f * v.z;
+    return Each(v, [&](float c) { return NotNegative(gray * (1 - tone_.saturation) + c * tone_.saturation); });
 }
 
 Vec3f ToneMapper::InSrgb(const Vec3f &color) {

@@ -10,7 +10,7 @@
 namespace q3 {
 
 /// The established program's chain from light on the byte scale to bytes: scale, contrast, gamma, exposure, saturation,
-/// compensation, hue-preserving limit, sRGB, truncation; for many colours. Keeps a reference.
+/// compensation, hue-preserving limit, sRGB, truncation; for many colors. Keeps a reference.
 class ToneMapper {
   public:
     /// A scale or brightness of 0 or less counts as 1.
@@ -36,10 +36,10 @@ class ToneMapper {
 
     const ToneOptions &tone_;
     float scale_, factor_;
-    bool plain_; ///< without contrast, gamma, exposure and saturation, which few maps change
+    bool plain_; ///< contrast, gamma, exposure and saturation at their defaults, as in most maps
 };
 
-/// One colour by the same chain.
+/// Tone-maps one color.
 inline std::array<std::uint8_t, 3> ColorToBytes(const Vec3f &color, float scale, float brightness,
                                                 const ToneOptions &tone) {
     return ToneMapper(scale, brightness, tone).Bytes(color);

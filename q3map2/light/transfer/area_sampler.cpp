@@ -8,7 +8,7 @@ namespace q3 {
 
 namespace {
 
-/// Solid angles under this come from rounding only.
+/// Solid angles below this are rounding error.
 constexpr double kNoSolidAngle = 1e-9;
 
 /// Sixteen points of the unit square, and the triangles of the polygon that they fall in.
@@ -16,12 +16,11 @@ struct Picks {
     DoubleLanes u, v; ///< u: from 0 to the sum of the sizes of all triangles
     IntLanes triangle;
 
-    /// Points number `first` and the 15 after it of the pattern that starts at `start`. `sums`: sizes of the triangles,
-    /// summed up.
+    /// Points first to first + 15 of the pattern that starts at `start`. sums: running sums of the triangles' sizes.
     template <typename T> Picks(const Sample2 &start, std::uint32_t first, const std::vector<T> &sums) {
         Spread(start, first, double(sums.back()));
         for (std::size_t i = 0; i + 1 < sums.size(); ++i)
-            Pass(double(sums[i]));
+            Advance(double(sums[i]));
     }
     bool Any(std::size_t number) const {
         return std::find(triangle.begin(), triangle.end(), std::int32_t(number)) != triangle.end();
@@ -29,7 +28,7 @@ struct Picks {
 
   private:
     void Spread(Sample2 start, std::uint32_t first, double sum);
-    void Pass(double sum);
+    void Advance(double sum);
 };
 
 Q3_VECTOR void Picks::Spread(Sample2 start, std::uint32_t first, double sum) {
@@ -42,7 +41,7 @@ Q3_VECTOR void Picks::Spread(Sample2 start, std::uint32_t first, double sum) {
 }
 
 /// Moves samples beyond the sum to the next triangle.
-Q3_VECTOR void Picks::Pass(double sum) {
+Q3_VECTOR void Picks::Advance(double sum) {
     for (const std::size_t i : kEachLane)
         triangle[i] += u[i] >= sum ? 1 : 0;
 }

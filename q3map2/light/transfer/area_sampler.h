@@ -21,15 +21,15 @@ struct AreaSamples {
     Lanes weight;
 };
 
-/// Low-discrepancy samples of an area light: uniform in solid angle if it is near, else uniform in area, which is many
-/// times cheaper and as good.
+/// Low-discrepancy samples of an area light: uniform in solid angle if it is near, else uniform in area, which is much
+/// cheaper and as accurate at a distance.
 class AreaSampler {
   public:
-    static constexpr int kSamplesPerTake = int(kPacketSize); ///< samples that Take gives
+    static constexpr int kSamplesPerTake = int(kPacketSize); ///< number of samples per call of Take
     /// corners: of the polygon, clockwise as seen from p; height: of p over its plane; seed: of the pattern.
     AreaSampler(const Light &light, std::span<const Vec3f> corners, const Vec3f &p, float height, std::uint64_t seed,
                 bool near);
-    /// Samples number `first` and the 15 after it.
+    /// Samples first to first + 15.
     void Take(std::uint32_t first, AreaSamples &samples) const;
 
   private:
@@ -37,7 +37,7 @@ class AreaSampler {
     Vec3f p_;
     float height_;
     Sample2 start_;                            ///< of the pattern
-    std::vector<SphericalTriangle> triangles_; ///< of the polygon from p; empty: samples by area
+    std::vector<SphericalTriangle> triangles_; ///< fan of the polygon as seen from p; empty: samples by area
     std::vector<double> cumulative_;           ///< their solid angles, summed up
     Vec3d normal_;
     double planeDistance_ = 0;

@@ -7,15 +7,15 @@
 
 namespace q3 {
 
-/// Pairs of a light and a receiver by what became of them, one per worker; added up for the log.
+/// Pairs of a light and a receiver by outcome. Each worker has its own; they are summed for the log.
 struct ContributionCounts : RayCounts {
-    std::uint64_t pairs = 0;          ///< looked at
+    std::uint64_t pairs = 0;          ///< pairs considered
     std::uint64_t skippedFacing = 0;  ///< behind an emitter, outside a cone or beyond the reach
-    std::uint64_t skippedPvs = 0;     ///< that cannot see each other by the visibility lump
-    std::uint64_t skippedFaint = 0;   ///< with a light so faint that others stand for it
-    std::uint64_t skippedMoments = 0; ///< whose moments were taken from a point or a few samples of the emitter
-    std::uint64_t skippedProbes = 0;  ///< with a faint area light, whose visibility is that of one ray
-    std::uint64_t skippedCoarse = 0;  ///< whose visibility is that of other receivers of the batch
+    std::uint64_t skippedPvs = 0;     ///< hidden from each other by the visibility lump
+    std::uint64_t skippedFaint = 0;   ///< with a light so faint that others represent it
+    std::uint64_t skippedMoments = 0; ///< with an emitter approximated by a point or a few samples
+    std::uint64_t skippedProbes = 0;  ///< with a faint area light, its visibility from one ray
+    std::uint64_t skippedCoarse = 0;  ///< with visibility taken from other receivers of the batch
     std::uint64_t refined = 0;        ///< with an area light partly hidden, traced with many rays
 
     ContributionCounts &operator+=(const ContributionCounts &o) {

@@ -21,22 +21,23 @@ constexpr float kPlaneClearance = 1.0f / 64;
 constexpr float kFaint = 1.0f / 4;
 /// Partly hidden lights that give less than this are scaled by the share of probe rays that arrive. Byte scale.
 constexpr float kRefine = 0.5f;
-/// From 2 kRefine on, a receiver is refined too where others of its batch see another share; from kBright on, probe
-/// rays to the inside of the emitter find blockers smaller than its corners tell of. Byte scale.
+/// Receivers that get at least 2 kRefine are also refined where visibility differs within the batch. From kBright on,
+/// additional probe rays to the inside of the emitter find small blockers that rays to its corners miss. Byte scale.
 constexpr float kBright = 2;
 constexpr int kInnerProbes = 2;
-/// A straight shadow edge across a convex emitter parts its corners, so each gets a probe ray, moved toward the centre
-/// by this share.
+/// A straight shadow edge across a convex emitter separates its corners, so each gets a probe ray, moved toward the
+/// center by this share.
 constexpr float kCornerInset = 0.01f;
-/// Projections are approximated where that errs by less than this. Byte scale.
+/// Projections are approximated where the error stays below this. Byte scale.
 constexpr float kMomentError = 1.0f / 256;
-/// Beyond this square of radius over distance a light is too near for any approximation.
+/// From this (radius / distance)^2 on, a light is too near for any approximation.
 constexpr float kNearError = 0.25f;
-/// Limits of the number of rays to a partly hidden light: as many as keep the expected error under kTolerance.
+/// Limits of the number of rays to a partly hidden light.
 constexpr float kMinRefined = 16, kMaxRefined = 1024;
-/// Byte scale.
+/// Expected error that determines this number. Byte scale.
 constexpr float kTolerance = 0.25f;
-/// Rays end this far in front of the emitter, which is itself in the scene, or half way to its plane. Game units.
+/// Rays end this far in front of the emitter, since its surface is in the scene, or half way to its plane if that is
+/// nearer. Game units.
 constexpr float kEmitterGap = 0.125f;
 
 int RefinedRays(float facing, float samples) {
@@ -135,7 +136,8 @@ void AreaContribution::MeasureMoments(const LaneMask &lanes) {
         moments_.Measure(light_.shape.back, receivers_->position, behind);
 }
 
-/// The same for the near receivers, and the unoccluded estimate from them: add |m1| / pi, m1 the first moment.
+/// MeasureMoments for the near receivers, and the unoccluded estimate from the moments: add |m1| / pi, m1 the first
+/// moment.
 void AreaContribution::MeasureNear() {
     MeasureMoments(near_);
     for (const std::size_t i : kEachLane)
@@ -143,8 +145,8 @@ void AreaContribution::MeasureNear() {
             unoccludedEstimate_[i] = light_.add * float(moments_.FirstLength(i) / std::numbers::pi);
 }
 
-/// Ends receivers outside the light's bounds and those that get at most `least`, which is not negative. The most that
-/// one of the others gets.
+/// Ends receivers outside the light's bounds and those that get at most `least` (>= 0). Returns the greatest estimate
+/// of the remaining ones.
 Q3_VECTOR float AreaContribution::CullUnlit(float least) {
     const Vec3f from = light_.bounds.mins, to = light_.bounds.maxs;
     float brightest = 0;
@@ -159,7 +161,7 @@ Q3_VECTOR float AreaContribution::CullUnlit(float least) {
     return brightest;
 }
 
-/// Sets unoccludedEstimate_. False: no receiver gets anything.
+/// Sets unoccludedEstimate_ and brightest_. False: no receiver gets any light.
 bool AreaContribution::EstimateUnoccluded() {
     MeasureLanes();
     MeasureNear();
@@ -171,8 +173,7 @@ bool AreaContribution::EstimateUnoccluded() {
 AreaContribution::Method AreaContribution::ChooseMethod() const {
     if (!settings_.skip.moments)
         return Method::ClosedForm;
-    // As a point with a cosine the light errs by about the square of its size over its distance, by three samples a
-    // triangle by the fourth power.
+    // Relative errors: a point with a cosine about (radius / distance)^2, three samples per triangle about its square.
     float asPoint = 0, asSamples = 0;
     for (const std::size_t i : kEachLane) {
         const float light = live_[i] != 0 && near_[i] == 0 ? unoccludedEstimate_[i] * error_[i] : 0;
@@ -216,43 +217,43 @@ Q3_VECTOR void AreaContribution::AimAll(const Vec3f &target, RayPacket &rays) co
 
 /// Adds the transmittances of a round of probe rays; called from the first round on in which a ray was tinted.
 void AreaContribution::AddTint(const RayPacket &rays) {
-    if (!tinted_) // all rays before were clear
-        firstTint_ = {clear_, clear_, clear_};
+    if (!tinted_) // all rays so far were untinted
+        tintSum_ = {arrived_, arrived_, arrived_};
     tinted_ = true;
     for (std::size_t i = 0; i < receivers_->count; ++i)
         if (rays.live[i] != 0)
-            firstTint_.Set(i, firstTint_[i] + (rays.tinted ? rays.tint[i] : Vec3f{1, 1, 1}));
+            tintSum_.Set(i, tintSum_[i] + (rays.tinted ? rays.tint[i] : Vec3f{1, 1, 1}));
 }
 
 void AreaContribution::TraceProbes(int probes) {
-    clear_.fill(0);
+    arrived_.fill(0);
     RayPacket rays;
     for (int probe = 0; probe < probes; ++probe) {
         AimAll(ProbeTarget(probe), rays);
         scene_.TraceToLight(rays, ShadowRules::Exact, counts_);
         if (tinted_ || rays.tinted)
             AddTint(rays);
-        AddSeen(rays, clear_);
+        AddSeen(rays, arrived_);
     }
 }
 
-/// Live receivers whose visibility the probe rays leave unsure. Ends those that no probe ray reached and that are not
-/// to be refined.
+/// Live receivers whose visibility the probe rays leave uncertain. Ends receivers from which no probe ray arrived;
+/// Refine makes those to be refined live again.
 Q3_VECTOR LaneMask AreaContribution::LanesToRefine(int probes) {
     const float all = float(probes);
     std::int32_t anyWhole = 0, anyNotWhole = 0, anyHidden = 0, anySeen = 0;
     for (const std::size_t i : kEachLane) {
-        const std::int32_t whole = -std::int32_t(clear_[i] == all), hidden = -std::int32_t(clear_[i] == 0);
+        const std::int32_t whole = -std::int32_t(arrived_[i] == all), hidden = -std::int32_t(arrived_[i] == 0);
         anyWhole |= live_[i] & whole, anyNotWhole |= live_[i] & ~whole;
         anyHidden |= live_[i] & hidden, anySeen |= live_[i] & ~hidden;
     }
     const std::int32_t mixed = ((anyWhole & anyNotWhole) | (anyHidden & anySeen)) != 0 ? -1 : 0;
-    // Shortcuts: what is too dim is not refined, nor, less strictly, where only the neighbours differ.
+    // Shortcuts: dim receivers are not refined; those that only differ from their neighbors must be twice as bright.
     const bool shortcuts = settings_.skip.probes;
     const float partlyFrom = shortcuts ? kRefine : 0, mixedFrom = shortcuts ? 2 * kRefine : 0;
     LaneMask unsure;
     for (const std::size_t i : kEachLane) {
-        const float clear = clear_[i], estimate = unoccludedEstimate_[i];
+        const float clear = arrived_[i], estimate = unoccludedEstimate_[i];
         const std::int32_t partly = -std::int32_t((clear != all) & (clear != 0));
         const std::int32_t asked =
             (partly & -std::int32_t(estimate >= partlyFrom)) | (mixed & -std::int32_t(estimate >= mixedFrom));
@@ -262,7 +263,7 @@ Q3_VECTOR LaneMask AreaContribution::LanesToRefine(int probes) {
     return unsure;
 }
 
-/// Coefficient k is the unoccluded estimate times Y[k](direction to the centre).
+/// Coefficient k is the unoccluded estimate times Y[k](direction to the center).
 Q3_VECTOR void AreaContribution::ProjectAsPoint() {
     const Vec3f center = light_.shape.center;
     const Lanes3 &p = receivers_->position;
@@ -300,7 +301,8 @@ void AreaContribution::ProjectByQuadrature() {
     }
 }
 
-/// Sets the projections of the near receivers, or of all, by closed form; measures the moments of those to refine too.
+/// Sets the projections of the near receivers, or of all, by closed form; also measures the moments of receivers to
+/// refine.
 void AreaContribution::TakeClosedForms(bool all, const LaneMask &refine) {
     LaneMask more, taken;
     for (const std::size_t i : kEachLane) {
@@ -313,20 +315,20 @@ void AreaContribution::TakeClosedForms(bool all, const LaneMask &refine) {
         moments_.Project(double(light_.add) / std::numbers::pi, taken, incident_->shCoeffs);
 }
 
-/// Shares and tints by the probe rays, of the receivers that are not refined.
+/// Visible shares and tints from the probe rays, for receivers that are not refined.
 Q3_VECTOR void AreaContribution::SetShares(float probes, const LaneMask &refine) {
     for (const std::size_t i : kEachLane)
-        share_[i] = refine[i] != 0 ? 1 : clear_[i] / probes;
+        share_[i] = refine[i] != 0 ? 1 : arrived_[i] / probes;
     if (!tinted_) {
-        if (refine.Any()) // may find tints
+        if (refine.Any()) // Refine may find tints
             incident_->tint.Fill({1, 1, 1});
         return;
     }
     for (const std::size_t i : kEachLane) {
-        const float seen = clear_[i] > 0 ? clear_[i] : 1;
-        incident_->tint.x[i] = firstTint_.x[i] / seen;
-        incident_->tint.y[i] = firstTint_.y[i] / seen;
-        incident_->tint.z[i] = firstTint_.z[i] / seen;
+        const float seen = arrived_[i] > 0 ? arrived_[i] : 1;
+        incident_->tint.x[i] = tintSum_.x[i] / seen;
+        incident_->tint.y[i] = tintSum_.y[i] / seen;
+        incident_->tint.z[i] = tintSum_.z[i] / seen;
     }
 }
 

@@ -59,22 +59,22 @@ class AreaContribution {
     const LightScene &scene_;
     ContributionCounts &counts_;
 
-    // Of the batch that Add is called for, a lane per receiver.
+    // State of the batch in Add, a lane per receiver.
     ReceiverBatch *receivers_ = nullptr;
     ProbeIncidentLight *incident_ = nullptr;
-    float weight_ = 1; ///< given weight times that of SelectFaintLight for this batch
+    float weight_ = 1; ///< givenWeight_, changed by SelectFaintLight for this batch
     LaneMask live_{};
     LaneMask below_{};         ///< behind the plane of the emitter
-    LaneMask near_{};          ///< so near that only the closed form will do
+    LaneMask near_{};          ///< so near that only the closed form is accurate enough
     Lanes height_;             ///< distance to the plane of the light
-    Lanes distance2_;          ///< squared, to the centre of the emitter
-    Lanes unoccludedEstimate_; ///< light without shadows on a surface that faces the emitter, about; byte scale
-    Lanes error_;              ///< square of the emitter's radius over the distance
+    Lanes distance2_;          ///< squared, to the center of the emitter
+    Lanes unoccludedEstimate_; ///< approximate light without shadows on a surface facing the emitter; byte scale
+    Lanes error_;              ///< (radius of the emitter / distance)^2, a measure of approximation error
     float brightest_ = 0;      ///< greatest unoccludedEstimate_
-    MomentLanes moments_;      ///< of the near receivers and, after TakeClosedForms, of all that need them
-    Lanes clear_;              ///< number of probe rays that arrived
-    Lanes share_;              ///< of the light that arrives; 1 for refined receivers, whose projection has it already
-    Lanes3 firstTint_;         ///< sum of the transmittances of those probe rays, if tinted_
+    MomentLanes moments_;      ///< of near receivers and, after TakeClosedForms, of all that need closed forms
+    Lanes arrived_;            ///< number of probe rays that arrived
+    Lanes share_;              ///< visible share of the light; 1 for refined receivers, whose projection includes it
+    Lanes3 tintSum_;           ///< sum of the transmittances of the probe rays that arrived; valid if tinted_
     bool tinted_ = false;
 };
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What one light gives to points of the light grids.
+// GPL-2.0-or-later. Light of one source at points of the light grids.
 #include "q3map2/light/transfer/light_contribution.h"
 
 #include "libs/sh/sh.h"
@@ -16,7 +16,7 @@ namespace q3 {
 
 namespace {
 
-/// Dimmer lights may go by coarse visibility. Byte scale.
+/// Lights dimmer than this may use coarse visibility. Byte scale.
 constexpr float kDim = 1;
 
 /// Ends receivers outside the light's bounds or beyond its envelope.
@@ -43,7 +43,7 @@ Q3_VECTOR void TakeFormFactors(const Light &light, const Lanes &s, const Lanes &
     }
 }
 
-/// An area light by the established program's formula: the form factor of a receiver that faces the light's centre.
+/// An area light by the established program's formula: the form factor of a receiver that faces the light's center.
 void LegacyAreaLight(const Light &light, const ReceiverBatch &receivers, ProbeIncidentLight &incident) {
     Lanes s, f;
     Lanes3 pushed;
@@ -52,7 +52,7 @@ void LegacyAreaLight(const Light &light, const ReceiverBatch &receivers, ProbeIn
     TakeFormFactors(light, s, f, incident);
 }
 
-/// Sets what arrives from a light that is no sun without shadows.
+/// Sets the unshadowed light of a source other than a sun.
 void Unshadowed(const Light &light, const LightSettings &settings, const ReceiverBatch &receivers,
                 ProbeIncidentLight &incident) {
     AimAt(light.origin, receivers.position, incident);
@@ -67,7 +67,7 @@ void Unshadowed(const Light &light, const LightSettings &settings, const Receive
 }
 
 /// Projects light from one direction u on the SH basis: coefficient k is add * Y[k](u) times the convolution factor of
-/// its band. A receiver in the light itself, where u is zero, gets it alike from all directions: band 0 alone.
+/// its band. At the light's own position u is zero: light from all directions, band 0 alone.
 Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
     const float s0 = float(kShC0) * (radiance ? 1 : float(kCosineLobe[0]));
     const float s1 = float(kShC1) * (radiance ? 1 : float(kCosineLobe[1]));
@@ -117,7 +117,7 @@ class SingleRayLight {
     /// Lanes of a full batch that are spread over all axes of its block of points.
     static constexpr unsigned kCoarseLanes = 1u << 0 | 1u << 5 | 1u << 10 | 1u << 15;
 
-    /// Whose a queued ray is.
+    /// The receiver of a queued ray.
     struct Receiver {
         std::size_t batch, lane;
     };
@@ -158,7 +158,7 @@ class SingleRayLight {
     RayBatcher<Receiver, Trace> rays_;
 };
 
-/// Sets what arrives without shadows; afterwards live receivers have rays to trace. The most that one gets.
+/// Sets the unshadowed light; receivers still live need rays. Returns the greatest `add` of one of them.
 float SingleRayLight::Prepare(std::size_t batch) {
     ReceiverBatch &receivers = batches_[batch];
     ProbeIncidentLight &incident = incident_[batch];
@@ -180,7 +180,8 @@ float SingleRayLight::Prepare(std::size_t batch) {
     return Strongest(incident);
 }
 
-/// Rays from those receivers of a batch, by bit: at once if they fill a packet, else together with those of others.
+/// Casts rays from the receivers of a batch with a bit in `lanes`: at once if they fill a packet, else queued to share
+/// packets with other batches.
 void SingleRayLight::Queue(std::size_t batch, unsigned lanes) {
     const ReceiverBatch &receivers = batches_[batch];
     ProbeIncidentLight &incident = incident_[batch];
@@ -196,7 +197,7 @@ void SingleRayLight::Queue(std::size_t batch, unsigned lanes) {
     }
 }
 
-/// What came of a queued ray.
+/// Stores the result of a queued ray.
 void SingleRayLight::Take(const RayPacket &rays, std::size_t ray, const Receiver &receiver) const {
     ProbeIncidentLight &incident = incident_[receiver.batch];
     incident.live[receiver.lane] = rays.live[ray];
@@ -208,7 +209,7 @@ void SingleRayLight::Take(const RayPacket &rays, std::size_t ray, const Receiver
     incident.tint.Set(receiver.lane, rays.tint[ray]);
 }
 
-/// Rays from a few receivers of each batch first, and from the others where those differ or see the light tinted.
+/// Casts rays from a few receivers of each batch, then from the rest of batches where these differ or see tinted light.
 void SingleRayLight::TraceCoarse() {
     std::vector<unsigned> live;
     for (std::size_t batch = 0; batch < batches_.size(); ++batch) {

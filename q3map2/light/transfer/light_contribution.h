@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What one light gives to points of the light grids.
+// GPL-2.0-or-later. Light of one source at points of the light grids.
 #pragma once
 
 #include "q3map2/light/batch/incident_light.h"
@@ -23,13 +23,13 @@ struct LightSettings {
         0; ///< area lights that give a batch less may be represented by others, see SelectFaintLight. Byte scale
 };
 
-/// Sets incident[i] to what `light`, times `weight`, gives to batches[i]: falloff, cones, form factors, sides,
+/// Sets incident[i] to the light of `light`, times `weight`, at batches[i]: falloff, cones, form factors, sides,
 /// visibility by PVS and by ray. Where nothing arrives, no receiver is live.
 ///
-/// LegacyGrid follows the established program: one ray toward the light's centre, form factor toward it. GridSH is
+/// LegacyGrid follows the established program: one ray toward the light's center, form factor toward it. GridSH is
 /// exact: an area light's projection in closed form, its visibility by sampling where it is partly hidden; far area
-/// lights are approximated with an error under 1/256 of a byte, and the faintest judged by one ray. With skip.coarse a
-/// dim light that a few receivers of a batch see alike is taken to be seen alike by the others. Safe from several
+/// lights are approximated with an error under 1/256 of a byte, and the faintest judged by one ray. With skip.coarse,
+/// if a few receivers of a batch agree on the visibility of a dim light, the rest use it too. Safe from several
 /// threads.
 void LightContributionToPoint(const Light &light, float weight, const LightSettings &settings, const LightScene &scene,
                               std::span<ReceiverBatch> batches, std::span<ProbeIncidentLight> incident,

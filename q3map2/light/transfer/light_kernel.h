@@ -11,13 +11,13 @@ namespace q3 {
 /// Form factors of area lights are taken from at least this far in front of their plane, as in the established program.
 /// Game units.
 inline constexpr float kAreaPush = 8;
-/// One-sided area lights do not light what is farther behind their plane. Game units.
+/// One-sided area lights do not light receivers farther than this behind their plane. Game units.
 inline constexpr float kAreaBehind = 1;
 
-/// Wanted receivers that may see the light: by visibility data if asked for. Counts pairs.
+/// Wanted receivers that may see the light; with skipPvs, by visibility data. Counts pairs.
 LaneMask InSight(const Light &light, bool skipPvs, const ReceiverBatch &receivers, ContributionCounts &counts);
 
-/// Direction u and distance d of each receiver p to a target t, with D = t - p: d = |D|, u = D / d; zero in the target.
+/// Direction u and distance d of each receiver p to a target t, with D = t - p: d = |D|, u = D / d; u = 0 if d = 0.
 void AimAt(const Vec3f &target, const Lanes3 &position, IncidentLight &incident);
 /// Direction and distance of suns: the same for all receivers.
 void AimAtSun(const Light &light, IncidentLight &incident);
@@ -33,14 +33,14 @@ void AreaHeights(const Light &light, const Lanes3 &position, Lanes &s, Lanes3 &p
 void CullFaint(const Light &light, IncidentLight &incident);
 /// The greatest `add` of a live receiver; 0 if there is none.
 float Strongest(const IncidentLight &incident);
-/// SelectFaintLight for area lights, if any receiver is live: multiplies `add` by the weight of the light. False: it is
-/// not taken, and no receiver is live.
+/// SelectFaintLight for area lights; multiplies `add` by the weight of the light. False: not selected, and no receiver
+/// stays live. Call only if a receiver is live.
 bool TakeFaint(const Light &light, float faint, float weight, ReceiverBatch &receivers, IncidentLight &incident,
                ContributionCounts &counts);
 
 /// Shadow rays of the live receivers of a batch.
 void SetShadowRays(const ReceiverBatch &receivers, const IncidentLight &incident, RayPacket &rays);
-/// What came of them.
+/// Takes the results of the traced shadow rays.
 void TakeShadowRays(const RayPacket &rays, IncidentLight &incident);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What one light gives to luxels and vertices.
+// GPL-2.0-or-later. Light of one source at luxels and vertices.
 #include "q3map2/light/transfer/light_sample.h"
 
 #include "q3map2/light/batch/form_factor.h"
@@ -12,22 +12,23 @@ namespace q3 {
 
 namespace {
 
-/// Receivers within this of an area light's plane that face as it does lie in its own surface. Game units; a cosine.
+/// Receivers within kAreaOwnSide (game units) of an area light's plane lie on its own surface if the cosine between the
+/// normals is over kAreaOwnCosine.
 constexpr float kAreaOwnSide = 3, kAreaOwnCosine = 0.9f;
-/// Half-Lambert light starts here. A cosine.
+/// Half-Lambert light is 0 up to this cosine.
 constexpr float kLeastHalfLambert = 0.001f;
 
-/// What every step needs of a light and the receivers that it lights.
+/// A light and a batch of receivers, for all steps below.
 struct SurfaceTransfer {
     const Light &light;
     const SurfaceLightSettings &settings;
     const SurfaceReceiverBatch &receivers;
     SurfaceIncidentLight &incident;
-    Lanes cosine; ///< of the normal to the light
+    Lanes cosine; ///< between the normal and the direction to the light
     Lanes angle;  ///< factor of the angle of incidence
 };
 
-/// cosine = N . u. Ends receivers that are not nearer than the envelope, and those that face away.
+/// cosine = N . u. Ends receivers at or beyond the envelope, and one-sided ones that face away.
 Q3_VECTOR void CullFacing(SurfaceTransfer &t) {
     const Lanes3 &n = t.receivers.normal, &u = t.incident.direction;
     const float envelope = t.light.envelope;
@@ -68,7 +69,7 @@ Q3_VECTOR void SunLight(SurfaceTransfer &t) {
         t.incident.add[i] = photons * t.angle[i];
 }
 
-/// Lights without angle attenuation have factor 1; others min(1, angle / angleScale), if there is a scale.
+/// angle = 1 for lights without angle attenuation; then min(1, angle / angleScale), if there is a scale.
 void SetPointAngles(SurfaceTransfer &t) {
     if (t.light.angle)
         SetAngles(t);
@@ -159,7 +160,7 @@ void AreaLight(SurfaceTransfer &t) {
         AimAtBack(flipped, t);
 }
 
-/// Sets what arrives without shadows; ends receivers that get nothing.
+/// Sets the unshadowed light; ends receivers out of reach or on a dark side.
 void Unshadowed(SurfaceTransfer &t) {
     if (t.light.type == LightType::Sun)
         return SunLight(t);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What one light gives to luxels and vertices.
+// GPL-2.0-or-later. Light of one source at luxels and vertices.
 #pragma once
 
 #include "q3map2/light/batch/incident_light.h"
@@ -25,7 +25,7 @@ struct SurfaceLightSettings {
     }
 };
 
-/// Sets `incident` to what `light`, prepared by SetupEnvelopes for surfaces, gives to receivers on surfaces: falloff,
+/// Sets `incident` to the light of `light`, prepared by SetupEnvelopes for surfaces, at receivers on surfaces: falloff,
 /// cones, form factors, sides, angles, visibility by PVS and by one ray each. Safe from several threads.
 void LightContributionToSample(const Light &light, const SurfaceLightSettings &settings, const LightScene &scene,
                                SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident,

@@ -12,13 +12,13 @@ namespace q3 {
 /// PolygonMoments of sixteen receivers at once.
 class MomentLanes {
   public:
-    /// Sets the moments of the polygon (see MomentsOfPolygon) in those lanes, whose receivers are 1/64 of a unit or
-    /// more in front of its plane; other lanes keep theirs. Relative error: 1e-14 times the distance of the farthest
-    /// corner over that of the nearest edge.
+    /// Sets the moments of the polygon (see MomentsOfPolygon) in `lanes`; other lanes keep theirs. The receivers must
+    /// be at least 1/64 unit in front of its plane. Relative error: 1e-14 times the distance of the farthest corner
+    /// over that of the nearest edge.
     void Measure(std::span<const Vec3f> corners, const Lanes3 &receivers, const LaneMask &lanes);
-    /// Those of receiver i.
+    /// Moments of receiver i.
     PolygonMoments Of(std::size_t i) const;
-    /// Sets the projections (see PolygonMoments::Projection) in those lanes, times scale.
+    /// Sets the projections (see PolygonMoments::Projection) in `lanes`, times scale.
     void Project(double scale, const LaneMask &lanes, std::array<Lanes, 9> &projections) const;
     /// Length of the first moment of receiver i.
     double FirstLength(std::size_t i) const { return Length(Vec3d{x[i], y[i], z[i]}); }
@@ -29,7 +29,7 @@ class MomentLanes {
         DoubleLanes x, y, z, dx, dy, dz, length;
         void See(Vec3f corner, const Lanes3 &receivers);
     };
-    /// A complex number per receiver whose argument is half the solid angle so far.
+    /// A complex number per receiver; its argument is half the solid angle of the edges so far.
     struct HalfSolidAngles {
         DoubleLanes real, imaginary;
     };
