@@ -55,7 +55,7 @@ class AmbientOcclusion {
     const Nearby &AllBlockers() const;
     void Dirt(const OcclusionReceivers &receivers, Nearby *nearby, Lanes &dirt, RayCounts &counts) const;
     /// Adds to `occlusion` the share of each live ray behind its first hit on a solid or, if it hits none, on a
-    /// surface. space: around the receivers. nearby: all blockers that rays can hit; null: the scene is traced.
+    /// surface. nearby: all blockers that rays can hit; null: the scene is traced.
     void AccumulateOcclusion(const OcclusionReceivers &receivers, const RayPacket &rays, const NearHitRules &rules,
                              Nearby *nearby, Lanes &occlusion, RayCounts &counts) const;
 
