@@ -40,7 +40,7 @@ struct RawLightmap {
     std::vector<int> surfaces; ///< draw surface numbers, by shader name
     std::vector<int> clusters; ///< of all leafs that hold the surfaces; empty: visibility is not tested
     int entity = 0, receiveShadows = 1;
-    float sampleSize = 16;       ///< as the map or the options ask for, game units a luxel
+    float sampleSize = 16;       ///< requested by map or options, game units per luxel
     float actualSampleSize = 16; ///< after growing to fit
     Vec3f ambient;               ///< byte scale
     float brightness = 1, filterRadius = 0;
@@ -116,8 +116,8 @@ struct SurfaceInputs {
     Log &log;
 };
 
-/// Which pass lights the surfaces. The passes over surfaces are in headers of their own. Each is called from one thread
-/// and uses the workers of SurfaceInputs::jobs; results do not depend on their number.
+/// The kind of pass over surfaces. The functions of the passes are in headers of their own. Each is called from one
+/// thread and uses the workers of SurfaceInputs::jobs; results do not depend on the number of workers.
 struct SurfacePass {
     bool bounce = false; ///< bounced light only: no ambient, no floodlight, vertices without dirt
 };
