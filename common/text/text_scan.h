@@ -34,8 +34,8 @@ class TextScanner {
     TextScanner(std::string text, std::string name, Include include = {});
     TextScanner(TextScanner &&) = default;
 
-    /// Reads the next token, on whatever line; false at the end. Error: a token over 1023 bytes, includes nested too
-    /// deep, in a circle or too many.
+    /// Reads the next token, on this or a later line; false at the end. Error: a token over 1023 bytes, includes nested
+    /// too deep, in a circle or too many.
     bool Next(std::string &token) { return ReadCopy(token, true); }
     /// The same without a copy: the token is valid as long as the scanner.
     bool Next(std::string_view &token) { return Read(token, true); }

@@ -53,7 +53,7 @@ namespace patch {
 inline constexpr int kSubdivisions = 8;
 /// How often the curves of a patch are halved: subdivisions * 16 * 2^n game units need n halvings, at most 3.
 int Halvings(float longestCurve, int subdivisions = kSubdivisions);
-/// How many of `spans` curves along an axis of `size` points are halved.
+/// How many of `spans` curves along an axis of `size` points are halved before the mesh gets too large.
 int SpansToHalve(int size, int spans);
 /// Whether p is so close to the line through a and b that the mesh leaves it out.
 bool NearLine(const Vec3f &p, const Vec3f &a, const Vec3f &b);

@@ -127,8 +127,8 @@ inline void AddEdge(PolygonMoments &m, const SeenCorner &a, const SeenCorner &b,
 /// Moments by integrals along the edges, for a polygon that is not far away.
 inline PolygonMoments MomentsByEdges(std::span<const Vec3f> corners, const Vec3d &p, const PolygonAspect &aspect) {
     PolygonMoments m;
-    // Near the polygon, triangles from the foot of the perpendicular lose fewer digits; farther away, those of the fan
-    // of corners. The arguments of the factors add up to half the solid angle, which is below pi.
+    // Near the polygon, triangles from the foot of the perpendicular lose fewer digits; farther away, triangles that
+    // fan out from the first corner. The arguments of the factors add up to half the solid angle, which is below pi.
     const bool fan = 4 * aspect.size < aspect.distance;
     const SeenCorner first{Vec3d(corners[0]) - p};
     std::complex<double> half = 1;

@@ -20,7 +20,7 @@ constexpr int kDirtElevations = 3;
 constexpr float kTouching = 1.0f / 64, kOwnSurface = 0.5f, kNearHit = 1.5f;
 /// A ray enters a solid if the point this far behind its hit is in a solid leaf. Game units.
 constexpr float kSolidDepth = 2;
-/// Rays start this far behind the receiver, so that they hit what touches it. Game units.
+/// Rays start this far behind the receiver, so that they hit surfaces that touch it. Game units.
 constexpr float kRayBackoff = 0.1f;
 /// Triangles are near if they are within the ray length plus this. Game units.
 constexpr float kReachSlack = 1;
@@ -34,7 +34,7 @@ constexpr std::size_t kMaxNearby = 512;
 /// Luxels are visited in tiles of kTile x kTile; a task is kTaskBlocks blocks of 16 luxels.
 constexpr int kTile = 4;
 constexpr std::size_t kTaskBlocks = 64;
-constexpr std::uint32_t kSeedStep = 0x9e3779b9u; // spreads seeds of one lightmap from those of others
+constexpr std::uint32_t kSeedStep = 0x9e3779b9u; // keeps the seeds of different lightmaps apart
 
 /// Tangent frame of each receiver; the normal is the third axis.
 struct ReceiverFrames {

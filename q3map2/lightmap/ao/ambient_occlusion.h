@@ -48,7 +48,7 @@ class AmbientOcclusion {
     struct NearHitRules {
         LightScene::BlockerKind solids; ///< which solids block
         float nearest;                  ///< hits on surfaces nearer than this do not count
-        float ownSurface;               ///< nor those on own surfaces nearer than this
+        float ownSurface;               ///< nor hits on the receivers' own surfaces nearer than this
     };
     struct BlockerTracer;
     /// All blockers of the map, for dirt of luxels; made at the first call.

@@ -125,7 +125,7 @@ Vec3f NeighborMean(const RawLightmap &lightmap, const LuxelGrid &grid, int x, in
     return Max(sum / float(count), Vec3f{});
 }
 
-/// Frees what only the passes need.
+/// Frees data that only the passes need.
 void EndPasses(RawLightmap &lightmap) {
     lightmap.positions = {}, lightmap.dirt = {}, lightmap.floodlight = {};
     lightmap.light = {}, lightmap.filled = {}, lightmap.directions = {};

@@ -6,7 +6,7 @@
 namespace q3 {
 
 /// Averages super luxels, adds the means to `result` (all passes) and sets `radiosity` (this pass). last: no bounce
-/// follows, so `radiosity` is left empty and what only the passes need is freed.
+/// follows, so `radiosity` is left empty and data that only the passes need is freed.
 void AverageLuxels(const SurfaceInputs &in, const SurfacePass &pass, bool last, SurfaceLight &surfaces);
 
 } // namespace q3

@@ -146,7 +146,7 @@ void LuxelSampler::RefineCell(int x, int y, LuxelSum &sum, ContributionCounts &c
                      randomSamples_ > 0 ? RandomSamples(one.x, one.y, counts) : *one.sample, sum);
 }
 
-/// Replaces the light at the luxel by that of its refined sample.
+/// Replaces the light of the source at the luxel by its refined sample.
 void LuxelSampler::ReplaceLuxel(std::size_t luxel, const Sample &after, LuxelSum &sum) {
     refined_[luxel] = 1;
     Touch(luxel);

@@ -91,7 +91,7 @@ class LightmapSetup {
     std::vector<Candidate> order_;
     std::vector<bool> taken_;                                             // by position in order_
     std::vector<std::size_t> mergable_;                                   // positions in order_
-    std::unordered_map<std::int64_t, std::vector<std::size_t>> onPlanes_; // the others, by PlaneCell
+    std::unordered_map<std::int64_t, std::vector<std::size_t>> onPlanes_; // others, by PlaneCell
     int grown_ = 0;
 };
 

@@ -63,7 +63,7 @@ struct RawLightmap {
     std::size_t Index(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
 
     // Super grid, once: luxel_map.cpp. A luxel is mapped if it has a cluster, >= 0. Averaging the last pass frees
-    // positions, dirt, floodlight and what passes set.
+    // positions, dirt, floodlight, light, filled and directions.
     std::vector<Vec3f> positions, normals; ///< of the receiver that stands for the luxel
     std::vector<int> luxelClusters;        ///< cluster of the position, or NoCluster
     bool Mapped(std::size_t luxel) const { return luxelClusters[luxel] >= 0; }

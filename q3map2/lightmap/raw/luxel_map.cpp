@@ -297,7 +297,7 @@ Vec3f LuxelMapper::NormalAround(int x, int y, int pass) const {
     return one && equal ? *one : Normalize(sum);
 }
 
-/// Maps a ring of luxels around those that earlier passes mapped: texture filtering reads them.
+/// Maps a ring of luxels around luxels that earlier passes mapped, as texture filtering reads them.
 void LuxelMapper::MapBorder(int pass) {
     const std::vector<int> anywhere;
     VisibleClusters filter(in_.space, anywhere);
