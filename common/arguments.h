@@ -12,8 +12,8 @@ namespace q3 {
 std::string LastValueOf(std::string_view option, const std::vector<std::string> &words);
 
 /// The rest of the command line. An option is found by its whole name, case-insensitive, wherever it stands, and is
-/// removed together with the values after it; so the order of different options never matters, and repeated ones come
-/// in order.
+/// removed together with the values after it; so the order of different options never matters, and repetitions of one
+/// option are taken in their order.
 class Arguments {
   public:
     explicit Arguments(std::vector<std::string> words) : words_(std::move(words)) {}
@@ -28,10 +28,10 @@ class Arguments {
     std::optional<std::string> TakeValue(std::initializer_list<std::string_view> names);
     std::optional<std::string> TakeValue(std::string_view name) { return TakeValue({name}); }
 
-    /// Takes the last word off: the input file of every stage. Nothing left: empty.
+    /// Removes and returns the last word, the input file of every stage; empty if no word is left.
     std::string TakeLast();
     std::string TakeFirst();
-    /// Takes the word at that position of Rest() off.
+    /// Removes and returns Rest()[at].
     std::string TakeAt(std::size_t at);
     const std::vector<std::string> &Rest() const { return words_; }
     bool Empty() const { return words_.empty(); }
@@ -39,11 +39,11 @@ class Arguments {
     /// Puts words in front of the others. They count as standing after the stage word.
     void Prepend(const std::vector<std::string> &words);
 
-    /// From now on the words before that position of Rest() count as standing before the stage word.
+    /// Marks the words of Rest() before index `end` as standing before the stage word.
     void SetBeforeStage(std::size_t end) { beforeStage_ = end; }
     bool IsBeforeStage(std::size_t at) const { return at >= prepended_ && at < beforeStage_; }
 
-    /// An option that changed a setting.
+    /// An option that changed a setting; `before`: the value that it replaced.
     struct Change {
         std::string name, values, before;
     };

@@ -16,7 +16,7 @@ double PeakMemory() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
 #ifdef __APPLE__
-    return double(usage.ru_maxrss); // bytes there, kilobytes elsewhere
+    return double(usage.ru_maxrss); // bytes on macOS, kilobytes elsewhere
 #else
     return 1024.0 * double(usage.ru_maxrss);
 #endif

@@ -5,7 +5,7 @@ namespace q3 {
 
 /// CPU seconds of all threads of the process so far.
 double CpuSeconds();
-/// Most memory that was resident so far, in bytes.
+/// Peak resident memory so far, in bytes.
 double PeakMemory();
 
 /// Measures CPU seconds from its construction.

@@ -36,15 +36,15 @@ class Loop {
             }
         }
     }
-    /// Once every worker has left Run.
+    /// To be called after every worker has left Run.
     void Rethrow() const {
         if (error_)
             std::rethrow_exception(error_);
     }
 
   private:
-    /// The lowest index that fails has always been handed out by now, and runs to its end: so the error that is kept
-    /// does not depend on timing.
+    /// Indices are handed out in ascending order, so the lowest index that fails has been handed out by now and runs
+    /// to its end: the error that is kept does not depend on timing.
     void Fail(std::int64_t index) {
         next_ = count_;
         const std::lock_guard lock(mutex_);
@@ -56,7 +56,7 @@ class Loop {
     const std::function<void(std::int64_t, int)> &body_;
     const std::function<void(std::int64_t)> &done_;
     std::atomic<std::int64_t> next_{0};
-    std::mutex mutex_; ///< of what follows, and of done_
+    std::mutex mutex_; ///< guards the members below and calls of done_
     std::int64_t finished_ = 0, failed_ = 0;
     std::exception_ptr error_;
 };
@@ -71,7 +71,7 @@ class JobPool::Workers {
             for (int worker = 1; worker < threads; ++worker)
                 threads_.push_back(start([this, worker] { Serve(worker); }));
         } catch (const std::system_error &) {
-            // As many as there are.
+            // The pool makes do with the threads that started.
         } catch (...) {
             Stop();
             throw;
@@ -83,7 +83,7 @@ class JobPool::Workers {
 
     int Count() const { return int(threads_.size()) + 1; }
 
-    /// Number of the worker that this thread is in the loop that runs now; -1: it takes no part in one.
+    /// Worker number of the calling thread; -1: neither a thread of the pool nor the caller of the running loop.
     int CurrentWorker() const {
         const std::thread::id self = std::this_thread::get_id();
         if (caller_.load() == self)
@@ -94,7 +94,7 @@ class JobPool::Workers {
         return -1;
     }
 
-    /// For a thread outside the pool.
+    /// Runs the loop for a calling thread that is not in the pool.
     void Run(Loop &loop, std::int64_t count) {
         const std::lock_guard turn(turn_);
         caller_ = std::this_thread::get_id();
@@ -115,7 +115,7 @@ class JobPool::Workers {
             wake_.notify_one();
         loop.Run(0);
         std::unique_lock lock(mutex_);
-        wanted_ = 0; // whoever is still asleep has nothing left to do
+        wanted_ = 0; // no index is left for workers that are still asleep
         idle_.wait(lock, [this] { return running_ == 0; });
     }
 
@@ -147,13 +147,13 @@ class JobPool::Workers {
 
     std::mutex turn_; ///< held by the outside thread whose loop runs
     std::atomic<std::thread::id> caller_{};
-    std::mutex mutex_; ///< of what follows
+    std::mutex mutex_; ///< guards the members below except threads_
     std::condition_variable wake_, idle_;
     Loop *loop_ = nullptr;
     int wanted_ = 0;  ///< workers that may still join the loop
-    int running_ = 0; ///< those in it, the caller aside
+    int running_ = 0; ///< workers in the loop, without the caller
     bool stopped_ = false;
-    std::vector<std::thread> threads_; ///< worker i + 1
+    std::vector<std::thread> threads_; ///< threads_[i] is worker i + 1
 };
 
 JobPool::JobPool(int threads, const ThreadStarter &start)

@@ -20,7 +20,7 @@ namespace q3 {
 /// Errors: when a body throws, no further index is handed out, bodies that are running finish, and For throws the error
 /// of the lowest index that failed. It is the same error for every number of threads.
 ///
-/// Threads that the system refuses to start: the pool has fewer workers, in the extreme the caller alone.
+/// If the system refuses to start threads, the pool has fewer workers, at worst only the caller.
 ///
 /// Nesting: For called by a body of the same pool runs its whole loop on the calling worker, in order and under that
 /// worker's number. Calls from threads outside the pool take turns.
@@ -29,10 +29,10 @@ namespace q3 {
 /// others. For returns as soon as every index is done and does not wait for workers that are still asleep.
 class JobPool {
   public:
-    /// Starts a thread that runs `work`. std::system_error: the system has none left.
+    /// Starts a thread that runs `work`. Throws std::system_error if the system refuses.
     using ThreadStarter = std::function<std::thread(std::function<void()> work)>;
 
-    /// threads < 1: one per hardware thread. At most 64. `start` is std::thread's constructor unless given.
+    /// threads < 1: one per hardware thread. At most 64. `start` defaults to std::thread's constructor.
     explicit JobPool(int threads = 0, const ThreadStarter &start = {});
     ~JobPool();
     /// Neither pool may be running a loop. One that was moved from can only be assigned to or destroyed.
@@ -44,7 +44,7 @@ class JobPool {
 
     /// Calls body(index, worker) for every index in 0 .. count - 1 and returns when all have finished. `done`, if
     /// given, is called after each index by the worker that ran it, with the number of indices finished so far; never
-    /// concurrently with itself. An error that it throws counts as one of that index.
+    /// concurrently with itself. An exception from `done` counts as an error of that index.
     void For(std::int64_t count, const std::function<void(std::int64_t, int)> &body,
              const std::function<void(std::int64_t)> &done = {}) const;
 

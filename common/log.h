@@ -18,8 +18,8 @@ enum class LogLevel { Normal = 1, Warning = 2, Error = 3 };
 
 /// A position in the map source that an editor marks along with a message.
 struct LogMark {
-    int entity = -1, primitive = -1;        ///< numbers in the map source; -1: it is a line
-    std::vector<std::array<float, 3>> line; ///< its points in order
+    int entity = -1, primitive = -1;        ///< numbers in the map source; -1: the mark is `line`
+    std::vector<std::array<float, 3>> line; ///< points of a polyline, in order
 };
 
 /// Told what a run does, for its report. Called with the log locked: must not print.
@@ -52,7 +52,8 @@ class Log {
     void SetObserver(LogObserver *observer) { observer_ = observer; }
     void SetVerbose(bool on) { verbose_ = on; }
     bool IsVerbose() const { return verbose_; }
-    /// Adds a sink that receives everything printed from now on. With `marks`, what has a mark goes there instead.
+    /// Adds a sink that receives everything printed from now on. With `marks`, text with a mark goes
+    /// to `marks` instead.
     void AddSink(Sink sink, MarkSink marks = {});
 
     template <typename... Args> void Print(fmt::format_string<Args...> format, Args &&...args) {
@@ -65,7 +66,7 @@ class Log {
     }
     /// "--- Name ---" on a line of its own.
     void Section(std::string_view name) { SectionText(name, true); }
-    /// One count as editors' users know it: the value right-aligned in nine columns, then its name.
+    /// One count in the format of q3map2: the value right-aligned in nine columns, then its name.
     void Count(long long value, std::string_view name) { CountText(value, name, true); }
     /// The same, only printed under -v. An observer is told in any case.
     void VerboseSection(std::string_view name) { SectionText(name, verbose_); }
@@ -89,13 +90,13 @@ class Log {
     int WarningCount(std::string_view kind) const;
 
     void Write(LogLevel level, std::string_view text);
-    /// To the sink of the constructor alone: what a terminal draws over again.
+    /// Writes to the sink of the constructor only: text that a terminal overwrites in place, such as progress.
     void WriteLive(std::string_view text);
-    /// To the added sinks alone.
+    /// Writes to the added sinks only.
     void WriteAdded(std::string_view text);
-    /// For editors only.
+    /// Writes to the editor (MarkSink) only.
     void Mark(LogLevel level, std::string_view text, const LogMark &mark);
-    /// Warn with a mark: an editor gets each one, others as Warn says.
+    /// Warn with a mark: an editor gets every warning, other sinks only what Warn prints.
     void WarnAt(std::string_view kind, const LogMark &mark, std::string text);
 
   private:
@@ -105,10 +106,10 @@ class Log {
     /// Whether to print one more warning of that kind.
     bool CountWarning(std::string_view kind);
 
-    Sink own_;          ///< of the constructor
-    Sink added_;        ///< the others; null without
-    Sink sink_;         ///< all of them
-    MarkSink markSink_; ///< null: marks are not wanted
+    Sink own_;          ///< the sink of the constructor
+    Sink added_;        ///< the sinks of AddSink; null if none
+    Sink sink_;         ///< own_ and added_
+    MarkSink markSink_; ///< null: no sink takes marks
     Sink unmarked_;     ///< the sinks that get text only
     bool verbose_ = false;
     LogObserver *observer_ = nullptr;

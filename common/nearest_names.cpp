@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Names like a misspelt one.
+// GPL-2.0-or-later. Suggestions for misspelled names.
 #include "common/nearest_names.h"
 
 #include "common/text/text.h"

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Names like a misspelt one.
+// GPL-2.0-or-later. Suggestions for misspelled names.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace q3 {
 
-/// Insertions, deletions, replacements and swaps of neighbours that make `a` into `b`, no letter edited twice (optimal
-/// string alignment).
+/// Least number of insertions, deletions, replacements and swaps of adjacent letters that turn `a` into `b`, with no
+/// letter edited twice (optimal string alignment).
 std::size_t EditDistance(std::string_view a, std::string_view b);
 
 /// The names at the least edit distance from a mistyped word, ignoring case and leading dashes: at most three, none

@@ -8,8 +8,8 @@
 
 namespace q3 {
 
-/// Prints the progress of a pass: on a terminal one live line with percent, rays per second and time left; into a file
-/// or to an editor that follows "0...1...2...3...4...5...6...7...8...9... (12)".
+/// Prints the progress of a pass. Terminals get one live line with percent, rays per second and time left; files and
+/// editors get "0...1...2...3...4...5...6...7...8...9... (12)", with the seconds at the end.
 class Progress {
   public:
     Progress(Log &log, std::int64_t total);

@@ -9,7 +9,7 @@
 
 namespace q3 {
 
-/// Numbers beyond this would overflow float once a few of them are multiplied.
+/// Default limit of settings: products of a few larger numbers could overflow float.
 inline constexpr double kMaxSetting = 1e6;
 
 enum class SettingKind {
@@ -17,7 +17,7 @@ enum class SettingKind {
     Integer, ///< whole numbers
     Number,  ///< numbers, possibly with a fraction
     Text,    ///< a word: a name or a path
-    Choice   ///< one of the words in `values`, which "|" separates
+    Choice   ///< one of the words of `values`, separated by "|"
 };
 
 /// What happens to a number outside the range of its setting. Text that is no number is always an error.
@@ -29,7 +29,7 @@ enum class OutOfRange {
 
 struct SettingRange {
     double low = -kMaxSetting, high = kMaxSetting;
-    bool aboveLow = false, belowHigh = false; ///< the end itself is not allowed
+    bool aboveLow = false, belowHigh = false; ///< the limit itself is not allowed
 
     bool Contains(double number) const {
         return (aboveLow ? number > low : number >= low) && (belowHigh ? number < high : number <= high);
@@ -42,21 +42,21 @@ struct SettingRange {
 /// The declaration of an option of the command line or of a key of an entity.
 struct SettingInfo {
     std::string_view name{};                   ///< with its dash, if it is an option
-    std::array<std::string_view, 4> aliases{}; ///< the used ones first
-    std::string_view values{};                 ///< their names: "N", "X Y Z", "W [H]" with H optional, "0|1"
-    SettingKind kind = SettingKind::Flag;      ///< of options: follows from the field if that is a number or a text
+    std::array<std::string_view, 4> aliases{}; ///< unused entries are empty and last
+    std::string_view values{};                 ///< names of the values: "N", "X Y Z", "W [H]" with H optional, "0|1"
+    SettingKind kind = SettingKind::Flag;      ///< for options, follows from the field if it is a number or text
     std::string_view unit{};                   ///< "game units", "degrees"
-    std::string_view initial{};                ///< the default in words; of options: empty for that of the field
+    std::string_view initial{};                ///< the default in words; for options, empty: that of the field
     SettingRange range{};
     OutOfRange outside = OutOfRange::Refuse;
     double outsideValue = 0;     ///< for OutOfRange::UseDefault
-    double floor = -kMaxSetting; ///< smaller numbers of the range become this, with a warning
-    bool firstOnly = false;      ///< a repetition belongs to another table
+    double floor = -kMaxSetting; ///< numbers in range but below this become this, with a warning
+    bool firstOnly = false;      ///< repetitions are left for another table of settings
     std::string_view help{};     ///< one line, a sentence without its full stop
     std::string_view details{};  ///< more for the documentation page
 
     bool Names(std::string_view word) const;
-    /// Number of values that must follow, and of those that may.
+    /// Least and greatest number of values that follow.
     std::size_t MinValues() const, MaxValues() const;
 };
 

@@ -20,7 +20,7 @@ namespace {
 constexpr std::uint64_t kMaxEntrySize = 256u << 20;
 constexpr std::size_t kMaxName = 255;
 constexpr std::size_t kChunk = 1u << 16;
-constexpr std::size_t kLeastEntry = 46; // least size of a directory entry
+constexpr std::size_t kMinEntryBytes = 46; // size of a directory entry without its name
 
 struct CloseZip {
     void operator()(void *zip) const { unzClose(zip); }
@@ -72,7 +72,7 @@ Archive::Archive(std::filesystem::path path) : path_(std::move(path)), reader_(s
         throw Error("{}: the directory of the archive is damaged", path_.string());
     if (global.number_entry == 0)
         return;
-    entries_.reserve(std::size_t(std::min<std::uint64_t>(global.number_entry, fileSize_ / kLeastEntry)));
+    entries_.reserve(std::size_t(std::min<std::uint64_t>(global.number_entry, fileSize_ / kMinEntryBytes)));
     ReadDirectory();
 }
 
@@ -141,7 +141,7 @@ std::vector<std::byte> Archive::Read(std::string_view name) const {
         throw Error("{}: the entry is damaged", Location(*entry));
     std::vector<std::byte> data;
     for (;;) {
-        // Grows with what is really there, never by the size that the header claims.
+        // Grows with the bytes read, as the size in the header may be false.
         const std::size_t have = data.size();
         const std::size_t want = std::min<std::size_t>(entry->size - have + 1, std::max(kChunk, have));
         data.resize(have + want);

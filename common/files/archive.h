@@ -32,7 +32,7 @@ class Archive {
   private:
     struct Entry {
         std::string name;
-        std::uint64_t directoryAt, number; ///< its position for unzGoToFilePos64
+        std::uint64_t directoryAt, number; ///< position of the entry, for unzGoToFilePos64
         std::uint64_t packedSize, size;
         bool encrypted;
     };

@@ -36,7 +36,7 @@ fs::path BehindLinks(fs::path path) {
     throw Error("{}: cannot write: more than {} symbolic links", path.string(), kMaxLinks);
 }
 
-/// Makes a rename last. Not every file system can; the file is whole either way.
+/// Makes a rename durable. Failure is ignored: not every file system can, and the file is whole either way.
 void SyncFolder(const fs::path &file) {
     const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
     const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -100,7 +100,7 @@ FileReplacement::FileReplacement(fs::path path) : path_(std::move(path)), target
         Fail(number);
     }
     temporary_ = std::move(name);
-    // The umask is for new files. A file system without modes is no reason to fail.
+    // An existing file keeps its mode whatever the umask. Failure is ignored: some file systems have no modes.
     if (fs::exists(old))
         fchmod(descriptor, mode);
 }

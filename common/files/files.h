@@ -36,11 +36,11 @@ class InputFile {
 /// The whole file. Errors as InputFile.
 std::vector<std::byte> ReadFile(const std::filesystem::path &path);
 
-/// Replaces a file piece by piece. Atomic and durable: written beside, flushed to disk, renamed over. On any failure,
-/// and without Commit, the old file is whole and nothing is left beside it; a process that is killed may leave its
-/// unfinished PATH.XXXXXX. An existing file keeps its permission bits, and one that is write protected is not replaced;
-/// a symbolic link stays and the file it leads to is replaced. Other hard links keep the old contents. Errors: Error
-/// naming the path and the reason.
+/// Replaces a file piece by piece. Atomic and durable: writes a temporary file beside it, flushes it to disk and
+/// renames it. On any failure, and without Commit, the old file is unchanged and the temporary file is removed; a
+/// process that is killed may leave its unfinished PATH.XXXXXX. An existing file keeps its permission bits, and one
+/// that is write protected is not replaced; a symbolic link stays and the file it leads to is replaced. Other hard
+/// links keep the old contents. Errors: Error naming the path and the reason.
 class FileReplacement {
   public:
     explicit FileReplacement(std::filesystem::path path);
@@ -55,7 +55,7 @@ class FileReplacement {
     [[noreturn]] void Fail(int reason) const;
 
     std::filesystem::path path_, target_;
-    std::string temporary_; ///< empty: there is none any more
+    std::string temporary_; ///< empty once it is renamed
     std::unique_ptr<std::FILE, CloseFile> file_;
 };
 

@@ -36,12 +36,12 @@ Image DecodeJpeg(std::span<const std::byte> file, std::string_view name) {
         throw Error("{}: JPEG: {} bytes cannot hold {} x {} texels", name, file.size(), image.width, image.height);
 
     image.rgba.resize(4 * texels);
-    // Accurate, since the bytes should not depend on which vector unit the machine has.
+    // The accurate DCT, so that the bytes do not depend on the vector unit of the machine.
     const int flags = TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS;
     if (tjDecompress2(decoder.get(), data, size, image.rgba.data(), image.width, 0, image.height, TJPF_RGBA, flags) !=
         0) {
         const std::string_view message = tjGetErrorStr2(decoder.get());
-        // Games show files with odd markers; one that ends too early is grey where data is missing.
+        // Odd markers are only a warning, as games show such files; a truncated file is an error.
         if (tjGetErrorCode(decoder.get()) != TJERR_WARNING || message.find("remature end") != std::string_view::npos)
             throw Error("{}: JPEG: {}", name, message);
     }

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kTgaHeader = 18;
 constexpr std::size_t kMaxPacket = 128; // pixels of one run
 
-enum class Kind { Palette = 1, Color = 2, Grey = 3 };
+enum class Kind { Palette = 1, Color = 2, Gray = 3 };
 
 using Rgba = std::array<std::uint8_t, 4>;
 
@@ -104,7 +104,7 @@ class TgaDecoder {
         if (kind_ == Kind::Color)
             return ReadColor(pixelBytes_);
         const std::uint8_t value = Byte(at_++);
-        if (kind_ == Kind::Grey)
+        if (kind_ == Kind::Gray)
             return {value, value, value, 255};
         if (value >= palette_.size())
             Unsupported("palette index", value, "one of its " + std::to_string(palette_.size()) + " entries");

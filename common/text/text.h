@@ -18,16 +18,16 @@ bool EqualNoCase(std::string_view a, std::string_view b);
 bool StartsWithNoCase(std::string_view text, std::string_view prefix);
 
 /// Takes a number off the front of `text`, by C rules: leading blanks, sign, stops at the first character that is not
-/// part of it. Nothing, and `text` as it was but for blanks, when there is no finite number.
+/// part of it. If there is no finite number: std::nullopt, and only blanks are taken off.
 std::optional<double> TakeNumber(std::string_view &text);
 /// The number at the front of the text; garbage and non-finite values are 0.
 double NumberFromText(std::string_view text);
-/// The same for whole numbers; out of range is clamped.
+/// The same for integers; numbers out of range are clamped.
 int IntegerFromText(std::string_view text);
 
-/// The finite number that the text is, as a whole: nothing before it but a sign, and nothing after it.
+/// The finite number that the whole text spells: no blanks around it; std::nullopt if it is not one.
 std::optional<double> WholeNumber(std::string_view text);
-/// The same for whole numbers that fit an int.
+/// The same for integers that fit an int.
 std::optional<int> WholeInteger(std::string_view text);
 
 } // namespace q3

@@ -34,29 +34,28 @@ class TextScanner {
     TextScanner(std::string text, std::string name, Include include = {});
     TextScanner(TextScanner &&) = default;
 
-    /// Reads the next token, on whatever line; false at the end. Error: a token over 1023 bytes, includes nested too
-    /// deep, in a circle or too many.
+    /// Reads the next token, on this or a later line; false at the end. Error: a token over 1023 bytes, includes nested
+    /// too deep, in a circle or too many.
     bool Next(std::string &token) { return ReadCopy(token, true); }
-    /// The same without a copy: the token is good as long as the scanner.
+    /// The same without a copy: the token is valid as long as the scanner.
     bool Next(std::string_view &token) { return Read(token, true); }
     /// Reads the next token of the current line; false, and nothing read, when the line (or an included file) ends
     /// first or a comment follows.
     bool NextOnLine(std::string &token) { return ReadCopy(token, false); }
     bool NextOnLine(std::string_view &token) { return Read(token, false); }
-    /// The last token read will be read again. One token of push-back.
+    /// The next read returns the last token again. One token of push-back.
     void PushBack() { pushedBack_ = true; }
-    /// Reads over what is left of the current line.
+    /// Skips the rest of the current line.
     void SkipLine();
     /// Line of the last token read, from 1, in the file that held it.
     int Line() const { return last_.line; }
-    /// Of the last token read, good as long as the scanner.
+    /// Location of the last token read, valid as long as the scanner.
     const TextLocation &TokenLocation() const { return last_; }
     /// "file:line" of the last token read.
     std::string Location() const { return last_.Text(); }
-    /// What comes after the last token in the file that held it.
+    /// The text after the last token, in the file that held it.
     std::string_view Unread() const { return std::string_view(*files_.back().text).substr(files_.back().at); }
-    /// Whether the file asks for includes, so that not all tokens are in its own text. To be asked before the first
-    /// token.
+    /// Whether the file has includes, so that not all tokens are in its own text. To be called before the first token.
     bool HasIncludes() const;
 
   private:
@@ -73,7 +72,7 @@ class TextScanner {
     [[noreturn]] void FailLong(std::size_t size) const;
     void OpenInclude();
 
-    std::deque<std::string> names_, texts_; ///< of all files so far; places and tokens refer to them
+    std::deque<std::string> names_, texts_; ///< of all files so far; locations and tokens refer to them
     std::vector<File> files_;               ///< the innermost include last
     Include include_;
     int includeCount_ = 0;

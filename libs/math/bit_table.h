@@ -11,7 +11,7 @@ namespace q3 {
 
 using BitWord = std::uint64_t;
 
-/// Words that hold so many bits.
+/// Number of words that hold `bits` bits.
 inline std::size_t WordsOf(std::size_t bits) {
     return (bits + 63) / 64;
 }

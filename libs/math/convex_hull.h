@@ -18,11 +18,11 @@ inline Winding<double> ConvexHull(std::vector<Vec3d> points, const Vec3d &normal
         return ax != bx ? ax < bx : Dot(a, up) < Dot(b, up);
     });
     Winding<double> hull;
-    // Corners of this half that are kept whatever comes.
+    // Adds p to the hull and drops the corners that it makes superfluous; the first `kept` corners stay.
     const auto add = [&](const Vec3d &p, std::size_t kept) {
         while (hull.size() > kept) {
             const Vec3d &a = hull[hull.size() - 2], &b = hull.back();
-            // Where p turns back, b is the tip of the hull however near to their line it is.
+            // Where p turns back, b is an extreme point however near to the line a p it is.
             const double least = Dot(p - b, b - a) > 0 ? tolerance * Length(p - a) : 0;
             if (Dot(Cross(p - b, b - a), normal) > least)
                 break;

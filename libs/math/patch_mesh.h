@@ -46,14 +46,14 @@ template <typename Vert> Vert HalfwayVert(const Vert &a, const Vert &b) {
 /// Upper bound of the length of the curve with these control points; 0 when it is nearly straight or a point.
 float CurveLength(const Vec3f &a, const Vec3f &b, const Vec3f &c);
 
-/// Pieces of Tessellated.
+/// Steps of Tessellated.
 namespace patch {
 
-/// Default tolerance of curves.
+/// q3map2's default of `subdivisions`; larger numbers give coarser meshes.
 inline constexpr int kSubdivisions = 8;
 /// How often the curves of a patch are halved: subdivisions * 16 * 2^n game units need n halvings, at most 3.
 int Halvings(float longestCurve, int subdivisions = kSubdivisions);
-/// How many of `spans` curves along an axis of `size` points are halved.
+/// How many of `spans` curves along an axis of `size` points are halved before the mesh gets too large.
 int SpansToHalve(int size, int spans);
 /// Whether p is so close to the line through a and b that the mesh leaves it out.
 bool NearLine(const Vec3f &p, const Vec3f &a, const Vec3f &b);
@@ -67,7 +67,7 @@ template <typename Vert> MeshOf<Vert> Transposed(const MeshOf<Vert> &mesh) {
     return result;
 }
 
-/// Every three columns a, b, c become a, ab, m, bc, c.
+/// Halves curves: every three columns a, b, c become a, ab, m, bc, c with midpoints ab, bc and m of ab and bc.
 template <typename Vert> MeshOf<Vert> HalvedColumns(const MeshOf<Vert> &mesh) {
     const int spans = (mesh.width - 1) / 2, split = SpansToHalve(mesh.width, spans);
     MeshOf<Vert> result{mesh.width + 2 * split, mesh.height, {}};

@@ -44,11 +44,11 @@ template <typename T> class WindingCutter {
         }
         epsilon_ = epsilon, anyFront_ = most > epsilon, anyBack_ = least < -epsilon;
     }
-    /// Whether points of the latest polygon are in front of, or behind, the plane.
+    /// Whether points of the polygon last classified are in front of, or behind, the plane.
     bool AnyFront() const { return anyFront_; }
     bool AnyBack() const { return anyBack_; }
-    /// The part of the latest polygon, passed again as w, on one side; points on the plane are in both. Empty when
-    /// fewer than three are left.
+    /// The part on one side of the plane of w, which must be the polygon last classified. Points on the plane are in
+    /// both parts. Empty if fewer than three points are left.
     void Front(const Winding<T> &w, Winding<T> &part) const { Part(w, T(1), part); }
     void Back(const Winding<T> &w, Winding<T> &part) const { Part(w, T(-1), part); }
 

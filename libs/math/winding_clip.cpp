@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Polygons of map compiling: cut by planes, with the tolerances that keep trees sound.
+// GPL-2.0-or-later. Clipping of brush and tree windings, with the tolerances of map compilers.
 #include "libs/math/winding_clip.h"
 
 #include <cstdint>
@@ -8,13 +8,13 @@ namespace q3 {
 
 namespace {
 
-constexpr double kOnPlane = 0.1;
-constexpr double kTinyEdge = 0.2;
+/// Tolerances, game units.
+constexpr double kOnPlane = 0.1, kTinyEdge = 0.2;
 constexpr double kBaseHalfEdge = 2 * kMaxWorldCoord;
 
 enum PointSide : std::uint8_t { kFront, kBack, kOn };
 
-/// Points of a polygon against a plane. Few polygons have more than the inline room.
+/// Distance and side of each point of a polygon relative to a plane. Few polygons have more than kInline points.
 class PointSides {
   public:
     template <typename T> PointSides(const Winding<T> &w, const Plane &plane, double epsilon) {
@@ -54,7 +54,7 @@ template <typename T> Vec3<T> CutPoint(const Vec3<T> &a, const Vec3<T> &b, doubl
     return cut;
 }
 
-/// Hands the points of both parts, in order, to the two functions.
+/// Calls the two functions with the points of the front and the back part, in order.
 template <typename T, typename ToFront, typename ToBack>
 void WalkCut(const Winding<T> &w, const PointSides &sides, const Plane &plane, ToFront toFront, ToBack toBack) {
     for (std::size_t i = 0; i < w.size(); ++i) {

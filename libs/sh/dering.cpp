@@ -8,7 +8,8 @@ namespace q3 {
 
 namespace {
 
-/// Rounding nine coefficients to float changes their sum by less than 5e-7 of its mean; so much is left above zero.
+/// Minimum left above zero, as a share of the mean: rounding nine coefficients to float changes their sum by less than
+/// 5e-7 of the mean.
 constexpr double kMargin = 1e-6;
 /// Below this mean, floats may have too few digits to stay above zero.
 constexpr double kLeastMean = 1e-30;
@@ -23,7 +24,7 @@ struct Eigensystem {
 /// Jacobi's method.
 Eigensystem EigensystemOf(Matrix3 m) {
     std::array<Vec3d, 3> axis = {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
-    constexpr int kSweeps = 12; // it converges quadratically, in about five
+    constexpr int kSweeps = 12; // converges quadratically, in about five sweeps
     for (int step = 0; step < 3 * kSweeps; ++step) {
         const std::size_t i = step % 3 == 2 ? 1 : 0, j = step % 3 == 0 ? 1 : 2, k = 3 - i - j;
         if (m[i][j] == 0)
@@ -61,7 +62,7 @@ Vec3d MinimizeOnSphere(const Vec3d &gap, const Vec3d &h) {
             break;
         t = next;
     }
-    // The hard case: h is orthogonal to the axis of the least eigenvalue, and n takes what it lacks along that axis.
+    // The hard case: h is orthogonal to the axis of the least eigenvalue, and n gets its missing length along it.
     for (std::size_t i = 0; t == 0 && i < 3; ++i)
         if (gap[i] == 0) {
             n[i] += std::sqrt(std::max(0.0, 1 - Dot(n, n)));
@@ -70,7 +71,7 @@ Vec3d MinimizeOnSphere(const Vec3d &gap, const Vec3d &h) {
     return Normalize(n);
 }
 
-/// The sum as mean + 2 Dot(linear, n) + n . A n, A symmetric with trace 0, in the frame of A's eigenvectors.
+/// The SH sum as mean + 2 Dot(linear, n) + n . A n, A symmetric with trace 0, in the frame of A's eigenvectors.
 class ShPolynomial {
   public:
     explicit ShPolynomial(const ShVector &c) : mean_(kShC0 * c[0]) {

@@ -55,10 +55,10 @@ inline double TriangleSolidAngle(const Vec3d &a, const Vec3d &b, const Vec3d &c)
 
 /// Size, distance and height of a polygon relative to the receiver p, for the choice of formulas.
 struct PolygonAspect {
-    Vec3d normal;        ///< unit, away from the point when it is in front; zero for a polygon without area
-    double size = 0;     ///< longest distance from the first corner, squared
-    double distance = 0; ///< of the first corner, squared
-    double height = 0;   ///< of the point over the plane; negative behind
+    Vec3d normal;        ///< unit, away from p if p is in front; zero for a polygon without area
+    double size = 0;     ///< square of the longest distance from the first corner
+    double distance = 0; ///< square of the distance from p to the first corner
+    double height = 0;   ///< of p over the plane; negative behind
 
     PolygonAspect(std::span<const Vec3f> corners, const Vec3d &p) {
         const Vec3d origin(corners[0]), first = origin - p;
@@ -76,8 +76,8 @@ struct PolygonAspect {
     }
 };
 
-/// Adds the triangle a, a + ab, a + ac, seen from the origin from at least 64 times its size, by Radon's seven points:
-/// exact for polynomials of degree 5, they err by less than 1e-10 of its solid angle there.
+/// Adds the triangle a, a + ab, a + ac, seen from the origin from at least 64 times its size, by Radon's seven
+/// points: exact for polynomials of degree 5, with an error below 1e-10 of the solid angle from there.
 inline void AddFarTriangle(PolygonMoments &m, const Vec3d &a, const Vec3d &ab, const Vec3d &ac) {
     constexpr double kRoot15 = 3.872983346207417;
     constexpr double kInner = (6 - kRoot15) / 21, kOuter = (6 + kRoot15) / 21;
@@ -111,10 +111,10 @@ struct SeenCorner {
 /// normal; a third of the solid angle on the diagonal is all that remains.
 inline void AddEdge(PolygonMoments &m, const SeenCorner &a, const SeenCorner &b, const Vec3d &cross) {
     const double sine = Length(cross), cosine = Dot(a.offset, b.offset);
-    if (!(sine > 0)) // in line with the point
+    if (!(sine > 0)) // the edge is in line with the receiver
         return;
     const Vec3d outward = cross / -sine; // clockwise corners: the inside is to the right of each edge
-    // Integral of w along the arc, in the form that keeps its digits.
+    // Integral of w along the arc, in the form that avoids cancellation.
     const Vec3d arc = cosine > 0 ? (a.direction + b.direction) * (sine / (a.length * b.length + cosine))
                                  : Cross(outward, b.direction - a.direction);
     m.first -= outward * (FastAtan2(sine, cosine) * 0.5);
@@ -124,11 +124,11 @@ inline void AddEdge(PolygonMoments &m, const SeenCorner &a, const SeenCorner &b,
     m.xz -= (arc.x * outward.z + arc.z * outward.x) / 6;
 }
 
-/// By integrals along the edges, for a polygon that is not far away.
+/// Moments by integrals along the edges, for a polygon that is not far away.
 inline PolygonMoments MomentsByEdges(std::span<const Vec3f> corners, const Vec3d &p, const PolygonAspect &aspect) {
     PolygonMoments m;
-    // Near the polygon, triangles from the foot of the perpendicular lose fewer digits; farther away, those of the fan
-    // of corners. The arguments of the factors add up to half the solid angle, which is below pi.
+    // Near the polygon, triangles from the foot of the perpendicular lose fewer digits; farther away, triangles that
+    // fan out from the first corner. The arguments of the factors add up to half the solid angle, which is below pi.
     const bool fan = 4 * aspect.size < aspect.distance;
     const SeenCorner first{Vec3d(corners[0]) - p};
     std::complex<double> half = 1;

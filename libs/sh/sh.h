@@ -23,8 +23,8 @@ inline constexpr ShVector kCosineLobe = {std::numbers::pi,         2 * std::numb
                                          2 * std::numbers::pi / 3, std::numbers::pi / 4,     std::numbers::pi / 4,
                                          std::numbers::pi / 4,     std::numbers::pi / 4,     std::numbers::pi / 4};
 
-/// Basis functions at unit direction d, for polynomials of any scale: `one` stands for 1 and xx..zz for the products of
-/// coordinates, so that the same form turns moments of a region of directions into its projection.
+/// Basis functions as linear forms in the monomials 1, x, y, z, xy ... of a unit direction. With the integrals of the
+/// monomials over a region of directions (moments) in their place, the result is the projection of the region.
 template <typename T>
 constexpr std::array<T, 9> ShFromMoments(T one, const Vec3<T> &d, T xy, T yz, T zz, T xz, T xxMinusYy) {
     return {T(kShC0) * one,

@@ -112,7 +112,7 @@ static inline shgrid_result shgrid_find_bspx_(const unsigned char *file, size_t 
     return SHGRID_ABSENT;
 }
 
-/* Where the SH lump of a whole .bsp file image is: slot 18 of a version 47 file with 19 slots, else BSPX. */
+/* Finds the SH lump of a whole .bsp file image: slot 18 of a version 47 file with 19 slots, else BSPX. */
 static inline shgrid_result shgrid_find(const void *data, size_t size, const unsigned char **lump, size_t *lumpSize) {
     const unsigned char *file = (const unsigned char *)data;
     uint64_t offset, length, first = UINT64_MAX, end = 0;
@@ -135,8 +135,9 @@ static inline shgrid_result shgrid_find(const void *data, size_t size, const uns
         if (offset + length > end)
             end = offset + length;
     }
-    /* The format does not store its number of slots: more exist when no lump begins before they would end. Bytes there
-       may also be text, so what cannot be a lump counts as none, except where only this layout puts its first lump. */
+    /* The format does not store its number of slots: slots 17 and 18 exist only if no lump begins before they end.
+       Their bytes may also be text, so an entry that cannot be a lump is ignored, unless the first lump begins right
+       after slot 18. */
     if (version == 47 && first >= 8 + 8 * 18 && size >= 8 + 8 * 18)
         if (shgrid_slot_(file, size, 17, &offset, &length) && offset >= 8 + 8 * 18 && length % 128 == 0 &&
             offset + length > end)
@@ -154,7 +155,7 @@ static inline shgrid_result shgrid_find(const void *data, size_t size, const uns
     return shgrid_find_bspx_(file, size, (end + 3) & ~(uint64_t)3, lump, lumpSize);
 }
 
-/* Bytes of the lump to a grid that points into them. On failure the grid has no points and must not be sampled. */
+/* Parses the bytes of the lump; the grid points into them. On failure the grid is empty and must not be sampled. */
 static inline shgrid_result shgrid_parse(const void *data, size_t size, shgrid_grid *grid) {
     const unsigned char *lump = (const unsigned char *)data;
     uint64_t product = 1;
@@ -209,7 +210,7 @@ static inline void shgrid_point(const shgrid_grid *grid, int32_t x, int32_t y, i
             out->c[k][channel] = shgrid_f32_(p + 12 * k + 4 * channel);
 }
 
-/* Trilinear blend at a world position. Outside the grid the nearest position of its border counts. */
+/* Trilinear blend at a world position; positions outside the grid are clamped to it. */
 static inline void shgrid_sample(const shgrid_grid *grid, const float position[3], shgrid_coeffs *out) {
     int32_t low[3];
     float fraction[3];

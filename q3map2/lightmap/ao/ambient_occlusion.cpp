@@ -13,14 +13,14 @@ namespace q3 {
 
 namespace {
 
-/// Rings of directions, see HemisphereRings.
+/// Rings of dirt rays by elevation, see HemisphereRings.
 constexpr int kDirtElevations = 3;
 /// Hits that do not count. Dirt of luxels: nearer than kTouching, and on the luxel's own surfaces nearer than
 /// kOwnSurface. Dirt of vertices, and floodlight: nearer than kNearHit. Game units.
 constexpr float kTouching = 1.0f / 64, kOwnSurface = 0.5f, kNearHit = 1.5f;
-/// A ray enters a solid if this far behind the hit there is one. Game units.
+/// A ray enters a solid if the point this far behind its hit is in a solid leaf. Game units.
 constexpr float kSolidDepth = 2;
-/// Rays start this far behind the receiver, so that they hit what touches it. Game units.
+/// Rays start this far behind the receiver, so that they hit surfaces that touch it. Game units.
 constexpr float kRayBackoff = 0.1f;
 /// Triangles are near if they are within the ray length plus this. Game units.
 constexpr float kReachSlack = 1;
@@ -31,10 +31,10 @@ constexpr int kMaxPassedHits = 8;
 constexpr std::size_t kRandomRays = 48;
 /// With more triangles nearby, rays are traced in the scene.
 constexpr std::size_t kMaxNearby = 512;
-/// Luxels are taken in tiles of this side, row by row of tiles, kTaskBlocks blocks of 16 to a task.
+/// Luxels are visited in tiles of kTile x kTile; a task is kTaskBlocks blocks of 16 luxels.
 constexpr int kTile = 4;
 constexpr std::size_t kTaskBlocks = 64;
-constexpr std::uint32_t kSeedStep = 0x9e3779b9u; // spreads seeds of one lightmap from those of others
+constexpr std::uint32_t kSeedStep = 0x9e3779b9u; // keeps the seeds of different lightmaps apart
 
 /// Tangent frame of each receiver; the normal is the third axis.
 struct ReceiverFrames {
@@ -74,14 +74,15 @@ Q3_VECTOR void SetDirections(const ReceiverFrames &frames, const OcclusionReceiv
     }
 }
 
-/// An integer hash with good avalanche, as of the lowbias32 family.
+/// Wellons' integer hash lowbias32.
 std::uint32_t Hash(std::uint32_t x) {
     x ^= x >> 16, x *= 0x7feb352du;
     x ^= x >> 15, x *= 0x846ca68bu;
     return x ^ (x >> 16);
 }
 
-/// Direction number `ray`: a golden ratio sequence in azimuth and elevation, rotated by the seed of the receiver.
+/// Direction number `ray`: azimuths are equally spaced, elevations a golden ratio sequence; both are shifted by hashes
+/// of the receiver's seed.
 Vec3f RandomDirection(std::uint32_t seed, std::size_t ray) {
     constexpr double kUnit = 1.0 / 4294967296.0, kGolden = 0.6180339887498949; // golden ratio
     double azimuth = (double(ray) + 0.5) / double(kRandomRays) + Hash(seed) * kUnit;
@@ -97,7 +98,8 @@ float OccludedShare(float distance, float length) {
     return 1 - std::max(0.0f, distance - kRayBackoff) / std::max(kStep, length - kRayBackoff);
 }
 
-/// Counts hits beyond `sure` and removes their rays from `live`; `close`: hits before it, which need a look.
+/// Adds the occlusion of hits beyond `sure` and removes their rays from `live`. close: rays with nearer hits, about
+/// which the caller decides.
 Q3_VECTOR void CullDistant(const LightScene::Blockers &blockers, float sure, const Lanes &length, LaneMask &live,
                            Lanes &occlusion, LaneMask &close) {
     for (std::size_t i = 0; i < kPacketSize; ++i) {
@@ -112,7 +114,7 @@ bool IsOwnSurface(const OcclusionReceivers &receivers, int surface) {
     return std::find(receivers.surfaces.begin(), receivers.surfaces.end(), surface) != receivers.surfaces.end();
 }
 
-/// Whether the ray enters a solid at its hit, other than one that leaves it.
+/// Whether the ray enters a solid at its hit; false if it leaves one.
 bool EntersSolid(const BspSpace &space, const RayPacket &rays, std::size_t ray, float distance) {
     return space.InSolidLeaf(rays.origin[ray] + rays.direction[ray] * (distance + kSolidDepth));
 }

@@ -48,14 +48,14 @@ class AmbientOcclusion {
     struct NearHitRules {
         LightScene::BlockerKind solids; ///< which solids block
         float nearest;                  ///< hits on surfaces nearer than this do not count
-        float ownSurface;               ///< nor those on own surfaces nearer than this
+        float ownSurface;               ///< nor hits on the receivers' own surfaces nearer than this
     };
     struct BlockerTracer;
     /// All blockers of the map, for dirt of luxels; made at the first call.
     const Nearby &AllBlockers() const;
     void Dirt(const OcclusionReceivers &receivers, Nearby *nearby, Lanes &dirt, RayCounts &counts) const;
     /// Adds to `occlusion` the share of each live ray behind its first hit on a solid or, if it hits none, on a
-    /// surface. space: around the receivers. nearby: all blockers that rays can hit; null: the scene is traced.
+    /// surface. nearby: all blockers that rays can hit; null: the scene is traced.
     void AccumulateOcclusion(const OcclusionReceivers &receivers, const RayPacket &rays, const NearHitRules &rules,
                              Nearby *nearby, Lanes &occlusion, RayCounts &counts) const;
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Floodlight: light from wherever the hemisphere over a receiver is open.
+// GPL-2.0-or-later. Floodlight: light from the open part of the hemisphere over a receiver.
 #include "q3map2/lightmap/ao/luxel_flood.h"
 
 #include "q3map2/lightmap/ao/ambient_occlusion.h"

@@ -10,9 +10,9 @@ namespace q3 {
 
 namespace {
 
-/// With more triangles in the bounds of a packet the scene is faster.
+/// With more triangles in the bounds of a packet, tracing the scene is faster.
 constexpr std::size_t kMaxTested = 96;
-/// Bounds of rays are taken this much larger. Game units.
+/// Margin added to the bounds of rays. Game units.
 constexpr float kSlack = 0.05f;
 /// Barycentric slack at edges, so that no ray slips through between two triangles.
 constexpr float kEdge = 1e-5f;
@@ -114,7 +114,7 @@ Boundsf RayBounds(const RayPacket &packet) {
 void NearTriangles::Append(const Group &from, std::size_t lane) {
     const std::size_t to = count_++ % kPacketSize;
     if (to == 0)
-        groups_.push_back(from); // its lanes are set one by one from here on
+        groups_.push_back(from); // later calls set its other lanes
     Group &last = groups_.back();
     for (auto row : {&Group::mins, &Group::maxs, &Group::corner, &Group::a, &Group::b})
         (last.*row).Set(to, (from.*row)[lane]);
@@ -157,7 +157,7 @@ void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, flo
 NearTriangles::Outcome NearTriangles::FindInBounds(const Boundsf &bounds) {
     const Vec3f slack{kSlack, kSlack, kSlack};
     bool any = false;
-    std::size_t many = 0; // counted where there may be too many
+    std::size_t many = 0; // triangles met; counted only if count_ is over the limit
     LaneMask lanes;
     for (std::size_t i = 0; i < groups_.size(); ++i) {
         FindInBox(groups_[i], bounds.mins - slack, bounds.maxs + slack, lanes);

@@ -204,7 +204,7 @@ struct BounceGather::GatherBatch {
     void Add(std::size_t luxel, std::size_t firstHit) { luxels[count] = luxel, firstHits[count++] = firstHit; }
 };
 
-/// Luxels with the same set are traced in packets of 16, one direction at a time, so that rays are coherent.
+/// Luxels with the same direction set are traced in packets of 16, one direction at a time, so that rays are coherent.
 std::vector<EmitterId> BounceGather::TraceEmitterHits(const RawLightmap &raw) const {
     const auto count = std::size_t(RaysPerLuxel(raw));
     std::vector<std::size_t> first(raw.luxelClusters.size());
@@ -221,7 +221,7 @@ std::vector<EmitterId> BounceGather::TraceEmitterHits(const RawLightmap &raw) co
         TraceBatch(raw, batch, hits);
         batch.count = 0;
     };
-    constexpr int kTile = 16; // in which each set has 16 luxels, a packet
+    constexpr int kTile = 16; // each direction set has 16 luxels in a tile: one packet
     ForMappedLuxelsByTile(raw, kTile, [&](std::size_t luxel, int x, int y) {
         GatherBatch &batch = batches[DirectionSetOf(x, y)];
         batch.Add(luxel, first[luxel]);
@@ -316,7 +316,7 @@ void BounceGather::AddToLuxels(const std::vector<std::vector<Vec3f>> &all, std::
         }
 }
 
-/// Less than kRayLift where another surface faces this one from nearer, such as that of a decal over a floor.
+/// kRayLift, or kMinRayLift if another surface, such as a decal over a floor, faces this one from nearer than kRayLift.
 float BounceGather::RayLiftAt(const Vec3f &position, const Vec3f &normal) const {
     RayPacket ahead;
     ahead.Aim(0, position + normal * kMinRayLift, position + normal * kRayLift);

@@ -11,9 +11,10 @@ namespace q3 {
 using Emission = std::vector<Vec3f>;
 
 /// Monte Carlo estimate of irradiance over cosine-weighted directions: E = 1/N sum of the radiosity that ray i hits, on
-/// a scale where E equals the radiosity of surroundings of one radiosity. Each mapped luxel traces N = 24 rays; the 16
-/// luxels of a 4 x 4 block trace different ones. Rays hit the same emitters in every bounce, so hits are kept if memory
-/// allows. Const after construction; safe from several threads, each lightmap by one.
+/// a scale where E equals the radiosity of surroundings of uniform radiosity. Each mapped luxel traces N = 24 rays
+/// (under -super S, max(4, 24 / S^2)); the 16 luxels of a 4 x 4 block trace different directions. Rays hit the same
+/// emitters in every bounce, so hits are kept if memory allows. Const after construction; safe from several threads,
+/// each lightmap by one.
 class BounceGather {
   public:
     /// patches: null unless faint emitters are left out (-fast). Keeps references.
@@ -32,7 +33,7 @@ class BounceGather {
     /// Estimate at a vertex, by 256 rays. twoSided: its surface is seen from both sides.
     Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided, const Emission &emission) const;
 
-    /// Rays that all luxels trace, once.
+    /// Number of rays of all luxels together.
     std::uint64_t Rays() const { return rays_; }
 
   private:

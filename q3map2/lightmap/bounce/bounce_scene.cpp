@@ -14,13 +14,13 @@ namespace q3 {
 
 namespace {
 
-/// Light that a white wall of luxel value 1 gives to a point whose whole hemisphere it covers, at LightmapOptions::bounceScale 1. The
-/// established program makes such a wall an area light of 187.5 per luxel value of 255, and area lights of form factor
-/// 1 give 3 times that.
+/// Light that a white wall of luxel value 1 gives to a point whose whole hemisphere it covers, at
+/// LightmapOptions::bounceScale 1. The established program makes such a wall an area light of 187.5 per luxel value of
+/// 255, and area lights of form factor 1 give 3 times that.
 constexpr float kLegacyRadiosity = 187.5f * 3 / 255;
 /// Textures are averaged down to this many texels a side, since a luxel covers several texels.
 constexpr int kTextureSide = 16;
-/// The surface under a luxel is looked for this far below its position. Game units.
+/// The surface under a luxel is searched down to this depth below its position. Game units.
 constexpr float kSurfaceDepth = 16;
 
 /// Reflectance of a texture, 0 to 1, at low resolution.
@@ -143,7 +143,7 @@ struct BounceScene::State {
     struct Triangle {
         int surface = 0;
         std::array<FaceCorner, 3> corners;
-        Vec3f normal; // of its front, not normalized
+        Vec3f normal; // on the front side, not normalized
         bool emits = false, twoSided = false;
     };
     struct Hit {

@@ -24,7 +24,7 @@ class EmitterIndex {
     std::size_t Count() const { return count_; }
 
   private:
-    std::vector<EmitterId> first_; // by raw lightmap; the last is that of vertices
+    std::vector<EmitterId> first_; // id of the first texel by raw lightmap; then that of the first vertex
     std::vector<int> widths_;
     std::size_t count_ = 0;
 };
@@ -41,8 +41,8 @@ using Face = std::vector<FaceCorner>;
 bool IsInBounceScene(const SurfaceInputs &in, std::size_t surface);
 /// Triangles of a surface, quads of a curve; clockwise seen from the front.
 std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t surface);
-/// Radiosity of a surface with a white texture over the light it receives: 187.5 * 3 / 255 * q3map_bounce *
-/// -bouncescale.
+/// Ratio of radiosity to received light for a white texture: 187.5 * 3 / 255 * q3map_bounce *
+/// LightmapOptions::bounceScale (0.25 * -bouncescale).
 float BounceScale(const SurfaceInputs &in, std::size_t surface);
 
 /// Drawn surfaces as an Embree scene. Solids are not in it: their visible sides are drawn surfaces. Const after
@@ -53,7 +53,7 @@ class BounceScene {
     ~BounceScene();
 
     /// The emitter at the first hit of each live ray; kNoEmitter for misses, for backs of one-sided surfaces and for
-    /// surfaces that reflect nothing. coherent: hint that directions are much the same.
+    /// surfaces that reflect nothing. coherent: hint that rays are nearly parallel.
     std::array<EmitterId, kPacketSize> FirstEmitters(const RayPacket &rays, bool coherent) const;
     /// By emitter and channel: color of the texture there times BounceScale. Zero: reflects nothing.
     const std::vector<Vec3f> &Reflectance() const { return reflectance_; }

@@ -7,10 +7,11 @@ namespace q3 {
 
 namespace {
 
-/// Vertices gather this far inside of their surface, since its edge often lies in the plane of another. Game units.
+/// Vertices gather at points moved this far, but at most a quarter of the way, to the center of their surface, since
+/// its edge often lies in the plane of another surface. Game units.
 constexpr float kInward = 2;
 
-/// The slot for a style, taken if it is new; kStyles when others hold all.
+/// The slot of a style, claimed if the style is new; kStyles if other styles hold all slots.
 std::size_t ClaimSlot(Styles &styles, std::uint8_t style) {
     const std::size_t slot = StyleSlotFor(styles, style);
     if (slot < kStyles)
@@ -90,7 +91,7 @@ void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
     std::vector<std::vector<Vec3f>> found(surfaces.lightmaps.size());
     std::vector<std::size_t> slots(surfaces.lightmaps.size());
     for (const auto &ofStyle : byStyle_) {
-        const auto &style = ofStyle.first; // named apart: clang 14 captures no structured bindings
+        const auto &style = ofStyle.first; // clang 14 cannot capture structured bindings
         const auto &emission = ofStyle.second;
         in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
             const auto i = std::size_t(number);

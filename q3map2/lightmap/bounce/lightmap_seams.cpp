@@ -155,7 +155,7 @@ LightmapSeams::LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfac
         for (std::size_t rim = firstRim_[i]; rim < firstRim_[i + 1]; ++rim) {
             one.clear();
             finder.Find(rim, one);
-            rims_[rim].first = std::uint32_t(one.size());
+            rims_[rim].first = std::uint32_t(one.size()); // the count, replaced by the index below
             found[i].insert(found[i].end(), one.begin(), one.end());
         }
     });

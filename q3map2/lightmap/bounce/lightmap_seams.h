@@ -8,17 +8,17 @@
 
 namespace q3 {
 
-/// For luxels near the rim of a raw lightmap: those of other lightmaps around them, nearly in the same plane, with
-/// similar normals and in sight. Const after construction.
+/// For each luxel near the rim of a raw lightmap: the luxels of other lightmaps around it that are nearly in its plane,
+/// have similar normals and are in its line of sight. Const after construction.
 class LightmapSeams {
   public:
     struct Neighbor {
         std::uint32_t lightmap, luxel; ///< of the super grid
-        float dx, dy;                  ///< offset from the luxel, in luxels of its own lightmap
+        float dx, dy;                  ///< offset from the asked luxel, in super grid luxels of its lightmap
     };
 
-    /// reach: of the window, luxels to each side, and twice as many of a super grid. minCosine: least cosine between
-    /// normals.
+    /// reach: half width of the window in luxels; doubled, in super luxels, if the lightmap is supersampled.
+    /// minCosine: least cosine between normals.
     LightmapSeams(const SurfaceInputs &in, const SurfaceLight &surfaces, int reach, float minCosine);
 
     /// The neighbors of a luxel, in an order that does not depend on threads; none unless it is near the rim.
@@ -26,11 +26,11 @@ class LightmapSeams {
 
   private:
     struct RimLuxel {
-        std::uint32_t lightmap, luxel, first; ///< first: in neighbors_
+        std::uint32_t lightmap, luxel, first; ///< first: index of its neighbors in neighbors_
     };
     struct Finder;
-    std::vector<RimLuxel> rims_;        // by lightmap, then luxel; then a sentinel
-    std::vector<std::size_t> firstRim_; // in rims_, by lightmap
+    std::vector<RimLuxel> rims_;        // by lightmap, then luxel; the last is a sentinel
+    std::vector<std::size_t> firstRim_; // index in rims_, by lightmap
     std::vector<Neighbor> neighbors_;
 };
 

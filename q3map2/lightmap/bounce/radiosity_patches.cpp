@@ -12,7 +12,7 @@ namespace q3 {
 
 namespace {
 
-/// Longest side of the bounds of a patch, and how far it is halved while light varies in it. Game units.
+/// Longest side of a patch's bounds; where light varies it is halved down to kMinPatchSize. Game units.
 constexpr float kPatchSize = 256, kMinPatchSize = 64;
 /// Light varies much if (max - min) * max is above this in a channel; 1 is white.
 constexpr float kLightVaries = 0.75f;
@@ -21,18 +21,19 @@ constexpr float kOnCut = 0.125f; ///< corners this near to a cut count as on it.
 constexpr double kMinArea = 1, kMaxArea = 20'000'000;
 /// Polygons with a coordinate beyond this are damaged: no map is so large. Game units.
 constexpr float kMaxCoordinate = 262144;
-/// Bounds the patches of one polygon, roughly.
+/// Approximate limit on the patches of one polygon.
 constexpr double kMaxPatches = 65536;
-constexpr float kFlatQuad = 0.1f; ///< a quad's fourth corner this near to the plane of the others keeps it whole
+constexpr float kFlatQuad = 0.1f; ///< a quad stays whole if its fourth corner is this near to the plane of the others
 /// Samples of a triangle have barycentric weights i : j : k, each 1 to kMaxWeight; of a polygon at most kMaxSamples.
 constexpr int kMaxWeight = 5, kMaxSamples = 150;
 /// Receivers nearer to the plane of a patch are moved to this height over it for form factors. Game units.
 constexpr float kMinHeight = 8;
 /// The form factor that decides about a patch is not clipped at the receiver's horizon: the part of the patch behind
-/// the receiver counts negative. Up to kMinHeight off the plane of the patch the light is reduced by this in full, from
-/// kClipHeight on not at all, and linearly in between. Game units.
+/// the receiver counts negative. Receivers up to kMinHeight off the patch's plane get its light times unclipped /
+/// clipped form factor; the factor rises linearly to 1 at kClipHeight. Game units.
 constexpr float kClipHeight = 16;
-/// Receivers this far behind the plane 1 unit over a patch are behind the patch. Game units, 0.01 for rounding.
+/// Receivers this far behind the plane 1 unit in front of a patch are behind the patch. Game units, with
+/// 0.01 for rounding.
 constexpr float kBehindPlane = 1.01f;
 /// Beyond kFarRadii radii a patch counts as a point source; nearer it counts without the exact form factor if as a
 /// point source it is kPointMargin times as bright as needed.
@@ -102,7 +103,7 @@ struct RadiosityPatches::PatchBuilder {
     const EmitterIndex &emitters;
     std::span<const Vec3f> emission;
     std::size_t surface = 0;
-    bool varies = false;                              ///< its greatest light is enough to vary much
+    bool varies = false;                              ///< false: even its brightest emitter is too dark for LightVaries
     std::vector<std::uint8_t> centerFound = {};       ///< texels whose center is in their patch
     std::vector<std::pair<Face, float>> pending = {}; ///< faces, and the longest sides of bounds they are cut to
 
@@ -214,7 +215,7 @@ void RadiosityPatches::PatchBuilder::AddPatch(const Face &face, double area) {
     patch.areaNormal = -Vec3f(WindingAreaVector(w));
     patch.origin = mean + patch.normal;
     patch.dist = Dot(patch.origin, patch.normal);
-    // White light of form factor 1.
+    // Light of a white patch at form factor 1.
     const float add = 255 * std::abs(BounceScale(in, surface));
     patch.minFormFactor = shader.noFast ? -2 : in.options.tolerance / add;
     float radius = 0;

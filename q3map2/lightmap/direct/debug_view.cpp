@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Debug views: luxels show something else than light.
+// GPL-2.0-or-later. Debug views: luxels show something other than light.
 #include "q3map2/lightmap/direct/debug_view.h"
 
 #include "common/debug_color.h"

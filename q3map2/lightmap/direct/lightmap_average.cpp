@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Light of super luxels becomes light of luxels.
+// GPL-2.0-or-later. Averages the light of super luxels into luxels.
 #include "q3map2/lightmap/direct/lightmap_average.h"
 
 #include "q3map2/lightmap/raw/luxel_masks.h"
@@ -26,8 +26,8 @@ Vec3f NoClusterColor(int cluster) {
 
 /// Sums over the super luxels of a luxel.
 struct SuperLuxelSum {
-    Vec3f lit;     ///< of mapped super luxels, and those filled from them
-    Vec3f reserve; ///< of others that hold a value; used only if litCount is 0
+    Vec3f lit;     ///< light of mapped super luxels and of those filled from them
+    Vec3f reserve; ///< of other super luxels that hold a value; used only if litCount is 0
     int litCount = 0, reserveCount = 0, surfaceCount = 0;
     Vec3f direction;
 };
@@ -49,7 +49,7 @@ class Averager {
         grid.valid.resize(count);
         grid.directions.resize(HasDirections() ? count : 0);
         if (lightmap_.super == 1 && !options_.debug && !options_.border)
-            return FillFromEqual(grid, ambient);
+            return FillWithoutSuper(grid, ambient);
         for (int y = 0; y < lightmap_.height; ++y)
             for (int x = 0; x < lightmap_.width; ++x) {
                 const std::size_t at = lightmap_.Index(x, y);
@@ -68,8 +68,8 @@ class Averager {
   private:
     bool HasDirections() const { return style_ == 0 && !lightmap_.directions.empty(); }
 
-    /// Fill with one super luxel to a luxel.
-    void FillFromEqual(LuxelGrid &grid, const Vec3f &ambient) const {
+    /// Fill without supersampling.
+    void FillWithoutSuper(LuxelGrid &grid, const Vec3f &ambient) const {
         const std::vector<std::uint8_t> &filled = lightmap_.filled[style_];
         const std::vector<Vec3f> &light = lightmap_.light[style_];
         for (std::size_t at = 0; at < grid.colors.size(); ++at) {
@@ -114,7 +114,7 @@ class Averager {
     const LightmapOptions &options_;
 };
 
-/// Mean of the valid ones of the 8 neighbors; there is at least one.
+/// Mean of the valid luxels among the 8 neighbors; there is at least one.
 Vec3f NeighborMean(const RawLightmap &lightmap, const LuxelGrid &grid, int x, int y) {
     Vec3f sum;
     int count = 0;
@@ -125,13 +125,14 @@ Vec3f NeighborMean(const RawLightmap &lightmap, const LuxelGrid &grid, int x, in
     return Max(sum / float(count), Vec3f{});
 }
 
-/// Frees what only passes need.
+/// Frees data that only the passes need.
 void EndPasses(RawLightmap &lightmap) {
     lightmap.positions = {}, lightmap.dirt = {}, lightmap.floodlight = {};
     lightmap.light = {}, lightmap.filled = {}, lightmap.directions = {};
 }
 
-/// Adds the light of a pass (only marks used luxels unless `store`); a luxel that is used in one of them takes that.
+/// Adds the light of a pass to the result; unused luxels (red below 0) count as zero. Without `store` luxels that the
+/// pass uses are only marked as used.
 void Accumulate(const std::vector<Vec3f> &pass, bool store, std::vector<Vec3f> &result) {
     if (result.empty() && store) {
         result = pass;
@@ -144,7 +145,7 @@ void Accumulate(const std::vector<Vec3f> &pass, bool store, std::vector<Vec3f> &
             result[i] = (result[i].x >= 0 ? result[i] : Vec3f{}) + (store ? pass[i] : Vec3f{});
 }
 
-/// Adds the directions of a pass; swaps the first one in.
+/// Adds the directions of a pass; those of the first pass are swapped in.
 void AddDirections(LuxelGrid &grid, std::vector<Vec3f> &result) {
     const std::size_t count = grid.directions.size();
     if (result.empty()) {

@@ -11,7 +11,7 @@ namespace q3 {
 
 namespace {
 
-/// Luxels are taken in tiles of this side, so that those of a block are near each other.
+/// Luxels are visited in tiles of kTile x kTile, so that luxels of a block are near each other.
 constexpr int kTile = 4;
 /// Receivers near the plane of an area light are moved up to kPushReach towards it, to at least kPushHeight over it,
 /// for the form factor (kAreaPush). Game units.
@@ -19,7 +19,7 @@ constexpr float kPushReach = 16, kPushHeight = 8;
 /// Added to bounds for rounding. Game units.
 constexpr float kSlack = 0.05f;
 
-/// Bounds of the light of a source.
+/// What bounds the light of a source: its envelope, its lit side, and for area lights its strength.
 struct LightReach {
     Vec3f origin, normal, center;
     float dist = 0, envelope = 0;

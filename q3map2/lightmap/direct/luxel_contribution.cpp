@@ -9,7 +9,8 @@ namespace q3 {
 
 namespace {
 
-/// Color and direction of incident light. directionScale: length of directions over the light; 0: none.
+/// Color and direction of incident light. directionScale: length of a direction per unit of light; 0: no
+/// directions.
 Q3_VECTOR void SetIncidentLight(const Light &light, const SurfaceIncidentLight &from, float directionScale,
                                 LuxelIncidentLight &out) {
     const Vec3f c = light.color;

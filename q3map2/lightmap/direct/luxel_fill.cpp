@@ -11,7 +11,7 @@ namespace q3 {
 
 namespace {
 
-/// -dark: weight of ambient light in the mean, in neighbors.
+/// -dark: ambient light counts as this many neighbors in the mean.
 constexpr float kDarkNeighbors = 2;
 
 void AddFloodlight(RawLightmap &lightmap, bool deluxe) {
@@ -54,7 +54,7 @@ class LuxelFill {
     }
 
   private:
-    bool Splotch(std::size_t slot, std::size_t luxel) const {
+    bool IsSplotch(std::size_t slot, std::size_t luxel) const {
         const Vec3f &light = lightmap_.light[slot][luxel];
         return lightmap_.splotchFix && (light.x <= ambient_.x || light.y <= ambient_.y || light.z <= ambient_.z);
     }
@@ -74,9 +74,9 @@ class LuxelFill {
 
     void Fill(std::size_t slot, int x, int y) {
         const std::size_t at = lightmap_.SuperIndex(x, y);
-        const bool mapped = lightmap_.Mapped(at), wanted = !mapped || Splotch(slot, at);
-        const bool turned = slot == 0 && !lightmap_.directions.empty() && (!mapped || filter_);
-        if (!wanted && !turned)
+        const bool mapped = lightmap_.Mapped(at), needsColor = !mapped || IsSplotch(slot, at);
+        const bool needsDirection = slot == 0 && !lightmap_.directions.empty() && (!mapped || filter_);
+        if (!needsColor && !needsDirection)
             return;
         Vec3f color, direction;
         float colors = 0, directions = 0;
@@ -85,14 +85,14 @@ class LuxelFill {
                 const std::size_t from = lightmap_.SuperIndex(ox, oy);
                 if (from == at || !lightmap_.Mapped(from) || lightmap_.filled[slot][from] == 0)
                     continue;
-                if (turned)
+                if (needsDirection)
                     direction += lightmap_.directions[from], directions += 1;
                 if (!lightmap_.splotchFix || !(lightmap_.light[slot][from] == ambient_))
                     color += lightmap_.light[slot][from], colors += 1;
             }
         if (directions > 0)
             lightmap_.directions[at] = direction / directions;
-        if (!wanted || colors == 0)
+        if (!needsColor || colors == 0)
             return;
         if (dark_) {
             color += slot == 0 ? ambient_ * kDarkNeighbors : Vec3f{};

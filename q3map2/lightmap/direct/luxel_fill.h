@@ -5,8 +5,8 @@
 
 namespace q3 {
 
-/// Adds floodlight (direct pass only), multiplies by dirt, and then gives luxels that are not mapped the mean of their
-/// mapped neighbors.
+/// Adds floodlight (direct pass only), multiplies by dirt, and then gives luxels that are not mapped (with
+/// q3map_splotchFix also luxels not above ambient light in every channel) the mean of their mapped neighbors.
 void FinishLuxels(const SurfaceInputs &in, const SurfacePass &pass, SurfaceLight &surfaces);
 
 } // namespace q3

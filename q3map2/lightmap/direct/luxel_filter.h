@@ -8,7 +8,7 @@ namespace q3 {
 /// Box filter over mapped luxels up to `radius` away on both axes, with weight 1/2 at the outermost.
 class LuxelFilter {
   public:
-    /// Filters `values`, by super luxel, in place. Those of luxels that are not mapped do not count, and become zero.
+    /// Filters `values`, by super luxel, in place. Values of unmapped luxels do not count and become zero.
     void Apply(const RawLightmap &lightmap, int radius, std::vector<Vec3f> &values);
 
   private:

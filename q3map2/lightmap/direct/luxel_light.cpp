@@ -107,7 +107,7 @@ class LightmapPass {
         return luxels == 0 && (radius > 0 || in_.lightmap.filter) ? 1 : luxels;
     }
 
-    /// The sum that the light adds to. Takes a slot for a new style.
+    /// The sum that the light adds to. Claims the slot for a new style.
     LuxelSum &SumFor(const Light &light, std::size_t slot) {
         if (lightmap_.light[slot].empty())
             ClearSlot(slot, {});

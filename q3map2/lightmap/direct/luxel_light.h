@@ -5,7 +5,7 @@
 
 namespace q3 {
 
-/// Light of `lights` (of SetupEnvelopes for surfaces), and ambient light, on all mapped luxels: sets light, filled,
+/// Lights all mapped luxels by `lights` (from SetupEnvelopes for surfaces) and ambient light: sets light, filled,
 /// styles and directions. Adds the work done to `counts`.
 void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
                  SurfaceLight &surfaces, ContributionCounts &counts);

@@ -5,7 +5,7 @@ namespace q3 {
 
 namespace {
 
-/// A light does not light a surface whose normal has at least this cosine with its own.
+/// A one-sided light does not light a surface if the cosine between their normals is above this.
 constexpr float kSameFacing = 0.999f;
 /// Lights up to this far behind the plane of a surface count. Game units.
 constexpr float kBehindPlane = 1;

@@ -98,7 +98,7 @@ void LuxelSampler::Refine(LuxelSum &sum, ContributionCounts &counts) {
         return;
     const auto row = [&](std::size_t luxel) { return int(luxel / std::size_t(width_)); };
     for (int y = std::max(0, row(firstTouched_) - 1); y + 1 < height_ && y <= row(lastTouched_);
-         ++y) { // lastTouched_ grows on the way
+         ++y) { // RefineCell may raise lastTouched_
         if (!RowIsPartlyLit(y))
             continue;
         for (int x = 0; x + 1 < width_; ++x) {
@@ -146,7 +146,7 @@ void LuxelSampler::RefineCell(int x, int y, LuxelSum &sum, ContributionCounts &c
                      randomSamples_ > 0 ? RandomSamples(one.x, one.y, counts) : *one.sample, sum);
 }
 
-/// Replaces the light at the luxel by that of its refined sample.
+/// Replaces the light of the source at the luxel by its refined sample.
 void LuxelSampler::ReplaceLuxel(std::size_t luxel, const Sample &after, LuxelSum &sum) {
     refined_[luxel] = 1;
     Touch(luxel);
@@ -248,7 +248,7 @@ void LuxelSampler::AverageSubsamples(const Refinement &whole, std::span<Sample> 
         total += subsample.color;
         lit += subsample.lit ? 1 : 0;
         if (subsample.filtered)
-            lit += 1, mapped += 2;
+            lit += 1, mapped += 2; // never equal: always refined, as by kTransparentHit
     }
     if (MaxComponent(total) > kDarkCell && lit != 0 && lit != mapped) {
         std::array<Refinement, kSubsamples> refinements;

@@ -12,9 +12,9 @@ namespace q3 {
 /// each of them takes 4 more samples around it, and so on around these.
 class LuxelSampler {
   public:
-    /// Before the first light of a lightmap. `blocks` must outlive the lights.
+    /// To be called before the first light of a lightmap. Keeps references until the next Start.
     void Start(const SurfaceInputs &in, const RawLightmap &lightmap, const LuxelBlocks &blocks, const LuxelPass &pass);
-    /// Before each light.
+    /// To be called before each light.
     void StartLight(const Light &light);
     /// Sets the light of the source at a block, one sample a luxel.
     void SetBlock(std::size_t block, const LuxelIncidentLight &incident);
@@ -33,7 +33,7 @@ class LuxelSampler {
         int x = 0, y = 0;
         Sample *sample = nullptr;
     };
-    /// Subsamples of a sample; the samples of a cell are refined together, so that theirs fill a packet of rays.
+    /// Subsamples of a sample. The four luxels of a cell are refined together: their subsamples fill a packet of rays.
     static constexpr std::size_t kSubsamples = 4, kMaxRefinements = kPacketSize / kSubsamples;
     using SubsamplePositions = std::array<Vec3f, kPacketSize>;
     bool Mapped(int x, int y) const;
@@ -65,7 +65,7 @@ class LuxelSampler {
     std::vector<std::uint8_t> lit_, refined_;        ///< by luxel; lit_: 1 if lit, plus kTransparentHit
     std::vector<std::uint32_t> refinedList_;
     std::size_t firstTouched_ = 0, lastTouched_ = 0; ///< range of luxels that the light has set; first > last: none
-    std::vector<LuxelIncidentLight> incident_;       ///< by block; only where lit_ says so
+    std::vector<LuxelIncidentLight> incident_;       ///< by block; valid for luxels whose lit_ is not 0
 };
 
 } // namespace q3

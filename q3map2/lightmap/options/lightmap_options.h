@@ -13,7 +13,7 @@
 
 namespace q3 {
 
-/// Longest side of a lightmap page. Texels; every engine stops earlier.
+/// Longest side of a lightmap page, in texels; more than any engine supports.
 inline constexpr int kMaxPageSide = 8192;
 
 /// What luxels show instead of light: the -debug... options.
@@ -21,7 +21,7 @@ enum class DebugView { Light, Surfaces, Axis, Cluster, Origin, Dirt, NormalMap }
 
 /// Declared, with units, ranges and help, in lightmap_settings.cpp.
 struct LightmapOptions {
-    bool onlyGrid = false; ///< -onlygrid: lightmaps and vertex colours stay as they are
+    bool onlyGrid = false; ///< -onlygrid: lightmaps and vertex colors stay as they are
 
     // Samples.
     int super = 1;                          ///< -super, 1 to 8
@@ -76,9 +76,9 @@ struct LightmapOptions {
     DebugView show = DebugView::Light;
 };
 
-/// Takes the options of lightmaps, vertex light and bounces off `arguments`; -fast and what else concerns the grids too
-/// comes from `light`, which is parsed first. Errors: Error, for values out of range; a page size that is no power of
-/// two is a warning, and the game's is used.
+/// Takes the options of lightmaps, vertex light and bounces off `arguments`; -fast and other options that also
+/// concern the grids come from `light`, which is parsed first. Errors: Error, for values out of range; a page size that
+/// is no power of two is a warning, and the game's is used.
 LightmapOptions ParseLightmapOptions(Arguments &arguments, const LightOptions &light, const Game &game, Log &log);
 
 } // namespace q3

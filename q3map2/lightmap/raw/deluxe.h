@@ -12,8 +12,8 @@ inline float DeluxeWeight(const Vec3f &color) {
     return std::max(0.0f, Luminance(color)) / 255;
 }
 
-/// Bounced light counts by this share of its weight: it comes from all over the hemisphere, so a direction stands for
-/// little of it.
+/// Bounced light counts by this share of its weight: it comes from the whole hemisphere, so its mean direction
+/// says little.
 inline constexpr float kDeluxeBounceShare = 0.25f;
 
 } // namespace q3

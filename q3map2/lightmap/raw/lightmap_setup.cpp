@@ -13,7 +13,7 @@ namespace q3 {
 
 namespace {
 
-/// Components of equal vectors differ by less, and distances of equal planes (game units).
+/// Components of equal vectors and distances of equal planes (game units) differ by less than this.
 constexpr float kEqualEpsilon = 0.001f;
 /// Planes whose normal has a smaller component along the projection axis are edge-on: they cannot be projected.
 constexpr float kEdgeOn = 1e-4f;
@@ -28,7 +28,7 @@ bool Overlap(const Boundsf &a, const Boundsf &b) {
            a.mins.z <= b.maxs.z && b.mins.z <= a.maxs.z;
 }
 
-/// A draw surface, and what decides with which others it shares a raw lightmap.
+/// A draw surface and the properties that decide which surfaces share its raw lightmap.
 struct Candidate {
     int number = 0;
     bool patch = false, planar = false, lightmapped = false, mergable = false;
@@ -89,10 +89,9 @@ class LightmapSetup {
     const SurfaceInputs &in_;
     SurfaceLight &out_;
     std::vector<Candidate> order_;
-    // By position in order_.
-    std::vector<bool> taken_;
-    std::vector<std::size_t> mergable_;
-    std::unordered_map<std::int64_t, std::vector<std::size_t>> onPlanes_; // by PlaneCell; those not mergable
+    std::vector<bool> taken_;                                             // by position in order_
+    std::vector<std::size_t> mergable_;                                   // positions in order_
+    std::unordered_map<std::int64_t, std::vector<std::size_t>> onPlanes_; // others, by PlaneCell
     int grown_ = 0;
 };
 
@@ -159,7 +158,8 @@ Candidate LightmapSetup::MakeCandidate(int number) const {
     return c;
 }
 
-/// All surfaces, in the order in which they become raw lightmaps: by shader name, then by what sharers must have equal.
+/// Lists all surfaces in the order in which they become raw lightmaps: descending by shader name, then by the
+/// properties that surfaces of one lightmap share.
 void LightmapSetup::MakeCandidates() {
     for (std::size_t i = 0; i < in_.table.size(); ++i)
         order_.push_back(MakeCandidate(int(i)));
@@ -219,8 +219,8 @@ void LightmapSetup::AddSurface(RawLightmap &raw, const Candidate &c) const {
     raw.twoSided = raw.twoSided || c.entry->shader->twoSided;
 }
 
-/// Sets width and height, with the smallest sample size, in whole units from the wanted one on, at which they fit the
-/// page. False: there is none up to kSteps units more.
+/// Sets width, height and actualSampleSize: sampleSize plus the least whole number of units with which the lightmap
+/// fits the page. False if kSteps more units are too few.
 bool LightmapSetup::GrowToFit(RawLightmap &raw) const {
     constexpr int kSteps = 4096;
     std::array<float, 2> most{float(raw.pageSize[0]), float(raw.pageSize[1])};
@@ -254,7 +254,8 @@ bool LightmapSetup::GrowToFit(RawLightmap &raw) const {
     return false;
 }
 
-/// Size, origin and steps of a projected raw lightmap. False: the surface cannot be projected along its axis.
+/// Sets size, origin and steps of a projected raw lightmap. False: the surface cannot be projected along its axis, or
+/// no size fits the page.
 bool LightmapSetup::Project(RawLightmap &raw, const Candidate &first) const {
     const LuxelAxes axes = AxesOf(raw.axis);
     const Vec3f normal = first.planar ? first.normal : raw.axis;
@@ -282,8 +283,8 @@ MeshOf<SurfaceVertex> LightmapSetup::MeshOfPatch(const Candidate &c) const {
     return mesh;
 }
 
-/// Luxels along the rows: length of the longest row / sampleSize, from `least` (one a control point) to `most` (a
-/// page).
+/// Luxels along the rows: 1 + (sum over columns of the longest step to the next column) / sampleSize, from `least` (one
+/// per control point) to `most` (a page).
 int LuxelsAlong(const MeshOf<SurfaceVertex> &mesh, float sampleSize, int least, int most) {
     float length = 0;
     for (int x = 0; x + 1 < mesh.width; ++x) {
@@ -303,8 +304,8 @@ bool FirstColumnIsLast(const MeshOf<SurfaceVertex> &mesh) {
     return same;
 }
 
-/// Size of a patch without a projection axis, and luxel coordinates of its control points: proportional to their column
-/// and row.
+/// Sets the size of a patch without a projection axis, and luxel coordinates of its control points proportional to
+/// their column and row.
 void LightmapSetup::MeasurePatch(RawLightmap &raw, const Candidate &c) {
     const MeshOf<SurfaceVertex> control = MeshOfPatch(c), turned = patch::Transposed(control);
     const MeshOf<SurfaceVertex> mesh = Tessellated(control, c.entry->longestCurve);

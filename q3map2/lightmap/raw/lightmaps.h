@@ -40,7 +40,7 @@ struct RawLightmap {
     std::vector<int> surfaces; ///< draw surface numbers, by shader name
     std::vector<int> clusters; ///< of all leafs that hold the surfaces; empty: visibility is not tested
     int entity = 0, receiveShadows = 1;
-    float sampleSize = 16;       ///< as the map or the options ask for, game units a luxel
+    float sampleSize = 16;       ///< requested by map or options, game units per luxel
     float actualSampleSize = 16; ///< after growing to fit
     Vec3f ambient;               ///< byte scale
     float brightness = 1, filterRadius = 0;
@@ -63,7 +63,7 @@ struct RawLightmap {
     std::size_t Index(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
 
     // Super grid, once: luxel_map.cpp. A luxel is mapped if it has a cluster, >= 0. Averaging the last pass frees
-    // positions, dirt, floodlight and what passes set.
+    // positions, dirt, floodlight, light, filled and directions.
     std::vector<Vec3f> positions, normals; ///< of the receiver that stands for the luxel
     std::vector<int> luxelClusters;        ///< cluster of the position, or NoCluster
     bool Mapped(std::size_t luxel) const { return luxelClusters[luxel] >= 0; }
@@ -116,8 +116,8 @@ struct SurfaceInputs {
     Log &log;
 };
 
-/// Which pass lights the surfaces. The passes over surfaces are in headers of their own. Each is called from one thread
-/// and uses the workers of SurfaceInputs::jobs; results do not depend on their number.
+/// The kind of pass over surfaces. The functions of the passes are in headers of their own. Each is called from one
+/// thread and uses the workers of SurfaceInputs::jobs; results do not depend on the number of workers.
 struct SurfacePass {
     bool bounce = false; ///< bounced light only: no ambient, no floodlight, vertices without dirt
 };

@@ -8,12 +8,12 @@
 
 namespace q3 {
 
-/// World axes (0 x, 1 y, 2 z) of a projected raw lightmap: of its columns, its rows and its projection.
+/// World axes (0 x, 1 y, 2 z) of a projected raw lightmap: u to the next column, v to the next row, `along` projection.
 struct LuxelAxes {
     std::size_t u = 0, v = 1, along = 2;
 };
 
-/// Projection along the largest component of `axis`; among equal ones z goes first, then x.
+/// Projection along the largest component of `axis`; ties prefer z, then x.
 inline LuxelAxes AxesOf(const Vec3f &axis) {
     const float x = std::abs(axis.x), y = std::abs(axis.y), z = std::abs(axis.z);
     if (z >= x && z >= y)

@@ -15,7 +15,7 @@ namespace q3 {
 
 namespace {
 
-/// Lift of luxels off their surface where the shader does not say. Game units.
+/// Default of q3map_lightmapSampleOffset: lift of luxels off their surface. Game units.
 constexpr float kSampleOffset = 1;
 /// Smallest -thresh: samples this dense reach every luxel that a surface covers more than a corner of. Luxels.
 constexpr float kLeastThreshold = 1.0f / 32;
@@ -31,7 +31,7 @@ struct MapCounts {
 /// Memory that a worker keeps from lightmap to lightmap, by luxel.
 struct MapScratch {
     std::vector<int> hits;            // samples of surfaces in the luxel
-    std::vector<std::uint8_t> passes; // pass that mapped it: 1 surfaces, 2 and more rings around them
+    std::vector<std::uint8_t> passes; // pass that mapped it: 1: a surface, 2 and more: a ring around surfaces
 };
 
 class LuxelMapper {
@@ -52,7 +52,7 @@ class LuxelMapper {
     MapCounts Run() {
         allOneNormal_ = HasOneNormal();
         for (std::size_t i = 0; i < raw_.surfaces.size(); ++i) {
-            if (std::exchange(anyOccluded_, false)) // by one surface; the next may find an open position
+            if (std::exchange(anyOccluded_, false)) // by the previous surface; this one may find an open position
                 std::replace_if(
                     raw_.luxelClusters.begin(), raw_.luxelClusters.end(), [](int cluster) { return cluster < 0; },
                     int(kUnmapped));
@@ -103,7 +103,7 @@ class LuxelMapper {
     float offset_ = kSampleOffset;
     VisibleClusters *filter_ = nullptr;
     bool oneNormal_ = false;    // all its vertices have the same normal
-    bool allOneNormal_ = false; // and those of all surfaces of the lightmap: one sample a luxel is enough
+    bool allOneNormal_ = false; // so do all surfaces of the lightmap: one sample a luxel is enough
 };
 
 float SampleOffsetOf(const SurfaceEntry &entry) {
@@ -243,7 +243,7 @@ bool LuxelMapper::MapQuad(const std::array<SurfaceVertex, 4> &quad, const Image 
     return true;
 }
 
-/// Maps luxel (x, y), which the surface passes through at v, or adds the normal there to those it has.
+/// Maps luxel (x, y), which the surface passes through at v; if it is mapped already, adds the normal at v to its sum.
 void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals) {
     const std::size_t luxel = raw_.SuperIndex(x, y);
     const int cluster = raw_.luxelClusters[luxel];
@@ -279,8 +279,8 @@ void LuxelMapper::MakeUnitNormals() {
             raw_.normals[i] = Normalize(raw_.normals[i]);
 }
 
-/// Mean normal of neighbors that an earlier pass mapped; zero without any. The mean of equal normals is exactly that
-/// normal, since blocks of luxels with one normal are cheaper to light.
+/// Mean normal of neighbors that an earlier pass mapped; zero if there are none. The mean of equal normals is exactly
+/// that normal, since blocks of luxels with one normal are cheaper to light.
 Vec3f LuxelMapper::NormalAround(int x, int y, int pass) const {
     Vec3f sum;
     const Vec3f *one = nullptr;
@@ -297,7 +297,7 @@ Vec3f LuxelMapper::NormalAround(int x, int y, int pass) const {
     return one && equal ? *one : Normalize(sum);
 }
 
-/// Maps a ring of luxels around those that earlier passes mapped: texture filtering reads them.
+/// Maps a ring of luxels around luxels that earlier passes mapped, as texture filtering reads them.
 void LuxelMapper::MapBorder(int pass) {
     const std::vector<int> anywhere;
     VisibleClusters filter(in_.space, anywhere);

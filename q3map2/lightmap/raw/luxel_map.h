@@ -6,7 +6,7 @@
 namespace q3 {
 
 /// Sets positions, normals and luxelClusters of all raw lightmaps. Logs how many luxels got a position on a surface
-/// (mapped), and how many found only positions inside solids (occluded).
+/// (mapped), and how many found only positions inside solids or in clusters that do not see the surface (occluded).
 void MapLuxels(const SurfaceInputs &in, SurfaceLight &surfaces);
 
 } // namespace q3

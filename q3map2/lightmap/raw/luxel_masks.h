@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. One byte for each luxel.
+// GPL-2.0-or-later. Masks of luxels.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,8 @@
 
 namespace q3 {
 
-/// The plane that luxels are projected onto, and the triangle in it, or null for a quad.
+/// The plane that luxels are projected onto, and the triangle in it; null for quads and for luxels
+/// beside the surface.
 struct LuxelPlane {
     Vec3f normal;
     float dist = 0;
@@ -35,7 +36,7 @@ class LuxelPositionFinder {
 
     /// The position of super luxel (x, y): its center, lifted off the surface by `offset` game units, else the first of
     /// 8 positions half a luxel aside that is not occluded, else the fallback. sample: a point of the surface in the
-    /// luxel, which is the center of lightmaps that are not projected; null: plane.triangle covers part of the luxel.
+    /// luxel, which serves as center if the lightmap is not projected; null: plane.triangle covers part of the luxel.
     /// allowFallback: try the position above the sample, or above the part of plane.triangle in the luxel.
     LuxelPosition Find(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset,
                        bool allowFallback, VisibleClusters &filter, PositionCounts &counts) {
@@ -59,7 +60,7 @@ class LuxelPositionFinder {
     /// World position of lightmap coordinates on the plane; (0, 0) is the center of the first luxel.
     Vec3f OnPlane(float x, float y, const LuxelPlane &plane) const;
     Vec3f OnSurface(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane) const;
-    /// From a position to the point at which its cluster is looked up.
+    /// Offset from a position to the point at which its cluster is looked up.
     Vec3f ClusterLookupOffset(const LuxelPlane &plane) const {
         return in_.lightmap.extraVisNudge ? plane.normal : Vec3f{};
     }

@@ -68,8 +68,8 @@ void SubdivideEdges(const SurfaceVertex &a, const SurfaceVertex &b, const Surfac
     }
 }
 
-/// Halves the longest edge until none is longer than the root of `threshold2` (above 0); sample(vertex) gets each
-/// point made on the way.
+/// Halves the longest edge until none is longer than the root of `threshold2` (above 0); calls sample(vertex) for each
+/// midpoint.
 template <bool kOneNormal, typename Sample>
 void SubdivideTriangle(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c, float threshold2,
                        const Sample &sample) {
@@ -114,7 +114,7 @@ struct LuxelSpan {
     void Add(float at) { from = std::min(from, at), to = std::max(to, at); }
 };
 
-/// Extent along the first axis of the part of a triangle between top and bottom, on the second axis.
+/// Extent on the first axis of the part of a triangle that is between `top` and `bottom` on the second axis.
 inline LuxelSpan SpanBetween(const LuxelTriangle &triangle, float top, float bottom) {
     LuxelSpan span;
     for (std::size_t i = 0; i < 3; ++i) {

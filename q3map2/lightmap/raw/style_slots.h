@@ -10,9 +10,9 @@ namespace q3 {
 
 /// Light styles that one surface can hold.
 inline constexpr std::size_t kStyles = 4;
-/// By slot; slot 0 holds style 0, and free slots come last.
+/// Style by slot; slot 0 holds style 0, and free slots come last.
 using Styles = std::array<std::uint8_t, kStyles>;
-/// Of a free slot.
+/// Marks a free slot.
 inline constexpr std::uint8_t kNoStyle = 255;
 inline constexpr Styles kOnlyStyle0{0, kNoStyle, kNoStyle, kNoStyle};
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. -approx: surfaces whose lightmap vertex colors can replace.
+// GPL-2.0-or-later. -approx: lightmaps that vertex colors can replace.
 #include "q3map2/lightmap/store/lightmap_approx.h"
 
 #include "q3map2/light/tone/light_tone.h"
@@ -12,9 +12,9 @@ namespace {
 
 /// Surfaces with bounds up to this on each axis need no lightmap. Luxels.
 constexpr float kTinyLuxels = 2;
-/// Samples along a curve of a patch, at most.
+/// Largest number of samples along a curve of a patch.
 constexpr int kMaxSteps = 64;
-/// Halvings of a triangle, at most: bounds the recursion for any threshold.
+/// Largest number of halvings of a triangle: bounds the recursion for any threshold.
 constexpr int kMaxDepth = 20;
 
 /// Interpolated vertex colors at a point of a surface, and where it is in the lightmap.
@@ -32,7 +32,7 @@ SurfaceSample Blend(const SurfaceSample &a, const SurfaceSample &b, float share)
     return result;
 }
 
-/// At t of the quadratic curve with these control points.
+/// The sample at t of the quadratic curve with these control points.
 SurfaceSample OnCurve(const SurfaceSample &a, const SurfaceSample &b, const SurfaceSample &c, float t) {
     return Blend(Blend(a, b, t), Blend(b, c, t), t);
 }
@@ -160,10 +160,12 @@ class Approximation {
 };
 
 VertexStandIn StandInFor(const SurfaceInputs &in, const SurfaceLight &surfaces, const RawLightmap &lightmap) {
-    const auto drawn = [&](int surface) { return !in.table[std::size_t(surface)].shader->lightmap.noVertexLight; };
+    const auto usesVertexLight = [&](int surface) {
+        return !in.table[std::size_t(surface)].shader->lightmap.noVertexLight;
+    };
     const Vec3f size = lightmap.bounds.maxs - lightmap.bounds.mins;
     if (MaxComponent(size) <= kTinyLuxels * lightmap.sampleSize &&
-        std::all_of(lightmap.surfaces.begin(), lightmap.surfaces.end(), drawn))
+        std::all_of(lightmap.surfaces.begin(), lightmap.surfaces.end(), usesVertexLight))
         return VertexStandIn::Forced;
     const Approximation approximation(in, surfaces, lightmap);
     const bool close = std::all_of(lightmap.surfaces.begin(), lightmap.surfaces.end(),

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. -approx: surfaces whose lightmap vertex colors can replace.
+// GPL-2.0-or-later. -approx: lightmaps that vertex colors can replace.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"

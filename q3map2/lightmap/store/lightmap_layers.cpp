@@ -25,8 +25,7 @@ float MaxDifference(const Vec3f &a, const Vec3f &b) {
     return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
 }
 
-// ---- seams of closed patches
-// -------------------------------------------------------------------------------------------
+// ---- seams of closed patches -----------------------------------------------------------------------------------
 
 void JoinTexels(Vec3f &a, Vec3f &b, bool colors) {
     if (colors && (a.x < 0 || b.x < 0)) {
@@ -247,7 +246,8 @@ std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLigh
         number = rank++;
     struct Key {
         std::vector<int> shaders; ///< ranks, each once
-        int styles = 0, area = 0;
+        int styles = 0;           ///< minus the sum of styles, 255 for a free slot: few styles come first
+        int area = 0;             ///< negative: large ones come first
     };
     std::vector<Key> keys(surfaces.lightmaps.size());
     for (std::size_t i = 0; i < keys.size(); ++i) {

@@ -9,8 +9,8 @@ namespace q3 {
 namespace {
 
 constexpr int kWordBits = 64;
-/// Fast allocation: steps over a lightmap's width, and pages with less than 1 / kFastFree of their texels free are
-/// skipped.
+/// Fast allocation tries positions 1 / kFastSteps of the lightmap's size apart, and skips pages with less than
+/// 1 / kFastFree of their texels free.
 constexpr int kFastSteps = 15;
 constexpr double kFastFree = 10;
 
@@ -63,7 +63,7 @@ bool PageSpace::Fits(const Stamp &stamp, int x, int y) const {
 }
 
 /// Clears the columns of `open` at which the run would cover a taken texel; false if none is left.
-bool PageSpace::Remove(const Stamp::Run &run, int y, std::span<std::uint64_t> open) const {
+bool PageSpace::ClearTaken(const Stamp::Run &run, int y, std::span<std::uint64_t> open) const {
     const int level = std::min(int(std::bit_width(unsigned(run.length))) - 1, kLevels - 1);
     const std::uint64_t *row = Row(y + run.row, level);
     std::uint64_t any = 0;
@@ -89,7 +89,7 @@ std::optional<std::array<int, 2>> PageSpace::Find(const Stamp &stamp, int stepX,
     for (int y = 0; y + stamp.height <= height_; y += stepY) {
         open = columns;
         const bool found = std::all_of(stamp.runs.begin(), stamp.runs.end(),
-                                       [&](const Stamp::Run &run) { return Remove(run, y, open); });
+                                       [&](const Stamp::Run &run) { return ClearTaken(run, y, open); });
         for (std::size_t i = 0; i < words_ && found; ++i)
             if (open[i] != 0)
                 return std::array{int(i) * kWordBits + std::countr_zero(open[i]), y};
@@ -104,11 +104,11 @@ void PageSpace::Take(const Stamp &stamp, int x, int y) {
             row[column / kWordBits] |= std::uint64_t(1) << (column % kWordBits);
     }
     for (int row = y; row < y + stamp.height; ++row)
-        Rebuild(row);
+        RebuildLevels(row);
     free_ -= stamp.used;
 }
 
-void PageSpace::Rebuild(int row) {
+void PageSpace::RebuildLevels(int row) {
     for (int level = 1; level < kLevels; ++level) {
         const std::uint64_t *below = Row(row, level - 1);
         for (std::size_t i = 0; i < words_; ++i)
@@ -150,7 +150,7 @@ class Packer {
         layer.page = int(page), layer.x = at[0], layer.y = at[1];
     }
 
-    /// At the coordinates of the lightmap's first style, on any page, or half a page aside: surfaces that share a
+    /// Packs at the coordinates of the lightmap's first style, on any page, or half a page aside: surfaces that share a
     /// shader then share the offset of its stages, so few generated shaders are needed.
     bool PackBesideFirst(const LightmapLayer &first, const Stamp &stamp, LightmapLayer &layer) {
         for (const bool shifted : {false, true})

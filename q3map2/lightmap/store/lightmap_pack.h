@@ -11,13 +11,13 @@
 
 namespace q3 {
 
-/// The texels that a lightmap uses, as runs in rows. Other lightmaps may use those between.
+/// The texels that a lightmap uses, as runs in rows. Other lightmaps may use the texels between runs.
 struct Stamp {
     struct Run {
         int row, start, length;
     };
     int width = 1, height = 1;
-    int used = 1; ///< texels
+    int used = 1; ///< number of texels in the runs
     std::vector<Run> runs;
 };
 Stamp MakeStamp(const LightmapLayer &layer);
@@ -44,15 +44,15 @@ class PageSpace {
     const std::uint64_t *Row(int row, int level) const {
         return bits_.data() + (std::size_t(row) * kLevels + std::size_t(level)) * words_;
     }
-    bool Remove(const Stamp::Run &run, int y, std::span<std::uint64_t> open) const;
-    void Rebuild(int row);
+    bool ClearTaken(const Stamp::Run &run, int y, std::span<std::uint64_t> open) const;
+    void RebuildLevels(int row);
 
     int width_, height_, free_;
     std::size_t words_;
     std::vector<std::uint64_t> bits_;
 };
 
-/// Sets page, x and y of every layer in `order`, and of twins those of the layer they share. Returns the sizes of the
+/// Sets page, x and y of every layer in `order`; twins get those of the layer that they share. Returns the sizes of the
 /// pages.
 std::vector<std::array<int, 2>> PackLayers(const std::vector<std::size_t> &order, const LightmapOptions &options,
                                            LightmapLayers &stored);

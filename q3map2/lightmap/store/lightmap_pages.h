@@ -17,11 +17,11 @@ std::filesystem::path ScriptPath(const std::filesystem::path &bspPath, const Gam
 /// Writes the generated shaders; without any, deletes the file of an earlier run.
 void WriteScript(const std::filesystem::path &script, const StoredLightmaps &stored, Log &log);
 
-/// Writes every page of the file as lightmap_NNNN.tga into the folder: rows bottom up by the header, as they are in
-/// the file. side: of a page. Errors: as WritePages.
+/// Writes every page of the file as lightmap_NNNN.tga into the folder: rows in the order of the file, which the TGA
+/// header declares as bottom up. side: of a page, texels. Errors: as WritePages.
 void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &folder, Log &log);
-/// Replaces the pages of the file by such images; those that are missing or of another size stay as they are, with a
-/// warning. Errors: Error, for a file without lightmaps and for images that cannot be read.
+/// Replaces the pages of the file by such images; pages whose image is missing or has another size stay as they are,
+/// with a warning. Errors: Error, for a file without lightmaps and for images that cannot be read.
 void ImportLightmaps(Bsp &bsp, int side, const std::filesystem::path &folder, Log &log);
 
 } // namespace q3

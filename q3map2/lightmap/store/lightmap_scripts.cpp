@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Shaders generated for surfaces whose light one lightmap of the file cannot show.
+// GPL-2.0-or-later. Shaders generated for surfaces with several light styles or with a page outside the file.
 #include "q3map2/lightmap/store/lightmap_scripts.h"
 
 #include "common/text/text.h"
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxShaderName = 63;
 constexpr std::size_t kChecksumDigits = 32;
-/// Images that an engine takes in one animMap, and stages in one shader.
+/// Largest numbers of images in an animMap and of stages in a shader that engines take.
 constexpr std::size_t kFrames = 8, kStages = 8;
 constexpr std::string_view kDefaultWave = "wave noise 0.5 1 0 5.37";
 
@@ -80,7 +80,7 @@ std::string HintName(std::string_view mapName, std::size_t number) {
     return fmt::format("maps/{}/nomipmaps{}", mapName, number);
 }
 
-/// Number of mipmap hints at the start of the file.
+/// Number of mipmap hints at the start of the draw surfaces.
 std::size_t CountHints(std::string_view mapName, const Bsp &bsp) {
     const std::string prefix = fmt::format("maps/{}/nomipmaps", mapName);
     std::size_t count = 0;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Shaders generated for surfaces whose light one lightmap of the file cannot show.
+// GPL-2.0-or-later. Shaders generated for surfaces with several light styles or with a page outside the file.
 #pragma once
 
 #include "q3map2/bspfile/entities.h"
@@ -26,8 +26,8 @@ std::string PagePath(std::string_view mapName, int file);
 std::string StyledText(const ShaderInfo &shader, std::span<const StyleStage> stages, const Entity &world,
                        std::string_view mapName);
 
-/// The text (of StyledText, else empty for the shader's own) with the image of a page in place of its lightmap; empty
-/// when it has no lightmap stage.
+/// `text` (from StyledText; empty: the shader's own) with the image of a page in place of $lightmap; empty if it has no
+/// lightmap stage.
 std::string ImageText(const ShaderInfo &shader, std::string text, int file, std::string_view mapName);
 
 /// Name of a generated shader: the map name and a checksum of the text. At most 63 bytes.

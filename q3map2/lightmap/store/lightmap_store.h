@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Results of lighting into the file: pages, numbers, coordinates, vertex colors, generated shaders.
+// GPL-2.0-or-later. Stores the light of surfaces in the Bsp: pages, coordinates, vertex colors, generated shaders.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"
@@ -19,7 +19,7 @@ struct LightmapPage {
     std::vector<std::uint8_t> directions; ///< deluxe: the page after it; else empty
 };
 
-/// What storing makes beyond the Bsp.
+/// Results of storing that are not in the Bsp.
 struct StoredLightmaps {
     std::vector<LightmapPage> pages;
     struct Script {

@@ -23,7 +23,7 @@ constexpr float kSolidDepth = 0.125f;
 /// Vertices without light are tried at up to two such steps aside on each axis. Game units.
 constexpr float kNudge = 4;
 constexpr std::array<int, 5> kNudgeSteps = {0, 1, -1, 2, -2};
-constexpr float kWhite = 255;
+constexpr float kWhite = 255; ///< -cheap: vertices this bright in all channels get no more lights. Byte scale
 /// Constant vertex light (-novertex 1, shaders without vertex light). Byte scale.
 constexpr float kConstant = 127.5f;
 
@@ -51,7 +51,7 @@ class VertexLighter {
     void AddLights(std::span<SurfaceReceiverBatch> blocks, const VertexIndices &vertices);
     void AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::span<const std::size_t> vertices);
     void AddTo(std::size_t slot, std::size_t vertex, const Vec3f &light);
-    bool Bright(std::size_t vertex) const;
+    bool IsAboveAmbient(std::size_t vertex) const;
     void FillOccluded(const std::vector<bool> &lit);
 
     const SurfaceInputs &in_;
@@ -154,7 +154,7 @@ SurfaceVertexLight VertexLighter::Run() {
                     continue;
                 for (const std::size_t v : LightAt(dark, Vec3f{float(x), float(y), float(z)} * kNudge))
                     lit[v] = true;
-                std::erase_if(dark, [&](std::size_t v) { return lit[v] && Bright(v); });
+                std::erase_if(dark, [&](std::size_t v) { return lit[v] && IsAboveAmbient(v); });
             }
     FillOccluded(lit);
     return std::move(result_);
@@ -202,8 +202,8 @@ void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> blocks, const Vert
                 const Vec3f color = light->color * (light->negative ? -incident.add[i] : incident.add[i]);
                 AddTo(slot, v, incident.tinted ? color * incident.tint[i] : color);
                 result_.styles[slot] = std::uint8_t(light->style);
-                const Vec3f &so = result_.values[0][v];
-                if (in_.lightmap.cheap && std::min({so.x, so.y, so.z}) >= kWhite)
+                const Vec3f &soFar = result_.values[0][v];
+                if (in_.lightmap.cheap && std::min({soFar.x, soFar.y, soFar.z}) >= kWhite)
                     blocks[b].wanted[i] = 0;
             }
         }
@@ -248,12 +248,12 @@ void VertexLighter::AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::
     }
 }
 
-bool VertexLighter::Bright(std::size_t vertex) const {
+bool VertexLighter::IsAboveAmbient(std::size_t vertex) const {
     const Vec3f &light = result_.values[0][vertex];
     return light.x > ambient_.x || light.y > ambient_.y || light.z > ambient_.z;
 }
 
-/// Vertices that are occluded at all offsets get the mean of those that have light.
+/// Vertices that are occluded at all offsets get the mean of the vertices that are above ambient light in slot 0.
 void VertexLighter::FillOccluded(const std::vector<bool> &lit) {
     for (std::size_t slot = 0; slot < kStyles; ++slot) {
         std::vector<Vec3f> &values = result_.values[slot];
@@ -262,7 +262,7 @@ void VertexLighter::FillOccluded(const std::vector<bool> &lit) {
         Vec3f sum;
         float count = 0;
         for (std::size_t v = 0; v < values.size(); ++v)
-            if (lit[v] && Bright(v))
+            if (lit[v] && IsAboveAmbient(v))
                 sum += values[v], count += 1;
         const Vec3f mean = count > 0 ? sum / count : slot == 0 ? ambient_ : Vec3f{};
         for (std::size_t v = 0; v < values.size(); ++v)
@@ -343,7 +343,7 @@ SurfaceVertexLight FromLightmap(const SurfaceInputs &in, const SurfacePass &pass
     return result;
 }
 
-/// Adds the light of a surface to that of all.
+/// Adds the light at the vertices of a surface to `vertex`.
 void Store(const SurfaceInputs &in, const SurfacePass &pass, std::size_t surface, const SurfaceVertexLight &from,
            VertexLight &vertex) {
     // kept: added to the result; with -bounceonly direct light is not. sent: bounces on. Constants count in one pass.

@@ -5,8 +5,8 @@
 
 namespace q3 {
 
-/// Lights the vertices of all surfaces: those without a lightmap by `lights` (of SetupEnvelopes for surfaces), the
-/// others from the nearest luxels of their lightmap. Adds the work done to `counts`.
+/// Lights the vertices of all surfaces: surfaces without a lightmap by `lights` (from SetupEnvelopes for surfaces),
+/// other surfaces from the nearest luxels of their lightmap. Adds the work done to `counts`.
 void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
                    SurfaceLight &surfaces, ContributionCounts &counts);
 
