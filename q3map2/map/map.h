@@ -98,7 +98,7 @@ struct MapEntity {
     Entity pairs;
     int number = 0;                  ///< in the map source
     std::string location;            ///< FILE:LINE of its "{"; empty: not from a file
-    std::deque<Brush> brushes;       ///< opaque brushes first, in reverse order of the source, then the others in order
+    std::deque<Brush> brushes;       ///< opaque brushes first, newest in front; then translucent brushes, oldest first
     std::deque<Patch> patches;       ///< newest in front
     std::vector<Brush> colorVolumes; ///< brushes whose shader modifies vertex colors inside them
     Vec3f origin;                    ///< value of the key origin plus the center of the origin brush

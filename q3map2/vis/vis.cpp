@@ -72,7 +72,7 @@ MightSeeTable PortalVisibility(const VisMap &map, const VisOptions &options, con
     return mightSee;
 }
 
-/// Visible clusters by cluster: those behind all portals that are seen through a portal of its own leaf.
+/// By cluster, the clusters that it sees: those behind all portals that are seen through a portal of its leaf.
 BitTable ClusterRows(const PortalGraph &graph, const VisMap &map, const MightSeeTable &mightSee) {
     const std::size_t clusters = graph.leafs.size();
     std::vector<std::size_t> root(clusters);
