@@ -74,7 +74,7 @@ std::vector<DrawVert> CrossingVerts(const Grid &grid, int column, const Plane &p
     return verts;
 }
 
-/// Columns from..to, then at the cut end one or two columns on the plane, whichever makes the width odd.
+/// Columns from..to plus, at the cut end, one or two columns on the plane, whichever makes the width odd.
 Grid Part(const Grid &grid, int from, int to, const std::vector<DrawVert> &crossing) {
     const int copies = (to - from + 1) % 2 == 0 ? 1 : 2;
     Grid part{to - from + 1 + copies, grid.height, {}};
