@@ -68,7 +68,7 @@ Tree MapCompiler::MakeTree(std::vector<TreeFace> faces) {
     return tree;
 }
 
-/// Floods the tree and fills what lies outside, if it is sealed.
+/// Floods the tree. If the map is sealed, or _ignoreleaks is set, makes the leafs outside opaque.
 Sealing MapCompiler::Seal(Tree &tree, bool warn) {
     Sealing sealing = FloodEntities(tree, map_, context_, warn);
     if (sealing == Sealing::Empty)
@@ -83,7 +83,7 @@ Sealing MapCompiler::Seal(Tree &tree, bool warn) {
     return sealing;
 }
 
-/// Reports the leak. True if the compile goes on.
+/// Reports the leak. False if the compile ends here (-leaktest).
 bool MapCompiler::ReportLeak(const Tree &tree) {
     result_.leakLine = LeakLine(tree, map_);
     LogMark trail;
@@ -99,7 +99,7 @@ bool MapCompiler::ReportLeak(const Tree &tree) {
         context_.log.Mark(LogLevel::Warning, fmt::format("Entity {}, Brush 0: {}", reached.number, cause),
                           {.entity = reached.number, .primitive = 0, .line = {}});
     }
-    // Last: an editor closes the connection at the trail.
+    // Sent last: the editor closes the connection after the trail.
     context_.log.Mark(LogLevel::Error, "MAP LEAKED\n", trail);
     result_.abandoned = context_.options.leakTest;
     if (result_.abandoned)
@@ -128,7 +128,7 @@ bool MapCompiler::CompileWorld() {
         throw Error("{}: no structural brush is seen from where the entities stand, and engines load no map without a "
                     "node: at least the walls around the map must be structural",
                     map_.name);
-    Seal(tree, false); // already warned of entities in solid
+    Seal(tree, false); // no second warning about entities in solid
     const int clusters = NumberClusters(tree, context_.options.deep);
     if (sealing == Sealing::Sealed)
         result_.portalFile = PortalFileText(tree, clusters);

@@ -15,12 +15,12 @@ struct CompiledMap {
     Bsp bsp;                     ///< without visibility and light
     std::string surfaceFile;     ///< text of the .srf
     std::string portalFile;      ///< text of the .prt; empty: the map leaks
-    std::vector<Vec3f> leakLine; ///< from outside to an entity; empty: the map is sealed
+    std::vector<Vec3f> leakLine; ///< points from outside to an entity; empty: the map is sealed
     std::string caulkFile;       ///< with -autocaulk: text of the .caulk, the only output
     bool abandoned = false;      ///< the map leaks and -leaktest is on: there is no .bsp
 };
 
-/// Compiles the map, which is modified. Errors: Error, for maps without an entity in the open and for exceeded limits.
+/// Compiles the map, which is modified. Throws Error if no entity stands in the open or a limit is exceeded.
 CompiledMap CompileMap(Map &map, const BspContext &context);
 
 } // namespace q3

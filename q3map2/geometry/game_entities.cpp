@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Entities of the map source as the game gets them.
+// GPL-2.0-or-later. Entities of the map source, as written for the game.
 #include "q3map2/geometry/game_entities.h"
 
 #include "common/text/text.h"
@@ -13,7 +13,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::array<std::string_view, 3> kNoted = {"_q3map2_cmdline", "_q3map2_version", "gridsize"};
+constexpr std::array<std::string_view, 3> kToolKeys = {"_q3map2_cmdline", "_q3map2_version", "gridsize"};
 
 std::string_view CloneOf(const MapEntity &entity) {
     return keys::kInstance.Text(entity.pairs);
@@ -23,7 +23,7 @@ bool HasPrimitives(const MapEntity &entity) {
     return !entity.brushes.empty() || !entity.patches.empty();
 }
 
-/// Gives clones the model of the entity that they name.
+/// Gives each clone the `model` value of the entity that it names.
 void ShareModels(Map &map, const BspContext &context) {
     for (MapEntity &entity : map.entities) {
         const std::string_view name = CloneOf(entity);
@@ -86,7 +86,7 @@ std::string GameEntities(const Map &map, const BspOptions &options) {
 void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context) {
     NumberModels(map, context);
     const std::vector<Entity> old = ParseEntities(bsp.entities, map.name);
-    for (const std::string_view key : kNoted)
+    for (const std::string_view key : kToolKeys)
         if (!old.empty() && old.front().Has(key))
             map.World().pairs.Set(key, old.front().Value(key));
     bsp.entities = GameEntities(map, context.options);

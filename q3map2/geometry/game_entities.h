@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Entities of the map source as the game gets them.
+// GPL-2.0-or-later. Entities of the map source, as written for the game.
 #pragma once
 
 #include "q3map2/bspfile/bsp.h"
@@ -9,12 +9,12 @@
 
 namespace q3 {
 
-/// Numbers the models: sets the `model` key of each brush entity, and of clones to that of the entity they name.
+/// Numbers the models: sets the key `model` of brush entities to *N, and of clones to the value of the named entity.
 void NumberModels(Map &map, const BspContext &context);
-/// Text of the entities lump: all but groups and the lights, models and decals that are compiled in.
+/// Text of the entities lump: all entities except groups, sky boxes, decals, and the lights and models compiled in.
 std::string GameEntities(const Map &map, const BspOptions &options);
-/// -onlyents: replaces the entities of the .bsp by those of the map. Keys that the tools added to the old worldspawn
-/// (command line, version, grid size) are kept.
+/// -onlyents: replaces the entities of the .bsp by the entities of the map. Keys that the tools added to the old
+/// worldspawn (command line, version, grid size) are kept.
 void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context);
 
 } // namespace q3

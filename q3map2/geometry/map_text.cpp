@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Text output about the brushes of a map, and limits of engines.
+// GPL-2.0-or-later. Brushes of a map as text (.caulk, fakemap), and limits of engines.
 #include "q3map2/geometry/map_text.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace q3 {
 
 namespace {
 
-/// Letter of the shader that an editor should apply to a hidden side.
+/// Letter of the shader that an editor should apply to a hidden side; '-': leave the side as it is.
 char CaulkLetter(const Brush &brush, const BrushSide &side) {
     const bool isSeen = side.visibleHull.size() >= 3 && !side.culled;
     if (isSeen || !side.shader || (side.compileFlags & C_NODRAW) != 0)
@@ -66,7 +66,7 @@ void WarnOfLimits(const Bsp &bsp, Log &log) {
     int lastArea = 0;
     for (const bspLeaf_t &leaf : bsp.leafs)
         lastArea = std::max(lastArea, leaf.area);
-    std::size_t entities = 0; // each begins with a line of its own
+    std::size_t entities = 0; // each begins with "{" on a line of its own
     for (std::size_t at = 0; (at = bsp.entities.find("{\n", at)) != std::string::npos; at++)
         entities += at == 0 || bsp.entities[at - 1] == '\n';
     struct Limit {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Text output about the brushes of a map, and limits of engines.
+// GPL-2.0-or-later. Brushes of a map as text (.caulk, fakemap), and limits of engines.
 #pragma once
 
 #include "common/log.h"
@@ -9,11 +9,11 @@
 
 namespace q3 {
 
-/// -autocaulk: a line for each brush of the world, with its number and a letter a side.
+/// -autocaulk: a line for each brush of the world, with its number and a letter per side.
 std::string CaulkText(const MapEntity &world);
 /// -fakemap: the world's brushes as map source.
 std::string FakeMapText(const MapEntity &world, const PlaneTable &planes);
-/// Warns of each count of the .bsp that engines cannot load.
+/// Warns of each number of records that exceeds what engines can load.
 void WarnOfLimits(const Bsp &bsp, Log &log);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What every step of the bsp stage needs besides its input.
+// GPL-2.0-or-later. Context of every step of the bsp stage: options, game files, log.
 #pragma once
 
 #include "q3map2/map/bsp_options.h"
@@ -16,7 +16,7 @@ struct BspContext {
     Log &log;
     const VirtualFileSystem *vfs = nullptr; ///< for models, skins and index maps; null: none are found
 
-    /// "Entity E, Brush B: text" as a warning; with an editor connected it selects the primitive.
+    /// Warns "Entity E, Brush B: text". A connected editor selects the primitive.
     void WarnAt(std::string_view kind, int entity, int primitive, std::string_view text) const;
     [[noreturn]] void FailAt(int entity, int primitive, std::string_view text) const;
 };

@@ -16,7 +16,7 @@ BspOptions ParseBspOptions(Arguments &arguments, const Game &game, Log &log) {
     o.sRgbColor = game.sRgbColor;
     TakeSettings(BspSettings(), o, arguments, log);
     o.maxVertexLitVerts = std::max(o.maxVertexLitVerts, o.maxSurfaceVerts);
-    o.meta |= o.patchMeta; // meshes of patches are drawn by the meta step alone
+    o.meta |= o.patchMeta; // only the meta step draws meshes of patches
     WarnWithoutEffect(o.withoutEffect, log);
     return o;
 }

@@ -23,7 +23,7 @@ std::vector<float> NumbersOf(std::string_view text, std::size_t count) {
     return numbers;
 }
 
-/// The layer of each texel: palette numbers as they are, red in as many steps as there are layers.
+/// The layer of each texel: its palette index or, without a palette, red * layers / 256.
 IndexImage ReadPicture(std::string_view name, int layers, const BspContext &context) {
     const auto bytes = context.vfs == nullptr ? std::nullopt : context.vfs->Read(name);
     if (!bytes)

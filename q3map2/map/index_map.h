@@ -15,7 +15,7 @@ namespace q3 {
 struct IndexMap {
     Boundsf bounds; ///< extent of the image, game units; its top row is at the largest y
     int width = 0, height = 0, layers = 1;
-    std::vector<std::uint8_t> pixels; ///< numbers of layers
+    std::vector<std::uint8_t> pixels; ///< layer numbers, row by row
     std::vector<float> offsets;       ///< heights of layers, game units; missing ones are 0
     std::string shader;               ///< without "textures/" and the layer's number
 
@@ -23,9 +23,9 @@ struct IndexMap {
     float OffsetOf(int layer) const;
 };
 
-/// The index map that the keys of an entity name, over the bounds of its brushes and patches moved by `shift`. Null
-/// without such keys, and after a warning when a key is missing or the image (tga, png, pcx) cannot be read or is under
-/// 2 x 2.
+/// The index map that the keys of an entity name. Its default extent: bounds of the brushes and patches, moved by
+/// `shift`. Null without such keys; null after a warning if a key is missing, or the image (tga, png, pcx) cannot be
+/// read or is smaller than 2 x 2.
 std::shared_ptr<const IndexMap> ReadIndexMap(const MapEntity &entity, const Vec3f &shift, const BspContext &context);
 
 } // namespace q3

@@ -25,7 +25,7 @@ struct DrawVert {
     bool inserted = false; ///< by T-junction repair
 };
 
-/// Whether the point is inside the coordinates that a map may use.
+/// Whether the point is within the coordinate range of maps.
 inline bool InWorld(const Vec3f &p) {
     return std::abs(double(p.x)) <= kMaxWorldCoord && std::abs(double(p.y)) <= kMaxWorldCoord &&
            std::abs(double(p.z)) <= kMaxWorldCoord;
@@ -46,8 +46,8 @@ struct SurfaceSettings {
     bool operator==(const SurfaceSettings &) const = default;
 };
 
-/// s = vecs[0] . (p, 1), t = vecs[1] . (p, 1), p with the entity's origin added. All texture
-/// forms of the map format are converted to this; the division by the image size is included.
+/// s = vecs[0] . (p, 1), t = vecs[1] . (p, 1), where p is the point plus Brush::textureOrigin. All texture forms of the
+/// map format are converted to this; the division by the image size is included.
 struct TextureProjection {
     std::array<std::array<double, 4>, 2> vecs{};
 };
@@ -55,18 +55,18 @@ struct TextureProjection {
 struct BrushSide {
     int planeNum = -1;                  ///< front is outside
     Plane plane;                        ///< through the points of the map source, in double
-    bool hasPlane = false;              ///< false: use that of the plane table
+    bool hasPlane = false;              ///< false: use the plane of planeNum
     const ShaderInfo *shader = nullptr; ///< null: bevels, and backs of generated brushes
     std::uint32_t surfaceFlags = 0, contentFlags = 0, compileFlags = 0;
     TextureProjection texture;
     Polygon winding;     ///< empty for bevels and sides that other sides cut off
-    Polygon visibleHull; ///< convex hull of its parts in open leafs; see ClipSidesIntoTree
+    Polygon visibleHull; ///< convex hull of the winding's parts in open leafs; see ClipSidesIntoTree
     bool bevel = false;
     bool culled = false; ///< makes no draw surface: hidden behind another brush
-    int surface = -1;    ///< index of the latest draw surface made from it
+    int surface = -1;    ///< index of the latest draw surface made from the side
 };
 
-/// A convex solid. Sides 0 to 5 are the axial ones in the order -x +x -y +y -z +z once bevels are there.
+/// A convex solid. Sides 0 to 5 are the axial ones in the order -x +x -y +y -z +z once AddBrushBevels has run.
 struct Brush {
     SurfaceSettings settings;
     int primitive = 0; ///< number in its entity of the map source, for messages
@@ -76,9 +76,9 @@ struct Brush {
     std::uint32_t contentFlags = 0, compileFlags = 0; ///< of all sides
     bool detail = false, opaque = false;
     bool generated = false;   ///< clip brush of a model
-    Vec3f textureOrigin;      ///< of the origin brush: added to points before texture coordinates are made
-    bool mergedGroup = false; ///< came from a func_group
-    int bspBrush = -1;        ///< number in the .bsp once it is emitted
+    Vec3f textureOrigin;      ///< center of the origin brush: added to points to get texture coordinates
+    bool mergedGroup = false; ///< from a func_group
+    int bspBrush = -1;        ///< number in the .bsp, set by BspWriter::EmitBrushes
 };
 
 struct Patch {
@@ -88,21 +88,21 @@ struct Patch {
     int width = 0, height = 0;   ///< odd, 3 to 31
     std::vector<DrawVert> verts; ///< row * width + column
     float longestCurve = 0;
-    Boundsf lodBounds; ///< of all patches that share their level of detail
+    Boundsf lodBounds; ///< common bounds of patches that share their level of detail; see FinishPatches
     bool grouped = false;
     bool patchMeta = false;
-    int patchSubdivisions = 0; ///< curve tolerance from keys; 0: the option's
+    int patchSubdivisions = 0; ///< curve tolerance from keys, game units; 0: the value of -subdivisions
 };
 
 struct MapEntity {
     Entity pairs;
     int number = 0;                  ///< in the map source
     std::string location;            ///< FILE:LINE of its "{"; empty: not from a file
-    std::deque<Brush> brushes;       ///< opaque brushes first, in reverse order of the source, then the others in order
+    std::deque<Brush> brushes;       ///< opaque brushes first, newest in front; then translucent brushes, oldest first
     std::deque<Patch> patches;       ///< newest in front
-    std::vector<Brush> colorVolumes; ///< brushes whose shader modifies colours inside
-    Vec3f origin;                    ///< value of the key, with the center of the origin brush added
-    Vec3f brushOrigin;               ///< center of the origin brush, by which brushes were moved
+    std::vector<Brush> colorVolumes; ///< brushes whose shader modifies vertex colors inside them
+    Vec3f origin;                    ///< value of the key origin plus the center of the origin brush
+    Vec3f brushOrigin;               ///< center of the origin brush; primitives were moved by its negative
     int model = -1;                  ///< 0 the world; -1 none
     Vec3f Origin() const { return origin; }
     /// Start of messages about the entity: "Entity 3: maps/x.map:120".

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Bevel planes of brushes: axial ones, and those of slanted edges.
+// GPL-2.0-or-later. Bevel planes of brushes: axial planes, and planes through slanted edges.
 #include "q3map2/map/map_bevels.h"
 
 #include <cmath>
@@ -9,10 +9,10 @@ namespace {
 
 /// Surface flags that bevels inherit from the sides they touch: slick, damage and step sounds.
 constexpr std::uint32_t kBevelSurfaceFlags = 0xC3043;
-constexpr double kOnPlane = 0.1;
+constexpr double kOnPlane = 0.1; ///< game units
 constexpr double kHalf = 0.5;
 
-/// The unit vector rounded to float.
+/// Unit vector along `v`, with components rounded to float.
 Vec3d StoredUnit(const Vec3d &v) {
     const Vec3d stored{Vec3f(v)};
     return Vec3d(Vec3f(stored * (1 / Length(stored))));
@@ -63,7 +63,7 @@ void AddAxialBevels(Brush &brush, PlaneTable &planes, int snap) {
     }
 }
 
-/// Unit vector along the edge; zero when it is too short, or along an axis.
+/// Unit vector along the edge; zero if the edge is too short or along an axis.
 Vec3d SlantedEdge(const Vec3f &from, const Vec3f &to, const PlaneTable &planes) {
     Vec3d edge = Vec3d(from) - Vec3d(to);
     if (Length(edge) < kHalf)
@@ -77,7 +77,7 @@ Vec3d SlantedEdge(const Vec3f &from, const Vec3f &to, const PlaneTable &planes) 
 
 enum class Fit { New, OnBevel, Rejected };
 
-/// Whether the whole brush is behind the plane and it is not one of its planes. `match`: the side that it equals.
+/// New: the whole brush is behind the plane, and no side has this plane. OnBevel: side `match` is a bevel with it.
 Fit FitPlane(const Brush &brush, const Plane &plane, const PlaneTable &planes, std::size_t &match) {
     for (std::size_t i = 0; i < brush.sides.size(); ++i) {
         const BrushSide &side = brush.sides[i];

@@ -5,9 +5,9 @@
 
 namespace q3 {
 
-/// Appends the bevel planes that boxes of any size need to collide with the brush exactly: axial ones, and those of
-/// slanted edges. To be called once, after MakeBrushWindings. `snap`: axial bevels go to multiples of it, game units;
-/// 0: off.
+/// Appends the bevel planes that boxes of any size need to collide with the brush exactly: axial planes, and planes
+/// through slanted edges. To be called once, after MakeBrushWindings. `snap`: axial bevels are rounded to multiples of
+/// it, game units; 0: off.
 void AddBrushBevels(Brush &brush, PlaneTable &planes, int snap);
 
 } // namespace q3

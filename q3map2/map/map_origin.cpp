@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Brushes and patches of an entity that moves about its origin.
+// GPL-2.0-or-later. Moves brushes and patches relative to the origin of their entity.
 #include "q3map2/map/map_origin.h"
 
 #include <algorithm>
@@ -33,14 +33,14 @@ bool InWorld(const Patch &patch) {
     return std::ranges::all_of(patch.verts, [](const DrawVert &v) { return InWorld(v.xyz); });
 }
 
-/// Undoes the translation by the origin brush. The origin key translates a group too.
+/// Undoes the translation by the origin brush and applies the key origin.
 void MoveBack(MapEntity &group, PlaneTable &planes, const BspContext &context) {
     if (group.origin == Vec3f{})
         return;
     const bool far = !InWorld(group.origin);
     if (far || group.brushOrigin == Vec3f{})
         context.WarnAt("group with an origin", group.number, 0,
-                       far ? "the origin of a func_group is outside the world: it means nothing"
+                       far ? "the origin of a func_group is outside the world: it has no effect"
                            : "a func_group has the key origin but no origin brush: it is moved by the key");
     MoveEntity(group, far ? group.brushOrigin : group.origin, planes);
     const auto leaves = [&](const auto &primitive) {

@@ -68,8 +68,8 @@ class MapReader {
     MapScanner scanner_;
     PrimitiveReader primitives_;
     int entityCount_ = 0, primitiveCount_ = 0;
-    std::string primitiveLocation_; ///< file and line where the one that is being read begins
-    bool entityIsOpen_ = false;     ///< its "{" was read, and a pair of the one before may be missing its "}"
+    std::string primitiveLocation_; ///< file and line where the current primitive begins
+    bool entityIsOpen_ = false; ///< the "{" of the next entity was already read, because the previous one lacks a "}"
 };
 
 /// Estimates the number of entities from the "classname" keys.
@@ -81,7 +81,7 @@ std::size_t MapReader::EntityEstimate(std::string_view text) {
     return count;
 }
 
-/// Reads up to the "{" of an entity; what is before it does not belong there.
+/// Skips to the "{" of the next entity and warns of skipped text. False: end of the map.
 bool MapReader::FindEntity() {
     scanner_.SetContext(-1, -1);
     if (entityIsOpen_)
@@ -93,7 +93,7 @@ bool MapReader::FindEntity() {
             return true;
         if (!warned)
             context_.log.Warn("text between entities",
-                              "{}: expected '{{' of entity {}, found '{}'; read on from the next '{{'",
+                              "{}: expected '{{' of entity {}, found '{}'; skipped to the next '{{'",
                               scanner_.Location(), entityCount_, Shown(token));
         warned = true;
     }
@@ -166,17 +166,17 @@ void MapReader::ReadPrimitive(MapEntity &entity) {
     }
 }
 
-/// Of the brush that is being read.
+/// Warns of the current brush, with its location.
 void MapReader::Warn(const Brush &brush, std::string_view kind, std::string_view text) const {
     context_.WarnAt(kind, brush.settings.entity, brush.primitive, fmt::format("{}: {}", primitiveLocation_, text));
 }
 
-/// Removes sides without a plane and duplicates. False: the brush is ignored.
+/// Removes sides that have no plane or repeat one. False: the brush is to be ignored.
 bool MapReader::CheckPlanes(Brush &brush) const {
     std::vector<BrushSide> kept;
     for (BrushSide &side : brush.sides) {
         if (side.planeNum < 0) {
-            Warn(brush, "degenerate plane", "degenerate plane: its points are in one line");
+            Warn(brush, "degenerate plane", "degenerate plane: its points are collinear");
             continue;
         }
         const auto has = [&kept](int number) {
@@ -236,7 +236,7 @@ void MapReader::AddBrush(MapEntity &entity, Brush brush) {
 
 void MapReader::TakeOrigin(MapEntity &entity, const Brush &brush) {
     if (entity.number == 0) {
-        Warn(brush, "origin brush in the world", "an origin brush in the world means nothing");
+        Warn(brush, "origin brush in the world", "an origin brush in the world has no effect");
         return;
     }
     if (entity.brushOrigin != Vec3f{})
@@ -244,7 +244,7 @@ void MapReader::TakeOrigin(MapEntity &entity, const Brush &brush) {
     entity.brushOrigin = brush.bounds.Center();
 }
 
-/// Only one side of a brush can be the portal.
+/// Only one side of an area portal brush can be the portal.
 void MapReader::KeepLargestAreaPortal(Brush &brush) const {
     BrushSide *largest = nullptr;
     bool several = false;
@@ -257,7 +257,7 @@ void MapReader::KeepLargestAreaPortal(Brush &brush) const {
     }
     if (!several)
         return;
-    Warn(brush, "area portal sides", "several sides are area portals: the largest one is");
+    Warn(brush, "area portal sides", "several sides are area portals: only the largest is used");
     for (BrushSide &side : brush.sides)
         if (&side != largest)
             side.compileFlags &= ~C_AREAPORTAL;
@@ -268,7 +268,7 @@ void MapReader::DropAreaPortals(MapEntity &entity) const {
         const bool isPortal = (brush.compileFlags & C_AREAPORTAL) != 0;
         if (isPortal)
             context_.WarnAt("area portal outside the world", brush.settings.entity, brush.primitive,
-                            "an area portal that is not of the world is left out");
+                            "an area portal outside worldspawn is left out");
         return isPortal;
     });
 }

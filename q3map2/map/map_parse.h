@@ -9,7 +9,7 @@
 namespace q3 {
 
 /// Reads map text: entities, brushes with windings and bevels, patches. Applies origin brushes and joins func_groups
-/// with the world. Errors: Error with file, line, entity and primitive.
+/// with the world. Throws Error with file, line, entity and primitive.
 Map ReadMap(std::string_view text, std::string_view name, const BspContext &context);
 
 } // namespace q3

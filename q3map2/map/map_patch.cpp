@@ -11,12 +11,13 @@ namespace q3 {
 
 namespace {
 
-/// Patches with points nearer than this along each axis share their level of detail. Game units.
+/// Patches with points closer than this along each axis share their level of detail. Game units.
 constexpr float kTouching = 1;
-/// Greatest distance of first and last column of a closed patch. Game units.
+/// Greatest distance per axis between first and last column (or row) of a closed patch. Game units.
 constexpr float kClosed = 1;
+/// Cosine between the normals of control points and curve below which the curve's normal is used.
 constexpr float kNormalsDiffer = 0.75f;
-constexpr int kMaxSteps = 3;
+constexpr int kMaxSteps = 3; ///< in search of a distinct neighbor
 
 using PatchGrid = MeshOf<DrawVert>;
 
@@ -52,7 +53,7 @@ class Groups {
     std::vector<std::size_t> parents_;
 };
 
-/// A control point in its cell of a grid of kTouching.
+/// A control point and its cell in a grid of spacing kTouching.
 struct CellPoint {
     std::uint64_t cell = 0;
     Vec3f xyz;
@@ -80,7 +81,7 @@ void JoinCells(CellSpan a, CellSpan b, Groups &groups) {
                 return groups.Join(p.patch, q.patch);
 }
 
-/// All points of a cell touch each other, so a cell belongs to one group.
+/// Groups of patches that touch. All points of a cell touch each other, so a cell belongs to one group.
 Groups TouchingPatches(const std::deque<Patch> &patches) {
     std::vector<CellPoint> points;
     for (std::size_t i = 0; i < patches.size(); ++i)
@@ -99,14 +100,14 @@ Groups TouchingPatches(const std::deque<Patch> &patches) {
         if (i > 0 && points[i].cell == points[i - 1].cell)
             continue;
         const CellSpan own = cellAt(points[i].cell);
-        for (int neighbour = 14; neighbour < 27; ++neighbour) // half of them, so that each pair is visited once
-            JoinCells(own, cellAt(CellOf(points[i].xyz, neighbour / 9 - 1, neighbour / 3 % 3 - 1, neighbour % 3 - 1)),
+        for (int neighbor = 14; neighbor < 27; ++neighbor) // half of the 26, so that each pair is visited once
+            JoinCells(own, cellAt(CellOf(points[i].xyz, neighbor / 9 - 1, neighbor / 3 % 3 - 1, neighbor % 3 - 1)),
                       groups);
     }
     return groups;
 }
 
-/// Directions from control points of a grid to their neighbors.
+/// Normals from the directions of control points of a grid to their neighbors.
 class NeighborDirections {
   public:
     explicit NeighborDirections(const PatchGrid &grid) : grid_(grid) {
@@ -133,21 +134,21 @@ class NeighborDirections {
     }
 
   private:
-    /// Direction to the first distinct point in that direction of the grid; zero if there is none.
+    /// Unit vector to the first distinct point along the step; zero if there is none.
     Vec3f Direction(int x, int y, int stepX, int stepY) const {
         const Vec3f &base = grid_.At(x, y).xyz;
         int atX = x, atY = y;
         for (int step = 0; step < kMaxSteps; ++step) {
             if (!Step(atX, stepX, grid_.width, wrapX_) || !Step(atY, stepY, grid_.height, wrapY_))
                 return {};
-            const Vec3f way = grid_.At(atX, atY).xyz - base;
-            if (way != Vec3f{})
-                return Normalize(way);
+            const Vec3f offset = grid_.At(atX, atY).xyz - base;
+            if (offset != Vec3f{})
+                return Normalize(offset);
         }
         return {};
     }
 
-    /// The last row of a closed grid is the first.
+    /// Wraps around closed grids, where first and last index are the same point. False: beyond the border.
     static bool Step(int &at, int step, int size, bool wrap) {
         at += step;
         if (wrap && at < 0)

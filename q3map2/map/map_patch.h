@@ -9,8 +9,8 @@
 
 namespace q3 {
 
-/// Sets the longest curve of each patch, and of patches that touch the common bounds by which engines choose their
-/// level of detail.
+/// Sets longestCurve and lodBounds of each patch to those of its group: the patches that it touches, directly or by a
+/// chain of others. Engines choose the same level of detail for patches with equal values.
 void FinishPatches(std::deque<Patch> &patches);
 /// Sets normals of control points, from neighboring control points and from the curve.
 void SetPatchNormals(Patch &patch);
@@ -20,7 +20,7 @@ struct PatchMesh {
     int width = 0, height = 0;
     std::vector<DrawVert> verts; ///< row * width + column
 };
-/// The mesh for a curve tolerance of `subdivisions` game units.
+/// Tessellates a patch for a curve tolerance of `subdivisions` game units.
 PatchMesh TessellatePatch(const Patch &patch, int subdivisions);
 /// Corner indexes of the triangles of a mesh, clockwise seen from the front.
 std::vector<std::array<int, 3>> MeshTriangles(const PatchMesh &mesh);

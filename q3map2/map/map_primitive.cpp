@@ -13,12 +13,12 @@ constexpr std::size_t kMaxSides = 1024;
 constexpr std::size_t kMaxShaderName = 63;
 constexpr int kMaxPatchSize = 31;
 constexpr std::string_view kTextures = "textures/";
-/// Detail, the only bit of the contents word of a side that still has a meaning.
+/// CONTENTS_DETAIL, the only bit that still has a meaning in the contents word of a side.
 constexpr int kDetailContents = 0x8000000;
-/// Patches whose control points are all nearer to one line than this are ignored. Game units.
+/// Patches whose control points are all within this distance of one line are ignored. Game units.
 constexpr float kOnOneLine = 0.01f;
 
-/// The float next to it; 0 when there is none.
+/// Nearest float; 0 if the value is out of range.
 float StoredFloat(double value) {
     return std::abs(value) <= double(std::numeric_limits<float>::max()) ? float(value) : 0;
 }
@@ -63,7 +63,7 @@ void PrimitiveReader::ReadPoints(BrushSide &side) {
     side.planeNum = planes_.Find(side.plane.normal, side.plane.dist, points);
 }
 
-/// The form of brushDef3: four numbers of the plane n . p + d = 0.
+/// Plane of brushDef3: four numbers n, d with n . p + d = 0.
 void PrimitiveReader::ReadPlaneNumbers(BrushSide &side) {
     scanner_.Expect("(");
     std::array<double, 4> numbers{};
@@ -79,7 +79,7 @@ void PrimitiveReader::ReadPlaneNumbers(BrushSide &side) {
     side.planeNum = planes_.Find(side.plane.normal, side.plane.dist);
 }
 
-/// The name with "textures/" in front. `complete`: the token may have it already.
+/// The name with "textures/" in front. `complete`: the token may start with it already.
 std::string PrimitiveReader::ShaderName(const std::string &token, bool complete) const {
     std::string name = complete && StartsWithNoCase(token, kTextures) ? token : std::string(kTextures) + token;
     if (name.size() > kMaxShaderName)
@@ -95,7 +95,7 @@ const ShaderInfo &PrimitiveReader::Shader(const std::string &name) {
     return *shader;
 }
 
-/// Reads the texture axes after the shader name of classic and Valve 220 sides.
+/// Reads the texture axes that follow the shader name in classic and Valve 220 sides.
 TextureProjection PrimitiveReader::ReadAxes(const BrushSide &side) {
     TextureAxes texture;
     const std::string first = scanner_.NeedOnLine("a number or '['");
@@ -119,7 +119,7 @@ TextureProjection PrimitiveReader::ReadAxes(const BrushSide &side) {
     return side.planeNum < 0 ? TextureProjection{} : ProjectClassic(texture, planes_[side.planeNum].normal, shader);
 }
 
-/// Three whole numbers at the end of the line, or none.
+/// Reads the flags at the end of the line: three whole numbers or nothing.
 void PrimitiveReader::ReadFlags(BrushSide &side) {
     std::string token;
     if (!scanner_.NextOnLine(token))

@@ -11,19 +11,20 @@
 
 namespace q3 {
 
-/// Reads primitives, each without the "{" of the primitive, which was read.
+/// Reads brushes and patches whose opening "{" was already read.
 class PrimitiveReader {
   public:
     PrimitiveReader(MapScanner &scanner, PlaneTable &planes, const BspContext &context)
         : scanner_(scanner), planes_(planes), context_(context) {}
 
-    /// Sides with planes, flags and texture axes, as the text says: neither checked nor with windings. The three
-    /// texture forms and brushDef3 may be mixed. `first` is the first token after the "{".
+    /// Reads sides with planes, flags and texture axes; does not check them or make windings. A map may mix brushes of
+    /// all forms. `first` is the first token after the "{".
     Brush ReadBrush(const std::string &first);
-    /// patchDef2 and patchDef3, whose word was read. Nothing when it is left out, with a warning.
+    /// Reads a patch after its keyword, patchDef2 or patchDef3. Empty, after a warning, if the patch is left out.
     std::optional<Patch> ReadPatch();
 
   private:
+    /// Classic or Valve 220; brushDef; brushDef3.
     enum class Form { Axes, Matrix, Plane };
     BrushSide ReadSide(Form form);
     void ReadPoints(BrushSide &side);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Tokens of map text, and where in it something is wrong.
+// GPL-2.0-or-later. Tokens of map text, and messages with their location.
 #include "q3map2/map/map_scanner.h"
 
 #include "common/error.h"
@@ -42,7 +42,7 @@ void MapScanner::Warn(std::string_view kind, std::string_view text) const {
     context_.WarnAt(kind, entity_, primitive_, fmt::format("{}: {}", Location(), text));
 }
 
-/// Errors of the scanner itself name file and line only.
+/// Adds entity and primitive to errors of the scanner, which name only file and line.
 template <typename Read> bool MapScanner::Guarded(Read read) {
     try {
         return read();

@@ -14,31 +14,32 @@ namespace q3 {
 /// to SetContext.
 class MapScanner {
   public:
-    /// `name` is the file's; files that $include names are relative to its folder.
+    /// `name`: name of the file; paths after $include are relative to its folder.
     MapScanner(std::string_view text, std::string_view name, const BspContext &context);
 
-    /// Numbers of the entity and of the primitive in it that are being read; -1: none.
+    /// Numbers of the current entity and of the current primitive in it; -1: none.
     void SetContext(int entity, int primitive) { entity_ = entity, primitive_ = primitive; }
     /// The next token, on any line; false at the end.
     bool Next(std::string &token);
     /// The next token of this line; false when there is none.
     bool NextOnLine(std::string &token);
     void PushBack() { scanner_.PushBack(); }
-    /// The next token, on any line. Error, with `what` as what was expected, at the end of the text.
+    /// The next token, on any line. Throws Error, which names `what` as expected, at the end of the text.
     std::string Need(std::string_view what);
-    /// The next token of this line.
+    /// The next token of this line. Throws Error at the end of the line.
     std::string NeedOnLine(std::string_view what);
-    /// Reads a token. Error if it is another one.
+    /// Reads a token. Throws Error if it is not `token`.
     void Expect(std::string_view token);
-    /// Numbers of this line. What is not a number is 0, after a warning.
+    /// The next number of this line. Malformed text counts as the number at its start, else 0, after a warning.
     double Number();
     double NumberOf(const std::string &token) const;
+    /// The same for whole numbers, without a warning.
     int Integer();
-    /// Reads on to the "}" that closes a block whose "{" was read. False when the text ends first.
+    /// Skips to the "}" of a block whose "{" was already read. False if the text ends first.
     bool SkipBlock();
     std::string Location() const { return scanner_.Location(); }
     [[noreturn]] void Fail(std::string_view text) const;
-    /// The primitive that is being read is left out, or is not what it should be.
+    /// Warns of the current primitive, with its location.
     void Warn(std::string_view kind, std::string_view text) const;
 
   private:
@@ -49,7 +50,7 @@ class MapScanner {
     int entity_ = -1, primitive_ = -1;
 };
 
-/// Text from a file, shortened and without control characters, for one-line messages.
+/// Text from a file for one-line messages: shortened, control characters replaced by blanks.
 std::string Shown(std::string_view text);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Keys that all surfaces of an entity share.
+// GPL-2.0-or-later. Settings of the surfaces of an entity, from its keys.
 #include "q3map2/map/map_settings.h"
 
 #include "q3map2/bspfile/surface_keys.h"
@@ -9,7 +9,7 @@ namespace q3 {
 
 namespace {
 
-constexpr float kMaxColor = 1e6f; // far over any light, and no overflow in products
+constexpr float kMaxColor = 1e6f; // far above any light, and products do not overflow
 
 Vec3f AmbientOf(const Entity &pairs) {
     const float ambient = std::clamp(float(keys::kAmbient.Number(pairs)), -kMaxColor, kMaxColor);

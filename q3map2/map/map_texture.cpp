@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Texture axes of brush sides, in the three forms of the map language.
+// GPL-2.0-or-later. Texture axes of brush sides, in the three forms of the map format.
 #include "q3map2/map/map_texture.h"
 
 #include <cmath>
@@ -12,16 +12,16 @@ struct BaseAxes {
     Vec3d normal, s, t;
 };
 
-/// In the order of choice.
+/// Tested in this order; a later row must fit clearly better.
 constexpr std::array<BaseAxes, 6> kBaseAxes{{{{0, 0, 1}, {1, 0, 0}, {0, -1, 0}},
                                              {{0, 0, -1}, {1, 0, 0}, {0, -1, 0}},
                                              {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}},
                                              {{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}},
                                              {{0, 1, 0}, {1, 0, 0}, {0, 0, -1}},
                                              {{0, -1, 0}, {1, 0, 0}, {0, 0, -1}}}};
-constexpr double kClearlyLarger = 0.0001;
-constexpr double kVertical = 1e-6;
-/// Larger numbers times a coordinate would leave the range of float.
+constexpr double kClearlyLarger = 0.0001; ///< difference of dot products
+constexpr double kVertical = 1e-6;        ///< x and y of vertical normals are smaller
+/// Larger values times a coordinate would exceed the range of float.
 constexpr double kMaxAxis = 1e30;
 
 const BaseAxes &BaseAxesOf(const Vec3d &normal) {
@@ -40,7 +40,7 @@ struct Rotation {
     double sine, cosine;
 };
 
-/// Exact at right angles.
+/// Exact at multiples of 90 degrees.
 Rotation RotationOf(double degrees) {
     if (degrees == 0)
         return {0, 1};

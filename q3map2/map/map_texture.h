@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Texture axes of brush sides, in the three forms of the map language.
+// GPL-2.0-or-later. Texture axes of brush sides, in the three forms of the map format.
 #pragma once
 
 #include "q3map2/map/map.h"
@@ -10,20 +10,20 @@ namespace q3 {
 /// Numbers of a classic side or, where axes are given, of a Valve 220 side.
 struct TextureAxes {
     bool hasAxes = false;
-    std::array<Vec3d, 2> axes{};   ///< of s and t, when given
+    std::array<Vec3d, 2> axes{};   ///< axes of s and t, if hasAxes
     std::array<double, 2> shift{}; ///< texels
     double rotate = 0;             ///< degrees; classic only
     std::array<double, 2> scale{}; ///< game units per texel; 0 counts as 1
 };
 
-/// Rows (s, t) of a brush primitive's texture matrix, in units of the image.
+/// Rows (s, t) of the texture matrix of brushDef and brushDef3, in units of the image size.
 using TextureMatrix = std::array<std::array<double, 3>, 2>;
 
-/// `normal` is that of the plane table.
+/// `normal`: as in the plane table, that is snapped.
 TextureProjection ProjectClassic(const TextureAxes &texture, const Vec3d &normal, const GeometryDirectives &shader);
 TextureProjection ProjectValve(const TextureAxes &texture, const GeometryDirectives &shader);
 TextureProjection ProjectMatrix(const TextureMatrix &matrix, const Vec3d &normal);
-/// The side's own projection, or what the shader or -flat replaces it by. Numbers beyond the range of float become 0.
+/// The side's own projection unless the shader (tcGen) or -flat replaces it. Values of 1e30 and more become 0.
 TextureProjection FinalProjection(TextureProjection own, const GeometryDirectives &shader, bool flat);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The table of planes that a compile shares, as it goes into the .bsp.
+// GPL-2.0-or-later. The plane table of a compile, which becomes the planes lump.
 #include "q3map2/map/planes.h"
 
 #include <cmath>
@@ -8,7 +8,7 @@ namespace q3 {
 
 namespace {
 
-/// Two components both smaller than this: the normal is along the third axis.
+/// A normal with two components smaller than this snaps to the third axis.
 constexpr double kAlmostAxial = 0.00025;
 
 Vec3d AsStored(const Vec3d &v) {

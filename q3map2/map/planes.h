@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The table of planes that a compile shares, as it goes into the .bsp.
+// GPL-2.0-or-later. The plane table of a compile, which becomes the planes lump.
 #pragma once
 
 #include "libs/math/winding.h"
@@ -9,21 +9,21 @@
 
 namespace q3 {
 
-/// Planes in pairs: i and i ^ 1 are opposite. One with a component of exactly +-1 has the positive one at the even
-/// number. Stored with the precision of float. Look-ups snap: normals near an axis or a coordinate plane go there, and
-/// distances along axes to whole numbers.
+/// Planes in pairs: i and i ^ 1 are opposite. In axial pairs the even number has the positive normal. Stored with the
+/// precision of float. Find snaps normals to a nearby axis or coordinate plane, and distances of axial planes to nearby
+/// whole numbers.
 class PlaneTable {
   public:
     PlaneTable(double normalEpsilon, double distanceEpsilon)
         : normalEpsilon_(normalEpsilon), distanceEpsilon_(distanceEpsilon), chains_(kHashes, -1) {}
 
     /// Number of the plane, found or appended. `points` lie on it and must stay within the distance epsilon of a match.
-    /// -1: the normal is shorter than a half.
+    /// -1: the normal is shorter than 0.5, or a value is not finite.
     int Find(const Vec3d &normal, double dist, std::span<const Vec3d> points = {});
     /// Float values, held in double.
     const Plane &operator[](int number) const { return planes_[std::size_t(number)]; }
     int Count() const { return int(planes_.size()); }
-    /// Whether a plane equals that of the table within the epsilons.
+    /// Whether plane `number` of the table has this normal and distance within the epsilons.
     bool Equal(int number, const Vec3d &normal, double dist) const;
     /// True when the normal is along an axis.
     bool IsAxial(int number) const;
@@ -36,7 +36,7 @@ class PlaneTable {
 
     double normalEpsilon_, distanceEpsilon_;
     std::vector<Plane> planes_;
-    std::vector<int> chains_, next_; ///< newest first
+    std::vector<int> chains_, next_; ///< hash chains, newest plane first
 };
 
 } // namespace q3

@@ -5,10 +5,10 @@
 
 namespace q3 {
 
-/// Numbers the clusters and returns their count. `deep`: leafs below a detail split share a cluster. Error: more
-/// clusters than a .bsp may have.
+/// Numbers the clusters and returns their count. `deep`: leafs below a detail split share a cluster. Throws Error for
+/// more clusters than a .bsp may have.
 int NumberClusters(Tree &tree, bool deep);
-/// Numbers the areas, which area portals separate, and returns their count.
+/// Numbers the areas, the regions between area portals, and returns their count.
 int FloodAreas(Tree &tree);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Finds the leafs of brushes.
+// GPL-2.0-or-later. Adds brushes to the leafs that they reach.
 #include "q3map2/tree/brush_filter.h"
 
 #include <algorithm>
@@ -10,10 +10,10 @@ namespace q3 {
 
 namespace {
 
-constexpr double kLeastVolume = 1; ///< cubic units
-constexpr double kOverlap = 1;     ///< by which an area portal must extend over a portal
+constexpr double kLeastVolume = 1; ///< smaller fragments are dropped, cubic units
+constexpr double kOverlap = 1;     ///< least overlap of an area portal side and a portal, game units
 
-/// Part of a brush between split planes.
+/// Part of a brush, cut by planes of tree nodes.
 struct BrushFragment {
     struct Side {
         int planeNum = -1;
@@ -40,7 +40,7 @@ double VolumeOf(const BrushFragment &piece, const PlaneTable &planes) {
     return sum / 3;
 }
 
-/// Whether it has sides, a volume, and lies inside the world.
+/// Whether the piece has at least three sides, and bounds with a volume inside the world.
 bool IsSolid(const BrushFragment &piece) {
     if (piece.sides.size() < 3)
         return false;
@@ -54,7 +54,7 @@ bool IsSolid(const BrushFragment &piece) {
     return true;
 }
 
-/// Least and greatest distance of the piece from the plane; the range holds 0.
+/// Least and greatest signed distance of the piece from the plane; the range always includes 0.
 std::pair<double, double> DistanceRange(const BrushFragment &piece, const Plane &plane) {
     double low = 0, high = 0;
     for (const BrushFragment::Side &side : piece.sides)
@@ -65,7 +65,7 @@ std::pair<double, double> DistanceRange(const BrushFragment &piece, const Plane 
     return {low, high};
 }
 
-/// The part of a plane inside the piece.
+/// The polygon in which the plane cuts the piece.
 Polygon SectionOf(const BrushFragment &piece, const Plane &plane, const PlaneTable &planes) {
     Winding<double> section = BaseWinding(plane);
     for (const BrushFragment::Side &side : piece.sides) {
@@ -79,7 +79,7 @@ Polygon SectionOf(const BrushFragment &piece, const Plane &plane, const PlaneTab
     return rounded;
 }
 
-/// Splits the fragment, which is consumed, into front and back part; null where there is none.
+/// Splits the fragment into front and back part; empty where there is none.
 std::array<std::optional<BrushFragment>, 2> SplitPiece(BrushFragment piece, int planeNum, const PlaneTable &planes) {
     std::array<std::optional<BrushFragment>, 2> halves;
     const Plane &plane = planes[planeNum];
@@ -125,7 +125,7 @@ std::pair<double, double> Extent(const Polygon &polygon, const Vec3d &axis) {
     return extent;
 }
 
-/// Whether an edge of `edges` separates the two polygons, both in the plane with that normal.
+/// Whether along the normal of an edge of `edges` the two coplanar polygons overlap by less than kOverlap.
 bool Separates(const Polygon &edges, const Polygon &other, const Vec3d &normal) {
     for (std::size_t i = 0; i < edges.size(); i++) {
         const Vec3d along = Vec3d(edges[(i + 1) % edges.size()]) - Vec3d(edges[i]);
@@ -138,7 +138,8 @@ bool Separates(const Polygon &edges, const Polygon &other, const Vec3d &normal) 
     return false;
 }
 
-/// Marks the portals of a leaf that lie in the area portal sides of the brush: another split may have made them.
+/// Marks the portals of a leaf that lie in area portal sides of the brush. Their own flag may be missing: another face
+/// in the same plane may have made the split.
 void MarkAreaPortals(const Brush &brush, Tree &tree, int leaf, const PlaneTable &planes) {
     for (const BrushSide &side : brush.sides) {
         if (!(side.compileFlags & C_AREAPORTAL) || side.winding.empty())
@@ -196,7 +197,7 @@ void BrushFilter::Report(Log &log, std::string_view name) const {
         log.VerboseCount(lost_, "pieces of brushes too thin to split");
 }
 
-/// At the front: engines test the latest brush first.
+/// Inserts at the front: leafs list their newest brush first, and engines test it first.
 void PushBrush(TreeNode &leaf, std::size_t brush) {
     leaf.brushes.insert(leaf.brushes.begin(), int(brush));
 }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Flood fill from entities: finds leaks, fills what lies outside.
+// GPL-2.0-or-later. Flood fill from entities: finds leaks, makes leafs outside opaque.
 #include "q3map2/tree/flood.h"
 
 #include "common/files/files.h"
@@ -12,7 +12,7 @@ namespace q3 {
 
 namespace {
 
-/// Whether the entity is a starting point. Brush entities are not: their origin may be anywhere.
+/// Whether the flood starts at the entity. It does not at brush entities: their origin may be anywhere.
 bool Floods(const MapEntity &entity) {
     return !entity.pairs.pairs.empty() && entity.model < 0 && entity.brushes.empty() && entity.patches.empty() &&
            !EqualNoCase(entity.pairs.ClassName(), "_decal") && !entity.pairs.Value("model").starts_with('*');
@@ -22,7 +22,7 @@ int FarSide(const TreePortal &portal, int leaf) {
     return portal.nodes[0] == leaf ? portal.nodes[1] : portal.nodes[0];
 }
 
-/// Steps from `start` to each leaf, kept where they are fewer than those of earlier entities.
+/// Sets `occupied` of leafs to the number of leafs on the path from `start`, unless it is already as small.
 void FloodSteps(Tree &tree, int start) {
     std::vector<int> ring{start};
     for (int steps = 1; !ring.empty(); steps++) {
@@ -117,7 +117,7 @@ struct LeakPath {
     int entity = -1;
 };
 
-/// The path from outside, always on to the neighbor with the fewest steps to an entity.
+/// The path from outside to an entity: each step goes to the neighbor with the least `occupied`.
 LeakPath FindLeakPath(const Tree &tree) {
     LeakPath path;
     if (tree.outside < 0 || tree.nodes[std::size_t(tree.outside)].occupied == 0)

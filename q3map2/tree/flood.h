@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Flood fill from entities: finds leaks, fills what lies outside.
+// GPL-2.0-or-later. Flood fill from entities: finds leaks, makes leafs outside opaque.
 #pragma once
 
 #include "q3map2/map/map.h"
@@ -11,19 +11,19 @@ namespace q3 {
 
 enum class Sealing {
     Sealed,
-    Leaked, ///< an entity can reach the outside
+    Leaked, ///< the flood from an entity reaches the outside
     Empty   ///< no entity stands in the open
 };
 
-/// Floods from all point entities that stand in the open. `warn` of those in solid (once a map is enough).
+/// Floods from all point entities in open leafs. `warn`: about entities in solid; once per map is enough.
 Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, bool warn = true);
-/// Makes leafs opaque that no entity reaches.
+/// Makes all leafs opaque that no flood reached.
 void FillOutside(Tree &tree, const BspContext &context);
 /// The shortest line from outside to an entity: centers of portals, then the entity's origin. Empty: sealed.
 std::vector<Vec3f> LeakLine(const Tree &tree, const Map &map);
-/// The entity at the end of that line (index in the map); -1: sealed.
+/// The entity at the end of the leak line (index in the map); -1: sealed.
 int LeakedEntity(const Tree &tree);
-/// Writes the line as a .lin file, a point a line.
+/// Writes the leak line as a .lin file: one point per text line.
 void WriteLeakFile(const std::filesystem::path &path, const std::vector<Vec3f> &line);
 
 } // namespace q3

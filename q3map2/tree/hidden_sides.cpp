@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Sides that other brushes cover.
+// GPL-2.0-or-later. Culls brush sides that other brushes cover.
 #include "q3map2/tree/hidden_sides.h"
 
 #include <algorithm>
@@ -10,18 +10,19 @@ namespace q3 {
 
 namespace {
 
-constexpr double kOnPlane = 0.1;     ///< also of points that follow the first
-constexpr double kSamePoint = 0.001; ///< first point of coincident sides
+constexpr double kOnPlane = 0.1;     ///< also for further points of coincident sides; game units
+constexpr double kSamePoint = 0.001; ///< for the first two points of coincident sides
 
 struct Culled {
     int hidden = 0, coincident = 0;
 };
 
-/// Shaders that move or offset the surface stay visible on coincident sides.
-bool StaysInPlace(const BrushSide &side) {
+/// Whether the side can be culled. Autosprites and polygonOffset surfaces stay visible on coincident sides.
+bool MayBeCulled(const BrushSide &side) {
     return side.shader && !side.shader->autosprite && !side.shader->geometry.polygonOffset;
 }
 
+/// Whether brush `other` hides the side, which then lies in or on it.
 bool IsHidden(const BrushSide &side, const Brush &other, const PlaneTable &planes) {
     const Vec3d normal = planes[side.planeNum].normal;
     for (const BrushSide &cover : other.sides) {
@@ -45,7 +46,7 @@ void CullHidden(Brush &brush, const Brush &other, const PlaneTable &planes, Cull
     if (other.compileFlags & C_TRANSLUCENT)
         return;
     for (BrushSide &side : brush.sides)
-        if (!side.winding.empty() && !side.culled && StaysInPlace(side) && IsHidden(side, other, planes))
+        if (!side.winding.empty() && !side.culled && MayBeCulled(side) && IsHidden(side, other, planes))
             side.culled = true, culled.hidden++;
 }
 
@@ -56,7 +57,7 @@ bool Near(const Vec3f &a, const Vec3f &b, double epsilon) {
     return true;
 }
 
-/// Whether two polygons with equally many points have the same ones, in either direction.
+/// Whether two polygons with the same number of points have the same points, in either order.
 bool SamePoints(const Polygon &a, const Polygon &b) {
     const std::size_t count = a.size();
     for (std::size_t k = 0; k < count; k++) {
@@ -79,11 +80,11 @@ bool SamePoints(const Polygon &a, const Polygon &b) {
 
 bool Coincide(const BrushSide &a, const BrushSide &b) {
     return (a.planeNum & ~1) == (b.planeNum & ~1) && a.winding.size() == b.winding.size() && !a.winding.empty() &&
-           !(a.culled && b.culled) && StaysInPlace(a) && StaysInPlace(b) && SamePoints(a.winding, b.winding);
+           !(a.culled && b.culled) && MayBeCulled(a) && MayBeCulled(b) && SamePoints(a.winding, b.winding);
 }
 
-/// Whether a coincident side stays visible through this one, or instead of it.
-bool Covers(const BrushSide &side) {
+/// Whether the side hides a side that coincides with it.
+bool HidesCoincident(const BrushSide &side) {
     return !side.culled && !(side.compileFlags & (C_TRANSLUCENT | C_NODRAW));
 }
 
@@ -92,11 +93,11 @@ void CullCoincident(Brush &a, Brush &b, Culled &culled) {
         for (BrushSide &second : b.sides) {
             if (!Coincide(first, second))
                 continue;
-            if (Covers(second))
+            if (HidesCoincident(second))
                 first.culled = true, culled.coincident++;
             if (first.planeNum == second.planeNum && first.culled)
                 continue;
-            if (Covers(first))
+            if (HidesCoincident(first))
                 second.culled = true, culled.coincident++;
         }
 }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Brush sides that other brushes cover.
+// GPL-2.0-or-later. Culls brush sides that other brushes cover.
 #pragma once
 
 #include "q3map2/map/bsp_context.h"

@@ -44,7 +44,7 @@ void PortalFileWriter::AppendPoints(std::string &text, const Polygon &polygon) {
 }
 
 void PortalFileWriter::AddPortal(const TreePortal &portal) {
-    // Readers compute the plane from the points. Where a thin polygon flips it, the two clusters are swapped.
+    // Readers compute the plane from the first three points. If these give a flipped plane, swaps the clusters.
     int front = tree_.nodes[std::size_t(portal.nodes[0])].cluster;
     int back = tree_.nodes[std::size_t(portal.nodes[1])].cluster;
     const Polygon &w = portal.polygon;

@@ -10,9 +10,9 @@ namespace q3 {
 
 namespace {
 
-constexpr double kPadding = 8;         ///< of the world's box
-constexpr double kNodeEpsilon = 0.001; ///< ancestors, splitting
-constexpr double kBorderEpsilon = 0.1; ///< portals of the same node
+constexpr double kPadding = 8;         ///< around the bounds of the tree, game units
+constexpr double kNodeEpsilon = 0.001; ///< for cuts by planes of nodes
+constexpr double kBorderEpsilon = 0.1; ///< for cuts by portals around the node
 constexpr std::size_t kMostPortals = 1 << 24;
 
 Plane Flipped(const Plane &plane) {
@@ -23,7 +23,7 @@ struct Reach {
     bool front = false, back = false;
 };
 
-/// Sides of the plane on which the polygon has points farther away than epsilon.
+/// Sides of the plane on which the polygon has points farther than epsilon from the plane.
 template <typename T> Reach ReachOf(const Winding<T> &w, const Plane &plane, double epsilon) {
     Reach reach;
     for (const Vec3<T> &p : w) {
@@ -41,8 +41,8 @@ void Chop(Winding<double> &w, const Plane &plane, double epsilon) {
         ChopPolygon(w, plane, epsilon);
 }
 
-/// Makes the portals of a tree from its head down. While it works, a node's list is in order of addition (the newest is
-/// first in every walk) with -1 for removed portals.
+/// Makes the portals of a tree from its head down. Until Make returns, a node's portal list is in order of addition,
+/// with -1 for removed portals; loops go from the newest portal to the oldest.
 class PortalMaker {
   public:
     PortalMaker(Tree &tree, const PlaneTable &planes, Log &log) : tree_(tree), planes_(planes), log_(log) {}
@@ -61,7 +61,7 @@ class PortalMaker {
     int NewPortal(TreePortal portal);
     void Attach(int portal, int front, int back);
     void Detach(int portal);
-    /// Empties tiny polygons and counts them.
+    /// Clears a tiny polygon and counts it.
     void DropTiny(Polygon &polygon);
 
     Tree &tree_;
@@ -128,7 +128,7 @@ void PortalMaker::SetBounds(int node) {
                 bounds.Add(p);
     if (bounds.Empty() || bounds.mins.x >= bounds.maxs.x) {
         log_.Warn("node without volume", "a node of the tree has no volume ({} tiny portals so far)", tiny_);
-        // A leaf without portals gets a degenerate box in the corner of its parent's.
+        // A node without portals gets an empty box at the corner of its parent's box.
         const int parent = Node(node).parent;
         const Vec3f corner = parent >= 0 ? Node(parent).bounds.mins : Vec3f{};
         if (bounds.Empty())
@@ -209,7 +209,7 @@ void PortalMaker::SplitPortal(int number, int node, const Plane &plane) {
 
 void PortalMaker::SplitNodePortals(int node) {
     const Plane &plane = planes_[Node(node).planeNum];
-    // Parts go to the lists of the children and of the other nodes, never back to this one, which only gains -1 marks.
+    // SplitPortal adds to lists of the children and of other nodes. In this node's list it only writes -1.
     for (std::size_t i = Node(node).portals.size(); i-- > 0;)
         if (const int portal = Node(node).portals[i]; portal >= 0)
             SplitPortal(portal, node, plane);

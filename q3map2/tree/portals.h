@@ -5,9 +5,9 @@
 
 namespace q3 {
 
-/// Makes the portals between leafs, and from them the bounds of nodes.
+/// Makes the portals between leafs, and sets bounds of nodes to the bounds of their portals.
 void MakePortals(Tree &tree, const PlaneTable &planes, const BspContext &context);
-/// Whether both sides of the portal are open.
+/// Whether the portal joins two open leafs. False at the border of the world and for antiportals.
 bool IsPassable(const Tree &tree, const TreePortal &portal);
 
 } // namespace q3

@@ -11,7 +11,7 @@
 
 namespace q3 {
 
-/// Distance from a plane up to which something counts as on it. Game units.
+/// Points up to this far from a plane count as on it. Game units.
 inline constexpr double kSideEpsilon = 0.1;
 
 /// A polygon that may split the tree.
@@ -27,7 +27,7 @@ struct TreePortal {
     Polygon polygon;
     Plane plane; ///< front is nodes[0]
     int planeNum = -1;
-    int onNode = -1;                  ///< the node that made it; -1: a border of the world
+    int onNode = -1;                  ///< the node whose plane holds the portal; -1: a border of the world
     std::array<int, 2> nodes{-1, -1}; ///< front, back
     std::uint32_t compileFlags = 0;
 };
@@ -45,24 +45,24 @@ struct TreeNode {
     // Leafs.
     bool opaque = false, areaPortal = false, skyBox = false;
     int cluster = -1, area = -1;
-    int occupied = 0;          ///< leafs on the shortest path to an entity, itself included; 0: not reached
-    int occupant = -1;         ///< entity (index in the map) the flood came from
-    std::vector<int> brushes;  ///< indexes in the entity's brush list; last pushed first
-    std::vector<int> surfaces; ///< of the .bsp, in order of addition
+    int occupied = 0;         ///< number of leafs on the shortest path to an entity, this leaf included; 0: not reached
+    int occupant = -1;        ///< an entity in this leaf where a flood started (index in the map)
+    std::vector<int> brushes; ///< indexes in the entity's brush list, newest first
+    std::vector<int> surfaces; ///< draw surfaces (index in the .bsp), in order of addition
     bool IsLeaf() const { return planeNum < 0; }
 };
 
 /// Nodes by number; node 0 is the head, `outside` the leaf around everything.
 struct Tree {
     std::vector<TreeNode> nodes;
-    std::vector<TreePortal> portals; ///< removed ones have no polygon
+    std::vector<TreePortal> portals; ///< removed portals have no polygon
     int head = 0, outside = -1;
     Boundsf bounds;
     std::int64_t sideTests = 0; ///< plane-face tests made to choose split planes
     int LeafAt(const Vec3f &p, const PlaneTable &planes) const;
 };
 
-/// Builds the tree of the faces. `blockSize`: forced splits, game units; see Map::blockSize.
+/// Builds a tree split by the faces. `blockSize`: distance of forced splits, game units; see Map::blockSize.
 Tree BuildTree(std::vector<TreeFace> faces, const std::array<int, 3> &blockSize, PlaneTable &planes,
                const BspContext &context);
 /// A tree of one leaf, for brush entities.

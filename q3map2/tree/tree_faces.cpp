@@ -7,7 +7,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kFewestSides = 4; ///< of a brush that encloses a volume
+constexpr std::size_t kFewestSides = 4; ///< fewest sides that enclose a volume
 
 int PriorityOf(std::uint32_t flags) {
     int priority = 0;
@@ -22,7 +22,7 @@ int PriorityOf(std::uint32_t flags) {
     return priority;
 }
 
-/// The detail flag of the brush overrides that of its sides.
+/// The face takes the detail flag of the brush, not of the side.
 TreeFace FaceOf(const Brush &brush, const BrushSide &side, const Polygon &polygon) {
     TreeFace face;
     face.polygon = polygon;

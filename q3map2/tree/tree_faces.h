@@ -8,9 +8,10 @@
 
 namespace q3 {
 
-/// Faces of the structural brushes' windings, for the first tree. Brushes with fewer than four sides become detail.
+/// Whole sides of structural brushes (and of detail brushes with -deep), for the first tree. Structural brushes with
+/// fewer than four sides become detail.
 std::vector<TreeFace> StructuralFaces(MapEntity &world, const BspContext &context);
-/// Faces of the visible hulls, for the second tree.
+/// Visible hulls of the same sides, for the second tree.
 std::vector<TreeFace> VisibleFaces(const MapEntity &world, const BspContext &context);
 
 } // namespace q3

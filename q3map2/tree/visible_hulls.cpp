@@ -12,7 +12,7 @@ namespace {
 constexpr double kEpsilon = 0.1;
 constexpr std::size_t kMostPoints = 128;
 
-/// Extends the convex hull, clockwise seen against `normal`, by p.
+/// Extends the convex hull to hold `p`. Points are clockwise seen from the tip of `normal`.
 void AddPoint(Polygon &hull, const Vec3f &p, const Vec3d &normal) {
     const std::size_t count = hull.size();
     std::vector<bool> seen(count);
@@ -25,12 +25,12 @@ void AddPoint(Polygon &hull, const Vec3f &p, const Vec3d &normal) {
     }
     if (!outside)
         return;
-    std::size_t last = 0; // edge before the edges that face p
+    std::size_t last = 0; // the edge before those that face p
     while (last < count && (seen[last] || !seen[(last + 1) % count]))
         last++;
     if (last == count)
         return;
-    Polygon grown{p}; // first, because fans and T-junction repair start at the first vertex
+    Polygon grown{p}; // `p` goes first: fans and T-junction repair depend on the first vertex
     for (std::size_t i = 1; i < count; i++) {
         const std::size_t edge = (last + i) % count, next = (edge + 1) % count;
         if (!(seen[edge] && seen[next]))

@@ -6,7 +6,7 @@
 
 namespace q3 {
 
-/// Sets the visible hull of each side: the convex hull of its parts in leafs that are not opaque.
+/// Sets the visible hull of each side: the convex hull of its parts in open leafs.
 void ClipSidesIntoTree(MapEntity &entity, const Tree &tree, const PlaneTable &planes, const BspContext &context);
 
 } // namespace q3

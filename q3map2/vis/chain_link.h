@@ -9,14 +9,14 @@
 
 namespace q3 {
 
-inline constexpr int kMaxSeparators = 32; ///< per list; leaving further ones out clips less, which is safe
+inline constexpr int kMaxSeparators = 32; ///< per list; with fewer planes less is clipped, which is safe
 
 /// Separating planes that bound the region seen from one winding through another.
 struct Separators {
     VisPlane planes[kMaxSeparators];
     int count = 0;
 
-    /// Whether the list has this plane up to rounding: a pair of parallel edges gives it twice.
+    /// Whether the list has this plane, up to rounding. Two parallel edges give the same plane twice.
     bool Has(const VisPlane &plane) const {
         constexpr float kSameDirection = 1e-5f, kSameDistance = 0.01f;
         for (int i = 0; i < count; ++i) {
@@ -38,16 +38,16 @@ struct ChainLink {
     std::vector<std::uint32_t> unseenStorage;
     const BitWord *mightSee;       ///< portals that may be seen through the chain
     std::size_t low = 0, high = 0; ///< range of words of `mightSee` that may be nonzero; others are not read
-    std::span<const std::uint32_t> unseenWords; ///< words of it that may hold portals not seen yet
+    std::span<const std::uint32_t> unseenWords; ///< words of `mightSee` that may hold portals not seen yet
     std::size_t lastPortal = 0;                 ///< the last portal of the chain
-    std::span<const int> candidates;            ///< portals that lead out of the leaf behind it
+    std::span<const int> candidates;            ///< portals that lead out of the leaf behind lastPortal
     std::size_t nextPortal = 0;                 ///< index in `candidates` of the portal to try next
-    int length = 1;                             ///< portals of the chain
+    int length = 1;                             ///< number of portals of the chain
     WindingView source, pass;                   ///< clipped windings of the first and of the last portal
     WindingBuffer sourceBuffers[2], passBuffers[2];
     Separators separators[2]; ///< source against pass, pass against source
 
-    /// Whether one separator has the whole portal behind it.
+    /// Whether the whole portal is behind one of the separators.
     bool Hides(const FlowPortal &portal) const {
         for (const Separators &list : separators)
             for (int i = 0; i < list.count; ++i) {
@@ -64,10 +64,10 @@ struct ChainLink {
     }
     bool MaySee(std::size_t q) const { return q >> 6 >= low && q >> 6 < high && TestBit(mightSee, q); }
     bool HasPass() const { return length > 1; }
-    /// Clips the last portal, or the first, to the front of a plane. False: nothing is left.
+    /// Clip the last portal (pass) or the first (source) to the front of a plane. False: nothing is left.
     bool ClipPass(const VisPlane &plane) { return Clip(pass, passBuffers, plane); }
     bool ClipSource(const VisPlane &plane) { return Clip(source, sourceBuffers, plane); }
-    /// Separators of the clipped windings; the arguments are the normals of the first and of the last portal.
+    /// Makes the separators of the clipped windings. Arguments: normals of the first and of the last portal.
     void MakeSeparators(const Vec3f &sourceNormal, const Vec3f &passNormal) {
         separators[0].count = TangentPlanes(source, sourceNormal, pass, false, separators[0].planes);
         VisPlane found[kMaxSeparators];
@@ -81,7 +81,7 @@ struct ChainLink {
     }
 
   private:
-    /// Into whichever buffer the winding does not view.
+    /// Clips into the buffer that the winding does not view.
     static bool Clip(WindingView &winding, WindingBuffer (&buffers)[2], const VisPlane &plane) {
         return ChopInFront(winding, plane, buffers[winding.x == buffers[0].x ? 1 : 0]);
     }

@@ -13,8 +13,8 @@ namespace q3 {
 
 namespace {
 
-/// Portals that are searched from the same state of the table, in parallel. Constant, so that the result does not
-/// depend on the number of threads.
+/// Number of portals that are searched in parallel, from the same state of the table. Constant, so that the result does
+/// not depend on the number of threads.
 constexpr std::size_t kBatch = 64;
 /// Length of chains up to which the first portal is clipped too. That tightens the result; in longer chains it costs
 /// more time than it saves.
@@ -26,7 +26,7 @@ class ChainSearch {
     ChainSearch(const VisMap &map, const MightSeeTable &mightSee, const FlowSettings &settings)
         : map_(map), mightSee_(mightSee), settings_(settings) {}
 
-    /// Adds to `seen` the portals that are seen through portal `base`. Bits that are set already are known to be seen.
+    /// Adds the portals that are seen through portal `base` to `seen`, which may hold portals known to be seen.
     void Run(std::size_t base, BitWord *seen) {
         base_ = &map_.Portal(base);
         seen_ = seen;
@@ -142,7 +142,7 @@ class ChainSearch {
     }
 
     /// Removes portals not seen yet that are behind a separator of the chain from its mightSee, before any of them is
-    /// visited. `portal` is the last of the chain. True: portals not seen yet are left.
+    /// visited. `portal` is the last of the chain. True: some are left that are not seen yet.
     bool PruneMightSee(ChainLink &link, const FlowPortal &portal) const {
         link.MakeSeparators(base_->plane.normal, portal.plane.normal);
         std::size_t count = 0;
@@ -167,7 +167,7 @@ class ChainSearch {
         return true;
     }
 
-    /// Clips the first portal to the part that is seen backwards, from `portal` through the portal before it. False:
+    /// Clips the first portal to the part that is seen looking back from `portal` through the portal before it. False:
     /// nothing is left.
     bool ClipSourceBackwards(const ChainLink &last, const FlowPortal &portal, ChainLink &next) const {
         VisPlane planes[kMaxSeparators];
@@ -182,7 +182,7 @@ class ChainSearch {
         return true;
     }
 
-    /// Finds separators one by one until one hides the portal; those found are kept for the next candidates.
+    /// Finds separators one by one until one hides the portal, and keeps them for the next candidates.
     static bool ClipAsNeeded(ChainLink &last, const FlowPortal &portal, ChainLink &next) {
         for (int side = 0; side < 2; ++side) {
             Separators &list = last.separators[side];
@@ -249,7 +249,7 @@ class FlowRun {
         for (std::size_t first = 0; first < order_.size(); first += batch_) {
             const std::span<const int> portals = order_.subspan(first, std::min(batch_, order_.size() - first));
             jobs_.For(std::int64_t(portals.size()), [&](std::int64_t index, int worker) {
-                // The most expensive portal is the last one. It starts first, to keep the end of the batch short.
+                // The last portal is the most expensive one. It starts first, which shortens the end of the batch.
                 const std::size_t slot = portals.size() - 1 - std::size_t(index);
                 Search(std::size_t(worker), std::size_t(portals[slot]), found_.Row(slot));
             });

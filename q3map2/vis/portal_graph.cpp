@@ -9,7 +9,7 @@ namespace q3 {
 
 namespace {
 
-/// The plane of the first three points; if they are collinear, that of the whole polygon.
+/// The plane of the first three points or, if these are collinear, a plane normal to the area vector of the polygon.
 VisPlane PlaneOfWinding(std::span<const Vec3f> points, std::string_view name, int line) {
     VisPlane plane;
     if (PlaneOfPoints(points[0], points[1], points[2], plane))

@@ -16,10 +16,10 @@ struct GraphPortal {
     VisPlane plane; ///< normal into `leaf`
     Vec3f center;
     float radius = 0;
-    int leaf = 0; ///< leaf that it leads to
+    int leaf = 0; ///< leaf to which the portal leads
     bool hint = false, sky = false;
     bool removed = false;
-    bool joined = false; ///< merged with another portal, so its twin may differ from it
+    bool joined = false; ///< merged with another portal, so its twin may have another winding
 
     /// Sets center (mean of the points) and radius from the winding.
     void UpdateBoundingSphere();
@@ -34,7 +34,7 @@ struct GraphFace {
 struct GraphLeaf {
     std::vector<int> portals; ///< portals out of it, in the order of the file
     std::vector<GraphFace> faces;
-    int mergedInto = -1; ///< leaf that took it up; -1: not merged
+    int mergedInto = -1; ///< leaf into which this one was merged; -1: not merged
 };
 
 struct PortalGraph {
@@ -43,16 +43,16 @@ struct PortalGraph {
 
     /// The leaf at the end of the chain of merges; the leaf itself if it was not merged.
     int Root(int leaf) const;
-    /// Number of portals not removed, and of those with the hint flag.
+    /// Number of portals that are not removed, and number of hint portals among these.
     int ActivePortals() const;
     int HintPortals() const;
 };
 
-/// Error: a winding without area. `name` is the file name in messages.
+/// Throws Error for a winding without area. `name`: file name for messages.
 PortalGraph BuildPortalGraph(const PortalFile &file, std::string_view name);
 
 /// Merges neighboring leafs whose union is convex within 0.2 units until no such pair is left; with `keepHints` not
-/// through hint portals. Returns the number of leafs that were merged into another.
+/// across hint portals. Returns the number of leafs that were merged into another.
 int MergeLeafs(PortalGraph &graph, bool keepHints);
 
 struct MergedPortals {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Merging of leafs and portals whose union is convex.
+// GPL-2.0-or-later. Merges leafs and portals whose union is convex.
 #include "q3map2/vis/portal_graph.h"
 
 #include <algorithm>
@@ -8,16 +8,16 @@ namespace q3 {
 
 namespace {
 
-constexpr double kConcave = 0.2;     ///< units by which merged leafs may be concave
-constexpr float kSamePoint = 0.1f;   ///< units per axis within which corners are equal
-constexpr float kCollinear = 0.005f; ///< units off the line of its neighbors within which a corner is dropped
+constexpr double kConcave = 0.2;     ///< depth of dents that still counts as convex, game units
+constexpr float kSamePoint = 0.1f;   ///< corners closer than this on each axis are equal
+constexpr float kCollinear = 0.005f; ///< corners closer than this to the line of their neighbors are dropped
 
 struct Border {
     const Winding<float> *winding;
     const VisPlane *plane;
 };
 
-/// Faces and portals that bound a leaf, without the portals to `other`.
+/// Faces and portals that bound a leaf, except portals to leaf `other`.
 std::vector<Border> BordersOf(const PortalGraph &graph, int leaf, int other) {
     std::vector<Border> borders;
     const GraphLeaf &one = graph.leafs[std::size_t(leaf)];
@@ -37,9 +37,9 @@ bool AnyInFront(const Winding<float> &winding, const VisPlane &plane) {
 }
 
 bool IsUnionConvex(const PortalGraph &graph, int i, int j) {
-    const std::vector<Border> of = BordersOf(graph, i, j), with = BordersOf(graph, j, i);
-    for (const Border &a : of)
-        for (const Border &b : with)
+    const std::vector<Border> bordersI = BordersOf(graph, i, j), bordersJ = BordersOf(graph, j, i);
+    for (const Border &a : bordersI)
+        for (const Border &b : bordersJ)
             if (AnyInFront(*a.winding, *b.plane) || AnyInFront(*b.winding, *a.plane))
                 return false;
     return true;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Separating planes of two windings: they bound the region seen from one through the other.
+// GPL-2.0-or-later. Separating planes of two windings, which bound the region seen from one winding through the other.
 #pragma once
 
 #include "q3map2/vis/vis_winding.h"
@@ -44,8 +44,8 @@ inline bool SeparatorOfEdge(const WindingView &s, const WindingView &t, int edge
 
 /// The planes of SeparatorOfEdge for all edges of `s`, found in one pass over the points of `t` per edge. `normal` is
 /// the unit normal of `s`; seen from its tip the points of `s` run counterclockwise. `t` lies on that side, or on the
-/// opposite one with `behind`. All planes have `s` behind them. Writes as many as fit into `planes`, returns their
-/// number.
+/// opposite one with `behind`. All planes have `s` behind them. Writes as many as fit into `planes` and returns
+/// their number.
 int TangentPlanes(const WindingView &s, const Vec3f &normal, const WindingView &t, bool behind,
                   std::span<VisPlane> planes);
 

@@ -39,7 +39,7 @@ void LogFarPlane(const FarPlane &farPlane, Log &log) {
         log.Print("farplane Exact distance mode on\n");
 }
 
-/// Runs the passes that the options ask for; each one tightens the table of the one before.
+/// Runs the passes that the options select. Each pass clears bits in the table of the previous one.
 MightSeeTable PortalVisibility(const VisMap &map, const VisOptions &options, const JobPool &jobs, Log &log) {
     const std::size_t count = map.NumPortals();
     log.Print("\n");
@@ -72,7 +72,7 @@ MightSeeTable PortalVisibility(const VisMap &map, const VisOptions &options, con
     return mightSee;
 }
 
-/// The rows of clusters: a cluster sees the leafs behind all portals that are seen through those of its own leaf.
+/// By cluster, the clusters that it sees: those behind all portals that are seen through a portal of its leaf.
 BitTable ClusterRows(const PortalGraph &graph, const VisMap &map, const MightSeeTable &mightSee) {
     const std::size_t clusters = graph.leafs.size();
     std::vector<std::size_t> root(clusters);
@@ -99,6 +99,7 @@ BitTable ClusterRows(const PortalGraph &graph, const VisMap &map, const MightSee
     return rows;
 }
 
+/// Clears both bits of a pair of clusters unless both are set.
 void MakeSymmetric(BitTable &rows, std::size_t clusters) {
     for (std::size_t a = 0; a < clusters; ++a)
         for (std::size_t b = 0; b < a; ++b)

@@ -15,18 +15,18 @@ namespace q3 {
 /// How the distance of two portals is compared with the far plane.
 enum class FarPlaneMode {
     Nearest,    ///< nearest points of their spheres
-    Origins,    ///< their centres
+    Origins,    ///< their centers
     Exact,      ///< farthest points of their spheres against twice the distance
-    RadiusOnly, ///< the sum of their radii, wherever they are
+    RadiusOnly, ///< the sum of their radii; their positions do not matter
 };
 
-/// Portals farther apart than this do not see each other, unless one of them is a sky portal.
+/// Portals farther apart than `distance` do not see each other, unless one of them is a sky portal.
 struct FarPlane {
     double distance = 0; ///< game units; 0: none
     FarPlaneMode mode = FarPlaneMode::Nearest;
 };
 
-/// From the first of the worldspawn keys `_farplanedist`, `fogclip`, `distancecull` that is not empty: a number, then
+/// Reads the first of the worldspawn keys `_farplanedist`, `fogclip`, `distancecull` that is not empty: a number, then
 /// optionally the letter of a mode: o (Origins), e (Exact), r (RadiusOnly).
 FarPlane FarPlaneOf(const Entity &world);
 
@@ -34,7 +34,7 @@ struct VisOptions {
     bool fast = false;         ///< -fast: flood only
     bool merge = false;        ///< -merge, -hint: merge leafs, then portals
     bool mergePortals = false; ///< -mergeportals
-    bool keepHints = false;    ///< -hint: no merging of leafs through hint portals
+    bool keepHints = false;    ///< -hint: do not merge leafs across hint portals
     bool noPassage = false;    ///< -nopassage: portal flow alone
     bool passageOnly = false;  ///< -passageOnly: passages alone
     bool noSort = false;       ///< -nosort: portals in the order of the file
@@ -46,24 +46,24 @@ struct VisOptions {
 struct Visibility {
     int clusters = 0;
     std::size_t rowBytes = 0;       ///< a multiple of 8
-    std::vector<std::uint8_t> rows; ///< bit c & 7 of byte c >> 3: cluster c is seen
+    std::vector<std::uint8_t> rows; ///< row by row; bit c & 7 of byte c >> 3: cluster c is seen
 
     bool Sees(int from, int to) const {
         return (rows[std::size_t(from) * rowBytes + std::size_t(to >> 3)] >> (to & 7) & 1) != 0;
     }
-    /// Number of clusters that a cluster sees, itself included.
+    /// Number of clusters that cluster `from` sees, itself included.
     int Count(int from) const;
     /// The bytes of the visibility lump.
     std::vector<std::uint8_t> Lump() const;
 };
 
-/// The clusters that each cluster of a portal file may see: a superset of what it does see, itself included. The bytes
-/// do not depend on the number of threads. `name` is for messages. Errors: those of BuildPortalGraph.
+/// The clusters that each cluster of a portal file may see: a superset of those that it does see, itself included. The
+/// bytes do not depend on the number of threads. `name`: file name for messages. Throws what BuildPortalGraph throws.
 Visibility ComputeVisibility(const PortalFile &file, std::string_view name, const VisOptions &options,
                              const JobPool &jobs, Log &log);
 
-/// Prints total, average, deviation, minimum and maximum of visible clusters, in which each cluster counts itself; with
-/// `histogram` how many see how many. Percentages are of all clusters.
+/// Prints total, average, deviation, minimum and maximum of visible clusters; each cluster counts itself. `histogram`:
+/// also prints, for each such number, how many clusters have it. Percentages are of all clusters.
 void PrintStatistics(const Visibility &visibility, bool histogram, Log &log);
 
 } // namespace q3

@@ -19,7 +19,7 @@ double DistanceOf(const VisPlane &plane, const Vec3f &p) {
     return double(Dot(p, plane.normal)) - double(plane.dist);
 }
 
-/// Whether the far plane hides one portal from another.
+/// Whether the far plane hides two portals from each other.
 bool IsTooFar(const FarPlane &farPlane, const FlowPortal &p, const FlowPortal &t) {
     if (farPlane.distance <= 0 || p.sky || t.sky)
         return false;
@@ -39,7 +39,7 @@ bool IsTooFar(const FarPlane &farPlane, const FlowPortal &p, const FlowPortal &t
     return length - radii > farPlane.distance;
 }
 
-/// Whether a point of `t` is in front of the plane (or, with sign -1, behind it) by more than 0.1.
+/// Whether a point of `t` is in front of the plane (with sign -1: behind it) by more than 0.1 game units.
 bool AnyPointInFront(const VisPlane &plane, const FlowPortal &t, double sign) {
     constexpr double kEpsilon = 0.1;
     for (int i = 0; i < t.winding.count; ++i)
@@ -48,8 +48,8 @@ bool AnyPointInFront(const VisPlane &plane, const FlowPortal &t, double sign) {
     return false;
 }
 
-/// The same, decided for most portals by the bounding sphere. The center is the mean of the points, so if it is in
-/// front some point is.
+/// AnyPointInFront, decided for most portals by the bounding sphere. The center is the mean of the points: if it is in
+/// front, some point is too.
 inline bool ReachesFront(const VisPlane &plane, const FlowPortal &t, float sign) {
     constexpr float kRounding = 0.5f;
     const float center = sign * plane.Distance(t.center);
@@ -80,7 +80,7 @@ void FloodFrom(const VisMap &map, const FarPlane &farPlane, std::size_t from, Bi
     }
 }
 
-/// Exchanges bits 2 i and 2 i + 1: the bits of a portal and its twin.
+/// Swaps bits 2 i and 2 i + 1, which belong to a portal and its twin.
 BitWord SwapPairs(BitWord word) {
     constexpr BitWord kEven = 0x5555555555555555u;
     return (word & kEven) << 1 | (word >> 1 & kEven);
@@ -103,7 +103,7 @@ VisMap::VisMap(const PortalGraph &graph, bool widestFirst) {
     std::size_t floats = 0;
     for (const GraphPortal &portal : graph.portals)
         floats += portal.removed ? 0 : 3 * Padded(portal.winding.size());
-    points_.reserve(floats); // windings point into it
+    points_.reserve(floats); // windings point into it, so it must not reallocate
     for (std::size_t i = 0; i < graph.portals.size(); ++i) {
         const GraphPortal &portal = graph.portals[i], &twin = graph.portals[i ^ 1];
         FlowPortal flow;
@@ -125,7 +125,7 @@ VisMap::VisMap(const PortalGraph &graph, bool widestFirst) {
         for (const int p : leaf.portals)
             if (!graph.portals[std::size_t(p)].removed)
                 leafPortals_.push_back(p);
-        // What a wide portal shows need not be searched for through narrow ones.
+        // Wide portals first: what they show need not be searched again through narrow ones.
         if (widestFirst)
             std::stable_sort(leafPortals_.begin() + leafFirst_.back(), leafPortals_.end(), [&](int a, int b) {
                 return portals_[std::size_t(a)].radius > portals_[std::size_t(b)].radius;
@@ -164,7 +164,7 @@ void ApplySymmetry(const VisMap &map, MightSeeTable &mightSee) {
     for (std::size_t p = 0; p < count; ++p)
         if (map.Portal(p).hasTwin)
             SetBit(twins.data(), p);
-    // Bit q of row p against bit p ^ 1 of row q ^ 1: each block of 64 x 64 bits against its mirror image.
+    // Compares bit q of row p with bit p ^ 1 of row q ^ 1: each block of 64 x 64 bits with its mirror image.
     std::array<BitWord, 64> block, across;
     const auto load = [&](std::size_t row, std::size_t word, std::array<BitWord, 64> &into) {
         for (std::size_t k = 0; k < 64; ++k)

@@ -16,7 +16,7 @@ struct alignas(16) FlowPortal {
     Vec3f center;
     float radius = 0;
     WindingView winding;
-    int leaf = 0; ///< leaf that it leads to
+    int leaf = 0; ///< leaf to which the portal leads
     bool sky = false, removed = false;
     bool hasTwin = false; ///< portal ^ 1 has the same winding and the opposite direction
 };
@@ -24,7 +24,7 @@ struct alignas(16) FlowPortal {
 /// The portal graph, read only.
 class VisMap {
   public:
-    /// Portals out of a leaf are in descending order of radius with `widestFirst`, else in that of the file.
+    /// Portals out of a leaf are in descending order of radius with `widestFirst`, else in file order.
     VisMap(const PortalGraph &graph, bool widestFirst);
     VisMap(const VisMap &) = delete;
     VisMap &operator=(const VisMap &) = delete;
@@ -58,7 +58,7 @@ void ApplySymmetry(const VisMap &map, MightSeeTable &mightSee);
 /// Portals in ascending order of the number of bits of their rows, ties by index; all by index unless `sorted`.
 std::vector<int> OrderPortals(const VisMap &map, const MightSeeTable &mightSee, bool sorted);
 
-/// For each portal and each portal that can follow it in a chain: the portals that may be seen through both.
+/// For each pair of successive portals of a chain: the portals that may be seen through both.
 class Passages {
   public:
     /// Memory of the table in bytes.
@@ -69,7 +69,7 @@ class Passages {
     const BitWord *Row(std::size_t first, std::size_t next) const { return table_.Row(start_[first] + next); }
 
     /// Restricts each row p to the union over next portals t of t itself and of passage(p, t) & row t, in several
-    /// rounds, as smaller rows make others smaller.
+    /// rounds, since a smaller row can shrink others.
     void TightenMightSee(const VisMap &map, MightSeeTable &mightSee, const JobPool &jobs) const;
 
   private:
@@ -80,12 +80,12 @@ class Passages {
 struct FlowSettings {
     const Passages *passages = nullptr; ///< nullptr: none
     bool clip = true;                   ///< clip windings by separators; else only passages restrict chains
-    /// Reference mode: one portal after the other without the results of its twin, and only the separators that the
+    /// Reference mode: one portal after the other, without results of twins, and only the separators that the
     /// established algorithm finds.
     bool reference = false;
 };
 
-/// Replaces the row of every portal, taken in the given order, by the portals that are seen along chains from it. The
+/// Replaces the row of every portal, taken in the given order, by the portals that chains from it reach. The
 /// result does not depend on the number of workers.
 void PortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const JobPool &jobs,
                 Log &log, MightSeeTable &mightSee);

@@ -6,7 +6,7 @@
 
 namespace q3 {
 
-/// Every option of the vis stage but the ones that all stages accept.
+/// The options of the vis stage, except those that all stages accept.
 std::vector<SettingGroup<VisStageOptions>> VisSettings();
 
 } // namespace q3

@@ -10,14 +10,14 @@
 
 namespace q3 {
 
-/// Points nearer to a plane than this (game units) are on it. No float lies between 0.1f and 0.1, so comparing a float
+/// Points closer to a plane than this (game units) are on it. No float lies between 0.1f and 0.1, so comparing a float
 /// with either gives the same.
 inline constexpr float kOnEpsilon = 0.1f;
-/// A clip that would give more points is skipped, which leaves the winding too large and so is safe.
+/// A clip that would give more points is skipped. The winding then stays too large, which is safe.
 inline constexpr int kMaxCutPoints = 24;
-/// Points of the largest portal.
+/// Largest number of points of a portal.
 inline constexpr int kMaxPortalPoints = 512;
-/// Arrays are padded to whole groups, which loops process at once.
+/// Loops process points in groups of this size; arrays are padded to whole groups.
 inline constexpr int kPointGroup = 4;
 
 /// One coordinate of a group of points. GCC and clang both have this vector type.
@@ -64,7 +64,7 @@ inline bool PlaneOfPoints(const Vec3f &a, const Vec3f &b, const Vec3f &c, VisPla
     return true;
 }
 
-/// A view of points (x[i], y[i], z[i]) in arrays owned by others. Padding repeats the first point.
+/// A view of points (x[i], y[i], z[i]) in arrays that it does not own. Padding repeats the first point.
 struct WindingView {
     const float *x = nullptr, *y = nullptr, *z = nullptr;
     int count = 0;
@@ -118,7 +118,7 @@ inline Vec3f CutEdge(const Vec3f &a, const Vec3f &b, float da, float db, const V
     return cut;
 }
 
-/// Clips `w` to the front of the plane; if points change they are stored in `buffer`, which must not be what `w` views.
+/// Clips `w` to the front of the plane; if points change they are stored in `buffer`, which `w` must not view.
 /// False: nothing is in front. A clip to more than kMaxCutPoints points is skipped.
 inline bool ChopInFront(WindingView &w, const VisPlane &plane, WindingBuffer &buffer) {
     const PointDistances d(w, plane);

@@ -6,7 +6,7 @@
 
 namespace q3 {
 
-/// Appends a translucent polygon of its own color for each passable portal.
+/// Appends a translucent polygon for each passable portal, each in another color.
 void MakePortalSurfaces(const Tree &tree, Geometry &geometry, const BspContext &context);
 
 } // namespace q3

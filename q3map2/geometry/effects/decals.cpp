@@ -31,7 +31,8 @@ Vec3d StartOf(const MapEntity &entity) {
     return Vec3d(bounds.Center());
 }
 
-/// The affine function of points with these values at the corners that is constant along `direction`.
+/// Sets projector.texture to the affine map that is verts[i].st at corners[i] and constant along `direction`. False if
+/// the triangle is parallel to `direction`.
 bool ProjectTexture(const std::array<Vec3d, 3> &corners, const std::array<DrawVert, 3> &verts, const Vec3d &direction,
                     DecalProjector &projector) {
     const auto flat = [&](const Vec3d &v) { return v - direction * Dot(v, direction); };
@@ -54,12 +55,13 @@ Plane PlaneAt(const Vec3d &normal, const Vec3d &point) {
     return {unit, Dot(unit, point)};
 }
 
-/// The prism of a triangle extruded along `way`. Planes face outward.
-bool MakeProjector(std::array<DrawVert, 3> verts, const Vec3f &origin, const Vec3d &way, DecalProjector &projector) {
+/// Sets the prism of a triangle extruded by the vector `projection`; its planes face outward.
+bool MakeProjector(std::array<DrawVert, 3> verts, const Vec3f &origin, const Vec3d &projection,
+                   DecalProjector &projector) {
     std::array<Vec3d, 3> corners;
     for (std::size_t i = 0; i < 3; ++i)
         corners[i] = Vec3d(verts[i].xyz + origin);
-    const Vec3d direction = Normalize(way);
+    const Vec3d direction = Normalize(projection);
     if (!ProjectTexture(corners, verts, direction, projector))
         return false;
     Vec3d normal = Cross(corners[1] - corners[0], corners[2] - corners[0]);
@@ -67,22 +69,22 @@ bool MakeProjector(std::array<DrawVert, 3> verts, const Vec3f &origin, const Vec
         normal = -normal;
         std::swap(corners[1], corners[2]);
     }
-    projector.planes = {PlaneAt(normal, corners[0]), PlaneAt(-normal, corners[0] + way)};
+    projector.planes = {PlaneAt(normal, corners[0]), PlaneAt(-normal, corners[0] + projection)};
     Vec3d middle;
     for (std::size_t i = 0; i < 3; ++i) {
         const Vec3d &from = corners[i], &to = corners[(i + 1) % 3];
         projector.planes.push_back(PlaneAt(Cross(to - from, -direction), from));
-        middle += (from + from + way) / 6.;
+        middle += (from + from + projection) / 6.;
     }
     projector.center = Vec3f(middle);
     double radius = 0;
     for (const Vec3d &corner : corners)
-        radius = std::max({radius, Length(corner - middle), Length(corner + way - middle)});
+        radius = std::max({radius, Length(corner - middle), Length(corner + projection - middle)});
     projector.radius = float(radius);
     return true;
 }
 
-void AddProjectors(const MapEntity &entity, const Vec3d &way, const Map &map, const BspContext &context,
+void AddProjectors(const MapEntity &entity, const Vec3d &projection, const Map &map, const BspContext &context,
                    std::vector<DecalProjector> &projectors) {
     const SurfaceSettings settings = SettingsOf(entity, map, context);
     for (const Patch &patch : entity.patches) {
@@ -92,7 +94,7 @@ void AddProjectors(const MapEntity &entity, const Vec3d &way, const Map &map, co
             projector.shader = patch.shader;
             projector.settings = settings;
             if (!MakeProjector({mesh.verts[std::size_t(a)], mesh.verts[std::size_t(b)], mesh.verts[std::size_t(c)]},
-                               entity.origin, way, projector))
+                               entity.origin, projection, projector))
                 continue;
             if (projectors.size() == kMaxProjectors) {
                 context.log.Warn("too many decals", "{}: more than {} decal triangles; the rest is left out",
@@ -104,8 +106,8 @@ void AddProjectors(const MapEntity &entity, const Vec3d &way, const Map &map, co
     }
 }
 
-/// Direction and distance of the projection; empty, after a warning, if the target is missing.
-std::optional<Vec3d> WayOf(const MapEntity &entity, const Map &map, const BspContext &context) {
+/// Vector from the entity to its target; empty, after a warning, if the entity has no patches or no target.
+std::optional<Vec3d> ProjectionOf(const MapEntity &entity, const Map &map, const BspContext &context) {
     if (entity.patches.empty()) {
         context.log.Warn("decal without patches", "{}: a _decal without patches is left out", entity.MessagePrefix());
         return {};
@@ -192,7 +194,7 @@ Sphere SphereOf(const DrawSurface &surface) {
     return {bounds.Center(), Length(bounds.maxs - bounds.mins) * 0.5f};
 }
 
-/// Clips the fragment to the prism. False when nothing is left.
+/// Clips the fragment to the prism. False: it faces away from the projector, or nothing is left.
 bool ClipToProjector(DecalFragment &piece, const DecalProjector &projector, const Vec3d &origin) {
     if (piece.plane.normal == Vec3d{} || Dot(piece.plane.normal, projector.planes[0].normal) < -kFacingEpsilon)
         return false;
@@ -242,9 +244,9 @@ std::vector<DecalProjector> CollectDecals(Map &map, const BspContext &context) {
     for (MapEntity &entity : map.entities) {
         if (!EqualNoCase(entity.pairs.ClassName(), "_decal"))
             continue;
-        const auto way = WayOf(entity, map, context);
-        if (way && Length(*way) > kMinDistance)
-            AddProjectors(entity, *way, map, context, projectors);
+        const auto projection = ProjectionOf(entity, map, context);
+        if (projection && Length(*projection) > kMinDistance)
+            AddProjectors(entity, *projection, map, context, projectors);
         entity.brushes.clear();
         entity.patches.clear();
     }

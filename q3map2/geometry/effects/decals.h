@@ -10,7 +10,7 @@
 
 namespace q3 {
 
-/// A triangular prism in which surfaces get a decal.
+/// A triangular prism: surfaces inside it get a decal.
 struct DecalProjector {
     const ShaderInfo *shader = nullptr;
     SurfaceSettings settings;
@@ -20,9 +20,9 @@ struct DecalProjector {
     float radius = 0;
 };
 
-/// Projectors of all _decal entities.
+/// Projectors of all _decal entities, whose brushes and patches are removed from the map.
 std::vector<DecalProjector> CollectDecals(Map &map, const BspContext &context);
-/// Appends decals on the surfaces from `first` on. `origin` is the entity's: its surfaces are stored relative to it.
+/// Appends decals on the surfaces from `first` on. `origin`: origin of their entity, to which they are relative.
 void ApplyDecals(const std::vector<DecalProjector> &projectors, Geometry &geometry, std::size_t first,
                  const BspContext &context, const Vec3f &origin = {});
 

@@ -26,9 +26,9 @@ const ShaderInfo *CelShaderFor(const DrawSurface &surface) {
     return cel;
 }
 
-/// Appends the copies of surface `number`. chain[i]: length of the chain of clones from an original to surface i.
+/// Appends the copies of surface `number`. chain[i]: number of copying steps from an original to surface i.
 void AppendCopies(std::size_t number, std::vector<int> &chain, Geometry &geometry, const BspContext &context) {
-    const DrawSurface surface = geometry.surfaces[number]; // appending moves the list
+    const DrawSurface surface = geometry.surfaces[number]; // a copy: appending invalidates references
     const auto add = [&](DrawSurface copy, int links) {
         geometry.surfaces.push_back(std::move(copy));
         chain.push_back(links);

@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// Appends the copies that the shaders and cel shader settings of the surfaces (from `first` on) ask for.
+/// Appends the copies that shaders and cel shader settings demand of the surfaces from `first` on.
 void MakeDerivedSurfaces(Geometry &geometry, std::size_t first, const BspContext &context);
 
 } // namespace q3

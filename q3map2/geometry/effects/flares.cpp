@@ -23,8 +23,8 @@ Vec3f DirectionOf(const MapEntity &light, const Map &map) {
     if (!name.empty())
         for (const MapEntity &entity : map.entities)
             if (EqualNoCase(keys::kTargetName.Text(entity.pairs), name)) {
-                const Vec3f way = Normalize(entity.origin - light.origin);
-                return way == Vec3f{} ? Vec3f{0, 0, -1} : way;
+                const Vec3f direction = Normalize(entity.origin - light.origin);
+                return direction == Vec3f{} ? Vec3f{0, 0, -1} : direction;
             }
     return {0, 0, -1};
 }

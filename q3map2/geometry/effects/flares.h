@@ -10,7 +10,7 @@ namespace q3 {
 
 /// Appends the flares of light entities.
 void MakeFlares(const Map &map, Geometry &geometry, const BspContext &context);
-/// Appends the flare of the surface's shader; `origin` is the entity's.
+/// Appends the flare of the surface's shader. `origin`: origin of the entity, to which the surface is relative.
 void MakeShaderFlare(std::size_t surface, const Vec3f &origin, Geometry &geometry, const BspContext &context);
 
 } // namespace q3

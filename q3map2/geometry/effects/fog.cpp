@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Fog volumes: faces and patches cut at their borders, fog numbers of surfaces.
+// GPL-2.0-or-later. Fog volumes: cuts faces and patches at their borders and sets fog numbers of surfaces.
 #include "q3map2/geometry/effects/fog.h"
 
 #include "common/error.h"
@@ -14,6 +14,7 @@ namespace {
 constexpr double kFogEpsilon = 0.1;
 constexpr std::size_t kMaxFogs = 31; ///< engines have five bits for the fog in their sort key
 
+/// Index of the side whose normal is most opposite to `direction`; -1: none.
 int SideAgainst(const Brush &brush, const PlaneTable &planes, const Vec3f &direction) {
     int best = -1;
     double least = 0;
@@ -88,7 +89,7 @@ class WorldFogger {
         DrawSurface &fragment = geometry_.surfaces[made];
         fragment.fogNum = original.fogNum;
         fragment.shader = original.shader;
-        if (fragment.planeNum != original.planeNum) { // the side seen from within
+        if (fragment.planeNum != original.planeNum) { // back face of a fog brush side
             fragment.planeNum = original.planeNum;
             for (DrawVert &vert : fragment.verts)
                 vert.normal = original.verts.front().normal;
@@ -126,7 +127,7 @@ class WorldFogger {
     }
 
     bool CutPatch(std::size_t number, const Brush &brush) {
-        for (std::size_t i = 4; i <= 5 && i < brush.sides.size(); ++i) {
+        for (std::size_t i = 4; i <= 5 && i < brush.sides.size(); ++i) { // bottom and top, see Brush
             if (brush.sides[i].planeNum < 0)
                 continue;
             auto cut = CutPatchSurface(geometry_.surfaces[number], planes_[brush.sides[i].planeNum], kFogEpsilon);

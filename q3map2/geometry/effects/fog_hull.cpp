@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The box that the world key _foghull puts around the map.
+// GPL-2.0-or-later. The fog hull: a box around the map (world key _foghull).
 #include "q3map2/geometry/effects/fog_hull.h"
 
 #include "q3map2/bspfile/surface_keys.h"
@@ -9,7 +9,7 @@
 namespace q3 {
 namespace {
 
-constexpr float kFogHullDistance = 128; ///< game units
+constexpr float kFogHullDistance = 128; ///< between the map and the box, game units
 
 } // namespace
 

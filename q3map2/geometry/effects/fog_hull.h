@@ -6,7 +6,7 @@
 
 namespace q3 {
 
-/// Appends the surface that the world key _foghull asks for; to be called once the fogs are known.
+/// Appends the fog hull if the world key _foghull names its shader. To be called once the fogs are known.
 void MakeFogHull(const Map &map, Geometry &geometry, const BspContext &context);
 
 } // namespace q3

@@ -17,7 +17,7 @@ struct Grid {
     const DrawVert &At(int column, int row) const { return verts[std::size_t(row * width + column)]; }
 };
 
-/// Swaps rows and columns and keeps the front side.
+/// Turned by 90 degrees: rows become columns, and the front side stays the front.
 Grid Turned(const Grid &grid) {
     Grid turned{grid.height, grid.width, {}};
     for (int row = 0; row < turned.height; ++row)
@@ -30,7 +30,7 @@ Grid TurnedBack(const Grid &grid) {
     return Turned(Turned(Turned(grid)));
 }
 
-/// Index of the column after which every row crosses the plane, exactly once; -1: there is none.
+/// Index of the column after which every row crosses the plane. -1: rows cross it elsewhere, never or repeatedly.
 int CrossingColumn(const Grid &grid, const Plane &plane, double epsilon) {
     int found = -1;
     for (int row = 0; row < grid.height; ++row) {
@@ -51,6 +51,7 @@ int CrossingColumn(const Grid &grid, const Plane &plane, double epsilon) {
     return found;
 }
 
+/// Linear interpolation from a (t = 0) to b (t = 1).
 DrawVert Between(const DrawVert &a, const DrawVert &b, double t) {
     DrawVert v = a;
     v.xyz = Vec3f(Vec3d(a.xyz) + (Vec3d(b.xyz) - Vec3d(a.xyz)) * t);
@@ -73,7 +74,7 @@ std::vector<DrawVert> CrossingVerts(const Grid &grid, int column, const Plane &p
     return verts;
 }
 
-/// Columns from..to, and at the cut end one or two columns on the plane, so that the width stays odd.
+/// Columns from..to plus, at the cut end, one or two columns on the plane, whichever makes the width odd.
 Grid Part(const Grid &grid, int from, int to, const std::vector<DrawVert> &crossing) {
     const int copies = (to - from + 1) % 2 == 0 ? 1 : 2;
     Grid part{to - from + 1 + copies, grid.height, {}};

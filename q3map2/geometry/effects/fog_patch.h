@@ -12,9 +12,9 @@ struct PatchCut {
     DrawSurface inside, outside; ///< of a cut patch: behind and in front of the plane
 };
 
-/// Cuts the control points of a patch where they cross the plane, which must be between the same two columns, or rows,
-/// everywhere. Both parts keep odd sizes. Points within epsilon count as behind. Errors: Error, when a part would pass
-/// 31 rows or columns.
+/// Cuts the control grid of a patch at the plane. The plane must cross every row once and between the same two columns,
+/// or every column between the same two rows; else the result is Impossible. Both parts keep odd sizes. Points within
+/// epsilon count as behind. Throws Error if a part would have more than 31 rows or columns.
 PatchCut CutPatchSurface(const DrawSurface &surface, const Plane &plane, double epsilon);
 
 } // namespace q3

@@ -15,8 +15,8 @@ bool IsSteep(const SurfaceTriangle &t) {
     return Normalize(Cross(c - a, b - a)).z < kMinUp;
 }
 
-/// Probability of an instance at the triangle.
-double Growth(const SurfaceTriangle &t, const FoliageDirective &directive) {
+/// Probability that the triangle gets an instance.
+double InstanceProbability(const SurfaceTriangle &t, const FoliageDirective &directive) {
     double alpha = (int(t[0].color[3]) + t[1].color[3] + t[2].color[3]) / 765.;
     if (directive.invertAlpha == 1)
         alpha = 1 - alpha;
@@ -32,7 +32,7 @@ std::vector<DrawVert> Instances(const DrawSurface &surface, const FoliageDirecti
     Bisect(triangles, directive.density);
     std::vector<DrawVert> instances;
     for (const SurfaceTriangle &t : triangles) {
-        if (random.Next() >= Growth(t, directive) || instances.size() >= kMaxInstances)
+        if (random.Next() >= InstanceProbability(t, directive) || instances.size() >= kMaxInstances)
             continue;
         DrawVert vert = t[0];
         vert.xyz = (t[0].xyz + t[1].xyz + t[2].xyz) / 3.f;
@@ -64,7 +64,7 @@ DrawSurface FoliageSurface(const ModelMesh &mesh, float scale, const std::vector
 } // namespace
 
 void MakeFoliage(std::size_t surface, Geometry &geometry, const BspContext &context) {
-    const DrawSurface ground = geometry.surfaces[surface]; // appending moves the list
+    const DrawSurface ground = geometry.surfaces[surface]; // a copy: appending invalidates references
     if (ground.shader == nullptr || ground.Empty() || (ground.furred && ground.isCopy) ||
         ground.shader->geometry.foliage.empty() || (ground.kind != SurfaceKind::Patch && ground.indexes.empty()) ||
         ground.kind == SurfaceKind::Foliage)

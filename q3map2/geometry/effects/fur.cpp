@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kMaxLayers = 256;
 
+/// Moves each vertex along its normal by `distance` times its alpha.
 void MoveAlongNormals(DrawSurface &surface, float distance) {
     for (DrawVert &vert : surface.verts)
         vert.xyz += vert.normal * (distance * float(vert.color[3]) / 255);
@@ -22,7 +23,7 @@ void MakeFur(std::size_t surface, Geometry &geometry) {
     const FurDirective fur = base.shader->geometry.fur;
     base.furred = true;
     MoveAlongNormals(base, fur.offset);
-    const DrawSurface lowest = base; // appending moves the list
+    const DrawSurface lowest = base; // a copy: appending invalidates references
     for (int layer = 1; layer < std::min(fur.layers, kMaxLayers); ++layer) {
         DrawSurface copy = lowest;
         copy.isCopy = true;

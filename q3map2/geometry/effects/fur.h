@@ -7,7 +7,7 @@
 
 namespace q3 {
 
-/// Moves the surface and appends the other layers of its shader's fur. No-op for copies.
+/// Moves the surface to the lowest layer of its shader's fur and appends the other layers. No-op for fur layers.
 void MakeFur(std::size_t surface, Geometry &geometry);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Sky boxes: a room that engines draw enlarged around the map.
+// GPL-2.0-or-later. Sky boxes: a small room whose enlarged copy surrounds the map.
 #include "q3map2/geometry/effects/skybox.h"
 
 #include "q3map2/bspfile/object_keys.h"
@@ -50,7 +50,7 @@ DrawSurface SkyBoxCopy(const DrawSurface &surface, int number, const SkyBoxTrans
         }
         copy.bounds.Add(vert.xyz);
     }
-    if (copy.kind == SurfaceKind::Patch && !copy.bounds.Empty()) // the box of its level of detail
+    if (copy.kind == SurfaceKind::Patch && !copy.bounds.Empty()) // bounds by which engines choose its level of detail
         copy.lightmapVecs = {copy.bounds.mins, copy.bounds.maxs, Vec3f{}};
     copy.lightmapVecs[2] = {};
     return copy;

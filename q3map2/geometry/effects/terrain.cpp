@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Terrain from index maps: shader, alpha and height from the layers at the corners of surfaces.
+// GPL-2.0-or-later. Terrain from index maps: layers at the vertices set shader, alpha and height.
 #include "q3map2/geometry/effects/terrain.h"
 
 #include "q3map2/map/index_map.h"
@@ -9,7 +9,7 @@
 namespace q3 {
 namespace {
 
-/// Copy of `layer` with the properties of the indexed shader that it does not set itself.
+/// Copy of `layer` in which unset properties come from the indexed shader.
 ShaderInfo Inherited(const ShaderInfo &layer, const ShaderInfo &indexed) {
     ShaderInfo shader = layer;
     GeometryDirectives &own = shader.geometry;

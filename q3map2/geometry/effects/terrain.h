@@ -8,8 +8,8 @@
 
 namespace q3 {
 
-/// Sets heights, alpha and shaders of faces and patches (from `first` on) with an indexed shader, from the index maps
-/// of their entities.
+/// For faces and patches (from `first` on) with an indexed shader: sets heights, vertex alpha and shader by the index
+/// map of their entity.
 void ApplyIndexedTerrain(const MapEntity &entity, Geometry &geometry, std::size_t first, const BspContext &context);
 
 } // namespace q3

@@ -35,7 +35,7 @@ std::array<char, 64> NameField(std::string_view name) {
     return field;
 }
 
-/// Bounds of an entity. For a world with brushes that delimit the light grid (surfaceparm lightgrid), theirs only.
+/// Bounds of an entity. For a world with lightgrid brushes (surfaceparm lightgrid), bounds of these brushes only.
 Boundsf BoundsOf(const MapEntity &entity, bool isWorld) {
     Boundsf all, grid;
     for (const Brush &brush : entity.brushes) {
@@ -49,8 +49,7 @@ Boundsf BoundsOf(const MapEntity &entity, bool isWorld) {
     return isWorld && !grid.Empty() ? grid : all;
 }
 
-/// Index of the visible side of a fog brush that goes into the fogs lump: the last axial one, else the first other
-/// one; -1: none.
+/// Value of bspFog_t::visibleSide: the last axial side that is visible, else the first other visible side; -1: none.
 int VisibleSide(const Brush &brush) {
     constexpr int kAxial = 6;
     const auto isVisible = [&](int number) {
@@ -133,8 +132,7 @@ void BspWriter::EmitBrushSide(const BrushSide &side) {
     bsp.brushSides.push_back(record);
 }
 
-/// Copies shaders that surfaces received later to their brush sides, because engines take the properties of what was
-/// hit from the side.
+/// Copies final shaders of surfaces to their brush sides: engines take surface properties of a hit from the side.
 void BspWriter::FixSideShaders(const MapEntity &entity, const Geometry &geometry) {
     for (const Brush &brush : entity.brushes)
         for (std::size_t i = 0; i < brush.sides.size() && brush.bspBrush >= 0; ++i) {

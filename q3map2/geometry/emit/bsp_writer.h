@@ -16,27 +16,27 @@
 namespace q3 {
 
 /// Collects the records of a .bsp, model by model: BeginModel, EmitBrushes, EmitSurfaces, EmitTree, EndModel for the
-/// world and then each other model; EmitFogs and EmitPlanes once at the end. Errors: Error, when a limit is exceeded.
+/// world and then each other model; EmitFogs and EmitPlanes once at the end. Throws Error if a limit is exceeded.
 class BspWriter {
   public:
     BspWriter(Map &map, const BspContext &context);
 
-    /// Index in the shaders lump of the entry with that name and, where given, flags; appended if there is none.
+    /// Index in the shaders lump of the entry with this name and, where given, these flags; appended if missing.
     int ShaderNumber(std::string_view name, std::optional<std::uint32_t> surfaceFlags = {},
                      std::optional<std::uint32_t> contentFlags = {});
     void BeginModel(const MapEntity &entity);
     /// Appends brushes and sides; sets Brush::bspBrush.
     void EmitBrushes(MapEntity &entity);
     /// The final pass over the surfaces from `first` on: modifies coordinates and colors, adds fur, foliage and
-    /// flares, finds the leafs of each surface and appends surfaces that are in at least one.
+    /// flares, finds the leafs of each surface and writes the surfaces that are in a leaf.
     void EmitSurfaces(MapEntity &entity, Tree &tree, Geometry &geometry, std::size_t first);
-    /// Appends nodes and leafs; for models other than the world one leaf. After EmitSurfaces.
+    /// Appends nodes and leafs; a single leaf for models other than the world. Call after EmitSurfaces.
     void EmitTree(const MapEntity &entity, const Tree &tree);
     void EndModel();
     void EmitFogs(const Geometry &geometry);
     /// Appends the planes and applies q3map_remapShader.
     void EmitPlanes();
-    /// Appends flares outside of all leafs that make engines load the images of skies (-skyfix).
+    /// Appends flare surfaces that are in no leaf, so that engines load the images of skies (-skyfix).
     void EmitSkyImages();
 
     Bsp bsp;

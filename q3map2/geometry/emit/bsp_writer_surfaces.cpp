@@ -55,7 +55,7 @@ void Arrange(DrawSurface &surface, const BspContext &context) {
         ReverseSurface(surface);
     if (surface.kind == SurfaceKind::Patch)
         return;
-    // Sprites are quads, and the instances of foliage follow its vertices.
+    // Not for sprites, which are quads, nor for foliage, whose instances are at the end of its vertices.
     if (context.options.debugInset && !surface.shader->autosprite && surface.kind != SurfaceKind::Foliage)
         InsetTriangles(surface);
     if (!surface.shader->autosprite)
@@ -135,7 +135,7 @@ void BspWriter::EmitSurface(MapEntity &entity, Tree &tree, Geometry &geometry, s
     const bool isWorld = bsp.models.size() == 1;
     {
         DrawSurface &surface = geometry.surfaces[number];
-        if (!surface.furred) // layers of fur are copies of a modified surface
+        if (!surface.furred) // fur layers are copies of a surface modified before
             ModifySurface(surface, entity, map_.World(), map_.planes);
     }
     if (geometry.surfaces[number].kind != SurfaceKind::Flare) {
@@ -160,7 +160,7 @@ void BspWriter::EmitSurface(MapEntity &entity, Tree &tree, Geometry &geometry, s
     WriteSurface(surface);
 }
 
-/// Copies of sky box surfaces go to each leaf with a sky surface.
+/// Writes the copies of sky box surfaces and adds them to each leaf with a sky surface.
 void BspWriter::EmitSkyBoxCopies(Tree &tree, Geometry &geometry) {
     std::vector<std::size_t> skyLeafs;
     const std::size_t model = std::size_t(bsp.models.back().firstBSPSurface);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Which leafs a draw surface reaches.
+// GPL-2.0-or-later. Adds draw surfaces to the leafs that they reach.
 #include "q3map2/geometry/emit/emit_filter.h"
 
 #include <algorithm>
@@ -10,17 +10,17 @@ namespace {
 
 constexpr double kEpsilon = 0.1; // game units
 
-/// Finds the leafs of polygons and points of one surface.
+/// Adds one surface to the leafs that its polygons and points reach.
 class SurfaceFilter {
   public:
     SurfaceFilter(Tree &tree, const PlaneTable &planes, int number, bool &inSkyBox)
         : tree_(tree), planes_(planes), number_(number), inSkyBox_(inSkyBox) {}
 
     int Count() const { return count_; }
-    /// `planeNum` is the polygon's own, or -1.
+    /// `planeNum`: plane of the polygon; -1: unknown.
     void AddPolygon(Polygon polygon, int planeNum);
     void AddPoint(const Vec3f &p) { AddHull({&p, 1}); }
-    /// All leafs that the convex hull of the points may reach (conservative).
+    /// Adds all leafs that the convex hull of the points may reach (conservative).
     void AddHull(std::span<const Vec3f> points);
     void AddEverywhere();
 
@@ -109,7 +109,8 @@ void SurfaceFilter::AddEverywhere() {
             AddLeaf(node);
 }
 
-/// Bounds every level of detail of a cell of a patch: as a bicubic surface its control points are nearer to it.
+/// Points whose convex hull holds every level of detail of a 3 x 3 cell of a patch: its control points after degree
+/// elevation to bicubic, which are nearer to the surface.
 std::array<Vec3f, 16> CellHull(const DrawSurface &patch, int column, int row) {
     const auto elevate = [](const Vec3f &a, const Vec3f &b, const Vec3f &c) {
         return std::array<Vec3f, 4>{a, (a + b * 2.0f) / 3.0f, (b * 2.0f + c) / 3.0f, c};
@@ -134,7 +135,7 @@ Polygon PolygonOf(const DrawSurface &surface) {
     return polygon;
 }
 
-/// Bounds of a polygon that deformVertexes moves.
+/// Adds the leafs that a polygon may reach when deformVertexes moves it.
 void AddMoving(const Polygon &polygon, const std::pair<Vec3f, Vec3f> &move, SurfaceFilter &filter) {
     std::vector<Vec3f> corners;
     for (const Vec3f &p : polygon)

@@ -6,10 +6,10 @@
 
 namespace q3 {
 
-/// Indexes of a triangle.
+/// Number of indexes of a triangle.
 inline constexpr std::size_t kTriangle = 3;
 
-/// The triangles reordered so that vertices are used again soon.
+/// Reorders triangles so that vertices are reused while they are in the vertex cache.
 std::vector<int> OrderTriangles(const std::vector<int> &indexes);
 
 } // namespace q3

@@ -9,9 +9,9 @@ namespace q3 {
 
 namespace {
 
-constexpr double kVolumeSlack = 1; // game units
+constexpr double kVolumeSlack = 1; // game units outside a color volume that still count as inside
 
-/// Factor of a step that depends on the normal.
+/// The factor by which a dot-product step scales a color; 1 for other steps.
 float Facing(const ColorStep &step, const Vec3f &normal) {
     using enum ColorStep::Kind;
     const float d = Dot(normal, step.value);

@@ -8,13 +8,14 @@ namespace q3 {
 
 /// Applies tcMod, tcGen, rgbMod and alphaMod directives of the shader, and color volumes.
 void ModifySurface(DrawSurface &surface, const MapEntity &entity, const MapEntity &world, const PlaneTable &planes);
-/// Subtracts whole repeats from texture coordinates, so that they are near 0.
+/// Subtracts a whole number from s and from t of all vertices, to bring them near 0.
 void BiasTexture(DrawSurface &surface);
-/// Shrinks each triangle by one game unit and gives it vertices of its own (-debuginset).
+/// Gives each triangle vertices of its own and moves them one game unit toward its center (-debuginset).
 void InsetTriangles(DrawSurface &surface);
 /// Reverses orientation: normals and winding order.
 void ReverseSurface(DrawSurface &surface);
-/// Puts vertices into the order in which engines rotate the quad about its long axis. Warns if it is no oblong quad.
+/// Puts the vertices of an autosprite2 quad into the order by which engines find its long axis. Warns if the surface is
+/// not an oblong quad.
 void OrderSpriteQuad(DrawSurface &surface, const BspContext &context);
 
 } // namespace q3

@@ -8,7 +8,7 @@
 namespace q3 {
 namespace {
 
-constexpr std::size_t kPair = 2 * kTriangle; ///< indexes
+constexpr std::size_t kPair = 2 * kTriangle; ///< number of indexes of two triangles
 
 template <typename List> std::uint64_t HashOf(const List &list, std::size_t at, std::size_t count) {
     std::uint64_t hash = 14695981039346656037u;

@@ -11,8 +11,7 @@ float Snapped(float coordinate, bool snap) {
     return snap ? float(std::floor(8.0 * double(coordinate) + 0.5) / 8) : coordinate;
 }
 
-/// In single precision like the established program, so that coordinates at the border of two repeats of the image
-/// round to the same side.
+/// Computed in float like the established program, so that coordinates at a whole number round as they do there.
 std::array<float, 2> TextureCoordinates(const BrushSide &side, const Vec3f &p) {
     std::array<float, 2> st{};
     for (std::size_t i = 0; i < 2; ++i) {
@@ -22,13 +21,13 @@ std::array<float, 2> TextureCoordinates(const BrushSide &side, const Vec3f &p) {
     return st;
 }
 
-/// The last texel of the image: what -flat gives to all vertices.
+/// Texture coordinates of all vertices under -flat: the last texel of the image.
 std::array<float, 2> FlatCoordinates(const ShaderInfo &shader) {
     return {1 - 1 / float(shader.geometry.textureWidth), 1 - 1 / float(shader.geometry.textureHeight)};
 }
 
-/// Whether `w` is the back face of a fog brush side, which is visible from inside too.
-bool TurnedAround(const BrushSide &side, const Polygon &w, const PlaneTable &planes) {
+/// Whether `w` is the back face of a fog brush side. Fog brushes get back faces because they are seen from inside too.
+bool IsBackFace(const BrushSide &side, const Polygon &w, const PlaneTable &planes) {
     return (side.shader->compileFlags & C_FOG) != 0 && Dot(WindingAreaVector(w), planes[side.planeNum].normal) > 0;
 }
 
@@ -50,7 +49,7 @@ int MakeFaceSurface(const MapEntity &entity, int brush, int side, const Polygon 
     surface.shader = from.shader;
     surface.settings = solid.settings;
     surface.brush = brush, surface.side = side, surface.primitive = solid.primitive;
-    surface.planeNum = TurnedAround(from, w, planes) ? from.planeNum ^ 1 : from.planeNum;
+    surface.planeNum = IsBackFace(from, w, planes) ? from.planeNum ^ 1 : from.planeNum;
     surface.planar = true;
     const Vec3f normal(planes[surface.planeNum].normal);
     for (const Vec3f &p : w) {

@@ -9,7 +9,7 @@ namespace q3 {
 /// Appends a face with polygon `w` for a side of a brush of `entity`. Returns its index in Geometry::surfaces.
 int MakeFaceSurface(const MapEntity &entity, int brush, int side, const Polygon &w, Geometry &geometry,
                     const PlaneTable &planes, const BspContext &context);
-/// Appends a face for each visible side of the entity's brushes, two for sides of fog brushes.
+/// Appends a face for each visible side of the entity's brushes; front and back face for sides of fog brushes.
 void MakeFaceSurfaces(MapEntity &entity, Geometry &geometry, const PlaneTable &planes, const BspContext &context);
 
 } // namespace q3

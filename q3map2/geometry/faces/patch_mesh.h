@@ -8,9 +8,9 @@
 
 namespace q3 {
 
-/// Appends a ForcedMeta surface with the tessellated mesh for each patch (from `first` on) that -patchmeta, its entity
-/// or its shader wants as triangles, provided that it will go through the meta step. The patch itself stays for
-/// collision (collisionOnly) if its shader is solid, else it becomes empty. To be called before MakeMetaSurfaces.
+/// Tessellates patches (from `first` on) that have -patchmeta or the key _patchMeta, if -meta or q3map_forceMeta sends
+/// them through the meta step: appends the mesh as a ForcedMeta surface. The patch itself stays for collision
+/// (collisionOnly) if its shader is solid, else it becomes empty. To be called before MakeMetaSurfaces.
 void MakePatchMeshes(const MapEntity &entity, Geometry &geometry, std::size_t first, const BspContext &context);
 
 } // namespace q3

@@ -17,7 +17,7 @@ bool Same(const Vec3f &a, const Vec3f &b) {
     return std::abs(d.x) <= kSame && std::abs(d.y) <= kSame && std::abs(d.z) <= kSame;
 }
 
-/// Gives a flat patch a plane of the table and that plane's normal at all vertices.
+/// Gives a flat patch a plane number, and the plane's normal at all vertices.
 void FlattenPatch(DrawSurface &surface, PlaneTable &planes) {
     const DrawVert &first = surface.verts.front();
     const Vec3d normal(first.normal), origin(first.xyz);

@@ -6,7 +6,7 @@
 
 namespace q3 {
 
-/// Appends a surface for each patch of the entity. Flat patches get a plane of the table.
+/// Appends a surface for each patch of the entity. Flat patches get a plane number.
 void MakePatchSurfaces(MapEntity &entity, Geometry &geometry, PlaneTable &planes, const BspContext &context);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Faces cut by a world-aligned grid, where their shader asks for a maximum size.
+// GPL-2.0-or-later. Cuts faces of shaders with tessSize by a world-aligned grid.
 #pragma once
 
 #include "q3map2/geometry/surface/draw_surface.h"
@@ -8,8 +8,8 @@
 
 namespace q3 {
 
-/// Replaces each face (from `first` on) whose shader has tessSize by pieces no larger than that. Error: more pieces
-/// than -maxmapdrawsurfs allows.
+/// Replaces each face (from `first` on) whose shader has tessSize by pieces no larger than that. Throws Error for
+/// more pieces than -maxmapdrawsurfs allows.
 void SubdivideFaces(MapEntity &entity, Geometry &geometry, std::size_t first, const PlaneTable &planes,
                     const BspContext &context);
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Lines along edges of surfaces, found by a grid of cells.
+// GPL-2.0-or-later. Lines along edges of surfaces, looked up in a grid of cells.
 #include "q3map2/geometry/faces/tjunction_lines.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNearLine = 0.25, kSamePoint = 0.25; ///< game units
 constexpr double kMaxCellsAcross = 64, kMinCell = 16;
-/// A point within kNearLine of both planes is not farther from the line than this.
+/// Bound on the distance from the line for points within kNearLine of both planes (0.25 * sqrt(2) = 0.36).
 constexpr double kReach = 0.5;
 
 void Insert(EdgeLine &line, const Vec3f &p) {
@@ -61,7 +61,7 @@ std::array<int, 3> EdgeLines::CellOf(const Vec3d &p) const {
 
 void EdgeLines::EnterCells(int number) {
     const EdgeLine &line = lines_[std::size_t(number)];
-    // Only the part within the bounds and a margin: nothing is looked up elsewhere.
+    // Only the part of the line in the bounds and a margin: no point outside is ever looked up.
     double from = std::numeric_limits<double>::lowest(), to = std::numeric_limits<double>::max();
     for (std::size_t i = 0; i < 3; ++i) {
         const double d = line.direction[i];

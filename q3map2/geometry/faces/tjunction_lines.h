@@ -16,14 +16,14 @@ struct EdgeLine {
         Vec3f xyz;
     };
     Vec3d origin, direction;
-    std::array<Plane, 2> planes; ///< perpendicular; the line is their intersection
+    std::array<Plane, 2> planes; ///< perpendicular planes that intersect in the line
     std::vector<Point> points;   ///< in order along the line
 };
 
-/// Lines by a grid of cells. An edge belongs to the first line, in order of addition, that both of its ends are near.
+/// Edge lines, looked up in a grid of cells. An edge joins the first line, in order of addition, near both of its ends.
 class EdgeLines {
   public:
-    /// All points will lie in `bounds`. `edges`: estimated number of edges.
+    /// `bounds` must contain all points. `edges`: estimated number of edges.
     EdgeLines(const Boundsf &bounds, std::size_t edges);
     /// Adds the ends of the edge to an existing or new line and returns its index. `direction` is a unit vector.
     int Add(const Vec3f &a, const Vec3f &b, const Vec3d &direction);
@@ -38,7 +38,7 @@ class EdgeLines {
     Boundsd bounds_;
     double cellSize_ = 1;
     std::array<int, 3> size_{};
-    std::vector<std::vector<int>> cells_; ///< lines that pass, in order
+    std::vector<std::vector<int>> cells_; ///< by cell: lines through it, in order of addition
     std::vector<EdgeLine> lines_;
 };
 

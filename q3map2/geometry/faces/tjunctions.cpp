@@ -12,9 +12,9 @@
 namespace q3 {
 namespace {
 
-constexpr double kDegenerate = 0.1; ///< game units: shorter edges are ignored, nearer vertices are welded
+constexpr double kDegenerate = 0.1; ///< game units: shorter edges are ignored, closer vertices are welded
 constexpr double kStraight = 0.1;   ///< distance of the middle control point of a straight border curve from its chord
-constexpr double kNearWhole = 0.01;
+constexpr double kNearWhole = 0.01; ///< welded coordinates this close to a whole number are rounded
 constexpr std::size_t kMaxVerts = 256;
 
 struct Edge {
@@ -54,7 +54,8 @@ class EdgeList {
         edges.push_back(edge);
     }
     void AddFace(const DrawSurface &surface, std::size_t number) {
-        // Starts at the last vertex: of lines within the tolerance of each other the first one is used.
+        // Begins with the edge from the last vertex. The order matters: an edge joins the first line within the
+        // tolerance.
         const std::size_t count = surface.verts.size();
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t from = (i + count - 1) % count;
@@ -111,7 +112,7 @@ DrawVert Between(const DrawVert &a, const DrawVert &b, double fraction, const Ve
     return vert;
 }
 
-/// A vertex and the edge of the original face that it begins or lies on.
+/// A vertex, and the edge of the original face that starts at it or on which it lies.
 struct FaceVert {
     DrawVert vert;
     std::size_t edge = 0;
@@ -130,7 +131,7 @@ void AddPointsOn(const EdgeLine &line, const DrawVert &a, const DrawVert &b, std
         std::reverse(corners.begin() + std::ptrdiff_t(before), corners.end());
 }
 
-/// A vertex from which a triangle fan has no degenerate triangle.
+/// Index of a vertex from which a triangle fan has no degenerate triangle; corners.size() if there is none.
 std::size_t FanStart(const std::vector<FaceVert> &corners) {
     const std::size_t n = corners.size();
     for (std::size_t i = 0; i < n; ++i) {
@@ -161,7 +162,7 @@ void InsertVerts(DrawSurface &surface, const EdgeLines &lines, std::span<const E
     counts.verts += int(corners.size());
     const std::size_t start = FanStart(corners);
     ++(start == 0 ? counts.natural : start == corners.size() ? counts.impossible : counts.rotated);
-    // By one vertex, whichever start was found, as the established program does.
+    // Rotates by one vertex, even if the start is another, as the established program does.
     if (start != 0)
         std::rotate(corners.begin(), corners.begin() + 1, corners.end());
     surface.verts.clear();
@@ -189,7 +190,7 @@ DrawVert Welded(const DrawVert &a, const DrawVert &b) {
     return vert;
 }
 
-/// Welds neighbors nearer than kDegenerate.
+/// Welds neighboring vertices that are closer than kDegenerate.
 void Weld(DrawSurface &surface) {
     std::vector<DrawVert> &verts = surface.verts;
     for (std::size_t i = 0; i < verts.size() && verts.size() > 1;) {

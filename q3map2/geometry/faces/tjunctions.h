@@ -9,7 +9,7 @@
 namespace q3 {
 
 /// Inserts into each face (from `first` on) the vertices of other faces and patches that lie on its edges, so that no
-/// cracks show between them. Error: a face with too many vertices.
+/// cracks show between them. Throws Error for a face with too many vertices.
 void FixTJunctions(Geometry &geometry, std::size_t first, const BspContext &context);
 
 } // namespace q3

@@ -9,7 +9,7 @@
 namespace q3 {
 namespace {
 
-constexpr double kMinSine2 = 1e-5;  ///< of the smallest angle
+constexpr double kMinSine2 = 1e-5;  ///< squared sine of the smallest angle
 constexpr double kMinTwiceArea = 1; ///< square units
 constexpr std::size_t kMaxIndexes = 1024;
 constexpr int kMaxAreaTries = 8;
@@ -30,7 +30,7 @@ double TwiceArea(const Vec3d &a, const Vec3d &b, const Vec3d &c) {
     return Length(Cross(b - a, c - a));
 }
 
-/// Whether the triangle is neither a sliver nor tiny; such triangles crack when drawn.
+/// Whether the triangle is neither a sliver nor tiny. Those show cracks when drawn.
 bool IsSound(const Vec3d &a, const Vec3d &b, const Vec3d &c) {
     const double twice = TwiceArea(a, b, c);
     std::array<double, 3> squares{Dot(b - a, b - a), Dot(c - b, c - b), Dot(a - c, a - c)};
@@ -39,7 +39,8 @@ bool IsSound(const Vec3d &a, const Vec3d &b, const Vec3d &c) {
     return twice > kMinTwiceArea && twice * twice > kMinSine2 * squares[1] * squares[2];
 }
 
-/// A strip that zigzags from the two sides of a start vertex, first along vertices inserted by T-junction repair.
+/// A triangle strip that alternates between the two sides of a start vertex, but prefers the side whose next vertex was
+/// inserted by T-junction repair. Empty if a triangle is not sound.
 std::optional<Indexes> StripFrom(const Verts &verts, int start) {
     const int n = int(verts.size());
     const auto wrap = [n](int i) { return (i % n + n) % n; };
@@ -72,7 +73,7 @@ std::optional<Indexes> Strip(const DrawSurface &surface) {
     return {};
 }
 
-/// Triangles around a vertex inserted in the middle.
+/// Inserts a vertex in the middle and a fan of triangles around it.
 void Fan(DrawSurface &surface) {
     const int n = int(surface.verts.size());
     Vec3d xyz, normal;
@@ -97,37 +98,36 @@ void Fan(DrawSurface &surface) {
         surface.indexes.insert(surface.indexes.end(), {0, i == 0 ? n : i, i + 1});
 }
 
-/// Appends the largest triangle between the vertices first..last of the polygon, then those of the rest on each side
-/// of it. False when one is not sound. The value of a triangle is
-/// its area minus `width` times its perimeter.
-bool LargestTriangles(const Verts &verts, int first, int last, double width, Indexes &indexes) {
+/// Splits the polygon of the vertices first..last: appends the best triangle on the edge first-last, then splits the
+/// rest on either side of it. Best: greatest area - perimeterWeight * perimeter. False if no sound triangle is left.
+bool LargestTriangles(const Verts &verts, int first, int last, double perimeterWeight, Indexes &indexes) {
     if (last - first < 2)
         return true;
     std::array<int, 3> best{};
     double bestValue = 0;
     bool found = false;
-    // One corner of the triangle on the edge first-last; it then divides the polygon in two.
+    // The third corner k divides the rest of the polygon in two.
     for (int k = first + 1; k < last; ++k) {
         const Vec3d a = Position(verts, first), b = Position(verts, k), c = Position(verts, last);
         if (!IsSound(a, b, c))
             continue;
-        const double value = TwiceArea(a, b, c) / 2 - width * (Length(b - a) + Length(c - b) + Length(a - c));
+        const double value = TwiceArea(a, b, c) / 2 - perimeterWeight * (Length(b - a) + Length(c - b) + Length(a - c));
         if (!found || value > bestValue)
             best = {first, k, last}, bestValue = value, found = true;
     }
     if (!found)
         return false;
     indexes.insert(indexes.end(), best.begin(), best.end());
-    return LargestTriangles(verts, first, best[1], width, indexes) &&
-           LargestTriangles(verts, best[1], last, width, indexes);
+    return LargestTriangles(verts, first, best[1], perimeterWeight, indexes) &&
+           LargestTriangles(verts, best[1], last, perimeterWeight, indexes);
 }
 
-/// The largest triangle of the polygon, then the largest in each part that it leaves, and so on. Repeated with
-/// half the weight of the perimeter until all triangles are sound.
+/// Splits off the best triangle of the polygon (see LargestTriangles), then those of the three remaining parts.
+/// Repeated with half the weight of the perimeter until all triangles are sound; empty if that fails.
 std::optional<Indexes> MaxArea(const Verts &verts) {
     const int n = int(verts.size());
-    double width = 2;
-    for (int attempt = 0; attempt < kMaxAreaTries; ++attempt, width /= 2) {
+    double perimeterWeight = 2;
+    for (int attempt = 0; attempt < kMaxAreaTries; ++attempt, perimeterWeight /= 2) {
         std::array<int, 3> best{};
         double bestValue = 0;
         for (int i = 0; i < n; ++i)
@@ -135,16 +135,16 @@ std::optional<Indexes> MaxArea(const Verts &verts) {
                 for (int k = j + 1; k < n; ++k) {
                     const Vec3d a = Position(verts, i), b = Position(verts, j), c = Position(verts, k);
                     const double value =
-                        TwiceArea(a, b, c) / 2 - width * (Length(b - a) + Length(c - b) + Length(a - c));
+                        TwiceArea(a, b, c) / 2 - perimeterWeight * (Length(b - a) + Length(c - b) + Length(a - c));
                     if (IsSound(a, b, c) && (best[2] == 0 || value > bestValue))
                         best = {i, j, k}, bestValue = value;
                 }
         if (best[2] == 0)
             return {};
         Indexes indexes(best.begin(), best.end());
-        if (LargestTriangles(verts, best[0], best[1], width, indexes) &&
-            LargestTriangles(verts, best[1], best[2], width, indexes) &&
-            LargestTriangles(verts, best[2], best[0] + n, width, indexes)) {
+        if (LargestTriangles(verts, best[0], best[1], perimeterWeight, indexes) &&
+            LargestTriangles(verts, best[1], best[2], perimeterWeight, indexes) &&
+            LargestTriangles(verts, best[2], best[0] + n, perimeterWeight, indexes)) {
             for (int &i : indexes)
                 i %= n;
             return indexes;

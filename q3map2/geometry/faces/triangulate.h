@@ -6,8 +6,8 @@
 
 namespace q3 {
 
-/// Sets the indexes of a face. First choice is a strip that zigzags across the polygon (with -maxarea, the split with
-/// the largest triangles); if that has slivers, a fan around a vertex inserted in the middle.
+/// Sets the indexes of a face. Tries, until one has no slivers: with -maxarea the split into the largest triangles,
+/// then a strip that zigzags across the polygon, then a fan around a vertex inserted in the middle.
 void TriangulateFace(DrawSurface &surface, const BspContext &context);
 
 } // namespace q3

@@ -12,11 +12,12 @@
 namespace q3 {
 namespace {
 
-// What adds to the score of a candidate; it joins if its score is over kAdequate, and from kGood on the search stops.
+// Parts of a candidate's score. The best candidate joins if its score exceeds kAdequate; the first with at least kGood
+// ends the search.
 constexpr int kSameSurface = 1000, kSameAxis = 100000, kSharedVertex = 10000, kTextureKept = 200;
 constexpr int kTextureRangeKept = 100, kTextureShorterAxisGrows = 50;
 constexpr int kAdequate = 110000, kGood = 120200;
-/// Direction in which seeds are ordered.
+/// Seeds with the same key are ordered along this direction.
 constexpr Vec3d kSweep{0.786868, 0.316861, 0.529564};
 
 using TextureBounds = std::array<std::array<float, 2>, 2>; ///< mins, maxs
@@ -26,10 +27,10 @@ struct Growth {
     const MetaTriangle *seed = nullptr;
     bool vertexLit = false, anyPlane = false;
     int maxVerts = 0, maxExtent = 0;
-    std::vector<int> verts; ///< of the mesh, in the order of the surface
+    std::vector<int> verts; ///< mesh vertices, in the order of surface.verts
     TextureBounds texture{};
     Boundsf bounds;
-    std::vector<int> candidates; ///< candidates, in order of discovery
+    std::vector<int> candidates; ///< triangles, in order of discovery
     bool Empty() const { return surface.indexes.empty(); }
 };
 
@@ -48,8 +49,8 @@ class SurfaceGrower {
     void Discover(Growth &growth, const MetaTriangle &triangle);
     bool MayJoin(const Growth &growth, const MetaTriangle &triangle) const;
     int Score(const Growth &growth, const MetaTriangle &triangle) const;
-    /// Vertices of the surface at the position and with the normal of the corner, up to the identical vertex. `isNew`:
-    /// there is none.
+    /// Number of vertices of the surface with the position and normal of `vert`; if `vert` is in the surface, only
+    /// those up to it. `isNew`: `vert` is not in the surface.
     int Matches(int vert, bool &isNew) const;
     bool FitsLightmap(const Growth &growth, const MetaTriangle &triangle) const;
     int TextureScore(const Growth &growth, const MetaTriangle &triangle) const;
@@ -60,7 +61,7 @@ class SurfaceGrower {
     PlaneTable &planes_;
     const BspContext &context_;
     std::vector<char> used_;
-    std::vector<int> seenBy_; ///< by triangle: the seed whose candidates it entered last
+    std::vector<int> seenBy_; ///< by triangle: the last seed for which it was discovered
     std::vector<int> slots_;  ///< by vertex: its index in the growing surface; -1: not in it
 };
 

@@ -12,13 +12,13 @@
 namespace q3 {
 namespace {
 
-constexpr double kMinFacing = 0.01; ///< least cosine between extrusion direction and normal
+constexpr double kMinFacing = 0.01; ///< minimum |cosine| between extrusion direction and normal
 
 /// Parameters of the extrusion.
 struct Extrusion {
-    unsigned mode = 0; ///< ModelFlags of shapes
+    unsigned mode = 0; ///< ModelFlags within kModelClipShapes
     double depth = 2;
-    Vec3d terrainAxis; ///< against the average normal
+    Vec3d terrainAxis; ///< unit axis most opposite to the average normal
     Boundsd bounds;    ///< of the model
 };
 
@@ -39,7 +39,7 @@ bool IsKnownMode(unsigned mode) {
            (rest == 0 || rest == kModelClipAxialBack || rest == kModelClipFull);
 }
 
-/// Signed unit axis of the largest component.
+/// Signed unit vector along the axis of the largest component.
 Vec3d AxisOf(const Vec3d &v) {
     std::size_t axis = 0;
     for (std::size_t i = 1; i < 3; ++i)
@@ -80,9 +80,9 @@ Plane PlaneAway(const Vec3d &a, const Vec3d &b, const Vec3d &c, const Vec3d &ins
     return {normal, Dot(normal, a)};
 }
 
-/// Axis-aligned back plane.
-Plane FlatBack(const Extrusion &extrusion, const Polygon &polygon, const Vec3d &way) {
-    const Vec3d axis = AxisOf(way);
+/// Axis-aligned back plane, whose normal is the axis nearest to the extrusion direction.
+Plane FlatBack(const Extrusion &extrusion, const Polygon &polygon, const Vec3d &direction) {
+    const Vec3d axis = AxisOf(direction);
     double nearest = 1e30, farthest = -1e30;
     for (const Vec3f &p : polygon) {
         nearest = std::min(nearest, Dot(Vec3d(p), axis));
@@ -99,41 +99,41 @@ Plane FlatBack(const Extrusion &extrusion, const Polygon &polygon, const Vec3d &
     return {axis, farthest + extrusion.depth};
 }
 
-Plane BackPlane(const Extrusion &extrusion, const Polygon &polygon, const Plane &front, const Vec3d &way) {
+Plane BackPlane(const Extrusion &extrusion, const Polygon &polygon, const Plane &front, const Vec3d &direction) {
     if (extrusion.mode & (kModelClipAxialBack | kModelClipFull))
-        return FlatBack(extrusion, polygon, way);
+        return FlatBack(extrusion, polygon, direction);
     const double depth = std::abs(extrusion.depth);
-    return {-front.normal, -(front.dist + Dot(front.normal, way) * depth)};
+    return {-front.normal, -(front.dist + Dot(front.normal, direction) * depth)};
 }
 
-/// Planes of the solid behind a clockwise polygon, the front first. Empty when the extrusion is parallel to the
-/// polygon.
+/// Planes of the solid extruded from a clockwise polygon, the polygon's plane first. Empty if the extrusion is parallel
+/// to the polygon.
 std::vector<Plane> SolidPlanes(const Extrusion &extrusion, Polygon polygon, Plane front) {
-    const Vec3d way = ExtrusionDirection(extrusion, front.normal);
-    if (std::abs(Dot(way, front.normal)) < kMinFacing)
+    const Vec3d direction = ExtrusionDirection(extrusion, front.normal);
+    if (std::abs(Dot(direction, front.normal)) < kMinFacing)
         return {};
-    if (Dot(way, front.normal) > 0) { // extruded along its normal
+    if (Dot(direction, front.normal) > 0) { // extruded to the front, so the polygon becomes the back
         polygon = Reversed(polygon);
         front = {-front.normal, -front.dist};
     }
     const bool pyramid = extrusion.mode & kModelClipPyramid, tilted = extrusion.mode & kModelClipFaceNormals;
-    const Vec3d center = CentroidOf(polygon), inside = center + way * 0.5;
-    const Vec3d apex = center + way * std::abs(extrusion.depth);
+    const Vec3d center = CentroidOf(polygon), inside = center + direction * 0.5;
+    const Vec3d apex = center + direction * std::abs(extrusion.depth);
     std::vector<Plane> planes{front};
     for (std::size_t i = 0; i < polygon.size(); ++i) {
         const Vec3d a(polygon[i]), b(polygon[(i + 1) % polygon.size()]);
         if (!pyramid)
-            planes.push_back(PlaneAway(a, b, a + way, center));
+            planes.push_back(PlaneAway(a, b, a + direction, center));
         else if (!tilted)
             planes.push_back(PlaneAway(a, b, apex, inside));
         else {
-            const Vec3d outward = PlaneAway(a, b, a + way, center).normal;
-            const Vec3d normal = Normalize(outward + way);
+            const Vec3d outward = PlaneAway(a, b, a + direction, center).normal;
+            const Vec3d normal = Normalize(outward + direction);
             planes.push_back({normal, Dot(normal, a)});
         }
     }
     if (!pyramid || tilted || (extrusion.mode & kModelClipAxialBack))
-        planes.push_back(BackPlane(extrusion, polygon, front, way));
+        planes.push_back(BackPlane(extrusion, polygon, front, direction));
     return planes;
 }
 

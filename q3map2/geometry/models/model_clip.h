@@ -16,7 +16,7 @@ struct ClipMesh {
     std::vector<std::array<int, 3>> triangles;
 };
 
-/// Appends clip brushes behind the polygons of the meshes to `target`, extruded as the placement's flags say.
+/// Appends clip brushes to `target`, extruded from the polygons of the meshes; the placement's flags select the shape.
 void MakeClipBrushes(const std::vector<ClipMesh> &meshes, const ModelPlacement &placement, MapEntity &target,
                      PlaneTable &planes, const BspContext &context);
 

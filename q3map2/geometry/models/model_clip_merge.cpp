@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Triangles of a mesh merged to convex polygons.
+// GPL-2.0-or-later. Merges triangles of a mesh into convex polygons.
 #include "q3map2/geometry/models/model_clip_merge.h"
 
 #include <algorithm>
@@ -90,7 +90,7 @@ class PolygonMerger {
         return false;
     }
 
-    /// The union of `a` and `b` across edge `edge` of `a`. Empty: `b` no longer has the edge.
+    /// The union of `a` and `b` across edge number `edge` of `a`. Empty if `b` no longer has that edge.
     static std::vector<int> Joined(const std::vector<int> &a, std::size_t edge, const std::vector<int> &b) {
         const int start = a[edge], end = a[(edge + 1) % a.size()];
         const auto at = std::find(b.begin(), b.end(), end);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Model files through assimp, from the game's folders and archives.
+// GPL-2.0-or-later. Reads model files by assimp, from the game's folders and archives.
 #include "q3map2/geometry/models/model_load.h"
 
 #include "common/error.h"
@@ -58,13 +58,13 @@ class GameFiles : public Assimp::IOSystem {
     const VirtualFileSystem &vfs_;
 };
 
-/// assimp turns all formats to y up.
+/// assimp converts all formats to y up; maps have z up.
 Vec3f ToMapAxes(const aiVector3D &v) {
     return {v.x, -v.z, v.y};
 }
 
 std::uint8_t ColorByte(float c) {
-    return c > 0 ? std::uint8_t(std::lround(std::min(c, 1.f) * 255)) : std::uint8_t(0); // NaN is 0
+    return c > 0 ? std::uint8_t(std::lround(std::min(c, 1.f) * 255)) : std::uint8_t(0); // NaN becomes 0
 }
 
 DrawVert VertOf(const aiMesh &mesh, unsigned i) {

@@ -17,7 +17,7 @@ namespace q3 {
 
 /// Triangles of a model with one shader.
 struct ModelMesh {
-    std::string shader; ///< as the model names it, without extension; with the model's folder if it had none
+    std::string shader; ///< see ShaderOfMaterial
     std::vector<DrawVert> verts;
     std::vector<std::array<int, 3>> triangles; ///< clockwise seen from the front
 };
@@ -27,10 +27,10 @@ struct Model {
     std::vector<ModelMesh> meshes;
 };
 
-/// Models of the game's files, each read once.
+/// Models by file name and frame; each is read once.
 class ModelLibrary {
   public:
-    /// With `vfs` null no model is found.
+    /// Finds no models if `vfs` is null.
     explicit ModelLibrary(const VirtualFileSystem *vfs) : vfs_(vfs) {}
     /// The model in any format that assimp reads (md3, ase, obj ...). Null with the reason in `problem` if it cannot be
     /// read.

@@ -25,6 +25,7 @@ enum ModelFlags : unsigned {
     kModelClipFull = 2048,
     kModelClipAxialBack = 4096
 };
+/// Flags that select the shape of clip brushes.
 inline constexpr unsigned kModelClipShapes = kModelClipFaceNormals | kModelClipTerrain | kModelClipVertexNormals |
                                              kModelClipPyramid | kModelClipDown | kModelClipUp | kModelClipFull |
                                              kModelClipAxialBack;

@@ -12,7 +12,7 @@ namespace q3 {
 namespace {
 
 constexpr std::size_t kMaxTriangles = std::size_t(1) << 18;
-constexpr float kMinDensity = 1; ///< game units
+constexpr float kMinDensity = 1; ///< smallest edge length to which surfaces are split, game units
 
 DrawVert Mean(const DrawVert &a, const DrawVert &b) {
     DrawVert v;

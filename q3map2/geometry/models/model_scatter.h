@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Models scattered over surfaces by q3map_surfaceModel, and the triangles and random numbers that
-// foliage uses too.
+// GPL-2.0-or-later. Models scattered over surfaces by q3map_surfaceModel, with triangles and random numbers,
+// which foliage uses too.
 #pragma once
 
 #include "q3map2/geometry/surface/draw_surface.h"
@@ -17,8 +17,8 @@ using SurfaceTriangle = std::array<DrawVert, 3>;
 
 /// Triangles of a surface: faces and decals as a fan around their centroid, patches tessellated. Clockwise.
 std::vector<SurfaceTriangle> TrianglesOf(const DrawSurface &surface, const BspContext &context);
-/// Bisects triangles at their longest edge until no edge is longer than `density` game units. False if it stopped at
-/// 2^18 triangles.
+/// Bisects triangles at their longest edge until no edge is longer than `density` game units. False if it stopped
+/// early, at 2^18 triangles.
 bool Bisect(std::vector<SurfaceTriangle> &triangles, float density);
 
 /// Uniform random numbers in 0..1, the same on every machine.
@@ -32,8 +32,8 @@ class ScatterRandom {
     std::mt19937 engine_;
 };
 
-/// Places the models that q3map_surfaceModel scatters over the surfaces from `first` on. Error: more surfaces than
-/// -maxmapdrawsurfs allows.
+/// Places the models that q3map_surfaceModel scatters over the surfaces from `first` on. Throws Error for more
+/// surfaces than -maxmapdrawsurfs allows.
 void AddShaderModels(MapEntity &entity, Geometry &geometry, std::size_t first, PlaneTable &planes,
                      const BspContext &context);
 

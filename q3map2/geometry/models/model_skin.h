@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// The replacements that the skin file and the _remap keys of a misc_model define.
+/// The shader replacements defined by the skin file and the _remap keys of a misc_model.
 ShaderRemap ShaderRemapOf(const MapEntity &entity, std::string_view model, const BspContext &context);
 
 } // namespace q3

@@ -23,7 +23,7 @@ double ModelTransform::Determinant() const {
 }
 
 Vec3d ModelTransform::Normal(const Vec3d &n) const {
-    // Rows of the cofactor matrix: the inverse transpose but for the determinant's size.
+    // The cofactor matrix = determinant * inverse transpose; it exists for singular transforms too.
     const Vec3d turned{Dot(Cross(rows[1], rows[2]), n), Dot(Cross(rows[2], rows[0]), n),
                        Dot(Cross(rows[0], rows[1]), n)};
     const Vec3d unit = Normalize(Determinant() < 0 ? -turned : turned);

@@ -14,13 +14,13 @@ struct ModelTransform {
     Vec3d origin;
 
     Vec3d Point(const Vec3d &p) const;
-    /// By the inverse transpose; unit length. A flat transform leaves the normal as it is.
+    /// Transforms a normal by the inverse transpose, to unit length. Returns `n` if the transform makes it zero.
     Vec3d Normal(const Vec3d &n) const;
     double Determinant() const;
 };
-/// Scale, then roll, pitch and yaw in degrees, then the origin.
+/// Scales, rotates by roll, then pitch, then yaw (degrees), and adds the origin.
 ModelTransform MakeModelTransform(const Vec3d &scale, const Vec3d &pitchYawRoll, const Vec3d &origin);
-/// Pitch, yaw and roll of an entity in degrees: key angles, else angle as the yaw.
+/// Pitch, yaw and roll of an entity in degrees: the key "angles", else "angle" as yaw.
 Vec3d AnglesOf(const Entity &entity);
 
 } // namespace q3

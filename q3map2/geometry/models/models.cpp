@@ -22,7 +22,7 @@ Vec3d ScaleOf(const Entity &pairs) {
     return scale == 0 ? Vec3d{1, 1, 1} : Vec3d{scale, scale, scale};
 }
 
-/// As for brushes, except that the default of _castShadows is that of the entity the model belongs to.
+/// Settings as for brushes, except that _castShadows defaults to 1 for models of the world and 0 for those of entities.
 SurfaceSettings ModelSettings(const MapEntity &entity, const MapEntity &target, const Map &map,
                               const BspContext &context) {
     SurfaceSettings settings = SettingsOf(entity, map, context);
@@ -41,8 +41,8 @@ DrawVert Placed(DrawVert vert, const ModelPlacement &placement, const ShaderInfo
         for (std::size_t axis = 0; axis < 2; ++axis)
             vert.st[axis] = float(Dot(Vec3d(shader.geometry.texGen[axis]), point));
     if (placement.flags & kModelColorToAlpha) {
-        const int grey = (int(vert.color[0]) + vert.color[1] + vert.color[2] + 1) / 3;
-        vert.color = {255, 255, 255, std::uint8_t(grey)};
+        const int gray = (int(vert.color[0]) + vert.color[1] + vert.color[2] + 1) / 3;
+        vert.color = {255, 255, 255, std::uint8_t(gray)};
     }
     return vert;
 }

@@ -8,12 +8,12 @@
 namespace q3 {
 
 /// Appends the surfaces of a model, and clip brushes where flags or shaders ask for them. The brushes go to the end of
-/// `target`, so indexes of others stay valid. False: the model cannot be read; a warning names it and the entity.
+/// `target`, so indexes of its other brushes stay valid. False: the model cannot be read; a warning names it and the
+/// entity.
 bool PlaceModel(const ModelPlacement &placement, MapEntity &target, Geometry &geometry, PlaneTable &planes,
                 const BspContext &context);
 
-/// Places the models of all misc_model entities that belong to `target`: those that target it, or for the world those
-/// without a target.
+/// Places the models of all misc_model entities whose target is `target`; for the world, of those without a target.
 void AddEntityModels(Map &map, MapEntity &target, Geometry &geometry, const BspContext &context);
 
 } // namespace q3

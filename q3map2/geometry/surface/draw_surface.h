@@ -15,14 +15,14 @@ namespace q3 {
 /// Where a surface comes from and how it is processed.
 enum class SurfaceKind { Bad, Face, Patch, Triangles, ForcedMeta, Meta, FogHull, Decal, Flare, Foliage, Shader };
 
-/// One draw surface. Indexes count from its first vertex; faces are polygons until they are triangulated.
+/// One draw surface. Indexes are relative to its first vertex. Faces are polygons until they are triangulated.
 struct DrawSurface {
     SurfaceKind kind = SurfaceKind::Bad;
     const ShaderInfo *shader = nullptr;
     SurfaceSettings settings;
     int brush = -1, side = -1; ///< of the entity; -1: not from a brush
-    int patch = -1;
-    int primitive = -1; ///< number in its entity of the map source, for messages
+    int patch = -1;            ///< index in the entity; -1: not from a patch
+    int primitive = -1;        ///< number in its entity of the map source, for messages
     int planeNum = -1;
     bool planar = false;
     int fogNum = -1;
@@ -34,12 +34,12 @@ struct DrawSurface {
     Boundsf bounds;
     std::vector<DrawVert> verts;
     std::vector<int> indexes;
-    int width = 0, height = 0; ///< patches; foliage: instances, model vertices
+    int width = 0, height = 0; ///< of a patch; foliage: numbers of instances and of model vertices
     bool backSide = false;     ///< written reversed
     bool skyBoxCopy = false;
-    int parent = -1; ///< sky box copies: number of the surface in the .bsp
+    int parent = -1; ///< sky box copies: number of the original surface in the .bsp
     bool furred = false, isCopy = false;
-    bool collisionOnly = false; ///< patches that triangles draw: written with the nodraw and pointlight flags
+    bool collisionOnly = false; ///< patches drawn as triangles instead: written with the nodraw and pointlight flags
     bool Empty() const { return verts.empty(); }
 };
 
@@ -58,7 +58,7 @@ struct Geometry {
     std::vector<MapFog> fogs;
     int defaultFog = -1;
     std::shared_ptr<ModelLibrary> models; ///< models read so far; see model_load.h
-    std::deque<ShaderInfo> ownShaders;    ///< shaders of terrain layers, completed from the indexed shader
+    std::deque<ShaderInfo> ownShaders;    ///< shaders of terrain layers with properties of the indexed shader
 };
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Points in space with a tolerance, by hashing.
+// GPL-2.0-or-later. Spatial hash of points, equal within a tolerance.
 #include "q3map2/geometry/surface/point_table.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace q3 {
 namespace {
 
 constexpr double kCell = 0.5;
-/// Draw vertices lie on multiples of 1/8. Cell borders halfway between those keep them away from borders.
+/// Draw vertices lie on multiples of 1/8. Cell borders halfway between these keep vertices off the borders.
 constexpr double kShift = 0.0625;
 constexpr double kFar = 1e9; ///< cells
 
@@ -21,7 +21,7 @@ std::size_t PointTable::CellHash::operator()(const Cell &c) const {
 }
 
 PointTable::Cell PointTable::CellOf(const Vec3f &p, double x, double y, double z) const {
-    // Beyond the limit all share a cell: no map has points there.
+    // No map has points beyond the limit; if any, they share a cell.
     const auto cell = [](double v) { return (long long)(std::floor(std::clamp((v + kShift) / kCell, -kFar, kFar))); };
     return {cell(double(p.x) + x), cell(double(p.y) + y), cell(double(p.z) + z)};
 }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Points in space with a tolerance, by hashing.
+// GPL-2.0-or-later. Spatial hash of points, equal within a tolerance.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -9,12 +9,12 @@
 
 namespace q3 {
 
-/// Spatial hash of points. Finds the same point as a linear search in order of addition.
+/// Spatial hash of points. Finds what a linear search in order of addition would find.
 class PointTable {
   public:
-    /// Points are the same when no coordinate differs by more than `tolerance`, which is less than an eighth.
+    /// Points are equal if no coordinate differs by more than `tolerance`, which should be below 1/8.
     explicit PointTable(double tolerance) : tolerance_(tolerance) {}
-    /// Index of the first point that is the same, or of the new one.
+    /// Index of the first equal point; if there is none, `p` is added.
     int FindOrAdd(const Vec3f &p);
     int Count() const { return int(points_.size()); }
 

@@ -7,8 +7,8 @@
 namespace q3 {
 namespace {
 
-constexpr double kPlanar = 0.5; ///< game units: greatest distance of vertices of a planar surface from the plane
-constexpr float kAxisFacing = 0.25f;
+constexpr double kPlanar = 0.5;      ///< greatest distance of a planar surface's vertices from its plane, game units
+constexpr float kAxisFacing = 0.25f; ///< minimum cosine between normals and lightmap axis
 constexpr int kMaxSampleSize = 16384;
 
 void FindPlane(DrawSurface &surface, PlaneTable &planes) {
@@ -33,7 +33,7 @@ void FindPlane(DrawSurface &surface, PlaneTable &planes) {
     surface.lightmapVecs[2] = surface.planar ? Vec3f(plane.normal) : Vec3f{};
 }
 
-/// The first signed axis that all normals face; zero if there is none.
+/// The first signed axis within 75 degrees of all normals; zero if there is none.
 Vec3f CommonAxis(const DrawSurface &surface) {
     constexpr std::array<Vec3f, 6> kAxes{Vec3f{0, 0, -1}, Vec3f{0, 0, 1},  Vec3f{-1, 0, 0},
                                          Vec3f{1, 0, 0},  Vec3f{0, -1, 0}, Vec3f{0, 1, 0}};
