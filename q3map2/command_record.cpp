@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The record that a map keeps of how it was made.
+// GPL-2.0-or-later. Records command lines of the stages in worldspawn.
 #include "q3map2/command_record.h"
 
 #include "q3map2/version.h"

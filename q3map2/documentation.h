@@ -18,7 +18,7 @@ std::string FishCompletion();
 
 /// The help of a setting with its unit, range and default, as one sentence.
 std::string FullHelp(const SettingEntry &entry);
-/// Text of the page without its marks for code and links.
+/// Text without Markdown for code and links.
 std::string WithoutMarkup(std::string_view text);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The stream by which an editor follows a compile.
+// GPL-2.0-or-later. Sends the log of a compile to an editor (-connect).
 #include "q3map2/editor_feedback.h"
 
 #include "common/text/text.h"
@@ -19,7 +19,7 @@ namespace q3 {
 namespace {
 
 constexpr std::size_t kMaxPayload = 1014;
-constexpr std::size_t kBuffer = 511;
+constexpr std::size_t kFlushBytes = 511;
 constexpr std::chrono::seconds kMaxDelay{1};
 
 struct FreeNode {
@@ -58,7 +58,7 @@ std::string TextOf(const Node &node) {
     return reinterpret_cast<const char *>(xmlBufferContent(buffer.get()));
 }
 
-/// A message that shows something: what it is about is an element inside.
+/// A message with a position in the map: a child element with a polyline or a brush.
 std::string MarkElement(LogLevel level, const std::string &text, const LogMark &mark) {
     const bool isLine = !mark.line.empty();
     const Node node = Element(isLine ? "message" : "select", text, level);
@@ -90,7 +90,7 @@ class Connection {
             Flush();
         level_ = level;
         text_ += text;
-        if (text_.size() > kBuffer || std::chrono::steady_clock::now() - sent_ > kMaxDelay)
+        if (text_.size() > kFlushBytes || std::chrono::steady_clock::now() - sent_ > kMaxDelay)
             Flush();
     }
 

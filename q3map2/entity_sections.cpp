@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What is printed about the keys of entities.
+// GPL-2.0-or-later. Documentation of the keys of entities.
 #include "q3map2/entity_sections.h"
 
 #include "q3map2/bspfile/object_keys.h"

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Whether the game that the options name is there.
+// GPL-2.0-or-later. Checks that the game is known and its files exist.
 #include "q3map2/game_check.h"
 
 #include "common/error.h"

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Whether the game that the options name is there.
+// GPL-2.0-or-later. Checks that the game is known and its files exist.
 #pragma once
 
 #include "q3map2/global_options.h"
@@ -14,7 +14,7 @@ void ReportUnknownGame(std::string_view name, const GlobalOptions &options, Log 
 
 /// For stages that read shaders and images. Error (with -force a warning), naming the folders searched and the option
 /// to change, when an -fs_basepath is no folder, an -fs_game is in none of the roots, or no game folder holds game
-/// files: an archive, or one of the folders scripts, textures and models. `folders`: of GameFolders.
+/// files: an archive, or one of the folders scripts, textures and models. `folders`: from GameFolders.
 void RequireGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders, Log &log);
 
 } // namespace q3

@@ -45,7 +45,7 @@ void ChooseGame(GlobalOptions &options, Log &log) {
     }
 }
 
-/// The part of the first word that holds the game's magic word, cut after the path element that it is in.
+/// Engine path: the first word that contains `magic`, cut after the path element with the match. Empty: none.
 std::string EnginePathFrom(const std::vector<std::string> &words, std::string_view magic) {
     for (const std::string &word : words) {
         const std::string path = WithSlashes(word);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Options that every stage accepts, and the game's files that they lead to.
+// GPL-2.0-or-later. Options that every stage accepts, and the game files that they select.
 #pragma once
 
 #include "common/arguments.h"
@@ -42,7 +42,7 @@ struct GlobalOptions {
 /// with -force.
 GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log);
 
-/// Game folders in the order in which they win: mods before the base game, home before base paths, -fs_pakpath last.
+/// Game folders by descending priority: mods before the base game, home before base paths, -fs_pakpath last.
 /// `arguments` are searched for the engine path when no -fs_basepath is given.
 std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, const std::vector<std::string> &arguments,
                                                const std::filesystem::path &program);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Files beside a .bsp that lighting wants.
+// GPL-2.0-or-later. Optional files beside a .bsp that the light stage reads.
 #include "q3map2/light_inputs.h"
 
 #include "common/files/files.h"

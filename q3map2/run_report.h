@@ -12,13 +12,13 @@ namespace q3 {
 
 /// Prints the options that changed a setting, with the value that they replace.
 void PrintChangedOptions(const Arguments &arguments, Log &log);
-/// Prints those of the keys that an entity has with another value than their default. `source` is its class name.
+/// Prints the keys whose value in `entity` is not their default. `source` is its class name.
 void PrintChangedKeys(const Entity &entity, std::span<const EntityKey> keys, std::string_view source, Log &log);
 
 /// Times a run.
 class RunReport {
   public:
-    /// Prints unknown options again, then one line: how the run ended, its warnings by kind, times and memory.
+    /// Repeats warnings of unknown options, then prints how the run ended, warnings by kind, times and memory.
     void PrintEnd(bool failed, Log &log) const;
 
   private:

@@ -23,7 +23,7 @@ void WriteText(const fs::path &path, const std::string &text, Log &log) {
     ReplaceFile(path, std::as_bytes(std::span(text.data(), text.size())));
 }
 
-/// The map source that the word names. `.map` unless it is a region, or entities for -onlyents. Errors: a .bsp that may
+/// Path of the map source: extension `.map`, except for regions and for entities of -onlyents. Errors: a .bsp that may
 /// have been meant for another stage, or that has no source.
 fs::path SourcePath(const std::string &file, const BspOptions &options, bool stageGiven) {
     const fs::path path = fs::absolute(file);
@@ -41,7 +41,7 @@ fs::path SourcePath(const std::string &file, const BspOptions &options, bool sta
     return WithExtension(path, ".map");
 }
 
-/// What an earlier run left and this one may not write.
+/// Removes files of an earlier run that this one might not overwrite.
 void RemoveStaleFiles(const fs::path &source) {
     std::error_code ignored;
     for (const std::string_view extension : {".prt", ".lin"})

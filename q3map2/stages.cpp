@@ -25,7 +25,7 @@ std::vector<SettingSection> LightSections() {
     std::vector<SettingSection> sections = AfterPresets(Describe(LightSettings()));
     for (SettingSection &section : Describe(LightmapSettings()))
         sections.push_back(std::move(section));
-    // What changes nothing comes last.
+    // Options without effect come last.
     std::stable_partition(sections.begin(), sections.end(),
                           [](const SettingSection &s) { return !s.title.starts_with("Accepted"); });
     return sections;

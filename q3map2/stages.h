@@ -19,7 +19,7 @@ struct StageContext {
     const Stage &stage;
     bool stageGiven;                ///< false: no stage word, which means the bsp stage
     std::filesystem::path program;  ///< real path of the executable
-    std::vector<std::string> words; ///< all words of the command line, to find the engine path in
+    std::vector<std::string> words; ///< the whole command line, which may contain the engine path
     Log &log;
 };
 

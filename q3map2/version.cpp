@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What this build of the program is.
+// GPL-2.0-or-later. Version and build of the program.
 #include "q3map2/version.h"
 
 #include "q3map2/commit.h"
@@ -16,7 +16,7 @@ namespace q3 {
 
 namespace {
 
-/// The widest instructions of this machine that the program has code for.
+/// The widest SIMD instructions that both the program and this machine have.
 std::string_view SimdLevel() {
 #if Q3_VECTOR_CLONES
     // The choice that the loader makes among the clones of light/batch/simd.h.

@@ -12,19 +12,19 @@
 
 namespace q3 {
 
-/// Most clusters of a .bsp without visibility data: an allocation guard of its readers.
+/// Limit of cluster numbers without visibility data, so that a damaged .bsp cannot cause huge allocations.
 inline constexpr int kMostClusters = 0x20000;
 inline constexpr std::size_t kBspxNameBytes = 24;
 inline constexpr std::size_t kBspxHeadBytes = 8;
 inline constexpr std::size_t kBspxEntryBytes = 32;
 
-/// Names of the slots in messages.
+/// Lump names for messages, by slot.
 inline constexpr std::array<std::string_view, kNumLumps> kLumpNames = {
     "entities",  "shaders",    "planes",     "nodes",          "leafs",        "leaf surfaces", "leaf brushes",
     "models",    "brushes",    "sides",      "verts",          "indexes",      "fogs",          "surfaces",
     "lightmaps", "light grid", "visibility", "advertisements", "SH light grid"};
 
-/// Bytes of the header with that many slots.
+/// Bytes of a header with `slots` lump entries.
 constexpr std::size_t HeaderBytes(std::size_t slots) {
     return 8 + 8 * slots;
 }
@@ -40,7 +40,7 @@ struct FilePart {
     std::int64_t End() const { return offset + length; }
 };
 
-/// One record from any byte position.
+/// Loads a record from byte `at`, which need not be aligned.
 template <typename Record> Record LoadRecord(std::span<const std::byte> bytes, std::size_t at) {
     Record record;
     std::memcpy(&record, bytes.data() + at, sizeof record);
@@ -50,9 +50,9 @@ template <typename Record> Record LoadRecord(std::span<const std::byte> bytes, s
 /// Where a file is read from: memory or disk.
 struct ByteSource {
     std::uint64_t size = 0;
-    std::function<void(std::uint64_t at, std::span<std::byte> into)> read; ///< all of it must lie in the file
+    std::function<void(std::uint64_t at, std::span<std::byte> into)> read; ///< the range must lie in the file
 
-    /// Fills the records with what starts at `at`.
+    /// Reads consecutive records from byte `at`.
     template <typename Record> void Fill(std::uint64_t at, std::span<Record> records) const {
         static_assert(std::is_trivially_copyable_v<Record>);
         if (!records.empty())

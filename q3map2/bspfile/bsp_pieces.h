@@ -28,19 +28,19 @@ struct FilePlan {
 FilePlan PlanFile(std::size_t slots, const std::array<std::uint64_t, kNumLumps> &lengths,
                   std::span<const std::uint64_t> bspxLengths);
 
-/// The bytes of a file, as the pieces of memory that they come from. Refers to the Bsp.
+/// A .bsp file as a list of memory ranges. Most of them point into the Bsp, which must outlive this.
 class BspPieces {
   public:
     using Append = std::function<void(std::span<const std::byte>)>;
 
-    /// Errors as WriteBsp.
+    /// Errors: those of WriteBsp.
     BspPieces(const Bsp &bsp, const BspFormat &format);
     std::uint64_t Size() const { return plan_.size; }
     /// Appends all bytes of the file in order.
     void Write(const Append &append) const;
 
   private:
-    using Pieces = std::vector<std::span<const std::byte>>; ///< one after the other, a lump
+    using Pieces = std::vector<std::span<const std::byte>>; ///< consecutive ranges of one lump
 
     void TakeLumps(const Bsp &bsp, const BspFormat &format);
     void TakeBspx(const Bsp &bsp);

@@ -15,12 +15,12 @@ inline constexpr float kOnPlane = 0.1f;
 /// Cluster of solid leafs.
 inline constexpr int kSolidCluster = -1;
 
-/// A child as nodes hold it: the number of a node, or -1 - the number of a leaf.
+/// A child of a node: the number of a node, or -1 - the number of a leaf.
 using BspChild = int;
 inline int LeafOf(BspChild child) {
     return -1 - child;
 }
-/// The whole tree.
+/// The root node, or leaf 0 in a map without nodes.
 inline BspChild RootOf(const Bsp &bsp) {
     return bsp.nodes.empty() ? -1 : 0;
 }
@@ -29,7 +29,7 @@ inline BspChild RootOf(const Bsp &bsp) {
 /// the leaf found there is solid.
 int LeafAt(const Bsp &bsp, const Vec3f &p);
 
-/// The tree of a validated Bsp for many point queries: a copy of what those read, which fits into near caches.
+/// Compact copy of the tree of a validated Bsp: planes, children and clusters only, to stay in CPU caches.
 class BspTree {
   public:
     struct Node {
@@ -42,7 +42,7 @@ class BspTree {
     BspChild Root() const { return nodes_.empty() ? -1 : 0; }
     const Node &NodeOf(BspChild child) const { return nodes_[std::size_t(child)]; }
     int ClusterOf(int leaf) const { return clusters_[std::size_t(leaf)]; }
-    /// As the function above.
+    /// As the free function LeafAt.
     int LeafAt(const Vec3f &p) const;
 
   private:

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What ReadBsp promises: every index, count and float that a stage relies on is in range.
+// GPL-2.0-or-later. Checks that every index, count and float that a stage relies on is in range.
 #include "q3map2/bspfile/bsp_validate.h"
 
 #include "common/error.h"
@@ -18,8 +18,8 @@ constexpr int kMaxTreeDepth = 4096;
 constexpr int kMinPatchSide = 3, kMaxPatchSide = 31;
 constexpr std::size_t kBoxSides = 6;
 constexpr std::int64_t kLightmapSide = 128;
-// Ranges of records may overlap, as index runs do in good files; these bounds keep a small file from standing for a
-// huge map. The corpus of real maps stays under a tenth of them.
+// Records may share ranges, as index runs do in valid files. These limits on the sum of all ranges keep a small file
+// from expanding into a huge map; real maps stay under a tenth of them.
 constexpr std::uint64_t kMaxSharing = 16, kMaxIndexesPerVert = 64, kSharingSlack = 4096;
 
 bool AllFinite(std::span<const float> values) {
@@ -66,15 +66,15 @@ class Validator {
     }
 
     /// low <= value < count, else an error that names the field.
-    void Index(const RecordRef &at, std::string_view field, std::int64_t value, std::int64_t low, std::uint64_t count,
-               std::string_view of) const {
+    void CheckIndex(const RecordRef &at, std::string_view field, std::int64_t value, std::int64_t low,
+                    std::uint64_t count, std::string_view of) const {
         if (value < low || value >= std::int64_t(count))
             Fail(at, "{} {} is outside {}..{} of {} {}", field, value, low, std::int64_t(count) - 1, count, of);
     }
 
     /// first .. first + num lies inside the count.
-    void Range(const RecordRef &at, std::string_view firstField, std::int64_t first, std::string_view numField,
-               std::int64_t num, std::size_t count, std::string_view of) const {
+    void CheckRange(const RecordRef &at, std::string_view firstField, std::int64_t first, std::string_view numField,
+                    std::int64_t num, std::size_t count, std::string_view of) const {
         if (first < 0)
             Fail(at, "{} {} is negative", firstField, first);
         if (num < 0)
@@ -83,7 +83,7 @@ class Validator {
             Fail(at, "{} {} + {} {} exceeds {} {}", firstField, first, numField, num, count, of);
     }
 
-    void Sharing(std::string_view users, std::string_view field, std::uint64_t used, std::uint64_t limit) const {
+    void CheckSharing(std::string_view users, std::string_view field, std::uint64_t used, std::uint64_t limit) const {
         if (used > limit + kSharingSlack)
             throw Error("{}: {}: the sum of {} is {}, expected at most {}", name_, users, field, used,
                         limit + kSharingSlack);
@@ -145,10 +145,10 @@ class Validator {
         for (std::size_t i = 0; i < bsp_.nodes.size(); i++) {
             const bspNode_t &node = bsp_.nodes[i];
             const RecordRef at{"node", i};
-            Index(at, "planeNum", node.planeNum, 0, bsp_.planes.size(), "planes");
+            CheckIndex(at, "planeNum", node.planeNum, 0, bsp_.planes.size(), "planes");
             for (const std::int64_t child : node.children) {
                 if (child >= 0)
-                    Index(at, "child", child, 0, bsp_.nodes.size(), "nodes");
+                    CheckIndex(at, "child", child, 0, bsp_.nodes.size(), "nodes");
                 else if (-1 - child >= std::int64_t(bsp_.leafs.size()))
                     Fail(at, "child {} is leaf {} of {} leafs", child, -1 - child, bsp_.leafs.size());
             }
@@ -182,24 +182,24 @@ class Validator {
         for (std::size_t i = 0; i < bsp_.leafs.size(); i++) {
             const bspLeaf_t &leaf = bsp_.leafs[i];
             const RecordRef at{"leaf", i};
-            Index(at, "cluster", leaf.cluster, -1, std::uint64_t(clusters_), "clusters");
-            Index(at, "area", leaf.area, -1, kMaxAreas, "areas");
-            Range(at, "firstBSPLeafSurface", leaf.firstBSPLeafSurface, "numBSPLeafSurfaces", leaf.numBSPLeafSurfaces,
-                  bsp_.leafSurfaces.size(), "leaf surfaces");
-            Range(at, "firstBSPLeafBrush", leaf.firstBSPLeafBrush, "numBSPLeafBrushes", leaf.numBSPLeafBrushes,
-                  bsp_.leafBrushes.size(), "leaf brushes");
+            CheckIndex(at, "cluster", leaf.cluster, -1, std::uint64_t(clusters_), "clusters");
+            CheckIndex(at, "area", leaf.area, -1, kMaxAreas, "areas");
+            CheckRange(at, "firstBSPLeafSurface", leaf.firstBSPLeafSurface, "numBSPLeafSurfaces",
+                       leaf.numBSPLeafSurfaces, bsp_.leafSurfaces.size(), "leaf surfaces");
+            CheckRange(at, "firstBSPLeafBrush", leaf.firstBSPLeafBrush, "numBSPLeafBrushes", leaf.numBSPLeafBrushes,
+                       bsp_.leafBrushes.size(), "leaf brushes");
             surfaces += std::uint64_t(leaf.numBSPLeafSurfaces);
             brushes += std::uint64_t(leaf.numBSPLeafBrushes);
             if (leaf.cluster >= 0 && leaf.area < 0)
                 log_.Warn("leaf without area", "{}: leaf {}: cluster {}, but area {}", name_, i, leaf.cluster,
                           leaf.area);
         }
-        Sharing("leafs", "numBSPLeafSurfaces", surfaces, kMaxSharing * bsp_.leafSurfaces.size());
-        Sharing("leafs", "numBSPLeafBrushes", brushes, kMaxSharing * bsp_.leafBrushes.size());
+        CheckSharing("leafs", "numBSPLeafSurfaces", surfaces, kMaxSharing * bsp_.leafSurfaces.size());
+        CheckSharing("leafs", "numBSPLeafBrushes", brushes, kMaxSharing * bsp_.leafBrushes.size());
         for (std::size_t i = 0; i < bsp_.leafSurfaces.size(); i++)
-            Index({"leaf surface", i}, "value", bsp_.leafSurfaces[i], 0, bsp_.drawSurfaces.size(), "surfaces");
+            CheckIndex({"leaf surface", i}, "value", bsp_.leafSurfaces[i], 0, bsp_.drawSurfaces.size(), "surfaces");
         for (std::size_t i = 0; i < bsp_.leafBrushes.size(); i++)
-            Index({"leaf brush", i}, "value", bsp_.leafBrushes[i], 0, bsp_.brushes.size(), "brushes");
+            CheckIndex({"leaf brush", i}, "value", bsp_.leafBrushes[i], 0, bsp_.brushes.size(), "brushes");
     }
 
     void CheckModels() const {
@@ -207,10 +207,10 @@ class Validator {
         for (std::size_t i = 0; i < bsp_.models.size(); i++) {
             const bspModel_t &model = bsp_.models[i];
             const RecordRef at{"model", i};
-            Range(at, "firstBSPSurface", model.firstBSPSurface, "numBSPSurfaces", model.numBSPSurfaces,
-                  bsp_.drawSurfaces.size(), "surfaces");
-            Range(at, "firstBSPBrush", model.firstBSPBrush, "numBSPBrushes", model.numBSPBrushes, bsp_.brushes.size(),
-                  "brushes");
+            CheckRange(at, "firstBSPSurface", model.firstBSPSurface, "numBSPSurfaces", model.numBSPSurfaces,
+                       bsp_.drawSurfaces.size(), "surfaces");
+            CheckRange(at, "firstBSPBrush", model.firstBSPBrush, "numBSPBrushes", model.numBSPBrushes,
+                       bsp_.brushes.size(), "brushes");
             surfaces += std::uint64_t(model.numBSPSurfaces);
             brushes += std::uint64_t(model.numBSPBrushes);
             for (std::size_t axis = 0; axis < 3; axis++) {
@@ -222,28 +222,28 @@ class Validator {
                     Fail(at, "mins[{}] {} is above maxs[{}] {}", axis, model.mins[axis], axis, model.maxs[axis]);
             }
         }
-        Sharing("models", "numBSPSurfaces", surfaces, kMaxSharing * bsp_.drawSurfaces.size());
-        Sharing("models", "numBSPBrushes", brushes, kMaxSharing * bsp_.brushes.size());
+        CheckSharing("models", "numBSPSurfaces", surfaces, kMaxSharing * bsp_.drawSurfaces.size());
+        CheckSharing("models", "numBSPBrushes", brushes, kMaxSharing * bsp_.brushes.size());
     }
 
     void CheckBrushes() const {
         for (std::size_t i = 0; i < bsp_.brushSides.size(); i++) {
             const RecordRef at{"brush side", i};
-            Index(at, "planeNum", bsp_.brushSides[i].planeNum, 0, bsp_.planes.size(), "planes");
-            Index(at, "shaderNum", bsp_.brushSides[i].shaderNum, 0, bsp_.shaders.size(), "shaders");
+            CheckIndex(at, "planeNum", bsp_.brushSides[i].planeNum, 0, bsp_.planes.size(), "planes");
+            CheckIndex(at, "shaderNum", bsp_.brushSides[i].shaderNum, 0, bsp_.shaders.size(), "shaders");
         }
         std::uint64_t sides = 0;
         for (std::size_t i = 0; i < bsp_.brushes.size(); i++) {
             const bspBrush_t &brush = bsp_.brushes[i];
             const RecordRef at{"brush", i};
-            Range(at, "firstSide", brush.firstSide, "numSides", brush.numSides, bsp_.brushSides.size(), "sides");
+            CheckRange(at, "firstSide", brush.firstSide, "numSides", brush.numSides, bsp_.brushSides.size(), "sides");
             if (brush.numSides < std::int32_t(kBoxSides))
                 Fail(at, "numSides {} is under {}", brush.numSides, kBoxSides);
-            Index(at, "shaderNum", brush.shaderNum, 0, bsp_.shaders.size(), "shaders");
+            CheckIndex(at, "shaderNum", brush.shaderNum, 0, bsp_.shaders.size(), "shaders");
             sides += std::uint64_t(brush.numSides);
             CheckBox(i);
         }
-        Sharing("brushes", "numSides", sides, kMaxSharing * bsp_.brushSides.size());
+        CheckSharing("brushes", "numSides", sides, kMaxSharing * bsp_.brushSides.size());
     }
 
     // Engines take a brush's box from its first six sides without looking at their normals.
@@ -261,9 +261,9 @@ class Validator {
         for (std::size_t i = 0; i < bsp_.fogs.size(); i++) {
             const bspFog_t &fog = bsp_.fogs[i];
             const RecordRef at{"fog", i};
-            Index(at, "brushNum", fog.brushNum, -1, bsp_.brushes.size(), "brushes");
+            CheckIndex(at, "brushNum", fog.brushNum, -1, bsp_.brushes.size(), "brushes");
             const std::int32_t sides = fog.brushNum < 0 ? 0 : bsp_.brushes[std::size_t(fog.brushNum)].numSides;
-            Index(at, "visibleSide", fog.visibleSide, -1, std::uint64_t(sides), "sides");
+            CheckIndex(at, "visibleSide", fog.visibleSide, -1, std::uint64_t(sides), "sides");
         }
     }
 
@@ -282,20 +282,21 @@ class Validator {
         for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); i++) {
             const bspDrawSurface_t &surface = bsp_.drawSurfaces[i];
             const RecordRef at{"surface", i};
-            Index(at, "shaderNum", surface.shaderNum, 0, bsp_.shaders.size(), "shaders");
-            Index(at, "fogNum", surface.fogNum, -1, bsp_.fogs.size(), "fogs");
-            Index(at, "surfaceType", surface.surfaceType, MST_BAD, MST_FOLIAGE + 1, "surface types");
-            Range(at, "firstVert", surface.firstVert, "numVerts", surface.numVerts, bsp_.drawVerts.size(), "verts");
-            Range(at, "firstIndex", surface.firstIndex, "numIndexes", surface.numIndexes, bsp_.drawIndexes.size(),
-                  "indexes");
+            CheckIndex(at, "shaderNum", surface.shaderNum, 0, bsp_.shaders.size(), "shaders");
+            CheckIndex(at, "fogNum", surface.fogNum, -1, bsp_.fogs.size(), "fogs");
+            CheckIndex(at, "surfaceType", surface.surfaceType, MST_BAD, MST_FOLIAGE + 1, "surface types");
+            CheckRange(at, "firstVert", surface.firstVert, "numVerts", surface.numVerts, bsp_.drawVerts.size(),
+                       "verts");
+            CheckRange(at, "firstIndex", surface.firstIndex, "numIndexes", surface.numIndexes, bsp_.drawIndexes.size(),
+                       "indexes");
             verts += std::uint64_t(surface.numVerts);
             indexes += std::uint64_t(surface.numIndexes);
             if (surface.surfaceType == MST_PATCH)
                 CheckPatch(at, surface);
             CheckLightmap(at, surface);
         }
-        Sharing("surfaces", "numVerts", verts, kMaxSharing * bsp_.drawVerts.size());
-        Sharing("surfaces", "numIndexes", indexes, kMaxIndexesPerVert * verts);
+        CheckSharing("surfaces", "numVerts", verts, kMaxSharing * bsp_.drawVerts.size());
+        CheckSharing("surfaces", "numIndexes", indexes, kMaxIndexesPerVert * verts);
         for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); i++)
             CheckTriangles({"surface", i}, bsp_.drawSurfaces[i]);
     }
@@ -319,9 +320,9 @@ class Validator {
             if (!AllFinite(vector))
                 Fail(at, "lightmapVecs are not finite");
         if (surface.surfaceType == MST_FLARE)
-            return; // a flare's number means nothing
+            return; // flares have no lightmap
         const auto pages = std::int64_t(bsp_.lightmaps.size() / kLightmapPageBytes);
-        // Without pages in the file, numbers count those beside it.
+        // Without pages in the file, lightmapNum refers to external images.
         if (surface.lightmapNum < -4 || (pages > 0 && surface.lightmapNum >= pages))
             log_.Warn("lightmapNum", "{}: surface {}: lightmapNum {} is not one of {} pages: taken as lit by vertex",
                       name_, at.index, surface.lightmapNum, pages);
@@ -355,7 +356,7 @@ class Validator {
         }
     }
 
-    // Bad entity text is reported by who needs it: a map can be repaired with it replaced.
+    // Bad entity text is only a warning here: stages that need the entities fail, others can repair the map.
     void CheckEntities() const {
         std::vector<Entity> entities;
         try {
@@ -379,7 +380,7 @@ class Validator {
                       bsp_.models.size() - 1);
     }
 
-    // The engine ignores a grid of another length, and so does whoever reads it here.
+    // Engines ignore a grid of unexpected length, and so does this program.
     void CheckLightGrid(const Entity &world) const {
         Float3 size{64, 64, 128};
         if (world.Has("gridsize")) {
@@ -412,7 +413,7 @@ class Validator {
     const Bsp &bsp_;
     std::string_view name_;
     Log &log_;
-    std::int64_t clusters_ = kMostClusters; ///< until there is a visibility lump
+    std::int64_t clusters_ = kMostClusters; ///< limit without a visibility lump
 };
 
 } // namespace

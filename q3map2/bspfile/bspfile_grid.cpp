@@ -10,7 +10,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kMaxGridPoints = 4611686018427387904.0; ///< 2^62, so that the product of the counts is an int64
+constexpr double kMaxGridPoints = 4611686018427387904.0; ///< 2^62: the product of the counts fits an int64
 
 } // namespace
 
@@ -46,7 +46,7 @@ void CheckLightGridSH(const LightGridSH &grid, std::string_view name) {
             throw Error("{}: SH light grid: gridSize[{}] is {}, expected a number above 0", name, i, head.gridSize[i]);
         if (head.gridBounds[i] < 1)
             throw Error("{}: SH light grid: gridBounds[{}] is {}, expected at least 1", name, i, head.gridBounds[i]);
-        // Both factors stay under 2^31 as long as the product so far does.
+        // Capped at 2^31, so that the next multiplication cannot overflow.
         product = std::min<std::uint64_t>(product * std::uint64_t(head.gridBounds[i]), INT32_MAX + std::uint64_t(1));
     }
     if (head.numPoints < 0 || product != std::uint64_t(head.numPoints))

@@ -23,11 +23,11 @@ struct GridLayout {
     }
 };
 /// mins = size * ceil(worldMins / size), bounds = (size * floor(worldMaxs / size) - mins) / size + 1, each at least 1
-/// (a world thinner than a cell may hold no point). Errors: a cell size that is not above 0, counts that no int32
-/// holds, a product above 2^62.
+/// (the single point of a world thinner than a cell may lie outside it). Errors: a cell size that is not above 0,
+/// counts that no int32 holds, a product above 2^62.
 GridLayout LayoutGrid(const Float3 &worldMins, const Float3 &worldMaxs, const Float3 &size);
 
-/// Checks the numbers of the header against the count of points, and that all floats are finite. Errors name the field.
+/// Checks the header against the number of points, and that all floats are finite. Errors name the field.
 void CheckLightGridSH(const LightGridSH &grid, std::string_view name);
 
 } // namespace q3

@@ -44,7 +44,7 @@ class Reader {
         WarnOverlap();
         ReadEntities(bsp);
         ForEachArray(bsp, [this](int slot, auto &records) { ReadArray(slot, records); });
-        if (bsp.lightmaps.size() % kLightmapPageBytes != 0 && Ragged(LUMP_LIGHTMAPS, kLightmapPageBytes))
+        if (bsp.lightmaps.size() % kLightmapPageBytes != 0 && DropRagged(LUMP_LIGHTMAPS, kLightmapPageBytes))
             bsp.lightmaps.clear();
         ReadBspxLumps(bsp);
         return bsp;
@@ -100,7 +100,7 @@ class Reader {
         return part;
     }
 
-    // What slot 17 holds is only a guess from the offset of the first lump: other layouts have text or lumps there.
+    // A first lump behind 18 slots only suggests that slot 17 exists: other layouts have text or lumps there.
     void ReadAdvertisementSlot() {
         if (version_ != 47 || !format_.advertisements || firstByte_ < std::int64_t(HeaderBytes(18)))
             return;
@@ -152,13 +152,14 @@ class Reader {
 
     template <typename Record> void ReadArray(int slot, std::vector<Record> &records) {
         const FilePart &part = Lump(slot);
-        if (part.length % std::int64_t(sizeof(Record)) != 0 && Ragged(slot, sizeof(Record)))
+        if (part.length % std::int64_t(sizeof(Record)) != 0 && DropRagged(slot, sizeof(Record)))
             return;
         records.resize(std::size_t(part.length) / sizeof(Record));
         file_.Fill(std::uint64_t(part.offset), std::span(records));
     }
 
-    bool Ragged(int slot, std::size_t record) {
+    /// True: the lump is to be dropped. Error without -force.
+    bool DropRagged(int slot, std::size_t record) {
         const auto text = fmt::format("{}: lump {} ({}): length {} is not a multiple of the record size {}", name_,
                                       slot, kLumpNames[std::size_t(slot)], lumps_[std::size_t(slot)].length, record);
         if (!format_.force)

@@ -13,8 +13,8 @@ namespace q3 {
 
 struct ByteSource;
 
-/// Parses and validates a whole file image. `name` is for messages. Errors: Error, one line, for anything that a later
-/// stage could trip over; recoverable oddities are warnings.
+/// Parses and validates a whole file in memory. `name` is for messages. Errors: Error, one line, for anything that a
+/// later stage could trip over; recoverable oddities are warnings.
 Bsp ReadBsp(std::span<const std::byte> file, std::string_view name, const BspFormat &format, Log &log);
 /// The same from any source. Each byte is read once, into the records.
 Bsp ReadBspFrom(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log);

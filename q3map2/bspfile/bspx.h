@@ -17,8 +17,8 @@ struct BspxPart {
     FilePart part;
 };
 
-/// The BSPX directory at `start`, if there is one. A malformed directory is a warning and gives nothing; of two lumps
-/// with one name the first is kept.
+/// The BSPX directory at `start`, if there is one. A malformed directory causes a warning and gives no lumps; of two
+/// lumps with one name the first is kept.
 std::vector<BspxPart> ReadBspx(const ByteSource &file, std::uint64_t start, std::string_view name, Log &log);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Entity text: the lump's and the map source's.
+// GPL-2.0-or-later. Entity text of .bsp and .map files.
 #include "q3map2/bspfile/entities.h"
 
 #include "common/error.h"
@@ -21,8 +21,7 @@ std::string_view TrimEnd(std::string_view text) {
     return text;
 }
 
-/// Takes a number off the start of `text`, or nothing when there is none that a double can hold.
-/// Start of a text from a file, fit for a message of one line.
+/// The first 40 characters of a text from a file, without line breaks, for messages.
 std::string Shown(std::string_view text) {
     std::string shown(text.substr(0, 40));
     std::ranges::replace_if(
@@ -73,7 +72,7 @@ class Tokenizer {
         return taken;
     }
 
-    // A texture name may start with a brace, so one that runs into other letters is part of a word.
+    // Texture names may start with a brace: one followed by other letters is part of a word.
     bool IsBrace() const {
         if (rest_.front() != '{' && rest_.front() != '}')
             return false;

@@ -21,11 +21,11 @@ struct Entity {
     std::string_view Value(std::initializer_list<std::string_view> keys) const;
     std::string_view Value(std::string_view key) const { return Value({key}); }
     bool Has(std::string_view key) const { return !Value(key).empty(); }
-    /// atof rules: leading blanks, stops at the first bad character; garbage and non-finite values are `fallback`.
+    /// atof rules: leading blanks, stops at the first bad character; garbage and non-finite values give `fallback`.
     double Number(std::initializer_list<std::string_view> keys, double fallback = 0) const;
     /// True when the text starts with 1.
     bool Flag(std::string_view key) const { return Value(key).starts_with('1'); }
-    /// Exactly three finite numbers at the start of the text, else nothing.
+    /// Three finite numbers at the start of the text, else nothing.
     std::optional<Vec3f> Vector(std::initializer_list<std::string_view> keys) const;
     std::string_view ClassName() const { return Value("classname"); }
     /// Replaces the first pair of that key or appends one.
@@ -34,7 +34,7 @@ struct Entity {
 
 /// Parses entity lump text: quoted pairs in braces. `name` is for messages. Errors: unbalanced braces, missing strings.
 std::vector<Entity> ParseEntities(std::string_view text, std::string_view name);
-/// The text form that map compilers write: one pair a line, "\n" line ends, no final NUL.
+/// The text form that map compilers write: one pair per line, "\n" line ends, no final NUL.
 std::string FormatEntities(const std::vector<Entity> &entities);
 /// Entities of .map source text: pairs only, brushes and patches are skipped.
 std::vector<Entity> ParseMapEntities(std::string_view text, std::string_view name);

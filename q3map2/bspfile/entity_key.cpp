@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A key of an entity, declared once.
+// GPL-2.0-or-later. Declarations of entity keys.
 #include "q3map2/bspfile/entity_key.h"
 
 #include "common/settings.h"
@@ -16,7 +16,7 @@ std::string Problem(const EntityKey &key, std::string_view text) {
         if (!number)
             break;
         if (!key.info.range.Contains(*number)) {
-            const std::string range = key.info.range.Text(); // empty: the bounds of all settings
+            const std::string range = key.info.range.Text(); // empty for the default range of all settings
             return fmt::format("expected a number {}; {:g} is used",
                                range.empty() ? fmt::format("from {:g} to {:g}", key.info.range.low, key.info.range.high)
                                              : range,
@@ -33,7 +33,7 @@ std::string Problem(const EntityKey &key, std::string_view text) {
 } // namespace
 
 std::string_view EntityKey::Text(const Entity &entity) const {
-    const auto &[second, third, fourth, fifth] = info.aliases; // an unused one is empty, and no key is
+    const auto &[second, third, fourth, fifth] = info.aliases; // unused aliases are empty and match no key
     return entity.Value({info.name, second, third, fourth, fifth});
 }
 

@@ -7,10 +7,10 @@
 
 namespace q3 {
 
-/// SH grid points by position and value. Every point is one of the three. The light stage and -info print the same.
+/// Numbers of SH grid points by position and value; each point is in one of the three. Printed by light and -info.
 struct GridShares {
     std::size_t open = 0;     ///< in open space
-    std::size_t filled = 0;   ///< in solid, with light taken from around
+    std::size_t filled = 0;   ///< in solid, not zero: light taken from points around
     std::size_t darkVoid = 0; ///< in solid, all zero
 };
 

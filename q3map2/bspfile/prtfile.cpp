@@ -12,14 +12,14 @@ namespace q3 {
 
 namespace {
 
-constexpr int kMaxClusters = 16384; ///< what the visibility lump of engines may hold
+constexpr int kMaxClusters = 16384; ///< limit of the visibility lump in engines
 constexpr int kMaxPortals = 65536;
 constexpr int kMaxFaces = 1 << 22;
-constexpr int kMaxPoints = 512; ///< of a winding
+constexpr int kMaxPoints = 512; ///< per winding
 constexpr float kMaxCoordinate = 1 << 20;
 constexpr int kHintFlag = 1, kSkyFlag = 2;
 
-/// Words, and parentheses as words of their own, with the line that they are on.
+/// Splits the text into words and single parentheses, and counts lines.
 class PrtScanner {
   public:
     PrtScanner(std::string_view text, std::string_view name) : text_(text), name_(name) {}
@@ -46,7 +46,7 @@ class PrtScanner {
         if (found != word)
             Fail(found, what);
     }
-    int Whole(int least, int most, std::string_view what) {
+    int Integer(int least, int most, std::string_view what) {
         const std::string_view word = Next();
         int value = 0;
         const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -86,14 +86,14 @@ void ReadPoints(PrtScanner &scanner, int count, PortalFile &file, PrtWinding &wi
 
 PrtWinding ReadWinding(PrtScanner &scanner, PortalFile &file, bool isPortal) {
     PrtWinding winding;
-    const int count = scanner.Whole(3, kMaxPoints, isPortal ? "points of a portal" : "points of a face");
+    const int count = scanner.Integer(3, kMaxPoints, isPortal ? "points of a portal" : "points of a face");
     winding.line = scanner.Line();
-    winding.clusters[0] = scanner.Whole(0, file.clusters - 1, "a cluster");
+    winding.clusters[0] = scanner.Integer(0, file.clusters - 1, "a cluster");
     if (isPortal) {
-        winding.clusters[1] = scanner.Whole(0, file.clusters - 1, "a cluster");
+        winding.clusters[1] = scanner.Integer(0, file.clusters - 1, "a cluster");
         if (winding.clusters[0] == winding.clusters[1])
             scanner.Fail(std::to_string(winding.clusters[1]), "two different clusters");
-        const int flags = scanner.Whole(0, kHintFlag | kSkyFlag, "flags");
+        const int flags = scanner.Integer(0, kHintFlag | kSkyFlag, "flags");
         winding.hint = (flags & kHintFlag) != 0;
         winding.sky = (flags & kSkyFlag) != 0;
     }
@@ -107,9 +107,9 @@ PortalFile ParsePortalFile(std::string_view text, std::string_view name) {
     PrtScanner scanner(text, name);
     PortalFile file;
     scanner.Expect("PRT1", "PRT1, which portal files begin with");
-    file.clusters = scanner.Whole(0, kMaxClusters, "a number of clusters");
-    const int portals = scanner.Whole(0, kMaxPortals, "a number of portals");
-    const int faces = scanner.Whole(0, kMaxFaces, "a number of faces");
+    file.clusters = scanner.Integer(0, kMaxClusters, "a number of clusters");
+    const int portals = scanner.Integer(0, kMaxPortals, "a number of portals");
+    const int faces = scanner.Integer(0, kMaxFaces, "a number of faces");
     for (int i = 0; i < portals; ++i)
         file.portals.push_back(ReadWinding(scanner, file, true));
     for (int i = 0; i < faces; ++i)

@@ -12,10 +12,10 @@
 
 namespace q3 {
 
-/// An opening between two clusters, or a polygon that bounds one.
+/// A portal between two clusters, or a face: a polygon between a cluster and solid.
 struct PrtWinding {
-    /// The normal of the first three points (clockwise for who it points at) leads into clusters[0], away from
-    /// clusters[1]. A face has one cluster, which its normal leads into, and clusters[1] is -1.
+    /// The normal of the first three points, (p2 - p0) x (p1 - p0), points into clusters[0]. On the other side is
+    /// clusters[1], which is -1 for a face.
     std::array<int, 2> clusters{-1, -1};
     bool hint = false, sky = false;
     int line = 0; ///< in the file, from 1
@@ -25,7 +25,7 @@ struct PrtWinding {
 struct PortalFile {
     int clusters = 0;
     std::vector<PrtWinding> portals, faces;
-    std::vector<Vec3f> points; ///< of all, in game units
+    std::vector<Vec3f> points; ///< of all windings, in game units
 
     std::span<const Vec3f> Points(const PrtWinding &winding) const {
         return {points.data() + winding.firstPoint, winding.numPoints};

@@ -1,14 +1,14 @@
-// GPL-2.0-or-later. The keys of entities with brushes, patches or models that all of their surfaces share, and those of
-// the world that the bsp and vis stages read. A new key goes here.
+// GPL-2.0-or-later. Entity keys that apply to all surfaces of an entity, and worldspawn keys of the bsp and vis stages.
+// A new key goes here.
 #pragma once
 
 #include "q3map2/bspfile/light_keys.h"
 
 namespace q3::keys {
 
-inline constexpr int kMaxLuxel = 16384;
+inline constexpr int kMaxLuxel = 16384; ///< largest size of a luxel, game units
 
-/// The keys that the surfaces of an entity share. Both the bsp stage and, without a .srf, the light stage read them.
+/// The keys that apply to all surfaces of an entity. Both the bsp stage and, without a .srf, the light stage read them.
 inline constexpr EntityKey kSurfaceKeys[] = {
     {{.name = "_castShadows",
       .aliases = {"_cs"},

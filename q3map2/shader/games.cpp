@@ -88,7 +88,7 @@ Game UrbanTerror() {
     return Limits(game, 1024, 1024, 6144);
 }
 
-/// The engines that expose light before they store it.
+/// Games with exposure tone mapping by default.
 Game Exposed(std::string_view name, std::string_view gameDir, std::string_view homeDir, std::string_view magic,
              float gridScale) {
     Game game = MakeGame(name, gameDir, homeDir, magic, BaseParms());

@@ -54,7 +54,7 @@ struct Game {
     float gamma = 1, exposure = 0, compensate = 1;
     float gridScale = 1, gridAmbientScale = 1;
     int maxSurfaceVerts = 64, maxVertexLitVerts = 999, maxSurfaceIndexes = 6000; ///< of draw surfaces
-    std::uint32_t bevelSurfaceFlags = 0xC3043; ///< surface flags that sides of bevels take over
+    std::uint32_t bevelSurfaceFlags = 0xC3043; ///< surface flags that bevel sides inherit
     std::string_view flareShader = "flareshader";
     int lightmapSize = 128;                     ///< side of a lightmap page in the file
     bool deluxe = false, deluxeTangent = false; ///< light direction pages by default; in tangent space
@@ -64,7 +64,7 @@ struct Game {
     const SurfaceParm *FindParm(std::string_view parm) const;
     /// Surface and content bits that mark a BSP shader record as nodraw in this game (0 when the game has none).
     std::uint32_t NoDrawSurfaceFlags() const;
-    /// CompileFlags that a .bsp's shader record implies: C_SOLID as its content bit says, and those of every parm whose
+    /// CompileFlags that a .bsp's shader record implies: C_SOLID from its content bit, and those of every parm whose
     /// content and surface bits are all set. Parms without bits of their own leave no trace in a .bsp.
     std::uint32_t CompileFlagsOf(std::uint32_t surfaceFlags, std::uint32_t contentFlags) const;
 };

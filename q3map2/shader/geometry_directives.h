@@ -11,12 +11,12 @@
 
 namespace q3 {
 
-/// One step of q3map_rgbMod or q3map_alphaMod, on vertex colours as bytes.
+/// One step of q3map_rgbMod or q3map_alphaMod, on vertex colors as bytes.
 struct ColorStep {
     enum class Kind { Set, Scale, DotProduct, DotProductScale, DotProduct2, DotProduct2Scale, Volume };
     Kind kind = Kind::Set;
-    bool alpha = false;     ///< acts on alpha; else on the three colours
-    Vec3f value;            ///< colour (0..1) or factors, for alpha in x; of the dot products: the direction
+    bool alpha = false;     ///< acts on alpha; else on the three colors
+    Vec3f value;            ///< color (0..1) or factors, for alpha in x; direction of the dot products
     float min = 0, max = 1; ///< of the scaled dot products
 };
 
@@ -34,20 +34,20 @@ struct FoliageDirective {
     int invertAlpha = 0; ///< 1: where alpha is low; 2: whatever alpha is
 };
 
-/// q3map_fur; none while there are no layers.
+/// q3map_fur; off if `layers` is 0.
 struct FurDirective {
     int layers = 0;
     float offset = 0, fade = 0;
 };
 
-/// Names of shaders are complete. Defaults: the directive is not given.
+/// Names of shaders are full names. Defaults hold where a directive is absent.
 struct GeometryDirectives {
     float tessSize = 0; ///< game units; below 1: off
     float offset = 0;   ///< along the normals
     bool polygonOffset = false, autosprite2 = false, invert = false, noClip = false, noTJunctions = false;
     bool forceMeta = false, nonPlanar = false, indexed = false, terrain = false, clipModel = false;
     bool globalTexture = false, noFog = false;
-    bool hasFogParms = false;    ///< brushes of it are fog volumes
+    bool hasFogParms = false;    ///< brushes with this shader are fog volumes
     std::optional<Vec3f> fogDir; ///< unit
     std::string cloneShader, backShader, damageShader, remapShader, flareShader;
     bool hasTexGen = false; ///< s = p . texGen[0], t = p . texGen[1]
@@ -63,7 +63,7 @@ struct GeometryDirectives {
     int textureWidth = 64, textureHeight = 64;
     bool textureSizeGiven = false;
 
-    /// Brushes of it change the colours of vertices inside.
+    /// Brushes with this shader change the colors of vertices inside them.
     bool IsColorVolume() const { return !colorSteps.empty() && colorSteps.front().kind == ColorStep::Kind::Volume; }
 };
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Colours of shaders and lights.
+// GPL-2.0-or-later. Color spaces.
 #include "q3map2/shader/shader_color.h"
 
 #include <cmath>

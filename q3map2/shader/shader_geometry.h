@@ -10,7 +10,7 @@
 
 namespace q3 {
 
-/// Numbers of scripts are clamped to this, so that products of a few stay finite.
+/// Numbers in scripts are clamped to +- this, so that products of a few stay finite.
 inline constexpr double kMaxNumber = 1e9;
 
 /// The number at the front of the word, clamped; 0 if there is none.
@@ -21,7 +21,7 @@ struct GeometryDirective {
     using Words = std::span<const std::string_view>;
     std::string_view name; ///< lower case
     std::size_t required, optional;
-    /// Changes the shader; returns what is wrong with the words, empty if nothing is.
+    /// Changes the shader; returns what is wrong with the words, or nothing.
     std::string (*apply)(ShaderInfo &shader, Words words, const ShaderOptions &options, const Game &game);
 };
 

@@ -15,7 +15,7 @@ namespace q3 {
 
 /// q3map_sun, q3map_sunExt, sun.
 struct SunDirective {
-    Vec3f direction;    ///< unit, towards the sun
+    Vec3f direction;    ///< unit, toward the sun
     Vec3f color;        ///< largest component 1
     float photons = 0;  ///< may be negative
     float deviance = 0; ///< radians
@@ -37,7 +37,7 @@ struct LightmapDirectives {
     float sampleOffset = 0;        ///< q3map_lightmapSampleOffset; 0: unset
     Vec3f axis;                    ///< q3map_lightmapAxis; zero: unset
     std::array<int, 2> pageSize{}; ///< q3map_lightmapSize; 0: unset
-    float brightness = 1;          ///< q3map_lightmapBrightness, -Gamma; factor of -brightness
+    float brightness = 1;          ///< q3map_lightmapBrightness, q3map_lightmapGamma; multiplies -brightness
     bool mergable = false, splotchFix = false, noDirt = false, noVertexLight = false;
     float shadeAngle = 0;    ///< q3map_shadeAngle, degrees
     std::string normalImage; ///< q3map_normalImage, without extension
@@ -48,16 +48,17 @@ struct LightmapDirectives {
 
 /// How shader scripts and images are interpreted, beyond the game's table.
 struct ShaderOptions {
-    bool sRgbColor = false;          ///< colours of lights and shaders are sRGB
+    bool sRgbColor = false;          ///< colors of lights and shaders are sRGB
     float backsplashScale = 1;       ///< multiplies the default fraction
     float backsplashDistance = -999; ///< replaces the default 23 when >= -900
-    bool imageSizes = false;         ///< for the bsp stage: sizes of images; pixels only where flares need a colour
+    bool imageSizes = false;         ///< for the bsp stage: sizes of images; pixels only where flares need a color
     bool customInfoParms = false;    ///< read scripts/custinfoparms.txt
     bool noOb = false;               ///< surfaceparm noob for all shaders without ob
     std::vector<std::string> globalFlags{}; ///< surfaceparms whose surface flags all shaders get
 };
 
-/// One shader with everything that matters to light. Defaults are those of a shader that no script defines.
+/// One shader with everything that the bsp and light stages need. Defaults are those of a shader that no script
+/// defines.
 struct ShaderInfo {
     std::string name;
     bool defined = false; ///< by a script
@@ -80,13 +81,13 @@ struct ShaderInfo {
     std::vector<SkyLightDirective> skyLights;
     std::string skyImageBase; ///< skyParms base, without _up etc.; empty: none
 
-    // Of the image; see ShaderLibrary::Get for when it is read.
-    Vec3f color{1, 1, 1}; ///< light colour: q3map_lightRGB, else the light image's mean; largest component 1
+    // From the image; see ShaderLibrary::Get for when it is read.
+    Vec3f color{1, 1, 1}; ///< light color: q3map_lightRGB, else the light image's mean; largest component 1
     Vec3f averageColor{255, 255, 255};       ///< mean of the light image, 0..255, or the q3map_lightRGB vector
     std::shared_ptr<const Image> lightImage; ///< never null once looked up; 64 x 64 white when no file was found
     bool imageFound = false;                 ///< false: lightImage is the white default
     std::string scriptText; ///< the body in braces, tidied; empty if no script defines what the engine draws
-    std::string implicitMap, implicitMask, implicitBlend; ///< images without extension; empty without
+    std::string implicitMap, implicitMask, implicitBlend; ///< images without extension; empty: none
 };
 
 } // namespace q3

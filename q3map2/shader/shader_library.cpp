@@ -31,7 +31,7 @@ bool NeedsImage(const ShaderInfo &info) {
            (info.compileFlags & kSeeThrough) != 0;
 }
 
-/// Bounced light takes its colours from the image.
+/// Whether bounced light needs the image for its colors.
 bool Reflects(const ShaderInfo &info) {
     return info.bounceScale > 0 && (info.compileFlags & C_SKY) == 0;
 }
@@ -154,7 +154,7 @@ Image ShaderLibrary::State::ReadJpeg(const std::string &name, std::span<const st
     return image;
 }
 
-/// The first existing file decides. Error: it is damaged.
+/// Decodes the first existing file; null: none. Error: it is damaged.
 std::shared_ptr<const Image> ShaderLibrary::State::FindImage(const std::string &name) const {
     if (const auto tga = vfs.Read(name + ".tga"))
         return std::make_shared<const Image>(DecodeTga(*tga, name + ".tga"));
@@ -217,7 +217,7 @@ void ShaderLibrary::State::Complete(ParsedShader &shader) {
     shader.imagesReady = true;
 }
 
-/// Of the first existing file, as FindImage. Nothing: there is none, or it is damaged.
+/// Size of the file that FindImage decodes; nothing if there is none or it is damaged.
 std::optional<std::array<int, 2>> ShaderLibrary::State::ImageSize(const std::string &name) const {
     if (const auto tga = vfs.Read(name + ".tga"))
         return TgaSize(*tga);
@@ -228,7 +228,7 @@ std::optional<std::array<int, 2>> ShaderLibrary::State::ImageSize(const std::str
     return std::nullopt;
 }
 
-/// The size of the editor image, by which brush sides are mapped. It may differ from the light image.
+/// Texture axes of brush sides count texels of the editor image, whose size may differ from the light image's.
 void ShaderLibrary::State::FindTextureSize(ParsedShader &shader) {
     GeometryDirectives &geometry = shader.info.geometry;
     std::array<int, 2> size{kDefaultImageSize, kDefaultImageSize};

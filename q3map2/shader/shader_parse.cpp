@@ -18,7 +18,7 @@ namespace q3 {
 namespace {
 
 constexpr int kMaxSkyIterations = 128;
-constexpr std::size_t kMaxSuns = 256; // per shader; q3map_baseShader in a chain could double the list each time
+constexpr std::size_t kMaxSuns = 256; // per shader; a chain of q3map_baseShader adds up its suns
 constexpr std::size_t kMaxName = 63;
 constexpr int kMaxPageSide = 8192;
 constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
@@ -60,7 +60,7 @@ class ScriptParser {
         std::string_view name; ///< lower case
         std::size_t required, optional;
         void (ScriptParser::*apply)(const Words &);
-        bool moreMayFollow = false; ///< what follows on the line is another directive
+        bool moreMayFollow = false; ///< other directives may follow on the line
     };
     static const std::array<Directive, 42> kDirectives;
 
@@ -135,7 +135,7 @@ class ScriptParser {
     ShaderTable &table_;
     Log &log_;
     std::unique_ptr<ParsedShader> shader_;
-    Words words_; ///< of the directive
+    Words words_; ///< arguments of the current directive
 };
 
 using Self = ScriptParser;
@@ -217,7 +217,7 @@ void ScriptParser::ParseShader(std::string_view name) {
     table_.Define(std::move(shader_));
 }
 
-/// Only the names of images matter. Nothing nests, and line ends mean nothing.
+/// Reads names of images only. Blocks do not nest, and line ends have no meaning here.
 void ScriptParser::ParseStage() {
     static constexpr std::array<std::string_view, 6> kImageWords = {"map",          "clampmap", "animmap",
                                                                     "clampanimmap", "mapcomp",  "mapnocomp"};
@@ -301,7 +301,7 @@ bool ScriptParser::ApplyParm(std::string_view name) {
     return true;
 }
 
-/// Three numbers as a light colour.
+/// Three numbers as a light color.
 Vec3f ScriptParser::Color(const Words &words) const {
     Vec3f color{Number(words[0]), Number(words[1]), Number(words[2])};
     if (table_.Options().sRgbColor)
@@ -432,7 +432,7 @@ void ScriptParser::FloodLight(const Words &words) {
     Lightmap().floodDirectionScale = Number(words[5]);
 }
 
-/// Everything of an earlier shader, over all that was set so far; the name stays.
+/// Replaces all that was set so far by an earlier shader, except the name.
 void ScriptParser::BaseShader(const Words &words) {
     const ParsedShader *base = table_.Find(words[0], log_);
     std::string name = std::move(shader_->info.name);

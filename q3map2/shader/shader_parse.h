@@ -6,8 +6,8 @@
 
 namespace q3 {
 
-/// Reads all shaders of one script into the table. Mistakes in the script are warnings with their line. Error: the
-/// scanner's; what stood before is in the table.
+/// Reads all shaders of one script into the table. Mistakes in the script are warnings with their line. Errors:
+/// those of the scanner; the shaders before them are in the table.
 void ParseShaderScript(TextScanner &scanner, ShaderTable &table, Log &log);
 
 } // namespace q3

@@ -16,7 +16,7 @@
 
 namespace q3 {
 
-/// A shader and the image names from which its colours will come. Names are without extension, empty when not given.
+/// A shader and the names of the images that give its colors: without extension, empty if not given.
 struct ParsedShader {
     ShaderInfo info;
     std::string editorImage, lightImage, implicitImage;
@@ -26,7 +26,7 @@ struct ParsedShader {
     bool hasBspFlags = false;        ///< no script defines it; flags are those of a .bsp
     bool colorGiven = false;         ///< q3map_lightRGB: info.color is final
     bool lookedUp = false;           ///< returned by ShaderLibrary::Get
-    bool imagesReady = false;        ///< light image and colours are in info
+    bool imagesReady = false;        ///< light image and colors are in info
 };
 
 /// All shaders by name. References stay valid as long as the table.

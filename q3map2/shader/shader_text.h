@@ -23,7 +23,7 @@ class ShaderTextScanner {
     const TextLocation &TokenLocation() const { return scanner_.TokenLocation(); }
     std::string_view Unread() const { return scanner_.Unread(); }
 
-    /// Starts afresh with an opening brace.
+    /// Starts a new recording with an opening brace.
     void Record();
     /// Ends recording; closes braces that are still open.
     std::string TakeText();
@@ -40,7 +40,7 @@ class ShaderTextScanner {
     TextScanner &scanner_;
     bool recording_ = false;
     std::string text_;
-    int depth_ = 0, line_ = 0; ///< line_: of the last token in the script; 0: the text ends with a whole line
+    int depth_ = 0, line_ = 0; ///< line_: script line of the last token; 0 after a line break
 };
 
 /// The text of a shader, tidied. `body`: what follows its opening brace, without includes.

@@ -7,7 +7,7 @@
 
 namespace q3 {
 
-/// The list of quake3: what every other game starts from.
+/// The list of quake3, on which those of other games are based.
 std::vector<SurfaceParm> BaseParms();
 std::vector<SurfaceParm> QuakeLiveParms();
 std::vector<SurfaceParm> TremulousParms();

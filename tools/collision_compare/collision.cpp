@@ -8,8 +8,8 @@ namespace q3 {
 
 namespace {
 
-/// Distance of the plane grown so that a point can stand for the box.
-double GrownDistance(const Boundsd &box, const Vec3d &normal, double dist) {
+/// Plane distance expanded by the box, so that tracing a point replaces tracing the box.
+double ExpandedDistance(const Boundsd &box, const Vec3d &normal, double dist) {
     const Vec3d corner{normal.x < 0 ? box.maxs.x : box.mins.x, normal.y < 0 ? box.maxs.y : box.mins.y,
                        normal.z < 0 ? box.maxs.z : box.mins.z};
     return dist - Dot(corner, normal);
@@ -17,7 +17,7 @@ double GrownDistance(const Boundsd &box, const Vec3d &normal, double dist) {
 
 } // namespace
 
-/// Numbers of the brushes in leafs that the box reaches, each once.
+/// Adds the numbers of all brushes in leafs that the box touches, without duplicates.
 void CollisionMap::Gather(const Boundsd &swept, std::vector<int> &brushes) const {
     std::vector<int> stack{bsp_.nodes.empty() ? -1 : 0};
     while (!stack.empty()) {
@@ -53,7 +53,7 @@ void CollisionMap::Clip(int number, const Boundsd &box, const Vec3d &start, cons
         const bspBrushSide_t &side = bsp_.brushSides[std::size_t(brush.firstSide + i)];
         const bspPlane_t &plane = bsp_.planes[std::size_t(side.planeNum)];
         const Vec3d n(plane.normal);
-        const double dist = GrownDistance(box, n, double(plane.dist));
+        const double dist = ExpandedDistance(box, n, double(plane.dist));
         const double from = Dot(n, start) - dist, to = Dot(n, end) - dist;
         startsOut = startsOut || from > 0;
         if (from > 0 && to >= from)

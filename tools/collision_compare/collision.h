@@ -12,18 +12,18 @@ namespace q3 {
 /// Contents that stop a player: solid, playerclip.
 inline constexpr std::uint32_t kPlayerContents = 0x1 | 0x10000;
 
-/// The brushes of a map's world. Keeps a reference to the Bsp. Curves are not brushes and stop nothing here.
+/// The brushes of a map's world. Keeps a reference to the Bsp. Patches do not collide here.
 class CollisionMap {
   public:
     explicit CollisionMap(const Bsp &bsp) : bsp_(bsp) {}
 
     struct Hit {
         bool startsInside = false; ///< the box touches a brush before it moves
-        double fraction = 1;       ///< of the way that is free
-        Vec3d normal;              ///< of what stops it; zero: nothing does
+        double fraction = 1;       ///< of the move, before the first hit
+        Vec3d normal;              ///< of the plane hit; zero: none
         int brush = -1;
     };
-    /// Moves `box`, relative to its place, from start to end.
+    /// Traces `box`, whose bounds are relative to its position, from start to end.
     Hit Move(const Boundsd &box, const Vec3d &start, const Vec3d &end, std::uint32_t contents = kPlayerContents) const;
 
   private:

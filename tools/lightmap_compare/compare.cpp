@@ -14,10 +14,10 @@ namespace q3::compare {
 
 namespace {
 
-/// Surfaces whose mean differs by at most this look the same, and samples whose largest channel does. Byte scale.
+/// Largest difference that counts as close: mean of a surface, largest channel of a sample. Byte scale.
 constexpr double kCloseSurface = 2;
 constexpr double kCloseSample = 8;
-/// Samples up to this count as black: rounded coordinates mix in a trace of the next texel. Byte scale.
+/// Samples below this count as black: rounded coordinates mix in a trace of the next texel. Byte scale.
 constexpr double kBlack = 0.5;
 
 void CheckSameMap(const Bsp &a, const Bsp &b) {

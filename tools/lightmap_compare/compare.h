@@ -55,25 +55,25 @@ struct AreaSpread {
 
 struct Comparison {
     Sides lightmapped; ///< surfaces
-    /// Samples in solids, left out: nobody sees them, and pages hold light of other surfaces there.
+    /// Samples in solids, left out: invisible, and the page may hold light of other surfaces there.
     std::size_t buried = 0;
     /// Samples with texels that no luxel of their surface covers, left out for the same reason.
     std::size_t uncovered = 0;
-    Sides lit;         ///< the other samples, by whether they are not black
+    Sides lit;         ///< the remaining samples, by whether they are not black
     Spread lightmaps;  ///< samples that are black in neither file, on surfaces with lightmaps in both
-    AreaSpread byArea; ///< the same samples; without weights a sliver counts as much as a wall
-    Spread surfaces;   ///< means of those surfaces
+    AreaSpread byArea; ///< the same samples; unweighted, a sliver counts as much as a wall
+    Spread surfaces;   ///< mean difference of each of those surfaces
     std::size_t surfacesWithin2 = 0, surfacesCompared = 0;
     Spread directions;                    ///< degrees; no samples unless both are deluxe
-    Spread vertices;                      ///< colors of surfaces without lightmap in both, but for the next two
+    Spread vertices;                      ///< colors of surfaces without lightmap in both, except those of the next two
     Spread undrawnVertices;               ///< the same for skies and other surfaces that no engine draws
     Spread unseenVertices;                ///< the same where the shader does not use vertex colors; needs shaders
     Spread lightmapVertices;              ///< colors of surfaces with lightmap in both
     std::vector<SurfaceDifference> worst; ///< surfaces with lightmaps in both, the worst mean first
 };
 
-/// Samples every surface at the same points in both. shaders: of the game, null if unknown. Errors: Error, for files of
-/// different maps.
+/// Samples every surface at the same points in both. `shaders`: null if the game is unknown. Errors: Error, for files
+/// of different maps.
 Comparison Compare(const LitMap &a, const LitMap &b, int samplesASurface, std::size_t worstCount,
                    ShaderLibrary *shaders = nullptr);
 

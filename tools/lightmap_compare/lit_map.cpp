@@ -28,7 +28,7 @@ std::vector<Page> PagesOfLump(const Bsp &bsp, int side) {
     return pages;
 }
 
-/// Numbers count on from 0 without a gap, or are pages beside those of the lump.
+/// Images lm_0000.tga and so on, up to the first gap; gaps before `atLeast` are pages of the lump.
 std::vector<Page> PagesOfFolder(const std::filesystem::path &folder, std::size_t atLeast) {
     std::vector<Page> pages;
     std::error_code ignored;
@@ -48,7 +48,7 @@ std::vector<Page> PagesOfFolder(const std::filesystem::path &folder, std::size_t
     }
 }
 
-/// Generated shaders and the first page image that each names.
+/// Generated shaders, each with the first page image that it uses.
 std::map<std::string, int> PagesOfShaders(const std::filesystem::path &script, std::string_view mapName) {
     std::map<std::string, int> result;
     std::error_code ignored;
@@ -98,8 +98,8 @@ Vec3d PositionOf(const Bsp &bsp, const SurfacePoint &point) {
     return sum;
 }
 
-/// Running sums of twice the areas of the triangles.
-std::vector<double> AreasUpTo(const Bsp &bsp, const bspDrawSurface_t &s) {
+/// Cumulative sums of twice the triangle areas.
+std::vector<double> CumulativeAreas(const Bsp &bsp, const bspDrawSurface_t &s) {
     std::vector<double> area{0};
     for (int i = s.firstIndex; i + 2 < s.firstIndex + s.numIndexes; i += 3) {
         const auto at = [&](int corner) {
@@ -139,7 +139,7 @@ LitMap LitMap::Load(const std::filesystem::path &path, int side, Log &log) {
                                       fmt::format("q3map2_{}.shader", name),
                                   name);
     std::vector<Page> pages = PagesOfLump(bsp, side);
-    // Generated shaders count pages of the lump and images in one row.
+    // Generated shaders number the pages of the lump and the images in one sequence.
     std::size_t most = 0;
     for (const auto &[shader, page] : shaders)
         most = std::max(most, std::size_t(std::max(page, 0)) + 1);
@@ -201,7 +201,7 @@ bool DrawsVertexColors(const ShaderInfo &shader) {
 }
 
 bool IsBuried(const Bsp &bsp, std::size_t surface, const SurfacePoint &point) {
-    constexpr float kBefore = 1; // game units
+    constexpr float kInFront = 1; // game units
     const bspModel_t &world = bsp.models.front();
     const auto number = std::int64_t(surface);
     if (number < world.firstBSPSurface || number >= std::int64_t(world.firstBSPSurface) + world.numBSPSurfaces)
@@ -209,14 +209,14 @@ bool IsBuried(const Bsp &bsp, std::size_t surface, const SurfacePoint &point) {
     Vec3d normal;
     for (std::size_t i = 0; i < point.count; ++i)
         normal += Vec3d(bsp.drawVerts[std::size_t(point.verts[i])].normal) * point.weights[i];
-    const Vec3f before = Vec3f(PositionOf(bsp, point)) + Normalize(Vec3f(normal)) * kBefore;
-    return bsp.leafs[std::size_t(LeafAt(bsp, before))].cluster == kSolidCluster;
+    const Vec3f front = Vec3f(PositionOf(bsp, point)) + Normalize(Vec3f(normal)) * kInFront;
+    return bsp.leafs[std::size_t(LeafAt(bsp, front))].cluster == kSolidCluster;
 }
 
 double AreaOf(const Bsp &bsp, std::size_t surface) {
     const bspDrawSurface_t &s = bsp.drawSurfaces[surface];
     if (s.surfaceType == MST_PLANAR || s.surfaceType == MST_TRIANGLE_SOUP)
-        return AreasUpTo(bsp, s).back() / 2;
+        return CumulativeAreas(bsp, s).back() / 2;
     if (s.surfaceType != MST_PATCH)
         return 0;
     constexpr int kSteps = 32;
@@ -240,7 +240,7 @@ std::vector<SurfacePoint> PointsOn(const Bsp &bsp, std::size_t surface, int coun
     }
     if (s.surfaceType != MST_PLANAR && s.surfaceType != MST_TRIANGLE_SOUP)
         return points;
-    const std::vector<double> area = AreasUpTo(bsp, s);
+    const std::vector<double> area = CumulativeAreas(bsp, s);
     const auto index = [&](std::size_t triangle, std::size_t corner) {
         return s.firstVert + bsp.drawIndexes[std::size_t(s.firstIndex) + 3 * triangle + corner];
     };

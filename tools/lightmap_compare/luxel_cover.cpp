@@ -8,13 +8,12 @@ namespace q3::compare {
 
 namespace {
 
-/// Luxels are lit from that far above the surface, and count as in a brush that near to it. Game units.
-constexpr double kAbove = 1;
-constexpr float kBrushEpsilon = 0.125f;
-/// Coordinates are floats: blends have a trace of the next texel.
+constexpr double kAbove = 1;            ///< luxels are lit this far above the surface; game units
+constexpr float kBrushEpsilon = 0.125f; ///< points this close to a brush count as inside; game units
+/// Texels with less weight are ignored: they come from rounded coordinates.
 constexpr double kLeastWeight = 0.01;
 
-/// As the light stage takes brushes of the world for opaque, by the flags of the file alone.
+/// World brushes that the light stage takes as opaque, by the flags of the file alone.
 std::vector<bool> OpaqueBrushes(const Bsp &bsp) {
     const Game &game = Games().front();
     std::vector<bool> opaque(bsp.brushes.size());

@@ -7,7 +7,7 @@ namespace q3 {
 
 namespace {
 
-// Surface flags: sky, noimpact, nolightmap and its pair.
+// Surface flags of the parms sky, noimpact and nolightmap.
 constexpr std::uint32_t kSkyFlags = 0x4 | 0x10 | 0xC00;
 
 const char *const kShaderText = R"(// Demo arena: walls without textures, a lamp that shines, a sky with a sun.
@@ -88,7 +88,7 @@ void AddRooms(SceneBuilder &scene) {
     scene.SetInterior({-512, -384, 0}, {512, 384, 320}, Wall());
     scene.SetWallShader(BoxFace::MinusZ, {"textures/demo/floor"});
     scene.SetWallShader(BoxFace::PlusZ, {"textures/demo/sky", kSkyFlags});
-    // The ceiling, but for an opening over the east room.
+    // The ceiling, except for an opening over the east room.
     scene.AddBox({-512, -384, 288}, {128, 384, 320}, Wall());
     scene.AddBox({384, -384, 288}, {512, 384, 320}, Wall());
     scene.AddBox({128, -384, 288}, {384, -256, 320}, Wall());

@@ -7,7 +7,7 @@
 
 namespace q3 {
 
-/// A compiled, unlit map and what lighting it needs besides.
+/// A compiled, unlit map and the other inputs of the light stage.
 struct DemoMap {
     Bsp bsp;                ///< entities without lights, as after the bsp stage
     std::string mapText;    ///< all entities, lights too; no brushes

@@ -60,7 +60,7 @@ Vec3f TriangleNormal(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
     return -Cross(b - a, c - a);
 }
 
-// Along (next column) x (next row), by differences of the control points around (column, row).
+// (next column) x (next row), from differences of the control points around (column, row).
 Vec3f PatchNormal(std::span<const Vec3f> points, int width, int height, int column, int row) {
     const auto at = [&](int i, int j) { return points[std::size_t(j * width + i)]; };
     const Vec3f across = at(std::min(column + 1, width - 1), row) - at(std::max(column - 1, 0), row);
@@ -76,7 +76,7 @@ SceneBuilder::Surface BoxFaceSurface(const Boundsf &bounds, BoxFace face, const 
     Vec3f normal;
     normal[axis] = plus ? 1.0f : -1.0f;
     SceneBuilder::Surface surface{shader, MST_PLANAR, {}, {0, 1, 2, 0, 2, 3}};
-    // Counterclockwise seen against `axis`, which is clockwise from the minus side.
+    // Counterclockwise as seen from the plus side of `axis`, so clockwise from the minus side.
     for (const auto &[atU, atV] : {std::pair{false, false}, {true, false}, {true, true}, {false, true}}) {
         Vec3f point;
         point[axis] = plus ? bounds.maxs[axis] : bounds.mins[axis];

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Compiled maps made of axis-aligned boxes, for tests and the demo.
 //
-// A scene of brushes alone has a map source (MapText) that the tests of lighting compile. The others are built here:
-// they need records that no source gives, as chosen visibility, surfaces without brushes, patches or soups with exact
-// points, or one cluster for many leafs.
+// Scenes of brushes alone have a map source (MapText), which the tests of lighting compile. Build is for scenes that no
+// map source can produce: given visibility, surfaces without brushes, patches or soups with exact points, one cluster
+// for many leafs.
 #pragma once
 
 #include "libs/math/bounds.h"
@@ -49,9 +49,9 @@ class SceneBuilder {
   public:
     static constexpr float kWallThickness = 16;
 
-    /// The room: six structural walls are added around it, and only this space can be open. Needed once.
+    /// The room: six structural walls are added around it, and only this space can be open. Required.
     void SetInterior(const Vec3f &mins, const Vec3f &maxs, const SceneShader &walls);
-    /// Replaces what is seen of one wall from inside; `wall` is the side of the room on which it stands.
+    /// Sets the shader of the inner face of one wall; `wall` is its side of the room.
     void SetWallShader(BoxFace wall, const SceneShader &shader);
     /// Adds a box and returns its number for SetFaceShader. Boxes may overlap and touch.
     int AddBox(const Vec3f &mins, const Vec3f &maxs, const SceneShader &shader, BoxKind kind = BoxKind::Structural);
@@ -74,10 +74,10 @@ class SceneBuilder {
     /// A map that passes ValidateBsp. Errors: no SetInterior, no open space left.
     Bsp Build() const;
 
-    /// Whether MapText can tell it all: boxes at multiples of 1/8 with shaders of the folder textures whose flags are
-    /// plain, no loose surfaces, no visibility, no entity outside.
+    /// Whether MapText can express the scene: boxes at multiples of 1/8 with shaders of the folder textures whose flags
+    /// are plain, no loose surfaces, no visibility, no entity outside.
     bool HasMapText() const;
-    /// The same scene as a map source, each open space with an info_null in it. Error: not HasMapText.
+    /// The scene as a map source, with an info_null in each separate open space. Error: not HasMapText.
     std::string MapText() const;
 
     /// Parts as Build sees them.

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. From the parts of a scene to a map source.
+// GPL-2.0-or-later. Writes a scene as a map source.
 #include "common/error.h"
 #include "tools/scene/scene_builder.h"
 
@@ -15,13 +15,13 @@ namespace {
 using Box = SceneBuilder::Box;
 
 constexpr int kDetailFlag = 1 << 27;
-constexpr std::string_view kFolder = "textures/"; ///< of all shaders, left out in map sources
+constexpr std::string_view kFolder = "textures/"; ///< prefix of all shaders, omitted in map sources
 
 bool IsPlain(const SceneShader &shader) {
     return shader.name.starts_with(kFolder) && shader == SceneShader{shader.name};
 }
 
-/// Coordinates that draw vertices can have: they are rounded.
+/// Whether the bsp stage keeps the coordinates exactly: it rounds vertices.
 bool IsOnGrid(const Vec3f &p) {
     for (std::size_t axis = 0; axis < 3; axis++)
         if (p[axis] * 8 != std::nearbyint(p[axis] * 8) || std::abs(p[axis]) > 60000)
@@ -68,7 +68,7 @@ std::string EntityText(const Entity &entity, std::span<const Box> brushes) {
     return text + "}\n";
 }
 
-/// The interior in cells between the sides of solid boxes.
+/// The interior, cut into cells by the sides of structural boxes.
 class Cells {
   public:
     Cells(const Boundsf &interior, std::span<const Box> boxes) {
@@ -88,7 +88,7 @@ class Cells {
                 return box.kind == BoxKind::Structural && box.bounds.Contains(MiddleOf(i));
             });
     }
-    /// A place in each of the spaces that have no way from one to another.
+    /// One point in each connected open space.
     std::vector<Vec3f> Places() {
         std::vector<Vec3f> places;
         for (std::size_t i = 0; i < closed_.size(); i++)
@@ -110,7 +110,7 @@ class Cells {
             p[axis] = (cuts_[axis][At(cell)[axis]] + cuts_[axis][At(cell)[axis] + 1]) / 2;
         return p;
     }
-    /// The cell and all that can be reached from it.
+    /// Closes the cell and all open cells connected to it.
     void Close(std::size_t cell) {
         std::vector<std::size_t> pending{cell};
         while (!pending.empty()) {

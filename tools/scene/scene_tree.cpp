@@ -12,7 +12,7 @@ namespace {
 using Solids = std::vector<Boundsf>;
 
 constexpr int kWallPlanes = 6;
-constexpr std::ptrdiff_t kSplitCost = 4; ///< of a box cut in two, against one more box on the fuller side
+constexpr std::ptrdiff_t kSplitCost = 4; ///< of each box cut in two, relative to an imbalance of one box
 
 bool Inside(const Boundsf &region, const Boundsf &box) {
     return box.Contains(region.mins) && box.Contains(region.maxs);
@@ -38,7 +38,7 @@ std::ptrdiff_t Cost(const Solids &solids, const Plane &plane) {
     return std::abs(front - back) + kSplitCost * split;
 }
 
-// A box that overlaps the region without filling it has a plane strictly inside the region.
+// There always is one: a box that overlaps the region without filling it has a side strictly inside the region.
 Plane Choose(const Solids &solids, const Boundsf &region) {
     Plane best;
     std::ptrdiff_t bestCost = -1;
@@ -58,7 +58,7 @@ class TreeBuilder {
   public:
     explicit TreeBuilder(const Boundsf &interior) : interior_(interior) { tree_.leafs.emplace_back(); }
 
-    /// First the six planes of the room, then its inside.
+    /// Splits by the six planes of the room, then its interior.
     int AddRoom(int wall, const Boundsf &region, const Solids &solids) {
         if (wall == kWallPlanes)
             return AddRegion(region, solids);

@@ -27,10 +27,10 @@ struct SceneTree {
     std::vector<SceneTreeLeaf> leafs;
 };
 
-/// Everything outside `interior` is solid, and inside it what the boxes fill. `outer` bounds the regions outside.
+/// Solid is everything outside `interior`, and the boxes inside it. `outer` bounds the whole tree.
 SceneTree BuildSceneTree(const Boundsf &interior, const Boundsf &outer, const std::vector<Boundsf> &solids);
 
-/// True when the insides of two boxes meet.
+/// Whether the interiors of two boxes intersect.
 bool Overlap(const Boundsf &a, const Boundsf &b);
 
 } // namespace q3

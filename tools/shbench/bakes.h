@@ -33,7 +33,7 @@ struct Baked {
 /// Lights a copy of the map in process. `sh`: the SH grid alone, else the legacy grid alone. Errors: as LightWorld.
 Baked Bake(const BenchMap &map, LightOptions options, bool sh, ShaderLibrary &library, const JobPool &jobs);
 
-/// What an engine shows with the SH grid, or with the legacy grid, of a lit map. Keep the map. Errors: no such grid.
+/// What an engine shows with the SH or the legacy grid of a lit map, which must outlive it. Errors: no such grid.
 ShownLight ShownBySH(const Bsp &bsp);
 ShownLight ShownByLegacy(const Bsp &bsp);
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A map ready to be measured.
+// GPL-2.0-or-later. A map with everything that its reference light is computed from.
 #include "tools/shbench/bench_map.h"
 
 #include "common/error.h"

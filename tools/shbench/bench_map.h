@@ -17,7 +17,7 @@ namespace q3::bench {
 /// so it is neither copied nor moved.
 class BenchMap {
   public:
-    /// `options` without the settings that trade quality for speed: those are ignored. Errors: as LightWorld.
+    /// Ignores those `lightOptions` that trade quality for speed. Errors: as LightWorld.
     BenchMap(Bsp map, LightInputs files, const LightOptions &lightOptions, ShaderLibrary &library, Log &log);
     BenchMap(const BenchMap &) = delete;
     BenchMap &operator=(const BenchMap &) = delete;
@@ -27,11 +27,11 @@ class BenchMap {
     const LightOptions options;
     const std::vector<Entity> stored; ///< entities of the .bsp, the world first
     const WorldLight world;
-    SurfaceTable table;               ///< with the numbers of skies
+    SurfaceTable table;               ///< with skyIndex, set by CreateLights
     const std::vector<Light> created; ///< before SetupEnvelopes
     const BspSpace space;
     const LightScene scene;
-    const std::vector<Light> lights; ///< those of style 0, everywhere in reach
+    const std::vector<Light> lights; ///< those of style 0, with unlimited bounds
 };
 
 /// Options as words, split at blanks, for ParseLightOptions. Errors: words that it does not know.

@@ -21,7 +21,7 @@ struct Contender {
     bool legacy = false;
 };
 
-/// Points of the grid that a line of the report is about.
+/// Layout of the grid that a line of the report measures.
 GridLayout LayoutOf(const BenchMap &map, const Baked &baked, bool legacy) {
     if (!legacy) {
         const bspGridSHHeader_t &header = baked.bsp.gridSH->header;
@@ -41,7 +41,7 @@ void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &s
     result.worst = WorstText(truth, worst, errors, causes, one.line.name);
     if (!settings.plan)
         return;
-    const bool isBake = one.line.name != kPlainName && !one.legacy; // the others' text is no list of options
+    const bool isBake = one.line.name != kPlainName && !one.legacy; // `options` of the other lines is plain text
     const std::string options = settings.options + (isBake ? " " + one.line.options : "");
     std::string setting = one.line.name;
     if (options.find('-') != std::string::npos)
@@ -50,8 +50,8 @@ void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &s
     result.plan = MakeErrorPlan(map, {truth, errors, causes, worst, settings.worstBy, grid, setting}, jobs);
 }
 
-/// Bakes all in turn, so that a machine that changes its pace treats them alike; keeps the least time of each. Bare
-/// Embree is measured between them for the same reason.
+/// Bakes all contenders in turn, so that changes of the clock rate affect them alike, and keeps the least time of each.
+/// Bare Embree is measured between the bakes for the same reason.
 void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const Truth &truth,
                 const EmbreeThroughput *raw, const BenchSettings &settings, const JobPool &jobs, Log &progress,
                 BenchResult &result) {

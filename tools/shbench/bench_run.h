@@ -40,7 +40,7 @@ struct BenchResult {
 /// A map from files, with the game's shaders.
 class BenchFiles {
   public:
-    /// `words` of the command line, to find the engine path in. Errors: as the light stage.
+    /// `words`: the command line, which may contain the engine path. Errors: as the light stage.
     BenchFiles(const GlobalOptions &global, const std::vector<std::string> &words, const std::filesystem::path &program,
                const std::filesystem::path &bspPath, const LightOptions &options, Log &log);
     const BenchMap &Map() const { return *map_; }
@@ -52,11 +52,11 @@ class BenchFiles {
     std::unique_ptr<BenchMap> map_;
 };
 
-/// Where the SH grid of the default setting has its points.
+/// Layout of the SH grid under default settings.
 bspGridSHHeader_t DefaultLayout(const BenchMap &map);
 
-/// Measures all settings, the plain baker and the legacy grid. `progress` says what is going on. Errors: worst
-/// positions asked of a setting that is not there.
+/// Measures all settings, the plain baker and the legacy grid. `progress` gets status lines. Errors:
+/// `worstOf` is not among the settings.
 BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings, const Game &game,
                      const JobPool &jobs, Log &progress);
 

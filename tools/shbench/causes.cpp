@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Why a grid errs at a position.
+// GPL-2.0-or-later. Why a grid is wrong at a position.
 #include "tools/shbench/causes.h"
 
 #include "tools/shbench/cell_sight.h"
@@ -11,26 +11,26 @@ namespace q3::bench {
 
 namespace {
 
-constexpr double kFloorShare = 0.7;       ///< of the error, from which on the projection is to blame
-constexpr double kAccounts = 0.5;         ///< of the grid error
-constexpr double kNearCells = 2;          ///< distance of a near light
-constexpr double kLeftOut = 0.05;         ///< of the grid error: the faintest lights, which together could not matter
-constexpr double kMuch = 1, kSome = 0.25; ///< light for which an area light gets more rays, bytes
-constexpr int kMuchRays = 16, kSomeRays = 4;
+constexpr double kFloorShare = 0.7;                         ///< of the error: above it, the projection is the cause
+constexpr double kCauseShare = 0.5;                         ///< of the grid error, which a cause must exceed
+constexpr double kNearCells = 2;                            ///< lights within this distance are near
+constexpr double kLeftOutShare = 0.05;                      ///< of the grid error: sum of the faintest lights left out
+constexpr double kManyRaysAbove = 1, kSomeRaysAbove = 0.25; ///< area lights above this get more rays, bytes
+constexpr int kManyRays = 16, kSomeRays = 4;
 
 constexpr std::array<std::string_view, kCauses> kNames = {"floor", "shadow edge between points", "near light", "wall",
                                                           "interpolation"};
 
-/// Change of the projection, by channel.
+/// Change of the nine SH coefficients.
 using Change = std::array<Vec3d, 9>;
 
 /// A light that matters at the position or beside it.
 struct Candidate {
     const Light *light;
     bool isNear = false;
-    ShVector here{};  ///< at the position without shadows, for full colour
+    ShVector here{};  ///< at the position without shadows, for color 1 1 1
     Vec3d color;      ///< with sign, times scale, 1.0 = byte 255
-    double bytes = 0; ///< RMS over normals; of near lights the largest of all positions
+    double bytes = 0; ///< RMS over normals; of near lights the largest over position and corners
 };
 
 /// RMS over all directions of a sum over the basis.
@@ -49,7 +49,7 @@ double ShownChange(const TruthPoint &point, const Change &change) {
     return ErrorsAt(point, ProjectedLight(changed), ProjectedLight(point)).grid;
 }
 
-/// Lights that give something, but for the faintest.
+/// Lights with any effect, strongest first, without the faintest.
 std::vector<Candidate> LightsThatMatter(const BenchMap &map, const CellSight &sight, const Vec3f &cell,
                                         double gridError) {
     const double scale = (map.options.gridScale > 0 ? double(map.options.gridScale) : 1) / 255;
@@ -69,7 +69,7 @@ std::vector<Candidate> LightsThatMatter(const BenchMap &map, const CellSight &si
             all.push_back(one);
     }
     std::stable_sort(all.begin(), all.end(), [](const auto &a, const auto &b) { return a.bytes > b.bytes; });
-    double left = kLeftOut * gridError;
+    double left = kLeftOutShare * gridError;
     while (!all.empty() && all.back().bytes <= left) {
         left -= all.back().bytes;
         all.pop_back();
@@ -77,15 +77,15 @@ std::vector<Candidate> LightsThatMatter(const BenchMap &map, const CellSight &si
     return all;
 }
 
-/// What the corners make of the lights, against the position itself. For one light with light h at the position and c
-/// at a corner without shadows, and shares s and t of it seen there: t c - s h = (t - s) h + t (c - h).
+/// Blend of the corners minus the light at the position. A light that gives h at the position and c at a corner without
+/// shadows, with visible shares s and t, adds t c - s h = (t - s) h + t (c - h).
 struct CellChanges {
-    Change shadows{};  ///< the first part
-    Change nearness{}; ///< the second, of near lights
+    Change shadows{};  ///< the first term
+    Change nearness{}; ///< the second term, of near lights
 };
 
 void AddChanges(const Candidate &one, const CellSight &sight, CellChanges &changes) {
-    const int samples = one.bytes > kMuch ? kMuchRays : one.bytes > kSome ? kSomeRays : 1;
+    const int samples = one.bytes > kManyRaysAbove ? kManyRays : one.bytes > kSomeRaysAbove ? kSomeRays : 1;
     const CellSight::Shares shares = sight.Seen(*one.light, samples);
     for (std::size_t corner = 0; corner < CellSight::kCorners; ++corner) {
         const double weight = sight.Weights()[corner];
@@ -119,9 +119,9 @@ Cause FindCause(const BenchMap &map, const GridLayout &layout, const TruthPoint 
         CellChanges changes;
         for (const Candidate &one : LightsThatMatter(map, sight, cell, errors.grid))
             AddChanges(one, sight, changes);
-        if (ShownChange(point, changes.shadows) > kAccounts * errors.grid)
+        if (ShownChange(point, changes.shadows) > kCauseShare * errors.grid)
             return Cause::ShadowEdge;
-        if (ShownChange(point, changes.nearness) > kAccounts * errors.grid)
+        if (ShownChange(point, changes.nearness) > kCauseShare * errors.grid)
             return Cause::NearLight;
     }
     return sight.AnyHidden() ? Cause::Wall : Cause::Interpolation;

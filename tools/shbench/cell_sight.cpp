@@ -14,7 +14,7 @@ namespace q3::bench {
 
 namespace {
 
-/// Rays to an area light after which no more are cast where each place saw all or nothing.
+/// No more rays are cast to an area light of which each receiver saw all or nothing by this many.
 constexpr int kFirstRays = 4;
 
 ShVector FromDirection(const Vec3d &d, double light) {
@@ -44,7 +44,7 @@ Vec3d NearestOnTriangle(const Vec3d &p, const Vec3d &a, const Vec3d &b, const Ve
     return inside ? nearest : onEdge;
 }
 
-/// Place `sample` of the polygon: its centre, then evenly over its area.
+/// Point `sample` of the polygon: 0 is its center, the others are spread evenly over its area.
 Vec3f PointOn(const Light &light, int sample) {
     const Winding<float> &w = light.w;
     if (sample == 0)
@@ -71,8 +71,8 @@ double HeightOver(const Light &light, const Vec3f &p) {
     return Dot(light.shape.normal, Vec3d(p)) - light.shape.dist;
 }
 
-/// Whether each place saw all of so many rays, or none.
-bool Alike(const CellSight::Shares &sums, int rays) {
+/// Whether each receiver saw either all rays or none.
+bool AllOrNothing(const CellSight::Shares &sums, int rays) {
     return std::all_of(sums.begin(), sums.end(), [&](const Vec3d &sum) {
         return sum == Vec3d{} || sum == Vec3d{1, 1, 1} * double(rays);
     });
@@ -191,7 +191,7 @@ CellSight::Shares CellSight::Seen(const Light &light, int samples) const {
     int ray = 0;
     while (ray < (area ? samples : 1)) {
         AddRay(light, area ? PointOn(light, ray++) : light.origin, shares);
-        if (!area || (ray == kFirstRays && Alike(shares, ray)))
+        if (!area || (ray == kFirstRays && AllOrNothing(shares, ray)))
             break;
     }
     for (Vec3d &share : shares)

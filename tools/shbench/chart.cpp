@@ -109,7 +109,7 @@ void Painter::DrawReferences() {
     if (chart_.level && y_.Shows(*chart_.level)) {
         const double y = y_.At(*chart_.level);
         drawing_.Line(kLeft, y, kRight, y);
-        drawing_.Text(kRight - 6, y + kText + 3, 1, chart_.levelLabel); // nothing is under a floor
+        drawing_.Text(kRight - 6, y + kText + 3, 1, chart_.levelLabel); // no value lies below a floor
         const double width = drawing_.TextWidth(chart_.levelLabel);
         labels_.Take({kRight - 8 - width, y, kRight, y + kText + 8});
         labels_.Take({kLeft, y - 1, kRight, y + 1});
@@ -168,7 +168,7 @@ void Painter::DrawLabels() {
             const double x = x_.At(point.x), y = y_.At(point.y);
             const Box box = labels_.Place(x, y, kDot, drawing_.TextWidth(point.label));
             const double middle = (box.y0 + box.y1) / 2;
-            if (std::abs(middle - y) > 20) { // a thin line tells which dot it belongs to
+            if (std::abs(middle - y) > 20) { // a leader line to its dot
                 drawing_.Use(kFaded);
                 cairo_set_line_width(canvas_, 0.7);
                 drawing_.Line(x, y, std::clamp(x, box.x0, box.x1), middle > y ? box.y0 : box.y1);

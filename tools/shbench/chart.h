@@ -14,7 +14,7 @@ struct ChartPoint {
     std::string label; ///< beside the dot; may be empty
 };
 
-/// Dots of one colour, joined in their order if `joined`.
+/// Dots of one color, joined in their order if `joined`.
 struct ChartSeries {
     std::string name; ///< for the key; empty: not in it
     std::vector<ChartPoint> points;

@@ -27,7 +27,7 @@ bool HasExtension(const std::filesystem::path &file, std::string_view extension)
     return EqualNoCase(file.extension().string(), extension);
 }
 
-/// Places beside, above and below the dot, on rings that grow.
+/// Candidate number `place` for a label: beside, above or below the dot, farther out every six.
 Box LabelBox(double x, double y, double radius, double width, int place) {
     const int ring = place / 6, side = place % 6;
     const double dx = radius + 5, dy = 17.0 * ring;

@@ -49,8 +49,8 @@ class LabelPlaces {
   public:
     explicit LabelPlaces(const Box &frame) : frame_(frame) {}
     void Take(const Box &box) { taken_.push_back(box); }
-    /// Box for a text of that width for a dot at (x, y), which is then taken. The nearest free one; beside the dot if
-    /// there is none.
+    /// Finds the nearest free box for a label of a dot at (x, y), and takes it. If none is free, the one beside the
+    /// dot.
     Box Place(double x, double y, double radius, double width);
 
   private:

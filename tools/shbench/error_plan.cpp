@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What the picture of a grid's errors shows.
+// GPL-2.0-or-later. Collects what the picture of a grid's errors shows.
 #include "tools/shbench/error_plan.h"
 
 #include <algorithm>
@@ -9,15 +9,15 @@ namespace q3::bench {
 namespace {
 
 /// Picture units.
-constexpr double kPlanLeft = 24, kPlanTop = 102, kMostWidth = 616, kMostHeight = 790;
-constexpr int kCellsPerUnit = 2;   ///< of the ground, per picture unit: pixels of a PNG
-constexpr float kMargin = 48;      ///< of the area around the positions, game units
-constexpr int kMostLevels = 24;    ///< heights at which space is looked for
-constexpr float kStep = 20;        ///< least difference of floors that is drawn: more than steps of stairs, game units
-constexpr float kLevelStep = 32;   ///< least distance of these
-constexpr double kScaleEnd = 0.98; ///< share of the positions within the colour scale
+constexpr double kPlanLeft = 24, kPlanTop = 102, kMaxWidth = 616, kMaxHeight = 790;
+constexpr int kCellsPerUnit = 2;    ///< of the ground, per picture unit: one per PNG pixel
+constexpr float kMargin = 48;       ///< of the area around the positions, game units
+constexpr int kMaxLevels = 24;      ///< heights at which open space is searched for
+constexpr float kFloorStep = 20;    ///< floors that differ by more get an edge; over a stair step, game units
+constexpr float kLevelSpacing = 32; ///< least spacing of these heights, game units
+constexpr double kScaleEnd = 0.98;  ///< share of the positions within the color scale
 
-/// The least of 1, 1.5, 2, 3, 5, 7 times a power of ten that is not less.
+/// Rounds up to 1, 1.5, 2, 3, 5 or 7 times a power of ten.
 double RoundUp(double value) {
     if (!(value > 0))
         return 1;
@@ -49,7 +49,7 @@ Boundsf AreaOf(const std::vector<PlanDot> &dots) {
     return {area.mins - margin, area.maxs + margin};
 }
 
-/// Of the rings; of all positions without any.
+/// Of the worst positions, or of all positions without rings.
 float MedianHeight(const ErrorPlan &plan) {
     std::vector<float> heights;
     for (const ErrorPlan::Ring &ring : plan.rings)
@@ -77,7 +77,7 @@ class GroundRow {
         const float height = heights_[std::size_t(column)];
         return height == kNone ? PlanGround::Solid : height == plan_.height ? PlanGround::Open : PlanGround::Elsewhere;
     }
-    /// Heights of the first things under open space; kNone where there is none.
+    /// Heights of the first surfaces below the probes; kNone in solid.
     std::vector<float> Floors() const {
         std::vector<float> floors(heights_.size(), kNone);
         for (std::size_t first = 0; first < heights_.size(); first += kPacketSize) {
@@ -105,12 +105,12 @@ class GroundRow {
         const float width = plan_.area.maxs.x - plan_.area.mins.x;
         return plan_.area.mins.x + width * (float(column) + 0.5f) / float(plan_.columns);
     }
-    /// The plan's height if it is open, else an open one of the positions' heights, the highest first.
+    /// The plan's height if it is open there, else the highest open height in the range of the positions.
     float OpenHeight(float x) const {
         if (map_.space.ClusterAt({x, y_, plan_.height}, 0) >= 0)
             return plan_.height;
         const float range = plan_.area.maxs.z - plan_.area.mins.z;
-        const int levels = std::clamp(int(range / kLevelStep) + 1, 1, kMostLevels);
+        const int levels = std::clamp(int(range / kLevelSpacing) + 1, 1, kMaxLevels);
         for (int level = 0; level < levels; ++level) {
             const float z = plan_.area.maxs.z - range * (float(level) + 0.5f) / float(levels);
             if (map_.space.ClusterAt({x, y_, z}, 0) >= 0)
@@ -125,12 +125,12 @@ class GroundRow {
     std::vector<float> heights_;
 };
 
-/// Marks where floors beside each other differ by a step. `floors`: of the whole plan.
+/// Marks neighboring cells whose floors differ by more than kFloorStep. `floors`: of the whole plan.
 void MarkSteps(const std::vector<float> &floors, ErrorPlan &plan) {
     const auto columns = std::size_t(plan.columns);
     const auto differ = [&](std::size_t a, std::size_t b) {
         return plan.ground[a] != PlanGround::Solid && plan.ground[b] != PlanGround::Solid &&
-               std::abs(floors[a] - floors[b]) > kStep;
+               std::abs(floors[a] - floors[b]) > kFloorStep;
     };
     std::vector<std::size_t> steps;
     for (std::size_t at = 0; at < plan.ground.size(); ++at)
@@ -170,9 +170,9 @@ double Total(const std::vector<PlaceErrors> &errors, double PlaceErrors::*which)
 PlanFrame FrameOf(const Boundsf &area) {
     const double width = double(area.maxs.x - area.mins.x), height = double(area.maxs.y - area.mins.y);
     PlanFrame frame;
-    frame.scale = std::min(kMostWidth / width, kMostHeight / height);
+    frame.scale = std::min(kMaxWidth / width, kMaxHeight / height);
     frame.width = width * frame.scale, frame.height = height * frame.scale;
-    frame.x = kPlanLeft + (kMostWidth - frame.width) / 2, frame.y = kPlanTop;
+    frame.x = kPlanLeft + (kMaxWidth - frame.width) / 2, frame.y = kPlanTop;
     return frame;
 }
 

@@ -9,10 +9,10 @@
 
 namespace q3::bench {
 
-/// What is at a place of the plan.
+/// What a cell of the plan shows.
 enum class PlanGround : std::uint8_t {
     Solid,     ///< or outside, at all heights
-    Elsewhere, ///< open at another height of the positions
+    Elsewhere, ///< open only at another height in the range of the positions
     Open,      ///< open at the plan's height
     Step       ///< edge of something under open space
 };
@@ -36,8 +36,8 @@ struct ErrorPlan {
     std::size_t suns = 0; ///< lights without a place
     std::array<CauseShare, kCauses> shares{};
     Boundsf area;     ///< what is drawn; z: the heights of the positions
-    float height = 0; ///< of the plan
-    double full = 1;  ///< error at the end of the colour scale
+    float height = 0; ///< z of the plan
+    double full = 1;  ///< error at the end of the color scale
     int columns = 0, rows = 0;
     std::vector<PlanGround> ground; ///< row by row, north first
 };
@@ -61,7 +61,7 @@ struct PlanInputs {
 /// The plan is at the median height of the worst positions.
 ErrorPlan MakeErrorPlan(const BenchMap &map, const PlanInputs &in, const JobPool &jobs);
 
-/// Colour of an error, display values; share 0 to 1 of the scale.
+/// Display color of an error at `share` (0..1) of the scale.
 Vec3f ErrorColor(double share);
 
 /// Errors: a name that ends in neither .png nor .svg, a file that cannot be written.

@@ -17,13 +17,13 @@ namespace q3::bench {
 namespace {
 
 /// Picture units.
-constexpr double kPlanWidth = 1000, kSide = 662, kSideEnd = 976, kBottomMargin = 50;
-constexpr double kRing = 8, kLeastDot = 1.6, kMostDot = 4.2, kCross = 3;
+constexpr double kPlanWidth = 1000, kSideLeft = 662, kSideRight = 976, kBottomMargin = 50;
+constexpr double kRing = 8, kMinDot = 1.6, kMaxDot = 4.2, kCross = 3;
 constexpr double kCrossRaster = 8; ///< one cross stands for all lights in a square of it
-constexpr double kLine = 19;       ///< of text
+constexpr double kLineHeight = 19; ///< of text
 constexpr double kSmall = 12;      ///< text in lists
-constexpr std::size_t kMostListed = 24;
-constexpr float kOtherStorey = 96; ///< game units off the plan's height
+constexpr std::size_t kMaxListed = 24;
+constexpr float kLevelHeight = 96; ///< positions farther off the plan's height get dashed rings; game units
 constexpr Color kSolid{0.74, 0.76, 0.79}, kElsewhere{0.90, 0.91, 0.92}, kOpen{1, 1, 1}, kStepLine{0.68, 0.70, 0.74},
     kLight{0.05, 0.35, 0.85};
 constexpr std::array<Color, 4> kGroundColors = {kSolid, kElsewhere, kOpen, kStepLine}; ///< by PlanGround
@@ -69,14 +69,14 @@ class PlanPainter {
   private:
     double X(const Vec3f &p) const { return frame_.x + double(p.x - plan_.area.mins.x) * frame_.scale; }
     double Y(const Vec3f &p) const { return frame_.y + double(plan_.area.maxs.y - p.y) * frame_.scale; }
-    bool OtherStorey(const Vec3f &p) const { return std::abs(p.z - plan_.height) > kOtherStorey; }
-    std::size_t Listed() const { return std::min(plan_.rings.size(), kMostListed); }
+    bool OnOtherLevel(const Vec3f &p) const { return std::abs(p.z - plan_.height) > kLevelHeight; }
+    std::size_t Listed() const { return std::min(plan_.rings.size(), kMaxListed); }
     std::string Fitting(std::string text, double width);
     void DrawGround();
     void DrawDots();
     void DrawLights();
     void DrawCross(double x, double y);
-    void DrawRing(double x, double y, bool otherStorey);
+    void DrawRing(double x, double y, bool otherLevel);
     void DrawRings();
     void DrawFrame();
     double DrawScale(double y);
@@ -91,10 +91,10 @@ class PlanPainter {
 };
 
 double PlanPainter::Height(const ErrorPlan &plan) {
-    const std::size_t listed = std::min(plan.rings.size(), kMostListed);
+    const std::size_t listed = std::min(plan.rings.size(), kMaxListed);
     const double lines = double(listed + (plan.rings.size() > listed ? 1 : 0)) + double(kCauses) + 10;
     const PlanFrame frame = FrameOf(plan.area);
-    return std::ceil(std::max(frame.y + frame.height + kBottomMargin, frame.y + 90 + lines * kLine + 24));
+    return std::ceil(std::max(frame.y + frame.height + kBottomMargin, frame.y + 90 + lines * kLineHeight + 24));
 }
 
 std::string PlanPainter::Fitting(std::string text, double width) {
@@ -103,7 +103,7 @@ std::string PlanPainter::Fitting(std::string text, double width) {
     while (!text.empty() && drawing_.TextWidth(text + "...") > width)
         do
             text.pop_back();
-        while (!text.empty() && (text.back() & 0xC0) == 0x80); // no half of a character
+        while (!text.empty() && (text.back() & 0xC0) == 0x80); // whole UTF-8 characters only
     return text + "...";
 }
 
@@ -111,7 +111,7 @@ void PlanPainter::DrawGround() {
     const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t *)> image(
         cairo_image_surface_create(CAIRO_FORMAT_RGB24, plan_.columns, plan_.rows), cairo_surface_destroy);
     unsigned char *pixels = cairo_image_surface_get_data(image.get());
-    if (!pixels) // the status of the surface tells why, and reaches the canvas below
+    if (!pixels) // the canvas takes over the error status of the image
         return cairo_set_source_surface(canvas_, image.get(), 0, 0);
     const auto stride = std::size_t(cairo_image_surface_get_stride(image.get()));
     const auto byte = [](double value) { return std::uint32_t(std::lround(255 * value)); };
@@ -142,7 +142,7 @@ void PlanPainter::DrawDots() {
         const PlanDot &dot = plan_.dots[i];
         const double share = std::min(1.0, dot.error / plan_.full);
         drawing_.Use(ColorOf(share));
-        drawing_.Dot(X(dot.position), Y(dot.position), kLeastDot + share * (kMostDot - kLeastDot));
+        drawing_.Dot(X(dot.position), Y(dot.position), kMinDot + share * (kMaxDot - kMinDot));
     }
 }
 
@@ -164,14 +164,14 @@ void PlanPainter::DrawLights() {
     }
 }
 
-void PlanPainter::DrawRing(double x, double y, bool otherStorey) {
+void PlanPainter::DrawRing(double x, double y, bool otherLevel) {
     const double dashes[2] = {3, 2.5};
     drawing_.Use({1, 1, 1, 0.85});
     cairo_set_line_width(canvas_, 4);
     drawing_.Ring(x, y, kRing);
     drawing_.Use(kInk);
     cairo_set_line_width(canvas_, 1.6);
-    cairo_set_dash(canvas_, dashes, otherStorey ? 2 : 0, 0);
+    cairo_set_dash(canvas_, dashes, otherLevel ? 2 : 0, 0);
     drawing_.Ring(x, y, kRing);
     cairo_set_dash(canvas_, nullptr, 0, 0);
 }
@@ -184,14 +184,14 @@ void PlanPainter::DrawRings() {
     }
     for (std::size_t i = plan_.rings.size(); i-- > 0;) { // the worst on top
         const Vec3f &p = plan_.dots[plan_.rings[i].dot].position;
-        DrawRing(X(p), Y(p), OtherStorey(p));
+        DrawRing(X(p), Y(p), OnOtherLevel(p));
     }
     for (std::size_t i = 0; i < plan_.rings.size(); ++i) {
         const Vec3f &p = plan_.dots[plan_.rings[i].dot].position;
         const std::string number = std::to_string(i + 1);
         const Box box = labels.Place(X(p), Y(p), kRing, drawing_.TextWidth(number));
         const double middle = (box.y0 + box.y1) / 2;
-        if (std::abs(middle - Y(p)) > kRing + 14) { // a line tells which ring it belongs to
+        if (std::abs(middle - Y(p)) > kRing + 14) { // a leader line to its ring
             drawing_.Use(kInk);
             cairo_set_line_width(canvas_, 0.8);
             const double side = middle > Y(p) ? 1 : -1;
@@ -223,29 +223,29 @@ void PlanPainter::DrawFrame() {
 
 double PlanPainter::DrawScale(double y) {
     drawing_.Use(kInk);
-    drawing_.Text(kSide, y + 11, 0, plan_.errorName);
+    drawing_.Text(kSideLeft, y + 11, 0, plan_.errorName);
     const int steps = 100;
-    const double width = kSideEnd - kSide, top = y + 22, bottom = top + 14;
+    const double width = kSideRight - kSideLeft, top = y + 22, bottom = top + 14;
     for (int i = 0; i < steps; ++i) {
         drawing_.Use(ColorOf((i + 0.5) / steps));
-        drawing_.Fill(
-            {kSide + width * i / steps, top, kSide + width * (i + 1) / steps + (i + 1 < steps ? 0.5 : 0), bottom});
+        drawing_.Fill({kSideLeft + width * i / steps, top,
+                       kSideLeft + width * (i + 1) / steps + (i + 1 < steps ? 0.5 : 0), bottom});
     }
     drawing_.Use(kFaded);
-    drawing_.Text(kSide, bottom + 17, 0, "0");
-    drawing_.Text((kSide + kSideEnd) / 2, bottom + 17, 0.5, fmt::format("{:g}", plan_.full / 2));
-    drawing_.Text(kSideEnd, bottom + 17, 1, fmt::format("{:g} and more", plan_.full));
+    drawing_.Text(kSideLeft, bottom + 17, 0, "0");
+    drawing_.Text((kSideLeft + kSideRight) / 2, bottom + 17, 0.5, fmt::format("{:g}", plan_.full / 2));
+    drawing_.Text(kSideRight, bottom + 17, 1, fmt::format("{:g} and more", plan_.full));
     return bottom + 20;
 }
 
 double PlanPainter::DrawKey(double y) {
-    const double symbol = kSide + kRing, text = kSide + 30;
+    const double symbol = kSideLeft + kRing, text = kSideLeft + 30;
     const auto line = [&](const std::string &words) {
         drawing_.Use(kInk);
         drawing_.Text(text, y + 4.5, 0, words, kSmall);
-        y += kLine;
+        y += kLineHeight;
     };
-    y += kLine / 2;
+    y += kLineHeight / 2;
     const auto swatch = [&](const Color &color, const std::string &words) {
         const Box box{symbol - 8, y - 6, symbol + 8, y + 6};
         drawing_.Use(color);
@@ -271,16 +271,16 @@ double PlanPainter::DrawKey(double y) {
     DrawRing(symbol, y, false);
     line("worst positions, numbered as below");
     DrawRing(symbol, y, true);
-    line(fmt::format("the same, over {:.0f} units off the plan", double(kOtherStorey)));
-    return y - kLine / 2;
+    line(fmt::format("the same, over {:.0f} units off the plan", double(kLevelHeight)));
+    return y - kLineHeight / 2;
 }
 
 double PlanPainter::DrawList(double y) {
-    const std::array<double, 4> at = {kSide + 22, kSide + 72, kSide + 122, kSide + 138};
+    const std::array<double, 4> at = {kSideLeft + 22, kSideLeft + 72, kSideLeft + 122, kSideLeft + 138};
     const auto row = [&](const std::array<std::string, 4> &cells) {
         for (std::size_t i = 0; i < cells.size(); ++i)
             drawing_.Text(at[i], y, i + 1 < cells.size() ? 1 : 0, cells[i], kSmall);
-        y += kLine;
+        y += kLineHeight;
     };
     y += 11;
     drawing_.Use(kFaded);
@@ -298,17 +298,17 @@ double PlanPainter::DrawList(double y) {
 
 void PlanPainter::DrawShares(double y) {
     drawing_.Use(kFaded);
-    drawing_.Text(kSide, y + 11, 0, "share of the squared grid error, all positions", kSmall);
-    y += 11 + kLine;
-    const double bar = kSide + 186, percent = kSideEnd;
+    drawing_.Text(kSideLeft, y + 11, 0, "share of the squared grid error, all positions", kSmall);
+    y += 11 + kLineHeight;
+    const double bar = kSideLeft + 186, percent = kSideRight;
     for (std::size_t i = 0; i < kCauses; ++i) {
         const double share = plan_.shares[i].error;
         drawing_.Use(kInk);
-        drawing_.Text(kSide, y, 0, std::string(NameOf(Cause(i))), kSmall);
+        drawing_.Text(kSideLeft, y, 0, std::string(NameOf(Cause(i))), kSmall);
         drawing_.Text(percent, y, 1, fmt::format("{:.0f} %", 100 * share), kSmall);
         drawing_.Use({0.35, 0.42, 0.52});
         drawing_.Fill({bar, y - 9, bar + share * (percent - 42 - bar), y});
-        y += kLine;
+        y += kLineHeight;
     }
 }
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What lightmaps and vertex light take, pass by pass.
+// GPL-2.0-or-later. CPU time and rays of lightmaps and vertex light, pass by pass.
 #include "tools/shbench/lightmap_passes.h"
 
 #include "common/error.h"
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view kSetUp = "set-up", kFirstPass = "SetupSurfaceLightmaps";
 
-/// Follows the log of the light stage: a section is a pass, and says how many rays it traced.
+/// Reads the log of the light stage: a section is a pass, with a line for its number of rays.
 class PassClock {
   public:
     PassClock() { Begin(kSetUp); }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What lightmaps and vertex light take, pass by pass, against bare Embree.
+// GPL-2.0-or-later. CPU time and rays of lightmaps and vertex light, pass by pass, compared with bare Embree.
 #pragma once
 
 #include "q3map2/lightmap/options/lightmap_options.h"
@@ -25,8 +25,8 @@ struct LightmapSettings {
 /// Options of -light as words, split at blanks. Errors: words that it does not know.
 LightmapSettings LightmapSettingsFrom(std::string_view text, const Game &game);
 
-/// Lights lightmaps and vertices of copies of the map, without grids, `repeats` times; the least CPU time of all
-/// threads for each pass, in their order. Errors: as LightWorld.
+/// Lights lightmaps and vertices of copies of the map, without grids, `repeats` times. For each pass, in order: the
+/// least CPU time, summed over all threads. Errors: as LightWorld.
 std::vector<LightmapPass> LightmapPasses(const BenchMap &map, const LightmapSettings &settings, ShaderLibrary &library,
                                          const JobPool &jobs, int repeats);
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The plainest baker of an SH grid.
+// GPL-2.0-or-later. A baseline SH grid baker: one ray per light and point.
 #include "tools/shbench/plain.h"
 
 #include "libs/sh/sh.h"
@@ -12,7 +12,7 @@ namespace q3::bench {
 
 namespace {
 
-/// What an area light gives in the direction of its centre, byte scale.
+/// Light of an area light taken as a point at its center, byte scale.
 double AreaLightAt(const Light &light, const Vec3d &toCenter) {
     const double d2 = std::max(1.0, Dot(toCenter, toCenter));
     const double cosine = -Dot(Normalize(toCenter), light.shape.normal);
@@ -30,7 +30,7 @@ bspGridPointSH_t LightPoint(const BenchMap &map, const Vec3f &position, std::uin
             continue;
         }
         const bool area = light.type == LightType::Area;
-        // The rays of area lights end a little before their surface, which is itself in the way.
+        // Rays to area lights end before the emitting surface, which would block them.
         const Vec3d target = area ? Vec3d(light.shape.center) + light.shape.normal * 0.125 : Vec3d(light.origin);
         const double add = area ? AreaLightAt(light, target - p) : PointLightAt(light, p);
         if (add > 0)

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. How many rays the machine can do at best on a map.
+// GPL-2.0-or-later. Ray throughput of bare Embree on a map: the most that a bake can reach.
 #include "tools/shbench/raw.h"
 
 #include "q3map2/light/scene/light_embree.h"
@@ -16,7 +16,7 @@ namespace q3::bench {
 namespace {
 
 constexpr int kPacket = 16;
-/// So many bricks of points, each toward at most so many lights.
+/// Number of bricks of points to trace from, and limit of lights for each.
 constexpr int kBricks = 256, kLightsPerBrick = 64;
 constexpr std::array<int, 3> kBrickSize = {8, 8, 4}, kBlockSize = {4, 2, 2};
 
@@ -26,7 +26,7 @@ double ThreadSeconds() {
     return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-/// Corners of all triangles that the baker's rays meet, nine numbers each.
+/// Corners of all triangles that shadow rays are traced against, nine floats per triangle.
 std::vector<float> Triangles(const BenchMap &map) {
     const TrianglesByKind casters = ShadowCasters(map.bsp, map.table, map.options);
     std::vector<float> corners;
@@ -133,7 +133,7 @@ EmbreeThroughput::EmbreeThroughput(const BenchMap &map, const bspGridSHHeader_t 
     state_->MakeScene(corners);
     Random random(seed);
     LightOptions options = map.options;
-    options.skip.reach = true; // to know what sees what
+    options.skip.reach = true; // computes which clusters see each light
     int culled = 0;
     const auto lights =
         SetupEnvelopes(map.created, LightPass::GridSH, options, map.space, SkySeenFrom(map.space, map.table), culled);

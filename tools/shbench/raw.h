@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. How many rays the machine can do at best on a map.
+// GPL-2.0-or-later. Ray throughput of bare Embree on a map: the most that a bake can reach.
 #pragma once
 
 #include "tools/shbench/bench_map.h"
@@ -7,8 +7,8 @@
 
 namespace q3::bench {
 
-/// Bare Embree on the triangles that a bake traces: packets of 16 rays, each from neighbouring points of a grid toward
-/// one light that they may see, nothing done with the answers.
+/// Bare Embree on the triangles that a bake traces: packets of 16 rays, each from neighboring points of a grid toward
+/// one light that they may see. The results are not used.
 class EmbreeThroughput {
   public:
     /// The points are those of `layout` that are in the open. Errors: no memory.

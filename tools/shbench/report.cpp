@@ -13,7 +13,7 @@ double PerSecond(const BakeCost &cost) {
     return cost.cpuSeconds > 0 ? double(cost.rays) / cost.cpuSeconds : 0;
 }
 
-/// a / b with that format, a dash without b.
+/// a / b, or a dash if b is 0.
 std::string Ratio(double a, double b, std::string_view format = "{:.2f}") {
     return b > 0 ? fmt::format(fmt::runtime(format), a / b) : "-";
 }

@@ -15,9 +15,9 @@ struct BenchLine {
     std::string name, options;
     BakeCost cost;
     ShownErrors errors;
-    /// Of each of its bakes: its rays per CPU second over bare Embree's just before and after it. Empty: not measured.
+    /// For each bake: rays per CPU second, divided by bare Embree's mean just before and after. Empty: not measured.
     std::vector<double> sharesOfRaw;
-    /// Their median; 0 without any.
+    /// Median of sharesOfRaw; 0 if empty.
     double ShareOfRaw() const;
 };
 
@@ -38,7 +38,7 @@ struct BenchReport {
     const BenchLine *Line(std::string_view name) const;
 };
 
-/// Rows of equal column widths: the first column to the left, the others to the right. The first row is the head.
+/// Rows of equal column widths: the first column aligned left, the others right. The first row is the header.
 std::string AlignedTable(const std::vector<std::vector<std::string>> &rows);
 
 std::string TableText(const BenchReport &report);

@@ -16,8 +16,8 @@ struct ScalingStep {
     BakeCost cost;
 };
 
-/// A hall of 2048 x 2048 x 512 units with pillars, lit by so many lights at random positions that give the same light
-/// together: point lights, or ceiling lamps (two area lights each).
+/// A hall of 2048 x 2048 x 512 units with pillars, lit by `lights` lights of a constant total intensity at random
+/// positions: point lights, or ceiling lamps (two area lights each).
 struct LightHall {
     Bsp bsp;
     std::string shaderText; ///< of the lamps

@@ -142,7 +142,7 @@ void ReportScaling(const Command &command, const std::vector<ScalingStep> &steps
     WriteChart(ScalingChart(steps, size, "rays against " + title, true), command.plotBase + "-rays");
 }
 
-/// Bare Embree is measured before and after.
+/// The rate of bare Embree is the mean of measurements before and after.
 void RunLightmaps(const Command &command, const LightmapSettings &settings, BenchFiles &files, const JobPool &jobs) {
     const BenchSettings &bench = command.settings;
     std::unique_ptr<EmbreeThroughput> raw;

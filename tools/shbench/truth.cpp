@@ -14,13 +14,13 @@ namespace q3::bench {
 namespace {
 
 constexpr int kMinRays = 4, kMaxRays = 65536;
-/// First rays to a piece: so many per byte of its light, within limits.
+/// Pilot rays to a piece of an area light: proportional to its light, within limits.
 constexpr double kPilotRaysPerByte = 16;
 constexpr int kMinPilot = 4, kMaxPilot = 64;
 constexpr int kTriesPerPosition = 20000;
 
-/// Rays for each piece that keep the standard error of all together at the goal. An even spread over n parts leaves
-/// deviation x n^-0.75, where a straight shadow edge crosses; least rays in total give n ~ deviation^0.8.
+/// Rays for each piece, so that the standard error of their sum is the goal. n stratified rays across a straight shadow
+/// edge have the error deviation * n^-0.75; the fewest rays in total then take n ~ deviation^0.8.
 std::vector<int> ShareRays(const std::vector<double> &deviations, double goal) {
     double sum = 0;
     for (const double deviation : deviations)
@@ -32,8 +32,8 @@ std::vector<int> ShareRays(const std::vector<double> &deviations, double goal) {
     return counts;
 }
 
-/// How much the light of each piece varies over it as seen from p: by first rays, which are used for nothing else, so
-/// that the result stays free of bias.
+/// Standard deviation of the light over each piece as seen from p, from pilot rays. The result does not reuse them,
+/// which would bias it.
 std::vector<double> Deviations(const std::vector<AreaPiece> &pieces, const Vec3d &p, Random &random, PlaceRays &rays) {
     std::vector<int> clear(pieces.size()), cast(pieces.size());
     for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -61,21 +61,21 @@ void AddFloodlight(const BenchMap &map, const Vec3f &position, DirectionSum &sum
             const double light = double(map.world.floodColor[channel]) * double(map.world.floodIntensity) * share;
             for (std::size_t i = 0; i < kNormals; ++i)
                 sum.light[channel][i] += light * (1 + Normals()[i].z * double(up)) / 2;
-            // Mean light / 2 over all normals, and a linear term: a hemisphere has no band 2.
+            // The mean over all normals is light / 2. A hemisphere has a linear term and no band 2.
             sum.projection[channel][0] += light / 2 / kShC0;
             sum.projection[channel][2] += light / 2 / kShC1 * double(up);
         }
     }
 }
 
-/// Ambient light, minimum and scale of the grid, and byte scale to 1.0 = 255.
+/// Applies ambient light, grid minimum and grid scale, and converts from byte scale to 1.0 = byte 255.
 TruthPoint Finish(const BenchMap &map, const Vec3f &position, const DirectionSum &sum) {
     TruthPoint point;
     point.position = position;
     const double scale = (map.options.gridScale > 0 ? double(map.options.gridScale) : 1) / 255;
     for (std::size_t channel = 0; channel < 3; ++channel) {
         const double mean = sum.projection[channel][0] * kShC0 + double(map.world.ambient[channel]);
-        const double keep = mean < 0 ? 0 : 1; // lights that take away leave at least nothing
+        const double keep = mean < 0 ? 0 : 1; // negative lights cannot make the mean negative
         const double raised = std::max(keep * mean, double(map.world.minGrid[channel]));
         const double extra = raised - keep * sum.projection[channel][0] * kShC0;
         for (std::size_t i = 0; i < kNormals; ++i)

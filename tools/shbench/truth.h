@@ -20,7 +20,7 @@ inline double Displayed(float light) {
 struct TruthSettings {
     int positions = 2000;
     std::uint64_t seed = 1;
-    /// Standard error aimed at for the light of all area lights together at one position. Byte scale.
+    /// Target standard error of the light of all area lights together at one position. Byte scale.
     double noise = 0.02;
 };
 
@@ -40,20 +40,21 @@ struct Truth {
 };
 
 /// Positions uniform in the space that a player can be in: in a cluster, a cube of 16 units half size clear of solid.
-/// Errors: hardly any such space.
+/// Errors: too little such space.
 std::vector<Vec3f> PlayerPositions(const BenchMap &map, int count, std::uint64_t seed);
 
-/// Light at one position. `noise`, if given, gets the sum of squared differences of its halves / 2, displayed bytes.
+/// Light at one position. `noise`: sum over normals and channels of ((a - b) / 2)^2, a and b being the displayed bytes
+/// from each half of the rays.
 TruthPoint TruthAt(const BenchMap &map, const Vec3f &position, std::uint64_t seed, double noiseGoal,
                    std::uint64_t &rays, double *noise = nullptr);
 
 /// Computes the reference on all worker threads. The result does not depend on their number.
 Truth MakeTruth(const BenchMap &map, const TruthSettings &settings, const JobPool &jobs);
 
-/// Hex SHA-256 of all that determines the truth.
+/// Hex SHA-256 of everything that the truth depends on.
 std::string TruthKey(const BenchMap &map, const TruthSettings &settings);
-/// From the file of that key in `folder`, else made and stored there. An empty folder stores nothing. `hit`: from file.
-/// Errors: the folder cannot be written.
+/// Reads the truth from the file of its key in `folder`, else computes and stores it. Without a folder nothing is
+/// cached. `hit`: it was read. Errors: the folder cannot be written.
 Truth CachedTruth(const BenchMap &map, const TruthSettings &settings, const JobPool &jobs,
                   const std::filesystem::path &folder, bool &hit);
 

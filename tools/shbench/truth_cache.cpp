@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Reference light in files, found again by all that determines it.
+// GPL-2.0-or-later. Cache of reference light: files named by a hash of everything that it depends on.
 #include "common/error.h"
 #include "common/files/files.h"
 #include "tools/shbench/truth.h"
@@ -13,7 +13,7 @@ namespace q3::bench {
 
 namespace {
 
-/// Of everything here that computes the reference: a change of method or file makes old files useless.
+/// Change it with the computation of the reference or the file format: it invalidates old files.
 constexpr std::string_view kVersion = "shbench truth 1";
 
 class Hash {
@@ -82,7 +82,7 @@ void AddWorld(Hash &hash, const WorldLight &world, const LightOptions &options) 
     hash.Value(options.patchShadows), hash.Value(options.noDrawSurfaceFlags);
 }
 
-/// What stands before the points of a file.
+/// Header of a file; the points follow.
 struct FileHead {
     std::array<char, 64> key;
     double noise, cpuSeconds;

@@ -15,7 +15,7 @@ namespace {
 constexpr double kNearest = 16;
 constexpr double kLinearShare = 1.0 / 8000;
 constexpr double kConeRim = 32; ///< game units
-/// Pieces are cut until their longest edge is under this share of their distance, or so often.
+/// Pieces are cut until their longest edge is under this share of their distance, at most kMaxCuts times.
 constexpr double kPieceSize = 0.5;
 constexpr int kMaxCuts = 14;
 /// Pieces that give less are not cut. Byte scale.

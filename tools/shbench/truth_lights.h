@@ -14,7 +14,7 @@ namespace q3::bench {
 inline constexpr std::size_t kNormals = 26;
 using NormalLight = std::array<Vec3f, kNormals>; ///< light on each of Normals(), 1.0 = byte 255
 
-/// From the centre of a cube of 3 x 3 x 3 to its other cells, as unit vectors.
+/// Unit vectors from the center cell of a 3 x 3 x 3 cube to its other cells.
 const std::array<Vec3d, kNormals> &Normals();
 
 /// Light from single directions, summed for every normal and as an L2 projection convolved with the cosine.
@@ -30,7 +30,7 @@ struct DirectionSum {
 /// Rays end this far in front of an emitter, or half way to its plane. Game units.
 inline constexpr double kEmitterGap = 0.125;
 
-/// Falloff and cone of a point light or spotlight at p, byte scale for full colour.
+/// Falloff and cone of a point light or spotlight at p, byte scale for color 1 1 1.
 double PointLightAt(const Light &light, const Vec3d &p);
 
 using Random = std::mt19937_64;
@@ -44,18 +44,18 @@ struct AreaPiece {
     const Light *light = nullptr;
     std::array<Vec3d, 3> corners;
     double area = 0;
-    Vec3d lift;       ///< rays end this far from the emitter
-    double bound = 0; ///< about its light, byte scale, on a surface that faces it
+    Vec3d lift;       ///< offset of ray ends from the emitter
+    double bound = 0; ///< estimate of its light on a surface that faces it, byte scale
 };
 
-/// Cuts the light into pieces as seen from p. Nothing behind an emitter.
+/// Cuts the light into pieces as seen from p. None if p is behind the emitter.
 void CutAreaLight(const Light &light, const Vec3d &p, std::vector<AreaPiece> &pieces);
 
-/// Rays from one place, traced in packets; what arrives is added where each ray says.
+/// Traces rays from one point in packets.
 class PlaceRays {
   public:
     PlaceRays(const LightScene &scene, const Vec3d &p) : scene_(scene), p_(p) {}
-    /// To a target; its light from `direction` goes to `sum` if there is one, and a clear way counts in `clear`.
+    /// If the way to `target` is clear, adds `color` from `direction` to `sum` and 1 to `clear`; both may be null.
     void Cast(const Vec3d &target, const Vec3d &direction, const Vec3d &color, DirectionSum *sum, int *clear);
     void CastToSky(const Light &sun, DirectionSum &sum);
     void Flush();
@@ -75,8 +75,7 @@ class PlaceRays {
     RayCounts counts_;
 };
 
-/// Casts about n rays to random points of as many equal parts of the piece, each with its share of the light. Returns
-/// their number.
+/// Casts about n stratified random rays to the piece, each with an equal share of its area. Returns their number.
 int SamplePiece(const AreaPiece &piece, const Vec3d &p, int n, Random &random, PlaceRays &rays, DirectionSum *sum,
                 int *clear);
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Whether visibility data hides nothing that can be seen.
+// GPL-2.0-or-later. Checks that visibility data hides nothing that can be seen.
 #include "tools/vis_check/sight_check.h"
 
 #include "common/error.h"
@@ -82,7 +82,7 @@ class PointSource {
         }
         throw Error("no open leaf among {} places of the world", kTries);
     }
-    /// In a random direction, at a distance of 2 units to the size of the world.
+    /// In a random direction, at a distance from 2 units up to the diagonal of the world.
     Vec3d Around(const Vec3d &p) {
         const double z = 2 * Unit() - 1, turn = 2 * std::numbers::pi * Unit(), r = std::sqrt(1 - z * z);
         const double distance = 2 * std::pow(std::max(2.0, Length(maxs_ - mins_) / 2), Unit());

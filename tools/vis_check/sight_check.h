@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Whether visibility data hides nothing that can be seen.
+// GPL-2.0-or-later. Checks that visibility data hides nothing that can be seen.
 #pragma once
 
 #include "q3map2/bspfile/bspfile.h"
@@ -15,8 +15,8 @@ struct SightCheck {
     int from = -1, to = -1;   ///< clusters of the first one missing
 };
 
-/// Draws pairs of points that lie in open leafs: half of them anywhere in the world, half at random distances. What is
-/// between them is found by walking the tree. Error: no visibility data, or a world without open leafs.
+/// Draws pairs of points that lie in open leafs: half of them anywhere in the world, half at random distances. The
+/// tree tells whether something solid is between them. Error: no visibility data, or a world without open leafs.
 SightCheck CheckSight(const Bsp &bsp, std::int64_t pairs, float margin, std::uint32_t seed);
 
 } // namespace q3

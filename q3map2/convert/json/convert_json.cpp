@@ -40,7 +40,7 @@ class Unpacker {
         return path;
     }
 
-    /// A file that does not belong to this map may be there from another one, and would be packed.
+    /// Writes the file, or removes one that an earlier map left: -pack would read it.
     template <typename Write> void WriteIf(bool wanted, std::string_view file, const Write &write) const {
         if (wanted) {
             write();

@@ -17,7 +17,7 @@ constexpr std::uint32_t kPlainNan = 0x7FC00000;
 constexpr std::size_t kMaxName = 63;
 constexpr std::string_view kBytesSuffix = "Bytes";
 
-/// The field as it is when nothing follows the name.
+/// The field of a name: padded with zeros.
 std::array<char, 64> PlainName(std::string_view name) {
     std::array<char, 64> field{};
     std::ranges::copy(name, field.begin());
@@ -126,7 +126,7 @@ void JsonRecordReader::Fail(std::string_view name, std::string_view text) const 
     record_.Fail(fmt::format("{}{}{}: {}", group_, group_.empty() ? "" : ".", name, text));
 }
 
-// NaN in the text has one spelling; nanBits lists the bits of all NaNs of the record when one of them is another.
+// JSON text spells all NaNs alike. If one is not kPlainNan, nanBits lists the bits of all NaNs of the record.
 bool JsonRecordReader::Read(std::size_t node, float &value) {
     const JsonNode &source = record_.nodes[node];
     if (source.kind != JsonNode::Integer && source.kind != JsonNode::Real && !source.special)
@@ -176,7 +176,7 @@ void JsonRecordReader::Name(std::string_view name, std::array<char, 64> &field) 
         if (!ParseHexText(RequireText(bytesName), bytes) || bytes.size() != field.size())
             Fail(bytesName, "expected 128 hexadecimal digits");
         std::memcpy(field.data(), bytes.data(), field.size());
-        // A name that was edited since counts more than the bytes behind the old one.
+        // If the name was edited since, these bytes belong to the old name and are ignored.
         if (FieldName(field) == text)
             return;
     }

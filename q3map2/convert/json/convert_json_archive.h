@@ -19,7 +19,7 @@ namespace q3 {
 
 inline constexpr std::string_view kJsonNanBits = "nanBits";
 
-/// Writes one record. What the plain members cannot hold follows them: bytes behind the end of a name, bits of NaNs.
+/// Writes one record. Bytes behind the NUL of a name and bits of unusual NaNs follow as extra members.
 class JsonRecordWriter {
   public:
     JsonRecordWriter(JsonWriter &writer, const Game &game) : writer_(writer), game_(game) {}
@@ -30,7 +30,7 @@ class JsonRecordWriter {
         writer_.Value(value);
         NoteNans(value);
     }
-    /// The record is this array and no object.
+    /// Writes the record as a bare value instead of an object.
     template <typename T> void Whole(const T &value) {
         whole_ = true;
         writer_.Value(value);
@@ -75,7 +75,7 @@ class JsonRecordWriter {
     std::vector<std::string> nanBits_; ///< of every NaN of the record, in member order
 };
 
-/// What reading needs to know beside the record.
+/// Context of reading a record.
 struct JsonReadRules {
     const Game &game;
     const PackJsonOptions &options;
@@ -163,12 +163,12 @@ class JsonRecordReader {
     const JsonRecord &record_;
     const JsonReadRules &rules_;
     std::size_t object_ = 0; ///< node whose members are read
-    std::string_view group_; ///< its name when it is not the record
+    std::string_view group_; ///< name of object_; empty: the record itself
     std::vector<std::uint32_t> nanBits_;
     std::size_t nans_ = 0; ///< NaNs read so far
 };
 
-/// Bytes of hexadecimal text. False: an odd count of digits or another character.
+/// Parses hexadecimal text. False: an odd number of digits or any other character.
 bool ParseHexText(std::string_view text, std::vector<std::byte> &bytes);
 
 } // namespace q3

@@ -5,7 +5,7 @@
 
 namespace q3 {
 
-/// Calls visit(file, member prefix, records) for every lump that is a plain list of records. All must be in a folder.
+/// Calls visit(file, member prefix, records) for every lump that is a plain list of records. All files are required.
 template <typename AnyBsp, typename Visit> void ForEachJsonFile(AnyBsp &bsp, Visit &&visit) {
     visit("shaders.json", "shader", bsp.shaders);
     visit("models.json", "model", bsp.models);
@@ -27,8 +27,8 @@ template <typename AnyBsp, typename Visit> void ForEachJsonFile(AnyBsp &bsp, Vis
 
 inline constexpr std::string_view kJsonEntities = "entities.json";
 
-// Files that other programs do not know. They are there only when the map has such data.
-inline constexpr std::string_view kJsonEntityText = "entities.ent"; ///< text that the pairs would not give again
+// Optional files, unknown to other programs: written only if the map has such data.
+inline constexpr std::string_view kJsonEntityText = "entities.ent"; ///< if the pairs do not reproduce the text exactly
 inline constexpr std::string_view kJsonAdvertisements = "Advertisements.json";
 inline constexpr std::string_view kJsonGridSH = "GridPointsSH.json";
 inline constexpr std::string_view kJsonBspx = "bspx.json";

@@ -12,8 +12,9 @@ namespace q3 {
 namespace {
 
 constexpr std::size_t kBlockBytes = 1 << 16;
-constexpr std::size_t kMaxWord = 16; ///< longer than any word that is looked for
-// U+10FF80..U+10FFFF in UTF-8 are these two bytes, then 0xBE or 0xBF, then 0x80..0xBF.
+constexpr std::size_t kMaxWord = 16; ///< longer than any word searched for
+// Bytes 0x80..0xFF of strings pass the parser as U+10FF80..U+10FFFF, which in UTF-8 are these two bytes, then 0xBE or
+// 0xBF, then 0x80..0xBF.
 constexpr std::string_view kByteMark = "\xF4\x8F";
 
 bool IsLetter(int c) {

@@ -71,7 +71,7 @@ class Packer {
             ReadEntityText(entities);
     }
 
-    // The pairs are what people edit: the text counts only while it says the same.
+    // People edit the pairs: the text is used only if it parses to the same ones.
     void ReadEntityText(const std::vector<Entity> &entities) {
         const fs::path path = folder_ / kJsonEntityText;
         const std::vector<std::byte> file = ReadFile(path);
@@ -115,7 +115,7 @@ class Packer {
         bsp_.gridSH = std::move(grid);
     }
 
-    // 200 MB of points would otherwise be copied again and again; the size of the file keeps a false header cheap.
+    // Avoids copies while the vector grows; the file size limits what a wrong header can allocate.
     static void Reserve(const fs::path &path, LightGridSH &grid) {
         std::uintmax_t room = fs::file_size(path) / kMinPointText;
         for (const std::int32_t bound : grid.header.gridBounds)

@@ -18,7 +18,7 @@ struct JsonNode {
     enum Kind : std::uint8_t { Object, Array, Integer, Real, Text, Other };
     Kind kind = Other;
     std::size_t nameAt = 0, nameLength = 0; ///< of a member, in JsonRecord::chars
-    std::size_t next = 0;                   ///< node after this one and all below it
+    std::size_t next = 0;                   ///< index of the node after this one and its descendants
     std::size_t count = 0;                  ///< children
     std::int64_t integer = 0;
     float real = 0;       ///< of Integer, Real and special Text
@@ -26,7 +26,7 @@ struct JsonNode {
     std::size_t textAt = 0, textLength = 0;
 };
 
-/// A value that stands in the top-level object, or in its list of records. Valid during the call it is passed to.
+/// A member of the top-level object, or an element of its list. Valid during the call it is passed to.
 struct JsonRecord {
     std::string file;            ///< path, for messages
     std::string name;            ///< of the top-level member
@@ -55,7 +55,7 @@ struct JsonRecord {
 void ReadJsonRecords(const std::filesystem::path &path, std::string_view list,
                      const std::function<void(const JsonRecord &)> &record);
 
-/// Text of a file in messages: one short line.
+/// Text of a file, shortened to one line for messages.
 std::string ShownText(std::string_view text);
 
 } // namespace q3

@@ -19,11 +19,11 @@ namespace q3 {
 void AppendJsonFloat(std::string &text, float value);
 /// Appends the text in quotes. Quote, backslash and control bytes are escaped, all other bytes are copied.
 void AppendJsonString(std::string &text, std::string_view value);
-/// Two lower-case digits a byte.
+/// Two lower-case hexadecimal digits per byte.
 std::string HexText(std::span<const std::byte> bytes);
 
-/// Writes one file: members one a line, arrays on one line. Text goes to a file beside it, which replaces `path` in
-/// Finish() and is removed when that is not reached. Errors: Error with path and reason.
+/// Writes one file: one member per line, arrays on one line. Text goes to PATH.part, which Finish() renames to `path`
+/// and the destructor removes otherwise. Errors: Error with path and reason.
 class JsonWriter {
   public:
     explicit JsonWriter(std::filesystem::path path);
@@ -33,7 +33,7 @@ class JsonWriter {
 
     void BeginObject() { Begin('{'); }
     void EndObject() { End('}'); }
-    /// A list whose elements stand on a line each; start every one with Element().
+    /// A list with one element per line; call Element() before each.
     void BeginList() { Begin('['); }
     void EndList() { End(']'); }
     void Element();

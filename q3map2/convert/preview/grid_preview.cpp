@@ -23,13 +23,13 @@ constexpr int kLattice = 27; ///< pixels between the small spheres of the plan
 constexpr float kSmallRadius = 10;
 constexpr int kPlanSubsamples = 2;
 constexpr float kMinExposure = 1.0f / 64, kMaxExposure = 16;
-constexpr float kContrastShare = 8;  ///< of a colour contrast, against the same brightness
-constexpr float kFloorShare = 0.35f; ///< of the light on the ground that the plan shows, to keep it behind the spheres
+constexpr float kContrastWeight = 8;   ///< weight of color contrast, relative to brightness
+constexpr float kGroundFactor = 0.35f; ///< factor of the light on the ground, so that spheres stand out
 
 constexpr Vec3f kPaper{0.11f, 0.115f, 0.13f}, kSolid{0.05f, 0.052f, 0.06f}, kInk{0.93f, 0.93f, 0.93f};
 constexpr Vec3f kFaint{0.6f, 0.62f, 0.66f}, kMark{1.0f, 0.86f, 0.25f};
 
-/// World to picture, for the plan: north up, centred in its square.
+/// Maps world to picture positions in the plan: north up, centered in its square.
 struct Plan {
     float height = 0, scale = 1; ///< scale: pixels per unit
     Vec3f center;
@@ -48,7 +48,7 @@ struct Plan {
     float Y(const Vec3f &p) const { return (center.y - p.y) * scale + (kPlanTop + kPlanSide / 2); }
 };
 
-/// How much there is to see: the brightness of opposite sides, more where their colours differ.
+/// Rank of a position: brightness of opposite sides, plus weighted contrast of their colors; axis maxima.
 float Strength(const shgrid_coeffs &coeffs) {
     float brightness = 0, contrast = 0;
     for (const Vec3f &axis : {Vec3f(1, 0, 0), Vec3f(0, 1, 0), Vec3f(0, 0, 1)}) {
@@ -58,7 +58,7 @@ float Strength(const shgrid_coeffs &coeffs) {
         if (high > 0 && low > 0)
             contrast = std::max(contrast, MaxComponent(a / high - b / low) * std::min(high, low));
     }
-    return brightness + kContrastShare * contrast;
+    return brightness + kContrastWeight * contrast;
 }
 
 class Preview {
@@ -85,7 +85,7 @@ class Preview {
     float Exposure() const { return exposure_; }
 
   private:
-    // So that nine of ten positions have their brightest side within what a screen can show. Two digits, to be read.
+    // The brightest side of nine in ten positions is not clipped. Rounded to two digits for the caption.
     float ChooseExposure() const {
         std::vector<float> brightest;
         for (const Vec3f &position : positions_) {
@@ -125,7 +125,7 @@ class Preview {
                 if (open == 0)
                     continue;
                 const Vec3f position = plan_.World(float(atX) + 0.5f, float(atY) + 0.5f);
-                const Vec3f light = LightOn(sh_.At(position), {0, 0, 1}) * (exposure_ * kFloorShare);
+                const Vec3f light = LightOn(sh_.At(position), {0, 0, 1}) * (exposure_ * kGroundFactor);
                 canvas_.Blend(atX, atY, ToDisplay(light + Vec3f(0.03f, 0.03f, 0.033f)), float(open) / samples);
             }
     }

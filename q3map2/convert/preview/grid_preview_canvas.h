@@ -9,7 +9,7 @@
 
 namespace q3 {
 
-/// Colours of the picture are display values (sRGB) in 0..1.
+/// Colors of the picture are display values (sRGB) in 0..1.
 class Canvas {
   public:
     static constexpr int kGlyphWidth = 6, kGlyphHeight = 7; ///< pixels at scale 1, space between letters included
@@ -44,7 +44,7 @@ View ObjectView();
 /// Display value of linear light: sRGB curve, clamped to 0..1.
 Vec3f ToDisplay(const Vec3f &linear);
 
-/// Draws a sphere with smooth edges, centre and radius in pixels; `light` gives linear light on a world normal.
+/// Draws a sphere with smooth edges, center and radius in pixels; `light` gives linear light on a world normal.
 void DrawSphere(Canvas &canvas, float x, float y, float radius, const View &view,
                 const std::function<Vec3f(const Vec3f &)> &light);
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kConventionKey = "_q3map2_sh", kRadiance = "radiance";
 constexpr Float3 kDefaultGridSize = {64, 64, 128};
-constexpr float kRenormaliseBelow = 0.99f; ///< engines leave a sum of weights above this as it is
+constexpr float kRenormalizeBelow = 0.99f; ///< engines renormalize only smaller sums of weights
 
 Entity World(const Bsp &bsp) {
     try {
@@ -118,7 +118,7 @@ LegacySample LegacyPreview::At(const Vec3f &position) const {
         sum.directed += Color(point.directed) * weight;
         sum.direction += Decode(point) * weight;
     }
-    if (total > 0 && total < kRenormaliseBelow) {
+    if (total > 0 && total < kRenormalizeBelow) {
         sum.ambient = sum.ambient / total;
         sum.directed = sum.directed / total;
     }

@@ -13,25 +13,25 @@ namespace q3 {
 namespace {
 
 constexpr std::uint32_t kContentsSolid = 1, kSurfSky = 4;
-constexpr std::int32_t kTopSide = 5;        ///< of a brush: faces up
-constexpr std::int32_t kPlaneBudget = 4096; ///< planes tested for one position: absurd brush lists cost no more
-constexpr Vec3f kWorldLimit{131072, 131072, 131072}; ///< of engines
-constexpr float kFloorBelow = 128, kFloorStep = 16;  ///< how far down a floor is looked for
+constexpr std::int32_t kTopSide = 5;        ///< number of the brush side that faces up
+constexpr std::int32_t kPlaneBudget = 4096; ///< planes tested per position, so that damaged brush lists stay cheap
+constexpr Vec3f kWorldLimit{131072, 131072, 131072}; ///< coordinates that engines allow
+constexpr float kFloorDepth = 128, kFloorStep = 16;  ///< range and step of the search for a floor
 constexpr float kRoom = 24;                          ///< free distance around a position
 constexpr int kHeights = 96, kHeightSamples = 64;    ///< probes for the best height, per axis
 constexpr int kAreaSamples = 256;
 constexpr int kCandidateColumns = 40, kCandidateLevels = 24;
 constexpr std::array<std::string_view, 6> kPlaceClasses = {"info_player_", "team_", "item_",
                                                            "weapon_",      "ammo_", "holdable_"};
-constexpr Vec3f kPlayMargin{384, 384, 160}; ///< around those
-constexpr float kWeakWeight = 0.6f;         ///< of a dark position, against 1.6 of a strongly lit one
+constexpr Vec3f kPlayMargin{384, 384, 160}; ///< around entities of these classes
+constexpr float kBaseWeight = 0.6f;         ///< weight of a dark position; light adds up to 1
 
 // Middle of cell i of n between two bounds.
 float Middle(float low, float high, int i, int n) {
     return low + (high - low) * ((float(i) + 0.5f) / float(n));
 }
 
-// World bounds as the map states them, but inside what engines allow and at least a unit wide.
+// Bounds of the world model, clipped to kWorldLimit and at least one unit wide.
 Boundsf WorldBounds(const Bsp &bsp) {
     Boundsf bounds{Max(Vec3f(bsp.models[0].mins), -kWorldLimit), Min(Vec3f(bsp.models[0].maxs), kWorldLimit)};
     for (std::size_t axis = 0; axis < 3; axis++)
@@ -42,7 +42,7 @@ Boundsf WorldBounds(const Bsp &bsp) {
     return bounds;
 }
 
-// Where players start and things lie.
+// Bounds of player starts and items.
 Boundsf EntityBounds(const Bsp &bsp) {
     Boundsf bounds;
     try {
@@ -82,7 +82,7 @@ std::vector<Candidate> Weigh(const std::vector<Vec3f> &positions, const std::fun
     std::nth_element(sorted.begin(), high, sorted.end());
     const float strong = *high;
     for (Candidate &candidate : candidates)
-        candidate.weight = kWeakWeight + (strong > 0 ? std::min(1.0f, candidate.weight / strong) : 0);
+        candidate.weight = kBaseWeight + (strong > 0 ? std::min(1.0f, candidate.weight / strong) : 0);
     return candidates;
 }
 
@@ -123,7 +123,7 @@ bool PreviewMap::IsOpen(const Vec3f &position) const {
 bool PreviewMap::IsOverFloor(const Vec3f &position) const {
     if (!IsOpen(position))
         return false;
-    for (float down = kFloorStep; down <= kFloorBelow; down += kFloorStep) {
+    for (float down = kFloorStep; down <= kFloorDepth; down += kFloorStep) {
         const Vec3f below = position - Vec3f(0, 0, down);
         const bspLeaf_t &leaf = LeafAt(below);
         const bspBrush_t *brush = BrushAt(leaf, below);
@@ -208,7 +208,7 @@ std::vector<Vec3f> PreviewMap::ChoosePositions(std::size_t count,
         return {space_.Center()};
     std::vector<Candidate> candidates = Weigh(positions, strength);
     std::vector<Vec3f> chosen;
-    // The first is the strongest, since all distances are alike.
+    // Weighted farthest-point sampling. The first choice goes by weight alone, since all distances are alike.
     while (chosen.size() < std::min(count, candidates.size())) {
         const auto best = std::ranges::max_element(
             candidates, {}, [](const Candidate &c) { return std::min(c.distance, 1e18f) * c.weight; });
