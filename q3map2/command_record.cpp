@@ -29,7 +29,7 @@ void RecordCommand(Entity &world, std::string_view stage, const std::vector<std:
 }
 
 void RecordCommand(Bsp &bsp, std::string_view stage, std::string_view name, const std::vector<std::string> &words) {
-    std::vector<Entity> entities = ParseEntities(bsp.entities, name);
+    std::vector<Entity> entities = StoredEntities(bsp.entities, name);
     RecordCommand(entities.front(), stage, words);
     bsp.entities = FormatEntities(entities);
 }

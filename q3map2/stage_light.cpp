@@ -44,7 +44,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
     const LightInputs inputs = ReadLightInputs(bspPath, log);
-    PrintChangedKeys(ParseEntities(bsp.entities, inputs.name).front(), keys::kWorldLightKeys, "worldspawn", log);
+    PrintChangedKeys(StoredEntities(bsp.entities, inputs.name).front(), keys::kWorldLightKeys, "worldspawn", log);
     if (!lightmap.onlyGrid)
         RemoveMipmapHints(inputs.name, bsp);
 

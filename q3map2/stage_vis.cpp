@@ -70,7 +70,7 @@ int VisStage(const StageContext &context, Arguments arguments) {
     CheckClusters(bsp, bspPath, portals, prtPath);
     const std::string name = bspPath.string();
     RecordCommand(bsp, "-vis", name, file.recorded);
-    const Entity world = ParseEntities(bsp.entities, name).front();
+    const Entity world = StoredEntities(bsp.entities, name).front();
     options.vis.farPlane = FarPlaneOf(world);
 
     const JobPool jobs(context.options.threads);

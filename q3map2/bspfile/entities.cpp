@@ -230,4 +230,11 @@ std::string FormatEntities(const std::vector<Entity> &entities) {
     return text;
 }
 
+std::vector<Entity> StoredEntities(std::string_view text, std::string_view name) {
+    std::vector<Entity> stored = ParseEntities(text, name);
+    if (stored.empty())
+        stored.push_back({{{"classname", "worldspawn"}}});
+    return stored;
+}
+
 } // namespace q3

@@ -34,6 +34,8 @@ struct Entity {
 
 /// Parses entity lump text: quoted pairs in braces. `name` is for messages. Errors: unbalanced braces, missing strings.
 std::vector<Entity> ParseEntities(std::string_view text, std::string_view name);
+/// Entities of a compiled map: those of ParseEntities, and a worldspawn if there is none. Errors: of ParseEntities.
+std::vector<Entity> StoredEntities(std::string_view text, std::string_view name);
 /// The text form that map compilers write: one pair per line, "\n" line ends, no final NUL.
 std::string FormatEntities(const std::vector<Entity> &entities);
 /// Entities of .map source text: pairs only, brushes and patches are skipped.

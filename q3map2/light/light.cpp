@@ -87,14 +87,6 @@ std::vector<Light> CreateLights(const Bsp &bsp, const std::vector<Entity> &entit
 
 namespace {
 
-/// Entities of the map as it is stored; the first is worldspawn.
-std::vector<Entity> StoredEntities(const Bsp &bsp, const LightInputs &inputs) {
-    std::vector<Entity> stored = ParseEntities(bsp.entities, inputs.name);
-    if (stored.empty())
-        stored.push_back({{{"classname", "worldspawn"}}});
-    return stored;
-}
-
 GridLayout SetupGridLogged(const Bsp &bsp, Entity &world, Log &log) {
     log.Section("SetupGrid");
     return SetupGrid(bsp, world, log);
@@ -129,7 +121,7 @@ float IgnoreRadius(const GridLayout &layout) {
 
 LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOptions &given,
                        const SurfaceDefaults &defaults, ShaderLibrary &library, Log &log)
-    : bsp(map), stored(StoredEntities(map, inputs)), layout(SetupGridLogged(map, stored.front(), log)),
+    : bsp(map), stored(StoredEntities(map.entities, inputs.name)), layout(SetupGridLogged(map, stored.front(), log)),
       world(ReadWorldLight(stored.front(), given)), options(WithWorld(given, world)),
       table(MakeSurfaceTable(map, stored, inputs.surfaceFile, inputs.name + ".srf", library, log,
                              WithAmbient(defaults, world))),

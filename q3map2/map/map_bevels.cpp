@@ -7,8 +7,6 @@ namespace q3 {
 
 namespace {
 
-/// Surface flags that bevels inherit from the sides they touch: slick, damage and step sounds.
-constexpr std::uint32_t kBevelSurfaceFlags = 0xC3043;
 constexpr double kOnPlane = 0.1; ///< game units
 constexpr double kHalf = 0.5;
 
@@ -43,7 +41,7 @@ int AxialPlane(const Brush &brush, std::size_t axis, int direction, PlaneTable &
 }
 
 /// Sides 0 to 5 become -x +x -y +y -z +z.
-void AddAxialBevels(Brush &brush, PlaneTable &planes, int snap) {
+void AddAxialBevels(Brush &brush, PlaneTable &planes, int snap, std::uint32_t inheritedFlags) {
     std::vector<BrushSide> &sides = brush.sides;
     for (std::size_t order = 0; order < 6; ++order) {
         const std::size_t axis = order / 2;
@@ -55,7 +53,7 @@ void AddAxialBevels(Brush &brush, PlaneTable &planes, int snap) {
             BrushSide bevel = BevelSide(AxialPlane(brush, axis, direction, planes, snap), sides.front());
             for (const BrushSide &side : sides)
                 if (Touches(side, planes[bevel.planeNum]))
-                    bevel.surfaceFlags |= side.surfaceFlags & kBevelSurfaceFlags;
+                    bevel.surfaceFlags |= side.surfaceFlags & inheritedFlags;
             sides.push_back(std::move(bevel));
         }
         if (found != order && order < sides.size())
@@ -101,14 +99,14 @@ Fit FitPlane(const Brush &brush, const Plane &plane, const PlaneTable &planes, s
 }
 
 void TryEdgeBevel(Brush &brush, std::size_t from, const Vec3f &point, const Vec3d &edge, const Vec3d &axis,
-                  PlaneTable &planes) {
+                  PlaneTable &planes, std::uint32_t inheritedFlags) {
     Vec3d normal = Cross(edge, axis);
     if (Length(normal) < kHalf)
         return;
     normal = StoredUnit(normal);
     const Vec3d p(point);
     const Plane plane{normal, double(Dot(point, Vec3f(normal)))};
-    const std::uint32_t flags = brush.sides[from].surfaceFlags & kBevelSurfaceFlags;
+    const std::uint32_t flags = brush.sides[from].surfaceFlags & inheritedFlags;
     std::size_t match = 0;
     const Fit fit = FitPlane(brush, plane, planes, match);
     if (fit == Fit::OnBevel)
@@ -124,8 +122,8 @@ void TryEdgeBevel(Brush &brush, std::size_t from, const Vec3f &point, const Vec3
 
 } // namespace
 
-void AddBrushBevels(Brush &brush, PlaneTable &planes, int snap) {
-    AddAxialBevels(brush, planes, snap);
+void AddBrushBevels(Brush &brush, PlaneTable &planes, int snap, std::uint32_t inheritedFlags) {
+    AddAxialBevels(brush, planes, snap, inheritedFlags);
     if (brush.sides.size() == 6)
         return;
     for (std::size_t i = 6; i < brush.sides.size(); ++i) {
@@ -138,7 +136,7 @@ void AddBrushBevels(Brush &brush, PlaneTable &planes, int snap) {
                 for (const double direction : {-1.0, 1.0}) {
                     Vec3d along;
                     along[axis] = direction;
-                    TryEdgeBevel(brush, i, winding[j], edge, along, planes);
+                    TryEdgeBevel(brush, i, winding[j], edge, along, planes, inheritedFlags);
                 }
         }
     }

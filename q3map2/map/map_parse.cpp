@@ -225,7 +225,7 @@ void MapReader::AddBrush(MapEntity &entity, Brush brush) {
     if (brush.compileFlags & C_AREAPORTAL)
         KeepLargestAreaPortal(brush);
     if (!context_.options.autoCaulk) // the .caulk file numbers sides as in the map source
-        AddBrushBevels(brush, map_.planes, context_.options.bevelSnap);
+        AddBrushBevels(brush, map_.planes, context_.options.bevelSnap, context_.game.bevelSurfaceFlags);
     if (brush.contentShader && brush.contentShader->geometry.IsColorVolume())
         entity.colorVolumes.push_back(std::move(brush));
     else if (brush.opaque)

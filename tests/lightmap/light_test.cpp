@@ -23,7 +23,6 @@ Light PointLight(const Vec3f &at, float photons) {
     Light light;
     light.origin = at;
     light.photons = photons;
-    light.alwaysFast = true;
     return light;
 }
 

@@ -151,6 +151,19 @@ TEST_F(MapTest, BevelsInheritWhatPlayersFeel) {
     EXPECT_EQ(brush.sides[5].surfaceFlags, 2u) << "the slick slope touches the bevel on top";
 }
 
+TEST_F(MapTest, BevelsInheritTheFlagsOfTheGame) {
+    constexpr std::uint32_t kSnow = 0x100000; // of Quake Live
+    library->SetDefaultFlags("textures/snow", kSnow, 1);
+    std::vector<Plane> planes = BoxPlanes({0, 0, 0}, {64, 64, 64});
+    const Vec3d slope = Normalize(Vec3d{1, 0, 1});
+    planes[4] = {slope, Dot(slope, Vec3d{0, 0, 64})};
+    for (const auto &[name, flags] : {std::pair("quake3", 0u), std::pair("quakelive", kSnow)}) {
+        gameName = name;
+        Map map = Read(WorldText(BrushText(planes, "snow")));
+        EXPECT_EQ(map.World().brushes.at(0).sides[5].surfaceFlags, flags) << name;
+    }
+}
+
 TEST_F(MapTest, BevelSnapMovesAxialBevelsInward) {
     bspOptions.bevelSnap = 8;
     std::vector<Plane> planes = BoxPlanes({0, 0, 0}, {64, 64, 64});

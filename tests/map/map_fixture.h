@@ -33,12 +33,13 @@ std::string WorldText(std::string_view body);
 class MapTest : public LibraryTest {
   protected:
     MapTest();
-    BspContext Context() { return {bspOptions, *FindGame("quake3"), *library, out.log, vfs.get()}; }
+    BspContext Context() { return {bspOptions, *FindGame(gameName), *library, out.log, vfs.get()}; }
     Map Read(std::string_view text) { return ReadMap(text, "maps/test.map", Context()); }
     /// The error that this text gives.
     std::string ErrorOf(std::string_view text);
 
     BspOptions bspOptions;
+    std::string_view gameName = "quake3";
 };
 
 } // namespace q3::test

@@ -81,6 +81,17 @@ TEST_F(ProgramTest, RelightWithoutShDropsTheGrid) {
     }
 }
 
+TEST_F(ProgramTest, AMapWithoutEntitiesIsLitAllTheSame) {
+    QuietLog quiet;
+    Bsp bsp = ReadBspFile(Map(".bsp"), {}, quiet.log);
+    bsp.entities.clear();
+    WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);
+    RunWell(kLight + "MAP");
+    bsp = ReadBspFile(Map(".bsp"), {}, quiet.log);
+    EXPECT_NE(ParseEntities(bsp.entities, "demo").at(0).Value("_q3map2_cmdline").find("-light"),
+              std::string_view::npos);
+}
+
 TEST_F(ProgramTest, EntitiesKeepTheirKeysAndRecordTheCommand) {
     RunWell(kLight + "-sh MAP");
     QuietLog quiet;

@@ -48,7 +48,7 @@ int World::AddBrush(const std::vector<Plane> &planes, std::uint32_t flags) {
     brush.detail = (flags & C_DETAIL) || (!brush.opaque && !(flags & C_STRUCTURAL));
     brush.primitive = int(Brushes().size());
     EXPECT_TRUE(MakeBrushWindings(brush, map.planes));
-    AddBrushBevels(brush, map.planes, 0);
+    AddBrushBevels(brush, map.planes, 0, Game().bevelSurfaceFlags);
     const int primitive = brush.primitive;
     if (brush.opaque)
         Brushes().push_front(std::move(brush));

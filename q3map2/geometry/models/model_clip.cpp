@@ -175,7 +175,7 @@ class ClipBrushBuilder {
         brush->settings = placement_.settings;
         brush->generated = brush->detail = true;
         brush->compileFlags |= C_DETAIL;
-        AddBrushBevels(*brush, planes_, context_.options.bevelSnap);
+        AddBrushBevels(*brush, planes_, context_.options.bevelSnap, context_.game.bevelSurfaceFlags);
         target_.brushes.push_back(std::move(*brush));
     }
 

@@ -55,7 +55,6 @@ Light LightFromKeys(const Entity &entity, const LightOptions &options, Log &log)
     light.grid = (flags & 16) == 0;
     if (EqualNoCase(entity.ClassName(), "lightJunior"))
         light.grid = true, light.surfaces = false;
-    light.alwaysFast = true;
     light.origin = keys::kOrigin.Vector(entity).value_or(Vec3f{});
     light.color = DecodeColor(keys::kColor.Vector(entity).value_or(Vec3f{1, 1, 1}), options.shader.sRgbColor);
     if ((flags & 32) == 0)

@@ -86,7 +86,7 @@ bool EndsAtTolerance(const Light &light, LightPass pass, const LightOptions &opt
     const bool area = light.type == LightType::Area;
     if (pass == LightPass::Surfaces)
         return options.fast || (!area && fastPoint);
-    return options.fastGrid || light.alwaysFast || !area;
+    return options.fastGrid || !area;
 }
 
 std::vector<bool> SeenFrom(const std::vector<int> &clusters, const BspSpace &space) {

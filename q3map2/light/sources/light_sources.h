@@ -30,11 +30,10 @@ struct AreaShape {
 /// One light. Color times the number that falloff or form factor give is light on the byte scale, 255 = full.
 struct Light {
     LightType type = LightType::Point;
-    bool linear = false;     ///< falloff photons / 8000 - distance * fade instead of photons / distance^2
-    bool grid = true;        ///< lights grid points
-    bool surfaces = true;    ///< lights lightmaps and vertices
-    bool alwaysFast = false; ///< entity lights: end at their tolerance in the legacy grid without -fast too
-    bool noFast = false;     ///< q3map_noFast: never ends at its tolerance
+    bool linear = false;  ///< falloff photons / 8000 - distance * fade instead of photons / distance^2
+    bool grid = true;     ///< lights grid points
+    bool surfaces = true; ///< lights lightmaps and vertices
+    bool noFast = false;  ///< q3map_noFast: never ends at its tolerance
     bool twoSided = false;
     bool negative = false;  ///< subtracts
     bool angle = true;      ///< surfaces: weaker at grazing angles

@@ -182,7 +182,6 @@ Light SpriteLight(const Bsp &bsp, const bspDrawSurface_t &surface, const ShaderI
     light.photons = std::min(shader.surfaceLight, 1e9f) * options.pointScale;
     light.color = shader.color;
     light.style = shader.lightStyle;
-    light.alwaysFast = true;
     light.noFast = shader.noFast;
     return light;
 }
