@@ -55,23 +55,23 @@ inline double TriangleSolidAngle(const Vec3d &a, const Vec3d &b, const Vec3d &c)
 
 /// Size, distance and height of a polygon relative to the receiver p, for the choice of formulas.
 struct PolygonAspect {
-    Vec3d normal;        ///< unit, away from p if p is in front; zero for a polygon without area
-    double size = 0;     ///< square of the longest distance from the first corner
-    double distance = 0; ///< square of the distance from p to the first corner
-    double height = 0;   ///< of p over the plane; negative behind
+    Vec3d normal;         ///< unit, away from p if p is in front; zero for a polygon without area
+    double size2 = 0;     ///< square of the longest distance from the first corner
+    double distance2 = 0; ///< square of the distance from p to the first corner
+    double height = 0;    ///< of p over the plane; negative behind
 
     PolygonAspect(std::span<const Vec3f> corners, const Vec3d &p) {
         const Vec3d origin(corners[0]), first = origin - p;
         Vec3d area, middle, last = Vec3d(corners[1]) - origin;
-        size = Dot(last, last), middle = last;
+        size2 = Dot(last, last), middle = last;
         for (std::size_t i = 2; i < corners.size(); ++i) {
             const Vec3d next = Vec3d(corners[i]) - origin;
             area += Cross(last, next), middle += next;
-            size = std::max(size, Dot(next, next));
+            size2 = std::max(size2, Dot(next, next));
             last = next;
         }
         normal = Normalize(area);
-        distance = Dot(first, first);
+        distance2 = Dot(first, first);
         height = Dot(first + middle / double(corners.size()), normal);
     }
 };
@@ -129,7 +129,7 @@ inline PolygonMoments MomentsByEdges(std::span<const Vec3f> corners, const Vec3d
     PolygonMoments m;
     // Near the polygon, triangles from the foot of the perpendicular lose fewer digits; farther away, triangles that
     // fan out from the first corner. The arguments of the factors add up to half the solid angle, which is below pi.
-    const bool fan = 4 * aspect.size < aspect.distance;
+    const bool fan = 4 * aspect.size2 < aspect.distance2;
     const SeenCorner first{Vec3d(corners[0]) - p};
     std::complex<double> half = 1;
     SeenCorner a{Vec3d(corners.back()) - p};
@@ -165,7 +165,7 @@ inline PolygonMoments MomentsOfPolygon(std::span<const Vec3f> corners, const Vec
     if (corners.size() < 3)
         return {};
     const PolygonAspect aspect(corners, p);
-    if (aspect.size * 64 * 64 < aspect.distance) {
+    if (aspect.size2 * 64 * 64 < aspect.distance2) {
         PolygonMoments m;
         const Vec3d origin(corners[0]);
         for (std::size_t i = 2; i < corners.size(); ++i)
@@ -173,8 +173,8 @@ inline PolygonMoments MomentsOfPolygon(std::span<const Vec3f> corners, const Vec
         return m.solidAngle > 0 ? m : PolygonMoments{};
     }
     constexpr double kInPlane = 1e-14; // heights under this share of the distance are rounding
-    return aspect.height > kInPlane * std::sqrt(aspect.distance) ? MomentsByEdges(corners, p, aspect)
-                                                                 : PolygonMoments{};
+    return aspect.height > kInPlane * std::sqrt(aspect.distance2) ? MomentsByEdges(corners, p, aspect)
+                                                                  : PolygonMoments{};
 }
 
 } // namespace q3

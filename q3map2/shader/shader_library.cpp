@@ -104,7 +104,7 @@ std::vector<std::string> ShaderLibrary::State::ScriptNames(const std::string &fo
 
 /// Two lists of names and hexadecimal bits: content flags, then surface flags.
 void ShaderLibrary::State::ReadCustomParms() {
-    const std::string file = std::string(table.ForGame().shaderDir) + "/custinfoparms.txt";
+    const std::string file = std::string(table.GameRules().shaderDir) + "/custinfoparms.txt";
     const auto bytes = vfs.Read(file);
     if (!bytes)
         throw Error("{}: no such file, and -custinfoparms asks for it", file);
@@ -124,7 +124,7 @@ void ShaderLibrary::State::ReadCustomParms() {
 }
 
 void ShaderLibrary::State::ReadScripts() {
-    for (const std::string &name : ScriptNames(std::string(table.ForGame().shaderDir))) {
+    for (const std::string &name : ScriptNames(std::string(table.GameRules().shaderDir))) {
         const auto bytes = vfs.Read(name);
         if (!bytes) {
             log.Warn("shader script not found", "{}: the script is listed but not there", name);
@@ -293,7 +293,7 @@ void ShaderLibrary::SetDefaultFlags(std::string_view name, std::uint32_t surface
         return;
     shader.info.surfaceFlags = surfaceFlags;
     shader.info.contentFlags = contentFlags;
-    shader.info.compileFlags = state_->table.ForGame().CompileFlagsOf(surfaceFlags, contentFlags);
+    shader.info.compileFlags = state_->table.GameRules().CompileFlagsOf(surfaceFlags, contentFlags);
 }
 
 std::shared_ptr<const Image> ShaderLibrary::LoadImage(std::string_view nameWithoutExtension) {

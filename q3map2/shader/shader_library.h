@@ -19,7 +19,7 @@ class ShaderLibrary {
     ShaderLibrary(ShaderLibrary &&) noexcept;
 
     /// The shader of that name (without extension, case-insensitive). Unknown names give an implicit shader with the
-    /// image of that name. The reference stays valid as long as the library. Images, and colours from them, are there
+    /// image of that name. The reference stays valid as long as the library. Images, and colors from them, are there
     /// for shaders that emit or transmit light, or with ShaderOptions::imageSizes for those with a flare shader only;
     /// for others see ReleaseImages.
     const ShaderInfo &Get(std::string_view name);

@@ -278,7 +278,7 @@ void ScriptParser::RunDirective(const GeometryDirective &directive, std::string_
             words_.emplace_back(next);
     if (words_.size() < directive.required) {
         WarnIncomplete(location, word, directive.required);
-    } else if (const std::string fault = directive.apply(shader_->info, words_, table_.Options(), table_.ForGame());
+    } else if (const std::string fault = directive.apply(shader_->info, words_, table_.Options(), table_.GameRules());
                !fault.empty()) {
         log_.Warn("shader directive", "{}: shader {}: {}: {}", location.Text(), shader_->info.name, word, fault);
     }
@@ -291,7 +291,7 @@ void ScriptParser::WarnIncomplete(const TextLocation &location, std::string_view
 }
 
 bool ScriptParser::ApplyParm(std::string_view name) {
-    const SurfaceParm *parm = table_.ForGame().FindParm(name);
+    const SurfaceParm *parm = table_.GameRules().FindParm(name);
     if (!parm)
         return false;
     ShaderInfo &info = shader_->info;

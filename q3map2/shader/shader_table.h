@@ -34,7 +34,7 @@ class ShaderTable {
   public:
     ShaderTable(const Game &game, const ShaderOptions &options);
 
-    const Game &ForGame() const { return game_; }
+    const Game &GameRules() const { return game_; }
     const ShaderOptions &Options() const { return options_; }
 
     /// A shader with the defaults of the game and the command line.

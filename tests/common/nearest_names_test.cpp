@@ -12,7 +12,7 @@ TEST(NearestNames, DistanceCountsInsertionsDeletionsAndReplacements) {
     EXPECT_EQ(EditDistance("", "abc"), 3u);
     EXPECT_EQ(EditDistance("abc", ""), 3u);
     EXPECT_EQ(EditDistance("kitten", "sitting"), 3u);
-    EXPECT_EQ(EditDistance("lihgt", "light"), 1u); // neighbours swapped
+    EXPECT_EQ(EditDistance("lihgt", "light"), 1u); // neighbors swapped
 }
 
 TEST(NearestNames, OnlyTheNearestAndNoneFarOff) {

@@ -52,7 +52,7 @@ class TJunctionTest : public FaceTest {
     DrawSurface &Surface(std::size_t i) { return geometry.surfaces[i]; }
 };
 
-TEST_F(TJunctionTest, VertexOfANeighbourIsInserted) {
+TEST_F(TJunctionTest, VertexOfANeighborIsInserted) {
     AddFloor(0, 0, 128, 64);
     AddFloor(0, 64, 40, 128);
     AddFloor(40, 64, 128, 128);

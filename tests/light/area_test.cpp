@@ -215,7 +215,7 @@ TEST_F(AreaTest, AlphaShadowLetsThroughWhatItsAlphaLeaves) {
     });
 }
 
-TEST_F(AreaTest, LightFilterColoursTheLight) {
+TEST_F(AreaTest, LightFilterColorsTheLight) {
     SceneBuilder scene = SheetScene("textures/vec/lfilter", 60, 50);
     AddSheetLight(scene);
     ExpectPoints(LitGrid(scene), kExact, 350, [&](const Vec3d &p, Coefficients &c) {
@@ -223,7 +223,7 @@ TEST_F(AreaTest, LightFilterColoursTheLight) {
     });
 }
 
-TEST_F(AreaTest, LightFilterColoursLampsToo) {
+TEST_F(AreaTest, LightFilterColorsLampsToo) {
     Script(kLampScript);
     SceneBuilder scene = CeilingLamp();
     scene.AddQuad({{{-250, -186, kSheet}, {-250, 186, kSheet}, {250, 186, kSheet}, {250, -186, kSheet}}},

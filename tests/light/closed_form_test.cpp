@@ -54,7 +54,7 @@ TEST_F(ClosedFormTest, PointLightGivesAllCoefficients) {
     }
 }
 
-TEST_F(ClosedFormTest, ColoursAreNormalisedUnlessToldOtherwise) {
+TEST_F(ClosedFormTest, ColorsAreNormalisedUnlessToldOtherwise) {
     SceneBuilder scene = Room();
     scene.AddEntity(With(PointLight("-100 20 100", "100"), {{"_color", "0.1 0.3 0.2"}}));
     scene.AddEntity(With(PointLight("90 20 200", "50"), {{"_color", "0.5 2 0"}, {"spawnflags", "32"}, {"scale", "3"}}));

@@ -18,7 +18,7 @@ namespace {
 
 using GridSHDeringTest = LightTest;
 
-/// Near the coloured lamps light comes from one side, which rings; far from both it does not everywhere.
+/// Near the colored lamps light comes from one side, which rings; far from both it does not everywhere.
 SceneBuilder TwoLamps() {
     SceneBuilder scene = Room();
     scene.SetWorldKey("_ambient", "12");

@@ -200,7 +200,7 @@ TEST_F(OptionsTest, FloodlightIsFiniteAndPositiveAndBrighterInTheOpen) {
     EXPECT_GT(Evaluate(grid.Sample({0, 0, 64}), up).z, Evaluate(grid.Sample({0, 0, 192}), up).z);
 }
 
-TEST_F(OptionsTest, FloodlightKeyGivesItsColour) {
+TEST_F(OptionsTest, FloodlightKeyGivesItsColor) {
     SceneBuilder scene = Room();
     scene.SetWorldKey("_floodlight", "240 120 60 300 64");
     const GridView grid = LitGrid(scene);

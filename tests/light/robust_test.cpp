@@ -89,13 +89,13 @@ const KeyCase kKeyCases[] = {
     {"OriginNan", {{"origin", "nan nan nan"}}},
     {"OriginOfTwo", {{"origin", "1 2"}}},
     {"OriginInAWall", {{"origin", "252 0 100"}}},
-    {"ColourBlack", {{"_color", "0 0 0"}}},
-    {"ColourNegative", {{"_color", "-1 -2 -3"}}},
-    {"ColourNegativeRaw", {{"_color", "-1 -2 -3"}, {"spawnflags", "32"}}},
-    {"ColourHuge", {{"_color", "1e38 1 1"}}},
-    {"ColourHugeRaw", {{"_color", "1e38 1e38 1e38"}, {"spawnflags", "32"}}},
-    {"ColourTinyOfNegatives", {{"_color", "1e-30 -1e30 0"}}},
-    {"ColourNan", {{"_color", "nan 1 1"}}},
+    {"ColorBlack", {{"_color", "0 0 0"}}},
+    {"ColorNegative", {{"_color", "-1 -2 -3"}}},
+    {"ColorNegativeRaw", {{"_color", "-1 -2 -3"}, {"spawnflags", "32"}}},
+    {"ColorHuge", {{"_color", "1e38 1 1"}}},
+    {"ColorHugeRaw", {{"_color", "1e38 1e38 1e38"}, {"spawnflags", "32"}}},
+    {"ColorTinyOfNegatives", {{"_color", "1e-30 -1e30 0"}}},
+    {"ColorNan", {{"_color", "nan 1 1"}}},
     {"FadeZero", {{"spawnflags", "1"}, {"fade", "0"}}},
     {"FadeNegative", {{"spawnflags", "1"}, {"fade", "-3"}}},
     {"FadeNan", {{"spawnflags", "1"}, {"fade", "nan"}}},
@@ -122,7 +122,7 @@ const KeyCase kKeyCases[] = {
 INSTANTIATE_TEST_SUITE_P(Keys, AbsurdKeyTest, testing::ValuesIn(kKeyCases),
                          [](const auto &of) { return of.param.name; });
 
-TEST_F(RobustTest, AbsurdIntensitiesAndColoursAreNamed) {
+TEST_F(RobustTest, AbsurdIntensitiesAndColorsAreNamed) {
     ExpectSane(LitWith({{"light", "1e38"}}));
     EXPECT_TRUE(
         Printed("WARNING: entity 1 (light): _light \"1e38\": expected a number from -1e+09 to 1e+09; 1e+09 is used"))

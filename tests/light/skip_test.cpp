@@ -93,7 +93,7 @@ TEST_F(SkipTest, FaintLampsByOneRay) {
     EXPECT_LE(Largest(skipped, all), 2 * 0.5) << "half a byte for each of the two triangles";
 }
 
-TEST_F(SkipTest, DimLightsWhereNeighboursAgree) {
+TEST_F(SkipTest, DimLightsWhereNeighborsAgree) {
     SceneBuilder scene = Room({-600, -400, 0}, {600, 400, 300});
     scene.AddEntity(MakeEntity("light", {{"origin", "0 0 250"}, {"light", "2"}}));
     scene.AddBox({100, -60, 100}, {130, 60, 140}, TestShader("textures/test/wall"));

@@ -31,7 +31,7 @@ TEST_F(AverageTest, ClosedPlacesCountWhereNothingIsOpen) {
     EXPECT_EQ(raw.result[0][1], (Vec3f{3, 4, 5})) << "a surface without light has the ambient light";
 }
 
-TEST_F(AverageTest, RingAroundTheSurfaceTakesItsNeighboursAndTheRestIsUnused) {
+TEST_F(AverageTest, RingAroundTheSurfaceTakesItsNeighborsAndTheRestIsUnused) {
     MakeLightmaps(5, 1);
     RawLightmap &raw = surfaces.lightmaps[0];
     Fill(raw, [](int x, int) { return Vec3f{float(10 + x), 1, 2}; });

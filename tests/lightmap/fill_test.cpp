@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The last step over luxels: floodlight, dirt, luxels filled from their neighbours; debug modes.
+// GPL-2.0-or-later. The last step over luxels: floodlight, dirt, luxels filled from their neighbors; debug modes.
 #include "q3map2/lightmap/direct/luxel_fill.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "tests/lightmap/surface_case.h"
@@ -47,10 +47,10 @@ TEST_F(FinishTest, LuxelsInTheOpenStayAsTheyAre) {
         EXPECT_EQ(Light(i), 10 * float(i + 1));
 }
 
-TEST_F(FinishTest, UnmappedLuxelsGetTheMeanOfMappedNeighbours) {
+TEST_F(FinishTest, UnmappedLuxelsGetTheMeanOfMappedNeighbors) {
     Unmap(0), Unmap(1, kOccluded);
     Finish();
-    // Neighbours of the corner: 1 (no), 4, 5. Of its neighbour: 2, 4, 5, 6.
+    // Neighbors of the corner: 1 (no), 4, 5. Of its neighbor: 2, 4, 5, 6.
     EXPECT_FLOAT_EQ(Light(0), (50 + 60) / 2.0f);
     EXPECT_FLOAT_EQ(Light(1), (30 + 50 + 60 + 70) / 4.0f);
     EXPECT_EQ(Luxels().luxelClusters[0], kFlooded);
@@ -58,7 +58,7 @@ TEST_F(FinishTest, UnmappedLuxelsGetTheMeanOfMappedNeighbours) {
     EXPECT_EQ(Luxels().filled[0][0], 1);
 }
 
-TEST_F(FinishTest, LuxelsWithoutNeighboursStayUnmapped) {
+TEST_F(FinishTest, LuxelsWithoutNeighborsStayUnmapped) {
     for (const std::size_t i : {0u, 1u, 4u, 5u})
         Unmap(i);
     Finish();
@@ -75,7 +75,7 @@ TEST_F(FinishTest, DarkFillsLeanTowardsAmbient) {
     EXPECT_FLOAT_EQ(Light(0), (20 + 50 + 60 + 2 * 4) / 5.0f);
 }
 
-TEST_F(FinishTest, SplotchesAreFilledFromBrighterNeighbours) {
+TEST_F(FinishTest, SplotchesAreFilledFromBrighterNeighbors) {
     Luxels().splotchFix = true;
     Luxels().ambient = {5, 5, 5};
     Luxels().light[0][0] = {5, 5, 5}, Luxels().light[0][1] = {5, 5, 5};
@@ -107,7 +107,7 @@ TEST_F(FinishTest, FloodlightComesAlongTheNormal) {
     EXPECT_EQ(Luxels().directions[3].x, 0);
 }
 
-TEST_F(FinishTest, NormalsAreShownAsColours) {
+TEST_F(FinishTest, NormalsAreShownAsColors) {
     case_.settings.lightmap.debugNormals = true;
     Luxels().normals[2] = {-1, 0, 0};
     Finish();

@@ -125,7 +125,7 @@ TEST_F(LuxelLightTest, LightThatIsNotForGridsLightsSurfaces) {
     ForFloor(Lit(c, {light}), [](const Vec3f &, const Vec3f &, const Vec3f &got) { EXPECT_EQ(got.x, 0); });
 }
 
-TEST_F(LuxelLightTest, BlurIsTheMeanOfTheNeighbourhood) {
+TEST_F(LuxelLightTest, BlurIsTheMeanOfTheNeighborhood) {
     CaseSettings settings;
     settings.lightmap.filter = true;
     SurfaceCase &c = Case(settings);
@@ -342,7 +342,7 @@ TEST(FormFactors, AgreeWithTheSlowOnes) {
     }
 }
 
-TEST(FormFactors, OfADiscAboveItsCentreIsItsClosedForm) {
+TEST(FormFactors, OfADiscAboveItsCenterIsItsClosedForm) {
     // A regular polygon of 64 corners that looks down from height h.
     for (const double h : {10.0, 80.0, 640.0}) {
         Winding<float> w;

@@ -13,7 +13,7 @@ class LuxelTest : public testing::Test {
     GameFolder folder;
 };
 
-/// A picture of one colour.
+/// A picture of one color.
 std::string Tga(int red, int green, int blue) {
     std::string file(18, '\0');
     file[2] = 2;
@@ -37,7 +37,7 @@ Bsp WithTriangle(const SceneBuilder &room, const std::array<Vec3f, 3> &corners) 
     return bsp;
 }
 
-TEST_F(LuxelTest, OpenLuxelsStandAUnitOffTheirCentre) {
+TEST_F(LuxelTest, OpenLuxelsStandAUnitOffTheirCenter) {
     for (const int super : {1, 3}) {
         SceneBuilder scene = EmptyRoom();
         scene.AddQuad(Rectangle(10, 20, 110, 90, -30), Shaded(kA));
@@ -50,16 +50,16 @@ TEST_F(LuxelTest, OpenLuxelsStandAUnitOffTheirCentre) {
         for (int y = 0; y < raw.SuperHeight(); ++y)
             for (int x = 0; x < raw.SuperWidth(); ++x) {
                 const std::size_t luxel = raw.SuperIndex(x, y);
-                const auto centre = [&](int k) { return (float(k) + 0.5f) * 16 / float(super) - 8; };
+                const auto center = [&](int k) { return (float(k) + 0.5f) * 16 / float(super) - 8; };
                 const float side = 16 / float(super); // of a luxel
-                const auto beyond = [&](float size, int k) { return std::max(-centre(k), centre(k) - size) / side; };
+                const auto beyond = [&](float size, int k) { return std::max(-center(k), center(k) - size) / side; };
                 // Luxels that the rectangle covers are mapped, and the ring around them at most.
                 EXPECT_TRUE(raw.Mapped(luxel) || std::max(beyond(100, x), beyond(70, y)) > -0.5f) << x << ' ' << y;
                 EXPECT_TRUE(!raw.Mapped(luxel) || std::max(beyond(100, x), beyond(70, y)) < 1.5f) << x << ' ' << y;
                 if (!raw.Mapped(luxel))
                     continue;
                 ++mapped;
-                ExpectVector(raw.positions[luxel], {10 + centre(x), 20 + centre(y), -29});
+                ExpectVector(raw.positions[luxel], {10 + center(x), 20 + center(y), -29});
                 ExpectVector(raw.normals[luxel], {0, 0, 1});
                 EXPECT_EQ(raw.luxelClusters[luxel], c.space.ClusterAt(raw.positions[luxel], 0));
             }
@@ -87,7 +87,7 @@ TEST_F(LuxelTest, NoPlaceIsInSolid) {
                 nudged += Length(off) > 2 ? 1 : 0;
             }
     EXPECT_GT(mapped, 400u);
-    EXPECT_GT(nudged, 7u) << "the box covers the centres of luxels that show beside it";
+    EXPECT_GT(nudged, 7u) << "the box covers the centers of luxels that show beside it";
 }
 
 TEST_F(LuxelTest, CoveredLuxelsAreOccluded) {
@@ -156,7 +156,7 @@ TEST_F(LuxelTest, TrianglesMapWhatTheyTouchAndARing) {
                 if (inside(16.0 * x, 16.0 * y, 0)) {
                     EXPECT_TRUE(raw.Mapped(luxel)) << x << ' ' << y;
                 }
-                // A luxel reaches 11.3 units from its centre, and the ring is one luxel, 22.6 units diagonally.
+                // A luxel reaches 11.3 units from its center, and the ring is one luxel, 22.6 units diagonally.
                 if (!inside(16.0 * x, 16.0 * y, 11.4 + 22.7)) {
                     EXPECT_EQ(raw.luxelClusters[luxel], kUnmapped) << x << ' ' << y;
                 }

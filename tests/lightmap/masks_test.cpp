@@ -18,7 +18,7 @@ bool HoldsAround(const LuxelMask &mask, int width, int height, int x, int y) {
     return false;
 }
 
-TEST(LuxelMaskTest, SpreadsToNeighboursButNotAroundTheEnds) {
+TEST(LuxelMaskTest, SpreadsToNeighborsButNotAroundTheEnds) {
     std::mt19937 random(3);
     for (const auto &[width, height] : {std::pair(1, 1), {1, 9}, {9, 1}, {2, 2}, {17, 23}, {64, 5}}) {
         LuxelMask mask(std::size_t(width * height));

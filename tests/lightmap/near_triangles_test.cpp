@@ -61,7 +61,7 @@ class NearTrianglesTest : public testing::TestWithParam<bool> {
         }
         return triangles;
     }
-    /// Rays of neighbours: in one direction, or in one each.
+    /// Rays of neighbors: in one direction, or in one each.
     RayPacket Rays() {
         RayPacket rays;
         const Vec3f from = Within(60), direction = Direction();

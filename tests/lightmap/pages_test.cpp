@@ -96,7 +96,7 @@ TEST(Pages, ExportThenImportChangesNothing) {
     std::fill(after.lightmaps.begin(), after.lightmaps.end(), std::uint8_t(0));
     ImportLightmaps(after, 128, game / "room", log.log);
     EXPECT_EQ(before.lightmaps, after.lightmaps);
-    // 18 bytes of header: uncompressed colour, 128 x 128, 24 bit; then rows as they are in the file, blue first.
+    // 18 bytes of header: uncompressed color, 128 x 128, 24 bit; then rows as they are in the file, blue first.
     const std::string file = game.ReadBack("room/lightmap_0002.tga");
     EXPECT_EQ(file.substr(0, 18), std::string("\0\0\2\0\0\0\0\0\0\0\0\0\200\0\200\0\30\0", 18));
     EXPECT_EQ(std::uint8_t(file[18]), before.lightmaps[2 * 128 * 128 * 3 + 2]);

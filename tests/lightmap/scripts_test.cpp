@@ -118,7 +118,7 @@ TEST_F(ScriptsTest, TriangleSoupHasNoLightmap) {
     EXPECT_EQ(bsp.drawSurfaces[1].lightmapNum, 0);
 }
 
-/// The vertices' colours at the luxels of their corners.
+/// The vertices' colors at the luxels of their corners.
 void LightVerticesAs(const RawLightmap &raw, const bspDrawSurface_t &surface, std::vector<Vec3f> &vertices) {
     const int right = raw.width - 1, bottom = raw.height - 1;
     const std::array<std::size_t, 4> corners{raw.Index(0, 0), raw.Index(right, 0), raw.Index(right, bottom),

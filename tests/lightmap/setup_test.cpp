@@ -275,7 +275,7 @@ TEST_F(SetupTest, VertexLitSurfacesHaveNone) {
     EXPECT_TRUE(none.Setup().lightmaps.empty());
 }
 
-TEST_F(SetupTest, SamplesAreCentredOnTheirLuxel) {
+TEST_F(SetupTest, SamplesAreCenteredOnTheirLuxel) {
     for (const int super : {1, 2, 3, 4, 8}) {
         SceneBuilder scene = EmptyRoom();
         scene.AddQuad({{{8, 64, 8}, {128, 64, 68}, {128, 0, 68}, {8, 0, 8}}}, Shaded(kA));

@@ -37,7 +37,7 @@ class StoreTest : public testing::Test {
     /// Average and Store.
     StoredLightmaps Finish(int threads = 1, std::string_view mapName = "room");
 
-    /// Colour of the page at luxel (x, y) of a surface, found through its first vertex. Not for solid ones.
+    /// Color of the page at luxel (x, y) of a surface, found through its first vertex. Not for solid ones.
     std::array<int, 3> Shown(const StoredLightmaps &stored, std::size_t surface, int x, int y) const;
     std::array<int, 3> Direction(const StoredLightmaps &stored, std::size_t surface, int x, int y) const;
     const LightmapPage &PageOf(const StoredLightmaps &stored, std::size_t surface) const;

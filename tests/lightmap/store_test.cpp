@@ -129,7 +129,7 @@ TEST_F(StoreTest, LeastLightRaisesLuxelsAndVertices) {
     const StoredLightmaps stored = Finish();
     EXPECT_EQ(Shown(stored, 2, 1, 0), (std::array{15, 15, 200}));
     EXPECT_EQ(Shown(stored, 2, 3, 0), (std::array{30, 15, 200}));
-    // 300 is over white: the colour keeps its hue.
+    // 300 is over white: the color keeps its hue.
     EXPECT_EQ(bsp.drawVerts[0].color, (std::array<std::uint8_t, 4>{4, 76, 255, 77})) << "alpha stays";
 }
 

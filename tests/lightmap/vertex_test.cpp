@@ -302,7 +302,7 @@ TEST_F(VertexTest, LightmappedSurfacesReadTheNearestLuxels) {
         for (std::size_t slot = 0; slot < 2; ++slot)
             EXPECT_EQ(surfaces.vertex.radiosity[slot][v], raw.light[slot][at(v)]);
 
-    // The luxel below is not mapped: the mean of its neighbours; then nothing is.
+    // The luxel below is not mapped: the mean of its neighbors; then nothing is.
     const std::size_t v = vertices[0];
     raw.luxelClusters[at(v)] = kOccluded;
     const int x = int(at(v)) % raw.SuperWidth(), y = int(at(v)) / raw.SuperWidth();

@@ -184,7 +184,7 @@ TEST_F(ProgramTest, LightsOfTheMapSourceCount) {
     EXPECT_TRUE(without.Printed("WARNING: demo: no light entities"));
 }
 
-TEST_F(ProgramTest, LightGivesLightmapsAndVertexColours) {
+TEST_F(ProgramTest, LightGivesLightmapsAndVertexColors) {
     const auto before = MapBytes();
     RunWell("-light -bounce 1 MAP");
     const auto after = MapBytes();

@@ -28,7 +28,7 @@ void AddLight(bspGridPointSH_t &point, const Vec3d &direction, const Vec3f &colo
 }
 
 /// A room whose walls, seen from anywhere, shine red from the south and blue from the north.
-Bsp TwoColours() {
+Bsp TwoColors() {
     SceneBuilder builder;
     builder.SetInterior({-256, -256, 0}, {256, 256, 256}, kRoomWall);
     builder.AddBox({-32, -32, 0}, {32, 32, 256}, kRoomWall);
@@ -46,7 +46,7 @@ Bsp TwoColours() {
 }
 
 TEST(GridPreview, ShSideTellsTheTwoLightsApart) {
-    const Bsp bsp = TwoColours();
+    const Bsp bsp = TwoColors();
     const ShPreview preview(bsp);
     const shgrid_coeffs coeffs = preview.At({100, 100, 100});
     const Vec3f south = LightOn(coeffs, {0, -1, 0}), north = LightOn(coeffs, {0, 1, 0});
@@ -57,7 +57,7 @@ TEST(GridPreview, ShSideTellsTheTwoLightsApart) {
 }
 
 TEST(GridPreview, PlainProjectionIsConvolvedFirst) {
-    Bsp bsp = TwoColours();
+    Bsp bsp = TwoColors();
     const Vec3f expected = LightOn(ShPreview(bsp).At({0, 0, 100}), {0, -0.6f, 0.8f});
     for (bspGridPointSH_t &point : bsp.gridSH->points)
         for (std::size_t k = 0; k < 9; k++)
@@ -68,7 +68,7 @@ TEST(GridPreview, PlainProjectionIsConvolvedFirst) {
 }
 
 TEST(GridPreview, LegacySideIsAmbientPlusDirected) {
-    const Bsp bsp = TwoColours();
+    const Bsp bsp = TwoColors();
     const auto legacy = LegacyPreview::Make(bsp);
     ASSERT_TRUE(legacy);
     const LegacySample sample = legacy->At({100, 100, 100}); // directed from +z
@@ -78,7 +78,7 @@ TEST(GridPreview, LegacySideIsAmbientPlusDirected) {
 }
 
 TEST(GridPreview, LegacyCornersInWallsAreLeftOut) {
-    Bsp bsp = TwoColours();
+    Bsp bsp = TwoColors();
     const GridLayout grid = LayoutGrid(bsp.models[0].mins, bsp.models[0].maxs, {64, 64, 128});
     for (int z = 0; z < grid.bounds[2]; z++)
         for (int y = 0; y < grid.bounds[1]; y++)
@@ -95,7 +95,7 @@ TEST(GridPreview, LegacyCornersInWallsAreLeftOut) {
 }
 
 TEST(GridPreview, LegacyDirectionsAreDecodedAsEnginesDo) {
-    Bsp bsp = TwoColours();
+    Bsp bsp = TwoColors();
     const auto pointing = [&](std::uint8_t polar, std::uint8_t around) {
         for (bspGridPoint_t &point : bsp.gridPoints)
             point.latLong = {polar, around};
@@ -107,7 +107,7 @@ TEST(GridPreview, LegacyDirectionsAreDecodedAsEnginesDo) {
 }
 
 TEST(GridPreview, LegacyGridOfAnotherLengthIsNone) {
-    Bsp bsp = TwoColours();
+    Bsp bsp = TwoColors();
     bsp.gridPoints.pop_back();
     EXPECT_FALSE(LegacyPreview::Make(bsp));
     bsp.gridPoints.clear();
@@ -115,7 +115,7 @@ TEST(GridPreview, LegacyGridOfAnotherLengthIsNone) {
 }
 
 TEST(GridPreview, PlacesAreOpenAndSpread) {
-    const Bsp bsp = TwoColours();
+    const Bsp bsp = TwoColors();
     const PreviewMap map(bsp);
     EXPECT_FALSE(map.IsOpen({0, 0, 100})) << "the pillar";
     EXPECT_FALSE(map.IsOpen({0, 0, 300})) << "outside";
@@ -171,7 +171,7 @@ struct PictureFile {
 };
 
 // Share of red, of blue and of purple among the bright pixels right of the plan.
-std::array<int, 3> ColoursOfThePairs(const Image &image) {
+std::array<int, 3> ColorsOfThePairs(const Image &image) {
     std::array<int, 3> counts{};
     for (int row = 60; row < 920; row++)
         for (int column = 900; column < image.width; column++) {
@@ -184,13 +184,13 @@ std::array<int, 3> ColoursOfThePairs(const Image &image) {
 }
 
 TEST(GridPreview, PictureShowsWhatTheLegacyGridMixes) {
-    Bsp bsp = TwoColours();
+    Bsp bsp = TwoColors();
     PictureFile both;
     WriteGridPreview(both.path, bsp, both.log);
     const Image picture = both.Read();
     EXPECT_EQ(picture.width, 1600);
     EXPECT_EQ(picture.height, 1000);
-    const auto [red, blue, purple] = ColoursOfThePairs(picture);
+    const auto [red, blue, purple] = ColorsOfThePairs(picture);
     EXPECT_GT(red, 10000);
     EXPECT_GT(blue, 10000);
     EXPECT_GT(purple, 20000) << "the legacy spheres";
@@ -199,11 +199,11 @@ TEST(GridPreview, PictureShowsWhatTheLegacyGridMixes) {
     bsp.gridPoints.clear();
     WriteGridPreview(both.path, bsp, both.log);
     EXPECT_NE(both.text.find("SH grid only"), std::string::npos);
-    EXPECT_LT(ColoursOfThePairs(both.Read())[2], purple / 2);
+    EXPECT_LT(ColorsOfThePairs(both.Read())[2], purple / 2);
 }
 
 TEST(GridPreview, NeedsAnShGrid) {
-    Bsp bsp = TwoColours();
+    Bsp bsp = TwoColors();
     bsp.gridSH.reset();
     PictureFile none;
     EXPECT_THROW(WriteGridPreview(none.path, bsp, none.log), Error);
@@ -211,7 +211,7 @@ TEST(GridPreview, NeedsAnShGrid) {
 }
 
 TEST(GridPreview, AbsurdBoundsGiveAPicture) {
-    Bsp bsp = TwoColours();
+    Bsp bsp = TwoColors();
     bsp.entities = "";
     bsp.models[0].mins = {-3e38f, -3e38f, 3e38f};
     bsp.models[0].maxs = {3e38f, -3e38f, 3e38f};
@@ -223,7 +223,7 @@ TEST(GridPreview, AbsurdBoundsGiveAPicture) {
 }
 
 TEST(GridPreview, DarkAndSolidMapsGiveAPictureToo) {
-    Bsp bsp = TwoColours();
+    Bsp bsp = TwoColors();
     std::ranges::fill(bsp.gridSH->points, bspGridPointSH_t{});
     for (bspLeaf_t &leaf : bsp.leafs)
         leaf.cluster = -1;

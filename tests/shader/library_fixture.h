@@ -37,7 +37,7 @@ class LibraryTest : public testing::Test {
         LoadScript(fmt::format("s\n{{\n{}\n}}\n", body), game);
         return Get("s");
     }
-    /// With the image and colours that bounced light would see.
+    /// With the image and colors that bounced light would see.
     const ShaderInfo &Get(std::string_view name) {
         const ShaderInfo &info = library->Get(name);
         library->ReleaseImages(true);

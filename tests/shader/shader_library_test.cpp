@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Finding scripts, shaders, images and colours.
+// GPL-2.0-or-later. Finding scripts, shaders, images and colors.
 #include "common/files/files.h"
 #include "q3map2/shader/shader_color.h"
 #include "tests/shader/library_fixture.h"
@@ -105,7 +105,7 @@ TEST_F(ShaderLookUp, ReferencesStayValid) {
     EXPECT_EQ(first.name, "first");
 }
 
-// One image per colour, so that the colour tells which file was taken.
+// One image per color, so that the color tells which file was taken.
 class LightImage : public test::LibraryTest {
   protected:
     void SetUp() override {

@@ -162,7 +162,7 @@ TEST(CellsToLight, CountsEachAxisInItsOwnCells) {
 
 TEST(Shares, AreOfTheSquaredGridError) {
     const std::vector<Cause> causes = {Cause::Wall, Cause::NearLight, Cause::Wall, Cause::Floor};
-    const std::vector<PlaceErrors> errors = {{0, 0, 1}, {0, 0, 3}, {0, 0, 2}, {9, 9, 0}};
+    const std::vector<PositionErrors> errors = {{0, 0, 1}, {0, 0, 3}, {0, 0, 2}, {9, 9, 0}};
     const auto shares = SharesByCause(causes, errors);
     EXPECT_DOUBLE_EQ(shares[std::size_t(Cause::Wall)].positions, 0.5);
     EXPECT_DOUBLE_EQ(shares[std::size_t(Cause::Wall)].error, 5.0 / 14);

@@ -54,9 +54,9 @@ class ErrorPlanTest : public BenchTest {
 
     std::unique_ptr<BenchMap> map_;
     Truth truth_;
-    std::vector<PlaceErrors> errors_;
+    std::vector<PositionErrors> errors_;
     std::vector<Cause> causes_;
-    std::vector<WorstPlace> worst_;
+    std::vector<WorstPosition> worst_;
 };
 
 TEST_F(ErrorPlanTest, ShowsTheMapAtTheHeightOfTheWorst) {
@@ -83,7 +83,7 @@ TEST_F(ErrorPlanTest, ShowsTheMapAtTheHeightOfTheWorst) {
     EXPECT_GT(steps, 0); // the crate's edge
 }
 
-TEST_F(ErrorPlanTest, RingsTheWorstAndColoursThemByTheirError) {
+TEST_F(ErrorPlanTest, RingsTheWorstAndColorsThemByTheirError) {
     const ErrorPlan plan = Plan();
     const Image image = Written(plan);
     EXPECT_EQ(image.width, 2000);

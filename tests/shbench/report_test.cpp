@@ -77,7 +77,7 @@ TEST(Errors, ALeakIsADarkPlaceShownLit) {
 TEST(Errors, TheWorstPositionsComeFirst) {
     Truth truth;
     truth.points = {Uniform({1, 0, 0}, 0.4f), Uniform({2, 0, 0}, 0.9f), Uniform({3, 0, 0}, 0.5f)};
-    const auto worst = WorstPlaces(truth, Always(0.5f), 2);
+    const auto worst = WorstPositions(truth, Always(0.5f), 2);
     ASSERT_EQ(worst.size(), 2u);
     EXPECT_EQ(worst[0].point, 1u);
     EXPECT_EQ(worst[1].point, 0u);
@@ -88,9 +88,9 @@ TEST(Errors, TheWorstAgainstTheProjectionAreWhereTheGridIsOff) {
     Truth truth;
     truth.points = {Uniform({1, 0, 0}, 0.9f), Uniform({2, 0, 0}, 0.4f)};
     truth.points[0].projection[0] = Vec3f{0.5f, 0.5f, 0.5f} / float(kY0); // what is shown is all that can be
-    EXPECT_EQ(WorstPlaces(truth, Always(0.5f), 1)[0].point, 0u);
-    EXPECT_EQ(WorstPlaces(truth, Always(0.5f), 1, WorstBy::Grid)[0].point, 1u);
-    const PlaceErrors errors = ErrorsByPlace(truth, Always(0.5f))[0];
+    EXPECT_EQ(WorstPositions(truth, Always(0.5f), 1)[0].point, 0u);
+    EXPECT_EQ(WorstPositions(truth, Always(0.5f), 1, WorstBy::Grid)[0].point, 1u);
+    const PositionErrors errors = ErrorsByPlace(truth, Always(0.5f))[0];
     EXPECT_NEAR(errors.shown, 0.4 * 255, 1e-3);
     EXPECT_NEAR(errors.floor, 0.4 * 255, 1e-3);
     EXPECT_NEAR(errors.grid, 0, 1e-3);

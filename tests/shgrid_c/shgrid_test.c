@@ -268,7 +268,7 @@ static void TestOddPositions(const shgrid_grid *grid) {
     CHECK(rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0);
 }
 
-/* One light of colour 1 from +x, +y, +z or a slanted direction: V = 0.09375 + 0.5 t + 0.46875 t^2, t = cosine. */
+/* One light of color 1 from +x, +y, +z or a slanted direction: V = 0.09375 + 0.5 t + 0.46875 t^2, t = cosine. */
 static void TestDeltaLight(void) {
     static const double kLobe[9] = {3.141592653589793, 2.094395102393195, 2.094395102393195,
                                     2.094395102393195, 0.785398163397448, 0.785398163397448,

@@ -181,7 +181,7 @@ TEST_F(PlacesTest, ThousandsOfLightsInOneSpot) {
     const GridView all(LitSoundly(many));
     EXPECT_LE(result.gridSH.counts.rays, rays * kLights);
     int lit = 0;
-    // In the open. What points in walls take from their neighbours depends on how bright those are.
+    // In the open. What points in walls take from their neighbors depends on how bright those are.
     for (std::size_t i = 0; i < all.Count(); i++) {
         if (!Inside(all.Position(i), RoomBounds()))
             continue;

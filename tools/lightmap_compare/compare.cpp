@@ -210,12 +210,12 @@ std::string ToText(const Comparison &c) {
     text += fmt::format("  {} of {} surfaces within 2\n", c.surfacesWithin2, c.surfacesCompared);
     if (c.directions.count > 0)
         text += Line("light directions, degrees", c.directions);
-    text += Line("vertex colours without lightmap", c.vertices);
+    text += Line("vertex colors without lightmap", c.vertices);
     if (c.undrawnVertices.count > 0)
         text += Line("  left out: those of skies and undrawn surfaces", c.undrawnVertices);
     if (c.unseenVertices.count > 0)
         text += Line("  left out: those that their shader does not draw", c.unseenVertices);
-    text += Line("vertex colours with lightmap", c.lightmapVertices);
+    text += Line("vertex colors with lightmap", c.lightmapVertices);
     for (const SurfaceDifference &one : c.worst)
         text +=
             fmt::format("surface {:5} mean {:6.2f} at ({:.0f} {:.0f} {:.0f}) A {:.0f} {:.0f} {:.0f} B {:.0f} {:.0f} "

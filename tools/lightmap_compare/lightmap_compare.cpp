@@ -22,7 +22,7 @@ constexpr std::string_view kUsage = R"(usage: lightmap_compare [options] A.bsp B
 Both files must be of one map. Pages are those of the file, or lm_NNNN.tga in the folder of its name. Samples that are
 black in one file, in solids where nobody sees them, or on texels that no luxel of their surface covers, are counted, not
 compared. Every surface has as many samples;
-the line "by area" weighs them by the area of their surface. Vertex colours of skies and of surfaces that no engine
+the line "by area" weighs them by the area of their surface. Vertex colors of skies and of surfaces that no engine
 draws have a line of their own, and with the game's files, -fs_basepath DIR [-fs_game MOD] [-game NAME], so have those
 that the shader does not draw.
 )";

@@ -35,9 +35,9 @@ GridLayout LayoutOf(const BenchMap &map, const Baked &baked, bool legacy) {
 /// Lists, and draws if asked for, the worst positions of one setting.
 void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &settings, const Contender &one,
                  const Baked &baked, const ShownLight &shown, const JobPool &jobs, BenchResult &result) {
-    const std::vector<PlaceErrors> errors = ErrorsByPlace(truth, shown);
+    const std::vector<PositionErrors> errors = ErrorsByPlace(truth, shown);
     const auto causes = FindCauses(map, LayoutOf(map, baked, one.legacy), truth, errors, jobs);
-    const auto worst = WorstPlaces(truth, shown, settings.worst, settings.worstBy);
+    const auto worst = WorstPositions(truth, shown, settings.worst, settings.worstBy);
     result.worst = WorstText(truth, worst, errors, causes, one.line.name);
     if (!settings.plan)
         return;

@@ -109,7 +109,7 @@ std::string_view NameOf(Cause cause) {
     return kNames[std::size_t(cause)];
 }
 
-Cause FindCause(const BenchMap &map, const GridLayout &layout, const TruthPoint &point, const PlaceErrors &errors) {
+Cause FindCause(const BenchMap &map, const GridLayout &layout, const TruthPoint &point, const PositionErrors &errors) {
     if (errors.floor > kFloorShare * errors.shown)
         return Cause::Floor;
     const CellSight sight(map, layout, point.position);
@@ -128,7 +128,7 @@ Cause FindCause(const BenchMap &map, const GridLayout &layout, const TruthPoint 
 }
 
 std::vector<Cause> FindCauses(const BenchMap &map, const GridLayout &layout, const Truth &truth,
-                              std::span<const PlaceErrors> errors, const JobPool &jobs) {
+                              std::span<const PositionErrors> errors, const JobPool &jobs) {
     std::vector<Cause> causes(truth.points.size());
     jobs.For(std::int64_t(causes.size()), [&](std::int64_t i, int) {
         causes[std::size_t(i)] = FindCause(map, layout, truth.points[std::size_t(i)], errors[std::size_t(i)]);
@@ -136,7 +136,7 @@ std::vector<Cause> FindCauses(const BenchMap &map, const GridLayout &layout, con
     return causes;
 }
 
-std::array<CauseShare, kCauses> SharesByCause(std::span<const Cause> causes, std::span<const PlaceErrors> errors) {
+std::array<CauseShare, kCauses> SharesByCause(std::span<const Cause> causes, std::span<const PositionErrors> errors) {
     std::array<CauseShare, kCauses> shares{};
     double sum = 0;
     for (std::size_t i = 0; i < causes.size(); ++i) {

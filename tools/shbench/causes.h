@@ -23,11 +23,11 @@ inline constexpr std::size_t kCauses = 5;
 std::string_view NameOf(Cause cause);
 
 /// Cause at one position of a grid with that layout. `errors`: from ErrorsAt.
-Cause FindCause(const BenchMap &map, const GridLayout &layout, const TruthPoint &point, const PlaceErrors &errors);
+Cause FindCause(const BenchMap &map, const GridLayout &layout, const TruthPoint &point, const PositionErrors &errors);
 
 /// The same for every position, on all workers.
 std::vector<Cause> FindCauses(const BenchMap &map, const GridLayout &layout, const Truth &truth,
-                              std::span<const PlaceErrors> errors, const JobPool &jobs);
+                              std::span<const PositionErrors> errors, const JobPool &jobs);
 
 /// Share of one cause.
 struct CauseShare {
@@ -35,6 +35,6 @@ struct CauseShare {
     double error = 0;     ///< of the sum of squared grid errors
 };
 /// Indexed by Cause. All zero without positions.
-std::array<CauseShare, kCauses> SharesByCause(std::span<const Cause> causes, std::span<const PlaceErrors> errors);
+std::array<CauseShare, kCauses> SharesByCause(std::span<const Cause> causes, std::span<const PositionErrors> errors);
 
 } // namespace q3::bench

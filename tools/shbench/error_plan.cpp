@@ -158,9 +158,9 @@ void ProbeGround(const BenchMap &map, ErrorPlan &plan, const JobPool &jobs) {
 }
 
 /// RMS over the positions.
-double Total(const std::vector<PlaceErrors> &errors, double PlaceErrors::*which) {
+double Total(const std::vector<PositionErrors> &errors, double PositionErrors::*which) {
     double sum = 0;
-    for (const PlaceErrors &one : errors)
+    for (const PositionErrors &one : errors)
         sum += one.*which * one.*which;
     return errors.empty() ? 0 : std::sqrt(sum / double(errors.size()));
 }
@@ -180,13 +180,13 @@ ErrorPlan MakeErrorPlan(const BenchMap &map, const PlanInputs &in, const JobPool
     ErrorPlan plan;
     plan.title = fmt::format("{}: where the {} errs", map.inputs.name, in.grid);
     plan.subtitle = fmt::format("{}; {} positions; RMSE {:.2f}, floor {:.2f}, grid error {:.2f} bytes of 255",
-                                in.setting, in.truth.points.size(), Total(in.errors, &PlaceErrors::shown),
-                                Total(in.errors, &PlaceErrors::floor), Total(in.errors, &PlaceErrors::grid));
+                                in.setting, in.truth.points.size(), Total(in.errors, &PositionErrors::shown),
+                                Total(in.errors, &PositionErrors::floor), Total(in.errors, &PositionErrors::grid));
     plan.errorName = in.by == WorstBy::Shown ? "displayed error of a position, RMS in bytes"
                                              : "grid error of a position, RMS in bytes";
     for (std::size_t i = 0; i < in.truth.points.size(); ++i)
         plan.dots.push_back({in.truth.points[i].position, ErrorOf(in.errors[i], in.by)});
-    for (const WorstPlace &place : in.worst)
+    for (const WorstPosition &place : in.worst)
         plan.rings.push_back({place.point, in.causes[place.point]});
     for (const Light &light : map.lights)
         if (light.type == LightType::Sun)

@@ -52,9 +52,9 @@ PlanFrame FrameOf(const Boundsf &area);
 /// Results of one setting.
 struct PlanInputs {
     const Truth &truth;
-    const std::vector<PlaceErrors> &errors;
+    const std::vector<PositionErrors> &errors;
     const std::vector<Cause> &causes;
-    const std::vector<WorstPlace> &worst;
+    const std::vector<WorstPosition> &worst;
     WorstBy by = WorstBy::Shown;
     std::string grid, setting; ///< "SH grid", and name and options of the setting
 };

@@ -93,8 +93,8 @@ ShownErrors MeasureErrors(const Truth &truth, const ShownLight &shown) {
     return errors;
 }
 
-PlaceErrors ErrorsAt(const TruthPoint &point, const NormalLight &shown, const NormalLight &projected) {
-    PlaceErrors sums;
+PositionErrors ErrorsAt(const TruthPoint &point, const NormalLight &shown, const NormalLight &projected) {
+    PositionErrors sums;
     for (std::size_t i = 0; i < kNormals; ++i)
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const double is = Displayed(shown[i][channel]), best = Displayed(projected[i][channel]),
@@ -107,30 +107,30 @@ PlaceErrors ErrorsAt(const TruthPoint &point, const NormalLight &shown, const No
     return {rms(sums.shown), rms(sums.floor), rms(sums.grid)};
 }
 
-std::vector<PlaceErrors> ErrorsByPlace(const Truth &truth, const ShownLight &shown) {
-    std::vector<PlaceErrors> all;
+std::vector<PositionErrors> ErrorsByPlace(const Truth &truth, const ShownLight &shown) {
+    std::vector<PositionErrors> all;
     for (const TruthPoint &point : truth.points)
         all.push_back(ErrorsAt(point, shown(point.position), ProjectedLight(point)));
     return all;
 }
 
-double ErrorOf(const PlaceErrors &errors, WorstBy by) {
+double ErrorOf(const PositionErrors &errors, WorstBy by) {
     return by == WorstBy::Shown ? errors.shown : errors.grid;
 }
 
-std::vector<WorstPlace> WorstPlaces(const Truth &truth, const ShownLight &shown, std::size_t count, WorstBy by) {
-    const std::vector<PlaceErrors> errors = ErrorsByPlace(truth, shown);
+std::vector<WorstPosition> WorstPositions(const Truth &truth, const ShownLight &shown, std::size_t count, WorstBy by) {
+    const std::vector<PositionErrors> errors = ErrorsByPlace(truth, shown);
     std::vector<std::size_t> order(errors.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return ErrorOf(errors[a], by) > ErrorOf(errors[b], by); });
     order.resize(std::min(order.size(), count));
-    std::vector<WorstPlace> worstPlaces;
+    std::vector<WorstPosition> worstPlaces;
     for (const std::size_t p : order) {
         const TruthPoint &point = truth.points[p];
         const NormalLight light = shown(point.position), projected = ProjectedLight(point);
         const NormalLight &against = by == WorstBy::Shown ? point.light : projected;
-        WorstPlace worst{p, 0, -1, {}};
+        WorstPosition worst{p, 0, -1, {}};
         for (std::size_t i = 0; i < kNormals; ++i)
             for (std::size_t channel = 0; channel < 3; ++channel) {
                 const double error = std::abs(Displayed(light[i][channel]) - Displayed(against[i][channel]));

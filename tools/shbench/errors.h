@@ -36,30 +36,30 @@ inline bool IsLeak(double truth, double shown, double mapMean) {
 }
 
 /// Displayed errors of one position: RMS over normals and channels, bytes.
-struct PlaceErrors {
+struct PositionErrors {
     double shown = 0; ///< of what is shown
     double floor = 0; ///< of the exact L2 projection
     double grid = 0;  ///< difference of these two
 };
-PlaceErrors ErrorsAt(const TruthPoint &point, const NormalLight &shown, const NormalLight &projected);
+PositionErrors ErrorsAt(const TruthPoint &point, const NormalLight &shown, const NormalLight &projected);
 /// One for each position.
-std::vector<PlaceErrors> ErrorsByPlace(const Truth &truth, const ShownLight &shown);
+std::vector<PositionErrors> ErrorsByPlace(const Truth &truth, const ShownLight &shown);
 
 /// The error by which positions are ranked.
 enum class WorstBy {
-    Shown, ///< PlaceErrors::shown
-    Grid   ///< PlaceErrors::grid
+    Shown, ///< PositionErrors::shown
+    Grid   ///< PositionErrors::grid
 };
-double ErrorOf(const PlaceErrors &errors, WorstBy by);
+double ErrorOf(const PositionErrors &errors, WorstBy by);
 
 /// A position and the normal that errs most there.
-struct WorstPlace {
+struct WorstPosition {
     std::size_t point = 0, normal = 0;
     double error = 0; ///< displayed, the largest of the normals and channels; bytes
     Vec3f shown;
 };
 /// The `count` positions with the largest ErrorOf(errors, by), which is an RMS, the worst first.
-std::vector<WorstPlace> WorstPlaces(const Truth &truth, const ShownLight &shown, std::size_t count,
-                                    WorstBy by = WorstBy::Shown);
+std::vector<WorstPosition> WorstPositions(const Truth &truth, const ShownLight &shown, std::size_t count,
+                                          WorstBy by = WorstBy::Shown);
 
 } // namespace q3::bench

@@ -22,7 +22,7 @@ double AreaLightAt(const Light &light, const Vec3d &toCenter) {
 
 bspGridPointSH_t LightPoint(const BenchMap &map, const Vec3f &position, std::uint64_t &rayCount) {
     const Vec3d p(position);
-    PlaceRays rays(map.scene, p);
+    PointRays rays(map.scene, p);
     DirectionSum sum{.forNormals = false};
     for (const Light &light : map.lights) {
         if (light.type == LightType::Sun) {

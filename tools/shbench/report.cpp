@@ -156,17 +156,18 @@ Chart ErrorChart(const BenchReport &report) {
     return chart;
 }
 
-std::string WorstText(const Truth &truth, const std::vector<WorstPlace> &worst, const std::vector<PlaceErrors> &errors,
-                      const std::vector<Cause> &causes, std::string_view setting) {
+std::string WorstText(const Truth &truth, const std::vector<WorstPosition> &worst,
+                      const std::vector<PositionErrors> &errors, const std::vector<Cause> &causes,
+                      std::string_view setting) {
     const auto vector = [](const Vec3f &v, double scale, int digits) {
         return fmt::format("{:.{}f} {:.{}f} {:.{}f}", double(v.x) * scale, digits, double(v.y) * scale, digits,
                            double(v.z) * scale, digits);
     };
     std::vector<std::vector<std::string>> rows = {{"no.", "position", "RMS", "floor", "grid", "largest", "normal",
                                                    "truth", "shown", "projection (bytes)", "cause"}};
-    for (const WorstPlace &place : worst) {
+    for (const WorstPosition &place : worst) {
         const TruthPoint &point = truth.points[place.point];
-        const PlaceErrors &error = errors[place.point];
+        const PositionErrors &error = errors[place.point];
         rows.push_back({std::to_string(rows.size()), vector(point.position, 1, 0), fmt::format("{:.1f}", error.shown),
                         fmt::format("{:.1f}", error.floor), fmt::format("{:.1f}", error.grid),
                         fmt::format("{:.1f}", place.error), vector(Vec3f(Normals()[place.normal]), 1, 2),

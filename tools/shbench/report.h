@@ -47,8 +47,9 @@ std::string JsonText(const BenchReport &report);
 Chart ErrorChart(const BenchReport &report);
 /// The worst positions of a setting with their causes, then the shares of all causes. `errors` and `causes`: of all
 /// positions.
-std::string WorstText(const Truth &truth, const std::vector<WorstPlace> &worst, const std::vector<PlaceErrors> &errors,
-                      const std::vector<Cause> &causes, std::string_view setting);
+std::string WorstText(const Truth &truth, const std::vector<WorstPosition> &worst,
+                      const std::vector<PositionErrors> &errors, const std::vector<Cause> &causes,
+                      std::string_view setting);
 
 /// Names of the lines that others are compared with.
 inline constexpr std::string_view kDefaultName = "default", kPlainName = "plain", kLegacyName = "legacy grid";

@@ -34,7 +34,7 @@ std::vector<int> ShareRays(const std::vector<double> &deviations, double goal) {
 
 /// Standard deviation of the light over each piece as seen from p, from pilot rays. The result does not reuse them,
 /// which would bias it.
-std::vector<double> Deviations(const std::vector<AreaPiece> &pieces, const Vec3d &p, Random &random, PlaceRays &rays) {
+std::vector<double> Deviations(const std::vector<AreaPiece> &pieces, const Vec3d &p, Random &random, PointRays &rays) {
     std::vector<int> clear(pieces.size()), cast(pieces.size());
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const double wanted = kPilotRaysPerByte * pieces[i].bound;
@@ -111,7 +111,7 @@ TruthPoint TruthAt(const BenchMap &map, const Vec3f &position, std::uint64_t see
     const Vec3d p(position);
     std::seed_seq mixed{std::uint32_t(seed), std::uint32_t(seed >> 32), 0x51u};
     Random random(mixed);
-    PlaceRays rays(map.scene, p);
+    PointRays rays(map.scene, p);
     DirectionSum single;
     std::array<DirectionSum, 2> halves;
     std::vector<AreaPiece> pieces;

@@ -137,13 +137,13 @@ void CutAreaLight(const Light &light, const Vec3d &p, std::vector<AreaPiece> &pi
     }
 }
 
-void PlaceRays::Cast(const Vec3d &target, const Vec3d &direction, const Vec3d &color, DirectionSum *sum, int *clear) {
+void PointRays::Cast(const Vec3d &target, const Vec3d &direction, const Vec3d &color, DirectionSum *sum, int *clear) {
     pending_[count_++] = {Vec3f(target), direction, color, sum, clear};
     if (count_ == kPacketSize)
         Flush();
 }
 
-void PlaceRays::CastToSky(const Light &sun, DirectionSum &sum) {
+void PointRays::CastToSky(const Light &sun, DirectionSum &sum) {
     RayPacket packet{};
     packet.origin.Set(0, Vec3f(p_));
     packet.direction.Set(0, -sun.normal);
@@ -154,7 +154,7 @@ void PlaceRays::CastToSky(const Light &sun, DirectionSum &sum) {
         sum.Add(-Vec3d(sun.normal), SignedColor(sun) * TintOf(packet, 0) * double(sun.photons));
 }
 
-void PlaceRays::Flush() {
+void PointRays::Flush() {
     if (count_ == 0)
         return;
     RayPacket packet{};
@@ -173,7 +173,7 @@ void PlaceRays::Flush() {
     count_ = 0;
 }
 
-int SamplePiece(const AreaPiece &piece, const Vec3d &p, int n, Random &random, PlaceRays &rays, DirectionSum *sum,
+int SamplePiece(const AreaPiece &piece, const Vec3d &p, int n, Random &random, PointRays &rays, DirectionSum *sum,
                 int *clear) {
     // Strata of the unit square, mapped to the triangle with equal areas.
     const int rows = std::max(1, int(std::sqrt(double(n)))), columns = (n + rows - 1) / rows;

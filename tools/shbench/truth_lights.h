@@ -52,9 +52,9 @@ struct AreaPiece {
 void CutAreaLight(const Light &light, const Vec3d &p, std::vector<AreaPiece> &pieces);
 
 /// Traces rays from one point in packets.
-class PlaceRays {
+class PointRays {
   public:
-    PlaceRays(const LightScene &scene, const Vec3d &p) : scene_(scene), p_(p) {}
+    PointRays(const LightScene &scene, const Vec3d &p) : scene_(scene), p_(p) {}
     /// If the way to `target` is clear, adds `color` from `direction` to `sum` and 1 to `clear`; both may be null.
     void Cast(const Vec3d &target, const Vec3d &direction, const Vec3d &color, DirectionSum *sum, int *clear);
     void CastToSky(const Light &sun, DirectionSum &sum);
@@ -76,7 +76,7 @@ class PlaceRays {
 };
 
 /// Casts about n stratified random rays to the piece, each with an equal share of its area. Returns their number.
-int SamplePiece(const AreaPiece &piece, const Vec3d &p, int n, Random &random, PlaceRays &rays, DirectionSum *sum,
+int SamplePiece(const AreaPiece &piece, const Vec3d &p, int n, Random &random, PointRays &rays, DirectionSum *sum,
                 int *clear);
 
 } // namespace q3::bench

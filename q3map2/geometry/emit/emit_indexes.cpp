@@ -43,7 +43,7 @@ std::vector<int> OrderTriangles(const std::vector<int> &indexes) {
     if (indexes.size() <= VertexCache::kSize)
         return indexes;
     VertexCache cache(indexes);
-    std::vector<char> used(indexes.size() / kTriangle, 0);
+    std::vector<char> used(indexes.size() / kIndexesPerTriangle, 0);
     std::vector<int> ordered;
     ordered.reserve(indexes.size());
     std::size_t firstFree = 0;
@@ -52,15 +52,15 @@ std::vector<int> OrderTriangles(const std::vector<int> &indexes) {
         int bestHits = -1;
         for (std::size_t i = firstFree; i < used.size() && bestHits != kWarmHits; ++i)
             if (!used[i])
-                if (const int hits = cache.Hits(&indexes[i * kTriangle]); hits > bestHits) {
+                if (const int hits = cache.Hits(&indexes[i * kIndexesPerTriangle]); hits > bestHits) {
                     bestHits = hits;
                     best = i;
                 }
         used[best] = 1;
         while (firstFree < used.size() && used[firstFree])
             ++firstFree;
-        const auto corner = indexes.begin() + std::ptrdiff_t(best * kTriangle);
-        std::array<int, kTriangle> triangle{corner[0], corner[1], corner[2]};
+        const auto corner = indexes.begin() + std::ptrdiff_t(best * kIndexesPerTriangle);
+        std::array<int, kIndexesPerTriangle> triangle{corner[0], corner[1], corner[2]};
         for (const int index : triangle)
             cache.Use(index);
         std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());

@@ -7,7 +7,7 @@
 namespace q3 {
 
 /// Number of indexes of a triangle.
-inline constexpr std::size_t kTriangle = 3;
+inline constexpr std::size_t kIndexesPerTriangle = 3;
 
 /// Reorders triangles so that vertices are reused while they are in the vertex cache.
 std::vector<int> OrderTriangles(const std::vector<int> &indexes);

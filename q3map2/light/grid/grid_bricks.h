@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Light grids in bricks: neighbouring points share their lights and their rays.
+// GPL-2.0-or-later. Light grids in bricks: neighboring points share their lights and their rays.
 #pragma once
 
 #include "q3map2/light/batch/receivers.h"
@@ -21,7 +21,7 @@ class GridBricks {
   public:
     explicit GridBricks(const GridLayout &layout);
     std::int64_t Count() const { return count_; }
-    /// Points of a brick, in blocks of 4 x 2 x 2, so that consecutive points are neighbours.
+    /// Points of a brick, in blocks of 4 x 2 x 2, so that consecutive points are neighbors.
     std::vector<BrickPoint> Points(std::int64_t brick) const;
 
   private:
@@ -67,7 +67,7 @@ struct BrickLight {
 ///
 /// Lights whose bound in the brick is under `faint` (byte scale; 0: none), if there are many, are represented by a few,
 /// see SelectFaintLight. Lights of one surface follow each other in the list, so a chosen one stands for its
-/// neighbours.
+/// neighbors.
 class BrickLights {
   public:
     BrickLights(const BrickCandidates &lights, const BrickView &brick, std::uint64_t seed, float faint,

@@ -135,7 +135,7 @@ bool GridFit::HasFittedCorner(const BrickPoint &point) const {
     return false;
 }
 
-std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, const ProbeIntegrator &lighter,
+std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, const ProbeIntegrator &integrator,
                                             GridStats &work) const {
     std::vector<FitSample> samples;
     if (rows_.empty())
@@ -145,13 +145,13 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     for (const BrickPoint &point : points)
         if (HasFittedCorner(point) && in_.space.AnyOpen(point.position, point.position + cell, kClearance))
             cells.push_back({&point, perCell_});
-    DrawSamples(cells, 0, lighter, samples, work);
+    DrawSamples(cells, 0, integrator, samples, work);
     if (in_.options.shFit > 0) {
         for (Draw &draw : cells) {
             const auto [first, count] = draw.rounds[0];
             draw.wanted = IsSteep(std::span(samples.data() + first, count)) ? (kSteepFactor - 1) * perCell_ : 0;
         }
-        DrawSamples(cells, 1, lighter, samples, work);
+        DrawSamples(cells, 1, integrator, samples, work);
     }
     for (const Draw &draw : cells)
         for (const auto &[first, count] : draw.rounds)
@@ -163,7 +163,7 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
 }
 
 /// Draws positions in cells where a player fits, and lights them.
-void GridFit::DrawSamples(std::span<Draw> cells, std::size_t round, const ProbeIntegrator &lighter,
+void GridFit::DrawSamples(std::span<Draw> cells, std::size_t round, const ProbeIntegrator &integrator,
                           std::vector<FitSample> &samples, GridStats &work) const {
     std::vector<ReceiverBatch> blocks;
     const Vec3f cell(layout_.size);
@@ -191,8 +191,8 @@ void GridFit::DrawSamples(std::span<Draw> cells, std::size_t round, const ProbeI
     std::uint64_t seed = HashIndex(cells.front().point->index);
     for (std::size_t i = 0; i < round; ++i)
         seed = HashIndex(seed);
-    lighter.Trace(blocks, seed, work,
-                  [&](std::uint32_t, const bspGridPointSH_t &value) { samples[next++].value = value; });
+    integrator.Trace(blocks, seed, work,
+                     [&](std::uint32_t, const bspGridPointSH_t &value) { samples[next++].value = value; });
 }
 
 /// Clears `sees` of the corners in the open that a sample does not see.
@@ -251,7 +251,7 @@ void GridFit::Accumulate(const FitSample &sample) {
     }
 }
 
-/// One Gauss-Seidel step: value = (rhs - sum of stencil * neighbours) / stencil in the center. Then
+/// One Gauss-Seidel step: value = (rhs - sum of stencil * neighbors) / stencil in the center. Then
 /// LimitToLight. Returns the largest change of a coefficient, divided by the largest coefficient 0 if that is above 1.
 Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
     ShCoefficients value = row.rhs;
@@ -260,9 +260,9 @@ Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
         const float factor = row.stencil[s];
         if (s == kCenter || factor == 0)
             continue;
-        const float *neighbour = grid.points[std::size_t(row.index + OffsetOf(s, width, slice))].coeffs[0].data();
+        const float *neighbor = grid.points[std::size_t(row.index + OffsetOf(s, width, slice))].coeffs[0].data();
         for (std::size_t i = 0; i < kShFloats; ++i)
-            value[i] -= factor * neighbour[i];
+            value[i] -= factor * neighbor[i];
     }
     const float inverse = 1 / row.stencil[kCenter];
     for (float &coefficient : value)

@@ -34,7 +34,7 @@ class GridFit {
             const std::vector<bool> &isSplit);
 
     /// Samples of the cells whose lowest corners are the points of a brick. From any thread.
-    std::vector<FitSample> SampleCells(std::span<const BrickPoint> points, const ProbeIntegrator &lighter,
+    std::vector<FitSample> SampleCells(std::span<const BrickPoint> points, const ProbeIntegrator &integrator,
                                        GridStats &work) const;
     /// Takes the samples of a brick; call once per brick, empty or not. From any thread; sums in the order of bricks.
     void AddSamples(std::int64_t brick, std::vector<FitSample> samples);
@@ -69,7 +69,7 @@ class GridFit {
 
     std::array<Corner, 8> CornersAt(const Vec3f &p) const;
     bool HasFittedCorner(const BrickPoint &point) const;
-    void DrawSamples(std::span<Draw> cells, std::size_t round, const ProbeIntegrator &lighter,
+    void DrawSamples(std::span<Draw> cells, std::size_t round, const ProbeIntegrator &integrator,
                      std::vector<FitSample> &samples, GridStats &work) const;
     void FindSeen(std::span<FitSample> samples, GridStats &work) const;
     void Accumulate(const FitSample &sample);

@@ -14,7 +14,7 @@ class ProbeIntegrator {
   public:
     ProbeIntegrator(const GridInputs &in, const std::vector<Light> &lights);
 
-    /// Calls store(index of the receiver, coefficients) for every receiver of the blocks, which are neighbours: light
+    /// Calls store(index of the receiver, coefficients) for every receiver of the blocks, which are neighbors: light
     /// of all lights, bounced light, floodlight, ambient and minimum, scaled as it is stored. seed: of the random
     /// choice among faint lights, which is the same for all of the blocks.
     template <typename Store>

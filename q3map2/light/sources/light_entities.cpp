@@ -69,7 +69,7 @@ Light LightFromKeys(const Entity &entity, const LightOptions &options, Log &log)
     light.style = Style(entity);
     light.photons = Intensity(entity, log);
     if (!IsFinite(light.color) || MaxComponent(Max(light.color, -light.color)) > kMaxIntensity) {
-        log.Warn("light colour", "{}: _color {} is out of range, white is used", Label(entity),
+        log.Warn("light color", "{}: _color {} is out of range, white is used", Label(entity),
                  keys::kColor.Text(entity));
         light.color = {1, 1, 1};
     }

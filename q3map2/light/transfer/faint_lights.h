@@ -6,13 +6,13 @@
 
 namespace q3 {
 
-/// Whether a light that gives at most `bound` times `weight` (byte scale) is used. One of at least `faint` always is; with
-/// `faint` 0 all are. Called for the lights in order: the light of the fainter ones adds up in `residual`. When the sum
-/// reaches `faint`, the light at hand is used in place of all of them: its weight becomes faint / bound, and `faint` is
-/// subtracted from `residual`.
+/// Whether a light that gives at most `bound` times `weight` (byte scale) is used. One of at least `faint` always is;
+/// with `faint` 0 all are. Called for the lights in order: the light of the fainter ones adds up in `residual`. When
+/// the sum reaches `faint`, the light at hand is used in place of all of them: its weight becomes faint / bound, and
+/// `faint` is subtracted from `residual`.
 bool SelectFaintLight(float faint, float bound, float &residual, float &weight);
 
-/// Upper bound of what the light can give to any point of the box, byte scale: the largest component of its colour times
+/// Upper bound of what the light can give to any point of the box, byte scale: the largest component of its color times
 ///
 ///     sun:         photons
 ///     point, spot: falloff at the distance of the box
