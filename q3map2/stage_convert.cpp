@@ -26,7 +26,8 @@ int JsonStage(const StageContext &context, Arguments arguments) {
     auto packed = bspPath;
     packed.replace_filename(bspPath.stem().string() + "_json.bsp");
     WriteBspFile(packed,
-                 PackJson(folder, game, {.useFlagNames = options.useFlagNames, .dropUnknownFlags = options.dropUnknownFlags}, log),
+                 PackJson(folder, game,
+                          {.useFlagNames = options.useFlagNames, .dropUnknownFlags = options.dropUnknownFlags}, log),
                  format, log);
     return 0;
 }

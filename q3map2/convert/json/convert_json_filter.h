@@ -10,9 +10,9 @@
 
 namespace q3 {
 
-/// Reads a file block by block and changes what strict JSON does not allow: comments become a blank, trailing commas go, bare
-/// NaN, Infinity and Inf (with or without sign) become strings, and the bytes 0x80..0xFF of strings, which need not be
-/// UTF-8, become code points U+10FF80..U+10FFFF. Line ends stay. Errors: Error naming the file.
+/// Reads a file block by block and changes what strict JSON does not allow: comments become a blank, trailing commas
+/// go, bare NaN, Infinity and Inf (with or without sign) become strings, and the bytes 0x80..0xFF of strings, which
+/// need not be UTF-8, become code points U+10FF80..U+10FFFF. Line ends stay. Errors: Error naming the file.
 class JsonFilter {
   public:
     explicit JsonFilter(const std::filesystem::path &path);

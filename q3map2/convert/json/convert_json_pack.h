@@ -10,8 +10,8 @@
 namespace q3 {
 
 struct PackJsonOptions {
-    bool useFlagNames = false; ///< bits come from the names in the game's table
-    bool dropUnknownFlags = false;    ///< with useFlagNames: unknown names are ignored
+    bool useFlagNames = false;     ///< bits come from the names in the game's table
+    bool dropUnknownFlags = false; ///< with useFlagNames: unknown names are ignored
 };
 
 /// Reads what UnpackJson (or the established program's -json -unpack) wrote. The result is validated. Errors: Error

@@ -75,7 +75,8 @@ std::vector<Replacement> RemapsOf(const MapEntity &entity, const BspContext &con
         if (semicolon != std::string::npos)
             remap = {value.substr(0, semicolon), value.substr(semicolon + 1)};
         if (remap.from.empty() || remap.to.empty() || remap.to.size() > kMaxShaderName)
-            context.log.Warn("bad remap", "{}: \"{}\" \"{}\" is ignored: expected FROM;TO, TO with at most {} characters",
+            context.log.Warn("bad remap",
+                             "{}: \"{}\" \"{}\" is ignored: expected FROM;TO, TO with at most {} characters",
                              entity.MessagePrefix(), key, value, kMaxShaderName);
         else
             remaps.push_back(std::move(remap));

@@ -25,7 +25,8 @@ struct LuxelSums {
 
 /// Light of one source at the receivers of a block; zero where none arrives.
 struct LuxelIncidentLight {
-    Lanes3 color{}, direction{}; ///< direction: unit vector to the source times its light's luminance here; 0 unless deluxe
+    Lanes3 color{},
+        direction{}; ///< direction: unit vector to the source times its light's luminance here; 0 unless deluxe
     LaneMask lit{};
     LaneMask filtered{}; ///< light above 1 before color, and its shadow ray met a transparent surface
 };
