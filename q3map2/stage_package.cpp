@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. q3map2 -pk3 and -repack: maps and the game's files in, a package out.
 #include "common/error.h"
 #include "common/files/files.h"
+#include "q3map2/bot_check.h"
 #include "q3map2/pk3/package_options.h"
 #include "q3map2/pk3/package_plan.h"
 #include "q3map2/run_report.h"
@@ -149,6 +150,8 @@ int PackStage(const StageContext &context, Arguments arguments) {
                                 {.exclusions = exclusions, .png = options.png, .list = options.list}, log);
     for (const fs::path &map : maps)
         AddMapFiles(map, packing.needs.externalPages, *context.options.game, packing.source, plan);
+    for (const fs::path &map : maps)
+        BotCheck(map, log).Report(BotCheck::SameGeometry, false);
     const std::string name = maps.back().stem().string();
     const fs::path folder = OutputFolder(context, options);
     const fs::path path = folder / (name + "_autopacked.pk3"), failed = folder / (name + "_FAILEDpack.pk3");

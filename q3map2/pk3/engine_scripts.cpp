@@ -211,17 +211,16 @@ void EngineScripts::Read(std::string_view name, std::string text, Log &log) {
             BodyReader(scanner, shader).Read();
             shader.body.assign(begin, scanner.Unread().data());
             scripts_.back().shaders.push_back(shader.name);
-            std::string key = LowerCase(shader.name);
-            shaders_.try_emplace(std::move(key), std::move(shader));
+            shaders_[LowerCase(shader.name)].push_back(std::move(shader));
         }
     } catch (const Error &error) {
         log.Warn("damaged shader script", "{}; the rest of the script is not read", error.what());
     }
 }
 
-const EngineShader *EngineScripts::Find(std::string_view shader) const {
+std::span<const EngineShader> EngineScripts::Find(std::string_view shader) const {
     const auto found = shaders_.find(LowerCase(PackageName(shader)));
-    return found == shaders_.end() ? nullptr : &found->second;
+    return found == shaders_.end() ? std::span<const EngineShader>() : std::span(found->second);
 }
 
 std::string StrippedText(const EngineShader &shader) {

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,15 +35,15 @@ class EngineScripts {
         std::vector<std::string> shaders;
     };
 
-    /// Reads a script; of two definitions of one name the first counts. A damaged rest is left out with a warning.
+    /// Reads a script. A damaged rest is left out with a warning.
     void Read(std::string_view name, std::string text, Log &log);
-    /// Null: no script defines it.
-    const EngineShader *Find(std::string_view shader) const;
+    /// All definitions, in the order in which they were read. Which one an engine takes depends on the engine.
+    std::span<const EngineShader> Find(std::string_view shader) const;
     const std::vector<Script> &Scripts() const { return scripts_; }
 
   private:
     std::vector<Script> scripts_;
-    std::map<std::string, EngineShader> shaders_; ///< by lower-case name
+    std::map<std::string, std::vector<EngineShader>> shaders_; ///< by lower-case name
 };
 
 /// The definition as a script: tidied, with `.tga` as the extension of all images of map, clampMap, animMap and

@@ -82,11 +82,12 @@ class NeedsOfMap {
             needs_.sounds.Add(std::string(sound) + (HasExtension(sound) ? "" : ".wav"), why, required);
     }
 
-    /// misc_model is part of the world by now, and games pass over it.
+    /// misc_model is part of the world by now, and games pass over it. Of other classes only some look at `model`.
     void AddModels(const Entity &entity, const std::string &why) {
         const auto isFile = [](std::string_view model) { return !model.empty() && !model.starts_with('*'); };
-        if (const auto model = entity.Value("model"); isFile(model) && !EqualNoCase(entity.ClassName(), "misc_model"))
-            needs_.models.Add(model, why);
+        const bool isPassedOver = EqualNoCase(entity.ClassName(), "misc_model");
+        if (const auto model = entity.Value("model"); isFile(model) && !isPassedOver)
+            needs_.models.Add(model, why, StartsWithNoCase(entity.ClassName(), "misc_"));
         if (const auto model = entity.Value("model2"); isFile(model))
             needs_.models.Add(model, why);
         if (const auto skin = entity.Value("skin"); skin.ends_with(".skin"))

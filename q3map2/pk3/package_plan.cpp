@@ -79,14 +79,18 @@ class Planner {
         Report(wanted, hint);
     }
 
+    /// In the order in which they are tried.
+    std::vector<std::string> ImageFiles(const std::string &image) const {
+        std::vector<std::string> names{image + ".tga", image + ".jpg"};
+        if (rules_.png)
+            names.insert(names.begin(), image + ".png");
+        return names;
+    }
+
     void PlanImage(const Wanted &image) {
         if (rules_.exclusions.HasTexture(image.name))
             return;
-        std::vector<std::string> names;
-        if (rules_.png)
-            names.push_back(image.name + ".png");
-        names.push_back(image.name + ".tga");
-        names.push_back(image.name + ".jpg");
+        const std::vector<std::string> names = ImageFiles(image.name);
         const bool isPngOnly = !rules_.png && source_.Find(image.name + ".png") != Whereabouts::Nowhere;
         TakeFirst(names, image,
                   rules_.png  ? " (.png, .tga or .jpg)"
@@ -109,6 +113,7 @@ class Planner {
     void PlanModel(const std::string &name, const std::string &why);
     void FindRestrictedScripts();
     void PlanShader(const Wanted &wanted);
+    const EngineShader &BestOf(std::span<const EngineShader> definitions) const;
     void PlanDefined(const EngineShader &shader, const Wanted &wanted);
     void List() const;
 
@@ -167,14 +172,28 @@ void Planner::FindRestrictedScripts() {
     }
 }
 
+/// The first definition whose images are all there, else the first.
+const EngineShader &Planner::BestOf(std::span<const EngineShader> definitions) const {
+    const auto isComplete = [&](const EngineShader &shader) {
+        return std::ranges::all_of(shader.images, [&](const std::string &image) {
+            const auto names = ImageFiles(image);
+            return rules_.exclusions.HasTexture(image) || std::ranges::any_of(names, [&](const std::string &name) {
+                       return source_.Find(name) != Whereabouts::Nowhere;
+                   });
+        });
+    };
+    const auto found = std::ranges::find_if(definitions, isComplete);
+    return found == definitions.end() ? definitions.front() : *found;
+}
+
 void Planner::PlanShader(const Wanted &wanted) {
     const std::string &name = wanted.name;
     if (name.starts_with('*') || name.starts_with('$') || EqualNoCase(name, "noshader"))
         return;
     if (rules_.exclusions.HasShader(name) || rules_.exclusions.IsPureTexture(name))
         return;
-    if (const EngineShader *shader = scripts_.Find(name))
-        PlanDefined(*shader, wanted);
+    if (const auto definitions = scripts_.Find(name); !definitions.empty())
+        PlanDefined(BestOf(definitions), wanted);
     else
         plainImages_.Add(ImageName(name), wanted.why, wanted.required);
 }

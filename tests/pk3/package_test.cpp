@@ -55,6 +55,14 @@ TEST_F(PackageTest, DefinitionsForCompilersAloneAreNone) {
     EXPECT_THAT(Plan(MapWith("")).missing, ElementsAre(StartsWith("textures/base/wall ")));
 }
 
+// Which one an engine takes depends on the engine.
+TEST_F(PackageTest, OfSeveralDefinitionsTheFirstCompleteOneCounts) {
+    Put("scripts/a.shader", "textures/base/wall\n{\n\t{\n\t\tmap textures/gone.tga\n\t}\n}\n");
+    Put("scripts/b.shader", "textures/base/wall\n{\n\t{\n\t\tmap textures/here.tga\n\t}\n}\n");
+    Put("textures/here.tga");
+    EXPECT_THAT(Names(Plan(MapWith(""))), ElementsAre("textures/here.tga", "scripts/b.shader", "maps/x.bsp"));
+}
+
 TEST_F(PackageTest, ShadersThatNeedNoImage) {
     Put("scripts/my.shader", "textures/base/wall\n{\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
     EXPECT_THAT(Plan(MapWith("")).missing, IsEmpty());
