@@ -17,7 +17,8 @@ constexpr Float3 kDefaultCell = {64, 64, 128};
 constexpr std::array<std::string_view, 2> kLumpsWithoutPositions = {"RGBLIGHTING", "LIGHTINGDIR"};
 /// Positions that differ by less than this part of a cell are the same.
 constexpr double kSamePlace = 1e-3;
-constexpr int kMostSteps = 16; ///< between neighboring floats
+constexpr int kMostSteps = 16;     ///< between neighboring floats, and of cells
+constexpr double kCellStep = 1e-6; ///< part of a cell by which it may shrink
 
 /// The value, or a float near it, whose first or last grid position by the rule of engines is `wanted`.
 float NudgedBound(float bound, float cell, double wanted, bool isFirst) {
@@ -37,31 +38,51 @@ float NudgedBound(float bound, float cell, double wanted, bool isFirst) {
     return bound;
 }
 
-bool IsSameGrid(const GridLayout &a, const GridLayout &b) {
-    for (std::size_t i = 0; i < 3; ++i)
-        if (a.bounds[i] != b.bounds[i] || std::abs(a.mins[i] - b.mins[i]) > float(kSamePlace) * a.size[i])
-            return false;
-    return true;
+bool IsSameOnAxis(const GridLayout &a, const GridLayout &b, std::size_t axis) {
+    return a.bounds[axis] == b.bounds[axis] &&
+           std::abs(a.mins[axis] - b.mins[axis]) <= float(kSamePlace) * a.size[axis];
 }
 
-/// Whether the legacy grid of `before` is where it belongs in `bsp`.
-bool LegacyGridFits(const Bsp &before, const AxisTransform &transform, Bsp &bsp) {
-    const Entity oldWorld = EntitiesOf(before, "the map").front();
-    const Entity newWorld = EntitiesOf(bsp, "the map").front();
+/// Changes a cell and the bounds of the world by rounding steps until the rule of engines gives the wanted points along
+/// the axis. False: it does not.
+bool FitAxis(const GridLayout &wanted, std::size_t axis, bspModel_t &world, Float3 &cell) {
+    for (int step = 0; step <= kMostSteps; ++step) {
+        const std::string text = NumberText(double(wanted.size[axis]) * (1 - step * kCellStep));
+        bspModel_t model = world;
+        Float3 size = cell;
+        size[axis] = float(NumberFromText(text));
+        const double first = double(wanted.mins[axis]), count = wanted.bounds[axis] - 1;
+        model.mins[axis] = NudgedBound(model.mins[axis], size[axis], first, true);
+        model.maxs[axis] = NudgedBound(model.maxs[axis], size[axis], first + double(size[axis]) * count, false);
+        if (IsSameOnAxis(wanted, LayoutGrid(model.mins, model.maxs, size), axis)) {
+            world = model;
+            cell = size;
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Whether the legacy grid of `before` is where it belongs in `bsp`, whose world bounds and gridsize may change by
+/// rounding.
+bool FitLegacyGrid(const Bsp &before, const AxisTransform &transform, Bsp &bsp) {
+    std::vector<Entity> entities = EntitiesOf(bsp, "the map");
     try {
         const bspModel_t &old = before.models[0];
-        GridLayout wanted = LayoutGrid(old.mins, old.maxs, GridCellOf(oldWorld));
+        GridLayout wanted = LayoutGrid(old.mins, old.maxs, GridCellOf(EntitiesOf(before, "the map").front()));
         if (wanted.Count() != std::int64_t(bsp.gridPoints.size()))
             return false;
         wanted.mins = transform.Apply(wanted.mins);
-        wanted.size = GridCellOf(newWorld);
-        bspModel_t &world = bsp.models[0];
-        for (std::size_t i = 0; i < 3; ++i) {
-            world.mins[i] = NudgedBound(world.mins[i], wanted.size[i], double(wanted.mins[i]), true);
-            const double last = double(wanted.mins[i]) + double(wanted.size[i]) * (wanted.bounds[i] - 1);
-            world.maxs[i] = NudgedBound(world.maxs[i], wanted.size[i], last, false);
+        wanted.size = GridCellOf(entities.front());
+        Float3 cell = wanted.size;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (!FitAxis(wanted, axis, bsp.models[0], cell))
+                return false;
+        if (cell != wanted.size) {
+            entities.front().Set("gridsize", VectorText(Vec3d(cell)));
+            bsp.entities = FormatEntities(entities);
         }
-        return IsSameGrid(wanted, LayoutGrid(world.mins, world.maxs, wanted.size));
+        return true;
     } catch (const Error &) { // no grid can be laid out
         return false;
     }
@@ -77,7 +98,7 @@ Float3 GridCellOf(const Entity &world) {
 }
 
 void TransformGrids(const Bsp &before, const AxisTransform &transform, Bsp &bsp, Log &log) {
-    if (!bsp.gridPoints.empty() && !LegacyGridFits(before, transform, bsp)) {
+    if (!bsp.gridPoints.empty() && !FitLegacyGrid(before, transform, bsp)) {
         bsp.gridPoints.clear();
         log.Warn("light grid", "the legacy light grid is dropped: engines would look for its points elsewhere; "
                                "-light -onlygrid makes a new one");

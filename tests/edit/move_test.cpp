@@ -15,6 +15,8 @@ namespace {
 Bsp MovableBsp() {
     Bsp bsp = FullBsp(GridSHContainer::Lump);
     bsp.bspx.pop_back();
+    for (bspPlane_t &plane : bsp.planes)
+        plane.dist += 0.0f; // of some it is -0, which no sum gives
     bsp.entities = "{\n\"classname\" \"worldspawn\"\n\"gridsize\" \"64 64 128\"\n}\n"
                    "{\n\"classname\" \"info_player_deathmatch\"\n\"origin\" \"32 -8.5 24\"\n}\n"
                    "{\n\"classname\" \"func_door\"\n\"lip\" \"8\"\n\"angle\" \"90\"\n\"height\" \"12\"\n}\n";
