@@ -66,10 +66,11 @@ bool FitAxis(const GridLayout &wanted, std::size_t axis, bspModel_t &world, Floa
 /// Whether the legacy grid of `before` is where it belongs in `bsp`, whose world bounds and gridsize may change by
 /// rounding.
 bool FitLegacyGrid(const Bsp &before, const AxisTransform &transform, Bsp &bsp) {
-    std::vector<Entity> entities = EntitiesOf(bsp, "the map");
+    std::vector<Entity> entities = StoredEntities(bsp.entities, "the map");
     try {
         const bspModel_t &old = before.models[0];
-        GridLayout wanted = LayoutGrid(old.mins, old.maxs, GridCellOf(EntitiesOf(before, "the map").front()));
+        GridLayout wanted =
+            LayoutGrid(old.mins, old.maxs, GridCellOf(StoredEntities(before.entities, "the map").front()));
         if (wanted.Count() != std::int64_t(bsp.gridPoints.size()))
             return false;
         wanted.mins = transform.Apply(wanted.mins);

@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. Text of edited maps.
 #include "q3map2/edit/edit_text.h"
 
-#include "common/error.h"
-
 #include <algorithm>
+
+#include <fmt/format.h>
 
 namespace q3 {
 
@@ -12,13 +12,6 @@ namespace {
 constexpr double kMostBound = 1 << 30;
 
 } // namespace
-
-std::vector<Entity> EntitiesOf(const Bsp &bsp, std::string_view name) {
-    std::vector<Entity> entities = ParseEntities(bsp.entities, name);
-    if (entities.empty())
-        throw Error("{}: no entities, expected at least worldspawn", name);
-    return entities;
-}
 
 std::string NumberText(double number) {
     std::string text = fmt::format("{:.6f}", number);

@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "libs/math/bounds.h"
-#include "q3map2/edit/edit_text.h"
+#include "q3map2/bspfile/entities.h"
 #include "q3map2/edit/leaf_lists.h"
 
 #include <algorithm>
@@ -103,7 +103,8 @@ void GiveOtherNames(const std::vector<Entity> &main, std::vector<Entity> &added)
 }
 
 void Merger::MergeEntities() {
-    std::vector<Entity> all = EntitiesOf(main_, mainName_), added = EntitiesOf(added_, addedName_);
+    std::vector<Entity> all = StoredEntities(main_.entities, mainName_),
+                        added = StoredEntities(added_.entities, addedName_);
     added.erase(added.begin());
     for (Entity &entity : added)
         if (const std::string_view model = entity.Value("model"); model.starts_with('*'))

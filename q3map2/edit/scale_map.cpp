@@ -2,6 +2,7 @@
 #include "q3map2/edit/scale_map.h"
 
 #include "common/error.h"
+#include "q3map2/bspfile/entities.h"
 #include "q3map2/edit/edit_grids.h"
 #include "q3map2/edit/edit_text.h"
 
@@ -102,7 +103,7 @@ void Scaler::ScaleLip(Entity &entity) const {
 }
 
 void Scaler::ScaleEntities(std::string_view name) const {
-    std::vector<Entity> entities = EntitiesOf(bsp_, name);
+    std::vector<Entity> entities = StoredEntities(bsp_.entities, name);
     for (Entity &entity : entities) {
         if (const auto origin = entity.Vector({"origin"})) {
             const double above =

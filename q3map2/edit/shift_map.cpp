@@ -2,6 +2,7 @@
 #include "q3map2/edit/shift_map.h"
 
 #include "common/error.h"
+#include "q3map2/bspfile/entities.h"
 #include "q3map2/edit/edit_grids.h"
 #include "q3map2/edit/edit_text.h"
 
@@ -97,7 +98,7 @@ void Shifter::KeepModel(std::size_t number) {
 }
 
 void Shifter::ShiftEntities(std::string_view name) {
-    std::vector<Entity> entities = EntitiesOf(bsp_, name);
+    std::vector<Entity> entities = StoredEntities(bsp_.entities, name);
     for (const Entity &entity : entities)
         if (const std::size_t model = ModelOf(entity); model > 0 && entity.Vector({"origin"}))
             KeepModel(model);

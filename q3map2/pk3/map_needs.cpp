@@ -40,7 +40,7 @@ class NeedsOfMap {
     }
 
     void AddEntities() {
-        const std::vector<Entity> entities = ParseEntities(bsp_.entities, name_);
+        const std::vector<Entity> entities = StoredEntities(bsp_.entities, name_);
         for (std::size_t i = 0; i < entities.size(); ++i) {
             const std::string why = fmt::format("entity {} of {}, {}", i, name_, entities[i].ClassName());
             if (i == 0)
