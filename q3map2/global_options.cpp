@@ -85,23 +85,26 @@ GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log) {
     return options;
 }
 
+std::vector<std::filesystem::path> BasePaths(const GlobalOptions &options, const std::vector<std::string> &arguments,
+                                             const std::filesystem::path &program) {
+    if (!options.basePaths.empty())
+        return {options.basePaths.begin(), options.basePaths.end()};
+    std::vector<std::string> words{program.string()};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::string engine = EnginePathFrom(words, options.game->magic);
+    if (engine.empty())
+        engine = program.parent_path().parent_path().string();
+    if (engine.empty())
+        throw Error("cannot tell where the game is installed; give it by -fs_basepath");
+    return {engine};
+}
+
 std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, const std::vector<std::string> &arguments,
                                                const std::filesystem::path &program) {
     std::vector<std::string> roots;
     AddUnique(roots, HomeRoot(options));
-    if (!options.basePaths.empty()) {
-        for (const std::string &path : options.basePaths)
-            AddUnique(roots, path);
-    } else {
-        std::vector<std::string> words{program.string()};
-        words.insert(words.end(), arguments.begin(), arguments.end());
-        std::string engine = EnginePathFrom(words, options.game->magic);
-        if (engine.empty())
-            engine = program.parent_path().parent_path().string();
-        if (engine.empty())
-            throw Error("cannot tell where the game is installed; give it by -fs_basepath");
-        AddUnique(roots, engine);
-    }
+    for (const std::filesystem::path &path : BasePaths(options, arguments, program))
+        AddUnique(roots, path.string());
     std::vector<std::string> gameDirs = options.gameDirs;
     AddUnique(gameDirs, options.baseGame.value_or(std::string(options.game->gameDir)));
     std::vector<std::filesystem::path> folders;

@@ -42,6 +42,10 @@ struct GlobalOptions {
 /// with -force.
 GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log);
 
+/// The folders of -fs_basepath, or the one folder in which the game seems to be installed: see GameFolders.
+std::vector<std::filesystem::path> BasePaths(const GlobalOptions &options, const std::vector<std::string> &arguments,
+                                             const std::filesystem::path &program);
+
 /// Game folders by descending priority: mods before the base game, home before base paths, -fs_pakpath last.
 /// `arguments` are searched for the engine path when no -fs_basepath is given.
 std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, const std::vector<std::string> &arguments,

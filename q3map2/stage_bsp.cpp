@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. q3map2 [-bsp]: a map source in, CompileMap, files out.
 #include "common/error.h"
 #include "common/files/files.h"
+#include "q3map2/bot_check.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/command_record.h"
 #include "q3map2/game_check.h"
@@ -69,7 +70,10 @@ void WriteFiles(const fs::path &source, const CompiledMap &compiled, const BspCo
     if (!compiled.portalFile.empty())
         WriteText(WithExtension(source, ".prt"), compiled.portalFile, log);
     WriteText(WithExtension(source, ".srf"), compiled.surfaceFile, log);
-    WriteBspFile(WithExtension(source, ".bsp"), compiled.bsp, format, log);
+    const fs::path path = WithExtension(source, ".bsp");
+    const BotCheck bots(path, log);
+    WriteBspFile(path, compiled.bsp, format, log);
+    bots.Report(BotCheck::OtherGeometry, false);
 }
 
 BspOptions TakeOptions(const StageContext &context, Arguments &arguments) {
@@ -147,7 +151,9 @@ int BspStage(const StageContext &context, Arguments arguments) {
         const fs::path path = WithExtension(source, ".bsp");
         Bsp bsp = ReadBspFile(path, format, log);
         ReplaceEntities(bsp, map, bspContext);
+        const BotCheck bots(path, log);
         WriteBspFile(path, bsp, format, log);
+        bots.Report(BotCheck::SameGeometry, false);
     } else {
         CompileToFiles(source, map, file.recorded, bspContext, format);
     }

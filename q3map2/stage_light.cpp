@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. q3map2 -light: files in, LightWorld, file out.
 #include "common/error.h"
+#include "q3map2/bot_check.h"
 #include "q3map2/bspfile/light_keys.h"
 #include "q3map2/command_record.h"
 #include "q3map2/convert/preview/grid_preview.h"
@@ -66,7 +67,9 @@ int LightStage(const StageContext &context, Arguments arguments) {
                    result.lightmaps, log);
         WriteScript(ScriptPath(bspPath, *context.options.game), result.lightmaps, log);
     }
+    const BotCheck bots(bspPath, log);
     WriteBspFile(bspPath, bsp, format, log);
+    bots.Report(BotCheck::SameGeometry, options.fixBotFiles);
     PrintGridSHSize(bsp, std::filesystem::file_size(bspPath), log);
     if (lightmap.exportPages && !lightmap.external)
         ExportLightmaps(bsp, lightmap.gamePageSize[0], folder, log);

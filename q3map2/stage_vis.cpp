@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. q3map2 -vis: the .bsp and its .prt in, visibility data into the .bsp.
 #include "common/error.h"
+#include "q3map2/bot_check.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/command_record.h"
 #include "q3map2/run_report.h"
@@ -77,7 +78,9 @@ int VisStage(const StageContext &context, Arguments arguments) {
     const Visibility visibility = ComputeVisibility(portals, prtPath.string(), options.vis, jobs, log);
     PrintStatistics(visibility, options.histogram, log);
     bsp.visibility = visibility.Lump();
+    const BotCheck bots(bspPath, log);
     WriteBspFile(bspPath, bsp, format, log);
+    bots.Report(BotCheck::SameGeometry, false);
     if (!options.savePrt)
         RemovePrt(prtPath, log);
     return 0;

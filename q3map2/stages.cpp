@@ -2,10 +2,12 @@
 #include "q3map2/stages.h"
 
 #include "q3map2/convert/convert_options.h"
+#include "q3map2/edit/edit_options.h"
 #include "q3map2/global_settings.h"
 #include "q3map2/light/options/light_settings.h"
 #include "q3map2/lightmap/options/lightmap_settings.h"
 #include "q3map2/map/bsp_settings.h"
+#include "q3map2/pk3/package_options.h"
 #include "q3map2/presets.h"
 #include "q3map2/vis/vis_settings.h"
 
@@ -31,9 +33,8 @@ std::vector<SettingSection> LightSections() {
     return sections;
 }
 
-} // namespace
-
-std::vector<Stage> Stages() {
+/// From the map source to the lit map, and looks into it.
+std::vector<Stage> CompilingStages() {
     return {
         {"-bsp", "[-bsp] [options] maps/x.map", "Compile a map: maps/x.map to x.bsp, x.srf and x.prt",
          "The source has the extension `.map` whatever the line says, but for `.reg` (a region of a map) and, with "
@@ -58,6 +59,51 @@ std::vector<Stage> Stages() {
          "A lightmap whose image is missing or has another size stays.", ImportStage, nullptr},
         {"-shpreview", "-shpreview FILE.png maps/x.bsp", "Draw what both light grids of a map show to a picture", "",
          PreviewStage, nullptr}};
+}
+
+std::vector<Stage> PackingStages() {
+    return {
+        {"-pk3", "-pk3 [options] maps/x.bsp ...", "Pack maps with all that they need into x_autopacked.pk3",
+         "[package.md](package.md) tells what goes in. What is missing is listed at the end; then the file is named "
+         "`x_FAILEDpack.pk3`, and the exit status is 1. The name is that of the last map.",
+         PackStage, [] { return Describe(PackSettings()); }},
+        {"-repack", "-repack [options] maps/x.bsp ...|LIST.txt",
+         "Pack what maps need but themselves, with one script that has the shaders in use alone",
+         "For packages of many maps: writes `x_repacked.pk3`, with images, sounds, videos and models, and "
+         "`x_strippedBYrepacker.shader`. Neither the script nor the maps are in the package. LIST.txt names one map a "
+         "line. The name is that of the last map.",
+         RepackStage, [] { return Describe(RepackSettings()); }}};
+}
+
+std::vector<Stage> EditingStages() {
+    return {
+        {"-scale", "-scale [options] S|SXY SZ|SX SY SZ maps/x.bsp", "Make a map larger or smaller: x_s.bsp",
+         "Scales geometry, `origin`, `height`, the `lip` of movers, `gridsize` and the cells of light grids. Speeds, "
+         "radii and light values stay.",
+         ScaleStage, [] { return Describe(ScaleSettings()); }},
+        {"-shift", "-shift S|SXY SZ|SX SY SZ maps/x.bsp", "Move a map as a whole: x_sh.bsp",
+         "The legacy light grid is dropped with a warning unless each distance is a multiple of `gridsize`, since "
+         "engines place its points at multiples. The SH grid moves along.",
+         ShiftStage, nullptr},
+        {"-mergebsp", "-mergebsp [options] maps/x.bsp maps/y.bsp",
+         "Add the entities of y, and its world if asked, to x: x_merged.bsp",
+         "Tree, visibility, light grids and world bounds are those of x.", MergeStage,
+         [] { return Describe(MergeSettings()); }},
+        {"-fixaas", "-fixaas maps/x.bsp", "Make bot files beside a map fit it again",
+         "A bot file names its map by a checksum of all bytes, so lighting a map makes engines refuse a good file. "
+         "This enters the new checksum into `x.aas`, `x_b0.aas` and `x_b1.aas`, as far as they are there. Right only "
+         "if no "
+         "brush has changed since the file was made.",
+         FixAasStage, nullptr}};
+}
+
+} // namespace
+
+std::vector<Stage> Stages() {
+    std::vector<Stage> stages = CompilingStages();
+    for (const auto &more : {PackingStages(), EditingStages()})
+        stages.insert(stages.end(), more.begin(), more.end());
+    return stages;
 }
 
 std::vector<SettingSection> GlobalSections() {

@@ -51,6 +51,12 @@ int ImportStage(const StageContext &context, Arguments arguments);
 int JsonStage(const StageContext &context, Arguments arguments);
 int InfoStage(const StageContext &context, Arguments arguments);
 int PreviewStage(const StageContext &context, Arguments arguments);
+int PackStage(const StageContext &context, Arguments arguments);
+int RepackStage(const StageContext &context, Arguments arguments);
+int ScaleStage(const StageContext &context, Arguments arguments);
+int ShiftStage(const StageContext &context, Arguments arguments);
+int MergeStage(const StageContext &context, Arguments arguments);
+int FixAasStage(const StageContext &context, Arguments arguments);
 
 /// The path with its extension (if any) replaced.
 std::filesystem::path WithExtension(const std::filesystem::path &path, std::string_view extension);

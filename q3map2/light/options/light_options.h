@@ -70,6 +70,7 @@ struct LightOptions {
     SkipOptions skip;
 
     std::string previewFile;                ///< -shpreview
+    bool fixBotFiles = false;               ///< enter the lit map into bot files beside it
     std::vector<std::string> withoutEffect; ///< options given that change nothing
 };
 

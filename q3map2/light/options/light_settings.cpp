@@ -359,6 +359,17 @@ Group Rays() {
           customInfoParms}}};
 }
 
+Group BotFiles() {
+    return {
+        "Bot file",
+        "",
+        {{{.name = "-fixaas",
+           .help = "Make bot files beside the map fit the lit map",
+           .details = "They name the map by a checksum of all bytes, so engines refuse them once it is lit. Without "
+                      "this a warning tells so. See the stage of that name."},
+          &LightOptions::fixBotFiles}}};
+}
+
 Group Ignored() {
     const auto nothing = [](std::string_view name, std::string_view help) {
         return WithoutEffect(&LightOptions::withoutEffect, name, help);
@@ -375,8 +386,8 @@ Group Ignored() {
 } // namespace
 
 std::vector<SettingGroup<LightOptions>> LightSettings() {
-    return {GridSH(), QualityOfGridSH(), Skips(), Intensities(), Falloff(),
-            Tone(),   ColorSpaces(),     Speed(), Rays(),        Ignored()};
+    return {GridSH(),      QualityOfGridSH(), Skips(), Intensities(), Falloff(), Tone(),
+            ColorSpaces(), Speed(),           Rays(),  BotFiles(),    Ignored()};
 }
 
 } // namespace q3

@@ -1,0 +1,33 @@
+// GPL-2.0-or-later. Whether bots still know a map that is written anew.
+#pragma once
+
+#include "common/log.h"
+#include "q3map2/edit/bot_files.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace q3 {
+
+/// Looks at the bot navigation files beside a map before a stage writes it, and tells afterwards which no longer fit.
+class BotCheck {
+  public:
+    /// What a stage changes in the map.
+    enum Change { SameGeometry, OtherGeometry };
+
+    /// Unreadable files are a warning, and count as not there.
+    BotCheck(std::filesystem::path bspPath, Log &log);
+    /// Warns about each file that names another map than the written one. With `fix` and SameGeometry, files get the
+    /// checksum of the written map instead.
+    void Report(Change change, bool fix) const;
+
+  private:
+    void Fix(const BotFile &file, std::uint32_t checksum) const;
+
+    std::filesystem::path bspPath_;
+    Log &log_;
+    std::vector<BotFile> files_;
+    std::uint32_t before_ = 0; ///< checksum of the map; 0 without one
+};
+
+} // namespace q3

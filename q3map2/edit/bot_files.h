@@ -1,0 +1,24 @@
+// GPL-2.0-or-later. Bot navigation files (.aas) beside a map.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace q3 {
+
+/// A navigation file names the map that it was made for by the checksum of the whole .bsp. An engine that finds another
+/// one refuses the file, and bots stand still.
+struct BotFile {
+    std::filesystem::path path;
+    std::uint32_t checksum = 0; ///< of the .bsp that it was made for
+};
+
+/// x.aas, x_b0.aas and x_b1.aas, as far as they are there. Errors: Error, for files that cannot be read or are none.
+std::vector<BotFile> FindBotFiles(const std::filesystem::path &bspPath);
+/// BlockChecksum of the file. Errors: it cannot be read.
+std::uint32_t MapChecksum(const std::filesystem::path &bspPath);
+/// Writes another checksum into the file. Errors: it cannot be written.
+void SetChecksum(const BotFile &file, std::uint32_t checksum);
+
+} // namespace q3

@@ -1,0 +1,313 @@
+// GPL-2.0-or-later. Two maps in one.
+#include "q3map2/edit/merge_maps.h"
+
+#include "common/error.h"
+#include "libs/math/bounds.h"
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/edit/leaf_lists.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <span>
+
+namespace q3 {
+
+namespace {
+
+constexpr int kNotTaken = -1;
+constexpr std::size_t kBoxSides = 6;
+
+/// Adds `added` to a copy of `main`. Each step uses the numbers that the steps before it gave to records.
+class Merger {
+  public:
+    Merger(const NamedBsp &main, const NamedBsp &added, const MergeOptions &options, Log &log)
+        : main_(main.bsp), added_(added.bsp), mainName_(main.name), addedName_(added.name), options_(options),
+          log_(log), bsp_(main.bsp) {}
+
+    Bsp Run() {
+        MergeEntities();
+        MergeShaders();
+        planeBase_ = Appended(bsp_.planes, added_.planes, main_.planes.size() % 2 == 1);
+        MergeLightmaps();
+        ChooseRecords();
+        MergeBrushes();
+        MergeFogs();
+        MergeSurfaces();
+        MergeModels();
+        if (options_.world)
+            FileWorld();
+        ValidateBsp(bsp_, fmt::format("{} with {}", mainName_, addedName_), log_);
+        return std::move(bsp_);
+    }
+
+  private:
+    /// Number that the first appended record gets. `pad`: one record more before it, so that pairs stay pairs.
+    template <typename Record>
+    static int Appended(std::vector<Record> &to, const std::vector<Record> &from, bool pad = false) {
+        if (pad)
+            to.push_back(to.back());
+        const int first = int(to.size());
+        to.insert(to.end(), from.begin(), from.end());
+        return first;
+    }
+
+    void MergeEntities();
+    void MergeShaders();
+    void MergeLightmaps();
+    void ChooseRecords();
+    void MergeBrushes();
+    void MergeFogs();
+    void MergeSurfaces();
+    void MergeModels();
+    void FileWorld();
+    bspDrawSurface_t Renumbered(bspDrawSurface_t surface);
+    Boundsf BoxOfBrush(const bspBrush_t &brush) const;
+    Boundsf BoxOfSurface(const bspDrawSurface_t &surface) const;
+
+    const Bsp &main_, &added_;
+    std::string_view mainName_, addedName_;
+    const MergeOptions &options_;
+    Log &log_;
+    Bsp bsp_;
+    int planeBase_ = 0, fogBase_ = 0, lightmapBase_ = 0;
+    std::vector<int> shaders_, surfaces_, brushes_;           ///< numbers in the merged map; kNotTaken
+    int worldSurfaces_ = 0, worldBrushes_ = 0;                ///< how many of the added world are put into that of main
+    std::map<std::pair<int, int>, int> vertRuns_, indexRuns_; ///< by first and count
+};
+
+void GiveOtherNames(const std::vector<Entity> &main, std::vector<Entity> &added) {
+    constexpr std::string_view kKeys[] = {"target", "targetname"};
+    std::set<std::string> inMain, inBoth; // lower case
+    const auto collect = [&](const std::vector<Entity> &entities, std::set<std::string> &names) {
+        for (const Entity &entity : entities)
+            for (const std::string_view key : kKeys)
+                if (entity.Has(key))
+                    names.insert(LowerCase(entity.Value(key)));
+    };
+    collect(main, inMain);
+    collect(added, inBoth);
+    inBoth.insert(inMain.begin(), inMain.end());
+    std::map<std::string, std::string> renamed; // by lower-case name
+    for (Entity &entity : added)
+        for (const std::string_view key : kKeys) {
+            const std::string name(entity.Value(key));
+            if (name.empty() || !inMain.contains(LowerCase(name)))
+                continue;
+            std::string &other = renamed[LowerCase(name)];
+            for (int number = 0; other.empty(); ++number)
+                if (std::string free = fmt::format("{}_{}", name, number); inBoth.insert(LowerCase(free)).second)
+                    other = std::move(free);
+            entity.Set(key, other);
+        }
+}
+
+void Merger::MergeEntities() {
+    std::vector<Entity> all = StoredEntities(main_.entities, mainName_),
+                        added = StoredEntities(added_.entities, addedName_);
+    added.erase(added.begin());
+    for (Entity &entity : added)
+        if (const std::string_view model = entity.Value("model"); model.starts_with('*'))
+            entity.Set("model", fmt::format("*{}", IntegerFromText(model.substr(1)) + int(main_.models.size()) - 1));
+    if (options_.fixNames)
+        GiveOtherNames(all, added);
+    all.insert(all.end(), added.begin(), added.end());
+    bsp_.entities = FormatEntities(all);
+}
+
+/// Shaders that both maps have become one.
+void Merger::MergeShaders() {
+    const auto same = [](const bspShader_t &a, const bspShader_t &b) {
+        return EqualNoCase(FieldName(a.shader), FieldName(b.shader)) && a.surfaceFlags == b.surfaceFlags &&
+               a.contentFlags == b.contentFlags;
+    };
+    for (const bspShader_t &shader : added_.shaders) {
+        const auto found = std::ranges::find_if(bsp_.shaders, [&](const bspShader_t &s) { return same(s, shader); });
+        shaders_.push_back(int(found - bsp_.shaders.begin()));
+        if (found == bsp_.shaders.end())
+            bsp_.shaders.push_back(shader);
+    }
+}
+
+/// Pages of the second map follow those of the first.
+void Merger::MergeLightmaps() {
+    const auto pages = [](const Bsp &bsp) { return int(bsp.lightmaps.size() / kLightmapPageBytes); };
+    const auto used = [](const Bsp &bsp) {
+        int count = 0;
+        for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
+            count = std::max(count, surface.lightmapNum + 1);
+        return count;
+    };
+    const bool mainIsExternal = used(main_) > pages(main_), addedIsExternal = used(added_) > pages(added_);
+    lightmapBase_ = mainIsExternal ? used(main_) : pages(main_);
+    bsp_.lightmaps.insert(bsp_.lightmaps.end(), added_.lightmaps.begin(), added_.lightmaps.end());
+    if (mainIsExternal || addedIsExternal)
+        log_.Warn("external lightmaps",
+                  "lightmaps are files beside the maps, and no files are copied: the merged map looks for the pages of "
+                  "the first map from lm_0000 on, and for those of the second from lm_{:04} on, in the folder of its "
+                  "own name",
+                  lightmapBase_);
+}
+
+/// Gives numbers to the surfaces and brushes that are taken: the world's go to the end of the world of the first map.
+void Merger::ChooseRecords() {
+    const auto choose = [&](std::size_t count, int first, int num, int end, int inMain, std::vector<int> &numbers,
+                            int &ofWorld, const std::vector<bool> &also) {
+        numbers.assign(count, kNotTaken);
+        ofWorld = options_.world ? num : 0;
+        int next = inMain + ofWorld;
+        for (int i = 0; i < int(count); ++i) {
+            const bool isOfWorld = i >= first && i < first + num;
+            if (isOfWorld && options_.world)
+                numbers[std::size_t(i)] = end + (i - first);
+            else if (!isOfWorld || also[std::size_t(i)])
+                numbers[std::size_t(i)] = next++;
+        }
+    };
+    std::vector<bool> ofFogs(added_.brushes.size());
+    for (const bspFog_t &fog : added_.fogs)
+        if (fog.brushNum >= 0)
+            ofFogs[std::size_t(fog.brushNum)] = true;
+    const bspModel_t &world = added_.models[0], &into = main_.models[0];
+    choose(added_.drawSurfaces.size(), world.firstBSPSurface, world.numBSPSurfaces,
+           into.firstBSPSurface + into.numBSPSurfaces, int(main_.drawSurfaces.size()), surfaces_, worldSurfaces_,
+           std::vector<bool>(added_.drawSurfaces.size()));
+    choose(added_.brushes.size(), world.firstBSPBrush, world.numBSPBrushes, into.firstBSPBrush + into.numBSPBrushes,
+           int(main_.brushes.size()), brushes_, worldBrushes_, ofFogs);
+}
+
+/// Makes room for `count` records in front of record `at`, and raises the numbers that refer to records behind.
+template <typename Record>
+void InsertRoom(std::vector<Record> &records, int at, int count, std::vector<std::int32_t> &numbers) {
+    records.insert(records.begin() + at, std::size_t(count), Record{});
+    for (std::int32_t &number : numbers)
+        number += number >= at ? count : 0;
+}
+
+void Merger::MergeBrushes() {
+    const bspModel_t &world = main_.models[0];
+    const int at = world.firstBSPBrush + world.numBSPBrushes;
+    InsertRoom(bsp_.brushes, at, worldBrushes_, bsp_.leafBrushes);
+    for (std::size_t i = 1; i < bsp_.models.size(); ++i)
+        bsp_.models[i].firstBSPBrush += bsp_.models[i].firstBSPBrush >= at ? worldBrushes_ : 0;
+    for (bspFog_t &fog : bsp_.fogs)
+        fog.brushNum += fog.brushNum >= at ? worldBrushes_ : 0;
+    bsp_.models[0].numBSPBrushes += worldBrushes_;
+    for (std::size_t i = 0; i < added_.brushes.size(); ++i) {
+        if (brushes_[i] == kNotTaken)
+            continue;
+        bspBrush_t brush = added_.brushes[i];
+        const auto sides =
+            std::span(added_.brushSides).subspan(std::size_t(brush.firstSide), std::size_t(brush.numSides));
+        brush.firstSide = int(bsp_.brushSides.size());
+        brush.shaderNum = shaders_[std::size_t(brush.shaderNum)];
+        for (const bspBrushSide_t &side : sides)
+            bsp_.brushSides.push_back({side.planeNum + planeBase_, shaders_[std::size_t(side.shaderNum)]});
+        bsp_.brushes.resize(std::max(bsp_.brushes.size(), std::size_t(brushes_[i]) + 1));
+        bsp_.brushes[std::size_t(brushes_[i])] = brush;
+    }
+}
+
+void Merger::MergeFogs() {
+    fogBase_ = int(bsp_.fogs.size());
+    for (bspFog_t fog : added_.fogs) {
+        if (fog.brushNum >= 0)
+            fog.brushNum = brushes_[std::size_t(fog.brushNum)];
+        bsp_.fogs.push_back(fog);
+    }
+}
+
+/// A surface of the second map with numbers of the merged one. Copies its vertices and indexes; surfaces that share
+/// them go on sharing.
+bspDrawSurface_t Merger::Renumbered(bspDrawSurface_t surface) {
+    const auto copied = [](auto &runs, auto &to, const auto &from, int first, int count) {
+        const auto [at, isNew] = runs.try_emplace({first, count}, int(to.size()));
+        if (isNew)
+            to.insert(to.end(), from.begin() + first, from.begin() + first + count);
+        return at->second;
+    };
+    surface.shaderNum = shaders_[std::size_t(surface.shaderNum)];
+    surface.fogNum += surface.fogNum >= 0 ? fogBase_ : 0;
+    surface.lightmapNum += surface.lightmapNum >= 0 ? lightmapBase_ : 0;
+    surface.firstVert = copied(vertRuns_, bsp_.drawVerts, added_.drawVerts, surface.firstVert, surface.numVerts);
+    surface.firstIndex =
+        copied(indexRuns_, bsp_.drawIndexes, added_.drawIndexes, surface.firstIndex, surface.numIndexes);
+    return surface;
+}
+
+void Merger::MergeSurfaces() {
+    const bspModel_t &world = main_.models[0];
+    const int at = world.firstBSPSurface + world.numBSPSurfaces;
+    InsertRoom(bsp_.drawSurfaces, at, worldSurfaces_, bsp_.leafSurfaces);
+    for (std::size_t i = 1; i < bsp_.models.size(); ++i)
+        bsp_.models[i].firstBSPSurface += bsp_.models[i].firstBSPSurface >= at ? worldSurfaces_ : 0;
+    bsp_.models[0].numBSPSurfaces += worldSurfaces_;
+    for (std::size_t i = 0; i < added_.drawSurfaces.size(); ++i) {
+        if (surfaces_[i] == kNotTaken)
+            continue;
+        bsp_.drawSurfaces.resize(std::max(bsp_.drawSurfaces.size(), std::size_t(surfaces_[i]) + 1));
+        bsp_.drawSurfaces[std::size_t(surfaces_[i])] = Renumbered(added_.drawSurfaces[i]);
+    }
+}
+
+void Merger::MergeModels() {
+    const auto moved = [](const std::vector<int> &numbers, int first, int count, std::string_view name) {
+        if (count == 0)
+            return 0;
+        for (int i = 0; i < count; ++i)
+            if (numbers[std::size_t(first)] == kNotTaken ||
+                numbers[std::size_t(first + i)] != numbers[std::size_t(first)] + i)
+                throw Error("{}: an inline model shares surfaces or brushes with the world", name);
+        return numbers[std::size_t(first)];
+    };
+    for (std::size_t i = 1; i < added_.models.size(); ++i) {
+        bspModel_t model = added_.models[i];
+        model.firstBSPSurface = moved(surfaces_, model.firstBSPSurface, model.numBSPSurfaces, addedName_);
+        model.firstBSPBrush = moved(brushes_, model.firstBSPBrush, model.numBSPBrushes, addedName_);
+        bsp_.models.push_back(model);
+    }
+}
+
+/// Every brush begins with the six sides of its box.
+Boundsf Merger::BoxOfBrush(const bspBrush_t &brush) const {
+    Boundsf box;
+    Vec3f mins, maxs;
+    for (std::size_t i = 0; i < kBoxSides; ++i) {
+        const bspBrushSide_t &side = bsp_.brushSides[std::size_t(brush.firstSide) + i];
+        const bspPlane_t &plane = bsp_.planes[std::size_t(side.planeNum)];
+        (i % 2 == 0 ? mins : maxs)[i / 2] = i % 2 == 0 ? -plane.dist : plane.dist;
+    }
+    box.Add(mins);
+    box.Add(maxs);
+    return box;
+}
+
+/// A curve lies within its control points.
+Boundsf Merger::BoxOfSurface(const bspDrawSurface_t &surface) const {
+    Boundsf box;
+    for (int i = 0; i < surface.numVerts; ++i)
+        box.Add(Vec3f(bsp_.drawVerts[std::size_t(surface.firstVert + i)].xyz));
+    if (surface.surfaceType == MST_FLARE)
+        box.Add(Vec3f(surface.lightmapOrigin));
+    return box;
+}
+
+void Merger::FileWorld() {
+    LeafLists lists(bsp_);
+    const bspModel_t &world = bsp_.models[0];
+    for (int i = world.firstBSPSurface + world.numBSPSurfaces - worldSurfaces_;
+         i < world.firstBSPSurface + world.numBSPSurfaces; ++i)
+        lists.AddSurface(i, BoxOfSurface(bsp_.drawSurfaces[std::size_t(i)]));
+    for (int i = world.firstBSPBrush + world.numBSPBrushes - worldBrushes_;
+         i < world.firstBSPBrush + world.numBSPBrushes; ++i)
+        lists.AddBrush(i, BoxOfBrush(bsp_.brushes[std::size_t(i)]));
+    lists.Store(bsp_);
+}
+
+} // namespace
+
+Bsp MergeMaps(const NamedBsp &main, const NamedBsp &added, const MergeOptions &options, Log &log) {
+    return Merger(main, added, options, log).Run();
+}
+
+} // namespace q3

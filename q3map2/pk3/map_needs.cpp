@@ -1,0 +1,156 @@
+// GPL-2.0-or-later. What a map asks the engine and the game for.
+#include "q3map2/pk3/map_needs.h"
+
+#include "q3map2/bspfile/bsp_layout.h"
+#include "q3map2/bspfile/entities.h"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace q3 {
+
+namespace {
+
+bool HasExtension(std::string_view file) {
+    const std::size_t dot = file.rfind('.'), slash = file.rfind('/');
+    return dot != std::string_view::npos && (slash == std::string_view::npos || dot > slash);
+}
+
+class NeedsOfMap {
+  public:
+    NeedsOfMap(const Bsp &bsp, std::string_view name, MapNeeds &needs) : bsp_(bsp), name_(name), needs_(needs) {}
+
+    void AddSurfaces(const Game &game) {
+        const std::string why = fmt::format("surfaces of {}", name_);
+        const std::uint32_t noDraw = game.NoDrawSurfaceFlags();
+        int pages = 0;
+        for (const bspDrawSurface_t &surface : bsp_.drawSurfaces) {
+            const bspShader_t &shader = bsp_.shaders[std::size_t(surface.shaderNum)];
+            if ((shader.surfaceFlags & noDraw) == 0)
+                needs_.shaders.Add(FieldName(shader.shader), why);
+            pages = std::max(pages, surface.lightmapNum + 1);
+        }
+        for (const bspFog_t &fog : bsp_.fogs)
+            needs_.shaders.Add(FieldName(fog.shader), fmt::format("a fog of {}", name_));
+        if (!bsp_.lightmaps.empty())
+            return;
+        for (int page = 0; page < pages; ++page)
+            needs_.externalPages.Add(fmt::format("maps/{}/lm_{:04}.tga", name_, page),
+                                     fmt::format("lightmaps of {}", name_));
+    }
+
+    void AddEntities() {
+        const std::vector<Entity> entities = StoredEntities(bsp_.entities, name_);
+        for (std::size_t i = 0; i < entities.size(); ++i) {
+            const std::string why = fmt::format("entity {} of {}, {}", i, name_, entities[i].ClassName());
+            if (i == 0)
+                AddWorld(entities[i], why);
+            AddSounds(entities[i], why);
+            AddModels(entities[i], why);
+            needs_.shaders.Add(entities[i].Value("targetShaderNewName"), why);
+        }
+    }
+
+  private:
+    void AddWorld(const Entity &world, const std::string &why) {
+        for (const auto &[key, value] : world.pairs)
+            if (const std::size_t at = value.find(';');
+                StartsWithNoCase(key, "vertexremapshader") && at != std::string::npos)
+                needs_.shaders.Add(std::string_view(value).substr(at + 1), why);
+        std::string_view rest = world.Value("music"); // what begins, and what is repeated
+        while (!rest.empty()) {
+            const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
+            AddSound(rest.substr(0, end), why, true);
+            rest.remove_prefix(std::min(end + 1, rest.size()));
+        }
+    }
+
+    void AddSounds(const Entity &entity, const std::string &why) {
+        if (const std::string_view noise = entity.Value("noise"); !noise.starts_with('*')) // '*': of the player
+            AddSound(noise, why, true);
+        // By the game's code.
+        if (EqualNoCase(entity.ClassName(), "func_plat")) {
+            AddSound("sound/movers/plats/pt1_strt.wav", why, false);
+            AddSound("sound/movers/plats/pt1_end.wav", why, false);
+        }
+        if (EqualNoCase(entity.ClassName(), "target_push") && (int(entity.Number({"spawnflags"})) & 1) == 0)
+            AddSound("sound/misc/windfly.wav", why, false);
+    }
+
+    void AddSound(std::string_view sound, const std::string &why, bool required) {
+        if (!sound.empty())
+            needs_.sounds.Add(std::string(sound) + (HasExtension(sound) ? "" : ".wav"), why, required);
+    }
+
+    /// misc_model is part of the world by now, and games pass over it. Of other classes only some look at `model`.
+    void AddModels(const Entity &entity, const std::string &why) {
+        const auto isFile = [](std::string_view model) { return !model.empty() && !model.starts_with('*'); };
+        const bool isPassedOver = EqualNoCase(entity.ClassName(), "misc_model");
+        if (const auto model = entity.Value("model"); isFile(model) && !isPassedOver)
+            needs_.models.Add(model, why, StartsWithNoCase(entity.ClassName(), "misc_"));
+        if (const auto model = entity.Value("model2"); isFile(model))
+            needs_.models.Add(model, why);
+        if (const auto skin = entity.Value("skin"); skin.ends_with(".skin"))
+            needs_.models.Add(skin, why);
+    }
+
+    const Bsp &bsp_;
+    std::string_view name_;
+    MapNeeds &needs_;
+};
+
+// MD3: a head with the offset of the first surface, surfaces with offsets to their shaders and to the next surface,
+// shaders of a name and a number. Offsets in bytes.
+constexpr std::size_t kHeadBytes = 108, kSurfaceCountAt = 84, kSurfacesAt = 100;
+constexpr std::size_t kSurfaceBytes = 108, kShaderCountAt = 76, kShadersAt = 92, kSurfaceEndAt = 104;
+constexpr std::size_t kShaderBytes = 68, kShaderNameBytes = 64;
+constexpr std::uint32_t kMostSurfaces = 1024, kMostShaders = 256;
+
+} // namespace
+
+std::vector<std::string> ShadersOfMd3(std::span<const std::byte> file) {
+    const auto word = [&](std::size_t at) { return LoadRecord<std::uint32_t>(file, at); };
+    const auto fits = [&](std::size_t at, std::size_t size) { return at <= file.size() && size <= file.size() - at; };
+    std::vector<std::string> shaders;
+    if (!fits(0, kHeadBytes) || std::memcmp(file.data(), "IDP3", 4) != 0)
+        return shaders;
+    std::size_t surface = word(kSurfacesAt);
+    for (std::uint32_t i = 0; i < std::min(word(kSurfaceCountAt), kMostSurfaces) && fits(surface, kSurfaceBytes); ++i) {
+        const std::size_t first = surface + word(surface + kShadersAt);
+        for (std::uint32_t k = 0; k < std::min(word(surface + kShaderCountAt), kMostShaders); ++k) {
+            const std::size_t at = first + k * kShaderBytes;
+            if (!fits(at, kShaderBytes))
+                break;
+            const auto name = LoadRecord<std::array<char, kShaderNameBytes>>(file, at);
+            const std::string_view all(name.data(), name.size());
+            shaders.emplace_back(all.substr(0, all.find('\0')));
+        }
+        surface += word(surface + kSurfaceEndAt);
+    }
+    return shaders;
+}
+
+std::vector<std::string> ShadersOfSkin(std::string_view text) {
+    std::vector<std::string> shaders;
+    while (!text.empty()) {
+        const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+        std::string_view line = text.substr(0, end);
+        text.remove_prefix(std::min(end + 1, text.size()));
+        const std::size_t comma = line.find(',');
+        if (comma == std::string_view::npos || comma + 1 >= line.size())
+            continue;
+        line.remove_prefix(std::min(line.find_first_not_of(" \t", comma + 1), line.size()));
+        if (!line.empty())
+            shaders.emplace_back(line);
+    }
+    return shaders;
+}
+
+void AddNeeds(const Bsp &bsp, std::string_view name, const Game &game, MapNeeds &needs) {
+    NeedsOfMap map(bsp, name, needs);
+    map.AddSurfaces(game);
+    map.AddEntities();
+    needs.shaders.Add(fmt::format("levelshots/{}", name), fmt::format("the loading screen of {}", name), false);
+}
+
+} // namespace q3

@@ -1,0 +1,321 @@
+// GPL-2.0-or-later. What goes into a package, and what is missing.
+#include "q3map2/pk3/package_plan.h"
+
+#include "common/error.h"
+#include "common/files/archive_writer.h"
+#include "common/files/files.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <span>
+
+namespace q3 {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::array<std::string_view, 3> kSoundExtensions = {".wav", ".ogg", ".opus"};
+constexpr int kMostLods = 3; ///< levels of detail of a model: x.md3, x_1.md3, x_2.md3
+
+bool EndsWith(std::string_view name, std::string_view end) {
+    return name.size() >= end.size() && EqualNoCase(name.substr(name.size() - end.size()), end);
+}
+
+std::string CutExtension(std::string_view name) {
+    return fs::path(name).replace_extension().generic_string();
+}
+
+class Planner {
+  public:
+    Planner(MapNeeds &needs, const PackageSource &source, const EngineScripts &scripts, const PlanRules &rules,
+            Log &log)
+        : needs_(needs), source_(source), scripts_(scripts), rules_(rules), log_(log) {}
+
+    PackagePlan Run() {
+        PlanModels();
+        FindRestrictedScripts();
+        for (const Wanted &shader : needs_.shaders.All())
+            PlanShader(shader);
+        if (rules_.list)
+            List();
+        for (const Wanted &image : images_.All())
+            PlanImage(image);
+        for (const Wanted &image : plainImages_.All())
+            if (!images_.Has(image.name))
+                PlanImage(image);
+        for (const Wanted &script : scriptFiles_.All())
+            Take(script.name, script);
+        for (const Wanted &sound : needs_.sounds.All())
+            PlanSound(sound);
+        for (const Wanted &video : videos_.All())
+            if (!rules_.exclusions.HasVideo(video.name))
+                TakeFirst(std::span(&video.name, 1), video, "");
+        for (const std::string &model : models_)
+            plan_.Add(model);
+        return std::move(plan_);
+    }
+
+  private:
+    void Report(const Wanted &wanted, std::string_view hint) {
+        const std::string text = fmt::format("{}{}: wanted by {}", wanted.name, hint, wanted.why);
+        (wanted.required ? plan_.missing : plan_.absent).push_back(text);
+    }
+
+    /// Adds the file, unless players have it.
+    void Take(const std::string &name, const Wanted &wanted) {
+        const Whereabouts where = source_.Find(name);
+        if (where == Whereabouts::Here)
+            plan_.Add(name);
+        else if (where == Whereabouts::Nowhere)
+            Report(wanted, "");
+    }
+
+    void TakeFirst(std::span<const std::string> names, const Wanted &wanted, std::string_view hint) {
+        for (const std::string &name : names)
+            if (source_.Find(name) != Whereabouts::Nowhere)
+                return Take(name, wanted);
+        Report(wanted, hint);
+    }
+
+    /// In the order in which they are tried.
+    std::vector<std::string> ImageFiles(const std::string &image) const {
+        std::vector<std::string> names{image + ".tga", image + ".jpg"};
+        if (rules_.png)
+            names.insert(names.begin(), image + ".png");
+        return names;
+    }
+
+    void PlanImage(const Wanted &image) {
+        if (rules_.exclusions.HasTexture(image.name))
+            return;
+        const std::vector<std::string> names = ImageFiles(image.name);
+        const bool isPngOnly = !rules_.png && source_.Find(image.name + ".png") != Whereabouts::Nowhere;
+        TakeFirst(names, image,
+                  rules_.png  ? " (.png, .tga or .jpg)"
+                  : isPngOnly ? " (.tga or .jpg; there is a .png, which -png packs)"
+                              : " (.tga or .jpg)");
+    }
+
+    /// Engines try other formats when the named one is not there.
+    void PlanSound(const Wanted &sound) {
+        if (rules_.exclusions.HasSound(sound.name))
+            return;
+        std::vector<std::string> names{sound.name};
+        for (const std::string_view extension : kSoundExtensions)
+            if (!EndsWith(sound.name, extension))
+                names.push_back(CutExtension(sound.name) + std::string(extension));
+        TakeFirst(names, sound, "");
+    }
+
+    void PlanModels();
+    void PlanModel(const std::string &name, const std::string &why);
+    void FindRestrictedScripts();
+    void PlanShader(const Wanted &wanted);
+    const EngineShader &BestOf(std::span<const EngineShader> definitions) const;
+    void PlanDefined(const EngineShader &shader, const Wanted &wanted);
+    void List() const;
+
+    MapNeeds &needs_;
+    const PackageSource &source_;
+    const EngineScripts &scripts_;
+    const PlanRules &rules_;
+    Log &log_;
+    PackagePlan plan_;
+    std::vector<std::string> restricted_; ///< by script: why it may not be packed; empty: it may
+    WantedList images_, plainImages_, scriptFiles_, videos_;
+    std::vector<std::string> models_;
+};
+
+/// A model that is there, and the shaders it names.
+void Planner::PlanModel(const std::string &name, const std::string &why) {
+    if (source_.Find(name) == Whereabouts::Here)
+        models_.push_back(name);
+    const auto bytes = source_.Read(name);
+    if (!bytes)
+        return;
+    std::vector<std::string> shaders;
+    if (EndsWith(name, ".md3"))
+        shaders = ShadersOfMd3(*bytes);
+    else if (EndsWith(name, ".skin"))
+        shaders = ShadersOfSkin({reinterpret_cast<const char *>(bytes->data()), bytes->size()});
+    else
+        log_.Warn("model format", "{}: shaders of this format are not known: see that they are in the package", name);
+    for (const std::string &shader : shaders)
+        needs_.shaders.Add(ImageName(shader), fmt::format("{} ({})", name, why));
+}
+
+void Planner::PlanModels() {
+    for (const Wanted &model : needs_.models.All()) {
+        if (source_.Find(model.name) == Whereabouts::Nowhere) {
+            Report(model, "");
+            continue;
+        }
+        PlanModel(model.name, model.why);
+        for (int lod = 1; lod < kMostLods && EndsWith(model.name, ".md3"); ++lod)
+            if (const std::string name = fmt::format("{}_{}.md3", CutExtension(model.name), lod);
+                source_.Find(name) != Whereabouts::Nowhere)
+                PlanModel(name, model.why);
+    }
+}
+
+/// A script that defines what the game has may not come in another version.
+void Planner::FindRestrictedScripts() {
+    const Exclusions &exclusions = rules_.exclusions;
+    for (const EngineScripts::Script &script : scripts_.Scripts()) {
+        std::string why = exclusions.HasShaderFile(script.name) ? "it is excluded" : "";
+        for (const std::string &shader : script.shaders)
+            if (why.empty() && (exclusions.HasShader(shader) || exclusions.IsPureTexture(shader)))
+                why = fmt::format("it also defines {}, which is excluded", shader);
+        restricted_.push_back(rules_.wholeScripts ? std::move(why) : std::string());
+    }
+}
+
+/// The first definition whose images are all there, else the first.
+const EngineShader &Planner::BestOf(std::span<const EngineShader> definitions) const {
+    const auto isComplete = [&](const EngineShader &shader) {
+        return std::ranges::all_of(shader.images, [&](const std::string &image) {
+            const auto names = ImageFiles(image);
+            return rules_.exclusions.HasTexture(image) || std::ranges::any_of(names, [&](const std::string &name) {
+                       return source_.Find(name) != Whereabouts::Nowhere;
+                   });
+        });
+    };
+    const auto found = std::ranges::find_if(definitions, isComplete);
+    return found == definitions.end() ? definitions.front() : *found;
+}
+
+void Planner::PlanShader(const Wanted &wanted) {
+    const std::string &name = wanted.name;
+    if (name.starts_with('*') || name.starts_with('$') || EqualNoCase(name, "noshader"))
+        return;
+    if (rules_.exclusions.HasShader(name) || rules_.exclusions.IsPureTexture(name))
+        return;
+    if (const auto definitions = scripts_.Find(name); !definitions.empty())
+        PlanDefined(BestOf(definitions), wanted);
+    else
+        plainImages_.Add(ImageName(name), wanted.why, wanted.required);
+}
+
+void Planner::PlanDefined(const EngineShader &shader, const Wanted &wanted) {
+    const EngineScripts::Script &script = scripts_.Scripts()[shader.script];
+    const bool isInBase = source_.Find(script.name) == Whereabouts::InBase;
+    if (!restricted_[shader.script].empty() && !isInBase) {
+        plan_.missing.push_back(fmt::format("{}: wanted by {}; its script {} cannot be packed: {}", shader.name,
+                                            wanted.why, script.name, restricted_[shader.script]));
+        return;
+    }
+    const std::string why = fmt::format("shader {}", shader.name);
+    if (!shader.HasImages() && !shader.drawsWithoutImage) {
+        log_.Warn("shader without images", "{}: visible shader {} names no image", script.name, shader.name);
+        plainImages_.Add(ImageName(shader.name), why, false);
+    }
+    for (const std::string &image : shader.images)
+        images_.Add(image, why, wanted.required);
+    for (const std::string &image : shader.extraImages)
+        images_.Add(image, why, false);
+    for (const std::string &video : shader.videos)
+        videos_.Add(video, why, wanted.required);
+    if (isInBase)
+        return;
+    if (rules_.wholeScripts)
+        scriptFiles_.Add(script.name, why);
+    else
+        plan_.strippedShaders.push_back(&shader);
+}
+
+void Planner::List() const {
+    const auto print = [&](std::string_view title, const WantedList &list) {
+        log_.Print("{} {}:\n", list.All().size(), title);
+        for (const Wanted &wanted : list.All())
+            log_.Print("  {} ({})\n", wanted.name, wanted.why);
+    };
+    print("shaders", needs_.shaders);
+    print("images of shaders", images_);
+    print("images without a shader", plainImages_);
+    print("scripts", scriptFiles_);
+    print("sounds", needs_.sounds);
+    print("videos", videos_);
+    print("models", needs_.models);
+}
+
+/// Whether a file of a map's folder is a lightmap: lm_NNNN and the extension of an image.
+bool IsLightmapPage(const fs::path &file) {
+    const std::string stem = LowerCase(file.stem().string()), extension = LowerCase(file.extension().string());
+    return stem.starts_with("lm_") && WholeInteger(stem.substr(3)).has_value() &&
+           (extension == ".tga" || extension == ".jpg" || extension == ".png");
+}
+
+} // namespace
+
+void PackagePlan::Add(std::string name, fs::path disk) {
+    if (names_.Add(name, ""))
+        files_.push_back({PackageName(name), std::move(disk)});
+}
+
+PackagePlan MakePlan(MapNeeds &needs, const PackageSource &source, const EngineScripts &scripts, const PlanRules &rules,
+                     Log &log) {
+    return Planner(needs, source, scripts, rules, log).Run();
+}
+
+void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const Game &game,
+                 const PackageSource &source, PackagePlan &plan) {
+    const std::string name = bspPath.stem().string();
+    std::vector<fs::path> pages;
+    std::error_code failed;
+    for (fs::directory_iterator at(bspPath.parent_path() / name, failed), end; !failed && at != end;
+         at.increment(failed))
+        if (IsLightmapPage(at->path()))
+            pages.push_back(at->path());
+    std::ranges::sort(pages);
+    for (const fs::path &page : pages)
+        plan.Add(fmt::format("maps/{}/{}", name, page.filename().string()), page);
+    for (const Wanted &page : externalPages.All()) {
+        const auto stem = fs::path(page.name).stem();
+        const bool isBeside = std::ranges::any_of(pages, [&](const fs::path &p) { return p.stem() == stem; });
+        if (isBeside || !StartsWithNoCase(page.name, fmt::format("maps/{}/", name)))
+            continue;
+        if (source.Find(page.name) == Whereabouts::Here)
+            plan.Add(page.name);
+        else if (source.Find(page.name) == Whereabouts::Nowhere)
+            plan.missing.push_back(fmt::format("{}: wanted by {}", page.name, page.why));
+    }
+    plan.Add(fmt::format("maps/{}.bsp", name), bspPath);
+    const auto addIfThere = [&](const std::string &entry, const fs::path &beside, std::string_view use) {
+        if (fs::is_regular_file(beside))
+            plan.Add(entry, beside);
+        else if (source.Find(entry) == Whereabouts::Here)
+            plan.Add(entry);
+        else if (!use.empty())
+            plan.absent.push_back(fmt::format("{}: {}", entry, use));
+    };
+    for (const std::string_view end : {".aas", "_b0.aas", "_b1.aas"})
+        addIfThere(fmt::format("maps/{}{}", name, end), bspPath.parent_path() / (name + std::string(end)),
+                   end == ".aas" ? "bots will not play the map" : "");
+    addIfThere(fmt::format("{}/{}.arena", game.shaderDir, name), {}, "the menus of the game will not list the map");
+    addIfThere(fmt::format("{}/{}.defi", game.shaderDir, name), {}, "");
+}
+
+fs::path WritePackage(const fs::path &path, const fs::path &failedPath, int level, const PackageSource &source,
+                      PackagePlan &plan, Log &log) {
+    ArchiveWriter archive(level);
+    int count = 0;
+    for (const PackageEntry &entry : plan.Files()) {
+        const auto bytes = entry.disk.empty() ? source.Read(entry.name) : std::optional(ReadFile(entry.disk));
+        if (!bytes) {
+            plan.missing.push_back(fmt::format("{}: it is damaged", entry.name));
+            continue;
+        }
+        archive.Add(entry.name, *bytes);
+        ++count;
+        log.Print("++{}\n", entry.name);
+    }
+    const fs::path &target = plan.missing.empty() ? path : failedPath;
+    log.Print("Writing {}\n", target.string());
+    const std::uint64_t size = archive.Commit(target);
+    log.Print("Wrote {} files, {} bytes\n", count, size);
+    return target;
+}
+
+} // namespace q3

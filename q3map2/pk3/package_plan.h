@@ -1,0 +1,57 @@
+// GPL-2.0-or-later. What goes into a package, and what is missing.
+#pragma once
+
+#include "q3map2/pk3/engine_scripts.h"
+#include "q3map2/pk3/exclusions.h"
+#include "q3map2/pk3/map_needs.h"
+#include "q3map2/pk3/package_source.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace q3 {
+
+/// A file of a package.
+struct PackageEntry {
+    std::string name;
+    std::filesystem::path disk; ///< empty: the source has it by its name
+};
+
+/// Files in the order in which they are packed, each once.
+class PackagePlan {
+  public:
+    void Add(std::string name, std::filesystem::path disk = {});
+    const std::vector<PackageEntry> &Files() const { return files_; }
+
+    std::vector<std::string> missing;                  ///< required: name and who wants it
+    std::vector<std::string> absent;                   ///< not required
+    std::vector<const EngineShader *> strippedShaders; ///< for -repack, in the order of their use
+
+  private:
+    std::vector<PackageEntry> files_;
+    WantedList names_;
+};
+
+/// How needs become files.
+struct PlanRules {
+    const Exclusions &exclusions;
+    bool png = false;
+    bool wholeScripts = true; ///< else shaders are listed in PackagePlan::strippedShaders
+    bool list = false;        ///< print what was collected
+};
+
+/// Images, scripts, sounds, videos and models for the needs. Shaders of models are added to the needs.
+PackagePlan MakePlan(MapNeeds &needs, const PackageSource &source, const EngineScripts &scripts, const PlanRules &rules,
+                     Log &log);
+
+/// Adds a map itself: its lightmap files, the .bsp, and as far as they are there bot files and menu entries.
+void AddMapFiles(const std::filesystem::path &bspPath, const WantedList &externalPages, const Game &game,
+                 const PackageSource &source, PackagePlan &plan);
+
+/// Reads the plan's files and writes the archive. A file that cannot be read is added to PackagePlan::missing, and the
+/// archive then gets `failedPath`. Returns the path of the archive. Errors: it cannot be written.
+std::filesystem::path WritePackage(const std::filesystem::path &path, const std::filesystem::path &failedPath,
+                                   int level, const PackageSource &source, PackagePlan &plan, Log &log);
+
+} // namespace q3

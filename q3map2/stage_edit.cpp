@@ -1,0 +1,105 @@
+// GPL-2.0-or-later. q3map2 -scale, -shift, -mergebsp and -fixaas.
+#include "common/error.h"
+#include "q3map2/bot_check.h"
+#include "q3map2/command_record.h"
+#include "q3map2/edit/merge_maps.h"
+#include "q3map2/edit/scale_map.h"
+#include "q3map2/edit/shift_map.h"
+#include "q3map2/run_report.h"
+#include "q3map2/stage_words.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+std::filesystem::path BspPath(const std::string &file) {
+    return WithExtension(std::filesystem::absolute(file), ".bsp");
+}
+
+Bsp Load(const std::filesystem::path &path, const StageContext &context) {
+    context.log.Print("Loading {}\n", path.string());
+    return ReadBspFile(path, context.options.Format(), context.log);
+}
+
+/// Writes maps/x.bsp as maps/x_END.bsp, with the command in its record.
+void WriteBeside(const std::filesystem::path &source, std::string_view end, Bsp bsp, std::vector<std::string> recorded,
+                 const StageContext &context) {
+    auto path = source;
+    path.replace_filename(source.stem().string() + std::string(end) + ".bsp");
+    RecordCommand(bsp, context.stage.word, source.string(), recorded);
+    const BotCheck bots(path, context.log);
+    WriteBspFile(path, bsp, context.options.Format(), context.log);
+    bots.Report(BotCheck::OtherGeometry, false);
+}
+
+} // namespace
+
+int ScaleStage(const StageContext &context, Arguments arguments) {
+    const std::vector<std::string> given = arguments.Rest();
+    ScaleOptions options;
+    context.log.Section("Scale");
+    TakeSettings(ScaleSettings(), options, arguments, context.log);
+    options.factors = TakeAxisValues(arguments, context.stage.word);
+    if (options.factors == Vec3d{1, 1, 1})
+        throw Error("-scale: all factors are 1, which changes nothing");
+    const StageFile file = TakeFile(context, arguments, given);
+    const auto path = BspPath(file.file);
+    Bsp bsp = Load(path, context);
+    ScaleMap(bsp, options, path.string(), context.log);
+    WriteBeside(path, "_s", std::move(bsp), file.recorded, context);
+    return 0;
+}
+
+int ShiftStage(const StageContext &context, Arguments arguments) {
+    const std::vector<std::string> given = arguments.Rest();
+    context.log.Section("Shift");
+    const Vec3d shift = TakeAxisValues(arguments, context.stage.word);
+    const StageFile file = TakeFile(context, arguments, given);
+    const auto path = BspPath(file.file);
+    Bsp bsp = Load(path, context);
+    ShiftMap(bsp, shift, path.string(), context.log);
+    WriteBeside(path, "_sh", std::move(bsp), file.recorded, context);
+    return 0;
+}
+
+int MergeStage(const StageContext &context, Arguments arguments) {
+    std::vector<std::string> recorded = arguments.Rest();
+    MergeOptions options;
+    context.log.Section("Merge");
+    TakeSettings(MergeSettings(), options, arguments, context.log);
+    const std::vector<std::string> files = TakeFiles(context, arguments);
+    if (files.size() != 2)
+        throw Error("usage: q3map2 {}", context.stage.usage);
+    std::erase_if(recorded, [&](const std::string &word) { return std::ranges::find(files, word) != files.end(); });
+    const auto mainPath = BspPath(files[0]), addedPath = BspPath(files[1]);
+    const Bsp added = Load(addedPath, context), main = Load(mainPath, context);
+    const std::string mainName = mainPath.string(), addedName = addedPath.string();
+    Bsp merged = MergeMaps({main, mainName}, {added, addedName}, options, context.log);
+    WriteBeside(mainPath, "_merged", std::move(merged), recorded, context);
+    return 0;
+}
+
+int FixAasStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    const auto path = BspPath(TakeFile(context, arguments, {}).file);
+    log.Section("FixAAS");
+    const std::vector<BotFile> files = FindBotFiles(path);
+    if (files.empty())
+        throw Error("{}: no bot file beside it; expected {}, or the same with _b0 or _b1 after the name", path.string(),
+                    WithExtension(path, ".aas").string());
+    const std::uint32_t checksum = MapChecksum(path);
+    log.Print("{}: checksum {:08x}\n", path.string(), checksum);
+    for (const BotFile &file : files) {
+        if (file.checksum == checksum) {
+            log.Print("{} fits already\n", file.path.string());
+            continue;
+        }
+        SetChecksum(file, checksum);
+        log.Print("{}: checksum was {:08x}, is {:08x}\n", file.path.string(), file.checksum, checksum);
+    }
+    return 0;
+}
+
+} // namespace q3

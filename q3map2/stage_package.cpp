@@ -1,0 +1,194 @@
+// GPL-2.0-or-later. q3map2 -pk3 and -repack: maps and the game's files in, a package out.
+#include "common/error.h"
+#include "common/files/files.h"
+#include "q3map2/bot_check.h"
+#include "q3map2/pk3/package_options.h"
+#include "q3map2/pk3/package_plan.h"
+#include "q3map2/run_report.h"
+#include "q3map2/stage_words.h"
+
+#include <algorithm>
+#include <span>
+
+namespace q3 {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string TextOfFile(const fs::path &path) {
+    const std::vector<std::byte> bytes = ReadFile(path);
+    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+}
+
+/// The folder above each map's, if that is called maps: there its scripts, images and sounds may be.
+std::vector<fs::path> FoldersOf(const std::vector<fs::path> &maps) {
+    std::vector<fs::path> folders;
+    for (const fs::path &map : maps)
+        if (const fs::path maybe = map.parent_path(); EqualNoCase(maybe.filename().string(), "maps") &&
+                                                      std::ranges::find(folders, maybe.parent_path()) == folders.end())
+            folders.push_back(maybe.parent_path());
+    return folders;
+}
+
+Exclusions LoadExclusions(const StageContext &context, const PackOptions &options) {
+    const fs::path beside = context.program.parent_path() / fmt::format("{}.exclude", context.options.game->name);
+    Exclusions all;
+    if (fs::exists(beside))
+        all = ReadExclusions(TextOfFile(beside), beside.string());
+    else if (options.exclusions.empty() && options.basePaks.empty())
+        context.log.Warn("no exclusions",
+                         "{} does not exist, nor is there a -basepak or -exclude: files that every player has are "
+                         "packed too",
+                         beside.string());
+    for (const std::string &file : options.exclusions)
+        all.Add(ReadExclusions(TextOfFile(file), file));
+    return all;
+}
+
+EngineScripts LoadScripts(const PackageSource &source, const Game &game, Log &log) {
+    EngineScripts scripts;
+    for (const std::string &name : source.List(game.shaderDir, ".shader")) {
+        const std::string path = fmt::format("{}/{}", game.shaderDir, name);
+        if (auto text = source.ReadText(path))
+            scripts.Read(path, std::move(*text), log);
+    }
+    log.Count((long long)(scripts.Scripts().size()), "shader scripts");
+    return scripts;
+}
+
+fs::path OutputFolder(const StageContext &context, const PackOptions &options) {
+    if (!options.folder.empty())
+        return fs::absolute(options.folder);
+    return BasePaths(context.options, context.words, context.program).front();
+}
+
+/// Maps that the words name; a word that is no .bsp is a list of them, one a line.
+std::vector<fs::path> MapsOf(const std::vector<std::string> &words, bool mayBeList) {
+    std::vector<fs::path> maps;
+    for (const std::string &word : words) {
+        const std::string extension = LowerCase(fs::path(word).extension().string());
+        if (!mayBeList || words.size() > 1 || extension.empty() || extension == ".bsp") {
+            maps.push_back(WithExtension(fs::absolute(word), ".bsp"));
+            continue;
+        }
+        const std::string text = TextOfFile(word);
+        for (std::string_view rest = text; !rest.empty();) {
+            const std::size_t end = std::min(rest.find('\n'), rest.size());
+            std::string line(rest.substr(0, end));
+            rest.remove_prefix(std::min(end + 1, rest.size()));
+            while (!line.empty() && IsBlank(line.back()))
+                line.pop_back();
+            if (!line.empty())
+                maps.push_back(WithExtension(fs::absolute(line), ".bsp"));
+        }
+    }
+    return maps;
+}
+
+/// What both stages work with.
+struct Packing {
+    std::vector<fs::path> maps;
+    VirtualFileSystem vfs;
+    PackageSource source;
+    EngineScripts scripts;
+    MapNeeds needs;
+
+    Packing(const StageContext &context, const PackOptions &options, std::vector<fs::path> mapFiles)
+        : maps(std::move(mapFiles)),
+          vfs(OpenGameFiles(context.options, GameFolders(context.options, context.words, context.program),
+                            context.log)),
+          source(vfs, FoldersOf(maps), options.basePaks),
+          scripts(LoadScripts(source, *context.options.game, context.log)) {
+        for (const fs::path &map : maps) {
+            context.log.Print("Loading {}\n", map.string());
+            AddNeeds(ReadBspFile(map, context.options.Format(), context.log), map.stem().string(),
+                     *context.options.game, needs);
+        }
+    }
+};
+
+void PrintList(std::string_view title, std::string_view sign, const std::vector<std::string> &lines, Log &log) {
+    if (lines.empty())
+        return;
+    log.Print("{} {}:\n", lines.size(), title);
+    for (const std::string &line : lines)
+        log.Print("  {} {}\n", sign, line);
+}
+
+/// Prints what is missing, and returns the exit status.
+int Finish(const PackagePlan &plan, Log &log) {
+    PrintList("not there, and not needed", "~fail", plan.absent, log);
+    PrintList("missing", "!FAIL!", plan.missing, log);
+    return plan.missing.empty() ? 0 : 1;
+}
+
+void RemoveOld(const fs::path &path) {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+}
+
+std::vector<std::string> TakeMaps(const StageContext &context, Arguments &arguments) {
+    std::vector<std::string> words = TakeFiles(context, arguments);
+    if (words.empty())
+        throw Error("usage: q3map2 {}", context.stage.usage);
+    PrintChangedOptions(arguments, context.log);
+    return words;
+}
+
+} // namespace
+
+int PackStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    log.Section("Pk3");
+    PackOptions options;
+    TakeSettings(PackSettings(), options, arguments, log);
+    const auto maps = MapsOf(TakeMaps(context, arguments), false);
+    Packing packing(context, options, maps);
+    const Exclusions exclusions = LoadExclusions(context, options);
+    PackagePlan plan = MakePlan(packing.needs, packing.source, packing.scripts,
+                                {.exclusions = exclusions, .png = options.png, .list = options.list}, log);
+    for (const fs::path &map : maps)
+        AddMapFiles(map, packing.needs.externalPages, *context.options.game, packing.source, plan);
+    for (const fs::path &map : maps)
+        BotCheck(map, log).Report(BotCheck::SameGeometry, false);
+    const std::string name = maps.back().stem().string();
+    const fs::path folder = OutputFolder(context, options);
+    const fs::path path = folder / (name + "_autopacked.pk3"), failed = folder / (name + "_FAILEDpack.pk3");
+    RemoveOld(path);
+    RemoveOld(failed);
+    WritePackage(path, failed, options.level, packing.source, plan, log);
+    return Finish(plan, log);
+}
+
+int RepackStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    log.Section("Repack");
+    RepackOptions options;
+    TakeSettings(RepackSettings(), options, arguments, log);
+    const auto maps = MapsOf(TakeMaps(context, arguments), true);
+    if (maps.empty())
+        throw Error("the list names no maps");
+    Packing packing(context, options, maps);
+    Exclusions exclusions = LoadExclusions(context, options);
+    if (const fs::path more = context.program.parent_path() / "repack.exclude"; fs::exists(more))
+        exclusions.Add(ReadExclusions(TextOfFile(more), more.string()));
+    PackagePlan plan =
+        MakePlan(packing.needs, packing.source, packing.scripts,
+                 {.exclusions = exclusions, .png = options.png, .wholeScripts = false, .list = true}, log);
+    if (!options.onlyList) {
+        const std::string name = maps.back().stem().string();
+        const fs::path folder = OutputFolder(context, options);
+        const fs::path path = folder / (name + "_repacked.pk3"),
+                       script = folder / (name + "_strippedBYrepacker.shader");
+        std::string text;
+        for (const EngineShader *shader : plan.strippedShaders)
+            text += '\n' + StrippedText(*shader);
+        log.Print("Writing {}\n", script.string());
+        ReplaceFile(script, std::as_bytes(std::span(text.data(), text.size())));
+        WritePackage(path, path, options.level, packing.source, plan, log);
+    }
+    return Finish(plan, log);
+}
+
+} // namespace q3
