@@ -14,8 +14,8 @@ namespace q3 {
 namespace {
 
 /// Names that users of other compilers may give.
-constexpr std::string_view kOtherStages[] = {"-analyze", "-convert", "-exportents", "-fixaas", "-mergebsp", "-minimap",
-                                             "-pk3",     "-repack",  "-scale",      "-shift",  "-vlight",   "-ent"};
+constexpr std::string_view kOtherStages[] = {"-convert", "-fixaas", "-mergebsp", "-pk3", "-repack",
+                                             "-scale",   "-shift",  "-vlight",   "-ent"};
 constexpr std::string_view kMapExtensions[] = {".map", ".bsp", ".reg", ".ent", ".prt", ".srf"};
 
 bool IsOption(std::string_view word) {

@@ -50,6 +50,9 @@ int ExportStage(const StageContext &context, Arguments arguments);
 int ImportStage(const StageContext &context, Arguments arguments);
 int JsonStage(const StageContext &context, Arguments arguments);
 int InfoStage(const StageContext &context, Arguments arguments);
+int MinimapStage(const StageContext &context, Arguments arguments);
+int ExportEntitiesStage(const StageContext &context, Arguments arguments);
+int AnalyzeStage(const StageContext &context, Arguments arguments);
 int PreviewStage(const StageContext &context, Arguments arguments);
 
 /// The path with its extension (if any) replaced.
