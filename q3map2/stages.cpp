@@ -7,6 +7,7 @@
 #include "q3map2/light/options/light_settings.h"
 #include "q3map2/lightmap/options/lightmap_settings.h"
 #include "q3map2/map/bsp_settings.h"
+#include "q3map2/minimap/minimap_options.h"
 #include "q3map2/pk3/package_options.h"
 #include "q3map2/presets.h"
 #include "q3map2/vis/vis_settings.h"
@@ -57,6 +58,15 @@ std::vector<Stage> CompilingStages() {
          "24 bit, upside down in most viewers.", ExportStage, nullptr},
         {"-import", "-import maps/x.bsp", "Replace the lightmaps by these images",
          "A lightmap whose image is missing or has another size stays.", ImportStage, nullptr},
+        {"-exportents", "-exportents maps/x.bsp", "Write the entities of a map as text: maps/x.ent",
+         "`-onlyents` of the bsp stage puts them back.", ExportEntitiesStage, nullptr},
+        {"-minimap", "-minimap [options] maps/x.bsp", "Draw a map from above, as games show it: maps/x.tga",
+         "Each pixel tells how thick the solids above and below it are, without the sky: floors are dark, walls are "
+         "bright.",
+         MinimapStage, [] { return Describe(MinimapSettings()); }},
+        {"-analyze", "-analyze [-lumpswap] FILE", "Print what may be in the lumps of an unknown .bsp",
+         "For files of other games: any that begin with four letters, a version and a directory of lumps.",
+         AnalyzeStage, [] { return Describe(AnalyzeSettings()); }},
         {"-shpreview", "-shpreview FILE.png maps/x.bsp", "Draw what both light grids of a map show to a picture", "",
          PreviewStage, nullptr}};
 }

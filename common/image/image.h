@@ -28,6 +28,13 @@ Image DecodeTga(std::span<const std::byte> file, std::string_view name);
 Image DecodePng(std::span<const std::byte> file, std::string_view name);
 Image DecodeJpeg(std::span<const std::byte> file, std::string_view name);
 
+/// Which row the texels given to EncodeTga begin with.
+enum class TgaRows { TopFirst, BottomFirst };
+/// An uncompressed TGA file whose first row is the lowest. Texels of 1 (gray), 3 (RGB) or 4 (RGBA) channels, width *
+/// height of them; sides below 65536.
+std::vector<std::byte> EncodeTga(std::span<const std::uint8_t> texels, int width, int height, int channels,
+                                 TgaRows rows);
+
 /// Writes an RGBA image as PNG, atomically.
 void WritePng(const std::filesystem::path &path, const Image &image);
 

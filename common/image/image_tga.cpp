@@ -149,4 +149,23 @@ Image DecodeTga(std::span<const std::byte> file, std::string_view name) {
     return TgaDecoder(file, name).Decode();
 }
 
+std::vector<std::byte> EncodeTga(std::span<const std::uint8_t> texels, int width, int height, int channels,
+                                 TgaRows rows) {
+    constexpr std::array<std::size_t, 4> kBgra = {2, 1, 0, 3};
+    std::vector<std::byte> file(kTgaHeader + texels.size());
+    file[2] = std::byte(channels == 1 ? Kind::Gray : Kind::Color);
+    file[12] = std::byte(width & 255), file[13] = std::byte(width >> 8);
+    file[14] = std::byte(height & 255), file[15] = std::byte(height >> 8);
+    file[16] = std::byte(8 * channels);
+    file[17] = std::byte(channels == 4 ? 8 : 0); // bits of alpha
+    const auto count = std::size_t(channels), rowBytes = count * std::size_t(width);
+    for (std::size_t y = 0; y < std::size_t(height); ++y) {
+        const std::size_t from = (rows == TgaRows::TopFirst ? std::size_t(height) - 1 - y : y) * rowBytes;
+        for (std::size_t i = 0; i < rowBytes; i += count)
+            for (std::size_t k = 0; k < count; ++k)
+                file[kTgaHeader + y * rowBytes + i + k] = std::byte(texels[from + i + (count == 1 ? 0 : kBgra[k])]);
+    }
+    return file;
+}
+
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Options of the -json stage.
+// GPL-2.0-or-later. Options of the stages -json and -analyze.
 #include "q3map2/convert/convert_options.h"
 
 #include "common/error.h"
@@ -24,6 +24,13 @@ JsonOptions ParseJsonOptions(Arguments &arguments, Log &log) {
     if (options.pack && options.unpack)
         throw Error("-json: -pack and -unpack exclude each other");
     return options;
+}
+
+std::vector<SettingGroup<AnalyzeOptions>> AnalyzeSettings() {
+    return {{"Directory",
+             "",
+             {{{.name = "-lumpswap", .help = "The directory holds the length of each lump before its offset"},
+               &AnalyzeOptions::lumpSwap}}}};
 }
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Options of the -json stage.
+// GPL-2.0-or-later. Options of the stages -json and -analyze.
 #pragma once
 
 #include "common/arguments.h"
@@ -16,5 +16,12 @@ struct JsonOptions {
 std::vector<SettingGroup<JsonOptions>> JsonSettings();
 /// Takes them off `arguments`. Errors: -pack with -unpack.
 JsonOptions ParseJsonOptions(Arguments &arguments, Log &log);
+
+struct AnalyzeOptions {
+    bool lumpSwap = false;
+};
+
+/// The options of the -analyze stage, declared.
+std::vector<SettingGroup<AnalyzeOptions>> AnalyzeSettings();
 
 } // namespace q3

@@ -62,6 +62,7 @@ struct ShaderLibrary::State {
     std::shared_ptr<const Image> LightImageOf(const ParsedShader &shader);
     void Complete(ParsedShader &shader);
     std::optional<std::array<int, 2>> ImageSize(const std::string &name) const;
+    std::string ImageFile(const ParsedShader &shader) const;
     void FindTextureSize(ParsedShader &shader);
 };
 
@@ -228,6 +229,16 @@ std::optional<std::array<int, 2>> ShaderLibrary::State::ImageSize(const std::str
     return std::nullopt;
 }
 
+std::string ShaderLibrary::State::ImageFile(const ParsedShader &shader) const {
+    if ((shader.info.compileFlags & C_NODRAW) != 0)
+        return {};
+    for (const std::string &name : {shader.editorImage, shader.info.name, shader.implicitImage, shader.lightImage})
+        for (const std::string_view extension : {".tga", ".png", ".jpg"})
+            if (!name.empty() && vfs.Exists(name + std::string(extension)))
+                return name + std::string(extension);
+    return {};
+}
+
 /// Texture axes of brush sides count texels of the editor image, whose size may differ from the light image's.
 void ShaderLibrary::State::FindTextureSize(ParsedShader &shader) {
     GeometryDirectives &geometry = shader.info.geometry;
@@ -283,6 +294,18 @@ const ShaderInfo &ShaderLibrary::Get(std::string_view name) {
     if (!shader.imagesReady && needsImage)
         state_->Complete(shader);
     return shader.info;
+}
+
+const ShaderInfo &ShaderLibrary::GetWithImage(std::string_view name) {
+    const ShaderInfo &info = Get(name);
+    ParsedShader &shader = state_->table.FindOrAdd(info.name, state_->log);
+    if (!shader.imagesReady)
+        state_->Complete(shader);
+    return shader.info;
+}
+
+std::string ShaderLibrary::ImageFile(std::string_view name) {
+    return state_->ImageFile(state_->table.FindOrAdd(Get(name).name, state_->log));
 }
 
 void ShaderLibrary::SetDefaultFlags(std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags) {

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <string>
 #include <string_view>
 
 namespace q3 {
@@ -23,6 +24,11 @@ class ShaderLibrary {
     /// for shaders that emit or transmit light, or with ShaderOptions::imageSizes for those with a flare shader only;
     /// for others see ReleaseImages.
     const ShaderInfo &Get(std::string_view name);
+    /// As Get, with the light image and the colors of any shader that is drawn.
+    const ShaderInfo &GetWithImage(std::string_view name);
+    /// The image file, with extension, that editors show for the shader: the first that exists of editor image, the
+    /// shader's name, implicit image and light image. Empty: none of them exists, or the shader is not drawn.
+    std::string ImageFile(std::string_view name);
     /// Flags of a shader record in a .bsp, for a shader that no script defines; the first call for a name counts, and
     /// a record without any flag says nothing. To be called before Get.
     void SetDefaultFlags(std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags);

@@ -10,6 +10,9 @@ _q3map2() {
             -json) options="-unpack -pack -useflagnames -skipflags " ;;
             -export) options="" ;;
             -import) options="" ;;
+            -exportents) options="" ;;
+            -minimap) options="-size -border -keepaspect -nokeepaspect -minmax -gray -black -white -o -samples -random -boost -autolevel -noautolevel -contrast -brightness -sharpen " ;;
+            -analyze) options="-lumpswap " ;;
             -shpreview) options="" ;;
             -pk3) options="-dbg -png -complevel -outdir -basepak -exclude " ;;
             -repack) options="-dbg -png -complevel -outdir -basepak -exclude -analyze " ;;

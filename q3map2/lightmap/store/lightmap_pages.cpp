@@ -12,25 +12,6 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kTgaHeader = 18;
-
-/// An uncompressed 24-bit TGA, first row at the bottom. topDown: the first row of `rgb` is the top one.
-std::vector<std::byte> EncodeTga(std::span<const std::uint8_t> rgb, int width, int height, bool topDown) {
-    std::vector<std::byte> file(kTgaHeader + rgb.size());
-    file[2] = std::byte{2};
-    file[12] = std::byte(width & 255), file[13] = std::byte(width >> 8);
-    file[14] = std::byte(height & 255), file[15] = std::byte(height >> 8);
-    file[16] = std::byte{24};
-    const std::size_t row = 3 * std::size_t(width);
-    for (std::size_t y = 0; y < std::size_t(height); ++y) {
-        const std::size_t from = (topDown ? std::size_t(height) - 1 - y : y) * row;
-        for (std::size_t i = 0; i < row; i += 3)
-            for (std::size_t k = 0; k < 3; ++k)
-                file[kTgaHeader + y * row + i + k] = std::byte(rgb[from + i + 2 - k]);
-    }
-    return file;
-}
-
 void MakeFolder(const std::filesystem::path &folder) {
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);
@@ -61,9 +42,10 @@ void WritePages(const std::filesystem::path &folder, const StoredLightmaps &stor
             continue;
         if (written == 0)
             MakeFolder(folder);
-        ReplaceFile(PageFile(folder, page.file), EncodeTga(page.colors, page.width, page.height, true));
+        ReplaceFile(PageFile(folder, page.file), EncodeTga(page.colors, page.width, page.height, 3, TgaRows::TopFirst));
         if (!page.directions.empty())
-            ReplaceFile(PageFile(folder, page.file + 1), EncodeTga(page.directions, page.width, page.height, true));
+            ReplaceFile(PageFile(folder, page.file + 1),
+                        EncodeTga(page.directions, page.width, page.height, 3, TgaRows::TopFirst));
         written += page.directions.empty() ? 1 : 2;
     }
     if (written == 0)
@@ -102,7 +84,7 @@ void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &fold
     MakeFolder(folder);
     for (std::size_t i = 0; i < pages; ++i)
         ReplaceFile(ExportedFile(folder, i),
-                    EncodeTga(std::span(bsp.lightmaps).subspan(i * bytes, bytes), side, side, false));
+                    EncodeTga(std::span(bsp.lightmaps).subspan(i * bytes, bytes), side, side, 3, TgaRows::BottomFirst));
     log.Print("Wrote {} lightmaps to {}\n", pages, folder.string());
 }
 

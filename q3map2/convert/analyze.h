@@ -1,0 +1,28 @@
+// GPL-2.0-or-later. What may be in a .bsp of an unknown game.
+#pragma once
+
+#include "common/log.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// An entry of the directory that follows ident and version.
+struct FoundLump {
+    std::int32_t offset = 0, length = 0;
+};
+
+/// Entries up to where the first lump begins or to one that does not lie in the file, 100 at most. `lumpSwap`: length
+/// first. `name` is for messages. Error: the file is too short for a directory.
+std::vector<FoundLump> FindLumps(std::span<const std::byte> file, bool lumpSwap, std::string_view name);
+/// What lumps of these bytes may be: by their text, else all kinds of record whose size divides the length.
+std::vector<std::string> GuessLump(std::span<const std::byte> lump);
+/// Prints ident, version, and each lump with its first bytes and what it may be.
+void PrintAnalysis(std::span<const std::byte> file, bool lumpSwap, std::string_view name, Log &log);
+
+} // namespace q3

@@ -1,0 +1,50 @@
+// GPL-2.0-or-later. Minimaps: pictures of a map from above, of how thick its solids are.
+#pragma once
+
+#include "common/jobs.h"
+#include "common/log.h"
+#include "q3map2/bspfile/bsp.h"
+#include "q3map2/minimap/minimap_options.h"
+#include "q3map2/shader/shader_library.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace q3 {
+
+/// Values of pixels, `size` a row; row 0 has the lowest y.
+struct MinimapValues {
+    int size = 0;
+    std::vector<float> values;
+};
+
+struct Minimap {
+    Boundsd box; ///< that the image covers, game units
+    MinimapValues image;
+};
+
+/// The box widened to a square in x and y (with keepAspect), then along all axes by so much that `border` of the image
+/// on each side lies outside. border: 0 <= border < 0.5.
+Boundsd MinimapBox(Boundsd box, bool keepAspect, double border);
+
+/// Values for the options, before they become bytes. Prints the box before and after it is widened. Errors: a world
+/// without height, width or depth.
+Minimap DrawMinimap(const Bsp &bsp, ShaderLibrary &library, const MinimapOptions &options, const MinimapStyle &style,
+                    const JobPool &jobs, Log &log);
+
+/// Bytes of values, 0..255 for 0..1. Values outside become the nearest.
+std::vector<std::uint8_t> MinimapBytes(std::span<const float> values);
+/// A TGA file, the first row at the bottom. Without compression.
+std::vector<std::byte> MinimapTga(const MinimapValues &image, MinimapPixels pixels);
+/// Text of the file that tells a game of what part of the world the image is. `name`: of the image, without folder and
+/// extension.
+std::string MinimapSidecar(const Boundsd &box, std::string_view name);
+
+/// Draws the minimap and writes it, and the game's text file beside it; makes the folder if need be. `bspPath` is
+/// absolute. Errors: those of DrawMinimap, and files that cannot be written.
+void WriteMinimap(const Bsp &bsp, const std::filesystem::path &bspPath, ShaderLibrary &library,
+                  const MinimapOptions &options, const MinimapStyle &style, const JobPool &jobs, Log &log);
+
+} // namespace q3

@@ -1,0 +1,35 @@
+// GPL-2.0-or-later. q3map2 -exportents and -analyze.
+#include "common/files/files.h"
+#include "q3map2/convert/analyze.h"
+#include "q3map2/convert/convert_options.h"
+#include "q3map2/stage_words.h"
+
+namespace q3 {
+
+int ExportEntitiesStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    const auto bspPath = WithExtension(std::filesystem::absolute(TakeFile(context, arguments, {}).file), ".bsp");
+    log.Print("Loading {}\n", bspPath.string());
+    const Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
+    const std::string text = bsp.entities.substr(0, bsp.entities.find('\0')) + "\n";
+    if (text.size() == 1) {
+        log.Warn("no entities", "{}: the map has no entities to write", bspPath.string());
+        return 0;
+    }
+    const auto path = WithExtension(bspPath, ".ent");
+    log.Print("Writing {}\n", path.string());
+    ReplaceFile(path, std::as_bytes(std::span(text)));
+    return 0;
+}
+
+int AnalyzeStage(const StageContext &context, Arguments arguments) {
+    AnalyzeOptions options;
+    TakeSettings(AnalyzeSettings(), options, arguments, context.log);
+    std::filesystem::path path = std::filesystem::absolute(TakeFile(context, arguments, {}).file);
+    if (!path.has_extension())
+        path = WithExtension(path, ".bsp");
+    PrintAnalysis(ReadFile(path), options.lumpSwap, path.string(), context.log);
+    return 0;
+}
+
+} // namespace q3

@@ -1,0 +1,27 @@
+// GPL-2.0-or-later. q3map2 -minimap.
+#include "q3map2/game_check.h"
+#include "q3map2/minimap/minimap.h"
+#include "q3map2/run_report.h"
+#include "q3map2/stage_words.h"
+
+namespace q3 {
+
+int MinimapStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    log.Section("MiniMap");
+    const MinimapOptions options = ParseMinimapOptions(arguments, log);
+    const auto bspPath = WithExtension(std::filesystem::absolute(TakeFile(context, arguments, {}).file), ".bsp");
+    PrintChangedOptions(arguments, log);
+    const Game &game = *context.options.game;
+    const auto folders = GameFolders(context.options, context.words, context.program);
+    RequireGameFiles(context.options, folders, log);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    log.Print("Loading {}\n", bspPath.string());
+    const Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
+    ShaderLibrary library(vfs, game, {}, log);
+    const JobPool jobs(context.options.threads);
+    WriteMinimap(bsp, bspPath, library, options, MinimapStyleOf(game.name), jobs, log);
+    return 0;
+}
+
+} // namespace q3
