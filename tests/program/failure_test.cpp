@@ -41,7 +41,7 @@ class FailureTest : public ProgramTest {
 TEST_F(FailureTest, NothingToDo) {
     EXPECT_EQ(RunProgramFile({}, folder_.Root()).status, 1);
     ExpectError("", "no arguments");
-    ExpectError("-scale MAP", "-scale is not a stage");
+    ExpectError("-vlight MAP", "-vlight is not a stage");
     ExpectError("-bsp", "usage: q3map2");
     ExpectError("-light", "usage: q3map2");
     ExpectError("-shpreview", "usage: q3map2");
