@@ -7,7 +7,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kMegabyte = 1024 * 1024;
+constexpr double kMebibyte = 1024 * 1024;
 
 std::string WarningText(const Log &log) {
     std::string kinds;
@@ -40,7 +40,7 @@ void RunReport::PrintEnd(bool failed, Log &log) const {
         log.Print("{}\n", line);
     log.Print("{:9.0f} seconds elapsed\n", seconds);
     log.Print("{}: {}, {:.1f} s, {:.1f} CPU s, {:.0f} MB peak memory\n", failed ? "failed" : "done", WarningText(log),
-              seconds, CpuSeconds(), PeakMemory() / kMegabyte);
+              seconds, CpuSeconds(), PeakMemory() / kMebibyte);
 }
 
 } // namespace q3
