@@ -14,7 +14,7 @@ namespace q3 {
 namespace {
 
 /// Names that users of other compilers may give.
-constexpr std::string_view kOtherStages[] = {"-analyze", "-convert", "-exportents", "-fixaas", "-mergebsp", "-minimap",
+constexpr std::string_view kOtherStages[] = {"-analyze", "-exportents", "-fixaas", "-mergebsp", "-minimap",
                                              "-pk3",     "-repack",  "-scale",      "-shift",  "-vlight",   "-ent"};
 constexpr std::string_view kMapExtensions[] = {".map", ".bsp", ".reg", ".ent", ".prt", ".srf"};
 

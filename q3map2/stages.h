@@ -49,6 +49,7 @@ int VisStage(const StageContext &context, Arguments arguments);
 int ExportStage(const StageContext &context, Arguments arguments);
 int ImportStage(const StageContext &context, Arguments arguments);
 int JsonStage(const StageContext &context, Arguments arguments);
+int ConvertStage(const StageContext &context, Arguments arguments);
 int InfoStage(const StageContext &context, Arguments arguments);
 int PreviewStage(const StageContext &context, Arguments arguments);
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Options of the -json stage.
+// GPL-2.0-or-later. Options of the stages -json and -convert.
 #include "q3map2/convert/convert_options.h"
 
 #include "common/error.h"
@@ -23,6 +23,70 @@ JsonOptions ParseJsonOptions(Arguments &arguments, Log &log) {
     TakeSettings(JsonSettings(), options, arguments, log);
     if (options.pack && options.unpack)
         throw Error("-json: -pack and -unpack exclude each other");
+    return options;
+}
+
+std::vector<SettingGroup<ConvertOptions>> ConvertSettings() {
+    using Group = SettingGroup<ConvertOptions>;
+    constexpr SettingRange epsilon{0, 1, true, true};
+    const Group input{
+        "Input and output",
+        "",
+        {{{.name = "-format",
+           .values = "NAME",
+           .initial = "map",
+           .help = "What to write: map, map_bp or map_220",
+           .details = "`map` has classic texture axes, `map_bp` brush primitives, `map_220` those of Valve; all write "
+                      "`x_converted.map` beside the input."},
+          &ConvertOptions::format},
+         {{.name = "-readmap",
+           .initial = "by the file name, if the format reads map sources",
+           .help = "Read the map source, whatever the file name says"},
+          &ConvertOptions::readMap},
+         {{.name = "-readbsp", .help = "Read the .bsp, whatever the file name says"}, &ConvertOptions::readBsp}}};
+    const Group sources{
+        "Map formats",
+        "An option that means nothing for the format or the input is an error.",
+        {{{.name = "-fast",
+           .help = "From a .bsp: do not look for texture axes",
+           .details = "All sides get default ones, 0.5 game units a texel."},
+          &ConvertOptions::fast},
+         {{.name = "-modelclip", .help = "From a .bsp: keep the brushes that the compiler made to clip models"},
+          &ConvertOptions::keepModelClip},
+         {{.name = "-wtf",
+           .help = "From a .bsp: mark sides that no surface shows",
+           .details = "They get the shader `common/WTF`, but for those of `common/` and `system/`. Otherwise they keep "
+                      "their shader, with default texture axes."},
+          &ConvertOptions::markUnknown},
+         {{.name = "-ne",
+           .values = "F",
+           .initial = "5e-05",
+           .range = epsilon,
+           .help = "From a map source: difference up to which plane normals are equal"},
+          &ConvertOptions::normalEpsilon},
+         {{.name = "-de",
+           .values = "F",
+           .unit = "game units",
+           .initial = "0.005",
+           .range = epsilon,
+           .help = "Difference up to which plane distances are equal",
+           .details =
+               "From a .bsp: distance up to which a point is on the edge of a triangle that shows texture axes."},
+          &ConvertOptions::distanceEpsilon}}};
+    const Group meshes{
+        "Mesh formats from a map source",
+        "Map formats do not compile a map source, so these are errors there.",
+        {{{.name = "-meta", .help = "Merge brush faces into triangle surfaces first"}, &ConvertOptions::meta},
+         {{.name = "-patchmeta", .help = "Turn patches into triangle surfaces too; includes -meta"},
+          &ConvertOptions::patchMeta}}};
+    return {input, sources, meshes};
+}
+
+ConvertOptions ParseConvertOptions(Arguments &arguments, Log &log) {
+    ConvertOptions options;
+    TakeSettings(ConvertSettings(), options, arguments, log);
+    if (options.readBsp && options.readMap)
+        throw Error("-convert: -readbsp and -readmap exclude each other");
     return options;
 }
 
