@@ -49,10 +49,8 @@ std::vector<RebuiltSide> RebuildBrush(const Bsp &bsp, const bspBrush_t &brush) {
         const std::size_t number = std::size_t(brush.firstSide + i);
         const std::string_view name = SideShader(bsp, number);
         const bspPlane_t &plane = bsp.planes[std::size_t(bsp.brushSides[number].planeNum)];
-        const Vec3d normal(plane.normal);
-        const double length = Length(normal);
-        if ((all || !IsUnnamed(name)) && length > 0)
-            sides.push_back({name, {normal / length, double(plane.dist) / length}, {}});
+        if (all || !IsUnnamed(name))
+            sides.push_back({name, {Vec3d(plane.normal), double(plane.dist)}, {}});
     }
     for (RebuiltSide &side : sides) {
         side.winding = BaseWinding(side.plane);

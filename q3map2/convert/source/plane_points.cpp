@@ -13,10 +13,8 @@ namespace q3 {
 
 namespace {
 
-/// Half a unit in the last place of normals stored as float.
-constexpr double kNormalError = 3e-8;
-constexpr double kDistanceError = 1e-5; ///< game units
-constexpr double kApart = 256;          ///< game units
+constexpr double kNoDistance = 1e-7; ///< game units
+constexpr double kApart = 256;       ///< game units
 
 using ThreePoints = std::array<Vec3d, 3>;
 
@@ -56,11 +54,30 @@ PlanePoints Printed(ThreePoints points, int decimals, const Vec3d &front) {
     return printed;
 }
 
+/// Half the distance between floats near a value.
+double HalfStep(double value) {
+    return std::abs(value) * double(std::numeric_limits<float>::epsilon()) / 2;
+}
+
+/// A unit vector that is stored as this normal: rounding made its length differ from 1.
+Vec3d UnitStoredAs(const Vec3d &normal) {
+    Vec3d slack;
+    double reach = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        // A power of two has the nearer neighbor below it.
+        slack[axis] = std::copysign(HalfStep(std::exp2(std::floor(std::log2(std::abs(normal[axis]))))), normal[axis]);
+        slack[axis] = normal[axis] == 0 ? 0 : slack[axis];
+        reach += std::abs(slack[axis] * normal[axis]);
+    }
+    const double excess = (Dot(normal, normal) - 1) / 2;
+    const Vec3d moved = normal - slack * (excess / reach);
+    return std::abs(excess) <= reach ? Normalize(moved) : Normalize(normal);
+}
+
+/// Whether the planes are the same once they are stored.
 bool Agrees(const Plane &a, const Plane &b) {
-    const double lastPlace = std::abs(b.dist) * double(std::numeric_limits<float>::epsilon()) / 2;
-    const Vec3d off = a.normal - b.normal;
-    return std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) <= kNormalError &&
-           std::abs(a.dist - b.dist) <= std::max(kDistanceError, lastPlace);
+    return Vec3f(a.normal) == Vec3f(b.normal) &&
+           std::abs(a.dist - b.dist) <= std::max(kNoDistance, HalfStep(b.dist) / 2);
 }
 
 } // namespace
@@ -75,8 +92,7 @@ Plane PlaneThrough(const ThreePoints &points) {
 }
 
 PlanePoints PointsOfPlane(const Plane &plane, std::span<const Vec3d> winding) {
-    const double length = Length(plane.normal);
-    const Plane wanted{plane.normal / length, plane.dist / length};
+    const Plane wanted{UnitStoredAs(Vec3d(Vec3f(plane.normal))), plane.dist};
     if (winding.size() >= 3)
         for (const int decimals : {3, 6}) {
             const PlanePoints points = Printed(SpreadCorners(winding), decimals, wanted.normal);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kDetailFlag = 0x8000000;
 /// Coordinates in a .bsp are floats: more digits would write down their rounding. Texels.
-constexpr double kStoredError = 2e-3;
+constexpr double kStoredError = 2e-4;
 constexpr double kOriginSize = 8; ///< half an edge of origin brushes, game units
 constexpr double kPlainScale = 0.25, kFastScale = 0.5;
 constexpr std::string_view kUnknownTexture = "common/WTF", kUnseenTexture = "common/caulk";
@@ -45,6 +45,8 @@ class Decompiler {
     void WriteBrush(std::size_t brush, std::size_t model, const Vec3d &origin, const TextureSamples &samples);
     SideWords Words(const RebuiltSide &side, const Vec3d &origin, const TextureSamples &samples, int contents);
     void WritePatch(std::size_t surface, const Vec3d &origin);
+    std::vector<std::size_t> SourceOrder(const bspModel_t &model) const;
+    std::uint32_t CompileFlagsOf(std::size_t brush) const;
     bool IsDetail(std::size_t brush, std::size_t model) const;
     void PrintCounts() const;
 
@@ -107,9 +109,9 @@ void Decompiler::WriteEntity(const Entity &entity, std::size_t number) {
             WriteOriginBrush(origin);
         const bspModel_t &record = bsp_.models[*model];
         const TextureSamples samples(bsp_, *model, context_.shaders, context_.options.distanceEpsilon);
-        for (std::int32_t i = 0; i < record.numBSPBrushes; ++i)
-            WriteBrush(std::size_t(record.firstBSPBrush + i), *model, origin, samples);
-        for (std::int32_t i = 0; i < record.numBSPSurfaces; ++i)
+        for (const std::size_t brush : SourceOrder(record))
+            WriteBrush(brush, *model, origin, samples);
+        for (std::int32_t i = record.numBSPSurfaces - 1; i >= 0; --i)
             WritePatch(std::size_t(record.firstBSPSurface + i), origin);
     }
     writer_.EndEntity();
@@ -148,16 +150,32 @@ void Decompiler::WriteOriginBrush(const Vec3d &origin) {
     writer_.WriteBrush(-1, sides);
 }
 
+/// Of all sides.
+std::uint32_t Decompiler::CompileFlagsOf(std::size_t brush) const {
+    const bspBrush_t &record = bsp_.brushes[brush];
+    std::uint32_t flags = 0;
+    for (std::int32_t i = 0; i < record.numSides; ++i)
+        if (const std::string_view name = SideShader(bsp_, std::size_t(record.firstSide + i)); !IsUnnamed(name))
+            flags |= context_.shaders.Get(name).compileFlags;
+    return flags;
+}
+
+/// Numbers of the brushes of a model. A compiler puts opaque ones at the front, each before the ones it had, and others
+/// at the back; much depends on the order, such as which vertices are welded.
+std::vector<std::size_t> Decompiler::SourceOrder(const bspModel_t &model) const {
+    std::vector<std::size_t> opaque, others;
+    for (std::int32_t i = 0; i < model.numBSPBrushes; ++i) {
+        const std::size_t brush = std::size_t(model.firstBSPBrush + i);
+        ((CompileFlagsOf(brush) & C_TRANSLUCENT) != 0 ? others : opaque).push_back(brush);
+    }
+    std::ranges::reverse(opaque);
+    opaque.insert(opaque.end(), others.begin(), others.end());
+    return opaque;
+}
+
 /// Structural solids bound leafs and lie in solid ones only; models other than the world have no tree.
 bool Decompiler::IsDetail(std::size_t brush, std::size_t model) const {
-    const bspBrush_t &record = bsp_.brushes[brush];
-    const auto isStructural = [&](std::string_view shader) {
-        return (context_.shaders.Get(shader).compileFlags & C_STRUCTURAL) != 0;
-    };
-    for (std::int32_t i = 0; i < record.numSides; ++i)
-        if (isStructural(SideShader(bsp_, std::size_t(record.firstSide + i))))
-            return false;
-    return model == 0 && open_[brush];
+    return model == 0 && open_[brush] && (CompileFlagsOf(brush) & C_STRUCTURAL) == 0;
 }
 
 void Decompiler::WriteBrush(std::size_t brush, std::size_t model, const Vec3d &origin, const TextureSamples &samples) {
@@ -166,7 +184,10 @@ void Decompiler::WriteBrush(std::size_t brush, std::size_t model, const Vec3d &o
         ++modelClipCount_;
         return;
     }
-    const std::vector<RebuiltSide> sides = RebuildBrush(bsp_, record);
+    std::vector<RebuiltSide> sides = RebuildBrush(bsp_, record);
+    // The contents of a brush are those of its first side, unless a later one is a liquid, fog or clip.
+    const std::string_view contents = FieldName(bsp_.shaders[std::size_t(record.shaderNum)].shader);
+    std::ranges::stable_partition(sides, [&](const RebuiltSide &side) { return EqualNoCase(side.shader, contents); });
     if (sides.empty()) {
         context_.log.Warn("brush without volume", "{}: brush {} encloses nothing or leaves the world: it is left out",
                           name_, brush);
