@@ -23,29 +23,30 @@ struct FormNumber {
     double value = 0, reference = 1;
 };
 
-/// a (p . s) + b (p . t) + c for points p of the plane.
+/// a (p . s) + b (p . t), plus a constant, for points p of the plane.
 struct PlaneRow {
-    double a = 0, b = 0, c = 0;
+    double a = 0, b = 0;
 };
 
 PlaneRow RowOnPlane(const std::array<double, 4> &row, const Plane &plane, const ProjectionAxes &axes) {
     const Vec3d vector{row[0], row[1], row[2]}, across = Cross(axes.s, axes.t);
     const double share = Dot(across, vector) / Dot(across, plane.normal);
     const Vec3d within = vector - plane.normal * share;
-    return {Dot(within, axes.s), Dot(within, axes.t), row[3] + share * plane.dist};
+    return {Dot(within, axes.s), Dot(within, axes.t)};
 }
 
 std::array<int, 2> SizeOf(const GeometryDirectives &shader) {
     return {shader.textureWidth, shader.textureHeight};
 }
 
+/// Without offsets, which OffsetBy adds; so are the next ones.
 std::vector<FormNumber> MatrixNumbers(const TextureRequest &request) {
     const ProjectionAxes axes = MatrixAxes(request.normal);
     std::vector<FormNumber> numbers;
     for (const auto &row : request.projection.vecs) {
-        const auto [a, b, c] = RowOnPlane(row, request.plane, axes);
+        const auto [a, b] = RowOnPlane(row, request.plane, axes);
         const double reference = std::max(std::abs(a), std::abs(b));
-        numbers.insert(numbers.end(), {{a, reference}, {b, reference}, {c, 1}});
+        numbers.insert(numbers.end(), {{a, reference}, {b, reference}, {0, 1}});
     }
     return numbers;
 }
@@ -62,7 +63,7 @@ std::vector<FormNumber> ValveNumbers(const TextureRequest &request) {
             return {};
         for (std::size_t k = 0; k < 3; ++k)
             numbers.push_back({axis[k] / length, 1});
-        numbers.push_back({row[3] * size[i], double(size[i])});
+        numbers.push_back({0, double(size[i])});
         scales.push_back({1 / length, 1 / length});
     }
     numbers.insert(numbers.end(), scales.begin(), scales.end());
@@ -73,27 +74,25 @@ std::vector<FormNumber> ClassicNumbers(const TextureRequest &request) {
     const ProjectionAxes axes = ClassicAxes(request.normal);
     const std::array<int, 2> size = SizeOf(request.shader);
     std::array<PlaneRow, 2> rows;
-    std::array<double, 2> lengths{}, shifts{};
+    std::array<double, 2> lengths{};
     for (std::size_t i = 0; i < 2; ++i) {
         rows[i] = RowOnPlane(request.projection.vecs[i], request.plane, axes);
         lengths[i] = std::hypot(rows[i].a, rows[i].b) * size[i];
         if (!(lengths[i] > kNoExtent))
             return {};
-        shifts[i] = rows[i].c * size[i];
-        if (!request.shader.globalTexture)
-            shifts[i] -= std::floor(rows[i].c) * size[i];
     }
-    // Rotated by an angle, s runs along (cos, -sin) and t along (sin, cos) of the axes.
-    const double angle = std::atan2(-rows[0].b, rows[0].a);
-    const bool mirrored = rows[1].a * std::sin(angle) + rows[1].b * std::cos(angle) < 0;
-    std::array<double, 2> scales{1 / lengths[0], (mirrored ? -1 : 1) / lengths[1]};
-    double degrees = angle * kDegrees;
+    // Rotated by an angle, s runs along (cos, -sin) and t along (sin, cos) of the axes. Sheared textures get the mean.
+    const double sAngle = std::atan2(-rows[0].b, rows[0].a);
+    const double sign = rows[1].a * std::sin(sAngle) + rows[1].b * std::cos(sAngle) < 0 ? -1 : 1;
+    const double tAngle = std::atan2(rows[1].a * sign, rows[1].b * sign);
+    std::array<double, 2> scales{1 / lengths[0], sign / lengths[1]};
+    double degrees = (sAngle + std::remainder(tAngle - sAngle, 2 * std::numbers::pi) / 2) * kDegrees;
     if (constexpr double kRight = 90 + 1e-9; degrees > kRight || degrees <= -kRight + 2e-9) {
         degrees += degrees > 0 ? -180 : 180;
         scales = {-scales[0], -scales[1]};
     }
-    return {{shifts[0], double(size[0])},
-            {shifts[1], double(size[1])},
+    return {{0, double(size[0])},
+            {0, double(size[1])},
             {degrees, 100},
             {scales[0], std::abs(scales[0])},
             {scales[1], std::abs(scales[1])}};
@@ -141,6 +140,46 @@ int DecimalsFor(const FormNumber &number, int digits) {
     return std::max(0, digits - 1 - int(std::floor(std::log10(reference))));
 }
 
+/// Where the numbers have the offsets of s and t.
+constexpr std::array<std::size_t, 2> OffsetPlaces(MapForm form) {
+    switch (form) {
+    case MapForm::Primitive:
+        return {2, 5};
+    case MapForm::Valve:
+        return {3, 7};
+    default:
+        return {0, 1};
+    }
+}
+
+/// In the middle of the side the texture stays where it is, however much the other numbers are rounded.
+TextureWords Rounded(MapForm form, const std::vector<FormNumber> &numbers, int digits, const TextureRequest &request) {
+    TextureWords words;
+    std::vector<double> rounded;
+    for (const FormNumber &number : numbers) {
+        words.words.push_back(FixedText(number.value, DecimalsFor(number, digits)));
+        rounded.push_back(NumberFromText(words.words.back()));
+    }
+    Vec3d middle = request.corners.empty() ? request.plane.normal * request.plane.dist : Vec3d{};
+    for (const Vec3d &p : request.corners)
+        middle += p / double(request.corners.size());
+    const bool wraps = form == MapForm::Classic && !request.shader.globalTexture;
+    const TextureProjection without = Projected(form, rounded, request);
+    const std::array<int, 2> size = SizeOf(request.shader);
+    for (std::size_t row = 0; row < 2; ++row) {
+        const std::size_t place = OffsetPlaces(form)[row];
+        double offset = CoordinateAt(request.projection.vecs[row], middle) - CoordinateAt(without.vecs[row], middle);
+        if (wraps)
+            offset -= std::floor(offset);
+        if (form != MapForm::Primitive)
+            offset *= size[row];
+        words.words[place] = FixedText(offset, DecimalsFor({offset, numbers[place].reference}, digits));
+        rounded[place] = NumberFromText(words.words[place]);
+    }
+    words.error = Difference(Projected(form, rounded, request), request, wraps);
+    return words;
+}
+
 } // namespace
 
 std::string FixedText(double value, int decimals) {
@@ -171,16 +210,9 @@ TextureWords TextureInForm(MapForm form, const TextureRequest &request) {
                                                                          : ValveNumbers(request);
     if (numbers.empty())
         return {DefaultTexture(form, request.normal, 0.5), std::numeric_limits<double>::infinity()};
-    const bool wraps = form == MapForm::Classic && !request.shader.globalTexture;
     TextureWords best;
     for (int digits = request.corners.empty() ? kAllDigits : kFewestDigits; digits <= kAllDigits; ++digits) {
-        TextureWords words;
-        std::vector<double> rounded;
-        for (const FormNumber &number : numbers) {
-            words.words.push_back(FixedText(number.value, DecimalsFor(number, digits)));
-            rounded.push_back(NumberFromText(words.words.back()));
-        }
-        words.error = Difference(Projected(form, rounded, request), request, wraps);
+        TextureWords words = Rounded(form, numbers, digits, request);
         const bool good = words.error <= request.tolerance;
         if (best.words.empty() || words.error < best.error || good)
             best = std::move(words);

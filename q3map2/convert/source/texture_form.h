@@ -23,7 +23,7 @@ struct TextureRequest {
     Vec3d normal; ///< that the plane table has for it: readers choose axes by it
     const GeometryDirectives &shader;
     std::span<const Vec3d> corners; ///< where coordinates must agree; none: the numbers get all their digits
-    double tolerance = 1e-4;        ///< texels
+    double tolerance = 1e-6;        ///< texels
 };
 
 /// Numbers in the order in which the form has them.

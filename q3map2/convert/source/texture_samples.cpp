@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace q3 {
 
@@ -32,34 +33,37 @@ struct Corner {
     std::array<double, 2> st;
 };
 
-/// The projection along the axes that fits the corners best in the sense of least squares. Nothing when they are in one
-/// line.
-std::optional<TextureProjection> Fitted(std::span<const Corner> corners, const ProjectionAxes &axes) {
+/// The projection along the axes that fits the corners best in the sense of weighted least squares. Nothing when they
+/// are in one line.
+std::optional<TextureProjection> Fitted(std::span<const Corner> corners, std::span<const double> weights,
+                                        const ProjectionAxes &axes) {
     Vec3d center;
     std::array<double, 2> mean{};
-    const double count = double(corners.size());
-    for (const Corner &c : corners) {
-        center += c.xyz / count;
-        mean = {mean[0] + c.st[0] / count, mean[1] + c.st[1] / count};
+    const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const double share = weights[i] / total;
+        center += corners[i].xyz * share;
+        mean = {mean[0] + corners[i].st[0] * share, mean[1] + corners[i].st[1] * share};
     }
     double xx = 0, xy = 0, yy = 0;
     std::array<double, 2> xs{}, ys{};
-    for (const Corner &c : corners) {
-        const double x = Dot(c.xyz - center, axes.s), y = Dot(c.xyz - center, axes.t);
-        xx += x * x, xy += x * y, yy += y * y;
-        for (std::size_t i = 0; i < 2; ++i) {
-            xs[i] += x * (c.st[i] - mean[i]);
-            ys[i] += y * (c.st[i] - mean[i]);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec3d off = corners[i].xyz - center;
+        const double x = Dot(off, axes.s), y = Dot(off, axes.t), w = weights[i];
+        xx += w * x * x, xy += w * x * y, yy += w * y * y;
+        for (std::size_t row = 0; row < 2; ++row) {
+            xs[row] += w * x * (corners[i].st[row] - mean[row]);
+            ys[row] += w * y * (corners[i].st[row] - mean[row]);
         }
     }
     const double determinant = xx * yy - xy * xy;
     if (!(determinant > 1e-9 * xx * yy) || !(xx > 0) || !(yy > 0))
         return std::nullopt;
     TextureProjection fitted;
-    for (std::size_t i = 0; i < 2; ++i) {
-        const double a = (xs[i] * yy - ys[i] * xy) / determinant, b = (ys[i] * xx - xs[i] * xy) / determinant;
+    for (std::size_t row = 0; row < 2; ++row) {
+        const double a = (xs[row] * yy - ys[row] * xy) / determinant, b = (ys[row] * xx - xs[row] * xy) / determinant;
         const Vec3d axis = axes.s * a + axes.t * b;
-        fitted.vecs[i] = {axis.x, axis.y, axis.z, mean[i] - Dot(axis, center)};
+        fitted.vecs[row] = {axis.x, axis.y, axis.z, mean[row] - Dot(axis, center)};
     }
     return fitted;
 }
@@ -69,25 +73,61 @@ double At(const TextureProjection &projection, std::size_t i, const Vec3d &p) {
     return row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
 }
 
-/// Largest difference of a corner, texels.
-double Misfit(const TextureProjection &projection, std::span<const Corner> corners, const GeometryDirectives &shader) {
+/// Difference at a corner, texels.
+double Misfit(const TextureProjection &projection, const Corner &corner, const GeometryDirectives &shader) {
+    return std::max(std::abs(At(projection, 0, corner.xyz) - corner.st[0]) * shader.textureWidth,
+                    std::abs(At(projection, 1, corner.xyz) - corner.st[1]) * shader.textureHeight);
+}
+
+double LargestMisfit(const TextureProjection &projection, std::span<const Corner> corners,
+                     const GeometryDirectives &shader) {
     double largest = 0;
-    for (const Corner &c : corners) {
-        largest = std::max(largest, std::abs(At(projection, 0, c.xyz) - c.st[0]) * shader.textureWidth);
-        largest = std::max(largest, std::abs(At(projection, 1, c.xyz) - c.st[1]) * shader.textureHeight);
-    }
+    for (const Corner &corner : corners)
+        largest = std::max(largest, Misfit(projection, corner, shader));
     return largest;
+}
+
+/// A projection and the sum of its differences, texels.
+struct Fit {
+    std::optional<TextureProjection> projection;
+    double misfit = 0;
+};
+
+/// The fit with the least sum of differences, by least squares with weights that the differences of the step before
+/// give: a few vertices that the compiler moved, as at T-junctions, hardly count.
+Fit RobustFit(std::span<const Corner> corners, const ProjectionAxes &axes, const GeometryDirectives &shader) {
+    constexpr int kSteps = 16;
+    constexpr double kExact = 1e-4; // texels
+    std::vector<double> weights(corners.size(), 1);
+    Fit best;
+    for (int step = 0; step < kSteps; ++step) {
+        const auto fitted = Fitted(corners, weights, axes);
+        if (!fitted)
+            break;
+        double sum = 0, largest = 0;
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            const double misfit = Misfit(*fitted, corners[i], shader);
+            sum += misfit, largest = std::max(largest, misfit);
+            weights[i] = 1 / std::max(misfit, kExact);
+        }
+        if (!best.projection || sum < best.misfit)
+            best = {fitted, sum};
+        if (largest <= kExact)
+            break;
+    }
+    return best;
 }
 
 /// Vertices may be off the plane by rounding, and were mapped there: along world axes in the classic form, along axes
 /// of the plane in brush primitives. The form that fits is the one that the side had.
 std::optional<TextureProjection> BestFit(std::span<const Corner> corners, const Vec3d &normal,
                                          const GeometryDirectives &shader) {
-    constexpr double kAsGood = 1e-3;
-    const auto classic = Fitted(corners, ClassicAxes(normal)), matrix = Fitted(corners, MatrixAxes(normal));
-    if (!classic || !matrix)
-        return classic ? classic : matrix;
-    return Misfit(*classic, corners, shader) <= Misfit(*matrix, corners, shader) + kAsGood ? classic : matrix;
+    constexpr double kAsGood = 1e-3; // texels a corner
+    const Fit classic = RobustFit(corners, ClassicAxes(normal), shader);
+    const Fit matrix = RobustFit(corners, MatrixAxes(normal), shader);
+    const bool isMatrix =
+        !classic.projection || (matrix.projection && matrix.misfit + kAsGood * double(corners.size()) < classic.misfit);
+    return isMatrix ? matrix.projection : classic.projection;
 }
 
 } // namespace
@@ -184,10 +224,11 @@ std::optional<TextureProjection> TextureSamples::Find(std::string_view shader, c
         for (std::size_t k = 0; k < 3; ++k)
             more.push_back(
                 {cover.triangle->xyz[k], {cover.triangle->st[k][0] + whole[0], cover.triangle->st[k][1] + whole[1]}});
-        if (best && Misfit(*best, more, directives) > kSameProjection)
+        if (best && LargestMisfit(*best, more, directives) > kSameProjection)
             continue;
         corners.insert(corners.end(), more.begin(), more.end());
-        if (const auto fit = BestFit(corners, plane.normal, directives))
+        constexpr std::size_t kManyCorners = 60; // the fit is settled
+        if (const auto fit = corners.size() <= kManyCorners ? BestFit(corners, plane.normal, directives) : best)
             best = fit;
         else if (!best)
             corners.clear();
