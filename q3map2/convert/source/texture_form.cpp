@@ -180,6 +180,24 @@ TextureWords Rounded(MapForm form, const std::vector<FormNumber> &numbers, int d
     return words;
 }
 
+/// "1.5e-07" as "0.00000015".
+std::string WithoutExponent(const std::string &text) {
+    const std::size_t e = text.find('e');
+    if (e == std::string::npos)
+        return text == "-0" ? "0" : text;
+    const int exponent = IntegerFromText(text.substr(e + 1));
+    const bool negative = text.front() == '-';
+    std::string digits = text.substr(negative, e - negative);
+    std::erase(digits, '.');
+    if (exponent < 0)
+        digits = "0." + std::string(std::size_t(-exponent - 1), '0') + digits;
+    else if (digits.size() <= std::size_t(exponent))
+        digits.append(std::size_t(exponent) + 1 - digits.size(), '0');
+    else if (digits.size() > std::size_t(exponent) + 1)
+        digits.insert(std::size_t(exponent) + 1, ".");
+    return negative ? "-" + digits : digits;
+}
+
 } // namespace
 
 std::string FixedText(double value, int decimals) {
@@ -193,15 +211,11 @@ std::string FixedText(double value, int decimals) {
 }
 
 std::string ExactText(double value) {
-    constexpr int kEnough = 40;
-    const std::string shortest = fmt::format("{}", value);
-    return shortest.find('e') == std::string::npos && shortest != "-0" ? shortest : FixedText(value, kEnough);
+    return WithoutExponent(fmt::format("{}", value));
 }
 
 std::string ExactText(float value) {
-    constexpr int kEnough = 40;
-    const std::string shortest = fmt::format("{}", value);
-    return shortest.find('e') == std::string::npos && shortest != "-0" ? shortest : FixedText(double(value), kEnough);
+    return WithoutExponent(fmt::format("{}", value));
 }
 
 TextureWords TextureInForm(MapForm form, const TextureRequest &request) {
