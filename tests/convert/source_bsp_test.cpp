@@ -53,7 +53,7 @@ std::string RoomText() {
     }
     text += ")\n}\n}\n}\n{\n\"classname\" \"info_player_start\"\n\"origin\" \"256 256 40\"\n}\n";
     return text + "{\n\"classname\" \"func_rotating\"\n\"speed\" \"20\"\n" +
-           Box({40, 40, 40}, {48, 48, 56}, "common/origin") +
+           Box({36, 36, 40}, {52, 52, 56}, "common/origin") +
            Box({30, 30, 30}, {60, 60, 70}, "door", 0, "9 0 0 0.5 1") + "}\n";
 }
 
