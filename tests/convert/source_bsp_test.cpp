@@ -13,7 +13,7 @@ namespace q3::test {
 
 namespace {
 
-constexpr std::array kForms{MapForm::Classic, MapForm::Primitive, MapForm::Valve};
+constexpr std::array kAllForms{MapForm::Classic, MapForm::Primitive, MapForm::Valve};
 
 std::string Box(const Vec3d &mins, const Vec3d &maxs, std::string_view shader, int flags = 0,
                 std::string_view texture = "0 0 0 0.5 0.5") {
@@ -109,7 +109,7 @@ void ExpectNear(const std::multiset<Row> &a, const std::multiset<Row> &b) {
 
 TEST_F(SourceBspTest, CompilesToTheSameMapAgain) {
     const Bsp before = Compiled(RoomText());
-    for (const MapForm form : kForms) {
+    for (const MapForm form : kAllForms) {
         const Bsp after = Compiled(Source(before, {.form = form}));
         EXPECT_EQ(after.entities, before.entities);
         EXPECT_EQ(after.brushes.size(), before.brushes.size());
