@@ -24,7 +24,8 @@ TEST_F(ConvertStageTest, EditorsOpenABsp) {
 
 TEST_F(ConvertStageTest, EditorsAskForAMapWithTwoBlanks) {
     const std::vector<std::string> words{
-        "-fs_basepath", folder_.Root().string(), "-convert", "-format", "map_bp", "-readmap", "", Map(".map").string()};
+        "-fs_basepath",      (folder_.Root() / "base").string(), "-convert", "-format", "map_bp", "-readmap", "",
+        Map(".map").string()};
     const Outcome outcome = RunProgramFile(words, folder_.Root());
     EXPECT_EQ(outcome.status, 0) << outcome.text;
     EXPECT_NE(Result().find("brushDef"), std::string::npos);
