@@ -14,7 +14,7 @@ namespace q3 {
 namespace {
 
 /// Names that users of other compilers may give.
-constexpr std::string_view kOtherStages[] = {"-convert", "-vlight", "-ent"};
+constexpr std::string_view kOtherStages[] = {"-vlight", "-ent"};
 constexpr std::string_view kMapExtensions[] = {".map", ".bsp", ".reg", ".ent", ".prt", ".srf"};
 
 bool IsOption(std::string_view word) {

@@ -54,6 +54,10 @@ std::vector<Stage> CompilingStages() {
          nullptr},
         {"-json", "-json [-unpack|-pack] [options] maps/x.bsp", "Write all lumps as JSON files, or read them back", "",
          JsonStage, [] { return Describe(JsonSettings()); }},
+        {"-convert", "-convert [options] maps/x.bsp", "Write a map in another format: as a model, or as map source in three forms",
+         "[convert.md](convert.md) tells what each format is for and what is lost. The input is `x.bsp`, or `x.map` if "
+         "the file is named so and the format reads map sources.",
+         ConvertStage, [] { return Describe(ConvertSettings()); }},
         {"-export", "-export maps/x.bsp", "Write the lightmaps as images maps/x/lightmap_NNNN.tga",
          "24 bit, upside down in most viewers.", ExportStage, nullptr},
         {"-import", "-import maps/x.bsp", "Replace the lightmaps by these images",

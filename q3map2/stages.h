@@ -49,6 +49,7 @@ int VisStage(const StageContext &context, Arguments arguments);
 int ExportStage(const StageContext &context, Arguments arguments);
 int ImportStage(const StageContext &context, Arguments arguments);
 int JsonStage(const StageContext &context, Arguments arguments);
+int ConvertStage(const StageContext &context, Arguments arguments);
 int InfoStage(const StageContext &context, Arguments arguments);
 int MinimapStage(const StageContext &context, Arguments arguments);
 int ExportEntitiesStage(const StageContext &context, Arguments arguments);

@@ -1,9 +1,13 @@
-// GPL-2.0-or-later. Options of the stages -json and -analyze.
+// GPL-2.0-or-later. Options of the stages -json, -analyze and -convert.
 #pragma once
 
 #include "common/arguments.h"
 #include "common/log.h"
 #include "common/settings.h"
+
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace q3 {
 
@@ -23,5 +27,19 @@ struct AnalyzeOptions {
 
 /// The options of the -analyze stage, declared.
 std::vector<SettingGroup<AnalyzeOptions>> AnalyzeSettings();
+
+struct ConvertOptions {
+    std::string format; ///< empty: the first one
+    bool readBsp = false, readMap = false;
+    bool meta = false, patchMeta = false;
+    std::optional<double> normalEpsilon, distanceEpsilon;
+    bool fast = false, keepModelClip = false, markUnknown = false;
+    bool shadersAsBitmap = false, lightmapsAsTexCoord = false, deluxemapsAsTexCoord = false;
+};
+
+/// The options of the -convert stage, declared.
+std::vector<SettingGroup<ConvertOptions>> ConvertSettings();
+/// Takes them off `arguments`. Errors: -readbsp with -readmap.
+ConvertOptions ParseConvertOptions(Arguments &arguments, Log &log);
 
 } // namespace q3

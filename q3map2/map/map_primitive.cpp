@@ -47,8 +47,9 @@ std::array<double, 3> PrimitiveReader::ReadVector() {
     return vector;
 }
 
-void PrimitiveReader::ReadPoints(BrushSide &side) {
-    std::array<Vec3d, 3> points;
+void PrimitiveReader::ReadPoints(BrushSide &side, SideText &text) {
+    std::array<Vec3d, 3> &points = text.points;
+    text.hasPoints = true;
     for (Vec3d &p : points) {
         const std::array<double, 3> v = ReadVector();
         p = {v[0], v[1], v[2]};
@@ -120,32 +121,34 @@ TextureProjection PrimitiveReader::ReadAxes(const BrushSide &side) {
 }
 
 /// Reads the flags at the end of the line: three whole numbers or nothing.
-void PrimitiveReader::ReadFlags(BrushSide &side) {
+void PrimitiveReader::ReadFlags(BrushSide &side, SideText &text) {
     std::string token;
     if (!scanner_.NextOnLine(token))
         return;
     if (token == "}" || token == "(" || token == "{")
         return scanner_.PushBack();
-    if (IntegerFromText(token) & kDetailContents)
+    text.flags[0] = IntegerFromText(token);
+    if (text.flags[0] & kDetailContents)
         side.compileFlags |= C_DETAIL;
-    scanner_.Integer();
-    scanner_.Integer();
+    text.flags[1] = scanner_.Integer();
+    text.flags[2] = scanner_.Integer();
 }
 
-BrushSide PrimitiveReader::ReadSide(Form form) {
+BrushSide PrimitiveReader::ReadSide(Form form, SideText &text) {
     BrushSide side;
     TextureMatrix matrix{};
     if (form == Form::Plane)
         ReadPlaneNumbers(side);
     else
-        ReadPoints(side);
+        ReadPoints(side, text);
     if (form != Form::Axes) {
         scanner_.Expect("(");
         for (auto &row : matrix)
             row = ReadVector();
         scanner_.Expect(")");
     }
-    side.shader = &Shader(ShaderName(scanner_.NeedOnLine("the name of a shader"), form == Form::Plane));
+    text.shader = scanner_.NeedOnLine("the name of a shader");
+    side.shader = &Shader(ShaderName(text.shader, form == Form::Plane));
     side.surfaceFlags = side.shader->surfaceFlags;
     side.contentFlags = side.shader->contentFlags;
     side.compileFlags = side.shader->compileFlags;
@@ -153,12 +156,13 @@ BrushSide PrimitiveReader::ReadSide(Form form) {
         side.texture = ReadAxes(side);
     else if (side.planeNum >= 0)
         side.texture = ProjectMatrix(matrix, planes_[side.planeNum].normal);
+    text.texture = side.texture;
     side.texture = FinalProjection(side.texture, side.shader->geometry, context_.options.flat);
-    ReadFlags(side);
+    ReadFlags(side, text);
     return side;
 }
 
-Brush PrimitiveReader::ReadBrush(const std::string &first) {
+Brush PrimitiveReader::ReadBrush(const std::string &first, std::vector<SideText> *texts) {
     const Form form = EqualNoCase(first, "brushDef")    ? Form::Matrix
                       : EqualNoCase(first, "brushDef3") ? Form::Plane
                                                         : Form::Axes;
@@ -179,7 +183,10 @@ Brush PrimitiveReader::ReadBrush(const std::string &first) {
         scanner_.PushBack();
         if (brush.sides.size() == kMaxSides)
             scanner_.Fail(fmt::format("the brush has too many sides, expected at most {}", kMaxSides));
-        brush.sides.push_back(ReadSide(form));
+        SideText text;
+        brush.sides.push_back(ReadSide(form, text));
+        if (texts)
+            texts->push_back(std::move(text));
     }
     if (form != Form::Axes)
         scanner_.Expect("}");
@@ -207,18 +214,21 @@ void PrimitiveReader::ReadControlPoints(Patch &patch) {
     scanner_.Expect(")");
 }
 
-std::optional<Patch> PrimitiveReader::ReadPatch() {
+std::optional<Patch> PrimitiveReader::ReadPatch(PatchText *text) {
     scanner_.Expect("{");
     Patch patch;
-    patch.shader = &Shader(ShaderName(scanner_.Need("the name of a shader"), true));
+    PatchText read{scanner_.Need("the name of a shader"), {}};
+    patch.shader = &Shader(ShaderName(read.shader, true));
     scanner_.Expect("(");
     patch.width = scanner_.Integer();
     patch.height = scanner_.Integer();
     if (patch.width < 0 || patch.width > kMaxPatchSize || patch.height < 0 || patch.height > kMaxPatchSize)
         scanner_.Fail(fmt::format("a patch of {} x {} points, expected at most {} x {}", patch.width, patch.height,
                                   kMaxPatchSize, kMaxPatchSize));
-    while (scanner_.Need("')'") != ")") { // flags, or curve tolerances of patchDef3
-    }
+    for (std::string token; (token = scanner_.Need("')'")) != ")";)
+        read.header.push_back(std::move(token));
+    if (text)
+        *text = std::move(read);
     ReadControlPoints(patch);
     while (scanner_.Need("'}'") != "}") { // keys of the patch
     }

@@ -11,6 +11,21 @@
 
 namespace q3 {
 
+/// What the text says about a side, for programs that write it again.
+struct SideText {
+    std::string shader; ///< as written, mostly without "textures/"
+    std::array<Vec3d, 3> points{};
+    bool hasPoints = false;     ///< false: brushDef3
+    TextureProjection texture;  ///< of the side's own numbers, whatever its shader makes of them
+    std::array<int, 3> flags{}; ///< contents (only detail has a meaning), surface flags, value
+};
+
+/// The same of a patch.
+struct PatchText {
+    std::string shader;
+    std::vector<std::string> header; ///< what follows width and height: flags, or curve tolerances of patchDef3
+};
+
 /// Reads brushes and patches whose opening "{" was already read.
 class PrimitiveReader {
   public:
@@ -18,20 +33,20 @@ class PrimitiveReader {
         : scanner_(scanner), planes_(planes), context_(context) {}
 
     /// Reads sides with planes, flags and texture axes; does not check them or make windings. A map may mix brushes of
-    /// all forms. `first` is the first token after the "{".
-    Brush ReadBrush(const std::string &first);
+    /// all forms. `first` is the first token after the "{". `texts`, if given, gets an entry for each side.
+    Brush ReadBrush(const std::string &first, std::vector<SideText> *texts = nullptr);
     /// Reads a patch after its keyword, patchDef2 or patchDef3. Empty, after a warning, if the patch is left out.
-    std::optional<Patch> ReadPatch();
+    std::optional<Patch> ReadPatch(PatchText *text = nullptr);
 
   private:
     /// Classic or Valve 220; brushDef; brushDef3.
     enum class Form { Axes, Matrix, Plane };
-    BrushSide ReadSide(Form form);
-    void ReadPoints(BrushSide &side);
+    BrushSide ReadSide(Form form, SideText &text);
+    void ReadPoints(BrushSide &side, SideText &text);
     void ReadPlaneNumbers(BrushSide &side);
     std::array<double, 3> ReadVector();
     TextureProjection ReadAxes(const BrushSide &side);
-    void ReadFlags(BrushSide &side);
+    void ReadFlags(BrushSide &side, SideText &text);
     std::string ShaderName(const std::string &token, bool complete) const;
     const ShaderInfo &Shader(const std::string &name);
     void ReadControlPoints(Patch &patch);

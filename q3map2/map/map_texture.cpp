@@ -69,6 +69,18 @@ std::array<double, 4> Row(const Vec3d &axis, double shift, int size) {
 
 } // namespace
 
+ProjectionAxes ClassicAxes(const Vec3d &normal) {
+    const BaseAxes &base = BaseAxesOf(normal);
+    return {base.s, base.t};
+}
+
+ProjectionAxes MatrixAxes(const Vec3d &normal) {
+    if (std::abs(normal.x) < kVertical && std::abs(normal.y) < kVertical)
+        return {{0, 1, 0}, {normal.z > 0 ? 1.0 : -1.0, 0, 0}};
+    const Vec3d across = Normalize(Cross(normal, Vec3d{0, 0, 1}));
+    return {-across, Normalize(Cross(normal, across))};
+}
+
 TextureProjection ProjectClassic(const TextureAxes &texture, const Vec3d &normal, const GeometryDirectives &shader) {
     const BaseAxes &base = BaseAxesOf(normal);
     const std::size_t sv = MainAxis(base.s), tv = MainAxis(base.t);
@@ -97,17 +109,10 @@ TextureProjection ProjectValve(const TextureAxes &texture, const GeometryDirecti
 }
 
 TextureProjection ProjectMatrix(const TextureMatrix &matrix, const Vec3d &normal) {
-    Vec3d x{0, 1, 0}, y;
-    if (std::abs(normal.x) < kVertical && std::abs(normal.y) < kVertical) {
-        y = {normal.z > 0 ? 1.0 : -1.0, 0, 0};
-    } else {
-        const Vec3d across = Normalize(Cross(normal, Vec3d{0, 0, 1}));
-        y = Normalize(Cross(normal, across));
-        x = -across;
-    }
+    const ProjectionAxes axes = MatrixAxes(normal);
     TextureProjection projection;
     for (std::size_t row = 0; row < 2; ++row) {
-        const Vec3d axis = x * matrix[row][0] + y * matrix[row][1];
+        const Vec3d axis = axes.s * matrix[row][0] + axes.t * matrix[row][1];
         projection.vecs[row] = {axis.x, axis.y, axis.z, matrix[row][2]};
     }
     return projection;

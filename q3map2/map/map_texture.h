@@ -19,7 +19,16 @@ struct TextureAxes {
 /// Rows (s, t) of the texture matrix of brushDef and brushDef3, in units of the image size.
 using TextureMatrix = std::array<std::array<double, 3>, 2>;
 
-/// `normal`: as in the plane table, that is snapped.
+/// Two perpendicular unit vectors along which a side's texture coordinates are counted.
+struct ProjectionAxes {
+    Vec3d s, t;
+};
+/// Those of the classic form, before rotation: the world axis that s goes along, and the opposite of the one for t.
+/// `normal`: as in the plane table, that is snapped, here and below.
+ProjectionAxes ClassicAxes(const Vec3d &normal);
+/// Those that the numbers of a brush primitive's texture matrix are factors of; they lie in the plane.
+ProjectionAxes MatrixAxes(const Vec3d &normal);
+
 TextureProjection ProjectClassic(const TextureAxes &texture, const Vec3d &normal, const GeometryDirectives &shader);
 TextureProjection ProjectValve(const TextureAxes &texture, const GeometryDirectives &shader);
 TextureProjection ProjectMatrix(const TextureMatrix &matrix, const Vec3d &normal);

@@ -1,0 +1,262 @@
+// GPL-2.0-or-later. A .bsp back to a map source.
+#include "q3map2/convert/source/source_from_bsp.h"
+
+#include "q3map2/convert/source/bsp_brushes.h"
+#include "q3map2/convert/source/plane_points.h"
+#include "q3map2/convert/source/source_writer.h"
+#include "q3map2/convert/source/texture_samples.h"
+#include "q3map2/map/map_texture.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace q3 {
+
+namespace {
+
+constexpr int kDetailFlag = 0x8000000;
+/// Coordinates in a .bsp are floats: more digits would write down their rounding. Texels.
+constexpr double kStoredError = 2e-4;
+constexpr double kOriginSize = 8; ///< half an edge of origin brushes, game units
+constexpr double kPlainScale = 0.25, kFastScale = 0.5;
+constexpr std::string_view kUnknownTexture = "common/WTF", kUnseenTexture = "common/caulk";
+
+std::string_view OriginShader(const Game &game) {
+    const bool isRaven = game.name == "sof2" || game.name == "jk2" || game.name == "ja";
+    return isRaven ? "system/origin" : "common/origin";
+}
+
+/// Writes one .bsp, entity by entity.
+class Decompiler {
+  public:
+    Decompiler(const Bsp &bsp, std::string_view name, const DecompileOptions &options, const BspContext &context)
+        : bsp_(bsp), name_(name), options_(options), context_(context), open_(BrushesInTheOpen(bsp)),
+          writer_(options.form) {
+        for (const bspShader_t &shader : bsp.shaders)
+            context.shaders.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
+    }
+
+    std::string Write();
+
+  private:
+    void WriteEntity(const Entity &entity, std::size_t number);
+    std::optional<std::size_t> ModelOf(const Entity &entity, std::size_t number) const;
+    void WriteOriginBrush(const Vec3d &origin);
+    void WriteBrush(std::size_t brush, std::size_t model, const Vec3d &origin, const TextureSamples &samples);
+    SideWords Words(const RebuiltSide &side, const Vec3d &origin, const TextureSamples &samples, int contents);
+    void WritePatch(std::size_t surface, const Vec3d &origin);
+    std::vector<std::size_t> SourceOrder(const bspModel_t &model) const;
+    std::uint32_t CompileFlagsOf(std::size_t brush) const;
+    bool IsDetail(std::size_t brush, std::size_t model) const;
+    void PrintCounts() const;
+
+    const Bsp &bsp_;
+    std::string_view name_;
+    const DecompileOptions &options_;
+    const BspContext &context_;
+    std::vector<bool> open_; ///< of brushes
+    SourceWriter writer_;
+    int entityCount_ = 0, brushCount_ = 0, detailCount_ = 0, patchCount_ = 0, modelClipCount_ = 0;
+    int sideCount_ = 0, unknownCount_ = 0;
+};
+
+std::string Decompiler::Write() {
+    const std::vector<Entity> entities = ParseEntities(bsp_.entities, name_);
+    for (std::size_t i = 0; i < entities.size(); ++i)
+        WriteEntity(entities[i], i);
+    PrintCounts();
+    return writer_.Text();
+}
+
+void Decompiler::PrintCounts() const {
+    Log &log = context_.log;
+    log.Count(entityCount_, "entities");
+    log.Count(brushCount_, "brushes");
+    log.Count(detailCount_, "detail brushes");
+    log.Count(modelClipCount_, "clip brushes of models, left out");
+    log.Count(sideCount_, "sides");
+    log.Count(unknownCount_, "sides with default texture axes");
+    log.Count(patchCount_, "patches");
+}
+
+/// Number of the model that the entity owns.
+std::optional<std::size_t> Decompiler::ModelOf(const Entity &entity, std::size_t number) const {
+    if (number == 0)
+        return bsp_.models.empty() ? std::nullopt : std::optional<std::size_t>(0);
+    const std::string_view model = entity.Value("model");
+    if (!model.starts_with('*'))
+        return std::nullopt;
+    const std::optional<int> index = WholeInteger(model.substr(1));
+    if (index && *index > 0 && std::size_t(*index) < bsp_.models.size())
+        return std::size_t(*index);
+    context_.log.Warn("missing model", "{}: entity {} has the model {}, and there are {}: it gets no brushes", name_,
+                      number, model, bsp_.models.size());
+    return std::nullopt;
+}
+
+void Decompiler::WriteEntity(const Entity &entity, std::size_t number) {
+    ++entityCount_;
+    const std::optional<std::size_t> model = ModelOf(entity, number);
+    writer_.BeginEntity(int(number));
+    for (const auto &[key, value] : entity.pairs) {
+        const bool isModel = EqualNoCase(key, "model") && value.starts_with('*');
+        if (!isModel && !(model && EqualNoCase(key, "origin")))
+            writer_.WritePair(key, value);
+    }
+    if (model) {
+        const Vec3d origin(number == 0 ? Vec3f{} : entity.Vector({"origin"}).value_or(Vec3f{}));
+        if (origin != Vec3d{})
+            WriteOriginBrush(origin);
+        const bspModel_t &record = bsp_.models[*model];
+        const TextureSamples samples(bsp_, *model, context_.shaders, context_.options.distanceEpsilon);
+        for (const std::size_t brush : SourceOrder(record))
+            WriteBrush(brush, *model, origin, samples);
+        for (std::int32_t i = record.numBSPSurfaces - 1; i >= 0; --i)
+            WritePatch(std::size_t(record.firstBSPSurface + i), origin);
+    }
+    writer_.EndEntity();
+}
+
+/// A cube with the origin in its middle; so is the image on each side.
+void Decompiler::WriteOriginBrush(const Vec3d &origin) {
+    const std::string shader(OriginShader(context_.game));
+    const GeometryDirectives &directives = context_.shaders.Get("textures/" + shader).geometry;
+    std::vector<SideWords> sides;
+    for (const double sign : {1.0, -1.0})
+        for (const std::size_t axis : {2u, 1u, 0u}) {
+            Plane plane;
+            plane.normal[axis] = sign;
+            plane.dist = sign * origin[axis] + kOriginSize;
+            Winding<double> corners;
+            for (const auto &[u, v] : {std::pair{-1.0, -1.0}, {-1.0, 1.0}, {1.0, 1.0}, {1.0, -1.0}}) {
+                Vec3d corner = origin;
+                corner[axis] += sign * kOriginSize;
+                corner[(axis + 1) % 3] += u * kOriginSize, corner[(axis + 2) % 3] += v * kOriginSize;
+                corners.push_back(corner);
+            }
+            const ProjectionAxes axes = ClassicAxes(plane.normal);
+            TextureProjection texture;
+            for (std::size_t row = 0; row < 2; ++row) {
+                const Vec3d along = (row == 0 ? axes.s : axes.t) / (2 * kOriginSize);
+                texture.vecs[row] = {along.x, along.y, along.z, 0.5 - Dot(along, origin)};
+            }
+            const PlanePoints points = PointsOfPlane(plane, corners);
+            sides.push_back(
+                {points.points,
+                 shader,
+                 TextureInForm(options_.form, {texture, points.plane, plane.normal, directives, corners}).words,
+                 {}});
+        }
+    writer_.WriteBrush(-1, sides);
+}
+
+/// Of all sides.
+std::uint32_t Decompiler::CompileFlagsOf(std::size_t brush) const {
+    const bspBrush_t &record = bsp_.brushes[brush];
+    std::uint32_t flags = 0;
+    for (std::int32_t i = 0; i < record.numSides; ++i)
+        if (const std::string_view name = SideShader(bsp_, std::size_t(record.firstSide + i)); !IsUnnamed(name))
+            flags |= context_.shaders.Get(name).compileFlags;
+    return flags;
+}
+
+/// Numbers of the brushes of a model. A compiler puts opaque ones at the front, each before the ones it had, and others
+/// at the back; much depends on the order, such as which vertices are welded.
+std::vector<std::size_t> Decompiler::SourceOrder(const bspModel_t &model) const {
+    std::vector<std::size_t> opaque, others;
+    for (std::int32_t i = 0; i < model.numBSPBrushes; ++i) {
+        const std::size_t brush = std::size_t(model.firstBSPBrush + i);
+        ((CompileFlagsOf(brush) & C_TRANSLUCENT) != 0 ? others : opaque).push_back(brush);
+    }
+    std::ranges::reverse(opaque);
+    opaque.insert(opaque.end(), others.begin(), others.end());
+    return opaque;
+}
+
+/// Structural solids bound leafs and lie in solid ones only; models other than the world have no tree.
+bool Decompiler::IsDetail(std::size_t brush, std::size_t model) const {
+    return model == 0 && open_[brush] && (CompileFlagsOf(brush) & C_STRUCTURAL) == 0;
+}
+
+void Decompiler::WriteBrush(std::size_t brush, std::size_t model, const Vec3d &origin, const TextureSamples &samples) {
+    const bspBrush_t &record = bsp_.brushes[brush];
+    if (!options_.keepModelClip && IsModelClip(bsp_, record)) {
+        ++modelClipCount_;
+        return;
+    }
+    std::vector<RebuiltSide> sides = RebuildBrush(bsp_, record);
+    // The contents of a brush are those of its first side, unless a later one is a liquid, fog or clip.
+    const std::string_view contents = FieldName(bsp_.shaders[std::size_t(record.shaderNum)].shader);
+    std::ranges::stable_partition(sides, [&](const RebuiltSide &side) { return EqualNoCase(side.shader, contents); });
+    if (sides.empty()) {
+        context_.log.Warn("brush without volume", "{}: brush {} encloses nothing or leaves the world: it is left out",
+                          name_, brush);
+        return;
+    }
+    const bool detail = IsDetail(brush, model);
+    std::vector<SideWords> words;
+    for (const RebuiltSide &side : sides)
+        words.push_back(Words(side, origin, samples, detail ? kDetailFlag : 0));
+    writer_.WriteBrush(int(brush), words);
+    ++brushCount_;
+    detailCount_ += detail;
+}
+
+SideWords Decompiler::Words(const RebuiltSide &side, const Vec3d &origin, const TextureSamples &samples, int contents) {
+    const GeometryDirectives &directives = context_.shaders.Get(side.shader).geometry;
+    const Plane moved{side.plane.normal, side.plane.dist + Dot(side.plane.normal, origin)};
+    Winding<double> corners = side.winding;
+    for (Vec3d &p : corners)
+        p += origin;
+    const PlanePoints points = PointsOfPlane(moved, corners);
+    SideWords words{points.points, std::string(WithoutTextures(side.shader)), {}, {contents, 0, 0}};
+    ++sideCount_;
+    if (IsUnnamed(side.shader))
+        words.shader = kUnseenTexture;
+    if (options_.withTextures)
+        if (auto texture = samples.Find(side.shader, directives, side.plane, side.winding)) {
+            for (auto &row : texture->vecs)
+                row[3] -= Dot(Vec3d{row[0], row[1], row[2]}, origin);
+            words.texture =
+                TextureInForm(options_.form, {*texture, points.plane, moved.normal, directives, corners, kStoredError})
+                    .words;
+            return words;
+        }
+    ++unknownCount_;
+    words.texture = DefaultTexture(options_.form, moved.normal, options_.withTextures ? kPlainScale : kFastScale);
+    const bool isTool = words.shader.starts_with("common/") || words.shader.starts_with("system/");
+    if (options_.markUnknown && !isTool)
+        words.shader = kUnknownTexture;
+    return words;
+}
+
+void Decompiler::WritePatch(std::size_t surface, const Vec3d &origin) {
+    const bspDrawSurface_t &record = bsp_.drawSurfaces[surface];
+    if (record.surfaceType != MST_PATCH)
+        return;
+    const std::string_view name = FieldName(bsp_.shaders[std::size_t(record.shaderNum)].shader);
+    const GeometryDirectives &directives = context_.shaders.Get(name).geometry;
+    PatchWords patch{
+        std::string(WithoutTextures(name)), false, {"0", "0", "0"}, record.patchWidth, record.patchHeight, {}};
+    if (std::int64_t(patch.width) * patch.height > record.numVerts)
+        return;
+    for (std::int32_t i = 0; i < patch.width * patch.height; ++i) {
+        const bspDrawVert_t &from = bsp_.drawVerts[std::size_t(record.firstVert + i)];
+        DrawVert v;
+        v.xyz = Vec3f(Vec3d(Vec3f(from.xyz) - Vec3f(from.normal) * directives.offset) + origin);
+        const std::array<double, 2> st = WithoutTexMod(from.st, directives);
+        v.st = {float(st[0]), float(st[1])};
+        patch.verts.push_back(v);
+    }
+    writer_.WritePatch(int(surface), patch);
+    ++patchCount_;
+}
+
+} // namespace
+
+std::string DecompiledSource(const Bsp &bsp, std::string_view name, const DecompileOptions &options,
+                             const BspContext &context) {
+    return Decompiler(bsp, name, options, context).Write();
+}
+
+} // namespace q3

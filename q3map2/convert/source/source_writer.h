@@ -1,0 +1,56 @@
+// GPL-2.0-or-later. Text of map sources.
+#pragma once
+
+#include "q3map2/convert/source/texture_form.h"
+#include "q3map2/map/map.h"
+
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// A side as it is written.
+struct SideWords {
+    std::array<std::string, 3> points; ///< "( x y z )"
+    std::string shader;                ///< without "textures/"
+    std::vector<std::string> texture;  ///< of TextureInForm
+    std::array<int, 3> flags{};
+};
+
+/// A patch as it is written.
+struct PatchWords {
+    std::string shader;              ///< without "textures/"
+    bool hasTolerances = false;      ///< patchDef3: the header begins with curve tolerances
+    std::vector<std::string> header; ///< what follows width and height
+    int width = 0, height = 0;
+    std::vector<DrawVert> verts; ///< row * width + column
+};
+
+/// Collects the text of a map source, in order.
+class SourceWriter {
+  public:
+    explicit SourceWriter(MapForm form);
+
+    void BeginEntity(int number);
+    /// Keys come before brushes and patches. Without a key or a value: nothing.
+    void WritePair(std::string_view key, std::string_view value);
+    /// `number` is for the comment above the brush.
+    void WriteBrush(int number, std::span<const SideWords> sides);
+    void WritePatch(int number, const PatchWords &patch);
+    void EndEntity();
+    const std::string &Text() const { return text_; }
+
+  private:
+    void WriteSide(const SideWords &side);
+
+    MapForm form_;
+    std::string text_;
+};
+
+/// The name without "textures/", which readers of maps add.
+std::string_view WithoutTextures(std::string_view shader);
+
+} // namespace q3

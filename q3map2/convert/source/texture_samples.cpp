@@ -1,0 +1,239 @@
+// GPL-2.0-or-later. Texture projections of brush sides, from the draw surfaces that were made of them.
+#include "q3map2/convert/source/texture_samples.h"
+
+#include "common/text/text.h"
+#include "libs/math/winding_clip.h"
+#include "q3map2/map/map_texture.h"
+#include "q3map2/shader/shader_library.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace q3 {
+
+namespace {
+
+/// Vertices are rounded to 1/8 game unit, which takes them so far off their plane at most.
+constexpr double kRounded = 0.12;
+/// Shaders may move vertices: farthest vertices that still count when there are none nearer. Game units.
+constexpr double kMoved = 2;
+/// Cosine between the normals of a side and a triangle of it.
+constexpr double kSameDirection = 0.9;
+/// Smaller parts of a side are touched by a triangle beside it, not covered. Square game units.
+constexpr double kLeastArea = 1e-3;
+/// Triangles that cover less of a side, of what the best one covers, do not help to fit its projection.
+constexpr double kLeastShare = 0.01;
+/// Corners may be so far off a projection that other triangles gave. Texels.
+constexpr double kSameProjection = 0.1;
+
+/// A vertex with texture coordinates without whole images between surfaces.
+struct Corner {
+    Vec3d xyz;
+    std::array<double, 2> st;
+};
+
+/// The projection along the axes that fits the corners best in the sense of weighted least squares. Nothing when they
+/// are in one line.
+std::optional<TextureProjection> Fitted(std::span<const Corner> corners, std::span<const double> weights,
+                                        const ProjectionAxes &axes) {
+    Vec3d center;
+    std::array<double, 2> mean{};
+    const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const double share = weights[i] / total;
+        center += corners[i].xyz * share;
+        mean = {mean[0] + corners[i].st[0] * share, mean[1] + corners[i].st[1] * share};
+    }
+    double xx = 0, xy = 0, yy = 0;
+    std::array<double, 2> xs{}, ys{};
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec3d off = corners[i].xyz - center;
+        const double x = Dot(off, axes.s), y = Dot(off, axes.t), w = weights[i];
+        xx += w * x * x, xy += w * x * y, yy += w * y * y;
+        for (std::size_t row = 0; row < 2; ++row) {
+            xs[row] += w * x * (corners[i].st[row] - mean[row]);
+            ys[row] += w * y * (corners[i].st[row] - mean[row]);
+        }
+    }
+    const double determinant = xx * yy - xy * xy;
+    if (!(determinant > 1e-9 * xx * yy) || !(xx > 0) || !(yy > 0))
+        return std::nullopt;
+    TextureProjection fitted;
+    for (std::size_t row = 0; row < 2; ++row) {
+        const double a = (xs[row] * yy - ys[row] * xy) / determinant, b = (ys[row] * xx - xs[row] * xy) / determinant;
+        const Vec3d axis = axes.s * a + axes.t * b;
+        fitted.vecs[row] = {axis.x, axis.y, axis.z, mean[row] - Dot(axis, center)};
+    }
+    return fitted;
+}
+
+double At(const TextureProjection &projection, std::size_t i, const Vec3d &p) {
+    const auto &row = projection.vecs[i];
+    return row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
+}
+
+/// Difference at a corner, texels.
+double Misfit(const TextureProjection &projection, const Corner &corner, const GeometryDirectives &shader) {
+    return std::max(std::abs(At(projection, 0, corner.xyz) - corner.st[0]) * shader.textureWidth,
+                    std::abs(At(projection, 1, corner.xyz) - corner.st[1]) * shader.textureHeight);
+}
+
+double LargestMisfit(const TextureProjection &projection, std::span<const Corner> corners,
+                     const GeometryDirectives &shader) {
+    double largest = 0;
+    for (const Corner &corner : corners)
+        largest = std::max(largest, Misfit(projection, corner, shader));
+    return largest;
+}
+
+/// A projection and the sum of its differences, texels.
+struct Fit {
+    std::optional<TextureProjection> projection;
+    double misfit = 0;
+};
+
+/// The fit with the least sum of differences, by least squares with weights that the differences of the step before
+/// give: a few vertices that the compiler moved, as at T-junctions, hardly count.
+Fit RobustFit(std::span<const Corner> corners, const ProjectionAxes &axes, const GeometryDirectives &shader) {
+    constexpr int kSteps = 16;
+    constexpr double kExact = 1e-4; // texels
+    std::vector<double> weights(corners.size(), 1);
+    Fit best;
+    for (int step = 0; step < kSteps; ++step) {
+        const auto fitted = Fitted(corners, weights, axes);
+        if (!fitted)
+            break;
+        double sum = 0, largest = 0;
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            const double misfit = Misfit(*fitted, corners[i], shader);
+            sum += misfit, largest = std::max(largest, misfit);
+            weights[i] = 1 / std::max(misfit, kExact);
+        }
+        if (!best.projection || sum < best.misfit)
+            best = {fitted, sum};
+        if (largest <= kExact)
+            break;
+    }
+    return best;
+}
+
+/// Vertices may be off the plane by rounding, and were mapped there: along world axes in the classic form, along axes
+/// of the plane in brush primitives. The form that fits is the one that the side had.
+std::optional<TextureProjection> BestFit(std::span<const Corner> corners, const Vec3d &normal,
+                                         const GeometryDirectives &shader) {
+    constexpr double kAsGood = 1e-3; // texels a corner
+    const Fit classic = RobustFit(corners, ClassicAxes(normal), shader);
+    const Fit matrix = RobustFit(corners, MatrixAxes(normal), shader);
+    const bool isMatrix =
+        !classic.projection || (matrix.projection && matrix.misfit + kAsGood * double(corners.size()) < classic.misfit);
+    return isMatrix ? matrix.projection : classic.projection;
+}
+
+} // namespace
+
+std::array<double, 2> WithoutTexMod(const std::array<float, 2> &st, const GeometryDirectives &shader) {
+    const auto &m = shader.texMod;
+    const double a = double(m[0][0]), b = double(m[0][1]), c = double(m[1][0]), d = double(m[1][1]);
+    const double determinant = a * d - b * c;
+    const double s = double(st[0]), t = double(st[1]);
+    if (!(std::abs(determinant) > 1e-12))
+        return {s, t};
+    const double x = s - double(m[0][2]), y = t - double(m[1][2]);
+    return {(d * x - b * y) / determinant, (a * y - c * x) / determinant};
+}
+
+TextureSamples::TextureSamples(const Bsp &bsp, std::size_t model, ShaderLibrary &shaders, double epsilon)
+    : epsilon_(epsilon) {
+    const bspModel_t &own = bsp.models[model];
+    for (std::int32_t i = 0; i < own.numBSPSurfaces; ++i) {
+        const bspDrawSurface_t &surface = bsp.drawSurfaces[std::size_t(own.firstBSPSurface + i)];
+        if (surface.surfaceType != MST_PLANAR && surface.surfaceType != MST_TRIANGLE_SOUP)
+            continue;
+        const std::string_view name = FieldName(bsp.shaders[std::size_t(surface.shaderNum)].shader);
+        Add(bsp, surface, shaders.Get(name).geometry);
+    }
+}
+
+void TextureSamples::Add(const Bsp &bsp, const bspDrawSurface_t &surface, const GeometryDirectives &directives) {
+    std::vector<Triangle> &list = triangles_[LowerCase(FieldName(bsp.shaders[std::size_t(surface.shaderNum)].shader))];
+    for (std::int32_t i = 0; i + 2 < surface.numIndexes; i += 3) {
+        Triangle triangle;
+        Vec3d facing;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::int32_t index = bsp.drawIndexes[std::size_t(surface.firstIndex + i) + k];
+            const bspDrawVert_t &v = bsp.drawVerts[std::size_t(surface.firstVert + index)];
+            facing += Vec3d(v.normal);
+            triangle.xyz[k] = Vec3d(v.xyz) - Vec3d(v.normal) * double(directives.offset);
+            triangle.st[k] = WithoutTexMod(v.st, directives);
+            triangle.box.Add(triangle.xyz[k]);
+        }
+        const auto &[a, b, c] = triangle.xyz;
+        triangle.normal = Normalize(Cross(c - a, b - a));
+        if (Dot(triangle.normal, facing) < 0)
+            triangle.normal = -triangle.normal;
+        const bool usable = std::ranges::all_of(
+            triangle.st, [](const std::array<double, 2> &st) { return std::isfinite(st[0]) && std::isfinite(st[1]); });
+        if (usable && IsFinite(a + b + c) && triangle.normal != Vec3d{})
+            list.push_back(triangle);
+    }
+}
+
+/// Most of the side first.
+std::vector<TextureSamples::Cover> TextureSamples::Covering(std::span<const Triangle> triangles, const Plane &plane,
+                                                            const Winding<double> &winding, double farthest) const {
+    const Boundsd box = WindingBounds(winding);
+    std::vector<Cover> covers;
+    for (const Triangle &triangle : triangles) {
+        if (!triangle.box.Touches(box, farthest) || Dot(triangle.normal, plane.normal) < kSameDirection)
+            continue;
+        if (std::ranges::any_of(triangle.xyz, [&](const Vec3d &p) { return std::abs(plane.Distance(p)) > farthest; }))
+            continue;
+        Winding<double> part = winding;
+        for (std::size_t i = 0; i < 3 && !part.empty(); ++i) {
+            const Vec3d &a = triangle.xyz[i], &b = triangle.xyz[(i + 1) % 3], &c = triangle.xyz[(i + 2) % 3];
+            Vec3d inward = Normalize(Cross(plane.normal, b - a));
+            if (Dot(inward, c - a) < 0)
+                inward = -inward;
+            ChopPolygon(part, {inward, Dot(inward, a)}, epsilon_);
+        }
+        if (const double area = WindingArea(part); area > kLeastArea)
+            covers.push_back({&triangle, area});
+    }
+    std::ranges::stable_sort(covers, std::ranges::greater{}, &Cover::area);
+    return covers;
+}
+
+std::optional<TextureProjection> TextureSamples::Find(std::string_view shader, const GeometryDirectives &directives,
+                                                      const Plane &plane, const Winding<double> &winding) const {
+    const auto found = triangles_.find(LowerCase(shader));
+    if (found == triangles_.end())
+        return std::nullopt;
+    std::vector<Cover> covers = Covering(found->second, plane, winding, kRounded);
+    if (covers.empty())
+        covers = Covering(found->second, plane, winding, kMoved);
+    std::vector<Corner> corners;
+    std::optional<TextureProjection> best;
+    for (const Cover &cover : covers) {
+        if (cover.area < kLeastShare * covers.front().area)
+            break;
+        std::vector<Corner> more;
+        std::array<double, 2> whole{};
+        for (std::size_t i = 0; i < 2 && best; ++i)
+            whole[i] = std::round(At(*best, i, cover.triangle->xyz[0]) - cover.triangle->st[0][i]);
+        for (std::size_t k = 0; k < 3; ++k)
+            more.push_back(
+                {cover.triangle->xyz[k], {cover.triangle->st[k][0] + whole[0], cover.triangle->st[k][1] + whole[1]}});
+        if (best && LargestMisfit(*best, more, directives) > kSameProjection)
+            continue;
+        corners.insert(corners.end(), more.begin(), more.end());
+        constexpr std::size_t kManyCorners = 60; // the fit is settled
+        if (const auto fit = corners.size() <= kManyCorners ? BestFit(corners, plane.normal, directives) : best)
+            best = fit;
+        else if (!best)
+            corners.clear();
+    }
+    return best;
+}
+
+} // namespace q3

@@ -1,0 +1,54 @@
+// GPL-2.0-or-later. Texture projections of brush sides, from the draw surfaces that were made of them.
+#pragma once
+
+#include "libs/math/winding.h"
+#include "q3map2/bspfile/bsp.h"
+#include "q3map2/map/map.h"
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace q3 {
+
+class ShaderLibrary;
+
+/// Removes what the shader adds to texture coordinates; they stay if nothing can undo that.
+std::array<double, 2> WithoutTexMod(const std::array<float, 2> &st, const GeometryDirectives &shader);
+
+/// The triangles of a model's planar and triangle surfaces, by shader.
+class TextureSamples {
+  public:
+    /// `bsp` must be valid, `epsilon`: distance in which a point lies on the edge of a triangle, game units.
+    TextureSamples(const Bsp &bsp, std::size_t model, ShaderLibrary &shaders, double epsilon);
+
+    /// The projection of the side of that plane and winding, in coordinates of the model. Nothing when no triangle of
+    /// the shader covers a part of it.
+    std::optional<TextureProjection> Find(std::string_view shader, const GeometryDirectives &directives,
+                                          const Plane &plane, const Winding<double> &winding) const;
+
+  private:
+    struct Triangle {
+        std::array<Vec3d, 3> xyz;
+        std::array<std::array<double, 2>, 3> st;
+        Vec3d normal; ///< unit
+        Boundsd box;
+    };
+    /// A triangle and the area of the side that it covers.
+    struct Cover {
+        const Triangle *triangle;
+        double area;
+    };
+    void Add(const Bsp &bsp, const bspDrawSurface_t &surface, const GeometryDirectives &directives);
+    std::vector<Cover> Covering(std::span<const Triangle> triangles, const Plane &plane, const Winding<double> &winding,
+                                double farthest) const;
+
+    double epsilon_;
+    std::unordered_map<std::string, std::vector<Triangle>> triangles_; ///< by name in lower case
+};
+
+} // namespace q3

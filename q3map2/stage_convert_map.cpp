@@ -1,0 +1,183 @@
+// GPL-2.0-or-later. q3map2 -convert: a map in another format.
+#include "common/error.h"
+#include "common/files/files.h"
+#include "common/nearest_names.h"
+#include "q3map2/convert/convert_options.h"
+#include "q3map2/convert/mesh/mesh_export.h"
+#include "q3map2/convert/source/source_from_bsp.h"
+#include "q3map2/convert/source/source_from_map.h"
+#include "q3map2/game_check.h"
+#include "q3map2/geometry/compile_map.h"
+#include "q3map2/map/map_parse.h"
+#include "q3map2/run_report.h"
+#include "q3map2/stage_words.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a writer gets.
+struct ConvertJob {
+    const ConvertOptions &options;
+    fs::path input;
+    bool isMap; ///< the input is a map source
+    const BspContext &context;
+    BspFormat bspFormat;
+};
+
+std::string ReadText(const fs::path &path, Log &log) {
+    log.Print("Loading {}\n", path.string());
+    const std::vector<std::byte> bytes = ReadFile(path);
+    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+}
+
+/// The input as a .bsp: read, or compiled without vis and light.
+Bsp InputBsp(const ConvertJob &job) {
+    if (!job.isMap) {
+        job.context.log.Print("Loading {}\n", job.input.string());
+        return ReadBspFile(job.input, job.bspFormat, job.context.log);
+    }
+    Map map = ReadMap(ReadText(job.input, job.context.log), job.input.string(), job.context);
+    return CompileMap(map, job.context).bsp;
+}
+
+void WriteSource(MapForm form, const ConvertJob &job) {
+    const std::string name = job.input.string();
+    std::string text;
+    if (job.isMap) {
+        text = ConvertedSource(ReadText(job.input, job.context.log), name, form, job.context);
+    } else {
+        const DecompileOptions options{.form = form,
+                                       .withTextures = !job.options.fast,
+                                       .keepModelClip = job.options.keepModelClip,
+                                       .markUnknown = job.options.markUnknown};
+        text = DecompiledSource(InputBsp(job), name, options, job.context);
+    }
+    fs::path output = job.input;
+    output.replace_filename(job.input.stem().string() + "_converted.map");
+    job.context.log.Print("Writing {}\n", output.string());
+    ReplaceFile(output, std::as_bytes(std::span(text.data(), text.size())));
+}
+
+using MeshWriter = void (*)(const Bsp &, ShaderLibrary &, const MeshExportOptions &, const fs::path &, Log &);
+
+void WriteModel(MeshWriter write, std::string_view extension, const ConvertJob &job) {
+    const MeshExportOptions options{.shadersAsBitmap = job.options.shadersAsBitmap,
+                                    .lightmapsAsTexCoord = job.options.lightmapsAsTexCoord,
+                                    .deluxemapsAsTexCoord = job.options.deluxemapsAsTexCoord,
+                                    .shaderFolder = job.context.game.shaderDir};
+    write(InputBsp(job), job.context.shaders, options, WithExtension(job.input, extension), job.context.log);
+}
+
+/// A value of -format.
+struct ConvertFormat {
+    std::string_view name;
+    bool readsMap; ///< a file named .map is read as one
+    bool isSource; ///< writes a map source, from one without compiling it
+    void (*write)(const ConvertJob &);
+};
+
+/// The first one is the default.
+constexpr ConvertFormat kFormats[] = {
+    {"ase", false, false, [](const ConvertJob &job) { WriteModel(WriteAse, ".ase", job); }},
+    {"obj", false, false, [](const ConvertJob &job) { WriteModel(WriteObj, ".obj", job); }},
+    {"map", true, true, [](const ConvertJob &job) { WriteSource(MapForm::Classic, job); }},
+    {"map_bp", true, true, [](const ConvertJob &job) { WriteSource(MapForm::Primitive, job); }},
+    {"map_220", true, true, [](const ConvertJob &job) { WriteSource(MapForm::Valve, job); }},
+};
+
+const ConvertFormat &FindFormat(std::string_view name) {
+    if (name.empty())
+        return kFormats[0];
+    std::vector<std::string> names;
+    for (const ConvertFormat &format : kFormats) {
+        if (EqualNoCase(format.name, name))
+            return format;
+        names.emplace_back(format.name);
+    }
+    throw Error("-format {}: unknown, expected {}{}", name, fmt::join(names, ", "), DidYouMean(name, names));
+}
+
+bool ReadsMap(const std::string &file, const ConvertOptions &options, const ConvertFormat &format) {
+    const bool isNamedMap = EqualNoCase(fs::path(file).extension().string(), ".map");
+    return options.readMap || (format.readsMap && isNamedMap && !options.readBsp);
+}
+
+/// Errors: options that would change nothing.
+void RefuseIdleOptions(const ConvertOptions &options, const ConvertFormat &format, bool isMap) {
+    const auto refuse = [&](bool given, std::string_view option, std::string_view reason) {
+        if (given)
+            throw Error("{}: {} with -format {} {}", option, reason, format.name,
+                        isMap ? "from a map source" : "from a .bsp");
+    };
+    constexpr std::string_view kNoAlignment = "there are no texture axes to look for",
+                               kNoCompile = "nothing is compiled";
+    const bool takesApart = format.isSource && !isMap, compiles = !format.isSource && isMap;
+    refuse(options.fast && !takesApart, "-fast", kNoAlignment);
+    refuse(options.markUnknown && !takesApart, "-wtf", kNoAlignment);
+    refuse(options.keepModelClip && !takesApart, "-modelclip", "there are no brushes that clip models");
+    refuse(options.meta && !compiles, "-meta", kNoCompile);
+    refuse(options.patchMeta && !compiles, "-patchmeta", kNoCompile);
+    constexpr std::string_view kNoMaterials = "there are no materials";
+    refuse(options.shadersAsBitmap && format.isSource, "-shadersasbitmap", kNoMaterials);
+    refuse(options.lightmapsAsTexCoord && format.isSource, "-lightmapsastexcoord", kNoMaterials);
+    refuse(options.deluxemapsAsTexCoord && format.isSource, "-deluxemapsastexcoord", kNoMaterials);
+    refuse(options.normalEpsilon && !isMap, "-ne", "no planes are compared");
+    refuse(options.distanceEpsilon && !isMap && !format.isSource, "-de", "no planes are compared");
+}
+
+BspOptions CompileOptions(const StageContext &context, const ConvertOptions &options) {
+    Arguments none({});
+    BspOptions compile = ParseBspOptions(none, *context.options.game, context.log);
+    compile.subdivisions = context.options.subdivisions;
+    compile.maxDrawSurfaces = context.options.maxDrawSurfaces;
+    compile.patchMeta = options.patchMeta;
+    compile.meta = options.meta || options.patchMeta;
+    compile.normalEpsilon = options.normalEpsilon.value_or(compile.normalEpsilon);
+    compile.distanceEpsilon = options.distanceEpsilon.value_or(compile.distanceEpsilon);
+    return compile;
+}
+
+/// Editors put two blanks between words, and some start programs with an empty word for it.
+void DropEmptyWords(Arguments &arguments) {
+    for (std::size_t i = 0; i < arguments.Rest().size();)
+        if (arguments.Rest()[i].empty())
+            arguments.TakeAt(i);
+        else
+            ++i;
+}
+
+} // namespace
+
+int ConvertStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    log.Section("Convert");
+    DropEmptyWords(arguments);
+    const ConvertOptions options = ParseConvertOptions(arguments, log);
+    const std::string file = TakeFile(context, arguments, {}).file;
+    PrintChangedOptions(arguments, log);
+    const ConvertFormat &format = FindFormat(options.format);
+    const bool isMap = ReadsMap(file, options, format);
+    RefuseIdleOptions(options, format, isMap);
+    const auto folders = GameFolders(context.options, context.words, context.program);
+    RequireGameFiles(context.options, folders, log);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    const BspOptions compile = CompileOptions(context, options);
+    ShaderLibrary library(vfs, *context.options.game, {.sRgbColor = compile.sRgbColor, .imageSizes = true}, log);
+    const BspContext bspContext{
+        .options = compile, .game = *context.options.game, .shaders = library, .log = log, .vfs = &vfs};
+    format.write({.options = options,
+                  .input = WithExtension(fs::absolute(file), isMap ? ".map" : ".bsp"),
+                  .isMap = isMap,
+                  .context = bspContext,
+                  .bspFormat = context.options.Format()});
+    return 0;
+}
+
+} // namespace q3
