@@ -45,10 +45,15 @@ bool HasPresets(std::string_view stage) {
     return stage == "-bsp" || stage == "-vis" || stage == "-light";
 }
 
-bool WantsGridSH(const std::vector<std::string> &words) {
-    return std::ranges::any_of(words, [](const std::string &word) {
-        return EqualNoCase(word, "-sh") || EqualNoCase(word, "-shbspx") || EqualNoCase(word, "-shradiance");
-    });
+bool HasWord(const std::vector<std::string> &words, std::string_view option) {
+    return std::ranges::any_of(words, [&](const std::string &word) { return EqualNoCase(word, option); });
+}
+
+/// Whether the line asks for an SH grid and leaves its cell to the preset.
+bool TakesGridSH(const std::vector<std::string> &words) {
+    constexpr std::string_view kGrids[] = {"-sh", "-shbspx", "-shradiance"};
+    return !HasWord(words, "-shsmall") &&
+           std::ranges::any_of(kGrids, [&](std::string_view option) { return HasWord(words, option); });
 }
 
 const Preset &FindPreset(std::string_view name) {
@@ -77,7 +82,7 @@ void ExpandPreset(const Stage &stage, Arguments &arguments, Log &log) {
         throw Error("-preset: expected once, found twice");
     const Preset &preset = FindPreset(*name);
     std::string options(OptionsOf(preset, stage.word));
-    if (stage.word == "-light" && WantsGridSH(arguments.Rest()))
+    if (stage.word == "-light" && TakesGridSH(arguments.Rest()))
         options += fmt::format(" {}", preset.gridSH);
     log.Print("preset {}: {}\n", preset.name, options.empty() ? "no options" : options);
     std::istringstream text(options);

@@ -25,6 +25,13 @@ TEST_F(PresetTest, StandsForOptionsThatTheLineOverrides) {
     EXPECT_EQ(IntOf(LumpOf(MapBytes(), 18), 12), 0x43000000) << "cell of 128 units";
 }
 
+TEST_F(PresetTest, ShSmallKeepsItsOwnGrid) {
+    const Outcome run = RunWell("-light -preset draft -sh -shsmall MAP");
+    EXPECT_THAT(run.text, HasSubstr("preset draft: -faster\n"));
+    EXPECT_EQ(IntOf(LumpOf(MapBytes(), 18), 12), 0x42800000) << "cell of 64 units";
+    EXPECT_EQ(IntOf(LumpOf(MapBytes(), 18), 20), 0x42800000) << "64 high, where draft has 128";
+}
+
 TEST_F(PresetTest, GivesNoGridOptionsWithoutAGrid) {
     const Outcome run = RunWell("-light -preset draft MAP");
     EXPECT_THAT(run.text, HasSubstr("preset draft: -faster\n"));
@@ -33,8 +40,7 @@ TEST_F(PresetTest, GivesNoGridOptionsWithoutAGrid) {
 
 TEST_F(PresetTest, TheMapRecordsItsOptions) {
     RunWell("-light -preset draft MAP");
-    const std::vector<std::byte> file = MapBytes();
-    const std::string text(reinterpret_cast<const char *>(file.data()), file.size());
+    const std::string text = ReadTextFile(Map(".bsp"));
     EXPECT_THAT(text, HasSubstr("-light -faster\""));
 }
 
@@ -54,8 +60,7 @@ TEST_F(PresetTest, ShSmallIsAFittedGridOfSixtyFour) {
 }
 
 TEST(PresetTable, IsInTheDocumentation) {
-    const auto bytes = ReadFile(std::filesystem::path(SOURCE) / "docs/presets.md");
-    const std::string page(reinterpret_cast<const char *>(bytes.data()), bytes.size());
+    const std::string page = ReadTextFile(std::filesystem::path(SOURCE) / "docs/presets.md");
     for (const Preset &preset : Presets())
         for (const std::string_view options : {preset.bsp, preset.vis, preset.light, preset.gridSH}) {
             if (!options.empty()) {
