@@ -59,14 +59,16 @@ std::filesystem::path WithExtension(const std::filesystem::path &path, std::stri
 
 int RunProgram(const std::vector<std::string> &arguments, const std::filesystem::path &program, Log &log) {
     const RunReport report;
+    const std::string reportPath = LastValueOf("-report", arguments);
     ReportFile collected;
-    log.SetObserver(&collected);
+    if (!reportPath.empty())
+        log.SetObserver(&collected);
     const auto end = [&](int status, std::string_view error) {
-        const std::string path = LastValueOf("-report", arguments);
-        if (path.empty())
+        log.SetObserver(nullptr);
+        if (reportPath.empty())
             return status;
         try {
-            collected.Write(path, arguments, error);
+            collected.Write(reportPath, arguments, error);
         } catch (const Error &failure) {
             log.Write(LogLevel::Error, fmt::format("-report: {}\n", failure.what()));
             return 1;
