@@ -34,6 +34,15 @@ void WriteBeside(const std::filesystem::path &source, std::string_view end, Bsp 
     bots.Report(BotCheck::OtherGeometry, false);
 }
 
+/// Reads the map, applies `edit` to it, and writes it beside itself with `end` behind its name.
+template <typename Edit>
+void EditMap(const StageContext &context, const StageFile &file, std::string_view end, const Edit &edit) {
+    const auto path = BspPath(file.file);
+    Bsp bsp = Load(path, context);
+    edit(bsp, path.string());
+    WriteBeside(path, end, std::move(bsp), file.recorded, context);
+}
+
 } // namespace
 
 int ScaleStage(const StageContext &context, Arguments arguments) {
@@ -44,11 +53,8 @@ int ScaleStage(const StageContext &context, Arguments arguments) {
     options.factors = TakeAxisValues(arguments, context.stage.word);
     if (options.factors == Vec3d{1, 1, 1})
         throw Error("-scale: all factors are 1, which changes nothing");
-    const StageFile file = TakeFile(context, arguments, given);
-    const auto path = BspPath(file.file);
-    Bsp bsp = Load(path, context);
-    ScaleMap(bsp, options, path.string(), context.log);
-    WriteBeside(path, "_s", std::move(bsp), file.recorded, context);
+    EditMap(context, TakeFile(context, arguments, given), "_s",
+            [&](Bsp &bsp, const std::string &name) { ScaleMap(bsp, options, name, context.log); });
     return 0;
 }
 
@@ -56,11 +62,8 @@ int ShiftStage(const StageContext &context, Arguments arguments) {
     const std::vector<std::string> given = arguments.Rest();
     context.log.Section("Shift");
     const Vec3d shift = TakeAxisValues(arguments, context.stage.word);
-    const StageFile file = TakeFile(context, arguments, given);
-    const auto path = BspPath(file.file);
-    Bsp bsp = Load(path, context);
-    ShiftMap(bsp, shift, path.string(), context.log);
-    WriteBeside(path, "_sh", std::move(bsp), file.recorded, context);
+    EditMap(context, TakeFile(context, arguments, given), "_sh",
+            [&](Bsp &bsp, const std::string &name) { ShiftMap(bsp, shift, name, context.log); });
     return 0;
 }
 

@@ -60,6 +60,9 @@ class Merger {
     void MergeFogs();
     void MergeSurfaces();
     void MergeModels();
+    template <typename Record>
+    int ExtendWorld(std::vector<Record> &records, int count, std::vector<std::int32_t> &numbers,
+                    std::int32_t bspModel_t::*first, std::int32_t bspModel_t::*num);
     void FileWorld();
     bspDrawSurface_t Renumbered(bspDrawSurface_t surface);
     Boundsf BoxOfBrush(const bspBrush_t &brush) const;
@@ -184,15 +187,30 @@ void InsertRoom(std::vector<Record> &records, int at, int count, std::vector<std
         number += number >= at ? count : 0;
 }
 
-void Merger::MergeBrushes() {
-    const bspModel_t &world = main_.models[0];
-    const int at = world.firstBSPBrush + world.numBSPBrushes;
-    InsertRoom(bsp_.brushes, at, worldBrushes_, bsp_.leafBrushes);
+/// Makes room for `count` records at the end of the world's, and lets the other models refer behind it. `first` and
+/// `num`: the members of a model that name its run of these records. Returns where the room begins.
+template <typename Record>
+int Merger::ExtendWorld(std::vector<Record> &records, int count, std::vector<std::int32_t> &numbers,
+                        std::int32_t bspModel_t::*first, std::int32_t bspModel_t::*num) {
+    const int at = main_.models[0].*first + main_.models[0].*num;
+    InsertRoom(records, at, count, numbers);
     for (std::size_t i = 1; i < bsp_.models.size(); ++i)
-        bsp_.models[i].firstBSPBrush += bsp_.models[i].firstBSPBrush >= at ? worldBrushes_ : 0;
+        bsp_.models[i].*first += bsp_.models[i].*first >= at ? count : 0;
+    bsp_.models[0].*num += count;
+    return at;
+}
+
+/// Stores a record under its number, behind the present end too.
+template <typename Record> void PutAt(std::vector<Record> &records, int number, const Record &record) {
+    records.resize(std::max(records.size(), std::size_t(number) + 1));
+    records[std::size_t(number)] = record;
+}
+
+void Merger::MergeBrushes() {
+    const int at = ExtendWorld(bsp_.brushes, worldBrushes_, bsp_.leafBrushes, &bspModel_t::firstBSPBrush,
+                               &bspModel_t::numBSPBrushes);
     for (bspFog_t &fog : bsp_.fogs)
         fog.brushNum += fog.brushNum >= at ? worldBrushes_ : 0;
-    bsp_.models[0].numBSPBrushes += worldBrushes_;
     for (std::size_t i = 0; i < added_.brushes.size(); ++i) {
         if (brushes_[i] == kNotTaken)
             continue;
@@ -203,8 +221,7 @@ void Merger::MergeBrushes() {
         brush.shaderNum = shaders_[std::size_t(brush.shaderNum)];
         for (const bspBrushSide_t &side : sides)
             bsp_.brushSides.push_back({side.planeNum + planeBase_, shaders_[std::size_t(side.shaderNum)]});
-        bsp_.brushes.resize(std::max(bsp_.brushes.size(), std::size_t(brushes_[i]) + 1));
-        bsp_.brushes[std::size_t(brushes_[i])] = brush;
+        PutAt(bsp_.brushes, brushes_[i], brush);
     }
 }
 
@@ -236,18 +253,11 @@ bspDrawSurface_t Merger::Renumbered(bspDrawSurface_t surface) {
 }
 
 void Merger::MergeSurfaces() {
-    const bspModel_t &world = main_.models[0];
-    const int at = world.firstBSPSurface + world.numBSPSurfaces;
-    InsertRoom(bsp_.drawSurfaces, at, worldSurfaces_, bsp_.leafSurfaces);
-    for (std::size_t i = 1; i < bsp_.models.size(); ++i)
-        bsp_.models[i].firstBSPSurface += bsp_.models[i].firstBSPSurface >= at ? worldSurfaces_ : 0;
-    bsp_.models[0].numBSPSurfaces += worldSurfaces_;
-    for (std::size_t i = 0; i < added_.drawSurfaces.size(); ++i) {
-        if (surfaces_[i] == kNotTaken)
-            continue;
-        bsp_.drawSurfaces.resize(std::max(bsp_.drawSurfaces.size(), std::size_t(surfaces_[i]) + 1));
-        bsp_.drawSurfaces[std::size_t(surfaces_[i])] = Renumbered(added_.drawSurfaces[i]);
-    }
+    ExtendWorld(bsp_.drawSurfaces, worldSurfaces_, bsp_.leafSurfaces, &bspModel_t::firstBSPSurface,
+                &bspModel_t::numBSPSurfaces);
+    for (std::size_t i = 0; i < added_.drawSurfaces.size(); ++i)
+        if (surfaces_[i] != kNotTaken)
+            PutAt(bsp_.drawSurfaces, surfaces_[i], Renumbered(added_.drawSurfaces[i]));
 }
 
 void Merger::MergeModels() {
