@@ -6,26 +6,17 @@
 
 namespace q3 {
 
-namespace {
-
-std::string TextOf(const std::filesystem::path &path) {
-    const auto bytes = ReadFile(path);
-    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
-}
-
-} // namespace
-
 LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log) {
     LightInputs inputs;
     inputs.name = bspPath.stem().string();
     const auto mapPath = WithExtension(bspPath, ".map"), srfPath = WithExtension(bspPath, ".srf");
     if (std::filesystem::exists(mapPath)) {
         log.Print("Loading {}\n", mapPath.string());
-        inputs.mapEntities = ParseMapEntities(TextOf(mapPath), mapPath.string());
+        inputs.mapEntities = ParseMapEntities(ReadTextFile(mapPath), mapPath.string());
     }
     if (std::filesystem::exists(srfPath)) {
         log.Print("Loading {}\n", srfPath.string());
-        inputs.surfaceFile = TextOf(srfPath);
+        inputs.surfaceFile = ReadTextFile(srfPath);
     }
     return inputs;
 }

@@ -54,8 +54,7 @@ void RemoveStaleFiles(const fs::path &source) {
 Map ReadSource(const fs::path &source, const BspOptions &options, const BspContext &context) {
     const fs::path file = options.tempName.empty() ? source : fs::absolute(options.tempName);
     context.log.Print("Loading {}\n", file.string());
-    const std::vector<std::byte> bytes = ReadFile(file);
-    return ReadMap({reinterpret_cast<const char *>(bytes.data()), bytes.size()}, file.string(), context);
+    return ReadMap(ReadTextFile(file), file.string(), context);
 }
 
 void WriteFiles(const fs::path &source, const CompiledMap &compiled, const BspContext &context,

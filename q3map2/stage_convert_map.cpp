@@ -33,8 +33,7 @@ struct ConvertJob {
 
 std::string ReadText(const fs::path &path, Log &log) {
     log.Print("Loading {}\n", path.string());
-    const std::vector<std::byte> bytes = ReadFile(path);
-    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+    return ReadTextFile(path);
 }
 
 /// The input as a .bsp: read, or compiled without vis and light.

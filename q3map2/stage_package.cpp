@@ -16,11 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string TextOfFile(const fs::path &path) {
-    const std::vector<std::byte> bytes = ReadFile(path);
-    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
-}
-
 /// The folder above each map's, if that is called maps: there its scripts, images and sounds may be.
 std::vector<fs::path> FoldersOf(const std::vector<fs::path> &maps) {
     std::vector<fs::path> folders;
@@ -35,14 +30,14 @@ Exclusions LoadExclusions(const StageContext &context, const PackOptions &option
     const fs::path beside = context.program.parent_path() / fmt::format("{}.exclude", context.options.game->name);
     Exclusions all;
     if (fs::exists(beside))
-        all = ReadExclusions(TextOfFile(beside), beside.string());
+        all = ReadExclusions(ReadTextFile(beside), beside.string());
     else if (options.exclusions.empty() && options.basePaks.empty())
         context.log.Warn("no exclusions",
                          "{} does not exist, nor is there a -basepak or -exclude: files that every player has are "
                          "packed too",
                          beside.string());
     for (const std::string &file : options.exclusions)
-        all.Add(ReadExclusions(TextOfFile(file), file));
+        all.Add(ReadExclusions(ReadTextFile(file), file));
     return all;
 }
 
@@ -72,7 +67,7 @@ std::vector<fs::path> MapsOf(const std::vector<std::string> &words, bool mayBeLi
             maps.push_back(WithExtension(fs::absolute(word), ".bsp"));
             continue;
         }
-        const std::string text = TextOfFile(word);
+        const std::string text = ReadTextFile(word);
         for (std::string_view rest = text; !rest.empty();) {
             const std::size_t end = std::min(rest.find('\n'), rest.size());
             std::string line(rest.substr(0, end));
@@ -172,7 +167,7 @@ int RepackStage(const StageContext &context, Arguments arguments) {
     Packing packing(context, options, maps);
     Exclusions exclusions = LoadExclusions(context, options);
     if (const fs::path more = context.program.parent_path() / "repack.exclude"; fs::exists(more))
-        exclusions.Add(ReadExclusions(TextOfFile(more), more.string()));
+        exclusions.Add(ReadExclusions(ReadTextFile(more), more.string()));
     PackagePlan plan =
         MakePlan(packing.needs, packing.source, packing.scripts,
                  {.exclusions = exclusions, .png = options.png, .wholeScripts = false, .list = true}, log);

@@ -2,6 +2,7 @@
 #include "common/files/files.h"
 
 #include "common/error.h"
+#include "common/text/text.h"
 
 #include <glib.h>
 
@@ -77,6 +78,10 @@ std::vector<std::byte> ReadFile(const fs::path &path) {
     std::vector<std::byte> bytes(file.Size());
     file.Read(0, bytes);
     return bytes;
+}
+
+std::string ReadTextFile(const std::filesystem::path &path) {
+    return std::string(AsText(ReadFile(path)));
 }
 
 FileReplacement::FileReplacement(fs::path path) : path_(std::move(path)), target_(BehindLinks(path_)) {

@@ -36,6 +36,9 @@ class InputFile {
 /// The whole file. Errors as InputFile.
 std::vector<std::byte> ReadFile(const std::filesystem::path &path);
 
+/// The whole file as text. Errors as InputFile.
+std::string ReadTextFile(const std::filesystem::path &path);
+
 /// Replaces a file piece by piece. Atomic and durable: writes a temporary file beside it, flushes it to disk and
 /// renames it. On any failure, and without Commit, the old file is unchanged and the temporary file is removed; a
 /// process that is killed may leave its unfinished PATH.XXXXXX. An existing file keeps its permission bits, and one

@@ -1,11 +1,18 @@
-// GPL-2.0-or-later. Case-insensitive comparison of text, and numbers in it.
+// GPL-2.0-or-later. Bytes as text, case-insensitive comparison, and numbers in text.
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
 namespace q3 {
+
+/// The bytes as characters; valid as long as they are.
+inline std::string_view AsText(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+}
 
 /// Whether the character separates words: a space or a control character.
 constexpr bool IsBlank(char c) {

@@ -120,8 +120,7 @@ PortalFile ParsePortalFile(std::string_view text, std::string_view name) {
 }
 
 PortalFile ReadPortalFile(const std::filesystem::path &path) {
-    const std::vector<std::byte> bytes = ReadFile(path);
-    return ParsePortalFile({reinterpret_cast<const char *>(bytes.data()), bytes.size()}, path.string());
+    return ParsePortalFile(ReadTextFile(path), path.string());
 }
 
 } // namespace q3

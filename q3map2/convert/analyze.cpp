@@ -2,6 +2,7 @@
 #include "q3map2/convert/analyze.h"
 
 #include "common/error.h"
+#include "common/text/text.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -40,10 +41,6 @@ template <typename T> T FirstAs(std::span<const std::byte> bytes) {
     T value{};
     std::memcpy(&value, bytes.data(), std::min(sizeof value, bytes.size()));
     return value;
-}
-
-std::string_view AsText(std::span<const std::byte> bytes) {
-    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
 }
 
 /// Text up to the first zero byte, with '.' for what cannot be printed.

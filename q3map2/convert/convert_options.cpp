@@ -43,9 +43,10 @@ std::vector<SettingGroup<ConvertOptions>> ConvertSettings() {
            .values = "NAME",
            .initial = "ase",
            .help = "What to write: ase, obj, map, map_bp or map_220",
-           .details = "`ase` and `obj` are models of what is drawn: `x.ase`, or `x.obj` with `x.mtl`. `map` has classic "
-                      "texture axes, `map_bp` brush primitives, `map_220` those of Valve; all three write "
-                      "`x_converted.map`. Files are written beside the input."},
+           .details =
+               "`ase` and `obj` are models of what is drawn: `x.ase`, or `x.obj` with `x.mtl`. `map` has classic "
+               "texture axes, `map_bp` brush primitives, `map_220` those of Valve; all three write "
+               "`x_converted.map`. Files are written beside the input."},
           &ConvertOptions::format},
          {{.name = "-readmap",
            .initial = "by the file name, if the format reads map sources",

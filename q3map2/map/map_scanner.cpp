@@ -13,8 +13,7 @@ namespace {
 
 TextScanner::Include IncludeBeside(std::string_view name) {
     return [folder = std::filesystem::path(name).parent_path()](std::string_view file) -> std::optional<std::string> {
-        const std::vector<std::byte> bytes = ReadFile(folder / std::filesystem::path(file));
-        return std::string(reinterpret_cast<const char *>(bytes.data()), bytes.size());
+        return ReadTextFile(folder / std::filesystem::path(file));
     };
 }
 

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/files/archive_writer.h"
 #include "common/files/files.h"
+#include "common/text/text.h"
 
 #include <algorithm>
 #include <array>
@@ -139,7 +140,7 @@ void Planner::PlanModel(const std::string &name, const std::string &why) {
     if (EndsWith(name, ".md3"))
         shaders = ShadersOfMd3(*bytes);
     else if (EndsWith(name, ".skin"))
-        shaders = ShadersOfSkin({reinterpret_cast<const char *>(bytes->data()), bytes->size()});
+        shaders = ShadersOfSkin(AsText(*bytes));
     else
         log_.Warn("model format", "{}: shaders of this format are not known: see that they are in the package", name);
     for (const std::string &shader : shaders)

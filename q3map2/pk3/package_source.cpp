@@ -67,7 +67,7 @@ std::optional<std::string> PackageSource::ReadText(std::string_view name) const 
     const auto bytes = Read(name);
     if (!bytes)
         return std::nullopt;
-    return std::string(reinterpret_cast<const char *>(bytes->data()), bytes->size());
+    return std::string(AsText(*bytes));
 }
 
 std::vector<std::string> PackageSource::List(std::string_view folder, std::string_view extension) const {

@@ -2,6 +2,7 @@
 #include "q3map2/shader/shader_library.h"
 
 #include "common/error.h"
+#include "common/text/text.h"
 #include "q3map2/shader/image_size.h"
 #include "q3map2/shader/shader_color.h"
 #include "q3map2/shader/shader_parse.h"
@@ -20,10 +21,6 @@ namespace {
 constexpr int kDefaultImageSize = 64;
 constexpr std::string_view kDefaultImage = "*default", kMissingName = "missing", kNoShader = "noshader";
 constexpr std::uint32_t kSeeThrough = C_ALPHASHADOW | C_LIGHTFILTER;
-
-std::string Text(const std::vector<std::byte> &bytes) {
-    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
-}
 
 /// Whether direct light needs the image: the shader emits or transmits light.
 bool NeedsImage(const ShaderInfo &info) {
@@ -67,14 +64,15 @@ struct ShaderLibrary::State {
 };
 
 TextScanner ShaderLibrary::State::Open(std::string_view file, const std::vector<std::byte> &bytes) const {
-    return TextScanner(Text(bytes), std::string(file), [this](std::string_view name) -> std::optional<std::string> {
-        const auto included = vfs.Read(name);
-        if (!included) {
-            log.Warn("include not found", "$include {}: no such file", name);
-            return std::nullopt;
-        }
-        return Text(*included);
-    });
+    return TextScanner(std::string(AsText(bytes)), std::string(file),
+                       [this](std::string_view name) -> std::optional<std::string> {
+                           const auto included = vfs.Read(name);
+                           if (!included) {
+                               log.Warn("include not found", "$include {}: no such file", name);
+                               return std::nullopt;
+                           }
+                           return std::string(AsText(*included));
+                       });
 }
 
 /// Full names of the scripts to read, in order, each once.

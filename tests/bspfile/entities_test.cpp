@@ -21,8 +21,7 @@ Entity One(std::string key, std::string value) {
 }
 
 std::vector<Entity> StylesMap() {
-    const auto file = ReadFile(std::string(TEST_DATA) + "/bsp/editor_styles.map");
-    return ParseMapEntities({reinterpret_cast<const char *>(file.data()), file.size()}, "styles.map");
+    return ParseMapEntities(ReadTextFile(std::string(TEST_DATA) + "/bsp/editor_styles.map"), "styles.map");
 }
 
 std::string LumpError(std::string_view text) {

@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. The virtual file system.
 #include "common/files/vfs.h"
+#include "common/text/text.h"
 #include "tests/common/game_folder.h"
 
 #include <algorithm>
@@ -17,7 +18,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 std::string Text(const std::vector<std::byte> &bytes) {
-    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+    return std::string(AsText(bytes));
 }
 
 class Vfs : public testing::Test {

@@ -35,8 +35,7 @@ Bsp CompiledMapOf(std::string_view name, std::initializer_list<std::pair<std::st
     VirtualFileSystem vfs(out.log);
     vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
     const std::string file = fmt::format("{}/maps/{}.map", TEST_DATA, name);
-    const std::vector<std::byte> bytes = ReadFile(file);
-    return Compiled({reinterpret_cast<const char *>(bytes.data()), bytes.size()}, file, keys, vfs, out.log);
+    return Compiled(ReadTextFile(file), file, keys, vfs, out.log);
 }
 
 Bsp CompiledScene(const SceneBuilder &scene, VirtualFileSystem &vfs) {

@@ -30,11 +30,6 @@ std::vector<std::string> VectorNames() {
     return names;
 }
 
-std::string TextOf(const std::filesystem::path &path) {
-    const auto bytes = ReadFile(path);
-    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
-}
-
 class GridVectorTest : public testing::TestWithParam<std::string> {
   protected:
     void SetUp() override {
@@ -49,7 +44,8 @@ class GridVectorTest : public testing::TestWithParam<std::string> {
         ShaderLibrary library(vfs, game, options.shader, out_.log);
         const std::string map = (kVectors / "maps" / expected_.at("map").get<std::string>()).string();
         bsp_ = ReadBspFile(map + ".bsp", {}, out_.log);
-        const LightInputs inputs{GetParam(), ParseMapEntities(TextOf(map + ".map"), map), TextOf(map + ".srf")};
+        const LightInputs inputs{GetParam(), ParseMapEntities(ReadTextFile(map + ".map"), map),
+                                 ReadTextFile(map + ".srf")};
         CountAreaLights(inputs, options, library);
         LightmapOptions lightmap = ParseLightmapOptions(arguments, options, game, out_.log);
         lightmap.onlyGrid = true;

@@ -366,10 +366,6 @@ class LuxelVectorTest : public testing::TestWithParam<LuxelVector> {};
 TEST_P(LuxelVectorTest, GivesTheSameBytes) {
     const LuxelVector &vector = GetParam();
     const std::string data = TEST_DATA "/vectors", map = data + "/maps/" + vector.map;
-    const auto text = [](const std::string &file) {
-        const auto bytes = ReadFile(file);
-        return std::string(reinterpret_cast<const char *>(bytes.data()), bytes.size());
-    };
     std::istringstream in(vector.options);
     std::vector<std::string> words{std::istream_iterator<std::string>(in), {}};
     Arguments arguments(words);
@@ -381,7 +377,8 @@ TEST_P(LuxelVectorTest, GivesTheSameBytes) {
     vfs.Mount(data + "/baseq3", "pk3");
     ShaderLibrary library(vfs, game, options.shader, quiet.log);
     const Bsp bsp = ReadBspFile(map + ".bsp", {}, quiet.log);
-    const LightInputs inputs{vector.name, ParseMapEntities(text(map + ".map"), map), text(map + ".srf")};
+    const LightInputs inputs{vector.name, ParseMapEntities(ReadTextFile(map + ".map"), map),
+                             ReadTextFile(map + ".srf")};
     SurfaceDefaults defaults;
     defaults.sampleSize = lightmap.sampleSize;
     const LightSetup setup(bsp, inputs, options, defaults, library, quiet.log);

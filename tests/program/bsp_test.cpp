@@ -20,8 +20,7 @@ constexpr std::string_view kEntities = "{\n\"classname\" \"info_player_start\"\n
 
 /// A source of tests/data/maps.
 std::string MapSource(std::string_view name) {
-    const std::vector<std::byte> bytes = ReadFile(fs::path(TEST_DATA) / "maps" / name);
-    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+    return ReadTextFile(fs::path(TEST_DATA) / "maps" / name);
 }
 
 class BspTest : public ProgramTest {

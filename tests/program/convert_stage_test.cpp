@@ -8,11 +8,7 @@ namespace {
 
 class ConvertStageTest : public ProgramTest {
   protected:
-    static std::string FileText(const std::filesystem::path &path) {
-        const auto bytes = ReadFile(path);
-        return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
-    }
-    std::string Result() const { return FileText(maps_ / "demo_converted.map"); }
+    std::string Result() const { return ReadTextFile(maps_ / "demo_converted.map"); }
 };
 
 } // namespace
@@ -47,25 +43,25 @@ TEST_F(ConvertStageTest, ResultCompiles) {
 
 TEST_F(ConvertStageTest, WritesAseUnlessTold) {
     RunWell("-convert MAP");
-    EXPECT_TRUE(FileText(maps_ / "demo.ase").starts_with("*3DSMAX_ASCIIEXPORT"));
+    EXPECT_TRUE(ReadTextFile(maps_ / "demo.ase").starts_with("*3DSMAX_ASCIIEXPORT"));
 }
 
 TEST_F(ConvertStageTest, ModelsOfAMapSourceAreCompiledFirst) {
     const std::string source = Map(".map").string();
     std::filesystem::remove(maps_ / "demo.bsp");
     RunWell("-convert -format obj -readmap -meta " + source);
-    const std::string obj = FileText(maps_ / "demo.obj");
+    const std::string obj = ReadTextFile(maps_ / "demo.obj");
     EXPECT_NE(obj.find("mtllib demo.mtl"), std::string::npos);
     EXPECT_NE(obj.find("\nf "), std::string::npos);
-    EXPECT_NE(FileText(maps_ / "demo.mtl").find("newmtl "), std::string::npos);
+    EXPECT_NE(ReadTextFile(maps_ / "demo.mtl").find("newmtl "), std::string::npos);
     EXPECT_FALSE(std::filesystem::exists(maps_ / "demo.bsp"));
 }
 
 TEST_F(ConvertStageTest, LightmapCoordinatesAndShaderNames) {
     RunWell("-convert -format obj -lightmapastexcoord MAP");
-    EXPECT_NE(FileText(maps_ / "demo.mtl").find("no_lightmap"), std::string::npos);
+    EXPECT_NE(ReadTextFile(maps_ / "demo.mtl").find("no_lightmap"), std::string::npos);
     RunWell("-convert -format obj -shaderasbitmap MAP");
-    EXPECT_EQ(FileText(maps_ / "demo.mtl").find("map_Kd ../"), std::string::npos);
+    EXPECT_EQ(ReadTextFile(maps_ / "demo.mtl").find("map_Kd ../"), std::string::npos);
 }
 
 TEST_F(ConvertStageTest, UnknownFormatNamesTheNearest) {

@@ -26,12 +26,8 @@ class FailureTest : public ProgramTest {
         std::memcpy(file.data() + at, &value, 4);
         ReplaceFile(Map(".bsp"), file);
     }
-    std::string Text(const std::filesystem::path &path) {
-        const auto bytes = ReadFile(path);
-        return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
-    }
     void ReplaceInShader(std::string_view from, std::string_view to) {
-        std::string text = Text(game_ / "scripts/demo.shader");
+        std::string text = ReadTextFile(game_ / "scripts/demo.shader");
         const std::size_t at = text.find(from);
         ASSERT_NE(at, std::string::npos);
         Overwrite(game_ / "scripts/demo.shader", text.replace(at, from.size(), to));
@@ -119,7 +115,7 @@ TEST_F(FailureTest, CorruptLumps) {
 TEST_F(FailureTest, JsonFolderWithAMissingOrDamagedFile) {
     RunWell("-json -unpack MAP");
     const auto planes = Map("") / "planes.json";
-    const std::string text = Text(planes);
+    const std::string text = ReadTextFile(planes);
     Overwrite(planes, text.substr(0, text.size() / 2));
     ExpectError("-json -pack MAP", "planes.json");
     std::filesystem::remove(planes);
@@ -138,7 +134,7 @@ TEST_F(FailureTest, SurfaceFileOfAnotherMap) {
 }
 
 TEST_F(FailureTest, MapSourceWithUnbalancedBraces) {
-    const std::string text = Text(Map(".map"));
+    const std::string text = ReadTextFile(Map(".map"));
     Overwrite(Map(".map"), text + "{\n\"classname\" \"light\"\n");
     ExpectError("-light MAP", "demo.map");
     Overwrite(Map(".map"), text + "}\n");
@@ -195,7 +191,7 @@ TEST_F(FailureTest, FolderWhereAFileMustGo) {
 TEST_F(FailureTest, ArchiveWithADamagedEntryIsAWarning) {
     const std::string shader = "textures/demo/extra\n{\n\tq3map_surfacelight 5\n}\n";
     folder_.WriteArchive("base/baseq3/broken.pk3", {{"scripts/extra.shader", shader}}, 0);
-    std::string archive = Text(game_ / "broken.pk3");
+    std::string archive = ReadTextFile(game_ / "broken.pk3");
     const std::size_t at = archive.find(shader);
     ASSERT_NE(at, std::string::npos);
     archive[at + 5] = '!';

@@ -17,10 +17,7 @@ using testing::Not;
 
 class ReportTest : public ProgramTest {
   protected:
-    std::string File(std::string_view name) const {
-        const auto bytes = ReadFile(maps_ / name);
-        return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
-    }
+    std::string File(std::string_view name) const { return ReadTextFile(maps_ / name); }
     std::string Path(std::string_view name) const { return (maps_ / name).string(); }
 };
 

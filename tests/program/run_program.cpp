@@ -68,8 +68,7 @@ Bsp CompiledDemo(const std::filesystem::path &game) {
     const Game &rules = *FindGame("quake3");
     ShaderLibrary library(vfs, rules, {}, quiet.log);
     const BspContext context{options, rules, library, quiet.log, &vfs};
-    const std::vector<std::byte> bytes = ReadFile(game / "maps/demo.map");
-    Map map = ReadMap({reinterpret_cast<const char *>(bytes.data()), bytes.size()}, "demo.map", context);
+    Map map = ReadMap(ReadTextFile(game / "maps/demo.map"), "demo.map", context);
     return CompileMap(map, context).bsp;
 }
 

@@ -19,8 +19,7 @@ namespace {
 using testing::HasSubstr;
 
 std::string FileText(const std::string &path) {
-    const auto bytes = ReadFile(std::filesystem::path(SOURCE) / path);
-    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+    return ReadTextFile(std::filesystem::path(SOURCE) / path);
 }
 
 /// To write them again: q3map2 -help markdown > docs/options.md, and so on.

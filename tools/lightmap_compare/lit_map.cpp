@@ -54,8 +54,7 @@ std::map<std::string, int> PagesOfShaders(const std::filesystem::path &script, s
     std::error_code ignored;
     if (!std::filesystem::exists(script, ignored))
         return result;
-    const std::vector<std::byte> file = ReadFile(script);
-    TextScanner scanner(std::string(reinterpret_cast<const char *>(file.data()), file.size()), script.string());
+    TextScanner scanner(ReadTextFile(script), script.string());
     const std::string prefix = fmt::format("maps/{}/lm_", mapName);
     std::string token, shader;
     int depth = 0;

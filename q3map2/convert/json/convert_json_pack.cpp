@@ -74,8 +74,7 @@ class Packer {
     // People edit the pairs: the text is used only if it parses to the same ones.
     void ReadEntityText(const std::vector<Entity> &entities) {
         const fs::path path = folder_ / kJsonEntityText;
-        const std::vector<std::byte> file = ReadFile(path);
-        std::string text(reinterpret_cast<const char *>(file.data()), file.size());
+        std::string text = ReadTextFile(path);
         if (text.find('\0') != text.npos)
             throw Error("{}: expected text without NUL bytes", path.string());
         std::vector<Entity> parsed;

@@ -46,8 +46,7 @@ MeshLightmaps::MeshLightmaps(const Bsp &bsp, const std::filesystem::path &bspPat
 
 /// The first image of a lightmap that a shader draws counts: those of light styles come after it.
 void MeshLightmaps::ReadScript(const std::filesystem::path &script) {
-    const std::vector<std::byte> bytes = ReadFile(script);
-    TextScanner scanner({reinterpret_cast<const char *>(bytes.data()), bytes.size()}, script.string());
+    TextScanner scanner(ReadTextFile(script), script.string());
     int depth = 0;
     std::string shader;
     for (std::string word; scanner.Next(word);) {

@@ -19,8 +19,9 @@ struct PlanePoints {
 std::string PointText(const Vec3d &p);
 /// The plane through three points of map text; a zero normal when they are in one line.
 Plane PlaneThrough(const std::array<Vec3d, 3> &points);
-/// Points whose plane, stored as float as readers do, is the given one, which must be stored so too: corners of the winding if they will do with few digits, else
-/// points 256 game units apart with as many as it takes. `winding` may be empty.
+/// Points whose plane, stored as float as readers do, is the given one, which must be stored so too: corners of the
+/// winding if they will do with few digits, else points 256 game units apart with as many as it takes. `winding` may be
+/// empty.
 PlanePoints PointsOfPlane(const Plane &plane, std::span<const Vec3d> winding);
 
 } // namespace q3

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Shader replacements of models: skin files and _remap keys.
 #include "q3map2/geometry/models/model_skin.h"
 
+#include "common/text/text.h"
 #include "common/text/text_scan.h"
 #include "q3map2/bspfile/object_keys.h"
 #include "q3map2/shader/shader_table.h"
@@ -61,7 +62,7 @@ std::optional<std::vector<Replacement>> SkinOf(const MapEntity &entity, std::str
         context.log.Warn("skin not found", "{}: the skin file {} cannot be read", entity.MessagePrefix(), name);
         return {};
     }
-    return ReadSkin({reinterpret_cast<const char *>(bytes->data()), bytes->size()});
+    return ReadSkin(AsText(*bytes));
 }
 
 /// The _remap keys of the entity as replacements: those with the longest `from` first, "*" last.
