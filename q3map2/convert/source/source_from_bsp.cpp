@@ -150,7 +150,7 @@ void Decompiler::WriteOriginBrush(const Vec3d &origin) {
     writer_.WriteBrush(-1, sides);
 }
 
-/// Of all sides.
+/// Those of all its sides together.
 std::uint32_t Decompiler::CompileFlagsOf(std::size_t brush) const {
     const bspBrush_t &record = bsp_.brushes[brush];
     std::uint32_t flags = 0;

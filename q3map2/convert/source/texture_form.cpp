@@ -39,7 +39,7 @@ std::array<int, 2> SizeOf(const GeometryDirectives &shader) {
     return {shader.textureWidth, shader.textureHeight};
 }
 
-/// Without offsets, which OffsetBy adds; so are the next ones.
+/// Numbers of brush primitives, with offsets of 0: Rounded chooses them. The same below.
 std::vector<FormNumber> MatrixNumbers(const TextureRequest &request) {
     const ProjectionAxes axes = MatrixAxes(request.normal);
     std::vector<FormNumber> numbers;
@@ -51,7 +51,7 @@ std::vector<FormNumber> MatrixNumbers(const TextureRequest &request) {
     return numbers;
 }
 
-/// Empty without extent, as the next one.
+/// Empty for a texture without extent. The same below.
 std::vector<FormNumber> ValveNumbers(const TextureRequest &request) {
     const std::array<int, 2> size = SizeOf(request.shader);
     std::vector<FormNumber> numbers, scales;
@@ -120,7 +120,7 @@ double CoordinateAt(const std::array<double, 4> &row, const Vec3d &p) {
     return Dot(Vec3d{row[0], row[1], row[2]}, p) + row[3];
 }
 
-/// Largest difference at a corner, texels. The classic form keeps no whole images.
+/// Largest difference at a corner, texels. `wraps`: apart from a whole number of images, which the classic form drops.
 double Difference(const TextureProjection &a, const TextureRequest &request, bool wraps) {
     double largest = 0;
     const std::array<int, 2> size = SizeOf(request.shader);
