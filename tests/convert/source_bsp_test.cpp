@@ -126,6 +126,17 @@ TEST_F(SourceBspTest, CompilesToTheSameMapAgain) {
     }
 }
 
+/// Two detail brushes with the same shader share a part of the plane x = 200, each with its own texture.
+TEST_F(SourceBspTest, FacesThatOverlapKeepTheirOwnTexture) {
+    std::string text = RoomText();
+    const std::size_t at = text.find("{\npatchDef2");
+    text.insert(at, Box({180, 150, 20}, {200, 170, 60}, "pillar", 0x8000000, "3 0 0 0.5 0.5") +
+                        Box({150, 140, 22}, {200, 280, 240}, "pillar", 0x8000000, "40 16 90 0.25 0.5"));
+    const Bsp before = Compiled(text);
+    for (const MapForm form : kAllForms)
+        ExpectNear(VertsOf(before, MST_PLANAR), VertsOf(Compiled(Source(before, {.form = form})), MST_PLANAR));
+}
+
 TEST_F(SourceBspTest, DetailAndOriginBrushesComeBack) {
     const std::string text = Source(Compiled(RoomText()), {.form = MapForm::Classic});
     const Map map = Read(text);

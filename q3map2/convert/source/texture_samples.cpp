@@ -22,6 +22,8 @@ constexpr double kMoved = 2;
 constexpr double kSameDirection = 0.9;
 /// Smaller parts of a side are touched by a triangle beside it, not covered. Square game units.
 constexpr double kLeastArea = 1e-3;
+/// A triangle of which the side has this share is inside it: rounded vertices may lie a little outside.
+constexpr double kInside = 0.99;
 /// Triangles that cover less of a side, of what the best one covers, do not help to fit its projection.
 constexpr double kLeastShare = 0.01;
 /// Corners may be so far off a projection that other triangles gave. Texels.
@@ -169,7 +171,9 @@ void TextureSamples::Add(const Bsp &bsp, const bspDrawSurface_t &surface, const 
             triangle.box.Add(triangle.xyz[k]);
         }
         const auto &[a, b, c] = triangle.xyz;
-        triangle.normal = Normalize(Cross(c - a, b - a));
+        const Vec3d across = Cross(c - a, b - a);
+        triangle.normal = Normalize(across);
+        triangle.area = Length(across) / 2;
         if (Dot(triangle.normal, facing) < 0)
             triangle.normal = -triangle.normal;
         const bool usable = std::ranges::all_of(
@@ -179,7 +183,7 @@ void TextureSamples::Add(const Bsp &bsp, const bspDrawSurface_t &surface, const 
     }
 }
 
-/// Most of the side first.
+/// Triangles inside the side first, as faces of other brushes may overlap it in its plane; then by area.
 std::vector<TextureSamples::Cover> TextureSamples::Covering(std::span<const Triangle> triangles, const Plane &plane,
                                                             const Winding<double> &winding, double farthest) const {
     const Boundsd box = WindingBounds(winding);
@@ -198,9 +202,10 @@ std::vector<TextureSamples::Cover> TextureSamples::Covering(std::span<const Tria
             ChopPolygon(part, {inward, Dot(inward, a)}, epsilon_);
         }
         if (const double area = WindingArea(part); area > kLeastArea)
-            covers.push_back({&triangle, area});
+            covers.push_back({&triangle, area, area > kInside * triangle.area});
     }
-    std::ranges::stable_sort(covers, std::ranges::greater{}, &Cover::area);
+    std::ranges::stable_sort(
+        covers, [](const Cover &a, const Cover &b) { return a.isInside != b.isInside ? a.isInside : a.area > b.area; });
     return covers;
 }
 
@@ -216,7 +221,7 @@ std::optional<TextureProjection> TextureSamples::Find(std::string_view shader, c
     std::optional<TextureProjection> best;
     for (const Cover &cover : covers) {
         if (cover.area < kLeastShare * covers.front().area)
-            break;
+            continue;
         std::vector<Corner> more;
         std::array<double, 2> whole{};
         for (std::size_t i = 0; i < 2 && best; ++i)

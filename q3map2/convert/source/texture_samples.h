@@ -36,12 +36,14 @@ class TextureSamples {
         std::array<Vec3d, 3> xyz;
         std::array<std::array<double, 2>, 3> st;
         Vec3d normal; ///< unit
+        double area;  ///< square game units
         Boundsd box;
     };
-    /// A triangle and the area of the side that it covers.
+    /// A triangle that covers a part of a side.
     struct Cover {
         const Triangle *triangle;
-        double area;
+        double area;   ///< of that part
+        bool isInside; ///< no part of the triangle is outside of the side, as with triangles that were made of it
     };
     void Add(const Bsp &bsp, const bspDrawSurface_t &surface, const GeometryDirectives &directives);
     std::vector<Cover> Covering(std::span<const Triangle> triangles, const Plane &plane, const Winding<double> &winding,
