@@ -27,6 +27,22 @@ std::string Box(const Vec3d &mins, const Vec3d &maxs, std::string_view shader, i
            side({0, 0, M.z}, {0, 1, M.z}, {1, 0, M.z}) + side({0, 0, m.z}, {1, 0, m.z}, {0, 1, m.z}) + "}\n";
 }
 
+/// A detail prism over a polygon in the plane of x and z, counterclockwise, between two distances along y.
+std::string Prism(const std::vector<std::array<double, 2>> &corners, double front, double back) {
+    const auto side = [](const Vec3d &a, const Vec3d &b, const Vec3d &c) {
+        return fmt::format("( {} {} {} ) ( {} {} {} ) ( {} {} {} ) slope 3 4 15 0.5 0.6 134217728 0 0\n", a.x, a.y, a.z,
+                           b.x, b.y, b.z, c.x, c.y, c.z);
+    };
+    std::string text = "{\n";
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const auto &[x, z] = corners[i];
+        const auto &[x2, z2] = corners[(i + 1) % corners.size()];
+        text += side({x, 0, z}, {x2, 0, z2}, {x, 1, z});
+    }
+    return text + side({0, front, 0}, {0, front, 1}, {1, front, 0}) + side({0, back, 0}, {1, back, 0}, {0, back, 1}) +
+           "}\n";
+}
+
 /// A closed room with a structural and a detail pillar, a slanted detail wedge, a patch and a door about its origin.
 std::string RoomText() {
     std::string text = "{\n\"classname\" \"worldspawn\"\n\"message\" \"room\"\n";
@@ -135,6 +151,30 @@ TEST_F(SourceBspTest, FacesThatOverlapKeepTheirOwnTexture) {
     const Bsp before = Compiled(text);
     for (const MapForm form : kAllForms)
         ExpectNear(VertsOf(before, MST_PLANAR), VertsOf(Compiled(Source(before, {.form = form})), MST_PLANAR));
+}
+
+/// A corner of the second prism lies on a slanted edge of the first, and 1/8 game unit rounding moves it off the edge:
+/// the vertex that the T-junction adds there has the coordinates of a point on the edge.
+TEST_F(SourceBspTest, VerticesAtTJunctionsDoNotBendTextures) {
+    std::string text = RoomText();
+    text.insert(text.find("{\npatchDef2"), Prism({{356, 40}, {364.882, 40}, {356, 55.1}}, 150, 154) +
+                                               Prism({{364.882, 40}, {371, 40}, {361.592, 45.593}}, 150, 154));
+    const Bsp before = Compiled(text);
+    for (const MapForm form : {MapForm::Classic, MapForm::Valve}) // primitives look along other axes
+        ExpectNear(VertsOf(before, MST_PLANAR), VertsOf(Compiled(Source(before, {.form = form})), MST_PLANAR));
+}
+
+/// A compiler moves axial sides to the front and puts missing ones between: which vertex a face begins with, and so
+/// how it is divided into triangles, depends on the order of sides.
+TEST_F(SourceBspTest, SidesKeepTheirOrder) {
+    std::string text = RoomText();
+    text.insert(text.find("{\npatchDef2"), Prism({{356, 40}, {390, 44}, {395, 60}, {381, 81}, {360, 77}}, 150, 190));
+    const Bsp before = Compiled(text), after = Compiled(Source(before, {.form = MapForm::Valve}));
+    ASSERT_EQ(after.brushSides.size(), before.brushSides.size());
+    for (std::size_t i = 0; i < before.brushSides.size(); ++i)
+        EXPECT_EQ(after.planes[std::size_t(after.brushSides[i].planeNum)].normal,
+                  before.planes[std::size_t(before.brushSides[i].planeNum)].normal)
+            << "side " << i;
 }
 
 TEST_F(SourceBspTest, DetailAndOriginBrushesComeBack) {

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace q3 {
 
@@ -19,6 +21,24 @@ bool IsInWorld(const Winding<double> &winding) {
     return std::ranges::all_of(winding, [](const Vec3d &p) {
         return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kMaxWorldCoord;
     });
+}
+
+/// Numbers of the sides with a name, in an order that a compiler turns into the stored one. It puts axial sides at
+/// places 0 to 5, each exchanged with the side in that place; those that are missing it adds at the end first.
+std::vector<std::size_t> SourceOrderOfSides(const Bsp &bsp, const bspBrush_t &brush) {
+    constexpr std::size_t kAxialSides = 6;
+    std::vector<std::size_t> order(std::size_t(brush.numSides));
+    std::iota(order.begin(), order.end(), std::size_t(brush.firstSide));
+    const auto isBevel = [&](std::size_t side) { return IsUnnamed(SideShader(bsp, side)); };
+    while (order.size() > kAxialSides && isBevel(order.back()))
+        order.pop_back();
+    for (std::size_t place = std::min(kAxialSides, order.size()); place-- > 0;)
+        if (isBevel(order[place])) {
+            std::swap(order[place], order.back());
+            order.pop_back();
+        }
+    std::erase_if(order, isBevel);
+    return order;
 }
 
 bool AreOpposite(const Plane &a, const Plane &b) {
@@ -43,14 +63,15 @@ bool IsModelClip(const Bsp &bsp, const bspBrush_t &brush) {
 }
 
 std::vector<RebuiltSide> RebuildBrush(const Bsp &bsp, const bspBrush_t &brush) {
-    const bool all = IsModelClip(bsp, brush);
+    std::vector<std::size_t> numbers = SourceOrderOfSides(bsp, brush);
+    if (IsModelClip(bsp, brush)) {
+        numbers.resize(std::size_t(brush.numSides));
+        std::iota(numbers.begin(), numbers.end(), std::size_t(brush.firstSide));
+    }
     std::vector<RebuiltSide> sides;
-    for (std::int32_t i = 0; i < brush.numSides; ++i) {
-        const std::size_t number = std::size_t(brush.firstSide + i);
-        const std::string_view name = SideShader(bsp, number);
-        const bspPlane_t &plane = bsp.planes[std::size_t(bsp.brushSides[number].planeNum)];
-        if (all || !IsUnnamed(name))
-            sides.push_back({name, {Vec3d(plane.normal), double(plane.dist)}, {}});
+    for (const std::size_t i : numbers) {
+        const bspPlane_t &plane = bsp.planes[std::size_t(bsp.brushSides[i].planeNum)];
+        sides.push_back({SideShader(bsp, i), {Vec3d(plane.normal), double(plane.dist)}, {}});
     }
     for (RebuiltSide &side : sides) {
         side.winding = BaseWinding(side.plane);

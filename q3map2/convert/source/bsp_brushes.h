@@ -22,8 +22,8 @@ bool IsUnnamed(std::string_view shader);
 std::string_view SideShader(const Bsp &bsp, std::size_t i);
 /// A brush that the compiler made to clip a model: at most one side has a name.
 bool IsModelClip(const Bsp &bsp, const bspBrush_t &brush);
-/// The sides of a brush without bevels, with their polygons. Of model clip all sides count, of others those with a
-/// name. Empty when they enclose nothing or reach out of the world.
+/// The sides of a brush without bevels, with their polygons, in an order that compiles to that of the .bsp. Of model
+/// clip all sides count, of others those with a name. Empty when they enclose nothing or reach out of the world.
 std::vector<RebuiltSide> RebuildBrush(const Bsp &bsp, const bspBrush_t &brush);
 /// For each brush whether a leaf that is not solid holds it: structural solids lie in solid leafs only.
 std::vector<bool> BrushesInTheOpen(const Bsp &bsp);

@@ -187,7 +187,10 @@ void Decompiler::WriteBrush(std::size_t brush, std::size_t model, const Vec3d &o
     std::vector<RebuiltSide> sides = RebuildBrush(bsp_, record);
     // The contents of a brush are those of its first side, unless a later one is a liquid, fog or clip.
     const std::string_view contents = FieldName(bsp_.shaders[std::size_t(record.shaderNum)].shader);
-    std::ranges::stable_partition(sides, [&](const RebuiltSide &side) { return EqualNoCase(side.shader, contents); });
+    const auto first =
+        std::ranges::find_if(sides, [&](const RebuiltSide &side) { return EqualNoCase(side.shader, contents); });
+    if (first != sides.end())
+        std::swap(sides.front(), *first);
     if (sides.empty()) {
         context_.log.Warn("brush without volume", "{}: brush {} encloses nothing or leaves the world: it is left out",
                           name_, brush);

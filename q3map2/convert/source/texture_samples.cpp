@@ -26,14 +26,37 @@ constexpr double kLeastArea = 1e-3;
 constexpr double kInside = 0.99;
 /// Triangles that cover less of a side, of what the best one covers, do not help to fit its projection.
 constexpr double kLeastShare = 0.01;
-/// Corners may be so far off a projection that other triangles gave. Texels.
-constexpr double kSameProjection = 0.1;
+/// Corners may be so far off a projection that other triangles gave: texels, and game units of the texture.
+constexpr double kSameProjection = 0.1, kSameProjectionUnits = 2 * kRounded;
 
 /// A vertex with texture coordinates without whole images between surfaces.
 struct Corner {
     Vec3d xyz;
     std::array<double, 2> st;
+    double trust = 1; ///< weight in fits
 };
+
+bool IsBetween(const Vec3d &p, const Vec3d &a, const Vec3d &b) {
+    const Vec3d edge = b - a;
+    const double length = Length(edge), along = Dot(p - a, edge) / std::max(length, kRounded);
+    return along > kRounded && along < length - kRounded && Length(Cross(p - a, edge)) < kRounded * length;
+}
+
+/// Trusts corners of the side most, and vertices between two others least: those were put in at T-junctions, where the
+/// coordinates are those of a point beside the vertex.
+void SetTrust(std::vector<Corner> &corners, const Winding<double> &winding) {
+    constexpr double kClipped = 0.1, kBetween = 1e-3;
+    for (Corner &corner : corners) {
+        const auto isThere = [&](const Vec3d &p) { return Length(p - corner.xyz) < kRounded; };
+        const auto isBetweenOthers = [&] {
+            return std::ranges::any_of(corners, [&](const Corner &a) {
+                return std::ranges::any_of(corners,
+                                           [&](const Corner &b) { return IsBetween(corner.xyz, a.xyz, b.xyz); });
+            });
+        };
+        corner.trust = std::ranges::any_of(winding, isThere) ? 1 : isBetweenOthers() ? kBetween : kClipped;
+    }
+}
 
 /// The projection along the axes that fits the corners best in the sense of weighted least squares. Nothing when they
 /// are in one line.
@@ -81,6 +104,13 @@ double Misfit(const TextureProjection &projection, const Corner &corner, const G
                     std::abs(At(projection, 1, corner.xyz) - corner.st[1]) * shader.textureHeight);
 }
 
+double TexelsPerUnit(const TextureProjection &projection, const GeometryDirectives &shader) {
+    const auto length = [&](std::size_t i) {
+        return Length(Vec3d{projection.vecs[i][0], projection.vecs[i][1], projection.vecs[i][2]});
+    };
+    return std::max(length(0) * shader.textureWidth, length(1) * shader.textureHeight);
+}
+
 double LargestMisfit(const TextureProjection &projection, std::span<const Corner> corners,
                      const GeometryDirectives &shader) {
     double largest = 0;
@@ -100,7 +130,9 @@ struct Fit {
 Fit RobustFit(std::span<const Corner> corners, const ProjectionAxes &axes, const GeometryDirectives &shader) {
     constexpr int kSteps = 16;
     constexpr double kExact = 1e-4; // texels
-    std::vector<double> weights(corners.size(), 1);
+    std::vector<double> weights;
+    for (const Corner &corner : corners)
+        weights.push_back(corner.trust);
     Fit best;
     for (int step = 0; step < kSteps; ++step) {
         const auto fitted = Fitted(corners, weights, axes);
@@ -109,8 +141,8 @@ Fit RobustFit(std::span<const Corner> corners, const ProjectionAxes &axes, const
         double sum = 0, largest = 0;
         for (std::size_t i = 0; i < corners.size(); ++i) {
             const double misfit = Misfit(*fitted, corners[i], shader);
-            sum += misfit, largest = std::max(largest, misfit);
-            weights[i] = 1 / std::max(misfit, kExact);
+            sum += corners[i].trust * misfit, largest = std::max(largest, misfit);
+            weights[i] = corners[i].trust / std::max(misfit, kExact);
         }
         if (!best.projection || sum < best.misfit)
             best = {fitted, sum};
@@ -226,14 +258,19 @@ std::optional<TextureProjection> TextureSamples::Find(std::string_view shader, c
         std::array<double, 2> whole{};
         for (std::size_t i = 0; i < 2 && best; ++i)
             whole[i] = std::round(At(*best, i, cover.triangle->xyz[0]) - cover.triangle->st[0][i]);
-        for (std::size_t k = 0; k < 3; ++k)
-            more.push_back(
-                {cover.triangle->xyz[k], {cover.triangle->st[k][0] + whole[0], cover.triangle->st[k][1] + whole[1]}});
-        if (best && LargestMisfit(*best, more, directives) > kSameProjection)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto &[s, t] = cover.triangle->st[k];
+            more.push_back({cover.triangle->xyz[k], {s + whole[0], t + whole[1]}});
+        }
+        if (best && LargestMisfit(*best, more, directives) >
+                        kSameProjection + kSameProjectionUnits * TexelsPerUnit(*best, directives))
             continue;
         corners.insert(corners.end(), more.begin(), more.end());
         constexpr std::size_t kManyCorners = 60; // the fit is settled
-        if (const auto fit = corners.size() <= kManyCorners ? BestFit(corners, plane.normal, directives) : best)
+        if (corners.size() > kManyCorners)
+            break;
+        SetTrust(corners, winding);
+        if (const auto fit = BestFit(corners, plane.normal, directives))
             best = fit;
         else if (!best)
             corners.clear();
