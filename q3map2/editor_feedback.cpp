@@ -9,6 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <condition_variable>
@@ -16,6 +17,7 @@
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 
 namespace q3 {
 
@@ -46,6 +48,17 @@ std::optional<sockaddr_in> AddressFrom(std::string_view text) {
     return address;
 }
 
+/// Text of one level, or a mark.
+struct LogEntry {
+    LogLevel level = LogLevel::Normal;
+    std::string text;
+    std::optional<LogMark> mark;
+
+    std::vector<std::string> Payloads() const {
+        return mark ? MarkPayloads(level, text, *mark) : MessagePayloads(level, text);
+    }
+};
+
 /// Queues what is logged; a thread of its own connects and sends, so that no editor can hold up the compile.
 class Connection {
   public:
@@ -64,38 +77,37 @@ class Connection {
 
     void Write(LogLevel level, std::string_view text) {
         const std::lock_guard lock(mutex_);
-        if (level != level_)
+        if (level != pending_.level)
             Flush();
-        level_ = level;
-        text_ += text;
-        if (text_.size() > kFlushBytes)
+        pending_.level = level;
+        pending_.text += text;
+        if (pending_.text.size() > kFlushBytes)
             Flush();
     }
 
     void Write(LogLevel level, std::string_view text, const LogMark &mark) {
         const std::lock_guard lock(mutex_);
         Flush();
-        Queue(MarkPayloads(level, text, mark));
+        Queue({level, std::string(text), mark});
     }
 
   private:
     // With the mutex held.
     void Flush() {
-        if (!text_.empty())
-            Queue(MessagePayloads(level_, text_));
-        text_.clear();
+        if (!pending_.text.empty())
+            Queue(std::exchange(pending_, {}));
     }
-    void Queue(const std::vector<std::string> &payloads) {
+    void Queue(LogEntry entry) {
         if (!gone_)
-            queue_.insert(queue_.end(), payloads.begin(), payloads.end());
+            queue_.push_back(std::move(entry));
         wake_.notify_one();
     }
 
     void Run(const sockaddr_in &address) {
         const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-        if (socket >= 0 && Connect(socket, address))
-            while (const auto payload = NextPayload())
-                if (!Send(socket, *payload))
+        if (socket >= 0 && Connect(socket, address) && Send(socket, kFeedbackRoot))
+            while (const auto entry = NextEntry())
+                if (!std::ranges::all_of(entry->Payloads(), [&](const auto &p) { return Send(socket, p); }))
                     break;
         if (socket >= 0)
             close(socket);
@@ -116,16 +128,16 @@ class Connection {
     }
 
     /// Empty: the run has ended, and all is sent.
-    std::optional<std::string> NextPayload() {
+    std::optional<LogEntry> NextEntry() {
         std::unique_lock lock(mutex_);
         while (queue_.empty() && !ended_)
             if (wake_.wait_for(lock, kFlushDelay) == std::cv_status::timeout)
                 Flush();
         if (queue_.empty())
             return {};
-        std::string payload = std::move(queue_.front());
+        LogEntry entry = std::move(queue_.front());
         queue_.pop_front();
-        return payload;
+        return entry;
     }
 
     /// Length and payload in one call: editors take a message that arrives in parts for the end of the stream.
@@ -163,9 +175,8 @@ class Connection {
 
     std::mutex mutex_;
     std::condition_variable wake_;
-    std::deque<std::string> queue_{std::string(kFeedbackRoot)};
-    LogLevel level_ = LogLevel::Normal;
-    std::string text_;                       ///< not yet queued
+    std::deque<LogEntry> queue_;
+    LogEntry pending_;                       ///< text that may grow
     bool gone_ = false;                      ///< nobody there
     std::optional<Clock::time_point> ended_; ///< when the run ended
     Clock::time_point progress_;             ///< last message sent, or end of the run

@@ -42,7 +42,9 @@ std::vector<EditorBuild> EditorBuilds(std::span<const std::string_view> presets)
     for (const std::string_view preset : presets)
         builds.push_back(GridBuild(preset));
     builds[first].opensGroup = true;
-    builds.push_back({.label = "Leak test", .steps = {"-bsp -leaktest"}, .opensGroup = true});
+    builds.push_back({.label = "Geometry alone, to find leaks",
+                      .steps = {fmt::format("-bsp -preset {} -leaktest", presets.front())},
+                      .opensGroup = true});
     builds.push_back({.label = "Entities only", .steps = {"-bsp -onlyents"}});
     builds.push_back({.label = "Package (pk3)", .steps = {R"(-pk3 -basepak "pak*.pk3")"}, .needsMap = false});
     return builds;

@@ -60,8 +60,8 @@ std::string BuildMenu(const std::vector<EditorBuild> &builds, const Game &game) 
 }
 
 std::string ProjectTemplate(const std::vector<EditorBuild> &builds, const Game &game, int templateVersion) {
-    std::string text = fmt::format(
-        "<?xml version=\"1.0\"?>\n<!DOCTYPE project SYSTEM \"dtds/project.dtd\">\n<!-- {} -->\n<project>\n", kOrigin);
+    // No comment: the editor expects the root right after the type.
+    std::string text = "<?xml version=\"1.0\"?>\n<!DOCTYPE project SYSTEM \"dtds/project.dtd\">\n<project>\n";
     const auto key = [&](std::string_view name, std::string_view value) {
         text += fmt::format("<key name=\"{}\" value=\"{}\"/>\n", XmlText(name), XmlText(value));
     };
