@@ -18,8 +18,8 @@ struct EditorBuild {
 };
 
 /// Global options that editors put before those of a step.
-inline constexpr std::array<std::string_view, 6> kEditorOptions{"-connect",     "-game",    "-fs_basepath",
-                                                                "-fs_homepath", "-fs_game", "-fs_pakpath"};
+inline constexpr std::array<std::string_view, 7> kEditorOptions{
+    "-connect", "-game", "-fs_basepath", "-fs_basegame", "-fs_homepath", "-fs_game", "-fs_pakpath"};
 
 /// Whether a step takes the map source; the others take the .bsp.
 bool ReadsMapSource(std::string_view step);

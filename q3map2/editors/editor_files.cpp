@@ -78,7 +78,7 @@ std::string ProjectTemplate(const std::vector<EditorBuild> &builds, const Game &
         std::vector<std::string> commands; // $: the map; #: -connect and the address; !: nothing
         for (const std::string &step : build.steps)
             commands.push_back(fmt::format("! \"$TEMPLATEapppath$TEMPLATEq3map2\" # -game {} -fs_basepath "
-                                           "\"$TEMPLATEenginepath\" {} $",
+                                           "\"$TEMPLATEenginepath\" -fs_basegame \"$TEMPLATEbasedir\" {} $",
                                            game.name, step));
         key("bsp_" + build.label, fmt::format("{}", fmt::join(commands, " && ")));
     }

@@ -68,6 +68,7 @@ TEST_F(EditorFiles, ProjectValuesFitTheEditorsBuffer) {
         value = Replaced(value.substr(0, value.rfind('"')), "&quot;", "\"");
         value = Replaced(Replaced(value, "&amp;", "&"), "$TEMPLATEapppath", path);
         value = Replaced(Replaced(value, "$TEMPLATEenginepath", path), "$TEMPLATEq3map2", "x64/q3map2");
+        value = Replaced(value, "$TEMPLATEbasedir", "baseq3/");
         EXPECT_EQ(value.find("TEMPLATE"), std::string::npos) << value;
         EXPECT_LT(value.size(), 1024u) << value;
         EXPECT_FALSE(value.ends_with("&&"));
