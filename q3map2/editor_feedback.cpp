@@ -1,13 +1,8 @@
 // GPL-2.0-or-later. Sends the log of a compile to an editor (-connect).
 #include "q3map2/editor_feedback.h"
 
+#include "common/platform/socket.h"
 #include "q3map2/editors/feedback_xml.h"
-
-#include <arpa/inet.h>
-#include <netinet/tcp.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -32,20 +27,16 @@ constexpr std::chrono::seconds kLastWait{1};       ///< at the end: for an edito
 constexpr std::chrono::seconds kLongestWait{5};    ///< at the end, in all
 constexpr std::chrono::milliseconds kPollTime{20}; ///< between looks at the clock
 
-std::optional<sockaddr_in> AddressFrom(std::string_view text) {
-    const std::size_t colon = text.rfind(':');
+/// Begins to connect to "a.b.c.d:port". Null: it is no address.
+std::unique_ptr<Socket> ConnectTo(std::string_view address) {
+    const std::size_t colon = address.rfind(':');
     if (colon == std::string_view::npos)
-        return {};
-    const std::string host(text.substr(0, colon));
+        return nullptr;
     std::uint16_t port = 0;
-    const char *const end = text.data() + text.size();
-    const auto read = std::from_chars(text.data() + colon + 1, end, port);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    if (read.ec != std::errc() || read.ptr != end || inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1)
-        return {};
-    return address;
+    const char *const end = address.data() + address.size();
+    const auto read = std::from_chars(address.data() + colon + 1, end, port);
+    return read.ec == std::errc() && read.ptr == end ? Socket::Connect(std::string(address.substr(0, colon)), port)
+                                                     : nullptr;
 }
 
 /// Text of one level, or a mark.
@@ -59,10 +50,10 @@ struct LogEntry {
     }
 };
 
-/// Queues what is logged; a thread of its own connects and sends, so that no editor can hold up the compile.
+/// Queues what is logged; a thread of its own sends it, so that no editor can hold up the compile.
 class Connection {
   public:
-    explicit Connection(const sockaddr_in &address) : thread_([this, address] { Run(address); }) {}
+    explicit Connection(std::unique_ptr<Socket> socket) : socket_(std::move(socket)), thread_([this] { Run(); }) {}
     ~Connection() {
         {
             const std::lock_guard lock(mutex_);
@@ -103,28 +94,15 @@ class Connection {
         wake_.notify_one();
     }
 
-    void Run(const sockaddr_in &address) {
-        const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-        if (socket >= 0 && Connect(socket, address) && Send(socket, kFeedbackRoot))
+    void Run() {
+        if (WaitUntilReady(Clock::now() + kConnectTime) && Send(kFeedbackRoot))
             while (const auto entry = NextEntry())
-                if (!std::ranges::all_of(entry->Payloads(), [&](const auto &p) { return Send(socket, p); }))
+                if (!std::ranges::all_of(entry->Payloads(), [&](const auto &payload) { return Send(payload); }))
                     break;
-        if (socket >= 0)
-            close(socket);
+        socket_.reset();
         const std::lock_guard lock(mutex_);
         gone_ = true;
         queue_.clear();
-    }
-
-    bool Connect(int socket, const sockaddr_in &address) {
-        const int on = 1;
-        setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-        if (connect(socket, reinterpret_cast<const sockaddr *>(&address), sizeof address) == 0)
-            return true;
-        int error = 0;
-        socklen_t size = sizeof error;
-        return errno == EINPROGRESS && WaitUntilReady(socket, Clock::now() + kConnectTime) &&
-               getsockopt(socket, SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error == 0;
     }
 
     /// Empty: the run has ended, and all is sent.
@@ -141,27 +119,24 @@ class Connection {
     }
 
     /// Length and payload in one call: editors take a message that arrives in parts for the end of the stream.
-    bool Send(int socket, std::string_view payload) {
+    bool Send(std::string_view payload) {
         std::string message;
         for (int shift = 0; shift < 32; shift += 8)
             message += char(payload.size() >> shift & 255);
         message += payload;
         for (std::string_view rest = message; !rest.empty();) {
-            if (!WaitUntilReady(socket, Clock::time_point::max()))
-                return false;
-            const ssize_t sent = send(socket, rest.data(), rest.size(), MSG_NOSIGNAL);
-            if (sent < 0 && errno != EAGAIN && errno != EINTR)
+            const auto sent = WaitUntilReady(Clock::time_point::max()) ? socket_->Send(rest) : std::nullopt;
+            if (!sent)
                 return false; // the editor is gone; the compile goes on
-            rest.remove_prefix(std::size_t(std::max<ssize_t>(sent, 0)));
+            rest.remove_prefix(*sent);
         }
         const std::lock_guard lock(mutex_);
         progress_ = Clock::now();
         return true;
     }
 
-    bool WaitUntilReady(int socket, Clock::time_point until) {
-        pollfd state{.fd = socket, .events = POLLOUT, .revents = 0};
-        while (poll(&state, 1, int(kPollTime.count())) <= 0)
+    bool WaitUntilReady(Clock::time_point until) {
+        while (!socket_->WaitUntilReady(kPollTime))
             if (Clock::now() > until || IsTimeToGiveUp())
                 return false;
         return true;
@@ -173,6 +148,7 @@ class Connection {
         return ended_ && (now > progress_ + kLastWait || now > *ended_ + kLongestWait);
     }
 
+    std::unique_ptr<Socket> socket_;
     std::mutex mutex_;
     std::condition_variable wake_;
     std::deque<LogEntry> queue_;
@@ -188,13 +164,13 @@ class Connection {
 void EditorFeedback::Attach(const std::string &address, Log &log) {
     if (address.empty())
         return;
-    const auto peer = AddressFrom(address);
-    if (!peer) {
+    std::unique_ptr<Socket> socket = ConnectTo(address);
+    if (!socket) {
         log.Warn("no editor", "-connect {}: expected an address such as 127.0.0.1:39000; no editor gets the messages",
                  address);
         return;
     }
-    const auto connection = std::make_shared<Connection>(*peer);
+    const auto connection = std::make_shared<Connection>(std::move(socket));
     log.AddSink([connection](LogLevel level, std::string_view text) { connection->Write(level, text); },
                 [connection](LogLevel level, std::string_view text, const LogMark &mark) {
                     connection->Write(level, text, mark);
