@@ -41,7 +41,7 @@ bool Socket::WaitUntilReady(std::chrono::milliseconds most) {
     FD_SET(handle_, &writable);
     FD_ZERO(&failed);
     FD_SET(handle_, &failed);
-    const timeval wait{.tv_sec = long(most.count() / 1000), .tv_usec = long(most.count() % 1000 * 1000)};
+    timeval wait{.tv_sec = long(most.count() / 1000), .tv_usec = long(most.count() % 1000 * 1000)};
     return select(0, nullptr, &writable, &failed, &wait) > 0; // the first number counts nowhere but on other systems
 }
 
