@@ -106,8 +106,7 @@ TEST_F(ProgramTest, EditorIsShownLeaksAndBrushes) {
         EXPECT_EQ(name, "point");
         points += text + "\n";
     }
-    const auto file = ReadFile(folder_ / "leak.lin");
-    EXPECT_EQ(points, std::string(reinterpret_cast<const char *>(file.data()), file.size()));
+    EXPECT_EQ(points, ReadTextFile(folder_ / "leak.lin"));
     EXPECT_THAT(points, testing::EndsWith("\n32.000000 32.000000 32.000000\n"));
 }
 

@@ -16,11 +16,6 @@ using testing::HasSubstr;
 
 using EditorFilesTest = ProgramTest;
 
-std::string TextOf(const std::filesystem::path &path) {
-    const std::vector<std::byte> bytes = ReadFile(path);
-    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
-}
-
 /// To write them again: q3map2 -editorfiles tools/editors
 TEST_F(EditorFilesTest, TheRepositoryHasWhatTheProgramWrites) {
     RunWell("-editorfiles " + (folder_ / "out").string());
@@ -29,7 +24,8 @@ TEST_F(EditorFilesTest, TheRepositoryHasWhatTheProgramWrites) {
         if (entry.is_regular_file()) {
             ++files;
             const auto name = std::filesystem::relative(entry.path(), folder_ / "out");
-            EXPECT_EQ(TextOf(entry.path()), TextOf(std::filesystem::path(SOURCE) / "tools/editors" / name)) << name;
+            EXPECT_EQ(ReadTextFile(entry.path()), ReadTextFile(std::filesystem::path(SOURCE) / "tools/editors" / name))
+                << name;
         }
     EXPECT_EQ(files, 4);
 }
@@ -38,7 +34,7 @@ TEST_F(EditorFilesTest, NameTheGame) {
     RunWell("-game quakelive -editorfiles " + (folder_ / "out").string());
     for (const char *name : {"netradiant/default_build_menu.xml", "gtkradiant/default_project.proj",
                              "trenchbroom/CompilationProfiles.cfg"})
-        EXPECT_THAT(TextOf(folder_ / "out" / name), HasSubstr("-game quakelive -fs_basepath ")) << name;
+        EXPECT_THAT(ReadTextFile(folder_ / "out" / name), HasSubstr("-game quakelive -fs_basepath ")) << name;
 }
 
 TEST_F(EditorFilesTest, NeedOneFolder) {
@@ -52,9 +48,12 @@ TEST(EditorSteps, OfEveryPresetAreFoundSound) {
         presets.push_back(preset.name);
     const std::vector<EditorBuild> builds = EditorBuilds(presets);
     ASSERT_GE(builds.size(), 3 * presets.size() + 1);
-    for (const EditorBuild &build : builds)
+    const std::string page = ReadTextFile(std::filesystem::path(SOURCE) / "docs/editors.md");
+    for (const EditorBuild &build : builds) {
+        EXPECT_THAT(page, HasSubstr("\n| " + build.label + " | "));
         for (const std::string &step : build.steps)
             EXPECT_NO_THROW(CheckBuildStep(step)) << step;
+    }
 }
 
 TEST(EditorSteps, WithWhatThereIsNotAreErrors) {
@@ -100,7 +99,7 @@ TEST_F(EditorFilesTest, AutoCaulkNamesTheFacesOfTheSelection) {
                                             "baseq3", "-autocaulk", "-fulldetail", (maps_ / "demo_ac.map").string()},
                                            folder_.Root());
     EXPECT_EQ(outcome.status, 0) << outcome.text;
-    EXPECT_THAT(TextOf(maps_ / "demo_ac.caulk"), HasSubstr("\n1 c-----\n0 -c----\n"));
+    EXPECT_THAT(ReadTextFile(maps_ / "demo_ac.caulk"), HasSubstr("\n1 c-----\n0 -c----\n"));
     EXPECT_FALSE(std::filesystem::exists(maps_ / "demo_ac.bsp"));
 }
 
