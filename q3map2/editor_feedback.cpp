@@ -136,10 +136,10 @@ class Connection {
     }
 
     bool WaitUntilReady(Clock::time_point until) {
-        while (!socket_->WaitUntilReady(kPollTime))
-            if (Clock::now() > until || IsTimeToGiveUp())
-                return false;
-        return true;
+        while (Clock::now() < until && !IsTimeToGiveUp())
+            if (socket_->WaitUntilReady(kPollTime))
+                return true;
+        return false;
     }
 
     bool IsTimeToGiveUp() {
