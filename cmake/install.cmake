@@ -2,6 +2,10 @@
 include(GNUInstallDirs)
 
 install(TARGETS q3map2 RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+# Level editors start q3map2.TYPE, where TYPE is the processor as uname -m names it; on Windows, exe.
+if(NOT WIN32)
+  install(CODE "file(CREATE_LINK q3map2 \$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}/q3map2.${CMAKE_SYSTEM_PROCESSOR} SYMBOLIC)")
+endif()
 install(FILES libs/shgrid/shgrid.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs PATTERN "*.1" EXCLUDE)
@@ -9,6 +13,8 @@ install(FILES docs/q3map2.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES tools/completions/q3map2.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME q3map2)
 install(FILES tools/completions/_q3map2 DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
 install(FILES tools/completions/q3map2.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+install(DIRECTORY tools/editors/netradiant tools/editors/gtkradiant tools/editors/trenchbroom
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/q3map2-sh/editors)
 install(DIRECTORY tools/demo_arena DESTINATION ${CMAKE_INSTALL_DATADIR}/q3map2-sh)
 
 set(CPACK_PACKAGE_NAME q3map2-sh)

@@ -1,157 +1,176 @@
 // GPL-2.0-or-later. Sends the log of a compile to an editor (-connect).
 #include "q3map2/editor_feedback.h"
 
-#include "common/text/text.h"
+#include "common/platform/socket.h"
+#include "q3map2/editors/feedback_xml.h"
 
-#include <arpa/inet.h>
-#include <libxml/tree.h>
-#include <libxml/xmlstring.h>
-#include <netinet/tcp.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
+#include <algorithm>
+#include <charconv>
 #include <chrono>
+#include <condition_variable>
+#include <deque>
 #include <memory>
-#include <string_view>
+#include <optional>
+#include <thread>
+#include <utility>
 
 namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxPayload = 1014;
+using Clock = std::chrono::steady_clock;
+
 constexpr std::size_t kFlushBytes = 511;
-constexpr std::chrono::seconds kMaxDelay{1};
+constexpr std::chrono::seconds kFlushDelay{1};     ///< text waits this long for more of its level
+constexpr std::chrono::seconds kConnectTime{15};   ///< no editor waits longer for a connection
+constexpr std::chrono::seconds kLastWait{1};       ///< at the end: for an editor that takes nothing
+constexpr std::chrono::seconds kLongestWait{5};    ///< at the end, in all
+constexpr std::chrono::milliseconds kPollTime{20}; ///< between looks at the clock
 
-struct FreeNode {
-    void operator()(xmlNode *node) const { xmlFreeNode(node); }
-};
-struct FreeBuffer {
-    void operator()(xmlBuffer *buffer) const { xmlBufferFree(buffer); }
-};
-
-/// Bytes that are not UTF-8 become question marks.
-std::string ValidUtf8(std::string text) {
-    while (!text.empty() && xmlCheckUTF8(reinterpret_cast<const xmlChar *>(text.c_str())) == 0)
-        for (char &c : text)
-            if (static_cast<unsigned char>(c) >= 0x80)
-                c = '?';
-    // XML has no way to spell most control characters.
-    for (char &c : text)
-        if (static_cast<unsigned char>(c) < 32 && c != '\n' && c != '\t' && c != '\r')
-            c = '?';
-    return text;
+/// Begins to connect to "a.b.c.d:port". Null: it is no address.
+std::unique_ptr<Socket> ConnectTo(std::string_view address) {
+    const std::size_t colon = address.rfind(':');
+    if (colon == std::string_view::npos)
+        return nullptr;
+    std::uint16_t port = 0;
+    const char *const end = address.data() + address.size();
+    const auto read = std::from_chars(address.data() + colon + 1, end, port);
+    return read.ec == std::errc() && read.ptr == end ? Socket::Connect(std::string(address.substr(0, colon)), port)
+                                                     : nullptr;
 }
 
-using Node = std::unique_ptr<xmlNode, FreeNode>;
+/// Text of one level, or a mark.
+struct LogEntry {
+    LogLevel level = LogLevel::Normal;
+    std::string text;
+    std::optional<LogMark> mark;
 
-Node Element(const char *name, const std::string &text, LogLevel level) {
-    Node node(xmlNewNode(nullptr, BAD_CAST name));
-    const std::string valid = ValidUtf8(text), number = std::to_string(int(level));
-    xmlNodeAddContent(node.get(), BAD_CAST valid.c_str());
-    xmlSetProp(node.get(), BAD_CAST "level", BAD_CAST number.c_str());
-    return node;
-}
-
-std::string TextOf(const Node &node) {
-    const std::unique_ptr<xmlBuffer, FreeBuffer> buffer(xmlBufferCreate());
-    xmlNodeDump(buffer.get(), nullptr, node.get(), 0, 0);
-    return reinterpret_cast<const char *>(xmlBufferContent(buffer.get()));
-}
-
-/// A message with a position in the map: a child element with a polyline or a brush.
-std::string MarkElement(LogLevel level, const std::string &text, const LogMark &mark) {
-    const bool isLine = !mark.line.empty();
-    const Node node = Element(isLine ? "message" : "select", text, level);
-    if (!isLine) {
-        const std::string place = fmt::format("{} {}", mark.entity, mark.primitive);
-        xmlNewTextChild(node.get(), nullptr, BAD_CAST "brush", BAD_CAST place.c_str());
-        return TextOf(node);
+    std::vector<std::string> Payloads() const {
+        return mark ? MarkPayloads(level, text, *mark) : MessagePayloads(level, text);
     }
-    xmlNode *line = xmlNewChild(node.get(), nullptr, BAD_CAST "polyline", nullptr);
-    for (const std::array<float, 3> &p : mark.line) {
-        const std::string point = fmt::format("{:f} {:f} {:f}", p[0], p[1], p[2]);
-        xmlNewTextChild(line, nullptr, BAD_CAST "point", BAD_CAST point.c_str());
-    }
-    return TextOf(node);
-}
+};
 
+/// Queues what is logged; a thread of its own sends it, so that no editor can hold up the compile.
 class Connection {
   public:
-    explicit Connection(int socket) : socket_(socket) { Send("<?xml version=\"1.0\"?><q3map_feedback version=\"1\">"); }
+    explicit Connection(std::unique_ptr<Socket> socket) : socket_(std::move(socket)), thread_([this] { Run(); }) {}
     ~Connection() {
-        Flush();
-        close(socket_);
+        {
+            const std::lock_guard lock(mutex_);
+            Flush();
+            ended_ = progress_ = Clock::now();
+        }
+        wake_.notify_one();
+        thread_.join();
     }
     Connection(const Connection &) = delete;
     Connection &operator=(const Connection &) = delete;
 
     void Write(LogLevel level, std::string_view text) {
-        if (level != level_)
+        const std::lock_guard lock(mutex_);
+        if (level != pending_.level)
             Flush();
-        level_ = level;
-        text_ += text;
-        if (text_.size() > kFlushBytes || std::chrono::steady_clock::now() - sent_ > kMaxDelay)
+        pending_.level = level;
+        pending_.text += text;
+        if (pending_.text.size() > kFlushBytes)
             Flush();
     }
 
     void Write(LogLevel level, std::string_view text, const LogMark &mark) {
+        const std::lock_guard lock(mutex_);
         Flush();
-        Send(MarkElement(level, std::string(text), mark));
+        Queue({level, std::string(text), mark});
     }
 
   private:
+    // With the mutex held.
     void Flush() {
-        if (text_.empty())
-            return;
-        Send(TextOf(Element("message", text_, level_)));
-        text_.clear();
-        sent_ = std::chrono::steady_clock::now();
+        if (!pending_.text.empty())
+            Queue(std::exchange(pending_, {}));
+    }
+    void Queue(LogEntry entry) {
+        if (!gone_)
+            queue_.push_back(std::move(entry));
+        wake_.notify_one();
     }
 
-    void Send(std::string_view payload) {
-        while (!payload.empty()) {
-            const std::string_view part = payload.substr(0, kMaxPayload);
-            payload.remove_prefix(part.size());
-            std::string message;
-            for (int shift = 0; shift < 32; shift += 8)
-                message += char(part.size() >> shift & 255);
-            message += part;
-            for (std::string_view rest = message; !rest.empty();) {
-                const ssize_t sent = send(socket_, rest.data(), rest.size(), MSG_NOSIGNAL);
-                if (sent <= 0)
-                    return; // the editor is gone; the compile goes on
-                rest.remove_prefix(std::size_t(sent));
-            }
+    void Run() {
+        if (WaitUntilReady(Clock::now() + kConnectTime) && Send(kFeedbackRoot))
+            while (const auto entry = NextEntry())
+                if (!std::ranges::all_of(entry->Payloads(), [&](const auto &payload) { return Send(payload); }))
+                    break;
+        socket_.reset();
+        const std::lock_guard lock(mutex_);
+        gone_ = true;
+        queue_.clear();
+    }
+
+    /// Empty: the run has ended, and all is sent.
+    std::optional<LogEntry> NextEntry() {
+        std::unique_lock lock(mutex_);
+        while (queue_.empty() && !ended_)
+            if (wake_.wait_for(lock, kFlushDelay) == std::cv_status::timeout)
+                Flush();
+        if (queue_.empty())
+            return {};
+        LogEntry entry = std::move(queue_.front());
+        queue_.pop_front();
+        return entry;
+    }
+
+    /// Length and payload in one call: editors take a message that arrives in parts for the end of the stream.
+    bool Send(std::string_view payload) {
+        std::string message;
+        for (int shift = 0; shift < 32; shift += 8)
+            message += char(payload.size() >> shift & 255);
+        message += payload;
+        for (std::string_view rest = message; !rest.empty();) {
+            const auto sent = WaitUntilReady(Clock::time_point::max()) ? socket_->Send(rest) : std::nullopt;
+            if (!sent)
+                return false; // the editor is gone; the compile goes on
+            rest.remove_prefix(*sent);
         }
+        const std::lock_guard lock(mutex_);
+        progress_ = Clock::now();
+        return true;
     }
 
-    int socket_;
-    LogLevel level_ = LogLevel::Normal;
-    std::string text_;
-    std::chrono::steady_clock::time_point sent_ = std::chrono::steady_clock::now();
+    bool WaitUntilReady(Clock::time_point until) {
+        while (Clock::now() < until && !IsTimeToGiveUp())
+            if (socket_->WaitUntilReady(kPollTime))
+                return true;
+        return false;
+    }
+
+    bool IsTimeToGiveUp() {
+        const std::lock_guard lock(mutex_);
+        const auto now = Clock::now();
+        return ended_ && (now > progress_ + kLastWait || now > *ended_ + kLongestWait);
+    }
+
+    std::unique_ptr<Socket> socket_;
+    std::mutex mutex_;
+    std::condition_variable wake_;
+    std::deque<LogEntry> queue_;
+    LogEntry pending_;                       ///< text that may grow
+    bool gone_ = false;                      ///< nobody there
+    std::optional<Clock::time_point> ended_; ///< when the run ended
+    Clock::time_point progress_;             ///< last message sent, or end of the run
+    std::thread thread_;
 };
 
 } // namespace
 
 void EditorFeedback::Attach(const std::string &address, Log &log) {
-    const std::size_t colon = address.rfind(':');
-    if (colon == std::string::npos)
+    if (address.empty())
         return;
-    sockaddr_in peer{};
-    peer.sin_family = AF_INET;
-    peer.sin_port = htons(std::uint16_t(IntegerFromText(address.substr(colon + 1))));
-    if (inet_pton(AF_INET, address.substr(0, colon).c_str(), &peer.sin_addr) != 1)
-        return;
-    const int connected = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (connected < 0)
-        return;
-    const int on = 1;
-    setsockopt(connected, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    if (connect(connected, reinterpret_cast<const sockaddr *>(&peer), sizeof peer) != 0) {
-        close(connected);
+    std::unique_ptr<Socket> socket = ConnectTo(address);
+    if (!socket) {
+        log.Warn("no editor", "-connect {}: expected an address such as 127.0.0.1:39000; no editor gets the messages",
+                 address);
         return;
     }
-    const auto connection = std::make_shared<Connection>(connected);
+    const auto connection = std::make_shared<Connection>(std::move(socket));
     log.AddSink([connection](LogLevel level, std::string_view text) { connection->Write(level, text); },
                 [connection](LogLevel level, std::string_view text, const LogMark &mark) {
                     connection->Write(level, text, mark);

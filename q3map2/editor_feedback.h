@@ -4,15 +4,16 @@
 #include "common/log.h"
 
 #include <string>
-#include <vector>
 
 namespace q3 {
 
-/// Sends everything that is logged to an editor as XML: one TCP connection, messages of a little-endian length and at
-/// most 1014 bytes; the root element q3map_feedback is never closed.
+/// Sends everything that is logged to an editor as XML over one TCP connection: messages of a little-endian length of
+/// four bytes and at most kMaxPayload bytes.
 class EditorFeedback {
   public:
-    /// Connects to "a.b.c.d:port" and follows `log` until it ends. No address or no editor there: nothing happens.
+    /// Connects to "a.b.c.d:port" in the background and follows `log` until it ends. The run never waits for the
+    /// editor, but for a second at its end if the editor takes nothing (at most five in all). Without an address or an
+    /// editor nothing happens; an address that cannot be read is a warning.
     static void Attach(const std::string &address, Log &log);
 };
 

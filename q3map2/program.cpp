@@ -24,6 +24,14 @@ void AddLogFile(const std::string &path, Log &log) {
     log.AddSink([file](LogLevel, std::string_view text) { *file << text << std::flush; });
 }
 
+/// The words without quotes around them, which some editors leave.
+std::vector<std::string> Unquoted(std::vector<std::string> words) {
+    for (std::string &word : words)
+        if (word.size() > 2 && word.front() == '"' && word.back() == '"')
+            word = word.substr(1, word.size() - 2);
+    return words;
+}
+
 int Run(const std::vector<std::string> &words, const std::filesystem::path &program, const RunReport &report,
         Log &log) {
     // First, so that errors in options arrive.
@@ -57,7 +65,8 @@ std::filesystem::path WithExtension(const std::filesystem::path &path, std::stri
     return result.replace_extension(extension);
 }
 
-int RunProgram(const std::vector<std::string> &arguments, const std::filesystem::path &program, Log &log) {
+int RunProgram(const std::vector<std::string> &given, const std::filesystem::path &program, Log &log) {
+    const std::vector<std::string> arguments = Unquoted(given);
     const RunReport report;
     const std::string reportPath = LastValueOf("-report", arguments);
     ReportFile collected;

@@ -109,7 +109,12 @@ std::vector<Stage> EditingStages() {
          "This enters the new checksum into `x.aas`, `x_b0.aas` and `x_b1.aas`, as far as they are there. Right only "
          "if no "
          "brush has changed since the file was made.",
-         FixAasStage, nullptr}};
+         FixAasStage, nullptr},
+        {"-editorfiles", "-editorfiles DIR", "Write build menus and profiles for level editors into a folder",
+         "`netradiant/default_build_menu.xml` (NetRadiant, GtkRadiant 1.5), `gtkradiant/default_project.proj` "
+         "(GtkRadiant 1.6), `trenchbroom/CompilationProfiles.cfg` and `trenchbroom/GameEngineProfiles.cfg`, for the "
+         "game of `-game`. [editors.md](editors.md) tells where they go and what the entries do.",
+         EditorFilesStage, nullptr}};
 }
 
 } // namespace

@@ -61,6 +61,10 @@ int ScaleStage(const StageContext &context, Arguments arguments);
 int ShiftStage(const StageContext &context, Arguments arguments);
 int MergeStage(const StageContext &context, Arguments arguments);
 int FixAasStage(const StageContext &context, Arguments arguments);
+int EditorFilesStage(const StageContext &context, Arguments arguments);
+
+/// Error: a step of a build (editors/builds.h) has a stage, option or value that there is not.
+void CheckBuildStep(const std::string &step);
 
 /// The path with its extension (if any) replaced.
 std::filesystem::path WithExtension(const std::filesystem::path &path, std::string_view extension);

@@ -36,7 +36,7 @@ std::string CaulkText(const MapEntity &world) {
             continue;
         text += fmt::format("{} ", brush.primitive);
         for (const BrushSide &side : brush.sides)
-            if (!side.bevel)
+            if (!side.bevel && side.winding.size() >= 3)
                 text += CaulkLetter(brush, side);
         text += '\n';
     }

@@ -121,11 +121,14 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
                                    .noLightmaps = lightmap.noLightmaps,
                                    .ambient = {}};
     LightSetup setup(bsp, inputs, options, defaults, library, log);
-    library.ReleaseImages(lightmap.bounces > 0 && !lightmap.onlyGrid);
+    // Bounced light comes from lit surfaces, whether or not they are stored.
+    const bool gridBounces = lightmap.bounces > 0 && lightmap.bounceGrid;
+    const bool lightSurfaces = !lightmap.onlyGrid || gridBounces;
+    library.ReleaseImages(lightmap.bounces > 0 && lightSurfaces);
     LightResult result;
     std::optional<SurfacePasses> surfaces;
     std::unique_ptr<IndirectLight> bounced;
-    if (!lightmap.onlyGrid) {
+    if (lightSurfaces) {
         surfaces.emplace(setup, lightmap, jobs, log);
         surfaces->Run();
         bounced = surfaces->ForGrids();
@@ -141,7 +144,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
         if (options.shRadiance)
             setup.stored.front().Set(kGridSHKey, "radiance");
     }
-    if (surfaces)
+    if (!lightmap.onlyGrid)
         result.lightmaps = surfaces->Store(inputs.name, bsp);
     bsp.entities = FormatEntities(setup.stored);
     return result;

@@ -185,19 +185,21 @@ Group Shaders() {
 }
 
 Group Editors() {
-    return {"For editors",
-            "",
-            {{{.name = "-tempname",
-               .values = "FILE",
-               .initial = "none",
-               .help = "Read the map from FILE and delete FILE at the end",
-               .details = "Results are named after the map on the command line."},
-              &BspOptions::tempName},
-             {{.name = "-autocaulk",
-               .help = "Write x.caulk, a list of the brush sides that nobody sees, and stop",
-               .details = "One line for each brush of the world: its number and a letter for each side: `-` leave, `c` "
-                          "caulk, `w` `s` `l` caulk of water, slime and lava, `n` nodraw, `N` solid nodraw."},
-              &BspOptions::autoCaulk}}};
+    return {
+        "For editors",
+        "",
+        {{{.name = "-tempname",
+           .values = "FILE",
+           .initial = "none",
+           .help = "Read the map from FILE and delete FILE at the end",
+           .details = "Results are named after the map on the command line."},
+          &BspOptions::tempName},
+         {{.name = "-autocaulk",
+           .help = "Write x.caulk, a list of the brush sides that nobody sees, and stop",
+           .details = "One line for each brush of the world: its number and a letter for each side that others do not "
+                      "cut off: `-` leave, `c` caulk, `w` `s` `l` caulk of water, slime and lava, `n` nodraw, `N` "
+                      "solid nodraw."},
+          &BspOptions::autoCaulk}}};
 }
 
 Group Debugging() {

@@ -1,134 +1,25 @@
 // GPL-2.0-or-later. The stream that an editor gets (-connect).
+#include "common/files/files.h"
+#include "tests/program/editor_listener.h"
 #include "tests/program/run_program.h"
 
-#include <libxml/parser.h>
-#include <libxml/tree.h>
+#include <gmock/gmock.h>
 
-#include <chrono>
-#include <future>
-#include <memory>
-
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
+#include <algorithm>
 
 namespace q3::test {
 
 namespace {
 
-/// An editor: takes one connection and keeps what comes until it ends.
-class Listener {
-  public:
-    Listener() : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        socklen_t size = sizeof address;
-        auto *const generic = reinterpret_cast<sockaddr *>(&address);
-        EXPECT_EQ(bind(socket_, generic, size), 0);
-        EXPECT_EQ(listen(socket_, 1), 0);
-        EXPECT_EQ(getsockname(socket_, generic, &size), 0);
-        port_ = ntohs(address.sin_port);
-        received_ = std::async(std::launch::async, [this] { return Receive(); });
-    }
-    ~Listener() {
-        if (received_.valid())
-            Received();
-        close(socket_);
-    }
-    Listener(const Listener &) = delete;
-    Listener &operator=(const Listener &) = delete;
-
-    std::string Address() const { return fmt::format("127.0.0.1:{}", port_); }
-    /// Once the program has ended.
-    std::string Received() {
-        if (received_.wait_for(std::chrono::seconds(20)) != std::future_status::ready)
-            shutdown(socket_, SHUT_RDWR); // the program never connected
-        return received_.get();
-    }
-
-  private:
-    std::string Receive() const {
-        std::string all;
-        const int connection = accept(socket_, nullptr, nullptr);
-        if (connection < 0)
-            return all;
-        char buffer[4096];
-        for (ssize_t got; (got = recv(connection, buffer, sizeof buffer, 0)) > 0;)
-            all.append(buffer, std::size_t(got));
-        close(connection);
-        return all;
-    }
-
-    int socket_;
-    int port_ = 0;
-    std::future<std::string> received_;
-};
-
-/// The payloads of all messages, one after the other. Each is a length of four bytes and at most 1014 bytes.
-std::string Payloads(const std::string &stream) {
-    std::string all;
-    std::size_t at = 0;
-    while (at + 4 <= stream.size()) {
-        std::size_t length = 0;
-        for (std::size_t i = 0; i < 4; i++)
-            length |= std::size_t(static_cast<unsigned char>(stream[at + i])) << (8 * i);
-        EXPECT_GE(length, 1u);
-        EXPECT_LE(length, 1014u);
-        EXPECT_LE(at + 4 + length, stream.size());
-        all += stream.substr(at + 4, length);
-        at += 4 + length;
-    }
-    EXPECT_EQ(at, stream.size());
-    return all;
-}
-
-struct FreeDoc {
-    void operator()(xmlDoc *doc) const { xmlFreeDoc(doc); }
-};
-
-struct Message {
-    std::string level, text;
-};
-
-/// The messages of the stream, once its root is closed as an editor's parser sees it.
-std::vector<Message> Messages(std::string payload) {
-    payload += "</q3map_feedback>";
-    const std::unique_ptr<xmlDoc, FreeDoc> doc(
-        xmlReadMemory(payload.data(), int(payload.size()), "stream", nullptr, XML_PARSE_NOERROR | XML_PARSE_NONET));
-    std::vector<Message> messages;
-    EXPECT_NE(doc, nullptr) << "not well-formed:\n" << payload;
-    if (!doc)
-        return messages;
-    const xmlNode *root = xmlDocGetRootElement(doc.get());
-    EXPECT_STREQ(reinterpret_cast<const char *>(root->name), "q3map_feedback");
-    const auto take = [](xmlChar *text) {
-        std::string copy = text ? reinterpret_cast<const char *>(text) : "";
-        xmlFree(text);
-        return copy;
-    };
-    for (xmlNode *node = root->children; node; node = node->next) {
-        EXPECT_STREQ(reinterpret_cast<const char *>(node->name), "message");
-        messages.push_back({take(xmlGetProp(node, BAD_CAST "level")), take(xmlNodeGetContent(node))});
-    }
-    return messages;
-}
-
-std::string TextOfLevel(const std::vector<Message> &messages, std::string_view level) {
-    std::string text;
-    for (const Message &message : messages)
-        if (message.level == level)
-            text += message.text;
-    return text;
-}
+using testing::HasSubstr;
 
 TEST_F(ProgramTest, EditorGetsEverythingThatIsPrinted) {
-    Listener editor;
+    EditorListener editor;
     const Outcome outcome = RunWell("-connect " + editor.Address() + " -light -sh -gridsh 64 64 64 -zork<&\"> MAP");
-    const auto messages = Messages(Payloads(editor.Received()));
+    const auto messages = ParseFeedback(editor.Text());
     std::string all;
-    for (const Message &message : messages) {
+    for (const FeedbackElement &message : messages) {
+        EXPECT_EQ(message.name, "message");
         EXPECT_TRUE(message.level == "1" || message.level == "2") << message.level;
         all += message.text;
     }
@@ -138,18 +29,18 @@ TEST_F(ProgramTest, EditorGetsEverythingThatIsPrinted) {
 }
 
 TEST_F(ProgramTest, EditorGetsErrors) {
-    Listener editor;
+    EditorListener editor;
     EXPECT_EQ(Run("-light -connect " + editor.Address() + " /nowhere/x.bsp").status, 1);
-    EXPECT_NE(TextOfLevel(Messages(Payloads(editor.Received())), "3").find("/nowhere/x.bsp"), std::string::npos);
+    EXPECT_NE(TextOfLevel(ParseFeedback(editor.Text()), "3").find("/nowhere/x.bsp"), std::string::npos);
 }
 
 TEST_F(ProgramTest, EditorGetsErrorsInOptions) {
     for (const std::string options :
          {"-game tetris -light MAP", "-fs_basepath /nope -light MAP", "-light MAP -threads"}) {
-        Listener editor;
+        EditorListener editor;
         const Outcome outcome = Run("-connect " + editor.Address() + " " + options);
         EXPECT_EQ(outcome.status, 1) << options;
-        const std::string errors = TextOfLevel(Messages(Payloads(editor.Received())), "3");
+        const std::string errors = TextOfLevel(ParseFeedback(editor.Text()), "3");
         EXPECT_NE(errors.find("ERROR"), std::string::npos) << options;
         ASSERT_EQ(outcome.ErrorLines().size(), 1u) << outcome.text;
         EXPECT_NE(errors.find(outcome.ErrorLines().front()), std::string::npos) << errors;
@@ -157,13 +48,13 @@ TEST_F(ProgramTest, EditorGetsErrorsInOptions) {
 }
 
 TEST_F(ProgramTest, EditorGetsNoLiveLineOfATerminal) {
-    Listener editor;
+    EditorListener editor;
     const Outcome outcome = RunOnTerminal({"-connect", editor.Address(), "-fs_basepath", (folder_ / "base").string(),
                                            "-light", "-sh", "-samplesize", "4", Map(".bsp").string()},
                                           folder_.Root());
     ASSERT_EQ(outcome.status, 0) << outcome.text;
     ASSERT_TRUE(outcome.Printed("\r          ")) << "the terminal has its live line: " << outcome.text;
-    const std::string payload = Payloads(editor.Received());
+    const std::string payload = editor.Text();
     EXPECT_EQ(payload.find('\r'), std::string::npos);
     EXPECT_EQ(payload.find("&#13;"), std::string::npos) << payload;
     EXPECT_EQ(payload.find(" s left"), std::string::npos);
@@ -190,26 +81,48 @@ TEST_F(ProgramTest, EditorIsShownLeaksAndBrushes) {
 }
 )";
     folder_.Write("leak.map", kMap);
-    Listener editor;
+    EditorListener editor;
     const Outcome outcome = RunWell("-connect " + editor.Address() + " -v " + (folder_ / "leak.map").string());
-    const std::string payload = Payloads(editor.Received());
     EXPECT_TRUE(outcome.Printed("Entity 0, Brush 0: "));
-    const std::size_t select = payload.find("<select level=\"2\">Entity 0, Brush 0: ");
-    ASSERT_NE(select, std::string::npos) << payload;
-    EXPECT_LT(payload.find("<brush>0 0</brush></select>", select), payload.find("<message", select));
+    const auto elements = ParseFeedback(editor.Text());
+    const auto find = [&](const auto &isIt) { return std::ranges::find_if(elements, isIt); };
+    const auto brush = find([](const FeedbackElement &e) { return e.childText == "0 0"; });
+    ASSERT_NE(brush, elements.end());
+    EXPECT_EQ(brush->name + brush->level + brush->childName, "select2brush");
+    EXPECT_TRUE(brush->text.starts_with("Entity 0, Brush 0: ")) << brush->text;
     // The editor closes at the trail: what leaked, and from where, comes before it.
-    const std::size_t trail = payload.find("<message level=\"3\">MAP LEAKED\n<polyline><point>");
-    ASSERT_NE(trail, std::string::npos) << payload;
-    const std::string_view cause = "the info_player_start at 32 32 32 can be reached from outside the map";
-    EXPECT_LT(payload.find(fmt::format("<select level=\"2\">Entity 1, Brush 0: {}<brush>1 0</brush></select>", cause)),
-              trail);
-    EXPECT_LT(payload.find("******* leaked *******"), trail);
-    EXPECT_NE(payload.find("<point>32.000000 32.000000 32.000000</point></polyline></message>"), std::string::npos);
+    const auto cause = find([](const FeedbackElement &e) { return e.childText == "1 0"; });
+    const auto banner = find([](const FeedbackElement &e) { return e.text.find("** leaked **") != std::string::npos; });
+    const auto trail = find([](const FeedbackElement &e) { return e.childName == "polyline"; });
+    ASSERT_NE(trail, elements.end());
+    ASSERT_LT(cause, trail);
+    EXPECT_LT(banner, trail);
+    EXPECT_EQ(cause->text, "Entity 1, Brush 0: the info_player_start at 32 32 32 can be reached from outside the map");
+    EXPECT_EQ(trail->name + trail->level + trail->text, "message3MAP LEAKED\n");
+    EXPECT_EQ(std::ranges::count(elements, std::string("3"), &FeedbackElement::level), 1);
+    // Its points are those of the leak file.
+    std::string points;
+    for (const auto &[name, text] : trail->innermost) {
+        EXPECT_EQ(name, "point");
+        points += text + "\n";
+    }
+    EXPECT_EQ(points, ReadTextFile(folder_ / "leak.lin"));
+    EXPECT_THAT(points, testing::EndsWith("\n32.000000 32.000000 32.000000\n"));
+}
+
+TEST_F(ProgramTest, LongTextComesInManyMessages) {
+    EditorListener editor;
+    const Outcome outcome = RunWell("-connect " + editor.Address() + " -help all");
+    ASSERT_GT(outcome.text.size(), 40000u);
+    EXPECT_EQ(TextOfLevel(ParseFeedback(editor.Text()), "1"), outcome.text);
 }
 
 TEST_F(ProgramTest, NoEditorThereIsNoError) {
     for (const char *address : {"127.0.0.1:1", "nonsense", "300.1.1.1:39000", ":", "127.0.0.1:999999"})
         RunWell(fmt::format("-connect {} -info MAP", address));
+    for (const char *address : {"localhost:39000", "127.0.0.1", "127.0.0.1:70000"})
+        EXPECT_THAT(RunWell(fmt::format("-connect {} -info MAP", address)).text,
+                    HasSubstr(fmt::format("WARNING: -connect {}: expected an address", address)));
 }
 
 } // namespace

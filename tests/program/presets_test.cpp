@@ -44,6 +44,16 @@ TEST_F(PresetTest, TheMapRecordsItsOptions) {
     EXPECT_THAT(text, HasSubstr("-light -faster\""));
 }
 
+TEST_F(PresetTest, TheGridAloneIsThatOfAFullRun) {
+    RunWell("-light -preset normal -sh MAP");
+    const std::vector<std::byte> full = MapBytes();
+    RunWell("-light -sh -onlygrid MAP");
+    EXPECT_NE(LumpOf(full, 18), LumpOf(MapBytes(), 18)) << "no bounced light";
+    RunWell("-light -preset normal -sh -onlygrid MAP");
+    for (std::size_t lump = 1; lump < 19; ++lump)
+        EXPECT_EQ(LumpOf(full, lump), LumpOf(MapBytes(), lump)) << "lump " << lump;
+}
+
 TEST_F(PresetTest, UnknownNamesAreErrorsWithTheNearest) {
     ExpectError("-light -preset finel MAP", "-preset finel: expected one of draft, normal, final; did you mean final?");
     ExpectError("-light -preset draft -preset final MAP", "-preset: expected once, found twice");

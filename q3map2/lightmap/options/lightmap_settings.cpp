@@ -183,7 +183,7 @@ Group Bounces() {
           &LightmapOptions::bounces},
          {{.name = "-bouncegrid",
            .help = "Bounced light reaches the light grids too",
-           .details = "Has no effect with `-onlygrid`."},
+           .details = "With `-onlygrid` surfaces are lit for it too, in the time of a full run, but not stored."},
           &LightmapOptions::bounceGrid},
          {{.name = "-bounceonly",
            .help = "Store bounced light only, without direct light",

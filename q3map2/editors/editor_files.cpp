@@ -1,0 +1,110 @@
+// GPL-2.0-or-later. Menus and profiles in the forms that level editors read.
+#include "q3map2/editors/editor_files.h"
+
+#include "q3map2/editors/feedback_xml.h"
+
+#include <fmt/ranges.h>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::string_view kOrigin = "Generated: q3map2 -editorfiles tools/editors";
+
+/// A string of TrenchBroom's files.
+std::string Quoted(std::string_view text) {
+    std::string quoted = "\"";
+    for (const char c : text)
+        quoted += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+    return quoted + "\"";
+}
+
+std::string Profile(const EditorBuild &build, const Game &game) {
+    std::vector<std::string> tasks;
+    if (build.needsMap)
+        tasks.emplace_back(R"({ "type": "export", "target": "${WORK_DIR_PATH}/${MAP_BASE_NAME}.map" })");
+    for (const std::string &step : build.steps) {
+        const std::string parameters =
+            fmt::format(R"(-game {} -fs_basepath "${{GAME_DIR_PATH}}" -fs_game ${{MODS[-1]}} {} )"
+                        R"("${{MAP_BASE_NAME}}.{}")",
+                        game.name, step, ReadsMapSource(step) ? "map" : "bsp");
+        tasks.push_back(fmt::format("{{ \"type\": \"tool\", \"tool\": \"${{q3map2}}\", "
+                                    "\"treatNonZeroResultCodeAsError\": true,\n        \"parameters\": {} }}",
+                                    Quoted(parameters)));
+    }
+    return fmt::format("    {{ \"name\": {}, \"workdir\": \"${{GAME_DIR_PATH}}/${{MODS[-1]}}/maps\", \"tasks\": [\n"
+                       "      {}\n    ] }}",
+                       Quoted(build.label), fmt::join(tasks, ",\n      "));
+}
+
+} // namespace
+
+std::string BuildMenu(const std::vector<EditorBuild> &builds, const Game &game) {
+    std::string text = fmt::format("<?xml version=\"1.0\"?>\n<!-- {} -->\n<project version=\"2.0\">\n", kOrigin);
+    // The editor puts the user's own folders after the first piece of text, the program.
+    text += fmt::format(R"(<var name="q3map2">"[RadiantPath]q3map2.[ExecutableType]")"
+                        R"(<cond value="[MonitorAddress]"> -connect [MonitorAddress]</cond>)"
+                        R"( -game {} -fs_basepath "[EnginePath]")"
+                        R"(<cond value="[UserEnginePath]"> -fs_homepath "[UserEnginePath]"</cond>)"
+                        R"(<cond value="[GameName]"> -fs_game [GameName]</cond></var>)",
+                        game.name);
+    text += '\n';
+    for (const EditorBuild &build : builds) {
+        text += fmt::format("{}<build name=\"{}\">\n", build.opensGroup ? "<separator/>\n" : "", XmlText(build.label));
+        for (const std::string &step : build.steps)
+            text += fmt::format("<command>[q3map2] {} \"[{}]\"</command>\n", XmlText(step),
+                                ReadsMapSource(step) ? "MapFile" : "BspFile");
+        text += "</build>\n";
+    }
+    return text + "</project>\n";
+}
+
+std::string ProjectTemplate(const std::vector<EditorBuild> &builds, const Game &game, int templateVersion) {
+    // No comment: the editor expects the root right after the type.
+    std::string text = "<?xml version=\"1.0\"?>\n<!DOCTYPE project SYSTEM \"dtds/project.dtd\">\n<project>\n";
+    const auto key = [&](std::string_view name, std::string_view value) {
+        text += fmt::format("<key name=\"{}\" value=\"{}\"/>\n", XmlText(name), XmlText(value));
+    };
+    key("version", "2");
+    key("template_version", std::to_string(templateVersion));
+    key("basepath", "$TEMPLATEenginepath$TEMPLATEbasedir/");
+    key("rshcmd", "");
+    key("remotebasepath", "$TEMPLATEenginepath$TEMPLATEbasedir/");
+    key("entitypath", "$TEMPLATEtoolspath$TEMPLATEbasedir/scripts/entities.def");
+    key("texturepath", "$TEMPLATEenginepath$TEMPLATEbasedir/textures/");
+    key("autosave", "$TEMPLATEuserhomepath$TEMPLATEbasedir/maps/autosave.map");
+    key("mapspath", "$TEMPLATEenginepath$TEMPLATEbasedir/maps/");
+    for (const EditorBuild &build : builds) {
+        std::vector<std::string> commands; // $: the map; #: -connect and the address; !: nothing
+        for (const std::string &step : build.steps)
+            commands.push_back(fmt::format("! \"$TEMPLATEapppath$TEMPLATEq3map2\" # -game {} -fs_basepath "
+                                           "\"$TEMPLATEenginepath\" -fs_basegame \"$TEMPLATEbasedir\" {} $",
+                                           game.name, step));
+        key("bsp_" + build.label, fmt::format("{}", fmt::join(commands, " && ")));
+    }
+    return text + "</project>\n";
+}
+
+std::string CompilationProfiles(const std::vector<EditorBuild> &builds, const Game &game) {
+    std::vector<std::string> profiles;
+    for (const EditorBuild &build : builds)
+        profiles.push_back(Profile(build, game));
+    return fmt::format("// {}\n{{ \"version\": 1,\n  \"profiles\": [\n{}\n  ]\n}}\n", kOrigin,
+                       fmt::join(profiles, ",\n"));
+}
+
+std::string EngineProfiles() {
+    constexpr std::string_view kParameters = "+set fs_game ${MODS[-1]} +set sv_pure 0 +devmap ${MAP_BASE_NAME}";
+    return fmt::format("// {}; the path is yours to set\n{{ \"version\": 1,\n  \"profiles\": [\n"
+                       "    {{ \"name\": \"Play the map\", \"path\": \"\",\n      \"parameters\": {} }}\n  ]\n}}\n",
+                       kOrigin, Quoted(kParameters));
+}
+
+std::vector<EditorFile> EditorFiles(const std::vector<EditorBuild> &builds, const Game &game, int templateVersion) {
+    return {{"netradiant/default_build_menu.xml", BuildMenu(builds, game)},
+            {"gtkradiant/default_project.proj", ProjectTemplate(builds, game, templateVersion)},
+            {"trenchbroom/CompilationProfiles.cfg", CompilationProfiles(builds, game)},
+            {"trenchbroom/GameEngineProfiles.cfg", EngineProfiles()}};
+}
+
+} // namespace q3

@@ -1,0 +1,103 @@
+// GPL-2.0-or-later. Editors that do not behave: the compile is that of a run without one.
+#include "common/files/files.h"
+#include "tests/program/editor_listener.h"
+#include "tests/program/run_program.h"
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+
+namespace q3::test {
+
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+class EditorFaultTest : public ProgramTest {
+  protected:
+    EditorFaultTest() : original_(MapBytes()) {
+        EXPECT_EQ(RunWell(kLight).status, 0);
+        expected_ = MapBytes();
+    }
+
+    /// Lights the map with an editor at that address, and expects the file of a run without one.
+    void ExpectSameFile(const std::string &address) {
+        folder_.Write("base/baseq3/maps/demo.bsp", original_);
+        RunWell(fmt::format("-connect {} {}", address, kLight));
+        EXPECT_EQ(MapBytes(), expected_);
+    }
+
+    /// Seconds of a run that prints over 5 MB, more than systems buffer.
+    double SecondsOfLongText(const std::string &options) {
+        std::string words = options + " -info";
+        for (int i = 0; i < 4000; ++i)
+            words += " MAP";
+        const auto start = std::chrono::steady_clock::now();
+        const Outcome outcome = RunWell(words);
+        EXPECT_GT(outcome.text.size(), 5000000u);
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+
+    static constexpr std::string_view kLight = "-light -sh -gridsh 64 64 64 MAP";
+    std::vector<std::byte> original_, expected_;
+};
+
+TEST_F(EditorFaultTest, AnEditorThatReadsNothingHoldsNothingUp) {
+    EditorListener editor({.reads = false, .smallBuffer = true});
+    const double alone = SecondsOfLongText("");
+    EXPECT_LT(SecondsOfLongText("-connect " + editor.Address()), 2 * alone + 2);
+    editor.Payloads();
+    EditorListener next({.reads = false, .smallBuffer = true});
+    ExpectSameFile(next.Address());
+}
+
+TEST_F(EditorFaultTest, AnEditorMayVanishAtAnyMessage) {
+    for (const std::size_t messages : {1u, 2u, 4u}) {
+        EditorListener editor({.resetAfter = messages});
+        ExpectSameFile(editor.Address());
+        EXPECT_EQ(editor.Payloads().size(), messages);
+    }
+}
+
+TEST_F(EditorFaultTest, AnEditorThatNeverAcceptsIsNoMatter) {
+    EditorListener editor({.accepts = false});
+    ExpectSameFile(editor.Address());
+}
+
+TEST_F(EditorFaultTest, AWrongAddressIsNoMatter) {
+    for (const char *address : {"127.0.0.1:1", "127.0.0.1:", "nonsense", "255.255.255.255:39000"})
+        ExpectSameFile(address);
+}
+
+TEST_F(EditorFaultTest, AnAddressThatNobodyAnswersCostsASecond) {
+    // TEST-NET-1: packets get lost, or there is no way there.
+    const auto start = std::chrono::steady_clock::now();
+    ExpectSameFile("192.0.2.1:39000");
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
+}
+
+TEST_F(EditorFaultTest, AnEditorThatAcceptsLateGetsEverything) {
+    EditorListener editor({.acceptAfter = milliseconds(1500)});
+    const Outcome outcome = RunWell(fmt::format("-connect {} {}", editor.Address(), kLight));
+    EXPECT_EQ(TextOfLevel(ParseFeedback(editor.Text()), "1"), outcome.text);
+}
+
+TEST_F(EditorFaultTest, OutputThatCannotBeWrittenIsNoMatter) {
+    folder_.Write("base/baseq3/maps/demo.bsp", original_);
+    EditorListener editor;
+    // A file open for reading as standard output: each write fails.
+    const std::string command =
+        fmt::format("HOME={0} exec {1} -fs_basepath {0}/base -connect {2} -light -sh -gridsh 64 64 64 {3} "
+                    "1</dev/null 2</dev/null",
+                    folder_.Root().string(), PROGRAM, editor.Address(), Map(".bsp").string());
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    EXPECT_EQ(MapBytes(), expected_);
+    const auto elements = ParseFeedback(editor.Text());
+    EXPECT_THAT(TextOfLevel(elements, "1"), HasSubstr("--- TraceGridSH ---"));
+    EXPECT_THAT(TextOfLevel(elements, "1"), HasSubstr("done: no warnings"));
+}
+
+} // namespace
+
+} // namespace q3::test
