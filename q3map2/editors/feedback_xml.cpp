@@ -2,8 +2,11 @@
 #include "q3map2/editors/feedback_xml.h"
 
 #include <glib.h>
+#include <libxml/entities.h>
 
+#include <algorithm>
 #include <memory>
+#include <new>
 
 namespace q3 {
 
@@ -12,30 +15,31 @@ namespace {
 /// Room for the elements around the text of a `select`.
 constexpr std::size_t kMaxSelectText = kMaxPayload - 100;
 
-struct FreeText {
-    void operator()(char *text) const { g_free(text); }
-};
-
 /// What must arrive in one network message.
 using Pieces = std::vector<std::string>;
 
-/// The characters of the text, escaped.
-Pieces Characters(std::string_view text) {
-    const std::unique_ptr<char, FreeText> valid(g_utf8_make_valid(text.data(), gssize(text.size())));
+/// The text without what XML cannot hold: bytes that are no UTF-8 and control characters.
+std::string ValidText(std::string_view text) {
+    const std::unique_ptr<char, decltype(&g_free)> valid(g_utf8_make_valid(text.data(), gssize(text.size())), g_free);
+    std::string result = valid.get();
+    std::ranges::replace_if(
+        result,
+        [](char c) {
+            const auto code = static_cast<unsigned char>(c);
+            return code == 127 || (code < 32 && c != '\n' && c != '\t');
+        },
+        '?');
+    return result;
+}
+
+/// The characters of XML text: an entity such as "&lt;" is one.
+Pieces Characters(std::string_view xml) {
     Pieces characters;
-    for (const char *at = valid.get(); *at != 0;) {
-        const char *const next = g_utf8_next_char(at);
-        const auto first = static_cast<unsigned char>(*at);
-        const bool control = first == 127 || (first < 32 && first != '\n' && first != '\t');
-        if (control || std::string_view("<>&\"").find(*at) != std::string_view::npos)
-            characters.emplace_back(control      ? "?"
-                                    : *at == '<' ? "&lt;"
-                                    : *at == '>' ? "&gt;"
-                                    : *at == '&' ? "&amp;"
-                                                 : "&quot;");
-        else
-            characters.emplace_back(at, next);
-        at = next;
+    while (!xml.empty()) {
+        const std::size_t bytes =
+            xml.front() == '&' ? xml.find(';') + 1 : std::size_t(g_utf8_next_char(xml.data()) - xml.data());
+        characters.emplace_back(xml.substr(0, bytes));
+        xml.remove_prefix(bytes);
     }
     return characters;
 }
@@ -58,14 +62,16 @@ std::string OpeningTag(std::string_view element, LogLevel level) {
 } // namespace
 
 std::string XmlText(std::string_view text) {
-    std::string all;
-    for (const std::string &character : Characters(text))
-        all += character;
-    return all;
+    const std::string valid = ValidText(text);
+    const std::unique_ptr<xmlChar, decltype(xmlFree)> encoded(
+        xmlEncodeSpecialChars(nullptr, reinterpret_cast<const xmlChar *>(valid.c_str())), xmlFree);
+    if (!encoded)
+        throw std::bad_alloc();
+    return reinterpret_cast<const char *>(encoded.get());
 }
 
 std::vector<std::string> MessagePayloads(LogLevel level, std::string_view text) {
-    Pieces pieces = Characters(text);
+    Pieces pieces = Characters(XmlText(text));
     pieces.insert(pieces.begin(), OpeningTag("message", level));
     pieces.emplace_back("</message>");
     return Packed(pieces);
@@ -74,7 +80,7 @@ std::vector<std::string> MessagePayloads(LogLevel level, std::string_view text) 
 std::vector<std::string> MarkPayloads(LogLevel level, std::string_view text, const LogMark &mark) {
     if (mark.line.empty()) {
         std::string cut;
-        for (const std::string &character : Characters(text)) {
+        for (const std::string &character : Characters(XmlText(text))) {
             if (cut.size() + character.size() > kMaxSelectText)
                 break;
             cut += character;
