@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. What an SH grid costs in a file.
 #include "q3map2/grid_size_report.h"
 
+#include "q3map2/light/options/light_options.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -57,11 +59,12 @@ void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
               "half\n",
               grid.points.size(), double(bytes) / kMegabyte, double(fileBytes) / kMegabyte,
               double(EstimateDeflated(points)) / kMegabyte, cell[0], cell[1], cell[2]);
-    if (bytes > kSmallGrid && bytes > fileBytes / 2)
-        log.Warn("large SH grid",
-                 "the SH grid is {:.0f} % of the file; -shsmall bakes one of about a quarter of the "
-                 "default size",
-                 100 * double(bytes) / double(fileBytes));
+    if (bytes > kSmallGrid && bytes > fileBytes / 2) {
+        const Float3 &size = grid.header.gridSize;
+        const bool isFiner = size[0] * size[1] * size[2] < kSmallCellSH * kSmallCellSH * kSmallCellSH;
+        log.Warn("large SH grid", "the SH grid is {:.0f} % of the file{}", 100 * double(bytes) / double(fileBytes),
+                 isFiner ? "; -shsmall bakes one of about a quarter of the default size" : "");
+    }
 }
 
 } // namespace q3

@@ -100,11 +100,57 @@ std::string EngineProfiles() {
                        kOrigin, Quoted(kParameters));
 }
 
+std::string GameConfig(const Game &game) {
+    const std::string name = game.name == "quake3" ? "Quake 3" : std::string(game.name);
+    // Bits 0 to 26 have no meaning in a map source.
+    constexpr int kDetailBit = 27;
+    std::string flags;
+    for (int bit = 0; bit < kDetailBit; ++bit)
+        flags += R"({ "unused": true }, )";
+    return fmt::format(R"cfg(// {}
+{{ "version": 9,
+  "name": {},
+  "fileformats": [ {{ "format": "Quake3 (Valve)" }}, {{ "format": "Quake3 (legacy)" }} ],
+  "filesystem": {{
+    "searchpath": {},
+    "packageformat": {{ "extension": {}, "format": "zip" }} }},
+  "materials": {{
+    "root": "textures",
+    "extensions": [".tga", ".png", ".jpg", ".jpeg"],
+    "shaderSearchPath": {} }},
+  "entities": {{
+    "definitions": ["entities.ent"],
+    "defaultcolor": "0.6 0.6 0.6 1.0",
+    "scale": [modelscale, modelscale_vec] }},
+  "tags": {{
+    "brush": [ {{ "name": "Trigger", "attribs": ["transparent"], "match": "classname", "pattern": "trigger*" }} ],
+    "brushface": [
+      {{ "name": "Clip", "attribs": ["transparent"], "match": "surfaceparm", "pattern": ["playerclip", "botclip"] }},
+      {{ "name": "Hint", "attribs": ["transparent"], "match": "surfaceparm", "pattern": "hint" }},
+      {{ "name": "Area portal", "attribs": ["transparent"], "match": "surfaceparm", "pattern": "areaportal" }},
+      {{ "name": "Fog", "attribs": ["transparent"], "match": "surfaceparm", "pattern": "fog" }},
+      {{ "name": "Sky", "match": "surfaceparm", "pattern": "sky" }},
+      {{ "name": "Detail", "match": "contentflag", "flags": ["detail"] }} ] }},
+  "faceattribs": {{
+    "defaults": {{ "scale": [0.5, 0.5] }},
+    "surfaceflags": [],
+    "contentflags": [ {}{{ "name": "detail", "description": "Divides no leafs and hides nothing from -vis" }} ] }},
+  "softMapBounds": "-65536 -65536 -65536 65536 65536 65536",
+  "compilationTools": [
+    {{ "name": "q3map2", "description": "Path of q3map2: bsp, visibility, light" }},
+    {{ "name": "bspc", "description": "Path of the tool that makes bot files" }} ]
+}}
+)cfg",
+                       kOrigin, Quoted(name), Quoted(game.gameDir), Quoted("." + std::string(game.archiveExtension)),
+                       Quoted(game.shaderDir), flags);
+}
+
 std::vector<EditorFile> EditorFiles(const std::vector<EditorBuild> &builds, const Game &game, int templateVersion) {
     return {{"netradiant/default_build_menu.xml", BuildMenu(builds, game)},
             {"gtkradiant/default_project.proj", ProjectTemplate(builds, game, templateVersion)},
             {"trenchbroom/CompilationProfiles.cfg", CompilationProfiles(builds, game)},
-            {"trenchbroom/GameEngineProfiles.cfg", EngineProfiles()}};
+            {"trenchbroom/GameEngineProfiles.cfg", EngineProfiles()},
+            {"trenchbroom/GameConfig.cfg", GameConfig(game)}};
 }
 
 } // namespace q3

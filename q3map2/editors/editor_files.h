@@ -23,6 +23,9 @@ std::string ProjectTemplate(const std::vector<EditorBuild> &builds, const Game &
 std::string CompilationProfiles(const std::vector<EditorBuild> &builds, const Game &game);
 std::string EngineProfiles();
 
+/// TrenchBroom 2024.2 and newer: formats, folders, tags and flags of the game, and the tools that profiles name.
+std::string GameConfig(const Game &game);
+
 /// All of them.
 std::vector<EditorFile> EditorFiles(const std::vector<EditorBuild> &builds, const Game &game, int templateVersion);
 

@@ -78,7 +78,7 @@ TEST_F(EditorFiles, ProjectValuesFitTheEditorsBuffer) {
 }
 
 TEST_F(EditorFiles, ProfilesHaveNoTrailingCommas) {
-    for (const std::string &text : {CompilationProfiles(builds_, game_), EngineProfiles()}) {
+    for (const std::string &text : {CompilationProfiles(builds_, game_), EngineProfiles(), GameConfig(game_)}) {
         std::string dense;
         for (const char c : text)
             if (c != ' ' && c != '\n')

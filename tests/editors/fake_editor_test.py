@@ -160,6 +160,21 @@ class Menus(unittest.TestCase):
         self.assertEqual(labels[0], labels[1])
         self.assertEqual(labels[0], labels[2])
 
+    def test_the_game_configuration_has_what_profiles_need(self):
+        folder = ROOT / "tools/editors/trenchbroom"
+        config = menus.ExpressionReader((folder / "GameConfig.cfg").read_text()).whole()
+        self.assertEqual(config["version"], 9.0)
+        for key in ("name", "fileformats", "filesystem", "materials", "entities"):
+            self.assertIn(key, config)
+        tools = {tool["name"] for tool in config["compilationTools"]}
+        profiles = menus.ExpressionReader((folder / "CompilationProfiles.cfg").read_text()).whole()["profiles"]
+        named = {task["tool"] for profile in profiles for task in profile["tasks"] if task["type"] == "tool"}
+        self.assertLessEqual(named, {f"${{{tool}}}" for tool in tools})
+        bits = config["faceattribs"]["contentflags"]
+        self.assertEqual([1 << i for i, bit in enumerate(bits) if bit.get("name") == "detail"], [0x8000000])
+        tags = config["tags"]["brush"] + config["tags"]["brushface"]
+        self.assertEqual(len({tag["name"] for tag in tags}), len(tags))
+
     def test_every_entry_of_every_editor(self):
         """In the order of the menu, on one map; nothing fails, and no option is unknown or without effect."""
         results = []

@@ -184,7 +184,7 @@ def read_project(text):
 # TrenchBroom: maps, arrays and strings with ${expressions}
 
 class ExpressionReader:
-    """Values of the expression language: maps, arrays, strings, numbers, booleans."""
+    """Values of the expression language: maps, arrays, strings, numbers, booleans; names stand for themselves."""
 
     def __init__(self, text):
         lines = []
@@ -248,7 +248,9 @@ class ExpressionReader:
         if first and first in "\"'":
             return self.string()
         word = self.word()
-        return {"true": True, "false": False}[word] if word in ("true", "false") else float(word)
+        if word in ("true", "false"):
+            return word == "true"
+        return word if word[0].isalpha() else float(word)
 
     def whole(self):
         value = self.value()

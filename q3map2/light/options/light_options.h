@@ -12,6 +12,9 @@
 
 namespace q3 {
 
+/// Edge of the SH grid's cells that -shsmall chooses, game units.
+inline constexpr float kSmallCellSH = 64;
+
 /// How light becomes bytes: scale, exposure, saturation, gamma, sRGB, in the order of light/tone/light_tone.cpp.
 struct ToneOptions {
     float gamma = 1, exposure = 0, compensate = 1, saturation = 1;

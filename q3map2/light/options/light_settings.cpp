@@ -12,8 +12,6 @@ using Values = SettingValues;
 
 /// -shfit without a number, and its maximum.
 constexpr int kDefaultFit = 6, kMaxFit = 64;
-/// -shsmall: the cell on all axes. Game units.
-constexpr float kSmallCell = 64;
 /// -gridsh: the format's smallest cell. Game units.
 constexpr double kMinCell = 8;
 
@@ -36,7 +34,7 @@ Group GridSH() {
     };
     const auto small = [](LightOptions &o, const Values &) {
         o.sh = true;
-        o.gridSizeSH = Vec3f{kSmallCell, kSmallCell, kSmallCell};
+        o.gridSizeSH = Vec3f{kSmallCellSH, kSmallCellSH, kSmallCellSH};
         o.shFit = kDefaultFit;
     };
     return {"SH light grid",
