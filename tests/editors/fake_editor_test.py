@@ -161,7 +161,7 @@ class Menus(unittest.TestCase):
         self.assertEqual(labels[0], labels[2])
 
     def test_the_game_configuration_has_what_profiles_need(self):
-        folder = ROOT / "tools/editors/trenchbroom"
+        folder = EDITORS / "trenchbroom"
         config = menus.ExpressionReader((folder / "GameConfig.cfg").read_text()).whole()
         self.assertEqual(config["version"], 9.0)
         for key in ("name", "fileformats", "filesystem", "materials", "entities"):

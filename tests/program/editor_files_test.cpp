@@ -27,7 +27,7 @@ TEST_F(EditorFilesTest, TheRepositoryHasWhatTheProgramWrites) {
             EXPECT_EQ(ReadTextFile(entry.path()), ReadTextFile(std::filesystem::path(SOURCE) / "tools/editors" / name))
                 << name;
         }
-    EXPECT_EQ(files, 4);
+    EXPECT_EQ(files, 5);
 }
 
 TEST_F(EditorFilesTest, NameTheGame) {
