@@ -232,7 +232,8 @@ Group Tone() {
         };
     };
     return {"Tone of lightmaps, vertices and the legacy grid",
-            "The SH grid is linear and unclamped and takes none of these. The order is: scale, contrast, gamma, "
+            "The SH grid is linear and unclamped and takes none of these; the worldspawn key `_q3map2_tone` tells "
+            "engines, which apply them. The order is: scale, contrast, gamma, "
             "exposure, saturation, brightness and compensate, `_maxlight` (the color keeps its hue), sRGB, cut to a "
             "byte.",
             {{{.name = "-contrast",
