@@ -288,6 +288,17 @@ TEST_F(CompileTest, ReplacedEntitiesKeepTheRecordOfTheTools) {
     EXPECT_EQ(bsp.drawSurfaces.size(), surfaces);
 }
 
+TEST_F(CompileTest, OneWarningAboutMapsOfStructuralBrushes) {
+    std::string boxes;
+    for (int i = 0; i < 504; ++i) {
+        const Vec3d at{-124.0 + 8 * (i % 31), -124.0 + 8 * (i / 31), 0};
+        boxes += Box(at, at + Vec3d{4, 4, 4});
+    }
+    Compile(MapText(Room() + boxes));
+    EXPECT_EQ(out.log.WarningCount("structural brushes"), 1);
+    EXPECT_EQ(out.text.find("percent of the"), std::string::npos);
+}
+
 TEST_F(CompileTest, TooManySurfacesNameTheOption) {
     options.maxDrawSurfaces = 3;
     try {
