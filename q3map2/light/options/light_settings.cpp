@@ -12,8 +12,6 @@ using Values = SettingValues;
 
 /// -shfit without a number, and its maximum.
 constexpr int kDefaultFit = 6, kMaxFit = 64;
-/// -gridsh: the format's smallest cell. Game units.
-constexpr double kMinCell = 8;
 
 /// An option with a factor, which `multiply` applies to the options.
 template <typename Multiply>
@@ -64,7 +62,7 @@ Group GridSH() {
                .unit = "game units",
                .initial = "gridsize divided by -gridscalesh",
                .range = {.low = 0, .aboveLow = true},
-               .floor = kMinCell,
+               .floor = double(kMinCell),
                .help = "Size of a cell",
                .details = "The smallest cell is 8; a smaller value becomes 8, with a warning."},
               Do<LightOptions>(cell)}}};
