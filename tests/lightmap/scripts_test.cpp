@@ -192,6 +192,22 @@ TEST_F(ScriptsTest, VerticesStandInOnlyIfTheirStoredColorsShowTheSame) {
     EXPECT_EQ(bsp.drawSurfaces[0].lightmapNum, 0) << "vertices cannot flicker";
 }
 
+// A stripe that points at most 3 luxels apart cannot step over.
+TEST_F(ScriptsTest, VerticesAreComparedAsDenselyAsTheThresholdSays) {
+    MakeLightmaps(16, 16);
+    surfaces.vertex.sum[0].resize(bsp.drawVerts.size());
+    for (std::size_t i = 0; i < 6; ++i) {
+        RawLightmap &raw = surfaces.lightmaps[i];
+        Fill(raw, [&](int x, int) { return i == 0 && x >= 5 && x < 8 ? Vec3f{200, 200, 200} : Vec3f{50, 60, 70}; });
+        LightVerticesAs(raw, bsp.drawSurfaces[i], surfaces.vertex.sum[0]);
+    }
+    lightmap.approximate = 3;
+    lightmap.threshold = 3;
+    Finish();
+    for (std::size_t i = 0; i < 6; ++i)
+        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum, i == 0 ? 0 : kLightmapByVertex) << i;
+}
+
 TEST_F(ScriptsTest, SmallSurfacesAreLeftToVerticesUnlessTheirShaderKeepsThem) {
     Script("textures/test/wall1\n{\nq3map_noVertexLight\n}\n");
     MakeLightmaps(16, 16);
