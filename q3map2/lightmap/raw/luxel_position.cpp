@@ -13,7 +13,7 @@ namespace {
 constexpr float kBrushEpsilon = 0.125f;
 /// -trianglecheck: positions closer than this to an edge are moved to 1 unit inside of it. Game units.
 constexpr float kEdgeMargin = 0.125f;
-constexpr float kLeastArea = 1e-4f; ///< of a triangle whose luxels have a size. Square luxels
+constexpr float kLeastLuxelArea = 1e-4f; ///< of a triangle whose luxels have a size. Square luxels
 /// Rows of a curve closer than this share of a luxel's size are less apart than a luxel is nudged.
 constexpr float kDense = 0.5f;
 constexpr int kTriangleRounds = 3; // moving off one edge may cross another
@@ -65,7 +65,7 @@ LuxelSteps LuxelStepsOf(const SurfaceVertex &a, const SurfaceVertex &b, const Su
     const Vec3f p = b.xyz - a.xyz, q = c.xyz - a.xyz;
     const float pu = b.luxel[0] - a.luxel[0], pv = b.luxel[1] - a.luxel[1];
     const float qu = c.luxel[0] - a.luxel[0], qv = c.luxel[1] - a.luxel[1], area = pu * qv - qu * pv;
-    if (std::abs(area) < kLeastArea)
+    if (std::abs(area) < kLeastLuxelArea)
         return {};
     return {(p * qv - q * pv) / area, (q * pu - p * qu) / area};
 }
