@@ -5,6 +5,7 @@
 #include "q3map2/convert/preview/grid_preview_canvas.h"
 #include "q3map2/convert/preview/grid_preview_light.h"
 #include "q3map2/convert/preview/grid_preview_map.h"
+#include "tests/common/game_folder.h"
 #include "tools/scene/scene_builder.h"
 
 #include <gtest/gtest.h>
@@ -175,11 +176,11 @@ TEST(GridPreview, DisplayCurveIsSrgb) {
 }
 
 struct PictureFile {
-    std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "q3map2_grid_preview.png";
+    test::GameFolder folder;
+    std::filesystem::path path = folder / "preview.png";
     std::string text;
     Log log{[this](LogLevel, std::string_view line) { text += line; }};
 
-    ~PictureFile() { std::filesystem::remove(path); }
     Image Read() const {
         std::ifstream file(path, std::ios::binary);
         const std::string bytes{std::istreambuf_iterator<char>(file), {}};
