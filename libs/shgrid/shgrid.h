@@ -28,7 +28,8 @@ typedef enum {
     SHGRID_BAD_MINS,   /* position of the first point is not finite */
     SHGRID_BAD_CELL,   /* distance between points is not above zero */
     SHGRID_BAD_BOUNDS, /* fewer than one point on an axis */
-    SHGRID_BAD_COUNT   /* number of points is not the product of the bounds, or not what the lump holds */
+    SHGRID_BAD_COUNT,  /* number of points is not the product of the bounds, or not what the lump holds */
+    SHGRID_BAD_TONE    /* text of a tone that is not words and numbers, or with a number out of range */
 } shgrid_result;
 
 /* Points into the caller's memory: keep the file or the lump as long as the grid. */
@@ -44,6 +45,17 @@ typedef struct {
 typedef struct {
     float c[9][3];
 } shgrid_coeffs;
+
+/* How the lightmaps of a map became bytes; all numbers are finite. See shgrid_apply_tone. */
+typedef struct {
+    float contrast;   /* factor around byte 128, plain 1 */
+    float gamma;      /* above 0, plain 1 */
+    float exposure;   /* byte scale, plain 0: none */
+    float saturation; /* plain 1 */
+    float scale;      /* above 0, plain 1 */
+    float maxlight;   /* byte scale, 0 to 255, plain 255 */
+    int srgb;         /* plain 0 */
+} shgrid_tone;
 
 static inline const char *shgrid_message(shgrid_result result) {
     switch (result) {
@@ -65,6 +77,8 @@ static inline const char *shgrid_message(shgrid_result result) {
         return "the grid has less than one point on an axis";
     case SHGRID_BAD_COUNT:
         return "the number of points disagrees with the grid's bounds or its lump";
+    case SHGRID_BAD_TONE:
+        return "the tone is not words with numbers in range";
     }
     return "unknown result";
 }
@@ -280,6 +294,130 @@ static inline void shgrid_convolve(shgrid_coeffs *coeffs) {
     for (k = 0; k < 9; k++)
         for (channel = 0; channel < 3; channel++)
             coeffs->c[k][channel] *= lobe[k == 0 ? 0 : k < 4 ? 1 : 2];
+}
+
+static inline int shgrid_blank_(char c) {
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+static inline int shgrid_digit_(char c) {
+    return c >= '0' && c <= '9';
+}
+
+/* Reads a decimal number up to the next blank; not by the C library, whose numbers follow the locale. NULL if it is not
+   one, or not finite as a float. */
+static inline const char *shgrid_number_(const char *at, float *value) {
+    const int negative = *at == '-';
+    double mantissa = 0;
+    int digits = 0, scale = 0, power = 0, minus;
+    for (at += negative || *at == '+'; shgrid_digit_(*at); at++, digits = 1)
+        mantissa = 10 * mantissa + (*at - '0');
+    if (*at == '.')
+        for (at++; shgrid_digit_(*at); at++, digits = 1, scale -= scale > -400)
+            mantissa = scale > -400 ? 10 * mantissa + (*at - '0') : mantissa;
+    if (!digits)
+        return NULL;
+    if (*at == 'e' || *at == 'E') {
+        minus = at[1] == '-';
+        at += minus || at[1] == '+' ? 2 : 1;
+        if (!shgrid_digit_(*at))
+            return NULL;
+        for (; shgrid_digit_(*at); at++)
+            power = power < 1000 ? 10 * power + (*at - '0') : power;
+        scale += minus ? -power : power;
+    }
+    mantissa = scale < 0 ? mantissa / pow(10, -scale) : mantissa * pow(10, scale);
+    *value = (float)(negative ? -mantissa : mantissa);
+    return isfinite(*value) && (*at == '\0' || shgrid_blank_(*at)) ? at : NULL;
+}
+
+/* Parses the value of the worldspawn key _q3map2_tone, such as "gamma 1.4 scale 0.5". Words that it does not know are
+   passed over with their number; what is not named is plain. NULL or no words is a map without the key: SHGRID_OK and a
+   plain tone. Any other text gives a plain tone and SHGRID_BAD_TONE. */
+static inline shgrid_result shgrid_parse_tone(const char *text, shgrid_tone *tone) {
+    static const char *const words[7] = {"contrast", "gamma", "exposure", "saturation", "scale", "maxlight", "srgb"};
+    static const shgrid_tone plain = {1, 1, 0, 1, 1, 255, 0};
+    float values[7] = {1, 1, 0, 1, 1, 255, 0};
+    const char *at = text ? text : "";
+    int i;
+    *tone = plain;
+    for (;;) {
+        const char *word;
+        size_t length;
+        float value;
+        while (shgrid_blank_(*at))
+            at++;
+        if (*at == '\0')
+            break;
+        for (word = at; *at != '\0' && !shgrid_blank_(*at);)
+            at++;
+        length = (size_t)(at - word);
+        while (shgrid_blank_(*at))
+            at++;
+        at = shgrid_number_(at, &value);
+        if (at == NULL)
+            return SHGRID_BAD_TONE;
+        for (i = 0; i < 7; i++)
+            if (strlen(words[i]) == length && memcmp(words[i], word, length) == 0)
+                values[i] = value;
+    }
+    if (!(values[1] > 0) || !(values[4] > 0) || !(values[5] >= 0 && values[5] <= 255))
+        return SHGRID_BAD_TONE;
+    tone->contrast = values[0];
+    tone->gamma = values[1];
+    tone->exposure = values[2];
+    tone->saturation = values[3];
+    tone->scale = values[4];
+    tone->maxlight = values[5];
+    tone->srgb = values[6] != 0;
+    return SHGRID_OK;
+}
+
+static inline float shgrid_largest_(const float rgb[3]) {
+    const float most = rgb[0] > rgb[1] ? rgb[0] : rgb[1];
+    return most > rgb[2] ? most : rgb[2];
+}
+
+/* Contrast, gamma, exposure and saturation; byte scale. */
+static inline void shgrid_grade_(const shgrid_tone *tone, float v[3]) {
+    float most, gray;
+    int i;
+    for (i = 0; i < 3; i++) {
+        if (tone->contrast != 1)
+            v[i] = tone->contrast * (v[i] - 128) + 128;
+        v[i] = v[i] > 0 ? v[i] : 0; /* NaN gives 0 */
+        if (tone->gamma != 1)
+            v[i] = 255 * powf(v[i] / 255, 1 / tone->gamma);
+    }
+    most = shgrid_largest_(v);
+    if (tone->exposure != 0 && most > 0)
+        for (i = 0; i < 3; i++)
+            v[i] *= (1 - expf(-most / tone->exposure)) * 255 / most;
+    gray = 0.3086f * v[0] + 0.6094f * v[1] + 0.0820f * v[2];
+    if (tone->saturation != 1)
+        for (i = 0; i < 3; i++) {
+            v[i] = gray * (1 - tone->saturation) + v[i] * tone->saturation;
+            v[i] = v[i] > 0 ? v[i] : 0;
+        }
+}
+
+/* Makes of light from shgrid_evaluate or shgrid_light (1.0 is byte 255, linear) what the compiler would have stored in
+   a lightmap, 0 to 1 and not yet rounded to a byte: texel / 255. A color that is too bright keeps its hue. */
+static inline void shgrid_apply_tone(const shgrid_tone *tone, float rgb[3]) {
+    float v[3], most;
+    int i;
+    for (i = 0; i < 3; i++)
+        v[i] = 255 * rgb[i];
+    shgrid_grade_(tone, v);
+    for (i = 0; i < 3; i++)
+        v[i] *= tone->scale;
+    most = shgrid_largest_(v);
+    for (i = 0; i < 3; i++) {
+        float c = (most > tone->maxlight ? v[i] * (tone->maxlight / most) : v[i]) / 255;
+        if (tone->srgb)
+            c = c < 0.0031308f ? 12.92f * c : 1.055f * powf(c, 1 / 2.4f) - 0.055f;
+        rgb[i] = c > 0 ? (c < 1 ? c : 1) : 0;
+    }
 }
 
 #ifdef __cplusplus

@@ -413,7 +413,7 @@ class Validator {
     const Bsp &bsp_;
     std::string_view name_;
     Log &log_;
-    std::int64_t clusters_ = kMostClusters; ///< limit without a visibility lump
+    std::int64_t clusters_ = kMaxClusters; ///< limit without a visibility lump
 };
 
 } // namespace

@@ -204,6 +204,10 @@ void Entity::Set(std::string_view key, std::string_view value) {
         pairs.emplace_back(key, value);
 }
 
+void Entity::Erase(std::string_view key) {
+    std::erase_if(pairs, [key](const auto &pair) { return EqualNoCase(pair.first, key); });
+}
+
 std::vector<Entity> ParseEntities(std::string_view text, std::string_view name) {
     return Parse(text, name, false);
 }

@@ -30,6 +30,8 @@ struct Entity {
     std::string_view ClassName() const { return Value("classname"); }
     /// Replaces the first pair of that key or appends one.
     void Set(std::string_view key, std::string_view value);
+    /// Removes all pairs of that key.
+    void Erase(std::string_view key);
 };
 
 /// Parses entity lump text: quoted pairs in braces. `name` is for messages. Errors: unbalanced braces, missing strings.

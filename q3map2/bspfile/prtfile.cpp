@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/files/files.h"
+#include "q3map2/bspfile/bsp_layout.h"
 
 #include <charconv>
 #include <cmath>
@@ -12,7 +13,6 @@ namespace q3 {
 
 namespace {
 
-constexpr int kMaxClusters = 16384; ///< limit of the visibility lump in engines
 constexpr int kMaxPortals = 65536;
 constexpr int kMaxFaces = 1 << 22;
 constexpr int kMaxPoints = 512; ///< per winding
@@ -107,7 +107,7 @@ PortalFile ParsePortalFile(std::string_view text, std::string_view name) {
     PrtScanner scanner(text, name);
     PortalFile file;
     scanner.Expect("PRT1", "PRT1, which portal files begin with");
-    file.clusters = scanner.Integer(0, kMaxClusters, "a number of clusters");
+    file.clusters = scanner.Integer(0, kMaxVisClusters, "a number of clusters");
     const int portals = scanner.Integer(0, kMaxPortals, "a number of portals");
     const int faces = scanner.Integer(0, kMaxFaces, "a number of faces");
     for (int i = 0; i < portals; ++i)

@@ -5,6 +5,7 @@
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/grid_shares.h"
+#include "q3map2/bspfile/written_keys.h"
 
 #include <algorithm>
 #include <string>
@@ -17,8 +18,6 @@ namespace {
 
 constexpr std::string_view kRule = "---------------------------------";
 constexpr double kMegabyte = 1024 * 1024;
-/// worldspawn key in which the light stage records the convention of the coefficients.
-constexpr std::string_view kConventionKey = "_q3map2_sh", kRadiance = "radiance";
 
 /// Record sizes of RBSP, which the established program prints for IBSP files too.
 constexpr std::size_t kRbspBrushSideBytes = 12, kRbspSurfaceBytes = 148, kRbspVertBytes = 80, kRbspGridPointBytes = 30;
@@ -85,6 +84,8 @@ class InfoTable {
 
     void PrintLight() const {
         Line(bsp_.lightmaps.size() / kLightmapPageBytes, "lightmaps", bsp_.lightmaps.size());
+        if (const Entity world = World(); world.Has(kToneKey))
+            Note("tone: {}", Printable(std::string(world.Value(kToneKey))));
         Line(bsp_.gridPoints, "lightgrid", kRbspGridPointBytes);
         log_.Print("{:9} {:<14} {:9}\n", "", "visibility", bsp_.visibility.size());
         log_.Print("\n");
@@ -101,9 +102,8 @@ class InfoTable {
         Note("from ( {} {} {} ) to ( {} {} {} )", shown(head.gridMins[0]), shown(head.gridMins[1]),
              shown(head.gridMins[2]), shown(last[0]), shown(last[1]), shown(last[2]));
         Note("stored in {}", bsp_.gridSHContainer == GridSHContainer::Lump ? "lump 18" : "BSPX lump LIGHTGRID_SH");
-        const std::vector<Entity> entities = Entities();
-        const bool radiance = !entities.empty() && entities[0].Value(kConventionKey) == kRadiance;
-        Note("coefficients are {}", radiance ? "radiance, not convolved (-shradiance)" : "cosine-convolved");
+        Note("coefficients are {}",
+             World().Value(kGridSHKey) == kRadiance ? "radiance, not convolved (-shradiance)" : "cosine-convolved");
         const GridShares shares = CountGridShares(bsp_, grid);
         Share(shares.open, "lit points", grid.points.size());
         Share(shares.filled, "filled points", grid.points.size());
@@ -141,6 +141,11 @@ class InfoTable {
             log_.Warn("entity text", "{}", error.what());
             return {};
         }
+    }
+
+    Entity World() const {
+        const std::vector<Entity> entities = Entities();
+        return entities.empty() ? Entity{} : entities.front();
     }
 
     const std::filesystem::path &path_;

@@ -4,6 +4,7 @@
 #include "common/text/text.h"
 #include "q3map2/bspfile/object_keys.h"
 #include "q3map2/bspfile/surface_keys.h"
+#include "q3map2/bspfile/written_keys.h"
 #include "q3map2/geometry/compile_map.h"
 
 #include <algorithm>
@@ -14,6 +15,8 @@ namespace q3 {
 namespace {
 
 constexpr std::array<std::string_view, 3> kToolKeys = {"_q3map2_cmdline", "_q3map2_version", "gridsize"};
+/// What these say is true of the light that is in the .bsp, so a value of the map source does not count.
+constexpr std::array<std::string_view, 2> kLightKeys = {kGridSHKey, kToneKey};
 
 std::string_view CloneOf(const MapEntity &entity) {
     return keys::kInstance.Text(entity.pairs);
@@ -89,6 +92,11 @@ void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context) {
     for (const std::string_view key : kToolKeys)
         if (!old.empty() && old.front().Has(key))
             map.World().pairs.Set(key, old.front().Value(key));
+    for (const std::string_view key : kLightKeys) {
+        map.World().pairs.Erase(key);
+        if (!old.empty() && old.front().Has(key))
+            map.World().pairs.Set(key, old.front().Value(key));
+    }
     bsp.entities = GameEntities(map, context.options);
 }
 

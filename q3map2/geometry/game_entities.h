@@ -14,7 +14,7 @@ void NumberModels(Map &map, const BspContext &context);
 /// Text of the entities lump: all entities except groups, sky boxes, decals, and the lights and models compiled in.
 std::string GameEntities(const Map &map, const BspOptions &options);
 /// -onlyents: replaces the entities of the .bsp by the entities of the map. Keys that the tools added to the old
-/// worldspawn (command line, version, grid size) are kept.
+/// worldspawn (command line, version, grid size, how it was lit) are kept.
 void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context);
 
 } // namespace q3

@@ -59,7 +59,4 @@ std::vector<Light> CreateLights(const Bsp &bsp, const std::vector<Entity> &entit
 /// For each brush whether it blocks light as a volume: a brush of the world none of whose sides is translucent.
 std::vector<bool> OpaqueBrushes(const Bsp &bsp, ShaderLibrary &library);
 
-/// Worldspawn key that tells engines how to read the SH grid; value "radiance" after -shradiance, absent otherwise.
-inline constexpr std::string_view kGridSHKey = "_q3map2_sh";
-
 } // namespace q3

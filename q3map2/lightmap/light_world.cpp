@@ -2,7 +2,9 @@
 #include "q3map2/lightmap/light_world.h"
 
 #include "common/cpu_time.h"
+#include "q3map2/bspfile/written_keys.h"
 #include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/light/tone/light_tone.h"
 #include "q3map2/lightmap/ao/luxel_dirt.h"
 #include "q3map2/lightmap/ao/luxel_flood.h"
 #include "q3map2/lightmap/bounce/light_bounce.h"
@@ -108,8 +110,19 @@ class SurfacePasses {
     bool averaged_ = false;
 };
 
-void EraseKey(Entity &entity, std::string_view key) {
-    std::erase_if(entity.pairs, [&](const auto &pair) { return EqualNoCase(pair.first, key); });
+/// Records the tone of the lightmaps for readers of the SH grid. -onlygrid keeps the lightmaps and their tone; without
+/// a record they may be of a program that keeps none, so the tone that the run was given counts.
+void RecordTone(const std::string &tone, bool onlyGrid, Entity &world, Log &log) {
+    const std::string recorded(world.Value(kToneKey));
+    if (onlyGrid && !recorded.empty()) {
+        if (recorded != tone)
+            log.Warn("tone of the lightmaps", "-onlygrid keeps lightmaps of tone \"{}\", but lights the legacy grid {}",
+                     recorded, tone.empty() ? "without one" : fmt::format("with \"{}\"", tone));
+        return;
+    }
+    world.Erase(kToneKey);
+    if (!tone.empty())
+        world.Set(kToneKey, tone);
 }
 
 } // namespace
@@ -135,14 +148,15 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
         result.surfaces = surfaces->Counts();
     }
     bsp.gridSH.reset();
-    EraseKey(setup.stored.front(), kGridSHKey);
+    setup.stored.front().Erase(kGridSHKey);
+    RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap.onlyGrid, setup.stored.front(), log);
     if (!options.noGrid)
         bsp.gridPoints = LightLegacyGrid(setup, bounced.get(), jobs, log, result.grid);
     if (options.sh) {
         bsp.gridSH = BakeGridSH(setup, bounced.get(), jobs, log, result.gridSH);
         bsp.gridSHContainer = options.shBspx ? GridSHContainer::Bspx : GridSHContainer::Lump;
         if (options.shRadiance)
-            setup.stored.front().Set(kGridSHKey, "radiance");
+            setup.stored.front().Set(kGridSHKey, kRadiance);
     }
     if (!lightmap.onlyGrid)
         result.lightmaps = surfaces->Store(inputs.name, bsp);

@@ -89,7 +89,6 @@ struct Patch {
     std::vector<DrawVert> verts; ///< row * width + column
     float longestCurve = 0;
     Boundsf lodBounds; ///< common bounds of patches that share their level of detail; see FinishPatches
-    bool grouped = false;
     bool patchMeta = false;
     int patchSubdivisions = 0; ///< curve tolerance from keys, game units; 0: the value of -subdivisions
 };

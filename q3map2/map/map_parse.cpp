@@ -352,13 +352,11 @@ void MapReader::FinishEntity(MapEntity &entity) {
 }
 
 void MapReader::PrintCounts() const {
-    constexpr std::size_t kManyBrushes = 500;
-    long long detail = 0, patches = 0, boxBevels = 0, edgeBevels = 0, areaPortals = 0, worldDetail = 0;
+    long long detail = 0, patches = 0, boxBevels = 0, edgeBevels = 0, areaPortals = 0;
     for (const MapEntity &entity : map_.entities) {
         patches += (long long)(entity.patches.size());
         for (const Brush &brush : entity.brushes) {
             detail += brush.detail;
-            worldDetail += brush.detail && entity.number == 0;
             areaPortals += (brush.compileFlags & C_AREAPORTAL) != 0;
             for (std::size_t i = 0; i < brush.sides.size(); ++i)
                 (i < 6 ? boxBevels : edgeBevels) += brush.sides[i].bevel;
@@ -373,10 +371,6 @@ void MapReader::PrintCounts() const {
     context_.log.VerboseCount((long long)(map_.entities.size()), "entities");
     context_.log.VerboseCount(map_.planes.Count(), "planes");
     context_.log.VerboseCount(areaPortals, "areaportals");
-    if (worldBrushes > kManyBrushes && double(worldDetail) < 0.1 * double(worldBrushes))
-        context_.log.Warn("few detail brushes",
-                          "over 90 percent of the {} brushes of the world are structural: this makes vis slow",
-                          worldBrushes);
 }
 
 } // namespace

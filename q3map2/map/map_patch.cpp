@@ -180,7 +180,6 @@ void FinishPatches(std::deque<Patch> &patches) {
     for (std::size_t i = 0; i < patches.size(); ++i) {
         patches[i].longestCurve = found[groups.Of(i)].longestCurve;
         patches[i].lodBounds = found[groups.Of(i)].bounds;
-        patches[i].grouped = true;
     }
 }
 

@@ -37,10 +37,10 @@ int NumberClusters(Tree &tree, bool deep) {
             node.cluster = number;
         }
     }
-    if (count > kMostClusters)
+    if (count > kMaxClusters)
         throw Error("the map has {} clusters, expected at most {}: larger blocks (world key _blocksize) and more "
                     "detail brushes make fewer",
-                    count, kMostClusters);
+                    count, kMaxClusters);
     return count;
 }
 

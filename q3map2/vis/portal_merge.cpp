@@ -147,6 +147,7 @@ bool JoinFirstPair(PortalGraph &graph, const GraphLeaf &leaf, MergedPortals &mer
             merged.pairs++;
             merged.hintPairs += one.hint && other.hint;
             one.hint |= other.hint;
+            one.sky |= other.sky;
             one.joined = other.removed = true;
             return true;
         }

@@ -94,6 +94,13 @@ TEST(BspInfo, NamesPlainProjection) {
     EXPECT_THAT(Info(bsp), HasSubstr("coefficients are radiance, not convolved (-shradiance)\n"));
 }
 
+TEST(BspInfo, NamesTheToneOfTheLightmaps) {
+    Bsp bsp = SmallBsp();
+    EXPECT_THAT(Info(bsp), Not(HasSubstr("tone")));
+    bsp.entities = "{\n\"classname\" \"worldspawn\"\n\"_q3map2_tone\" \"gamma 1.4 scale 0.5\"\n}\n";
+    EXPECT_THAT(Info(bsp), HasSubstr("  tone: gamma 1.4 scale 0.5\n"));
+}
+
 TEST(BspInfo, ListsForeignLumpsAndAdvertisements) {
     const std::string text = Info(FullBsp(GridSHContainer::Lump));
     EXPECT_THAT(text, HasSubstr("        1 advertisements       128\n"));

@@ -272,15 +272,31 @@ TEST_F(CompileTest, ReplacedEntitiesKeepTheRecordOfTheTools) {
     Bsp bsp = Compile(MapText(Room())).bsp;
     std::vector<Entity> entities = ParseEntities(bsp.entities, "test");
     entities.front().Set("_q3map2_cmdline", "-bsp -meta; -light");
+    entities.front().Set("_q3map2_tone", "gamma 2");
     bsp.entities = FormatEntities(entities);
     const BspContext context{options, game, *library, out.log, &vfs};
-    Map map = ReadMap(MapText(Room(), "\"music\" \"new.wav\"\n"), "test.map", context);
+    Map map =
+        ReadMap(MapText(Room(), "\"music\" \"new.wav\"\n\"_q3map2_sh\" \"radiance\"\n\"_q3map2_tone\" \"gamma 3\"\n"),
+                "test.map", context);
     const auto surfaces = bsp.drawSurfaces.size();
     ReplaceEntities(bsp, map, context);
     EXPECT_THAT(bsp.entities, HasSubstr("\"music\" \"new.wav\""));
     EXPECT_THAT(bsp.entities, HasSubstr("\"_q3map2_cmdline\" \"-bsp -meta; -light\""));
     EXPECT_THAT(bsp.entities, Not(HasSubstr("\"light\"")));
+    EXPECT_THAT(bsp.entities, HasSubstr("\"_q3map2_tone\" \"gamma 2\"")) << "the light in the file has it";
+    EXPECT_THAT(bsp.entities, Not(HasSubstr("_q3map2_sh"))) << "the file has no SH grid";
     EXPECT_EQ(bsp.drawSurfaces.size(), surfaces);
+}
+
+TEST_F(CompileTest, OneWarningAboutMapsOfStructuralBrushes) {
+    std::string boxes;
+    for (int i = 0; i < 504; ++i) {
+        const Vec3d at{-124.0 + 8 * (i % 31), -124.0 + 8 * (i / 31), 0};
+        boxes += Box(at, at + Vec3d{4, 4, 4});
+    }
+    Compile(MapText(Room() + boxes));
+    EXPECT_EQ(out.log.WarningCount("structural brushes"), 1);
+    EXPECT_EQ(out.text.find("percent of the"), std::string::npos);
 }
 
 TEST_F(CompileTest, TooManySurfacesNameTheOption) {

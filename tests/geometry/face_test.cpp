@@ -3,6 +3,7 @@
 #include "q3map2/geometry/faces/brush_faces.h"
 #include "q3map2/geometry/faces/patch_surfaces.h"
 #include "q3map2/geometry/faces/subdivide.h"
+#include "q3map2/map/map_texture.h"
 #include "tests/geometry/face_scene.h"
 
 #include <algorithm>
@@ -219,6 +220,40 @@ TEST_F(ClassTest, FlatPatchLiesInAPlane) {
         EXPECT_EQ(s.lightmapVecs[2], bump == 0 ? (Vec3f{0, 0, 1}) : Vec3f{});
         EXPECT_EQ(s.verts.size(), 9u);
     }
+}
+
+TEST_F(SideTest, GeneratedCoordinatesOfPatchesAndBrushesAgree) {
+    ShaderInfo generated = shader;
+    generated.geometry.hasTexGen = true;
+    generated.geometry.texGen = {Vec3f{1.f / 64, 0, 0}, Vec3f{0, 1.f / 32, 1.f / 16}};
+    Patch patch;
+    patch.shader = &generated;
+    patch.width = patch.height = 3;
+    for (int i = 0; i < 9; ++i) {
+        DrawVert v;
+        v.xyz = {float(32 * (i % 3)), float(32 * (i / 3)), 64};
+        patch.verts.push_back(v);
+    }
+    // An origin brush at 64 32 8, and a key of its own besides, which moves the entity in the game only.
+    entity.brushOrigin = entity.brushes.front().textureOrigin = {64, 32, 8};
+    entity.origin = entity.brushOrigin + Vec3f{100, 200, 300};
+    BrushSide &side = AddSide({{0, 0, 64}, {0, 64, 64}, {64, 64, 64}, {64, 0, 64}}, generated);
+    side.texture = FinalProjection(side.texture, generated.geometry, false);
+    entity.patches.push_back(patch);
+    Make();
+    MakePatchSurfaces(entity, geometry, planes, context);
+    ASSERT_EQ(geometry.surfaces.size(), 2u);
+    int shared = 0;
+    for (const DrawVert &a : Surface(0).verts)
+        for (const DrawVert &b : Surface(1).verts)
+            if (a.xyz == b.xyz) {
+                EXPECT_FLOAT_EQ(a.st[0], (a.xyz.x + 64) / 64);
+                EXPECT_FLOAT_EQ(a.st[1], (a.xyz.y + 32) / 32 + (a.xyz.z + 8) / 16);
+                EXPECT_FLOAT_EQ(b.st[0], a.st[0]);
+                EXPECT_FLOAT_EQ(b.st[1], a.st[1]);
+                ++shared;
+            }
+    EXPECT_EQ(shared, 4);
 }
 
 } // namespace

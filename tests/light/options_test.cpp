@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. SH grid: what the options change, and what they must not.
 #include "libs/sh/sh.h"
+#include "q3map2/bspfile/written_keys.h"
 #include "tests/light/light_fixture.h"
 
 #include <cmath>

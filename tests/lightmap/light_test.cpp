@@ -215,6 +215,22 @@ TEST_F(LuxelLightTest, StylesTakeSlotsWhereTheyShine) {
     EXPECT_EQ(c.quiet.log.WarningCount("light styles") > 0, true);
 }
 
+TEST_F(LuxelLightTest, StylesThatFindNoSlotAreNamedOnlyIfTheyArrive) {
+    for (const bool arrives : {false, true}) {
+        scene_ = EmptyRoom();
+        SurfaceCase &c = Case();
+        std::vector<Light> lights;
+        for (const int style : {0, 7, 3, 9, 12}) {
+            // Style 12 comes last: from under the floor, or from above.
+            lights.push_back(PointLight({0, 0, style == 12 && !arrives ? -20.0f : 100.0f}, 1e5f));
+            lights.back().style = style;
+        }
+        const Lit lit(c, lights);
+        EXPECT_EQ(Floor(lit).styles, (Styles{0, 3, 7, 9}));
+        EXPECT_EQ(c.quiet.log.WarningCount("light styles") > 0, arrives);
+    }
+}
+
 TEST_F(LuxelLightTest, DirectionsPointToTheLight) {
     CaseSettings settings;
     settings.lightmap.deluxe = true;

@@ -282,15 +282,19 @@ TEST_F(LuxelTest, NormalImagesBendNormals) {
 }
 
 /// The inside of a tube around the z axis.
-SceneBuilder TubeRoom(float radius) {
-    SceneBuilder scene = EmptyRoom();
+void AddTube(float radius, float height, SceneBuilder &scene) {
     constexpr std::array<std::array<float, 2>, 9> kRing{
         {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}, {1, 0}}};
     std::vector<Vec3f> points;
     for (int row = 2; row >= 0; --row)
         for (const auto &p : kRing)
-            points.push_back({p[0] * radius, p[1] * radius, 160 * float(row)});
+            points.push_back({p[0] * radius, p[1] * radius, 0.5f * height * float(row)});
     scene.AddPatch(9, 3, points, Shaded(kA));
+}
+
+SceneBuilder TubeRoom(float radius) {
+    SceneBuilder scene = EmptyRoom();
+    AddTube(radius, 320, scene);
     return scene;
 }
 
@@ -314,6 +318,27 @@ TEST_F(LuxelTest, CurvesAreLiftedAlongTheirNormals) {
                 EXPECT_GT(std::abs(Dot(raw.normals[luxel], {p.x / radius, p.y / radius, 0})), 0.85f);
             }
     }
+}
+
+// The upper row lies in the plane of a solid. Half a luxel of 16 units is more than the rows are apart.
+TEST_F(LuxelTest, CurvesWithDenseRowsAreLitFromBetweenThem) {
+    constexpr float kHeight = 7;
+    SceneBuilder scene = EmptyRoom({-300, -300, 0}, {300, 300, 128});
+    scene.AddBox({-290, -290, kHeight}, {290, 290, 60}, Shaded(kB), BoxKind::Detail);
+    AddTube(200, kHeight, scene);
+    SurfaceCase c(scene, folder);
+    const SurfaceLight surfaces = c.Mapped();
+    const RawLightmap &raw = LightmapOf(c, surfaces, kA);
+    ASSERT_EQ(raw.height, 3) << "a row of luxels for each row of points";
+    for (int y = 0; y < raw.height; ++y)
+        for (int x = 0; x < raw.width; ++x) {
+            const std::size_t luxel = raw.SuperIndex(x, y);
+            ASSERT_TRUE(raw.Mapped(luxel)) << x << ' ' << y;
+            const Vec3f &p = raw.positions[luxel];
+            EXPECT_GE(p.z, 0);
+            EXPECT_LT(p.z, kHeight - 0.125f);
+            EXPECT_NEAR(std::hypot(p.x, p.y), 203, 11) << x << ' ' << y;
+        }
 }
 
 TEST_F(LuxelTest, ThreadsDoNotMatter) {

@@ -148,6 +148,66 @@ TEST_F(ScriptsTest, EvenLightIsLeftToVertices) {
         EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum, 0) << i;
 }
 
+TEST_F(ScriptsTest, VerticesStandInOnlyIfTheirStoredColorsShowTheSame) {
+    MakeLightmaps(16, 16);
+    surfaces.vertex.sum[0].resize(bsp.drawVerts.size());
+    for (std::size_t i = 0; i < 6; ++i) {
+        RawLightmap &raw = surfaces.lightmaps[i];
+        Fill(raw, [&](int x, int) { return Vec3f{float(20 + 12 * x), 60, 100}; });
+        LightVerticesAs(raw, bsp.drawSurfaces[i], surfaces.vertex.sum[0]);
+    }
+    lightmap.approximate = 8; // a luxel is compared with vertices up to half a luxel aside
+    const Bsp unlit = bsp;
+    const SurfaceLight before = surfaces;
+    const auto byVertex = [&] {
+        bsp = unlit, surfaces = before;
+        Finish();
+        return bsp.drawSurfaces[0].lightmapNum == kLightmapByVertex;
+    };
+    EXPECT_TRUE(byVertex());
+    lightmap.vertexScale = 1.2f;
+    EXPECT_FALSE(byVertex()) << "vertices would be a fifth brighter";
+    lightmap.vertexScale = 1;
+    world.minVertex = {80, 80, 80};
+    EXPECT_FALSE(byVertex()) << "their least light is another";
+    world.minLight = world.minVertex;
+    lightmap.approximate = 60; // a ramp between the ends, and one that is cut at 80
+    EXPECT_TRUE(byVertex());
+    world = {};
+    lightmap.approximate = 8;
+    options.tone.gamma = 2;
+    EXPECT_FALSE(byVertex()) << "engines blend the bytes, whose ramp is no longer straight";
+    options.tone = {};
+    surfaces = before;
+    for (RawLightmap &raw : surfaces.lightmaps) {
+        raw.styles[1] = 5;
+        Fill(
+            raw,
+            [](int, int) {
+                return Vec3f{40, 40, 40};
+            },
+            1);
+    }
+    Finish();
+    EXPECT_EQ(bsp.drawSurfaces[0].lightmapNum, 0) << "vertices cannot flicker";
+}
+
+// A stripe that points at most 3 luxels apart cannot step over.
+TEST_F(ScriptsTest, VerticesAreComparedAsDenselyAsTheThresholdSays) {
+    MakeLightmaps(16, 16);
+    surfaces.vertex.sum[0].resize(bsp.drawVerts.size());
+    for (std::size_t i = 0; i < 6; ++i) {
+        RawLightmap &raw = surfaces.lightmaps[i];
+        Fill(raw, [&](int x, int) { return i == 0 && x >= 5 && x < 8 ? Vec3f{200, 200, 200} : Vec3f{50, 60, 70}; });
+        LightVerticesAs(raw, bsp.drawSurfaces[i], surfaces.vertex.sum[0]);
+    }
+    lightmap.approximate = 3;
+    lightmap.threshold = 3;
+    Finish();
+    for (std::size_t i = 0; i < 6; ++i)
+        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum, i == 0 ? 0 : kLightmapByVertex) << i;
+}
+
 TEST_F(ScriptsTest, SmallSurfacesAreLeftToVerticesUnlessTheirShaderKeepsThem) {
     Script("textures/test/wall1\n{\nq3map_noVertexLight\n}\n");
     MakeLightmaps(16, 16);

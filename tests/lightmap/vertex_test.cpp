@@ -173,6 +173,17 @@ TEST_F(VertexTest, StylesTakeSlots) {
     }
 }
 
+TEST_F(VertexTest, StylesThatFindNoSlotAreNamedOnlyIfTheyArrive) {
+    for (const bool arrives : {false, true}) {
+        SceneBuilder scene = Floors();
+        for (const std::string_view style : {"3", "5", "7", "9"}) // the last is lit first
+            scene.AddEntity(PointLight({0, 0, style == "9" && !arrives ? -50.0f : 100.0f}, 50, style));
+        SurfaceCase c(scene, folder, Settings());
+        Lit(c);
+        EXPECT_EQ(c.quiet.log.WarningCount("too many light styles") > 0, arrives);
+    }
+}
+
 TEST_F(VertexTest, NegativeLightSubtracts) {
     SceneBuilder scene = Floors();
     scene.AddEntity(PointLight({0, 0, 150}, 200));

@@ -156,6 +156,22 @@ TEST(TessellatePatch, MeshOfATubeIsOnTheCurve) {
     EXPECT_GT(TessellatePatch(patches[0], 2).width, TessellatePatch(patches[0], 8).width);
 }
 
+TEST(Tessellated, NoAxisOfTheMeshReaches128Points) {
+    for (const int size : {15, 17, 19, 31}) {
+        // A wave, so that no column is flat.
+        MeshOf<DrawVert> mesh{size, 3, {}};
+        for (int row = 0; row < 3; ++row)
+            for (int column = 0; column < size; ++column) {
+                DrawVert v;
+                v.xyz = {float(64 * column), float(64 * row), float(64 * (column % 2))};
+                mesh.verts.push_back(v);
+            }
+        const float longest = 8 * 16 * 5; // of three halvings
+        const int fine = 8 * (size - 1) + 1;
+        EXPECT_EQ(Tessellated(mesh, longest).width, std::min(fine, 127)) << size;
+    }
+}
+
 TEST(TessellatePatch, TrianglesCoverAFlatPatchOnceFacingUp) {
     Patch patch;
     patch.width = 5, patch.height = 5;

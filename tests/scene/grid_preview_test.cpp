@@ -5,11 +5,13 @@
 #include "q3map2/convert/preview/grid_preview_canvas.h"
 #include "q3map2/convert/preview/grid_preview_light.h"
 #include "q3map2/convert/preview/grid_preview_map.h"
+#include "tests/common/game_folder.h"
 #include "tools/scene/scene_builder.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 
@@ -48,7 +50,7 @@ Bsp TwoColors() {
 TEST(GridPreview, ShSideTellsTheTwoLightsApart) {
     const Bsp bsp = TwoColors();
     const ShPreview preview(bsp);
-    const shgrid_coeffs coeffs = preview.At({100, 100, 100});
+    const ShSample coeffs = preview.At({100, 100, 100});
     const Vec3f south = LightOn(coeffs, {0, -1, 0}), north = LightOn(coeffs, {0, 1, 0});
     EXPECT_NEAR(south.x, 0.8 * 1.0625, 1e-5);
     EXPECT_NEAR(south.z, 0.8 * 0.0625, 1e-5);
@@ -65,6 +67,22 @@ TEST(GridPreview, PlainProjectionIsConvolvedFirst) {
                 value = float(value / kCosineLobe[k]);
     bsp.entities = "{\n\"classname\" \"worldspawn\"\n\"_q3map2_sh\" \"radiance\"\n}\n";
     EXPECT_NEAR(Length(LightOn(ShPreview(bsp).At({0, 0, 100}), {0, -0.6f, 0.8f}) - expected), 0, 1e-5);
+}
+
+TEST(GridPreview, ShSideHasTheToneOfTheLegacySide) {
+    Bsp bsp = TwoColors();
+    const ShSample plain = ShPreview(bsp).At({100, 100, 100});
+    EXPECT_FALSE(ShPreview(bsp).HasTone());
+    bsp.entities = "{\n\"classname\" \"worldspawn\"\n\"_q3map2_tone\" \"gamma 2 scale 0.5\"\n}\n";
+    EXPECT_TRUE(ShPreview(bsp).HasTone());
+    const ShSample toned = ShPreview(bsp).At({100, 100, 100});
+    for (const Vec3f &normal : {Vec3f(0, -1, 0), Vec3f(0, 0, 1), Vec3f(0.6f, 0.8f, 0)}) {
+        const Vec3f before = LightOn(plain, normal), after = LightOn(toned, normal);
+        for (const std::size_t channel : {0u, 1u, 2u})
+            EXPECT_NEAR(after[channel], 0.5 * std::sqrt(before[channel]), 1e-5);
+    }
+    bsp.entities = "{\n\"classname\" \"worldspawn\"\n\"_q3map2_tone\" \"gamma\"\n}\n";
+    EXPECT_FALSE(ShPreview(bsp).HasTone()) << "not readable";
 }
 
 TEST(GridPreview, LegacySideIsAmbientPlusDirected) {
@@ -158,11 +176,11 @@ TEST(GridPreview, DisplayCurveIsSrgb) {
 }
 
 struct PictureFile {
-    std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "q3map2_grid_preview.png";
+    test::GameFolder folder;
+    std::filesystem::path path = folder / "preview.png";
     std::string text;
     Log log{[this](LogLevel, std::string_view line) { text += line; }};
 
-    ~PictureFile() { std::filesystem::remove(path); }
     Image Read() const {
         std::ifstream file(path, std::ios::binary);
         const std::string bytes{std::istreambuf_iterator<char>(file), {}};

@@ -309,9 +309,66 @@ static void TestDeltaLight(void) {
 
 static void TestMessages(void) {
     int a, b;
-    for (a = SHGRID_OK; a <= SHGRID_BAD_COUNT; a++)
+    for (a = SHGRID_OK; a <= SHGRID_BAD_TONE; a++)
         for (b = SHGRID_OK; b < a; b++)
             CHECK(strcmp(shgrid_message((shgrid_result)a), shgrid_message((shgrid_result)b)) != 0);
+}
+
+static int IsPlain(const shgrid_tone *tone) {
+    return tone->contrast == 1 && tone->gamma == 1 && tone->exposure == 0 && tone->saturation == 1 &&
+           tone->scale == 1 && tone->maxlight == 255 && tone->srgb == 0;
+}
+
+static void TestToneText(void) {
+    static const char *const good[] = {"",         "  \t\n",  "gamma 1",           "unknown 7 other -1e-3",
+                                       "scale 1.", "gAmMa 3", "exposure -0.0e+05", "saturation +1 maxlight 255.000"};
+    static const char *const bad[] = {
+        "gamma",       "gamma x",        "1.4",           "gamma 1.4 scale",   "gamma 1,4", "gamma 1.4x",
+        "gamma .",     "gamma 1e",       "gamma 0",       "gamma -1",          "scale 0",   "maxlight 256",
+        "maxlight -1", "gamma 1e39",     "gamma nan",     "gamma inf",         "gamma 0x2", "unknown gamma 2",
+        "gamma - 1.4", "contrast 1e999", "gamma 2 gamma", "scale 2 \"gamma\"", "srgb on"};
+    shgrid_tone tone;
+    size_t i;
+    CHECK(shgrid_parse_tone(NULL, &tone) == SHGRID_OK && IsPlain(&tone));
+    for (i = 0; i < sizeof good / sizeof good[0]; i++)
+        CHECK(shgrid_parse_tone(good[i], &tone) == SHGRID_OK && IsPlain(&tone));
+    for (i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        CHECK(shgrid_parse_tone(bad[i], &tone) == SHGRID_BAD_TONE && IsPlain(&tone));
+    CHECK(shgrid_parse_tone("contrast 0.75 gamma 1.4 exposure 2e2 saturation -.5 scale 0.25 maxlight 99.5 srgb 1",
+                            &tone) == SHGRID_OK);
+    CHECK(tone.contrast == 0.75f && tone.gamma == 1.4f && tone.exposure == 200 && tone.saturation == -0.5f);
+    CHECK(tone.scale == 0.25f && tone.maxlight == 99.5f && tone.srgb == 1);
+    CHECK(shgrid_parse_tone("\tscale 1.1754944e-38 gamma 3.4028235e38 later 5 gamma 16777217", &tone) == SHGRID_OK);
+    CHECK(tone.scale == 1.1754944e-38f && tone.gamma == 16777216);
+}
+
+static void ExpectTone(const char *text, double r, double g, double b, double wantR, double wantG, double wantB) {
+    float rgb[3] = {(float)r, (float)g, (float)b};
+    shgrid_tone tone;
+    CHECK(shgrid_parse_tone(text, &tone) == SHGRID_OK);
+    shgrid_apply_tone(&tone, rgb);
+    if (!Near(rgb[0], wantR, 1e-6) || !Near(rgb[1], wantG, 1e-6) || !Near(rgb[2], wantB, 1e-6)) {
+        printf("%s: %g %g %g\n", text, (double)rgb[0], (double)rgb[1], (double)rgb[2]);
+        failures++;
+    }
+}
+
+/* Each step by its formula, and their order. */
+static void TestTone(void) {
+    ExpectTone("", 0.25, 0.5, 1, 0.25, 0.5, 1);
+    ExpectTone("", 0.5, 1, 4, 0.125, 0.25, 1);
+    ExpectTone("gamma 2", 0.25, 0.49, 0.0625, 0.5, 0.7, 0.25);
+    ExpectTone("contrast 0.5", 0, 128 / 255.0, 1, 64 / 255.0, 128 / 255.0, 191.5 / 255);
+    ExpectTone("contrast 3", 0, 128 / 255.0, 130 / 255.0, 0, 128 / 255.0, 134 / 255.0);
+    ExpectTone("exposure 200", 0.4, 0.8, 0, 0.5 * (1 - exp(-1.02)), 1 - exp(-1.02), 0);
+    ExpectTone("saturation 0", 1, 0, 0, 0.3086, 0.3086, 0.3086);
+    ExpectTone("saturation 2", 0, 0.5, 0, 0, 1 - 0.5 * 0.6094, 0);
+    ExpectTone("scale 0.5 maxlight 51", 0.2, 0.4, 0.8, 0.05, 0.1, 0.2);
+    ExpectTone("srgb 1", 0.002, 0.5, 1, 0.02584, 0.735356983, 1);
+    ExpectTone("scale 2 gamma 2 maxlight 204", 0.04, 0.16, 0.01, 0.4, 0.8, 0.2);
+    ExpectTone("gamma 2 exposure 255", 0.25, 0, 0, 1 - exp(-0.5), 0, 0);
+    ExpectTone("gamma 2 srgb 1", 0.25, 0, 0, 0.735356983, 0, 0);
+    ExpectTone("gamma 2", NAN, 0.25, -3, 0, 0.5, 0);
 }
 
 int main(void) {
@@ -326,6 +383,8 @@ int main(void) {
     TestOddPositions(&grid);
     TestDeltaLight();
     TestMessages();
+    TestToneText();
+    TestTone();
     if (failures == 0)
         printf("all checks hold\n");
     return failures != 0;

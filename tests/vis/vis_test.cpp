@@ -143,6 +143,28 @@ TEST(Vis, HalvesOfAnOpeningAreJoined) {
     EXPECT_TRUE(merged.Printed("     0 active portals\n"));
 }
 
+TEST(Vis, JoinedPortalsKeepTheSky) {
+    Entity world;
+    world.Set("_farplanedist", "250o");
+    VisOptions options;
+    options.farPlane = FarPlaneOf(world);
+    const std::string whole = Corridor(6, 2), head = "4 4 5 2 ";
+    // The last portal in two halves, one with a sky.
+    const std::string before = whole.substr(0, whole.find(head)), low = "(640 48 48 ) (640 80 48 ) ",
+                      middleBack = "(640 80 64 ) (640 48 64 ) ", middle = "(640 48 64 ) (640 80 64 ) ",
+                      high = "(640 80 80 ) (640 48 80 ) ";
+    for (const bool skyFirst : {false, true}) {
+        std::string halves = before + (skyFirst ? "4 4 5 2 " : "4 4 5 0 ") + low + middleBack + "\n" +
+                             (skyFirst ? "4 4 5 0 " : "4 4 5 2 ") + middle + high + "\n";
+        halves.replace(0, 9, "PRT1\n6\n6\n");
+        options.mergePortals = true;
+        const VisRun joined = RunVis(halves, options);
+        EXPECT_TRUE(joined.Printed("     2 portals merged\n")) << "both directions";
+        EXPECT_EQ(joined.rows, RunVis(whole, options).rows);
+        EXPECT_NE(joined.rows, RunVis(Corridor(6, 0), options).rows);
+    }
+}
+
 TEST(Vis, LeafsThatAreNotConvexTogetherStay) {
     // The wall around the window of the second portal bounds room 1: room 2 lies in front of it.
     const std::string text = "PRT1\n3\n2\n1\n"

@@ -39,10 +39,11 @@ Baked Bake(const BenchMap &map, LightOptions options, bool sh, ShaderLibrary &li
 
 ShownLight ShownBySH(const Bsp &bsp) {
     return [view = ShPreview(bsp)](const Vec3f &position) {
-        const shgrid_coeffs coeffs = view.At(position);
+        ShSample sample = view.At(position);
+        sample.tone.reset(); // compared with exact light, which is linear
         NormalLight light;
         for (std::size_t i = 0; i < kNormals; ++i)
-            light[i] = LightOn(coeffs, Vec3f(Normals()[i]));
+            light[i] = LightOn(sample, Vec3f(Normals()[i]));
         return light;
     };
 }

@@ -54,9 +54,9 @@ void AddFloodlight(const BenchMap &map, const Vec3f &position, DirectionSum &sum
     if (!map.options.floodlight && !map.world.hasFloodlight)
         return;
     RayCounts counts;
+    const std::vector<Vec3f> directions = FloodDirections(map.options.lowQuality);
     for (const float up : {1.0f, -1.0f}) {
-        const double share =
-            FloodShare(map.scene, position, up, map.world.floodDistance, map.options.lowQuality, counts);
+        const double share = FloodShare(map.scene, position, up, map.world.floodDistance, directions, counts);
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const double light = double(map.world.floodColor[channel]) * double(map.world.floodIntensity) * share;
             for (std::size_t i = 0; i < kNormals; ++i)

@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/files/files.h"
+#include "q3map2/bspfile/bsp_layout.h"
 #include "q3map2/bspfile/bsp_validate.h"
 #include "q3map2/bspfile/bspx.h"
 #include "q3map2/convert/json/convert_json_archive.h"
@@ -19,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxBspxName = 24;
 /// A point of the SH light grid takes at least this many bytes of text: 27 digits, commas and brackets.
 constexpr std::uintmax_t kMinPointText = 72;
 
@@ -146,8 +146,8 @@ class Packer {
         ReadJsonRecords(path, "", [&](const JsonRecord &source) {
             JsonBspxEntry entry;
             ReadRecord(source, entry);
-            if (entry.name.size() > kMaxBspxName || entry.name.find('\0') != entry.name.npos)
-                source.Fail(fmt::format("name: expected at most {} bytes without NUL", kMaxBspxName));
+            if (entry.name.size() > kBspxNameBytes || entry.name.find('\0') != entry.name.npos)
+                source.Fail(fmt::format("name: expected at most {} bytes without NUL", kBspxNameBytes));
             if (!entry.file.empty() || entry.name == kBspxLightGridSH) {
                 ReadBspxGrid(source, entry);
                 return;

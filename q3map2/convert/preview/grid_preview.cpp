@@ -49,10 +49,10 @@ struct Plan {
 };
 
 /// Rank of a position: brightness of opposite sides, plus weighted contrast of their colors; axis maxima.
-float Strength(const shgrid_coeffs &coeffs) {
+float Strength(const ShSample &sample) {
     float brightness = 0, contrast = 0;
     for (const Vec3f &axis : {Vec3f(1, 0, 0), Vec3f(0, 1, 0), Vec3f(0, 0, 1)}) {
-        const Vec3f a = LightOn(coeffs, axis), b = LightOn(coeffs, -axis);
+        const Vec3f a = LightOn(sample, axis), b = LightOn(sample, -axis);
         const float high = MaxComponent(a), low = MaxComponent(b);
         brightness = std::max(brightness, high + low);
         if (high > 0 && low > 0)
@@ -89,10 +89,10 @@ class Preview {
     float ChooseExposure() const {
         std::vector<float> brightest;
         for (const Vec3f &position : positions_) {
-            const shgrid_coeffs coeffs = sh_.At(position);
+            const ShSample sample = sh_.At(position);
             float most = 0;
             for (int direction = 0; direction < 27; direction++)
-                most = std::max(most, MaxComponent(LightOn(coeffs, Normalize(Vec3f(float(direction % 3 - 1),
+                most = std::max(most, MaxComponent(LightOn(sample, Normalize(Vec3f(float(direction % 3 - 1),
                                                                                    float(direction / 3 % 3 - 1),
                                                                                    float(direction / 9 - 1))))));
             brightest.push_back(most);
@@ -189,7 +189,8 @@ class Preview {
         if (legacy_) {
             canvas_.Text(kPairsLeft, 22, 3, kInk, "SH GRID  AND  LEGACY GRID");
             canvas_.Text(kPairsLeft, kPlanTop + kPlanSide + 14, 2, kFaint,
-                         "LEFT: SH. RIGHT: AMBIENT + DIRECTED, BLENDED");
+                         sh_.HasTone() ? "LEFT: SH, WITH TONE. RIGHT: AMBIENT + DIRECTED, BLENDED"
+                                       : "LEFT: SH. RIGHT: AMBIENT + DIRECTED, BLENDED");
             canvas_.Text(kPairsLeft, kPlanTop + kPlanSide + 40, 2, kFaint,
                          "AS AN ENGINE DOES. SEEN FROM SOUTH-WEST ABOVE");
         } else {

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/light_keys.h"
+#include "q3map2/bspfile/written_keys.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +14,6 @@ namespace q3 {
 
 namespace {
 
-constexpr std::string_view kConventionKey = "_q3map2_sh", kRadiance = "radiance";
 constexpr Float3 kDefaultGridSize = {64, 64, 128};
 constexpr float kRenormalizeBelow = 0.99f; ///< engines renormalize only smaller sums of weights
 
@@ -47,22 +47,28 @@ ShPreview::ShPreview(const Bsp &bsp) {
     std::ranges::copy(head.gridBounds, grid_.bounds);
     grid_.count = head.numPoints;
     grid_.points = reinterpret_cast<const unsigned char *>(bsp.gridSH->points.data());
-    radiance_ = World(bsp).Value(kConventionKey) == kRadiance;
+    const Entity world = World(bsp);
+    radiance_ = world.Value(kGridSHKey) == kRadiance;
+    shgrid_tone tone;
+    if (world.Has(kToneKey) && shgrid_parse_tone(std::string(world.Value(kToneKey)).c_str(), &tone) == SHGRID_OK)
+        tone_ = tone;
 }
 
-shgrid_coeffs ShPreview::At(const Vec3f &position) const {
+ShSample ShPreview::At(const Vec3f &position) const {
     const float at[3] = {position.x, position.y, position.z};
-    shgrid_coeffs coeffs;
-    shgrid_sample(&grid_, at, &coeffs);
+    ShSample sample{{}, tone_};
+    shgrid_sample(&grid_, at, &sample.coeffs);
     if (radiance_)
-        shgrid_convolve(&coeffs);
-    return coeffs;
+        shgrid_convolve(&sample.coeffs);
+    return sample;
 }
 
-Vec3f LightOn(const shgrid_coeffs &coeffs, const Vec3f &normal) {
+Vec3f LightOn(const ShSample &sample, const Vec3f &normal) {
     const float along[3] = {normal.x, normal.y, normal.z};
     float rgb[3];
-    shgrid_evaluate(&coeffs, along, rgb);
+    shgrid_evaluate(&sample.coeffs, along, rgb);
+    if (sample.tone)
+        shgrid_apply_tone(&*sample.tone, rgb);
     return {rgb[0], rgb[1], rgb[2]};
 }
 

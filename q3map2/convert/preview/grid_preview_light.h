@@ -10,21 +10,28 @@
 
 namespace q3 {
 
+/// What an engine keeps of the SH grid for one object.
+struct ShSample {
+    shgrid_coeffs coeffs;
+    std::optional<shgrid_tone> tone; ///< of the lightmaps and the legacy grid, unless it is plain
+};
+/// Light on a unit normal, displayed as lightmaps are: 1.0 is lightmap byte 255. Without a tone linear and unclamped.
+Vec3f LightOn(const ShSample &sample, const Vec3f &normal);
+
 /// The SH grid through the engine-side reader. Reads the points of the Bsp in place: the Bsp must outlive this.
 class ShPreview {
   public:
     /// Errors: no SH grid.
     explicit ShPreview(const Bsp &bsp);
-    shgrid_coeffs At(const Vec3f &position) const;
+    ShSample At(const Vec3f &position) const;
     const shgrid_grid &Grid() const { return grid_; }
+    bool HasTone() const { return tone_.has_value(); }
 
   private:
     shgrid_grid grid_{};
     bool radiance_ = false; ///< not convolved yet
+    std::optional<shgrid_tone> tone_;
 };
-
-/// Light on a unit normal; 1.0 is lightmap byte 255, linear.
-Vec3f LightOn(const shgrid_coeffs &coeffs, const Vec3f &normal);
 
 /// What an engine keeps of the legacy grid for one object.
 struct LegacySample {

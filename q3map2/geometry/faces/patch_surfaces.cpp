@@ -36,11 +36,12 @@ void FlattenPatch(DrawSurface &surface, PlaneTable &planes) {
         v.normal = surface.lightmapVecs[2];
 }
 
-void SetTextureCoordinates(DrawSurface &surface, const Vec3f &origin, const BspOptions &options) {
+/// offset: from vertices to where they are in the map source, as for faces of brushes.
+void SetTextureCoordinates(DrawSurface &surface, const Vec3f &offset, const BspOptions &options) {
     const GeometryDirectives &shader = surface.shader->geometry;
     for (DrawVert &v : surface.verts) {
         if (shader.hasTexGen)
-            v.st = {Dot(shader.texGen[0], v.xyz + origin), Dot(shader.texGen[1], v.xyz + origin)};
+            v.st = {Dot(shader.texGen[0], v.xyz + offset), Dot(shader.texGen[1], v.xyz + offset)};
         if (options.flat)
             v.st = {1 - 1 / float(shader.textureWidth), 1 - 1 / float(shader.textureHeight)};
     }
@@ -66,7 +67,7 @@ void MakePatchSurfaces(MapEntity &entity, Geometry &geometry, PlaneTable &planes
         for (const DrawVert &v : surface.verts)
             surface.bounds.Add(v.xyz);
         FlattenPatch(surface, planes);
-        SetTextureCoordinates(surface, entity.Origin(), context.options);
+        SetTextureCoordinates(surface, entity.brushOrigin, context.options);
         geometry.surfaces.push_back(std::move(surface));
     }
 }

@@ -5,15 +5,13 @@
 #include "common/log.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/light/grid/indirect_light.h"
+#include "q3map2/light/grid/light_floodlight.h"
 #include "q3map2/light/scene/light_scene.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/sources/light_entities.h"
 #include "q3map2/light/transfer/contribution_counts.h"
 
 namespace q3 {
-
-/// Smallest cell of either grid, on each axis. Game units.
-inline constexpr float kMinCell = 8;
 
 /// Everything that a grid pass reads.
 struct GridInputs {
@@ -24,6 +22,7 @@ struct GridInputs {
     const JobPool &jobs;
     Log &log;
     const IndirectLight *indirect = nullptr; ///< bounced light, or null
+    std::vector<Vec3f> floodDirections = FloodDirections(options.lowQuality);
 };
 
 /// Counts of points and of the work to light them.

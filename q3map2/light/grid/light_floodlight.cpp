@@ -14,10 +14,12 @@ constexpr float kIgnoreNear = 1.5f; ///< surfaces nearer than this do not count.
 
 } // namespace
 
-float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distance, bool lowQuality,
+std::vector<Vec3f> FloodDirections(bool lowQuality) {
+    return HemisphereRings(kFloodElevations, lowQuality ? kRingAzimuths / 2 : kRingAzimuths);
+}
+
+float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distance, std::span<const Vec3f> directions,
                  RayCounts &counts) {
-    const std::vector<Vec3f> directions =
-        HemisphereRings(kFloodElevations, lowQuality ? kRingAzimuths / 2 : kRingAzimuths);
     double sum = 0;
     auto rays = MakeRayBatcher<char>([&](RayPacket &packet, std::span<const char> tags) {
         scene.TraceDistance(packet, kIgnoreNear, counts);

@@ -3,10 +3,16 @@
 
 #include "q3map2/light/scene/light_scene.h"
 
+#include <span>
+#include <vector>
+
 namespace q3 {
 
-/// Share of the hemisphere around +z or -z (up: +1 or -1) that is open within `distance`, 0 to 1: the mean over rays at
-/// four elevations of min(1, free length / distance).
-float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distance, bool lowQuality, RayCounts &counts);
+/// Directions of the rays of FloodShare around +z, at four elevations; -lowquality: half as many.
+std::vector<Vec3f> FloodDirections(bool lowQuality);
+/// Share of the hemisphere around +z or -z (up: +1 or -1) that is open within `distance`, 0 to 1: the mean over rays of
+/// min(1, free length / distance).
+float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distance, std::span<const Vec3f> directions,
+                 RayCounts &counts);
 
 } // namespace q3

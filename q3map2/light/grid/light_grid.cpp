@@ -249,7 +249,7 @@ std::vector<ReceiverBatch> PlaceBrick(const BspSpace &space, const GridLayout &l
 void AddFloodlight(const GridInputs &in, const Vec3f &position, std::size_t block, std::size_t lane,
                    GridRecords &records, RayCounts &counts) {
     for (const float up : {1.0f, -1.0f}) {
-        const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.options.lowQuality, counts);
+        const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.floodDirections, counts);
         const Vec3f flood = in.world.floodColor * (in.world.floodIntensity * share);
         records.Add(block, lane, {0, 0, 1}, flood * 0.75f, flood * 0.25f, Vec3d{0, 0, double(Length(flood * 0.75f))});
     }

@@ -66,7 +66,7 @@ class BlockSum {
 void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, BlockSum &sum, RayCounts &counts) {
     const Vec3f position = receivers.position[i];
     for (const float up : {1.0f, -1.0f}) {
-        const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.options.lowQuality, counts);
+        const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.floodDirections, counts);
         const Vec3d light = Vec3d(in.world.floodColor) * (double(in.world.floodIntensity) * share / 255);
         const double convolve0 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[0] / std::numbers::pi;
         const double convolve1 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[2] / std::numbers::pi;

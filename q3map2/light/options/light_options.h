@@ -14,6 +14,8 @@ namespace q3 {
 
 /// Edge of the SH grid's cells that -shsmall chooses, game units.
 inline constexpr float kSmallCellSH = 64;
+/// Smallest cell of either light grid, on each axis. Game units.
+inline constexpr float kMinCell = 8;
 
 /// How light becomes bytes: scale, exposure, saturation, gamma, sRGB, in the order of light/tone/light_tone.cpp.
 struct ToneOptions {

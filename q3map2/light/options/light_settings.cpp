@@ -12,8 +12,6 @@ using Values = SettingValues;
 
 /// -shfit without a number, and its maximum.
 constexpr int kDefaultFit = 6, kMaxFit = 64;
-/// -gridsh: the format's smallest cell. Game units.
-constexpr double kMinCell = 8;
 
 /// An option with a factor, which `multiply` applies to the options.
 template <typename Multiply>
@@ -64,7 +62,7 @@ Group GridSH() {
                .unit = "game units",
                .initial = "gridsize divided by -gridscalesh",
                .range = {.low = 0, .aboveLow = true},
-               .floor = kMinCell,
+               .floor = double(kMinCell),
                .help = "Size of a cell",
                .details = "The smallest cell is 8; a smaller value becomes 8, with a warning."},
               Do<LightOptions>(cell)}}};
@@ -232,7 +230,8 @@ Group Tone() {
         };
     };
     return {"Tone of lightmaps, vertices and the legacy grid",
-            "The SH grid is linear and unclamped and takes none of these. The order is: scale, contrast, gamma, "
+            "The SH grid is linear and unclamped and takes none of these; the worldspawn key `_q3map2_tone` tells "
+            "engines, which apply them. The order is: scale, contrast, gamma, "
             "exposure, saturation, brightness and compensate, `_maxlight` (the color keeps its hue), sRGB, cut to a "
             "byte.",
             {{{.name = "-contrast",

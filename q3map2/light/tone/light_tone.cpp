@@ -2,6 +2,9 @@
 #include "q3map2/light/tone/light_tone.h"
 
 #include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
 
 namespace q3 {
 
@@ -34,6 +37,22 @@ Vec3f ToneMapper::Graded(const Vec3f &color) const {
 
 Vec3f ToneMapper::InSrgb(const Vec3f &color) {
     return Each(color, [](float c) { return std::floor(255 * SrgbFromLinear(c / 255) + 0.5f); });
+}
+
+std::string ToneText(const ToneOptions &tone, float brightness) {
+    std::string text;
+    const auto add = [&text](std::string_view word, float value, float plain) {
+        if (value != plain)
+            text += fmt::format("{}{} {}", text.empty() ? "" : " ", word, value);
+    };
+    add("contrast", tone.contrast, 1);
+    add("gamma", tone.gamma, 1);
+    add("exposure", tone.exposure, 0);
+    add("saturation", tone.saturation, 1);
+    add("scale", ToneMapper::FactorOf(brightness, tone), 1);
+    add("maxlight", tone.maxLight, 255);
+    add("srgb", tone.sRgb ? 1 : 0, 0);
+    return text;
 }
 
 } // namespace q3

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string>
 
 namespace q3 {
 
@@ -15,7 +16,7 @@ class ToneMapper {
   public:
     /// A scale or brightness of 0 or less counts as 1.
     ToneMapper(float scale, float brightness, const ToneOptions &tone)
-        : tone_(tone), scale_(scale > 0 ? scale : 1), factor_((brightness > 0 ? brightness : 1) / tone.compensate),
+        : tone_(tone), scale_(scale > 0 ? scale : 1), factor_(FactorOf(brightness, tone)),
           plain_(tone.contrast == 1 && tone.gamma == 1 && tone.exposure == 0 && tone.saturation == 1) {}
 
     /// NaN gives 0.
@@ -28,6 +29,11 @@ class ToneMapper {
             v = InSrgb(v);
         const auto byte = [](float c) { return std::uint8_t(int(std::min(std::max(0.0f, c), 255.0f))); };
         return {byte(v.x), byte(v.y), byte(v.z)};
+    }
+
+    /// What brightness and compensation make of graded light.
+    static float FactorOf(float brightness, const ToneOptions &tone) {
+        return (brightness > 0 ? brightness : 1) / tone.compensate;
     }
 
   private:
@@ -44,5 +50,10 @@ inline std::array<std::uint8_t, 3> ColorToBytes(const Vec3f &color, float scale,
                                                 const ToneOptions &tone) {
     return ToneMapper(scale, brightness, tone).Bytes(color);
 }
+
+/// The same arithmetic as words and numbers, those that change something: "gamma 1.4 scale 0.5"; empty for a plain
+/// tone. Words: contrast (the factor), gamma, exposure, saturation, scale (brightness / compensate), maxlight, srgb.
+/// Engines read it with shgrid_parse_tone.
+std::string ToneText(const ToneOptions &tone, float brightness);
 
 } // namespace q3

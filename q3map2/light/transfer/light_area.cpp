@@ -116,7 +116,6 @@ Q3_VECTOR void AreaContribution::MeasureLanes() {
         const float d2 = x * x + y * y + z * z;
         height_[i] = std::abs(s);
         below_[i] = s < 0 ? -1 : 0;
-        distance2_[i] = d2;
         error_[i] = d2 > 0 ? size2 / d2 : 1;
         unoccludedEstimate_[i] = d2 > 0 ? strength * height_[i] / (d2 * std::sqrt(d2)) : 0;
         const bool inFront = (std::abs(s) >= kPlaneClearance) & (int(s > 0) | int(twoSided));

@@ -67,7 +67,6 @@ class AreaContribution {
     LaneMask below_{};         ///< behind the plane of the emitter
     LaneMask near_{};          ///< so near that only the closed form is accurate enough
     Lanes height_;             ///< distance to the plane of the light
-    Lanes distance2_;          ///< squared, to the center of the emitter
     Lanes unoccludedEstimate_; ///< approximate light without shadows on a surface facing the emitter; byte scale
     Lanes error_;              ///< (radius of the emitter / distance)^2, a measure of approximation error
     float brightest_ = 0;      ///< greatest unoccludedEstimate_

@@ -117,13 +117,10 @@ class LightmapPass {
 
     void AddLight(const Light &light) {
         const std::size_t slot = StyleSlotFor(lightmap_.styles, light.style);
-        if (slot == kStyles) {
-            in_.log.Warn("light styles", "light of style {} left out on a surface that already has {} styles",
-                         light.style, kStyles);
-            return;
-        }
         worker_.reachedBlocks.clear();
         worker_.blocks.FindReached(light, pass_.settings, worker_.reachedBlocks);
+        if (slot == kStyles)
+            return WarnIfItArrives(light);
         if (sampling_)
             worker_.sampler.StartLight(light);
         LuxelSum *sum = nullptr;
@@ -141,6 +138,16 @@ class LightmapPass {
         }
         if (sampling_ && sum)
             worker_.sampler.Refine(*sum, worker_.counts);
+    }
+
+    /// For a light whose style finds no slot.
+    void WarnIfItArrives(const Light &light) {
+        LuxelIncidentLight incident;
+        for (const std::uint32_t block : worker_.reachedBlocks)
+            if (LuxelContribution(light, pass_, in_.scene, worker_.blocks.Receivers(block), incident, worker_.counts))
+                return in_.log.Warn("light styles",
+                                    "light of style {} left out on a surface that already has {} styles", light.style,
+                                    kStyles);
     }
 
     /// Adds a sum by block to luxels, blurred by `radius`.

@@ -127,9 +127,9 @@ bool LuxelMapper::HasOneNormal() const {
 
 LuxelPlane LuxelMapper::PlaneOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c) const {
     if (raw_.planar)
-        return {raw_.planeNormal, raw_.planeDist, nullptr};
+        return {raw_.planeNormal, raw_.planeDist};
     const Vec3f normal = Normalize(Cross(c.xyz - a.xyz, b.xyz - a.xyz));
-    return {normal, Dot(normal, a.xyz), nullptr};
+    return {normal, Dot(normal, a.xyz), nullptr, raw_.hasVectors ? LuxelSteps{} : LuxelStepsOf(a, b, c)};
 }
 
 /// Whether luxels can be projected onto the plane: it has a normal, and is not edge-on along the projection axis.
@@ -301,7 +301,7 @@ Vec3f LuxelMapper::NormalAround(int x, int y, int pass) const {
 void LuxelMapper::MapBorder(int pass) {
     const std::vector<int> anywhere;
     VisibleClusters filter(in_.space, anywhere);
-    const LuxelPlane plane{raw_.planeNormal, raw_.planeDist, nullptr};
+    const LuxelPlane plane{raw_.planeNormal, raw_.planeDist};
     LuxelMask earlier(raw_.luxelClusters.size());
     for (std::size_t i = 0; i < earlier.size(); ++i)
         earlier[i] = raw_.Mapped(i) && scratch_.passes[i] < pass;

@@ -13,18 +13,26 @@ namespace {
 constexpr float kBrushEpsilon = 0.125f;
 /// -trianglecheck: positions closer than this to an edge are moved to 1 unit inside of it. Game units.
 constexpr float kEdgeMargin = 0.125f;
+constexpr float kLeastLuxelArea = 1e-4f; ///< of a triangle whose luxels have a size. Square luxels
+/// Rows of a curve closer than this share of a luxel's size are less apart than a luxel is nudged.
+constexpr float kDense = 0.5f;
 constexpr int kTriangleRounds = 3; // moving off one edge may cross another
 
 /// Offsets in half luxels, in the order in which they are tried.
 constexpr std::array<std::array<float, 2>, 8> kNudges{
     {{-1, 0}, {1, 0}, {0, 1}, {0, -1}, {-1, 1}, {1, -1}, {1, 1}, {-1, -1}}};
 
+Vec3f NudgeOf(std::size_t i, const LuxelSteps &steps) {
+    return steps[0] * (kNudges[i][0] * 0.5f) + steps[1] * (kNudges[i][1] * 0.5f);
+}
+
 /// Bounds of p and its nudged positions.
-Boundsf BoxAround(const Vec3f &p, const std::array<Vec3f, 2> &steps) {
+Boundsf BoxAround(const Vec3f &p, const std::array<LuxelSteps, 2> &steps) {
     Boundsf box;
     box.Add(p);
-    for (const auto &[across, down] : kNudges)
-        box.Add(p + steps[0] * (across * 0.5f) + steps[1] * (down * 0.5f));
+    for (const LuxelSteps &of : steps)
+        for (std::size_t i = 0; i < kNudges.size(); ++i)
+            box.Add(p + NudgeOf(i, of));
     return box;
 }
 
@@ -53,6 +61,15 @@ Vec3f MovedIntoTriangle(Vec3f p, const std::array<SurfaceVertex, 3> &triangle, c
 
 } // namespace
 
+LuxelSteps LuxelStepsOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c) {
+    const Vec3f p = b.xyz - a.xyz, q = c.xyz - a.xyz;
+    const float pu = b.luxel[0] - a.luxel[0], pv = b.luxel[1] - a.luxel[1];
+    const float qu = c.luxel[0] - a.luxel[0], qv = c.luxel[1] - a.luxel[1], area = pu * qv - qu * pv;
+    if (std::abs(area) < kLeastLuxelArea)
+        return {};
+    return {(p * qv - q * pv) / area, (q * pu - p * qu) / area};
+}
+
 int LuxelPositionFinder::ClusterAt(const Vec3f &p, VisibleClusters &filter) const {
     return filter.ClusterIfAllowed(in_.space.ClusterAt(p, kBrushEpsilon));
 }
@@ -73,13 +90,21 @@ Vec3f LuxelPositionFinder::OnSurface(int x, int y, const SurfaceVertex *sample, 
     return p;
 }
 
-std::array<Vec3f, 2> LuxelPositionFinder::NudgeSteps(const LuxelPlane &plane) const {
+std::array<LuxelSteps, 2> LuxelPositionFinder::StepsOfNudges(const LuxelPlane &plane) const {
     if (raw_.planar)
-        return raw_.step;
-    auto steps = Tangents(plane.normal);
-    for (Vec3f &step : steps)
-        step *= raw_.actualSampleSize / float(raw_.super);
-    return steps;
+        return {raw_.step};
+    const float size = raw_.actualSampleSize / float(raw_.super);
+    auto whole = Tangents(plane.normal);
+    for (Vec3f &step : whole)
+        step *= size;
+    LuxelSteps own = plane.steps;
+    const float spacing = std::min(Length(own[0]), Length(own[1]));
+    if (spacing == 0 || spacing >= kDense * size)
+        return {whole};
+    for (Vec3f &step : own)
+        if (const float length = Length(step); length > size)
+            step *= size / length;
+    return {own, whole};
 }
 
 LuxelPosition LuxelPositionFinder::Centered(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane,
@@ -119,7 +144,7 @@ LuxelPosition LuxelPositionFinder::Nudged(int x, int y, const Vec3f &center, con
                                           const LuxelPlane &plane, float offset, bool allowFallback,
                                           VisibleClusters &filter, PositionCounts &counts) {
     const Vec3f lookupOffset = ClusterLookupOffset(plane);
-    const auto steps = NudgeSteps(plane);
+    const auto steps = StepsOfNudges(plane);
     Boundsf box = BoxAround(center + lookupOffset, steps);
     if (allowFallback)
         box.Add(FallbackBounds(x, y, sample, plane, offset));
@@ -127,13 +152,14 @@ LuxelPosition LuxelPositionFinder::Nudged(int x, int y, const Vec3f &center, con
         ++counts.failed;
         return {};
     }
-    for (std::size_t i = 0; i < kNudges.size(); ++i) {
-        const Vec3f nudged = center + steps[0] * (kNudges[i][0] * 0.5f) + steps[1] * (kNudges[i][1] * 0.5f);
-        if (const int cluster = ClusterAt(nudged + lookupOffset, filter); cluster >= 0) {
-            ++counts.nudges[i + 1];
-            return {nudged, cluster};
+    for (const LuxelSteps &of : steps)
+        for (std::size_t i = 0; i < kNudges.size() && of != LuxelSteps{}; ++i) {
+            const Vec3f nudged = center + NudgeOf(i, of);
+            if (const int cluster = ClusterAt(nudged + lookupOffset, filter); cluster >= 0) {
+                ++counts.nudges[i + 1];
+                return {nudged, cluster};
+            }
         }
-    }
     LuxelPosition position;
     if (allowFallback) {
         position.xyz = Fallback(x, y, sample, plane, offset);

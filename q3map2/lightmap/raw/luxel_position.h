@@ -7,13 +7,21 @@
 
 namespace q3 {
 
+/// World steps to the next luxel of the super grid, across and down.
+using LuxelSteps = std::array<Vec3f, 2>;
+
 /// The plane that luxels are projected onto, and the triangle in it; null for quads and for luxels
 /// beside the surface.
 struct LuxelPlane {
     Vec3f normal;
     float dist = 0;
     const std::array<SurfaceVertex, 3> *triangle = nullptr;
+    LuxelSteps steps{}; ///< of lightmaps without projection: to the next super luxel across and down
 };
+
+/// World steps to the next luxel across and down of the surface through these points; zero if they have no area in the
+/// lightmap.
+LuxelSteps LuxelStepsOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c);
 
 /// How often each kind of position was found. One luxel may have several failed attempts.
 struct PositionCounts {
@@ -64,7 +72,9 @@ class LuxelPositionFinder {
     Vec3f ClusterLookupOffset(const LuxelPlane &plane) const {
         return in_.lightmap.extraVisNudge ? plane.normal : Vec3f{};
     }
-    std::array<Vec3f, 2> NudgeSteps(const LuxelPlane &plane) const;
+    /// Steps in the order in which they are tried; the second may be zero: none. On a curve whose rows or columns are
+    /// closer than half the size of a luxel, those of its own spacing first: half a luxel leaves the curve.
+    std::array<LuxelSteps, 2> StepsOfNudges(const LuxelPlane &plane) const;
 
     const SurfaceInputs &in_;
     const RawLightmap &raw_;

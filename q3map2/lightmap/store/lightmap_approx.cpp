@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/store/lightmap_approx.h"
 
 #include "q3map2/light/tone/light_tone.h"
+#include "q3map2/lightmap/store/stored_light.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,18 +18,17 @@ constexpr int kMaxSteps = 64;
 /// Largest number of halvings of a triangle: bounds the recursion for any threshold.
 constexpr int kMaxDepth = 20;
 
-/// Interpolated vertex colors at a point of a surface, and where it is in the lightmap.
+/// Interpolated vertex color at a point of a surface, and where it is in the lightmap.
 struct SurfaceSample {
     std::array<float, 2> luxel{}; ///< of the lightmap, not of the super grid
-    std::array<Vec3f, kStyles> colors{};
+    Vec3f color;                  ///< as stored, and blended as engines do; byte scale
 };
 
 SurfaceSample Blend(const SurfaceSample &a, const SurfaceSample &b, float share) {
     SurfaceSample result;
     for (std::size_t i = 0; i < 2; ++i)
         result.luxel[i] = a.luxel[i] + (b.luxel[i] - a.luxel[i]) * share;
-    for (std::size_t style = 0; style < kStyles; ++style)
-        result.colors[style] = a.colors[style] + (b.colors[style] - a.colors[style]) * share;
+    result.color = a.color + (b.color - a.color) * share;
     return result;
 }
 
@@ -42,22 +42,27 @@ float SquaredDistance(const SurfaceSample &a, const SurfaceSample &b) {
     return s * s + t * t;
 }
 
+std::array<std::uint8_t, 3> FirstThree(const std::array<std::uint8_t, 4> &color) {
+    return {color[0], color[1], color[2]};
+}
+
 class Approximation {
   public:
     Approximation(const SurfaceInputs &in, const SurfaceLight &surfaces, const RawLightmap &lightmap)
         : in_(in), surfaces_(surfaces), lightmap_(lightmap),
-          spacing_(std::max(in.lightmap.threshold * in.lightmap.threshold, 0.125f)) {}
+          spacing_(std::max(std::abs(in.lightmap.threshold), 0.125f)), tone_(StoredTone(in)) {}
 
     bool Matches(int surface) const {
         const bspDrawSurface_t &record = in_.bsp.drawSurfaces[std::size_t(surface)];
-        if (in_.table[std::size_t(surface)].shader->lightmap.noVertexLight)
+        const ShaderInfo &shader = *in_.table[std::size_t(surface)].shader;
+        if (shader.lightmap.noVertexLight)
             return false;
         if (record.surfaceType == MST_PATCH)
-            return PatchMatches(record);
+            return PatchMatches(record, shader);
         for (int i = record.firstIndex; i < record.firstIndex + record.numIndexes; i += 3) {
             std::array<SurfaceSample, 3> corners;
             for (std::size_t k = 0; k < 3; ++k)
-                corners[k] = AtVertex(record.firstVert + in_.bsp.drawIndexes[std::size_t(i) + k]);
+                corners[k] = AtVertex(record.firstVert + in_.bsp.drawIndexes[std::size_t(i) + k], shader);
             if (!std::all_of(corners.begin(), corners.end(), [&](const SurfaceSample &s) { return IsClose(s); }) ||
                 !TriangleMatches(corners, 0))
                 return false;
@@ -66,14 +71,15 @@ class Approximation {
     }
 
   private:
-    SurfaceSample AtVertex(int vertex) const {
+    SurfaceSample AtVertex(int vertex, const ShaderInfo &shader) const {
         SurfaceSample sample;
         const auto v = std::size_t(vertex);
         for (std::size_t i = 0; i < 2; ++i)
             sample.luxel[i] = surfaces_.verts[v].luxel[i] / float(lightmap_.super);
-        for (std::size_t style = 0; style < kStyles; ++style)
-            if (!surfaces_.vertex.sum[style].empty())
-                sample.colors[style] = surfaces_.vertex.sum[style][v];
+        const auto color = surfaces_.vertex.sum[0].empty()
+                               ? FirstThree(in_.bsp.drawVerts[v].color)
+                               : VertexBytes(in_, shader, surfaces_.vertex.sum[0][v], tone_);
+        sample.color = {float(color[0]), float(color[1]), float(color[2])};
         return sample;
     }
 
@@ -90,10 +96,10 @@ class Approximation {
             if (luxel.x < 0)
                 continue;
             const Vec3f least = style == 0 ? in_.world.minLight : Vec3f{};
-            const auto wanted = ColorToBytes(Max(luxel, least), 1, lightmap_.brightness, in_.options.tone);
-            const auto got = ColorToBytes(Max(sample.colors[style], least), 1, 1, in_.options.tone);
+            const auto wanted = ColorToBytes(Max(luxel, least), 1, lightmap_.brightness, tone_);
+            const Vec3f got = style == 0 ? sample.color : Vec3f{}; // vertices have no light of other styles
             for (std::size_t i = 0; i < 3; ++i)
-                if (float(std::abs(int(wanted[i]) - int(got[i]))) > in_.lightmap.approximate)
+                if (std::abs(float(wanted[i]) - got[i]) > in_.lightmap.approximate)
                     return false;
         }
         return true;
@@ -122,14 +128,14 @@ class Approximation {
     }
 
     /// Compares on a grid over each biquadratic patch of 3 x 3 control points, as engines tessellate it.
-    bool PatchMatches(const bspDrawSurface_t &record) const {
+    bool PatchMatches(const bspDrawSurface_t &record, const ShaderInfo &shader) const {
         for (int y = 0; y + 2 < record.patchHeight; y += 2)
             for (int x = 0; x + 2 < record.patchWidth; x += 2) {
                 std::array<std::array<SurfaceSample, 3>, 3> points;
                 for (int row = 0; row < 3; ++row)
                     for (int column = 0; column < 3; ++column)
                         points[std::size_t(row)][std::size_t(column)] =
-                            AtVertex(record.firstVert + (y + row) * record.patchWidth + x + column);
+                            AtVertex(record.firstVert + (y + row) * record.patchWidth + x + column, shader);
                 if (!SubPatchMatches(points))
                     return false;
             }
@@ -157,6 +163,7 @@ class Approximation {
     const SurfaceLight &surfaces_;
     const RawLightmap &lightmap_;
     float spacing_; ///< largest distance between compared points, luxels
+    ToneOptions tone_;
 };
 
 VertexStandIn StandInFor(const SurfaceInputs &in, const SurfaceLight &surfaces, const RawLightmap &lightmap) {

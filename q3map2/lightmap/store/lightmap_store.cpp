@@ -6,6 +6,7 @@
 #include "q3map2/lightmap/store/lightmap_layers.h"
 #include "q3map2/lightmap/store/lightmap_pack.h"
 #include "q3map2/lightmap/store/lightmap_scripts.h"
+#include "q3map2/lightmap/store/stored_light.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,8 +72,7 @@ void FillPage(LightmapPage &page, std::vector<std::uint8_t> written) {
 class Storer {
   public:
     Storer(const SurfaceInputs &in, const SurfaceLight &surfaces, std::string_view mapName, Bsp &bsp)
-        : in_(in), surfaces_(surfaces), mapName_(mapName), bsp_(bsp), tone_(in.options.tone) {
-        tone_.maxLight = std::min(tone_.maxLight, in.world.maxLight);
+        : in_(in), surfaces_(surfaces), mapName_(mapName), bsp_(bsp), tone_(StoredTone(in)) {
         const std::vector<Entity> entities = ParseEntities(bsp.entities, mapName);
         if (!entities.empty())
             world_ = entities.front();
@@ -259,9 +259,8 @@ class Storer {
         const std::vector<Vec3f> &sum = surfaces_.vertex.sum[0];
         if (shader.lightmap.noVertexLight || sum.empty())
             return;
-        const float scale = shader.vertexScale * in_.lightmap.vertexScale;
         for (auto v = std::size_t(surface.firstVert); v < std::size_t(surface.firstVert + surface.numVerts); ++v) {
-            const Bytes color = ColorToBytes(Max(sum[v], in_.world.minVertex), scale, 1, tone_);
+            const Bytes color = VertexBytes(in_, shader, sum[v], tone_);
             std::copy(color.begin(), color.end(), bsp_.drawVerts[v].color.begin());
         }
     }

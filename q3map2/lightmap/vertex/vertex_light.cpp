@@ -188,13 +188,16 @@ void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> blocks, const Vert
     SurfaceIncidentLight incident;
     for (const Light *light : lights_) {
         const std::size_t slot = StyleSlotFor(result_.styles, light->style);
-        if (slot == kStyles) {
-            in_.log.Warn("too many light styles", "a surface near {:.0f} {:.0f} {:.0f} gets more than {} light styles",
-                         bounds_.Center().x, bounds_.Center().y, bounds_.Center().z, kStyles);
-            continue;
-        }
         for (std::size_t b = 0; b < blocks.size(); ++b) {
             LightContributionToSample(*light, settings_, in_.scene, blocks[b], incident, counts_);
+            if (slot == kStyles) {
+                if (!incident.live.Any())
+                    continue;
+                in_.log.Warn("too many light styles",
+                             "a surface near {:.0f} {:.0f} {:.0f} gets more than {} light styles", bounds_.Center().x,
+                             bounds_.Center().y, bounds_.Center().z, kStyles);
+                break;
+            }
             for (std::size_t i = 0; i < blocks[b].count; ++i) {
                 if (incident.live[i] == 0)
                     continue;

@@ -1,0 +1,24 @@
+// GPL-2.0-or-later. Light of surfaces as it is stored. Internal to the folder.
+#pragma once
+
+#include "q3map2/light/tone/light_tone.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+/// Tone of lightmaps and vertices.
+inline ToneOptions StoredTone(const SurfaceInputs &in) {
+    ToneOptions tone = in.options.tone;
+    tone.maxLight = std::min(tone.maxLight, in.world.maxLight);
+    return tone;
+}
+
+/// Color of a vertex of a surface with that shader and light.
+inline std::array<std::uint8_t, 3> VertexBytes(const SurfaceInputs &in, const ShaderInfo &shader, const Vec3f &light,
+                                               const ToneOptions &tone) {
+    return ColorToBytes(Max(light, in.world.minVertex), shader.vertexScale * in.lightmap.vertexScale, 1, tone);
+}
+
+} // namespace q3
