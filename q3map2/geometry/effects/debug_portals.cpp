@@ -11,8 +11,7 @@ void MakePortalSurfaces(const Tree &tree, Geometry &geometry, const BspContext &
     std::size_t number = 0;
     for (const TreePortal &portal : tree.portals)
         if (portal.polygon.size() >= 3 && IsPassable(tree, portal))
-            geometry.surfaces.push_back(
-                DebugSurface(portal.polygon, Vec3f(portal.plane.normal), shader, number++));
+            geometry.surfaces.push_back(DebugSurface(portal.polygon, Vec3f(portal.plane.normal), shader, number++));
 }
 
 } // namespace q3
