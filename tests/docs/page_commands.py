@@ -3,11 +3,12 @@
 """usage: page_commands.py PROGRAM SOURCE_FOLDER
 
 A command is an indented or fenced line that begins with q3map2. Each page starts with a fresh game folder in which
-maps/mymap.map is compiled; its commands run in their order, in the folder of the game or of the mod that they name.
-/games/quake3 in a page is that game. Commands with a word in capitals (DIR, MOD) are patterns, not for running: like
+maps/mymap.map is compiled; its commands run in their order, in the folder that the page last changed to (cd), else in
+that of the game or of the mod that they name. /games/quake3 in a page is that game. Commands with a word in capitals (DIR, MOD) are patterns, not for running: like
 all others, and like those in running text, they may only use options that the program has.
 """
 
+import os
 import re
 import shlex
 import shutil
@@ -80,17 +81,20 @@ class Reader:
 
     def call(self, words, folder):
         return subprocess.run([self.program, *words], cwd=folder, capture_output=True, text=True, errors="replace",
-                              timeout=SECONDS, env={"HOME": str(self.home), "PATH": "/usr/bin:/bin"})
+                              timeout=SECONDS, env={**os.environ, "HOME": str(self.home)})
 
     def known_options(self):
         """Options by stage, in lower case, from the generated page; those of all stages are under ''."""
         options, stage = {}, None
         for line in self.call(["-help", "markdown"], "/").stdout.splitlines():
+            if row := re.match(r"\| `\[?(-\w+)\]? ", line):
+                if stage is None:  # the table of stages
+                    options.setdefault(row.group(1), set())
             heading = re.match(r"## (-\S+|Global options)?", line)
             if heading:
                 stage = {None: None, "Global options": ""}.get(heading.group(1), heading.group(1))
                 if stage is not None:
-                    options[stage] = set()
+                    options.setdefault(stage, set())
             elif stage is not None and line.startswith("| `-"):
                 names = re.findall(r"`(--?[^` ]+)", line.split(" | ")[0])
                 options[stage].update(name.lower() for name in names)
@@ -128,7 +132,7 @@ class Reader:
 
     def run(self, where, command, words):
         mods = [words[i + 1] for i, word in enumerate(words[:-1]) if word == "-fs_game"]
-        folder = self.game / (mods[0] if mods else "baseq3")
+        folder = self.folder or self.game / (mods[0] if mods else "baseq3")
         try:
             done = self.call([word.replace("/games/quake3", str(self.game)) for word in words], folder)
         except subprocess.TimeoutExpired:
@@ -144,9 +148,12 @@ class Reader:
         shutil.copytree(self.ready, self.game)
         ran = checked = 0
         fenced = False
+        self.folder = None
         for number, line in enumerate(page.read_text().splitlines(), 1):
             fenced ^= line.lstrip().startswith("```")
             where = f"{page.name}:{number}"
+            if change := re.match(r" {4}cd (\S+)$", line):
+                self.folder = change.group(1).replace("/games/quake3", str(self.game))
             found = COMMAND.match(line)
             is_command = found and (fenced or line[:1] in " \t")
             for command in [found.group(1)] if is_command else INLINE.findall(line):
