@@ -184,7 +184,7 @@ int ConvertStage(const StageContext &context, Arguments arguments) {
     const bool isMap = ReadsMap(file, options, format);
     RefuseIdleOptions(options, format, isMap);
     const auto folders = GameFolders(context.options, context.words, context.program);
-    RequireGameFiles(context.options, folders, log);
+    RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     const BspOptions compile = CompileOptions(context, options);
     ShaderLibrary library(vfs, *context.options.game, {.sRgbColor = compile.sRgbColor, .imageSizes = true}, log);

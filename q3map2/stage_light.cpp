@@ -40,7 +40,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const auto bspPath = WithExtension(std::filesystem::absolute(file.file), ".bsp");
 
     const auto folders = GameFolders(context.options, context.words, context.program);
-    RequireGameFiles(context.options, folders, log);
+    RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();

@@ -56,7 +56,9 @@ TEST_F(GameCheckTest, TheFolderOfTheMapTellsTheGame) {
     EXPECT_TRUE(found.Printed("VFS Init: " + game_.string())) << found.text;
     std::filesystem::rename(game_, folder_ / "base/mod");
     maps_ = folder_ / "base/mod/maps";
-    ExpectParts(ErrorOf(RunBare({"-light"})), {"no game files", "baseq3", "-fs_basepath"});
+    ExpectParts(ErrorOf(RunBare({"-light"})), {"no game files", "baseq3", "-fs_basepath",
+                                               "the map is among the game files of " + (folder_ / "base/mod").string(),
+                                               "-fs_basegame mod, or -fs_game mod for a mod"});
     EXPECT_EQ(RunBare({"-fs_game", "mod", "-light", "-onlygrid"}).status, 0);
     std::filesystem::rename(maps_, folder_ / "base/mod/maps1"); // not a folder of maps
     maps_ = folder_ / "base/mod/maps1";
