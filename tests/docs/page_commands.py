@@ -122,6 +122,15 @@ class Reader:
         (self.ready / "relit/maps/mymap.map").unlink()  # a downloaded map
         (self.ready / "relit/maps/mymap.srf").unlink()
 
+    @staticmethod
+    def words_of(command):
+        """As a shell splits it; what stands two blanks further is a remark. Menus of editors may have odd quotes."""
+        command = re.sub(r"\s{2,}.*", "", command)
+        try:
+            return shlex.split(command)[1:]
+        except ValueError:
+            return command.split()[1:]
+
     def check_options(self, where, words):
         stage = next((word.lower() for word in words if word.lower() in self.options), "-bsp")
         for word in words:
@@ -157,7 +166,7 @@ class Reader:
             found = COMMAND.match(line)
             is_command = found and (fenced or line[:1] in " \t")
             for command in [found.group(1)] if is_command else INLINE.findall(line):
-                words = shlex.split(re.sub(r"\s{2,}.*", "", command))[1:]
+                words = self.words_of(command)
                 self.check_options(where, words)
                 if is_command and may_run and not any(PATTERN_WORD.match(word) for word in words):
                     self.run(where, command, words)
