@@ -4,8 +4,10 @@
 
 A command is an indented or fenced line that begins with q3map2. Each page starts with a fresh game folder in which
 maps/mymap.map is compiled; its commands run in their order, in the folder that the page last changed to (cd), else in
-that of the game or of the mod that they name. /games/quake3 in a page is that game. Commands with a word in capitals (DIR, MOD) are patterns, not for running: like
-all others, and like those in running text, they may only use options that the program has.
+that of the game or of the mod that they name. /games/quake3 in a page is that game.
+
+Commands with a word in capitals (DIR, MOD) are patterns, not for running: like all others, and like those in running
+text, they may only use options that the program has.
 """
 
 import os

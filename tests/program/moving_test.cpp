@@ -19,14 +19,9 @@ namespace {
 
 using WordSet = std::set<std::string>;
 
-std::string FileText(const std::filesystem::path &path) {
-    const auto bytes = ReadFile(path);
-    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
-}
-
 /// Lines of a file of tests/data/established but comments.
 std::vector<std::string> EstablishedLines(std::string_view name) {
-    std::istringstream in(FileText(std::filesystem::path(TEST_DATA) / "established" / name));
+    std::istringstream in(ReadTextFile(std::filesystem::path(TEST_DATA) / "established" / name));
     std::vector<std::string> lines;
     for (std::string line; std::getline(in, line);)
         if (!line.empty() && line[0] != '#')
@@ -87,7 +82,7 @@ class MovingTest : public testing::Test {
             EXPECT_TRUE(words.contains(word)) << section << ": " << word << " is no word of the established program";
     }
 
-    const std::string page_ = FileText(std::filesystem::path(SOURCE) / "docs/moving.md");
+    const std::string page_ = ReadTextFile(std::filesystem::path(SOURCE) / "docs/moving.md");
     const std::map<std::string, WordSet> words_ = EstablishedWords();
 };
 
