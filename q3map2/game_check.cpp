@@ -42,6 +42,18 @@ std::string Joined(const std::vector<fs::path> &folders) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
+/// What to try when the map lies among game files of another name than the game's: DIR/baseoa/maps/x.map.
+std::string HintOfMap(const std::vector<std::string> &words, const Game &game) {
+    for (const std::string &word : words) {
+        std::error_code failed;
+        const fs::path maps = fs::absolute(word, failed).lexically_normal().parent_path(), folder = maps.parent_path();
+        if (!failed && EqualNoCase(maps.filename().string(), "maps") && HoldsGameFiles(folder, game))
+            return fmt::format("; the map is among the game files of {}: try -fs_basegame {}, or -fs_game {} for a mod",
+                               folder.string(), folder.filename().string(), folder.filename().string());
+    }
+    return {};
+}
+
 void Report(bool force, std::string_view kind, std::string_view text, Log &log) {
     if (!force)
         throw Error("{}; -force goes on without", text);
@@ -61,7 +73,8 @@ void ReportUnknownGame(std::string_view name, const GlobalOptions &options, Log 
     log.Warn("unknown game", "-game {}: unknown, {} is used{}", name, options.game->name, hint);
 }
 
-void RequireGameFiles(const GlobalOptions &options, const std::vector<fs::path> &folders, Log &log) {
+void RequireGameFiles(const GlobalOptions &options, const std::vector<fs::path> &folders,
+                      const std::vector<std::string> &words, Log &log) {
     const std::string_view base = options.baseGame ? std::string_view(*options.baseGame) : options.game->gameDir;
     const auto isGameDir = [](const fs::path &folder, const std::string &gameDir) {
         return folder.string().ends_with("/" + gameDir);
@@ -87,8 +100,8 @@ void RequireGameFiles(const GlobalOptions &options, const std::vector<fs::path> 
     if (std::none_of(folders.begin(), folders.end(),
                      [&](const fs::path &folder) { return HoldsGameFiles(folder, *options.game); }))
         Report(options.force, "no game files",
-               fmt::format("no game files found; give the folder that holds {} by -fs_basepath (searched: {})", base,
-                           Joined(folders)),
+               fmt::format("no game files found; give the folder that holds {} by -fs_basepath (searched: {}){}", base,
+                           Joined(folders), HintOfMap(words, *options.game)),
                log);
 }
 

@@ -14,7 +14,9 @@ void ReportUnknownGame(std::string_view name, const GlobalOptions &options, Log 
 
 /// For stages that read shaders and images. Error (with -force a warning), naming the folders searched and the option
 /// to change, when an -fs_basepath is no folder, an -fs_game is in none of the roots, or no game folder holds game
-/// files: an archive, or one of the folders scripts, textures and models. `folders`: from GameFolders.
-void RequireGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders, Log &log);
+/// files: an archive, or one of the folders scripts, textures and models. `folders`: from GameFolders; `words`: the
+/// command line, whose map may tell where the game is.
+void RequireGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders,
+                      const std::vector<std::string> &words, Log &log);
 
 } // namespace q3

@@ -60,6 +60,27 @@ std::string EnginePathFrom(const std::vector<std::string> &words, std::string_vi
     return {};
 }
 
+/// The folder that holds the game folder of a map named on the command line: DIR of DIR/baseq3/maps/x.map. Empty: none.
+std::string EnginePathOfMap(const std::vector<std::string> &words, const std::vector<std::string> &gameDirs) {
+    for (const std::string &word : words) {
+        std::error_code failed;
+        const auto folder = std::filesystem::absolute(WithSlashes(word), failed).lexically_normal().parent_path();
+        const std::string gameDir = folder.parent_path().filename().string();
+        const auto isName = [&](const std::string &name) { return EqualNoCase(name, gameDir); };
+        if (!failed && EqualNoCase(folder.filename().string(), "maps") &&
+            std::any_of(gameDirs.begin(), gameDirs.end(), isName))
+            return folder.parent_path().parent_path().string();
+    }
+    return {};
+}
+
+/// The folders of mods and of the base game, by name, those first that win.
+std::vector<std::string> GameDirs(const GlobalOptions &options) {
+    std::vector<std::string> gameDirs = options.gameDirs;
+    AddUnique(gameDirs, options.baseGame.value_or(std::string(options.game->gameDir)));
+    return gameDirs;
+}
+
 std::string HomeRoot(const GlobalOptions &options) {
     const std::string homeBase = options.homeBase.value_or(std::string(options.game->homeDir));
     if (options.home) {
@@ -93,6 +114,8 @@ std::vector<std::filesystem::path> BasePaths(const GlobalOptions &options, const
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::string engine = EnginePathFrom(words, options.game->magic);
     if (engine.empty())
+        engine = EnginePathOfMap(arguments, GameDirs(options));
+    if (engine.empty())
         engine = program.parent_path().parent_path().string();
     if (engine.empty())
         throw Error("cannot tell where the game is installed; give it by -fs_basepath");
@@ -105,10 +128,8 @@ std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, con
     AddUnique(roots, HomeRoot(options));
     for (const std::filesystem::path &path : BasePaths(options, arguments, program))
         AddUnique(roots, path.string());
-    std::vector<std::string> gameDirs = options.gameDirs;
-    AddUnique(gameDirs, options.baseGame.value_or(std::string(options.game->gameDir)));
     std::vector<std::filesystem::path> folders;
-    for (const std::string &gameDir : gameDirs)
+    for (const std::string &gameDir : GameDirs(options))
         for (const std::string &root : roots)
             folders.push_back(std::filesystem::path(root) / gameDir);
     for (const std::string &path : options.pakPaths)

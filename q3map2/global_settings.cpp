@@ -90,10 +90,12 @@ Group GamePaths() {
     return {"Game and folders",
             "Without `-fs_basepath` the first word of the command line, program path included, that contains the "
             "game's name (\"quake\") gives it: `/games/Quake3/baseq3/maps/x.bsp` means `/games/Quake3/`. Otherwise it "
-            "is the folder above the program's. The bsp and light stages need the game's files and stop when an "
-            "`-fs_basepath` is no folder, an `-fs_game` is nowhere, or no game folder holds an archive or one of the "
-            "folders `scripts`, `textures` and `models`; an unknown `-game` is an error in all stages. With `-force` "
-            "these are warnings; the light stage then knows of a shader what the shader records of the `.bsp` say.",
+            "is where the map is: a map in `baseq3/maps` of any folder, or in that of an `-fs_game`, means that "
+            "folder. Failing that it is the folder above the program's. The bsp and light stages need the game's files "
+            "and stop when an `-fs_basepath` is no folder, an `-fs_game` is nowhere, or no game folder holds an "
+            "archive or one of the folders `scripts`, `textures` and `models`; an unknown `-game` is an error in all "
+            "stages. With `-force` these are warnings; the light stage then knows of a shader what the shader records "
+            "of the `.bsp` say.",
             {{{.name = "-game",
                .values = "NAME",
                .initial = "quake3",

@@ -137,7 +137,7 @@ int BspStage(const StageContext &context, Arguments arguments) {
     const BspFormat format = context.options.Format();
     const auto folders = GameFolders(context.options, context.words, context.program);
     if (!options.onlyEntities)
-        RequireGameFiles(context.options, folders, log);
+        RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     if (!options.onlyEntities)
         RemoveStaleFiles(source);

@@ -3,6 +3,7 @@
 #include "common/files/files.h"
 #include "common/nearest_names.h"
 #include "q3map2/convert/convert_options.h"
+#include "q3map2/convert/game/game_convert.h"
 #include "q3map2/convert/mesh/mesh_export.h"
 #include "q3map2/convert/source/source_from_bsp.h"
 #include "q3map2/convert/source/source_from_map.h"
@@ -74,38 +75,54 @@ void WriteModel(MeshWriter write, std::string_view extension, const ConvertJob &
     write(InputBsp(job), job.context.shaders, options, WithExtension(job.input, extension), job.context.log);
 }
 
+/// The .bsp for the game that -format names: x_c.bsp.
+void WriteForGame(const ConvertJob &job) {
+    const Game &game = *FindGame(job.options.format);
+    Bsp bsp = InputBsp(job);
+    ConvertToGame(bsp, job.context.game, game, job.context.log);
+    fs::path output = job.input;
+    output.replace_filename(job.input.stem().string() + "_c.bsp");
+    WriteBspFile(output, bsp, {.version = game.bspVersion, .advertisements = game.hasAdvertisements}, job.context.log);
+}
+
+enum class FormatKind { Model, Source, Game };
+
 /// A value of -format.
 struct ConvertFormat {
     std::string_view name;
-    bool readsMap; ///< a file named .map is read as one
-    bool isSource; ///< writes a map source, from one without compiling it
+    FormatKind kind;
     void (*write)(const ConvertJob &);
 };
 
 /// The first one is the default.
 constexpr ConvertFormat kFormats[] = {
-    {"ase", false, false, [](const ConvertJob &job) { WriteModel(WriteAse, ".ase", job); }},
-    {"obj", false, false, [](const ConvertJob &job) { WriteModel(WriteObj, ".obj", job); }},
-    {"map", true, true, [](const ConvertJob &job) { WriteSource(MapForm::Classic, job); }},
-    {"map_bp", true, true, [](const ConvertJob &job) { WriteSource(MapForm::Primitive, job); }},
-    {"map_220", true, true, [](const ConvertJob &job) { WriteSource(MapForm::Valve, job); }},
+    {"ase", FormatKind::Model, [](const ConvertJob &job) { WriteModel(WriteAse, ".ase", job); }},
+    {"obj", FormatKind::Model, [](const ConvertJob &job) { WriteModel(WriteObj, ".obj", job); }},
+    {"map", FormatKind::Source, [](const ConvertJob &job) { WriteSource(MapForm::Classic, job); }},
+    {"map_bp", FormatKind::Source, [](const ConvertJob &job) { WriteSource(MapForm::Primitive, job); }},
+    {"map_220", FormatKind::Source, [](const ConvertJob &job) { WriteSource(MapForm::Valve, job); }},
 };
 
-const ConvertFormat &FindFormat(std::string_view name) {
+ConvertFormat FindFormat(std::string_view name) {
     if (name.empty())
         return kFormats[0];
+    if (const Game *game = FindGame(name))
+        return {game->name, FormatKind::Game, WriteForGame};
     std::vector<std::string> names;
     for (const ConvertFormat &format : kFormats) {
         if (EqualNoCase(format.name, name))
             return format;
         names.emplace_back(format.name);
     }
-    throw Error("-format {}: unknown, expected {}{}", name, fmt::join(names, ", "), DidYouMean(name, names));
+    const std::string expected = fmt::format("{}, or a game", fmt::join(names, ", "));
+    for (const Game &game : Games())
+        names.emplace_back(game.name);
+    throw Error("-format {}: unknown, expected {}{}", name, expected, DidYouMean(name, names));
 }
 
 bool ReadsMap(const std::string &file, const ConvertOptions &options, const ConvertFormat &format) {
     const bool isNamedMap = EqualNoCase(fs::path(file).extension().string(), ".map");
-    return options.readMap || (format.readsMap && isNamedMap && !options.readBsp);
+    return options.readMap || (format.kind == FormatKind::Source && isNamedMap && !options.readBsp);
 }
 
 /// Errors: options that would change nothing.
@@ -115,20 +132,22 @@ void RefuseIdleOptions(const ConvertOptions &options, const ConvertFormat &forma
             throw Error("{}: {} with -format {} {}", option, reason, format.name,
                         isMap ? "from a map source" : "from a .bsp");
     };
+    const bool isSource = format.kind == FormatKind::Source, isModel = format.kind == FormatKind::Model;
+    refuse(isMap && format.kind == FormatKind::Game, "-readmap", "compile the map with -game instead,");
     constexpr std::string_view kNoAlignment = "there are no texture axes to look for",
                                kNoCompile = "nothing is compiled";
-    const bool takesApart = format.isSource && !isMap, compiles = !format.isSource && isMap;
+    const bool takesApart = isSource && !isMap, compiles = isModel && isMap;
     refuse(options.fast && !takesApart, "-fast", kNoAlignment);
     refuse(options.markUnknown && !takesApart, "-wtf", kNoAlignment);
     refuse(options.keepModelClip && !takesApart, "-modelclip", "there are no brushes that clip models");
     refuse(options.meta && !compiles, "-meta", kNoCompile);
     refuse(options.patchMeta && !compiles, "-patchmeta", kNoCompile);
     constexpr std::string_view kNoMaterials = "there are no materials";
-    refuse(options.shadersAsBitmap && format.isSource, "-shadersasbitmap", kNoMaterials);
-    refuse(options.lightmapsAsTexCoord && format.isSource, "-lightmapsastexcoord", kNoMaterials);
-    refuse(options.deluxemapsAsTexCoord && format.isSource, "-deluxemapsastexcoord", kNoMaterials);
+    refuse(options.shadersAsBitmap && !isModel, "-shadersasbitmap", kNoMaterials);
+    refuse(options.lightmapsAsTexCoord && !isModel, "-lightmapsastexcoord", kNoMaterials);
+    refuse(options.deluxemapsAsTexCoord && !isModel, "-deluxemapsastexcoord", kNoMaterials);
     refuse(options.normalEpsilon && !isMap, "-ne", "no planes are compared");
-    refuse(options.distanceEpsilon && !isMap && !format.isSource, "-de", "no planes are compared");
+    refuse(options.distanceEpsilon && !isMap && !isSource, "-de", "no planes are compared");
 }
 
 BspOptions CompileOptions(const StageContext &context, const ConvertOptions &options) {
@@ -161,11 +180,11 @@ int ConvertStage(const StageContext &context, Arguments arguments) {
     const ConvertOptions options = ParseConvertOptions(arguments, log);
     const std::string file = TakeFile(context, arguments, {}).file;
     PrintChangedOptions(arguments, log);
-    const ConvertFormat &format = FindFormat(options.format);
+    const ConvertFormat format = FindFormat(options.format);
     const bool isMap = ReadsMap(file, options, format);
     RefuseIdleOptions(options, format, isMap);
     const auto folders = GameFolders(context.options, context.words, context.program);
-    RequireGameFiles(context.options, folders, log);
+    RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     const BspOptions compile = CompileOptions(context, options);
     ShaderLibrary library(vfs, *context.options.game, {.sRgbColor = compile.sRgbColor, .imageSizes = true}, log);

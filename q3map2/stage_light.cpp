@@ -10,6 +10,7 @@
 #include "q3map2/lightmap/light_world.h"
 #include "q3map2/lightmap/store/lightmap_pages.h"
 #include "q3map2/lightmap/store/lightmap_scripts.h"
+#include "q3map2/lost_light_check.h"
 #include "q3map2/run_report.h"
 #include "q3map2/stage_words.h"
 
@@ -39,7 +40,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const auto bspPath = WithExtension(std::filesystem::absolute(file.file), ".bsp");
 
     const auto folders = GameFolders(context.options, context.words, context.program);
-    RequireGameFiles(context.options, folders, log);
+    RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
@@ -55,7 +56,9 @@ int LightStage(const StageContext &context, Arguments arguments) {
         library.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
     const JobPool jobs(context.options.threads);
     log.Count(jobs.Threads(), "threads");
+    const LostLightCheck lostLight(bsp);
     LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);
+    lostLight.Report(bsp, log);
     RecordCommand(bsp, "-light", inputs.name, file.recorded);
     if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump && !format.advertisements && format.version == 46)
         log.Print("The SH grid makes this a version 47 file, which engines without SH support refuse; -shbspx keeps "

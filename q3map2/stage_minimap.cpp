@@ -14,7 +14,7 @@ int MinimapStage(const StageContext &context, Arguments arguments) {
     PrintChangedOptions(arguments, log);
     const Game &game = *context.options.game;
     const auto folders = GameFolders(context.options, context.words, context.program);
-    RequireGameFiles(context.options, folders, log);
+    RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     log.Print("Loading {}\n", bspPath.string());
     const Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);

@@ -55,7 +55,7 @@ std::vector<Stage> CompilingStages() {
         {"-json", "-json [-unpack|-pack] [options] maps/x.bsp", "Write all lumps as JSON files, or read them back", "",
          JsonStage, [] { return Describe(JsonSettings()); }},
         {"-convert", "-convert [options] maps/x.bsp",
-         "Write a map in another format: as a model, or as map source in three forms",
+         "Write a map in another format: as a model, as map source, or for another game",
          "[convert.md](convert.md) tells what each format is for and what is lost. The input is `x.bsp`, or `x.map` if "
          "the file is named so and the format reads map sources.",
          ConvertStage, [] { return Describe(ConvertSettings()); }},

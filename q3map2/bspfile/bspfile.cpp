@@ -34,7 +34,7 @@ void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFo
     FileReplacement file(path);
     pieces.Write([&file](std::span<const std::byte> bytes) { file.Append(bytes); });
     file.Commit();
-    log.Print("Wrote {:.1f} MB ({} bytes)\n", double(pieces.Size()) / (1024 * 1024), pieces.Size());
+    log.Print("Wrote {:.1f} MB ({} bytes)\n", double(pieces.Size()) / 1e6, pieces.Size());
 }
 
 } // namespace q3

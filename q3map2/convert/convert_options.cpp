@@ -42,11 +42,12 @@ std::vector<SettingGroup<ConvertOptions>> ConvertSettings() {
         {{{.name = "-format",
            .values = "NAME",
            .initial = "ase",
-           .help = "What to write: ase, obj, map, map_bp or map_220",
+           .help = "What to write: ase, obj, map, map_bp, map_220, or the name of a game",
            .details =
                "`ase` and `obj` are models of what is drawn: `x.ase`, or `x.obj` with `x.mtl`. `map` has classic "
                "texture axes, `map_bp` brush primitives, `map_220` those of Valve; all three write "
-               "`x_converted.map`. Files are written beside the input."},
+               "`x_converted.map`. A game (`-help game`): `x_c.bsp`, with its file version and its surfaceparms "
+               "of the same names; -game says which game `x.bsp` is of. Files are written beside the input."},
           &ConvertOptions::format},
          {{.name = "-readmap",
            .initial = "by the file name, if the format reads map sources",

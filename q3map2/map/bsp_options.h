@@ -38,7 +38,7 @@ struct BspOptions {
     bool sRgbColor = false;                 ///< colors of shaders are sRGB
     std::vector<std::string> withoutEffect; ///< options given that have no effect
     bool autoCaulk = false, verboseEntities = false, fakeMap = false;
-    bool debugSurfaces = false, debugInset = false, debugPortals = false;
+    bool debugSurfaces = false, debugInset = false, debugPortals = false, debugClip = false;
     std::string tempName; ///< -tempname: the map text is read from here and the file deleted afterwards
     int subdivisions = 8; ///< curve tolerance of patches, game units
     int maxDrawSurfaces = 131072;

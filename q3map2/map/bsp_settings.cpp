@@ -209,6 +209,10 @@ Group Debugging() {
         {{{.name = "-debugsurfaces", .help = "Color each surface differently"}, &BspOptions::debugSurfaces},
          {{.name = "-debuginset", .help = "Shrink triangles, so that gaps show between them"}, &BspOptions::debugInset},
          {{.name = "-debugportals", .help = "Draw the portals as surfaces"}, &BspOptions::debugPortals},
+         {{.name = "-debugclip",
+           .help = "Draw the clip brushes made for models",
+           .details = "The sides on the model have the shader `debugclip`, the others `debugclip2`."},
+          &BspOptions::debugClip},
          {{.name = "-fakemap", .help = "Write the brushes of the world to fakemap.map in the current folder"},
           &BspOptions::fakeMap},
          {{.name = "-verboseentities", .help = "With -v: print details of brush entities too"},
@@ -218,8 +222,7 @@ Group Debugging() {
 Group Ignored() {
     return {"Accepted without effect",
             "A warning names them.",
-            {WithoutEffect(&BspOptions::withoutEffect, "-sRGBtex", "Concerns the light stage only", "-nosRGBtex"),
-             WithoutEffect(&BspOptions::withoutEffect, "-debugclip", "Clip brushes of models are not drawn")}};
+            {WithoutEffect(&BspOptions::withoutEffect, "-sRGBtex", "Concerns the light stage only", "-nosRGBtex")}};
 }
 
 } // namespace

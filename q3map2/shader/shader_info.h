@@ -83,7 +83,7 @@ struct ShaderInfo {
 
     // From the image; see ShaderLibrary::Get for when it is read.
     Vec3f color{1, 1, 1}; ///< light color: q3map_lightRGB, else the light image's mean; largest component 1
-    Vec3f averageColor{255, 255, 255};       ///< mean of the light image, 0..255, or the q3map_lightRGB vector
+    Vec3f averageColor{255, 255, 255};       ///< 0..255: q3map_lightRGB, else the mean of the light image
     std::shared_ptr<const Image> lightImage; ///< never null once looked up; 64 x 64 white when no file was found
     bool imageFound = false;                 ///< false: lightImage is the white default
     std::string scriptText; ///< the body in braces, tidied; empty if no script defines what the engine draws

@@ -202,7 +202,7 @@ void ShaderLibrary::State::Complete(ParsedShader &shader) {
         info.lightImage = white;
     }
     if (shader.colorGiven) {
-        info.averageColor = info.color;
+        info.averageColor = info.color * 255;
     } else {
         std::array<std::uint64_t, 3> sum{};
         const std::vector<std::uint8_t> &rgba = info.lightImage->rgba;

@@ -211,6 +211,26 @@ double Volume(const Brush &brush, const PlaneTable &planes) {
     return volume;
 }
 
+TEST_F(ModelTest, ClipBrushesCanBeShown) {
+    EXPECT_THAT(Place({{"spawnflags", "2"}}, kCeiling), SizeIs(1)) << "the model alone";
+    options.debugClip = true;
+    const auto surfaces = Place({{"spawnflags", "2"}}, kCeiling);
+    ASSERT_THAT(surfaces, SizeIs(7)) << "and the six sides of its brush";
+    int onModel = 0;
+    for (auto surface = surfaces.begin() + 1; surface != surfaces.end(); ++surface) {
+        const bool front = surface->shader->name == "debugclip";
+        onModel += front;
+        EXPECT_TRUE(front || surface->shader->name == "debugclip2") << surface->shader->name;
+        EXPECT_THAT(surface->verts, SizeIs(4));
+        EXPECT_THAT(surface->indexes, SizeIs(6));
+        const Vec3f normal = surface->verts[0].normal;
+        EXPECT_GT(Dot(TriangleNormal(*surface, 0), Vec3d(normal)), 0.99) << "drawn from outside";
+        if (front)
+            ExpectPoint(normal, {0, 0, -1});
+    }
+    EXPECT_EQ(onModel, 1);
+}
+
 TEST_F(ModelTest, ClipShapesHaveTheirVolumes) {
     const double quad = 64 * 64;
     EXPECT_NEAR(Volume(Clip("8")[0], map.planes), quad * 2, 1);                              // along the normals

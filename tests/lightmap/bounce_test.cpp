@@ -88,6 +88,22 @@ TEST_F(BounceTest, NothingIsCreatedOrLost) {
     EXPECT_NEAR(sum("-bounce 1 -bounceonly") / sum(""), kReflectance, 0.05 * kReflectance);
 }
 
+TEST_F(BounceTest, AColorInPlaceOfAnImageTintsWhatIsSentOn) {
+    const auto brightest = [&](std::size_t channel) {
+        const Bsp lit = Lit(WhiteRoom(40), "-nogrid -bounce 1 -bounceonly");
+        int most = 0;
+        for (std::size_t i = channel; i < lit.lightmaps.size(); i += 3)
+            most = std::max<int>(most, lit.lightmaps[i]);
+        return most;
+    };
+    const int white = brightest(0);
+    ASSERT_GT(white, 20);
+    Script("textures/test/wall\n{\n\tq3map_lightRGB 1 0.5 0\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
+    EXPECT_EQ(brightest(0), white);
+    EXPECT_NEAR(brightest(1), white / 2., 1);
+    EXPECT_EQ(brightest(2), 0);
+}
+
 TEST_F(BounceTest, ABlackTextureSendsNothingOn) {
     Script("textures/test/black\n{\n\tq3map_bouncescale 0\n\t{\n\t\tmap $whiteimage\n\t}\n}\n");
     SceneBuilder scene;

@@ -64,6 +64,15 @@ TEST_F(ConvertStageTest, LightmapCoordinatesAndShaderNames) {
     EXPECT_EQ(ReadTextFile(maps_ / "demo.mtl").find("map_Kd ../"), std::string::npos);
 }
 
+TEST_F(ConvertStageTest, AnotherGameHasItsVersion) {
+    RunWell("-convert -format wolf MAP");
+    EXPECT_EQ(IntOf(ReadFile(maps_ / "demo_c.bsp"), 4), 47);
+    RunWell("-game wolf -info " + (maps_ / "demo_c.bsp").string());
+    ExpectError("-convert -format wolf -readmap " + Map(".map").string(), "compile the map with -game");
+    ExpectError("-convert -format wolf -shadersasbitmap MAP", "there are no materials");
+    ExpectError("-convert -format wolv MAP", "did you mean wolf");
+}
+
 TEST_F(ConvertStageTest, UnknownFormatNamesTheNearest) {
     ExpectError("-convert -format map_pb MAP", "did you mean map_bp");
     ExpectError("-convert -format nonsense MAP", "expected ase, obj, map, map_bp, map_220");

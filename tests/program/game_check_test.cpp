@@ -47,8 +47,22 @@ TEST_F(GameCheckTest, FolderWithoutGameFiles) {
     folder_.Write("empty/baseq3/q3config.cfg", "");
     ExpectParts(ErrorOf(RunBare({"-fs_basepath", (folder_ / "empty").string(), "-light"})),
                 {"no game files", (folder_ / "empty/baseq3").string(), "-fs_basepath"});
-    // Whatever the program takes for the engine's folder without -fs_basepath has no baseq3.
-    ExpectParts(ErrorOf(RunBare({"-light"})), {"no game files", "baseq3", "-fs_basepath"});
+}
+
+/// Without -fs_basepath the game is where the map is: DIR/baseq3/maps/demo.bsp.
+TEST_F(GameCheckTest, TheFolderOfTheMapTellsTheGame) {
+    const Outcome found = RunBare({"-light", "-onlygrid"});
+    EXPECT_EQ(found.status, 0) << found.text;
+    EXPECT_TRUE(found.Printed("VFS Init: " + game_.string())) << found.text;
+    std::filesystem::rename(game_, folder_ / "base/mod");
+    maps_ = folder_ / "base/mod/maps";
+    ExpectParts(ErrorOf(RunBare({"-light"})), {"no game files", "baseq3", "-fs_basepath",
+                                               "the map is among the game files of " + (folder_ / "base/mod").string(),
+                                               "-fs_basegame mod, or -fs_game mod for a mod"});
+    EXPECT_EQ(RunBare({"-fs_game", "mod", "-light", "-onlygrid"}).status, 0);
+    std::filesystem::rename(maps_, folder_ / "base/mod/maps1"); // not a folder of maps
+    maps_ = folder_ / "base/mod/maps1";
+    ExpectParts(ErrorOf(RunBare({"-fs_game", "mod", "-light"})), {"-fs_game mod", "no such folder"});
 }
 
 TEST_F(GameCheckTest, OneArchiveIsEnough) {

@@ -53,10 +53,10 @@ TEST_F(PackageProgramTest, BadLevelsAndOtherFoldersOfThePackage) {
     ExpectError("-pk3 -complevel 11 MAP", "-complevel 11: expected a whole number from -1 to 10");
     ExpectError("-pk3 -complevel -2 MAP", "-complevel -2");
     ExpectError("-pk3", "usage: q3map2 -pk3");
-    const std::filesystem::path out = folder_ / "out";
-    std::filesystem::create_directory(out);
+    const std::filesystem::path out = folder_ / "new/out"; // made when it is not there
     Run("-pk3 -outdir " + out.string() + " MAP");
     EXPECT_FALSE(std::filesystem::is_empty(out));
+    ExpectError("-pk3 -outdir " + Map(".map").string() + " MAP", "the folder cannot be made");
 }
 
 TEST_F(PackageProgramTest, RepackStripsScripts) {

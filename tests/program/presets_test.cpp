@@ -91,6 +91,23 @@ TEST(GridSize, OfBytesThatDoNotCompressIsTheirNumber) {
     EXPECT_EQ(EstimateDeflated({}), 0u);
 }
 
+/// The warning about a large grid names -shsmall only where that would bake a smaller one.
+TEST(GridSizeReport, SmallGridsNeedNoSmallerOne) {
+    const auto text = [](float cell) {
+        Bsp bsp;
+        bsp.gridSH.emplace();
+        bsp.gridSH->header.gridSize = {cell, cell, cell};
+        bsp.gridSH->points.resize(20000);
+        QuietLog out;
+        PrintGridSHSize(bsp, 3000000, out.log);
+        EXPECT_THAT(out.text, HasSubstr("72 % of the file"));
+        return out.text;
+    };
+    EXPECT_THAT(text(32), HasSubstr("-shsmall"));
+    EXPECT_THAT(text(64), Not(HasSubstr("-shsmall")));
+    EXPECT_THAT(text(100), Not(HasSubstr("-shsmall")));
+}
+
 } // namespace
 
 } // namespace q3::test

@@ -184,6 +184,16 @@ TEST_F(ProgramTest, LightsOfTheMapSourceCount) {
     EXPECT_TRUE(without.Printed("WARNING: demo: no light entities"));
 }
 
+/// A map from elsewhere: its light entities are in its source, which is not at hand.
+TEST_F(ProgramTest, AMapThatGotDarkForWantOfItsLightsSaysSo) {
+    const std::string warning = "WARNING: the light grid has ";
+    RunWell("-light MAP");
+    std::filesystem::remove(Map(".map"));
+    const Outcome darker = RunWell("-light -onlygrid MAP");
+    EXPECT_TRUE(darker.Printed(warning)) << darker.text;
+    EXPECT_FALSE(RunWell("-light -onlygrid MAP").Printed(warning)) << "as dark as before";
+}
+
 TEST_F(ProgramTest, LightGivesLightmapsAndVertexColors) {
     const auto before = MapBytes();
     RunWell("-light -bounce 1 MAP");

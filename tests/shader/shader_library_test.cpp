@@ -255,13 +255,13 @@ TEST_F(ShaderColors, BlackEmitsWhite) {
     EXPECT_EQ(Get("black").color, (Vec3f{1, 1, 1}));
     EXPECT_EQ(Get("black").averageColor, (Vec3f{0, 0, 0}));
     EXPECT_EQ(Get("s").color, (Vec3f{1, 1, 1}));
-    EXPECT_EQ(Get("s").averageColor, (Vec3f{1, 1, 1}));
+    EXPECT_EQ(Get("s").averageColor, (Vec3f{255, 255, 255}));
 }
 
 TEST_F(ShaderColors, GivenColorReplacesTheImages) {
     WriteTga("a.tga", {{100, 40, 0, 0}});
     EXPECT_EQ(LoadShader("q3map_lightRGB 2 1 0.5\nq3map_lightImage a").color, (Vec3f{1, 0.5f, 0.25f}));
-    EXPECT_EQ(Get("s").averageColor, (Vec3f{1, 0.5f, 0.25f}));
+    EXPECT_EQ(Get("s").averageColor, (Vec3f{255, 127.5f, 63.75f}));
     EXPECT_EQ(Get("s").lightImage->Texel(0, 0)[0], 100);
     options.sRgbColor = true;
     EXPECT_NEAR(LoadShader("q3map_lightRGB 1 0.5 0").color.y, 0.214041, 1e-5);

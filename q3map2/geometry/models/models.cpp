@@ -6,6 +6,7 @@
 #include "q3map2/geometry/models/model_clip.h"
 #include "q3map2/geometry/models/model_load.h"
 #include "q3map2/geometry/models/model_skin.h"
+#include "q3map2/geometry/surface/debug_surface.h"
 #include "q3map2/map/map_settings.h"
 
 #include <algorithm>
@@ -20,6 +21,16 @@ Vec3d ScaleOf(const Entity &pairs) {
         return Vec3d(*scale);
     const double scale = keys::kModelScale.Number(pairs);
     return scale == 0 ? Vec3d{1, 1, 1} : Vec3d{scale, scale, scale};
+}
+
+/// Appends the sides of a clip brush as translucent polygons, those on the model with another shader than the rest.
+void ShowClipBrush(const Brush &brush, std::size_t number, const PlaneTable &planes, Geometry &geometry,
+                   const BspContext &context) {
+    for (const BrushSide &side : brush.sides)
+        if (!side.bevel && side.winding.size() >= 3)
+            geometry.surfaces.push_back(DebugSurface(side.winding, Vec3f(planes[side.planeNum].normal),
+                                                     context.shaders.Get(side.shader ? "debugclip" : "debugclip2"),
+                                                     number));
 }
 
 /// Settings as for brushes, except that _castShadows defaults to 1 for models of the world and 0 for those of entities.
@@ -165,8 +176,12 @@ bool PlaceModel(const ModelPlacement &placement, MapEntity &target, Geometry &ge
             clip.push_back(ClipMeshOf(surface));
         geometry.surfaces.push_back(std::move(surface));
     }
+    const std::size_t firstClip = target.brushes.size();
     if (!clip.empty())
         MakeClipBrushes(clip, placement, target, planes, context);
+    if (context.options.debugClip)
+        for (std::size_t i = firstClip; i < target.brushes.size(); ++i)
+            ShowClipBrush(target.brushes[i], i, planes, geometry, context);
     return true;
 }
 

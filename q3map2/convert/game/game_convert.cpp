@@ -1,0 +1,69 @@
+// GPL-2.0-or-later. A compiled map of one game for another.
+#include "q3map2/convert/game/game_convert.h"
+
+#include "q3map2/convert/json/convert_json_flags.h"
+
+#include <algorithm>
+#include <ranges>
+#include <set>
+#include <string>
+
+namespace q3 {
+
+namespace {
+
+class FlagTranslator {
+  public:
+    FlagTranslator(const Game &from, const Game &to, FlagKind kind) : from_(from), to_(to), kind_(kind) {
+        for (const SurfaceParm &parm : to.surfaceParms)
+            used_ |= ParmBits(parm, kind);
+    }
+
+    std::uint32_t Translate(std::uint32_t flags) {
+        std::uint32_t result = 0;
+        for (const auto &[name, bits] : SplitFlags(flags, from_, kind_))
+            if (const std::uint32_t same = BitsOfTwin(bits))
+                result |= same;
+            else if ((bits & used_) == 0)
+                result |= bits;
+            else
+                lost_.insert(name == "?" ? fmt::format("0x{:x}", bits) : std::string(name));
+        return result;
+    }
+    const std::set<std::string> &Lost() const { return lost_; }
+
+  private:
+    /// The bits in the other game of a surfaceparm that stands for exactly `bits` in this one; 0 if it knows none. Of
+    /// several names the last counts, as in SplitFlags: the game's own come after those that all games share.
+    std::uint32_t BitsOfTwin(std::uint32_t bits) const {
+        for (const SurfaceParm &parm : from_.surfaceParms | std::views::reverse)
+            if (ParmBits(parm, kind_) == bits)
+                if (const SurfaceParm *twin = to_.FindParm(parm.name))
+                    return ParmBits(*twin, kind_);
+        return 0;
+    }
+
+    const Game &from_, &to_;
+    FlagKind kind_;
+    std::uint32_t used_ = 0; ///< bits that mean something to the other game
+    std::set<std::string> lost_;
+};
+
+} // namespace
+
+void ConvertToGame(Bsp &bsp, const Game &from, const Game &to, Log &log) {
+    FlagTranslator surface(from, to, FlagKind::Surface), content(from, to, FlagKind::Content);
+    for (bspShader_t &shader : bsp.shaders) {
+        shader.surfaceFlags = surface.Translate(shader.surfaceFlags);
+        shader.contentFlags = content.Translate(shader.contentFlags);
+    }
+    for (const FlagTranslator *translator : {&surface, &content})
+        for (const std::string &name : translator->Lost())
+            log.Warn("surfaceparm of another game", "{} has no surfaceparm {}, which the map uses: it is dropped",
+                     to.name, name);
+    if (from.lightmapSize != to.lightmapSize && !bsp.lightmaps.empty())
+        log.Warn("lightmaps of another size", "{} has lightmap pages of {} texels, {} of {}: light the map again",
+                 to.name, to.lightmapSize, from.name, from.lightmapSize);
+}
+
+} // namespace q3

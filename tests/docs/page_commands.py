@@ -1,0 +1,199 @@
+#!/usr/bin/env python3
+# GPL-2.0-or-later. Runs every command line of the pages for mappers, as a reader would, on a small map.
+"""usage: page_commands.py PROGRAM SOURCE_FOLDER
+
+A command is an indented or fenced line that begins with q3map2. Each page starts with a fresh game folder in which
+maps/mymap.map is compiled; its commands run in their order, in the folder that the page last changed to (cd), else in
+that of the game or of the mod that they name. /games/quake3 in a page is that game.
+
+Commands with a word in capitals (DIR, MOD) are patterns, not for running: like all others, and like those in running
+text, they may only use options that the program has.
+"""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+PAGES = ["README.md"] + [f"docs/{name}.md" for name in (
+    "first_bake", "relight", "final_build", "bots", "troubleshooting", "moving", "presets", "ship_sh", "package",
+    "tools_for_maps", "convert", "report", "vis", "lightmaps", "light_grid_sh", "bsp_stage")]
+# Pages that are for editors and other systems, if they are there: their options are checked.
+OTHER_PAGES = ["docs/editors.md", "docs/windows.md"]
+COMMAND = re.compile(r"^(?: {4,}|\t)?((?:build/bin/)?q3map2(?: .*)?)$")
+INLINE = re.compile(r"`((?:build/bin/)?q3map2 [^`]*)`")
+PATTERN_WORD = re.compile(r"^[A-Z][A-Z0-9_]*(\.[a-z0-9]+)?$")
+SECONDS = 60
+
+SHADERS = """textures/t/wall
+{
+	{
+		map $whiteimage
+		rgbGen exactVertex
+	}
+}
+textures/t/lamp
+{
+	q3map_surfaceLight 2000
+	{
+		map $whiteimage
+	}
+}
+"""
+
+
+def box(low, high, shader):
+    """A brush."""
+    (a, b, c), (d, e, f) = low, high
+    planes = [((a, b, f), (a, e, f), (d, b, f)), ((a, b, c), (d, b, c), (a, e, c)),
+              ((d, b, c), (d, b, f), (d, e, c)), ((a, b, c), (a, e, c), (a, b, f)),
+              ((a, e, c), (d, e, c), (a, e, f)), ((a, b, c), (a, b, f), (d, b, c))]
+    sides = ["".join("( %d %d %d ) " % point for point in plane) + f"{shader} 0 0 0 0.5 0.5 0 0 0" for plane in planes]
+    return "{\n" + "\n".join(sides) + "\n}\n"
+
+
+def room():
+    """Map source: a room with a lamp in its ceiling, a pillar, a light and a player."""
+    half, high, thick = 192, 128, 16
+    walls = [((-half, -half, -thick), (half, half, 0)), ((-half, -half, high), (half, half, high + thick)),
+             ((-half - thick, -half, 0), (-half, half, high)), ((half, -half, 0), (half + thick, half, high)),
+             ((-half, -half - thick, 0), (half, -half, high)), ((-half, half, 0), (half, half + thick, high)),
+             ((-32, 64, 0), (0, 96, high))]
+    brushes = "".join(box(low, high, "t/wall") for low, high in walls) + box((64, 64, 112), (128, 128, 120), "t/lamp")
+    entities = [("light", "-100 -100 96", '"light" "200"'), ("info_player_deathmatch", "0 0 32", '"angle" "90"')]
+    return ('{\n"classname" "worldspawn"\n' + brushes + "}\n"
+            + "".join(f'{{\n"classname" "{name}"\n"origin" "{at}"\n{more}\n}}\n' for name, at, more in entities))
+
+
+class Reader:
+    """Commands of a page and the folders in which to follow them."""
+
+    def __init__(self, program, scratch):
+        self.program = program
+        self.game = scratch / "quake3"
+        self.home = scratch / "home"
+        self.ready = scratch / "ready"
+        self.failures = []
+        self.options = self.known_options()
+        self.prepare()
+
+    def call(self, words, folder):
+        return subprocess.run([self.program, *words], cwd=folder, capture_output=True, text=True, errors="replace",
+                              timeout=SECONDS, env={**os.environ, "HOME": str(self.home)})
+
+    def known_options(self):
+        """Options by stage, in lower case, from the generated page; those of all stages are under ''."""
+        options, stage = {}, None
+        for line in self.call(["-help", "markdown"], "/").stdout.splitlines():
+            if row := re.match(r"\| `\[?(-\w+)\]? ", line):
+                if stage is None:  # the table of stages
+                    options.setdefault(row.group(1), set())
+            heading = re.match(r"## (-\S+|Global options)?", line)
+            if heading:
+                stage = {None: None, "Global options": ""}.get(heading.group(1), heading.group(1))
+                if stage is not None:
+                    options.setdefault(stage, set())
+            elif stage is not None and line.startswith("| `-"):
+                names = re.findall(r"`(--?[^` ]+)", line.split(" | ")[0])
+                options[stage].update(name.lower() for name in names)
+        return options
+
+    def prepare(self):
+        """The game folder that each page finds, with a mod folder beside it that holds the same map."""
+        base = self.ready / "baseq3"
+        for folder in (base / "maps", base / "scripts", self.home):
+            folder.mkdir(parents=True)
+        (base / "maps/mymap.map").write_text(room())
+        (base / "scripts/t.shader").write_text(SHADERS)
+        for words in (["-meta"], ["-vis", "-saveprt"], ["-light"]):
+            done = self.call(["-fs_basepath", str(self.ready), *words, "maps/mymap.map"], base)
+            if done.returncode:
+                sys.exit(f"the map of this test does not compile:\n{done.stdout}")
+        maps = base / "maps"
+        (maps / "mymap.aas").write_bytes(b"EAAS\5\0\0\0abcdareas")
+        (maps / "mymap.ent").write_text("")
+        for name in ("a", "b"):
+            shutil.copy(maps / "mymap.bsp", maps / f"{name}.bsp")
+        shutil.copy(maps / "mymap.bsp", base / "some.bsp")
+        for mod in ("relit", "mymod"):
+            shutil.copytree(base, self.ready / mod)
+        (self.ready / "relit/maps/mymap.map").unlink()  # a downloaded map
+        (self.ready / "relit/maps/mymap.srf").unlink()
+
+    @staticmethod
+    def words_of(command):
+        """As a shell splits it; what stands two blanks further is a remark. Menus of editors may have odd quotes."""
+        command = re.sub(r"\s{2,}.*", "", command)
+        try:
+            return shlex.split(command)[1:]
+        except ValueError:
+            return command.split()[1:]
+
+    def check_options(self, where, words):
+        stage = next((word.lower() for word in words if word.lower() in self.options), "-bsp")
+        for word in words:
+            name = word.lower()
+            is_option = name.startswith("-") and not re.match(r"-[\d.]", name)
+            if is_option and name != stage and name not in self.options[stage] | self.options[""]:
+                self.failures.append(f"{where}: {stage} has no option {word}")
+
+    def run(self, where, command, words):
+        mods = [words[i + 1] for i, word in enumerate(words[:-1]) if word == "-fs_game"]
+        folder = self.folder or self.game / (mods[0] if mods else "baseq3")
+        try:
+            done = self.call([word.replace("/games/quake3", str(self.game)) for word in words], folder)
+        except subprocess.TimeoutExpired:
+            self.failures.append(f"{where}: {command}\n  takes over {SECONDS} s")
+            return
+        if done.returncode or "WARNING: Unknown" in done.stdout:
+            text = "\n  ".join(done.stdout.splitlines()[-12:])
+            self.failures.append(f"{where}: {command}\n  exit status {done.returncode}\n  {text}")
+
+    def read(self, page, may_run):
+        """Follows a page. Returns how many commands ran, and how many were checked only."""
+        shutil.rmtree(self.game, ignore_errors=True)
+        shutil.copytree(self.ready, self.game)
+        ran = checked = 0
+        fenced = False
+        self.folder = None
+        for number, line in enumerate(page.read_text().splitlines(), 1):
+            fenced ^= line.lstrip().startswith("```")
+            where = f"{page.name}:{number}"
+            if change := re.match(r" {4}cd (\S+)$", line):
+                self.folder = change.group(1).replace("/games/quake3", str(self.game))
+            found = COMMAND.match(line)
+            is_command = found and (fenced or line[:1] in " \t")
+            for command in [found.group(1)] if is_command else INLINE.findall(line):
+                words = self.words_of(command)
+                self.check_options(where, words)
+                if is_command and may_run and not any(PATTERN_WORD.match(word) for word in words):
+                    self.run(where, command, words)
+                    ran += 1
+                else:
+                    checked += 1
+        return ran, checked
+
+
+def main():
+    program, source = Path(sys.argv[1]).resolve(), Path(sys.argv[2])
+    with tempfile.TemporaryDirectory() as folder:
+        reader = Reader(str(program), Path(folder))
+        total = 0
+        for name in PAGES + OTHER_PAGES:
+            if name in OTHER_PAGES and not (source / name).exists():
+                continue
+            ran, checked = reader.read(source / name, name in PAGES)
+            print(f"{name}: {ran} commands ran, {checked} checked")
+            total += ran
+    if total < 40:
+        reader.failures.append(f"{total} commands found: the pages are not read as they are written")
+    print("\n".join(reader.failures) or "no failures")
+    return 1 if reader.failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
