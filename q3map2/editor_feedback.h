@@ -7,13 +7,13 @@
 
 namespace q3 {
 
-/// Sends everything that is logged to an editor as XML over one TCP connection: messages of a little-endian length of
-/// four bytes and at most kMaxPayload bytes.
+/// Sends everything that is logged to an editor as XML over one TCP connection. Each message is a payload of at most
+/// kMaxPayload bytes after its length, 4 bytes little-endian.
 class EditorFeedback {
   public:
-    /// Connects to "a.b.c.d:port" in the background and follows `log` until it ends. The run never waits for the
-    /// editor, but for a second at its end if the editor takes nothing (at most five in all). Without an address or an
-    /// editor nothing happens; an address that cannot be read is a warning.
+    /// Connects to "a.b.c.d:port" in the background and sends what is logged until `log` ends. The run waits for the
+    /// editor only at its end: for five seconds at most, and for one if the editor takes nothing. Without an
+    /// address or an editor nothing happens; an address that cannot be parsed is a warning.
     static void Attach(const std::string &address, Log &log);
 };
 

@@ -42,7 +42,8 @@ std::string Joined(const std::vector<fs::path> &folders) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// What to try when the map lies among game files of another name than the game's: DIR/baseoa/maps/x.map.
+/// The options to try if the map is in a game folder that the game does not search, such as baseoa in
+/// DIR/baseoa/maps/x.map.
 std::string HintOfMap(const std::vector<std::string> &words, const Game &game) {
     for (const std::string &word : words) {
         std::error_code failed;

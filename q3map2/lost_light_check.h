@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Whether a map without its light entities got darker.
+// GPL-2.0-or-later. Warns if lighting a map that lost its light entities made it darker.
 #pragma once
 
 #include "common/log.h"
@@ -8,12 +8,12 @@
 
 namespace q3 {
 
-/// Looks at the legacy light grid of a map before it is lit again. A .bsp from elsewhere seldom has its light entities,
-/// so its light may come out darker than it was.
+/// Compares the legacy light grid of a map before and after it is lit. Compilers usually leave light entities out of
+/// the .bsp, so lighting it again without its .map gives less light.
 class LostLightCheck {
   public:
     explicit LostLightCheck(const Bsp &bsp);
-    /// After lighting: a warning if the map had no light entities and its grid has less than two thirds of its light.
+    /// After lighting: warns if the map has no light entities and its grid less than two thirds of the light before.
     void Report(const Bsp &bsp, Log &log) const;
 
   private:

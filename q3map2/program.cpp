@@ -24,7 +24,7 @@ void AddLogFile(const std::string &path, Log &log) {
     log.AddSink([file](LogLevel, std::string_view text) { *file << text << std::flush; });
 }
 
-/// The words without quotes around them, which some editors leave.
+/// The words without the quotes that some editors leave around them.
 std::vector<std::string> Unquoted(std::vector<std::string> words) {
     for (std::string &word : words)
         if (word.size() > 2 && word.front() == '"' && word.back() == '"')

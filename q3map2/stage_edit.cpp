@@ -34,7 +34,7 @@ void WriteBeside(const std::filesystem::path &source, std::string_view end, Bsp 
     bots.Report(BotCheck::OtherGeometry, false);
 }
 
-/// Reads the map, applies `edit` to it, and writes it beside itself with `end` behind its name.
+/// Reads the map, applies `edit` to it and writes it beside the original, with `end` appended to its name.
 template <typename Edit>
 void EditMap(const StageContext &context, const StageFile &file, std::string_view end, const Edit &edit) {
     const auto path = BspPath(file.file);

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. TCP connections on Windows.
 #include "common/platform/socket.h"
 
-// First: the header below needs its types.
+// Before ws2tcpip.h, which needs its types.
 #include <winsock2.h>
 
 #include <ws2tcpip.h>
@@ -13,7 +13,7 @@ std::unique_ptr<Socket> Socket::Connect(const std::string &address, std::uint16_
     peer.sin_family = AF_INET;
     peer.sin_port = htons(port);
     WSADATA data{};
-    if (WSAStartup(MAKEWORD(2, 2), &data) != 0) // for the rest of the process
+    if (WSAStartup(MAKEWORD(2, 2), &data) != 0) // stays in effect until the process ends
         return nullptr;
     if (inet_pton(AF_INET, address.c_str(), &peer.sin_addr) != 1)
         return nullptr;
@@ -31,7 +31,7 @@ std::unique_ptr<Socket> Socket::Connect(const std::string &address, std::uint16_
 }
 
 Socket::~Socket() {
-    shutdown(handle_, SD_SEND); // what was sent arrives
+    shutdown(handle_, SD_SEND); // so that bytes already sent arrive
     closesocket(handle_);
 }
 
@@ -42,7 +42,7 @@ bool Socket::WaitUntilReady(std::chrono::milliseconds most) {
     FD_ZERO(&failed);
     FD_SET(handle_, &failed);
     timeval wait{.tv_sec = long(most.count() / 1000), .tv_usec = long(most.count() % 1000 * 1000)};
-    return select(0, nullptr, &writable, &failed, &wait) > 0; // the first number counts nowhere but on other systems
+    return select(0, nullptr, &writable, &failed, &wait) > 0; // Windows ignores the first argument
 }
 
 std::optional<std::size_t> Socket::Send(std::string_view bytes) {

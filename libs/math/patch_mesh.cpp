@@ -8,7 +8,7 @@ namespace {
 /// Curves up to subdivisions * 16 * 2^n game units long are halved n times, longer ones three times.
 constexpr float kCurveUnit = 16;
 constexpr int kMaxHalvings = 3;
-constexpr int kMaxMeshSize = 128; ///< points along an axis stay below
+constexpr int kMeshSizeLimit = 128; ///< exclusive limit of points along an axis
 /// A row or column closer than this to the line through its neighbors is dropped. Game units.
 constexpr float kFlat = 0.1f;
 
@@ -35,7 +35,7 @@ int Halvings(float longestCurve, int subdivisions) {
 }
 
 int SpansToHalve(int size, int spans) {
-    return std::clamp((kMaxMeshSize - 1 - size) / 2, 0, spans);
+    return std::clamp((kMeshSizeLimit - 1 - size) / 2, 0, spans);
 }
 
 bool NearLine(const Vec3f &p, const Vec3f &a, const Vec3f &b) {

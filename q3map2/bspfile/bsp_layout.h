@@ -14,7 +14,7 @@ namespace q3 {
 
 /// Limit of clusters without visibility data, so that a damaged .bsp cannot cause huge allocations.
 inline constexpr int kMaxClusters = 0x20000;
-/// Limit of clusters with visibility data, and so in portal files: that of engines.
+/// Limit of engines for clusters with visibility data, so also that of portal files.
 inline constexpr int kMaxVisClusters = 16384;
 inline constexpr std::size_t kBspxNameBytes = 24;
 inline constexpr std::size_t kBspxHeadBytes = 8;

@@ -7,7 +7,8 @@ namespace q3 {
 
 /// How to read the SH grid: kRadiance after -shradiance, absent otherwise.
 inline constexpr std::string_view kGridSHKey = "_q3map2_sh", kRadiance = "radiance";
-/// Tone of the lightmaps as ToneText gives it (light/tone/light_tone.h), absent if plain. shgrid_parse_tone reads it.
+/// Tone mapping of the lightmaps, written by ToneText (light/tone/light_tone.h) and read by shgrid_parse_tone. Absent
+/// if all settings are at their defaults.
 inline constexpr std::string_view kToneKey = "_q3map2_tone";
 
 } // namespace q3

@@ -29,17 +29,19 @@ struct AnalyzeOptions {
 std::vector<SettingGroup<AnalyzeOptions>> AnalyzeSettings();
 
 struct ConvertOptions {
-    std::string format; ///< empty: the first one
+    std::string format; ///< empty: ase
     bool readBsp = false, readMap = false;
     bool meta = false, patchMeta = false;
     std::optional<double> normalEpsilon, distanceEpsilon;
-    bool fast = false, keepModelClip = false, markUnknown = false;
+    bool fast = false;          ///< sides of a .bsp get default texture axes
+    bool keepModelClip = false; ///< keep the brushes that the compiler made to clip models
+    bool markUnknown = false;   ///< -wtf: mark sides whose texture axes are unknown
     bool shadersAsBitmap = false, lightmapsAsTexCoord = false, deluxemapsAsTexCoord = false;
 };
 
 /// The options of the -convert stage, declared.
 std::vector<SettingGroup<ConvertOptions>> ConvertSettings();
-/// Takes them off `arguments`. Errors: -readbsp with -readmap.
+/// Takes the options of -convert off `arguments`. Errors: -readbsp with -readmap.
 ConvertOptions ParseConvertOptions(Arguments &arguments, Log &log);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Two maps in one.
+// GPL-2.0-or-later. Merges two maps into one.
 #include "q3map2/edit/merge_maps.h"
 
 #include "common/error.h"
@@ -187,8 +187,9 @@ void InsertRoom(std::vector<Record> &records, int at, int count, std::vector<std
         number += number >= at ? count : 0;
 }
 
-/// Makes room for `count` records at the end of the world's, and lets the other models refer behind it. `first` and
-/// `num`: the members of a model that name its run of these records. Returns where the room begins.
+/// Inserts `count` empty records after the world's, adds them to the world model and renumbers the other models.
+/// `first` and `num`: the members of a model that hold its range of these records. `numbers`: references of leafs to
+/// the records, renumbered too. Returns the number of the first new record.
 template <typename Record>
 int Merger::ExtendWorld(std::vector<Record> &records, int count, std::vector<std::int32_t> &numbers,
                         std::int32_t bspModel_t::*first, std::int32_t bspModel_t::*num) {
@@ -200,7 +201,7 @@ int Merger::ExtendWorld(std::vector<Record> &records, int count, std::vector<std
     return at;
 }
 
-/// Stores a record under its number, behind the present end too.
+/// Stores a record under its number; extends the vector if needed.
 template <typename Record> void PutAt(std::vector<Record> &records, int number, const Record &record) {
     records.resize(std::max(records.size(), std::size_t(number) + 1));
     records[std::size_t(number)] = record;

@@ -22,11 +22,11 @@ std::string ProjectTemplate(const std::vector<EditorBuild> &builds, const Game &
 /// TrenchBroom: CompilationProfiles.cfg and GameEngineProfiles.cfg.
 std::string CompilationProfiles(const std::vector<EditorBuild> &builds, const Game &game);
 std::string EngineProfiles();
-
-/// TrenchBroom 2024.2 and newer: formats, folders, tags and flags of the game, and the tools that profiles name.
+/// TrenchBroom 2024.2 and newer: GameConfig.cfg, with map formats, folders, tags and flags of the game, and the tools
+/// that profiles name.
 std::string GameConfig(const Game &game);
 
-/// All of them.
+/// All files above.
 std::vector<EditorFile> EditorFiles(const std::vector<EditorBuild> &builds, const Game &game, int templateVersion);
 
 } // namespace q3

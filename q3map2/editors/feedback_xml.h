@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The text of the stream that editors read (-connect).
+// GPL-2.0-or-later. Formats log messages as the XML that editors read (-connect).
 #pragma once
 
 #include "common/log.h"
@@ -9,21 +9,20 @@
 
 namespace q3 {
 
-/// Bytes of a network message after its length, at most. Editors take up to 1020.
+/// Largest payload of a network message, in bytes without the length before it. Editors accept up to 1020.
 inline constexpr std::size_t kMaxPayload = 1014;
 
 /// The root element; it is never closed.
 inline constexpr std::string_view kFeedbackRoot = "<?xml version=\"1.0\"?><q3map_feedback version=\"1\">";
 
-/// Text as XML has it: markup escaped; bytes that are no UTF-8 and control characters, which XML cannot hold, replaced.
+/// The text with markup escaped; invalid UTF-8 and control characters, which XML cannot hold, are replaced.
 std::string XmlText(std::string_view text);
 
-/// A `message` element as payloads of network messages. A payload ends at the end of the element or inside its text,
-/// never inside a character.
+/// A `message` element, divided into payloads of network messages: only inside its text, between characters.
 std::vector<std::string> MessagePayloads(LogLevel level, std::string_view text);
 
-/// A `message` with a polyline, or a `select` of a brush. Editors read the text of a point, a brush and a `select` as
-/// it arrives: none is divided. Text of a `select` that would not fit is cut.
+/// A `message` with a polyline, or a `select` of a brush. Editors parse the text of `point`, `brush` and `select` from
+/// a single network message, so these are never divided; the text of a `select` is cut to fit.
 std::vector<std::string> MarkPayloads(LogLevel level, std::string_view text, const LogMark &mark);
 
 } // namespace q3

@@ -14,8 +14,9 @@ namespace q3 {
 
 namespace {
 
+/// Keys that stages write into worldspawn of the .bsp; kept if present.
 constexpr std::array<std::string_view, 3> kToolKeys = {"_q3map2_cmdline", "_q3map2_version", "gridsize"};
-/// What these say is true of the light that is in the .bsp, so a value of the map source does not count.
+/// Keys that describe the light stored in the .bsp, so values in the map source are ignored.
 constexpr std::array<std::string_view, 2> kLightKeys = {kGridSHKey, kToneKey};
 
 std::string_view CloneOf(const MapEntity &entity) {

@@ -110,8 +110,9 @@ class SurfacePasses {
     bool averaged_ = false;
 };
 
-/// Records the tone of the lightmaps for readers of the SH grid. -onlygrid keeps the lightmaps and their tone; without
-/// a record they may be of a program that keeps none, so the tone that the run was given counts.
+/// Records the tone mapping of the lightmaps, which readers of the SH grid apply too. -onlygrid keeps the lightmaps and
+/// so their record. If they have none, another program may have lit them: `tone`, the settings of this run, is
+/// recorded.
 void RecordTone(const std::string &tone, bool onlyGrid, Entity &world, Log &log) {
     const std::string recorded(world.Value(kToneKey));
     if (onlyGrid && !recorded.empty()) {

@@ -69,7 +69,8 @@ class MapReader {
     PrimitiveReader primitives_;
     int entityCount_ = 0, primitiveCount_ = 0;
     std::string primitiveLocation_; ///< file and line where the current primitive begins
-    bool entityIsOpen_ = false; ///< the "{" of the next entity was already read, because the previous one lacks a "}"
+    /// The "{" of the next entity was already read, because the previous one lacks a "}".
+    bool nextEntityIsOpen_ = false;
 };
 
 /// Estimates the number of entities from the "classname" keys.
@@ -84,7 +85,7 @@ std::size_t MapReader::EntityEstimate(std::string_view text) {
 /// Skips to the "{" of the next entity and warns of skipped text. False: end of the map.
 bool MapReader::FindEntity() {
     scanner_.SetContext(-1, -1);
-    if (entityIsOpen_)
+    if (nextEntityIsOpen_)
         return true;
     std::string token;
     bool warned = false;
@@ -101,7 +102,7 @@ bool MapReader::FindEntity() {
 }
 
 void MapReader::ReadEntity() {
-    entityIsOpen_ = false;
+    nextEntityIsOpen_ = false;
     primitiveCount_ = 0;
     MapEntity entity;
     entity.number = entityCount_++;
@@ -124,7 +125,7 @@ bool MapReader::ReadPairOrPrimitive(MapEntity &entity) {
         return false;
     if (key == "{") {
         ReadPrimitive(entity);
-        return !entityIsOpen_;
+        return !nextEntityIsOpen_;
     }
     const std::string value = scanner_.NeedOnLine(fmt::format("the value of the key '{}'", Shown(key)));
     const std::string_view trimmedKey = TrimEnd(key), trimmedValue = TrimEnd(value);
@@ -141,7 +142,7 @@ void MapReader::ReadPrimitive(MapEntity &entity) {
                           "{}: '{{' and a class name within entity {}: the next entity starts here, a '}}' is missing",
                           scanner_.Location(), entity.number);
         scanner_.PushBack();
-        entityIsOpen_ = true;
+        nextEntityIsOpen_ = true;
         return;
     }
     const int primitive = primitiveCount_++;

@@ -19,14 +19,14 @@ struct TextureAxes {
 /// Rows (s, t) of the texture matrix of brushDef and brushDef3, in units of the image size.
 using TextureMatrix = std::array<std::array<double, 3>, 2>;
 
-/// Two perpendicular unit vectors along which a side's texture coordinates are counted.
+/// Two perpendicular unit vectors along which the texture coordinates of a side are measured.
 struct ProjectionAxes {
     Vec3d s, t;
 };
-/// Those of the classic form, before rotation: the world axis that s goes along, and the opposite of the one for t.
-/// `normal`: as in the plane table, that is snapped, here and below.
+/// Axes of the classic form, before rotation: s along a world axis, t against one. `normal`, here and below: as in the
+/// plane table, that is snapped.
 ProjectionAxes ClassicAxes(const Vec3d &normal);
-/// Those that the numbers of a brush primitive's texture matrix are factors of; they lie in the plane.
+/// Axes of brush primitives, in the plane of the side: the texture matrix maps coordinates along them to s and t.
 ProjectionAxes MatrixAxes(const Vec3d &normal);
 
 TextureProjection ProjectClassic(const TextureAxes &texture, const Vec3d &normal, const GeometryDirectives &shader);

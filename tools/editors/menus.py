@@ -1,6 +1,6 @@
 # GPL-2.0-or-later. Reads and expands the menus of level editors as the editors do.
-"""read_menu(path) gives the entries of a build menu (.xml), a project (.proj) or compilation profiles (.cfg); each turns
-into steps by steps(entry, setup)."""
+"""read_menu(path) returns the entries of a build menu (.xml), a project (.proj) or compilation profiles (.cfg);
+entry.steps(setup) returns the steps of one."""
 
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass, field
@@ -49,7 +49,7 @@ class Entry:
 # NetRadiant, GtkRadiant 1.5: XML with variables in brackets
 
 def expand_brackets(text, variables, undefined=None):
-    """A name runs from [ to the next ]; without one, the rest is lost. Values are not expanded again."""
+    """Replaces [NAME] by its value, which is not expanded again. Without a closing bracket the rest is lost."""
     result, at = "", 0
     while True:
         start = text.find("[", at)
@@ -88,7 +88,7 @@ def with_extra_paths(text):
 
 
 def defined_variables(project, setup, undefined):
-    """Built-in variables and those of the file, in the byte order of their names."""
+    """Built-in variables and those of the file. These are expanded in the byte order of their names."""
     pieces = {}  # name -> [(condition or None, text)]; a repeated name appends
     for var in project.findall("var"):
         parts = pieces.setdefault(var.get("name", ""), [])
@@ -130,7 +130,7 @@ def read_build_menu(text):
             raise MenuError(f"<{child.tag}> is unknown")
         if child.tag == "build" and any(len(command) or command.tag != "command" for command in child):
             raise MenuError("an element in a <build> that is no plain <command>")
-    # The default binds the build of this turn.
+    # build=child binds the element of this iteration.
     return [None if child.tag == "separator" else
             Entry(child.get("name", ""), lambda setup, build=child: build_menu_steps(project, build, setup))
             for child in project if child.tag != "var"]
@@ -149,7 +149,7 @@ def expand_template(value, setup):
 
 
 def project_steps(value, setup):
-    """Marks: ! nothing, # the connection, $ the map, @ a quote, && the next step."""
+    """Steps of a command. Marks: ! nothing, # -connect and its address, $ the map, @ a quote, && the next step."""
     value = expand_template(value, setup)
     map_words = f'"{setup.map_file}"'
     if setup.game != setup.base_game:
@@ -181,10 +181,10 @@ def read_project(text):
             for name, value in values.items() if name.startswith("bsp_")]
 
 
-# TrenchBroom: maps, arrays and strings with ${expressions}
+# TrenchBroom: its expression language, with ${NAME} in strings
 
 class ExpressionReader:
-    """Values of the expression language: maps, arrays, strings, numbers, booleans; names stand for themselves."""
+    """Parses a value: map, array, string, number or boolean. A bare name is a string."""
 
     def __init__(self, text):
         lines = []

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A compiled map of one game for another.
+// GPL-2.0-or-later. Converts a compiled map of one game for another.
 #pragma once
 
 #include "q3map2/bspfile/bspfile.h"
@@ -6,9 +6,10 @@
 
 namespace q3 {
 
-/// Rewrites the surface and content flags of the shader records as `to` numbers them: by the surfaceparms of the same
-/// name. Flags without a name stay where `to` does not use their bits; others are dropped, with a warning for each
-/// name, and for lightmap pages of another size. File version and advertisements are BspFormat's.
+/// Translates the surface and content flags of the shader records: each surfaceparm of `from` gets the bits of the
+/// surfaceparm of that name in `to`. Bits without such a surfaceparm stay if they mean nothing in `to`, else they are
+/// dropped with a warning. Also warns if the games' lightmap pages differ in size. File version and advertisements are
+/// left to BspFormat.
 void ConvertToGame(Bsp &bsp, const Game &from, const Game &to, Log &log);
 
 } // namespace q3

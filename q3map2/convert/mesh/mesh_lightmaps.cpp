@@ -44,7 +44,7 @@ MeshLightmaps::MeshLightmaps(const Bsp &bsp, const std::filesystem::path &bspPat
         ReadScript(script);
 }
 
-/// The first image of a lightmap that a shader draws counts: those of light styles come after it.
+/// Of several lightmap images in a shader the first counts: later ones are of light styles.
 void MeshLightmaps::ReadScript(const std::filesystem::path &script) {
     TextScanner scanner(ReadTextFile(script), script.string());
     int depth = 0;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Brushes of a .bsp as convex solids.
+// GPL-2.0-or-later. Rebuilds the brushes of a .bsp as convex polyhedra.
 #include "q3map2/convert/source/bsp_brushes.h"
 
 #include "common/text/text.h"
@@ -23,8 +23,9 @@ bool IsInWorld(const Winding<double> &winding) {
     });
 }
 
-/// Numbers of the sides with a name, in an order that a compiler turns into the stored one. It puts axial sides at
-/// places 0 to 5, each exchanged with the side in that place; those that are missing it adds at the end first.
+/// Numbers of the named sides, in an order that compiles to the stored one. For each axial direction, 0 to 5, a
+/// compiler appends a bevel if no side has it, then swaps the side that has it with the one at that place. This undoes
+/// it for bevels.
 std::vector<std::size_t> SourceOrderOfSides(const Bsp &bsp, const bspBrush_t &brush) {
     constexpr std::size_t kAxialSides = 6;
     std::vector<std::size_t> order(std::size_t(brush.numSides));

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Three points of a plane, as map text has them.
+// GPL-2.0-or-later. Finds three points that define a plane in map text.
 #include "q3map2/convert/source/plane_points.h"
 
 #include "common/text/text.h"
@@ -13,31 +13,32 @@ namespace q3 {
 
 namespace {
 
-constexpr double kNoDistance = 1e-7; ///< game units
-constexpr double kApart = 256;       ///< game units
+constexpr double kSameDistance = 1e-7; ///< difference of equal plane distances, game units
+constexpr double kSpacing = 256;       ///< between points that are not corners, game units
 
 using ThreePoints = std::array<Vec3d, 3>;
 
 /// Corners that span a large triangle.
 ThreePoints SpreadCorners(std::span<const Vec3d> winding) {
     const Vec3d &first = winding.front();
-    const auto farther = [&](const Vec3d &a, const Vec3d &b) { return Length(a - first) < Length(b - first); };
-    const Vec3d &second = *std::ranges::max_element(winding, farther);
+    const auto nearer = [&](const Vec3d &a, const Vec3d &b) { return Length(a - first) < Length(b - first); };
+    const Vec3d &second = *std::ranges::max_element(winding, nearer);
     const auto offLine = [&](const Vec3d &p) { return Length(Cross(p - first, second - first)); };
     const Vec3d &third = *std::ranges::max_element(winding, {}, offLine);
     return {first, second, third};
 }
 
+/// The projection of `near` onto the plane, and two points of the plane kSpacing from it.
 ThreePoints PointsApart(const Plane &plane, const Vec3d &near) {
     const Vec3d &n = plane.normal;
     const double x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
     const Vec3d axis = x <= y && x <= z ? Vec3d{1, 0, 0} : y <= z ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1};
     const Vec3d u = Normalize(Cross(axis, n)), v = Cross(n, u);
     const Vec3d base = near - n * plane.Distance(near);
-    return {base, base + u * kApart, base + v * kApart};
+    return {base, base + u * kSpacing, base + v * kSpacing};
 }
 
-/// The points as text that reads as a plane with that front.
+/// The points rounded to `decimals`, in the order that makes the plane face along `front`.
 PlanePoints Printed(ThreePoints points, int decimals, const Vec3d &front) {
     PlanePoints printed;
     for (Vec3d &p : points)
@@ -54,17 +55,18 @@ PlanePoints Printed(ThreePoints points, int decimals, const Vec3d &front) {
     return printed;
 }
 
-/// Half the distance between floats near a value.
+/// Half the spacing of floats from `value` upward if it is a power of two; otherwise up to twice that.
 double HalfStep(double value) {
     return std::abs(value) * double(std::numeric_limits<float>::epsilon()) / 2;
 }
 
-/// A unit vector that is stored as this normal: rounding made its length differ from 1.
+/// A unit vector that rounds to `normal`, whose length differs from 1 as its components were rounded to float. If there
+/// is none, the normalized normal.
 Vec3d UnitStoredAs(const Vec3d &normal) {
     Vec3d slack;
     double reach = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        // A power of two has the nearer neighbor below it.
+        // All floats of a binade are equally far apart.
         slack[axis] = std::copysign(HalfStep(std::exp2(std::floor(std::log2(std::abs(normal[axis]))))), normal[axis]);
         slack[axis] = normal[axis] == 0 ? 0 : slack[axis];
         reach += std::abs(slack[axis] * normal[axis]);
@@ -74,10 +76,10 @@ Vec3d UnitStoredAs(const Vec3d &normal) {
     return std::abs(excess) <= reach ? Normalize(moved) : Normalize(normal);
 }
 
-/// Whether the planes are the same once they are stored.
+/// Whether the planes are the same once they are stored as float.
 bool Agrees(const Plane &a, const Plane &b) {
     return Vec3f(a.normal) == Vec3f(b.normal) &&
-           std::abs(a.dist - b.dist) <= std::max(kNoDistance, HalfStep(b.dist) / 2);
+           std::abs(a.dist - b.dist) <= std::max(kSameDistance, HalfStep(b.dist) / 2);
 }
 
 } // namespace

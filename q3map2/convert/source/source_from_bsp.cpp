@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A .bsp back to a map source.
+// GPL-2.0-or-later. Decompiles a .bsp to a map source.
 #include "q3map2/convert/source/source_from_bsp.h"
 
 #include "q3map2/convert/source/bsp_brushes.h"
@@ -15,11 +15,13 @@ namespace q3 {
 namespace {
 
 constexpr int kDetailFlag = 0x8000000;
-/// Coordinates in a .bsp are floats: more digits would write down their rounding. Texels.
+/// Tolerance of written texture coordinates: more digits would only repeat the float rounding of the .bsp. Texels.
 constexpr double kStoredError = 2e-4;
 constexpr double kOriginSize = 8; ///< half an edge of origin brushes, game units
+/// Scale of default texture axes, without and with -fast. Game units per texel.
 constexpr double kPlainScale = 0.25, kFastScale = 0.5;
-constexpr std::string_view kUnknownTexture = "common/WTF", kUnseenTexture = "common/caulk";
+/// Shaders of sides whose texture axes are unknown (-wtf), and of sides without a shader.
+constexpr std::string_view kUnknownTexture = "common/WTF", kUnnamedTexture = "common/caulk";
 
 std::string_view OriginShader(const Game &game) {
     const bool isRaven = game.name == "sof2" || game.name == "jk2" || game.name == "ja";
@@ -54,7 +56,7 @@ class Decompiler {
     std::string_view name_;
     const DecompileOptions &options_;
     const BspContext &context_;
-    std::vector<bool> open_; ///< of brushes
+    std::vector<bool> open_; ///< by brush: a leaf that is not solid holds it
     SourceWriter writer_;
     int entityCount_ = 0, brushCount_ = 0, detailCount_ = 0, patchCount_ = 0, modelClipCount_ = 0;
     int sideCount_ = 0, unknownCount_ = 0;
@@ -79,7 +81,7 @@ void Decompiler::PrintCounts() const {
     log.Count(patchCount_, "patches");
 }
 
-/// Number of the model that the entity owns.
+/// Number of the entity's brush model, if it has one.
 std::optional<std::size_t> Decompiler::ModelOf(const Entity &entity, std::size_t number) const {
     if (number == 0)
         return bsp_.models.empty() ? std::nullopt : std::optional<std::size_t>(0);
@@ -117,7 +119,7 @@ void Decompiler::WriteEntity(const Entity &entity, std::size_t number) {
     writer_.EndEntity();
 }
 
-/// A cube with the origin in its middle; so is the image on each side.
+/// Writes a cube around the origin, with one image centered on each side.
 void Decompiler::WriteOriginBrush(const Vec3d &origin) {
     const std::string shader(OriginShader(context_.game));
     const GeometryDirectives &directives = context_.shaders.Get("textures/" + shader).geometry;
@@ -150,7 +152,7 @@ void Decompiler::WriteOriginBrush(const Vec3d &origin) {
     writer_.WriteBrush(-1, sides);
 }
 
-/// Those of all its sides together.
+/// Compile flags of all sides of a brush, combined.
 std::uint32_t Decompiler::CompileFlagsOf(std::size_t brush) const {
     const bspBrush_t &record = bsp_.brushes[brush];
     std::uint32_t flags = 0;
@@ -160,8 +162,8 @@ std::uint32_t Decompiler::CompileFlagsOf(std::size_t brush) const {
     return flags;
 }
 
-/// Numbers of the brushes of a model. A compiler puts opaque ones at the front, each before the ones it had, and others
-/// at the back; much depends on the order, such as which vertices are welded.
+/// Numbers of the model's brushes in an order that compiles to the stored one. A compiler prepends opaque brushes to
+/// its list and appends translucent ones. The order matters, for instance for which vertices are welded.
 std::vector<std::size_t> Decompiler::SourceOrder(const bspModel_t &model) const {
     std::vector<std::size_t> opaque, others;
     for (std::int32_t i = 0; i < model.numBSPBrushes; ++i) {
@@ -173,7 +175,7 @@ std::vector<std::size_t> Decompiler::SourceOrder(const bspModel_t &model) const 
     return opaque;
 }
 
-/// Structural solids bound leafs and lie in solid ones only; models other than the world have no tree.
+/// Structural solid brushes lie in solid leafs only, so a brush in another leaf is detail. Only the world has leafs.
 bool Decompiler::IsDetail(std::size_t brush, std::size_t model) const {
     return model == 0 && open_[brush] && (CompileFlagsOf(brush) & C_STRUCTURAL) == 0;
 }
@@ -185,7 +187,7 @@ void Decompiler::WriteBrush(std::size_t brush, std::size_t model, const Vec3d &o
         return;
     }
     std::vector<RebuiltSide> sides = RebuildBrush(bsp_, record);
-    // The contents of a brush are those of its first side, unless a later one is a liquid, fog or clip.
+    // A compiler takes the contents from the first side, unless a later one is a liquid, fog or clip.
     const std::string_view contents = FieldName(bsp_.shaders[std::size_t(record.shaderNum)].shader);
     const auto first =
         std::ranges::find_if(sides, [&](const RebuiltSide &side) { return EqualNoCase(side.shader, contents); });
@@ -215,7 +217,7 @@ SideWords Decompiler::Words(const RebuiltSide &side, const Vec3d &origin, const 
     SideWords words{points.points, std::string(WithoutTextures(side.shader)), {}, {contents, 0, 0}};
     ++sideCount_;
     if (IsUnnamed(side.shader))
-        words.shader = kUnseenTexture;
+        words.shader = kUnnamedTexture;
     if (options_.withTextures)
         if (auto texture = samples.Find(side.shader, directives, side.plane, side.winding)) {
             for (auto &row : texture->vecs)

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A map source in another form of brushes.
+// GPL-2.0-or-later. Rewrites a map source with its brushes in another form.
 #include "q3map2/convert/source/source_from_map.h"
 
 #include "common/error.h"
@@ -53,14 +53,15 @@ class SourceConverter {
     SourceWriter writer_;
     std::string_view name_;
     int entityCount_ = 0, brushCount_ = 0, patchCount_ = 0;
-    int primitiveCount_ = 0;    ///< of the entity
-    bool entityIsOpen_ = false; ///< its "{" was read, and a pair of the one before may be missing its "}"
+    int primitiveCount_ = 0; ///< brushes and patches of the entity so far
+    /// The "{" of the next entity was already read, because the current one lacks a "}".
+    bool nextEntityIsOpen_ = false;
 };
 
-/// Reads up to the "{" of an entity.
+/// Skips to the "{" of the next entity and warns of skipped text. False: end of the map.
 bool SourceConverter::FindEntity() {
     scanner_.SetContext(-1, -1);
-    if (entityIsOpen_)
+    if (nextEntityIsOpen_)
         return true;
     std::string token;
     bool warned = false;
@@ -76,7 +77,7 @@ bool SourceConverter::FindEntity() {
 }
 
 void SourceConverter::ConvertEntity() {
-    entityIsOpen_ = false;
+    nextEntityIsOpen_ = false;
     primitiveCount_ = 0;
     writer_.BeginEntity(entityCount_++);
     while (ConvertPairOrPrimitive()) {
@@ -98,7 +99,7 @@ bool SourceConverter::ConvertPairOrPrimitive() {
         return false;
     if (key == "{") {
         ConvertPrimitive();
-        return !entityIsOpen_;
+        return !nextEntityIsOpen_;
     }
     writer_.WritePair(key, scanner_.NeedOnLine(fmt::format("the value of the key '{}'", Shown(key))));
     return true;
@@ -111,7 +112,7 @@ void SourceConverter::ConvertPrimitive() {
         scanner_.Warn("missing brace", "'{' and a class name within an entity: the next entity starts here, a '}' is "
                                        "missing");
         scanner_.PushBack();
-        entityIsOpen_ = true;
+        nextEntityIsOpen_ = true;
         return;
     }
     if (EqualNoCase(first, "terrainDef")) {
@@ -152,7 +153,7 @@ SideWords SourceConverter::Words(const BrushSide &side, const SideText &text, st
     words.flags = text.flags;
     for (std::size_t i = 0; i < 3; ++i)
         words.points[i] = PointText(text.points[i]);
-    if (side.planeNum < 0) { // readers will warn of it as this one did
+    if (side.planeNum < 0) { // collinear points: kept, so that readers of the result warn of them too
         words.texture = DefaultTexture(form_, {0, 0, 1}, 0.5);
         return words;
     }
@@ -176,7 +177,7 @@ SideWords SourceConverter::Words(const BrushSide &side, const SideText &text, st
 void SourceConverter::ReportError(double texels, std::string_view shader) const {
     if (std::isinf(texels))
         scanner_.Warn("texture without extent",
-                      fmt::format("the texture {} is stretched without end: it gets default axes", shader));
+                      fmt::format("the texture {} has an infinite scale: it gets default axes", shader));
     else
         scanner_.Warn("sheared texture", fmt::format("the texture {} is sheared, which the classic form cannot hold: "
                                                      "it is off by {:.2f} texels; map_220 and map_bp keep it",

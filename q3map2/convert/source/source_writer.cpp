@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Text of map sources.
+// GPL-2.0-or-later. Writes the text of map sources.
 #include "q3map2/convert/source/source_writer.h"
 
 #include "common/text/text.h"
@@ -22,7 +22,7 @@ constexpr std::string_view FormName(MapForm form) {
     }
 }
 
-/// In quotes if readers would cut it.
+/// The shader name, in quotes if readers would otherwise take only a part of it.
 std::string NameToken(std::string_view name) {
     const bool cut = name.empty() || std::ranges::any_of(name, [](char c) { return IsBlank(c) || c == ';'; });
     return cut ? fmt::format("\"{}\"", name) : std::string(name);

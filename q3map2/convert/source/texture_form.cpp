@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Texture projections as numbers of the three forms of the map language.
+// GPL-2.0-or-later. Writes texture projections as the numbers of a side, in the three forms of the map format.
 #include "q3map2/convert/source/texture_form.h"
 
 #include "q3map2/map/map_texture.h"
@@ -13,17 +13,18 @@ namespace q3 {
 
 namespace {
 
-/// Shorter rows have no direction. Images per game unit.
+/// Shorter texture axes have no direction. Texels per game unit.
 constexpr double kNoExtent = 1e-12;
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr int kFewestDigits = 3, kAllDigits = 17;
 
-/// A number, and what its digits are counted from: numbers of one kind have the same number of decimals.
+/// A number to write. Its significant digits count from the larger of its own and the reference's magnitude, so that
+/// numbers with the same reference get about as many decimals.
 struct FormNumber {
     double value = 0, reference = 1;
 };
 
-/// a (p . s) + b (p . t), plus a constant, for points p of the plane.
+/// A texture coordinate as a function of points p of the plane: a (p . s) + b (p . t) + constant.
 struct PlaneRow {
     double a = 0, b = 0;
 };
@@ -39,7 +40,7 @@ std::array<int, 2> SizeOf(const GeometryDirectives &shader) {
     return {shader.textureWidth, shader.textureHeight};
 }
 
-/// Numbers of brush primitives, with offsets of 0: Rounded chooses them. The same below.
+/// Numbers of a brush primitive side. Offsets are left 0, here and in the other forms: Rounded sets them.
 std::vector<FormNumber> MatrixNumbers(const TextureRequest &request) {
     const ProjectionAxes axes = MatrixAxes(request.normal);
     std::vector<FormNumber> numbers;
@@ -51,7 +52,7 @@ std::vector<FormNumber> MatrixNumbers(const TextureRequest &request) {
     return numbers;
 }
 
-/// Empty for a texture without extent. The same below.
+/// Numbers of a Valve 220 side; empty if a texture axis has no length.
 std::vector<FormNumber> ValveNumbers(const TextureRequest &request) {
     const std::array<int, 2> size = SizeOf(request.shader);
     std::vector<FormNumber> numbers, scales;
@@ -70,6 +71,7 @@ std::vector<FormNumber> ValveNumbers(const TextureRequest &request) {
     return numbers;
 }
 
+/// Numbers of a classic side; empty if a texture axis has no length.
 std::vector<FormNumber> ClassicNumbers(const TextureRequest &request) {
     const ProjectionAxes axes = ClassicAxes(request.normal);
     const std::array<int, 2> size = SizeOf(request.shader);
@@ -81,7 +83,8 @@ std::vector<FormNumber> ClassicNumbers(const TextureRequest &request) {
         if (!(lengths[i] > kNoExtent))
             return {};
     }
-    // Rotated by an angle, s runs along (cos, -sin) and t along (sin, cos) of the axes. Sheared textures get the mean.
+    // Rotated by an angle, s runs along (cos, -sin) and t along (sin, cos) of the axes. If the texture is sheared, s
+    // and t have different angles: take the mean.
     const double sAngle = std::atan2(-rows[0].b, rows[0].a);
     const double sign = rows[1].a * std::sin(sAngle) + rows[1].b * std::cos(sAngle) < 0 ? -1 : 1;
     const double tAngle = std::atan2(rows[1].a * sign, rows[1].b * sign);
@@ -98,7 +101,7 @@ std::vector<FormNumber> ClassicNumbers(const TextureRequest &request) {
             {scales[1], std::abs(scales[1])}};
 }
 
-/// What a reader makes of the numbers.
+/// The projection that a reader of the map gets from the numbers.
 TextureProjection Projected(MapForm form, const std::vector<double> &n, const TextureRequest &request) {
     if (form == MapForm::Primitive)
         return ProjectMatrix({{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}}, request.normal);
@@ -120,7 +123,8 @@ double CoordinateAt(const std::array<double, 4> &row, const Vec3d &p) {
     return Dot(Vec3d{row[0], row[1], row[2]}, p) + row[3];
 }
 
-/// Largest difference at a corner, texels. `wraps`: apart from a whole number of images, which the classic form drops.
+/// Largest difference from the requested projection at a corner, texels. `wraps`: modulo whole images, since the
+/// classic form drops them from offsets.
 double Difference(const TextureProjection &a, const TextureRequest &request, bool wraps) {
     double largest = 0;
     const std::array<int, 2> size = SizeOf(request.shader);
@@ -140,7 +144,7 @@ int DecimalsFor(const FormNumber &number, int digits) {
     return std::max(0, digits - 1 - int(std::floor(std::log10(reference))));
 }
 
-/// Where the numbers have the offsets of s and t.
+/// Positions of the offsets of s and t among the numbers.
 constexpr std::array<std::size_t, 2> OffsetPlaces(MapForm form) {
     switch (form) {
     case MapForm::Primitive:
@@ -152,7 +156,8 @@ constexpr std::array<std::size_t, 2> OffsetPlaces(MapForm form) {
     }
 }
 
-/// In the middle of the side the texture stays where it is, however much the other numbers are rounded.
+/// The numbers rounded to `digits`. Offsets are chosen after rounding the others, so that the texture stays in place at
+/// the center of the side.
 TextureWords Rounded(MapForm form, const std::vector<FormNumber> &numbers, int digits, const TextureRequest &request) {
     TextureWords words;
     std::vector<double> rounded;

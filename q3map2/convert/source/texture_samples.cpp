@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Texture projections of brush sides, from the draw surfaces that were made of them.
+// GPL-2.0-or-later. Fits texture projections of brush sides to the draw surfaces that were made from them.
 #include "q3map2/convert/source/texture_samples.h"
 
 #include "common/text/text.h"
@@ -14,22 +14,23 @@ namespace q3 {
 
 namespace {
 
-/// Vertices are rounded to 1/8 game unit, which takes them so far off their plane at most.
+/// Largest distance of a vertex from the plane of its side. The compiler rounds vertices to 1/8 game unit, which moves
+/// them by up to sqrt(3) / 16 = 0.108. Game units.
 constexpr double kRounded = 0.12;
-/// Shaders may move vertices: farthest vertices that still count when there are none nearer. Game units.
+/// The same if no triangle is within kRounded, since shaders may move vertices. Game units.
 constexpr double kMoved = 2;
-/// Cosine between the normals of a side and a triangle of it.
+/// Smallest cosine between the normals of a side and of a triangle made from it.
 constexpr double kSameDirection = 0.9;
-/// Smaller parts of a side are touched by a triangle beside it, not covered. Square game units.
+/// A triangle that overlaps a side by less merely touches it from beside. Square game units.
 constexpr double kLeastArea = 1e-3;
-/// A triangle of which the side has this share is inside it: rounded vertices may lie a little outside.
+/// A triangle counts as inside a side if more than this share of its area is; its rounded vertices may lie outside.
 constexpr double kInside = 0.99;
-/// Triangles that cover less of a side, of what the best one covers, do not help to fit its projection.
+/// Triangles that cover less than this share of what the first one covers are not used for the fit.
 constexpr double kLeastShare = 0.01;
-/// Corners may be so far off a projection that other triangles gave: texels, and game units of the texture.
+/// Largest misfit of a triangle that extends a fit: texels, plus game units on the surface converted to texels.
 constexpr double kSameProjection = 0.1, kSameProjectionUnits = 2 * kRounded;
 
-/// A vertex with texture coordinates without whole images between surfaces.
+/// A vertex of a triangle. `st` is shifted by whole images, so that triangles of one side continue each other.
 struct Corner {
     Vec3d xyz;
     std::array<double, 2> st;
@@ -42,8 +43,8 @@ bool IsBetween(const Vec3d &p, const Vec3d &a, const Vec3d &b) {
     return along > kRounded && along < length - kRounded && Length(Cross(p - a, edge)) < kRounded * length;
 }
 
-/// Trusts corners of the side most, and vertices between two others least: those were put in at T-junctions, where the
-/// coordinates are those of a point beside the vertex.
+/// Trusts corners of the side most, and vertices between two others least: the compiler inserted these at T-junctions,
+/// with texture coordinates of a point beside the vertex.
 void SetTrust(std::vector<Corner> &corners, const Winding<double> &winding) {
     constexpr double kClipped = 0.1, kBetween = 1e-3;
     for (Corner &corner : corners) {
@@ -58,8 +59,7 @@ void SetTrust(std::vector<Corner> &corners, const Winding<double> &winding) {
     }
 }
 
-/// The projection along the axes that fits the corners best in the sense of weighted least squares. Nothing when they
-/// are in one line.
+/// The projection along the axes that fits the corners best, by weighted least squares. Empty if they are collinear.
 std::optional<TextureProjection> Fitted(std::span<const Corner> corners, std::span<const double> weights,
                                         const ProjectionAxes &axes) {
     Vec3d center;
@@ -98,7 +98,7 @@ double At(const TextureProjection &projection, std::size_t i, const Vec3d &p) {
     return row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
 }
 
-/// Difference at a corner, texels.
+/// Distance between the projection and the texture coordinates of a corner, texels.
 double Misfit(const TextureProjection &projection, const Corner &corner, const GeometryDirectives &shader) {
     return std::max(std::abs(At(projection, 0, corner.xyz) - corner.st[0]) * shader.textureWidth,
                     std::abs(At(projection, 1, corner.xyz) - corner.st[1]) * shader.textureHeight);
@@ -119,14 +119,14 @@ double LargestMisfit(const TextureProjection &projection, std::span<const Corner
     return largest;
 }
 
-/// A projection and the sum of its differences, texels.
+/// A projection and its weighted sum of misfits, texels.
 struct Fit {
     std::optional<TextureProjection> projection;
     double misfit = 0;
 };
 
-/// The fit with the least sum of differences, by least squares with weights that the differences of the step before
-/// give: a few vertices that the compiler moved, as at T-junctions, hardly count.
+/// The fit with the least sum of misfits (L1), by iteratively reweighted least squares, so that a few vertices that the
+/// compiler moved, such as at T-junctions, hardly count.
 Fit RobustFit(std::span<const Corner> corners, const ProjectionAxes &axes, const GeometryDirectives &shader) {
     constexpr int kSteps = 16;
     constexpr double kExact = 1e-4; // texels
@@ -152,11 +152,11 @@ Fit RobustFit(std::span<const Corner> corners, const ProjectionAxes &axes, const
     return best;
 }
 
-/// Vertices may be off the plane by rounding, and were mapped there: along world axes in the classic form, along axes
-/// of the plane in brush primitives. The form that fits is the one that the side had.
+/// Rounded vertices got the texture coordinates of their place off the plane: projected along world axes in the classic
+/// form, along axes of the plane in brush primitives. The form that fits better is the one that the side had.
 std::optional<TextureProjection> BestFit(std::span<const Corner> corners, const Vec3d &normal,
                                          const GeometryDirectives &shader) {
-    constexpr double kAsGood = 1e-3; // texels a corner
+    constexpr double kAsGood = 1e-3; // texels per corner
     const Fit classic = RobustFit(corners, ClassicAxes(normal), shader);
     const Fit matrix = RobustFit(corners, MatrixAxes(normal), shader);
     const bool isMatrix =
@@ -215,7 +215,8 @@ void TextureSamples::Add(const Bsp &bsp, const bspDrawSurface_t &surface, const 
     }
 }
 
-/// Triangles inside the side first, as faces of other brushes may overlap it in its plane; then by area.
+/// Triangles that overlap the side, by overlapping area; those inside it first, as the others may be faces of other
+/// brushes in the same plane.
 std::vector<TextureSamples::Cover> TextureSamples::Covering(std::span<const Triangle> triangles, const Plane &plane,
                                                             const Winding<double> &winding, double farthest) const {
     const Boundsd box = WindingBounds(winding);

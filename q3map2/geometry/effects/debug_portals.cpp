@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Portals as visible surfaces.
+// GPL-2.0-or-later. Makes portals visible as surfaces (-debugportals).
 #include "q3map2/geometry/effects/debug_portals.h"
 
 #include "q3map2/geometry/surface/debug_surface.h"

@@ -23,7 +23,8 @@ Vec3d ScaleOf(const Entity &pairs) {
     return scale == 0 ? Vec3d{1, 1, 1} : Vec3d{scale, scale, scale};
 }
 
-/// Appends the sides of a clip brush as translucent polygons, those on the model with another shader than the rest.
+/// -debugclip: appends the sides of a clip brush as translucent polygons. Sides on triangles of the model, which have a
+/// shader, are drawn with debugclip, the others with debugclip2.
 void ShowClipBrush(const Brush &brush, std::size_t number, const PlaneTable &planes, Geometry &geometry,
                    const BspContext &context) {
     for (const BrushSide &side : brush.sides)

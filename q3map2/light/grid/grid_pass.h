@@ -22,6 +22,7 @@ struct GridInputs {
     const JobPool &jobs;
     Log &log;
     const IndirectLight *indirect = nullptr; ///< bounced light, or null
+    /// For FloodShare.
     std::vector<Vec3f> floodDirections = FloodDirections(options.lowQuality);
 };
 

@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// Directions of the rays of FloodShare around +z, at four elevations; -lowquality: half as many.
+/// Directions of the rays of FloodShare in the hemisphere around +z, at four elevations; half as many if lowQuality.
 std::vector<Vec3f> FloodDirections(bool lowQuality);
 /// Share of the hemisphere around +z or -z (up: +1 or -1) that is open within `distance`, 0 to 1: the mean over rays of
 /// min(1, free length / distance).

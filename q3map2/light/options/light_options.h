@@ -17,7 +17,7 @@ inline constexpr float kSmallCellSH = 64;
 /// Smallest cell of either light grid, on each axis. Game units.
 inline constexpr float kMinCell = 8;
 
-/// How light becomes bytes: scale, exposure, saturation, gamma, sRGB, in the order of light/tone/light_tone.cpp.
+/// Tone mapping: how light becomes bytes. ToneMapper (light/tone/light_tone.h) applies the settings, in its own order.
 struct ToneOptions {
     float gamma = 1, exposure = 0, compensate = 1, saturation = 1;
     float contrast = 1; ///< the factor, not the option's -255..255

@@ -7,20 +7,18 @@
 
 namespace q3 {
 
-/// World steps to the next luxel of the super grid, across and down.
+/// World vectors from a luxel of the super grid to the next, across and down.
 using LuxelSteps = std::array<Vec3f, 2>;
 
-/// The plane that luxels are projected onto, and the triangle in it; null for quads and for luxels
-/// beside the surface.
+/// The plane that luxels are projected onto, and the triangle in it; null for quads and for luxels beside the surface.
 struct LuxelPlane {
     Vec3f normal;
     float dist = 0;
     const std::array<SurfaceVertex, 3> *triangle = nullptr;
-    LuxelSteps steps{}; ///< of lightmaps without projection: to the next super luxel across and down
+    LuxelSteps steps{}; ///< by LuxelStepsOf; zero if the lightmap is projected
 };
 
-/// World steps to the next luxel across and down of the surface through these points; zero if they have no area in the
-/// lightmap.
+/// Steps of the triangle's map from the lightmap to the world; zero if the triangle has no area in the lightmap.
 LuxelSteps LuxelStepsOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c);
 
 /// How often each kind of position was found. One luxel may have several failed attempts.
@@ -42,10 +40,11 @@ class LuxelPositionFinder {
     LuxelPositionFinder(const SurfaceInputs &in, const RawLightmap &raw)
         : in_(in), raw_(raw), axes_(AxesOf(raw.axis)) {}
 
-    /// The position of super luxel (x, y): its center, lifted off the surface by `offset` game units, else the first of
-    /// 8 positions half a luxel aside that is not occluded, else the fallback. sample: a point of the surface in the
-    /// luxel, which serves as center if the lightmap is not projected; null: plane.triangle covers part of the luxel.
-    /// allowFallback: try the position above the sample, or above the part of plane.triangle in the luxel.
+    /// The position of super luxel (x, y): its center, lifted off the surface by `offset` game units, else the first
+    /// nudged position that is not occluded (StepsOfNudges; 8 positions half a step aside for each), else the fallback.
+    /// sample: a point of the surface in the luxel, which serves as center if the lightmap is not projected; null:
+    /// plane.triangle covers part of the luxel. allowFallback: try the position above the sample, or above the part of
+    /// plane.triangle in the luxel.
     LuxelPosition Find(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset,
                        bool allowFallback, VisibleClusters &filter, PositionCounts &counts) {
         const LuxelPosition center = Centered(x, y, sample, plane, offset, filter, counts);
@@ -72,8 +71,9 @@ class LuxelPositionFinder {
     Vec3f ClusterLookupOffset(const LuxelPlane &plane) const {
         return in_.lightmap.extraVisNudge ? plane.normal : Vec3f{};
     }
-    /// Steps in the order in which they are tried; the second may be zero: none. On a curve whose rows or columns are
-    /// closer than half the size of a luxel, those of its own spacing first: half a luxel leaves the curve.
+    /// The steps of nudges, in the order in which they are tried; the second may be zero: none. Where the luxels of a
+    /// curve are closer together in the world than half their nominal size, LuxelPlane::steps come first, since half a
+    /// nominal luxel may lead off the curve.
     std::array<LuxelSteps, 2> StepsOfNudges(const LuxelPlane &plane) const;
 
     const SurfaceInputs &in_;
