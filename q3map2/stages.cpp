@@ -18,7 +18,7 @@ namespace q3 {
 
 namespace {
 
-/// The sections after that of the stage's presets.
+/// The sections, with the section of presets in front.
 std::vector<SettingSection> AfterPresets(std::vector<SettingSection> sections) {
     sections.insert(sections.begin(), PresetSection());
     return sections;

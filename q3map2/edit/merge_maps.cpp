@@ -75,7 +75,7 @@ class Merger {
     Bsp bsp_;
     int planeBase_ = 0, fogBase_ = 0, lightmapBase_ = 0;
     std::vector<int> shaders_, surfaces_, brushes_;           ///< numbers in the merged map; kNotTaken
-    int worldSurfaces_ = 0, worldBrushes_ = 0;                ///< how many of the added world are put into that of main
+    int worldSurfaces_ = 0, worldBrushes_ = 0;                ///< records of the added world that join the main one
     std::map<std::pair<int, int>, int> vertRuns_, indexRuns_; ///< by first and count
 };
 

@@ -8,7 +8,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kConcave = 0.2;     ///< depth of dents that still counts as convex, game units
+constexpr double kConcave = 0.2;     ///< a union with dents up to this depth counts as convex, game units
 constexpr float kSamePoint = 0.1f;   ///< corners closer than this on each axis are equal
 constexpr float kCollinear = 0.005f; ///< corners closer than this to the line of their neighbors are dropped
 

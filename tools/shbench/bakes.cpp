@@ -14,7 +14,7 @@ Baked Bake(const BenchMap &map, LightOptions options, bool sh, ShaderLibrary &li
     options.noGrid = sh;
     Baked baked;
     baked.bsp = map.bsp;
-    // The log tells when the set-up is over.
+    // The set-up ends when the heading of the pass is logged.
     double passStart = 0;
     const std::string_view pass = sh ? "--- TraceGridSH ---" : "--- TraceGrid ---";
     Log log([&](LogLevel, std::string_view text) {

@@ -349,7 +349,8 @@ SurfaceVertexLight FromLightmap(const SurfaceInputs &in, const SurfacePass &pass
 /// Adds the light at the vertices of a surface to `vertex`.
 void Store(const SurfaceInputs &in, const SurfacePass &pass, std::size_t surface, const SurfaceVertexLight &from,
            VertexLight &vertex) {
-    // kept: added to the result; with -bounceonly direct light is not. sent: bounces on. Constants count in one pass.
+    // kept: added to the result, except direct light under -bounceonly. sent: stored as radiosity, which bounces on.
+    // Constant light is added in the first pass only.
     const bool direct = !pass.bounce;
     const bool kept = from.constant ? direct : !(direct && in.lightmap.bounceOnly && in.lightmap.bounces > 0);
     const bool sent = !from.constant || direct;
