@@ -112,8 +112,8 @@ std::vector<Stage> EditingStages() {
          FixAasStage, nullptr},
         {"-editorfiles", "-editorfiles DIR", "Write build menus and profiles for level editors into a folder",
          "`netradiant/default_build_menu.xml` (NetRadiant, GtkRadiant 1.5), `gtkradiant/default_project.proj` "
-         "(GtkRadiant 1.6), `trenchbroom/CompilationProfiles.cfg` and `trenchbroom/GameEngineProfiles.cfg`, for the "
-         "game of `-game`. [editors.md](editors.md) tells where they go and what the entries do.",
+         "(GtkRadiant 1.6), `CompilationProfiles.cfg`, `GameEngineProfiles.cfg` and `GameConfig.cfg` in `trenchbroom`, "
+         "for the game of `-game`. [editors.md](editors.md) tells where they go and what the entries do.",
          EditorFilesStage, nullptr}};
 }
 

@@ -113,10 +113,10 @@ class SurfacePasses {
 /// Records the tone mapping of the lightmaps, which readers of the SH grid apply too. -onlygrid keeps the lightmaps and
 /// so their record. If they have none, another program may have lit them: `tone`, the settings of this run, is
 /// recorded.
-void RecordTone(const std::string &tone, bool onlyGrid, Entity &world, Log &log) {
+void RecordTone(const std::string &tone, bool onlyGrid, bool lightsGrid, Entity &world, Log &log) {
     const std::string recorded(world.Value(kToneKey));
     if (onlyGrid && !recorded.empty()) {
-        if (recorded != tone)
+        if (lightsGrid && recorded != tone)
             log.Warn("tone of the lightmaps", "-onlygrid keeps lightmaps of tone \"{}\", but lights the legacy grid {}",
                      recorded, tone.empty() ? "without one" : fmt::format("with \"{}\"", tone));
         return;
@@ -150,7 +150,8 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     }
     bsp.gridSH.reset();
     setup.stored.front().Erase(kGridSHKey);
-    RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap.onlyGrid, setup.stored.front(), log);
+    RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap.onlyGrid, !options.noGrid,
+               setup.stored.front(), log);
     if (!options.noGrid)
         bsp.gridPoints = LightLegacyGrid(setup, bounced.get(), jobs, log, result.grid);
     if (options.sh) {

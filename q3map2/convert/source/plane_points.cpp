@@ -4,6 +4,8 @@
 #include "common/text/text.h"
 #include "q3map2/convert/source/texture_form.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -66,9 +68,12 @@ Vec3d UnitStoredAs(const Vec3d &normal) {
     Vec3d slack;
     double reach = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        // All floats of a binade are equally far apart.
-        slack[axis] = std::copysign(HalfStep(std::exp2(std::floor(std::log2(std::abs(normal[axis]))))), normal[axis]);
-        slack[axis] = normal[axis] == 0 ? 0 : slack[axis];
+        if (normal[axis] == 0)
+            continue;
+        // All floats of a binade are equally far apart; below its first one they are twice as dense.
+        const double first = std::exp2(std::floor(std::log2(std::abs(normal[axis]))));
+        const bool isFirst = std::abs(normal[axis]) == first;
+        slack[axis] = std::copysign(HalfStep(first) * (isFirst ? 0.5 : 1), normal[axis]);
         reach += std::abs(slack[axis] * normal[axis]);
     }
     const double excess = (Dot(normal, normal) - 1) / 2;

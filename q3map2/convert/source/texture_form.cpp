@@ -3,6 +3,8 @@
 
 #include "q3map2/map/map_texture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -35,7 +35,7 @@ struct TextureWords {
 /// The numbers, with as few digits as the tolerance allows. A texture without extent, which the classic and the Valve
 /// form cannot hold, gets default axes and an infinite error.
 TextureWords TextureInForm(MapForm form, const TextureRequest &request);
-/// What a side gets whose texture is unknown: one image over `texels` game units where the image has 64 texels.
+/// What a side gets whose texture is unknown: `scale` game units a texel, for an image of 64 texels.
 std::vector<std::string> DefaultTexture(MapForm form, const Vec3d &normal, double scale);
 
 /// The number without an exponent, rounded to so many decimals, without zeros at the end.
