@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Whether a map without its light entities got darker.
+// GPL-2.0-or-later. Warns if a map that has lost its light entities gets darker.
 #include "q3map2/lost_light_check.h"
 
 namespace q3 {
