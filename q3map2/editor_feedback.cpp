@@ -20,14 +20,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kFlushBytes = 511;
-constexpr std::chrono::seconds kFlushDelay{1};     ///< text waits this long for more of its level
-constexpr std::chrono::seconds kConnectTime{15};   ///< no editor waits longer for a connection
-constexpr std::chrono::seconds kLastWait{1};       ///< at the end: for an editor that takes nothing
-constexpr std::chrono::seconds kLongestWait{5};    ///< at the end, in all
-constexpr std::chrono::milliseconds kPollTime{20}; ///< between looks at the clock
+constexpr std::size_t kFlushBytes = 511;           ///< text longer than this is sent at once
+constexpr std::chrono::seconds kFlushDelay{1};     ///< for more text of the same level, while nothing else is sent
+constexpr std::chrono::seconds kConnectTime{15};   ///< until the editor accepts: editors wait no longer either
+constexpr std::chrono::seconds kLastWait{1};       ///< after the run: for an editor that takes nothing
+constexpr std::chrono::seconds kLongestWait{5};    ///< after the run, in all
+constexpr std::chrono::milliseconds kPollTime{20}; ///< of one wait for the socket, before the clock is checked
 
-/// Begins to connect to "a.b.c.d:port". Null: it is no address.
+/// Starts connecting to "a.b.c.d:port". Null: not an address.
 std::unique_ptr<Socket> ConnectTo(std::string_view address) {
     const std::size_t colon = address.rfind(':');
     if (colon == std::string_view::npos)
@@ -39,7 +39,7 @@ std::unique_ptr<Socket> ConnectTo(std::string_view address) {
                                                      : nullptr;
 }
 
-/// Text of one level, or a mark.
+/// Text of one level, with a mark or without.
 struct LogEntry {
     LogLevel level = LogLevel::Normal;
     std::string text;
@@ -50,7 +50,7 @@ struct LogEntry {
     }
 };
 
-/// Queues what is logged; a thread of its own sends it, so that no editor can hold up the compile.
+/// Queues what is logged; its own thread sends it, so that no editor can hold up the compile.
 class Connection {
   public:
     explicit Connection(std::unique_ptr<Socket> socket) : socket_(std::move(socket)), thread_([this] { Run(); }) {}
@@ -105,7 +105,7 @@ class Connection {
         queue_.clear();
     }
 
-    /// Empty: the run has ended, and all is sent.
+    /// Waits for the next entry. Empty: the run has ended and everything is sent.
     std::optional<LogEntry> NextEntry() {
         std::unique_lock lock(mutex_);
         while (queue_.empty() && !ended_)
@@ -153,7 +153,7 @@ class Connection {
     std::condition_variable wake_;
     std::deque<LogEntry> queue_;
     LogEntry pending_;                       ///< text that may grow
-    bool gone_ = false;                      ///< nobody there
+    bool gone_ = false;                      ///< the connection ended or failed: nothing is queued any more
     std::optional<Clock::time_point> ended_; ///< when the run ended
     Clock::time_point progress_;             ///< last message sent, or end of the run
     std::thread thread_;

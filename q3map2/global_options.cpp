@@ -74,7 +74,7 @@ std::string EnginePathOfMap(const std::vector<std::string> &words, const std::ve
     return {};
 }
 
-/// The folders of mods and of the base game, by name, those first that win.
+/// Names of the game folders in order of precedence: those of -fs_game, then the base game.
 std::vector<std::string> GameDirs(const GlobalOptions &options) {
     std::vector<std::string> gameDirs = options.gameDirs;
     AddUnique(gameDirs, options.baseGame.value_or(std::string(options.game->gameDir)));

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What an SH grid costs in a file.
+// GPL-2.0-or-later. Prints how many bytes the SH grid takes in a .bsp.
 #include "q3map2/grid_size_report.h"
 
 #include "q3map2/light/options/light_options.h"
@@ -14,8 +14,9 @@ namespace q3 {
 namespace {
 
 constexpr double kMegabyte = 1e6;
-constexpr std::size_t kPiece = std::size_t(1) << 18, kMostPieces = 16;
-/// Smaller grids are no burden, whatever their share of the file.
+/// EstimateDeflated packs up to kMaxPieces pieces of kPieceBytes.
+constexpr std::size_t kPieceBytes = std::size_t(1) << 18, kMaxPieces = 16;
+/// Grids up to this size never give a warning, whatever their share of the file. Bytes.
 constexpr std::uint64_t kSmallGrid = 1000000;
 
 std::size_t DeflatedSize(std::span<const std::byte> data) {
@@ -26,8 +27,8 @@ std::size_t DeflatedSize(std::span<const std::byte> data) {
     return size;
 }
 
-/// The cell with twice the volume and the same proportions, in whole units.
-std::array<int, 3> HalfAsManyPoints(const Float3 &cell) {
+/// The cell with twice the volume and the same proportions, in whole game units.
+std::array<int, 3> CellForHalfThePoints(const Float3 &cell) {
     std::array<int, 3> wider{};
     for (std::size_t axis = 0; axis < 3; ++axis)
         wider[axis] = int(std::lround(double(cell[axis]) * std::cbrt(2.0)));
@@ -37,11 +38,11 @@ std::array<int, 3> HalfAsManyPoints(const Float3 &cell) {
 } // namespace
 
 std::uint64_t EstimateDeflated(std::span<const std::byte> data) {
-    const std::size_t pieces = (data.size() + kPiece - 1) / kPiece, used = std::min(pieces, kMostPieces);
+    const std::size_t pieces = (data.size() + kPieceBytes - 1) / kPieceBytes, used = std::min(pieces, kMaxPieces);
     std::uint64_t sampled = 0, packed = 0;
     for (std::size_t i = 0; i < used; ++i) {
-        const std::size_t first = i * pieces / used * kPiece;
-        const auto piece = data.subspan(first, std::min(kPiece, data.size() - first));
+        const std::size_t first = i * pieces / used * kPieceBytes;
+        const auto piece = data.subspan(first, std::min(kPieceBytes, data.size() - first));
         sampled += piece.size();
         packed += DeflatedSize(piece);
     }
@@ -54,7 +55,7 @@ void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
     const LightGridSH &grid = *bsp.gridSH;
     const auto points = std::as_bytes(std::span(grid.points));
     const std::uint64_t bytes = sizeof(grid.header) + points.size();
-    const std::array<int, 3> cell = HalfAsManyPoints(grid.header.gridSize);
+    const std::array<int, 3> cell = CellForHalfThePoints(grid.header.gridSize);
     log.Print("SH grid: {} points, {:.1f} of the file's {:.1f} MB, about {:.1f} MB zipped; -gridsh {} {} {} would take "
               "half\n",
               grid.points.size(), double(bytes) / kMegabyte, double(fileBytes) / kMegabyte,

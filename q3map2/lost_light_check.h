@@ -17,7 +17,7 @@ class LostLightCheck {
     void Report(const Bsp &bsp, Log &log) const;
 
   private:
-    std::uint64_t before_; ///< sum of all bytes of light in the grid
+    double before_; ///< sum of all bytes of light in the grid
 };
 
 } // namespace q3

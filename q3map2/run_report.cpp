@@ -39,7 +39,7 @@ void RunReport::PrintEnd(bool failed, Log &log) const {
     for (const std::string &line : log.Repeated())
         log.Print("{}\n", line);
     log.Print("{:9.0f} seconds elapsed\n", seconds);
-    // An error for editors too, which do not look at the exit status.
+    // Editors look at the level of this line, not at the exit status.
     log.Write(failed ? LogLevel::Error : LogLevel::Normal,
               fmt::format("{}: {}, {:.1f} s, {:.1f} CPU s, {:.0f} MB peak memory\n", failed ? "failed" : "done",
                           WarningText(log), seconds, CpuSeconds(), PeakMemory() / kMebibyte));

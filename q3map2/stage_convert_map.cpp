@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a writer gets.
+/// Input of the functions that write a format.
 struct ConvertJob {
     const ConvertOptions &options;
     fs::path input;
@@ -129,17 +129,18 @@ bool ReadsMap(const std::string &file, const ConvertOptions &options, const Conv
 void RefuseIdleOptions(const ConvertOptions &options, const ConvertFormat &format, bool isMap) {
     const auto refuse = [&](bool given, std::string_view option, std::string_view reason) {
         if (given)
-            throw Error("{}: {} with -format {} {}", option, reason, format.name,
-                        isMap ? "from a map source" : "from a .bsp");
+            throw Error("{}: no effect with -format {} {}: {}", option, format.name,
+                        isMap ? "from a map source" : "from a .bsp", reason);
     };
     const bool isSource = format.kind == FormatKind::Source, isModel = format.kind == FormatKind::Model;
-    refuse(isMap && format.kind == FormatKind::Game, "-readmap", "compile the map with -game instead,");
-    constexpr std::string_view kNoAlignment = "there are no texture axes to look for",
-                               kNoCompile = "nothing is compiled";
-    const bool takesApart = isSource && !isMap, compiles = isModel && isMap;
-    refuse(options.fast && !takesApart, "-fast", kNoAlignment);
-    refuse(options.markUnknown && !takesApart, "-wtf", kNoAlignment);
-    refuse(options.keepModelClip && !takesApart, "-modelclip", "there are no brushes that clip models");
+    if (isMap && format.kind == FormatKind::Game)
+        throw Error("-readmap: -format {} converts a .bsp; compile the map with -game {} instead", format.name,
+                    format.name);
+    constexpr std::string_view kNoFit = "no texture axes are looked for", kNoCompile = "nothing is compiled";
+    const bool decompiles = isSource && !isMap, compiles = isModel && isMap;
+    refuse(options.fast && !decompiles, "-fast", kNoFit);
+    refuse(options.markUnknown && !decompiles, "-wtf", kNoFit);
+    refuse(options.keepModelClip && !decompiles, "-modelclip", "there are no brushes that clip models");
     refuse(options.meta && !compiles, "-meta", kNoCompile);
     refuse(options.patchMeta && !compiles, "-patchmeta", kNoCompile);
     constexpr std::string_view kNoMaterials = "there are no materials";

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Words of a step; quotes around a word are left out.
+/// Words of a step, without quotes.
 std::vector<std::string> WordsOfStep(const std::string &step) {
     std::istringstream text(step);
     std::vector<std::string> words;

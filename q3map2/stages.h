@@ -63,7 +63,7 @@ int MergeStage(const StageContext &context, Arguments arguments);
 int FixAasStage(const StageContext &context, Arguments arguments);
 int EditorFilesStage(const StageContext &context, Arguments arguments);
 
-/// Error: a step of a build (editors/builds.h) has a stage, option or value that there is not.
+/// Error if a build step (editors/builds.h) names a stage, option or value that does not exist.
 void CheckBuildStep(const std::string &step);
 
 /// The path with its extension (if any) replaced.

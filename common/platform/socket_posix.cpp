@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. TCP connections on Linux and its relatives.
+// GPL-2.0-or-later. TCP connections on POSIX systems: Linux, macOS, BSD.
 #include "common/platform/socket.h"
 
 #include <cerrno>
@@ -29,7 +29,7 @@ std::unique_ptr<Socket> Socket::Connect(const std::string &address, std::uint16_
 #ifdef SO_NOSIGPIPE
     setsockopt(handle, SOL_SOCKET, SO_NOSIGPIPE, &on, sizeof on);
 #endif
-    // A failure shows in Send.
+    // Not finished yet; Send reports a failure.
     (void)connect(handle, reinterpret_cast<const sockaddr *>(&peer), sizeof peer);
     return made;
 }

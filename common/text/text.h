@@ -9,7 +9,7 @@
 
 namespace q3 {
 
-/// The bytes as characters; valid as long as they are.
+/// The bytes as characters, not copied: valid as long as `bytes`.
 inline std::string_view AsText(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
 }

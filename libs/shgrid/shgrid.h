@@ -29,7 +29,7 @@ typedef enum {
     SHGRID_BAD_CELL,   /* distance between points is not above zero */
     SHGRID_BAD_BOUNDS, /* fewer than one point on an axis */
     SHGRID_BAD_COUNT,  /* number of points is not the product of the bounds, or not what the lump holds */
-    SHGRID_BAD_TONE    /* text of a tone that is not words and numbers, or with a number out of range */
+    SHGRID_BAD_TONE    /* tone text is not pairs of a word and a number, or a number is out of range */
 } shgrid_result;
 
 /* Points into the caller's memory: keep the file or the lump as long as the grid. */
@@ -46,7 +46,8 @@ typedef struct {
     float c[9][3];
 } shgrid_coeffs;
 
-/* How the lightmaps of a map became bytes; all numbers are finite. See shgrid_apply_tone. */
+/* How the light of a map became lightmap bytes; all numbers are finite. Plain values change nothing but light above
+   255. See shgrid_apply_tone. */
 typedef struct {
     float contrast;   /* factor around byte 128, plain 1 */
     float gamma;      /* above 0, plain 1 */
@@ -304,8 +305,8 @@ static inline int shgrid_digit_(char c) {
     return c >= '0' && c <= '9';
 }
 
-/* Reads a decimal number up to the next blank; not by the C library, whose numbers follow the locale. NULL if it is not
-   one, or not finite as a float. */
+/* Parses a decimal number up to the next blank, without strtod, which depends on the locale. Returns its end; NULL if
+   it is not a number or not finite as a float. */
 static inline const char *shgrid_number_(const char *at, float *value) {
     const int negative = *at == '-';
     double mantissa = 0;
@@ -331,9 +332,9 @@ static inline const char *shgrid_number_(const char *at, float *value) {
     return isfinite(*value) && (*at == '\0' || shgrid_blank_(*at)) ? at : NULL;
 }
 
-/* Parses the value of the worldspawn key _q3map2_tone, such as "gamma 1.4 scale 0.5". Words that it does not know are
-   passed over with their number; what is not named is plain. NULL or no words is a map without the key: SHGRID_OK and a
-   plain tone. Any other text gives a plain tone and SHGRID_BAD_TONE. */
+/* Parses the value of the worldspawn key _q3map2_tone, such as "gamma 1.4 scale 0.5". Unknown words are skipped with
+   their number; what is not named is plain. NULL or no words is a map without the key: SHGRID_OK and a plain tone. Any
+   other text gives a plain tone and SHGRID_BAD_TONE. */
 static inline shgrid_result shgrid_parse_tone(const char *text, shgrid_tone *tone) {
     static const char *const words[7] = {"contrast", "gamma", "exposure", "saturation", "scale", "maxlight", "srgb"};
     static const shgrid_tone plain = {1, 1, 0, 1, 1, 255, 0};
@@ -401,8 +402,8 @@ static inline void shgrid_grade_(const shgrid_tone *tone, float v[3]) {
         }
 }
 
-/* Makes of light from shgrid_evaluate or shgrid_light (1.0 is byte 255, linear) what the compiler would have stored in
-   a lightmap, 0 to 1 and not yet rounded to a byte: texel / 255. A color that is too bright keeps its hue. */
+/* Turns light from shgrid_evaluate or shgrid_light (1.0 is byte 255, linear) into what the compiler would have stored
+   in a lightmap: texel / 255, from 0 to 1, not yet rounded to a byte. A color that is too bright keeps its hue. */
 static inline void shgrid_apply_tone(const shgrid_tone *tone, float rgb[3]) {
     float v[3], most;
     int i;

@@ -33,28 +33,33 @@ std::vector<SettingGroup<AnalyzeOptions>> AnalyzeSettings() {
                &AnalyzeOptions::lumpSwap}}}};
 }
 
-std::vector<SettingGroup<ConvertOptions>> ConvertSettings() {
-    using Group = SettingGroup<ConvertOptions>;
+namespace {
+
+using ConvertGroup = SettingGroup<ConvertOptions>;
+
+ConvertGroup InputAndOutput() {
+    return {"Input and output",
+            "",
+            {{{.name = "-format",
+               .values = "NAME",
+               .initial = "ase",
+               .help = "What to write: ase, obj, map, map_bp, map_220, or the name of a game",
+               .details =
+                   "`ase` and `obj` are models of what is drawn: `x.ase`, or `x.obj` with `x.mtl`. `map` has classic "
+                   "texture axes, `map_bp` brush primitives, `map_220` those of Valve; all three write "
+                   "`x_converted.map`. A game (`-help game`): `x_c.bsp`, with its file version and its surfaceparms "
+                   "of the same names; -game says which game `x.bsp` is of. Files are written beside the input."},
+              &ConvertOptions::format},
+             {{.name = "-readmap",
+               .initial = "by the file name, if the format reads map sources",
+               .help = "Read the map source, whatever the file name says"},
+              &ConvertOptions::readMap},
+             {{.name = "-readbsp", .help = "Read the .bsp, whatever the file name says"}, &ConvertOptions::readBsp}}};
+}
+
+ConvertGroup MapFormats() {
     constexpr SettingRange epsilon{0, 1, true, true};
-    const Group input{
-        "Input and output",
-        "",
-        {{{.name = "-format",
-           .values = "NAME",
-           .initial = "ase",
-           .help = "What to write: ase, obj, map, map_bp, map_220, or the name of a game",
-           .details =
-               "`ase` and `obj` are models of what is drawn: `x.ase`, or `x.obj` with `x.mtl`. `map` has classic "
-               "texture axes, `map_bp` brush primitives, `map_220` those of Valve; all three write "
-               "`x_converted.map`. A game (`-help game`): `x_c.bsp`, with its file version and its surfaceparms "
-               "of the same names; -game says which game `x.bsp` is of. Files are written beside the input."},
-          &ConvertOptions::format},
-         {{.name = "-readmap",
-           .initial = "by the file name, if the format reads map sources",
-           .help = "Read the map source, whatever the file name says"},
-          &ConvertOptions::readMap},
-         {{.name = "-readbsp", .help = "Read the .bsp, whatever the file name says"}, &ConvertOptions::readBsp}}};
-    const Group sources{
+    return {
         "Map formats",
         "An option that means nothing for the format or the input is an error.",
         {{{.name = "-fast",
@@ -83,7 +88,10 @@ std::vector<SettingGroup<ConvertOptions>> ConvertSettings() {
            .details =
                "From a .bsp: distance up to which a point is on the edge of a triangle that shows texture axes."},
           &ConvertOptions::distanceEpsilon}}};
-    const Group models{
+}
+
+ConvertGroup Models() {
+    return {
         "Models",
         "For `ase` and `obj`. With `-readmap` the map source is compiled first, without visibility and light.",
         {{{.name = "-shadersasbitmap",
@@ -102,7 +110,12 @@ std::vector<SettingGroup<ConvertOptions>> ConvertSettings() {
           &ConvertOptions::meta},
          {{.name = "-patchmeta", .help = "From a map source: turn patches into triangle surfaces too; includes -meta"},
           &ConvertOptions::patchMeta}}};
-    return {input, sources, models};
+}
+
+} // namespace
+
+std::vector<SettingGroup<ConvertOptions>> ConvertSettings() {
+    return {InputAndOutput(), MapFormats(), Models()};
 }
 
 ConvertOptions ParseConvertOptions(Arguments &arguments, Log &log) {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What the menus of level editors offer.
+// GPL-2.0-or-later. Build menu entries of level editors.
 #include "q3map2/editors/builds.h"
 
 #include <fmt/format.h>

@@ -9,9 +9,9 @@ namespace q3 {
 
 namespace {
 
-constexpr std::string_view kOrigin = "Generated: q3map2 -editorfiles tools/editors";
+constexpr std::string_view kGeneratedBy = "Generated: q3map2 -editorfiles tools/editors";
 
-/// A string of TrenchBroom's files.
+/// A quoted string in TrenchBroom's files.
 std::string Quoted(std::string_view text) {
     std::string quoted = "\"";
     for (const char c : text)
@@ -19,6 +19,7 @@ std::string Quoted(std::string_view text) {
     return quoted + "\"";
 }
 
+/// A TrenchBroom compilation profile: exports the map, then runs the steps.
 std::string Profile(const EditorBuild &build, const Game &game) {
     std::vector<std::string> tasks;
     if (build.needsMap)
@@ -40,7 +41,7 @@ std::string Profile(const EditorBuild &build, const Game &game) {
 } // namespace
 
 std::string BuildMenu(const std::vector<EditorBuild> &builds, const Game &game) {
-    std::string text = fmt::format("<?xml version=\"1.0\"?>\n<!-- {} -->\n<project version=\"2.0\">\n", kOrigin);
+    std::string text = fmt::format("<?xml version=\"1.0\"?>\n<!-- {} -->\n<project version=\"2.0\">\n", kGeneratedBy);
     // The editor puts the user's own folders after the first piece of text, the program.
     text += fmt::format(R"(<var name="q3map2">"[RadiantPath]q3map2.[ExecutableType]")"
                         R"(<cond value="[MonitorAddress]"> -connect [MonitorAddress]</cond>)"
@@ -75,7 +76,7 @@ std::string ProjectTemplate(const std::vector<EditorBuild> &builds, const Game &
     key("autosave", "$TEMPLATEuserhomepath$TEMPLATEbasedir/maps/autosave.map");
     key("mapspath", "$TEMPLATEenginepath$TEMPLATEbasedir/maps/");
     for (const EditorBuild &build : builds) {
-        std::vector<std::string> commands; // $: the map; #: -connect and the address; !: nothing
+        std::vector<std::string> commands; // the editor replaces $ by the map, # by -connect ADDRESS, ! by nothing
         for (const std::string &step : build.steps)
             commands.push_back(fmt::format("! \"$TEMPLATEapppath$TEMPLATEq3map2\" # -game {} -fs_basepath "
                                            "\"$TEMPLATEenginepath\" -fs_basegame \"$TEMPLATEbasedir\" {} $",
@@ -89,7 +90,7 @@ std::string CompilationProfiles(const std::vector<EditorBuild> &builds, const Ga
     std::vector<std::string> profiles;
     for (const EditorBuild &build : builds)
         profiles.push_back(Profile(build, game));
-    return fmt::format("// {}\n{{ \"version\": 1,\n  \"profiles\": [\n{}\n  ]\n}}\n", kOrigin,
+    return fmt::format("// {}\n{{ \"version\": 1,\n  \"profiles\": [\n{}\n  ]\n}}\n", kGeneratedBy,
                        fmt::join(profiles, ",\n"));
 }
 
@@ -97,12 +98,12 @@ std::string EngineProfiles() {
     constexpr std::string_view kParameters = "+set fs_game ${MODS[-1]} +set sv_pure 0 +devmap ${MAP_BASE_NAME}";
     return fmt::format("// {}; the path is yours to set\n{{ \"version\": 1,\n  \"profiles\": [\n"
                        "    {{ \"name\": \"Play the map\", \"path\": \"\",\n      \"parameters\": {} }}\n  ]\n}}\n",
-                       kOrigin, Quoted(kParameters));
+                       kGeneratedBy, Quoted(kParameters));
 }
 
 std::string GameConfig(const Game &game) {
     const std::string name = game.name == "quake3" ? "Quake 3" : std::string(game.name);
-    // Bits 0 to 26 have no meaning in a map source.
+    // The contents word of a map source has only the detail bit; TrenchBroom wants an entry for each lower bit too.
     constexpr int kDetailBit = 27;
     std::string flags;
     for (int bit = 0; bit < kDetailBit; ++bit)
@@ -141,8 +142,8 @@ std::string GameConfig(const Game &game) {
     {{ "name": "bspc", "description": "Path of the tool that makes bot files" }} ]
 }}
 )cfg",
-                       kOrigin, Quoted(name), Quoted(game.gameDir), Quoted("." + std::string(game.archiveExtension)),
-                       Quoted(game.shaderDir), flags);
+                       kGeneratedBy, Quoted(name), Quoted(game.gameDir),
+                       Quoted("." + std::string(game.archiveExtension)), Quoted(game.shaderDir), flags);
 }
 
 std::vector<EditorFile> EditorFiles(const std::vector<EditorBuild> &builds, const Game &game, int templateVersion) {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The text of the stream that editors read (-connect).
+// GPL-2.0-or-later. The XML stream that editors read (-connect).
 #include "q3map2/editors/feedback_xml.h"
 
 #include <glib.h>
@@ -12,13 +12,13 @@ namespace q3 {
 
 namespace {
 
-/// Room for the elements around the text of a `select`.
+/// Leaves room for the elements around the text of a `select`. Bytes.
 constexpr std::size_t kMaxSelectText = kMaxPayload - 100;
 
-/// What must arrive in one network message.
+/// Strings that must not be divided between network messages.
 using Pieces = std::vector<std::string>;
 
-/// The text without what XML cannot hold: bytes that are no UTF-8 and control characters.
+/// The text with replacements for what XML cannot hold: U+FFFD for invalid UTF-8, '?' for control characters.
 std::string ValidText(std::string_view text) {
     const std::unique_ptr<char, decltype(&g_free)> valid(g_utf8_make_valid(text.data(), gssize(text.size())), g_free);
     std::string result = valid.get();
@@ -32,7 +32,7 @@ std::string ValidText(std::string_view text) {
     return result;
 }
 
-/// The characters of XML text: an entity such as "&lt;" is one.
+/// The characters of XML text; an entity such as "&lt;" counts as one.
 Pieces Characters(std::string_view xml) {
     Pieces characters;
     while (!xml.empty()) {
@@ -44,7 +44,7 @@ Pieces Characters(std::string_view xml) {
     return characters;
 }
 
-/// As few payloads as possible.
+/// The pieces in as few payloads of kMaxPayload bytes as possible.
 std::vector<std::string> Packed(const Pieces &pieces) {
     std::vector<std::string> payloads;
     for (const std::string &piece : pieces) {
@@ -88,7 +88,9 @@ std::vector<std::string> MarkPayloads(LogLevel level, std::string_view text, con
         return {fmt::format("{}{}<brush>{} {}</brush></select>", OpeningTag("select", level), cut, mark.entity,
                             mark.primitive)};
     }
-    Pieces pieces{OpeningTag("message", level) + XmlText(text), "<polyline>"};
+    Pieces pieces = Characters(XmlText(text));
+    pieces.insert(pieces.begin(), OpeningTag("message", level));
+    pieces.emplace_back("<polyline>");
     for (const std::array<float, 3> &p : mark.line)
         pieces.push_back(fmt::format("<point>{:f} {:f} {:f}</point>", p[0], p[1], p[2]));
     pieces.emplace_back("</polyline></message>");

@@ -11,16 +11,16 @@
 
 namespace q3 {
 
-/// What the text says about a side, for programs that write it again.
+/// A brush side as the text has it, for stages that write it again.
 struct SideText {
     std::string shader; ///< as written, mostly without "textures/"
     std::array<Vec3d, 3> points{};
     bool hasPoints = false;     ///< false: brushDef3
-    TextureProjection texture;  ///< of the side's own numbers, whatever its shader makes of them
+    TextureProjection texture;  ///< from the side's own numbers, before tcGen and -flat
     std::array<int, 3> flags{}; ///< contents (only detail has a meaning), surface flags, value
 };
 
-/// The same of a patch.
+/// A patch as the text has it.
 struct PatchText {
     std::string shader;
     std::vector<std::string> header; ///< what follows width and height: flags, or curve tolerances of patchDef3

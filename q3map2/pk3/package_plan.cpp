@@ -161,7 +161,7 @@ void Planner::PlanModels() {
     }
 }
 
-/// A script that defines what the game has may not come in another version.
+/// Whole scripts must not be packed if they are excluded or define an excluded shader: the game has its own version.
 void Planner::FindRestrictedScripts() {
     const Exclusions &exclusions = rules_.exclusions;
     for (const EngineScripts::Script &script : scripts_.Scripts()) {

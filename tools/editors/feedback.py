@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 MAX_PAYLOAD = 1020
-MAX_WINDING = 256
-WHOLE = ("point", "brush", "winding", "select")  # their text is used as it arrives
+WHOLE = ("point", "brush", "winding", "select")  # editors use their text as it arrives: it must come in one message
 
 
 class FeedbackError(Exception):
@@ -16,7 +15,8 @@ class FeedbackError(Exception):
 
 @dataclass
 class Feedback:
-    """What came: (level, text) of messages, (text, brush) of selects, leak trails, all in order in `events`."""
+    """What arrived: (level, text) of messages, (text, (entity, brush)) of selects, points of leak trails; `events` has
+    the order of all of them."""
     messages: list = field(default_factory=list)
     selects: list = field(default_factory=list)
     trails: list = field(default_factory=list)

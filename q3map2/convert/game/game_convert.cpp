@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A compiled map of one game for another.
+// GPL-2.0-or-later. Converts a compiled map to another game: surface and content flags.
 #include "q3map2/convert/game/game_convert.h"
 
 #include "q3map2/convert/json/convert_json_flags.h"
@@ -12,6 +12,7 @@ namespace q3 {
 
 namespace {
 
+/// Flags of one kind, surface or content, from the bits of one game to those of another.
 class FlagTranslator {
   public:
     FlagTranslator(const Game &from, const Game &to, FlagKind kind) : from_(from), to_(to), kind_(kind) {
@@ -33,8 +34,8 @@ class FlagTranslator {
     const std::set<std::string> &Lost() const { return lost_; }
 
   private:
-    /// The bits in the other game of a surfaceparm that stands for exactly `bits` in this one; 0 if it knows none. Of
-    /// several names the last counts, as in SplitFlags: the game's own come after those that all games share.
+    /// The target game's bits for the surfaceparm that is exactly `bits` in the source game; 0 if there is none. The
+    /// last of several such names counts, as in SplitFlags: a game's own names follow those that all games share.
     std::uint32_t BitsOfTwin(std::uint32_t bits) const {
         for (const SurfaceParm &parm : from_.surfaceParms | std::views::reverse)
             if (ParmBits(parm, kind_) == bits)
@@ -45,8 +46,8 @@ class FlagTranslator {
 
     const Game &from_, &to_;
     FlagKind kind_;
-    std::uint32_t used_ = 0; ///< bits that mean something to the other game
-    std::set<std::string> lost_;
+    std::uint32_t used_ = 0;     ///< bits that have a meaning in the target game
+    std::set<std::string> lost_; ///< names of dropped flags, or their bits in hexadecimal
 };
 
 } // namespace

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What the two light grids of a map show at a position. Internal to the grid preview.
+// GPL-2.0-or-later. Light of the SH grid and the legacy grid at a position. Internal to the grid preview.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -13,9 +13,10 @@ namespace q3 {
 /// What an engine keeps of the SH grid for one object.
 struct ShSample {
     shgrid_coeffs coeffs;
-    std::optional<shgrid_tone> tone; ///< of the lightmaps and the legacy grid, unless it is plain
+    std::optional<shgrid_tone> tone; ///< tone of lightmaps and legacy grid; nothing if it is plain
 };
-/// Light on a unit normal, displayed as lightmaps are: 1.0 is lightmap byte 255. Without a tone linear and unclamped.
+/// Light on a surface with this unit normal; 1.0 is lightmap byte 255. With a tone: as a lightmap stores it. Without:
+/// linear and unclamped.
 Vec3f LightOn(const ShSample &sample, const Vec3f &normal);
 
 /// The SH grid through the engine-side reader. Reads the points of the Bsp in place: the Bsp must outlive this.
@@ -40,10 +41,10 @@ struct LegacySample {
 };
 Vec3f LightOn(const LegacySample &sample, const Vec3f &normal);
 
-/// The legacy grid as an engine blends it: corners without ambient light are left out, the rest is renormalised.
+/// The legacy grid as an engine blends it: corners without ambient light are left out, the rest is renormalized.
 class LegacyPreview {
   public:
-    /// Nothing when the map has no legacy grid, or one whose point count engines reject. The Bsp must
+    /// Nothing if the map has no legacy grid, or one whose point count engines reject. The Bsp must
     /// outlive the result.
     static std::optional<LegacyPreview> Make(const Bsp &bsp);
     LegacySample At(const Vec3f &position) const;

@@ -9,23 +9,24 @@
 
 namespace q3 {
 
-/// A side that bounds its brush.
+/// A brush side with the polygon that the other sides leave of its plane.
 struct RebuiltSide {
-    std::string_view shader; ///< of the .bsp
+    std::string_view shader; ///< name in the .bsp
     Plane plane;
     Winding<double> winding; ///< at least three corners
 };
 
-/// Whether the side has no shader of a map source: bevels, and what compilers add to brushes that they make.
+/// Whether the shader name is a placeholder (empty, noshader, default): sides with one are bevels, or sides of brushes
+/// that the compiler made.
 bool IsUnnamed(std::string_view shader);
-/// Name of the shader of side `i` of a valid .bsp.
+/// Shader name of brush side `i` of a valid .bsp.
 std::string_view SideShader(const Bsp &bsp, std::size_t i);
-/// A brush that the compiler made to clip a model: at most one side has a name.
+/// Whether the compiler made the brush to clip a model: at most one side has a named shader.
 bool IsModelClip(const Bsp &bsp, const bspBrush_t &brush);
-/// The sides of a brush without bevels, with their polygons, in an order that compiles to that of the .bsp. Of model
-/// clip all sides count, of others those with a name. Empty when they enclose nothing or reach out of the world.
+/// The sides of a brush with their polygons, without bevels (model clip: all sides), in an order that compiles to the
+/// order in the .bsp. Empty if they enclose no volume or reach outside the world.
 std::vector<RebuiltSide> RebuildBrush(const Bsp &bsp, const bspBrush_t &brush);
-/// For each brush whether a leaf that is not solid holds it: structural solids lie in solid leafs only.
+/// For each brush whether a non-solid leaf lists it. Structural solids are in solid leafs only.
 std::vector<bool> BrushesInTheOpen(const Bsp &bsp);
 
 } // namespace q3

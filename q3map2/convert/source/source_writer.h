@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Text of map sources.
+// GPL-2.0-or-later. Writes the text of map sources.
 #pragma once
 
 #include "q3map2/convert/source/texture_form.h"
@@ -16,8 +16,8 @@ namespace q3 {
 struct SideWords {
     std::array<std::string, 3> points; ///< "( x y z )"
     std::string shader;                ///< without "textures/"
-    std::vector<std::string> texture;  ///< of TextureInForm
-    std::array<int, 3> flags{};
+    std::vector<std::string> texture;  ///< numbers from TextureInForm
+    std::array<int, 3> flags{};        ///< contents, surface flags, value
 };
 
 /// A patch as it is written.
@@ -35,7 +35,7 @@ class SourceWriter {
     explicit SourceWriter(MapForm form);
 
     void BeginEntity(int number);
-    /// Keys come before brushes and patches. Without a key or a value: nothing.
+    /// Pairs come before brushes and patches. Writes nothing if the key or the value is empty.
     void WritePair(std::string_view key, std::string_view value);
     /// `number` is for the comment above the brush.
     void WriteBrush(int number, std::span<const SideWords> sides);
@@ -50,7 +50,7 @@ class SourceWriter {
     std::string text_;
 };
 
-/// The name without "textures/", which readers of maps add.
+/// The name without a leading "textures/", which readers of map text add.
 std::string_view WithoutTextures(std::string_view shader);
 
 } // namespace q3

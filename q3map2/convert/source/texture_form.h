@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Texture projections as numbers of the three forms of the map language.
+// GPL-2.0-or-later. Texture projections as the numbers of the three forms of map text.
 #pragma once
 
 #include "q3map2/map/map.h"
@@ -9,36 +9,37 @@
 
 namespace q3 {
 
-/// How the sides of brushes say where their texture is.
+/// How brush sides in map text give their texture projection.
 enum class MapForm {
     Classic,   ///< shift, rotation and scale along world axes; cannot shear
-    Primitive, ///< brush primitives: a matrix in the plane
-    Valve      ///< Valve 220: two axes
+    Primitive, ///< brush primitives: a matrix along two axes in the side's plane
+    Valve      ///< Valve 220: two free axes, with shift and scale
 };
 
-/// A side whose texture is to be written.
+/// What TextureInForm needs of a side.
 struct TextureRequest {
     TextureProjection projection;
     Plane plane;  ///< through the points that are written
-    Vec3d normal; ///< that the plane table has for it: readers choose axes by it
+    Vec3d normal; ///< of the plane in the plane table, by which readers choose texture axes
     const GeometryDirectives &shader;
-    std::span<const Vec3d> corners; ///< where coordinates must agree; none: the numbers get all their digits
-    double tolerance = 1e-6;        ///< texels
+    std::span<const Vec3d> corners; ///< where coordinates must agree; empty: numbers get all digits
+    double tolerance = 1e-6;        ///< largest difference at a corner, texels
 };
 
-/// Numbers in the order in which the form has them.
+/// The numbers of a side's texture as text, in the order of the form.
 struct TextureWords {
     std::vector<std::string> words;
     double error = 0; ///< largest difference at a corner, texels
 };
 
-/// The numbers, with as few digits as the tolerance allows. A texture without extent, which the classic and the Valve
-/// form cannot hold, gets default axes and an infinite error.
+/// The numbers, with as few digits as the tolerance allows. A projection with constant s or t, which the classic and
+/// the Valve form cannot hold, gets default axes and an infinite error.
 TextureWords TextureInForm(MapForm form, const TextureRequest &request);
-/// What a side gets whose texture is unknown: `scale` game units a texel, for an image of 64 texels.
+/// For a side whose texture is unknown: `scale` game units a texel, which brush primitives have for images of 64 texels
+/// only.
 std::vector<std::string> DefaultTexture(MapForm form, const Vec3d &normal, double scale);
 
-/// The number without an exponent, rounded to so many decimals, without zeros at the end.
+/// The number rounded to `decimals`, without an exponent or trailing zeros.
 std::string FixedText(double value, int decimals);
 /// The shortest text that reads as the same number, without an exponent.
 std::string ExactText(double value);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Texture projections of brush sides, from the draw surfaces that were made of them.
+// GPL-2.0-or-later. Texture projections of brush sides, fitted to the draw surfaces that were made from them.
 #pragma once
 
 #include "libs/math/winding.h"
@@ -17,17 +17,17 @@ namespace q3 {
 
 class ShaderLibrary;
 
-/// Removes what the shader adds to texture coordinates; they stay if nothing can undo that.
+/// Undoes the shader's transform of texture coordinates; a singular one is left in.
 std::array<double, 2> WithoutTexMod(const std::array<float, 2> &st, const GeometryDirectives &shader);
 
 /// The triangles of a model's planar and triangle surfaces, by shader.
 class TextureSamples {
   public:
-    /// `bsp` must be valid, `epsilon`: distance in which a point lies on the edge of a triangle, game units.
+    /// `bsp` must be valid. Points within `epsilon` game units of a triangle's edge count as on it.
     TextureSamples(const Bsp &bsp, std::size_t model, ShaderLibrary &shaders, double epsilon);
 
-    /// The projection of the side of that plane and winding, in coordinates of the model. Nothing when no triangle of
-    /// the shader covers a part of it.
+    /// The projection of the side with this plane and winding, in the model's coordinates. Nothing if no triangle with
+    /// the shader covers any of it.
     std::optional<TextureProjection> Find(std::string_view shader, const GeometryDirectives &directives,
                                           const Plane &plane, const Winding<double> &winding) const;
 
@@ -43,7 +43,7 @@ class TextureSamples {
     struct Cover {
         const Triangle *triangle;
         double area;   ///< of that part
-        bool isInside; ///< no part of the triangle is outside of the side, as with triangles that were made of it
+        bool isInside; ///< the side covers nearly all of the triangle: made from this side
     };
     void Add(const Bsp &bsp, const bspDrawSurface_t &surface, const GeometryDirectives &directives);
     std::vector<Cover> Covering(std::span<const Triangle> triangles, const Plane &plane, const Winding<double> &winding,

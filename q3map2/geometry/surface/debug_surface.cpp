@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Surfaces that show polygons of the compiler itself (-debugportals, -debugclip).
+// GPL-2.0-or-later. Draw surfaces that show internal polygons of the compiler (-debugportals, -debugclip).
 #include "q3map2/geometry/surface/debug_surface.h"
 
 #include "common/debug_color.h"

@@ -31,7 +31,7 @@ class ToneMapper {
         return {byte(v.x), byte(v.y), byte(v.z)};
     }
 
-    /// What brightness and compensation make of graded light.
+    /// Factor on graded light: brightness / compensation.
     static float FactorOf(float brightness, const ToneOptions &tone) {
         return (brightness > 0 ? brightness : 1) / tone.compensate;
     }
@@ -51,9 +51,9 @@ inline std::array<std::uint8_t, 3> ColorToBytes(const Vec3f &color, float scale,
     return ToneMapper(scale, brightness, tone).Bytes(color);
 }
 
-/// The same arithmetic as words and numbers, those that change something: "gamma 1.4 scale 0.5"; empty for a plain
-/// tone. Words: contrast (the factor), gamma, exposure, saturation, scale (brightness / compensate), maxlight, srgb.
-/// Engines read it with shgrid_parse_tone.
+/// The settings of ToneMapper as text for engines, such as "gamma 1.4 scale 0.5": pairs of a word and a number, without
+/// those that change nothing. Words: contrast (a factor), gamma, exposure, saturation, scale (FactorOf, not the scale
+/// of ToneMapper), maxlight, srgb. Engines read it with shgrid_parse_tone.
 std::string ToneText(const ToneOptions &tone, float brightness);
 
 } // namespace q3

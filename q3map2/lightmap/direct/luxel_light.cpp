@@ -140,7 +140,7 @@ class LightmapPass {
             worker_.sampler.Refine(*sum, worker_.counts);
     }
 
-    /// For a light whose style finds no slot.
+    /// For a light whose style has no slot left: warns if any of its light arrives.
     void WarnIfItArrives(const Light &light) {
         LuxelIncidentLight incident;
         for (const std::uint32_t block : worker_.reachedBlocks)

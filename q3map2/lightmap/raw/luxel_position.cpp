@@ -13,8 +13,10 @@ namespace {
 constexpr float kBrushEpsilon = 0.125f;
 /// -trianglecheck: positions closer than this to an edge are moved to 1 unit inside of it. Game units.
 constexpr float kEdgeMargin = 0.125f;
-constexpr float kLeastLuxelArea = 1e-4f; ///< of a triangle whose luxels have a size. Square luxels
-/// Rows of a curve closer than this share of a luxel's size are less apart than a luxel is nudged.
+/// Triangles with less than half this area in the lightmap give no luxel steps. Square luxels.
+constexpr float kLeastTwiceArea = 1e-4f;
+/// Spacing of luxels on a curve, as a share of the nominal luxel size, below which a nudge of half a luxel leaves the
+/// curve.
 constexpr float kDense = 0.5f;
 constexpr int kTriangleRounds = 3; // moving off one edge may cross another
 
@@ -30,9 +32,9 @@ Vec3f NudgeOf(std::size_t i, const LuxelSteps &steps) {
 Boundsf BoxAround(const Vec3f &p, const std::array<LuxelSteps, 2> &steps) {
     Boundsf box;
     box.Add(p);
-    for (const LuxelSteps &of : steps)
+    for (const LuxelSteps &stepPair : steps)
         for (std::size_t i = 0; i < kNudges.size(); ++i)
-            box.Add(p + NudgeOf(i, of));
+            box.Add(p + NudgeOf(i, stepPair));
     return box;
 }
 
@@ -64,10 +66,10 @@ Vec3f MovedIntoTriangle(Vec3f p, const std::array<SurfaceVertex, 3> &triangle, c
 LuxelSteps LuxelStepsOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c) {
     const Vec3f p = b.xyz - a.xyz, q = c.xyz - a.xyz;
     const float pu = b.luxel[0] - a.luxel[0], pv = b.luxel[1] - a.luxel[1];
-    const float qu = c.luxel[0] - a.luxel[0], qv = c.luxel[1] - a.luxel[1], area = pu * qv - qu * pv;
-    if (std::abs(area) < kLeastLuxelArea)
+    const float qu = c.luxel[0] - a.luxel[0], qv = c.luxel[1] - a.luxel[1], twiceArea = pu * qv - qu * pv;
+    if (std::abs(twiceArea) < kLeastTwiceArea)
         return {};
-    return {(p * qv - q * pv) / area, (q * pu - p * qu) / area};
+    return {(p * qv - q * pv) / twiceArea, (q * pu - p * qu) / twiceArea};
 }
 
 int LuxelPositionFinder::ClusterAt(const Vec3f &p, VisibleClusters &filter) const {
@@ -152,9 +154,9 @@ LuxelPosition LuxelPositionFinder::Nudged(int x, int y, const Vec3f &center, con
         ++counts.failed;
         return {};
     }
-    for (const LuxelSteps &of : steps)
-        for (std::size_t i = 0; i < kNudges.size() && of != LuxelSteps{}; ++i) {
-            const Vec3f nudged = center + NudgeOf(i, of);
+    for (const LuxelSteps &stepPair : steps)
+        for (std::size_t i = 0; i < kNudges.size() && stepPair != LuxelSteps{}; ++i) {
+            const Vec3f nudged = center + NudgeOf(i, stepPair);
             if (const int cluster = ClusterAt(nudged + lookupOffset, filter); cluster >= 0) {
                 ++counts.nudges[i + 1];
                 return {nudged, cluster};

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Light of surfaces as it is stored. Internal to the folder.
+// GPL-2.0-or-later. Tone and vertex colors as the .bsp stores them. Internal to the folder.
 #pragma once
 
 #include "q3map2/light/tone/light_tone.h"
@@ -8,14 +8,14 @@
 
 namespace q3 {
 
-/// Tone of lightmaps and vertices.
+/// Tone of lightmaps and vertices, limited by worldspawn's _maxlight.
 inline ToneOptions StoredTone(const SurfaceInputs &in) {
     ToneOptions tone = in.options.tone;
     tone.maxLight = std::min(tone.maxLight, in.world.maxLight);
     return tone;
 }
 
-/// Color of a vertex of a surface with that shader and light.
+/// Stored color of a vertex that receives `light` (byte scale), on a surface with `shader`.
 inline std::array<std::uint8_t, 3> VertexBytes(const SurfaceInputs &in, const ShaderInfo &shader, const Vec3f &light,
                                                const ToneOptions &tone) {
     return ColorToBytes(Max(light, in.world.minVertex), shader.vertexScale * in.lightmap.vertexScale, 1, tone);
