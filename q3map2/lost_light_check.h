@@ -4,7 +4,6 @@
 #include "common/log.h"
 #include "q3map2/bspfile/bspfile.h"
 
-#include <cstdint>
 
 namespace q3 {
 
@@ -17,7 +16,7 @@ class LostLightCheck {
     void Report(const Bsp &bsp, Log &log) const;
 
   private:
-    double before_; ///< sum of all bytes of light in the grid
+    double before_; ///< mean light of the grid before
 };
 
 } // namespace q3
