@@ -4,7 +4,6 @@
 #include "common/log.h"
 #include "q3map2/bspfile/bspfile.h"
 
-
 namespace q3 {
 
 /// Compares the legacy light grid of a map before and after it is lit. Compilers usually leave light entities out of
