@@ -31,6 +31,8 @@ double CpuSeconds();
 /// Peak resident memory so far, in bytes.
 double PeakMemory();
 
+/// The path of a name in game data, which may be no UTF-8: such a name is taken for Latin-1 by Windows.
+std::filesystem::path PathOf(std::string_view name);
 /// As fopen, "e" included. Null: failed, errno says why.
 std::FILE *OpenFile(const std::filesystem::path &path, const char *mode);
 /// Creates a file with a new name and these permission bits, but those of the umask. `name` ends in XXXXXX, which are

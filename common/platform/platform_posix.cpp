@@ -68,6 +68,10 @@ double PeakMemory() {
 #endif
 }
 
+fs::path PathOf(std::string_view name) {
+    return name;
+}
+
 std::FILE *OpenFile(const fs::path &path, const char *mode) {
     return std::fopen(path.c_str(), mode);
 }

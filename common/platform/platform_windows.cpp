@@ -76,8 +76,7 @@ bool IsTerminal() {
 bool HasColors() {
     const HANDLE output = GetStdHandle(STD_OUTPUT_HANDLE);
     DWORD mode = 0;
-    return GetConsoleMode(output, &mode) != 0 &&
-           SetConsoleMode(output, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING) != 0;
+    return GetConsoleMode(output, &mode) != 0 && SetConsoleMode(output, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING) != 0;
 }
 
 std::string UserFolder(const std::string &name) {
@@ -99,6 +98,15 @@ double PeakMemory() {
     PROCESS_MEMORY_COUNTERS counters{};
     GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters);
     return double(counters.PeakWorkingSetSize);
+}
+
+fs::path PathOf(std::string_view name) {
+    if (g_utf8_validate(name.data(), gssize(name.size()), nullptr) != FALSE)
+        return name;
+    std::wstring wide;
+    for (const char c : name)
+        wide += wchar_t(static_cast<unsigned char>(c));
+    return wide;
 }
 
 std::FILE *OpenFile(const fs::path &path, const char *mode) {

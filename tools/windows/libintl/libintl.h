@@ -2,6 +2,13 @@
 #ifndef LIBINTL_H
 #define LIBINTL_H
 
+#include <locale.h>
+
+/* Windows has no such category. */
+#ifndef LC_MESSAGES
+#define LC_MESSAGES LC_CTYPE
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
