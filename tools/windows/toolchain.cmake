@@ -19,6 +19,6 @@ set(CMAKE_FIND_LIBRARY_SUFFIXES .a)
 
 # One file that runs by itself. The stack of Windows threads is aligned to 16 bytes only, which g++ forgets when it
 # spills vectors of 32 (GCC bug 54412): the assembler makes such accesses unaligned ones.
-set(CMAKE_EXE_LINKER_FLAGS_INIT -static)
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-static -L${Q3_WINDOWS_PREFIX}/lib")
 set(CMAKE_C_FLAGS_INIT -Wa,-muse-unaligned-vector-move)
 set(CMAKE_CXX_FLAGS_INIT -Wa,-muse-unaligned-vector-move)
