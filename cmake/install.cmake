@@ -1,7 +1,7 @@
 # Installed files and packages: cmake --install, cpack -G "DEB;TGZ".
 include(GNUInstallDirs)
 
-install(TARGETS q3map2 RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS q3map2 RUNTIME_DEPENDENCY_SET libraries RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 # Level editors start q3map2.TYPE, where TYPE is the processor as uname -m names it; on Windows, exe.
 if(NOT WIN32)
   install(CODE "file(CREATE_LINK q3map2 \$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}/q3map2.${CMAKE_SYSTEM_PROCESSOR} SYMBOLIC)")
@@ -17,6 +17,21 @@ install(DIRECTORY tools/editors/netradiant tools/editors/gtkradiant tools/editor
         DESTINATION ${CMAKE_INSTALL_DATADIR}/q3map2-sh/editors)
 install(DIRECTORY tools/demo_arena DESTINATION ${CMAKE_INSTALL_DATADIR}/q3map2-sh)
 
+# The libraries of this system, with their licences, but for the C library: a part of the TGZ only (cpack_generator.cmake).
+# The program looks for them below the folder that it lies in.
+if(CMAKE_SYSTEM_NAME STREQUAL Linux)
+  set(library_folder ${CMAKE_INSTALL_LIBDIR}/q3map2-sh)
+  file(RELATIVE_PATH up /${CMAKE_INSTALL_BINDIR} /${library_folder})
+  # Not the newer tag, which libraries do not use for their own libraries.
+  set_target_properties(q3map2 PROPERTIES INSTALL_RPATH "\$ORIGIN/${up}")
+  target_link_options(q3map2 PRIVATE -Wl,--disable-new-dtags)
+  install(RUNTIME_DEPENDENCY_SET libraries
+          PRE_EXCLUDE_REGEXES "^ld-linux" "^lib(c|m|dl|rt|pthread)\\.so"
+          LIBRARY DESTINATION ${library_folder} COMPONENT libraries EXCLUDE_FROM_ALL)
+  install(CODE "set(library_folder ${library_folder})" COMPONENT libraries EXCLUDE_FROM_ALL)
+  install(SCRIPT cmake/library_licences.cmake COMPONENT libraries EXCLUDE_FROM_ALL)
+endif()
+
 set(CPACK_PACKAGE_NAME q3map2-sh)
 set(CPACK_PACKAGE_VENDOR "q3map2-sh")
 set(CPACK_PACKAGE_CONTACT "The q3map2-sh developers <q3map2-sh@localhost>")
@@ -26,6 +41,7 @@ set(CPACK_PACKAGE_DESCRIPTION
 grid and a light grid of L2 spherical harmonics. Its command line and files are those of q3map2.")
 set(CPACK_RESOURCE_FILE_LICENSE ${CMAKE_CURRENT_SOURCE_DIR}/LICENSE)
 set(CPACK_GENERATOR TGZ)
+set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_CURRENT_SOURCE_DIR}/cmake/cpack_generator.cmake)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_SOURCE_IGNORE_FILES "/build" "/demo/" "/\\.git/")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

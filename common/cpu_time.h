@@ -1,14 +1,11 @@
-// GPL-2.0-or-later. CPU time and memory of this process.
+// GPL-2.0-or-later. Measures CPU time.
 #pragma once
+
+#include "common/platform/platform.h"
 
 namespace q3 {
 
-/// CPU seconds of all threads of the process so far.
-double CpuSeconds();
-/// Peak resident memory so far, in bytes.
-double PeakMemory();
-
-/// Measures CPU seconds from its construction.
+/// Measures CPU seconds of the process from its construction.
 class CpuTimer {
   public:
     CpuTimer() : start_(CpuSeconds()) {}

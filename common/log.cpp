@@ -1,10 +1,10 @@
 // GPL-2.0-or-later. What the program prints.
 #include "common/log.h"
 
+#include "common/platform/platform.h"
+
 #include <cstdio>
 #include <cstdlib>
-
-#include <unistd.h>
 
 namespace q3 {
 
@@ -12,9 +12,8 @@ namespace {
 
 /// Whether warnings and errors are colored: on a terminal that can, unless NO_COLOR is set (no-color.org).
 bool WantsColor() {
-    const char *noColor = std::getenv("NO_COLOR"), *terminal = std::getenv("TERM");
-    return isatty(STDOUT_FILENO) != 0 && (noColor == nullptr || *noColor == 0) &&
-           (terminal == nullptr || std::string_view(terminal) != "dumb");
+    const char *noColor = std::getenv("NO_COLOR");
+    return (noColor == nullptr || *noColor == 0) && HasColors();
 }
 
 /// The text in yellow or red, its line end behind the color.

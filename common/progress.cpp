@@ -1,14 +1,14 @@
 // GPL-2.0-or-later. Progress of a pass.
 #include "common/progress.h"
 
-#include <unistd.h>
+#include "common/platform/platform.h"
 
 namespace q3 {
 
 constexpr int kSteps = 40;
 constexpr double kRedrawSeconds = 0.2;
 
-Progress::Progress(Log &log, std::int64_t total) : log_(log), total_(total), terminal_(isatty(STDOUT_FILENO) != 0) {}
+Progress::Progress(Log &log, std::int64_t total) : log_(log), total_(total), terminal_(IsTerminal()) {}
 
 double Progress::Seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();

@@ -78,7 +78,7 @@ void RequireGameFiles(const GlobalOptions &options, const std::vector<fs::path> 
                       const std::vector<std::string> &words, Log &log) {
     const std::string_view base = options.baseGame ? std::string_view(*options.baseGame) : options.game->gameDir;
     const auto isGameDir = [](const fs::path &folder, const std::string &gameDir) {
-        return folder.string().ends_with("/" + gameDir);
+        return folder.generic_string().ends_with("/" + gameDir);
     };
     for (const std::string &path : options.basePaths)
         if (!IsFolder(path))

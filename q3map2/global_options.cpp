@@ -2,6 +2,7 @@
 #include "q3map2/global_options.h"
 
 #include "common/error.h"
+#include "common/platform/platform.h"
 #include "common/text/text.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/game_check.h"
@@ -89,8 +90,7 @@ std::string HomeRoot(const GlobalOptions &options) {
             return home;
         return home + "/" + (homeBase.starts_with('.') ? homeBase.substr(1) : homeBase);
     }
-    const char *home = g_get_home_dir();
-    return homeBase == "." ? std::string(home) : std::string(home) + "/" + homeBase;
+    return UserFolder(homeBase);
 }
 
 } // namespace

@@ -18,7 +18,7 @@ namespace {
 
 /// Everything that is printed goes to the file too, without the live progress of terminals.
 void AddLogFile(const std::string &path, Log &log) {
-    auto file = std::make_shared<std::ofstream>(path, std::ios::binary);
+    auto file = std::make_shared<std::ofstream>(std::filesystem::path(path), std::ios::binary);
     if (!*file)
         throw Error("-log {}: the file cannot be written", path);
     log.AddSink([file](LogLevel, std::string_view text) { *file << text << std::flush; });

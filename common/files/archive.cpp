@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/platform/platform.h"
 #include "common/text/text_scan.h"
 
 #include <minizip/unzip.h>
@@ -28,7 +29,12 @@ struct CloseZip {
 using Zip = std::unique_ptr<void, CloseZip>;
 
 Zip Open(const std::filesystem::path &path) {
-    Zip zip(unzOpen64(path.c_str()));
+    zlib_filefunc64_def functions{};
+    fill_fopen64_filefunc(&functions);
+    functions.zopen64_file = [](voidpf, const void *name, int) -> voidpf {
+        return OpenFile(*static_cast<const std::filesystem::path *>(name), "rb");
+    };
+    Zip zip(unzOpen2_64(&path, &functions));
     if (!zip)
         throw Error("{}: expected a zip archive", path.string());
     return zip;

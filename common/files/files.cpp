@@ -2,15 +2,15 @@
 #include "common/files/files.h"
 
 #include "common/error.h"
+#include "common/platform/platform.h"
 #include "common/text/text.h"
 
-#include <glib.h>
+#include <glib/gstdio.h>
 
 #include <cerrno>
 #include <system_error>
 #include <utility>
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -37,16 +37,6 @@ fs::path BehindLinks(fs::path path) {
     throw Error("{}: cannot write: more than {} symbolic links", path.string(), kMaxLinks);
 }
 
-/// Makes a rename durable. Failure is ignored: not every file system can, and the file is whole either way.
-void SyncFolder(const fs::path &file) {
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-    const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor < 0)
-        return;
-    fsync(descriptor);
-    close(descriptor);
-}
-
 } // namespace
 
 InputFile::InputFile(fs::path path) : path_(std::move(path)) {
@@ -54,7 +44,7 @@ InputFile::InputFile(fs::path path) : path_(std::move(path)) {
     const fs::file_status status = fs::status(path_, ignored);
     if (fs::exists(status) && !fs::is_regular_file(status)) // a pipe would block, a device may have no end
         throw Error("{}: cannot read: not a regular file", path_.string());
-    file_.reset(std::fopen(path_.c_str(), "rbe"));
+    file_.reset(OpenFile(path_, "rbe"));
     struct stat info {};
     if (!file_ || fstat(fileno(file_.get()), &info) != 0)
         throw Error("{}: cannot read: {}", path_.string(), Reason(errno));
@@ -89,30 +79,23 @@ FileReplacement::FileReplacement(fs::path path) : path_(std::move(path)), target
     const fs::file_status old = fs::status(target_, ignored);
     if (fs::exists(old) && !fs::is_regular_file(old))
         throw Error("{}: cannot write: not a regular file", path_.string());
-    if (fs::exists(old) && access(target_.c_str(), W_OK) != 0)
+    if (fs::exists(old) && g_access(target_.string().c_str(), W_OK) != 0)
         throw Error("{}: cannot write: the file is write protected", path_.string());
-    const auto mode = fs::exists(old) ? mode_t(old.permissions()) : mode_t(0666);
+    const int mode = fs::exists(old) ? int(old.permissions()) : 0666;
 
     std::string name = target_.string() + ".XXXXXX";
-    const int descriptor = g_mkstemp_full(name.data(), O_WRONLY | O_CLOEXEC, int(mode));
-    if (descriptor < 0)
+    file_.reset(CreateTemporary(name, mode));
+    if (!file_)
         Fail(errno);
-    file_.reset(fdopen(descriptor, "wb"));
-    if (!file_) {
-        const int number = errno;
-        close(descriptor);
-        unlink(name.c_str());
-        Fail(number);
-    }
     temporary_ = std::move(name);
-    // An existing file keeps its mode whatever the umask. Failure is ignored: some file systems have no modes.
     if (fs::exists(old))
-        fchmod(descriptor, mode);
+        SetPermissions(file_.get(), mode);
 }
 
 FileReplacement::~FileReplacement() {
+    file_.reset(); // Windows removes no open file
     if (!temporary_.empty())
-        unlink(temporary_.c_str());
+        g_unlink(temporary_.c_str());
 }
 
 void FileReplacement::Append(std::span<const std::byte> data) {
@@ -121,13 +104,12 @@ void FileReplacement::Append(std::span<const std::byte> data) {
 }
 
 void FileReplacement::Commit() {
-    if (std::fflush(file_.get()) != 0 || fsync(fileno(file_.get())) != 0)
+    if (!SyncFile(file_.get()))
         Fail(errno);
-    if (std::rename(temporary_.c_str(), target_.c_str()) != 0)
+    file_.reset();
+    if (!RenameOver(temporary_, target_))
         Fail(errno);
     temporary_.clear();
-    file_.reset();
-    SyncFolder(target_);
 }
 
 void FileReplacement::Fail(int reason) const {

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/files/archive.h"
 #include "common/files/files.h"
+#include "common/platform/platform.h"
 #include "common/text/text_scan.h"
 
 #include <algorithm>
@@ -87,7 +88,7 @@ void VirtualFileSystem::State::Visit(const std::string &name, UsePath usePath, U
     if (name.empty())
         return;
     for (const fs::path &folder : folders) {
-        const fs::path path = folder / name;
+        const fs::path path = folder / PathOf(name);
         std::error_code absent;
         if (fs::is_regular_file(path, absent) && usePath(path))
             return;
@@ -192,7 +193,7 @@ std::vector<std::string> VirtualFileSystem::List(std::string_view folder, std::s
     };
     for (const fs::path &root : state_->folders) {
         std::error_code failed, unknown;
-        for (fs::directory_iterator at(root / safe, failed), end; !failed && at != end; at.increment(failed))
+        for (fs::directory_iterator at(root / PathOf(safe), failed), end; !failed && at != end; at.increment(failed))
             if (at->is_regular_file(unknown))
                 add(at->path().filename().string());
     }

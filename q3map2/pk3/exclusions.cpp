@@ -2,6 +2,7 @@
 #include "q3map2/pk3/exclusions.h"
 
 #include "common/error.h"
+#include "common/platform/platform.h"
 #include "common/text/text_scan.h"
 #include "q3map2/pk3/wanted_list.h"
 
@@ -23,7 +24,7 @@ constexpr std::array<Block, 5> kBlocks = {{{"textures", &Exclusions::textures},
                                            {"videos", &Exclusions::videos}}};
 
 std::string FileKey(std::string_view file) {
-    return std::filesystem::path(LowerCase(PackageName(file))).replace_extension().generic_string();
+    return PathOf(LowerCase(PackageName(file))).replace_extension().generic_string();
 }
 
 std::string KeyFor(std::set<std::string> Exclusions::*block, std::string_view name) {

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/files/archive_writer.h"
 #include "common/files/files.h"
+#include "common/platform/platform.h"
 #include "common/text/text.h"
 
 #include <algorithm>
@@ -25,7 +26,7 @@ bool EndsWith(std::string_view name, std::string_view end) {
 }
 
 std::string CutExtension(std::string_view name) {
-    return fs::path(name).replace_extension().generic_string();
+    return PathOf(name).replace_extension().generic_string();
 }
 
 class Planner {

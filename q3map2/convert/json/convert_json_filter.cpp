@@ -2,6 +2,7 @@
 #include "q3map2/convert/json/convert_json_filter.h"
 
 #include "common/error.h"
+#include "common/platform/platform.h"
 
 #include <cerrno>
 #include <string_view>
@@ -23,7 +24,7 @@ bool IsLetter(int c) {
 
 } // namespace
 
-JsonFilter::JsonFilter(const std::filesystem::path &path) : path_(path), file_(std::fopen(path.c_str(), "rb")) {
+JsonFilter::JsonFilter(const std::filesystem::path &path) : path_(path), file_(OpenFile(path, "rb")) {
     if (!file_)
         throw Error("{}: cannot read: {}", path.string(), std::generic_category().message(errno));
     ReadBlock();

@@ -2,6 +2,7 @@
 #include "q3map2/convert/json/convert_json_write.h"
 
 #include "common/error.h"
+#include "common/platform/platform.h"
 
 #include <cerrno>
 #include <charconv>
@@ -104,16 +105,16 @@ std::string HexText(std::span<const std::byte> bytes) {
 
 JsonWriter::JsonWriter(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
     part_ += ".part";
-    file_.reset(std::fopen(part_.c_str(), "wb"));
+    file_.reset(OpenFile(part_, "wb"));
     if (!file_)
         Fail(errno);
     buffer_.reserve(kFlushBytes + (kFlushBytes >> 2));
 }
 
 JsonWriter::~JsonWriter() {
-    if (!file_)
+    file_.reset(); // Windows removes no open file
+    if (part_.empty())
         return;
-    file_.reset();
     std::error_code ignored;
     std::filesystem::remove(part_, ignored);
 }
@@ -179,11 +180,10 @@ void JsonWriter::Finish() {
     Flush();
     if (std::fflush(file_.get()) != 0)
         Fail(errno);
-    std::error_code error;
-    std::filesystem::rename(part_, path_, error);
-    if (error)
-        Fail(error.value());
     file_.reset();
+    if (!RenameOver(part_, path_))
+        Fail(errno);
+    part_.clear();
 }
 
 void JsonWriter::Fail(int reason) const {

@@ -4,6 +4,8 @@
 #include "common/files/files.h"
 #include "common/text/text_scan.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <system_error>
 

@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/platform/platform.h"
 #include "common/text/text.h"
 
 #include <assimp/IOSystem.hpp>
@@ -37,7 +38,7 @@ class FileStream : private FileBytes, public Assimp::MemoryIOStream {
 std::string VfsName(std::string_view path) {
     std::string name(path);
     std::replace(name.begin(), name.end(), '\\', '/');
-    return std::filesystem::path(name).lexically_normal().generic_string();
+    return PathOf(name).lexically_normal().generic_string();
 }
 
 class GameFiles : public Assimp::IOSystem {

@@ -1,0 +1,13 @@
+# Part of cmake --install: puts what Debian's packages say of the licences of the installed libraries beside them.
+find_program(dpkg_query dpkg-query)
+if(dpkg_query)
+  set(folder $ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/${library_folder})
+  file(GLOB installed RELATIVE ${folder} ${folder}/*.so*)
+  foreach(library ${installed})
+    execute_process(COMMAND ${dpkg_query} -S */lib/*-linux-gnu/${library} OUTPUT_VARIABLE owner ERROR_QUIET)
+    string(REGEX MATCH "^[^:,]+" owner "${owner}")
+    if(EXISTS /usr/share/doc/${owner}/copyright)
+      configure_file(/usr/share/doc/${owner}/copyright ${folder}/licences/${owner} COPYONLY)
+    endif()
+  endforeach()
+endif()

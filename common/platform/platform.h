@@ -1,0 +1,48 @@
+// GPL-2.0-or-later. What differs between operating systems: one source for each, of which CMake takes one.
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// What the operating system tells main.
+struct ProcessStart {
+    std::vector<std::string> arguments; ///< UTF-8 on Windows, without the name of the program
+    std::filesystem::path program;      ///< the file that runs
+};
+
+/// To be called once, first of all. Sets up standard output: bytes are printed as they are, and read as UTF-8.
+ProcessStart StartProcess(int argc, char **argv);
+
+bool IsTerminal();
+/// Whether standard output is a terminal that understands ANSI colors.
+bool HasColors();
+
+/// Folder with the user's files of a game, `name` being the one on Linux, with its leading dot: ~/.q3a there,
+/// %APPDATA%/q3a on Windows. ".": the folder that holds them.
+std::string UserFolder(const std::string &name);
+
+/// CPU seconds of all threads of the process so far.
+double CpuSeconds();
+/// Peak resident memory so far, in bytes.
+double PeakMemory();
+
+/// The path of a name in game data, which may be no UTF-8: such a name is taken for Latin-1 by Windows.
+std::filesystem::path PathOf(std::string_view name);
+/// As fopen, "e" included. Null: failed, errno says why.
+std::FILE *OpenFile(const std::filesystem::path &path, const char *mode);
+/// Creates a file with a new name and these permission bits, but those of the umask. `name` ends in XXXXXX, which are
+/// replaced. Null: failed, errno says why.
+std::FILE *CreateTemporary(std::string &name, int mode);
+/// Sets the permission bits whatever the umask. Failure is ignored: some file systems have none.
+void SetPermissions(std::FILE *file, int mode);
+/// Writes what the operating system still holds of the file to disk. False: failed, errno says why.
+bool SyncFile(std::FILE *file);
+/// Renames a closed file over another, atomically. False: failed, errno says why.
+bool RenameOver(const std::filesystem::path &from, const std::filesystem::path &to);
+
+} // namespace q3

@@ -1,0 +1,176 @@
+// GPL-2.0-or-later. Windows.
+#include "common/platform/platform.h"
+
+#include <glib.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cwchar>
+#include <utility>
+
+// First: the headers below need its types.
+#include <windows.h>
+
+#include <fcntl.h>
+#include <io.h>
+#include <psapi.h>
+#include <sys/stat.h>
+
+namespace q3 {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Virus scanners and editors open new files for a moment, which forbids renaming over them.
+constexpr int kRenameTries = 20;
+constexpr DWORD kRenameWait = 50; // milliseconds
+
+fs::path ProgramFile() {
+    std::wstring name(MAX_PATH, L'\0');
+    for (;;) {
+        const DWORD size = GetModuleFileNameW(nullptr, name.data(), DWORD(name.size()));
+        if (size < name.size())
+            return name.substr(0, size);
+        name.resize(2 * name.size()); // it was cut
+    }
+}
+
+double Seconds(const FILETIME &time) {
+    constexpr double kTicks = 1e-7; // seconds
+    return double(ULONGLONG(time.dwHighDateTime) << 32 | time.dwLowDateTime) * kTicks;
+}
+
+/// The nearest errno of an error of the system.
+int ErrorNumber(DWORD error) {
+    switch (error) {
+    case ERROR_FILE_NOT_FOUND:
+    case ERROR_PATH_NOT_FOUND:
+        return ENOENT;
+    case ERROR_ACCESS_DENIED:
+    case ERROR_SHARING_VIOLATION:
+        return EACCES;
+    case ERROR_DISK_FULL:
+        return ENOSPC;
+    default:
+        return EIO;
+    }
+}
+
+} // namespace
+
+ProcessStart StartProcess(int, char **) {
+    SetConsoleOutputCP(CP_UTF8);
+    _setmode(_fileno(stdout), _O_BINARY);
+    // Those of main are in the user's code page, which lacks most letters.
+    char **words = g_win32_get_command_line();
+    ProcessStart start{{words + 1, words + g_strv_length(words)}, ProgramFile()};
+    g_strfreev(words);
+    return start;
+}
+
+bool IsTerminal() {
+    DWORD mode = 0; // _isatty takes every device for a terminal, NUL too
+    return GetConsoleMode(GetStdHandle(STD_OUTPUT_HANDLE), &mode) != 0;
+}
+
+bool HasColors() {
+    const HANDLE output = GetStdHandle(STD_OUTPUT_HANDLE);
+    DWORD mode = 0;
+    return GetConsoleMode(output, &mode) != 0 && SetConsoleMode(output, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING) != 0;
+}
+
+std::string UserFolder(const std::string &name) {
+    const char *roaming = g_getenv("APPDATA");
+    std::string home = roaming != nullptr ? roaming : g_get_home_dir();
+    std::replace(home.begin(), home.end(), '\\', '/');
+    if (name == ".")
+        return home;
+    return home + "/" + (name.starts_with('.') ? name.substr(1) : name);
+}
+
+double CpuSeconds() {
+    FILETIME created{}, ended{}, kernel{}, user{};
+    GetProcessTimes(GetCurrentProcess(), &created, &ended, &kernel, &user);
+    return Seconds(kernel) + Seconds(user);
+}
+
+double PeakMemory() {
+    PROCESS_MEMORY_COUNTERS counters{};
+    GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters);
+    return double(counters.PeakWorkingSetSize);
+}
+
+fs::path PathOf(std::string_view name) {
+    if (g_utf8_validate(name.data(), gssize(name.size()), nullptr) != FALSE)
+        return name;
+    std::wstring wide;
+    for (const char c : name)
+        wide += wchar_t(static_cast<unsigned char>(c));
+    return wide;
+}
+
+std::FILE *OpenFile(const fs::path &path, const char *mode) {
+    std::wstring wide(mode, mode + std::char_traits<char>::length(mode));
+    std::replace(wide.begin(), wide.end(), L'e', L'N'); // not inherited
+    return _wfopen(path.c_str(), wide.c_str());
+}
+
+std::FILE *CreateTemporary(std::string &name, int mode) {
+    const int descriptor = g_mkstemp_full(name.data(), _O_WRONLY | _O_BINARY | _O_NOINHERIT, mode);
+    return descriptor < 0 ? nullptr : _fdopen(descriptor, "wb");
+}
+
+void SetPermissions(std::FILE *, int) {}
+
+bool SyncFile(std::FILE *file) {
+    return std::fflush(file) == 0 && _commit(_fileno(file)) == 0;
+}
+
+bool RenameOver(const fs::path &from, const fs::path &to) {
+    for (int tried = 1;; ++tried) {
+        if (MoveFileExW(from.c_str(), to.c_str(), MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH) != 0)
+            return true;
+        const DWORD error = GetLastError();
+        if ((error != ERROR_ACCESS_DENIED && error != ERROR_SHARING_VIOLATION) || tried == kRenameTries) {
+            errno = ErrorNumber(error);
+            return false;
+        }
+        Sleep(kRenameWait);
+    }
+}
+
+} // namespace q3
+
+/// In place of mbrtowc of the C library, which knows no UTF-8 (the linker's --wrap, see common/CMakeLists.txt):
+/// std::filesystem::path reads std::string by it. It gives a code
+/// point beyond 16 bits in two calls.
+extern "C" std::size_t __wrap_mbrtowc(wchar_t *to, const char *from, std::size_t size, std::mbstate_t *state) {
+    constexpr auto kBad = std::size_t(-1), kShort = std::size_t(-2);
+    if (from == nullptr || size == 0)
+        return from == nullptr ? 0 : kShort;
+    wchar_t unused;
+    wchar_t &unit = to != nullptr ? *to : unused;
+    if (state != nullptr && *state != 0) { // the last of four bytes
+        unit = wchar_t(std::exchange(*state, 0));
+        return 1;
+    }
+    if (*from == 0) {
+        unit = 0;
+        return 0;
+    }
+    const gunichar c = g_utf8_get_char_validated(from, gssize(size));
+    if (c == gunichar(-2))
+        return kShort;
+    if (c == gunichar(-1) || (c > 0xffff && state == nullptr)) {
+        errno = EILSEQ;
+        return kBad;
+    }
+    if (c <= 0xffff) {
+        unit = wchar_t(c);
+        return std::size_t(g_unichar_to_utf8(c, nullptr));
+    }
+    unit = wchar_t(0xd800 + ((c - 0x10000) >> 10));
+    *state = 0xdc00 + int((c - 0x10000) & 0x3ff);
+    return 3;
+}
