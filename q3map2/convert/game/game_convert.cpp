@@ -4,7 +4,6 @@
 #include "q3map2/convert/json/convert_json_flags.h"
 
 #include <algorithm>
-#include <ranges>
 #include <set>
 #include <string>
 
@@ -23,8 +22,8 @@ class FlagTranslator {
     std::uint32_t Translate(std::uint32_t flags) {
         std::uint32_t result = 0;
         for (const auto &[name, bits] : SplitFlags(flags, from_, kind_))
-            if (const std::uint32_t same = BitsOfTwin(bits))
-                result |= same;
+            if (const std::uint32_t translated = BitsInTarget(bits))
+                result |= translated;
             else if ((bits & used_) == 0)
                 result |= bits;
             else
@@ -36,11 +35,11 @@ class FlagTranslator {
   private:
     /// The target game's bits for the surfaceparm that is exactly `bits` in the source game; 0 if there is none. The
     /// last of several such names counts, as in SplitFlags: a game's own names follow those that all games share.
-    std::uint32_t BitsOfTwin(std::uint32_t bits) const {
-        for (const SurfaceParm &parm : from_.surfaceParms | std::views::reverse)
-            if (ParmBits(parm, kind_) == bits)
-                if (const SurfaceParm *twin = to_.FindParm(parm.name))
-                    return ParmBits(*twin, kind_);
+    std::uint32_t BitsInTarget(std::uint32_t bits) const {
+        for (auto parm = from_.surfaceParms.rbegin(); parm != from_.surfaceParms.rend(); ++parm)
+            if (ParmBits(*parm, kind_) == bits)
+                if (const SurfaceParm *same = to_.FindParm(parm->name))
+                    return ParmBits(*same, kind_);
         return 0;
     }
 
