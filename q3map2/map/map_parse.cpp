@@ -1,11 +1,11 @@
 // GPL-2.0-or-later. Map text to entities.
 #include "q3map2/map/map_parse.h"
 
-#include "common/error.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/map/index_map.h"
 #include "q3map2/map/map_bevels.h"
 #include "q3map2/map/map_brush.h"
+#include "q3map2/map/map_entities.h"
 #include "q3map2/map/map_origin.h"
 #include "q3map2/map/map_patch.h"
 #include "q3map2/map/map_primitive.h"
@@ -25,7 +25,7 @@ std::string_view TrimEnd(std::string_view text) {
 }
 
 /// Reads one map, entity by entity.
-class MapReader {
+class MapReader : public MapEntityHandler {
   public:
     MapReader(std::string_view text, std::string_view name, const BspContext &context)
         : context_(context), scanner_(text, name, context), primitives_(scanner_, map_.planes, context) {
@@ -35,10 +35,7 @@ class MapReader {
     }
 
     Map Read() {
-        while (FindEntity())
-            ReadEntity();
-        if (map_.entities.empty())
-            throw Error("{}: no entity in the map, expected the world as the first", map_.name);
+        ReadMapEntities(scanner_, map_.name, context_.log, *this);
         for (MapEntity &entity : map_.entities)
             FinishPatches(entity.patches);
         PrintCounts();
@@ -47,10 +44,11 @@ class MapReader {
 
   private:
     static std::size_t EntityEstimate(std::string_view text);
-    bool FindEntity();
-    void ReadEntity();
-    bool ReadPairOrPrimitive(MapEntity &entity);
-    void ReadPrimitive(MapEntity &entity);
+    void BeginEntity(int entity) override;
+    void OnPair(const std::string &key, const std::string &value) override;
+    void OnBrush(int primitive, const std::string &first) override;
+    void OnPatch(int primitive, bool hasTolerances) override;
+    void EndEntity() override { FinishEntity(entity_); }
     void AddBrush(MapEntity &entity, Brush brush);
     bool CheckPlanes(Brush &brush) const;
     bool IsWanted(const Brush &brush) const;
@@ -67,10 +65,8 @@ class MapReader {
     Map map_;
     MapScanner scanner_;
     PrimitiveReader primitives_;
-    int entityCount_ = 0, primitiveCount_ = 0;
+    MapEntity entity_;              ///< the one that is read
     std::string primitiveLocation_; ///< file and line where the current primitive begins
-    /// The "{" of the next entity was already read, because the previous one lacks a "}".
-    bool nextEntityIsOpen_ = false;
 };
 
 /// Estimates the number of entities from the "classname" keys.
@@ -82,89 +78,32 @@ std::size_t MapReader::EntityEstimate(std::string_view text) {
     return count;
 }
 
-/// Skips to the "{" of the next entity and warns of skipped text. False: end of the map.
-bool MapReader::FindEntity() {
-    scanner_.SetContext(-1, -1);
-    if (nextEntityIsOpen_)
-        return true;
-    std::string token;
-    bool warned = false;
-    while (scanner_.Next(token)) {
-        if (token == "{")
-            return true;
-        if (!warned)
-            context_.log.Warn("text between entities",
-                              "{}: expected '{{' of entity {}, found '{}'; skipped to the next '{{'",
-                              scanner_.Location(), entityCount_, Shown(token));
-        warned = true;
-    }
-    return false;
+void MapReader::BeginEntity(int entity) {
+    entity_ = {};
+    entity_.number = entity;
+    entity_.location = scanner_.Location();
 }
 
-void MapReader::ReadEntity() {
-    nextEntityIsOpen_ = false;
-    primitiveCount_ = 0;
-    MapEntity entity;
-    entity.number = entityCount_++;
-    entity.location = scanner_.Location();
-    while (ReadPairOrPrimitive(entity)) {
-    }
-    FinishEntity(entity);
-}
-
-/// False: the entity ends.
-bool MapReader::ReadPairOrPrimitive(MapEntity &entity) {
-    scanner_.SetContext(entity.number, -1);
-    std::string key;
-    if (!scanner_.Next(key)) {
-        context_.log.Warn("entity without end", "{}: the file ends within entity {}, expected '}}'",
-                          scanner_.Location(), entity.number);
-        return false;
-    }
-    if (key == "}")
-        return false;
-    if (key == "{") {
-        ReadPrimitive(entity);
-        return !nextEntityIsOpen_;
-    }
-    const std::string value = scanner_.NeedOnLine(fmt::format("the value of the key '{}'", Shown(key)));
+void MapReader::OnPair(const std::string &key, const std::string &value) {
     const std::string_view trimmedKey = TrimEnd(key), trimmedValue = TrimEnd(value);
     if (!trimmedKey.empty() && !trimmedValue.empty())
-        entity.pairs.pairs.emplace_back(trimmedKey, trimmedValue);
-    return true;
+        entity_.pairs.pairs.emplace_back(trimmedKey, trimmedValue);
 }
 
-void MapReader::ReadPrimitive(MapEntity &entity) {
-    scanner_.SetContext(entity.number, primitiveCount_);
-    const std::string first = scanner_.Need("a side of a brush, brushDef or patchDef2");
-    if (EqualNoCase(first, "classname")) {
-        context_.log.Warn("missing brace",
-                          "{}: '{{' and a class name within entity {}: the next entity starts here, a '}}' is missing",
-                          scanner_.Location(), entity.number);
-        scanner_.PushBack();
-        nextEntityIsOpen_ = true;
-        return;
-    }
-    const int primitive = primitiveCount_++;
+void MapReader::OnBrush(int primitive, const std::string &first) {
     primitiveLocation_ = scanner_.Location();
-    if (EqualNoCase(first, "terrainDef")) {
-        scanner_.Warn("terrain", "terrainDef is not supported and left out");
-        if (!scanner_.SkipBlock())
-            scanner_.Fail("the file ends where '}' of the terrain was expected");
-    } else if (EqualNoCase(first, "patchDef2") || EqualNoCase(first, "patchDef3")) {
-        std::optional<Patch> patch = primitives_.ReadPatch();
-        if (!patch || context_.options.noCurves)
-            return;
-        patch->primitive = primitive;
-        entity.patches.push_front(std::move(*patch));
-    } else if (first == "(" || first == "}" || EqualNoCase(first, "brushDef") || EqualNoCase(first, "brushDef3")) {
-        Brush brush = primitives_.ReadBrush(first);
-        brush.settings.entity = entity.number;
-        brush.primitive = primitive;
-        AddBrush(entity, std::move(brush));
-    } else {
-        scanner_.Fail(fmt::format("expected a side of a brush, brushDef, patchDef2 or '}}', found '{}'", Shown(first)));
-    }
+    Brush brush = primitives_.ReadBrush(first);
+    brush.settings.entity = entity_.number;
+    brush.primitive = primitive;
+    AddBrush(entity_, std::move(brush));
+}
+
+void MapReader::OnPatch(int primitive, bool) {
+    std::optional<Patch> patch = primitives_.ReadPatch();
+    if (!patch || context_.options.noCurves)
+        return;
+    patch->primitive = primitive;
+    entity_.patches.push_front(std::move(*patch));
 }
 
 /// Warns of the current brush, with its location.

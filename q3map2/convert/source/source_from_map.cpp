@@ -1,10 +1,10 @@
 // GPL-2.0-or-later. Rewrites a map source with its brushes in another form.
 #include "q3map2/convert/source/source_from_map.h"
 
-#include "common/error.h"
 #include "q3map2/convert/source/plane_points.h"
 #include "q3map2/convert/source/source_writer.h"
 #include "q3map2/map/map_brush.h"
+#include "q3map2/map/map_entities.h"
 #include "q3map2/map/map_primitive.h"
 
 #include <algorithm>
@@ -18,17 +18,14 @@ namespace {
 constexpr double kVisibleError = 0.01;
 
 /// Reads one map and writes it, primitive by primitive.
-class SourceConverter {
+class SourceConverter : public MapEntityHandler {
   public:
     SourceConverter(std::string_view text, std::string_view name, MapForm form, const BspContext &context)
         : context_(context), form_(form), planes_(context.options.normalEpsilon, context.options.distanceEpsilon),
           scanner_(text, name, context), primitives_(scanner_, planes_, context), writer_(form), name_(name) {}
 
     std::string Convert() {
-        while (FindEntity())
-            ConvertEntity();
-        if (entityCount_ == 0)
-            throw Error("{}: no entity in the map, expected the world as the first", name_);
+        ReadMapEntities(scanner_, name_, context_.log, *this);
         context_.log.Count(entityCount_, "entities");
         context_.log.Count(brushCount_, "brushes");
         context_.log.Count(patchCount_, "patches");
@@ -36,12 +33,11 @@ class SourceConverter {
     }
 
   private:
-    bool FindEntity();
-    void ConvertEntity();
-    bool ConvertPairOrPrimitive();
-    void ConvertPrimitive();
-    void ConvertBrush(const std::string &first);
-    void ConvertPatch(bool hasTolerances);
+    void BeginEntity(int entity) override;
+    void OnPair(const std::string &key, const std::string &value) override { writer_.WritePair(key, value); }
+    void OnBrush(int primitive, const std::string &first) override;
+    void OnPatch(int primitive, bool hasTolerances) override;
+    void EndEntity() override { writer_.EndEntity(); }
     SideWords Words(const BrushSide &side, const SideText &text, std::span<const Vec3d> winding) const;
     void ReportError(double texels, std::string_view shader) const;
 
@@ -53,83 +49,14 @@ class SourceConverter {
     SourceWriter writer_;
     std::string_view name_;
     int entityCount_ = 0, brushCount_ = 0, patchCount_ = 0;
-    int primitiveCount_ = 0; ///< brushes and patches of the entity so far
-    /// The "{" of the next entity was already read, because the current one lacks a "}".
-    bool nextEntityIsOpen_ = false;
 };
 
-/// Skips to the "{" of the next entity and warns of skipped text. False: end of the map.
-bool SourceConverter::FindEntity() {
-    scanner_.SetContext(-1, -1);
-    if (nextEntityIsOpen_)
-        return true;
-    std::string token;
-    bool warned = false;
-    while (scanner_.Next(token)) {
-        if (token == "{")
-            return true;
-        if (!warned)
-            context_.log.Warn("text between entities", "{}: expected '{{' of entity {}, found '{}': it is left out",
-                              scanner_.Location(), entityCount_, Shown(token));
-        warned = true;
-    }
-    return false;
+void SourceConverter::BeginEntity(int entity) {
+    writer_.BeginEntity(entity);
+    ++entityCount_;
 }
 
-void SourceConverter::ConvertEntity() {
-    nextEntityIsOpen_ = false;
-    primitiveCount_ = 0;
-    writer_.BeginEntity(entityCount_++);
-    while (ConvertPairOrPrimitive()) {
-    }
-    writer_.EndEntity();
-}
-
-/// False: the entity ends.
-bool SourceConverter::ConvertPairOrPrimitive() {
-    const int entity = entityCount_ - 1;
-    scanner_.SetContext(entity, -1);
-    std::string key;
-    if (!scanner_.Next(key)) {
-        context_.log.Warn("entity without end", "{}: the file ends within entity {}, expected '}}'",
-                          scanner_.Location(), entity);
-        return false;
-    }
-    if (key == "}")
-        return false;
-    if (key == "{") {
-        ConvertPrimitive();
-        return !nextEntityIsOpen_;
-    }
-    writer_.WritePair(key, scanner_.NeedOnLine(fmt::format("the value of the key '{}'", Shown(key))));
-    return true;
-}
-
-void SourceConverter::ConvertPrimitive() {
-    scanner_.SetContext(entityCount_ - 1, primitiveCount_);
-    const std::string first = scanner_.Need("a side of a brush, brushDef or patchDef2");
-    if (EqualNoCase(first, "classname")) {
-        scanner_.Warn("missing brace", "'{' and a class name within an entity: the next entity starts here, a '}' is "
-                                       "missing");
-        scanner_.PushBack();
-        nextEntityIsOpen_ = true;
-        return;
-    }
-    if (EqualNoCase(first, "terrainDef")) {
-        scanner_.Warn("terrain", "terrainDef is not supported and left out");
-        if (!scanner_.SkipBlock())
-            scanner_.Fail("the file ends where '}' of the terrain was expected");
-    } else if (EqualNoCase(first, "patchDef2") || EqualNoCase(first, "patchDef3")) {
-        ConvertPatch(EqualNoCase(first, "patchDef3"));
-    } else if (first == "(" || first == "}" || EqualNoCase(first, "brushDef") || EqualNoCase(first, "brushDef3")) {
-        ConvertBrush(first);
-    } else {
-        scanner_.Fail(fmt::format("expected a side of a brush, brushDef, patchDef2 or '}}', found '{}'", Shown(first)));
-    }
-    ++primitiveCount_;
-}
-
-void SourceConverter::ConvertBrush(const std::string &first) {
+void SourceConverter::OnBrush(int primitive, const std::string &first) {
     std::vector<SideText> texts;
     Brush brush = primitives_.ReadBrush(first, &texts);
     const bool whole =
@@ -143,7 +70,7 @@ void SourceConverter::ConvertBrush(const std::string &first) {
             winding.emplace_back(p);
         words.push_back(Words(brush.sides[i], texts[i], winding));
     }
-    writer_.WriteBrush(primitiveCount_, words);
+    writer_.WriteBrush(primitive, words);
     ++brushCount_;
 }
 
@@ -184,17 +111,17 @@ void SourceConverter::ReportError(double texels, std::string_view shader) const 
                                                      shader, texels));
 }
 
-void SourceConverter::ConvertPatch(bool hasTolerances) {
+void SourceConverter::OnPatch(int primitive, bool hasTolerances) {
     PatchText text;
     std::optional<Patch> patch = primitives_.ReadPatch(&text);
     if (!patch)
         return;
-    writer_.WritePatch(primitiveCount_, {.shader = std::string(WithoutTextures(text.shader)),
-                                         .hasTolerances = hasTolerances,
-                                         .header = std::move(text.header),
-                                         .width = patch->width,
-                                         .height = patch->height,
-                                         .verts = std::move(patch->verts)});
+    writer_.WritePatch(primitive, {.shader = std::string(WithoutTextures(text.shader)),
+                                   .hasTolerances = hasTolerances,
+                                   .header = std::move(text.header),
+                                   .width = patch->width,
+                                   .height = patch->height,
+                                   .verts = std::move(patch->verts)});
     ++patchCount_;
 }
 

@@ -1,0 +1,111 @@
+// GPL-2.0-or-later. The outline of a map source: entities with their pairs, brushes and patches.
+#include "q3map2/map/map_entities.h"
+
+#include "common/error.h"
+#include "common/text/text.h"
+
+namespace q3 {
+
+namespace {
+
+class EntityReader {
+  public:
+    EntityReader(MapScanner &scanner, Log &log, MapEntityHandler &handler)
+        : scanner_(scanner), log_(log), handler_(handler) {}
+
+    /// Returns the number of entities.
+    int Read() {
+        for (; FindEntity(); ++entity_) {
+            nextEntityIsOpen_ = false;
+            primitive_ = 0;
+            handler_.BeginEntity(entity_);
+            while (ReadPairOrPrimitive()) {
+            }
+            handler_.EndEntity();
+        }
+        return entity_;
+    }
+
+  private:
+    bool FindEntity();
+    bool ReadPairOrPrimitive();
+    void ReadPrimitive();
+
+    MapScanner &scanner_;
+    Log &log_;
+    MapEntityHandler &handler_;
+    int entity_ = 0, primitive_ = 0;
+    /// The "{" of the next entity was already read, because the previous one lacks a "}".
+    bool nextEntityIsOpen_ = false;
+};
+
+/// Skips to the "{" of the next entity and warns of skipped text. False: end of the map.
+bool EntityReader::FindEntity() {
+    scanner_.SetContext(-1, -1);
+    if (nextEntityIsOpen_)
+        return true;
+    std::string token;
+    bool warned = false;
+    while (scanner_.Next(token)) {
+        if (token == "{")
+            return true;
+        if (!warned)
+            log_.Warn("text between entities", "{}: expected '{{' of entity {}, found '{}'; skipped to the next '{{'",
+                      scanner_.Location(), entity_, Shown(token));
+        warned = true;
+    }
+    return false;
+}
+
+/// False: the entity ends.
+bool EntityReader::ReadPairOrPrimitive() {
+    scanner_.SetContext(entity_, -1);
+    std::string key;
+    if (!scanner_.Next(key)) {
+        log_.Warn("entity without end", "{}: the file ends within entity {}, expected '}}'", scanner_.Location(),
+                  entity_);
+        return false;
+    }
+    if (key == "}")
+        return false;
+    if (key == "{") {
+        ReadPrimitive();
+        return !nextEntityIsOpen_;
+    }
+    handler_.OnPair(key, scanner_.NeedOnLine(fmt::format("the value of the key '{}'", Shown(key))));
+    return true;
+}
+
+void EntityReader::ReadPrimitive() {
+    scanner_.SetContext(entity_, primitive_);
+    const std::string first = scanner_.Need("a side of a brush, brushDef or patchDef2");
+    if (EqualNoCase(first, "classname")) {
+        log_.Warn("missing brace",
+                  "{}: '{{' and a class name within entity {}: the next entity starts here, a '}}' is missing",
+                  scanner_.Location(), entity_);
+        scanner_.PushBack();
+        nextEntityIsOpen_ = true;
+        return;
+    }
+    const int primitive = primitive_++;
+    if (EqualNoCase(first, "terrainDef")) {
+        scanner_.Warn("terrain", "terrainDef is not supported and left out");
+        if (!scanner_.SkipBlock())
+            scanner_.Fail("the file ends where '}' of the terrain was expected");
+    } else if (EqualNoCase(first, "patchDef2") || EqualNoCase(first, "patchDef3")) {
+        handler_.OnPatch(primitive, EqualNoCase(first, "patchDef3"));
+    } else if (first == "(" || first == "}" || EqualNoCase(first, "brushDef") || EqualNoCase(first, "brushDef3")) {
+        handler_.OnBrush(primitive, first);
+    } else {
+        scanner_.Fail(fmt::format("expected a side of a brush, brushDef, patchDef2 or '}}', found '{}'", Shown(first)));
+    }
+}
+
+} // namespace
+
+void ReadMapEntities(MapScanner &scanner, std::string_view name, Log &log, MapEntityHandler &handler) {
+    if (EntityReader(scanner, log, handler).Read() == 0)
+        throw Error("{}: no entity in the map, expected the world as the first", name);
+}
+
+} // namespace q3
