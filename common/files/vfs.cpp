@@ -49,10 +49,6 @@ std::string LastPart(const fs::path &folder) {
     return folder.has_filename() ? folder.filename().string() : folder.parent_path().filename().string();
 }
 
-bool EndsWithNoCase(std::string_view name, std::string_view end) {
-    return name.size() >= end.size() && EqualNoCase(name.substr(name.size() - end.size()), end);
-}
-
 } // namespace
 
 struct VirtualFileSystem::State {

@@ -31,6 +31,10 @@ bool StartsWithNoCase(std::string_view text, std::string_view prefix) {
     return EqualNoCase(text.substr(0, prefix.size()), prefix);
 }
 
+bool EndsWithNoCase(std::string_view text, std::string_view suffix) {
+    return text.size() >= suffix.size() && EqualNoCase(text.substr(text.size() - suffix.size()), suffix);
+}
+
 std::optional<double> TakeNumber(std::string_view &text) {
     while (!text.empty() && IsBlank(text.front()))
         text.remove_prefix(1);

@@ -23,6 +23,7 @@ std::string LowerCase(std::string_view text);
 /// Equal but for the case of A-Z.
 bool EqualNoCase(std::string_view a, std::string_view b);
 bool StartsWithNoCase(std::string_view text, std::string_view prefix);
+bool EndsWithNoCase(std::string_view text, std::string_view suffix);
 
 /// Takes a number off the front of `text`, by C rules: leading blanks, sign, stops at the first character that is not
 /// part of it. If there is no finite number: std::nullopt, and only blanks are taken off.

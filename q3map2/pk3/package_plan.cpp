@@ -21,10 +21,6 @@ namespace {
 constexpr std::array<std::string_view, 3> kSoundExtensions = {".wav", ".ogg", ".opus"};
 constexpr int kMostLods = 3; ///< levels of detail of a model: x.md3, x_1.md3, x_2.md3
 
-bool EndsWith(std::string_view name, std::string_view end) {
-    return name.size() >= end.size() && EqualNoCase(name.substr(name.size() - end.size()), end);
-}
-
 std::string CutExtension(std::string_view name) {
     return PathOf(name).replace_extension().generic_string();
 }
@@ -106,7 +102,7 @@ class Planner {
             return;
         std::vector<std::string> names{sound.name};
         for (const std::string_view extension : kSoundExtensions)
-            if (!EndsWith(sound.name, extension))
+            if (!EndsWithNoCase(sound.name, extension))
                 names.push_back(CutExtension(sound.name) + std::string(extension));
         TakeFirst(names, sound, "");
     }
@@ -138,9 +134,9 @@ void Planner::PlanModel(const std::string &name, const std::string &why) {
     if (!bytes)
         return;
     std::vector<std::string> shaders;
-    if (EndsWith(name, ".md3"))
+    if (EndsWithNoCase(name, ".md3"))
         shaders = ShadersOfMd3(*bytes);
-    else if (EndsWith(name, ".skin"))
+    else if (EndsWithNoCase(name, ".skin"))
         shaders = ShadersOfSkin(AsText(*bytes));
     else
         log_.Warn("model format", "{}: shaders of this format are not known: see that they are in the package", name);
@@ -155,7 +151,7 @@ void Planner::PlanModels() {
             continue;
         }
         PlanModel(model.name, model.why);
-        for (int lod = 1; lod < kMostLods && EndsWith(model.name, ".md3"); ++lod)
+        for (int lod = 1; lod < kMostLods && EndsWithNoCase(model.name, ".md3"); ++lod)
             if (const std::string name = fmt::format("{}_{}.md3", CutExtension(model.name), lod);
                 source_.Find(name) != Whereabouts::Nowhere)
                 PlanModel(name, model.why);

@@ -128,6 +128,8 @@ TEST(Entities, FlagsSetAndNames) {
     EXPECT_FALSE(EqualNoCase("light", "lights"));
     EXPECT_TRUE(StartsWithNoCase("LIGHTjunior", "light"));
     EXPECT_FALSE(StartsWithNoCase("lig", "light"));
+    EXPECT_TRUE(EndsWithNoCase("models/x.MD3", ".md3"));
+    EXPECT_FALSE(EndsWithNoCase("md3", ".md3"));
 }
 
 TEST(Entities, FormattedTextCanAlwaysBeReadBack) {

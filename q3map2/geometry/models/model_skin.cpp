@@ -88,10 +88,6 @@ std::vector<Replacement> RemapsOf(const MapEntity &entity, const BspContext &con
     return remaps;
 }
 
-bool EndsWithNoCase(std::string_view text, std::string_view end) {
-    return text.size() >= end.size() && EqualNoCase(text.substr(text.size() - end.size()), end);
-}
-
 } // namespace
 
 ShaderRemap ShaderRemapOf(const MapEntity &entity, std::string_view model, const BspContext &context) {
