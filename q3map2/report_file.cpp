@@ -94,7 +94,7 @@ void ReportFile::Write(const std::filesystem::path &path, const std::vector<std:
     }
     // Names in maps may be in any encoding.
     const std::string text = report.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-    ReplaceFile(path, std::as_bytes(std::span(text)));
+    ReplaceTextFile(path, text);
 }
 
 } // namespace q3

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 void WriteText(const fs::path &path, const std::string &text, Log &log) {
     log.Print("Writing {}\n", path.string());
-    ReplaceFile(path, std::as_bytes(std::span(text.data(), text.size())));
+    ReplaceTextFile(path, text);
 }
 
 /// Path of the map source: extension `.map`, except for regions and for entities of -onlyents. Errors: a .bsp that may

@@ -62,7 +62,7 @@ void WriteSource(MapForm form, const ConvertJob &job) {
     fs::path output = job.input;
     output.replace_filename(job.input.stem().string() + "_converted.map");
     job.context.log.Print("Writing {}\n", output.string());
-    ReplaceFile(output, std::as_bytes(std::span(text.data(), text.size())));
+    ReplaceTextFile(output, text);
 }
 
 using MeshWriter = void (*)(const Bsp &, ShaderLibrary &, const MeshExportOptions &, const fs::path &, Log &);

@@ -76,7 +76,7 @@ int EditorFilesStage(const StageContext &context, Arguments arguments) {
         const fs::path path = fs::absolute(folders.front()) / file.path;
         context.log.Print("Writing {}\n", path.string());
         fs::create_directories(path.parent_path());
-        ReplaceFile(path, std::as_bytes(std::span(file.text.data(), file.text.size())));
+        ReplaceTextFile(path, file.text);
     }
     return 0;
 }

@@ -18,7 +18,7 @@ int ExportEntitiesStage(const StageContext &context, Arguments arguments) {
     }
     const auto path = WithExtension(bspPath, ".ent");
     log.Print("Writing {}\n", path.string());
-    ReplaceFile(path, std::as_bytes(std::span(text)));
+    ReplaceTextFile(path, text);
     return 0;
 }
 

@@ -8,7 +8,6 @@
 #include "q3map2/stage_words.h"
 
 #include <algorithm>
-#include <span>
 
 namespace q3 {
 
@@ -186,7 +185,7 @@ int RepackStage(const StageContext &context, Arguments arguments) {
         for (const EngineShader *shader : plan.strippedShaders)
             text += '\n' + StrippedText(*shader);
         log.Print("Writing {}\n", script.string());
-        ReplaceFile(script, std::as_bytes(std::span(text.data(), text.size())));
+        ReplaceTextFile(script, text);
         WritePackage(path, path, options.level, packing.source, plan, log);
     }
     return Finish(plan, log);

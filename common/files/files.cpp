@@ -122,4 +122,8 @@ void ReplaceFile(const fs::path &path, std::span<const std::byte> data) {
     file.Commit();
 }
 
+void ReplaceTextFile(const fs::path &path, std::string_view text) {
+    ReplaceFile(path, std::as_bytes(std::span(text)));
+}
+
 } // namespace q3

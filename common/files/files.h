@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace q3 {
@@ -64,5 +65,6 @@ class FileReplacement {
 
 /// FileReplacement in one step.
 void ReplaceFile(const std::filesystem::path &path, std::span<const std::byte> data);
+void ReplaceTextFile(const std::filesystem::path &path, std::string_view text);
 
 } // namespace q3

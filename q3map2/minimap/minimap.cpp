@@ -144,7 +144,7 @@ void WriteMinimap(const Bsp &bsp, const std::filesystem::path &bspPath, ShaderLi
     const std::string text = MinimapSidecar(minimap.box, path.stem().string());
     path.replace_extension(".minimap");
     log.Print("Writing {}\n", path.string());
-    ReplaceFile(path, std::as_bytes(std::span(text)));
+    ReplaceTextFile(path, text);
 }
 
 } // namespace q3

@@ -6,7 +6,6 @@
 #include "q3map2/bspfile/surface_keys.h"
 
 #include <algorithm>
-#include <span>
 
 namespace q3 {
 
@@ -165,7 +164,7 @@ void WriteLeakFile(const std::filesystem::path &path, const std::vector<Vec3f> &
     std::string text;
     for (const Vec3f &p : line)
         text += fmt::format("{:f} {:f} {:f}\n", p.x, p.y, p.z);
-    ReplaceFile(path, std::as_bytes(std::span(text)));
+    ReplaceTextFile(path, text);
 }
 
 } // namespace q3

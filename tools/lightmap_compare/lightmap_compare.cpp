@@ -8,7 +8,6 @@
 
 #include <cstdio>
 #include <optional>
-#include <span>
 
 namespace q3::compare {
 
@@ -63,7 +62,7 @@ int Run(const std::vector<std::string> &words) {
     fmt::print("{}", ToText(comparison));
     if (jsonFile) {
         const std::string json = ToJson(comparison);
-        ReplaceFile(*jsonFile, std::as_bytes(std::span(json)));
+        ReplaceTextFile(*jsonFile, json);
     }
     return 0;
 }

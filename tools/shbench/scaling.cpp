@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <memory>
-#include <span>
 
 namespace q3::bench {
 
@@ -51,9 +50,7 @@ class ScriptFolder {
     const std::filesystem::path &Root() const { return root_; }
 
   private:
-    void Write(std::string_view name, const std::string &text) const {
-        ReplaceFile(root_ / name, std::as_bytes(std::span(text)));
-    }
+    void Write(std::string_view name, const std::string &text) const { ReplaceTextFile(root_ / name, text); }
     std::filesystem::path root_;
 };
 

@@ -14,7 +14,6 @@
 #include <cstdio>
 #include <memory>
 #include <new>
-#include <span>
 #include <system_error>
 
 namespace q3::bench {
@@ -129,7 +128,7 @@ void Print(const std::string &text, std::FILE *to = stdout) {
 
 void WriteText(const std::string &file, const std::string &text) {
     if (!file.empty())
-        ReplaceFile(file, std::as_bytes(std::span(text)));
+        ReplaceTextFile(file, text);
 }
 
 void ReportScaling(const Command &command, const std::vector<ScalingStep> &steps, const std::string &size,

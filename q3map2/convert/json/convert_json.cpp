@@ -82,8 +82,7 @@ class Unpacker {
                       kJsonEntities);
         }
         WriteRecords(kJsonEntities, "entity", entities);
-        WriteIf(!same, kJsonEntityText,
-                [this] { ReplaceFile(Announce(kJsonEntityText), std::as_bytes(std::span(bsp_.entities))); });
+        WriteIf(!same, kJsonEntityText, [this] { ReplaceTextFile(Announce(kJsonEntityText), bsp_.entities); });
     }
 
     void WriteGridSH(const LightGridSH &grid) const {

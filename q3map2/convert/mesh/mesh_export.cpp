@@ -20,7 +20,7 @@ void PrintMeshCounts(const MeshScene &scene, Log &log) {
 
 void WriteText(const std::filesystem::path &path, const std::string &text, Log &log) {
     log.Print("Writing {}\n", path.string());
-    ReplaceFile(path, std::as_bytes(std::span(text)));
+    ReplaceTextFile(path, text);
 }
 
 } // namespace

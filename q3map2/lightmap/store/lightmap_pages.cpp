@@ -71,7 +71,7 @@ void WriteScript(const std::filesystem::path &script, const StoredLightmaps &sto
     for (const StoredLightmaps::Script &one : stored.scripts)
         text += fmt::format("\n{}\n{}{}", one.shader, one.text, one.text.ends_with('\n') ? "" : "\n");
     MakeFolder(script.parent_path());
-    ReplaceFile(script, std::as_bytes(std::span(text)));
+    ReplaceTextFile(script, text);
     log.Print("Wrote {} shaders to {}\n", stored.scripts.size(), script.string());
 }
 
