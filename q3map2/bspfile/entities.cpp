@@ -237,4 +237,13 @@ std::vector<Entity> StoredEntities(std::string_view text, std::string_view name)
     return stored;
 }
 
+Entity StoredWorld(std::string_view text) {
+    try {
+        const std::vector<Entity> entities = ParseEntities(text, "entities");
+        return entities.empty() ? Entity{} : entities.front();
+    } catch (const Error &) {
+        return {};
+    }
+}
+
 } // namespace q3

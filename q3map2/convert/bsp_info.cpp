@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace q3 {
 
@@ -30,9 +29,10 @@ class InfoTable {
     void Print() const {
         PrintGeometry();
         PrintSurfaces();
-        PrintLight();
+        const Entity world = StoredWorld(bsp_.entities);
+        PrintLight(world);
         if (bsp_.gridSH)
-            PrintGridSH(*bsp_.gridSH);
+            PrintGridSH(*bsp_.gridSH, world);
         PrintExtras();
     }
 
@@ -57,7 +57,7 @@ class InfoTable {
         Line(bsp_.brushSides, "brushsides", kRbspBrushSideBytes);
         Line(bsp_.fogs, "fogs");
         Line(bsp_.planes, "planes");
-        Line(Entities().size(), "entdata", bsp_.entities.size() + 1);
+        Line(EntityCount(), "entdata", bsp_.entities.size() + 1);
         log_.Print("\n");
         Line(bsp_.nodes, "nodes");
         Line(bsp_.leafs, "leafs");
@@ -82,16 +82,16 @@ class InfoTable {
         log_.Print("\n");
     }
 
-    void PrintLight() const {
+    void PrintLight(const Entity &world) const {
         Line(bsp_.lightmaps.size() / kLightmapPageBytes, "lightmaps", bsp_.lightmaps.size());
-        if (const Entity world = World(); world.Has(kToneKey))
+        if (world.Has(kToneKey))
             Note("tone: {}", Printable(std::string(world.Value(kToneKey))));
         Line(bsp_.gridPoints, "lightgrid", kRbspGridPointBytes);
         log_.Print("{:9} {:<14} {:9}\n", "", "visibility", bsp_.visibility.size());
         log_.Print("\n");
     }
 
-    void PrintGridSH(const LightGridSH &grid) const {
+    void PrintGridSH(const LightGridSH &grid, const Entity &world) const {
         const bspGridSHHeader_t &head = grid.header;
         Line(grid.points.size(), "SH light grid", sizeof head + grid.points.size() * sizeof(bspGridPointSH_t));
         const Float3 last = GridLayout{head.gridMins, head.gridSize, head.gridBounds}.Position(
@@ -103,7 +103,7 @@ class InfoTable {
              shown(head.gridMins[2]), shown(last[0]), shown(last[1]), shown(last[2]));
         Note("stored in {}", bsp_.gridSHContainer == GridSHContainer::Lump ? "lump 18" : "BSPX lump LIGHTGRID_SH");
         Note("coefficients are {}",
-             World().Value(kGridSHKey) == kRadiance ? "radiance, not convolved (-shradiance)" : "cosine-convolved");
+             world.Value(kGridSHKey) == kRadiance ? "radiance, not convolved (-shradiance)" : "cosine-convolved");
         const GridShares shares = CountGridShares(bsp_, grid);
         Share(shares.open, "lit points", grid.points.size());
         Share(shares.filled, "filled points", grid.points.size());
@@ -134,18 +134,13 @@ class InfoTable {
         return name;
     }
 
-    std::vector<Entity> Entities() const {
+    std::size_t EntityCount() const {
         try {
-            return ParseEntities(bsp_.entities, path_.string());
+            return ParseEntities(bsp_.entities, path_.string()).size();
         } catch (const Error &error) {
             log_.Warn("entity text", "{}", error.what());
-            return {};
+            return 0;
         }
-    }
-
-    Entity World() const {
-        const std::vector<Entity> entities = Entities();
-        return entities.empty() ? Entity{} : entities.front();
     }
 
     const std::filesystem::path &path_;

@@ -17,15 +17,6 @@ namespace {
 constexpr Float3 kDefaultGridSize = {64, 64, 128};
 constexpr float kRenormalizeBelow = 0.99f; ///< engines renormalize only smaller sums of weights
 
-Entity World(const Bsp &bsp) {
-    try {
-        auto entities = ParseEntities(bsp.entities, "entities");
-        return entities.empty() ? Entity{} : entities[0];
-    } catch (const Error &) {
-        return {}; // ReadBsp has warned
-    }
-}
-
 Vec3f Decode(const bspGridPoint_t &point) {
     constexpr float step = 2 * std::numbers::pi_v<float> / 256;
     const float polar = float(point.latLong[0]) * step, around = float(point.latLong[1]) * step;
@@ -47,7 +38,7 @@ ShPreview::ShPreview(const Bsp &bsp) {
     std::ranges::copy(head.gridBounds, grid_.bounds);
     grid_.count = head.numPoints;
     grid_.points = reinterpret_cast<const unsigned char *>(bsp.gridSH->points.data());
-    const Entity world = World(bsp);
+    const Entity world = StoredWorld(bsp.entities);
     radiance_ = world.Value(kGridSHKey) == kRadiance;
     shgrid_tone tone;
     if (world.Has(kToneKey) && shgrid_parse_tone(std::string(world.Value(kToneKey)).c_str(), &tone) == SHGRID_OK)
@@ -78,7 +69,7 @@ Vec3f LightOn(const LegacySample &sample, const Vec3f &normal) {
 
 std::optional<LegacyPreview> LegacyPreview::Make(const Bsp &bsp) {
     LegacyPreview preview;
-    const auto given = keys::kGridSize.Vector(World(bsp));
+    const auto given = keys::kGridSize.Vector(StoredWorld(bsp.entities));
     const Float3 size = given ? Float3{given->x, given->y, given->z} : kDefaultGridSize;
     try {
         preview.layout_ = LayoutGrid(bsp.models[0].mins, bsp.models[0].maxs, size);
