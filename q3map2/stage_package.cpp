@@ -63,7 +63,8 @@ fs::path OutputFolder(const StageContext &context, const PackOptions &options) {
     return BasePaths(context.options, context.words, context.program).front();
 }
 
-/// Maps that the words name; a word that is no .bsp is a list of them, one a line.
+/// Maps that the words name. If it `mayBeList`, a single word that is no .bsp is a list of them, one a line. Errors: no
+/// maps in the list.
 std::vector<fs::path> MapsOf(const std::vector<std::string> &words, bool mayBeList) {
     std::vector<fs::path> maps;
     for (const std::string &word : words) {
@@ -83,19 +84,30 @@ std::vector<fs::path> MapsOf(const std::vector<std::string> &words, bool mayBeLi
                 maps.push_back(WithExtension(fs::absolute(line), ".bsp"));
         }
     }
+    if (maps.empty())
+        throw Error("the list names no maps");
     return maps;
 }
 
-/// What both stages work with.
+std::vector<std::string> TakeMaps(const StageContext &context, Arguments &arguments) {
+    std::vector<std::string> words = TakeFiles(context, arguments);
+    if (words.empty())
+        throw Error("usage: q3map2 {}", context.stage.usage);
+    PrintChangedOptions(arguments, context.log);
+    return words;
+}
+
+/// What both stages start with: the maps that the arguments name, what they need, and where that is.
 struct Packing {
     std::vector<fs::path> maps;
     VirtualFileSystem vfs;
     PackageSource source;
     EngineScripts scripts;
     MapNeeds needs;
+    Exclusions exclusions;
 
-    Packing(const StageContext &context, const PackOptions &options, std::vector<fs::path> mapFiles)
-        : maps(std::move(mapFiles)),
+    Packing(const StageContext &context, const PackOptions &options, Arguments &arguments, bool mayBeList)
+        : maps(MapsOf(TakeMaps(context, arguments), mayBeList)),
           vfs(OpenGameFiles(context.options, GameFolders(context.options, context.words, context.program),
                             context.log)),
           source(vfs, FoldersOf(maps), options.basePaks),
@@ -105,6 +117,7 @@ struct Packing {
             AddNeeds(ReadBspFile(map, context.options.Format(), context.log), map.stem().string(),
                      *context.options.game, needs);
         }
+        exclusions = LoadExclusions(context, options);
     }
 };
 
@@ -128,14 +141,6 @@ void RemoveOld(const fs::path &path) {
     fs::remove(path, ignored);
 }
 
-std::vector<std::string> TakeMaps(const StageContext &context, Arguments &arguments) {
-    std::vector<std::string> words = TakeFiles(context, arguments);
-    if (words.empty())
-        throw Error("usage: q3map2 {}", context.stage.usage);
-    PrintChangedOptions(arguments, context.log);
-    return words;
-}
-
 } // namespace
 
 int PackStage(const StageContext &context, Arguments arguments) {
@@ -143,16 +148,14 @@ int PackStage(const StageContext &context, Arguments arguments) {
     log.Section("Pk3");
     PackOptions options;
     TakeSettings(PackSettings(), options, arguments, log);
-    const auto maps = MapsOf(TakeMaps(context, arguments), false);
-    Packing packing(context, options, maps);
-    const Exclusions exclusions = LoadExclusions(context, options);
+    Packing packing(context, options, arguments, false);
     PackagePlan plan = MakePlan(packing.needs, packing.source, packing.scripts,
-                                {.exclusions = exclusions, .png = options.png, .list = options.list}, log);
-    for (const fs::path &map : maps)
+                                {.exclusions = packing.exclusions, .png = options.png, .list = options.list}, log);
+    for (const fs::path &map : packing.maps)
         AddMapFiles(map, packing.needs.externalPages, *context.options.game, packing.source, plan);
-    for (const fs::path &map : maps)
+    for (const fs::path &map : packing.maps)
         BotCheck(map, log).Report(BotCheck::SameGeometry, false);
-    const std::string name = maps.back().stem().string();
+    const std::string name = packing.maps.back().stem().string();
     const fs::path folder = OutputFolder(context, options);
     const fs::path path = folder / (name + "_autopacked.pk3"), failed = folder / (name + "_FAILEDpack.pk3");
     RemoveOld(path);
@@ -166,18 +169,14 @@ int RepackStage(const StageContext &context, Arguments arguments) {
     log.Section("Repack");
     RepackOptions options;
     TakeSettings(RepackSettings(), options, arguments, log);
-    const auto maps = MapsOf(TakeMaps(context, arguments), true);
-    if (maps.empty())
-        throw Error("the list names no maps");
-    Packing packing(context, options, maps);
-    Exclusions exclusions = LoadExclusions(context, options);
+    Packing packing(context, options, arguments, true);
     if (const fs::path more = context.program.parent_path() / "repack.exclude"; fs::exists(more))
-        exclusions.Add(ReadExclusions(ReadTextFile(more), more.string()));
+        packing.exclusions.Add(ReadExclusions(ReadTextFile(more), more.string()));
     PackagePlan plan =
         MakePlan(packing.needs, packing.source, packing.scripts,
-                 {.exclusions = exclusions, .png = options.png, .wholeScripts = false, .list = true}, log);
+                 {.exclusions = packing.exclusions, .png = options.png, .wholeScripts = false, .list = true}, log);
     if (!options.onlyList) {
-        const std::string name = maps.back().stem().string();
+        const std::string name = packing.maps.back().stem().string();
         const fs::path folder = OutputFolder(context, options);
         const fs::path path = folder / (name + "_repacked.pk3"),
                        script = folder / (name + "_strippedBYrepacker.shader");
