@@ -46,9 +46,8 @@ std::string Joined(const std::vector<fs::path> &folders) {
 /// DIR/baseoa/maps/x.map.
 std::string HintOfMap(const std::vector<std::string> &words, const Game &game) {
     for (const std::string &word : words) {
-        std::error_code failed;
-        const fs::path maps = fs::absolute(word, failed).lexically_normal().parent_path(), folder = maps.parent_path();
-        if (!failed && EqualNoCase(maps.filename().string(), "maps") && HoldsGameFiles(folder, game))
+        const fs::path folder = GameFolderOfMap(word);
+        if (!folder.empty() && HoldsGameFiles(folder, game))
             return fmt::format("; the map is among the game files of {}: try -fs_basegame {}, or -fs_game {} for a mod",
                                folder.string(), folder.filename().string(), folder.filename().string());
     }

@@ -64,13 +64,11 @@ std::string EnginePathFrom(const std::vector<std::string> &words, std::string_vi
 /// The folder that holds the game folder of a map named on the command line: DIR of DIR/baseq3/maps/x.map. Empty: none.
 std::string EnginePathOfMap(const std::vector<std::string> &words, const std::vector<std::string> &gameDirs) {
     for (const std::string &word : words) {
-        std::error_code failed;
-        const auto folder = std::filesystem::absolute(WithSlashes(word), failed).lexically_normal().parent_path();
-        const std::string gameDir = folder.parent_path().filename().string();
+        const std::filesystem::path folder = GameFolderOfMap(word);
+        const std::string gameDir = folder.filename().string();
         const auto isName = [&](const std::string &name) { return EqualNoCase(name, gameDir); };
-        if (!failed && EqualNoCase(folder.filename().string(), "maps") &&
-            std::any_of(gameDirs.begin(), gameDirs.end(), isName))
-            return folder.parent_path().parent_path().string();
+        if (!folder.empty() && std::any_of(gameDirs.begin(), gameDirs.end(), isName))
+            return folder.parent_path().string();
     }
     return {};
 }
@@ -135,6 +133,14 @@ std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, con
     for (const std::string &path : options.pakPaths)
         folders.push_back(path);
     return folders;
+}
+
+std::filesystem::path GameFolderOfMap(const std::string &map) {
+    std::error_code failed;
+    const auto maps = std::filesystem::absolute(WithSlashes(map), failed).lexically_normal().parent_path();
+    if (failed || !EqualNoCase(maps.filename().string(), "maps"))
+        return {};
+    return maps.parent_path();
 }
 
 VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders,

@@ -51,6 +51,9 @@ std::vector<std::filesystem::path> BasePaths(const GlobalOptions &options, const
 std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, const std::vector<std::string> &arguments,
                                                const std::filesystem::path &program);
 
+/// The game folder that a map is in: DIR/game of DIR/game/maps/x.map. Empty: the map is not in a folder called maps.
+std::filesystem::path GameFolderOfMap(const std::string &map);
+
 VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders,
                                 Log &log);
 

@@ -15,13 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The folder above each map's, if that is called maps: there its scripts, images and sounds may be.
+/// The game folders that the maps are in: there their scripts, images and sounds may be.
 std::vector<fs::path> FoldersOf(const std::vector<fs::path> &maps) {
     std::vector<fs::path> folders;
     for (const fs::path &map : maps)
-        if (const fs::path maybe = map.parent_path(); EqualNoCase(maybe.filename().string(), "maps") &&
-                                                      std::ranges::find(folders, maybe.parent_path()) == folders.end())
-            folders.push_back(maybe.parent_path());
+        if (fs::path folder = GameFolderOfMap(map.string());
+            !folder.empty() && std::ranges::find(folders, folder) == folders.end())
+            folders.push_back(std::move(folder));
     return folders;
 }
 
