@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Prints how many bytes the SH grid takes in a .bsp.
+// GPL-2.0-or-later. Reports how many bytes the SH grid takes in a .bsp, plain and zipped.
 #include "q3map2/grid_size_report.h"
 
 #include "q3map2/light/options/light_options.h"

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What an SH grid costs in a file.
+// GPL-2.0-or-later. Reports how many bytes the SH grid takes in a .bsp, plain and zipped.
 #pragma once
 
 #include "common/log.h"

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Warns if a map that has lost its light entities gets darker.
+// GPL-2.0-or-later. Warns if lighting a map that lost its light entities made it darker.
 #include "q3map2/lost_light_check.h"
 
 namespace q3 {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Build menu entries of level editors.
+// GPL-2.0-or-later. Entries of the build menus of level editors.
 #include "q3map2/editors/builds.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What the menus of level editors offer.
+// GPL-2.0-or-later. Entries of the build menus of level editors.
 #pragma once
 
 #include <array>

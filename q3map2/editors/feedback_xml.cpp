@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The XML stream that editors read (-connect).
+// GPL-2.0-or-later. Log messages as the XML that editors read (-connect).
 #include "q3map2/editors/feedback_xml.h"
 
 #include <glib.h>

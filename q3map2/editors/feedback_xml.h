@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Formats log messages as the XML that editors read (-connect).
+// GPL-2.0-or-later. Log messages as the XML that editors read (-connect).
 #pragma once
 
 #include "common/log.h"

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Converts a compiled map to another game: surface and content flags.
+// GPL-2.0-or-later. Converts a compiled map of one game for another: surface and content flags.
 #include "q3map2/convert/game/game_convert.h"
 
 #include "q3map2/convert/json/convert_json_flags.h"

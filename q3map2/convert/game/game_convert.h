@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Converts a compiled map of one game for another.
+// GPL-2.0-or-later. Converts a compiled map of one game for another: surface and content flags.
 #pragma once
 
 #include "q3map2/bspfile/bspfile.h"

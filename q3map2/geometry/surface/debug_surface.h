@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Surfaces that show internal polygons of the compiler (-debugportals, -debugclip).
+// GPL-2.0-or-later. Draw surfaces that show internal polygons of the compiler (-debugportals, -debugclip).
 #pragma once
 
 #include "q3map2/geometry/surface/draw_surface.h"
