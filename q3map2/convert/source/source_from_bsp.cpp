@@ -18,8 +18,8 @@ constexpr int kDetailFlag = 0x8000000;
 /// Tolerance of written texture coordinates: more digits would only repeat the float rounding of the .bsp. Texels.
 constexpr double kStoredError = 2e-4;
 constexpr double kOriginSize = 8; ///< half an edge of origin brushes, game units
-/// Scale of default texture axes, without and with -fast. Game units per texel.
-constexpr double kPlainScale = 0.25, kFastScale = 0.5;
+/// Scale of default texture axes: of sides whose axes are unknown, and of all sides with -fast. Game units per texel.
+constexpr double kUnknownScale = 0.25, kFastScale = 0.5;
 /// Shaders of sides whose texture axes are unknown (-wtf), and of sides without a shader.
 constexpr std::string_view kUnknownTexture = "common/WTF", kUnnamedTexture = "common/caulk";
 
@@ -228,7 +228,7 @@ SideWords Decompiler::Words(const RebuiltSide &side, const Vec3d &origin, const 
             return words;
         }
     ++unknownCount_;
-    words.texture = DefaultTexture(options_.form, moved.normal, options_.withTextures ? kPlainScale : kFastScale);
+    words.texture = DefaultTexture(options_.form, moved.normal, options_.withTextures ? kUnknownScale : kFastScale);
     const bool isTool = words.shader.starts_with("common/") || words.shader.starts_with("system/");
     if (options_.markUnknown && !isTool)
         words.shader = kUnknownTexture;
