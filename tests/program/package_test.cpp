@@ -49,6 +49,21 @@ TEST_F(PackageProgramTest, AMissingSoundFailsThePackage) {
     EXPECT_FALSE(std::filesystem::exists(folder_ / "base/demo_autopacked.pk3")) << "an old package would look good";
 }
 
+TEST_F(PackageProgramTest, FilesBesideTheFolderOfTheMap) {
+    folder_.Write("work/music/own.wav", "RIFF");
+    std::filesystem::create_directories(folder_ / "work/maps");
+    Bsp bsp = Read("demo.bsp");
+    bsp.entities.insert(bsp.entities.find('}'), "\"music\" \"music/own.wav\"\n");
+    QuietLog quiet;
+    WriteBspFile(folder_ / "work/maps/own.bsp", bsp, {}, quiet.log);
+    for (const char *name : {"work/maps/own.bsp", "work/maps/./own.bsp"}) {
+        const Outcome outcome = Run("-pk3 " + (folder_ / name).string());
+        const bool isComplete = outcome.status == 0;
+        const Archive archive(folder_ / (isComplete ? "base/own_autopacked.pk3" : "base/own_FAILEDpack.pk3"));
+        EXPECT_TRUE(archive.Contains("music/own.wav")) << name;
+    }
+}
+
 TEST_F(PackageProgramTest, BadLevelsAndOtherFoldersOfThePackage) {
     ExpectError("-pk3 -complevel 11 MAP", "-complevel 11: expected a whole number from -1 to 10");
     ExpectError("-pk3 -complevel -2 MAP", "-complevel -2");
