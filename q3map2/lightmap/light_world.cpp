@@ -14,6 +14,7 @@
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 #include "q3map2/lightmap/raw/lightmap_shade.h"
 #include "q3map2/lightmap/raw/luxel_map.h"
+#include "q3map2/lightmap/raw/luxel_tangents.h"
 #include "q3map2/lightmap/vertex/vertex_light.h"
 
 #include <memory>
@@ -73,6 +74,7 @@ class SurfacePasses {
             SmoothNormals(in_, surfaces);
         in_.log.Section("MapRawLightmap");
         MapLuxels(in_, surfaces);
+        FindTangents(in_, surfaces);
         if (in_.lightmap.dirty) {
             in_.log.Section("DirtyRawLightmap");
             DirtLuxels(in_, surfaces);
@@ -133,7 +135,10 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     const SurfaceDefaults defaults{.sampleSize = lightmap.sampleSize,
                                    .minSampleSize = lightmap.minSampleSize,
                                    .noLightmaps = lightmap.noLightmaps,
-                                   .ambient = {}};
+                                   .ambient = {},
+                                   .normalMaps = lightmap.rnmAll ? NormalMaps::All
+                                                 : lightmap.rnm  ? NormalMaps::OfShaders
+                                                                 : NormalMaps::None};
     LightSetup setup(bsp, inputs, options, defaults, library, log);
     // Bounced light comes from lit surfaces, whether or not they are stored.
     const bool gridBounces = lightmap.bounces > 0 && lightmap.bounceGrid;

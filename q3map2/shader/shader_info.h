@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,7 @@ struct LightmapDirectives {
     bool mergable = false, splotchFix = false, noDirt = false, noVertexLight = false;
     float shadeAngle = 0;    ///< q3map_shadeAngle, degrees
     std::string normalImage; ///< q3map_normalImage, without extension
+    std::optional<bool> rnm; ///< q3map_rnm, q3map_noRnm: whether -rnm makes basis maps for it
     /// q3map_floodLight; none while the intensity is 0. The largest component of the color is 1.
     Vec3f floodColor;
     float floodDistance = 0, floodIntensity = 0, floodDirectionScale = 1;
@@ -75,6 +77,7 @@ struct ShaderInfo {
     GeometryDirectives geometry;
     bool twoSided = false;   ///< cull none / disable / twosided
     bool autosprite = false; ///< deformVertexes autosprite...
+    bool normalMapStage = false; ///< a stage names a normal map
     bool noFast = false;     ///< q3map_noFast
     bool forceSunlight = false;
     std::vector<SunDirective> suns;

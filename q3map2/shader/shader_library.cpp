@@ -60,6 +60,7 @@ struct ShaderLibrary::State {
     void Complete(ParsedShader &shader);
     std::optional<std::array<int, 2>> ImageSize(const std::string &name) const;
     std::string ImageFile(const ParsedShader &shader) const;
+    bool HasNormalImage(const ParsedShader &shader) const;
     void FindTextureSize(ParsedShader &shader);
 };
 
@@ -237,6 +238,17 @@ std::string ShaderLibrary::State::ImageFile(const ParsedShader &shader) const {
     return {};
 }
 
+/// The normal map beside the image of a shader, as engines find it: ioquake3's and OpenJK's second renderers (_n),
+/// DarkPlaces and FTE (_norm, _local).
+bool ShaderLibrary::State::HasNormalImage(const ParsedShader &shader) const {
+    for (const std::string &name : {shader.lightImage, shader.implicitImage, shader.editorImage, shader.info.name})
+        for (const std::string_view suffix : {"_n", "_norm", "_local"})
+            for (const std::string_view extension : {".tga", ".png", ".jpg"})
+                if (!name.empty() && vfs.Exists(fmt::format("{}{}{}", name, suffix, extension)))
+                    return true;
+    return false;
+}
+
 /// Texture axes of brush sides count texels of the editor image, whose size may differ from the light image's.
 void ShaderLibrary::State::FindTextureSize(ParsedShader &shader) {
     GeometryDirectives &geometry = shader.info.geometry;
@@ -304,6 +316,14 @@ const ShaderInfo &ShaderLibrary::GetWithImage(std::string_view name) {
 
 std::string ShaderLibrary::ImageFile(std::string_view name) {
     return state_->ImageFile(state_->table.FindOrAdd(Get(name).name, state_->log));
+}
+
+bool ShaderLibrary::HasNormalMap(std::string_view name) {
+    const ShaderInfo &info = Get(name);
+    if (info.lightmap.rnm)
+        return *info.lightmap.rnm;
+    return info.normalMapStage || !info.lightmap.normalImage.empty() ||
+           state_->HasNormalImage(state_->table.FindOrAdd(info.name, state_->log));
 }
 
 void ShaderLibrary::SetDefaultFlags(std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags) {

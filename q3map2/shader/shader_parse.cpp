@@ -62,7 +62,7 @@ class ScriptParser {
         void (ScriptParser::*apply)(const Words &);
         bool moreMayFollow = false; ///< other directives may follow on the line
     };
-    static const std::array<Directive, 42> kDirectives;
+    static const std::array<Directive, 44> kDirectives;
 
     void WarnSyntax(std::string_view name, std::string_view found) {
         log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}",
@@ -127,6 +127,8 @@ class ScriptParser {
     void NoVertexLight(const Words &) { Lightmap().noVertexLight = true; }
     void ShadeAngle(const Words &words) { Lightmap().shadeAngle = Number(words[0]); }
     void Terrain(const Words &) { ApplyTerrain(shader_->info); }
+    void Rnm(const Words &) { Lightmap().rnm = true; }
+    void NoRnm(const Words &) { Lightmap().rnm = false; }
     void NormalImage(const Words &words) { Lightmap().normalImage = WithoutExtension(words[0]); }
     void FloodLight(const Words &words);
 
@@ -139,7 +141,7 @@ class ScriptParser {
 };
 
 using Self = ScriptParser;
-const std::array<Self::Directive, 42> Self::kDirectives = {{
+const std::array<Self::Directive, 44> Self::kDirectives = {{
     {"surfaceparm", 1, 0, &Self::SurfaceParmLine},
     {"cull", 1, 0, &Self::Cull},
     {"deformvertexes", 1, 8, &Self::DeformVertexes},
@@ -181,6 +183,8 @@ const std::array<Self::Directive, 42> Self::kDirectives = {{
     {"q3map_shadeangle", 1, 0, &Self::ShadeAngle},
     {"q3map_terrain", 0, 0, &Self::Terrain},
     {"q3map_normalimage", 1, 0, &Self::NormalImage},
+    {"q3map_rnm", 0, 0, &Self::Rnm},
+    {"q3map_nornm", 0, 0, &Self::NoRnm},
     {"q3map_floodlight", 6, 0, &Self::FloodLight},
 }};
 
@@ -221,8 +225,13 @@ void ScriptParser::ParseShader(std::string_view name) {
 void ScriptParser::ParseStage() {
     static constexpr std::array<std::string_view, 6> kImageWords = {"map",          "clampmap", "animmap",
                                                                     "clampanimmap", "mapcomp",  "mapnocomp"};
+    // Of ioquake3's and OpenJK's second renderers, Daemon and ETXreaL; also as `stage normalMap`.
+    static constexpr std::array<std::string_view, 5> kNormalMapWords = {"normalmap", "bumpmap", "normalheightmap",
+                                                                        "normalparallaxmap", "parallaxmap"};
     std::string_view word;
     while (scanner_.Next(word) && word != "}") {
+        shader_->info.normalMapStage |= std::any_of(kNormalMapWords.begin(), kNormalMapWords.end(),
+                                                    [&](std::string_view normals) { return IsWord(word, normals); });
         const auto known = std::find_if(kImageWords.begin(), kImageWords.end(),
                                         [&](std::string_view image) { return IsWord(word, image); });
         if (known == kImageWords.end())

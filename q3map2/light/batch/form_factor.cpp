@@ -30,4 +30,26 @@ Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec
         f[i] = wrong[i] != 0 ? 0 : total[i] * kScale;
 }
 
+Q3_VECTOR void FormFactorVectors(const Lanes3 &p, std::span<const Vec3f> polygon, Lanes3 &v) {
+    v = {};
+    Lanes3 u;
+    Vec3f last = polygon.empty() ? Vec3f{} : polygon.back();
+    for (const std::size_t i : kEachLane)
+        u.x[i] = last.x - p.x[i], u.y[i] = last.y - p.y[i], u.z[i] = last.z - p.z[i];
+    constexpr float kScale = 0.5f / std::numbers::pi_v<float>;
+    for (const Vec3f &corner : polygon) {
+        const Vec3f edge = corner - last;
+        last = corner;
+        for (const std::size_t i : kEachLane) {
+            const float ux = u.x[i], uy = u.y[i], uz = u.z[i];
+            const float vx = corner.x - p.x[i], vy = corner.y - p.y[i], vz = corner.z - p.z[i];
+            const float cx = uy * edge.z - uz * edge.y, cy = uz * edge.x - ux * edge.z, cz = ux * edge.y - uy * edge.x;
+            const float sine = std::sqrt(cx * cx + cy * cy + cz * cz), cosine = ux * vx + uy * vy + uz * vz;
+            const float angle = EdgeTerm(sine, cosine, kScale);
+            v.x[i] += angle * cx, v.y[i] += angle * cy, v.z[i] += angle * cz;
+            u.x[i] = vx, u.y[i] = vy, u.z[i] = vz;
+        }
+    }
+}
+
 } // namespace q3

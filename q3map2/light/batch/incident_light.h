@@ -24,10 +24,19 @@ struct ProbeIncidentLight : IncidentLight {
     std::array<Lanes, 9> shCoeffs;
 };
 
+/// The directions that light comes from. A receiver in the same place with normal b gets
+/// add * (max(0, vector . b) + uniform), which is `add` for its own normal.
+struct LightDirections {
+    Lanes3 vector; ///< irradiance vector over `add`
+    Lanes uniform; ///< share of light that is the same for all normals
+    Lanes spread;  ///< fluence over the length of the irradiance vector: 1 for a point source, 2 for a full hemisphere
+};
+
 /// IncidentLight on surfaces.
 struct SurfaceIncidentLight : IncidentLight {
-    LaneMask undirected{}; ///< lit from behind: adds nothing to deluxe maps
-    LaneMask filtered{};   ///< the ray went through a see-through surface, or ended at one
+    LaneMask undirected{};      ///< lit from behind: adds nothing to deluxe maps
+    LaneMask filtered{};        ///< the ray went through a see-through surface, or ended at one
+    LightDirections directions; ///< of live receivers, if SurfaceLightSettings::directional
 };
 
 } // namespace q3

@@ -266,6 +266,9 @@ SurfaceTable MakeSurfaceTable(const Bsp &bsp, const std::vector<Entity> &entitie
         table[i].shader = &library.Get(name.empty() ? FieldName(record.shader) : std::string_view(name));
         if (const std::string &image = table[i].shader->lightmap.normalImage; !image.empty())
             table[i].normalImage = library.LoadImage(image);
+        table[i].normalMapped =
+            defaults.normalMaps == NormalMaps::All ||
+            (defaults.normalMaps == NormalMaps::OfShaders && library.HasNormalMap(table[i].shader->name));
     }
     if (hasFile)
         ApplyFile(extras, table);

@@ -26,16 +26,25 @@ struct SurfaceEntry {
     bool skyBoxCopy = false; ///< lit by its parent surface; never casts shadows
     int skyIndex = -1;       ///< number among the skies that emit light, -1: none; set later, by SurfaceLights
     std::shared_ptr<const Image> normalImage; ///< q3map_normalImage; null without
+    bool normalMapped = false;                ///< see SurfaceDefaults::normalMaps
 };
 
 /// One entry per draw surface.
 using SurfaceTable = std::vector<SurfaceEntry>;
+
+/// Which surfaces count as normal mapped.
+enum class NormalMaps {
+    None,
+    OfShaders, ///< by ShaderLibrary::HasNormalMap
+    All
+};
 
 /// Used without a surface file: sample size where shader and entity set none, its minimum, and ambient light.
 struct SurfaceDefaults {
     int sampleSize = 16, minSampleSize = 0; ///< game units a luxel
     bool noLightmaps = false;               ///< all are lit at their vertices
     Vec3f ambient;                          ///< byte scale
+    NormalMaps normalMaps = NormalMaps::None; ///< with a surface file too
 };
 
 /// Major axis of a normal with its sign: of equal components z wins, then x.

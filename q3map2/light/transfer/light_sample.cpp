@@ -3,6 +3,7 @@
 
 #include "q3map2/light/batch/form_factor.h"
 #include "q3map2/light/sources/falloff.h"
+#include "q3map2/light/transfer/light_directions.h"
 #include "q3map2/light/transfer/light_kernel.h"
 
 #include <algorithm>
@@ -209,6 +210,8 @@ void LightContributionToSample(const Light &light, const SurfaceLightSettings &s
     counts.skippedFacing += std::uint64_t(inSight - inReach);
     if (inReach > 0 && TakeFaint(light, settings.faint, 1, receivers, incident, counts) && traced)
         TraceShadows(light, settings, scene, receivers, incident, counts);
+    if (settings.directional && incident.live.Any())
+        SetLightDirections(light, settings.pointAreas, receivers, transfer.cosine, transfer.angle, incident);
 }
 
 } // namespace q3

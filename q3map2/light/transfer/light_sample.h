@@ -18,6 +18,7 @@ struct SurfaceLightSettings {
     bool sunOcclusion = true; ///< for suns too
     int receiveShadows = 1;   ///< shadow group of the surface; 0: nothing shadows it
     float faint = 0;          ///< as LightSettings::faint
+    bool directional = false; ///< SurfaceIncidentLight::directions are wanted
 
     /// Whether rays are traced for the light.
     bool Occludes(const Light &light) const {
@@ -26,7 +27,8 @@ struct SurfaceLightSettings {
 };
 
 /// Sets `incident` to the light of `light`, prepared by SetupEnvelopes for surfaces, at receivers on surfaces: falloff,
-/// cones, form factors, sides, angles, visibility by PVS and by one ray each. Safe from several threads.
+/// cones, form factors, sides, angles, visibility by PVS and by one ray each; with settings.directional also its
+/// directions. Safe from several threads.
 void LightContributionToSample(const Light &light, const SurfaceLightSettings &settings, const LightScene &scene,
                                SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident,
                                ContributionCounts &counts);

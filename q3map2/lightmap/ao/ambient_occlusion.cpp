@@ -302,7 +302,7 @@ void AmbientOcclusion::Dirt(const OcclusionReceivers &receivers, Nearby *nearby,
 }
 
 void AmbientOcclusion::SkyVisibility(const OcclusionReceivers &receivers, float distance, Lanes &visibility,
-                                     RayCounts &counts) const {
+                                     RayCounts &counts, const UseSkyRay &useRay) const {
     ReceiverFrames frames;
     SetReceiverFrames(receivers.normal, frames);
     RayPacket rays;
@@ -316,7 +316,14 @@ void AmbientOcclusion::SkyVisibility(const OcclusionReceivers &receivers, float 
     for (const Vec3f &direction : floodDirections_) {
         local.Fill(direction);
         SetDirections(frames, receivers, local, rays);
+        const Lanes before = occlusion;
         AccumulateOcclusion(receivers, rays, rules, nullptr, occlusion, counts);
+        if (!useRay)
+            continue;
+        Lanes share;
+        for (const std::size_t i : kEachLane)
+            share[i] = (1 - (occlusion[i] - before[i])) / float(floodDirections_.size());
+        useRay(rays.direction, share);
     }
     for (std::size_t i = 0; i < receivers.count; ++i)
         visibility[i] = std::clamp(1 - occlusion[i] / float(floodDirections_.size()), 0.0f, 1.0f);

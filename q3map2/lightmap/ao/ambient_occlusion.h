@@ -35,8 +35,12 @@ class AmbientOcclusion {
     /// Factor of light: 1 - min(1, dirtScale * o^dirtGain), where o is the mean over rays of the share of the ray,
     /// dirtDepth long, that is behind its first hit. Fastest if the blocks are near each other.
     void Dirt(std::span<const OcclusionReceivers> blocks, std::vector<Lanes> &dirt, RayCounts &counts) const;
-    /// 1 - mean over rays, `distance` long, of the share of the ray behind its first hit: 0 to 1.
-    void SkyVisibility(const OcclusionReceivers &receivers, float distance, Lanes &visibility, RayCounts &counts) const;
+    /// A ray of each receiver: its direction, and the share of it before its first hit over the number of rays.
+    using UseSkyRay = std::function<void(const Lanes3 &direction, const Lanes &visibility)>;
+    /// Mean over rays, `distance` long, of the share of the ray before its first hit: 0 to 1. useRay, unless empty, is
+    /// called with each ray.
+    void SkyVisibility(const OcclusionReceivers &receivers, float distance, Lanes &visibility, RayCounts &counts,
+                       const UseSkyRay &useRay = {}) const;
 
   private:
     /// Blockers around a block of receivers.

@@ -15,6 +15,33 @@ FloodSource ShaderFlood(const SurfaceInputs &in, const RawLightmap &raw) {
     return {shader.floodColor * shader.floodIntensity, std::max(1.0f, shader.floodDistance)};
 }
 
+/// The directional channels of floodlight `light` at one receiver, ray by ray. A ray stands for light that would give
+/// its share of `light` on the normal of the receiver.
+class FloodChannels {
+  public:
+    FloodChannels(RawLightmap &raw, const Vec3f &light, const LuxelIndices &luxels, std::size_t count)
+        : raw_(raw), light_(light), luxels_(luxels), count_(count) {
+        for (std::size_t i = 0; raw.channels.basis && i < count; ++i)
+            basis_[i] = raw.BasisOf(luxels[i]);
+    }
+    void Add(const Lanes3 &direction, const Lanes &visibility) {
+        for (std::size_t i = 0; i < count_; ++i) {
+            const float facing = Dot(direction[i], raw_.normals[luxels_[i]]);
+            const ChannelWeights weights =
+                WeightsOf(direction[i], raw_.channels, raw_.channels.basis ? &basis_[i] : nullptr);
+            for (std::size_t c = 0; c < raw_.channels.Count() && facing > 0; ++c)
+                raw_.floodChannels[c][luxels_[i]] += light_ * (visibility[i] / facing * weights[c]);
+        }
+    }
+
+  private:
+    RawLightmap &raw_;
+    const Vec3f light_;
+    const LuxelIndices &luxels_;
+    const std::size_t count_;
+    std::array<BasisNormals, kPacketSize> basis_;
+};
+
 float DirectionScale(const SurfaceInputs &in, const RawLightmap &raw) {
     const bool own = ShaderFlood(in, raw).light != Vec3f{};
     const float scale = own ? in.table[std::size_t(raw.surfaces.front())].shader->lightmap.floodDirectionScale
@@ -38,6 +65,7 @@ void FloodLuxels(const SurfaceInputs &in, SurfaceLight &surfaces) {
     for (RawLightmap &raw : surfaces.lightmaps)
         if (wants(raw)) {
             raw.floodlight.assign(raw.luxelClusters.size(), {});
+            raw.floodChannels.assign(raw.channels.Count(), std::vector<Vec3f>(raw.luxelClusters.size()));
             raw.floodDirectionScale = DirectionScale(in, raw);
         }
     const AmbientOcclusion occlusion(in);
@@ -47,7 +75,11 @@ void FloodLuxels(const SurfaceInputs &in, SurfaceLight &surfaces) {
         for (const FloodSource &source : {world, ShaderFlood(in, raw)}) {
             for (std::size_t b = 0; b < blocks.size() && source.light != Vec3f{}; ++b) {
                 Lanes skyVisibility;
-                occlusion.SkyVisibility(blocks[b], source.distance, skyVisibility, counts[worker]);
+                FloodChannels channels(raw, source.light, luxels[b], blocks[b].count);
+                AmbientOcclusion::UseSkyRay useRay;
+                if (raw.channels.Any())
+                    useRay = [&](const Lanes3 &direction, const Lanes &open) { channels.Add(direction, open); };
+                occlusion.SkyVisibility(blocks[b], source.distance, skyVisibility, counts[worker], useRay);
                 for (std::size_t i = 0; i < blocks[b].count; ++i)
                     raw.floodlight[luxels[b][i]] += source.light * skyVisibility[i];
             }

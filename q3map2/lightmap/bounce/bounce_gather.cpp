@@ -55,6 +55,7 @@ struct GatherFrame {
         up = Cross(n, right);
     }
     Vec3f World(const Vec3f &d) const { return right * d.x + up * d.y + normal * d.z; }
+    Vec3f Local(const Vec3f &d) const { return {Dot(right, d), Dot(up, d), Dot(normal, d)}; }
     Vec3f normal, right, up;
 };
 
@@ -152,24 +153,29 @@ Vec3f FittedPlaneAtCenter(const std::vector<WindowSample> &around) {
     }
     const double det = xx * yy - xy * xy;
     const Vec3d slopeX = (xv * yy - yv * xy) * (1 / det), slopeY = (yv * xx - xv * xy) * (1 / det);
-    return Max(Vec3f(mean - slopeX * mx - slopeY * my), Vec3f{});
+    return Vec3f(mean - slopeX * mx - slopeY * my);
 }
 
-/// Mean over the window, which is FittedPlaneAtCenter of a complete window; false if it is not complete.
-bool MeanOverWindow(const RawLightmap &raw, const std::vector<Vec3f> &values, int x, int y, int reach, Vec3f &mean) {
+/// Whether all luxels of the window are mapped and have normals like that of the center.
+bool WindowIsComplete(const RawLightmap &raw, int x, int y, int reach) {
     if (x < reach || y < reach || x + reach >= raw.SuperWidth() || y + reach >= raw.SuperHeight())
         return false;
     const Vec3f normal = raw.normals[raw.SuperIndex(x, y)];
-    mean = {};
     for (int row = y - reach; row <= y + reach; ++row)
-        for (std::size_t i = raw.SuperIndex(x - reach, row); i <= raw.SuperIndex(x + reach, row); ++i) {
+        for (std::size_t i = raw.SuperIndex(x - reach, row); i <= raw.SuperIndex(x + reach, row); ++i)
             if (!raw.Mapped(i) || !(Dot(raw.normals[i], normal) > kMinNormalCosine))
                 return false;
-            mean += values[i];
-        }
-    const int side = 2 * reach + 1;
-    mean = mean / float(side * side);
     return true;
+}
+
+/// Mean over a complete window, which is its FittedPlaneAtCenter.
+Vec3f MeanOverWindow(const RawLightmap &raw, const std::vector<Vec3f> &values, int x, int y, int reach) {
+    Vec3f mean;
+    for (int row = y - reach; row <= y + reach; ++row)
+        for (std::size_t i = raw.SuperIndex(x - reach, row); i <= raw.SuperIndex(x + reach, row); ++i)
+            mean += values[i];
+    const int side = 2 * reach + 1;
+    return mean / float(side * side);
 }
 
 } // namespace
@@ -261,58 +267,160 @@ void BounceGather::TraceBatch(const RawLightmap &raw, const GatherBatch &batch, 
     }
 }
 
-std::vector<Vec3f> BounceGather::GatheredIrradiance(const Emission &emission, std::size_t lightmap, std::size_t slot,
-                                                    RawLightmap &raw) const {
+/// By direction set: the exact mean over the hemisphere of 1 / (n . w), 2, over that of the set.
+std::vector<float> BounceGather::FluenceScales(int count) const {
+    std::vector<float> scales;
+    for (int set = 0; set < kDirectionSets; ++set) {
+        float sum = 0;
+        for (int i = 0; i < count; ++i)
+            sum += 1 / directions_[std::size_t(set * count + i)].z;
+        scales.push_back(2 * float(count) / sum);
+    }
+    return scales;
+}
+
+/// Sums over the rays of one luxel. A ray stands for light that gives its share of the estimate on the luxel's normal.
+class BounceGather::ChannelSum {
+  public:
+    ChannelSum(const RawLightmap &raw, std::size_t luxel, const GatherFrame &frame)
+        : raw_(raw), luxel_(luxel), frame_(frame) {
+        if (!raw.channels.basis)
+            return;
+        basis_ = raw.BasisOf(luxel);
+        for (Vec3f &normal : basis_)
+            normal = frame.Local(normal);
+    }
+    /// w: local, cosine-weighted.
+    void Add(const Vec3f &w, const Vec3f &light) {
+        const Vec3f facing = light / w.z;
+        if (raw_.channels.sh) {
+            fluence_ += facing;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                vector_[axis] += facing * w[axis];
+        }
+        for (std::size_t i = 0; raw_.channels.basis && i < basis_.size(); ++i)
+            onBasis_[i] += facing * std::max(0.0f, Dot(basis_[i], w));
+    }
+    /// Stores the sums times `scale`, the fluence also times fluenceScale.
+    void Store(float scale, float fluenceScale, ChannelImages &channels) const {
+        if (raw_.channels.sh) {
+            channels[0][luxel_] = fluence_ * (kDirectedSh0 * scale * fluenceScale);
+            for (std::size_t c = 0; c < 3; ++c) {
+                constexpr std::size_t kAxes[3] = {1, 2, 0};
+                const std::size_t axis = kAxes[c];
+                const Vec3f sum =
+                    vector_[0] * frame_.right[axis] + vector_[1] * frame_.up[axis] + vector_[2] * frame_.normal[axis];
+                channels[1 + c][luxel_] = sum * (kDirectedSh1 * scale);
+            }
+        }
+        for (std::size_t i = 0; raw_.channels.basis && i < onBasis_.size(); ++i)
+            channels[raw_.channels.FirstBasis() + i][luxel_] = onBasis_[i] * scale;
+    }
+
+  private:
+    const RawLightmap &raw_;
+    const std::size_t luxel_;
+    const GatherFrame &frame_;
+    BasisNormals basis_{};              // local
+    Vec3f fluence_;
+    std::array<Vec3f, 3> vector_{};     // by local axis
+    BasisNormals onBasis_{};            // light on each basis normal
+};
+
+GatheredLight BounceGather::Gather(const Emission &emission, std::size_t lightmap, std::size_t slot,
+                                   RawLightmap &raw) const {
     const int count = RaysPerLuxel(raw);
     const std::vector<EmitterId> traced = keep_ ? std::vector<EmitterId>{} : TraceEmitterHits(raw);
     const std::vector<EmitterId> &hits = keep_ ? emitterHits_[lightmap] : traced;
-    std::vector<Vec3f> irradiance(raw.luxelClusters.size());
-    const bool directed = !raw.directions.empty() && slot == 0;
+    GatheredLight gathered;
+    gathered.irradiance.resize(raw.luxelClusters.size());
+    gathered.channels.assign(raw.channels.Count(), std::vector<Vec3f>(raw.luxelClusters.size()));
+    const bool deluxe = !raw.directions.empty() && slot == 0, directional = raw.channels.Any();
+    const std::vector<float> fluenceScales = directional ? FluenceScales(count) : std::vector<float>{};
     std::size_t next = 0;
     for (std::size_t luxel = 0; luxel < raw.luxelClusters.size(); ++luxel) {
         if (!raw.Mapped(luxel))
             continue;
         const auto x = int(luxel % std::size_t(raw.SuperWidth())), y = int(luxel / std::size_t(raw.SuperWidth()));
-        const std::uint32_t first = DirectionSetOf(x, y) * std::uint32_t(count);
+        const std::uint32_t set = DirectionSetOf(x, y), first = set * std::uint32_t(count);
         const GatherFrame frame(raw.normals[luxel]);
+        ChannelSum channels(raw, luxel, frame);
         Vec3f sum, direction;
         for (int i = 0; i < count; ++i) {
             const EmitterId hit = hits[next++];
             if (hit == kNoEmitter)
                 continue;
+            const Vec3f &from = directions_[first + std::uint32_t(i)];
             sum += emission[hit];
-            if (directed)
-                direction += frame.World(directions_[first + std::uint32_t(i)]) * Luminance(emission[hit]);
+            if (deluxe)
+                direction += frame.World(from) * Luminance(emission[hit]);
+            if (directional)
+                channels.Add(from, emission[hit]);
         }
-        irradiance[luxel] = sum / float(count);
-        if (directed)
+        gathered.irradiance[luxel] = sum / float(count);
+        if (directional)
+            channels.Store(1 / float(count), fluenceScales[set], gathered.channels);
+        if (deluxe)
             raw.directions[luxel] += direction * (kDeluxeBounceShare / 255 / float(count));
     }
-    return irradiance;
+    return gathered;
 }
 
-void BounceGather::AddToLuxels(const std::vector<std::vector<Vec3f>> &all, std::size_t lightmap, std::size_t slot,
+namespace {
+
+/// Luxels over which the estimate at a luxel is denoised: a complete window, or some in its lightmap and across seams.
+struct DenoiseWindow {
+    bool complete = false;
+    std::span<const LuxelWindow::Neighbor> own;
+    std::span<const LightmapSeams::Neighbor> across;
+};
+
+/// Denoised estimate. imageOf(i): the estimates of raw lightmap i, null if it has none.
+template <typename ImageOf>
+Vec3f Denoised(const RawLightmap &raw, std::size_t lightmap, int x, int y, int reach, const DenoiseWindow &window,
+               std::vector<WindowSample> &samples, const ImageOf &imageOf) {
+    const std::vector<Vec3f> &own = *imageOf(lightmap);
+    if (window.complete)
+        return MeanOverWindow(raw, own, x, y, reach);
+    samples.clear();
+    for (const auto &[near, dx, dy] : window.own)
+        samples.push_back({own[near], dx, dy});
+    for (const auto &[other, near, dx, dy] : window.across)
+        if (const std::vector<Vec3f> *image = imageOf(other))
+            samples.push_back({(*image)[near], dx, dy});
+    return FittedPlaneAtCenter(samples);
+}
+
+} // namespace
+
+void BounceGather::AddToLuxels(const std::vector<GatheredLight> &all, std::size_t lightmap, std::size_t slot,
                                RawLightmap &raw) const {
-    const std::vector<Vec3f> &irradiance = all[lightmap];
     const int reach = kWindowReach * std::min(raw.super, 2);
     std::vector<WindowSample> samples;
-    LuxelWindow window;
+    LuxelWindow around;
     for (int y = 0; y < raw.SuperHeight(); ++y)
         for (int x = 0; x < raw.SuperWidth(); ++x) {
             const std::size_t luxel = raw.SuperIndex(x, y);
             if (!raw.Mapped(luxel))
                 continue;
-            Vec3f light;
-            if (!MeanOverWindow(raw, irradiance, x, y, reach, light)) {
-                samples.clear();
-                for (const auto &[near, dx, dy] : window.Around(raw, x, y, reach))
-                    samples.push_back({irradiance[near], dx, dy});
-                for (const auto &[other, near, dx, dy] : seams_.NeighborsAcross(lightmap, luxel))
-                    if (!all[other].empty())
-                        samples.push_back({all[other][near], dx, dy});
-                light = FittedPlaneAtCenter(samples);
+            DenoiseWindow window;
+            window.complete = WindowIsComplete(raw, x, y, reach);
+            if (!window.complete) {
+                window.own = around.Around(raw, x, y, reach);
+                window.across = seams_.NeighborsAcross(lightmap, luxel);
             }
-            raw.light[slot][luxel] += light;
+            const auto light = [&](std::size_t i) { return all[i].Empty() ? nullptr : &all[i].irradiance; };
+            raw.light[slot][luxel] +=
+                Max(Denoised(raw, lightmap, x, y, reach, window, samples, light), Vec3f{});
+            for (std::size_t c = 0; c < raw.channels.Count(); ++c) {
+                // Basis normals of another lightmap may have other tangents.
+                const bool isSh = raw.channels.IsSh(c);
+                const auto channel = [&](std::size_t i) {
+                    return all[i].Empty() || (i != lightmap && !isSh) ? nullptr : &all[i].channels[c];
+                };
+                const Vec3f value = Denoised(raw, lightmap, x, y, reach, window, samples, channel);
+                raw.directional[slot][c][luxel] += isSh ? value : Max(value, Vec3f{});
+            }
         }
 }
 

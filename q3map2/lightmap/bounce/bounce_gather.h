@@ -10,6 +10,14 @@ namespace q3 {
 /// Radiosity of each emitter, byte scale: light it received times its reflectance.
 using Emission = std::vector<Vec3f>;
 
+/// Estimates for the luxels of a lightmap, by luxel of the super grid; zero for unmapped ones.
+struct GatheredLight {
+    std::vector<Vec3f> irradiance;
+    ChannelImages channels;
+
+    bool Empty() const { return irradiance.empty(); }
+};
+
 /// Monte Carlo estimate of irradiance over cosine-weighted directions: E = 1/N sum of the radiosity that ray i hits, on
 /// a scale where E equals the radiosity of surroundings of uniform radiosity. Each mapped luxel traces N = 24 rays
 /// (under -super S, max(4, 24 / S^2)); the 16 luxels of a 4 x 4 block trace different directions. Rays hit the same
@@ -21,14 +29,12 @@ class BounceGather {
     BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
                  const RadiosityPatches *patches);
 
-    /// The estimate for the luxels of a lightmap, by luxel of the super grid; zero for unmapped ones. Slot 0 also adds
-    /// to raw.directions.
-    std::vector<Vec3f> GatheredIrradiance(const Emission &emission, std::size_t lightmap, std::size_t slot,
-                                          RawLightmap &raw) const;
+    /// The estimate for the luxels of a lightmap. Slot 0 also adds to raw.directions.
+    GatheredLight Gather(const Emission &emission, std::size_t lightmap, std::size_t slot, RawLightmap &raw) const;
     /// Adds estimates to style slot `slot` of a raw lightmap, denoised: the value at the luxel of a plane fitted by
     /// least squares to the window around it, which keeps gradients. At the rim the window includes luxels of other
-    /// lightmaps. irradiance: by lightmap, then luxel.
-    void AddToLuxels(const std::vector<std::vector<Vec3f>> &irradiance, std::size_t lightmap, std::size_t slot,
+    /// lightmaps; not for the directional channels. gathered: by lightmap.
+    void AddToLuxels(const std::vector<GatheredLight> &gathered, std::size_t lightmap, std::size_t slot,
                      RawLightmap &raw) const;
     /// Estimate at a vertex, by 256 rays. twoSided: its surface is seen from both sides.
     Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided, const Emission &emission) const;
@@ -39,6 +45,7 @@ class BounceGather {
   private:
     /// Luxels of a lightmap that trace the same directions, and the index of the first hit of each.
     struct GatherBatch;
+    class ChannelSum;
     std::vector<EmitterId> TraceEmitterHits(const RawLightmap &raw) const;
     void TraceBatch(const RawLightmap &raw, const GatherBatch &batch, std::vector<EmitterId> &hits) const;
     float RayLiftAt(const Vec3f &position, const Vec3f &normal) const;
@@ -48,6 +55,8 @@ class BounceGather {
     const BounceScene &scene_;
     const RadiosityPatches *patches_;
     LightmapSeams seams_;
+    std::vector<float> FluenceScales(int count) const;
+
     std::vector<Vec3f> directions_; // cosine-weighted over the hemisphere around +z
     bool keep_ = false;
     std::vector<std::vector<EmitterId>> emitterHits_; // by lightmap, then mapped luxel, then ray; empty unless keep_

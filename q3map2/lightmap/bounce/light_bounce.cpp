@@ -88,7 +88,7 @@ bool Bounces::CollectRadiosity(const SurfaceLight &surfaces) {
 }
 
 void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
-    std::vector<std::vector<Vec3f>> found(surfaces.lightmaps.size());
+    std::vector<GatheredLight> found(surfaces.lightmaps.size());
     std::vector<std::size_t> slots(surfaces.lightmaps.size());
     for (const auto &ofStyle : byStyle_) {
         const auto &style = ofStyle.first; // clang 14 cannot capture structured bindings
@@ -97,9 +97,7 @@ void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
             const auto i = std::size_t(number);
             RawLightmap &raw = surfaces.lightmaps[i];
             slots[i] = ClaimSlot(raw.styles, style);
-            found[i].clear();
-            if (slots[i] < kStyles)
-                found[i] = gather_.GatheredIrradiance(emission, i, slots[i], raw);
+            found[i] = slots[i] < kStyles ? gather_.Gather(emission, i, slots[i], raw) : GatheredLight{};
         });
         in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
             const auto i = std::size_t(number);
@@ -108,6 +106,9 @@ void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
                 return;
             raw.light[slots[i]].resize(raw.luxelClusters.size());
             raw.filled[slots[i]].resize(raw.luxelClusters.size());
+            raw.directional[slots[i]].resize(raw.channels.Count());
+            for (std::vector<Vec3f> &channel : raw.directional[slots[i]])
+                channel.resize(raw.luxelClusters.size());
             for (std::size_t luxel = 0; luxel < raw.luxelClusters.size(); ++luxel)
                 raw.filled[slots[i]][luxel] = raw.filled[slots[i]][luxel] || raw.Mapped(luxel);
             gather_.AddToLuxels(found, i, slots[i], raw);

@@ -34,7 +34,7 @@ struct SuperLuxelSum {
 
 /// Luxels of one style of one raw lightmap in one pass. Vectors are reused.
 struct LuxelGrid {
-    std::vector<Vec3f> colors, directions, lastPass;
+    std::vector<Vec3f> colors, directions, lastPass, channel;
     LuxelMask valid;
 };
 
@@ -65,7 +65,33 @@ class Averager {
             }
     }
 
+    /// Sets `channel` to the means of a directional channel. ambient: of luxels without light.
+    void FillChannel(const std::vector<Vec3f> &values, const Vec3f &ambient, std::vector<Vec3f> &channel) const {
+        channel.resize(std::size_t(lightmap_.width) * std::size_t(lightmap_.height));
+        for (int y = 0; y < lightmap_.height; ++y)
+            for (int x = 0; x < lightmap_.width; ++x)
+                channel[lightmap_.Index(x, y)] = ChannelMean(values, ambient, x, y);
+    }
+
   private:
+    /// Mean over the super luxels that Sum counts as lit, or else as reserve.
+    Vec3f ChannelMean(const std::vector<Vec3f> &values, const Vec3f &ambient, int x, int y) const {
+        Vec3f lit, reserve;
+        int litCount = 0, reserveCount = 0;
+        const int super = lightmap_.super;
+        for (int sy = y * super; sy < (y + 1) * super; ++sy)
+            for (int sx = x * super; sx < (x + 1) * super; ++sx) {
+                const std::size_t at = lightmap_.SuperIndex(sx, sy);
+                if (lightmap_.filled[style_][at] == 0)
+                    continue;
+                if (const int cluster = lightmap_.luxelClusters[at]; cluster >= 0 || cluster == kFlooded)
+                    lit += values[at], ++litCount;
+                else
+                    reserve += values[at], ++reserveCount;
+            }
+        return litCount > 0 ? lit / float(litCount) : reserveCount > 0 ? reserve / float(reserveCount) : ambient;
+    }
+
     bool HasDirections() const { return style_ == 0 && !lightmap_.directions.empty(); }
 
     /// Fill without supersampling.
@@ -114,21 +140,23 @@ class Averager {
     const LightmapOptions &options_;
 };
 
-/// Mean of the valid luxels among the 8 neighbors; there is at least one.
-Vec3f NeighborMean(const RawLightmap &lightmap, const LuxelGrid &grid, int x, int y) {
+/// Mean of `values` at the valid luxels among the 8 neighbors; there is at least one.
+Vec3f NeighborMean(const RawLightmap &lightmap, const LuxelMask &valid, const std::vector<Vec3f> &values, int x,
+                   int y) {
     Vec3f sum;
     int count = 0;
     for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, lightmap.height - 1); ++ny)
         for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, lightmap.width - 1); ++nx)
-            if (const std::size_t at = lightmap.Index(nx, ny); grid.valid[at])
-                sum += grid.colors[at], ++count;
-    return Max(sum / float(count), Vec3f{});
+            if (const std::size_t at = lightmap.Index(nx, ny); valid[at])
+                sum += values[at], ++count;
+    return sum / float(count);
 }
 
 /// Frees data that only the passes need.
 void EndPasses(RawLightmap &lightmap) {
     lightmap.positions = {}, lightmap.dirt = {}, lightmap.floodlight = {};
     lightmap.light = {}, lightmap.filled = {}, lightmap.directions = {};
+    lightmap.tangents = {}, lightmap.floodChannels = {}, lightmap.directional = {};
 }
 
 /// Adds the light of a pass to the result; unused luxels (red below 0) count as zero. Without `store` luxels that the
@@ -160,6 +188,31 @@ void AddDirections(LuxelGrid &grid, std::vector<Vec3f> &result) {
             result[i] += grid.directions[i];
 }
 
+/// Adds the directional channels of a pass to the result, at the luxels that `used`, its light, marks as used.
+void AccumulateChannels(const Averager &averager, const std::vector<Vec3f> &used, const LuxelMask &touching,
+                        const Vec3f &ambient, bool store, std::size_t style, LuxelGrid &grid, RawLightmap &lightmap) {
+    const ChannelWeights uniform = UniformWeights(lightmap.channels);
+    ChannelImages &result = lightmap.resultChannels[style];
+    result.resize(lightmap.channels.Count());
+    for (std::size_t c = 0; c < result.size(); ++c) {
+        result[c].resize(used.size());
+        if (!store)
+            continue;
+        averager.FillChannel(lightmap.directional[style][c], ambient * uniform[c], grid.channel);
+        const bool isSigned = lightmap.channels.IsSh(c);
+        std::size_t at = 0;
+        for (int y = 0; y < lightmap.height; ++y)
+            for (int x = 0; x < lightmap.width; ++x, ++at) {
+                if (used[at].x < 0)
+                    continue;
+                const Vec3f value = grid.valid[at]   ? grid.channel[at]
+                                    : touching[at] ? NeighborMean(lightmap, grid.valid, grid.channel, x, y)
+                                                   : Vec3f{};
+                result[c][at] += isSigned ? value : Max(value, Vec3f{});
+            }
+    }
+}
+
 void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last, LuxelGrid &grid,
                      RawLightmap &lightmap) {
     const bool store = pass.bounce || !in.lightmap.bounceOnly || in.lightmap.bounces == 0;
@@ -169,15 +222,18 @@ void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last
             continue;
         std::vector<Vec3f> &radiosity = last ? grid.lastPass : lightmap.radiosity[style];
         const Averager averager(lightmap, style, in.lightmap);
-        averager.Fill(grid, style == 0 && !pass.bounce ? lightmap.ambient : Vec3f{});
+        const Vec3f ambient = style == 0 && !pass.bounce ? lightmap.ambient : Vec3f{};
+        averager.Fill(grid, ambient);
         radiosity.resize(grid.colors.size());
         const LuxelMask touching = Dilate(grid.valid, lightmap.width, lightmap.height);
         std::size_t at = 0;
         for (int y = 0; y < lightmap.height; ++y)
             for (int x = 0; x < lightmap.width; ++x, ++at)
                 radiosity[at] = grid.valid[at] ? Max(grid.colors[at], Vec3f{})
-                                : touching[at] ? NeighborMean(lightmap, grid, x, y)
-                                               : kUnused;
+                                : touching[at]
+                                    ? Max(NeighborMean(lightmap, grid.valid, grid.colors, x, y), Vec3f{})
+                                    : kUnused;
+        AccumulateChannels(averager, radiosity, touching, ambient, store, style, grid, lightmap);
         Accumulate(radiosity, store, lightmap.result[style]);
         AddDirections(grid, lightmap.resultDirections);
     }

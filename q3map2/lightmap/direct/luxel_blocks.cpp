@@ -74,10 +74,17 @@ void LuxelBlocks::AddLuxel(const RawLightmap &lightmap, std::size_t luxel) {
         receivers_.emplace_back();
         receivers_.back().twoSided = lightmap.twoSided;
         luxels_.emplace_back();
+        if (lightmap.channels.basis)
+            basis_.emplace_back();
     }
     SurfaceReceiverBatch &block = receivers_.back();
     luxels_.back()[block.count] = std::uint32_t(luxel);
     laneIndices_[luxel] = std::int32_t((receivers_.size() - 1) * kPacketSize + block.count);
+    if (lightmap.channels.basis) {
+        const BasisNormals normals = lightmap.BasisOf(luxel);
+        for (std::size_t i = 0; i < normals.size(); ++i)
+            basis_.back()[i].Set(block.count, normals[i]);
+    }
     block.Add(lightmap.positions[luxel], lightmap.normals[luxel], lightmap.luxelClusters[luxel]);
 }
 
@@ -105,7 +112,7 @@ void LuxelBlocks::FinishBlock() {
 }
 
 void LuxelBlocks::Build(const RawLightmap &lightmap) {
-    receivers_.clear(), luxels_.clear();
+    receivers_.clear(), luxels_.clear(), basis_.clear();
     laneIndices_.assign(lightmap.luxelClusters.size(), -1);
     for (auto *row : {&x_, &y_, &z_, &radius_, &nx_, &ny_, &nz_, &thickness_})
         row->clear();

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Mapped luxels of a raw lightmap in blocks of 16 neighbors.
 #pragma once
 
+#include "q3map2/lightmap/direct/luxel_channels.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <cstdint>
@@ -18,6 +19,8 @@ class LuxelBlocks {
     std::size_t Count() const { return receivers_.size(); }
     SurfaceReceiverBatch &Receivers(std::size_t block) { return receivers_[block]; }
     const SurfaceReceiverBatch &Receivers(std::size_t block) const { return receivers_[block]; }
+    /// Basis normals of the receivers; null if the lightmap has no such channels.
+    const BasisLanes *Basis(std::size_t block) const { return basis_.empty() ? nullptr : &basis_[block]; }
     /// Index in the super grid of each receiver of a block.
     const std::array<std::uint32_t, kPacketSize> &Luxels(std::size_t block) const { return luxels_[block]; }
     /// block * kPacketSize + lane in it of a luxel of the super grid; -1: not mapped.
@@ -31,6 +34,7 @@ class LuxelBlocks {
     void FinishBlock();
 
     std::vector<SurfaceReceiverBatch> receivers_;
+    std::vector<BasisLanes> basis_;
     std::vector<std::array<std::uint32_t, kPacketSize>> luxels_;
     std::vector<std::int32_t> laneIndices_;
 

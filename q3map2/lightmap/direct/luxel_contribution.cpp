@@ -51,17 +51,21 @@ LuxelSum &LuxelSums::FindOrAdd(std::size_t slot, int radius, std::size_t blocks)
     sum.slot = slot, sum.radius = radius;
     sum.color.assign(blocks, {});
     sum.direction.assign(deluxe ? blocks : 0, {});
+    sum.channels.assign(directional ? blocks : 0, {});
     return sum;
 }
 
 bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightScene &scene,
-                       SurfaceReceiverBatch &receivers, LuxelIncidentLight &out, ContributionCounts &counts) {
+                       const LuxelReceivers &receivers, LuxelIncidentLight &out, ChannelLanes &channels,
+                       ContributionCounts &counts) {
     SurfaceIncidentLight incident;
-    LightContributionToSample(light, pass.settings, scene, receivers, incident, counts);
+    LightContributionToSample(light, pass.settings, scene, receivers.batch, incident, counts);
     if (!incident.live.Any() && !incident.filtered.Any())
         return false;
     const float scale = pass.deluxe ? DeluxeWeight(light.color) * (pass.bounce ? kDeluxeBounceShare : 1) : 0;
     SetIncidentLight(light, incident, scale, out);
+    if (pass.channels.Any())
+        SetChannels(light.color, incident, pass.channels, receivers.basis, channels);
     return true;
 }
 

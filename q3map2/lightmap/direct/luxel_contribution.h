@@ -2,6 +2,7 @@
 #pragma once
 
 #include "q3map2/lightmap/direct/luxel_blocks.h"
+#include "q3map2/lightmap/direct/luxel_channels.h"
 
 namespace q3 {
 
@@ -10,12 +11,13 @@ struct LuxelSum {
     std::size_t slot = 0;
     int radius = 0; ///< luxels of the super grid
     std::vector<Lanes3> color, direction;
+    std::vector<ChannelLanes> channels;
 };
 
 /// All sums of a raw lightmap.
 struct LuxelSums {
     std::vector<LuxelSum> sums;
-    bool deluxe = false;
+    bool deluxe = false, directional = false;
     std::size_t used = 0; ///< of `sums`; the others keep their memory
 
     void Clear() { used = 0; }
@@ -35,10 +37,18 @@ struct LuxelIncidentLight {
 struct LuxelPass {
     SurfaceLightSettings settings;
     bool bounce = false, deluxe = false;
+    DirectionalChannels channels;
 };
 
-/// Evaluates a source at a block of receivers. False: no light arrives, and `out` is not set.
+/// Receivers of a block and the basis normals of their luxels, null without these channels.
+struct LuxelReceivers {
+    SurfaceReceiverBatch &batch;
+    const BasisLanes *basis = nullptr;
+};
+
+/// Evaluates a source at a block of receivers. False: no light arrives, and `out` and `channels` are not set.
 bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightScene &scene,
-                       SurfaceReceiverBatch &receivers, LuxelIncidentLight &out, ContributionCounts &counts);
+                       const LuxelReceivers &receivers, LuxelIncidentLight &out, ChannelLanes &channels,
+                       ContributionCounts &counts);
 
 } // namespace q3

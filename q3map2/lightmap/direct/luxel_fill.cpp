@@ -20,6 +20,8 @@ void AddFloodlight(RawLightmap &lightmap, bool deluxe) {
             continue;
         const Vec3f &flood = lightmap.floodlight[i];
         lightmap.light[0][i] += flood;
+        for (std::size_t c = 0; c < lightmap.channels.Count(); ++c)
+            lightmap.directional[0][c][i] += lightmap.floodChannels[c][i];
         if (deluxe && lightmap.floodDirectionScale > 0) {
             const float share = std::max(1.0f / 256, Luminance(flood) / 255 * lightmap.floodDirectionScale);
             lightmap.directions[i] += lightmap.normals[i] * share;
@@ -34,9 +36,15 @@ void ShowNormals(RawLightmap &lightmap) {
 }
 
 void ApplyDirt(RawLightmap &lightmap) {
-    for (std::vector<Vec3f> &light : lightmap.light)
+    const auto apply = [&](std::vector<Vec3f> &light) {
         for (std::size_t i = 0; i < light.size() && i < lightmap.dirt.size(); ++i)
             light[i] *= lightmap.dirt[i];
+    };
+    for (std::size_t slot = 0; slot < kStyles; ++slot) {
+        apply(lightmap.light[slot]);
+        for (std::vector<Vec3f> &channel : lightmap.directional[slot])
+            apply(channel);
+    }
 }
 
 /// Fills luxels from their neighbors.
@@ -80,6 +88,8 @@ class LuxelFill {
             return;
         Vec3f color, direction;
         float colors = 0, directions = 0;
+        ChannelImages &channels = lightmap_.directional[slot];
+        std::array<Vec3f, kMaxChannels> sums{};
         for (int oy = std::max(y - 1, 0); oy <= std::min(y + 1, lightmap_.SuperHeight() - 1); ++oy)
             for (int ox = std::max(x - 1, 0); ox <= std::min(x + 1, lightmap_.SuperWidth() - 1); ++ox) {
                 const std::size_t from = lightmap_.SuperIndex(ox, oy);
@@ -87,18 +97,27 @@ class LuxelFill {
                     continue;
                 if (needsDirection)
                     direction += lightmap_.directions[from], directions += 1;
-                if (!lightmap_.splotchFix || !(lightmap_.light[slot][from] == ambient_))
-                    color += lightmap_.light[slot][from], colors += 1;
+                if (lightmap_.splotchFix && lightmap_.light[slot][from] == ambient_)
+                    continue;
+                color += lightmap_.light[slot][from], colors += 1;
+                for (std::size_t c = 0; c < channels.size(); ++c)
+                    sums[c] += channels[c][from];
             }
         if (directions > 0)
             lightmap_.directions[at] = direction / directions;
         if (!needsColor || colors == 0)
             return;
         if (dark_) {
-            color += slot == 0 ? ambient_ * kDarkNeighbors : Vec3f{};
+            const Vec3f ambient = slot == 0 ? ambient_ * kDarkNeighbors : Vec3f{};
+            const ChannelWeights uniform = UniformWeights(lightmap_.channels);
+            color += ambient;
+            for (std::size_t c = 0; c < channels.size(); ++c)
+                sums[c] += ambient * uniform[c];
             colors += kDarkNeighbors;
         }
         lightmap_.light[slot][at] = color / colors;
+        for (std::size_t c = 0; c < channels.size(); ++c)
+            channels[c][at] = sums[c] / colors;
         lightmap_.filled[slot][at] = 1;
         if (lightmap_.luxelClusters[at] < 0)
             lightmap_.luxelClusters[at] = kFlooded;

@@ -47,11 +47,13 @@ class LightmapPass {
         : in_(in), lights_(lights), lightmap_(lightmap), worker_(worker) {
         pass_.bounce = pass.bounce;
         pass_.deluxe = in.lightmap.deluxe;
+        pass_.channels = lightmap.channels;
         pass_.settings = {.sunOnly = in.options.sunOnly,
                           .pointAreas = in.lightmap.faster,
                           .halfLambert = in.lightmap.halfLambert,
                           .receiveShadows = lightmap.receiveShadows,
-                          .faint = in.options.skip.faint ? kFaint : 0};
+                          .faint = in.options.skip.faint ? kFaint : 0,
+                          .directional = lightmap.channels.Any()};
         sampling_ = in.lightmap.samples > 1 || in.lightmap.randomSamples;
     }
 
@@ -59,6 +61,7 @@ class LightmapPass {
         worker_.blocks.Build(lightmap_);
         worker_.sums.Clear();
         worker_.sums.deluxe = pass_.deluxe;
+        worker_.sums.directional = pass_.channels.Any();
         Clear();
         if (worker_.blocks.Count() == 0)
             return;
@@ -99,6 +102,14 @@ class LightmapPass {
         for (std::size_t i = 0; i < count; ++i)
             if (lightmap_.Mapped(i))
                 lightmap_.light[slot][i] = value, lightmap_.filled[slot][i] = 1;
+        const ChannelWeights uniform = UniformWeights(pass_.channels);
+        lightmap_.directional[slot].resize(pass_.channels.Count());
+        for (std::size_t c = 0; c < pass_.channels.Count(); ++c) {
+            lightmap_.directional[slot][c].assign(count, {});
+            for (std::size_t i = 0; i < count; ++i)
+                if (lightmap_.Mapped(i))
+                    lightmap_.directional[slot][c][i] = value * uniform[c];
+        }
     }
 
     int RadiusFor(const Light &light) const {
@@ -124,41 +135,52 @@ class LightmapPass {
         if (sampling_)
             worker_.sampler.StartLight(light);
         LuxelSum *sum = nullptr;
+        const float sign = light.negative ? -1.0f : 1.0f;
         LuxelIncidentLight incident;
+        ChannelLanes channels;
         for (const std::uint32_t block : worker_.reachedBlocks) {
-            if (!LuxelContribution(light, pass_, in_.scene, worker_.blocks.Receivers(block), incident, worker_.counts))
+            if (!Contribution(light, block, incident, channels))
                 continue;
             if (!sum)
                 sum = &SumFor(light, slot);
-            AddLanes(incident.color, light.negative ? -1.0f : 1.0f, sum->color[block]);
+            AddLanes(incident.color, sign, sum->color[block]);
             if (pass_.deluxe)
                 AddLanes(incident.direction, 1, sum->direction[block]);
+            for (std::size_t c = 0; c < pass_.channels.Count(); ++c)
+                AddLanes(channels[c], sign, sum->channels[block][c]);
             if (sampling_)
-                worker_.sampler.SetBlock(block, incident);
+                worker_.sampler.SetBlock(block, incident, channels);
         }
         if (sampling_ && sum)
             worker_.sampler.Refine(*sum, worker_.counts);
     }
 
+    bool Contribution(const Light &light, std::size_t block, LuxelIncidentLight &incident, ChannelLanes &channels) {
+        const LuxelReceivers receivers{worker_.blocks.Receivers(block), worker_.blocks.Basis(block)};
+        return LuxelContribution(light, pass_, in_.scene, receivers, incident, channels, worker_.counts);
+    }
+
     /// For a light whose style has no slot left: warns if any of its light arrives.
     void WarnIfItArrives(const Light &light) {
         LuxelIncidentLight incident;
+        ChannelLanes channels;
         for (const std::uint32_t block : worker_.reachedBlocks)
-            if (LuxelContribution(light, pass_, in_.scene, worker_.blocks.Receivers(block), incident, worker_.counts))
+            if (Contribution(light, block, incident, channels))
                 return in_.log.Warn("light styles",
                                     "light of style {} left out on a surface that already has {} styles", light.style,
                                     kStyles);
     }
 
-    /// Adds a sum by block to luxels, blurred by `radius`.
-    void AddDense(const std::vector<Lanes3> &lanes, int radius, std::vector<Vec3f> &to) {
+    /// Adds a sum to luxels, blurred by `radius`. lanesOf(block): the sum of a block.
+    template <typename LanesOf> void AddDense(const LanesOf &lanesOf, int radius, std::vector<Vec3f> &to) {
         std::vector<Vec3f> &dense = radius > 0 ? worker_.dense : to;
         if (radius > 0)
             dense.assign(to.size(), {});
         for (std::size_t block = 0; block < worker_.blocks.Count(); ++block) {
             const auto &luxels = worker_.blocks.Luxels(block);
+            const Lanes3 &lanes = lanesOf(block);
             for (std::size_t i = 0; i < worker_.blocks.Receivers(block).count; ++i)
-                dense[luxels[i]] += lanes[block][i];
+                dense[luxels[i]] += lanes[i];
         }
         if (radius == 0)
             return;
@@ -168,9 +190,15 @@ class LightmapPass {
     }
 
     void AddSum(const LuxelSum &sum) {
-        AddDense(sum.color, sum.radius, lightmap_.light[sum.slot]);
+        const auto color = [&](std::size_t block) -> const Lanes3 & { return sum.color[block]; };
+        AddDense(color, sum.radius, lightmap_.light[sum.slot]);
+        const auto direction = [&](std::size_t block) -> const Lanes3 & { return sum.direction[block]; };
         if (pass_.deluxe)
-            AddDense(sum.direction, sum.radius, lightmap_.directions);
+            AddDense(direction, sum.radius, lightmap_.directions);
+        for (std::size_t c = 0; c < pass_.channels.Count(); ++c) {
+            const auto channel = [&](std::size_t block) -> const Lanes3 & { return sum.channels[block][c]; };
+            AddDense(channel, sum.radius, lightmap_.directional[sum.slot][c]);
+        }
     }
 
     const SurfaceInputs &in_;

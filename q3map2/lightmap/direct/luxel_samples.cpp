@@ -64,6 +64,7 @@ void LuxelSampler::Start(const SurfaceInputs &in, const RawLightmap &lightmap, c
     refinedList_.clear();
     firstTouched_ = luxels, lastTouched_ = 0;
     incident_.resize(blocks.Count());
+    channels_.resize(pass.channels.Any() ? blocks.Count() : 0);
 }
 
 void LuxelSampler::StartLight(const Light &light) {
@@ -76,8 +77,10 @@ void LuxelSampler::StartLight(const Light &light) {
     refinedList_.clear();
 }
 
-void LuxelSampler::SetBlock(std::size_t block, const LuxelIncidentLight &incident) {
+void LuxelSampler::SetBlock(std::size_t block, const LuxelIncidentLight &incident, const ChannelLanes &channels) {
     incident_[block] = incident;
+    if (pass_.channels.Any())
+        channels_[block] = channels;
     const auto &luxels = blocks_->Luxels(block);
     const std::size_t count = blocks_->Receivers(block).count;
     for (std::size_t i = 0; i < count; ++i) {
@@ -120,6 +123,8 @@ LuxelSampler::Sample LuxelSampler::ReadLuxel(std::size_t luxel) const {
     sample.color = incident.color[laneIndex % kPacketSize];
     if (pass_.deluxe)
         sample.direction = incident.direction[laneIndex % kPacketSize];
+    for (std::size_t c = 0; c < pass_.channels.Count(); ++c)
+        sample.channels[c] = channels_[laneIndex / kPacketSize][c][laneIndex % kPacketSize];
     return sample;
 }
 
@@ -161,6 +166,11 @@ void LuxelSampler::ReplaceLuxel(std::size_t luxel, const Sample &after, LuxelSum
     if (pass_.deluxe) {
         incident.direction.Set(lane, after.direction);
         sum.direction[block].Set(lane, sum.direction[block][lane] + after.direction - before.direction);
+    }
+    for (std::size_t c = 0; c < pass_.channels.Count(); ++c) {
+        channels_[block][c].Set(lane, after.channels[c]);
+        Lanes3 &total = sum.channels[block][c];
+        total.Set(lane, total[lane] + (after.channels[c] - before.channels[c]) * sign);
     }
     const bool lit = after.color.x + after.color.y + after.color.z > 0;
     lit_[luxel] = std::uint8_t((lit_[luxel] & kTransparentHit) | (lit ? 1 : 0));
@@ -204,35 +214,68 @@ LuxelSampler::SubsamplePositions LuxelSampler::PositionsOfSubsamples(std::span<c
     return receivers;
 }
 
+/// Sets the light of the source at receivers, which are samples of `luxels`. False: no light arrives.
+bool LuxelSampler::Contribution(SurfaceReceiverBatch &receivers, std::span<const std::size_t> luxels,
+                                std::span<Sample> samples, ContributionCounts &counts) const {
+    BasisLanes basis;
+    for (std::size_t i = 0; pass_.channels.basis && i < receivers.count; ++i) {
+        const BasisNormals normals = lightmap_->BasisOf(luxels[i]);
+        for (std::size_t k = 0; k < normals.size(); ++k)
+            basis[k].Set(i, normals[k]);
+    }
+    LuxelIncidentLight incident;
+    ChannelLanes channels;
+    if (!LuxelContribution(*light_, pass_, in_->scene, {receivers, pass_.channels.basis ? &basis : nullptr}, incident,
+                           channels, counts))
+        return false;
+    for (std::size_t i = 0; i < receivers.count; ++i) {
+        samples[i].color = incident.color[i];
+        samples[i].direction = incident.direction[i];
+        samples[i].lit = incident.lit[i] != 0, samples[i].filtered = incident.filtered[i] != 0;
+        for (std::size_t c = 0; c < pass_.channels.Count(); ++c)
+            samples[i].channels[c] = channels[c][i];
+    }
+    return true;
+}
+
+void LuxelSampler::Accumulate(const Sample &one, Sample &sum) const {
+    sum.color += one.color, sum.direction += one.direction;
+    for (std::size_t c = 0; c < pass_.channels.Count(); ++c)
+        sum.channels[c] += one.channels[c];
+}
+
+void LuxelSampler::Scale(float factor, Sample &sample) const {
+    sample.color *= factor, sample.direction *= factor;
+    for (std::size_t c = 0; c < pass_.channels.Count(); ++c)
+        sample.channels[c] *= factor;
+}
+
 void LuxelSampler::Subsample(std::span<const Refinement> samples, float offset, ContributionCounts &counts) const {
     if (samples.empty() || samples.front().sample->count >= maxSamples_)
         return;
     const SubsamplePositions at = PositionsOfSubsamples(samples, offset);
     std::array<Sample, kPacketSize> subsamples;
     std::array<std::size_t, kMaxRefinements + 1> first{}; // subsample of each sample
+    std::array<std::size_t, kPacketSize> luxels{};
     SurfaceReceiverBatch receivers;
     receivers.twoSided = lightmap_->twoSided;
     for (std::size_t k = 0; k < samples.size(); ++k) {
-        const Vec3f normal = lightmap_->normals[lightmap_->SuperIndex(samples[k].x, samples[k].y)];
+        const std::size_t luxel = lightmap_->SuperIndex(samples[k].x, samples[k].y);
+        const Vec3f normal = lightmap_->normals[luxel];
         for (std::size_t i = k * kSubsamples; i < (k + 1) * kSubsamples; ++i) {
             int cluster = 0;
             if (!FindOpenCluster(at[i], cluster))
                 continue;
             subsamples[receivers.count].position = at[i];
             subsamples[receivers.count].count = samples[k].sample->count + 1;
+            luxels[receivers.count] = luxel;
             receivers.Add(at[i], normal, cluster);
         }
         first[k + 1] = receivers.count;
     }
     if (receivers.count == 0)
         return;
-    LuxelIncidentLight incident;
-    if (LuxelContribution(*light_, pass_, in_->scene, receivers, incident, counts))
-        for (std::size_t i = 0; i < receivers.count; ++i) {
-            subsamples[i].color = incident.color[i];
-            subsamples[i].direction = incident.direction[i];
-            subsamples[i].lit = incident.lit[i] != 0, subsamples[i].filtered = incident.filtered[i] != 0;
-        }
+    Contribution(receivers, luxels, subsamples, counts);
     for (std::size_t k = 0; k < samples.size(); ++k)
         AverageSubsamples(samples[k], std::span(subsamples).subspan(first[k], first[k + 1] - first[k]), offset, counts);
 }
@@ -258,9 +301,8 @@ void LuxelSampler::AverageSubsamples(const Refinement &whole, std::span<Sample> 
     }
     Sample &sample = *whole.sample;
     for (const Sample &subsample : subsamples)
-        sample.color += subsample.color, sample.direction += subsample.direction;
-    const float share = 1.0f / float(1 + subsamples.size());
-    sample.color *= share, sample.direction *= share;
+        Accumulate(subsample, sample);
+    Scale(1.0f / float(1 + subsamples.size()), sample);
     ++sample.count;
 }
 
@@ -285,15 +327,17 @@ LuxelSampler::Sample LuxelSampler::RandomSamples(int x, int y, ContributionCount
                 receivers.Add(position, lightmap_->normals[luxel], cluster);
         }
         used += int(receivers.count);
-        LuxelIncidentLight incident;
-        if (receivers.count == 0 || !LuxelContribution(*light_, pass_, in_->scene, receivers, incident, counts))
+        std::array<std::size_t, kPacketSize> luxels;
+        luxels.fill(luxel);
+        std::array<Sample, kPacketSize> samples;
+        if (receivers.count == 0 || !Contribution(receivers, luxels, samples, counts))
             continue;
         for (std::size_t i = 0; i < receivers.count; ++i)
-            mean.color += incident.color[i], mean.direction += incident.direction[i];
+            Accumulate(samples[i], mean);
     }
     if (used == 0)
         return ReadLuxel(luxel);
-    mean.color *= 1.0f / float(used), mean.direction *= 1.0f / float(used);
+    Scale(1.0f / float(used), mean);
     return mean;
 }
 

@@ -17,7 +17,7 @@ class LuxelSampler {
     /// To be called before each light.
     void StartLight(const Light &light);
     /// Sets the light of the source at a block, one sample a luxel.
-    void SetBlock(std::size_t block, const LuxelIncidentLight &incident);
+    void SetBlock(std::size_t block, const LuxelIncidentLight &incident, const ChannelLanes &channels);
     /// Supersamples the cells that are partly lit, and adds the change of their luxels to `sum`.
     void Refine(LuxelSum &sum, ContributionCounts &counts);
 
@@ -25,6 +25,7 @@ class LuxelSampler {
     struct Sample {
         Vec3f position;
         Vec3f color, direction;
+        std::array<Vec3f, kMaxChannels> channels{};
         int count = 1; ///< levels of samples, up to -samples
         bool lit = false, filtered = false;
     };
@@ -45,6 +46,10 @@ class LuxelSampler {
     void ReplaceLuxel(std::size_t luxel, const Sample &after, LuxelSum &sum);
     Sample ReadLuxel(std::size_t luxel) const;
     void Subsample(std::span<const Refinement> samples, float offset, ContributionCounts &counts) const;
+    bool Contribution(SurfaceReceiverBatch &receivers, std::span<const std::size_t> luxels, std::span<Sample> samples,
+                      ContributionCounts &counts) const;
+    void Accumulate(const Sample &one, Sample &sum) const;
+    void Scale(float factor, Sample &sample) const;
     void AverageSubsamples(const Refinement &whole, std::span<Sample> subsamples, float offset,
                            ContributionCounts &counts) const;
     Sample RandomSamples(int x, int y, ContributionCounts &counts) const;
@@ -66,6 +71,7 @@ class LuxelSampler {
     std::vector<std::uint32_t> refinedList_;
     std::size_t firstTouched_ = 0, lastTouched_ = 0; ///< range of luxels that the light has set; first > last: none
     std::vector<LuxelIncidentLight> incident_;       ///< by block; valid for luxels whose lit_ is not 0
+    std::vector<ChannelLanes> channels_;             ///< of incident_; empty without channels
 };
 
 } // namespace q3

@@ -59,6 +59,8 @@ LightmapOptions ParseLightmapOptions(Arguments &arguments, const LightOptions &l
     o.pageSize = o.gamePageSize = {game.lightmapSize, game.lightmapSize};
     TakeSettings(LightmapSettings(), o, arguments, log);
     ApplyPageSizes(o, log);
+    if (o.show != DebugView::Light || o.debugNormals)
+        o.rnm = o.rnmAll = o.lightmass = false;
     o.shade |= o.shadeAngle > 0;
     o.deluxe |= o.debugDeluxe;
     o.dirty |= o.show == DebugView::Dirt;

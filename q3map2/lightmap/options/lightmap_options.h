@@ -16,6 +16,15 @@ namespace q3 {
 /// Longest side of a lightmap page, in texels; more than any engine supports.
 inline constexpr int kMaxPageSide = 8192;
 
+/// A form of the image files with HDR lightmaps, -hdrfiles.
+enum class HdrFiles {
+    None,
+    Radiance,  ///< .hdr as OpenJK's rend2 reads it
+    Ioquake3,  ///< .hdr as the second renderers of ioquake3 and Quake3e read it
+    OpenExr,   ///< .exr
+    Pfm        ///< .pfm
+};
+
 /// What luxels show instead of light: the -debug... options.
 enum class DebugView { Light, Surfaces, Axis, Cluster, Origin, Dirt, NormalMap };
 
@@ -70,6 +79,14 @@ struct LightmapOptions {
     bool fill = false, fillPink = false;
     bool exportPages = false, triangleSoup = false;
     bool sRgbTexture = false;
+
+    // Encodings of light.
+    bool ldr = true, hdr = false; ///< -ldr, -hdr, -both: 8-bit pages, HDR pages
+    HdrFiles hdrFiles = HdrFiles::None;
+    bool rnm = false, rnmAll = false; ///< -rnm: of normal mapped surfaces; -rnmall
+    bool rnmRescaled = false;         ///< -rnmstorage
+    bool lightmass = false;
+    bool NeedsSh() const { return lightmass; }
 
     // Debug.
     bool debug = false, border = false, debugNormals = false, debugDeluxe = false, debugSampleSize = false;

@@ -393,6 +393,10 @@ void LightmapSetup::Finish(RawLightmap &raw) {
         raw.clusters.insert(raw.clusters.end(), clusters.begin(), clusters.end());
         out_.lightmapOf[std::size_t(number)] = int(out_.lightmaps.size());
     }
+    raw.channels.sh = in_.lightmap.NeedsSh();
+    raw.channels.basis = std::any_of(raw.surfaces.begin(), raw.surfaces.end(), [&](int number) {
+        return in_.table[std::size_t(number)].normalMapped;
+    });
     std::sort(raw.clusters.begin(), raw.clusters.end());
     raw.clusters.erase(std::unique(raw.clusters.begin(), raw.clusters.end()), raw.clusters.end());
     if (raw.hasVectors) {

@@ -8,6 +8,7 @@
 #include "q3map2/light/transfer/light_contribution.h"
 #include "q3map2/light/transfer/light_sample.h"
 #include "q3map2/lightmap/options/lightmap_options.h"
+#include "q3map2/lightmap/raw/directional_channels.h"
 #include "q3map2/lightmap/raw/style_slots.h"
 
 #include <array>
@@ -56,6 +57,7 @@ struct RawLightmap {
     std::array<Vec3f, 2> step{}; ///< world step of one luxel of the super grid
     Vec3f storedOrigin;          ///< lightmapOrigin of the draw surfaces
     bool wrapS = false, wrapT = false;
+    DirectionalChannels channels;
     int width = 0, height = 0, super = 1;
     int SuperWidth() const { return width * super; }
     int SuperHeight() const { return height * super; }
@@ -63,25 +65,30 @@ struct RawLightmap {
     std::size_t Index(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
 
     // Super grid, once: luxel_map.cpp. A luxel is mapped if it has a cluster, >= 0. Averaging the last pass frees
-    // positions, dirt, floodlight, light, filled and directions.
+    // positions, tangents, dirt, floodlight, light, filled and directions.
     std::vector<Vec3f> positions, normals; ///< of the receiver that stands for the luxel
     std::vector<int> luxelClusters;        ///< cluster of the position, or NoCluster
     bool Mapped(std::size_t luxel) const { return luxelClusters[luxel] >= 0; }
+    std::vector<LuxelTangent> tangents; ///< luxel_tangents.cpp; empty unless channels.basis
+    BasisNormals BasisOf(std::size_t luxel) const { return BasisNormalsOf(normals[luxel], tangents[luxel]); }
 
     // Super grid, once: luxel_dirt.cpp, luxel_flood.cpp. Empty when off.
     std::vector<float> dirt;       ///< factor of the light, 0 to 1
     std::vector<Vec3f> floodlight; ///< byte scale
+    ChannelImages floodChannels;
     float floodDirectionScale = 1;
 
     // Super grid, each pass: luxel_light.cpp. Byte scale; empty for styles that are not used.
     Styles styles = kOnlyStyle0;
     std::array<std::vector<Vec3f>, kStyles> light;
+    std::array<ChannelImages, kStyles> directional;        ///< `channels` of `light`
     std::array<std::vector<std::uint8_t>, kStyles> filled; ///< whether the luxel holds a value
     std::vector<Vec3f> directions; ///< deluxe: sum of unit vector towards the light times luminance; else empty
 
     // width x height: lightmap_average.cpp. A texel whose red is negative is not used.
     std::array<std::vector<Vec3f>, kStyles> result;    ///< added up over passes
     std::array<std::vector<Vec3f>, kStyles> radiosity; ///< of the latest pass only
+    std::array<ChannelImages, kStyles> resultChannels; ///< `channels` of `result`; zero where it is not used
     std::vector<Vec3f> resultDirections;
 };
 

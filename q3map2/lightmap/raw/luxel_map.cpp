@@ -75,6 +75,10 @@ class LuxelMapper {
     LuxelPlane PlaneOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c) const;
     bool Usable(const LuxelPlane &plane) const;
     void MapSurface(int number);
+    /// Null where the engine does the normal mapping, by basis maps.
+    const Image *NormalImageOf(const SurfaceEntry &entry) const {
+        return raw_.channels.basis ? nullptr : entry.normalImage.get();
+    }
     void MapTriangles(const bspDrawSurface_t &surface, const Image *normals);
     void MapMesh(const bspDrawSurface_t &surface, const SurfaceEntry &entry);
     void MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const Image *normals, bool thinEdges);
@@ -157,7 +161,7 @@ void LuxelMapper::MapSurface(int number) {
     if (surface.surfaceType == MST_PATCH)
         MapMesh(surface, entry);
     else
-        MapTriangles(surface, entry.normalImage.get());
+        MapTriangles(surface, NormalImageOf(entry));
 }
 
 void LuxelMapper::MapTriangles(const bspDrawSurface_t &surface, const Image *normals) {
@@ -179,11 +183,11 @@ void LuxelMapper::MapMesh(const bspDrawSurface_t &surface, const SurfaceEntry &e
     for (int y = 0; y + 1 < mesh.height; ++y)
         for (int x = 0; x + 1 < mesh.width; ++x) {
             const auto quad = MeshQuad(mesh, x, y);
-            if (MapQuad(quad, entry.normalImage.get()))
+            if (MapQuad(quad, NormalImageOf(entry)))
                 continue;
             for (const bool thinEdges : {true, false}) {
-                MapTriangle({quad[0], quad[1], quad[2]}, entry.normalImage.get(), thinEdges);
-                MapTriangle({quad[0], quad[2], quad[3]}, entry.normalImage.get(), thinEdges);
+                MapTriangle({quad[0], quad[1], quad[2]}, NormalImageOf(entry), thinEdges);
+                MapTriangle({quad[0], quad[2], quad[3]}, NormalImageOf(entry), thinEdges);
             }
         }
 }

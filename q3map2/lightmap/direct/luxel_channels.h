@@ -1,0 +1,19 @@
+// GPL-2.0-or-later. Directional channels of the light of one source on a block of luxels.
+#pragma once
+
+#include "q3map2/light/transfer/light_sample.h"
+#include "q3map2/lightmap/raw/directional_channels.h"
+
+namespace q3 {
+
+/// The channels of sixteen receivers.
+using ChannelLanes = std::array<Lanes3, kMaxChannels>;
+/// Their RNM basis normals.
+using BasisLanes = std::array<Lanes3, DirectionalChannels::kBasis>;
+
+/// Sets the channels of the light `incident` of a source of that color; zero in lanes that are not live. basis: not
+/// used without these channels.
+void SetChannels(const Vec3f &color, const SurfaceIncidentLight &incident, const DirectionalChannels &channels,
+                 const BasisLanes *basis, ChannelLanes &out);
+
+} // namespace q3
