@@ -132,14 +132,7 @@ void RecordTone(const std::string &tone, bool onlyGrid, bool lightsGrid, Entity 
 
 LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &options,
                        const LightmapOptions &lightmap, ShaderLibrary &library, const JobPool &jobs, Log &log) {
-    const SurfaceDefaults defaults{.sampleSize = lightmap.sampleSize,
-                                   .minSampleSize = lightmap.minSampleSize,
-                                   .noLightmaps = lightmap.noLightmaps,
-                                   .ambient = {},
-                                   .normalMaps = lightmap.rnmAll ? NormalMaps::All
-                                                 : lightmap.rnm  ? NormalMaps::OfShaders
-                                                                 : NormalMaps::None};
-    LightSetup setup(bsp, inputs, options, defaults, library, log);
+    LightSetup setup(bsp, inputs, options, SurfaceDefaultsOf(lightmap), library, log);
     // Bounced light comes from lit surfaces, whether or not they are stored.
     const bool gridBounces = lightmap.bounces > 0 && lightmap.bounceGrid;
     const bool lightSurfaces = !lightmap.onlyGrid || gridBounces;

@@ -8,6 +8,7 @@
 #include "q3map2/lightmap/raw/lightmap_shade.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_map.h"
+#include "q3map2/lightmap/raw/luxel_tangents.h"
 #include "tests/common/game_folder.h"
 #include "tests/light/compiled_map.h"
 #include "tools/scene/scene_builder.h"
@@ -60,6 +61,7 @@ class SurfaceCase {
         SurfaceLight surfaces = Setup();
         SmoothNormals(Inputs(), surfaces);
         MapLuxels(Inputs(), surfaces);
+        FindTangents(Inputs(), surfaces);
         return surfaces;
     }
 
@@ -95,10 +97,7 @@ class SurfaceCase {
         return files;
     }
     SurfaceDefaults Defaults() const {
-        SurfaceDefaults defaults;
-        defaults.sampleSize = settings.lightmap.sampleSize;
-        defaults.minSampleSize = settings.lightmap.minSampleSize;
-        defaults.noLightmaps = settings.lightmap.noLightmaps;
+        SurfaceDefaults defaults = SurfaceDefaultsOf(settings.lightmap);
         defaults.ambient = world.ambient;
         return defaults;
     }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace q3 {
 
@@ -32,12 +33,31 @@ Q3_VECTOR void ProjectOnSh(const LightDirections &from, std::array<Lanes, Direct
     }
 }
 
-/// Light on receivers with the given normals.
-Q3_VECTOR void LightOn(const Lanes3 &normal, const LightDirections &from, Lanes &weights) {
+/// Irradiance of a sphere that is partly below the horizon, over its irradiance on a receiver that faces it; sine2: of
+/// its angular radius; cosine: between the normal and its center, |cosine| < sqrt(sine2). Snyder, Area Light Sources
+/// for Real-Time Graphics, 1996.
+float SphereAtHorizon(float cosine, float sine2) {
+    const float sine = std::sqrt(1 - cosine * cosine), x = std::sqrt(1 / sine2 - 1);
+    const float y = std::clamp(-x * cosine / sine, -1.0f, 1.0f), root = sine * std::sqrt(1 - y * y);
+    const float sum = (cosine * std::acos(y) - x * root) * sine2 + std::atan2(root, x);
+    return std::max(0.0f, sum / (sine2 * std::numbers::pi_v<float>));
+}
+
+/// Light on receivers with the given normals. Area lights that their horizon crosses count as spheres.
+void LightOn(const Lanes3 &normal, const LightDirections &from, const LaneMask &live, Lanes &weights) {
+    constexpr float kPointlike = 1e-4f;
     for (const std::size_t i : kEachLane) {
-        const float facing =
-            from.vector.x[i] * normal.x[i] + from.vector.y[i] * normal.y[i] + from.vector.z[i] * normal.z[i];
-        weights[i] = std::max(0.0f, facing) + from.uniform[i];
+        if (live[i] == 0)
+            continue;
+        const float facing = Dot(from.vector[i], normal[i]);
+        const float cosineOfRadius = 2 / from.spread[i] - 1, sine2 = 1 - cosineOfRadius * cosineOfRadius;
+        const float length2 = Dot(from.vector[i], from.vector[i]);
+        float light = std::max(0.0f, facing);
+        if (sine2 > kPointlike && facing * facing < sine2 * length2) {
+            const float length = std::sqrt(length2);
+            light = length * SphereAtHorizon(facing / length, sine2);
+        }
+        weights[i] = light + from.uniform[i];
     }
 }
 
@@ -53,7 +73,7 @@ void SetChannels(const Vec3f &color, const SurfaceIncidentLight &incident, const
     }
     for (std::size_t i = 0; basis && i < basis->size(); ++i) {
         Lanes weights;
-        LightOn((*basis)[i], incident.directions, weights);
+        LightOn((*basis)[i], incident.directions, incident.live, weights);
         SetColor(color, incident, weights, out[channels.FirstBasis() + i]);
     }
 }

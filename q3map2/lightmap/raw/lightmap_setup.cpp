@@ -442,6 +442,16 @@ void LightmapSetup::Report() const {
 
 } // namespace
 
+SurfaceDefaults SurfaceDefaultsOf(const LightmapOptions &options) {
+    return {.sampleSize = options.sampleSize,
+            .minSampleSize = options.minSampleSize,
+            .noLightmaps = options.noLightmaps,
+            .ambient = {},
+            .normalMaps = options.rnmAll ? NormalMaps::All
+                          : options.rnm  ? NormalMaps::OfShaders
+                                         : NormalMaps::None};
+}
+
 SurfaceLight SetupSurfaceLight(const SurfaceInputs &in) {
     SurfaceLight surfaces;
     surfaces.lightmapOf.assign(in.bsp.drawSurfaces.size(), -1);

@@ -5,6 +5,9 @@
 
 namespace q3 {
 
+/// What the options say about surfaces, without ambient light.
+SurfaceDefaults SurfaceDefaultsOf(const LightmapOptions &options);
+
 /// Vertices, clusters and raw lightmaps of all draw surfaces. Logs how many surfaces get a lightmap.
 SurfaceLight SetupSurfaceLight(const SurfaceInputs &in);
 

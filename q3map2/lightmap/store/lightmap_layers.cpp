@@ -179,7 +179,7 @@ void JoinGroup(const std::vector<std::size_t> &group, std::vector<LightmapLayer>
 
 } // namespace
 
-LightmapLayers MakeLayers(const SurfaceInputs &in, const SurfaceLight &surfaces) {
+LightmapLayers MakeLayers(const SurfaceInputs &in, SurfaceLight &surfaces) {
     LightmapLayers stored;
     stored.layerOf.resize(surfaces.lightmaps.size());
     for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i)
@@ -188,34 +188,27 @@ LightmapLayers MakeLayers(const SurfaceInputs &in, const SurfaceLight &surfaces)
             const bool used = lightmap.styles[style] != kNoStyle && !lightmap.result[style].empty() &&
                               (style == 0 || stored.layerOf[i][0] >= 0);
             stored.layerOf[i][style] = used ? int(stored.layers.size()) : -1;
-            if (used)
-                stored.layers.push_back({int(i),
-                                         style,
-                                         lightmap.width,
-                                         lightmap.height,
-                                         lightmap.pageSize,
-                                         lightmap.brightness,
-                                         {},
-                                         {},
-                                         false,
-                                         {},
-                                         {},
-                                         -1,
-                                         false,
-                                         -1,
-                                         0,
-                                         0});
+            if (!used)
+                continue;
+            LightmapLayer &layer = stored.layers.emplace_back();
+            layer.lightmap = int(i), layer.style = style;
+            layer.width = lightmap.width, layer.height = lightmap.height, layer.pageSize = lightmap.pageSize;
+            layer.brightness = lightmap.brightness;
+            layer.kinds = lightmap.channels;
         }
     const bool collapse = in.lightmap.collapse && !surfaces.styled;
     in.jobs.For(std::int64_t(stored.layers.size()), [&](std::int64_t i, int) {
         LightmapLayer &layer = stored.layers[std::size_t(i)];
-        const RawLightmap &lightmap = surfaces.lightmaps[std::size_t(layer.lightmap)];
+        RawLightmap &lightmap = surfaces.lightmaps[std::size_t(layer.lightmap)];
         layer.texels = lightmap.result[layer.style];
+        layer.channels = std::move(lightmap.resultChannels[layer.style]);
         layer.directions = lightmap.resultDirections;
         JoinSeams(lightmap, layer.texels, true);
         JoinSeams(lightmap, layer.directions, false);
+        for (std::vector<Vec3f> &channel : layer.channels)
+            JoinSeams(lightmap, channel, false);
         FinishDirections(lightmap, in.lightmap.deluxeTangent, layer.directions);
-        if (collapse)
+        if (collapse && layer.channels.empty())
             FindSolid(layer);
     });
     return stored;
@@ -225,7 +218,7 @@ void JoinTwins(std::vector<LightmapLayer> &layers) {
     std::map<std::tuple<int, int, std::array<int, 2>, float, int>, std::vector<std::size_t>> groups;
     for (std::size_t i = 0; i < layers.size(); ++i) {
         const LightmapLayer &layer = layers[i];
-        if (layer.byVertex)
+        if (layer.byVertex || !layer.channels.empty())
             continue;
         // Solid layers are compared only within one step of red; most twins have exactly equal colors.
         const int step = layer.solid ? int(std::clamp(layer.color.x / kSolidDifference, 0.0f, 1e6f)) : 0;

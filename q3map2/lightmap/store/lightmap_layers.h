@@ -4,6 +4,7 @@
 #include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace q3 {
@@ -16,6 +17,8 @@ struct LightmapLayer {
     std::array<int, 2> pageSize{128, 128};
     float brightness = 1;
     std::vector<Vec3f> texels, directions; ///< directions: empty without deluxe
+    DirectionalChannels kinds;             ///< of `channels`
+    ChannelImages channels;                ///< directional light; layers with it are not solid and have no twins
     bool solid = false;                    ///< one color: needs one texel
     Vec3f color, direction;                ///< if solid
     int twin = -1;                         ///< layer whose texels it shares
@@ -25,6 +28,8 @@ struct LightmapLayer {
     int page = -1, x = 0, y = 0;
 
     bool Used(std::size_t texel) const { return texels[texel].x >= 0; }
+    /// The light on a basis normal; kinds.basis.
+    std::span<const Vec3f> OnBasis(std::size_t i) const { return channels[kinds.FirstBasis() + i]; }
 };
 
 /// The layers of all raw lightmaps.
@@ -33,9 +38,9 @@ struct LightmapLayers {
     std::vector<std::array<int, kStyles>> layerOf; ///< [raw lightmap][style slot]: index in layers, -1: none
 };
 
-/// Copies of all results. Texels at the seam of patches that close on themselves are averaged, directions normalized
+/// Copies of all results; directional channels are moved out of `surfaces`. Texels at the seam of patches that close on themselves are averaged, directions normalized
 /// (in tangent space with -deluxemode 1) and, unless -nocollapse or light styles forbid it, solid lightmaps marked.
-LightmapLayers MakeLayers(const SurfaceInputs &in, const SurfaceLight &surfaces);
+LightmapLayers MakeLayers(const SurfaceInputs &in, SurfaceLight &surfaces);
 
 /// Makes layers with nearly equal texels share them: sets `twin` of the later ones; the first gets the mean.
 void JoinTwins(std::vector<LightmapLayer> &layers);

@@ -129,7 +129,7 @@ class Packer {
             first = &stored_.layers[std::size_t(stored_.layerOf[std::size_t(layer.lightmap)][0])];
         if ((first && PackBesideFirst(*first, stamp, layer)) || PackAnywhere(stamp, layer))
             return;
-        pages_.emplace_back(layer.pageSize[0], layer.pageSize[1]);
+        AddPage(layer);
         Put(pages_.size() - 1, stamp, first ? std::array{first->x, first->y} : std::array{0, 0}, layer);
     }
 
@@ -141,8 +141,22 @@ class Packer {
     }
 
   private:
-    bool Possible(const PageSpace &page, const Stamp &stamp, const LightmapLayer &layer) const {
-        return page.Free() >= stamp.used && page.Width() == layer.pageSize[0] && page.Height() == layer.pageSize[1];
+    struct Page : PageSpace {
+        using PageSpace::PageSpace;
+        bool basis = false; ///< its lightmaps have basis maps: other pages need none
+    };
+
+    void AddPage(const LightmapLayer &layer) {
+        Page &page = pages_.emplace_back(layer.pageSize[0], layer.pageSize[1]);
+        page.basis = layer.kinds.basis;
+        // The last texel is undefined in ioquake3's HDR pages (EncodeIoquake3Hdr).
+        if (options_.hdrFiles == HdrFiles::Ioquake3)
+            page.Take({.runs = {{0, 0, 1}}}, page.Width() - 1, page.Height() - 1);
+    }
+
+    bool Possible(const Page &page, const Stamp &stamp, const LightmapLayer &layer) const {
+        return page.Free() >= stamp.used && page.Width() == layer.pageSize[0] && page.Height() == layer.pageSize[1] &&
+               page.basis == layer.kinds.basis;
     }
 
     void Put(std::size_t page, const Stamp &stamp, std::array<int, 2> at, LightmapLayer &layer) {
@@ -193,7 +207,7 @@ class Packer {
 
     const LightmapOptions &options_;
     LightmapLayers &stored_;
-    std::vector<PageSpace> pages_;
+    std::vector<Page> pages_;
 };
 
 } // namespace
