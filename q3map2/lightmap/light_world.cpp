@@ -7,10 +7,12 @@
 #include "q3map2/light/tone/light_tone.h"
 #include "q3map2/lightmap/ao/luxel_dirt.h"
 #include "q3map2/lightmap/ao/luxel_flood.h"
+#include "q3map2/lightmap/ao/luxel_occlusion.h"
 #include "q3map2/lightmap/bounce/light_bounce.h"
 #include "q3map2/lightmap/direct/lightmap_average.h"
 #include "q3map2/lightmap/direct/luxel_fill.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
+#include "q3map2/lightmap/direct/luxel_visibility.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 #include "q3map2/lightmap/raw/lightmap_shade.h"
 #include "q3map2/lightmap/raw/luxel_map.h"
@@ -36,6 +38,8 @@ class SurfacePasses {
     void Run() {
         in_.log.Section("IlluminateRawLightmap");
         Pass(setup_.lights, {}, nullptr);
+        if (in_.lightmap.lightmass)
+            FindMasks();
         const int bounces = in_.lightmap.bounces;
         for (int bounce = 1; bounce <= bounces; ++bounce) {
             in_.log.Section(fmt::format("Radiosity (bounce {} of {})", bounce, bounces));
@@ -60,7 +64,8 @@ class SurfacePasses {
             return nullptr;
         return std::make_unique<BouncedLight>(bounces_->Total());
     }
-    StoredLightmaps Store(std::string_view mapName, Bsp &bsp) const {
+    /// Call last: it takes results.
+    StoredLightmaps Store(std::string_view mapName, Bsp &bsp) {
         in_.log.Section("StoreSurfaceLightmaps");
         return StoreLightmaps(in_, surfaces_, mapName, bsp);
     }
@@ -81,6 +86,16 @@ class SurfacePasses {
         }
         FloodLuxels(in_, surfaces);
         return surfaces;
+    }
+    /// What -lightmass stores beside light.
+    void FindMasks() {
+        FindOcclusion(in_, surfaces_);
+        if (in_.lightmap.shadowMaps.empty())
+            return;
+        int culled = 0;
+        const std::vector<Light> lights = SetupEnvelopes(setup_.lights, LightPass::Surfaces, in_.options, in_.space,
+                                                         setup_.skySeenFrom, culled, in_.lightmap.fastPoint);
+        FindVisibility(in_, lights, surfaces_, counts_);
     }
     void Pass(const std::vector<Light> &created, const SurfacePass &pass, const Bounces *bounces) {
         const CpuTimer timer;

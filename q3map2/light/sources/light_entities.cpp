@@ -67,6 +67,7 @@ Light LightFromKeys(const Entity &entity, const LightOptions &options, Log &log)
     light.angle = light.angle || light.angleScale != 0;
     light.filterRadius = float(keys::kFilterRadius.Number(entity));
     light.style = Style(entity);
+    light.name = entity.Value("targetname");
     light.photons = Intensity(entity, log);
     if (!IsFinite(light.color) || MaxComponent(Max(light.color, -light.color)) > kMaxIntensity) {
         log.Warn("light color", "{}: _color {} is out of range, white is used", Label(entity),
@@ -128,7 +129,7 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
         if (sun.direction == Vec3f{})
             sun.direction = {0, 0, 1};
         for (Light &one : MakeSuns(sun, -1, options)) {
-            one.grid = light.grid, one.surfaces = light.surfaces;
+            one.name = light.name, one.grid = light.grid, one.surfaces = light.surfaces;
             lights.push_back(std::move(one));
         }
         return;

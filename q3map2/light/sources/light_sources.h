@@ -5,6 +5,7 @@
 #include "libs/math/winding.h"
 
 #include <array>
+#include <string>
 #include <vector>
 
 namespace q3 {
@@ -29,6 +30,7 @@ struct AreaShape {
 
 /// One light. Color times the number that falloff or form factor give is light on the byte scale, 255 = full.
 struct Light {
+    std::string name; ///< targetname of its entity
     LightType type = LightType::Point;
     bool linear = false;  ///< falloff photons / 8000 - distance * fade instead of photons / distance^2
     bool grid = true;     ///< lights grid points

@@ -61,6 +61,11 @@ LightmapOptions ParseLightmapOptions(Arguments &arguments, const LightOptions &l
     ApplyPageSizes(o, log);
     if (o.show != DebugView::Light || o.debugNormals)
         o.rnm = o.rnmAll = o.lightmass = false;
+    const bool forEngines = o.hdrFiles == HdrFiles::Radiance || o.hdrFiles == HdrFiles::Ioquake3;
+    if (forEngines && !o.ldr) {
+        log.Warn("HDR files", "engines load HDR files beside 8-bit lightmaps only, which are stored too");
+        o.ldr = true;
+    }
     o.shade |= o.shadeAngle > 0;
     o.deluxe |= o.debugDeluxe;
     o.dirty |= o.show == DebugView::Dirt;

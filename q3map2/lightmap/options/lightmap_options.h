@@ -85,7 +85,8 @@ struct LightmapOptions {
     HdrFiles hdrFiles = HdrFiles::None;
     bool rnm = false, rnmAll = false; ///< -rnm: of normal mapped surfaces; -rnmall
     bool rnmRescaled = false;         ///< -rnmstorage
-    bool lightmass = false;
+    bool lightmass = false, skyOcclusion = false;
+    std::vector<std::string> shadowMaps; ///< -shadowmap: names of lights
     bool NeedsSh() const { return lightmass; }
 
     // Debug.

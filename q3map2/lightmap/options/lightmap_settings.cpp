@@ -305,6 +305,11 @@ Group Encodings() {
         o.hdr = true;
     };
     const auto rnmAll = [](LightmapOptions &o, const Values &) { o.rnm = o.rnmAll = true; };
+    const auto skyOcclusion = [](LightmapOptions &o, const Values &) { o.lightmass = o.skyOcclusion = true; };
+    const auto shadowMap = [](LightmapOptions &o, const Values &v) {
+        o.lightmass = true;
+        o.shadowMaps.push_back(v.words[0]);
+    };
     const auto storage = [](LightmapOptions &o, const Values &v) { o.rnmRescaled = v.words[0] == "rescaled"; };
     return {"Range and direction of light",
             "[directional.md](directional.md) describes and compares these forms.",
@@ -331,7 +336,16 @@ Group Encodings() {
               Do<LightmapOptions>(storage)},
              {{.name = "-lightmass",
                .help = "Also write L1 SH lightmaps in the layout of Unreal's Lightmass as images with a JSON file"},
-              &LightmapOptions::lightmass}}};
+              &LightmapOptions::lightmass},
+             {{.name = "-skyocclusion",
+               .help = "Also store from which direction the sky is seen; includes -lightmass"},
+              Do<LightmapOptions>(skyOcclusion)},
+             {{.name = "-shadowmap",
+               .values = "LIGHT",
+               .kind = SettingKind::Text,
+               .initial = "none",
+               .help = "Also store the visibility of the light of that targetname; may be repeated; includes -lightmass"},
+              Do<LightmapOptions>(shadowMap)}}};
 }
 
 Group Packing() {

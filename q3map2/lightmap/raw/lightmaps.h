@@ -90,6 +90,11 @@ struct RawLightmap {
     std::array<std::vector<Vec3f>, kStyles> radiosity; ///< of the latest pass only
     std::array<ChannelImages, kStyles> resultChannels; ///< `channels` of `result`; zero where it is not used
     std::vector<Vec3f> resultDirections;
+
+    // width x height, for -lightmass: luxel_occlusion.cpp, luxel_visibility.cpp. Empty when off.
+    std::vector<float> unoccluded;              ///< factor of dirt, 1 in the open
+    std::vector<Vec3f> skyOcclusion;            ///< mean direction in which the sky is seen, as long as that share
+    std::vector<std::vector<float>> visibility; ///< [LightmapOptions::shadowMaps][luxel], 0 to 1; -1: not mapped
 };
 
 /// Light at draw vertices, [style slot][vertex], byte scale; empty for styles that are not used.

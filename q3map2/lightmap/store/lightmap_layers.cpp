@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Lightmaps to be packed.
 #include "q3map2/lightmap/store/lightmap_layers.h"
 
+#include "q3map2/lightmap/store/luxel_normals.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -58,16 +60,6 @@ Vec3f InTangentSpace(const Vec3f &d, const Vec3f &n) {
     if (n.x > 0 || n.y < 0 || n.z < 0)
         tangent = -tangent;
     return {Dot(d, tangent), Dot(d, bitangent), Dot(d, n)};
-}
-
-/// Mean normal of the super luxels of a luxel.
-Vec3f MeanNormal(const RawLightmap &lightmap, int x, int y) {
-    Vec3f sum;
-    for (int sy = y * lightmap.super; sy < (y + 1) * lightmap.super; ++sy)
-        for (int sx = x * lightmap.super; sx < (x + 1) * lightmap.super; ++sx)
-            if (const std::size_t at = lightmap.SuperIndex(sx, sy); lightmap.luxelClusters[at] != kUnmapped)
-                sum += lightmap.normals[at];
-    return sum == Vec3f{} ? lightmap.planeNormal : Normalize(sum);
 }
 
 void FinishDirections(const RawLightmap &lightmap, bool tangentSpace, std::vector<Vec3f> &directions) {

@@ -191,7 +191,7 @@ class Packer {
             page = (pages_.size() - 1) / block * block;
         const bool fast = options_.fastAllocate;
         for (; page < pages_.size(); ++page) {
-            const PageSpace &space = pages_[page];
+            const Page &space = pages_[page];
             if (!Possible(space, stamp, layer) ||
                 (fast && double(space.Free()) * kFastFree < double(space.Width()) * space.Height()))
                 continue;

@@ -213,6 +213,9 @@ void AddMipmapHints(std::string_view mapName, StoredLightmaps &stored, Bsp &bsp)
     }
     bsp.drawSurfaces.insert(bsp.drawSurfaces.begin(), hints.begin(), hints.end());
     MoveSurfaceNumbers(bsp, int(hints.size()));
+    for (LightmassPlace &place : stored.lightmass.places)
+        for (int &surface : place.surfaces)
+            surface += int(hints.size());
 }
 
 } // namespace

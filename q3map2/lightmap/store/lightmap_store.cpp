@@ -6,6 +6,7 @@
 #include "q3map2/lightmap/store/lightmap_layers.h"
 #include "q3map2/lightmap/store/lightmap_pack.h"
 #include "q3map2/lightmap/store/lightmap_scripts.h"
+#include "q3map2/lightmap/store/page_light.h"
 #include "q3map2/lightmap/store/stored_light.h"
 
 #include <algorithm>
@@ -71,7 +72,7 @@ void FillPage(LightmapPage &page, std::vector<std::uint8_t> written) {
 
 class Storer {
   public:
-    Storer(const SurfaceInputs &in, const SurfaceLight &surfaces, std::string_view mapName, Bsp &bsp)
+    Storer(const SurfaceInputs &in, SurfaceLight &surfaces, std::string_view mapName, Bsp &bsp)
         : in_(in), surfaces_(surfaces), mapName_(mapName), bsp_(bsp), tone_(StoredTone(in)) {
         const std::vector<Entity> entities = ParseEntities(bsp.entities, mapName);
         if (!entities.empty())
@@ -84,8 +85,13 @@ class Storer {
         ApplyStandIns();
         if (in_.lightmap.collapse && !surfaces_.styled && !in_.lightmap.deluxe)
             JoinTwins(stored_.layers);
-        MakePages(PackLayers(PackingOrder(in_, surfaces_, stored_), in_.lightmap, stored_));
+        const std::vector<std::array<int, 2>> sizes =
+            PackLayers(PackingOrder(in_, surfaces_, stored_), in_.lightmap, stored_);
+        MakePages(sizes);
         FillTexels();
+        SetPageLight(in_, stored_, result_.pages);
+        result_.lightmass = MakeLightmassPages(in_, surfaces_, stored_, sizes);
+        StartVertexLight();
         for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i)
             if (!CopiesParent(i))
                 StoreSurface(i);
@@ -129,7 +135,7 @@ class Storer {
                 number += numbers;
             } else
                 page.external = true;
-            const std::size_t texels = std::size_t(page.width) * std::size_t(page.height);
+            const std::size_t texels = page.Texels();
             page.colors.resize(3 * texels);
             if (in_.lightmap.deluxe)
                 page.directions.resize(3 * texels);
@@ -140,7 +146,7 @@ class Storer {
         }
         if (in_.lightmap.fill)
             for (const LightmapPage &page : result_.pages)
-                written_.emplace_back(std::size_t(page.width) * std::size_t(page.height));
+                written_.emplace_back(page.Texels());
     }
 
     void FillTexels() {
@@ -165,7 +171,7 @@ class Storer {
     void PutTexel(const LightmapLayer &layer, int x, int y, const Vec3f &color, const Vec3f &direction,
                   const ToneMapper &bytes) {
         LightmapPage &page = result_.pages[std::size_t(layer.page)];
-        const std::size_t at = std::size_t(layer.y + y) * std::size_t(page.width) + std::size_t(layer.x + x);
+        const std::size_t at = page.Index(layer.x + x, layer.y + y);
         const Vec3f least = layer.style == 0 ? in_.world.minLight : Vec3f{};
         Put(page.colors, at, bytes.Bytes(Max(color, least)));
         if (!page.directions.empty())
@@ -253,6 +259,14 @@ class Storer {
         return stages;
     }
 
+    /// HDR light of vertices that no surface stores light for: their colors.
+    void StartVertexLight() {
+        for (const bspDrawVert_t &vertex : bsp_.drawVerts)
+            if (in_.lightmap.hdr)
+                result_.vertexLight.push_back(
+                    Vec3f{float(vertex.color[0]), float(vertex.color[1]), float(vertex.color[2])} / 255);
+    }
+
     void StoreVertexColors(std::size_t i) {
         const bspDrawSurface_t &surface = bsp_.drawSurfaces[i];
         const ShaderInfo &shader = *in_.table[i].shader;
@@ -262,6 +276,8 @@ class Storer {
         for (auto v = std::size_t(surface.firstVert); v < std::size_t(surface.firstVert + surface.numVerts); ++v) {
             const Bytes color = VertexBytes(in_, shader, sum[v], tone_);
             std::copy(color.begin(), color.end(), bsp_.drawVerts[v].color.begin());
+            if (!result_.vertexLight.empty())
+                result_.vertexLight[v] = VertexLightOf(in_, shader, sum[v], tone_);
         }
     }
 
@@ -285,13 +301,16 @@ class Storer {
             bspDrawVert_t &to = bsp_.drawVerts[std::size_t(surface.firstVert + v)];
             const bspDrawVert_t &from = bsp_.drawVerts[std::size_t(parent.firstVert + v)];
             to.lightmap = from.lightmap, to.color = from.color;
+            if (!result_.vertexLight.empty())
+                result_.vertexLight[std::size_t(surface.firstVert + v)] =
+                    result_.vertexLight[std::size_t(parent.firstVert + v)];
         }
     }
 
     void StoreLump() {
         bsp_.lightmaps.clear();
         for (const LightmapPage &page : result_.pages) {
-            if (in_.lightmap.external || page.number < 0)
+            if (in_.lightmap.external || page.number < 0 || !in_.lightmap.ldr)
                 continue;
             bsp_.lightmaps.insert(bsp_.lightmaps.end(), page.colors.begin(), page.colors.end());
             bsp_.lightmaps.insert(bsp_.lightmaps.end(), page.directions.begin(), page.directions.end());
@@ -321,7 +340,7 @@ class Storer {
     }
 
     const SurfaceInputs &in_;
-    const SurfaceLight &surfaces_;
+    SurfaceLight &surfaces_;
     const std::string mapName_;
     Bsp &bsp_;
     ToneOptions tone_;
@@ -336,8 +355,7 @@ class Storer {
 
 } // namespace
 
-StoredLightmaps StoreLightmaps(const SurfaceInputs &in, const SurfaceLight &surfaces, std::string_view mapName,
-                               Bsp &bsp) {
+StoredLightmaps StoreLightmaps(const SurfaceInputs &in, SurfaceLight &surfaces, std::string_view mapName, Bsp &bsp) {
     return Storer(in, surfaces, mapName, bsp).Run();
 }
 

@@ -2,6 +2,9 @@
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/store/lightmass_pages.h"
+
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -17,6 +20,14 @@ struct LightmapPage {
     bool external = false; ///< the image is needed
     std::vector<std::uint8_t> colors;
     std::vector<std::uint8_t> directions; ///< deluxe: the page after it; else empty
+
+    // Linear light, unit scale: 1 is byte 255.
+    std::vector<Vec3f> light;                 ///< -hdr, -both; else empty
+    std::array<std::vector<Vec3f>, 3> basis;  ///< -rnm: on the basis normals; empty if no lightmap on it has them
+
+    std::size_t Texels() const { return std::size_t(width) * std::size_t(height); }
+    std::size_t Index(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
+    bool HasBasis() const { return !basis[0].empty(); }
 };
 
 /// Results of storing that are not in the Bsp.
@@ -25,12 +36,13 @@ struct StoredLightmaps {
     struct Script {
         std::string shader, text;
     };
-    std::vector<Script> scripts; ///< generated shaders, each once
+    std::vector<Script> scripts;    ///< generated shaders, each once
+    LightmassPages lightmass;       ///< -lightmass; else empty
+    std::vector<Vec3f> vertexLight; ///< -hdr, -both: linear light by draw vertex, unit scale; else empty
 };
 
-/// Packs results into pages and writes them, coordinates, numbers and vertex colors into `bsp`. mapName: without path
-/// and extension.
-StoredLightmaps StoreLightmaps(const SurfaceInputs &in, const SurfaceLight &surfaces, std::string_view mapName,
-                               Bsp &bsp);
+/// Packs results into pages and writes them, coordinates, numbers and vertex colors into `bsp`. Takes the directional
+/// channels out of `surfaces`. mapName: without path and extension.
+StoredLightmaps StoreLightmaps(const SurfaceInputs &in, SurfaceLight &surfaces, std::string_view mapName, Bsp &bsp);
 
 } // namespace q3

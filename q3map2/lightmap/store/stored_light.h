@@ -15,10 +15,15 @@ inline ToneOptions StoredTone(const SurfaceInputs &in) {
     return tone;
 }
 
+/// Factor of vertex light on a surface with `shader`.
+inline float VertexScale(const SurfaceInputs &in, const ShaderInfo &shader) {
+    return shader.vertexScale * in.lightmap.vertexScale;
+}
+
 /// Stored color of a vertex that receives `light` (byte scale), on a surface with `shader`.
 inline std::array<std::uint8_t, 3> VertexBytes(const SurfaceInputs &in, const ShaderInfo &shader, const Vec3f &light,
                                                const ToneOptions &tone) {
-    return ColorToBytes(Max(light, in.world.minVertex), shader.vertexScale * in.lightmap.vertexScale, 1, tone);
+    return ColorToBytes(Max(light, in.world.minVertex), VertexScale(in, shader), 1, tone);
 }
 
 } // namespace q3

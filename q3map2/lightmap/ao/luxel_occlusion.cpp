@@ -1,0 +1,54 @@
+// GPL-2.0-or-later. Ambient occlusion and sky occlusion of luxels as results of their own, for -lightmass.
+#include "q3map2/lightmap/ao/luxel_occlusion.h"
+
+#include "q3map2/lightmap/ao/ambient_occlusion.h"
+#include "q3map2/lightmap/raw/luxel_means.h"
+
+namespace q3 {
+
+namespace {
+
+/// The mean of the directions in which nothing is hit, by super luxel.
+using SkyDirections = std::vector<std::vector<Vec3f>>;
+
+SkyDirections FindSkyDirections(const SurfaceInputs &in, SurfaceLight &surfaces) {
+    SkyDirections sky(surfaces.lightmaps.size());
+    for (std::size_t i = 0; i < sky.size(); ++i)
+        sky[i].resize(surfaces.lightmaps[i].luxelClusters.size());
+    const AmbientOcclusion occlusion(in);
+    std::vector<RayCounts> counts(std::size_t(in.jobs.Threads()));
+    const auto trace = [&](RawLightmap &raw, std::span<const OcclusionReceivers> blocks,
+                           std::span<const LuxelIndices> luxels, std::size_t worker) {
+        std::vector<Vec3f> &directions = sky[std::size_t(&raw - surfaces.lightmaps.data())];
+        for (std::size_t b = 0; b < blocks.size(); ++b) {
+            Lanes unused;
+            occlusion.SkyVisibility(blocks[b], kSunDistance, unused, counts[worker],
+                                    [&](const Lanes3 &direction, const Lanes &visibility) {
+                                        for (std::size_t i = 0; i < blocks[b].count; ++i)
+                                            directions[luxels[b][i]] += direction[i] * visibility[i];
+                                    });
+        }
+    };
+    ForMappedLuxelBatches(in, surfaces, [](const RawLightmap &) { return true; }, trace);
+    std::uint64_t rays = 0;
+    for (const RayCounts &one : counts)
+        rays += one.rays;
+    in.log.Count((long long)(rays), "rays of sky occlusion");
+    return sky;
+}
+
+} // namespace
+
+void FindOcclusion(const SurfaceInputs &in, SurfaceLight &surfaces) {
+    for (RawLightmap &raw : surfaces.lightmaps)
+        if (!raw.dirt.empty())
+            raw.unoccluded = LuxelMeans(raw, 0.0f, [&](std::size_t at) { return raw.dirt[at]; });
+    if (!in.lightmap.skyOcclusion)
+        return;
+    const SkyDirections sky = FindSkyDirections(in, surfaces);
+    for (std::size_t i = 0; i < sky.size(); ++i)
+        surfaces.lightmaps[i].skyOcclusion =
+            LuxelMeans(surfaces.lightmaps[i], Vec3f{}, [&](std::size_t at) { return sky[i][at]; });
+}
+
+} // namespace q3

@@ -1,0 +1,49 @@
+// GPL-2.0-or-later. -lightmass: L1 SH lightmaps as images in the layout of Unreal's Lightmass.
+#pragma once
+
+#include "q3map2/lightmap/encode/lightmass.h"
+#include "q3map2/lightmap/store/lightmap_layers.h"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+/// Images of a lightmap page, rows top first. Those that nothing was baked for are empty.
+struct LightmassPage {
+    int width = 0, height = 0;
+    std::array<std::vector<std::uint8_t>, lightmass::kImages> coefficients; ///< RGBA
+    std::vector<std::uint8_t> skyOcclusion;                                 ///< RGBA
+    std::vector<std::uint8_t> unoccluded, coverage;                         ///< gray
+    std::vector<std::vector<std::uint8_t>> shadows;                         ///< gray, by named light
+};
+
+/// A lightmap on a page.
+struct LightmassPlace {
+    std::vector<int> surfaces; ///< draw surfaces of the file
+    int style = 0, page = 0, x = 0, y = 0, width = 0, height = 0;
+    bool hasSkyOcclusion = false;
+    lightmass::ByteRange range;
+};
+
+struct LightmassPages {
+    std::vector<LightmassPage> pages; ///< as StoredLightmaps::pages
+    std::vector<LightmassPlace> places;
+    std::vector<std::string> shadowLights; ///< names, as LightmassPage::shadows
+};
+
+/// Encodes the layers, which are packed on pages of these sizes; empty without -lightmass.
+LightmassPages MakeLightmassPages(const SurfaceInputs &in, const SurfaceLight &surfaces, const LightmapLayers &stored,
+                                  std::span<const std::array<int, 2>> sizes);
+
+/// Writes the images as FOLDER/lm_NNNN_WHAT.tga, NNNN the number of the page, and lightmass.json, which names them and
+/// has the ranges of their bytes. mapName: as the game names the images. Errors: Error, for files that cannot be
+/// written.
+void WriteLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &pages,
+                    Log &log);
+
+} // namespace q3
