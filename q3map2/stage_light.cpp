@@ -8,6 +8,7 @@
 #include "q3map2/grid_size_report.h"
 #include "q3map2/light_inputs.h"
 #include "q3map2/lightmap/light_world.h"
+#include "q3map2/lightmap/store/hdr_store.h"
 #include "q3map2/lightmap/store/lightmap_pages.h"
 #include "q3map2/lightmap/store/lightmap_scripts.h"
 #include "q3map2/lost_light_check.h"
@@ -66,8 +67,10 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const auto folder = WithExtension(bspPath, "");
     if (!lightmap.onlyGrid) {
         FinishForFile(lightmap, inputs.name, result.lightmaps, bsp);
-        WritePages(lightmap.externalFolder.empty() ? folder : std::filesystem::path(lightmap.externalFolder),
-                   result.lightmaps, log);
+        const auto pages = lightmap.externalFolder.empty() ? folder : std::filesystem::path(lightmap.externalFolder);
+        WritePages(pages, result.lightmaps, log);
+        WriteHdrFiles(pages, lightmap, result.lightmaps, log);
+        WriteLightmass(pages, inputs.name, result.lightmaps.lightmass, log);
         WriteScript(ScriptPath(bspPath, *context.options.game), result.lightmaps, log);
     }
     const BotCheck bots(bspPath, log);

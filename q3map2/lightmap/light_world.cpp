@@ -14,6 +14,7 @@
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "q3map2/lightmap/direct/luxel_visibility.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
+#include "q3map2/lightmap/store/hdr_store.h"
 #include "q3map2/lightmap/raw/lightmap_shade.h"
 #include "q3map2/lightmap/raw/luxel_map.h"
 #include "q3map2/lightmap/raw/luxel_tangents.h"
@@ -176,6 +177,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     if (!lightmap.onlyGrid) {
         ClearHdrLight(bsp);
         result.lightmaps = surfaces->Store(inputs.name, bsp);
+        StoreHdrLight(lightmap, result.lightmaps, bsp);
     }
     bsp.entities = FormatEntities(setup.stored);
     return result;

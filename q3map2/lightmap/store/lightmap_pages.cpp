@@ -42,7 +42,9 @@ void WritePages(const std::filesystem::path &folder, const StoredLightmaps &stor
             continue;
         if (written == 0)
             MakeFolder(folder);
-        ReplaceFile(PageFile(folder, page.file), EncodeTga(page.colors, page.width, page.height, 3, TgaRows::TopFirst));
+        if (!page.colors.empty())
+            ReplaceFile(PageFile(folder, page.file),
+                        EncodeTga(page.colors, page.width, page.height, 3, TgaRows::TopFirst));
         if (!page.directions.empty())
             ReplaceFile(PageFile(folder, page.file + 1),
                         EncodeTga(page.directions, page.width, page.height, 3, TgaRows::TopFirst));

@@ -139,6 +139,14 @@ std::string ImageText(const ShaderInfo &shader, std::string text, int file, std:
     return Replaced(text, at, kLightmap.size(), PagePath(mapName, file) + "\n\t\ttcGen lightmap");
 }
 
+std::string WithBasisMaps(std::string text, std::string_view mapName, int file, bool rescaled) {
+    std::string line = "\n\tq3map_rnmMaps";
+    for (int i = 1; i <= 3; ++i)
+        line += fmt::format(" maps/{}/lm_{:04}_b{}", mapName, file, i);
+    line += rescaled ? " rescaled" : " raw";
+    return text.insert(text.find('{') + 1, line);
+}
+
 std::string ShaderNameFor(std::string_view text, std::string_view mapName) {
     gchar *digits = g_compute_checksum_for_string(G_CHECKSUM_MD5, text.data(), gssize(text.size()));
     std::string checksum(digits);

@@ -30,6 +30,10 @@ std::string StyledText(const ShaderInfo &shader, std::span<const StyleStage> sta
 /// lightmap stage.
 std::string ImageText(const ShaderInfo &shader, std::string text, int file, std::string_view mapName);
 
+/// `text` with a line that names the basis maps of a page and how they are stored. Engines without radiosity normal
+/// mapping skip it, as all directives of q3map.
+std::string WithBasisMaps(std::string text, std::string_view mapName, int file, bool rescaled);
+
 /// Name of a generated shader: the map name and a checksum of the text. At most 63 bytes.
 std::string ShaderNameFor(std::string_view text, std::string_view mapName);
 /// Whether the name is one of ShaderNameFor for this map.

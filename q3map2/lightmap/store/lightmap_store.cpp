@@ -136,15 +136,15 @@ class Storer {
             } else
                 page.external = true;
             const std::size_t texels = page.Texels();
-            page.colors.resize(3 * texels);
+            page.colors.resize(in_.lightmap.ldr ? 3 * texels : 0);
             if (in_.lightmap.deluxe)
                 page.directions.resize(3 * texels);
-            if (in_.lightmap.fillPink)
+            if (in_.lightmap.fillPink && in_.lightmap.ldr)
                 for (std::size_t at = 0; at < texels; ++at)
                     Put(page.colors, at, {255, 0, 255});
             result_.pages.push_back(std::move(page));
         }
-        if (in_.lightmap.fill)
+        if (in_.lightmap.fill && in_.lightmap.ldr)
             for (const LightmapPage &page : result_.pages)
                 written_.emplace_back(page.Texels());
     }
@@ -173,7 +173,8 @@ class Storer {
         LightmapPage &page = result_.pages[std::size_t(layer.page)];
         const std::size_t at = page.Index(layer.x + x, layer.y + y);
         const Vec3f least = layer.style == 0 ? in_.world.minLight : Vec3f{};
-        Put(page.colors, at, bytes.Bytes(Max(color, least)));
+        if (!page.colors.empty())
+            Put(page.colors, at, bytes.Bytes(Max(color, least)));
         if (!page.directions.empty())
             Put(page.directions, at, DirectionBytes(direction));
         if (!written_.empty())
@@ -235,6 +236,8 @@ class Storer {
             text = ImageText(shader, text, page.file, mapName_);
         if (text.empty())
             return;
+        if (page.HasBasis() && page.external)
+            text = WithBasisMaps(std::move(text), mapName_, page.file, in_.lightmap.rnmRescaled);
         const std::string name = ShaderNameFor(text, mapName_);
         if (made_.insert(name).second)
             result_.scripts.push_back({name, text});

@@ -18,7 +18,7 @@ struct LightmapPage {
     int number = -1;       ///< lightmapNum of its surfaces; -1: only generated shaders name its image
     int file = 0;          ///< number of its image; deluxe: the page of directions has the next one
     bool external = false; ///< the image is needed
-    std::vector<std::uint8_t> colors;
+    std::vector<std::uint8_t> colors;     ///< empty under -hdr
     std::vector<std::uint8_t> directions; ///< deluxe: the page after it; else empty
 
     // Linear light, unit scale: 1 is byte 255.
