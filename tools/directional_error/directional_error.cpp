@@ -1,0 +1,119 @@
+// GPL-2.0-or-later. directional_error: error against bytes of the directional encodings of lightmaps.
+#include "common/arguments.h"
+#include "common/error.h"
+#include "common/files/files.h"
+#include "common/text/text.h"
+#include "q3map2/bspfile/bspfile.h"
+#include "q3map2/global_options.h"
+#include "q3map2/light_inputs.h"
+#include "q3map2/lightmap/raw/lightmap_setup.h"
+#include "tools/directional_error/measure.h"
+
+#include <cstdio>
+#include <map>
+#include <optional>
+
+namespace q3::directional {
+
+namespace {
+
+constexpr std::string_view kUsage = R"(usage: directional_error [options] MAP.bsp...
+  --luxels N      luxels of each map (1000)
+  --normals N     normals within 60 degrees of each (32)
+  --rays N        rays of bounced light for each reference value (4096)
+  --bounce N      bounces (2)
+  -fs_basepath DIR, -fs_game MOD, -game NAME, -threads N   as for q3map2
+Prints a table: displayed RMSE in bytes of 255 over normals, by map; the same at the luxel's own normal, over all maps;
+bytes a luxel; and CPU time of baking over that of flat light. The reference is the light that the light stage would
+store in a luxel of that normal.
+)";
+
+int TakeWhole(Arguments &arguments, std::string_view name, int fallback) {
+    int value = fallback;
+    while (const auto text = arguments.TakeValue(name)) {
+        value = IntegerFromText(*text);
+        if (value < 0)
+            throw Error("{} {}: expected a whole number", name, *text);
+    }
+    return value;
+}
+
+void Print(const std::vector<std::string> &names, const std::vector<MapErrors> &maps) {
+    std::string head = "| encoding | bytes |", line = "|---|---|";
+    for (const std::string &name : names)
+        head += fmt::format(" {} |", name), line += "---|";
+    fmt::print("{} own normal |\n{}---|\n", head, line);
+    for (std::size_t e = 0; e < maps.front().encodings.size(); ++e) {
+        const EncodingError &first = maps.front().encodings[e];
+        fmt::print("| {} | {} |", first.name, first.bytes);
+        double atFlat = 0;
+        for (const MapErrors &map : maps) {
+            fmt::print(" {:.2f} |", map.encodings[e].rmse);
+            atFlat += map.encodings[e].atFlat / double(maps.size());
+        }
+        fmt::print(" {:.2f} |\n", atFlat);
+    }
+    fmt::print("\n| CPU time over flat |");
+    for (const std::string &name : names)
+        fmt::print(" {} |", name);
+    fmt::print("\n|---|");
+    for (std::size_t i = 0; i < names.size(); ++i)
+        fmt::print("---|");
+    for (std::size_t t = 0; t < maps.front().times.size(); ++t) {
+        fmt::print("\n| {} |", maps.front().times[t].name);
+        for (const MapErrors &map : maps)
+            fmt::print(" {:.2f} |", map.times[t].overFlat);
+    }
+    fmt::print("\n");
+}
+
+int Run(const std::vector<std::string> &words) {
+    Arguments arguments(words);
+    if (arguments.TakeFlag({"--help", "-h"}) || arguments.Empty()) {
+        fmt::print("{}", kUsage);
+        return 0;
+    }
+    const int luxels = TakeWhole(arguments, "--luxels", 1000), normals = TakeWhole(arguments, "--normals", 32);
+    const int rays = TakeWhole(arguments, "--rays", 4096), bounces = TakeWhole(arguments, "--bounce", 2);
+    Log log([](LogLevel level, std::string_view text) {
+        if (level != LogLevel::Normal)
+            std::fwrite(text.data(), 1, text.size(), stderr);
+    });
+    const GlobalOptions game = ParseGlobalOptions(arguments, log);
+    const VirtualFileSystem files = OpenGameFiles(game, GameFolders(game, {}, {}), log);
+    LightmapOptions options;
+    options.bounces = bounces;
+    options.gamePageSize = options.pageSize = {game.game->lightmapSize, game.game->lightmapSize};
+    const JobPool jobs(game.threads);
+    std::vector<std::string> names;
+    std::vector<MapErrors> maps;
+    for (const std::string &map : arguments.Rest()) {
+        const Bsp bsp = ReadBspFile(map, game.Format(), log);
+        const LightInputs inputs = ReadLightInputs(map, log);
+        LightOptions light;
+        ShaderLibrary library(files, *game.game, light.shader, log);
+        for (const bspShader_t &shader : bsp.shaders)
+            library.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
+        LightmapOptions all = options;
+        all.rnmAll = true;
+        const LightSetup setup(bsp, inputs, light, SurfaceDefaultsOf(all), library, log);
+        library.ReleaseImages(bounces > 0);
+        names.push_back(inputs.name);
+        maps.push_back(Measure(setup, options, std::size_t(luxels), normals, rays, jobs, log));
+    }
+    Print(names, maps);
+    return 0;
+}
+
+} // namespace
+
+} // namespace q3::directional
+
+int main(int count, char **words) {
+    try {
+        return q3::directional::Run({words + 1, words + count});
+    } catch (const std::exception &error) {
+        fmt::print(stderr, "directional_error: {}\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,113 @@
+// GPL-2.0-or-later. The passes of the light stage over the luxels of a map, kept for measuring.
+#include "tools/directional_error/luxel_bake.h"
+
+#include "common/cpu_time.h"
+#include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/lightmap/direct/lightmap_average.h"
+#include "q3map2/lightmap/direct/luxel_fill.h"
+#include "q3map2/lightmap/direct/luxel_light.h"
+#include "q3map2/lightmap/raw/lightmap_setup.h"
+#include "q3map2/lightmap/raw/luxel_map.h"
+#include "q3map2/lightmap/raw/luxel_tangents.h"
+#include "q3map2/lightmap/vertex/vertex_light.h"
+
+#include <algorithm>
+
+namespace q3::directional {
+
+LuxelBake::LuxelBake(const LightSetup &setup, const LightmapOptions &options, const JobPool &jobs, Log &log)
+    : in_{setup.bsp, setup.space, setup.scene, setup.table, setup.options, options, setup.world, jobs, log},
+      surfaces_(SetupSurfaceLight(in_)) {
+    const CpuTimer timer;
+    MapLuxels(in_, surfaces_);
+    FindTangents(in_, surfaces_);
+    int culled = 0;
+    lights_ = SetupEnvelopes(setup.lights, LightPass::Surfaces, in_.options, in_.space, setup.skySeenFrom, culled,
+                             options.fastPoint);
+    ContributionCounts counts;
+    LightLuxels(in_, lights_, {}, surfaces_, counts);
+    FinishLuxels(in_, {}, surfaces_);
+    LightVertices(in_, lights_, {}, surfaces_, counts);
+    AverageLuxels(in_, {}, false, surfaces_);
+    for (int bounce = 1; bounce <= options.bounces; ++bounce) {
+        if (!bounces_)
+            bounces_ = std::make_unique<Bounces>(in_, surfaces_);
+        if (!bounces_->CollectRadiosity(surfaces_))
+            break;
+        const SurfacePass pass{.bounce = true};
+        LightLuxels(in_, {}, pass, surfaces_, counts);
+        bounces_->AddToLuxels(surfaces_);
+        FinishLuxels(in_, pass, surfaces_);
+        LightVertices(in_, {}, pass, surfaces_, counts);
+        bounces_->AddToVertices(surfaces_);
+        AverageLuxels(in_, pass, false, surfaces_);
+    }
+    cpuSeconds_ = timer.Seconds();
+    if (bounces_)
+        bounced_ = std::make_unique<BouncedLight>(bounces_->Total());
+}
+
+std::vector<Vec3f> LuxelBake::LightOn(const LuxelPlace &at, std::span<const Vec3f> normals, int rays) const {
+    std::vector<Vec3f> light(normals.size(), Lightmap(at).ambient);
+    AddDirect(at, normals, light);
+    if (bounced_)
+        AddBounced(at, normals, rays, light);
+    return light;
+}
+
+void LuxelBake::AddDirect(const LuxelPlace &at, std::span<const Vec3f> normals, std::span<Vec3f> light) const {
+    const RawLightmap &raw = Lightmap(at);
+    const SurfaceLightSettings settings{.receiveShadows = raw.receiveShadows};
+    ContributionCounts counts;
+    SurfaceIncidentLight incident;
+    for (std::size_t first = 0; first < normals.size(); first += kPacketSize) {
+        SurfaceReceiverBatch receivers;
+        for (std::size_t i = first; i < std::min(normals.size(), first + kPacketSize); ++i)
+            receivers.Add(raw.positions[at.luxel], normals[i], raw.luxelClusters[at.luxel]);
+        for (const Light &one : lights_) {
+            if (one.style != 0)
+                continue;
+            LightContributionToSample(one, settings, in_.scene, receivers, incident, counts);
+            for (std::size_t i = 0; i < receivers.count; ++i)
+                if (incident.live[i] != 0) {
+                    const Vec3f color = one.color * (one.negative ? -incident.add[i] : incident.add[i]);
+                    light[first + i] += incident.tinted ? color * incident.tint[i] : color;
+                }
+        }
+    }
+}
+
+void LuxelBake::AddBounced(const LuxelPlace &at, std::span<const Vec3f> normals, int rays,
+                           std::span<Vec3f> light) const {
+    const RawLightmap &raw = Lightmap(at);
+    const Vec3f normal = raw.normals[at.luxel];
+    std::vector<IndirectRay> found;
+    std::vector<Vec3f> sums(normals.size());
+    int traced = 0;
+    for (std::uint64_t seed = 0; traced < rays; ++seed) {
+        bounced_->Gather(raw.positions[at.luxel], seed * 977 + at.luxel, found);
+        traced += int(found.size());
+        for (const IndirectRay &ray : found)
+            if (Dot(ray.direction, normal) > 0) // the rest hits the surface itself
+                for (std::size_t i = 0; i < normals.size(); ++i)
+                    sums[i] += ray.color * std::max(0.0f, Dot(ray.direction, normals[i]));
+    }
+    for (std::size_t i = 0; i < normals.size(); ++i)
+        light[i] += sums[i] * (4 / float(traced));
+}
+
+std::vector<LuxelPlace> LuxelBake::Sample(std::size_t count) const {
+    std::vector<LuxelPlace> lit;
+    for (std::size_t m = 0; m < surfaces_.lightmaps.size(); ++m) {
+        const RawLightmap &raw = surfaces_.lightmaps[m];
+        for (std::size_t i = 0; i < raw.luxelClusters.size() && !raw.result[0].empty(); ++i)
+            if (raw.Mapped(i) && MaxComponent(raw.result[0][i]) >= 1)
+                lit.push_back({m, i});
+    }
+    std::vector<LuxelPlace> sample;
+    for (std::size_t i = 0; i < std::min(count, lit.size()); ++i)
+        sample.push_back(lit[(2 * i + 1) * lit.size() / (2 * std::min(count, lit.size()))]);
+    return sample;
+}
+
+} // namespace q3::directional

@@ -1,0 +1,34 @@
+// GPL-2.0-or-later. Errors of encodings over normals.
+#pragma once
+
+#include "q3map2/light/light.h"
+#include "q3map2/lightmap/options/lightmap_options.h"
+
+#include <string>
+#include <vector>
+
+namespace q3::directional {
+
+struct EncodingError {
+    std::string name;
+    double bytes = 0;   ///< a luxel
+    double rmse = 0;    ///< displayed, bytes of 255, over all luxels, normals and channels
+    double atFlat = 0;  ///< the same for the luxel's own normal, against the flat float light
+};
+
+struct BakeTime {
+    std::string name;
+    double overFlat = 0; ///< CPU time over that without directions
+};
+
+struct MapErrors {
+    std::size_t luxels = 0;
+    std::vector<EncodingError> encodings;
+    std::vector<BakeTime> times;
+};
+
+/// Compares the encodings at `luxels` luxels, for `normals` normals within 60 degrees of each. Errors: as LightWorld.
+MapErrors Measure(const LightSetup &setup, const LightmapOptions &options, std::size_t luxels, int normals, int rays,
+                  const JobPool &jobs, Log &log);
+
+} // namespace q3::directional
