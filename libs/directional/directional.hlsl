@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT. Decoders of directional lightmaps for shaders: HLSL, shader model 4 and later.
+// The functions of directional.h, which says what they take and how exact they are: light is linear, 1.0 is lightmap
+// byte 255; normals and directions are unit vectors; tangent space is s, t (down the image) and the normal. Texels are
+// what samplers of 8-bit textures return, 0 to 1.
+
+// ---- packed colors ----
+
+float3 DecodeE5bgr9(uint code)
+{
+    float scale = exp2(float(code >> 27u) - 24.0);
+    return float3(float(code & 511u), float((code >> 9u) & 511u), float((code >> 18u) & 511u)) * scale;
+}
+
+float3 DecodeRgbe(float4 texel)
+{
+    float scale = texel.w > 0.0 ? exp2(texel.w * 255.0 - 136.0) * 255.0 : 0.0;
+    return float3(texel.x, texel.y, texel.z) * scale;
+}
+
+float3 DecodeExp32(float4 texel) // 255 of the format is 1.0 here
+{
+    float exponent = texel.w * 255.0;
+    return float3(texel.x, texel.y, texel.z) * exp2(exponent < 127.5 ? exponent : exponent - 256.0);
+}
+
+// ---- one light direction ----
+
+float3 DeluxeLight(float3 light, float3 direction, float3 normal) { return light * max(0.0, dot(normal, direction)); }
+
+// For lightmaps of received light. least: 0.25 is usual.
+float3 DeluxeReceived(float3 light, float3 direction, float3 flatNormal, float least, float3 normal)
+{
+    return light * (max(0.0, dot(normal, direction)) / max(least, dot(flatNormal, direction)));
+}
+
+// ---- radiosity normal mapping: normals in tangent space ----
+
+float3 RnmWeights(float3 normal)
+{
+    return max(float3(dot(normal, float3(0.816496581, 0.0, 0.577350269)),
+                      dot(normal, float3(-0.408248290, 0.707106781, 0.577350269)),
+                      dot(normal, float3(-0.408248290, -0.707106781, 0.577350269))),
+               float3(0.0, 0.0, 0.0));
+}
+
+float3 RnmRaw(float3 map1, float3 map2, float3 map3, float3 normal)
+{
+    float3 w = RnmWeights(normal);
+    return map1 * w.x + map2 * w.y + map3 * w.z;
+}
+
+float3 RnmRescaled(float3 map1, float3 map2, float3 map3, float3 normal)
+{
+    return RnmRaw(map1, map2, map3, normal) * 0.577350269;
+}
+
+// Source's weights.
+float3 RnmSquared(float3 map1, float3 map2, float3 map3, float3 normal)
+{
+    float3 w = RnmWeights(normal);
+    w = w * w;
+    return (map1 * w.x + map2 * w.y + map3 * w.z) / max(w.x + w.y + w.z, 1e-6);
+}
+
+// ---- self-shadowed bump maps ----
+
+// factor: 1.0 for raw maps, 0.577350269 for rescaled ones.
+float3 SsbumpLight(float3 texel, float3 map1, float3 map2, float3 map3, float factor)
+{
+    return (map1 * texel.x + map2 * texel.y + map3 * texel.z) * factor;
+}
+
+float3 SsbumpNormal(float3 texel)
+{
+    return normalize(float3(0.816496581, 0.0, 0.577350269) * texel.x +
+                     float3(-0.408248290, 0.707106781, 0.577350269) * texel.y +
+                     float3(-0.408248290, -0.707106781, 0.577350269) * texel.z);
+}
+
+// Share of a dynamic light.
+float SsbumpDynamic(float3 texel, float3 direction)
+{
+    return max(0.0, dot(texel, float3(dot(direction, float3(0.816496581, 0.0, 0.577350269)),
+                                      dot(direction, float3(-0.408248290, 0.707106781, 0.577350269)),
+                                      dot(direction, float3(-0.408248290, -0.707106781, 0.577350269)))));
+}
+
+// ---- L1 spherical harmonics: coefficients L0, y, z, x; normal in world space ----
+
+float3 L1Light(float3 c0, float3 cy, float3 cz, float3 cx, float3 normal)
+{
+    return max(c0 * 0.282094792 + (cy * normal.y + cz * normal.z + cx * normal.x) * 0.325735008, float3(0.0, 0.0, 0.0));
+}
+
+// ---- Lightmass layout: normal in world space ----
+
+// The color image alone. residual: of the other image's alpha, high quality: (alpha - 0.5) / 255, low quality: 0.
+// black: 0.01858136 or 0.00390625.
+float3 LightmassColor(float4 color, float4 multiply, float4 add, float residual, float black)
+{
+    float luminance = max(0.0, exp2((color.w + residual) * multiply.w + add.w) - black);
+    float3 root = float3(color.x * multiply.x + add.x, color.y * multiply.y + add.y, color.z * multiply.z + add.z);
+    return root * root * luminance;
+}
+
+// What the direction image makes of it; 0.6 in its place for surfaces without normal maps that do without that image.
+float LightmassFactor(float4 direction, float4 multiply, float4 add, float3 normal)
+{
+    return max(0.0, (direction.x * multiply.x + add.x) * normal.y + (direction.y * multiply.y + add.y) * normal.z +
+                        (direction.z * multiply.z + add.z) * normal.x + add.w);
+}
+
+float3 LightmassHigh(float4 color, float4 direction, float4 colorMultiply, float4 colorAdd, float4 directionMultiply,
+                     float4 directionAdd, float3 normal)
+{
+    return LightmassColor(color, colorMultiply, colorAdd, (direction.w - 0.5) / 255.0, 0.01858136) *
+           LightmassFactor(direction, directionMultiply, directionAdd, normal);
+}
+
+float3 LightmassLow(float4 color, float4 direction, float4 colorMultiply, float4 colorAdd, float4 directionMultiply,
+                    float4 directionAdd, float3 normal)
+{
+    return LightmassColor(color, colorMultiply, colorAdd, 0.0, 0.00390625) *
+           LightmassFactor(direction, directionMultiply, directionAdd, normal);
+}
+
+// Ambient occlusion, 1 is open.
+float Unoccluded(float texel) { return texel * texel; }
+
+// Mean direction of the sky that is seen, as long as the share that is seen.
+float3 SkyOcclusion(float4 texel)
+{
+    float3 sky = float3(texel.x, texel.y, texel.z) * 2.0 - float3(1.0, 1.0, 1.0);
+    return sky * (texel.w * texel.w / max(length(sky), 1e-3));
+}
