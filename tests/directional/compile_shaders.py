@@ -18,6 +18,7 @@ CALLS = """
     light += DeluxeLight(n, n, n) + DeluxeReceived(n, n, n, 0.25, n) + RnmWeights(n);
     light += RnmRaw(n, n, n, n) + RnmRescaled(n, n, n, n) + RnmSquared(n, n, n, n);
     light += SsbumpLight(n, n, n, n, 1.0) + SsbumpNormal(n) * SsbumpDynamic(n, n) + L1Light(n, n, n, n, n);
+    light += L1LightWithFlat(n, n, n, n, n, n, n) + L1LightCurved(n, n, n, n, n) * L1CurvedChannel(1.0, n, n);
     light += LightmassColor(a, a, a, 0.0, 0.01858136) * LightmassFactor(a, a, a, n);
     light += LightmassHigh(a, a, a, a, a, a, n) + LightmassLow(a, a, a, a, a, a, n);
     light += SkyOcclusion(a) * Unoccluded(a.x);
