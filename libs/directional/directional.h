@@ -205,8 +205,8 @@ static inline void directional_l1_with_flat(const float sh[4][3], const float li
 }
 
 /* A curve in place of the linear form, never negative and of the same mean over all normals (Geomerics):
-   R0 (a + (1 - a) (p + 1) q^p), where the linear form is R0 + 2 R1 . n. One light c gives c q^3, q = (1 + cos) / 2, so c
-   facing it; uniform light is exact. R1 longer than R0, which no light has, counts as R0. */
+   R0 (a + (1 - a) (p + 1) q^p), where the linear form is R0 + 2 R1 . n. One light c gives c q^3, q = (1 + cos) / 2, so
+   c facing it; uniform light is exact. R1 longer than R0, which no light has, counts as R0. */
 static inline void directional_l1_curved(const float sh[4][3], const float normal[3], float rgb[3]) {
     int i;
     for (i = 0; i < 3; i++) {

@@ -11,7 +11,21 @@
 
 namespace q3::bump_wall {
 
-enum class Encoding { Flat, Deluxe, DeluxeReceived, RnmRaw, RnmRescaled, RnmSquared, Ssbump, SsbumpRescaled, L1, L1WithFlat, L1Curved, High, Low };
+enum class Encoding {
+    Flat,
+    Deluxe,
+    DeluxeReceived,
+    RnmRaw,
+    RnmRescaled,
+    RnmSquared,
+    Ssbump,
+    SsbumpRescaled,
+    L1,
+    L1WithFlat,
+    L1Curved,
+    High,
+    Low
+};
 
 /// Luxels with `spacing` world units between them, baked from both lamps. All floats but those of High and Low.
 class LuxelGrid {

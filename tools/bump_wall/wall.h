@@ -11,7 +11,7 @@ namespace q3::bump_wall {
 /// The frame of everything here, which is the wall's tangent space: x right (s), y down (t), z out of the wall, all in
 /// world units.
 inline constexpr float kWidth = 128, kHeight = 96; // world units
-inline constexpr float kTallest = 2.6f;             // world units that bumps stand out
+inline constexpr float kTallest = 2.6f;            // world units that bumps stand out
 inline constexpr Vec3f kFlatNormal{0, 0, 1};
 
 /// Light of one lamp at a point: lit value at normal incidence, direction towards it.
