@@ -25,7 +25,10 @@ vec3 DecodeExp32(vec4 texel) // 255 of the format is 1.0 here
 
 // ---- one light direction ----
 
-vec3 DeluxeLight(vec3 light, vec3 direction, vec3 normal) { return light * max(0.0, dot(normal, direction)); }
+vec3 DeluxeLight(vec3 light, vec3 direction, vec3 normal)
+{
+    return light * max(0.0, dot(normal, direction));
+}
 
 // For lightmaps of received light. least: 0.25 is usual.
 vec3 DeluxeReceived(vec3 light, vec3 direction, vec3 flatNormal, float least, vec3 normal)
@@ -152,7 +155,10 @@ vec3 LightmassLow(vec4 color, vec4 direction, vec4 colorMultiply, vec4 colorAdd,
 }
 
 // Ambient occlusion, 1 is open.
-float Unoccluded(float texel) { return texel * texel; }
+float Unoccluded(float texel)
+{
+    return texel * texel;
+}
 
 // Mean direction of the sky that is seen, as long as the share that is seen.
 vec3 SkyOcclusion(vec4 texel)

@@ -25,7 +25,10 @@ float3 DecodeExp32(float4 texel) // 255 of the format is 1.0 here
 
 // ---- one light direction ----
 
-float3 DeluxeLight(float3 light, float3 direction, float3 normal) { return light * max(0.0, dot(normal, direction)); }
+float3 DeluxeLight(float3 light, float3 direction, float3 normal)
+{
+    return light * max(0.0, dot(normal, direction));
+}
 
 // For lightmaps of received light. least: 0.25 is usual.
 float3 DeluxeReceived(float3 light, float3 direction, float3 flatNormal, float least, float3 normal)
@@ -152,7 +155,10 @@ float3 LightmassLow(float4 color, float4 direction, float4 colorMultiply, float4
 }
 
 // Ambient occlusion, 1 is open.
-float Unoccluded(float texel) { return texel * texel; }
+float Unoccluded(float texel)
+{
+    return texel * texel;
+}
 
 // Mean direction of the sky that is seen, as long as the share that is seen.
 float3 SkyOcclusion(float4 texel)
