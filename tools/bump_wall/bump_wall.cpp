@@ -1,5 +1,7 @@
 // GPL-2.0-or-later. Draws a bump-mapped wall by every encoding of directional light, beside the light itself.
 #include "tools/bump_wall/encodings.h"
+#include "tools/bump_wall/random_light.h"
+#include "tools/bump_wall/wall.h"
 
 #include <cairo.h>
 
@@ -7,8 +9,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <functional>
-#include <optional>
 #include <string>
 
 namespace q3::bump_wall {
@@ -18,13 +18,14 @@ namespace {
 constexpr int kScale = 2, kColumns = 5; // pixels a world unit; panels a row
 constexpr int kPanelWidth = int(kWidth) * kScale, kPanelHeight = int(kHeight) * kScale, kGap = 8, kFoot = 42;
 constexpr double kGamma = 2.2;
+constexpr char kUsage[] = R"(usage: bump_wall OUT.png [UNITS]
+       bump_wall -errors
+The first draws the wall with luxels UNITS apart, 1 to 64, default 16. The second prints a table of errors on random
+lights.
+)";
 
 /// Light of each pixel, row by row.
 using Panel = std::vector<Vec3f>;
-
-struct Caption {
-    std::string name, bytes;
-};
 
 struct Bump {
     float x, y;
@@ -116,24 +117,36 @@ class Sheet {
     int count_ = 0;
 };
 
-struct Row {
-    Encoding encoding;
-    const char *name, *stored;
-};
-constexpr Row kRows[] = {
-    {Encoding::Flat, "flat lightmap", "1 color"},
-    {Encoding::Deluxe, "deluxe, light * n.d", "1 color, direction"},
-    {Encoding::DeluxeReceived, "deluxe, / flat.d", "1 color, direction"},
-    {Encoding::RnmRaw, "RNM raw, linear weights", "3 colors"},
-    {Encoding::RnmRescaled, "RNM rescaled, linear", "3 colors"},
-    {Encoding::RnmSquared, "RNM rescaled, squared", "3 colors"},
-    {Encoding::L1, "L1 SH, RGB", "12 floats"},
-    {Encoding::L1WithFlat, "L1 SH, to flat light", "12 floats, 1 color"},
-    {Encoding::L1Curved, "L1 SH, curved", "12 floats"},
-    {Encoding::High, "Lightmass, high quality", "8 bytes"},
-    {Encoding::Low, "Lightmass, low quality", "8 bytes"},
-    {Encoding::Ssbump, "SSBump, RNM raw", "3 colors"},
-    {Encoding::SsbumpRescaled, "SSBump, RNM rescaled", "3 colors"},
+/// Luxels over the wall, `spacing` world units apart.
+class LuxelGrid {
+  public:
+    explicit LuxelGrid(float spacing)
+        : spacing_(spacing), columns_(int(std::ceil(kWidth / spacing)) + 1),
+          rows_(int(std::ceil(kHeight / spacing)) + 1), luxels_(Lights()) {}
+    Vec3f Decoded(Encoding encoding, const Bump &bump) const {
+        return luxels_.Decoded(encoding, Around(bump.x, bump.y), bump.normal, bump.texel);
+    }
+
+  private:
+    std::vector<LocalLight> Lights() const {
+        std::vector<LocalLight> lights;
+        for (int row = 0; row < rows_; row++)
+            for (int column = 0; column < columns_; column++)
+                lights.push_back(LampsAt(float(column) * spacing_, float(row) * spacing_));
+        return lights;
+    }
+    Corners Around(float x, float y) const {
+        const float column = std::clamp(x / spacing_, 0.0f, float(columns_ - 1) - 1e-3f),
+                    row = std::clamp(y / spacing_, 0.0f, float(rows_ - 1) - 1e-3f);
+        const float fx = column - std::floor(column), fy = row - std::floor(row);
+        const auto at = std::size_t(row) * std::size_t(columns_) + std::size_t(column),
+                   below = at + std::size_t(columns_);
+        return {{at, at + 1, below, below + 1}, {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}};
+    }
+
+    float spacing_;
+    int columns_, rows_;
+    EncodedLuxels luxels_;
 };
 
 std::string Figures(const char *stored, double error) {
@@ -145,22 +158,20 @@ std::string Figures(const char *stored, double error) {
 int Draw(const char *path, float spacing) {
     const std::vector<Bump> bumps = Bumps();
     const LuxelGrid grid(spacing);
-    const Panel plain = Lit(bumps, [](const Bump &b) { return BruteForce(b.x, b.y, b.normal, false); });
-    const Panel shadowed = Lit(bumps, [](const Bump &b) { return BruteForce(b.x, b.y, b.normal, true); });
-    Sheet sheet(int(std::size(kRows)) + 2);
+    const Panel plain = Lit(bumps, [](const Bump &b) { return Received(LampsAt(b.x, b.y), b.normal); });
+    const Panel shadowed = Lit(bumps, [](const Bump &b) { return Received(VisibleLamps(b.x, b.y), b.normal); });
+    Sheet sheet(int(Encodings().size()) + 2);
     sheet.Add(plain, "the light itself", "reference of all but the last two");
-    for (const Row &row : kRows) {
-        const bool ssbump = row.encoding == Encoding::Ssbump || row.encoding == Encoding::SsbumpRescaled;
-        if (row.encoding == Encoding::Ssbump)
+    for (const EncodingInfo &info : Encodings()) {
+        if (info.encoding == Encoding::Ssbump)
             sheet.Add(shadowed, "the light itself, bumps cast shadows", "reference of the last two");
-        const Panel panel =
-            Lit(bumps, [&](const Bump &b) { return grid.Decoded(row.encoding, b.x, b.y, b.normal, b.texel); });
+        const bool ssbump = info.encoding == Encoding::Ssbump || info.encoding == Encoding::SsbumpRescaled;
+        const Panel panel = Lit(bumps, [&](const Bump &b) { return grid.Decoded(info.encoding, b); });
         const double error = RootMeanSquare(panel, ssbump ? shadowed : plain);
-        sheet.Add(panel, row.name, Figures(row.stored, error));
-        std::printf("%-28s RMSE %.4f\n", row.name, error);
-        if (row.encoding == Encoding::SsbumpRescaled)
-            std::printf("%-28s RMSE %.4f\n", "without shadows of bumps", RootMeanSquare(plain, shadowed));
+        sheet.Add(panel, info.name, Figures(info.stored, error));
+        std::printf("%-28s RMSE %.4f\n", info.name, error);
     }
+    std::printf("%-28s RMSE %.4f\n", "without shadows of bumps", RootMeanSquare(plain, shadowed));
     if (sheet.Write(path))
         return EXIT_SUCCESS;
     std::fprintf(stderr, "%s: cannot be written\n", path);
@@ -171,11 +182,16 @@ int Draw(const char *path, float spacing) {
 
 } // namespace q3::bump_wall
 
-/// usage: bump_wall OUT.png [UNITS]: luxels UNITS apart, 16 if left out.
+/// See kUsage.
 int main(int argc, char **argv) {
+    const std::string first = argc > 1 ? argv[1] : "";
+    if (argc == 2 && first == "-errors") {
+        q3::bump_wall::PrintErrors();
+        return EXIT_SUCCESS;
+    }
     const float spacing = argc == 3 ? std::strtof(argv[2], nullptr) : 16;
-    if (argc < 2 || argc > 3 || !(spacing >= 1 && spacing <= 64)) {
-        std::fprintf(stderr, "usage: bump_wall OUT.png [UNITS]\nUNITS: 1 to 64 between luxels, default 16\n");
+    if (argc < 2 || argc > 3 || first.starts_with("-") || !(spacing >= 1 && spacing <= 64)) {
+        std::fputs(q3::bump_wall::kUsage, stderr);
         return 2;
     }
     return q3::bump_wall::Draw(argv[1], spacing);

@@ -1,72 +1,113 @@
-// GPL-2.0-or-later. The light of the wall in every encoding.
+// GPL-2.0-or-later. The light of luxels in every encoding.
 #include "tools/bump_wall/encodings.h"
 
 #include "libs/directional/directional.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace q3::bump_wall {
 
 namespace {
 
 constexpr float kLeastCosine = 0.25f; // of directional_deluxe_received
+constexpr Vec3f kFlatNormal{0, 0, 1};
+constexpr float kFlat[3] = {0, 0, 1};
+
+constexpr EncodingInfo kEncodings[] = {
+    {Encoding::Flat, "flat lightmap", "1 color", 4},
+    {Encoding::Deluxe, "deluxe, light * n.d", "1 color, direction", 7},
+    {Encoding::DeluxeReceived, "deluxe, / flat.d", "1 color, direction", 7},
+    {Encoding::RnmRaw, "RNM raw, linear weights", "3 colors", 12},
+    {Encoding::RnmRescaled, "RNM rescaled, linear", "3 colors", 12},
+    {Encoding::RnmSquared, "RNM rescaled, squared", "3 colors", 12},
+    {Encoding::L1, "L1 SH, RGB", "12 floats", 24},
+    {Encoding::L1WithFlat, "L1 SH, to flat light", "12 floats, 1 color", 28},
+    {Encoding::L1Curved, "L1 SH, curved", "12 floats", 24},
+    {Encoding::High, "Lightmass, high quality", "8 bytes", 8},
+    {Encoding::Low, "Lightmass, low quality", "8 bytes", 8},
+    {Encoding::Ssbump, "SSBump, RNM raw", "3 colors", 12},
+    {Encoding::SsbumpRescaled, "SSBump, RNM rescaled", "3 colors", 12},
+};
 
 Vec3f ToVec(const float v[3]) {
     return {v[0], v[1], v[2]};
 }
 
+/// Lit value over that of the flat normal, under a sky that is the whole hemisphere.
+float SkyShare(const Vec3f &normal) {
+    return (1 + normal.z) / 2;
+}
+
+/// The sky as L1: radiance of 1 over the hemisphere.
+L1Light SkyL1(const Vec3f &color) {
+    L1Light light;
+    light.c[0] = color * float(2 * std::numbers::pi * kShC0);
+    light.c[2] = color * float(std::numbers::pi * kShC1);
+    return light;
+}
+
 } // namespace
 
-LuxelGrid::LuxelGrid(float spacing)
-    : spacing_(spacing), columns_(int(std::ceil(kWidth / spacing)) + 1), rows_(int(std::ceil(kHeight / spacing)) + 1) {
-    std::vector<lightmass::LuxelLight> lights;
-    for (int row = 0; row < rows_; row++)
-        for (int column = 0; column < columns_; column++) {
-            const float x = float(column) * spacing, y = float(row) * spacing;
-            luxels_.push_back(Baked(x, y));
-            lightmass::GatheredLuxel gathered;
-            for (const Ray &ray : LampsAt({x, y, 0}))
-                gathered.high.AddLight(ray.color, ray.direction, kFlatNormal);
-            gathered.low = gathered.high;
-            gathered.normal = kFlatNormal;
-            gathered.mapped = true;
-            lights.push_back(lightmass::ToCoefficients(gathered));
+std::span<const EncodingInfo> Encodings() {
+    return kEncodings;
+}
+
+Vec3f Received(const LocalLight &light, const Vec3f &normal) {
+    Vec3f sum = light.sky * SkyShare(normal);
+    for (const Ray &ray : light.rays)
+        sum += ray.color * std::max(0.0f, Dot(normal, ray.direction));
+    return sum;
+}
+
+EncodedLuxels::EncodedLuxels(std::span<const LocalLight> luxels) {
+    std::vector<lightmass::LuxelLight> coefficients;
+    for (const LocalLight &light : luxels) {
+        Luxel luxel;
+        luxel.flat = Received(light, kFlatNormal);
+        luxel.direction = kFlatNormal * DirectionalLuminance(light.sky);
+        luxel.l1 = SkyL1(light.sky);
+        for (std::size_t i = 0; i < 3; i++)
+            luxel.raw.map[i] = Received(light, kRnmBasis[i]);
+        for (const Ray &ray : light.rays) {
+            luxel.direction += ray.direction * (DirectionalLuminance(ray.color) * std::max(0.0f, ray.direction.z));
+            luxel.l1.AddLight(ray.color, ray.direction);
         }
-    lightmass_ = lightmass::Quantize(columns_, rows_, lights);
-}
+        luxel.direction = Normalize(luxel.direction);
+        luxel.rescaled = RescaleToFlat(luxel.raw, luxel.flat);
+        luxels_.push_back(luxel);
 
-LuxelGrid::Luxel LuxelGrid::Baked(float x, float y) const {
-    Luxel luxel;
-    for (const Ray &ray : LampsAt({x, y, 0})) {
-        const float down = std::max(0.0f, Dot(ray.direction, kFlatNormal));
-        luxel.flat += ray.color * down;
-        luxel.direction += ray.direction * (DirectionalLuminance(ray.color) * down);
-        luxel.raw.AddLight(ray.color, ray.direction);
-        luxel.l1.AddLight(ray.color, ray.direction);
+        lightmass::GatheredLuxel gathered;
+        gathered.high.AddL1(luxel.l1, luxel.flat, kFlatNormal);
+        gathered.low = gathered.high;
+        gathered.normal = kFlatNormal;
+        gathered.mapped = true;
+        coefficients.push_back(lightmass::ToCoefficients(gathered));
     }
-    luxel.direction = Normalize(luxel.direction);
-    luxel.rescaled = RescaleToFlat(luxel.raw, luxel.flat);
-    return luxel;
+    lightmass_ = lightmass::Quantize(int(luxels.size()), 1, coefficients);
 }
 
-LuxelGrid::Corners LuxelGrid::Around(float x, float y) const {
-    const float column = std::clamp(x / spacing_, 0.0f, float(columns_ - 1) - 1e-3f),
-                row = std::clamp(y / spacing_, 0.0f, float(rows_ - 1) - 1e-3f);
-    const float fx = column - std::floor(column), fy = row - std::floor(row);
-    const auto at = std::size_t(row) * std::size_t(columns_) + std::size_t(column), below = at + std::size_t(columns_);
-    return {{at, at + 1, below, below + 1}, {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}};
-}
-
-template <typename Value, typename Member> Value LuxelGrid::Filtered(const Corners &corners, Member member) const {
+template <typename Value, typename Member> Value EncodedLuxels::Filtered(const Corners &corners, Member member) const {
     Value sum{};
     for (std::size_t i = 0; i < 4; i++)
         sum += member(luxels_[corners.index[i]]) * corners.share[i];
     return sum;
 }
 
-Vec3f LuxelGrid::DecodedRnm(Encoding encoding, const Corners &corners, const float normal[3],
-                            const std::array<float, 3> &texel) const {
+Vec3f EncodedLuxels::DecodedDeluxe(Encoding encoding, const Corners &corners, const float normal[3]) const {
+    const auto flat = Filtered<Vec3f>(corners, [](const Luxel &l) { return l.flat; }).Array();
+    const auto direction = Normalize(Filtered<Vec3f>(corners, [](const Luxel &l) { return l.direction; })).Array();
+    float rgb[3] = {flat[0], flat[1], flat[2]};
+    if (encoding == Encoding::Deluxe)
+        directional_deluxe(flat.data(), direction.data(), normal, rgb);
+    else if (encoding == Encoding::DeluxeReceived)
+        directional_deluxe_received(flat.data(), direction.data(), kFlat, kLeastCosine, normal, rgb);
+    return ToVec(rgb);
+}
+
+Vec3f EncodedLuxels::DecodedRnm(Encoding encoding, const Corners &corners, const float normal[3],
+                                const std::array<float, 3> &texel) const {
     const bool raw = encoding == Encoding::RnmRaw || encoding == Encoding::Ssbump;
     float maps[3][3], rgb[3];
     for (std::size_t i = 0; i < 3; i++) {
@@ -87,7 +128,23 @@ Vec3f LuxelGrid::DecodedRnm(Encoding encoding, const Corners &corners, const flo
     return ToVec(rgb);
 }
 
-Vec3f LuxelGrid::DecodedLightmass(std::size_t image, const Corners &corners, const float normal[3]) const {
+Vec3f EncodedLuxels::DecodedL1(Encoding encoding, const Corners &corners, const float normal[3]) const {
+    const auto l1 = Filtered<L1Light>(corners, [](const Luxel &l) { return l.l1; });
+    const auto flat = Filtered<Vec3f>(corners, [](const Luxel &l) { return l.flat; }).Array();
+    float sh[4][3], rgb[3];
+    for (std::size_t k = 0; k < 4; k++)
+        for (std::size_t c = 0; c < 3; c++)
+            sh[k][c] = l1.c[k][c];
+    if (encoding == Encoding::L1)
+        directional_l1(sh, normal, rgb);
+    else if (encoding == Encoding::L1Curved)
+        directional_l1_curved(sh, normal, rgb);
+    else
+        directional_l1_with_flat(sh, flat.data(), kFlat, normal, rgb);
+    return ToVec(rgb);
+}
+
+Vec3f EncodedLuxels::DecodedLightmass(std::size_t image, const Corners &corners, const float normal[3]) const {
     float color[4] = {}, direction[4] = {}, rgb[3];
     directional_range range;
     for (std::size_t k = 0; k < 4; k++) {
@@ -101,50 +158,32 @@ Vec3f LuxelGrid::DecodedLightmass(std::size_t image, const Corners &corners, con
             range.add[which][k] = lightmass_.range.add[image + which][k];
         }
     }
-    (image == lightmass::kHigh ? directional_lightmass_high : directional_lightmass_low)(color, direction, &range,
-                                                                                         normal, rgb);
+    if (image == lightmass::kHigh)
+        directional_lightmass_high(color, direction, &range, normal, rgb);
+    else
+        directional_lightmass_low(color, direction, &range, normal, rgb);
     return ToVec(rgb);
 }
 
-Vec3f LuxelGrid::Decoded(Encoding encoding, float x, float y, const Vec3f &normal,
-                         const std::array<float, 3> &texel) const {
-    const Corners corners = Around(x, y);
-    const float n[3] = {normal.x, normal.y, normal.z}, up[3] = {0, 0, 1};
-    const auto flat = Filtered<Vec3f>(corners, [](const Luxel &l) { return l.flat; }).Array();
-    const auto direction = Normalize(Filtered<Vec3f>(corners, [](const Luxel &l) { return l.direction; })).Array();
-    float rgb[3] = {flat[0], flat[1], flat[2]};
+Vec3f EncodedLuxels::Decoded(Encoding encoding, const Corners &corners, const Vec3f &normal,
+                             const std::array<float, 3> &texel) const {
+    const float n[3] = {normal.x, normal.y, normal.z};
     switch (encoding) {
     case Encoding::Flat:
-        break;
     case Encoding::Deluxe:
-        directional_deluxe(flat.data(), direction.data(), n, rgb);
-        break;
     case Encoding::DeluxeReceived:
-        directional_deluxe_received(flat.data(), direction.data(), up, kLeastCosine, n, rgb);
-        break;
+        return DecodedDeluxe(encoding, corners, n);
     case Encoding::L1:
     case Encoding::L1WithFlat:
-    case Encoding::L1Curved: {
-        const auto l1 = Filtered<L1Light>(corners, [](const Luxel &l) { return l.l1; });
-        float sh[4][3];
-        for (std::size_t k = 0; k < 4; k++)
-            for (std::size_t c = 0; c < 3; c++)
-                sh[k][c] = l1.c[k][c];
-        if (encoding == Encoding::L1)
-            directional_l1(sh, n, rgb);
-        else if (encoding == Encoding::L1Curved)
-            directional_l1_curved(sh, n, rgb);
-        else
-            directional_l1_with_flat(sh, flat.data(), up, n, rgb);
-        break;
-    }
+    case Encoding::L1Curved:
+        return DecodedL1(encoding, corners, n);
     case Encoding::High:
+        return DecodedLightmass(lightmass::kHigh, corners, n);
     case Encoding::Low:
-        return DecodedLightmass(encoding == Encoding::High ? lightmass::kHigh : lightmass::kLow, corners, n);
+        return DecodedLightmass(lightmass::kLow, corners, n);
     default:
         return DecodedRnm(encoding, corners, n, texel);
     }
-    return ToVec(rgb);
 }
 
 } // namespace q3::bump_wall

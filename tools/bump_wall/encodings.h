@@ -1,15 +1,26 @@
-// GPL-2.0-or-later. The light of the wall in every encoding, on a grid of luxels, and decoded between them.
+// GPL-2.0-or-later. The light of luxels in every encoding, and decoded between them.
 #pragma once
 
 #include "q3map2/lightmap/encode/l1_light.h"
 #include "q3map2/lightmap/encode/lightmass.h"
 #include "q3map2/lightmap/encode/rnm.h"
-#include "tools/bump_wall/wall.h"
 
 #include <span>
 #include <vector>
 
 namespace q3::bump_wall {
+
+/// What arrives at a point, in tangent space: lights of a lit value at normal incidence, and a sky of one color over
+/// the whole hemisphere, its lit value for the flat normal.
+struct Ray {
+    Vec3f color, direction;
+};
+struct LocalLight {
+    std::vector<Ray> rays;
+    Vec3f sky;
+};
+/// What a surface with that normal receives.
+Vec3f Received(const LocalLight &light, const Vec3f &normal);
 
 enum class Encoding {
     Flat,
@@ -18,22 +29,35 @@ enum class Encoding {
     RnmRaw,
     RnmRescaled,
     RnmSquared,
-    Ssbump,
-    SsbumpRescaled,
     L1,
     L1WithFlat,
     L1Curved,
     High,
-    Low
+    Low,
+    Ssbump,
+    SsbumpRescaled
+};
+struct EncodingInfo {
+    Encoding encoding;
+    const char *name, *stored;
+    int bytes; ///< a luxel; colors as HDR colors of 4 bytes, directions of 3, floats as half floats
+};
+std::span<const EncodingInfo> Encodings();
+
+/// Luxels around a position, and their shares.
+struct Corners {
+    std::array<std::size_t, 4> index;
+    std::array<float, 4> share;
 };
 
-/// Luxels with `spacing` world units between them, baked from both lamps. All floats but those of High and Low.
-class LuxelGrid {
+/// Luxels in every encoding: floats, but bytes for the layout of Lightmass.
+class EncodedLuxels {
   public:
-    explicit LuxelGrid(float spacing);
-    /// Light on the bump at (x, y) as an engine gets it: luxels filtered bilinearly, then decoded with the normal.
-    /// `texel`: of the self-shadowed bump map, for Ssbump.
-    Vec3f Decoded(Encoding encoding, float x, float y, const Vec3f &normal, const std::array<float, 3> &texel) const;
+    explicit EncodedLuxels(std::span<const LocalLight> luxels);
+    /// Light on a bump as an engine gets it: luxels filtered, then decoded with the normal. `texel`: of the
+    /// self-shadowed bump map, for Ssbump and SsbumpRescaled.
+    Vec3f Decoded(Encoding encoding, const Corners &corners, const Vec3f &normal,
+                  const std::array<float, 3> &texel) const;
 
   private:
     struct Luxel {
@@ -41,20 +65,13 @@ class LuxelGrid {
         RnmLight raw, rescaled;
         L1Light l1;
     };
-    /// Corners around a position, and their shares.
-    struct Corners {
-        std::array<std::size_t, 4> index;
-        std::array<float, 4> share;
-    };
-    Luxel Baked(float x, float y) const;
-    Corners Around(float x, float y) const;
     template <typename Value, typename Member> Value Filtered(const Corners &corners, Member member) const;
+    Vec3f DecodedDeluxe(Encoding encoding, const Corners &corners, const float normal[3]) const;
     Vec3f DecodedRnm(Encoding encoding, const Corners &corners, const float normal[3],
                      const std::array<float, 3> &texel) const;
+    Vec3f DecodedL1(Encoding encoding, const Corners &corners, const float normal[3]) const;
     Vec3f DecodedLightmass(std::size_t image, const Corners &corners, const float normal[3]) const;
 
-    float spacing_;
-    int columns_, rows_;
     std::vector<Luxel> luxels_;
     lightmass::Lightmap lightmass_;
 };

@@ -28,13 +28,13 @@ float SmoothStep(float x) {
 
 } // namespace
 
-std::array<Ray, 2> LampsAt(const Vec3f &point) {
-    std::array<Ray, 2> rays;
-    for (std::size_t i = 0; i < rays.size(); i++) {
-        const Vec3f to = kLamps[i].at - point;
-        rays[i] = {kLamps[i].strength * (1 / Dot(to, to)), Normalize(to), Length(to)};
+LocalLight LampsAt(float x, float y) {
+    LocalLight light;
+    for (const Lamp &lamp : kLamps) {
+        const Vec3f to = lamp.at - Vec3f{x, y, 0};
+        light.rays.push_back({lamp.strength * (1 / Dot(to, to)), Normalize(to)});
     }
-    return rays;
+    return light;
 }
 
 float BumpHeight(float x, float y) {
@@ -90,12 +90,10 @@ std::array<float, 3> SelfShadowedTexel(float x, float y, const Vec3f &normal) {
     return texel;
 }
 
-Vec3f BruteForce(float x, float y, const Vec3f &normal, bool withShadows) {
-    Vec3f sum;
-    for (const Ray &ray : LampsAt({x, y, 0}))
-        if (!withShadows || !BumpsBlock(x, y, ray.direction))
-            sum += ray.color * std::max(0.0f, Dot(normal, ray.direction));
-    return sum;
+LocalLight VisibleLamps(float x, float y) {
+    LocalLight light = LampsAt(x, y);
+    std::erase_if(light.rays, [&](const Ray &ray) { return BumpsBlock(x, y, ray.direction); });
+    return light;
 }
 
 } // namespace q3::bump_wall

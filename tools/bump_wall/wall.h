@@ -1,10 +1,9 @@
 // GPL-2.0-or-later. A brick wall with bumps and two lamps, and the light on it.
 #pragma once
 
-#include "libs/math/vec.h"
+#include "tools/bump_wall/encodings.h"
 
 #include <array>
-#include <vector>
 
 namespace q3::bump_wall {
 
@@ -12,16 +11,9 @@ namespace q3::bump_wall {
 /// world units.
 inline constexpr float kWidth = 128, kHeight = 96; // world units
 inline constexpr float kTallest = 2.6f;            // world units that bumps stand out
-inline constexpr Vec3f kFlatNormal{0, 0, 1};
 
-/// Light of one lamp at a point: lit value at normal incidence, direction towards it.
-struct Ray {
-    Vec3f color, direction;
-    float distance = 0;
-};
-
-/// Both lamps, seen from a point of the wall.
-std::array<Ray, 2> LampsAt(const Vec3f &point);
+/// The light of both lamps at a point of the flat wall.
+LocalLight LampsAt(float x, float y);
 
 /// World units above the flat wall: bricks with rounded edges, a stud on every other one.
 float BumpHeight(float x, float y);
@@ -35,7 +27,7 @@ bool BumpsBlock(float x, float y, const Vec3f &direction);
 inline constexpr int kLobeRays = 256;
 std::array<float, 3> SelfShadowedTexel(float x, float y, const Vec3f &normal);
 
-/// What the surface receives, by both lamps themselves.
-Vec3f BruteForce(float x, float y, const Vec3f &normal, bool withShadows);
+/// The lamps that bumps do not hide.
+LocalLight VisibleLamps(float x, float y);
 
 } // namespace q3::bump_wall
