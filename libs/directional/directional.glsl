@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT. Decoders of directional lightmaps for shaders: GLSL 1.30, GLSL ES 3.00 and later.
 // The functions of directional.h, which says what they take and how exact they are: light is linear, 1.0 is lightmap
 // byte 255; normals and directions are unit vectors; tangent space is s, t (down the image) and the normal. Texels are
-// what samplers of 8-bit textures return, 0 to 1.
+// what samplers of 8-bit textures return, 0 to 1. In ES they need highp.
 
 // ---- packed colors ----
 
@@ -95,14 +95,6 @@ vec3 L1Light(vec3 c0, vec3 cy, vec3 cz, vec3 cx, vec3 normal)
     return max(c0 * 0.282094792 + (cy * normal.y + cz * normal.z + cx * normal.x) * 0.325735008, vec3(0.0));
 }
 
-// Scaled per channel so that the flat normal gives the light of a lightmap.
-vec3 L1LightWithFlat(vec3 c0, vec3 cy, vec3 cz, vec3 cx, vec3 light, vec3 flatNormal, vec3 normal)
-{
-    vec3 least = max(c0 * (0.282094792 / 16.0), vec3(1e-9));
-    vec3 down = max(L1Light(c0, cy, cz, cx, flatNormal), least);
-    return L1Light(c0, cy, cz, cx, normal) * light / down;
-}
-
 // One channel of L1LightCurved; l1: its x, y and z.
 float L1CurvedChannel(float l0, vec3 l1, vec3 normal)
 {
@@ -120,6 +112,14 @@ vec3 L1LightCurved(vec3 c0, vec3 cy, vec3 cz, vec3 cx, vec3 normal)
     return vec3(L1CurvedChannel(c0.x, vec3(cx.x, cy.x, cz.x), normal),
                 L1CurvedChannel(c0.y, vec3(cx.y, cy.y, cz.y), normal),
                 L1CurvedChannel(c0.z, vec3(cx.z, cy.z, cz.z), normal));
+}
+
+// The curve, scaled per channel so that the flat normal gives the light of a lightmap.
+vec3 L1LightWithFlat(vec3 c0, vec3 cy, vec3 cz, vec3 cx, vec3 light, vec3 flatNormal, vec3 normal)
+{
+    vec3 least = max(c0 * (0.282094792 / 16.0), vec3(1e-9));
+    vec3 down = max(L1LightCurved(c0, cy, cz, cx, flatNormal), least);
+    return L1LightCurved(c0, cy, cz, cx, normal) * light / down;
 }
 
 // ---- Lightmass layout: normal in world space ----

@@ -95,14 +95,6 @@ float3 L1Light(float3 c0, float3 cy, float3 cz, float3 cx, float3 normal)
     return max(c0 * 0.282094792 + (cy * normal.y + cz * normal.z + cx * normal.x) * 0.325735008, float3(0.0, 0.0, 0.0));
 }
 
-// Scaled per channel so that the flat normal gives the light of a lightmap.
-float3 L1LightWithFlat(float3 c0, float3 cy, float3 cz, float3 cx, float3 light, float3 flatNormal, float3 normal)
-{
-    float3 least = max(c0 * (0.282094792 / 16.0), float3(1e-9, 1e-9, 1e-9));
-    float3 down = max(L1Light(c0, cy, cz, cx, flatNormal), least);
-    return L1Light(c0, cy, cz, cx, normal) * light / down;
-}
-
 // One channel of L1LightCurved; l1: its x, y and z.
 float L1CurvedChannel(float l0, float3 l1, float3 normal)
 {
@@ -120,6 +112,14 @@ float3 L1LightCurved(float3 c0, float3 cy, float3 cz, float3 cx, float3 normal)
     return float3(L1CurvedChannel(c0.x, float3(cx.x, cy.x, cz.x), normal),
                   L1CurvedChannel(c0.y, float3(cx.y, cy.y, cz.y), normal),
                   L1CurvedChannel(c0.z, float3(cx.z, cy.z, cz.z), normal));
+}
+
+// The curve, scaled per channel so that the flat normal gives the light of a lightmap.
+float3 L1LightWithFlat(float3 c0, float3 cy, float3 cz, float3 cx, float3 light, float3 flatNormal, float3 normal)
+{
+    float3 least = max(c0 * (0.282094792 / 16.0), float3(1e-9, 1e-9, 1e-9));
+    float3 down = max(L1LightCurved(c0, cy, cz, cx, flatNormal), least);
+    return L1LightCurved(c0, cy, cz, cx, normal) * light / down;
 }
 
 // ---- Lightmass layout: normal in world space ----

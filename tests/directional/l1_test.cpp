@@ -136,8 +136,8 @@ TEST(L1Light, WithFlatLightGuards) {
     directional_l1_with_flat(dark, received, flat, flat, rgb);
     EXPECT_EQ(rgb[0], 0.5f);
     EXPECT_EQ(rgb[2], 0);
-    directional_l1_with_flat(behind, received, flat, down, rgb); // 0.75 over 0.25 / 16
-    EXPECT_NEAR(rgb[0], 0.5 * 48, 1e-3);
+    directional_l1_with_flat(behind, received, flat, down, rgb); // 1 over 0.25 / 16
+    EXPECT_NEAR(rgb[0], 0.5 * 64, 1e-3);
 }
 
 TEST(L1Light, CurvedAtBothEnds) {
