@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT. Decoders of directional lightmaps for shaders: GLSL 1.30, GLSL ES 3.00 and later.
 // The functions of directional.h, which says what they take and how exact they are: light is linear, 1.0 is lightmap
 // byte 255; normals and directions are unit vectors; tangent space is s, t (down the image) and the normal. Texels are
-// what samplers of 8-bit textures return, 0 to 1.
+// what samplers of 8-bit textures return, 0 to 1. In ES they need highp.
 
 // ---- packed colors ----
 
@@ -25,7 +25,10 @@ vec3 DecodeExp32(vec4 texel) // 255 of the format is 1.0 here
 
 // ---- one light direction ----
 
-vec3 DeluxeLight(vec3 light, vec3 direction, vec3 normal) { return light * max(0.0, dot(normal, direction)); }
+vec3 DeluxeLight(vec3 light, vec3 direction, vec3 normal)
+{
+    return light * max(0.0, dot(normal, direction));
+}
 
 // For lightmaps of received light. least: 0.25 is usual.
 vec3 DeluxeReceived(vec3 light, vec3 direction, vec3 flatNormal, float least, vec3 normal)
@@ -92,6 +95,33 @@ vec3 L1Light(vec3 c0, vec3 cy, vec3 cz, vec3 cx, vec3 normal)
     return max(c0 * 0.282094792 + (cy * normal.y + cz * normal.z + cx * normal.x) * 0.325735008, vec3(0.0));
 }
 
+// One channel of L1LightCurved; l1: its x, y and z.
+float L1CurvedChannel(float l0, vec3 l1, vec3 normal)
+{
+    float r0 = l0 * 0.282094792;
+    float r1 = length(l1) * 0.162867504;
+    float ratio = min(r1 / max(r0, 1e-9), 1.0);
+    float q = 0.5 + 0.5 * dot(l1, normal) / max(length(l1), 1e-9);
+    float p = 1.0 + 2.0 * ratio;
+    float a = (1.0 - ratio) / (1.0 + ratio);
+    return max(0.0, r0) * (a + (1.0 - a) * (p + 1.0) * pow(max(0.0, q), p));
+}
+
+vec3 L1LightCurved(vec3 c0, vec3 cy, vec3 cz, vec3 cx, vec3 normal)
+{
+    return vec3(L1CurvedChannel(c0.x, vec3(cx.x, cy.x, cz.x), normal),
+                L1CurvedChannel(c0.y, vec3(cx.y, cy.y, cz.y), normal),
+                L1CurvedChannel(c0.z, vec3(cx.z, cy.z, cz.z), normal));
+}
+
+// The curve, scaled per channel so that the flat normal gives the light of a lightmap.
+vec3 L1LightWithFlat(vec3 c0, vec3 cy, vec3 cz, vec3 cx, vec3 light, vec3 flatNormal, vec3 normal)
+{
+    vec3 least = max(c0 * (0.282094792 / 16.0), vec3(1e-9));
+    vec3 down = max(L1LightCurved(c0, cy, cz, cx, flatNormal), least);
+    return L1LightCurved(c0, cy, cz, cx, normal) * light / down;
+}
+
 // ---- Lightmass layout: normal in world space ----
 
 // The color image alone. residual: of the other image's alpha, high quality: (alpha - 0.5) / 255, low quality: 0.
@@ -125,7 +155,10 @@ vec3 LightmassLow(vec4 color, vec4 direction, vec4 colorMultiply, vec4 colorAdd,
 }
 
 // Ambient occlusion, 1 is open.
-float Unoccluded(float texel) { return texel * texel; }
+float Unoccluded(float texel)
+{
+    return texel * texel;
+}
 
 // Mean direction of the sky that is seen, as long as the share that is seen.
 vec3 SkyOcclusion(vec4 texel)

@@ -188,6 +188,38 @@ static inline void directional_l1(const float sh[4][3], const float normal[3], f
                                            (sh[1][i] * normal[1] + sh[2][i] * normal[2] + sh[3][i] * normal[0]));
 }
 
+/* A curve in place of the linear form, never negative and of the same mean over all normals (Geomerics):
+   R0 (a + (1 - a) (p + 1) q^p), where the linear form is R0 + 2 R1 . n. One light c gives c q^3, q = (1 + cos) / 2, so
+   c facing it; uniform light is exact. R1 longer than R0, which no light has, counts as R0. */
+static inline void directional_l1_curved(const float sh[4][3], const float normal[3], float rgb[3]) {
+    int i;
+    for (i = 0; i < 3; i++) {
+        const float r0 = DIRECTIONAL_L0 * sh[0][i];
+        const float r1[3] = {DIRECTIONAL_L1 / 2 * sh[3][i], DIRECTIONAL_L1 / 2 * sh[1][i],
+                             DIRECTIONAL_L1 / 2 * sh[2][i]};
+        const float length = sqrtf(directional_dot_(r1, r1)), ratio = length < r0 ? length / r0 : 1;
+        const float q = length > 0 ? 0.5f * (1 + directional_dot_(r1, normal) / length) : 0.5f;
+        const float p = 1 + 2 * ratio, a = (1 - ratio) / (1 + ratio);
+        rgb[i] = r0 > 0 ? r0 * (a + (1 - a) * (p + 1) * powf(directional_positive_(q), p)) : 0;
+    }
+}
+
+/* The curve, scaled per channel to the light that a lightmap holds for the flat normal: a flat normal gives that light,
+   whatever the two bands miss. Where the curve gives the flat normal less than a sixteenth of R0, a sixteenth counts.
+ */
+static inline void directional_l1_with_flat(const float sh[4][3], const float light[3], const float flat[3],
+                                            const float normal[3], float rgb[3]) {
+    float down[3];
+    int i;
+    directional_l1_curved(sh, flat, down);
+    directional_l1_curved(sh, normal, rgb);
+    for (i = 0; i < 3; i++) {
+        const float least = DIRECTIONAL_L0 * sh[0][i] / 16;
+        const float scale = down[i] > least ? down[i] : least;
+        rgb[i] = scale > 0 ? rgb[i] * (directional_positive_(light[i]) / scale) : directional_positive_(light[i]);
+    }
+}
+
 /* ---- Lightmass layout ---- */
 
 /* Bytes to coefficients of two images: multiply and add of the color's and of the direction's. */

@@ -25,7 +25,10 @@ float3 DecodeExp32(float4 texel) // 255 of the format is 1.0 here
 
 // ---- one light direction ----
 
-float3 DeluxeLight(float3 light, float3 direction, float3 normal) { return light * max(0.0, dot(normal, direction)); }
+float3 DeluxeLight(float3 light, float3 direction, float3 normal)
+{
+    return light * max(0.0, dot(normal, direction));
+}
 
 // For lightmaps of received light. least: 0.25 is usual.
 float3 DeluxeReceived(float3 light, float3 direction, float3 flatNormal, float least, float3 normal)
@@ -92,6 +95,33 @@ float3 L1Light(float3 c0, float3 cy, float3 cz, float3 cx, float3 normal)
     return max(c0 * 0.282094792 + (cy * normal.y + cz * normal.z + cx * normal.x) * 0.325735008, float3(0.0, 0.0, 0.0));
 }
 
+// One channel of L1LightCurved; l1: its x, y and z.
+float L1CurvedChannel(float l0, float3 l1, float3 normal)
+{
+    float r0 = l0 * 0.282094792;
+    float r1 = length(l1) * 0.162867504;
+    float ratio = min(r1 / max(r0, 1e-9), 1.0);
+    float q = 0.5 + 0.5 * dot(l1, normal) / max(length(l1), 1e-9);
+    float p = 1.0 + 2.0 * ratio;
+    float a = (1.0 - ratio) / (1.0 + ratio);
+    return max(0.0, r0) * (a + (1.0 - a) * (p + 1.0) * pow(max(0.0, q), p));
+}
+
+float3 L1LightCurved(float3 c0, float3 cy, float3 cz, float3 cx, float3 normal)
+{
+    return float3(L1CurvedChannel(c0.x, float3(cx.x, cy.x, cz.x), normal),
+                  L1CurvedChannel(c0.y, float3(cx.y, cy.y, cz.y), normal),
+                  L1CurvedChannel(c0.z, float3(cx.z, cy.z, cz.z), normal));
+}
+
+// The curve, scaled per channel so that the flat normal gives the light of a lightmap.
+float3 L1LightWithFlat(float3 c0, float3 cy, float3 cz, float3 cx, float3 light, float3 flatNormal, float3 normal)
+{
+    float3 least = max(c0 * (0.282094792 / 16.0), float3(1e-9, 1e-9, 1e-9));
+    float3 down = max(L1LightCurved(c0, cy, cz, cx, flatNormal), least);
+    return L1LightCurved(c0, cy, cz, cx, normal) * light / down;
+}
+
 // ---- Lightmass layout: normal in world space ----
 
 // The color image alone. residual: of the other image's alpha, high quality: (alpha - 0.5) / 255, low quality: 0.
@@ -125,7 +155,10 @@ float3 LightmassLow(float4 color, float4 direction, float4 colorMultiply, float4
 }
 
 // Ambient occlusion, 1 is open.
-float Unoccluded(float texel) { return texel * texel; }
+float Unoccluded(float texel)
+{
+    return texel * texel;
+}
 
 // Mean direction of the sky that is seen, as long as the share that is seen.
 float3 SkyOcclusion(float4 texel)

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # GPL-2.0-or-later. Compiles the decoders of directional lightmaps as shaders.
-"""usage: compile_shaders.py GLSLANG FOLDER
+"""usage: compile_shaders.py GLSLANG FOLDER PAGE
 
 GLSLANG: glslangValidator. FOLDER: that of directional.glsl and directional.hlsl. Each is compiled with a main function
 that calls every function of the file, for the oldest and newest versions that it is meant for. A function that is not
-called is a fault. Exit status 77, for a skipped test, if GLSLANG is not there.
+called is a fault, and so is GLSL on PAGE, a page of documentation, that is not in the file. Exit status 77, for a
+skipped test, if GLSLANG is not there.
 """
 
 import re
@@ -18,6 +19,7 @@ CALLS = """
     light += DeluxeLight(n, n, n) + DeluxeReceived(n, n, n, 0.25, n) + RnmWeights(n);
     light += RnmRaw(n, n, n, n) + RnmRescaled(n, n, n, n) + RnmSquared(n, n, n, n);
     light += SsbumpLight(n, n, n, n, 1.0) + SsbumpNormal(n) * SsbumpDynamic(n, n) + L1Light(n, n, n, n, n);
+    light += L1LightWithFlat(n, n, n, n, n, n, n) + L1LightCurved(n, n, n, n, n) * L1CurvedChannel(1.0, n, n);
     light += LightmassColor(a, a, a, 0.0, 0.01858136) * LightmassFactor(a, a, a, n);
     light += LightmassHigh(a, a, a, a, a, a, n) + LightmassLow(a, a, a, a, a, a, n);
     light += SkyOcclusion(a) * Unoccluded(a.x);
@@ -49,9 +51,9 @@ def compiled(glslang, name, text, *options):
 
 
 def main():
-    if len(sys.argv) != 3:
+    if len(sys.argv) != 4:
         sys.exit(__doc__)
-    glslang, folder = sys.argv[1], Path(sys.argv[2])
+    glslang, folder, page = sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3])
     if not Path(glslang).exists():
         print("skipped: glslangValidator (Debian: glslang-tools) is not installed")
         sys.exit(77)
@@ -64,6 +66,12 @@ def main():
                 good = False
     for version in ("130", "330 core", "460 core"):
         good &= compiled(glslang, "directional.frag", f"#version {version}\n{glsl}{GLSL_MAIN}")
+    quotes = re.findall(r"```glsl\n(.*?)```", page.read_text(), re.DOTALL)
+    good &= bool(quotes)
+    for quote in quotes:
+        if quote not in glsl:
+            print(f"{page}: not in directional.glsl:\n{quote}")
+            good = False
     precision = "precision highp float;\nprecision highp int;\n"
     good &= compiled(glslang, "directional.frag", f"#version 300 es\n{precision}{glsl}{GLSL_MAIN}")
     good &= compiled(glslang, "directional.hlsl", hlsl + HLSL_MAIN, "-D", "-V", "-S", "frag", "-e", "main", "-o",

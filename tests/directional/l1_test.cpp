@@ -103,6 +103,81 @@ TEST(L1Light, HeaderAgreesWithEncoderOnRandomLamps) {
     }
 }
 
+using ShArray = float[4][3];
+void ToArray(const L1Light &light, ShArray &sh) {
+    for (std::size_t k = 0; k < 4; k++)
+        for (std::size_t c = 0; c < 3; c++)
+            sh[k][c] = light.c[k][c];
+}
+
+TEST(L1Light, WithFlatLightTheFlatNormalIsExact) {
+    LightSets sets(9);
+    for (int i = 0; i < 1000; i++) {
+        const auto lamps = sets.Lamps({0, 0, 1});
+        L1Light light;
+        for (const Lamp &lamp : lamps)
+            light.AddLight(lamp.color, lamp.direction);
+        ShArray sh;
+        ToArray(light, sh);
+        const Vec3f lit = Received(lamps, {0, 0, 1});
+        const float flat[3] = {0, 0, 1}, received[3] = {lit.x, lit.y, lit.z};
+        float rgb[3];
+        directional_l1_with_flat(sh, received, flat, flat, rgb);
+        for (std::size_t c = 0; c < 3; c++)
+            EXPECT_NEAR(rgb[c], lit[c], 1e-5 * (1 + lit[c]));
+    }
+}
+
+TEST(L1Light, WithFlatLightGuards) {
+    ShArray dark{}, behind;
+    ToArray(OneLight({0, 0, -1}), behind);
+    const float flat[3] = {0, 0, 1}, down[3] = {0, 0, -1}, received[3] = {0.5f, 0.25f, -1};
+    float rgb[3];
+    directional_l1_with_flat(dark, received, flat, flat, rgb);
+    EXPECT_EQ(rgb[0], 0.5f);
+    EXPECT_EQ(rgb[2], 0);
+    directional_l1_with_flat(behind, received, flat, down, rgb); // 1 over 0.25 / 16
+    EXPECT_NEAR(rgb[0], 0.5 * 64, 1e-3);
+}
+
+TEST(L1Light, CurvedAtBothEnds) {
+    LightSets sets(10);
+    L1Light uniform;
+    uniform.AddUniform({0.5f, 1, 0});
+    ShArray one, even;
+    ToArray(uniform, even);
+    for (int i = 0; i < 200; i++) {
+        const Vec3f w = sets.Direction(), n = sets.Direction();
+        const float normal[3] = {n.x, n.y, n.z};
+        float rgb[3];
+        directional_l1_curved(even, normal, rgb);
+        EXPECT_NEAR(rgb[0], 0.5, 1e-6);
+        EXPECT_NEAR(rgb[1], 1, 1e-6);
+        EXPECT_EQ(rgb[2], 0);
+        ToArray(OneLight(w), one);
+        directional_l1_curved(one, normal, rgb); // c q^3
+        EXPECT_NEAR(rgb[0], std::pow((1 + Dot(n, w)) / 2, 3), 1e-5);
+    }
+}
+
+TEST(L1Light, CurvedKeepsTheMean) {
+    // Over the sphere, about the axis of a light of 1 with 0.3 from everywhere.
+    L1Light light = OneLight({0, 0, 1});
+    light.AddUniform({0.3f, 0.3f, 0.3f});
+    ShArray sh;
+    ToArray(light, sh);
+    double mean = 0;
+    constexpr int kSteps = 4000;
+    for (int i = 0; i < kSteps; i++) {
+        const double x = -1 + (2 * i + 1.0) / kSteps;
+        const float n[3] = {float(std::sqrt(1 - x * x)), 0, float(x)};
+        float rgb[3];
+        directional_l1_curved(sh, n, rgb);
+        mean += double(rgb[0]) / kSteps;
+    }
+    EXPECT_NEAR(mean, 0.55, 1e-5);
+}
+
 TEST(Deluxe, OneLightIsExact) {
     LightSets sets(8);
     const float flat[3] = {0, 0, 1}, color[3] = {0.5f, 1, 2};

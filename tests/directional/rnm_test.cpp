@@ -107,6 +107,24 @@ TEST(Rnm, LightAlongTheNormalIsSqrtOneThirdInEachMap) {
         EXPECT_NEAR(map.x, 0.57735, 5e-6);
 }
 
+TEST(Rnm, FlatLightOfNeighborsIsSqrtOneThirdOfItInEachMap) {
+    RnmLight light;
+    light.AddFlat({1, 2, 0});
+    for (const Vec3f &map : light.map) {
+        EXPECT_NEAR(map.x, 1 / std::sqrt(3.0), 1e-6);
+        EXPECT_NEAR(map.y, 2 / std::sqrt(3.0), 1e-6);
+    }
+    EXPECT_NEAR(DecodedMaps(directional_rnm_raw, light, kFlat).y, 2, 1e-6);
+}
+
+TEST(Rnm, UniformLightIsTooBrightInRawMapsAndExactInRescaledOnes) {
+    RnmLight light;
+    light.AddUniform({1, 1, 1});
+    EXPECT_NEAR(DecodedMaps(directional_rnm_raw, light, kFlat).x, 1.73205, 1e-5);
+    EXPECT_NEAR(DecodedMaps(directional_rnm_squared, light, kFlat).x, 1, 1e-6);
+    EXPECT_NEAR(DecodedMaps(directional_rnm_rescaled, RescaleToFlat(light, {1, 1, 1}), kFlat).x, 1, 1e-6);
+}
+
 TEST(Rnm, RescaledMapsGiveTheFlatLightForAnyLamps) {
     LightSets sets(2);
     for (int i = 0; i < 1000; i++) {

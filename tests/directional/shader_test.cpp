@@ -55,6 +55,15 @@ inline float length(vec3 a) {
 inline vec3 normalize(vec3 a) {
     return a / length(a);
 }
+inline vec3 operator/(vec3 a, vec3 b) {
+    return {a.x / b.x, a.y / b.y, a.z / b.z};
+}
+inline float min(float a, float b) {
+    return a < b ? a : b;
+}
+inline float pow(float a, float b) {
+    return std::pow(a, b);
+}
 inline float exp2(float a) {
     return std::exp2(a);
 }
@@ -167,7 +176,17 @@ TEST(Shaders, L1) {
             for (float &value : coefficient)
                 value = sets.Uniform(-1, 2);
         directional_l1(sh, normal.values, rgb);
-        EXPECT_SHADERS(L1Light(Shader(sh[0]), Shader(sh[1]), Shader(sh[2]), Shader(sh[3]), Shader(normal.values)), rgb);
+        const vec3 c0 = Shader(sh[0]), cy = Shader(sh[1]), cz = Shader(sh[2]), cx = Shader(sh[3]),
+                   n = Shader(normal.values);
+        EXPECT_SHADERS(L1Light(c0, cy, cz, cx, n), rgb);
+        directional_l1_curved(sh, normal.values, rgb);
+        EXPECT_SHADERS(L1LightCurved(c0, cy, cz, cx, n), rgb);
+        const Floats flat(sets.Direction());
+        const float light[3] = {sets.Uniform(0, 2), 1, 0};
+        for (float &value : sh[0])
+            value = std::abs(value) + 0.1f;
+        directional_l1_with_flat(sh, light, flat.values, normal.values, rgb);
+        EXPECT_SHADERS(L1LightWithFlat(Shader(sh[0]), cy, cz, cx, Shader(light), Shader(flat.values), n), rgb);
     }
 }
 

@@ -87,6 +87,11 @@ static void test_l1(void) {
     CHECK(rgb[2], 0.282095);
     directional_l1(sh, east, rgb);
     CHECK(rgb[2], 0);
+    directional_l1_with_flat(sh, north, north, north, rgb);
+    CHECK(rgb[0], 0);
+    CHECK(rgb[1], 1);
+    directional_l1_curved(sh, north, rgb);
+    CHECK(rgb[0], 1);
 }
 
 /* Luminance 1 over 0.846285, the factor of a light that comes along z; white. */

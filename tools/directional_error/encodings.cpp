@@ -79,28 +79,22 @@ enum class Rnm { Raw, Corrected, Squared, Rescaled, RescaledSquared };
 
 Encoding RnmEncoding(const std::string &name, double bytes, Rnm kind, Store store) {
     return {name, bytes, [kind, store](const LuxelSample &luxel, const Vec3f &n) {
-                RnmLight light{luxel.onBasis};
-                if (kind == Rnm::Rescaled || kind == Rnm::RescaledSquared)
-                    light = RescaleToFlat(light, luxel.flat);
-                if (store == AsBytes && (kind == Rnm::Rescaled || kind == Rnm::RescaledSquared))
+                const bool rescaled = kind == Rnm::Rescaled || kind == Rnm::RescaledSquared;
+                RnmLight light = rescaled ? RescaleToFlat({luxel.onBasis}, luxel.flat) : RnmLight{luxel.onBasis};
+                if (rescaled && store == AsBytes)
                     light = OverflowToOthers(light);
-                const CMaps maps(Maps{store(light.map[0]), store(light.map[1]), store(light.map[2])});
+                light = {{store(light.map[0]), store(light.map[1]), store(light.map[2])}};
+                if (kind == Rnm::Corrected)
+                    light = RescaleToFlat(light, store(luxel.flat));
+                const CMaps maps(light.map);
                 const C3 local(luxel.InTangentSpace(n));
                 float rgb[3];
-                switch (kind) {
-                case Rnm::Raw:
+                if (kind == Rnm::Raw)
                     directional_rnm_raw(maps.value, local.value, rgb);
-                    break;
-                case Rnm::Corrected:
-                    directional_rnm_corrected(maps.value, C3(store(luxel.flat)).value, local.value, rgb);
-                    break;
-                case Rnm::Rescaled:
+                else if (kind == Rnm::Rescaled || kind == Rnm::Corrected)
                     directional_rnm_rescaled(maps.value, local.value, rgb);
-                    break;
-                case Rnm::Squared:
-                case Rnm::RescaledSquared:
+                else
                     directional_rnm_squared(maps.value, local.value, rgb);
-                }
                 return FromC(rgb);
             }};
 }
@@ -128,7 +122,7 @@ Encoding L1Encoding(const std::string &name, double bytes, bool corrected, Store
                     std::copy_n(one.value, 3, sh[i]);
                 }
                 if (corrected)
-                    directional_l1_corrected(sh, C3(store(luxel.flat)).value, C3(luxel.normal).value, C3(n).value, rgb);
+                    directional_l1_with_flat(sh, C3(store(luxel.flat)).value, C3(luxel.normal).value, C3(n).value, rgb);
                 else
                     directional_l1(sh, C3(n).value, rgb);
                 return FromC(rgb);

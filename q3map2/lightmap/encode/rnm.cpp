@@ -67,6 +67,16 @@ void RnmLight::AddLight(const Vec3f &color, const Vec3f &direction) {
         map[i] += color * std::max(0.0f, Dot(kRnmBasis[i], direction));
 }
 
+void RnmLight::AddUniform(const Vec3f &color) {
+    for (Vec3f &value : map)
+        value += color;
+}
+
+void RnmLight::AddFlat(const Vec3f &flat) {
+    for (std::size_t i = 0; i < 3; i++)
+        map[i] += flat * kRnmBasis[i].z;
+}
+
 RnmLight RescaleToFlat(const RnmLight &raw, const Vec3f &flat) {
     return ByChannel(
         raw, [&](const ChannelOfMaps &maps, std::size_t channel) { return RescaledChannel(maps, flat[channel]); });

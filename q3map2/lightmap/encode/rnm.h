@@ -19,6 +19,10 @@ struct RnmLight {
 
     /// A light that gives `color` to a surface that faces it; `direction`: unit, in tangent space, towards the light.
     void AddLight(const Vec3f &color, const Vec3f &direction);
+    /// Light from everywhere: lit value `color` for every normal.
+    void AddUniform(const Vec3f &color);
+    /// Light of which only the flat surface's lit value is known, as if along the normal: flat / sqrt(3) in each map.
+    void AddFlat(const Vec3f &flat);
     bool operator==(const RnmLight &) const = default;
 };
 

@@ -1,0 +1,33 @@
+// GPL-2.0-or-later. A brick wall with bumps and two lamps, and the light on it.
+#pragma once
+
+#include "tools/bump_wall/encodings.h"
+
+#include <array>
+
+namespace q3::bump_wall {
+
+/// The frame of everything here, which is the wall's tangent space: x right (s), y down (t), z out of the wall, all in
+/// world units.
+inline constexpr float kWidth = 128, kHeight = 96; // world units
+inline constexpr float kTallest = 2.6f;            // world units that bumps stand out
+
+/// The light of both lamps at a point of the flat wall.
+LocalLight LampsAt(float x, float y);
+
+/// World units above the flat wall: bricks with rounded edges, a stud on every other one.
+float BumpHeight(float x, float y);
+/// Unit normal of the bumps.
+Vec3f BumpNormal(float x, float y);
+/// Whether bumps stand between the surface at (x, y) and what lies in this direction, in a quarter of a unit's steps.
+bool BumpsBlock(float x, float y, const Vec3f &direction);
+
+/// Response to the three basis vectors of radiosity normal mapping, 0 to 1 (a texel of a self-shadowed bump map):
+/// max(0, n . b_i) times the visible share of directions weighted with both cosines, by `kLobeRays` rays.
+inline constexpr int kLobeRays = 256;
+std::array<float, 3> SelfShadowedTexel(float x, float y, const Vec3f &normal);
+
+/// The lamps that bumps do not hide.
+LocalLight VisibleLamps(float x, float y);
+
+} // namespace q3::bump_wall
