@@ -94,9 +94,7 @@ int Run(const std::vector<std::string> &words) {
         ShaderLibrary library(files, *game.game, light.shader, log);
         for (const bspShader_t &shader : bsp.shaders)
             library.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
-        LightmapOptions all = options;
-        all.rnmAll = true;
-        const LightSetup setup(bsp, inputs, light, SurfaceDefaultsOf(all), library, log);
+        const LightSetup setup(bsp, inputs, light, SurfaceDefaultsOf(options), library, log);
         library.ReleaseImages(bounces > 0);
         names.push_back(inputs.name);
         maps.push_back(Measure(setup, options, std::size_t(luxels), normals, rays, jobs, log));

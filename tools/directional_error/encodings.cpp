@@ -105,6 +105,8 @@ Encoding SsbumpEncoding(const std::string &name, double bytes, bool rescaled, St
                 RnmLight light{luxel.onBasis};
                 if (rescaled)
                     light = RescaleToFlat(light, luxel.flat);
+                if (rescaled && store == AsBytes)
+                    light = OverflowToOthers(light);
                 const CMaps maps(Maps{store(light.map[0]), store(light.map[1]), store(light.map[2])});
                 float weights[3], rgb[3];
                 directional_rnm_weights(C3(luxel.InTangentSpace(n)).value, weights);

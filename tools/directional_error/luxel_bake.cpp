@@ -15,8 +15,19 @@
 
 namespace q3::directional {
 
+namespace {
+
+SurfaceTable WithNormalMaps(SurfaceTable table, bool all) {
+    for (SurfaceEntry &entry : table)
+        entry.normalMapped = all;
+    return table;
+}
+
+} // namespace
+
 LuxelBake::LuxelBake(const LightSetup &setup, const LightmapOptions &options, const JobPool &jobs, Log &log)
-    : in_{setup.bsp, setup.space, setup.scene, setup.table, setup.options, options, setup.world, jobs, log},
+    : table_(WithNormalMaps(setup.table, options.rnmAll)),
+      in_{setup.bsp, setup.space, setup.scene, table_, setup.options, options, setup.world, jobs, log},
       surfaces_(SetupSurfaceLight(in_)) {
     const CpuTimer timer;
     MapLuxels(in_, surfaces_);

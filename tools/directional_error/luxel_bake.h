@@ -38,6 +38,7 @@ class LuxelBake {
     void AddDirect(const LuxelPlace &at, std::span<const Vec3f> normals, std::span<Vec3f> light) const;
     void AddBounced(const LuxelPlace &at, std::span<const Vec3f> normals, int rays, std::span<Vec3f> light) const;
 
+    const SurfaceTable table_; // all surfaces are normal mapped, or none
     const SurfaceInputs in_;
     std::vector<Light> lights_;
     SurfaceLight surfaces_;

@@ -52,10 +52,7 @@ std::vector<BakeTime> MeasureTimes(const LightSetup &setup, const LightmapOption
         for (std::size_t i = 0; i < std::size(kinds); ++i) {
             LightmapOptions own = options;
             own.deluxe = kinds[i].deluxe, own.rnm = own.rnmAll = kinds[i].rnm, own.lightmass = kinds[i].sh;
-            LightSetup timed = setup;
-            for (SurfaceEntry &entry : timed.table)
-                entry.normalMapped = kinds[i].rnm;
-            least[i] = std::min(least[i], LuxelBake(timed, own, jobs, log).CpuSeconds());
+            least[i] = std::min(least[i], LuxelBake(setup, own, jobs, log).CpuSeconds());
         }
     std::vector<BakeTime> times;
     for (std::size_t i = 0; i < std::size(kinds); ++i)
