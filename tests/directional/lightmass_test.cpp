@@ -27,6 +27,7 @@ GatheredLuxel Gathered(const std::vector<Lamp> &lamps, const Vec3f &normal = kUp
 
 std::vector<LuxelLight> Converted(const std::vector<GatheredLuxel> &luxels) {
     std::vector<LuxelLight> out;
+    out.reserve(luxels.size());
     for (const GatheredLuxel &luxel : luxels)
         out.push_back(ToCoefficients(luxel));
     return out;

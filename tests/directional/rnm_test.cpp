@@ -251,6 +251,19 @@ TEST(Ssbump, FlatTexelUnderFrontalLight) {
     EXPECT_NEAR(rgb[0], 1.73205, 1e-5);
 }
 
+TEST(Ssbump, FlatTexelOnRescaledMapsGivesTheFlatLightForAnyLamps) {
+    LightSets sets(11);
+    const float texel[3] = {147 / 255.0f, 147 / 255.0f, 147 / 255.0f}; // 0.57735 * 255
+    for (int i = 0; i < 1000; i++) {
+        const auto lamps = sets.Lamps(kFlat);
+        const Vec3f flat = Received(lamps, kFlat);
+        float rgb[3];
+        directional_ssbump(texel, MapArray(RescaleToFlat(RawMaps(lamps), flat)).values, DIRECTIONAL_RESCALED, rgb);
+        for (std::size_t c = 0; c < 3; c++)
+            EXPECT_NEAR(rgb[c], flat[c], flat[c] * 0.5 / 147 + 1e-6);
+    }
+}
+
 TEST(Ssbump, UnoccludedTexelGivesTheCosineToTheByteStep) {
     // Three bytes, each wrong by at most half a step, times maps of at most 1 (sum sqrt(3) for a unit light).
     LightSets sets(6);
