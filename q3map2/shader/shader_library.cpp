@@ -322,7 +322,7 @@ bool ShaderLibrary::HasNormalMap(std::string_view name) {
     const ShaderInfo &info = Get(name);
     if (info.lightmap.rnm)
         return *info.lightmap.rnm;
-    return info.normalMapStage || !info.lightmap.normalImage.empty() ||
+    return info.normalMapStage || !info.lightmap.normalImage.empty() || !info.lightmap.ssbumpImage.empty() ||
            state_->HasNormalImage(state_->table.FindOrAdd(info.name, state_->log));
 }
 

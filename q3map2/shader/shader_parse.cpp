@@ -63,7 +63,7 @@ class ScriptParser {
         void (ScriptParser::*apply)(const Words &);
         bool moreMayFollow = false; ///< other directives may follow on the line
     };
-    static const std::array<Directive, 44> kDirectives;
+    static const std::array<Directive, 45> kDirectives;
 
     void WarnSyntax(std::string_view name, std::string_view found) {
         log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}",
@@ -131,6 +131,7 @@ class ScriptParser {
     void Rnm(const Words &) { Lightmap().rnm = true; }
     void NoRnm(const Words &) { Lightmap().rnm = false; }
     void NormalImage(const Words &words) { Lightmap().normalImage = WithoutExtension(words[0]); }
+    void SsbumpImage(const Words &words) { Lightmap().ssbumpImage = WithoutExtension(words[0]); }
     void FloodLight(const Words &words);
 
     ShaderTextScanner scanner_;
@@ -142,7 +143,7 @@ class ScriptParser {
 };
 
 using Self = ScriptParser;
-const std::array<Self::Directive, 44> Self::kDirectives = {{
+const std::array<Self::Directive, 45> Self::kDirectives = {{
     {"surfaceparm", 1, 0, &Self::SurfaceParmLine},
     {"cull", 1, 0, &Self::Cull},
     {"deformvertexes", 1, 8, &Self::DeformVertexes},
@@ -184,6 +185,7 @@ const std::array<Self::Directive, 44> Self::kDirectives = {{
     {"q3map_shadeangle", 1, 0, &Self::ShadeAngle},
     {"q3map_terrain", 0, 0, &Self::Terrain},
     {"q3map_normalimage", 1, 0, &Self::NormalImage},
+    {"q3map_ssbumpimage", 1, 0, &Self::SsbumpImage},
     {"q3map_rnm", 0, 0, &Self::Rnm},
     {"q3map_nornm", 0, 0, &Self::NoRnm},
     {"q3map_floodlight", 6, 0, &Self::FloodLight},
@@ -210,6 +212,9 @@ void ScriptParser::ParseShader(std::string_view name) {
         } else
             ParseDirective(word);
     }
+    if (!Lightmap().normalImage.empty() && !Lightmap().ssbumpImage.empty())
+        log_.Warn("two normal maps", "{}: shader {}: q3map_normalImage and q3map_ssbumpImage, the latter is not used",
+                  scanner_.TokenLocation().Text(), name);
     shader_->info.scriptText.clear(), shader_->body.reset();
     // A hidden definition without stages only holds directives for the compiler. The engine draws another definition
     // of the same name, so this text is not kept.

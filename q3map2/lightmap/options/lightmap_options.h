@@ -84,7 +84,7 @@ struct LightmapOptions {
     bool ldr = true, hdr = false; ///< -ldr, -hdr, -both: 8-bit pages, HDR pages
     HdrFiles hdrFiles = HdrFiles::None;
     bool rnm = false, rnmAll = false; ///< -rnm: of normal mapped surfaces; -rnmall
-    bool rnmRescaled = false;         ///< -rnmstorage
+    bool rnmRescaled = true;          ///< -rnmstorage
     bool lightmass = false, skyOcclusion = false;
     std::vector<std::string> shadowMaps; ///< -shadowmap: names of lights
     bool NeedsSh() const { return lightmass; }

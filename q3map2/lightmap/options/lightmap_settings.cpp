@@ -331,7 +331,7 @@ Group Encodings() {
              {{.name = "-rnmstorage",
                .values = "raw|rescaled",
                .kind = SettingKind::Choice,
-               .initial = "raw",
+               .initial = "rescaled",
                .help = "Store the light itself, or rescaled so that the mean of the three maps is the flat lightmap"},
               Do<LightmapOptions>(storage)},
              {{.name = "-lightmass",
