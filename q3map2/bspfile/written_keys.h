@@ -10,5 +10,7 @@ inline constexpr std::string_view kGridSHKey = "_q3map2_sh", kRadiance = "radian
 /// Tone mapping of the lightmaps, written by ToneText (light/tone/light_tone.h) and read by shgrid_parse_tone. Absent
 /// if all settings are at their defaults.
 inline constexpr std::string_view kToneKey = "_q3map2_tone";
+/// How the basis maps of -rnm are stored, in the file and beside it: "raw" or "rescaled". Absent without such maps.
+inline constexpr std::string_view kRnmKey = "_q3map2_rnm";
 
 } // namespace q3

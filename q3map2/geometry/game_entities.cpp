@@ -17,7 +17,7 @@ namespace {
 /// Keys that stages write into worldspawn of the .bsp; kept if present.
 constexpr std::array<std::string_view, 3> kToolKeys = {"_q3map2_cmdline", "_q3map2_version", "gridsize"};
 /// Keys that describe the light stored in the .bsp, so values in the map source are ignored.
-constexpr std::array<std::string_view, 2> kLightKeys = {kGridSHKey, kToneKey};
+constexpr std::array<std::string_view, 3> kLightKeys = {kGridSHKey, kToneKey, kRnmKey};
 
 std::string_view CloneOf(const MapEntity &entity) {
     return keys::kInstance.Text(entity.pairs);

@@ -14,10 +14,10 @@
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "q3map2/lightmap/direct/luxel_visibility.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
-#include "q3map2/lightmap/store/hdr_store.h"
 #include "q3map2/lightmap/raw/lightmap_shade.h"
 #include "q3map2/lightmap/raw/luxel_map.h"
 #include "q3map2/lightmap/raw/luxel_tangents.h"
+#include "q3map2/lightmap/store/hdr_store.h"
 #include "q3map2/lightmap/vertex/vertex_light.h"
 
 #include <memory>
@@ -144,6 +144,12 @@ void RecordTone(const std::string &tone, bool onlyGrid, bool lightsGrid, Entity 
         world.Set(kToneKey, tone);
 }
 
+void RecordRnm(const LightmapOptions &options, const StoredLightmaps &stored, Entity &world) {
+    world.Erase(kRnmKey);
+    if (std::any_of(stored.pages.begin(), stored.pages.end(), [](const auto &page) { return page.HasBasis(); }))
+        world.Set(kRnmKey, options.rnmRescaled ? "rescaled" : "raw");
+}
+
 } // namespace
 
 LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &options,
@@ -178,6 +184,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
         ClearHdrLight(bsp);
         result.lightmaps = surfaces->Store(inputs.name, bsp);
         StoreHdrLight(lightmap, result.lightmaps, bsp);
+        RecordRnm(lightmap, result.lightmaps, setup.stored.front());
     }
     bsp.entities = FormatEntities(setup.stored);
     return result;

@@ -85,12 +85,11 @@ class Storer {
         ApplyStandIns();
         if (in_.lightmap.collapse && !surfaces_.styled && !in_.lightmap.deluxe)
             JoinTwins(stored_.layers);
-        const std::vector<std::array<int, 2>> sizes =
-            PackLayers(PackingOrder(in_, surfaces_, stored_), in_.lightmap, stored_);
-        MakePages(sizes);
+        MakePages(PackLayers(PackingOrder(in_, surfaces_, stored_), in_.lightmap, stored_));
         FillTexels();
         SetPageLight(in_, stored_, result_.pages);
-        result_.lightmass = MakeLightmassPages(in_, surfaces_, stored_, sizes);
+        if (in_.lightmap.lightmass)
+            MakeLightmassPages();
         StartVertexLight();
         for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i)
             if (!CopiesParent(i))
@@ -147,6 +146,15 @@ class Storer {
         if (in_.lightmap.fill && in_.lightmap.ldr)
             for (const LightmapPage &page : result_.pages)
                 written_.emplace_back(page.Texels());
+    }
+
+    void MakeLightmassPages() {
+        for (const LightmapPage &page : result_.pages) {
+            LightmassPage &to = result_.lightmass.pages.emplace_back();
+            to.number = page.number, to.file = page.file;
+            to.width = page.width, to.height = page.height;
+        }
+        EncodeLightmass(in_, surfaces_, stored_, result_.lightmass);
     }
 
     void FillTexels() {

@@ -6,6 +6,7 @@
 #include "q3map2/lightmap/store/luxel_normals.h"
 #include "q3map2/lightmap/store/stored_light.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace q3 {
@@ -70,12 +71,12 @@ class Encoder {
 
     void Put(const lightmass::LuxelBytes &bytes, const LightmapLayer &layer, int x, int y) const {
         LightmassPage &page = out_.pages[std::size_t(layer.page)];
-        const std::size_t at =
-            std::size_t(layer.y + y) * std::size_t(page.width) + std::size_t(layer.x + x);
+        const std::size_t at = std::size_t(layer.y + y) * std::size_t(page.width) + std::size_t(layer.x + x);
         if (bytes.coverage == 0) // another lightmap may have the texel
             return;
         for (std::size_t image = 0; image < page.coefficients.size(); ++image)
-            std::copy_n(bytes.coefficients[image].begin(), 4, page.coefficients[image].begin() + std::ptrdiff_t(4 * at));
+            std::copy_n(bytes.coefficients[image].begin(), 4,
+                        page.coefficients[image].begin() + std::ptrdiff_t(4 * at));
         if (!page.skyOcclusion.empty())
             std::copy_n(bytes.skyOcclusion.begin(), 4, page.skyOcclusion.begin() + std::ptrdiff_t(4 * at));
         if (!page.unoccluded.empty())
@@ -133,18 +134,13 @@ Json PlaceAsJson(const LightmassPlace &place) {
 
 } // namespace
 
-LightmassPages MakeLightmassPages(const SurfaceInputs &in, const SurfaceLight &surfaces, const LightmapLayers &stored,
-                                  std::span<const std::array<int, 2>> sizes) {
-    LightmassPages out;
-    if (!in.lightmap.lightmass)
-        return out;
+void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, const LightmapLayers &stored,
+                     LightmassPages &out) {
     out.shadowLights = in.lightmap.shadowMaps;
     const bool anyDirt = std::any_of(surfaces.lightmaps.begin(), surfaces.lightmaps.end(),
                                      [](const RawLightmap &raw) { return !raw.unoccluded.empty(); });
-    for (const auto &[width, height] : sizes) {
-        LightmassPage &page = out.pages.emplace_back();
-        page.width = width, page.height = height;
-        const std::size_t texels = std::size_t(width) * std::size_t(height);
+    for (LightmassPage &page : out.pages) {
+        const std::size_t texels = std::size_t(page.width) * std::size_t(page.height);
         for (std::vector<std::uint8_t> &image : page.coefficients)
             image.resize(4 * texels);
         page.skyOcclusion.resize(in.lightmap.skyOcclusion ? 4 * texels : 0);
@@ -158,10 +154,8 @@ LightmassPages MakeLightmassPages(const SurfaceInputs &in, const SurfaceLight &s
             layers.push_back(&layer);
     out.places.resize(layers.size());
     const Encoder encoder(in, surfaces, out);
-    in.jobs.For(std::int64_t(layers.size()), [&](std::int64_t i, int) {
-        out.places[std::size_t(i)] = encoder.Encode(*layers[std::size_t(i)]);
-    });
-    return out;
+    in.jobs.For(std::int64_t(layers.size()),
+                [&](std::int64_t i, int) { out.places[std::size_t(i)] = encoder.Encode(*layers[std::size_t(i)]); });
 }
 
 void WriteLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &all,
@@ -170,16 +164,16 @@ void WriteLightmass(const std::filesystem::path &folder, std::string_view mapNam
         return;
     Json pages = Json::array(), places = Json::array();
     std::size_t written = 0;
-    for (std::size_t i = 0; i < all.pages.size(); ++i) {
-        const LightmassPage &page = all.pages[i];
+    for (const LightmassPage &page : all.pages) {
         Json images = Json::object();
         ForImages(all, page, [&](const std::string &what, int channels, const std::vector<std::uint8_t> &texels) {
-            const std::string file = ImageName(int(i), what);
+            const std::string file = ImageName(page.file, what);
             ReplaceFile(folder / file, EncodeTga(texels, page.width, page.height, channels, TgaRows::TopFirst));
             images[what] = fmt::format("maps/{}/{}", mapName, file);
             ++written;
         });
-        pages.push_back({{"width", page.width}, {"height", page.height}, {"images", images}});
+        pages.push_back(
+            {{"lightmapNum", page.number}, {"width", page.width}, {"height", page.height}, {"images", images}});
     }
     for (const LightmassPlace &place : all.places)
         places.push_back(PlaceAsJson(place));

@@ -15,6 +15,8 @@ namespace q3 {
 
 /// Images of a lightmap page, rows top first. Those that nothing was baked for are empty.
 struct LightmassPage {
+    int number = -1; ///< lightmapNum of its surfaces; -1: generated shaders name its image
+    int file = 0;    ///< number in the names of images
     int width = 0, height = 0;
     std::array<std::vector<std::uint8_t>, lightmass::kImages> coefficients; ///< RGBA
     std::vector<std::uint8_t> skyOcclusion;                                 ///< RGBA
@@ -31,14 +33,14 @@ struct LightmassPlace {
 };
 
 struct LightmassPages {
-    std::vector<LightmassPage> pages; ///< as StoredLightmaps::pages
+    std::vector<LightmassPage> pages; ///< as StoredLightmaps::pages; empty without -lightmass
     std::vector<LightmassPlace> places;
     std::vector<std::string> shadowLights; ///< names, as LightmassPage::shadows
 };
 
-/// Encodes the layers, which are packed on pages of these sizes; empty without -lightmass.
-LightmassPages MakeLightmassPages(const SurfaceInputs &in, const SurfaceLight &surfaces, const LightmapLayers &stored,
-                                  std::span<const std::array<int, 2>> sizes);
+/// Encodes layers that are packed on `pages`, which have their sizes and numbers, and no images yet.
+void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, const LightmapLayers &stored,
+                     LightmassPages &pages);
 
 /// Writes the images as FOLDER/lm_NNNN_WHAT.tga, NNNN the number of the page, and lightmass.json, which names them and
 /// has the ranges of their bytes. mapName: as the game names the images. Errors: Error, for files that cannot be
