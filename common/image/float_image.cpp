@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "common/files/files.h"
-#include "common/text/text_scan.h"
+#include "common/text/text.h"
 
 #include <algorithm>
 #include <array>

@@ -28,8 +28,8 @@ FloatImage FlippedRows(const FloatImage &image);
 
 // Decoders. `name` is for messages. Errors: Error for anything damaged or unsupported, and sizes as in image.h.
 
-/// Radiance: RGBE, flat or in runs of either kind, rows top first (-Y) or bottom first (+Y), columns from left to right.
-/// Values are divided by the product of the EXPOSURE lines of the header.
+/// Radiance: RGBE, flat or in runs of either kind, rows top first (-Y) or bottom first (+Y), columns from left to
+/// right. Values are divided by the product of the EXPOSURE lines of the header.
 FloatImage DecodeHdr(std::span<const std::byte> file, std::string_view name);
 /// Portable float map of three channels (PF) or of one, which gives gray (Pf). The scale of its third line tells the
 /// byte order by its sign only.
