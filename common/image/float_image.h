@@ -35,15 +35,19 @@ FloatImage DecodeHdr(std::span<const std::byte> file, std::string_view name);
 /// byte order by its sign only.
 FloatImage DecodePfm(std::span<const std::byte> file, std::string_view name);
 /// OpenEXR: channels R, G and B of any type, in one part of scan lines or tiles; the data window without its offset.
-/// Error if the program was built without OpenEXR.
+/// Error without HasOpenExr.
 FloatImage DecodeExr(std::span<const std::byte> file, std::string_view name);
 
 /// Radiance with runs, rows top first. Precision and range are those of EncodeRgbe.
 std::vector<std::byte> EncodeHdr(const FloatImage &image);
 /// Little endian, three channels. Exact.
 std::vector<std::byte> EncodePfm(const FloatImage &image);
-/// 32-bit float channels, ZIP compression. Exact; half floats would have 11 bits of mantissa and end at 65504.
+/// 32-bit float channels, ZIP compression. Exact; half floats would have 11 bits of mantissa and end at 65504. Error
+/// without HasOpenExr.
 std::vector<std::byte> EncodeExr(const FloatImage &image);
+
+/// Whether the program was built with OpenEXR.
+bool HasOpenExr();
 
 /// A format of float images.
 struct FloatImageFormat {

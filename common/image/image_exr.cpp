@@ -1,10 +1,6 @@
-// GPL-2.0-or-later. OpenEXR through its library, if the program is built with it.
+// GPL-2.0-or-later. OpenEXR through its library. Built with Q3MAP2_OPENEXR, else image_without_exr.cpp is.
 #include "common/error.h"
 #include "common/image/float_image.h"
-
-#ifdef Q3_OPENEXR
-
-#include "common/files/files.h"
 #include "common/image/image_check.h"
 
 #include <ImfChannelList.h>
@@ -107,6 +103,10 @@ FloatImage ReadExr(std::span<const std::byte> file, std::string_view name) {
 
 } // namespace
 
+bool HasOpenExr() {
+    return true;
+}
+
 FloatImage DecodeExr(std::span<const std::byte> file, std::string_view name) {
     try {
         return ReadExr(file, name);
@@ -137,27 +137,3 @@ std::vector<std::byte> EncodeExr(const FloatImage &image) {
 }
 
 } // namespace q3
-
-#else
-
-namespace q3 {
-
-namespace {
-
-[[noreturn]] void WithoutExr(std::string_view name) {
-    throw Error("{}: built without OpenEXR, use .hdr or .pfm", name);
-}
-
-} // namespace
-
-FloatImage DecodeExr(std::span<const std::byte>, std::string_view name) {
-    WithoutExr(name);
-}
-
-std::vector<std::byte> EncodeExr(const FloatImage &) {
-    WithoutExr("an .exr image cannot be written");
-}
-
-} // namespace q3
-
-#endif

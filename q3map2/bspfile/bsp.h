@@ -20,11 +20,25 @@ struct BspxLump {
 };
 
 inline constexpr std::string_view kBspxLightGridSH = "LIGHTGRID_SH";
+inline constexpr std::string_view kBspxLightmapsE5bgr9 = "LIGHTING_E5BGR9", kBspxVertexE5bgr9 = "VERTEX_E5BGR9",
+                                  kBspxRnm = "LIGHTING_RNM";
 
 /// The SH light grid, as in lump 18 or the BSPX lump kBspxLightGridSH.
 struct LightGridSH {
     bspGridSHHeader_t header{};
     std::vector<bspGridPointSH_t> points;
+};
+
+/// Light of the three basis vectors of radiosity normal mapping at the luxels of a lightmap page.
+struct RnmPage {
+    std::int32_t lightmapNum = 0;
+    std::array<std::vector<std::uint32_t>, 3> maps; ///< E5BGR9 codes, row 0 of the page first
+};
+
+/// The BSPX lump kBspxRnm. The head's pageCount is the number of pages.
+struct RnmLightmaps {
+    bspRnmHeader_t header;
+    std::vector<RnmPage> pages;
 };
 
 /// Where the SH light grid is stored.
@@ -54,7 +68,11 @@ struct Bsp {
     std::vector<bspAdvertisement_t> advertisements;
     std::optional<LightGridSH> gridSH;
     GridSHContainer gridSHContainer = GridSHContainer::Lump;
-    std::vector<BspxLump> bspx; ///< without LIGHTGRID_SH, which is in gridSH
+    // Light without a limit as E5BGR9 codes (libs/math/packed_color.h), in BSPX lumps; empty: the lump is not there.
+    std::vector<std::uint32_t> lightmapsE5bgr9; ///< for each texel of `lightmaps`; pages of directions hold 0
+    std::vector<std::uint32_t> vertexE5bgr9;    ///< for each of drawVerts
+    std::optional<RnmLightmaps> rnm;
+    std::vector<BspxLump> bspx; ///< without those that members above hold
 };
 
 /// Which header a file without an SH lump gets. Version 46: 17 slots. Version 47: 17 slots (Wolfenstein family) or 18

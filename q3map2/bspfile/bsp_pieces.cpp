@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/bspfile/bspfile_hdr.h"
 
 #include <bit>
 
@@ -22,6 +23,16 @@ template <typename Record> std::span<const std::byte> BytesOf(const std::vector<
 std::vector<std::span<const std::byte>> GridPieces(const LightGridSH &grid) {
     CheckLightGridSH(grid, "writing");
     return {std::as_bytes(std::span(&grid.header, 1)), BytesOf(grid.points)};
+}
+
+std::vector<std::span<const std::byte>> RnmPieces(const RnmLightmaps &rnm) {
+    std::vector<std::span<const std::byte>> pieces = {std::as_bytes(std::span(&rnm.header, 1))};
+    for (const RnmPage &page : rnm.pages) {
+        pieces.push_back(std::as_bytes(std::span(&page.lightmapNum, 1)));
+        for (const std::vector<std::uint32_t> &map : page.maps)
+            pieces.push_back(BytesOf(map));
+    }
+    return pieces;
 }
 
 std::uint64_t LengthOf(std::span<const std::span<const std::byte>> pieces) {
@@ -107,6 +118,16 @@ void BspPieces::TakeBspx(const Bsp &bsp) {
         bspxNames_.push_back(kBspxLightGridSH);
         bspx_.push_back(GridPieces(*bsp.gridSH));
     }
+    CheckHdrLight(bsp, "writing");
+    const auto add = [this](bool wanted, std::string_view name, Pieces pieces) {
+        if (!wanted)
+            return;
+        bspxNames_.push_back(name);
+        bspx_.push_back(std::move(pieces));
+    };
+    add(!bsp.lightmapsE5bgr9.empty(), kBspxLightmapsE5bgr9, {BytesOf(bsp.lightmapsE5bgr9)});
+    add(!bsp.vertexE5bgr9.empty(), kBspxVertexE5bgr9, {BytesOf(bsp.vertexE5bgr9)});
+    add(bsp.rnm.has_value(), kBspxRnm, bsp.rnm ? RnmPieces(*bsp.rnm) : Pieces{});
 }
 
 void BspPieces::MakeHeader(int version) {

@@ -125,12 +125,26 @@ struct bspGridPointSH_t {
     std::array<Float3, 9> coeffs;
 };
 
+enum class RnmStorage : std::uint32_t {
+    Raw,     ///< light of each basis vector
+    Rescaled ///< so that the mean of the three is the flat lightmap
+};
+
+/// Head of the BSPX lump LIGHTING_RNM. Pages follow: their lightmapNum, then three maps of side * side E5BGR9 codes.
+struct bspRnmHeader_t {
+    std::array<char, 4> magic{'R', 'N', 'M', '1'};
+    std::uint32_t version = 1;
+    RnmStorage storage = RnmStorage::Raw;
+    std::uint32_t side = 0, pageCount = 0;
+};
+
 template <typename Record, std::size_t size>
 inline constexpr bool kPinned = sizeof(Record) == size &&std::is_trivially_copyable_v<Record>;
 static_assert(kPinned<bspShader_t, 72> && kPinned<bspPlane_t, 16> && kPinned<bspNode_t, 36>);
 static_assert(kPinned<bspLeaf_t, 48> && kPinned<bspModel_t, 40> && kPinned<bspBrush_t, 12>);
 static_assert(kPinned<bspBrushSide_t, 8> && kPinned<bspDrawVert_t, 44> && kPinned<bspFog_t, 72>);
 static_assert(kPinned<bspDrawSurface_t, 104> && kPinned<bspGridPoint_t, 8> && kPinned<bspAdvertisement_t, 128>);
+static_assert(kPinned<bspRnmHeader_t, 20>);
 static_assert(kPinned<bspGridSHHeader_t, 40> && kPinned<bspGridPointSH_t, 108>);
 
 } // namespace q3

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "q3map2/bspfile/bsp_layout.h"
 #include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/bspfile/bspfile_hdr.h"
 #include "q3map2/bspfile/entities.h"
 
 #include <algorithm>
@@ -57,6 +58,7 @@ class Validator {
         CheckBspx();
         if (bsp_.gridSH)
             CheckLightGridSH(*bsp_.gridSH, name_);
+        CheckHdrLight(bsp_, name_);
     }
 
   private:
@@ -407,6 +409,8 @@ class Validator {
                 Fail({"BSPX lump", i}, "the name has {} bytes, expected at most {}", lump.size(), kBspxNameBytes);
             if (lump == kBspxLightGridSH)
                 Fail({"BSPX lump", i}, "the name {} belongs to the SH light grid", lump);
+            if (IsHdrLump(lump))
+                Fail({"BSPX lump", i}, "the name {} belongs to HDR light", lump);
         }
     }
 

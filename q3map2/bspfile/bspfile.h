@@ -5,6 +5,7 @@
 #include "q3map2/bspfile/bsp.h"
 #include "q3map2/bspfile/bsp_validate.h"
 #include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/bspfile/bspfile_hdr.h"
 #include "q3map2/bspfile/bspfile_ibsp.h"
 
 #include <cstddef>

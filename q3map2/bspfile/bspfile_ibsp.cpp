@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "q3map2/bspfile/bsp_validate.h"
 #include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/bspfile/bspfile_hdr.h"
 #include "q3map2/bspfile/bspx.h"
 
 #include <algorithm>
@@ -173,6 +174,8 @@ class Reader {
         for (const FilePart &part : lumps_)
             end = std::max(end, part.End());
         for (BspxPart &lump : ReadBspx(file_, Align4(std::uint64_t(end)), name_, log_)) {
+            if (ReadHdrLump(file_, lump, name_, bsp))
+                continue;
             if (lump.name != kBspxLightGridSH) {
                 std::vector<std::byte> data(std::size_t(lump.part.length));
                 file_.Fill(std::uint64_t(lump.part.offset), std::span(data));
@@ -185,6 +188,7 @@ class Reader {
                 bsp.gridSHContainer = GridSHContainer::Bspx;
             }
         }
+        DropUnfitHdrLight(bsp, name_, log_);
     }
 
     const ByteSource &file_;

@@ -33,6 +33,7 @@ class InfoTable {
         PrintLight(world);
         if (bsp_.gridSH)
             PrintGridSH(*bsp_.gridSH, world);
+        PrintHdrLight();
         PrintExtras();
     }
 
@@ -117,6 +118,24 @@ class InfoTable {
     void Share(std::size_t count, std::string_view name, std::size_t of) const {
         log_.Print("{:9}   {:<14} {:5.1f} % {:9.2f} MB\n", count, name, 100.0 * double(count) / double(of),
                    double(count * sizeof(bspGridPointSH_t)) / kMegabyte);
+    }
+
+    void PrintHdrLight() const {
+        const auto line = [this](std::size_t count, std::string_view name, std::size_t bytes) {
+            if (count > 0)
+                Line(count, name, bytes);
+        };
+        line(bsp_.lightmapsE5bgr9.size() * 3 / kLightmapPageBytes, "HDR lightmaps", 4 * bsp_.lightmapsE5bgr9.size());
+        line(bsp_.vertexE5bgr9.size(), "HDR vertices", 4 * bsp_.vertexE5bgr9.size());
+        if (bsp_.rnm) {
+            const bspRnmHeader_t &head = bsp_.rnm->header;
+            const std::size_t page = 4 + std::size_t(12) * head.side * head.side;
+            Line(bsp_.rnm->pages.size(), "RNM lightmaps", sizeof head + bsp_.rnm->pages.size() * page);
+            Note("{} x {} texels for each of three basis vectors, {}", head.side, head.side,
+                 head.storage == RnmStorage::Raw ? "raw" : "rescaled to the flat light");
+        }
+        if (!bsp_.lightmapsE5bgr9.empty() || !bsp_.vertexE5bgr9.empty() || bsp_.rnm)
+            log_.Print("\n");
     }
 
     void PrintExtras() const {

@@ -35,6 +35,8 @@ class Merger {
         MergeFogs();
         MergeSurfaces();
         MergeModels();
+        MergeRnm();
+        DropUnfitHdrLight(bsp_, fmt::format("{} with {}", mainName_, addedName_), log_);
         if (options_.world)
             FileWorld();
         ValidateBsp(bsp_, fmt::format("{} with {}", mainName_, addedName_), log_);
@@ -60,6 +62,8 @@ class Merger {
     void MergeFogs();
     void MergeSurfaces();
     void MergeModels();
+    bool MergesCodes(bool inMain, bool inAdded, std::string_view lump);
+    void MergeRnm();
     template <typename Record>
     int ExtendWorld(std::vector<Record> &records, int count, std::vector<std::int32_t> &numbers,
                     std::int32_t bspModel_t::*first, std::int32_t bspModel_t::*num);
@@ -77,6 +81,7 @@ class Merger {
     std::vector<int> shaders_, surfaces_, brushes_;           ///< numbers in the merged map; kNotTaken
     int worldSurfaces_ = 0, worldBrushes_ = 0;                ///< records of the added world that join the main one
     std::map<std::pair<int, int>, int> vertRuns_, indexRuns_; ///< by first and count
+    bool mergesVertexCodes_ = false;
 };
 
 void GiveOtherNames(const std::vector<Entity> &main, std::vector<Entity> &added) {
@@ -144,12 +149,44 @@ void Merger::MergeLightmaps() {
     const bool mainIsExternal = used(main_) > pages(main_), addedIsExternal = used(added_) > pages(added_);
     lightmapBase_ = mainIsExternal ? used(main_) : pages(main_);
     bsp_.lightmaps.insert(bsp_.lightmaps.end(), added_.lightmaps.begin(), added_.lightmaps.end());
+    if (MergesCodes(!main_.lightmapsE5bgr9.empty(), !added_.lightmapsE5bgr9.empty(), kBspxLightmapsE5bgr9))
+        Appended(bsp_.lightmapsE5bgr9, added_.lightmapsE5bgr9);
+    else
+        bsp_.lightmapsE5bgr9.clear();
     if (mainIsExternal || addedIsExternal)
         log_.Warn("external lightmaps",
                   "lightmaps are files beside the maps, and no files are copied: the merged map looks for the pages of "
                   "the first map from lm_0000 on, and for those of the second from lm_{:04} on, in the folder of its "
                   "own name",
                   lightmapBase_);
+}
+
+/// Whether both maps have the lump. If only one has it there is nothing to fill it with for the other.
+bool Merger::MergesCodes(bool inMain, bool inAdded, std::string_view lump) {
+    if (inMain != inAdded)
+        log_.Warn("HDR light", "the BSPX lump {} is dropped: only {} has it", lump, inMain ? mainName_ : addedName_);
+    return inMain && inAdded;
+}
+
+/// Pages of basis vectors name their lightmap, so those of one map alone are kept.
+void Merger::MergeRnm() {
+    if (!added_.rnm)
+        return;
+    if (!bsp_.rnm) {
+        bsp_.rnm.emplace().header = added_.rnm->header;
+        bsp_.rnm->header.pageCount = 0;
+    }
+    bspRnmHeader_t &head = bsp_.rnm->header;
+    if (head.side != added_.rnm->header.side || head.storage != added_.rnm->header.storage) {
+        log_.Warn("HDR light", "{}: the BSPX lump {} is dropped: it has another side or storage than that of {}",
+                  addedName_, kBspxRnm, mainName_);
+        return;
+    }
+    for (const RnmPage &page : added_.rnm->pages) {
+        bsp_.rnm->pages.push_back(page);
+        bsp_.rnm->pages.back().lightmapNum += lightmapBase_;
+        ++head.pageCount;
+    }
 }
 
 /// Gives numbers to the surfaces and brushes that are taken: the world's go to the end of the world of the first map.
@@ -247,6 +284,9 @@ bspDrawSurface_t Merger::Renumbered(bspDrawSurface_t surface) {
     surface.shaderNum = shaders_[std::size_t(surface.shaderNum)];
     surface.fogNum += surface.fogNum >= 0 ? fogBase_ : 0;
     surface.lightmapNum += surface.lightmapNum >= 0 ? lightmapBase_ : 0;
+    if (mergesVertexCodes_ && !vertRuns_.contains({surface.firstVert, surface.numVerts}))
+        bsp_.vertexE5bgr9.insert(bsp_.vertexE5bgr9.end(), added_.vertexE5bgr9.begin() + surface.firstVert,
+                                 added_.vertexE5bgr9.begin() + surface.firstVert + surface.numVerts);
     surface.firstVert = copied(vertRuns_, bsp_.drawVerts, added_.drawVerts, surface.firstVert, surface.numVerts);
     surface.firstIndex =
         copied(indexRuns_, bsp_.drawIndexes, added_.drawIndexes, surface.firstIndex, surface.numIndexes);
@@ -256,6 +296,9 @@ bspDrawSurface_t Merger::Renumbered(bspDrawSurface_t surface) {
 void Merger::MergeSurfaces() {
     ExtendWorld(bsp_.drawSurfaces, worldSurfaces_, bsp_.leafSurfaces, &bspModel_t::firstBSPSurface,
                 &bspModel_t::numBSPSurfaces);
+    mergesVertexCodes_ = MergesCodes(!main_.vertexE5bgr9.empty(), !added_.vertexE5bgr9.empty(), kBspxVertexE5bgr9);
+    if (!mergesVertexCodes_)
+        bsp_.vertexE5bgr9.clear();
     for (std::size_t i = 0; i < added_.drawSurfaces.size(); ++i)
         if (surfaces_[i] != kNotTaken)
             PutAt(bsp_.drawSurfaces, surfaces_[i], Renumbered(added_.drawSurfaces[i]));

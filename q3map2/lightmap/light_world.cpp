@@ -160,8 +160,10 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
         if (options.shRadiance)
             setup.stored.front().Set(kGridSHKey, kRadiance);
     }
-    if (!lightmap.onlyGrid)
+    if (!lightmap.onlyGrid) {
+        ClearHdrLight(bsp);
         result.lightmaps = surfaces->Store(inputs.name, bsp);
+    }
     bsp.entities = FormatEntities(setup.stored);
     return result;
 }
