@@ -82,17 +82,19 @@ int LightStage(const StageContext &context, Arguments arguments) {
 }
 
 int ExportStage(const StageContext &context, Arguments arguments) {
+    const ExportOptions options = ParseExportOptions(arguments, context.log);
     const PagesFiles files = FindPages(context, arguments);
     const Bsp bsp = ReadBspFile(files.bsp, context.options.Format(), context.log);
-    ExportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log);
+    ExportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log, options);
     return 0;
 }
 
 int ImportStage(const StageContext &context, Arguments arguments) {
+    const ExportOptions options = ParseExportOptions(arguments, context.log);
     const PagesFiles files = FindPages(context, arguments);
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(files.bsp, format, context.log);
-    ImportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log);
+    ImportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log, options);
     WriteBspFile(files.bsp, bsp, format, context.log);
     return 0;
 }

@@ -2,10 +2,12 @@
 #include "q3map2/stages.h"
 
 #include "q3map2/convert/convert_options.h"
+#include "q3map2/convert/preview/tone_picture.h"
 #include "q3map2/edit/edit_options.h"
 #include "q3map2/global_settings.h"
 #include "q3map2/light/options/light_settings.h"
 #include "q3map2/lightmap/options/lightmap_settings.h"
+#include "q3map2/lightmap/store/export_options.h"
 #include "q3map2/map/bsp_settings.h"
 #include "q3map2/minimap/minimap_options.h"
 #include "q3map2/pk3/package_options.h"
@@ -59,10 +61,18 @@ std::vector<Stage> CompilingStages() {
          "[convert.md](convert.md) tells what each format is for and what is lost. The input is `x.bsp`, or `x.map` if "
          "the file is named so and the format reads map sources.",
          ConvertStage, [] { return Describe(ConvertSettings()); }},
-        {"-export", "-export maps/x.bsp", "Write the lightmaps as images maps/x/lightmap_NNNN.tga",
-         "24 bit, upside down in most viewers.", ExportStage, nullptr},
-        {"-import", "-import maps/x.bsp", "Replace the lightmaps by these images",
-         "A lightmap whose image is missing or has another size stays.", ImportStage, nullptr},
+        {"-export", "-export [options] maps/x.bsp", "Write the lightmaps as images maps/x/lightmap_NNNN.tga",
+         "24 bit, upside down in most viewers. HDR lightmaps go to `lightmap_NNNN.exr` or another format beside them, "
+         "those of the basis vectors of radiosity normal mapping to `lightmap_NNNN_b1.exr` and so on.",
+         ExportStage, [] { return Describe(ExportSettings()); }},
+        {"-import", "-import [options] maps/x.bsp", "Replace the lightmaps by these images",
+         "A lightmap whose image is missing or has another size stays. HDR lightmaps are replaced by HDR images, the "
+         "others by `.tga`: neither changes the other.",
+         ImportStage, [] { return Describe(ExportSettings()); }},
+        {"-tonemap", "-tonemap [options] FILE OUT.png|OUT.tga", "Show an HDR lightmap or image as an ordinary picture",
+         "FILE is a `.bsp` with HDR lightmaps or an image: `.hdr`, `.exr`, `.pfm`. Light times 2^EV is limited and "
+         "encoded as sRGB. Pages have the row order of `-export`.",
+         ToneMapStage, [] { return Describe(ToneMapSettings()); }},
         {"-exportents", "-exportents maps/x.bsp", "Write the entities of a map as text: maps/x.ent",
          "`-onlyents` of the bsp stage puts them back.", ExportEntitiesStage, nullptr},
         {"-minimap", "-minimap [options] maps/x.bsp", "Draw a map from above, as games show it: maps/x.tga",

@@ -48,6 +48,7 @@ int LightStage(const StageContext &context, Arguments arguments);
 int VisStage(const StageContext &context, Arguments arguments);
 int ExportStage(const StageContext &context, Arguments arguments);
 int ImportStage(const StageContext &context, Arguments arguments);
+int ToneMapStage(const StageContext &context, Arguments arguments);
 int JsonStage(const StageContext &context, Arguments arguments);
 int ConvertStage(const StageContext &context, Arguments arguments);
 int InfoStage(const StageContext &context, Arguments arguments);

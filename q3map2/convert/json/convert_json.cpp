@@ -5,6 +5,7 @@
 #include "common/files/files.h"
 #include "q3map2/convert/json/convert_json_archive.h"
 #include "q3map2/convert/json/convert_json_files.h"
+#include "q3map2/convert/json/convert_json_hdr.h"
 #include "q3map2/convert/json/convert_json_records.h"
 
 #include <system_error>
@@ -30,7 +31,14 @@ class Unpacker {
                 [this] { WriteRecords(kJsonAdvertisements, "Advertisement", bsp_.advertisements); });
         WriteIf(bsp_.gridSH.has_value(), kJsonGridSH, [this] { WriteGridSH(*bsp_.gridSH); });
         const bool gridInBspx = bsp_.gridSH && bsp_.gridSHContainer == GridSHContainer::Bspx;
-        WriteIf(gridInBspx || !bsp_.bspx.empty(), kJsonBspx, [&] { WriteBspx(gridInBspx); });
+        const auto codes = [this](std::string_view file, const std::vector<std::uint32_t> &all) {
+            WriteIf(!all.empty(), file, [&] { WriteJsonCodes(Announce(file), all, game_); });
+        };
+        codes(kJsonLightmapsE5bgr9, bsp_.lightmapsE5bgr9);
+        codes(kJsonVertexE5bgr9, bsp_.vertexE5bgr9);
+        WriteIf(bsp_.rnm.has_value(), kJsonRnm, [this] { WriteJsonRnm(Announce(kJsonRnm), *bsp_.rnm, game_); });
+        const std::vector<JsonBspxEntry> entries = BspxEntries(gridInBspx);
+        WriteIf(!entries.empty(), kJsonBspx, [&] { WriteRecords(kJsonBspx, "bspx", entries); });
     }
 
   private:
@@ -101,13 +109,19 @@ class Unpacker {
         writer.Finish();
     }
 
-    void WriteBspx(bool gridInBspx) const {
+    std::vector<JsonBspxEntry> BspxEntries(bool gridInBspx) const {
         std::vector<JsonBspxEntry> entries;
         for (const BspxLump &lump : bsp_.bspx)
             entries.push_back({lump.name, HexText(lump.data), ""});
-        if (gridInBspx)
-            entries.push_back({std::string(kBspxLightGridSH), "", std::string(kJsonGridSH)});
-        WriteRecords(kJsonBspx, "bspx", entries);
+        const auto inFile = [&](bool wanted, std::string_view lump, std::string_view file) {
+            if (wanted)
+                entries.push_back({std::string(lump), "", std::string(file)});
+        };
+        inFile(gridInBspx, kBspxLightGridSH, kJsonGridSH);
+        inFile(!bsp_.lightmapsE5bgr9.empty(), kBspxLightmapsE5bgr9, kJsonLightmapsE5bgr9);
+        inFile(!bsp_.vertexE5bgr9.empty(), kBspxVertexE5bgr9, kJsonVertexE5bgr9);
+        inFile(bsp_.rnm.has_value(), kBspxRnm, kJsonRnm);
+        return entries;
     }
 
     const Bsp &bsp_;

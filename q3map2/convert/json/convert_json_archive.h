@@ -49,6 +49,8 @@ class JsonRecordWriter {
     void Name(std::string_view name, const std::array<char, 64> &field);
     void Flags(std::string_view name, std::uint32_t value, FlagKind kind);
     void Pairs(std::string_view name, const std::vector<std::pair<std::string, std::string>> &pairs);
+    /// Values of the program itself are in range.
+    void Check(bool, std::string_view) {}
     /// Call once after the last member.
     void Finish();
 
@@ -110,6 +112,11 @@ class JsonRecordReader {
     void Name(std::string_view name, std::array<char, 64> &field);
     void Flags(std::string_view name, std::uint32_t &value, FlagKind kind);
     void Pairs(std::string_view name, std::vector<std::pair<std::string, std::string>> &pairs);
+    /// Error with the text unless the values that were read are in range.
+    void Check(bool holds, std::string_view text) const {
+        if (!holds)
+            record_.Fail(text);
+    }
     void Finish();
 
   private:

@@ -8,6 +8,7 @@
 #include "q3map2/bspfile/bspx.h"
 #include "q3map2/convert/json/convert_json_archive.h"
 #include "q3map2/convert/json/convert_json_files.h"
+#include "q3map2/convert/json/convert_json_hdr.h"
 #include "q3map2/convert/json/convert_json_records.h"
 
 #include <algorithm>
@@ -148,12 +149,16 @@ class Packer {
             ReadRecord(source, entry);
             if (entry.name.size() > kBspxNameBytes || entry.name.find('\0') != entry.name.npos)
                 source.Fail(fmt::format("name: expected at most {} bytes without NUL", kBspxNameBytes));
-            if (!entry.file.empty() || entry.name == kBspxLightGridSH) {
+            if (entry.name == kBspxLightGridSH || (!entry.file.empty() && JsonHdrFile(entry.name).empty())) {
                 ReadBspxGrid(source, entry);
                 return;
             }
             if (!seen.insert(entry.name).second)
                 source.Fail(fmt::format("name: a lump {} is already there", ShownText(entry.name)));
+            if (!JsonHdrFile(entry.name).empty()) {
+                ReadBspxHdr(source, entry);
+                return;
+            }
             BspxLump lump{entry.name, {}};
             if (!ParseHexText(entry.bytes, lump.data))
                 source.Fail("bytes: expected pairs of hexadecimal digits");
@@ -167,6 +172,13 @@ class Packer {
         if (!bsp_.gridSH)
             source.Fail(fmt::format("file: there is no {}", kJsonGridSH));
         bsp_.gridSHContainer = GridSHContainer::Bspx;
+    }
+
+    void ReadBspxHdr(const JsonRecord &source, const JsonBspxEntry &entry) {
+        const std::string_view file = JsonHdrFile(entry.name);
+        if (entry.file != file)
+            source.Fail(fmt::format("expected the file {}", file));
+        ReadJsonHdr(folder_ / file, entry.name, rules_, bsp_);
     }
 
     const fs::path &folder_;

@@ -5,6 +5,7 @@
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/convert/json/convert_json_flags.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -161,7 +162,25 @@ template <typename JsonArchive> void Describe(JsonArchive &a, bspGridPointSH_t &
     a.Whole(point.coeffs);
 }
 
-/// One entry of the BSPX directory: its bytes in hex, or the file that holds the SH light grid.
+/// An E5BGR9 color: mantissas of red, green and blue, and the exponent.
+struct JsonE5bgr9 {
+    std::uint32_t code = 0;
+};
+inline constexpr std::int32_t kJsonMaxMantissa = 511, kJsonMaxExponent = 31;
+template <typename JsonArchive> void Describe(JsonArchive &a, JsonE5bgr9 &color) {
+    std::array<std::int32_t, 4> parts{};
+    for (std::uint32_t i = 0; i < 4; ++i)
+        parts[i] = std::int32_t(color.code >> 9 * i & std::uint32_t(kJsonMaxMantissa));
+    a.Whole(parts);
+    a.Check(std::ranges::all_of(parts, [](std::int32_t part) { return part >= 0 && part <= kJsonMaxMantissa; }) &&
+                parts[3] <= kJsonMaxExponent,
+            "expected three mantissas in 0..511 and an exponent in 0..31");
+    color.code = 0;
+    for (std::uint32_t i = 0; i < 4; ++i)
+        color.code |= std::uint32_t(parts[i]) << 9 * i;
+}
+
+/// One entry of the BSPX directory: its bytes in hex, or the file that holds its records.
 struct JsonBspxEntry {
     std::string name;
     std::string bytes, file; ///< one of the two

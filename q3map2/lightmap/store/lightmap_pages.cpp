@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/image/image.h"
+#include "q3map2/lightmap/store/hdr_pages.h"
 
 #include <algorithm>
 #include <system_error>
@@ -25,6 +26,10 @@ std::filesystem::path PageFile(const std::filesystem::path &folder, int number) 
 
 std::filesystem::path ExportedFile(const std::filesystem::path &folder, std::size_t number) {
     return folder / fmt::format("lightmap_{:04}.tga", number);
+}
+
+bool HasHdrPages(const Bsp &bsp) {
+    return !bsp.lightmapsE5bgr9.empty() || bsp.rnm;
 }
 
 std::size_t PageBytes(int side) {
@@ -75,9 +80,10 @@ void WriteScript(const std::filesystem::path &script, const StoredLightmaps &sto
     log.Print("Wrote {} shaders to {}\n", stored.scripts.size(), script.string());
 }
 
-void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &folder, Log &log) {
+void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &folder, Log &log,
+                     const ExportOptions &options) {
     const std::size_t bytes = PageBytes(side), pages = bsp.lightmaps.size() / bytes;
-    if (pages == 0) {
+    if (pages == 0 && !HasHdrPages(bsp)) {
         log.Warn("no lightmaps", "the map has no lightmaps to export");
         return;
     }
@@ -85,13 +91,18 @@ void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &fold
     for (std::size_t i = 0; i < pages; ++i)
         ReplaceFile(ExportedFile(folder, i),
                     EncodeTga(std::span(bsp.lightmaps).subspan(i * bytes, bytes), side, side, 3, TgaRows::BottomFirst));
-    log.Print("Wrote {} lightmaps to {}\n", pages, folder.string());
+    if (pages > 0)
+        log.Print("Wrote {} lightmaps to {}\n", pages, folder.string());
+    ExportHdrLight(bsp, side, folder, options.hdrFormat, log);
 }
 
-void ImportLightmaps(Bsp &bsp, int side, const std::filesystem::path &folder, Log &log) {
+void ImportLightmaps(Bsp &bsp, int side, const std::filesystem::path &folder, Log &log, const ExportOptions &options) {
     const std::size_t bytes = PageBytes(side), pages = bsp.lightmaps.size() / bytes;
-    if (pages == 0)
+    if (pages == 0 && !HasHdrPages(bsp))
         throw Error("the map has no lightmaps to replace");
+    ImportHdrLight(bsp, side, folder, options.hdrFormat, log);
+    if (pages == 0)
+        return;
     std::size_t replaced = 0;
     for (std::size_t i = 0; i < pages; ++i) {
         const auto path = ExportedFile(folder, i);

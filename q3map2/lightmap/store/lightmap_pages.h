@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Lightmap pages and generated shaders as files beside the map.
 #pragma once
 
+#include "q3map2/lightmap/store/export_options.h"
 #include "q3map2/lightmap/store/lightmap_store.h"
 
 #include <filesystem>
@@ -18,10 +19,12 @@ std::filesystem::path ScriptPath(const std::filesystem::path &bspPath, const Gam
 void WriteScript(const std::filesystem::path &script, const StoredLightmaps &stored, Log &log);
 
 /// Writes every page of the file as lightmap_NNNN.tga into the folder: rows in the order of the file, which the TGA
-/// header declares as bottom up. side: of a page, texels. Errors: as WritePages.
-void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &folder, Log &log);
+/// header declares as bottom up; and HDR light (hdr_pages.h). side: of a page, texels. Errors: as WritePages.
+void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &folder, Log &log,
+                     const ExportOptions &options = {});
 /// Replaces the pages of the file by such images; pages whose image is missing or has another size stay as they are,
-/// with a warning. Errors: Error, for a file without lightmaps and for images that cannot be read.
-void ImportLightmaps(Bsp &bsp, int side, const std::filesystem::path &folder, Log &log);
+/// with a warning. HDR light: hdr_pages.h. Errors: Error, for a file without either and for images that cannot be read.
+void ImportLightmaps(Bsp &bsp, int side, const std::filesystem::path &folder, Log &log,
+                     const ExportOptions &options = {});
 
 } // namespace q3

@@ -1,0 +1,72 @@
+// GPL-2.0-or-later. HDR images as ordinary pictures.
+#include "q3map2/convert/preview/tone_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::string_view kFilmic = "filmic";
+constexpr double kMostStops = 64;
+constexpr float kMostLight = 1e30f; ///< infinity becomes this, so that ratios of channels stay numbers
+
+/// Narkowicz's fit of the ACES curve: 0.8 at 1, never above 1.
+float FilmicCurve(float m) {
+    const float x = std::min(m, 1e4f); // above, the curve is level
+    return std::min(1.0f, x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f));
+}
+
+std::uint8_t SrgbByte(float linear) {
+    const float encoded = linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+    return std::uint8_t(std::clamp(encoded, 0.0f, 1.0f) * 255 + 0.5f);
+}
+
+} // namespace
+
+std::vector<SettingGroup<ToneMapOptions>> ToneMapSettings() {
+    return {
+        {"Picture",
+         "",
+         {{{.name = "-exposure",
+            .values = "EV",
+            .unit = "stops",
+            .range = {-kMostStops, kMostStops},
+            .help = "Light is doubled by each stop"},
+           &ToneMapOptions::exposure},
+          {{.name = "-operator",
+            .values = "filmic|clamp",
+            .kind = SettingKind::Choice,
+            .help = "How light above 1 is limited",
+            .details = "Both scale a color as a whole, by its largest channel, so hue and saturation stay. `filmic` "
+                       "compresses all light by a fit of the ACES curve: 1 becomes 0.8, 4 becomes 0.97. `clamp` "
+                       "leaves light up to 1 as it is, and no differences above."},
+           &ToneMapOptions::toneOperator},
+          {{.name = "-page", .values = "N", .range = {0, kMaxSetting}, .help = "Lightmap of a `.bsp`"},
+           &ToneMapOptions::page}}}};
+}
+
+ToneMapOptions ParseToneMapOptions(Arguments &arguments, Log &log) {
+    ToneMapOptions options;
+    TakeSettings(ToneMapSettings(), options, arguments, log);
+    return options;
+}
+
+Image ToneMapped(const FloatImage &image, const ToneMapOptions &options) {
+    const float factor = float(std::exp2(options.exposure));
+    const auto channel = [factor](float value) { return value > 0 ? std::min(value * factor, kMostLight) : 0.0f; };
+    Image picture{image.width, image.height, {}};
+    picture.rgba.reserve(4 * image.texels.size());
+    for (const Vec3f &texel : image.texels) {
+        Vec3f color(channel(texel.x), channel(texel.y), channel(texel.z));
+        if (const float m = MaxComponent(color); m > 0)
+            color *= (options.toneOperator == kFilmic ? FilmicCurve(m) : std::min(m, 1.0f)) / m;
+        for (const float value : color.Array())
+            picture.rgba.push_back(SrgbByte(value));
+        picture.rgba.push_back(255);
+    }
+    return picture;
+}
+
+} // namespace q3
