@@ -9,8 +9,9 @@ _q3map2() {
             -info) options="" ;;
             -json) options="-unpack -pack -useflagnames -skipflags " ;;
             -convert) options="-format -readmap -readbsp -fast -modelclip -wtf -ne -de -shadersasbitmap -lightmapsastexcoord -deluxemapsastexcoord -meta -patchmeta " ;;
-            -export) options="" ;;
-            -import) options="" ;;
+            -export) options="-hdrformat " ;;
+            -import) options="-hdrformat " ;;
+            -tonemap) options="-exposure -operator -page " ;;
             -exportents) options="" ;;
             -minimap) options="-size -border -keepaspect -nokeepaspect -minmax -gray -black -white -o -samples -random -boost -autolevel -noautolevel -contrast -brightness -sharpen " ;;
             -analyze) options="-lumpswap " ;;
@@ -26,7 +27,7 @@ _q3map2() {
     done
     COMPREPLY=()
     if [[ $current == -* ]]; then
-        [[ -z $options ]] && options="-bsp -vis -light -info -json -convert -export -import -exportents -minimap -analyze -shpreview -pk3 -repack -scale -shift -mergebsp -fixaas -editorfiles -preset -meta -patchmeta -leaktest -onlyents -keeplights -keepmodels -nodetail -fulldetail -nowater -nohint -nocurves -nofog -nosubdivide -notjunc -samplesize -minsamplesize -mv -mi -np -metaadequatescore -metagoodscore -maxarea -nobrushsnap -flares -noflares -skyfix -celshader -flat -ne -de -snap -deep -altsplit -clipdepth -rename -custinfoparms -noob -globalflag -sRGBcolor -nosRGBcolor -tempname -autocaulk -debugsurfaces -debuginset -debugportals -debugclip -fakemap -verboseentities -sRGBtex "
+        [[ -z $options ]] && options="-bsp -vis -light -info -json -convert -export -import -tonemap -exportents -minimap -analyze -shpreview -pk3 -repack -scale -shift -mergebsp -fixaas -editorfiles -preset -meta -patchmeta -leaktest -onlyents -keeplights -keepmodels -nodetail -fulldetail -nowater -nohint -nocurves -nofog -nosubdivide -notjunc -samplesize -minsamplesize -mv -mi -np -metaadequatescore -metagoodscore -maxarea -nobrushsnap -flares -noflares -skyfix -celshader -flat -ne -de -snap -deep -altsplit -clipdepth -rename -custinfoparms -noob -globalflag -sRGBcolor -nosRGBcolor -tempname -autocaulk -debugsurfaces -debuginset -debugportals -debugclip -fakemap -verboseentities -sRGBtex "
         mapfile -t COMPREPLY < <(compgen -W "$options -help -version -v -threads -force -log -report -connect -subdivisions -maxmapdrawsurfs -game -fs_basepath -fs_game -fs_basegame -fs_home -fs_homebase -fs_homepath -fs_pakpath -fs_forbiddenpath " -- "$current")
     else
         compopt -o filenames
