@@ -16,21 +16,21 @@ namespace q3::test {
 
 namespace {
 
-constexpr int kSide = 32;
+constexpr int kPageSide = 32;
 
 /// Two pages, and maps of basis vectors for the second.
 Bsp HdrPages() {
     Bsp bsp;
     const auto fill = [](std::vector<std::uint32_t> &codes, std::size_t count, float scale) {
         for (std::size_t i = 0; i < count; ++i)
-            codes.push_back(EncodeE5bgr9({scale * float(i % 37), scale * float(i / kSide), 4}));
+            codes.push_back(EncodeE5bgr9({scale * float(i % 37), scale * float(i / kPageSide), 4}));
     };
-    fill(bsp.lightmapsE5bgr9, 2 * kSide * kSide, 0.11f);
-    bsp.rnm.emplace().header = {.side = kSide, .pageCount = 1};
+    fill(bsp.lightmapsE5bgr9, 2 * kPageSide * kPageSide, 0.11f);
+    bsp.rnm.emplace().header = {.side = kPageSide, .pageCount = 1};
     bsp.rnm->pages = {{1, {}}};
     for (std::size_t k = 0; k < 3; ++k)
-        fill(bsp.rnm->pages[0].maps[k], kSide * kSide, float(k + 1));
-    bsp.lightmaps.resize(2 * 3 * kSide * kSide);
+        fill(bsp.rnm->pages[0].maps[k], kPageSide * kPageSide, float(k + 1));
+    bsp.lightmaps.resize(2 * 3 * kPageSide * kPageSide);
     return bsp;
 }
 
@@ -64,10 +64,10 @@ TEST(HdrPagesTest, ExportThenImportKeepsTheLight) {
     for (const std::string &format : FormatsHere()) {
         const GameFolder game;
         QuietLog log;
-        ExportLightmaps(before, kSide, game / "room", log.log, {format});
+        ExportLightmaps(before, kPageSide, game / "room", log.log, {format});
         for (const bool named : {true, false}) {
             Bsp after = Darkened(before);
-            ImportLightmaps(after, kSide, game / "room", log.log, {named ? format : ""});
+            ImportLightmaps(after, kPageSide, game / "room", log.log, {named ? format : ""});
             if (format == "pfm" || format == "exr") {
                 EXPECT_EQ(after.lightmapsE5bgr9, before.lightmapsE5bgr9) << format;
                 EXPECT_EQ(after.rnm->pages[0].maps, before.rnm->pages[0].maps) << format;
@@ -87,15 +87,15 @@ TEST(HdrPagesTest, PicturesHaveTheFirstRowBelowAndListsAbove) {
     QuietLog log;
     const Bsp bsp = HdrPages();
     for (const char *format : {"pfm", "exp32"})
-        ExportLightmaps(bsp, kSide, game / "room", log.log, {format});
+        ExportLightmaps(bsp, kPageSide, game / "room", log.log, {format});
     const FloatImage picture = ReadFloatImage(game / "room/lightmap_0001_b3.pfm");
     const auto list = nlohmann::json::parse(game.ReadBack("room/lightmap_0001_b3.exp32.json"));
-    EXPECT_EQ(list.at("width"), kSide);
-    for (int y = 0; y < kSide; ++y)
-        for (int x = 0; x < kSide; ++x) {
-            const Vec3f stored = DecodeE5bgr9(bsp.rnm->pages[0].maps[2][std::size_t(y * kSide + x)]);
-            EXPECT_EQ(picture.Texel(x, kSide - 1 - y), stored);
-            const auto &texel = list.at("texels").at(std::size_t(y * kSide + x));
+    EXPECT_EQ(list.at("width"), kPageSide);
+    for (int y = 0; y < kPageSide; ++y)
+        for (int x = 0; x < kPageSide; ++x) {
+            const Vec3f stored = DecodeE5bgr9(bsp.rnm->pages[0].maps[2][std::size_t(y * kPageSide + x)]);
+            EXPECT_EQ(picture.Texel(x, kPageSide - 1 - y), stored);
+            const auto &texel = list.at("texels").at(std::size_t(y * kPageSide + x));
             for (std::size_t k = 0; k < 3; ++k)
                 EXPECT_NEAR(std::ldexp(texel.at(k).get<double>(), texel.at(3).get<int>()) / 255, double(stored[k]),
                             double(MaxComponent(stored)) / 250);
@@ -107,14 +107,14 @@ TEST(HdrPagesTest, OnlyImagesThatAreThereAndFitAreTaken) {
     const GameFolder game;
     QuietLog log;
     const Bsp before = HdrPages();
-    ExportLightmaps(before, kSide, game / "room", log.log, {"pfm"});
+    ExportLightmaps(before, kPageSide, game / "room", log.log, {"pfm"});
     std::filesystem::remove(game / "room/lightmap_0000.pfm");
     WriteFloatImage(game / "room/lightmap_0001_b2.pfm", {1, 1, {{1, 1, 1}}});
     WriteFloatImage(game / "room/lightmap_0001.hdr", {1, 1, {{1, 1, 1}}});
     Bsp after = Darkened(before);
-    ImportLightmaps(after, kSide, game / "room", log.log);
+    ImportLightmaps(after, kPageSide, game / "room", log.log);
     EXPECT_EQ(after.lightmapsE5bgr9[0], 0u);
-    EXPECT_EQ(after.lightmapsE5bgr9[kSide * kSide], before.lightmapsE5bgr9[kSide * kSide]);
+    EXPECT_EQ(after.lightmapsE5bgr9[kPageSide * kPageSide], before.lightmapsE5bgr9[kPageSide * kPageSide]);
     EXPECT_EQ(after.rnm->pages[0].maps[1][0], 0u);
     EXPECT_EQ(after.rnm->pages[0].maps[2], before.rnm->pages[0].maps[2]);
     EXPECT_EQ(log.log.WarningCount("lightmap image size"), 1);
@@ -127,10 +127,10 @@ TEST(HdrPagesTest, LightmapsBesideTheMapCountToo) {
     QuietLog log;
     Bsp bsp = HdrPages();
     bsp.lightmaps.clear();
-    ExportLightmaps(bsp, kSide, game / "room", log.log, {"hdr"});
+    ExportLightmaps(bsp, kPageSide, game / "room", log.log, {"hdr"});
     EXPECT_EQ(log.log.WarningCount("no lightmaps"), 0);
     EXPECT_TRUE(std::filesystem::exists(game / "room/lightmap_0001.hdr"));
-    EXPECT_NO_THROW(ImportLightmaps(bsp, kSide, game / "room", log.log));
+    EXPECT_NO_THROW(ImportLightmaps(bsp, kPageSide, game / "room", log.log));
     EXPECT_THROW(ExportLightmaps(bsp, 48, game / "room", log.log), Error) << "no pages of that side";
 }
 
