@@ -149,7 +149,7 @@ void CheckHdrLight(const Bsp &bsp, std::string_view name) {
 
 void DropUnfitHdrLight(Bsp &bsp, std::string_view name, Log &log) {
     ForEachFault(bsp, [&](std::string_view lump, const std::string &fault) {
-        log.Warn("HDR light", "{}: BSPX lump {} is dropped: {}", name, lump, fault);
+        log.Warn(lump, "{}: BSPX lump {} is dropped: {}", name, lump, fault);
         if (lump == kBspxLightmapsE5bgr9)
             bsp.lightmapsE5bgr9.clear();
         else if (lump == kBspxVertexE5bgr9)

@@ -164,7 +164,7 @@ void Merger::MergeLightmaps() {
 /// Whether both maps have the lump. If only one has it there is nothing to fill it with for the other.
 bool Merger::MergesCodes(bool inMain, bool inAdded, std::string_view lump) {
     if (inMain != inAdded)
-        log_.Warn("HDR light", "the BSPX lump {} is dropped: only {} has it", lump, inMain ? mainName_ : addedName_);
+        log_.Warn(lump, "the BSPX lump {} is dropped: only {} has it", lump, inMain ? mainName_ : addedName_);
     return inMain && inAdded;
 }
 
@@ -178,7 +178,7 @@ void Merger::MergeRnm() {
     }
     bspRnmHeader_t &head = bsp_.rnm->header;
     if (head.side != added_.rnm->header.side || head.storage != added_.rnm->header.storage) {
-        log_.Warn("HDR light", "{}: the BSPX lump {} is dropped: it has another side or storage than that of {}",
+        log_.Warn(kBspxRnm, "{}: the BSPX lump {} is dropped: it has another side or storage than that of {}",
                   addedName_, kBspxRnm, mainName_);
         return;
     }

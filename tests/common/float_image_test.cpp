@@ -20,7 +20,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-using Bytes = std::vector<std::byte>;
+using FloatFile = std::vector<std::byte>;
 
 FloatImage RandomImage(int width, int height, unsigned seed) {
     std::mt19937 random(seed);
@@ -40,8 +40,8 @@ FloatImage RunsImage(int width, int height) {
     return image;
 }
 
-Bytes FileOf(std::string_view text, std::initializer_list<int> binary = {}) {
-    Bytes file;
+FloatFile FileOf(std::string_view text, std::initializer_list<int> binary = {}) {
+    FloatFile file;
     for (const char c : text)
         file.push_back(std::byte(c));
     for (const int byte : binary)
@@ -50,7 +50,7 @@ Bytes FileOf(std::string_view text, std::initializer_list<int> binary = {}) {
 }
 
 /// The one line of the Error that decoding throws; empty if it succeeds.
-std::string Failure(FloatImage (*decode)(std::span<const std::byte>, std::string_view), const Bytes &file) {
+std::string Failure(FloatImage (*decode)(std::span<const std::byte>, std::string_view), const FloatFile &file) {
     try {
         decode(file, "a.file");
     } catch (const Error &error) {
@@ -60,15 +60,15 @@ std::string Failure(FloatImage (*decode)(std::span<const std::byte>, std::string
 }
 
 /// Every truncation of a good file, and files with changed bytes, give an image or one line of text.
-void ExpectRobust(FloatImage (*decode)(std::span<const std::byte>, std::string_view), const Bytes &good) {
+void ExpectRobust(FloatImage (*decode)(std::span<const std::byte>, std::string_view), const FloatFile &good) {
     ASSERT_EQ(Failure(decode, good), "");
     for (std::size_t length = 0; length < good.size(); length += 1 + good.size() / 300) {
-        const std::string failure = Failure(decode, Bytes(good.begin(), good.begin() + std::ptrdiff_t(length)));
+        const std::string failure = Failure(decode, FloatFile(good.begin(), good.begin() + std::ptrdiff_t(length)));
         EXPECT_THAT(failure, AllOf(StartsWith("a.file: "), Not(HasSubstr("\n")))) << length;
     }
     std::mt19937 random(7);
     for (int run = 0; run < 2000; ++run) {
-        Bytes bad = good;
+        FloatFile bad = good;
         for (int i = 0; i < 1 + run % 4; ++i)
             bad[random() % (run % 2 == 0 ? bad.size() : std::min<std::size_t>(bad.size(), 400))] = std::byte(random());
         EXPECT_THAT(Failure(decode, bad), Not(HasSubstr("\n")));
@@ -109,7 +109,7 @@ TEST(FloatImageTest, RowsAreFlipped) {
 TEST(HdrTest, HeaderAndRunsByTheFormat) {
     FloatImage image{9, 1, std::vector<Vec3f>(9, Vec3f(1, 0.5f, 0))};
     image.texels[8] = {4, 4, 4};
-    const Bytes expected =
+    const FloatFile expected =
         FileOf("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 9\n",
                {2, 2, 0, 9, 128 + 9, 128, 128 + 8, 64, 1, 128, 128 + 8, 0, 1, 128, 128 + 8, 129, 1, 131});
     EXPECT_EQ(EncodeHdr(image), expected);
@@ -132,7 +132,7 @@ TEST(HdrTest, AnotherReaderFindsTheSameRows) {
 
 TEST(HdrTest, FlatRowsAndOldRuns) {
     const std::string_view head = "#?RGBE\n# a comment\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 9\n";
-    Bytes flat = FileOf(head), old = FileOf(head, {128, 64, 32, 129, 1, 1, 1, 7, 0, 0, 0, 0});
+    FloatFile flat = FileOf(head), old = FileOf(head, {128, 64, 32, 129, 1, 1, 1, 7, 0, 0, 0, 0});
     for (int i = 0; i < 9; ++i)
         for (const int byte : i < 8 ? std::array{128, 64, 32, 129} : std::array{0, 0, 0, 0})
             flat.push_back(std::byte(byte));
@@ -141,12 +141,13 @@ TEST(HdrTest, FlatRowsAndOldRuns) {
     EXPECT_EQ(image.texels[8], Vec3f(0, 0, 0));
     EXPECT_EQ(DecodeHdr(old, "old").texels, image.texels);
     // Two repeat codes in a row: 2 + 1 * 256.
-    const Bytes longRun = FileOf("#?RGBE\n\n-Y 1 +X 259\n", {128, 128, 128, 130, 1, 1, 1, 2, 1, 1, 1, 1});
+    const FloatFile longRun = FileOf("#?RGBE\n\n-Y 1 +X 259\n", {128, 128, 128, 130, 1, 1, 1, 2, 1, 1, 1, 1});
     EXPECT_EQ(DecodeHdr(longRun, "x").texels, std::vector<Vec3f>(259, Vec3f(2, 2, 2)));
 }
 
 TEST(HdrTest, ExposureAndBottomFirst) {
-    const Bytes file = FileOf("#?RADIANCE\nEXPOSURE= 2\nEXPOSURE=4.0\n\n+Y 2 +X 1\n", {128, 0, 0, 132, 0, 128, 0, 129});
+    const FloatFile file =
+        FileOf("#?RADIANCE\nEXPOSURE= 2\nEXPOSURE=4.0\n\n+Y 2 +X 1\n", {128, 0, 0, 132, 0, 128, 0, 129});
     const FloatImage image = DecodeHdr(file, "x");
     EXPECT_EQ(image.texels, (std::vector<Vec3f>{{0, 0.125f, 0}, {1, 0, 0}}));
 }
@@ -172,14 +173,14 @@ TEST(HdrTest, Malformed) {
 
 TEST(PfmTest, BytesOfTheFormat) {
     FloatImage image{1, 2, {{1, 2, 4}, {-1, 0, std::numeric_limits<float>::infinity()}}};
-    const Bytes little = FileOf("PF\n1 2\n-1.0\n", {0, 0, 0x80, 0xBF, 0, 0, 0, 0,    0, 0, 0x80, 0x7F, //
-                                                    0, 0, 0x80, 0x3F, 0, 0, 0, 0x40, 0, 0, 0x80, 0x40});
+    const FloatFile little = FileOf("PF\n1 2\n-1.0\n", {0, 0, 0x80, 0xBF, 0, 0, 0, 0,    0, 0, 0x80, 0x7F, //
+                                                        0, 0, 0x80, 0x3F, 0, 0, 0, 0x40, 0, 0, 0x80, 0x40});
     EXPECT_EQ(EncodePfm(image), little) << "the lower row comes first";
     EXPECT_EQ(DecodePfm(little, "x").texels, image.texels);
-    const Bytes big = FileOf("PF 1 2 1\n", {0xBF, 0x80, 0, 0, 0,    0, 0, 0, 0x7F, 0x80, 0, 0, //
-                                            0x3F, 0x80, 0, 0, 0x40, 0, 0, 0, 0x40, 0x80, 0, 0});
+    const FloatFile big = FileOf("PF 1 2 1\n", {0xBF, 0x80, 0, 0, 0,    0, 0, 0, 0x7F, 0x80, 0, 0, //
+                                                0x3F, 0x80, 0, 0, 0x40, 0, 0, 0, 0x40, 0x80, 0, 0});
     EXPECT_EQ(DecodePfm(big, "x").texels, image.texels);
-    const Bytes gray = FileOf("Pf\n1 1\n-2.5\n", {0, 0, 0x80, 0x40});
+    const FloatFile gray = FileOf("Pf\n1 1\n-2.5\n", {0, 0, 0x80, 0x40});
     EXPECT_EQ(DecodePfm(gray, "x").texels, (std::vector<Vec3f>{{4, 4, 4}}));
 }
 
