@@ -10,6 +10,7 @@
 #include "q3map2/minimap/minimap_options.h"
 #include "q3map2/pk3/package_options.h"
 #include "q3map2/presets.h"
+#include "q3map2/ssbump/ssbump_options.h"
 #include "q3map2/vis/vis_settings.h"
 
 #include <algorithm>
@@ -73,7 +74,13 @@ std::vector<Stage> CompilingStages() {
          "For files of other games: any that begin with four letters, a version and a directory of lumps.",
          AnalyzeStage, [] { return Describe(AnalyzeSettings()); }},
         {"-shpreview", "-shpreview FILE.png maps/x.bsp", "Draw what both light grids of a map show to a picture", "",
-         PreviewStage, nullptr}};
+         PreviewStage, nullptr},
+        {"-ssbump", "-ssbump [options] HEIGHT OUT.tga|OUT.png",
+         "Make a self-shadowed bump map of a height map, for directional lightmaps",
+         "HEIGHT is a TGA, PNG or JPEG file whose luminance is the height; PNG files may have 16 bits a channel. Alpha "
+         "is "
+         "kept. Game files are not needed.",
+         SsbumpStage, [] { return Describe(SsbumpSettings()); }}};
 }
 
 std::vector<Stage> PackingStages() {

@@ -55,6 +55,7 @@ int MinimapStage(const StageContext &context, Arguments arguments);
 int ExportEntitiesStage(const StageContext &context, Arguments arguments);
 int AnalyzeStage(const StageContext &context, Arguments arguments);
 int PreviewStage(const StageContext &context, Arguments arguments);
+int SsbumpStage(const StageContext &context, Arguments arguments);
 int PackStage(const StageContext &context, Arguments arguments);
 int RepackStage(const StageContext &context, Arguments arguments);
 int ScaleStage(const StageContext &context, Arguments arguments);

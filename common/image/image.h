@@ -22,11 +22,24 @@ struct Image {
     }
 };
 
+/// 16-bit RGBA, 65535 for full, row 0 on top. For images whose values are quantities, such as heights.
+struct DeepImage {
+    int width = 0, height = 0;
+    int bits = 8; ///< of a channel in the file: its values are multiples of 65535 / (2^bits - 1)
+    std::vector<std::uint16_t> rgba;
+};
+
 /// Decoders. `name` is for messages. Errors: Error for anything damaged, unsupported or over 16384 texels a side;
 /// memory use stays in proportion to the input (header sizes are checked against the data first).
 Image DecodeTga(std::span<const std::byte> file, std::string_view name);
 Image DecodePng(std::span<const std::byte> file, std::string_view name);
 Image DecodeJpeg(std::span<const std::byte> file, std::string_view name);
+/// All 16 bits of a channel, where DecodePng keeps 8.
+DeepImage DecodeDeepPng(std::span<const std::byte> file, std::string_view name);
+
+/// Reads an image file: PNG and JPEG by their first bytes, TGA by its extension. Errors: those of ReadFile and of the
+/// decoders, and a file that is none of these.
+DeepImage ReadDeepImage(const std::filesystem::path &path);
 
 /// Which row the texels given to EncodeTga begin with.
 enum class TgaRows { TopFirst, BottomFirst };
@@ -37,5 +50,8 @@ std::vector<std::byte> EncodeTga(std::span<const std::uint8_t> texels, int width
 
 /// Writes an RGBA image as PNG, atomically.
 void WritePng(const std::filesystem::path &path, const Image &image);
+/// The same with texels of 3 (RGB) or 4 (RGBA) channels, row 0 on top, width * height of them.
+void WritePng(const std::filesystem::path &path, std::span<const std::uint8_t> texels, int width, int height,
+              int channels);
 
 } // namespace q3

@@ -8,6 +8,7 @@
 #include <png.h>
 
 #include <algorithm>
+#include <bit>
 #include <csetjmp>
 #include <cstring>
 #include <string>
@@ -76,6 +77,18 @@ bool AskForRgba(PngReader &reader) {
     return true;
 }
 
+bool AskForDeepRgba(PngReader &reader) {
+    if (setjmp(png_jmpbuf(reader.png)))
+        return false;
+    png_set_expand_16(reader.png);
+    if constexpr (std::endian::native == std::endian::little)
+        png_set_swap(reader.png);
+    png_set_gray_to_rgb(reader.png);
+    png_set_add_alpha(reader.png, 65535, PNG_FILLER_AFTER);
+    png_set_interlace_handling(reader.png);
+    return true;
+}
+
 bool ReadRows(PngReader &reader, std::size_t texelBytes) {
     if (setjmp(png_jmpbuf(reader.png)))
         return false;
@@ -104,12 +117,12 @@ void Begin(PngReader &reader) {
                     reader.height);
 }
 
-std::vector<std::uint8_t> Texels(PngReader &reader, std::size_t texelBytes) {
-    std::vector<std::uint8_t> texels(texelBytes * reader.width * reader.height);
+/// `ask`: sets up the conversion to that many channels of type T.
+template <typename T> std::vector<T> Texels(PngReader &reader, std::size_t channels, bool (*ask)(PngReader &)) {
+    std::vector<T> texels(channels * reader.width * reader.height);
     for (std::size_t row = 0; row < reader.height; ++row)
-        reader.rows.push_back(texels.data() + texelBytes * reader.width * row);
-    const bool asked = texelBytes == 1 ? AskForIndexes(reader) : AskForRgba(reader);
-    if (!asked || !ReadRows(reader, texelBytes))
+        reader.rows.push_back(reinterpret_cast<png_bytep>(texels.data() + channels * reader.width * row));
+    if (!ask(reader) || !ReadRows(reader, channels * sizeof(T)))
         throw Error("{}: PNG: {}", reader.name, reader.message);
     return texels;
 }
@@ -119,7 +132,15 @@ std::vector<std::uint8_t> Texels(PngReader &reader, std::size_t texelBytes) {
 Image DecodePng(std::span<const std::byte> file, std::string_view name) {
     PngReader reader(file, name);
     Begin(reader);
-    return {int(reader.width), int(reader.height), Texels(reader, 4)};
+    return {int(reader.width), int(reader.height), Texels<std::uint8_t>(reader, 4, AskForRgba)};
+}
+
+DeepImage DecodeDeepPng(std::span<const std::byte> file, std::string_view name) {
+    PngReader reader(file, name);
+    Begin(reader);
+    const bool palette = png_get_color_type(reader.png, reader.info) == PNG_COLOR_TYPE_PALETTE;
+    const int bits = palette ? 8 : png_get_bit_depth(reader.png, reader.info);
+    return {int(reader.width), int(reader.height), bits, Texels<std::uint16_t>(reader, 4, AskForDeepRgba)};
 }
 
 std::optional<IndexImage> DecodePngIndexes(std::span<const std::byte> file, std::string_view name) {
@@ -127,24 +148,29 @@ std::optional<IndexImage> DecodePngIndexes(std::span<const std::byte> file, std:
     Begin(reader);
     if (png_get_color_type(reader.png, reader.info) != PNG_COLOR_TYPE_PALETTE)
         return std::nullopt;
-    return IndexImage{int(reader.width), int(reader.height), Texels(reader, 1)};
+    return IndexImage{int(reader.width), int(reader.height), Texels<std::uint8_t>(reader, 1, AskForIndexes)};
+}
+
+void WritePng(const std::filesystem::path &path, std::span<const std::uint8_t> texels, int width, int height,
+              int channels) {
+    CheckImageSize(std::uint64_t(width), std::uint64_t(height), path.string());
+    if (texels.size() != std::size_t(channels) * std::size_t(width) * std::size_t(height))
+        throw Error("{}: cannot write: {} bytes of texels, expected {} x {} x {}", path.string(), texels.size(), width,
+                    height, channels);
+    png_image png{};
+    png.version = PNG_IMAGE_VERSION;
+    png.width = png_uint_32(width);
+    png.height = png_uint_32(height);
+    png.format = channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
+    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+    std::vector<std::byte> file(size);
+    if (!png_image_write_to_memory(&png, file.data(), &size, 0, texels.data(), 0, nullptr))
+        throw Error("{}: cannot write: {}", path.string(), png.message);
+    ReplaceFile(path, std::span(file).first(size));
 }
 
 void WritePng(const std::filesystem::path &path, const Image &image) {
-    CheckImageSize(std::uint64_t(image.width), std::uint64_t(image.height), path.string());
-    if (image.rgba.size() != 4 * std::size_t(image.width) * std::size_t(image.height))
-        throw Error("{}: cannot write: {} bytes of texels, expected {} x {} x 4", path.string(), image.rgba.size(),
-                    image.width, image.height);
-    png_image png{};
-    png.version = PNG_IMAGE_VERSION;
-    png.width = png_uint_32(image.width);
-    png.height = png_uint_32(image.height);
-    png.format = PNG_FORMAT_RGBA;
-    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
-    std::vector<std::byte> file(size);
-    if (!png_image_write_to_memory(&png, file.data(), &size, 0, image.rgba.data(), 0, nullptr))
-        throw Error("{}: cannot write: {}", path.string(), png.message);
-    ReplaceFile(path, std::span(file).first(size));
+    WritePng(path, image.rgba, image.width, image.height, 4);
 }
 
 } // namespace q3

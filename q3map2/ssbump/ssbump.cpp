@@ -1,0 +1,259 @@
+// GPL-2.0-or-later. Self-shadowed bump maps: responses of a height field to the basis of radiosity normal mapping.
+#include "q3map2/ssbump/ssbump.h"
+
+#include "q3map2/light/batch/simd.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace q3 {
+
+namespace {
+
+constexpr int kLanes = 32;      // texels of a row that are worked on together
+constexpr int kCheckSteps = 8;  // crossings between two looks at whether the rest can matter
+constexpr float kSlack = 1e-4f; // of slopes: far less does not count as blocked
+/// Slopes below this are not looked for: lobes lose 0.05 % of their light there. It limits the reach of rays.
+constexpr float kLeastSlope = 0.03f;
+constexpr float kMaxReach = 2048;  // texels
+constexpr float kNothing = -1e30f; // height beyond the edges of a field that does not tile
+
+using Lanes = std::array<float, kLanes>;
+
+/// Where a ray crosses an edge between two texel centers. Offsets from the texel that it starts at; wrapped to
+/// 0 .. size - 1 in fields that tile.
+struct Crossing {
+    float distance = 0, weight = 0; ///< texels along the ray; weight of the second center
+    std::array<int, 2> x{}, y{};
+};
+
+struct Azimuth {
+    float s = 0, t = 0; ///< unit vector
+    std::vector<Crossing> crossings{};
+};
+
+/// Rows of heights, long enough to read kLanes from any texel with any offset of a crossing.
+class PaddedRows {
+  public:
+    explicit PaddedRows(const HeightField &field) : width_(field.width), tiles_(field.tiles) {
+        const auto width = std::size_t(field.width);
+        stride_ = (field.tiles ? 2 : 3) * width + 2 * kLanes;
+        rows_.assign(stride_ * std::size_t(field.height), kNothing);
+        for (std::size_t y = 0; y < std::size_t(field.height); ++y) {
+            const float *from = field.heights.data() + y * width;
+            float *to = rows_.data() + y * stride_;
+            if (field.tiles)
+                for (std::size_t x = 0; x < stride_; ++x)
+                    to[x] = from[x % width];
+            else
+                std::copy(from, from + width, to + width);
+        }
+    }
+    /// Heights from texel (0, y) on.
+    const float *Row(int y) const { return rows_.data() + std::size_t(y) * stride_ + std::size_t(tiles_ ? 0 : width_); }
+
+  private:
+    int width_;
+    bool tiles_;
+    std::size_t stride_ = 0;
+    std::vector<float> rows_;
+};
+
+/// The crossings of a ray with the lines between centers, out to `reach`, in the order of distance.
+std::vector<Crossing> CrossingsOf(float s, float t, float reach, const HeightField &field) {
+    std::vector<Crossing> crossings;
+    const auto add = [&](float distance, int column, int row, bool alongX, float weight) {
+        Crossing c{distance, weight, {column, column + (alongX ? 1 : 0)}, {row, row + (alongX ? 0 : 1)}};
+        if (weight == 0) // at a center
+            c.x[1] = c.x[0], c.y[1] = c.y[0];
+        crossings.push_back(c);
+    };
+    for (int i = 1; std::abs(s) > 1e-6f && float(i) <= reach * std::abs(s); ++i) {
+        const float distance = float(i) / std::abs(s), row = distance * t;
+        add(distance, s < 0 ? -i : i, int(std::floor(row)), false, row - std::floor(row));
+    }
+    for (int i = 1; std::abs(t) > 1e-6f && float(i) <= reach * std::abs(t); ++i) {
+        const float distance = float(i) / std::abs(t), column = distance * s;
+        add(distance, int(std::floor(column)), t < 0 ? -i : i, true, column - std::floor(column));
+    }
+    std::ranges::sort(crossings, {}, &Crossing::distance);
+    if (field.tiles)
+        for (Crossing &c : crossings)
+            for (std::size_t k = 0; k < 2; ++k) {
+                c.x[k] = (c.x[k] % field.width + field.width) % field.width;
+                c.y[k] = (c.y[k] % field.height + field.height) % field.height;
+            }
+    else
+        std::erase_if(crossings, [&](const Crossing &c) {
+            const auto outside = [](int offset, int size) { return offset <= -size || offset >= size; };
+            return outside(c.x[0], field.width) || outside(c.x[1], field.width) || outside(c.y[0], field.height) ||
+                   outside(c.y[1], field.height);
+        });
+    return crossings;
+}
+
+/// What all texels share.
+struct Horizons {
+    Horizons(const HeightField &field_, int rays) : field(field_), rows(field_) {
+        const auto [low, high] = std::ranges::minmax(field.heights);
+        highest = high;
+        slack = kSlack + 1e-6f * (high - low);
+        const float reach = std::min((high - low) / kLeastSlope, kMaxReach);
+        for (int i = 0; i < rays; ++i) {
+            // Between the axes, along which many textures have edges; mirror images have mirrored rays.
+            const double angle = 2 * std::numbers::pi * (i + 0.5) / rays;
+            const float s = float(std::cos(angle)), t = float(std::sin(angle));
+            azimuths.push_back({s, t, CrossingsOf(s, t, reach, field)});
+        }
+    }
+
+    const HeightField &field;
+    PaddedRows rows;
+    float highest = 0, slack = 0;
+    std::vector<Azimuth> azimuths{};
+};
+
+/// kLanes texels of a row, from `x` on.
+struct Block {
+    int x = 0, y = 0;
+    alignas(64) Lanes height, gradientS, gradientT;
+    alignas(64) std::array<Lanes, 2> besideS, besideT; ///< heights of the texels before and after along s and t
+    alignas(64) Lanes tangent, horizon;                ///< slopes along the azimuth at hand
+    alignas(64) std::array<Lanes, 3> visible, whole;   ///< integrals of each lobe
+};
+
+/// Heights from the block's first texel moved by an offset on; null beyond the edges.
+inline const float *HeightsAt(const Horizons &in, const Block &block, int x, int y) {
+    int row = block.y + y;
+    if (in.field.tiles)
+        row -= row >= in.field.height ? in.field.height : 0;
+    else if (row < 0 || row >= in.field.height)
+        return nullptr;
+    return in.rows.Row(row) + block.x + x;
+}
+
+/// Raises the horizon to the steepest slope along the azimuth.
+Q3_VECTOR void FindHorizon(const Horizons &in, const Azimuth &azimuth, Block &block) {
+    for (std::size_t i = 0; i < azimuth.crossings.size(); ++i) {
+        const Crossing &c = azimuth.crossings[i];
+        if (i % kCheckSteps == 0) { // does the highest height at this distance or beyond rise above any horizon?
+            int count = 0;
+            for (int k = 0; k < kLanes; ++k) {
+                const auto lane = std::size_t(k);
+                count += in.highest - block.height[lane] > block.horizon[lane] * c.distance ? 1 : 0;
+            }
+            if (count == 0)
+                return;
+        }
+        const float *a = HeightsAt(in, block, c.x[0], c.y[0]), *b = HeightsAt(in, block, c.x[1], c.y[1]);
+        if (!a || !b)
+            continue;
+        const float inverse = 1 / c.distance, weight = c.weight;
+        Q3_INDEPENDENT
+        for (int k = 0; k < kLanes; ++k) {
+            const auto lane = std::size_t(k);
+            const float slope = (a[k] + (b[k] - a[k]) * weight - block.height[lane]) * inverse;
+            block.horizon[lane] = slope > block.horizon[lane] ? slope : block.horizon[lane];
+        }
+    }
+}
+
+/// The integral over elevations from a slope up to the zenith, in the half-plane of one azimuth with directions
+/// w = (cos e, sin e), of (b.w) (n.w) cos e. Both vectors: component along the azimuth, component up.
+inline float IntegralAbove(float slope, float bAlong, float bUp, float nAlong, float nUp) {
+    const float cosine = 1 / std::sqrt(1 + slope * slope), sine = slope * cosine;
+    const float sine3 = sine * sine * sine / 3, cosine3 = cosine * cosine * cosine / 3;
+    return bAlong * nAlong * (2.0f / 3 - sine + sine3) + (bAlong * nUp + bUp * nAlong) * cosine3 +
+           bUp * nUp * (1.0f / 3 - sine3);
+}
+
+/// Adds what is seen above the horizon of the azimuth, and what there is above the tangent plane.
+Q3_VECTOR void AddLobes(const Horizons &in, const Azimuth &azimuth, Block &block) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        const float along = kBumpBasis[i].x * azimuth.s + kBumpBasis[i].y * azimuth.t, up = kBumpBasis[i].z;
+        const float lobeEdge = along < 0 ? -along / up : 0;
+        Lanes &visible = block.visible[i], &whole = block.whole[i];
+        Q3_INDEPENDENT
+        for (int k = 0; k < kLanes; ++k) {
+            const auto lane = std::size_t(k);
+            // A common factor of the normal cancels out.
+            const float nAlong = -(block.gradientS[lane] * azimuth.s + block.gradientT[lane] * azimuth.t);
+            const float tangent = block.tangent[lane];
+            const float horizon = block.horizon[lane] > tangent + in.slack ? block.horizon[lane] : tangent;
+            whole[lane] += IntegralAbove(tangent > lobeEdge ? tangent : lobeEdge, along, up, nAlong, 1);
+            visible[lane] += IntegralAbove(horizon > lobeEdge ? horizon : lobeEdge, along, up, nAlong, 1);
+        }
+    }
+}
+
+/// Slopes of the tangent planes, and as first horizon those of the bilinear cell in which the ray starts.
+Q3_VECTOR void SetTangents(const Horizons &in, const Azimuth &azimuth, const Lanes &besideS, const Lanes &besideT,
+                           Block &block) {
+    const float s = std::abs(azimuth.s), t = std::abs(azimuth.t);
+    for (int k = 0; k < kLanes; ++k) {
+        const auto lane = std::size_t(k);
+        const float slope = block.gradientS[lane] * azimuth.s + block.gradientT[lane] * azimuth.t;
+        const float tangent = slope > 0 ? slope : 0, least = tangent + in.slack;
+        const float first = (besideS[lane] - block.height[lane]) * s + (besideT[lane] - block.height[lane]) * t;
+        block.tangent[lane] = tangent;
+        block.horizon[lane] = first > least ? first : least;
+    }
+}
+
+/// The texels of a block, and their neighbors.
+void LoadBlock(const Horizons &in, Block &block) {
+    const HeightField &field = in.field;
+    for (int k = 0; k < kLanes; ++k) {
+        const auto lane = std::size_t(k);
+        const int x = std::min(block.x + k, field.width - 1); // those beyond the row are not used
+        block.height[lane] = field.At(x, block.y);
+        const Gradient gradient = GradientAt(field, x, block.y);
+        block.gradientS[lane] = gradient.s, block.gradientT[lane] = gradient.t;
+        for (const int side : {0, 1}) {
+            const auto i = std::size_t(side);
+            block.besideS[i][lane] = field.Beside(x, block.y, 2 * side - 1, 0).value_or(kNothing);
+            block.besideT[i][lane] = field.Beside(x, block.y, 0, 2 * side - 1).value_or(kNothing);
+        }
+    }
+    block.visible = block.whole = {};
+}
+
+/// Channels of the texels of a block.
+void BumpOfBlock(const Horizons &in, Block &block, Vec3f *out) {
+    LoadBlock(in, block);
+    for (const Azimuth &azimuth : in.azimuths) {
+        SetTangents(in, azimuth, block.besideS[azimuth.s > 0], block.besideT[azimuth.t > 0], block);
+        FindHorizon(in, azimuth, block);
+        AddLobes(in, azimuth, block);
+    }
+    for (int k = 0; k < std::min(kLanes, in.field.width - block.x); ++k) {
+        const auto lane = std::size_t(k);
+        const Vec3f normal = NormalOf({block.gradientS[lane], block.gradientT[lane]});
+        for (std::size_t i = 0; i < 3; ++i) {
+            const float whole = block.whole[i][lane], facing = Dot(kBumpBasis[i], normal);
+            out[k][i] = facing > 0 && whole > 0 ? facing * (block.visible[i][lane] / whole) : 0;
+        }
+    }
+}
+
+} // namespace
+
+std::vector<Vec3f> SelfShadowedBump(const HeightField &field, int rays, const JobPool &jobs,
+                                    const std::function<void(std::int64_t)> &done) {
+    const Horizons in(field, rays);
+    std::vector<Vec3f> bump(field.heights.size());
+    jobs.For(
+        field.height,
+        [&](std::int64_t y, int) {
+            Block block;
+            block.y = int(y);
+            for (block.x = 0; block.x < field.width; block.x += kLanes)
+                BumpOfBlock(in, block, bump.data() + std::size_t(y) * std::size_t(field.width) + block.x);
+        },
+        done);
+    return bump;
+}
+
+} // namespace q3
