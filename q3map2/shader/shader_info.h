@@ -41,6 +41,7 @@ struct LightmapDirectives {
     bool mergable = false, splotchFix = false, noDirt = false, noVertexLight = false;
     float shadeAngle = 0;    ///< q3map_shadeAngle, degrees
     std::string normalImage; ///< q3map_normalImage, without extension
+    std::string ssbumpImage; ///< q3map_ssbumpImage, without extension; not used if there is a normalImage
     /// q3map_floodLight; none while the intensity is 0. The largest component of the color is 1.
     Vec3f floodColor;
     float floodDistance = 0, floodIntensity = 0, floodDirectionScale = 1;

@@ -62,7 +62,7 @@ class ScriptParser {
         void (ScriptParser::*apply)(const Words &);
         bool moreMayFollow = false; ///< other directives may follow on the line
     };
-    static const std::array<Directive, 42> kDirectives;
+    static const std::array<Directive, 43> kDirectives;
 
     void WarnSyntax(std::string_view name, std::string_view found) {
         log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}",
@@ -128,6 +128,7 @@ class ScriptParser {
     void ShadeAngle(const Words &words) { Lightmap().shadeAngle = Number(words[0]); }
     void Terrain(const Words &) { ApplyTerrain(shader_->info); }
     void NormalImage(const Words &words) { Lightmap().normalImage = WithoutExtension(words[0]); }
+    void SsbumpImage(const Words &words) { Lightmap().ssbumpImage = WithoutExtension(words[0]); }
     void FloodLight(const Words &words);
 
     ShaderTextScanner scanner_;
@@ -139,7 +140,7 @@ class ScriptParser {
 };
 
 using Self = ScriptParser;
-const std::array<Self::Directive, 42> Self::kDirectives = {{
+const std::array<Self::Directive, 43> Self::kDirectives = {{
     {"surfaceparm", 1, 0, &Self::SurfaceParmLine},
     {"cull", 1, 0, &Self::Cull},
     {"deformvertexes", 1, 8, &Self::DeformVertexes},
@@ -181,6 +182,7 @@ const std::array<Self::Directive, 42> Self::kDirectives = {{
     {"q3map_shadeangle", 1, 0, &Self::ShadeAngle},
     {"q3map_terrain", 0, 0, &Self::Terrain},
     {"q3map_normalimage", 1, 0, &Self::NormalImage},
+    {"q3map_ssbumpimage", 1, 0, &Self::SsbumpImage},
     {"q3map_floodlight", 6, 0, &Self::FloodLight},
 }};
 
@@ -205,6 +207,9 @@ void ScriptParser::ParseShader(std::string_view name) {
         } else
             ParseDirective(word);
     }
+    if (!Lightmap().normalImage.empty() && !Lightmap().ssbumpImage.empty())
+        log_.Warn("two normal maps", "{}: shader {}: q3map_normalImage and q3map_ssbumpImage, the latter is not used",
+                  scanner_.TokenLocation().Text(), name);
     shader_->info.scriptText.clear(), shader_->body.reset();
     // A hidden definition without stages only holds directives for the compiler. The engine draws another definition
     // of the same name, so this text is not kept.

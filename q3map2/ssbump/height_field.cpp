@@ -25,7 +25,7 @@ float Slope(std::optional<float> before, float here, std::optional<float> after)
 float Curvature(const HeightField &field, int x, int y) {
     const float here = field.At(x, y);
     float sum = 0;
-    for (const auto [right, down] : {std::pair{1, 0}, std::pair{0, 1}}) {
+    for (const auto &[right, down] : {std::pair{1, 0}, std::pair{0, 1}}) {
         const auto before = field.Beside(x, y, -right, -down), after = field.Beside(x, y, right, down);
         if (before && after)
             sum += *before - 2 * here + *after;

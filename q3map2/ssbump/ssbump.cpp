@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace q3 {
@@ -15,6 +14,9 @@ namespace {
 constexpr int kLanes = 32;      // texels of a row that are worked on together
 constexpr int kCheckSteps = 8;  // crossings between two looks at whether the rest can matter
 constexpr float kSlack = 1e-4f; // of slopes: far less does not count as blocked
+/// A steeper slope counts from this factor on. Rounding alone cannot raise the horizon of a texel whose ray could have
+/// ended, so texels do not depend on which others are in their block.
+constexpr float kRaise = 1.000002f;
 /// Slopes below this are not looked for: lobes lose 0.05 % of their light there. It limits the reach of rays.
 constexpr float kLeastSlope = 0.03f;
 constexpr float kMaxReach = 2048;  // texels
@@ -155,7 +157,7 @@ Q3_VECTOR void FindHorizon(const Horizons &in, const Azimuth &azimuth, Block &bl
         for (int k = 0; k < kLanes; ++k) {
             const auto lane = std::size_t(k);
             const float slope = (a[k] + (b[k] - a[k]) * weight - block.height[lane]) * inverse;
-            block.horizon[lane] = slope > block.horizon[lane] ? slope : block.horizon[lane];
+            block.horizon[lane] = slope > block.horizon[lane] * kRaise ? slope : block.horizon[lane];
         }
     }
 }

@@ -2,25 +2,18 @@
 #pragma once
 
 #include "common/jobs.h"
+#include "libs/math/bump_basis.h"
 #include "q3map2/ssbump/height_field.h"
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
 
 namespace q3 {
 
-/// Unit directions in tangent space: x along the texture coordinate s, y along t (down the image), z off the surface.
-inline constexpr float kSqrt2Over3 = 0.81649658f, kSqrt1Over2 = 0.70710678f, kSqrt1Over3 = 0.57735027f,
-                       kSqrt1Over6 = 0.40824829f;
-inline constexpr std::array<Vec3f, 3> kBumpBasis{{{kSqrt2Over3, 0, kSqrt1Over3},
-                                                  {-kSqrt1Over6, kSqrt1Over2, kSqrt1Over3},
-                                                  {-kSqrt1Over6, -kSqrt1Over2, kSqrt1Over3}}};
-
-/// For each texel with unit normal n the three channels max(0, b_i.n) V_i, 0 to 1. V_i is the share of the light that
-/// no height blocks: an integral of max(0, b_i.w) max(0, n.w) over the visible directions w above the plane of the
-/// texture, divided by that over all of these. Exactly 1 where nothing is in the way.
+/// For each texel with unit normal n the three channels max(0, b_i.n) V_i, 0 to 1; b_i: kBumpBasis. V_i is the share of
+/// the light that no height blocks: an integral of max(0, b_i.w) max(0, n.w) over the visible directions w above the
+/// plane of the texture, divided by that over all of these. Exactly 1 where nothing is in the way.
 ///
 /// Visibility comes from the horizon: along each of `rays` azimuths, the steepest slope from the texel to the edges
 /// between texel centers that the ray crosses; the integral over elevations is in closed form. `done`: as in

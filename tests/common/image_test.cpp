@@ -273,6 +273,47 @@ TEST(Png, SixteenBitsAreScaledWithoutGamma) {
     EXPECT_THAT(DecodePng(Png(1, 1, 16, 4, {0, 0x40, 0x40, 0x20, 0x20})).rgba, ElementsAre(64, 64, 64, 32));
 }
 
+TEST(Png, DeepTexelsKeepAllBits) {
+    const auto deep = [](const Bytes &file) { return DecodeDeepPng(AsFile(file), "a.png"); };
+    const DeepImage color = deep(Png(1, 1, 16, 2, {0, 0xFF, 0xFF, 0x12, 0x34, 0, 1}));
+    EXPECT_THAT(color.rgba, ElementsAre(65535, 0x1234, 1, 65535));
+    EXPECT_EQ(color.bits, 16);
+    EXPECT_THAT(deep(Png(1, 1, 16, 4, {0, 0x40, 0x41, 0x20, 0x21})).rgba, ElementsAre(0x4041, 0x4041, 0x4041, 0x2021));
+    const DeepImage gray = deep(Png(2, 1, 8, 0, {0, 9, 255}));
+    EXPECT_THAT(gray.rgba, ElementsAre(9 * 257, 9 * 257, 9 * 257, 65535, 65535, 65535, 65535, 65535));
+    EXPECT_EQ(gray.bits, 8);
+    const DeepImage few = deep(Png(2, 1, 4, 0, {0, 0x1F}));
+    EXPECT_EQ(few.rgba[0], 65535 / 15);
+    EXPECT_EQ(few.bits, 4);
+    EXPECT_EQ(deep(Png(2, 1, 4, 3, {0, 0x10}, {1, 2, 3, 4, 5, 6}, {77})).rgba[7], 77 * 257);
+    EXPECT_THROW(deep(Png(16384, 16384, 1, 0, Bytes(100, 0))), Error);
+}
+
+TEST(ImageFile, TheContentsTellTheFormatButForTga) {
+    const test::GameFolder folder;
+    const auto write = [&](std::string_view name, const Bytes &bytes) {
+        folder.Write(name, std::string_view(reinterpret_cast<const char *>(bytes.data()), bytes.size()));
+        return ReadDeepImage(folder / name);
+    };
+    EXPECT_EQ(write("a.jpg", Png(1, 1, 16, 0, {0, 0x12, 0x34})).rgba[0], 0x1234);
+    EXPECT_EQ(write("b.TGA", Tga({.width = 1, .height = 1}, {3, 2, 1})).rgba,
+              (DeepImage{1, 1, 8, {257, 514, 771, 65535}}).rgba);
+    for (const char *name : {"c.txt", "c.png"})
+        EXPECT_THROW(write(name, {'t', 'e', 'x', 't'}), Error) << name;
+    EXPECT_THROW(write("d.tga", {'t', 'e', 'x', 't'}), Error);
+    EXPECT_THROW(ReadDeepImage(folder / "none.png"), Error);
+}
+
+TEST(Png, ThreeChannelsAreWrittenAsSuch) {
+    const test::GameFolder folder;
+    const Bytes rgb = {1, 2, 3, 4, 5, 6};
+    WritePng(folder / "a.png", rgb, 1, 2, 3);
+    const auto file = ReadFile(folder / "a.png");
+    EXPECT_EQ(std::to_integer<int>(file.at(25)), 2) << "color type: RGB";
+    EXPECT_THAT(q3::DecodePng(file, "a.png").rgba, ElementsAre(1, 2, 3, 255, 4, 5, 6, 255));
+    EXPECT_THROW(WritePng(folder / "b.png", rgb, 1, 2, 4), Error);
+}
+
 TEST(Png, TruncatedIsAnErrorUntilAllPixelsAreThere) {
     Bytes rows;
     for (int y = 0; y < 8; ++y) {

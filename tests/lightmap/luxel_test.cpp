@@ -240,6 +240,28 @@ TEST_F(LuxelTest, ShadedEdgesShareTheMeanNormal) {
     }
 }
 
+/// World directions along which the texture coordinates of a surface grow. Quads are textured along the world's axes:
+/// s grows with x or y, by its sign.
+struct TextureAxes {
+    Vec3f s, t;
+};
+
+TextureAxes AxesOf(const SurfaceCase &c, int number) {
+    const bspDrawSurface_t &surface = c.bsp.drawSurfaces[std::size_t(number)];
+    TextureAxes axes;
+    for (int i = 0; i < surface.numVerts; ++i)
+        for (int k = 0; k < surface.numVerts; ++k) {
+            const bspDrawVert_t &p = c.bsp.drawVerts[std::size_t(surface.firstVert + i)];
+            const bspDrawVert_t &q = c.bsp.drawVerts[std::size_t(surface.firstVert + k)];
+            const Vec3f way = Normalize(Vec3f(q.xyz) - Vec3f(p.xyz));
+            if (q.st[0] > p.st[0] && q.st[1] == p.st[1])
+                axes.s = way;
+            if (q.st[1] > p.st[1] && q.st[0] == p.st[0])
+                axes.t = way;
+        }
+    return axes;
+}
+
 TEST_F(LuxelTest, NormalImagesBendNormals) {
     struct Case {
         int red, green;
@@ -254,19 +276,7 @@ TEST_F(LuxelTest, NormalImagesBendNormals) {
         SurfaceCase c(scene, folder, settings);
         const SurfaceLight surfaces = c.Mapped();
         const RawLightmap &raw = LightmapOf(c, surfaces, kA);
-        const bspDrawSurface_t &surface = c.bsp.drawSurfaces[std::size_t(raw.surfaces[0])];
-        // Quads are textured along the world's axes: s grows with x or y, by its sign.
-        Vec3f s, t;
-        for (int i = 0; i < surface.numVerts; ++i)
-            for (int k = 0; k < surface.numVerts; ++k) {
-                const bspDrawVert_t &p = c.bsp.drawVerts[std::size_t(surface.firstVert + i)];
-                const bspDrawVert_t &q = c.bsp.drawVerts[std::size_t(surface.firstVert + k)];
-                const Vec3f way = Normalize(Vec3f(q.xyz) - Vec3f(p.xyz));
-                if (q.st[0] > p.st[0] && q.st[1] == p.st[1])
-                    s = way;
-                if (q.st[1] > p.st[1] && q.st[0] == p.st[0])
-                    t = way;
-            }
+        const auto [s, t] = AxesOf(c, raw.surfaces[0]);
         ASSERT_NE(s, Vec3f{});
         ASSERT_NE(t, Vec3f{});
         const Vec3f expected = Normalize(Vec3f{0, 0, 1} * (1 + 128 / 127.5f) + s * (bent.toward.x * 128 / 127.5f) +
@@ -279,6 +289,51 @@ TEST_F(LuxelTest, NormalImagesBendNormals) {
             }
         EXPECT_EQ(mapped, 25);
     }
+}
+
+TEST_F(LuxelTest, BumpMapsBendNormals) {
+    struct Case {
+        int red, green, blue;
+        Vec3f toward; ///< in s, t and off the surface
+    };
+    const float side = std::sqrt(0.5f), back = std::sqrt(1 / 6.0f), up = std::sqrt(1 / 3.0f);
+    for (const Case &bent : {Case{147, 147, 147, {0, 0, 1}}, Case{0, 0, 0, {0, 0, 1}},
+                             Case{200, 0, 0, {std::sqrt(2 / 3.0f), 0, up}}, Case{0, 30, 0, {-back, side, up}},
+                             Case{0, 0, 255, {-back, -side, up}}, Case{0, 90, 90, Normalize(Vec3f{-back, 0, up})}}) {
+        SceneBuilder scene = EmptyRoom();
+        scene.AddQuad(Rectangle(0, 0, 64, 64, 0), Shaded(kA));
+        CaseSettings settings;
+        settings.script = "textures/test/a\n{\nq3map_ssbumpImage textures/test/bump\n}\n";
+        folder.Write("textures/test/bump.tga", Tga(bent.red, bent.green, bent.blue));
+        SurfaceCase c(scene, folder, settings);
+        const SurfaceLight surfaces = c.Mapped();
+        const RawLightmap &raw = LightmapOf(c, surfaces, kA);
+        const auto [s, t] = AxesOf(c, raw.surfaces[0]);
+        const Vec3f expected = s * bent.toward.x + t * bent.toward.y + Vec3f{0, 0, 1} * bent.toward.z;
+        int mapped = 0;
+        for (std::size_t i = 0; i < raw.luxelClusters.size(); ++i)
+            if (raw.Mapped(i)) {
+                ++mapped;
+                ExpectVector(raw.normals[i], expected);
+            }
+        EXPECT_EQ(mapped, 25);
+    }
+}
+
+TEST_F(LuxelTest, NormalImagesWinOverBumpMaps) {
+    SceneBuilder scene = EmptyRoom();
+    scene.AddQuad(Rectangle(0, 0, 64, 64, 0), Shaded(kA));
+    CaseSettings settings;
+    settings.script = "textures/test/a\n{\nq3map_ssbumpImage textures/test/bump\n"
+                      "q3map_normalImage textures/test/flat\n}\n";
+    folder.Write("textures/test/bump.tga", Tga(255, 0, 0));
+    folder.Write("textures/test/flat.tga", Tga(127, 127, 255));
+    SurfaceCase c(scene, folder, settings);
+    const SurfaceLight surfaces = c.Mapped();
+    const RawLightmap &raw = LightmapOf(c, surfaces, kA);
+    for (std::size_t i = 0; i < raw.luxelClusters.size(); ++i)
+        if (raw.Mapped(i))
+            ExpectVector(raw.normals[i], {0, 0, 1});
 }
 
 /// The inside of a tube around the z axis.

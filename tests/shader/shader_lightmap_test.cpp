@@ -39,6 +39,13 @@ TEST_F(ShaderLightmap, NumbersAndSwitches) {
     EXPECT_EQ(LoadShader("q3map_terrain").lightmap.shadeAngle, 179);
 }
 
+TEST_F(ShaderLightmap, NormalImagesWinOverBumpMaps) {
+    EXPECT_EQ(LoadShader("q3map_ssbumpImage textures/a/bump.png").lightmap.ssbumpImage, "textures/a/bump");
+    EXPECT_EQ(Warnings("two normal maps"), 0);
+    LoadShader("q3map_ssbumpImage textures/a/bump\nq3map_normalImage textures/a/normal");
+    EXPECT_EQ(Warnings("two normal maps"), 1);
+}
+
 TEST_F(ShaderLightmap, BrightnessMultipliesAndNeverGetsNegative) {
     EXPECT_EQ(LoadShader("q3map_lightmapBrightness 2\nq3map_lightmapGamma 1.5").lightmap.brightness, 3);
     EXPECT_EQ(LoadShader("q3map_lightmapBrightness -2").lightmap.brightness, 1);

@@ -254,6 +254,16 @@ Vec3f MajorAxis(const Vec3f &normal) {
     return {0, sign(normal.y), 0};
 }
 
+namespace {
+
+NormalImage NormalsOf(const LightmapDirectives &lightmap, ShaderLibrary &library) {
+    const bool ssbump = lightmap.normalImage.empty();
+    const std::string &name = ssbump ? lightmap.ssbumpImage : lightmap.normalImage;
+    return {name.empty() ? nullptr : library.LoadImage(name), ssbump};
+}
+
+} // namespace
+
 SurfaceTable MakeSurfaceTable(const Bsp &bsp, const std::vector<Entity> &entities, std::string_view srfText,
                               std::string_view srfName, ShaderLibrary &library, Log &log,
                               const SurfaceDefaults &defaults) {
@@ -264,8 +274,7 @@ SurfaceTable MakeSurfaceTable(const Bsp &bsp, const std::vector<Entity> &entitie
         const std::string &name = extras.At(i).shader;
         const bspShader_t &record = bsp.shaders[std::size_t(bsp.drawSurfaces[i].shaderNum)];
         table[i].shader = &library.Get(name.empty() ? FieldName(record.shader) : std::string_view(name));
-        if (const std::string &image = table[i].shader->lightmap.normalImage; !image.empty())
-            table[i].normalImage = library.LoadImage(image);
+        table[i].normals = NormalsOf(table[i].shader->lightmap, library);
     }
     if (hasFile)
         ApplyFile(extras, table);

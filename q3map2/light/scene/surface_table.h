@@ -12,6 +12,12 @@
 
 namespace q3 {
 
+/// The normal map of a surface's shader.
+struct NormalImage {
+    std::shared_ptr<const Image> image{}; ///< null: none
+    bool ssbump = false;                  ///< q3map_ssbumpImage, a self-shadowed bump map; else q3map_normalImage
+};
+
 struct SurfaceEntry {
     const ShaderInfo *shader = nullptr;
     Vec3f origin;            ///< of the entity whose model holds it: vertices are relative to it
@@ -25,7 +31,7 @@ struct SurfaceEntry {
     float longestCurve = 0;  ///< patches: decides the tessellation. Game units
     bool skyBoxCopy = false; ///< lit by its parent surface; never casts shadows
     int skyIndex = -1;       ///< number among the skies that emit light, -1: none; set later, by SurfaceLights
-    std::shared_ptr<const Image> normalImage; ///< q3map_normalImage; null without
+    NormalImage normals;
 };
 
 /// One entry per draw surface.

@@ -75,11 +75,11 @@ class LuxelMapper {
     LuxelPlane PlaneOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c) const;
     bool Usable(const LuxelPlane &plane) const;
     void MapSurface(int number);
-    void MapTriangles(const bspDrawSurface_t &surface, const Image *normals);
+    void MapTriangles(const bspDrawSurface_t &surface, const NormalImage &normals);
     void MapMesh(const bspDrawSurface_t &surface, const SurfaceEntry &entry);
-    void MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const Image *normals, bool thinEdges);
+    void MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const NormalImage &normals, bool thinEdges);
     void MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane);
-    bool MapQuad(const std::array<SurfaceVertex, 4> &quad, const Image *normals);
+    bool MapQuad(const std::array<SurfaceVertex, 4> &quad, const NormalImage &normals);
     void MapSample(const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals) {
         MapLuxel(LuxelOf(v.luxel[0], superWidth_), LuxelOf(v.luxel[1], superHeight_), v, plane, normals);
     }
@@ -157,10 +157,10 @@ void LuxelMapper::MapSurface(int number) {
     if (surface.surfaceType == MST_PATCH)
         MapMesh(surface, entry);
     else
-        MapTriangles(surface, entry.normalImage.get());
+        MapTriangles(surface, entry.normals);
 }
 
-void LuxelMapper::MapTriangles(const bspDrawSurface_t &surface, const Image *normals) {
+void LuxelMapper::MapTriangles(const bspDrawSurface_t &surface, const NormalImage &normals) {
     for (const bool thinEdges : {true, false})
         for (int i = 0; i + 2 < surface.numIndexes; i += 3) {
             const auto corner = [&](int k) {
@@ -179,16 +179,17 @@ void LuxelMapper::MapMesh(const bspDrawSurface_t &surface, const SurfaceEntry &e
     for (int y = 0; y + 1 < mesh.height; ++y)
         for (int x = 0; x + 1 < mesh.width; ++x) {
             const auto quad = MeshQuad(mesh, x, y);
-            if (MapQuad(quad, entry.normalImage.get()))
+            if (MapQuad(quad, entry.normals))
                 continue;
             for (const bool thinEdges : {true, false}) {
-                MapTriangle({quad[0], quad[1], quad[2]}, entry.normalImage.get(), thinEdges);
-                MapTriangle({quad[0], quad[2], quad[3]}, entry.normalImage.get(), thinEdges);
+                MapTriangle({quad[0], quad[1], quad[2]}, entry.normals, thinEdges);
+                MapTriangle({quad[0], quad[2], quad[3]}, entry.normals, thinEdges);
             }
         }
 }
 
-void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const Image *normals, bool thinEdges) {
+void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const NormalImage &normals,
+                              bool thinEdges) {
     LuxelPlane plane = PlaneOf(triangle[0], triangle[1], triangle[2]);
     if (!Usable(plane))
         return;
@@ -228,7 +229,7 @@ void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, 
 }
 
 /// False if the quad is not flat.
-bool LuxelMapper::MapQuad(const std::array<SurfaceVertex, 4> &quad, const Image *normals) {
+bool LuxelMapper::MapQuad(const std::array<SurfaceVertex, 4> &quad, const NormalImage &normals) {
     const LuxelPlane plane = PlaneOf(quad[0], quad[1], quad[2]);
     if (!Usable(plane) || std::abs(Dot(plane.normal, quad[3].xyz) - plane.dist) > kQuadFlatness)
         return false;

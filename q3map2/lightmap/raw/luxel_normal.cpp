@@ -1,5 +1,7 @@
-// GPL-2.0-or-later. Normal mapping: q3map_normalImage.
+// GPL-2.0-or-later. Normal mapping: q3map_normalImage, q3map_ssbumpImage.
 #include "q3map2/lightmap/raw/luxel_normal.h"
+
+#include "libs/math/bump_basis.h"
 
 #include <cmath>
 
@@ -17,8 +19,8 @@ int NearestTexel(float coordinate, int size) {
 
 } // namespace
 
-NormalMap::NormalMap(const Image *image, const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c)
-    : image_(image) {
+NormalMap::NormalMap(const NormalImage &normals, const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c)
+    : image_(normals.image.get()), ssbump_(normals.ssbump) {
     const float s1 = b.st[0] - a.st[0], t1 = b.st[1] - a.st[1], s2 = c.st[0] - a.st[0], t2 = c.st[1] - a.st[1];
     const float area = s1 * t2 - s2 * t1;
     if (!(std::abs(area) >= kLeastArea)) {
@@ -35,8 +37,14 @@ NormalMap::NormalMap(const Image *image, const SurfaceVertex &a, const SurfaceVe
 Vec3f NormalMap::Perturbed(const SurfaceVertex &v) const {
     const auto texel = image_->Texel(NearestTexel(v.st[0], image_->width), NearestTexel(v.st[1], image_->height));
     const auto signedOf = [](std::uint8_t c) { return (float(c) - 127) / 127.5f; };
-    const Vec3f bent =
-        Normalize(v.normal + s_ * signedOf(texel[0]) + t_ * signedOf(texel[1]) + v.normal * signedOf(texel[2]));
+    Vec3f bent = v.normal + s_ * signedOf(texel[0]) + t_ * signedOf(texel[1]) + v.normal * signedOf(texel[2]);
+    if (ssbump_) {
+        Vec3f sum;
+        for (std::size_t i = 0; i < kBumpBasis.size(); ++i)
+            sum += kBumpBasis[i] * float(texel[i]);
+        bent = s_ * sum.x + t_ * sum.y + v.normal * sum.z;
+    }
+    bent = Normalize(bent);
     return bent == Vec3f{} ? v.normal : bent;
 }
 
