@@ -15,6 +15,7 @@ _q3map2() {
             -minimap) options="-size -border -keepaspect -nokeepaspect -minmax -gray -black -white -o -samples -random -boost -autolevel -noautolevel -contrast -brightness -sharpen " ;;
             -analyze) options="-lumpswap " ;;
             -shpreview) options="" ;;
+            -ssbump) options="-bumpscale -notile -rays -filter -normals " ;;
             -pk3) options="-dbg -png -complevel -outdir -basepak -exclude " ;;
             -repack) options="-dbg -png -complevel -outdir -basepak -exclude -analyze " ;;
             -scale) options="-tex -spawn_ref " ;;
@@ -26,7 +27,7 @@ _q3map2() {
     done
     COMPREPLY=()
     if [[ $current == -* ]]; then
-        [[ -z $options ]] && options="-bsp -vis -light -info -json -convert -export -import -exportents -minimap -analyze -shpreview -pk3 -repack -scale -shift -mergebsp -fixaas -editorfiles -preset -meta -patchmeta -leaktest -onlyents -keeplights -keepmodels -nodetail -fulldetail -nowater -nohint -nocurves -nofog -nosubdivide -notjunc -samplesize -minsamplesize -mv -mi -np -metaadequatescore -metagoodscore -maxarea -nobrushsnap -flares -noflares -skyfix -celshader -flat -ne -de -snap -deep -altsplit -clipdepth -rename -custinfoparms -noob -globalflag -sRGBcolor -nosRGBcolor -tempname -autocaulk -debugsurfaces -debuginset -debugportals -debugclip -fakemap -verboseentities -sRGBtex "
+        [[ -z $options ]] && options="-bsp -vis -light -info -json -convert -export -import -exportents -minimap -analyze -shpreview -ssbump -pk3 -repack -scale -shift -mergebsp -fixaas -editorfiles -preset -meta -patchmeta -leaktest -onlyents -keeplights -keepmodels -nodetail -fulldetail -nowater -nohint -nocurves -nofog -nosubdivide -notjunc -samplesize -minsamplesize -mv -mi -np -metaadequatescore -metagoodscore -maxarea -nobrushsnap -flares -noflares -skyfix -celshader -flat -ne -de -snap -deep -altsplit -clipdepth -rename -custinfoparms -noob -globalflag -sRGBcolor -nosRGBcolor -tempname -autocaulk -debugsurfaces -debuginset -debugportals -debugclip -fakemap -verboseentities -sRGBtex "
         mapfile -t COMPREPLY < <(compgen -W "$options -help -version -v -threads -force -log -report -connect -subdivisions -maxmapdrawsurfs -game -fs_basepath -fs_game -fs_basegame -fs_home -fs_homebase -fs_homepath -fs_pakpath -fs_forbiddenpath " -- "$current")
     else
         compopt -o filenames
