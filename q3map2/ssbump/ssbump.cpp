@@ -12,7 +12,8 @@ namespace q3 {
 namespace {
 
 constexpr int kLanes = 32;      // texels of a row that are worked on together
-constexpr int kCheckSteps = 8;  // crossings between two looks at whether the rest can matter
+constexpr int kRun = 12;        // crossings that are looked at or passed over together
+constexpr int kTile = 16;       // texels a side of the cells of HeightBounds; at least the extent of a run
 constexpr float kSlack = 1e-4f; // of slopes: far less does not count as blocked
 /// A steeper slope counts from this factor on. Rounding alone cannot raise the horizon of a texel whose ray could have
 /// ended, so texels do not depend on which others are in their block.
@@ -31,9 +32,16 @@ struct Crossing {
     std::array<int, 2> x{}, y{};
 };
 
+/// Up to kRun crossings in a row. The offsets of both centers are in a box of kTile x kTile from a corner on.
+struct Run {
+    std::size_t begin = 0, end = 0;
+    int x = 0, y = 0; ///< the corner, wrapped as crossings are
+};
+
 struct Azimuth {
     float s = 0, t = 0; ///< unit vector
     std::vector<Crossing> crossings{};
+    std::vector<Run> runs{};
 };
 
 /// Rows of heights, long enough to read kLanes from any texel with any offset of a crossing.
@@ -63,8 +71,44 @@ class PaddedRows {
     std::vector<float> rows_;
 };
 
+/// Greatest heights of parts of a field, which tell what rays can pass over.
+class HeightBounds {
+  public:
+    explicit HeightBounds(const HeightField &field)
+        : columns_((field.width + kTile - 1) / kTile), rows_((field.height + kTile - 1) / kTile) {
+        // A cell may begin kTile - 1 texels before what is asked for.
+        constexpr int kWide = kLanes + 2 * kTile, kHigh = 2 * kTile;
+        const auto columns = std::size_t(columns_);
+        std::vector<float> wide(columns * std::size_t(field.height), kNothing);
+        bounds_.assign(columns * std::size_t(rows_), kNothing);
+        for (int y = 0; y < field.height; ++y)
+            for (int i = 0; i < columns_; ++i) {
+                float &most = wide[std::size_t(y) * columns + std::size_t(i)];
+                for (int x = i * kTile; x < i * kTile + kWide && (field.tiles || x < field.width); ++x)
+                    most = std::max(most, field.At(x % field.width, y));
+            }
+        for (int i = 0; i < rows_; ++i)
+            for (int y = i * kTile; y < i * kTile + kHigh && (field.tiles || y < field.height); ++y)
+                for (std::size_t k = 0; k < columns; ++k) {
+                    float &most = bounds_[std::size_t(i) * columns + k];
+                    most = std::max(most, wide[std::size_t(y % field.height) * columns + k]);
+                }
+    }
+    /// No less than the greatest of kLanes + kTile by kTile texels to the right of (x, y) and down. In a field that
+    /// tiles, (x, y) lies in it.
+    float From(int x, int y) const {
+        const auto column = std::size_t(std::clamp(x / kTile, 0, columns_ - 1)),
+                   row = std::size_t(std::clamp(y / kTile, 0, rows_ - 1));
+        return bounds_[row * std::size_t(columns_) + column];
+    }
+
+  private:
+    int columns_, rows_;
+    std::vector<float> bounds_;
+};
+
 /// The crossings of a ray with the lines between centers, out to `reach`, in the order of distance.
-std::vector<Crossing> CrossingsOf(float s, float t, float reach, const HeightField &field) {
+std::vector<Crossing> CrossingsOf(float s, float t, float reach) {
     std::vector<Crossing> crossings;
     const auto add = [&](float distance, int column, int row, bool alongX, float weight) {
         Crossing c{distance, weight, {column, column + (alongX ? 1 : 0)}, {row, row + (alongX ? 0 : 1)}};
@@ -81,38 +125,57 @@ std::vector<Crossing> CrossingsOf(float s, float t, float reach, const HeightFie
         add(distance, int(std::floor(column)), t < 0 ? -i : i, true, column - std::floor(column));
     }
     std::ranges::sort(crossings, {}, &Crossing::distance);
+    return crossings;
+}
+
+/// Crossings without a center in the field, wherever the ray begins.
+bool IsOutside(const Crossing &c, const HeightField &field) {
+    const auto outside = [](int offset, int size) { return offset <= -size || offset >= size; };
+    return outside(c.x[0], field.width) || outside(c.x[1], field.width) || outside(c.y[0], field.height) ||
+           outside(c.y[1], field.height);
+}
+
+int Wrapped(int offset, int size) {
+    return (offset % size + size) % size;
+}
+
+Azimuth AzimuthOf(double angle, float reach, const HeightField &field) {
+    Azimuth azimuth{float(std::cos(angle)), float(std::sin(angle))};
+    auto &crossings = azimuth.crossings = CrossingsOf(azimuth.s, azimuth.t, reach);
+    if (!field.tiles)
+        std::erase_if(crossings, [&](const Crossing &c) { return IsOutside(c, field); });
+    for (std::size_t i = 0; i < crossings.size(); i += kRun) {
+        Run run{i, std::min(i + kRun, crossings.size()), crossings[i].x[0], crossings[i].y[0]};
+        for (std::size_t k = run.begin; k < run.end; ++k) {
+            run.x = std::min({run.x, crossings[k].x[0], crossings[k].x[1]});
+            run.y = std::min({run.y, crossings[k].y[0], crossings[k].y[1]});
+        }
+        if (field.tiles)
+            run.x = Wrapped(run.x, field.width), run.y = Wrapped(run.y, field.height);
+        azimuth.runs.push_back(run);
+    }
     if (field.tiles)
         for (Crossing &c : crossings)
-            for (std::size_t k = 0; k < 2; ++k) {
-                c.x[k] = (c.x[k] % field.width + field.width) % field.width;
-                c.y[k] = (c.y[k] % field.height + field.height) % field.height;
-            }
-    else
-        std::erase_if(crossings, [&](const Crossing &c) {
-            const auto outside = [](int offset, int size) { return offset <= -size || offset >= size; };
-            return outside(c.x[0], field.width) || outside(c.x[1], field.width) || outside(c.y[0], field.height) ||
-                   outside(c.y[1], field.height);
-        });
-    return crossings;
+            for (std::size_t k = 0; k < 2; ++k)
+                c.x[k] = Wrapped(c.x[k], field.width), c.y[k] = Wrapped(c.y[k], field.height);
+    return azimuth;
 }
 
 /// What all texels share.
 struct Horizons {
-    Horizons(const HeightField &field_, int rays) : field(field_), rows(field_) {
+    Horizons(const HeightField &field_, int rays) : field(field_), rows(field_), bounds(field_) {
         const auto [low, high] = std::ranges::minmax(field.heights);
         highest = high;
         slack = kSlack + 1e-6f * (high - low);
         const float reach = std::min((high - low) / kLeastSlope, kMaxReach);
-        for (int i = 0; i < rays; ++i) {
-            // Between the axes, along which many textures have edges; mirror images have mirrored rays.
-            const double angle = 2 * std::numbers::pi * (i + 0.5) / rays;
-            const float s = float(std::cos(angle)), t = float(std::sin(angle));
-            azimuths.push_back({s, t, CrossingsOf(s, t, reach, field)});
-        }
+        // Between the axes, along which many textures have edges; mirror images have mirrored rays.
+        for (int i = 0; i < rays; ++i)
+            azimuths.push_back(AzimuthOf(2 * std::numbers::pi * (i + 0.5) / rays, reach, field));
     }
 
     const HeightField &field;
     PaddedRows rows;
+    HeightBounds bounds;
     float highest = 0, slack = 0;
     std::vector<Azimuth> azimuths{};
 };
@@ -136,28 +199,48 @@ inline const float *HeightsAt(const Horizons &in, const Block &block, int x, int
     return in.rows.Row(row) + block.x + x;
 }
 
+inline float BoundOf(const Horizons &in, const Block &block, const Run &run) {
+    int x = block.x + run.x, y = block.y + run.y;
+    if (in.field.tiles)
+        x -= x >= in.field.width ? in.field.width : 0, y -= y >= in.field.height ? in.field.height : 0;
+    return in.bounds.From(x, y);
+}
+
+/// Whether a height at that distance would rise above the horizon of any lane.
+inline bool Rises(const Block &block, float height, float distance) {
+    int count = 0;
+    for (int k = 0; k < kLanes; ++k) {
+        const auto lane = std::size_t(k);
+        count += height - block.height[lane] > block.horizon[lane] * distance ? 1 : 0;
+    }
+    return count > 0;
+}
+
+/// Raises the horizon to heights a + (b - a) weight at that distance.
+inline void RaiseHorizon(const float *a, const float *b, float weight, float distance, Block &block) {
+    const float inverse = 1 / distance;
+    Q3_INDEPENDENT
+    for (int k = 0; k < kLanes; ++k) {
+        const auto lane = std::size_t(k);
+        const float slope = (a[k] + (b[k] - a[k]) * weight - block.height[lane]) * inverse;
+        block.horizon[lane] = slope > block.horizon[lane] * kRaise ? slope : block.horizon[lane];
+    }
+}
+
 /// Raises the horizon to the steepest slope along the azimuth.
 Q3_VECTOR void FindHorizon(const Horizons &in, const Azimuth &azimuth, Block &block) {
-    for (std::size_t i = 0; i < azimuth.crossings.size(); ++i) {
-        const Crossing &c = azimuth.crossings[i];
-        if (i % kCheckSteps == 0) { // does the highest height at this distance or beyond rise above any horizon?
-            int count = 0;
-            for (int k = 0; k < kLanes; ++k) {
-                const auto lane = std::size_t(k);
-                count += in.highest - block.height[lane] > block.horizon[lane] * c.distance ? 1 : 0;
-            }
-            if (count == 0)
+    for (const Run &run : azimuth.runs) {
+        const float distance = azimuth.crossings[run.begin].distance;
+        if (!Rises(block, BoundOf(in, block, run), distance)) {
+            if (!Rises(block, in.highest, distance))
                 return;
-        }
-        const float *a = HeightsAt(in, block, c.x[0], c.y[0]), *b = HeightsAt(in, block, c.x[1], c.y[1]);
-        if (!a || !b)
             continue;
-        const float inverse = 1 / c.distance, weight = c.weight;
-        Q3_INDEPENDENT
-        for (int k = 0; k < kLanes; ++k) {
-            const auto lane = std::size_t(k);
-            const float slope = (a[k] + (b[k] - a[k]) * weight - block.height[lane]) * inverse;
-            block.horizon[lane] = slope > block.horizon[lane] * kRaise ? slope : block.horizon[lane];
+        }
+        for (std::size_t i = run.begin; i < run.end; ++i) {
+            const Crossing &c = azimuth.crossings[i];
+            const float *a = HeightsAt(in, block, c.x[0], c.y[0]), *b = HeightsAt(in, block, c.x[1], c.y[1]);
+            if (a && b)
+                RaiseHorizon(a, b, c.weight, c.distance, block);
         }
     }
 }
@@ -171,22 +254,40 @@ inline float IntegralAbove(float slope, float bAlong, float bUp, float nAlong, f
            bUp * nUp * (1.0f / 3 - sine3);
 }
 
+/// Adds to `sum` the integrals of a lobe above slopes.
+inline void AddAbove(const Lanes &slopes, std::size_t lobe, const Azimuth &azimuth, const Block &block, Lanes &sum) {
+    const Vec3f &b = kBumpBasis[lobe];
+    const float along = b.x * azimuth.s + b.y * azimuth.t, lobeEdge = along < 0 ? -along / b.z : 0;
+    Q3_INDEPENDENT
+    for (int k = 0; k < kLanes; ++k) {
+        const auto lane = std::size_t(k);
+        // A common factor of the normal cancels out.
+        const float normalAlong = -(block.gradientS[lane] * azimuth.s + block.gradientT[lane] * azimuth.t);
+        const float slope = slopes[lane] > lobeEdge ? slopes[lane] : lobeEdge;
+        sum[lane] += IntegralAbove(slope, along, b.z, normalAlong, 1);
+    }
+}
+
 /// Adds what is seen above the horizon of the azimuth, and what there is above the tangent plane.
 Q3_VECTOR void AddLobes(const Horizons &in, const Azimuth &azimuth, Block &block) {
-    for (std::size_t i = 0; i < 3; ++i) {
-        const float along = kBumpBasis[i].x * azimuth.s + kBumpBasis[i].y * azimuth.t, up = kBumpBasis[i].z;
-        const float lobeEdge = along < 0 ? -along / up : 0;
-        Lanes &visible = block.visible[i], &whole = block.whole[i];
-        Q3_INDEPENDENT
-        for (int k = 0; k < kLanes; ++k) {
-            const auto lane = std::size_t(k);
-            // A common factor of the normal cancels out.
-            const float nAlong = -(block.gradientS[lane] * azimuth.s + block.gradientT[lane] * azimuth.t);
-            const float tangent = block.tangent[lane];
-            const float horizon = block.horizon[lane] > tangent + in.slack ? block.horizon[lane] : tangent;
-            whole[lane] += IntegralAbove(tangent > lobeEdge ? tangent : lobeEdge, along, up, nAlong, 1);
-            visible[lane] += IntegralAbove(horizon > lobeEdge ? horizon : lobeEdge, along, up, nAlong, 1);
-        }
+    int blocked = 0;
+    for (int k = 0; k < kLanes; ++k) {
+        const auto lane = std::size_t(k);
+        const bool rises = block.horizon[lane] > block.tangent[lane] + in.slack;
+        block.horizon[lane] = rises ? block.horizon[lane] : block.tangent[lane];
+        blocked += rises ? 1 : 0;
+    }
+    for (std::size_t lobe = 0; lobe < 3; ++lobe) {
+        alignas(64) Lanes whole{};
+        AddAbove(block.tangent, lobe, azimuth, block, whole);
+        Lanes &visible = block.visible[lobe], &sum = block.whole[lobe];
+        for (std::size_t k = 0; k < kLanes; ++k)
+            sum[k] += whole[k];
+        if (blocked > 0)
+            AddAbove(block.horizon, lobe, azimuth, block, visible);
+        else
+            for (std::size_t k = 0; k < kLanes; ++k)
+                visible[k] += whole[k];
     }
 }
 
