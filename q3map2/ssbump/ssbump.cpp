@@ -256,7 +256,7 @@ inline float IntegralAbove(float slope, float bAlong, float bUp, float nAlong, f
 
 /// Adds to `sum` the integrals of a lobe above slopes.
 inline void AddAbove(const Lanes &slopes, std::size_t lobe, const Azimuth &azimuth, const Block &block, Lanes &sum) {
-    const Vec3f &b = kBumpBasis[lobe];
+    const Vec3f &b = kRnmBasis[lobe];
     const float along = b.x * azimuth.s + b.y * azimuth.t, lobeEdge = along < 0 ? -along / b.z : 0;
     Q3_INDEPENDENT
     for (int k = 0; k < kLanes; ++k) {
@@ -335,7 +335,7 @@ void BumpOfBlock(const Horizons &in, Block &block, Vec3f *out) {
         const auto lane = std::size_t(k);
         const Vec3f normal = NormalOf({block.gradientS[lane], block.gradientT[lane]});
         for (std::size_t i = 0; i < 3; ++i) {
-            const float whole = block.whole[i][lane], facing = Dot(kBumpBasis[i], normal);
+            const float whole = block.whole[i][lane], facing = Dot(kRnmBasis[i], normal);
             out[k][i] = facing > 0 && whole > 0 ? facing * (block.visible[i][lane] / whole) : 0;
         }
     }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/jobs.h"
-#include "libs/math/bump_basis.h"
+#include "libs/math/rnm_basis.h"
 #include "q3map2/ssbump/height_field.h"
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace q3 {
 
-/// For each texel with unit normal n the three channels max(0, b_i.n) V_i, 0 to 1; b_i: kBumpBasis. V_i is the share of
+/// For each texel with unit normal n the three channels max(0, b_i.n) V_i, 0 to 1; b_i: kRnmBasis. V_i is the share of
 /// the light that no height blocks: an integral of max(0, b_i.w) max(0, n.w) over the visible directions w above the
 /// plane of the texture, divided by that over all of these. Exactly 1 where nothing is in the way.
 ///

@@ -2,16 +2,11 @@
 // McTaggart, Half-Life 2 / Valve Source Shading, 2004.
 #pragma once
 
-#include "libs/math/vec.h"
+#include "libs/math/rnm_basis.h"
 
 #include <array>
 
 namespace q3 {
-
-/// Basis in tangent space: x along the texture coordinate s, y along t (down the image), z the normal. Orthonormal.
-inline constexpr std::array<Vec3f, 3> kRnmBasis = {Vec3f{0.816496581f, 0, 0.577350269f},
-                                                   Vec3f{-0.408248290f, 0.707106781f, 0.577350269f},
-                                                   Vec3f{-0.408248290f, -0.707106781f, 0.577350269f}};
 
 /// Lit values of the three basis vectors as normals, RGB, unit scale.
 struct RnmLight {

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. What is kept of the directions that light comes from, beside the light on a luxel's own normal.
 #include "q3map2/lightmap/raw/directional_channels.h"
 
+#include "libs/math/rnm_basis.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -13,9 +15,10 @@ BasisNormals BasisNormalsOf(const Vec3f &normal, const LuxelTangent &tangent) {
         across = Cross(normal, std::abs(normal.z) > 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1});
     across = Normalize(across);
     const Vec3f s = Cross(across, normal), t = across * tangent.side;
-    const float up = std::sqrt(1.0f / 3), along = std::sqrt(1.0f / 6), aside = std::sqrt(0.5f);
-    return {s * std::sqrt(2.0f / 3) + normal * up, -s * along + t * aside + normal * up,
-            -s * along - t * aside + normal * up};
+    BasisNormals normals;
+    for (std::size_t i = 0; i < normals.size(); ++i)
+        normals[i] = s * kRnmBasis[i].x + t * kRnmBasis[i].y + normal * kRnmBasis[i].z;
+    return normals;
 }
 
 ChannelWeights WeightsOf(const Vec3f &w, const DirectionalChannels &channels, const BasisNormals *basis) {

@@ -49,8 +49,7 @@ struct LuxelTangent {
     float side = 1; ///< 1, or -1 where the texture is mirrored: t grows against normal x s
 };
 
-/// The basis normals b_i = (sqrt(2/3), 0, 1/sqrt 3), (-1/sqrt 6, +-1/sqrt 2, 1/sqrt 3) in the frame of s, t and the
-/// normal. A tangent along the normal gives an arbitrary frame.
+/// kRnmBasis in the frame of s, t and the normal. A tangent along the normal gives an arbitrary frame.
 BasisNormals BasisNormalsOf(const Vec3f &normal, const LuxelTangent &tangent);
 
 /// Weights of light 1 from the unit vector `w` in all channels. basis: null without these channels.

@@ -1,16 +1,14 @@
 // GPL-2.0-or-later. Normal mapping: q3map_normalImage, q3map_ssbumpImage.
 #include "q3map2/lightmap/raw/luxel_normal.h"
 
-#include "libs/math/bump_basis.h"
+#include "libs/math/rnm_basis.h"
+#include "q3map2/lightmap/raw/texture_axes.h"
 
 #include <cmath>
 
 namespace q3 {
 
 namespace {
-
-/// Triangles with less area in texture space, in textures squared, have no usable tangents.
-constexpr float kLeastArea = 1e-8f;
 
 int NearestTexel(float coordinate, int size) {
     const float fraction = coordinate - std::floor(coordinate);
@@ -21,16 +19,9 @@ int NearestTexel(float coordinate, int size) {
 
 NormalMap::NormalMap(const NormalImage &normals, const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c)
     : image_(normals.image.get()), ssbump_(normals.ssbump) {
-    const float s1 = b.st[0] - a.st[0], t1 = b.st[1] - a.st[1], s2 = c.st[0] - a.st[0], t2 = c.st[1] - a.st[1];
-    const float area = s1 * t2 - s2 * t1;
-    if (!(std::abs(area) >= kLeastArea)) {
-        image_ = nullptr;
-        return;
-    }
-    const Vec3f ab = b.xyz - a.xyz, ac = c.xyz - a.xyz;
-    s_ = Normalize((ab * t2 - ac * t1) / area);
-    t_ = Normalize((ac * s1 - ab * s2) / area);
-    if (!IsFinite(s_) || !IsFinite(t_))
+    if (const auto axes = TextureAxesOf(a, b, c))
+        s_ = axes->s, t_ = axes->t;
+    else
         image_ = nullptr;
 }
 
@@ -40,8 +31,8 @@ Vec3f NormalMap::Perturbed(const SurfaceVertex &v) const {
     Vec3f bent = v.normal + s_ * signedOf(texel[0]) + t_ * signedOf(texel[1]) + v.normal * signedOf(texel[2]);
     if (ssbump_) {
         Vec3f sum;
-        for (std::size_t i = 0; i < kBumpBasis.size(); ++i)
-            sum += kBumpBasis[i] * float(texel[i]);
+        for (std::size_t i = 0; i < kRnmBasis.size(); ++i)
+            sum += kRnmBasis[i] * float(texel[i]);
         bent = s_ * sum.x + t_ * sum.y + v.normal * sum.z;
     }
     bent = Normalize(bent);

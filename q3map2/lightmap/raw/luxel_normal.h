@@ -14,7 +14,7 @@ class NormalMap {
     bool Active() const { return image_ != nullptr; }
     /// The vertex normal perturbed by the nearest texel. q3map_normalImage: Normalize(N + S s + T t + N n), components
     /// s, t, n in [-1, 1] from red, green, blue. q3map_ssbumpImage: Normalize(S x + T y + N z), with (x, y, z) the sum
-    /// of the basis vectors of libs/math/bump_basis.h times the channels; N where all are black.
+    /// of the basis vectors of libs/math/rnm_basis.h times the channels; N where all are black.
     Vec3f Perturbed(const SurfaceVertex &v) const;
 
   private:

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The basis of radiosity normal mapping.
+// GPL-2.0-or-later. The basis of radiosity normal mapping. McTaggart, Half-Life 2 / Valve Source Shading, 2004.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -9,7 +9,7 @@ namespace q3 {
 
 /// Orthonormal directions in tangent space: x along the texture coordinate s, y along t (down the image), z off the
 /// surface. All rise 35.26 degrees from it, 120 degrees apart.
-inline constexpr std::array<Vec3f, 3> kBumpBasis{{{0.81649658f, 0, 0.57735027f},
+inline constexpr std::array<Vec3f, 3> kRnmBasis{{{0.81649658f, 0, 0.57735027f},
                                                   {-0.40824829f, 0.70710678f, 0.57735027f},
                                                   {-0.40824829f, -0.70710678f, 0.57735027f}}};
 
