@@ -27,6 +27,11 @@ std::vector<Bytes> AllLayouts() {
     bsp.gridSHContainer = GridSHContainer::Bspx;
     bsp.bspx = {{"FOREIGN", Bytes(6, std::byte(1))}};
     files.push_back(WriteBsp(bsp, kQuakeLive));
+    bsp.vertexE5bgr9.assign(bsp.drawVerts.size(), 7);
+    bsp.rnm = RnmLightmaps{.header = {.side = 2, .pageCount = 1}, .pages = {{3, {}}}};
+    for (std::vector<std::uint32_t> &map : bsp.rnm->pages[0].maps)
+        map.assign(4, 9);
+    files.push_back(WriteBsp(bsp, kQuakeLive));
     return files;
 }
 
