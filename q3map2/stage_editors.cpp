@@ -75,7 +75,7 @@ int EditorFilesStage(const StageContext &context, Arguments arguments) {
     for (const EditorFile &file : EditorFiles(builds, *context.options.game, VersionAsNumber())) {
         const fs::path path = fs::absolute(folders.front()) / file.path;
         context.log.Print("Writing {}\n", path.string());
-        fs::create_directories(path.parent_path());
+        MakeFolder(path.parent_path());
         ReplaceTextFile(path, file.text);
     }
     return 0;

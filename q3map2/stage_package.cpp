@@ -54,10 +54,7 @@ EngineScripts LoadScripts(const PackageSource &source, const Game &game, Log &lo
 fs::path OutputFolder(const StageContext &context, const PackOptions &options) {
     if (!options.folder.empty()) {
         const fs::path folder = fs::absolute(options.folder);
-        std::error_code failed;
-        fs::create_directories(folder, failed);
-        if (failed)
-            throw Error("-outdir {}: the folder cannot be made: {}", options.folder, failed.message());
+        MakeFolder(folder);
         return folder;
     }
     return BasePaths(context.options, context.words, context.program).front();

@@ -122,6 +122,13 @@ void ReplaceFile(const fs::path &path, std::span<const std::byte> data) {
     file.Commit();
 }
 
+void MakeFolder(const std::filesystem::path &folder) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    if (failed)
+        throw Error("{}: cannot make this folder: {}", folder.string(), failed.message());
+}
+
 void ReplaceTextFile(const fs::path &path, std::string_view text) {
     ReplaceFile(path, std::as_bytes(std::span(text)));
 }

@@ -133,10 +133,7 @@ void WriteMinimap(const Bsp &bsp, const std::filesystem::path &bspPath, ShaderLi
                   const MinimapOptions &options, const MinimapStyle &style, const JobPool &jobs, Log &log) {
     const Minimap minimap = DrawMinimap(bsp, library, options, style, jobs, log);
     auto path = options.Output(style, bspPath);
-    std::error_code failed;
-    std::filesystem::create_directories(path.parent_path(), failed);
-    if (failed)
-        throw Error("{}: cannot make this folder: {}", path.parent_path().string(), failed.message());
+    MakeFolder(path.parent_path());
     log.Print("Writing {}\n", path.string());
     ReplaceFile(path, MinimapTga(minimap.image, options.Pixels(style)));
     if (!style.sidecar)

@@ -32,7 +32,7 @@ class NeedsOfMap {
         }
         for (const bspFog_t &fog : bsp_.fogs)
             needs_.shaders.Add(FieldName(fog.shader), fmt::format("a fog of {}", name_));
-        if (!bsp_.lightmaps.empty())
+        if (!bsp_.lightmaps.empty() || !bsp_.lightmapsE5bgr9.empty())
             return;
         for (int page = 0; page < pages; ++page)
             needs_.externalPages.Add(fmt::format("maps/{}/lm_{:04}.tga", name_, page),

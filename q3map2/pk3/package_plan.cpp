@@ -238,11 +238,16 @@ void Planner::List() const {
     print("models", needs_.models);
 }
 
-/// Whether a file of a map's folder is a lightmap: lm_NNNN and the extension of an image.
-bool IsLightmapPage(const fs::path &file) {
-    const std::string stem = LowerCase(file.stem().string()), extension = LowerCase(file.extension().string());
-    return stem.starts_with("lm_") && WholeInteger(stem.substr(3)).has_value() &&
-           (extension == ".tga" || extension == ".jpg" || extension == ".png");
+/// Whether engines load a file of a map's folder as its light: images lm_NNNN, perhaps with more in the name, HDR light
+/// of vertices, and the file that describes directional lightmaps.
+bool IsLightFile(const fs::path &file) {
+    const std::string name = LowerCase(file.filename().string());
+    if (name == "vertlight.raw" || name == "lightmass.json")
+        return true;
+    constexpr std::array<std::string_view, 4> kImages = {".tga", ".jpg", ".png", ".hdr"};
+    const std::string stem = fs::path(name).stem().string();
+    return stem.starts_with("lm_") && WholeInteger(stem.substr(3, stem.find('_', 3) - 3)).has_value() &&
+           std::ranges::find(kImages, fs::path(name).extension().string()) != kImages.end();
 }
 
 } // namespace
@@ -264,14 +269,15 @@ void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const
     std::error_code failed;
     for (fs::directory_iterator at(bspPath.parent_path() / name, failed), end; !failed && at != end;
          at.increment(failed))
-        if (IsLightmapPage(at->path()))
+        if (IsLightFile(at->path()))
             pages.push_back(at->path());
     std::ranges::sort(pages);
     for (const fs::path &page : pages)
         plan.Add(fmt::format("maps/{}/{}", name, page.filename().string()), page);
     for (const Wanted &page : externalPages.All()) {
         const auto stem = fs::path(page.name).stem();
-        const bool isBeside = std::ranges::any_of(pages, [&](const fs::path &p) { return p.stem() == stem; });
+        const bool isBeside =
+            std::ranges::any_of(pages, [&](const fs::path &p) { return p.stem() == stem && p.extension() != ".hdr"; });
         if (isBeside || !StartsWithNoCase(page.name, fmt::format("maps/{}/", name)))
             continue;
         if (source.Find(page.name) == Whereabouts::Here)

@@ -71,7 +71,7 @@ TEST_F(PackageProgramTest, BadLevelsAndOtherFoldersOfThePackage) {
     const std::filesystem::path out = folder_ / "new/out"; // made when it is not there
     Run("-pk3 -outdir " + out.string() + " MAP");
     EXPECT_FALSE(std::filesystem::is_empty(out));
-    ExpectError("-pk3 -outdir " + Map(".map").string() + " MAP", "the folder cannot be made");
+    ExpectError("-pk3 -outdir " + Map(".map").string() + " MAP", "cannot make this folder");
 }
 
 TEST_F(PackageProgramTest, RepackStripsScripts) {

@@ -133,10 +133,7 @@ class Unpacker {
 } // namespace
 
 void UnpackJson(const Bsp &bsp, const Game &game, const fs::path &folder, Log &log) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error)
-        throw Error("{}: cannot make the folder: {}", folder.string(), error.message());
+    MakeFolder(folder);
     Unpacker(bsp, game, folder, log).Run();
 }
 

@@ -105,7 +105,7 @@ class HdrFileWriter {
 
     void Write(const std::string &name, const std::vector<std::byte> &bytes) {
         if (written_++ == 0)
-            std::filesystem::create_directories(folder_);
+            MakeFolder(folder_);
         ReplaceFile(folder_ / name, bytes);
     }
 

@@ -13,13 +13,6 @@ namespace q3 {
 
 namespace {
 
-void MakeFolder(const std::filesystem::path &folder) {
-    std::error_code failed;
-    std::filesystem::create_directories(folder, failed);
-    if (failed)
-        throw Error("{}: cannot make this folder: {}", folder.string(), failed.message());
-}
-
 std::filesystem::path PageFile(const std::filesystem::path &folder, int number) {
     return folder / fmt::format("lm_{:04}.tga", number);
 }

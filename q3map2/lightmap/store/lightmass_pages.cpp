@@ -162,6 +162,7 @@ void WriteLightmass(const std::filesystem::path &folder, std::string_view mapNam
                     Log &log) {
     if (all.pages.empty())
         return;
+    MakeFolder(folder);
     Json pages = Json::array(), places = Json::array();
     std::size_t written = 0;
     for (const LightmassPage &page : all.pages) {
