@@ -31,7 +31,9 @@ std::vector<std::byte> EncodeRend2Hdr(const FloatImage &page);
 /// Errors: those of DecodeHdr.
 FloatImage DecodeRend2Hdr(std::span<const std::byte> file, std::string_view name);
 
-/// Full light in vertlight.raw.
+/// Name of the file of vertex light.
+inline constexpr std::string_view kVertexLightFile = "vertlight.raw";
+/// Full light in it.
 inline constexpr float kIoquake3VertexScale = 255, kRend2VertexScale = 1;
 /// maps/NAME/vertlight.raw: three little-endian floats for each draw vertex, light times `fullLight`.
 std::vector<std::byte> EncodeVertexLight(std::span<const Vec3f> light, float fullLight);

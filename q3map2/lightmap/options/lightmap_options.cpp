@@ -61,7 +61,7 @@ LightmapOptions ParseLightmapOptions(Arguments &arguments, const LightOptions &l
     ApplyPageSizes(o, log);
     if (o.show != DebugView::Light || o.debugNormals)
         o.rnm = o.rnmAll = o.lightmass = false;
-    const bool forEngines = o.hdrFiles == HdrFiles::Radiance || o.hdrFiles == HdrFiles::Ioquake3;
+    const bool forEngines = o.hdrFiles == HdrFiles::Rend2 || o.hdrFiles == HdrFiles::Ioquake3;
     if (forEngines && !o.ldr) {
         log.Warn("HDR files", "engines load HDR files beside 8-bit lightmaps only, which are stored too");
         o.ldr = true;

@@ -19,10 +19,10 @@ inline constexpr int kMaxPageSide = 8192;
 /// A form of the image files with HDR lightmaps, -hdrfiles.
 enum class HdrFiles {
     None,
-    Radiance,  ///< .hdr as OpenJK's rend2 reads it
-    Ioquake3,  ///< .hdr as the second renderers of ioquake3 and Quake3e read it
-    OpenExr,   ///< .exr
-    Pfm        ///< .pfm
+    Rend2,    ///< .hdr, Radiance, as OpenJK's rend2 reads it
+    Ioquake3, ///< .hdr as the second renderers of ioquake3 and Quake3e read it
+    OpenExr,  ///< .exr
+    Pfm       ///< .pfm
 };
 
 /// What luxels show instead of light: the -debug... options.

@@ -299,7 +299,7 @@ Group Encodings() {
         return Do<LightmapOptions>([=](LightmapOptions &o, const Values &) { o.ldr = ldr, o.hdr = hdr; });
     };
     const auto files = [](LightmapOptions &o, const Values &v) {
-        constexpr std::array<std::string_view, 4> kForms = {"radiance", "ioquake3", "exr", "pfm"};
+        constexpr std::array<std::string_view, 4> kForms = {"rend2", "ioquake3", "exr", "pfm"};
         const auto found = std::find(kForms.begin(), kForms.end(), v.words[0]);
         o.hdrFiles = HdrFiles(1 + (found - kForms.begin()));
         o.hdr = true;
@@ -311,41 +311,41 @@ Group Encodings() {
         o.shadowMaps.push_back(v.words[0]);
     };
     const auto storage = [](LightmapOptions &o, const Values &v) { o.rnmRescaled = v.words[0] == "rescaled"; };
-    return {"Range and direction of light",
-            "[directional.md](directional.md) describes and compares these forms.",
-            {{{.name = "-ldr", .help = "Store 8-bit lightmaps only; the default"}, range(true, false)},
-             {{.name = "-hdr", .help = "Store HDR lightmaps and vertex light only, in BSPX lumps"}, range(false, true)},
-             {{.name = "-both", .help = "Store 8-bit and HDR lightmaps"}, range(true, true)},
-             {{.name = "-hdrfiles",
-               .values = "radiance|ioquake3|exr|pfm",
-               .kind = SettingKind::Choice,
-               .initial = "none",
-               .help = "Also write HDR pages as images x/lm_NNNN and, for engines, x/vertlight.raw; includes -both"},
-              Do<LightmapOptions>(files)},
-             {{.name = "-rnm",
-               .help = "Radiosity normal mapping: store light for three basis normals of normal mapped surfaces",
-               .details = "`q3map_rnm` and `q3map_noRnm` in a shader decide; else surfaces count whose shader names a "
-                          "normal map, or has an image `NAME_n`, `NAME_norm` or `NAME_local` beside its image."},
-              &LightmapOptions::rnm},
-             {{.name = "-rnmall", .help = "The same for all surfaces with lightmaps"}, Do<LightmapOptions>(rnmAll)},
-             {{.name = "-rnmstorage",
-               .values = "raw|rescaled",
-               .kind = SettingKind::Choice,
-               .initial = "rescaled",
-               .help = "Store the light itself, or rescaled so that the mean of the three maps is the flat lightmap"},
-              Do<LightmapOptions>(storage)},
-             {{.name = "-lightmass",
-               .help = "Also write L1 SH lightmaps in the layout of Unreal's Lightmass as images with a JSON file"},
-              &LightmapOptions::lightmass},
-             {{.name = "-skyocclusion",
-               .help = "Also store from which direction the sky is seen; includes -lightmass"},
-              Do<LightmapOptions>(skyOcclusion)},
-             {{.name = "-shadowmap",
-               .values = "LIGHT",
-               .kind = SettingKind::Text,
-               .initial = "none",
-               .help = "Also store the visibility of the light of that targetname; may be repeated; includes -lightmass"},
-              Do<LightmapOptions>(shadowMap)}}};
+    return {
+        "Range and direction of light",
+        "[directional.md](directional.md) describes and compares these forms.",
+        {{{.name = "-ldr", .help = "Store 8-bit lightmaps only; the default"}, range(true, false)},
+         {{.name = "-hdr", .help = "Store HDR lightmaps and vertex light only, in BSPX lumps"}, range(false, true)},
+         {{.name = "-both", .help = "Store 8-bit and HDR lightmaps"}, range(true, true)},
+         {{.name = "-hdrfiles",
+           .values = "rend2|ioquake3|exr|pfm",
+           .kind = SettingKind::Choice,
+           .initial = "none",
+           .help = "Also write HDR pages as images x/lm_NNNN and, for engines, x/vertlight.raw; includes -both"},
+          Do<LightmapOptions>(files)},
+         {{.name = "-rnm",
+           .help = "Radiosity normal mapping: store light for three basis normals of normal mapped surfaces",
+           .details = "`q3map_rnm` and `q3map_noRnm` in a shader decide; else surfaces count whose shader names a "
+                      "normal map, or has an image `NAME_n`, `NAME_norm` or `NAME_local` beside its image."},
+          &LightmapOptions::rnm},
+         {{.name = "-rnmall", .help = "The same for all surfaces with lightmaps"}, Do<LightmapOptions>(rnmAll)},
+         {{.name = "-rnmstorage",
+           .values = "raw|rescaled",
+           .kind = SettingKind::Choice,
+           .initial = "rescaled",
+           .help = "Store the light itself, or rescaled so that the mean of the three maps is the flat lightmap"},
+          Do<LightmapOptions>(storage)},
+         {{.name = "-lightmass",
+           .help = "Also write L1 SH lightmaps in the layout of Unreal's Lightmass as images with a JSON file"},
+          &LightmapOptions::lightmass},
+         {{.name = "-skyocclusion", .help = "Also store from which direction the sky is seen; includes -lightmass"},
+          Do<LightmapOptions>(skyOcclusion)},
+         {{.name = "-shadowmap",
+           .values = "LIGHT",
+           .kind = SettingKind::Text,
+           .initial = "none",
+           .help = "Also store the visibility of the light of that targetname; may be repeated; includes -lightmass"},
+          Do<LightmapOptions>(shadowMap)}}};
 }
 
 Group Packing() {
@@ -404,8 +404,8 @@ Group Debugging() {
 } // namespace
 
 std::vector<SettingGroup<LightmapOptions>> LightmapSettings() {
-    return {Samples(),  LuxelSize(), Normals(), Dirt(),    Bounces(),
-            Vertices(), Pages(),     Storing(), Encodings(), Packing(), Debugging()};
+    return {Samples(), LuxelSize(), Normals(),   Dirt(),    Bounces(),  Vertices(),
+            Pages(),   Storing(),   Encodings(), Packing(), Debugging()};
 }
 
 } // namespace q3

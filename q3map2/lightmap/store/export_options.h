@@ -9,7 +9,7 @@
 namespace q3 {
 
 struct ExportOptions {
-    std::string hdrFormat; ///< hdr, exr, pfm or exp32; empty: see ExportSettings
+    std::string hdrFormat; ///< a form of ExportHdrLight; empty: see ExportSettings
 };
 
 /// The options of -export and -import, declared.

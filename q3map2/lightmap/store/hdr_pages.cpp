@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "common/files/files.h"
-#include "common/image/float_image.h"
+#include "common/image/engine_hdr.h"
 #include "libs/math/packed_color.h"
 #include "q3map2/lightmap/store/exp32_json.h"
 
@@ -16,14 +16,38 @@ namespace q3 {
 
 namespace {
 
-constexpr std::string_view kExp32 = "exp32", kExp32Extension = "exp32.json";
-constexpr std::string_view kImportOrder[] = {"exr", "pfm", "hdr", kExp32};
+using Bytes = std::vector<std::byte>;
+
+/// A form of the files. Pictures of exr, pfm and hdr have the last row of the page on top, as those of ExportLightmaps.
+struct HdrForm {
+    std::string_view name, prefix, extension;
+    Bytes (*encode)(const FloatImage &page);
+    FloatImage (*decode)(std::span<const std::byte> file, std::string_view name);
+    float fullVertexLight = 0; ///< in vertlight.raw; 0: the form has no such file
+};
+
+constexpr HdrForm kForms[] = {
+    {"exr", "lightmap", "exr", [](const FloatImage &page) { return EncodeExr(FlippedRows(page)); },
+     [](std::span<const std::byte> file, std::string_view name) { return FlippedRows(DecodeExr(file, name)); }},
+    {"pfm", "lightmap", "pfm", [](const FloatImage &page) { return EncodePfm(FlippedRows(page)); },
+     [](std::span<const std::byte> file, std::string_view name) { return FlippedRows(DecodePfm(file, name)); }},
+    {"hdr", "lightmap", "hdr", [](const FloatImage &page) { return EncodeHdr(FlippedRows(page)); },
+     [](std::span<const std::byte> file, std::string_view name) { return FlippedRows(DecodeHdr(file, name)); }},
+    {"exp32", "lightmap", "exp32.json", EncodeExp32Json, DecodeExp32Json},
+    {"rend2", "lm", "hdr", EncodeRend2Hdr, DecodeRend2Hdr, kRend2VertexScale},
+    {"ioquake3", "lm", "hdr", EncodeIoquake3Hdr, DecodeIoquake3Hdr, kIoquake3VertexScale}};
+/// Those that -import looks for by itself: their names tell them apart.
+constexpr std::span<const HdrForm> kNamedForms(kForms, 4);
+
+const HdrForm &FormOf(std::string_view name) {
+    return *std::ranges::find(kForms, name, &HdrForm::name);
+}
 
 /// The codes of one image: a page, or a map of a basis vector.
 struct HdrPart {
     std::span<std::uint32_t> codes;
     int side = 0;
-    std::string name; ///< of its file, without extension
+    std::string name; ///< NNNN or NNNN_b1
 };
 
 std::vector<HdrPart> HdrParts(Bsp &bsp, int side) {
@@ -33,47 +57,51 @@ std::vector<HdrPart> HdrParts(Bsp &bsp, int side) {
         throw Error("the HDR lightmaps have {} texels, which are no pages of {} x {}", bsp.lightmapsE5bgr9.size(), side,
                     side);
     for (std::size_t i = 0; i * texels < bsp.lightmapsE5bgr9.size(); ++i)
-        parts.push_back(
-            {std::span(bsp.lightmapsE5bgr9).subspan(i * texels, texels), side, fmt::format("lightmap_{:04}", i)});
+        parts.push_back({std::span(bsp.lightmapsE5bgr9).subspan(i * texels, texels), side, fmt::format("{:04}", i)});
     if (bsp.rnm)
         for (RnmPage &page : bsp.rnm->pages)
             for (std::size_t i = 0; i < page.maps.size(); ++i)
-                parts.push_back({page.maps[i], int(bsp.rnm->header.side),
-                                 fmt::format("lightmap_{:04}_b{}", page.lightmapNum, i + 1)});
+                parts.push_back(
+                    {page.maps[i], int(bsp.rnm->header.side), fmt::format("{:04}_b{}", page.lightmapNum, i + 1)});
     return parts;
 }
 
-std::filesystem::path FileOfPart(const std::filesystem::path &folder, const HdrPart &part, std::string_view format) {
-    return folder / fmt::format("{}.{}", part.name, format == kExp32 ? kExp32Extension : format);
+std::filesystem::path FileOfPart(const std::filesystem::path &folder, const HdrPart &part, const HdrForm &form) {
+    return folder / fmt::format("{}_{}.{}", form.prefix, part.name, form.extension);
 }
 
-/// Pictures have the last row of the page on top, as those of ExportLightmaps; lists have row 0 first.
-std::vector<std::byte> EncodedPart(const HdrPart &part, std::string_view format) {
+FloatImage ImageOf(const HdrPart &part) {
     FloatImage image{part.side, part.side, {}};
     image.texels.reserve(part.codes.size());
     for (const std::uint32_t code : part.codes)
         image.texels.push_back(DecodeE5bgr9(code));
-    return format == kExp32 ? EncodeExp32Json(image) : FindFloatImageFormat(format)->encode(FlippedRows(image));
+    return image;
 }
 
-FloatImage DecodedPart(const std::filesystem::path &path, std::string_view format) {
-    const std::vector<std::byte> file = ReadFile(path);
-    return format == kExp32 ? DecodeExp32Json(file, path.string())
-                            : FlippedRows(FindFloatImageFormat(format)->decode(file, path.string()));
-}
-
-/// The format to read; empty: no file is there.
-std::string_view FormatThere(const std::filesystem::path &folder, const HdrPart &part, const std::string &format,
-                             Log &log) {
-    std::vector<std::string_view> there;
+/// The form whose file is there; null: none.
+const HdrForm *FormThere(const std::filesystem::path &folder, const HdrPart &part, const std::string &wanted,
+                         Log &log) {
+    const HdrForm *found = nullptr;
+    int count = 0;
     std::error_code ignored;
-    for (const std::string_view one : kImportOrder)
-        if ((format.empty() || one == format) && std::filesystem::exists(FileOfPart(folder, part, one), ignored))
-            there.push_back(one);
-    if (there.size() > 1)
+    for (const HdrForm &form : wanted.empty() ? kNamedForms : std::span<const HdrForm>(&FormOf(wanted), 1))
+        if (std::filesystem::exists(FileOfPart(folder, part, form), ignored)) {
+            ++count;
+            found = found ? found : &form;
+        }
+    if (count > 1)
         log.Warn("HDR lightmap images", "{} has images in {} formats: {} is taken; -hdrformat chooses", part.name,
-                 there.size(), there[0]);
-    return there.empty() ? std::string_view() : there[0];
+                 count, found->name);
+    return found;
+}
+
+void ImportVertexLight(const std::filesystem::path &path, float fullLight, Bsp &bsp, Log &log) {
+    std::error_code ignored;
+    if (bsp.vertexE5bgr9.empty() || !std::filesystem::exists(path, ignored))
+        return;
+    const std::vector<Vec3f> light = DecodeVertexLight(ReadFile(path), bsp.drawVerts.size(), fullLight, path.string());
+    std::ranges::transform(light, bsp.vertexE5bgr9.begin(), EncodeE5bgr9);
+    log.Print("Read the HDR light of {} vertices from {}\n", light.size(), path.string());
 }
 
 } // namespace
@@ -84,9 +112,14 @@ void ExportHdrLight(const Bsp &bsp, int side, const std::filesystem::path &folde
     light.lightmapsE5bgr9 = bsp.lightmapsE5bgr9;
     light.rnm = bsp.rnm;
     const std::vector<HdrPart> parts = HdrParts(light, side);
-    const std::string_view chosen = !format.empty() ? std::string_view(format) : HasOpenExr() ? "exr" : "pfm";
+    const HdrForm &form = FormOf(!format.empty() ? std::string_view(format) : HasOpenExr() ? "exr" : "pfm");
     for (const HdrPart &part : parts)
-        ReplaceFile(FileOfPart(folder, part, chosen), EncodedPart(part, chosen));
+        ReplaceFile(FileOfPart(folder, part, form), form.encode(ImageOf(part)));
+    if (form.fullVertexLight > 0 && !bsp.vertexE5bgr9.empty()) {
+        std::vector<Vec3f> vertices(bsp.vertexE5bgr9.size());
+        std::ranges::transform(bsp.vertexE5bgr9, vertices.begin(), DecodeE5bgr9);
+        ReplaceFile(folder / kVertexLightFile, EncodeVertexLight(vertices, form.fullVertexLight));
+    }
     if (!parts.empty())
         log.Print("Wrote {} HDR lightmaps to {}\n", parts.size(), folder.string());
 }
@@ -95,11 +128,11 @@ void ImportHdrLight(Bsp &bsp, int side, const std::filesystem::path &folder, con
     const std::vector<HdrPart> parts = HdrParts(bsp, side);
     std::size_t replaced = 0;
     for (const HdrPart &part : parts) {
-        const std::string_view found = FormatThere(folder, part, format, log);
-        if (found.empty())
+        const HdrForm *form = FormThere(folder, part, format, log);
+        if (!form)
             continue;
-        const auto path = FileOfPart(folder, part, found);
-        const FloatImage image = DecodedPart(path, found);
+        const auto path = FileOfPart(folder, part, *form);
+        const FloatImage image = form->decode(ReadFile(path), path.string());
         if (image.width != part.side || image.height != part.side) {
             log.Warn("lightmap image size", "{}: {} x {}, expected {} x {}; this lightmap stays", path.string(),
                      image.width, image.height, part.side, part.side);
@@ -110,6 +143,8 @@ void ImportHdrLight(Bsp &bsp, int side, const std::filesystem::path &folder, con
     }
     if (!parts.empty())
         log.Print("Read {} of {} HDR lightmaps from {}\n", replaced, parts.size(), folder.string());
+    if (const float full = format.empty() ? 0 : FormOf(format).fullVertexLight; full > 0)
+        ImportVertexLight(folder / kVertexLightFile, full, bsp, log);
 }
 
 } // namespace q3

@@ -49,7 +49,7 @@ class HdrFileWriter {
   public:
     HdrFileWriter(const std::filesystem::path &folder, const LightmapOptions &options, Log &log)
         : folder_(folder), options_(options),
-          form_(options.hdrFiles == HdrFiles::None ? HdrFiles::Radiance : options.hdrFiles), log_(log) {}
+          form_(options.hdrFiles == HdrFiles::None ? HdrFiles::Rend2 : options.hdrFiles), log_(log) {}
 
     void WritePage(const LightmapPage &page) {
         const bool wanted = page.external || options_.hdrFiles != HdrFiles::None;
@@ -68,10 +68,10 @@ class HdrFileWriter {
     }
 
     void WriteVertices(const std::vector<Vec3f> &light) {
-        if (options_.hdrFiles == HdrFiles::Radiance)
-            Write("vertlight.raw", EncodeVertexLight(light, kRend2VertexScale));
+        if (options_.hdrFiles == HdrFiles::Rend2)
+            Write(std::string(kVertexLightFile), EncodeVertexLight(light, kRend2VertexScale));
         if (options_.hdrFiles == HdrFiles::Ioquake3)
-            Write("vertlight.raw", EncodeVertexLight(light, kIoquake3VertexScale));
+            Write(std::string(kVertexLightFile), EncodeVertexLight(light, kIoquake3VertexScale));
     }
 
     void Report() const {
@@ -98,7 +98,7 @@ class HdrFileWriter {
                       kIoquake3PageSide, kIoquake3PageSide, page.width, page.height);
             return;
         case HdrFiles::None:
-        case HdrFiles::Radiance:
+        case HdrFiles::Rend2:
             return Write(name + ".hdr", EncodeRend2Hdr(image));
         }
     }
@@ -118,9 +118,9 @@ class HdrFileWriter {
 
 /// Files of an earlier run that engines would load with the new map.
 void WarnOfOldFiles(const std::filesystem::path &folder, const LightmapOptions &options, Log &log) {
-    if (options.hdrFiles == HdrFiles::Radiance || options.hdrFiles == HdrFiles::Ioquake3)
+    if (options.hdrFiles == HdrFiles::Rend2 || options.hdrFiles == HdrFiles::Ioquake3)
         return;
-    for (const std::string_view name : {"lm_0000.hdr", "vertlight.raw"}) {
+    for (const std::string_view name : {std::string_view("lm_0000.hdr"), kVertexLightFile}) {
         std::error_code ignored;
         if (std::filesystem::exists(folder / name, ignored))
             log.Warn("old HDR light", "{}: left by an earlier run; engines may load it with this map",
