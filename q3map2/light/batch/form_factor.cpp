@@ -31,8 +31,8 @@ Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec
 }
 
 Q3_VECTOR void FormFactorVectors(const Lanes3 &p, std::span<const Vec3f> polygon, Lanes3 &v) {
-    v = {};
-    Lanes3 u;
+    Lanes3 u, sum{}; // a sum apart from `v`, which could overlap what is read
+
     Vec3f last = polygon.empty() ? Vec3f{} : polygon.back();
     for (const std::size_t i : kEachLane)
         u.x[i] = last.x - p.x[i], u.y[i] = last.y - p.y[i], u.z[i] = last.z - p.z[i];
@@ -46,10 +46,11 @@ Q3_VECTOR void FormFactorVectors(const Lanes3 &p, std::span<const Vec3f> polygon
             const float cx = uy * edge.z - uz * edge.y, cy = uz * edge.x - ux * edge.z, cz = ux * edge.y - uy * edge.x;
             const float sine = std::sqrt(cx * cx + cy * cy + cz * cz), cosine = ux * vx + uy * vy + uz * vz;
             const float angle = EdgeTerm(sine, cosine, kScale);
-            v.x[i] += angle * cx, v.y[i] += angle * cy, v.z[i] += angle * cz;
+            sum.x[i] += angle * cx, sum.y[i] += angle * cy, sum.z[i] += angle * cz;
             u.x[i] = vx, u.y[i] = vy, u.z[i] = vz;
         }
     }
+    v = sum;
 }
 
 } // namespace q3

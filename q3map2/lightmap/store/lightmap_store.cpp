@@ -87,9 +87,11 @@ class Storer {
             JoinTwins(stored_.layers);
         MakePages(PackLayers(PackingOrder(in_, surfaces_, stored_), in_.lightmap, stored_));
         FillTexels();
-        SetPageLight(in_, stored_, result_.pages);
         if (in_.lightmap.lightmass)
             MakeLightmassPages();
+        SetPageLight(in_, stored_, result_.pages);
+        for (LightmapLayer &layer : stored_.layers)
+            layer.channels = {};
         StartVertexLight();
         for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i)
             if (!CopiesParent(i))
@@ -155,6 +157,10 @@ class Storer {
             to.width = page.width, to.height = page.height;
         }
         EncodeLightmass(in_, surfaces_, stored_, result_.lightmass);
+        for (LightmapLayer &layer : stored_.layers) // memory for the pages that follow
+            for (std::size_t c = 0; c < layer.channels.size(); ++c)
+                if (layer.kinds.IsSh(c))
+                    layer.channels[c] = {};
     }
 
     void FillTexels() {
