@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <cstring>
 
 namespace q3::test {
 
@@ -79,6 +80,37 @@ TEST(HdrPagesTest, ExportThenImportKeepsTheLight) {
             EXPECT_EQ(DecodeE5bgr9(after.lightmapsE5bgr9[0]).z, 4.0f) << format;
         }
         EXPECT_EQ(log.log.WarningCount("HDR lightmap images"), 0);
+    }
+}
+
+/// The files that engines load come back, with the light of vertices.
+TEST(HdrPagesTest, EngineFilesAreExportedAndImported) {
+    Bsp before;
+    before.lightmaps.resize(kLightmapPageBytes);
+    for (int i = 0; i < 128 * 128; ++i)
+        before.lightmapsE5bgr9.push_back(EncodeE5bgr9({float(i % 128) / 32, 4, 0}));
+    before.drawVerts.resize(3);
+    before.vertexE5bgr9 = {EncodeE5bgr9({4, 2, 1}), EncodeE5bgr9({0, 0, 0}), EncodeE5bgr9({0.5f, 16, 1})};
+    for (const std::string format : {"rend2", "ioquake3"}) {
+        const GameFolder game;
+        QuietLog log;
+        ExportLightmaps(before, 128, game / "room", log.log, {format});
+        const std::string vertices = game.ReadBack("room/vertlight.raw");
+        ASSERT_EQ(vertices.size(), 36u);
+        float first = 0;
+        std::memcpy(&first, vertices.data(), sizeof first);
+        EXPECT_EQ(first, format == "rend2" ? 4 : 4 * 255) << format;
+        EXPECT_TRUE(std::filesystem::exists(game / "room/lm_0000.hdr"));
+        Bsp after = before;
+        std::ranges::fill(after.lightmapsE5bgr9, 0u);
+        std::ranges::fill(after.vertexE5bgr9, 0u);
+        ImportLightmaps(after, 128, game / "room", log.log, {""}); // not by itself: the name does not tell the engine
+        EXPECT_EQ(after.lightmapsE5bgr9[7], 0u);
+        ImportLightmaps(after, 128, game / "room", log.log, {format});
+        EXPECT_EQ(after.vertexE5bgr9, before.vertexE5bgr9) << format;
+        EXPECT_LE(WorstError(before.lightmapsE5bgr9, after.lightmapsE5bgr9),
+                  format == "rend2" ? 1.0f / 256 + 1.0f / 512 : 0)
+            << format;
     }
 }
 
