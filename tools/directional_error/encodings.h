@@ -14,7 +14,7 @@ namespace q3::directional {
 /// What a luxel stores, on the unit scale, and its frame.
 struct LuxelSample {
     Vec3f flat, normal;
-    Vec3f direction;   ///< deluxe; unit
+    Vec3f direction;    ///< deluxe; unit
     BasisNormals basis; ///< world
     std::array<Vec3f, 3> onBasis;
     std::array<Vec3f, 4> sh;

@@ -26,8 +26,9 @@ SurfaceTable WithNormalMaps(SurfaceTable table, bool all) {
 } // namespace
 
 LuxelBake::LuxelBake(const LightSetup &setup, const LightmapOptions &options, const JobPool &jobs, Log &log)
-    : table_(WithNormalMaps(setup.table, options.rnmAll)),
-      in_{setup.bsp, setup.space, setup.scene, table_, setup.options, options, setup.world, jobs, log},
+    : table_(WithNormalMaps(setup.table, options.rnmAll)), in_{setup.bsp,   setup.space,   setup.scene,
+                                                               table_,      setup.options, options,
+                                                               setup.world, jobs,          log},
       surfaces_(SetupSurfaceLight(in_)) {
     const CpuTimer timer;
     MapLuxels(in_, surfaces_);
@@ -68,6 +69,7 @@ std::vector<Vec3f> LuxelBake::LightOn(const LuxelPlace &at, std::span<const Vec3
 
 void LuxelBake::AddDirect(const LuxelPlace &at, std::span<const Vec3f> normals, std::span<Vec3f> light) const {
     const RawLightmap &raw = Lightmap(at);
+    const Vec3f normal = raw.normals[at.luxel];
     const SurfaceLightSettings settings{.receiveShadows = raw.receiveShadows};
     ContributionCounts counts;
     SurfaceIncidentLight incident;
@@ -80,7 +82,7 @@ void LuxelBake::AddDirect(const LuxelPlace &at, std::span<const Vec3f> normals, 
                 continue;
             LightContributionToSample(one, settings, in_.scene, receivers, incident, counts);
             for (std::size_t i = 0; i < receivers.count; ++i)
-                if (incident.live[i] != 0) {
+                if (incident.live[i] != 0 && Dot(incident.direction[i], normal) > 0) {
                     const Vec3f color = one.color * (one.negative ? -incident.add[i] : incident.add[i]);
                     light[first + i] += incident.tinted ? color * incident.tint[i] : color;
                 }

@@ -25,7 +25,8 @@ class LuxelBake {
     LuxelBake &operator=(const LuxelBake &) = delete;
 
     /// Light on the luxel if it had the normals `normals`, in one style, byte scale: each light as the light stage
-    /// evaluates it, with its own shadow rays, and bounced light by `rays` rays over the hemisphere of the luxel.
+    /// evaluates it, with its own shadow rays, and bounced light by `rays` rays; none from below the luxel's surface,
+    /// which does not shadow itself if it is a curve.
     std::vector<Vec3f> LightOn(const LuxelPlace &at, std::span<const Vec3f> normals, int rays) const;
     /// Those that are lit in style 0, at most `count`, evenly over the map.
     std::vector<LuxelPlace> Sample(std::size_t count) const;

@@ -95,8 +95,8 @@ MapErrors Measure(const LightSetup &setup, const LightmapOptions &given, std::si
         for (const Sums &one : sums)
             over += one.over[e], atFlat += one.atFlat[e];
         const double count = 3 * std::max(1.0, double(places.size()));
-        errors.encodings.push_back({encodings[e].name, encodings[e].bytes,
-                                    std::sqrt(over / (count * double(normals))), std::sqrt(atFlat / count)});
+        errors.encodings.push_back({encodings[e].name, encodings[e].bytes, std::sqrt(over / (count * double(normals))),
+                                    std::sqrt(atFlat / count)});
     }
     errors.times = MeasureTimes(setup, given, jobs, log);
     return errors;

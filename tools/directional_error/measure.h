@@ -11,9 +11,9 @@ namespace q3::directional {
 
 struct EncodingError {
     std::string name;
-    double bytes = 0;   ///< a luxel
-    double rmse = 0;    ///< displayed, bytes of 255, over all luxels, normals and channels
-    double atFlat = 0;  ///< the same for the luxel's own normal, against the flat float light
+    double bytes = 0;  ///< a luxel
+    double rmse = 0;   ///< displayed, bytes of 255, over all luxels, normals and channels
+    double atFlat = 0; ///< the same for the luxel's own normal, against the flat float light
 };
 
 struct BakeTime {
