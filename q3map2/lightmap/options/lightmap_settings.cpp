@@ -307,8 +307,12 @@ Group Encodings() {
     const auto rnmAll = [](LightmapOptions &o, const Values &) { o.rnm = o.rnmAll = true; };
     const auto skyOcclusion = [](LightmapOptions &o, const Values &) { o.lightmass = o.skyOcclusion = true; };
     const auto shadowMap = [](LightmapOptions &o, const Values &v) {
+        const std::string &name = v.words[0];
+        if (name.empty() || name.find_first_of("/\\:*?\"<>|") != std::string::npos)
+            throw Error("-shadowmap {}: names an image file, expected a targetname without / \\ : * ? \" < > |", name);
         o.lightmass = true;
-        o.shadowMaps.push_back(v.words[0]);
+        if (std::find(o.shadowMaps.begin(), o.shadowMaps.end(), name) == o.shadowMaps.end())
+            o.shadowMaps.push_back(name);
     };
     const auto storage = [](LightmapOptions &o, const Values &v) { o.rnmRescaled = v.words[0] == "rescaled"; };
     return {
