@@ -28,7 +28,7 @@ class LightFilesTest : public LitRoomTest {
     struct Expected {
         std::size_t bytes = 0, hdrTexels = 0; ///< of lump 14 and LIGHTING_E5BGR9
         bool vertices = false;                ///< VERTEX_E5BGR9
-        std::vector<int> rnm{};                 ///< lightmapNum of the pages of LIGHTING_RNM
+        std::vector<int> rnm{};               ///< lightmapNum of the pages of LIGHTING_RNM
         std::map<std::string, std::size_t> files{};
     };
     void ExpectOutput(std::string_view options, const Expected &expected) {
@@ -66,6 +66,7 @@ TEST_F(LightFilesTest, Range) {
     ExpectOutput("-both", {.bytes = kPage, .hdrTexels = kTexels, .vertices = true});
     ExpectOutput("-hdr", {.hdrTexels = kTexels, .vertices = true});
     ExpectOutput("-hdr -ldr", {.bytes = kPage});
+    ExpectOutput("-ldr -hdrfiles pfm", {.bytes = kPage});
     ExpectOutput("-both -deluxe", {.bytes = 2 * kPage, .hdrTexels = 2 * kTexels, .vertices = true});
     const Bsp deluxe = Load();
     EXPECT_TRUE(std::all_of(deluxe.lightmapsE5bgr9.begin() + kTexels, deluxe.lightmapsE5bgr9.end(),
@@ -80,7 +81,7 @@ TEST_F(LightFilesTest, HdrFiles) {
         all.files = std::move(files);
         return all;
     };
-    ExpectOutput("-hdrfiles radiance", with({{"lm_0000.hdr", kAnySize}, {"vertlight.raw", vertices}}));
+    ExpectOutput("-hdrfiles rend2", with({{"lm_0000.hdr", kAnySize}, {"vertlight.raw", vertices}}));
     ExpectOutput("-hdrfiles ioquake3", with({{"lm_0000.hdr", kIoquake3}, {"vertlight.raw", vertices}}));
     ExpectOutput("-hdrfiles pfm", with({{"lm_0000.pfm", kPfm}}));
     if (HasOpenExr())
@@ -89,7 +90,7 @@ TEST_F(LightFilesTest, HdrFiles) {
     deluxe.bytes *= 2, deluxe.hdrTexels *= 2;
     ExpectOutput("-hdrfiles pfm -deluxe", deluxe);
     // Engines replace 8-bit lightmaps that the map has.
-    EXPECT_TRUE(Light("-hdr -hdrfiles radiance").Printed("8-bit lightmaps"));
+    EXPECT_TRUE(Light("-hdr -hdrfiles rend2").Printed("8-bit lightmaps"));
     EXPECT_EQ(Load().lightmaps.size(), 3 * kTexels);
 }
 
@@ -149,7 +150,7 @@ TEST_F(LightFilesTest, ExternalPages) {
 TEST_F(LightFilesTest, OwnFilesAreNotOld) {
     LightQuietly("-external -both");
     LightQuietly("-external -both");
-    LightQuietly("-hdrfiles radiance");
+    LightQuietly("-hdrfiles rend2");
 }
 
 TEST_F(LightFilesTest, PagesOfAnotherSizeHaveGeneratedShaders) {
@@ -186,7 +187,7 @@ TEST_F(LightFilesTest, EightBitLightIsThatOfAPlainBake) {
 TEST_F(LightFilesTest, DirectionalLightLeavesTheBytes) {
     Light("-nocollapse");
     const auto before = LumpOf(MapBytes(), kLightmapsLump);
-    Light("-nocollapse -rnmall -lightmass -dirty -dirtscale 0 -skyocclusion -shadowmap lamp1");
+    Light("-nocollapse -rnmall -lightmass -skyocclusion -shadowmap lamp1");
     EXPECT_EQ(LumpOf(MapBytes(), kLightmapsLump), before);
 }
 
@@ -219,15 +220,17 @@ TEST_F(LightFilesTest, ShadersAndImagesChooseBasisMaps) {
 }
 
 TEST_F(LightFilesTest, LightingAgainRemovesLumpsAndWarnsOfFiles) {
-    Light("-rnmall -rnmstorage raw -hdrfiles radiance");
+    Light("-rnmall -rnmstorage raw -hdrfiles rend2");
     EXPECT_THAT(Load().entities, testing::HasSubstr("\"_q3map2_rnm\" \"raw\""));
     EXPECT_EQ(Load().rnm->header.storage, RnmStorage::Raw);
-    Light("-rnmall -hdrfiles radiance");
+    Light("-rnmall -hdrfiles rend2");
     EXPECT_THAT(Load().entities, testing::HasSubstr("\"_q3map2_rnm\" \"rescaled\""));
     EXPECT_EQ(Load().rnm->header.storage, RnmStorage::Rescaled);
     const Outcome outcome = Light("");
     EXPECT_TRUE(outcome.Printed("lm_0000.hdr: left by an earlier run"));
-    EXPECT_TRUE(outcome.Printed("vertlight.raw: left by an earlier run"));
+    EXPECT_TRUE(outcome.Printed("(old HDR light: 2)"));
+    std::filesystem::remove(Beside("lm_0000.hdr"));
+    EXPECT_TRUE(Light("").Printed("vertlight.raw: left by an earlier run"));
     const Bsp plain = Load();
     EXPECT_TRUE(plain.lightmapsE5bgr9.empty() && plain.vertexE5bgr9.empty() && !plain.rnm);
     EXPECT_THAT(plain.entities, testing::Not(testing::HasSubstr("_q3map2_rnm")));
@@ -241,7 +244,7 @@ TEST_F(LightFilesTest, LastTexelOfIoquake3sPagesIsUnused) {
     Light("-nocollapse -slowallocate -hdrfiles ioquake3");
     const Bsp bsp = Load();
     const std::size_t pages = bsp.lightmapsE5bgr9.size() / kTexels;
-    EXPECT_GT(pages, 4u);
+    EXPECT_GE(pages, 4u);
     std::size_t used = 0;
     for (std::size_t page = 0; page < pages; ++page) {
         EXPECT_EQ(Files().at(fmt::format("lm_{:04}.hdr", page)), kIoquake3);

@@ -80,9 +80,9 @@ TEST_F(FourTimesFullTest, InLumpsAndFiles) {
     const std::string name = fmt::format("lm_{:04}", page);
     ASSERT_EQ(Floor().TexelAt({0, 0, 0}), int(at)) << "packed alike";
     ExpectColor(FloatsAt(ReadFile(Beside(name + ".hdr")), 3 + 12 * at), four * 255, 1e-3f, "ioquake3");
-    Light("-hdrfiles radiance");
+    Light("-hdrfiles rend2");
     const FloatImage image = DecodeHdr(ReadFile(Beside(name + ".hdr")), name);
-    ExpectColor(image.Texel(x, kSide - 1 - y), four, 4 * kRgbeQuantum, "radiance");
+    ExpectColor(image.Texel(x, kSide - 1 - y), four, 4 * kRgbeQuantum, "rend2");
     if (HasOpenExr()) {
         Light("-hdrfiles exr");
         ExpectColor(DecodeExr(ReadFile(Beside(name + ".exr")), name).Texel(x, y), four, 1e-5f, "exr");
@@ -92,7 +92,7 @@ TEST_F(FourTimesFullTest, InLumpsAndFiles) {
 TEST_F(FourTimesFullTest, AtVertices) {
     // The top of the box has a corner under the lamp.
     Compile(Lamp({0, 0, 91}, 340), {}, BoxText({-64, -64, 0}, {0, 0, 40}, "test/pillar"));
-    for (const auto &[form, full] : {std::pair{"radiance", 1.0f}, {"ioquake3", 255.0f}}) {
+    for (const auto &[form, full] : {std::pair{"rend2", 1.0f}, {"ioquake3", 255.0f}}) {
         Light(fmt::format("-hdrfiles {}", form));
         const Bsp bsp = Load();
         const auto raw = ReadFile(Beside("vertlight.raw"));
@@ -105,29 +105,28 @@ TEST_F(FourTimesFullTest, AtVertices) {
                 EXPECT_NEAR(bsp.drawVerts[v].color[c], std::min(255.0f, light[c] * 255), 1) << form;
             most = std::max(most, light.x);
         }
-        EXPECT_NEAR(most, 4, 0.35) << "a vertex is lit up to a unit or two from its place";
+        EXPECT_NEAR(most, 4, 0.0001) << "the corner, a unit above its place";
     }
 }
 
-/// Eight times the light is eight times as bright, where 8-bit light turns white.
+/// Eight times the light is eight times as bright, of the same hue, where 8-bit light ends.
 TEST_F(LightValuesTest, OverbrightLightKeepsItsHue) {
     std::vector<Vec3f> dim, bright;
-    for (const float light : {100.0f, 800.0f}) {
+    for (const float light : {1000.0f, 8000.0f}) {
         Compile(Lamp({0, 0, 60}, light, {1, 0.5f, 0.25f}));
         Light("-both -nocollapse");
-        (light == 100 ? dim : bright) = Hdr();
+        (light == 1000 ? dim : bright) = Hdr();
     }
     ASSERT_EQ(dim.size(), bright.size());
     for (std::size_t i = 0; i < dim.size(); ++i)
-        ASSERT_EQ(bright[i], dim[i] * 8);
+        ASSERT_EQ(bright[i], dim[i] * 8) << i;
     const LitFace floor = Floor();
     const std::size_t at = std::size_t(floor.page) * kTexels + TexelOf(floor, {0, 0, 0});
-    EXPECT_GT(bright[at].x, 4);
+    EXPECT_GT(bright[at].x, 40);
     EXPECT_NEAR(bright[at].y / bright[at].x, 0.5, 0.004);
     EXPECT_NEAR(bright[at].z / bright[at].x, 0.25, 0.004);
     const Bsp bsp = Load();
     EXPECT_EQ(bsp.lightmaps[3 * at], 255);
-    EXPECT_GT(bsp.lightmaps[3 * at + 2], 0.3 * 255) << "8 bits lose the hue";
 }
 
 TEST_F(LightValuesTest, ToneOfEightBitsDoesNotReachHdrButItsFactorsDo) {
@@ -182,7 +181,11 @@ TEST_F(LightValuesTest, TwiceTheLightIsTwiceTheValue) {
     }
     ASSERT_EQ(values[0].size(), values[1].size());
     for (std::size_t i = 0; i < values[0].size(); ++i)
-        ASSERT_EQ(values[1][i], values[0][i] * 2) << i;
+        for (std::size_t c = 0; c < 3; ++c) {
+            // The format has full precision from 2^-16 up.
+            const float within = MaxComponent(values[1][i]) < 0x1p-15f ? 0x1p-24f : 0;
+            ASSERT_NEAR(values[1][i][c], values[0][i][c] * 2, within) << i;
+        }
 }
 
 TEST_F(LightValuesTest, RescaledBasisMapsGiveTheFlatLight) {
