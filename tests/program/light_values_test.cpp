@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. The values in HDR pages, basis maps and Lightmass's layout, read as engines would.
 #include "common/files/files.h"
+#include "common/image/image.h"
 #include "libs/directional/directional.h"
 #include "tests/program/lit_room.h"
 
@@ -214,6 +215,39 @@ TEST_F(LightValuesTest, RescaledBasisMapsGiveTheFlatLight) {
         }
     EXPECT_GT(count, 200u);
     EXPECT_GT(shaped, 200u);
+}
+
+/// What one map has above 1 goes to the others: the mean stays. Raw maps end at 1.
+TEST_F(LightValuesTest, EightBitBasisMapsKeepTheMean) {
+    Compile(Lamp({-100, 60, 70}, 500, {1, 0.6f, 0.3f}) + Lamp({120, -20, 150}, 300));
+    for (const bool rescaled : {true, false}) {
+        Light(fmt::format("-external -rnmall -hdrfiles pfm -rnmstorage {}", rescaled ? "rescaled" : "raw"));
+        const FloatImage flat = Pfm(0);
+        std::vector<FloatImage> maps;
+        std::vector<Image> bytes;
+        for (const std::string_view suffix : {"_b1", "_b2", "_b3"}) {
+            maps.push_back(Pfm(0, suffix));
+            const std::string name = fmt::format("lm_0000{}.tga", suffix);
+            bytes.push_back(DecodeTga(ReadFile(Beside(name)), name));
+        }
+        int moved = 0;
+        for (std::size_t at = 0; at < kTexels; ++at)
+            for (std::size_t c = 0; c < 3; ++c) {
+                double mean = 0, most = 0;
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const double value = double(maps[i].texels[at][c]), byte = bytes[i].rgba[4 * at + c];
+                    mean += byte / 3, most = std::max(most, value);
+                    if (!rescaled) {
+                        ASSERT_NEAR(byte, 255 * std::min(1.0, value), 0.51) << at;
+                    }
+                }
+                if (rescaled) {
+                    ASSERT_NEAR(mean, 255 * std::min(1.0, double(flat.texels[at][c])), 0.51) << at;
+                }
+                moved += most > 1.1 && flat.texels[at][c] < 0.95f;
+            }
+        EXPECT_GT(moved, 15);
+    }
 }
 
 /// Raw maps are exact for one lamp, as long as it and the normal are within 35 degrees of the surface's own.
