@@ -12,10 +12,10 @@ namespace q3::test {
 
 namespace {
 
-constexpr std::size_t kTexels = 128 * 128, kLightmapsLump = 14, kEntitiesLump = 0, kLumps = 17;
+constexpr std::size_t kLightmapsLump = 14, kEntitiesLump = 0, kLumps = 17;
 constexpr std::size_t kAnySize = 0;
-constexpr std::size_t kTga = 18 + 3 * kTexels, kMassColor = 18 + 4 * kTexels, kMassGray = 18 + kTexels;
-constexpr std::size_t kPfm = 3 + 8 + 5 + 12 * kTexels; // "PF\n", "128 128\n", "-1.0\n"
+constexpr std::size_t kTga = 18 + 3 * kPageTexels, kMassColor = 18 + 4 * kPageTexels, kMassGray = 18 + kPageTexels;
+constexpr std::size_t kPfm = 3 + 8 + 5 + 12 * kPageTexels; // "PF\n", "128 128\n", "-1.0\n"
 constexpr std::size_t kIoquake3 = 196608;
 
 class LightFilesTest : public LitRoomTest {
@@ -60,22 +60,22 @@ class LightFilesTest : public LitRoomTest {
 };
 
 TEST_F(LightFilesTest, Range) {
-    constexpr std::size_t kPage = 3 * kTexels;
+    constexpr std::size_t kPage = 3 * kPageTexels;
     ExpectOutput("", {.bytes = kPage});
     ExpectOutput("-ldr", {.bytes = kPage});
-    ExpectOutput("-both", {.bytes = kPage, .hdrTexels = kTexels, .vertices = true});
-    ExpectOutput("-hdr", {.hdrTexels = kTexels, .vertices = true});
+    ExpectOutput("-both", {.bytes = kPage, .hdrTexels = kPageTexels, .vertices = true});
+    ExpectOutput("-hdr", {.hdrTexels = kPageTexels, .vertices = true});
     ExpectOutput("-hdr -ldr", {.bytes = kPage});
     ExpectOutput("-ldr -hdrfiles pfm", {.bytes = kPage});
-    ExpectOutput("-both -deluxe", {.bytes = 2 * kPage, .hdrTexels = 2 * kTexels, .vertices = true});
+    ExpectOutput("-both -deluxe", {.bytes = 2 * kPage, .hdrTexels = 2 * kPageTexels, .vertices = true});
     const Bsp deluxe = Load();
-    EXPECT_TRUE(std::all_of(deluxe.lightmapsE5bgr9.begin() + kTexels, deluxe.lightmapsE5bgr9.end(),
+    EXPECT_TRUE(std::all_of(deluxe.lightmapsE5bgr9.begin() + kPageTexels, deluxe.lightmapsE5bgr9.end(),
                             [](std::uint32_t code) { return code == 0; }));
 }
 
 TEST_F(LightFilesTest, HdrFiles) {
     const std::size_t vertices = VertexFileSize();
-    const Expected both{.bytes = 3 * kTexels, .hdrTexels = kTexels, .vertices = true};
+    const Expected both{.bytes = 3 * kPageTexels, .hdrTexels = kPageTexels, .vertices = true};
     const auto with = [&](std::map<std::string, std::size_t> files) {
         Expected all = both;
         all.files = std::move(files);
@@ -91,24 +91,24 @@ TEST_F(LightFilesTest, HdrFiles) {
     ExpectOutput("-hdrfiles pfm -deluxe", deluxe);
     // Engines replace 8-bit lightmaps that the map has.
     EXPECT_TRUE(Light("-hdr -hdrfiles rend2").Printed("8-bit lightmaps"));
-    EXPECT_EQ(Load().lightmaps.size(), 3 * kTexels);
+    EXPECT_EQ(Load().lightmaps.size(), 3 * kPageTexels);
 }
 
 TEST_F(LightFilesTest, BasisMaps) {
-    ExpectOutput("-rnmall", {.bytes = 3 * kTexels, .rnm = {0}});
-    ExpectOutput("-rnmall -hdr", {.hdrTexels = kTexels, .vertices = true, .rnm = {0}});
-    ExpectOutput("-rnmall -deluxe", {.bytes = 6 * kTexels, .rnm = {0}});
+    ExpectOutput("-rnmall", {.bytes = 3 * kPageTexels, .rnm = {0}});
+    ExpectOutput("-rnmall -hdr", {.hdrTexels = kPageTexels, .vertices = true, .rnm = {0}});
+    ExpectOutput("-rnmall -deluxe", {.bytes = 6 * kPageTexels, .rnm = {0}});
     ExpectOutput(
         "-rnmall -hdrfiles pfm",
-        {.bytes = 3 * kTexels,
-         .hdrTexels = kTexels,
+        {.bytes = 3 * kPageTexels,
+         .hdrTexels = kPageTexels,
          .vertices = true,
          .rnm = {0},
          .files = {
              {"lm_0000.pfm", kPfm}, {"lm_0000_b1.pfm", kPfm}, {"lm_0000_b2.pfm", kPfm}, {"lm_0000_b3.pfm", kPfm}}});
     for (const std::string_view debug :
          {"-debugnormals", "-debugaxis", "-debugcluster", "-debugorigin", "-debugsurfaces", "-normalmap", "-dirtdebug"})
-        ExpectOutput(fmt::format("-rnmall -lightmass {}", debug), {.bytes = 3 * kTexels});
+        ExpectOutput(fmt::format("-rnmall -lightmass {}", debug), {.bytes = 3 * kPageTexels});
 }
 
 TEST_F(LightFilesTest, Lightmass) {
@@ -119,10 +119,10 @@ TEST_F(LightFilesTest, Lightmass) {
     auto all = always;
     all["lm_0000_ao.tga"] = all["lm_0000_shadow_lamp1.tga"] = kMassGray;
     all["lm_0000_sky_occlusion.tga"] = kMassColor;
-    ExpectOutput("-lightmass", {.bytes = 3 * kTexels, .files = always});
-    ExpectOutput("-dirty -skyocclusion -shadowmap lamp1", {.bytes = 3 * kTexels, .files = all});
+    ExpectOutput("-lightmass", {.bytes = 3 * kPageTexels, .files = always});
+    ExpectOutput("-dirty -skyocclusion -shadowmap lamp1", {.bytes = 3 * kPageTexels, .files = all});
     ExpectOutput("-dirty -skyocclusion -shadowmap lamp1 -shadowmap lamp1 -deluxe -hdr",
-                 {.hdrTexels = 2 * kTexels, .vertices = true, .files = all});
+                 {.hdrTexels = 2 * kPageTexels, .vertices = true, .files = all});
     EXPECT_EQ(Lightmass().at("shadowLights"), nlohmann::json({"lamp1"}));
 }
 
@@ -140,11 +140,11 @@ TEST_F(LightFilesTest, ExternalPages) {
     ExpectOutput(
         "-external -both -deluxe",
         {.vertices = true, .files = {{"lm_0000.tga", kTga}, {"lm_0001.tga", kTga}, {"lm_0000.hdr", kAnySize}}});
-    constexpr std::size_t kLarge = 18 + 3 * 4 * kTexels;
+    constexpr std::size_t kLarge = 18 + 3 * 4 * kPageTexels;
     ExpectOutput("-lightmapsize 256 -both", {.vertices = true, //
                                              .files = {{"lm_0000.tga", kLarge}, {"lm_0000.hdr", kAnySize}}});
     ExpectOutput("-lightmapsize 256 -hdrfiles pfm",
-                 {.vertices = true, .files = {{"lm_0000.tga", kLarge}, {"lm_0000.pfm", kPfm + 36 * kTexels}}});
+                 {.vertices = true, .files = {{"lm_0000.tga", kLarge}, {"lm_0000.pfm", kPfm + 36 * kPageTexels}}});
 }
 
 TEST_F(LightFilesTest, OwnFilesAreNotOld) {
@@ -155,11 +155,11 @@ TEST_F(LightFilesTest, OwnFilesAreNotOld) {
 
 TEST_F(LightFilesTest, PagesOfAnotherSizeHaveGeneratedShaders) {
     ExpectOutput("-extlmhacksize 256 -rnmall -both", {.vertices = true,
-                                                      .files = {{"lm_0000.tga", 18 + 12 * kTexels},
+                                                      .files = {{"lm_0000.tga", 18 + 12 * kPageTexels},
                                                                 {"lm_0000.hdr", kAnySize},
-                                                                {"lm_0000_b1.tga", 18 + 12 * kTexels},
-                                                                {"lm_0000_b2.tga", 18 + 12 * kTexels},
-                                                                {"lm_0000_b3.tga", 18 + 12 * kTexels},
+                                                                {"lm_0000_b1.tga", 18 + 12 * kPageTexels},
+                                                                {"lm_0000_b2.tga", 18 + 12 * kPageTexels},
+                                                                {"lm_0000_b3.tga", 18 + 12 * kPageTexels},
                                                                 {"lm_0000_b1.hdr", kAnySize},
                                                                 {"lm_0000_b2.hdr", kAnySize},
                                                                 {"lm_0000_b3.hdr", kAnySize}}});
@@ -243,13 +243,13 @@ TEST_F(LightFilesTest, LastTexelOfIoquake3sPagesIsUnused) {
     Compile(Lamp({0, 0, 100}, 200), {{"ambient", "50"}, {"_lightmapscale", "0.25"}});
     Light("-nocollapse -slowallocate -hdrfiles ioquake3");
     const Bsp bsp = Load();
-    const std::size_t pages = bsp.lightmapsE5bgr9.size() / kTexels;
+    const std::size_t pages = bsp.lightmapsE5bgr9.size() / kPageTexels;
     EXPECT_GE(pages, 4u);
     std::size_t used = 0;
     for (std::size_t page = 0; page < pages; ++page) {
         EXPECT_EQ(Files().at(fmt::format("lm_{:04}.hdr", page)), kIoquake3);
-        EXPECT_EQ(bsp.lightmapsE5bgr9[(page + 1) * kTexels - 1], 0u) << "page " << page;
-        used += bsp.lightmapsE5bgr9[page * kTexels] != 0;
+        EXPECT_EQ(bsp.lightmapsE5bgr9[(page + 1) * kPageTexels - 1], 0u) << "page " << page;
+        used += bsp.lightmapsE5bgr9[page * kPageTexels] != 0;
     }
     EXPECT_EQ(used, pages) << "ambient light reaches every used texel";
 }
@@ -274,14 +274,15 @@ TEST_F(LightFilesTest, LightStyles) {
     for (const auto &place : json.at("lightmaps")) {
         styles.insert(int(place.at("style")));
         const std::size_t number = json["pages"][std::size_t(place["page"])]["lightmapNum"];
-        const std::size_t at = number * kTexels + (std::size_t(place["y"]) + std::size_t(place["height"]) / 2) * 128 +
+        const std::size_t at = number * kPageTexels +
+                               (std::size_t(place["y"]) + std::size_t(place["height"]) / 2) * 128 +
                                std::size_t(place["x"]) + std::size_t(place["width"]) / 2;
         const Vec3f light = DecodeE5bgr9(bsp.lightmapsE5bgr9.at(at));
         lit += place["style"] == 3 && light.y > 2 * light.x;
     }
     EXPECT_EQ(styles, (std::set<int>{0, 3}));
     EXPECT_GE(lit, 3u) << "green light of the style";
-    EXPECT_EQ(bsp.rnm->pages.size(), bsp.lightmapsE5bgr9.size() / kTexels);
+    EXPECT_EQ(bsp.rnm->pages.size(), bsp.lightmapsE5bgr9.size() / kPageTexels);
 }
 
 TEST_F(LightFilesTest, ThreadsDoNotMatter) {

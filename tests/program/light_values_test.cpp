@@ -12,10 +12,7 @@ namespace q3::test {
 
 namespace {
 
-constexpr int kSide = 128;
-constexpr std::size_t kTexels = kSide * kSide;
 constexpr float kQuantum = 1.0f / 512, kRgbeQuantum = 1.0f / 256; // half a step of the mantissa's largest channel
-constexpr Vec3f kUp{0, 0, 1};
 
 Vec3f Decoded(std::uint32_t code) {
     float rgb[3];
@@ -52,7 +49,7 @@ class LightValuesTest : public LitRoomTest {
                     light.push_back(Decoded(code));
         return light;
     }
-    LitFace Floor() const { return FaceOf(Load(), "textures/test/floor", kUp); }
+    LitFace Floor() const { return FaceOf(Load(), "textures/test/floor", kUpward); }
     /// The texel of a point of the floor, which is a center.
     static std::size_t TexelOf(const LitFace &floor, const Vec3f &p) {
         const int at = floor.TexelAt(p);
@@ -71,19 +68,19 @@ TEST_F(FourTimesFullTest, InLumpsAndFiles) {
     Light("-hdrfiles pfm");
     const LitFace floor = Floor();
     const std::size_t at = TexelOf(floor, {0, 0, 0}), page = std::size_t(floor.page);
-    const int x = int(at) % kSide, y = int(at) / kSide;
+    const int x = int(at) % kPageSide, y = int(at) / kPageSide;
     const Vec3f four{4, 4, 4};
     ExpectColor(Pfm(floor.page).Texel(x, y), four, 1e-5f, "pfm");
     const Bsp bsp = Load();
-    ExpectColor(Decoded(bsp.lightmapsE5bgr9[page * kTexels + at]), four, 4 * kQuantum, "lump");
-    EXPECT_EQ(bsp.lightmaps[3 * (page * kTexels + at)], 255);
+    ExpectColor(Decoded(bsp.lightmapsE5bgr9[page * kPageTexels + at]), four, 4 * kQuantum, "lump");
+    EXPECT_EQ(bsp.lightmaps[3 * (page * kPageTexels + at)], 255);
     Light("-hdrfiles ioquake3");
     const std::string name = fmt::format("lm_{:04}", page);
     ASSERT_EQ(Floor().TexelAt({0, 0, 0}), int(at)) << "packed alike";
     ExpectColor(FloatsAt(ReadFile(Beside(name + ".hdr")), 3 + 12 * at), four * 255, 1e-3f, "ioquake3");
     Light("-hdrfiles rend2");
     const FloatImage image = DecodeHdr(ReadFile(Beside(name + ".hdr")), name);
-    ExpectColor(image.Texel(x, kSide - 1 - y), four, 4 * kRgbeQuantum, "rend2");
+    ExpectColor(image.Texel(x, kPageSide - 1 - y), four, 4 * kRgbeQuantum, "rend2");
     if (HasOpenExr()) {
         Light("-hdrfiles exr");
         ExpectColor(DecodeExr(ReadFile(Beside(name + ".exr")), name).Texel(x, y), four, 1e-5f, "exr");
@@ -122,7 +119,7 @@ TEST_F(LightValuesTest, OverbrightLightKeepsItsHue) {
     for (std::size_t i = 0; i < dim.size(); ++i)
         ASSERT_EQ(bright[i], dim[i] * 8) << i;
     const LitFace floor = Floor();
-    const std::size_t at = std::size_t(floor.page) * kTexels + TexelOf(floor, {0, 0, 0});
+    const std::size_t at = std::size_t(floor.page) * kPageTexels + TexelOf(floor, {0, 0, 0});
     EXPECT_GT(bright[at].x, 40);
     EXPECT_NEAR(bright[at].y / bright[at].x, 0.5, 0.004);
     EXPECT_NEAR(bright[at].z / bright[at].x, 0.25, 0.004);
@@ -141,7 +138,7 @@ TEST_F(LightValuesTest, ToneOfEightBitsDoesNotReachHdrButItsFactorsDo) {
              {"-gamma 2.2", 1}, {"-exposure 200", 1}, {"-brightness 2", 2}, {"-compensate 4", 0.25f}}) {
         const std::vector<Vec3f> other = bake(options);
         const auto lump = Hdr();
-        for (std::size_t i = 0; i < kTexels; ++i) {
+        for (std::size_t i = 0; i < kPageTexels; ++i) {
             ASSERT_EQ(other[i], plain[i] * factor) << options;
             ASSERT_LE(Length(lump[i] - other[i]), 2 * kQuantum * MaxComponent(other[i])) << options;
         }
@@ -197,7 +194,7 @@ TEST_F(LightValuesTest, RescaledBasisMapsGiveTheFlatLight) {
     const Bsp bsp = Load();
     std::size_t count = 0, shaped = 0;
     for (const auto &page : bsp.rnm->pages)
-        for (std::size_t at = 0; at < kTexels; ++at) {
+        for (std::size_t at = 0; at < kPageTexels; ++at) {
             float maps[3][3], rgb[3];
             float most = 0;
             for (std::size_t i = 0; i < 3; ++i) {
@@ -206,7 +203,7 @@ TEST_F(LightValuesTest, RescaledBasisMapsGiveTheFlatLight) {
             }
             const float up[3] = {0, 0, 1};
             directional_rnm_rescaled(maps, up, rgb);
-            const Vec3f &expected = flat[std::size_t(page.lightmapNum) * kTexels + at];
+            const Vec3f &expected = flat[std::size_t(page.lightmapNum) * kPageTexels + at];
             const float within = 1.01f * kQuantum * (most + MaxComponent(expected)) + 1e-7f;
             for (std::size_t c = 0; c < 3; ++c)
                 ASSERT_NEAR(rgb[c], expected[c], within) << at;
@@ -231,7 +228,7 @@ TEST_F(LightValuesTest, EightBitBasisMapsKeepTheMean) {
             bytes.push_back(DecodeTga(ReadFile(Beside(name)), name));
         }
         int moved = 0;
-        for (std::size_t at = 0; at < kTexels; ++at)
+        for (std::size_t at = 0; at < kPageTexels; ++at)
             for (std::size_t c = 0; c < 3; ++c) {
                 double mean = 0, most = 0;
                 for (std::size_t i = 0; i < 3; ++i) {
@@ -261,14 +258,14 @@ TEST_F(LightValuesTest, RawBasisMapsGiveTheLightOfBumps) {
     const Vec3f s{1, 0, 0}, t{0, -1, 0}; // of the texture: images hang with their top to the north
     std::size_t count = 0;
     for (const Vec3f &p : FloorPoints()) {
-        const Vec3f to = lamp - (p + kUp), w = Normalize(to);
+        const Vec3f to = lamp - (p + kUpward), w = Normalize(to);
         if (w.z < 0.82f)
             continue;
         const std::size_t at = TexelOf(floor, p);
         const Vec3f light = Vec3f{1, 0.5f, 0.25f} * (300 * 7500 / 255.0f / Dot(to, to));
         ExpectColor(flat.texels[at], light * w.z, 1e-4f * light.x, "flat");
         for (const Vec3f &bump : {Vec3f{0, 0, 1}, {0.3f, 0, 1}, {-0.2f, 0.4f, 1}, {0, -0.5f, 1}}) {
-            const Vec3f n = Normalize(bump), world = s * n.x + t * n.y + kUp * n.z;
+            const Vec3f n = Normalize(bump), world = s * n.x + t * n.y + kUpward * n.z;
             float texel[3][3], rgb[3];
             for (std::size_t i = 0; i < 3; ++i)
                 for (std::size_t c = 0; c < 3; ++c)

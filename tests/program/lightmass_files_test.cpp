@@ -8,10 +8,6 @@ namespace q3::test {
 
 namespace {
 
-constexpr int kSide = 128;
-constexpr std::size_t kTexels = kSide * kSide;
-constexpr Vec3f kUp{0, 0, 1};
-
 float LuminanceOf(const Vec3f &c) {
     return 0.3f * c.x + 0.59f * c.y + 0.11f * c.z;
 }
@@ -50,7 +46,7 @@ class LightmassFilesTest : public LitRoomTest {
         EXPECT_GE(at, 0);
         return std::size_t(std::max(at, 0));
     }
-    LitFace Floor() const { return FaceOf(Load(), "textures/test/floor", kUp); }
+    LitFace Floor() const { return FaceOf(Load(), "textures/test/floor", kUpward); }
     static constexpr int kDiamondLuxels = 12; ///< at most so many luxels have no free place beside the diamond
     static std::string Diamond() { return DiamondText({100, 100, 0}, 40, 80, "test/pillar"); }
 };
@@ -104,7 +100,7 @@ TEST_F(LightmassFilesTest, OwnNormalsHaveTheFlatLight) {
                        0.00390625f,
                        0.023f};
     std::size_t used = 0, compared = 0;
-    for (std::size_t at = 0; at < kTexels; ++at) {
+    for (std::size_t at = 0; at < kPageTexels; ++at) {
         ASSERT_EQ(coverage[at], flat.texels[at].x > 0 ? 255 : 0) << at;
         used += coverage[at] == 255;
     }
@@ -112,7 +108,7 @@ TEST_F(LightmassFilesTest, OwnNormalsHaveTheFlatLight) {
         high.range = &place.high, low.range = &place.low;
         for (int y = place.y; y < place.y + place.height; ++y)
             for (int x = place.x; x < place.x + place.width; ++x) {
-                const auto at = std::size_t(y * kSide + x);
+                const auto at = std::size_t(y * kPageSide + x);
                 if (coverage[at] == 0)
                     continue;
                 ASSERT_NO_FATAL_FAILURE(ExpectLuxel(high, at, place.normal, flat.texels[at])) << x << ' ' << y;
@@ -136,7 +132,7 @@ TEST_F(LightmassFilesTest, DirectionsPointToTheLamp) {
     for (const MassPlace &place : Places())
         for (const Vec3f &p : FloorPoints()) {
             const auto at = FloorTexel(floor, p);
-            const int x = int(at) % kSide, y = int(at) / kSide;
+            const int x = int(at) % kPageSide, y = int(at) / kPageSide;
             if (place.page != page || x < place.x || y < place.y || x >= place.x + place.width ||
                 y >= place.y + place.height || place.normal.z < 0.9f)
                 continue;
@@ -144,7 +140,7 @@ TEST_F(LightmassFilesTest, DirectionsPointToTheLamp) {
             directional_texel(direction.data() + 4 * at, d);
             for (std::size_t c = 0; c < 3; ++c)
                 d[c] = d[c] * place.high.multiply[1][c] + place.high.add[1][c];
-            const Vec3f w = Normalize(lamp - (p + kUp)), got{d[2], d[0], d[1]};
+            const Vec3f w = Normalize(lamp - (p + kUpward)), got{d[2], d[0], d[1]};
             EXPECT_LT(Length(got - w * 0.56419f), 0.01f) << p.x << ' ' << p.y;
             ++count;
         }
@@ -161,7 +157,7 @@ TEST_F(LightmassFilesTest, AmbientOcclusionIsTheRootOfDirt) {
     const auto occlusion = MassImage(0, "ao", 1), coverage = MassImage(0, "coverage", 1);
     std::size_t open = 0, closed = 0;
     int filled = 0;
-    for (std::size_t at = 0; at < kTexels; ++at) {
+    for (std::size_t at = 0; at < kPageTexels; ++at) {
         if (coverage[at] == 0)
             continue;
         const double expected = 255 * std::sqrt(double(dirty[at].x) / double(clean[at].x));
@@ -187,7 +183,7 @@ TEST_F(LightmassFilesTest, ShadowMapOfALamp) {
     const auto at = [&](const std::vector<std::uint8_t> &map, float x, float y) {
         return int(map[FloorTexel(floor, {x, y, 0})]);
     };
-    for (std::size_t i = 0; i < kTexels; ++i)
+    for (std::size_t i = 0; i < kPageTexels; ++i)
         ASSERT_TRUE(hard[i] == 0 || hard[i] == 255) << i;
     EXPECT_EQ(at(hard, -96, 64), 255);
     EXPECT_EQ(at(hard, -240, -240), 255);
@@ -245,7 +241,7 @@ TEST_F(LightmassFilesTest, SkyOcclusion) {
     for (const Vec3f &p : FloorPoints()) {
         const Vec3f up = sky(open, p);
         ASSERT_NEAR(up.z, 1, 0.005);
-        ASSERT_LT(Length(up - kUp), 0.015f);
+        ASSERT_LT(Length(up - kUpward), 0.015f);
     }
     EXPECT_TRUE(Lightmass().at("lightmaps").at(0).at("hasSkyOcclusion"));
     const LitFace floor = bake(BoxText({64, -256, 0}, {80, 256, 256}, "test/wall"), "test/sky");

@@ -17,6 +17,11 @@
 
 namespace q3::test {
 
+/// Side and area of the game's pages.
+inline constexpr int kPageSide = 128;
+inline constexpr std::size_t kPageTexels = kPageSide * kPageSide;
+inline constexpr Vec3f kUpward{0, 0, 1};
+
 using Keys = std::initializer_list<std::pair<std::string, std::string>>;
 
 /// An entity of a .map file.
