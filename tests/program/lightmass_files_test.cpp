@@ -222,6 +222,31 @@ TEST_F(LightmassFilesTest, FilledLuxelsAreNotInShadow) {
     EXPECT_GT(lit, 500);
 }
 
+/// The lightmap of an L leaves texels to others.
+TEST_F(LightmassFilesTest, TexelsWithoutSurfaceAreBlack) {
+    Compile(Lamp({0, 0, 250}, 900, {1, 1, 1}, {{"targetname", "lamp1"}}), {{"ambient", "5"}},
+            BoxText({-200, -200, 0}, {160, -150, 20}, "test/pillar") +
+                BoxText({-200, -150, 0}, {-150, 160, 20}, "test/pillar"));
+    Light("-hdrfiles pfm -lightmass -dirty -shadowmap lamp1");
+    const auto coverage = MassImage(0, "coverage", 1), shadow = MassImage(0, "shadow_lamp1", 1);
+    const auto occlusion = MassImage(0, "ao", 1), color = MassImage(0, "hq_color", 4);
+    const FloatImage flat = Pfm(0);
+    std::vector<bool> inPlace(kPageTexels);
+    for (const MassPlace &place : Places())
+        for (int y = place.y; y < place.y + place.height; ++y)
+            for (int x = place.x; x < place.x + place.width; ++x)
+                inPlace[std::size_t(y * kPageSide + x)] = true;
+    int left = 0;
+    for (std::size_t at = 0; at < kPageTexels; ++at) {
+        ASSERT_EQ(coverage[at] != 0, flat.texels[at].x > 0) << at;
+        if (coverage[at] != 0)
+            continue;
+        ASSERT_EQ(shadow[at] | occlusion[at] | color[4 * at + 3], 0) << at;
+        left += inPlace[at];
+    }
+    EXPECT_GT(left, 20);
+}
+
 TEST_F(LightmassFilesTest, SkyOcclusion) {
     std::vector<std::uint8_t> image;
     const auto bake = [&](const std::string &brushes, std::string_view ceiling) {
