@@ -27,8 +27,7 @@ SkyDirections FindSkyDirections(const SurfaceInputs &in, SurfaceLight &surfaces)
                 directions[luxels[b][i]] = found[i];
         }
     };
-    ForMappedLuxelBatches(
-        in, surfaces, [](const RawLightmap &) { return true; }, trace);
+    ForMappedLuxelBatches(in, surfaces, [](const RawLightmap &) { return true; }, trace);
     std::uint64_t rays = 0;
     for (const RayCounts &one : counts)
         rays += one.rays;
