@@ -1,7 +1,9 @@
 // GPL-2.0-or-later. Ambient occlusion at receivers on surfaces: dirt and the sky visibility of floodlight.
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 
+#include "libs/math/color.h"
 #include "q3map2/light/batch/hemisphere_rings.h"
+#include "q3map2/light/sources/light_sources.h"
 #include "q3map2/lightmap/raw/luxel_tiles.h"
 
 #include <algorithm>
@@ -327,6 +329,31 @@ void AmbientOcclusion::SkyVisibility(const OcclusionReceivers &receivers, float 
     }
     for (std::size_t i = 0; i < receivers.count; ++i)
         visibility[i] = std::clamp(1 - occlusion[i] / float(floodDirections_.size()), 0.0f, 1.0f);
+}
+
+void AmbientOcclusion::OpenSky(const OcclusionReceivers &receivers, Lanes3 &sky, RayCounts &counts) const {
+    ReceiverFrames frames;
+    SetReceiverFrames(receivers.normal, frames);
+    std::array<Vec3f, kPacketSize> directions{};
+    Lanes open{};
+    Lanes3 local{};
+    for (const Vec3f &direction : floodDirections_) {
+        local.Fill(direction);
+        RayPacket rays;
+        rays.distance.fill(kSunDistance);
+        for (std::size_t i = 0; i < receivers.count; ++i)
+            rays.live[i] = -1;
+        SetDirections(frames, receivers, local, rays);
+        scene_.TraceSurfaceToSky(rays, -1, receivers.receiveShadows, counts);
+        for (std::size_t i = 0; i < receivers.count; ++i) {
+            if (rays.live[i] == 0)
+                continue;
+            const float share = rays.tinted ? Luminance(rays.tint[i]) / Luminance({1, 1, 1}) : 1;
+            directions[i] += rays.direction[i] * share, open[i] += share;
+        }
+    }
+    for (std::size_t i = 0; i < receivers.count; ++i)
+        sky.Set(i, Normalize(directions[i]) * (open[i] / float(floodDirections_.size())));
 }
 
 void ForMappedLuxelBatches(const SurfaceInputs &in, SurfaceLight &surfaces,

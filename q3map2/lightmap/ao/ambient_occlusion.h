@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Ambient occlusion at receivers on surfaces: dirt and the sky visibility of floodlight.
+// GPL-2.0-or-later. Ambient occlusion at receivers on surfaces: dirt, the sky visibility of floodlight, the open sky.
 #pragma once
 
 #include "q3map2/lightmap/ao/near_triangles.h"
@@ -41,6 +41,10 @@ class AmbientOcclusion {
     /// called with each ray.
     void SkyVisibility(const OcclusionReceivers &receivers, float distance, Lanes &visibility, RayCounts &counts,
                        const UseSkyRay &useRay = {}) const;
+
+    /// Mean direction in which the receivers see a sky, as long as the share of rays over the hemisphere that reach
+    /// one. What a see-through surface takes away counts as hidden.
+    void OpenSky(const OcclusionReceivers &receivers, Lanes3 &sky, RayCounts &counts) const;
 
   private:
     /// Blockers around a block of receivers.

@@ -8,7 +8,7 @@ namespace q3 {
 
 namespace {
 
-/// The mean of the directions in which nothing is hit, by super luxel.
+/// What AmbientOcclusion::OpenSky finds, by super luxel.
 using SkyDirections = std::vector<std::vector<Vec3f>>;
 
 SkyDirections FindSkyDirections(const SurfaceInputs &in, SurfaceLight &surfaces) {
@@ -21,12 +21,10 @@ SkyDirections FindSkyDirections(const SurfaceInputs &in, SurfaceLight &surfaces)
                            std::span<const LuxelIndices> luxels, std::size_t worker) {
         std::vector<Vec3f> &directions = sky[std::size_t(&raw - surfaces.lightmaps.data())];
         for (std::size_t b = 0; b < blocks.size(); ++b) {
-            Lanes unused;
-            occlusion.SkyVisibility(blocks[b], kSunDistance, unused, counts[worker],
-                                    [&](const Lanes3 &direction, const Lanes &visibility) {
-                                        for (std::size_t i = 0; i < blocks[b].count; ++i)
-                                            directions[luxels[b][i]] += direction[i] * visibility[i];
-                                    });
+            Lanes3 found;
+            occlusion.OpenSky(blocks[b], found, counts[worker]);
+            for (std::size_t i = 0; i < blocks[b].count; ++i)
+                directions[luxels[b][i]] = found[i];
         }
     };
     ForMappedLuxelBatches(in, surfaces, [](const RawLightmap &) { return true; }, trace);

@@ -304,18 +304,25 @@ Group Encodings() {
         o.hdrFiles = HdrFiles(1 + (found - kForms.begin()));
         o.hdr = true;
     };
+    const auto ldr = [](LightmapOptions &o, const Values &) {
+        o.ldr = true, o.hdr = false;
+        o.hdrFiles = HdrFiles::None;
+    };
     const auto rnmAll = [](LightmapOptions &o, const Values &) { o.rnm = o.rnmAll = true; };
     const auto skyOcclusion = [](LightmapOptions &o, const Values &) { o.lightmass = o.skyOcclusion = true; };
     const auto shadowMap = [](LightmapOptions &o, const Values &v) {
+        const std::string &name = v.words[0];
+        if (name.empty() || name.find_first_of("/\\:*?\"<>|") != std::string::npos)
+            throw Error("-shadowmap {}: names an image file, expected a targetname without / \\ : * ? \" < > |", name);
         o.lightmass = true;
-        o.shadowMaps.push_back(v.words[0]);
+        if (std::find(o.shadowMaps.begin(), o.shadowMaps.end(), name) == o.shadowMaps.end())
+            o.shadowMaps.push_back(name);
     };
     const auto storage = [](LightmapOptions &o, const Values &v) { o.rnmRescaled = v.words[0] == "rescaled"; };
     return {
         "Range and direction of light",
         "[directional.md](directional.md) describes and compares these forms.",
-        {{{.name = "-ldr", .help = "Store 8-bit lightmaps only; the default"}, range(true, false)},
-         {{.name = "-hdr", .help = "Store HDR lightmaps and vertex light only, in BSPX lumps"}, range(false, true)},
+        {{{.name = "-hdr", .help = "Store HDR lightmaps and vertex light only, in BSPX lumps"}, range(false, true)},
          {{.name = "-both", .help = "Store 8-bit and HDR lightmaps"}, range(true, true)},
          {{.name = "-hdrfiles",
            .values = "rend2|ioquake3|exr|pfm",
@@ -323,6 +330,8 @@ Group Encodings() {
            .initial = "none",
            .help = "Also write HDR pages as images x/lm_NNNN and, for engines, x/vertlight.raw; includes -both"},
           Do<LightmapOptions>(files)},
+         {{.name = "-ldr", .help = "Store 8-bit lightmaps only, the default; overrides the options above"},
+          Do<LightmapOptions>(ldr)},
          {{.name = "-rnm",
            .help = "Radiosity normal mapping: store light for three basis normals of normal mapped surfaces",
            .details = "`q3map_rnm` and `q3map_noRnm` in a shader decide; else surfaces count whose shader names a "

@@ -94,7 +94,7 @@ struct RawLightmap {
     // width x height, for -lightmass: luxel_occlusion.cpp, luxel_visibility.cpp. Empty when off.
     std::vector<float> unoccluded;              ///< factor of dirt, 1 in the open
     std::vector<Vec3f> skyOcclusion;            ///< mean direction in which the sky is seen, as long as that share
-    std::vector<std::vector<float>> visibility; ///< [LightmapOptions::shadowMaps][luxel], 0 to 1; -1: not mapped
+    std::vector<std::vector<float>> visibility; ///< [LightmapOptions::shadowMaps][luxel], 0 to 1; -1: unknown
 };
 
 /// Light at draw vertices, [style slot][vertex], byte scale; empty for styles that are not used.

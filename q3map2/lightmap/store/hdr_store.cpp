@@ -8,6 +8,7 @@
 #include "q3map2/lightmap/encode/rnm.h"
 
 #include <cmath>
+#include <set>
 
 namespace q3 {
 
@@ -75,8 +76,18 @@ class HdrFileWriter {
     }
 
     void Report() const {
-        if (written_ > 0)
-            log_.Print("Wrote {} files of HDR light and basis maps to {}\n", written_, folder_.string());
+        if (!written_.empty())
+            log_.Print("Wrote {} files of HDR light and basis maps to {}\n", written_.size(), folder_.string());
+    }
+
+    /// Warns of files of an earlier run that engines would load with the new map.
+    void WarnOfOldFiles() const {
+        for (const std::string_view name : {std::string_view("lm_0000.hdr"), kVertexLightFile}) {
+            std::error_code ignored;
+            if (!written_.contains(std::string(name)) && std::filesystem::exists(folder_ / name, ignored))
+                log_.Warn("old HDR light", "{}: left by an earlier run; engines may load it with this map",
+                          (folder_ / name).string());
+        }
     }
 
   private:
@@ -104,8 +115,9 @@ class HdrFileWriter {
     }
 
     void Write(const std::string &name, const std::vector<std::byte> &bytes) {
-        if (written_++ == 0)
+        if (written_.empty())
             MakeFolder(folder_);
+        written_.insert(name);
         ReplaceFile(folder_ / name, bytes);
     }
 
@@ -113,20 +125,8 @@ class HdrFileWriter {
     const LightmapOptions &options_;
     const HdrFiles form_;
     Log &log_;
-    std::size_t written_ = 0;
+    std::set<std::string> written_; ///< names
 };
-
-/// Files of an earlier run that engines would load with the new map.
-void WarnOfOldFiles(const std::filesystem::path &folder, const LightmapOptions &options, Log &log) {
-    if (options.hdrFiles == HdrFiles::Rend2 || options.hdrFiles == HdrFiles::Ioquake3)
-        return;
-    for (const std::string_view name : {std::string_view("lm_0000.hdr"), kVertexLightFile}) {
-        std::error_code ignored;
-        if (std::filesystem::exists(folder / name, ignored))
-            log.Warn("old HDR light", "{}: left by an earlier run; engines may load it with this map",
-                     (folder / name).string());
-    }
-}
 
 } // namespace
 
@@ -159,7 +159,7 @@ void WriteHdrFiles(const std::filesystem::path &folder, const LightmapOptions &o
         writer.WritePage(page);
     writer.WriteVertices(stored.vertexLight);
     writer.Report();
-    WarnOfOldFiles(folder, options, log);
+    writer.WarnOfOldFiles();
 }
 
 } // namespace q3

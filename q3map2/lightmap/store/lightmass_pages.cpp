@@ -92,8 +92,10 @@ class Encoder {
         LightmassPage &page = out_.pages[std::size_t(layer.page)];
         for (int y = 0; y < layer.height; ++y)
             for (int x = 0; x < layer.width; ++x)
-                if (const auto &one = map.luxels[std::size_t(y * layer.width + x)]; one.coverage != 0)
-                    page.shadows[light][std::size_t((layer.y + y) * page.width + layer.x + x)] = one.visibility;
+                if (const std::size_t at = std::size_t(y * layer.width + x);
+                    layer.Used(at) && map.luxels[at].coverage != 0)
+                    page.shadows[light][std::size_t((layer.y + y) * page.width + layer.x + x)] =
+                        map.luxels[at].visibility;
     }
 
     const SurfaceInputs &in_;
