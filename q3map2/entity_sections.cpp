@@ -9,8 +9,8 @@ namespace q3 {
 std::vector<SettingSection> EntitySections() {
     return {DescribeKeys("Worldspawn: light",
                          "The light stage writes `_q3map2_cmdline`, `_q3map2_version`, `_q3map2_sh` with the value "
-                         "`radiance` after `-shradiance`, and `_q3map2_tone`, the tone of the lightmaps unless it is "
-                         "plain.",
+                         "`radiance` after `-shradiance`, `_q3map2_tone`, the tone of the lightmaps unless it is "
+                         "plain, and `_q3map2_rnm`, `raw` or `rescaled`, after `-rnm`.",
                          keys::kWorldLightKeys),
             DescribeKeys("Lights",
                          "Every entity whose class name starts with `light`. A point light of intensity I gives "

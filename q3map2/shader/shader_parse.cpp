@@ -235,24 +235,31 @@ void ScriptParser::ParseStage() {
     static constexpr std::array<std::string_view, 5> kNormalMapWords = {"normalmap", "bumpmap", "normalheightmap",
                                                                         "normalparallaxmap", "parallaxmap"};
     std::string_view word;
+    std::string image; // the first of the stage
+    bool afterStage = false, isNormalMap = false;
     while (scanner_.Next(word) && word != "}") {
-        shader_->info.normalMapStage |= std::any_of(kNormalMapWords.begin(), kNormalMapWords.end(),
-                                                    [&](std::string_view normals) { return IsWord(word, normals); });
+        const bool names = std::any_of(kNormalMapWords.begin(), kNormalMapWords.end(),
+                                       [&](std::string_view normals) { return IsWord(word, normals); });
+        shader_->info.normalMapStage |= names;
+        isNormalMap |= names && afterStage;
+        afterStage = IsWord(word, "stage");
         const auto known = std::find_if(kImageWords.begin(), kImageWords.end(),
-                                        [&](std::string_view image) { return IsWord(word, image); });
+                                        [&](std::string_view one) { return IsWord(word, one); });
         if (known == kImageWords.end())
             continue;
         const int arguments = known->ends_with("animmap") ? 2 : 1; // a rate, then the first frame
-        for (int i = 0; i < arguments && word != "}"; ++i)
-            if (!scanner_.Next(word))
-                return;
-        if (word == "}")
-            return;
+        bool more = true;
+        for (int i = 0; i < arguments && more && word != "}"; ++i)
+            more = scanner_.Next(word);
+        if (!more || word == "}")
+            break;
         const bool builtIn = !word.empty() && (word[0] == '$' || word[0] == '*');
         shader_->builtInImage |= builtIn;
-        if (NoImageYet() && !word.empty() && !builtIn)
-            shader_->lightImage = WithoutExtension(word);
+        if (image.empty() && !word.empty() && !builtIn)
+            image = WithoutExtension(word);
     }
+    if (NoImageYet() && !isNormalMap) // the image of `stage normalMap` has no color
+        shader_->lightImage = image;
 }
 
 void ScriptParser::ParseDirective(std::string_view word) {

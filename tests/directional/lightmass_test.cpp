@@ -17,8 +17,10 @@ constexpr Vec3f kUp{0, 0, 1};
 
 GatheredLuxel Gathered(const std::vector<Lamp> &lamps, const Vec3f &normal = kUp) {
     GatheredLuxel luxel;
+    L1Light l1;
     for (const Lamp &lamp : lamps)
-        luxel.high.AddLight(lamp.color, lamp.direction, normal);
+        l1.AddLight(lamp.color, lamp.direction);
+    luxel.high.AddL1(l1, Received(lamps, normal), normal);
     luxel.low = luxel.high;
     luxel.normal = normal;
     luxel.mapped = true;

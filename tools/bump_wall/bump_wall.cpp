@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Draws a bump-mapped wall by every encoding of directional light, beside the light itself.
+#include "q3map2/ssbump/ssbump_files.h"
 #include "tools/bump_wall/encodings.h"
 #include "tools/bump_wall/random_light.h"
 #include "tools/bump_wall/wall.h"
@@ -33,15 +34,25 @@ struct Bump {
     std::array<float, 3> texel; ///< self-shadowed, in steps of a byte
 };
 
+/// The self-shadowed bump map of the wall, a texel for each pixel, as `q3map2 -ssbump -notile` makes it.
+std::vector<std::uint8_t> SelfShadowed() {
+    constexpr int kAzimuths = 32;
+    HeightField field{.width = kPanelWidth, .height = kPanelHeight, .tiles = false};
+    for (int row = 0; row < kPanelHeight; row++)
+        for (int column = 0; column < kPanelWidth; column++)
+            field.heights.push_back(kScale * BumpHeight((float(column) + 0.5f) / kScale, (float(row) + 0.5f) / kScale));
+    return SsbumpBytes(SelfShadowedBump(field, kAzimuths, JobPool()));
+}
+
 std::vector<Bump> Bumps() {
+    const std::vector<std::uint8_t> texels = SelfShadowed();
     std::vector<Bump> bumps;
     for (int row = 0; row < kPanelHeight; row++)
         for (int column = 0; column < kPanelWidth; column++) {
             const float x = (float(column) + 0.5f) / kScale, y = (float(row) + 0.5f) / kScale;
-            const Vec3f normal = BumpNormal(x, y);
-            Bump bump{x, y, normal, SelfShadowedTexel(x, y, normal)};
-            for (float &channel : bump.texel)
-                channel = std::round(channel * 255) / 255;
+            Bump bump{x, y, BumpNormal(x, y), {}};
+            for (std::size_t i = 0; i < 3; i++)
+                bump.texel[i] = float(texels[3 * bumps.size() + i]) / 255;
             bumps.push_back(bump);
         }
     return bumps;

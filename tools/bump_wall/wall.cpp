@@ -1,12 +1,8 @@
 // GPL-2.0-or-later. A brick wall with bumps and two lamps.
 #include "tools/bump_wall/wall.h"
 
-#include "libs/math/low_discrepancy.h"
-#include "q3map2/lightmap/encode/rnm.h"
-
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace q3::bump_wall {
 
@@ -64,30 +60,6 @@ bool BumpsBlock(float x, float y, const Vec3f &direction) {
         if (BumpHeight(x + t * direction.x, y + t * direction.y) > start + t * direction.z)
             return true;
     return false;
-}
-
-std::array<float, 3> SelfShadowedTexel(float x, float y, const Vec3f &normal) {
-    std::array<double, 3> seen{}, all{};
-    const auto seed = HashIndex(std::uint64_t(x * 64) << 32 | std::uint64_t(y * 64));
-    const Vec3f side = Normalize(Cross(normal, {0, 1, 0})), up = Cross(normal, side);
-    for (int i = 0; i < kLobeRays; i++) {
-        const Sample2 sample = PlasticSample(std::uint32_t(i), seed);
-        const double r = std::sqrt(sample.u), turn = 2 * std::numbers::pi * sample.v; // spread by the cosine to normal
-        const Vec3f w =
-            side * float(r * std::cos(turn)) + up * float(r * std::sin(turn)) + normal * float(std::sqrt(1 - sample.u));
-        if (w.z <= 0)
-            continue; // behind the wall, from where no light comes
-        const bool blocked = BumpsBlock(x, y, w);
-        for (std::size_t k = 0; k < 3; k++) {
-            const double weight = std::max(0.0f, Dot(w, kRnmBasis[k]));
-            all[k] += weight;
-            seen[k] += blocked ? 0 : weight;
-        }
-    }
-    std::array<float, 3> texel{};
-    for (std::size_t k = 0; k < 3; k++)
-        texel[k] = float(std::max(0.0f, Dot(normal, kRnmBasis[k])) * (all[k] > 0 ? seen[k] / all[k] : 0));
-    return texel;
 }
 
 LocalLight VisibleLamps(float x, float y) {

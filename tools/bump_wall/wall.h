@@ -3,8 +3,6 @@
 
 #include "tools/bump_wall/encodings.h"
 
-#include <array>
-
 namespace q3::bump_wall {
 
 /// The frame of everything here, which is the wall's tangent space: x right (s), y down (t), z out of the wall, all in
@@ -21,11 +19,6 @@ float BumpHeight(float x, float y);
 Vec3f BumpNormal(float x, float y);
 /// Whether bumps stand between the surface at (x, y) and what lies in this direction, in a quarter of a unit's steps.
 bool BumpsBlock(float x, float y, const Vec3f &direction);
-
-/// Response to the three basis vectors of radiosity normal mapping, 0 to 1 (a texel of a self-shadowed bump map):
-/// max(0, n . b_i) times the visible share of directions weighted with both cosines, by `kLobeRays` rays.
-inline constexpr int kLobeRays = 256;
-std::array<float, 3> SelfShadowedTexel(float x, float y, const Vec3f &normal);
 
 /// The lamps that bumps do not hide.
 LocalLight VisibleLamps(float x, float y);

@@ -152,12 +152,6 @@ std::array<std::uint8_t, 4> SkyBytes(const Vec3f &sky) {
 
 } // namespace
 
-void GatheredLight::AddLight(const Vec3f &color, const Vec3f &direction, const Vec3f &normal) {
-    L1Light light;
-    light.AddLight(color, direction);
-    AddL1(light, color * std::max(0.0f, Dot(normal, direction)), normal);
-}
-
 void GatheredLight::AddL1(const L1Light &light, const Vec3f &lit, const Vec3f &normal) {
     incident += lit;
     l1 += light;

@@ -35,13 +35,11 @@ inline constexpr LogScale kHighLog{0.01858136f, 11.5f}, kLowLog{0.00390625f, 16.
 struct GatheredLight {
     Vec3f incident;       ///< lit value at the smooth normal, unit scale
     L1Light l1;           ///< the same light from all directions
-    float correction = 0; ///< luminance that `l1` gives at the smooth normal, see AddLight
+    float correction = 0; ///< luminance that `l1` gives at the smooth normal
     Vec3f skyOcclusion;   ///< mean direction in which the sky is seen, as long as the share that is seen
     float unoccluded = 0; ///< ambient occlusion: 0 to 1, 1 is open
 
-    /// As L1Light::AddLight. Light from behind the normal counts in `l1` only.
-    void AddLight(const Vec3f &color, const Vec3f &direction, const Vec3f &normal);
-    /// Light that is known as L1 and as lit value at the normal.
+    /// Light as L1 and as lit value at the normal. Light from behind counts in `light` only.
     void AddL1(const L1Light &light, const Vec3f &lit, const Vec3f &normal);
     GatheredLight &operator+=(const GatheredLight &o);
     GatheredLight &operator*=(float scale);

@@ -2,7 +2,6 @@
 #include "q3map2/lightmap/encode/rnm.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace q3 {
 
@@ -54,28 +53,7 @@ template <typename Change> RnmLight ByChannel(const RnmLight &light, Change chan
     return out;
 }
 
-/// `v` without its part along the unit normal, unit length; zero if nothing is left.
-Vec3f Tangential(const Vec3f &v, const Vec3f &normal) {
-    const Vec3f unit = Normalize(v), rest = unit - normal * Dot(unit, normal);
-    return Length(rest) > 1e-5f ? Normalize(rest) : Vec3f{};
-}
-
 } // namespace
-
-void RnmLight::AddLight(const Vec3f &color, const Vec3f &direction) {
-    for (std::size_t i = 0; i < 3; i++)
-        map[i] += color * std::max(0.0f, Dot(kRnmBasis[i], direction));
-}
-
-void RnmLight::AddUniform(const Vec3f &color) {
-    for (Vec3f &value : map)
-        value += color;
-}
-
-void RnmLight::AddFlat(const Vec3f &flat) {
-    for (std::size_t i = 0; i < 3; i++)
-        map[i] += flat * kRnmBasis[i].z;
-}
 
 RnmLight RescaleToFlat(const RnmLight &raw, const Vec3f &flat) {
     return ByChannel(
@@ -84,17 +62,6 @@ RnmLight RescaleToFlat(const RnmLight &raw, const Vec3f &flat) {
 
 RnmLight OverflowToOthers(const RnmLight &light) {
     return ByChannel(light, [](const ChannelOfMaps &maps, std::size_t) { return OverflowedChannel(maps); });
-}
-
-TangentFrame MakeTangentFrame(const Vec3f &alongS, const Vec3f &alongT, const Vec3f &normal) {
-    const Vec3f t = Tangential(alongT, normal);
-    Vec3f s = Tangential(alongS, normal);
-    if (s == Vec3f{})
-        s = Cross(t, normal);
-    if (s == Vec3f{})
-        s = Normalize(Cross(normal, std::abs(normal.x) < 0.5f ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0}));
-    const Vec3f across = Normalize(Cross(normal, s));
-    return {s, Dot(across, t) < 0 ? -across : across, normal};
 }
 
 } // namespace q3

@@ -68,6 +68,10 @@ LightmapOptions ParseLightmapOptions(Arguments &arguments, const LightOptions &l
     }
     o.shade |= o.shadeAngle > 0;
     o.deluxe |= o.debugDeluxe;
+    if (o.deluxe && !o.ldr) {
+        log.Warn("light directions", "pages of light directions belong to 8-bit lightmaps, which -hdr leaves out");
+        o.deluxe = false;
+    }
     o.dirty |= o.show == DebugView::Dirt;
     return o;
 }

@@ -15,6 +15,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::string_view kDescription = "lightmass.json";
+
 /// Names of the images of LightmassPage::coefficients.
 constexpr std::array<std::string_view, lightmass::kImages> kCoefficientNames = {"hq_color", "hq_direction", "lq_color",
                                                                                 "lq_direction"};
@@ -162,8 +164,12 @@ void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, cons
 
 void WriteLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &all,
                     Log &log) {
-    if (all.pages.empty())
+    if (std::error_code ignored; all.pages.empty()) {
+        if (std::filesystem::exists(folder / kDescription, ignored))
+            log.Warn("old directional light", "{}: left by an earlier run; this map was lit without -lightmass",
+                     (folder / kDescription).string());
         return;
+    }
     MakeFolder(folder);
     Json pages = Json::array(), places = Json::array();
     std::size_t written = 0;
@@ -185,8 +191,8 @@ void WriteLightmass(const std::filesystem::path &folder, std::string_view mapNam
                        {"shadowLights", all.shadowLights},
                        {"pages", pages},
                        {"lightmaps", places}};
-    ReplaceTextFile(folder / "lightmass.json", json.dump(1) + "\n");
-    log.Print("Wrote {} images and lightmass.json to {}\n", written, folder.string());
+    ReplaceTextFile(folder / kDescription, json.dump(1) + "\n");
+    log.Print("Wrote {} images and {} to {}\n", written, kDescription, folder.string());
 }
 
 } // namespace q3
