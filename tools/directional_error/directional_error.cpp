@@ -53,7 +53,10 @@ void Print(const std::vector<std::string> &names, const std::vector<MapErrors> &
         }
         fmt::print(" {:.2f} |\n", atFlat);
     }
-    fmt::print("\n| CPU time over flat |");
+    fmt::print("| stored light of the own normal against the reference | |");
+    for (const MapErrors &map : maps)
+        fmt::print(" {:.2f} |", map.reference);
+    fmt::print(" |\n\n| CPU time over flat |");
     for (const std::string &name : names)
         fmt::print(" {} |", name);
     fmt::print("\n|---|");

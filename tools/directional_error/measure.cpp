@@ -73,12 +73,15 @@ MapErrors Measure(const LightSetup &setup, const LightmapOptions &given, std::si
     const std::vector<Encoding> encodings = AllEncodings();
     struct Sums {
         std::vector<double> over, atFlat;
+        double reference = 0;
     };
     std::vector<Sums> sums(places.size());
     jobs.For(std::int64_t(places.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
         const std::vector<Vec3f> around = NormalsAround(samples[i].normal, normals);
         const std::vector<Vec3f> truth = bake.LightOn(places[i], around, rays);
+        const Vec3f own = bake.LightOn(places[i], {&samples[i].normal, 1}, rays)[0];
+        sums[i].reference = SquaredDifference(samples[i].flat, own / 255);
         for (const Encoding &encoding : encodings) {
             double over = 0;
             for (std::size_t n = 0; n < around.size(); ++n)
@@ -98,6 +101,9 @@ MapErrors Measure(const LightSetup &setup, const LightmapOptions &given, std::si
         errors.encodings.push_back({encodings[e].name, encodings[e].bytes, std::sqrt(over / (count * double(normals))),
                                     std::sqrt(atFlat / count)});
     }
+    for (const Sums &one : sums)
+        errors.reference += one.reference / (3 * std::max(1.0, double(places.size())));
+    errors.reference = std::sqrt(errors.reference);
     errors.times = MeasureTimes(setup, given, jobs, log);
     return errors;
 }

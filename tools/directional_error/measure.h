@@ -23,6 +23,7 @@ struct BakeTime {
 
 struct MapErrors {
     std::size_t luxels = 0;
+    double reference = 0; ///< displayed RMSE between the stored flat light and the reference for the own normal
     std::vector<EncodingError> encodings;
     std::vector<BakeTime> times;
 };
