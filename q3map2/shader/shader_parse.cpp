@@ -24,9 +24,9 @@ constexpr int kMaxPageSide = 8192;
 constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
 
 /// Known words without effect, which cause no warning.
-constexpr std::array<std::string_view, 6> kDirectivesWithoutEffect = {
-    "q3map_novertexshadows", "q3map_patchshadows",  "q3map_rnmmaps",
-    "q3map_stylemarker",     "q3map_stylemarker2", "q3map_vertexshadows"};
+constexpr std::array<std::string_view, 6> kDirectivesWithoutEffect = {"q3map_novertexshadows", "q3map_patchshadows",
+                                                                      "q3map_rnmmaps",         "q3map_stylemarker",
+                                                                      "q3map_stylemarker2",    "q3map_vertexshadows"};
 
 /// Whether the word in lower case equals `lower`.
 bool IsWord(std::string_view word, std::string_view lower) {

@@ -91,6 +91,9 @@ TEST_F(LightFilesTest, HdrFiles) {
     ExpectOutput("-hdrfiles pfm -deluxe", deluxe);
     // Engines replace 8-bit lightmaps that the map has.
     EXPECT_TRUE(Light("-hdr -hdrfiles rend2").Printed("8-bit lightmaps"));
+    EXPECT_TRUE(Light("-hdr -deluxe").Printed("light directions belong to 8-bit lightmaps"));
+    EXPECT_EQ(Load().lightmapsE5bgr9.size(), kPageTexels);
+    EXPECT_TRUE(Light("-hdr -hdrfiles rend2").Printed("8-bit lightmaps"));
     EXPECT_EQ(Load().lightmaps.size(), 3 * kPageTexels);
 }
 
@@ -122,7 +125,7 @@ TEST_F(LightFilesTest, Lightmass) {
     ExpectOutput("-lightmass", {.bytes = 3 * kPageTexels, .files = always});
     ExpectOutput("-dirty -skyocclusion -shadowmap lamp1", {.bytes = 3 * kPageTexels, .files = all});
     ExpectOutput("-dirty -skyocclusion -shadowmap lamp1 -shadowmap lamp1 -deluxe -hdr",
-                 {.hdrTexels = 2 * kPageTexels, .vertices = true, .files = all});
+                 {.hdrTexels = kPageTexels, .vertices = true, .files = all});
     EXPECT_EQ(Lightmass().at("shadowLights"), nlohmann::json({"lamp1"}));
 }
 

@@ -39,6 +39,19 @@ TEST_F(ShaderLightmap, NumbersAndSwitches) {
     EXPECT_EQ(LoadShader("q3map_terrain").lightmap.shadeAngle, 179);
 }
 
+/// `stage normalMap` makes an image a normal map, whose colors are not those of the surface.
+TEST_F(ShaderLightmap, ImagesOfNormalMapStagesHaveNoColor) {
+    WriteTga("textures/bump.tga", {{127, 127, 255, 255}});
+    WriteTga("textures/color.tga", {{255, 0, 0, 255}});
+    const ShaderInfo &info = LoadShader("{\nstage normalMap\nmap textures/bump.tga\n}\n{\nmap textures/color.tga\n}");
+    EXPECT_EQ(info.averageColor, (Vec3f{255, 0, 0}));
+    EXPECT_TRUE(library->HasNormalMap("s"));
+    EXPECT_FALSE(LoadShader("{\nmap textures/color.tga\n}").normalMapStage);
+    EXPECT_FALSE(library->HasNormalMap("s"));
+    LoadShader("q3map_noRnm\n{\nstage bumpMap\nmap textures/bump.tga\n}");
+    EXPECT_FALSE(library->HasNormalMap("s"));
+}
+
 TEST_F(ShaderLightmap, NormalImagesWinOverBumpMaps) {
     EXPECT_EQ(LoadShader("q3map_ssbumpImage textures/a/bump.png").lightmap.ssbumpImage, "textures/a/bump");
     EXPECT_EQ(Warnings("two normal maps"), 0);
