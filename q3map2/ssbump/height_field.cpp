@@ -11,10 +11,6 @@ namespace {
 
 constexpr double kWhite = 100 * 65535.0; // weights of the channels add up to 100
 
-int Wrapped(int i, int size) {
-    return (i % size + size) % size;
-}
-
 /// Slope at a height between two neighbors, of which those that are there count.
 float Slope(std::optional<float> before, float here, std::optional<float> after) {
     const float distance = (before ? 1.0f : 0.0f) + (after ? 1.0f : 0.0f);

@@ -11,6 +11,11 @@
 
 namespace q3 {
 
+/// The coordinate from 0 on of a texel of a tiling image.
+inline int Wrapped(int coordinate, int size) {
+    return (coordinate % size + size) % size;
+}
+
 /// Heights at the centers of texels, in texels, row 0 on top. Between centers they are bilinear.
 struct HeightField {
     int width = 0, height = 0;

@@ -135,10 +135,6 @@ bool IsOutside(const Crossing &c, const HeightField &field) {
            outside(c.y[1], field.height);
 }
 
-int Wrapped(int offset, int size) {
-    return (offset % size + size) % size;
-}
-
 Azimuth AzimuthOf(double angle, float reach, const HeightField &field) {
     Azimuth azimuth{float(std::cos(angle)), float(std::sin(angle))};
     auto &crossings = azimuth.crossings = CrossingsOf(azimuth.s, azimuth.t, reach);
