@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Ambient occlusion at receivers on surfaces: dirt and the sky visibility of floodlight.
+// GPL-2.0-or-later. Ambient occlusion at receivers on surfaces: dirt, the sky visibility of floodlight, the open sky.
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 
 #include "libs/math/color.h"
@@ -151,7 +151,7 @@ struct AmbientOcclusion::BlockerTracer {
     NearTriangles *nearby;
     const Boundsf *bounds; ///< of the rays; null without `nearby`
     float nearest;
-    float sure; ///< hits beyond this count
+    float sure; ///< every hit beyond this distance counts
 
     /// Removes blocked rays from `live` and adds their OccludedShare. counts(ray, distance, surface): whether a hit
     /// nearer than `sure` counts. Distances are from ray origins.
