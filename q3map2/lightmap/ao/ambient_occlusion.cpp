@@ -26,7 +26,7 @@ constexpr float kSolidDepth = 2;
 constexpr float kRayBackoff = 0.1f;
 /// Triangles are near if they are within the ray length plus this. Game units.
 constexpr float kReachSlack = 1;
-/// A ray continues this far behind a hit that does not count, game units, past this many such hits.
+/// After a hit that does not count, a ray continues kStep game units behind it; at most kMaxPassedHits times.
 constexpr float kStep = 1.0f / 64;
 constexpr int kMaxPassedHits = 8;
 /// -dirtmode 1: rays of each receiver besides the normal.

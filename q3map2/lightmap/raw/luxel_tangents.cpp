@@ -91,7 +91,7 @@ class TangentFinder {
     const SurfaceLight &surfaces_;
     RawLightmap &raw_;
     std::vector<bool> known_; // by luxel
-    std::vector<Vec3f> s_;    // sum of the axes s
+    std::vector<Vec3f> s_;    // sum of TextureAxes::s of the triangles
     std::vector<float> sides_;
 };
 
