@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. directional_error: error against bytes of the directional encodings of lightmaps.
+// GPL-2.0-or-later. directional_error: error and size of the directional encodings of lightmaps.
 #include "common/arguments.h"
 #include "common/error.h"
 #include "common/files/files.h"

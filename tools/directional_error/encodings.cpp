@@ -14,7 +14,7 @@ namespace {
 using Maps = std::array<Vec3f, 3>;
 using Store = Vec3f (*)(const Vec3f &);
 
-// Storage of a color.
+// Stores: a color after a round trip through a storage format.
 
 Vec3f AsFloat(const Vec3f &color) {
     return color;
@@ -39,6 +39,7 @@ Vec3f AsHalf(const Vec3f &color) {
     return {half(color.x), half(color.y), half(color.z)};
 }
 
+/// Arrays as the C decoders of libs/directional take them.
 struct CMaps {
     explicit CMaps(const Maps &maps) {
         for (std::size_t i = 0; i < 3; ++i)
@@ -131,7 +132,7 @@ Encoding L1Encoding(const std::string &name, double bytes, bool corrected, Store
             }};
 }
 
-/// From coefficients, before they are bytes.
+/// Decoded from the float coefficients, before quantizing.
 Encoding LightmassFloat(const std::string &name, std::size_t image) {
     return {name, 28, [image](const LuxelSample &luxel, const Vec3f &n) {
                 const Vec3f &color = luxel.lightmass.coefficients[image], &d = luxel.lightmass.coefficients[image + 1];
@@ -175,7 +176,7 @@ lightmass::Lightmap EncodeLightmap(const RawLightmap &raw, std::vector<lightmass
 
 } // namespace
 
-float LuxelSample::Along(std::size_t axis, const Vec3f &n) const {
+float LuxelSample::TangentComponent(std::size_t axis, const Vec3f &n) const {
     float sum = 0;
     for (std::size_t i = 0; i < 3; ++i)
         sum += Dot(n, basis[i]) * kRnmBasis[i][axis];

@@ -14,7 +14,7 @@ namespace q3::directional {
 /// What a luxel stores, on the unit scale, and its frame.
 struct LuxelSample {
     Vec3f flat, normal;
-    Vec3f direction;    ///< deluxe; unit
+    Vec3f direction;    ///< deluxe, unit
     BasisNormals basis; ///< world
     std::array<Vec3f, 3> onBasis;
     std::array<Vec3f, 4> sh;
@@ -22,15 +22,17 @@ struct LuxelSample {
     lightmass::LuxelBytes lightmassBytes;
     const lightmass::ByteRange *range = nullptr;
 
-    Vec3f InTangentSpace(const Vec3f &n) const { return {Along(0, n), Along(1, n), Along(2, n)}; }
+    Vec3f InTangentSpace(const Vec3f &n) const {
+        return {TangentComponent(0, n), TangentComponent(1, n), TangentComponent(2, n)};
+    }
 
   private:
-    float Along(std::size_t axis, const Vec3f &n) const;
+    float TangentComponent(std::size_t axis, const Vec3f &n) const;
 };
 
 struct Encoding {
     std::string name;
-    double bytes = 0; ///< a luxel
+    double bytes = 0; ///< per luxel
     /// Light on a world-space normal, unit scale.
     std::function<Vec3f(const LuxelSample &, const Vec3f &normal)> decode;
 };
@@ -38,7 +40,7 @@ struct Encoding {
 /// Encodings as floats and as stored.
 std::vector<Encoding> AllEncodings();
 
-/// The samples of a bake with deluxe, SH and basis channels. ranges: kept for them, by lightmap.
+/// The samples of a bake with deluxe, SH and basis channels. encoded: filled by lightmap number; samples point into it.
 std::vector<LuxelSample> MakeSamples(const LuxelBake &bake, std::span<const LuxelPlace> places,
                                      std::map<std::size_t, lightmass::Lightmap> &encoded);
 

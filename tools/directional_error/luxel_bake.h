@@ -15,8 +15,8 @@ struct LuxelPlace {
     std::size_t lightmap = 0, luxel = 0;
 };
 
-/// Direct and bounced light of a map with what `options` keep of its directions, without supersampling. Const after
-/// construction, so are the parts, which refer to each other: neither copied nor moved.
+/// Direct and bounced light of a map, with the directional channels that `options` ask for, without supersampling.
+/// Const after construction. Neither copied nor moved, since its members refer to each other.
 class LuxelBake {
   public:
     /// Keeps references. Errors: as LightWorld.
@@ -24,11 +24,11 @@ class LuxelBake {
     LuxelBake(const LuxelBake &) = delete;
     LuxelBake &operator=(const LuxelBake &) = delete;
 
-    /// Light on the luxel if it had the normals `normals`, in one style, byte scale: each light as the light stage
-    /// evaluates it, with its own shadow rays, and bounced light by `rays` rays; none from below the luxel's surface,
-    /// which does not shadow itself if it is a curve.
+    /// Light of style 0 on the luxel for each of `normals`, byte scale: direct light as the light stage evaluates it,
+    /// with shadow rays for each normal, and bounced light by `rays` rays. Light from below the horizon of the luxel's
+    /// own normal does not count, even if it reaches a curved surface.
     std::vector<Vec3f> LightOn(const LuxelPlace &at, std::span<const Vec3f> normals, int rays) const;
-    /// Those that are lit in style 0, at most `count`, evenly over the map.
+    /// Luxels that are lit in style 0, at most `count`, evenly over the map.
     std::vector<LuxelPlace> Sample(std::size_t count) const;
 
     const SurfaceLight &Surfaces() const { return surfaces_; }
@@ -39,7 +39,7 @@ class LuxelBake {
     void AddDirect(const LuxelPlace &at, std::span<const Vec3f> normals, std::span<Vec3f> light) const;
     void AddBounced(const LuxelPlace &at, std::span<const Vec3f> normals, int rays, std::span<Vec3f> light) const;
 
-    const SurfaceTable table_; // all surfaces are normal mapped, or none
+    const SurfaceTable table_; // with normalMapped set for all surfaces, or for none
     const SurfaceInputs in_;
     std::vector<Light> lights_;
     SurfaceLight surfaces_;

@@ -25,7 +25,7 @@ std::vector<Vec3f> NormalsAround(const Vec3f &n, int count) {
     return normals;
 }
 
-/// As a screen shows unit-scale light, in bytes.
+/// Unit-scale light clamped as on a screen, in units of a byte.
 Vec3f Displayed(const Vec3f &light) {
     return Min(Max(light, Vec3f{}), Vec3f{1, 1, 1}) * 255;
 }

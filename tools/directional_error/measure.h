@@ -11,14 +11,14 @@ namespace q3::directional {
 
 struct EncodingError {
     std::string name;
-    double bytes = 0;  ///< a luxel
+    double bytes = 0;  ///< per luxel
     double rmse = 0;   ///< displayed, bytes of 255, over all luxels, normals and channels
     double atFlat = 0; ///< the same for the luxel's own normal, against the flat float light
 };
 
 struct BakeTime {
     std::string name;
-    double overFlat = 0; ///< CPU time over that without directions
+    double overFlat = 0; ///< CPU time divided by that of flat light
 };
 
 struct MapErrors {

@@ -31,7 +31,7 @@ Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec
 }
 
 Q3_VECTOR void FormFactorVectors(const Lanes3 &p, std::span<const Vec3f> polygon, Lanes3 &v) {
-    Lanes3 u, sum{}; // a sum apart from `v`, which could overlap what is read
+    Lanes3 u, sum{}; // summed apart from `v`, which may alias `p`
 
     Vec3f last = polygon.empty() ? Vec3f{} : polygon.back();
     for (const std::size_t i : kEachLane)

@@ -27,9 +27,9 @@ struct ProbeIncidentLight : IncidentLight {
 /// The directions that light comes from. A receiver in the same place with normal b gets
 /// add * (max(0, vector . b) + uniform), which is `add` for its own normal.
 struct LightDirections {
-    Lanes3 vector; ///< irradiance vector over `add`
-    Lanes uniform; ///< share of light that is the same for all normals
-    Lanes spread;  ///< fluence over the length of the irradiance vector: 1 for a point source, 2 for a full hemisphere
+    Lanes3 vector; ///< irradiance vector divided by `add`
+    Lanes uniform; ///< share of `add` that every normal gets
+    Lanes spread;  ///< fluence divided by the length of the irradiance vector: 1 for a point, 2 for a hemisphere
 };
 
 /// IncidentLight on surfaces.

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What lighting needs to know of each draw surface.
+// GPL-2.0-or-later. Properties of draw surfaces that lighting needs beyond their .bsp records.
 #include "q3map2/light/scene/surface_table.h"
 
 #include "common/error.h"

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What lighting needs to know of each draw surface beyond the .bsp record.
+// GPL-2.0-or-later. Properties of draw surfaces that lighting needs beyond their .bsp records.
 #pragma once
 
 #include "common/log.h"
@@ -20,7 +20,7 @@ struct NormalImage {
 
 struct SurfaceEntry {
     const ShaderInfo *shader = nullptr;
-    Vec3f origin;            ///< of the entity whose model holds it: vertices are relative to it
+    Vec3f origin;            ///< of the entity that owns its model; vertices are relative to it
     int entity = 0;          ///< number in the map source
     int castShadows = 1;     ///< shadow group; 0 casts none
     int receiveShadows = 1;  ///< shadow group; 0: nothing shadows it
@@ -47,9 +47,9 @@ enum class NormalMaps {
 
 /// Used without a surface file: sample size where shader and entity set none, its minimum, and ambient light.
 struct SurfaceDefaults {
-    int sampleSize = 16, minSampleSize = 0; ///< game units a luxel
-    bool noLightmaps = false;               ///< all are lit at their vertices
-    Vec3f ambient;                          ///< byte scale
+    int sampleSize = 16, minSampleSize = 0;   ///< game units a luxel
+    bool noLightmaps = false;                 ///< all are lit at their vertices
+    Vec3f ambient;                            ///< byte scale
     NormalMaps normalMaps = NormalMaps::None; ///< with a surface file too
 };
 

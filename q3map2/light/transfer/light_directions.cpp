@@ -12,10 +12,10 @@ namespace q3 {
 
 namespace {
 
-/// Smaller cosines and form factors count as this one.
+/// Lower bound of cosines and form factors that are divided by.
 constexpr float kLeastCosine = 1e-6f;
 
-/// towardLight: factor of the light on a receiver that faces it.
+/// towardLight: light on a receiver that faces the light, divided by the light on the receiver itself.
 Q3_VECTOR void FromPoint(const Lanes &towardLight, const Lanes &cosine, SurfaceIncidentLight &incident) {
     LightDirections &to = incident.directions;
     for (const std::size_t i : kEachLane) {
@@ -29,7 +29,7 @@ Q3_VECTOR void FromPoint(const Lanes &towardLight, const Lanes &cosine, SurfaceI
     }
 }
 
-/// vectors: Lambert's vectors of the polygon.
+/// vectors: as set by FormFactorVectors.
 Q3_VECTOR void FromArea(const Lanes3 &vectors, const Lanes3 &normal, LightDirections &to) {
     for (const std::size_t i : kEachLane) {
         const float x = vectors.x[i], y = vectors.y[i], z = vectors.z[i];
@@ -44,7 +44,7 @@ Q3_VECTOR void FromArea(const Lanes3 &vectors, const Lanes3 &normal, LightDirect
     }
 }
 
-/// Light on a receiver that faces a point light, over the light that it gets.
+/// factor = light on a receiver that faces the point light, divided by the light on the receiver itself.
 void TowardLight(const Light &light, const Lanes &angle, const Lanes &distance, Lanes &factor) {
     const Falloff falloff(light);
     for (const std::size_t i : kEachLane)

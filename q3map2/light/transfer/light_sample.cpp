@@ -29,7 +29,7 @@ struct SurfaceTransfer {
     Lanes angle;  ///< factor of the angle of incidence
 };
 
-/// cosine = N . u. Ends receivers at or beyond the envelope, and one-sided ones that face away.
+/// cosine = N . u. Drops receivers at or beyond the envelope, and one-sided receivers that face away.
 Q3_VECTOR void CullFacing(SurfaceTransfer &t) {
     const Lanes3 &n = t.receivers.normal, &u = t.incident.direction;
     const float envelope = t.light.envelope;
@@ -83,7 +83,7 @@ void SetPointAngles(SurfaceTransfer &t) {
             angle = std::min(1.0f, angle / t.light.angleScale);
 }
 
-/// Ends receivers behind a one-sided area light and those in its own surface; s: heights over its plane.
+/// Drops receivers behind a one-sided area light or on its own surface. s: heights above the light's plane.
 Q3_VECTOR void CullAreaSides(const Lanes &s, SurfaceTransfer &t) {
     const Lanes3 &n = t.receivers.normal;
     const Vec3f facing = t.light.normal;
@@ -115,7 +115,7 @@ Q3_VECTOR void AreaAsPoint(SurfaceTransfer &t) {
     }
 }
 
-/// add = |f| light.add; negative form factors count where either side may be lit from behind. Sets `flipped` there.
+/// add = |f| light.add. Negative form factors count if the receiver or the light is two-sided: `flipped`.
 Q3_VECTOR void AreaFormFactors(const Lanes &f, SurfaceTransfer &t, LaneMask &flipped) {
     const bool anySide = t.receivers.twoSided || t.light.twoSided;
     const float add = t.light.add;
@@ -128,7 +128,7 @@ Q3_VECTOR void AreaFormFactors(const Lanes &f, SurfaceTransfer &t, LaneMask &fli
     }
 }
 
-/// Light from the back of a two-sided light comes from behind its plane: L' = L - 2 n_l.
+/// Aims flipped lanes at a point behind the plane of the light: L' = L - 2 n_l.
 Q3_VECTOR void AimAtBack(const LaneMask &flipped, SurfaceTransfer &t) {
     SurfaceIncidentLight back;
     AimAt(t.light.origin - t.light.normal * 2, t.receivers.position, back);
@@ -161,7 +161,7 @@ void AreaLight(SurfaceTransfer &t) {
         AimAtBack(flipped, t);
 }
 
-/// Sets the unshadowed light; ends receivers out of reach or on a dark side.
+/// Sets the unshadowed light; drops receivers that are out of reach, or on a side that gets no light.
 void Unshadowed(SurfaceTransfer &t) {
     if (t.light.type == LightType::Sun)
         return SunLight(t);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Ambient occlusion at receivers on surfaces: dirt and the sky visibility of floodlight.
+// GPL-2.0-or-later. Ambient occlusion at receivers on surfaces: dirt, the sky visibility of floodlight, the open sky.
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 
 #include "libs/math/color.h"
@@ -26,7 +26,7 @@ constexpr float kSolidDepth = 2;
 constexpr float kRayBackoff = 0.1f;
 /// Triangles are near if they are within the ray length plus this. Game units.
 constexpr float kReachSlack = 1;
-/// A ray continues this far behind a hit that does not count, game units, past this many such hits.
+/// After a hit that does not count, a ray continues kStep game units behind it; at most kMaxPassedHits times.
 constexpr float kStep = 1.0f / 64;
 constexpr int kMaxPassedHits = 8;
 /// -dirtmode 1: rays of each receiver besides the normal.
@@ -151,7 +151,7 @@ struct AmbientOcclusion::BlockerTracer {
     NearTriangles *nearby;
     const Boundsf *bounds; ///< of the rays; null without `nearby`
     float nearest;
-    float sure; ///< hits beyond this count
+    float sure; ///< every hit beyond this distance counts
 
     /// Removes blocked rays from `live` and adds their OccludedShare. counts(ray, distance, surface): whether a hit
     /// nearer than `sure` counts. Distances are from ray origins.

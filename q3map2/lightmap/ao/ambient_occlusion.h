@@ -18,7 +18,7 @@ struct OcclusionReceivers {
     Lanes3 position{}, normal{};
     std::array<std::uint32_t, kPacketSize> seed{}; ///< of directions under -dirtmode 1
     int receiveShadows = 1;
-    std::span<const int> surfaces; ///< draw surfaces that the receivers are on
+    std::span<const int> surfaces; ///< draw surfaces that hold the receivers
     bool vertices = false;         ///< they are vertices, not lifted off their surface
 
     void Add(const Vec3f &at, const Vec3f &n, std::uint32_t number) {
@@ -35,15 +35,16 @@ class AmbientOcclusion {
     /// Factor of light: 1 - min(1, dirtScale * o^dirtGain), where o is the mean over rays of the share of the ray,
     /// dirtDepth long, that is behind its first hit. Fastest if the blocks are near each other.
     void Dirt(std::span<const OcclusionReceivers> blocks, std::vector<Lanes> &dirt, RayCounts &counts) const;
-    /// A ray of each receiver: its direction, and the share of it before its first hit over the number of rays.
+    /// Takes one ray of each receiver. visibility: share of the ray before its first hit, divided by the number of
+    /// rays.
     using UseSkyRay = std::function<void(const Lanes3 &direction, const Lanes &visibility)>;
     /// Mean over rays, `distance` long, of the share of the ray before its first hit: 0 to 1. useRay, unless empty, is
     /// called with each ray.
     void SkyVisibility(const OcclusionReceivers &receivers, float distance, Lanes &visibility, RayCounts &counts,
                        const UseSkyRay &useRay = {}) const;
 
-    /// Mean direction in which the receivers see a sky, as long as the share of rays over the hemisphere that reach
-    /// one. What a see-through surface takes away counts as hidden.
+    /// Mean direction of the rays over the hemisphere that reach a sky; its length is the share of rays that do. Light
+    /// absorbed by see-through surfaces counts as occluded.
     void OpenSky(const OcclusionReceivers &receivers, Lanes3 &sky, RayCounts &counts) const;
 
   private:

@@ -7,7 +7,7 @@ namespace q3 {
 
 namespace {
 
-/// Floodlight that the shader of a raw lightmap's first surface asks for, beside the world's.
+/// Floodlight that the shader of a raw lightmap's first surface asks for, in addition to the world's.
 FloodSource ShaderFlood(const SurfaceInputs &in, const RawLightmap &raw) {
     if (raw.surfaces.empty())
         return {};
@@ -15,8 +15,8 @@ FloodSource ShaderFlood(const SurfaceInputs &in, const RawLightmap &raw) {
     return {shader.floodColor * shader.floodIntensity, std::max(1.0f, shader.floodDistance)};
 }
 
-/// The directional channels of floodlight `light` at one receiver, ray by ray. A ray stands for light that would give
-/// its share of `light` on the normal of the receiver.
+/// Adds the directional channels of floodlight `light` at a block of receivers, ray by ray. The light of a ray is
+/// visibility / cosine, so that it gives its share of `light` on the receiver's normal.
 class FloodChannels {
   public:
     FloodChannels(RawLightmap &raw, const Vec3f &light, const LuxelIndices &luxels, std::size_t count)

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Ambient occlusion and sky occlusion of luxels as results of their own, for -lightmass.
+// GPL-2.0-or-later. Ambient occlusion and sky occlusion of luxels as outputs of -lightmass.
 #include "q3map2/lightmap/ao/luxel_occlusion.h"
 
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
@@ -8,7 +8,7 @@ namespace q3 {
 
 namespace {
 
-/// What AmbientOcclusion::OpenSky finds, by super luxel.
+/// Results of AmbientOcclusion::OpenSky: [raw lightmap][super luxel].
 using SkyDirections = std::vector<std::vector<Vec3f>>;
 
 SkyDirections FindSkyDirections(const SurfaceInputs &in, SurfaceLight &surfaces) {
@@ -27,7 +27,8 @@ SkyDirections FindSkyDirections(const SurfaceInputs &in, SurfaceLight &surfaces)
                 directions[luxels[b][i]] = found[i];
         }
     };
-    ForMappedLuxelBatches(in, surfaces, [](const RawLightmap &) { return true; }, trace);
+    ForMappedLuxelBatches(
+        in, surfaces, [](const RawLightmap &) { return true; }, trace);
     std::uint64_t rays = 0;
     for (const RayCounts &one : counts)
         rays += one.rays;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Ambient occlusion and sky occlusion of luxels as results of their own, for -lightmass.
+// GPL-2.0-or-later. Ambient occlusion and sky occlusion of luxels as outputs of -lightmass.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"

@@ -28,7 +28,8 @@ constexpr float kRayLength = 1e6f;
 constexpr float kRayLift = 1, kMinRayLift = 1.0f / 16;
 /// Ray origins with a solid this near are moved aside. Game units.
 constexpr float kSolidMargin = 0.25f;
-/// The denoising window reaches this many luxels to each side, over luxels whose normals have at least this cosine.
+/// The denoising window reaches this many luxels to each side, over luxels whose normals are within this cosine of
+/// the center's.
 constexpr int kWindowReach = 2;
 constexpr float kMinNormalCosine = 0.9f;
 /// Ridge regression: added to the variance of x and y, so that slopes of small windows stay small. Luxels squared.
@@ -168,7 +169,7 @@ bool WindowIsComplete(const RawLightmap &raw, int x, int y, int reach) {
     return true;
 }
 
-/// Mean over a complete window, which is its FittedPlaneAtCenter.
+/// Mean over a complete window, which equals its FittedPlaneAtCenter.
 Vec3f MeanOverWindow(const RawLightmap &raw, const std::vector<Vec3f> &values, int x, int y, int reach) {
     Vec3f mean;
     for (int row = y - reach; row <= y + reach; ++row)
@@ -190,8 +191,8 @@ BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces
         rays_ += std::uint64_t(std::count_if(raw.luxelClusters.begin(), raw.luxelClusters.end(),
                                              [](int code) { return code >= 0; })) *
                  std::uint64_t(RaysPerLuxel(raw));
-    keep_ = rays_ <= kMaxKeptHits;
-    if (!keep_)
+    keepHits_ = rays_ <= kMaxKeptHits;
+    if (!keepHits_)
         return;
     in.jobs.For(std::int64_t(emitterHits_.size()), [&](std::int64_t i, int) {
         emitterHits_[std::size_t(i)] = TraceEmitterHits(surfaces.lightmaps[std::size_t(i)]);
@@ -267,7 +268,8 @@ void BounceGather::TraceBatch(const RawLightmap &raw, const GatherBatch &batch, 
     }
 }
 
-/// By direction set: the exact mean over the hemisphere of 1 / (n . w), 2, over that of the set.
+/// By direction set: the cosine-weighted mean of 1 / (n . w) over the hemisphere, which is 2, divided by the mean over
+/// the directions of the set.
 std::vector<float> BounceGather::FluenceScales(int count) const {
     std::vector<float> scales;
     for (int set = 0; set < kDirectionSets; ++set) {
@@ -279,7 +281,8 @@ std::vector<float> BounceGather::FluenceScales(int count) const {
     return scales;
 }
 
-/// Sums over the rays of one luxel. A ray stands for light that gives its share of the estimate on the luxel's normal.
+/// Directional channels of one luxel, summed over its rays. The light of a ray is its emitter's radiosity / cosine, so
+/// that it gives the radiosity on the luxel's normal.
 class BounceGather::ChannelSum {
   public:
     ChannelSum(const RawLightmap &raw, std::size_t luxel, const GatherFrame &frame)
@@ -290,7 +293,7 @@ class BounceGather::ChannelSum {
         for (Vec3f &normal : basis_)
             normal = frame.Local(normal);
     }
-    /// w: local, cosine-weighted.
+    /// w: a cosine-weighted direction, local. light: radiosity of its hit.
     void Add(const Vec3f &w, const Vec3f &light) {
         const Vec3f facing = light / w.z;
         if (raw_.channels.sh) {
@@ -321,17 +324,17 @@ class BounceGather::ChannelSum {
     const RawLightmap &raw_;
     const std::size_t luxel_;
     const GatherFrame &frame_;
-    BasisNormals basis_{};              // local
+    BasisNormals basis_{}; // local
     Vec3f fluence_;
-    std::array<Vec3f, 3> vector_{};     // by local axis
-    BasisNormals onBasis_{};            // light on each basis normal
+    std::array<Vec3f, 3> vector_{}; // by local axis
+    BasisNormals onBasis_{};        // light on each basis normal
 };
 
 GatheredLight BounceGather::Gather(const Emission &emission, std::size_t lightmap, std::size_t slot,
                                    RawLightmap &raw) const {
     const int count = RaysPerLuxel(raw);
-    const std::vector<EmitterId> traced = keep_ ? std::vector<EmitterId>{} : TraceEmitterHits(raw);
-    const std::vector<EmitterId> &hits = keep_ ? emitterHits_[lightmap] : traced;
+    const std::vector<EmitterId> traced = keepHits_ ? std::vector<EmitterId>{} : TraceEmitterHits(raw);
+    const std::vector<EmitterId> &hits = keepHits_ ? emitterHits_[lightmap] : traced;
     GatheredLight gathered;
     gathered.irradiance.resize(raw.luxelClusters.size());
     gathered.channels.assign(raw.channels.Count(), std::vector<Vec3f>(raw.luxelClusters.size()));
@@ -410,8 +413,7 @@ void BounceGather::AddToLuxels(const std::vector<GatheredLight> &all, std::size_
                 window.across = seams_.NeighborsAcross(lightmap, luxel);
             }
             const auto light = [&](std::size_t i) { return all[i].Empty() ? nullptr : &all[i].irradiance; };
-            raw.light[slot][luxel] +=
-                Max(Denoised(raw, lightmap, x, y, reach, window, samples, light), Vec3f{});
+            raw.light[slot][luxel] += Max(Denoised(raw, lightmap, x, y, reach, window, samples, light), Vec3f{});
             for (std::size_t c = 0; c < raw.channels.Count(); ++c) {
                 // Basis normals of another lightmap may have other tangents.
                 const bool isSh = raw.channels.IsSh(c);

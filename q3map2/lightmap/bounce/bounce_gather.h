@@ -33,7 +33,7 @@ class BounceGather {
     GatheredLight Gather(const Emission &emission, std::size_t lightmap, std::size_t slot, RawLightmap &raw) const;
     /// Adds estimates to style slot `slot` of a raw lightmap, denoised: the value at the luxel of a plane fitted by
     /// least squares to the window around it, which keeps gradients. At the rim the window includes luxels of other
-    /// lightmaps; not for the directional channels. gathered: by lightmap.
+    /// lightmaps, except for basis channels. gathered: by lightmap.
     void AddToLuxels(const std::vector<GatheredLight> &gathered, std::size_t lightmap, std::size_t slot,
                      RawLightmap &raw) const;
     /// Estimate at a vertex, by 256 rays. twoSided: its surface is seen from both sides.
@@ -43,23 +43,23 @@ class BounceGather {
     std::uint64_t Rays() const { return rays_; }
 
   private:
-    /// Luxels of a lightmap that trace the same directions, and the index of the first hit of each.
+    /// Up to 16 luxels that trace the same directions, and the index of each luxel's first hit.
     struct GatherBatch;
     class ChannelSum;
     std::vector<EmitterId> TraceEmitterHits(const RawLightmap &raw) const;
     void TraceBatch(const RawLightmap &raw, const GatherBatch &batch, std::vector<EmitterId> &hits) const;
     float RayLiftAt(const Vec3f &position, const Vec3f &normal) const;
     int RaysPerLuxel(const RawLightmap &raw) const;
+    std::vector<float> FluenceScales(int count) const;
 
     const BspSpace &space_;
     const BounceScene &scene_;
     const RadiosityPatches *patches_;
     LightmapSeams seams_;
-    std::vector<float> FluenceScales(int count) const;
 
     std::vector<Vec3f> directions_; // cosine-weighted over the hemisphere around +z
-    bool keep_ = false;
-    std::vector<std::vector<EmitterId>> emitterHits_; // by lightmap, then mapped luxel, then ray; empty unless keep_
+    bool keepHits_ = false;
+    std::vector<std::vector<EmitterId>> emitterHits_; // by lightmap, mapped luxel and ray; empty unless keepHits_
     std::uint64_t rays_ = 0;
 };
 

@@ -173,7 +173,7 @@ void Accumulate(const std::vector<Vec3f> &pass, bool store, std::vector<Vec3f> &
             result[i] = (result[i].x >= 0 ? result[i] : Vec3f{}) + (store ? pass[i] : Vec3f{});
 }
 
-/// Adds the directions of a pass; those of the first pass are swapped in.
+/// Adds the directions of a pass. Those of the first pass are moved into `result`.
 void AddDirections(LuxelGrid &grid, std::vector<Vec3f> &result) {
     const std::size_t count = grid.directions.size();
     if (result.empty()) {
@@ -188,7 +188,7 @@ void AddDirections(LuxelGrid &grid, std::vector<Vec3f> &result) {
             result[i] += grid.directions[i];
 }
 
-/// Adds the directional channels of a pass to the result, at the luxels that `used`, its light, marks as used.
+/// Adds the directional channels of a pass to the result, except at unused luxels. used: the light of the pass.
 void AccumulateChannels(const Averager &averager, const std::vector<Vec3f> &used, const LuxelMask &touching,
                         const Vec3f &ambient, bool store, std::size_t style, LuxelGrid &grid, RawLightmap &lightmap) {
     const ChannelWeights uniform = UniformWeights(lightmap.channels);
@@ -205,7 +205,7 @@ void AccumulateChannels(const Averager &averager, const std::vector<Vec3f> &used
             for (int x = 0; x < lightmap.width; ++x, ++at) {
                 if (used[at].x < 0)
                     continue;
-                const Vec3f value = grid.valid[at]   ? grid.channel[at]
+                const Vec3f value = grid.valid[at] ? grid.channel[at]
                                     : touching[at] ? NeighborMean(lightmap, grid.valid, grid.channel, x, y)
                                                    : Vec3f{};
                 result[c][at] += isSigned ? value : Max(value, Vec3f{});
@@ -230,9 +230,8 @@ void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last
         for (int y = 0; y < lightmap.height; ++y)
             for (int x = 0; x < lightmap.width; ++x, ++at)
                 radiosity[at] = grid.valid[at] ? Max(grid.colors[at], Vec3f{})
-                                : touching[at]
-                                    ? Max(NeighborMean(lightmap, grid.valid, grid.colors, x, y), Vec3f{})
-                                    : kUnused;
+                                : touching[at] ? Max(NeighborMean(lightmap, grid.valid, grid.colors, x, y), Vec3f{})
+                                               : kUnused;
         AccumulateChannels(averager, radiosity, touching, ambient, store, style, grid, lightmap);
         Accumulate(radiosity, store, lightmap.result[style]);
         AddDirections(grid, lightmap.resultDirections);

@@ -13,8 +13,8 @@ namespace {
 
 /// Luxels are visited in tiles of kTile x kTile, so that luxels of a block are near each other.
 constexpr int kTile = 4;
-/// Receivers near the plane of an area light are moved up to kPushReach towards it, to at least kPushHeight over it,
-/// for the form factor (kAreaPush). Game units.
+/// For the form factor, receivers near the plane of an area light are moved along its normal by up to kPushReach, to
+/// the height kPushHeight over it: AreaHeights, kAreaPush. Game units.
 constexpr float kPushReach = 16, kPushHeight = 8;
 /// Added to bounds for rounding. Game units.
 constexpr float kSlack = 0.05f;

@@ -23,7 +23,7 @@ Q3_VECTOR void SetColor(const Vec3f &color, const SurfaceIncidentLight &incident
             out.x[i] *= incident.tint.x[i], out.y[i] *= incident.tint.y[i], out.z[i] *= incident.tint.z[i];
 }
 
-/// Weights of the SH channels.
+/// weights = SH channels per unit of `add`.
 Q3_VECTOR void ProjectOnSh(const LightDirections &from, std::array<Lanes, DirectionalChannels::kSh> &weights) {
     for (const std::size_t i : kEachLane) {
         const float x = from.vector.x[i], y = from.vector.y[i], z = from.vector.z[i];
@@ -33,9 +33,9 @@ Q3_VECTOR void ProjectOnSh(const LightDirections &from, std::array<Lanes, Direct
     }
 }
 
-/// Irradiance of a sphere that is partly below the horizon, over its irradiance on a receiver that faces it; sine2: of
-/// its angular radius; cosine: between the normal and its center, |cosine| < sqrt(sine2). Snyder, Area Light Sources
-/// for Real-Time Graphics, 1996.
+/// Irradiance from a sphere that crosses the horizon, divided by its irradiance on a receiver that faces it. sine2:
+/// squared sine of its angular radius; cosine: of the angle from the normal to its center, |cosine| < sqrt(sine2).
+/// Snyder, Area Light Sources for Real-Time Graphics, 1996.
 float SphereAtHorizon(float cosine, float sine2) {
     const float sine = std::sqrt(1 - cosine * cosine), x = std::sqrt(1 / sine2 - 1);
     const float y = std::clamp(-x * cosine / sine, -1.0f, 1.0f), root = sine * std::sqrt(1 - y * y);
@@ -43,7 +43,8 @@ float SphereAtHorizon(float cosine, float sine2) {
     return std::max(0.0f, sum / (sine2 * std::numbers::pi_v<float>));
 }
 
-/// Light on receivers with the given normals. Area lights that their horizon crosses count as spheres.
+/// weights = light on receivers with the given normals, per unit of `add`. An area light that crosses the horizon of a
+/// receiver counts as a sphere.
 void LightOn(const Lanes3 &normal, const LightDirections &from, const LaneMask &live, Lanes &weights) {
     constexpr float kPointlike = 1e-4f;
     for (const std::size_t i : kEachLane) {

@@ -8,11 +8,11 @@ namespace q3 {
 
 /// The channels of sixteen receivers.
 using ChannelLanes = std::array<Lanes3, kMaxChannels>;
-/// Their RNM basis normals.
+/// The RNM basis normals of sixteen receivers.
 using BasisLanes = std::array<Lanes3, DirectionalChannels::kBasis>;
 
-/// Sets the channels of the light `incident` of a source of that color; zero in lanes that are not live. basis: not
-/// used without these channels.
+/// Sets the channels of `incident`, light of a source with that color; zero in lanes that are not live. basis: null
+/// without basis channels.
 void SetChannels(const Vec3f &color, const SurfaceIncidentLight &incident, const DirectionalChannels &channels,
                  const BasisLanes *basis, ChannelLanes &out);
 

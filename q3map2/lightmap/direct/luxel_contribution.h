@@ -18,7 +18,7 @@ struct LuxelSum {
 struct LuxelSums {
     std::vector<LuxelSum> sums;
     bool deluxe = false, directional = false;
-    std::size_t used = 0; ///< of `sums`; the others keep their memory
+    std::size_t used = 0; ///< how many of `sums` hold values; the rest only keep their memory
 
     void Clear() { used = 0; }
     /// The sum of that slot and radius; a new one is zero.
@@ -27,10 +27,10 @@ struct LuxelSums {
 
 /// Light of one source at the receivers of a block; zero where none arrives.
 struct LuxelIncidentLight {
-    Lanes3 color{},
-        direction{}; ///< direction: unit vector to the source times its light's luminance here; 0 unless deluxe
+    Lanes3 color{};
+    Lanes3 direction{}; ///< unit vector to the source times the luminance of its light here; 0 unless deluxe
     LaneMask lit{};
-    LaneMask filtered{}; ///< light above 1 before color, and its shadow ray met a transparent surface
+    LaneMask filtered{}; ///< gets light above 1 before color, by a shadow ray that met a transparent surface
 };
 
 /// Settings of a pass over one raw lightmap.
@@ -40,7 +40,7 @@ struct LuxelPass {
     DirectionalChannels channels;
 };
 
-/// Receivers of a block and the basis normals of their luxels, null without these channels.
+/// Receivers of a block and the basis normals of their luxels, null without basis channels.
 struct LuxelReceivers {
     SurfaceReceiverBatch &batch;
     const BasisLanes *basis = nullptr;

@@ -5,8 +5,8 @@
 
 namespace q3 {
 
-/// Lights all mapped luxels by `lights` (from SetupEnvelopes for surfaces) and ambient light: sets light, filled,
-/// styles and directions. Adds the work done to `counts`.
+/// Lights all mapped luxels by `lights` (from SetupEnvelopes for surfaces) and ambient light: sets light,
+/// directional, filled, styles and directions. Adds the work done to `counts`.
 void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
                  SurfaceLight &surfaces, ContributionCounts &counts);
 

@@ -11,7 +11,7 @@ namespace q3 {
 
 namespace {
 
-/// Cells whose light adds up to less are not refined. Byte scale.
+/// Cells are refined only if the light of their luxels adds up to more. Byte scale.
 constexpr float kDarkCell = 4;
 /// Samples keep this distance from solids. Game units.
 constexpr float kSampleMargin = 0.25f;
@@ -29,7 +29,7 @@ int RandomCount(int samples, bool exact) {
     return samples <= 2 ? 16 : samples == 3 ? 64 : 256;
 }
 
-/// Whether a cell of two rows of luxels is partly lit.
+/// Whether any of the 2 x 2 cells of two rows of luxels is partly lit.
 Q3_VECTOR bool AnyPartlyLit(const std::uint8_t *lit, const std::uint8_t *below, const std::uint8_t *mapped, int count) {
     std::uint8_t mixed = 0;
     for (int x = 0; x < count; ++x) {
@@ -214,7 +214,7 @@ LuxelSampler::SubsamplePositions LuxelSampler::PositionsOfSubsamples(std::span<c
     return receivers;
 }
 
-/// Sets the light of the source at receivers, which are samples of `luxels`. False: no light arrives.
+/// Sets `samples` to the light of the source at the receivers. luxels: of each receiver. False: no light arrives.
 bool LuxelSampler::Contribution(SurfaceReceiverBatch &receivers, std::span<const std::size_t> luxels,
                                 std::span<Sample> samples, ContributionCounts &counts) const {
     BasisLanes basis;
@@ -251,11 +251,11 @@ void LuxelSampler::Scale(float factor, Sample &sample) const {
 }
 
 void LuxelSampler::Subsample(std::span<const Refinement> samples, float offset, ContributionCounts &counts) const {
-    if (samples.empty() || samples.front().sample->count >= maxSamples_)
+    if (samples.empty() || samples.front().sample->levels >= maxSamples_)
         return;
     const SubsamplePositions at = PositionsOfSubsamples(samples, offset);
     std::array<Sample, kPacketSize> subsamples;
-    std::array<std::size_t, kMaxRefinements + 1> first{}; // subsample of each sample
+    std::array<std::size_t, kMaxRefinements + 1> first{}; // first[k]: first subsample of sample k
     std::array<std::size_t, kPacketSize> luxels{};
     SurfaceReceiverBatch receivers;
     receivers.twoSided = lightmap_->twoSided;
@@ -267,7 +267,7 @@ void LuxelSampler::Subsample(std::span<const Refinement> samples, float offset, 
             if (!FindOpenCluster(at[i], cluster))
                 continue;
             subsamples[receivers.count].position = at[i];
-            subsamples[receivers.count].count = samples[k].sample->count + 1;
+            subsamples[receivers.count].levels = samples[k].sample->levels + 1;
             luxels[receivers.count] = luxel;
             receivers.Add(at[i], normal, cluster);
         }
@@ -303,7 +303,7 @@ void LuxelSampler::AverageSubsamples(const Refinement &whole, std::span<Sample> 
     for (const Sample &subsample : subsamples)
         Accumulate(subsample, sample);
     Scale(1.0f / float(1 + subsamples.size()), sample);
-    ++sample.count;
+    ++sample.levels;
 }
 
 LuxelSampler::Sample LuxelSampler::RandomSamples(int x, int y, ContributionCounts &counts) const {

@@ -9,14 +9,14 @@
 namespace q3 {
 
 /// Adaptive supersampling (-samples, -randomsamples): where a source lights some luxels of a 2 x 2 cell but not all,
-/// each of them takes 4 more samples around it, and so on around these.
+/// each luxel of the cell takes 4 more samples around it, which are refined likewise.
 class LuxelSampler {
   public:
     /// To be called before the first light of a lightmap. Keeps references until the next Start.
     void Start(const SurfaceInputs &in, const RawLightmap &lightmap, const LuxelBlocks &blocks, const LuxelPass &pass);
     /// To be called before each light.
     void StartLight(const Light &light);
-    /// Sets the light of the source at a block, one sample a luxel.
+    /// Sets the light of the source at a block, one sample per luxel.
     void SetBlock(std::size_t block, const LuxelIncidentLight &incident, const ChannelLanes &channels);
     /// Supersamples the cells that are partly lit, and adds the change of their luxels to `sum`.
     void Refine(LuxelSum &sum, ContributionCounts &counts);
@@ -26,7 +26,7 @@ class LuxelSampler {
         Vec3f position;
         Vec3f color, direction;
         std::array<Vec3f, kMaxChannels> channels{};
-        int count = 1; ///< levels of samples, up to -samples
+        int levels = 1; ///< of subsamples plus one, up to -samples
         bool lit = false, filtered = false;
     };
     /// A sample of luxel (x, y) that is refined.

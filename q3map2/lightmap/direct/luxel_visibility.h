@@ -5,9 +5,9 @@
 
 namespace q3 {
 
-/// Sets RawLightmap::visibility for each light name of LightmapOptions::shadowMaps: the share of the light of all lights
-/// of that name (targetname; the samples of one light share it) that arrives, whatever its strength. `lights`: from
-/// SetupEnvelopes for surfaces. A name that no light has is a warning. Call before the last AverageLuxels.
+/// Sets RawLightmap::visibility for each targetname in LightmapOptions::shadowMaps: arriving over unshadowed light,
+/// summed over all lights of that name, such as the samples of one light. `lights`: from SetupEnvelopes for surfaces. A
+/// name that no light has is a warning. Call before the last AverageLuxels.
 void FindVisibility(const SurfaceInputs &in, const std::vector<Light> &lights, SurfaceLight &surfaces,
                     ContributionCounts &counts);
 

@@ -12,7 +12,7 @@ namespace {
 constexpr float kLongestDirection = 0.564190f;      // of one light: sqrt(3) kL1Directed
 constexpr float kLeastDirectionality = kL1Flat / 4; // at the smooth normal
 constexpr float kBrightest = 1e9f;
-constexpr float kDark = 1e-12f;              // L0 without direction
+constexpr float kDark = 1e-12f;              // light with an L0 up to this has no direction
 constexpr float kColorlessLuminance = 1e-4f; // below it light counts as white
 
 /// Finite, and not below 0. NaN gives 0.
@@ -89,7 +89,7 @@ void QuantizeThree(std::span<const std::size_t> mapped, std::vector<Vec3f> &valu
     }
 }
 
-/// Square roots of color over luminance; those of white for the dark.
+/// Square roots of color / luminance; 1 1 1 where that is too dark.
 Vec3f RootChromaticity(const Vec3f &color, float luminance) {
     if (luminance < kColorlessLuminance)
         return {1, 1, 1};
@@ -97,7 +97,7 @@ Vec3f RootChromaticity(const Vec3f &color, float luminance) {
     return {std::sqrt(uvw.x), std::sqrt(uvw.y), std::sqrt(uvw.z)};
 }
 
-/// Log luminance: a byte, and in high quality a second one for what it rounds off, in the alpha of both images.
+/// Log luminance in the alpha of the color image; in high quality, its rounding error in that of the direction image.
 void QuantizeLog(std::span<const std::size_t> mapped, std::span<const float> luminance, std::size_t image,
                  Lightmap &out) {
     const LogScale log = image == kHigh ? kHighLog : kLowLog;
@@ -116,7 +116,7 @@ void QuantizeLog(std::span<const std::size_t> mapped, std::span<const float> lum
     out.range.add[image][3] = range.Offset();
 }
 
-/// Both images of one quality. Direction first, luminance last: each step can repair the luminance of those before.
+/// Both images of one quality. Direction first, luminance last: it corrects rounding errors of the steps before.
 void QuantizeImages(std::span<const LuxelLight> luxels, std::span<const std::size_t> mapped, std::size_t image,
                     const QuantizeOptions &options, Lightmap &out) {
     std::vector<Vec3f> directions, roots;

@@ -15,17 +15,16 @@ namespace q3::lightmass {
 // GatheredLuxel     FGatheredLightMapSample     the same for both qualities of a luxel
 // LuxelLight        FLightSampleData            coefficients as floats; not additive
 // LuxelBytes        FQuantizedLightSampleData   coefficients as bytes
-// ByteRange         FLightMapDataBase           what turns bytes into coefficients, per map (no sizes: not compressed)
-// Lightmap          FLightMapData2DData         bytes and range of a map
-// Visibility        FShadowSampleData           visibility of one light from a point
-// VisibilityBytes   FQuantizedShadowSampleData  the same as a byte
-// VisibilityMap     FShadowMapData2DData        the same for a map
+// ByteRange         FLightMapDataBase           scale and offset of the bytes, per map; no sizes, since nothing is
+// compressed Lightmap          FLightMapData2DData         bytes and range of a map Visibility        FShadowSampleData
+// visibility of one light from a point VisibilityBytes   FQuantizedShadowSampleData  the same as a byte VisibilityMap
+// FShadowMapData2DData        the same for a map
 
 /// Images of a luxel: [kHigh], [kLow] hold color, the image after each of them the direction.
 inline constexpr std::size_t kImages = 4, kHigh = 0, kLow = 2;
 
-/// Range of log2(L + black) is half of the scale to both sides of 0. Brighter luminance is stored as the end of the
-/// range: 53.8 high, 256 low.
+/// log2(L + black) is stored in the range -scale / 2 to scale / 2. Brighter luminance is clamped to the end of the
+/// range: 53.8 in high quality, 256 in low.
 struct LogScale {
     float black, scale;
 };
@@ -36,10 +35,10 @@ struct GatheredLight {
     Vec3f incident;       ///< lit value at the smooth normal, unit scale
     L1Light l1;           ///< the same light from all directions
     float correction = 0; ///< luminance that `l1` gives at the smooth normal
-    Vec3f skyOcclusion;   ///< mean direction in which the sky is seen, as long as the share that is seen
+    Vec3f skyOcclusion;   ///< mean direction of visible sky; its length is the visible share
     float unoccluded = 0; ///< ambient occlusion: 0 to 1, 1 is open
 
-    /// Light as L1 and as lit value at the normal. Light from behind counts in `light` only.
+    /// Adds light, given as L1 and as lit value at the normal. Light from behind counts in `light` only.
     void AddL1(const L1Light &light, const Vec3f &lit, const Vec3f &normal);
     GatheredLight &operator+=(const GatheredLight &o);
     GatheredLight &operator*=(float scale);
@@ -51,8 +50,8 @@ struct GatheredLuxel {
     bool mapped = false;     ///< on a surface
 };
 
-/// Color: incident light over the direction's value at the normal. Direction: (y, z, x) of the luminance, such that
-/// decode(n) = color * max(0, 0.282095 + direction . (n.y, n.z, n.x)).
+/// Color: incident light divided by the direction's value at the normal. Direction: (y, z, x) of the luminance, such
+/// that decode(n) = color * max(0, 0.282095 + direction . (n.y, n.z, n.x)).
 struct LuxelLight {
     std::array<Vec3f, kImages> coefficients{};
     Vec3f skyOcclusion;
@@ -83,10 +82,10 @@ struct Lightmap {
     std::vector<LuxelBytes> luxels; ///< row by row
 };
 
-/// What later steps of quantising take over from earlier ones. The comment of Quantize has measured errors.
+/// Rounding errors of earlier steps that luminance, quantized last, corrects. Measured errors: see Quantize.
 struct QuantizeOptions {
-    bool foldDirection = true; ///< error of the direction's bytes at the smooth normal into luminance
-    bool foldColor = true;     ///< error of the chromaticity's bytes into luminance
+    bool foldDirection = true; ///< of the direction, at the smooth normal
+    bool foldColor = true;     ///< of the chromaticity
 };
 
 struct Visibility {

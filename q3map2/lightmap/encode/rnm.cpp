@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Radiosity normal mapping: light by three directions about the normal.
+// GPL-2.0-or-later. Radiosity normal mapping: light on three basis normals.
 #include "q3map2/lightmap/encode/rnm.h"
 
 #include <algorithm>
@@ -28,7 +28,8 @@ ChannelOfMaps RescaledChannel(ChannelOfMaps maps, float flat) {
     return maps;
 }
 
-/// The largest gives to both others, then the middle one to the smallest: after that only a mean above 1 leaves more.
+/// The largest value gives its excess over 1 to both others, then the middle one to the smallest. Values still above 1,
+/// which need a mean above 1, are clamped.
 ChannelOfMaps OverflowedChannel(const ChannelOfMaps &maps) {
     std::array<std::size_t, 3> order{0, 1, 2};
     std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return maps[a] > maps[b]; });

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMinPageSide = 2;
 
-/// The size that an option gave. Nothing, and a warning, unless both sides are powers of two in range.
+/// The page size given by an option; none, with a warning, unless both sides are powers of two in range.
 std::optional<std::array<int, 2>> PageSize(const std::vector<int> &given, std::string_view name, Log &log) {
     if (given.empty())
         return std::nullopt;

@@ -16,7 +16,7 @@ namespace q3 {
 /// Longest side of a lightmap page, in texels; more than any engine supports.
 inline constexpr int kMaxPageSide = 8192;
 
-/// A form of the image files with HDR lightmaps, -hdrfiles.
+/// Format of image files of HDR lightmaps, -hdrfiles.
 enum class HdrFiles {
     None,
     Rend2,    ///< .hdr, Radiance, as OpenJK's rend2 reads it

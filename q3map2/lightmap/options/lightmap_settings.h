@@ -6,7 +6,7 @@
 
 namespace q3 {
 
-/// The options of the light stage that LightSettings does not have.
+/// The options of the light stage that LightSettings lacks: lightmaps, vertex light, bounces.
 std::vector<SettingGroup<LightmapOptions>> LightmapSettings();
 
 } // namespace q3

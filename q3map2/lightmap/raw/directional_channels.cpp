@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What is kept of the directions that light comes from, beside the light on a luxel's own normal.
+// GPL-2.0-or-later. Directional channels of luxels: L1 SH, and light on the RNM basis normals.
 #include "q3map2/lightmap/raw/directional_channels.h"
 
 #include "libs/math/rnm_basis.h"

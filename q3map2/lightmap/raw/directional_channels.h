@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What is kept of the directions that light comes from, beside the light on a luxel's own normal.
+// GPL-2.0-or-later. Directional channels of luxels: L1 SH, and light on the RNM basis normals.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -35,7 +35,7 @@ inline constexpr float kSh0 = 0.28209479f, kSh1 = 0.48860251f;
 inline constexpr float kDirectedSh0 = std::numbers::pi_v<float> * kSh0, kDirectedSh1 = std::numbers::pi_v<float> * kSh1,
                        kUniformSh0 = 1 / kSh0;
 
-/// A value per channel, those of `sh` first.
+/// A value per channel, SH channels first.
 using ChannelWeights = std::array<float, kMaxChannels>;
 /// [channel][luxel].
 using ChannelImages = std::vector<std::vector<Vec3f>>;
@@ -52,9 +52,9 @@ struct LuxelTangent {
 /// kRnmBasis in the frame of s, t and the normal. A tangent along the normal gives an arbitrary frame.
 BasisNormals BasisNormalsOf(const Vec3f &normal, const LuxelTangent &tangent);
 
-/// Weights of light 1 from the unit vector `w` in all channels. basis: null without these channels.
+/// Channel values per unit of light from the unit vector `w`. basis: null without basis channels.
 ChannelWeights WeightsOf(const Vec3f &w, const DirectionalChannels &channels, const BasisNormals *basis);
-/// Weights of uniform light 1.
+/// Channel values per unit of uniform light.
 ChannelWeights UniformWeights(const DirectionalChannels &channels);
 
 } // namespace q3

@@ -23,7 +23,7 @@ inline constexpr int kLightmapByVertex = -3;
 /// Values of RawLightmap::luxelClusters that are no cluster.
 enum NoCluster : int {
     kUnmapped = -2, ///< no surface passes through the luxel
-    kOccluded = -1, ///< one does, but every position to light it from is in a solid or an unseen cluster
+    kOccluded = -1, ///< a surface does, but every candidate position is in a solid or an unseen cluster
     kFlooded = -3   ///< was unmapped or occluded, and took the mean light of its neighbors
 };
 
@@ -93,7 +93,7 @@ struct RawLightmap {
 
     // width x height, for -lightmass: luxel_occlusion.cpp, luxel_visibility.cpp. Empty when off.
     std::vector<float> unoccluded;              ///< factor of dirt, 1 in the open
-    std::vector<Vec3f> skyOcclusion;            ///< mean direction in which the sky is seen, as long as that share
+    std::vector<Vec3f> skyOcclusion;            ///< mean direction of visible sky; its length is the visible share
     std::vector<std::vector<float>> visibility; ///< [LightmapOptions::shadowMaps][luxel], 0 to 1; -1: unknown
 };
 
@@ -128,8 +128,8 @@ struct SurfaceInputs {
     Log &log;
 };
 
-/// The kind of pass over surfaces. The functions of the passes are in headers of their own. Each is called from one
-/// thread and uses the workers of SurfaceInputs::jobs; results do not depend on the number of workers.
+/// The kind of pass over surfaces. Functions of passes are called from one thread and use the workers of
+/// SurfaceInputs::jobs; results do not depend on the number of workers.
 struct SurfacePass {
     bool bounce = false; ///< bounced light only: no ambient, no floodlight, vertices without dirt
 };

@@ -8,8 +8,8 @@
 
 namespace q3 {
 
-/// Gives luxels beside known ones the mean of their known neighbors, ring by ring, until all are known; nothing if none
-/// is. values, known: width x height.
+/// Gives luxels next to known ones the mean of their known neighbors, ring by ring, until all are known. Without a
+/// known luxel nothing changes. values, known: width x height.
 template <typename T> void FillFromNeighbors(int width, int height, LuxelMask &known, std::vector<T> &values) {
     const auto index = [&](int x, int y) { return std::size_t(y) * std::size_t(width) + std::size_t(x); };
     const auto mean = [&](int x, int y) {
@@ -33,8 +33,8 @@ template <typename T> void FillFromNeighbors(int width, int height, LuxelMask &k
     }
 }
 
-/// By luxel, width x height: the mean of value(super luxel) over its mapped super luxels. Luxels without any take the
-/// mean of their neighbors, as light does. `otherwise`: of lightmaps where nothing is mapped.
+/// By luxel, width x height: the mean of value(super luxel) over its mapped super luxels. Luxels without mapped
+/// super luxels take the mean of their neighbors, as light does; `otherwise` if nothing is mapped.
 template <typename T, typename Value>
 std::vector<T> LuxelMeans(const RawLightmap &raw, const T &otherwise, const Value &value) {
     std::vector<T> means(std::size_t(raw.width) * std::size_t(raw.height), otherwise);

@@ -9,12 +9,12 @@ namespace q3 {
 /// The normal map of one triangle.
 class NormalMap {
   public:
-    /// No image, or a triangle without area in texture space: normals stay as they are. Keeps a pointer to the image.
+    /// Not active without an image, or if the triangle has no area in texture space. Keeps a pointer to the image.
     NormalMap(const NormalImage &normals, const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c);
     bool Active() const { return image_ != nullptr; }
-    /// The vertex normal perturbed by the nearest texel. q3map_normalImage: Normalize(N + S s + T t + N n), components
-    /// s, t, n in [-1, 1] from red, green, blue. q3map_ssbumpImage: Normalize(S x + T y + N z), with (x, y, z) the sum
-    /// of the basis vectors of libs/math/rnm_basis.h times the channels; N where all are black.
+    /// The vertex normal perturbed by the nearest texel; call only if active. q3map_normalImage: Normalize(N + S s + T
+    /// t + N n), components s, t, n in [-1, 1] from red, green, blue. q3map_ssbumpImage: Normalize(S x + T y + N z),
+    /// with (x, y, z) the sum of the basis vectors of libs/math/rnm_basis.h times the channels; N where all are black.
     Vec3f Perturbed(const SurfaceVertex &v) const;
 
   private:

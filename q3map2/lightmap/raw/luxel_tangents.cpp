@@ -10,7 +10,7 @@ namespace q3 {
 
 namespace {
 
-/// Calls triangle(a, b, c) for the triangles of a surface, those of curves as they are tessellated.
+/// Calls triangle(a, b, c) for each triangle of a surface; curves are tessellated.
 template <typename Triangle>
 void ForTriangles(const SurfaceInputs &in, const SurfaceLight &surfaces, int number, const Triangle &triangle) {
     const bspDrawSurface_t &surface = in.bsp.drawSurfaces[std::size_t(number)];
@@ -63,7 +63,7 @@ class TangentFinder {
         });
     }
 
-    /// Gives mapped luxels beside known ones their mean. False: none is left that could get one.
+    /// Gives mapped luxels next to known ones the mean tangent of these. False: no luxel was added.
     bool Grow() {
         std::vector<std::size_t> grown;
         for (int y = 0; y < raw_.SuperHeight(); ++y)
@@ -91,7 +91,7 @@ class TangentFinder {
     const SurfaceLight &surfaces_;
     RawLightmap &raw_;
     std::vector<bool> known_; // by luxel
-    std::vector<Vec3f> s_;    // sum of the axes s
+    std::vector<Vec3f> s_;    // sum of TextureAxes::s of the triangles
     std::vector<float> sides_;
 };
 

@@ -6,7 +6,7 @@
 namespace q3 {
 
 /// Sets the tangents of the raw lightmaps that have basis channels: the mean texture axis of the triangles that pass
-/// through a luxel; of luxels around surfaces, the mean of their neighbors. Call after MapLuxels.
+/// through a luxel. Mapped luxels that no triangle covers take the mean of their neighbors. Call after MapLuxels.
 void FindTangents(const SurfaceInputs &in, SurfaceLight &surfaces);
 
 } // namespace q3
