@@ -28,12 +28,12 @@ bytes a luxel; and CPU time of baking over that of flat light. The reference is 
 store in a luxel of that normal.
 )";
 
-int TakeWhole(Arguments &arguments, std::string_view name, int fallback) {
+int TakeWhole(Arguments &arguments, std::string_view name, int fallback, int least = 1) {
     int value = fallback;
     while (const auto text = arguments.TakeValue(name)) {
         value = IntegerFromText(*text);
-        if (value < 0)
-            throw Error("{} {}: expected a whole number", name, *text);
+        if (value < least)
+            throw Error("{} {}: expected a whole number of at least {}", name, *text, least);
     }
     return value;
 }
@@ -77,7 +77,7 @@ int Run(const std::vector<std::string> &words) {
         return 0;
     }
     const int luxels = TakeWhole(arguments, "--luxels", 1000), normals = TakeWhole(arguments, "--normals", 32);
-    const int rays = TakeWhole(arguments, "--rays", 4096), bounces = TakeWhole(arguments, "--bounce", 2);
+    const int rays = TakeWhole(arguments, "--rays", 4096), bounces = TakeWhole(arguments, "--bounce", 2, 0);
     Log log([](LogLevel level, std::string_view text) {
         if (level != LogLevel::Normal)
             std::fwrite(text.data(), 1, text.size(), stderr);
@@ -90,6 +90,8 @@ int Run(const std::vector<std::string> &words) {
     const JobPool jobs(game.threads);
     std::vector<std::string> names;
     std::vector<MapErrors> maps;
+    if (arguments.Rest().empty())
+        throw Error("expected a .bsp");
     for (const std::string &map : arguments.Rest()) {
         const Bsp bsp = ReadBspFile(map, game.Format(), log);
         const LightInputs inputs = ReadLightInputs(map, log);

@@ -30,11 +30,11 @@ Q3_VECTOR void FromPoint(const Lanes &towardLight, const Lanes &cosine, SurfaceI
 }
 
 /// vectors: as set by FormFactorVectors.
-Q3_VECTOR void FromArea(const Lanes3 &vectors, const Lanes3 &normal, LightDirections &to) {
+Q3_VECTOR void FromArea(const Lanes3 &vectors, const Lanes3 &normal, const LaneMask &undirected, LightDirections &to) {
     for (const std::size_t i : kEachLane) {
         const float x = vectors.x[i], y = vectors.y[i], z = vectors.z[i];
         const float formFactor = x * normal.x[i] + y * normal.y[i] + z * normal.z[i];
-        const bool back = formFactor < 0;
+        const bool back = (formFactor < 0) | (undirected[i] != 0);
         const float scale = back ? 0 : 1 / std::max(formFactor, kLeastCosine);
         to.vector.x[i] = x * scale, to.vector.y[i] = y * scale, to.vector.z[i] = z * scale;
         to.uniform[i] = back ? 1.0f : 0.0f;
@@ -61,7 +61,7 @@ void SetLightDirections(const Light &light, bool pointAreas, const SurfaceReceiv
         Lanes3 pushed, vectors;
         AreaHeights(light, receivers.position, heights, pushed);
         FormFactorVectors(pushed, light.w, vectors);
-        return FromArea(vectors, receivers.normal, incident.directions);
+        return FromArea(vectors, receivers.normal, incident.undirected, incident.directions);
     }
     if (light.type == LightType::Area)
         factor.fill(1 / kLeastCosine);

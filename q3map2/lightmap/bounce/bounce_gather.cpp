@@ -330,12 +330,12 @@ class BounceGather::ChannelSum {
     BasisNormals onBasis_{};        // light on each basis normal
 };
 
-GatheredLight BounceGather::Gather(const Emission &emission, std::size_t lightmap, std::size_t slot,
-                                   RawLightmap &raw) const {
+BounceEstimate BounceGather::Gather(const Emission &emission, std::size_t lightmap, std::size_t slot,
+                                    RawLightmap &raw) const {
     const int count = RaysPerLuxel(raw);
     const std::vector<EmitterId> traced = keepHits_ ? std::vector<EmitterId>{} : TraceEmitterHits(raw);
     const std::vector<EmitterId> &hits = keepHits_ ? emitterHits_[lightmap] : traced;
-    GatheredLight gathered;
+    BounceEstimate gathered;
     gathered.irradiance.resize(raw.luxelClusters.size());
     gathered.channels.assign(raw.channels.Count(), std::vector<Vec3f>(raw.luxelClusters.size()));
     const bool deluxe = !raw.directions.empty() && slot == 0, directional = raw.channels.Any();
@@ -396,7 +396,7 @@ Vec3f Denoised(const RawLightmap &raw, std::size_t lightmap, int x, int y, int r
 
 } // namespace
 
-void BounceGather::AddToLuxels(const std::vector<GatheredLight> &all, std::size_t lightmap, std::size_t slot,
+void BounceGather::AddToLuxels(const std::vector<BounceEstimate> &all, std::size_t lightmap, std::size_t slot,
                                RawLightmap &raw) const {
     const int reach = kWindowReach * std::min(raw.super, 2);
     std::vector<WindowSample> samples;

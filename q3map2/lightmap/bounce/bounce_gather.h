@@ -11,7 +11,7 @@ namespace q3 {
 using Emission = std::vector<Vec3f>;
 
 /// Estimates for the luxels of a lightmap, by luxel of the super grid; zero for unmapped ones.
-struct GatheredLight {
+struct BounceEstimate {
     std::vector<Vec3f> irradiance;
     ChannelImages channels;
 
@@ -30,11 +30,11 @@ class BounceGather {
                  const RadiosityPatches *patches);
 
     /// The estimate for the luxels of a lightmap. Slot 0 also adds to raw.directions.
-    GatheredLight Gather(const Emission &emission, std::size_t lightmap, std::size_t slot, RawLightmap &raw) const;
+    BounceEstimate Gather(const Emission &emission, std::size_t lightmap, std::size_t slot, RawLightmap &raw) const;
     /// Adds estimates to style slot `slot` of a raw lightmap, denoised: the value at the luxel of a plane fitted by
     /// least squares to the window around it, which keeps gradients. At the rim the window includes luxels of other
     /// lightmaps, except for basis channels. gathered: by lightmap.
-    void AddToLuxels(const std::vector<GatheredLight> &gathered, std::size_t lightmap, std::size_t slot,
+    void AddToLuxels(const std::vector<BounceEstimate> &gathered, std::size_t lightmap, std::size_t slot,
                      RawLightmap &raw) const;
     /// Estimate at a vertex, by 256 rays. twoSided: its surface is seen from both sides.
     Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided, const Emission &emission) const;

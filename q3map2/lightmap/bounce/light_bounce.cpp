@@ -88,7 +88,7 @@ bool Bounces::CollectRadiosity(const SurfaceLight &surfaces) {
 }
 
 void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
-    std::vector<GatheredLight> found(surfaces.lightmaps.size());
+    std::vector<BounceEstimate> found(surfaces.lightmaps.size());
     std::vector<std::size_t> slots(surfaces.lightmaps.size());
     for (const auto &ofStyle : byStyle_) {
         const auto &style = ofStyle.first; // clang 14 cannot capture structured bindings
@@ -97,7 +97,7 @@ void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
             const auto i = std::size_t(number);
             RawLightmap &raw = surfaces.lightmaps[i];
             slots[i] = ClaimSlot(raw.styles, style);
-            found[i] = slots[i] < kStyles ? gather_.Gather(emission, i, slots[i], raw) : GatheredLight{};
+            found[i] = slots[i] < kStyles ? gather_.Gather(emission, i, slots[i], raw) : BounceEstimate{};
         });
         in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
             const auto i = std::size_t(number);

@@ -37,7 +37,7 @@ Q3_VECTOR void ProjectOnSh(const LightDirections &from, std::array<Lanes, Direct
 /// squared sine of its angular radius; cosine: of the angle from the normal to its center, |cosine| < sqrt(sine2).
 /// Snyder, Area Light Sources for Real-Time Graphics, 1996.
 float SphereAtHorizon(float cosine, float sine2) {
-    const float sine = std::sqrt(1 - cosine * cosine), x = std::sqrt(1 / sine2 - 1);
+    const float sine = std::sqrt(std::max(1e-12f, 1 - cosine * cosine)), x = std::sqrt(1 / sine2 - 1);
     const float y = std::clamp(-x * cosine / sine, -1.0f, 1.0f), root = sine * std::sqrt(1 - y * y);
     const float sum = (cosine * std::acos(y) - x * root) * sine2 + std::atan2(root, x);
     return std::max(0.0f, sum / (sine2 * std::numbers::pi_v<float>));
