@@ -71,7 +71,7 @@ RnmLightmaps ReadRnm(const ByteSource &file, const FilePart &part, std::string_v
     return rnm;
 }
 
-// What does not fit; empty: nothing.
+// Each returns what does not fit the map; empty: nothing.
 
 std::string LightmapsFault(const Bsp &bsp) {
     const std::size_t texels = bsp.lightmaps.size() / kTexelBytes, codes = bsp.lightmapsE5bgr9.size();
@@ -79,7 +79,7 @@ std::string LightmapsFault(const Bsp &bsp) {
         return {};
     if (texels > 0 && codes != texels)
         return fmt::format("{} texels, but the lightmaps have {}", codes, texels);
-    if (codes % kLeastPageTexels != 0) // lightmaps are files beside the map
+    if (codes % kLeastPageTexels != 0) // lump 14 is empty: nothing to compare with
         return fmt::format("{} texels are not a multiple of {}", codes, kLeastPageTexels);
     return {};
 }
@@ -114,7 +114,7 @@ std::string RnmFault(const Bsp &bsp) {
     return {};
 }
 
-/// Calls visit(name of the lump, fault) for each of the three that does not fit.
+/// Calls visit(name of the lump, fault) for each of the three HDR lumps that does not fit.
 template <typename Visit> void ForEachFault(const Bsp &bsp, const Visit &visit) {
     const std::pair<std::string_view, std::string> faults[] = {
         {kBspxLightmapsE5bgr9, LightmapsFault(bsp)}, {kBspxVertexE5bgr9, VertexFault(bsp)}, {kBspxRnm, RnmFault(bsp)}};

@@ -161,14 +161,14 @@ void Merger::MergeLightmaps() {
                   lightmapBase_);
 }
 
-/// Whether both maps have the lump. If only one has it there is nothing to fill it with for the other.
+/// Whether both maps have the lump. If only one has it, the other has no light to fill it with.
 bool Merger::MergesCodes(bool inMain, bool inAdded, std::string_view lump) {
     if (inMain != inAdded)
         log_.Warn(lump, "the BSPX lump {} is dropped: only {} has it", lump, inMain ? mainName_ : addedName_);
     return inMain && inAdded;
 }
 
-/// Pages of basis vectors name their lightmap, so those of one map alone are kept.
+/// RNM pages name their lightmap, so they are kept even if only one of the maps has them.
 void Merger::MergeRnm() {
     if (!added_.rnm)
         return;

@@ -65,7 +65,7 @@ class SurfacePasses {
             return nullptr;
         return std::make_unique<BouncedLight>(bounces_->Total());
     }
-    /// Call last: it takes results.
+    /// Call last: it moves the results out.
     StoredLightmaps Store(std::string_view mapName, Bsp &bsp) {
         in_.log.Section("StoreSurfaceLightmaps");
         return StoreLightmaps(in_, surfaces_, mapName, bsp);
@@ -88,7 +88,7 @@ class SurfacePasses {
         FloodLuxels(in_, surfaces);
         return surfaces;
     }
-    /// What -lightmass stores beside light.
+    /// Sky occlusion and shadow masks of -lightmass.
     void FindMasks() {
         FindOcclusion(in_, surfaces_);
         if (in_.lightmap.shadowMaps.empty())
