@@ -100,7 +100,7 @@ std::string RnmFault(const Bsp &bsp) {
         return fmt::format("pageCount is {}, but there are {} pages", head.pageCount, bsp.rnm->pages.size());
     const std::uint64_t texels = MapTexels(head), bytes = kTexelBytes * texels, all = bsp.lightmaps.size();
     if (all % bytes != 0)
-        return fmt::format("side {}, but the lightmaps are no pages of that side", head.side);
+        return fmt::format("side {}, but the lightmaps are not whole pages of that side", head.side);
     std::set<std::int32_t> seen;
     for (const RnmPage &page : bsp.rnm->pages) {
         if (page.lightmapNum < 0 || (all > 0 && std::uint64_t(page.lightmapNum) >= all / bytes))

@@ -178,7 +178,7 @@ void Merger::MergeRnm() {
     }
     bspRnmHeader_t &head = bsp_.rnm->header;
     if (head.side != added_.rnm->header.side || head.storage != added_.rnm->header.storage) {
-        log_.Warn(kBspxRnm, "{}: the BSPX lump {} is dropped: it has another side or storage than that of {}",
+        log_.Warn(kBspxRnm, "{}: the BSPX lump {} is dropped: its page side or storage differs from that of {}",
                   addedName_, kBspxRnm, mainName_);
         return;
     }

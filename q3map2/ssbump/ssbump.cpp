@@ -11,8 +11,8 @@ namespace q3 {
 
 namespace {
 
-constexpr int kLanes = 32;      // texels of a row that are worked on together
-constexpr int kRun = 12;        // crossings that are looked at or passed over together
+constexpr int kLanes = 32;      // texels of a row in one SIMD block
+constexpr int kRun = 12;        // crossings that are tested or skipped together
 constexpr int kTile = 16;       // texels a side of the cells of HeightBounds; at least the extent of a run
 constexpr float kSlack = 1e-4f; // a horizon blocks if its slope exceeds that of the tangent plane by this
 /// A slope raises the horizon only if it exceeds it by this factor. Rounding alone then cannot raise the horizon of a

@@ -54,8 +54,8 @@ std::vector<HdrPart> HdrParts(Bsp &bsp, int side) {
     std::vector<HdrPart> parts;
     const std::size_t texels = std::size_t(side) * std::size_t(side);
     if (bsp.lightmapsE5bgr9.size() % texels != 0)
-        throw Error("the HDR lightmaps have {} texels, which are no pages of {} x {}", bsp.lightmapsE5bgr9.size(), side,
-                    side);
+        throw Error("the HDR lightmaps have {} texels, not a whole number of {} x {} pages", bsp.lightmapsE5bgr9.size(),
+                    side, side);
     for (std::size_t i = 0; i * texels < bsp.lightmapsE5bgr9.size(); ++i)
         parts.push_back({std::span(bsp.lightmapsE5bgr9).subspan(i * texels, texels), side, fmt::format("{:04}", i)});
     if (bsp.rnm)
