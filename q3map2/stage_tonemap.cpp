@@ -31,7 +31,7 @@ void WritePicture(const std::filesystem::path &path, const Image &picture) {
     if (EqualNoCase(extension, ".png"))
         return WritePng(path, picture);
     if (!EqualNoCase(extension, ".tga"))
-        throw Error("{}: no picture has the extension \"{}\", expected .png or .tga", path.string(), extension);
+        throw Error("{}: unknown picture extension \"{}\", expected .png or .tga", path.string(), extension);
     std::vector<std::uint8_t> colors;
     for (std::size_t i = 0; i < picture.rgba.size(); ++i)
         if (i % 4 != 3)

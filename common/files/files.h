@@ -67,7 +67,7 @@ class FileReplacement {
 void ReplaceFile(const std::filesystem::path &path, std::span<const std::byte> data);
 void ReplaceTextFile(const std::filesystem::path &path, std::string_view text);
 
-/// Makes the folder and those around it, if they are not there. Errors: Error, when that fails.
+/// Makes the folder and its parents if they do not exist. Errors: Error if that fails.
 void MakeFolder(const std::filesystem::path &folder);
 
 } // namespace q3

@@ -33,7 +33,7 @@ FloatImage DecodeRend2Hdr(std::span<const std::byte> file, std::string_view name
 
 /// Name of the file of vertex light.
 inline constexpr std::string_view kVertexLightFile = "vertlight.raw";
-/// Full light in it.
+/// The value of full light in it.
 inline constexpr float kIoquake3VertexScale = 255, kRend2VertexScale = 1;
 /// maps/NAME/vertlight.raw: three little-endian floats for each draw vertex, light times `fullLight`.
 std::vector<std::byte> EncodeVertexLight(std::span<const Vec3f> light, float fullLight);

@@ -19,7 +19,7 @@ const FloatImageFormat &FormatOf(const std::filesystem::path &path) {
     const std::string extension = path.extension().string();
     const auto *format = FindFloatImageFormat(extension.empty() ? extension : extension.substr(1));
     if (!format)
-        throw Error("{}: no format of float images is named \"{}\", expected {}", path.string(), extension,
+        throw Error("{}: unknown extension \"{}\" of a float image, expected {}", path.string(), extension,
                     FloatImageExtensions());
     return *format;
 }

@@ -28,17 +28,17 @@ FloatImage FlippedRows(const FloatImage &image);
 
 // Decoders. `name` is for messages. Errors: Error for anything damaged or unsupported, and sizes as in image.h.
 
-/// Radiance: RGBE, flat or in runs of either kind, rows top first (-Y) or bottom first (+Y), columns from left to
-/// right. Values are divided by the product of the EXPOSURE lines of the header.
+/// Radiance: RGBE, flat or run-length encoded in the old or the new way, rows top first (-Y) or bottom first (+Y),
+/// columns from left to right. Values are divided by the product of the EXPOSURE lines of the header.
 FloatImage DecodeHdr(std::span<const std::byte> file, std::string_view name);
-/// Portable float map of three channels (PF) or of one, which gives gray (Pf). The scale of its third line tells the
-/// byte order by its sign only.
+/// Portable float map of three channels (PF) or of one, which gives gray (Pf). Of the scale in its third line only
+/// the sign counts, which gives the byte order.
 FloatImage DecodePfm(std::span<const std::byte> file, std::string_view name);
-/// OpenEXR: channels R, G and B of any type, in one part of scan lines or tiles; the data window without its offset.
-/// Error without HasOpenExr.
+/// OpenEXR: channels R, G and B of any type, in one part of scan lines or tiles; the offset of the data window is
+/// dropped. Error without HasOpenExr.
 FloatImage DecodeExr(std::span<const std::byte> file, std::string_view name);
 
-/// Radiance with runs, rows top first. Precision and range are those of EncodeRgbe.
+/// Radiance, run-length encoded, rows top first. Precision and range are those of EncodeRgbe.
 std::vector<std::byte> EncodeHdr(const FloatImage &image);
 /// Little endian, three channels. Exact.
 std::vector<std::byte> EncodePfm(const FloatImage &image);
@@ -57,12 +57,12 @@ struct FloatImageFormat {
 };
 /// hdr, exr, pfm.
 std::span<const FloatImageFormat> FloatImageFormats();
-/// By extension, in any case; null if there is none of this name.
+/// By extension, ignoring case; null: unknown.
 const FloatImageFormat *FindFloatImageFormat(std::string_view extension);
 /// Their extensions for messages: "hdr, exr or pfm".
 std::string FloatImageExtensions();
 
-/// By the extension of the path. Errors: also an extension of another format.
+/// In the format of the path's extension. Errors: those of the coders and the file, and an unknown extension.
 FloatImage ReadFloatImage(const std::filesystem::path &path);
 void WriteFloatImage(const std::filesystem::path &path, const FloatImage &image);
 

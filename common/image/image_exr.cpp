@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::array<const char *, 3> kExrChannels = {"R", "G", "B"};
 constexpr int kMaxExrSide = 16384;
-/// Keeps memory in proportion to the file; only uniform pictures of thousands of rows could have more.
+/// Keeps memory in proportion to the file; only uniform images with thousands of rows could exceed it.
 constexpr std::uint64_t kMaxTexelsPerByte = 2048;
 
 class BytesIn : public Imf::IStream {

@@ -12,8 +12,8 @@ namespace q3 {
 
 namespace {
 
-constexpr std::array<std::uint8_t, 8> kPngBegin = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-constexpr std::array<std::uint8_t, 2> kJpegBegin = {0xFF, 0xD8};
+constexpr std::array<std::uint8_t, 8> kPngSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+constexpr std::array<std::uint8_t, 2> kJpegSignature = {0xFF, 0xD8};
 
 bool BeginsWith(std::span<const std::byte> file, std::span<const std::uint8_t> begin) {
     return file.size() >= begin.size() && std::ranges::equal(file.first(begin.size()), std::as_bytes(begin));
@@ -32,9 +32,9 @@ DeepImage Deepened(const Image &image) {
 DeepImage ReadDeepImage(const std::filesystem::path &path) {
     const std::vector<std::byte> file = ReadFile(path);
     const std::string name = path.string();
-    if (BeginsWith(file, kPngBegin))
+    if (BeginsWith(file, kPngSignature))
         return DecodeDeepPng(file, name);
-    if (BeginsWith(file, kJpegBegin))
+    if (BeginsWith(file, kJpegSignature))
         return Deepened(DecodeJpeg(file, name));
     if (EqualNoCase(path.extension().string(), ".tga"))
         return Deepened(DecodeTga(file, name));

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view kHdrFormat = "FORMAT=", kHdrExposure = "EXPOSURE=", kHdrRgbe = "32-bit_rle_rgbe";
 constexpr std::size_t kMinRunWidth = 8, kMaxRunWidth = 32767; ///< rows of other widths have no runs by channel
-constexpr unsigned kRunMark = 2;                              ///< twice at the start of a row in runs by channel
+constexpr unsigned kRunMark = 2;                              ///< a row in runs by channel begins with it twice
 constexpr std::size_t kMaxHdrRun = 127, kMaxLiteral = 128;
 constexpr std::size_t kLeastRun = 4; ///< shorter ones go into literals
 constexpr unsigned kMaxRunShift = 24;
@@ -41,18 +41,18 @@ class HdrReader {
     }
 
   private:
-    [[noreturn]] void HdrEnds(std::string_view what) const {
+    [[noreturn]] void FailTruncated(std::string_view what) const {
         throw Error("{}: Radiance picture ends at byte {} in its {}", name_, file_.size(), what);
     }
 
     unsigned Byte() {
         if (at_ >= file_.size())
-            HdrEnds("texels");
+            FailTruncated("texels");
         return std::to_integer<unsigned>(file_[at_++]);
     }
     Rgbe Code() {
         if (file_.size() - at_ < 4)
-            HdrEnds("texels");
+            FailTruncated("texels");
         Rgbe code{};
         for (std::uint8_t &byte : code)
             byte = std::uint8_t(Byte());
@@ -62,7 +62,7 @@ class HdrReader {
     std::string Line() {
         const auto first = file_.begin() + std::ptrdiff_t(at_), end = std::find(first, file_.end(), std::byte('\n'));
         if (end == file_.end())
-            HdrEnds("header");
+            FailTruncated("header");
         at_ += std::size_t(end - first) + 1;
         return {reinterpret_cast<const char *>(&*first), std::size_t(end - first)};
     }
@@ -106,17 +106,18 @@ class HdrReader {
 
     void ReadRow() {
         const std::size_t width = row_.size();
-        if (width < kMinRunWidth || width > kMaxRunWidth || !IsRow())
+        if (width < kMinRunWidth || width > kMaxRunWidth || !IsRowByChannel())
             return ReadOldRow();
         at_ += 4;
         for (std::size_t channel = 0; channel < 4; ++channel)
             ReadChannel(channel);
     }
 
-    /// Whether a row in runs by channel begins here. Flat codes cannot look so: their largest mantissa is above 127.
-    bool IsRow() const {
+    /// Whether a row in runs by channel begins here. Flat codes cannot look like this: their largest mantissa is above
+    /// 127.
+    bool IsRowByChannel() const {
         if (file_.size() - at_ < 4)
-            HdrEnds("texels");
+            FailTruncated("texels");
         const auto byte = [this](std::size_t i) { return std::to_integer<unsigned>(file_[at_ + i]); };
         if (byte(0) != kRunMark || byte(1) != kRunMark || byte(2) > 127)
             return false;
@@ -132,14 +133,14 @@ class HdrReader {
             const bool isRun = head > 128;
             const std::size_t count = isRun ? head - 128 : head;
             if (count == 0 || count > row_.size() - x)
-                RunTooLong(count, row_.size() - x);
+                FailRunLength(count, row_.size() - x);
             unsigned value = isRun ? Byte() : 0;
             for (const std::size_t end = x + count; x < end; ++x)
                 row_[x][channel] = std::uint8_t(isRun ? value : Byte());
         }
     }
 
-    /// Flat codes; 1 1 1 n repeats the last one n times, times 256 for each such code right before it.
+    /// Flat codes; 1 1 1 n repeats the last code n * 256^k times, k: number of such codes right before.
     void ReadOldRow() {
         unsigned shift = 0;
         for (std::size_t x = 0; x < row_.size();) {
@@ -153,14 +154,14 @@ class HdrReader {
             if (x == 0)
                 throw Error("{}: Radiance picture with a repeat before the first texel of a row", name_);
             if (count > row_.size() - x)
-                RunTooLong(count, row_.size() - x);
+                FailRunLength(count, row_.size() - x);
             std::fill_n(row_.begin() + std::ptrdiff_t(x), count, row_[x - 1]);
             x += count;
             shift += 8;
         }
     }
 
-    [[noreturn]] void RunTooLong(std::size_t count, std::size_t room) const {
+    [[noreturn]] void FailRunLength(std::size_t count, std::size_t room) const {
         throw Error("{}: Radiance picture with a run of {} texels at byte {}, expected 1 to {}", name_, count, at_,
                     room);
     }

@@ -45,7 +45,7 @@ class PfmReader {
     }
 
   private:
-    /// The next word and the one blank after it.
+    /// Reads the next word and skips one blank after it.
     std::string Word(std::string_view what) {
         while (at_ < file_.size() && IsBlank(char(file_[at_])))
             ++at_;

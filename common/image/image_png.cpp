@@ -61,7 +61,7 @@ bool ReadInfo(PngReader &reader) {
 bool AskForIndexes(PngReader &reader) {
     if (setjmp(png_jmpbuf(reader.png)))
         return false;
-    png_set_packing(reader.png); // a byte for each, however few bits they have
+    png_set_packing(reader.png); // one byte per index, whatever the bit depth
     png_set_interlace_handling(reader.png);
     return true;
 }

@@ -80,7 +80,7 @@ vec3 SsbumpNormal(vec3 texel)
                      vec3(-0.408248290, -0.707106781, 0.577350269) * texel.z);
 }
 
-// Share of a dynamic light.
+// Share of a dynamic light that the texel receives.
 float SsbumpDynamic(vec3 texel, vec3 direction)
 {
     return max(0.0, dot(texel, vec3(dot(direction, vec3(0.816496581, 0.0, 0.577350269)),
@@ -133,7 +133,7 @@ vec3 LightmassColor(vec4 color, vec4 multiply, vec4 add, float residual, float b
     return root * root * luminance;
 }
 
-// What the direction image makes of it; 0.6 in its place for surfaces without normal maps that do without that image.
+// Factor of the direction image on LightmassColor; surfaces without a normal map can use 0.6 instead.
 float LightmassFactor(vec4 direction, vec4 multiply, vec4 add, vec3 normal)
 {
     return max(0.0, (direction.x * multiply.x + add.x) * normal.y + (direction.y * multiply.y + add.y) * normal.z +
@@ -160,7 +160,7 @@ float Unoccluded(float texel)
     return texel * texel;
 }
 
-// Mean direction of the sky that is seen, as long as the share that is seen.
+// Mean direction of the visible sky; its length is the visible share.
 vec3 SkyOcclusion(vec4 texel)
 {
     vec3 sky = vec3(texel.x, texel.y, texel.z) * 2.0 - vec3(1.0);

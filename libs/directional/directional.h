@@ -35,7 +35,7 @@ static inline float directional_dot_(const float a[3], const float b[3]) {
 /* ---- packed colors ---- */
 
 /* Shared exponent, as GL's RGB9_E5: 9 bits each of red, green, blue from bit 0 up, then 5 of the exponent. Any code is
-   good: 0 to 65408. Exact. */
+   valid; values are 0 to 65408. Exact. */
 static inline void directional_e5bgr9(uint32_t code, float rgb[3]) {
     const float scale = ldexpf(1.0f, (int)(code >> 27) - 24);
     rgb[0] = (float)(code & 511) * scale;
@@ -43,7 +43,7 @@ static inline void directional_e5bgr9(uint32_t code, float rgb[3]) {
     rgb[2] = (float)(code >> 18 & 511) * scale;
 }
 
-/* Radiance RGBE: three bytes and an exponent, m * 2^(e - 136); exponent 0 is black. Any bytes are good. Exact. */
+/* Radiance RGBE: three bytes and an exponent, m * 2^(e - 136); exponent 0 is black. Any bytes are valid. Exact. */
 static inline void directional_rgbe(const unsigned char rgbe[4], float rgb[3]) {
     const float scale = rgbe[3] == 0 ? 0.0f : ldexpf(1.0f, (int)rgbe[3] - 136);
     int i;
@@ -52,7 +52,7 @@ static inline void directional_rgbe(const unsigned char rgbe[4], float rgb[3]) {
 }
 
 /* Source's ColorRGBExp32: three bytes and a signed exponent, m * 2^e with 255 as full light; the result is unit scale,
-   that is divided by 255. Any bytes are good. Relative error 2^-24, of the division. */
+   that is, divided by 255. Any bytes are valid. Relative error 2^-24, from the division. */
 static inline void directional_exp32(const unsigned char color[4], float rgb[3]) {
     const int exponent = color[3] < 128 ? color[3] : (int)color[3] - 256;
     int i;
@@ -62,9 +62,9 @@ static inline void directional_exp32(const unsigned char color[4], float rgb[3])
 
 /* ---- one light direction ---- */
 
-/* Deluxe map: light of a flat surface and the mean direction of it; the light times max(0, n . d). Normal and direction
-   in the same space. This is the plain form of the Quake III family, in which the lightmap holds the light as if it
-   came straight down on a flat surface: a flat normal gives light * (flat . d). Exact for one light of which the
+/* Deluxe map: a lightmap color and the mean direction d of its light; gives the color times max(0, n . d). Normal and
+   direction in the same space. This is the plain form of the Quake III family, in which the lightmap holds the light as
+   if it came straight down on a flat surface: a flat normal gives light * (flat . d). Exact for one light of which the
    lightmap holds the full strength. */
 static inline void directional_deluxe(const float light[3], const float direction[3], const float normal[3],
                                       float rgb[3]) {
@@ -128,7 +128,7 @@ static inline void directional_rnm_rescaled(const float maps[3][3], const float 
         rgb[i] *= DIRECTIONAL_RESCALED;
 }
 
-/* Source's weights, squared and normalised: a weighted mean of the maps. Of rescaled maps a flat normal gives the flat
+/* Source's weights, squared and normalized: a weighted mean of the maps. Of rescaled maps a flat normal gives the flat
    light; of raw maps 0.577 of a light straight above. A normal that faces away from all of the basis gives 0. */
 static inline void directional_rnm_squared(const float maps[3][3], const float normal[3], float rgb[3]) {
     float weight[3], sum = 0;
@@ -144,7 +144,7 @@ static inline void directional_rnm_squared(const float maps[3][3], const float n
     }
 }
 
-/* Self-shadowed bump map: texel is the response to each basis vector, 0 to 1, bytes / 255; not normalised. factor:
+/* Self-shadowed bump map: texel is the response to each basis vector, 0 to 1, bytes / 255; not normalized. factor:
    DIRECTIONAL_RAW or DIRECTIONAL_RESCALED, as the maps are. With rescaled maps and factor 1, a flat texel is sqrt(3) =
    1.732 times too bright. */
 static inline void directional_ssbump(const float texel[3], const float maps[3][3], float factor, float rgb[3]) {
@@ -166,7 +166,8 @@ static inline void directional_ssbump_normal(const float texel[3], float normal[
         normal[k] = length > 0 ? normal[k] / length : (k == 2 ? 1.0f : 0.0f);
 }
 
-/* A dynamic light on an SSBump texel: its share of the light, direction in tangent space. */
+/* A dynamic light on an SSBump texel: the share of it that the texel receives; direction to the light, tangent space.
+ */
 static inline float directional_ssbump_light(const float texel[3], const float direction[3]) {
     float basis[3][3];
     directional_rnm_basis(basis);
@@ -178,8 +179,8 @@ static inline float directional_ssbump_light(const float texel[3], const float d
 /* ---- L1 spherical harmonics ---- */
 
 /* Radiance coefficients L0, y, z, x, red green blue each, not convolved; normal in their space, which is the world's.
-   One light of 1: 0.75 facing it, 0.25 at right angles; root of the mean square error over all normals 0.144 before
-   what is negative (to -0.25, opposite to the light) is cut to 0. */
+   One light of 1 gives 0.25 + 0.5 cos: 0.75 facing it, 0.25 at right angles, and less than 0 beyond 120 degrees, which
+   is cut to 0. Root mean square error over all normals, before the cut: 0.144. */
 static inline void directional_l1(const float sh[4][3], const float normal[3], float rgb[3]) {
     int i;
     for (i = 0; i < 3; i++)
@@ -262,8 +263,8 @@ static inline void directional_lightmass_high(const float color[4], const float 
     directional_lightmass_(color, direction, range, (direction[3] - 0.5f) / 255, 0.01858136f, normal, rgb);
 }
 
-/* Low quality: log luminance in one byte, error to 2.2 % of luminance + 0.0039 over the whole range of 2^16, less where
-   the map's own range is smaller. */
+/* Low quality: log luminance in one byte, error up to 2.2 % of luminance + 0.0039 over the whole range of 2^16, less
+   where the map's own range is smaller. */
 static inline void directional_lightmass_low(const float color[4], const float direction[4],
                                              const directional_range *range, const float *normal, float rgb[3]) {
     directional_lightmass_(color, direction, range, 0, 0.00390625f, normal, rgb);
@@ -281,7 +282,7 @@ static inline float directional_unoccluded(float value) {
     return value * value;
 }
 
-/* Mean direction in which the sky is seen, as long as the share that is seen; texel 0 to 1. */
+/* Mean direction of the visible sky; its length is the visible share. texel 0 to 1. */
 static inline void directional_sky_occlusion(const float texel[4], float sky[3]) {
     float length;
     int i;

@@ -80,7 +80,7 @@ float3 SsbumpNormal(float3 texel)
                      float3(-0.408248290, -0.707106781, 0.577350269) * texel.z);
 }
 
-// Share of a dynamic light.
+// Share of a dynamic light that the texel receives.
 float SsbumpDynamic(float3 texel, float3 direction)
 {
     return max(0.0, dot(texel, float3(dot(direction, float3(0.816496581, 0.0, 0.577350269)),
@@ -133,7 +133,7 @@ float3 LightmassColor(float4 color, float4 multiply, float4 add, float residual,
     return root * root * luminance;
 }
 
-// What the direction image makes of it; 0.6 in its place for surfaces without normal maps that do without that image.
+// Factor of the direction image on LightmassColor; surfaces without a normal map can use 0.6 instead.
 float LightmassFactor(float4 direction, float4 multiply, float4 add, float3 normal)
 {
     return max(0.0, (direction.x * multiply.x + add.x) * normal.y + (direction.y * multiply.y + add.y) * normal.z +
@@ -160,7 +160,7 @@ float Unoccluded(float texel)
     return texel * texel;
 }
 
-// Mean direction of the sky that is seen, as long as the share that is seen.
+// Mean direction of the visible sky; its length is the visible share.
 float3 SkyOcclusion(float4 texel)
 {
     float3 sky = float3(texel.x, texel.y, texel.z) * 2.0 - float3(1.0, 1.0, 1.0);

@@ -20,8 +20,9 @@ std::uint32_t Rounded(double value) {
     return std::uint32_t(std::floor(value + 0.5));
 }
 
-/// Mantissas of `bits` bits; the exponent is at least `least`. Scaling by powers of two is exact in double.
-SharedExponent Share(const Vec3f &color, double scale, double most, int bits, int least) {
+/// color * scale, channels limited to `most`, with mantissas of `bits` bits and an exponent of at least `least`.
+/// Scaling by powers of two is exact in double.
+SharedExponent ToSharedExponent(const Vec3f &color, double scale, double most, int bits, int least) {
     std::array<double, 3> channels{};
     for (std::size_t i = 0; i < 3; ++i)
         channels[i] = color[i] > 0 ? std::min(double(color[i]) * scale, most) : 0; // NaN is not above 0
@@ -33,7 +34,7 @@ SharedExponent Share(const Vec3f &color, double scale, double most, int bits, in
     std::frexp(largest, &exponent);
     shared.exponent = std::max(exponent - bits, least);
     if (Rounded(std::ldexp(largest, -shared.exponent)) >> bits != 0)
-        ++shared.exponent; // rounding up gave a bit more
+        ++shared.exponent; // rounding up overflowed the mantissa
     for (std::size_t i = 0; i < 3; ++i)
         shared.mantissas[i] = Rounded(std::ldexp(channels[i], -shared.exponent));
     return shared;
@@ -46,7 +47,7 @@ bool IsBlack(const SharedExponent &shared) {
 } // namespace
 
 std::uint32_t EncodeE5bgr9(const Vec3f &color) {
-    const SharedExponent shared = Share(color, 1, double(kMaxE5bgr9), 9, -kE5Bias);
+    const SharedExponent shared = ToSharedExponent(color, 1, double(kMaxE5bgr9), 9, -kE5Bias);
     if (IsBlack(shared))
         return 0;
     return shared.mantissas[0] | shared.mantissas[1] << 9 | shared.mantissas[2] << 18 |
@@ -59,7 +60,7 @@ Vec3f DecodeE5bgr9(std::uint32_t code) {
 }
 
 Rgbe EncodeRgbe(const Vec3f &color) {
-    const SharedExponent shared = Share(color, 1, std::ldexp(255.0, 255 - kRgbeBias), 8, 1 - kRgbeBias);
+    const SharedExponent shared = ToSharedExponent(color, 1, std::ldexp(255.0, 255 - kRgbeBias), 8, 1 - kRgbeBias);
     if (IsBlack(shared))
         return {};
     return {std::uint8_t(shared.mantissas[0]), std::uint8_t(shared.mantissas[1]), std::uint8_t(shared.mantissas[2]),
@@ -74,7 +75,7 @@ Vec3f DecodeRgbe(const Rgbe &code) {
 }
 
 ColorRgbExp32 EncodeRgbExp32(const Vec3f &color) {
-    const SharedExponent shared = Share(color, kExp32Full, std::ldexp(kExp32Full, INT8_MAX), 8, INT8_MIN);
+    const SharedExponent shared = ToSharedExponent(color, kExp32Full, std::ldexp(kExp32Full, INT8_MAX), 8, INT8_MIN);
     if (IsBlack(shared))
         return {};
     return {std::uint8_t(shared.mantissas[0]), std::uint8_t(shared.mantissas[1]), std::uint8_t(shared.mantissas[2]),

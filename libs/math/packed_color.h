@@ -9,9 +9,9 @@
 namespace q3 {
 
 // Encoders round to nearest and use the least exponent whose mantissas hold the rounded channels, so that the mantissa
-// of the largest channel has its top bit set. Negative channels and NaN give 0, those above the maximum and infinity
-// the maximum. With b bits of mantissa the relative error of the largest channel is at most 2^-b; the error of the
-// others is at most 2^-b times the largest channel that is stored. What was decoded is encoded without further error.
+// of the largest channel has its top bit set. Negative channels and NaN give 0; channels above the maximum, infinity
+// included, give the maximum. With b bits of mantissa the relative error of the largest channel is at most 2^-b; the
+// error of the others is at most 2^-b times the largest channel that is stored. Encoding a decoded color is exact.
 
 /// GL's RGB9_E5 and the E5BGR9 of BSPX lumps: bits 0-8 red, 9-17 green, 18-26 blue, 27-31 exponent; a channel is
 /// mantissa * 2^(exponent - 24). Below 2^-16 the absolute error is at most 2^-25.

@@ -29,7 +29,7 @@ struct LightGridSH {
     std::vector<bspGridPointSH_t> points;
 };
 
-/// Light of the three basis vectors of radiosity normal mapping at the luxels of a lightmap page.
+/// Light on the three basis normals of radiosity normal mapping, for the luxels of a lightmap page.
 struct RnmPage {
     std::int32_t lightmapNum = 0;
     std::array<std::vector<std::uint32_t>, 3> maps; ///< E5BGR9 codes, row 0 of the page first
@@ -68,7 +68,7 @@ struct Bsp {
     std::vector<bspAdvertisement_t> advertisements;
     std::optional<LightGridSH> gridSH;
     GridSHContainer gridSHContainer = GridSHContainer::Lump;
-    // Light without a limit as E5BGR9 codes (libs/math/packed_color.h), in BSPX lumps; empty: the lump is not there.
+    // HDR light as E5BGR9 codes (libs/math/packed_color.h), in BSPX lumps; empty: no such lump.
     std::vector<std::uint32_t> lightmapsE5bgr9; ///< for each texel of `lightmaps`; pages of directions hold 0
     std::vector<std::uint32_t> vertexE5bgr9;    ///< for each of drawVerts
     std::optional<RnmLightmaps> rnm;

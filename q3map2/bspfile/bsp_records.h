@@ -126,11 +126,12 @@ struct bspGridPointSH_t {
 };
 
 enum class RnmStorage : std::uint32_t {
-    Raw,     ///< light of each basis vector
-    Rescaled ///< so that the mean of the three is the flat lightmap
+    Raw,     ///< light on each basis normal
+    Rescaled ///< scaled per luxel and channel so that the mean of the three is the flat lightmap
 };
 
-/// Head of the BSPX lump LIGHTING_RNM. Pages follow: their lightmapNum, then three maps of side * side E5BGR9 codes.
+/// Head of the BSPX lump LIGHTING_RNM. Pages follow, each an int32 lightmapNum and three maps of
+/// side * side E5BGR9 codes.
 struct bspRnmHeader_t {
     std::array<char, 4> magic{'R', 'N', 'M', '1'};
     std::uint32_t version = 1;

@@ -71,7 +71,7 @@ RnmLightmaps ReadRnm(const ByteSource &file, const FilePart &part, std::string_v
     return rnm;
 }
 
-// What does not fit; empty: nothing.
+// Each returns what does not fit the map; empty: nothing.
 
 std::string LightmapsFault(const Bsp &bsp) {
     const std::size_t texels = bsp.lightmaps.size() / kTexelBytes, codes = bsp.lightmapsE5bgr9.size();
@@ -79,7 +79,7 @@ std::string LightmapsFault(const Bsp &bsp) {
         return {};
     if (texels > 0 && codes != texels)
         return fmt::format("{} texels, but the lightmaps have {}", codes, texels);
-    if (codes % kLeastPageTexels != 0) // lightmaps are files beside the map
+    if (codes % kLeastPageTexels != 0) // lump 14 is empty: nothing to compare with
         return fmt::format("{} texels are not a multiple of {}", codes, kLeastPageTexels);
     return {};
 }
@@ -100,7 +100,7 @@ std::string RnmFault(const Bsp &bsp) {
         return fmt::format("pageCount is {}, but there are {} pages", head.pageCount, bsp.rnm->pages.size());
     const std::uint64_t texels = MapTexels(head), bytes = kTexelBytes * texels, all = bsp.lightmaps.size();
     if (all % bytes != 0)
-        return fmt::format("side {}, but the lightmaps are no pages of that side", head.side);
+        return fmt::format("side {}, but the lightmaps are not whole pages of that side", head.side);
     std::set<std::int32_t> seen;
     for (const RnmPage &page : bsp.rnm->pages) {
         if (page.lightmapNum < 0 || (all > 0 && std::uint64_t(page.lightmapNum) >= all / bytes))
@@ -114,7 +114,7 @@ std::string RnmFault(const Bsp &bsp) {
     return {};
 }
 
-/// Calls visit(name of the lump, fault) for each of the three that does not fit.
+/// Calls visit(name of the lump, fault) for each of the three HDR lumps that does not fit.
 template <typename Visit> void ForEachFault(const Bsp &bsp, const Visit &visit) {
     const std::pair<std::string_view, std::string> faults[] = {
         {kBspxLightmapsE5bgr9, LightmapsFault(bsp)}, {kBspxVertexE5bgr9, VertexFault(bsp)}, {kBspxRnm, RnmFault(bsp)}};

@@ -11,17 +11,17 @@ namespace q3 {
 struct ByteSource;
 struct BspxPart;
 
-/// Whether a BSPX lump of this name is a member of Bsp.
+/// Whether this BSPX lump is one of HDR light, which Bsp has members for.
 bool IsHdrLump(std::string_view name);
-/// Reads such a lump into its member; false: it is another lump. Errors: a length or a head of LIGHTING_RNM that no
-/// program writes.
+/// Reads such a lump into its member; false: it is another lump. Errors: a length that is not
+/// whole codes, an invalid LIGHTING_RNM.
 bool ReadHdrLump(const ByteSource &file, const BspxPart &lump, std::string_view name, Bsp &bsp);
 
-/// Errors: HDR light that does not fit the lightmaps or vertices of the map, or in itself.
+/// Errors: Error if HDR light does not fit the lightmaps or vertices of the map, or contradicts itself.
 void CheckHdrLight(const Bsp &bsp, std::string_view name);
 /// Drops such light with a warning: another program has changed the map.
 void DropUnfitHdrLight(Bsp &bsp, std::string_view name, Log &log);
-/// All three lumps, for a map that is lit again.
+/// Removes all three lumps, before the map is lit again.
 void ClearHdrLight(Bsp &bsp);
 
 } // namespace q3

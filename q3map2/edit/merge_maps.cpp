@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "libs/math/bounds.h"
 #include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/written_keys.h"
 #include "q3map2/edit/leaf_lists.h"
 
 #include <algorithm>
@@ -37,6 +38,7 @@ class Merger {
         MergeModels();
         MergeRnm();
         DropUnfitHdrLight(bsp_, fmt::format("{} with {}", mainName_, addedName_), log_);
+        RecordRnm();
         if (options_.world)
             FileWorld();
         ValidateBsp(bsp_, fmt::format("{} with {}", mainName_, addedName_), log_);
@@ -64,6 +66,7 @@ class Merger {
     void MergeModels();
     bool MergesCodes(bool inMain, bool inAdded, std::string_view lump);
     void MergeRnm();
+    void RecordRnm();
     template <typename Record>
     int ExtendWorld(std::vector<Record> &records, int count, std::vector<std::int32_t> &numbers,
                     std::int32_t bspModel_t::*first, std::int32_t bspModel_t::*num);
@@ -139,7 +142,11 @@ void Merger::MergeShaders() {
 
 /// Pages of the second map follow those of the first.
 void Merger::MergeLightmaps() {
-    const auto pages = [](const Bsp &bsp) { return int(bsp.lightmaps.size() / kLightmapPageBytes); };
+    const bool hdrOnly = main_.lightmaps.empty() && added_.lightmaps.empty();
+    const auto pages = [&](const Bsp &bsp) {
+        return int(hdrOnly ? bsp.lightmapsE5bgr9.size() * 3 / kLightmapPageBytes
+                           : bsp.lightmaps.size() / kLightmapPageBytes);
+    };
     const auto used = [](const Bsp &bsp) {
         int count = 0;
         for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
@@ -161,14 +168,14 @@ void Merger::MergeLightmaps() {
                   lightmapBase_);
 }
 
-/// Whether both maps have the lump. If only one has it there is nothing to fill it with for the other.
+/// Whether both maps have the lump. If only one has it, the other has no light to fill it with.
 bool Merger::MergesCodes(bool inMain, bool inAdded, std::string_view lump) {
     if (inMain != inAdded)
         log_.Warn(lump, "the BSPX lump {} is dropped: only {} has it", lump, inMain ? mainName_ : addedName_);
     return inMain && inAdded;
 }
 
-/// Pages of basis vectors name their lightmap, so those of one map alone are kept.
+/// RNM pages name their lightmap, so they are kept even if only one of the maps has them.
 void Merger::MergeRnm() {
     if (!added_.rnm)
         return;
@@ -178,7 +185,7 @@ void Merger::MergeRnm() {
     }
     bspRnmHeader_t &head = bsp_.rnm->header;
     if (head.side != added_.rnm->header.side || head.storage != added_.rnm->header.storage) {
-        log_.Warn(kBspxRnm, "{}: the BSPX lump {} is dropped: it has another side or storage than that of {}",
+        log_.Warn(kBspxRnm, "{}: the BSPX lump {} is dropped: its page side or storage differs from that of {}",
                   addedName_, kBspxRnm, mainName_);
         return;
     }
@@ -187,6 +194,17 @@ void Merger::MergeRnm() {
         bsp_.rnm->pages.back().lightmapNum += lightmapBase_;
         ++head.pageCount;
     }
+}
+
+/// The worldspawn key that tells how basis maps are stored.
+void Merger::RecordRnm() {
+    if (!bsp_.rnm && !main_.rnm)
+        return;
+    std::vector<Entity> all = StoredEntities(bsp_.entities, mainName_);
+    all.front().Erase(kRnmKey);
+    if (bsp_.rnm)
+        all.front().Set(kRnmKey, RnmStorageWord(bsp_.rnm->header.storage));
+    bsp_.entities = FormatEntities(all);
 }
 
 /// Gives numbers to the surfaces and brushes that are taken: the world's go to the end of the world of the first map.

@@ -65,7 +65,7 @@ class SurfacePasses {
             return nullptr;
         return std::make_unique<BouncedLight>(bounces_->Total());
     }
-    /// Call last: it takes results.
+    /// Call last: it moves the results out.
     StoredLightmaps Store(std::string_view mapName, Bsp &bsp) {
         in_.log.Section("StoreSurfaceLightmaps");
         return StoreLightmaps(in_, surfaces_, mapName, bsp);
@@ -88,7 +88,7 @@ class SurfacePasses {
         FloodLuxels(in_, surfaces);
         return surfaces;
     }
-    /// What -lightmass stores beside light.
+    /// Sky occlusion and shadow masks of -lightmass.
     void FindMasks() {
         FindOcclusion(in_, surfaces_);
         if (in_.lightmap.shadowMaps.empty())
@@ -147,7 +147,7 @@ void RecordTone(const std::string &tone, bool onlyGrid, bool lightsGrid, Entity 
 void RecordRnm(const LightmapOptions &options, const StoredLightmaps &stored, Entity &world) {
     world.Erase(kRnmKey);
     if (std::any_of(stored.pages.begin(), stored.pages.end(), [](const auto &page) { return page.HasBasis(); }))
-        world.Set(kRnmKey, options.rnmRescaled ? "rescaled" : "raw");
+        world.Set(kRnmKey, RnmStorageWord(options.rnmRescaled ? RnmStorage::Rescaled : RnmStorage::Raw));
 }
 
 } // namespace

@@ -57,7 +57,7 @@ class NeedsOfMap {
             if (const std::size_t at = value.find(';');
                 StartsWithNoCase(key, "vertexremapshader") && at != std::string::npos)
                 needs_.shaders.Add(std::string_view(value).substr(at + 1), why);
-        std::string_view rest = world.Value("music"); // what begins, and what is repeated
+        std::string_view rest = world.Value("music"); // intro and loop
         while (!rest.empty()) {
             const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
             AddSound(rest.substr(0, end), why, true);
@@ -66,9 +66,10 @@ class NeedsOfMap {
     }
 
     void AddSounds(const Entity &entity, const std::string &why) {
-        if (const std::string_view noise = entity.Value("noise"); !noise.starts_with('*')) // '*': of the player
+        if (const std::string_view noise = entity.Value("noise");
+            !noise.starts_with('*')) // '*': a sound of the player model
             AddSound(noise, why, true);
-        // By the game's code.
+        // Sounds that the game code plays.
         if (EqualNoCase(entity.ClassName(), "func_plat")) {
             AddSound("sound/movers/plats/pt1_strt.wav", why, false);
             AddSound("sound/movers/plats/pt1_end.wav", why, false);
@@ -82,7 +83,7 @@ class NeedsOfMap {
             needs_.sounds.Add(std::string(sound) + (HasExtension(sound) ? "" : ".wav"), why, required);
     }
 
-    /// misc_model is part of the world by now, and games pass over it. Of other classes only some look at `model`.
+    /// misc_model has become part of the world, and games ignore the entity. Of other classes only some read `model`.
     void AddModels(const Entity &entity, const std::string &why) {
         const auto isFile = [](std::string_view model) { return !model.empty() && !model.starts_with('*'); };
         const bool isPassedOver = EqualNoCase(entity.ClassName(), "misc_model");
@@ -99,8 +100,8 @@ class NeedsOfMap {
     MapNeeds &needs_;
 };
 
-// MD3: a head with the offset of the first surface, surfaces with offsets to their shaders and to the next surface,
-// shaders of a name and a number. Offsets in bytes.
+// MD3: a header with the offset of the first surface, surfaces with offsets of their shaders and of the next surface,
+// shaders made of a name and an index. Offsets in bytes.
 constexpr std::size_t kHeadBytes = 108, kSurfaceCountAt = 84, kSurfacesAt = 100;
 constexpr std::size_t kSurfaceBytes = 108, kShaderCountAt = 76, kShadersAt = 92, kSurfaceEndAt = 104;
 constexpr std::size_t kShaderBytes = 68, kShaderNameBytes = 64;

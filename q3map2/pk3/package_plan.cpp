@@ -61,7 +61,7 @@ class Planner {
         (wanted.required ? plan_.missing : plan_.absent).push_back(text);
     }
 
-    /// Adds the file, unless players have it.
+    /// Adds the file, unless it comes with the game.
     void Take(const std::string &name, const Wanted &wanted) {
         const Whereabouts where = source_.Find(name);
         if (where == Whereabouts::Here)
@@ -77,7 +77,7 @@ class Planner {
         Report(wanted, hint);
     }
 
-    /// In the order in which they are tried.
+    /// File names of an image, in the order in which TakeFirst tries them.
     std::vector<std::string> ImageFiles(const std::string &image) const {
         std::vector<std::string> names{image + ".tga", image + ".jpg"};
         if (rules_.png)

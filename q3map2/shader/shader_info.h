@@ -76,10 +76,10 @@ struct ShaderInfo {
     float lightmapFilterRadius = 0, lightFilterRadius = 0; ///< q3map_lightmapFilterRadius self other
     LightmapDirectives lightmap;
     GeometryDirectives geometry;
-    bool twoSided = false;   ///< cull none / disable / twosided
-    bool autosprite = false; ///< deformVertexes autosprite...
+    bool twoSided = false;       ///< cull none / disable / twosided
+    bool autosprite = false;     ///< deformVertexes autosprite...
     bool normalMapStage = false; ///< a stage names a normal map
-    bool noFast = false;     ///< q3map_noFast
+    bool noFast = false;         ///< q3map_noFast
     bool forceSunlight = false;
     std::vector<SunDirective> suns;
     std::vector<SkyLightDirective> skyLights;

@@ -29,11 +29,11 @@ class ShaderLibrary {
     /// The image file, with extension, that editors show for the shader: the first that exists of editor image, the
     /// shader's name, implicit image and light image. Empty: none of them exists, or the shader is not drawn.
     std::string ImageFile(std::string_view name);
-    /// Whether surfaces with the shader are normal mapped: as q3map_rnm or q3map_noRnm says; else if a stage or
-    /// q3map_normalImage names a normal map, or an image like NAME_n.tga exists beside the shader's image NAME.
+    /// Whether surfaces with the shader are normal mapped: as q3map_rnm or q3map_noRnm says; else if a stage,
+    /// q3map_normalImage or q3map_ssbumpImage names a map, or an image like NAME_n.tga exists beside the image NAME.
     bool HasNormalMap(std::string_view name);
-    /// Flags of a shader record in a .bsp, for a shader that no script defines; the first call for a name counts, and
-    /// a record without any flag says nothing. To be called before Get.
+    /// Flags of a shader record in a .bsp, for a shader that no script defines; the first call for a name counts;
+    /// records without any flag are ignored. To be called before Get.
     void SetDefaultFlags(std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags);
     /// An image by its name without extension; null when there is none. Cached.
     std::shared_ptr<const Image> LoadImage(std::string_view nameWithoutExtension);

@@ -23,7 +23,7 @@ constexpr std::size_t kMaxName = 63;
 constexpr int kMaxPageSide = 8192;
 constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
 
-/// Known words without effect, which cause no warning.
+/// Known words that the parser skips without a warning; the light stage looks for style markers in the script text.
 constexpr std::array<std::string_view, 6> kDirectivesWithoutEffect = {"q3map_novertexshadows", "q3map_patchshadows",
                                                                       "q3map_rnmmaps",         "q3map_stylemarker",
                                                                       "q3map_stylemarker2",    "q3map_vertexshadows"};
@@ -231,17 +231,17 @@ void ScriptParser::ParseShader(std::string_view name) {
 void ScriptParser::ParseStage() {
     static constexpr std::array<std::string_view, 6> kImageWords = {"map",          "clampmap", "animmap",
                                                                     "clampanimmap", "mapcomp",  "mapnocomp"};
-    // Of ioquake3's and OpenJK's second renderers, Daemon and ETXreaL; also as `stage normalMap`.
+    // Keywords of ioquake3's and OpenJK's second renderers, Daemon and ETXreaL; also the word after `stage`.
     static constexpr std::array<std::string_view, 5> kNormalMapWords = {"normalmap", "bumpmap", "normalheightmap",
                                                                         "normalparallaxmap", "parallaxmap"};
     std::string_view word;
     std::string image; // the first of the stage
     bool afterStage = false, isNormalMap = false;
     while (scanner_.Next(word) && word != "}") {
-        const bool names = std::any_of(kNormalMapWords.begin(), kNormalMapWords.end(),
-                                       [&](std::string_view normals) { return IsWord(word, normals); });
-        shader_->info.normalMapStage |= names;
-        isNormalMap |= names && afterStage;
+        const bool isNormalMapWord = std::any_of(kNormalMapWords.begin(), kNormalMapWords.end(),
+                                                 [&](std::string_view normals) { return IsWord(word, normals); });
+        shader_->info.normalMapStage |= isNormalMapWord;
+        isNormalMap |= isNormalMapWord && afterStage;
         afterStage = IsWord(word, "stage");
         const auto known = std::find_if(kImageWords.begin(), kImageWords.end(),
                                         [&](std::string_view one) { return IsWord(word, one); });
@@ -454,7 +454,7 @@ void ScriptParser::FloodLight(const Words &words) {
     Lightmap().floodDirectionScale = Number(words[5]);
 }
 
-/// Replaces all that was set so far by an earlier shader, except the name.
+/// Starts over from a shader defined earlier: directives before this one are lost, the name stays.
 void ScriptParser::BaseShader(const Words &words) {
     const ParsedShader *base = table_.Find(words[0], log_);
     std::string name = std::move(shader_->info.name);

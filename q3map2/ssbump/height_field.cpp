@@ -11,13 +11,13 @@ namespace {
 
 constexpr double kWhite = 100 * 65535.0; // weights of the channels add up to 100
 
-/// Slope at a height between two neighbors, of which those that are there count.
+/// Slope at `here`: central difference of its two neighbors, one-sided if one is missing.
 float Slope(std::optional<float> before, float here, std::optional<float> after) {
     const float distance = (before ? 1.0f : 0.0f) + (after ? 1.0f : 0.0f);
     return distance > 0 ? (after.value_or(here) - before.value_or(here)) / distance : 0;
 }
 
-/// Over four: the sum of second differences along both axes. Beyond an edge the surface goes on straight.
+/// A quarter of the discrete Laplacian. At an edge the second difference across it is 0: the surface goes on straight.
 float Curvature(const HeightField &field, int x, int y) {
     const float here = field.At(x, y);
     float sum = 0;
@@ -29,7 +29,7 @@ float Curvature(const HeightField &field, int x, int y) {
     return sum / 4;
 }
 
-/// Calls body(x, y, index) for all texels; only one worker has those of a row.
+/// Calls body(x, y, index) for all texels, each row in one worker.
 template <typename Body> void ForTexels(const HeightField &field, const JobPool &jobs, const Body &body) {
     jobs.For(field.height, [&](std::int64_t y, int) {
         for (int x = 0; x < field.width; ++x)
@@ -69,7 +69,7 @@ HeightField HeightsOf(const DeepImage &image, double scale, bool tiles) {
 }
 
 void SmoothSteps(HeightField &field, int passes, double step, const JobPool &jobs) {
-    constexpr float kRelaxation = 0.45f; // below half the inverse of the largest factor, 4: it converges
+    constexpr float kRelaxation = 0.45f; // converges below 2 / 4: eigenvalues of Curvature applied twice reach 4
     const std::vector<float> original = field.heights;
     HeightField curvature = field;
     const auto half = float(step / 2);

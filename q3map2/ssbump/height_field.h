@@ -23,7 +23,7 @@ struct HeightField {
     std::vector<float> heights{};
 
     float At(int x, int y) const { return heights[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
-    /// The height so many texels to the right and down; none beyond the edges of a field that does not tile.
+    /// The height at (x + right, y + down); nullopt beyond the edges of a field that does not tile.
     std::optional<float> Beside(int x, int y, int right, int down) const;
 };
 
@@ -40,8 +40,8 @@ Vec3f NormalOf(const Gradient &gradient);
 /// Heights from the luminance (30 % red, 59 % green, 11 % blue) of an image; `scale`: height of white, in texels.
 HeightField HeightsOf(const DeepImage &image, double scale, bool tiles);
 
-/// Smooths the terraces that few bits make of a slope: so many passes of relaxation towards a thin plate, within half a
-/// step of where the heights were. `step`: height between neighboring values of the image, in texels.
+/// Smooths the terraces that few bits make of a slope: `passes` of relaxation toward a thin plate, in which no height
+/// moves by more than half a step. `step`: height between neighboring values of the image, in texels.
 void SmoothSteps(HeightField &field, int passes, double step, const JobPool &jobs);
 
 } // namespace q3

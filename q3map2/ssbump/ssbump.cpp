@@ -11,21 +11,21 @@ namespace q3 {
 
 namespace {
 
-constexpr int kLanes = 32;      // texels of a row that are worked on together
-constexpr int kRun = 12;        // crossings that are looked at or passed over together
+constexpr int kLanes = 32;      // texels of a row in one SIMD block
+constexpr int kRun = 12;        // crossings that are tested or skipped together
 constexpr int kTile = 16;       // texels a side of the cells of HeightBounds; at least the extent of a run
-constexpr float kSlack = 1e-4f; // of slopes: far less does not count as blocked
-/// A steeper slope counts from this factor on. Rounding alone cannot raise the horizon of a texel whose ray could have
-/// ended, so texels do not depend on which others are in their block.
+constexpr float kSlack = 1e-4f; // a horizon blocks if its slope exceeds that of the tangent plane by this
+/// A slope raises the horizon only if it exceeds it by this factor. Rounding alone then cannot raise the horizon of a
+/// texel whose own ray would have ended, so its result does not depend on the other texels of its block.
 constexpr float kRaise = 1.000002f;
-/// Slopes below this are not looked for: lobes lose 0.05 % of their light there. It limits the reach of rays.
+/// Lower slopes are ignored, which limits the reach of rays. A lobe gets 0.05 % of its light from below it.
 constexpr float kLeastSlope = 0.03f;
 constexpr float kMaxReach = 2048;  // texels
 constexpr float kNothing = -1e30f; // height beyond the edges of a field that does not tile
 
 using Lanes = std::array<float, kLanes>;
 
-/// Where a ray crosses an edge between two texel centers. Offsets from the texel that it starts at; wrapped to
+/// Where a ray crosses an edge between two texel centers. Offsets from the texel where the ray starts; wrapped to
 /// 0 .. size - 1 in fields that tile.
 struct Crossing {
     float distance = 0, weight = 0; ///< texels along the ray; weight of the second center
@@ -71,12 +71,12 @@ class PaddedRows {
     std::vector<float> rows_;
 };
 
-/// Greatest heights of parts of a field, which tell what rays can pass over.
+/// Upper bounds of the heights in parts of a field: rays skip parts that cannot rise above their horizon.
 class HeightBounds {
   public:
     explicit HeightBounds(const HeightField &field)
         : columns_((field.width + kTile - 1) / kTile), rows_((field.height + kTile - 1) / kTile) {
-        // A cell may begin kTile - 1 texels before what is asked for.
+        // The range that From asks for may begin kTile - 1 texels after its cell.
         constexpr int kWide = kLanes + 2 * kTile, kHigh = 2 * kTile;
         const auto columns = std::size_t(columns_);
         std::vector<float> wide(columns * std::size_t(field.height), kNothing);
@@ -94,7 +94,7 @@ class HeightBounds {
                     most = std::max(most, wide[std::size_t(y % field.height) * columns + k]);
                 }
     }
-    /// No less than the greatest of kLanes + kTile by kTile texels to the right of (x, y) and down. In a field that
+    /// Upper bound of the heights of (kLanes + kTile) x kTile texels, to the right of (x, y) and down. In a field that
     /// tiles, (x, y) lies in it.
     float From(int x, int y) const {
         const auto column = std::size_t(std::clamp(x / kTile, 0, columns_ - 1)),
@@ -128,7 +128,7 @@ std::vector<Crossing> CrossingsOf(float s, float t, float reach) {
     return crossings;
 }
 
-/// Crossings without a center in the field, wherever the ray begins.
+/// Whether one of the two centers is outside the field, wherever the ray begins.
 bool IsOutside(const Crossing &c, const HeightField &field) {
     const auto outside = [](int offset, int size) { return offset <= -size || offset >= size; };
     return outside(c.x[0], field.width) || outside(c.x[1], field.width) || outside(c.y[0], field.height) ||
@@ -157,7 +157,7 @@ Azimuth AzimuthOf(double angle, float reach, const HeightField &field) {
     return azimuth;
 }
 
-/// What all texels share.
+/// Data of the whole field, the same for all texels.
 struct Horizons {
     Horizons(const HeightField &field_, int rays) : field(field_), rows(field_), bounds(field_) {
         const auto [low, high] = std::ranges::minmax(field.heights);
@@ -181,11 +181,12 @@ struct Block {
     int x = 0, y = 0;
     alignas(64) Lanes height, gradientS, gradientT;
     alignas(64) std::array<Lanes, 2> besideS, besideT; ///< heights of the texels before and after along s and t
-    alignas(64) Lanes tangent, horizon;                ///< slopes along the azimuth at hand
-    alignas(64) std::array<Lanes, 3> visible, whole;   ///< integrals of each lobe
+    alignas(64) Lanes tangent, horizon;                ///< slopes along the current azimuth
+    alignas(64) std::array<Lanes, 3> visible,
+        whole; ///< integrals of each lobe: above the horizon, above the tangent plane
 };
 
-/// Heights from the block's first texel moved by an offset on; null beyond the edges.
+/// The row of heights that begins (x, y) texels from the block's first; null above and below the field.
 inline const float *HeightsAt(const Horizons &in, const Block &block, int x, int y) {
     int row = block.y + y;
     if (in.field.tiles)
@@ -250,21 +251,21 @@ inline float IntegralAbove(float slope, float bAlong, float bUp, float nAlong, f
            bUp * nUp * (1.0f / 3 - sine3);
 }
 
-/// Adds to `sum` the integrals of a lobe above slopes.
+/// Adds to `sum` the integral of a lobe above the slope of each lane.
 inline void AddAbove(const Lanes &slopes, std::size_t lobe, const Azimuth &azimuth, const Block &block, Lanes &sum) {
     const Vec3f &b = kRnmBasis[lobe];
     const float along = b.x * azimuth.s + b.y * azimuth.t, lobeEdge = along < 0 ? -along / b.z : 0;
     Q3_INDEPENDENT
     for (int k = 0; k < kLanes; ++k) {
         const auto lane = std::size_t(k);
-        // A common factor of the normal cancels out.
+        // The normal is not unit length: the factor cancels in visible / whole.
         const float normalAlong = -(block.gradientS[lane] * azimuth.s + block.gradientT[lane] * azimuth.t);
         const float slope = slopes[lane] > lobeEdge ? slopes[lane] : lobeEdge;
         sum[lane] += IntegralAbove(slope, along, b.z, normalAlong, 1);
     }
 }
 
-/// Adds what is seen above the horizon of the azimuth, and what there is above the tangent plane.
+/// Adds this azimuth's integrals above the horizon to `visible`, above the tangent plane to `whole`.
 Q3_VECTOR void AddLobes(const Horizons &in, const Azimuth &azimuth, Block &block) {
     int blocked = 0;
     for (int k = 0; k < kLanes; ++k) {
@@ -287,7 +288,7 @@ Q3_VECTOR void AddLobes(const Horizons &in, const Azimuth &azimuth, Block &block
     }
 }
 
-/// Slopes of the tangent planes, and as first horizon those of the bilinear cell in which the ray starts.
+/// Sets the slopes of the tangent planes, and starts the horizon with the bilinear cell in which the ray begins.
 Q3_VECTOR void SetTangents(const Horizons &in, const Azimuth &azimuth, const Lanes &besideS, const Lanes &besideT,
                            Block &block) {
     const float s = std::abs(azimuth.s), t = std::abs(azimuth.t);
@@ -306,7 +307,7 @@ void LoadBlock(const Horizons &in, Block &block) {
     const HeightField &field = in.field;
     for (int k = 0; k < kLanes; ++k) {
         const auto lane = std::size_t(k);
-        const int x = std::min(block.x + k, field.width - 1); // those beyond the row are not used
+        const int x = std::min(block.x + k, field.width - 1); // lanes beyond the row are not used
         block.height[lane] = field.At(x, block.y);
         const Gradient gradient = GradientAt(field, x, block.y);
         block.gradientS[lane] = gradient.s, block.gradientT[lane] = gradient.t;

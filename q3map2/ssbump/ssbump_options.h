@@ -12,7 +12,7 @@ namespace q3 {
 
 struct SsbumpOptions {
     double bumpScale = 8; ///< height of white over black, texels; negative: white is deep
-    bool tile = true;     ///< heights go on at the opposite edge
+    bool tile = true;     ///< the height map repeats
     int rays = 32;        ///< azimuths along which a texel looks for its horizon
     int filter = 0;       ///< passes that smooth the steps of the image
     std::string normals;  ///< path of a normal map to write; empty: none
@@ -20,7 +20,7 @@ struct SsbumpOptions {
 
 /// The options of the stage, declared.
 std::vector<SettingGroup<SsbumpOptions>> SsbumpSettings();
-/// Takes them off `arguments`.
+/// Removes these options from `arguments`.
 SsbumpOptions ParseSsbumpOptions(Arguments &arguments, Log &log);
 
 } // namespace q3

@@ -16,8 +16,8 @@ namespace q3::bump_wall {
 
 namespace {
 
-constexpr int kScale = 2, kColumns = 5; // pixels a world unit; panels a row
-constexpr int kPanelWidth = int(kWidth) * kScale, kPanelHeight = int(kHeight) * kScale, kGap = 8, kFoot = 42;
+constexpr int kScale = 2, kColumns = 5; // pixels per world unit; panels in a row
+constexpr int kPanelWidth = int(kWidth) * kScale, kPanelHeight = int(kHeight) * kScale, kGap = 8, kCaptionHeight = 42;
 constexpr double kGamma = 2.2;
 constexpr char kUsage[] = R"(usage: bump_wall OUT.png [UNITS]
        bump_wall -errors
@@ -86,7 +86,7 @@ class Sheet {
   public:
     explicit Sheet(int panels)
         : surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24, kColumns * (kPanelWidth + kGap) - kGap,
-                                              (panels + kColumns - 1) / kColumns * (kPanelHeight + kFoot))),
+                                              (panels + kColumns - 1) / kColumns * (kPanelHeight + kCaptionHeight))),
           canvas_(cairo_create(surface_)) {
         cairo_set_source_rgb(canvas_, 0.094, 0.098, 0.11);
         cairo_paint(canvas_);
@@ -100,7 +100,7 @@ class Sheet {
     Sheet &operator=(const Sheet &) = delete;
 
     void Add(const Panel &panel, const std::string &name, const std::string &figures) {
-        const int x = count_ % kColumns * (kPanelWidth + kGap), y = count_ / kColumns * (kPanelHeight + kFoot);
+        const int x = count_ % kColumns * (kPanelWidth + kGap), y = count_ / kColumns * (kPanelHeight + kCaptionHeight);
         count_++;
         cairo_surface_flush(surface_);
         unsigned char *pixels = cairo_image_surface_get_data(surface_);

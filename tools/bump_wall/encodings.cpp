@@ -35,12 +35,12 @@ Vec3f ToVec(const float v[3]) {
     return {v[0], v[1], v[2]};
 }
 
-/// Lit value over that of the flat normal, under a sky that is the whole hemisphere.
+/// Light from a uniform hemisphere on `normal`, relative to the flat normal.
 float SkyShare(const Vec3f &normal) {
     return (1 + normal.z) / 2;
 }
 
-/// The sky as L1: radiance of 1 over the hemisphere.
+/// A sky of radiance `color` over the whole hemisphere.
 L1Light SkyL1(const Vec3f &color) {
     L1Light light;
     light.c[0] = color * float(2 * std::numbers::pi * kShC0);

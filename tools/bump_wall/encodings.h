@@ -10,8 +10,8 @@
 
 namespace q3::bump_wall {
 
-/// What arrives at a point, in tangent space: lights of a lit value at normal incidence, and a sky of one color over
-/// the whole hemisphere, its lit value for the flat normal.
+/// Light that arrives at a point, in tangent space. Ray: color is what a surface facing it receives. `sky`: what the
+/// flat normal receives from a uniform hemisphere.
 struct Ray {
     Vec3f color, direction;
 };
@@ -44,7 +44,7 @@ struct EncodingInfo {
 };
 std::span<const EncodingInfo> Encodings();
 
-/// Luxels around a position, and their shares.
+/// The four luxels around a position, and their bilinear weights.
 struct Corners {
     std::array<std::size_t, 4> index;
     std::array<float, 4> share;

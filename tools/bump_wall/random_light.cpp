@@ -13,9 +13,9 @@ namespace q3::bump_wall {
 namespace {
 
 constexpr std::size_t kLuxels = 20000;
-constexpr float kWidest = 0.70710678f; // cosine of 45 degrees
+constexpr float kLeastNormalZ = 0.70710678f; // cosine of 45 degrees
 
-/// Kinds of light: so many lamps anywhere above the surface, and a sky with this share of all light.
+/// A kind of light: a number of lamps anywhere above the surface, and the share of the sky in all light.
 struct LightKind {
     const char *name;
     int lamps;
@@ -74,7 +74,7 @@ void PrintErrors() {
         Sample sample;
         for (std::size_t i = 0; i < kLuxels; i++) {
             sample.lights.push_back(random.Lights(kind));
-            sample.normals.push_back(random.Direction(kWidest));
+            sample.normals.push_back(random.Direction(kLeastNormalZ));
         }
         luxels.emplace_back(sample.lights);
         samples.push_back(std::move(sample));

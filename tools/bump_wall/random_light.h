@@ -3,9 +3,9 @@
 
 namespace q3::bump_wall {
 
-/// Prints a table in Markdown: for each encoding the error over 20000 luxels, each with a bump of another normal within
-/// 45 degrees of the flat one, as root mean square over that of the light; columns are kinds of light. Self-shadowed
-/// bump maps without anything that shadows are RNM with linear weights, and left out.
+/// Prints a table in Markdown: for each encoding the error over 20000 luxels, each with a random bump normal within
+/// 45 degrees of the flat one: root mean square error over root mean square light. Columns are kinds of light. SSBump
+/// is left out: without shadows it equals RNM with linear weights.
 void PrintErrors();
 
 } // namespace q3::bump_wall

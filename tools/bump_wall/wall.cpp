@@ -9,7 +9,7 @@ namespace q3::bump_wall {
 namespace {
 
 struct Lamp {
-    Vec3f at, strength; ///< world units; lit value times square of the distance
+    Vec3f at, strength; ///< world units; light at normal incidence times squared distance
 };
 constexpr std::array<Lamp, 2> kLamps = {Lamp{{24, 22, 26}, {640, 400, 155}}, Lamp{{100, 68, 34}, {190, 380, 1080}}};
 

@@ -17,7 +17,7 @@ LocalLight LampsAt(float x, float y);
 float BumpHeight(float x, float y);
 /// Unit normal of the bumps.
 Vec3f BumpNormal(float x, float y);
-/// Whether bumps stand between the surface at (x, y) and what lies in this direction, in a quarter of a unit's steps.
+/// Whether bumps hide what lies in this direction from the surface at (x, y), checked in steps of a quarter unit.
 bool BumpsBlock(float x, float y, const Vec3f &direction);
 
 /// The lamps that bumps do not hide.

@@ -12,7 +12,7 @@
 
 namespace q3 {
 
-/// The file of the folder that holds a BSPX lump of HDR light; empty: no such lump.
+/// Name of the JSON file for a BSPX lump of HDR light; empty: `lump` is another one.
 std::string_view JsonHdrFile(std::string_view lump);
 
 /// Each writes one file. Errors: those of JsonWriter.

@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-/// An integer in that range, as a member or element.
+/// The value as an integer in low..high; `what` names it in the error.
 int IntegerOf(const json &value, int low, int high, std::string_view what, std::string_view name) {
     if (!value.is_number_integer() || value < low || value > high)
         throw Error("{}: {}: expected an integer in {}..{}", name, what, low, high);

@@ -10,9 +10,9 @@
 
 namespace q3 {
 
-/// An object of width, height and texels: [r, g, b, exponent] each, row 0 first. Precision: EncodeRgbExp32.
+/// A JSON object with width, height and texels, each [r, g, b, exponent]; row 0 first. Precision: see EncodeRgbExp32.
 std::vector<std::byte> EncodeExp32Json(const FloatImage &image);
-/// Errors: Error for other members' values, sizes as in image.h, and a list that is not width * height long.
+/// Errors: Error for missing members, values out of range, and a list that is not width * height long.
 FloatImage DecodeExp32Json(std::span<const std::byte> file, std::string_view name);
 
 } // namespace q3

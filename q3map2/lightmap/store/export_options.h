@@ -9,12 +9,12 @@
 namespace q3 {
 
 struct ExportOptions {
-    std::string hdrFormat; ///< a form of ExportHdrLight; empty: see ExportSettings
+    std::string hdrFormat; ///< exr, pfm, hdr, exp32, rend2 or ioquake3; empty: chosen by the stage
 };
 
 /// The options of -export and -import, declared.
 std::vector<SettingGroup<ExportOptions>> ExportSettings();
-/// Takes them off `arguments`.
+/// Removes these options from `arguments`.
 ExportOptions ParseExportOptions(Arguments &arguments, Log &log);
 
 } // namespace q3

@@ -18,12 +18,12 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-/// A form of the files. Pictures of exr, pfm and hdr have the last row of the page on top, as those of ExportLightmaps.
+/// A format of -hdrformat. Images in exr, pfm and hdr have the last row of the page on top, as in ExportLightmaps.
 struct HdrForm {
     std::string_view name, prefix, extension;
     Bytes (*encode)(const FloatImage &page);
     FloatImage (*decode)(std::span<const std::byte> file, std::string_view name);
-    float fullVertexLight = 0; ///< in vertlight.raw; 0: the form has no such file
+    float fullVertexLight = 0; ///< full light in vertlight.raw; 0: the format has no such file
 };
 
 constexpr HdrForm kForms[] = {
@@ -36,14 +36,14 @@ constexpr HdrForm kForms[] = {
     {"exp32", "lightmap", "exp32.json", EncodeExp32Json, DecodeExp32Json},
     {"rend2", "lm", "hdr", EncodeRend2Hdr, DecodeRend2Hdr, kRend2VertexScale},
     {"ioquake3", "lm", "hdr", EncodeIoquake3Hdr, DecodeIoquake3Hdr, kIoquake3VertexScale}};
-/// Those that -import looks for by itself: their names tell them apart.
+/// Formats that -import looks for without -hdrformat. Their file names differ; rend2 and ioquake3 share theirs.
 constexpr std::span<const HdrForm> kNamedForms(kForms, 4);
 
 const HdrForm &FormOf(std::string_view name) {
     return *std::ranges::find(kForms, name, &HdrForm::name);
 }
 
-/// The codes of one image: a page, or a map of a basis vector.
+/// The E5BGR9 codes of one image: a page, or the map of one basis normal.
 struct HdrPart {
     std::span<std::uint32_t> codes;
     int side = 0;
@@ -54,8 +54,8 @@ std::vector<HdrPart> HdrParts(Bsp &bsp, int side) {
     std::vector<HdrPart> parts;
     const std::size_t texels = std::size_t(side) * std::size_t(side);
     if (bsp.lightmapsE5bgr9.size() % texels != 0)
-        throw Error("the HDR lightmaps have {} texels, which are no pages of {} x {}", bsp.lightmapsE5bgr9.size(), side,
-                    side);
+        throw Error("the HDR lightmaps have {} texels, not a whole number of {} x {} pages", bsp.lightmapsE5bgr9.size(),
+                    side, side);
     for (std::size_t i = 0; i * texels < bsp.lightmapsE5bgr9.size(); ++i)
         parts.push_back({std::span(bsp.lightmapsE5bgr9).subspan(i * texels, texels), side, fmt::format("{:04}", i)});
     if (bsp.rnm)
@@ -78,14 +78,15 @@ FloatImage ImageOf(const HdrPart &part) {
     return image;
 }
 
-/// The form whose file is there; null: none.
-const HdrForm *FormThere(const std::filesystem::path &folder, const HdrPart &part, const std::string &wanted,
-                         Log &log) {
+/// The first format whose file exists; null: none.
+const HdrForm *FirstExistingForm(const std::filesystem::path &folder, const HdrPart &part, const std::string &wanted,
+                                 Log &log) {
     const HdrForm *found = nullptr;
     int count = 0;
     std::error_code ignored;
     for (const HdrForm &form : wanted.empty() ? kNamedForms : std::span<const HdrForm>(&FormOf(wanted), 1))
-        if (std::filesystem::exists(FileOfPart(folder, part, form), ignored)) {
+        if ((HasOpenExr() || form.extension != "exr" || !wanted.empty()) &&
+            std::filesystem::exists(FileOfPart(folder, part, form), ignored)) {
             ++count;
             found = found ? found : &form;
         }
@@ -108,7 +109,7 @@ void ImportVertexLight(const std::filesystem::path &path, float fullLight, Bsp &
 
 void ExportHdrLight(const Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &format,
                     Log &log) {
-    Bsp light; // parts are spans of what can be changed
+    Bsp light; // a copy: HdrParts returns mutable spans
     light.lightmapsE5bgr9 = bsp.lightmapsE5bgr9;
     light.rnm = bsp.rnm;
     const std::vector<HdrPart> parts = HdrParts(light, side);
@@ -128,7 +129,7 @@ void ImportHdrLight(Bsp &bsp, int side, const std::filesystem::path &folder, con
     const std::vector<HdrPart> parts = HdrParts(bsp, side);
     std::size_t replaced = 0;
     for (const HdrPart &part : parts) {
-        const HdrForm *form = FormThere(folder, part, format, log);
+        const HdrForm *form = FirstExistingForm(folder, part, format, log);
         if (!form)
             continue;
         const auto path = FileOfPart(folder, part, *form);

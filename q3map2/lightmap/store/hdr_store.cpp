@@ -22,16 +22,17 @@ std::vector<std::uint32_t> Packed(const std::vector<Vec3f> &light) {
     return codes;
 }
 
-/// Whether the file holds the page.
-bool InFile(const LightmapPage &page) {
-    return page.number >= 0 && !page.external;
+/// Whether the .bsp holds the page; else it is only an image beside the map. Pages that a generated shader names are
+/// both.
+bool IsInBsp(const LightmapPage &page, const LightmapOptions &options) {
+    return page.number >= 0 && !options.external;
 }
 
 std::uint8_t UnitByte(float value) {
     return std::uint8_t(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
 }
 
-/// 8-bit basis maps; what exceeds 1 moves to the other maps.
+/// 8-bit basis maps. Rescaled maps pass what exceeds 1 to the other two; raw maps are cut at 1.
 std::array<std::vector<std::uint8_t>, 3> BasisBytes(const LightmapPage &page, bool rescaled) {
     std::array<std::vector<std::uint8_t>, 3> bytes;
     for (std::size_t at = 0; at < page.Texels(); ++at) {
@@ -45,7 +46,7 @@ std::array<std::vector<std::uint8_t>, 3> BasisBytes(const LightmapPage &page, bo
     return bytes;
 }
 
-/// Images of the pages beside the map.
+/// Writes HDR pages and basis maps as files beside the map.
 class HdrFileWriter {
   public:
     HdrFileWriter(const std::filesystem::path &folder, const LightmapOptions &options, Log &log)
@@ -136,7 +137,7 @@ void StoreHdrLight(const LightmapOptions &options, const StoredLightmaps &stored
     rnm.header.storage = options.rnmRescaled ? RnmStorage::Rescaled : RnmStorage::Raw;
     rnm.header.side = std::uint32_t(options.gamePageSize[0]);
     for (const LightmapPage &page : stored.pages) {
-        if (!InFile(page))
+        if (!IsInBsp(page, options))
             continue;
         if (options.hdr) {
             const std::vector<std::uint32_t> codes = Packed(page.light);

@@ -7,13 +7,13 @@
 
 namespace q3 {
 
-/// Moves light in full range into the lumps of `bsp`: HDR light of its pages and vertices, basis maps of its pages.
-/// Pages outside the file have none there. Call after the draw vertices are complete.
+/// Adds the BSPX lumps to `bsp`, which must have none of them: HDR light of pages and vertices, basis maps of pages.
+/// Pages that are only images beside the map are left out. Call after the draw vertices are complete.
 void StoreHdrLight(const LightmapOptions &options, const StoredLightmaps &stored, Bsp &bsp);
 
-/// Writes HDR pages as FOLDER/lm_NNNN.hdr, .exr or .pfm with -hdrfiles (and pages outside the file always, as Radiance
-/// unless it names another form), their basis maps as lm_NNNN_b1 to _b3, and for engines vertlight.raw. 8-bit basis
-/// maps are TGA images beside those of their pages. Errors: Error, for files that cannot be written.
+/// With -hdrfiles, writes HDR pages as FOLDER/lm_NNNN.hdr, .exr or .pfm, their basis maps as lm_NNNN_b1 to _b3, and
+/// for rend2 and ioquake3 vertlight.raw. Pages outside the .bsp are written without -hdrfiles too, as Radiance, and
+/// their 8-bit basis maps as TGA. Warns of HDR files of an earlier run. Errors: Error for files that cannot be written.
 void WriteHdrFiles(const std::filesystem::path &folder, const LightmapOptions &options, const StoredLightmaps &stored,
                    Log &log);
 

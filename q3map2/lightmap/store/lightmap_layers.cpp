@@ -13,11 +13,11 @@ namespace q3 {
 
 namespace {
 
-/// Greatest channel difference within a solid lightmap, and between two that share a texel. Byte scale.
+/// Greatest channel difference within a solid lightmap, and between two solid ones that share a texel. Byte scale.
 constexpr float kSolidDifference = 0.0625f;
 /// Channel differences of texels that twins share are less than this. Byte scale.
 constexpr float kTwinDifference = 3;
-/// Greatest mean over texels of the sum of channel differences / 768.
+/// Bound of twins on the running mean over texels of (|dr| + |dg| + |db|) / 768.
 constexpr float kTwinMean = 0.0025f;
 /// Greatest difference of direction components within a solid lightmap: one step of their bytes.
 constexpr float kSolidDirection = 1.0f / 127;
@@ -29,6 +29,7 @@ float MaxDifference(const Vec3f &a, const Vec3f &b) {
 
 // ---- seams of closed patches -----------------------------------------------------------------------------------
 
+/// Averages the two texels. `colors`: red below 0 marks an unused texel, which takes the other's value.
 void JoinTexels(Vec3f &a, Vec3f &b, bool colors) {
     if (colors && (a.x < 0 || b.x < 0)) {
         (a.x < 0 ? a : b) = a.x < 0 ? b : a;
@@ -212,7 +213,7 @@ void JoinTwins(std::vector<LightmapLayer> &layers) {
         const LightmapLayer &layer = layers[i];
         if (layer.byVertex || !layer.channels.empty())
             continue;
-        // Solid layers are compared only within one step of red; most twins have exactly equal colors.
+        // Solid layers are compared only within a bucket of red, for speed: twins mostly have exactly equal colors.
         const int step = layer.solid ? int(std::clamp(layer.color.x / kSolidDifference, 0.0f, 1e6f)) : 0;
         const std::array<int, 2> size = layer.solid ? std::array{-1, -1} : std::array{layer.width, layer.height};
         groups[{size[0], size[1], layer.pageSize, layer.brightness, step}].push_back(i);

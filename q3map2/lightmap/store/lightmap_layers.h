@@ -38,8 +38,9 @@ struct LightmapLayers {
     std::vector<std::array<int, kStyles>> layerOf; ///< [raw lightmap][style slot]: index in layers, -1: none
 };
 
-/// Copies of all results; directional channels are moved out of `surfaces`. Texels at the seam of patches that close on themselves are averaged, directions normalized
-/// (in tangent space with -deluxemode 1) and, unless -nocollapse or light styles forbid it, solid lightmaps marked.
+/// Copies of all results; directional channels are moved out of `surfaces`. Texels at the seam of patches that close on
+/// themselves are averaged, directions normalized (in tangent space with -deluxemode 1) and, unless -nocollapse or
+/// light styles forbid it, solid lightmaps marked.
 LightmapLayers MakeLayers(const SurfaceInputs &in, SurfaceLight &surfaces);
 
 /// Makes layers with nearly equal texels share them: sets `twin` of the later ones; the first gets the mean.

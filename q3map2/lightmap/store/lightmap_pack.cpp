@@ -127,7 +127,7 @@ class Packer {
         const LightmapLayer *first = nullptr;
         if (layer.style > 0)
             first = &stored_.layers[std::size_t(stored_.layerOf[std::size_t(layer.lightmap)][0])];
-        if ((first && PackBesideFirst(*first, stamp, layer)) || PackAnywhere(stamp, layer))
+        if ((first && PackAlignedWithFirst(*first, stamp, layer)) || PackAnywhere(stamp, layer))
             return;
         AddPage(layer);
         Put(pages_.size() - 1, stamp, first ? std::array{first->x, first->y} : std::array{0, 0}, layer);
@@ -166,7 +166,7 @@ class Packer {
 
     /// Packs at the coordinates of the lightmap's first style, on any page, or half a page aside: surfaces that share a
     /// shader then share the offset of its stages, so few generated shaders are needed.
-    bool PackBesideFirst(const LightmapLayer &first, const Stamp &stamp, LightmapLayer &layer) {
+    bool PackAlignedWithFirst(const LightmapLayer &first, const Stamp &stamp, LightmapLayer &layer) {
         for (const bool shifted : {false, true})
             for (std::size_t page = 0; page < pages_.size(); ++page) {
                 if (!Possible(pages_[page], stamp, layer))

@@ -52,8 +52,8 @@ class PageSpace {
     std::vector<std::uint64_t> bits_;
 };
 
-/// Sets page, x and y of every layer in `order`; twins get those of the layer that they share. Returns the sizes of the
-/// pages.
+/// Sets page, x and y of every layer in `order`; twins take those of the layer whose texels they share. Returns the
+/// sizes of the pages.
 std::vector<std::array<int, 2>> PackLayers(const std::vector<std::size_t> &order, const LightmapOptions &options,
                                            LightmapLayers &stored);
 

@@ -19,11 +19,13 @@ std::filesystem::path ScriptPath(const std::filesystem::path &bspPath, const Gam
 void WriteScript(const std::filesystem::path &script, const StoredLightmaps &stored, Log &log);
 
 /// Writes every page of the file as lightmap_NNNN.tga into the folder: rows in the order of the file, which the TGA
-/// header declares as bottom up; and HDR light (hdr_pages.h). side: of a page, texels. Errors: as WritePages.
+/// header declares as bottom up; and HDR light (hdr_pages.h). `side`: texels on a side of a page. Errors: as
+/// WritePages.
 void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &folder, Log &log,
                      const ExportOptions &options = {});
 /// Replaces the pages of the file by such images; pages whose image is missing or has another size stay as they are,
-/// with a warning. HDR light: hdr_pages.h. Errors: Error, for a file without either and for images that cannot be read.
+/// with a warning. HDR light: hdr_pages.h. Errors: Error for a map without lightmaps of any kind, and for images that
+/// cannot be read.
 void ImportLightmaps(Bsp &bsp, int side, const std::filesystem::path &folder, Log &log,
                      const ExportOptions &options = {});
 

@@ -19,7 +19,7 @@ constexpr std::size_t kChecksumDigits = 32;
 constexpr std::size_t kFrames = 8, kStages = 8;
 constexpr std::string_view kDefaultWave = "wave noise 0.5 1 0 5.37";
 
-/// Offset of the first whole word, ignoring case; npos: none.
+/// Offset of the first occurrence of `word` as a whole word, ignoring case; npos: none.
 std::size_t FindWord(std::string_view text, std::string_view word) {
     const auto part = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$'; };
     for (std::size_t at = 0; at + word.size() <= text.size(); ++at) {
@@ -192,7 +192,7 @@ void RemoveMipmapHints(std::string_view mapName, Bsp &bsp) {
 
 namespace {
 
-/// See FinishForFile.
+/// Adds the mipmap hints that FinishForFile describes.
 void AddMipmapHints(std::string_view mapName, StoredLightmaps &stored, Bsp &bsp) {
     std::vector<int> files;
     for (const LightmapPage &page : stored.pages) {

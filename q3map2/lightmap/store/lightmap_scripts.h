@@ -22,7 +22,7 @@ struct StyleStage {
 /// Name of a page's image: the game's path to it.
 std::string PagePath(std::string_view mapName, int file);
 
-/// The shader's text with a stage for each style in place of its marker; empty when it has none.
+/// The shader's text with a stage for each style in place of q3map_styleMarker; empty if it has no marker.
 std::string StyledText(const ShaderInfo &shader, std::span<const StyleStage> stages, const Entity &world,
                        std::string_view mapName);
 
@@ -31,7 +31,7 @@ std::string StyledText(const ShaderInfo &shader, std::span<const StyleStage> sta
 std::string ImageText(const ShaderInfo &shader, std::string text, int file, std::string_view mapName);
 
 /// `text` with a line that names the basis maps of a page and how they are stored. Engines without radiosity normal
-/// mapping skip it, as all directives of q3map.
+/// mapping skip it, as they skip all q3map_ directives.
 std::string WithBasisMaps(std::string text, std::string_view mapName, int file, bool rescaled);
 
 /// Name of a generated shader: the map name and a checksum of the text. At most 63 bytes.

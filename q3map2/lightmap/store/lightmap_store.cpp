@@ -157,7 +157,7 @@ class Storer {
             to.width = page.width, to.height = page.height;
         }
         EncodeLightmass(in_, surfaces_, stored_, result_.lightmass);
-        for (LightmapLayer &layer : stored_.layers) // memory for the pages that follow
+        for (LightmapLayer &layer : stored_.layers) // frees memory for HDR pages and basis maps
             for (std::size_t c = 0; c < layer.channels.size(); ++c)
                 if (layer.kinds.IsSh(c))
                     layer.channels[c] = {};
@@ -250,7 +250,7 @@ class Storer {
             text = ImageText(shader, text, page.file, mapName_);
         if (text.empty())
             return;
-        if (page.HasBasis() && page.external)
+        if (page.HasBasis() && (page.number < 0 || in_.lightmap.external))
             text = WithBasisMaps(std::move(text), mapName_, page.file, in_.lightmap.rnmRescaled);
         const std::string name = ShaderNameFor(text, mapName_);
         if (made_.insert(name).second)
@@ -276,7 +276,7 @@ class Storer {
         return stages;
     }
 
-    /// HDR light of vertices that no surface stores light for: their colors.
+    /// Starts with the vertex colors, which stay where no surface stores light.
     void StartVertexLight() {
         for (const bspDrawVert_t &vertex : bsp_.drawVerts)
             if (in_.lightmap.hdr)

@@ -17,13 +17,13 @@ struct LightmapPage {
     int width = 128, height = 128;
     int number = -1;       ///< lightmapNum of its surfaces; -1: only generated shaders name its image
     int file = 0;          ///< number of its image; deluxe: the page of directions has the next one
-    bool external = false; ///< the image is needed
+    bool external = false; ///< an image file is needed; unless -external, the .bsp holds the page too if number >= 0
     std::vector<std::uint8_t> colors;     ///< empty under -hdr
-    std::vector<std::uint8_t> directions; ///< deluxe: the page after it; else empty
+    std::vector<std::uint8_t> directions; ///< deluxe: bytes of the page after it; else empty
 
     // Linear light, unit scale: 1 is byte 255.
-    std::vector<Vec3f> light;                 ///< -hdr, -both; else empty
-    std::array<std::vector<Vec3f>, 3> basis;  ///< -rnm: on the basis normals; empty if no lightmap on it has them
+    std::vector<Vec3f> light;                ///< -hdr, -both; else empty
+    std::array<std::vector<Vec3f>, 3> basis; ///< -rnm: light on the basis normals; empty if no lightmap here has it
 
     std::size_t Texels() const { return std::size_t(width) * std::size_t(height); }
     std::size_t Index(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }

@@ -13,7 +13,7 @@
 
 namespace q3 {
 
-/// Images of a lightmap page, rows top first. Those that nothing was baked for are empty.
+/// Images of a lightmap page, rows top first. Images without baked data are empty.
 struct LightmassPage {
     int number = -1; ///< lightmapNum of its surfaces; -1: generated shaders name its image
     int file = 0;    ///< number in the names of images
@@ -35,16 +35,16 @@ struct LightmassPlace {
 struct LightmassPages {
     std::vector<LightmassPage> pages; ///< as StoredLightmaps::pages; empty without -lightmass
     std::vector<LightmassPlace> places;
-    std::vector<std::string> shadowLights; ///< names, as LightmassPage::shadows
+    std::vector<std::string> shadowLights; ///< names, in the order of LightmassPage::shadows
 };
 
-/// Encodes layers that are packed on `pages`, which have their sizes and numbers, and no images yet.
+/// Encodes the packed layers that have L1 light. `pages` must have sizes and numbers; their images are made here.
 void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, const LightmapLayers &stored,
                      LightmassPages &pages);
 
 /// Writes the images as FOLDER/lm_NNNN_WHAT.tga, NNNN the number of the page, and lightmass.json, which names them and
-/// has the ranges of their bytes. mapName: as the game names the images. Errors: Error, for files that cannot be
-/// written.
+/// holds their byte ranges. mapName: the images are maps/MAPNAME/... for the game. Errors: Error, for files that cannot
+/// be written.
 void WriteLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &pages,
                     Log &log);
 
