@@ -171,7 +171,7 @@ TEST(HdrLumps, ProgramsErrorsAreFoundBeforeWriting) {
     EXPECT_THAT(fault([](Bsp &bsp) { bsp.rnm->pages[0].maps[2].pop_back(); }), HasSubstr("a map of 16383 texels"));
     EXPECT_THAT(fault([](Bsp &bsp) { bsp.rnm->header.pageCount = 2; }), HasSubstr("pageCount is 2"));
     EXPECT_THAT(fault([](Bsp &bsp) { bsp.rnm->pages[0].lightmapNum = -1; }), HasSubstr("lightmapNum -1"));
-    EXPECT_THAT(fault([](Bsp &bsp) { bsp.rnm->header.side = 100; }), HasSubstr("no pages of that side"));
+    EXPECT_THAT(fault([](Bsp &bsp) { bsp.rnm->header.side = 100; }), HasSubstr("not whole pages of that side"));
     EXPECT_THAT(fault([](Bsp &bsp) {
                     bsp.rnm->pages.push_back(bsp.rnm->pages[0]);
                     bsp.rnm->header.pageCount = 2;
