@@ -4,6 +4,7 @@
 #include "common/image/float_image.h"
 #include "libs/math/packed_color.h"
 #include "q3map2/lightmap/store/exp32_json.h"
+#include "q3map2/lightmap/store/hdr_store.h"
 #include "q3map2/lightmap/store/lightmap_pages.h"
 #include "tests/common/game_folder.h"
 
@@ -112,6 +113,31 @@ TEST(HdrPagesTest, EngineFilesAreExportedAndImported) {
                   format == "rend2" ? 1.0f / 256 + 1.0f / 512 : 0)
             << format;
     }
+}
+
+/// Pages of light styles that a generated shader names are images beside the file, and stay in it.
+TEST(HdrPagesTest, PagesWithAnImageStayInTheFile) {
+    LightmapOptions options;
+    options.hdr = true;
+    StoredLightmaps stored;
+    for (int i = 0; i < 3; ++i) {
+        LightmapPage &page = stored.pages.emplace_back();
+        page.number = i < 2 ? i : -1; // the last is a page that the file cannot hold
+        page.external = i > 0;
+        page.light.assign(page.Texels(), Vec3f{float(i + 1), 0, 0});
+        page.basis.fill(page.light);
+    }
+    Bsp bsp;
+    StoreHdrLight(options, stored, bsp);
+    ASSERT_EQ(bsp.lightmapsE5bgr9.size(), 2u * 128 * 128);
+    EXPECT_EQ(DecodeE5bgr9(bsp.lightmapsE5bgr9.back()), (Vec3f{2, 0, 0}));
+    ASSERT_EQ(bsp.rnm->pages.size(), 2u);
+    EXPECT_EQ(bsp.rnm->pages[1].lightmapNum, 1);
+    options.external = true;
+    Bsp other;
+    StoreHdrLight(options, stored, other);
+    EXPECT_TRUE(other.lightmapsE5bgr9.empty());
+    EXPECT_FALSE(other.rnm);
 }
 
 TEST(HdrPagesTest, PicturesHaveTheFirstRowBelowAndListsAbove) {
