@@ -41,29 +41,16 @@ class SurfacePasses {
         Pass(setup_.lights, {}, nullptr);
         if (in_.lightmap.lightmass)
             FindMasks();
-        const int bounces = in_.lightmap.bounces;
-        for (int bounce = 1; bounce <= bounces; ++bounce) {
-            in_.log.Section(fmt::format("Radiosity (bounce {} of {})", bounce, bounces));
-            AverageLuxels(in_, {.bounce = bounce > 1}, false, surfaces_);
-            if (!bounces_) {
-                bounces_.emplace(in_, surfaces_);
-                in_.log.Count((long long)(bounces_->Rays()), "rays gather the light of bounces");
-            }
-            if (!bounces_->CollectRadiosity(surfaces_)) {
-                in_.log.Print("No light is left to bounce\n");
-                averaged_ = true;
-                break;
-            }
-            Pass({}, {.bounce = true}, &*bounces_);
-        }
-        if (!averaged_)
-            AverageLuxels(in_, {.bounce = bounces > 0}, true, surfaces_);
+        if (in_.lightmap.bounces > 0)
+            Bounce();
+        else
+            AverageLuxels(in_, {}, true, surfaces_);
     }
     /// -bouncegrid: bounced light for the light grids; else null.
     std::unique_ptr<IndirectLight> ForGrids() const {
         if (!bounces_ || !in_.lightmap.bounceGrid)
             return nullptr;
-        return std::make_unique<BouncedLight>(bounces_->Total());
+        return bounces_->ForPoints();
     }
     /// Call last: it moves the results out.
     StoredLightmaps Store(std::string_view mapName, Bsp &bsp) {
@@ -98,6 +85,19 @@ class SurfacePasses {
                                                          setup_.skySeenFrom, culled, in_.lightmap.fastPoint);
         FindVisibility(in_, lights, surfaces_, counts_);
     }
+    void Bounce() {
+        in_.log.Section("Radiosity");
+        const CpuTimer timer;
+        AverageLuxels(in_, {}, false, surfaces_);
+        bounces_.emplace(in_, surfaces_);
+        in_.log.Count((long long)(bounces_->Rays()), "rays gather the light of bounces");
+        if (!bounces_->Solve(surfaces_))
+            return in_.log.Print("No surface reflects light\n");
+        in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
+        in_.log.Section("Final gathering");
+        Pass({}, {.bounce = true}, &*bounces_);
+        AverageLuxels(in_, {.bounce = true}, true, surfaces_);
+    }
     void Pass(const std::vector<Light> &created, const SurfacePass &pass, const Bounces *bounces) {
         const CpuTimer timer;
         const std::uint64_t raysBefore = counts_.rays;
@@ -125,7 +125,6 @@ class SurfacePasses {
     SurfaceLight surfaces_;
     std::optional<Bounces> bounces_;
     ContributionCounts counts_;
-    bool averaged_ = false;
 };
 
 /// Records the tone mapping of the lightmaps, which readers of the SH grid apply too. -onlygrid keeps the lightmaps and

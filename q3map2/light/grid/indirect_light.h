@@ -12,7 +12,7 @@ namespace q3 {
 /// Bounced light that arrives at a point from one direction.
 struct IndirectRay {
     Vec3f direction; ///< unit, to the surface that sends it
-    Vec3f color;     ///< radiance, byte scale: uniform radiance c all around gives irradiance c to any surface
+    Vec3f light;     ///< on a surface that faces it, byte scale
 };
 
 /// Bounced light at points in the open. Const after construction; safe from several threads.
@@ -23,7 +23,8 @@ class IndirectLight {
     static constexpr float kFacing = 4;
 
     virtual ~IndirectLight() = default;
-    /// Evenly spread directions around the point, all of equal weight; `seed` rotates the pattern.
+    /// Sets `rays` to directional lights that together give the bounced light at the point; `seed` rotates the pattern
+    /// of directions.
     virtual void Gather(const Vec3f &point, std::uint64_t seed, std::vector<IndirectRay> &rays) const = 0;
 };
 

@@ -255,18 +255,14 @@ void AddFloodlight(const GridInputs &in, const Vec3f &position, std::size_t bloc
     }
 }
 
-/// Bounced light: every ray counts as a directional light.
+/// Bounced light.
 void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t block, std::size_t lane,
                  GridRecords &records, RayCounts &counts) {
     std::vector<IndirectRay> rays;
     in.indirect->Gather(receivers.rayOrigin[lane], receivers.index[lane], rays);
     counts.rays += rays.size();
-    for (const IndirectRay &ray : rays) {
-        if (ray.color == Vec3f{})
-            continue;
-        const Vec3f color = ray.color * (IndirectLight::kFacing / float(rays.size()));
-        records.Add(block, lane, ray.direction, color, {}, Vec3d(ray.direction) * double(Length(color)));
-    }
+    for (const IndirectRay &ray : rays)
+        records.Add(block, lane, ray.direction, ray.light, {}, Vec3d(ray.direction) * double(Length(ray.light)));
 }
 
 std::array<std::uint8_t, 2> DirectionBytes(const Vec3f &t) {

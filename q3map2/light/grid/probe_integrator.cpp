@@ -83,15 +83,12 @@ void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size
     std::vector<IndirectRay> rays;
     in.indirect->Gather(receivers.rayOrigin[i], receivers.index[i], rays);
     counts.rays += rays.size();
-    const double share = IndirectLight::kFacing / 255.0 / double(rays.size());
     for (const IndirectRay &ray : rays) {
-        if (ray.color == Vec3f{})
-            continue;
         const ShVector basis = ShBasis(Vec3d(ray.direction));
         for (std::size_t k = 0; k < 9; ++k) {
-            const double weight = basis[k] * (in.options.shRadiance ? 1 : kCosineLobe[k]) * share;
+            const double weight = basis[k] * (in.options.shRadiance ? 1 : kCosineLobe[k]) / 255;
             for (std::size_t channel = 0; channel < 3; ++channel)
-                sum.Add(i, channel, k, weight * double(ray.color[channel]));
+                sum.Add(i, channel, k, weight * double(ray.light[channel]));
         }
     }
 }

@@ -1,8 +1,7 @@
-// GPL-2.0-or-later. Final gathering of bounced light at luxels, vertices and light grid points.
+// GPL-2.0-or-later. Final gathering of bounced light at luxels and vertices.
 #pragma once
 
-#include "q3map2/light/grid/indirect_light.h"
-#include "q3map2/lightmap/bounce/lightmap_seams.h"
+#include "q3map2/lightmap/bounce/luxel_denoise.h"
 #include "q3map2/lightmap/bounce/radiosity_patches.h"
 
 namespace q3 {
@@ -10,44 +9,51 @@ namespace q3 {
 /// Radiosity of each emitter, byte scale: light it received times its reflectance.
 using Emission = std::vector<Vec3f>;
 
-/// Estimates for the luxels of a lightmap, by luxel of the super grid; zero for unmapped ones.
-struct BounceEstimate {
-    std::vector<Vec3f> irradiance;
-    ChannelImages channels;
-
-    bool Empty() const { return irradiance.empty(); }
-};
-
 /// Monte Carlo estimate of irradiance over cosine-weighted directions: E = 1/N sum of the radiosity that ray i hits, on
 /// a scale where E equals the radiosity of surroundings of uniform radiosity. Each mapped luxel traces N = 24 rays
 /// (under -super S, max(4, 24 / S^2)); the 16 luxels of a 4 x 4 block trace different directions. Rays hit the same
-/// emitters in every bounce, so hits are kept if memory allows. Const after construction; safe from several threads,
-/// each lightmap by one.
+/// emitters in every bounce, so hits are kept: all of them if memory allows, else fewer per texel, and the rays of
+/// luxels are traced anew. Const after construction; safe from several threads, each lightmap by one.
 class BounceGather {
   public:
     /// patches: null unless faint emitters are left out (-fast). Keeps references.
     BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
                  const RadiosityPatches *patches);
 
-    /// The estimate for the luxels of a lightmap. Slot 0 also adds to raw.directions.
-    BounceEstimate Gather(const Emission &emission, std::size_t lightmap, std::size_t slot, RawLightmap &raw) const;
-    /// Adds estimates to style slot `slot` of a raw lightmap, denoised: the value at the luxel of a plane fitted by
-    /// least squares to the window around it, which keeps gradients. At the rim the window includes luxels of other
-    /// lightmaps, except for basis channels. gathered: by lightmap.
-    void AddToLuxels(const std::vector<BounceEstimate> &gathered, std::size_t lightmap, std::size_t slot,
-                     RawLightmap &raw) const;
-    /// Estimate at a vertex, by 256 rays. twoSided: its surface is seen from both sides.
+    /// Adds the light of `emission` on the luxels of a lightmap to the estimate.
+    void AddToLuxels(const Emission &emission, std::size_t lightmap, const RawLightmap &raw,
+                     BounceEstimate &estimate) const;
+    /// Sets `texels`, those of the lightmap without supersampling, to the light of `emission` on their mapped luxels;
+    /// zero where there are none.
+    void GatherTexels(const Emission &emission, std::size_t lightmap, const RawLightmap &raw,
+                      std::span<Vec3f> texels) const;
+    /// The hits that GatherTexels reads, in no order that a caller may rely on.
+    std::span<const EmitterId> KeptHits(std::size_t lightmap) const { return rows_[lightmap].hits; }
+    /// The emitters that `count` rays from a vertex hit. twoSided: its surface is seen from both sides.
+    std::vector<EmitterId> VertexHits(const Vec3f &position, const Vec3f &normal, bool twoSided, int count) const;
+    /// Light at a vertex, by 256 rays.
     Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided, const Emission &emission) const;
 
     /// Number of rays of all luxels together.
     std::uint64_t Rays() const { return rays_; }
 
   private:
+    /// Hits of the rays of some mapped luxels of a lightmap, row by row of the super grid: those whose coordinates are
+    /// stride / 2 modulo `stride`, `rays` hits each.
+    struct HitRows {
+        int stride = 1, rays = 0;
+        std::vector<EmitterId> hits;
+        bool Has(const RawLightmap &raw, std::size_t luxel, int x, int y) const {
+            return x % stride == stride / 2 && y % stride == stride / 2 && raw.Mapped(luxel);
+        }
+    };
     /// Up to 16 luxels that trace the same directions, and the index of each luxel's first hit.
     struct GatherBatch;
     class ChannelSum;
-    std::vector<EmitterId> TraceEmitterHits(const RawLightmap &raw) const;
-    void TraceBatch(const RawLightmap &raw, const GatherBatch &batch, std::vector<EmitterId> &hits) const;
+    HitRows TraceRows(const RawLightmap &raw, int stride, int rays) const;
+    void TraceBatch(const RawLightmap &raw, const GatherBatch &batch, HitRows &rows) const;
+    EmitterId Dithered(EmitterId emitter, const Vec3f &position, const Vec3f &normal, bool twoSided,
+                       std::size_t number) const;
     float RayLiftAt(const Vec3f &position, const Vec3f &normal) const;
     int RaysPerLuxel(const RawLightmap &raw) const;
     std::vector<float> FluenceScales(int count) const;
@@ -55,23 +61,11 @@ class BounceGather {
     const BspSpace &space_;
     const BounceScene &scene_;
     const RadiosityPatches *patches_;
-    LightmapSeams seams_;
 
     std::vector<Vec3f> directions_; // cosine-weighted over the hemisphere around +z
-    bool keepHits_ = false;
-    std::vector<std::vector<EmitterId>> emitterHits_; // by lightmap, mapped luxel and ray; empty unless keepHits_
+    bool keepAll_ = false;          // rows_ holds all hits of all luxels
+    std::vector<HitRows> rows_;     // by lightmap
     std::uint64_t rays_ = 0;
-};
-
-/// Bounced light at points of the light grids.
-class BouncedLight : public IndirectLight {
-  public:
-    BouncedLight(const BounceScene &scene, Emission emission) : scene_(scene), emission_(std::move(emission)) {}
-    void Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const override;
-
-  private:
-    const BounceScene &scene_;
-    Emission emission_;
 };
 
 } // namespace q3

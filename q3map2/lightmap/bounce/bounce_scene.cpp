@@ -18,6 +18,8 @@ namespace {
 /// LightmapOptions::bounceScale 1. The established program makes such a wall an area light of 187.5 per luxel value of
 /// 255, and area lights of form factor 1 give 3 times that.
 constexpr float kLegacyRadiosity = 187.5f * 3 / 255;
+/// The same with -reflectivity linear, at the default bounceScale of 0.25: the wall reflects all.
+constexpr float kLinearRadiosity = 4;
 /// Textures are averaged down to this many texels a side, since a luxel covers several texels.
 constexpr int kTextureSide = 16;
 /// The surface under a luxel is searched down to this depth below its position. Game units.
@@ -42,7 +44,7 @@ class CoarseTexture {
 
 CoarseTexture::CoarseTexture(const ShaderInfo &shader, const LightmapOptions &options) {
     const auto color = [&](Vec3f c) {
-        if (options.sRgbTexture)
+        if (options.sRgbTexture || options.linearReflectance)
             c = {LinearFromSrgb(c.x), LinearFromSrgb(c.y), LinearFromSrgb(c.z)};
         const float gray = (c.x + c.y + c.z) / 3, ratio = options.bounceColorRatio;
         return c * ratio + Vec3f{gray, gray, gray} * (1 - ratio);
@@ -136,7 +138,8 @@ std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces,
 }
 
 float BounceScale(const SurfaceInputs &in, std::size_t surface) {
-    return kLegacyRadiosity * in.table[surface].shader->bounceScale * in.lightmap.bounceScale;
+    return (in.lightmap.linearReflectance ? kLinearRadiosity : kLegacyRadiosity) *
+           in.table[surface].shader->bounceScale * in.lightmap.bounceScale;
 }
 
 struct BounceScene::State {
@@ -173,7 +176,9 @@ struct BounceScene::State {
     std::array<Hit, kPacketSize> Trace(const RayPacket &rays, bool coherent) const;
     EmitterId EmitterAt(const Hit &hit) const;
     Vec3f ColorAt(int surface, const std::array<float, 2> &st) const {
-        return textures.at(in.table[std::size_t(surface)].shader).At(st) * BounceScale(in, std::size_t(surface));
+        constexpr Vec3f kMost{kMaxReflectance, kMaxReflectance, kMaxReflectance};
+        const CoarseTexture &texture = textures.at(in.table[std::size_t(surface)].shader);
+        return Min(texture.At(st) * BounceScale(in, std::size_t(surface)), kMost);
     }
 };
 
@@ -270,6 +275,16 @@ std::array<EmitterId, kPacketSize> BounceScene::FirstEmitters(const RayPacket &r
     for (std::size_t i = 0; i < kPacketSize; ++i)
         found[i] = hits[i].triangle ? state_->EmitterAt(hits[i]) : kNoEmitter;
     return found;
+}
+
+void BounceScene::TraceOccluded(RayPacket &rays) const {
+    alignas(64) RTCRay16 shadow;
+    SetRays(rays.origin, rays.direction, rays.distance, rays.live, 0, shadow);
+    EmbreeContext context;
+    InitContext(context);
+    Occluded16(rays.live.data(), state_->scene.get(), context, shadow);
+    for (const std::size_t i : kEachLane)
+        rays.live[i] &= shadow.tfar[i] < 0 ? 0 : -1;
 }
 
 void BounceScene::FindReflectance(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters) {

@@ -41,8 +41,10 @@ using Face = std::vector<FaceCorner>;
 bool IsInBounceScene(const SurfaceInputs &in, std::size_t surface);
 /// Triangles of a surface, quads of a curve; clockwise seen from the front.
 std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t surface);
-/// Ratio of radiosity to received light for a white texture: 187.5 * 3 / 255 * q3map_bounce *
-/// LightmapOptions::bounceScale (0.25 * -bouncescale).
+/// Surfaces reflect at most this share of the light that they get, so that bounces come to an end.
+inline constexpr float kMaxReflectance = 0.99f;
+/// Ratio of radiosity to received light for a white texture: q3map_bounce * LightmapOptions::bounceScale
+/// (0.25 * -bouncescale) times 187.5 * 3 / 255, or times 4 with -reflectivity linear.
 float BounceScale(const SurfaceInputs &in, std::size_t surface);
 
 /// Drawn surfaces as an Embree scene. Solids are not in it: their visible sides are drawn surfaces. Const after
@@ -55,7 +57,10 @@ class BounceScene {
     /// The emitter at the first hit of each live ray; kNoEmitter for misses, for backs of one-sided surfaces and for
     /// surfaces that reflect nothing. coherent: hint that rays are nearly parallel.
     std::array<EmitterId, kPacketSize> FirstEmitters(const RayPacket &rays, bool coherent) const;
-    /// By emitter and channel: color of the texture there times BounceScale. Zero: reflects nothing.
+    /// Clears the live lanes of rays that meet a surface within their distance, from either side.
+    void TraceOccluded(RayPacket &rays) const;
+    /// By emitter and channel: color of the texture there times BounceScale, at most
+    /// kMaxReflectance. Zero: reflects nothing.
     const std::vector<Vec3f> &Reflectance() const { return reflectance_; }
 
   private:

@@ -1,15 +1,17 @@
 // GPL-2.0-or-later. Radiosity: bounced light on surfaces.
 #include "q3map2/lightmap/bounce/light_bounce.h"
 
+#include "q3map2/lightmap/bounce/vertex_receivers.h"
+#include "q3map2/lightmap/raw/luxel_means.h"
+
 #include <algorithm>
 
 namespace q3 {
 
 namespace {
 
-/// Vertices gather at points moved this far, but at most a quarter of the way, to the center of their surface, since
-/// its edge often lies in the plane of another surface. Game units.
-constexpr float kInward = 2;
+/// Emitters are bright above this radiosity, and above this share of all others. Byte scale.
+constexpr float kBright = 24, kBrightShare = 0.95f;
 
 /// The slot of a style, claimed if the style is new; kStyles if other styles hold all slots.
 std::size_t ClaimSlot(Styles &styles, std::uint8_t style) {
@@ -19,16 +21,38 @@ std::size_t ClaimSlot(Styles &styles, std::uint8_t style) {
     return slot;
 }
 
+/// The radiosity above which emitters are bright.
+float BrightLimit(const Emission &emission) {
+    std::vector<float> lit;
+    for (const Vec3f &one : emission)
+        if (const float most = MaxComponent(one); most > 0)
+            lit.push_back(most);
+    if (lit.empty())
+        return kBright;
+    const auto at = lit.begin() + std::ptrdiff_t(kBrightShare * float(lit.size() - 1));
+    std::nth_element(lit.begin(), at, lit.end());
+    return std::max(kBright, *at);
+}
+
+BounceEstimate ZeroEstimate(const RawLightmap &raw, bool deluxe) {
+    BounceEstimate estimate;
+    estimate.irradiance.resize(raw.luxelClusters.size());
+    estimate.channels.assign(raw.channels.Count(), std::vector<Vec3f>(raw.luxelClusters.size()));
+    if (deluxe)
+        estimate.directions.resize(raw.luxelClusters.size());
+    return estimate;
+}
+
 } // namespace
 
 Bounces::Bounces(const SurfaceInputs &in, const SurfaceLight &surfaces)
     : in_(in), emitters_(surfaces), scene_(in, surfaces, emitters_),
       patches_(in.options.fast ? MakePatches(surfaces) : nullptr), gather_(in, surfaces, scene_, patches_.get()),
-      total_(emitters_.Count()) {}
+      denoiser_(in, surfaces) {}
 
-void Bounces::CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emission &emission) const {
+Emission Bounces::FirstBounce(const SurfaceLight &surfaces, std::uint8_t style) const {
     const std::vector<Vec3f> &reflectance = scene_.Reflectance();
-    emission.assign(emitters_.Count(), {});
+    Emission emission(emitters_.Count());
     for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i) {
         const RawLightmap &raw = surfaces.lightmaps[i];
         const std::size_t slot = FindStyleSlot(raw.styles, style);
@@ -47,6 +71,7 @@ void Bounces::CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emi
             emission[emitters_.Vertex(v)] =
                 Max(surfaces.vertex.radiosity[slot][std::size_t(v)], Vec3f{}) * reflectance[emitters_.Vertex(v)];
     }
+    return emission;
 }
 
 std::vector<std::uint8_t> Bounces::UsedStyles(const SurfaceLight &surfaces) {
@@ -64,27 +89,79 @@ std::vector<std::uint8_t> Bounces::UsedStyles(const SurfaceLight &surfaces) {
 }
 
 std::unique_ptr<const RadiosityPatches> Bounces::MakePatches(const SurfaceLight &surfaces) const {
-    Emission all(emitters_.Count()), one;
+    Emission all(emitters_.Count());
     for (const std::uint8_t style : UsedStyles(surfaces)) {
-        CollectStyle(surfaces, style, one);
+        const Emission one = FirstBounce(surfaces, style);
         for (std::size_t i = 0; i < all.size(); ++i)
             all[i] += one[i];
     }
     return std::make_unique<const RadiosityPatches>(in_, surfaces, emitters_, all);
 }
 
-bool Bounces::CollectRadiosity(const SurfaceLight &surfaces) {
-    byStyle_.clear();
-    bool any = false;
-    for (const std::uint8_t style : UsedStyles(surfaces)) {
-        Emission &emission = byStyle_[style];
-        CollectStyle(surfaces, style, emission);
-        any = any || std::any_of(emission.begin(), emission.end(), [](const Vec3f &one) { return one != Vec3f{}; });
-        if (style == 0)
-            for (std::size_t i = 0; i < emission.size(); ++i)
-                total_[i] += emission[i];
+void Bounces::GatherBright(const SurfaceLight &surfaces, bool deluxe, StyleRadiosity &radiosity) const {
+    const BrightEmitters &bright = *radiosity.bright;
+    radiosity.brightOnLuxels.resize(surfaces.lightmaps.size());
+    radiosity.brightOnVertices.resize(surfaces.verts.size());
+    in_.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t i, int) {
+        const RawLightmap &raw = surfaces.lightmaps[std::size_t(i)];
+        BounceEstimate &estimate = radiosity.brightOnLuxels[std::size_t(i)] = ZeroEstimate(raw, deluxe);
+        if (!bright.Empty())
+            bright.AddToLuxels(raw, estimate);
+    });
+    in_.jobs.For(std::int64_t(in_.bsp.drawSurfaces.size()), [&](std::int64_t i, int) {
+        if (!bright.Empty() && IsLitAtVertices(in_, surfaces, std::size_t(i)))
+            ForVertexReceivers(in_, surfaces, std::size_t(i), [&](int vertex, const Vec3f &position) {
+                const auto v = std::size_t(vertex);
+                radiosity.brightOnVertices[v] =
+                    bright.IrradianceAt(position, surfaces.verts[v].normal, in_.table[std::size_t(i)].shader->twoSided);
+            });
+    });
+}
+
+std::vector<Vec3f> Bounces::BrightOnEmitters(const SurfaceLight &surfaces, const StyleRadiosity &radiosity) const {
+    std::vector<Vec3f> light(emitters_.Count());
+    for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i) {
+        const std::vector<Vec3f> &luxels = radiosity.brightOnLuxels[i].irradiance;
+        const auto texels =
+            LuxelMeans(surfaces.lightmaps[i], Vec3f{}, [&](std::size_t luxel) { return luxels[luxel]; });
+        std::copy(texels.begin(), texels.end(), light.begin() + emitters_.FirstOf(i));
     }
-    return any;
+    std::copy(radiosity.brightOnVertices.begin(), radiosity.brightOnVertices.end(),
+              light.begin() + emitters_.Vertex(0));
+    return light;
+}
+
+bool Bounces::Solve(const SurfaceLight &surfaces) {
+    const RadiositySolver solver(in_, surfaces, emitters_, scene_, gather_);
+    const RadiosityLimits limits{.bounces = in_.lightmap.bounces, .seconds = in_.lightmap.bounceTime};
+    for (const std::uint8_t style : UsedStyles(surfaces)) {
+        Emission first = FirstBounce(surfaces, style);
+        if (std::all_of(first.begin(), first.end(), [](const Vec3f &one) { return one == Vec3f{}; }))
+            continue;
+        if (style != 0)
+            in_.log.Print("Light style {}\n", style);
+        StyleRadiosity &radiosity = byStyle_[style];
+        radiosity.bright = std::make_unique<const BrightEmitters>(in_, surfaces, scene_, emitters_, patches_.get(),
+                                                                  BrightLimit(first), first);
+        in_.log.Count((long long)(radiosity.bright->Patches()), "bright patches");
+        GatherBright(surfaces, in_.lightmap.deluxe && style == 0, radiosity);
+        const auto received = limits.bounces > 1 ? BrightOnEmitters(surfaces, radiosity) : std::vector<Vec3f>{};
+        RadiositySolution solution = solver.Solve(std::move(first), received, limits);
+        if (solution.timedOut)
+            in_.log.Warn("time for bounces",
+                         "-bouncetime {:g} is over after {} bounces; up to {:.2f} bytes of light are "
+                         "left out",
+                         limits.seconds, solution.steps + 1, solution.stillToCome);
+        radiosity.total = std::move(solution.total);
+    }
+    return !byStyle_.empty();
+}
+
+std::unique_ptr<IndirectLight> Bounces::ForPoints() const {
+    const auto radiosity = byStyle_.find(0);
+    if (radiosity == byStyle_.end())
+        return nullptr;
+    return std::make_unique<BouncedLight>(scene_, radiosity->second.total, *radiosity->second.bright);
 }
 
 void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
@@ -92,12 +169,17 @@ void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
     std::vector<std::size_t> slots(surfaces.lightmaps.size());
     for (const auto &ofStyle : byStyle_) {
         const auto &style = ofStyle.first; // clang 14 cannot capture structured bindings
-        const auto &emission = ofStyle.second;
+        const auto &radiosity = ofStyle.second;
         in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
             const auto i = std::size_t(number);
             RawLightmap &raw = surfaces.lightmaps[i];
             slots[i] = ClaimSlot(raw.styles, style);
-            found[i] = slots[i] < kStyles ? gather_.Gather(emission, i, slots[i], raw) : BounceEstimate{};
+            found[i] = slots[i] < kStyles ? radiosity.brightOnLuxels[i] : BounceEstimate{};
+            if (slots[i] >= kStyles)
+                return;
+            gather_.AddToLuxels(radiosity.total, i, raw, found[i]);
+            for (std::size_t luxel = 0; luxel < found[i].directions.size(); ++luxel)
+                raw.directions[luxel] += found[i].directions[luxel];
         });
         in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
             const auto i = std::size_t(number);
@@ -111,7 +193,7 @@ void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
                 channel.resize(raw.luxelClusters.size());
             for (std::size_t luxel = 0; luxel < raw.luxelClusters.size(); ++luxel)
                 raw.filled[slots[i]][luxel] = raw.filled[slots[i]][luxel] || raw.Mapped(luxel);
-            gather_.AddToLuxels(found, i, slots[i], raw);
+            denoiser_.AddTo(found, i, slots[i], raw);
         });
     }
 }
@@ -119,33 +201,26 @@ void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
 void Bounces::AddToVertices(SurfaceLight &surfaces) const {
     VertexLight &vertex = surfaces.vertex;
     // Before the jobs: all surfaces share the vectors of a slot.
-    for (const auto &[style, emission] : byStyle_)
+    for (const auto &[style, radiosity] : byStyle_)
         for (std::size_t i = 0; i < in_.bsp.drawSurfaces.size(); ++i)
             if (surfaces.lightmapOf[i] < 0)
-                if (const std::size_t slot = ClaimSlot(vertex.styles[i], style); slot < kStyles) {
+                if (const std::size_t slot = ClaimSlot(vertex.styles[i], style); slot < kStyles)
                     vertex.sum[slot].resize(surfaces.verts.size());
-                    vertex.radiosity[slot].resize(surfaces.verts.size());
-                }
     in_.jobs.For(std::int64_t(in_.bsp.drawSurfaces.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
-        const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[i];
-        if (surfaces.lightmapOf[i] >= 0 || in_.table[i].shader->lightmap.noVertexLight)
+        if (!IsLitAtVertices(in_, surfaces, i))
             return;
-        Vec3f center;
-        for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v)
-            center += surfaces.verts[std::size_t(v)].xyz / float(surface.numVerts);
-        for (const auto &[style, emission] : byStyle_) {
-            const std::size_t slot = FindStyleSlot(vertex.styles[i], style);
+        for (const auto &ofStyle : byStyle_) {
+            const auto &radiosity = ofStyle.second;
+            const std::size_t slot = FindStyleSlot(vertex.styles[i], ofStyle.first);
             if (slot >= kStyles)
                 continue;
-            for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v) {
-                const SurfaceVertex &at = surfaces.verts[std::size_t(v)];
-                const Vec3f inward = center - at.xyz;
-                const Vec3f position = at.xyz + inward * std::min(0.25f, kInward / std::max(1.0f, Length(inward)));
-                const Vec3f light = gather_.IrradianceAt(position, at.normal, in_.table[i].shader->twoSided, emission);
-                vertex.sum[slot][std::size_t(v)] += light;
-                vertex.radiosity[slot][std::size_t(v)] += light;
-            }
+            ForVertexReceivers(in_, surfaces, i, [&](int drawVert, const Vec3f &position) {
+                const auto v = std::size_t(drawVert);
+                vertex.sum[slot][v] += radiosity.brightOnVertices[v] +
+                                       gather_.IrradianceAt(position, surfaces.verts[v].normal,
+                                                            in_.table[i].shader->twoSided, radiosity.total);
+            });
         }
     });
 }

@@ -1,43 +1,56 @@
 // GPL-2.0-or-later. Radiosity: bounced light on surfaces.
 #pragma once
 
-#include "q3map2/lightmap/bounce/bounce_gather.h"
+#include "q3map2/lightmap/bounce/bounced_light.h"
+#include "q3map2/lightmap/bounce/radiosity_solver.h"
 
 #include <map>
 
 namespace q3 {
 
-/// Radiosity by gathering: in bounce k, B_k = rho E_k and E_(k+1) is the irradiance due to B_k. rho of a white texture
-/// is 187.5 * 3 / 255 * 0.25 = 0.55 at -bouncescale 1, the default, as in the established program.
+/// Bounced light in two stages. The solver finds the radiosity of all emitters, style by style: in bounce k,
+/// B_k = rho E_k, and E_(k+1) is the irradiance due to B_k. A final gathering of the sum over bounces then lights
+/// luxels, vertices and grid points, so they agree. What is bright in the first bounce goes another way, with less
+/// noise: BrightEmitters. rho of a white texture is 187.5 * 3 / 255 * 0.25 = 0.55 at -bouncescale 1, as in the
+/// established program, or 1 with -reflectivity linear; at most 0.99.
 class Bounces {
   public:
     /// After the direct pass. Keeps references.
     Bounces(const SurfaceInputs &in, const SurfaceLight &surfaces);
 
-    /// Computes the emission from the light of the latest pass. False: it is zero everywhere.
-    bool CollectRadiosity(const SurfaceLight &surfaces);
-    /// Gathers the emission at all luxels, into the light of this pass.
+    /// Solves for the radiosity due to the light of the direct pass. Call once. False: no surface reflects light.
+    bool Solve(const SurfaceLight &surfaces);
+    /// Gathers the light of all bounces at luxels, into the light of this pass.
     void AddToLuxels(SurfaceLight &surfaces) const;
-    /// The same for vertices of surfaces without lightmaps, into sum and radiosity.
+    /// The same for vertices of surfaces without lightmaps, into sum.
     void AddToVertices(SurfaceLight &surfaces) const;
-    /// Emission of style 0 summed over all bounces so far, for the light grids.
-    BouncedLight Total() const { return {scene_, total_}; }
+    /// Light of style 0 at points in the open, after Solve; null if there is none. It refers to this.
+    std::unique_ptr<IndirectLight> ForPoints() const;
 
     /// Gather rays of all luxels.
     std::uint64_t Rays() const { return gather_.Rays(); }
 
   private:
+    /// Radiosity of a style.
+    struct StyleRadiosity {
+        Emission total;                               ///< summed over bounces, without what is bright
+        std::unique_ptr<const BrightEmitters> bright; ///< of the first bounce
+        std::vector<BounceEstimate> brightOnLuxels;   ///< light of `bright`, by lightmap
+        std::vector<Vec3f> brightOnVertices;          ///< by draw vertex
+    };
     static std::vector<std::uint8_t> UsedStyles(const SurfaceLight &surfaces);
     std::unique_ptr<const RadiosityPatches> MakePatches(const SurfaceLight &surfaces) const;
-    void CollectStyle(const SurfaceLight &surfaces, std::uint8_t style, Emission &emission) const;
+    Emission FirstBounce(const SurfaceLight &surfaces, std::uint8_t style) const;
+    void GatherBright(const SurfaceLight &surfaces, bool deluxe, StyleRadiosity &radiosity) const;
+    std::vector<Vec3f> BrightOnEmitters(const SurfaceLight &surfaces, const StyleRadiosity &radiosity) const;
 
     const SurfaceInputs &in_;
     EmitterIndex emitters_;
     BounceScene scene_;
     std::unique_ptr<const RadiosityPatches> patches_; // under -fast; else null
     BounceGather gather_;
-    std::map<std::uint8_t, Emission> byStyle_; // of the latest pass
-    Emission total_;
+    LuxelDenoiser denoiser_;
+    std::map<std::uint8_t, StyleRadiosity> byStyle_;
 };
 
 } // namespace q3

@@ -8,6 +8,7 @@
 #include "q3map2/shader/games.h"
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -15,6 +16,9 @@ namespace q3 {
 
 /// Longest side of a lightmap page, in texels; more than any engine supports.
 inline constexpr int kMaxPageSide = 8192;
+
+/// LightmapOptions::bounces of -bounce inf.
+inline constexpr int kEndlessBounces = std::numeric_limits<int>::max();
 
 /// Format of image files of HDR lightmaps, -hdrfiles.
 enum class HdrFiles {
@@ -55,7 +59,9 @@ struct LightmapOptions {
     float dirtDepth = 128, dirtScale = 1, dirtGain = 1;
 
     // Bounces.
-    int bounces = 0;
+    int bounces = 0;                ///< kEndlessBounces: until little light is left
+    double bounceTime = 0;          ///< -bouncetime, seconds; 0: no limit
+    bool linearReflectance = false; ///< -reflectivity linear
     bool bounceGrid = false, bounceOnly = false;
     float bounceScale = 0.25f, bounceColorRatio = 1;
 

@@ -27,6 +27,14 @@ void TakeSamples(LightmapOptions &o, const Values &v) {
     o.samples = *samples;
 }
 
+void TakeBounces(LightmapOptions &o, const Values &v) {
+    const std::string &word = v.words.front();
+    const std::optional<int> bounces = EqualNoCase(word, "inf") ? kEndlessBounces : WholeInteger(word);
+    if (!bounces || *bounces < 0 || (*bounces > kMaxBounces && *bounces != kEndlessBounces))
+        throw Error("-bounce {}: expected a whole number from 0 to {}, or inf", word, kMaxBounces);
+    o.bounces = *bounces;
+}
+
 /// "W" or "W H" as two numbers.
 SettingTarget<LightmapOptions> PageSize(std::vector<int> LightmapOptions::*field) {
     return Do<LightmapOptions>([field](LightmapOptions &o, const Values &v) {
@@ -34,8 +42,9 @@ SettingTarget<LightmapOptions> PageSize(std::vector<int> LightmapOptions::*field
     });
 }
 
-SettingTarget<LightmapOptions> Choice(bool LightmapOptions::*field) {
-    return Do<LightmapOptions>([field](LightmapOptions &o, const Values &v) { o.*field = v.words[0] == "1"; });
+/// A choice of two words: the field is whether `on` is given.
+SettingTarget<LightmapOptions> Choice(bool LightmapOptions::*field, std::string_view on = "1") {
+    return Do<LightmapOptions>([field, on](LightmapOptions &o, const Values &v) { o.*field = v.words[0] == on; });
 }
 
 SettingTarget<LightmapOptions> Show(DebugView show) {
@@ -179,8 +188,30 @@ Group Bounces() {
     return {
         "Bounced light (radiosity)",
         "",
-        {{{.name = "-bounce", .values = "N", .range = {0, kMaxBounces}, .help = "How often light bounces off surfaces"},
-          &LightmapOptions::bounces},
+        {{{.name = "-bounce",
+           .values = "N|inf",
+           .kind = SettingKind::Text,
+           .initial = "0",
+           .help = "How often light bounces off surfaces",
+           .details =
+               "Ends earlier when all bounces to come would give less than a quarter of a byte anywhere; `inf` ends "
+               "only then. More than 1 costs little: the rays are those of the first bounce."},
+          Do<LightmapOptions>(TakeBounces)},
+         {{.name = "-bouncetime",
+           .values = "S",
+           .unit = "seconds",
+           .initial = "no limit",
+           .range = {.low = 0, .aboveLow = true},
+           .help = "Ends the bounces of each light style after this time; the result lacks the later ones"},
+          &LightmapOptions::bounceTime},
+         {{.name = "-reflectivity",
+           .values = "legacy|linear",
+           .kind = SettingKind::Choice,
+           .initial = "legacy",
+           .help = "What textures reflect: 0.55 of their color, or all of it after conversion from sRGB",
+           .details = "`legacy` follows the established program. `linear` is physical for textures of the usual sRGB "
+                      "encoding; so reflects VRAD. Nothing reflects more than 0.99."},
+          Choice(&LightmapOptions::linearReflectance, "linear")},
          {{.name = "-bouncegrid",
            .help = "Bounced light reaches the light grids too",
            .details = "With `-onlygrid` surfaces are lit for it too, in the time of a full run, but not stored."},

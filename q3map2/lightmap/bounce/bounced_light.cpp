@@ -1,0 +1,38 @@
+// GPL-2.0-or-later. Bounced light at points of the light grids.
+#include "q3map2/lightmap/bounce/bounced_light.h"
+
+#include "libs/math/low_discrepancy.h"
+#include "q3map2/light/batch/ray_batcher.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::uint32_t kProbeRays = 96;
+/// Longer than any map. Game units.
+constexpr float kProbeRayLength = 1e6f;
+
+} // namespace
+
+void BouncedLight::Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
+    rays.clear();
+    auto queue = MakeRayBatcher<Vec3f>([&](RayPacket &packet, std::span<const Vec3f> directions) {
+        const auto found = scene_.FirstEmitters(packet, false);
+        for (std::size_t i = 0; i < directions.size(); ++i)
+            if (found[i] != kNoEmitter)
+                rays.push_back({directions[i], emission_[found[i]] * (kFacing / float(kProbeRays))});
+    });
+    for (std::uint32_t i = 0; i < kProbeRays; ++i) {
+        const Sample2 s = PlasticSample(i, seed);
+        const double z = 1 - 2 * s.u, radius = std::sqrt(std::max(0.0, 1 - z * z)), angle = 2 * std::numbers::pi * s.v;
+        const Vec3f direction{float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(z)};
+        queue.Add(direction, position, direction, kProbeRayLength);
+    }
+    queue.Flush();
+    bright_.Gather(position, seed, rays);
+}
+
+} // namespace q3

@@ -1,0 +1,23 @@
+// GPL-2.0-or-later. Bounced light at points of the light grids.
+#pragma once
+
+#include "q3map2/lightmap/bounce/bright_emitters.h"
+
+namespace q3 {
+
+/// Radiosity of style 0 of a map, summed over bounces, as light at points in the open: by rays to emitters, and by
+/// sampling the brightest of the first bounce. Const after construction; safe from several threads. Keeps references.
+class BouncedLight : public IndirectLight {
+  public:
+    /// emission: without what `bright` holds.
+    BouncedLight(const BounceScene &scene, const std::vector<Vec3f> &emission, const BrightEmitters &bright)
+        : scene_(scene), emission_(emission), bright_(bright) {}
+    void Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const override;
+
+  private:
+    const BounceScene &scene_;
+    const std::vector<Vec3f> &emission_;
+    const BrightEmitters &bright_;
+};
+
+} // namespace q3

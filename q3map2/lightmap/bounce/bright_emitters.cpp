@@ -1,0 +1,193 @@
+// GPL-2.0-or-later. Next event estimation of the brightest emitters of a bounce.
+#include "q3map2/lightmap/bounce/bright_emitters.h"
+
+#include "libs/math/color.h"
+#include "libs/math/low_discrepancy.h"
+#include "q3map2/light/batch/ray_batcher.h"
+#include "q3map2/lightmap/bounce/bright_patches.h"
+#include "q3map2/lightmap/bounce/ray_origin.h"
+#include "q3map2/lightmap/raw/deluxe.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace q3 {
+
+namespace {
+
+/// A node that lights a receiver by less than this is sampled by chance only, in proportion to its light. Byte scale.
+constexpr float kRouletteLight = 0.1f;
+/// Shadow rays end this far in front of the patch, or at this share of the way to it. Game units.
+constexpr float kPatchGap = 0.25f, kPatchWay = 0.99f;
+constexpr std::uint64_t kRouletteSeed = 0x526F756C65747465u;
+
+/// The part of each emission that is above `limit`, taken from it: emission is scaled so that its largest channel is
+/// the limit.
+std::vector<Vec3f> TakeExcess(float limit, std::vector<Vec3f> &emission) {
+    std::vector<Vec3f> excess(emission.size());
+    for (std::size_t i = 0; i < emission.size(); ++i)
+        if (const float most = MaxComponent(emission[i]); most > limit) {
+            const Vec3f kept = emission[i] * (limit / most);
+            excess[i] = emission[i] - kept;
+            emission[i] = kept;
+        }
+    return excess;
+}
+
+} // namespace
+
+/// Up to 16 receivers close together.
+struct BrightEmitters::Receivers {
+    TreeView view;
+    std::size_t count = 0;
+    std::array<Vec3f, kPacketSize> position, origin, normal; // normal zero: in the open
+    std::array<std::size_t, kPacketSize> tag{};              // for sample patterns
+    bool twoSided = false;
+
+    void Add(const Vec3f &at, const Vec3f &rayOrigin, const Vec3f &facing, std::size_t number, int cluster) {
+        position[count] = at, origin[count] = rayOrigin, normal[count] = facing, tag[count++] = number;
+        auto &clusters = view.clusters;
+        if (cluster >= 0 && std::find(clusters.begin(), clusters.end(), cluster) == clusters.end())
+            clusters.push_back(cluster);
+    }
+    /// After the last receiver.
+    void SetView() {
+        Boundsf bounds;
+        for (std::size_t i = 0; i < count; ++i)
+            bounds.Add(origin[i]);
+        view.center = bounds.Center();
+        view.radius = 0;
+        view.normal = normal[0];
+        for (std::size_t i = 0; i < count; ++i) {
+            view.radius = std::max(view.radius, Length(origin[i] - view.center));
+            if (normal[i] != normal[0])
+                view.normal = {};
+        }
+    }
+};
+
+BrightEmitters::BrightEmitters(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
+                               const EmitterIndex &emitters, const RadiosityPatches *patches, float limit,
+                               std::vector<Vec3f> &emission)
+    : space_(in.space), scene_(scene), patches_(patches), tree_([&] {
+          auto bright = MakeBrightPatches(in, surfaces, emitters, TakeExcess(limit, emission));
+          count_ = bright.size();
+          return bright;
+      }()) {}
+
+/// The light of a node on receiver i, before visibility; target: where its shadow ray goes. False: none.
+bool BrightEmitters::SampleNode(const Receivers &receivers, std::size_t i, std::uint32_t number, Sample &sample,
+                                Vec3f &target) const {
+    const BrightTree::Node &node = tree_.At(number);
+    const Vec3f way = node.center - receivers.origin[i];
+    const float distance2 = std::max(Dot(way, way), 1e-6f);
+    const Vec3f direction = way / std::sqrt(distance2);
+    const bool oriented = receivers.normal[i] != Vec3f{};
+    const float cosine = oriented ? Dot(direction, receivers.normal[i]) : 1;
+    const float emitted = node.twoSided ? std::abs(Dot(direction, node.axis)) : -Dot(direction, node.axis);
+    if (!(cosine > 0) || !(emitted > 0))
+        return false;
+    // The form factor of a disk that faces the receiver stays below 1 nearby.
+    float share = emitted / (std::numbers::pi_v<float> * distance2 + node.area * emitted);
+    const std::uint64_t hash = HashIndex(kRouletteSeed + (std::uint64_t(receivers.tag[i]) << 24) + number);
+    const float strength = Luminance(node.power) * share * cosine;
+    if (strength < kRouletteLight) {
+        const auto u = float(hash >> 40) * 0x1p-24f;
+        if (u * kRouletteLight >= strength)
+            return false;
+        share *= kRouletteLight / strength;
+    }
+    const BrightPatch &patch = tree_.PatchAt(node, float(hash & 0xFFFFFF) * 0x1p-24f);
+    if (patches_ && oriented)
+        share *=
+            patches_->ContributionShare(patch.emitter, receivers.position[i], receivers.normal[i], receivers.twoSided);
+    sample = {i, direction, node.power * share};
+    target = patch.center;
+    return share > 0;
+}
+
+void BrightEmitters::SampleTree(const Receivers &receivers, std::vector<Sample> &samples) const {
+    samples.clear();
+    std::vector<std::uint32_t> cut;
+    tree_.Cut(receivers.view, space_, cut);
+    auto rays = MakeRayBatcher<Sample>([&](RayPacket &packet, std::span<const Sample> waiting) {
+        scene_.TraceOccluded(packet);
+        for (std::size_t ray = 0; ray < waiting.size(); ++ray)
+            if (packet.live[ray] != 0)
+                samples.push_back(waiting[ray]);
+    });
+    for (const std::uint32_t node : cut)
+        for (std::size_t i = 0; i < receivers.count; ++i) {
+            Sample sample;
+            Vec3f target;
+            if (!SampleNode(receivers, i, node, sample, target))
+                continue;
+            const Vec3f way = target - receivers.origin[i];
+            const float length = Length(way);
+            if (length > 0)
+                rays.Add(sample, receivers.origin[i], way / length, std::max(length - kPatchGap, length * kPatchWay));
+        }
+    rays.Flush();
+}
+
+void BrightEmitters::AddToLuxels(const RawLightmap &raw, BounceEstimate &estimate) const {
+    constexpr int kBlock = 4;
+    std::vector<Sample> samples;
+    for (int top = 0; top < raw.SuperHeight(); top += kBlock)
+        for (int left = 0; left < raw.SuperWidth(); left += kBlock) {
+            Receivers receivers;
+            receivers.twoSided = raw.twoSided;
+            for (int y = top; y < std::min(top + kBlock, raw.SuperHeight()); ++y)
+                for (int x = left; x < std::min(left + kBlock, raw.SuperWidth()); ++x)
+                    if (const std::size_t luxel = raw.SuperIndex(x, y); raw.Mapped(luxel))
+                        receivers.Add(raw.positions[luxel],
+                                      ClearOrigin(space_, raw, luxel, GatherFrame(raw.normals[luxel])),
+                                      raw.normals[luxel], luxel, raw.luxelClusters[luxel]);
+            if (receivers.count == 0)
+                continue;
+            receivers.SetView();
+            SampleTree(receivers, samples);
+            for (const Sample &sample : samples) {
+                const std::size_t luxel = receivers.tag[sample.receiver];
+                const Vec3f light = sample.light * Dot(sample.direction, raw.normals[luxel]);
+                estimate.irradiance[luxel] += light;
+                if (!estimate.directions.empty())
+                    estimate.directions[luxel] += sample.direction * (Luminance(light) * kDeluxeBounceShare / 255);
+                if (!raw.channels.Any())
+                    continue;
+                const BasisNormals basis = raw.channels.basis ? raw.BasisOf(luxel) : BasisNormals{};
+                const ChannelWeights weights = WeightsOf(sample.direction, raw.channels, &basis);
+                for (std::size_t c = 0; c < raw.channels.Count(); ++c)
+                    estimate.channels[c][luxel] += sample.light * weights[c];
+            }
+        }
+}
+
+Vec3f BrightEmitters::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided) const {
+    Receivers receivers;
+    receivers.twoSided = twoSided;
+    const auto bits = [](float x) { return std::uint64_t(std::bit_cast<std::uint32_t>(x)); };
+    const std::uint64_t seed = HashIndex(bits(position.x) ^ bits(position.y) << 16 ^ bits(position.z) << 32);
+    receivers.Add(position, position, normal, std::size_t(seed), space_.ClusterAt(position, 0));
+    receivers.SetView();
+    std::vector<Sample> samples;
+    SampleTree(receivers, samples);
+    Vec3f sum;
+    for (const Sample &sample : samples)
+        sum += sample.light * Dot(sample.direction, normal);
+    return sum;
+}
+
+void BrightEmitters::Gather(const Vec3f &point, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
+    Receivers receivers;
+    receivers.Add(point, point, {}, std::size_t(seed), space_.ClusterAt(point, 0));
+    receivers.SetView();
+    std::vector<Sample> samples;
+    SampleTree(receivers, samples);
+    for (const Sample &sample : samples)
+        rays.push_back({sample.direction, sample.light});
+}
+
+} // namespace q3

@@ -1,0 +1,64 @@
+// GPL-2.0-or-later. A light tree: bounding volume hierarchy over small patches that emit light.
+#pragma once
+
+#include "q3map2/lightmap/bounce/bounce_scene.h"
+
+#include <vector>
+
+namespace q3 {
+
+/// A small, nearly flat piece of an emitter.
+struct BrightPatch {
+    Vec3f center, normal;
+    float area = 0;           ///< square game units
+    Vec3f radiosity;          ///< byte scale
+    EmitterId emitter = 0;    ///< that it belongs to
+    int cluster = kNoCluster; ///< that it lies in; kNoCluster: unknown
+    bool twoSided = false;    ///< emits from its back as well
+    static constexpr int kNoCluster = -1;
+};
+
+/// Receivers close together that see the tree as from a sphere.
+struct TreeView {
+    Vec3f center;
+    float radius = 0;          ///< around center, holds the receivers
+    Vec3f normal;              ///< of all receivers; zero: they differ, or have none
+    std::vector<int> clusters; ///< of the receivers; empty: unknown
+};
+
+/// Light tree (Walter et al., Lightcuts, 2005) over patches. A cut is a set of nodes that together hold each patch
+/// once, except for those that cannot light the receivers. Const after construction.
+class BrightTree {
+  public:
+    struct Node {
+        Vec3f center, axis;  ///< center of gravity and mean normal by power
+        float radius = 0;    ///< around center, holds the patches
+        float minCosine = 1; ///< between axis and the normal of any of the patches
+        Vec3f power;         ///< sum of radiosity * area
+        float area = 0;
+        std::uint32_t first = 0, count = 0;    ///< its patches
+        std::uint32_t right = 0;               ///< its right child; the left one is the next node. 0: a leaf
+        int cluster = BrightPatch::kNoCluster; ///< of all its patches
+        bool twoSided = false;
+    };
+
+    explicit BrightTree(std::vector<BrightPatch> patches);
+    bool Empty() const { return patches_.empty(); }
+
+    /// Appends the nodes of a cut in which each node is small against its distance from all receivers, or a leaf.
+    void Cut(const TreeView &view, const BspSpace &space, std::vector<std::uint32_t> &cut) const;
+    const Node &At(std::uint32_t node) const { return nodes_[node]; }
+    /// The patch of a node at which a share `u` in [0, 1) of its power is reached.
+    const BrightPatch &PatchAt(const Node &node, float u) const;
+
+  private:
+    std::uint32_t Build(std::uint32_t first, std::uint32_t count);
+    Node Sum(std::uint32_t first, std::uint32_t count) const;
+
+    std::vector<BrightPatch> patches_; // sorted so that those of a node follow each other
+    std::vector<double> powerBefore_;  // running sum of luminance * area
+    std::vector<Node> nodes_;
+    std::vector<std::uint32_t> roots_; // by facing; so normals in a node are similar
+};
+
+} // namespace q3

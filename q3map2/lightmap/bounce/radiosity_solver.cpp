@@ -1,0 +1,205 @@
+// GPL-2.0-or-later. Solves for the radiosity of a map.
+#include "q3map2/lightmap/bounce/radiosity_solver.h"
+
+#include "libs/math/color.h"
+#include "q3map2/lightmap/bounce/vertex_receivers.h"
+#include "q3map2/lightmap/raw/luxel_means.h"
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+
+namespace q3 {
+
+namespace {
+
+constexpr int kVertexRays = 64;
+/// Groups with at least this share of the greatest unshot radiosity are the brightest.
+constexpr float kBrightShare = 0.25f;
+/// The first steps shoot everything: their ratio tells how quickly light decays.
+constexpr int kFirstJacobiSteps = 4;
+
+float Peak(std::span<const Vec3f> values) {
+    float peak = 0;
+    for (const Vec3f &value : values)
+        peak = std::max(peak, MaxComponent(value));
+    return peak;
+}
+
+} // namespace
+
+struct RadiositySolver::State {
+    Emission unshot, total;
+    std::vector<float> peak, power; // of unshot, by group
+    std::vector<Vec3f> light;       // of the latest step, by emitter
+    float Peak() const { return peak.empty() ? 0 : *std::max_element(peak.begin(), peak.end()); }
+};
+
+RadiositySolver::RadiositySolver(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters,
+                                 const BounceScene &scene, const BounceGather &gather)
+    : in_(in), surfaces_(surfaces), emitters_(emitters), reflectance_(scene.Reflectance()), gather_(gather),
+      maxReflectance_(Peak(scene.Reflectance())) {
+    AddGroups();
+    std::vector<std::uint32_t> groupOf(emitters.Count());
+    for (std::size_t i = 0; i < groups_.size(); ++i)
+        std::fill_n(groupOf.begin() + groups_[i].first, groups_[i].count, std::uint32_t(i));
+    in.jobs.For(std::int64_t(groups_.size()), [&](std::int64_t i, int) { FindRays(groups_[std::size_t(i)], groupOf); });
+    for (const Group &group : groups_)
+        rays_ += group.rays;
+}
+
+void RadiositySolver::AddGroups() {
+    for (std::size_t i = 0; i < surfaces_.lightmaps.size(); ++i) {
+        const RawLightmap &raw = surfaces_.lightmaps[i];
+        Group group(emitters_.FirstOf(i), EmitterId(raw.width * raw.height), i, true);
+        if (!raw.dirt.empty())
+            group.dirt = LuxelMeans(raw, 1.0f, [&](std::size_t luxel) { return raw.dirt[luxel]; });
+        groups_.push_back(std::move(group));
+    }
+    for (std::size_t i = 0; i < in_.bsp.drawSurfaces.size(); ++i)
+        if (const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[i];
+            surface.numVerts > 0 && IsLitAtVertices(in_, surfaces_, i))
+            groups_.emplace_back(emitters_.Vertex(surface.firstVert), EmitterId(surface.numVerts), i, false);
+}
+
+/// Traces the rays of vertices, and finds the groups that the rays of the group hit.
+void RadiositySolver::FindRays(Group &group, const std::vector<std::uint32_t> &groupOf) const {
+    std::vector<std::uint8_t> seen(groups_.size());
+    const auto see = [&](EmitterId hit) {
+        group.rays += 1;
+        if (hit != kNoEmitter)
+            seen[groupOf[hit]] = 1;
+    };
+    if (group.isLightmap)
+        for (const EmitterId hit : gather_.KeptHits(group.number))
+            see(hit);
+    else if (const auto emits = group.Of(reflectance_);
+             std::any_of(emits.begin(), emits.end(), [](const Vec3f &one) { return one != Vec3f{}; })) {
+        ForVertexReceivers(in_, surfaces_, group.number, [&](int vertex, const Vec3f &position) {
+            const Vec3f &normal = surfaces_.verts[std::size_t(vertex)].normal;
+            const bool twoSided = in_.table[group.number].shader->twoSided;
+            for (const EmitterId hit : gather_.VertexHits(position, normal, twoSided, kVertexRays))
+                group.vertexHits.push_back(hit), see(hit);
+        });
+    }
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        if (seen[i] != 0)
+            group.sees.push_back(std::uint32_t(i));
+}
+
+bool RadiositySolver::SeesAny(const Group &group, const GroupMask &shot) const {
+    return std::any_of(group.sees.begin(), group.sees.end(), [&](std::uint32_t seen) { return shot[seen] != 0; });
+}
+
+/// The groups to shoot: the brightest if they give more power per ray than all together.
+RadiositySolver::GroupMask RadiositySolver::Brightest(const State &state) const {
+    GroupMask bright(groups_.size()), all(groups_.size(), 1);
+    const float least = kBrightShare * state.Peak();
+    double brightPower = 0, power = 0;
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+        bright[i] = state.peak[i] > least;
+        power += double(state.power[i]);
+        brightPower += bright[i] != 0 ? double(state.power[i]) : 0;
+    }
+    std::uint64_t rays = 0;
+    for (const Group &group : groups_)
+        rays += SeesAny(group, bright) ? group.rays : 0;
+    return brightPower * double(rays_) > power * double(rays) ? bright : all;
+}
+
+void RadiositySolver::GatherGroup(const Group &group, const Emission &shot, std::span<Vec3f> light) const {
+    if (group.isLightmap)
+        return gather_.GatherTexels(shot, group.number, surfaces_.lightmaps[group.number], light);
+    for (std::size_t v = 0; v < light.size() && !group.vertexHits.empty(); ++v) {
+        Vec3f sum;
+        for (const EmitterId hit : std::span(group.vertexHits).subspan(v * kVertexRays, kVertexRays))
+            if (hit != kNoEmitter)
+                sum += shot[hit];
+        light[v] = sum / float(kVertexRays);
+    }
+}
+
+/// Texels without mapped luxels get the light of their neighbors, as in FinishLuxels; then dirt.
+void RadiositySolver::FinishLight(const Group &group, std::span<Vec3f> light) const {
+    if (!group.isLightmap)
+        return;
+    const RawLightmap &raw = surfaces_.lightmaps[group.number];
+    LuxelMask mapped(light.size());
+    for (int y = 0; y < raw.SuperHeight(); ++y)
+        for (int x = 0; x < raw.SuperWidth(); ++x)
+            if (raw.Mapped(raw.SuperIndex(x, y)))
+                mapped[raw.Index(x / raw.super, y / raw.super)] = 1;
+    std::vector<Vec3f> filled(light.begin(), light.end());
+    FillFromNeighbors(raw.width, raw.height, mapped, filled);
+    for (std::size_t i = 0; i < light.size(); ++i)
+        light[i] = filled[i] * (group.dirt.empty() ? 1 : group.dirt[i]);
+}
+
+/// Shoots the unshot radiosity of groups. received: more light that this step reflects, or null.
+void RadiositySolver::Step(const GroupMask &shot, const std::vector<Vec3f> *received, State &state) const {
+    Emission emission(state.unshot.size());
+    for (std::size_t i = 0; i < groups_.size(); ++i)
+        if (shot[i] != 0) {
+            const auto unshot = groups_[i].Of(state.unshot);
+            std::copy(unshot.begin(), unshot.end(), groups_[i].Of(emission).begin());
+            std::fill(unshot.begin(), unshot.end(), Vec3f{});
+        }
+    in_.jobs.For(std::int64_t(groups_.size()), [&](std::int64_t number, int) {
+        const auto i = std::size_t(number);
+        const Group &group = groups_[i];
+        const auto light = group.Of(state.light), unshot = group.Of(state.unshot), total = group.Of(state.total);
+        std::fill(light.begin(), light.end(), Vec3f{});
+        if (SeesAny(group, shot))
+            GatherGroup(group, emission, light);
+        if (received)
+            for (std::size_t k = 0; k < light.size(); ++k)
+                light[k] += group.Of(*received)[k];
+        FinishLight(group, light);
+        float power = 0;
+        for (std::size_t k = 0; k < light.size(); ++k) {
+            const Vec3f reflected = light[k] * group.Of(reflectance_)[k];
+            unshot[k] += reflected, total[k] += reflected;
+            power += Luminance(unshot[k]);
+        }
+        state.peak[i] = Peak(unshot);
+        state.power[i] = power;
+    });
+}
+
+RadiositySolution RadiositySolver::Solve(Emission first, const std::vector<Vec3f> &received,
+                                         const RadiosityLimits &limits) const {
+    const auto start = std::chrono::steady_clock::now();
+    State state;
+    state.unshot = first;
+    state.total = std::move(first);
+    state.light.resize(state.total.size());
+    state.peak.resize(groups_.size()), state.power.resize(groups_.size());
+    RadiositySolution solution;
+    const GroupMask all(groups_.size(), 1);
+    float decay = maxReflectance_; // greatest ratio of unshot radiosity from step to step
+    for (bool shootAll = true; solution.steps + 1 < limits.bounces && !solution.timedOut;) {
+        const GroupMask shot = shootAll ? all : Brightest(state);
+        const bool shotAll = shot == all;
+        const float before = state.Peak();
+        Step(shot, solution.steps == 0 ? &received : nullptr, state);
+        ++solution.steps;
+        if (shotAll && solution.steps > 1) {
+            const float ratio = std::min(state.Peak() / before, maxReflectance_);
+            decay = solution.steps == 2 ? ratio : std::max(decay, ratio);
+        }
+        solution.stillToCome = state.Peak() * decay / std::max(1 - decay, 1e-3f);
+        in_.log.Print("{:9.2f} bytes of light at most in bounce {}{}, {:.2f} still to come\n", Peak(state.light),
+                      solution.steps + 1, shotAll ? "" : " (brightest surfaces)", solution.stillToCome);
+        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+        solution.timedOut = limits.seconds > 0 && elapsed.count() > limits.seconds;
+        const bool little = solution.stillToCome < limits.leastLight;
+        if (little && shotAll)
+            break;
+        // A step that shoots everything has the last word, since only its ratio is known.
+        shootAll = limits.bounces != kEndlessBounces || solution.steps < kFirstJacobiSteps || little;
+    }
+    solution.total = std::move(state.total);
+    return solution;
+}
+
+} // namespace q3

@@ -1,0 +1,77 @@
+// GPL-2.0-or-later. Solves for the radiosity of a map.
+#pragma once
+
+#include "q3map2/lightmap/bounce/bounce_gather.h"
+
+namespace q3 {
+
+/// When the solver stops.
+struct RadiosityLimits {
+    int bounces = 1;         ///< kEndlessBounces: when little light is left
+    double seconds = 0;      ///< of wall time; 0: no limit
+    float leastLight = 0.25; ///< when all later bounces together give less light than this anywhere, byte scale
+};
+
+struct RadiositySolution {
+    Emission total; ///< radiosity, summed over bounces
+    int steps = 0;
+    float stillToCome = 0; ///< estimate of the most light that later bounces give anywhere, byte scale
+    bool timedOut = false;
+};
+
+/// Radiosity equation B = B_1 + R K B over emitters: K is the transport along the kept gather rays, times dirt, R the
+/// reflectance. A step shoots radiosity that was not shot before: all of it, so that step k is bounce k (Jacobi
+/// iteration), or, under endless bounces, that of the brightest groups of emitters where these give more light per ray
+/// (progressive refinement, Cohen et al., 1988). Only groups that see what is shot take part. The total is a valid
+/// result after each step. Const after construction.
+class RadiositySolver {
+  public:
+    /// Keeps references.
+    RadiositySolver(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters,
+                    const BounceScene &scene, const BounceGather &gather);
+
+    /// first: radiosity of the first bounce, without the part that gave `received`: light on emitters that other means
+    /// than gather rays carried. Prints a line for each step.
+    RadiositySolution Solve(Emission first, const std::vector<Vec3f> &received, const RadiosityLimits &limits) const;
+
+  private:
+    /// Emitters that are shot and gathered together: those of a raw lightmap, or the vertices of a surface.
+    struct Group {
+        Group(EmitterId firstEmitter, EmitterId emitters, std::size_t index, bool lightmap)
+            : first(firstEmitter), count(emitters), number(index), isLightmap(lightmap) {}
+        EmitterId first, count;
+        std::size_t number; ///< raw lightmap or draw surface
+        bool isLightmap;
+        std::vector<EmitterId> vertexHits; ///< of vertices
+        std::vector<float> dirt;           ///< by texel; empty: 1
+        std::vector<std::uint32_t> sees;   ///< groups that its rays hit, ascending
+        std::uint64_t rays = 0;
+
+        std::span<Vec3f> Of(std::vector<Vec3f> &emitters) const { return std::span(emitters).subspan(first, count); }
+        std::span<const Vec3f> Of(const std::vector<Vec3f> &emitters) const {
+            return std::span(emitters).subspan(first, count);
+        }
+    };
+    /// By group: not 0 if it is shot.
+    using GroupMask = std::vector<std::uint8_t>;
+    struct State;
+
+    void AddGroups();
+    void FindRays(Group &group, const std::vector<std::uint32_t> &groupOf) const;
+    bool SeesAny(const Group &group, const GroupMask &shot) const;
+    GroupMask Brightest(const State &state) const;
+    void GatherGroup(const Group &group, const Emission &shot, std::span<Vec3f> light) const;
+    void FinishLight(const Group &group, std::span<Vec3f> light) const;
+    void Step(const GroupMask &shot, const std::vector<Vec3f> *received, State &state) const;
+
+    const SurfaceInputs &in_;
+    const SurfaceLight &surfaces_;
+    const EmitterIndex &emitters_;
+    const std::vector<Vec3f> &reflectance_;
+    const BounceGather &gather_;
+    std::vector<Group> groups_;
+    std::uint64_t rays_ = 0; // of all groups
+    float maxReflectance_ = 0;
+};
+
+} // namespace q3
