@@ -291,7 +291,7 @@ TEST_F(DirectionalTest, BouncedLightReachesAllChannels) {
     surfaces_.vertex.styles.assign(in.bsp.drawSurfaces.size(), kOnlyStyle0);
     AverageLuxels(in, {}, false, surfaces_);
     Bounces bounces(in, surfaces_);
-    ASSERT_TRUE(bounces.CollectRadiosity(surfaces_));
+    ASSERT_TRUE(bounces.Solve(surfaces_));
     ContributionCounts counts;
     LightLuxels(in, {}, {.bounce = true}, surfaces_, counts);
     bounces.AddToLuxels(surfaces_);
