@@ -14,14 +14,6 @@ namespace q3 {
 
 namespace {
 
-std::vector<std::uint32_t> Packed(const std::vector<Vec3f> &light) {
-    std::vector<std::uint32_t> codes;
-    codes.reserve(light.size());
-    for (const Vec3f &one : light)
-        codes.push_back(EncodeE5bgr9(one));
-    return codes;
-}
-
 /// Whether the .bsp holds the page; else it is only an image beside the map. Pages that a generated shader names are
 /// both.
 bool IsInBsp(const LightmapPage &page, const LightmapOptions &options) {
@@ -132,7 +124,7 @@ class HdrFileWriter {
 } // namespace
 
 void StoreHdrLight(const LightmapOptions &options, const StoredLightmaps &stored, Bsp &bsp) {
-    bsp.vertexE5bgr9 = Packed(stored.vertexLight);
+    bsp.vertexE5bgr9 = EncodeE5bgr9(stored.vertexLight);
     RnmLightmaps rnm;
     rnm.header.storage = options.rnmRescaled ? RnmStorage::Rescaled : RnmStorage::Raw;
     rnm.header.side = std::uint32_t(options.gamePageSize[0]);
@@ -140,12 +132,13 @@ void StoreHdrLight(const LightmapOptions &options, const StoredLightmaps &stored
         if (!IsInBsp(page, options))
             continue;
         if (options.hdr) {
-            const std::vector<std::uint32_t> codes = Packed(page.light);
+            const std::vector<std::uint32_t> codes = EncodeE5bgr9(page.light);
             bsp.lightmapsE5bgr9.insert(bsp.lightmapsE5bgr9.end(), codes.begin(), codes.end());
             bsp.lightmapsE5bgr9.resize(bsp.lightmapsE5bgr9.size() + (page.directions.empty() ? 0 : page.Texels()));
         }
         if (page.HasBasis())
-            rnm.pages.push_back({page.number, {Packed(page.basis[0]), Packed(page.basis[1]), Packed(page.basis[2])}});
+            rnm.pages.push_back(
+                {page.number, {EncodeE5bgr9(page.basis[0]), EncodeE5bgr9(page.basis[1]), EncodeE5bgr9(page.basis[2])}});
     }
     if (rnm.pages.empty())
         return;
