@@ -15,6 +15,10 @@ inline void SetLane(std::size_t lane, const BasisNormals &normals, BasisLanes &b
         basis[i].Set(lane, normals[i]);
 }
 
+/// Sets `out` to light of a source: `amount` at each receiver times `color` and the tint of `incident`; zero in lanes
+/// that are not live.
+void SetIncidentColor(const Vec3f &color, const SurfaceIncidentLight &incident, const Lanes &amount, Lanes3 &out);
+
 /// Sets the channels of `incident`, light of a source with that color; zero in lanes that are not live. basis: null
 /// without basis channels.
 void SetChannels(const Vec3f &color, const SurfaceIncidentLight &incident, const DirectionalChannels &channels,
