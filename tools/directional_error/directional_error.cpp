@@ -75,6 +75,8 @@ int Run(const std::vector<std::string> &words) {
     const VirtualFileSystem files = OpenGameFiles(game, GameFolders(game, {}, {}), log);
     LightmapOptions options;
     options.bounces = bounces;
+    options.bounceGrid = true; // LuxelBake::LightOn needs it
+    options.rnmAll = true;     // for all surfaces, where Measure turns rnm on
     options.gamePageSize = options.pageSize = {game.game->lightmapSize, game.game->lightmapSize};
     const JobPool jobs(game.threads);
     std::vector<std::string> names;
