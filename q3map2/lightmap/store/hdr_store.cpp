@@ -46,7 +46,7 @@ class HdrFileWriter {
           form_(options.hdrFiles == HdrFiles::None ? HdrFiles::Rend2 : options.hdrFiles), log_(log) {}
 
     void WritePage(const LightmapPage &page) {
-        const bool wanted = page.external || options_.hdrFiles != HdrFiles::None;
+        const bool wanted = page.needsImage || options_.hdrFiles != HdrFiles::None;
         if (wanted && !page.light.empty())
             WriteHdr(page, fmt::format("lm_{:04}", page.file), page.light);
         if (!wanted || !page.HasBasis())
@@ -54,7 +54,7 @@ class HdrFileWriter {
         for (std::size_t i = 0; i < page.basis.size(); ++i)
             if (!page.light.empty())
                 WriteHdr(page, BasisName(page, i), page.basis[i]);
-        if (!options_.ldr || !page.external)
+        if (!options_.ldr || !page.needsImage)
             return;
         const auto bytes = BasisBytes(page, options_.rnmRescaled);
         for (std::size_t i = 0; i < bytes.size(); ++i)
