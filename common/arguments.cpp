@@ -55,6 +55,16 @@ std::optional<std::string> Arguments::TakeValue(std::initializer_list<std::strin
     return std::move(values->front());
 }
 
+int Arguments::TakeWhole(std::string_view name, int fallback, int least) {
+    int value = fallback;
+    while (const auto text = TakeValue(name)) {
+        value = IntegerFromText(*text);
+        if (value < least)
+            throw Error("{} {}: expected a whole number of at least {}", name, *text, least);
+    }
+    return value;
+}
+
 void Arguments::Erase(std::size_t at, std::size_t count) {
     words_.erase(words_.begin() + std::ptrdiff_t(at), words_.begin() + std::ptrdiff_t(at + count));
     for (std::size_t *end : {&prepended_, &beforeStage_})

@@ -27,6 +27,9 @@ class Arguments {
     /// Removes the first occurrence with its one value.
     std::optional<std::string> TakeValue(std::initializer_list<std::string_view> names);
     std::optional<std::string> TakeValue(std::string_view name) { return TakeValue({name}); }
+    /// Removes every occurrence with its value. The last value, or `fallback`. Error: a value below `least`;
+    /// words that are no numbers count as 0.
+    int TakeWhole(std::string_view name, int fallback, int least);
 
     /// Removes and returns the last word, the input file of every stage; empty if no word is left.
     std::string TakeLast();

@@ -20,10 +20,8 @@ FloatImage HdrPageOf(const std::filesystem::path &path, const StageContext &cont
         throw Error("{}: the map has no HDR lightmaps", path.string());
     if (std::size_t(page) >= pages)
         throw Error("{}: the map has no HDR lightmap {}, expected one of 0 to {}", path.string(), page, pages - 1);
-    FloatImage image{side, side, {}};
-    for (const std::uint32_t code : std::span(bsp.lightmapsE5bgr9).subspan(std::size_t(page) * texels, texels))
-        image.texels.push_back(DecodeE5bgr9(code));
-    return FlippedRows(image);
+    const auto codes = std::span(bsp.lightmapsE5bgr9).subspan(std::size_t(page) * texels, texels);
+    return FlippedRows({side, side, DecodeE5bgr9(codes)});
 }
 
 void WritePicture(const std::filesystem::path &path, const Image &picture) {

@@ -59,6 +59,22 @@ Vec3f DecodeE5bgr9(std::uint32_t code) {
     return Vec3f(float(code & kE5Mask), float(code >> 9 & kE5Mask), float(code >> 18 & kE5Mask)) * unit;
 }
 
+std::vector<std::uint32_t> EncodeE5bgr9(std::span<const Vec3f> colors) {
+    std::vector<std::uint32_t> codes;
+    codes.reserve(colors.size());
+    for (const Vec3f &color : colors)
+        codes.push_back(EncodeE5bgr9(color));
+    return codes;
+}
+
+std::vector<Vec3f> DecodeE5bgr9(std::span<const std::uint32_t> codes) {
+    std::vector<Vec3f> colors;
+    colors.reserve(codes.size());
+    for (const std::uint32_t code : codes)
+        colors.push_back(DecodeE5bgr9(code));
+    return colors;
+}
+
 Rgbe EncodeRgbe(const Vec3f &color) {
     const SharedExponent shared = ToSharedExponent(color, 1, std::ldexp(255.0, 255 - kRgbeBias), 8, 1 - kRgbeBias);
     if (IsBlack(shared))

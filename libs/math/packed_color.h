@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 namespace q3 {
 
@@ -17,6 +19,9 @@ namespace q3 {
 /// mantissa * 2^(exponent - 24). Below 2^-16 the absolute error is at most 2^-25.
 std::uint32_t EncodeE5bgr9(const Vec3f &color);
 Vec3f DecodeE5bgr9(std::uint32_t code);
+/// The same for all elements, in order.
+std::vector<std::uint32_t> EncodeE5bgr9(std::span<const Vec3f> colors);
+std::vector<Vec3f> DecodeE5bgr9(std::span<const std::uint32_t> codes);
 inline constexpr float kMaxE5bgr9 = 65408; ///< 511 * 2^7
 
 /// Radiance: mantissas of red, green, blue, then the exponent E; a channel is mantissa * 2^(E - 136). E = 0 is black.

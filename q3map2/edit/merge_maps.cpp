@@ -64,7 +64,7 @@ class Merger {
     void MergeFogs();
     void MergeSurfaces();
     void MergeModels();
-    bool MergesCodes(bool inMain, bool inAdded, std::string_view lump);
+    bool KeepsHdrLump(bool inMain, bool inAdded, std::string_view lump);
     void MergeRnm();
     void RecordRnm();
     template <typename Record>
@@ -84,7 +84,7 @@ class Merger {
     std::vector<int> shaders_, surfaces_, brushes_;           ///< numbers in the merged map; kNotTaken
     int worldSurfaces_ = 0, worldBrushes_ = 0;                ///< records of the added world that join the main one
     std::map<std::pair<int, int>, int> vertRuns_, indexRuns_; ///< by first and count
-    bool mergesVertexCodes_ = false;
+    bool keepsVertexLight_ = false;
 };
 
 void GiveOtherNames(const std::vector<Entity> &main, std::vector<Entity> &added) {
@@ -156,7 +156,7 @@ void Merger::MergeLightmaps() {
     const bool mainIsExternal = used(main_) > pages(main_), addedIsExternal = used(added_) > pages(added_);
     lightmapBase_ = mainIsExternal ? used(main_) : pages(main_);
     bsp_.lightmaps.insert(bsp_.lightmaps.end(), added_.lightmaps.begin(), added_.lightmaps.end());
-    if (MergesCodes(!main_.lightmapsE5bgr9.empty(), !added_.lightmapsE5bgr9.empty(), kBspxLightmapsE5bgr9))
+    if (KeepsHdrLump(!main_.lightmapsE5bgr9.empty(), !added_.lightmapsE5bgr9.empty(), kBspxLightmapsE5bgr9))
         Appended(bsp_.lightmapsE5bgr9, added_.lightmapsE5bgr9);
     else
         bsp_.lightmapsE5bgr9.clear();
@@ -169,7 +169,7 @@ void Merger::MergeLightmaps() {
 }
 
 /// Whether both maps have the lump. If only one has it, the other has no light to fill it with.
-bool Merger::MergesCodes(bool inMain, bool inAdded, std::string_view lump) {
+bool Merger::KeepsHdrLump(bool inMain, bool inAdded, std::string_view lump) {
     if (inMain != inAdded)
         log_.Warn(lump, "the BSPX lump {} is dropped: only {} has it", lump, inMain ? mainName_ : addedName_);
     return inMain && inAdded;
@@ -302,7 +302,7 @@ bspDrawSurface_t Merger::Renumbered(bspDrawSurface_t surface) {
     surface.shaderNum = shaders_[std::size_t(surface.shaderNum)];
     surface.fogNum += surface.fogNum >= 0 ? fogBase_ : 0;
     surface.lightmapNum += surface.lightmapNum >= 0 ? lightmapBase_ : 0;
-    if (mergesVertexCodes_ && !vertRuns_.contains({surface.firstVert, surface.numVerts}))
+    if (keepsVertexLight_ && !vertRuns_.contains({surface.firstVert, surface.numVerts}))
         bsp_.vertexE5bgr9.insert(bsp_.vertexE5bgr9.end(), added_.vertexE5bgr9.begin() + surface.firstVert,
                                  added_.vertexE5bgr9.begin() + surface.firstVert + surface.numVerts);
     surface.firstVert = copied(vertRuns_, bsp_.drawVerts, added_.drawVerts, surface.firstVert, surface.numVerts);
@@ -314,8 +314,8 @@ bspDrawSurface_t Merger::Renumbered(bspDrawSurface_t surface) {
 void Merger::MergeSurfaces() {
     ExtendWorld(bsp_.drawSurfaces, worldSurfaces_, bsp_.leafSurfaces, &bspModel_t::firstBSPSurface,
                 &bspModel_t::numBSPSurfaces);
-    mergesVertexCodes_ = MergesCodes(!main_.vertexE5bgr9.empty(), !added_.vertexE5bgr9.empty(), kBspxVertexE5bgr9);
-    if (!mergesVertexCodes_)
+    keepsVertexLight_ = KeepsHdrLump(!main_.vertexE5bgr9.empty(), !added_.vertexE5bgr9.empty(), kBspxVertexE5bgr9);
+    if (!keepsVertexLight_)
         bsp_.vertexE5bgr9.clear();
     for (std::size_t i = 0; i < added_.drawSurfaces.size(); ++i)
         if (surfaces_[i] != kNotTaken)

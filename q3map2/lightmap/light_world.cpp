@@ -1,24 +1,11 @@
 // GPL-2.0-or-later. The light stage.
 #include "q3map2/lightmap/light_world.h"
 
-#include "common/cpu_time.h"
 #include "q3map2/bspfile/written_keys.h"
-#include "q3map2/light/sources/light_envelope.h"
 #include "q3map2/light/tone/light_tone.h"
-#include "q3map2/lightmap/ao/luxel_dirt.h"
-#include "q3map2/lightmap/ao/luxel_flood.h"
-#include "q3map2/lightmap/ao/luxel_occlusion.h"
-#include "q3map2/lightmap/bounce/light_bounce.h"
-#include "q3map2/lightmap/direct/lightmap_average.h"
-#include "q3map2/lightmap/direct/luxel_fill.h"
-#include "q3map2/lightmap/direct/luxel_light.h"
-#include "q3map2/lightmap/direct/luxel_visibility.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
-#include "q3map2/lightmap/raw/lightmap_shade.h"
-#include "q3map2/lightmap/raw/luxel_map.h"
-#include "q3map2/lightmap/raw/luxel_tangents.h"
 #include "q3map2/lightmap/store/hdr_store.h"
-#include "q3map2/lightmap/vertex/vertex_light.h"
+#include "q3map2/lightmap/surface_passes.h"
 
 #include <memory>
 #include <optional>
@@ -26,106 +13,6 @@
 namespace q3 {
 
 namespace {
-
-/// The passes over surfaces, from setup to storing.
-class SurfacePasses {
-  public:
-    SurfacePasses(const LightSetup &setup, const LightmapOptions &lightmap, const JobPool &jobs, Log &log)
-        : setup_(setup), in_{setup.bsp, setup.space, setup.scene, setup.table, setup.options,
-                             lightmap,  setup.world, jobs,        log},
-          surfaces_(Prepare()) {}
-
-    /// Direct light and all bounces. Call once.
-    void Run() {
-        in_.log.Section("IlluminateRawLightmap");
-        Pass(setup_.lights, {}, nullptr);
-        if (in_.lightmap.lightmass)
-            FindMasks();
-        if (in_.lightmap.bounces > 0)
-            Bounce();
-        else
-            AverageLuxels(in_, {}, true, surfaces_);
-    }
-    /// -bouncegrid: bounced light for the light grids; else null.
-    std::unique_ptr<IndirectLight> ForGrids() const {
-        if (!bounces_ || !in_.lightmap.bounceGrid)
-            return nullptr;
-        return bounces_->ForPoints();
-    }
-    /// Call last: it moves the results out.
-    StoredLightmaps Store(std::string_view mapName, Bsp &bsp) {
-        in_.log.Section("StoreSurfaceLightmaps");
-        return StoreLightmaps(in_, surfaces_, mapName, bsp);
-    }
-    const ContributionCounts &Counts() const { return counts_; }
-
-  private:
-    SurfaceLight Prepare() {
-        in_.log.Section("SetupSurfaceLightmaps");
-        SurfaceLight surfaces = SetupSurfaceLight(in_);
-        if (in_.lightmap.shade)
-            SmoothNormals(in_, surfaces);
-        in_.log.Section("MapRawLightmap");
-        MapLuxels(in_, surfaces);
-        FindTangents(in_, surfaces);
-        if (in_.lightmap.dirty) {
-            in_.log.Section("DirtyRawLightmap");
-            DirtLuxels(in_, surfaces);
-        }
-        FloodLuxels(in_, surfaces);
-        return surfaces;
-    }
-    /// Sky occlusion and shadow masks of -lightmass.
-    void FindMasks() {
-        FindOcclusion(in_, surfaces_);
-        if (in_.lightmap.shadowMaps.empty())
-            return;
-        int culled = 0;
-        const std::vector<Light> lights = SetupEnvelopes(setup_.lights, LightPass::Surfaces, in_.options, in_.space,
-                                                         setup_.skySeenFrom, culled, in_.lightmap.fastPoint);
-        FindVisibility(in_, lights, surfaces_, counts_);
-    }
-    void Bounce() {
-        in_.log.Section("Radiosity");
-        const CpuTimer timer;
-        AverageLuxels(in_, {}, false, surfaces_);
-        bounces_.emplace(in_, surfaces_);
-        in_.log.Count((long long)(bounces_->Rays()), "rays gather the light of bounces");
-        if (!bounces_->Solve(surfaces_))
-            return in_.log.Print("No surface reflects light\n");
-        in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
-        in_.log.Section("Final gathering");
-        Pass({}, {.bounce = true}, &*bounces_);
-        AverageLuxels(in_, {.bounce = true}, true, surfaces_);
-    }
-    void Pass(const std::vector<Light> &created, const SurfacePass &pass, const Bounces *bounces) {
-        const CpuTimer timer;
-        const std::uint64_t raysBefore = counts_.rays;
-        int culled = 0;
-        const std::vector<Light> lights = SetupEnvelopes(created, LightPass::Surfaces, in_.options, in_.space,
-                                                         setup_.skySeenFrom, culled, in_.lightmap.fastPoint);
-        if (!bounces) {
-            in_.log.Count((long long)(lights.size()), "lights");
-            in_.log.Count(culled, "lights culled");
-        }
-        LightLuxels(in_, lights, pass, surfaces_, counts_);
-        if (bounces)
-            bounces->AddToLuxels(surfaces_);
-        FinishLuxels(in_, pass, surfaces_);
-        LightVertices(in_, lights, pass, surfaces_, counts_);
-        if (bounces)
-            bounces->AddToVertices(surfaces_);
-        if (!bounces)
-            in_.log.Count((long long)(counts_.rays - raysBefore), "rays");
-        in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
-    }
-
-    const LightSetup &setup_;
-    const SurfaceInputs in_;
-    SurfaceLight surfaces_;
-    std::optional<Bounces> bounces_;
-    ContributionCounts counts_;
-};
 
 /// Records the tone mapping of the lightmaps, which readers of the SH grid apply too. -onlygrid keeps the lightmaps and
 /// so their record. If they have none, another program may have lit them: `tone`, the settings of this run, is

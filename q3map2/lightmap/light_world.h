@@ -9,7 +9,7 @@ namespace q3 {
 struct LightResult {
     GridStats grid, gridSH;
     ContributionCounts surfaces; ///< work for lightmaps and vertices, all passes
-    StoredLightmaps lightmaps;   ///< pages and shaders; external pages become files beside the map
+    StoredLightmaps lightmaps;   ///< pages and shaders; images of pages become files beside the map
 };
 
 /// Lights `bsp`: lightmaps, vertex colors and both grids, from one set of lights in one scene. With

@@ -110,6 +110,14 @@ TEST_F(SettingsTest, ChangesAreNotedWithWhatTheyReplace) {
     EXPECT_EQ(arguments.Changes()[1].name, "-scale");
 }
 
+TEST(ArgumentsTest, TakeWhole) {
+    Arguments arguments({"-n", "3", "a.bsp", "-N", "5", "-low", "1"});
+    EXPECT_EQ(arguments.TakeWhole("-n", 7, 1), 5) << "the last counts";
+    EXPECT_EQ(arguments.TakeWhole("-n", 7, 1), 7) << "all are taken";
+    EXPECT_THROW(arguments.TakeWhole("-low", 7, 2), Error);
+    EXPECT_EQ(arguments.Rest(), std::vector<std::string>{"a.bsp"});
+}
+
 TEST_F(SettingsTest, DescriptionHasTheDefaultsOfTheFields) {
     const auto sections = Describe(Table());
     ASSERT_EQ(sections.size(), 2u);

@@ -142,6 +142,10 @@ TEST(E5bgr9Test, Codes) {
     // 511.5 / 256 rounds up to 512 / 256, which the next exponent holds.
     EXPECT_EQ(EncodeE5bgr9({511.5f / 256, 511.5f / 512, 0}), 256u | 128u << 9 | 17u << 27);
     EXPECT_EQ(DecodeE5bgr9(1u | 2u << 9 | 3u << 18 | 24u << 27), Vec3f(1, 2, 3));
+    const std::vector<Vec3f> colors = {{1, 0, 0}, {0, 0, 4}};
+    const std::vector<std::uint32_t> codes = {256u | 16u << 27, 256u << 18 | 18u << 27};
+    EXPECT_EQ(EncodeE5bgr9(colors), codes);
+    EXPECT_EQ(DecodeE5bgr9(codes), colors);
 }
 
 TEST(RgbeTest, Codes) {

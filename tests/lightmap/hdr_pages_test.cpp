@@ -123,7 +123,7 @@ TEST(HdrPagesTest, PagesWithAnImageStayInTheFile) {
     for (int i = 0; i < 3; ++i) {
         LightmapPage &page = stored.pages.emplace_back();
         page.number = i < 2 ? i : -1; // the last is a page that the file cannot hold
-        page.external = i > 0;
+        page.needsImage = i > 0;
         page.light.assign(page.Texels(), Vec3f{float(i + 1), 0, 0});
         page.basis.fill(page.light);
     }

@@ -12,9 +12,9 @@ namespace q3::test {
 
 namespace {
 
-LightmapPage Page(int file, int width, int height, bool deluxe, bool external = true) {
+LightmapPage Page(int file, int width, int height, bool deluxe, bool needsImage = true) {
     LightmapPage page;
-    page.width = width, page.height = height, page.file = file, page.external = external;
+    page.width = width, page.height = height, page.file = file, page.needsImage = needsImage;
     for (int i = 0; i < 3 * width * height; ++i)
         page.colors.push_back(std::uint8_t(i * 7 + file));
     if (deluxe)

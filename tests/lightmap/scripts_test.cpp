@@ -63,7 +63,7 @@ TEST_F(ScriptsTest, MarkersOfScriptsAreReplaced) {
     const auto at = text.find("maps/room/lm_");
     ASSERT_NE(at, std::string::npos) << "on a page of its own: as an image";
     const auto file = std::size_t(std::stoi(text.substr(at + 13)));
-    EXPECT_TRUE(stored.pages.at(file).external);
+    EXPECT_TRUE(stored.pages.at(file).needsImage);
 
     const Bsp before = bsp;
     FinishForFile(lightmap, "room", stored, bsp);

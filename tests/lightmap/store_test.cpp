@@ -271,7 +271,7 @@ TEST_F(StoreTest, ExternalPagesLeaveTheLumpEmpty) {
     for (int i = 0; i < 6; ++i) {
         EXPECT_EQ(stored.pages[std::size_t(i)].number, 2 * i) << "light is even, directions odd";
         EXPECT_EQ(stored.pages[std::size_t(i)].file, 2 * i);
-        EXPECT_TRUE(stored.pages[std::size_t(i)].external);
+        EXPECT_TRUE(stored.pages[std::size_t(i)].needsImage);
         EXPECT_EQ(stored.pages[std::size_t(i)].height, 32);
     }
     ExpectAllShown([&](std::size_t i, int x, int y) { return Shown(stored, i, x, y); }, surfaces);
@@ -287,7 +287,7 @@ TEST_F(StoreTest, PagesOfAnotherSizeAreShownByMadeShaders) {
     const StoredLightmaps stored = Finish();
     EXPECT_TRUE(bsp.lightmaps.empty());
     ASSERT_EQ(stored.pages.size(), 1u);
-    EXPECT_TRUE(stored.pages[0].external);
+    EXPECT_TRUE(stored.pages[0].needsImage);
     EXPECT_EQ(stored.scripts.size(), 5u) << "all but the shader without lightmap";
     int own = 0, kept = 0;
     for (std::size_t i = 0; i < 6; ++i) {

@@ -1,7 +1,5 @@
 // GPL-2.0-or-later. collision_compare: do players meet the same solids in two files of one map?
 #include "common/arguments.h"
-#include "common/error.h"
-#include "common/text/text.h"
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/bspfile/bsp_tree.h"
 #include "tools/collision_compare/collision.h"
@@ -98,14 +96,7 @@ void Print(const Result &r, std::size_t worst) {
 
 int Run(const std::vector<std::string> &words) {
     Arguments arguments(words);
-    const auto whole = [&](std::string_view name, int fallback) {
-        const auto text = arguments.TakeValue(name);
-        const int value = text ? IntegerFromText(*text) : fallback;
-        if (value < 1)
-            throw Error("{} {}: expected a whole number of at least 1", name, *text);
-        return value;
-    };
-    const int moves = whole("--moves", 100000), worst = whole("--worst", 10);
+    const int moves = arguments.TakeWhole("--moves", 100000, 1), worst = arguments.TakeWhole("--worst", 10, 1);
     if (arguments.Rest().size() != 2) {
         fmt::print("{}", kUsage);
         return 1;

@@ -2,7 +2,6 @@
 #include "common/arguments.h"
 #include "common/error.h"
 #include "common/files/files.h"
-#include "common/text/text.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/global_options.h"
 #include "q3map2/light_inputs.h"
@@ -27,16 +26,6 @@ Prints a table: displayed RMSE in bytes of 255 over normals, by map; the same at
 bytes a luxel; and CPU time of baking over that of flat light. The reference is the light that the light stage would
 store in a luxel of that normal.
 )";
-
-int TakeWhole(Arguments &arguments, std::string_view name, int fallback, int least = 1) {
-    int value = fallback;
-    while (const auto text = arguments.TakeValue(name)) {
-        value = IntegerFromText(*text);
-        if (value < least)
-            throw Error("{} {}: expected a whole number of at least {}", name, *text, least);
-    }
-    return value;
-}
 
 void Print(const std::vector<std::string> &names, const std::vector<MapErrors> &maps) {
     std::string head = "| encoding | bytes |", line = "|---|---|";
@@ -76,8 +65,8 @@ int Run(const std::vector<std::string> &words) {
         fmt::print("{}", kUsage);
         return 0;
     }
-    const int luxels = TakeWhole(arguments, "--luxels", 1000), normals = TakeWhole(arguments, "--normals", 32);
-    const int rays = TakeWhole(arguments, "--rays", 4096), bounces = TakeWhole(arguments, "--bounce", 2, 0);
+    const int luxels = arguments.TakeWhole("--luxels", 1000, 1), normals = arguments.TakeWhole("--normals", 32, 1);
+    const int rays = arguments.TakeWhole("--rays", 4096, 1), bounces = arguments.TakeWhole("--bounce", 2, 0);
     Log log([](LogLevel level, std::string_view text) {
         if (level != LogLevel::Normal)
             std::fwrite(text.data(), 1, text.size(), stderr);
@@ -86,6 +75,8 @@ int Run(const std::vector<std::string> &words) {
     const VirtualFileSystem files = OpenGameFiles(game, GameFolders(game, {}, {}), log);
     LightmapOptions options;
     options.bounces = bounces;
+    options.bounceGrid = true; // LuxelBake::LightOn needs it
+    options.rnmAll = true;     // for all surfaces, where Measure turns rnm on
     options.gamePageSize = options.pageSize = {game.game->lightmapSize, game.game->lightmapSize};
     const JobPool jobs(game.threads);
     std::vector<std::string> names;

@@ -1,62 +1,20 @@
 // GPL-2.0-or-later. The passes of the light stage over the luxels of a map, kept for measuring.
 #include "tools/directional_error/luxel_bake.h"
 
-#include "common/cpu_time.h"
 #include "q3map2/light/sources/light_envelope.h"
-#include "q3map2/lightmap/direct/lightmap_average.h"
-#include "q3map2/lightmap/direct/luxel_fill.h"
-#include "q3map2/lightmap/direct/luxel_light.h"
-#include "q3map2/lightmap/raw/lightmap_setup.h"
-#include "q3map2/lightmap/raw/luxel_map.h"
-#include "q3map2/lightmap/raw/luxel_tangents.h"
-#include "q3map2/lightmap/vertex/vertex_light.h"
 
 #include <algorithm>
 
 namespace q3::directional {
 
-namespace {
-
-SurfaceTable WithNormalMaps(SurfaceTable table, bool all) {
-    for (SurfaceEntry &entry : table)
-        entry.normalMapped = all;
-    return table;
-}
-
-} // namespace
-
 LuxelBake::LuxelBake(const LightSetup &setup, const LightmapOptions &options, const JobPool &jobs, Log &log)
-    : table_(WithNormalMaps(setup.table, options.rnmAll)), in_{setup.bsp,   setup.space,   setup.scene,
-                                                               table_,      setup.options, options,
-                                                               setup.world, jobs,          log},
-      surfaces_(SetupSurfaceLight(in_)) {
-    const CpuTimer timer;
-    MapLuxels(in_, surfaces_);
-    FindTangents(in_, surfaces_);
+    : scene_(setup.scene), passes_(setup, options, jobs, log, {.floodlight = false, .keepLuxels = true}) {
+    passes_.Run();
+    cpuSeconds_ = timer_.Seconds();
+    bounced_ = passes_.ForGrids();
     int culled = 0;
-    lights_ = SetupEnvelopes(setup.lights, LightPass::Surfaces, in_.options, in_.space, setup.skySeenFrom, culled,
+    lights_ = SetupEnvelopes(setup.lights, LightPass::Surfaces, setup.options, setup.space, setup.skySeenFrom, culled,
                              options.fastPoint);
-    ContributionCounts counts;
-    LightLuxels(in_, lights_, {}, surfaces_, counts);
-    FinishLuxels(in_, {}, surfaces_);
-    LightVertices(in_, lights_, {}, surfaces_, counts);
-    AverageLuxels(in_, {}, false, surfaces_);
-    for (int bounce = 1; bounce <= options.bounces; ++bounce) {
-        if (!bounces_)
-            bounces_ = std::make_unique<Bounces>(in_, surfaces_);
-        if (!bounces_->CollectRadiosity(surfaces_))
-            break;
-        const SurfacePass pass{.bounce = true};
-        LightLuxels(in_, {}, pass, surfaces_, counts);
-        bounces_->AddToLuxels(surfaces_);
-        FinishLuxels(in_, pass, surfaces_);
-        LightVertices(in_, {}, pass, surfaces_, counts);
-        bounces_->AddToVertices(surfaces_);
-        AverageLuxels(in_, pass, false, surfaces_);
-    }
-    cpuSeconds_ = timer.Seconds();
-    if (bounces_)
-        bounced_ = std::make_unique<BouncedLight>(bounces_->Total());
 }
 
 std::vector<Vec3f> LuxelBake::LightOn(const LuxelPlace &at, std::span<const Vec3f> normals, int rays) const {
@@ -80,7 +38,7 @@ void LuxelBake::AddDirect(const LuxelPlace &at, std::span<const Vec3f> normals, 
         for (const Light &one : lights_) {
             if (one.style != 0)
                 continue;
-            LightContributionToSample(one, settings, in_.scene, receivers, incident, counts);
+            LightContributionToSample(one, settings, scene_, receivers, incident, counts);
             for (std::size_t i = 0; i < receivers.count; ++i)
                 if (incident.live[i] != 0 && Dot(incident.direction[i], normal) > 0) {
                     const Vec3f color = one.color * (one.negative ? -incident.add[i] : incident.add[i]);
@@ -111,8 +69,8 @@ void LuxelBake::AddBounced(const LuxelPlace &at, std::span<const Vec3f> normals,
 
 std::vector<LuxelPlace> LuxelBake::Sample(std::size_t count) const {
     std::vector<LuxelPlace> lit;
-    for (std::size_t m = 0; m < surfaces_.lightmaps.size(); ++m) {
-        const RawLightmap &raw = surfaces_.lightmaps[m];
+    for (std::size_t m = 0; m < Surfaces().lightmaps.size(); ++m) {
+        const RawLightmap &raw = Surfaces().lightmaps[m];
         for (std::size_t i = 0; i < raw.luxelClusters.size() && !raw.result[0].empty(); ++i)
             if (raw.Mapped(i) && MaxComponent(raw.result[0][i]) >= 1)
                 lit.push_back({m, i});

@@ -1,9 +1,8 @@
 // GPL-2.0-or-later. The passes of the light stage over the luxels of a map, kept for measuring.
 #pragma once
 
-#include "q3map2/light/light.h"
-#include "q3map2/lightmap/bounce/light_bounce.h"
-#include "q3map2/lightmap/raw/lightmaps.h"
+#include "common/cpu_time.h"
+#include "q3map2/lightmap/surface_passes.h"
 
 #include <memory>
 #include <vector>
@@ -15,11 +14,11 @@ struct LuxelPlace {
     std::size_t lightmap = 0, luxel = 0;
 };
 
-/// Direct and bounced light of a map, with the directional channels that `options` ask for, without supersampling.
-/// Const after construction. Neither copied nor moved, since its members refer to each other.
+/// Direct and bounced light of a map, with the directional channels that `options` ask for, without supersampling and
+/// floodlight. Const after construction. Neither copied nor moved, since its members refer to each other.
 class LuxelBake {
   public:
-    /// Keeps references. Errors: as LightWorld.
+    /// Bounces need options.bounceGrid. Keeps references. Errors: as LightWorld.
     LuxelBake(const LightSetup &setup, const LightmapOptions &options, const JobPool &jobs, Log &log);
     LuxelBake(const LuxelBake &) = delete;
     LuxelBake &operator=(const LuxelBake &) = delete;
@@ -31,20 +30,19 @@ class LuxelBake {
     /// Luxels that are lit in style 0, at most `count`, evenly over the map.
     std::vector<LuxelPlace> Sample(std::size_t count) const;
 
-    const SurfaceLight &Surfaces() const { return surfaces_; }
-    const RawLightmap &Lightmap(const LuxelPlace &at) const { return surfaces_.lightmaps[at.lightmap]; }
+    const SurfaceLight &Surfaces() const { return passes_.Surfaces(); }
+    const RawLightmap &Lightmap(const LuxelPlace &at) const { return Surfaces().lightmaps[at.lightmap]; }
     double CpuSeconds() const { return cpuSeconds_; }
 
   private:
     void AddDirect(const LuxelPlace &at, std::span<const Vec3f> normals, std::span<Vec3f> light) const;
     void AddBounced(const LuxelPlace &at, std::span<const Vec3f> normals, int rays, std::span<Vec3f> light) const;
 
-    const SurfaceTable table_; // with normalMapped set for all surfaces, or for none
-    const SurfaceInputs in_;
+    const CpuTimer timer_; // started before passes_
+    const LightScene &scene_;
+    SurfacePasses passes_;
     std::vector<Light> lights_;
-    SurfaceLight surfaces_;
-    std::unique_ptr<Bounces> bounces_;
-    std::unique_ptr<BouncedLight> bounced_;
+    std::unique_ptr<IndirectLight> bounced_;
     double cpuSeconds_ = 0;
 };
 

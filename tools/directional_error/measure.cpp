@@ -51,7 +51,7 @@ std::vector<BakeTime> MeasureTimes(const LightSetup &setup, const LightmapOption
     for (int repeat = 0; repeat < kRepeats; ++repeat)
         for (std::size_t i = 0; i < std::size(kinds); ++i) {
             LightmapOptions own = options;
-            own.deluxe = kinds[i].deluxe, own.rnm = own.rnmAll = kinds[i].rnm, own.lightmass = kinds[i].sh;
+            own.deluxe = kinds[i].deluxe, own.rnm = kinds[i].rnm, own.lightmass = kinds[i].sh;
             least[i] = std::min(least[i], LuxelBake(setup, own, jobs, log).CpuSeconds());
         }
     std::vector<BakeTime> times;
@@ -65,7 +65,7 @@ std::vector<BakeTime> MeasureTimes(const LightSetup &setup, const LightmapOption
 MapErrors Measure(const LightSetup &setup, const LightmapOptions &given, std::size_t luxels, int normals, int rays,
                   const JobPool &jobs, Log &log) {
     LightmapOptions options = given;
-    options.deluxe = options.rnm = options.rnmAll = options.lightmass = true;
+    options.deluxe = options.rnm = options.lightmass = true;
     const LuxelBake bake(setup, options, jobs, log);
     const std::vector<LuxelPlace> places = bake.Sample(luxels);
     std::map<std::size_t, lightmass::Lightmap> encoded;

@@ -2,7 +2,6 @@
 #include "common/arguments.h"
 #include "common/error.h"
 #include "common/files/files.h"
-#include "common/text/text.h"
 #include "q3map2/global_options.h"
 #include "tools/lightmap_compare/compare.h"
 
@@ -26,24 +25,14 @@ draws have a line of their own, and with the game's files, -fs_basepath DIR [-fs
 that the shader does not draw.
 )";
 
-int TakeWhole(Arguments &arguments, std::string_view name, int fallback, int least) {
-    int value = fallback;
-    while (const auto text = arguments.TakeValue(name)) {
-        value = IntegerFromText(*text);
-        if (value < least)
-            throw Error("{} {}: expected a whole number of at least {}", name, *text, least);
-    }
-    return value;
-}
-
 int Run(const std::vector<std::string> &words) {
     Arguments arguments(words);
     if (arguments.TakeFlag({"--help", "-h"}) || arguments.Empty()) {
         fmt::print("{}", kUsage);
         return 0;
     }
-    const int samples = TakeWhole(arguments, "--samples", 1000, 1), worst = TakeWhole(arguments, "--worst", 10, 0);
-    const int side = TakeWhole(arguments, "--pagesize", 128, 2);
+    const int samples = arguments.TakeWhole("--samples", 1000, 1), worst = arguments.TakeWhole("--worst", 10, 0);
+    const int side = arguments.TakeWhole("--pagesize", 128, 2);
     const auto jsonFile = arguments.TakeValue("--json");
     Log log([](LogLevel level, std::string_view text) {
         if (level != LogLevel::Normal)

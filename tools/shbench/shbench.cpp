@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. shbench: error of the SH light grid against time.
 #include "common/error.h"
 #include "common/files/files.h"
-#include "common/text/text.h"
 #include "q3map2/stages.h"
 #include "tools/shbench/bench_run.h"
 #include "tools/shbench/drawing.h"
@@ -51,16 +50,6 @@ struct Command {
     int mostLights = 10000;
 };
 
-int TakeCount(Arguments &arguments, std::string_view name, int fallback, int least) {
-    int value = fallback;
-    while (const auto text = arguments.TakeValue(name)) {
-        value = IntegerFromText(*text);
-        if (value < least)
-            throw Error("{} {}: expected a whole number of at least {}", name, *text, least);
-    }
-    return value;
-}
-
 std::string TakeText(Arguments &arguments, std::string_view name, std::string fallback = {}) {
     while (auto text = arguments.TakeValue(name))
         fallback = std::move(*text);
@@ -81,7 +70,7 @@ void ParseWorst(Arguments &arguments, Command &command) {
     if (settings.plan && !IsPictureName(command.planFile))
         throw Error("--worst-picture {}: expected a name that ends in .png or .svg", command.planFile);
     const int usual = settings.plan ? kUsualWorst : 0, least = settings.plan ? 1 : 0;
-    settings.worst = std::size_t(TakeCount(arguments, "--worst", usual, least));
+    settings.worst = std::size_t(arguments.TakeWhole("--worst", usual, least));
     const std::string of = TakeText(arguments, "--worst-of"), by = TakeText(arguments, "--worst-by");
     if (settings.worst == 0 && !(of.empty() && by.empty()))
         throw Error("--worst-of, --worst-by: expected --worst or --worst-picture with it");
@@ -98,9 +87,9 @@ Command ParseCommand(Arguments arguments, Log &log) {
     while (const auto text = arguments.TakeValue("--bake"))
         settings.bakes.push_back(ParseBake(*text));
     settings.options = TakeText(arguments, "--options");
-    settings.truth.positions = TakeCount(arguments, "--positions", settings.truth.positions, 1);
-    settings.truth.seed = std::uint64_t(TakeCount(arguments, "--seed", 1, 0));
-    settings.repeats = TakeCount(arguments, "--repeat", 1, 1);
+    settings.truth.positions = arguments.TakeWhole("--positions", settings.truth.positions, 1);
+    settings.truth.seed = std::uint64_t(arguments.TakeWhole("--seed", 1, 0));
+    settings.repeats = arguments.TakeWhole("--repeat", 1, 1);
     ParseWorst(arguments, command);
     settings.cache = std::filesystem::path(g_get_user_cache_dir()) / "q3map2-sh" / "shbench";
     settings.cache = TakeText(arguments, "--cache", settings.cache.string());
@@ -114,7 +103,7 @@ Command ParseCommand(Arguments arguments, Log &log) {
     command.scaleLights = arguments.TakeFlag("--scale-lights");
     command.scaleCells = arguments.TakeFlag("--scale-cells");
     command.lightmaps = arguments.TakeFlag("--lightmaps");
-    command.mostLights = TakeCount(arguments, "--lights", command.mostLights, 1);
+    command.mostLights = arguments.TakeWhole("--lights", command.mostLights, 1);
     command.global = ParseGlobalOptions(arguments, log);
     command.map = arguments.TakeLast();
     if (!arguments.Empty())

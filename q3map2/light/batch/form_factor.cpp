@@ -3,26 +3,37 @@
 
 namespace q3 {
 
+namespace {
+
+/// An edge of a polygon as a receiver sees it: u and v point to its ends.
+struct SeenEdge {
+    Vec3f cross; ///< u x v
+    float sine, cosine;
+
+    // u x v = u x edge, since v = u + edge; this avoids the cancellation in u x v when the receiver is far away.
+    SeenEdge(const Vec3f &u, const Vec3f &v, const Vec3f &edge)
+        : cross(Cross(u, edge)), sine(Length(cross)), cosine(Dot(u, v)) {}
+    float Term(float along) const { return EdgeTerm(sine, cosine, along); }
+};
+
+} // namespace
+
 Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> polygon, Lanes &f) {
     Lanes total{};
     LaneMask wrong{};
     Lanes3 u;
     Vec3f last = polygon.empty() ? Vec3f{} : polygon.back();
     for (const std::size_t i : kEachLane)
-        u.x[i] = last.x - p.x[i], u.y[i] = last.y - p.y[i], u.z[i] = last.z - p.z[i];
+        u.Set(i, last - p[i]);
     for (const Vec3f &corner : polygon) {
         const Vec3f edge = corner - last;
         last = corner;
         for (const std::size_t i : kEachLane) {
-            const float ux = u.x[i], uy = u.y[i], uz = u.z[i];
-            const float vx = corner.x - p.x[i], vy = corner.y - p.y[i], vz = corner.z - p.z[i];
-            // u x v = u x edge, since v = u + edge; this avoids the cancellation in u x v when the receiver is far
-            // away.
-            const float cx = uy * edge.z - uz * edge.y, cy = uz * edge.x - ux * edge.z, cz = ux * edge.y - uy * edge.x;
-            const float sine = std::sqrt(cx * cx + cy * cy + cz * cz), cosine = ux * vx + uy * vy + uz * vz;
-            total[i] += EdgeTerm(sine, cosine, n.x[i] * cx + n.y[i] * cy + n.z[i] * cz);
+            const Vec3f to = corner - p[i];
+            const SeenEdge seen(u[i], to, edge);
+            total[i] += seen.Term(Dot(n[i], seen.cross));
             wrong[i] |= std::abs(total[i]) > kMaxEdgeSum ? -1 : 0;
-            u.x[i] = vx, u.y[i] = vy, u.z[i] = vz;
+            u.Set(i, to);
         }
     }
     constexpr float kScale = 0.5f / std::numbers::pi_v<float>;
@@ -32,22 +43,19 @@ Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec
 
 Q3_VECTOR void FormFactorVectors(const Lanes3 &p, std::span<const Vec3f> polygon, Lanes3 &v) {
     Lanes3 u, sum{}; // summed apart from `v`, which may alias `p`
-
     Vec3f last = polygon.empty() ? Vec3f{} : polygon.back();
     for (const std::size_t i : kEachLane)
-        u.x[i] = last.x - p.x[i], u.y[i] = last.y - p.y[i], u.z[i] = last.z - p.z[i];
+        u.Set(i, last - p[i]);
     constexpr float kScale = 0.5f / std::numbers::pi_v<float>;
     for (const Vec3f &corner : polygon) {
         const Vec3f edge = corner - last;
         last = corner;
         for (const std::size_t i : kEachLane) {
-            const float ux = u.x[i], uy = u.y[i], uz = u.z[i];
-            const float vx = corner.x - p.x[i], vy = corner.y - p.y[i], vz = corner.z - p.z[i];
-            const float cx = uy * edge.z - uz * edge.y, cy = uz * edge.x - ux * edge.z, cz = ux * edge.y - uy * edge.x;
-            const float sine = std::sqrt(cx * cx + cy * cy + cz * cz), cosine = ux * vx + uy * vy + uz * vz;
-            const float angle = EdgeTerm(sine, cosine, kScale);
-            sum.x[i] += angle * cx, sum.y[i] += angle * cy, sum.z[i] += angle * cz;
-            u.x[i] = vx, u.y[i] = vy, u.z[i] = vz;
+            const Vec3f to = corner - p[i];
+            const SeenEdge seen(u[i], to, edge);
+            const float angle = seen.Term(kScale);
+            sum.x[i] += angle * seen.cross.x, sum.y[i] += angle * seen.cross.y, sum.z[i] += angle * seen.cross.z;
+            u.Set(i, to);
         }
     }
     v = sum;

@@ -4,6 +4,7 @@
 #include "q3map2/light/batch/lanes.h"
 
 #include <cstdint>
+#include <span>
 
 namespace q3 {
 
@@ -36,5 +37,11 @@ struct RayPacket {
 struct RayCounts {
     std::uint64_t rays = 0;
 };
+inline std::uint64_t TotalRays(std::span<const RayCounts> workers) {
+    std::uint64_t rays = 0;
+    for (const RayCounts &one : workers)
+        rays += one.rays;
+    return rays;
+}
 
 } // namespace q3

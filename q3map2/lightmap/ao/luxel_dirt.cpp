@@ -54,10 +54,7 @@ void DirtLuxels(const SurfaceInputs &in, SurfaceLight &surfaces) {
         if (RawLightmap &raw = surfaces.lightmaps[std::size_t(i)]; !raw.noDirt)
             SmoothDirt(raw);
     });
-    std::uint64_t rays = 0;
-    for (const RayCounts &one : counts)
-        rays += one.rays;
-    in.log.Count((long long)(rays), "rays of dirt");
+    in.log.Count((long long)(TotalRays(counts)), "rays of dirt");
 }
 
 } // namespace q3

@@ -86,10 +86,7 @@ void FloodLuxels(const SurfaceInputs &in, SurfaceLight &surfaces) {
         }
     };
     ForMappedLuxelBatches(in, surfaces, wants, addFlood);
-    std::uint64_t rays = 0;
-    for (const RayCounts &one : counts)
-        rays += one.rays;
-    if (rays > 0)
+    if (const std::uint64_t rays = TotalRays(counts); rays > 0)
         in.log.Count((long long)(rays), "rays of floodlight");
 }
 

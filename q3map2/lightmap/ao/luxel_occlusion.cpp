@@ -29,10 +29,7 @@ SkyDirections FindSkyDirections(const SurfaceInputs &in, SurfaceLight &surfaces)
     };
     ForMappedLuxelBatches(
         in, surfaces, [](const RawLightmap &) { return true; }, trace);
-    std::uint64_t rays = 0;
-    for (const RayCounts &one : counts)
-        rays += one.rays;
-    in.log.Count((long long)(rays), "rays of sky occlusion");
+    in.log.Count((long long)(TotalRays(counts)), "rays of sky occlusion");
     return sky;
 }
 

@@ -24,9 +24,15 @@ Vec3f NoClusterColor(int cluster) {
     }
 }
 
+/// Whether a super luxel is mapped or was filled from mapped ones. Others that hold a value count only in luxels
+/// without any of these.
+bool CountsAsLit(int cluster) {
+    return cluster >= 0 || cluster == kFlooded;
+}
+
 /// Sums over the super luxels of a luxel.
 struct SuperLuxelSum {
-    Vec3f lit;     ///< light of mapped super luxels and of those filled from them
+    Vec3f lit;     ///< light of super luxels that CountsAsLit
     Vec3f reserve; ///< of other super luxels that hold a value; used only if litCount is 0
     int litCount = 0, reserveCount = 0, surfaceCount = 0;
     Vec3f direction;
@@ -84,7 +90,7 @@ class Averager {
                 const std::size_t at = lightmap_.SuperIndex(sx, sy);
                 if (lightmap_.filled[style_][at] == 0)
                     continue;
-                if (const int cluster = lightmap_.luxelClusters[at]; cluster >= 0 || cluster == kFlooded)
+                if (CountsAsLit(lightmap_.luxelClusters[at]))
                     lit += values[at], ++litCount;
                 else
                     reserve += values[at], ++reserveCount;
@@ -128,7 +134,7 @@ class Averager {
                 sum.lit += kBorderColor, ++sum.litCount;
         } else if (options_.debug && cluster < 0) {
             sum.reserve += NoClusterColor(cluster), ++sum.reserveCount;
-        } else if (filled && (cluster >= 0 || cluster == kFlooded)) {
+        } else if (filled && CountsAsLit(cluster)) {
             sum.lit += lightmap_.light[style_][at], ++sum.litCount;
         } else if (filled) {
             sum.reserve += lightmap_.light[style_][at], ++sum.reserveCount;

@@ -80,11 +80,8 @@ void LuxelBlocks::AddLuxel(const RawLightmap &lightmap, std::size_t luxel) {
     SurfaceReceiverBatch &block = receivers_.back();
     luxels_.back()[block.count] = std::uint32_t(luxel);
     laneIndices_[luxel] = std::int32_t((receivers_.size() - 1) * kPacketSize + block.count);
-    if (lightmap.channels.basis) {
-        const BasisNormals normals = lightmap.BasisOf(luxel);
-        for (std::size_t i = 0; i < normals.size(); ++i)
-            basis_.back()[i].Set(block.count, normals[i]);
-    }
+    if (lightmap.channels.basis)
+        SetLane(block.count, lightmap.BasisOf(luxel), basis_.back());
     block.Add(lightmap.positions[luxel], lightmap.normals[luxel], lightmap.luxelClusters[luxel]);
 }
 

@@ -9,27 +9,17 @@ namespace q3 {
 
 namespace {
 
-/// out = light of the source times `weight`.
-Q3_VECTOR void SetColor(const Vec3f &color, const SurfaceIncidentLight &incident, const Lanes &weight, Lanes3 &out) {
-    const Vec3f c = color;
+/// amounts = SH channels for a light of color 1 1 1, before the tint.
+Q3_VECTOR void ProjectOnSh(const SurfaceIncidentLight &incident, std::array<Lanes, DirectionalChannels::kSh> &amounts) {
+    const LightDirections &from = incident.directions;
     for (const std::size_t i : kEachLane) {
-        const float light = incident.live[i] != 0 ? incident.add[i] * weight[i] : 0;
-        out.x[i] = light * c.x, out.y[i] = light * c.y, out.z[i] = light * c.z;
-    }
-    if (!incident.tinted)
-        return;
-    for (const std::size_t i : kEachLane)
-        if (incident.live[i] != 0)
-            out.x[i] *= incident.tint.x[i], out.y[i] *= incident.tint.y[i], out.z[i] *= incident.tint.z[i];
-}
-
-/// weights = SH channels per unit of `add`.
-Q3_VECTOR void ProjectOnSh(const LightDirections &from, std::array<Lanes, DirectionalChannels::kSh> &weights) {
-    for (const std::size_t i : kEachLane) {
+        const float add = incident.add[i];
         const float x = from.vector.x[i], y = from.vector.y[i], z = from.vector.z[i];
         const float fluence = std::sqrt(x * x + y * y + z * z) * from.spread[i];
-        weights[0][i] = kDirectedSh0 * fluence + kUniformSh0 * from.uniform[i];
-        weights[1][i] = kDirectedSh1 * y, weights[2][i] = kDirectedSh1 * z, weights[3][i] = kDirectedSh1 * x;
+        amounts[0][i] = add * (kDirectedSh0 * fluence + kUniformSh0 * from.uniform[i]);
+        amounts[1][i] = add * (kDirectedSh1 * y);
+        amounts[2][i] = add * (kDirectedSh1 * z);
+        amounts[3][i] = add * (kDirectedSh1 * x);
     }
 }
 
@@ -43,12 +33,13 @@ float SphereAtHorizon(float cosine, float sine2) {
     return std::max(0.0f, sum / (sine2 * std::numbers::pi_v<float>));
 }
 
-/// weights = light on receivers with the given normals, per unit of `add`. An area light that crosses the horizon of a
-/// receiver counts as a sphere.
-void LightOn(const Lanes3 &normal, const LightDirections &from, const LaneMask &live, Lanes &weights) {
+/// amount = light on receivers with the given normals for a light of color 1 1 1, before the tint; live lanes only. An
+/// area light that crosses the horizon of a receiver counts as a sphere.
+void LightOn(const Lanes3 &normal, const SurfaceIncidentLight &incident, Lanes &amount) {
     constexpr float kPointlike = 1e-4f;
+    const LightDirections &from = incident.directions;
     for (const std::size_t i : kEachLane) {
-        if (live[i] == 0)
+        if (incident.live[i] == 0)
             continue;
         const float facing = Dot(from.vector[i], normal[i]);
         const float cosineOfRadius = 2 / from.spread[i] - 1, sine2 = 1 - cosineOfRadius * cosineOfRadius;
@@ -58,24 +49,38 @@ void LightOn(const Lanes3 &normal, const LightDirections &from, const LaneMask &
             const float length = std::sqrt(length2);
             light = length * SphereAtHorizon(facing / length, sine2);
         }
-        weights[i] = light + from.uniform[i];
+        amount[i] = incident.add[i] * (light + from.uniform[i]);
     }
 }
 
 } // namespace
 
+Q3_VECTOR void SetIncidentColor(const Vec3f &color, const SurfaceIncidentLight &incident, const Lanes &amount,
+                                Lanes3 &out) {
+    const Vec3f c = color;
+    for (const std::size_t i : kEachLane) {
+        const float light = incident.live[i] != 0 ? amount[i] : 0;
+        out.x[i] = light * c.x, out.y[i] = light * c.y, out.z[i] = light * c.z;
+    }
+    if (!incident.tinted)
+        return;
+    for (const std::size_t i : kEachLane)
+        if (incident.live[i] != 0)
+            out.x[i] *= incident.tint.x[i], out.y[i] *= incident.tint.y[i], out.z[i] *= incident.tint.z[i];
+}
+
 void SetChannels(const Vec3f &color, const SurfaceIncidentLight &incident, const DirectionalChannels &channels,
                  const BasisLanes *basis, ChannelLanes &out) {
     if (channels.sh) {
-        std::array<Lanes, DirectionalChannels::kSh> weights;
-        ProjectOnSh(incident.directions, weights);
-        for (std::size_t c = 0; c < weights.size(); ++c)
-            SetColor(color, incident, weights[c], out[c]);
+        std::array<Lanes, DirectionalChannels::kSh> amounts;
+        ProjectOnSh(incident, amounts);
+        for (std::size_t c = 0; c < amounts.size(); ++c)
+            SetIncidentColor(color, incident, amounts[c], out[c]);
     }
     for (std::size_t i = 0; basis && i < basis->size(); ++i) {
-        Lanes weights;
-        LightOn((*basis)[i], incident.directions, incident.live, weights);
-        SetColor(color, incident, weights, out[channels.FirstBasis() + i]);
+        Lanes amount;
+        LightOn((*basis)[i], incident, amount);
+        SetIncidentColor(color, incident, amount, out[channels.FirstBasis() + i]);
     }
 }
 

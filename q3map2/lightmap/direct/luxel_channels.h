@@ -10,6 +10,14 @@ namespace q3 {
 using ChannelLanes = std::array<Lanes3, kMaxChannels>;
 /// The RNM basis normals of sixteen receivers.
 using BasisLanes = std::array<Lanes3, DirectionalChannels::kBasis>;
+inline void SetLane(std::size_t lane, const BasisNormals &normals, BasisLanes &basis) {
+    for (std::size_t i = 0; i < normals.size(); ++i)
+        basis[i].Set(lane, normals[i]);
+}
+
+/// Sets `out` to light of a source: `amount` at each receiver times `color` and the tint of `incident`; zero in lanes
+/// that are not live.
+void SetIncidentColor(const Vec3f &color, const SurfaceIncidentLight &incident, const Lanes &amount, Lanes3 &out);
 
 /// Sets the channels of `incident`, light of a source with that color; zero in lanes that are not live. basis: null
 /// without basis channels.

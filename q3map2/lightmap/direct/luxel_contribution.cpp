@@ -13,23 +13,12 @@ namespace {
 /// directions.
 Q3_VECTOR void SetIncidentLight(const Light &light, const SurfaceIncidentLight &from, float directionScale,
                                 LuxelIncidentLight &out) {
-    const Vec3f c = light.color;
-    const std::int32_t colored = c.x + c.y + c.z > 0 ? -1 : 0;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float add = from.live[i] != 0 ? from.add[i] : 0;
-        out.color.x[i] = add * c.x, out.color.y[i] = add * c.y, out.color.z[i] = add * c.z;
-    }
+    SetIncidentColor(light.color, from, from.add, out.color);
+    const std::int32_t colored = light.color.x + light.color.y + light.color.z > 0 ? -1 : 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         out.lit[i] = from.live[i] & colored;
         out.filtered[i] = from.add[i] > 1 ? from.filtered[i] : 0;
     }
-    if (from.tinted)
-        for (std::size_t i = 0; i < kPacketSize; ++i)
-            if (from.live[i] != 0) {
-                out.color.x[i] *= from.tint.x[i];
-                out.color.y[i] *= from.tint.y[i];
-                out.color.z[i] *= from.tint.z[i];
-            }
     if (directionScale > 0)
         for (std::size_t i = 0; i < kPacketSize; ++i) {
             const float weight = from.live[i] != 0 && from.undirected[i] == 0 ? from.add[i] * directionScale : 0;

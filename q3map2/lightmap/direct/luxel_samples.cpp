@@ -218,11 +218,8 @@ LuxelSampler::SubsamplePositions LuxelSampler::PositionsOfSubsamples(std::span<c
 bool LuxelSampler::Contribution(SurfaceReceiverBatch &receivers, std::span<const std::size_t> luxels,
                                 std::span<Sample> samples, ContributionCounts &counts) const {
     BasisLanes basis;
-    for (std::size_t i = 0; pass_.channels.basis && i < receivers.count; ++i) {
-        const BasisNormals normals = lightmap_->BasisOf(luxels[i]);
-        for (std::size_t k = 0; k < normals.size(); ++k)
-            basis[k].Set(i, normals[k]);
-    }
+    for (std::size_t i = 0; pass_.channels.basis && i < receivers.count; ++i)
+        SetLane(i, lightmap_->BasisOf(luxels[i]), basis);
     LuxelIncidentLight incident;
     ChannelLanes channels;
     if (!LuxelContribution(*light_, pass_, in_->scene, {receivers, pass_.channels.basis ? &basis : nullptr}, incident,

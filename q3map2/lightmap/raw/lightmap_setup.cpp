@@ -394,9 +394,9 @@ void LightmapSetup::Finish(RawLightmap &raw) {
         out_.lightmapOf[std::size_t(number)] = int(out_.lightmaps.size());
     }
     raw.channels.sh = in_.lightmap.NeedsSh();
-    raw.channels.basis = std::any_of(raw.surfaces.begin(), raw.surfaces.end(), [&](int number) {
-        return in_.table[std::size_t(number)].normalMapped;
-    });
+    raw.channels.basis = in_.lightmap.rnm && std::any_of(raw.surfaces.begin(), raw.surfaces.end(), [&](int number) {
+                             return in_.table[std::size_t(number)].normalMapped;
+                         });
     std::sort(raw.clusters.begin(), raw.clusters.end());
     raw.clusters.erase(std::unique(raw.clusters.begin(), raw.clusters.end()), raw.clusters.end());
     if (raw.hasVectors) {

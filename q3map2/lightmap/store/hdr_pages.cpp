@@ -71,11 +71,7 @@ std::filesystem::path FileOfPart(const std::filesystem::path &folder, const HdrP
 }
 
 FloatImage ImageOf(const HdrPart &part) {
-    FloatImage image{part.side, part.side, {}};
-    image.texels.reserve(part.codes.size());
-    for (const std::uint32_t code : part.codes)
-        image.texels.push_back(DecodeE5bgr9(code));
-    return image;
+    return {part.side, part.side, DecodeE5bgr9(part.codes)};
 }
 
 /// The first format whose file exists; null: none.
@@ -101,7 +97,7 @@ void ImportVertexLight(const std::filesystem::path &path, float fullLight, Bsp &
     if (bsp.vertexE5bgr9.empty() || !std::filesystem::exists(path, ignored))
         return;
     const std::vector<Vec3f> light = DecodeVertexLight(ReadFile(path), bsp.drawVerts.size(), fullLight, path.string());
-    std::ranges::transform(light, bsp.vertexE5bgr9.begin(), EncodeE5bgr9);
+    bsp.vertexE5bgr9 = EncodeE5bgr9(light);
     log.Print("Read the HDR light of {} vertices from {}\n", light.size(), path.string());
 }
 
@@ -117,8 +113,7 @@ void ExportHdrLight(const Bsp &bsp, int side, const std::filesystem::path &folde
     for (const HdrPart &part : parts)
         ReplaceFile(FileOfPart(folder, part, form), form.encode(ImageOf(part)));
     if (form.fullVertexLight > 0 && !bsp.vertexE5bgr9.empty()) {
-        std::vector<Vec3f> vertices(bsp.vertexE5bgr9.size());
-        std::ranges::transform(bsp.vertexE5bgr9, vertices.begin(), DecodeE5bgr9);
+        const std::vector<Vec3f> vertices = DecodeE5bgr9(bsp.vertexE5bgr9);
         ReplaceFile(folder / kVertexLightFile, EncodeVertexLight(vertices, form.fullVertexLight));
     }
     if (!parts.empty())
@@ -139,7 +134,7 @@ void ImportHdrLight(Bsp &bsp, int side, const std::filesystem::path &folder, con
                      image.width, image.height, part.side, part.side);
             continue;
         }
-        std::ranges::transform(image.texels, part.codes.begin(), EncodeE5bgr9);
+        std::ranges::copy(EncodeE5bgr9(image.texels), part.codes.begin());
         ++replaced;
     }
     if (!parts.empty())

@@ -14,14 +14,6 @@ namespace q3 {
 
 namespace {
 
-std::vector<std::uint32_t> Packed(const std::vector<Vec3f> &light) {
-    std::vector<std::uint32_t> codes;
-    codes.reserve(light.size());
-    for (const Vec3f &one : light)
-        codes.push_back(EncodeE5bgr9(one));
-    return codes;
-}
-
 /// Whether the .bsp holds the page; else it is only an image beside the map. Pages that a generated shader names are
 /// both.
 bool IsInBsp(const LightmapPage &page, const LightmapOptions &options) {
@@ -54,7 +46,7 @@ class HdrFileWriter {
           form_(options.hdrFiles == HdrFiles::None ? HdrFiles::Rend2 : options.hdrFiles), log_(log) {}
 
     void WritePage(const LightmapPage &page) {
-        const bool wanted = page.external || options_.hdrFiles != HdrFiles::None;
+        const bool wanted = page.needsImage || options_.hdrFiles != HdrFiles::None;
         if (wanted && !page.light.empty())
             WriteHdr(page, fmt::format("lm_{:04}", page.file), page.light);
         if (!wanted || !page.HasBasis())
@@ -62,7 +54,7 @@ class HdrFileWriter {
         for (std::size_t i = 0; i < page.basis.size(); ++i)
             if (!page.light.empty())
                 WriteHdr(page, BasisName(page, i), page.basis[i]);
-        if (!options_.ldr || !page.external)
+        if (!options_.ldr || !page.needsImage)
             return;
         const auto bytes = BasisBytes(page, options_.rnmRescaled);
         for (std::size_t i = 0; i < bytes.size(); ++i)
@@ -132,7 +124,7 @@ class HdrFileWriter {
 } // namespace
 
 void StoreHdrLight(const LightmapOptions &options, const StoredLightmaps &stored, Bsp &bsp) {
-    bsp.vertexE5bgr9 = Packed(stored.vertexLight);
+    bsp.vertexE5bgr9 = EncodeE5bgr9(stored.vertexLight);
     RnmLightmaps rnm;
     rnm.header.storage = options.rnmRescaled ? RnmStorage::Rescaled : RnmStorage::Raw;
     rnm.header.side = std::uint32_t(options.gamePageSize[0]);
@@ -140,12 +132,13 @@ void StoreHdrLight(const LightmapOptions &options, const StoredLightmaps &stored
         if (!IsInBsp(page, options))
             continue;
         if (options.hdr) {
-            const std::vector<std::uint32_t> codes = Packed(page.light);
+            const std::vector<std::uint32_t> codes = EncodeE5bgr9(page.light);
             bsp.lightmapsE5bgr9.insert(bsp.lightmapsE5bgr9.end(), codes.begin(), codes.end());
             bsp.lightmapsE5bgr9.resize(bsp.lightmapsE5bgr9.size() + (page.directions.empty() ? 0 : page.Texels()));
         }
         if (page.HasBasis())
-            rnm.pages.push_back({page.number, {Packed(page.basis[0]), Packed(page.basis[1]), Packed(page.basis[2])}});
+            rnm.pages.push_back(
+                {page.number, {EncodeE5bgr9(page.basis[0]), EncodeE5bgr9(page.basis[1]), EncodeE5bgr9(page.basis[2])}});
     }
     if (rnm.pages.empty())
         return;

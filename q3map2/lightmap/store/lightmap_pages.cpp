@@ -36,7 +36,7 @@ void WritePages(const std::filesystem::path &folder, const StoredLightmaps &stor
     long long written = 0;
     for (const LightmapPage &page : stored.pages) {
         next = page.file + (page.directions.empty() ? 1 : 2);
-        if (!page.external)
+        if (!page.needsImage)
             continue;
         if (written == 0)
             MakeFolder(folder);

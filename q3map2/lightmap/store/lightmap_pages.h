@@ -8,9 +8,9 @@
 
 namespace q3 {
 
-/// Writes the external pages as lm_NNNN.tga (24 bit, row 0 of the page on top) into the folder, which is created if
-/// there is something to write, and then deletes files of higher numbers that an earlier run left, up to the first gap.
-/// Errors: Error, for files that cannot be written.
+/// Writes the pages that need an image as lm_NNNN.tga (24 bit, row 0 of the page on top) into the folder, which is
+/// created if there is something to write, and then deletes files of higher numbers that an earlier run left, up to the
+/// first gap. Errors: Error, for files that cannot be written.
 void WritePages(const std::filesystem::path &folder, const StoredLightmaps &stored, Log &log);
 
 /// Path of the generated shaders of a map: ../scripts/q3map2_NAME.shader, beside the folder of the map.

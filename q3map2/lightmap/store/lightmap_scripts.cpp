@@ -198,7 +198,7 @@ void AddMipmapHints(std::string_view mapName, StoredLightmaps &stored, Bsp &bsp)
     for (const LightmapPage &page : stored.pages) {
         const std::string path = PagePath(mapName, page.file);
         const auto names = [&](const auto &script) { return script.text.find(path) != std::string::npos; };
-        if (page.external && std::any_of(stored.scripts.begin(), stored.scripts.end(), names))
+        if (page.needsImage && std::any_of(stored.scripts.begin(), stored.scripts.end(), names))
             files.push_back(page.file);
     }
     std::vector<bspDrawSurface_t> hints;

@@ -130,12 +130,12 @@ class Storer {
             LightmapPage page;
             page.width = sizes[i][0], page.height = sizes[i][1];
             page.file = int(i) * numbers;
-            page.external = in_.lightmap.external;
-            if (page.external || sizes[i] == in_.lightmap.gamePageSize) {
+            page.needsImage = in_.lightmap.external;
+            if (page.needsImage || sizes[i] == in_.lightmap.gamePageSize) {
                 page.number = number;
                 number += numbers;
             } else
-                page.external = true;
+                page.needsImage = true;
             const std::size_t texels = page.Texels();
             page.colors.resize(in_.lightmap.ldr ? 3 * texels : 0);
             if (in_.lightmap.deluxe)
@@ -244,7 +244,7 @@ class Storer {
             text = StyledText(shader, stages, world_, mapName_);
             for (std::size_t style = 1; style < kStyles && !text.empty(); ++style)
                 if (const LightmapLayer *other = LayerOf(i, style); other && other->page != layer.page)
-                    result_.pages[std::size_t(other->page)].external = true;
+                    result_.pages[std::size_t(other->page)].needsImage = true;
         }
         if (page.number < 0)
             text = ImageText(shader, text, page.file, mapName_);

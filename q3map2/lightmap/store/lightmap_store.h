@@ -15,9 +15,9 @@ namespace q3 {
 /// A lightmap page: RGB rows.
 struct LightmapPage {
     int width = 128, height = 128;
-    int number = -1;       ///< lightmapNum of its surfaces; -1: only generated shaders name its image
-    int file = 0;          ///< number of its image; deluxe: the page of directions has the next one
-    bool external = false; ///< an image file is needed; unless -external, the .bsp holds the page too if number >= 0
+    int number = -1;         ///< lightmapNum of its surfaces; -1: only generated shaders name its image
+    int file = 0;            ///< number of its image; deluxe: the page of directions has the next one
+    bool needsImage = false; ///< an image file is needed; unless -external, the .bsp holds the page too if number >= 0
     std::vector<std::uint8_t> colors;     ///< empty under -hdr
     std::vector<std::uint8_t> directions; ///< deluxe: bytes of the page after it; else empty
 
