@@ -2,13 +2,14 @@
 #include "tools/directional_error/luxel_bake.h"
 
 #include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/lightmap/bounce/ray_origin.h"
 
 #include <algorithm>
 
 namespace q3::directional {
 
 LuxelBake::LuxelBake(const LightSetup &setup, const LightmapOptions &options, const JobPool &jobs, Log &log)
-    : scene_(setup.scene), passes_(setup, options, jobs, log, {.floodlight = false, .keepLuxels = true}) {
+    : scene_(setup.scene), space_(setup.space), passes_(setup, options, jobs, log, {.floodlight = false, .keepLuxels = true}) {
     passes_.Run();
     cpuSeconds_ = timer_.Seconds();
     bounced_ = passes_.ForGrids();
@@ -20,7 +21,7 @@ LuxelBake::LuxelBake(const LightSetup &setup, const LightmapOptions &options, co
 std::vector<Vec3f> LuxelBake::LightOn(const LuxelPlace &at, std::span<const Vec3f> normals, int rays) const {
     std::vector<Vec3f> light(normals.size(), Lightmap(at).ambient);
     AddDirect(at, normals, light);
-    if (bounced_)
+    if (bounced_ && rays > 0)
         AddBounced(at, normals, rays, light);
     return light;
 }
@@ -54,17 +55,17 @@ void LuxelBake::AddBounced(const LuxelPlace &at, std::span<const Vec3f> normals,
     const Vec3f normal = raw.normals[at.luxel];
     std::vector<IndirectRay> found;
     std::vector<Vec3f> sums(normals.size());
-    int traced = 0;
-    for (std::uint64_t seed = 0; traced < rays; ++seed) {
-        bounced_->Gather(raw.positions[at.luxel], seed * 977 + at.luxel, found);
-        traced += int(found.size());
+    const Vec3f origin = ClearOrigin(space_, raw, at.luxel, GatherFrame(normal));
+    const int patterns = (rays + int(BouncedLight::kRays) - 1) / int(BouncedLight::kRays);
+    for (int pattern = 0; pattern < patterns; ++pattern) {
+        bounced_->Gather(origin, std::uint64_t(pattern) * 977 + at.luxel, found);
         for (const IndirectRay &ray : found)
             if (Dot(ray.direction, normal) > 0) // the rest hits the surface itself
                 for (std::size_t i = 0; i < normals.size(); ++i)
-                    sums[i] += ray.color * std::max(0.0f, Dot(ray.direction, normals[i]));
+                    sums[i] += ray.light * std::max(0.0f, Dot(ray.direction, normals[i]));
     }
     for (std::size_t i = 0; i < normals.size(); ++i)
-        light[i] += sums[i] * (4 / float(traced));
+        light[i] += sums[i] / float(patterns);
 }
 
 std::vector<LuxelPlace> LuxelBake::Sample(std::size_t count) const {

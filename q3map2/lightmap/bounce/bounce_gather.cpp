@@ -17,8 +17,8 @@ namespace q3 {
 
 namespace {
 
-/// Rays per luxel, and sets of directions: the luxels of a 4 x 4 block have one each, 384 directions together.
-constexpr int kRays = 24, kMinRays = 4, kDirectionSets = 16;
+/// Rays per luxel, under -fast fewer, and sets of directions: the luxels of a 4 x 4 block have one each, 1024 directions together.
+constexpr int kRays = 64, kFastRays = 24, kMinRays = 4, kDirectionSets = 16;
 constexpr int kVertexRays = 256;
 /// With more hits (768 MiB) not all are kept.
 constexpr std::uint64_t kMaxKeptHits = std::uint64_t(192) << 20;
@@ -69,7 +69,7 @@ BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces
 }
 
 int BounceGather::RaysPerLuxel(const RawLightmap &raw) const {
-    return std::max(kMinRays, kRays / (raw.super * raw.super));
+    return std::max(kMinRays, (patches_ ? kFastRays : kRays) / (raw.super * raw.super));
 }
 
 struct BounceGather::GatherBatch {

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Final gathering of bounced light at luxels and vertices.
 #pragma once
 
-#include "q3map2/lightmap/bounce/luxel_denoise.h"
+#include "q3map2/lightmap/bounce/bounce_estimate.h"
 #include "q3map2/lightmap/bounce/radiosity_patches.h"
 
 namespace q3 {
@@ -10,10 +10,10 @@ namespace q3 {
 using Emission = std::vector<Vec3f>;
 
 /// Monte Carlo estimate of irradiance over cosine-weighted directions: E = 1/N sum of the radiosity that ray i hits, on
-/// a scale where E equals the radiosity of surroundings of uniform radiosity. Each mapped luxel traces N = 24 rays
-/// (under -super S, max(4, 24 / S^2)); the 16 luxels of a 4 x 4 block trace different directions. Rays hit the same
-/// emitters in every bounce, so hits are kept: all of them if memory allows, else fewer per texel, and the rays of
-/// luxels are traced anew. Const after construction; safe from several threads, each lightmap by one.
+/// a scale where E equals the radiosity of surroundings of uniform radiosity. Each mapped luxel traces N = 64 rays
+/// (24 under -fast; max(4, N / S^2) under -super S); the 16 luxels of a 4 x 4 block trace different directions. Rays
+/// hit the same emitters in every bounce, so hits are kept: all of them if memory allows, else fewer per texel, and the
+/// rays of luxels are traced anew. Const after construction; safe from several threads, each lightmap by one.
 class BounceGather {
   public:
     /// patches: null unless faint emitters are left out (-fast). Keeps references.

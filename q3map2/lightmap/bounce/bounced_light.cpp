@@ -11,7 +11,6 @@ namespace q3 {
 
 namespace {
 
-constexpr std::uint32_t kProbeRays = 96;
 /// Longer than any map. Game units.
 constexpr float kProbeRayLength = 1e6f;
 
@@ -23,9 +22,9 @@ void BouncedLight::Gather(const Vec3f &position, std::uint64_t seed, std::vector
         const auto found = scene_.FirstEmitters(packet, false);
         for (std::size_t i = 0; i < directions.size(); ++i)
             if (found[i] != kNoEmitter)
-                rays.push_back({directions[i], emission_[found[i]] * (kFacing / float(kProbeRays))});
+                rays.push_back({directions[i], emission_[found[i]] * (kFacing / float(kRays))});
     });
-    for (std::uint32_t i = 0; i < kProbeRays; ++i) {
+    for (std::uint32_t i = 0; i < kRays; ++i) {
         const Sample2 s = PlasticSample(i, seed);
         const double z = 1 - 2 * s.u, radius = std::sqrt(std::max(0.0, 1 - z * z)), angle = 2 * std::numbers::pi * s.v;
         const Vec3f direction{float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(z)};

@@ -9,6 +9,9 @@ namespace q3 {
 /// sampling the brightest of the first bounce. Const after construction; safe from several threads. Keeps references.
 class BouncedLight : public IndirectLight {
   public:
+    /// Rays from a point, besides those to bright emitters.
+    static constexpr std::uint32_t kRays = 96;
+
     /// emission: without what `bright` holds.
     BouncedLight(const BounceScene &scene, const std::vector<Vec3f> &emission, const BrightEmitters &bright)
         : scene_(scene), emission_(emission), bright_(bright) {}

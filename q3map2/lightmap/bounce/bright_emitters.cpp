@@ -21,7 +21,9 @@ namespace {
 constexpr float kRouletteLight = 0.1f;
 /// Shadow rays end this far in front of the patch, or at this share of the way to it. Game units.
 constexpr float kPatchGap = 0.25f, kPatchWay = 0.99f;
-constexpr std::uint64_t kRouletteSeed = 0x526F756C65747465u;
+constexpr std::uint64_t kRouletteSeed = 0x526F756C65747465u, kStrideSeed = 0x537472696465u;
+/// Of a faint node at least one in this many receivers is looked at.
+constexpr float kMaxStride = 64;
 
 /// The part of each emission that is above `limit`, taken from it: emission is scaled so that its largest channel is
 /// the limit.
@@ -78,8 +80,8 @@ BrightEmitters::BrightEmitters(const SurfaceInputs &in, const SurfaceLight &surf
       }()) {}
 
 /// The light of a node on receiver i, before visibility; target: where its shadow ray goes. False: none.
-bool BrightEmitters::SampleNode(const Receivers &receivers, std::size_t i, std::uint32_t number, Sample &sample,
-                                Vec3f &target) const {
+bool BrightEmitters::SampleNode(const Receivers &receivers, std::size_t i, std::uint32_t number, std::uint32_t stride,
+                                Sample &sample, Vec3f &target) const {
     const BrightTree::Node &node = tree_.At(number);
     const Vec3f way = node.center - receivers.origin[i];
     const float distance2 = std::max(Dot(way, way), 1e-6f);
@@ -92,13 +94,15 @@ bool BrightEmitters::SampleNode(const Receivers &receivers, std::size_t i, std::
     // The form factor of a disk that faces the receiver stays below 1 nearby.
     float share = emitted / (std::numbers::pi_v<float> * distance2 + node.area * emitted);
     const std::uint64_t hash = HashIndex(kRouletteSeed + (std::uint64_t(receivers.tag[i]) << 24) + number);
-    const float strength = Luminance(node.power) * share * cosine;
-    if (strength < kRouletteLight) {
+    // It gets here with probability 1 / stride.
+    const float strength = Luminance(node.power) * share * cosine, certain = kRouletteLight / float(stride);
+    if (strength < certain) {
         const auto u = float(hash >> 40) * 0x1p-24f;
-        if (u * kRouletteLight >= strength)
+        if (u * certain >= strength)
             return false;
-        share *= kRouletteLight / strength;
+        share *= certain / strength;
     }
+    share *= float(stride);
     const BrightPatch &patch = tree_.PatchAt(node, float(hash & 0xFFFFFF) * 0x1p-24f);
     if (patches_ && oriented)
         share *=
@@ -118,17 +122,22 @@ void BrightEmitters::SampleTree(const Receivers &receivers, std::vector<Sample> 
             if (packet.live[ray] != 0)
                 samples.push_back(waiting[ray]);
     });
-    for (const std::uint32_t node : cut)
-        for (std::size_t i = 0; i < receivers.count; ++i) {
+    for (const std::uint32_t node : cut) {
+        // Of a faint node every stride-th receiver gets a chance; the first one is random.
+        const float most = BrightTree::MostLight(tree_.At(node), receivers.view);
+        const auto stride = std::uint32_t(std::clamp(kRouletteLight / most, 1.0f, kMaxStride));
+        const std::uint64_t hash = HashIndex(kStrideSeed + (std::uint64_t(receivers.tag[0]) << 24) + node);
+        for (std::size_t i = stride > 1 ? hash % stride : 0; i < receivers.count; i += stride) {
             Sample sample;
             Vec3f target;
-            if (!SampleNode(receivers, i, node, sample, target))
+            if (!SampleNode(receivers, i, node, stride, sample, target))
                 continue;
             const Vec3f way = target - receivers.origin[i];
             const float length = Length(way);
             if (length > 0)
                 rays.Add(sample, receivers.origin[i], way / length, std::max(length - kPatchGap, length * kPatchWay));
         }
+    }
     rays.Flush();
 }
 

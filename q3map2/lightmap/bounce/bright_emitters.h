@@ -2,8 +2,8 @@
 #pragma once
 
 #include "q3map2/light/grid/indirect_light.h"
+#include "q3map2/lightmap/bounce/bounce_estimate.h"
 #include "q3map2/lightmap/bounce/bright_tree.h"
-#include "q3map2/lightmap/bounce/luxel_denoise.h"
 #include "q3map2/lightmap/bounce/radiosity_patches.h"
 
 namespace q3 {
@@ -36,7 +36,8 @@ class BrightEmitters {
         Vec3f direction, light; ///< to the node; light on a surface that faces it, byte scale
     };
     void SampleTree(const Receivers &receivers, std::vector<Sample> &samples) const;
-    bool SampleNode(const Receivers &receivers, std::size_t i, std::uint32_t node, Sample &sample, Vec3f &target) const;
+    bool SampleNode(const Receivers &receivers, std::size_t i, std::uint32_t node, std::uint32_t stride, Sample &sample,
+                    Vec3f &target) const;
 
     const BspSpace &space_;
     const BounceScene &scene_;

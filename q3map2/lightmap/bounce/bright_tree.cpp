@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace q3 {
 
@@ -13,6 +14,8 @@ namespace {
 /// A node is opened where its radius is more than this share of its distance, or its normals differ by more than this
 /// cosine.
 constexpr float kMaxOpening = 0.25f, kMinNodeCosine = 0.8f;
+/// A node that gives less light than this to any receiver is not opened. Byte scale.
+constexpr float kFaintNode = 0.02f;
 
 /// Patches of one facing share a root: the axis that the normal is nearest to, and the sides that emit.
 int FacingOf(const BrightPatch &patch) {
@@ -106,11 +109,17 @@ void BrightTree::Cut(const TreeView &view, const BspSpace &space, std::vector<st
         if (IsHidden(node, view, space))
             continue;
         const float distance = Length(node.center - view.center) - view.radius;
-        if (node.right == 0 || (node.radius < kMaxOpening * distance && node.minCosine > kMinNodeCosine))
+        if (node.right == 0 || MostLight(node, view) < kFaintNode ||
+            (node.radius < kMaxOpening * distance && node.minCosine > kMinNodeCosine))
             cut.push_back(number);
         else
             open.push_back(node.right), open.push_back(number + 1);
     }
+}
+
+float BrightTree::MostLight(const Node &node, const TreeView &view) {
+    const float nearest = std::max(Length(node.center - view.center) - view.radius - node.radius, 1.0f);
+    return Luminance(node.power) / (std::numbers::pi_v<float> * nearest * nearest);
 }
 
 const BrightPatch &BrightTree::PatchAt(const Node &node, float u) const {

@@ -48,6 +48,8 @@ class BrightTree {
     /// Appends the nodes of a cut in which each node is small against its distance from all receivers, or a leaf.
     void Cut(const TreeView &view, const BspSpace &space, std::vector<std::uint32_t> &cut) const;
     const Node &At(std::uint32_t node) const { return nodes_[node]; }
+    /// Bound of the luminance that a node gives to any receiver of the view. Byte scale.
+    static float MostLight(const Node &node, const TreeView &view);
     /// The patch of a node at which a share `u` in [0, 1) of its power is reached.
     const BrightPatch &PatchAt(const Node &node, float u) const;
 

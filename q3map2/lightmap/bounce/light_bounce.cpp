@@ -11,7 +11,7 @@ namespace q3 {
 namespace {
 
 /// Emitters are bright above this radiosity, and above this share of all others. Byte scale.
-constexpr float kBright = 24, kBrightShare = 0.95f;
+constexpr float kBright = 16, kBrightShare = 0.9f;
 
 /// The slot of a style, claimed if the style is new; kStyles if other styles hold all slots.
 std::size_t ClaimSlot(Styles &styles, std::uint8_t style) {
@@ -34,21 +34,30 @@ float BrightLimit(const Emission &emission) {
     return std::max(kBright, *at);
 }
 
-BounceEstimate ZeroEstimate(const RawLightmap &raw, bool deluxe) {
-    BounceEstimate estimate;
-    estimate.irradiance.resize(raw.luxelClusters.size());
-    estimate.channels.assign(raw.channels.Count(), std::vector<Vec3f>(raw.luxelClusters.size()));
-    if (deluxe)
-        estimate.directions.resize(raw.luxelClusters.size());
-    return estimate;
+void AddVectors(const std::vector<Vec3f> &values, std::vector<Vec3f> &to) {
+    to.resize(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+        to[i] += values[i];
+}
+
+/// Adds to the light of a style slot.
+void AddEstimate(const BounceEstimate &estimate, std::size_t slot, RawLightmap &raw) {
+    AddVectors(estimate.irradiance, raw.light[slot]);
+    raw.directional[slot].resize(raw.channels.Count());
+    for (std::size_t c = 0; c < raw.channels.Count(); ++c)
+        AddVectors(estimate.channels[c], raw.directional[slot][c]);
+    if (!estimate.directions.empty())
+        AddVectors(estimate.directions, raw.directions);
+    raw.filled[slot].resize(raw.luxelClusters.size());
+    for (std::size_t luxel = 0; luxel < raw.luxelClusters.size(); ++luxel)
+        raw.filled[slot][luxel] = raw.filled[slot][luxel] || raw.Mapped(luxel);
 }
 
 } // namespace
 
 Bounces::Bounces(const SurfaceInputs &in, const SurfaceLight &surfaces)
     : in_(in), emitters_(surfaces), scene_(in, surfaces, emitters_),
-      patches_(in.options.fast ? MakePatches(surfaces) : nullptr), gather_(in, surfaces, scene_, patches_.get()),
-      denoiser_(in, surfaces) {}
+      patches_(in.options.fast ? MakePatches(surfaces) : nullptr), gather_(in, surfaces, scene_, patches_.get()) {}
 
 Emission Bounces::FirstBounce(const SurfaceLight &surfaces, std::uint8_t style) const {
     const std::vector<Vec3f> &reflectance = scene_.Reflectance();
@@ -104,7 +113,7 @@ void Bounces::GatherBright(const SurfaceLight &surfaces, bool deluxe, StyleRadio
     radiosity.brightOnVertices.resize(surfaces.verts.size());
     in_.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t i, int) {
         const RawLightmap &raw = surfaces.lightmaps[std::size_t(i)];
-        BounceEstimate &estimate = radiosity.brightOnLuxels[std::size_t(i)] = ZeroEstimate(raw, deluxe);
+        BounceEstimate &estimate = radiosity.brightOnLuxels[std::size_t(i)] = BounceEstimate(raw, deluxe);
         if (!bright.Empty())
             bright.AddToLuxels(raw, estimate);
     });
@@ -165,37 +174,18 @@ std::unique_ptr<IndirectLight> Bounces::ForPoints() const {
 }
 
 void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
-    std::vector<BounceEstimate> found(surfaces.lightmaps.size());
-    std::vector<std::size_t> slots(surfaces.lightmaps.size());
-    for (const auto &ofStyle : byStyle_) {
-        const auto &style = ofStyle.first; // clang 14 cannot capture structured bindings
-        const auto &radiosity = ofStyle.second;
-        in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
-            const auto i = std::size_t(number);
-            RawLightmap &raw = surfaces.lightmaps[i];
-            slots[i] = ClaimSlot(raw.styles, style);
-            found[i] = slots[i] < kStyles ? radiosity.brightOnLuxels[i] : BounceEstimate{};
-            if (slots[i] >= kStyles)
-                return;
-            gather_.AddToLuxels(radiosity.total, i, raw, found[i]);
-            for (std::size_t luxel = 0; luxel < found[i].directions.size(); ++luxel)
-                raw.directions[luxel] += found[i].directions[luxel];
-        });
-        in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
-            const auto i = std::size_t(number);
-            RawLightmap &raw = surfaces.lightmaps[i];
-            if (slots[i] >= kStyles)
-                return;
-            raw.light[slots[i]].resize(raw.luxelClusters.size());
-            raw.filled[slots[i]].resize(raw.luxelClusters.size());
-            raw.directional[slots[i]].resize(raw.channels.Count());
-            for (std::vector<Vec3f> &channel : raw.directional[slots[i]])
-                channel.resize(raw.luxelClusters.size());
-            for (std::size_t luxel = 0; luxel < raw.luxelClusters.size(); ++luxel)
-                raw.filled[slots[i]][luxel] = raw.filled[slots[i]][luxel] || raw.Mapped(luxel);
-            denoiser_.AddTo(found, i, slots[i], raw);
-        });
-    }
+    in_.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t number, int) {
+        const auto i = std::size_t(number);
+        RawLightmap &raw = surfaces.lightmaps[i];
+        for (const auto &[style, radiosity] : byStyle_) {
+            const std::size_t slot = ClaimSlot(raw.styles, style);
+            if (slot >= kStyles)
+                continue;
+            BounceEstimate found = radiosity.brightOnLuxels[i];
+            gather_.AddToLuxels(radiosity.total, i, raw, found);
+            AddEstimate(found, slot, raw);
+        }
+    });
 }
 
 void Bounces::AddToVertices(SurfaceLight &surfaces) const {

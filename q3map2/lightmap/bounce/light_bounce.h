@@ -49,7 +49,6 @@ class Bounces {
     BounceScene scene_;
     std::unique_ptr<const RadiosityPatches> patches_; // under -fast; else null
     BounceGather gather_;
-    LuxelDenoiser denoiser_;
     std::map<std::uint8_t, StyleRadiosity> byStyle_;
 };
 

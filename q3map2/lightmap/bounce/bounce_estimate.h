@@ -1,0 +1,24 @@
+// GPL-2.0-or-later. Bounced light on the luxels of a lightmap.
+#pragma once
+
+#include "q3map2/lightmap/raw/lightmaps.h"
+
+#include <vector>
+
+namespace q3 {
+
+/// Estimates by luxel of the super grid; zero for unmapped ones.
+struct BounceEstimate {
+    std::vector<Vec3f> irradiance;
+    ChannelImages channels;
+    std::vector<Vec3f> directions; ///< for deluxe pages, see RawLightmap::directions; else empty
+
+    BounceEstimate() = default;
+    /// Zeros.
+    BounceEstimate(const RawLightmap &raw, bool deluxe)
+        : irradiance(raw.luxelClusters.size()),
+          channels(raw.channels.Count(), std::vector<Vec3f>(raw.luxelClusters.size())),
+          directions(deluxe ? raw.luxelClusters.size() : 0) {}
+};
+
+} // namespace q3
