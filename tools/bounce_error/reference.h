@@ -1,0 +1,41 @@
+// GPL-2.0-or-later. Path traced light at luxels and positions of a map.
+#pragma once
+
+#include "tools/bounce_error/path_tracer.h"
+#include "tools/shbench/truth_lights.h"
+
+#include <filesystem>
+
+namespace q3::bounce {
+
+struct LuxelReceiver {
+    std::size_t lightmap = 0, luxel = 0;
+    int surface = 0; ///< one of the surfaces that share the lightmap
+    Vec3f position, normal;
+};
+
+/// Where light is compared.
+struct Receivers {
+    std::vector<LuxelReceiver> luxels;
+    std::vector<Vec3f> positions;
+};
+
+/// Mapped luxels, drawn with replacement: a luxel's chance is its area.
+std::vector<LuxelReceiver> LuxelsByArea(const SurfaceInputs &in, const SurfaceLight &surfaces, int count,
+                                        std::uint64_t seed);
+
+using PositionEstimate = std::array<Estimate, bench::kNormals>; ///< on each of bench::Normals()
+
+struct Reference {
+    std::vector<Estimate> luxels;
+    std::vector<PositionEstimate> positions;
+    double cpuSeconds = 0;
+    bool fromCache = false;
+};
+
+/// Computes the reference on all worker threads; it does not depend on their number. With a folder it is kept there
+/// under a hash of all that it depends on. Errors: the folder cannot be written.
+Reference MakeReference(const SurfaceInputs &in, const PathTracer &tracer, const DirectLights &lights,
+                        const Receivers &receivers, int paths, const std::filesystem::path &cache);
+
+} // namespace q3::bounce
