@@ -57,14 +57,14 @@ struct VectorSum {
     void Add(const Vec3f &value) { sum += Vec3d(value), squares += Vec3d(value) * Vec3d(value); }
 };
 
-BounceSteps StepsAt(const CauseInputs &inputs, const LuxelReceiver &receiver, int rayCount, std::uint64_t seed) {
+BounceSteps StepsAt(const CauseInputs &inputs, std::span<const Vec3f> places, const Vec3f &normal, int rayCount,
+                    std::uint64_t seed) {
     VectorSum atTexels, coarse;
     for (int first = 0; first < rayCount; first += int(kPacketSize)) {
         RayPacket rays;
         for (std::size_t i = 0; i < kPacketSize; ++i)
-            rays.Set(i, receiver.position,
-                     CosineDirection(receiver.normal, PlasticSample(std::uint32_t(first) + std::uint32_t(i), seed)),
-                     kFar);
+            rays.Set(i, places[(std::size_t(first) + i) % places.size()],
+                     CosineDirection(normal, PlasticSample(std::uint32_t(first) + std::uint32_t(i), seed)), kFar);
         PathScene::Hits hits;
         inputs.tracer.Scene().FirstHits(rays, hits);
         for (const auto &hit : hits) {
@@ -106,31 +106,101 @@ struct DifferenceSum {
 
 } // namespace
 
+namespace {
+
+/// Sets `window` to the mean of `coarse` over the window of the bake, if that is complete.
+void StepOverWindow(const CauseInputs &inputs, const LuxelReceiver &receiver, int rays, std::uint64_t seed,
+                    BounceSteps &step) {
+    constexpr int kReach = 2;
+    constexpr float kMinCosine = 0.9f;
+    const RawLightmap &raw = inputs.surfaces.lightmaps[receiver.lightmap];
+    const int x = int(receiver.luxel) % raw.SuperWidth(), y = int(receiver.luxel) / raw.SuperWidth();
+    if (x < kReach || y < kReach || x + kReach >= raw.SuperWidth() || y + kReach >= raw.SuperHeight())
+        return;
+    std::vector<std::size_t> luxels;
+    for (int oy = y - kReach; oy <= y + kReach; ++oy)
+        for (int ox = x - kReach; ox <= x + kReach; ++ox) {
+            const std::size_t luxel = raw.SuperIndex(ox, oy);
+            if (!raw.Mapped(luxel) || Dot(raw.normals[luxel], receiver.normal) < kMinCosine)
+                return;
+            luxels.push_back(luxel);
+        }
+    step.complete = true;
+    for (const std::size_t luxel : luxels) {
+        const BounceSteps near =
+            StepsAt(inputs, {&raw.positions[luxel], 1}, raw.normals[luxel], rays, HashIndex(seed) + luxel);
+        step.window += near.coarse / float(luxels.size());
+    }
+}
+
+} // namespace
+
 std::vector<BounceSteps> StepsOfFirstBounce(const CauseInputs &inputs, int rays) {
+    constexpr int kWindowShare = 8; // neighbors have fewer rays
     std::vector<BounceSteps> steps(inputs.receivers.luxels.size());
     inputs.in.jobs.For(std::int64_t(steps.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
-        steps[i] = StepsAt(inputs, inputs.receivers.luxels[i], rays, i);
+        const LuxelReceiver &luxel = inputs.receivers.luxels[i];
+        steps[i] = StepsAt(inputs, luxel.places, luxel.normal, rays, i);
+        StepOverWindow(inputs, luxel, rays / kWindowShare, i, steps[i]);
     });
     return steps;
 }
 
 std::string CausesText(const CauseInputs &inputs, std::span<const ComparedLight> light, int rays) {
     const std::vector<BounceSteps> steps = StepsOfFirstBounce(inputs, rays);
-    DifferenceSum all, noiseOfTruth, texels, coarse, rest, raysNoise;
+    DifferenceSum all, noiseOfTruth, texels, coarse, rest, raysNoise, window, noise, rim, beside;
     for (std::size_t i = 0; i < steps.size(); ++i) {
         const BounceSteps &step = steps[i];
         all.Add(light[i].bounced - light[i].traced), noiseOfTruth.Add(light[i].tracedError);
         texels.Add(step.atTexels - light[i].traced), coarse.Add(step.coarse - step.atTexels);
         rest.Add(light[i].bounced - step.coarse);
         raysNoise.Add(step.deviation / float(std::sqrt(kBakedRays * kBakedWindow)));
+        if (inputs.receivers.luxels[i].places.size() > 1)
+            beside.Add(light[i].bounced - step.coarse);
+        else if (step.complete)
+            window.Add(step.window - step.coarse), noise.Add(light[i].bounced - step.window);
+        else
+            rim.Add(light[i].bounced - step.coarse);
     }
-    std::string text = fmt::format("first bounce, bytes, not cut:\n  baked - traced: {}\n", all.Text());
-    text += fmt::format("  noise of the reference: {}\n", noiseOfTruth.Text());
-    text += fmt::format("  emission of the luxel in place of the point that is hit: {}\n", texels.Text());
-    text += fmt::format("  reflectance of the luxel's center, 16 x 16 texels: {}\n", coarse.Text());
-    text += fmt::format("  few rays and the mean over 5 x 5 luxels: {}\n", rest.Text());
-    text += fmt::format("    of this noise of 24 x 25 independent rays: {}\n", raysNoise.Text());
+    const auto line = [&](std::string_view what, const DifferenceSum &sum) {
+        return fmt::format("  {}: {}; {:.0f} % of luxels, squares {:.3f} of all\n", what, sum.Text(),
+                           100 * sum.count / std::max(1.0, all.count), sum.squares / all.squares);
+    };
+    return "first bounce, bytes, not cut:\n" + line("baked - traced", all) +
+           line("noise of the reference", noiseOfTruth) +
+           line("emission of the luxel in place of the point that is hit", texels) +
+           line("reflectance of the luxel's center, 16 x 16 texels", coarse) +
+           line("few rays and the filter over 5 x 5 luxels", rest) +
+           line("  of this in complete windows: mean over the window", window) + line("  ... few rays", noise) +
+           line("  ... at the rims of lightmaps and curves", rim) +
+           line("  ... luxels at the edge of a wall, whose position is not clear", beside) +
+           line("  noise of 24 x 25 independent rays, for comparison", raysNoise);
+}
+
+std::string SurroundingsText(const CauseInputs &inputs, const LuxelReceiver &luxel) {
+    constexpr float kMargin = 0.25f;
+    const Vec3f margin{kMargin, kMargin, kMargin};
+    const bool solid = inputs.in.space.AnySolid(luxel.position - margin, luxel.position + margin);
+    std::string text = solid ? "in a solid or beside it" : "clear of solids";
+    for (const float distance : {2.0f, 16.0f}) {
+        int ended = 0, reflecting = 0;
+        constexpr int kRays = 512;
+        for (int first = 0; first < kRays; first += int(kPacketSize)) {
+            RayPacket rays;
+            for (std::size_t i = 0; i < kPacketSize; ++i)
+                rays.Set(i, luxel.position,
+                         CosineDirection(luxel.normal, PlasticSample(std::uint32_t(first) + std::uint32_t(i), 0)),
+                         distance);
+            PathScene::Hits hits;
+            LaneMask met{};
+            inputs.tracer.Scene().FirstHits(rays, hits, &met);
+            ended += met.Count();
+            reflecting += int(std::count_if(hits.begin(), hits.end(), [](const auto &hit) { return hit.has_value(); }));
+        }
+        text += fmt::format(", {:.0f} % of rays end within {:.0f} units, {:.0f} % reflect", 100.0 * ended / kRays,
+                            distance, 100.0 * reflecting / kRays);
+    }
     return text;
 }
 

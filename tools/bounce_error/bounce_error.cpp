@@ -131,7 +131,9 @@ std::string VectorText(const Vec3f &v) {
     return fmt::format("{:.1f} {:.1f} {:.1f}", v.x, v.y, v.z);
 }
 
-void PrintWorst(const Bsp &bsp, const Receivers &receivers, std::span<const ComparedLight> light, int count) {
+void PrintWorst(const CauseInputs &inputs, std::span<const ComparedLight> light, int count) {
+    const Bsp &bsp = inputs.in.bsp;
+    const Receivers &receivers = inputs.receivers;
     std::vector<std::size_t> order(light.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     const auto shown = std::min(order.size(), std::size_t(count));
@@ -141,10 +143,10 @@ void PrintWorst(const Bsp &bsp, const Receivers &receivers, std::span<const Comp
         const LuxelReceiver &at = receivers.luxels[order[i]];
         const ComparedLight &one = light[order[i]];
         const auto &shader = bsp.shaders[std::size_t(bsp.drawSurfaces[std::size_t(at.surface)].shaderNum)];
-        fmt::print("  error {:.2f} at {} normal {:.2f} {:.2f} {:.2f}: direct {}, bounced {}, traced {} +- {}; {}\n",
+        fmt::print("  error {:.2f} at {} normal {:.2f} {:.2f} {:.2f}: direct {}, bounced {}, traced {} +- {}; {}; {}\n",
                    std::sqrt(SquaredError(one) / 3), VectorText(at.position), at.normal.x, at.normal.y, at.normal.z,
                    VectorText(one.direct), VectorText(one.bounced), VectorText(one.traced), VectorText(one.tracedError),
-                   FieldName(shader.shader));
+                   FieldName(shader.shader), SurroundingsText(inputs, at));
     }
 }
 
@@ -163,14 +165,16 @@ class MapMeasure {
                                                                                       map.log},
           direct_(BakeLuxels(setup_, 0, jobs, map.log, &surfaces_)), lights_(in_, SurfaceLights()),
           tracer_(in_, surfaces_, lights_) {
-        receivers_.luxels = LuxelsByArea(in_, surfaces_, command.luxels, command.seed);
+        receivers_.luxels =
+            LuxelsByArea(in_, surfaces_, tracer_.Scene(), command.luxels, command.seed, &receivers_.hiddenShare);
         if (command.points > 0)
             receivers_.positions =
                 bench::PlayerPositions(map.bsp, setup_.light.space, map.inputs.name, command.points, command.seed);
         reference_ = MakeReference(in_, tracer_, lights_, receivers_, command.paths, command.cache);
-        fmt::print(stderr, "{}: {} lights, {} luxels, {} positions, reference {:.1f} CPU s{}\n", map.inputs.name,
-                   lights_.Lights().size(), receivers_.luxels.size(), receivers_.positions.size(),
-                   reference_.cpuSeconds, reference_.fromCache ? " (from the cache)" : "");
+        fmt::print(stderr,
+                   "{}: {} lights, {} luxels, hidden {:.1f} % of area, {} positions, reference {:.1f} CPU s{}\n",
+                   map.inputs.name, lights_.Lights().size(), receivers_.luxels.size(), 100 * receivers_.hiddenShare,
+                   receivers_.positions.size(), reference_.cpuSeconds, reference_.fromCache ? " (from the cache)" : "");
     }
 
     void Run() {
@@ -181,7 +185,7 @@ class MapMeasure {
             const bench::LightmapSettings settings = SettingsOf(bake.options);
             const std::size_t limit = command_.allBounces ? kAllBounces : LimitOf(settings.lightmap.bounces);
             const auto light = MeasureLuxels(bake, settings, limit);
-            PrintWorst(map_.bsp, receivers_, light, command_.worst);
+            PrintWorst(causes, light, command_.worst);
             if (command_.causes && settings.lightmap.bounces == 1)
                 fmt::print("{}", CausesText(causes, light, command_.paths));
             if (!receivers_.positions.empty())

@@ -29,6 +29,7 @@ struct PathScene::State {
 
     void AddSurface(std::size_t number);
     void Commit();
+    void Trace(const RayPacket &rays, RTCRayHit16 &found) const;
     Vec3f Color(const Vec3f &bytes) const;
     PathHit HitOf(const Triangle &triangle, float u, float v, bool behind) const;
 
@@ -107,16 +108,23 @@ PathScene::PathScene(const SurfaceInputs &in, const SurfaceLight &surfaces)
 
 PathScene::~PathScene() = default;
 
-void PathScene::FirstHits(const RayPacket &rays, Hits &hits) const {
-    alignas(64) RTCRayHit16 found;
+void PathScene::State::Trace(const RayPacket &rays, RTCRayHit16 &found) const {
     SetRays(rays.origin, rays.direction, rays.distance, rays.live, 0, found.ray);
     std::fill(std::begin(found.hit.geomID), std::end(found.hit.geomID), RTC_INVALID_GEOMETRY_ID);
     EmbreeContext context;
     InitContext(context);
-    Intersect16(rays.live.data(), state_->scene.get(), context, found, false);
+    Intersect16(rays.live.data(), scene.get(), context, found, false);
+}
+
+void PathScene::FirstHits(const RayPacket &rays, Hits &hits, LaneMask *met) const {
+    alignas(64) RTCRayHit16 found;
+    state_->Trace(rays, found);
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         hits[i].reset();
-        if (rays.live[i] == 0 || found.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID)
+        const bool meets = rays.live[i] != 0 && found.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+        if (met)
+            (*met)[i] = meets ? -1 : 0;
+        if (!meets)
             continue;
         const Triangle &triangle = state_->triangles[found.hit.primID[i]];
         const auto surface = std::size_t(triangle.surface);
@@ -127,6 +135,19 @@ void PathScene::FirstHits(const RayPacket &rays, Hits &hits) const {
         hits[i] = state_->HitOf(triangle, found.hit.u[i], found.hit.v[i], behind);
         hits[i]->reflectance = ReflectanceAt(surface, hits[i]->st);
     }
+}
+
+int PathScene::BacksMet(const RayPacket &rays) const {
+    alignas(64) RTCRayHit16 found;
+    state_->Trace(rays, found);
+    int backs = 0;
+    for (std::size_t i = 0; i < kPacketSize; ++i)
+        if (rays.live[i] != 0 && found.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID) {
+            const Triangle &triangle = state_->triangles[found.hit.primID[i]];
+            backs += !state_->in.table[std::size_t(triangle.surface)].shader->twoSided &&
+                     Dot(triangle.normal, rays.direction[i]) >= 0;
+        }
+    return backs;
 }
 
 Vec3f PathScene::ReflectanceAt(std::size_t surface, const std::array<float, 2> &st) const {

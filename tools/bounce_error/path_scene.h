@@ -35,8 +35,11 @@ class PathScene {
 
     using Hits = std::array<std::optional<PathHit>, kPacketSize>;
     /// First hits of the live rays. None where a ray leaves the map or ends at the back of a one-sided surface or at
-    /// one that reflects nothing.
-    void FirstHits(const RayPacket &rays, Hits &hits) const;
+    /// one that reflects nothing. met: rays that meet any surface.
+    void FirstHits(const RayPacket &rays, Hits &hits, LaneMask *met = nullptr) const;
+
+    /// How many of the live rays first meet the back of a one-sided surface.
+    int BacksMet(const RayPacket &rays) const;
 
     /// Reflectance of a surface at texture coordinates.
     Vec3f ReflectanceAt(std::size_t surface, const std::array<float, 2> &st) const;

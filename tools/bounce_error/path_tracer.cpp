@@ -210,7 +210,8 @@ int GroupsOf(int paths) {
 
 } // namespace
 
-Estimate PathTracer::OnSurface(const Vec3f &position, const Vec3f &normal, int paths, std::uint64_t seed) const {
+Estimate PathTracer::OnSurface(std::span<const Vec3f> positions, const Vec3f &normal, int paths,
+                               std::uint64_t seed) const {
     const std::vector<float> weights(kPathGroup, 1);
     EstimateSum sum;
     for (int g = 0; g < GroupsOf(paths); ++g) {
@@ -218,7 +219,7 @@ Estimate PathTracer::OnSurface(const Vec3f &position, const Vec3f &normal, int p
         std::vector<Path> group(kPathGroup);
         for (std::uint32_t i = 0; i < std::uint32_t(kPathGroup); ++i)
             group[i] = {i,
-                        position,
+                        positions[i % positions.size()],
                         CosineDirection(normal, PlasticSample(i, groupSeed)),
                         {1, 1, 1},
                         PathRandom(HashIndex(groupSeed) + i)};

@@ -43,8 +43,9 @@ class PathTracer {
     PathTracer(const SurfaceInputs &in, const SurfaceLight &surfaces, const DirectLights &lights)
         : in_(in), scene_(in, surfaces), lights_(lights) {}
 
-    /// On a surface at `position` with that normal. paths: rounded up to groups; for an error there must be two.
-    Estimate OnSurface(const Vec3f &position, const Vec3f &normal, int paths, std::uint64_t seed) const;
+    /// On a surface of that normal, mean over `positions`. paths: in all, rounded up to groups; for an error there must
+    /// be two.
+    Estimate OnSurface(std::span<const Vec3f> positions, const Vec3f &normal, int paths, std::uint64_t seed) const;
     /// On surfaces of each of `normals` at a position in the open, from the same paths.
     std::vector<Estimate> InSpace(const Vec3f &position, std::span<const Vec3f> normals, int paths,
                                   std::uint64_t seed) const;

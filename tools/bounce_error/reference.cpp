@@ -15,7 +15,7 @@ namespace q3::bounce {
 namespace {
 
 /// Change it with the computation of the reference or the file format: it invalidates old files.
-constexpr std::string_view kVersion = "bounce_error reference 1";
+constexpr std::string_view kVersion = "bounce_error reference 2";
 
 struct MappedTriangle {
     int surface = 0;
@@ -35,6 +35,12 @@ void AddReflection(bench::Hash &hash, const SurfaceInputs &in) {
     }
 }
 
+void AddReceiver(bench::Hash &hash, const LuxelReceiver &luxel) {
+    hash.Value(luxel.normal), hash.Value(luxel.places.size());
+    for (const Vec3f &place : luxel.places)
+        hash.Value(place);
+}
+
 std::string KeyOf(const SurfaceInputs &in, const DirectLights &lights, const Receivers &receivers, int paths) {
     bench::Hash hash;
     hash.Value(kVersion), hash.Value(paths);
@@ -47,7 +53,7 @@ std::string KeyOf(const SurfaceInputs &in, const DirectLights &lights, const Rec
         hash.Value(light.angle), hash.Value(light.angleScale);
     }
     for (const LuxelReceiver &one : receivers.luxels)
-        hash.Value(one.position), hash.Value(one.normal);
+        AddReceiver(hash, one);
     for (const Vec3f &position : receivers.positions)
         hash.Value(position);
     return hash.Hex();
@@ -100,44 +106,112 @@ void StoreReference(const std::filesystem::path &path, const std::string &key, c
 
 } // namespace
 
-std::vector<LuxelReceiver> LuxelsByArea(const SurfaceInputs &in, const SurfaceLight &surfaces, int count,
-                                        std::uint64_t seed) {
-    std::vector<MappedTriangle> triangles;
-    std::vector<double> areas;
-    double area = 0;
-    for (std::size_t s = 0; s < in.bsp.drawSurfaces.size(); ++s) {
-        if (surfaces.lightmapOf[s] < 0)
-            continue;
-        for (const Face &face : FacesOf(in, surfaces, s))
-            for (std::size_t i = 2; i < face.size(); ++i) {
-                triangles.push_back({int(s), {face[0], face[i - 1], face[i]}});
-                area += double(Length(Cross(face[i - 1].xyz - face[0].xyz, face[i].xyz - face[0].xyz))) / 2;
-                areas.push_back(area);
-            }
+namespace {
+
+/// Triangles of surfaces with lightmaps, to be drawn by area.
+class MappedArea {
+  public:
+    MappedArea(const SurfaceInputs &in, const SurfaceLight &surfaces) {
+        for (std::size_t s = 0; s < in.bsp.drawSurfaces.size(); ++s)
+            if (surfaces.lightmapOf[s] >= 0)
+                for (const Face &face : FacesOf(in, surfaces, s))
+                    for (std::size_t i = 2; i < face.size(); ++i)
+                        Add({int(s), {face[0], face[i - 1], face[i]}});
     }
+    bool Empty() const { return triangles_.empty() || !(areas_.back() > 0); }
+    /// A point uniform by area: its surface and luxel coordinates.
+    int Draw(PathRandom &random, std::array<float, 2> &luxel) const {
+        const double at = random.Unit() * areas_.back(), root = std::sqrt(random.Unit()), part = random.Unit();
+        const auto number = std::size_t(std::upper_bound(areas_.begin(), areas_.end(), at) - areas_.begin());
+        const MappedTriangle &triangle = triangles_[std::min(number, triangles_.size() - 1)];
+        const std::array<double, 3> weights{1 - root, root * (1 - part), root * part};
+        luxel = {};
+        for (std::size_t axis = 0; axis < 2; ++axis)
+            for (std::size_t k = 0; k < 3; ++k)
+                luxel[axis] += float(weights[k]) * triangle.corners[k].luxel[axis];
+        return triangle.surface;
+    }
+
+  private:
+    void Add(const MappedTriangle &triangle) {
+        const auto &c = triangle.corners;
+        triangles_.push_back(triangle);
+        areas_.push_back((areas_.empty() ? 0 : areas_.back()) +
+                         double(Length(Cross(c[1].xyz - c[0].xyz, c[2].xyz - c[0].xyz))) / 2);
+    }
+    std::vector<MappedTriangle> triangles_;
+    std::vector<double> areas_; // running sum
+};
+
+/// A place is not clear if solids are this near. Game units.
+constexpr float kPlaceMargin = 0.25f;
+/// Nor if a larger share of its rays meets the backs of surfaces: it is behind them.
+constexpr double kMostBacks = 0.25;
+constexpr int kPlaceRays = 64, kPlaceTries = 64;
+constexpr std::size_t kPlaces = 16;
+
+bool IsClear(const SurfaceInputs &in, const PathScene &scene, const Vec3f &place, const Vec3f &normal) {
+    const Vec3f margin{kPlaceMargin, kPlaceMargin, kPlaceMargin};
+    if (in.space.AnySolid(place - margin, place + margin))
+        return false;
+    int backs = 0;
+    for (int first = 0; first < kPlaceRays; first += int(kPacketSize)) {
+        RayPacket rays;
+        for (std::size_t i = 0; i < kPacketSize; ++i)
+            rays.Set(i, place, CosineDirection(normal, PlasticSample(std::uint32_t(first) + std::uint32_t(i), 0)),
+                     1e6f);
+        backs += scene.BacksMet(rays);
+    }
+    return backs <= int(kMostBacks * kPlaceRays);
+}
+
+std::vector<Vec3f> PlacesOf(const SurfaceInputs &in, const PathScene &scene, const RawLightmap &raw,
+                            std::size_t luxel) {
+    const Vec3f position = raw.positions[luxel], normal = raw.normals[luxel];
+    if (IsClear(in, scene, position, normal))
+        return {position};
+    const float size = raw.actualSampleSize / float(raw.super);
+    const Vec3f axis = std::abs(normal.z) > 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1};
+    const Vec3f right = Normalize(Cross(axis, normal));
+    const Vec3f u = raw.hasVectors ? raw.step[0] : right * size;
+    const Vec3f v = raw.hasVectors ? raw.step[1] : Cross(normal, right) * size;
+    std::vector<Vec3f> places;
+    for (std::uint32_t i = 0; i < std::uint32_t(kPlaceTries) && places.size() < kPlaces; ++i) {
+        const Sample2 s = PlasticSample(i, luxel);
+        const Vec3f place = position + u * float(s.u - 0.5) + v * float(s.v - 0.5);
+        if (IsClear(in, scene, place, normal))
+            places.push_back(place);
+    }
+    return places;
+}
+
+} // namespace
+
+std::vector<LuxelReceiver> LuxelsByArea(const SurfaceInputs &in, const SurfaceLight &surfaces, const PathScene &scene,
+                                        int count, std::uint64_t seed, double *hiddenShare) {
     constexpr int kTries = 100; // for each luxel
+    const MappedArea area(in, surfaces);
     PathRandom random(seed);
     std::vector<LuxelReceiver> luxels;
-    for (std::int64_t tries = 0; int(luxels.size()) < count && tries < std::int64_t(kTries) * count; ++tries) {
-        const double at = random.Unit() * area, root = std::sqrt(random.Unit()), part = random.Unit();
-        const auto number = std::size_t(std::upper_bound(areas.begin(), areas.end(), at) - areas.begin());
-        if (number >= triangles.size())
-            continue;
-        const MappedTriangle &triangle = triangles[number];
-        const std::array<double, 3> weights{1 - root, root * (1 - part), root * part};
-        const auto lightmap = std::size_t(surfaces.lightmapOf[std::size_t(triangle.surface)]);
+    double hidden = 0;
+    for (std::int64_t tries = 0; int(luxels.size()) < count && tries < std::int64_t(kTries) * count && !area.Empty();
+         ++tries) {
+        std::array<float, 2> at{};
+        const int surface = area.Draw(random, at);
+        const auto lightmap = std::size_t(surfaces.lightmapOf[std::size_t(surface)]);
         const RawLightmap &raw = surfaces.lightmaps[lightmap];
-        std::array<int, 2> luxel{};
-        for (std::size_t axis = 0; axis < 2; ++axis) {
-            double sum = 0;
-            for (std::size_t k = 0; k < 3; ++k)
-                sum += weights[k] * double(triangle.corners[k].luxel[axis]);
-            luxel[axis] = std::clamp(int(sum), 0, (axis == 0 ? raw.SuperWidth() : raw.SuperHeight()) - 1);
-        }
-        const std::size_t index = raw.SuperIndex(luxel[0], luxel[1]);
-        if (raw.Mapped(index))
-            luxels.push_back({lightmap, index, triangle.surface, raw.positions[index], raw.normals[index]});
+        const std::size_t luxel = raw.SuperIndex(std::clamp(int(at[0]), 0, raw.SuperWidth() - 1),
+                                                 std::clamp(int(at[1]), 0, raw.SuperHeight() - 1));
+        if (!raw.Mapped(luxel))
+            continue;
+        std::vector<Vec3f> places = PlacesOf(in, scene, raw, luxel);
+        if (places.empty())
+            hidden += 1;
+        else
+            luxels.push_back({lightmap, luxel, surface, raw.positions[luxel], raw.normals[luxel], std::move(places)});
     }
+    if (hiddenShare)
+        *hiddenShare = hidden / std::max(1.0, hidden + double(luxels.size()));
     return luxels;
 }
 
@@ -156,7 +230,7 @@ Reference MakeReference(const SurfaceInputs &in, const PathTracer &tracer, const
     in.jobs.For(std::int64_t(receivers.luxels.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
         const LuxelReceiver &luxel = receivers.luxels[i];
-        reference.luxels[i] = tracer.OnSurface(luxel.position, luxel.normal, paths, i);
+        reference.luxels[i] = tracer.OnSurface(luxel.places, luxel.normal, paths, i);
     });
     std::vector<Vec3f> normals;
     for (const Vec3d &normal : bench::Normals())

@@ -10,19 +10,23 @@ namespace q3::bounce {
 
 struct LuxelReceiver {
     std::size_t lightmap = 0, luxel = 0;
-    int surface = 0; ///< one of the surfaces that share the lightmap
-    Vec3f position, normal;
+    int surface = 0;        ///< one of the surfaces that share the lightmap
+    Vec3f position, normal; ///< of the luxel
+    /// Where its light is compared: its position, or places on the part of the luxel that is clear of solids and in
+    /// front of surfaces if the position is not. Luxels at the edge of a wall lie in the plane of the next one.
+    std::vector<Vec3f> places;
 };
 
 /// Where light is compared.
 struct Receivers {
     std::vector<LuxelReceiver> luxels;
     std::vector<Vec3f> positions;
+    double hiddenShare = 0; ///< of area: luxels left out since no part of them can be seen
 };
 
-/// Mapped luxels, drawn with replacement: a luxel's chance is its area.
-std::vector<LuxelReceiver> LuxelsByArea(const SurfaceInputs &in, const SurfaceLight &surfaces, int count,
-                                        std::uint64_t seed);
+/// Mapped luxels that can be seen, drawn with replacement: a luxel's chance is its area. hiddenShare: of the others.
+std::vector<LuxelReceiver> LuxelsByArea(const SurfaceInputs &in, const SurfaceLight &surfaces, const PathScene &scene,
+                                        int count, std::uint64_t seed, double *hiddenShare = nullptr);
 
 using PositionEstimate = std::array<Estimate, bench::kNormals>; ///< on each of bench::Normals()
 
