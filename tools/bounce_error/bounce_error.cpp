@@ -40,6 +40,9 @@ with path traced ones, both cut to 0..255, over luxels (or positions and 26 norm
 signed. energy: sum of baked over sum of traced bounces. noise: standard error of the reference, RMS.
 )";
 
+/// Rays to a luxel of --causes.
+constexpr int kCauseRays = 1024;
+
 struct BakeText {
     std::string name, options;
 };
@@ -187,7 +190,7 @@ class MapMeasure {
             const auto light = MeasureLuxels(bake, settings, limit);
             PrintWorst(causes, light, command_.worst);
             if (command_.causes && settings.lightmap.bounces == 1)
-                fmt::print("{}", CausesText(causes, light, command_.paths));
+                fmt::print("{}", CausesText(causes, light, std::min(command_.paths, kCauseRays)));
             if (!receivers_.positions.empty())
                 MeasureGrid(bake, settings, limit);
         }

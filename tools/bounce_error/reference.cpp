@@ -119,17 +119,27 @@ class MappedArea {
                         Add({int(s), {face[0], face[i - 1], face[i]}});
     }
     bool Empty() const { return triangles_.empty() || !(areas_.back() > 0); }
-    /// A point uniform by area: its surface and luxel coordinates.
-    int Draw(PathRandom &random, std::array<float, 2> &luxel) const {
+    struct Point {
+        int surface = 0;
+        Vec3f position, normal; ///< a unit off the surface
+        std::array<float, 2> luxel{};
+    };
+    /// A point uniform by area.
+    Point Draw(PathRandom &random) const {
         const double at = random.Unit() * areas_.back(), root = std::sqrt(random.Unit()), part = random.Unit();
         const auto number = std::size_t(std::upper_bound(areas_.begin(), areas_.end(), at) - areas_.begin());
         const MappedTriangle &triangle = triangles_[std::min(number, triangles_.size() - 1)];
         const std::array<double, 3> weights{1 - root, root * (1 - part), root * part};
-        luxel = {};
-        for (std::size_t axis = 0; axis < 2; ++axis)
-            for (std::size_t k = 0; k < 3; ++k)
-                luxel[axis] += float(weights[k]) * triangle.corners[k].luxel[axis];
-        return triangle.surface;
+        Point point{triangle.surface, {}, {}, {}};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const FaceCorner &corner = triangle.corners[k];
+            point.position += corner.xyz * float(weights[k]), point.normal += corner.normal * float(weights[k]);
+            for (std::size_t axis = 0; axis < 2; ++axis)
+                point.luxel[axis] += float(weights[k]) * corner.luxel[axis];
+        }
+        point.normal = Normalize(point.normal);
+        point.position += point.normal;
+        return point;
     }
 
   private:
@@ -196,19 +206,21 @@ std::vector<LuxelReceiver> LuxelsByArea(const SurfaceInputs &in, const SurfaceLi
     double hidden = 0;
     for (std::int64_t tries = 0; int(luxels.size()) < count && tries < std::int64_t(kTries) * count && !area.Empty();
          ++tries) {
-        std::array<float, 2> at{};
-        const int surface = area.Draw(random, at);
-        const auto lightmap = std::size_t(surfaces.lightmapOf[std::size_t(surface)]);
+        const MappedArea::Point at = area.Draw(random);
+        const auto lightmap = std::size_t(surfaces.lightmapOf[std::size_t(at.surface)]);
         const RawLightmap &raw = surfaces.lightmaps[lightmap];
-        const std::size_t luxel = raw.SuperIndex(std::clamp(int(at[0]), 0, raw.SuperWidth() - 1),
-                                                 std::clamp(int(at[1]), 0, raw.SuperHeight() - 1));
+        const std::size_t luxel = raw.SuperIndex(std::clamp(int(at.luxel[0]), 0, raw.SuperWidth() - 1),
+                                                 std::clamp(int(at.luxel[1]), 0, raw.SuperHeight() - 1));
         if (!raw.Mapped(luxel))
             continue;
+        if (!IsClear(in, scene, at.position, at.normal)) {
+            hidden += 1;
+            continue;
+        }
         std::vector<Vec3f> places = PlacesOf(in, scene, raw, luxel);
         if (places.empty())
-            hidden += 1;
-        else
-            luxels.push_back({lightmap, luxel, surface, raw.positions[luxel], raw.normals[luxel], std::move(places)});
+            places = {at.position};
+        luxels.push_back({lightmap, luxel, at.surface, raw.positions[luxel], raw.normals[luxel], std::move(places)});
     }
     if (hiddenShare)
         *hiddenShare = hidden / std::max(1.0, hidden + double(luxels.size()));

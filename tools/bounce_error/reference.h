@@ -21,10 +21,10 @@ struct LuxelReceiver {
 struct Receivers {
     std::vector<LuxelReceiver> luxels;
     std::vector<Vec3f> positions;
-    double hiddenShare = 0; ///< of area: luxels left out since no part of them can be seen
+    double hiddenShare = 0; ///< of the area of surfaces: behind others or in solids, without luxels
 };
 
-/// Mapped luxels that can be seen, drawn with replacement: a luxel's chance is its area. hiddenShare: of the others.
+/// Mapped luxels, drawn with replacement: a luxel's chance is the part of its area that can be seen.
 std::vector<LuxelReceiver> LuxelsByArea(const SurfaceInputs &in, const SurfaceLight &surfaces, const PathScene &scene,
                                         int count, std::uint64_t seed, double *hiddenShare = nullptr);
 
