@@ -36,9 +36,8 @@ SceneBuilder PathTest::Room() {
     return scene;
 }
 
-std::unique_ptr<TracedScene> PathTest::Make(const SceneBuilder &scene, float reflectance, int threads) {
-    const Game &game = *FindGame("quake3");
-    if (!library_) {
+const VirtualFileSystem &PathTest::Files() {
+    if (!vfs_) {
         folder.Write("scripts/shaderlist.txt", std::string_view("test\n"));
         folder.Write("scripts/test.shader", std::string_view(script_));
         const std::vector<std::uint8_t> white(3, 255), wall(3, gray_);
@@ -46,12 +45,16 @@ std::unique_ptr<TracedScene> PathTest::Make(const SceneBuilder &scene, float ref
             folder.Write(fmt::format("textures/test/{}.tga", name), EncodeTga(white, 1, 1, 3, TgaRows::TopFirst));
         folder.Write("textures/test/wall.tga", EncodeTga(wall, 1, 1, 3, TgaRows::TopFirst));
         vfs_ = std::make_unique<VirtualFileSystem>(log_.log);
-        vfs_->Mount(folder.Root(), game.archiveExtension);
-        library_ = std::make_unique<ShaderLibrary>(*vfs_, game, ShaderOptions{}, log_.log);
+        vfs_->Mount(folder.Root(), FindGame("quake3")->archiveExtension);
     }
+    return *vfs_;
+}
+
+std::unique_ptr<TracedScene> PathTest::Make(const SceneBuilder &scene, float reflectance, int threads) {
+    if (!library_)
+        library_ = std::make_unique<ShaderLibrary>(Files(), *FindGame("quake3"), ShaderOptions{}, log_.log);
     options.bounceScale = reflectance / (187.5f * 3 / 255);
-    auto traced = std::make_unique<TracedScene>(scene.Build(), *library_, options, threads);
-    return traced;
+    return std::make_unique<TracedScene>(scene.Build(), *library_, options, threads);
 }
 
 std::vector<Vec3f> PathTest::PlacesOn(BoxFace wall, int side) {

@@ -55,6 +55,9 @@ class PathTest : public testing::Test {
     static std::vector<Vec3f> PlacesOn(BoxFace wall, int side);
     static Vec3f InwardOf(BoxFace wall);
 
+    /// Scripts and images, written at the first call.
+    const VirtualFileSystem &Files();
+
     GameFolder folder;
     LightmapOptions options;
 

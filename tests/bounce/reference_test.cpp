@@ -1,6 +1,9 @@
 // GPL-2.0-or-later. References of luxels and positions, and errors against them.
+#include "q3map2/lightmap/light_world.h"
 #include "tests/bounce/bounce_fixture.h"
-#include "tools/bounce_error/bounce_errors.h"
+#include "tools/bounce_error/bounce_causes.h"
+#include "tools/bounce_error/lit_files.h"
+#include "tools/bounce_error/map_bakes.h"
 
 #include <cmath>
 
@@ -65,6 +68,88 @@ TEST_F(PathTest, LuxelsAreDrawnByArea) {
     }
     // Floor and ceiling have 512 x 512, the four others 512 x 256.
     EXPECT_NEAR(bright / 4000, 0.25, 4 * std::sqrt(0.25 * 0.75 / 4000));
+}
+
+/// Walls of light 40 that reflect half of it.
+SceneBuilder WhiteFurnace() {
+    SceneBuilder scene;
+    scene.SetInterior({-128, -128, -128}, {128, 128, 128}, {"textures/test/bright"});
+    scene.SetWorldKey("_ambient", "40");
+    return scene;
+}
+
+TEST_F(PathTest, BakesOfAFurnaceAreRight) {
+    options.bounceScale = 0.5f / (187.5f * 3 / 255);
+    const VirtualFileSystem &files = Files();
+    QuietLog log;
+    const MapFiles map{files, *FindGame("quake3"), WhiteFurnace().Build(), {"test", {}, {}}, log.log};
+    const MapSetup setup(map, {{}, options});
+    const JobPool jobs(1);
+    SurfaceLight surfaces;
+    const BakedLuxels direct = BakeLuxels(setup, 0, jobs, log.log, &surfaces);
+    const LightSetup &light = setup.light;
+    const SurfaceInputs in{light.bsp,   light.space, light.scene, light.table, light.options, setup.settings.lightmap,
+                           light.world, jobs,        log.log};
+    const DirectLights lights(in, {});
+    const PathTracer tracer(in, surfaces, lights);
+    const Receivers receivers{LuxelsByArea(in, surfaces, tracer.Scene(), 50, 1), {{0, 0, 0}, {60, 60, -60}}};
+    const Reference reference = MakeReference(in, tracer, lights, receivers, 1024, {});
+    const BakedGrid directGrid = BakeGrid(map, setup.settings, 0, jobs);
+    for (const int bounces : {1, 3}) {
+        const std::size_t limit = LimitOf(bounces);
+        const auto luxels =
+            CompareLuxels(receivers, reference, limit, direct, BakeLuxels(setup, bounces, jobs, log.log));
+        ASSERT_EQ(luxels.size(), 50u);
+        const BounceErrors errors = ErrorsOf(luxels);
+        EXPECT_LT(errors.rmse, 0.3);
+        EXPECT_NEAR(errors.energy, 1, 0.01);
+        EXPECT_NEAR(errors.meanLight, 40 * (1 - std::pow(0.5, bounces)), 0.3);
+        const BakedGrid grid = BakeGrid(map, setup.settings, bounces, jobs);
+        const auto positions = ComparePositions(receivers, reference, limit, directGrid.bsp, grid.bsp);
+        ASSERT_EQ(positions.size(), 52u);
+        EXPECT_LT(ErrorsOf(positions).rmse, 1);
+        EXPECT_NEAR(ErrorsOf(positions).energy, 1, 0.01);
+    }
+    // What the bake does not do shows as an error.
+    EXPECT_NEAR(ErrorsOf(CompareLuxels(receivers, reference, LimitOf(1), direct, direct)).rmse, 20, 0.2);
+    const CauseInputs causes{in, surfaces, tracer, lights, receivers, direct};
+    for (const BounceSteps &step : StepsOfFirstBounce(causes, 1024)) {
+        EXPECT_NEAR(step.atTexels.x, 20, 0.05);
+        EXPECT_NEAR(step.coarse.y, 20, 0.05);
+        EXPECT_NEAR(step.deviation.z, 0, 0.05);
+        if (step.complete) {
+            EXPECT_NEAR(step.window.x, 20, 0.05);
+        }
+    }
+}
+
+TEST_F(PathTest, LitFilesOfAFurnaceAreRight) {
+    options.bounceScale = 0.5f / (187.5f * 3 / 255);
+    const auto scene = Make(WhiteFurnace(), 0.5f);
+    scene->Prepare();
+    const auto lit = [&](int bounces) {
+        Bsp bsp = scene->bsp;
+        LightOptions light;
+        light.noGrid = true;
+        LightmapOptions own = options;
+        own.bounces = bounces;
+        ShaderLibrary library(Files(), *FindGame("quake3"), {}, scene->log.log);
+        LightWorld(bsp, {"test", {}, {}}, light, own, library, scene->jobs, scene->log.log);
+        compare::Page page{128, 128, bsp.lightmaps};
+        page.rgb.resize(std::size_t(128) * 128 * 3);
+        return compare::LitMap(std::move(bsp), {page}, {});
+    };
+    const compare::LitMap direct = lit(0), bounced = lit(1);
+    const LitFiles files{direct, bounced};
+    const auto points = LitPoints(scene->in, scene->tracer->Scene(), files, 60, 1);
+    ASSERT_EQ(points.size(), 60u);
+    const Receivers receivers = ReceiversOf(points);
+    const Reference reference = MakeReference(scene->in, *scene->tracer, *scene->lights, receivers, 512, {});
+    const auto light = CompareLit(points, reference, LimitOf(1), files);
+    ASSERT_EQ(light.size(), 60u);
+    EXPECT_NEAR(light[0].direct.x, 40, 1);
+    EXPECT_LT(ErrorsOf(light).rmse, 1);
+    EXPECT_NEAR(ErrorsOf(light).energy, 1, 0.05);
 }
 
 TEST(BounceErrorsTest, LightIsCutAsOnAScreen) {

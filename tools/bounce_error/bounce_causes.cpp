@@ -125,12 +125,14 @@ void StepOverWindow(const CauseInputs &inputs, const LuxelReceiver &receiver, in
                 return;
             luxels.push_back(luxel);
         }
-    step.complete = true;
     for (const std::size_t luxel : luxels) {
-        const BounceSteps near =
-            StepsAt(inputs, {&raw.positions[luxel], 1}, raw.normals[luxel], rays, HashIndex(seed) + luxel);
+        const std::vector<Vec3f> places = PlacesOf(inputs.in, inputs.tracer.Scene(), raw, luxel);
+        if (places.empty())
+            return;
+        const BounceSteps near = StepsAt(inputs, places, raw.normals[luxel], rays, HashIndex(seed) + luxel);
         step.window += near.coarse / float(luxels.size());
     }
+    step.complete = true;
 }
 
 } // namespace

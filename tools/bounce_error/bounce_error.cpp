@@ -9,6 +9,7 @@
 #include "q3map2/light/sources/light_envelope.h"
 #include "q3map2/light_inputs.h"
 #include "tools/bounce_error/bounce_causes.h"
+#include "tools/bounce_error/lit_files.h"
 #include "tools/shbench/truth.h"
 
 #include <glib.h>
@@ -33,6 +34,8 @@ constexpr std::string_view kUsage = R"(usage: bounce_error [options] MAP.bsp...
   --worst N            lists the worst luxels of each setting
   --causes             shares of the error of one bounce
   --check              compares direct light of the reference with baked luxels
+  --lit-direct A.bsp, --lit-bounced B.bsp, --lit-limit N   measures the lightmaps of these files of the map in place of
+                       bakes, at --luxels points; N bounces (0: all)
   --cache FOLDER, --no-cache   of the reference (the user's cache folder, q3map2-sh/bounce_error)
   -fs_basepath DIR, -fs_game MOD, -game NAME, -threads N   as for q3map2
 Prints a table by map. Displayed errors, in bytes of 255: direct light with baked bounces against the same direct light
@@ -55,6 +58,8 @@ struct BounceCommand {
     std::uint64_t seed = 1;
     bool allBounces = false, causes = false, check = false;
     std::filesystem::path cache;
+    std::string litDirect, litBounced;
+    int litLimit = 0;
     std::vector<std::string> maps;
 };
 
@@ -102,6 +107,13 @@ BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
     command.allBounces = arguments.TakeFlag("--all-bounces");
     command.causes = arguments.TakeFlag("--causes");
     command.check = arguments.TakeFlag("--check");
+    while (const auto text = arguments.TakeValue("--lit-direct"))
+        command.litDirect = *text;
+    while (const auto text = arguments.TakeValue("--lit-bounced"))
+        command.litBounced = *text;
+    command.litLimit = TakeNumber(arguments, "--lit-limit", 0, 0);
+    if (command.litDirect.empty() != command.litBounced.empty())
+        throw Error("--lit-direct, --lit-bounced: expected both");
     command.cache = std::filesystem::path(g_get_user_cache_dir()) / "q3map2-sh" / "bounce_error";
     while (const auto text = arguments.TakeValue("--cache"))
         command.cache = *text;
@@ -167,20 +179,29 @@ class MapMeasure {
                                                                                       jobs,
                                                                                       map.log},
           direct_(BakeLuxels(setup_, 0, jobs, map.log, &surfaces_)), lights_(in_, SurfaceLights()),
-          tracer_(in_, surfaces_, lights_) {
-        receivers_.luxels =
-            LuxelsByArea(in_, surfaces_, tracer_.Scene(), command.luxels, command.seed, &receivers_.hiddenShare);
-        if (command.points > 0)
-            receivers_.positions =
-                bench::PlayerPositions(map.bsp, setup_.light.space, map.inputs.name, command.points, command.seed);
-        reference_ = MakeReference(in_, tracer_, lights_, receivers_, command.paths, command.cache);
-        fmt::print(stderr,
-                   "{}: {} lights, {} luxels, hidden {:.1f} % of area, {} positions, reference {:.1f} CPU s{}\n",
-                   map.inputs.name, lights_.Lights().size(), receivers_.luxels.size(), 100 * receivers_.hiddenShare,
-                   receivers_.positions.size(), reference_.cpuSeconds, reference_.fromCache ? " (from the cache)" : "");
+          tracer_(in_, surfaces_, lights_) {}
+
+    /// Measures lit files in place of bakes.
+    void RunLit() {
+        const int side = command_.game.game->lightmapSize;
+        const auto direct = compare::LitMap::Load(command_.litDirect, side, map_.log);
+        const auto all = compare::LitMap::Load(command_.litBounced, side, map_.log);
+        const LitFiles files{direct, all};
+        const auto points = LitPoints(in_, tracer_.Scene(), files, command_.luxels, command_.seed);
+        receivers_ = ReceiversOf(points);
+        Trace();
+        const auto light = CompareLit(points, reference_, LimitOf(command_.litLimit), files);
+        PrintErrors(map_.inputs.name, "lightmap points", command_.litBounced, 0, ErrorsOf(light));
+        fmt::print(stderr, "{} points are not too bright\n", light.size());
     }
 
     void Run() {
+        receivers_.luxels =
+            LuxelsByArea(in_, surfaces_, tracer_.Scene(), command_.luxels, command_.seed, &receivers_.hiddenShare);
+        if (command_.points > 0)
+            receivers_.positions =
+                bench::PlayerPositions(map_.bsp, setup_.light.space, map_.inputs.name, command_.points, command_.seed);
+        Trace();
         const CauseInputs causes{in_, surfaces_, tracer_, lights_, receivers_, direct_};
         if (command_.check)
             fmt::print("{}", DirectCheckText(causes));
@@ -197,6 +218,13 @@ class MapMeasure {
     }
 
   private:
+    void Trace() {
+        reference_ = MakeReference(in_, tracer_, lights_, receivers_, command_.paths, command_.cache);
+        fmt::print(stderr,
+                   "{}: {} lights, {} luxels, hidden {:.1f} % of area, {} positions, reference {:.1f} CPU s{}\n",
+                   map_.inputs.name, lights_.Lights().size(), receivers_.luxels.size(), 100 * receivers_.hiddenShare,
+                   receivers_.positions.size(), reference_.cpuSeconds, reference_.fromCache ? " (from the cache)" : "");
+    }
     bench::LightmapSettings SettingsOf(const std::string &options) const {
         return bench::LightmapSettingsFrom(command_.options + " " + options, *command_.game.game);
     }
@@ -265,7 +293,11 @@ int Run(const std::vector<std::string> &words) {
     for (const std::string &name : command.maps) {
         const MapFiles map{files, *command.game.game, ReadBspFile(name, command.game.Format(), log),
                            ReadLightInputs(name, log), log};
-        MapMeasure(command, map, jobs).Run();
+        MapMeasure measure(command, map, jobs);
+        if (command.litDirect.empty())
+            measure.Run();
+        else
+            measure.RunLit();
     }
     return 0;
 }

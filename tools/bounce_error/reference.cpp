@@ -160,6 +160,8 @@ constexpr double kMostBacks = 0.25;
 constexpr int kPlaceRays = 64, kPlaceTries = 64;
 constexpr std::size_t kPlaces = 16;
 
+} // namespace
+
 bool IsClear(const SurfaceInputs &in, const PathScene &scene, const Vec3f &place, const Vec3f &normal) {
     const Vec3f margin{kPlaceMargin, kPlaceMargin, kPlaceMargin};
     if (in.space.AnySolid(place - margin, place + margin))
@@ -194,8 +196,6 @@ std::vector<Vec3f> PlacesOf(const SurfaceInputs &in, const PathScene &scene, con
     }
     return places;
 }
-
-} // namespace
 
 std::vector<LuxelReceiver> LuxelsByArea(const SurfaceInputs &in, const SurfaceLight &surfaces, const PathScene &scene,
                                         int count, std::uint64_t seed, double *hiddenShare) {

@@ -24,6 +24,12 @@ struct Receivers {
     double hiddenShare = 0; ///< of the area of surfaces: behind others or in solids, without luxels
 };
 
+/// Whether a place is clear of solids and in front of surfaces: few of its rays meet the backs of one-sided ones.
+bool IsClear(const SurfaceInputs &in, const PathScene &scene, const Vec3f &place, const Vec3f &normal);
+
+/// LuxelReceiver::places of a luxel; none if it cannot be seen.
+std::vector<Vec3f> PlacesOf(const SurfaceInputs &in, const PathScene &scene, const RawLightmap &raw, std::size_t luxel);
+
 /// Mapped luxels, drawn with replacement: a luxel's chance is the part of its area that can be seen.
 std::vector<LuxelReceiver> LuxelsByArea(const SurfaceInputs &in, const SurfaceLight &surfaces, const PathScene &scene,
                                         int count, std::uint64_t seed, double *hiddenShare = nullptr);
