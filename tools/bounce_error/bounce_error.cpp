@@ -79,6 +79,8 @@ void AddBounces(std::string_view list, BounceCommand &command) {
         const std::string number(list.substr(0, comma));
         if (IntegerFromText(number) < 1)
             throw Error("--bounce {}: expected whole numbers of at least 1", number);
+        if (!command.allBounces)
+            LimitOf(IntegerFromText(number));
         command.bakes.push_back({fmt::format("-bounce {}", number), fmt::format("-bounce {}", number)});
         list.remove_prefix(std::min(comma + 1, list.size()));
     }
@@ -86,6 +88,7 @@ void AddBounces(std::string_view list, BounceCommand &command) {
 
 BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
     BounceCommand command;
+    command.allBounces = arguments.TakeFlag("--all-bounces");
     bool any = false;
     while (const auto text = arguments.TakeValue("--bounce"))
         AddBounces(*text, command), any = true;
@@ -104,7 +107,6 @@ BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
     command.paths = TakeNumber(arguments, "--paths", command.paths, 2 * kPathGroup);
     command.seed = std::uint64_t(TakeNumber(arguments, "--seed", 1, 0));
     command.worst = TakeNumber(arguments, "--worst", 0, 0);
-    command.allBounces = arguments.TakeFlag("--all-bounces");
     command.causes = arguments.TakeFlag("--causes");
     command.check = arguments.TakeFlag("--check");
     while (const auto text = arguments.TakeValue("--lit-direct"))
