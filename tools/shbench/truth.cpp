@@ -89,18 +89,18 @@ TruthPoint Finish(const BenchMap &map, const Vec3f &position, const DirectionSum
 
 } // namespace
 
-std::vector<Vec3f> PlayerPositions(const BenchMap &map, int count, std::uint64_t seed) {
-    const bspModel_t &world = map.bsp.models.front();
+std::vector<Vec3f> PlayerPositions(const Bsp &bsp, const BspSpace &space, std::string_view mapName, int count,
+                                   std::uint64_t seed) {
+    const bspModel_t &world = bsp.models.front();
     const Vec3f mins(world.mins), size = Vec3f(world.maxs) - mins;
     Random random(seed);
     std::vector<Vec3f> positions;
     for (std::int64_t tries = 0; int(positions.size()) < count; ++tries) {
         if (tries > std::int64_t(count) * kTriesPerPosition)
-            throw Error("{}: found only {} of {} positions where a player can be", map.inputs.name, positions.size(),
-                        count);
+            throw Error("{}: found only {} of {} positions where a player can be", mapName, positions.size(), count);
         const float x = float(Unit(random)), y = float(Unit(random)), z = float(Unit(random));
         const Vec3f p = mins + size * Vec3f{x, y, z};
-        if (map.space.ClusterAt(p, kPlayerHalfSize) >= 0 && map.space.PlayerFits(p))
+        if (space.ClusterAt(p, kPlayerHalfSize) >= 0 && space.PlayerFits(p))
             positions.push_back(p);
     }
     return positions;

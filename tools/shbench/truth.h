@@ -41,7 +41,11 @@ struct Truth {
 
 /// Positions uniform in the space that a player can be in: in a cluster, a cube of 16 units half size clear of solid.
 /// Errors: too little such space.
-std::vector<Vec3f> PlayerPositions(const BenchMap &map, int count, std::uint64_t seed);
+std::vector<Vec3f> PlayerPositions(const Bsp &bsp, const BspSpace &space, std::string_view mapName, int count,
+                                   std::uint64_t seed);
+inline std::vector<Vec3f> PlayerPositions(const BenchMap &map, int count, std::uint64_t seed) {
+    return PlayerPositions(map.bsp, map.space, map.inputs.name, count, seed);
+}
 
 /// Light at one position. `noise`: sum over normals and channels of ((a - b) / 2)^2, a and b being the displayed bytes
 /// from each half of the rays.

@@ -1,12 +1,10 @@
 // GPL-2.0-or-later. Cache of reference light: files named by a hash of everything that it depends on.
 #include "common/error.h"
 #include "common/files/files.h"
+#include "tools/shbench/map_hash.h"
 #include "tools/shbench/truth.h"
 
-#include <glib.h>
-
 #include <cstring>
-#include <memory>
 #include <type_traits>
 
 namespace q3::bench {
@@ -15,64 +13,6 @@ namespace {
 
 /// Change it with the computation of the reference or the file format: it invalidates old files.
 constexpr std::string_view kVersion = "shbench truth 1";
-
-class Hash {
-  public:
-    Hash() : sum_(g_checksum_new(G_CHECKSUM_SHA256), g_checksum_free) {}
-
-    template <typename T> void Value(const T &value) {
-        static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
-        Bytes(&value, sizeof value);
-    }
-    void Value(const Vec3f &v) { Value(v.x), Value(v.y), Value(v.z); }
-    void Value(std::string_view text) {
-        Value(text.size());
-        Bytes(text.data(), text.size());
-    }
-    template <typename T> void Records(const std::vector<T> &records) {
-        static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
-        Value(records.size());
-        Bytes(records.data(), records.size() * sizeof(T));
-    }
-    std::string Hex() const { return g_checksum_get_string(sum_.get()); }
-
-  private:
-    void Bytes(const void *data, std::size_t size) {
-        if (size > 0)
-            g_checksum_update(sum_.get(), static_cast<const guchar *>(data), gssize(size));
-    }
-    std::unique_ptr<GChecksum, void (*)(GChecksum *)> sum_;
-};
-
-void AddGeometry(Hash &hash, const Bsp &bsp) {
-    hash.Value(std::string_view(bsp.entities));
-    hash.Records(bsp.shaders), hash.Records(bsp.planes), hash.Records(bsp.nodes), hash.Records(bsp.leafs);
-    hash.Records(bsp.leafSurfaces), hash.Records(bsp.leafBrushes), hash.Records(bsp.models);
-    hash.Records(bsp.brushes), hash.Records(bsp.brushSides);
-    hash.Records(bsp.drawVerts), hash.Records(bsp.drawIndexes), hash.Records(bsp.drawSurfaces);
-    hash.Records(bsp.visibility);
-}
-
-void AddSurfaces(Hash &hash, const SurfaceTable &table) {
-    hash.Value(table.size());
-    for (const SurfaceEntry &entry : table) {
-        hash.Value(entry.origin), hash.Value(entry.castShadows), hash.Value(entry.longestCurve);
-        hash.Value(entry.skyBoxCopy), hash.Value(entry.skyIndex), hash.Value(entry.shader->compileFlags);
-        if ((entry.shader->compileFlags & (C_ALPHASHADOW | C_LIGHTFILTER)) == 0 || !entry.shader->lightImage)
-            continue;
-        hash.Value(entry.shader->imageFound), hash.Value(entry.shader->lightImage->width);
-        hash.Records(entry.shader->lightImage->rgba);
-    }
-}
-
-void AddLight(Hash &hash, const Light &light) {
-    hash.Value(light.type), hash.Value(light.linear), hash.Value(light.twoSided), hash.Value(light.negative);
-    hash.Value(light.color), hash.Value(light.photons), hash.Value(light.add);
-    hash.Value(light.origin), hash.Value(light.normal), hash.Value(light.fade), hash.Value(light.radiusByDist);
-    hash.Value(light.extraDist), hash.Value(light.skyIndex), hash.Value(light.w.size());
-    for (const Vec3f &corner : light.w)
-        hash.Value(corner);
-}
 
 void AddWorld(Hash &hash, const WorldLight &world, const LightOptions &options) {
     hash.Value(world.ambient), hash.Value(world.minGrid), hash.Value(world.hasFloodlight);
