@@ -102,7 +102,8 @@ void VertexLighter::FindLights(const std::vector<Light> &lights) {
             const bool seen = surfaceClusters_.empty() || light.seenFrom.empty() ||
                               std::any_of(surfaceClusters_.begin(), surfaceClusters_.end(),
                                           [&](int cluster) { return light.SeenFrom(cluster); });
-            if (in_.options.sunOnly || !seen || Length(light.origin - center) - light.envelope - radius > 0)
+            if (in_.options.sunOnly || !seen || Length(light.origin - center) - light.envelope - radius > 0 ||
+                ConeMisses(light, center, radius))
                 continue;
         }
         lights_.push_back(&light);
