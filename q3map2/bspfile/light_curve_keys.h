@@ -117,13 +117,14 @@ inline constexpr EntityKey kEnvironmentKeys[] = {
       .values = "N [G] [B] [I]",
       .kind = Number,
       .range = {-kMaxIntensity, kMaxIntensity},
-      .help = "Sky light, written as `_light`: what an open floor gets from the sky"}},
+      .help = "Sky light, written as _light: what an open floor gets from the sky"}},
     {{.name = "SunSpreadAngle",
       .values = "A",
       .kind = Number,
       .unit = "degrees",
       .range = {0, 180},
-      .help = "Angle that the sun's disc spans, for soft shadows; `_samples` directions, 32 unless it says more"}}};
+      .help = "Angle that the sun's disc spans, for soft shadows",
+      .details = "The sun is then 32 directions, or as many as `_samples` says."}}};
 inline constexpr const EntityKey &kSkyAmbient = kEnvironmentKeys[0], &kSunSpread = kEnvironmentKeys[1];
 
 /// Keys that Source reads for HDR light alone. One result serves all ranges here.

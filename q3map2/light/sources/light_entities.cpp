@@ -231,7 +231,9 @@ void AddSun(const Light &light, const Vec3f &target, float deviance, int samples
 }
 
 void AddEnvironment(const Entity &entity, const LightOptions &options, std::vector<Light> &lights, Log &log) {
-    const Light sun = LightFromKeys(entity, options, log).light;
+    auto [sun, byQuad] = LightFromKeys(entity, options, log);
+    if (!byQuad)
+        sun.photons = Limited(keys::kLight.Number(entity, 0) * Scale(entity), entity, log);
     Environment environment{.direction = DirectionOfKeys(entity),
                             .color = sun.color,
                             .photons = sun.photons,

@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/vertex/vertex_light.h"
 
 #include "common/debug_color.h"
+#include "q3map2/light/sources/falloff.h"
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 #include "q3map2/lightmap/ao/luxel_flood.h"
 #include "q3map2/lightmap/raw/vector_colors.h"
