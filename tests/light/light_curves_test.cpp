@@ -158,6 +158,55 @@ TEST_F(CurvesTest, PolynomialsGiveTheKeysBrightnessAtAHundredUnits) {
     EXPECT_EQ(Falloff(constant).At(5000), 37);
 }
 
+TEST_F(CurvesTest, NoNumbersMakeAnythingButLight) {
+    std::mt19937 random(5);
+    const char *numbers[] = {"0",   "-1",  "1e-40", "1e-300", "0.001", "1", "90",
+                             "180", "1e6", "1e30",  "nan",    "inf",   "x", "255 255 255 1e30"};
+    const char *names[] = {"_light",
+                           "_constant_attn",
+                           "_linear_attn",
+                           "_quadratic_attn",
+                           "_fifty_percent_distance",
+                           "_zero_percent_distance",
+                           "_hardfalloff",
+                           "_radius",
+                           "delay",
+                           "wait",
+                           "_inner_cone",
+                           "_cone",
+                           "_exponent",
+                           "pitch",
+                           "angle",
+                           "_extradist",
+                           "SunSpreadAngle",
+                           "_ambient"};
+    int lit = 0;
+    for (int i = 0; i < 4000; ++i) {
+        Entity entity = MakeEntity(i % 5 == 0 ? "light_environment" : i % 5 == 1 ? "light_spot" : "light", {});
+        for (int k = 0; k < 5; ++k)
+            entity.Set(names[random() % std::size(names)], numbers[random() % std::size(numbers)]);
+        std::vector<Light> lights;
+        try {
+            lights = LightsOf({entity});
+        } catch (const Error &) {
+            continue;
+        }
+        for (const Light &light : lights) {
+            const float sign = light.photons < 0 ? -1.0f : 1.0f;
+            ASSERT_TRUE(std::isfinite(light.photons) && IsFinite(light.color) && IsFinite(light.normal));
+            for (const float d : {0.f, 0.5f, 1.f, 16.f, 100.f, 5000.f, 500000.f}) {
+                const float value = light.type == LightType::Sun ? light.photons : Falloff(light).At(d);
+                ASSERT_TRUE(std::isfinite(value) && value * sign >= 0) << FormatEntities({entity}) << d << " " << value;
+                lit += value > 0;
+            }
+            if (light.type == LightType::Spot) {
+                ASSERT_TRUE(std::isfinite(ConeShare(light, {1, 2, 3})));
+            }
+        }
+    }
+    EXPECT_GT(lit, 5000);
+}
+
 TEST_F(CurvesTest, ColorsWithBrightnessAreLinearAndFallOffByTheSquare) {
     const Light light = LightOf({{"_light", "255 128 0 200"}});
     EXPECT_NEAR(Falloff(light).At(100), 200, 1e-3);

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <memory>
+#include <map>
 
 namespace q3::test {
 
@@ -85,17 +85,26 @@ class SourceLightsTest : public testing::Test {
                 << place.position.x << " " << place.position.y;
         }
     }
-    static std::vector<Entity> AllKinds(int factor) {
+    /// Lights of all kinds, brighter by a factor and elsewhere: turned by quarters around z, then moved.
+    static std::vector<Entity> AllKinds(int factor, int quarters = 0, const Vec3f &moved = {}) {
         const std::string light = fmt::format("255 100 50 {}", 64 * factor);
-        return {MakeEntity("light", {{"origin", "20 30 90"}, {"_light", light}, {"_linear_attn", "1"}}),
-                MakeEntity("light", {{"origin", "-90 30 50"},
+        const auto place = [&](Vec3f p) {
+            for (int i = 0; i < quarters; ++i)
+                p = {-p.y, p.x, p.z};
+            return fmt::format("{} {} {}", p.x + moved.x, p.y + moved.y, p.z + moved.z);
+        };
+        return {MakeEntity("light", {{"origin", place({20, 30, 90})}, {"_light", light}, {"_linear_attn", "1"}}),
+                MakeEntity("light", {{"origin", place({-90, 30, 50})},
                                      {"_light", light},
                                      {"_fifty_percent_distance", "50"},
                                      {"_zero_percent_distance", "180"},
                                      {"_hardfalloff", "1"}}),
-                MakeEntity("light", {{"origin", "90 -70 40"}, {"_light", light}, {"_radius", "200"}}),
-                MakeEntity("light_spot",
-                           {{"origin", "0 50 150"}, {"_light", light}, {"angles", "-70 20 0"}, {"_inner_cone", "25"}})};
+                MakeEntity("light", {{"origin", place({90, -70, 40})}, {"_light", light}, {"_radius", "200"}}),
+                MakeEntity("light_spot", {{"origin", place({0, 50, 150})},
+                                          {"_light", light},
+                                          {"angles", fmt::format("-70 {} 0", 20 + 90 * quarters)},
+                                          {"_inner_cone", "15"},
+                                          {"_cone", "30"}})};
     }
 
     GameFolder folder_;
@@ -155,6 +164,32 @@ TEST_F(SourceLightsTest, DoubleIntensitiesAreExactlyDoubleLightAndLightsAddUp) {
     for (std::size_t i = 0; i < once.size(); ++i) {
         EXPECT_EQ(once[i].light * 2.0, twice[i].light);
         EXPECT_LE(Length(once[i].light - sum[i]), 1e-5 * (1 + Length(sum[i])));
+    }
+}
+
+TEST_F(SourceLightsTest, LightDoesNotDependOnWhereTheMapIs) {
+    using Key = std::pair<int, int>;
+    const auto bake = [&](int quarters, const Vec3f &moved) {
+        SceneBuilder scene = EmptyRoom(Vec3f{-1024, -1024, -1024} + moved, Vec3f{1024, 1024, 1024} + moved);
+        scene.AddQuad(Rectangle(moved.x - 128, moved.y - 128, moved.x + 128, moved.y + 128, moved.z), Shaded(kFloor));
+        const Baked baked = Bake(scene, AllKinds(1, quarters, moved));
+        const RawLightmap &floor = baked.Of(kFloor);
+        std::map<Key, Vec3f> light;
+        for (std::size_t i = 0; i < floor.luxelClusters.size(); ++i)
+            if (floor.Mapped(i)) {
+                const Vec3f p = floor.positions[i] - moved;
+                light[{int(std::lround(p.x)), int(std::lround(p.y))}] = floor.light[0][i];
+            }
+        return light;
+    };
+    const auto here = bake(0, {}), moved = bake(0, {4096, -4096, 4096}), turned = bake(1, {});
+    ASSERT_GE(here.size(), 200u);
+    const auto inside = [](int at) { return std::abs(at) < 120; }; // luxels at the rim are moved inward
+    for (const auto &[at, light] : here) {
+        if (!inside(at.first) || !inside(at.second))
+            continue;
+        EXPECT_LE(Length(moved.at(at) - light), 1e-4f * (1 + Length(light)));
+        EXPECT_LE(Length(turned.at({-at.second, at.first}) - light), 1e-4f * (1 + Length(light)));
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/light_curve_keys.h"
+#include "q3map2/light/sources/falloff.h"
 
 #include <algorithm>
 
@@ -17,6 +18,7 @@ constexpr double kDarkMultiple = 256;
 constexpr int kSteepnessSteps = 20;
 /// Distance scale of the curves of `delay`. Game units.
 constexpr double kDelayScale = 128;
+constexpr double kLeastWait = 0.001;
 /// A curve of _fifty_percent_distance that ends by its vertex ends at so many times its distance.
 constexpr double kVertexEnd = 10;
 
@@ -37,11 +39,10 @@ Attenuation FromQuadratic(const Quadratic &q) {
     return {.constant = float(q.constant), .linear = float(q.linear), .quadratic = float(q.quadratic)};
 }
 
-/// Light is `brightness` times the photons at kReferenceDistance.
+/// Light of photons `brightness` / q. Only the ratio of the two counts.
 void SetPolynomial(const Quadratic &q, double brightness, Light &light) {
     light.curve = FalloffCurve::Polynomial;
-    light.attenuation = FromQuadratic(q);
-    light.photons *= float(brightness);
+    light.attenuation = FromQuadratic({q.constant / brightness, q.linear / brightness, q.quadratic / brightness});
 }
 
 void SetFiftyPercent(const Entity &entity, Light &light) {
@@ -76,7 +77,7 @@ void SetPolynomialOfKeys(const Entity &entity, Light &light) {
 
 /// False: no curve for this number.
 bool SetDelay(const Entity &entity, Light &light, Log &log) {
-    const double given = keys::kWait.Number(entity), wait = given > 0 ? given : 1;
+    const double given = keys::kWait.Number(entity), wait = given > 0 ? std::max(given, kLeastWait) : 1;
     switch (const int delay = keys::kDelay.Integer(entity)) {
     case 1:
         SetPolynomial({0, wait, 0}, kDelayScale, light);
@@ -113,6 +114,8 @@ std::string LightLabel(const Entity &entity) {
 
 std::optional<Attenuation> FiftyPercentCurve(double fifty, double zero, bool hard) {
     constexpr double kLeast = 2;
+    if (fifty < double(kNearestPolynomial))
+        return std::nullopt;
     const double straight = 1 + (kDarkMultiple - 1) * fifty / zero;
     Quadratic q = Through(fifty, kLeast, zero);
     double middle = kLeast;
@@ -120,7 +123,7 @@ std::optional<Attenuation> FiftyPercentCurve(double fifty, double zero, bool har
         middle = kLeast + (straight - kLeast) * step / kSteepnessSteps;
         q = Through(fifty, middle, zero);
     }
-    const double scale = 2 / middle;
+    const double scale = kLeast / middle;
     q = {q.constant * scale, q.linear * scale, q.quadratic * scale};
     Attenuation curve = FromQuadratic(q);
     const double vertex = q.quadratic != 0 ? -q.linear / (2 * q.quadratic) : 0;

@@ -16,7 +16,7 @@ std::string LightLabel(const Entity &entity);
 /// (0, 1), (fifty, m), (zero, 256) with m = 2, or the next larger m, in steps of 5 % of the way to the straight line,
 /// whose slope at distance 1 is not negative. `hard`: a fade to nothing at `zero`; else a curve with its vertex at a
 /// distance over 0 stays as it is there from the vertex on, and fades to nothing at 10 times its distance. Empty if the
-/// polynomial is not positive at all distances that count. Distances differ and are over 0. Game units.
+/// polynomial is not positive at all distances that count, or `fifty` is below 1. The distances differ. Game units.
 std::optional<Attenuation> FiftyPercentCurve(double fifty, double zero, bool hard);
 
 /// Sets curve and attenuation of a light by the keys of kFalloffKeys, if there are any, and multiplies its photons by

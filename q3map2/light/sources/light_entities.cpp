@@ -128,6 +128,9 @@ EntityLight LightFromKeys(const Entity &entity, const LightOptions &options, Log
     result.byQuad = TakeQuad(entity, keys::kLight, light, log);
     if (!result.byQuad)
         light.photons = Intensity(entity, log);
+    else if (keys::kColor.Given(entity))
+        log.Warn("key of a light without effect", "{}: _color has no effect beside the color in _light",
+                 LightLabel(entity));
     if (!IsFinite(light.color) || MaxComponent(Max(light.color, -light.color)) > kMaxIntensity) {
         log.Warn("light color", "{}: _color {} is out of range, white is used", LightLabel(entity),
                  keys::kColor.Text(entity));
