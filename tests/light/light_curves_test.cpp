@@ -361,6 +361,30 @@ TEST_F(CurvesTest, SpheresThatACommonPointMakesAreNotMissed) {
     EXPECT_GT(missed, 500);
 }
 
+TEST_F(CurvesTest, BadKeysAreNamedWhereTheyAreRead) {
+    const auto warnings = [](std::string_view className) {
+        QuietLog quiet;
+        WarnOfBadLightKeys(MakeEntity(className, {{"_radius", "wide"}, {"pitch", "x"}, {"SunSpreadAngle", "200"}}), 7,
+                           quiet.log);
+        return quiet.text;
+    };
+    EXPECT_THAT(warnings("light"), AllOf(HasSubstr("entity 7 (light): _radius \"wide\": expected a number"),
+                                         Not(HasSubstr("pitch")), Not(HasSubstr("SunSpreadAngle"))));
+    EXPECT_THAT(warnings("light_spot"), AllOf(HasSubstr("_radius"), HasSubstr("pitch \"x\": expected a number")));
+    EXPECT_THAT(warnings("light_environment"), AllOf(HasSubstr("pitch"), HasSubstr("SunSpreadAngle \"200\"")));
+}
+
+TEST_F(CurvesTest, SpawnflagsOfSourceDoNotChangeTheLight) {
+    const Light dark = LightOf({{"_light", "255 255 255 100"}, {"spawnflags", "1"}});
+    EXPECT_TRUE(dark.angle);
+    EXPECT_EQ(dark.curve, FalloffCurve::Polynomial);
+    const Light linear = LightOf({{"_light", "100"}, {"spawnflags", "1"}});
+    EXPECT_FALSE(linear.angle);
+    EXPECT_EQ(linear.curve, FalloffCurve::Linear);
+    LightOf({{"_light", "255 255 255 100"}, {"_color", "1 0 0"}});
+    EXPECT_TRUE(Said("_color has no effect beside the color in _light"));
+}
+
 TEST_F(CurvesTest, KeysForHdrLightAloneAreNamed) {
     LightOf({{"_light", "255 255 255 200"}, {"_lightHDR", "-1 -1 -1 1"}, {"_lightscaleHDR", "1"}});
     LightOf({{"_light", "255 255 255 200"}, {"_lightHDR", "255 255 255 200"}});
