@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Documentation of the keys of entities.
 #include "q3map2/entity_sections.h"
 
+#include "q3map2/bspfile/light_curve_keys.h"
 #include "q3map2/bspfile/object_keys.h"
 #include "q3map2/bspfile/surface_keys.h"
 
@@ -18,6 +19,21 @@ std::vector<SettingSection> EntitySections() {
                          "the class `lightJunior` shine on the grids only. `_anglescale`, `_filterradius` and "
                          "spawnflag 2 have no meaning for grids.",
                          keys::kLightKeys),
+            DescribeKeys("Lights: falloff",
+                         "Curves other than those of the established program; the first of "
+                         "`_fifty_percent_distance`, the three of `_constant_attn`, `_radius` and `delay` counts. The "
+                         "page [from_source.md](from_source.md) has the formulas.",
+                         keys::kFalloffKeys),
+            DescribeKeys("Lights: cones",
+                         "The cone of a `light_spot`, and of other lights with one of the first three keys, in place "
+                         "of the one that `radius` describes. The light is also multiplied by the cosine to the axis.",
+                         keys::kConeKeys),
+            DescribeKeys("light_environment",
+                         "The sun and the sky light of a map, through any sky: `_light` is the light of the sun on a "
+                         "surface that faces it, `pitch`, `angles` and `angle` are where it shines, as for cones. The "
+                         "last one of a map counts.",
+                         keys::kEnvironmentKeys),
+            DescribeKeys("Lights: HDR", "", keys::kHdrLightKeys),
             DescribeKeys("Worldspawn: bsp and vis", "", keys::kWorldKeys),
             DescribeKeys("Entities with brushes or patches, and the world",
                          "The bsp stage writes what these keys say to the `.srf`. The light stage reads the keys of a "

@@ -26,7 +26,7 @@ std::string Problem(const EntityKey &key, std::string_view text) {
     if (count < required)
         return required == 1 ? "expected a number" : fmt::format("expected {} numbers", required);
     if (text.find_first_not_of(" \t") != std::string_view::npos)
-        return fmt::format("\"{}\" after the number{} is not read", text.substr(0, 40), most == 1 ? "" : "s");
+        return fmt::format("\"{}\" after the number{} is not read", text.substr(0, 40), count == 1 ? "" : "s");
     return {};
 }
 

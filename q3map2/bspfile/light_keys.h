@@ -24,11 +24,14 @@ inline constexpr EntityKey kLightKeys[] = {
       .help = "Position"}},
     {{.name = "_light",
       .aliases = {"light"},
-      .values = "N",
+      .values = "N [G] [B] [I]",
       .kind = Number,
       .range = {-kMaxIntensity, kMaxIntensity},
-      .help = "Intensity",
-      .details = "0 means 300; a negative light darkens."},
+      .help = "Intensity, or color and brightness as in Source",
+      .details =
+          "One number: 0 means 300; a negative light darkens. Three or four, R G B I, are light in byte values at "
+          "distance 100, for each channel 255 (c/255)^2.2 I/255, with I 255 if it is missing; the falloff is "
+          "inverse square unless keys say otherwise."},
      300},
     {{.name = "scale", .values = "F", .kind = Number, .help = "Factor of the intensity"}, 1},
     {{.name = "_color",

@@ -3,10 +3,11 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/grid_shares.h"
-#include "q3map2/bspfile/light_keys.h"
+#include "q3map2/bspfile/light_curve_keys.h"
 #include "q3map2/light/grid/gridsh_dering.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/sources/light_entities.h"
 #include "q3map2/light/sources/light_envelope.h"
 
 #include <algorithm>
@@ -27,7 +28,7 @@ std::vector<Entity> EntitiesWithLights(std::vector<Entity> entities, const Light
     const std::vector<Entity> &sources = inputs.mapEntities && !kept ? *inputs.mapEntities : entities;
     for (std::size_t i = 0; i < sources.size(); ++i)
         if (IsLight(sources[i]))
-            WarnOfBadKeys(sources[i], i, keys::kLightKeys, log);
+            WarnOfBadLightKeys(sources[i], i, log);
     if (inputs.mapEntities && !kept) {
         std::erase_if(entities, IsLight);
         std::copy_if(inputs.mapEntities->begin(), inputs.mapEntities->end(), std::back_inserter(entities), IsLight);

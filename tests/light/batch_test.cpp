@@ -46,7 +46,7 @@ TEST(FalloffTest, InverseSquareFromSixteenUnitsOn) {
 
 TEST(FalloffTest, TheAngleDoesNotWeakenTheFadeOfLinearLights) {
     Light light;
-    light.photons = 8000 * 300, light.linear = true, light.fade = 2;
+    light.photons = 8000 * 300, light.curve = FalloffCurve::Linear, light.fade = 2;
     EXPECT_FLOAT_EQ(Falloff(light).At(100), 300 - 200);
     EXPECT_NEAR(Falloff(light).At(100, 0.75f), 225 - 200, 1e-4);
     EXPECT_FLOAT_EQ(Falloff(light).Reach(0), 150);

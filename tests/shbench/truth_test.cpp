@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Reference light against closed forms.
+#include "q3map2/light/sources/falloff.h"
 #include "tests/shbench/bench_fixture.h"
 #include "tools/shbench/errors.h"
+#include "tools/shbench/truth_lights.h"
 
 #include <array>
 #include <cmath>
@@ -65,6 +67,36 @@ TEST_F(TruthTest, APointLightInAnEmptyRoomFallsOffByTheSquareOfItsDistance) {
         EXPECT_NEAR(double(point.light[i].x), light * std::max(0.0, cosine), 1e-5 * light);
         EXPECT_NEAR(double(ProjectedLight(point)[i].x), light * std::max(0.0, ClampedCosineL2(cosine)), 1e-5 * light);
     }
+}
+
+TEST_F(TruthTest, KnowsTheCurvesAndConesOfTheProgram) {
+    std::vector<Light> lights(6);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        lights[i].photons = 1000;
+        lights[i].origin = {10, 20, 30};
+        lights[i].extraDist = i == 2 ? 20.0f : 0;
+    }
+    lights[1].curve = FalloffCurve::Linear;
+    lights[1].photons = 8000 * 300;
+    lights[2].curve = FalloffCurve::Windowed;
+    lights[2].attenuation.end = 150;
+    lights[3].curve = lights[4].curve = FalloffCurve::Polynomial;
+    lights[3].attenuation = {.constant = 2, .linear = 0.3f, .quadratic = 0.01f};
+    lights[4].attenuation = {
+        .constant = 2, .linear = 3, .quadratic = -0.01f, .flatFrom = 100, .fadeFrom = 80, .end = 170};
+    lights[5].type = LightType::Spot;
+    lights[5].normal = Normalize(Vec3f{1, 2, -1});
+    lights[5].cone = {.byAngles = true, .cosInner = 0.9f, .cosOuter = 0.3f, .exponent = 2};
+    int dark = 0;
+    for (const Light &light : lights)
+        for (int i = 1; i < 400; ++i) {
+            const Vec3f way = Vec3f{float(i % 7) - 3, float(i % 11) - 5, float(i % 5) - 2.25f} * (float(i) / 10);
+            const double share = light.type == LightType::Spot ? double(ConeShare(light, -way)) : 1;
+            const double wanted = std::max(0.0, double(Falloff(light).At(Length(way))) * share);
+            EXPECT_NEAR(PointLightAt(light, Vec3d(light.origin + way)), wanted, 1e-3 * wanted + 1e-5) << i;
+            dark += wanted == 0;
+        }
+    EXPECT_GT(dark, 100);
 }
 
 TEST_F(TruthTest, TheFloorOfOneDirectionIsTheErrorOfTheL2Cosine) {

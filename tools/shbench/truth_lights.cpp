@@ -80,13 +80,58 @@ DirectionSum &DirectionSum::operator+=(const DirectionSum &o) {
     return *this;
 }
 
+namespace {
+
+/// From the start of the fade to the end: 1 - 10 t^3 + 15 t^4 - 6 t^5.
+double FadeAt(double d, double start, double end) {
+    if (d <= start)
+        return 1;
+    if (d >= end)
+        return 0;
+    const double t = (d - start) / (end - start);
+    return 1 - t * t * t * (10 - 15 * t + 6 * t * t);
+}
+
+double CurveAt(const Light &light, double distance) {
+    const Attenuation &k = light.attenuation;
+    const double photons = light.photons, d = std::max(kNearest, distance);
+    switch (light.curve) {
+    case FalloffCurve::Linear:
+        return photons * kLinearShare - d * double(light.fade);
+    case FalloffCurve::Windowed: {
+        const double left = 1 - std::pow(d / double(k.end), 4);
+        return left > 0 ? photons / (d * d) * left * left : 0;
+    }
+    case FalloffCurve::Polynomial: {
+        const double e = std::max(1.0, distance), flat = std::min(e, double(k.flatFrom));
+        const double value = double(k.constant) + double(k.linear) * flat + double(k.quadratic) * flat * flat;
+        return photons / value * FadeAt(e, k.fadeFrom, k.end);
+    }
+    case FalloffCurve::InverseSquare:
+        break;
+    }
+    return photons / (d * d);
+}
+
+/// Share of a spotlight that its cone by angles lets through at an offset from the light.
+double AngularShare(const Light &light, const Vec3d &away) {
+    const double distance = Length(away), cosine = distance > 0 ? Dot(away, Vec3d(light.normal)) / distance : 0;
+    const double inner = light.cone.cosInner, outer = light.cone.cosOuter;
+    if (cosine <= outer || cosine < 0)
+        return 0;
+    return cosine >= inner ? cosine
+                           : cosine * std::pow((cosine - outer) / (inner - outer), double(light.cone.exponent));
+}
+
+} // namespace
+
 double PointLightAt(const Light &light, const Vec3d &p) {
     const Vec3d away = p - Vec3d(light.origin);
     const double extra = light.extraDist;
-    const double d = std::max(kNearest, std::sqrt(Dot(away, away) + extra * extra));
-    double add =
-        light.linear ? double(light.photons) * kLinearShare - d * double(light.fade) : double(light.photons) / (d * d);
-    if (light.type == LightType::Spot) {
+    double add = CurveAt(light, std::sqrt(Dot(away, away) + extra * extra));
+    if (light.cone.byAngles)
+        add *= AngularShare(light, away);
+    else if (light.type == LightType::Spot) {
         const Vec3d aim(light.normal);
         const double along = Dot(away, aim), rim = double(light.radiusByDist) * along;
         const double off = Length(away - aim * along);

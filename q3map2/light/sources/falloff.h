@@ -8,54 +8,133 @@
 
 namespace q3 {
 
-/// Smaller distances count as this one. Game units.
+/// Inverse square and linear lights: smaller distances count as this one. Game units.
 inline constexpr float kNearest = 16;
+/// Polynomial lights: the same. Game units.
+inline constexpr float kNearestPolynomial = 1;
 /// Light of a linear light per photon, before the fade.
 inline constexpr float kLinearScale = 1.0f / 8000;
 /// A spotlight fades over this much at the rim of its cone. Game units.
 inline constexpr float kConeFade = 32;
+/// Added around cones for rounding. Game units.
+inline constexpr float kConeSlack = 1;
 
 /// Light at distance d with a factor a for the angle of incidence (1 at points without a normal), byte scale for full
-/// color. With d' = max(16, sqrt(d^2 + extraDist^2)):
+/// color, by the curve of the light. With d' = max(nearest, sqrt(d^2 + extraDist^2)):
 ///
-///     inverse square: a photons / d'^2
-///     linear:         a photons / 8000 - d' fade
+///     InverseSquare: a photons / d'^2
+///     Linear:        a photons / 8000 - d' fade
+///     Windowed:      a photons / d'^2 (1 - (d' / end)^4)^2 up to the end, 0 beyond
+///     Polynomial:    a photons / (c + l e + q e^2) S((end - d') / (end - fadeFrom)), e = min(d', flatFrom)
 ///
-/// The angle does not scale the fade, as in the established program: maps rely on it.
+/// S is the quintic smoothstep, x^3 (6 x^2 - 15 x + 10) for x clamped to 0..1: its first and second derivatives are 0
+/// at both ends. The angle does not scale the fade of linear lights, as in the established program: maps rely on it.
 class Falloff {
   public:
     explicit Falloff(const Light &light)
-        : linear_(light.linear), photons_(light.photons), fade_(light.fade),
-          extraDist2_(light.extraDist * light.extraDist) {}
+        : curve_(light.curve), photons_(light.photons), fade_(light.fade),
+          extraDist2_(light.extraDist * light.extraDist), attenuation_(light.attenuation),
+          perEnd4_(1 / (light.attenuation.end * light.attenuation.end * light.attenuation.end * light.attenuation.end)),
+          perFade_(1 / (light.attenuation.end - light.attenuation.fadeFrom)) {}
+
+    FalloffCurve Curve() const { return curve_; }
 
     float At(float distance, float angle = 1) const {
-        const float d = std::max(kNearest, std::sqrt(distance * distance + extraDist2_));
-        return linear_ ? angle * photons_ * kLinearScale - d * fade_ : photons_ / (d * d) * angle;
+        switch (curve_) {
+        case FalloffCurve::Linear:
+            return Linear(distance, angle);
+        case FalloffCurve::Windowed:
+            return Windowed(distance, angle);
+        case FalloffCurve::Polynomial:
+            return Polynomial(distance, angle);
+        default:
+            return InverseSquare(distance, angle);
+        }
     }
+
+    float InverseSquare(float distance, float angle) const {
+        const float d = Effective(distance, kNearest);
+        return photons_ / (d * d) * angle;
+    }
+    float Linear(float distance, float angle) const {
+        return angle * photons_ * kLinearScale - Effective(distance, kNearest) * fade_;
+    }
+    float Windowed(float distance, float angle) const {
+        const float d = Effective(distance, kNearest), d2 = d * d;
+        const float window = std::max(0.0f, 1 - d2 * d2 * perEnd4_);
+        return photons_ / d2 * (window * window) * angle;
+    }
+    float Polynomial(float distance, float angle) const {
+        const Attenuation &k = attenuation_;
+        const float d = Effective(distance, kNearestPolynomial), e = std::min(d, k.flatFrom);
+        const float x = std::min(1.0f, std::max(0.0f, (k.end - d) * perFade_));
+        const float smooth = x * x * x * (x * (6 * x - 15) + 10);
+        return photons_ / (k.constant + e * (k.linear + e * k.quadratic)) * smooth * angle;
+    }
+
     /// The distance beyond which At is at most `least`, without extraDist. Inverse square never falls to 0.
     float Reach(float least) const {
-        if (linear_)
+        if (curve_ == FalloffCurve::Linear)
             return (photons_ * kLinearScale - least) / fade_;
-        return least > 0 ? std::sqrt(photons_ / least) : kSunDistance;
+        if (curve_ == FalloffCurve::Polynomial)
+            return std::min(attenuation_.end, least > 0 ? PolynomialReach(photons_ / least) : kSunDistance);
+        const float reach = least > 0 ? std::sqrt(photons_ / least) : kSunDistance;
+        return curve_ == FalloffCurve::Windowed ? std::min(attenuation_.end, reach) : reach;
     }
 
   private:
-    bool linear_;
+    float Effective(float distance, float nearest) const {
+        return std::max(nearest, std::sqrt(distance * distance + extraDist2_));
+    }
+    /// The distance at which the polynomial reaches a value, if it grows all the way; else all distances.
+    float PolynomialReach(float value) const {
+        const float l = attenuation_.linear, q = attenuation_.quadratic, rise = value - attenuation_.constant;
+        if (l < 0 || q < 0 || (l == 0 && q == 0 && rise > 0))
+            return kSunDistance;
+        if (rise <= 0 || rise <= l + q)
+            return 0;
+        return std::min(kSunDistance, 2 * rise / (l + std::sqrt(l * l + 4 * q * rise)));
+    }
+
+    FalloffCurve curve_;
     float photons_, fade_, extraDist2_;
+    Attenuation attenuation_;
+    float perEnd4_, perFade_;
 };
 
-/// Share of a spotlight that its cone lets through toward a point; `toLight`: from there to the light, game units. With
-/// h the distance along the axis, r = h radiusByDist the radius of the cone there and s the distance from the axis:
-/// 1 for s < r - 32, (r - s) / 32 up to the rim, 0 beyond.
+/// Share of a spotlight that its cone lets through toward a point; `toLight`: from there to the light, game units.
+///
+/// A cone by radius, with h the distance along the axis, r = h radiusByDist the radius of the cone there and s the
+/// distance from the axis: 1 for s < r - 32, (r - s) / 32 up to the rim, 0 beyond.
+///
+/// A cone by angles, with c the cosine to the axis: c (min(1, (c - outer) / (inner - outer)))^exponent, 0 for c <=
+/// outer.
 inline float ConeShare(const Light &light, const Vec3f &toLight) {
     const float along = -Dot(toLight, light.normal);
     if (along < 0)
         return 0;
+    if (light.cone.byAngles) {
+        const float distance = Length(toLight), cosine = distance > 0 ? along / distance : 0;
+        const SpotCone &cone = light.cone;
+        if (cosine <= cone.cosOuter)
+            return 0;
+        const float fringe = cosine < cone.cosInner ? (cosine - cone.cosOuter) / (cone.cosInner - cone.cosOuter) : 1;
+        return cosine * (cone.exponent == 1 ? fringe : std::pow(fringe, cone.exponent));
+    }
     const float coneRadius = light.radiusByDist * along;
     const float off = Length(-toLight - light.normal * along);
     if (off >= coneRadius)
         return 0;
     return off > coneRadius - kConeFade ? (coneRadius - off) / kConeFade : 1;
+}
+
+/// Whether a cone by angles has no point in common with a sphere. Game units.
+inline bool ConeMisses(const Light &light, const Vec3f &center, float radius) {
+    if (!light.cone.byAngles)
+        return false;
+    const Vec3f way = center - light.origin;
+    const float along = Dot(way, light.normal), off = Length(way - light.normal * along), cosine = light.cone.cosOuter;
+    return off * cosine - along * std::sqrt(1 - cosine * cosine) > radius + kConeSlack;
 }
 
 } // namespace q3

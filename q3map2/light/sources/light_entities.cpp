@@ -3,10 +3,13 @@
 
 #include "common/error.h"
 #include "libs/math/low_discrepancy.h"
-#include "q3map2/bspfile/light_keys.h"
+#include "q3map2/bspfile/light_curve_keys.h"
+#include "q3map2/light/sources/light_curves.h"
+#include "q3map2/light/sources/light_environment.h"
 #include "q3map2/light/sources/light_suns.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -17,40 +20,94 @@ namespace {
 constexpr auto kMaxIntensity = float(keys::kMaxIntensity);
 /// Limit of values from world keys: products of larger ones could overflow float.
 constexpr float kMaxWorldFactor = 1e6f;
+/// Exponent of the color channels of quads.
+constexpr double kSourceGamma = 2.2;
+constexpr double kRadiansPerDegree = std::numbers::pi / 180;
+/// Directions over the disc of the sun, unless the entity says more.
+constexpr int kSunDiscSamples = 32;
 constexpr std::uint64_t kSeedJitter = 0x4C69676874ull;
 
 Vec3f DecodeColor(const Vec3f &c, bool sRgb) {
     return sRgb ? Vec3f{LinearFromSrgb(c.x), LinearFromSrgb(c.y), LinearFromSrgb(c.z)} : c;
 }
 
-/// How messages name a light: editors find it by its position.
-std::string Label(const Entity &entity) {
-    return fmt::format("{} at \"{}\"", entity.ClassName(), entity.Value("origin"));
+float Limited(double intensity, const Entity &entity, Log &log) {
+    if (!(std::abs(intensity) <= kMaxIntensity)) {
+        log.Warn("light intensity", "{}: intensity {:g} is limited to {:g}", LightLabel(entity), intensity,
+                 kMaxIntensity);
+        intensity = std::clamp(intensity, double(-kMaxIntensity), double(kMaxIntensity));
+    }
+    return float(intensity);
+}
+
+double Scale(const Entity &entity) {
+    const double scale = keys::kScale.Number(entity);
+    return scale != 0 ? scale : 1;
 }
 
 float Intensity(const Entity &entity, Log &log) {
     double intensity = keys::kLight.Number(entity);
     if (intensity == 0)
         intensity = keys::kLight.initial;
-    if (const double scale = keys::kScale.Number(entity); scale != 0)
-        intensity *= scale;
-    if (!(std::abs(intensity) <= kMaxIntensity)) {
-        log.Warn("light intensity", "{}: intensity {:g} is limited to {:g}", Label(entity), intensity, kMaxIntensity);
-        intensity = std::clamp(intensity, double(-kMaxIntensity), double(kMaxIntensity));
+    return Limited(intensity * Scale(entity), entity, log);
+}
+
+/// The color and brightness R G B [I] of a key, as photons and a color with largest component 1. False if the key has
+/// fewer than three numbers. Errors: negative numbers.
+bool TakeQuad(const Entity &entity, const EntityKey &key, Light &light, Log &log) {
+    std::array<double, 4> quad{0, 0, 0, 255};
+    std::string_view text = key.Text(entity);
+    std::size_t count = 0;
+    for (; count < quad.size(); ++count) {
+        const std::optional<double> number = TakeNumber(text);
+        if (!number)
+            break;
+        quad[count] = *number;
     }
-    return float(intensity);
+    if (count == 2)
+        log.Warn("brightness of a light", "{}: {} \"{}\": expected 1, 3 or 4 numbers; the first is used",
+                 LightLabel(entity), key.info.name, key.Text(entity));
+    if (count < 3)
+        return false;
+    if (*std::min_element(quad.begin(), quad.end()) < 0)
+        throw Error("{}: {} \"{}\": expected a color and a brightness of at least 0", LightLabel(entity), key.info.name,
+                    key.Text(entity));
+    Vec3d linear;
+    for (std::size_t channel = 0; channel < 3; ++channel)
+        linear[channel] = std::pow(quad[channel] / 255, kSourceGamma);
+    const double most = std::max({linear.x, linear.y, linear.z});
+    light.photons = Limited(most * quad[3] * Scale(entity), entity, log);
+    light.color = most > 0 ? Vec3f(linear / most) : Vec3f{1, 1, 1};
+    return true;
+}
+
+/// Warns of HDR light that is not the same as that of `key`.
+void WarnOfHdr(const Entity &entity, const EntityKey &hdr, const EntityKey &key, const EntityKey &scale, Log &log) {
+    std::string_view text = hdr.Text(entity);
+    const std::optional<double> first = TakeNumber(text);
+    const bool other = first && *first >= 0 && hdr.Text(entity) != key.Text(entity);
+    if (other || scale.Number(entity) != scale.initial)
+        log.Warn("HDR brightness of a light", "{}: {} is not read: one result serves all ranges, {} counts",
+                 LightLabel(entity), other ? hdr.info.name : scale.info.name, key.info.name);
 }
 
 int Style(const Entity &entity) {
     if (!keys::kStyle.InRange(entity))
-        throw Error("{}: style {} is not in 0..254", Label(entity), keys::kStyle.Text(entity));
+        throw Error("{}: style {} is not in 0..254", LightLabel(entity), keys::kStyle.Text(entity));
     return keys::kStyle.Integer(entity);
 }
 
-Light LightFromKeys(const Entity &entity, const LightOptions &options, Log &log) {
+struct EntityLight {
     Light light;
+    bool byQuad = false; ///< _light is a color and a brightness
+};
+
+EntityLight LightFromKeys(const Entity &entity, const LightOptions &options, Log &log) {
+    EntityLight result;
+    Light &light = result.light;
     const int flags = keys::kSpawnFlags.Integer(entity);
-    light.linear = ((flags & 1) != 0) != options.wolfLighting;
+    if (((flags & 1) != 0) != options.wolfLighting)
+        light.curve = FalloffCurve::Linear;
     light.angle = ((flags & 3) == 0) != options.wolfLighting;
     light.grid = (flags & 16) == 0;
     if (EqualNoCase(entity.ClassName(), "lightJunior"))
@@ -68,13 +125,19 @@ Light LightFromKeys(const Entity &entity, const LightOptions &options, Log &log)
     light.filterRadius = float(keys::kFilterRadius.Number(entity));
     light.style = Style(entity);
     light.name = entity.Value("targetname");
-    light.photons = Intensity(entity, log);
+    result.byQuad = TakeQuad(entity, keys::kLight, light, log);
+    if (!result.byQuad)
+        light.photons = Intensity(entity, log);
+    else if (keys::kColor.Given(entity))
+        log.Warn("key of a light without effect", "{}: _color has no effect beside the color in _light",
+                 LightLabel(entity));
     if (!IsFinite(light.color) || MaxComponent(Max(light.color, -light.color)) > kMaxIntensity) {
-        log.Warn("light color", "{}: _color {} is out of range, white is used", Label(entity),
+        log.Warn("light color", "{}: _color {} is out of range, white is used", LightLabel(entity),
                  keys::kColor.Text(entity));
         light.color = {1, 1, 1};
     }
-    return light;
+    WarnOfHdr(entity, keys::kLightHdr, keys::kLight, keys::kLightScaleHdr, log);
+    return result;
 }
 
 const Entity *FindTarget(const std::vector<Entity> &entities, std::string_view target) {
@@ -84,10 +147,10 @@ const Entity *FindTarget(const std::vector<Entity> &entities, std::string_view t
     return nullptr;
 }
 
-/// Turns a light into a spotlight aimed at `target`.
-void Aim(Light &light, const Entity &entity, const Vec3f &target, const LightOptions &options) {
+/// Turns a light into a spotlight aimed at `target`, with a cone by radius.
+void Aim(Light &light, const Entity &entity, const Vec3f &target) {
     light.type = LightType::Spot;
-    light.linear = false;
+    light.curve = FalloffCurve::InverseSquare;
     light.angle = true;
     light.fade = 1;
     light.normal = Normalize(target - light.origin);
@@ -98,16 +161,104 @@ void Aim(Light &light, const Entity &entity, const Vec3f &target, const LightOpt
     if (radius == 0)
         radius = keys::kRadius.initial;
     light.radiusByDist = (float(radius) + 16) / distance;
-    light.photons *= options.spotScale;
+}
+
+bool HasConeByAngles(const Entity &entity) {
+    return EqualNoCase(entity.ClassName(), "light_spot") || keys::kInnerCone.Given(entity) ||
+           keys::kCone.Given(entity) || keys::kExponent.Given(entity);
+}
+
+/// Where a light shines by its keys pitch, angles and angle.
+Vec3f DirectionOfKeys(const Entity &entity) {
+    constexpr double kUp = -1, kDown = -2; // values of angle
+    const Vec3f angles = keys::kLightAngles.Vector(entity).value_or(Vec3f{});
+    const double angle = keys::kLightAngle.Number(entity), pitchKey = keys::kPitch.Number(entity);
+    if (angle == kUp || angle == kDown)
+        return {0, 0, angle == kUp ? 1.0f : -1.0f};
+    const double yaw = (angle != 0 ? angle : double(angles.y)) * kRadiansPerDegree;
+    const double pitch = (pitchKey != 0 ? pitchKey : double(angles.x)) * kRadiansPerDegree;
+    return Normalize(Vec3f(Vec3d{std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)}));
+}
+
+/// A half angle of at most 90 degrees, in radians.
+double HalfAngle(const Entity &entity, const EntityKey &key, double degrees, Log &log) {
+    constexpr double kWidest = 90;
+    if (degrees > kWidest)
+        log.Warn("cone of a light", "{}: {} {:g} is limited to {:g}", LightLabel(entity), key.info.name, degrees,
+                 kWidest);
+    return std::min(degrees, kWidest) * kRadiansPerDegree;
+}
+
+/// Turns a light into a spotlight along `direction`, with a cone by angles, unless the cone is the whole sphere.
+void AimByAngles(Light &light, const Entity &entity, const Vec3f &direction, Log &log) {
+    constexpr double kSphere = 180;
+    const double inner = keys::kInnerCone.Number(entity);
+    const double outer = std::max(inner, keys::kCone.Number(entity, inner));
+    if (inner == kSphere)
+        return;
+    light.type = LightType::Spot;
+    light.curve = FalloffCurve::InverseSquare;
+    light.angle = true;
+    light.normal = direction;
+    const double exponent = keys::kExponent.Number(entity);
+    light.cone = {.byAngles = true,
+                  .cosInner = float(std::cos(HalfAngle(entity, keys::kInnerCone, inner, log))),
+                  .cosOuter = float(std::cos(HalfAngle(entity, keys::kCone, outer, log))),
+                  .exponent = exponent != 0 ? float(exponent) : 1};
+}
+
+/// Applies keys for the curve of falloff, and the options that scale intensities.
+void SetEntityFalloff(Light &light, bool byQuad, const Entity &entity, const LightOptions &options, Log &log) {
+    constexpr float kPlainScale = 7500; // of both kinds of lights without options
+    const bool byteValues = SetCurve(entity, byQuad, light, log);
+    if (byteValues && light.type == LightType::Point) // here Source's flag 1 has another meaning
+        light.angle = (keys::kSpawnFlags.Integer(entity) & 2) == 0 || light.angleScale != 0;
+    const float scale = light.type == LightType::Spot ? options.spotScale : options.pointScale;
+    light.photons *= byteValues ? scale / kPlainScale : scale;
+}
+
+void AddSun(const Light &light, const Vec3f &target, float deviance, int samples, const LightOptions &options,
+            std::vector<Light> &lights) {
+    SunDirective sun{.direction = Normalize(light.origin - target),
+                     .color = light.color,
+                     .photons = light.photons,
+                     .deviance = deviance * std::numbers::pi_v<float> / 180,
+                     .samples = samples,
+                     .style = light.style};
+    if (sun.direction == Vec3f{})
+        sun.direction = {0, 0, 1};
+    for (Light &one : MakeSuns(sun, -1, options)) {
+        one.name = light.name, one.grid = light.grid, one.surfaces = light.surfaces;
+        lights.push_back(std::move(one));
+    }
+}
+
+void AddEnvironment(const Entity &entity, const LightOptions &options, std::vector<Light> &lights, Log &log) {
+    auto [sun, byQuad] = LightFromKeys(entity, options, log);
+    if (!byQuad)
+        sun.photons = Limited(keys::kLight.Number(entity, 0) * Scale(entity), entity, log);
+    Environment environment{.direction = DirectionOfKeys(entity),
+                            .color = sun.color,
+                            .photons = sun.photons,
+                            .spread = float(keys::kSunSpread.Number(entity)),
+                            .samples = keys::kSamples.Integer(entity, kSunDiscSamples)};
+    Light ambient;
+    if (TakeQuad(entity, keys::kSkyAmbient, ambient, log))
+        environment.ambientColor = ambient.color, environment.ambient = ambient.photons;
+    else
+        environment.ambient = Limited(keys::kSkyAmbient.Number(entity) * Scale(entity), entity, log);
+    WarnOfHdr(entity, keys::kAmbientHdr, keys::kSkyAmbient, keys::kAmbientScaleHdr, log);
+    for (Light &light : EnvironmentLights(environment, sun, options))
+        lights.push_back(std::move(light));
 }
 
 void AddEntityLights(const Entity &entity, std::size_t number, const std::vector<Entity> &entities,
                      const LightOptions &options, std::vector<Light> &lights, Log &log) {
-    Light light = LightFromKeys(entity, options, log);
+    auto [light, byQuad] = LightFromKeys(entity, options, log);
     const int samples = keys::kSamples.Integer(entity);
     const float deviance = float(keys::kDeviance.Number(entity));
     if (MaxComponent(Max(light.origin, -light.origin)) > kMaxLightCoordinate) {
-        log.Warn("light origin", "{} is outside any map, it is dropped", Label(entity));
+        log.Warn("light origin", "{} is outside any map, it is dropped", LightLabel(entity));
         return;
     }
     light.photons /= float(samples);
@@ -116,28 +267,17 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
     const std::string_view target = keys::kTarget.Text(entity);
     const Entity *aimedAt = target.empty() ? nullptr : FindTarget(entities, target);
     if (!target.empty() && !aimedAt)
-        log.Warn("light target", "{}: target \"{}\" does not exist, the light has no direction", Label(entity), target);
+        log.Warn("light target", "{}: target \"{}\" does not exist, the light has no direction", LightLabel(entity),
+                 target);
     const Vec3f targetOrigin = aimedAt ? keys::kOrigin.Vector(*aimedAt).value_or(Vec3f{}) : Vec3f{};
 
-    if (aimedAt && keys::kSun.Number(entity) != 0) {
-        SunDirective sun{.direction = Normalize(light.origin - targetOrigin),
-                         .color = light.color,
-                         .photons = light.photons,
-                         .deviance = deviance * std::numbers::pi_v<float> / 180,
-                         .samples = samples,
-                         .style = light.style};
-        if (sun.direction == Vec3f{})
-            sun.direction = {0, 0, 1};
-        for (Light &one : MakeSuns(sun, -1, options)) {
-            one.name = light.name, one.grid = light.grid, one.surfaces = light.surfaces;
-            lights.push_back(std::move(one));
-        }
-        return;
-    }
-    if (aimedAt)
-        Aim(light, entity, targetOrigin, options);
-    else
-        light.photons *= options.pointScale;
+    if (aimedAt && keys::kSun.Number(entity) != 0)
+        return AddSun(light, targetOrigin, deviance, samples, options, lights);
+    if (HasConeByAngles(entity))
+        AimByAngles(light, entity, aimedAt ? Normalize(targetOrigin - light.origin) : DirectionOfKeys(entity), log);
+    else if (aimedAt)
+        Aim(light, entity, targetOrigin);
+    SetEntityFalloff(light, byQuad, entity, options, log);
 
     lights.push_back(light);
     for (int i = 1; i < samples; ++i) {
@@ -148,6 +288,24 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
                 deviance;
         lights.push_back(copy);
     }
+}
+
+bool IsEnvironment(const Entity &entity) {
+    return EqualNoCase(entity.ClassName(), "light_environment");
+}
+
+/// The entity whose sun and sky count: the last. The number of entities if there is none.
+std::size_t LastEnvironment(const std::vector<Entity> &entities, Log &log) {
+    std::size_t last = entities.size();
+    for (std::size_t i = 0; i < entities.size(); ++i) {
+        if (!IsEnvironment(entities[i]))
+            continue;
+        if (last < entities.size())
+            log.Warn("several light_environment", "{}: not used, the last light_environment of the map counts",
+                     LightLabel(entities[last]));
+        last = i;
+    }
+    return last;
 }
 
 } // namespace
@@ -188,10 +346,23 @@ WorldLight ReadWorldLight(const Entity &world, const LightOptions &options) {
     return result;
 }
 
+void WarnOfBadLightKeys(const Entity &entity, std::size_t number, Log &log) {
+    WarnOfBadKeys(entity, number, keys::kLightKeys, log);
+    WarnOfBadKeys(entity, number, keys::kFalloffKeys, log);
+    WarnOfBadKeys(entity, number, keys::kHdrLightKeys, log);
+    if (HasConeByAngles(entity) || IsEnvironment(entity))
+        WarnOfBadKeys(entity, number, keys::kConeKeys, log);
+    if (IsEnvironment(entity))
+        WarnOfBadKeys(entity, number, keys::kEnvironmentKeys, log);
+}
+
 std::vector<Light> EntityLights(const std::vector<Entity> &entities, const LightOptions &options, Log &log) {
     std::vector<Light> lights;
+    const std::size_t environment = LastEnvironment(entities, log);
     for (std::size_t i = 0; i < entities.size(); ++i)
-        if (StartsWithNoCase(entities[i].ClassName(), "light"))
+        if (i == environment)
+            AddEnvironment(entities[i], options, lights, log);
+        else if (StartsWithNoCase(entities[i].ClassName(), "light") && !IsEnvironment(entities[i]))
             AddEntityLights(entities[i], i, entities, options, lights, log);
     return lights;
 }

@@ -43,6 +43,23 @@ float Reach(const Light &light) {
     return Falloff(light).Reach(light.fast ? light.tolerance : 0);
 }
 
+/// Box around what a cone by angles holds up to the envelope.
+Boundsf ConeBounds(const Light &light) {
+    const auto extent = [&](float toAxis) { // greatest cosine between that axis of space and a direction of the cone
+        const float cosine = light.cone.cosOuter, sine = std::sqrt(1 - cosine * cosine);
+        if (toAxis >= cosine)
+            return 1.0f;
+        return std::max(0.0f, toAxis * cosine + std::sqrt(std::max(0.0f, 1 - toAxis * toAxis)) * sine);
+    };
+    Boundsf box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float a = light.normal[axis];
+        box.mins[axis] = light.origin[axis] - extent(-a) * light.envelope - kConeSlack;
+        box.maxs[axis] = light.origin[axis] + extent(a) * light.envelope + kConeSlack;
+    }
+    return box;
+}
+
 /// Moves a light that is in a solid by steps of 2 units, as the established program does: the search continues after a
 /// success, so a light can move several times. Returns the cluster of the last attempt.
 int NudgeOut(Light &light, const BspSpace &space) {
@@ -151,6 +168,10 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
         light.bounds.Add(light.origin);
         const Vec3f corner = Max(light.bounds.maxs, light.origin * 2 - light.bounds.mins);
         light.envelope = std::min(Reach(light), Length(corner - light.origin));
+        if (light.cone.byAngles) {
+            const Boundsf cone = ConeBounds(light);
+            light.bounds = {Max(light.bounds.mins, cone.mins), Min(light.bounds.maxs, cone.maxs)};
+        }
         if (pass == LightPass::GridSH && !options.skip.reach) {
             light.bounds = {{-kSunDistance, -kSunDistance, -kSunDistance}, {kSunDistance, kSunDistance, kSunDistance}};
             light.envelope = Reach(light);

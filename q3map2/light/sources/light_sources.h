@@ -28,11 +28,37 @@ struct AreaShape {
     std::vector<float> cumulative; ///< running sum of areas over the triangles of the fan
 };
 
+/// How light falls off with distance; formulas: Falloff.
+enum class FalloffCurve {
+    InverseSquare,
+    Linear,
+    Windowed,  ///< inverse square that ends smoothly
+    Polynomial ///< one over a polynomial of the distance
+};
+
+/// Parameters of the curves Windowed and Polynomial. Distances in game units.
+struct Attenuation {
+    float constant = 1, linear = 0, quadratic = 0; ///< of the polynomial
+    float flatFrom = kSunDistance;                 ///< from here on the polynomial stays as it is
+    float fadeFrom = kSunDistance;                 ///< polynomial: up to here nothing is lost to the end
+    float end = 2 * kSunDistance;                  ///< no light from here on
+};
+
+/// Cone of a spotlight.
+struct SpotCone {
+    bool byAngles = false; ///< false: by Light::radiusByDist
+    float cosInner = 1;    ///< cosine of the half angle up to which the light is full
+    float cosOuter = 0;    ///< cosine of the half angle from which there is none
+    float exponent = 1;    ///< of the fringe between them
+};
+
 /// One light. Color times the number that falloff or form factor give is light on the byte scale, 255 = full.
 struct Light {
     std::string name; ///< targetname of its entity
     LightType type = LightType::Point;
-    bool linear = false;  ///< falloff photons / 8000 - distance * fade instead of photons / distance^2
+    FalloffCurve curve = FalloffCurve::InverseSquare;
+    Attenuation attenuation;
+    SpotCone cone;
     bool grid = true;     ///< lights grid points
     bool surfaces = true; ///< lights lightmaps and vertices
     bool noFast = false;  ///< q3map_noFast: never ends at its tolerance

@@ -18,8 +18,26 @@ Q3_VECTOR void CullBelow(float least, IncidentLight &incident) {
 }
 
 Q3_VECTOR void SetFalloff(Falloff falloff, const Lanes &angle, IncidentLight &incident) {
-    for (const std::size_t i : kEachLane)
-        incident.add[i] = falloff.At(incident.distance[i], angle[i]);
+    const Lanes &distance = incident.distance;
+    Lanes &add = incident.add;
+    switch (falloff.Curve()) {
+    case FalloffCurve::InverseSquare:
+        for (const std::size_t i : kEachLane)
+            add[i] = falloff.InverseSquare(distance[i], angle[i]);
+        break;
+    case FalloffCurve::Linear:
+        for (const std::size_t i : kEachLane)
+            add[i] = falloff.Linear(distance[i], angle[i]);
+        break;
+    case FalloffCurve::Windowed:
+        for (const std::size_t i : kEachLane)
+            add[i] = falloff.Windowed(distance[i], angle[i]);
+        break;
+    case FalloffCurve::Polynomial:
+        for (const std::size_t i : kEachLane)
+            add[i] = falloff.Polynomial(distance[i], angle[i]);
+        break;
+    }
 }
 
 } // namespace

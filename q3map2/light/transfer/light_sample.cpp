@@ -111,7 +111,7 @@ Q3_VECTOR void AreaAsPoint(SurfaceTransfer &t) {
         const float angle = cosine * -(u.x[i] * facing.x + u.y[i] * facing.y + u.z[i] * facing.z);
         const bool turned = (angle < 0) & anySide;
         t.incident.undirected[i] = (behind | turned) ? -1 : 0;
-        t.incident.add[i] = falloff.At(t.incident.distance[i], turned ? -angle : angle);
+        t.incident.add[i] = falloff.InverseSquare(t.incident.distance[i], turned ? -angle : angle);
     }
 }
 

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Culling of lights for a raw lightmap.
 #include "q3map2/lightmap/direct/luxel_lists.h"
 
+#include "q3map2/light/sources/falloff.h"
+
 namespace q3 {
 
 namespace {
@@ -29,7 +31,7 @@ void LuxelLightList::Build(const LightsByCluster &all, const RawLightmap &lightm
         const bool sun = light.type == LightType::Sun;
         if (!light.surfaces || light.envelope <= 0 || (sunOnly && !sun))
             return;
-        if (!sun && Length(light.origin - center) - light.envelope - radius > 0)
+        if (!sun && (Length(light.origin - center) - light.envelope - radius > 0 || ConeMisses(light, center, radius)))
             return;
         if (lightmap.planar && !lightmap.twoSided && !OnLitSide(light, center, lightmap.planeNormal))
             return;

@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/vertex/vertex_light.h"
 
 #include "common/debug_color.h"
+#include "q3map2/light/sources/falloff.h"
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 #include "q3map2/lightmap/ao/luxel_flood.h"
 #include "q3map2/lightmap/raw/vector_colors.h"
@@ -102,7 +103,8 @@ void VertexLighter::FindLights(const std::vector<Light> &lights) {
             const bool seen = surfaceClusters_.empty() || light.seenFrom.empty() ||
                               std::any_of(surfaceClusters_.begin(), surfaceClusters_.end(),
                                           [&](int cluster) { return light.SeenFrom(cluster); });
-            if (in_.options.sunOnly || !seen || Length(light.origin - center) - light.envelope - radius > 0)
+            if (in_.options.sunOnly || !seen || Length(light.origin - center) - light.envelope - radius > 0 ||
+                ConeMisses(light, center, radius))
                 continue;
         }
         lights_.push_back(&light);
