@@ -2,14 +2,13 @@
 #include "tools/directional_error/luxel_bake.h"
 
 #include "q3map2/light/sources/light_envelope.h"
-#include "q3map2/lightmap/bounce/ray_origin.h"
 
 #include <algorithm>
 
 namespace q3::directional {
 
 LuxelBake::LuxelBake(const LightSetup &setup, const LightmapOptions &options, const JobPool &jobs, Log &log)
-    : scene_(setup.scene), space_(setup.space), passes_(setup, options, jobs, log, {.floodlight = false, .keepLuxels = true}) {
+    : scene_(setup.scene), passes_(setup, options, jobs, log, {.floodlight = false, .keepLuxels = true}) {
     passes_.Run();
     cpuSeconds_ = timer_.Seconds();
     bounced_ = passes_.ForGrids();
@@ -55,7 +54,7 @@ void LuxelBake::AddBounced(const LuxelPlace &at, std::span<const Vec3f> normals,
     const Vec3f normal = raw.normals[at.luxel];
     std::vector<IndirectRay> found;
     std::vector<Vec3f> sums(normals.size());
-    const Vec3f origin = ClearOrigin(space_, raw, at.luxel, GatherFrame(normal));
+    const Vec3f &origin = raw.positions[at.luxel];
     const int patterns = (rays + int(BouncedLight::kRays) - 1) / int(BouncedLight::kRays);
     for (int pattern = 0; pattern < patterns; ++pattern) {
         bounced_->Gather(origin, std::uint64_t(pattern) * 977 + at.luxel, found);

@@ -40,7 +40,6 @@ class LuxelBake {
 
     const CpuTimer timer_; // started before passes_
     const LightScene &scene_;
-    const BspSpace &space_;
     SurfacePasses passes_;
     std::vector<Light> lights_;
     std::unique_ptr<IndirectLight> bounced_;

@@ -17,13 +17,12 @@ namespace q3 {
 
 namespace {
 
-/// Rays per luxel, under -fast fewer, and sets of directions: the luxels of a 4 x 4 block have one each, 1024 directions together.
+/// Rays per luxel, under -fast fewer, and sets of directions: the luxels of a 4 x 4 block have one each, 1024
+/// directions together.
 constexpr int kRays = 64, kFastRays = 24, kMinRays = 4, kDirectionSets = 16;
 constexpr int kVertexRays = 256;
 /// With more hits (768 MiB) not all are kept.
 constexpr std::uint64_t kMaxKeptHits = std::uint64_t(192) << 20;
-/// Longer than any map. Game units.
-constexpr float kRayLength = 1e6f;
 /// Rays of vertices start this far off their surface; kMinRayLift where another surface is nearer. Game units.
 constexpr float kRayLift = 1, kMinRayLift = 1.0f / 16;
 /// Direction i of a cosine-weighted hemisphere around +z.
@@ -49,7 +48,7 @@ std::uint32_t DirectionSetOf(int x, int y) {
 
 BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
                            const RadiosityPatches *patches)
-    : space_(in.space), scene_(scene), patches_(patches), rows_(surfaces.lightmaps.size()) {
+    : scene_(scene), patches_(patches), origins_(surfaces.lightmaps.size()), rows_(surfaces.lightmaps.size()) {
     for (std::uint32_t i = 0; i < std::uint32_t(std::max(kDirectionSets * kRays, kVertexRays)); ++i)
         directions_.push_back(CosineDirection(i));
     std::uint64_t texels = 0;
@@ -64,7 +63,10 @@ BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces
         std::clamp(kMaxKeptHits / std::max(texels, std::uint64_t(1)), std::uint64_t(kMinRays), std::uint64_t(kRays)));
     in.jobs.For(std::int64_t(rows_.size()), [&](std::int64_t i, int) {
         const RawLightmap &raw = surfaces.lightmaps[std::size_t(i)];
-        rows_[std::size_t(i)] = keepAll_ ? TraceRows(raw, 1, RaysPerLuxel(raw)) : TraceRows(raw, raw.super, fewer);
+        const auto number = std::size_t(i);
+        origins_[number] = RayOrigins(in.space, scene, raw);
+        rows_[number] =
+            keepAll_ ? TraceRows(number, raw, 1, RaysPerLuxel(raw)) : TraceRows(number, raw, raw.super, fewer);
     });
 }
 
@@ -81,7 +83,8 @@ struct BounceGather::GatherBatch {
 };
 
 /// Luxels with the same direction set are traced in packets of 16, one direction at a time, so that rays are coherent.
-BounceGather::HitRows BounceGather::TraceRows(const RawLightmap &raw, int stride, int rays) const {
+BounceGather::HitRows BounceGather::TraceRows(std::size_t lightmap, const RawLightmap &raw, int stride,
+                                              int rays) const {
     HitRows rows{stride, rays, {}};
     std::vector<std::size_t> first(raw.luxelClusters.size());
     std::size_t used = 0;
@@ -96,7 +99,7 @@ BounceGather::HitRows BounceGather::TraceRows(const RawLightmap &raw, int stride
     for (std::uint32_t set = 0; set < kDirectionSets; ++set)
         batches[set].set = set;
     const auto flush = [&](GatherBatch &batch) {
-        TraceBatch(raw, batch, rows);
+        TraceBatch(raw, origins_[lightmap], batch, rows);
         batch.count = 0;
     };
     const int tile = 16 * stride; // each direction set has 16 luxels in a tile: one packet
@@ -114,7 +117,8 @@ BounceGather::HitRows BounceGather::TraceRows(const RawLightmap &raw, int stride
     return rows;
 }
 
-void BounceGather::TraceBatch(const RawLightmap &raw, const GatherBatch &batch, HitRows &rows) const {
+void BounceGather::TraceBatch(const RawLightmap &raw, const std::vector<Vec3f> &origins, const GatherBatch &batch,
+                              HitRows &rows) const {
     const auto count = std::uint32_t(rows.rays);
     std::vector<GatherFrame> frames;
     RayPacket rays;
@@ -122,7 +126,7 @@ void BounceGather::TraceBatch(const RawLightmap &raw, const GatherBatch &batch, 
     for (std::size_t i = 0; i < batch.count; ++i) {
         const std::size_t luxel = batch.luxels[i];
         frames.emplace_back(raw.normals[luxel]);
-        rays.origin.Set(i, ClearOrigin(space_, raw, luxel, frames.back()));
+        rays.origin.Set(i, origins[luxel]);
         rays.live[i] = -1;
     }
     for (std::uint32_t ray = 0; ray < count; ++ray) {
@@ -140,7 +144,7 @@ void BounceGather::TraceBatch(const RawLightmap &raw, const GatherBatch &batch, 
 /// hit.
 EmitterId BounceGather::Dithered(EmitterId emitter, const Vec3f &position, const Vec3f &normal, bool twoSided,
                                  std::size_t number) const {
-    if (emitter == kNoEmitter || !patches_)
+    if (!Emits(emitter) || !patches_)
         return emitter;
     const float share = patches_->ContributionShare(emitter, position, normal, twoSided);
     return share > DitherThreshold(std::uint32_t(number)) ? emitter : kNoEmitter;
@@ -210,7 +214,7 @@ class BounceGather::ChannelSum {
 
 void BounceGather::AddToLuxels(const Emission &emission, std::size_t lightmap, const RawLightmap &raw,
                                BounceEstimate &estimate) const {
-    const HitRows traced = keepAll_ ? HitRows{} : TraceRows(raw, 1, RaysPerLuxel(raw));
+    const HitRows traced = keepAll_ ? HitRows{} : TraceRows(lightmap, raw, 1, RaysPerLuxel(raw));
     const HitRows &rows = keepAll_ ? rows_[lightmap] : traced;
     const bool deluxe = !estimate.directions.empty(), directional = raw.channels.Any();
     const std::vector<float> fluenceScales = directional ? FluenceScales(rows.rays) : std::vector<float>{};
@@ -226,7 +230,7 @@ void BounceGather::AddToLuxels(const Emission &emission, std::size_t lightmap, c
         Vec3f sum, direction;
         for (int i = 0; i < rows.rays; ++i) {
             const EmitterId hit = rows.hits[next++];
-            if (hit == kNoEmitter)
+            if (!Emits(hit))
                 continue;
             const Vec3f &from = directions_[first + std::uint32_t(i)];
             sum += emission[hit];
@@ -256,7 +260,7 @@ void BounceGather::GatherTexels(const Emission &emission, std::size_t lightmap, 
                 continue;
             Vec3f sum;
             for (int i = 0; i < rows.rays; ++i)
-                if (const EmitterId hit = rows.hits[next++]; hit != kNoEmitter)
+                if (const EmitterId hit = rows.hits[next++]; Emits(hit))
                     sum += emission[hit];
             texels[texel] += sum;
             count[texel] += float(rows.rays);
@@ -270,7 +274,7 @@ void BounceGather::GatherTexels(const Emission &emission, std::size_t lightmap, 
 float BounceGather::RayLiftAt(const Vec3f &position, const Vec3f &normal) const {
     RayPacket ahead;
     ahead.Aim(0, position + normal * kMinRayLift, position + normal * kRayLift);
-    return scene_.FirstEmitters(ahead, false)[0] == kNoEmitter ? kRayLift : kMinRayLift;
+    return !Emits(scene_.FirstEmitters(ahead, false)[0]) ? kRayLift : kMinRayLift;
 }
 
 std::vector<EmitterId> BounceGather::VertexHits(const Vec3f &position, const Vec3f &normal, bool twoSided,
@@ -293,7 +297,7 @@ Vec3f BounceGather::IrradianceAt(const Vec3f &position, const Vec3f &normal, boo
                                  const Emission &emission) const {
     Vec3f sum;
     for (const EmitterId hit : VertexHits(position, normal, twoSided, kVertexRays))
-        if (hit != kNoEmitter)
+        if (Emits(hit))
             sum += emission[hit];
     return sum / float(kVertexRays);
 }

@@ -34,6 +34,8 @@ class BounceGather {
     /// Light at a vertex, by 256 rays.
     Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided, const Emission &emission) const;
 
+    /// RayOrigins of a lightmap.
+    const std::vector<Vec3f> &Origins(std::size_t lightmap) const { return origins_[lightmap]; }
     /// Number of rays of all luxels together.
     std::uint64_t Rays() const { return rays_; }
 
@@ -50,21 +52,22 @@ class BounceGather {
     /// Up to 16 luxels that trace the same directions, and the index of each luxel's first hit.
     struct GatherBatch;
     class ChannelSum;
-    HitRows TraceRows(const RawLightmap &raw, int stride, int rays) const;
-    void TraceBatch(const RawLightmap &raw, const GatherBatch &batch, HitRows &rows) const;
+    HitRows TraceRows(std::size_t lightmap, const RawLightmap &raw, int stride, int rays) const;
+    void TraceBatch(const RawLightmap &raw, const std::vector<Vec3f> &origins, const GatherBatch &batch,
+                    HitRows &rows) const;
     EmitterId Dithered(EmitterId emitter, const Vec3f &position, const Vec3f &normal, bool twoSided,
                        std::size_t number) const;
     float RayLiftAt(const Vec3f &position, const Vec3f &normal) const;
     int RaysPerLuxel(const RawLightmap &raw) const;
     std::vector<float> FluenceScales(int count) const;
 
-    const BspSpace &space_;
     const BounceScene &scene_;
     const RadiosityPatches *patches_;
 
-    std::vector<Vec3f> directions_; // cosine-weighted over the hemisphere around +z
-    bool keepAll_ = false;          // rows_ holds all hits of all luxels
-    std::vector<HitRows> rows_;     // by lightmap
+    std::vector<Vec3f> directions_;           // cosine-weighted over the hemisphere around +z
+    bool keepAll_ = false;                    // rows_ holds all hits of all luxels
+    std::vector<std::vector<Vec3f>> origins_; // by lightmap and luxel
+    std::vector<HitRows> rows_;               // by lightmap
     std::uint64_t rays_ = 0;
 };
 

@@ -150,8 +150,9 @@ struct BounceScene::State {
         bool emits = false, twoSided = false;
     };
     struct Hit {
-        const Triangle *triangle = nullptr;
+        const Triangle *triangle = nullptr; // null: nothing that emits
         float u = 0, v = 0;
+        bool back = false; // of a one-sided surface
     };
     std::vector<Triangle> triangles;
     const SurfaceInputs &in;
@@ -225,8 +226,10 @@ std::array<BounceScene::State::Hit, kPacketSize> BounceScene::State::Trace(const
     for (std::size_t i = 0; i < kPacketSize; ++i)
         if (rays.live[i] != 0 && hits.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID) {
             const Triangle &triangle = triangles[hits.hit.primID[i]];
-            if (triangle.emits && (triangle.twoSided || Dot(triangle.normal, rays.direction[i]) < 0))
-                found[i] = {&triangle, hits.hit.u[i], hits.hit.v[i]};
+            if (!triangle.twoSided && !(Dot(triangle.normal, rays.direction[i]) < 0))
+                found[i].back = true;
+            else if (triangle.emits)
+                found[i] = {&triangle, hits.hit.u[i], hits.hit.v[i], false};
         }
     return found;
 }
@@ -255,7 +258,7 @@ EmitterIndex::EmitterIndex(const SurfaceLight &surfaces) {
     }
     first_.push_back(EmitterId(count_));
     count_ += surfaces.verts.size();
-    if (count_ >= kNoEmitter)
+    if (count_ >= kBackOfSurface)
         throw Error("bounced light: {} luxels are too many", count_);
 }
 
@@ -273,7 +276,7 @@ std::array<EmitterId, kPacketSize> BounceScene::FirstEmitters(const RayPacket &r
     std::array<EmitterId, kPacketSize> found;
     const auto hits = state_->Trace(rays, coherent);
     for (std::size_t i = 0; i < kPacketSize; ++i)
-        found[i] = hits[i].triangle ? state_->EmitterAt(hits[i]) : kNoEmitter;
+        found[i] = hits[i].triangle ? state_->EmitterAt(hits[i]) : hits[i].back ? kBackOfSurface : kNoEmitter;
     return found;
 }
 

@@ -11,6 +11,14 @@ namespace q3 {
 /// Index of an emitter: a texel of a raw lightmap, or a draw vertex of a surface without lightmap.
 using EmitterId = std::uint32_t;
 inline constexpr EmitterId kNoEmitter = ~EmitterId(0);
+/// What a ray meets that hits the back of a one-sided surface.
+inline constexpr EmitterId kBackOfSurface = kNoEmitter - 1;
+inline bool Emits(EmitterId id) {
+    return id < kBackOfSurface;
+}
+
+/// Length of rays that end at surfaces only: longer than any map. Game units.
+inline constexpr float kRayLength = 1e6f;
 
 /// Numbers texels of all raw lightmaps (without supersampling), then all draw vertices.
 class EmitterIndex {
@@ -54,8 +62,8 @@ class BounceScene {
     BounceScene(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters);
     ~BounceScene();
 
-    /// The emitter at the first hit of each live ray; kNoEmitter for misses, for backs of one-sided surfaces and for
-    /// surfaces that reflect nothing. coherent: hint that rays are nearly parallel.
+    /// The emitter at the first hit of each live ray; kBackOfSurface for backs of one-sided surfaces, kNoEmitter for
+    /// misses and for surfaces that reflect nothing. coherent: hint that rays are nearly parallel.
     std::array<EmitterId, kPacketSize> FirstEmitters(const RayPacket &rays, bool coherent) const;
     /// Clears the live lanes of rays that meet a surface within their distance, from either side.
     void TraceOccluded(RayPacket &rays) const;

@@ -9,26 +9,21 @@
 
 namespace q3 {
 
-namespace {
-
-/// Longer than any map. Game units.
-constexpr float kProbeRayLength = 1e6f;
-
-} // namespace
+namespace {} // namespace
 
 void BouncedLight::Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
     rays.clear();
     auto queue = MakeRayBatcher<Vec3f>([&](RayPacket &packet, std::span<const Vec3f> directions) {
         const auto found = scene_.FirstEmitters(packet, false);
         for (std::size_t i = 0; i < directions.size(); ++i)
-            if (found[i] != kNoEmitter)
+            if (Emits(found[i]))
                 rays.push_back({directions[i], emission_[found[i]] * (kFacing / float(kRays))});
     });
     for (std::uint32_t i = 0; i < kRays; ++i) {
         const Sample2 s = PlasticSample(i, seed);
         const double z = 1 - 2 * s.u, radius = std::sqrt(std::max(0.0, 1 - z * z)), angle = 2 * std::numbers::pi * s.v;
         const Vec3f direction{float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(z)};
-        queue.Add(direction, position, direction, kProbeRayLength);
+        queue.Add(direction, position, direction, kRayLength);
     }
     queue.Flush();
     bright_.Gather(position, seed, rays);

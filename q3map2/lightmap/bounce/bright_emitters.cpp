@@ -5,7 +5,6 @@
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/light/batch/ray_batcher.h"
 #include "q3map2/lightmap/bounce/bright_patches.h"
-#include "q3map2/lightmap/bounce/ray_origin.h"
 #include "q3map2/lightmap/raw/deluxe.h"
 
 #include <algorithm>
@@ -17,8 +16,9 @@ namespace q3 {
 
 namespace {
 
-/// A node that lights a receiver by less than this is sampled by chance only, in proportion to its light. Byte scale.
-constexpr float kRouletteLight = 0.1f;
+/// A node that gives less light than this to a receiver, a surface or a point in the open, is sampled by chance only,
+/// in proportion to its light. Byte scale.
+constexpr float kSurfaceRoulette = 0.1f, kPointRoulette = 0.5f;
 /// Shadow rays end this far in front of the patch, or at this share of the way to it. Game units.
 constexpr float kPatchGap = 0.25f, kPatchWay = 0.99f;
 constexpr std::uint64_t kRouletteSeed = 0x526F756C65747465u, kStrideSeed = 0x537472696465u;
@@ -47,6 +47,7 @@ struct BrightEmitters::Receivers {
     std::array<Vec3f, kPacketSize> position, origin, normal; // normal zero: in the open
     std::array<std::size_t, kPacketSize> tag{};              // for sample patterns
     bool twoSided = false;
+    float certain = kSurfaceRoulette; // light above which nodes are not sampled by chance
 
     void Add(const Vec3f &at, const Vec3f &rayOrigin, const Vec3f &facing, std::size_t number, int cluster) {
         position[count] = at, origin[count] = rayOrigin, normal[count] = facing, tag[count++] = number;
@@ -95,7 +96,7 @@ bool BrightEmitters::SampleNode(const Receivers &receivers, std::size_t i, std::
     float share = emitted / (std::numbers::pi_v<float> * distance2 + node.area * emitted);
     const std::uint64_t hash = HashIndex(kRouletteSeed + (std::uint64_t(receivers.tag[i]) << 24) + number);
     // It gets here with probability 1 / stride.
-    const float strength = Luminance(node.power) * share * cosine, certain = kRouletteLight / float(stride);
+    const float strength = Luminance(node.power) * share * cosine, certain = receivers.certain / float(stride);
     if (strength < certain) {
         const auto u = float(hash >> 40) * 0x1p-24f;
         if (u * certain >= strength)
@@ -115,7 +116,7 @@ bool BrightEmitters::SampleNode(const Receivers &receivers, std::size_t i, std::
 void BrightEmitters::SampleTree(const Receivers &receivers, std::vector<Sample> &samples) const {
     samples.clear();
     std::vector<std::uint32_t> cut;
-    tree_.Cut(receivers.view, space_, cut);
+    tree_.Cut(receivers.view, space_, receivers.certain / 4, cut);
     auto rays = MakeRayBatcher<Sample>([&](RayPacket &packet, std::span<const Sample> waiting) {
         scene_.TraceOccluded(packet);
         for (std::size_t ray = 0; ray < waiting.size(); ++ray)
@@ -125,7 +126,7 @@ void BrightEmitters::SampleTree(const Receivers &receivers, std::vector<Sample> 
     for (const std::uint32_t node : cut) {
         // Of a faint node every stride-th receiver gets a chance; the first one is random.
         const float most = BrightTree::MostLight(tree_.At(node), receivers.view);
-        const auto stride = std::uint32_t(std::clamp(kRouletteLight / most, 1.0f, kMaxStride));
+        const auto stride = std::uint32_t(std::clamp(receivers.certain / most, 1.0f, kMaxStride));
         const std::uint64_t hash = HashIndex(kStrideSeed + (std::uint64_t(receivers.tag[0]) << 24) + node);
         for (std::size_t i = stride > 1 ? hash % stride : 0; i < receivers.count; i += stride) {
             Sample sample;
@@ -141,7 +142,8 @@ void BrightEmitters::SampleTree(const Receivers &receivers, std::vector<Sample> 
     rays.Flush();
 }
 
-void BrightEmitters::AddToLuxels(const RawLightmap &raw, BounceEstimate &estimate) const {
+void BrightEmitters::AddToLuxels(const RawLightmap &raw, const std::vector<Vec3f> &origins,
+                                 BounceEstimate &estimate) const {
     constexpr int kBlock = 4;
     std::vector<Sample> samples;
     for (int top = 0; top < raw.SuperHeight(); top += kBlock)
@@ -151,9 +153,8 @@ void BrightEmitters::AddToLuxels(const RawLightmap &raw, BounceEstimate &estimat
             for (int y = top; y < std::min(top + kBlock, raw.SuperHeight()); ++y)
                 for (int x = left; x < std::min(left + kBlock, raw.SuperWidth()); ++x)
                     if (const std::size_t luxel = raw.SuperIndex(x, y); raw.Mapped(luxel))
-                        receivers.Add(raw.positions[luxel],
-                                      ClearOrigin(space_, raw, luxel, GatherFrame(raw.normals[luxel])),
-                                      raw.normals[luxel], luxel, raw.luxelClusters[luxel]);
+                        receivers.Add(raw.positions[luxel], origins[luxel], raw.normals[luxel], luxel,
+                                      raw.luxelClusters[luxel]);
             if (receivers.count == 0)
                 continue;
             receivers.SetView();
@@ -191,6 +192,7 @@ Vec3f BrightEmitters::IrradianceAt(const Vec3f &position, const Vec3f &normal, b
 
 void BrightEmitters::Gather(const Vec3f &point, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
     Receivers receivers;
+    receivers.certain = kPointRoulette;
     receivers.Add(point, point, {}, std::size_t(seed), space_.ClusterAt(point, 0));
     receivers.SetView();
     std::vector<Sample> samples;

@@ -21,8 +21,8 @@ class BrightEmitters {
     bool Empty() const { return tree_.Empty(); }
     std::size_t Patches() const { return count_; }
 
-    /// Adds their light on the luxels of a lightmap to the estimate.
-    void AddToLuxels(const RawLightmap &raw, BounceEstimate &estimate) const;
+    /// Adds their light on the luxels of a lightmap to the estimate. origins: of rays, by luxel.
+    void AddToLuxels(const RawLightmap &raw, const std::vector<Vec3f> &origins, BounceEstimate &estimate) const;
     /// Their light at a point of a surface, byte scale. twoSided: as in RadiosityPatches.
     Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided) const;
     /// Appends their light at a point in the open.

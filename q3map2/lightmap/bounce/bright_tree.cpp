@@ -14,8 +14,6 @@ namespace {
 /// A node is opened where its radius is more than this share of its distance, or its normals differ by more than this
 /// cosine.
 constexpr float kMaxOpening = 0.25f, kMinNodeCosine = 0.8f;
-/// A node that gives less light than this to any receiver is not opened. Byte scale.
-constexpr float kFaintNode = 0.02f;
 
 /// Patches of one facing share a root: the axis that the normal is nearest to, and the sides that emit.
 int FacingOf(const BrightPatch &patch) {
@@ -100,7 +98,7 @@ std::uint32_t BrightTree::Build(std::uint32_t first, std::uint32_t count) {
     return number;
 }
 
-void BrightTree::Cut(const TreeView &view, const BspSpace &space, std::vector<std::uint32_t> &cut) const {
+void BrightTree::Cut(const TreeView &view, const BspSpace &space, float faint, std::vector<std::uint32_t> &cut) const {
     std::vector<std::uint32_t> open(roots_.rbegin(), roots_.rend());
     while (!open.empty()) {
         const std::uint32_t number = open.back();
@@ -109,7 +107,7 @@ void BrightTree::Cut(const TreeView &view, const BspSpace &space, std::vector<st
         if (IsHidden(node, view, space))
             continue;
         const float distance = Length(node.center - view.center) - view.radius;
-        if (node.right == 0 || MostLight(node, view) < kFaintNode ||
+        if (node.right == 0 || MostLight(node, view) < faint ||
             (node.radius < kMaxOpening * distance && node.minCosine > kMinNodeCosine))
             cut.push_back(number);
         else

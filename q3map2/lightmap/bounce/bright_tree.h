@@ -45,8 +45,9 @@ class BrightTree {
     explicit BrightTree(std::vector<BrightPatch> patches);
     bool Empty() const { return patches_.empty(); }
 
-    /// Appends the nodes of a cut in which each node is small against its distance from all receivers, or a leaf.
-    void Cut(const TreeView &view, const BspSpace &space, std::vector<std::uint32_t> &cut) const;
+    /// Appends the nodes of a cut in which each node is small against its distance from all receivers, gives them less
+    /// light than `faint` (byte scale), or is a leaf.
+    void Cut(const TreeView &view, const BspSpace &space, float faint, std::vector<std::uint32_t> &cut) const;
     const Node &At(std::uint32_t node) const { return nodes_[node]; }
     /// Bound of the luminance that a node gives to any receiver of the view. Byte scale.
     static float MostLight(const Node &node, const TreeView &view);

@@ -115,7 +115,7 @@ void Bounces::GatherBright(const SurfaceLight &surfaces, bool deluxe, StyleRadio
         const RawLightmap &raw = surfaces.lightmaps[std::size_t(i)];
         BounceEstimate &estimate = radiosity.brightOnLuxels[std::size_t(i)] = BounceEstimate(raw, deluxe);
         if (!bright.Empty())
-            bright.AddToLuxels(raw, estimate);
+            bright.AddToLuxels(raw, gather_.Origins(std::size_t(i)), estimate);
     });
     in_.jobs.For(std::int64_t(in_.bsp.drawSurfaces.size()), [&](std::int64_t i, int) {
         if (!bright.Empty() && IsLitAtVertices(in_, surfaces, std::size_t(i)))

@@ -67,7 +67,7 @@ void RadiositySolver::FindRays(Group &group, const std::vector<std::uint32_t> &g
     std::vector<std::uint8_t> seen(groups_.size());
     const auto see = [&](EmitterId hit) {
         group.rays += 1;
-        if (hit != kNoEmitter)
+        if (Emits(hit))
             seen[groupOf[hit]] = 1;
     };
     if (group.isLightmap)
@@ -113,7 +113,7 @@ void RadiositySolver::GatherGroup(const Group &group, const Emission &shot, std:
     for (std::size_t v = 0; v < light.size() && !group.vertexHits.empty(); ++v) {
         Vec3f sum;
         for (const EmitterId hit : std::span(group.vertexHits).subspan(v * kVertexRays, kVertexRays))
-            if (hit != kNoEmitter)
+            if (Emits(hit))
                 sum += shot[hit];
         light[v] = sum / float(kVertexRays);
     }

@@ -1,6 +1,11 @@
 // GPL-2.0-or-later. From where the rays of luxels start.
 #include "q3map2/lightmap/bounce/ray_origin.h"
 
+#include "libs/math/low_discrepancy.h"
+#include "q3map2/lightmap/raw/luxel_tiles.h"
+
+#include <algorithm>
+#include <numbers>
 #include <utility>
 
 namespace q3 {
@@ -9,23 +14,100 @@ namespace {
 
 /// Ray origins with a solid this near are moved aside. Game units.
 constexpr float kSolidMargin = 0.25f;
+/// A place is clear if at most this share of some rays from there meet the back of a surface.
+constexpr int kTestRays = 8, kMaxBacks = 2;
+
+/// Finds the origins of one lightmap.
+class OriginFinder {
+  public:
+    OriginFinder(const BspSpace &space, const BounceScene &scene, const RawLightmap &raw)
+        : space_(space), scene_(scene), raw_(raw) {
+        for (std::uint32_t i = 0; i < kTestRays; ++i) {
+            const Sample2 s = PlasticSample(i, 0);
+            const double radius = std::sqrt(s.u), angle = 2 * std::numbers::pi * s.v;
+            directions_[i] = {float(radius * std::cos(angle)), float(radius * std::sin(angle)),
+                              float(std::sqrt(1 - s.u))};
+        }
+    }
+    std::vector<Vec3f> Find() const {
+        std::vector<Vec3f> origins(raw_.luxelClusters.size());
+        std::vector<std::size_t> batch;
+        const auto flush = [&] {
+            const auto backs = Backs(batch);
+            for (std::size_t i = 0; i < batch.size(); ++i) {
+                const std::size_t luxel = batch[i];
+                const bool clear = backs[i] <= kMaxBacks && !TouchesSolid(raw_.positions[luxel]);
+                origins[luxel] = clear ? raw_.positions[luxel] : PlaceAside(luxel);
+            }
+            batch.clear();
+        };
+        ForMappedLuxelsByTile(raw_, 4, [&](std::size_t luxel, int, int) {
+            batch.push_back(luxel);
+            if (batch.size() == kPacketSize)
+                flush();
+        });
+        flush();
+        return origins;
+    }
+
+  private:
+    bool TouchesSolid(const Vec3f &p) const {
+        constexpr Vec3f kMargin{kSolidMargin, kSolidMargin, kSolidMargin};
+        return space_.AnySolid(p - kMargin, p + kMargin);
+    }
+    /// For up to 16 luxels: how many test rays from their positions meet backs.
+    std::array<int, kPacketSize> Backs(std::span<const std::size_t> luxels) const {
+        std::array<int, kPacketSize> backs{};
+        RayPacket rays;
+        for (const Vec3f &direction : directions_) {
+            for (std::size_t i = 0; i < luxels.size(); ++i)
+                rays.Set(i, raw_.positions[luxels[i]], GatherFrame(raw_.normals[luxels[i]]).World(direction),
+                         kRayLength);
+            const auto found = scene_.FirstEmitters(rays, true);
+            for (std::size_t i = 0; i < luxels.size(); ++i)
+                backs[i] += found[i] == kBackOfSurface;
+        }
+        return backs;
+    }
+    int BacksFrom(const Vec3f &origin, const GatherFrame &frame) const {
+        RayPacket rays;
+        for (std::size_t i = 0; i < kTestRays; ++i)
+            rays.Set(i, origin, frame.World(directions_[i]), kRayLength);
+        const auto found = scene_.FirstEmitters(rays, false);
+        return int(std::count(found.begin(), found.begin() + kTestRays, kBackOfSurface));
+    }
+    /// The first clear place around the position, else the one with the fewest backs of those that touch no solid.
+    Vec3f PlaceAside(std::size_t luxel) const {
+        const GatherFrame frame(raw_.normals[luxel]);
+        const float spacing = raw_.actualSampleSize / float(raw_.super);
+        const Vec3f u = raw_.hasVectors ? raw_.step[0] : frame.right * spacing;
+        const Vec3f v = raw_.hasVectors ? raw_.step[1] : frame.up * spacing;
+        Vec3f best = raw_.positions[luxel];
+        int fewest = TouchesSolid(best) ? kTestRays + 1 : BacksFrom(best, frame);
+        for (const float distance : {0.25f, 0.5f})
+            for (const auto &[x, y] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}) {
+                const Vec3f aside = raw_.positions[luxel] + (u * float(x) + v * float(y)) * distance;
+                if (TouchesSolid(aside))
+                    continue;
+                const int backs = BacksFrom(aside, frame);
+                if (backs < fewest)
+                    fewest = backs, best = aside;
+                if (backs <= kMaxBacks)
+                    return aside;
+            }
+        return best;
+    }
+
+    const BspSpace &space_;
+    const BounceScene &scene_;
+    const RawLightmap &raw_;
+    std::array<Vec3f, kTestRays> directions_;
+};
 
 } // namespace
 
-Vec3f ClearOrigin(const BspSpace &space, const RawLightmap &raw, std::size_t luxel, const GatherFrame &frame) {
-    const Vec3f margin{kSolidMargin, kSolidMargin, kSolidMargin}, position = raw.positions[luxel];
-    const auto clear = [&](const Vec3f &p) { return !space.AnySolid(p - margin, p + margin); };
-    if (clear(position))
-        return position;
-    const float half = raw.actualSampleSize / float(2 * raw.super);
-    const Vec3f u = raw.hasVectors ? raw.step[0] * 0.5f : frame.right * half;
-    const Vec3f v = raw.hasVectors ? raw.step[1] * 0.5f : frame.up * half;
-    for (const auto &[x, y] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}) {
-        const Vec3f aside = position + u * float(x) + v * float(y);
-        if (clear(aside))
-            return aside;
-    }
-    return position;
+std::vector<Vec3f> RayOrigins(const BspSpace &space, const BounceScene &scene, const RawLightmap &raw) {
+    return OriginFinder(space, scene, raw).Find();
 }
 
 } // namespace q3

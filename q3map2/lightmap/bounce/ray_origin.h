@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. From where the rays of luxels start, and the frame of their directions.
 #pragma once
 
-#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/bounce/bounce_scene.h"
 
 namespace q3 {
 
@@ -17,8 +17,9 @@ struct GatherFrame {
     Vec3f normal, right, up;
 };
 
-/// Origin of the rays of a luxel: its position, or half a luxel aside if only that is clear of solids. Luxels at the
-/// edge of a wall lie in the plane of the adjacent wall, and their rays would start behind it.
-Vec3f ClearOrigin(const BspSpace &space, const RawLightmap &raw, std::size_t luxel, const GatherFrame &frame);
+/// Origins of the rays of a lightmap's mapped luxels, by luxel of the super grid: the position, or a place at most half
+/// a luxel aside if only that is clear. Clear is what no solid touches and what sees few backs of surfaces. A luxel at
+/// the edge of a wall lies in the plane of the adjacent wall, or behind a curve, though a part of it can be seen.
+std::vector<Vec3f> RayOrigins(const BspSpace &space, const BounceScene &scene, const RawLightmap &raw);
 
 } // namespace q3
