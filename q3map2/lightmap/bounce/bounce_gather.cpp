@@ -2,16 +2,13 @@
 #include "q3map2/lightmap/bounce/bounce_gather.h"
 
 #include "libs/math/color.h"
-#include "libs/math/low_discrepancy.h"
 #include "q3map2/light/batch/ray_batcher.h"
+#include "q3map2/lightmap/bounce/gather_directions.h"
 #include "q3map2/lightmap/bounce/ray_origin.h"
 #include "q3map2/lightmap/raw/deluxe.h"
-#include "q3map2/lightmap/raw/luxel_tiles.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <numeric>
 
 namespace q3 {
 
@@ -19,29 +16,16 @@ namespace {
 
 /// Rays per luxel, under -fast fewer, and sets of directions: the luxels of a 4 x 4 block have one each, 1024
 /// directions together.
-constexpr int kRays = 64, kFastRays = 24, kMinRays = 4, kDirectionSets = 16;
+constexpr int kRays = 64, kFastRays = 24, kMinRays = 4;
 constexpr int kVertexRays = 256;
 /// With more hits (768 MiB) not all are kept.
 constexpr std::uint64_t kMaxKeptHits = std::uint64_t(192) << 20;
 /// Rays of vertices start this far off their surface; kMinRayLift where another surface is nearer. Game units.
 constexpr float kRayLift = 1, kMinRayLift = 1.0f / 16;
-/// Direction i of a cosine-weighted hemisphere around +z.
-Vec3f CosineDirection(std::uint32_t i) {
-    const Sample2 s = PlasticSample(i, 0);
-    const double radius = std::sqrt(s.u), angle = 2 * std::numbers::pi * s.v;
-    return {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(std::sqrt(1 - s.u))};
-}
-
 /// Dither threshold in [0, 1) of the additive golden ratio sequence.
 float DitherThreshold(std::uint32_t number) {
     constexpr std::uint32_t kGolden = 2654435769u; // 2^32 over the golden ratio
     return float((number * kGolden) >> 8) * 0x1p-24f;
-}
-
-/// The set of directions of a luxel, 0 to 15: the 4 x 4 Bayer matrix, so neighbors have sets that are far apart.
-std::uint32_t DirectionSetOf(int x, int y) {
-    constexpr std::uint32_t kOrder[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
-    return kOrder[y & 3][x & 3];
 }
 
 } // namespace
@@ -49,8 +33,8 @@ std::uint32_t DirectionSetOf(int x, int y) {
 BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
                            const RadiosityPatches *patches)
     : scene_(scene), patches_(patches), origins_(surfaces.lightmaps.size()), rows_(surfaces.lightmaps.size()) {
-    for (std::uint32_t i = 0; i < std::uint32_t(std::max(kDirectionSets * kRays, kVertexRays)); ++i)
-        directions_.push_back(CosineDirection(i));
+    for (std::uint32_t i = 0; i < std::uint32_t(kVertexRays); ++i)
+        vertexDirections_.push_back(CosineDirection(PlasticSample(i, 0)));
     std::uint64_t texels = 0;
     for (const RawLightmap &raw : surfaces.lightmaps) {
         const auto isMapped = [](int code) { return code >= 0; };
@@ -75,14 +59,16 @@ int BounceGather::RaysPerLuxel(const RawLightmap &raw) const {
 }
 
 struct BounceGather::GatherBatch {
-    std::uint32_t set = 0;
     std::size_t count = 0;
     std::array<std::size_t, kPacketSize> luxels{}, firstHits{};
+    std::array<int, kPacketSize> sets{};
 
-    void Add(std::size_t luxel, std::size_t firstHit) { luxels[count] = luxel, firstHits[count++] = firstHit; }
+    void Add(std::size_t luxel, int set, std::size_t firstHit) {
+        luxels[count] = luxel, sets[count] = set, firstHits[count++] = firstHit;
+    }
 };
 
-/// Luxels with the same direction set are traced in packets of 16, one direction at a time, so that rays are coherent.
+/// The luxels of a block of 4 x 4 are traced in one packet, ray by ray.
 BounceGather::HitRows BounceGather::TraceRows(std::size_t lightmap, const RawLightmap &raw, int stride,
                                               int rays) const {
     HitRows rows{stride, rays, {}};
@@ -95,31 +81,23 @@ BounceGather::HitRows BounceGather::TraceRows(std::size_t lightmap, const RawLig
             used += rows.Has(raw, luxel, x, y) ? std::size_t(rays) : 0;
         }
     rows.hits.resize(used);
-    std::array<GatherBatch, kDirectionSets> batches;
-    for (std::uint32_t set = 0; set < kDirectionSets; ++set)
-        batches[set].set = set;
-    const auto flush = [&](GatherBatch &batch) {
-        TraceBatch(raw, origins_[lightmap], batch, rows);
-        batch.count = 0;
-    };
-    const int tile = 16 * stride; // each direction set has 16 luxels in a tile: one packet
-    ForMappedLuxelsByTile(raw, tile, [&](std::size_t luxel, int x, int y) {
-        if (!rows.Has(raw, luxel, x, y))
-            return;
-        GatherBatch &batch = batches[DirectionSetOf(x / stride, y / stride)];
-        batch.Add(luxel, first[luxel]);
-        if (batch.count == kPacketSize)
-            flush(batch);
-    });
-    for (GatherBatch &batch : batches)
-        if (batch.count > 0)
-            flush(batch);
+    const GatherDirections directions(rays);
+    const int side = 4 * stride;
+    for (int top = 0; top < raw.SuperHeight(); top += side)
+        for (int left = 0; left < raw.SuperWidth(); left += side) {
+            GatherBatch batch;
+            for (int y = top; y < std::min(top + side, raw.SuperHeight()); ++y)
+                for (int x = left; x < std::min(left + side, raw.SuperWidth()); ++x)
+                    if (const std::size_t luxel = raw.SuperIndex(x, y); rows.Has(raw, luxel, x, y))
+                        batch.Add(luxel, GatherDirections::SetOf(x / stride, y / stride), first[luxel]);
+            if (batch.count > 0)
+                TraceBatch(raw, origins_[lightmap], directions, batch, rows);
+        }
     return rows;
 }
 
-void BounceGather::TraceBatch(const RawLightmap &raw, const std::vector<Vec3f> &origins, const GatherBatch &batch,
-                              HitRows &rows) const {
-    const auto count = std::uint32_t(rows.rays);
+void BounceGather::TraceBatch(const RawLightmap &raw, const std::vector<Vec3f> &origins,
+                              const GatherDirections &directions, const GatherBatch &batch, HitRows &rows) const {
     std::vector<GatherFrame> frames;
     RayPacket rays;
     rays.distance.fill(kRayLength);
@@ -129,12 +107,12 @@ void BounceGather::TraceBatch(const RawLightmap &raw, const std::vector<Vec3f> &
         rays.origin.Set(i, origins[luxel]);
         rays.live[i] = -1;
     }
-    for (std::uint32_t ray = 0; ray < count; ++ray) {
+    for (int ray = 0; ray < rows.rays; ++ray) {
         for (std::size_t i = 0; i < batch.count; ++i)
-            rays.direction.Set(i, frames[i].World(directions_[batch.set * count + ray]));
+            rays.direction.Set(i, frames[i].World(directions.At(batch.sets[i], ray)));
         const auto emitters = scene_.FirstEmitters(rays, true);
         for (std::size_t i = 0; i < batch.count; ++i) {
-            const std::size_t luxel = batch.luxels[i], at = batch.firstHits[i] + ray;
+            const std::size_t luxel = batch.luxels[i], at = batch.firstHits[i] + std::size_t(ray);
             rows.hits[at] = Dithered(emitters[i], raw.positions[luxel], raw.normals[luxel], raw.twoSided, at);
         }
     }
@@ -148,19 +126,6 @@ EmitterId BounceGather::Dithered(EmitterId emitter, const Vec3f &position, const
         return emitter;
     const float share = patches_->ContributionShare(emitter, position, normal, twoSided);
     return share > DitherThreshold(std::uint32_t(number)) ? emitter : kNoEmitter;
-}
-
-/// By direction set: the cosine-weighted mean of 1 / (n . w) over the hemisphere, which is 2, divided by the mean over
-/// the directions of the set.
-std::vector<float> BounceGather::FluenceScales(int count) const {
-    std::vector<float> scales;
-    for (int set = 0; set < kDirectionSets; ++set) {
-        float sum = 0;
-        for (int i = 0; i < count; ++i)
-            sum += 1 / directions_[std::size_t(set * count + i)].z;
-        scales.push_back(2 * float(count) / sum);
-    }
-    return scales;
 }
 
 /// Directional channels of one luxel, summed over its rays. The light of a ray is its emitter's radiosity / cosine, so
@@ -217,14 +182,14 @@ void BounceGather::AddToLuxels(const Emission &emission, std::size_t lightmap, c
     const HitRows traced = keepAll_ ? HitRows{} : TraceRows(lightmap, raw, 1, RaysPerLuxel(raw));
     const HitRows &rows = keepAll_ ? rows_[lightmap] : traced;
     const bool deluxe = !estimate.directions.empty(), directional = raw.channels.Any();
-    const std::vector<float> fluenceScales = directional ? FluenceScales(rows.rays) : std::vector<float>{};
+    const GatherDirections directions(rows.rays);
     const float share = 1 / float(rows.rays);
     std::size_t next = 0;
     for (std::size_t luxel = 0; luxel < raw.luxelClusters.size(); ++luxel) {
         if (!raw.Mapped(luxel))
             continue;
         const auto x = int(luxel % std::size_t(raw.SuperWidth())), y = int(luxel / std::size_t(raw.SuperWidth()));
-        const std::uint32_t set = DirectionSetOf(x, y), first = set * std::uint32_t(rows.rays);
+        const int set = GatherDirections::SetOf(x, y);
         const GatherFrame frame(raw.normals[luxel]);
         ChannelSum channels(raw, luxel, frame);
         Vec3f sum, direction;
@@ -232,7 +197,7 @@ void BounceGather::AddToLuxels(const Emission &emission, std::size_t lightmap, c
             const EmitterId hit = rows.hits[next++];
             if (!Emits(hit))
                 continue;
-            const Vec3f &from = directions_[first + std::uint32_t(i)];
+            const Vec3f &from = directions.At(set, i);
             sum += emission[hit];
             if (deluxe)
                 direction += frame.World(from) * Luminance(emission[hit]);
@@ -241,7 +206,7 @@ void BounceGather::AddToLuxels(const Emission &emission, std::size_t lightmap, c
         }
         estimate.irradiance[luxel] += sum * share;
         if (directional)
-            channels.AddTo(estimate.channels, share, fluenceScales[set]);
+            channels.AddTo(estimate.channels, share, directions.FluenceScale(set));
         if (deluxe)
             estimate.directions[luxel] += direction * (kDeluxeBounceShare / 255 * share);
     }
@@ -288,7 +253,7 @@ std::vector<EmitterId> BounceGather::VertexHits(const Vec3f &position, const Vec
             hits[numbers[i]] = Dithered(found[i], position, normal, twoSided, numbers[i]);
     });
     for (std::size_t i = 0; i < hits.size(); ++i)
-        rays.Add(i, start, frame.World(directions_[i]), kRayLength);
+        rays.Add(i, start, frame.World(vertexDirections_[i]), kRayLength);
     rays.Flush();
     return hits;
 }

@@ -6,6 +6,8 @@
 
 namespace q3 {
 
+class GatherDirections;
+
 /// Radiosity of each emitter, byte scale: light it received times its reflectance.
 using Emission = std::vector<Vec3f>;
 
@@ -49,22 +51,21 @@ class BounceGather {
             return x % stride == stride / 2 && y % stride == stride / 2 && raw.Mapped(luxel);
         }
     };
-    /// Up to 16 luxels that trace the same directions, and the index of each luxel's first hit.
+    /// Up to 16 luxels of a block, their sets of directions, and the index of the first hit of each.
     struct GatherBatch;
     class ChannelSum;
     HitRows TraceRows(std::size_t lightmap, const RawLightmap &raw, int stride, int rays) const;
-    void TraceBatch(const RawLightmap &raw, const std::vector<Vec3f> &origins, const GatherBatch &batch,
-                    HitRows &rows) const;
+    void TraceBatch(const RawLightmap &raw, const std::vector<Vec3f> &origins, const GatherDirections &directions,
+                    const GatherBatch &batch, HitRows &rows) const;
     EmitterId Dithered(EmitterId emitter, const Vec3f &position, const Vec3f &normal, bool twoSided,
                        std::size_t number) const;
     float RayLiftAt(const Vec3f &position, const Vec3f &normal) const;
     int RaysPerLuxel(const RawLightmap &raw) const;
-    std::vector<float> FluenceScales(int count) const;
 
     const BounceScene &scene_;
     const RadiosityPatches *patches_;
 
-    std::vector<Vec3f> directions_;           // cosine-weighted over the hemisphere around +z
+    std::vector<Vec3f> vertexDirections_;     // cosine-weighted over the hemisphere around +z
     bool keepAll_ = false;                    // rows_ holds all hits of all luxels
     std::vector<std::vector<Vec3f>> origins_; // by lightmap and luxel
     std::vector<HitRows> rows_;               // by lightmap

@@ -1,11 +1,10 @@
 // GPL-2.0-or-later. From where the rays of luxels start.
 #include "q3map2/lightmap/bounce/ray_origin.h"
 
-#include "libs/math/low_discrepancy.h"
+#include "q3map2/lightmap/bounce/gather_directions.h"
 #include "q3map2/lightmap/raw/luxel_tiles.h"
 
 #include <algorithm>
-#include <numbers>
 #include <utility>
 
 namespace q3 {
@@ -22,12 +21,8 @@ class OriginFinder {
   public:
     OriginFinder(const BspSpace &space, const BounceScene &scene, const RawLightmap &raw)
         : space_(space), scene_(scene), raw_(raw) {
-        for (std::uint32_t i = 0; i < kTestRays; ++i) {
-            const Sample2 s = PlasticSample(i, 0);
-            const double radius = std::sqrt(s.u), angle = 2 * std::numbers::pi * s.v;
-            directions_[i] = {float(radius * std::cos(angle)), float(radius * std::sin(angle)),
-                              float(std::sqrt(1 - s.u))};
-        }
+        for (std::uint32_t i = 0; i < kTestRays; ++i)
+            directions_[i] = CosineDirection(PlasticSample(i, 0));
     }
     std::vector<Vec3f> Find() const {
         std::vector<Vec3f> origins(raw_.luxelClusters.size());
