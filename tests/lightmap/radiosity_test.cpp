@@ -1,0 +1,228 @@
+// GPL-2.0-or-later. The radiosity solver: closed forms, a matrix solution, the two orders of shooting, limits.
+#include "common/error.h"
+#include "tests/light/light_fixture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace q3::test {
+
+namespace {
+
+/// What white reflects at -bouncescale 1.
+constexpr double kWhite = 187.5 * 3 * 0.25 / 255;
+
+class RadiosityTest : public LightTest {
+  protected:
+    RadiosityTest() {
+        surfaces = true;
+        std::string script;
+        for (const auto &[name, scale] : {std::pair{"black", 0.0}, {"gray", 0.5}, {"bright", 1.6}})
+            script += fmt::format("textures/test/{}\n{{\n\tq3map_bounceScale {}\n\t{{\n\t\tmap $whiteimage\n\t}}\n}}\n",
+                                  name, scale);
+        Script(script);
+    }
+    /// A closed box; by default all walls are white.
+    static SceneBuilder Box(const Vec3f &half, double ambient, std::string_view shader = "textures/test/wall") {
+        SceneBuilder scene;
+        scene.SetInterior(-half, half, TestShader(shader));
+        scene.SetWorldKey("_ambient", fmt::format("{}", ambient));
+        return scene;
+    }
+    /// The red texel nearest to a place on the surface with that normal, byte scale, +0.5 since bytes are cut.
+    static double TexelAt(const Bsp &bsp, const Vec3f &place, const Vec3f &normal) {
+        double best = 1e30, value = -1;
+        for (const bspDrawSurface_t &surface : bsp.drawSurfaces) {
+            const bspDrawVert_t *v = bsp.drawVerts.data() + surface.firstVert;
+            if (surface.lightmapNum < 0 || surface.numVerts < 3 || Dot(Vec3f(v[0].normal), normal) < 0.9f)
+                continue;
+            for (int k = 0; k + 2 < surface.numIndexes; k += 3) {
+                const bspDrawVert_t *t[3];
+                for (int i = 0; i < 3; ++i)
+                    t[i] = v + bsp.drawIndexes[std::size_t(surface.firstIndex + k + i)];
+                for (int a = 0; a <= 64; ++a)
+                    for (int b = 0; a + b <= 64; ++b) {
+                        const float w[3] = {1 - float(a + b) / 64, float(a) / 64, float(b) / 64};
+                        Vec3f p;
+                        float s = 0, q = 0;
+                        for (int i = 0; i < 3; ++i) {
+                            p += Vec3f(t[i]->xyz) * w[i];
+                            s += t[i]->lightmap[0] * w[i], q += t[i]->lightmap[1] * w[i];
+                        }
+                        if (const double d = double(Length(p - place)); d < best)
+                            best = d,
+                            value = bsp.lightmaps[3 * std::size_t((surface.lightmapNum * 128 + int(q * 128)) * 128 +
+                                                                  int(s * 128))];
+                    }
+            }
+        }
+        return value + 0.5;
+    }
+};
+
+TEST_F(RadiosityTest, EndlessBouncesFillAFurnace) {
+    for (const std::string_view options : {"", "-reflectivity linear -bouncescale 0.7"}) {
+        const double r = options.empty() ? kWhite : 0.7;
+        const Bsp lit = Lit(Box({256, 256, 128}, 60), fmt::format("-nogrid -bounce inf {}", options));
+        for (const Vec3f &normal : {Vec3f{0, 0, 1}, Vec3f{-1, 0, 0}})
+            EXPECT_NEAR(TexelAt(lit, -Vec3f{normal.x * 256, 40, normal.z * 128}, normal), 60 / (1 - r),
+                        0.01 * 60 / (1 - r))
+                << options;
+        EXPECT_TRUE(Printed("still to come"));
+    }
+}
+
+TEST_F(RadiosityTest, NothingReflectsAllLight) {
+    const Bsp lit = Lit(Box({128, 128, 128}, 1), "-nogrid -bounce inf -bouncescale 20");
+    EXPECT_NEAR(TexelAt(lit, {0, 0, -128}, {0, 0, 1}), 1 / (1 - 0.99), 1.5);
+}
+
+TEST_F(RadiosityTest, ParallelPlates) {
+    SceneBuilder scene = Box({1024, 1024, 32}, 60, "textures/test/black");
+    scene.SetWallShader(BoxFace::MinusZ, TestShader("textures/test/wall"));
+    scene.SetWallShader(BoxFace::PlusZ, TestShader("textures/test/gray"));
+    const Bsp lit = Lit(scene, "-nogrid -bounce inf");
+    // E0 = e + r1 E1, E1 = e + r0 E0 for infinite plates; these cover all but 0.2 % of each other's hemisphere.
+    const double r0 = kWhite, r1 = kWhite * 0.5;
+    EXPECT_NEAR(TexelAt(lit, {0, 0, -32}, {0, 0, 1}), 60 * (1 + r1) / (1 - r0 * r1), 0.01 * 80);
+    EXPECT_NEAR(TexelAt(lit, {0, 0, 32}, {0, 0, -1}), 60 * (1 + r0) / (1 - r0 * r1), 0.01 * 100);
+}
+
+/// Form factor of a rectangle corner + [0, 1] u + [0, 1] v at a point, by summing over its edges.
+double RectangleFormFactor(const Vec3d &p, const Vec3d &normal, const std::array<Vec3d, 4> &corners) {
+    double sum = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const Vec3d a = Normalize(corners[i] - p), b = Normalize(corners[(i + 1) % 4] - p);
+        sum += std::acos(std::clamp(Dot(a, b), -1.0, 1.0)) * Dot(Normalize(Cross(a, b)), normal);
+    }
+    return std::abs(sum) / (2 * std::numbers::pi);
+}
+
+/// A box of three reflectances, its walls cut into squares: the solution of the radiosity equation by Gauss-Seidel.
+class BoxSolution {
+  public:
+    static constexpr int kSide = 12;
+    BoxSolution(double half, const std::array<double, 6> &reflectance, double direct) {
+        const double step = 2 * half / kSide;
+        for (int wall = 0; wall < 6; ++wall)
+            for (int y = 0; y < kSide; ++y)
+                for (int x = 0; x < kSide; ++x) {
+                    const auto at = [&](double u, double v) {
+                        Vec3d p;
+                        p[std::size_t(wall / 2)] = wall % 2 == 0 ? -half : half;
+                        p[std::size_t((wall / 2 + 1) % 3)] = -half + u * step;
+                        p[std::size_t((wall / 2 + 2) % 3)] = -half + v * step;
+                        return p;
+                    };
+                    Patch patch{at(x + 0.5, y + 0.5), {}, {at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)}};
+                    patch.normal[std::size_t(wall / 2)] = wall % 2 == 0 ? 1 : -1;
+                    patch.reflectance = reflectance[std::size_t(wall)], patch.light = direct;
+                    patches_.push_back(patch);
+                }
+        Solve(direct);
+    }
+    /// Light at a place on a wall with that normal, from the radiosity of all patches.
+    double At(const Vec3d &place, const Vec3d &normal, double direct) const {
+        double light = direct;
+        for (const Patch &from : patches_)
+            if (Dot(from.normal, place - from.center) > 1e-6)
+                light += from.reflectance * from.light * RectangleFormFactor(place, normal, from.corners);
+        return light;
+    }
+
+  private:
+    struct Patch {
+        Vec3d center, normal;
+        std::array<Vec3d, 4> corners;
+        double reflectance = 0, light = 0;
+    };
+    void Solve(double direct) {
+        const std::size_t n = patches_.size();
+        std::vector<double> factors(n * n);
+        for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t j = 0; j < n; ++j)
+                if (Dot(patches_[j].normal, patches_[i].center - patches_[j].center) > 1e-6)
+                    factors[i * n + j] =
+                        RectangleFormFactor(patches_[i].center, patches_[i].normal, patches_[j].corners);
+        for (int sweep = 0; sweep < 60; ++sweep)
+            for (std::size_t i = 0; i < n; ++i) {
+                double light = direct;
+                for (std::size_t j = 0; j < n; ++j)
+                    light += factors[i * n + j] * patches_[j].reflectance * patches_[j].light;
+                patches_[i].light = light;
+            }
+    }
+    std::vector<Patch> patches_;
+};
+
+/// Like the Cornell box: walls of three reflectances.
+TEST_F(RadiosityTest, BoxOfDifferentWalls) {
+    SceneBuilder scene = Box({256, 256, 256}, 60);
+    scene.SetWallShader(BoxFace::MinusX, TestShader("textures/test/gray"));
+    scene.SetWallShader(BoxFace::PlusX, TestShader("textures/test/bright"));
+    const Bsp lit = Lit(scene, "-nogrid -bounce inf");
+    const BoxSolution expected(256, {kWhite * 0.5, kWhite * 1.6, kWhite, kWhite, kWhite, kWhite}, 60);
+    const auto check = [&](const Vec3f &place, const Vec3f &normal) {
+        double mean = 0;
+        int count = 0;
+        for (int u = -1; u <= 1; ++u) // of nine luxels, since each has noise
+            for (int v = -1; v <= 1; ++v) {
+                const Vec3f aside = normal.x != 0 ? Vec3f{0, float(u), float(v)} : Vec3f{float(u), float(v), 0};
+                mean += TexelAt(lit, place + aside * 16, normal), ++count;
+            }
+        const double light = expected.At(Vec3d(place), Vec3d(normal), 60);
+        EXPECT_NEAR(mean / count, light, 0.01 * light);
+    };
+    check({-256, 8, 8}, {1, 0, 0});
+    check({256, 8, 8}, {-1, 0, 0});
+    check({8, 8, -256}, {0, 0, 1});
+    check({168, -120, -256}, {0, 0, 1});
+}
+
+/// A small closed room of bright walls beside a large dim hall: after a while only the room has light left to shoot.
+TEST_F(RadiosityTest, BothOrdersOfShootingAgree) {
+    SceneBuilder scene;
+    scene.SetInterior({0, -512, 0}, {2048, 512, 512}, TestShader("textures/test/gray"));
+    scene.AddBox({0, -512, 128}, {144, 512, 512}, TestShader("textures/test/gray"));
+    scene.AddBox({128, -512, 0}, {144, 512, 128}, TestShader("textures/test/bright"));
+    scene.AddBox({0, -512, 0}, {128, -64, 128}, TestShader("textures/test/bright"));
+    scene.AddBox({0, 64, 0}, {128, 512, 128}, TestShader("textures/test/bright"));
+    scene.AddBox({0, -64, 0}, {128, 64, 8}, TestShader("textures/test/bright"));
+    scene.SetWallShader(BoxFace::MinusX, TestShader("textures/test/bright"));
+    scene.AddEntity(MakeEntity("light", {{"origin", "64 0 64"}, {"light", "10"}}));
+    scene.AddEntity(MakeEntity("light", {{"origin", "1024 0 256"}, {"light", "60"}}));
+    const std::string options = "-nogrid -bouncescale 1.1 ";
+    const Bsp jacobi = Lit(scene, options + "-bounce 1000");
+    EXPECT_FALSE(Printed("brightest surfaces"));
+    const Bsp refined = Lit(scene, options + "-bounce inf");
+    EXPECT_TRUE(Printed("brightest surfaces"));
+    ASSERT_EQ(jacobi.lightmaps.size(), refined.lightmaps.size());
+    int most = 0;
+    for (std::size_t i = 0; i < jacobi.lightmaps.size(); ++i)
+        most = std::max(most, std::abs(int(jacobi.lightmaps[i]) - int(refined.lightmaps[i])));
+    EXPECT_LE(most, 1);
+}
+
+TEST_F(RadiosityTest, BouncesEndEarly) {
+    const Bsp few = Lit(Box({128, 128, 128}, 10, "textures/test/gray"), "-nogrid -bounce 30");
+    EXPECT_FALSE(Printed("in bounce 30"));
+    const Bsp all = Lit(Box({128, 128, 128}, 10, "textures/test/gray"), "-nogrid -bounce inf");
+    EXPECT_EQ(few.lightmaps, all.lightmaps);
+}
+
+TEST_F(RadiosityTest, TimeLimitLeavesLight) {
+    const Bsp lit = Lit(Box({256, 256, 128}, 60), "-nogrid -bounce inf -bouncetime 1e-9");
+    EXPECT_TRUE(Printed("-bouncetime 1e-09 is over after 2 bounces"));
+    EXPECT_NEAR(TexelAt(lit, {0, 0, -128}, {0, 0, 1}), 60 * (1 + kWhite + kWhite * kWhite), 1.5);
+}
+
+TEST_F(RadiosityTest, WordsThatAreNoNumbersOfBounces) {
+    for (const std::string_view word : {"-1", "many", "1001", "2.5"})
+        EXPECT_THROW(Lit(Box({128, 128, 128}, 10), fmt::format("-bounce {}", word)), Error) << word;
+}
+
+} // namespace
+
+} // namespace q3::test
