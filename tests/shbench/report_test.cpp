@@ -47,7 +47,7 @@ TEST(Errors, AGridOfConstantLightHasNone) {
     Truth truth;
     for (const Vec3f &p : {Vec3f{1, 2, 3}, Vec3f{33, 60, 50}, Vec3f{64, 64, 64}})
         truth.points.push_back(Uniform(p, 0.25f));
-    const ShownErrors errors = MeasureErrors(truth, ShownBySH(bsp));
+    const ShownErrors errors = MeasureErrors(truth, ShownBy(BakedFormat::GridSH, bsp));
     EXPECT_NEAR(errors.rmse, 0, 1e-4);
     EXPECT_NEAR(errors.percentile99, 0, 1e-4);
     EXPECT_NEAR(errors.grid, 0, 1e-4);
@@ -170,7 +170,7 @@ TEST_F(RunTest, APlainBakeIsExactAtItsPointsForPointLights) {
         std::uint64_t rays = 0;
         truth.points.push_back(TruthAt(*map, p, 1, 0.05, rays));
     }
-    EXPECT_NEAR(MeasureErrors(truth, ShownBySH(baked.bsp)).grid, 0, 1e-3);
+    EXPECT_NEAR(MeasureErrors(truth, ShownBy(BakedFormat::GridSH, baked.bsp)).grid, 0, 1e-3);
 }
 
 TEST(Hall, HasAsManyLightsAsAskedForWithTheSameLightTogether) {
