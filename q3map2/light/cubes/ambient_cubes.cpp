@@ -88,7 +88,7 @@ class LeafSampler {
         for (const std::size_t leaf : group) {
             for (const CubePlace &place : places_[leaf])
                 cubes_[leaf].push_back(MakeCubeSample(bsp_.leafs[leaf], place.stored, *next++));
-            KeepMostDifferent(kMostInLeaf, cubes_[leaf]);
+            KeepBestCubes(kMostInLeaf, cubes_[leaf]);
         }
     }
 

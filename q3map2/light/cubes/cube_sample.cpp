@@ -12,30 +12,77 @@ namespace q3 {
 namespace {
 
 constexpr float kScreenGamma = 2.2f;
-constexpr float kNoDifference = 1e-4f;
-constexpr float kFar = std::numeric_limits<float>::max();
 
-float LargestDifference(const CubeSides &a, const CubeSides &b) {
-    float largest = 0;
-    for (std::size_t side = 0; side < a.size(); ++side) {
-        const Vec3f difference = a[side] - b[side];
-        largest = std::max(largest, MaxComponent(Max(difference, -difference)));
+/// Light of a sample as numbers in a row.
+using CubeNumbers = std::array<float, 18>;
+
+CubeNumbers NumbersOf(const CubeSides &sides) {
+    CubeNumbers numbers;
+    for (std::size_t side = 0; side < sides.size(); ++side)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            numbers[3 * side + channel] = sides[side][channel];
+    return numbers;
+}
+
+/// About what a screen makes of light: gamma 2, cut at 1.
+float Shown(float light) {
+    return std::sqrt(std::min(light, 1.0f));
+}
+
+float BlendWeight(const Vec3f &a, const Vec3f &b) {
+    const Vec3f way = a - b;
+    return 1 / (Dot(way, way) + 1);
+}
+
+/// Chooses samples one by one, each time the one that lowers the error of the blend at all samples the most.
+class CubeChoice {
+  public:
+    explicit CubeChoice(const std::vector<CubeSample> &samples)
+        : samples_(samples), sums_(samples.size()), weights_(samples.size()) {
+        for (const CubeSample &sample : samples) {
+            light_.push_back(NumbersOf(sample.sides));
+            CubeNumbers &shown = shown_.emplace_back();
+            std::transform(light_.back().begin(), light_.back().end(), shown.begin(), Shown);
+        }
     }
-    return largest;
-}
+    /// Sum of squared differences of shown light if sample k were chosen too; gives up above `limit`.
+    double ErrorWith(std::size_t k, double limit) const {
+        double sum = 0;
+        for (std::size_t j = 0; j < samples_.size() && sum < limit; ++j) {
+            const float weight = BlendWeight(samples_[j].position, samples_[k].position);
+            const float scale = 1 / (weights_[j] + weight);
+            float squares = 0;
+            for (std::size_t i = 0; i < light_[j].size(); ++i) {
+                const float difference = Shown((sums_[j][i] + weight * light_[k][i]) * scale) - shown_[j][i];
+                squares += difference * difference;
+            }
+            sum += double(squares);
+        }
+        return sum;
+    }
+    void Choose(std::size_t k) {
+        for (std::size_t j = 0; j < samples_.size(); ++j) {
+            const float weight = BlendWeight(samples_[j].position, samples_[k].position);
+            weights_[j] += weight;
+            for (std::size_t i = 0; i < light_[j].size(); ++i)
+                sums_[j][i] += weight * light_[k][i];
+        }
+    }
 
-/// Distance of two samples that are told apart by their light more than by their places.
-float ColoredDistance(const CubeSample &a, const CubeSample &b) {
-    const float m = LargestDifference(a.sides, b.sides);
-    return Length(a.position - b.position) * (0.1f + 0.9f * (m < kNoDifference ? 0 : std::min(m, 1.0f)));
-}
-
-/// Distances to the nearest two neighbors.
-struct Nearest {
-    std::size_t sample = 0;
-    float first = kFar, second = kFar;
-    bool operator<(const Nearest &o) const { return first != o.first ? first < o.first : second < o.second; }
+  private:
+    const std::vector<CubeSample> &samples_;
+    std::vector<CubeNumbers> light_, shown_, sums_; // sums_: weighted, of what is chosen, at each sample
+    std::vector<float> weights_;
 };
+
+/// Removes the samples that are not marked.
+void Keep(const std::vector<bool> &kept, std::vector<CubeSample> &samples) {
+    std::vector<CubeSample> result;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        if (kept[i])
+            result.push_back(samples[i]);
+    samples = std::move(result);
+}
 
 /// The largest error with which the samples marked `kept` reproduce the others.
 float LargestError(const std::vector<CubeSample> &samples, const std::vector<bool> &kept) {
@@ -67,8 +114,7 @@ CubeSides BlendCubes(std::span<const CubeSample> samples, const Vec3f &position)
     CubeSides sum{};
     float weights = 0;
     for (const CubeSample &sample : samples) {
-        const Vec3f way = sample.position - position;
-        const float weight = 1 / (Dot(way, way) + 1);
+        const float weight = BlendWeight(sample.position, position);
         weights += weight;
         for (std::size_t side = 0; side < sum.size(); ++side)
             sum[side] += sample.sides[side] * weight;
@@ -87,35 +133,24 @@ float ScreenDifference(const CubeSides &a, const CubeSides &b) {
     return largest;
 }
 
-void KeepMostDifferent(std::size_t most, std::vector<CubeSample> &samples) {
-    const std::size_t count = samples.size();
-    if (count <= most)
+void KeepBestCubes(std::size_t most, std::vector<CubeSample> &samples) {
+    if (samples.size() <= most)
         return;
-    std::vector<float> distance(count * count);
-    for (std::size_t a = 0; a < count; ++a)
-        for (std::size_t b = a + 1; b < count; ++b)
-            distance[a * count + b] = distance[b * count + a] = ColoredDistance(samples[a], samples[b]);
-    std::vector<std::size_t> left(count);
-    for (std::size_t i = 0; i < count; ++i)
-        left[i] = i;
-    while (left.size() > most) {
-        Nearest nearest;
-        for (const std::size_t a : left) {
-            Nearest mine{a, kFar, kFar};
-            for (const std::size_t b : left)
-                if (a != b) {
-                    const float d = distance[a * count + b];
-                    mine.second = std::min(mine.second, std::max(mine.first, d));
-                    mine.first = std::min(mine.first, d);
-                }
-            nearest = std::min(nearest, mine);
-        }
-        std::erase(left, nearest.sample);
+    CubeChoice choice(samples);
+    std::vector<bool> chosen(samples.size());
+    double error = std::numeric_limits<double>::infinity();
+    for (std::size_t step = 0; step < most; ++step) {
+        std::size_t best = samples.size();
+        for (std::size_t k = 0; k < samples.size(); ++k)
+            if (!chosen[k])
+                if (const double with = choice.ErrorWith(k, error); with < error)
+                    best = k, error = with;
+        if (best == samples.size())
+            break;
+        choice.Choose(best);
+        chosen[best] = true;
     }
-    std::vector<CubeSample> kept;
-    for (const std::size_t i : left)
-        kept.push_back(samples[i]);
-    samples = std::move(kept);
+    Keep(chosen, samples);
 }
 
 void ThinOutCubes(float tolerance, std::vector<CubeSample> &samples) {
@@ -136,11 +171,7 @@ void ThinOutCubes(float tolerance, std::vector<CubeSample> &samples) {
             break;
         kept[best] = false;
     }
-    std::vector<CubeSample> result;
-    for (std::size_t i = 0; i < samples.size(); ++i)
-        if (kept[i])
-            result.push_back(samples[i]);
-    samples = std::move(result);
+    Keep(kept, samples);
 }
 
 } // namespace q3

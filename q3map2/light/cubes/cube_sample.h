@@ -30,9 +30,10 @@ CubeSides BlendCubes(std::span<const CubeSample> samples, const Vec3f &position)
 /// Largest difference of a side and channel, in steps of 255 on a screen of gamma 2.2.
 float ScreenDifference(const CubeSides &a, const CubeSides &b);
 
-/// Removes samples until `most` are left: each time one of the two nearest, the one whose next neighbor is nearer.
-/// Nearness is distance * (0.1 + 0.9 m); m: largest difference of a side and channel, 0 below 1e-4, at most 1.
-void KeepMostDifferent(std::size_t most, std::vector<CubeSample> &samples);
+/// Keeps at most `most` samples: chosen one by one, each time the one with which the blend of those chosen shows all
+/// samples best, by the sum of squared differences of light on a screen of gamma 2, cut at 1. Fewer if more would not
+/// help. A sample beside a lamp, far brighter than a screen shows, would spoil the blend of a whole leaf.
+void KeepBestCubes(std::size_t most, std::vector<CubeSample> &samples);
 
 /// Removes samples that the rest reproduces, the best reproduced first: at each removed position, the blend of what is
 /// left differs by at most `tolerance`, see ScreenDifference. At least one is left.
