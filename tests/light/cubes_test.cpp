@@ -96,7 +96,7 @@ class CubesTest : public LightTest {
         for (const SeenCube &cube : cubes)
             for (std::size_t side = 0; side < 6; ++side) {
                 const Vec3d off = cube.sides[side] - expected(cube.position, FacingAxis(side));
-                EXPECT_LE(MaxComponent(Max(off, -off)), tolerance * std::max(cube.Largest(), kCode))
+                EXPECT_LE(MaxComponent(Max(off, -off)), tolerance * std::max(cube.Largest(), 4 * kCode))
                     << "side " << side << " is " << cube.sides[side].x << " at " << cube.position.x << ' '
                     << cube.position.y << ' ' << cube.position.z;
             }

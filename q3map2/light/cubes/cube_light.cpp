@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Light on the six sides of ambient cubes.
 #include "q3map2/light/cubes/cube_light.h"
 
+#include "libs/sh/polygon_moments.h"
 #include "libs/sh/sh.h"
 #include "libs/shgrid/shgrid.h"
 #include "q3map2/light/batch/form_factor.h"
@@ -35,16 +36,15 @@ struct TwoSides {
     double plus = 0, minus = 0;
 };
 
-/// Solid angle of a convex polygon from p: a fan of triangles, each by the formula of van Oosterom and Strackee (1983).
-double SolidAngle(const Winding<float> &w, const Vec3d &p) {
+/// Light on two surfaces that face both ways of an axis, added up: from bands 0 and 2 of radiance coefficients. Band 1
+/// cancels out, band 3 has none, bands from 4 on are left out.
+double SumOfBothWays(const ShVector &c, std::size_t axis) {
+    const Vec3d n = Axis(axis);
+    const ShVector basis = ShBasis(n);
     double sum = 0;
-    for (std::size_t i = 2; i < w.size(); ++i) {
-        const Vec3d a = Vec3d(w[0]) - p, b = Vec3d(w[i - 1]) - p, c = Vec3d(w[i]) - p;
-        const double la = Length(a), lb = Length(b), lc = Length(c);
-        const double across = Dot(a, Cross(b, c));
-        sum += 2 * std::atan2(across, la * lb * lc + Dot(a, b) * lc + Dot(a, c) * lb + Dot(b, c) * la);
-    }
-    return std::abs(sum);
+    for (const std::size_t k : {0, 4, 5, 6, 7, 8})
+        sum += 2 * kCosineLobe[k] * basis[k] * c[k];
+    return sum;
 }
 
 /// The part of a polygon beyond p on an axis.
@@ -59,10 +59,20 @@ Winding<float> PartBeyond(const Winding<float> &w, const Vec3f &p, std::size_t a
 /// The light of one source at one receiver.
 struct PointLightField {
     const Light &light;
+    float weight; ///< of the light
     Vec3f position;
-    Vec3d vector;   ///< irradiance vector: its product with a normal is the light, if the source is in front as a whole
-    double fluence; ///< light from all directions, each on a surface that faces it
+    ShVector radiance; ///< SH projection; for light of strength 1 from direction w that is Y(w)
+    Vec3d vector;      ///< irradiance vector: its product with a normal is the light, if all of it comes from before
+    double fluence;    ///< light from all directions, each on a surface that faces it
 
+    PointLightField(const Light &source, float sourceWeight, const Vec3f &at, const ProbeIncidentLight &incident,
+                    std::size_t lane)
+        : light(source), weight(sourceWeight), position(at) {
+        for (std::size_t k = 0; k < 9; ++k)
+            radiance[k] = double(incident.shCoeffs[k][lane]);
+        vector = Vec3d{radiance[3], radiance[1], radiance[2]} / kShC1;
+        fluence = radiance[0] / kShC0;
+    }
     /// Whether parts of an area light are before, and parts behind, a surface that faces along the axis.
     bool Straddles(std::size_t axis) const {
         if (light.type != LightType::Area)
@@ -84,37 +94,35 @@ TwoSides PointLightField::On(std::size_t axis) const {
     return {std::max(0.0, vector[axis]), std::max(0.0, -vector[axis])};
 }
 
-/// With P and N the closed forms of the parts before and behind, times the visible share: their difference, which is
-/// that of the irradiance vector, is exact, and their sum is exact where all or nothing is hidden.
+/// The difference of both sides is that of the irradiance vector. Their sum, by a control variate: with s the visible
+/// share and T the sum that bands up to 2 give, s (exact sum of the whole) + T(visible part) - s T(whole); exact where
+/// all or nothing is hidden.
 TwoSides PointLightField::Cut(std::size_t axis) const {
     const Vec3d p(position), normal = Axis(axis);
-    const double whole = SolidAngle(light.w, p);
-    if (!(whole > 0))
-        return {std::max(0.0, vector[axis]), std::max(0.0, -vector[axis])};
+    const std::span<const Vec3f> polygon(light.w);
     const Winding<float> part = PartBeyond(light.w, position, axis);
     const double before = std::abs(FormFactor(p, normal, std::span<const Vec3f>(part)));
-    const double difference = std::abs(FormFactor(p, normal, std::span<const Vec3f>(light.w)));
-    const bool more =
-        FormFactor(p, normal, std::span<const Vec3f>(light.w)) * FormFactor(p, normal, std::span<const Vec3f>(part)) >=
-        0;
-    const double behind = std::max(0.0, before - (more ? difference : -difference));
-    const double strength = fluence * std::numbers::pi / whole;
-    const double excess = vector[axis] - strength * (before - behind);
-    TwoSides sides{strength * before, strength * behind};
-    (excess > 0 ? sides.plus : sides.minus) += std::abs(excess);
-    return sides;
+    const double difference = FormFactor(p, normal, polygon);
+    const bool same = difference * FormFactor(p, normal, std::span<const Vec3f>(part)) >= 0;
+    const double behind = std::max(0.0, before - (same ? std::abs(difference) : -std::abs(difference)));
+    ShVector whole = MomentsOfPolygon(polygon, p).Projection();
+    const double strength = double(light.add) * double(weight) / std::numbers::pi * (whole[0] < 0 ? -1 : 1);
+    for (double &coefficient : whole)
+        coefficient *= strength; // the back of the polygon is seen with the opposite sign
+    const double share = whole[0] > 0 ? std::min(1.0, radiance[0] / whole[0]) : 1;
+    const double sum = share * double(light.add) * double(weight) * (before + behind) + SumOfBothWays(radiance, axis) -
+                       share * SumOfBothWays(whole, axis);
+    const double least = std::abs(vector[axis]), both = std::max(least, sum);
+    return {(both + vector[axis]) / 2, (both - vector[axis]) / 2};
 }
 
 /// Adds the light of one source at the receivers of a block.
-void AddLight(const Light &light, const ReceiverBatch &receivers, const ProbeIncidentLight &incident,
+void AddLight(const Light &light, float weight, const ReceiverBatch &receivers, const ProbeIncidentLight &incident,
               std::span<SideSums> sums) {
     const Vec3d scale = Vec3d(light.color) * ((light.negative ? -1 : 1) / 255.0);
     for (unsigned lanes = incident.live.Bits(); lanes != 0; lanes &= lanes - 1) {
         const auto i = std::size_t(std::countr_zero(lanes));
-        const auto &c = incident.shCoeffs;
-        const PointLightField field{light, receivers.position[i],
-                                    Vec3d{double(c[3][i]), double(c[1][i]), double(c[2][i])} / kShC1,
-                                    double(c[0][i]) / kShC0};
+        const PointLightField field(light, weight, receivers.position[i], incident, i);
         const Vec3d color = incident.tinted ? scale * Vec3d(incident.tint[i]) : scale;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const TwoSides sides = field.On(axis);
@@ -192,7 +200,7 @@ std::vector<CubeSides> CubeIntegrator::Sides(std::vector<ReceiverBatch> &blocks,
     for (const BrickLight &one : candidates.List()) {
         LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, incident, work.counts);
         for (std::size_t block = 0; block < blocks.size(); ++block)
-            AddLight(*one.light, blocks[block], incident[block], sums[block]);
+            AddLight(*one.light, one.weight, blocks[block], incident[block], sums[block]);
     }
     const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
     std::vector<CubeSides> all;
