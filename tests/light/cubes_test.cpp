@@ -265,6 +265,21 @@ TEST_F(CubesTest, ThreadsDoNotMatter) {
     EXPECT_EQ(WriteBsp(Lit(scene, "-ambientcubes", 1), {}), WriteBsp(Lit(scene, "-ambientcubes", 3), {}));
 }
 
+TEST_F(CubesTest, LeafsHoldAsManyAsAsked) {
+    SceneBuilder scene = Room();
+    scene.AddEntity(MakeEntity("light", {{"origin", "40 -24 150"}, {"light", "300"}}));
+    const auto most = [&](std::string_view options) {
+        const Bsp bsp = Lit(scene, std::string(kAll) + std::string(options));
+        int count = 0;
+        for (const bspCubeLeaf_t &leaf : bsp.ambientCubes->leafs)
+            count = std::max(count, int(leaf.count));
+        return count;
+    };
+    EXPECT_EQ(most(""), 16);
+    EXPECT_EQ(most(" -cubesperleaf 5"), 5);
+    EXPECT_GT(most(" -cubesperleaf 128"), 100);
+}
+
 TEST_F(CubesTest, RelightWithoutTheOptionDropsThem) {
     const Bsp bsp = Lit(Room(), "-ambientcubes");
     ASSERT_TRUE(bsp.ambientCubes);

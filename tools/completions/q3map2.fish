@@ -115,6 +115,7 @@ complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o shsa
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o shpreview -r -d 'Draw both light grids to a picture; needs -sh'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o ambientcubes -d 'Bake ambient cubes into a BSPX lump, which unmodified engines ignore'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o ambientcubesfrom -r -d 'Trace the light of cubes, or take it from the SH grid; includes -ambientcubes'
+complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o cubesperleaf -r -d 'Keep at most N cubes of a leaf'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o cubetolerance -r -d 'Leave out cubes that the others of their leaf reproduce within this'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o noskip -d 'Trace every light at every point: all of the following'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o noskipreach -d 'Trace lights that are out of reach or face away too'

@@ -16,7 +16,6 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMostInLeaf = 16;
 /// Leafs of a cluster are lit together up to about so many places.
 constexpr std::size_t kPlacesTogether = 256;
 /// Step by which the tolerance rises while there are too many samples, and the last one: then one is left in each leaf.
@@ -88,7 +87,7 @@ class LeafSampler {
         for (const std::size_t leaf : group) {
             for (const CubePlace &place : places_[leaf])
                 cubes_[leaf].push_back(MakeCubeSample(bsp_.leafs[leaf], place.stored, *next++));
-            KeepBestCubes(kMostInLeaf, cubes_[leaf]);
+            KeepBestCubes(std::size_t(in_.options.cubesPerLeaf), cubes_[leaf]);
         }
     }
 

@@ -14,9 +14,9 @@ namespace q3 {
 /// Samples of each leaf of a map. Leafs in solids, and those without an open place, have none.
 using LeafCubes = std::vector<std::vector<CubeSample>>;
 
-/// Light at up to 16 places of each leaf of a cluster. lights: from SetupEnvelopes for the SH grid, without styles.
-/// `grid`: sides are taken from this SH grid; null: light is traced. Adds places to stats.points, leafs with samples to
-/// stats.open.
+/// Light at up to options.cubesPerLeaf places of each leaf of a cluster. lights: from SetupEnvelopes for the SH grid,
+/// without styles. `grid`: sides are taken from this SH grid; null: light is traced. Adds places to stats.points, leafs
+/// with samples to stats.open.
 LeafCubes SampleLeafs(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH *grid,
                       GridStats &stats);
 

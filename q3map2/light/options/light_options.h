@@ -77,6 +77,7 @@ struct LightOptions {
     // Ambient cubes.
     bool ambientCubes = false;
     bool cubesFromSH = false; ///< sides from the SH grid instead of traced light
+    int cubesPerLeaf = 16;    ///< at most
     float cubeTolerance = 3;  ///< samples that others reproduce so well are left out. 255ths on a screen of gamma 2.2
 
     std::string previewFile;                ///< -shpreview
