@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT. Reader of the ambient cubes of Quake III maps, for engines. C99 and C++.
 
    A cube is the light on six matte surfaces that face the axes of the map, at a position: x east, y north, z up. Each
-   leaf of the map's tree has 1 to 16 cubes, or uses those of another leaf. 1.0 is lightmap byte 255, linear. See LICENSE
-   and README.md beside this file. */
+   leaf of the map's tree has some cubes, usually up to 16, or uses those of another leaf. 1.0 is lightmap byte 255,
+   linear. See LICENSE and README.md beside this file. */
 #ifndef AMBIENT_CUBES_H
 #define AMBIENT_CUBES_H
 
