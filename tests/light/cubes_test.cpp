@@ -277,7 +277,7 @@ TEST_F(CubesTest, LeafsHoldAsManyAsAsked) {
     };
     EXPECT_EQ(most(""), 16);
     EXPECT_EQ(most(" -cubesperleaf 5"), 5);
-    EXPECT_GT(most(" -cubesperleaf 128"), 100);
+    EXPECT_GT(most(" -cubesperleaf 32"), 16);
 }
 
 TEST_F(CubesTest, RelightWithoutTheOptionDropsThem) {
