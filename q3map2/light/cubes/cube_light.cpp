@@ -105,10 +105,10 @@ TwoSides PointLightField::Cut(std::size_t axis) const {
     const double difference = FormFactor(p, normal, polygon);
     const bool same = difference * FormFactor(p, normal, std::span<const Vec3f>(part)) >= 0;
     const double behind = std::max(0.0, before - (same ? std::abs(difference) : -std::abs(difference)));
-    ShVector whole = MomentsOfPolygon(polygon, p).Projection();
-    const double strength = double(light.add) * double(weight) / std::numbers::pi * (whole[0] < 0 ? -1 : 1);
+    const bool fromBehind = Dot(light.shape.normal, p) < light.shape.dist;
+    ShVector whole = MomentsOfPolygon(fromBehind ? light.shape.back : light.w, p).Projection();
     for (double &coefficient : whole)
-        coefficient *= strength; // the back of the polygon is seen with the opposite sign
+        coefficient *= double(light.add) * double(weight) / std::numbers::pi;
     const double share = whole[0] > 0 ? std::min(1.0, radiance[0] / whole[0]) : 1;
     const double sum = share * double(light.add) * double(weight) * (before + behind) + SumOfBothWays(radiance, axis) -
                        share * SumOfBothWays(whole, axis);
