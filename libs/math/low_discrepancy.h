@@ -33,4 +33,21 @@ constexpr Sample2 PlasticSample(std::uint32_t i, std::uint64_t seed) {
     return {u - double(std::int64_t(u)), v - double(std::int64_t(v))};
 }
 
+struct Sample3 {
+    double u, v, w;
+};
+
+/// Point `i` of the R3 sequence in [0, 1)^3, likewise: steps are powers of the root of x^4 = x + 1.
+constexpr Sample3 PlasticSample3(std::uint32_t i, std::uint64_t seed) {
+    constexpr double kSteps[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+    std::uint64_t hash = seed;
+    double at[3] = {};
+    for (int axis = 0; axis < 3; ++axis) {
+        hash = HashIndex(hash);
+        const double value = UnitFromHash(hash) + kSteps[axis] * double(i);
+        at[axis] = value - double(std::int64_t(value));
+    }
+    return {at[0], at[1], at[2]};
+}
+
 } // namespace q3

@@ -22,6 +22,7 @@ struct BspxLump {
 inline constexpr std::string_view kBspxLightGridSH = "LIGHTGRID_SH";
 inline constexpr std::string_view kBspxLightmapsE5bgr9 = "LIGHTING_E5BGR9", kBspxVertexE5bgr9 = "VERTEX_E5BGR9",
                                   kBspxRnm = "LIGHTING_RNM";
+inline constexpr std::string_view kBspxAmbientCubes = "AMBIENT_CUBES";
 
 /// The SH light grid, as in lump 18 or the BSPX lump kBspxLightGridSH.
 struct LightGridSH {
@@ -39,6 +40,12 @@ struct RnmPage {
 struct RnmLightmaps {
     bspRnmHeader_t header;
     std::vector<RnmPage> pages;
+};
+
+/// The BSPX lump kBspxAmbientCubes: ambient cubes of leafs.
+struct AmbientCubes {
+    std::vector<bspCubeLeaf_t> leafs; ///< one for each leaf of the map
+    std::vector<bspCubeSample_t> samples;
 };
 
 /// Where the SH light grid is stored.
@@ -72,6 +79,7 @@ struct Bsp {
     std::vector<std::uint32_t> lightmapsE5bgr9; ///< for each texel of `lightmaps`; pages of directions hold 0
     std::vector<std::uint32_t> vertexE5bgr9;    ///< for each of drawVerts
     std::optional<RnmLightmaps> rnm;
+    std::optional<AmbientCubes> ambientCubes;
     std::vector<BspxLump> bspx; ///< without those that members above hold
 };
 

@@ -2,6 +2,7 @@
 #include "q3map2/bspfile/bsp_pieces.h"
 
 #include "common/error.h"
+#include "q3map2/bspfile/bspfile_cubes.h"
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/bspfile_hdr.h"
 
@@ -128,6 +129,13 @@ void BspPieces::TakeBspx(const Bsp &bsp) {
     add(!bsp.lightmapsE5bgr9.empty(), kBspxLightmapsE5bgr9, {BytesOf(bsp.lightmapsE5bgr9)});
     add(!bsp.vertexE5bgr9.empty(), kBspxVertexE5bgr9, {BytesOf(bsp.vertexE5bgr9)});
     add(bsp.rnm.has_value(), kBspxRnm, bsp.rnm ? RnmPieces(*bsp.rnm) : Pieces{});
+    if (!bsp.ambientCubes)
+        return;
+    CheckAmbientCubes(bsp, "writing");
+    cubeHeader_ = HeaderOf(*bsp.ambientCubes);
+    add(true, kBspxAmbientCubes,
+        {std::as_bytes(std::span(&cubeHeader_, 1)), BytesOf(bsp.ambientCubes->leafs),
+         BytesOf(bsp.ambientCubes->samples)});
 }
 
 void BspPieces::MakeHeader(int version) {

@@ -52,6 +52,7 @@ class BspPieces {
     std::vector<Pieces> bspx_;
     FilePlan plan_;
     std::vector<std::byte> header_, directory_;
+    bspCubeHeader_t cubeHeader_;
 };
 
 } // namespace q3

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. On-disk records of IBSP 46 and 47: little endian, no padding. See docs/bsp_format.md.
 #pragma once
 
+#include "libs/math/packed_color.h"
+
 #include <array>
 #include <cstdint>
 #include <type_traits>
@@ -139,6 +141,25 @@ struct bspRnmHeader_t {
     std::uint32_t side = 0, pageCount = 0;
 };
 
+/// Head of the BSPX lump AMBIENT_CUBES. A bspCubeLeaf_t for each leaf and the samples follow.
+struct bspCubeHeader_t {
+    std::array<char, 4> magic{'A', 'C', 'U', 'B'};
+    std::uint32_t version = 1;
+    std::uint32_t leafCount = 0, sampleCount = 0;
+};
+
+/// Samples of a leaf: count > 0: from `first` on; count 0: those of leaf `first`.
+struct bspCubeLeaf_t {
+    std::uint16_t count = 0, first = 0;
+};
+
+/// Light on surfaces that face +x, -x, +y, -y, +z, -z at a position: each 0..255 of the bounds of the leaf.
+struct bspCubeSample_t {
+    std::array<ColorRgbExp32, 6> sides;
+    std::array<std::uint8_t, 3> position{};
+    std::uint8_t unused = 0;
+};
+
 template <typename Record, std::size_t size>
 inline constexpr bool kPinned = sizeof(Record) == size &&std::is_trivially_copyable_v<Record>;
 static_assert(kPinned<bspShader_t, 72> && kPinned<bspPlane_t, 16> && kPinned<bspNode_t, 36>);
@@ -146,6 +167,7 @@ static_assert(kPinned<bspLeaf_t, 48> && kPinned<bspModel_t, 40> && kPinned<bspBr
 static_assert(kPinned<bspBrushSide_t, 8> && kPinned<bspDrawVert_t, 44> && kPinned<bspFog_t, 72>);
 static_assert(kPinned<bspDrawSurface_t, 104> && kPinned<bspGridPoint_t, 8> && kPinned<bspAdvertisement_t, 128>);
 static_assert(kPinned<bspRnmHeader_t, 20>);
+static_assert(kPinned<bspCubeHeader_t, 16> && kPinned<bspCubeLeaf_t, 4> && kPinned<bspCubeSample_t, 28>);
 static_assert(kPinned<bspGridSHHeader_t, 40> && kPinned<bspGridPointSH_t, 108>);
 
 } // namespace q3

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "q3map2/bspfile/bsp_layout.h"
 #include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/bspfile/bspfile_cubes.h"
 #include "q3map2/bspfile/bspfile_hdr.h"
 #include "q3map2/bspfile/entities.h"
 
@@ -59,6 +60,7 @@ class Validator {
         if (bsp_.gridSH)
             CheckLightGridSH(*bsp_.gridSH, name_);
         CheckHdrLight(bsp_, name_);
+        CheckAmbientCubes(bsp_, name_);
     }
 
   private:
@@ -411,6 +413,8 @@ class Validator {
                 Fail({"BSPX lump", i}, "the name {} belongs to the SH light grid", lump);
             if (IsHdrLump(lump))
                 Fail({"BSPX lump", i}, "the name {} belongs to HDR light", lump);
+            if (lump == kBspxAmbientCubes)
+                Fail({"BSPX lump", i}, "the name {} belongs to ambient cubes", lump);
         }
     }
 

@@ -4,6 +4,7 @@
 #include "common/log.h"
 #include "q3map2/bspfile/bsp.h"
 #include "q3map2/bspfile/bsp_validate.h"
+#include "q3map2/bspfile/bspfile_cubes.h"
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/bspfile_hdr.h"
 #include "q3map2/bspfile/bspfile_ibsp.h"

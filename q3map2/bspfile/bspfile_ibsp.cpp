@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "q3map2/bspfile/bsp_validate.h"
 #include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/bspfile/bspfile_cubes.h"
 #include "q3map2/bspfile/bspfile_hdr.h"
 #include "q3map2/bspfile/bspx.h"
 
@@ -176,6 +177,10 @@ class Reader {
         for (BspxPart &lump : ReadBspx(file_, Align4(std::uint64_t(end)), name_, log_)) {
             if (ReadHdrLump(file_, lump, name_, bsp))
                 continue;
+            if (lump.name == kBspxAmbientCubes) {
+                bsp.ambientCubes = ReadAmbientCubes(file_, lump.part, name_);
+                continue;
+            }
             if (lump.name != kBspxLightGridSH) {
                 std::vector<std::byte> data(std::size_t(lump.part.length));
                 file_.Fill(std::uint64_t(lump.part.offset), std::span(data));
@@ -189,6 +194,7 @@ class Reader {
             }
         }
         DropUnfitHdrLight(bsp, name_, log_);
+        DropUnfitCubes(bsp, name_, log_);
     }
 
     const ByteSource &file_;

@@ -34,6 +34,8 @@ class InfoTable {
         if (bsp_.gridSH)
             PrintGridSH(*bsp_.gridSH, world);
         PrintHdrLight();
+        if (bsp_.ambientCubes)
+            PrintCubes(*bsp_.ambientCubes);
         PrintExtras();
     }
 
@@ -136,6 +138,15 @@ class InfoTable {
         }
         if (!bsp_.lightmapsE5bgr9.empty() || !bsp_.vertexE5bgr9.empty() || bsp_.rnm)
             log_.Print("\n");
+    }
+
+    void PrintCubes(const AmbientCubes &cubes) const {
+        Line(cubes.samples.size(), "ambient cubes",
+             sizeof(bspCubeHeader_t) + cubes.leafs.size() * sizeof(bspCubeLeaf_t) +
+                 cubes.samples.size() * sizeof(bspCubeSample_t));
+        const auto own = std::ranges::count_if(cubes.leafs, [](const bspCubeLeaf_t &leaf) { return leaf.count > 0; });
+        Note("{} of {} leafs have their own, others refer to one of these", own, cubes.leafs.size());
+        log_.Print("\n");
     }
 
     void PrintExtras() const {

@@ -39,6 +39,9 @@ class Merger {
         MergeRnm();
         DropUnfitHdrLight(bsp_, fmt::format("{} with {}", mainName_, addedName_), log_);
         RecordRnm();
+        if (added_.ambientCubes) // the leafs of the merged map are those of the first
+            log_.Warn(kBspxAmbientCubes, "{}: the BSPX lump {} is dropped: its leafs are not in the merged map",
+                      addedName_, kBspxAmbientCubes);
         if (options_.world)
             FileWorld();
         ValidateBsp(bsp_, fmt::format("{} with {}", mainName_, addedName_), log_);

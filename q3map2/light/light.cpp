@@ -1,9 +1,11 @@
 // GPL-2.0-or-later. The light stage.
 #include "q3map2/light/light.h"
 
+#include "common/cpu_time.h"
 #include "common/error.h"
 #include "q3map2/bspfile/grid_shares.h"
 #include "q3map2/bspfile/light_curve_keys.h"
+#include "q3map2/light/cubes/ambient_cubes.h"
 #include "q3map2/light/grid/gridsh_dering.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/scene/light_space.h"
@@ -49,9 +51,17 @@ void CountLights(const std::vector<Light> &lights, const SurfaceLightCounts &cou
     log.Count(of(LightType::Sun), "sun/sky lights");
 }
 
-/// Drops lights with a style other than 0, which the grid formats cannot hold.
-std::size_t DropStyled(std::vector<Light> &lights) {
-    return std::erase_if(lights, [](const Light &light) { return light.style != 0; });
+/// The lights of a pass that is as exact as the SH grid. Those with a style other than 0 are left out, which the
+/// formats cannot hold.
+std::vector<Light> ExactLights(const LightSetup &setup, Log &log) {
+    int culled = 0;
+    auto lights =
+        SetupEnvelopes(setup.lights, LightPass::GridSH, setup.options, setup.space, setup.skySeenFrom, culled);
+    if (const auto styled = std::erase_if(lights, [](const Light &light) { return light.style != 0; }); styled > 0)
+        log.Count((long long)(styled), "lights of other styles than 0 left out: they change while the game runs");
+    log.Count((long long)(lights.size()), "lights");
+    log.Count(culled, "lights culled");
+    return lights;
 }
 
 } // namespace
@@ -150,12 +160,7 @@ LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     const LightOptions &options = setup.options;
     log.Section("TraceGridSH");
     const GridLayout layout = SetupGridSH(setup.bsp, setup.layout.size, options, log);
-    int culled = 0;
-    auto lights = SetupEnvelopes(setup.lights, LightPass::GridSH, options, setup.space, setup.skySeenFrom, culled);
-    if (const std::size_t styled = DropStyled(lights); styled > 0)
-        log.Count((long long)(styled), "lights of other styles than 0 left out: they change while the game runs");
-    log.Count((long long)(lights.size()), "lights");
-    log.Count(culled, "lights culled");
+    const std::vector<Light> lights = ExactLights(setup, log);
     const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
     LightGridSH grid = TraceGridSH(in, layout, lights, stats);
     GridStats shown = stats; // points counted as -info counts them in the file, not by where they were lit from
@@ -172,6 +177,25 @@ LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     if (options.shError)
         PrintGridSHError(MeasureGridSH(in, grid, lights), layout.size, setup.layout.size, log);
     return grid;
+}
+
+std::optional<AmbientCubes> BakeAmbientCubes(const LightSetup &setup, const IndirectLight *indirect,
+                                             const LightGridSH *gridSH, const JobPool &jobs, Log &log,
+                                             GridStats &stats) {
+    const LightOptions &options = setup.options;
+    log.Section("TraceAmbientCubes");
+    const CpuTimer timer;
+    const LightGridSH *from = options.cubesFromSH ? gridSH : nullptr;
+    const std::vector<Light> lights = from ? std::vector<Light>{} : ExactLights(setup, log);
+    const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
+    const LeafCubes leafs = SampleLeafs(in, lights, from, stats);
+    auto cubes = StoreCubes(setup.space, leafs, options.cubeTolerance, jobs, log);
+    log.Count((long long)(stats.points), "places sampled");
+    log.Count((long long)(cubes ? cubes->samples.size() : 0), "ambient cubes");
+    log.Count((long long)(stats.open), "leafs with ambient cubes");
+    log.Count((long long)(stats.counts.rays), "rays");
+    log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
+    return cubes;
 }
 
 } // namespace q3

@@ -52,6 +52,12 @@ std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const Indir
 LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
                        GridStats &stats);
 
+/// Ambient cubes of the leafs, likewise. gridSH: that of this run, for -ambientcubesfrom sh; else not used. Empty if the
+/// map has no open leaf. Errors: too many leafs, see StoreCubes.
+std::optional<AmbientCubes> BakeAmbientCubes(const LightSetup &setup, const IndirectLight *indirect,
+                                             const LightGridSH *gridSH, const JobPool &jobs, Log &log,
+                                             GridStats &stats);
+
 /// All lights of a map in the order of tracing, before SetupEnvelopes; fills the sky numbers of `table`.
 std::vector<Light> CreateLights(const Bsp &bsp, const std::vector<Entity> &entities, SurfaceTable &table,
                                 const LightOptions &options, const WorldLight &world, ShaderLibrary &library, Log &log);

@@ -55,6 +55,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
         result.surfaces = surfaces->Counts();
     }
     bsp.gridSH.reset();
+    bsp.ambientCubes.reset();
     setup.stored.front().Erase(kGridSHKey);
     RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap.onlyGrid, !options.noGrid,
                setup.stored.front(), log);
@@ -66,6 +67,9 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
         if (options.shRadiance)
             setup.stored.front().Set(kGridSHKey, kRadiance);
     }
+    if (options.ambientCubes)
+        bsp.ambientCubes =
+            BakeAmbientCubes(setup, bounced.get(), bsp.gridSH ? &*bsp.gridSH : nullptr, jobs, log, result.cubes);
     if (!lightmap.onlyGrid) {
         ClearHdrLight(bsp);
         result.lightmaps = surfaces->Store(inputs.name, bsp);

@@ -47,7 +47,7 @@ TEST(Errors, AGridOfConstantLightHasNone) {
     Truth truth;
     for (const Vec3f &p : {Vec3f{1, 2, 3}, Vec3f{33, 60, 50}, Vec3f{64, 64, 64}})
         truth.points.push_back(Uniform(p, 0.25f));
-    const ShownErrors errors = MeasureErrors(truth, ShownBySH(bsp));
+    const ShownErrors errors = MeasureErrors(truth, ShownBy(BakedFormat::GridSH, bsp));
     EXPECT_NEAR(errors.rmse, 0, 1e-4);
     EXPECT_NEAR(errors.percentile99, 0, 1e-4);
     EXPECT_NEAR(errors.grid, 0, 1e-4);
@@ -112,11 +112,11 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     Log silent([](LogLevel, std::string_view) {});
     const BenchResult result = RunBench(*map, Library(), settings, *FindGame("quake3"), JobPool(1), silent);
     const BenchReport &report = result.report;
-    ASSERT_EQ(report.lines.size(), 4u);
+    ASSERT_EQ(report.lines.size(), 5u);
     const BenchLine *fine = report.Line("default"), *coarse = report.Line("coarse"), *plain = report.Line("plain"),
-                    *legacy = report.Line("legacy grid");
-    ASSERT_TRUE(fine && coarse && plain && legacy);
-    EXPECT_EQ(report.raw.size(), 5u);
+                    *legacy = report.Line("legacy grid"), *cubes = report.Line("ambient cubes");
+    ASSERT_TRUE(fine && coarse && plain && legacy && cubes);
+    EXPECT_EQ(report.raw.size(), 6u);
     EXPECT_EQ(fine->sharesOfRaw.size(), 1u);
     EXPECT_GT(fine->ShareOfRaw(), 0);
     EXPECT_GT(report.floor, 0);
@@ -124,6 +124,10 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     EXPECT_GT(fine->errors.rmse, 0.9 * report.floor);
     EXPECT_GT(coarse->errors.grid, fine->errors.grid);
     EXPECT_GT(legacy->errors.rmse, 0);
+    // A lamp in a room: cubes are wrong between the axes, but not black.
+    EXPECT_GT(cubes->errors.rmse, fine->errors.rmse);
+    EXPECT_LT(cubes->errors.relative, 1);
+    EXPECT_GE(cubes->cost.bytes, 16 + 28 * cubes->cost.points);
     EXPECT_EQ(fine->cost.points, plain->cost.points);
     EXPECT_EQ(fine->cost.bytes, 40 + 108 * fine->cost.points);
     EXPECT_LE(plain->cost.rays, std::uint64_t(plain->cost.litPoints));
@@ -135,12 +139,12 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     EXPECT_EQ(result.plan->rings.size(), 3u);
 
     const auto json = nlohmann::json::parse(JsonText(report));
-    EXPECT_EQ(json["settings"].size(), 4u);
+    EXPECT_EQ(json["settings"].size(), 5u);
     EXPECT_EQ(json["settings"][0]["name"], "default");
     EXPECT_EQ(json["settings"][0]["rays"], fine->cost.rays);
     EXPECT_DOUBLE_EQ(json["settings"][1]["timesFloor"], coarse->errors.rmse / report.floor);
     const std::string table = TableText(report);
-    for (const char *text : {"share of raw", "x floor", "x plain", "coarse", "legacy grid"})
+    for (const char *text : {"share of raw", "x floor", "x plain", "coarse", "legacy grid", "ambient cubes"})
         EXPECT_THAT(table, testing::HasSubstr(text));
 }
 
@@ -170,7 +174,7 @@ TEST_F(RunTest, APlainBakeIsExactAtItsPointsForPointLights) {
         std::uint64_t rays = 0;
         truth.points.push_back(TruthAt(*map, p, 1, 0.05, rays));
     }
-    EXPECT_NEAR(MeasureErrors(truth, ShownBySH(baked.bsp)).grid, 0, 1e-3);
+    EXPECT_NEAR(MeasureErrors(truth, ShownBy(BakedFormat::GridSH, baked.bsp)).grid, 0, 1e-3);
 }
 
 TEST(Hall, HasAsManyLightsAsAskedForWithTheSameLightTogether) {

@@ -2,6 +2,8 @@
 #include "tools/shbench/bakes.h"
 
 #include "common/error.h"
+#include "libs/ambientcubes/ambient_cubes.h"
+#include "q3map2/bspfile/bsp_tree.h"
 #include "q3map2/convert/preview/grid_preview_light.h"
 #include "q3map2/lightmap/light_world.h"
 
@@ -9,14 +11,45 @@
 
 namespace q3::bench {
 
-Baked Bake(const BenchMap &map, LightOptions options, bool sh, ShaderLibrary &library, const JobPool &jobs) {
-    options.sh = sh;
-    options.noGrid = sh;
+namespace {
+
+/// Heading of the pass in the log.
+std::string_view PassOf(BakedFormat format, const LightOptions &options) {
+    switch (format) {
+    case BakedFormat::LegacyGrid:
+        return "--- TraceGrid ---";
+    case BakedFormat::AmbientCubes:
+        if (!options.cubesFromSH)
+            return "--- TraceAmbientCubes ---";
+        [[fallthrough]];
+    default:
+        return "--- TraceGridSH ---";
+    }
+}
+
+/// Size of the lump.
+std::int64_t LumpBytes(BakedFormat format, const Bsp &bsp) {
+    if (format == BakedFormat::LegacyGrid)
+        return std::int64_t(bsp.gridPoints.size() * sizeof(bspGridPoint_t));
+    if (format == BakedFormat::GridSH)
+        return std::int64_t(sizeof(bspGridSHHeader_t) + bsp.gridSH->points.size() * sizeof(bspGridPointSH_t));
+    if (!bsp.ambientCubes)
+        return 0;
+    return std::int64_t(sizeof(bspCubeHeader_t) + bsp.ambientCubes->leafs.size() * sizeof(bspCubeLeaf_t) +
+                        bsp.ambientCubes->samples.size() * sizeof(bspCubeSample_t));
+}
+
+} // namespace
+
+Baked Bake(const BenchMap &map, LightOptions options, BakedFormat format, ShaderLibrary &library, const JobPool &jobs) {
+    options.ambientCubes = format == BakedFormat::AmbientCubes;
+    options.sh = format == BakedFormat::GridSH || (options.ambientCubes && options.cubesFromSH);
+    options.noGrid = format != BakedFormat::LegacyGrid;
     Baked baked;
     baked.bsp = map.bsp;
     // The set-up ends when the heading of the pass is logged.
     double passStart = 0;
-    const std::string_view pass = sh ? "--- TraceGridSH ---" : "--- TraceGrid ---";
+    const std::string_view pass = PassOf(format, options);
     Log log([&](LogLevel, std::string_view text) {
         if (text.find(pass) != std::string_view::npos)
             passStart = CpuSeconds();
@@ -26,16 +59,23 @@ Baked Bake(const BenchMap &map, LightOptions options, bool sh, ShaderLibrary &li
     const double start = CpuSeconds();
     const LightResult result = LightWorld(baked.bsp, map.inputs, options, onlyGrid, library, jobs, log);
     const double end = CpuSeconds();
-    const GridStats &stats = sh ? result.gridSH : result.grid;
+    const GridStats &stats = format == BakedFormat::GridSH       ? result.gridSH
+                             : format == BakedFormat::LegacyGrid ? result.grid
+                                                                 : result.cubes;
     baked.cost.cpuSeconds = end - start;
     baked.cost.setUpSeconds = (passStart > 0 ? passStart : end) - start;
-    baked.cost.rays = stats.counts.rays;
+    baked.cost.rays = stats.counts.rays + (options.ambientCubes ? result.gridSH.counts.rays : 0);
     baked.cost.points = stats.points;
     baked.cost.litPoints = stats.open + stats.moved;
-    baked.cost.bytes =
-        sh ? 40 + 108 * stats.points : std::int64_t(baked.bsp.gridPoints.size() * sizeof(bspGridPoint_t));
+    baked.cost.bytes = LumpBytes(format, baked.bsp);
+    if (options.ambientCubes && baked.bsp.ambientCubes) {
+        baked.cost.litPoints = baked.cost.points;
+        baked.cost.points = std::int64_t(baked.bsp.ambientCubes->samples.size());
+    }
     return baked;
 }
+
+namespace {
 
 ShownLight ShownBySH(const Bsp &bsp) {
     return [view = ShPreview(bsp)](const Vec3f &position) {
@@ -59,6 +99,38 @@ ShownLight ShownByLegacy(const Bsp &bsp) {
             light[i] = LightOn(sample, Vec3f(Normals()[i]));
         return light;
     };
+}
+
+/// Through the reader for engines, from the bytes of the file.
+ShownLight ShownByCubes(const Bsp &bsp) {
+    Bsp alone = bsp;
+    alone.gridSH.reset();
+    const auto file = std::make_shared<const std::vector<std::byte>>(WriteBsp(alone, {}));
+    ambient_cubes cubes;
+    if (const auto result = ambient_cubes_load(file->data(), file->size(), &cubes); result != AMBIENT_CUBES_OK)
+        throw Error("ambient cubes: {}", ambient_cubes_message(result));
+    return [file, cubes, &bsp](const Vec3f &position) {
+        const float at[3] = {position.x, position.y, position.z};
+        ambient_cube cube;
+        ambient_cubes_blend(&cubes, std::uint32_t(LeafAt(bsp, position)), at, &cube);
+        NormalLight light;
+        for (std::size_t i = 0; i < kNormals; ++i) {
+            const Vec3f n(Normals()[i]);
+            const float normal[3] = {n.x, n.y, n.z};
+            float rgb[3];
+            ambient_cube_evaluate(&cube, normal, rgb);
+            light[i] = {rgb[0], rgb[1], rgb[2]};
+        }
+        return light;
+    };
+}
+
+} // namespace
+
+ShownLight ShownBy(BakedFormat format, const Bsp &bsp) {
+    return format == BakedFormat::GridSH       ? ShownBySH(bsp)
+           : format == BakedFormat::LegacyGrid ? ShownByLegacy(bsp)
+                                               : ShownByCubes(bsp);
 }
 
 } // namespace q3::bench

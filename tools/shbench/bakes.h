@@ -30,11 +30,13 @@ struct Baked {
     BakeCost cost;
 };
 
-/// Lights a copy of the map in process. `sh`: the SH grid alone, else the legacy grid alone. Errors: as LightWorld.
-Baked Bake(const BenchMap &map, LightOptions options, bool sh, ShaderLibrary &library, const JobPool &jobs);
+/// What a bake makes and shows.
+enum class BakedFormat { GridSH, LegacyGrid, AmbientCubes };
 
-/// What an engine shows with the SH or the legacy grid of a lit map, which must outlive it. Errors: no such grid.
-ShownLight ShownBySH(const Bsp &bsp);
-ShownLight ShownByLegacy(const Bsp &bsp);
+/// Lights a copy of the map in process, for that format alone. Errors: as LightWorld.
+Baked Bake(const BenchMap &map, LightOptions options, BakedFormat format, ShaderLibrary &library, const JobPool &jobs);
+
+/// What an engine shows with that format of a lit map, which must outlive it. Errors: the map has no such light.
+ShownLight ShownBy(BakedFormat format, const Bsp &bsp);
 
 } // namespace q3::bench

@@ -18,12 +18,12 @@ namespace {
 struct Contender {
     BenchLine line;
     std::function<Baked()> bake;
-    bool legacy = false;
+    BakedFormat format = BakedFormat::GridSH;
 };
 
 /// Layout of the grid that a line of the report measures.
-GridLayout LayoutOf(const BenchMap &map, const Baked &baked, bool legacy) {
-    if (!legacy) {
+GridLayout LayoutOf(const BenchMap &map, const Baked &baked, BakedFormat format) {
+    if (format == BakedFormat::GridSH) {
         const bspGridSHHeader_t &header = baked.bsp.gridSH->header;
         return {header.gridMins, header.gridSize, header.gridBounds};
     }
@@ -36,17 +36,18 @@ GridLayout LayoutOf(const BenchMap &map, const Baked &baked, bool legacy) {
 void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &settings, const Contender &one,
                  const Baked &baked, const ShownLight &shown, const JobPool &jobs, BenchResult &result) {
     const std::vector<PositionErrors> errors = ErrorsByPlace(truth, shown);
-    const auto causes = FindCauses(map, LayoutOf(map, baked, one.legacy), truth, errors, jobs);
+    const auto causes = FindCauses(map, LayoutOf(map, baked, one.format), truth, errors, jobs);
     const auto worst = WorstPositions(truth, shown, settings.worst, settings.worstBy);
     result.worst = WorstText(truth, worst, errors, causes, one.line.name);
     if (!settings.plan)
         return;
-    const bool isBake = one.line.name != kPlainName && !one.legacy; // `options` of the other lines is plain text
+    const bool isBake =
+        one.line.name != kPlainName && one.format == BakedFormat::GridSH; // `options` of the other lines is plain text
     const std::string options = settings.options + (isBake ? " " + one.line.options : "");
     std::string setting = one.line.name;
     if (options.find('-') != std::string::npos)
         setting += ": " + options;
-    const std::string grid = one.legacy ? "legacy grid" : "SH grid";
+    const std::string grid = one.format == BakedFormat::LegacyGrid ? "legacy grid" : "SH grid";
     result.plan = MakeErrorPlan(map, {truth, errors, causes, worst, settings.worstBy, grid, setting}, jobs);
 }
 
@@ -74,7 +75,7 @@ void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const T
                 one.line.cost = baked.cost;
             if (repeat > 0)
                 continue;
-            const ShownLight shown = one.legacy ? ShownByLegacy(baked.bsp) : ShownBySH(baked.bsp);
+            const ShownLight shown = ShownBy(one.format, baked.bsp);
             one.line.errors = MeasureErrors(truth, shown);
             if (settings.worst > 0 && one.line.name == settings.worstOf)
                 ReportWorst(map, truth, settings, one, baked, shown, jobs, result);
@@ -86,17 +87,23 @@ std::vector<Contender> Contenders(const BenchMap &map, ShaderLibrary &library, c
     std::vector<Contender> all;
     for (const BakeSetting &setting : settings.bakes.empty() ? DefaultBakes() : settings.bakes) {
         const LightOptions options = LightOptionsFrom(settings.options + " " + setting.options, game);
+        const BakedFormat format = options.ambientCubes ? BakedFormat::AmbientCubes : BakedFormat::GridSH;
         all.push_back({{setting.name, setting.options, {}, {}, {}},
-                       [&map, &library, &jobs, options] { return Bake(map, options, true, library, jobs); }});
+                       [&map, &library, &jobs, options, format] { return Bake(map, options, format, library, jobs); },
+                       format});
     }
     if (!settings.baselines)
         return all;
     all.push_back({{std::string(kPlainName), "one ray per light and point", {}, {}, {}},
                    [&map, &jobs, layout] { return BakePlain(map, layout, jobs); }});
     const LightOptions options = LightOptionsFrom(settings.options, game);
-    all.push_back({{std::string(kLegacyName), "no -sh", {}, {}, {}},
-                   [&map, &library, &jobs, options] { return Bake(map, options, false, library, jobs); },
-                   true});
+    const auto add = [&](std::string_view name, std::string_view text, BakedFormat format) {
+        all.push_back({{std::string(name), std::string(text), {}, {}, {}},
+                       [&map, &library, &jobs, options, format] { return Bake(map, options, format, library, jobs); },
+                       format});
+    };
+    add(kLegacyName, "no -sh", BakedFormat::LegacyGrid);
+    add(kCubesName, "-ambientcubes", BakedFormat::AmbientCubes);
     return all;
 }
 
@@ -144,6 +151,10 @@ BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSet
     const auto isWorst = [&](const Contender &one) { return one.line.name == settings.worstOf; };
     if (settings.worst > 0 && std::none_of(contenders.begin(), contenders.end(), isWorst))
         throw Error("worst positions of {}: expected the name of a setting that is measured", settings.worstOf);
+    if (settings.worst > 0 && std::any_of(contenders.begin(), contenders.end(), [&](const Contender &one) {
+            return isWorst(one) && one.format == BakedFormat::AmbientCubes;
+        }))
+        throw Error("worst positions of {}: their causes are those of grids, and cubes have none", settings.worstOf);
     progress.Print("truth\n");
     const Truth truth = CachedTruth(map, settings.truth, jobs, settings.cache, report.truthFromCache);
     report.positions = truth.points.size();

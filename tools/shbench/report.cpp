@@ -147,7 +147,7 @@ Chart ErrorChart(const BenchReport &report) {
     chart.y = {"displayed RMSE, bytes of 255", false};
     ChartSeries settings{"settings", {}, false}, plain{"one ray per light", {}, false};
     for (const BenchLine &line : report.lines)
-        if (line.name != kLegacyName)
+        if (line.name != kLegacyName && line.name != kCubesName)
             (line.name == kPlainName ? plain : settings)
                 .points.push_back({line.cost.cpuSeconds, line.errors.rmse, line.name});
     chart.series = {settings, plain};

@@ -43,7 +43,7 @@ std::string AlignedTable(const std::vector<std::vector<std::string>> &rows);
 
 std::string TableText(const BenchReport &report);
 std::string JsonText(const BenchReport &report);
-/// CPU seconds, logarithmic, against displayed RMSE, with the floor. The legacy grid is left out.
+/// CPU seconds, logarithmic, against displayed RMSE, with the floor. The legacy grid and ambient cubes are left out.
 Chart ErrorChart(const BenchReport &report);
 /// The worst positions of a setting with their causes, then the shares of all causes. `errors` and `causes`: of all
 /// positions.
@@ -52,6 +52,7 @@ std::string WorstText(const Truth &truth, const std::vector<WorstPosition> &wors
                       std::string_view setting);
 
 /// Names of the lines that others are compared with.
-inline constexpr std::string_view kDefaultName = "default", kPlainName = "plain", kLegacyName = "legacy grid";
+inline constexpr std::string_view kDefaultName = "default", kPlainName = "plain", kLegacyName = "legacy grid",
+                                  kCubesName = "ambient cubes";
 
 } // namespace q3::bench

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "q3map2/convert/json/convert_json_archive.h"
+#include "q3map2/convert/json/convert_json_cubes.h"
 #include "q3map2/convert/json/convert_json_files.h"
 #include "q3map2/convert/json/convert_json_hdr.h"
 #include "q3map2/convert/json/convert_json_records.h"
@@ -37,6 +38,8 @@ class Unpacker {
         codes(kJsonLightmapsE5bgr9, bsp_.lightmapsE5bgr9);
         codes(kJsonVertexE5bgr9, bsp_.vertexE5bgr9);
         WriteIf(bsp_.rnm.has_value(), kJsonRnm, [this] { WriteJsonRnm(Announce(kJsonRnm), *bsp_.rnm, game_); });
+        WriteIf(bsp_.ambientCubes.has_value(), kJsonCubes,
+                [this] { WriteJsonCubes(Announce(kJsonCubes), *bsp_.ambientCubes, game_); });
         const std::vector<JsonBspxEntry> entries = BspxEntries(gridInBspx);
         WriteIf(!entries.empty(), kJsonBspx, [&] { WriteRecords(kJsonBspx, "bspx", entries); });
     }
@@ -121,6 +124,7 @@ class Unpacker {
         inFile(!bsp_.lightmapsE5bgr9.empty(), kBspxLightmapsE5bgr9, kJsonLightmapsE5bgr9);
         inFile(!bsp_.vertexE5bgr9.empty(), kBspxVertexE5bgr9, kJsonVertexE5bgr9);
         inFile(bsp_.rnm.has_value(), kBspxRnm, kJsonRnm);
+        inFile(bsp_.ambientCubes.has_value(), kBspxAmbientCubes, kJsonCubes);
         return entries;
     }
 

@@ -7,6 +7,7 @@
 #include "q3map2/bspfile/bsp_validate.h"
 #include "q3map2/bspfile/bspx.h"
 #include "q3map2/convert/json/convert_json_archive.h"
+#include "q3map2/convert/json/convert_json_cubes.h"
 #include "q3map2/convert/json/convert_json_files.h"
 #include "q3map2/convert/json/convert_json_hdr.h"
 #include "q3map2/convert/json/convert_json_records.h"
@@ -149,6 +150,14 @@ class Packer {
             ReadRecord(source, entry);
             if (entry.name.size() > kBspxNameBytes || entry.name.find('\0') != entry.name.npos)
                 source.Fail(fmt::format("name: expected at most {} bytes without NUL", kBspxNameBytes));
+            if (entry.name == kBspxAmbientCubes) {
+                if (entry.file != kJsonCubes)
+                    source.Fail(fmt::format("expected the file {}", kJsonCubes));
+                if (bsp_.ambientCubes)
+                    source.Fail(fmt::format("name: a lump {} is already there", kBspxAmbientCubes));
+                bsp_.ambientCubes = ReadJsonCubes(folder_ / kJsonCubes, rules_);
+                return;
+            }
             if (entry.name == kBspxLightGridSH || (!entry.file.empty() && JsonHdrFile(entry.name).empty())) {
                 ReadBspxGrid(source, entry);
                 return;

@@ -180,6 +180,24 @@ template <typename JsonArchive> void Describe(JsonArchive &a, JsonE5bgr9 &color)
         color.code |= std::uint32_t(parts[i]) << 9 * i;
 }
 
+/// A sample of ambient cubes: six colors of ColorRGBExp32, and the position as stored.
+template <typename JsonArchive> void Describe(JsonArchive &a, bspCubeSample_t &sample) {
+    std::array<std::array<std::int32_t, 4>, 6> sides{};
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+        const ColorRgbExp32 &side = sample.sides[i];
+        sides[i] = {side.r, side.g, side.b, side.exponent};
+    }
+    a.Field("sides", sides);
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+        const auto &[r, g, b, exponent] = sides[i];
+        a.Check(std::min({r, g, b}) >= 0 && std::max({r, g, b}) <= UINT8_MAX && exponent >= INT8_MIN &&
+                    exponent <= INT8_MAX,
+                "sides: expected three mantissas in 0..255 and an exponent in -128..127");
+        sample.sides[i] = {std::uint8_t(r), std::uint8_t(g), std::uint8_t(b), std::int8_t(exponent)};
+    }
+    a.Field("position", sample.position);
+}
+
 /// One entry of the BSPX directory: its bytes in hex, or the file that holds its records.
 struct JsonBspxEntry {
     std::string name;

@@ -35,6 +35,7 @@ void ApplyInclusions(LightOptions &o) {
     o.cheapGrid |= o.cheap;
     o.skip.coarse &= o.fastGrid;
     o.sh |= o.shBspx || o.shRadiance;
+    o.ambientCubes |= o.cubesFromSH;
     if (o.tone.sRgb)
         o.tolerance = 255 * LinearFromSrgb(1.0f / 255);
     o.shSamples = o.givenShSamples.value_or(o.fastGrid ? kFastSamples : 1);
@@ -53,6 +54,8 @@ void CheckCombinations(const LightOptions &o) {
     for (const auto &[name, given] : wantsSH)
         if (given && !o.sh)
             throw Error("{} needs -sh", name);
+    if (o.cubesFromSH && !o.sh)
+        throw Error("-ambientcubesfrom sh needs -sh");
 }
 
 } // namespace

@@ -74,6 +74,12 @@ struct LightOptions {
     std::optional<float> givenShSamples; ///< -shsamples, if given
     SkipOptions skip;
 
+    // Ambient cubes.
+    bool ambientCubes = false;
+    bool cubesFromSH = false; ///< sides from the SH grid instead of traced light
+    int cubesPerLeaf = 16;    ///< at most
+    float cubeTolerance = 3;  ///< samples that others reproduce so well are left out. 255ths on a screen of gamma 2.2
+
     std::string previewFile;                ///< -shpreview
     bool fixBotFiles = false;               ///< enter the lit map into bot files beside it
     std::vector<std::string> withoutEffect; ///< options given that change nothing

@@ -114,6 +114,40 @@ Group QualityOfGridSH() {
           &LightOptions::previewFile}}};
 }
 
+Group AmbientCubes() {
+    const auto from = [](LightOptions &o, const Values &v) {
+        o.ambientCubes = true;
+        o.cubesFromSH = v.words[0] == "sh";
+    };
+    return {"Ambient cubes",
+            "Light on surfaces that face the six axes, at up to 16 places in each leaf of the tree: "
+            "[ambient_cubes.md](ambient_cubes.md).",
+            {{{.name = "-ambientcubes",
+               .help = "Bake ambient cubes into a BSPX lump, which unmodified engines ignore",
+               .details = "Without it a relight drops those that the file had."},
+              &LightOptions::ambientCubes},
+             {{.name = "-ambientcubesfrom",
+               .values = "light|sh",
+               .kind = SettingKind::Choice,
+               .initial = "light",
+               .help = "Trace the light of cubes, or take it from the SH grid; includes -ambientcubes",
+               .details = "`sh` costs next to nothing, has the errors of the grid, and needs `-sh`."},
+              Do<LightOptions>(from)},
+             {{.name = "-cubesperleaf",
+               .values = "N",
+               .kind = SettingKind::Integer,
+               .range = {1, 32},
+               .help = "Keep at most N cubes of a leaf",
+               .details = "Engines blend all of them at every model; more than 16 hardly make the blend better."},
+              &LightOptions::cubesPerLeaf},
+             {{.name = "-cubetolerance",
+               .values = "F",
+               .unit = "255ths on a screen of gamma 2.2",
+               .range = {.low = 0, .high = 255},
+               .help = "Leave out cubes that the others of their leaf reproduce within this"},
+              &LightOptions::cubeTolerance}}};
+}
+
 Group Skips() {
     const auto skip = [](bool SkipOptions::*field) {
         return Do<LightOptions>([field](LightOptions &o, const Values &) { o.skip.*field = false; });
@@ -383,8 +417,8 @@ Group Ignored() {
 } // namespace
 
 std::vector<SettingGroup<LightOptions>> LightSettings() {
-    return {GridSH(),      QualityOfGridSH(), Skips(), Intensities(), Falloff(), Tone(),
-            ColorSpaces(), Speed(),           Rays(),  BotFiles(),    Ignored()};
+    return {GridSH(), QualityOfGridSH(), AmbientCubes(), Skips(), Intensities(), Falloff(),
+            Tone(),   ColorSpaces(),     Speed(),        Rays(),  BotFiles(),    Ignored()};
 }
 
 } // namespace q3

@@ -1,0 +1,236 @@
+// GPL-2.0-or-later. Light on the six sides of ambient cubes.
+#include "q3map2/light/cubes/cube_light.h"
+
+#include "libs/sh/polygon_moments.h"
+#include "libs/sh/sh.h"
+#include "libs/shgrid/shgrid.h"
+#include "q3map2/light/batch/form_factor.h"
+#include "q3map2/light/grid/light_floodlight.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace q3 {
+
+namespace {
+
+/// As at points of the SH grid. Byte scale.
+constexpr float kFaintInCube = 1.0f / 4;
+/// Area lights that give less in all are not cut into the parts before and behind a side. Byte scale.
+constexpr double kWorthCutting = 1.0 / 16;
+/// Sides beyond this, from absurd keys and scales, are limited. 1 = byte 255.
+constexpr double kMaxSide = 1e9;
+
+using SideSums = std::array<Vec3d, 6>;
+
+Vec3d Axis(std::size_t axis) {
+    Vec3d normal;
+    normal[axis] = 1;
+    return normal;
+}
+
+/// Light on surfaces that face both ways of an axis, for a light of color 1 1 1.
+struct TwoSides {
+    double plus = 0, minus = 0;
+};
+
+/// Light on two surfaces that face both ways of an axis, added up: from bands 0 and 2 of radiance coefficients. Band 1
+/// cancels out, band 3 has none, bands from 4 on are left out.
+double SumOfBothWays(const ShVector &c, std::size_t axis) {
+    const Vec3d n = Axis(axis);
+    const ShVector basis = ShBasis(n);
+    double sum = 0;
+    for (const std::size_t k : {0, 4, 5, 6, 7, 8})
+        sum += 2 * kCosineLobe[k] * basis[k] * c[k];
+    return sum;
+}
+
+/// The part of a polygon beyond p on an axis.
+Winding<float> PartBeyond(const Winding<float> &w, const Vec3f &p, std::size_t axis) {
+    WindingCutter<float> cutter;
+    Winding<float> part;
+    cutter.Classify(w, Vec3f(Axis(axis)), p[axis], 0);
+    cutter.Front(w, part);
+    return part;
+}
+
+/// The light of one source at one receiver.
+struct PointLightField {
+    const Light &light;
+    float weight; ///< of the light
+    Vec3f position;
+    ShVector radiance; ///< SH projection; for light of strength 1 from direction w that is Y(w)
+    Vec3d vector;      ///< irradiance vector: its product with a normal is the light, if all of it comes from before
+    double fluence;    ///< light from all directions, each on a surface that faces it
+
+    PointLightField(const Light &source, float sourceWeight, const Vec3f &at, const ProbeIncidentLight &incident,
+                    std::size_t lane)
+        : light(source), weight(sourceWeight), position(at) {
+        for (std::size_t k = 0; k < 9; ++k)
+            radiance[k] = double(incident.shCoeffs[k][lane]);
+        vector = Vec3d{radiance[3], radiance[1], radiance[2]} / kShC1;
+        fluence = radiance[0] / kShC0;
+    }
+    /// Whether parts of an area light are before, and parts behind, a surface that faces along the axis.
+    bool Straddles(std::size_t axis) const {
+        if (light.type != LightType::Area)
+            return false;
+        bool before = false, behind = false;
+        for (const Vec3f &corner : light.w)
+            before = before || corner[axis] > position[axis], behind = behind || corner[axis] < position[axis];
+        return before && behind;
+    }
+    TwoSides On(std::size_t axis) const;
+    TwoSides Cut(std::size_t axis) const;
+};
+
+TwoSides PointLightField::On(std::size_t axis) const {
+    if (vector == Vec3d{}) // at the light's own position: the same from everywhere
+        return {fluence / 4, fluence / 4};
+    if (fluence * double(MaxComponent(Max(light.color, -light.color))) > kWorthCutting && Straddles(axis))
+        return Cut(axis);
+    return {std::max(0.0, vector[axis]), std::max(0.0, -vector[axis])};
+}
+
+/// The difference of both sides is that of the irradiance vector. Their sum, by a control variate: with s the visible
+/// share and T the sum that bands up to 2 give, s (exact sum of the whole) + T(visible part) - s T(whole); exact where
+/// all or nothing is hidden.
+TwoSides PointLightField::Cut(std::size_t axis) const {
+    const Vec3d p(position), normal = Axis(axis);
+    const std::span<const Vec3f> polygon(light.w);
+    const Winding<float> part = PartBeyond(light.w, position, axis);
+    const double before = std::abs(FormFactor(p, normal, std::span<const Vec3f>(part)));
+    const double difference = FormFactor(p, normal, polygon);
+    const bool same = difference * FormFactor(p, normal, std::span<const Vec3f>(part)) >= 0;
+    const double behind = std::max(0.0, before - (same ? std::abs(difference) : -std::abs(difference)));
+    const bool fromBehind = Dot(light.shape.normal, p) < light.shape.dist;
+    ShVector whole = MomentsOfPolygon(fromBehind ? light.shape.back : light.w, p).Projection();
+    for (double &coefficient : whole)
+        coefficient *= double(light.add) * double(weight) / std::numbers::pi;
+    const double share = whole[0] > 0 ? std::min(1.0, radiance[0] / whole[0]) : 1;
+    const double sum = share * double(light.add) * double(weight) * (before + behind) + SumOfBothWays(radiance, axis) -
+                       share * SumOfBothWays(whole, axis);
+    const double least = std::abs(vector[axis]), both = std::max(least, sum);
+    return {(both + vector[axis]) / 2, (both - vector[axis]) / 2};
+}
+
+/// Adds the light of one source at the receivers of a block.
+void AddLight(const Light &light, float weight, const ReceiverBatch &receivers, const ProbeIncidentLight &incident,
+              std::span<SideSums> sums) {
+    const Vec3d scale = Vec3d(light.color) * ((light.negative ? -1 : 1) / 255.0);
+    for (unsigned lanes = incident.live.Bits(); lanes != 0; lanes &= lanes - 1) {
+        const auto i = std::size_t(std::countr_zero(lanes));
+        const PointLightField field(light, weight, receivers.position[i], incident, i);
+        const Vec3d color = incident.tinted ? scale * Vec3d(incident.tint[i]) : scale;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const TwoSides sides = field.On(axis);
+            sums[i][2 * axis] += color * sides.plus;
+            sums[i][2 * axis + 1] += color * sides.minus;
+        }
+    }
+}
+
+void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, SideSums &sides,
+                 RayCounts &counts) {
+    std::vector<IndirectRay> rays;
+    in.indirect->Gather(receivers.rayOrigin[i], receivers.index[i], rays);
+    counts.rays += rays.size();
+    for (const IndirectRay &ray : rays) {
+        const Vec3d light = Vec3d(ray.light) * (1 / 255.0);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double along = double(ray.direction[axis]);
+            sides[2 * axis + (along < 0 ? 1 : 0)] += light * std::abs(along);
+        }
+    }
+}
+
+/// A hemisphere of uniform light around +z or -z, as floodlight gives it: all of it on the side that faces up, half on
+/// those that stand.
+void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, SideSums &sides, RayCounts &counts) {
+    for (const float up : {1.0f, -1.0f}) {
+        const float share =
+            FloodShare(in.scene, receivers.position[i], up, in.world.floodDistance, in.floodDirections, counts);
+        const Vec3d light = Vec3d(in.world.floodColor) * (double(in.world.floodIntensity) * double(share) / 255);
+        for (std::size_t side = 0; side < 4; ++side)
+            sides[side] += light * 0.5;
+        sides[up > 0 ? 4 : 5] += light;
+    }
+}
+
+/// The sides as they are stored: ambient light, a mean of at least the minimum, grid scale.
+CubeSides Finish(const GridInputs &in, SideSums sides) {
+    Vec3d mean;
+    for (Vec3d &side : sides) {
+        side += Vec3d(in.world.ambient) / 255.0;
+        mean += side / 6.0;
+    }
+    const Vec3d lift = Max(Vec3d(in.world.minGrid) / 255.0 - mean, Vec3d{});
+    const double scale = in.options.gridScale > 0 ? double(in.options.gridScale) : 1;
+    CubeSides finished;
+    for (std::size_t side = 0; side < sides.size(); ++side)
+        finished[side] = Vec3f(Min(Max((sides[side] + lift) * scale, Vec3d{}), Vec3d{kMaxSide, kMaxSide, kMaxSide}));
+    return finished;
+}
+
+} // namespace
+
+CubeIntegrator::CubeIntegrator(const GridInputs &in, const std::vector<Light> &lights)
+    : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
+                                          .sunOnly = in.options.sunOnly,
+                                          .radiance = true,
+                                          .samples = in.options.shSamples,
+                                          .skip = in.options.skip},
+      faint_(kFaintInCube / in.options.shSamples) {}
+
+std::vector<CubeSides> CubeIntegrator::Sides(std::vector<ReceiverBatch> &blocks, std::uint64_t seed,
+                                             GridStats &work) const {
+    StartFaintResiduals(blocks, faint_);
+    std::vector<std::array<SideSums, kPacketSize>> sums(blocks.size());
+    std::vector<ProbeIncidentLight> incident(blocks.size());
+    const BrickLights candidates(lights_, BrickView(blocks), seed, faint_, in_.options.skip, work);
+    LightSettings pass = settings_;
+    pass.faint = candidates.Many() ? faint_ : 0;
+    for (const BrickLight &one : candidates.List()) {
+        LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, incident, work.counts);
+        for (std::size_t block = 0; block < blocks.size(); ++block)
+            AddLight(*one.light, one.weight, blocks[block], incident[block], sums[block]);
+    }
+    const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
+    std::vector<CubeSides> all;
+    for (std::size_t block = 0; block < blocks.size(); ++block)
+        for (std::size_t i = 0; i < blocks[block].count; ++i) {
+            SideSums &sides = sums[block][i];
+            if (flood)
+                AddFlood(in_, blocks[block], i, sides, work.counts);
+            if (in_.indirect)
+                AddIndirect(in_, blocks[block], i, sides, work.counts);
+            all.push_back(Finish(in_, sides));
+        }
+    return all;
+}
+
+CubeSides CubesOfGrid::At(const Vec3f &position) const {
+    const bspGridSHHeader_t &head = grid_.header;
+    shgrid_grid grid{};
+    for (std::size_t i = 0; i < 3; ++i)
+        grid.mins[i] = head.gridMins[i], grid.cell[i] = head.gridSize[i], grid.bounds[i] = head.gridBounds[i];
+    grid.count = head.numPoints;
+    grid.points = reinterpret_cast<const unsigned char *>(grid_.points.data());
+    shgrid_coeffs coeffs;
+    const float at[3] = {position.x, position.y, position.z};
+    shgrid_sample(&grid, at, &coeffs);
+    if (radiance_)
+        shgrid_convolve(&coeffs);
+    CubeSides sides;
+    for (std::size_t side = 0; side < sides.size(); ++side) {
+        float normal[3] = {0, 0, 0}, rgb[3];
+        normal[side / 2] = side % 2 == 0 ? 1.0f : -1.0f;
+        shgrid_evaluate(&coeffs, normal, rgb);
+        sides[side] = {rgb[0], rgb[1], rgb[2]};
+    }
+    return sides;
+}
+
+} // namespace q3

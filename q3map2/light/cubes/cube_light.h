@@ -1,0 +1,43 @@
+// GPL-2.0-or-later. Light on the six sides of ambient cubes.
+#pragma once
+
+#include "q3map2/light/cubes/cube_sample.h"
+#include "q3map2/light/grid/grid_bricks.h"
+#include "q3map2/light/transfer/light_contribution.h"
+
+#include <vector>
+
+namespace q3 {
+
+/// Computes the light on surfaces that face the axes, at positions in the open: exact for points and suns; for area
+/// lights as exact as their irradiance vector in the SH grid, cut where the light stands on both sides of a surface.
+/// Const after construction; safe from several threads. Keeps references.
+class CubeIntegrator {
+  public:
+    /// lights: from SetupEnvelopes for the SH grid.
+    CubeIntegrator(const GridInputs &in, const std::vector<Light> &lights);
+
+    /// The sides at all receivers of the blocks, which are neighbors, in order: light of all lights, bounced light,
+    /// floodlight, ambient and minimum, times -gridscale. seed: of the random choice among faint lights.
+    std::vector<CubeSides> Sides(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work) const;
+
+  private:
+    const GridInputs &in_;
+    BrickCandidates lights_;
+    LightSettings settings_;
+    float faint_; ///< see SelectFaintLight
+};
+
+/// The sides by an SH grid as it is stored: light on surfaces that face the axes at the position.
+class CubesOfGrid {
+  public:
+    /// radiance: the coefficients are not convolved with the cosine. Keeps a reference.
+    CubesOfGrid(const LightGridSH &grid, bool radiance) : grid_(grid), radiance_(radiance) {}
+    CubeSides At(const Vec3f &position) const;
+
+  private:
+    const LightGridSH &grid_;
+    bool radiance_;
+};
+
+} // namespace q3

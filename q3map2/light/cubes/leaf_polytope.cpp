@@ -1,0 +1,111 @@
+// GPL-2.0-or-later. The space of a leaf as a convex polytope.
+#include "q3map2/light/cubes/leaf_polytope.h"
+
+#include "libs/math/winding_clip.h"
+#include "q3map2/bspfile/bsp_tree.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+/// Planes nearer than this, with normals that differ by less than kSameNormal, are the same. Game units.
+constexpr double kSamePlane = 1e-3, kSameNormal = 1e-6;
+/// Corners within this distance of a plane count as on it. Game units.
+constexpr double kOnFace = 1e-4;
+
+std::vector<Plane> BoxPlanes(const bspLeaf_t &leaf) {
+    std::vector<Plane> planes;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        Vec3d normal;
+        normal[axis] = 1;
+        planes.push_back({normal, double(leaf.mins[axis])});
+        planes.push_back({-normal, -double(leaf.maxs[axis])});
+    }
+    return planes;
+}
+
+/// Whether the plane cuts the box, or only touches it from outside: then it bounds nothing.
+bool CutsBox(const Plane &plane, const bspLeaf_t &leaf) {
+    Vec3d nearest;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        nearest[axis] = double(plane.normal[axis] > 0 ? leaf.mins[axis] : leaf.maxs[axis]);
+    return plane.Distance(nearest) < -kSamePlane;
+}
+
+void AddPlane(const Plane &plane, std::vector<Plane> &planes) {
+    const auto isSame = [&](const Plane &other) {
+        return std::abs(other.dist - plane.dist) < kSamePlane && Length(other.normal - plane.normal) < kSameNormal;
+    };
+    if (std::none_of(planes.begin(), planes.end(), isSame))
+        planes.push_back(plane);
+}
+
+/// Sets bounds, volume and center from the faces.
+void Measure(LeafPolytope &polytope) {
+    std::vector<Winding<double>> faces;
+    Vec3d sum;
+    double corners = 0;
+    for (const Plane &plane : polytope.planes) {
+        Winding<double> face = BaseWinding(plane);
+        for (const Plane &other : polytope.planes)
+            if (&other != &plane && !face.empty() && !ChopPolygon(face, other, kOnFace))
+                face.clear();
+        for (const Vec3d &corner : face) {
+            polytope.bounds.Add(corner);
+            sum += corner, corners += 1;
+        }
+        faces.push_back(std::move(face));
+    }
+    if (corners == 0)
+        return;
+    const Vec3d inside = sum / corners;
+    Vec3d moment;
+    for (std::size_t i = 0; i < faces.size(); ++i)
+        for (std::size_t k = 2; k < faces[i].size(); ++k) { // tetrahedra from `inside`
+            const Vec3d &a = faces[i][0], &b = faces[i][k - 1], &c = faces[i][k];
+            const double volume = std::abs(Dot(a - inside, Cross(b - inside, c - inside))) / 6;
+            polytope.volume += volume;
+            moment += (a + b + c + inside) * (volume / 4);
+        }
+    polytope.center = polytope.volume > 0 ? moment / polytope.volume : inside;
+}
+
+} // namespace
+
+bool LeafPolytope::Contains(const Vec3d &p, double margin) const {
+    return std::all_of(planes.begin(), planes.end(), [&](const Plane &plane) { return plane.Distance(p) >= margin; });
+}
+
+LeafPolytopes::LeafPolytopes(const Bsp &bsp) : bsp_(bsp), ofNodes_(bsp.nodes.size()), ofLeafs_(bsp.leafs.size()) {
+    for (std::size_t node = 0; node < bsp.nodes.size(); ++node)
+        for (int child = 0; child < 2; ++child) {
+            const int number = bsp.nodes[node].children[std::size_t(child)];
+            (number >= 0 ? ofNodes_[std::size_t(number)] : ofLeafs_[std::size_t(LeafOf(number))]) = {int(node), child};
+        }
+}
+
+LeafPolytope LeafPolytopes::Of(std::size_t leaf) const {
+    LeafPolytope polytope;
+    const bspLeaf_t &record = bsp_.leafs[leaf];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (record.mins[axis] >= record.maxs[axis])
+            return polytope;
+    polytope.planes = BoxPlanes(record);
+    std::size_t steps = 0; // nodes that node 0 does not reach may form a cycle
+    for (Parent at = ofLeafs_[leaf]; at.node >= 0 && steps < bsp_.nodes.size(); ++steps) {
+        const bspPlane_t &stored = bsp_.planes[std::size_t(bsp_.nodes[std::size_t(at.node)].planeNum)];
+        const Vec3d normal(stored.normal);
+        const double length = Length(normal), side = (at.child == 0 ? 1 : -1) / length;
+        const Plane plane{normal * side, double(stored.dist) * side};
+        if (CutsBox(plane, record))
+            AddPlane(plane, polytope.planes);
+        at = ofNodes_[std::size_t(at.node)];
+    }
+    Measure(polytope);
+    return polytope;
+}
+
+} // namespace q3
