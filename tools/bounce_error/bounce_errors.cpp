@@ -72,7 +72,8 @@ std::vector<ComparedLight> CompareLuxels(const Receivers &receivers, const Refer
 
 std::vector<ComparedLight> ComparePositions(const Receivers &receivers, const Reference &reference, std::size_t limit,
                                             const Bsp &direct, const Bsp &baked) {
-    const bench::ShownLight before = bench::ShownBySH(direct), after = bench::ShownBySH(baked);
+    const bench::ShownLight before = bench::ShownBy(bench::BakedFormat::GridSH, direct),
+                            after = bench::ShownBy(bench::BakedFormat::GridSH, baked);
     std::vector<ComparedLight> light;
     for (std::size_t i = 0; i < receivers.positions.size(); ++i) {
         const bench::NormalLight first = before(receivers.positions[i]), all = after(receivers.positions[i]);

@@ -192,6 +192,8 @@ complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o dirt
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o dirtgain -r -d 'Exponent of the darkening; more leaves half-open areas lighter'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o dirtmode -r -d '0: 48 regular directions; 1: random directions'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o bounce -r -d 'How often light bounces off surfaces'
+complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o bouncetime -r -d 'Ends the bounces of each light style after this time; the result lacks the later ones'
+complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o reflectivity -r -d 'What textures reflect: 0.55 of their color, or all of it after conversion from sRGB'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o bouncegrid -d 'Bounced light reaches the light grids too'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o bounceonly -d 'Store bounced light only, without direct light'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o bouncescale -r -d 'Factor of bounced light; repeated ones multiply'
