@@ -37,7 +37,7 @@ TEST_F(LightmapPassTest, EveryPartOfTheStageIsThereOnceInOrder) {
         names.push_back(pass.name);
     EXPECT_THAT(names,
                 testing::ElementsAre("set-up", "SetupSurfaceLightmaps", "MapRawLightmap", "DirtyRawLightmap",
-                                     "IlluminateRawLightmap", "Radiosity (bounce 1 of 1)", "StoreSurfaceLightmaps"));
+                                     "IlluminateRawLightmap", "Radiosity", "Final gathering", "StoreSurfaceLightmaps"));
 }
 
 TEST_F(LightmapPassTest, PartsThatTraceSayHowManyRays) {
@@ -49,7 +49,7 @@ TEST_F(LightmapPassTest, PartsThatTraceSayHowManyRays) {
     EXPECT_EQ(Of(dirty, "IlluminateRawLightmap").rays, direct);
     // 49 rays of dirt a luxel, twice where what is behind a surface is asked.
     EXPECT_GT(Of(dirty, "DirtyRawLightmap").rays, 49 * direct / 2);
-    EXPECT_GT(Of(dirty, "Radiosity (bounce 1 of 1)").rays, 0u);
+    EXPECT_GT(Of(dirty, "Radiosity").rays, 0u);
 }
 
 TEST_F(LightmapPassTest, UnknownOptionsAndNoLightmapsAreErrors) {
