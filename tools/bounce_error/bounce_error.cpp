@@ -23,7 +23,7 @@ namespace q3::bounce {
 namespace {
 
 constexpr std::string_view kUsage = R"(usage: bounce_error [options] MAP.bsp...
-  --bounce N,N...      settings to measure (1,4)
+  --bounce N,N...      settings to measure, inf: all bounces (1,4)
   --bake "NAME: LIGHT OPTIONS"   a setting to measure, with its -bounce; repeatable
   --options "LIGHT OPTIONS"   for the reference, and put before those of each setting
   --luxels N           luxels of each map, drawn by area (2000)
@@ -63,23 +63,13 @@ struct BounceCommand {
     std::vector<std::string> maps;
 };
 
-int TakeNumber(Arguments &arguments, std::string_view name, int fallback, int least) {
-    int value = fallback;
-    while (const auto text = arguments.TakeValue(name)) {
-        value = IntegerFromText(*text);
-        if (value < least)
-            throw Error("{} {}: expected a whole number of at least {}", name, *text, least);
-    }
-    return value;
-}
-
 void AddBounces(std::string_view list, BounceCommand &command) {
     while (!list.empty()) {
         const std::size_t comma = std::min(list.find(','), list.size());
         const std::string number(list.substr(0, comma));
-        if (IntegerFromText(number) < 1)
-            throw Error("--bounce {}: expected whole numbers of at least 1", number);
-        if (!command.allBounces)
+        if (number != "inf" && IntegerFromText(number) < 1)
+            throw Error("--bounce {}: expected whole numbers of at least 1, or inf", number);
+        if (number != "inf" && !command.allBounces)
             LimitOf(IntegerFromText(number));
         command.bakes.push_back({fmt::format("-bounce {}", number), fmt::format("-bounce {}", number)});
         list.remove_prefix(std::min(comma + 1, list.size()));
@@ -102,18 +92,18 @@ BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
         AddBounces("1,4", command);
     while (const auto text = arguments.TakeValue("--options"))
         command.options = *text;
-    command.luxels = TakeNumber(arguments, "--luxels", command.luxels, 1);
-    command.points = TakeNumber(arguments, "--points", command.points, 0);
-    command.paths = TakeNumber(arguments, "--paths", command.paths, 2 * kPathGroup);
-    command.seed = std::uint64_t(TakeNumber(arguments, "--seed", 1, 0));
-    command.worst = TakeNumber(arguments, "--worst", 0, 0);
+    command.luxels = arguments.TakeWhole("--luxels", command.luxels, 1);
+    command.points = arguments.TakeWhole("--points", command.points, 0);
+    command.paths = arguments.TakeWhole("--paths", command.paths, 2 * kPathGroup);
+    command.seed = std::uint64_t(arguments.TakeWhole("--seed", 1, 0));
+    command.worst = arguments.TakeWhole("--worst", 0, 0);
     command.causes = arguments.TakeFlag("--causes");
     command.check = arguments.TakeFlag("--check");
     while (const auto text = arguments.TakeValue("--lit-direct"))
         command.litDirect = *text;
     while (const auto text = arguments.TakeValue("--lit-bounced"))
         command.litBounced = *text;
-    command.litLimit = TakeNumber(arguments, "--lit-limit", 0, 0);
+    command.litLimit = arguments.TakeWhole("--lit-limit", 0, 0);
     if (command.litDirect.empty() != command.litBounced.empty())
         throw Error("--lit-direct, --lit-bounced: expected both");
     command.cache = std::filesystem::path(g_get_user_cache_dir()) / "q3map2-sh" / "bounce_error";
@@ -129,10 +119,10 @@ BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
 }
 
 /// Options of a bake without the number of its bounces: bakes that share them share direct light.
-std::string WithoutBounces(const bench::LightmapSettings &settings, const std::string &text) {
+std::string WithoutBounces(const std::string &text) {
     std::string rest = text;
     if (const std::size_t at = rest.find("-bounce "); at != std::string::npos)
-        rest.erase(at, std::string("-bounce ").size() + std::to_string(settings.lightmap.bounces).size());
+        rest.erase(at, rest.find(' ', at + std::string_view("-bounce ").size()) - at);
     rest.erase(std::remove(rest.begin(), rest.end(), ' '), rest.end());
     return rest;
 }
@@ -238,7 +228,7 @@ class MapMeasure {
 
     std::vector<ComparedLight> MeasureLuxels(const BakeText &bake, const bench::LightmapSettings &settings,
                                              std::size_t limit) {
-        const std::string key = WithoutBounces(settings, bake.options);
+        const std::string key = WithoutBounces(bake.options);
         std::unique_ptr<MapSetup> own;
         if (!key.empty())
             own = std::make_unique<MapSetup>(map_, settings);
@@ -253,7 +243,7 @@ class MapMeasure {
     }
 
     void MeasureGrid(const BakeText &bake, const bench::LightmapSettings &settings, std::size_t limit) {
-        const std::string key = WithoutBounces(settings, bake.options);
+        const std::string key = WithoutBounces(bake.options);
         if (!grids_.contains(key))
             grids_.emplace(key, BakeGrid(map_, settings, 0, jobs_));
         const BakedGrid &direct = grids_.at(key);

@@ -17,7 +17,8 @@ namespace {
 /// Rays per luxel, under -fast fewer, and sets of directions: the luxels of a 4 x 4 block have one each, 1024
 /// directions together.
 constexpr int kRays = 64, kFastRays = 24, kMinRays = 4;
-constexpr int kVertexRays = 256;
+/// Rays of a vertex for each ray of a luxel.
+constexpr int kVertexShare = 4;
 /// With more hits (768 MiB) not all are kept.
 constexpr std::uint64_t kMaxKeptHits = std::uint64_t(192) << 20;
 /// Rays of vertices start this far off their surface; kMinRayLift where another surface is nearer. Game units.
@@ -32,9 +33,10 @@ float DitherThreshold(std::uint32_t number) {
 
 BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
                            const RadiosityPatches *patches)
-    : scene_(scene), patches_(patches), origins_(surfaces.lightmaps.size()), rows_(surfaces.lightmaps.size()) {
-    for (std::uint32_t i = 0; i < std::uint32_t(kVertexRays); ++i)
-        vertexDirections_.push_back(CosineDirection(PlasticSample(i, 0)));
+    : scene_(scene), patches_(patches),
+      luxelRays_(in.lightmap.bounceRays.value_or(in.options.fast ? kFastRays : kRays)),
+      vertexRays_(kVertexShare * in.lightmap.bounceRays.value_or(kRays)), origins_(surfaces.lightmaps.size()),
+      rows_(surfaces.lightmaps.size()) {
     std::uint64_t texels = 0;
     for (const RawLightmap &raw : surfaces.lightmaps) {
         const auto isMapped = [](int code) { return code >= 0; };
@@ -43,8 +45,8 @@ BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces
         texels += std::uint64_t(raw.width) * std::uint64_t(raw.height);
     }
     keepAll_ = rays_ <= kMaxKeptHits;
-    const auto fewer = int(
-        std::clamp(kMaxKeptHits / std::max(texels, std::uint64_t(1)), std::uint64_t(kMinRays), std::uint64_t(kRays)));
+    const auto fewer = int(std::clamp(kMaxKeptHits / std::max(texels, std::uint64_t(1)), std::uint64_t(kMinRays),
+                                      std::uint64_t(luxelRays_)));
     in.jobs.For(std::int64_t(rows_.size()), [&](std::int64_t i, int) {
         const RawLightmap &raw = surfaces.lightmaps[std::size_t(i)];
         const auto number = std::size_t(i);
@@ -55,7 +57,7 @@ BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces
 }
 
 int BounceGather::RaysPerLuxel(const RawLightmap &raw) const {
-    return std::max(kMinRays, (patches_ ? kFastRays : kRays) / (raw.super * raw.super));
+    return std::max(kMinRays, luxelRays_ / (raw.super * raw.super));
 }
 
 struct BounceGather::GatherBatch {
@@ -253,7 +255,7 @@ std::vector<EmitterId> BounceGather::VertexHits(const Vec3f &position, const Vec
             hits[numbers[i]] = Dithered(found[i], position, normal, twoSided, numbers[i]);
     });
     for (std::size_t i = 0; i < hits.size(); ++i)
-        rays.Add(i, start, frame.World(vertexDirections_[i]), kRayLength);
+        rays.Add(i, start, frame.World(CosineDirection(PlasticSample(std::uint32_t(i), 0))), kRayLength);
     rays.Flush();
     return hits;
 }
@@ -261,10 +263,10 @@ std::vector<EmitterId> BounceGather::VertexHits(const Vec3f &position, const Vec
 Vec3f BounceGather::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided,
                                  const Emission &emission) const {
     Vec3f sum;
-    for (const EmitterId hit : VertexHits(position, normal, twoSided, kVertexRays))
+    for (const EmitterId hit : VertexHits(position, normal, twoSided, vertexRays_))
         if (Emits(hit))
             sum += emission[hit];
-    return sum / float(kVertexRays);
+    return sum / float(vertexRays_);
 }
 
 } // namespace q3

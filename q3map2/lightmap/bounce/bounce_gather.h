@@ -13,9 +13,10 @@ using Emission = std::vector<Vec3f>;
 
 /// Monte Carlo estimate of irradiance over cosine-weighted directions: E = 1/N sum of the radiosity that ray i hits, on
 /// a scale where E equals the radiosity of surroundings of uniform radiosity. Each mapped luxel traces N = 64 rays
-/// (24 under -fast; max(4, N / S^2) under -super S); the 16 luxels of a 4 x 4 block trace different directions. Rays
-/// hit the same emitters in every bounce, so hits are kept: all of them if memory allows, else fewer per texel, and the
-/// rays of luxels are traced anew. Const after construction; safe from several threads, each lightmap by one.
+/// (24 under -fast; max(4, N / S^2) under -super S; -bouncerays sets N); the 16 luxels of a 4 x 4 block trace different
+/// directions. Rays hit the same emitters in every bounce, so hits are kept: all of them if memory allows, else fewer
+/// per texel, and the rays of luxels are traced anew. Const after construction; safe from several threads, each
+/// lightmap by one.
 class BounceGather {
   public:
     /// patches: null unless faint emitters are left out (-fast). Keeps references.
@@ -33,7 +34,7 @@ class BounceGather {
     std::span<const EmitterId> KeptHits(std::size_t lightmap) const { return rows_[lightmap].hits; }
     /// The emitters that `count` rays from a vertex hit. twoSided: its surface is seen from both sides.
     std::vector<EmitterId> VertexHits(const Vec3f &position, const Vec3f &normal, bool twoSided, int count) const;
-    /// Light at a vertex, by 256 rays.
+    /// Light at a vertex, by 4 N rays (256 under -fast).
     Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided, const Emission &emission) const;
 
     /// RayOrigins of a lightmap.
@@ -64,8 +65,8 @@ class BounceGather {
 
     const BounceScene &scene_;
     const RadiosityPatches *patches_;
+    const int luxelRays_, vertexRays_;
 
-    std::vector<Vec3f> vertexDirections_;     // cosine-weighted over the hemisphere around +z
     bool keepAll_ = false;                    // rows_ holds all hits of all luxels
     std::vector<std::vector<Vec3f>> origins_; // by lightmap and luxel
     std::vector<HitRows> rows_;               // by lightmap

@@ -17,9 +17,9 @@ void BouncedLight::Gather(const Vec3f &position, std::uint64_t seed, std::vector
         const auto found = scene_.FirstEmitters(packet, false);
         for (std::size_t i = 0; i < directions.size(); ++i)
             if (Emits(found[i]))
-                rays.push_back({directions[i], emission_[found[i]] * (kFacing / float(kRays))});
+                rays.push_back({directions[i], emission_[found[i]] * (kFacing / float(rays_))});
     });
-    for (std::uint32_t i = 0; i < kRays; ++i) {
+    for (std::uint32_t i = 0; i < std::uint32_t(rays_); ++i) {
         const Sample2 s = PlasticSample(i, seed);
         const double z = 1 - 2 * s.u, radius = std::sqrt(std::max(0.0, 1 - z * z)), angle = 2 * std::numbers::pi * s.v;
         const Vec3f direction{float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(z)};

@@ -9,18 +9,19 @@ namespace q3 {
 /// sampling the brightest of the first bounce. Const after construction; safe from several threads. Keeps references.
 class BouncedLight : public IndirectLight {
   public:
-    /// Rays from a point, besides those to bright emitters.
-    static constexpr std::uint32_t kRays = 96;
+    /// Rays from a point by default, besides those to bright emitters.
+    static constexpr int kRays = 96;
 
-    /// emission: without what `bright` holds.
-    BouncedLight(const BounceScene &scene, const std::vector<Vec3f> &emission, const BrightEmitters &bright)
-        : scene_(scene), emission_(emission), bright_(bright) {}
+    /// emission: without what `bright` holds. rays: from a point.
+    BouncedLight(const BounceScene &scene, const std::vector<Vec3f> &emission, const BrightEmitters &bright, int rays)
+        : scene_(scene), emission_(emission), bright_(bright), rays_(rays) {}
     void Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const override;
 
   private:
     const BounceScene &scene_;
     const std::vector<Vec3f> &emission_;
     const BrightEmitters &bright_;
+    const int rays_;
 };
 
 } // namespace q3

@@ -170,7 +170,8 @@ std::unique_ptr<IndirectLight> Bounces::ForPoints() const {
     const auto radiosity = byStyle_.find(0);
     if (radiosity == byStyle_.end())
         return nullptr;
-    return std::make_unique<BouncedLight>(scene_, radiosity->second.total, *radiosity->second.bright);
+    const int rays = in_.lightmap.bounceRays ? std::max(1, *in_.lightmap.bounceRays * 3 / 2) : BouncedLight::kRays;
+    return std::make_unique<BouncedLight>(scene_, radiosity->second.total, *radiosity->second.bright, rays);
 }
 
 void Bounces::AddToLuxels(SurfaceLight &surfaces) const {

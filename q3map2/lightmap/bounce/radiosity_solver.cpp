@@ -13,7 +13,8 @@ namespace q3 {
 
 namespace {
 
-constexpr int kVertexRays = 64;
+/// Rays of a vertex in the solver.
+constexpr int kSolverVertexRays = 64;
 /// Groups with at least this share of the greatest unshot radiosity are the brightest.
 constexpr float kBrightShare = 0.25f;
 /// The first steps shoot everything: their ratio tells how quickly light decays.
@@ -78,7 +79,7 @@ void RadiositySolver::FindRays(Group &group, const std::vector<std::uint32_t> &g
         ForVertexReceivers(in_, surfaces_, group.number, [&](int vertex, const Vec3f &position) {
             const Vec3f &normal = surfaces_.verts[std::size_t(vertex)].normal;
             const bool twoSided = in_.table[group.number].shader->twoSided;
-            for (const EmitterId hit : gather_.VertexHits(position, normal, twoSided, kVertexRays))
+            for (const EmitterId hit : gather_.VertexHits(position, normal, twoSided, kSolverVertexRays))
                 group.vertexHits.push_back(hit), see(hit);
         });
     }
@@ -112,10 +113,10 @@ void RadiositySolver::GatherGroup(const Group &group, const Emission &shot, std:
         return gather_.GatherTexels(shot, group.number, surfaces_.lightmaps[group.number], light);
     for (std::size_t v = 0; v < light.size() && !group.vertexHits.empty(); ++v) {
         Vec3f sum;
-        for (const EmitterId hit : std::span(group.vertexHits).subspan(v * kVertexRays, kVertexRays))
+        for (const EmitterId hit : std::span(group.vertexHits).subspan(v * kSolverVertexRays, kSolverVertexRays))
             if (Emits(hit))
                 sum += shot[hit];
-        light[v] = sum / float(kVertexRays);
+        light[v] = sum / float(kSolverVertexRays);
     }
 }
 

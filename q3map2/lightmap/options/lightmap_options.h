@@ -61,6 +61,7 @@ struct LightmapOptions {
     // Bounces.
     int bounces = 0;                ///< kEndlessBounces: until little light is left
     double bounceTime = 0;          ///< -bouncetime, seconds; 0: no limit
+    std::optional<int> bounceRays;  ///< -bouncerays, of a luxel; not given: 64, or 24 under -fast
     bool linearReflectance = false; ///< -reflectivity linear
     bool bounceGrid = false, bounceOnly = false;
     float bounceScale = 0.25f, bounceColorRatio = 1;
