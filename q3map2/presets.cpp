@@ -33,7 +33,7 @@ constexpr std::array<Preset, 3> kPresets{{
      .help = "For release: nothing is left out for speed, and the SH grid is small and fitted",
      .bsp = "-meta",
      .vis = "",
-     .light = "-patchshadows -samples 3 -bounce 8 -bouncegrid",
+     .light = "-patchshadows -samples 3 -bounce inf -bouncegrid",
      .gridSH = "-gridsh 64 64 64 -shfit"},
 }};
 

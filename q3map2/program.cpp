@@ -7,6 +7,7 @@
 #include "q3map2/run_report.h"
 #include "q3map2/stage_words.h"
 #include "q3map2/version.h"
+#include "q3map2/vrad_options.h"
 
 #include <fstream>
 #include <memory>
@@ -50,6 +51,7 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
     }
     log.Print("{}\n", kVersion);
     const ChosenStage chosen = TakeStage(arguments);
+    TranslateVradOptions(chosen.stage, arguments, log);
     ExpandPreset(chosen.stage, arguments, log);
     const StageContext context{options, chosen.stage, chosen.given, program, arguments.Rest(), log};
     const int status = chosen.stage.run(context, std::move(arguments));

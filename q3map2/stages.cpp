@@ -14,6 +14,7 @@
 #include "q3map2/presets.h"
 #include "q3map2/ssbump/ssbump_options.h"
 #include "q3map2/vis/vis_settings.h"
+#include "q3map2/vrad_options.h"
 
 #include <algorithm>
 
@@ -31,6 +32,7 @@ std::vector<SettingSection> LightSections() {
     std::vector<SettingSection> sections = AfterPresets(Describe(LightSettings()));
     for (SettingSection &section : Describe(LightmapSettings()))
         sections.push_back(std::move(section));
+    sections.push_back(VradSection());
     // Options without effect come last.
     std::stable_partition(sections.begin(), sections.end(),
                           [](const SettingSection &s) { return !s.title.starts_with("Accepted"); });
