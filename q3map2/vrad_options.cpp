@@ -17,8 +17,8 @@ constexpr VradOption kVradOptions[] = {
     {"-extra", 0, "-samples 2", "adaptive samples at shadow edges"},
     {"-noextra", 0, "-samples 1", "one sample a luxel"},
     {"-fastambient", 0, "-cubesperleaf 1", "one ambient cube a leaf"},
-    {"-smooth", 1, "-shade -shadeangle {}", "phong shading below that angle"},
-    {"-reflectivityscale", 1, "-bouncescale {}", "factor of reflected light"},
+    {"-smooth", 1, "-shade -shadeangle N", "phong shading below that angle"},
+    {"-reflectivityscale", 1, "-bouncescale N", "factor of reflected light"},
     {"-chop", 1, "", "radiosity is solved by luxel: -samplesize sets their size, -bouncerays the quality"},
     {"-maxchop", 1, "", "radiosity is solved by luxel: -samplesize sets their size, -bouncerays the quality"},
     {"-dispchop", 1, "", "radiosity is solved by luxel: -samplesize sets their size, -bouncerays the quality"},
@@ -56,7 +56,7 @@ std::vector<std::string> ReplacementWords(const VradOption &option, const std::s
     std::istringstream text{std::string(option.replacement)};
     std::vector<std::string> words;
     for (std::string word; text >> word;)
-        words.push_back(word == "{}" ? value : word);
+        words.push_back(word == "N" ? value : word);
     return words;
 }
 

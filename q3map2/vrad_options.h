@@ -11,7 +11,7 @@ namespace q3 {
 struct VradOption {
     std::string_view name;
     int values = 0;               ///< words that follow
-    std::string_view replacement; ///< options that mean about the same, {} being the first value; empty: refused
+    std::string_view replacement; ///< options that mean about the same, N being the value; empty: refused
     std::string_view advice;      ///< what to use instead, or why there is nothing
 };
 
