@@ -79,7 +79,7 @@ std::string GameEntities(const Map &map, const BspOptions &options) {
         const std::string_view name = entity.pairs.ClassName();
         const bool isCompiledIn = EqualNoCase(name, "_decal") || EqualNoCase(name, "_skybox") ||
                                   EqualNoCase(name, "func_group") || EqualNoCase(name, "group_info") ||
-                                  (EqualNoCase(name, "misc_model") && !keepModels) ||
+                                  (EqualNoCase(name, "misc_model") && !keepModels && !keys::kStaticProp.Flag(entity.pairs)) ||
                                   (StartsWithNoCase(name, "light") && !keepLights);
         if (&entity.pairs == &world || (!isCompiledIn && !entity.pairs.pairs.empty()))
             kept.push_back(entity.pairs);
