@@ -46,7 +46,8 @@ int LightStage(const StageContext &context, Arguments arguments) {
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
-    const LightInputs inputs = ReadLightInputs(bspPath, log);
+    LightInputs inputs = ReadLightInputs(bspPath, log);
+    inputs.vfs = &vfs;
     PrintChangedKeys(StoredEntities(bsp.entities, inputs.name).front(), keys::kWorldLightKeys, "worldspawn", log);
     if (!lightmap.onlyGrid)
         RemoveMipmapHints(inputs.name, bsp);

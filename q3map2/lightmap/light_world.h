@@ -2,14 +2,16 @@
 #pragma once
 
 #include "q3map2/light/light.h"
+#include "q3map2/lightmap/props/prop_lighting.h"
 #include "q3map2/lightmap/store/lightmap_store.h"
 
 namespace q3 {
 
 struct LightResult {
     GridStats grid, gridSH;
-    ContributionCounts surfaces; ///< work for lightmaps and vertices, all passes
-    StoredLightmaps lightmaps;   ///< pages and shaders; images of pages become files beside the map
+    ContributionCounts surfaces;        ///< work for lightmaps and vertices, all passes
+    std::vector<PropVertexLight> props; ///< -staticproplighting
+    StoredLightmaps lightmaps;          ///< pages and shaders; images of pages become files beside the map
 };
 
 /// Lights `bsp`: lightmaps, vertex colors and both grids, from one set of lights in one scene. With

@@ -53,6 +53,10 @@ void CheckCombinations(const LightOptions &o) {
     for (const auto &[name, given] : wantsSH)
         if (given && !o.sh)
             throw Error("{} needs -sh", name);
+    if (o.textureShadows && !o.staticPropPolys)
+        throw Error("-textureshadows needs -staticproppolys");
+    if (o.staticPropFiles && !o.staticPropLighting)
+        throw Error("-staticpropfiles needs -staticproplighting");
 }
 
 } // namespace
