@@ -305,7 +305,7 @@ std::optional<Vec3f> PropLighter::OpenPlace(const StaticProp &prop, const PropSa
     if (prop.lightingOrigin && sampler.IsOpen(*prop.lightingOrigin))
         return prop.lightingOrigin;
     if (prop.lightingOrigin)
-        in_.log.Warn("lighting origin", "Entity {}: its lightingorigin at {:.0f} {:.0f} {:.0f} is in a wall",
+        in_.log.Warn("lighting origin in a wall", "Entity {}: its lightingorigin at {:.0f} {:.0f} {:.0f} is in a wall",
                      prop.entity, prop.lightingOrigin->x, prop.lightingOrigin->y, prop.lightingOrigin->z);
     const Vec3f center = prop.bounds.Center(), half = prop.bounds.maxs - center;
     for (const Vec3f &place : {center, Vec3f(prop.transform.origin)})
