@@ -8,6 +8,7 @@
 #include "tests/program/prop_models.h"
 
 #include <cmath>
+#include <cstring>
 
 #include <gmock/gmock.h>
 
@@ -108,9 +109,10 @@ TEST_F(StaticPropTest, ManyBouncesInAWhiteRoomAddUpAsAGeometricSeries) {
     const std::string script = ReadTextFile(folder_ / "base/baseq3/scripts/test.shader");
     std::string glowing;
     for (const std::string_view name : {"floor", "wall", "ceiling"})
-        glowing += fmt::format("textures/test/{}\n{{\nq3map_surfacelight 300\nq3map_lightsubdivide 32\n"
-                               "{{\nmap $lightmap\n}}\n}}\n",
-                               name);
+        glowing +=
+            fmt::format("textures/test/{}\n{{\nq3map_surfacelight 300\nq3map_backsplash 0 0\nq3map_lightsubdivide 32\n"
+                        "{{\nmap $lightmap\n}}\n}}\n",
+                        name);
     folder_.Write("base/baseq3/scripts/test.shader", glowing);
     TestMesh cube;
     cube.AddWalls(32, {-32, 0, 32});
@@ -327,6 +329,31 @@ TEST_F(StaticPropTest, AMissingModelIsAWarningAndTheRestIsLit) {
     EXPECT_GT(Colors()[0].x, 10);
 }
 
+TEST_F(StaticPropTest, FilesBesideTheMapHoldTheSameLight) {
+    AddModel("a", {Sheet(-16, 16, 1, 40), Sheet(-16, 16, 2, 60)});
+    Compile(Prop("a") + Prop("a", {}, "80 0 0") + Lamp({0, 0, 200}, 100));
+    Light("-staticproplighting -staticpropfiles");
+    const auto raw = ReadFile(Beside("proplight.raw"));
+    ASSERT_EQ(raw.size(), 12u * 2 * (4 + 9));
+    const std::vector<Vec3f> colors = Colors(3); // of the second prop's second mesh
+    float red = 0;
+    std::memcpy(&red, raw.data() + std::size_t{12} * (4 + 9 + 4), 4);
+    EXPECT_NEAR(red * 255, colors[0].x, colors[0].x / 256);
+
+    const auto file = ReadFile(Beside("sp_1.vhv"));
+    ASSERT_EQ(file.size(), 512u + 4 * (4 + 9));
+    EXPECT_EQ(IntOf(file, 0), 2);
+    EXPECT_EQ(std::uint32_t(IntOf(file, 4)), Crc32(ReadFile(folder_ / "base/baseq3/models/a.md3")));
+    EXPECT_EQ(IntOf(file, 12), 4);
+    EXPECT_EQ(IntOf(file, 16), 13);
+    EXPECT_EQ(IntOf(file, 20), 2);
+    EXPECT_EQ(IntOf(file, 40 + 28 + 4), 9);
+    EXPECT_EQ(IntOf(file, 40 + 28 + 8), 512 + 16);
+    const double byte = 127.5 * std::pow(double(red), 1 / 2.2);
+    EXPECT_NEAR(double(file[512 + 16 + 2]), byte, 0.51);
+    EXPECT_EQ(int(file[512 + 16 + 3]), 255);
+}
+
 TEST_F(StaticPropTest, OptionsThatNeedAnotherAreErrors) {
     Compile("");
     EXPECT_THAT(Run("-textureshadows").text, HasSubstr("-textureshadows needs -staticproppolys"));
@@ -344,9 +371,9 @@ TEST_F(StaticPropTest, JsonAndInfoKnowTheLump) {
     EXPECT_THAT(outcome.text, HasSubstr("1 meshes with 4 vertices"));
     outcome = RunProgramFile({"-fs_basepath", base, "-json", "-unpack", map}, folder_.Root());
     ASSERT_EQ(outcome.status, 0) << outcome.text;
-    std::filesystem::remove(maps_ / "room.bsp");
     outcome = RunProgramFile({"-fs_basepath", base, "-json", "-pack", map}, folder_.Root());
     ASSERT_EQ(outcome.status, 0) << outcome.text;
+    std::filesystem::rename(maps_ / "room_json.bsp", maps_ / "room.bsp");
     EXPECT_EQ(LightOf(Load()).colors, before);
 }
 

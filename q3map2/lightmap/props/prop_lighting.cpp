@@ -355,15 +355,13 @@ PropVertexLight PropLighter::Result(std::size_t number) const {
     const ToneOptions tone = StoredTone(in_);
     PropVertexLight result;
     result.prop = number;
+    result.modelCrc = prop.model->crc;
     for (std::size_t mesh = 0; mesh < prop.model->meshes.size(); ++mesh) {
         std::vector<Vec3f> &colors = result.meshes.emplace_back();
-        auto &bytes = result.bytes.emplace_back();
         if (prop.shaders[mesh] == nullptr)
             continue;
-        for (const std::uint32_t point : prop.model->pointOf[mesh]) {
+        for (const std::uint32_t point : prop.model->pointOf[mesh])
             colors.push_back(VertexLightOf(in_, *prop.shaders[mesh], points_[number].light[point], tone));
-            bytes.push_back(VertexBytes(in_, *prop.shaders[mesh], points_[number].light[point], tone));
-        }
     }
     return result;
 }

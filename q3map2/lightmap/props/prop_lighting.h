@@ -20,11 +20,11 @@ struct PropBounce {
 
 /// Light at the vertices of one prop.
 struct PropVertexLight {
-    std::size_t prop = 0; ///< in StaticProps::props
+    std::size_t prop = 0;       ///< in StaticProps::props
+    std::uint32_t modelCrc = 0; ///< Crc32 of the model file
     /// [mesh][vertex], unit scale; a mesh that the skin leaves out is empty. With the tone of vertices as VertexLightOf
     /// has it: the factors of shader and options, at least the world's minvertexlight, nothing else.
     std::vector<std::vector<Vec3f>> meshes;
-    std::vector<std::vector<std::array<std::uint8_t, 3>>> bytes; ///< the same as stored colors of vertices
 };
 
 /// Lights the props that have vertexLight: the direct light of `lights`, prepared by SetupEnvelopes for surfaces, of
