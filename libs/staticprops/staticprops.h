@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT. Reader of the light of static props of Quake III maps, for engines. C99 and C++.
 
    A prop is an entity with a model. It has a list of meshes in the order of the model file, and each mesh a color for
-   each of its vertices. A color is linear light; 1.0 is vertex color 255. See LICENSE and README.md beside this file. */
+   each of its vertices. A color is linear light; 1.0 is vertex color 255. See LICENSE and README.md beside this file.
+ */
 #ifndef STATICPROPS_H
 #define STATICPROPS_H
 

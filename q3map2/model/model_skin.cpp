@@ -76,9 +76,8 @@ std::vector<Replacement> RemapsOf(const Entity &entity, std::string_view who, Lo
         if (semicolon != std::string::npos)
             remap = {value.substr(0, semicolon), value.substr(semicolon + 1)};
         if (remap.from.empty() || remap.to.empty() || remap.to.size() > kMaxShaderName)
-            log.Warn("bad remap",
-                             "{}: \"{}\" \"{}\" is ignored: expected FROM;TO, TO with at most {} characters",
-                             who, key, value, kMaxShaderName);
+            log.Warn("bad remap", "{}: \"{}\" \"{}\" is ignored: expected FROM;TO, TO with at most {} characters", who,
+                     key, value, kMaxShaderName);
         else
             remaps.push_back(std::move(remap));
     }

@@ -116,7 +116,7 @@ TEST_F(PackageTest, ModelsOfStaticPropsArePacked) {
     const Bsp bsp = MapWith("{\n\"classname\" \"misc_model\"\n\"model\" \"models/prop.md3\"\n"
                             "\"_staticprop\" \"1\"\n}\n");
     Put("textures/base/wall.tga");
-    EXPECT_THAT(Plan(bsp).missing, ElementsAre(StartsWith("models/prop.md3 ")));
+    EXPECT_THAT(Plan(bsp).missing, ElementsAre(StartsWith("models/prop.md3: wanted by")));
 }
 
 TEST_F(PackageTest, ModelsThatTheGameShowsComeWithTheirShaders) {

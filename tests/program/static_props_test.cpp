@@ -4,6 +4,7 @@
 #include "libs/math/packed_color.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/prop_light.h"
+#include "q3map2/model/md3_model.h"
 #include "tests/program/lit_room.h"
 #include "tests/program/prop_models.h"
 
@@ -352,6 +353,39 @@ TEST_F(StaticPropTest, FilesBesideTheMapHoldTheSameLight) {
     const double byte = 127.5 * std::pow(double(red), 1 / 2.2);
     EXPECT_NEAR(double(file[512 + 16 + 2]), byte, 0.51);
     EXPECT_EQ(int(file[512 + 16 + 3]), 255);
+}
+
+TEST_F(StaticPropTest, Md3ModelsHaveTheVerticesOfMiscModelAndTheOrderOfTheFile) {
+    TestMesh mesh;
+    mesh.AddWalls(20, {3, 40});
+    mesh.AddPlate({-30, -10, 50}, {10, 50, 70});
+    AddModel("a", {mesh});
+    Compile(EntityText({{"classname", "misc_model"}, {"model", "models/a.md3"}, {"origin", "0 0 0"}}));
+    const Model model = ReadMd3(Md3Of({mesh}), "models/a.md3", 0);
+    ASSERT_EQ(model.meshes.size(), 1u);
+    ASSERT_EQ(model.meshes[0].verts.size(), mesh.verts.size());
+    EXPECT_EQ(model.meshes[0].triangles, mesh.triangles);
+    EXPECT_EQ(model.meshes[0].shader, mesh.shader);
+    const Bsp bsp = Load();
+    for (std::size_t i = 0; i < mesh.verts.size(); ++i) {
+        const DrawVert &vert = model.meshes[0].verts[i];
+        EXPECT_LT(Length(vert.xyz - mesh.verts[i].xyz), 1e-3f);
+        EXPECT_LT(Length(vert.normal - mesh.verts[i].normal), 1e-3f);
+        const bool found = std::any_of(bsp.drawVerts.begin(), bsp.drawVerts.end(), [&](const bspDrawVert_t &other) {
+            return Length(Vec3f(other.xyz) - vert.xyz) < 0.01f && Length(Vec3f(other.normal) - vert.normal) < 0.01f;
+        });
+        EXPECT_TRUE(found) << "vertex " << i;
+    }
+}
+
+TEST_F(StaticPropTest, ModelsMayHaveMoreVerticesThanASurfaceOfTheMap) {
+    AddModel("big", {Sheet(-200, 200, 300, 20)});
+    Compile(Prop("big") + Lamp({0, 0, 200}, 100));
+    Light("-staticproplighting -staticproppolys");
+    const std::vector<Vec3f> colors = Colors();
+    ASSERT_EQ(colors.size(), 301u * 301);
+    EXPECT_GT(colors[150 * 301 + 150].x, colors[0].x);
+    EXPECT_GT(colors[0].x, 1);
 }
 
 TEST_F(StaticPropTest, OptionsThatNeedAnotherAreErrors) {

@@ -4,10 +4,10 @@
 #include "q3map2/bspfile/object_keys.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/geometry/models/model_clip.h"
-#include "q3map2/model/model_load.h"
-#include "q3map2/model/model_skin.h"
 #include "q3map2/geometry/surface/debug_surface.h"
 #include "q3map2/map/map_settings.h"
+#include "q3map2/model/model_load.h"
+#include "q3map2/model/model_skin.h"
 
 #include <algorithm>
 #include <cmath>
