@@ -56,7 +56,7 @@ class Md3File {
     std::span<const std::byte> file_;
 };
 
-DrawVert VertOf(const Md3Vert &from, const std::array<float, 2> &st) {
+DrawVert Md3VertOf(const Md3Vert &from, const std::array<float, 2> &st) {
     DrawVert vert;
     vert.xyz = Vec3f{float(from.xyz[0]), float(from.xyz[1]), float(from.xyz[2])} * kMd3Unit;
     const double step = 2 * std::numbers::pi / 256, zenith = from.zenith * step, azimuth = from.azimuth * step;
@@ -67,8 +67,8 @@ DrawVert VertOf(const Md3Vert &from, const std::array<float, 2> &st) {
     return vert;
 }
 
-ModelMesh MeshOf(const Md3File &file, std::int64_t at, const Md3Surface &surface, std::string_view modelName,
-                 int frame) {
+ModelMesh Md3MeshOf(const Md3File &file, std::int64_t at, const Md3Surface &surface, std::string_view modelName,
+                    int frame) {
     ModelMesh mesh;
     if (surface.shaders > 0) {
         const auto shader = file.Read<Md3Shader>(at + surface.shaderOffset, 1).front();
@@ -79,7 +79,7 @@ ModelMesh MeshOf(const Md3File &file, std::int64_t at, const Md3Surface &surface
         at + surface.vertOffset + std::int64_t(frame) * surface.verts * std::int64_t(sizeof(Md3Vert)), surface.verts);
     const auto st = file.Read<std::array<float, 2>>(at + surface.stOffset, surface.verts);
     for (std::size_t i = 0; i < verts.size(); ++i)
-        mesh.verts.push_back(VertOf(verts[i], st[i]));
+        mesh.verts.push_back(Md3VertOf(verts[i], st[i]));
     for (const auto &triangle :
          file.Read<std::array<std::int32_t, 3>>(at + surface.triangleOffset, surface.triangles)) {
         for (const std::int32_t corner : triangle)
@@ -107,7 +107,7 @@ Model ReadMd3(std::span<const std::byte> bytes, std::string_view modelName, int 
         const auto surface = file.Read<Md3Surface>(at, 1).front();
         if (frame < 0 || frame >= surface.frames)
             throw Error("there is no frame {}: the model has {}", frame, surface.frames);
-        model.meshes.push_back(MeshOf(file, at, surface, modelName, frame));
+        model.meshes.push_back(Md3MeshOf(file, at, surface, modelName, frame));
         if (surface.end <= 0)
             throw Error("surface {} ends {} bytes after its start", i, surface.end);
         at += surface.end;

@@ -171,6 +171,17 @@ TEST_F(StaticPropTest, APropInAWallIsLitFromItsLightingOrigin) {
         EXPECT_GT(color.x, 1);
 }
 
+TEST_F(StaticPropTest, APropWithSolidAllAroundGetsAmbientLight) {
+    AddModel("a", {Sheet(-16, 16, 1, 0)});
+    Compile(Prop("a", {}, "0 0 -4000") + Lamp({0, 0, 200}, 100), {{"_ambient", "5"}});
+    const Outcome outcome = Light("-staticproplighting -floodlight -bounce 1");
+    EXPECT_THAT(outcome.text, HasSubstr("models/a.md3 is inside of a wall: it gets ambient light only"));
+    const std::vector<Vec3f> colors = Colors();
+    ASSERT_EQ(colors.size(), 4u);
+    for (const Vec3f &color : colors)
+        EXPECT_NEAR(color.x, 5, 0.02);
+}
+
 TEST_F(StaticPropTest, WeldedVerticesGetTheSameColor) {
     // Two meshes that meet at x = 0, and a vertex that stands twice in the first.
     TestMesh left, right;

@@ -188,15 +188,18 @@ void PropLighter::LightPoints(const PropJob &job, bool buried, ContributionCount
     std::vector<PropReceiver> receivers = Receivers(job, buried);
     const auto twoSided = std::stable_partition(receivers.begin(), receivers.end(),
                                                 [](const PropReceiver &one) { return !one.twoSided; });
-    std::vector<Vec3f> light(job.points.size(), direct_ ? in_.world.ambient : Vec3f{});
+    const Vec3f ambient = direct_ ? in_.world.ambient : Vec3f{};
+    std::vector<Vec3f> light(job.points.size(), ambient);
     if (direct_) {
         AddDirect(job, {receivers.begin(), twoSided}, buried, light, counts);
         AddDirect(job, {twoSided, receivers.end()}, buried, light, counts);
         AddOcclusion(job, light, counts);
     }
-    for (std::size_t i = 0; i < job.points.size(); ++i)
-        points.light[job.points[i]] =
-            light[i] + (points.isOpen[job.points[i]] != 0 || buried ? Bounced(prop, job.points[i]) : Vec3f{});
+    for (std::size_t i = 0; i < job.points.size(); ++i) {
+        const std::size_t point = job.points[i];
+        const bool isLit = buried || points.isOpen[point] != 0;
+        points.light[point] = isLit ? light[i] + Bounced(prop, point) : ambient;
+    }
 }
 
 void PropLighter::AddDirect(const PropJob &job, std::span<const PropReceiver> receivers, bool buried,
