@@ -173,7 +173,8 @@ TEST_F(StaticPropTest, APropInAWallIsLitFromItsLightingOrigin) {
 
 TEST_F(StaticPropTest, APropWithSolidAllAroundGetsAmbientLight) {
     AddModel("a", {Sheet(-16, 16, 1, 0)});
-    Compile(Prop("a", {}, "0 0 -4000") + Lamp({0, 0, 200}, 100), {{"_ambient", "5"}});
+    Compile(Prop("a", {}, "0 0 -528") + Lamp({0, 0, 200}, 100), {{"_ambient", "5"}},
+            BoxText({-256, -256, -1040}, {256, 256, -16}, "test/floor"));
     const Outcome outcome = Light("-staticproplighting -floodlight -bounce 1");
     EXPECT_THAT(outcome.text, HasSubstr("models/a.md3 is inside of a wall: it gets ambient light only"));
     const std::vector<Vec3f> colors = Colors();
