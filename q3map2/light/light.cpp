@@ -129,6 +129,7 @@ LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOpt
       lights(CreateLightsLogged(*this, inputs, library, log)), space(map, OpaqueBrushes(map, library)),
       props(LoadStaticProps(stored, inputs.vfs, int(map.drawSurfaces.size()), options, library, log)),
       scene(map, table, options, IgnoreRadius(layout), props.shadows), skySeenFrom(SkySeenFrom(space, table)) {
+    props.shadows = {}; // the scene has a copy
     log.Count((long long)(scene.TriangleCount()), "triangles that rays can meet");
 }
 

@@ -43,7 +43,7 @@ struct LightSetup {
     SurfaceTable table;
     std::vector<Light> lights; ///< in the order of tracing
     BspSpace space;
-    StaticProps props;
+    StaticProps props; ///< without `shadows`, which the scene has
     LightScene scene;
     std::vector<bool> skySeenFrom;
 };
