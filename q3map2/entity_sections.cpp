@@ -40,6 +40,12 @@ std::vector<SettingSection> EntitySections() {
                          "map without one; with a `.srf`, its `castShadows` counts where it is not 0.",
                          keys::kSurfaceKeys),
             DescribeKeys("misc_model", "", keys::kModelKeys),
+            DescribeKeys("Static props",
+                         "Entities of the classes `misc_model_static` and `prop_static`, and each `misc_model` with "
+                         "`_staticprop`, which the light stage lights at their vertices with `-staticproplighting`: "
+                         "[static_props.md](static_props.md). They have the keys of misc_model for model, skin, size "
+                         "and place too, and `_castShadows` and `_receiveShadows`, whose default is 1.",
+                         keys::kPropKeys),
             DescribeKeys("Terrain", "Entities whose surfaces blend layers by a picture.", keys::kTerrainKeys),
             DescribeKeys("Decals", "Entities of the class `_decal`, whose patches are projected onto surfaces.",
                          keys::kDecalKeys),

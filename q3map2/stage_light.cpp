@@ -8,6 +8,7 @@
 #include "q3map2/grid_size_report.h"
 #include "q3map2/light_inputs.h"
 #include "q3map2/lightmap/light_world.h"
+#include "q3map2/lightmap/props/prop_files.h"
 #include "q3map2/lightmap/store/hdr_store.h"
 #include "q3map2/lightmap/store/lightmap_pages.h"
 #include "q3map2/lightmap/store/lightmap_scripts.h"
@@ -46,7 +47,8 @@ int LightStage(const StageContext &context, Arguments arguments) {
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
-    const LightInputs inputs = ReadLightInputs(bspPath, log);
+    LightInputs inputs = ReadLightInputs(bspPath, log);
+    inputs.vfs = &vfs;
     PrintChangedKeys(StoredEntities(bsp.entities, inputs.name).front(), keys::kWorldLightKeys, "worldspawn", log);
     if (!lightmap.onlyGrid)
         RemoveMipmapHints(inputs.name, bsp);
@@ -73,6 +75,8 @@ int LightStage(const StageContext &context, Arguments arguments) {
         WriteLightmass(pages, inputs.name, result.lightmaps.lightmass, log);
         WriteScript(ScriptPath(bspPath, *context.options.game), result.lightmaps, log);
     }
+    if (options.staticPropFiles)
+        WritePropFiles(folder, result.props, log);
     const BotCheck bots(bspPath, log);
     WriteBspFile(bspPath, bsp, format, log);
     bots.Report(BotCheck::SameGeometry, options.fixBotFiles);

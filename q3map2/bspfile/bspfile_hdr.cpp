@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/bspx.h"
+#include "q3map2/bspfile/prop_light.h"
 
 #include <algorithm>
 #include <set>
@@ -114,10 +115,12 @@ std::string RnmFault(const Bsp &bsp) {
     return {};
 }
 
-/// Calls visit(name of the lump, fault) for each of the three HDR lumps that does not fit.
+/// Calls visit(name of the lump, fault) for each of the lumps that does not fit.
 template <typename Visit> void ForEachFault(const Bsp &bsp, const Visit &visit) {
-    const std::pair<std::string_view, std::string> faults[] = {
-        {kBspxLightmapsE5bgr9, LightmapsFault(bsp)}, {kBspxVertexE5bgr9, VertexFault(bsp)}, {kBspxRnm, RnmFault(bsp)}};
+    const std::pair<std::string_view, std::string> faults[] = {{kBspxLightmapsE5bgr9, LightmapsFault(bsp)},
+                                                               {kBspxVertexE5bgr9, VertexFault(bsp)},
+                                                               {kBspxRnm, RnmFault(bsp)},
+                                                               {kBspxPropLight, PropLightFault(bsp)}};
     for (const auto &[lump, fault] : faults)
         if (!fault.empty())
             visit(lump, fault);
@@ -154,8 +157,10 @@ void DropUnfitHdrLight(Bsp &bsp, std::string_view name, Log &log) {
             bsp.lightmapsE5bgr9.clear();
         else if (lump == kBspxVertexE5bgr9)
             bsp.vertexE5bgr9.clear();
-        else
+        else if (lump == kBspxRnm)
             bsp.rnm.reset();
+        else
+            SetPropLight(bsp, {});
     });
 }
 

@@ -17,11 +17,12 @@ bool IsHdrLump(std::string_view name);
 /// whole codes, an invalid LIGHTING_RNM.
 bool ReadHdrLump(const ByteSource &file, const BspxPart &lump, std::string_view name, Bsp &bsp);
 
-/// Errors: Error if HDR light does not fit the lightmaps or vertices of the map, or contradicts itself.
+/// Errors: Error if HDR light does not fit the lightmaps or vertices of the map, light of static props (prop_light.h)
+/// does not fit its entities, or either contradicts itself.
 void CheckHdrLight(const Bsp &bsp, std::string_view name);
 /// Drops such light with a warning: another program has changed the map.
 void DropUnfitHdrLight(Bsp &bsp, std::string_view name, Log &log);
-/// Removes all three lumps, before the map is lit again.
+/// Removes the three lumps of HDR light, before the map is lit again.
 void ClearHdrLight(Bsp &bsp);
 
 } // namespace q3

@@ -61,12 +61,51 @@ inline constexpr EntityKey kModelKeys[] = {
       .details =
           "How clip brushes are made, with or without 2: 8 along the normals of faces, 16 as terrain, 128 along the "
           "normals of vertices, 256 as pyramids, 512 downward, 1024 upward, 2048 to the model's full depth, 4096 "
-          "with an axial back. 1: -rename appends _RMG_BSP instead of _BSP."}}};
+          "with an axial back. 1: -rename appends _RMG_BSP instead of _BSP."}},
+    {{.name = "_staticprop",
+      .values = "0|1",
+      .kind = Flag,
+      .initial = "0",
+      .help = "1: the entity stays in the .bsp as a static prop, and the model does not become part of the map"}}};
 inline constexpr const EntityKey &kModel = kModelKeys[0], &kModelTarget = kModelKeys[1], &kSkin = kModelKeys[2],
                                  &kModelScale = kModelKeys[4], &kModelScaleVec = kModelKeys[5], &kFrame = kModelKeys[8],
-                                 &kClipDepth = kModelKeys[9], &kModelFlags = kModelKeys[10];
+                                 &kClipDepth = kModelKeys[9], &kModelFlags = kModelKeys[10],
+                                 &kStaticProp = kModelKeys[11];
 /// Start of the names of remap keys.
 inline constexpr std::string_view kRemapPrefix = "_remap";
+
+/// The keys of static props, which -staticproplighting lights, beside those of misc_model. Each is a flag or a name.
+inline constexpr EntityKey kPropKeys[] = {
+    {{.name = "disableshadows", .values = "0|1", .kind = Flag, .initial = "0", .help = "1: casts no shadows"}},
+    {{.name = "disableselfshadowing",
+      .values = "0|1",
+      .kind = Flag,
+      .initial = "0",
+      .help = "1: does not shadow its own vertices"}},
+    {{.name = "disablevertexlighting",
+      .values = "0|1",
+      .kind = Flag,
+      .initial = "0",
+      .help = "1: gets no light at its vertices; the game lights it as before"}},
+    {{.name = "ignorenormals",
+      .values = "0|1",
+      .kind = Flag,
+      .initial = "0",
+      .help = "1: light is multiplied by 0.35 instead of the cosine to the normal; for foliage"}},
+    {{.name = "lightingorigin",
+      .aliases = {"_lightingorigin"},
+      .values = "NAME",
+      .kind = Text,
+      .initial = "center of the model",
+      .help = "Targetname of an entity; vertices in walls are lit from its side if no vertex is in the open"}},
+    {{.name = "generatelightmaps",
+      .values = "0|1",
+      .kind = Flag,
+      .initial = "0",
+      .help = "Lightmaps of props, which this program does not make: 1 is a warning"}}};
+inline constexpr const EntityKey &kPropNoShadows = kPropKeys[0], &kPropNoSelfShadows = kPropKeys[1],
+                                 &kPropNoVertexLight = kPropKeys[2], &kPropIgnoreNormals = kPropKeys[3],
+                                 &kPropLightingOrigin = kPropKeys[4], &kPropLightmaps = kPropKeys[5];
 
 /// The keys that make the surfaces of an entity indexed terrain.
 inline constexpr EntityKey kTerrainKeys[] = {

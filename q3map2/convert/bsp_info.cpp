@@ -5,6 +5,7 @@
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/grid_shares.h"
+#include "q3map2/bspfile/prop_light.h"
 #include "q3map2/bspfile/written_keys.h"
 
 #include <algorithm>
@@ -136,7 +137,12 @@ class InfoTable {
             Note("{} x {} texels for each of three basis vectors, {}", head.side, head.side,
                  head.storage == RnmStorage::Raw ? "raw" : "rescaled to the flat light");
         }
-        if (!bsp_.lightmapsE5bgr9.empty() || !bsp_.vertexE5bgr9.empty() || bsp_.rnm)
+        if (const BspxLump *props = FindPropLight(bsp_)) {
+            const PropLight light = DecodePropLight(props->data);
+            Line(light.props.size(), "lit props", props->data.size());
+            Note("{} meshes with {} vertices", light.meshes.size(), light.colors.size());
+        }
+        if (!bsp_.lightmapsE5bgr9.empty() || !bsp_.vertexE5bgr9.empty() || bsp_.rnm || FindPropLight(bsp_) != nullptr)
             log_.Print("\n");
     }
 
@@ -153,7 +159,8 @@ class InfoTable {
         if (!bsp_.advertisements.empty())
             Line(bsp_.advertisements, "advertisements");
         for (const BspxLump &lump : bsp_.bspx)
-            log_.Print("{:>9} {:<14} {:9}\n", "BSPX", Printable(lump.name), lump.data.size());
+            if (lump.name != kBspxPropLight)
+                log_.Print("{:>9} {:<14} {:9}\n", "BSPX", Printable(lump.name), lump.data.size());
         if (!bsp_.advertisements.empty() || !bsp_.bspx.empty())
             log_.Print("\n");
     }

@@ -2,6 +2,7 @@
 #include "q3map2/geometry/game_entities.h"
 
 #include "common/text/text.h"
+#include "q3map2/bspfile/bspfile_hdr.h"
 #include "q3map2/bspfile/object_keys.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/bspfile/written_keys.h"
@@ -77,10 +78,11 @@ std::string GameEntities(const Map &map, const BspOptions &options) {
     std::vector<Entity> kept;
     for (const MapEntity &entity : map.entities) {
         const std::string_view name = entity.pairs.ClassName();
-        const bool isCompiledIn = EqualNoCase(name, "_decal") || EqualNoCase(name, "_skybox") ||
-                                  EqualNoCase(name, "func_group") || EqualNoCase(name, "group_info") ||
-                                  (EqualNoCase(name, "misc_model") && !keepModels) ||
-                                  (StartsWithNoCase(name, "light") && !keepLights);
+        const bool isCompiledIn =
+            EqualNoCase(name, "_decal") || EqualNoCase(name, "_skybox") || EqualNoCase(name, "func_group") ||
+            EqualNoCase(name, "group_info") ||
+            (EqualNoCase(name, "misc_model") && !keepModels && !keys::kStaticProp.Flag(entity.pairs)) ||
+            (StartsWithNoCase(name, "light") && !keepLights);
         if (&entity.pairs == &world || (!isCompiledIn && !entity.pairs.pairs.empty()))
             kept.push_back(entity.pairs);
     }
@@ -99,6 +101,7 @@ void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context) {
             map.World().pairs.Set(key, old.front().Value(key));
     }
     bsp.entities = GameEntities(map, context.options);
+    DropUnfitHdrLight(bsp, map.name, context.log);
 }
 
 } // namespace q3

@@ -8,6 +8,7 @@
 #include "q3map2/light/grid/light_grid.h"
 #include "q3map2/light/grid/light_gridsh.h"
 #include "q3map2/light/options/light_options.h"
+#include "q3map2/light/props/static_props.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/sources/light_surfaces.h"
 #include "q3map2/shader/shader.h"
@@ -23,6 +24,7 @@ struct LightInputs {
     std::string name;                               ///< of the map, for messages
     std::optional<std::vector<Entity>> mapEntities; ///< of the .map source, which still has the light entities
     std::string surfaceFile;                        ///< text of the .srf, empty without one
+    const VirtualFileSystem *vfs = nullptr;         ///< for models of static props; null: none are found
 };
 
 /// A map ready to be lit: everything that grids and surfaces share. Const while workers run. Keeps references to
@@ -41,6 +43,7 @@ struct LightSetup {
     SurfaceTable table;
     std::vector<Light> lights; ///< in the order of tracing
     BspSpace space;
+    StaticProps props; ///< without `shadows`, which the scene has
     LightScene scene;
     std::vector<bool> skySeenFrom;
 };

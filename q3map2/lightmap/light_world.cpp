@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/light_world.h"
 
 #include "q3map2/bspfile/written_keys.h"
+#include "q3map2/light/sources/light_envelope.h"
 #include "q3map2/light/tone/light_tone.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 #include "q3map2/lightmap/store/hdr_store.h"
@@ -36,6 +37,26 @@ void RecordRnm(const LightmapOptions &options, const StoredLightmaps &stored, En
         world.Set(kRnmKey, RnmStorageWord(options.rnmRescaled ? RnmStorage::Rescaled : RnmStorage::Raw));
 }
 
+/// Sets result.props.
+void LightStaticProps(const LightSetup &setup, const LightmapOptions &lightmap, const Bounces *bounces,
+                      const JobPool &jobs, Log &log, LightResult &result) {
+    log.Section("LightStaticProps");
+    const SurfaceInputs in{setup.bsp, setup.space, setup.scene, setup.table, setup.options,
+                           lightmap,  setup.world, jobs,        log};
+    int culled = 0;
+    std::vector<Light> lights = SetupEnvelopes(setup.lights, LightPass::Surfaces, setup.options, setup.space,
+                                               setup.skySeenFrom, culled, lightmap.fastPoint);
+    PropBounce bounce;
+    const std::unique_ptr<IndirectLight> indirect = bounces ? bounces->ForPoints() : nullptr;
+    if (indirect) {
+        bounce.indirect = indirect.get();
+        bounce.irradiance = [bounces](const Vec3f &position, const Vec3f &normal, bool twoSided) {
+            return bounces->IrradianceAt(position, normal, twoSided);
+        };
+    }
+    result.props = LightProps(in, setup.props, std::move(lights), bounce, result.surfaces);
+}
+
 } // namespace
 
 LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &options,
@@ -43,7 +64,8 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     LightSetup setup(bsp, inputs, options, SurfaceDefaultsOf(lightmap), library, log);
     // Bounced light comes from lit surfaces, whether or not they are stored.
     const bool gridBounces = lightmap.bounces > 0 && lightmap.bounceGrid;
-    const bool lightSurfaces = !lightmap.onlyGrid || gridBounces;
+    const bool lightSurfaces =
+        !lightmap.onlyGrid || gridBounces || (lightmap.bounces > 0 && setup.options.staticPropLighting);
     library.ReleaseImages(lightmap.bounces > 0 && lightSurfaces);
     LightResult result;
     std::optional<SurfacePasses> surfaces;
@@ -54,6 +76,10 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
         bounced = surfaces->ForGrids();
         result.surfaces = surfaces->Counts();
     }
+    if (setup.options.staticPropLighting)
+        LightStaticProps(setup, lightmap, surfaces ? surfaces->Bounced() : nullptr, jobs, log, result);
+    if (setup.options.staticPropLighting || !lightmap.onlyGrid)
+        SetPropLight(bsp, PackPropLight(setup.props, result.props));
     bsp.gridSH.reset();
     bsp.ambientCubes.reset();
     setup.stored.front().Erase(kGridSHKey);

@@ -30,6 +30,8 @@ class SurfacePasses {
     void Run();
     /// -bouncegrid: bounced light for the light grids; else null.
     std::unique_ptr<IndirectLight> ForGrids() const;
+    /// The light of all bounces; null without -bounce. It refers to this.
+    const Bounces *Bounced() const { return bounces_ ? &*bounces_ : nullptr; }
     /// Call last: it moves the results out.
     StoredLightmaps Store(std::string_view mapName, Bsp &bsp);
 

@@ -4,6 +4,7 @@
 #include "libs/math/bounds.h"
 #include "libs/math/winding_clip.h"
 #include "q3map2/bspfile/bsp_records.h"
+#include "q3map2/bspfile/draw_vert.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/map/planes.h"
 #include "q3map2/shader/shader_info.h"
@@ -16,14 +17,6 @@
 #include <vector>
 
 namespace q3 {
-
-/// Vertex of a draw surface during the bsp stage.
-struct DrawVert {
-    Vec3f xyz, normal;
-    std::array<float, 2> st{};
-    std::array<std::uint8_t, 4> color{255, 255, 255, 255};
-    bool inserted = false; ///< by T-junction repair
-};
 
 /// Whether the point is within the coordinate range of maps.
 inline bool InWorld(const Vec3f &p) {

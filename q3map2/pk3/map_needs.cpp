@@ -3,6 +3,7 @@
 
 #include "q3map2/bspfile/bsp_layout.h"
 #include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/object_keys.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -83,10 +84,11 @@ class NeedsOfMap {
             needs_.sounds.Add(std::string(sound) + (HasExtension(sound) ? "" : ".wav"), why, required);
     }
 
-    /// misc_model has become part of the world, and games ignore the entity. Of other classes only some read `model`.
+    /// misc_model has become part of the world, and games ignore the entity, unless it is a static prop. Of other
+    /// classes only some read `model`.
     void AddModels(const Entity &entity, const std::string &why) {
         const auto isFile = [](std::string_view model) { return !model.empty() && !model.starts_with('*'); };
-        const bool isPassedOver = EqualNoCase(entity.ClassName(), "misc_model");
+        const bool isPassedOver = EqualNoCase(entity.ClassName(), "misc_model") && !keys::kStaticProp.Flag(entity);
         if (const auto model = entity.Value("model"); isFile(model) && !isPassedOver)
             needs_.models.Add(model, why, StartsWithNoCase(entity.ClassName(), "misc_"));
         if (const auto model = entity.Value("model2"); isFile(model))

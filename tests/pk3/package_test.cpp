@@ -112,6 +112,13 @@ std::string Md3(std::string_view shader) {
     return file;
 }
 
+TEST_F(PackageTest, ModelsOfStaticPropsArePacked) {
+    const Bsp bsp = MapWith("{\n\"classname\" \"misc_model\"\n\"model\" \"models/prop.md3\"\n"
+                            "\"_staticprop\" \"1\"\n}\n");
+    Put("textures/base/wall.tga");
+    EXPECT_THAT(Plan(bsp).missing, ElementsAre(StartsWith("models/prop.md3: wanted by")));
+}
+
 TEST_F(PackageTest, ModelsThatTheGameShowsComeWithTheirShaders) {
     const Bsp bsp = MapWith("{\n\"classname\" \"func_bobbing\"\n\"model2\" \"models/lamp.md3\"\n}\n"
                             "{\n\"classname\" \"misc_model\"\n\"model\" \"models/built_in.md3\"\n}\n");

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Foliage surfaces: one model and its instances.
 #include "q3map2/geometry/effects/foliage.h"
 
-#include "q3map2/geometry/models/model_load.h"
 #include "q3map2/geometry/models/model_scatter.h"
+#include "q3map2/model/model_load.h"
 
 namespace q3 {
 namespace {

@@ -2,7 +2,7 @@
 #include "q3map2/geometry/effects/skybox.h"
 
 #include "q3map2/bspfile/object_keys.h"
-#include "q3map2/geometry/models/model_transform.h"
+#include "q3map2/model/model_transform.h"
 
 namespace q3 {
 namespace {

@@ -1,12 +1,11 @@
 // GPL-2.0-or-later. How a model is placed in the map.
 #pragma once
 
-#include "q3map2/geometry/models/model_transform.h"
 #include "q3map2/map/map.h"
+#include "q3map2/model/model_skin.h"
+#include "q3map2/model/model_transform.h"
 
-#include <functional>
 #include <string>
-#include <string_view>
 
 namespace q3 {
 
@@ -29,9 +28,6 @@ enum ModelFlags : unsigned {
 inline constexpr unsigned kModelClipShapes = kModelClipFaceNormals | kModelClipTerrain | kModelClipVertexNormals |
                                              kModelClipPyramid | kModelClipDown | kModelClipUp | kModelClipFull |
                                              kModelClipAxialBack;
-
-/// Returns the replacement for the shader of a mesh. If it returns an empty string, the mesh is omitted.
-using ShaderRemap = std::function<std::string(std::string_view)>;
 
 /// A model with its transform and settings.
 struct ModelPlacement {

@@ -4,10 +4,10 @@
 #include "q3map2/bspfile/object_keys.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/geometry/models/model_clip.h"
-#include "q3map2/geometry/models/model_load.h"
-#include "q3map2/geometry/models/model_skin.h"
 #include "q3map2/geometry/surface/debug_surface.h"
 #include "q3map2/map/map_settings.h"
+#include "q3map2/model/model_load.h"
+#include "q3map2/model/model_skin.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,13 +15,6 @@
 
 namespace q3 {
 namespace {
-
-Vec3d ScaleOf(const Entity &pairs) {
-    if (const auto scale = keys::kModelScaleVec.Vector(pairs))
-        return Vec3d(*scale);
-    const double scale = keys::kModelScale.Number(pairs);
-    return scale == 0 ? Vec3d{1, 1, 1} : Vec3d{scale, scale, scale};
-}
 
 /// -debugclip: appends the sides of a clip brush as translucent polygons. Sides on triangles of the model, which have a
 /// shader, are drawn with debugclip, the others with debugclip2.
@@ -105,6 +98,11 @@ bool InsideWorld(const DrawSurface &surface) {
     return true;
 }
 
+/// Whether the bsp stage makes surfaces of the model.
+bool IsCompiledIn(const MapEntity &entity) {
+    return EqualNoCase(entity.pairs.ClassName(), "misc_model") && !keys::kStaticProp.Flag(entity.pairs);
+}
+
 bool BelongsTo(const MapEntity &model, const MapEntity &target, bool world) {
     const std::string_view name = keys::kModelTarget.Text(model.pairs);
     if (world)
@@ -114,7 +112,7 @@ bool BelongsTo(const MapEntity &model, const MapEntity &target, bool world) {
 
 void WarnOfLostModels(const Map &map, const BspContext &context) {
     for (const MapEntity &entity : map.entities) {
-        if (!EqualNoCase(entity.pairs.ClassName(), "misc_model") || BelongsTo(entity, map.entities.front(), true))
+        if (!IsCompiledIn(entity) || BelongsTo(entity, map.entities.front(), true))
             continue;
         const bool found = std::any_of(map.entities.begin() + 1, map.entities.end(), [&](const MapEntity &target) {
             return (!target.brushes.empty() || !target.patches.empty()) && BelongsTo(entity, target, false);
@@ -139,11 +137,11 @@ std::optional<ModelPlacement> PlacementOf(const MapEntity &entity, const MapEnti
     placement.frame = keys::kFrame.Integer(entity.pairs);
     const bool world = &target == &map.entities.front();
     const Vec3d origin = Vec3d(entity.origin) - (world ? Vec3d{} : Vec3d(target.origin));
-    placement.transform = MakeModelTransform(ScaleOf(entity.pairs), AnglesOf(entity.pairs), origin);
+    placement.transform = MakeModelTransform(ModelScaleOf(entity.pairs), AnglesOf(entity.pairs), origin);
     placement.settings = ModelSettings(entity, target, map, context);
     placement.flags = unsigned(keys::kModelFlags.Integer(entity.pairs));
     placement.clipDepth = keys::kClipDepth.Number(entity.pairs, context.options.clipDepth);
-    placement.shaders = ShaderRemapOf(entity, placement.name, context);
+    placement.shaders = ShaderRemapOf(entity.pairs, placement.who, placement.name, context.vfs, context.log);
     placement.fogNum = geometry.defaultFog;
     return placement;
 }
@@ -191,7 +189,7 @@ void AddEntityModels(Map &map, MapEntity &target, Geometry &geometry, const BspC
     if (world)
         WarnOfLostModels(map, context);
     for (const MapEntity &entity : map.entities) {
-        if (!EqualNoCase(entity.pairs.ClassName(), "misc_model") || !BelongsTo(entity, target, world))
+        if (!IsCompiledIn(entity) || !BelongsTo(entity, target, world))
             continue;
         if (const auto placement = PlacementOf(entity, target, map, geometry, context))
             PlaceModel(*placement, target, geometry, map.planes, context);

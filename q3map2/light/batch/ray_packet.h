@@ -17,6 +17,7 @@ struct RayPacket {
     LaneMask filtered{};      ///< out: rays that met a see-through surface; valid if tinted, or after TraceSurfaceTo*
     bool tinted = false;      ///< out: some live ray went through a see-through surface
     Lanes3 tint;              ///< out, if tinted: transmittance per channel along the live rays
+    int ignoredProp = -1;     ///< in: static prop that does not block rays to lights; -1: none
 
     /// Sets ray i and makes it live.
     void Set(std::size_t i, const Vec3f &from, const Vec3f &along, float length) {

@@ -56,6 +56,10 @@ void CheckCombinations(const LightOptions &o) {
             throw Error("{} needs -sh", name);
     if (o.cubesFromSH && !o.sh)
         throw Error("-ambientcubesfrom sh needs -sh");
+    if (o.textureShadows && !o.staticPropPolys)
+        throw Error("-textureshadows needs -staticproppolys");
+    if (o.staticPropFiles && !o.staticPropLighting)
+        throw Error("-staticpropfiles needs -staticproplighting");
 }
 
 } // namespace

@@ -58,6 +58,10 @@ struct LightOptions {
          patchShadows = false;
     bool floodlight = false, lowQuality = false;
     bool noGrid = false;
+    bool staticPropLighting = false; ///< light at the vertices of static props
+    bool staticPropPolys = false;    ///< static props cast shadows by their triangles; else by boxes, if they are lit
+    bool textureShadows = false;     ///< such triangles let light through where their image is see-through
+    bool staticPropFiles = false;    ///< light of static props also as files beside the map
     std::uint32_t noDrawSurfaceFlags = 0; ///< surface flags of the game that mark surfaces as not drawn
 
     // SH grid.

@@ -390,6 +390,23 @@ Group Rays() {
           customInfoParms}}};
 }
 
+Group StaticProps() {
+    return {"Static props",
+            "Models that stay entities: [static_props.md](static_props.md).",
+            {{{.name = "-staticproplighting",
+               .help = "Light the vertices of static props, into the BSPX lump STATIC_PROP_LIGHT",
+               .details = "Lit props also cast shadows, those of their boxes without `-staticproppolys`."},
+              &LightOptions::staticPropLighting},
+             {{.name = "-staticproppolys", .help = "Static props cast the shadows of their triangles"},
+              &LightOptions::staticPropPolys},
+             {{.name = "-textureshadows",
+               .help = "Such triangles with masked textures let light through; needs -staticproppolys"},
+              &LightOptions::textureShadows},
+             {{.name = "-staticpropfiles",
+               .help = "Write the light of static props to files beside the map too; needs -staticproplighting"},
+              &LightOptions::staticPropFiles}}};
+}
+
 Group BotFiles() {
     return {
         "Bot file",
@@ -417,8 +434,8 @@ Group Ignored() {
 } // namespace
 
 std::vector<SettingGroup<LightOptions>> LightSettings() {
-    return {GridSH(), QualityOfGridSH(), AmbientCubes(), Skips(), Intensities(), Falloff(),
-            Tone(),   ColorSpaces(),     Speed(),        Rays(),  BotFiles(),    Ignored()};
+    return {GridSH(),      QualityOfGridSH(), AmbientCubes(), Skips(),       Intensities(), Falloff(), Tone(),
+            ColorSpaces(), Speed(),           Rays(),         StaticProps(), BotFiles(),    Ignored()};
 }
 
 } // namespace q3

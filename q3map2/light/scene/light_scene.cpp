@@ -42,10 +42,11 @@ Vec3f FilterAt(const ShaderInfo &shader, const std::array<float, 6> &st, float u
     return through;
 }
 
-/// Embree user data of a see-through geometry, for OpaqueHit.
+/// Embree user data of see-through geometries and of props.
 struct FilterSurfaces {
     const Triangles *triangles;
     const SurfaceTable *table;
+    const std::vector<int> *props; ///< by surface number: the static prop, -1 for draw surfaces
 };
 
 /// A packet on its way through see-through surfaces. The Embree context comes first, so that the filter gets this
@@ -54,6 +55,8 @@ struct FilterContext {
     EmbreeContext embree;
     const Triangles *triangles[2]; // kFilters, kFilterPatches
     const SurfaceTable *table;
+    const std::vector<int> *props; ///< by surface number: the static prop, -1 for draw surfaces
+    int ignoredProp;               ///< -1: none
     struct Crossing {
         unsigned ray;
         int surface;
@@ -74,6 +77,10 @@ void FilterHit(const RTCFilterFunctionNArguments *arguments) {
         const float distance = RTCRayN_tfar(arguments->ray, arguments->N, i);
         const unsigned ray = RTCRayN_id(arguments->ray, arguments->N, i);
         const int surface = triangles.surface[primitive];
+        if (context.ignoredProp >= 0 && (*context.props)[std::size_t(surface)] == context.ignoredProp) {
+            arguments->valid[i] = 0;
+            continue;
+        }
         const auto same = [&](const FilterContext::Crossing &c) {
             return c.ray == ray && c.surface == surface && std::abs(c.distance - distance) < kSameHit;
         };
@@ -91,22 +98,36 @@ void FilterHit(const RTCFilterFunctionNArguments *arguments) {
     }
 }
 
-/// A packet of the legacy grid. The Embree context comes first, so that the filter gets this record.
-struct LegacyContext {
+/// A packet on its way to a light. The Embree context comes first, so that the filters get this record.
+struct OcclusionContext {
     EmbreeContext embree;
-    float nearestSurface;
+    float nearestSurface; ///< of the legacy grid
+    int ignoredProp;      ///< -1: none
 };
 
 void NearSurfaceHit(const RTCFilterFunctionNArguments *arguments) {
-    const float nearest = reinterpret_cast<const LegacyContext *>(arguments->context)->nearestSurface;
+    const float nearest = reinterpret_cast<const OcclusionContext *>(arguments->context)->nearestSurface;
     for (unsigned i = 0; i < arguments->N; ++i)
         if (RTCRayN_tfar(arguments->ray, arguments->N, i) < nearest)
             arguments->valid[i] = 0;
 }
 
+/// Filter of props: that of RayPacket::ignoredProp does not block.
+void PropHit(const RTCFilterFunctionNArguments *arguments) {
+    const int ignored = reinterpret_cast<const OcclusionContext *>(arguments->context)->ignoredProp;
+    const auto &surfaces = *static_cast<const FilterSurfaces *>(arguments->geometryUserPtr);
+    for (unsigned i = 0; i < arguments->N && ignored >= 0; ++i) {
+        if (arguments->valid[i] != -1)
+            continue;
+        const unsigned primitive = RTCHitN_primID(arguments->hit, arguments->N, i);
+        if ((*surfaces.props)[std::size_t(surfaces.triangles->surface[primitive])] == ignored)
+            arguments->valid[i] = 0;
+    }
+}
+
 /// Filter of nearest-hit rays: see-through surfaces stop a ray where their texel is opaque.
 void OpaqueHit(const RTCFilterFunctionNArguments *arguments) {
-    const auto &[triangles, table] = *static_cast<const FilterSurfaces *>(arguments->geometryUserPtr);
+    const auto &[triangles, table, props] = *static_cast<const FilterSurfaces *>(arguments->geometryUserPtr);
     for (unsigned i = 0; i < arguments->N; ++i) {
         if (arguments->valid[i] != -1)
             continue;
@@ -130,7 +151,9 @@ struct Casters {
 
 struct LightScene::State {
     const Bsp &bsp;
-    const SurfaceTable table;
+    const SurfaceTable table; ///< of draw surfaces, then of props.casters
+    const PropShadows props;
+    const std::vector<int> propOf; ///< by surface number; -1: a draw surface
     const LightOptions options;
     float legacyIgnoreRadius;
     bool trace;
@@ -154,8 +177,11 @@ struct LightScene::State {
     };
     std::vector<std::unique_ptr<Group>> groups;
 
-    State(const Bsp &map, const SurfaceTable &t, const LightOptions &o, float radius)
-        : bsp(map), table(t), options(o), legacyIgnoreRadius(radius), trace(!o.noTrace) {}
+    State(const Bsp &map, const SurfaceTable &t, const LightOptions &o, float radius, const PropShadows &p)
+        : bsp(map), table(WithProps(t, p)), props(p), propOf(PropsOf(t.size(), p)), options(o),
+          legacyIgnoreRadius(radius), trace(!o.noTrace) {}
+    static SurfaceTable WithProps(SurfaceTable table, const PropShadows &props);
+    static std::vector<int> PropsOf(std::size_t surfaces, const PropShadows &props);
 
     /// Makes, on first use, the scenes of TraceBlockers: for dirt and floodlight on surfaces. Safe from several
     /// threads.
@@ -196,9 +222,10 @@ namespace {
 Q3_VECTOR void MaskOccluded(RTCScene scene, RayPacket &packet, float nearest, float nearestSurface = 0) {
     alignas(64) RTCRay16 rays;
     SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
-    LegacyContext context;
+    OcclusionContext context;
     InitContext(context.embree);
     context.nearestSurface = nearestSurface;
+    context.ignoredProp = packet.ignoredProp;
     Occluded16(packet.live.data(), scene, context.embree, rays);
     for (const std::size_t i : kEachLane)
         packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
@@ -229,22 +256,43 @@ void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayH
 
 } // namespace
 
-LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius)
-    : state_(std::make_unique<State>(bsp, table, options, legacyIgnoreRadius)) {
+SurfaceTable LightScene::State::WithProps(SurfaceTable table, const PropShadows &props) {
+    for (const PropCaster &caster : props.casters) {
+        table.emplace_back().shader = caster.shader;
+        table.back().castShadows = caster.castShadows;
+    }
+    return table;
+}
+
+std::vector<int> LightScene::State::PropsOf(std::size_t surfaces, const PropShadows &props) {
+    std::vector<int> result(surfaces, -1);
+    for (const PropCaster &caster : props.casters)
+        result.push_back(caster.prop);
+    return result;
+}
+
+LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius,
+                       const PropShadows &props)
+    : state_(std::make_unique<State>(bsp, table, options, legacyIgnoreRadius, props)) {
     State &s = *state_;
     s.main.triangles = ShadowCasters(bsp, table, options);
+    AddProps(props, int(table.size()), 1, kProps, true, s.main.triangles);
+    AddProps(props, int(table.size()), 1, kLegacySurfaces, false, s.main.triangles);
     for (const int surface : s.main.triangles[kSkies].surface)
         s.skyIndexes.push_back(table[std::size_t(surface)].skyIndex);
     s.skyFaces.emplace(s.main.triangles[kSkies], s.skyIndexes);
     s.device = NewDevice();
     s.MakeGeometries(s.main);
-    s.all = s.MakeScene({kSolids, kSurfaces, kPatches});
+    s.all = s.MakeScene({kSolids, kSurfaces, kPatches, kProps});
     s.skies = s.MakeScene({kSkies});
     s.filters = s.MakeScene({kFilters, kFilterPatches});
     s.filtersWithoutPatches = s.MakeScene({kFilters});
+    std::vector<int> groups = props.receiveShadows;
     for (const SurfaceEntry &entry : table)
-        if (entry.receiveShadows != 0 && entry.receiveShadows != 1 && !s.FindGroup(entry.receiveShadows))
-            s.MakeGroup(entry.receiveShadows);
+        groups.push_back(entry.receiveShadows);
+    for (const int group : groups)
+        if (group != 0 && group != 1 && !s.FindGroup(group))
+            s.MakeGroup(group);
 }
 
 LightScene::~LightScene() = default;
@@ -264,6 +312,7 @@ void LightScene::State::MakeBlockers() {
     Once(blockersMade, [&] {
         solidHull = MakeScene({kSolids});
         AddBlockers(bsp, table, options, main.triangles);
+        AddProps(props, int(bsp.drawSurfaces.size()), 1, kBlockerSurfaces, false, main.triangles);
         MakeGeometry(kBlockerSolids, main);
         MakeGeometry(kBlockerSurfaces, main);
         blockerSolids = MakeScene({kBlockerSolids});
@@ -283,12 +332,18 @@ void LightScene::State::MakeGeometry(GeometryId id, Casters &casters) const {
     const RTCGeometry geometry = casters.geometries[id].get();
     if (id == kFilters || id == kFilterPatches) {
         rtcSetGeometryOccludedFilterFunction(geometry, FilterHit);
-        casters.filterSurfaces[id] = {&casters.triangles[id], &table};
+        casters.filterSurfaces[id] = {&casters.triangles[id], &table, &propOf};
         rtcSetGeometryUserData(geometry, &casters.filterSurfaces[id]);
         rtcSetGeometryIntersectFilterFunction(geometry, OpaqueHit);
         rtcCommitGeometry(geometry);
     } else
         casters.triangles[id].corners = {};
+    if (id == kProps) {
+        casters.filterSurfaces[id] = {&casters.triangles[id], &table, &propOf};
+        rtcSetGeometryUserData(geometry, &casters.filterSurfaces[id]);
+        rtcSetGeometryOccludedFilterFunction(geometry, PropHit);
+        rtcCommitGeometry(geometry);
+    }
     if (id == kLegacySurfaces) {
         rtcSetGeometryOccludedFilterFunction(geometry, NearSurfaceHit);
         rtcCommitGeometry(geometry);
@@ -313,14 +368,15 @@ void LightScene::State::MakeGroup(int receiveShadows) {
     auto group = std::make_unique<Group>();
     group->receiveShadows = receiveShadows;
     AddSurfaces(bsp, table, options, receiveShadows, group->casters.triangles);
+    AddProps(props, int(bsp.drawSurfaces.size()), receiveShadows, kProps, true, group->casters.triangles);
     MakeGeometries(group->casters);
     if (const RTCGeometry shared = main.geometries[kSolids].get()) {
         rtcRetainGeometry(shared);
         group->casters.geometries[kSolids].reset(shared);
     }
-    group->all = MakeScene(group->casters, {kSolids, kSurfaces, kPatches});
+    group->all = MakeScene(group->casters, {kSolids, kSurfaces, kPatches, kProps});
     group->filters = MakeScene(group->casters, {kFilters, kFilterPatches});
-    group->blockers = MakeScene(group->casters, {kSurfaces, kPatches, kFilters, kFilterPatches});
+    group->blockers = MakeScene(group->casters, {kSurfaces, kPatches, kProps, kFilters, kFilterPatches});
     groups.push_back(std::move(group));
 }
 
@@ -332,6 +388,8 @@ void LightScene::State::Tint(RayPacket &packet, const Casters &casters, const Sc
     context.triangles[0] = &casters.triangles[kFilters];
     context.triangles[1] = &casters.triangles[kFilterPatches];
     context.table = &table;
+    context.props = &propOf;
+    context.ignoredProp = packet.ignoredProp;
     alignas(64) RTCRay16 rays;
     SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
     Occluded16(packet.live.data(), scene.get(), context.embree, rays);
@@ -523,7 +581,7 @@ std::vector<LightScene::BlockerTriangle> LightScene::BlockerTriangles() const {
 
 std::size_t LightScene::TriangleCount() const {
     std::size_t count = 0;
-    for (const GeometryId id : {kSolids, kSurfaces, kPatches, kSkies, kFilters, kFilterPatches})
+    for (const GeometryId id : {kSolids, kSurfaces, kPatches, kSkies, kFilters, kFilterPatches, kProps})
         count += state_->main.triangles[id].Count();
     return count;
 }

@@ -4,6 +4,7 @@
 #include "common/log.h"
 #include "q3map2/light/batch/ray_packet.h"
 #include "q3map2/light/options/light_options.h"
+#include "q3map2/light/scene/prop_casters.h"
 #include "q3map2/light/scene/surface_table.h"
 
 #include <array>
@@ -25,8 +26,10 @@ inline constexpr float kSurfaceIgnoreRadius = 1.5f;
 /// All shadow casters of a map. Tracing is safe from several threads. Keeps a reference to the Bsp.
 class LightScene {
   public:
-    /// legacyIgnoreRadius: of ShadowRules::LegacyGrid, game units. The table is copied.
-    LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius);
+    /// legacyIgnoreRadius: of ShadowRules::LegacyGrid, game units. The table and the props are
+    /// copied.
+    LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius,
+               const PropShadows &props = {});
     ~LightScene();
 
     /// Point, spot and area lights: blocked by solids and by surfaces.
@@ -46,7 +49,7 @@ class LightScene {
     struct Blockers {
         LaneMask hit{};   ///< rays that something blocks within packet.distance
         Lanes distance;   ///< to the hit, where `hit` is set
-        IntLanes surface; ///< draw surface that is hit; -1: a solid
+        IntLanes surface; ///< draw surface that is hit, or surface number of a PropCaster; -1: a solid
     };
     enum class BlockerKind {
         Solids,       ///< hull of all solid leafs, also behind skies

@@ -86,7 +86,7 @@ void AddSurface(const Bsp &bsp, int number, const SurfaceEntry &entry, Triangles
 
 void AddSurfaces(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, int receiveShadows,
                  TrianglesByKind &triangles) {
-    for (std::size_t i = 0; i < table.size(); ++i) {
+    for (std::size_t i = 0; i < bsp.drawSurfaces.size(); ++i) {
         const bool sky = (table[i].shader->compileFlags & C_SKY) != 0;
         const bspDrawSurface_t &surface = bsp.drawSurfaces[i];
         const bspShader_t &record = bsp.shaders[std::size_t(surface.shaderNum)];
@@ -123,6 +123,21 @@ void RemoveCovered(const Bsp &bsp, const std::vector<bool> &solidLeafs, const st
 }
 
 } // namespace
+
+void AddProps(const PropShadows &props, int firstSurface, int receiveShadows, GeometryId opaque, bool withFilters,
+              TrianglesByKind &triangles) {
+    for (std::size_t i = 0; i < props.casters.size(); ++i) {
+        const PropCaster &caster = props.casters[i];
+        if (!Shadows(caster.castShadows, receiveShadows) || (caster.seeThrough && !withFilters))
+            continue;
+        Triangles &to = triangles[caster.seeThrough ? kFilters : opaque];
+        for (std::size_t t = 0; t < caster.corners.size(); ++t) {
+            const auto &[a, b, c] = caster.corners[t];
+            to.Add(a, b, c, firstSurface + int(i));
+            to.st.push_back(caster.st[t]);
+        }
+    }
+}
 
 void AddSolids(const Bsp &bsp, std::vector<bool> solidLeafs, Triangles &triangles) {
     SolidHull hull{std::move(solidLeafs), {}};

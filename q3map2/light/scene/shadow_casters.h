@@ -4,6 +4,7 @@
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/scene/light_hull.h"
+#include "q3map2/light/scene/prop_casters.h"
 #include "q3map2/light/scene/surface_table.h"
 
 #include <array>
@@ -23,6 +24,7 @@ enum GeometryId : unsigned {
     kLegacySurfaces,  ///< for the legacy grid: surfaces that kLegacySolids do not cover
     kBlockerSolids,   ///< for dirt and floodlight on surfaces
     kBlockerSurfaces, ///< for dirt and floodlight too: surfaces that kBlockerSolids do not cover
+    kProps,           ///< opaque static props
     kGeometries
 };
 
@@ -57,6 +59,10 @@ TrianglesByKind ShadowCasters(const Bsp &bsp, const SurfaceTable &table, const L
 /// Adds the surfaces that shadow receivers of that group; opaque ones to kSurfaces, also where a solid covers them.
 void AddSurfaces(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, int receiveShadows,
                  TrianglesByKind &triangles);
+/// Adds the static props that shadow receivers of that group, opaque ones to `opaque`; see-through ones, if
+/// `withFilters`, to kFilters. firstSurface: number of draw surfaces.
+void AddProps(const PropShadows &props, int firstSurface, int receiveShadows, GeometryId opaque, bool withFilters,
+              TrianglesByKind &triangles);
 /// Adds the hull of solid leafs.
 void AddSolids(const Bsp &bsp, std::vector<bool> solidLeafs, Triangles &triangles);
 /// Sets kBlockerSolids and kBlockerSurfaces.

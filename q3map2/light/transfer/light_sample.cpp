@@ -179,6 +179,7 @@ void TraceShadows(const Light &light, const SurfaceLightSettings &settings, cons
                   const SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident, ContributionCounts &counts) {
     RayPacket rays;
     SetShadowRays(receivers, incident, rays);
+    rays.ignoredProp = settings.ignoredProp;
     if (light.type == LightType::Sun)
         scene.TraceSurfaceToSky(rays, light.skyIndex, settings.receiveShadows, counts);
     else

@@ -18,6 +18,7 @@ struct SurfaceLightSettings {
     bool sunOcclusion = true; ///< for suns too
     int receiveShadows = 1;   ///< shadow group of the surface; 0: nothing shadows it
     float faint = 0;          ///< as LightSettings::faint
+    int ignoredProp = -1;     ///< static prop that does not shadow the receivers; -1: none
     bool directional = false; ///< SurfaceIncidentLight::directions are wanted
 
     /// Whether rays are traced for the light.

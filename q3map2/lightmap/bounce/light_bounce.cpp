@@ -174,6 +174,14 @@ std::unique_ptr<IndirectLight> Bounces::ForPoints() const {
     return std::make_unique<BouncedLight>(scene_, radiosity->second.total, *radiosity->second.bright, rays);
 }
 
+Vec3f Bounces::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided) const {
+    const auto radiosity = byStyle_.find(0);
+    if (radiosity == byStyle_.end())
+        return {};
+    return radiosity->second.bright->IrradianceAt(position, normal, twoSided) +
+           gather_.IrradianceAt(position, normal, twoSided, radiosity->second.total);
+}
+
 void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
     in_.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);

@@ -24,6 +24,9 @@ class Bounces {
     void AddToLuxels(SurfaceLight &surfaces) const;
     /// The same for vertices of surfaces without lightmaps, into sum.
     void AddToVertices(SurfaceLight &surfaces) const;
+    /// Light of style 0 at a receiver on no surface of the map, after Solve; zero if there is none. Safe from several
+    /// threads. twoSided: it is lit from both sides.
+    Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided) const;
     /// Light of style 0 at points in the open, after Solve; null if there is none. It refers to this.
     std::unique_ptr<IndirectLight> ForPoints() const;
 

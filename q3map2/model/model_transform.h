@@ -20,6 +20,8 @@ struct ModelTransform {
 };
 /// Scales, rotates by roll, then pitch, then yaw (degrees), and adds the origin.
 ModelTransform MakeModelTransform(const Vec3d &scale, const Vec3d &pitchYawRoll, const Vec3d &origin);
+/// Scale of an entity's model along its axes: the key "modelscale_vec", else "modelscale".
+Vec3d ModelScaleOf(const Entity &entity);
 /// Pitch, yaw and roll of an entity in degrees: the key "angles", else "angle" as yaw.
 Vec3d AnglesOf(const Entity &entity);
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Shader replacements of models: skin files and _remap keys.
-#include "q3map2/geometry/models/model_skin.h"
+#include "q3map2/model/model_skin.h"
 
 #include "common/text/text.h"
 #include "common/text/text_scan.h"
@@ -49,26 +49,26 @@ std::vector<Replacement> ReadSkin(std::string_view text) {
     return skin;
 }
 
-std::optional<std::vector<Replacement>> SkinOf(const MapEntity &entity, std::string_view model,
-                                               const BspContext &context) {
-    const std::string_view skin = keys::kSkin.Text(entity.pairs);
+std::optional<std::vector<Replacement>> SkinOf(const Entity &entity, std::string_view who, std::string_view model,
+                                               const VirtualFileSystem *vfs, Log &log) {
+    const std::string_view skin = keys::kSkin.Text(entity);
     if (skin.empty())
         return {};
     const bool digits = std::all_of(skin.begin(), skin.end(), [](char c) { return c >= '0' && c <= '9'; });
     const std::string name =
         (digits ? std::string(model) : WithoutExtension(model)) + "_" + std::string(skin) + ".skin";
-    const auto bytes = context.vfs == nullptr ? std::nullopt : context.vfs->Read(name);
+    const auto bytes = vfs == nullptr ? std::nullopt : vfs->Read(name);
     if (!bytes) {
-        context.log.Warn("skin not found", "{}: the skin file {} cannot be read", entity.MessagePrefix(), name);
+        log.Warn("skin not found", "{}: the skin file {} cannot be read", who, name);
         return {};
     }
     return ReadSkin(AsText(*bytes));
 }
 
 /// The _remap keys of the entity as replacements: those with the longest `from` first, "*" last.
-std::vector<Replacement> RemapsOf(const MapEntity &entity, const BspContext &context) {
+std::vector<Replacement> RemapsOf(const Entity &entity, std::string_view who, Log &log) {
     std::vector<Replacement> remaps;
-    for (const auto &[key, value] : entity.pairs.pairs) {
+    for (const auto &[key, value] : entity.pairs) {
         if (!StartsWithNoCase(key, keys::kRemapPrefix))
             continue;
         const std::size_t semicolon = value.find(';');
@@ -76,9 +76,8 @@ std::vector<Replacement> RemapsOf(const MapEntity &entity, const BspContext &con
         if (semicolon != std::string::npos)
             remap = {value.substr(0, semicolon), value.substr(semicolon + 1)};
         if (remap.from.empty() || remap.to.empty() || remap.to.size() > kMaxShaderName)
-            context.log.Warn("bad remap",
-                             "{}: \"{}\" \"{}\" is ignored: expected FROM;TO, TO with at most {} characters",
-                             entity.MessagePrefix(), key, value, kMaxShaderName);
+            log.Warn("bad remap", "{}: \"{}\" \"{}\" is ignored: expected FROM;TO, TO with at most {} characters", who,
+                     key, value, kMaxShaderName);
         else
             remaps.push_back(std::move(remap));
     }
@@ -90,9 +89,10 @@ std::vector<Replacement> RemapsOf(const MapEntity &entity, const BspContext &con
 
 } // namespace
 
-ShaderRemap ShaderRemapOf(const MapEntity &entity, std::string_view model, const BspContext &context) {
-    auto skin = SkinOf(entity, model, context);
-    auto remaps = RemapsOf(entity, context);
+ShaderRemap ShaderRemapOf(const Entity &entity, std::string_view who, std::string_view model,
+                          const VirtualFileSystem *vfs, Log &log) {
+    auto skin = SkinOf(entity, who, model, vfs, log);
+    auto remaps = RemapsOf(entity, who, log);
     return [skin = std::move(skin), remaps = std::move(remaps)](std::string_view shader) {
         std::string name(shader);
         if (skin) {

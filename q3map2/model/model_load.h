@@ -3,7 +3,7 @@
 
 #include "common/files/vfs.h"
 #include "common/log.h"
-#include "q3map2/map/map.h"
+#include "q3map2/bspfile/draw_vert.h"
 
 #include <array>
 #include <map>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Reads model files by assimp, from the game's folders and archives.
-#include "q3map2/geometry/models/model_load.h"
+#include "q3map2/model/model_load.h"
 
 #include "common/error.h"
 #include "common/files/files.h"

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Affine transforms of placed models.
-#include "q3map2/geometry/models/model_transform.h"
+#include "q3map2/model/model_transform.h"
 
 #include "q3map2/bspfile/object_keys.h"
 
@@ -40,6 +40,13 @@ ModelTransform MakeModelTransform(const Vec3d &scale, const Vec3d &pitchYawRoll,
     transform.rows[2] = Vec3d{-sp, cp * sr, cp * cr} * scale;
     transform.origin = origin;
     return transform;
+}
+
+Vec3d ModelScaleOf(const Entity &entity) {
+    if (const auto scale = keys::kModelScaleVec.Vector(entity))
+        return Vec3d(*scale);
+    const double scale = keys::kModelScale.Number(entity);
+    return scale == 0 ? Vec3d{1, 1, 1} : Vec3d{scale, scale, scale};
 }
 
 Vec3d AnglesOf(const Entity &entity) {
