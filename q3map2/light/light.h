@@ -9,7 +9,9 @@
 #include "q3map2/light/grid/light_gridsh.h"
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/sources/light_styles.h"
 #include "q3map2/light/sources/light_surfaces.h"
+#include "q3map2/light/sources/tex_lights.h"
 #include "q3map2/shader/shader.h"
 
 #include <optional>
@@ -23,6 +25,7 @@ struct LightInputs {
     std::string name;                               ///< of the map, for messages
     std::optional<std::vector<Entity>> mapEntities; ///< of the .map source, which still has the light entities
     std::string surfaceFile;                        ///< text of the .srf, empty without one
+    TexLights texLights{};
 };
 
 /// A map ready to be lit: everything that grids and surfaces share. Const while workers run. Keeps references to
@@ -39,6 +42,7 @@ struct LightSetup {
     WorldLight world;
     LightOptions options; ///< with worldspawn's _maxlight
     SurfaceTable table;
+    LightStyles styles;        ///< of patterns and switches
     std::vector<Light> lights; ///< in the order of tracing
     BspSpace space;
     LightScene scene;

@@ -16,6 +16,8 @@
 #include "q3map2/lightmap/raw/luxel_tangents.h"
 #include "q3map2/lightmap/vertex/vertex_light.h"
 
+#include <algorithm>
+
 namespace q3 {
 
 SurfacePasses::SurfacePasses(const LightSetup &setup, const LightmapOptions &lightmap, const JobPool &jobs, Log &log,
@@ -27,6 +29,8 @@ SurfacePasses::SurfacePasses(const LightSetup &setup, const LightmapOptions &lig
 SurfaceLight SurfacePasses::Prepare() {
     in_.log.Section("SetupSurfaceLightmaps");
     SurfaceLight surfaces = SetupSurfaceLight(in_);
+    surfaces.styled =
+        std::any_of(setup_.lights.begin(), setup_.lights.end(), [](const Light &light) { return light.style != 0; });
     if (in_.lightmap.shade)
         SmoothNormals(in_, surfaces);
     in_.log.Section("MapRawLightmap");

@@ -7,6 +7,7 @@
 #include "q3map2/shader/shader.h"
 
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -33,6 +34,9 @@ struct SurfaceEntry {
     int skyIndex = -1;       ///< number among the skies that emit light, -1: none; set later, by SurfaceLights
     NormalImage normals;
     bool normalMapped = false; ///< see SurfaceDefaults::normalMaps
+    /// Light that it emits in place of q3map_surfaceLight, on a receiver whose hemisphere it fills; set by
+    /// ApplyTexLights. Byte scale.
+    std::optional<Vec3f> texLight{};
 };
 
 /// One entry per draw surface.
