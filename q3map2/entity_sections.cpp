@@ -15,6 +15,7 @@ std::vector<SettingSection> EntitySections() {
                          "plain, and `_q3map2_rnm`, `raw` or `rescaled`, after `-rnm`.",
                          keys::kWorldLightKeys),
             DescribeKeys("Worldspawn: switchable lights", "", keys::kStyleWorldKeys),
+            DescribeKeys("Worldspawn: macro texture", "", keys::kMacroKeys),
             DescribeKeys("Lights",
                          "Every entity whose class name starts with `light`. A point light of intensity I gives "
                          "7500 I / d² of 255 at distance d, at least 16; a linear one 0.9375 I − d `fade`. Entities of "

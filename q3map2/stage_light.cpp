@@ -52,6 +52,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const Entity world = StoredEntities(bsp.entities, inputs.name).front();
     PrintChangedKeys(world, keys::kWorldLightKeys, "worldspawn", log);
     PrintChangedKeys(world, keys::kStyleWorldKeys, "worldspawn", log);
+    PrintChangedKeys(world, keys::kMacroKeys, "worldspawn", log);
     if (!lightmap.onlyGrid)
         RemoveMipmapHints(inputs.name, bsp);
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The keys of animated and switchable lights.
+// GPL-2.0-or-later. The keys of animated and switchable lights, and of macro textures.
 #pragma once
 
 #include "q3map2/bspfile/entity_key.h"
@@ -27,5 +27,28 @@ inline constexpr EntityKey kStyleWorldKeys[] = {{{.name = "_switchable",
                                                   .help = "1: lights with a targetname can be switched, as under "
                                                           "-switchable"}}};
 inline constexpr const EntityKey &kSwitchable = kStyleWorldKeys[0];
+
+/// The macro texture of the world.
+inline constexpr EntityKey kMacroKeys[] = {
+    {{.name = "_macrotexture",
+      .values = "IMAGE",
+      .kind = SettingKind::Text,
+      .initial = "none",
+      .help = "Image over the whole world, seen from above, that tints lightmaps and vertex light",
+      .details = "[from_source.md](from_source.md#macro-textures) tells how. The option `-macrotexture` wins."}},
+    {{.name = "world_mins",
+      .values = "X Y Z",
+      .kind = SettingKind::Number,
+      .unit = "game units",
+      .initial = "bounds of the world",
+      .help = "Where the left and the lower edge of that image are"}},
+    {{.name = "world_maxs",
+      .values = "X Y Z",
+      .kind = SettingKind::Number,
+      .unit = "game units",
+      .initial = "bounds of the world",
+      .help = "Where its right and its upper edge are"}}};
+inline constexpr const EntityKey &kMacroTexture = kMacroKeys[0], &kWorldMins = kMacroKeys[1],
+                                 &kWorldMaxs = kMacroKeys[2];
 
 } // namespace q3::keys

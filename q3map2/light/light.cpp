@@ -10,6 +10,7 @@
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/sources/light_entities.h"
 #include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/shader/shader_table.h"
 
 #include <algorithm>
 
@@ -27,6 +28,7 @@ std::vector<Entity> EntitiesWithLights(std::vector<Entity> entities, const Light
     const bool kept = keys::kKeepLights.Flag(entities.front());
     WarnOfBadKeys(entities.front(), 0, keys::kWorldLightKeys, log);
     WarnOfBadKeys(entities.front(), 0, keys::kStyleWorldKeys, log);
+    WarnOfBadKeys(entities.front(), 0, keys::kMacroKeys, log);
     const std::vector<Entity> &sources = inputs.mapEntities && !kept ? *inputs.mapEntities : entities;
     for (std::size_t i = 0; i < sources.size(); ++i)
         if (IsLight(sources[i]))
@@ -102,6 +104,8 @@ LightOptions WithWorld(LightOptions options, const WorldLight &world) {
 
 SurfaceDefaults WithAmbient(SurfaceDefaults defaults, const WorldLight &world) {
     defaults.ambient = world.ambient;
+    if (defaults.macroTexture.empty())
+        defaults.macroTexture = WithoutExtension(world.macroTexture);
     return defaults;
 }
 

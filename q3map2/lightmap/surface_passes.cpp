@@ -14,6 +14,7 @@
 #include "q3map2/lightmap/raw/lightmap_shade.h"
 #include "q3map2/lightmap/raw/luxel_map.h"
 #include "q3map2/lightmap/raw/luxel_tangents.h"
+#include "q3map2/lightmap/raw/macro_texture.h"
 #include "q3map2/lightmap/vertex/vertex_light.h"
 
 #include <algorithm>
@@ -36,6 +37,7 @@ SurfaceLight SurfacePasses::Prepare() {
     in_.log.Section("MapRawLightmap");
     MapLuxels(in_, surfaces);
     FindTangents(in_, surfaces);
+    FindTints(in_, surfaces);
     if (in_.lightmap.dirty) {
         in_.log.Section("DirtyRawLightmap");
         DirtLuxels(in_, surfaces);
@@ -54,6 +56,8 @@ void SurfacePasses::Run() {
         Bounce();
     else
         AverageLuxels(in_, {}, !options_.keepLuxels, surfaces_);
+    if (in_.lightmap.show == DebugView::Light)
+        ApplyTints(in_, surfaces_);
 }
 
 void SurfacePasses::Bounce() {

@@ -208,6 +208,7 @@ complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o delu
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o nodeluxe -d 'Store no light directions'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o deluxemode -r -d 'Light directions in model space (0) or tangent space (1)'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o brightness -r -d 'Factor of lightmaps'
+complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o macrotexture -r -d 'Tint lightmaps and vertex light by an image over the whole world, seen from above'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o approx -r -d 'Drop a lightmap that vertex light matches within N; 0 turns it off'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o hdr -d 'Store HDR lightmaps and vertex light only, in BSPX lumps'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o both -d 'Store 8-bit and HDR lightmaps'

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/bspfile/light_curve_keys.h"
+#include "q3map2/bspfile/light_style_keys.h"
 #include "q3map2/light/sources/light_curves.h"
 #include "q3map2/light/sources/light_environment.h"
 #include "q3map2/light/sources/light_quad.h"
@@ -328,6 +329,9 @@ WorldLight ReadWorldLight(const Entity &world, const LightOptions &options) {
     if (keys::kMaxLight.Given(world))
         result.maxLight = float(keys::kMaxLight.Number(world));
     result.noShaderSun = keys::kNoShaderSun.Flag(world);
+    result.macroTexture = keys::kMacroTexture.Text(world);
+    result.macroMins = keys::kWorldMins.Vector(world);
+    result.macroMaxs = keys::kWorldMaxs.Vector(world);
     if (keys::kFloodlight.Given(world)) {
         result.hasFloodlight = true;
         double v[6] = {0, 0, 0, 0, 0, -1};

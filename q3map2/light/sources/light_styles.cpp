@@ -4,11 +4,11 @@
 #include "common/error.h"
 #include "q3map2/bspfile/light_curve_keys.h"
 #include "q3map2/bspfile/light_style_keys.h"
+#include "q3map2/bspfile/written_keys.h"
 #include "q3map2/light/sources/light_curves.h"
 #include "q3map2/light/sources/style_wave.h"
 
 #include <initializer_list>
-#include <optional>
 #include <utility>
 
 namespace q3 {
@@ -36,26 +36,6 @@ std::string PatternGroup(std::string_view pattern) {
 }
 
 } // namespace
-
-std::string PatternKey(int style) {
-    return fmt::format("_style{}pattern", style);
-}
-
-std::string SwitchKey(int style) {
-    return fmt::format("_switch{}", style);
-}
-
-std::string DarkKey(int style) {
-    return fmt::format("_switch{}dark", style);
-}
-
-int StyleOfKey(std::string_view key, std::string_view beginning, std::string_view end) {
-    if (key.size() <= beginning.size() + end.size() || !StartsWithNoCase(key, beginning) || !EndsWithNoCase(key, end))
-        return -1;
-    key = key.substr(beginning.size(), key.size() - beginning.size() - end.size());
-    const std::optional<int> number = WholeInteger(key);
-    return number && *number > 0 && *number < kEndOfStyles ? *number : -1;
-}
 
 LightStyles::LightStyles(std::span<const Entity> lights, const Entity &world, bool switchable, std::set<int> taken,
                          Log &log)
@@ -142,10 +122,7 @@ void LightStyles::Set(Entity &light) const {
 }
 
 void LightStyles::Record(Entity &world) const {
-    std::erase_if(world.pairs, [](const auto &pair) {
-        return StyleOfKey(pair.first, "_style", "pattern") > 0 || StyleOfKey(pair.first, "_switch", "") > 0 ||
-               StyleOfKey(pair.first, "_switch", "dark") > 0;
-    });
+    std::erase_if(world.pairs, [](const auto &pair) { return IsStyleKey(pair.first); });
     for (const std::string &name : order_) {
         const Group &group = groups_.at(name);
         if (!group.pattern.empty() && !world.Has(PatternKey(group.style)))

@@ -12,15 +12,6 @@
 
 namespace q3 {
 
-/// The worldspawn keys that tell engines of style N: _styleNpattern, its pattern; _switchN, the targetnames of its
-/// lights; _switchNdark, 1 if they are dark at first.
-std::string PatternKey(int style);
-std::string SwitchKey(int style);
-std::string DarkKey(int style);
-
-/// The number N of a key like "_styleNrgbgen", with such a beginning and end, ignoring case; -1: it is another key.
-int StyleOfKey(std::string_view key, std::string_view beginning, std::string_view end);
-
 /// Numbers for the styles of lights that need one: all lights with one pattern share a style, and under -switchable
 /// those of one targetname.
 class LightStyles {
@@ -32,7 +23,7 @@ class LightStyles {
 
     /// Sets the key style of a light that has a pattern or can be switched.
     void Set(Entity &light) const;
-    /// Replaces the keys that an earlier run wrote to worldspawn.
+    /// Replaces the keys of worldspawn that an earlier run wrote, IsStyleKey.
     void Record(Entity &world) const;
 
   private:
