@@ -54,9 +54,10 @@ void WarnOfDroppedLights(const DroppedLights &dropped, std::string_view what, Lo
                 found = counts.insert(counts.end(), {name, 0});
             ++found->second;
         }
+    std::stable_sort(counts.begin(), counts.end(), [](const auto &a, const auto &b) { return a.second > b.second; });
     for (const auto &[name, count] : counts)
-        log.Warn(fmt::format("light styles, {} of {}", what, name),
-                 "{}: left out on {} {} that get more light of {} other styles", name, count, what, kStyles - 1);
+        log.Warn("light left out for its style", "{}: left out where {} other styles give more light; {}: {}", name,
+                 kStyles - 1, what, count);
 }
 
 } // namespace q3

@@ -35,7 +35,8 @@ class StyleChoice {
     std::set<int> dropped_;
 };
 
-/// One warning for each light that some surfaces do without. what: the surfaces, in the plural.
+/// One warning for each light that some surfaces do without, those of many surfaces first. what: the surfaces, in the
+/// plural.
 void WarnOfDroppedLights(const DroppedLights &dropped, std::string_view what, Log &log);
 
 } // namespace q3
