@@ -11,9 +11,9 @@ namespace q3::test {
 
 namespace {
 
-using Keys = std::initializer_list<std::pair<std::string, std::string>>;
+using LampKeys = std::initializer_list<std::pair<std::string, std::string>>;
 
-Entity Lamp(Keys keys) {
+Entity StyleLamp(LampKeys keys) {
     return MakeEntity("light", keys);
 }
 
@@ -37,8 +37,8 @@ class LightStylesTest : public testing::Test {
 };
 
 TEST_F(LightStylesTest, LightsOfOnePatternShareAFreeStyle) {
-    Number({Lamp({{"pattern", "mmaa"}}), Lamp({{"pattern", "az"}}), Lamp({{"pattern", "MMAA"}}), Lamp({}),
-            Lamp({{"style", "12"}})},
+    Number({StyleLamp({{"pattern", "mmaa"}}), StyleLamp({{"pattern", "az"}}), StyleLamp({{"pattern", "MMAA"}}),
+            StyleLamp({}), StyleLamp({{"style", "12"}})},
            false, {14});
     EXPECT_EQ(StyleOf(0), "13"); // 12 and 14 are taken
     EXPECT_EQ(StyleOf(1), "15");
@@ -52,8 +52,8 @@ TEST_F(LightStylesTest, LightsOfOnePatternShareAFreeStyle) {
 
 TEST_F(LightStylesTest, AStyleThatIsGivenStays) {
     world.Set("_style13rgbgen", "wave sin 0 1 0 1");
-    Number({Lamp({{"pattern", "mmaa"}}), Lamp({{"pattern", "mmaa"}, {"_style", "7"}}), Lamp({{"pattern", "za"}}),
-            Lamp({{"pattern", "zz"}})});
+    Number({StyleLamp({{"pattern", "mmaa"}}), StyleLamp({{"pattern", "mmaa"}, {"_style", "7"}}),
+            StyleLamp({{"pattern", "za"}}), StyleLamp({{"pattern", "zz"}})});
     EXPECT_EQ(StyleOf(0), "7");
     EXPECT_EQ(StyleOf(1), "7");
     EXPECT_EQ(StyleOf(2), "12");
@@ -61,8 +61,8 @@ TEST_F(LightStylesTest, AStyleThatIsGivenStays) {
 }
 
 TEST_F(LightStylesTest, TargetnamesAreSwitchesOnlyIfAskedFor) {
-    const std::vector<Entity> lights{Lamp({{"targetname", "hall"}}), Lamp({{"targetname", "cellar"}}),
-                                     Lamp({{"targetname", "hall"}}), Lamp({})};
+    const std::vector<Entity> lights{StyleLamp({{"targetname", "hall"}}), StyleLamp({{"targetname", "cellar"}}),
+                                     StyleLamp({{"targetname", "hall"}}), StyleLamp({})};
     Number(lights);
     for (std::size_t i = 0; i < lights.size(); ++i)
         EXPECT_EQ(StyleOf(i), "");
@@ -78,10 +78,10 @@ TEST_F(LightStylesTest, TargetnamesAreSwitchesOnlyIfAskedFor) {
 }
 
 TEST_F(LightStylesTest, SpawnflagOneIsDarkAtFirstWithLightInByteValues) {
-    Number({Lamp({{"targetname", "a"}, {"_light", "255 255 255 200"}, {"spawnflags", "1"}}),
-            Lamp({{"targetname", "b"}, {"light", "300"}, {"spawnflags", "1"}}),
-            Lamp({{"targetname", "c"}, {"_light", "255 255 255 200"}}),
-            Lamp({{"targetname", "d"}, {"light", "300"}, {"_quadratic_attn", "1"}, {"spawnflags", "1"}})},
+    Number({StyleLamp({{"targetname", "a"}, {"_light", "255 255 255 200"}, {"spawnflags", "1"}}),
+            StyleLamp({{"targetname", "b"}, {"light", "300"}, {"spawnflags", "1"}}),
+            StyleLamp({{"targetname", "c"}, {"_light", "255 255 255 200"}}),
+            StyleLamp({{"targetname", "d"}, {"light", "300"}, {"_quadratic_attn", "1"}, {"spawnflags", "1"}})},
            true);
     EXPECT_EQ(World("_switch32dark"), "1");
     EXPECT_EQ(World("_switch33dark"), "") << "linear falloff";
@@ -90,8 +90,8 @@ TEST_F(LightStylesTest, SpawnflagOneIsDarkAtFirstWithLightInByteValues) {
 }
 
 TEST_F(LightStylesTest, ASecondRunGivesTheSameKeys) {
-    const std::vector<Entity> lights{Lamp({{"targetname", "hall"}}), Lamp({{"pattern", "mmaa"}}),
-                                     Lamp({{"targetname", "door"}, {"pattern", "az"}})};
+    const std::vector<Entity> lights{StyleLamp({{"targetname", "hall"}}), StyleLamp({{"pattern", "mmaa"}}),
+                                     StyleLamp({{"targetname", "door"}, {"pattern", "az"}})};
     Number(lights, true);
     const Entity first = world;
     Number(numbered, true); // kept lights have their styles
@@ -103,8 +103,8 @@ TEST_F(LightStylesTest, ASecondRunGivesTheSameKeys) {
 }
 
 TEST_F(LightStylesTest, ConflictsAreWarnings) {
-    Number({Lamp({{"pattern", "mmaa"}, {"style", "7"}}), Lamp({{"pattern", "az"}, {"style", "7"}}),
-            Lamp({{"pattern", "mmaa"}, {"style", "8"}})});
+    Number({StyleLamp({{"pattern", "mmaa"}, {"style", "7"}}), StyleLamp({{"pattern", "az"}, {"style", "7"}}),
+            StyleLamp({{"pattern", "mmaa"}, {"style", "8"}})});
     EXPECT_EQ(World("_style7pattern"), "mmaa");
     EXPECT_NE(quiet.text.find("style 7 has the patterns \"mmaa\" and \"az\"; the first counts"), std::string::npos);
     EXPECT_NE(quiet.text.find("style 8 is not used, lights of the same pattern have style 7"), std::string::npos);
@@ -113,7 +113,7 @@ TEST_F(LightStylesTest, ConflictsAreWarnings) {
 TEST_F(LightStylesTest, BadPatternsNameTheLight) {
     for (const std::string &bad : std::vector<std::string>{"mm1", "m m", std::string(257, 'm')})
         try {
-            Number({Lamp({{"origin", "1 2 3"}, {"pattern", bad}})});
+            Number({StyleLamp({{"origin", "1 2 3"}, {"pattern", bad}})});
             ADD_FAILURE() << bad;
         } catch (const Error &error) {
             EXPECT_EQ(std::string_view(error.what()).find("light at \"1 2 3\": pattern \""), 0u) << error.what();
@@ -123,14 +123,14 @@ TEST_F(LightStylesTest, BadPatternsNameTheLight) {
 TEST_F(LightStylesTest, AllStylesCanBeTakenButNoMore) {
     std::vector<Entity> lights;
     for (int i = 0; i < 254; ++i)
-        lights.push_back(Lamp({{"targetname", fmt::format("n{}", i)}}));
+        lights.push_back(StyleLamp({{"targetname", fmt::format("n{}", i)}}));
     Number(lights, true);
     std::set<std::string> used;
     for (std::size_t i = 0; i < lights.size(); ++i)
         used.insert(StyleOf(i));
     EXPECT_EQ(used.size(), 254u);
     EXPECT_FALSE(used.contains("0") || used.contains("255"));
-    lights.push_back(Lamp({{"targetname", "more"}}));
+    lights.push_back(StyleLamp({{"targetname", "more"}}));
     EXPECT_THROW(Number(lights, true), Error);
 }
 
