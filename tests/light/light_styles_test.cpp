@@ -137,7 +137,7 @@ TEST_F(LightStylesTest, AllStylesCanBeTakenButNoMore) {
 // ---- waves -----------------------------------------------------------------------------------------------------
 
 /// Mean squared difference of a wave from the pattern, at many times in many repetitions.
-double Difference(const StyleWave &wave, std::string_view pattern) {
+double WaveDifference(const StyleWave &wave, std::string_view pattern) {
     const double period = double(pattern.size()) / 10;
     double sum = 0;
     constexpr int kTimes = 20'000;
@@ -158,7 +158,7 @@ TEST(StyleWave, OnAndOffIsASquare) {
     EXPECT_EQ(FitWave("aammmmaa").Words(), "wave square 0.5 0.5 0.75 1.25");
     EXPECT_EQ(FitWave("ma").Words(), "wave square 0.5 0.5 0 5");
     for (const std::string_view pattern : {"mmmaaa", "aaammm", "yayayaya", "gggmmmgggmmm"})
-        EXPECT_NEAR(Difference(FitWave(pattern), pattern), 0, 1e-6) << pattern;
+        EXPECT_NEAR(WaveDifference(FitWave(pattern), pattern), 0, 1e-6) << pattern;
 }
 
 TEST(StyleWave, RampsAreSawteeth) {
@@ -194,7 +194,7 @@ TEST(StyleWave, IsTheNearest) {
     for (const std::string_view pattern : {"mmaammmaa", "aazzmm", "abcddcbahh"}) {
         const StyleWave best = FitWave(pattern);
         ASSERT_NE(best.form, StyleWave::Noise) << pattern;
-        const double least = Difference(best, pattern);
+        const double least = WaveDifference(best, pattern);
         for (int form = StyleWave::Sin; form <= StyleWave::InverseSawtooth; ++form)
             for (int periods = 1; periods <= 2; ++periods)
                 for (int i = 0; i < 8; ++i)
@@ -202,7 +202,7 @@ TEST(StyleWave, IsTheNearest) {
                         for (const double base : {0.2, 0.5, 0.8}) {
                             const StyleWave other{StyleWave::Form(form), base, amplitude, i / 8.0,
                                                   10.0 * periods / double(pattern.size())};
-                            EXPECT_GE(Difference(other, pattern), least - 2e-3) << pattern << ' ' << other.Words();
+                            EXPECT_GE(WaveDifference(other, pattern), least - 2e-3) << pattern << ' ' << other.Words();
                         }
     }
 }
