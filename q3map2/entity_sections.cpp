@@ -2,6 +2,7 @@
 #include "q3map2/entity_sections.h"
 
 #include "q3map2/bspfile/light_curve_keys.h"
+#include "q3map2/bspfile/light_style_keys.h"
 #include "q3map2/bspfile/object_keys.h"
 #include "q3map2/bspfile/surface_keys.h"
 
@@ -13,12 +14,19 @@ std::vector<SettingSection> EntitySections() {
                          "`radiance` after `-shradiance`, `_q3map2_tone`, the tone of the lightmaps unless it is "
                          "plain, and `_q3map2_rnm`, `raw` or `rescaled`, after `-rnm`.",
                          keys::kWorldLightKeys),
+            DescribeKeys("Worldspawn: switchable lights", "", keys::kStyleWorldKeys),
+            DescribeKeys("Worldspawn: macro texture", "", keys::kMacroKeys),
             DescribeKeys("Lights",
                          "Every entity whose class name starts with `light`. A point light of intensity I gives "
                          "7500 I / d² of 255 at distance d, at least 16; a linear one 0.9375 I − d `fade`. Entities of "
                          "the class `lightJunior` shine on the grids only. `_anglescale`, `_filterradius` and "
                          "spawnflag 2 have no meaning for grids.",
                          keys::kLightKeys),
+            DescribeKeys("Lights: patterns and switches",
+                         "The light stage numbers the styles that these need and writes to worldspawn: "
+                         "`_styleNpattern`, the pattern of style N; `_switchN`, the targetnames of the lights of style "
+                         "N; `_switchNdark`, 1 if they are dark at first. Lights that stay in the `.bsp` get `style`.",
+                         keys::kStyleLightKeys),
             DescribeKeys("Lights: falloff",
                          "Curves other than those of the established program; the first of "
                          "`_fifty_percent_distance`, the three of `_constant_attn`, `_radius` and `delay` counts. The "

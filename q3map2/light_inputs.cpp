@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Optional files beside a .bsp that the light stage reads.
 #include "q3map2/light_inputs.h"
 
+#include "common/error.h"
 #include "common/files/files.h"
 #include "q3map2/stages.h"
 
@@ -19,6 +20,31 @@ LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log) {
         inputs.surfaceFile = ReadTextFile(srfPath);
     }
     return inputs;
+}
+
+TexLights ReadTexLights(const std::filesystem::path &bspPath, const VirtualFileSystem &vfs,
+                        const std::vector<std::string> &given, bool hdr, Log &log) {
+    TexLights lights;
+    const auto read = [&](std::string_view text, const std::string &name, const std::string &location) {
+        log.Print("Loading {}\n", location);
+        lights.Read(text, name, hdr, log);
+    };
+    // False: no such file among those of the game.
+    const auto readFromGame = [&](const std::string &name) {
+        const auto bytes = vfs.Read(name);
+        if (bytes)
+            read(AsText(*bytes), name, vfs.Location(name));
+        return bytes.has_value();
+    };
+    readFromGame("lights.rad");
+    for (const std::string &name : given)
+        if (std::filesystem::exists(name))
+            read(ReadTextFile(name), name, name);
+        else if (!readFromGame(name))
+            throw Error("-lights {}: no such file, neither by its path nor among the game's files", name);
+    if (const auto ofMap = WithExtension(bspPath, ".rad"); std::filesystem::exists(ofMap))
+        read(ReadTextFile(ofMap), ofMap.filename().string(), ofMap.string());
+    return lights;
 }
 
 } // namespace q3

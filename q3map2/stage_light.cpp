@@ -2,6 +2,7 @@
 #include "common/error.h"
 #include "q3map2/bot_check.h"
 #include "q3map2/bspfile/light_keys.h"
+#include "q3map2/bspfile/light_style_keys.h"
 #include "q3map2/command_record.h"
 #include "q3map2/convert/preview/grid_preview.h"
 #include "q3map2/game_check.h"
@@ -49,7 +50,11 @@ int LightStage(const StageContext &context, Arguments arguments) {
     Bsp bsp = ReadBspFile(bspPath, format, log);
     LightInputs inputs = ReadLightInputs(bspPath, log);
     inputs.vfs = &vfs;
-    PrintChangedKeys(StoredEntities(bsp.entities, inputs.name).front(), keys::kWorldLightKeys, "worldspawn", log);
+    inputs.texLights = ReadTexLights(bspPath, vfs, options.texLightFiles, lightmap.hdr, log);
+    const Entity world = StoredEntities(bsp.entities, inputs.name).front();
+    PrintChangedKeys(world, keys::kWorldLightKeys, "worldspawn", log);
+    PrintChangedKeys(world, keys::kStyleWorldKeys, "worldspawn", log);
+    PrintChangedKeys(world, keys::kMacroKeys, "worldspawn", log);
     if (!lightmap.onlyGrid)
         RemoveMipmapHints(inputs.name, bsp);
 

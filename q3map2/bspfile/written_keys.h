@@ -3,6 +3,7 @@
 
 #include "q3map2/bspfile/bsp_records.h"
 
+#include <string>
 #include <string_view>
 
 namespace q3 {
@@ -17,5 +18,16 @@ inline constexpr std::string_view kRnmKey = "_q3map2_rnm";
 constexpr std::string_view RnmStorageWord(RnmStorage storage) {
     return storage == RnmStorage::Raw ? "raw" : "rescaled";
 }
+
+/// Keys of light style N: _styleNpattern, its pattern; _switchN, the targetnames of its lights; _switchNdark, 1 if they
+/// are dark at first.
+std::string PatternKey(int style);
+std::string SwitchKey(int style);
+std::string DarkKey(int style);
+/// Whether it is one of these keys.
+bool IsStyleKey(std::string_view key);
+/// The number N, 1 to 254, of a key like "_styleNrgbgen", with such a beginning and end, ignoring case; -1: it is
+/// another key.
+int StyleOfKey(std::string_view key, std::string_view beginning, std::string_view end);
 
 } // namespace q3

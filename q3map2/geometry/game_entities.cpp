@@ -100,6 +100,11 @@ void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context) {
         if (!old.empty() && old.front().Has(key))
             map.World().pairs.Set(key, old.front().Value(key));
     }
+    std::erase_if(map.World().pairs.pairs, [](const auto &pair) { return IsStyleKey(pair.first); });
+    if (!old.empty())
+        for (const auto &[key, value] : old.front().pairs)
+            if (IsStyleKey(key))
+                map.World().pairs.Set(key, value);
     bsp.entities = GameEntities(map, context.options);
     DropUnfitHdrLight(bsp, map.name, context.log);
 }

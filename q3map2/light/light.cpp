@@ -5,12 +5,14 @@
 #include "common/error.h"
 #include "q3map2/bspfile/grid_shares.h"
 #include "q3map2/bspfile/light_curve_keys.h"
+#include "q3map2/bspfile/light_style_keys.h"
 #include "q3map2/light/cubes/ambient_cubes.h"
 #include "q3map2/light/grid/gridsh_dering.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/sources/light_entities.h"
 #include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/shader/shader_table.h"
 
 #include <algorithm>
 
@@ -27,6 +29,8 @@ bool IsLight(const Entity &entity) {
 std::vector<Entity> EntitiesWithLights(std::vector<Entity> entities, const LightInputs &inputs, Log &log) {
     const bool kept = keys::kKeepLights.Flag(entities.front());
     WarnOfBadKeys(entities.front(), 0, keys::kWorldLightKeys, log);
+    WarnOfBadKeys(entities.front(), 0, keys::kStyleWorldKeys, log);
+    WarnOfBadKeys(entities.front(), 0, keys::kMacroKeys, log);
     const std::vector<Entity> &sources = inputs.mapEntities && !kept ? *inputs.mapEntities : entities;
     for (std::size_t i = 0; i < sources.size(); ++i)
         if (IsLight(sources[i]))
@@ -110,13 +114,42 @@ LightOptions WithWorld(LightOptions options, const WorldLight &world) {
 
 SurfaceDefaults WithAmbient(SurfaceDefaults defaults, const WorldLight &world) {
     defaults.ambient = world.ambient;
+    if (defaults.macroTexture.empty())
+        defaults.macroTexture = WithoutExtension(world.macroTexture);
     return defaults;
 }
 
+/// Styles that shaders of surfaces use.
+std::set<int> StylesOfShaders(const SurfaceTable &table) {
+    std::set<int> styles;
+    for (const SurfaceEntry &entry : table) {
+        styles.insert(entry.shader->lightStyle);
+        for (const SunDirective &sun : entry.shader->suns)
+            styles.insert(sun.style);
+    }
+    return styles;
+}
+
+/// Numbers the styles of lights that need one, and sets their keys.
+LightStyles NumberStyles(const LightSetup &setup, std::vector<Entity> &entities, Log &log) {
+    if (setup.options.noStyles)
+        return {};
+    std::vector<Entity> lights;
+    std::copy_if(entities.begin(), entities.end(), std::back_inserter(lights), IsLight);
+    const bool switchable = setup.options.switchable || keys::kSwitchable.Flag(entities.front());
+    LightStyles styles(lights, entities.front(), switchable, StylesOfShaders(setup.table), log);
+    for (Entity &entity : entities)
+        if (IsLight(entity))
+            styles.Set(entity);
+    return styles;
+}
+
 std::vector<Light> CreateLightsLogged(LightSetup &setup, const LightInputs &inputs, ShaderLibrary &library, Log &log) {
-    const std::vector<Entity> entities = EntitiesWithLights(setup.stored, inputs, log);
+    std::vector<Entity> entities = EntitiesWithLights(setup.stored, inputs, log);
     log.Section("CreateLights");
+    ApplyTexLights(inputs.texLights, setup.table, log);
     try {
+        setup.styles = NumberStyles(setup, entities, log);
         return CreateLights(setup.bsp, entities, setup.table, setup.options, setup.world, library, log);
     } catch (const Error &error) {
         throw Error("{}: {}", inputs.name, error.what());

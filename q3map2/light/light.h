@@ -10,7 +10,9 @@
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/props/static_props.h"
 #include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/sources/light_styles.h"
 #include "q3map2/light/sources/light_surfaces.h"
+#include "q3map2/light/sources/tex_lights.h"
 #include "q3map2/shader/shader.h"
 
 #include <optional>
@@ -25,6 +27,7 @@ struct LightInputs {
     std::optional<std::vector<Entity>> mapEntities; ///< of the .map source, which still has the light entities
     std::string surfaceFile;                        ///< text of the .srf, empty without one
     const VirtualFileSystem *vfs = nullptr;         ///< for models of static props; null: none are found
+    TexLights texLights{};
 };
 
 /// A map ready to be lit: everything that grids and surfaces share. Const while workers run. Keeps references to
@@ -41,6 +44,7 @@ struct LightSetup {
     WorldLight world;
     LightOptions options; ///< with worldspawn's _maxlight
     SurfaceTable table;
+    LightStyles styles;        ///< of patterns and switches
     std::vector<Light> lights; ///< in the order of tracing
     BspSpace space;
     StaticProps props; ///< without `shadows`, which the scene has

@@ -31,6 +31,14 @@ void RecordTone(const std::string &tone, bool onlyGrid, bool lightsGrid, Entity 
         world.Set(kToneKey, tone);
 }
 
+/// Styles of patterns and switches: keys of the world, and of the light entities that stay in the map.
+void RecordStyles(const LightStyles &styles, std::vector<Entity> &entities) {
+    styles.Record(entities.front());
+    for (Entity &entity : entities)
+        if (StartsWithNoCase(entity.ClassName(), "light"))
+            styles.Set(entity);
+}
+
 void RecordRnm(const LightmapOptions &options, const StoredLightmaps &stored, Entity &world) {
     world.Erase(kRnmKey);
     if (std::any_of(stored.pages.begin(), stored.pages.end(), [](const auto &page) { return page.HasBasis(); }))
@@ -98,6 +106,8 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
             BakeAmbientCubes(setup, bounced.get(), bsp.gridSH ? &*bsp.gridSH : nullptr, jobs, log, result.cubes);
     if (!lightmap.onlyGrid) {
         ClearHdrLight(bsp);
+        RecordStyles(setup.styles, setup.stored);
+        bsp.entities = FormatEntities(setup.stored); // generated shaders depend on keys of the world
         result.lightmaps = surfaces->Store(inputs.name, bsp);
         StoreHdrLight(lightmap, result.lightmaps, bsp);
         RecordRnm(lightmap, result.lightmaps, setup.stored.front());

@@ -14,7 +14,10 @@
 #include "q3map2/lightmap/raw/lightmap_shade.h"
 #include "q3map2/lightmap/raw/luxel_map.h"
 #include "q3map2/lightmap/raw/luxel_tangents.h"
+#include "q3map2/lightmap/raw/macro_texture.h"
 #include "q3map2/lightmap/vertex/vertex_light.h"
+
+#include <algorithm>
 
 namespace q3 {
 
@@ -27,11 +30,14 @@ SurfacePasses::SurfacePasses(const LightSetup &setup, const LightmapOptions &lig
 SurfaceLight SurfacePasses::Prepare() {
     in_.log.Section("SetupSurfaceLightmaps");
     SurfaceLight surfaces = SetupSurfaceLight(in_);
+    surfaces.styled =
+        std::any_of(setup_.lights.begin(), setup_.lights.end(), [](const Light &light) { return light.style != 0; });
     if (in_.lightmap.shade)
         SmoothNormals(in_, surfaces);
     in_.log.Section("MapRawLightmap");
     MapLuxels(in_, surfaces);
     FindTangents(in_, surfaces);
+    FindTints(in_, surfaces);
     if (in_.lightmap.dirty) {
         in_.log.Section("DirtyRawLightmap");
         DirtLuxels(in_, surfaces);
@@ -50,6 +56,8 @@ void SurfacePasses::Run() {
         Bounce();
     else
         AverageLuxels(in_, {}, !options_.keepLuxels, surfaces_);
+    if (in_.lightmap.show == DebugView::Light)
+        ApplyTints(in_, surfaces_);
 }
 
 void SurfacePasses::Bounce() {

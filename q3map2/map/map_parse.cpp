@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Map text to entities.
 #include "q3map2/map/map_parse.h"
 
+#include "q3map2/bspfile/light_style_keys.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/map/index_map.h"
 #include "q3map2/map/map_bevels.h"
@@ -239,6 +240,8 @@ void MapReader::FinishWorld(const MapEntity &world) {
                           map_.name, Shown(world.pairs.ClassName()));
     WarnOfBadKeys(world.pairs, 0, keys::kWorldKeys, context_.log);
     WarnOfBadKeys(world.pairs, 0, keys::kWorldLightKeys, context_.log);
+    WarnOfBadKeys(world.pairs, 0, keys::kStyleWorldKeys, context_.log);
+    WarnOfBadKeys(world.pairs, 0, keys::kMacroKeys, context_.log);
     const std::string_view cel = keys::kCelShader.Text(world.pairs);
     if (!cel.empty())
         map_.defaultCelShader = &context_.shaders.Get(fmt::format("textures/{}", cel));

@@ -43,6 +43,7 @@ struct LightmapDirectives {
     float shadeAngle = 0;    ///< q3map_shadeAngle, degrees
     std::string normalImage; ///< q3map_normalImage, without extension
     std::string ssbumpImage; ///< q3map_ssbumpImage, without extension; not used if there is a normalImage
+    std::string macroImage;  ///< q3map_macroTexture, without extension; "none": none, empty: that of the world
     std::optional<bool> rnm; ///< q3map_rnm, q3map_noRnm: whether -rnm makes basis maps for it
     /// q3map_floodLight; none while the intensity is 0. The largest component of the color is 1.
     Vec3f floodColor;

@@ -63,7 +63,7 @@ class ScriptParser {
         void (ScriptParser::*apply)(const Words &);
         bool moreMayFollow = false; ///< other directives may follow on the line
     };
-    static const std::array<Directive, 45> kDirectives;
+    static const std::array<Directive, 46> kDirectives;
 
     void WarnSyntax(std::string_view name, std::string_view found) {
         log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}",
@@ -132,6 +132,7 @@ class ScriptParser {
     void NoRnm(const Words &) { Lightmap().rnm = false; }
     void NormalImage(const Words &words) { Lightmap().normalImage = WithoutExtension(words[0]); }
     void SsbumpImage(const Words &words) { Lightmap().ssbumpImage = WithoutExtension(words[0]); }
+    void MacroTexture(const Words &words) { Lightmap().macroImage = WithoutExtension(words[0]); }
     void FloodLight(const Words &words);
 
     ShaderTextScanner scanner_;
@@ -143,7 +144,7 @@ class ScriptParser {
 };
 
 using Self = ScriptParser;
-const std::array<Self::Directive, 45> Self::kDirectives = {{
+const std::array<Self::Directive, 46> Self::kDirectives = {{
     {"surfaceparm", 1, 0, &Self::SurfaceParmLine},
     {"cull", 1, 0, &Self::Cull},
     {"deformvertexes", 1, 8, &Self::DeformVertexes},
@@ -186,6 +187,7 @@ const std::array<Self::Directive, 45> Self::kDirectives = {{
     {"q3map_terrain", 0, 0, &Self::Terrain},
     {"q3map_normalimage", 1, 0, &Self::NormalImage},
     {"q3map_ssbumpimage", 1, 0, &Self::SsbumpImage},
+    {"q3map_macrotexture", 1, 0, &Self::MacroTexture},
     {"q3map_rnm", 0, 0, &Self::Rnm},
     {"q3map_nornm", 0, 0, &Self::NoRnm},
     {"q3map_floodlight", 6, 0, &Self::FloodLight},

@@ -273,10 +273,12 @@ TEST_F(CompileTest, ReplacedEntitiesKeepTheRecordOfTheTools) {
     std::vector<Entity> entities = ParseEntities(bsp.entities, "test");
     entities.front().Set("_q3map2_cmdline", "-bsp -meta; -light");
     entities.front().Set("_q3map2_tone", "gamma 2");
+    entities.front().Set("_switch32", "hall");
     bsp.entities = FormatEntities(entities);
     const BspContext context{options, game, *library, out.log, &vfs};
     Map map =
-        ReadMap(MapText(Room(), "\"music\" \"new.wav\"\n\"_q3map2_sh\" \"radiance\"\n\"_q3map2_tone\" \"gamma 3\"\n"),
+        ReadMap(MapText(Room(), "\"music\" \"new.wav\"\n\"_q3map2_sh\" \"radiance\"\n\"_q3map2_tone\" \"gamma 3\"\n"
+                                "\"_style13pattern\" \"az\"\n"),
                 "test.map", context);
     const auto surfaces = bsp.drawSurfaces.size();
     ReplaceEntities(bsp, map, context);
@@ -284,6 +286,8 @@ TEST_F(CompileTest, ReplacedEntitiesKeepTheRecordOfTheTools) {
     EXPECT_THAT(bsp.entities, HasSubstr("\"_q3map2_cmdline\" \"-bsp -meta; -light\""));
     EXPECT_THAT(bsp.entities, Not(HasSubstr("\"light\"")));
     EXPECT_THAT(bsp.entities, HasSubstr("\"_q3map2_tone\" \"gamma 2\"")) << "the light in the file has it";
+    EXPECT_THAT(bsp.entities, HasSubstr("\"_switch32\" \"hall\"")) << "so do its lightmaps";
+    EXPECT_THAT(bsp.entities, Not(HasSubstr("_style13pattern")));
     EXPECT_THAT(bsp.entities, Not(HasSubstr("_q3map2_sh"))) << "the file has no SH grid";
     EXPECT_EQ(bsp.drawSurfaces.size(), surfaces);
 }

@@ -201,6 +201,7 @@ Bsp LightTest::Lit(Bsp bsp, std::string_view options, int threads) {
     ShaderLibrary library(vfs, game, parsed.shader, log);
     LightInputs inputs;
     inputs.name = "test";
+    inputs.texLights = texLights;
     result = LightWorld(bsp, inputs, parsed, lightmap, library, JobPool(threads), log);
     return bsp;
 }

@@ -82,6 +82,7 @@ class LightTest : public testing::Test {
 
     std::string printed;
     bool surfaces = false; ///< light lightmaps and vertices too
+    TexLights texLights;
     LightResult result;
     GameFolder folder;
 

@@ -42,6 +42,7 @@ struct LightOptions {
     float gridScale = 1, gridAmbientScale = 1;
     float gridDirectionality = 1, gridAmbientDirectionality = 0;
     float extraDist = 0;
+    std::vector<std::string> texLightFiles{}; ///< -lights
     bool wolfLighting = false;
     ToneOptions tone;
     ShaderOptions shader;
@@ -56,6 +57,7 @@ struct LightOptions {
     bool cheapGrid = false; ///< the same for legacy grid points only; set by -cheap too
     bool noTrace = false, structuralShadowsOnly = false, sunOnly = false, oneSky = false, noStyles = false,
          patchShadows = false;
+    bool switchable = false; ///< lights of a targetname get a style
     bool floodlight = false, lowQuality = false;
     bool noGrid = false;
     bool staticPropLighting = false; ///< light at the vertices of static props

@@ -208,7 +208,14 @@ Group Intensities() {
                .help = "Light that surface lights throw back on their own wall: factor, distance in game units",
                .details = "The factor is of the default 5 %. A distance under −900 keeps the default. A shader's "
                           "`q3map_backsplash` wins."},
-              Do<LightOptions>(backsplash)}}};
+              Do<LightOptions>(backsplash)},
+             {{.name = "-lights",
+               .values = "FILE.rad",
+               .initial = "none",
+               .help = "Read one more file of texlights, between lights.rad and that of the map",
+               .details = "A path, or else a name among the game's files. Such files say what light the textures of "
+                          "Source emit: [from_source.md](from_source.md#texlights)."},
+              &LightOptions::texLightFiles}}};
 }
 
 Group Falloff() {
@@ -379,6 +386,11 @@ Group Rays() {
                       "[lightmaps.md](lightmaps.md); vertices and grids cannot store it."},
           Off(&LightOptions::noStyles)},
          {{.name = "-nostyle", .aliases = {"-nostyles"}, .help = "Light styles do not count"}, &LightOptions::noStyles},
+         {{.name = "-switchable",
+           .help = "Lights with a targetname get light styles of their own, which the game can switch",
+           .details = "As with the worldspawn key `_switchable`: "
+                      "[from_source.md](from_source.md#switchable-and-animated-lights)."},
+          &LightOptions::switchable},
          {{.name = "-floodlight",
            .help = "Add soft light wherever there is open space around",
            .details = "With the values of the worldspawn key `_floodlight`, or the color 0.94 0.94 1, distance "

@@ -262,6 +262,20 @@ NormalImage NormalsOf(const LightmapDirectives &lightmap, ShaderLibrary &library
     return {name.empty() ? nullptr : library.LoadImage(name), ssbump};
 }
 
+/// The macro texture of a shader; null: none. A missing one is a warning.
+std::shared_ptr<const Image> MacroImageOf(const ShaderInfo &shader, const std::string &otherwise,
+                                          ShaderLibrary &library, Log &log) {
+    const std::string &own = shader.lightmap.macroImage;
+    if (EqualNoCase(own, "none") || (own.empty() && otherwise.empty()))
+        return nullptr;
+    auto image = library.LoadImage(own.empty() ? otherwise : own);
+    if (!image && own.empty())
+        throw Error("macro texture {}: no such image among the game's files", otherwise);
+    if (!image)
+        log.Warn("macro texture", "{}: q3map_macroTexture {}: no such image", shader.name, own);
+    return image;
+}
+
 } // namespace
 
 SurfaceTable MakeSurfaceTable(const Bsp &bsp, const std::vector<Entity> &entities, std::string_view srfText,
@@ -275,6 +289,7 @@ SurfaceTable MakeSurfaceTable(const Bsp &bsp, const std::vector<Entity> &entitie
         const bspShader_t &record = bsp.shaders[std::size_t(bsp.drawSurfaces[i].shaderNum)];
         table[i].shader = &library.Get(name.empty() ? FieldName(record.shader) : std::string_view(name));
         table[i].normals = NormalsOf(table[i].shader->lightmap, library);
+        table[i].macroImage = MacroImageOf(*table[i].shader, defaults.macroTexture, library, log);
         table[i].normalMapped =
             defaults.normalMaps == NormalMaps::All ||
             (defaults.normalMaps == NormalMaps::OfShaders && library.HasNormalMap(table[i].shader->name));

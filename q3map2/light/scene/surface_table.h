@@ -7,6 +7,8 @@
 #include "q3map2/shader/shader.h"
 
 #include <memory>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -32,7 +34,11 @@ struct SurfaceEntry {
     bool skyBoxCopy = false; ///< lit by its parent surface; never casts shadows
     int skyIndex = -1;       ///< number among the skies that emit light, -1: none; set later, by SurfaceLights
     NormalImage normals;
-    bool normalMapped = false; ///< see SurfaceDefaults::normalMaps
+    bool normalMapped = false;                 ///< see SurfaceDefaults::normalMaps
+    std::shared_ptr<const Image> macroImage{}; ///< its macro texture; null: none
+    /// Light that it emits in place of q3map_surfaceLight, on a receiver whose hemisphere it fills; set by
+    /// ApplyTexLights. Byte scale.
+    std::optional<Vec3f> texLight{};
 };
 
 /// One entry per draw surface.
@@ -51,13 +57,15 @@ struct SurfaceDefaults {
     bool noLightmaps = false;                 ///< all are lit at their vertices
     Vec3f ambient;                            ///< byte scale
     NormalMaps normalMaps = NormalMaps::None; ///< with a surface file too
+    std::string macroTexture{};               ///< image of surfaces whose shader names none, likewise; empty: none
 };
 
 /// Major axis of a normal with its sign: of equal components z wins, then x.
 Vec3f MajorAxis(const Vec3f &normal);
 
 /// `srfText` is the surface file that the bsp stage wrote beside the map, empty when there is none: then everything is
-/// derived from the surfaces, their shaders and entities, and `defaults`. Errors: a malformed surface file.
+/// derived from the surfaces, their shaders and entities, and `defaults`. Errors: a malformed surface file, no image
+/// `macroTexture`.
 SurfaceTable MakeSurfaceTable(const Bsp &bsp, const std::vector<Entity> &entities, std::string_view srfText,
                               std::string_view srfName, ShaderLibrary &library, Log &log,
                               const SurfaceDefaults &defaults = {});

@@ -168,4 +168,15 @@ bool SetCurve(const Entity &entity, bool byQuad, Light &light, Log &log) {
     return true;
 }
 
+bool CountsInBytes(const Entity &entity) {
+    std::string_view text = keys::kLight.Text(entity);
+    int numbers = 0;
+    while (numbers < 3 && TakeNumber(text))
+        ++numbers;
+    const int delay = keys::kDelay.Given(entity) ? keys::kDelay.Integer(entity) : 0;
+    const bool hasDelay =
+        keys::kEndRadius.Number(entity) == 0 && (delay == 1 || delay == 2 || delay == 3 || delay == 5);
+    return numbers == 3 || keys::kFiftyPercent.Number(entity) != 0 || HasPolynomial(entity) || hasDelay;
+}
+
 } // namespace q3

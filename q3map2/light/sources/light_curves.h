@@ -25,4 +25,8 @@ std::optional<Attenuation> FiftyPercentCurve(double fifty, double zero, bool har
 /// spotlights. Errors: distances without a curve.
 bool SetCurve(const Entity &entity, bool byQuad, Light &light, Log &log);
 
+/// Whether the brightness of a light is in byte values, as in Source: its _light is a color and a brightness, or keys
+/// for falloff make it so.
+bool CountsInBytes(const Entity &entity);
+
 } // namespace q3

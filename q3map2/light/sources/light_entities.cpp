@@ -4,12 +4,13 @@
 #include "common/error.h"
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/bspfile/light_curve_keys.h"
+#include "q3map2/bspfile/light_style_keys.h"
 #include "q3map2/light/sources/light_curves.h"
 #include "q3map2/light/sources/light_environment.h"
+#include "q3map2/light/sources/light_quad.h"
 #include "q3map2/light/sources/light_suns.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -20,8 +21,6 @@ namespace {
 constexpr auto kMaxIntensity = float(keys::kMaxIntensity);
 /// Limit of values from world keys: products of larger ones could overflow float.
 constexpr float kMaxWorldFactor = 1e6f;
-/// Exponent of the color channels of quads.
-constexpr double kSourceGamma = 2.2;
 constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 /// Directions over the disc of the sun, unless the entity says more.
 constexpr int kSunDiscSamples = 32;
@@ -55,7 +54,7 @@ float Intensity(const Entity &entity, Log &log) {
 /// The color and brightness R G B [I] of a key, as photons and a color with largest component 1. False if the key has
 /// fewer than three numbers. Errors: negative numbers.
 bool TakeQuad(const Entity &entity, const EntityKey &key, Light &light, Log &log) {
-    std::array<double, 4> quad{0, 0, 0, 255};
+    LightQuad quad{0, 0, 0, 255};
     std::string_view text = key.Text(entity);
     std::size_t count = 0;
     for (; count < quad.size(); ++count) {
@@ -72,9 +71,7 @@ bool TakeQuad(const Entity &entity, const EntityKey &key, Light &light, Log &log
     if (*std::min_element(quad.begin(), quad.end()) < 0)
         throw Error("{}: {} \"{}\": expected a color and a brightness of at least 0", LightLabel(entity), key.info.name,
                     key.Text(entity));
-    Vec3d linear;
-    for (std::size_t channel = 0; channel < 3; ++channel)
-        linear[channel] = std::pow(quad[channel] / 255, kSourceGamma);
+    const Vec3d linear = LinearColor(quad);
     const double most = std::max({linear.x, linear.y, linear.z});
     light.photons = Limited(most * quad[3] * Scale(entity), entity, log);
     light.color = most > 0 ? Vec3f(linear / most) : Vec3f{1, 1, 1};
@@ -123,8 +120,14 @@ EntityLight LightFromKeys(const Entity &entity, const LightOptions &options, Log
     light.angleScale = float(keys::kAngleScale.Number(entity));
     light.angle = light.angle || light.angleScale != 0;
     light.filterRadius = float(keys::kFilterRadius.Number(entity));
-    light.style = Style(entity);
+    light.style = Style(entity); // an error if it is out of range, whether it counts or not
+    if (options.noStyles)
+        light.style = 0;
     light.name = entity.Value("targetname");
+    if (light.style != 0)
+        light.label = light.name.empty()
+                          ? LightLabel(entity)
+                          : fmt::format("{} \"{}\" at \"{}\"", entity.ClassName(), light.name, entity.Value("origin"));
     result.byQuad = TakeQuad(entity, keys::kLight, light, log);
     if (!result.byQuad)
         light.photons = Intensity(entity, log);
@@ -228,7 +231,7 @@ void AddSun(const Light &light, const Vec3f &target, float deviance, int samples
     if (sun.direction == Vec3f{})
         sun.direction = {0, 0, 1};
     for (Light &one : MakeSuns(sun, -1, options)) {
-        one.name = light.name, one.grid = light.grid, one.surfaces = light.surfaces;
+        one.name = light.name, one.label = light.label, one.grid = light.grid, one.surfaces = light.surfaces;
         lights.push_back(std::move(one));
     }
 }
@@ -326,6 +329,9 @@ WorldLight ReadWorldLight(const Entity &world, const LightOptions &options) {
     if (keys::kMaxLight.Given(world))
         result.maxLight = float(keys::kMaxLight.Number(world));
     result.noShaderSun = keys::kNoShaderSun.Flag(world);
+    result.macroTexture = keys::kMacroTexture.Text(world);
+    result.macroMins = keys::kWorldMins.Vector(world);
+    result.macroMaxs = keys::kWorldMaxs.Vector(world);
     if (keys::kFloodlight.Given(world)) {
         result.hasFloodlight = true;
         double v[6] = {0, 0, 0, 0, 0, -1};

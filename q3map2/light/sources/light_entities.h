@@ -6,6 +6,8 @@
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/sources/light_sources.h"
 
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace q3 {
@@ -18,7 +20,9 @@ struct WorldLight {
     float maxLight = 255;
     bool noShaderSun = false;
     bool hasFloodlight = false;
-    Vec3f floodColor{0.94f, 0.94f, 1.0f}; ///< largest component 1
+    Vec3f floodColor{0.94f, 0.94f, 1.0f};      ///< largest component 1
+    std::string macroTexture;                  ///< _macrotexture; empty: none
+    std::optional<Vec3f> macroMins, macroMaxs; ///< where its edges are; else those of the world
     float floodDistance = 1024, floodIntensity = 128, floodDirectionScale = 1;
 };
 WorldLight ReadWorldLight(const Entity &world, const LightOptions &options);

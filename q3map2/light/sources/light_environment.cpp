@@ -68,7 +68,8 @@ std::vector<Light> EnvironmentLights(const Environment &environment, const Light
                                .filterRadius = common.filterRadius,
                                .style = common.style};
         for (Light &one : MakeSuns(sun, -1, options)) {
-            one.name = common.name, one.grid = common.grid, one.surfaces = common.surfaces;
+            one.name = common.name, one.label = common.label;
+            one.grid = common.grid, one.surfaces = common.surfaces;
             lights.push_back(std::move(one));
         }
     };

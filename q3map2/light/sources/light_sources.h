@@ -54,7 +54,8 @@ struct SpotCone {
 
 /// One light. Color times the number that falloff or form factor give is light on the byte scale, 255 = full.
 struct Light {
-    std::string name; ///< targetname of its entity
+    std::string name;  ///< targetname of its entity
+    std::string label; ///< what messages call it; only lights with a style other than 0 have one
     LightType type = LightType::Point;
     FalloffCurve curve = FalloffCurve::InverseSquare;
     Attenuation attenuation;

@@ -22,7 +22,28 @@ constexpr int kMaxSkies = 32;
 /// Approximate maximum number of lights that one polygon is split into.
 constexpr double kMaxPieces = 65536;
 
+/// Light on a receiver whose hemisphere an emitter of q3map_surfaceLight 1 fills, without options. Byte scale.
+constexpr float kLightOfOne = 0.75f;
+
 using Polygon = std::vector<MeshVert>;
+
+/// How a surface shines.
+struct SurfaceEmission {
+    float value = 0;            ///< as q3map_surfaceLight
+    Vec3f color;                ///< largest component 1
+    bool hasBacksplash = false; ///< lights its surroundings besides
+};
+
+/// By a texlight, else by its shader.
+SurfaceEmission EmissionOf(const SurfaceEntry &entry) {
+    constexpr float kMost = 1e9f;
+    const ShaderInfo &shader = *entry.shader;
+    if (!entry.texLight)
+        return {std::min(shader.surfaceLight, kMost), shader.color,
+                shader.backsplashFraction > 0 && (shader.compileFlags & C_SKY) == 0};
+    const float most = MaxComponent(*entry.texLight);
+    return {std::min(most / kLightOfOne, kMost), most > 0 ? *entry.texLight / most : Vec3f{1, 1, 1}, false};
+}
 
 MeshVert Lerp(const MeshVert &a, const MeshVert &b, float t) {
     return {a.xyz + (b.xyz - a.xyz) * t, Normalize(a.normal + (b.normal - a.normal) * t), {}};
@@ -31,9 +52,9 @@ MeshVert Lerp(const MeshVert &a, const MeshVert &b, float t) {
 /// Makes the area lights of one shader's polygons.
 class AreaLightMaker {
   public:
-    AreaLightMaker(const ShaderInfo &shader, const LightOptions &options, std::vector<Light> &lights, int &count,
-                   Log &log)
-        : shader_(shader), options_(options), lights_(lights), count_(count), log_(log) {}
+    AreaLightMaker(const ShaderInfo &shader, const SurfaceEmission &emission, const LightOptions &options,
+                   std::vector<Light> &lights, int &count, Log &log)
+        : shader_(shader), emission_(emission), options_(options), lights_(lights), count_(count), log_(log) {}
 
     void Add(Polygon first) {
         if (!InTheWorld(first))
@@ -102,20 +123,21 @@ class AreaLightMaker {
         light.normal = Normalize(normal);
         if (!(area >= kMinArea && area <= kMaxArea) || light.normal == Vec3f{})
             return;
-        const float value = std::min(shader_.surfaceLight, 1e9f);
         light.type = LightType::Area;
-        light.color = shader_.color;
-        light.photons = value * float(area) * options_.areaScale;
-        light.add = value * 3 * options_.areaScale;
+        light.color = emission_.color;
+        light.photons = emission_.value * float(area) * options_.areaScale;
+        light.add = emission_.value * 3 * options_.areaScale;
         light.style = options_.noStyles || shader_.lightStyle == 255 ? 0 : shader_.lightStyle;
         light.noFast = shader_.noFast;
         light.twoSided = shader_.twoSided || (shader_.compileFlags & C_FOG) != 0;
         light.origin = box.Center() + light.normal;
         light.dist = Dot(light.origin, light.normal);
         light.SetShape();
+        if (light.style != 0)
+            light.label = "light of shader " + shader_.name;
         lights_.push_back(light);
         ++count_;
-        if (shader_.backsplashFraction > 0 && (shader_.compileFlags & C_SKY) == 0)
+        if (emission_.hasBacksplash)
             AddBacksplash(light);
     }
 
@@ -137,6 +159,7 @@ class AreaLightMaker {
     }
 
     const ShaderInfo &shader_;
+    const SurfaceEmission &emission_;
     const LightOptions &options_;
     std::vector<Light> &lights_;
     int &count_;
@@ -172,16 +195,18 @@ void AddTriangleLights(const Bsp &bsp, const bspDrawSurface_t &surface, const Ve
 }
 
 /// An autosprite surface is one point light.
-Light SpriteLight(const Bsp &bsp, const bspDrawSurface_t &surface, const ShaderInfo &shader, const Vec3f &offset,
-                  const LightOptions &options) {
+Light SpriteLight(const Bsp &bsp, const bspDrawSurface_t &surface, const ShaderInfo &shader,
+                  const SurfaceEmission &emission, const Vec3f &offset, const LightOptions &options) {
     Boundsf box;
     for (int i = 0; i < surface.numVerts; ++i)
         box.Add(Vec3f(bsp.drawVerts[std::size_t(surface.firstVert + i)].xyz) + offset);
     Light light;
     light.origin = surface.numVerts > 0 ? box.Center() : offset;
-    light.photons = std::min(shader.surfaceLight, 1e9f) * options.pointScale;
-    light.color = shader.color;
-    light.style = shader.lightStyle;
+    light.photons = emission.value * options.pointScale;
+    light.color = emission.color;
+    light.style = options.noStyles || shader.lightStyle == 255 ? 0 : shader.lightStyle;
+    if (light.style != 0)
+        light.label = "light of shader " + shader.name;
     light.noFast = shader.noFast;
     return light;
 }
@@ -207,16 +232,18 @@ class SkyLights {
         }
         numbers_[&shader] = number;
         if (!world_.noShaderSun)
-            AddSuns(shader.suns, number);
+            AddSuns(shader, shader.suns, number);
         for (const SkyLightDirective &sky : shader.skyLights)
-            AddSuns(SkyLightSuns(sky, shader, library_, log_), number);
+            AddSuns(shader, SkyLightSuns(sky, shader, library_, log_), number);
         return number;
     }
 
   private:
-    void AddSuns(const std::vector<SunDirective> &suns, int number) {
+    void AddSuns(const ShaderInfo &shader, const std::vector<SunDirective> &suns, int number) {
         for (const SunDirective &sun : suns)
             for (Light &light : MakeSuns(sun, number, options_)) {
+                if (light.style != 0)
+                    light.label = "sun or sky of shader " + shader.name;
                 lights_.push_back(std::move(light));
                 ++counts_.skyLights;
             }
@@ -244,14 +271,15 @@ std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const Ligh
         const ShaderInfo &shader = *entry.shader;
         if (!shader.suns.empty() || !shader.skyLights.empty())
             entry.skyIndex = skies.Add(shader);
-        if (!(shader.surfaceLight > 0))
+        const SurfaceEmission emission = EmissionOf(entry);
+        if (!(emission.value > 0))
             continue;
         const bspDrawSurface_t &surface = bsp.drawSurfaces[i];
         if (shader.autosprite) {
-            lights.push_back(SpriteLight(bsp, surface, shader, entry.origin, options));
+            lights.push_back(SpriteLight(bsp, surface, shader, emission, entry.origin, options));
             continue;
         }
-        AreaLightMaker maker(shader, options, lights, counts.areaLights, log);
+        AreaLightMaker maker(shader, emission, options, lights, counts.areaLights, log);
         if (surface.surfaceType == MST_PATCH)
             AddPatchLights(TessellatePatch(bsp, surface, entry.longestCurve), entry.origin, maker);
         else if (surface.surfaceType == MST_PLANAR || surface.surfaceType == MST_TRIANGLE_SOUP)

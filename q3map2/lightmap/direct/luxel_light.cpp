@@ -7,6 +7,7 @@
 #include "q3map2/lightmap/direct/luxel_filter.h"
 #include "q3map2/lightmap/direct/luxel_lists.h"
 #include "q3map2/lightmap/direct/luxel_samples.h"
+#include "q3map2/lightmap/raw/style_choice.h"
 
 #include <algorithm>
 #include <atomic>
@@ -57,6 +58,9 @@ class LightmapPass {
         sampling_ = in.lightmap.samples > 1 || in.lightmap.randomSamples;
     }
 
+    /// Names of lights that found no place.
+    std::vector<std::string> Dropped() const { return styles_.Names(); }
+
     void Run() {
         worker_.blocks.Build(lightmap_);
         worker_.sums.Clear();
@@ -72,6 +76,8 @@ class LightmapPass {
         if (sampling_)
             worker_.sampler.Start(in_, lightmap_, worker_.blocks, pass_);
         worker_.list.Build(lights_, lightmap_, in_.options.sunOnly);
+        if (StyleChoice::IsNeeded(worker_.list.Lights()))
+            ChooseStyles();
         for (const Light *light : worker_.list.Lights())
             AddLight(*light);
         for (std::size_t i = 0; i < worker_.sums.used; ++i)
@@ -128,10 +134,10 @@ class LightmapPass {
 
     void AddLight(const Light &light) {
         const std::size_t slot = StyleSlotFor(lightmap_.styles, light.style);
+        if (slot == kStyles || styles_.Drops(light.style))
+            return;
         worker_.reachedBlocks.clear();
         worker_.blocks.FindReached(light, pass_.settings, worker_.reachedBlocks);
-        if (slot == kStyles)
-            return WarnIfItArrives(light);
         if (sampling_)
             worker_.sampler.StartLight(light);
         LuxelSum *sum = nullptr;
@@ -160,15 +166,23 @@ class LightmapPass {
         return LuxelContribution(light, pass_, in_.scene, receivers, incident, channels, worker_.counts);
     }
 
-    /// For a light whose style has no slot left: warns if any of its light arrives.
-    void WarnIfItArrives(const Light &light) {
+    /// Measures the light of all styles to find those to drop.
+    void ChooseStyles() {
         LuxelIncidentLight incident;
         ChannelLanes channels;
-        for (const std::uint32_t block : worker_.reachedBlocks)
-            if (Contribution(light, block, incident, channels))
-                return in_.log.Warn("light styles",
-                                    "light of style {} left out on a surface that already has {} styles", light.style,
-                                    kStyles);
+        for (const Light *light : worker_.list.Lights()) {
+            double energy = 0;
+            worker_.reachedBlocks.clear();
+            if (light->style != 0)
+                worker_.blocks.FindReached(*light, pass_.settings, worker_.reachedBlocks);
+            for (const std::uint32_t block : worker_.reachedBlocks)
+                if (Contribution(*light, block, incident, channels))
+                    for (std::size_t i = 0; i < worker_.blocks.Receivers(block).count; ++i)
+                        energy +=
+                            double(incident.color.x[i]) + double(incident.color.y[i]) + double(incident.color.z[i]);
+            styles_.Add(*light, energy);
+        }
+        styles_.Choose();
     }
 
     /// Adds a sum to luxels, blurred by `radius`. lanesOf(block): the sum of a block.
@@ -206,6 +220,7 @@ class LightmapPass {
     RawLightmap &lightmap_;
     Worker &worker_;
     LuxelPass pass_;
+    StyleChoice styles_;
     bool sampling_ = false;
 };
 
@@ -221,6 +236,7 @@ void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, cons
         return surfaces.lightmaps[a].luxelClusters.size() > surfaces.lightmaps[b].luxelClusters.size();
     });
     std::vector<Worker> workers(std::size_t(in.jobs.Threads()));
+    DroppedLights dropped(surfaces.lightmaps.size());
     std::atomic<std::uint64_t> raysSoFar{0};
     Progress progress(in.log, std::int64_t(order.size()));
     in.jobs.For(
@@ -228,13 +244,17 @@ void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, cons
         [&](std::int64_t index, int number) {
             Worker &worker = workers[std::size_t(number)];
             const std::uint64_t before = worker.counts.rays;
-            LightmapPass(in, lists, pass, surfaces.lightmaps[order[std::size_t(index)]], worker).Run();
+            const std::size_t lightmap = order[std::size_t(index)];
+            LightmapPass one(in, lists, pass, surfaces.lightmaps[lightmap], worker);
+            one.Run();
+            dropped[lightmap] = one.Dropped();
             raysSoFar += worker.counts.rays - before;
         },
         [&](std::int64_t done) { progress.Update(done, raysSoFar); });
     progress.Finish();
     for (const Worker &worker : workers)
         counts += worker.counts;
+    WarnOfDroppedLights(dropped, "lightmaps", in.log);
 }
 
 } // namespace q3

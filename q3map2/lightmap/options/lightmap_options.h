@@ -84,6 +84,7 @@ struct LightmapOptions {
     std::optional<int> searchPower; ///< -lightmapsearchpower
     bool noSearch = false;          ///< -nolightmapsearch
     bool fill = false, fillPink = false;
+    std::string macroTexture{}; ///< -macrotexture; empty: that of the world's key
     bool exportPages = false, triangleSoup = false;
     bool sRgbTexture = false;
 

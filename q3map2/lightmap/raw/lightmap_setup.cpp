@@ -4,6 +4,7 @@
 #include "q3map2/light/scene/light_patch.h"
 #include "q3map2/lightmap/raw/luxel_axes.h"
 
+#include "q3map2/shader/shader_table.h"
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -203,8 +204,8 @@ bool LightmapSetup::Fits(const RawLightmap &raw, const Candidate &seed, const Ca
         return false;
     const SurfaceEntry &a = *seed.entry, &b = *c.entry;
     return NearlyEqual(raw.axis, b.axis) && a.sampleSize == b.sampleSize && a.ambient == b.ambient &&
-           a.entity == b.entity && a.receiveShadows == b.receiveShadows && seed.pageSize == c.pageSize &&
-           a.shader->lightmap.brightness == b.shader->lightmap.brightness &&
+           a.entity == b.entity && a.receiveShadows == b.receiveShadows && a.macroImage == b.macroImage &&
+           seed.pageSize == c.pageSize && a.shader->lightmap.brightness == b.shader->lightmap.brightness &&
            a.shader->lightmapFilterRadius == b.shader->lightmapFilterRadius &&
            a.shader->lightmap.splotchFix == b.shader->lightmap.splotchFix;
 }
@@ -449,7 +450,8 @@ SurfaceDefaults SurfaceDefaultsOf(const LightmapOptions &options) {
             .ambient = {},
             .normalMaps = options.rnmAll ? NormalMaps::All
                           : options.rnm  ? NormalMaps::OfShaders
-                                         : NormalMaps::None};
+                                         : NormalMaps::None,
+            .macroTexture = WithoutExtension(options.macroTexture)};
 }
 
 SurfaceLight SetupSurfaceLight(const SurfaceInputs &in) {

@@ -90,6 +90,7 @@ struct RawLightmap {
     std::array<std::vector<Vec3f>, kStyles> radiosity; ///< of the latest pass only
     std::array<ChannelImages, kStyles> resultChannels; ///< `channels` of `result`; zero where it is not used
     std::vector<Vec3f> resultDirections;
+    std::vector<Vec3f> tint; ///< factor of `result` and `resultChannels` by a macro texture; empty: none
 
     // width x height, for -lightmass: luxel_occlusion.cpp, luxel_visibility.cpp. Empty when off.
     std::vector<float> unoccluded;              ///< factor of dirt, 1 in the open

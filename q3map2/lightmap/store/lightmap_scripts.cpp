@@ -2,6 +2,8 @@
 #include "q3map2/lightmap/store/lightmap_scripts.h"
 
 #include "common/text/text.h"
+#include "q3map2/bspfile/written_keys.h"
+#include "q3map2/light/sources/style_wave.h"
 
 #include <algorithm>
 #include <cctype>
@@ -58,8 +60,18 @@ std::string TextOf(const ShaderInfo &shader) {
     return shader.scriptText.empty() ? DefaultText(shader) : shader.scriptText;
 }
 
+/// The rgbGen of a stage: as the world says, else what its pattern or its switch asks for.
+std::string RgbGenOf(int style, const Entity &world) {
+    if (const std::string key = fmt::format("_style{}rgbgen", style); world.Has(key))
+        return std::string(world.Value(key));
+    if (world.Has(PatternKey(style)))
+        return FitWave(world.Value(PatternKey(style))).Words();
+    if (!world.Has(SwitchKey(style)))
+        return std::string(kDefaultWave);
+    return world.Flag(DarkKey(style)) ? "const ( 0 0 0 )" : "const ( 1 1 1 )";
+}
+
 std::string StageText(const StyleStage &stage, bool depthEqual, const Entity &world, std::string_view mapName) {
-    const std::string rgbKey = fmt::format("_style{}rgbgen", stage.style);
     const std::string alphaKey = fmt::format("_style{}alphagen", stage.style);
     std::string text = "{\n";
     const auto line = [&](std::string_view words) { text += fmt::format("\t\t{}\n", words); };
@@ -67,7 +79,7 @@ std::string StageText(const StyleStage &stage, bool depthEqual, const Entity &wo
     line("blendFunc GL_SRC_ALPHA GL_ONE");
     if (depthEqual)
         line("depthFunc equal");
-    line(fmt::format("rgbGen {}", world.Has(rgbKey) ? world.Value(rgbKey) : kDefaultWave));
+    line("rgbGen " + RgbGenOf(stage.style, world));
     if (world.Has(alphaKey))
         line(fmt::format("alphaGen {}", world.Value(alphaKey)));
     line("tcGen lightmap");

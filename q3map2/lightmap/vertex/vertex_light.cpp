@@ -5,11 +5,13 @@
 #include "q3map2/light/sources/falloff.h"
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 #include "q3map2/lightmap/ao/luxel_flood.h"
+#include "q3map2/lightmap/raw/style_choice.h"
 #include "q3map2/lightmap/raw/vector_colors.h"
 #include "q3map2/lightmap/raw/visible_clusters.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 namespace q3 {
@@ -33,6 +35,7 @@ struct SurfaceVertexLight {
     Styles styles = kOnlyStyle0;
     std::array<std::vector<Vec3f>, kStyles> values; ///< empty for styles that are not used
     bool constant = false;                          ///< the same in all passes
+    std::vector<std::string> dropped;               ///< names of lights that found no slot
 };
 
 /// Lights the vertices of a surface that has no lightmap.
@@ -47,6 +50,9 @@ class VertexLighter {
     using VertexIndices = std::vector<std::size_t>; // of the surface, from 0
     void FindLights(const std::vector<Light> &lights);
     void FindRayOrigins();
+    void ChooseStyles();
+    std::vector<SurfaceReceiverBatch> OpenVertices(const VertexIndices &vertices, const Vec3f &offset,
+                                                   VertexIndices &open);
     /// Lights the vertices moved by `offset`; returns those that are not occluded there.
     VertexIndices LightAt(const VertexIndices &vertices, const Vec3f &offset);
     void AddLights(std::span<SurfaceReceiverBatch> blocks, const VertexIndices &vertices);
@@ -144,10 +150,11 @@ void VertexLighter::FindRayOrigins() {
 
 SurfaceVertexLight VertexLighter::Run() {
     result_.values[0].assign(verts_.size(), ambient_);
+    if (StyleChoice::IsNeeded(lights_))
+        ChooseStyles();
     std::vector<bool> lit(verts_.size()); // not occluded at some offset
     VertexIndices dark(verts_.size());
-    for (std::size_t v = 0; v < dark.size(); ++v)
-        dark[v] = v;
+    std::iota(dark.begin(), dark.end(), std::size_t(0));
     const bool anyLight = !lights_.empty() || flood_.light != Vec3f{};
     for (const int x : kNudgeSteps)
         for (const int y : kNudgeSteps)
@@ -162,8 +169,9 @@ SurfaceVertexLight VertexLighter::Run() {
     return std::move(result_);
 }
 
-VertexLighter::VertexIndices VertexLighter::LightAt(const VertexIndices &vertices, const Vec3f &offset) {
-    VertexIndices open;
+/// Receivers at the vertices moved by `offset` that are not occluded there, and their indices.
+std::vector<SurfaceReceiverBatch> VertexLighter::OpenVertices(const VertexIndices &vertices, const Vec3f &offset,
+                                                              VertexIndices &open) {
     std::vector<SurfaceReceiverBatch> blocks;
     for (const std::size_t v : vertices) {
         const int cluster = clusters_.ClusterIfAllowed(in_.space.ClusterAt(verts_[v].xyz + offset, -kSolidDepth));
@@ -176,6 +184,36 @@ VertexLighter::VertexIndices VertexLighter::LightAt(const VertexIndices &vertice
         open.push_back(v);
         blocks.back().Add(rayOrigins_[v] + offset, verts_[v].normal, cluster);
     }
+    return blocks;
+}
+
+/// Leaves out lights of styles that find no slot.
+void VertexLighter::ChooseStyles() {
+    VertexIndices all(verts_.size()), open;
+    std::iota(all.begin(), all.end(), std::size_t(0));
+    std::vector<SurfaceReceiverBatch> blocks = OpenVertices(all, {}, open);
+    StyleChoice choice;
+    SurfaceIncidentLight incident;
+    for (const Light *light : lights_) {
+        double energy = 0;
+        for (SurfaceReceiverBatch &block : blocks) {
+            if (light->style == 0)
+                continue;
+            LightContributionToSample(*light, settings_, in_.scene, block, incident, counts_);
+            for (std::size_t i = 0; i < block.count; ++i)
+                if (incident.live[i] != 0)
+                    energy += double(incident.add[i]) * double(light->color.x + light->color.y + light->color.z);
+        }
+        choice.Add(*light, energy);
+    }
+    choice.Choose();
+    result_.dropped = choice.Names();
+    std::erase_if(lights_, [&](const Light *light) { return choice.Drops(light->style); });
+}
+
+VertexLighter::VertexIndices VertexLighter::LightAt(const VertexIndices &vertices, const Vec3f &offset) {
+    VertexIndices open;
+    std::vector<SurfaceReceiverBatch> blocks = OpenVertices(vertices, offset, open);
     for (const std::size_t v : open)
         for (std::size_t slot = 0; slot < kStyles; ++slot)
             if (!result_.values[slot].empty())
@@ -190,16 +228,10 @@ void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> blocks, const Vert
     SurfaceIncidentLight incident;
     for (const Light *light : lights_) {
         const std::size_t slot = StyleSlotFor(result_.styles, light->style);
+        if (slot == kStyles) // its light arrived beside the vertices only, where ChooseStyles did not look
+            continue;
         for (std::size_t b = 0; b < blocks.size(); ++b) {
             LightContributionToSample(*light, settings_, in_.scene, blocks[b], incident, counts_);
-            if (slot == kStyles) {
-                if (!incident.live.Any())
-                    continue;
-                in_.log.Warn("too many light styles",
-                             "a surface near {:.0f} {:.0f} {:.0f} gets more than {} light styles", bounds_.Center().x,
-                             bounds_.Center().y, bounds_.Center().z, kStyles);
-                break;
-            }
             for (std::size_t i = 0; i < blocks[b].count; ++i) {
                 if (incident.live[i] == 0)
                     continue;
@@ -405,13 +437,16 @@ void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, co
                 VertexLighter(in, lights, pass, surfaces, surface, around, work[std::size_t(worker)]).Run();
     });
     long long vertices = 0;
+    DroppedLights dropped(count);
     for (std::size_t surface = 0; surface < count; ++surface) {
         Store(in, pass, surface, results[surface], vertex);
+        dropped[surface] = std::move(results[surface].dropped);
         vertices += (long long)(results[surface].values[0].size());
     }
     for (const ContributionCounts &one : work)
         counts += one;
     in.log.Count(vertices, "vertices lit");
+    WarnOfDroppedLights(dropped, "surfaces lit at vertices", in.log);
 }
 
 } // namespace q3

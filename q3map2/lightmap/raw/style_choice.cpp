@@ -1,0 +1,63 @@
+// GPL-2.0-or-later. Which light styles a surface keeps if more than it can hold reach it.
+#include "q3map2/lightmap/raw/style_choice.h"
+
+#include "q3map2/lightmap/raw/style_slots.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace q3 {
+
+bool StyleChoice::IsNeeded(std::span<const Light *const> lights) {
+    std::set<int> styles{0};
+    for (const Light *light : lights)
+        styles.insert(light->style);
+    return styles.size() > kStyles;
+}
+
+void StyleChoice::Add(const Light &light, double energy) {
+    if (!(std::abs(energy) > 0))
+        return;
+    energies_[light.style] += std::abs(energy);
+    lights_.push_back(&light);
+}
+
+void StyleChoice::Choose() {
+    std::vector<std::pair<double, int>> order; // most light first
+    for (const auto &[style, energy] : energies_)
+        if (style != 0)
+            order.emplace_back(-energy, style);
+    std::sort(order.begin(), order.end());
+    for (std::size_t i = kStyles - 1; i < order.size(); ++i)
+        dropped_.insert(order[i].second);
+}
+
+std::vector<std::string> StyleChoice::Names() const {
+    std::vector<std::string> names;
+    for (const Light *light : lights_) {
+        if (!Drops(light->style))
+            continue;
+        std::string name = light->label.empty() ? fmt::format("light of style {}", light->style) : light->label;
+        if (std::find(names.begin(), names.end(), name) == names.end())
+            names.push_back(std::move(name));
+    }
+    return names;
+}
+
+void WarnOfDroppedLights(const DroppedLights &dropped, std::string_view what, Log &log) {
+    std::vector<std::pair<std::string_view, int>> counts; // in the order of surfaces
+    for (const std::vector<std::string> &names : dropped)
+        for (const std::string &name : names) {
+            auto found = std::find_if(counts.begin(), counts.end(), [&](const auto &one) { return one.first == name; });
+            if (found == counts.end())
+                found = counts.insert(counts.end(), {name, 0});
+            ++found->second;
+        }
+    std::stable_sort(counts.begin(), counts.end(), [](const auto &a, const auto &b) { return a.second > b.second; });
+    for (const auto &[name, count] : counts)
+        log.Warn("light left out for its style", "{}: left out where {} other styles give more light; {}: {}", name,
+                 kStyles - 1, what, count);
+}
+
+} // namespace q3
