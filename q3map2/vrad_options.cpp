@@ -95,6 +95,7 @@ SettingSection VradSection() {
         SettingInfo info{.name = kVradOptions[i].name, .help = helps[i]};
         constexpr std::string_view kValues[] = {"", "N", "N N", "R G B"};
         info.values = kValues[kVradOptions[i].values];
+        info.kind = info.values.empty() ? SettingKind::Flag : SettingKind::Text;
         section.entries.push_back({info, ""});
     }
     return section;
