@@ -1,8 +1,5 @@
 // GPL-2.0-or-later. JSON folders back to maps.
-#include "common/error.h"
-#include "q3map2/convert/json/convert_json.h"
-#include "q3map2/convert/json/convert_json_pack.h"
-#include "tests/convert/small_bsp.h"
+#include "tests/convert/json_fixture.h"
 
 #include <gmock/gmock.h>
 
@@ -15,27 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-class PackJsonTest : public testing::Test {
-  protected:
-    void Unpack(const Bsp &bsp) { UnpackJson(bsp, Quake3(), folder_.Path(), log_.log); }
-    Bsp Pack(const PackJsonOptions &options = {}) { return PackJson(folder_.Path(), Quake3(), options, log_.log); }
-    void ExpectSame(const Bsp &bsp) {
-        Unpack(bsp);
-        EXPECT_EQ(Bytes(Pack()), Bytes(bsp));
-    }
-    /// Packs and returns the message of the Error.
-    std::string PackError() {
-        try {
-            Pack();
-        } catch (const Error &error) {
-            return error.what();
-        }
-        return "no error";
-    }
-
-    TempFolder folder_;
-    KeptLog log_;
-};
+using PackJsonTest = JsonTest;
 
 TEST_F(PackJsonTest, GivesTheSameBytes) {
     ExpectSame(SmallBsp());

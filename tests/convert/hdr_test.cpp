@@ -1,11 +1,8 @@
 // GPL-2.0-or-later. HDR light as JSON, in -info and as pictures.
-#include "common/error.h"
 #include "libs/math/packed_color.h"
 #include "q3map2/convert/bsp_info.h"
-#include "q3map2/convert/json/convert_json.h"
-#include "q3map2/convert/json/convert_json_pack.h"
 #include "q3map2/convert/preview/tone_picture.h"
-#include "tests/convert/small_bsp.h"
+#include "tests/convert/json_fixture.h"
 
 #include <gmock/gmock.h>
 
@@ -45,32 +42,12 @@ Bsp SmallHdrBsp() {
     return bsp;
 }
 
-class HdrJsonTest : public testing::Test {
+class HdrJsonTest : public JsonTest {
   protected:
-    void Unpack(const Bsp &bsp) { UnpackJson(bsp, Quake3(), folder_.Path(), log_.log); }
-    Bsp Pack() { return PackJson(folder_.Path(), Quake3(), {}, log_.log); }
-    std::string Text(std::string_view file) const {
-        std::ifstream stream(folder_.Path() / file);
-        return {std::istreambuf_iterator<char>(stream), {}};
-    }
     /// The message of packing after `from` became `to` in a file.
     std::string FaultAfter(std::string_view file, std::string_view from, std::string_view to) {
-        Unpack(SmallHdrBsp());
-        std::string text = Text(file);
-        const std::size_t at = text.find(from);
-        EXPECT_NE(at, std::string::npos) << from;
-        text.replace(at, from.size(), to);
-        std::ofstream(folder_.Path() / file) << text;
-        try {
-            Pack();
-        } catch (const Error &error) {
-            return error.what();
-        }
-        return "no error";
+        return JsonTest::FaultAfter(SmallHdrBsp(), file, from, to);
     }
-
-    TempFolder folder_;
-    KeptLog log_;
 };
 
 TEST_F(HdrJsonTest, GivesTheSameBytes) {

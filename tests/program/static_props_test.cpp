@@ -69,15 +69,21 @@ TestMesh Sheet(float low, float high, int side, float z) {
     return mesh;
 }
 
+/// Places of the vertices of a Sheet on the floor: 2 n + 1 on each axis.
+std::vector<Vec3f> PointsOfSheet(int n, float spacing) {
+    std::vector<Vec3f> points;
+    for (int y = -n; y <= n; ++y)
+        for (int x = -n; x <= n; ++x)
+            points.push_back({float(x) * spacing, float(y) * spacing, 0});
+    return points;
+}
+
 } // namespace
 
 TEST_F(StaticPropTest, AVertexOnTheFloorGetsTheLightOfTheLuxelThere) {
     AddModel("sheet", {Sheet(-160, 160, 20, 1.0f / 64)});
     Compile(Prop("sheet", {{"disableshadows", "1"}}) + Lamp({30, 40, 150}, 60), {{"_ambient", "5"}});
-    std::vector<Vec3f> points;
-    for (int y = -10; y <= 10; ++y)
-        for (int x = -10; x <= 10; ++x)
-            points.push_back({float(x) * 16, float(y) * 16, 0});
+    const std::vector<Vec3f> points = PointsOfSheet(10, 16);
     const std::vector<float> floor = FloorLight("-staticproplighting", points);
     const std::vector<Vec3f> colors = Colors();
     ASSERT_EQ(colors.size(), points.size());
@@ -94,10 +100,7 @@ TEST_F(StaticPropTest, AVertexOnTheFloorGetsTheLightOfTheLuxelThere) {
 TEST_F(StaticPropTest, PropsGetTheBouncedLightOfTheFloor) {
     AddModel("sheet", {Sheet(-96, 96, 6, 1.0f / 64)});
     Compile(Prop("sheet", {{"disableshadows", "1"}}) + Lamp({30, 40, 150}, 60));
-    std::vector<Vec3f> points;
-    for (int y = -3; y <= 3; ++y)
-        for (int x = -3; x <= 3; ++x)
-            points.push_back({float(x) * 32, float(y) * 32, 0});
+    const std::vector<Vec3f> points = PointsOfSheet(3, 32);
     const std::vector<float> floor = FloorLight("-staticproplighting -bounce 8 -bounceonly", points);
     const std::vector<Vec3f> colors = Colors();
     ASSERT_EQ(colors.size(), points.size());

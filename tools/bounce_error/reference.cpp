@@ -97,10 +97,7 @@ void StoreReference(const std::filesystem::path &path, const std::string &key, c
     add(&head, sizeof head);
     add(reference.luxels.data(), reference.luxels.size() * sizeof(Estimate));
     add(reference.positions.data(), reference.positions.size() * sizeof(PositionEstimate));
-    std::error_code failed;
-    std::filesystem::create_directories(path.parent_path(), failed);
-    if (failed)
-        throw Error("{}: {}", path.parent_path().string(), failed.message());
+    MakeFolder(path.parent_path());
     ReplaceFile(path, bytes);
 }
 

@@ -54,10 +54,7 @@ void Store(const std::filesystem::path &path, const std::string &key, const Trut
     std::vector<std::byte> bytes(sizeof head + truth.points.size() * sizeof(TruthPoint));
     std::memcpy(bytes.data(), &head, sizeof head);
     std::memcpy(bytes.data() + sizeof head, truth.points.data(), truth.points.size() * sizeof(TruthPoint));
-    std::error_code failed;
-    std::filesystem::create_directories(path.parent_path(), failed);
-    if (failed)
-        throw Error("{}: {}", path.parent_path().string(), failed.message());
+    MakeFolder(path.parent_path());
     ReplaceFile(path, bytes);
 }
 

@@ -2,12 +2,10 @@
 #include "q3map2/light/cubes/ambient_cubes.h"
 
 #include "common/error.h"
-#include "common/progress.h"
 #include "q3map2/light/cubes/cube_light.h"
 #include "q3map2/light/cubes/leaf_positions.h"
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -60,22 +58,9 @@ class LeafSampler {
                 places_[std::size_t(leaf)] = FindCubePlaces(in_.space, polytopes, std::size_t(leaf));
         });
         const std::vector<LeafGroup> groups = GroupLeafs(bsp_, places_);
-        std::vector<GridStats> work(std::size_t(in_.jobs.Threads()));
-        std::atomic<std::uint64_t> raysSoFar{0};
-        Progress progress(in_.log, std::int64_t(groups.size()));
-        in_.jobs.For(
-            std::int64_t(groups.size()),
-            [&](std::int64_t group, int worker) {
-                GridStats &mine = work[std::size_t(worker)];
-                const std::uint64_t before = mine.counts.rays;
-                Light(groups[std::size_t(group)], std::uint64_t(group), mine);
-                raysSoFar += mine.counts.rays - before;
-            },
-            [&](std::int64_t done) { progress.Update(done, raysSoFar); });
-        progress.Finish();
-        for (const GridStats &part : work)
-            stats.Add(part);
-        stats.seconds += progress.Seconds();
+        RunBricks(in_, std::int64_t(groups.size()), stats, [&](std::int64_t group, GridStats &work) {
+            Light(groups[std::size_t(group)], std::uint64_t(group), work);
+        });
         for (const std::vector<CubePlace> &places : places_)
             stats.points += std::int64_t(places.size()), stats.open += places.empty() ? 0 : 1;
     }

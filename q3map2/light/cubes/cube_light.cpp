@@ -16,8 +16,6 @@ namespace q3 {
 
 namespace {
 
-/// As at points of the SH grid. Byte scale.
-constexpr float kFaintInCube = 1.0f / 4;
 /// Area lights that give less in all are not cut into the parts before and behind a side. Byte scale.
 constexpr double kWorthCutting = 1.0 / 16;
 /// Sides beyond this, from absurd keys and scales, are limited. 1 = byte 255.
@@ -177,26 +175,15 @@ CubeSides Finish(const GridInputs &in, SideSums sides) {
 } // namespace
 
 CubeIntegrator::CubeIntegrator(const GridInputs &in, const std::vector<Light> &lights)
-    : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
-                                          .sunOnly = in.options.sunOnly,
-                                          .radiance = true,
-                                          .samples = in.options.shSamples,
-                                          .skip = in.options.skip},
-      faint_(kFaintInCube / in.options.shSamples) {}
+    : in_(in), lighting_(in, lights, true) {}
 
 std::vector<CubeSides> CubeIntegrator::Sides(std::vector<ReceiverBatch> &blocks, std::uint64_t seed,
                                              GridStats &work) const {
-    StartFaintResiduals(blocks, faint_);
     std::vector<std::array<SideSums, kPacketSize>> sums(blocks.size());
-    std::vector<ProbeIncidentLight> incident(blocks.size());
-    const BrickLights candidates(lights_, BrickView(blocks), seed, faint_, in_.options.skip, work);
-    LightSettings pass = settings_;
-    pass.faint = candidates.Many() ? faint_ : 0;
-    for (const BrickLight &one : candidates.List()) {
-        LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, incident, work.counts);
+    lighting_.Trace(blocks, seed, work, [&](const BrickLight &one, const std::vector<ProbeIncidentLight> &incident) {
         for (std::size_t block = 0; block < blocks.size(); ++block)
             AddLight(*one.light, one.weight, blocks[block], incident[block], sums[block]);
-    }
+    });
     const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
     std::vector<CubeSides> all;
     for (std::size_t block = 0; block < blocks.size(); ++block)

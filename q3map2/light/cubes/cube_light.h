@@ -2,8 +2,7 @@
 #pragma once
 
 #include "q3map2/light/cubes/cube_sample.h"
-#include "q3map2/light/grid/grid_bricks.h"
-#include "q3map2/light/transfer/light_contribution.h"
+#include "q3map2/light/grid/brick_lighting.h"
 
 #include <vector>
 
@@ -23,9 +22,7 @@ class CubeIntegrator {
 
   private:
     const GridInputs &in_;
-    BrickCandidates lights_;
-    LightSettings settings_;
-    float faint_; ///< see SelectFaintLight
+    BrickLighting lighting_;
 };
 
 /// The sides by an SH grid as it is stored: light on surfaces that face the axes at the position.

@@ -120,13 +120,13 @@ void StartFaintResiduals(std::vector<ReceiverBatch> &blocks, float faint) {
         receivers.faintResidual = float(UnitFromHash(HashIndex(kSeedFaint + receivers.index[0]))) * faint;
 }
 
-void RunGridBricks(const GridInputs &in, const GridBricks &bricks, GridStats &stats,
-                   const std::function<void(std::int64_t, GridStats &)> &trace) {
+void RunBricks(const GridInputs &in, std::int64_t count, GridStats &stats,
+               const std::function<void(std::int64_t, GridStats &)> &trace) {
     std::vector<GridStats> work(std::size_t(in.jobs.Threads()));
-    Progress progress(in.log, bricks.Count());
+    Progress progress(in.log, count);
     std::atomic<std::uint64_t> raysSoFar{0};
     in.jobs.For(
-        bricks.Count(),
+        count,
         [&](std::int64_t brick, int worker) {
             GridStats &mine = work[std::size_t(worker)];
             const std::uint64_t before = mine.counts.rays;

@@ -84,8 +84,9 @@ class BrickLights {
 /// Sets ReceiverBatch::faintResidual of each block to a random start, so that blocks do not choose the same lights.
 void StartFaintResiduals(std::vector<ReceiverBatch> &blocks, float faint);
 
-/// Runs `trace(brick, work)` for every brick on all workers, with progress; adds the work up into `stats`.
-void RunGridBricks(const GridInputs &in, const GridBricks &bricks, GridStats &stats,
-                   const std::function<void(std::int64_t, GridStats &)> &trace);
+/// Runs `trace(brick, work)` for bricks 0 to count - 1 on all workers, with progress; adds the work up into `stats`. A
+/// brick is any set of receivers that are lit together.
+void RunBricks(const GridInputs &in, std::int64_t count, GridStats &stats,
+               const std::function<void(std::int64_t, GridStats &)> &trace);
 
 } // namespace q3

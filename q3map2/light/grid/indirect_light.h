@@ -18,10 +18,6 @@ struct IndirectRay {
 /// Bounced light at points in the open. Const after construction; safe from several threads.
 class IndirectLight {
   public:
-    /// Replaces uniform radiance 1 from all directions by directional lights: the sum of their irradiances, each on a
-    /// surface that faces it. Irradiance is the integral of radiance * cosine / pi, so the sum is 4 pi / pi.
-    static constexpr float kFacing = 4;
-
     virtual ~IndirectLight() = default;
     /// Sets `rays` to directional lights that together give the bounced light at the point; `seed` rotates the pattern
     /// of directions.

@@ -382,7 +382,7 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
     std::vector<bspGridPoint_t> grid(std::size_t(layout.Count()), bspGridPoint_t{});
     const GridBricks bricks(layout);
     stats.points = layout.Count();
-    RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
+    RunBricks(in, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
         std::vector<ReceiverBatch> blocks = PlaceBrick(in.space, layout, bricks.Points(brick), work);
         if (blocks.empty())
             return;

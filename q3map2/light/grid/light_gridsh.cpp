@@ -143,7 +143,7 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     const ProbeIntegrator integrator(in, lights);
     const VisibilityGroups sides = FindVisibilityGroups(in, layout, receivers.Displaced(), receivers.States());
     GridFit fit(in, layout, receivers.States(), sides.isSplit);
-    RunGridBricks(in, bricks, stats, [&](std::int64_t brick, GridStats &work) {
+    RunBricks(in, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
         std::vector<ReceiverBatch> blocks = receivers.Take(brick);
         if (!blocks.empty())
             integrator.Trace(blocks, std::uint64_t(brick), work,

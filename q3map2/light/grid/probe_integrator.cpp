@@ -12,10 +12,6 @@ namespace q3 {
 
 namespace {
 
-/// Lights that give less than this to all of a brick, and area lights that give less to a batch of it, are represented
-/// by a few of them. Byte scale; a quarter of the smallest step that a screen can show.
-constexpr float kFaintAtProbe = 1.0f / 4;
-
 /// Sums beyond this, from absurd keys and scales, are clamped. 1 = byte 255.
 constexpr double kMaxCoefficient = 1e9;
 
@@ -133,28 +129,17 @@ void StoreBlock(const GridInputs &in, const BlockSum &sum, std::size_t count, st
 } // namespace
 
 ProbeIntegrator::ProbeIntegrator(const GridInputs &in, const std::vector<Light> &lights)
-    : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
-                                          .sunOnly = in.options.sunOnly,
-                                          .radiance = in.options.shRadiance,
-                                          .samples = in.options.shSamples,
-                                          .skip = in.options.skip},
-      faint_(kFaintAtProbe / in.options.shSamples) {}
+    : in_(in), lighting_(in, lights, in.options.shRadiance) {}
 
 std::vector<bspGridPointSH_t> ProbeIntegrator::Values(std::vector<ReceiverBatch> &blocks, std::uint64_t seed,
                                                       GridStats &work) const {
-    StartFaintResiduals(blocks, faint_);
     std::vector<BlockSum> sums(blocks.size());
-    std::vector<ProbeIncidentLight> incident(blocks.size());
-    const BrickLights candidates(lights_, BrickView(blocks), seed, faint_, in_.options.skip, work);
-    LightSettings pass = settings_;
-    pass.faint = candidates.Many() ? faint_ : 0;
-    for (const BrickLight &one : candidates.List()) {
-        LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, incident, work.counts);
+    lighting_.Trace(blocks, seed, work, [&](const BrickLight &one, const std::vector<ProbeIncidentLight> &incident) {
         const Vec3d scale = Vec3d(one.light->color) * ((one.light->negative ? -1 : 1) / 255.0);
         for (std::size_t block = 0; block < blocks.size(); ++block)
             if (incident[block].live.Any())
                 sums[block].Add(scale, incident[block]);
-    }
+    });
     const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
     std::vector<bspGridPointSH_t> values;
     std::size_t count = 0;

@@ -1,8 +1,7 @@
 // GPL-2.0-or-later. SH coefficients at points in the open.
 #pragma once
 
-#include "q3map2/light/grid/grid_bricks.h"
-#include "q3map2/light/transfer/light_contribution.h"
+#include "q3map2/light/grid/brick_lighting.h"
 
 #include <vector>
 
@@ -30,9 +29,7 @@ class ProbeIntegrator {
     std::vector<bspGridPointSH_t> Values(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work) const;
 
     const GridInputs &in_;
-    BrickCandidates lights_;
-    LightSettings settings_;
-    float faint_; ///< see SelectFaintLight
+    BrickLighting lighting_;
 };
 
 } // namespace q3

@@ -14,8 +14,7 @@ namespace q3 {
 
 namespace {
 
-/// Rays per luxel, under -fast fewer, and sets of directions: the luxels of a 4 x 4 block have one each, 1024
-/// directions together.
+/// Rays per luxel without -bouncerays: usually, under -fast, and at least for a super luxel.
 constexpr int kRays = 64, kFastRays = 24, kMinRays = 4;
 /// Rays of a vertex for each ray of a luxel.
 constexpr int kVertexShare = 4;
@@ -23,6 +22,7 @@ constexpr int kVertexShare = 4;
 constexpr std::uint64_t kMaxKeptHits = std::uint64_t(192) << 20;
 /// Rays of vertices start this far off their surface; kMinRayLift where another surface is nearer. Game units.
 constexpr float kRayLift = 1, kMinRayLift = 1.0f / 16;
+
 /// Dither threshold in [0, 1) of the additive golden ratio sequence.
 float DitherThreshold(std::uint32_t number) {
     constexpr std::uint32_t kGolden = 2654435769u; // 2^32 over the golden ratio

@@ -9,7 +9,13 @@
 
 namespace q3 {
 
-namespace {} // namespace
+namespace {
+
+/// Light on surfaces that face each of the rays, summed over the sphere, where the radiance is 1 from everywhere: light
+/// is the integral of radiance * cosine / pi, so the sum is 4 pi / pi.
+constexpr float kFacingSum = 4;
+
+} // namespace
 
 void BouncedLight::Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
     rays.clear();
@@ -17,7 +23,7 @@ void BouncedLight::Gather(const Vec3f &position, std::uint64_t seed, std::vector
         const auto found = scene_.FirstEmitters(packet, false);
         for (std::size_t i = 0; i < directions.size(); ++i)
             if (Emits(found[i]))
-                rays.push_back({directions[i], emission_[found[i]] * (kFacing / float(rays_))});
+                rays.push_back({directions[i], emission_[found[i]] * (kFacingSum / float(rays_))});
     });
     for (std::uint32_t i = 0; i < std::uint32_t(rays_); ++i) {
         const Sample2 s = PlasticSample(i, seed);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <numeric>
 
 namespace q3 {
@@ -53,6 +54,10 @@ void RadiositySolver::AddGroups() {
     for (std::size_t i = 0; i < surfaces_.lightmaps.size(); ++i) {
         const RawLightmap &raw = surfaces_.lightmaps[i];
         Group group(emitters_.FirstOf(i), EmitterId(raw.width * raw.height), i, true);
+        group.mapped.resize(group.count);
+        for (int y = 0; y < raw.SuperHeight(); ++y)
+            for (int x = 0; x < raw.SuperWidth(); ++x)
+                group.mapped[raw.Index(x / raw.super, y / raw.super)] |= raw.Mapped(raw.SuperIndex(x, y));
         if (!raw.dirt.empty())
             group.dirt = LuxelMeans(raw, 1.0f, [&](std::size_t luxel) { return raw.dirt[luxel]; });
         groups_.push_back(std::move(group));
@@ -125,13 +130,9 @@ void RadiositySolver::FinishLight(const Group &group, std::span<Vec3f> light) co
     if (!group.isLightmap)
         return;
     const RawLightmap &raw = surfaces_.lightmaps[group.number];
-    LuxelMask mapped(light.size());
-    for (int y = 0; y < raw.SuperHeight(); ++y)
-        for (int x = 0; x < raw.SuperWidth(); ++x)
-            if (raw.Mapped(raw.SuperIndex(x, y)))
-                mapped[raw.Index(x / raw.super, y / raw.super)] = 1;
+    LuxelMask known = group.mapped;
     std::vector<Vec3f> filled(light.begin(), light.end());
-    FillFromNeighbors(raw.width, raw.height, mapped, filled);
+    FillFromNeighbors(raw.width, raw.height, known, filled);
     for (std::size_t i = 0; i < light.size(); ++i)
         light[i] = filled[i] * (group.dirt.empty() ? 1 : group.dirt[i]);
 }
@@ -149,16 +150,18 @@ void RadiositySolver::Step(const GroupMask &shot, const std::vector<Vec3f> *rece
         const auto i = std::size_t(number);
         const Group &group = groups_[i];
         const auto light = group.Of(state.light), unshot = group.Of(state.unshot), total = group.Of(state.total);
+        const auto reflectance = group.Of(reflectance_);
         std::fill(light.begin(), light.end(), Vec3f{});
         if (SeesAny(group, shot))
             GatherGroup(group, emission, light);
-        if (received)
-            for (std::size_t k = 0; k < light.size(); ++k)
-                light[k] += group.Of(*received)[k];
+        if (received) {
+            const auto more = group.Of(*received);
+            std::transform(light.begin(), light.end(), more.begin(), light.begin(), std::plus());
+        }
         FinishLight(group, light);
         float power = 0;
         for (std::size_t k = 0; k < light.size(); ++k) {
-            const Vec3f reflected = light[k] * group.Of(reflectance_)[k];
+            const Vec3f reflected = light[k] * reflectance[k];
             unshot[k] += reflected, total[k] += reflected;
             power += Luminance(unshot[k]);
         }

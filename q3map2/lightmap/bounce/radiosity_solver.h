@@ -2,6 +2,7 @@
 #pragma once
 
 #include "q3map2/lightmap/bounce/bounce_gather.h"
+#include "q3map2/lightmap/raw/luxel_masks.h"
 
 namespace q3 {
 
@@ -44,6 +45,7 @@ class RadiositySolver {
         bool isLightmap;
         std::vector<EmitterId> vertexHits; ///< of vertices
         std::vector<float> dirt;           ///< by texel; empty: 1
+        LuxelMask mapped;                  ///< by texel
         std::vector<std::uint32_t> sees;   ///< groups that its rays hit, ascending
         std::uint64_t rays = 0;
 

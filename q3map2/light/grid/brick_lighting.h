@@ -1,0 +1,50 @@
+// GPL-2.0-or-later. The light of all lights at receivers in the open that are lit together.
+#pragma once
+
+#include "q3map2/light/grid/grid_bricks.h"
+#include "q3map2/light/transfer/light_contribution.h"
+
+#include <vector>
+
+namespace q3 {
+
+/// Goes through the lights that may reach a brick, with the rules of the SH grid. Const after construction; safe from
+/// several threads. Keeps references.
+class BrickLighting {
+  public:
+    /// lights: from SetupEnvelopes for the SH grid. radiance: as LightSettings::radiance.
+    BrickLighting(const GridInputs &in, const std::vector<Light> &lights, bool radiance)
+        : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
+                                              .sunOnly = in.options.sunOnly,
+                                              .radiance = radiance,
+                                              .samples = in.options.shSamples,
+                                              .skip = in.options.skip},
+          faint_(kFaint / in.options.shSamples) {}
+
+    /// Calls use(light, incident) for each light that may reach the blocks, which are neighbors. incident: what arrives,
+    /// by block. seed: of the random choice among faint lights, which is the same for all of the blocks.
+    template <typename Use>
+    void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work, const Use &use) const {
+        StartFaintResiduals(blocks, faint_);
+        std::vector<ProbeIncidentLight> incident(blocks.size());
+        const BrickLights candidates(lights_, BrickView(blocks), seed, faint_, in_.options.skip, work);
+        LightSettings pass = settings_;
+        pass.faint = candidates.Many() ? faint_ : 0;
+        for (const BrickLight &one : candidates.List()) {
+            LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, incident, work.counts);
+            use(one, incident);
+        }
+    }
+
+  private:
+    /// Lights that give less than this to all of a brick, and area lights that give less to a batch of it, are
+    /// represented by a few of them. Byte scale; a quarter of the smallest step that a screen can show.
+    static constexpr float kFaint = 1.0f / 4;
+
+    const GridInputs &in_;
+    BrickCandidates lights_;
+    LightSettings settings_;
+    float faint_; ///< see SelectFaintLight
+};
+
+} // namespace q3
