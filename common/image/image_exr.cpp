@@ -23,7 +23,7 @@ namespace {
 constexpr std::array<const char *, 3> kExrChannels = {"R", "G", "B"};
 constexpr int kMaxExrSide = 16384;
 /// Keeps memory in proportion to the file; only uniform images with thousands of rows could exceed it.
-constexpr std::uint64_t kMaxTexelsPerByte = 2048;
+constexpr std::uint64_t kMaxExrTexelsPerByte = 2048;
 
 class BytesIn : public Imf::IStream {
   public:
@@ -85,7 +85,7 @@ FloatImage ReadExr(std::span<const std::byte> file, std::string_view name) {
                        height = std::int64_t(window.max.y) - window.min.y + 1;
     CheckImageSize(std::uint64_t(std::max<std::int64_t>(width, 0)), std::uint64_t(std::max<std::int64_t>(height, 0)),
                    name);
-    if (std::uint64_t(width * height) > kMaxTexelsPerByte * file.size())
+    if (std::uint64_t(width * height) > kMaxExrTexelsPerByte * file.size())
         throw Error("{}: EXR: {} bytes cannot hold {} x {} texels", name, file.size(), width, height);
     for (const char *channel : kExrChannels) {
         const Imf::Channel *found = input.header().channels().findChannel(channel);

@@ -12,7 +12,7 @@ namespace q3 {
 namespace {
 
 // A block of 8 x 8 texels takes at least one bit.
-constexpr std::uint64_t kMaxTexelsPerByte = 8 * 64;
+constexpr std::uint64_t kMaxJpegTexelsPerByte = 8 * 64;
 
 struct Destroy {
     void operator()(void *decoder) const { tjDestroy(decoder); }
@@ -32,7 +32,7 @@ Image DecodeJpeg(std::span<const std::byte> file, std::string_view name) {
         throw Error("{}: JPEG: {}", name, tjGetErrorStr2(decoder.get()));
     CheckImageSize(std::uint64_t(image.width), std::uint64_t(image.height), name);
     const std::uint64_t texels = std::uint64_t(image.width) * std::uint64_t(image.height);
-    if (texels > kMaxTexelsPerByte * file.size())
+    if (texels > kMaxJpegTexelsPerByte * file.size())
         throw Error("{}: JPEG: {} bytes cannot hold {} x {} texels", name, file.size(), image.width, image.height);
 
     image.rgba.resize(4 * texels);

@@ -26,7 +26,7 @@ class SkipTest : public LightTest {
 };
 
 /// Largest difference of displayed light over points and the six directions of the axes. Byte scale.
-double Largest(const GridView &a, const GridView &b) {
+double LargestDifference(const GridView &a, const GridView &b) {
     double largest = 0;
     for (std::size_t i = 0; i < a.Count(); ++i)
         for (const Vec3d normal : {Vec3d{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}})
@@ -54,7 +54,7 @@ TEST_F(SkipTest, LightsOutOfReach) {
     EXPECT_GT(result.gridSH.skippedReach, 0u);
     const GridView all = LitGrid(scene, "-noskipreach");
     EXPECT_EQ(result.gridSH.skippedReach, 0u);
-    EXPECT_EQ(Largest(skipped, all), 0);
+    EXPECT_EQ(LargestDifference(skipped, all), 0);
 }
 
 TEST_F(SkipTest, LightsHiddenByVisibilityData) {
@@ -69,7 +69,7 @@ TEST_F(SkipTest, LightsHiddenByVisibilityData) {
     const GridView all = LitGrid(scene, std::string(kSize) + " -noskippvs");
     EXPECT_EQ(result.gridSH.skippedPvs + result.gridSH.counts.skippedPvs, 0u);
     EXPECT_LT(rays, result.gridSH.counts.rays);
-    EXPECT_LE(Largest(skipped, all), 1e-6);
+    EXPECT_LE(LargestDifference(skipped, all), 1e-6);
 }
 
 TEST_F(SkipTest, FarLampsAsPoints) {
@@ -78,7 +78,7 @@ TEST_F(SkipTest, FarLampsAsPoints) {
     EXPECT_GT(result.gridSH.counts.skippedMoments, 0u);
     const GridView all = LitGrid(scene, "-noskipmoments");
     EXPECT_EQ(result.gridSH.counts.skippedMoments, 0u);
-    EXPECT_LE(Largest(skipped, all), 2 * 17.0 / 16 / 256) << "1/256 of a byte for each of the two triangles";
+    EXPECT_LE(LargestDifference(skipped, all), 2 * 17.0 / 16 / 256) << "1/256 of a byte for each of the two triangles";
 }
 
 TEST_F(SkipTest, FaintLampsByOneRay) {
@@ -90,7 +90,7 @@ TEST_F(SkipTest, FaintLampsByOneRay) {
     const GridView all = LitGrid(scene, "-noskipprobes");
     EXPECT_EQ(result.gridSH.counts.skippedProbes, 0u);
     EXPECT_LT(rays, result.gridSH.counts.rays);
-    EXPECT_LE(Largest(skipped, all), 2 * 0.5) << "half a byte for each of the two triangles";
+    EXPECT_LE(LargestDifference(skipped, all), 2 * 0.5) << "half a byte for each of the two triangles";
 }
 
 TEST_F(SkipTest, DimLightsWhereNeighborsAgree) {
@@ -103,7 +103,7 @@ TEST_F(SkipTest, DimLightsWhereNeighborsAgree) {
     const GridView all = LitGrid(scene, "-fastgrid -shsamples 1 -noskipcoarse");
     EXPECT_EQ(result.gridSH.counts.skippedCoarse, 0u);
     EXPECT_LT(rays, result.gridSH.counts.rays);
-    EXPECT_LE(Largest(skipped, all), 17.0 / 16) << "a byte";
+    EXPECT_LE(LargestDifference(skipped, all), 17.0 / 16) << "a byte";
     LitGrid(scene);
     EXPECT_EQ(result.gridSH.counts.skippedCoarse, 0u) << "only of fast grids";
 }

@@ -14,7 +14,7 @@ namespace q3::test {
 
 namespace {
 
-constexpr std::string_view kFloor = "textures/test/floor", kVertexFloor = "textures/test/vertices";
+constexpr std::string_view kLitFloor = "textures/test/floor", kVertexFloor = "textures/test/vertices";
 constexpr std::string_view kShaders = "textures/test/vertices\n{\nsurfaceparm pointlight\n}\n"
                                       "textures/test/sky\n{\nsurfaceparm sky\n}\n";
 constexpr double kRadian = std::numbers::pi / 180;
@@ -52,14 +52,14 @@ class SourceLightsTest : public testing::Test {
     /// A floor with a lightmap and one lit at its vertices.
     static SceneBuilder Floors() {
         SceneBuilder scene = EmptyRoom();
-        scene.AddQuad(Rectangle(-128, -128, 128, 128, 0), Shaded(kFloor));
+        scene.AddQuad(Rectangle(-128, -128, 128, 128, 0), Shaded(kLitFloor));
         scene.AddQuad(Rectangle(-200, 140, 180, 400, 0), Shaded(kVertexFloor));
         return scene;
     }
     /// Luxels of the one floor and vertices of the other.
     static std::vector<Place> Places(const Baked &baked) {
         std::vector<Place> places;
-        const RawLightmap &floor = baked.Of(kFloor);
+        const RawLightmap &floor = baked.Of(kLitFloor);
         for (std::size_t i = 0; i < floor.luxelClusters.size(); ++i)
             if (floor.Mapped(i))
                 places.push_back({Vec3d(floor.positions[i]), Vec3d(floor.normals[i]), Vec3d(floor.light[0][i])});
@@ -171,9 +171,10 @@ TEST_F(SourceLightsTest, LightDoesNotDependOnWhereTheMapIs) {
     using Key = std::pair<int, int>;
     const auto bake = [&](int quarters, const Vec3f &moved) {
         SceneBuilder scene = EmptyRoom(Vec3f{-1024, -1024, -1024} + moved, Vec3f{1024, 1024, 1024} + moved);
-        scene.AddQuad(Rectangle(moved.x - 128, moved.y - 128, moved.x + 128, moved.y + 128, moved.z), Shaded(kFloor));
+        scene.AddQuad(Rectangle(moved.x - 128, moved.y - 128, moved.x + 128, moved.y + 128, moved.z),
+                      Shaded(kLitFloor));
         const Baked baked = Bake(scene, AllKinds(1, quarters, moved));
-        const RawLightmap &floor = baked.Of(kFloor);
+        const RawLightmap &floor = baked.Of(kLitFloor);
         std::map<Key, Vec3f> light;
         for (std::size_t i = 0; i < floor.luxelClusters.size(); ++i)
             if (floor.Mapped(i)) {
@@ -207,7 +208,7 @@ TEST_F(SourceLightsTest, AnOpenFloorGetsTheAmbientColorAndAWallHalfOfIt) {
     const double green = std::pow(128 / 255.0, 2.2);
     {
         SceneBuilder scene = OpenPlain();
-        scene.AddQuad(Rectangle(-128, -128, 128, 128, 8), Shaded(kFloor));
+        scene.AddQuad(Rectangle(-128, -128, 128, 128, 8), Shaded(kLitFloor));
         scene.AddQuad(Rectangle(200, -128, 400, 128, 8), Shaded(kVertexFloor));
         for (const Place &place : Places(Bake(scene, sky))) {
             EXPECT_NEAR(place.light.x, 80, 80e-5);
@@ -231,7 +232,7 @@ TEST_F(SourceLightsTest, ThePenumbraIsAsWideAsTheDiscOfTheSun) {
     // A slab over half of the floor; its lower edge is 900 units up.
     constexpr double kHeight = 900, kEdge = 3.3;
     SceneBuilder scene = OpenPlain();
-    scene.AddQuad(Rectangle(-128, -128, 128, 128, 1), Shaded(kFloor));
+    scene.AddQuad(Rectangle(-128, -128, 128, 128, 1), Shaded(kLitFloor));
     scene.AddQuad(Rectangle(200, -128, 400, 128, 1), Shaded(kVertexFloor));
     scene.AddBox({float(kEdge), -900, float(kHeight) + 1}, {900, 900, float(kHeight) + 9}, Shaded("textures/test/slab"),
                  BoxKind::Detail);
@@ -240,7 +241,7 @@ TEST_F(SourceLightsTest, ThePenumbraIsAsWideAsTheDiscOfTheSun) {
         {MakeEntity("light_environment",
                     {{"_light", "255 255 255 100"}, {"SunSpreadAngle", "5"}, {"_samples", "256"}, {"pitch", "-90"}})});
     const double halfWidth = kHeight * std::tan(2.5 * kRadian);
-    const RawLightmap &floor = baked.Of(kFloor);
+    const RawLightmap &floor = baked.Of(kLitFloor);
     std::array<int, 3> seen{};
     for (std::size_t i = 0; i < floor.luxelClusters.size(); ++i) {
         if (!floor.Mapped(i))

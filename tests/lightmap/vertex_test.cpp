@@ -11,7 +11,7 @@ namespace q3::test {
 
 namespace {
 
-constexpr std::string_view kFloor = "textures/test/floor", kLit = "textures/test/lightmapped";
+constexpr std::string_view kVertexLitFloor = "textures/test/floor", kLit = "textures/test/lightmapped";
 constexpr std::string_view kVertexLit = "textures/test/floor\n{\nsurfaceparm pointlight\n}\n";
 
 Entity PointLight(const Vec3f &at, int intensity, std::string_view style = "0") {
@@ -35,7 +35,7 @@ class VertexTest : public testing::Test {
     /// A floor that is lit at its vertices, and one with a lightmap beside it.
     SceneBuilder Floors() const {
         SceneBuilder scene = EmptyRoom({-300, -300, -100}, {300, 300, 400});
-        scene.AddQuad(Rectangle(-120, -100, 110, 90, 0), Shaded(kFloor));
+        scene.AddQuad(Rectangle(-120, -100, 110, 90, 0), Shaded(kVertexLitFloor));
         scene.AddQuad(Rectangle(-120, 110, 110, 190, 0), Shaded(kLit));
         return scene;
     }
@@ -87,22 +87,22 @@ TEST_F(VertexTest, PointLightByItsFormula) {
     scene.AddEntity(PointLight(lamp, 100));
     SurfaceCase c(scene, folder, Settings());
     const SurfaceLight surfaces = Lit(c);
-    for (const std::size_t v : VerticesOf(c, kFloor)) {
+    for (const std::size_t v : VerticesOf(c, kVertexLitFloor)) {
         const double expected = FromPoint(surfaces.verts[v].xyz, surfaces.verts[v].normal, lamp, 100);
         EXPECT_NEAR(surfaces.vertex.sum[0][v].x, expected, 0.005 * expected);
         EXPECT_EQ(surfaces.vertex.radiosity[0][v], surfaces.vertex.sum[0][v]);
     }
-    EXPECT_EQ(StylesOf(c, surfaces, kFloor), (Styles{0, kNoStyle, kNoStyle, kNoStyle}));
+    EXPECT_EQ(StylesOf(c, surfaces, kVertexLitFloor), (Styles{0, kNoStyle, kNoStyle, kNoStyle}));
 }
 
 TEST_F(VertexTest, VerticesThatTouchWallsAreLit) {
     SceneBuilder scene = EmptyRoom({-256, -192, 0}, {256, 192, 256});
-    scene.AddQuad(Rectangle(-256, -192, 256, 192, 0), Shaded(kFloor));
+    scene.AddQuad(Rectangle(-256, -192, 256, 192, 0), Shaded(kVertexLitFloor));
     const Vec3f lamp{40, -24, 150};
     scene.AddEntity(PointLight(lamp, 100));
     SurfaceCase c(scene, folder, Settings());
     const SurfaceLight surfaces = Lit(c);
-    for (const std::size_t v : VerticesOf(c, kFloor)) {
+    for (const std::size_t v : VerticesOf(c, kVertexLitFloor)) {
         const double expected = FromPoint(surfaces.verts[v].xyz, {0, 0, 1}, lamp, 100);
         EXPECT_NEAR(surfaces.vertex.sum[0][v].y, expected, 0.005 * expected) << v;
     }
@@ -115,10 +115,10 @@ TEST_F(VertexTest, ShadowsAndAmbient) {
     scene.SetWorldKey("_ambient", "7");
     SurfaceCase c(scene, folder, Settings());
     SurfaceLight surfaces = Lit(c);
-    for (const std::size_t v : VerticesOf(c, kFloor))
+    for (const std::size_t v : VerticesOf(c, kVertexLitFloor))
         EXPECT_EQ(surfaces.vertex.sum[0][v], (Vec3f{7, 7, 7}));
     AddPass(c, surfaces, {.bounce = true});
-    for (const std::size_t v : VerticesOf(c, kFloor)) {
+    for (const std::size_t v : VerticesOf(c, kVertexLitFloor)) {
         EXPECT_EQ(surfaces.vertex.sum[0][v], (Vec3f{7, 7, 7}));
         EXPECT_EQ(surfaces.vertex.radiosity[0][v], Vec3f{});
     }
@@ -127,7 +127,7 @@ TEST_F(VertexTest, ShadowsAndAmbient) {
 TEST_F(VertexTest, VerticesInTheDarkLookAFewUnitsAside) {
     // A plate covers each vertex, but not what is 8 units from it.
     SceneBuilder scene = EmptyRoom({-300, -300, -100}, {300, 300, 400});
-    scene.AddQuad(Rectangle(-96, -96, 96, 96, 0), Shaded(kFloor));
+    scene.AddQuad(Rectangle(-96, -96, 96, 96, 0), Shaded(kVertexLitFloor));
     for (const float x : {-96.0f, 96.0f})
         for (const float y : {-96.0f, 96.0f})
             scene.AddBox({x - 5, y - 5, 10}, {x + 5, y + 5, 12}, Shaded("textures/test/plate"), BoxKind::Detail);
@@ -135,7 +135,7 @@ TEST_F(VertexTest, VerticesInTheDarkLookAFewUnitsAside) {
     scene.AddEntity(PointLight(lamp, 300));
     SurfaceCase c(scene, folder, Settings());
     const SurfaceLight surfaces = Lit(c);
-    for (const std::size_t v : VerticesOf(c, kFloor)) {
+    for (const std::size_t v : VerticesOf(c, kVertexLitFloor)) {
         const double expected = FromPoint(surfaces.verts[v].xyz, {0, 0, 1}, lamp, 300);
         EXPECT_NEAR(surfaces.vertex.sum[0][v].x, expected, 0.05 * expected);
     }
@@ -143,14 +143,14 @@ TEST_F(VertexTest, VerticesInTheDarkLookAFewUnitsAside) {
 
 TEST_F(VertexTest, VerticesInSolidGetTheMeanOfTheOthers) {
     SceneBuilder scene = EmptyRoom({-300, -300, -100}, {300, 300, 400});
-    scene.AddQuad(Rectangle(-120, -100, 110, 90, 0), Shaded(kFloor));
+    scene.AddQuad(Rectangle(-120, -100, 110, 90, 0), Shaded(kVertexLitFloor));
     scene.AddBox({80, 60, -60}, {140, 120, 60}, Shaded("textures/test/block"));
     scene.AddEntity(PointLight({-60, -60, 150}, 300));
     SurfaceCase c(scene, folder, Settings());
     const SurfaceLight surfaces = Lit(c);
     Vec3f sum;
     std::vector<Vec3f> inside;
-    for (const std::size_t v : VerticesOf(c, kFloor))
+    for (const std::size_t v : VerticesOf(c, kVertexLitFloor))
         if (surfaces.verts[v].xyz == Vec3f{110, 90, 0})
             inside.push_back(surfaces.vertex.sum[0][v]);
         else
@@ -166,8 +166,8 @@ TEST_F(VertexTest, StylesTakeSlots) {
     scene.AddEntity(PointLight({0, 0, 100}, 50, "5"));
     SurfaceCase c(scene, folder, Settings());
     const SurfaceLight surfaces = Lit(c);
-    EXPECT_EQ(StylesOf(c, surfaces, kFloor), (Styles{0, 5, kNoStyle, kNoStyle}));
-    for (const std::size_t v : VerticesOf(c, kFloor)) {
+    EXPECT_EQ(StylesOf(c, surfaces, kVertexLitFloor), (Styles{0, 5, kNoStyle, kNoStyle}));
+    for (const std::size_t v : VerticesOf(c, kVertexLitFloor)) {
         const double expected = FromPoint(surfaces.verts[v].xyz, {0, 0, 1}, {0, 0, 100}, 50);
         EXPECT_NEAR(surfaces.vertex.sum[1][v].x, expected, 0.005 * expected);
     }
@@ -193,7 +193,7 @@ TEST_F(VertexTest, NegativeLightSubtracts) {
     scene.AddEntity(PointLight({0, 0, 150}, -150));
     SurfaceCase c(scene, folder, Settings());
     const SurfaceLight surfaces = Lit(c);
-    for (const std::size_t v : VerticesOf(c, kFloor)) {
+    for (const std::size_t v : VerticesOf(c, kVertexLitFloor)) {
         const double expected = FromPoint(surfaces.verts[v].xyz, {0, 0, 1}, {0, 0, 150}, 50);
         EXPECT_NEAR(surfaces.vertex.sum[0][v].x, expected, 0.02 * expected);
     }
@@ -208,7 +208,7 @@ TEST_F(VertexTest, CheapStopsAtWhite) {
     settings.lightmap.cheap = true;
     SurfaceCase cheap(scene, folder, settings);
     const SurfaceLight a = Lit(whole), b = Lit(cheap);
-    for (const std::size_t v : VerticesOf(whole, kFloor)) {
+    for (const std::size_t v : VerticesOf(whole, kVertexLitFloor)) {
         const float one = a.vertex.sum[0][v].x / 5, needed = std::ceil(255 / one);
         ASSERT_LT(needed, 5);
         EXPECT_NEAR(b.vertex.sum[0][v].x, one * needed, 0.01f * one);
@@ -225,7 +225,7 @@ TEST_F(VertexTest, ForcedSunlightNeedsNoSky) {
                                            "textures/test/second\n{{\nsurfaceparm pointlight\n{}\n}}\n",
                                            forced ? "q3map_forceSunlight" : "")));
         for (SurfaceEntry &entry : c.table)
-            if (entry.shader->name == kFloor)
+            if (entry.shader->name == kVertexLitFloor)
                 entry.shader = &c.library.Get("textures/test/second");
         SurfaceLight surfaces = c.Mapped();
         AddPass(c, surfaces);
@@ -238,7 +238,7 @@ TEST_F(VertexTest, ForcedSunlightNeedsNoSky) {
 
 TEST_F(VertexTest, DirtAndFloodlight) {
     SceneBuilder scene = EmptyRoom();
-    scene.AddQuad(Rectangle(-100, -100, 100, 100, 0), Shaded(kFloor));
+    scene.AddQuad(Rectangle(-100, -100, 100, 100, 0), Shaded(kVertexLitFloor));
     scene.SetWorldKey("_ambient", "50");
     scene.SetWorldKey("_floodlight", "1 1 1 150 60");
     for (const bool dirty : {false, true}) {
@@ -248,7 +248,7 @@ TEST_F(VertexTest, DirtAndFloodlight) {
         walled.AddBox({-200, -400, -400}, {-100, 400, 400}, Shaded("textures/test/wall2"));
         SurfaceCase c(walled, folder, settings);
         SurfaceLight surfaces = Lit(c);
-        for (const std::size_t v : VerticesOf(c, kFloor)) {
+        for (const std::size_t v : VerticesOf(c, kVertexLitFloor)) {
             // 7 of 16 azimuths go towards the wall, which is close; two go along it.
             const bool atWall = surfaces.verts[v].xyz.x < 0;
             const double dirt = dirty && atWall ? 1 - 3 * 7 / 49.0 : 1;
@@ -256,7 +256,7 @@ TEST_F(VertexTest, DirtAndFloodlight) {
             EXPECT_NEAR(surfaces.vertex.sum[0][v].x, 50 * dirt + 60 * open, 0.5) << dirty << atWall;
         }
         AddPass(c, surfaces, {.bounce = true});
-        for (const std::size_t v : VerticesOf(c, kFloor))
+        for (const std::size_t v : VerticesOf(c, kVertexLitFloor))
             EXPECT_EQ(surfaces.vertex.radiosity[0][v], Vec3f{});
     }
 }
@@ -271,7 +271,7 @@ TEST_F(VertexTest, ConstantsAreStoredOnce) {
         SurfaceCase c(scene, folder, settings);
         SurfaceLight surfaces = Lit(c);
         for (int pass = 0; pass < 2; ++pass) {
-            for (const std::size_t v : VerticesOf(c, kFloor)) {
+            for (const std::size_t v : VerticesOf(c, kVertexLitFloor)) {
                 EXPECT_EQ(surfaces.vertex.sum[0][v].x, expected);
                 EXPECT_EQ(surfaces.vertex.radiosity[0][v].x, pass == 0 ? expected : 0);
             }
@@ -288,7 +288,7 @@ TEST_F(VertexTest, BounceOnlyKeepsDirectLightForTheBounces) {
     settings.lightmap.bounces = 1;
     SurfaceCase c(scene, folder, settings);
     const SurfaceLight surfaces = Lit(c);
-    for (const std::size_t v : VerticesOf(c, kFloor)) {
+    for (const std::size_t v : VerticesOf(c, kVertexLitFloor)) {
         EXPECT_EQ(surfaces.vertex.sum[0][v], Vec3f{});
         EXPECT_GT(surfaces.vertex.radiosity[0][v].x, 1);
     }
@@ -357,7 +357,7 @@ TEST_F(VertexTest, ShownInsteadOfLight) {
     settings.lightmap.show = DebugView::Origin;
     SurfaceCase origins(scene, folder, settings);
     const SurfaceLight a = Lit(normals), b = Lit(origins);
-    for (const std::size_t v : VerticesOf(normals, kFloor)) {
+    for (const std::size_t v : VerticesOf(normals, kVertexLitFloor)) {
         EXPECT_EQ(a.vertex.sum[0][v], (Vec3f{127.5f, 127.5f, 255}));
         EXPECT_EQ(b.vertex.sum[0][v], (Vec3f{b.verts[v].xyz.x > 0 ? 255.0f : 0, b.verts[v].xyz.y > 0 ? 255.0f : 0, 0}));
     }

@@ -17,7 +17,7 @@ namespace {
 /// Rays of a vertex in the solver.
 constexpr int kSolverVertexRays = 64;
 /// Groups with at least this share of the greatest unshot radiosity are the brightest.
-constexpr float kBrightShare = 0.25f;
+constexpr float kShootShare = 0.25f;
 /// The first steps shoot everything: their ratio tells how quickly light decays.
 constexpr int kFirstJacobiSteps = 4;
 
@@ -100,7 +100,7 @@ bool RadiositySolver::SeesAny(const Group &group, const GroupMask &shot) const {
 /// The groups to shoot: the brightest if they give more power per ray than all together.
 RadiositySolver::GroupMask RadiositySolver::Brightest(const State &state) const {
     GroupMask bright(groups_.size()), all(groups_.size(), 1);
-    const float least = kBrightShare * state.Peak();
+    const float least = kShootShare * state.Peak();
     double brightPower = 0, power = 0;
     for (std::size_t i = 0; i < groups_.size(); ++i) {
         bright[i] = state.peak[i] > least;

@@ -16,12 +16,12 @@ namespace q3 {
 
 namespace {
 
-using Bytes = std::vector<std::byte>;
+using FileBytes = std::vector<std::byte>;
 
 /// A format of -hdrformat. Images in exr, pfm and hdr have the last row of the page on top, as in ExportLightmaps.
 struct HdrForm {
     std::string_view name, prefix, extension;
-    Bytes (*encode)(const FloatImage &page);
+    FileBytes (*encode)(const FloatImage &page);
     FloatImage (*decode)(std::span<const std::byte> file, std::string_view name);
     float fullVertexLight = 0; ///< full light in vertlight.raw; 0: the format has no such file
 };

@@ -17,16 +17,16 @@ namespace q3 {
 
 namespace {
 
-using Bytes = std::array<std::uint8_t, 3>;
+using ByteColor = std::array<std::uint8_t, 3>;
 
 /// A direction as bytes: components -1 to 1 become 0 to 255.
-Bytes DirectionBytes(const Vec3f &direction) {
+ByteColor DirectionBytes(const Vec3f &direction) {
     const Vec3f d = Normalize(direction);
     const auto byte = [](float c) { return std::uint8_t(std::clamp(c * 127.5f + 127.5f, 0.0f, 255.0f)); };
     return {byte(d.x), byte(d.y), byte(d.z)};
 }
 
-void Put(std::vector<std::uint8_t> &pixels, std::size_t at, const Bytes &color) {
+void Put(std::vector<std::uint8_t> &pixels, std::size_t at, const ByteColor &color) {
     std::copy(color.begin(), color.end(), pixels.begin() + std::ptrdiff_t(3 * at));
 }
 
@@ -49,7 +49,7 @@ void FillPage(LightmapPage &page, std::vector<std::uint8_t> written) {
     for (std::size_t at = 0; at < written.size(); ++at)
         if (written[at] == 1)
             reach(at);
-    std::vector<Bytes> means;
+    std::vector<ByteColor> means;
     while (!next.empty()) {
         ring.swap(next), next.clear(), means.clear();
         for (const std::size_t at : ring) {
@@ -291,7 +291,7 @@ class Storer {
         if (shader.lightmap.noVertexLight || sum.empty())
             return;
         for (auto v = std::size_t(surface.firstVert); v < std::size_t(surface.firstVert + surface.numVerts); ++v) {
-            const Bytes color = VertexBytes(in_, shader, sum[v], tone_);
+            const ByteColor color = VertexBytes(in_, shader, sum[v], tone_);
             std::copy(color.begin(), color.end(), bsp_.drawVerts[v].color.begin());
             if (!result_.vertexLight.empty())
                 result_.vertexLight[v] = VertexLightOf(in_, shader, sum[v], tone_);
