@@ -184,8 +184,8 @@ TEST_F(DirectionalTest, AreaLight) {
         for (int v = 0; v < kSteps; ++v)
             for (int u = 0; u < kSteps; ++u) {
                 const float step = kWidth / kSteps;
-                const Vec3f at = center + Vec3f{(float(u) + 0.5f) * step - kWidth / 2,
-                                                (float(v) + 0.5f) * step - kWidth / 2, 0};
+                const Vec3f at =
+                    center + Vec3f{(float(u) + 0.5f) * step - kWidth / 2, (float(v) + 0.5f) * step - kWidth / 2, 0};
                 const Vec3f to = at - floor.positions[i];
                 const double distance = Length(to), cosine = double(to.z) / distance;
                 const double weight = kAdd / double(kPi) * double(step * step) * cosine / (distance * distance);
@@ -329,9 +329,21 @@ TEST_F(DirectionalTest, BasisFollowsTheTexture) {
         std::function<St(const Vec3f &)> st;
         Vec3f s, t;
     };
-    const Mapping mappings[] = {{[](const Vec3f &p) { return St{p.x, -p.y}; }, {1, 0, 0}, {0, -1, 0}},
-                                {[](const Vec3f &p) { return St{p.y, p.x}; }, {0, 1, 0}, {1, 0, 0}},
-                                {[](const Vec3f &p) { return St{-p.x, -p.y}; }, {-1, 0, 0}, {0, -1, 0}}};
+    const Mapping mappings[] = {{[](const Vec3f &p) {
+                                     return St{p.x, -p.y};
+                                 },
+                                 {1, 0, 0},
+                                 {0, -1, 0}},
+                                {[](const Vec3f &p) {
+                                     return St{p.y, p.x};
+                                 },
+                                 {0, 1, 0},
+                                 {1, 0, 0}},
+                                {[](const Vec3f &p) {
+                                     return St{-p.x, -p.y};
+                                 },
+                                 {-1, 0, 0},
+                                 {0, -1, 0}}};
     for (const Mapping &mapping : mappings) {
         const RawLightmap floor = map(mapping.st);
         ForMapped(floor, [&](std::size_t i) {

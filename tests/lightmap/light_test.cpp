@@ -213,9 +213,9 @@ TEST_F(LuxelLightTest, StylesTakeSlotsWhereTheyShine) {
         const float expected = floor.light[0][100].x * float(1 + floor.styles[slot]);
         EXPECT_NEAR(floor.light[slot][100].x, expected, 1e-4f * expected);
     }
-    EXPECT_THAT(
-        c.quiet.text,
-        testing::HasSubstr("WARNING: light of style 3: left out where 3 other styles give more light; lightmaps: 1\n"));
+    EXPECT_THAT(c.quiet.text,
+                testing::HasSubstr(
+                    "WARNING: light left out where 3 other styles come first: light of style 3 (lightmaps: 1)\n"));
 }
 
 TEST_F(LuxelLightTest, StylesThatFindNoSlotAreNamedOnlyIfTheyArrive) {
@@ -231,7 +231,9 @@ TEST_F(LuxelLightTest, StylesThatFindNoSlotAreNamedOnlyIfTheyArrive) {
         const Lit lit(c, lights);
         EXPECT_EQ(Floor(lit).styles, (Styles{0, 3, 7, 9}));
         // Of equal styles the one with the highest number goes.
-        EXPECT_EQ(c.quiet.text.find("WARNING: light of style 12: left out where") != std::string::npos, arrives);
+        EXPECT_EQ(c.quiet.text.find("left out where 3 other styles come first: light of style 12 (") !=
+                      std::string::npos,
+                  arrives);
     }
 }
 

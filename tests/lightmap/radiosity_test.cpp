@@ -218,6 +218,30 @@ TEST_F(RadiosityTest, BlackWallsKeepTheirBytes) {
     EXPECT_EQ(Lit(scene, "-nogrid -bounce inf").lightmaps, Lit(scene, "-nogrid").lightmaps);
 }
 
+/// Reciprocity: A_1 F_12 = A_2 F_21. The top of a small block and the ceiling are in ambient light, all else is black.
+/// One reflects and the other receives, then the other way around.
+TEST_F(RadiosityTest, BlockAndCeilingGiveEachOtherTheSamePower) {
+    const auto receivedPower = [&](std::string_view block, std::string_view ceiling, double side, const Vec3f &normal) {
+        SceneBuilder scene = Box({128, 128, 64}, 200, "textures/test/black");
+        scene.SetWallShader(BoxFace::PlusZ, TestShader(ceiling));
+        const int box = scene.AddBox({-80, -16, -64}, {-16, 48, -32}, TestShader("textures/test/black"));
+        scene.SetFaceShader(box, BoxFace::PlusZ, TestShader(block));
+        const Bsp lit = Lit(scene, "-nogrid -bounce 1 -bounceonly");
+        const Vec3f center = normal.z > 0 ? Vec3f{-48, 16, -32} : Vec3f{0, 0, 64};
+        double sum = 0;
+        for (int u = 0; u < 16; ++u)
+            for (int v = 0; v < 16; ++v) {
+                const auto at = [&](int i) { return float(side * ((i + 0.5) / 16 - 0.5)); };
+                sum += TexelAt(lit, center + Vec3f{at(u), at(v), 0}, normal);
+            }
+        return sum * side * side / 256;
+    };
+    const double onCeiling = receivedPower("textures/test/wall", "textures/test/black", 256, {0, 0, -1});
+    const double onBlock = receivedPower("textures/test/black", "textures/test/wall", 64, {0, 0, 1});
+    EXPECT_NEAR(onCeiling, onBlock, 0.02 * onBlock);
+    EXPECT_GT(onBlock, 64 * 64 * 10.0);
+}
+
 TEST_F(RadiosityTest, StylesBounceOnTheirOwn) {
     SceneBuilder scene = Box({256, 128, 128}, 0);
     scene.AddEntity(MakeEntity("light", {{"origin", "64 0 64"}, {"light", "60"}, {"style", "3"}}));

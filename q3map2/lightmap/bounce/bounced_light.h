@@ -6,7 +6,7 @@
 namespace q3 {
 
 /// Radiosity of style 0 of a map, summed over bounces, as light at points in the open: by rays to emitters, and by
-/// sampling the brightest of the first bounce. Const after construction; safe from several threads. Keeps references.
+/// sampling the brightest. Const after construction; safe from several threads. Keeps references.
 class BouncedLight : public IndirectLight {
   public:
     /// Rays from a point by default, besides those to bright emitters.

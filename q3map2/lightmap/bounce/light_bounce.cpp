@@ -1,10 +1,13 @@
 // GPL-2.0-or-later. Radiosity: bounced light on surfaces.
 #include "q3map2/lightmap/bounce/light_bounce.h"
 
+#include "q3map2/lightmap/bounce/bounced_styles.h"
 #include "q3map2/lightmap/bounce/vertex_receivers.h"
 #include "q3map2/lightmap/raw/luxel_means.h"
 
 #include <algorithm>
+#include <functional>
+#include <optional>
 
 namespace q3 {
 
@@ -12,14 +15,6 @@ namespace {
 
 /// Emitters are bright above this radiosity, and above this share of all others. Byte scale.
 constexpr float kBright = 16, kBrightShare = 0.9f;
-
-/// The slot of a style, claimed if the style is new; kStyles if other styles hold all slots.
-std::size_t ClaimSlot(Styles &styles, std::uint8_t style) {
-    const std::size_t slot = StyleSlotFor(styles, style);
-    if (slot < kStyles)
-        styles[slot] = style;
-    return slot;
-}
 
 /// The radiosity above which emitters are bright.
 float BrightLimit(const Emission &emission) {
@@ -107,61 +102,35 @@ std::unique_ptr<const RadiosityPatches> Bounces::MakePatches(const SurfaceLight 
     return std::make_unique<const RadiosityPatches>(in_, surfaces, emitters_, all);
 }
 
-void Bounces::GatherBright(const SurfaceLight &surfaces, bool deluxe, StyleRadiosity &radiosity) const {
-    const BrightEmitters &bright = *radiosity.bright;
-    radiosity.brightOnLuxels.resize(surfaces.lightmaps.size());
-    radiosity.brightOnVertices.resize(surfaces.verts.size());
-    in_.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t i, int) {
-        const RawLightmap &raw = surfaces.lightmaps[std::size_t(i)];
-        BounceEstimate &estimate = radiosity.brightOnLuxels[std::size_t(i)] = BounceEstimate(raw, deluxe);
-        if (!bright.Empty())
-            bright.AddToLuxels(raw, gather_.Origins(std::size_t(i)), estimate);
-    });
-    in_.jobs.For(std::int64_t(in_.bsp.drawSurfaces.size()), [&](std::int64_t i, int) {
-        if (!bright.Empty() && IsLitAtVertices(in_, surfaces, std::size_t(i)))
-            ForVertexReceivers(in_, surfaces, std::size_t(i), [&](int vertex, const Vec3f &position) {
-                const auto v = std::size_t(vertex);
-                radiosity.brightOnVertices[v] =
-                    bright.IrradianceAt(position, surfaces.verts[v].normal, in_.table[std::size_t(i)].shader->twoSided);
-            });
-    });
-}
-
-std::vector<Vec3f> Bounces::BrightOnEmitters(const SurfaceLight &surfaces, const StyleRadiosity &radiosity) const {
-    std::vector<Vec3f> light(emitters_.Count());
-    for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i) {
-        const std::vector<Vec3f> &luxels = radiosity.brightOnLuxels[i].irradiance;
-        const auto texels =
-            LuxelMeans(surfaces.lightmaps[i], Vec3f{}, [&](std::size_t luxel) { return luxels[luxel]; });
-        std::copy(texels.begin(), texels.end(), light.begin() + emitters_.FirstOf(i));
-    }
-    std::copy(radiosity.brightOnVertices.begin(), radiosity.brightOnVertices.end(),
-              light.begin() + emitters_.Vertex(0));
-    return light;
+/// Radiosity summed over bounces.
+Emission Bounces::AllBounces(const RadiositySolver &solver, Emission first) const {
+    const RadiosityLimits limits{.bounces = in_.lightmap.bounces, .seconds = in_.lightmap.bounceTime};
+    RadiositySolution solution = solver.Solve(std::move(first), limits);
+    if (solution.timedOut)
+        in_.log.Warn("time for bounces",
+                     "-bouncetime {:g} is over after {} bounces; up to {:.2f} bytes of light are left out",
+                     limits.seconds, solution.steps + 1, solution.stillToCome);
+    return std::move(solution.total);
 }
 
 bool Bounces::Solve(const SurfaceLight &surfaces) {
-    const RadiositySolver solver(in_, surfaces, emitters_, scene_, gather_);
-    const RadiosityLimits limits{.bounces = in_.lightmap.bounces, .seconds = in_.lightmap.bounceTime};
+    std::optional<const RadiositySolver> solver;
     for (const std::uint8_t style : UsedStyles(surfaces)) {
-        Emission first = FirstBounce(surfaces, style);
-        if (std::all_of(first.begin(), first.end(), [](const Vec3f &one) { return one == Vec3f{}; }))
+        Emission emission = FirstBounce(surfaces, style);
+        if (std::all_of(emission.begin(), emission.end(), [](const Vec3f &one) { return one == Vec3f{}; }))
             continue;
         if (style != 0)
             in_.log.Print("Light style {}\n", style);
+        if (in_.lightmap.bounces > 1) {
+            if (!solver)
+                solver.emplace(in_, surfaces, emitters_, scene_, gather_);
+            emission = AllBounces(*solver, std::move(emission));
+        }
         StyleRadiosity &radiosity = byStyle_[style];
         radiosity.bright = std::make_unique<const BrightEmitters>(in_, surfaces, scene_, emitters_, patches_.get(),
-                                                                  BrightLimit(first), first);
+                                                                  BrightLimit(emission), emission);
         in_.log.Count((long long)(radiosity.bright->Patches()), "bright patches");
-        GatherBright(surfaces, in_.lightmap.deluxe && style == 0, radiosity);
-        const auto received = limits.bounces > 1 ? BrightOnEmitters(surfaces, radiosity) : std::vector<Vec3f>{};
-        RadiositySolution solution = solver.Solve(std::move(first), received, limits);
-        if (solution.timedOut)
-            in_.log.Warn("time for bounces",
-                         "-bouncetime {:g} is over after {} bounces; up to {:.2f} bytes of light are "
-                         "left out",
-                         limits.seconds, solution.steps + 1, solution.stillToCome);
-        radiosity.total = std::move(solution.total);
+        radiosity.rest = std::move(emission);
     }
     return !byStyle_.empty();
 }
@@ -171,57 +140,86 @@ std::unique_ptr<IndirectLight> Bounces::ForPoints() const {
     if (radiosity == byStyle_.end())
         return nullptr;
     const int rays = in_.lightmap.bounceRays ? std::max(1, *in_.lightmap.bounceRays * 3 / 2) : BouncedLight::kRays;
-    return std::make_unique<BouncedLight>(scene_, radiosity->second.total, *radiosity->second.bright, rays);
+    return std::make_unique<BouncedLight>(scene_, radiosity->second.rest, *radiosity->second.bright, rays);
 }
 
 Vec3f Bounces::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided) const {
     const auto radiosity = byStyle_.find(0);
     if (radiosity == byStyle_.end())
         return {};
-    return radiosity->second.bright->IrradianceAt(position, normal, twoSided) +
-           gather_.IrradianceAt(position, normal, twoSided, radiosity->second.total);
+    return IrradianceOf(radiosity->second, position, normal, twoSided);
+}
+
+Vec3f Bounces::IrradianceOf(const StyleRadiosity &radiosity, const Vec3f &position, const Vec3f &normal,
+                            bool twoSided) const {
+    return radiosity.bright->IrradianceAt(position, normal, twoSided) +
+           gather_.IrradianceAt(position, normal, twoSided, radiosity.rest);
+}
+
+BounceEstimate Bounces::LightOnLuxels(const StyleRadiosity &radiosity, std::size_t lightmap, const RawLightmap &raw,
+                                      bool deluxe) const {
+    BounceEstimate estimate(raw, deluxe);
+    if (!radiosity.bright->Empty())
+        radiosity.bright->AddToLuxels(raw, gather_.Origins(lightmap), estimate);
+    gather_.AddToLuxels(radiosity.rest, lightmap, raw, estimate);
+    return estimate;
 }
 
 void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
+    DroppedLights dropped(surfaces.lightmaps.size());
     in_.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
         RawLightmap &raw = surfaces.lightmaps[i];
-        for (const auto &[style, radiosity] : byStyle_) {
-            const std::size_t slot = ClaimSlot(raw.styles, style);
-            if (slot >= kStyles)
-                continue;
-            BounceEstimate found = radiosity.brightOnLuxels[i];
-            gather_.AddToLuxels(radiosity.total, i, raw, found);
-            AddEstimate(found, slot, raw);
+        std::vector<BouncedStyle<BounceEstimate>> found;
+        for (const auto &one : byStyle_) {
+            BounceEstimate estimate = LightOnLuxels(one.second, i, raw, in_.lightmap.deluxe && one.first == 0);
+            const StyleEnergy energy = EnergyOf(estimate.irradiance);
+            found.push_back({one.first, energy, std::move(estimate)});
         }
+        ClaimSlots(found, raw.styles, dropped[i]);
+        for (const BouncedStyle<BounceEstimate> &one : found)
+            if (one.slot < kStyles)
+                AddEstimate(one.light, one.slot, raw);
     });
+    WarnOfDroppedLights(dropped, "bounced light", "lightmaps", in_.log);
+}
+
+std::vector<Vec3f> Bounces::LightOnVertices(const SurfaceLight &surfaces, const StyleRadiosity &radiosity,
+                                            std::size_t surface) const {
+    const bspDrawSurface_t &drawn = in_.bsp.drawSurfaces[surface];
+    std::vector<Vec3f> light(std::size_t(drawn.numVerts));
+    ForVertexReceivers(in_, surfaces, surface, [&](int vertex, const Vec3f &position) {
+        light[std::size_t(vertex - drawn.firstVert)] = IrradianceOf(
+            radiosity, position, surfaces.verts[std::size_t(vertex)].normal, in_.table[surface].shader->twoSided);
+    });
+    return light;
 }
 
 void Bounces::AddToVertices(SurfaceLight &surfaces) const {
+    using VertexStyles = std::vector<BouncedStyle<std::vector<Vec3f>>>;
+    std::vector<VertexStyles> found(in_.bsp.drawSurfaces.size());
+    DroppedLights dropped(found.size());
     VertexLight &vertex = surfaces.vertex;
-    // Before the jobs: all surfaces share the vectors of a slot.
-    for (const auto &[style, radiosity] : byStyle_)
-        for (std::size_t i = 0; i < in_.bsp.drawSurfaces.size(); ++i)
-            if (surfaces.lightmapOf[i] < 0)
-                if (const std::size_t slot = ClaimSlot(vertex.styles[i], style); slot < kStyles)
-                    vertex.sum[slot].resize(surfaces.verts.size());
-    in_.jobs.For(std::int64_t(in_.bsp.drawSurfaces.size()), [&](std::int64_t number, int) {
+    in_.jobs.For(std::int64_t(found.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
         if (!IsLitAtVertices(in_, surfaces, i))
             return;
-        for (const auto &ofStyle : byStyle_) {
-            const auto &radiosity = ofStyle.second;
-            const std::size_t slot = FindStyleSlot(vertex.styles[i], ofStyle.first);
-            if (slot >= kStyles)
-                continue;
-            ForVertexReceivers(in_, surfaces, i, [&](int drawVert, const Vec3f &position) {
-                const auto v = std::size_t(drawVert);
-                vertex.sum[slot][v] += radiosity.brightOnVertices[v] +
-                                       gather_.IrradianceAt(position, surfaces.verts[v].normal,
-                                                            in_.table[i].shader->twoSided, radiosity.total);
-            });
+        for (const auto &one : byStyle_) {
+            std::vector<Vec3f> light = LightOnVertices(surfaces, one.second, i);
+            const StyleEnergy energy = EnergyOf(light);
+            found[i].push_back({one.first, energy, std::move(light)});
         }
+        ClaimSlots(found[i], vertex.styles[i], dropped[i]);
     });
+    // After the jobs: all surfaces share the vectors of a slot.
+    for (std::size_t i = 0; i < found.size(); ++i)
+        for (const auto &one : found[i])
+            if (one.slot < kStyles) {
+                vertex.sum[one.slot].resize(surfaces.verts.size());
+                const auto to = vertex.sum[one.slot].begin() + in_.bsp.drawSurfaces[i].firstVert;
+                std::transform(one.light.begin(), one.light.end(), to, to, std::plus());
+            }
+    WarnOfDroppedLights(dropped, "bounced light", "surfaces lit at vertices", in_.log);
 }
 
 } // namespace q3

@@ -10,9 +10,9 @@ namespace q3 {
 
 /// Bounced light in two stages. The solver finds the radiosity of all emitters, style by style: in bounce k,
 /// B_k = rho E_k, and E_(k+1) is the irradiance due to B_k. A final gathering of the sum over bounces then lights
-/// luxels, vertices and grid points, so they agree. What is bright in the first bounce goes another way, with less
-/// noise: BrightEmitters. rho of a white texture is 187.5 * 3 / 255 * 0.25 = 0.55 at -bouncescale 1, as in the
-/// established program, or 1 with -reflectivity linear; at most 0.99.
+/// luxels, vertices and grid points, so they agree; it samples the brightest emitters by shadow rays: BrightEmitters.
+/// rho of a white texture is 187.5 * 3 / 255 * 0.25 = 0.55 at -bouncescale 1, as in the established program, or 1 with
+/// -reflectivity linear; at most 0.99.
 class Bounces {
   public:
     /// After the direct pass. Keeps references.
@@ -34,18 +34,21 @@ class Bounces {
     std::uint64_t Rays() const { return gather_.Rays(); }
 
   private:
-    /// Radiosity of a style.
+    /// Radiosity of a style, summed over bounces.
     struct StyleRadiosity {
-        Emission total;                               ///< summed over bounces, without what is bright
-        std::unique_ptr<const BrightEmitters> bright; ///< of the first bounce
-        std::vector<BounceEstimate> brightOnLuxels;   ///< light of `bright`, by lightmap
-        std::vector<Vec3f> brightOnVertices;          ///< by draw vertex
+        Emission rest; ///< without what is bright
+        std::unique_ptr<const BrightEmitters> bright;
     };
     static std::vector<std::uint8_t> UsedStyles(const SurfaceLight &surfaces);
     std::unique_ptr<const RadiosityPatches> MakePatches(const SurfaceLight &surfaces) const;
     Emission FirstBounce(const SurfaceLight &surfaces, std::uint8_t style) const;
-    void GatherBright(const SurfaceLight &surfaces, bool deluxe, StyleRadiosity &radiosity) const;
-    std::vector<Vec3f> BrightOnEmitters(const SurfaceLight &surfaces, const StyleRadiosity &radiosity) const;
+    Emission AllBounces(const RadiositySolver &solver, Emission first) const;
+    BounceEstimate LightOnLuxels(const StyleRadiosity &radiosity, std::size_t lightmap, const RawLightmap &raw,
+                                 bool deluxe) const;
+    std::vector<Vec3f> LightOnVertices(const SurfaceLight &surfaces, const StyleRadiosity &radiosity,
+                                       std::size_t surface) const;
+    Vec3f IrradianceOf(const StyleRadiosity &radiosity, const Vec3f &position, const Vec3f &normal,
+                       bool twoSided) const;
 
     const SurfaceInputs &in_;
     EmitterIndex emitters_;

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <functional>
 #include <numeric>
 
 namespace q3 {
@@ -137,8 +136,8 @@ void RadiositySolver::FinishLight(const Group &group, std::span<Vec3f> light) co
         light[i] = filled[i] * (group.dirt.empty() ? 1 : group.dirt[i]);
 }
 
-/// Shoots the unshot radiosity of groups. received: more light that this step reflects, or null.
-void RadiositySolver::Step(const GroupMask &shot, const std::vector<Vec3f> *received, State &state) const {
+/// Shoots the unshot radiosity of groups.
+void RadiositySolver::Step(const GroupMask &shot, State &state) const {
     Emission emission(state.unshot.size());
     for (std::size_t i = 0; i < groups_.size(); ++i)
         if (shot[i] != 0) {
@@ -154,10 +153,6 @@ void RadiositySolver::Step(const GroupMask &shot, const std::vector<Vec3f> *rece
         std::fill(light.begin(), light.end(), Vec3f{});
         if (SeesAny(group, shot))
             GatherGroup(group, emission, light);
-        if (received) {
-            const auto more = group.Of(*received);
-            std::transform(light.begin(), light.end(), more.begin(), light.begin(), std::plus());
-        }
         FinishLight(group, light);
         float power = 0;
         for (std::size_t k = 0; k < light.size(); ++k) {
@@ -170,8 +165,7 @@ void RadiositySolver::Step(const GroupMask &shot, const std::vector<Vec3f> *rece
     });
 }
 
-RadiositySolution RadiositySolver::Solve(Emission first, const std::vector<Vec3f> &received,
-                                         const RadiosityLimits &limits) const {
+RadiositySolution RadiositySolver::Solve(Emission first, const RadiosityLimits &limits) const {
     const auto start = std::chrono::steady_clock::now();
     State state;
     state.unshot = first;
@@ -185,7 +179,7 @@ RadiositySolution RadiositySolver::Solve(Emission first, const std::vector<Vec3f
         const GroupMask shot = shootAll ? all : Brightest(state);
         const bool shotAll = shot == all;
         const float before = state.Peak();
-        Step(shot, solution.steps == 0 ? &received : nullptr, state);
+        Step(shot, state);
         ++solution.steps;
         if (shotAll && solution.steps > 1) {
             const float ratio = std::min(state.Peak() / before, maxReflectance_);

@@ -23,7 +23,7 @@ struct RadiositySolution {
 /// Radiosity equation B = B_1 + R K B over emitters: K is the transport along the kept gather rays, times dirt, R the
 /// reflectance. A step shoots radiosity that was not shot before: all of it, so that step k is bounce k (Jacobi
 /// iteration), or, under endless bounces, that of the brightest groups of emitters where these give more light per ray
-/// (progressive refinement, Cohen et al., 1988). Only groups that see what is shot take part. The total is a valid
+/// (progressive refinement, Cohen et al., 1988). Only groups that see what is shot take part. The sum is a valid
 /// result after each step. Const after construction.
 class RadiositySolver {
   public:
@@ -31,9 +31,8 @@ class RadiositySolver {
     RadiositySolver(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters,
                     const BounceScene &scene, const BounceGather &gather);
 
-    /// first: radiosity of the first bounce, without the part that gave `received`: light on emitters that other means
-    /// than gather rays carried. Prints a line for each step.
-    RadiositySolution Solve(Emission first, const std::vector<Vec3f> &received, const RadiosityLimits &limits) const;
+    /// first: radiosity of the first bounce. Prints a line for each step.
+    RadiositySolution Solve(Emission first, const RadiosityLimits &limits) const;
 
   private:
     /// Emitters that are shot and gathered together: those of a raw lightmap, or the vertices of a surface.
@@ -64,7 +63,7 @@ class RadiositySolver {
     GroupMask Brightest(const State &state) const;
     void GatherGroup(const Group &group, const Emission &shot, std::span<Vec3f> light) const;
     void FinishLight(const Group &group, std::span<Vec3f> light) const;
-    void Step(const GroupMask &shot, const std::vector<Vec3f> *received, State &state) const;
+    void Step(const GroupMask &shot, State &state) const;
 
     const SurfaceInputs &in_;
     const SurfaceLight &surfaces_;

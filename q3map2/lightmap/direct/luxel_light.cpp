@@ -254,7 +254,7 @@ void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, cons
     progress.Finish();
     for (const Worker &worker : workers)
         counts += worker.counts;
-    WarnOfDroppedLights(dropped, "lightmaps", in.log);
+    WarnOfDroppedLights(dropped, "light", "lightmaps", in.log);
 }
 
 } // namespace q3

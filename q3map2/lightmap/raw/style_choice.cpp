@@ -9,6 +9,13 @@
 
 namespace q3 {
 
+namespace {
+
+/// Lights that a warning names.
+constexpr std::size_t kNamedLights = 12;
+
+} // namespace
+
 bool StyleChoice::IsNeeded(std::span<const Light *const> lights) {
     std::set<int> styles{0};
     for (const Light *light : lights)
@@ -45,7 +52,7 @@ std::vector<std::string> StyleChoice::Names() const {
     return names;
 }
 
-void WarnOfDroppedLights(const DroppedLights &dropped, std::string_view what, Log &log) {
+void WarnOfDroppedLights(const DroppedLights &dropped, std::string_view light, std::string_view what, Log &log) {
     std::vector<std::pair<std::string_view, int>> counts; // in the order of surfaces
     for (const std::vector<std::string> &names : dropped)
         for (const std::string &name : names) {
@@ -55,9 +62,15 @@ void WarnOfDroppedLights(const DroppedLights &dropped, std::string_view what, Lo
             ++found->second;
         }
     std::stable_sort(counts.begin(), counts.end(), [](const auto &a, const auto &b) { return a.second > b.second; });
-    for (const auto &[name, count] : counts)
-        log.Warn("light left out for its style", "{}: left out where {} other styles give more light; {}: {}", name,
-                 kStyles - 1, what, count);
+    if (counts.empty())
+        return;
+    std::string names;
+    for (std::size_t i = 0; i < std::min(counts.size(), kNamedLights); ++i)
+        names += fmt::format("{}{} ({}: {})", i > 0 ? ", " : "", counts[i].first, what, counts[i].second);
+    if (counts.size() > kNamedLights)
+        names += fmt::format(" and {} more", counts.size() - kNamedLights);
+    log.Warn(fmt::format("{} left out of {}", light, what), "{} left out where {} other styles come first: {}", light,
+             kStyles - 1, names);
 }
 
 } // namespace q3

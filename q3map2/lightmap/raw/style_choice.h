@@ -35,8 +35,8 @@ class StyleChoice {
     std::set<int> dropped_;
 };
 
-/// One warning for each light that some surfaces do without, those of many surfaces first. what: the surfaces, in the
-/// plural.
-void WarnOfDroppedLights(const DroppedLights &dropped, std::string_view what, Log &log);
+/// Warns of the lights that some surfaces do without, those of many surfaces first. kind: of warning. what: the
+/// surfaces, in the plural.
+void WarnOfDroppedLights(const DroppedLights &dropped, std::string_view light, std::string_view what, Log &log);
 
 } // namespace q3

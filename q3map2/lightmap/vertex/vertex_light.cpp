@@ -446,7 +446,7 @@ void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, co
     for (const ContributionCounts &one : work)
         counts += one;
     in.log.Count(vertices, "vertices lit");
-    WarnOfDroppedLights(dropped, "surfaces lit at vertices", in.log);
+    WarnOfDroppedLights(dropped, "light", "surfaces lit at vertices", in.log);
 }
 
 } // namespace q3
