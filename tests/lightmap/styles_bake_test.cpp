@@ -80,13 +80,13 @@ class StylesBakeTest : public testing::Test {
         EXPECT_GT(most, 5);
     }
 
-    /// Bounced light of a style that is under 1/8 byte everywhere on a surface is left out there.
+    /// Bounced light of a style that is under 1/16 byte everywhere on a surface is left out there.
     static void ExpectAlikeButForFaintStyles(const Summed &got, const Summed &wanted, int styles, double within) {
         ASSERT_EQ(got.luxels.size(), wanted.luxels.size());
         int whole = 0;
         for (std::size_t i = 0; i < got.luxels.size(); ++i) {
             whole += got.luxelStyles[i] == styles ? 1 : 0;
-            const double faint = 0.125 * (styles - got.luxelStyles[i]);
+            const double faint = 0.0625 * (styles - got.luxelStyles[i]);
             for (std::size_t channel = 0; channel < 3; ++channel)
                 EXPECT_NEAR(got.luxels[i][channel], wanted.luxels[i][channel],
                             within * (1 + double(wanted.luxels[i][channel])) + faint)

@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/bounce/bounce_gather.h"
 
 #include "libs/math/color.h"
+#include "libs/math/low_discrepancy.h"
 #include "q3map2/light/batch/ray_batcher.h"
 #include "q3map2/lightmap/bounce/gather_directions.h"
 #include "q3map2/lightmap/bounce/ray_origin.h"
@@ -22,12 +23,6 @@ constexpr int kVertexShare = 4;
 constexpr std::uint64_t kMaxKeptHits = std::uint64_t(192) << 20;
 /// Rays of vertices start this far off their surface; kMinRayLift where another surface is nearer. Game units.
 constexpr float kRayLift = 1, kMinRayLift = 1.0f / 16;
-
-/// Dither threshold in [0, 1) of the additive golden ratio sequence.
-float DitherThreshold(std::uint32_t number) {
-    constexpr std::uint32_t kGolden = 2654435769u; // 2^32 over the golden ratio
-    return float((number * kGolden) >> 8) * 0x1p-24f;
-}
 
 } // namespace
 
@@ -127,7 +122,7 @@ EmitterId BounceGather::Dithered(EmitterId emitter, const Vec3f &position, const
     if (!Emits(emitter) || !patches_)
         return emitter;
     const float share = patches_->ContributionShare(emitter, position, normal, twoSided);
-    return share > DitherThreshold(std::uint32_t(number)) ? emitter : kNoEmitter;
+    return share > float(HashIndex(number) >> 40) * 0x1p-24f ? emitter : kNoEmitter;
 }
 
 /// Directional channels of one luxel, summed over its rays. The light of a ray is its emitter's radiosity / cosine, so
@@ -179,8 +174,8 @@ class BounceGather::ChannelSum {
     BasisNormals onBasis_{};        // light on each basis normal
 };
 
-void BounceGather::AddToLuxels(const Emission &emission, std::size_t lightmap, const RawLightmap &raw,
-                               BounceEstimate &estimate) const {
+void BounceGather::GatherLuxels(const Emission &emission, std::size_t lightmap, const RawLightmap &raw,
+                                BounceEstimate &estimate, std::span<float> difference) const {
     const HitRows traced = keepAll_ ? HitRows{} : TraceRows(lightmap, raw, 1, RaysPerLuxel(raw));
     const HitRows &rows = keepAll_ ? rows_[lightmap] : traced;
     const bool deluxe = !estimate.directions.empty(), directional = raw.channels.Any();
@@ -194,23 +189,26 @@ void BounceGather::AddToLuxels(const Emission &emission, std::size_t lightmap, c
         const int set = GatherDirections::SetOf(x, y);
         const GatherFrame frame(raw.normals[luxel]);
         ChannelSum channels(raw, luxel, frame);
-        Vec3f sum, direction;
+        Vec3f sum, even, direction;
         for (int i = 0; i < rows.rays; ++i) {
             const EmitterId hit = rows.hits[next++];
             if (!Emits(hit))
                 continue;
             const Vec3f &from = directions.At(set, i);
             sum += emission[hit];
+            if (i % 2 == 0)
+                even += emission[hit];
             if (deluxe)
                 direction += frame.World(from) * Luminance(emission[hit]);
             if (directional)
                 channels.Add(from, emission[hit]);
         }
-        estimate.irradiance[luxel] += sum * share;
+        estimate.irradiance[luxel] = sum * share;
+        difference[luxel] += Luminance(even + even - sum) * share;
         if (directional)
             channels.AddTo(estimate.channels, share, directions.FluenceScale(set));
         if (deluxe)
-            estimate.directions[luxel] += direction * (kDeluxeBounceShare / 255 * share);
+            estimate.directions[luxel] = direction * (kDeluxeBounceShare / 255 * share);
     }
 }
 

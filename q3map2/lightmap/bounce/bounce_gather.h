@@ -23,9 +23,11 @@ class BounceGather {
     BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
                  const RadiosityPatches *patches);
 
-    /// Adds the light of `emission` on the luxels of a lightmap to the estimate.
-    void AddToLuxels(const Emission &emission, std::size_t lightmap, const RawLightmap &raw,
-                     BounceEstimate &estimate) const;
+    /// Sets the estimate, which is zero, to the light of `emission` on the luxels of a lightmap. Adds to `difference`,
+    /// by luxel, half the difference between the luminance found by even and by odd rays: a sample of the error
+    /// of irradiance.
+    void GatherLuxels(const Emission &emission, std::size_t lightmap, const RawLightmap &raw, BounceEstimate &estimate,
+                      std::span<float> difference) const;
     /// Sets `texels`, those of the lightmap without supersampling, to the light of `emission` on their mapped luxels;
     /// zero where there are none.
     void GatherTexels(const Emission &emission, std::size_t lightmap, const RawLightmap &raw,

@@ -8,7 +8,7 @@ namespace q3 {
 namespace {
 
 /// A style with less light than this everywhere on a surface takes no slot of it. Byte scale.
-constexpr float kLeastStyleLight = 0.125f;
+constexpr float kLeastStyleLight = 1.0f / 16;
 
 } // namespace
 

@@ -27,7 +27,7 @@ template <typename Light> struct BouncedStyle {
 std::size_t ClaimSlot(std::uint8_t style, const StyleEnergy &energy, Styles &styles, std::vector<std::string> &dropped);
 
 /// Finds the slots of styles in a surface. Styles that direct light brought there keep theirs; free ones go to styles
-/// with at least 1/8 byte of light somewhere, those with most light first. dropped: names the light for which no slot
+/// with at least 1/16 byte of light somewhere, those with most light first. dropped: names the light for which no slot
 /// is left.
 template <typename Light>
 void ClaimSlots(std::vector<BouncedStyle<Light>> &found, Styles &styles, std::vector<std::string> &dropped) {

@@ -1,7 +1,8 @@
 // GPL-2.0-or-later. Radiosity: bounced light on surfaces.
 #include "q3map2/lightmap/bounce/light_bounce.h"
 
-#include "q3map2/lightmap/bounce/bounced_styles.h"
+#include "libs/math/color.h"
+#include "q3map2/lightmap/bounce/bounce_filter.h"
 #include "q3map2/lightmap/bounce/vertex_receivers.h"
 #include "q3map2/lightmap/raw/luxel_means.h"
 
@@ -156,13 +157,25 @@ Vec3f Bounces::IrradianceOf(const StyleRadiosity &radiosity, const Vec3f &positi
            gather_.IrradianceAt(position, normal, twoSided, radiosity.rest);
 }
 
-BounceEstimate Bounces::LightOnLuxels(const StyleRadiosity &radiosity, std::size_t lightmap, const RawLightmap &raw,
-                                      bool deluxe) const {
-    BounceEstimate estimate(raw, deluxe);
-    if (!radiosity.bright->Empty())
-        radiosity.bright->AddToLuxels(raw, gather_.Origins(lightmap), estimate);
-    gather_.AddToLuxels(radiosity.rest, lightmap, raw, estimate);
-    return estimate;
+/// By style. The noise filter is that of all styles together, so that their sum is the light of one style.
+std::vector<BouncedStyle<BounceEstimate>> Bounces::LightOnLuxels(std::size_t lightmap, const RawLightmap &raw) const {
+    std::vector<BouncedStyle<BounceEstimate>> found;
+    std::vector<float> luminance(raw.luxelClusters.size()), difference(luminance.size());
+    for (const auto &[style, radiosity] : byStyle_) {
+        BounceEstimate estimate(raw, in_.lightmap.deluxe && style == 0);
+        gather_.GatherLuxels(radiosity.rest, lightmap, raw, estimate, difference);
+        for (std::size_t i = 0; i < luminance.size(); ++i)
+            luminance[i] += Luminance(estimate.irradiance[i]);
+        found.push_back({style, {}, std::move(estimate)});
+    }
+    const NoiseFilter filter(raw, luminance, difference);
+    for (BouncedStyle<BounceEstimate> &one : found) {
+        filter.Apply(one.light);
+        if (const BrightEmitters &bright = *byStyle_.at(one.style).bright; !bright.Empty())
+            bright.AddToLuxels(raw, gather_.Origins(lightmap), one.light);
+        one.energy = EnergyOf(one.light.irradiance);
+    }
+    return found;
 }
 
 void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
@@ -170,12 +183,7 @@ void Bounces::AddToLuxels(SurfaceLight &surfaces) const {
     in_.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
         RawLightmap &raw = surfaces.lightmaps[i];
-        std::vector<BouncedStyle<BounceEstimate>> found;
-        for (const auto &one : byStyle_) {
-            BounceEstimate estimate = LightOnLuxels(one.second, i, raw, in_.lightmap.deluxe && one.first == 0);
-            const StyleEnergy energy = EnergyOf(estimate.irradiance);
-            found.push_back({one.first, energy, std::move(estimate)});
-        }
+        std::vector<BouncedStyle<BounceEstimate>> found = LightOnLuxels(i, raw);
         ClaimSlots(found, raw.styles, dropped[i]);
         for (const BouncedStyle<BounceEstimate> &one : found)
             if (one.slot < kStyles)

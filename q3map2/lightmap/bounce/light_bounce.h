@@ -2,6 +2,7 @@
 #pragma once
 
 #include "q3map2/lightmap/bounce/bounced_light.h"
+#include "q3map2/lightmap/bounce/bounced_styles.h"
 #include "q3map2/lightmap/bounce/radiosity_solver.h"
 
 #include <map>
@@ -43,8 +44,7 @@ class Bounces {
     std::unique_ptr<const RadiosityPatches> MakePatches(const SurfaceLight &surfaces) const;
     Emission FirstBounce(const SurfaceLight &surfaces, std::uint8_t style) const;
     Emission AllBounces(const RadiositySolver &solver, Emission first) const;
-    BounceEstimate LightOnLuxels(const StyleRadiosity &radiosity, std::size_t lightmap, const RawLightmap &raw,
-                                 bool deluxe) const;
+    std::vector<BouncedStyle<BounceEstimate>> LightOnLuxels(std::size_t lightmap, const RawLightmap &raw) const;
     std::vector<Vec3f> LightOnVertices(const SurfaceLight &surfaces, const StyleRadiosity &radiosity,
                                        std::size_t surface) const;
     Vec3f IrradianceOf(const StyleRadiosity &radiosity, const Vec3f &position, const Vec3f &normal,

@@ -1,0 +1,100 @@
+// GPL-2.0-or-later. Takes noise from gathered light.
+#include "q3map2/lightmap/bounce/bounce_filter.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+/// Luxels on each side of the center of a window; those farthest count half.
+constexpr int kReach = 2, kWindow = 2 * kReach + 1;
+constexpr std::array<float, kWindow> kWeights{0.5f, 1, 1, 1, 0.5f};
+/// Neighbors have normals within 18 degrees, and lie within this share of their distance of each other's plane.
+constexpr float kMinCosine = 0.95f, kMaxSlope = 0.2f;
+
+} // namespace
+
+NoiseFilter::NoiseFilter(const RawLightmap &raw, std::span<const float> luminance, std::span<const float> deviation)
+    : raw_(raw), neighbors_(luminance.size()), weights_(luminance.size()), shares_(luminance.size()) {
+    FindNeighbors();
+    std::vector<float> noise(luminance.size()), difference(luminance.size());
+    for (std::size_t i = 0; i < luminance.size(); ++i)
+        if (raw.Mapped(i)) {
+            const float d = Mean(i, luminance) - luminance[i];
+            noise[i] = deviation[i] * deviation[i] * (1 - 1 / weights_[i]);
+            difference[i] = d * d;
+        }
+    for (std::size_t i = 0; i < luminance.size(); ++i)
+        if (raw.Mapped(i)) {
+            const float n = Mean<float>(i, noise), d = Mean<float>(i, difference);
+            shares_[i] = n >= d ? 1 : n / d;
+        }
+}
+
+/// Calls use(luxel, bit, weight) for each place of the window around a luxel.
+template <typename Use> void NoiseFilter::ForWindow(std::size_t luxel, const Use &use) const {
+    const int x = int(luxel % std::size_t(raw_.SuperWidth())), y = int(luxel / std::size_t(raw_.SuperWidth()));
+    for (int j = std::max(-kReach, -y); j <= std::min(kReach, raw_.SuperHeight() - 1 - y); ++j)
+        for (int i = std::max(-kReach, -x); i <= std::min(kReach, raw_.SuperWidth() - 1 - x); ++i)
+            use(raw_.SuperIndex(x + i, y + j), (j + kReach) * kWindow + i + kReach,
+                kWeights[std::size_t(i + kReach)] * kWeights[std::size_t(j + kReach)]);
+}
+
+void NoiseFilter::FindNeighbors() {
+    for (std::size_t luxel = 0; luxel < neighbors_.size(); ++luxel) {
+        if (!raw_.Mapped(luxel))
+            continue;
+        std::uint32_t found = 0, opposite = 0;
+        ForWindow(luxel, [&](std::size_t other, int bit, float) {
+            if (AreNeighbors(luxel, other))
+                found |= 1u << bit, opposite |= 1u << (kWindow * kWindow - 1 - bit);
+        });
+        neighbors_[luxel] = found & opposite;
+        ForWindow(luxel, [&](std::size_t, int bit, float weight) {
+            weights_[luxel] += (neighbors_[luxel] >> bit & 1) != 0 ? weight : 0;
+        });
+    }
+}
+
+bool NoiseFilter::AreNeighbors(std::size_t a, std::size_t b) const {
+    if (!raw_.Mapped(b) || Dot(raw_.normals[a], raw_.normals[b]) < kMinCosine)
+        return false;
+    const Vec3f between = raw_.positions[b] - raw_.positions[a];
+    const float most = kMaxSlope * Length(between);
+    return std::abs(Dot(between, raw_.normals[a])) <= most && std::abs(Dot(between, raw_.normals[b])) <= most;
+}
+
+template <typename T> T NoiseFilter::Mean(std::size_t luxel, std::span<const T> values) const {
+    T sum{};
+    ForWindow(luxel, [&](std::size_t other, int bit, float weight) {
+        if ((neighbors_[luxel] >> bit & 1) != 0)
+            sum += values[other] * weight;
+    });
+    return sum / weights_[luxel];
+}
+
+void NoiseFilter::Apply(BounceEstimate &estimate) const {
+    const auto filter = [&](std::vector<Vec3f> &values) {
+        std::vector<Vec3f> filtered(values);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            if (neighbors_[i] == 0)
+                continue;
+            Vec3f change;
+            ForWindow(i, [&](std::size_t other, int bit, float weight) {
+                if ((neighbors_[i] >> bit & 1) != 0)
+                    change += (values[other] - values[i]) * (weight * std::min(shares_[i], shares_[other]));
+            });
+            filtered[i] += change / weights_[i];
+        }
+        values = std::move(filtered);
+    };
+    filter(estimate.irradiance);
+    for (std::vector<Vec3f> &channel : estimate.channels)
+        filter(channel);
+    if (!estimate.directions.empty())
+        filter(estimate.directions);
+}
+
+} // namespace q3

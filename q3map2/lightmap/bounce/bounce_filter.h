@@ -1,0 +1,38 @@
+// GPL-2.0-or-later. Takes noise from gathered light.
+#pragma once
+
+#include "q3map2/lightmap/bounce/bounce_estimate.h"
+
+#include <span>
+
+namespace q3 {
+
+/// Blends each luxel with the mean over its neighbors, as far as the difference between them is noise. The mean takes
+/// every set of GatherDirections with equal weight, since sets repeat every 4 luxels. Neighbors that are not mapped, on
+/// another plane, not facing the same way, or without such a neighbor on the opposite side are left out, so that linear
+/// gradients stay. With D the difference, k the weight of the luxel in its mean and s2 the variance of the estimate,
+/// the share t of the mean that minimizes the squared error is (1 - k) sum s2 / sum D^2, sums taken over the
+/// neighborhood (Stein's estimate): 1 where light is even, near 0 where it varies more than its noise, such as in a
+/// corner.
+class NoiseFilter {
+  public:
+    /// By luxel: luminance of the irradiance, and its deviation, whose square is taken for the variance. Keeps a
+    /// reference.
+    NoiseFilter(const RawLightmap &raw, std::span<const float> luminance, std::span<const float> deviation);
+
+    /// Linear in the values.
+    void Apply(BounceEstimate &estimate) const;
+
+  private:
+    void FindNeighbors();
+    bool AreNeighbors(std::size_t a, std::size_t b) const;
+    template <typename Use> void ForWindow(std::size_t luxel, const Use &use) const;
+    template <typename T> T Mean(std::size_t luxel, std::span<const T> values) const;
+
+    const RawLightmap &raw_;
+    std::vector<std::uint32_t> neighbors_; // by luxel: a bit for each place in the window
+    std::vector<float> weights_;           // by luxel: their sum
+    std::vector<float> shares_;            // by luxel: of the mean
+};
+
+} // namespace q3
