@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Static props, lit by the program.
+#include "common/files/archive.h"
 #include "common/files/files.h"
 #include "common/image/image.h"
 #include "libs/math/packed_color.h"
@@ -393,6 +394,18 @@ TEST_F(StaticPropTest, FilesBesideTheMapHoldTheSameLight) {
     const double byte = 127.5 * std::pow(double(red), 1 / 2.2);
     EXPECT_NEAR(double(file[512 + 16 + 2]), byte, 0.51);
     EXPECT_EQ(int(file[512 + 16 + 3]), 255);
+}
+
+TEST_F(StaticPropTest, PackagesHoldTheFilesBesideTheMap) {
+    AddModel("a", {Sheet(-16, 16, 1, 40)});
+    Compile(Prop("a") + Prop("a", {}, "80 0 0") + Lamp({0, 0, 200}, 100));
+    Light("-staticproplighting -staticpropfiles");
+    const Outcome outcome = RunProgramFile(
+        {"-fs_basepath", (folder_ / "base").string(), "-pk3", (maps_ / "room.bsp").string()}, folder_.Root());
+    const bool complete = outcome.status == 0; // images of the room are missing
+    const Archive archive(folder_ / (complete ? "base/room_autopacked.pk3" : "base/room_FAILEDpack.pk3"));
+    for (const std::string name : {"sp_0.vhv", "sp_1.vhv", "proplight.raw"})
+        EXPECT_EQ(archive.Read("maps/room/" + name), ReadFile(Beside(name))) << name;
 }
 
 TEST_F(StaticPropTest, Md3ModelsHaveTheVerticesOfMiscModelAndTheOrderOfTheFile) {
