@@ -19,7 +19,7 @@ namespace q3::test {
 
 namespace {
 
-constexpr double kWhiteReflectance = 187.5 * 3 / 255 * 0.25;
+constexpr double kReflectanceOfWhite = 187.5 * 3 / 255 * 0.25;
 constexpr double kAmbient = 3;
 
 using Gray = std::array<std::uint8_t, 3>;
@@ -29,7 +29,7 @@ const Boundsd kPillar{{-48, -144, 0}, {16, -96, 112}};
 const std::vector<ReferenceLamp> kLamps{{{-104, 72, 168}, 130, {1, 0.8, 0.6}}, {{120, -40, 128}, 90, {0.5, 0.8, 1}}};
 
 Vec3d ReflectanceOf(const Gray &color) {
-    return Vec3d{double(color[0]), double(color[1]), double(color[2])} * (kWhiteReflectance / 255);
+    return Vec3d{double(color[0]), double(color[1]), double(color[2])} * (kReflectanceOfWhite / 255);
 }
 
 Vec3d FromFloats(const float v[3]) {
@@ -416,7 +416,7 @@ Readings EncodingsTest::BakeAndRead(const RoomReference &reference, const std::s
     return Read(reference);
 }
 
-double LuminanceOf(const Vec3d &c) {
+double GrayOf(const Vec3d &c) {
     return 0.3 * c.x + 0.59 * c.y + 0.11 * c.z;
 }
 
@@ -437,7 +437,7 @@ Vec3d Encoded(const std::string &name, const LightField &field, const Vec3d &nor
         return sum / std::sqrt(3.0);
     }
     if (name == "tilted lightmass")
-        return flat * std::max(0.0, LuminanceOf(field.InBands(1, normal)) / LuminanceOf(field.InBands(1, up)));
+        return flat * std::max(0.0, GrayOf(field.InBands(1, normal)) / GrayOf(field.InBands(1, up)));
     return field.On(normal);
 }
 
@@ -477,7 +477,7 @@ Comparison Compare(const std::string &name, const std::vector<Reading> &readings
         result.own.Add(light, own, peak);
         here.Add(light, all.On(normal), strength);
         const Vec3d indirect = name == "grid" ? only.InBands(2, normal) : only.On(normal);
-        bounced += LuminanceOf(light - (own - indirect)), expected += LuminanceOf(indirect);
+        bounced += GrayOf(light - (own - indirect)), expected += GrayOf(indirect);
     }
     result.worst = std::max(result.worst, here.Rms());
     result.bounced = expected > 0 ? bounced / expected : 1;
