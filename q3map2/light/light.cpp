@@ -170,7 +170,9 @@ LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOpt
       table(MakeSurfaceTable(map, stored, inputs.surfaceFile, inputs.name + ".srf", library, log,
                              WithAmbient(defaults, world))),
       lights(CreateLightsLogged(*this, inputs, library, log)), space(map, OpaqueBrushes(map, library)),
-      props(LoadStaticProps(stored, inputs.vfs, int(map.drawSurfaces.size()), options, library, log)),
+      props(LoadStaticProps(
+          stored, inputs.vfs, int(map.drawSurfaces.size()),
+          [&inputs](std::string_view model) { return inputs.texLights.TextureShadow(model); }, options, library, log)),
       scene(map, table, options, IgnoreRadius(layout), props.shadows), skySeenFrom(SkySeenFrom(space, table)) {
     props.shadows = {}; // the scene has a copy
     log.Count((long long)(scene.TriangleCount()), "triangles that rays can meet");

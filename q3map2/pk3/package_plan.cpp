@@ -239,15 +239,17 @@ void Planner::List() const {
 }
 
 /// Whether engines load a file of a map's folder as its light: images lm_NNNN, perhaps with more in the name, HDR light
-/// of vertices, and the file that describes directional lightmaps.
+/// of vertices, the file that describes directional lightmaps, and light of static props, for each sp_N.vhv.
 bool IsLightFile(const fs::path &file) {
     const std::string name = LowerCase(file.filename().string());
-    if (name == "vertlight.raw" || name == "lightmass.json")
+    if (name == "vertlight.raw" || name == "lightmass.json" || name == "proplight.raw")
         return true;
     constexpr std::array<std::string_view, 4> kImages = {".tga", ".jpg", ".png", ".hdr"};
-    const std::string stem = fs::path(name).stem().string();
+    const std::string stem = fs::path(name).stem().string(), extension = fs::path(name).extension().string();
+    if (stem.starts_with("sp_") && extension == ".vhv")
+        return WholeInteger(stem.substr(3)).has_value();
     return stem.starts_with("lm_") && WholeInteger(stem.substr(3, stem.find('_', 3) - 3)).has_value() &&
-           std::ranges::find(kImages, fs::path(name).extension().string()) != kImages.end();
+           std::ranges::find(kImages, extension) != kImages.end();
 }
 
 } // namespace

@@ -157,6 +157,15 @@ TEST_F(PackageTest, LightmapFilesBesideTheMapComeToo) {
     EXPECT_THAT(plan.missing, ElementsAre(StartsWith("maps/x/lm_0001.tga: ")));
 }
 
+TEST_F(PackageTest, FilesOfPropLightBesideTheMapComeToo) {
+    Put("textures/base/wall.tga");
+    for (const std::string name : {"maps/x/sp_0.vhv", "maps/x/sp_12.VHV", "maps/x/proplight.raw", "maps/x/sp_one.vhv",
+                                   "maps/x/sp_3.txt", "maps/x/sp_.vhv", "maps/x/other.raw", "maps/y/sp_0.vhv"})
+        Put(name);
+    EXPECT_THAT(Names(Plan(MapWith(""))), ElementsAre("textures/base/wall.tga", "maps/x/proplight.raw",
+                                                      "maps/x/sp_0.vhv", "maps/x/sp_12.VHV", "maps/x.bsp"));
+}
+
 TEST_F(PackageTest, BotAndMenuFilesComeIfTheyAreThere) {
     Put("textures/base/wall.tga");
     EXPECT_THAT(Plan(MapWith("")).absent, Contains(StartsWith("maps/x.aas: bots")));

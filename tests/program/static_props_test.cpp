@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Static props, lit by the program.
+#include "common/files/archive.h"
 #include "common/files/files.h"
 #include "common/image/image.h"
 #include "libs/math/packed_color.h"
@@ -26,6 +27,22 @@ class StaticPropTest : public LitRoomTest {
   protected:
     void AddModel(std::string_view name, const std::vector<TestMesh> &meshes) {
         folder_.Write(fmt::format("base/baseq3/models/{}.md3", name), Md3Of(meshes));
+    }
+    /// A plate of 128 x 128 at a height of 20, whose shader tests alpha: the half at lower x lets light through.
+    void AddLeaf(std::string_view name) {
+        folder_.Write("base/baseq3/scripts/mask.shader",
+                      "textures/test/leaf\n{\n{\nmap textures/test/leaf.tga\nalphaFunc GE128\n}\n}\n");
+        folder_.Write("base/baseq3/scripts/shaderlist.txt", "test\nmask\n");
+        std::vector<std::uint8_t> texels;
+        for (int y = 0; y < 8; ++y)
+            for (int x = 0; x < 8; ++x)
+                for (const int c : {255, 255, 255, x < 4 ? 0 : 255})
+                    texels.push_back(std::uint8_t(c));
+        folder_.Write("base/baseq3/textures/test/leaf.tga", EncodeTga(texels, 8, 8, 4, TgaRows::TopFirst));
+        TestMesh plate;
+        plate.shader = "textures/test/leaf";
+        plate.AddPlate({-64, -64, 20}, {64, 64, 20});
+        AddModel(name, {plate});
     }
     static std::string Prop(std::string_view model, const Keys &more = {}, std::string_view at = "0 0 0") {
         std::string text = EntityText({{"classname", "misc_model_static"},
@@ -228,19 +245,7 @@ TEST_F(StaticPropTest, TrianglesShadowTheFloorUnderThemAndBoxesAllOfTheirExtent)
 }
 
 TEST_F(StaticPropTest, MaskedTexturesLetLightThroughWithTextureShadows) {
-    folder_.Write("base/baseq3/scripts/mask.shader",
-                  "textures/test/leaf\n{\n{\nmap textures/test/leaf.tga\nalphaFunc GE128\n}\n}\n");
-    folder_.Write("base/baseq3/scripts/shaderlist.txt", "test\nmask\n");
-    std::vector<std::uint8_t> texels;
-    for (int y = 0; y < 8; ++y)
-        for (int x = 0; x < 8; ++x)
-            for (const int c : {255, 255, 255, x < 4 ? 0 : 255})
-                texels.push_back(std::uint8_t(c));
-    folder_.Write("base/baseq3/textures/test/leaf.tga", EncodeTga(texels, 8, 8, 4, TgaRows::TopFirst));
-    TestMesh plate;
-    plate.shader = "textures/test/leaf";
-    plate.AddPlate({-64, -64, 20}, {64, 64, 20});
-    AddModel("leaf", {plate});
+    AddLeaf("leaf");
     Compile(Prop("leaf") + Lamp({0, 0, 200}, 200));
     const std::vector<Vec3f> points{{-32, 0, 0}, {32, 0, 0}};
     const auto none = FloorLight("", points);
@@ -250,6 +255,27 @@ TEST_F(StaticPropTest, MaskedTexturesLetLightThroughWithTextureShadows) {
     EXPECT_LT(opaque[1], 1);
     EXPECT_NEAR(masked[0], none[0], 1e-3);
     EXPECT_LT(masked[1], 1);
+}
+
+TEST_F(StaticPropTest, LinesOfRadFilesForceTextureShadowsOfOneModel) {
+    AddLeaf("leaf");
+    AddLeaf("bush");
+    Compile(Prop("leaf", {}, "-120 0 0") + Prop("bush", {}, "120 0 0") + Lamp({-120, 0, 200}, 200) +
+            Lamp({120, 0, 200}, 200));
+    // Below the left and the right half of both: the lamp over each is the only one that a plate can hide.
+    const std::vector<Vec3f> points{{-144, 0, 0}, {-96, 0, 0}, {96, 0, 0}, {144, 0, 0}};
+    const auto lit = [&](std::string_view lines, std::string_view options = "-staticproppolys") {
+        folder_.Write("base/baseq3/maps/room.rad", lines);
+        return FloorLight(options, points);
+    };
+    const auto without = lit(""), leaf = lit("forcetextureshadow models\\Leaf.mdl\n");
+    const auto both = lit("forcetextureshadow models/leaf.mdl\nforcetextureshadow models/bush\n");
+    EXPECT_GT(leaf[0], without[0] + 20);
+    for (const std::size_t i : {1u, 2u, 3u})
+        EXPECT_NEAR(leaf[i], without[i], 1e-3) << i;
+    EXPECT_EQ(both, lit("", "-staticproppolys -textureshadows"));
+    EXPECT_GT(both[2], leaf[2] + 20);
+    EXPECT_EQ(lit("forcetextureshadow models/other.mdl\n"), without);
 }
 
 TEST_F(StaticPropTest, IgnoredNormalsGiveLightFromAllSidesByAConstant) {
@@ -368,6 +394,18 @@ TEST_F(StaticPropTest, FilesBesideTheMapHoldTheSameLight) {
     const double byte = 127.5 * std::pow(double(red), 1 / 2.2);
     EXPECT_NEAR(double(file[512 + 16 + 2]), byte, 0.51);
     EXPECT_EQ(int(file[512 + 16 + 3]), 255);
+}
+
+TEST_F(StaticPropTest, PackagesHoldTheFilesBesideTheMap) {
+    AddModel("a", {Sheet(-16, 16, 1, 40)});
+    Compile(Prop("a") + Prop("a", {}, "80 0 0") + Lamp({0, 0, 200}, 100));
+    Light("-staticproplighting -staticpropfiles");
+    const Outcome outcome = RunProgramFile(
+        {"-fs_basepath", (folder_ / "base").string(), "-pk3", (maps_ / "room.bsp").string()}, folder_.Root());
+    const bool complete = outcome.status == 0; // images of the room are missing
+    const Archive archive(folder_ / (complete ? "base/room_autopacked.pk3" : "base/room_FAILEDpack.pk3"));
+    for (const std::string name : {"sp_0.vhv", "sp_1.vhv", "proplight.raw"})
+        EXPECT_EQ(archive.Read("maps/room/" + name), ReadFile(Beside(name))) << name;
 }
 
 TEST_F(StaticPropTest, Md3ModelsHaveTheVerticesOfMiscModelAndTheOrderOfTheFile) {

@@ -7,6 +7,7 @@
 #include "q3map2/convert/json/convert_json_cubes.h"
 #include "q3map2/convert/json/convert_json_files.h"
 #include "q3map2/convert/json/convert_json_hdr.h"
+#include "q3map2/convert/json/convert_json_props.h"
 #include "q3map2/convert/json/convert_json_records.h"
 
 #include <system_error>
@@ -40,7 +41,9 @@ class Unpacker {
         WriteIf(bsp_.rnm.has_value(), kJsonRnm, [this] { WriteJsonRnm(Announce(kJsonRnm), *bsp_.rnm, game_); });
         WriteIf(bsp_.ambientCubes.has_value(), kJsonCubes,
                 [this] { WriteJsonCubes(Announce(kJsonCubes), *bsp_.ambientCubes, game_); });
-        const std::vector<JsonBspxEntry> entries = BspxEntries(gridInBspx);
+        const std::optional<PropLight> props = PropLightForFile();
+        WriteIf(props.has_value(), kJsonPropLight, [&] { WriteJsonProps(Announce(kJsonPropLight), *props, game_); });
+        const std::vector<JsonBspxEntry> entries = BspxEntries(gridInBspx, props.has_value());
         WriteIf(!entries.empty(), kJsonBspx, [&] { WriteRecords(kJsonBspx, "bspx", entries); });
     }
 
@@ -112,10 +115,25 @@ class Unpacker {
         writer.Finish();
     }
 
-    std::vector<JsonBspxEntry> BspxEntries(bool gridInBspx) const {
+    std::optional<PropLight> PropLightForFile() const {
+        const BspxLump *lump = FindPropLight(bsp_);
+        if (lump == nullptr)
+            return {};
+        std::string fault;
+        std::optional<PropLight> light = JsonPropLight(*lump, fault);
+        if (!fault.empty())
+            log_.Warn(kBspxPropLight, "BSPX lump {} stays in hexadecimal: {}", kBspxPropLight, fault);
+        return light;
+    }
+
+    /// propsInFile: the first lump of light of props is in a file of its own.
+    std::vector<JsonBspxEntry> BspxEntries(bool gridInBspx, bool propsInFile) const {
         std::vector<JsonBspxEntry> entries;
-        for (const BspxLump &lump : bsp_.bspx)
-            entries.push_back({lump.name, HexText(lump.data), ""});
+        for (const BspxLump &lump : bsp_.bspx) {
+            const bool inOwnFile = propsInFile && &lump == FindPropLight(bsp_);
+            entries.push_back(
+                {lump.name, inOwnFile ? "" : HexText(lump.data), inOwnFile ? std::string(kJsonPropLight) : ""});
+        }
         const auto inFile = [&](bool wanted, std::string_view lump, std::string_view file) {
             if (wanted)
                 entries.push_back({std::string(lump), "", std::string(file)});

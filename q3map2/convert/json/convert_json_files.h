@@ -39,12 +39,14 @@ inline constexpr std::string_view kJsonVertexE5bgr9 = "DrawVertE5BGR9.json";
 inline constexpr std::string_view kJsonRnm = "LightTexelsRNM.json";
 
 inline constexpr std::string_view kJsonCubes = "AmbientCubes.json";
+inline constexpr std::string_view kJsonPropLight = "PropLight.json";
 
 inline constexpr std::string_view kJsonCodes = "colors";
 inline constexpr std::string_view kJsonRnmStorage = "storage", kJsonRnmSide = "side", kJsonRnmPages = "lightmapNums";
 inline constexpr std::string_view kJsonRnmRaw = "raw", kJsonRnmRescaled = "rescaled";
 
 inline constexpr std::string_view kJsonCubeLeafs = "leafs", kJsonCubeSamples = "samples";
+inline constexpr std::string_view kJsonProps = "props";
 inline constexpr std::string_view kJsonGridSHHeader = "header", kJsonGridSHPoints = "points";
 
 } // namespace q3

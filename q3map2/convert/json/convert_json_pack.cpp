@@ -10,6 +10,7 @@
 #include "q3map2/convert/json/convert_json_cubes.h"
 #include "q3map2/convert/json/convert_json_files.h"
 #include "q3map2/convert/json/convert_json_hdr.h"
+#include "q3map2/convert/json/convert_json_props.h"
 #include "q3map2/convert/json/convert_json_records.h"
 
 #include <algorithm>
@@ -158,7 +159,9 @@ class Packer {
                 bsp_.ambientCubes = ReadJsonCubes(folder_ / kJsonCubes, rules_);
                 return;
             }
-            if (entry.name == kBspxLightGridSH || (!entry.file.empty() && JsonHdrFile(entry.name).empty())) {
+            const bool isPropFile = entry.name == kBspxPropLight && !entry.file.empty();
+            if (entry.name == kBspxLightGridSH ||
+                (!entry.file.empty() && JsonHdrFile(entry.name).empty() && !isPropFile)) {
                 ReadBspxGrid(source, entry);
                 return;
             }
@@ -169,7 +172,9 @@ class Packer {
                 return;
             }
             BspxLump lump{entry.name, {}};
-            if (!ParseHexText(entry.bytes, lump.data))
+            if (isPropFile)
+                lump.data = ReadBspxProps(source, entry);
+            else if (!ParseHexText(entry.bytes, lump.data))
                 source.Fail("bytes: expected pairs of hexadecimal digits");
             bsp_.bspx.push_back(std::move(lump));
         });
@@ -181,6 +186,12 @@ class Packer {
         if (!bsp_.gridSH)
             source.Fail(fmt::format("file: there is no {}", kJsonGridSH));
         bsp_.gridSHContainer = GridSHContainer::Bspx;
+    }
+
+    std::vector<std::byte> ReadBspxProps(const JsonRecord &source, const JsonBspxEntry &entry) const {
+        if (entry.file != kJsonPropLight)
+            source.Fail(fmt::format("expected the file {}", kJsonPropLight));
+        return EncodePropLight(ReadJsonProps(folder_ / kJsonPropLight));
     }
 
     void ReadBspxHdr(const JsonRecord &source, const JsonBspxEntry &entry) {

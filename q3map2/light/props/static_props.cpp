@@ -33,8 +33,9 @@ constexpr std::array<std::array<int, 3>, 12> kBoxTriangles{{{0, 1, 3},
 class PropLoader {
   public:
     PropLoader(std::span<const Entity> entities, const VirtualFileSystem *vfs, int drawSurfaces,
-               const LightOptions &options, ShaderLibrary &library, Log &log)
-        : entities_(entities), vfs_(vfs), drawSurfaces_(drawSurfaces), options_(options), library_(library), log_(log) {
+               const ModelTest &textureShadows, const LightOptions &options, ShaderLibrary &library, Log &log)
+        : entities_(entities), vfs_(vfs), drawSurfaces_(drawSurfaces), textureShadows_(textureShadows),
+          options_(options), library_(library), log_(log) {
         result_.models = std::make_shared<PropModels>(vfs);
         result_.masked = std::make_shared<std::deque<ShaderInfo>>();
     }
@@ -61,6 +62,7 @@ class PropLoader {
     std::span<const Entity> entities_;
     const VirtualFileSystem *vfs_;
     int drawSurfaces_;
+    const ModelTest &textureShadows_;
     const LightOptions &options_;
     ShaderLibrary &library_;
     Log &log_;
@@ -177,7 +179,8 @@ void PropLoader::AddCasters(StaticProp &prop, int castShadows) {
 
 void PropLoader::AddMesh(StaticProp &prop, std::size_t number, int castShadows) {
     const ShaderInfo &shader = *prop.shaders[number];
-    const ShaderInfo *masked = options_.textureShadows ? Masked(shader) : nullptr;
+    const bool byTexture = options_.textureShadows || textureShadows_(prop.name);
+    const ShaderInfo *masked = byTexture ? Masked(shader) : nullptr;
     if ((shader.compileFlags & (C_NODRAW | C_SKY)) != 0 || ((shader.compileFlags & C_TRANSLUCENT) != 0 && !masked))
         return;
     PropCaster &caster = NewCaster(prop, castShadows);
@@ -220,10 +223,11 @@ bool IsStaticProp(const Entity &entity) {
 }
 
 StaticProps LoadStaticProps(std::span<const Entity> entities, const VirtualFileSystem *vfs, int drawSurfaces,
-                            const LightOptions &options, ShaderLibrary &library, Log &log) {
+                            const ModelTest &textureShadows, const LightOptions &options, ShaderLibrary &library,
+                            Log &log) {
     if (!options.staticPropLighting && !options.staticPropPolys)
         return {};
-    return PropLoader(entities, vfs, drawSurfaces, options, library, log).Run();
+    return PropLoader(entities, vfs, drawSurfaces, textureShadows, options, library, log).Run();
 }
 
 } // namespace q3

@@ -10,10 +10,12 @@
 #include "q3map2/shader/shader_library.h"
 
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace q3 {
@@ -43,9 +45,14 @@ struct StaticProps {
 /// Whether the light stage takes the entity as a static prop.
 bool IsStaticProp(const Entity &entity);
 
+/// Whether something holds for the model of that name.
+using ModelTest = std::function<bool(std::string_view model)>;
+
 /// Loads the props of a map; none unless options.staticPropLighting or staticPropPolys. drawSurfaces: how many the map
-/// has. Models that cannot be read, and bad keys, are warnings.
+/// has. textureShadows: models of which options.textureShadows holds in any case. Models that cannot be read, and bad
+/// keys, are warnings.
 StaticProps LoadStaticProps(std::span<const Entity> entities, const VirtualFileSystem *vfs, int drawSurfaces,
-                            const LightOptions &options, ShaderLibrary &library, Log &log);
+                            const ModelTest &textureShadows, const LightOptions &options, ShaderLibrary &library,
+                            Log &log);
 
 } // namespace q3
