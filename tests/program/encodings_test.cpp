@@ -504,9 +504,7 @@ void ExpectLight(const Readings &all, const RoomReference &reference, double lar
         EXPECT_GT(compared.own.count, 50) << name;
         EXPECT_LT(compared.own.largest, largest) << name;
         EXPECT_LT(compared.own.Rms(), rms) << name;
-        if (name != "vertex") { // bright emitters do not light vertices that lie on their surface
-            EXPECT_NEAR(compared.bounced, 1, 0.015) << name;
-        }
+        EXPECT_NEAR(compared.bounced, 1, 0.015) << name;
         if (name == "tilted lightmass") {
             EXPECT_LT(compared.worst, kOneBand);
         }
