@@ -60,6 +60,18 @@ TEST_F(StylesTest, SwitchesAreOnOrDarkAtFirst) {
     EXPECT_THAT(Script(), Not(HasSubstr("const ( 1 1 1 )")));
 }
 
+TEST_F(StylesTest, ASurfaceWithLessThanAByteOfAStyleGetsNoStage) {
+    CompileWith(Lamp({100, -60, 20}, 2, {1, 1, 1}, {{"pattern", "mmmaaa"}}));
+    Light("-bounce 1");
+    EXPECT_EQ(Script(), "");
+    const std::size_t withoutStage = Load().lightmaps.size();
+    Light("-bounce 1 -brightness 20");
+    EXPECT_THAT(Script(), HasSubstr("rgbGen wave square"));
+    EXPECT_GT(Load().lightmaps.size(), withoutStage);
+    Light("-bounce 1 -both"); // HDR pages have what bytes have not
+    EXPECT_THAT(Script(), HasSubstr("rgbGen wave square"));
+}
+
 TEST_F(StylesTest, WithoutTheOptionTargetnamesChangeNothing) {
     CompileWith(Lamp({100, -60, 120}, 200));
     Light("");
