@@ -72,6 +72,15 @@ TEST_F(StylesTest, ASurfaceWithLessThanAByteOfAStyleGetsNoStage) {
     EXPECT_THAT(Script(), HasSubstr("rgbGen wave square"));
 }
 
+TEST_F(StylesTest, ScriptsWithoutAMarkerAreNamed) {
+    const std::string lamp = Lamp({100, -60, 60}, 200, {1, 1, 1}, {{"pattern", "mmmaaa"}});
+    CompileWith(lamp);
+    const Outcome outcome = Light("-v");
+    EXPECT_THAT(outcome.text, HasSubstr("textures/test/floor: no q3map_styleMarker in its script"));
+    EXPECT_THAT(outcome.text, Not(HasSubstr("textures/test/plain: no q3map_styleMarker"))); // it has no script
+    EXPECT_THAT(outcome.text, HasSubstr("(light style without a stage: 2)"));               // floor and wall
+}
+
 TEST_F(StylesTest, WithoutTheOptionTargetnamesChangeNothing) {
     CompileWith(Lamp({100, -60, 120}, 200));
     Light("");
