@@ -175,12 +175,13 @@ void BrightEmitters::AddToLuxels(const RawLightmap &raw, const std::vector<Vec3f
         }
 }
 
-Vec3f BrightEmitters::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided) const {
+Vec3f BrightEmitters::IrradianceAt(const Vec3f &position, const Vec3f &origin, const Vec3f &normal,
+                                   bool twoSided) const {
     Receivers receivers;
     receivers.twoSided = twoSided;
     const auto bits = [](float x) { return std::uint64_t(std::bit_cast<std::uint32_t>(x)); };
     const std::uint64_t seed = HashIndex(bits(position.x) ^ bits(position.y) << 16 ^ bits(position.z) << 32);
-    receivers.Add(position, position, normal, std::size_t(seed), space_.ClusterAt(position, 0));
+    receivers.Add(position, origin, normal, std::size_t(seed), space_.ClusterAt(position, 0));
     receivers.SetView();
     std::vector<Sample> samples;
     SampleTree(receivers, samples);

@@ -121,8 +121,9 @@ void Bounces::GatherBright(const SurfaceLight &surfaces, bool deluxe, StyleRadio
         if (!bright.Empty() && IsLitAtVertices(in_, surfaces, std::size_t(i)))
             ForVertexReceivers(in_, surfaces, std::size_t(i), [&](int vertex, const Vec3f &position) {
                 const auto v = std::size_t(vertex);
-                radiosity.brightOnVertices[v] =
-                    bright.IrradianceAt(position, surfaces.verts[v].normal, in_.table[std::size_t(i)].shader->twoSided);
+                const Vec3f &normal = surfaces.verts[v].normal;
+                radiosity.brightOnVertices[v] = bright.IrradianceAt(position, gather_.VertexRayOrigin(position, normal),
+                                                                    normal, in_.table[std::size_t(i)].shader->twoSided);
             });
     });
 }
@@ -178,7 +179,8 @@ Vec3f Bounces::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool two
     const auto radiosity = byStyle_.find(0);
     if (radiosity == byStyle_.end())
         return {};
-    return radiosity->second.bright->IrradianceAt(position, normal, twoSided) +
+    const Vec3f origin = gather_.VertexRayOrigin(position, normal);
+    return radiosity->second.bright->IrradianceAt(position, origin, normal, twoSided) +
            gather_.IrradianceAt(position, normal, twoSided, radiosity->second.total);
 }
 
