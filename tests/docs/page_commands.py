@@ -20,7 +20,7 @@ import tempfile
 from pathlib import Path
 
 PAGES = ["README.md"] + [f"docs/{name}.md" for name in (
-    "first_bake", "relight", "final_build", "bots", "troubleshooting", "moving", "presets", "ship_sh", "package",
+    "first_bake", "lights", "relight", "final_build", "bots", "troubleshooting", "moving", "presets", "ship_sh", "package",
     "tools_for_maps", "convert", "report", "vis", "lightmaps", "light_grid_sh", "bsp_stage", "ssbump", "hdr",
     "directional")]
 # Pages that are for editors and other systems, if they are there: their options are checked.

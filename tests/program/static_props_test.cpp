@@ -126,6 +126,31 @@ TEST_F(StaticPropTest, PropsGetTheBouncedLightOfTheFloor) {
     EXPECT_GT(floor[0], 5);
 }
 
+TEST_F(StaticPropTest, ModelsOfTheMapGetTheBouncedLightOfProps) {
+    TestMesh box;
+    box.AddWalls(24, {100, 124, 148});
+    AddModel("box", {box});
+    const std::string lamp = Lamp({30, 40, 220}, 400);
+    Compile(Prop("box", {{"disableshadows", "1"}}) + lamp);
+    Light("-staticproplighting -bounce 8 -bounceonly");
+    const std::vector<Vec3f> prop = Colors();
+    ASSERT_EQ(prop.size(), box.verts.size());
+    Compile(
+        EntityText(
+            {{"classname", "misc_model"}, {"model", "models/box.md3"}, {"origin", "0 0 0"}, {"_castShadows", "0"}}) +
+        lamp);
+    Light("-bounce 8 -bounceonly");
+    const Bsp bsp = Load();
+    for (std::size_t i = 0; i < prop.size(); ++i) {
+        const auto found = std::find_if(bsp.drawVerts.begin(), bsp.drawVerts.end(), [&](const bspDrawVert_t &v) {
+            return Length(Vec3f(v.xyz) - box.verts[i].xyz) < 0.1f && Dot(Vec3f(v.normal), box.verts[i].normal) > 0.9f;
+        });
+        ASSERT_NE(found, bsp.drawVerts.end());
+        EXPECT_NEAR(float(found->color[0]), prop[i].x, 0.03f * prop[i].x + 1) << i; // bytes are cut off
+        EXPECT_GT(prop[i].x, 20);
+    }
+}
+
 TEST_F(StaticPropTest, ManyBouncesInAWhiteRoomAddUpAsAGeometricSeries) {
     const std::string script = ReadTextFile(folder_ / "base/baseq3/scripts/test.shader");
     std::string glowing;

@@ -60,6 +60,27 @@ TEST_F(StylesTest, SwitchesAreOnOrDarkAtFirst) {
     EXPECT_THAT(Script(), Not(HasSubstr("const ( 1 1 1 )")));
 }
 
+TEST_F(StylesTest, ASurfaceWithLessThanAByteOfAStyleGetsNoStage) {
+    CompileWith(Lamp({100, -60, 20}, 2, {1, 1, 1}, {{"pattern", "mmmaaa"}}));
+    Light("-bounce 1");
+    EXPECT_EQ(Script(), "");
+    const std::size_t withoutStage = Load().lightmaps.size();
+    Light("-bounce 1 -brightness 20");
+    EXPECT_THAT(Script(), HasSubstr("rgbGen wave square"));
+    EXPECT_GT(Load().lightmaps.size(), withoutStage);
+    Light("-bounce 1 -both"); // HDR pages have what bytes have not
+    EXPECT_THAT(Script(), HasSubstr("rgbGen wave square"));
+}
+
+TEST_F(StylesTest, ScriptsWithoutAMarkerAreNamed) {
+    const std::string lamp = Lamp({100, -60, 60}, 200, {1, 1, 1}, {{"pattern", "mmmaaa"}});
+    CompileWith(lamp);
+    const Outcome outcome = Light("-v");
+    EXPECT_THAT(outcome.text, HasSubstr("textures/test/floor: no q3map_styleMarker in its script"));
+    EXPECT_THAT(outcome.text, Not(HasSubstr("textures/test/plain: no q3map_styleMarker"))); // it has no script
+    EXPECT_THAT(outcome.text, HasSubstr("(light style without a stage: 2)"));               // floor and wall
+}
+
 TEST_F(StylesTest, WithoutTheOptionTargetnamesChangeNothing) {
     CompileWith(Lamp({100, -60, 120}, 200));
     Light("");

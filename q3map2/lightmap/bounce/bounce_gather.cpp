@@ -235,17 +235,16 @@ void BounceGather::GatherTexels(const Emission &emission, std::size_t lightmap, 
             texels[i] = texels[i] / count[i];
 }
 
-/// kRayLift, or kMinRayLift if another surface, such as a decal over a floor, faces this one from nearer than kRayLift.
-float BounceGather::RayLiftAt(const Vec3f &position, const Vec3f &normal) const {
+Vec3f BounceGather::VertexRayOrigin(const Vec3f &position, const Vec3f &normal) const {
     RayPacket ahead;
     ahead.Aim(0, position + normal * kMinRayLift, position + normal * kRayLift);
-    return !Emits(scene_.FirstEmitters(ahead, false)[0]) ? kRayLift : kMinRayLift;
+    return position + normal * (!Emits(scene_.FirstEmitters(ahead, false)[0]) ? kRayLift : kMinRayLift);
 }
 
 std::vector<EmitterId> BounceGather::VertexHits(const Vec3f &position, const Vec3f &normal, bool twoSided,
                                                 int count) const {
     const GatherFrame frame(normal);
-    const Vec3f start = position + normal * RayLiftAt(position, normal);
+    const Vec3f start = VertexRayOrigin(position, normal);
     std::vector<EmitterId> hits(std::size_t(count), kNoEmitter);
     auto rays = MakeRayBatcher<std::size_t>([&](RayPacket &packet, std::span<const std::size_t> numbers) {
         const auto found = scene_.FirstEmitters(packet, false);

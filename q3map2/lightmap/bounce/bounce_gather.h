@@ -34,6 +34,8 @@ class BounceGather {
                       std::span<Vec3f> texels) const;
     /// The hits that GatherTexels reads, in no order that a caller may rely on.
     std::span<const EmitterId> KeptHits(std::size_t lightmap) const { return rows_[lightmap].hits; }
+    /// Where rays of a vertex start: off its surface, but not behind a decal or the like over it.
+    Vec3f VertexRayOrigin(const Vec3f &position, const Vec3f &normal) const;
     /// The emitters that `count` rays from a vertex hit. twoSided: its surface is seen from both sides.
     std::vector<EmitterId> VertexHits(const Vec3f &position, const Vec3f &normal, bool twoSided, int count) const;
     /// Light at a vertex, by 4 N rays (256 under -fast).
@@ -62,7 +64,6 @@ class BounceGather {
                     const GatherBatch &batch, HitRows &rows) const;
     EmitterId Dithered(EmitterId emitter, const Vec3f &position, const Vec3f &normal, bool twoSided,
                        std::size_t number) const;
-    float RayLiftAt(const Vec3f &position, const Vec3f &normal) const;
     int RaysPerLuxel(const RawLightmap &raw) const;
 
     const BounceScene &scene_;

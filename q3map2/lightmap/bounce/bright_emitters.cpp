@@ -21,8 +21,6 @@ namespace {
 constexpr float kSurfaceRoulette = 0.1f, kPointRoulette = 0.5f;
 /// Shadow rays end this far in front of the patch, or at this share of the way to it. Game units.
 constexpr float kPatchGap = 0.25f, kPatchWay = 0.99f;
-/// Shadow rays of a vertex start this far off its surface, which they would meet. Game units.
-constexpr float kVertexLift = 1.0f / 16;
 constexpr std::uint64_t kRouletteSeed = 0x526F756C65747465u, kStrideSeed = 0x537472696465u;
 /// Of a faint node at least one in this many receivers is looked at.
 constexpr float kMaxStride = 64;
@@ -177,12 +175,12 @@ void BrightEmitters::AddToLuxels(const RawLightmap &raw, const std::vector<Vec3f
         }
 }
 
-Vec3f BrightEmitters::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided) const {
+Vec3f BrightEmitters::IrradianceAt(const Vec3f &position, const Vec3f &origin, const Vec3f &normal,
+                                   bool twoSided) const {
     Receivers receivers;
     receivers.twoSided = twoSided;
     const auto bits = [](float x) { return std::uint64_t(std::bit_cast<std::uint32_t>(x)); };
     const std::uint64_t seed = HashIndex(bits(position.x) ^ bits(position.y) << 16 ^ bits(position.z) << 32);
-    const Vec3f origin = position + normal * kVertexLift;
     receivers.Add(position, origin, normal, std::size_t(seed), space_.ClusterAt(origin, 0));
     receivers.SetView();
     std::vector<Sample> samples;

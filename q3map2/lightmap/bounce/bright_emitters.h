@@ -23,8 +23,8 @@ class BrightEmitters {
 
     /// Adds their light on the luxels of a lightmap to the estimate. origins: of rays, by luxel.
     void AddToLuxels(const RawLightmap &raw, const std::vector<Vec3f> &origins, BounceEstimate &estimate) const;
-    /// Their light at a point of a surface, byte scale. twoSided: as in RadiosityPatches.
-    Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided) const;
+    /// Their light at a point of a surface, byte scale. origin: of rays. twoSided: as in RadiosityPatches.
+    Vec3f IrradianceAt(const Vec3f &position, const Vec3f &origin, const Vec3f &normal, bool twoSided) const;
     /// Appends their light at a point in the open.
     void Gather(const Vec3f &point, std::uint64_t seed, std::vector<IndirectRay> &rays) const;
 

@@ -153,7 +153,7 @@ Vec3f Bounces::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool two
 
 Vec3f Bounces::IrradianceOf(const StyleRadiosity &radiosity, const Vec3f &position, const Vec3f &normal,
                             bool twoSided) const {
-    return radiosity.bright->IrradianceAt(position, normal, twoSided) +
+    return radiosity.bright->IrradianceAt(position, gather_.VertexRayOrigin(position, normal), normal, twoSided) +
            gather_.IrradianceAt(position, normal, twoSided, radiosity.rest);
 }
 

@@ -8,7 +8,8 @@
 namespace q3 {
 
 /// Vertices gather at points moved this far, but at most a quarter of the way, to the center of their surface, since
-/// its edge often lies in the plane of another surface. Game units.
+/// its edge often lies in the plane of another surface. Not along the normal: the center of a closed model is inside
+/// of it. Game units.
 inline constexpr float kInward = 2;
 
 /// Whether the surface is lit at its vertices.
@@ -24,8 +25,8 @@ void ForVertexReceivers(const SurfaceInputs &in, const SurfaceLight &surfaces, s
     for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v)
         center += surfaces.verts[std::size_t(v)].xyz / float(surface.numVerts);
     for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v) {
-        const Vec3f &at = surfaces.verts[std::size_t(v)].xyz;
-        const Vec3f inward = center - at;
+        const auto &[at, normal, st, luxel] = surfaces.verts[std::size_t(v)];
+        const Vec3f way = center - at, inward = way - normal * Dot(way, normal);
         use(v, at + inward * std::min(0.25f, kInward / std::max(1.0f, Length(inward))));
     }
 }

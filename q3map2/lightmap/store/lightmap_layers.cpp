@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/store/lightmap_layers.h"
 
 #include "q3map2/lightmap/store/luxel_normals.h"
+#include "q3map2/lightmap/store/stored_light.h"
 
 #include <algorithm>
 #include <cmath>
@@ -170,6 +171,17 @@ void JoinGroup(const std::vector<std::size_t> &group, std::vector<LightmapLayer>
     }
 }
 
+/// Whether all bytes of a style would be 0 and nothing but bytes is stored. Engines would draw a stage for nothing.
+bool ShowsNothing(const SurfaceInputs &in, const RawLightmap &lightmap, std::size_t style) {
+    if (in.lightmap.hdr || in.lightmap.lightmass || !lightmap.resultChannels[style].empty())
+        return false;
+    const ToneOptions tone = StoredTone(in);
+    const ToneMapper mapper(1, lightmap.brightness, tone);
+    constexpr std::array<std::uint8_t, 3> kBlack{};
+    return std::all_of(lightmap.result[style].begin(), lightmap.result[style].end(),
+                       [&](const Vec3f &texel) { return texel.x < 0 || mapper.Bytes(texel) == kBlack; });
+}
+
 } // namespace
 
 LightmapLayers MakeLayers(const SurfaceInputs &in, SurfaceLight &surfaces) {
@@ -179,7 +191,7 @@ LightmapLayers MakeLayers(const SurfaceInputs &in, SurfaceLight &surfaces) {
         for (std::size_t style = 0; style < kStyles; ++style) {
             const RawLightmap &lightmap = surfaces.lightmaps[i];
             const bool used = lightmap.styles[style] != kNoStyle && !lightmap.result[style].empty() &&
-                              (style == 0 || stored.layerOf[i][0] >= 0);
+                              (style == 0 || (stored.layerOf[i][0] >= 0 && !ShowsNothing(in, lightmap, style)));
             stored.layerOf[i][style] = used ? int(stored.layers.size()) : -1;
             if (!used)
                 continue;

@@ -242,6 +242,11 @@ class Storer {
         std::string text;
         if (const std::vector<StyleStage> stages = StagesOf(i, layer); !stages.empty()) {
             text = StyledText(shader, stages, world_, mapName_);
+            if (text.empty() && unmarked_.insert(shader.name).second)
+                in_.log.Warn("light style without a stage",
+                             "{}: no q3map_styleMarker in its script, engines show no light of other styles than 0; it "
+                             "belongs after the stage of $lightmap",
+                             shader.name);
             for (std::size_t style = 1; style < kStyles && !text.empty(); ++style)
                 if (const LightmapLayer *other = LayerOf(i, style); other && other->page != layer.page)
                     result_.pages[std::size_t(other->page)].needsImage = true;
@@ -366,6 +371,7 @@ class Storer {
     StoredLightmaps result_;
     std::vector<std::vector<std::uint8_t>> written_; ///< by page, texel; only with -fill
     std::set<std::pair<int, int>> combinations_;     ///< of page and shader
+    std::set<std::string, std::less<>> unmarked_;    ///< shaders that styles do not show on
     std::set<std::string> made_;
     long long used_ = 0, forced_ = 0, approximated_ = 0;
 };
