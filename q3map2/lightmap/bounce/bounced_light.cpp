@@ -11,8 +11,8 @@ namespace q3 {
 
 namespace {
 
-/// Light on surfaces that face each of the rays, summed over the sphere, where the radiance is 1 from everywhere: light
-/// is the integral of radiance * cosine / pi, so the sum is 4 pi / pi.
+/// Sum of IndirectRay::light over all rays at uniform radiance 1: light is the integral of radiance * cosine / pi, and
+/// a ray's light is that on a surface facing it (cosine 1), so the sum is 4 pi / pi.
 constexpr float kFacingSum = 4;
 
 } // namespace

@@ -5,14 +5,14 @@
 
 namespace q3 {
 
-/// Radiosity of style 0 of a map, summed over bounces, as light at points in the open: by rays to emitters, and by
-/// sampling the brightest. Const after construction; safe from several threads. Keeps references.
+/// Bounced light of style 0 at points in the open: uniform rays gather radiosity summed over bounces, and shadow rays
+/// sample the brightest emitters. Const after construction; safe from several threads. Keeps references.
 class BouncedLight : public IndirectLight {
   public:
-    /// Rays from a point by default, besides those to bright emitters.
+    /// Default number of rays from a point, not counting shadow rays to bright emitters.
     static constexpr int kRays = 96;
 
-    /// emission: without what `bright` holds. rays: from a point.
+    /// emission: radiosity without the part that `bright` samples. rays: number of rays from a point.
     BouncedLight(const BounceScene &scene, const std::vector<Vec3f> &emission, const BrightEmitters &bright, int rays)
         : scene_(scene), emission_(emission), bright_(bright), rays_(rays) {}
     void Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const override;

@@ -8,24 +8,24 @@
 
 namespace q3 {
 
-/// Few gather rays hit the small spots of light that lamps make on walls nearby, and each hit counts much: noise. So
-/// what the radiosity of such emitters has above a limit is left out of the gathered emission and sampled by shadow
-/// rays to the nodes of a light tree. Const after construction; safe from several threads.
+/// Few gather rays hit the small bright spots that lamps make on nearby walls, and each hit adds much light: noise. So
+/// the part of an emitter's radiosity above a limit is removed from the gathered emission and sampled by shadow rays to
+/// the nodes of a light tree. Const after construction; safe from several threads.
 class BrightEmitters {
   public:
-    /// Takes from `emission` what is above `limit`, byte scale, in any channel. patches: null unless -fast. Keeps
-    /// references.
+    /// Removes from `emission` the part above `limit` (byte scale) and samples it. patches: leaves out faint emitters
+    /// under -fast; else null. Keeps references.
     BrightEmitters(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
                    const EmitterIndex &emitters, const RadiosityPatches *patches, float limit,
                    std::vector<Vec3f> &emission);
     bool Empty() const { return tree_.Empty(); }
     std::size_t Patches() const { return count_; }
 
-    /// Adds their light on the luxels of a lightmap to the estimate. origins: of rays, by luxel.
+    /// Adds the light of bright emitters on the luxels of a lightmap. origins: ray origins by luxel.
     void AddToLuxels(const RawLightmap &raw, const std::vector<Vec3f> &origins, BounceEstimate &estimate) const;
-    /// Their light at a point of a surface, byte scale. twoSided: as in RadiosityPatches.
+    /// Light of bright emitters at a point of a surface, byte scale. twoSided: the surface is lit from both sides.
     Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided) const;
-    /// Appends their light at a point in the open.
+    /// Appends the light of bright emitters at a point in the open.
     void Gather(const Vec3f &point, std::uint64_t seed, std::vector<IndirectRay> &rays) const;
 
   private:
@@ -33,7 +33,8 @@ class BrightEmitters {
     /// Light on one receiver from one node.
     struct Sample {
         std::size_t receiver;
-        Vec3f direction, light; ///< to the node; light on a surface that faces it, byte scale
+        Vec3f direction; ///< unit, to the node
+        Vec3f light;     ///< on a surface that faces the node, byte scale
     };
     void SampleTree(const Receivers &receivers, std::vector<Sample> &samples) const;
     bool SampleNode(const Receivers &receivers, std::size_t i, std::uint32_t node, std::uint32_t stride, Sample &sample,
