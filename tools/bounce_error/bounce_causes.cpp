@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Why baked bounced light errs, and how far the reference's direct light is from that of luxels.
+// GPL-2.0-or-later. Causes of the error of baked bounced light; a check of the reference's direct light.
 #include "tools/bounce_error/bounce_causes.h"
 
 #include "q3map2/lightmap/bounce/bounce_scene.h"
@@ -11,10 +11,10 @@ namespace q3::bounce {
 namespace {
 
 constexpr float kFar = 1e6f; ///< longer than any map, game units
-/// The bake's rays to a luxel, and luxels over which it takes a mean.
+/// Rays per luxel of a bake with -fast, and luxels in the window of its noise filter.
 constexpr double kBakedRays = 24, kBakedWindow = 25;
 constexpr int kCoarseSide = 16;
-/// The check looks for a luxel's surface from this far off. Game units.
+/// Length of the ray from a luxel's position down to its surface. Game units.
 constexpr float kCheckHeight = 4;
 constexpr int kCheckSamples = 64;
 
@@ -24,11 +24,11 @@ std::size_t LuxelAt(const RawLightmap &raw, const PathHit &hit) {
     return raw.SuperIndex(x, y);
 }
 
-/// The luxel whose light leaves at a hit; none on surfaces that are lit at their vertices.
+/// The luxel at a hit; raw is null on surfaces that are lit at their vertices.
 struct HitLuxel {
     const RawLightmap *raw = nullptr;
     std::size_t luxel = 0;
-    Vec3f light; ///< baked
+    Vec3f light; ///< baked direct light
 };
 
 HitLuxel LuxelOf(const CauseInputs &inputs, const PathHit &hit) {
@@ -40,7 +40,7 @@ HitLuxel LuxelOf(const CauseInputs &inputs, const PathHit &hit) {
     return {&raw, luxel, Max(inputs.direct.light[std::size_t(lightmap)][luxel], Vec3f{})};
 }
 
-/// Reflectance at the center of a luxel: at the hit that is nearest to it of a ray onto the surface.
+/// Coarse reflectance at the center of a luxel: where a ray from its position meets the surface, else at `hit`.
 Vec3f ReflectanceOfLuxel(const CauseInputs &inputs, const HitLuxel &at, const PathHit &hit) {
     if (!at.raw->Mapped(at.luxel))
         return inputs.tracer.Scene().MeanReflectanceAt(std::size_t(hit.surface), hit.st, kCoarseSide);
@@ -91,7 +91,7 @@ BounceSteps StepsAt(const CauseInputs &inputs, std::span<const Vec3f> places, co
     return steps;
 }
 
-/// Mean and RMS of differences.
+/// Mean and RMS of differences over channels.
 struct DifferenceSum {
     double sum = 0, squares = 0, count = 0;
     void Add(const Vec3f &difference) {
@@ -108,7 +108,7 @@ struct DifferenceSum {
 
 namespace {
 
-/// Sets `window` to the mean of `coarse` over the window of the bake, if that is complete.
+/// Sets `window` to the mean of `coarse` over the window of the bake's filter, if it is complete.
 void StepOverWindow(const CauseInputs &inputs, const LuxelReceiver &receiver, int rays, std::uint64_t seed,
                     BounceSteps &step) {
     constexpr int kReach = 2;
@@ -138,7 +138,7 @@ void StepOverWindow(const CauseInputs &inputs, const LuxelReceiver &receiver, in
 } // namespace
 
 std::vector<BounceSteps> StepsOfFirstBounce(const CauseInputs &inputs, int rays) {
-    constexpr int kWindowShare = 8; // neighbors have fewer rays
+    constexpr int kWindowShare = 8; // neighbors in the window get 1 / this of the rays
     std::vector<BounceSteps> steps(inputs.receivers.luxels.size());
     inputs.in.jobs.For(std::int64_t(steps.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);

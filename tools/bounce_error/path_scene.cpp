@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Surfaces that paths of bounced light meet.
+// GPL-2.0-or-later. The scene of surfaces that reflect paths of bounced light.
 #include "tools/bounce_error/path_scene.h"
 
 #include "q3map2/light/scene/light_embree.h"
