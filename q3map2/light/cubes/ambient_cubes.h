@@ -16,7 +16,7 @@ using LeafCubes = std::vector<std::vector<CubeSample>>;
 
 /// Light at up to options.cubesPerLeaf places of each leaf that is in a cluster. lights: from SetupEnvelopes for the SH
 /// grid, of style 0 only. grid: the SH grid to evaluate; null: light is traced. Adds the number of places to
-/// stats.points, that of leafs with samples to stats.open.
+/// stats.points, the number of leafs with samples to stats.open.
 LeafCubes SampleLeafs(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH *grid,
                       GridStats &stats);
 

@@ -84,7 +84,7 @@ void Keep(const std::vector<bool> &kept, std::vector<CubeSample> &samples) {
     samples = std::move(result);
 }
 
-/// The largest error with which the samples marked `kept` reproduce the others.
+/// The largest ScreenDifference between a sample not in `kept` and the blend of the kept ones at its position.
 float LargestError(const std::vector<CubeSample> &samples, const std::vector<bool> &kept) {
     std::vector<CubeSample> left;
     for (std::size_t i = 0; i < samples.size(); ++i)

@@ -23,7 +23,8 @@ constexpr double kMinArea = 1, kMaxArea = 20'000'000;
 constexpr float kMaxCoordinate = 262144;
 /// Approximate limit on the patches of one polygon.
 constexpr double kMaxPatches = 65536;
-constexpr float kFlatQuad = 0.1f; ///< a quad stays whole if its fourth corner is this near to the plane of the others
+/// A quad stays whole if its fourth corner is this near to the plane of its other corners. Game units.
+constexpr float kFlatQuad = 0.1f;
 /// LightVaries samples a triangle at barycentric weights i : j : k, each 1 to kMaxWeight; at most kMaxSamples for a
 /// polygon.
 constexpr int kMaxWeight = 5, kMaxSamples = 150;
