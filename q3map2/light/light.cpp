@@ -24,8 +24,8 @@ bool IsLight(const Entity &entity) {
     return StartsWithNoCase(entity.ClassName(), "light");
 }
 
-/// The entities of the .bsp with the lights to use: those of the .map source if there is one, since compilers strip
-/// lights from the .bsp; else, or with _keepLights, the lights in the .bsp.
+/// The entities of the .bsp, with the lights of the .map source if there is one, since compilers strip lights from the
+/// .bsp. Without a .map, or with _keepLights, the lights are those in the .bsp.
 std::vector<Entity> EntitiesWithLights(std::vector<Entity> entities, const LightInputs &inputs, Log &log) {
     const bool kept = keys::kKeepLights.Flag(entities.front());
     WarnOfBadKeys(entities.front(), 0, keys::kWorldLightKeys, log);
@@ -55,9 +55,9 @@ void CountLights(const std::vector<Light> &lights, const SurfaceLightCounts &cou
     log.Count(of(LightType::Sun), "sun/sky lights");
 }
 
-/// The lights of a pass that is as exact as the SH grid. Those with a style other than 0 are left out, which the
-/// formats cannot hold.
-std::vector<Light> ExactLights(const LightSetup &setup, Log &log) {
+/// Lights prepared for SH grid and ambient cubes. Lights of styles other than 0 are left out: the formats cannot hold
+/// them.
+std::vector<Light> LightsForSH(const LightSetup &setup, Log &log) {
     int culled = 0;
     auto lights =
         SetupEnvelopes(setup.lights, LightPass::GridSH, setup.options, setup.space, setup.skySeenFrom, culled);
@@ -95,7 +95,7 @@ std::vector<Light> CreateLights(const Bsp &bsp, const std::vector<Entity> &entit
     auto ofSurfaces = SurfaceLights(bsp, table, options, world, library, counts, log);
     std::move(ofSurfaces.begin(), ofSurfaces.end(), std::back_inserter(lights));
     CountLights(lights, counts, log);
-    // The last light made is traced first, as in the established program: -cheapgrid depends on it.
+    // Lights are traced in reverse order of creation, as in the established program: -cheapgrid depends on it.
     std::reverse(lights.begin(), lights.end());
     return lights;
 }
@@ -119,7 +119,7 @@ SurfaceDefaults WithAmbient(SurfaceDefaults defaults, const WorldLight &world) {
     return defaults;
 }
 
-/// Styles that shaders of surfaces use.
+/// Light styles in shaders of surfaces.
 std::set<int> StylesOfShaders(const SurfaceTable &table) {
     std::set<int> styles;
     for (const SurfaceEntry &entry : table) {
@@ -130,7 +130,7 @@ std::set<int> StylesOfShaders(const SurfaceTable &table) {
     return styles;
 }
 
-/// Numbers the styles of lights that need one, and sets their keys.
+/// Assigns style numbers to lights that need one, and sets their keys.
 LightStyles NumberStyles(const LightSetup &setup, std::vector<Entity> &entities, Log &log) {
     if (setup.options.noStyles)
         return {};
@@ -197,10 +197,10 @@ LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     const LightOptions &options = setup.options;
     log.Section("TraceGridSH");
     const GridLayout layout = SetupGridSH(setup.bsp, setup.layout.size, options, log);
-    const std::vector<Light> lights = ExactLights(setup, log);
+    const std::vector<Light> lights = LightsForSH(setup, log);
     const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
     LightGridSH grid = TraceGridSH(in, layout, lights, stats);
-    GridStats shown = stats; // points counted as -info counts them in the file, not by where they were lit from
+    GridStats shown = stats; // prints the counts of points that -info finds in the file, not those of this pass
     const GridShares shares = CountGridShares(setup.bsp, grid);
     shown.open = std::int64_t(shares.open);
     shown.filled = std::int64_t(shares.filled);
@@ -223,7 +223,7 @@ std::optional<AmbientCubes> BakeAmbientCubes(const LightSetup &setup, const Indi
     log.Section("TraceAmbientCubes");
     const CpuTimer timer;
     const LightGridSH *from = options.cubesFromSH ? gridSH : nullptr;
-    const std::vector<Light> lights = from ? std::vector<Light>{} : ExactLights(setup, log);
+    const std::vector<Light> lights = from ? std::vector<Light>{} : LightsForSH(setup, log);
     const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
     const LeafCubes leafs = SampleLeafs(in, lights, from, stats);
     auto cubes = StoreCubes(setup.space, leafs, options.cubeTolerance, jobs, log);

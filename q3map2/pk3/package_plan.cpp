@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What goes into a package, and what is missing.
+// GPL-2.0-or-later. Plans the files of a package and finds missing ones.
 #include "q3map2/pk3/package_plan.h"
 
 #include "common/error.h"
@@ -61,7 +61,7 @@ class Planner {
         (wanted.required ? plan_.missing : plan_.absent).push_back(text);
     }
 
-    /// Adds the file, unless it comes with the game.
+    /// Adds the file unless it comes with the game; reports it if it does not exist.
     void Take(const std::string &name, const Wanted &wanted) {
         const Whereabouts where = source_.Find(name);
         if (where == Whereabouts::Here)
@@ -77,7 +77,7 @@ class Planner {
         Report(wanted, hint);
     }
 
-    /// File names of an image, in the order in which TakeFirst tries them.
+    /// File names of an image in order of preference.
     std::vector<std::string> ImageFiles(const std::string &image) const {
         std::vector<std::string> names{image + ".tga", image + ".jpg"};
         if (rules_.png)
@@ -96,7 +96,7 @@ class Planner {
                               : " (.tga or .jpg)");
     }
 
-    /// Engines try other formats when the named one is not there.
+    /// Engines try other formats if the named file does not exist.
     void PlanSound(const Wanted &sound) {
         if (rules_.exclusions.HasSound(sound.name))
             return;
@@ -121,12 +121,12 @@ class Planner {
     const PlanRules &rules_;
     Log &log_;
     PackagePlan plan_;
-    std::vector<std::string> restricted_; ///< by script: why it may not be packed; empty: it may
+    std::vector<std::string> restricted_; ///< by script: why it must not be packed; empty: it may be
     WantedList images_, plainImages_, scriptFiles_, videos_;
     std::vector<std::string> models_;
 };
 
-/// A model that is there, and the shaders it names.
+/// Plans a model file that exists, and adds the shaders that it names.
 void Planner::PlanModel(const std::string &name, const std::string &why) {
     if (source_.Find(name) == Whereabouts::Here)
         models_.push_back(name);
@@ -158,7 +158,8 @@ void Planner::PlanModels() {
     }
 }
 
-/// Whole scripts must not be packed if they are excluded or define an excluded shader: the game has its own version.
+/// With rules_.wholeScripts a script must not be packed if it is excluded or defines an excluded shader: the game has
+/// its own version.
 void Planner::FindRestrictedScripts() {
     const Exclusions &exclusions = rules_.exclusions;
     for (const EngineScripts::Script &script : scripts_.Scripts()) {
@@ -170,7 +171,7 @@ void Planner::FindRestrictedScripts() {
     }
 }
 
-/// The first definition whose images are all there, else the first.
+/// The first definition whose images all exist, else the first one.
 const EngineShader &Planner::BestOf(std::span<const EngineShader> definitions) const {
     const auto isComplete = [&](const EngineShader &shader) {
         return std::ranges::all_of(shader.images, [&](const std::string &image) {
@@ -238,8 +239,8 @@ void Planner::List() const {
     print("models", needs_.models);
 }
 
-/// Whether engines load a file of a map's folder as its light: images lm_NNNN, perhaps with more in the name, HDR light
-/// of vertices, the file that describes directional lightmaps, and light of static props, for each sp_N.vhv.
+/// Whether a file in the map's folder is light that engines load: images lm_NNNN or lm_NNNN_*, HDR light of vertices,
+/// the description of directional lightmaps, and light of static props (proplight.raw, and sp_N.vhv by prop).
 bool IsLightFile(const fs::path &file) {
     const std::string name = LowerCase(file.filename().string());
     if (name == "vertlight.raw" || name == "lightmass.json" || name == "proplight.raw")

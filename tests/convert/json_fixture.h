@@ -13,7 +13,7 @@
 
 namespace q3::test {
 
-/// Has a folder for the JSON files of one map.
+/// Unpacks a map to a temporary folder of JSON files and packs it again.
 class JsonTest : public testing::Test {
   protected:
     void Unpack(const Bsp &bsp) { UnpackJson(bsp, Quake3(), folder_.Path(), log_.log); }
@@ -22,7 +22,7 @@ class JsonTest : public testing::Test {
         Unpack(bsp);
         EXPECT_EQ(Bytes(Pack()), Bytes(bsp));
     }
-    /// Packs and returns the message of the Error.
+    /// The message of the Error that packing throws.
     std::string PackError() {
         try {
             Pack();
@@ -35,7 +35,7 @@ class JsonTest : public testing::Test {
         std::ifstream stream(folder_.Path() / file);
         return {std::istreambuf_iterator<char>(stream), {}};
     }
-    /// The message of packing `bsp` after `from` became `to` in a file.
+    /// Unpacks `bsp`, replaces the first `from` by `to` in a file, and returns PackError.
     std::string FaultAfter(const Bsp &bsp, std::string_view file, std::string_view from, std::string_view to) {
         Unpack(bsp);
         std::string text = Text(file);

@@ -24,7 +24,7 @@ class FilterTest : public testing::Test {
         raw_.normals.assign(raw_.positions.size(), {0, 0, 1});
         raw_.luxelClusters.assign(raw_.positions.size(), 0);
     }
-    /// Uniform in +-half, the same for the same luxel.
+    /// Pseudorandom in +-half, fixed by the luxel.
     static float Noise(std::size_t luxel, float half) {
         return (float(HashIndex(luxel) >> 40) * 0x1p-24f * 2 - 1) * half;
     }
@@ -53,7 +53,7 @@ TEST_F(FilterTest, EvenLightLosesItsNoise) {
     EXPECT_LT(std::sqrt(sum / double(light.size())), 0.35 * std::sqrt(half * half / 3));
 }
 
-/// The sets of directions of a 4 x 4 block differ; each has the same weight in a mean.
+/// The 16 luxels of a 4 x 4 block use different sets of directions, each with the same weight in the filter's mean.
 TEST_F(FilterTest, APatternOfFourLuxelsVanishes) {
     const auto light = Filtered([](int x, int y) { return Gray(float(x % 4) + 4 * float(y % 4)); }, 10);
     for (int y = 2; y < kSide - 2; ++y)

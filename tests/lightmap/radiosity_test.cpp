@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The radiosity solver: closed forms, a matrix solution, the two orders of shooting, limits.
+// GPL-2.0-or-later. The radiosity solver against closed forms and a matrix solution; both orders of shooting; limits.
 #include "common/error.h"
 #include "tests/light/light_fixture.h"
 
@@ -11,7 +11,7 @@ namespace q3::test {
 
 namespace {
 
-/// What white reflects at -bouncescale 1.
+/// Reflectance of a white texture at -bouncescale 1.
 constexpr double kWhite = 187.5 * 3 * 0.25 / 255;
 
 class RadiosityTest : public LightTest {
@@ -24,14 +24,15 @@ class RadiosityTest : public LightTest {
                                   name, scale);
         Script(script);
     }
-    /// A closed box; by default all walls are white.
+    /// A closed box with ambient light; by default all walls are white.
     static SceneBuilder Box(const Vec3f &half, double ambient, std::string_view shader = "textures/test/wall") {
         SceneBuilder scene;
         scene.SetInterior(-half, half, TestShader(shader));
         scene.SetWorldKey("_ambient", fmt::format("{}", ambient));
         return scene;
     }
-    /// The red texel nearest to a place on the surface with that normal, byte scale, +0.5 since bytes are cut.
+    /// Red value of the texel nearest to `place` on a surface that faces `normal`: byte + 0.5, since bytes are rounded
+    /// down.
     static double TexelAt(const Bsp &bsp, const Vec3f &place, const Vec3f &normal) {
         double best = 1e30, value = -1;
         for (const bspDrawSurface_t &surface : bsp.drawSurfaces) {
@@ -84,13 +85,13 @@ TEST_F(RadiosityTest, ParallelPlates) {
     scene.SetWallShader(BoxFace::MinusZ, TestShader("textures/test/wall"));
     scene.SetWallShader(BoxFace::PlusZ, TestShader("textures/test/gray"));
     const Bsp lit = Lit(scene, "-nogrid -bounce inf");
-    // E0 = e + r1 E1, E1 = e + r0 E0 for infinite plates; these cover all but 0.2 % of each other's hemisphere.
+    // E0 = e + r1 E1, E1 = e + r0 E0 for infinite plates; each of these covers all but 0.2 % of the other's hemisphere.
     const double r0 = kWhite, r1 = kWhite * 0.5;
     EXPECT_NEAR(TexelAt(lit, {0, 0, -32}, {0, 0, 1}), 60 * (1 + r1) / (1 - r0 * r1), 0.01 * 80);
     EXPECT_NEAR(TexelAt(lit, {0, 0, 32}, {0, 0, -1}), 60 * (1 + r0) / (1 - r0 * r1), 0.01 * 100);
 }
 
-/// Form factor of a rectangle corner + [0, 1] u + [0, 1] v at a point, by summing over its edges.
+/// Form factor of a rectangle at a point, by Lambert's formula: a sum over its edges.
 double RectangleFormFactor(const Vec3d &p, const Vec3d &normal, const std::array<Vec3d, 4> &corners) {
     double sum = 0;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -100,7 +101,7 @@ double RectangleFormFactor(const Vec3d &p, const Vec3d &normal, const std::array
     return std::abs(sum) / (2 * std::numbers::pi);
 }
 
-/// A box of three reflectances, its walls cut into squares: the solution of the radiosity equation by Gauss-Seidel.
+/// Solves the radiosity equation by Gauss-Seidel for a box, one reflectance for each wall, the walls cut into squares.
 class BoxSolution {
   public:
     static constexpr int kSide = 12;
@@ -123,7 +124,7 @@ class BoxSolution {
                 }
         Solve(direct);
     }
-    /// Light at a place on a wall with that normal, from the radiosity of all patches.
+    /// Light at a place on the wall that faces `normal`, from the radiosity of all patches.
     double At(const Vec3d &place, const Vec3d &normal, double direct) const {
         double light = direct;
         for (const Patch &from : patches_)
@@ -167,7 +168,7 @@ TEST_F(RadiosityTest, BoxOfDifferentWalls) {
     const auto check = [&](const Vec3f &place, const Vec3f &normal) {
         double mean = 0;
         int count = 0;
-        for (int u = -1; u <= 1; ++u) // of nine luxels, since each has noise
+        for (int u = -1; u <= 1; ++u) // mean of nine luxels, since each has noise
             for (int v = -1; v <= 1; ++v) {
                 const Vec3f aside = normal.x != 0 ? Vec3f{0, float(u), float(v)} : Vec3f{float(u), float(v), 0};
                 mean += TexelAt(lit, place + aside * 16, normal), ++count;
@@ -181,7 +182,8 @@ TEST_F(RadiosityTest, BoxOfDifferentWalls) {
     check({168, -120, -256}, {0, 0, 1});
 }
 
-/// A small closed room of bright walls beside a large dim hall: after a while only the room has light left to shoot.
+/// A small closed room with bright walls beside a large dim hall: after some steps only the room has light left to
+/// shoot.
 TEST_F(RadiosityTest, BothOrdersOfShootingAgree) {
     SceneBuilder scene;
     scene.SetInterior({0, -512, 0}, {2048, 512, 512}, TestShader("textures/test/gray"));
@@ -218,8 +220,8 @@ TEST_F(RadiosityTest, BlackWallsKeepTheirBytes) {
     EXPECT_EQ(Lit(scene, "-nogrid -bounce inf").lightmaps, Lit(scene, "-nogrid").lightmaps);
 }
 
-/// Reciprocity: A_1 F_12 = A_2 F_21. The top of a small block and the ceiling are in ambient light, all else is black.
-/// One reflects and the other receives, then the other way around.
+/// Reciprocity: A_1 F_12 = A_2 F_21. All surfaces get the same ambient light and are black, except that first the top
+/// of a small block reflects and the ceiling receives, then the other way around.
 TEST_F(RadiosityTest, BlockAndCeilingGiveEachOtherTheSamePower) {
     const auto receivedPower = [&](std::string_view block, std::string_view ceiling, double side, const Vec3f &normal) {
         SceneBuilder scene = Box({128, 128, 64}, 600, "textures/test/black");

@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Light styles through the whole light stage: their sum is the light of one style, direct and
-// bounced.
+// GPL-2.0-or-later. Light styles through the whole light stage: direct and bounced light of several styles add up to
+// what the same lights give in one style.
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 #include "q3map2/lightmap/surface_passes.h"
 #include "tests/light/compiled_map.h"
@@ -12,16 +12,16 @@ namespace q3::test {
 
 namespace {
 
-/// Light of raw lightmaps by luxel and of vertices, summed over styles.
+/// Light of luxels of all raw lightmaps and of vertices, summed over styles.
 struct Summed {
     std::vector<Vec3f> luxels, vertices;
-    std::vector<int> luxelStyles; ///< number of styles that the lightmap holds, by luxel
+    std::vector<int> luxelStyles; ///< by luxel: number of styles that its lightmap holds
     std::set<int> styles;
 };
 
 class StylesBakeTest : public testing::Test {
   protected:
-    /// A room with lamps of these styles, each of `intensity`, and a pillar.
+    /// A room with a pillar and a lamp of each of these styles.
     static SceneBuilder WithLamps(const std::vector<int> &styles, int intensity) {
         SceneBuilder scene = Room();
         scene.AddBox({-20, -20, 4}, {20, 20, 120}, TestShader("textures/test/pillar"));
@@ -80,7 +80,8 @@ class StylesBakeTest : public testing::Test {
         EXPECT_GT(most, 5);
     }
 
-    /// Bounced light of a style that is under 1/16 byte everywhere on a surface is left out there.
+    /// As ExpectAlike for luxels, but a surface may lack styles whose bounced light is under 1/16 byte everywhere on
+    /// it.
     static void ExpectAlikeButForFaintStyles(const Summed &got, const Summed &wanted, int styles, double within) {
         ASSERT_EQ(got.luxels.size(), wanted.luxels.size());
         int whole = 0;
@@ -106,8 +107,8 @@ TEST_F(StylesBakeTest, DirectLightOfAllStylesIsThatOfOne) {
     ExpectAlike(styled.vertices, plain.vertices, 1e-5);
 }
 
-/// Under weak lamps no emitter is bright: rays, which all styles share, gather all light. Bright emitters are chosen by
-/// style, so under stronger ones the estimates differ by their noise.
+/// Under weak lamps no emitter is bright: gather rays, which all styles share, gather all light. Under strong lamps the
+/// bright emitters are sampled by style, so the estimates differ by their noise.
 TEST_F(StylesBakeTest, BouncedLightOfAllStylesIsThatOfOne) {
     for (const auto &[intensity, within] : std::array<std::pair<int, double>, 2>{{{4, 1e-5}, {60, 0.1}}})
         for (const int bounces : {1, 3}) {
@@ -119,13 +120,14 @@ TEST_F(StylesBakeTest, BouncedLightOfAllStylesIsThatOfOne) {
             for (std::size_t i = 0; i < plain.luxels.size(); ++i)
                 bounced += double(plain.luxels[i].x - direct.luxels[i].x), all += double(plain.luxels[i].x),
                     sum += double(styled.luxels[i].x);
-            const double faint = intensity < 10 ? 0.01 : 0; // they count in a dim room
+            const double faint = intensity < 10 ? 0.01 : 0; // the light of omitted styles counts in a dim room
             EXPECT_NEAR(sum, all, (2e-3 + faint) * all);
             EXPECT_GT(bounced, 0.2 * all) << "there is something to compare";
         }
 }
 
-/// Five styles that reach the whole room: the weakest goes, and its lamp is named once.
+/// Four lamps have four styles, but beside style 0 a surface has three slots: the weakest style is dropped, and its
+/// lamp is named once.
 TEST_F(StylesBakeTest, TheWeakestStyleGoesAndItsLightIsNamed) {
     SceneBuilder scene = Room();
     const std::array<std::pair<int, int>, 4> lamps{{{9, 30}, {3, 12}, {6, 40}, {2, 35}}};
@@ -145,7 +147,7 @@ TEST_F(StylesBakeTest, TheWeakestStyleGoesAndItsLightIsNamed) {
     EXPECT_EQ(quiet.text.find("lamp9"), std::string::npos);
 }
 
-/// Lamps of three styles in a room, and of a fourth behind a wall with a gap: only its bounced light gets past it.
+/// Three styles in a room and a fourth behind a wall with a gap, through which only its bounced light passes.
 TEST_F(StylesBakeTest, BouncedStylesThatFindNoSlotAreNamedAndFaintOnesTakeNone) {
     const auto behindWall = [](const char *style, const char *light) {
         SceneBuilder scene = Room();

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. One lit room in all encodings of light, as engines read them, against sums over its surfaces.
+// GPL-2.0-or-later. One lit room in all encodings of light, decoded as by engines, against a reference.
 #include "common/files/files.h"
 #include "common/image/image.h"
 #include "libs/ambientcubes/ambient_cubes.h"
@@ -36,7 +36,7 @@ Vec3d FromFloats(const float v[3]) {
     return {double(v[0]), double(v[1]), double(v[2])};
 }
 
-/// Normals all over the sphere, evenly: a spiral of Fibonacci.
+/// Normals evenly distributed over the sphere: a Fibonacci spiral.
 std::vector<Vec3d> SphereNormals(int count = 32) {
     std::vector<Vec3d> all;
     for (int i = 0; i < count; ++i) {
@@ -56,7 +56,7 @@ double LargestOf(const Vec3d &v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// The most light that the field gives to any normal.
+/// The most light that the field gives to any of SphereNormals.
 double PeakOf(const LightField &field) {
     double peak = 0;
     for (const Vec3d &normal : SphereNormals())
@@ -64,8 +64,8 @@ double PeakOf(const LightField &field) {
     return peak;
 }
 
-/// All light that arrives, as if it came from one direction. No encoding can err by more than its share of that which
-/// it errs with one light.
+/// The light on a surface if all of it came from one direction. An encoding's error as a share of this is largest for a
+/// single light.
 double StrengthOf(const LightField &field) {
     Vec3d sum = field.ambient;
     for (const ArrivingLight &one : field.lights)
@@ -73,7 +73,7 @@ double StrengthOf(const LightField &field) {
     return LargestOf(sum);
 }
 
-/// Differences from what is expected, as shares of a scale.
+/// Statistics of differences from expected light, relative to a scale.
 struct Differences {
     double largest = 0, squares = 0;
     int count = 0;
@@ -84,7 +84,7 @@ struct Differences {
     double Rms() const { return std::sqrt(squares / std::max(count, 1)); }
 };
 
-/// Normals 20 and 40 degrees beside the z axis.
+/// Normals at 20 and 40 degrees to the z axis.
 std::vector<Vec3d> TiltedNormals() {
     std::vector<Vec3d> all;
     for (const double tilt : {20.0, 40.0})
@@ -95,8 +95,7 @@ std::vector<Vec3d> TiltedNormals() {
     return all;
 }
 
-/// The floor's texture grows along x, and down the image along -y: what the basis normals of its luxels are in the
-/// world.
+/// World space direction of basis normal i on the floor, whose texture coordinates grow along +x (s) and -y (t).
 Vec3d FloorBasis(std::size_t i) {
     float basis[3][3];
     directional_rnm_basis(basis);
@@ -109,36 +108,38 @@ struct SeenPlace {
     std::function<Vec3d(const Vec3d &)> on; ///< its light on a normal, byte scale
 };
 
-/// Light of one encoding at a place, for one normal.
+/// Light that one encoding gives at a place on one normal.
 struct Reading {
     Vec3d position, normal, light;
 };
-/// By name of the encoding; in the same order in each bake.
+/// Readings by name of the encoding, in the same order in each bake.
 using Readings = std::map<std::string, std::vector<Reading>>;
 
 class EncodingsTest : public LitRoomTest {
   protected:
     class MassImages;
     EncodingsTest();
-    /// panel: the shader of the wall in front of x = 256.
+    /// panel: the shader of the box in front of the wall at x = 256.
     void CompileRoom(std::string_view panel);
     void Bake(const std::string &options);
     RoomReference Reference(int bounces) const;
 
-    /// Points of the floor over which no shadow runs, at centers of luxels.
+    /// Points of the floor away from shadow edges, at centers of luxels.
     std::vector<Vec3d> SmoothFloor(const RoomReference &reference) const;
     std::vector<SeenPlace> GridPlaces() const;
     std::vector<SeenPlace> CubePlaces() const;
-    /// Vertices of the panel in a bake where it has no lightmap: position and light.
+    /// Position and light of the panel's vertices, in a bake where it has no lightmap.
     std::vector<std::pair<Vec3d, Vec3d>> PanelVertices(const RoomReference &reference) const;
     /// Colors of the n-th prop.
     std::vector<Vec3d> PropColors(std::uint32_t prop) const;
-    /// A sheet on the floor, and six vertices at each place, one for each axis.
+    /// Writes the models of the props: a sheet on the floor, and probes at these places.
     void WriteProps(const std::vector<Vec3d> &gridPlaces, const std::vector<Vec3d> &cubePlaces);
+    /// Writes a model with six vertices at each place, whose normals are along the axes.
     void WriteProbes(std::string_view model, const std::vector<Vec3d> &places);
     Readings Read(const RoomReference &reference) const;
     void ReadFloor(const RoomReference &reference, Readings &all) const;
-    /// Lights with these options and reads it, with vertices of props at the places of cubes and of grid points.
+    /// Bakes with these options and reads all encodings. Bakes twice: the second time with props at the places of the
+    /// ambient cubes and grid points found in the first.
     Readings BakeAndRead(const RoomReference &reference, const std::string &options);
 
     std::vector<std::byte> file_;
@@ -420,7 +421,7 @@ double GrayOf(const Vec3d &c) {
     return 0.3 * c.x + 0.59 * c.y + 0.11 * c.z;
 }
 
-/// What an encoding can tell of the light on a normal.
+/// The light on a normal that an encoding gives if its stored values are exact.
 Vec3d Encoded(const std::string &name, const LightField &field, const Vec3d &normal) {
     const Vec3d up{0, 0, 1}, flat = field.On(up);
     if (name == "grid")
@@ -441,7 +442,7 @@ Vec3d Encoded(const std::string &name, const LightField &field, const Vec3d &nor
     return field.On(normal);
 }
 
-/// Encodings of luxels of the floor hold no light from below its horizon.
+/// Whether an encoding belongs to luxels of the floor, which get no light from below the horizon.
 bool OnFloor(const std::string &name) {
     return name == "basis map" || name.starts_with("tilted");
 }
@@ -450,11 +451,11 @@ void CutBelow(LightField &field) {
     std::erase_if(field.lights, [](const ArrivingLight &one) { return one.direction.z <= 0; });
 }
 
-/// How readings differ from the light of a reference.
+/// Differences between readings and the reference.
 struct Comparison {
-    Differences own;    ///< from what the encoding can tell, as shares of the peak
-    double worst = 0;   ///< root mean square over the normals of the worst place, from all light, by its strength
-    double bounced = 0; ///< sum of bounced light over what it should be
+    Differences own;    ///< from Encoded, as a share of PeakOf
+    double worst = 0;   ///< largest over places: RMS over normals of the difference from all light / StrengthOf
+    double bounced = 0; ///< sum of bounced light / its expected sum
 };
 
 Comparison Compare(const std::string &name, const std::vector<Reading> &readings, const RoomReference &reference) {
@@ -484,7 +485,7 @@ Comparison Compare(const std::string &name, const std::vector<Reading> &readings
     return result;
 }
 
-/// The light of places on normals all around.
+/// Readings of places on 128 normals all around.
 std::vector<Reading> AllAround(const std::vector<SeenPlace> &places) {
     std::vector<Reading> readings;
     for (const SeenPlace &place : places)
@@ -493,10 +494,10 @@ std::vector<Reading> AllAround(const std::vector<SeenPlace> &places) {
     return readings;
 }
 
-/// The own errors of encodings: those of bands of SH, and of six sides for all normals.
+/// Bounds of Comparison::worst that are inherent in encodings: SH up to band 2, up to band 1, cubes of six sides.
 constexpr double kTwoBands = 0.04, kOneBand = 0.15, kSixSides = 0.2;
 
-/// Expects each encoding, and so all of them among each other, to hold the light of the reference.
+/// Expects each encoding to agree with the reference, and thereby with all other encodings.
 void ExpectLight(const Readings &all, const RoomReference &reference, double largest, double rms) {
     EXPECT_EQ(all.size(), 12u);
     for (const auto &[name, readings] : all) {
@@ -544,7 +545,7 @@ TEST_F(EncodingsTest, FlatNormalsHaveTheLightmapExactly) {
     }
 }
 
-/// A wall without and with a lightmap. Luxels are lit 1 unit before it.
+/// The panel without and with a lightmap. Luxels are lit 1 unit in front of it.
 TEST_F(EncodingsTest, VerticesHaveTheLightOfLuxels) {
     const RoomReference reference = Reference(0);
     WriteProps({}, {});

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Direct and bounced light in a room of boxes, by sums over all of its surfaces.
+// GPL-2.0-or-later. Reference for direct and bounced light in a room of boxes: sums over all of its surfaces.
 #include "tests/program/room_reference.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@ namespace q3::test {
 
 namespace {
 
-/// Pieces that are nearer than so many of their sizes are split.
+/// Pieces nearer than this many times their size are split.
 constexpr double kFarPieces = 3;
 
 /// Whether the segment passes through the inside of the box.

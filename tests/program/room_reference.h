@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Direct and bounced light in a room of boxes, by sums over all of its surfaces.
+// GPL-2.0-or-later. Reference for direct and bounced light in a room of boxes: sums over all of its surfaces.
 #pragma once
 
 #include "libs/math/bounds.h"
@@ -18,21 +18,21 @@ struct ArrivingLight {
 struct LightField {
     std::vector<ArrivingLight> lights;
     Vec3d ambient; ///< the same on all normals
-    /// On a matte surface with that normal.
+    /// Light on a matte surface with that normal.
     Vec3d On(const Vec3d &normal) const;
-    /// The same by spherical harmonics of bands 0 to `band`, 1 or 2, of the light convolved with the clamped cosine.
+    /// The same by spherical harmonics of bands 0 to `band` (1 or 2), convolved with the clamped cosine.
     Vec3d InBands(int band, const Vec3d &normal) const;
 };
 
-/// A lamp of the map, without size.
+/// A point light.
 struct ReferenceLamp {
     Vec3d origin;
-    double light = 0; ///< 1 is 7500 at distance 1; byte scale
+    double light = 0; ///< value of the light key: 1 gives 7500 at distance 1, byte scale
     Vec3d color{1, 1, 1};
 };
 
-/// Matte surfaces with one reflectance each. Bounces by form factors between pieces of the surfaces: those of the first
-/// bounce are 16 units, later ones 32.
+/// Matte surfaces with one reflectance each. Bounces are computed by form factors between pieces of the surfaces, at
+/// most 16 units on a side for the first bounce, 32 for later ones.
 class RoomReference {
   public:
     /// A rectangle corner + [0, 1] u + [0, 1] v that reflects to the side of u x v.
@@ -41,13 +41,15 @@ class RoomReference {
     void AddPillar(const Boundsd &box, const Vec3d &reflectance);
     void AddLamp(const ReferenceLamp &lamp) { lamps_.push_back(lamp); }
     void SetAmbient(const Vec3d &light) { ambient_ = light; }
-    /// Call once, after all of the above; then it is const.
+    /// Call once, after all functions above. Afterwards the object is const.
     void Solve(int bounces);
 
+    /// Light of bounces at a place.
     LightField Bounced(const Vec3d &p) const;
     /// Adds the light of lamps and ambient light.
     void AddDirect(const Vec3d &p, LightField &field) const;
-    /// Whether the same lamps shine on the whole of the neighborhood, of that radius, of p on a plane.
+    /// Whether the same lamps are visible from the whole circle of `radius` around p on a plane: no shadow edge is
+    /// near.
     bool IsSmoothAt(const Vec3d &p, const Vec3d &normal, double radius) const;
 
   private:
@@ -56,7 +58,7 @@ class RoomReference {
     };
     struct Piece {
         Vec3d center, normal, u, v; ///< u, v: its edges
-        Vec3d reflectance, light;   ///< light: that leaves it
+        Vec3d reflectance, light;   ///< light: radiosity
         double area = 0;
     };
     bool Sees(const Vec3d &a, const Vec3d &b) const;

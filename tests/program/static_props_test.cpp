@@ -20,7 +20,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Reflectance of a white texture, in thirds of the byte scale: 187.5 * 3 / 255 * 0.25.
+/// Reflectance of a white texture at -bouncescale 1.
 constexpr double kWhiteReflectance = 187.5 * 3 / 255 * 0.25;
 
 class StaticPropTest : public LitRoomTest {
@@ -28,7 +28,7 @@ class StaticPropTest : public LitRoomTest {
     void AddModel(std::string_view name, const std::vector<TestMesh> &meshes) {
         folder_.Write(fmt::format("base/baseq3/models/{}.md3", name), Md3Of(meshes));
     }
-    /// A plate of 128 x 128 at a height of 20, whose shader tests alpha: the half at lower x lets light through.
+    /// Writes a model: a plate of 128 x 128 at z = 20, whose shader tests alpha; the half at x < 0 lets light through.
     void AddLeaf(std::string_view name) {
         folder_.Write("base/baseq3/scripts/mask.shader",
                       "textures/test/leaf\n{\n{\nmap textures/test/leaf.tga\nalphaFunc GE128\n}\n}\n");
@@ -66,7 +66,7 @@ class StaticPropTest : public LitRoomTest {
                 colors.push_back(DecodeE5bgr9(light.colors[light.meshes[mesh].firstColor + i]) * 255);
         return colors;
     }
-    /// Lights with -hdr and reads the luxels of the floor at these points, byte scale; negative: no luxel is there.
+    /// Lights with -hdr and returns the red of the floor's luxels at these points, byte scale; -1 where there is none.
     std::vector<float> FloorLight(std::string_view options, const std::vector<Vec3f> &points) {
         Light(fmt::format("-hdr -hdrfiles pfm {}", options));
         const LitFace floor = FaceOf(Load(), "textures/test/floor", kUpward);
@@ -86,7 +86,7 @@ TestMesh Sheet(float low, float high, int side, float z) {
     return mesh;
 }
 
-/// Places of the vertices of a Sheet on the floor: 2 n + 1 on each axis.
+/// Positions of a Sheet's vertices on the floor: 2 n + 1 on each axis.
 std::vector<Vec3f> PointsOfSheet(int n, float spacing) {
     std::vector<Vec3f> points;
     for (int y = -n; y <= n; ++y)
@@ -229,7 +229,7 @@ TEST_F(StaticPropTest, APropWithSolidAllAroundGetsAmbientLight) {
 }
 
 TEST_F(StaticPropTest, WeldedVerticesGetTheSameColor) {
-    // Two meshes that meet at x = 0, and a vertex that stands twice in the first.
+    // Two meshes that meet at x = 0, and a duplicate vertex in the first.
     TestMesh left, right;
     left.AddPlate({-64, -64, 60}, {0, 64, 60});
     right.AddPlate({0, -64, 60}, {64, 64, 60});
@@ -287,7 +287,7 @@ TEST_F(StaticPropTest, LinesOfRadFilesForceTextureShadowsOfOneModel) {
     AddLeaf("bush");
     Compile(Prop("leaf", {}, "-120 0 0") + Prop("bush", {}, "120 0 0") + Lamp({-120, 0, 200}, 200) +
             Lamp({120, 0, 200}, 200));
-    // Below the left and the right half of both: the lamp over each is the only one that a plate can hide.
+    // Points below the left and right half of both plates. A plate can hide only the lamp above it.
     const std::vector<Vec3f> points{{-144, 0, 0}, {-96, 0, 0}, {96, 0, 0}, {144, 0, 0}};
     const auto lit = [&](std::string_view lines, std::string_view options = "-staticproppolys") {
         folder_.Write("base/baseq3/maps/room.rad", lines);
@@ -427,7 +427,7 @@ TEST_F(StaticPropTest, PackagesHoldTheFilesBesideTheMap) {
     Light("-staticproplighting -staticpropfiles");
     const Outcome outcome = RunProgramFile(
         {"-fs_basepath", (folder_ / "base").string(), "-pk3", (maps_ / "room.bsp").string()}, folder_.Root());
-    const bool complete = outcome.status == 0; // images of the room are missing
+    const bool complete = outcome.status == 0; // false if images of the room are missing
     const Archive archive(folder_ / (complete ? "base/room_autopacked.pk3" : "base/room_FAILEDpack.pk3"));
     for (const std::string name : {"sp_0.vhv", "sp_1.vhv", "proplight.raw"})
         EXPECT_EQ(archive.Read("maps/room/" + name), ReadFile(Beside(name))) << name;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Why baked bounced light errs, and how far the reference's direct light is from that of luxels.
+// GPL-2.0-or-later. Causes of the error of baked bounced light; a check of the reference's direct light.
 #include "tools/bounce_error/bounce_causes.h"
 
 #include "q3map2/lightmap/bounce/bounce_scene.h"
@@ -11,10 +11,8 @@ namespace q3::bounce {
 namespace {
 
 constexpr float kFar = 1e6f; ///< longer than any map, game units
-/// The bake's rays to a luxel, and luxels over which it takes a mean.
-constexpr double kBakedRays = 24, kBakedWindow = 25;
 constexpr int kCoarseSide = 16;
-/// The check looks for a luxel's surface from this far off. Game units.
+/// Length of the ray from a luxel's position down to its surface. Game units.
 constexpr float kCheckHeight = 4;
 constexpr int kCheckSamples = 64;
 
@@ -24,11 +22,11 @@ std::size_t LuxelAt(const RawLightmap &raw, const PathHit &hit) {
     return raw.SuperIndex(x, y);
 }
 
-/// The luxel whose light leaves at a hit; none on surfaces that are lit at their vertices.
+/// The luxel at a hit; raw is null on surfaces that are lit at their vertices.
 struct HitLuxel {
     const RawLightmap *raw = nullptr;
     std::size_t luxel = 0;
-    Vec3f light; ///< baked
+    Vec3f light; ///< baked direct light
 };
 
 HitLuxel LuxelOf(const CauseInputs &inputs, const PathHit &hit) {
@@ -40,7 +38,7 @@ HitLuxel LuxelOf(const CauseInputs &inputs, const PathHit &hit) {
     return {&raw, luxel, Max(inputs.direct.light[std::size_t(lightmap)][luxel], Vec3f{})};
 }
 
-/// Reflectance at the center of a luxel: at the hit that is nearest to it of a ray onto the surface.
+/// Coarse reflectance at the center of a luxel: where a ray from its position meets the surface, else at `hit`.
 Vec3f ReflectanceOfLuxel(const CauseInputs &inputs, const HitLuxel &at, const PathHit &hit) {
     if (!at.raw->Mapped(at.luxel))
         return inputs.tracer.Scene().MeanReflectanceAt(std::size_t(hit.surface), hit.st, kCoarseSide);
@@ -53,8 +51,8 @@ Vec3f ReflectanceOfLuxel(const CauseInputs &inputs, const HitLuxel &at, const Pa
 }
 
 struct VectorSum {
-    Vec3d sum, squares;
-    void Add(const Vec3f &value) { sum += Vec3d(value), squares += Vec3d(value) * Vec3d(value); }
+    Vec3d sum;
+    void Add(const Vec3f &value) { sum += Vec3d(value); }
 };
 
 BounceSteps StepsAt(const CauseInputs &inputs, std::span<const Vec3f> places, const Vec3f &normal, int rayCount,
@@ -84,14 +82,10 @@ BounceSteps StepsAt(const CauseInputs &inputs, std::span<const Vec3f> places, co
     const double count = double((rayCount + int(kPacketSize) - 1) / int(kPacketSize)) * double(kPacketSize);
     BounceSteps steps;
     steps.atTexels = Vec3f(atTexels.sum / count), steps.coarse = Vec3f(coarse.sum / count);
-    for (std::size_t c = 0; c < 3; ++c) {
-        const double mean = coarse.sum[c] / count;
-        steps.deviation[c] = float(std::sqrt(std::max(0.0, coarse.squares[c] / count - mean * mean)));
-    }
     return steps;
 }
 
-/// Mean and RMS of differences.
+/// Mean and RMS of differences over channels.
 struct DifferenceSum {
     double sum = 0, squares = 0, count = 0;
     void Add(const Vec3f &difference) {
@@ -108,7 +102,7 @@ struct DifferenceSum {
 
 namespace {
 
-/// Sets `window` to the mean of `coarse` over the window of the bake, if that is complete.
+/// Sets `window` to the mean of `coarse` over the window of the bake's filter, if it is complete.
 void StepOverWindow(const CauseInputs &inputs, const LuxelReceiver &receiver, int rays, std::uint64_t seed,
                     BounceSteps &step) {
     constexpr int kReach = 2;
@@ -138,7 +132,7 @@ void StepOverWindow(const CauseInputs &inputs, const LuxelReceiver &receiver, in
 } // namespace
 
 std::vector<BounceSteps> StepsOfFirstBounce(const CauseInputs &inputs, int rays) {
-    constexpr int kWindowShare = 8; // neighbors have fewer rays
+    constexpr int kWindowShare = 8; // neighbors in the window get 1 / this of the rays
     std::vector<BounceSteps> steps(inputs.receivers.luxels.size());
     inputs.in.jobs.For(std::int64_t(steps.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
@@ -151,13 +145,12 @@ std::vector<BounceSteps> StepsOfFirstBounce(const CauseInputs &inputs, int rays)
 
 std::string CausesText(const CauseInputs &inputs, std::span<const ComparedLight> light, int rays) {
     const std::vector<BounceSteps> steps = StepsOfFirstBounce(inputs, rays);
-    DifferenceSum all, noiseOfTruth, texels, coarse, rest, raysNoise, window, noise, rim, beside;
+    DifferenceSum all, noiseOfTruth, texels, coarse, rest, window, noise, rim, beside;
     for (std::size_t i = 0; i < steps.size(); ++i) {
         const BounceSteps &step = steps[i];
         all.Add(light[i].bounced - light[i].traced), noiseOfTruth.Add(light[i].tracedError);
         texels.Add(step.atTexels - light[i].traced), coarse.Add(step.coarse - step.atTexels);
         rest.Add(light[i].bounced - step.coarse);
-        raysNoise.Add(step.deviation / float(std::sqrt(kBakedRays * kBakedWindow)));
         if (inputs.receivers.luxels[i].places.size() > 1)
             beside.Add(light[i].bounced - step.coarse);
         else if (step.complete)
@@ -173,11 +166,10 @@ std::string CausesText(const CauseInputs &inputs, std::span<const ComparedLight>
            line("noise of the reference", noiseOfTruth) +
            line("emission of the luxel in place of the point that is hit", texels) +
            line("reflectance of the luxel's center, 16 x 16 texels", coarse) +
-           line("few rays and the filter over 5 x 5 luxels", rest) +
+           line("few rays, and the noise filter over 5 x 5 luxels", rest) +
            line("  of this in complete windows: mean over the window", window) + line("  ... few rays", noise) +
            line("  ... at the rims of lightmaps and curves", rim) +
-           line("  ... luxels at the edge of a wall, whose position is not clear", beside) +
-           line("  noise of 24 x 25 independent rays, for comparison", raysNoise);
+           line("  ... luxels at the edge of a wall, whose position is not clear", beside);
 }
 
 std::string SurroundingsText(const CauseInputs &inputs, const LuxelReceiver &luxel) {

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. bounce_error: error of bounced light in lightmaps and SH grids against a path tracer.
 //
-// Luxels are drawn by area, positions uniformly where a player can be. Bounced light is what a bake with bounces has
-// over one without, at the luxel, or of the grid on 26 normals. path_tracer.h says what the reference is.
+// Luxels are drawn by area, positions uniformly where a player can be. Bounced light is the light of a bake with
+// bounces minus that of one without: at the luxel, or of the grid on 26 normals. Reference: path_tracer.h.
 #include "common/arguments.h"
 #include "common/error.h"
 #include "common/text/text.h"
@@ -12,6 +12,7 @@
 #include "tools/bounce_error/lit_files.h"
 #include "tools/shbench/truth.h"
 
+#include <cmath>
 #include <glib.h>
 
 #include <cstdio>
@@ -43,7 +44,7 @@ with path traced ones, both cut to 0..255, over luxels (or positions and 26 norm
 signed. energy: sum of baked over sum of traced bounces. noise: standard error of the reference, RMS.
 )";
 
-/// Rays to a luxel of --causes.
+/// Rays per luxel of --causes.
 constexpr int kCauseRays = 1024;
 
 struct BakeText {
@@ -118,7 +119,7 @@ BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
     return command;
 }
 
-/// Options of a bake without the number of its bounces: bakes that share them share direct light.
+/// Options of a bake without its -bounce: bakes with the same options share direct light.
 std::string WithoutBounces(const std::string &text) {
     std::string rest = text;
     if (const std::size_t at = rest.find("-bounce "); at != std::string::npos)
@@ -173,7 +174,7 @@ class MapMeasure {
           direct_(BakeLuxels(setup_, 0, jobs, map.log, &surfaces_)), lights_(in_, SurfaceLights()),
           tracer_(in_, surfaces_, lights_) {}
 
-    /// Measures lit files in place of bakes.
+    /// Measures lit files instead of bakes.
     void RunLit() {
         const int side = command_.game.game->lightmapSize;
         const auto direct = compare::LitMap::Load(command_.litDirect, side, map_.log);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. How far baked bounced light is from the reference.
+// GPL-2.0-or-later. Error of baked bounced light against the reference.
 #include "tools/bounce_error/bounce_errors.h"
 
 #include "tools/shbench/bakes.h"
@@ -19,7 +19,7 @@ double ShownDifference(const ComparedLight &light, std::size_t channel) {
     return Shown(direct + double(light.bounced[channel])) - Shown(direct + double(light.traced[channel]));
 }
 
-/// Of sorted values.
+/// values: ascending.
 double Percentile(const std::vector<double> &values, double share) {
     return values.empty() ? 0 : values[std::min(values.size() - 1, std::size_t(share * double(values.size())))];
 }

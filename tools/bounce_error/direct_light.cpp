@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <numeric>
 #include <shared_mutex>
 #include <unordered_map>
 
@@ -16,8 +15,8 @@ namespace q3::bounce {
 
 namespace {
 
-/// Receivers within kOwnSide (game units) of an area light's plane lie on its own surface if the cosine between the
-/// normals is over kOwnCosine.
+/// Receivers within kOwnSide (game units) of an area light's plane are taken to lie on the light's own surface if the
+/// cosine between the normals is above kOwnCosine.
 constexpr float kOwnSide = 3, kOwnCosine = 0.9f;
 
 UnshadowedLight Colored(const Light &light, const SurfacePoint &at, float add, const Vec3f &target) {
@@ -77,13 +76,13 @@ namespace {
 
 /// Side of the cells that share a list of lights. Game units.
 constexpr float kCell = 32;
-/// Radius of a cell around its center, with the lift of receivers.
+/// Radius of a cell's bounding sphere: half its diagonal.
 constexpr float kCellRadius = 0.87f * kCell;
-/// Directions of normals: the six faces of a cube, and two-sided.
+/// Facings of receivers, which have lists of their own: by the axis nearest to the normal and its sign, or two-sided.
 constexpr int kFacings = 7, kTwoSidedFacing = 6;
-/// The largest angle between a normal and the axis that is nearest: acos(1 / sqrt(3)).
+/// The largest angle between a normal and the nearest axis: acos(1 / sqrt(3)).
 constexpr float kFacingAngle = 0.9553166f;
-/// Share of candidates that are drawn evenly over all lights.
+/// Share of the uniform density in the density of candidates.
 constexpr double kUniformShare = 0.05;
 constexpr int kCandidates = 12;
 
@@ -97,8 +96,8 @@ int FacingOf(const SurfacePoint &at) {
     return 2 * best + (at.normal[std::size_t(best)] < 0);
 }
 
-/// Bound of the cosine of incidence over the normals of a facing, for light from direction u (unit) off by at most
-/// `spread` radians.
+/// Upper bound of the cosine of incidence over the normals of a facing and directions within `spread` radians of u
+/// (unit, to the light).
 float BoundOfCosine(int facing, const Vec3f &u, float spread) {
     if (facing == kTwoSidedFacing)
         return 1;
@@ -107,7 +106,8 @@ float BoundOfCosine(int facing, const Vec3f &u, float spread) {
     return angle <= 0 ? 1 : std::max(0.0f, std::cos(std::min(angle, 1.5707964f)));
 }
 
-/// About the most that a light gives to receivers of a cell around `center`, byte scale summed over channels.
+/// Approximate upper bound of the light that receivers in the cell around `center` get, summed over channels. Byte
+/// scale.
 double BoundAt(const Light &light, const Vec3f &center, int facing) {
     const double color =
         double(std::abs(light.color.x)) + double(std::abs(light.color.y)) + double(std::abs(light.color.z));
@@ -132,7 +132,7 @@ double BoundAt(const Light &light, const Vec3f &center, int facing) {
     return color * double(light.add * share * cosine);
 }
 
-/// The lights of a cell with the running sum of their probabilities.
+/// The lights of a cell with their cumulative distribution.
 struct LightList {
     std::vector<std::uint32_t> lights;
     std::vector<double> cumulative;
@@ -153,7 +153,7 @@ double Amount(const UnshadowedLight &one) {
 
 } // namespace
 
-/// Lists by cell, made when a cell is first asked for.
+/// Lists by cell, cluster and facing, made on first use.
 struct DirectLights::Cells {
     static constexpr std::size_t kShards = 64;
     struct Shard {
@@ -241,7 +241,7 @@ UnshadowedLight DirectLights::Sample(const SurfacePoint &at, PathRandom &random)
         std::size_t index = i;
         double weight = 1;
         if (!all) {
-            // Stratified over the running sum.
+            // Stratified over the cumulative distribution.
             const double at1 = (double(i) + random.Unit()) / kCandidates;
             index = std::size_t(std::upper_bound(list.cumulative.begin(), list.cumulative.end(), at1) -
                                 list.cumulative.begin());

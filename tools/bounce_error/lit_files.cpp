@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Bounced light in the lightmaps of lit files, of any program, against the reference.
+// GPL-2.0-or-later. Error of bounced light in the lightmaps of .bsp files lit by any program.
 #include "tools/bounce_error/lit_files.h"
 
 #include "common/error.h"

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Bounced light in the lightmaps of lit files, of any program, against the reference.
+// GPL-2.0-or-later. Error of bounced light in the lightmaps of .bsp files lit by any program.
 #pragma once
 
 #include "tools/bounce_error/bounce_errors.h"
@@ -6,7 +6,7 @@
 
 namespace q3::bounce {
 
-/// Two lit files of the map that the reference is of.
+/// Two lit files of the reference's map.
 struct LitFiles {
     const compare::LitMap &direct; ///< without bounces
     const compare::LitMap &all;    ///< with bounces
@@ -16,17 +16,19 @@ struct LitFiles {
 struct LitPoint {
     std::size_t surface = 0;
     compare::SurfacePoint point;
-    Vec3f position, normal; ///< a unit off the surface
+    Vec3f position; ///< 1 unit off the surface
+    Vec3f normal;   ///< interpolated, unit
 };
 
-/// Points by area, none where a texel holds no light of its surface.
+/// Points drawn uniformly by area, except where one of the files has no texel for the surface.
 std::vector<LitPoint> LitPoints(const SurfaceInputs &in, const PathScene &scene, const LitFiles &files, int count,
                                 std::uint64_t seed);
-/// As the receivers of a reference.
+/// The points as receivers of a reference.
 Receivers ReceiversOf(const std::vector<LitPoint> &points);
 
-/// Light of the files at the points, blended as engines do, against entry `limit` of the reference. Bytes; points where
-/// a byte of either file is over kMostLit are left out: programs scale bright colors down in different ways.
+/// Light of the files at the points, filtered as in engines, with that of the reference for kLimits[limit] bounces.
+/// Bytes. Points where a channel of either file is above kMostLit are left out: programs scale bright colors down in
+/// different ways.
 inline constexpr double kMostLit = 250;
 std::vector<ComparedLight> CompareLit(const std::vector<LitPoint> &points, const Reference &reference,
                                       std::size_t limit, const LitFiles &files);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Bakes of a map that are compared with the reference.
+// GPL-2.0-or-later. Bakes of a map, to compare with the reference.
 #include "tools/bounce_error/map_bakes.h"
 
 #include "common/cpu_time.h"

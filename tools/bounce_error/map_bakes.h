@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Bakes of a map that are compared with the reference.
+// GPL-2.0-or-later. Bakes of a map, to compare with the reference.
 #pragma once
 
 #include "common/files/vfs.h"
@@ -6,13 +6,11 @@
 #include "q3map2/lightmap/raw/lightmaps.h"
 #include "tools/shbench/lightmap_passes.h"
 
-#include <filesystem>
 #include <memory>
-#include <string>
 
 namespace q3::bounce {
 
-/// A compiled map and what lighting it needs.
+/// A compiled map and the inputs of its lighting.
 struct MapFiles {
     const VirtualFileSystem &files;
     const Game &game;
@@ -24,7 +22,7 @@ struct MapFiles {
 /// The map, its shaders with images and its lights, for one set of options. Keeps a reference to the files.
 class MapSetup {
   public:
-    /// Errors: as LightWorld; options that the reference knows nothing of.
+    /// Errors: as LightWorld; options that the reference does not support.
     MapSetup(const MapFiles &map, const bench::LightmapSettings &settings);
     MapSetup(const MapSetup &) = delete;
     MapSetup &operator=(const MapSetup &) = delete;
@@ -38,13 +36,12 @@ class MapSetup {
     const LightSetup light;
 };
 
-/// Light of style 0 by raw lightmap and luxel, all passes together. Byte scale; red below 0: not used.
+/// Light of style 0 by raw lightmap and luxel, after all passes. Byte scale; red below 0: not used.
 struct BakedLuxels {
     std::vector<std::vector<Vec3f>> light;
     double cpuSeconds = 0; ///< of all passes over surfaces
 };
-/// Runs the passes over surfaces with that number of bounces. `surfaces`, if given, receives their lightmaps, with
-/// positions.
+/// Runs the passes over surfaces with that number of bounces. `surfaces`, if given, receives their final state.
 BakedLuxels BakeLuxels(const MapSetup &map, int bounces, const JobPool &jobs, Log &log,
                        SurfaceLight *surfaces = nullptr);
 

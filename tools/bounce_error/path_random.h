@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Random numbers of paths and directions from them.
+// GPL-2.0-or-later. Random numbers and random directions for paths.
 #pragma once
 
 #include "libs/math/low_discrepancy.h"
@@ -25,7 +25,7 @@ class PathRandom {
     std::uint64_t state_;
 };
 
-/// A direction around the unit vector n with density cosine / pi.
+/// Maps a point of the unit square to a direction around the unit vector n with density cosine / pi.
 inline Vec3f CosineDirection(const Vec3f &n, const Sample2 &s) {
     const Vec3f axis = std::abs(n.z) > 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1};
     const Vec3f right = Normalize(Cross(axis, n)), up = Cross(n, right);
@@ -34,7 +34,7 @@ inline Vec3f CosineDirection(const Vec3f &n, const Sample2 &s) {
                      n * float(std::sqrt(1 - s.u)));
 }
 
-/// A direction uniform over the sphere.
+/// Maps a point of the unit square to a direction uniform over the sphere.
 inline Vec3f SphereDirection(const Sample2 &s) {
     const double z = 1 - 2 * s.u, radius = std::sqrt(std::max(0.0, 1 - z * z)), angle = 2 * std::numbers::pi * s.v;
     return {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(z)};

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Surfaces that paths of bounced light meet.
+// GPL-2.0-or-later. The scene of surfaces that reflect paths of bounced light.
 #include "tools/bounce_error/path_scene.h"
 
 #include "q3map2/light/scene/light_embree.h"
@@ -60,7 +60,7 @@ void PathScene::State::Commit() {
     device = NewDevice();
     scene = NewScene(device.get());
     if (triangles.empty())
-        return;
+        return rtcCommitScene(scene.get());
     std::vector<float> corners;
     for (const Triangle &triangle : triangles)
         for (const FaceCorner &corner : triangle.corners)
@@ -72,7 +72,7 @@ void PathScene::State::Commit() {
 
 Vec3f PathScene::State::Color(const Vec3f &bytes) const {
     Vec3f c = bytes / 255;
-    if (in.lightmap.sRgbTexture)
+    if (in.lightmap.sRgbTexture || in.lightmap.linearReflectance)
         c = {LinearFromSrgb(c.x), LinearFromSrgb(c.y), LinearFromSrgb(c.z)};
     const float gray = (c.x + c.y + c.z) / 3, ratio = in.lightmap.bounceColorRatio;
     return c * ratio + Vec3f{gray, gray, gray} * (1 - ratio);

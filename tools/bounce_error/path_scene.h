@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Surfaces that paths of bounced light meet.
+// GPL-2.0-or-later. The scene of surfaces that reflect paths of bounced light.
 #pragma once
 
 #include "q3map2/light/batch/ray_packet.h"
@@ -9,41 +9,41 @@
 
 namespace q3::bounce {
 
-/// Greatest reflectance: BounceScale of a map may be above 1, with which light would never end.
+/// Limit on reflectance: BounceScale may be above 1, and the sum over bounces would diverge.
 inline constexpr float kMaxReflectance = 0.99f;
 
-/// Where a path meets a surface that reflects.
+/// The point where a path meets a reflecting surface.
 struct PathHit {
     int surface = -1;
     Vec3f position;
     Vec3f front;                  ///< unit normal of the triangle, on the side that the ray came from
     Vec3f normal;                 ///< interpolated unit normal of the surface, on its front
-    bool behind = false;          ///< the back of a two-sided surface was hit
+    bool behind = false;          ///< whether the ray hit the back of a two-sided surface
     std::array<float, 2> luxel{}; ///< coordinates in the super grid of its raw lightmap
     std::array<float, 2> st{};    ///< texture coordinates
     int vertex = 0;               ///< nearest draw vertex
     Vec3f reflectance;            ///< 0 to kMaxReflectance
 };
 
-/// The drawn surfaces as an Embree scene of its own, with the texel of the full image as reflectance. Const after
-/// construction; safe from several threads.
+/// The drawn surfaces as an Embree scene, independent of BounceScene; reflectance is taken from the texel of the full
+/// image at a hit. Const after construction; safe from several threads.
 class PathScene {
   public:
-    /// Keeps references. The images must be kept: ShaderLibrary::ReleaseImages(true).
+    /// Keeps references. Images must still be loaded: use ShaderLibrary::ReleaseImages(true).
     PathScene(const SurfaceInputs &in, const SurfaceLight &surfaces);
     ~PathScene();
 
     using Hits = std::array<std::optional<PathHit>, kPacketSize>;
-    /// First hits of the live rays. None where a ray leaves the map or ends at the back of a one-sided surface or at
-    /// one that reflects nothing. met: rays that meet any surface.
+    /// First hits of the live rays. Empty where a ray leaves the map, or meets the back of a one-sided surface or a
+    /// surface that reflects nothing. met: set to the rays that meet any surface.
     void FirstHits(const RayPacket &rays, Hits &hits, LaneMask *met = nullptr) const;
 
-    /// How many of the live rays first meet the back of a one-sided surface.
+    /// Number of live rays whose first hit is the back of a one-sided surface.
     int BacksMet(const RayPacket &rays) const;
 
     /// Reflectance of a surface at texture coordinates.
     Vec3f ReflectanceAt(std::size_t surface, const std::array<float, 2> &st) const;
-    /// The same with the image averaged down to `side` texels a side at most.
+    /// The same with the image averaged down to at most `side` texels on a side, not limited to kMaxReflectance.
     Vec3f MeanReflectanceAt(std::size_t surface, const std::array<float, 2> &st, int side) const;
 
   private:

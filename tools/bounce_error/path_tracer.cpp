@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Bounced light by path tracing.
+// GPL-2.0-or-later. Path tracer: the reference for the light stage's bounced light.
 #include "tools/bounce_error/path_tracer.h"
 
 #include "common/error.h"
@@ -11,23 +11,23 @@ namespace q3::bounce {
 
 namespace {
 
-/// Luxels are lit this far off their surface, unless the shader says otherwise. Game units.
+/// Luxels are lit this far off their surface, unless the shader sets another offset. Game units.
 constexpr float kReceiverLift = 1;
-/// Paths go on this far off the surface. Game units.
+/// Reflected rays start this far off the surface. Game units.
 constexpr float kPathLift = 1.0f / 32;
 constexpr float kRayLength = 1e6f; ///< longer than any map, game units
 constexpr int kFirstRoulette = 3;
 constexpr float kMaxSurvival = 0.95f;
 constexpr int kMaxVertices = 1000;
 
-/// Light that a path adds at its vertex `depth`, if its shadow ray arrives.
+/// Light that a path adds at its vertex `depth` if the shadow ray is not blocked.
 struct PathLight {
     std::uint32_t path = 0;
     int depth = 0;
     Vec3f color;
 };
 
-/// The entry of kLimits that is the first to hold light reflected `depth` times.
+/// Index of the first of kLimits that includes light reflected `depth` times.
 std::size_t FirstLimit(int depth) {
     std::size_t limit = 0;
     while (limit < kAllBounces && kLimits[limit] < depth)
@@ -52,7 +52,7 @@ struct PathTracer::Path {
     PathRandom random;
 };
 
-/// A group of paths, traced together vertex by vertex. add(path, depth, light): receives light of a path.
+/// A group of paths, traced together vertex by vertex; adds their light times `weights` ([normal][path]) to `sums`.
 class PathTracer::Group {
   public:
     using Sums = std::vector<std::array<Vec3d, kLimits.size()>>; ///< by normal and first limit
@@ -157,7 +157,7 @@ class PathTracer::Group {
 
 namespace {
 
-/// Means and standard errors of group means.
+/// Mean of group means, and its standard error.
 class EstimateSum {
   public:
     void Add(const std::array<Vec3d, kLimits.size()> &byFirstLimit) {
@@ -240,7 +240,7 @@ std::vector<Estimate> PathTracer::InSpace(const Vec3f &position, std::span<const
         for (std::uint32_t i = 0; i < std::uint32_t(kPathGroup); ++i) {
             const Vec3f direction = SphereDirection(PlasticSample(i, groupSeed));
             group[i] = {i, position, direction, {1, 1, 1}, PathRandom(HashIndex(groupSeed) + i)};
-            // Density 1 / (4 pi) against cosine / pi.
+            // Estimator (cosine / pi) / density, with density 1 / (4 pi).
             for (std::size_t n = 0; n < normals.size(); ++n)
                 weights[n][i] = 4 * std::max(0.0f, Dot(direction, normals[n]));
         }

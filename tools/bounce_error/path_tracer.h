@@ -1,15 +1,15 @@
-// GPL-2.0-or-later. Bounced light by path tracing: the reference for the light stage's bounces.
+// GPL-2.0-or-later. Path tracer: the reference for the light stage's bounced light.
 //
 // Light at a receiver is the mean over paths. The first direction of a path has the density cosine / pi (luxels) or is
-// uniform over the sphere (positions of the light grids). Where it meets a surface it is multiplied by the reflectance
-// of the texel there, and the direct light on that point, of one source chosen by importance and seen by a shadow ray,
-// is added (next event estimation); then it goes on in a direction of density cosine / pi. From the third surface on it
-// survives with the probability min(0.95, largest channel) and grows accordingly (Russian roulette). Nothing is stored
-// by texel and nothing is filtered, so the only error is noise.
+// uniform over the sphere (positions of the light grids). At each surface its throughput is multiplied by the
+// reflectance of the texel, and direct light of one source, chosen by importance and tested by a shadow ray, is added
+// (next event estimation); then it continues in a direction of density cosine / pi. From the third surface on it
+// survives with probability p = min(0.95, largest channel of the throughput), which is divided by p (Russian roulette).
+// Nothing is stored by texel and nothing is filtered, so the only error is noise.
 //
-// Direct light is that of the light stage's first pass at a luxel there: style 0, its angle and side rules, one shadow
-// ray to the center of an area light, ambient light. Not in it: dirt, floodlight, blur over luxels (-filter,
-// q3map_lightmapFilterRadius), samples within a luxel, the clamp of negative sums.
+// Direct light follows the light stage's first pass, as if a luxel were at the hit: style 0, its rules for angles and
+// sides, one shadow ray to the center of an area light, ambient light. Left out: dirt, floodlight, blur over luxels
+// (-filter, q3map_lightmapFilterRadius), samples within a luxel, the clamp of negative sums.
 #pragma once
 
 #include "tools/bounce_error/direct_light.h"
@@ -21,16 +21,17 @@
 
 namespace q3::bounce {
 
-/// Numbers of bounces for which light is kept; 0: all.
+/// Numbers of bounces for which a result is kept; 0: all bounces.
 inline constexpr std::array<int, 10> kLimits{1, 2, 3, 4, 5, 6, 8, 12, 16, 0};
 inline constexpr std::size_t kAllBounces = kLimits.size() - 1;
-/// The entry of kLimits for a number of bounces; above the last number, all. Error: it is between two entries.
+/// Index in kLimits of a number of bounces; kAllBounces below 1 and above the largest. Error: a number between two
+/// entries.
 std::size_t LimitOf(int bounces);
 
-/// Paths are traced in groups of this many, whose means give the standard error.
+/// Paths are traced in groups of this many. The spread of group means gives the standard error.
 inline constexpr int kPathGroup = 256;
 
-/// Bounced light, by kLimits. Byte scale.
+/// Bounced light for each of kLimits. Byte scale.
 struct Estimate {
     std::array<Vec3f, kLimits.size()> light{}, error{}; ///< mean and its standard error
     bool operator==(const Estimate &) const = default;
@@ -39,18 +40,18 @@ struct Estimate {
 /// Traces paths. Const after construction; safe from several threads, and results do not depend on them.
 class PathTracer {
   public:
-    /// Keeps references. `surfaces` needs only what is there before the first pass.
+    /// Keeps references. `surfaces` may be in the state before the first pass.
     PathTracer(const SurfaceInputs &in, const SurfaceLight &surfaces, const DirectLights &lights)
         : in_(in), scene_(in, surfaces), lights_(lights) {}
 
-    /// On a surface of that normal, mean over `positions`. paths: in all, rounded up to groups; for an error there must
-    /// be two.
+    /// Light on a surface with that normal, mean over `positions`. paths: total, rounded up to whole groups; the error
+    /// is 0 with a single group.
     Estimate OnSurface(std::span<const Vec3f> positions, const Vec3f &normal, int paths, std::uint64_t seed) const;
-    /// On surfaces of each of `normals` at a position in the open, from the same paths.
+    /// Light on surfaces with each of `normals` at a position in the open, all from the same paths.
     std::vector<Estimate> InSpace(const Vec3f &position, std::span<const Vec3f> normals, int paths,
                                   std::uint64_t seed) const;
 
-    /// The receiver of direct light at a hit.
+    /// The receiver at which direct light of a hit is evaluated.
     SurfacePoint ReceiverAt(const PathHit &hit) const;
     const PathScene &Scene() const { return scene_; }
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Path traced light at luxels and positions of a map.
+// GPL-2.0-or-later. Reference: path traced light at luxels and positions of a map, kept in a cache.
 #include "tools/bounce_error/reference.h"
 
 #include "common/cpu_time.h"
@@ -8,14 +8,15 @@
 #include "tools/shbench/map_hash.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace q3::bounce {
 
 namespace {
 
-/// Change it with the computation of the reference or the file format: it invalidates old files.
-constexpr std::string_view kVersion = "bounce_error reference 2";
+/// Change this with the computation of the reference or the file format, to invalidate cached files.
+constexpr std::string_view kVersion = "bounce_error reference 3";
 
 struct MappedTriangle {
     int surface = 0;
@@ -24,6 +25,7 @@ struct MappedTriangle {
 
 void AddReflection(bench::Hash &hash, const SurfaceInputs &in) {
     hash.Value(in.lightmap.bounceScale), hash.Value(in.lightmap.bounceColorRatio), hash.Value(in.lightmap.sRgbTexture);
+    hash.Value(in.lightmap.linearReflectance);
     hash.Value(in.options.noDrawSurfaceFlags), hash.Value(in.options.patchShadows), hash.Value(in.options.noTrace);
     for (const SurfaceEntry &entry : in.table) {
         const ShaderInfo &shader = *entry.shader;
@@ -59,7 +61,7 @@ std::string KeyOf(const SurfaceInputs &in, const DirectLights &lights, const Rec
     return hash.Hex();
 }
 
-/// Header of a file; the estimates of luxels, then of positions follow.
+/// Header of a cache file. The estimates of luxels follow, then those of positions.
 struct ReferenceHead {
     std::array<char, 64> key;
     double cpuSeconds;
@@ -118,7 +120,7 @@ class MappedArea {
     bool Empty() const { return triangles_.empty() || !(areas_.back() > 0); }
     struct Point {
         int surface = 0;
-        Vec3f position, normal; ///< a unit off the surface
+        Vec3f position, normal; ///< position: 1 unit off the surface
         std::array<float, 2> luxel{};
     };
     /// A point uniform by area.
@@ -150,9 +152,9 @@ class MappedArea {
     std::vector<double> areas_; // running sum
 };
 
-/// A place is not clear if solids are this near. Game units.
+/// A place is not clear if a solid is this near. Game units.
 constexpr float kPlaceMargin = 0.25f;
-/// Nor if a larger share of its rays meets the backs of surfaces: it is behind them.
+/// A place is not clear if a larger share of rays from it hits backs of surfaces: it is behind them.
 constexpr double kMostBacks = 0.25;
 constexpr int kPlaceRays = 64, kPlaceTries = 64;
 constexpr std::size_t kPlaces = 16;
@@ -196,7 +198,7 @@ std::vector<Vec3f> PlacesOf(const SurfaceInputs &in, const PathScene &scene, con
 
 std::vector<LuxelReceiver> LuxelsByArea(const SurfaceInputs &in, const SurfaceLight &surfaces, const PathScene &scene,
                                         int count, std::uint64_t seed, double *hiddenShare) {
-    constexpr int kTries = 100; // for each luxel
+    constexpr int kTries = 100; // at most, for each luxel wanted
     const MappedArea area(in, surfaces);
     PathRandom random(seed);
     std::vector<LuxelReceiver> luxels;

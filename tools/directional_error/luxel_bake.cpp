@@ -55,7 +55,7 @@ void LuxelBake::AddBounced(const LuxelPlace &at, std::span<const Vec3f> normals,
     std::vector<IndirectRay> found;
     std::vector<Vec3f> sums(normals.size());
     const Vec3f &origin = raw.positions[at.luxel];
-    const int patterns = (rays + BouncedLight::kRays - 1) / BouncedLight::kRays;
+    const int patterns = (rays + PointGather::kRays - 1) / PointGather::kRays;
     for (int pattern = 0; pattern < patterns; ++pattern) {
         bounced_->Gather(origin, std::uint64_t(pattern) * 977 + at.luxel, found);
         for (const IndirectRay &ray : found)

@@ -54,7 +54,7 @@ class Unpacker {
         return path;
     }
 
-    /// Writes the file, or removes one that an earlier map left: -pack would read it.
+    /// Writes the file, or removes one left from an earlier map, which -pack would read.
     template <typename Write> void WriteIf(bool wanted, std::string_view file, const Write &write) const {
         if (wanted) {
             write();
@@ -126,7 +126,7 @@ class Unpacker {
         return light;
     }
 
-    /// propsInFile: the first lump of light of props is in a file of its own.
+    /// propsInFile: the first prop light lump is written to kJsonPropLight, not as hexadecimal text.
     std::vector<JsonBspxEntry> BspxEntries(bool gridInBspx, bool propsInFile) const {
         std::vector<JsonBspxEntry> entries;
         for (const BspxLump &lump : bsp_.bspx) {

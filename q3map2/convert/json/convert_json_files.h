@@ -1,11 +1,12 @@
-// GPL-2.0-or-later. Names of the files of a JSON folder, in the order they are written. See docs/json.md.
+// GPL-2.0-or-later. Names of the files of a JSON folder and of their members. See docs/json.md.
 #pragma once
 
 #include <string_view>
 
 namespace q3 {
 
-/// Calls visit(file, member prefix, records) for every lump that is a plain list of records. All files are required.
+/// Calls visit(file, member prefix, records) for every lump that is a plain list of records, in the order in which the
+/// files are written. All of them are required.
 template <typename AnyBsp, typename Visit> void ForEachJsonFile(AnyBsp &bsp, Visit &&visit) {
     visit("shaders.json", "shader", bsp.shaders);
     visit("models.json", "model", bsp.models);
@@ -28,19 +29,20 @@ template <typename AnyBsp, typename Visit> void ForEachJsonFile(AnyBsp &bsp, Vis
 inline constexpr std::string_view kJsonEntities = "entities.json";
 
 // Optional files, unknown to other programs: written only if the map has such data.
-inline constexpr std::string_view kJsonEntityText = "entities.ent"; ///< if the pairs do not reproduce the text exactly
+inline constexpr std::string_view kJsonEntityText =
+    "entities.ent"; ///< written if the pairs in entities.json do not reproduce the text
 inline constexpr std::string_view kJsonAdvertisements = "Advertisements.json";
 inline constexpr std::string_view kJsonGridSH = "GridPointsSH.json";
 inline constexpr std::string_view kJsonBspx = "bspx.json";
 
-// Named by the entries of bspx.json.
+// Files that entries of bspx.json name.
 inline constexpr std::string_view kJsonLightmapsE5bgr9 = "LightTexelsE5BGR9.json";
 inline constexpr std::string_view kJsonVertexE5bgr9 = "DrawVertE5BGR9.json";
 inline constexpr std::string_view kJsonRnm = "LightTexelsRNM.json";
-
 inline constexpr std::string_view kJsonCubes = "AmbientCubes.json";
 inline constexpr std::string_view kJsonPropLight = "PropLight.json";
 
+// Members of files.
 inline constexpr std::string_view kJsonCodes = "colors";
 inline constexpr std::string_view kJsonRnmStorage = "storage", kJsonRnmSide = "side", kJsonRnmPages = "lightmapNums";
 inline constexpr std::string_view kJsonRnmRaw = "raw", kJsonRnmRescaled = "rescaled";

@@ -74,7 +74,7 @@ class Packer {
             ReadEntityText(entities);
     }
 
-    // People edit the pairs: the text is used only if it parses to the same ones.
+    // Users edit entities.json, so the text is used only if it parses to the same pairs.
     void ReadEntityText(const std::vector<Entity> &entities) {
         const fs::path path = folder_ / kJsonEntityText;
         std::string text = ReadTextFile(path);
@@ -117,7 +117,7 @@ class Packer {
         bsp_.gridSH = std::move(grid);
     }
 
-    // Avoids copies while the vector grows; the file size limits what a wrong header can allocate.
+    // Avoids reallocations; the file size limits the memory that a wrong header can request.
     static void Reserve(const fs::path &path, LightGridSH &grid) {
         std::uintmax_t room = fs::file_size(path) / kMinPointText;
         for (const std::int32_t bound : grid.header.gridBounds)

@@ -19,7 +19,7 @@ std::string CrcText(std::uint32_t crc) {
     return fmt::format("0x{:08x}", crc);
 }
 
-/// Reads one prop, appending to `light`.
+/// Reads one prop and appends it to `light`.
 class PropReader {
   public:
     PropReader(const JsonRecord &source, PropLight &light) : source_(source), light_(light) {}
@@ -128,10 +128,10 @@ std::optional<PropLight> JsonPropLight(const BspxLump &lump, std::string &fault)
         return {};
     try {
         PropLight light = DecodePropLight(lump.data);
-        // In ascending order. A file without props would not tell a lump from none.
+        // PropLight.json must not be empty, so a lump without props stays in hexadecimal.
         if (light.props.empty())
             return {};
-        if (light.props.back().entity > INT32_MAX)
+        if (light.props.back().entity > INT32_MAX) // entities are in ascending order
             throw Error("entity {}, expected at most {}", light.props.back().entity, INT32_MAX);
         return light;
     } catch (const Error &error) {

@@ -10,12 +10,12 @@
 
 namespace q3 {
 
-/// The light of props of a lump that PropLight.json can hold; empty: the lump stays in hexadecimal. `fault`: why, if it
-/// is damaged.
+/// Decodes a prop light lump for PropLight.json. Empty: the lump stays in hexadecimal; if that is because it is
+/// damaged, `fault` says why.
 std::optional<PropLight> JsonPropLight(const BspxLump &lump, std::string &fault);
-/// Writes the file. Errors: those of JsonWriter.
+/// Writes PropLight.json. Errors: as JsonWriter.
 void WriteJsonProps(const std::filesystem::path &path, const PropLight &light, const Game &game);
-/// Reads it. Errors: Error with file, member and what was expected.
+/// Reads PropLight.json. Errors: Error with file, member and what was expected.
 PropLight ReadJsonProps(const std::filesystem::path &path);
 
 } // namespace q3

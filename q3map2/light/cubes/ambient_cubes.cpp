@@ -14,9 +14,10 @@ namespace q3 {
 
 namespace {
 
-/// Leafs of a cluster are lit together up to about so many places.
+/// Leafs of one cluster are lit in groups of about this many places.
 constexpr std::size_t kPlacesTogether = 256;
-/// Step by which the tolerance rises while there are too many samples, and the last one: then one is left in each leaf.
+/// The tolerance is multiplied by kRaise while there are too many samples. Beyond kLastTolerance it becomes infinite,
+/// which leaves one sample in each leaf.
 constexpr float kRaise = 1.5f, kLastTolerance = 1e30f;
 
 /// Leafs of one cluster that are lit together.
@@ -48,7 +49,7 @@ class LeafSampler {
     LeafSampler(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH *grid, LeafCubes &cubes)
         : in_(in), bsp_(in.space.Map()), integrator_(in, lights), cubes_(cubes), places_(bsp_.leafs.size()) {
         if (grid)
-            ofGrid_ = std::make_unique<CubesOfGrid>(*grid, in.options.shRadiance);
+            gridCubes_ = std::make_unique<SHGridSides>(*grid, in.options.shRadiance);
     }
 
     void Run(GridStats &stats) {
@@ -67,7 +68,7 @@ class LeafSampler {
 
   private:
     void Light(const LeafGroup &group, std::uint64_t seed, GridStats &work) const {
-        const std::vector<CubeSides> sides = ofGrid_ ? FromGrid(group) : Traced(group, seed, work);
+        const std::vector<CubeSides> sides = gridCubes_ ? FromGrid(group) : Traced(group, seed, work);
         auto next = sides.begin();
         for (const std::size_t leaf : group) {
             for (const CubePlace &place : places_[leaf])
@@ -80,12 +81,12 @@ class LeafSampler {
         std::vector<CubeSides> sides;
         for (const std::size_t leaf : group)
             for (const CubePlace &place : places_[leaf])
-                sides.push_back(ofGrid_->At(place.position));
+                sides.push_back(gridCubes_->At(place.position));
         return sides;
     }
 
     std::vector<CubeSides> Traced(const LeafGroup &group, std::uint64_t seed, GridStats &work) const {
-        constexpr std::uint32_t kIndexes = 128; // of a leaf: more than it has places
+        constexpr std::uint32_t kIndexes = 128; // indexes reserved for a leaf: the most places that it can have
         std::vector<ReceiverBatch> blocks;
         for (const std::size_t leaf : group)
             for (std::uint32_t i = 0; i < places_[leaf].size(); ++i) {
@@ -98,7 +99,7 @@ class LeafSampler {
     const GridInputs &in_;
     const Bsp &bsp_;
     CubeIntegrator integrator_;
-    std::unique_ptr<const CubesOfGrid> ofGrid_;
+    std::unique_ptr<const SHGridSides> gridCubes_;
     LeafCubes &cubes_;
     std::vector<std::vector<CubePlace>> places_; // by leaf
 };
@@ -115,7 +116,7 @@ LeafCubes ThinnedOut(const LeafCubes &leafs, float tolerance, const JobPool &job
     return thin;
 }
 
-/// Throws if one sample in each leaf is too much.
+/// Throws if even one sample for each leaf with samples is too many.
 void CheckLeafCount(const LeafCubes &leafs, std::size_t most) {
     std::size_t count = 0;
     for (std::size_t leaf = 0; leaf < leafs.size(); ++leaf)
@@ -153,7 +154,7 @@ double LeafDistance(const bspLeaf_t &a, const bspLeaf_t &b) {
     return sum;
 }
 
-/// The leaf whose samples a leaf without any uses; `lit`: the leafs to choose from, at least one.
+/// The leaf whose samples `leaf`, which has none, refers to. lit: the leafs to choose from, at least one.
 std::uint16_t NearestLit(const BspSpace &space, std::size_t leaf, const std::vector<std::size_t> &lit) {
     const bspLeaf_t &here = space.Map().leafs[leaf];
     std::size_t best = lit.front();

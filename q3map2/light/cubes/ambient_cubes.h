@@ -11,18 +11,18 @@
 
 namespace q3 {
 
-/// Samples of each leaf of a map. Leafs in solids, and those without an open place, have none.
+/// Ambient cubes by leaf. Leafs in solids and leafs without an open place have none.
 using LeafCubes = std::vector<std::vector<CubeSample>>;
 
-/// Light at up to options.cubesPerLeaf places of each leaf of a cluster. lights: from SetupEnvelopes for the SH grid,
-/// without styles. `grid`: sides are taken from this SH grid; null: light is traced. Adds places to stats.points, leafs
-/// with samples to stats.open.
+/// Light at up to options.cubesPerLeaf places of each leaf that is in a cluster. lights: from SetupEnvelopes for the SH
+/// grid, of style 0 only. grid: the SH grid to evaluate; null: light is traced. Adds the number of places to
+/// stats.points, the number of leafs with samples to stats.open.
 LeafCubes SampleLeafs(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH *grid,
                       GridStats &stats);
 
-/// Thins out the samples, see ThinOutCubes, and stores them by leaf. With more than `most` of them the tolerance rises
-/// until they fit, with a warning. Leafs without samples refer to the nearest leaf that has some and that they see, or
-/// else to the nearest. Empty if no leaf has any. Errors: more leafs with samples than `most`.
+/// Thins out the samples (ThinOutCubes) and stores them by leaf. If more than `most` samples are left, the tolerance is
+/// raised until they fit, with a warning. A leaf without samples refers to the nearest leaf with samples that it sees,
+/// or else to the nearest one. Empty if no leaf has samples. Errors: more leafs with samples than `most`.
 std::optional<AmbientCubes> StoreCubes(const BspSpace &space, const LeafCubes &leafs, float tolerance,
                                        const JobPool &jobs, Log &log, std::size_t most = kMostCubes);
 

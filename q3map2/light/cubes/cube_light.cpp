@@ -16,9 +16,9 @@ namespace q3 {
 
 namespace {
 
-/// Area lights that give less in all are not cut into the parts before and behind a side. Byte scale.
+/// Area lights with less fluence are not split at the plane of a side into the parts in front and behind. Byte scale.
 constexpr double kWorthCutting = 1.0 / 16;
-/// Sides beyond this, from absurd keys and scales, are limited. 1 = byte 255.
+/// Upper limit of a side, reached only with absurd keys and scales. 1 = byte 255.
 constexpr double kMaxSide = 1e9;
 
 using SideSums = std::array<Vec3d, 6>;
@@ -29,13 +29,13 @@ Vec3d Axis(std::size_t axis) {
     return normal;
 }
 
-/// Light on surfaces that face both ways of an axis, for a light of color 1 1 1.
+/// Light on the two surfaces that face + and - an axis, for a light of color 1 1 1.
 struct TwoSides {
     double plus = 0, minus = 0;
 };
 
-/// Light on two surfaces that face both ways of an axis, added up: from bands 0 and 2 of radiance coefficients. Band 1
-/// cancels out, band 3 has none, bands from 4 on are left out.
+/// TwoSides::plus + minus, from bands 0 and 2 of radiance coefficients: odd bands cancel out in the sum, bands from 4
+/// on are left out.
 double SumOfBothWays(const ShVector &c, std::size_t axis) {
     const Vec3d n = Axis(axis);
     const ShVector basis = ShBasis(n);
@@ -45,7 +45,7 @@ double SumOfBothWays(const ShVector &c, std::size_t axis) {
     return sum;
 }
 
-/// The part of a polygon beyond p on an axis.
+/// The part of a polygon whose coordinate on the axis is above that of p.
 Winding<float> PartBeyond(const Winding<float> &w, const Vec3f &p, std::size_t axis) {
     WindingCutter<float> cutter;
     Winding<float> part;
@@ -59,9 +59,9 @@ struct PointLightField {
     const Light &light;
     float weight; ///< of the light
     Vec3f position;
-    ShVector radiance; ///< SH projection; for light of strength 1 from direction w that is Y(w)
-    Vec3d vector;      ///< irradiance vector: its product with a normal is the light, if all of it comes from before
-    double fluence;    ///< light from all directions, each on a surface that faces it
+    ShVector radiance; ///< SH projection; light of strength 1 from direction w projects to Y(w)
+    Vec3d vector;      ///< irradiance vector
+    double fluence;    ///< sum over directions of the light on a surface that faces it
 
     PointLightField(const Light &source, float sourceWeight, const Vec3f &at, const ProbeIncidentLight &incident,
                     std::size_t lane)
@@ -71,44 +71,45 @@ struct PointLightField {
         vector = Vec3d{radiance[3], radiance[1], radiance[2]} / kShC1;
         fluence = radiance[0] / kShC0;
     }
-    /// Whether parts of an area light are before, and parts behind, a surface that faces along the axis.
+    /// Whether an area light is partly in front of and partly behind a surface that faces along the axis.
     bool Straddles(std::size_t axis) const {
         if (light.type != LightType::Area)
             return false;
-        bool before = false, behind = false;
+        bool inFront = false, behind = false;
         for (const Vec3f &corner : light.w)
-            before = before || corner[axis] > position[axis], behind = behind || corner[axis] < position[axis];
-        return before && behind;
+            inFront = inFront || corner[axis] > position[axis], behind = behind || corner[axis] < position[axis];
+        return inFront && behind;
     }
     TwoSides On(std::size_t axis) const;
     TwoSides Cut(std::size_t axis) const;
 };
 
 TwoSides PointLightField::On(std::size_t axis) const {
-    if (vector == Vec3d{}) // at the light's own position: the same from everywhere
+    if (vector == Vec3d{}) // the receiver is at the light's position: the light comes evenly from all directions
         return {fluence / 4, fluence / 4};
     if (fluence * double(MaxComponent(Max(light.color, -light.color))) > kWorthCutting && Straddles(axis))
         return Cut(axis);
     return {std::max(0.0, vector[axis]), std::max(0.0, -vector[axis])};
 }
 
-/// The difference of both sides is that of the irradiance vector. Their sum, by a control variate: with s the visible
-/// share and T the sum that bands up to 2 give, s (exact sum of the whole) + T(visible part) - s T(whole); exact where
-/// all or nothing is hidden.
+/// plus - minus is the component of the irradiance vector on the axis. plus + minus is found with a control variate:
+/// with s the visible share of the light and T = SumOfBothWays, it is s (exact sum of the unshadowed light) + T(visible
+/// part)
+/// - s T(unshadowed light); exact where all or nothing is visible.
 TwoSides PointLightField::Cut(std::size_t axis) const {
     const Vec3d p(position), normal = Axis(axis);
     const std::span<const Vec3f> polygon(light.w);
     const Winding<float> part = PartBeyond(light.w, position, axis);
-    const double before = std::abs(FormFactor(p, normal, std::span<const Vec3f>(part)));
+    const double inFront = std::abs(FormFactor(p, normal, std::span<const Vec3f>(part)));
     const double difference = FormFactor(p, normal, polygon);
     const bool same = difference * FormFactor(p, normal, std::span<const Vec3f>(part)) >= 0;
-    const double behind = std::max(0.0, before - (same ? std::abs(difference) : -std::abs(difference)));
+    const double behind = std::max(0.0, inFront - (same ? std::abs(difference) : -std::abs(difference)));
     const bool fromBehind = Dot(light.shape.normal, p) < light.shape.dist;
     ShVector whole = MomentsOfPolygon(fromBehind ? light.shape.back : light.w, p).Projection();
     for (double &coefficient : whole)
         coefficient *= double(light.add) * double(weight) / std::numbers::pi;
     const double share = whole[0] > 0 ? std::min(1.0, radiance[0] / whole[0]) : 1;
-    const double sum = share * double(light.add) * double(weight) * (before + behind) + SumOfBothWays(radiance, axis) -
+    const double sum = share * double(light.add) * double(weight) * (inFront + behind) + SumOfBothWays(radiance, axis) -
                        share * SumOfBothWays(whole, axis);
     const double least = std::abs(vector[axis]), both = std::max(least, sum);
     return {(both + vector[axis]) / 2, (both - vector[axis]) / 2};
@@ -144,8 +145,8 @@ void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size
     }
 }
 
-/// A hemisphere of uniform light around +z or -z, as floodlight gives it: all of it on the side that faces up, half on
-/// those that stand.
+/// Floodlight as uniform light from the hemispheres around +z and -z: all of it on the side that faces the hemisphere,
+/// half on each vertical side.
 void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, SideSums &sides, RayCounts &counts) {
     for (const float up : {1.0f, -1.0f}) {
         const float share =
@@ -157,7 +158,7 @@ void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t 
     }
 }
 
-/// The sides as they are stored: ambient light, a mean of at least the minimum, grid scale.
+/// The sides to store: adds ambient light, raises the mean to at least the minimum, applies the grid scale.
 CubeSides Finish(const GridInputs &in, SideSums sides) {
     Vec3d mean;
     for (Vec3d &side : sides) {
@@ -198,7 +199,7 @@ std::vector<CubeSides> CubeIntegrator::Sides(std::vector<ReceiverBatch> &blocks,
     return all;
 }
 
-CubeSides CubesOfGrid::At(const Vec3f &position) const {
+CubeSides SHGridSides::At(const Vec3f &position) const {
     const bspGridSHHeader_t &head = grid_.header;
     shgrid_grid grid{};
     for (std::size_t i = 0; i < 3; ++i)

@@ -8,16 +8,18 @@
 
 namespace q3 {
 
-/// Computes the light on surfaces that face the axes, at positions in the open: exact for points and suns; for area
-/// lights as exact as their irradiance vector in the SH grid, cut where the light stands on both sides of a surface.
+/// Computes the light on surfaces that face the axes, at positions in the open: exact for point lights and suns; for
+/// area lights as exact as their irradiance vector in the SH grid, except that a light on both sides of a surface's
+/// plane is split there.
 /// Const after construction; safe from several threads. Keeps references.
 class CubeIntegrator {
   public:
     /// lights: from SetupEnvelopes for the SH grid.
     CubeIntegrator(const GridInputs &in, const std::vector<Light> &lights);
 
-    /// The sides at all receivers of the blocks, which are neighbors, in order: light of all lights, bounced light,
-    /// floodlight, ambient and minimum, times -gridscale. seed: of the random choice among faint lights.
+    /// The sides at all receivers of the blocks, in order: light of all lights, bounced light, floodlight, ambient and
+    /// minimum light, times -gridscale. The blocks should be neighbors: they share a list of lights. seed: of the
+    /// random choice among faint lights.
     std::vector<CubeSides> Sides(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work) const;
 
   private:
@@ -25,11 +27,11 @@ class CubeIntegrator {
     BrickLighting lighting_;
 };
 
-/// The sides by an SH grid as it is stored: light on surfaces that face the axes at the position.
-class CubesOfGrid {
+/// Evaluates a stored SH grid on surfaces that face the axes.
+class SHGridSides {
   public:
-    /// radiance: the coefficients are not convolved with the cosine. Keeps a reference.
-    CubesOfGrid(const LightGridSH &grid, bool radiance) : grid_(grid), radiance_(radiance) {}
+    /// radiance: the grid holds radiance, not yet convolved with the cosine lobe. Keeps a reference.
+    SHGridSides(const LightGridSH &grid, bool radiance) : grid_(grid), radiance_(radiance) {}
     CubeSides At(const Vec3f &position) const;
 
   private:

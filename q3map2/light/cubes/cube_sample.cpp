@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Ambient cubes at positions of a leaf, and which of them are kept.
+// GPL-2.0-or-later. Ambient cubes at positions in a leaf, and the choice of those to keep.
 #include "q3map2/light/cubes/cube_sample.h"
 
 #include "q3map2/bspfile/bspfile_cubes.h"
@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kScreenGamma = 2.2f;
 
-/// Light of a sample as numbers in a row.
+/// The 18 values of a sample: 6 sides times RGB.
 using CubeNumbers = std::array<float, 18>;
 
 CubeNumbers NumbersOf(const CubeSides &sides) {
@@ -24,7 +24,7 @@ CubeNumbers NumbersOf(const CubeSides &sides) {
     return numbers;
 }
 
-/// About what a screen makes of light: gamma 2, cut at 1.
+/// Approximation of displayed light: gamma 2, clamped to 1.
 float Shown(float light) {
     return std::sqrt(std::min(light, 1.0f));
 }
@@ -34,7 +34,7 @@ float BlendWeight(const Vec3f &a, const Vec3f &b) {
     return 1 / (Dot(way, way) + 1);
 }
 
-/// Chooses samples one by one, each time the one that lowers the error of the blend at all samples the most.
+/// Error of the blend of a growing set of chosen samples at the positions of all samples.
 class CubeChoice {
   public:
     explicit CubeChoice(const std::vector<CubeSample> &samples)
@@ -45,7 +45,7 @@ class CubeChoice {
             std::transform(light_.back().begin(), light_.back().end(), shown.begin(), Shown);
         }
     }
-    /// Sum of squared differences of shown light if sample k were chosen too; gives up above `limit`.
+    /// Sum of squared differences of shown light if sample k were also chosen; stops summing above `limit`.
     double ErrorWith(std::size_t k, double limit) const {
         double sum = 0;
         for (std::size_t j = 0; j < samples_.size() && sum < limit; ++j) {
@@ -71,11 +71,11 @@ class CubeChoice {
 
   private:
     const std::vector<CubeSample> &samples_;
-    std::vector<CubeNumbers> light_, shown_, sums_; // sums_: weighted, of what is chosen, at each sample
+    std::vector<CubeNumbers> light_, shown_, sums_; // sums_: at each sample, weighted sum of chosen ones
     std::vector<float> weights_;
 };
 
-/// Removes the samples that are not marked.
+/// Removes the samples that `kept` does not mark.
 void Keep(const std::vector<bool> &kept, std::vector<CubeSample> &samples) {
     std::vector<CubeSample> result;
     for (std::size_t i = 0; i < samples.size(); ++i)
@@ -84,7 +84,7 @@ void Keep(const std::vector<bool> &kept, std::vector<CubeSample> &samples) {
     samples = std::move(result);
 }
 
-/// The largest error with which the samples marked `kept` reproduce the others.
+/// The largest ScreenDifference between a sample not in `kept` and the blend of the kept ones at its position.
 float LargestError(const std::vector<CubeSample> &samples, const std::vector<bool> &kept) {
     std::vector<CubeSample> left;
     for (std::size_t i = 0; i < samples.size(); ++i)

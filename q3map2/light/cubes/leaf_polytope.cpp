@@ -11,7 +11,8 @@ namespace q3 {
 
 namespace {
 
-/// Planes nearer than this, with normals that differ by less than kSameNormal, are the same. Game units.
+/// Planes are the same if their distances differ by less than kSamePlane (game units), their normals by less than
+/// kSameNormal.
 constexpr double kSamePlane = 1e-3, kSameNormal = 1e-6;
 /// Corners within this distance of a plane count as on it. Game units.
 constexpr double kOnFace = 1e-4;
@@ -27,7 +28,7 @@ std::vector<Plane> BoxPlanes(const bspLeaf_t &leaf) {
     return planes;
 }
 
-/// Whether the plane cuts the box, or only touches it from outside: then it bounds nothing.
+/// Whether the plane cuts off a part of the leaf's box; else it does not bound the leaf.
 bool CutsBox(const Plane &plane, const bspLeaf_t &leaf) {
     Vec3d nearest;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -43,7 +44,7 @@ void AddPlane(const Plane &plane, std::vector<Plane> &planes) {
         planes.push_back(plane);
 }
 
-/// Sets bounds, volume and center from the faces.
+/// Sets bounds, volume and center from the planes.
 void Measure(LeafPolytope &polytope) {
     std::vector<Winding<double>> faces;
     Vec3d sum;
@@ -79,11 +80,13 @@ bool LeafPolytope::Contains(const Vec3d &p, double margin) const {
     return std::all_of(planes.begin(), planes.end(), [&](const Plane &plane) { return plane.Distance(p) >= margin; });
 }
 
-LeafPolytopes::LeafPolytopes(const Bsp &bsp) : bsp_(bsp), ofNodes_(bsp.nodes.size()), ofLeafs_(bsp.leafs.size()) {
+LeafPolytopes::LeafPolytopes(const Bsp &bsp)
+    : bsp_(bsp), nodeParents_(bsp.nodes.size()), leafParents_(bsp.leafs.size()) {
     for (std::size_t node = 0; node < bsp.nodes.size(); ++node)
         for (int child = 0; child < 2; ++child) {
             const int number = bsp.nodes[node].children[std::size_t(child)];
-            (number >= 0 ? ofNodes_[std::size_t(number)] : ofLeafs_[std::size_t(LeafOf(number))]) = {int(node), child};
+            (number >= 0 ? nodeParents_[std::size_t(number)] : leafParents_[std::size_t(LeafOf(number))]) = {int(node),
+                                                                                                             child};
         }
 }
 
@@ -95,14 +98,14 @@ LeafPolytope LeafPolytopes::Of(std::size_t leaf) const {
             return polytope;
     polytope.planes = BoxPlanes(record);
     std::size_t steps = 0; // nodes that node 0 does not reach may form a cycle
-    for (Parent at = ofLeafs_[leaf]; at.node >= 0 && steps < bsp_.nodes.size(); ++steps) {
+    for (Parent at = leafParents_[leaf]; at.node >= 0 && steps < bsp_.nodes.size(); ++steps) {
         const bspPlane_t &stored = bsp_.planes[std::size_t(bsp_.nodes[std::size_t(at.node)].planeNum)];
         const Vec3d normal(stored.normal);
         const double length = Length(normal), side = (at.child == 0 ? 1 : -1) / length;
         const Plane plane{normal * side, double(stored.dist) * side};
         if (CutsBox(plane, record))
             AddPlane(plane, polytope.planes);
-        at = ofNodes_[std::size_t(at.node)];
+        at = nodeParents_[std::size_t(at.node)];
     }
     Measure(polytope);
     return polytope;

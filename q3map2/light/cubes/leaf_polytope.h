@@ -11,7 +11,7 @@ namespace q3 {
 
 /// A convex polytope. Empty if volume is 0.
 struct LeafPolytope {
-    std::vector<Plane> planes; ///< unit normals to the inside
+    std::vector<Plane> planes; ///< with unit normals that point inward
     Boundsd bounds;            ///< of the corners
     Vec3d center;              ///< center of mass
     double volume = 0;         ///< cubic game units
@@ -20,21 +20,21 @@ struct LeafPolytope {
     bool Contains(const Vec3d &p, double margin) const;
 };
 
-/// Finds the polytopes of leafs: their bounds cut by the planes of the nodes above. Const after construction; keeps a
-/// reference to a validated Bsp.
+/// Computes the polytopes of leafs: the box of a leaf cut by the planes of all its ancestor nodes. Const after
+/// construction; keeps a reference to `bsp`, which must be validated.
 class LeafPolytopes {
   public:
     explicit LeafPolytopes(const Bsp &bsp);
     LeafPolytope Of(std::size_t leaf) const;
 
   private:
-    /// The node above a node or leaf, and which of its children that is.
+    /// The parent of a node or leaf, and which of its children (0 or 1) that node or leaf is.
     struct Parent {
         int node = -1, child = 0;
     };
 
     const Bsp &bsp_;
-    std::vector<Parent> ofNodes_, ofLeafs_;
+    std::vector<Parent> nodeParents_, leafParents_;
 };
 
 } // namespace q3

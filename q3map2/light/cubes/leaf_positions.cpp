@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Where in a leaf light is sampled.
+// GPL-2.0-or-later. Positions of ambient cubes in a leaf.
 #include "q3map2/light/cubes/leaf_positions.h"
 
 #include "libs/math/low_discrepancy.h"
@@ -11,12 +11,12 @@ namespace q3 {
 
 namespace {
 
-/// Space of one sample. Game units.
+/// Size of the box for one sample. Game units.
 constexpr std::array<double, 3> kCubeCell = {32, 32, 64};
 constexpr double kMostPositions = 128;
-/// Least distance of a sample from the planes around its leaf. Game units.
+/// Minimum distance of a sample from the planes that bound its leaf. Game units.
 constexpr double kInsideLeaf = 1.0 / 32;
-/// Positions tried for each one that is wanted, and more in any case.
+/// Positions to try: kTriesEach for each sample wanted, plus kMoreTries.
 constexpr int kTriesEach = 16, kMoreTries = 256;
 constexpr std::uint64_t kSeedCubes = 0x43756265ull;
 

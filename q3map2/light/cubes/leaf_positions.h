@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Where in a leaf light is sampled.
+// GPL-2.0-or-later. Positions of ambient cubes in a leaf.
 #pragma once
 
 #include "q3map2/light/cubes/leaf_polytope.h"
@@ -10,18 +10,19 @@
 
 namespace q3 {
 
-/// Where a sample is taken.
+/// Position of a sample.
 struct CubePlace {
-    std::array<std::uint8_t, 3> stored{}; ///< position, each 0..255 of the bounds of the leaf
-    Vec3f position;                       ///< the same, or the center if that is the only place in the leaf
+    std::array<std::uint8_t, 3> stored{}; ///< by axis: 0..255 across the bounds of the leaf
+    Vec3f position;                       ///< `stored` decoded; if no such place is open, the leaf's exact center
 };
 
-/// Samples that a polytope asks for: one for 32 x 32 x 64 units of its box, as far as it fills that; 1 to 128.
+/// Number of samples for a polytope: one for each 32 x 32 x 64 units of its box, times the share of the box that it
+/// fills; 1 to 128, or 0 if it is empty.
 int CubeCount(const LeafPolytope &polytope);
 
 /// Up to CubeCount different places in the leaf, at least 1/32 unit inside every plane that bounds it and outside
-/// opaque brushes: of a low-discrepancy pattern that the number of the leaf determines. If there are none, the center,
-/// if that is in the open; else none.
+/// opaque brushes, from a low-discrepancy sequence seeded by the leaf's number. If none is found, the center of the
+/// leaf if that is in the open.
 std::vector<CubePlace> FindCubePlaces(const BspSpace &space, const LeafPolytopes &polytopes, std::size_t leaf);
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The light of all lights at receivers in the open that are lit together.
+// GPL-2.0-or-later. Incident light of all lights at a brick of receivers in the open.
 #pragma once
 
 #include "q3map2/light/grid/grid_bricks.h"
@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// Goes through the lights that may reach a brick, with the rules of the SH grid. Const after construction; safe from
+/// Iterates over the lights that may reach a brick, by the rules of the SH grid. Const after construction; safe from
 /// several threads. Keeps references.
 class BrickLighting {
   public:
@@ -21,8 +21,8 @@ class BrickLighting {
                                               .skip = in.options.skip},
           faint_(kFaint / in.options.shSamples) {}
 
-    /// Calls use(light, incident) for each light that may reach the blocks, which are neighbors. incident: what arrives,
-    /// by block. seed: of the random choice among faint lights, which is the same for all of the blocks.
+    /// Calls use(light, incident) for each light that may reach the blocks of a brick. incident: its light at the
+    /// receivers, by block. seed: of the random choice among faint lights, which is the same for all blocks.
     template <typename Use>
     void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work, const Use &use) const {
         StartFaintResiduals(blocks, faint_);
@@ -37,8 +37,8 @@ class BrickLighting {
     }
 
   private:
-    /// Lights that give less than this to all of a brick, and area lights that give less to a batch of it, are
-    /// represented by a few of them. Byte scale; a quarter of the smallest step that a screen can show.
+    /// Lights that give less than this at every point of a brick, and area lights that give less at every point of a
+    /// block, are represented by a random few. Byte scale: a quarter of the smallest step that a screen can show.
     static constexpr float kFaint = 1.0f / 4;
 
     const GridInputs &in_;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Light grids in bricks.
+// GPL-2.0-or-later. Divides light grids into bricks.
 #include "q3map2/light/grid/grid_bricks.h"
 
 #include "common/progress.h"
@@ -17,7 +17,7 @@ constexpr std::array<int, 3> kBlock = {4, 2, 2};
 /// A one-sided area light gives nothing, in either grid, to points farther than this behind the plane through its
 /// origin; that plane is 1 unit in front of the surface. Game units.
 constexpr float kBehind = 2;
-/// Up to this many faint lights are all taken.
+/// Up to this many faint lights are all kept.
 constexpr std::ptrdiff_t kFewFaint = 32;
 constexpr std::uint64_t kSeedFaint = 0x4661696E74ull;
 

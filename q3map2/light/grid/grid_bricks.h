@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Light grids in bricks: neighboring points share their lights and their rays.
+// GPL-2.0-or-later. Divides light grids into bricks: neighboring points share a list of lights and packets of rays.
 #pragma once
 
 #include "q3map2/light/batch/receivers.h"
@@ -37,7 +37,8 @@ struct BrickView {
     std::vector<int> clusters; ///< each once
 };
 
-/// The lights of a pass. What decides whether one reaches a brick (Reach) is kept contiguously, for the cache.
+/// The lights of a pass. The data that decide whether a light can reach a brick (Reach) are contiguous, for the CPU
+/// cache.
 class BrickCandidates {
   public:
     explicit BrickCandidates(const std::vector<Light> &lights);
@@ -56,18 +57,17 @@ class BrickCandidates {
     std::vector<Reach> reach_;
 };
 
-/// A light that may reach a brick, and the factor of its contribution.
+/// A light that may reach a brick, and the factor by which its light is multiplied.
 struct BrickLight {
     const Light *light = nullptr;
     float weight = 1;
     float bound = 0; ///< see LightBound
 };
 
-/// Lights that can reach some point of a brick, in their order.
+/// Lights that can reach some point of a brick, in the order of the pass.
 ///
-/// Lights whose bound in the brick is under `faint` (byte scale; 0: none), if there are many, are represented by a few,
-/// see SelectFaintLight. Lights of one surface follow each other in the list, so a chosen one stands for its
-/// neighbors.
+/// If many lights have a bound in the brick below `faint` (byte scale; 0: none), a few represent them, see
+/// SelectFaintLight. Lights of one surface are consecutive, so a chosen one stands for its neighbors.
 class BrickLights {
   public:
     BrickLights(const BrickCandidates &lights, const BrickView &brick, std::uint64_t seed, float faint,
@@ -81,11 +81,12 @@ class BrickLights {
     bool many_ = false;
 };
 
-/// Sets ReceiverBatch::faintResidual of each block to a random start, so that blocks do not choose the same lights.
+/// Sets ReceiverBatch::faintResidual of each block to a random start value, so that blocks do not all choose the same
+/// lights.
 void StartFaintResiduals(std::vector<ReceiverBatch> &blocks, float faint);
 
-/// Runs `trace(brick, work)` for bricks 0 to count - 1 on all workers, with progress; adds the work up into `stats`. A
-/// brick is any set of receivers that are lit together.
+/// Runs `trace(brick, work)` for bricks 0 to count - 1 on all workers, with progress; adds the sum of `work` to
+/// `stats`. Here a brick is any set of receivers that share a list of lights.
 void RunBricks(const GridInputs &in, std::int64_t count, GridStats &stats,
                const std::function<void(std::int64_t, GridStats &)> &trace);
 

@@ -4,15 +4,14 @@
 #include "libs/math/vec.h"
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace q3 {
 
 /// Bounced light that arrives at a point from one direction.
 struct IndirectRay {
-    Vec3f direction; ///< unit, to the surface that sends it
-    Vec3f light;     ///< on a surface that faces it, byte scale
+    Vec3f direction; ///< unit, to the surface that reflects it
+    Vec3f light;     ///< on a surface with normal `direction`, byte scale
 };
 
 /// Bounced light at points in the open. Const after construction; safe from several threads.

@@ -5,19 +5,18 @@
 #include "q3map2/light/grid/light_floodlight.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace q3 {
 
 namespace {
 
-/// Sums beyond this, from absurd keys and scales, are clamped. 1 = byte 255.
+/// Limit of coefficients, reached only with absurd keys and scales. 1 = byte 255.
 constexpr double kMaxCoefficient = 1e9;
 
 /// Sums of one channel at the receivers of a block, by coefficient; 1 = byte 255.
 using ChannelSum = std::array<DoubleLanes, 9>;
-/// One channel at the receivers of a block as it is stored.
+/// Stored coefficients of one channel at the receivers of a block.
 using StoredChannel = std::array<Lanes, 9>;
 
 /// sum += scale * coefficients, for the three channels at once: the coefficients are read once.
@@ -58,7 +57,7 @@ class BlockSum {
     std::array<ChannelSum, 3> sum_{};
 };
 
-/// A hemisphere of uniform light around +z or -z, as floodlight gives it.
+/// Adds floodlight: uniform light from the hemispheres around +z and -z.
 void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, BlockSum &sum, RayCounts &counts) {
     const Vec3f position = receivers.position[i];
     for (const float up : {1.0f, -1.0f}) {
@@ -73,7 +72,7 @@ void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t 
     }
 }
 
-/// Bounced light.
+/// Adds bounced light.
 void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, BlockSum &sum,
                  RayCounts &counts) {
     std::vector<IndirectRay> rays;
@@ -89,12 +88,12 @@ void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size
     }
 }
 
-/// Ambient and minimum light of a channel as coefficient 0, and the factor for all coefficients.
+/// Ambient and minimum light of a channel in units of coefficient 0, and the factor for all coefficients.
 struct ChannelScale {
     double ambient, least, scale;
 };
 
-/// Values of a channel as they are stored; zero where its mean is negative.
+/// Coefficients of a channel to store; where its mean is negative, zero plus minimum light.
 Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, StoredChannel &stored) {
     const auto [ambient, least, scale] = channel;
     for (const std::size_t i : kEachLane) {
@@ -110,7 +109,7 @@ Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, 
 
 /// Appends the values of a block, with ambient light, minimum light and grid scale applied.
 void StoreBlock(const GridInputs &in, const BlockSum &sum, std::size_t count, std::vector<bspGridPointSH_t> &values) {
-    // Coefficient 0 of light 1 from everywhere.
+    // Coefficient 0 of uniform ambient light 1.
     const double uniform = 1 / kShC0 / (in.options.shRadiance ? std::numbers::pi : 1);
     std::array<StoredChannel, 3> stored;
     for (std::size_t channel = 0; channel < 3; ++channel)

@@ -13,9 +13,9 @@ class ProbeIntegrator {
   public:
     ProbeIntegrator(const GridInputs &in, const std::vector<Light> &lights);
 
-    /// Calls store(index of the receiver, coefficients) for every receiver of the blocks, which are neighbors: light
-    /// of all lights, bounced light, floodlight, ambient and minimum, scaled as it is stored. seed: of the random
-    /// choice among faint lights, which is the same for all of the blocks.
+    /// Calls store(index of the receiver, coefficients) for every receiver of the blocks of a brick: light of all
+    /// lights, bounced light, floodlight, ambient and minimum light, scaled as stored. seed: of the random choice among
+    /// faint lights, which is the same for all blocks.
     template <typename Store>
     void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work, const Store &store) const {
         const std::vector<bspGridPointSH_t> values = Values(blocks, seed, work);

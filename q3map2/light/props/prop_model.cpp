@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Models of static props, with what lighting at vertices needs.
+// GPL-2.0-or-later. Models of static props, prepared for lighting at vertices.
 #include "q3map2/light/props/prop_model.h"
 
 #include "common/error.h"
@@ -16,7 +16,7 @@ namespace {
 using WeldKey = std::tuple<float, float, float, float, float, float>;
 
 WeldKey WeldKeyOf(const DrawVert &v) {
-    const auto plain = [](float x) { return x + 0.0f; }; // -0 welds to 0
+    const auto plain = [](float x) { return x + 0.0f; }; // turns -0 into 0
     return {plain(v.xyz.x), plain(v.xyz.y), plain(v.xyz.z), plain(v.normal.x), plain(v.normal.y), plain(v.normal.z)};
 }
 

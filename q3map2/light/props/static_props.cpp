@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Static props: entities with a model that the game draws and the light stage lights.
+// GPL-2.0-or-later. Static props: models placed by entities, which the game draws and the light stage lights.
 #include "q3map2/light/props/static_props.h"
 
 #include "common/text/text.h"
@@ -8,14 +8,15 @@
 #include "q3map2/model/model_skin.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace q3 {
 
 namespace {
 
-constexpr std::string_view kSourceProp = "prop_static";
+constexpr std::string_view kSourceProp = "prop_static"; ///< classname in the Source engine
 
-/// The corners of the faces of a box, as triangles; bit i of a corner: at the maximum of axis i.
+/// Triangles of the faces of a box. A corner is a number whose bit i is set if the corner is at the maximum of axis i.
 constexpr std::array<std::array<int, 3>, 12> kBoxTriangles{{{0, 1, 3},
                                                             {0, 3, 2},
                                                             {4, 7, 5},
@@ -112,7 +113,7 @@ void PropLoader::FindLightingOrigin(const Entity &entity, StaticProp &prop) {
     if (name.empty())
         return;
     for (const Entity &other : entities_)
-        if (EqualNoCase(keys::kTargetName.Text(other), name))
+        if (!prop.lightingOrigin && EqualNoCase(keys::kTargetName.Text(other), name))
             prop.lightingOrigin = other.Vector({"origin"});
     if (!prop.lightingOrigin)
         log_.Warn("lighting origin", "{}: no entity with an origin has the targetname '{}' of its lightingorigin", who_,
@@ -122,7 +123,7 @@ void PropLoader::FindLightingOrigin(const Entity &entity, StaticProp &prop) {
 void PropLoader::FindShaders(const Entity &entity, StaticProp &prop) {
     Entity skinned = entity;
     if (EqualNoCase(entity.ClassName(), kSourceProp) && keys::kSkin.Text(entity) == "0")
-        skinned.Erase("skin"); // the skin of the model
+        skinned.Erase("skin"); // 0: the model's own skin
     const ShaderRemap remap = ShaderRemapOf(skinned, who_, prop.name, vfs_, log_);
     for (const ModelMesh &mesh : prop.model->meshes) {
         const std::string name = remap(mesh.shader);
@@ -130,7 +131,7 @@ void PropLoader::FindShaders(const Entity &entity, StaticProp &prop) {
     }
 }
 
-/// Sets the bounds.
+/// Also sets the bounds of the prop, if true.
 bool PropLoader::InsideWorld(StaticProp &prop) const {
     for (const PropModel::Point &point : prop.model->points) {
         const Vec3f p(prop.transform.Point(Vec3d(point.xyz)));
@@ -141,7 +142,7 @@ bool PropLoader::InsideWorld(StaticProp &prop) const {
     return true;
 }
 
-/// The shader as one that blocks light by the alpha of its image; null: it has no masked image.
+/// A copy of the shader that blocks light by the alpha of its image; null if the shader does not use that alpha.
 const ShaderInfo *PropLoader::Masked(const ShaderInfo &shader) {
     const bool filters = (shader.compileFlags & (C_ALPHASHADOW | C_LIGHTFILTER)) != 0;
     const bool tested = LowerCase(shader.scriptText).find("alphafunc") != std::string::npos;

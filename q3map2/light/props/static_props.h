@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Static props: entities with a model that the game draws and the light stage lights.
+// GPL-2.0-or-later. Static props: models placed by entities, which the game draws and the light stage lights.
 #pragma once
 
 #include "common/log.h"
@@ -22,16 +22,16 @@ namespace q3 {
 
 /// A model placed by an entity.
 struct StaticProp {
-    std::size_t entity = 0; ///< number among the stored entities
-    std::string name;       ///< of the model, as the entity names it
+    std::size_t entity = 0; ///< number among the entities of the .bsp
+    std::string name;       ///< of the model, as in the entity's key
     const PropModel *model = nullptr;
     ModelTransform transform;
-    Boundsf bounds; ///< in the world
+    Boundsf bounds; ///< in world space
     bool selfShadows = true, vertexLight = true, ignoresNormals = false;
     int receiveShadows = 1;                  ///< shadow group
-    std::optional<Vec3f> lightingOrigin;     ///< of its key
+    std::optional<Vec3f> lightingOrigin;     ///< origin of the entity that its key lightingorigin names
     std::vector<const ShaderInfo *> shaders; ///< by mesh; null: the skin leaves the mesh out
-    std::vector<int> surfaces;               ///< its surface numbers as a shadow caster
+    std::vector<int> surfaces;               ///< surface numbers of its shadow casters: after all draw surfaces
 };
 
 /// All static props of a map. Const after loading.
@@ -39,18 +39,18 @@ struct StaticProps {
     std::vector<StaticProp> props;
     PropShadows shadows;
     std::shared_ptr<PropModels> models;
-    std::shared_ptr<std::deque<ShaderInfo>> masked; ///< copies of shaders that block light by their image's alpha
+    std::shared_ptr<std::deque<ShaderInfo>> masked; ///< shaders of casters that block light by their image's alpha
 };
 
-/// Whether the light stage takes the entity as a static prop.
+/// Whether the light stage treats the entity as a static prop.
 bool IsStaticProp(const Entity &entity);
 
-/// Whether something holds for the model of that name.
+/// A predicate on the name of a model.
 using ModelTest = std::function<bool(std::string_view model)>;
 
-/// Loads the props of a map; none unless options.staticPropLighting or staticPropPolys. drawSurfaces: how many the map
-/// has. textureShadows: models of which options.textureShadows holds in any case. Models that cannot be read, and bad
-/// keys, are warnings.
+/// Loads the props of a map; none unless options.staticPropLighting or staticPropPolys is set. drawSurfaces: number of
+/// draw surfaces of the map. textureShadows: models that cast shadows by texture even without options.textureShadows.
+/// Unreadable models and bad keys cause warnings.
 StaticProps LoadStaticProps(std::span<const Entity> entities, const VirtualFileSystem *vfs, int drawSurfaces,
                             const ModelTest &textureShadows, const LightOptions &options, ShaderLibrary &library,
                             Log &log);

@@ -7,14 +7,13 @@
 
 namespace q3 {
 
-/// Estimates by luxel of the super grid; zero for unmapped ones.
+/// Light by luxel of the super grid, byte scale; zero where a luxel is not mapped.
 struct BounceEstimate {
     std::vector<Vec3f> irradiance;
     ChannelImages channels;
     std::vector<Vec3f> directions; ///< for deluxe pages, see RawLightmap::directions; else empty
 
-    BounceEstimate() = default;
-    /// Zeros.
+    /// All zero.
     BounceEstimate(const RawLightmap &raw, bool deluxe)
         : irradiance(raw.luxelClusters.size()),
           channels(raw.channels.Count(), std::vector<Vec3f>(raw.luxelClusters.size())),

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Takes noise from gathered light.
+// GPL-2.0-or-later. Noise filter for gathered light.
 #include "q3map2/lightmap/bounce/bounce_filter.h"
 
 #include <algorithm>
@@ -8,10 +8,11 @@ namespace q3 {
 
 namespace {
 
-/// Luxels on each side of the center of a window; those farthest count half.
+/// Luxels on each side of the center of a window; the outermost count half.
 constexpr int kReach = 2, kWindow = 2 * kReach + 1;
 constexpr std::array<float, kWindow> kWeights{0.5f, 1, 1, 1, 0.5f};
-/// Neighbors have normals within 18 degrees, and lie within this share of their distance of each other's plane.
+/// Neighbors have normals within 18 degrees, and their height over each other's plane is at most kMaxSlope times their
+/// distance.
 constexpr float kMinCosine = 0.95f, kMaxSlope = 0.2f;
 
 } // namespace

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Takes noise from gathered light.
+// GPL-2.0-or-later. Noise filter for gathered light.
 #pragma once
 
 #include "q3map2/lightmap/bounce/bounce_estimate.h"
@@ -7,20 +7,20 @@
 
 namespace q3 {
 
-/// Blends each luxel with the mean over its neighbors, as far as the difference between them is noise. The mean takes
-/// every set of GatherDirections with equal weight, since sets repeat every 4 luxels. Neighbors that are not mapped, on
-/// another plane, not facing the same way, or without such a neighbor on the opposite side are left out, so that linear
-/// gradients stay. With D the difference, k the weight of the luxel in its mean and s2 the variance of the estimate,
-/// the share t of the mean that minimizes the squared error is (1 - k) sum s2 / sum D^2, sums taken over the
-/// neighborhood (Stein's estimate): 1 where light is even, near 0 where it varies more than its noise, such as in a
+/// Blends each luxel with the mean over its neighbors, as far as the difference between them is noise. Window weights
+/// give every set of GatherDirections equal weight in the mean, since sets repeat every 4 luxels. Neighbors that are
+/// not mapped, on another plane, not facing the same way, or without such a neighbor on the opposite side are left out,
+/// so that linear gradients stay. With D the difference, k the weight of the luxel in its mean and s2 the variance of
+/// the estimate, the share t of the mean that minimizes the squared error is (1 - k) sum s2 / sum D^2, sums taken over
+/// the neighborhood (Stein's estimate): 1 where light is even, near 0 where it varies more than its noise, such as in a
 /// corner.
 class NoiseFilter {
   public:
-    /// By luxel: luminance of the irradiance, and its deviation, whose square is taken for the variance. Keeps a
+    /// By luxel: luminance of the irradiance, and a sample of its error, whose square estimates the variance. Keeps a
     /// reference.
     NoiseFilter(const RawLightmap &raw, std::span<const float> luminance, std::span<const float> deviation);
 
-    /// Linear in the values.
+    /// Filters all values of the estimate with weights that do not depend on them, so results of styles add up.
     void Apply(BounceEstimate &estimate) const;
 
   private:
@@ -30,9 +30,9 @@ class NoiseFilter {
     template <typename T> T Mean(std::size_t luxel, std::span<const T> values) const;
 
     const RawLightmap &raw_;
-    std::vector<std::uint32_t> neighbors_; // by luxel: a bit for each place in the window
-    std::vector<float> weights_;           // by luxel: their sum
-    std::vector<float> shares_;            // by luxel: of the mean
+    std::vector<std::uint32_t> neighbors_; // by luxel: bit set of places in the window that hold a neighbor
+    std::vector<float> weights_;           // by luxel: sum of the weights of its neighbors
+    std::vector<float> shares_;            // by luxel: share t of the mean
 };
 
 } // namespace q3

@@ -9,25 +9,24 @@
 #include "q3map2/lightmap/raw/deluxe.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace q3 {
 
 namespace {
 
-/// Rays per luxel without -bouncerays: usually, under -fast, and at least for a super luxel.
+/// Rays per luxel without -bouncerays: by default, under -fast, and the minimum for luxels of a super grid.
 constexpr int kRays = 64, kFastRays = 24, kMinRays = 4;
-/// Rays of a vertex for each ray of a luxel.
+/// Rays per vertex, as a multiple of the rays per luxel.
 constexpr int kVertexShare = 4;
-/// With more hits (768 MiB) not all are kept.
+/// Above this number of hits (768 MiB) only some are kept.
 constexpr std::uint64_t kMaxKeptHits = std::uint64_t(192) << 20;
-/// Rays of vertices start this far off their surface; kMinRayLift where another surface is nearer. Game units.
+/// Rays of vertices start this far off their surface, or kMinRayLift where another surface is nearer. Game units.
 constexpr float kRayLift = 1, kMinRayLift = 1.0f / 16;
 
 } // namespace
 
 BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
-                           const RadiosityPatches *patches)
+                           const FaintPatches *patches)
     : scene_(scene), patches_(patches),
       luxelRays_(in.lightmap.bounceRays.value_or(in.options.fast ? kFastRays : kRays)),
       vertexRays_(kVertexShare * in.lightmap.bounceRays.value_or(kRays)), origins_(surfaces.lightmaps.size()),
@@ -65,7 +64,7 @@ struct BounceGather::GatherBatch {
     }
 };
 
-/// The luxels of a block of 4 x 4 are traced in one packet, ray by ray.
+/// A packet holds one ray of each luxel of a block of 4 x 4.
 BounceGather::HitRows BounceGather::TraceRows(std::size_t lightmap, const RawLightmap &raw, int stride,
                                               int rays) const {
     HitRows rows{stride, rays, {}};
@@ -115,8 +114,8 @@ void BounceGather::TraceBatch(const RawLightmap &raw, const std::vector<Vec3f> &
     }
 }
 
-/// Hits have no weight: under -fast, of hits whose emitters count by a share s, a fraction s is kept. number: of the
-/// hit.
+/// The hit, or kNoEmitter if it is dropped. Hits carry no weight, so under -fast one is kept with the probability
+/// ContributionShare. `number` of the hit seeds that choice.
 EmitterId BounceGather::Dithered(EmitterId emitter, const Vec3f &position, const Vec3f &normal, bool twoSided,
                                  std::size_t number) const {
     if (!Emits(emitter) || !patches_)
@@ -125,8 +124,8 @@ EmitterId BounceGather::Dithered(EmitterId emitter, const Vec3f &position, const
     return share > float(HashIndex(number) >> 40) * 0x1p-24f ? emitter : kNoEmitter;
 }
 
-/// Directional channels of one luxel, summed over its rays. The light of a ray is its emitter's radiosity / cosine, so
-/// that it gives the radiosity on the luxel's normal.
+/// Directional channels of one luxel, summed over its rays. Rays are cosine-weighted, so each is a directional light of
+/// strength radiosity / cosine: on the luxel's normal it gives the emitter's radiosity.
 class BounceGather::ChannelSum {
   public:
     ChannelSum(const RawLightmap &raw, std::size_t luxel, const GatherFrame &frame)
@@ -137,7 +136,7 @@ class BounceGather::ChannelSum {
         for (Vec3f &normal : basis_)
             normal = frame.Local(normal);
     }
-    /// w: a cosine-weighted direction, local. light: radiosity of its hit.
+    /// w: direction of the ray in the luxel's frame. light: radiosity of its hit.
     void Add(const Vec3f &w, const Vec3f &light) {
         const Vec3f facing = light / w.z;
         if (raw_.channels.sh) {
@@ -148,7 +147,7 @@ class BounceGather::ChannelSum {
         for (std::size_t i = 0; raw_.channels.basis && i < basis_.size(); ++i)
             onBasis_[i] += facing * std::max(0.0f, Dot(basis_[i], w));
     }
-    /// Adds the sums times `scale`, the fluence also times fluenceScale.
+    /// Adds the sums times `scale` to the channels. fluenceScale: as GatherDirections::FluenceScale.
     void AddTo(ChannelImages &channels, float scale, float fluenceScale) const {
         if (raw_.channels.sh) {
             channels[0][luxel_] += fluence_ * (kDirectedSh0 * scale * fluenceScale);
@@ -181,6 +180,7 @@ void BounceGather::GatherLuxels(const Emission &emission, std::size_t lightmap, 
     const bool deluxe = !estimate.directions.empty(), directional = raw.channels.Any();
     const GatherDirections directions(rows.rays);
     const float share = 1 / float(rows.rays);
+    const float evenRays = float((rows.rays + 1) / 2), oddRays = float(std::max(1, rows.rays / 2));
     std::size_t next = 0;
     for (std::size_t luxel = 0; luxel < raw.luxelClusters.size(); ++luxel) {
         if (!raw.Mapped(luxel))
@@ -204,7 +204,7 @@ void BounceGather::GatherLuxels(const Emission &emission, std::size_t lightmap, 
                 channels.Add(from, emission[hit]);
         }
         estimate.irradiance[luxel] = sum * share;
-        difference[luxel] += Luminance(even + even - sum) * share;
+        difference[luxel] += (Luminance(even) / evenRays - Luminance(sum - even) / oddRays) / 2;
         if (directional)
             channels.AddTo(estimate.channels, share, directions.FluenceScale(set));
         if (deluxe)

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/lightmap/bounce/bounce_estimate.h"
-#include "q3map2/lightmap/bounce/radiosity_patches.h"
+#include "q3map2/lightmap/bounce/faint_patches.h"
 
 namespace q3 {
 
@@ -14,25 +14,25 @@ using Emission = std::vector<Vec3f>;
 /// Monte Carlo estimate of irradiance over cosine-weighted directions: E = 1/N sum of the radiosity that ray i hits, on
 /// a scale where E equals the radiosity of surroundings of uniform radiosity. Each mapped luxel traces N = 64 rays
 /// (24 under -fast; max(4, N / S^2) under -super S; -bouncerays sets N); the 16 luxels of a 4 x 4 block trace different
-/// directions. Rays hit the same emitters in every bounce, so hits are kept: all of them if memory allows, else fewer
-/// per texel, and the rays of luxels are traced anew. Const after construction; safe from several threads, each
-/// lightmap by one.
+/// directions. Rays hit the same emitters in every bounce, so hits are kept: all of them if memory allows; else fewer
+/// per texel for GatherTexels, and GatherLuxels traces its rays anew. Const after construction; safe from several
+/// threads.
 class BounceGather {
   public:
-    /// patches: null unless faint emitters are left out (-fast). Keeps references.
+    /// patches: leaves out faint emitters under -fast; else null. Keeps references.
     BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
-                 const RadiosityPatches *patches);
+                 const FaintPatches *patches);
 
-    /// Sets the estimate, which is zero, to the light of `emission` on the luxels of a lightmap. Adds to `difference`,
-    /// by luxel, half the difference between the luminance found by even and by odd rays: a sample of the error
-    /// of irradiance.
+    /// Sets `estimate`, which must be zero, to the light of `emission` on the luxels of a lightmap. Adds to
+    /// `difference`, by luxel, half the difference between the luminance from even and from odd rays: a sample of the
+    /// error of the irradiance.
     void GatherLuxels(const Emission &emission, std::size_t lightmap, const RawLightmap &raw, BounceEstimate &estimate,
                       std::span<float> difference) const;
-    /// Sets `texels`, those of the lightmap without supersampling, to the light of `emission` on their mapped luxels;
-    /// zero where there are none.
+    /// Sets `texels`, those of the lightmap without supersampling, to the mean light of `emission` over their mapped
+    /// luxels; zero for texels without any.
     void GatherTexels(const Emission &emission, std::size_t lightmap, const RawLightmap &raw,
                       std::span<Vec3f> texels) const;
-    /// The hits that GatherTexels reads, in no order that a caller may rely on.
+    /// The hits that GatherTexels reads, in unspecified order.
     std::span<const EmitterId> KeptHits(std::size_t lightmap) const { return rows_[lightmap].hits; }
     /// Where rays of a vertex start: off its surface, but not behind a decal or the like over it.
     Vec3f VertexRayOrigin(const Vec3f &position, const Vec3f &normal) const;
@@ -47,8 +47,8 @@ class BounceGather {
     std::uint64_t Rays() const { return rays_; }
 
   private:
-    /// Hits of the rays of some mapped luxels of a lightmap, row by row of the super grid: those whose coordinates are
-    /// stride / 2 modulo `stride`, `rays` hits each.
+    /// Hits of the rays of mapped luxels, `rays` for each luxel, row by row of the super grid. Only luxels whose x and
+    /// y are both stride / 2 modulo `stride`.
     struct HitRows {
         int stride = 1, rays = 0;
         std::vector<EmitterId> hits;
@@ -67,7 +67,7 @@ class BounceGather {
     int RaysPerLuxel(const RawLightmap &raw) const;
 
     const BounceScene &scene_;
-    const RadiosityPatches *patches_;
+    const FaintPatches *patches_;
     const int luxelRays_, vertexRays_;
 
     bool keepAll_ = false;                    // rows_ holds all hits of all luxels

@@ -14,13 +14,12 @@ namespace q3 {
 
 namespace {
 
-/// Light that a white wall of luxel value 1 gives to a point whose whole hemisphere it covers, at
-/// LightmapOptions::bounceScale 1. The established program makes such a wall an area light of 187.5 per luxel value of
-/// 255, and area lights of form factor 1 give 3 times that.
+/// Radiosity of a white wall that receives light 1, at LightmapOptions::bounceScale 1. The established program turns a
+/// wall of luxel value 255 into an area light of 187.5, and an area light gives 3 times its value at form factor 1.
 constexpr float kLegacyRadiosity = 187.5f * 3 / 255;
-/// The same with -reflectivity linear, at the default bounceScale of 0.25: the wall reflects all.
+/// The same with -reflectivity linear: a white wall reflects all light at the default bounceScale of 0.25.
 constexpr float kLinearRadiosity = 4;
-/// Textures are averaged down to this many texels a side, since a luxel covers several texels.
+/// Textures are averaged down to at most this many texels on a side, since a luxel covers several texels.
 constexpr int kTextureSide = 16;
 /// The surface under a luxel is searched down to this depth below its position. Game units.
 constexpr float kSurfaceDepth = 16;
@@ -150,9 +149,9 @@ struct BounceScene::State {
         bool emits = false, twoSided = false;
     };
     struct Hit {
-        const Triangle *triangle = nullptr; // null: nothing that emits
+        const Triangle *triangle = nullptr; // null: a miss, or a surface that does not emit
         float u = 0, v = 0;
-        bool back = false; // of a one-sided surface
+        bool back = false; // whether the ray hit the back of a one-sided surface
     };
     std::vector<Triangle> triangles;
     const SurfaceInputs &in;
@@ -204,7 +203,7 @@ void BounceScene::State::Commit() {
     device = NewDevice();
     scene = NewScene(device.get());
     if (triangles.empty())
-        return;
+        return rtcCommitScene(scene.get());
     std::vector<float> corners;
     corners.reserve(9 * triangles.size());
     for (const Triangle &triangle : triangles)

@@ -4,23 +4,22 @@
 #include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <memory>
-#include <span>
 
 namespace q3 {
 
 /// Index of an emitter: a texel of a raw lightmap, or a draw vertex of a surface without lightmap.
 using EmitterId = std::uint32_t;
 inline constexpr EmitterId kNoEmitter = ~EmitterId(0);
-/// What a ray meets that hits the back of a one-sided surface.
+/// Stands for the back of a one-sided surface as the first hit of a ray.
 inline constexpr EmitterId kBackOfSurface = kNoEmitter - 1;
 inline bool Emits(EmitterId id) {
     return id < kBackOfSurface;
 }
 
-/// Length of rays that end at surfaces only: longer than any map. Game units.
+/// Length of unbounded rays: longer than any map. Game units.
 inline constexpr float kRayLength = 1e6f;
 
-/// Numbers texels of all raw lightmaps (without supersampling), then all draw vertices.
+/// Assigns EmitterIds: first to the texels of all raw lightmaps (without supersampling), then to all draw vertices.
 class EmitterIndex {
   public:
     explicit EmitterIndex(const SurfaceLight &surfaces);
@@ -32,7 +31,7 @@ class EmitterIndex {
     std::size_t Count() const { return count_; }
 
   private:
-    std::vector<EmitterId> first_; // id of the first texel by raw lightmap; then that of the first vertex
+    std::vector<EmitterId> first_; // by raw lightmap: id of its first texel; the last entry: id of the first vertex
     std::vector<int> widths_;
     std::size_t count_ = 0;
 };
@@ -45,11 +44,11 @@ struct FaceCorner {
 };
 using Face = std::vector<FaceCorner>;
 
-/// Whether gather rays can hit the surface: not skies, translucent, undrawn and autosprite surfaces.
+/// Whether gather rays can hit the surface: false for skies, translucent, undrawn and autosprite surfaces.
 bool IsInBounceScene(const SurfaceInputs &in, std::size_t surface);
 /// Triangles of a surface, quads of a curve; clockwise seen from the front.
 std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t surface);
-/// Surfaces reflect at most this share of the light that they get, so that bounces come to an end.
+/// Limit on reflectance, so that the sum over bounces converges.
 inline constexpr float kMaxReflectance = 0.99f;
 /// Ratio of radiosity to received light for a white texture: q3map_bounce * LightmapOptions::bounceScale
 /// (0.25 * -bouncescale) times 187.5 * 3 / 255, or times 4 with -reflectivity linear.
@@ -67,8 +66,7 @@ class BounceScene {
     std::array<EmitterId, kPacketSize> FirstEmitters(const RayPacket &rays, bool coherent) const;
     /// Clears the live lanes of rays that meet a surface within their distance, from either side.
     void TraceOccluded(RayPacket &rays) const;
-    /// By emitter and channel: color of the texture there times BounceScale, at most
-    /// kMaxReflectance. Zero: reflects nothing.
+    /// By emitter and channel: color of the texture at the emitter times BounceScale, at most kMaxReflectance.
     const std::vector<Vec3f> &Reflectance() const { return reflectance_; }
 
   private:

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Slots of surfaces for the styles of bounced light.
+// GPL-2.0-or-later. Assigns style slots of surfaces to bounced light.
 #include "q3map2/lightmap/bounce/bounced_styles.h"
 
 #include "libs/math/color.h"
@@ -7,7 +7,7 @@ namespace q3 {
 
 namespace {
 
-/// A style with less light than this everywhere on a surface takes no slot of it. Byte scale.
+/// A style takes no slot of a surface where all its light is below this. Byte scale.
 constexpr float kLeastStyleLight = 1.0f / 16;
 
 } // namespace

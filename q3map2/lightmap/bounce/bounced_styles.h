@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Slots of surfaces for the styles of bounced light.
+// GPL-2.0-or-later. Assigns style slots of surfaces to bounced light.
 #pragma once
 
 #include "q3map2/lightmap/raw/style_choice.h"
@@ -8,27 +8,27 @@
 
 namespace q3 {
 
-/// Bounced light of a style on a surface.
+/// How much bounced light of a style a surface receives.
 struct StyleEnergy {
-    double sum = 0; ///< of luminance over receivers
-    float most = 0; ///< greatest channel anywhere, byte scale
+    double sum = 0; ///< sum of luminance over receivers, byte scale
+    float most = 0; ///< largest channel at any receiver, byte scale
 };
 StyleEnergy EnergyOf(std::span<const Vec3f> light);
 
-/// Light is that of all receivers of a surface.
+/// Bounced light of one style on a surface. Light: a container with the light of all its receivers.
 template <typename Light> struct BouncedStyle {
     std::uint8_t style;
     StyleEnergy energy;
     Light light;
-    std::size_t slot = kStyles; ///< that ClaimSlots found; kStyles: none
+    std::size_t slot = kStyles; ///< set by ClaimSlots; kStyles: none
 };
 
-/// The slot for a style of which no light came to the surface before.
+/// The slot that holds the style already, else a free one, else kStyles: ClaimSlots for one style.
 std::size_t ClaimSlot(std::uint8_t style, const StyleEnergy &energy, Styles &styles, std::vector<std::string> &dropped);
 
-/// Finds the slots of styles in a surface. Styles that direct light brought there keep theirs; free ones go to styles
-/// with at least 1/16 byte of light somewhere, those with most light first. dropped: names the light for which no slot
-/// is left.
+/// Assigns slots of a surface to styles. Styles of its direct light keep their slots; free slots go to styles with at
+/// least 1/16 byte of light at some receiver, in descending order of light. Appends to `dropped` the names of styles
+/// for which no slot is left.
 template <typename Light>
 void ClaimSlots(std::vector<BouncedStyle<Light>> &found, Styles &styles, std::vector<std::string> &dropped) {
     std::stable_sort(found.begin(), found.end(),

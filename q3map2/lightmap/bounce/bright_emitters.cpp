@@ -16,17 +16,16 @@ namespace q3 {
 
 namespace {
 
-/// A node that gives less light than this to a receiver, a surface or a point in the open, is sampled by chance only,
-/// in proportion to its light. Byte scale.
+/// Russian roulette: a node that gives less light than this to a receiver (on a surface, or a point in the open) is
+/// sampled with a probability proportional to its light. Byte scale.
 constexpr float kSurfaceRoulette = 0.1f, kPointRoulette = 0.5f;
-/// Shadow rays end this far in front of the patch, or at this share of the way to it. Game units.
+/// Shadow rays end kPatchGap (game units) in front of the patch, but at least at the share kPatchWay of the way to it.
 constexpr float kPatchGap = 0.25f, kPatchWay = 0.99f;
 constexpr std::uint64_t kRouletteSeed = 0x526F756C65747465u, kStrideSeed = 0x537472696465u;
-/// Of a faint node at least one in this many receivers is looked at.
+/// A faint node is tried at every stride-th receiver, and the stride is at most this.
 constexpr float kMaxStride = 64;
 
-/// The part of each emission that is above `limit`, taken from it: emission is scaled so that its largest channel is
-/// the limit.
+/// Scales each emission down to a largest channel of at most `limit`, and returns what was removed.
 std::vector<Vec3f> TakeExcess(float limit, std::vector<Vec3f> &emission) {
     std::vector<Vec3f> excess(emission.size());
     for (std::size_t i = 0; i < emission.size(); ++i)
@@ -44,10 +43,10 @@ std::vector<Vec3f> TakeExcess(float limit, std::vector<Vec3f> &emission) {
 struct BrightEmitters::Receivers {
     TreeView view;
     std::size_t count = 0;
-    std::array<Vec3f, kPacketSize> position, origin, normal; // normal zero: in the open
-    std::array<std::size_t, kPacketSize> tag{};              // for sample patterns
+    std::array<Vec3f, kPacketSize> position, origin, normal; // zero normal: a point in the open
+    std::array<std::size_t, kPacketSize> tag{};              // luxel, or a hash for other receivers; seeds the sampling
     bool twoSided = false;
-    float certain = kSurfaceRoulette; // light above which nodes are not sampled by chance
+    float rouletteLimit = kSurfaceRoulette; // nodes that give less light are sampled by Russian roulette
 
     void Add(const Vec3f &at, const Vec3f &rayOrigin, const Vec3f &facing, std::size_t number, int cluster) {
         position[count] = at, origin[count] = rayOrigin, normal[count] = facing, tag[count++] = number;
@@ -55,7 +54,7 @@ struct BrightEmitters::Receivers {
         if (cluster >= 0 && std::find(clusters.begin(), clusters.end(), cluster) == clusters.end())
             clusters.push_back(cluster);
     }
-    /// After the last receiver.
+    /// Call after the last Add.
     void SetView() {
         Boundsf bounds;
         for (std::size_t i = 0; i < count; ++i)
@@ -72,7 +71,7 @@ struct BrightEmitters::Receivers {
 };
 
 BrightEmitters::BrightEmitters(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
-                               const EmitterIndex &emitters, const RadiosityPatches *patches, float limit,
+                               const EmitterIndex &emitters, const FaintPatches *patches, float limit,
                                std::vector<Vec3f> &emission)
     : space_(in.space), scene_(scene), patches_(patches), tree_([&] {
           auto bright = MakeBrightPatches(in, surfaces, emitters, TakeExcess(limit, emission));
@@ -80,7 +79,8 @@ BrightEmitters::BrightEmitters(const SurfaceInputs &in, const SurfaceLight &surf
           return bright;
       }()) {}
 
-/// The light of a node on receiver i, before visibility; target: where its shadow ray goes. False: none.
+/// Samples the light of a node on receiver i before visibility; target: the end of the shadow ray. False: no light, or
+/// rejected by roulette.
 bool BrightEmitters::SampleNode(const Receivers &receivers, std::size_t i, std::uint32_t number, std::uint32_t stride,
                                 Sample &sample, Vec3f &target) const {
     const BrightTree::Node &node = tree_.At(number);
@@ -92,16 +92,17 @@ bool BrightEmitters::SampleNode(const Receivers &receivers, std::size_t i, std::
     const float emitted = node.twoSided ? std::abs(Dot(direction, node.axis)) : -Dot(direction, node.axis);
     if (!(cosine > 0) || !(emitted > 0))
         return false;
-    // The form factor of a disk that faces the receiver stays below 1 nearby.
+    // Form factor of a disk instead of a point: it stays below 1 at small distances.
     float share = emitted / (std::numbers::pi_v<float> * distance2 + node.area * emitted);
     const std::uint64_t hash = HashIndex(kRouletteSeed + (std::uint64_t(receivers.tag[i]) << 24) + number);
-    // It gets here with probability 1 / stride.
-    const float strength = Luminance(node.power) * share * cosine, certain = receivers.certain / float(stride);
-    if (strength < certain) {
+    // The caller tries this receiver with probability 1 / stride.
+    const float strength = Luminance(node.power) * share * cosine,
+                rouletteLimit = receivers.rouletteLimit / float(stride);
+    if (strength < rouletteLimit) {
         const auto u = float(hash >> 40) * 0x1p-24f;
-        if (u * certain >= strength)
+        if (u * rouletteLimit >= strength)
             return false;
-        share *= certain / strength;
+        share *= rouletteLimit / strength;
     }
     share *= float(stride);
     const BrightPatch &patch = tree_.PatchAt(node, float(hash & 0xFFFFFF) * 0x1p-24f);
@@ -116,7 +117,7 @@ bool BrightEmitters::SampleNode(const Receivers &receivers, std::size_t i, std::
 void BrightEmitters::SampleTree(const Receivers &receivers, std::vector<Sample> &samples) const {
     samples.clear();
     std::vector<std::uint32_t> cut;
-    tree_.Cut(receivers.view, space_, receivers.certain / 4, cut);
+    tree_.Cut(receivers.view, space_, receivers.rouletteLimit / 4, cut);
     auto rays = MakeRayBatcher<Sample>([&](RayPacket &packet, std::span<const Sample> waiting) {
         scene_.TraceOccluded(packet);
         for (std::size_t ray = 0; ray < waiting.size(); ++ray)
@@ -124,9 +125,9 @@ void BrightEmitters::SampleTree(const Receivers &receivers, std::vector<Sample> 
                 samples.push_back(waiting[ray]);
     });
     for (const std::uint32_t node : cut) {
-        // Of a faint node every stride-th receiver gets a chance; the first one is random.
+        // A faint node is tried at every stride-th receiver only, starting at a random one.
         const float most = BrightTree::MostLight(tree_.At(node), receivers.view);
-        const auto stride = std::uint32_t(std::clamp(receivers.certain / most, 1.0f, kMaxStride));
+        const auto stride = std::uint32_t(std::clamp(receivers.rouletteLimit / most, 1.0f, kMaxStride));
         const std::uint64_t hash = HashIndex(kStrideSeed + (std::uint64_t(receivers.tag[0]) << 24) + node);
         for (std::size_t i = stride > 1 ? hash % stride : 0; i < receivers.count; i += stride) {
             Sample sample;
@@ -193,7 +194,7 @@ Vec3f BrightEmitters::IrradianceAt(const Vec3f &position, const Vec3f &origin, c
 
 void BrightEmitters::Gather(const Vec3f &point, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
     Receivers receivers;
-    receivers.certain = kPointRoulette;
+    receivers.rouletteLimit = kPointRoulette;
     receivers.Add(point, point, {}, std::size_t(seed), space_.ClusterAt(point, 0));
     receivers.SetView();
     std::vector<Sample> samples;

@@ -4,6 +4,7 @@
 #include "q3map2/lightmap/raw/luxel_raster.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace q3 {
 
@@ -11,7 +12,7 @@ namespace {
 
 /// Texels are cut into this many pieces on each axis.
 constexpr int kPieces = 2;
-/// Triangles with less area than this in their lightmap have no luxels of their own. Square luxels.
+/// Triangles with less than half this area in their lightmap make no patches. Square pieces.
 constexpr float kMinLuxelArea = 1e-6f;
 
 float TwiceArea(const LuxelTriangle &t) {
@@ -48,7 +49,7 @@ std::pair<float, Vec3f> AreaAndCentroid(const Winding<float> &w) {
     return {area, area > 0 ? sum / area : sum};
 }
 
-/// A triangle of a face with its normal on the front.
+/// A triangle of a face; `normal` points to the front.
 struct FaceTriangle {
     std::array<FaceCorner, 3> corners;
     Vec3f normal;   ///< unit
@@ -133,7 +134,7 @@ class LightmapPieces {
     std::vector<Piece> pieces_;
 };
 
-/// The parts of a triangle that are nearest to each of its corners, as patches of their vertices.
+/// Appends a patch for each corner of a triangle whose vertex has excess: the part of the triangle nearest to it.
 void AppendVertexPatches(const FaceTriangle &triangle, bool twoSided, const EmitterIndex &emitters,
                          std::span<const Vec3f> excess, std::vector<BrightPatch> &patches) {
     constexpr float kOwn = 11.0f / 18, kOther = 7.0f / 36; // barycentric coordinates of the centroid of such a part

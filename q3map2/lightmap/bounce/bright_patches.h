@@ -5,9 +5,9 @@
 
 namespace q3 {
 
-/// Patches for the emitters whose radiosity `excess` is above zero in a channel: texels of raw lightmaps in 2 x 2
-/// pieces, clipped to the surfaces that they lie on, and the parts of triangles nearest to a vertex. excess: by
-/// emitter.
+/// Patches for the emitters with a nonzero radiosity `excess` (by emitter, byte scale): texels of raw lightmaps cut
+/// into 2 x 2 pieces and clipped to their surfaces; on surfaces lit at vertices, the part of each triangle nearest to
+/// the vertex.
 std::vector<BrightPatch> MakeBrightPatches(const SurfaceInputs &in, const SurfaceLight &surfaces,
                                            const EmitterIndex &emitters, std::span<const Vec3f> excess);
 

@@ -11,11 +11,11 @@ namespace q3 {
 
 namespace {
 
-/// A node is opened where its radius is more than this share of its distance, or its normals differ by more than this
-/// cosine.
+/// A node is opened if its radius is above kMaxOpening times its distance, or the cosine between its axis and one of
+/// its normals is below kMinNodeCosine.
 constexpr float kMaxOpening = 0.25f, kMinNodeCosine = 0.8f;
 
-/// Patches of one facing share a root: the axis that the normal is nearest to, and the sides that emit.
+/// Patches with the same facing share a root. Facing: the axis nearest to the normal, and its sign or two-sidedness.
 int FacingOf(const BrightPatch &patch) {
     const Vec3f size = Max(patch.normal, -patch.normal);
     const std::size_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;

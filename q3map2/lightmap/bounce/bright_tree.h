@@ -12,56 +12,56 @@ struct BrightPatch {
     Vec3f center, normal;
     float area = 0;           ///< square game units
     Vec3f radiosity;          ///< byte scale
-    EmitterId emitter = 0;    ///< that it belongs to
-    int cluster = kNoCluster; ///< that it lies in; kNoCluster: unknown
+    EmitterId emitter = 0;    ///< the emitter that it is a piece of
+    int cluster = kNoCluster; ///< kNoCluster: unknown
     bool twoSided = false;    ///< emits from its back as well
     static constexpr int kNoCluster = -1;
 };
 
-/// Receivers close together that see the tree as from a sphere.
+/// A group of receivers that share a cut of the tree, bounded by a sphere.
 struct TreeView {
     Vec3f center;
-    float radius = 0;          ///< around center, holds the receivers
-    Vec3f normal;              ///< of all receivers; zero: they differ, or have none
+    float radius = 0;          ///< of a sphere around center that holds the receivers
+    Vec3f normal;              ///< normal of all receivers; zero: they differ, or are in the open
     std::vector<int> clusters; ///< of the receivers; empty: unknown
 };
 
 /// Light tree (Walter et al., Lightcuts, 2005) over patches. A cut is a set of nodes that together hold each patch
-/// once, except for those that cannot light the receivers. Const after construction.
+/// once, except for patches that cannot light the receivers. Const after construction.
 class BrightTree {
   public:
     struct Node {
-        Vec3f center, axis;  ///< center of gravity and mean normal by power
-        float radius = 0;    ///< around center, holds the patches
+        Vec3f center, axis;  ///< means of patch centers and normals, weighted by power
+        float radius = 0;    ///< of a sphere around center that holds the patches
         float minCosine = 1; ///< between axis and the normal of any of the patches
         Vec3f power;         ///< sum of radiosity * area
         float area = 0;
-        std::uint32_t first = 0, count = 0;    ///< its patches
+        std::uint32_t first = 0, count = 0;    ///< range of its patches
         std::uint32_t right = 0;               ///< its right child; the left one is the next node. 0: a leaf
-        int cluster = BrightPatch::kNoCluster; ///< of all its patches
+        int cluster = BrightPatch::kNoCluster; ///< if all its patches are in the same cluster, else kNoCluster
         bool twoSided = false;
     };
 
     explicit BrightTree(std::vector<BrightPatch> patches);
     bool Empty() const { return patches_.empty(); }
 
-    /// Appends the nodes of a cut in which each node is small against its distance from all receivers, gives them less
-    /// light than `faint` (byte scale), or is a leaf.
+    /// Appends the nodes of a cut in which each node is small compared to its distance from all receivers, or gives
+    /// them less light than `faint` (byte scale), or is a leaf.
     void Cut(const TreeView &view, const BspSpace &space, float faint, std::vector<std::uint32_t> &cut) const;
     const Node &At(std::uint32_t node) const { return nodes_[node]; }
-    /// Bound of the luminance that a node gives to any receiver of the view. Byte scale.
+    /// Upper bound of the luminance that a node gives to any receiver of the view at least 1 unit away. Byte scale.
     static float MostLight(const Node &node, const TreeView &view);
-    /// The patch of a node at which a share `u` in [0, 1) of its power is reached.
+    /// Samples a patch of a node in proportion to power: inverts its cumulative distribution at `u` in [0, 1).
     const BrightPatch &PatchAt(const Node &node, float u) const;
 
   private:
     std::uint32_t Build(std::uint32_t first, std::uint32_t count);
     Node Sum(std::uint32_t first, std::uint32_t count) const;
 
-    std::vector<BrightPatch> patches_; // sorted so that those of a node follow each other
-    std::vector<double> powerBefore_;  // running sum of luminance * area
+    std::vector<BrightPatch> patches_; // sorted so that the patches of a node are consecutive
+    std::vector<double> powerBefore_;  // prefix sums of luminance * area over patches_
     std::vector<Node> nodes_;
-    std::vector<std::uint32_t> roots_; // by facing; so normals in a node are similar
+    std::vector<std::uint32_t> roots_; // one for each FacingOf patches, so that normals within a node are similar
 };
 
 } // namespace q3

@@ -11,14 +11,15 @@
 
 namespace q3 {
 
-/// A direction around +z with the density cosine / pi, from a point of the unit square.
+/// Maps a point of the unit square to a direction around +z with density cosine / pi.
 inline Vec3f CosineDirection(const Sample2 &s) {
     const double radius = std::sqrt(s.u), angle = 2 * std::numbers::pi * s.v;
     return {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(std::sqrt(1 - s.u))};
 }
 
-/// Cosine-weighted directions for the 16 luxels of a 4 x 4 block, `rays` each. Ray i of all luxels points to about the
-/// same place, so that they make a coherent packet; all of them together are evenly spread.
+/// Cosine-weighted directions for the 16 luxels of a 4 x 4 block, `rays` each. Ray i of each luxel points in
+/// about the same direction, so that 16 of them make a coherent packet; the directions of all 16 sets are together
+/// evenly distributed.
 class GatherDirections {
   public:
     static constexpr int kSets = 16;
@@ -36,7 +37,7 @@ class GatherDirections {
             fluenceScales_[std::size_t(set)] = float(2 * rays / sum);
         }
     }
-    /// The set of a luxel.
+    /// The set of directions of the luxel (x, y).
     static int SetOf(int x, int y) { return (y & 3) * 4 + (x & 3); }
 
     const Vec3f &At(int set, int ray) const { return directions_[std::size_t(set * rays_ + ray)]; }

@@ -14,7 +14,8 @@ namespace q3 {
 
 namespace {
 
-/// Emitters are bright above this radiosity, and above this share of all others. Byte scale.
+/// Emitters are bright if their radiosity is above kBright (byte scale) and above the radiosity of kBrightShare of all
+/// emitters with light.
 constexpr float kBright = 16, kBrightShare = 0.9f;
 
 /// The radiosity above which emitters are bright.
@@ -36,7 +37,7 @@ void AddVectors(const std::vector<Vec3f> &values, std::vector<Vec3f> &to) {
         to[i] += values[i];
 }
 
-/// Adds to the light of a style slot.
+/// Adds the estimate to the light of a style slot.
 void AddEstimate(const BounceEstimate &estimate, std::size_t slot, RawLightmap &raw) {
     AddVectors(estimate.irradiance, raw.light[slot]);
     raw.directional[slot].resize(raw.channels.Count());
@@ -93,17 +94,17 @@ std::vector<std::uint8_t> Bounces::UsedStyles(const SurfaceLight &surfaces) {
     return styles;
 }
 
-std::unique_ptr<const RadiosityPatches> Bounces::MakePatches(const SurfaceLight &surfaces) const {
+std::unique_ptr<const FaintPatches> Bounces::MakePatches(const SurfaceLight &surfaces) const {
     Emission all(emitters_.Count());
     for (const std::uint8_t style : UsedStyles(surfaces)) {
         const Emission one = FirstBounce(surfaces, style);
         for (std::size_t i = 0; i < all.size(); ++i)
             all[i] += one[i];
     }
-    return std::make_unique<const RadiosityPatches>(in_, surfaces, emitters_, all);
+    return std::make_unique<const FaintPatches>(in_, surfaces, emitters_, all);
 }
 
-/// Radiosity summed over bounces.
+/// Radiosity summed over bounces. first: radiosity of the first bounce.
 Emission Bounces::AllBounces(const RadiositySolver &solver, Emission first) const {
     const RadiosityLimits limits{.bounces = in_.lightmap.bounces, .seconds = in_.lightmap.bounceTime};
     RadiositySolution solution = solver.Solve(std::move(first), limits);
@@ -140,8 +141,8 @@ std::unique_ptr<IndirectLight> Bounces::ForPoints() const {
     const auto radiosity = byStyle_.find(0);
     if (radiosity == byStyle_.end())
         return nullptr;
-    const int rays = in_.lightmap.bounceRays ? std::max(1, *in_.lightmap.bounceRays * 3 / 2) : BouncedLight::kRays;
-    return std::make_unique<BouncedLight>(scene_, radiosity->second.rest, *radiosity->second.bright, rays);
+    const int rays = in_.lightmap.bounceRays ? std::max(1, *in_.lightmap.bounceRays * 3 / 2) : PointGather::kRays;
+    return std::make_unique<PointGather>(scene_, radiosity->second.rest, *radiosity->second.bright, rays);
 }
 
 Vec3f Bounces::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided) const {
@@ -157,7 +158,8 @@ Vec3f Bounces::IrradianceOf(const StyleRadiosity &radiosity, const Vec3f &positi
            gather_.IrradianceAt(position, normal, twoSided, radiosity.rest);
 }
 
-/// By style. The noise filter is that of all styles together, so that their sum is the light of one style.
+/// Light by style. All styles share one noise filter, computed from their sum, so that they add up to what the same
+/// lights would give in a single style.
 std::vector<BouncedStyle<BounceEstimate>> Bounces::LightOnLuxels(std::size_t lightmap, const RawLightmap &raw) const {
     std::vector<BouncedStyle<BounceEstimate>> found;
     std::vector<float> luminance(raw.luxelClusters.size()), difference(luminance.size());

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Radiosity: bounced light on surfaces.
 #pragma once
 
-#include "q3map2/lightmap/bounce/bounced_light.h"
 #include "q3map2/lightmap/bounce/bounced_styles.h"
+#include "q3map2/lightmap/bounce/point_gather.h"
 #include "q3map2/lightmap/bounce/radiosity_solver.h"
 
 #include <map>
@@ -11,37 +11,38 @@ namespace q3 {
 
 /// Bounced light in two stages. The solver finds the radiosity of all emitters, style by style: in bounce k,
 /// B_k = rho E_k, and E_(k+1) is the irradiance due to B_k. A final gathering of the sum over bounces then lights
-/// luxels, vertices and grid points, so they agree; it samples the brightest emitters by shadow rays: BrightEmitters.
+/// luxels, vertices and grid points, so they agree; shadow rays sample the brightest emitters (BrightEmitters).
 /// rho of a white texture is 187.5 * 3 / 255 * 0.25 = 0.55 at -bouncescale 1, as in the established program, or 1 with
 /// -reflectivity linear; at most 0.99.
 class Bounces {
   public:
-    /// After the direct pass. Keeps references.
+    /// Call after the direct pass. Keeps references.
     Bounces(const SurfaceInputs &in, const SurfaceLight &surfaces);
 
     /// Solves for the radiosity due to the light of the direct pass. Call once. False: no surface reflects light.
     bool Solve(const SurfaceLight &surfaces);
-    /// Gathers the light of all bounces at luxels, into the light of this pass.
+    /// Gathers the light of all bounces at luxels and adds it to their raw lightmaps.
     void AddToLuxels(SurfaceLight &surfaces) const;
-    /// The same for vertices of surfaces without lightmaps, into sum.
+    /// The same for vertices of surfaces without lightmaps; adds to VertexLight::sum.
     void AddToVertices(SurfaceLight &surfaces) const;
-    /// Light of style 0 at a receiver on no surface of the map, after Solve; zero if there is none. Safe from several
-    /// threads. twoSided: it is lit from both sides.
+    /// Bounced light of style 0 at a receiver that is no luxel or vertex of the map, such as a vertex of a prop. Call
+    /// after Solve. Safe from several threads. twoSided: the receiver is lit from both sides.
     Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided) const;
-    /// Light of style 0 at points in the open, after Solve; null if there is none. It refers to this.
+    /// Bounced light of style 0 at points in the open; null if there is none. Call after Solve. The result keeps
+    /// references to this object.
     std::unique_ptr<IndirectLight> ForPoints() const;
 
-    /// Gather rays of all luxels.
+    /// Number of gather rays of all luxels.
     std::uint64_t Rays() const { return gather_.Rays(); }
 
   private:
     /// Radiosity of a style, summed over bounces.
     struct StyleRadiosity {
-        Emission rest; ///< without what is bright
+        Emission rest; ///< the part that is gathered; shadow rays sample the other part, `bright`
         std::unique_ptr<const BrightEmitters> bright;
     };
     static std::vector<std::uint8_t> UsedStyles(const SurfaceLight &surfaces);
-    std::unique_ptr<const RadiosityPatches> MakePatches(const SurfaceLight &surfaces) const;
+    std::unique_ptr<const FaintPatches> MakePatches(const SurfaceLight &surfaces) const;
     Emission FirstBounce(const SurfaceLight &surfaces, std::uint8_t style) const;
     Emission AllBounces(const RadiositySolver &solver, Emission first) const;
     std::vector<BouncedStyle<BounceEstimate>> LightOnLuxels(std::size_t lightmap, const RawLightmap &raw) const;
@@ -53,7 +54,7 @@ class Bounces {
     const SurfaceInputs &in_;
     EmitterIndex emitters_;
     BounceScene scene_;
-    std::unique_ptr<const RadiosityPatches> patches_; // under -fast; else null
+    std::unique_ptr<const FaintPatches> patches_; // under -fast; else null
     BounceGather gather_;
     std::map<std::uint8_t, StyleRadiosity> byStyle_;
 };

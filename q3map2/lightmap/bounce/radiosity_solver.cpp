@@ -7,17 +7,16 @@
 
 #include <algorithm>
 #include <chrono>
-#include <numeric>
 
 namespace q3 {
 
 namespace {
 
-/// Rays of a vertex in the solver.
+/// Rays per vertex in the solver.
 constexpr int kSolverVertexRays = 64;
-/// Groups with at least this share of the greatest unshot radiosity are the brightest.
+/// The brightest groups: those whose largest unshot radiosity is above this share of the largest of all groups.
 constexpr float kShootShare = 0.25f;
-/// The first steps shoot everything: their ratio tells how quickly light decays.
+/// The first steps shoot everything, to measure how fast light decays from step to step.
 constexpr int kFirstJacobiSteps = 4;
 
 float Peak(std::span<const Vec3f> values) {
@@ -31,8 +30,8 @@ float Peak(std::span<const Vec3f> values) {
 
 struct RadiositySolver::State {
     Emission unshot, total;
-    std::vector<float> peak, power; // of unshot, by group
-    std::vector<Vec3f> light;       // of the latest step, by emitter
+    std::vector<float> peak, power; // by group: maximum and sum of unshot radiosity
+    std::vector<Vec3f> light;       // by emitter: light that it got in the latest step
     float Peak() const { return peak.empty() ? 0 : *std::max_element(peak.begin(), peak.end()); }
 };
 
@@ -67,7 +66,7 @@ void RadiositySolver::AddGroups() {
             groups_.emplace_back(emitters_.Vertex(surface.firstVert), EmitterId(surface.numVerts), i, false);
 }
 
-/// Traces the rays of vertices, and finds the groups that the rays of the group hit.
+/// Traces rays if it is a group of vertices, and finds the groups that the group's rays hit.
 void RadiositySolver::FindRays(Group &group, const std::vector<std::uint32_t> &groupOf) const {
     std::vector<std::uint8_t> seen(groups_.size());
     const auto see = [&](EmitterId hit) {
@@ -96,7 +95,7 @@ bool RadiositySolver::SeesAny(const Group &group, const GroupMask &shot) const {
     return std::any_of(group.sees.begin(), group.sees.end(), [&](std::uint32_t seen) { return shot[seen] != 0; });
 }
 
-/// The groups to shoot: the brightest if they give more power per ray than all together.
+/// The groups to shoot: the brightest if they shoot more power per gather ray than all groups together, else all.
 RadiositySolver::GroupMask RadiositySolver::Brightest(const State &state) const {
     GroupMask bright(groups_.size()), all(groups_.size(), 1);
     const float least = kShootShare * state.Peak();
@@ -124,7 +123,7 @@ void RadiositySolver::GatherGroup(const Group &group, const Emission &shot, std:
     }
 }
 
-/// Texels without mapped luxels get the light of their neighbors, as in FinishLuxels; then dirt.
+/// Fills texels without mapped luxels from their neighbors, as FinishLuxels does, then applies dirt.
 void RadiositySolver::FinishLight(const Group &group, std::span<Vec3f> light) const {
     if (!group.isLightmap)
         return;
@@ -136,7 +135,7 @@ void RadiositySolver::FinishLight(const Group &group, std::span<Vec3f> light) co
         light[i] = filled[i] * (group.dirt.empty() ? 1 : group.dirt[i]);
 }
 
-/// Shoots the unshot radiosity of groups.
+/// Shoots the unshot radiosity of the groups in `shot`.
 void RadiositySolver::Step(const GroupMask &shot, State &state) const {
     Emission emission(state.unshot.size());
     for (std::size_t i = 0; i < groups_.size(); ++i)
@@ -174,14 +173,14 @@ RadiositySolution RadiositySolver::Solve(Emission first, const RadiosityLimits &
     state.peak.resize(groups_.size()), state.power.resize(groups_.size());
     RadiositySolution solution;
     const GroupMask all(groups_.size(), 1);
-    float decay = maxReflectance_; // greatest ratio of unshot radiosity from step to step
+    float decay = maxReflectance_; // largest ratio of peak unshot radiosity after to before a step that shoots all
     for (bool shootAll = true; solution.steps + 1 < limits.bounces && !solution.timedOut;) {
         const GroupMask shot = shootAll ? all : Brightest(state);
         const bool shotAll = shot == all;
         const float before = state.Peak();
         Step(shot, state);
         ++solution.steps;
-        if (shotAll && solution.steps > 1) {
+        if (shotAll && solution.steps > 1 && before > 0) {
             const float ratio = std::min(state.Peak() / before, maxReflectance_);
             decay = solution.steps == 2 ? ratio : std::max(decay, ratio);
         }
@@ -193,7 +192,7 @@ RadiositySolution RadiositySolver::Solve(Emission first, const RadiosityLimits &
         const bool little = solution.stillToCome < limits.leastLight;
         if (little && shotAll)
             break;
-        // A step that shoots everything has the last word, since only its ratio is known.
+        // Only a step that shoots everything measures the decay, so one such step confirms that little light is left.
         shootAll = limits.bounces != kEndlessBounces || solution.steps < kFirstJacobiSteps || little;
     }
     solution.total = std::move(state.total);

@@ -8,9 +8,9 @@ namespace q3 {
 
 /// When the solver stops.
 struct RadiosityLimits {
-    int bounces = 1;         ///< kEndlessBounces: when little light is left
-    double seconds = 0;      ///< of wall time; 0: no limit
-    float leastLight = 0.25; ///< when all later bounces together give less light than this anywhere, byte scale
+    int bounces = 1;         ///< number of bounces; kEndlessBounces: no limit
+    double seconds = 0;      ///< wall time; 0: no limit
+    float leastLight = 0.25; ///< stops when all later bounces together give less light than this anywhere, byte scale
 };
 
 struct RadiositySolution {
@@ -21,9 +21,9 @@ struct RadiositySolution {
 };
 
 /// Radiosity equation B = B_1 + R K B over emitters: K is the transport along the kept gather rays, times dirt, R the
-/// reflectance. A step shoots radiosity that was not shot before: all of it, so that step k is bounce k (Jacobi
-/// iteration), or, under endless bounces, that of the brightest groups of emitters where these give more light per ray
-/// (progressive refinement, Cohen et al., 1988). Only groups that see what is shot take part. The sum is a valid
+/// reflectance. A step shoots radiosity that was not shot before: either all of it, so that step k computes bounce
+/// k + 1 (Jacobi iteration), or, under endless bounces, only the brightest groups of emitters, if these give more light
+/// per ray (progressive refinement, Cohen et al., 1988). Only groups that see a shot group gather. The sum is a valid
 /// result after each step. Const after construction.
 class RadiositySolver {
   public:
@@ -35,16 +35,16 @@ class RadiositySolver {
     RadiositySolution Solve(Emission first, const RadiosityLimits &limits) const;
 
   private:
-    /// Emitters that are shot and gathered together: those of a raw lightmap, or the vertices of a surface.
+    /// Emitters that are shot and gathered together: the texels of a raw lightmap, or the vertices of a surface.
     struct Group {
         Group(EmitterId firstEmitter, EmitterId emitters, std::size_t index, bool lightmap)
             : first(firstEmitter), count(emitters), number(index), isLightmap(lightmap) {}
         EmitterId first, count;
-        std::size_t number; ///< raw lightmap or draw surface
+        std::size_t number; ///< of the raw lightmap or draw surface
         bool isLightmap;
-        std::vector<EmitterId> vertexHits; ///< of vertices
+        std::vector<EmitterId> vertexHits; ///< kSolverVertexRays for each vertex
         std::vector<float> dirt;           ///< by texel; empty: 1
-        LuxelMask mapped;                  ///< by texel
+        LuxelMask mapped;                  ///< by texel: whether it has a mapped luxel
         std::vector<std::uint32_t> sees;   ///< groups that its rays hit, ascending
         std::uint64_t rays = 0;
 
@@ -53,7 +53,7 @@ class RadiositySolver {
             return std::span(emitters).subspan(first, count);
         }
     };
-    /// By group: not 0 if it is shot.
+    /// By group: not 0 if the group is shot.
     using GroupMask = std::vector<std::uint8_t>;
     struct State;
 
@@ -71,7 +71,7 @@ class RadiositySolver {
     const std::vector<Vec3f> &reflectance_;
     const BounceGather &gather_;
     std::vector<Group> groups_;
-    std::uint64_t rays_ = 0; // of all groups
+    std::uint64_t rays_ = 0; // sum over all groups
     float maxReflectance_ = 0;
 };
 

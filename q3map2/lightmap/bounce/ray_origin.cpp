@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. From where the rays of luxels start.
+// GPL-2.0-or-later. Origins of the rays of luxels.
 #include "q3map2/lightmap/bounce/ray_origin.h"
 
 #include "q3map2/lightmap/bounce/gather_directions.h"
@@ -11,9 +11,9 @@ namespace q3 {
 
 namespace {
 
-/// Ray origins with a solid this near are moved aside. Game units.
+/// Ray origins are moved aside if a solid is this near. Game units.
 constexpr float kSolidMargin = 0.25f;
-/// A place is clear if at most this share of some rays from there meet the back of a surface.
+/// A place is clear if at most kMaxBacks of kTestRays rays from it hit the back of a surface.
 constexpr int kTestRays = 8, kMaxBacks = 2;
 
 /// Finds the origins of one lightmap.
@@ -50,7 +50,7 @@ class OriginFinder {
         constexpr Vec3f kMargin{kSolidMargin, kSolidMargin, kSolidMargin};
         return space_.AnySolid(p - kMargin, p + kMargin);
     }
-    /// For up to 16 luxels: how many test rays from their positions meet backs.
+    /// For up to 16 luxels: number of test rays from their positions that hit backs of surfaces.
     std::array<int, kPacketSize> Backs(std::span<const std::size_t> luxels) const {
         std::array<int, kPacketSize> backs{};
         RayPacket rays;
@@ -71,7 +71,8 @@ class OriginFinder {
         const auto found = scene_.FirstEmitters(rays, false);
         return int(std::count(found.begin(), found.begin() + kTestRays, kBackOfSurface));
     }
-    /// The first clear place around the position, else the one with the fewest backs of those that touch no solid.
+    /// The first clear place around the position; if none is clear, the place outside solids that sees the fewest
+    /// backs.
     Vec3f PlaceAside(std::size_t luxel) const {
         const GatherFrame frame(raw_.normals[luxel]);
         const float spacing = raw_.actualSampleSize / float(raw_.super);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. From where the rays of luxels start, and the frame of their directions.
+// GPL-2.0-or-later. Origins of the rays of luxels, and the tangent frame of their directions.
 #pragma once
 
 #include "q3map2/lightmap/bounce/bounce_scene.h"
@@ -17,9 +17,10 @@ struct GatherFrame {
     Vec3f normal, right, up;
 };
 
-/// Origins of the rays of a lightmap's mapped luxels, by luxel of the super grid: the position, or a place at most half
-/// a luxel aside if only that is clear. Clear is what no solid touches and what sees few backs of surfaces. A luxel at
-/// the edge of a wall lies in the plane of the adjacent wall, or behind a curve, though a part of it can be seen.
+/// Ray origins of a lightmap's mapped luxels, by luxel of the super grid: the luxel's position if it is clear, else a
+/// clear place at most half a luxel aside. A place is clear if no solid touches it and few rays from it hit the backs
+/// of surfaces. The position of a luxel at the edge of a wall may lie in the plane of the adjacent wall, or behind a
+/// curve, though a part of the luxel can be seen.
 std::vector<Vec3f> RayOrigins(const BspSpace &space, const BounceScene &scene, const RawLightmap &raw);
 
 } // namespace q3

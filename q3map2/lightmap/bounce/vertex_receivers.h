@@ -7,9 +7,9 @@
 
 namespace q3 {
 
-/// Vertices gather at points moved this far, but at most a quarter of the way, to the center of their surface, since
-/// its edge often lies in the plane of another surface. Not along the normal: the center of a closed model is inside
-/// of it. Game units.
+/// Vertices gather at points moved this far (at most a quarter of the way) toward the center of their surface, since
+/// the edge of a surface often lies in the plane of another. Not along the normal: the center of a closed model lies
+/// inside it. Game units.
 inline constexpr float kInward = 2;
 
 /// Whether the surface is lit at its vertices.
@@ -17,7 +17,7 @@ inline bool IsLitAtVertices(const SurfaceInputs &in, const SurfaceLight &surface
     return surfaces.lightmapOf[surface] < 0 && !in.table[surface].shader->lightmap.noVertexLight;
 }
 
-/// Calls use(vertex, position) for the draw vertices of a surface.
+/// Calls use(vertex, position to gather at) for the draw vertices of a surface.
 template <typename Use>
 void ForVertexReceivers(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t number, const Use &use) {
     const bspDrawSurface_t &surface = in.bsp.drawSurfaces[number];

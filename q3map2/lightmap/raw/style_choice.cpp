@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Which light styles a surface keeps if more than it can hold reach it.
+// GPL-2.0-or-later. Chooses the light styles that a surface keeps if more reach it than it can hold.
 #include "q3map2/lightmap/raw/style_choice.h"
 
 #include "q3map2/lightmap/raw/style_slots.h"
@@ -11,7 +11,7 @@ namespace q3 {
 
 namespace {
 
-/// Lights that a warning names.
+/// The most lights that one warning names.
 constexpr std::size_t kNamedLights = 12;
 
 } // namespace

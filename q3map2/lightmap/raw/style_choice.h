@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Which light styles a surface keeps if more than it can hold reach it.
+// GPL-2.0-or-later. Chooses the light styles that a surface keeps if more reach it than it can hold.
 #pragma once
 
 #include "common/log.h"
@@ -12,18 +12,18 @@
 
 namespace q3 {
 
-/// Names of the lights that surfaces do without, by surface.
+/// Names of the lights that were left out, by surface.
 using DroppedLights = std::vector<std::vector<std::string>>;
 
-/// Chooses styles by the light that they give a surface.
+/// Chooses the styles that give a surface most light.
 class StyleChoice {
   public:
-    /// Whether the lights have more styles than a surface can hold, so that there is something to choose.
+    /// Whether the lights and style 0 make more styles than a surface can hold.
     static bool IsNeeded(std::span<const Light *const> lights);
 
-    /// `energy`: the sum of all light that this one gives the surface; lights without energy are ignored.
+    /// energy: sum of the light that `light` gives the surface; lights with 0 are ignored.
     void Add(const Light &light, double energy);
-    /// Keeps style 0 and the three others that give most; of equal ones those with lower numbers.
+    /// Keeps style 0 and the three others that give most light; on a tie, those with lower numbers.
     void Choose();
     bool Drops(int style) const { return dropped_.contains(style); }
     /// Names of lights whose style is dropped, each once, in the order of Add.
@@ -35,8 +35,8 @@ class StyleChoice {
     std::set<int> dropped_;
 };
 
-/// Warns of the lights that some surfaces do without, those of many surfaces first. kind: of warning. what: the
-/// surfaces, in the plural.
+/// Warns of lights that were left out of some surfaces, those left out most often first. light: the kind of light, such
+/// as "bounced light". what: plural of the kind of surface, such as "lightmaps".
 void WarnOfDroppedLights(const DroppedLights &dropped, std::string_view light, std::string_view what, Log &log);
 
 } // namespace q3

@@ -5,15 +5,15 @@
 
 namespace q3 {
 
-/// Surfaces subdivided into patches, as the established program does to make area lights of them in a bounce. Under
+/// Surfaces subdivided into patches as in the established program, which turns them into area lights in a bounce. Under
 /// -fast that program skips a patch at receivers where it would give at most the tolerance even if its texture and the
 /// light on it were white: 255 * rho * form factor <= tolerance, rho = BounceScale. Const after construction; safe from
 /// several threads.
-class RadiosityPatches {
+class FaintPatches {
   public:
-    /// emission: of the first bounce; patches are smaller where it varies much.
-    RadiosityPatches(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters,
-                     std::span<const Vec3f> emission);
+    /// emission: radiosity of the first bounce; patches are smaller where it varies much.
+    FaintPatches(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters,
+                 std::span<const Vec3f> emission);
 
     /// Share of the light of an emitter that counts at a receiver, 0 to 1.
     float ContributionShare(EmitterId emitter, const Vec3f &position, const Vec3f &normal, bool twoSided) const {
@@ -25,12 +25,12 @@ class RadiosityPatches {
     static constexpr std::uint32_t kNone = ~std::uint32_t(0);
     struct Patch {
         Vec3f center, areaNormal;           ///< center of gravity; unit normal times area
-        Vec3f normal;                       ///< of the vertices: the side that it lights
+        Vec3f normal;                       ///< mean vertex normal: points to the side that it lights
         Vec3f origin;                       ///< of the area light: 1 unit over the mean of the corners
         float dist = 0;                     ///< of the plane through origin
         float minFormFactor = 0;            ///< it counts where the form factor is above this; negative: everywhere
         float farDistance2 = 0;             ///< squared distance beyond which it counts as a point source
-        std::uint32_t first = 0, count = 0; ///< in corners_
+        std::uint32_t first = 0, count = 0; ///< range in corners_
         bool twoSided = false;
     };
     struct PatchBuilder;

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Under -fast: which emitters are too faint to light a receiver.
-#include "q3map2/lightmap/bounce/radiosity_patches.h"
+#include "q3map2/lightmap/bounce/faint_patches.h"
 
 #include "libs/math/winding.h"
 #include "q3map2/light/batch/form_factor.h"
@@ -12,31 +12,33 @@ namespace q3 {
 
 namespace {
 
-/// Longest side of a patch's bounds; where light varies it is halved down to kMinPatchSize. Game units.
+/// Longest side of a patch's bounds. Where light varies it is halved repeatedly, down to kMinPatchSize. Game units.
 constexpr float kPatchSize = 256, kMinPatchSize = 64;
 /// Light varies much if (max - min) * max is above this in a channel; 1 is white.
 constexpr float kLightVaries = 0.75f;
 constexpr float kOnCut = 0.125f; ///< corners this near to a cut count as on it. Game units
-/// Patches of other areas make no light, as in the established program. Game units squared.
+/// Patches with an area outside this range emit no light, as in the established program. Square game units.
 constexpr double kMinArea = 1, kMaxArea = 20'000'000;
-/// Polygons with a coordinate beyond this are damaged: no map is so large. Game units.
+/// Polygons with a larger coordinate are skipped as damaged: no map is so large. Game units.
 constexpr float kMaxCoordinate = 262144;
 /// Approximate limit on the patches of one polygon.
 constexpr double kMaxPatches = 65536;
-constexpr float kFlatQuad = 0.1f; ///< a quad stays whole if its fourth corner is this near to the plane of the others
-/// Samples of a triangle have barycentric weights i : j : k, each 1 to kMaxWeight; of a polygon at most kMaxSamples.
+/// A quad stays whole if its fourth corner is this near to the plane of its other corners. Game units.
+constexpr float kFlatQuad = 0.1f;
+/// LightVaries samples a triangle at barycentric weights i : j : k, each 1 to kMaxWeight; at most kMaxSamples for a
+/// polygon.
 constexpr int kMaxWeight = 5, kMaxSamples = 150;
-/// Receivers nearer to the plane of a patch are moved to this height over it for form factors. Game units.
+/// For form factors, receivers nearer to the plane of a patch than this are moved to this height over it. Game units.
 constexpr float kMinHeight = 8;
-/// The form factor that decides about a patch is not clipped at the receiver's horizon: the part of the patch behind
-/// the receiver counts negative. Receivers up to kMinHeight off the patch's plane get its light times unclipped /
-/// clipped form factor; the factor rises linearly to 1 at kClipHeight. Game units.
+/// The form factor that is compared with the tolerance is not clipped at the receiver's horizon: the part of the patch
+/// behind the receiver counts negative. Up to kMinHeight off the patch's plane, ContributionShare is the unclipped /
+/// the clipped form factor; from there it rises linearly to 1 at kClipHeight. Game units.
 constexpr float kClipHeight = 16;
-/// Receivers this far behind the plane 1 unit in front of a patch are behind the patch. Game units, with
-/// 0.01 for rounding.
+/// Receivers farther than this behind Patch::origin's plane, which is 1 unit in front of the patch, are behind the
+/// patch. 0.01 is for rounding. Game units.
 constexpr float kBehindPlane = 1.01f;
-/// Beyond kFarRadii radii a patch counts as a point source; nearer it counts without the exact form factor if as a
-/// point source it is kPointMargin times as bright as needed.
+/// Beyond kFarRadii radii a patch is taken as a point source. Nearer, the exact form factor is not computed if that of
+/// a point source exceeds the tolerance kPointMargin times.
 constexpr float kFarRadii = 3, kPointMargin = 4;
 
 FaceCorner Lerp(const FaceCorner &a, const FaceCorner &b, float t) {
@@ -96,16 +98,16 @@ void FlatFaces(Face face, std::vector<Face> &flat) {
 } // namespace
 
 /// Subdivides the faces of surfaces into patches.
-struct RadiosityPatches::PatchBuilder {
-    RadiosityPatches &to;
+struct FaintPatches::PatchBuilder {
+    FaintPatches &to;
     const SurfaceInputs &in;
     const SurfaceLight &surfaces;
     const EmitterIndex &emitters;
     std::span<const Vec3f> emission;
     std::size_t surface = 0;
-    bool varies = false;                              ///< false: even its brightest emitter is too dark for LightVaries
-    std::vector<std::uint8_t> centerFound = {};       ///< texels whose center is in their patch
-    std::vector<std::pair<Face, float>> pending = {}; ///< faces, and the longest sides of bounds they are cut to
+    bool varies = false;                        ///< false: the surface is too dark for LightVaries to hold anywhere
+    std::vector<std::uint8_t> centerFound = {}; ///< by emitter: not 0 if the texel's center is in its patch
+    std::vector<std::pair<Face, float>> pending = {}; ///< faces still to cut, with the longest side allowed
 
     const RawLightmap *Lightmap() const {
         const int lightmap = surfaces.lightmapOf[surface];
@@ -119,7 +121,7 @@ struct RadiosityPatches::PatchBuilder {
     void AssignTexels(const Face &face, std::uint32_t patch, const RawLightmap &raw);
 };
 
-void RadiosityPatches::PatchBuilder::Begin(std::size_t number) {
+void FaintPatches::PatchBuilder::Begin(std::size_t number) {
     surface = number;
     const auto most = [&](EmitterId first, std::size_t count) {
         float value = 0;
@@ -135,7 +137,7 @@ void RadiosityPatches::PatchBuilder::Begin(std::size_t number) {
     varies = value * value > kLightVaries * full * full;
 }
 
-void RadiosityPatches::PatchBuilder::Add(Face first) {
+void FaintPatches::PatchBuilder::Add(Face first) {
     for (const FaceCorner &corner : first)
         if (!IsFinite(corner.xyz) || MaxComponent(Max(corner.xyz, -corner.xyz)) > kMaxCoordinate)
             return;
@@ -172,7 +174,7 @@ void RadiosityPatches::PatchBuilder::Add(Face first) {
     }
 }
 
-bool RadiosityPatches::PatchBuilder::LightVaries(const Face &face) const {
+bool FaintPatches::PatchBuilder::LightVaries(const Face &face) const {
     Vec3f least{1e30f, 1e30f, 1e30f}, most;
     const auto take = [&](const Vec3f &light) { least = Min(least, light), most = Max(most, light); };
     const RawLightmap *raw = Lightmap();
@@ -198,7 +200,7 @@ bool RadiosityPatches::PatchBuilder::LightVaries(const Face &face) const {
     return MaxComponent(range) > kLightVaries * full * full;
 }
 
-void RadiosityPatches::PatchBuilder::AddPatch(const Face &face, double area) {
+void FaintPatches::PatchBuilder::AddPatch(const Face &face, double area) {
     const ShaderInfo &shader = *in.table[surface].shader;
     Patch patch;
     Vec3f mean;
@@ -215,7 +217,7 @@ void RadiosityPatches::PatchBuilder::AddPatch(const Face &face, double area) {
     patch.areaNormal = -Vec3f(WindingAreaVector(w));
     patch.origin = mean + patch.normal;
     patch.dist = Dot(patch.origin, patch.normal);
-    // Light of a white patch at form factor 1.
+    // Light of a white patch in white light at form factor 1, byte scale.
     const float add = 255 * std::abs(BounceScale(in, surface));
     patch.minFormFactor = shader.noFast ? -2 : in.options.tolerance / add;
     float radius = 0;
@@ -235,8 +237,8 @@ void RadiosityPatches::PatchBuilder::AddPatch(const Face &face, double area) {
             known = number;
 }
 
-/// Assigns texels to the patch that their center is in, else to the first whose bounds they overlap.
-void RadiosityPatches::PatchBuilder::AssignTexels(const Face &face, std::uint32_t patch, const RawLightmap &raw) {
+/// Assigns texels to the patch that holds their center, else to the first patch whose bounds they overlap.
+void FaintPatches::PatchBuilder::AssignTexels(const Face &face, std::uint32_t patch, const RawLightmap &raw) {
     std::vector<std::array<float, 2>> at;
     std::array<float, 2> least{1e30f, 1e30f}, most{-1e30f, -1e30f};
     for (const FaceCorner &corner : face) {
@@ -264,8 +266,8 @@ void RadiosityPatches::PatchBuilder::AssignTexels(const Face &face, std::uint32_
         }
 }
 
-RadiosityPatches::RadiosityPatches(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters,
-                                   std::span<const Vec3f> emission)
+FaintPatches::FaintPatches(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters,
+                           std::span<const Vec3f> emission)
     : patchOf_(emitters.Count(), kNone) {
     PatchBuilder builder{*this, in, surfaces, emitters, emission};
     builder.centerFound.resize(emitters.Count());
@@ -282,8 +284,8 @@ RadiosityPatches::RadiosityPatches(const SurfaceInputs &in, const SurfaceLight &
     }
 }
 
-float RadiosityPatches::ContributionShareOf(const Patch &patch, const Vec3f &position, const Vec3f &normal,
-                                            bool twoSided) const {
+float FaintPatches::ContributionShareOf(const Patch &patch, const Vec3f &position, const Vec3f &normal,
+                                        bool twoSided) const {
     const float over = Dot(position, patch.normal) - patch.dist;
     if ((!patch.twoSided && over < -kBehindPlane) || (!twoSided && Dot(patch.origin - position, normal) < 0))
         return 0;
@@ -295,7 +297,7 @@ float RadiosityPatches::ContributionShareOf(const Patch &patch, const Vec3f &pos
     const auto enough = [&](float factor, float least) { return (anySide ? std::abs(factor) : factor) > least; };
     const float asPoint = -ahead * Dot(patch.areaNormal, toCenter);
     const float least = patch.minFormFactor * std::numbers::pi_v<float> * distance2 * distance2;
-    // If the bounding sphere of the patch is over the horizon of the receiver, so is the patch.
+    // Needs clipping unless the bounding sphere of the patch is wholly above the receiver's horizon.
     const bool clipped =
         height < kClipHeight && !(ahead > 0 && kFarRadii * kFarRadii * ahead * ahead > patch.farDistance2);
     if (distance2 > patch.farDistance2 || (!clipped && asPoint > kPointMargin * least))

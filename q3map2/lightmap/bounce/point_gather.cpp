@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Bounced light at points of the light grids.
-#include "q3map2/lightmap/bounce/bounced_light.h"
+#include "q3map2/lightmap/bounce/point_gather.h"
 
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/light/batch/ray_batcher.h"
@@ -11,13 +11,13 @@ namespace q3 {
 
 namespace {
 
-/// Light on surfaces that face each of the rays, summed over the sphere, where the radiance is 1 from everywhere: light
-/// is the integral of radiance * cosine / pi, so the sum is 4 pi / pi.
+/// Sum of IndirectRay::light over all rays at uniform radiance 1: light is the integral of radiance * cosine / pi, and
+/// a ray's light is that on a surface facing it (cosine 1), so the sum is 4 pi / pi.
 constexpr float kFacingSum = 4;
 
 } // namespace
 
-void BouncedLight::Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
+void PointGather::Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
     rays.clear();
     auto queue = MakeRayBatcher<Vec3f>([&](RayPacket &packet, std::span<const Vec3f> directions) {
         const auto found = scene_.FirstEmitters(packet, false);
