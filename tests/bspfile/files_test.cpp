@@ -243,8 +243,9 @@ TEST_F(Files, AtWhateverMomentAWriterIsKilledTheMapIsWhole) {
     for (int round = 0; round < 30; round++) {
         const pid_t child = fork();
         ASSERT_GE(child, 0);
-        for (std::size_t next = 0; child == 0; next++)
-            WriteBspFile(path, maps[next % 2], {}, listener.log);
+        if (child == 0)
+            for (std::size_t next = 0;; next++)
+                WriteBspFile(path, maps[next % 2], {}, listener.log);
         usleep(useconds_t(1000 + random() % 40000));
         kill(child, SIGKILL);
         waitpid(child, nullptr, 0);
