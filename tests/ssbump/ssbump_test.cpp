@@ -217,7 +217,8 @@ TEST(Ssbump, TheDefaultIsNearManyRays) {
 }
 
 TEST(Ssbump, TilesFollowAShift) {
-    for (const auto &[width, height] : {std::pair{50, 33}, std::pair{64, 32}, std::pair{5, 3}}) {
+    for (const auto &size : {std::pair{50, 33}, std::pair{64, 32}, std::pair{5, 3}}) {
+        const int width = size.first, height = size.second;
         const HeightField field = Random(width, height, true, 6);
         const int right = 17 % width, down = 9 % height;
         const HeightField moved = Field(width, height, true, [&](int x, int y) {
