@@ -13,7 +13,7 @@ namespace q3 {
 /// so that linear gradients stay. With D the difference, k the weight of the luxel in its mean and s2 the variance of
 /// the estimate, the share t of the mean that minimizes the squared error is (1 - k) sum s2 / sum D^2, sums taken over
 /// the neighborhood (Stein's estimate): 1 where light is even, near 0 where it varies more than its noise, such as in a
-/// corner.
+/// corner. Two luxels exchange light by the smaller of their shares, which keeps the sum of light except at edges.
 class NoiseFilter {
   public:
     /// By luxel: luminance of the irradiance, and a sample of its error, whose square estimates the variance. Keeps a

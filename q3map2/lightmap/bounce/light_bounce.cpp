@@ -4,7 +4,6 @@
 #include "libs/math/color.h"
 #include "q3map2/lightmap/bounce/bounce_filter.h"
 #include "q3map2/lightmap/bounce/vertex_receivers.h"
-#include "q3map2/lightmap/raw/luxel_means.h"
 
 #include <algorithm>
 #include <functional>
