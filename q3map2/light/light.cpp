@@ -7,6 +7,7 @@
 #include "q3map2/bspfile/light_curve_keys.h"
 #include "q3map2/bspfile/light_style_keys.h"
 #include "q3map2/light/cubes/ambient_cubes.h"
+#include "q3map2/light/sparse/sparse_bake.h"
 #include "q3map2/light/grid/gridsh_dering.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/scene/light_space.h"
@@ -200,6 +201,8 @@ LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     const std::vector<Light> lights = LightsForSH(setup, log);
     const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
     LightGridSH grid = TraceGridSH(in, layout, lights, stats);
+    if (std::getenv("SG"))
+        BakeSparseGrid(in, lights, grid, stats);
     GridStats shown = stats; // prints the counts of points that -info finds in the file, not those of this pass
     const GridShares shares = CountGridShares(setup.bsp, grid);
     shown.open = std::int64_t(shares.open);

@@ -9,6 +9,7 @@
 
 #include <memory>
 
+namespace q3 { extern std::function<bspGridPointSH_t(const Vec3f &)> g_sparse; }
 namespace q3::bench {
 
 namespace {
@@ -78,6 +79,18 @@ Baked Bake(const BenchMap &map, LightOptions options, BakedFormat format, Shader
 namespace {
 
 ShownLight ShownBySH(const Bsp &bsp) {
+    if (g_sparse)
+        return [](const Vec3f &position) {
+            ShSample sample;
+            const bspGridPointSH_t v = g_sparse(position);
+            for (std::size_t k = 0; k < 9; ++k)
+                for (std::size_t c = 0; c < 3; ++c)
+                    sample.coeffs.c[k][c] = v.coeffs[k][c];
+            NormalLight light;
+            for (std::size_t i = 0; i < kNormals; ++i)
+                light[i] = LightOn(sample, Vec3f(Normals()[i]));
+            return light;
+        };
     return [view = ShPreview(bsp)](const Vec3f &position) {
         ShSample sample = view.At(position);
         sample.tone.reset(); // compared with exact light, which is linear

@@ -284,15 +284,23 @@ PlacedPoint PlaceInOpen(const BspSpace &space, const Vec3f &p) {
     return {open ? PointState::Open : PointState::Exterior, p, cluster};
 }
 
+PlacedPoint PlaceBeside(const BspSpace &space, const Vec3f &p) {
+    PlacedPoint placed;
+    constexpr float kReach = *std::max_element(std::begin(kSmallSteps), std::end(kSmallSteps));
+    const Vec3f reach{kReach, kReach, kReach};
+    if (space.AnyOpen(p - reach, p + reach, kClearance))
+        TrySmallSteps(space, p, placed);
+    return placed;
+}
+
 PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, const std::vector<int> &clusters,
                            const BrickPoint &point) {
     PlacedPoint placed;
     const Vec3f cell(layout.size), &p = point.position;
     if (!space.AnyOpen(p - cell, p + cell, kClearance))
         return placed;
-    constexpr float kReach = *std::max_element(std::begin(kSmallSteps), std::end(kSmallSteps));
-    const Vec3f reach{kReach, kReach, kReach};
-    if (space.AnyOpen(p - reach, p + reach, kClearance) && TrySmallSteps(space, p, placed))
+    placed = PlaceBeside(space, p);
+    if (placed.state == PointState::Beside)
         return placed;
     if (HasOpenNeighbor(layout, clusters, point.index))
         placed.state = PointState::Solid;

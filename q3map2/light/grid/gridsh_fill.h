@@ -38,6 +38,9 @@ struct PlacedPoint {
 /// the open but too near to a solid; kSolidCluster in a solid.
 PlacedPoint PlaceInOpen(const BspSpace &space, const Vec3f &p);
 
+/// State Beside and the position if there is open space a small step from p, else Exterior.
+PlacedPoint PlaceBeside(const BspSpace &space, const Vec3f &p);
+
 /// Chooses the state and the lit position of a point for which PlaceInOpen did not return Open. `clusters`: the
 /// clusters that PlaceInOpen returned, by grid point.
 PlacedPoint PlaceGridPoint(const BspSpace &space, const GridLayout &layout, const std::vector<int> &clusters,

@@ -1,0 +1,160 @@
+// GPL-2.0-or-later. Stored corners fitted to the light inside the cells.
+#include "q3map2/light/sparse/corner_fit.h"
+
+#include "libs/sh/sh.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+constexpr int kSteps = 8;
+/// Weight of a corner's own light, as a share of the weight of the samples around it.
+constexpr float kPull = 0.05f;
+/// Samples of mean light m have the weight (kDark / (kDark + m))^(1/4), divided by (kBright m)^2 where that is above 1:
+/// dark samples count more, and those beyond what a screen shows less.
+constexpr float kDark = 0.02f, kBright = 2.2f;
+
+/// sum += factor * value.
+void AddScaled(float factor, const ShFloats &value, ShFloats &sum) {
+    for (std::size_t i = 0; i < kShFloats; ++i)
+        sum[i] += factor * value[i];
+}
+
+/// A linear system of normal equations, kept as the samples that it sums over.
+class FitSystem {
+  public:
+    explicit FitSystem(std::size_t unknowns) : weights_(unknowns), diagonal_(unknowns) {}
+    void AddSample(const ShFloats &light, const std::vector<CornerTerm> &terms) {
+        const float mean = float(kShC0) * std::max({light[0], light[1], light[2]});
+        const float beyond = std::max(1.0f, kBright * mean);
+        const float weight = std::pow(kDark / (kDark + std::max(0.0f, mean)), 0.25f) / (beyond * beyond);
+        samples_.push_back({light, weight, std::uint32_t(terms_.size()), std::uint32_t(terms.size())});
+        for (const CornerTerm &term : terms) {
+            terms_.push_back(term);
+            weights_[term.stored] += weight * term.weight;
+            diagonal_[term.stored] += weight * term.weight * term.weight;
+        }
+    }
+    void Solve(std::vector<ShFloats> &values);
+
+  private:
+    using Vector = std::vector<ShFloats>;
+    struct Sample {
+        ShFloats light;
+        float weight;
+        std::uint32_t first, count;
+    };
+    /// Matrix times x.
+    void Apply(const Vector &x, Vector &product) const;
+    /// Right side minus matrix times x, where the pull is towards x itself.
+    Vector Residual(const Vector &x) const;
+    ShFloats Interpolated(const Sample &sample, const Vector &x) const {
+        ShFloats sum{};
+        for (std::uint32_t t = sample.first; t < sample.first + sample.count; ++t)
+            AddScaled(terms_[t].weight, x[terms_[t].stored], sum);
+        return sum;
+    }
+    void Scatter(const Sample &sample, const ShFloats &value, Vector &to) const {
+        for (std::uint32_t t = sample.first; t < sample.first + sample.count; ++t)
+            AddScaled(sample.weight * terms_[t].weight, value, to[terms_[t].stored]);
+    }
+    double Dot(const Vector &a, const Vector &b) const {
+        double sum = 0;
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            float row = 0;
+            for (std::size_t k = 0; k < kShFloats; ++k)
+                row += a[i][k] * b[i][k];
+            sum += double(row);
+        }
+        return sum;
+    }
+    /// Jacobi preconditioner.
+    Vector Scaled(const Vector &r) const {
+        Vector z(r.size());
+        for (std::size_t i = 0; i < r.size(); ++i)
+            if (const float own = diagonal_[i] + kPull * weights_[i]; own > 0)
+                AddScaled(1 / own, r[i], z[i]);
+        return z;
+    }
+
+    std::vector<Sample> samples_;
+    std::vector<CornerTerm> terms_;
+    std::vector<float> weights_, diagonal_; ///< by unknown: sum of the weights of its samples; diagonal without pull
+};
+
+void FitSystem::Apply(const Vector &x, Vector &product) const {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        product[i] = {};
+        AddScaled(kPull * weights_[i], x[i], product[i]);
+    }
+    for (const Sample &sample : samples_)
+        Scatter(sample, Interpolated(sample, x), product);
+}
+
+FitSystem::Vector FitSystem::Residual(const Vector &x) const {
+    Vector residual(x.size());
+    for (const Sample &sample : samples_) {
+        ShFloats difference = Interpolated(sample, x);
+        for (std::size_t k = 0; k < kShFloats; ++k)
+            difference[k] = sample.light[k] - difference[k];
+        Scatter(sample, difference, residual);
+    }
+    return residual;
+}
+
+void FitSystem::Solve(Vector &values) {
+    Vector r = Residual(values), z = Scaled(r), direction = z, product(values.size());
+    double rho = Dot(r, z);
+    for (int step = 0; step < kSteps && rho > 0; ++step) {
+        Apply(direction, product);
+        const double curvature = Dot(direction, product);
+        if (!(curvature > 0))
+            return;
+        const auto length = float(rho / curvature);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            AddScaled(length, direction[i], values[i]);
+            AddScaled(-length, product[i], r[i]);
+        }
+        z = Scaled(r);
+        const double next = Dot(r, z);
+        const auto keep = float(next / rho);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            for (std::size_t k = 0; k < kShFloats; ++k)
+                direction[i][k] = z[i][k] + keep * direction[i][k];
+        rho = next;
+    }
+}
+
+} // namespace
+
+std::vector<ShFloats> FitCorners(const Octree &tree, const LatticeLight &light, CornerWeights &corners,
+                                 const SparseLattice &lattice, const BspSpace &space) {
+    std::vector<ShFloats> values;
+    for (const std::uint32_t number : corners.Stored())
+        values.push_back(light[number].value);
+    FitSystem system(values.size());
+    for (std::size_t i = 0; i < light.Size(); ++i) {
+        const LitPoint &point = light[i];
+        if (!point.open)
+            continue;
+        // Light is continuous, so any of the leafs that touch the point will do.
+        const auto around = tree.LeafsAround(point.at);
+        const auto leaf = std::find_if(around.begin(), around.end(), [&](std::size_t l) {
+            return l != Octree::kNone && tree[l].open > 0;
+        });
+        if (leaf == around.end())
+            continue;
+        const OctreeCell &cell = tree[*leaf];
+        if (!cell.HasCorner(point.at) &&
+            space.AnySolid(lattice.PositionOf(cell.origin), lattice.PositionOf(cell.Corner(7))))
+            continue;
+        system.AddSample(point.value, corners.TermsIn(cell, point.at));
+    }
+    system.Solve(values);
+    return values;
+}
+
+} // namespace q3

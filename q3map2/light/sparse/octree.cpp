@@ -1,0 +1,64 @@
+// GPL-2.0-or-later. The octree of the sparse SH grid while it is built.
+#include "q3map2/light/sparse/octree.h"
+
+namespace q3 {
+
+Octree::Octree(const SparseLattice &lattice) : roots_(lattice.Roots()), levels_(lattice.Levels()) {
+    const std::int32_t edge = std::int32_t(1) << levels_;
+    for (std::int32_t z = 0; z < roots_[2]; ++z)
+        for (std::int32_t y = 0; y < roots_[1]; ++y)
+            for (std::int32_t x = 0; x < roots_[0]; ++x)
+                cells_.push_back({.origin = {x * edge, y * edge, z * edge}, .level = levels_});
+    rootCount_ = cells_.size();
+}
+
+void Octree::Split(std::size_t leaf) {
+    const OctreeCell parent = cells_[leaf];
+    cells_[leaf].child = std::uint32_t(cells_.size());
+    OctreeCell half = parent;
+    half.level = parent.level - 1;
+    for (std::size_t c = 0; c < 8; ++c)
+        cells_.push_back({.origin = half.Corner(c), .level = half.level, .open = parent.open});
+}
+
+std::size_t Octree::LeafAt(const LatticePoint &p) const {
+    std::size_t at = 0, stride = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::int32_t root = p[axis] >> levels_;
+        if (p[axis] < 0 || root >= roots_[axis])
+            return kNone;
+        at += stride * std::size_t(root);
+        stride *= std::size_t(roots_[axis]);
+    }
+    while (cells_[at].child != 0) {
+        const int bit = cells_[at].level - 1;
+        at = cells_[at].child + std::size_t((p[0] >> bit & 1) | (p[1] >> bit & 1) << 1 | (p[2] >> bit & 1) << 2);
+    }
+    return at;
+}
+
+std::array<std::size_t, 8> Octree::LeafsAround(const LatticePoint &p) const {
+    std::array<std::size_t, 8> leafs{};
+    for (int octant = 0; octant < 8; ++octant)
+        leafs[std::size_t(octant)] =
+            LeafAt({p[0] - (octant & 1), p[1] - (octant >> 1 & 1), p[2] - (octant >> 2 & 1)});
+    return leafs;
+}
+
+std::vector<std::size_t> Octree::OpenLeafs() const {
+    std::vector<std::size_t> leafs, stack;
+    for (std::size_t root = rootCount_; root-- > 0;)
+        stack.push_back(root);
+    while (!stack.empty()) {
+        const std::size_t at = stack.back();
+        stack.pop_back();
+        if (cells_[at].child != 0)
+            for (std::size_t c = 8; c-- > 0;)
+                stack.push_back(cells_[at].child + c);
+        else if (cells_[at].open > 0)
+            leafs.push_back(at);
+    }
+    return leafs;
+}
+
+} // namespace q3

@@ -1,0 +1,65 @@
+// GPL-2.0-or-later. The octree of the sparse SH grid while it is built.
+#pragma once
+
+#include "q3map2/light/sparse/sparse_lattice.h"
+
+#include <vector>
+
+namespace q3 {
+
+/// A cell of the octree: a leaf, or an inner node with eight children.
+struct OctreeCell {
+    LatticePoint origin{};   ///< lower corner
+    std::int32_t level = 0;  ///< its edge is 2^level smallest cells
+    std::uint32_t child = 0; ///< index of the first child; child c is the octant of corner c. 0: leaf
+    float open = 0;          ///< open share of its volume, estimated from its points; 0: no open space at all
+    float error = 0;         ///< of interpolation between its corners: displayed, mean square, bytes^2
+
+    std::int32_t Edge() const { return std::int32_t(1) << level; }
+    /// Open volume in smallest cells.
+    float Volume() const { return open * float(std::int64_t(1) << (3 * level)); }
+    /// Corner c: bit 0 of c is set for the upper corners in x, bit 1 in y, bit 2 in z.
+    LatticePoint Corner(std::size_t c) const {
+        return {origin[0] + (c & 1 ? Edge() : 0), origin[1] + (c & 2 ? Edge() : 0), origin[2] + (c & 4 ? Edge() : 0)};
+    }
+    bool HasCorner(const LatticePoint &p) const { return ((p[0] | p[1] | p[2]) & (Edge() - 1)) == 0; }
+    /// Trilinear weight of corner c at a position in lattice units.
+    float Weight(std::size_t c, const Vec3f &at) const {
+        float weight = 1;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const float part = (at[axis] - float(origin[axis])) / float(Edge());
+            weight *= c >> axis & 1 ? part : 1 - part;
+        }
+        return weight;
+    }
+};
+
+inline Vec3f LatticePosition(const LatticePoint &p) {
+    return {float(p[0]), float(p[1]), float(p[2])};
+}
+
+class Octree {
+  public:
+    static constexpr std::size_t kNone = std::size_t(-1);
+    explicit Octree(const SparseLattice &lattice);
+    /// Gives a leaf eight children, as open as it is. References to cells become invalid.
+    void Split(std::size_t leaf);
+    /// The leaf that contains the point, lower faces included; kNone outside.
+    std::size_t LeafAt(const LatticePoint &p) const;
+    /// The leafs that touch a point, by octant around it; kNone outside.
+    std::array<std::size_t, 8> LeafsAround(const LatticePoint &p) const;
+    /// All leafs that have open space, in the order of the tree.
+    std::vector<std::size_t> OpenLeafs() const;
+    OctreeCell &operator[](std::size_t i) { return cells_[i]; }
+    const OctreeCell &operator[](std::size_t i) const { return cells_[i]; }
+    std::size_t Size() const { return cells_.size(); }
+    std::size_t RootCount() const { return rootCount_; }
+
+  private:
+    Int3 roots_;
+    int levels_;
+    std::size_t rootCount_;
+    std::vector<OctreeCell> cells_; ///< the roots first, x fastest; parents before their children
+};
+
+} // namespace q3

@@ -1,0 +1,35 @@
+// GPL-2.0-or-later. The best octree of a given cost.
+#include "q3map2/light/sparse/octree_prune.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+PrunedOctree PruneOctree(Octree &tree, float price) {
+    std::vector<float> cost(tree.Size());
+    for (std::size_t i = tree.Size(); i-- > 0;) { // children come after their parents
+        OctreeCell &cell = tree[i];
+        if (cell.open <= 0)
+            continue;
+        const float asLeaf = cell.error * cell.Volume() + price;
+        float asParent = 0;
+        for (std::size_t c = 0; c < 8 && cell.child != 0; ++c)
+            asParent += cost[cell.child + c];
+        const bool prune = cell.child != 0 && i >= tree.RootCount() && asLeaf <= asParent;
+        if (prune)
+            cell.child = 0;
+        cost[i] = cell.child == 0 ? asLeaf : asParent;
+    }
+    PrunedOctree result;
+    double error = 0, volume = 0;
+    for (const std::size_t leaf : tree.OpenLeafs()) {
+        error += double(tree[leaf].error) * double(tree[leaf].Volume());
+        volume += double(tree[leaf].Volume());
+        ++result.leafs;
+    }
+    result.error = volume > 0 ? std::sqrt(error / volume) : 0;
+    return result;
+}
+
+} // namespace q3

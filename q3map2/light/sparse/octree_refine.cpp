@@ -1,0 +1,241 @@
+// GPL-2.0-or-later. Refinement of the octree where the light is not smooth.
+#include "q3map2/light/sparse/octree_refine.h"
+
+#include "q3map2/light/sparse/display_error.h"
+
+#include <array>
+#include <bit>
+#include <limits>
+
+namespace q3 {
+
+namespace {
+
+/// Expected squared error of a cell of the uniform grid, over the sum of its squared second differences by axis; of a
+/// new cell, over the mean squared surplus of its corners. Smooth light has 0.02 and 0.06, an edge up to 0.25 and 1.
+constexpr float kBaseShare = 0.15f, kSurplusShare = 0.2f;
+/// Cells worked on by one job.
+constexpr std::int64_t kChunk = 256;
+
+/// Calls use(i) for i from 0 to count - 1, on all workers.
+template <typename Use> void ForEach(const JobPool &jobs, std::size_t count, const Use &use) {
+    jobs.For((std::int64_t(count) + kChunk - 1) / kChunk, [&](std::int64_t chunk, int) {
+        const std::size_t end = std::min(count, std::size_t((chunk + 1) * kChunk));
+        for (auto i = std::size_t(chunk * kChunk); i < end; ++i)
+            use(i);
+    });
+}
+
+} // namespace
+
+LatticePoint OctreeRefiner::Inner(const OctreeCell &cell, std::size_t n) {
+    const std::int32_t half = cell.Edge() / 2;
+    return {cell.origin[0] + std::int32_t(n % 3) * half, cell.origin[1] + std::int32_t(n / 3 % 3) * half,
+            cell.origin[2] + std::int32_t(n / 9) * half};
+}
+
+void OctreeRefiner::SetOpen(OctreeCell &cell) const {
+    if (!in_.space.AnyOpen(lattice_.PositionOf(cell.origin), lattice_.PositionOf(cell.Corner(7)), kClearance)) {
+        cell.open = 0;
+        return;
+    }
+    float open = 0;
+    for (std::size_t c = 0; c < 8; ++c) {
+        const std::uint32_t number = light_.Find(cell.Corner(c));
+        open += number != LatticeLight::kUnknown && light_[number].open ? 1.0f / 8 : 0;
+    }
+    cell.open = std::max(open, 1.0f / 8);
+}
+
+ShFloats OctreeRefiner::Interpolated(const OctreeCell &cell, const LatticePoint &p) const {
+    ShFloats value{};
+    for (std::size_t c = 0; c < 8; ++c) {
+        const float weight = cell.Weight(c, LatticePosition(p));
+        if (weight == 0)
+            continue;
+        const ShFloats &corner = light_.At(cell.Corner(c)).value;
+        for (std::size_t i = 0; i < kShFloats; ++i)
+            value[i] += weight * corner[i];
+    }
+    return value;
+}
+
+void OctreeRefiner::Start(const LightGridSH &uniform) {
+    for (std::size_t i = 0; i < tree_.Size(); ++i) {
+        SetOpen(tree_[i]);
+        if (tree_[i].open > 0 && tree_[i].level > lattice_.BaseLevel())
+            tree_.Split(i);
+    }
+    AddUniformPoints(uniform);
+    ForEach(in_.jobs, tree_.Size(), [&](std::size_t i) {
+        if (tree_[i].open > 0)
+            SetOpen(tree_[i]);
+    });
+    EstimateBaseCells();
+    MeasureLargeCells();
+}
+
+void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform) {
+    std::size_t first = light_.Size();
+    for (std::size_t i = 0; i < tree_.Size(); ++i)
+        if (tree_[i].level == lattice_.BaseLevel() && tree_[i].open > 0)
+            for (std::size_t c = 0; c < 8; ++c) {
+                const LatticePoint p = tree_[i].Corner(c);
+                if (light_.Find(p) == LatticeLight::kUnknown)
+                    light_.Add({p, false, std::bit_cast<ShFloats>(uniform.points[lattice_.UniformIndex(p)])});
+            }
+    ForEach(in_.jobs, light_.Size() - first, [&](std::size_t i) {
+        LitPoint &point = light_[first + i];
+        point.open = PlaceInOpen(in_.space, lattice_.PositionOf(point.at)).state == PointState::Open;
+    });
+}
+
+/// Sum over axes of the squared difference of a point from the mean of its two neighbors. Axes on which one of the
+/// three is in a solid do not count.
+float OctreeRefiner::SecondDifference(const LitPoint &point) const {
+    float sum = 0;
+    for (std::size_t axis = 0; axis < 3 && point.open; ++axis) {
+        LatticePoint low = point.at, high = point.at;
+        low[axis] -= 1 << lattice_.BaseLevel();
+        high[axis] += 1 << lattice_.BaseLevel();
+        const std::uint32_t a = light_.Find(low), b = light_.Find(high);
+        if (a == LatticeLight::kUnknown || b == LatticeLight::kUnknown || !light_[a].open || !light_[b].open)
+            continue;
+        ShFloats mean;
+        for (std::size_t i = 0; i < kShFloats; ++i)
+            mean[i] = 0.5f * (light_[a].value[i] + light_[b].value[i]);
+        sum += DisplayError(mean, point.value);
+    }
+    return sum;
+}
+
+void OctreeRefiner::EstimateBaseCells() {
+    std::vector<float> second(light_.Size());
+    ForEach(in_.jobs, second.size(), [&](std::size_t i) { second[i] = SecondDifference(light_[i]); });
+    ForEach(in_.jobs, tree_.Size(), [&](std::size_t i) {
+        OctreeCell &cell = tree_[i];
+        if (cell.level != lattice_.BaseLevel() || cell.open <= 0)
+            return;
+        float sum = 0, count = 0;
+        for (std::size_t c = 0; c < 8; ++c)
+            if (const std::uint32_t number = light_.Find(cell.Corner(c)); light_[number].open)
+                sum += second[number], ++count;
+        cell.error = count > 0 ? kBaseShare * sum / count : 0;
+    });
+}
+
+/// Sets the errors of cells larger than those of the uniform grid from its points inside them.
+void OctreeRefiner::MeasureLargeCells() {
+    const std::int32_t step = std::int32_t(1) << lattice_.BaseLevel();
+    ForEach(in_.jobs, tree_.Size(), [&](std::size_t i) {
+        OctreeCell &cell = tree_[i];
+        if (cell.level <= lattice_.BaseLevel() || cell.open <= 0)
+            return;
+        cell.error = std::numeric_limits<float>::infinity();
+        for (std::size_t c = 0; c < 8; ++c)
+            if (light_.Find(cell.Corner(c)) == LatticeLight::kUnknown)
+                return;
+        float sum = 0, count = 0;
+        for (std::int32_t z = 0; z <= cell.Edge(); z += step)
+            for (std::int32_t y = 0; y <= cell.Edge(); y += step)
+                for (std::int32_t x = 0; x <= cell.Edge(); x += step) {
+                    const LatticePoint p{cell.origin[0] + x, cell.origin[1] + y, cell.origin[2] + z};
+                    const std::uint32_t number = light_.Find(p);
+                    if (number == LatticeLight::kUnknown || !light_[number].open || cell.HasCorner(p))
+                        continue;
+                    sum += DisplayError(Interpolated(cell, p), light_[number].value);
+                    ++count;
+                }
+        cell.error = count > 0 ? sum / count : 0;
+    });
+}
+
+void OctreeRefiner::Refine(float threshold, GridStats &stats) {
+    for (int level = lattice_.BaseLevel(); level > 0; --level) {
+        std::vector<std::size_t> cells;
+        for (std::size_t i = 0; i < tree_.Size(); ++i)
+            if (tree_[i].child == 0 && tree_[i].level == level && tree_[i].error * tree_[i].Volume() > threshold)
+                cells.push_back(i);
+        for (const std::size_t i : cells)
+            for (std::size_t n = 0; n < 27; ++n)
+                light_.Ask(Inner(tree_[i], n));
+        FillSolids(cells, light_.Light(stats));
+        for (const std::size_t i : cells)
+            tree_.Split(i);
+        ForEach(in_.jobs, cells.size(), [&](std::size_t i) { SplitCell(cells[i]); });
+    }
+}
+
+/// Gives the new points of cells that are in solids a value: interpolated, plus the mean surplus of the points of the
+/// same cell in the open, by the inverse of their squared distance. A point of several cells gets the mean of theirs.
+void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_t firstNew) {
+    std::vector<float> fills(light_.Size() - firstNew);
+    const Vec3f shape = lattice_.Cell();
+    for (const std::size_t i : cells) {
+        const OctreeCell &cell = tree_[i];
+        std::array<std::uint32_t, 27> numbers{};
+        bool anySolid = false;
+        for (std::size_t n = 0; n < 27; ++n) {
+            numbers[n] = light_.Find(Inner(cell, n));
+            anySolid = anySolid || (numbers[n] >= firstNew && !light_[numbers[n]].open);
+        }
+        if (!anySolid)
+            continue;
+        std::array<ShFloats, 27> line;
+        for (std::size_t n = 0; n < 27; ++n)
+            line[n] = Interpolated(cell, light_[numbers[n]].at);
+        for (std::size_t n = 0; n < 27; ++n) {
+            LitPoint &point = light_[numbers[n]];
+            if (numbers[n] < firstNew || point.open)
+                continue;
+            ShFloats surplus{};
+            float total = 0;
+            for (std::size_t m = 0; m < 27; ++m) {
+                const LitPoint &other = light_[numbers[m]];
+                if (!other.open)
+                    continue;
+                const Vec3f away = (LatticePosition(other.at) - LatticePosition(point.at)) * shape;
+                const float weight = 1 / Dot(away, away);
+                total += weight;
+                for (std::size_t k = 0; k < kShFloats; ++k)
+                    surplus[k] += weight * (other.value[k] - line[m][k]);
+            }
+            float &count = fills[numbers[n] - firstNew];
+            for (std::size_t k = 0; k < kShFloats; ++k) {
+                const float value = line[n][k] + (total > 0 ? surplus[k] / total : 0);
+                point.value[k] = (point.value[k] * count + value) / (count + 1);
+            }
+            ++count;
+        }
+    }
+}
+
+/// Sets the error of a cell from the surplus of its children's corners, and what the children are expected to have.
+void OctreeRefiner::SplitCell(std::size_t parent) {
+    OctreeCell &cell = tree_[parent];
+    std::array<float, 27> surplus{};
+    std::array<bool, 27> known{};
+    float sum = 0, count = 0;
+    for (std::size_t n = 0; n < 27; ++n) {
+        const LitPoint &point = light_.At(Inner(cell, n));
+        known[n] = point.open && !cell.HasCorner(point.at);
+        if (!known[n])
+            continue;
+        surplus[n] = DisplayError(Interpolated(cell, point.at), point.value);
+        sum += surplus[n], ++count;
+    }
+    cell.error = count > 0 ? sum / count : 0;
+    for (std::size_t c = 0; c < 8; ++c) {
+        OctreeCell &child = tree_[cell.child + c];
+        SetOpen(child);
+        float childSum = 0, childCount = 0;
+        for (std::size_t d = 0; d < 8; ++d) {
+            const std::size_t n = ((c & 1) + (d & 1)) + 3 * ((c >> 1 & 1) + (d >> 1 & 1)) + 9 * ((c >> 2) + (d >> 2));
+            if (known[n])
+                childSum += surplus[n], ++childCount;
+        }
+        child.error = childCount > 0 ? kSurplusShare * childSum / childCount : 0;
+    }
+}
+
+} // namespace q3

@@ -1,0 +1,43 @@
+// GPL-2.0-or-later. Refinement of the octree where the light is not smooth.
+#pragma once
+
+#include "q3map2/light/sparse/lattice_light.h"
+#include "q3map2/light/sparse/octree.h"
+
+namespace q3 {
+
+/// Splits cells in the order of their expected error, and traces the points that this adds. Keeps references.
+///
+/// The surplus of a point is the difference of its light from what the larger cell around it gives by interpolation.
+/// Where light is smooth, the surplus falls to a quarter with each halving of cells; at shadow edges and beside lamps
+/// it hardly falls. Cells are expected to err by the surplus of the points around them times a factor between these.
+class OctreeRefiner {
+  public:
+    OctreeRefiner(const GridInputs &in, const SparseLattice &lattice, Octree &tree, LatticeLight &light)
+        : in_(in), lattice_(lattice), tree_(tree), light_(light) {}
+    /// Splits all cells with open space down to those of the uniform grid, takes its points, and sets the errors.
+    void Start(const LightGridSH &uniform);
+    /// Splits cells, also those of earlier calls, while their squared error times their open volume (bytes^2 times
+    /// smallest cells) is above `threshold`.
+    void Refine(float threshold, GridStats &stats);
+
+  private:
+    /// Point n of the 3 x 3 x 3 corners of a cell's children.
+    static LatticePoint Inner(const OctreeCell &cell, std::size_t n);
+    /// Sets OctreeCell::open.
+    void SetOpen(OctreeCell &cell) const;
+    ShFloats Interpolated(const OctreeCell &cell, const LatticePoint &p) const;
+    void AddUniformPoints(const LightGridSH &uniform);
+    float SecondDifference(const LitPoint &point) const;
+    void EstimateBaseCells();
+    void MeasureLargeCells();
+    void FillSolids(const std::vector<std::size_t> &cells, std::size_t firstNew);
+    void SplitCell(std::size_t cell);
+
+    const GridInputs &in_;
+    const SparseLattice &lattice_;
+    Octree &tree_;
+    LatticeLight &light_;
+};
+
+} // namespace q3

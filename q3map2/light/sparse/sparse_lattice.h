@@ -1,0 +1,42 @@
+// GPL-2.0-or-later. Where the cells of the sparse SH grid are.
+#pragma once
+
+#include "libs/math/vec.h"
+#include "q3map2/bspfile/bsp.h"
+
+#include <array>
+#include <cstdint>
+
+namespace q3 {
+
+/// A point of the lattice of the smallest cells.
+using LatticePoint = std::array<std::int32_t, 3>;
+
+/// The lattice of the smallest cells, laid so that points of the uniform SH grid are points of it. An octree over it
+/// has roots of edge 2^levels; cells of level l have an edge of 2^l smallest cells; those of baseLevel are the cells of
+/// the uniform grid.
+class SparseLattice {
+  public:
+    /// uniform: header of the uniform grid. Its cells are halved while no edge falls below the least cell of SH grids,
+    /// at most twice.
+    explicit SparseLattice(const bspGridSHHeader_t &uniform);
+    int BaseLevel() const { return baseLevel_; }
+    int Levels() const { return levels_; }
+    const Vec3f &Mins() const { return mins_; }
+    const Vec3f &Cell() const { return cell_; }
+    const Int3 &Roots() const { return roots_; }
+    Vec3f PositionOf(const LatticePoint &p) const {
+        return mins_ + cell_ * Vec3f{float(p[0]), float(p[1]), float(p[2])};
+    }
+    /// Index of the point of the uniform grid at p, or nearest to p where p is beside that grid.
+    std::size_t UniformIndex(const LatticePoint &p) const;
+
+  private:
+    bspGridSHHeader_t uniform_;
+    int baseLevel_ = 0, levels_ = 0;
+    Vec3f mins_, cell_;
+    Int3 roots_{};
+    LatticePoint first_{}; ///< where the first point of the uniform grid is
+};
+
+} // namespace q3

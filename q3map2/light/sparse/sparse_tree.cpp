@@ -1,0 +1,134 @@
+// GPL-2.0-or-later. The sparse SH grid as it is stored.
+#include "q3map2/light/sparse/sparse_tree.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace q3 {
+
+namespace {
+
+/// What the file says of the lower corner of a leaf.
+enum class Owned : std::uint8_t { Nothing, Stored, Hanging };
+
+class TreeWriter {
+  public:
+    TreeWriter(Octree tree, const LatticeLight &light, const CornerWeights &corners)
+        : tree_(std::move(tree)), light_(light), corners_(corners) {
+        for (const std::uint32_t number : corners.Stored())
+            Place(light[number].at, Owned::Stored);
+        for (const std::size_t leaf : tree_.OpenLeafs())
+            for (std::size_t c = 0; c < 8; ++c)
+                if (const LatticePoint p = tree_[leaf].Corner(c); !corners.IsStored(light.Find(p)))
+                    PlaceHanging(p);
+    }
+
+    SparseGridTree Write(const std::vector<ShFloats> &values) const;
+
+  private:
+    /// Makes p the lower corner of the leaf that contains it. False: p is on the boundary of an open leaf, or outside.
+    bool Place(const LatticePoint &p, Owned what) {
+        std::size_t leaf = tree_.LeafAt(p);
+        if (leaf == Octree::kNone)
+            return false;
+        while (tree_[leaf].origin != p) {
+            if (tree_[leaf].open > 0)
+                return false;
+            tree_.Split(leaf);
+            owned_.resize(tree_.Size(), Owned::Nothing);
+            std::swap(owned_[leaf], owned_[tree_[leaf].child]); // the lower corner is now that of the first child
+            leaf = tree_.LeafAt(p);
+        }
+        owned_.resize(tree_.Size(), Owned::Nothing);
+        const bool isNew = owned_[leaf] == Owned::Nothing;
+        if (isNew)
+            owned_[leaf] = what;
+        return isNew;
+    }
+    /// Places a hanging point and those that it follows from: the points beside it on the axes on which it is an odd
+    /// multiple of the greatest power of two that divides all its coordinates.
+    void PlaceHanging(const LatticePoint &p) {
+        if (!Place(p, Owned::Hanging))
+            return;
+        const int power = std::countr_zero(std::uint32_t(p[0] | p[1] | p[2]));
+        std::vector<LatticePoint> parents{p};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if ((p[axis] >> power & 1) == 0)
+                continue;
+            const std::size_t count = parents.size();
+            for (std::size_t i = 0; i < count; ++i) {
+                parents.push_back(parents[i]);
+                parents[i][axis] -= 1 << power;
+                parents.back()[axis] += 1 << power;
+            }
+        }
+        for (const LatticePoint &parent : parents) {
+            const std::uint32_t number = light_.Find(parent);
+            if (number == LatticeLight::kUnknown || !corners_.IsStored(number))
+                PlaceHanging(parent);
+        }
+    }
+    /// Whether the cell or a cell below it owns something.
+    std::vector<bool> FindUsed() const;
+
+    Octree tree_;
+    const LatticeLight &light_;
+    const CornerWeights &corners_;
+    std::vector<Owned> owned_; ///< by cell
+};
+
+std::vector<bool> TreeWriter::FindUsed() const {
+    std::vector<bool> used(tree_.Size());
+    for (std::size_t i = tree_.Size(); i-- > 0;) {
+        if (tree_[i].child == 0)
+            used[i] = i < owned_.size() && owned_[i] != Owned::Nothing;
+        for (std::size_t c = 0; c < 8 && tree_[i].child != 0; ++c)
+            used[i] = used[i] || used[tree_[i].child + c];
+    }
+    return used;
+}
+
+SparseGridTree TreeWriter::Write(const std::vector<ShFloats> &values) const {
+    SparseGridTree file;
+    const std::vector<bool> used = FindUsed();
+    std::vector<std::size_t> level(tree_.RootCount()), next;
+    for (std::size_t i = 0; i < level.size(); ++i)
+        level[i] = i;
+    std::vector<std::uint32_t> valueOf(light_.Size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+        valueOf[corners_.Stored()[i]] = std::uint32_t(i);
+    for (; !level.empty(); level = std::move(next), next.clear())
+        for (const std::size_t at : level) {
+            SparseGridNode &node = file.nodes.emplace_back();
+            for (std::size_t c = 0; c < 8 && tree_[at].child != 0; ++c) {
+                const std::size_t child = tree_[at].child + c;
+                const auto bit = std::uint8_t(1u << c);
+                if (tree_[child].child != 0 && used[child]) {
+                    node.inner |= bit;
+                    next.push_back(child);
+                } else if (used[child] && owned_[child] == Owned::Hanging)
+                    node.hanging |= bit;
+                else if (used[child]) {
+                    node.stored |= bit;
+                    file.values.push_back(
+                        std::bit_cast<bspGridPointSH_t>(values[valueOf[light_.Find(tree_[child].origin)]]));
+                }
+            }
+        }
+    return file;
+}
+
+} // namespace
+
+SparseGridTree MakeSparseTree(Octree tree, const LatticeLight &light, const CornerWeights &corners,
+                              const SparseLattice &lattice, const std::vector<ShFloats> &values) {
+    SparseGridTree file = TreeWriter(std::move(tree), light, corners).Write(values);
+    const Vec3f &mins = lattice.Mins(), &cell = lattice.Cell();
+    file.mins = {mins.x, mins.y, mins.z};
+    file.cell = {cell.x, cell.y, cell.z};
+    file.roots = lattice.Roots();
+    file.levels = lattice.Levels();
+    return file;
+}
+
+} // namespace q3
