@@ -2,6 +2,7 @@
 #pragma once
 
 #include "q3map2/bspfile/bsp_records.h"
+#include "q3map2/bspfile/sparse_grid.h"
 
 #include <array>
 #include <cstddef>
@@ -19,7 +20,7 @@ struct BspxLump {
     std::vector<std::byte> data;
 };
 
-inline constexpr std::string_view kBspxLightGridSH = "LIGHTGRID_SH";
+inline constexpr std::string_view kBspxLightGridSH = "LIGHTGRID_SH", kBspxSparseGridSH = "LIGHTGRID_SH_SPARSE";
 inline constexpr std::string_view kBspxLightmapsE5bgr9 = "LIGHTING_E5BGR9", kBspxVertexE5bgr9 = "VERTEX_E5BGR9",
                                   kBspxRnm = "LIGHTING_RNM";
 inline constexpr std::string_view kBspxAmbientCubes = "AMBIENT_CUBES";
@@ -75,6 +76,7 @@ struct Bsp {
     std::vector<bspAdvertisement_t> advertisements;
     std::optional<LightGridSH> gridSH;
     GridSHContainer gridSHContainer = GridSHContainer::Lump;
+    std::optional<SparseGridSH> sparseGridSH; ///< in the BSPX lump kBspxSparseGridSH
     // HDR light as E5BGR9 codes (libs/math/packed_color.h), in BSPX lumps; empty: no such lump.
     std::vector<std::uint32_t> lightmapsE5bgr9; ///< for each texel of `lightmaps`; pages of directions hold 0
     std::vector<std::uint32_t> vertexE5bgr9;    ///< for each of drawVerts

@@ -5,6 +5,7 @@
 #include "q3map2/bspfile/bspfile_cubes.h"
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/bspfile_hdr.h"
+#include "q3map2/bspfile/bspfile_sparse.h"
 
 #include <bit>
 
@@ -129,6 +130,13 @@ void BspPieces::TakeBspx(const Bsp &bsp) {
     add(!bsp.lightmapsE5bgr9.empty(), kBspxLightmapsE5bgr9, {BytesOf(bsp.lightmapsE5bgr9)});
     add(!bsp.vertexE5bgr9.empty(), kBspxVertexE5bgr9, {BytesOf(bsp.vertexE5bgr9)});
     add(bsp.rnm.has_value(), kBspxRnm, bsp.rnm ? RnmPieces(*bsp.rnm) : Pieces{});
+    if (bsp.sparseGridSH) {
+        CheckSparseGrid(*bsp.sparseGridSH, "writing");
+        sparseHeader_ = HeaderOf(*bsp.sparseGridSH);
+        add(true, kBspxSparseGridSH,
+            {std::as_bytes(std::span(&sparseHeader_, 1)), BytesOf(bsp.sparseGridSH->nodes),
+             BytesOf(bsp.sparseGridSH->points)});
+    }
     if (!bsp.ambientCubes)
         return;
     CheckAmbientCubes(bsp, "writing");

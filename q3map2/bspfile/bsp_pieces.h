@@ -53,6 +53,7 @@ class BspPieces {
     FilePlan plan_;
     std::vector<std::byte> header_, directory_;
     bspCubeHeader_t cubeHeader_;
+    bspSparseGridHeader_t sparseHeader_;
 };
 
 } // namespace q3

@@ -160,6 +160,16 @@ struct bspCubeSample_t {
     std::uint8_t unused = 0;
 };
 
+/// Head of the BSPX lump LIGHTGRID_SH_SPARSE. `nodes` SparseGridNode and `points` SparseGridPoint follow.
+struct bspSparseGridHeader_t {
+    std::array<char, 4> magic{'S', 'H', 'G', 'S'};
+    std::uint32_t version = 1;
+    std::uint32_t bytes = 0; ///< of the lump
+    Float3 mins{}, cell{};
+    Int3 roots{};
+    std::uint32_t levels = 0, nodes = 0, points = 0, reserved = 0;
+};
+
 template <typename Record, std::size_t size>
 inline constexpr bool kPinned = sizeof(Record) == size &&std::is_trivially_copyable_v<Record>;
 static_assert(kPinned<bspShader_t, 72> && kPinned<bspPlane_t, 16> && kPinned<bspNode_t, 36>);
@@ -168,6 +178,7 @@ static_assert(kPinned<bspBrushSide_t, 8> && kPinned<bspDrawVert_t, 44> && kPinne
 static_assert(kPinned<bspDrawSurface_t, 104> && kPinned<bspGridPoint_t, 8> && kPinned<bspAdvertisement_t, 128>);
 static_assert(kPinned<bspRnmHeader_t, 20>);
 static_assert(kPinned<bspCubeHeader_t, 16> && kPinned<bspCubeLeaf_t, 4> && kPinned<bspCubeSample_t, 28>);
+static_assert(kPinned<bspSparseGridHeader_t, 64>);
 static_assert(kPinned<bspGridSHHeader_t, 40> && kPinned<bspGridPointSH_t, 108>);
 
 } // namespace q3

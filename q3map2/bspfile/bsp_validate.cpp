@@ -411,6 +411,8 @@ class Validator {
                 Fail({"BSPX lump", i}, "the name has {} bytes, expected at most {}", lump.size(), kBspxNameBytes);
             if (lump == kBspxLightGridSH)
                 Fail({"BSPX lump", i}, "the name {} belongs to the SH light grid", lump);
+            if (lump == kBspxSparseGridSH)
+                Fail({"BSPX lump", i}, "the name {} belongs to the sparse SH light grid", lump);
             if (IsHdrLump(lump))
                 Fail({"BSPX lump", i}, "the name {} belongs to HDR light", lump);
             if (lump == kBspxAmbientCubes)

@@ -3,9 +3,10 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/bsp_validate.h"
-#include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/bspfile_cubes.h"
+#include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/bspfile_hdr.h"
+#include "q3map2/bspfile/bspfile_sparse.h"
 #include "q3map2/bspfile/bspx.h"
 
 #include <algorithm>
@@ -179,6 +180,10 @@ class Reader {
                 continue;
             if (lump.name == kBspxAmbientCubes) {
                 bsp.ambientCubes = ReadAmbientCubes(file_, lump.part, name_);
+                continue;
+            }
+            if (lump.name == kBspxSparseGridSH) {
+                bsp.sparseGridSH = ReadSparseGrid(file_, lump.part, name_);
                 continue;
             }
             if (lump.name != kBspxLightGridSH) {

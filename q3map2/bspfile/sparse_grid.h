@@ -1,10 +1,12 @@
 // GPL-2.0-or-later. The sparse SH light grid: an octree whose cells share their corners.
 #pragma once
 
-#include "q3map2/bspfile/bsp.h"
+#include "q3map2/bspfile/bsp_records.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace q3 {
@@ -29,9 +31,15 @@ struct SparseGridPoint {
     std::array<std::int8_t, 24> bands{}; ///< coefficients 1 to 8, red green blue each, over coefficient 0
     bool operator==(const SparseGridPoint &) const = default;
 };
+static_assert(kPinned<SparseGridNode, 12> && kPinned<SparseGridPoint, 28>);
 
 /// Nodes are in breadth-first order, the roots first, x fastest, then y, then z; children of a node are consecutive,
 /// as are the points of its cells, both in the order of octants, so that all indexes are running sums.
+///
+/// The value at a position: the corners of its cell get trilinear weights. For cubes of the lattice from that cell on,
+/// each twice as large as the one before and around it: a stored corner takes its weight, a corner without a value, or
+/// outside the roots, loses it, and the weights of others (hanging, or no corner of the cell that owns the point) go to
+/// the corners of the next cube, by trilinear weights in it. The sum is divided by the weight that was taken.
 struct SparseGridSH {
     Float3 mins{};           ///< lower corner of root 0
     Float3 cell{};           ///< size of the smallest cells
@@ -40,6 +48,7 @@ struct SparseGridSH {
     std::vector<SparseGridNode> nodes;
     std::vector<SparseGridPoint> points;
     bool Empty() const { return nodes.empty(); }
+    bool operator==(const SparseGridSH &) const = default;
 };
 
 /// The same with plain values: what PackSparseGrid quantizes. `children`, `points` and `scale` of nodes are not used.
@@ -50,5 +59,29 @@ struct SparseGridTree {
     std::vector<SparseGridNode> nodes;
     std::vector<bspGridPointSH_t> values; ///< of stored cells, in the order of SparseGridSH::points
 };
+
+inline constexpr std::int32_t kMaxSparseLevels = 12;
+/// The most smallest cells along an axis, that is, roots * 2^levels.
+inline constexpr std::int32_t kMaxSparseCells = 1 << 24;
+/// Limits of bands 1 and 2 of cosine-convolved light that is nowhere negative, over coefficient 0: 2 / sqrt(3) and
+/// sqrt(5) / 4, those of light from a single direction.
+inline constexpr std::array<float, 2> kSparseBandLimits = {1.15470054f, 0.559016994f};
+
+/// What a node's scale multiplies kSparseBandLimits by: 2^((scale - 128) / 8).
+float SparseScale(std::uint8_t scale);
+
+/// Quantizes the values. The scale of a node is the smallest that holds its points; light below zero becomes 0 in
+/// coefficient 0. Errors: those of CheckSparseGrid, another number of values than of stored cells, values that are not
+/// finite.
+SparseGridSH PackSparseGrid(const SparseGridTree &tree);
+/// The coefficients of a point of a node with that scale.
+bspGridPointSH_t DequantizePoint(const SparseGridPoint &point, std::uint8_t scale);
+/// The values of all points. Errors: none for a grid that CheckSparseGrid accepts.
+std::vector<bspGridPointSH_t> DequantizePoints(const SparseGridSH &grid);
+
+/// The bytes of the lump. Errors: those of CheckSparseGrid.
+std::vector<std::byte> EncodeSparseGrid(const SparseGridSH &grid);
+/// Errors: a bad head, a length that does not fit it, those of CheckSparseGrid.
+SparseGridSH DecodeSparseGrid(std::span<const std::byte> lump);
 
 } // namespace q3

@@ -110,6 +110,12 @@ void TransformGrids(const Bsp &before, const AxisTransform &transform, Bsp &bsp,
         for (std::size_t i = 0; i < 3; ++i)
             head.gridSize[i] = float(double(head.gridSize[i]) * transform.factors[i]);
     }
+    if (bsp.sparseGridSH) {
+        SparseGridSH &grid = *bsp.sparseGridSH;
+        grid.mins = transform.Apply(grid.mins);
+        for (std::size_t i = 0; i < 3; ++i)
+            grid.cell[i] = float(double(grid.cell[i]) * transform.factors[i]);
+    }
     std::erase_if(bsp.bspx, [&](const BspxLump &lump) {
         const bool keeps = std::ranges::find(kLumpsWithoutPositions, lump.name) != kLumpsWithoutPositions.end();
         if (!keeps)

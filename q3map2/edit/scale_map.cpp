@@ -163,7 +163,7 @@ void ScaleMap(Bsp &bsp, const ScaleOptions &options, std::string_view name, Log 
     const Bsp before = bsp;
     Scaler(bsp, options).Run(name);
     const bool isUniform = options.factors.x == options.factors.y && options.factors.y == options.factors.z;
-    if (!isUniform && (bsp.gridSH || bsp.ambientCubes || !bsp.gridPoints.empty()))
+    if (!isUniform && (bsp.gridSH || bsp.sparseGridSH || bsp.ambientCubes || !bsp.gridPoints.empty()))
         log.Warn("light of another shape",
                  "factors differ, and directions of the light grids are those of the old shape: light the map again");
     TransformGrids(before, {options.factors, {}}, bsp, log);

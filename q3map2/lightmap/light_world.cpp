@@ -89,6 +89,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     if (setup.options.staticPropLighting || !lightmap.onlyGrid)
         SetPropLight(bsp, PackPropLight(setup.props, result.props));
     bsp.gridSH.reset();
+    bsp.sparseGridSH.reset();
     bsp.ambientCubes.reset();
     setup.stored.front().Erase(kGridSHKey);
     RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap.onlyGrid, !options.noGrid,

@@ -1,0 +1,152 @@
+// GPL-2.0-or-later. The BSPX lump LIGHTGRID_SH_SPARSE.
+#include "q3map2/bspfile/bspfile_sparse.h"
+
+#include "common/error.h"
+#include "q3map2/bspfile/bsp_layout.h"
+
+#include <bit>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+/// Errors: a position or size that is not finite, counts out of range. Returns the number of roots.
+std::uint64_t CheckSparseHead(const SparseGridSH &grid) {
+    if (grid.levels < 1 || grid.levels > kMaxSparseLevels)
+        throw Error("levels is {}, expected 1 to {}", std::uint32_t(grid.levels), kMaxSparseLevels);
+    const std::int32_t most = kMaxSparseCells >> grid.levels;
+    constexpr std::size_t most32 = UINT32_MAX / (sizeof(SparseGridNode) + sizeof(SparseGridPoint)) - 2;
+    if (grid.nodes.size() > most32 || grid.points.size() > most32)
+        throw Error("{} nodes and {} points, expected at most {}", grid.nodes.size(), grid.points.size(), most32);
+    std::uint64_t roots = 1;
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (!std::isfinite(grid.mins[i]))
+            throw Error("mins[{}] is {}, not a finite number", i, grid.mins[i]);
+        if (!std::isfinite(grid.cell[i]) || grid.cell[i] <= 0)
+            throw Error("cell[{}] is {}, expected a number above 0", i, grid.cell[i]);
+        if (grid.roots[i] < 1 || grid.roots[i] > most)
+            throw Error("roots[{}] is {}, expected 1 to {} with {} levels", i, grid.roots[i], most, grid.levels);
+        roots *= std::uint64_t(grid.roots[i]); // at most 2^23 each
+        const float end = grid.mins[i] + grid.cell[i] * float(grid.roots[i] << grid.levels);
+        if (!std::isfinite(end))
+            throw Error("the grid ends at {} on axis {}, not a finite number", end, i);
+        if (roots > grid.nodes.size())
+            throw Error("{} nodes, but roots are {} x {} x {}", grid.nodes.size(), grid.roots[0], grid.roots[1],
+                        grid.roots[2]);
+    }
+    return roots;
+}
+
+/// One pass over the nodes, level by level.
+void CheckSparseNodes(const SparseGridSH &grid, std::uint64_t roots) {
+    std::uint64_t children = roots, points = 0, levelEnd = roots;
+    std::int32_t level = 0;
+    for (std::size_t i = 0; i < grid.nodes.size(); ++i) {
+        const SparseGridNode &node = grid.nodes[i];
+        if (i == levelEnd) {
+            ++level;
+            levelEnd = children;
+        }
+        if (i >= children)
+            throw Error("{} nodes, but the tree has {}", grid.nodes.size(), children);
+        if (node.children != children)
+            throw Error("node {}: children is {}, expected {}", i, node.children, children);
+        if (node.points != points)
+            throw Error("node {}: points is {}, expected {}", i, node.points, points);
+        if ((node.inner & node.stored) != 0 || (node.inner & node.hanging) != 0 || (node.stored & node.hanging) != 0)
+            throw Error("node {}: inner {}, stored {} and hanging {} share bits", i, node.inner, node.stored,
+                        node.hanging);
+        if (level == grid.levels - 1 && node.inner != 0)
+            throw Error("node {}: inner is {}, expected 0 in the last of {} levels", i, node.inner, grid.levels);
+        if (level == 0 && node.hanging != 0)
+            throw Error("node {}: hanging is {}, expected 0: no cell is larger than those of a root", i, node.hanging);
+        children += std::uint64_t(std::popcount(node.inner));
+        points += std::uint64_t(std::popcount(node.stored));
+    }
+    if (children != grid.nodes.size())
+        throw Error("{} nodes, but the tree has {}", grid.nodes.size(), children);
+    if (points != grid.points.size())
+        throw Error("{} points, but the nodes have {}", grid.points.size(), points);
+}
+
+void CheckSparseTree(const SparseGridSH &grid) {
+    CheckSparseNodes(grid, CheckSparseHead(grid));
+}
+
+} // namespace
+
+bspSparseGridHeader_t HeaderOf(const SparseGridSH &grid) {
+    bspSparseGridHeader_t head;
+    head.nodes = std::uint32_t(grid.nodes.size());
+    head.points = std::uint32_t(grid.points.size());
+    head.bytes = std::uint32_t(sizeof head + sizeof(SparseGridNode) * grid.nodes.size() +
+                               sizeof(SparseGridPoint) * grid.points.size());
+    head.mins = grid.mins;
+    head.cell = grid.cell;
+    head.roots = grid.roots;
+    head.levels = std::uint32_t(grid.levels);
+    return head;
+}
+
+void CheckSparseGrid(const SparseGridSH &grid, std::string_view name) {
+    try {
+        CheckSparseTree(grid);
+    } catch (const Error &error) {
+        throw Error("{}: BSPX lump {}: {}", name, kBspxSparseGridSH, error.what());
+    }
+}
+
+SparseGridSH ReadSparseGrid(const ByteSource &file, const FilePart &part, std::string_view name) {
+    std::vector<std::byte> lump(std::size_t(part.length));
+    file.Fill(std::uint64_t(part.offset), std::span(lump));
+    try {
+        return DecodeSparseGrid(lump);
+    } catch (const Error &error) {
+        throw Error("{}: BSPX lump {}: {}", name, kBspxSparseGridSH, error.what());
+    }
+}
+
+std::vector<std::byte> EncodeSparseGrid(const SparseGridSH &grid) {
+    CheckSparseTree(grid);
+    const bspSparseGridHeader_t head = HeaderOf(grid);
+    std::vector<std::byte> lump;
+    lump.reserve(head.bytes);
+    for (const auto bytes : {std::as_bytes(std::span(&head, 1)), std::as_bytes(std::span(grid.nodes)),
+                             std::as_bytes(std::span(grid.points))})
+        lump.insert(lump.end(), bytes.begin(), bytes.end());
+    return lump;
+}
+
+SparseGridSH DecodeSparseGrid(std::span<const std::byte> lump) {
+    bspSparseGridHeader_t head;
+    if (lump.size() < sizeof head)
+        throw Error("length {} is under the {} of its head", lump.size(), sizeof head);
+    head = LoadRecord<bspSparseGridHeader_t>(lump, 0);
+    if (head.magic != bspSparseGridHeader_t{}.magic)
+        throw Error("does not start with SHGS");
+    if (head.version != 1)
+        throw Error("version {}, expected 1", head.version);
+    if (head.bytes != lump.size())
+        throw Error("bytes is {}, but the length is {}", head.bytes, lump.size());
+    const std::uint64_t nodeBytes = std::uint64_t(head.nodes) * sizeof(SparseGridNode);
+    const std::uint64_t pointBytes = std::uint64_t(head.points) * sizeof(SparseGridPoint);
+    if (lump.size() != sizeof head + nodeBytes + pointBytes)
+        throw Error("length {} is not {} + {} nodes x {} + {} points x {}", lump.size(), sizeof head, head.nodes,
+                    sizeof(SparseGridNode), head.points, sizeof(SparseGridPoint));
+    if (head.reserved != 0)
+        throw Error("reserved is {}, expected 0", head.reserved);
+    SparseGridSH grid{head.mins, head.cell, head.roots, std::int32_t(head.levels), {}, {}};
+    grid.nodes.resize(head.nodes);
+    grid.points.resize(head.points);
+    const auto fill = [&](std::span<std::byte> to, std::uint64_t at) {
+        if (!to.empty())
+            std::memcpy(to.data(), lump.data() + at, to.size());
+    };
+    fill(std::as_writable_bytes(std::span(grid.nodes)), sizeof head);
+    fill(std::as_writable_bytes(std::span(grid.points)), sizeof head + nodeBytes);
+    CheckSparseTree(grid);
+    return grid;
+}
+
+} // namespace q3
