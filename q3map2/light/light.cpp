@@ -9,6 +9,7 @@
 #include "q3map2/light/cubes/ambient_cubes.h"
 #include "q3map2/light/sparse/sparse_bake.h"
 #include "q3map2/light/grid/gridsh_dering.h"
+#include "q3map2/light/sparse/sparse_bake.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/sources/light_entities.h"
@@ -193,30 +194,47 @@ std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const Indir
     return points;
 }
 
-LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
+namespace {
+
+/// The sparse grid of a uniform one that is not deringed.
+SparseGridSH BakeSparse(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH &uniform, Log &log,
+                        GridStats &stats) {
+    log.Section("TraceSparseGridSH");
+    SparseStats sparse;
+    SparseGridSH grid = BakeSparseGrid(in, lights, uniform, stats, sparse);
+    log.Count((long long)(sparse.leafs), "cells with open space");
+    log.Count((long long)(sparse.stored), "points");
+    log.Print("{:9.2f} MB\n", double(sparse.bytes) / 1e6);
+    log.Print("{:9.2f} of 255 is the expected error of interpolation\n", sparse.error);
+    return grid;
+}
+
+} // namespace
+
+BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
                        GridStats &stats) {
     const LightOptions &options = setup.options;
     log.Section("TraceGridSH");
     const GridLayout layout = SetupGridSH(setup.bsp, setup.layout.size, options, log);
     const std::vector<Light> lights = LightsForSH(setup, log);
     const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
-    LightGridSH grid = TraceGridSH(in, layout, lights, stats);
-    if (std::getenv("SG"))
-        BakeSparseGrid(in, lights, grid, stats);
+    BakedGridSH baked{TraceGridSH(in, layout, lights, stats), {}};
     GridStats shown = stats; // prints the counts of points that -info finds in the file, not those of this pass
-    const GridShares shares = CountGridShares(setup.bsp, grid);
+    const GridShares shares = CountGridShares(setup.bsp, baked.uniform);
     shown.open = std::int64_t(shares.open);
     shown.filled = std::int64_t(shares.filled);
     shown.moved = 0;
     shown.Print(log);
+    if (options.shAdaptive)
+        baked.sparse = BakeSparse(in, lights, baked.uniform, log, stats);
     if (options.shDering) {
-        const DeringStats changed = DeringGridSH(grid, options.shRadiance, jobs);
+        const DeringStats changed = DeringGridSH(baked.uniform, options.shRadiance, jobs);
         log.Count(changed.points, "points rid of negative lobes");
         log.Print("{:9.2f} of 255 is the largest change of displayed light\n", changed.largestChange);
     }
     if (options.shError)
-        PrintGridSHError(MeasureGridSH(in, grid, lights), layout.size, setup.layout.size, log);
-    return grid;
+        PrintGridSHError(MeasureGridSH(in, baked.uniform, lights), layout.size, setup.layout.size, log);
+    return baked;
 }
 
 std::optional<AmbientCubes> BakeAmbientCubes(const LightSetup &setup, const IndirectLight *indirect,

@@ -55,8 +55,12 @@ struct LightSetup {
 /// The legacy grid, with bounced light unless that is null.
 std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs,
                                             Log &log, GridStats &stats);
-/// The SH grid, likewise.
-LightGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
+/// The SH grid, likewise, and with -shadaptive the sparse one too.
+struct BakedGridSH {
+    LightGridSH uniform;
+    std::optional<SparseGridSH> sparse;
+};
+BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
                        GridStats &stats);
 
 /// Ambient cubes of the leafs, likewise. gridSH: that of this run, for -ambientcubesfrom sh; else not used. Empty if the

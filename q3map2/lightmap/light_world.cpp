@@ -96,15 +96,19 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
                setup.stored.front(), log);
     if (!options.noGrid)
         bsp.gridPoints = LightLegacyGrid(setup, bounced.get(), jobs, log, result.grid);
-    if (options.sh) {
-        bsp.gridSH = BakeGridSH(setup, bounced.get(), jobs, log, result.gridSH);
+    if (options.sh || options.shAdaptive) {
+        BakedGridSH baked = BakeGridSH(setup, bounced.get(), jobs, log, result.gridSH);
+        bsp.gridSH = std::move(baked.uniform);
         bsp.gridSHContainer = options.shBspx ? GridSHContainer::Bspx : GridSHContainer::Lump;
+        bsp.sparseGridSH = std::move(baked.sparse);
         if (options.shRadiance)
             setup.stored.front().Set(kGridSHKey, kRadiance);
     }
     if (options.ambientCubes)
         bsp.ambientCubes =
             BakeAmbientCubes(setup, bounced.get(), bsp.gridSH ? &*bsp.gridSH : nullptr, jobs, log, result.cubes);
+    if (!options.sh)
+        bsp.gridSH.reset();
     if (!lightmap.onlyGrid) {
         ClearHdrLight(bsp);
         RecordStyles(setup.styles, setup.stored);

@@ -34,7 +34,8 @@ void ApplyInclusions(LightOptions &o) {
     o.fastGrid |= o.fast;
     o.cheapGrid |= o.cheap;
     o.skip.coarse &= o.fastGrid;
-    o.sh |= o.shBspx || o.shRadiance;
+    o.shAdaptive |= o.shBudget.has_value();
+    o.sh |= o.shBspx || (o.shRadiance && !o.shAdaptive);
     o.ambientCubes |= o.cubesFromSH;
     if (o.tone.sRgb)
         o.tolerance = 255 * LinearFromSrgb(1.0f / 255);
@@ -52,9 +53,9 @@ void CheckCombinations(const LightOptions &o) {
                                                          {"-shfit", o.shFit > 0},
                                                          {"-shpreview", !o.previewFile.empty()}};
     for (const auto &[name, given] : wantsSH)
-        if (given && !o.sh)
+        if (given && !o.sh && !o.shAdaptive)
             throw Error("{} needs -sh", name);
-    if (o.cubesFromSH && !o.sh)
+    if (o.cubesFromSH && !o.sh && !o.shAdaptive)
         throw Error("-ambientcubesfrom sh needs -sh");
     if (o.textureShadows && !o.staticPropPolys)
         throw Error("-textureshadows needs -staticproppolys");

@@ -69,6 +69,9 @@ struct LightOptions {
     // SH grid.
     bool sh = false;
     bool shBspx = false;
+    bool shAdaptive = false;                          ///< the sparse SH grid
+    float shErrorTarget = 1;                          ///< of the sparse grid: displayed RMS of interpolation, bytes
+    std::optional<double> shBudget;                   ///< size of the sparse grid, bytes; replaces shErrorTarget
     bool shRadiance = false;
     bool shDering = false; ///< no negative lobes
     bool shError = false;  ///< compare the grid with exact light and print the error

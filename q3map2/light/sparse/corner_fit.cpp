@@ -11,6 +11,8 @@ namespace q3 {
 namespace {
 
 constexpr int kSteps = 8;
+/// The fit moves a corner by at most this share of its mean light, so that the dark stays dark beside the bright.
+constexpr float kMostMove = 0.5f;
 /// Weight of a corner's own light, as a share of the weight of the samples around it.
 constexpr float kPull = 0.05f;
 /// Samples of mean light m have the weight (kDark / (kDark + m))^(1/4), divided by (kBright m)^2 where that is above 1:
@@ -128,6 +130,18 @@ void FitSystem::Solve(Vector &values) {
     }
 }
 
+void LimitMove(const ShFloats &before, ShFloats &value) {
+    float moved = 0, base = 0;
+    for (std::size_t k = 0; k < kShFloats; ++k)
+        moved += (value[k] - before[k]) * (value[k] - before[k]);
+    for (std::size_t channel = 0; channel < 3; ++channel)
+        base += before[channel] * before[channel];
+    const float most = kMostMove * std::sqrt(base);
+    moved = std::sqrt(moved);
+    for (std::size_t k = 0; k < kShFloats && moved > most; ++k)
+        value[k] = before[k] + (value[k] - before[k]) * (most / moved);
+}
+
 } // namespace
 
 std::vector<ShFloats> FitCorners(const Octree &tree, const LatticeLight &light, CornerWeights &corners,
@@ -135,25 +149,28 @@ std::vector<ShFloats> FitCorners(const Octree &tree, const LatticeLight &light, 
     std::vector<ShFloats> values;
     for (const std::uint32_t number : corners.Stored())
         values.push_back(light[number].value);
+    std::vector<bool> free(tree.Size()); // leafs without solids
+    for (const std::size_t leaf : tree.OpenLeafs())
+        free[leaf] = !space.AnySolid(lattice.PositionOf(tree[leaf].origin), lattice.PositionOf(tree[leaf].Corner(7)));
     FitSystem system(values.size());
     for (std::size_t i = 0; i < light.Size(); ++i) {
         const LitPoint &point = light[i];
         if (!point.open)
             continue;
-        // Light is continuous, so any of the leafs that touch the point will do.
-        const auto around = tree.LeafsAround(point.at);
-        const auto leaf = std::find_if(around.begin(), around.end(), [&](std::size_t l) {
-            return l != Octree::kNone && tree[l].open > 0;
-        });
-        if (leaf == around.end())
-            continue;
-        const OctreeCell &cell = tree[*leaf];
-        if (!cell.HasCorner(point.at) &&
-            space.AnySolid(lattice.PositionOf(cell.origin), lattice.PositionOf(cell.Corner(7))))
-            continue;
-        system.AddSample(point.value, corners.TermsIn(cell, point.at));
+        std::size_t inside = Octree::kNone;
+        bool nearSolid = false;
+        for (const std::size_t leaf : tree.LeafsAround(point.at))
+            if (leaf != Octree::kNone && tree[leaf].open > 0) {
+                inside = leaf; // any of the leafs that touch the point will do: light is continuous
+                nearSolid = nearSolid || !free[leaf];
+            }
+        const bool stored = corners.IsStored(std::uint32_t(i));
+        if (inside != Octree::kNone && (stored || !nearSolid))
+            system.AddSample(point.value, corners.TermsIn(tree[inside], point.at));
     }
     system.Solve(values);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        LimitMove(light[corners.Stored()[i]].value, values[i]);
     return values;
 }
 

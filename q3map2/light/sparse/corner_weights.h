@@ -16,8 +16,8 @@ struct CornerTerm {
 };
 
 /// The corners of the open leafs of a tree. A corner that lies on the boundary of a larger open leaf, but is not a
-/// corner of it, is *hanging*: it has the value that the larger leaf gives there, so that light is continuous. All other
-/// corners are stored. Keeps references.
+/// corner of it, is *hanging*: it has the value that the larger leaf gives there, so that light is continuous. All
+/// other corners are stored. Keeps references.
 class CornerWeights {
   public:
     CornerWeights(const Octree &tree, const LatticeLight &light);

@@ -5,22 +5,26 @@
 #include "q3map2/light/sparse/lattice_light.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace q3 {
 
-/// Squared difference of what is displayed on a surface, mean over all normals and the channels, bytes^2: the basis is
-/// orthonormal, so that is the squared distance of the coefficients over 4 pi. A screen shows at most 1: the difference
-/// counts less where the reference is brighter, by the square of kBright times its mean.
-inline float DisplayError(const ShFloats &light, const ShFloats &reference) {
-    constexpr float kBright = 2.2f, kScale = 255 * 255 / (3 * 4 * std::numbers::pi_v<float>);
+/// Factor that dims light to about what a screen shows: a mean over all directions above 1 / kBright becomes that.
+inline float ScreenFactor(const ShFloats &light) {
+    constexpr float kBright = 2.2f;
+    const float mean = float(kShC0) * std::max({light[0], light[1], light[2]});
+    return 1 / std::max(1.0f, kBright * mean);
+}
+
+/// Squared difference of what is displayed on a surface, mean over all normals and the channels, bytes^2. The basis is
+/// orthonormal, so that is the squared distance of the coefficients over 4 pi.
+inline float DisplayError(const ShFloats &a, const ShFloats &b) {
+    constexpr float kScale = 255 * 255 / (3 * 4 * std::numbers::pi_v<float>);
+    const float dimA = ScreenFactor(a), dimB = ScreenFactor(b);
     float sum = 0;
     for (std::size_t i = 0; i < kShFloats; ++i)
-        sum += (light[i] - reference[i]) * (light[i] - reference[i]);
-    const float mean = float(kShC0) * std::max({reference[0], reference[1], reference[2]});
-    const float beyond = std::max(1.0f, kBright * mean);
-    return sum * kScale / (beyond * beyond);
+        sum += (dimA * a[i] - dimB * b[i]) * (dimA * a[i] - dimB * b[i]);
+    return sum * kScale;
 }
 
 } // namespace q3

@@ -39,7 +39,7 @@ std::uint64_t MortonOf(const LatticePoint &p) {
 std::size_t LatticeLight::SlotOf(std::uint64_t key) const {
     const std::size_t mask = slots_.size() - 1;
     std::size_t slot = std::size_t(HashIndex(key)) & mask;
-    while (slots_[slot] != kUnknown && KeyOf(points_[slots_[slot]].at) != key)
+    while (slots_[slot].number != kUnknown && slots_[slot].key != key)
         slot = (slot + 1) & mask;
     return slot;
 }
@@ -48,21 +48,24 @@ void LatticeLight::Grow() {
     constexpr std::size_t kLeastSlots = 1024;
     if (points_.size() * 2 < slots_.size())
         return;
-    slots_.assign(std::max(kLeastSlots, slots_.size() * 2), kUnknown);
-    for (std::size_t i = 0; i < points_.size(); ++i)
-        slots_[SlotOf(KeyOf(points_[i].at))] = std::uint32_t(i);
+    slots_.assign(std::max(kLeastSlots, slots_.size() * 4), Slot{});
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        const std::uint64_t key = KeyOf(points_[i].at);
+        slots_[SlotOf(key)] = {key, std::uint32_t(i)};
+    }
 }
 
 std::uint32_t LatticeLight::Find(const LatticePoint &at) const {
-    return slots_.empty() ? kUnknown : slots_[SlotOf(KeyOf(at))];
+    return slots_.empty() ? kUnknown : slots_[SlotOf(KeyOf(at))].number;
 }
 
 void LatticeLight::Ask(const LatticePoint &at) {
     Grow();
-    const std::size_t slot = SlotOf(KeyOf(at));
-    if (slots_[slot] != kUnknown)
+    const std::uint64_t key = KeyOf(at);
+    Slot &slot = slots_[SlotOf(key)];
+    if (slot.number != kUnknown)
         return;
-    slots_[slot] = std::uint32_t(points_.size());
+    slot = {key, std::uint32_t(points_.size())};
     points_.push_back({.at = at});
 }
 

@@ -43,6 +43,11 @@ class LatticeLight {
     std::size_t Size() const { return points_.size(); }
 
   private:
+    struct Slot {
+        std::uint64_t key = 0;
+        std::uint32_t number = kUnknown;
+    };
+    /// Of the key, or the free one where it belongs.
     std::size_t SlotOf(std::uint64_t key) const;
     void Grow();
     /// Lights the points of these numbers.
@@ -52,8 +57,8 @@ class LatticeLight {
     const ProbeIntegrator &integrator_;
     const SparseLattice &lattice_;
     std::vector<LitPoint> points_;
-    std::size_t lit_ = 0;              ///< points from here on are not lit yet
-    std::vector<std::uint32_t> slots_; ///< hash table of numbers, with linear probing; size: a power of two
+    std::size_t lit_ = 0;     ///< points from here on are not lit yet
+    std::vector<Slot> slots_; ///< hash table with linear probing; size: a power of two
 };
 
 } // namespace q3

@@ -40,8 +40,7 @@ std::size_t Octree::LeafAt(const LatticePoint &p) const {
 std::array<std::size_t, 8> Octree::LeafsAround(const LatticePoint &p) const {
     std::array<std::size_t, 8> leafs{};
     for (int octant = 0; octant < 8; ++octant)
-        leafs[std::size_t(octant)] =
-            LeafAt({p[0] - (octant & 1), p[1] - (octant >> 1 & 1), p[2] - (octant >> 2 & 1)});
+        leafs[std::size_t(octant)] = LeafAt({p[0] - (octant & 1), p[1] - (octant >> 1 & 1), p[2] - (octant >> 2 & 1)});
     return leafs;
 }
 

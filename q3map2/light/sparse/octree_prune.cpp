@@ -12,6 +12,11 @@ PrunedOctree PruneOctree(Octree &tree, float price) {
         OctreeCell &cell = tree[i];
         if (cell.open <= 0)
             continue;
+        if (cell.child != 0) { // the corners of a large cell say little about how open it is
+            cell.open = 0;
+            for (std::size_t c = 0; c < 8; ++c)
+                cell.open += tree[cell.child + c].open / 8;
+        }
         const float asLeaf = cell.error * cell.Volume() + price;
         float asParent = 0;
         for (std::size_t c = 0; c < 8 && cell.child != 0; ++c)

@@ -12,8 +12,8 @@ struct PrunedOctree {
 };
 
 /// Turns inner nodes of the tree, except roots, into leafs such that the sum over all leafs of squared error times open
-/// volume plus `price` is least (pruning of Breiman et al. and Chou, Lookabaugh and Gray). price: bytes^2 times smallest
-/// cells.
+/// volume plus `price` is least (pruning of Breiman et al. and Chou, Lookabaugh and Gray). price: bytes^2 times
+/// smallest cells.
 PrunedOctree PruneOctree(Octree &tree, float price);
 
 } // namespace q3

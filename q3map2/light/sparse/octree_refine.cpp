@@ -3,6 +3,8 @@
 
 #include "q3map2/light/sparse/display_error.h"
 
+#include "q3map2/light/batch/simd.h"
+
 #include <array>
 #include <bit>
 #include <limits>
@@ -14,6 +16,8 @@ namespace {
 /// Expected squared error of a cell of the uniform grid, over the sum of its squared second differences by axis; of a
 /// new cell, over the mean squared surplus of its corners. Smooth light has 0.02 and 0.06, an edge up to 0.25 and 1.
 constexpr float kBaseShare = 0.15f, kSurplusShare = 0.2f;
+/// Weight of a point in a solid, whose value serves the open space beside it, in the error of a large cell.
+constexpr float kSolidWeight = 0.5f;
 /// Cells worked on by one job.
 constexpr std::int64_t kChunk = 256;
 
@@ -24,6 +28,20 @@ template <typename Use> void ForEach(const JobPool &jobs, std::size_t count, con
         for (auto i = std::size_t(chunk * kChunk); i < end; ++i)
             use(i);
     });
+}
+
+/// Trilinear blend of the corners of a cell.
+Q3_VECTOR ShFloats Interpolated(const OctreeCell &cell, const std::array<const ShFloats *, 8> &corners,
+                                const LatticePoint &p) {
+    ShFloats value{};
+    for (std::size_t c = 0; c < 8; ++c) {
+        const float weight = cell.Weight(c, LatticePosition(p));
+        if (weight == 0)
+            continue;
+        for (std::size_t i = 0; i < kShFloats; ++i)
+            value[i] += weight * (*corners[c])[i];
+    }
+    return value;
 }
 
 } // namespace
@@ -47,17 +65,12 @@ void OctreeRefiner::SetOpen(OctreeCell &cell) const {
     cell.open = std::max(open, 1.0f / 8);
 }
 
-ShFloats OctreeRefiner::Interpolated(const OctreeCell &cell, const LatticePoint &p) const {
-    ShFloats value{};
-    for (std::size_t c = 0; c < 8; ++c) {
-        const float weight = cell.Weight(c, LatticePosition(p));
-        if (weight == 0)
-            continue;
-        const ShFloats &corner = light_.At(cell.Corner(c)).value;
-        for (std::size_t i = 0; i < kShFloats; ++i)
-            value[i] += weight * corner[i];
-    }
-    return value;
+OctreeRefiner::Corners OctreeRefiner::CornersOf(const OctreeCell &cell) const {
+    Corners corners{};
+    for (std::size_t c = 0; c < 8; ++c)
+        if (const std::uint32_t number = light_.Find(cell.Corner(c)); number != LatticeLight::kUnknown)
+            corners[c] = &light_[number].value;
+    return corners;
 }
 
 void OctreeRefiner::Start(const LightGridSH &uniform) {
@@ -132,19 +145,20 @@ void OctreeRefiner::MeasureLargeCells() {
         if (cell.level <= lattice_.BaseLevel() || cell.open <= 0)
             return;
         cell.error = std::numeric_limits<float>::infinity();
-        for (std::size_t c = 0; c < 8; ++c)
-            if (light_.Find(cell.Corner(c)) == LatticeLight::kUnknown)
-                return;
+        const Corners corners = CornersOf(cell);
+        if (std::find(corners.begin(), corners.end(), nullptr) != corners.end())
+            return;
         float sum = 0, count = 0;
         for (std::int32_t z = 0; z <= cell.Edge(); z += step)
             for (std::int32_t y = 0; y <= cell.Edge(); y += step)
                 for (std::int32_t x = 0; x <= cell.Edge(); x += step) {
                     const LatticePoint p{cell.origin[0] + x, cell.origin[1] + y, cell.origin[2] + z};
                     const std::uint32_t number = light_.Find(p);
-                    if (number == LatticeLight::kUnknown || !light_[number].open || cell.HasCorner(p))
+                    if (number == LatticeLight::kUnknown || cell.HasCorner(p))
                         continue;
-                    sum += DisplayError(Interpolated(cell, p), light_[number].value);
-                    ++count;
+                    const float weight = light_[number].open ? 1 : kSolidWeight;
+                    sum += weight * DisplayError(Interpolated(cell, corners, p), light_[number].value);
+                    count += weight;
                 }
         cell.error = count > 0 ? sum / count : 0;
     });
@@ -182,8 +196,9 @@ void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_
         if (!anySolid)
             continue;
         std::array<ShFloats, 27> line;
+        const Corners corners = CornersOf(cell);
         for (std::size_t n = 0; n < 27; ++n)
-            line[n] = Interpolated(cell, light_[numbers[n]].at);
+            line[n] = Interpolated(cell, corners, light_[numbers[n]].at);
         for (std::size_t n = 0; n < 27; ++n) {
             LitPoint &point = light_[numbers[n]];
             if (numbers[n] < firstNew || point.open)
@@ -213,6 +228,7 @@ void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_
 /// Sets the error of a cell from the surplus of its children's corners, and what the children are expected to have.
 void OctreeRefiner::SplitCell(std::size_t parent) {
     OctreeCell &cell = tree_[parent];
+    const Corners corners = CornersOf(cell);
     std::array<float, 27> surplus{};
     std::array<bool, 27> known{};
     float sum = 0, count = 0;
@@ -221,7 +237,7 @@ void OctreeRefiner::SplitCell(std::size_t parent) {
         known[n] = point.open && !cell.HasCorner(point.at);
         if (!known[n])
             continue;
-        surplus[n] = DisplayError(Interpolated(cell, point.at), point.value);
+        surplus[n] = DisplayError(Interpolated(cell, corners, point.at), point.value);
         sum += surplus[n], ++count;
     }
     cell.error = count > 0 ? sum / count : 0;

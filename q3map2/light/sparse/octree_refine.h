@@ -26,7 +26,9 @@ class OctreeRefiner {
     static LatticePoint Inner(const OctreeCell &cell, std::size_t n);
     /// Sets OctreeCell::open.
     void SetOpen(OctreeCell &cell) const;
-    ShFloats Interpolated(const OctreeCell &cell, const LatticePoint &p) const;
+    /// Light at the corners of a cell; null where a corner is unknown.
+    using Corners = std::array<const ShFloats *, 8>;
+    Corners CornersOf(const OctreeCell &cell) const;
     void AddUniformPoints(const LightGridSH &uniform);
     float SecondDifference(const LitPoint &point) const;
     void EstimateBaseCells();

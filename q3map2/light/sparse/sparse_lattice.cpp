@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMostFineLevels = 2;
 /// The largest cells have edges of 2^kCoarseLevels cells of the uniform grid.
-constexpr int kCoarseLevels = 2;
+constexpr int kCoarseLevels = 3;
 
 } // namespace
 
