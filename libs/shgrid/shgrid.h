@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT. Reader of the SH light grid of Quake III maps, for engines. C99 and C++.
 
-   The grid is a box of points with nine L2 spherical-harmonics coefficients each, red green blue. Axes are the map's: x
-   east, y north, z up. By default the coefficients are convolved with the cosine, so that the plain sum over the basis
-   is the light that a matte surface receives; 1.0 is lightmap byte 255, linear. See LICENSE and README.md beside this
-   file. */
+   The grid is a box of points with nine L2 spherical-harmonics coefficients each, red green blue: of points at equal
+   distances, or a sparse one, whose points are corners of the cells of octrees. Both are sampled by the same calls.
+   Axes are the map's: x east, y north, z up. By default the coefficients are convolved with the cosine, so that the
+   plain sum over the basis is the light that a matte surface receives; 1.0 is lightmap byte 255, linear. See LICENSE
+   and README.md beside this file. */
 #ifndef SHGRID_H
 #define SHGRID_H
 
@@ -18,27 +19,44 @@ extern "C" {
 
 #define SHGRID_HEADER_BYTES 40
 #define SHGRID_POINT_BYTES 108
+#define SHGRID_SPARSE_HEADER_BYTES 64
+#define SHGRID_SPARSE_NODE_BYTES 12
+#define SHGRID_SPARSE_POINT_BYTES 28
+#define SHGRID_SPARSE_LEVELS 12        /* the most */
+#define SHGRID_SPARSE_CELLS (1L << 24) /* the most smallest cells on an axis */
 
 typedef enum {
     SHGRID_OK,
-    SHGRID_ABSENT,     /* a good map, without an SH light grid */
-    SHGRID_NOT_BSP,    /* not an IBSP file of version 46 or 47 */
-    SHGRID_TRUNCATED,  /* shorter than its header, or than its points need */
-    SHGRID_BAD_OFFSET, /* a lump outside the file or inside the header */
-    SHGRID_BAD_MINS,   /* position of the first point is not finite */
-    SHGRID_BAD_CELL,   /* distance between points is not above zero */
-    SHGRID_BAD_BOUNDS, /* fewer than one point on an axis */
-    SHGRID_BAD_COUNT,  /* number of points is not the product of the bounds, or not what the lump holds */
-    SHGRID_BAD_TONE    /* tone text is not pairs of a word and a number, or a number is out of range */
+    SHGRID_ABSENT,      /* a good map, without an SH light grid */
+    SHGRID_NOT_BSP,     /* not an IBSP file of version 46 or 47 */
+    SHGRID_TRUNCATED,   /* shorter than its header, or than its points need */
+    SHGRID_BAD_OFFSET,  /* a lump outside the file or inside the header */
+    SHGRID_BAD_MINS,    /* position of the first point is not finite */
+    SHGRID_BAD_CELL,    /* distance between points is not above zero */
+    SHGRID_BAD_BOUNDS,  /* fewer than one point on an axis */
+    SHGRID_BAD_COUNT,   /* number of points is not the product of the bounds, or not what the lump holds */
+    SHGRID_BAD_TONE,    /* tone text is not pairs of a word and a number, or a number is out of range */
+    SHGRID_BAD_VERSION, /* a sparse grid of another version */
+    SHGRID_BAD_LEVELS,  /* a sparse grid of no level, or more than SHGRID_SPARSE_LEVELS */
+    SHGRID_BAD_NODES    /* the tree of a sparse grid contradicts itself */
 } shgrid_result;
+
+typedef enum {
+    SHGRID_ANY,     /* the sparse form if the map has it, since it is the finer, else the uniform one */
+    SHGRID_UNIFORM, /* lump 18 or BSPX LIGHTGRID_SH */
+    SHGRID_SPARSE   /* BSPX LIGHTGRID_SH_SPARSE */
+} shgrid_form;
 
 /* Points into the caller's memory: keep the file or the lump as long as the grid. */
 typedef struct {
-    float mins[3];               /* world position of point (0, 0, 0) */
-    float cell[3];               /* distance between points, world units */
-    int32_t bounds[3];           /* points per axis, each at least 1 */
-    int32_t count;               /* product of bounds */
-    const unsigned char *points; /* SHGRID_POINT_BYTES each, any alignment, little endian */
+    float mins[3];     /* world position of point (0, 0, 0) */
+    float cell[3];     /* distance between points, world units; sparse: of the smallest cells */
+    int32_t bounds[3]; /* points per axis, each at least 1; sparse: those that its smallest cells would have */
+    int32_t count;     /* product of bounds; sparse: stored points */
+    const unsigned char *points; /* SHGRID_POINT_BYTES each, any alignment, little endian; sparse: quantized */
+    int32_t levels;              /* 0: uniform. Sparse: a root is a cube of 2^levels smallest cells an edge */
+    int32_t nodeCount;           /* sparse */
+    const unsigned char *nodes;  /* sparse: SHGRID_SPARSE_NODE_BYTES each */
 } shgrid_grid;
 
 /* Nine coefficients, index l * l + l + m, red green blue. */
@@ -80,6 +98,12 @@ static inline const char *shgrid_message(shgrid_result result) {
         return "the number of points disagrees with the grid's bounds or its lump";
     case SHGRID_BAD_TONE:
         return "the tone is not words with numbers in range";
+    case SHGRID_BAD_VERSION:
+        return "the sparse grid is of another version";
+    case SHGRID_BAD_LEVELS:
+        return "the sparse grid's number of levels is out of range";
+    case SHGRID_BAD_NODES:
+        return "the sparse grid's tree contradicts itself";
     }
     return "unknown result";
 }
@@ -104,9 +128,8 @@ static inline int shgrid_slot_(const unsigned char *file, size_t size, unsigned 
     return *offset <= INT32_MAX && *length <= INT32_MAX && *offset + *length <= size;
 }
 
-static inline shgrid_result shgrid_find_bspx_(const unsigned char *file, size_t size, uint64_t start,
+static inline shgrid_result shgrid_find_bspx_(const unsigned char *file, size_t size, uint64_t start, const char *name,
                                               const unsigned char **lump, size_t *lumpSize) {
-    static const char name[24] = "LIGHTGRID_SH";
     uint64_t count, i;
     if (start + 8 > size || memcmp(file + start, "BSPX", 4) != 0)
         return SHGRID_ABSENT;
@@ -116,7 +139,7 @@ static inline shgrid_result shgrid_find_bspx_(const unsigned char *file, size_t 
     for (i = 0; i < count; i++) {
         const unsigned char *entry = file + start + 8 + 32 * i;
         const uint64_t offset = shgrid_u32_(entry + 24), length = shgrid_u32_(entry + 28);
-        if (memcmp(entry, name, sizeof "LIGHTGRID_SH") != 0)
+        if (memcmp(entry, name, strlen(name) + 1) != 0)
             continue;
         if (offset < start + 8 + 32 * count || offset + length > size)
             return SHGRID_BAD_OFFSET;
@@ -127,10 +150,15 @@ static inline shgrid_result shgrid_find_bspx_(const unsigned char *file, size_t 
     return SHGRID_ABSENT;
 }
 
-/* Finds the SH lump of a whole .bsp file image: slot 18 of a version 47 file with 19 slots, else BSPX. */
-static inline shgrid_result shgrid_find(const void *data, size_t size, const unsigned char **lump, size_t *lumpSize) {
+/* Finds the lump of that form in a whole .bsp file image. Uniform: slot 18 of a version 47 file with 19 slots, else
+   BSPX. */
+static inline shgrid_result shgrid_find_form(const void *data, size_t size, shgrid_form form,
+                                             const unsigned char **lump, size_t *lumpSize) {
     const unsigned char *file = (const unsigned char *)data;
     uint64_t offset, length, first = UINT64_MAX, end = 0;
+    const unsigned char *slot18 = NULL;
+    size_t slot18Size = 0;
+    shgrid_result slot18Result = SHGRID_ABSENT;
     uint32_t version;
     unsigned slot;
     *lump = NULL;
@@ -160,23 +188,112 @@ static inline shgrid_result shgrid_find(const void *data, size_t size, const uns
     if (version == 47 && first >= 8 + 8 * 19 && size >= 8 + 8 * 19) {
         const int inside = shgrid_slot_(file, size, 18, &offset, &length) && offset >= 8 + 8 * 19;
         if (inside && length > SHGRID_HEADER_BYTES) {
-            *lump = file + offset;
-            *lumpSize = (size_t)length;
-            return SHGRID_OK;
+            slot18 = file + offset;
+            slot18Size = (size_t)length;
+            if (offset + length > end)
+                end = offset + length;
+        } else if (length > 0 && first == 8 + 8 * 19) {
+            slot18Result = inside ? SHGRID_TRUNCATED : SHGRID_BAD_OFFSET;
         }
-        if (length > 0 && first == 8 + 8 * 19)
-            return inside ? SHGRID_TRUNCATED : SHGRID_BAD_OFFSET;
     }
-    return shgrid_find_bspx_(file, size, (end + 3) & ~(uint64_t)3, lump, lumpSize);
+    end = (end + 3) & ~(uint64_t)3;
+    if (form != SHGRID_UNIFORM) {
+        const shgrid_result result = shgrid_find_bspx_(file, size, end, "LIGHTGRID_SH_SPARSE", lump, lumpSize);
+        if (form == SHGRID_SPARSE || result == SHGRID_OK || (result != SHGRID_ABSENT && slot18 == NULL))
+            return result;
+    }
+    if (slot18 == NULL)
+        return slot18Result != SHGRID_ABSENT ? slot18Result
+                                             : shgrid_find_bspx_(file, size, end, "LIGHTGRID_SH", lump, lumpSize);
+    *lump = slot18;
+    *lumpSize = slot18Size;
+    return SHGRID_OK;
 }
 
-/* Parses the bytes of the lump; the grid points into them. On failure the grid is empty and must not be sampled. */
-static inline shgrid_result shgrid_parse(const void *data, size_t size, shgrid_grid *grid) {
-    const unsigned char *lump = (const unsigned char *)data;
+static inline shgrid_result shgrid_find(const void *data, size_t size, const unsigned char **lump, size_t *lumpSize) {
+    return shgrid_find_form(data, size, SHGRID_ANY, lump, lumpSize);
+}
+
+/* Bits set in a byte. */
+static inline uint32_t shgrid_bits_(uint32_t mask) {
+    mask -= mask >> 1 & 0x55;
+    mask = (mask & 0x33) + (mask >> 2 & 0x33);
+    return (mask + (mask >> 4)) & 15;
+}
+
+static inline const unsigned char *shgrid_node_(const shgrid_grid *grid, uint32_t index) {
+    return grid->nodes + (size_t)SHGRID_SPARSE_NODE_BYTES * index;
+}
+
+/* One pass over the nodes, level by level. Children and points of each node follow those of the node before, so that
+   there is no cycle and every index is below its count; nothing is checked later. */
+static inline shgrid_result shgrid_check_nodes_(const shgrid_grid *grid, uint64_t roots) {
+    uint64_t children = roots, points = 0, levelEnd = roots, i;
+    int32_t level = 0;
+    for (i = 0; i < (uint64_t)grid->nodeCount; i++) {
+        const unsigned char *node = shgrid_node_(grid, (uint32_t)i);
+        const uint32_t inner = node[8], stored = node[9], hanging = node[10];
+        if (i == levelEnd) {
+            level++;
+            levelEnd = children;
+        }
+        if (i >= children || shgrid_u32_(node) != children || shgrid_u32_(node + 4) != points)
+            return SHGRID_BAD_NODES;
+        if ((inner & stored) || (inner & hanging) || (stored & hanging))
+            return SHGRID_BAD_NODES;
+        if ((level == grid->levels - 1 && inner) || (level == 0 && hanging))
+            return SHGRID_BAD_NODES;
+        children += shgrid_bits_(inner);
+        points += shgrid_bits_(stored);
+    }
+    return children == (uint64_t)grid->nodeCount && points == (uint64_t)grid->count ? SHGRID_OK : SHGRID_BAD_NODES;
+}
+
+static inline shgrid_result shgrid_parse_sparse_(const unsigned char *lump, size_t size, shgrid_grid *grid) {
+    const uint32_t bytes = shgrid_u32_(lump + 8), levels = shgrid_u32_(lump + 48);
+    const uint64_t nodes = shgrid_u32_(lump + 52), points = shgrid_u32_(lump + 56);
+    uint64_t product = 1;
+    shgrid_result result;
+    int i;
+    if (shgrid_u32_(lump + 4) != 1)
+        return SHGRID_BAD_VERSION;
+    if (bytes > size)
+        return SHGRID_TRUNCATED;
+    if (bytes != size || shgrid_u32_(lump + 60) != 0 || nodes > INT32_MAX || points > INT32_MAX ||
+        size != SHGRID_SPARSE_HEADER_BYTES + SHGRID_SPARSE_NODE_BYTES * nodes + SHGRID_SPARSE_POINT_BYTES * points)
+        return SHGRID_BAD_COUNT;
+    if (levels < 1 || levels > SHGRID_SPARSE_LEVELS)
+        return SHGRID_BAD_LEVELS;
+    for (i = 0; i < 3; i++) {
+        const uint32_t roots = shgrid_u32_(lump + 36 + 4 * i);
+        grid->mins[i] = shgrid_f32_(lump + 12 + 4 * i);
+        grid->cell[i] = shgrid_f32_(lump + 24 + 4 * i);
+        if (!isfinite(grid->mins[i]))
+            return SHGRID_BAD_MINS;
+        if (!isfinite(grid->cell[i]) || !(grid->cell[i] > 0))
+            return SHGRID_BAD_CELL;
+        if (roots < 1 || roots > (uint32_t)SHGRID_SPARSE_CELLS >> levels)
+            return SHGRID_BAD_BOUNDS;
+        grid->bounds[i] = (int32_t)(roots << levels);
+        if (!isfinite((float)(grid->mins[i] + grid->cell[i] * (float)grid->bounds[i])))
+            return SHGRID_BAD_CELL;
+        product *= roots; /* at most 2^23 each */
+        if (product > nodes)
+            return SHGRID_BAD_NODES;
+    }
+    grid->levels = (int32_t)levels;
+    grid->count = (int32_t)points;
+    grid->nodeCount = (int32_t)nodes;
+    grid->nodes = lump + SHGRID_SPARSE_HEADER_BYTES;
+    grid->points = grid->nodes + (size_t)SHGRID_SPARSE_NODE_BYTES * nodes;
+    result = shgrid_check_nodes_(grid, product);
+    return result;
+}
+
+static inline shgrid_result shgrid_parse_uniform_(const unsigned char *lump, size_t size, shgrid_grid *grid) {
     uint64_t product = 1;
     uint32_t count;
     int i;
-    memset(grid, 0, sizeof *grid);
     if (size < SHGRID_HEADER_BYTES)
         return SHGRID_TRUNCATED;
     count = shgrid_u32_(lump + 36);
@@ -206,17 +323,35 @@ static inline shgrid_result shgrid_parse(const void *data, size_t size, shgrid_g
     return SHGRID_OK;
 }
 
-/* Finds and parses the grid of a whole .bsp file image. */
-static inline shgrid_result shgrid_load(const void *file, size_t size, shgrid_grid *grid) {
+/* Parses the bytes of the lump, of either form; the grid points into them. On failure the grid is empty and must not be
+   sampled. */
+static inline shgrid_result shgrid_parse(const void *data, size_t size, shgrid_grid *grid) {
+    const unsigned char *lump = (const unsigned char *)data;
+    shgrid_result result;
+    memset(grid, 0, sizeof *grid);
+    if (size >= 4 && memcmp(lump, "SHGS", 4) == 0)
+        result = size < SHGRID_SPARSE_HEADER_BYTES ? SHGRID_TRUNCATED : shgrid_parse_sparse_(lump, size, grid);
+    else
+        result = shgrid_parse_uniform_(lump, size, grid);
+    if (result != SHGRID_OK)
+        memset(grid, 0, sizeof *grid);
+    return result;
+}
+
+/* Finds and parses the grid of that form in a whole .bsp file image. */
+static inline shgrid_result shgrid_load_form(const void *file, size_t size, shgrid_form form, shgrid_grid *grid) {
     const unsigned char *lump;
     size_t lumpSize;
-    const shgrid_result result = shgrid_find(file, size, &lump, &lumpSize);
+    const shgrid_result result = shgrid_find_form(file, size, form, &lump, &lumpSize);
     memset(grid, 0, sizeof *grid);
     return result == SHGRID_OK ? shgrid_parse(lump, lumpSize, grid) : result;
 }
 
-/* Coefficients of point (x, y, z); each coordinate in 0 .. bounds - 1. */
-static inline void shgrid_point(const shgrid_grid *grid, int32_t x, int32_t y, int32_t z, shgrid_coeffs *out) {
+static inline shgrid_result shgrid_load(const void *file, size_t size, shgrid_grid *grid) {
+    return shgrid_load_form(file, size, SHGRID_ANY, grid);
+}
+
+static inline void shgrid_uniform_point_(const shgrid_grid *grid, int32_t x, int32_t y, int32_t z, shgrid_coeffs *out) {
     const size_t index = (size_t)x + (size_t)grid->bounds[0] * ((size_t)y + (size_t)grid->bounds[1] * (size_t)z);
     const unsigned char *p = grid->points + SHGRID_POINT_BYTES * index;
     int k, channel;
@@ -225,8 +360,7 @@ static inline void shgrid_point(const shgrid_grid *grid, int32_t x, int32_t y, i
             out->c[k][channel] = shgrid_f32_(p + 12 * k + 4 * channel);
 }
 
-/* Trilinear blend at a world position; positions outside the grid are clamped to it. */
-static inline void shgrid_sample(const shgrid_grid *grid, const float position[3], shgrid_coeffs *out) {
+static inline void shgrid_sample_uniform_(const shgrid_grid *grid, const float position[3], shgrid_coeffs *out) {
     int32_t low[3];
     float fraction[3];
     int axis, corner, k, channel;
@@ -252,11 +386,239 @@ static inline void shgrid_sample(const shgrid_grid *grid, const float position[3
         }
         if (!(weight > 0)) /* on the far border, `at` may be one past the end: its weight is zero */
             continue;
-        shgrid_point(grid, at[0], at[1], at[2], &point);
+        shgrid_uniform_point_(grid, at[0], at[1], at[2], &point);
         for (k = 0; k < 9; k++)
             for (channel = 0; channel < 3; channel++)
                 out->c[k][channel] += weight * point.c[k][channel];
     }
+}
+
+/* 2^exponent, exponents -126 to 127. */
+static inline float shgrid_exp2_(int exponent) {
+    const uint32_t bits = (uint32_t)(exponent + 127) << 23;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* A node's scale: 2^((code - 128) / 8). */
+static inline float shgrid_scale_(unsigned code) {
+    static const float eighths[8] = {1.0f,        1.09050773f, 1.18920712f, 1.29683955f,
+                                     1.41421356f, 1.54221083f, 1.68179283f, 1.83400809f};
+    return eighths[code & 7] * shgrid_exp2_((int)(code >> 3) - 16);
+}
+
+/* Adds weight times a quantized point of a node with that scale. */
+static inline void shgrid_add_point_(const unsigned char *p, unsigned scale, float weight, shgrid_coeffs *sum) {
+    const uint32_t code = shgrid_u32_(p);
+    const float unit = weight * shgrid_exp2_((int)(code >> 27) - 24);
+    const float mean[3] = {unit * (float)(code & 511), unit * (float)(code >> 9 & 511),
+                           unit * (float)(code >> 18 & 511)};
+    const float factor = shgrid_scale_(scale) / 127;
+    int k, channel;
+    for (channel = 0; channel < 3; channel++)
+        sum->c[0][channel] += mean[channel];
+    for (k = 1; k < 9; k++) {
+        const float bound = factor * (k < 4 ? 1.15470054f : 0.559016994f);
+        for (channel = 0; channel < 3; channel++) {
+            const int byte = p[1 + 3 * k + channel], q = byte < 128 ? byte : byte == 128 ? -127 : byte - 256;
+            sum->c[k][channel] += (float)q * bound * mean[channel];
+        }
+    }
+}
+
+/* The nodes from a root down to the one that owns the cell found last, so that the next search can start near it.
+   `at` is a position in smallest cells. */
+typedef struct {
+    const unsigned char *node[SHGRID_SPARSE_LEVELS];
+    int32_t at[3];
+    int level;    /* of the last node; -1: none yet */
+    uint32_t bit; /* octant of the cell in it */
+    int size;     /* log2 of the edge of the cell, in smallest cells */
+} shgrid_path_;
+
+/* Finds the cell that contains a position inside the roots. */
+static inline void shgrid_descend_(const shgrid_grid *grid, const int32_t at[3], shgrid_path_ *path) {
+    const int levels = grid->levels;
+    const uint32_t other = (uint32_t)((path->at[0] ^ at[0]) | (path->at[1] ^ at[1]) | (path->at[2] ^ at[2]));
+    int level = path->level;
+    while (level >= 0 && other >> (levels - level))
+        level--;
+    if (level < 0) {
+        const size_t nx = (size_t)(grid->bounds[0] >> levels), ny = (size_t)(grid->bounds[1] >> levels);
+        const size_t root =
+            (size_t)(at[0] >> levels) + nx * ((size_t)(at[1] >> levels) + ny * (size_t)(at[2] >> levels));
+        level = 0;
+        path->node[0] = shgrid_node_(grid, (uint32_t)root);
+    }
+    for (;;) {
+        const unsigned char *node = path->node[level];
+        const int size = levels - 1 - level;
+        const uint32_t octant = (uint32_t)((at[0] >> size & 1) | (at[1] >> size & 1) << 1 | (at[2] >> size & 1) << 2);
+        if (!(node[8] >> octant & 1)) {
+            path->level = level;
+            path->bit = octant;
+            path->size = size;
+            memcpy(path->at, at, sizeof path->at);
+            return;
+        }
+        level++;
+        path->node[level] = shgrid_node_(grid, shgrid_u32_(node) + shgrid_bits_(node[8] & ((1u << octant) - 1)));
+    }
+}
+
+/* Adds weight times the value stored at a point of the lattice of smallest cells, and the weight to `total`. Returns 0
+   if there is none but larger cells give it one. */
+static inline int shgrid_add_corner_(const shgrid_grid *grid, const int32_t at[3], float weight, shgrid_path_ *path,
+                                     shgrid_coeffs *sum, float *total) {
+    const unsigned char *node;
+    int32_t mask;
+    int axis;
+    for (axis = 0; axis < 3; axis++)
+        if (at[axis] < 0 || at[axis] >= grid->bounds[axis])
+            return 1;
+    shgrid_descend_(grid, at, path);
+    node = path->node[path->level];
+    mask = ((int32_t)1 << path->size) - 1;
+    if ((at[0] | at[1] | at[2]) & mask) /* inside or on a larger cell, not its corner */
+        return 0;
+    if (node[9] >> path->bit & 1) {
+        const uint32_t index = shgrid_u32_(node + 4) + shgrid_bits_(node[9] & ((1u << path->bit) - 1));
+        shgrid_add_point_(grid->points + (size_t)SHGRID_SPARSE_POINT_BYTES * index, node[11], weight, sum);
+        *total += weight;
+        return 1;
+    }
+    return !(node[10] >> path->bit & 1);
+}
+
+/* Moves weights of corners of a cube of 2^size cells to those of the cube twice as large around it, by trilinear
+   weights. */
+static inline void shgrid_widen_(int32_t low[3], int size, float weights[8]) {
+    int axis, i;
+    for (axis = 0; axis < 3; axis++) {
+        const int upper = low[axis] >> size & 1;
+        low[axis] -= (int32_t)upper << size;
+        for (i = 0; i < 8; i++)
+            if (!(i >> axis & 1)) {
+                float *first = weights + i, *second = weights + (i | 1 << axis), *middle = upper ? first : second;
+                const float half = *middle / 2;
+                *middle = half;
+                *(upper ? second : first) += half;
+            }
+    }
+}
+
+/* Adds the corners of a cube of 2^size smallest cells with these weights, which become 0. A corner that stores no value
+   and is not void hands its weight on to the cube around; at most 8 searches for each of the levels, whatever the tree
+   is like. */
+static inline void shgrid_add_cube_(const shgrid_grid *grid, int32_t low[3], int size, float weights[8],
+                                    shgrid_path_ *path, shgrid_coeffs *sum, float *total) {
+    int pending = 1, i;
+    for (; pending && size < grid->levels; size++) {
+        pending = 0;
+        for (i = 0; i < 8; i++) {
+            const int32_t at[3] = {low[0] + ((int32_t)(i & 1) << size), low[1] + ((int32_t)(i >> 1 & 1) << size),
+                                   low[2] + ((int32_t)(i >> 2) << size)};
+            if (!(weights[i] > 0))
+                continue;
+            if (shgrid_add_corner_(grid, at, weights[i], path, sum, total))
+                weights[i] = 0;
+            else
+                pending = 1;
+        }
+        if (pending)
+            shgrid_widen_(low, size, weights);
+    }
+}
+
+static inline void shgrid_divide_(shgrid_coeffs *sum, float total) {
+    const float factor = total > 1e-20f ? 1 / total : 0;
+    int k, channel;
+    for (k = 0; k < 9; k++)
+        for (channel = 0; channel < 3; channel++)
+            sum->c[k][channel] *= factor;
+}
+
+/* Trilinear blend in the cell that contains a position in smallest cells, inside the roots. `alike`: all corners get
+   the same weight. Returns 0 and black if no corner with a weight has a value. */
+static inline int shgrid_blend_sparse_(const shgrid_grid *grid, const double at[3], int alike, shgrid_path_ *path,
+                                       shgrid_coeffs *out) {
+    int32_t low[3];
+    float weights[8], fraction[3], total = 0;
+    int axis, i;
+    for (axis = 0; axis < 3; axis++) {
+        low[axis] = (int32_t)at[axis];
+        if (low[axis] >= grid->bounds[axis])
+            low[axis] = grid->bounds[axis] - 1;
+    }
+    shgrid_descend_(grid, low, path);
+    for (axis = 0; axis < 3; axis++) {
+        low[axis] = low[axis] >> path->size << path->size;
+        fraction[axis] = (float)((at[axis] - low[axis]) / (double)((int32_t)1 << path->size));
+    }
+    for (i = 0; i < 8; i++) {
+        weights[i] = 1;
+        for (axis = 0; axis < 3; axis++)
+            weights[i] *= alike ? 0.5f : i >> axis & 1 ? fraction[axis] : 1 - fraction[axis];
+    }
+    memset(out, 0, sizeof *out);
+    shgrid_add_cube_(grid, low, path->size, weights, path, out, &total);
+    shgrid_divide_(out, total);
+    return total > 1e-20f;
+}
+
+static inline void shgrid_sample_sparse_(const shgrid_grid *grid, const float position[3], shgrid_coeffs *out) {
+    shgrid_path_ path;
+    double at[3];
+    int axis;
+    for (axis = 0; axis < 3; axis++) {
+        at[axis] = ((double)position[axis] - grid->mins[axis]) / grid->cell[axis];
+        if (!(at[axis] > 0)) /* NaN too */
+            at[axis] = 0;
+        if (at[axis] > grid->bounds[axis])
+            at[axis] = grid->bounds[axis];
+    }
+    memset(&path, 0, sizeof path);
+    path.level = -1;
+    if (!shgrid_blend_sparse_(grid, at, 0, &path, out)) /* right on a corner without a value */
+        shgrid_blend_sparse_(grid, at, 1, &path, out);
+}
+
+/* Coefficients of point (x, y, z); each coordinate in 0 .. bounds - 1. Sparse: the value at the corner of a smallest
+   cell; black in solid space and void. */
+static inline void shgrid_point(const shgrid_grid *grid, int32_t x, int32_t y, int32_t z, shgrid_coeffs *out) {
+    if (grid->levels == 0) {
+        shgrid_uniform_point_(grid, x, y, z, out);
+    } else {
+        const double at[3] = {(double)x, (double)y, (double)z};
+        shgrid_path_ path;
+        memset(&path, 0, sizeof path);
+        path.level = -1;
+        shgrid_blend_sparse_(grid, at, 0, &path, out);
+    }
+}
+
+/* Trilinear blend at a world position; positions outside the grid are clamped to it. Corners of sparse cells without a
+   value are left out, and the weights of the others are made to add up to 1; where no corner has one, it is black. */
+static inline void shgrid_sample(const shgrid_grid *grid, const float position[3], shgrid_coeffs *out) {
+    if (grid->levels == 0)
+        shgrid_sample_uniform_(grid, position, out);
+    else
+        shgrid_sample_sparse_(grid, position, out);
+}
+
+/* Samples at all points of another lattice, x fastest, then y, then z: a grid of one cell size for engines that want
+   no tree. `out` has room for the product of bounds. */
+static inline void shgrid_expand(const shgrid_grid *grid, const float mins[3], const float cell[3],
+                                 const int32_t bounds[3], shgrid_coeffs *out) {
+    int32_t x, y, z;
+    for (z = 0; z < bounds[2]; z++)
+        for (y = 0; y < bounds[1]; y++)
+            for (x = 0; x < bounds[0]; x++, out++) {
+                const float position[3] = {mins[0] + (float)x * cell[0], mins[1] + (float)y * cell[1],
+                                           mins[2] + (float)z * cell[2]};
+                shgrid_sample(grid, position, out);
+            }
 }
 
 /* Light on a matte surface with that unit normal; not below zero. */
@@ -419,6 +781,276 @@ static inline void shgrid_apply_tone(const shgrid_tone *tone, float rgb[3]) {
             c = c < 0.0031308f ? 12.92f * c : 1.055f * powf(c, 1 / 2.4f) - 0.055f;
         rgb[i] = c > 0 ? (c < 1 ? c : 1) : 0;
     }
+}
+
+/* ---- A sparse grid as textures: shgrid_atlas.glsl and .hlsl sample them. ----
+
+   A brick is a cube of 4 x 4 x 4 equal cells as 5 x 5 x 5 texels, its corners, so that filtering inside it needs no
+   neighbor. Nodes of the tree whose grandchildren are cells have bricks, and so have roots; the indirection texture has
+   the brick of each cube as large as the smallest brick. Brick b of the atlas is at
+   (b % bricks[0], b / bricks[0] % bricks[1], b / (bricks[0] * bricks[1])), times 5 texels. */
+
+#define SHGRID_BRICK_TEXELS 5
+#define SHGRID_BRICK_AXIS 255 /* the most bricks along an axis of the atlas */
+
+typedef enum {
+    SHGRID_ATLAS_HALF, /* 7 textures RGBA16F: coefficient k of channel c is component (3 k + c) % 4 of texture
+                          (3 k + c) / 4; the last component is 0 */
+    SHGRID_ATLAS_SNORM /* texture 0 RGB9_E5: coefficient 0; 6 textures RGBA8_SNORM: the others over coefficient 0 and
+                          over `limits` of their band, in the same order */
+} shgrid_atlas_format;
+
+typedef struct {
+    int32_t count;      /* of bricks; 0: the grid is not sparse, or its bricks do not fit in an atlas */
+    int32_t bricks[3];  /* bricks along each axis of the atlas */
+    int32_t entries[3]; /* texels of the indirection texture, 4 bytes each: RGBA8UI */
+    int32_t shift;      /* log2 of the edge of an entry, in smallest cells */
+    float limits[2];    /* SHGRID_ATLAS_SNORM: of bands 1 and 2 */
+} shgrid_atlas;
+
+/* State while bricks are counted or filled. */
+typedef struct {
+    const shgrid_grid *grid;
+    shgrid_atlas *atlas;
+    shgrid_path_ path;
+    unsigned char *indirection; /* NULL: bricks are counted */
+    void *const *textures;
+    shgrid_atlas_format format;
+    int depth;      /* the deepest level with a brick */
+    unsigned scale; /* the largest of nodes */
+} shgrid_walk_;
+
+/* Texels of each texture of the atlas; bytes of one, and of the indirection texture. */
+static inline size_t shgrid_atlas_texels(const shgrid_atlas *atlas) {
+    return (size_t)125 * (size_t)atlas->bricks[0] * (size_t)atlas->bricks[1] * (size_t)atlas->bricks[2];
+}
+static inline size_t shgrid_atlas_bytes(const shgrid_atlas *atlas, shgrid_atlas_format format) {
+    return shgrid_atlas_texels(atlas) * (format == SHGRID_ATLAS_HALF ? 8 : 4);
+}
+static inline size_t shgrid_indirection_bytes(const shgrid_atlas *atlas) {
+    return (size_t)4 * (size_t)atlas->entries[0] * (size_t)atlas->entries[1] * (size_t)atlas->entries[2];
+}
+
+/* IEEE half precision, rounded to nearest; above 65504 it is 65504, NaN is 0. */
+static inline uint16_t shgrid_half_(float value) {
+    const float size = value < 0 ? -value : value;
+    const unsigned sign = value < 0 ? 0x8000u : 0;
+    int exponent;
+    unsigned mantissa;
+    if (!(size >= 2.98023224e-8f))
+        return (uint16_t)sign;
+    if (size >= 65504)
+        return (uint16_t)(sign | 0x7bffu);
+    frexpf(size, &exponent); /* size is in [2^(exponent - 1), 2^exponent) */
+    exponent = exponent < -13 ? -13 : exponent;
+    /* 11 bits, of which the sum adds the first to the exponent; if rounding gives 12, it adds 2. */
+    mantissa = (unsigned)lrintf(ldexpf(size, 11 - exponent));
+    return (uint16_t)(sign | (((unsigned)(exponent + 13) << 10) + mantissa));
+}
+
+/* GL's RGB9_E5, rounded to nearest; below zero and NaN are 0. */
+static inline uint32_t shgrid_rgb9e5_(const float rgb[3]) {
+    uint32_t code = 0;
+    float c[3], most = 0;
+    int exponent, i;
+    for (i = 0; i < 3; i++) {
+        c[i] = rgb[i] > 0 ? (rgb[i] < 65408 ? rgb[i] : 65408) : 0;
+        most = c[i] > most ? c[i] : most;
+    }
+    frexpf(most, &exponent);
+    exponent = exponent < -15 ? -15 : exponent;
+    if (lrintf(ldexpf(most, 9 - exponent)) > 511)
+        exponent++;
+    for (i = 0; i < 3; i++)
+        code |= (uint32_t)lrintf(ldexpf(c[i], 9 - exponent)) << 9 * i;
+    return code | (uint32_t)(exponent + 15) << 27;
+}
+
+static inline void shgrid_put_texel_(const shgrid_walk_ *walk, size_t texel, const shgrid_coeffs *value) {
+    int n;
+    if (walk->format == SHGRID_ATLAS_HALF) {
+        for (n = 0; n < 28; n++)
+            ((uint16_t *)walk->textures[n / 4])[4 * texel + (size_t)(n % 4)] =
+                n < 27 ? shgrid_half_(value->c[n / 3][n % 3]) : 0;
+        return;
+    }
+    ((uint32_t *)walk->textures[0])[texel] = shgrid_rgb9e5_(value->c[0]);
+    for (n = 3; n < 27; n++) {
+        const float unit = value->c[0][n % 3] * walk->atlas->limits[n < 12 ? 0 : 1];
+        float share = unit > 0 ? value->c[n / 3][n % 3] / unit : 0;
+        share = share < -1 ? -1 : share > 1 ? 1 : share;
+        ((int8_t *)walk->textures[1 + (n - 3) / 4])[4 * texel + (size_t)((n - 3) % 4)] = (int8_t)lrintf(127 * share);
+    }
+}
+
+/* The value of a texel at a position in smallest cells. A position without one gets the mean of the nearest that have
+   one, of those around it at one cell of the brick; black if there is none either. */
+static inline void shgrid_texel_(shgrid_walk_ *walk, const double at[3], double step, shgrid_coeffs *out) {
+    int ring, i, n, axis, found = 0;
+    if (shgrid_blend_sparse_(walk->grid, at, 0, &walk->path, out))
+        return;
+    for (ring = 1; ring <= 3 && !found; ring++)
+        for (i = 0; i < 27; i++) {
+            const int offset[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
+            shgrid_coeffs value;
+            double near[3];
+            int inside = offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2] == ring;
+            for (axis = 0; axis < 3; axis++) {
+                near[axis] = at[axis] + step * offset[axis];
+                inside = inside && near[axis] >= 0 && near[axis] <= walk->grid->bounds[axis];
+            }
+            if (!inside || !shgrid_blend_sparse_(walk->grid, near, 0, &walk->path, &value))
+                continue;
+            found++;
+            for (n = 0; n < 27; n++)
+                out->c[n / 3][n % 3] += value.c[n / 3][n % 3];
+        }
+    shgrid_divide_(out, (float)found);
+}
+
+/* Whether a brick at `low` with cells of `step` has any value. */
+static inline int shgrid_brick_is_lit_(shgrid_walk_ *walk, const int32_t low[3], double step) {
+    int i;
+    for (i = 0; i < 125; i++) {
+        const double at[3] = {low[0] + step * (i % 5), low[1] + step * (i / 5 % 5), low[2] + step * (i / 25)};
+        shgrid_coeffs value;
+        if (shgrid_blend_sparse_(walk->grid, at, 0, &walk->path, &value))
+            return 1;
+    }
+    return 0;
+}
+
+static inline void shgrid_fill_brick_(shgrid_walk_ *walk, int32_t brick, const int32_t low[3], double step) {
+    const shgrid_atlas *atlas = walk->atlas;
+    const int32_t place[3] = {brick % atlas->bricks[0], brick / atlas->bricks[0] % atlas->bricks[1],
+                              brick / atlas->bricks[0] / atlas->bricks[1]};
+    int i;
+    for (i = 0; i < 125; i++) {
+        const int32_t texel[3] = {i % 5, i / 5 % 5, i / 25};
+        const double at[3] = {low[0] + step * texel[0], low[1] + step * texel[1], low[2] + step * texel[2]};
+        const size_t x = (size_t)(5 * place[0] + texel[0]), y = (size_t)(5 * place[1] + texel[1]),
+                     z = (size_t)(5 * place[2] + texel[2]);
+        shgrid_coeffs value;
+        shgrid_texel_(walk, at, step, &value);
+        shgrid_put_texel_(walk, x + 5 * (size_t)atlas->bricks[0] * (y + 5 * (size_t)atlas->bricks[1] * z), &value);
+    }
+}
+
+/* Sets the entries of a cube: the place of its brick, and log2 of the edge of the brick; all 0: no brick. */
+static inline void shgrid_fill_entries_(const shgrid_walk_ *walk, int32_t brick, const int32_t low[3], int edge) {
+    const shgrid_atlas *atlas = walk->atlas;
+    const int32_t count = (int32_t)1 << (edge - atlas->shift),
+                  from[3] = {low[0] >> atlas->shift, low[1] >> atlas->shift, low[2] >> atlas->shift};
+    int32_t x, y, z;
+    unsigned char entry[4] = {0, 0, 0, 0};
+    if (brick >= 0) {
+        entry[0] = (unsigned char)(brick % atlas->bricks[0]);
+        entry[1] = (unsigned char)(brick / atlas->bricks[0] % atlas->bricks[1]);
+        entry[2] = (unsigned char)(brick / atlas->bricks[0] / atlas->bricks[1]);
+        entry[3] = (unsigned char)edge;
+    }
+    for (z = from[2]; z < from[2] + count; z++)
+        for (y = from[1]; y < from[1] + count; y++)
+            for (x = from[0]; x < from[0] + count; x++)
+                memcpy(walk->indirection + 4 * ((size_t)x + (size_t)atlas->entries[0] *
+                                                                ((size_t)y + (size_t)atlas->entries[1] * (size_t)z)),
+                       entry, 4);
+}
+
+/* Visits the bricks of a node and of the nodes below it; those below replace its entries. */
+static inline void shgrid_visit_(shgrid_walk_ *walk, uint32_t index, int level, const int32_t low[3]) {
+    const unsigned char *node = shgrid_node_(walk->grid, index);
+    const int edge = walk->grid->levels - level;
+    uint32_t child = shgrid_u32_(node), octant;
+    int hasBrick = level == 0;
+    walk->scale = node[9] && node[11] > walk->scale ? node[11] : walk->scale;
+    for (octant = 0; octant < shgrid_bits_(node[8]); octant++)
+        hasBrick = hasBrick || shgrid_node_(walk->grid, child + octant)[8] != 255;
+    if (hasBrick) {
+        const double step = (double)((int32_t)1 << edge) / 4;
+        const int isLit = shgrid_brick_is_lit_(walk, low, step);
+        walk->depth = level > walk->depth ? level : walk->depth;
+        if (walk->indirection) {
+            if (isLit)
+                shgrid_fill_brick_(walk, walk->atlas->count, low, step);
+            shgrid_fill_entries_(walk, isLit ? walk->atlas->count : -1, low, edge);
+        }
+        if (walk->atlas->count < INT32_MAX)
+            walk->atlas->count += isLit;
+    }
+    for (octant = 0; octant < 8; octant++)
+        if (node[8] >> octant & 1) {
+            const int32_t at[3] = {low[0] + ((int32_t)(octant & 1) << (edge - 1)),
+                                   low[1] + ((int32_t)(octant >> 1 & 1) << (edge - 1)),
+                                   low[2] + ((int32_t)(octant >> 2) << (edge - 1))};
+            shgrid_visit_(walk, child++, level + 1, at);
+        }
+}
+
+static inline void shgrid_visit_roots_(shgrid_walk_ *walk) {
+    const int levels = walk->grid->levels;
+    int32_t x, y, z;
+    uint32_t root = 0;
+    walk->path.level = -1;
+    for (z = 0; z < walk->grid->bounds[2]; z += (int32_t)1 << levels)
+        for (y = 0; y < walk->grid->bounds[1]; y += (int32_t)1 << levels)
+            for (x = 0; x < walk->grid->bounds[0]; x += (int32_t)1 << levels) {
+                const int32_t low[3] = {x, y, z};
+                shgrid_visit_(walk, root++, 0, low);
+            }
+}
+
+/* Sizes of the textures of a sparse grid. All sizes of the atlas are 0 if the grid is not sparse or does not fit. */
+static inline void shgrid_atlas_measure(const shgrid_grid *grid, shgrid_atlas *atlas) {
+    shgrid_walk_ walk;
+    int32_t side = 1;
+    double scale;
+    int axis;
+    memset(&walk, 0, sizeof walk);
+    memset(atlas, 0, sizeof *atlas);
+    walk.grid = grid;
+    walk.atlas = atlas;
+    if (grid->levels == 0)
+        return;
+    shgrid_visit_roots_(&walk);
+    while (side < SHGRID_BRICK_AXIS && (double)side * side * side < atlas->count)
+        side++;
+    if (atlas->count == 0 || (double)side * side * side < atlas->count) {
+        memset(atlas, 0, sizeof *atlas);
+        return;
+    }
+    atlas->bricks[0] = atlas->bricks[1] = side;
+    atlas->bricks[2] = (atlas->count + side * side - 1) / (side * side);
+    if (atlas->count < side * side)
+        atlas->bricks[1] = (atlas->count + side - 1) / side;
+    atlas->shift = grid->levels - walk.depth;
+    for (axis = 0; axis < 3; axis++)
+        atlas->entries[axis] = grid->bounds[axis] >> atlas->shift;
+    scale = (double)shgrid_scale_(walk.scale);
+    scale = scale < 4 ? scale : 4;
+    atlas->limits[0] = (float)(1.15470054 * scale);
+    atlas->limits[1] = (float)(0.559016994 * scale);
+}
+
+/* Fills the textures: shgrid_indirection_bytes for `indirection`, 7 of shgrid_atlas_bytes, aligned to 4, for
+   `textures`. `atlas` is what shgrid_atlas_measure gave. */
+static inline void shgrid_atlas_fill(const shgrid_grid *grid, const shgrid_atlas *atlas, shgrid_atlas_format format,
+                                     unsigned char *indirection, void *const textures[7]) {
+    shgrid_walk_ walk;
+    shgrid_atlas counted = *atlas;
+    int i;
+    if (atlas->count == 0)
+        return;
+    memset(&walk, 0, sizeof walk);
+    walk.grid = grid;
+    walk.atlas = &counted;
+    walk.indirection = indirection;
+    walk.textures = textures;
+    walk.format = format;
+    counted.count = 0;
+    for (i = 0; i < 7; i++)
+        memset(textures[i], 0, shgrid_atlas_bytes(atlas, format));
+    shgrid_visit_roots_(&walk);
 }
 
 #ifdef __cplusplus

@@ -89,6 +89,24 @@ bspSparseGridHeader_t HeaderOf(const SparseGridSH &grid) {
     return head;
 }
 
+std::vector<SparseLevelCounts> CountSparseLevels(const SparseGridSH &grid) {
+    std::vector<SparseLevelCounts> levels;
+    std::size_t levelEnd = 0;
+    for (std::size_t i = 0; i < grid.nodes.size(); ++i) {
+        const SparseGridNode &node = grid.nodes[i];
+        if (i == levelEnd || i == 0) {
+            levels.emplace_back();
+            levelEnd = node.children; // children of a level follow the level
+        }
+        const std::size_t stored = std::size_t(std::popcount(node.stored));
+        const std::size_t hanging = std::size_t(std::popcount(node.hanging));
+        levels.back().stored += stored;
+        levels.back().hanging += hanging;
+        levels.back().empty += 8 - stored - hanging - std::size_t(std::popcount(node.inner));
+    }
+    return levels;
+}
+
 void CheckSparseGrid(const SparseGridSH &grid, std::string_view name) {
     try {
         CheckSparseTree(grid);

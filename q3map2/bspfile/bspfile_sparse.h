@@ -3,7 +3,9 @@
 
 #include "q3map2/bspfile/bsp.h"
 
+#include <cstddef>
 #include <string_view>
+#include <vector>
 
 namespace q3 {
 
@@ -14,6 +16,14 @@ struct FilePart;
 bspSparseGridHeader_t HeaderOf(const SparseGridSH &grid);
 /// Reads the lump. Errors: those of DecodeSparseGrid, with the name.
 SparseGridSH ReadSparseGrid(const ByteSource &file, const FilePart &part, std::string_view name);
+/// Sets `children` and `points` of all nodes: the running sums of inner children and of stored cells.
+void NumberSparseNodes(SparseGridSH &grid);
+/// Cells of a level of the tree, by what is at their lower corners.
+struct SparseLevelCounts {
+    std::size_t stored = 0, hanging = 0, empty = 0;
+};
+/// For each level that has nodes, the largest cells first. The grid is one that CheckSparseGrid accepts.
+std::vector<SparseLevelCounts> CountSparseLevels(const SparseGridSH &grid);
 /// Errors: numbers out of range, indexes that are not running sums, a tree that has other nodes or points.
 void CheckSparseGrid(const SparseGridSH &grid, std::string_view name);
 

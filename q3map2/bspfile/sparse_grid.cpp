@@ -65,8 +65,13 @@ SparseGridPoint Quantize(const bspGridPointSH_t &value, std::uint8_t scale) {
     return point;
 }
 
-/// Running sums of inner children and of points.
-void NumberNodes(SparseGridSH &grid) {
+} // namespace
+
+float SparseScale(std::uint8_t scale) {
+    return std::ldexp(kEighths[scale % kScaleSteps], (scale - kPlainScale - scale % kScaleSteps) / kScaleSteps);
+}
+
+void NumberSparseNodes(SparseGridSH &grid) {
     std::uint64_t children = 1, points = 0;
     for (const std::int32_t roots : grid.roots)
         children *= std::uint64_t(std::clamp(roots, 0, kMaxSparseCells)); // CheckSparseGrid says what is wrong
@@ -78,15 +83,9 @@ void NumberNodes(SparseGridSH &grid) {
     }
 }
 
-} // namespace
-
-float SparseScale(std::uint8_t scale) {
-    return std::ldexp(kEighths[scale % kScaleSteps], (scale - kPlainScale - scale % kScaleSteps) / kScaleSteps);
-}
-
 SparseGridSH PackSparseGrid(const SparseGridTree &tree) {
     SparseGridSH grid{tree.mins, tree.cell, tree.roots, tree.levels, tree.nodes, {}};
-    NumberNodes(grid);
+    NumberSparseNodes(grid);
     grid.points.resize(tree.values.size());
     CheckSparseGrid(grid, "packing");
     for (SparseGridNode &node : grid.nodes) {

@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/bspfile/bspfile_sparse.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/grid_shares.h"
 #include "q3map2/bspfile/prop_light.h"
@@ -34,6 +35,8 @@ class InfoTable {
         PrintLight(world);
         if (bsp_.gridSH)
             PrintGridSH(*bsp_.gridSH, world);
+        if (bsp_.sparseGridSH)
+            PrintSparseGrid(*bsp_.sparseGridSH, world);
         PrintHdrLight();
         if (bsp_.ambientCubes)
             PrintCubes(*bsp_.ambientCubes);
@@ -112,6 +115,30 @@ class InfoTable {
         Share(shares.open, "lit points", grid.points.size());
         Share(shares.filled, "filled points", grid.points.size());
         Share(shares.darkVoid, "void points", grid.points.size());
+        log_.Print("\n");
+    }
+
+    void PrintSparseGrid(const SparseGridSH &grid, const Entity &world) const {
+        const bspSparseGridHeader_t head = HeaderOf(grid);
+        Line(grid.points.size(), "sparse SH grid", head.bytes);
+        Note("{} nodes, {:.1f} % of the bytes; {} levels below {} x {} x {} roots", grid.nodes.size(),
+             100.0 * double(grid.nodes.size() * sizeof(SparseGridNode)) / double(head.bytes), grid.levels,
+             grid.roots[0], grid.roots[1], grid.roots[2]);
+        Note("from ( {} {} {} ), smallest cells of {} x {} x {} units", grid.mins[0] + 0.0f, grid.mins[1] + 0.0f,
+             grid.mins[2] + 0.0f, grid.cell[0], grid.cell[1], grid.cell[2]);
+        Note("coefficients are {}",
+             world.Value(kGridSHKey) == kRadiance ? "radiance, not convolved (-shradiance)" : "cosine-convolved");
+        const std::vector<SparseLevelCounts> levels = CountSparseLevels(grid);
+        for (std::size_t level = levels.size(); level-- > 0;) {
+            const SparseLevelCounts &counts = levels[level];
+            const auto size = [&](std::size_t axis) {
+                return double(grid.cell[axis]) * double(1 << (grid.levels - 1 - std::int32_t(level)));
+            };
+            log_.Print("{:9}   points of cells of {:g} x {:g} x {:g}: {:.1f} %; {} hanging, {} without light\n",
+                       counts.stored, size(0), size(1), size(2),
+                       100.0 * double(counts.stored) / double(std::max<std::size_t>(grid.points.size(), 1)),
+                       counts.hanging, counts.empty);
+        }
         log_.Print("\n");
     }
 

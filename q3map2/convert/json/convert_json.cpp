@@ -9,6 +9,7 @@
 #include "q3map2/convert/json/convert_json_hdr.h"
 #include "q3map2/convert/json/convert_json_props.h"
 #include "q3map2/convert/json/convert_json_records.h"
+#include "q3map2/convert/json/convert_json_sparse.h"
 
 #include <system_error>
 
@@ -39,6 +40,8 @@ class Unpacker {
         codes(kJsonLightmapsE5bgr9, bsp_.lightmapsE5bgr9);
         codes(kJsonVertexE5bgr9, bsp_.vertexE5bgr9);
         WriteIf(bsp_.rnm.has_value(), kJsonRnm, [this] { WriteJsonRnm(Announce(kJsonRnm), *bsp_.rnm, game_); });
+        WriteIf(bsp_.sparseGridSH.has_value(), kJsonSparseGrid,
+                [this] { WriteJsonSparseGrid(Announce(kJsonSparseGrid), *bsp_.sparseGridSH, game_); });
         WriteIf(bsp_.ambientCubes.has_value(), kJsonCubes,
                 [this] { WriteJsonCubes(Announce(kJsonCubes), *bsp_.ambientCubes, game_); });
         const std::optional<PropLight> props = PropLightForFile();
@@ -142,6 +145,7 @@ class Unpacker {
         inFile(!bsp_.lightmapsE5bgr9.empty(), kBspxLightmapsE5bgr9, kJsonLightmapsE5bgr9);
         inFile(!bsp_.vertexE5bgr9.empty(), kBspxVertexE5bgr9, kJsonVertexE5bgr9);
         inFile(bsp_.rnm.has_value(), kBspxRnm, kJsonRnm);
+        inFile(bsp_.sparseGridSH.has_value(), kBspxSparseGridSH, kJsonSparseGrid);
         inFile(bsp_.ambientCubes.has_value(), kBspxAmbientCubes, kJsonCubes);
         return entries;
     }

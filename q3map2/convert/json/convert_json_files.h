@@ -39,6 +39,7 @@ inline constexpr std::string_view kJsonBspx = "bspx.json";
 inline constexpr std::string_view kJsonLightmapsE5bgr9 = "LightTexelsE5BGR9.json";
 inline constexpr std::string_view kJsonVertexE5bgr9 = "DrawVertE5BGR9.json";
 inline constexpr std::string_view kJsonRnm = "LightTexelsRNM.json";
+inline constexpr std::string_view kJsonSparseGrid = "GridPointsSHSparse.json";
 inline constexpr std::string_view kJsonCubes = "AmbientCubes.json";
 inline constexpr std::string_view kJsonPropLight = "PropLight.json";
 
@@ -50,5 +51,6 @@ inline constexpr std::string_view kJsonRnmRaw = "raw", kJsonRnmRescaled = "resca
 inline constexpr std::string_view kJsonCubeLeafs = "leafs", kJsonCubeSamples = "samples";
 inline constexpr std::string_view kJsonProps = "props";
 inline constexpr std::string_view kJsonGridSHHeader = "header", kJsonGridSHPoints = "points";
+inline constexpr std::string_view kJsonSparseNodes = "nodes";
 
 } // namespace q3

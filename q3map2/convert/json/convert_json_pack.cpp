@@ -12,6 +12,7 @@
 #include "q3map2/convert/json/convert_json_hdr.h"
 #include "q3map2/convert/json/convert_json_props.h"
 #include "q3map2/convert/json/convert_json_records.h"
+#include "q3map2/convert/json/convert_json_sparse.h"
 
 #include <algorithm>
 #include <system_error>
@@ -151,14 +152,10 @@ class Packer {
             ReadRecord(source, entry);
             if (entry.name.size() > kBspxNameBytes || entry.name.find('\0') != entry.name.npos)
                 source.Fail(fmt::format("name: expected at most {} bytes without NUL", kBspxNameBytes));
-            if (entry.name == kBspxAmbientCubes) {
-                if (entry.file != kJsonCubes)
-                    source.Fail(fmt::format("expected the file {}", kJsonCubes));
-                if (bsp_.ambientCubes)
-                    source.Fail(fmt::format("name: a lump {} is already there", kBspxAmbientCubes));
-                bsp_.ambientCubes = ReadJsonCubes(folder_ / kJsonCubes, rules_);
+            if (ReadBspxMember(source, entry, kBspxAmbientCubes, kJsonCubes, bsp_.ambientCubes, ReadJsonCubes) ||
+                ReadBspxMember(source, entry, kBspxSparseGridSH, kJsonSparseGrid, bsp_.sparseGridSH,
+                               ReadJsonSparseGrid))
                 return;
-            }
             const bool isPropFile = entry.name == kBspxPropLight && !entry.file.empty();
             if (entry.name == kBspxLightGridSH ||
                 (!entry.file.empty() && JsonHdrFile(entry.name).empty() && !isPropFile)) {
@@ -178,6 +175,20 @@ class Packer {
                 source.Fail("bytes: expected pairs of hexadecimal digits");
             bsp_.bspx.push_back(std::move(lump));
         });
+    }
+
+    /// Reads the file of a lump that is a member of the map. False: the entry is another lump.
+    template <typename Member, typename Read>
+    bool ReadBspxMember(const JsonRecord &source, const JsonBspxEntry &entry, std::string_view lump,
+                        std::string_view file, std::optional<Member> &member, const Read &read) const {
+        if (entry.name != lump)
+            return false;
+        if (entry.file != file)
+            source.Fail(fmt::format("expected the file {}", file));
+        if (member)
+            source.Fail(fmt::format("name: a lump {} is already there", lump));
+        member = read(folder_ / file, rules_);
+        return true;
     }
 
     void ReadBspxGrid(const JsonRecord &source, const JsonBspxEntry &entry) {

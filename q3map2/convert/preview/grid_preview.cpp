@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/image/image.h"
 #include "q3map2/convert/preview/grid_preview_canvas.h"
+#include "q3map2/convert/preview/grid_preview_cells.h"
 #include "q3map2/convert/preview/grid_preview_light.h"
 #include "q3map2/convert/preview/grid_preview_map.h"
 
@@ -22,6 +23,8 @@ constexpr float kPairRadius = 52, kSingleRadius = 72;
 constexpr int kLattice = 27; ///< pixels between the small spheres of the plan
 constexpr float kSmallRadius = 10;
 constexpr int kPlanSubsamples = 2;
+constexpr float kLeastCell = 3, kCellAlpha = 0.45f;
+constexpr int kShownSizes = 6; ///< cells in the legend
 constexpr float kMinExposure = 1.0f / 64, kMaxExposure = 16;
 constexpr float kContrastWeight = 8;   ///< weight of color contrast, relative to brightness
 constexpr float kGroundFactor = 0.35f; ///< factor of the light on the ground, so that spheres stand out
@@ -64,13 +67,15 @@ float Strength(const ShSample &sample) {
 class Preview {
   public:
     explicit Preview(const Bsp &bsp)
-        : map_(bsp), sh_(bsp), legacy_(LegacyPreview::Make(bsp)), plan_(map_), canvas_(kWidth, kHeight, kPaper) {
+        : sparse_(bsp.sparseGridSH ? &*bsp.sparseGridSH : nullptr), map_(bsp), sh_(bsp),
+          legacy_(LegacyPreview::Make(bsp)), plan_(map_), canvas_(kWidth, kHeight, kPaper) {
         positions_ = map_.ChoosePositions(kColumns * kRows, [this](const Vec3f &p) { return Strength(sh_.At(p)); });
         exposure_ = ChooseExposure();
     }
 
     const Image &Draw() {
         DrawGround();
+        DrawCells();
         DrawLattice();
         for (std::size_t i = 0; i < positions_.size(); i++) {
             DrawMark(i);
@@ -130,6 +135,35 @@ class Preview {
             }
     }
 
+    /// Outlines of the cells that the plan cuts, where they are at least kLeastCell pixels wide.
+    void DrawCells() {
+        if (sparse_ == nullptr)
+            return;
+        const auto cellAt = [this](int column, int row) {
+            return SparseCellAt(*sparse_, plan_.World(float(kPlanLeft + column) + 0.5f, float(kPlanTop + row) + 0.5f));
+        };
+        for (int row = 0; row + 1 < kPlanSide; row++)
+            for (int column = 0; column + 1 < kPlanSide; column++) {
+                const std::optional<SparseCell> cell = cellAt(column, row);
+                const auto isBorder = [&](const std::optional<SparseCell> &other) { return other && *other != *cell; };
+                if (!cell || float(1 << cell->size) * sparse_->cell[0] * plan_.scale < kLeastCell)
+                    continue;
+                if (isBorder(cellAt(column + 1, row)) || isBorder(cellAt(column, row + 1)))
+                    canvas_.Blend(kPlanLeft + column, kPlanTop + row, SparseCellColor(cell->size), kCellAlpha);
+            }
+    }
+
+    /// What the colors of cells mean, above the plan.
+    void DrawCellSizes() {
+        int x = kPlanLeft + 560;
+        for (int size = 0; size < std::min(sparse_->levels, kShownSizes); size++) {
+            canvas_.Rectangle(x, 28, 14, 14, SparseCellColor(size));
+            const std::string text = fmt::format("{:g}", double(sparse_->cell[0]) * double(1 << size));
+            canvas_.Text(x + 18, 28, 2, kFaint, text);
+            x += 18 + Canvas::TextWidth(2, text) + 12;
+        }
+    }
+
     void DrawLattice() {
         for (int y = kPlanTop + kLattice / 2; y < kPlanTop + kPlanSide; y += kLattice)
             for (int x = kPlanLeft + kLattice / 2; x < kPlanLeft + kPlanSide; x += kLattice) {
@@ -181,9 +215,14 @@ class Preview {
         canvas_.Text(kPlanLeft, 22, 3, kInk, "SH GRID");
         canvas_.Text(kPlanLeft + 150, 28, 2, kFaint, fmt::format("PLAN AT Z {:.0f}, NORTH UP", plan_.height));
         const shgrid_grid &grid = sh_.Grid();
+        if (sparse_ != nullptr)
+            DrawCellSizes();
         canvas_.Text(kPlanLeft, kPlanTop + kPlanSide + 14, 2, kFaint,
-                     fmt::format("{} X {} X {} POINTS, CELL {:.4g} X {:.4g} X {:.4g}", grid.bounds[0], grid.bounds[1],
-                                 grid.bounds[2], grid.cell[0], grid.cell[1], grid.cell[2]));
+                     sparse_ != nullptr
+                         ? fmt::format("{} POINTS, SMALLEST CELL {:.4g} X {:.4g} X {:.4g}", grid.count, grid.cell[0],
+                                       grid.cell[1], grid.cell[2])
+                         : fmt::format("{} X {} X {} POINTS, CELL {:.4g} X {:.4g} X {:.4g}", grid.bounds[0],
+                                       grid.bounds[1], grid.bounds[2], grid.cell[0], grid.cell[1], grid.cell[2]));
         canvas_.Text(kPlanLeft, kPlanTop + kPlanSide + 40, 2, kFaint,
                      fmt::format("EXPOSURE {:.2g}, LINEAR TO SRGB. SMALL SPHERES: SEEN FROM ABOVE", exposure_));
         if (legacy_) {
@@ -200,6 +239,7 @@ class Preview {
         }
     }
 
+    const SparseGridSH *sparse_; ///< null: the grid is uniform
     PreviewMap map_;
     ShPreview sh_;
     std::optional<LegacyPreview> legacy_;

@@ -30,14 +30,21 @@ Vec3f Color(const std::array<std::uint8_t, 3> &bytes) {
 } // namespace
 
 ShPreview::ShPreview(const Bsp &bsp) {
-    if (!bsp.gridSH || bsp.gridSH->points.empty())
+    if (bsp.sparseGridSH) {
+        sparseLump_ = EncodeSparseGrid(*bsp.sparseGridSH);
+        if (const shgrid_result result = shgrid_parse(sparseLump_.data(), sparseLump_.size(), &grid_);
+            result != SHGRID_OK)
+            throw Error("sparse SH light grid: {}", shgrid_message(result));
+    } else if (bsp.gridSH && !bsp.gridSH->points.empty()) {
+        const bspGridSHHeader_t &head = bsp.gridSH->header;
+        std::ranges::copy(head.gridMins, grid_.mins);
+        std::ranges::copy(head.gridSize, grid_.cell);
+        std::ranges::copy(head.gridBounds, grid_.bounds);
+        grid_.count = head.numPoints;
+        grid_.points = reinterpret_cast<const unsigned char *>(bsp.gridSH->points.data());
+    } else {
         throw Error("the map has no SH light grid to show: light it with -sh first");
-    const bspGridSHHeader_t &head = bsp.gridSH->header;
-    std::ranges::copy(head.gridMins, grid_.mins);
-    std::ranges::copy(head.gridSize, grid_.cell);
-    std::ranges::copy(head.gridBounds, grid_.bounds);
-    grid_.count = head.numPoints;
-    grid_.points = reinterpret_cast<const unsigned char *>(bsp.gridSH->points.data());
+    }
     const Entity world = StoredWorld(bsp.entities);
     radiance_ = world.Value(kGridSHKey) == kRadiance;
     shgrid_tone tone;

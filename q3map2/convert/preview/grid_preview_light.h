@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace q3 {
 
@@ -19,16 +20,20 @@ struct ShSample {
 /// linear and unclamped.
 Vec3f LightOn(const ShSample &sample, const Vec3f &normal);
 
-/// The SH grid through the engine-side reader. Reads the points of the Bsp in place: the Bsp must outlive this.
+/// The SH grid through the engine-side reader, the sparse one if the map has it. Reads the points of the Bsp in place:
+/// the Bsp must outlive this.
 class ShPreview {
   public:
     /// Errors: no SH grid.
     explicit ShPreview(const Bsp &bsp);
+    ShPreview(const ShPreview &) = delete; // the grid points into the lump
+    ShPreview &operator=(const ShPreview &) = delete;
     ShSample At(const Vec3f &position) const;
     const shgrid_grid &Grid() const { return grid_; }
     bool HasTone() const { return tone_.has_value(); }
 
   private:
+    std::vector<std::byte> sparseLump_;
     shgrid_grid grid_{};
     bool radiance_ = false; ///< not convolved yet
     std::optional<shgrid_tone> tone_;
