@@ -220,6 +220,36 @@ TEST(GridPreview, PictureShowsWhatTheLegacyGridMixes) {
     EXPECT_LT(ColorsOfThePairs(both.Read())[2], purple / 2);
 }
 
+/// TwoColors with a sparse grid in place of the uniform one: cells of 32 in one root, of 64 elsewhere.
+Bsp SparseTwoColors() {
+    Bsp bsp = TwoColors();
+    SparseGridTree tree{{-384, -384, -128}, {32, 32, 32}, {6, 6, 4}, 2, {}, {}};
+    tree.nodes.assign(6 * 6 * 4, {0, 0, 0, 255, 0, 0});
+    tree.nodes[0].inner = 1, tree.nodes[0].stored = 254;
+    tree.nodes.push_back({0, 0, 0, 255, 0, 0});
+    tree.values.assign(6 * 6 * 4 * 8 + 7, bsp.gridSH->points[0]);
+    bsp.sparseGridSH = PackSparseGrid(tree);
+    bsp.gridSH.reset();
+    return bsp;
+}
+
+TEST(GridPreview, ShowsASparseGridWithoutTheUniformOne) {
+    const Bsp bsp = SparseTwoColors();
+    const ShPreview preview(bsp);
+    const Vec3f south = LightOn(preview.At({100, 100, 100}), {0, -1, 0});
+    EXPECT_NEAR(south.x, 0.8 * 1.0625, 0.01);
+    EXPECT_NEAR(south.z, 0.8 * 0.0625, 0.01);
+    PictureFile sparse, uniform;
+    WriteGridPreview(sparse.path, bsp, sparse.log);
+    WriteGridPreview(uniform.path, TwoColors(), uniform.log);
+    EXPECT_NE(sparse.text.find("both grids"), std::string::npos);
+    int outlines = 0;
+    const auto shown = sparse.Read(), plain = uniform.Read();
+    for (std::size_t i = 0; i < shown.rgba.size(); i += 4)
+        outlines += shown.rgba[i + 1] > plain.rgba[i + 1] + 30;
+    EXPECT_GT(outlines, 8 * 500) << "eight lines of cells each way across the room";
+}
+
 TEST(GridPreview, NeedsAnShGrid) {
     Bsp bsp = TwoColors();
     bsp.gridSH.reset();
