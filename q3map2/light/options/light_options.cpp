@@ -34,7 +34,8 @@ void ApplyInclusions(LightOptions &o) {
     o.fastGrid |= o.fast;
     o.cheapGrid |= o.cheap;
     o.skip.coarse &= o.fastGrid;
-    o.sh |= o.shBspx || o.shRadiance;
+    o.keepSH = o.sh || o.shBspx || o.shRadiance;
+    o.sh = o.keepSH || !o.gridFormats.empty();
     o.ambientCubes |= o.cubesFromSH;
     if (o.tone.sRgb)
         o.tolerance = 255 * LinearFromSrgb(1.0f / 255);
