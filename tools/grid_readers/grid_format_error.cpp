@@ -21,6 +21,7 @@ namespace q3 {
 namespace {
 
 constexpr int kPositions = 4000, kMostTries = 2000000;
+constexpr float kFloorReach = 64; ///< game units
 constexpr float kIoquake3Shift = 1; ///< lightmaps are shifted and limited alike, so without
 
 using Shown = std::function<Vec3f(const Vec3f &position, const Vec3f &normal)>; ///< byte scale
@@ -33,7 +34,7 @@ std::vector<Vec3f> Normals() {
     return normals;
 }
 
-/// Random positions where a player fits.
+/// Random positions where a player fits, with a floor within kFloorReach below.
 std::vector<Vec3f> Positions(const Bsp &bsp, const BspSpace &space) {
     std::mt19937 random(1);
     std::uniform_real_distribution<float> unit(0, 1);
@@ -42,7 +43,9 @@ std::vector<Vec3f> Positions(const Bsp &bsp, const BspSpace &space) {
     for (int tries = 0; tries < kMostTries && positions.size() < kPositions; ++tries) {
         const float x = unit(random), y = unit(random), z = unit(random);
         const Vec3f at = mins + size * Vec3f{x, y, z};
-        if (space.ClusterAt(at, 0) >= 0 && space.PlayerFits(at))
+        const Vec3f half{kPlayerHalfSize, kPlayerHalfSize, kPlayerHalfSize};
+        if (space.ClusterAt(at, 0) >= 0 && space.PlayerFits(at) &&
+            space.AnySolid(at - half - Vec3f{0, 0, kFloorReach}, at + half))
             positions.push_back(at);
     }
     return positions;
