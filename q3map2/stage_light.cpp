@@ -31,6 +31,12 @@ PagesFiles FindPages(const StageContext &context, Arguments &arguments) {
     return {bsp, WithExtension(bsp, "")};
 }
 
+void PrintWorldKeys(const Entity &world, Log &log) {
+    PrintChangedKeys(world, keys::kWorldLightKeys, "worldspawn", log);
+    PrintChangedKeys(world, keys::kStyleWorldKeys, "worldspawn", log);
+    PrintChangedKeys(world, keys::kMacroKeys, "worldspawn", log);
+}
+
 } // namespace
 
 int LightStage(const StageContext &context, Arguments arguments) {
@@ -54,9 +60,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     inputs.vfs = &vfs;
     inputs.texLights = ReadTexLights(bspPath, vfs, options.texLightFiles, lightmap.hdr, log);
     const Entity world = StoredEntities(bsp.entities, inputs.name).front();
-    PrintChangedKeys(world, keys::kWorldLightKeys, "worldspawn", log);
-    PrintChangedKeys(world, keys::kStyleWorldKeys, "worldspawn", log);
-    PrintChangedKeys(world, keys::kMacroKeys, "worldspawn", log);
+    PrintWorldKeys(world, log);
     if (!lightmap.onlyGrid)
         RemoveMipmapHints(inputs.name, bsp);
 

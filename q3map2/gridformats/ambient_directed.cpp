@@ -55,7 +55,7 @@ Vec3d LightOn(const bspGridPointSH_t &light, const Vec3d &normal) {
     return Max(sum, Vec3d{});
 }
 
-AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light) {
+AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light, double leastAmbient) {
     // Normal equations of (light - ambient - directed * lobe)^2; the integrals of 1, lobe and lobe^2 over the sphere
     // are 4 pi, pi and 2 pi / 3.
     AmbientDirected fit;
@@ -66,9 +66,9 @@ AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light) {
         double ambient = (2 * e1 - 3 * e2) / (5 * pi), directed = (12 * e2 - 3 * e1) / (5 * pi);
         if (directed < 0)
             directed = 0, ambient = e1 / (4 * pi);
-        if (ambient < 0)
-            ambient = 0, directed = 3 * e2 / (2 * pi);
-        fit.ambient[i] = std::max(ambient, 0.0);
+        if (ambient < leastAmbient)
+            ambient = leastAmbient, directed = 3 * (e2 - pi * leastAmbient) / (2 * pi);
+        fit.ambient[i] = ambient;
         fit.directed[i] = std::max(directed, 0.0);
     }
     return fit;

@@ -31,6 +31,11 @@ GridTone::GridTone(const char *tone) {
         throw Error("tone \"{}\": expected pairs of a word and a number in range", tone);
 }
 
+bool GridTone::IsPlain() const {
+    return tone_.contrast == 1 && tone_.gamma == 1 && tone_.exposure == 0 && tone_.saturation == 1 &&
+           tone_.scale == 1 && tone_.maxlight == kFull && tone_.srgb == 0;
+}
+
 Vec3d GridTone::Limited(const Vec3d &light) const {
     float rgb[3] = {float(light.x), float(light.y), float(light.z)};
     shgrid_apply_tone(&tone_, rgb);

@@ -19,6 +19,7 @@ class GridTone {
     /// `tone`: a value of that key; empty: plain. Errors: it cannot be read.
     explicit GridTone(const char *tone = "");
 
+    bool IsPlain() const;
     /// 0 to 255; brighter colors keep their hue.
     Vec3d Limited(const Vec3d &light) const;
     /// The same without the upper limit, unless `_maxlight` sets one below 255.

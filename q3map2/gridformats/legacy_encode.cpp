@@ -13,9 +13,14 @@ namespace {
 
 constexpr double kFullByte = 255;
 
-AmbientDirected Fit(const bspGridPointSH_t &light, const LegacyReader &reader, double ambientFactor) {
+AmbientDirected Fit(const bspGridPointSH_t &light, const LegacyReader &reader, const GridTone &tone,
+                    double ambientFactor) {
+    // A point that is not black has at least a byte. Under a tone the light that such bytes stand for is not looked
+    // for.
+    const bool raises = reader.ambientAdded > 0 && ambientFactor == 1 && tone.IsPlain();
+    const double least = raises ? (reader.ambientScale + reader.ambientAdded) / kFullByte : 0;
     AmbientDirected fit =
-        reader.directedShare > 0 ? FitMeanAndDirected(light, reader.directedShare) : FitAmbientDirected(light);
+        reader.directedShare > 0 ? FitMeanAndDirected(light, reader.directedShare) : FitAmbientDirected(light, least);
     fit.ambient *= ambientFactor;
     return fit;
 }
@@ -63,7 +68,7 @@ std::vector<bspGridPoint_t> EncodeLegacyGrid(const LegacyPoints &points, const L
     for (std::size_t i = 0; i < grid.size(); ++i) {
         if (!IsWritten(points.use[i], reader))
             continue;
-        const AmbientDirected fit = Fit(points.light[i], reader, ambientFactor);
+        const AmbientDirected fit = Fit(points.light[i], reader, tone, ambientFactor);
         bspGridPoint_t &point = grid[i];
         point.ambient = ToBytes(BeforeReader(tone.Limited(fit.ambient), reader));
         point.directed = ToBytes(tone.Limited(fit.directed));
@@ -82,7 +87,7 @@ std::vector<std::byte> EncodeRawGrid(const LegacyPoints &points, const LegacyRea
     for (std::size_t i = 0; i < points.light.size(); ++i) {
         Vec3d ambient, directed;
         if (IsWritten(points.use[i], reader)) {
-            const AmbientDirected fit = Fit(points.light[i], reader, ambientFactor);
+            const AmbientDirected fit = Fit(points.light[i], reader, tone, ambientFactor);
             ambient = BeforeReader(tone.Unlimited(fit.ambient), reader);
             directed = tone.Unlimited(fit.directed);
             if (ambient == Vec3d{})

@@ -74,6 +74,18 @@ TEST(AmbientDirectedFit, LightThatIsTakenAwayIsBlack) {
     EXPECT_EQ(fit.directed, (Vec3d{}));
 }
 
+// An engine that shows at least 0.1 of ambient light gets less directed light: no other amount is nearer.
+TEST(AmbientDirectedFit, LeastAmbientLight) {
+    const auto light = LightFrom({1, 2, 2}, {1, 0, 0});
+    const AmbientDirected fit = FitAmbientDirected(light, 0.1);
+    EXPECT_EQ(fit.ambient.x, 0.1);
+    EXPECT_LT(fit.directed.x, 0.9);
+    const double best = SquaredError(light, 0.1, fit.directed.x, fit.direction);
+    for (const double step : {-0.01, 0.01})
+        EXPECT_GT(SquaredError(light, 0.1, fit.directed.x + step, fit.direction), best);
+    EXPECT_EQ(FitAmbientDirected(ConstantLight({}), 0.1).directed.x, 0);
+}
+
 TEST(AmbientDirectedFit, OneColorKeepsTheMean) {
     for (const double share : {0.25, 0.4})
         for (const auto &light : {LightFrom({0, 1, 1}, {1, 0.2, 0.5}), ConstantLight({0.3, 0.2, 1}),
