@@ -5,6 +5,7 @@
 #include "tools/grid_readers/legacy_reader.h"
 
 #include <numbers>
+#include <numeric>
 
 namespace q3::test {
 
@@ -88,6 +89,22 @@ TEST(LegacyGridFromSH, OtherEnginesShowIt) {
     const auto reader = LegacyReader15::Load(BytesOf(lump), f.places, kPlainEngine);
     ASSERT_TRUE(reader);
     ExpectNear(*reader, ErrorBound(1, 255));
+}
+
+// Daemon keeps (ambient + k directed) / (1 + k) of a point.
+TEST(LegacyGridFromSH, DaemonKeepsTheMeanLight) {
+    const Fixture f;
+    for (const double k : {0.25, 0.4}) {
+        const auto lump = EncodeLegacyGrid(f.points, {.skipsSolid = true, .directedShare = k}, GridTone(), 1);
+        for (std::size_t i = 0; i < lump.size(); ++i) {
+            const Vec3d mean = MeanLight(f.points.light[i]) * 255.0;
+            for (std::size_t channel = 0; channel < 3; ++channel) {
+                const double kept = (lump[i].ambient[channel] + k * lump[i].directed[channel]) / (1 + k);
+                ASSERT_NEAR(kept * (1 + k), mean[channel], 0.5 + 0.5 * k + 1e-3);
+            }
+            ASSERT_GT(std::accumulate(lump[i].ambient.begin(), lump[i].ambient.end(), 0), 0) << "0 is in a wall";
+        }
+    }
 }
 
 TEST(RawGridFromSH, BothRend2RenderersShowIt) {
