@@ -51,7 +51,7 @@ bool HasWord(const std::vector<std::string> &words, std::string_view option) {
 
 /// Whether the line asks for an SH grid and leaves its cell to the preset.
 bool TakesGridSH(const std::vector<std::string> &words) {
-    constexpr std::string_view kGrids[] = {"-sh", "-shbspx", "-shradiance"};
+    constexpr std::string_view kGrids[] = {"-sh", "-shbspx", "-shradiance", "-gridformats"};
     return !HasWord(words, "-shsmall") &&
            std::ranges::any_of(kGrids, [&](std::string_view option) { return HasWord(words, option); });
 }

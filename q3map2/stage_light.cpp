@@ -6,6 +6,7 @@
 #include "q3map2/command_record.h"
 #include "q3map2/convert/preview/grid_preview.h"
 #include "q3map2/game_check.h"
+#include "q3map2/grid_format_files.h"
 #include "q3map2/grid_size_report.h"
 #include "q3map2/light_inputs.h"
 #include "q3map2/lightmap/light_world.h"
@@ -30,13 +31,20 @@ PagesFiles FindPages(const StageContext &context, Arguments &arguments) {
     return {bsp, WithExtension(bsp, "")};
 }
 
+void PrintWorldKeys(const Entity &world, Log &log) {
+    PrintChangedKeys(world, keys::kWorldLightKeys, "worldspawn", log);
+    PrintChangedKeys(world, keys::kStyleWorldKeys, "worldspawn", log);
+    PrintChangedKeys(world, keys::kMacroKeys, "worldspawn", log);
+}
+
 } // namespace
 
 int LightStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
     const std::vector<std::string> given = arguments.Rest();
     log.Section("Light");
-    const LightOptions options = ParseLightOptions(arguments, *context.options.game, log);
+    LightOptions options = ParseLightOptions(arguments, *context.options.game, log);
+    const GridFormats gridFormats = TakeGridFormats(options);
     const LightmapOptions lightmap = ParseLightmapOptions(arguments, options, *context.options.game, log);
     const StageFile file = TakeFile(context, arguments, given);
     PrintChangedOptions(arguments, log);
@@ -52,9 +60,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     inputs.vfs = &vfs;
     inputs.texLights = ReadTexLights(bspPath, vfs, options.texLightFiles, lightmap.hdr, log);
     const Entity world = StoredEntities(bsp.entities, inputs.name).front();
-    PrintChangedKeys(world, keys::kWorldLightKeys, "worldspawn", log);
-    PrintChangedKeys(world, keys::kStyleWorldKeys, "worldspawn", log);
-    PrintChangedKeys(world, keys::kMacroKeys, "worldspawn", log);
+    PrintWorldKeys(world, log);
     if (!lightmap.onlyGrid)
         RemoveMipmapHints(inputs.name, bsp);
 
@@ -67,11 +73,12 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const LostLightCheck lostLight(bsp);
     LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);
     lostLight.Report(bsp, log);
+    const auto folder = WithExtension(bspPath, "");
+    StoreBakedGrids(gridFormats, options, folder, bsp, log);
     RecordCommand(bsp, "-light", inputs.name, file.recorded);
     if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump && !format.advertisements && format.version == 46)
         log.Print("The SH grid makes this a version 47 file, which engines without SH support refuse; -shbspx keeps "
                   "version 46\n");
-    const auto folder = WithExtension(bspPath, "");
     if (!lightmap.onlyGrid) {
         FinishForFile(lightmap, inputs.name, result.lightmaps, bsp);
         const auto pages = lightmap.externalFolder.empty() ? folder : std::filesystem::path(lightmap.externalFolder);

@@ -5,6 +5,7 @@
 #include "q3map2/convert/preview/tone_picture.h"
 #include "q3map2/edit/edit_options.h"
 #include "q3map2/global_settings.h"
+#include "q3map2/gridformats/grid_format_options.h"
 #include "q3map2/light/options/light_settings.h"
 #include "q3map2/lightmap/options/lightmap_settings.h"
 #include "q3map2/lightmap/store/export_options.h"
@@ -55,6 +56,12 @@ std::vector<Stage> CompilingStages() {
          VisStage, [] { return AfterPresets(Describe(VisSettings())); }},
         {"-light", "-light [options] maps/x.bsp", "Light a compiled map: lightmaps, vertices and light grids", "",
          LightStage, LightSections},
+        {"-convertgrid", "-convertgrid -gridformats LIST [options] maps/x.bsp",
+         "Make light grids for other engines of the SH grid of a lit map",
+         "[grid_formats.md](grid_formats.md) tells which engine reads which and what each loses. Light is not "
+         "computed: "
+         "map source, shaders and images are not needed.",
+         ConvertGridStage, [] { return Describe(ConvertGridSettings()); }},
         {"-info", "-info maps/a.bsp maps/b.bsp ...", "Print counts, bytes and the light grid of maps", "", InfoStage,
          nullptr},
         {"-json", "-json [-unpack|-pack] [options] maps/x.bsp", "Write all lumps as JSON files, or read them back", "",

@@ -51,6 +51,7 @@ int ImportStage(const StageContext &context, Arguments arguments);
 int ToneMapStage(const StageContext &context, Arguments arguments);
 int JsonStage(const StageContext &context, Arguments arguments);
 int ConvertStage(const StageContext &context, Arguments arguments);
+int ConvertGridStage(const StageContext &context, Arguments arguments);
 int InfoStage(const StageContext &context, Arguments arguments);
 int MinimapStage(const StageContext &context, Arguments arguments);
 int ExportEntitiesStage(const StageContext &context, Arguments arguments);

@@ -35,7 +35,8 @@ void ApplyInclusions(LightOptions &o) {
     o.cheapGrid |= o.cheap;
     o.skip.coarse &= o.fastGrid;
     o.shAdaptive |= o.shBudget.has_value();
-    o.sh |= o.shBspx || (o.shRadiance && !o.shAdaptive);
+    o.keepSH = o.sh || o.shBspx || (o.shRadiance && !o.shAdaptive);
+    o.sh = o.keepSH || !o.gridFormats.empty();
     o.ambientCubes |= o.cubesFromSH;
     if (o.tone.sRgb)
         o.tolerance = 255 * LinearFromSrgb(1.0f / 255);

@@ -73,8 +73,10 @@ struct LightOptions {
     float shErrorTarget = 1;                          ///< of the sparse grid: displayed RMS of interpolation, bytes
     std::optional<double> shBudget;                   ///< size of the sparse grid, bytes; replaces shErrorTarget
     bool shRadiance = false;
-    bool shDering = false; ///< no negative lobes
-    bool shError = false;  ///< compare the grid with exact light and print the error
+    std::string gridFormats; ///< -gridformats
+    bool keepSH = false;     ///< the map keeps the SH grid, whatever -gridformats says
+    bool shDering = false;   ///< no negative lobes
+    bool shError = false;    ///< compare the grid with exact light and print the error
     float gridScaleSH = 2;
     std::optional<Vec3f> gridSizeSH;
     int shFit = 0;       ///< samples per cell to which all points are fitted; 0: fit points in solids only

@@ -47,6 +47,14 @@ Group GridSH() {
              {{.name = "-shradiance",
                .help = "Store radiance instead of irradiance, for engines that convolve themselves; includes -sh"},
               &LightOptions::shRadiance},
+             {{.name = "-gridformats",
+               .values = "LIST",
+               .initial = "none",
+               .help = "Make other light grids of the SH grid, for other engines: LIST of formats",
+               .details = "As the stage `-convertgrid` does with a lit map, where the words are explained. The SH grid "
+                          "is baked but stays in the map only with `sh` or `shbspx` in LIST or with an option that "
+                          "includes `-sh`. A legacy grid made of it is not traced."},
+              &LightOptions::gridFormats},
              {{.name = "-shsmall",
                .help = "A grid of about a quarter of the bytes: -gridsh 64 64 64 -shfit; includes -sh",
                .details = "[ship_sh.md](ship_sh.md) compares sizes and errors. `-gridsh` and `-shfit N` override it."},

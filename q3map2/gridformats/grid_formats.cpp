@@ -1,0 +1,200 @@
+// GPL-2.0-or-later. The formats in which a map can hold its light grid.
+#include "q3map2/gridformats/grid_formats.h"
+
+#include "common/error.h"
+#include "common/text/text.h"
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/written_keys.h"
+#include "q3map2/gridformats/grids_encode.h"
+#include "q3map2/gridformats/legacy_encode.h"
+#include "q3map2/gridformats/octree_encode.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <optional>
+
+namespace q3 {
+
+/// The SH grid of a map, and what formats take from it.
+class GridConversion {
+  public:
+    GridConversion(const Bsp &bsp, const GridFormats &formats, double ambientFactor, Log &log)
+        : stored_(SourceGrid(bsp)), space_(bsp, SolidBrushes(bsp)),
+          source_(stored_, SolidPoints(space_, LayoutOf(stored_.grid))), tone_(bsp.entities, log),
+          ambientFactor_(ambientFactor), isDeluxe_(StoredWorld(bsp.entities).Value("deluxeMapping") == "1") {
+        if (ReplaceLegacyGrid(formats))
+            legacy_ = SampleLegacyPoints(source_, space_, LegacyLayout(bsp));
+        hasLump15_ = HasPlace(formats, GridPlace::Lump15);
+    }
+
+    const LightGridSH &Stored() const { return stored_.grid; }
+    const GridSource &Source() const { return source_; }
+    const GridTone &Tone() const { return tone_; }
+    bool HasLump15() const { return hasLump15_; }
+    bool IsDeluxe() const { return isDeluxe_; }
+
+    std::vector<bspGridPoint_t> Legacy(const LegacyReader &reader) const {
+        return EncodeLegacyGrid(*legacy_, reader, tone_, ambientFactor_);
+    }
+    std::vector<std::byte> Raw(const LegacyReader &reader, double scale) const {
+        return EncodeRawGrid(*legacy_, reader, tone_, ambientFactor_, scale);
+    }
+
+  private:
+    static GridLayout LayoutOf(const LightGridSH &grid) {
+        return {grid.header.gridMins, grid.header.gridSize, grid.header.gridBounds};
+    }
+
+    StoredGridSH stored_;
+    BspSpace space_;
+    GridSource source_;
+    GridTone tone_;
+    double ambientFactor_;
+    bool isDeluxe_, hasLump15_ = false;
+    std::optional<LegacyPoints> legacy_; ///< for lump 15 and raw files
+};
+
+namespace {
+
+/// As the established program writes them, for engines that leave no points out too.
+constexpr LegacyReader kPlainReader{};
+/// r_ambientScale is 0.6. 32 * identityLight is added after the shift of overbright bits, which is 8 before it.
+constexpr LegacyReader kIoquake3{.ambientScale = 0.6, .ambientAdded = 8, .angleSteps = 256, .skipsSolid = true};
+/// The same with float points, without the constant.
+constexpr LegacyReader kIoquake3Raw{.ambientScale = 0.6, .angleSteps = 256, .skipsSolid = true};
+/// Leaves points out by the map, not by their light.
+constexpr LegacyReader kRend2Raw{.angleSteps = 256};
+constexpr double kRend2Scale = std::numbers::pi / 255; ///< it divides by pi, and 1 is full light
+/// Shares of directed light in the one color that Daemon keeps.
+constexpr double kDaemonShare = 0.4, kDaemonDeluxeShare = 0.25;
+
+void StoreFull(const GridConversion &from, Bsp &bsp, GridSHContainer container) {
+    bsp.gridSH = from.Stored();
+    bsp.gridSHContainer = container;
+}
+
+void StoreSh(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
+    StoreFull(from, bsp, GridSHContainer::Lump);
+}
+
+void StoreShBspx(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
+    StoreFull(from, bsp, GridSHContainer::Bspx);
+}
+
+void StoreLegacy(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
+    bsp.gridPoints = from.Legacy(kPlainReader);
+}
+
+void StoreLegacyIoquake3(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
+    bsp.gridPoints = from.Legacy(kIoquake3);
+}
+
+void StoreLegacyDaemon(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
+    const LegacyReader reader{.skipsSolid = true, .directedShare = from.IsDeluxe() ? kDaemonDeluxeShare : kDaemonShare};
+    bsp.gridPoints = from.Legacy(reader);
+}
+
+void StoreRaw(const GridConversion &from, const LegacyReader &lump, const LegacyReader &raw, double scale, Bsp &bsp,
+              std::vector<GridFile> &files) {
+    if (!from.HasLump15())
+        bsp.gridPoints = from.Legacy(lump);
+    files.push_back({std::string(kRawGridFile), from.Raw(raw, scale)});
+}
+
+void StoreRawIoquake3(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &files) {
+    StoreRaw(from, kIoquake3, kIoquake3Raw, 1, bsp, files);
+}
+
+void StoreRawRend2(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &files) {
+    StoreRaw(from, kPlainReader, kRend2Raw, kRend2Scale, bsp, files);
+}
+
+void StoreOctree(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
+    bsp.bspx.push_back({std::string(kBspxGridOctree), EncodeOctreeLump(from.Source(), from.Tone())});
+}
+
+void StoreGrids(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
+    bsp.bspx.push_back({std::string(kBspxGrids), EncodeGridsLump(from.Source(), from.Tone())});
+}
+
+constexpr GridFormat kGridFormats[] = {
+    {"sh", GridPlace::Full, true, StoreSh},
+    {"shbspx", GridPlace::Full, true, StoreShBspx},
+    {"legacy", GridPlace::Lump15, false, StoreLegacy},
+    {"legacy-ioq3", GridPlace::Lump15, false, StoreLegacyIoquake3},
+    {"legacy-daemon", GridPlace::Lump15, false, StoreLegacyDaemon},
+    {"raw-ioq3", GridPlace::RawFile, false, StoreRawIoquake3},
+    {"raw-rend2", GridPlace::RawFile, false, StoreRawRend2},
+    {"octree", GridPlace::OctreeLump, false, StoreOctree},
+    {"grids", GridPlace::GridsLump, false, StoreGrids},
+};
+
+const GridFormat &FindGridFormat(std::string_view word) {
+    const auto found =
+        std::ranges::find_if(kGridFormats, [&](const GridFormat &f) { return EqualNoCase(f.word, word); });
+    if (found != std::end(kGridFormats))
+        return *found;
+    std::vector<std::string_view> words;
+    for (const GridFormat &format : kGridFormats)
+        words.push_back(format.word);
+    throw Error("-gridformats: \"{}\" is no format, expected words of {} separated by commas", word,
+                fmt::join(words, ", "));
+}
+
+} // namespace
+
+std::span<const GridFormat> AllGridFormats() {
+    return kGridFormats;
+}
+
+GridFormats ParseGridFormats(std::string_view list) {
+    GridFormats formats;
+    for (std::size_t at = 0; at <= list.size();) {
+        const std::size_t end = std::min(list.find(',', at), list.size());
+        const GridFormat &format = FindGridFormat(list.substr(at, end - at));
+        for (const GridFormat *other : formats)
+            if (other->place == format.place)
+                throw Error("-gridformats: {} and {} exclude each other, since a map has one place for both",
+                            other->word, format.word);
+        formats.push_back(&format);
+        at = end + 1;
+    }
+    return formats;
+}
+
+bool HasPlace(const GridFormats &formats, GridPlace place) {
+    return std::ranges::any_of(formats, [&](const GridFormat *format) { return format->place == place; });
+}
+
+bool KeepSource(const GridFormats &formats) {
+    return std::ranges::any_of(formats, [](const GridFormat *format) { return format->isSource; });
+}
+
+bool ReplaceLegacyGrid(const GridFormats &formats) {
+    return HasPlace(formats, GridPlace::Lump15) || HasPlace(formats, GridPlace::RawFile);
+}
+
+void DropGridLumps(Bsp &bsp) {
+    std::erase_if(bsp.bspx,
+                  [](const BspxLump &lump) { return lump.name == kBspxGridOctree || lump.name == kBspxGrids; });
+}
+
+std::vector<GridFile> StoreGridFormats(Bsp &bsp, const GridFormats &formats, double ambientFactor, Log &log) {
+    const GridConversion from(bsp, formats, ambientFactor, log);
+    bsp.gridSH.reset();
+    DropGridLumps(bsp);
+    std::vector<GridFile> files;
+    for (const GridFormat *format : formats) {
+        log.Print("Light grid as {}\n", format->word);
+        format->store(from, bsp, files);
+    }
+    if (!KeepSource(formats)) {
+        std::vector<Entity> entities = StoredEntities(bsp.entities, "the map");
+        entities.front().Erase(kGridSHKey);
+        bsp.entities = FormatEntities(entities);
+    }
+    return files;
+}
+
+} // namespace q3

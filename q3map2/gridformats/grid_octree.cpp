@@ -1,0 +1,113 @@
+// GPL-2.0-or-later. The octree of LIGHTGRID_OCTREE and LIGHTGRIDS.
+#include "q3map2/gridformats/grid_octree.h"
+
+#include "common/error.h"
+
+#include <array>
+#include <utility>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::uint32_t kLeafReference = 1u << 31, kOccludedReference = 1u << 30;
+constexpr int kLeastSplitPoints = 4; ///< boxes with fewer on an axis are not split
+constexpr int kMostSplits = 5;
+constexpr std::int64_t kWorthSplitting = 8; ///< occluded points
+
+template <typename T> void Append(const T &value, std::vector<std::byte> &bytes) {
+    const auto *from = reinterpret_cast<const std::byte *>(&value);
+    bytes.insert(bytes.end(), from, from + sizeof value);
+}
+
+/// Points from mins to before mins + size, in lattice steps.
+struct Box {
+    Int3 mins{}, size{};
+};
+
+/// Part of a box that is below (0) or above (1) its middle on each axis; bits 2, 1, 0 of `child` are x, y, z.
+Box ChildOf(const Box &box, unsigned child) {
+    Box part;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::int32_t below = box.size[axis] / 2;
+        const bool upper = (child >> (2 - axis) & 1) != 0;
+        part.mins[axis] = box.mins[axis] + (upper ? below : 0);
+        part.size[axis] = upper ? box.size[axis] - below : below;
+    }
+    return part;
+}
+
+class OctreeWriter {
+  public:
+    explicit OctreeWriter(const OctreePoints &points) : points_(points) {}
+
+    std::vector<std::byte> Run() {
+        const std::uint32_t root = AddBox({{}, points_.layout.bounds}, 0);
+        if (root == kOccludedReference)
+            throw Error("light grid octree: no point of the grid has light");
+        std::vector<std::byte> bytes;
+        Append(points_.layout.size, bytes);
+        Append(points_.layout.bounds, bytes);
+        Append(points_.layout.mins, bytes);
+        Append(std::uint8_t(1), bytes); // styles at most
+        Append(root, bytes);
+        Append(nodeCount_, bytes);
+        bytes.insert(bytes.end(), nodes_.begin(), nodes_.end());
+        Append(leafCount_, bytes);
+        bytes.insert(bytes.end(), leafs_.begin(), leafs_.end());
+        return bytes;
+    }
+
+  private:
+    template <typename F> void EachPointOf(const Box &box, const F &f) const {
+        for (std::int32_t z = 0; z < box.size[2]; ++z)
+            for (std::int32_t y = 0; y < box.size[1]; ++y)
+                for (std::int32_t x = 0; x < box.size[0]; ++x)
+                    f(std::size_t(points_.layout.Index(box.mins[0] + x, box.mins[1] + y, box.mins[2] + z)));
+    }
+
+    /// Adds a box, its parts first. Returns the reference to it.
+    std::uint32_t AddBox(const Box &box, int splits) {
+        std::int64_t occluded = 0;
+        EachPointOf(box, [&](std::size_t point) { occluded += points_.occluded[point]; });
+        const std::int64_t count = std::int64_t(box.size[0]) * box.size[1] * box.size[2];
+        if (occluded == count)
+            return kOccludedReference;
+        const bool isThin =
+            box.size[0] < kLeastSplitPoints || box.size[1] < kLeastSplitPoints || box.size[2] < kLeastSplitPoints;
+        if (isThin || splits == kMostSplits || occluded < kWorthSplitting)
+            return AddLeaf(box);
+        std::array<std::uint32_t, 8> children{};
+        for (unsigned child = 0; child < 8; ++child)
+            children[child] = AddBox(ChildOf(box, child), splits + 1);
+        Append(ChildOf(box, 7).mins, nodes_);
+        Append(children, nodes_);
+        return nodeCount_++;
+    }
+
+    std::uint32_t AddLeaf(const Box &box) {
+        Append(box.mins, leafs_);
+        Append(box.size, leafs_);
+        if (points_.leafHasStyles)
+            Append(std::uint8_t(1), leafs_);
+        EachPointOf(box, [&](std::size_t point) {
+            if (points_.occluded[point])
+                leafs_.push_back(kOccludedPoint);
+            else
+                points_.append(point, leafs_);
+        });
+        return kLeafReference | leafCount_++;
+    }
+
+    const OctreePoints &points_;
+    std::vector<std::byte> nodes_, leafs_;
+    std::uint32_t nodeCount_ = 0, leafCount_ = 0;
+};
+
+} // namespace
+
+std::vector<std::byte> EncodeGridOctree(const OctreePoints &points) {
+    return OctreeWriter(points).Run();
+}
+
+} // namespace q3

@@ -1,0 +1,32 @@
+// GPL-2.0-or-later. The octree of LIGHTGRID_OCTREE and LIGHTGRIDS: points in boxes, boxes in solids left out.
+#pragma once
+
+#include "q3map2/bspfile/bspfile_grid.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace q3 {
+
+/// The only style of the points: that of lights which are always on.
+inline constexpr std::byte kGridStyle{0};
+/// Byte in place of a point's count of styles: nothing is known of its light.
+inline constexpr std::byte kOccludedPoint{255};
+
+/// What to write of a grid.
+struct OctreePoints {
+    GridLayout layout;
+    std::vector<bool> occluded; ///< by point: no light there, engines blend the others
+    /// Appends what the format has for a point that is not occluded.
+    std::function<void(std::size_t point, std::vector<std::byte> &bytes)> append;
+    bool leafHasStyles = false; ///< leafs begin with their number of styles: LIGHTGRIDS
+};
+
+/// Header, nodes and leafs, without padding. A box is split in the middle until an axis has fewer than 4 points, fewer
+/// than 8 points are occluded or it is the fifth split; boxes of occluded points alone have no leaf. A point has one
+/// style at most. Errors: all points are occluded.
+std::vector<std::byte> EncodeGridOctree(const OctreePoints &points);
+
+} // namespace q3

@@ -1,0 +1,66 @@
+// GPL-2.0-or-later. The legacy light grid as engines load and blend it.
+#pragma once
+
+#include "libs/math/vec.h"
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace q3 {
+
+/// How an engine treats the grid.
+struct LegacyEngine {
+    float ambientScale = 1, directedScale = 1; ///< r_ambientScale, r_directedScale
+    float ambientAdded = 0;                    ///< bytes of the lump
+    int angleSteps = 256;                      ///< of angle bytes, for 360 degrees
+    bool skipsBlack = false;                   ///< points without ambient light are in walls
+};
+inline constexpr LegacyEngine kIoquake3Engine{0.6f, 1, 8, 256, true};
+inline constexpr LegacyEngine kPlainEngine{1, 1, 0, 255, false};
+
+/// Where an engine looks for the points: from the bounds of the world and gridsize.
+struct LegacyPlaces {
+    Vec3f origin, cell;
+    std::array<int, 3> count{};
+    LegacyPlaces(const Vec3f &worldMins, const Vec3f &worldMaxs, const Vec3f &gridSize);
+    std::size_t Points() const { return std::size_t(count[0]) * std::size_t(count[1]) * std::size_t(count[2]); }
+};
+
+/// What an engine keeps for one model.
+struct LegacyLight {
+    Vec3f ambient, directed; ///< byte scale
+    Vec3f direction;
+    Vec3f On(const Vec3f &normal) const { return ambient + directed * std::max(0.0f, Dot(normal, direction)); }
+};
+
+class LegacyReader15 {
+  public:
+    /// Lump 15. Nothing if its length is not that of the points.
+    static std::optional<LegacyReader15> Load(std::span<const std::byte> lump, const LegacyPlaces &places,
+                                              const LegacyEngine &engine);
+    /// The same with lightgrid.raw for the colors, as the second renderer of ioquake3 loads it: scaled down where the
+    /// largest channel passes 1, then 16 bits. `shift`: factor of overbright bits. Nothing if a length is wrong.
+    static std::optional<LegacyReader15> LoadRaw(std::span<const std::byte> lump, std::span<const std::byte> raw,
+                                                 const LegacyPlaces &places, const LegacyEngine &engine, float shift);
+    /// The same as rend2 of OpenJK loads it: divided by pi, times 255; no limit.
+    static std::optional<LegacyReader15> LoadRend2(std::span<const std::byte> lump, std::span<const std::byte> raw,
+                                                   const LegacyPlaces &places, const LegacyEngine &engine);
+
+    LegacyLight At(const Vec3f &position) const;
+
+  private:
+    struct Point {
+        Vec3f ambient, directed, direction;
+        bool inWall = false;
+    };
+    LegacyReader15(const LegacyPlaces &places, const LegacyEngine &engine) : places_(places), engine_(engine) {}
+
+    LegacyPlaces places_;
+    LegacyEngine engine_;
+    std::vector<Point> points_;
+};
+
+} // namespace q3
