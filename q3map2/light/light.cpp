@@ -7,13 +7,12 @@
 #include "q3map2/bspfile/light_curve_keys.h"
 #include "q3map2/bspfile/light_style_keys.h"
 #include "q3map2/light/cubes/ambient_cubes.h"
-#include "q3map2/light/sparse/sparse_bake.h"
 #include "q3map2/light/grid/gridsh_dering.h"
-#include "q3map2/light/sparse/sparse_bake.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/sources/light_entities.h"
 #include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/light/sparse/sparse_bake.h"
 #include "q3map2/shader/shader_table.h"
 
 #include <algorithm>
@@ -200,12 +199,17 @@ namespace {
 SparseGridSH BakeSparse(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH &uniform, Log &log,
                         GridStats &stats) {
     log.Section("TraceSparseGridSH");
+    const LightOptions &options = in.options;
     SparseStats sparse;
-    SparseGridSH grid = BakeSparseGrid(in, lights, uniform, stats, sparse);
+    SparseGridSH grid = BakeSparseGrid(in, lights, uniform, {options.shErrorTarget, options.shBudget}, stats, sparse);
     log.Count((long long)(sparse.leafs), "cells with open space");
     log.Count((long long)(sparse.stored), "points");
     log.Print("{:9.2f} MB\n", double(sparse.bytes) / 1e6);
     log.Print("{:9.2f} of 255 is the expected error of interpolation\n", sparse.error);
+    if (options.shBudget && double(sparse.bytes) > *options.shBudget)
+        log.Warn("SH grid budget",
+                 "the sparse SH grid has {:.2f} MB with its largest cells, more than the {:g} of -shbudget",
+                 double(sparse.bytes) / 1e6, *options.shBudget / 1e6);
     return grid;
 }
 

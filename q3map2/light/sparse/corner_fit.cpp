@@ -144,7 +144,7 @@ void LimitMove(const ShFloats &before, ShFloats &value) {
 
 } // namespace
 
-std::vector<ShFloats> FitCorners(const Octree &tree, const LatticeLight &light, CornerWeights &corners,
+std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space) {
     std::vector<ShFloats> values;
     for (const std::uint32_t number : corners.Stored())

@@ -10,7 +10,7 @@ namespace q3 {
 /// w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull towards its own light, by conjugate gradients.
 /// Points inside cells that touch solids do not count, so that no light is fitted through a wall. w as in GridFit.
 /// Returns them in the order of corners.Stored().
-std::vector<ShFloats> FitCorners(const Octree &tree, const LatticeLight &light, CornerWeights &corners,
+std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space);
 
 } // namespace q3

@@ -5,8 +5,8 @@
 
 namespace q3 {
 
-CornerWeights::CornerWeights(const Octree &tree, const LatticeLight &light)
-    : tree_(tree), light_(light), storedOf_(light.Size(), LatticeLight::kUnknown), terms_(light.Size()) {
+CornerWeights::CornerWeights(const Octree &tree, const LatticePoints &light)
+    : tree_(tree), light_(light), storedOf_(light.Size(), LatticePoints::kUnknown), terms_(light.Size()) {
     for (const std::size_t leaf : tree.OpenLeafs())
         for (std::size_t c = 0; c < 8; ++c)
             TermsOf(tree[leaf].Corner(c));

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Which corners of cells store a value, and how the others follow from them.
 #pragma once
 
-#include "q3map2/light/sparse/lattice_light.h"
+#include "q3map2/light/sparse/lattice_points.h"
 #include "q3map2/light/sparse/octree.h"
 
 #include <span>
@@ -20,10 +20,10 @@ struct CornerTerm {
 /// other corners are stored. Keeps references.
 class CornerWeights {
   public:
-    CornerWeights(const Octree &tree, const LatticeLight &light);
+    CornerWeights(const Octree &tree, const LatticePoints &light);
     /// Numbers of the stored points, in the order of CornerTerm::stored.
     const std::vector<std::uint32_t> &Stored() const { return stored_; }
-    bool IsStored(std::uint32_t point) const { return storedOf_[point] != LatticeLight::kUnknown; }
+    bool IsStored(std::uint32_t point) const { return storedOf_[point] != LatticePoints::kUnknown; }
     /// Value of a known point in a closed leaf, as terms.
     std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const LatticePoint &p);
     /// The largest open leaf that p hangs on, or Octree::kNone.
@@ -33,7 +33,7 @@ class CornerWeights {
     const std::vector<CornerTerm> &TermsOf(const LatticePoint &corner);
 
     const Octree &tree_;
-    const LatticeLight &light_;
+    const LatticePoints &light_;
     std::vector<std::uint32_t> stored_, storedOf_;
     std::vector<std::vector<CornerTerm>> terms_; ///< by point; empty: not yet known
 };

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "libs/sh/sh.h"
-#include "q3map2/light/sparse/lattice_light.h"
+#include "q3map2/light/sparse/lattice_points.h"
 
 #include <algorithm>
 #include <numbers>

@@ -53,14 +53,14 @@ LatticePoint OctreeRefiner::Inner(const OctreeCell &cell, std::size_t n) {
 }
 
 void OctreeRefiner::SetOpen(OctreeCell &cell) const {
-    if (!in_.space.AnyOpen(lattice_.PositionOf(cell.origin), lattice_.PositionOf(cell.Corner(7)), kClearance)) {
+    if (!space_.AnyOpen(lattice_.PositionOf(cell.origin), lattice_.PositionOf(cell.Corner(7)), kClearance)) {
         cell.open = 0;
         return;
     }
     float open = 0;
     for (std::size_t c = 0; c < 8; ++c) {
         const std::uint32_t number = light_.Find(cell.Corner(c));
-        open += number != LatticeLight::kUnknown && light_[number].open ? 1.0f / 8 : 0;
+        open += number != LatticePoints::kUnknown && light_[number].open ? 1.0f / 8 : 0;
     }
     cell.open = std::max(open, 1.0f / 8);
 }
@@ -68,7 +68,7 @@ void OctreeRefiner::SetOpen(OctreeCell &cell) const {
 OctreeRefiner::Corners OctreeRefiner::CornersOf(const OctreeCell &cell) const {
     Corners corners{};
     for (std::size_t c = 0; c < 8; ++c)
-        if (const std::uint32_t number = light_.Find(cell.Corner(c)); number != LatticeLight::kUnknown)
+        if (const std::uint32_t number = light_.Find(cell.Corner(c)); number != LatticePoints::kUnknown)
             corners[c] = &light_[number].value;
     return corners;
 }
@@ -80,7 +80,7 @@ void OctreeRefiner::Start(const LightGridSH &uniform) {
             tree_.Split(i);
     }
     AddUniformPoints(uniform);
-    ForEach(in_.jobs, tree_.Size(), [&](std::size_t i) {
+    ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
         if (tree_[i].open > 0)
             SetOpen(tree_[i]);
     });
@@ -94,12 +94,11 @@ void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform) {
         if (tree_[i].level == lattice_.BaseLevel() && tree_[i].open > 0)
             for (std::size_t c = 0; c < 8; ++c) {
                 const LatticePoint p = tree_[i].Corner(c);
-                if (light_.Find(p) == LatticeLight::kUnknown)
-                    light_.Add({p, false, std::bit_cast<ShFloats>(uniform.points[lattice_.UniformIndex(p)])});
+                light_[light_.Add(p)].value = std::bit_cast<ShFloats>(uniform.points[lattice_.UniformIndex(p)]);
             }
-    ForEach(in_.jobs, light_.Size() - first, [&](std::size_t i) {
+    ForEach(jobs_, light_.Size() - first, [&](std::size_t i) {
         LitPoint &point = light_[first + i];
-        point.open = PlaceInOpen(in_.space, lattice_.PositionOf(point.at)).state == PointState::Open;
+        point.open = PlaceInOpen(space_, lattice_.PositionOf(point.at)).state == PointState::Open;
     });
 }
 
@@ -112,7 +111,7 @@ float OctreeRefiner::SecondDifference(const LitPoint &point) const {
         low[axis] -= 1 << lattice_.BaseLevel();
         high[axis] += 1 << lattice_.BaseLevel();
         const std::uint32_t a = light_.Find(low), b = light_.Find(high);
-        if (a == LatticeLight::kUnknown || b == LatticeLight::kUnknown || !light_[a].open || !light_[b].open)
+        if (a == LatticePoints::kUnknown || b == LatticePoints::kUnknown || !light_[a].open || !light_[b].open)
             continue;
         ShFloats mean;
         for (std::size_t i = 0; i < kShFloats; ++i)
@@ -124,8 +123,8 @@ float OctreeRefiner::SecondDifference(const LitPoint &point) const {
 
 void OctreeRefiner::EstimateBaseCells() {
     std::vector<float> second(light_.Size());
-    ForEach(in_.jobs, second.size(), [&](std::size_t i) { second[i] = SecondDifference(light_[i]); });
-    ForEach(in_.jobs, tree_.Size(), [&](std::size_t i) {
+    ForEach(jobs_, second.size(), [&](std::size_t i) { second[i] = SecondDifference(light_[i]); });
+    ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
         OctreeCell &cell = tree_[i];
         if (cell.level != lattice_.BaseLevel() || cell.open <= 0)
             return;
@@ -140,7 +139,7 @@ void OctreeRefiner::EstimateBaseCells() {
 /// Sets the errors of cells larger than those of the uniform grid from its points inside them.
 void OctreeRefiner::MeasureLargeCells() {
     const std::int32_t step = std::int32_t(1) << lattice_.BaseLevel();
-    ForEach(in_.jobs, tree_.Size(), [&](std::size_t i) {
+    ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
         OctreeCell &cell = tree_[i];
         if (cell.level <= lattice_.BaseLevel() || cell.open <= 0)
             return;
@@ -154,7 +153,7 @@ void OctreeRefiner::MeasureLargeCells() {
                 for (std::int32_t x = 0; x <= cell.Edge(); x += step) {
                     const LatticePoint p{cell.origin[0] + x, cell.origin[1] + y, cell.origin[2] + z};
                     const std::uint32_t number = light_.Find(p);
-                    if (number == LatticeLight::kUnknown || cell.HasCorner(p))
+                    if (number == LatticePoints::kUnknown || cell.HasCorner(p))
                         continue;
                     const float weight = light_[number].open ? 1 : kSolidWeight;
                     sum += weight * DisplayError(Interpolated(cell, corners, p), light_[number].value);
@@ -164,19 +163,21 @@ void OctreeRefiner::MeasureLargeCells() {
     });
 }
 
-void OctreeRefiner::Refine(float threshold, GridStats &stats) {
+void OctreeRefiner::Refine(float threshold, const LatticeTracer &tracer, GridStats &stats) {
     for (int level = lattice_.BaseLevel(); level > 0; --level) {
         std::vector<std::size_t> cells;
         for (std::size_t i = 0; i < tree_.Size(); ++i)
             if (tree_[i].child == 0 && tree_[i].level == level && tree_[i].error * tree_[i].Volume() > threshold)
                 cells.push_back(i);
+        const std::size_t firstNew = light_.Size();
         for (const std::size_t i : cells)
             for (std::size_t n = 0; n < 27; ++n)
-                light_.Ask(Inner(tree_[i], n));
-        FillSolids(cells, light_.Light(stats));
+                light_.Add(Inner(tree_[i], n));
+        tracer.Light(light_, firstNew, stats);
+        FillSolids(cells, firstNew);
         for (const std::size_t i : cells)
             tree_.Split(i);
-        ForEach(in_.jobs, cells.size(), [&](std::size_t i) { SplitCell(cells[i]); });
+        ForEach(jobs_, cells.size(), [&](std::size_t i) { SplitCell(cells[i]); });
     }
 }
 

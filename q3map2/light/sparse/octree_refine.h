@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Refinement of the octree where the light is not smooth.
 #pragma once
 
-#include "q3map2/light/sparse/lattice_light.h"
+#include "q3map2/light/sparse/lattice_tracer.h"
 #include "q3map2/light/sparse/octree.h"
 
 namespace q3 {
@@ -13,13 +13,14 @@ namespace q3 {
 /// it hardly falls. Cells are expected to err by the surplus of the points around them times a factor between these.
 class OctreeRefiner {
   public:
-    OctreeRefiner(const GridInputs &in, const SparseLattice &lattice, Octree &tree, LatticeLight &light)
-        : in_(in), lattice_(lattice), tree_(tree), light_(light) {}
+    OctreeRefiner(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, Octree &tree,
+                  LatticePoints &light)
+        : space_(space), jobs_(jobs), lattice_(lattice), tree_(tree), light_(light) {}
     /// Splits all cells with open space down to those of the uniform grid, takes its points, and sets the errors.
     void Start(const LightGridSH &uniform);
     /// Splits cells, also those of earlier calls, while their squared error times their open volume (bytes^2 times
     /// smallest cells) is above `threshold`.
-    void Refine(float threshold, GridStats &stats);
+    void Refine(float threshold, const LatticeTracer &tracer, GridStats &stats);
 
   private:
     /// Point n of the 3 x 3 x 3 corners of a cell's children.
@@ -36,10 +37,11 @@ class OctreeRefiner {
     void FillSolids(const std::vector<std::size_t> &cells, std::size_t firstNew);
     void SplitCell(std::size_t cell);
 
-    const GridInputs &in_;
+    const BspSpace &space_;
+    const JobPool &jobs_;
     const SparseLattice &lattice_;
     Octree &tree_;
-    LatticeLight &light_;
+    LatticePoints &light_;
 };
 
 } // namespace q3

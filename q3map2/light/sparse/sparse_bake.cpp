@@ -7,99 +7,115 @@
 #include "q3map2/light/sparse/sparse_tree.h"
 
 #include <cmath>
+#include <utility>
 
 namespace q3 {
 
 namespace {
 
-/// Refinement begins at this threshold (bytes^2 times smallest cells), which is divided by kFiner until the goal is
-/// reached, or until it is below kLeastThreshold.
+/// Refinement begins at this threshold (bytes^2 times smallest cells), which is divided by kFiner until the goal can be
+/// met, or until it is below kLeastThreshold.
 constexpr float kFirstThreshold = 65536, kFiner = 1.7f, kLeastThreshold = 1;
 /// Leafs that a split adds.
 constexpr float kLeafsPerSplit = 7;
-/// Bisections of the price of a leaf, on a logarithmic scale, between that of refinement and kMostPrice times that.
-constexpr int kBisections = 6;
-constexpr float kMostPrice = 16;
+/// Price of a leaf in bytes^2 times smallest cells: of trees that are not refined, and the highest. It is bisected on a
+/// logarithmic scale between that of refinement and kMostPrice times that.
+constexpr float kFinestPrice = 1.0f / 64, kHighestPrice = 1e9f, kMostPrice = 65536;
+constexpr int kBisections = 14;
+/// The price of a leaf grows by this factor while the lump exceeds its budget.
+constexpr float kPriceStep = 1.15f;
 /// Bytes of the lump for each leaf: of points that are stored, and of nodes.
 constexpr double kBytesPerLeaf = 25;
 
-/// Refines and prunes an octree until it has the wanted error or size.
+/// Refines and prunes an octree until it meets a goal. Keeps references.
 class SparsePlan {
   public:
-    SparsePlan(const GridInputs &in, const SparseLattice &lattice, LatticeLight &light)
-        : options_(in.options), tree_(lattice), refiner_(in, lattice, tree_, light) {}
-
-    /// The pruned tree.
-    Octree Make(const LightGridSH &uniform, GridStats &work, PrunedOctree &pruned) {
-        refiner_.Start(uniform);
-        float threshold = kFirstThreshold;
-        for (;;) {
-            refiner_.Refine(threshold, work);
-            price_ = threshold / kLeafsPerSplit;
-            Octree tree = tree_;
-            pruned = PruneOctree(tree, price_);
-            if (IsFine(pruned) || threshold < kLeastThreshold)
-                break;
-            threshold /= kFiner;
+    SparsePlan(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, const SparseGoal &goal)
+        : space_(space), lattice_(lattice), goal_(goal), tree_(lattice), refiner_(space, jobs, lattice, tree_, light_) {
+    }
+    void Start(const LightGridSH &uniform) { refiner_.Start(uniform); }
+    /// Splits cells until pruning can meet the goal.
+    void Refine(const LatticeTracer &tracer, GridStats &work) {
+        for (float threshold = kFirstThreshold; threshold > kLeastThreshold; threshold /= kFiner) {
+            refiner_.Refine(threshold, tracer, work);
+            leastPrice_ = threshold / kLeafsPerSplit;
+            if (IsFine(Pruned(leastPrice_).second))
+                return;
         }
-        return Coarsest(pruned);
     }
-    /// Prunes further, for a lump that is `factor` times as large as it may be.
-    Octree Shrink(double factor, PrunedOctree &pruned) {
-        Octree tree = tree_;
-        price_ *= float(factor * factor);
-        pruned = PruneOctree(tree, price_);
-        return tree;
-    }
+    /// Of the coarsest tree that meets the goal, or the nearest to it.
+    SparseGridSH Grid(SparseStats &result);
 
   private:
-    /// Whether the tree is at least as fine as wanted.
-    bool IsFine(const PrunedOctree &pruned) const {
-        return options_.shBudget ? double(pruned.leafs) * kBytesPerLeaf >= *options_.shBudget
-                                 : pruned.error <= double(options_.shErrorTarget);
+    using PrunedTree = std::pair<Octree, PrunedOctree>;
+    PrunedTree Pruned(float price) const {
+        PrunedTree pruned{tree_, {}};
+        pruned.second = PruneOctree(pruned.first, price);
+        return pruned;
     }
-    /// The tree of the highest price that is still fine, or with a budget the first that fits.
-    Octree Coarsest(PrunedOctree &pruned) {
-        float low = price_, high = price_ * kMostPrice;
+    /// Whether the tree is at least as fine as the goal wants.
+    bool IsFine(const PrunedOctree &pruned) const {
+        return goal_.budget ? double(pruned.leafs) * kBytesPerLeaf >= *goal_.budget
+                            : pruned.error <= double(goal_.error);
+    }
+    /// Highest price of a leaf at which the pruned tree is still fine.
+    float FindPrice() const {
+        float low = leastPrice_, high = leastPrice_ * kMostPrice;
         for (int i = 0; i < kBisections; ++i) {
             const float middle = std::sqrt(low * high);
-            Octree tree = tree_;
-            (IsFine(PruneOctree(tree, middle)) ? low : high) = middle;
+            (IsFine(Pruned(middle).second) ? low : high) = middle;
         }
-        price_ = options_.shBudget && IsFine(pruned) ? high : low;
-        Octree tree = tree_;
-        pruned = PruneOctree(tree, price_);
-        return tree;
+        return low;
+    }
+    SparseGridSH GridOf(const PrunedTree &pruned, SparseStats &result) const {
+        CornerWeights corners(pruned.first, light_);
+        const std::vector<ShFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_);
+        SparseGridSH grid = PackSparseGrid(MakeSparseTree(pruned.first, light_, corners, lattice_, values));
+        result = {pruned.second.leafs, grid.points.size(), EncodeSparseGrid(grid).size(), pruned.second.error};
+        return grid;
     }
 
-    const LightOptions &options_;
+    const BspSpace &space_;
+    const SparseLattice &lattice_;
+    SparseGoal goal_;
+    LatticePoints light_;
     Octree tree_;
     OctreeRefiner refiner_;
-    float price_ = 0; ///< of a leaf of the last tree that was pruned
+    float leastPrice_ = kFinestPrice; ///< of a leaf; below it the tree was not refined
 };
+
+SparseGridSH SparsePlan::Grid(SparseStats &result) {
+    float price = FindPrice();
+    for (;;) {
+        const PrunedTree pruned = Pruned(price);
+        SparseGridSH grid = GridOf(pruned, result);
+        if (!goal_.budget || double(result.bytes) <= *goal_.budget)
+            return grid;
+        price *= kPriceStep;
+        if (price > kHighestPrice) // cells are as large as they can be
+            return grid;
+    }
+}
 
 } // namespace
 
 SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH &uniform,
-                            GridStats &work, SparseStats &result) {
+                            const SparseGoal &goal, GridStats &work, SparseStats &result) {
     const SparseLattice lattice(uniform.header);
     const ProbeIntegrator integrator(in, lights);
-    LatticeLight light(in, integrator, lattice);
-    SparsePlan plan(in, lattice, light);
-    PrunedOctree pruned;
-    Octree tree = plan.Make(uniform, work, pruned);
-    for (;;) {
-        CornerWeights corners(tree, light);
-        const std::vector<ShFloats> values = FitCorners(tree, light, corners, lattice, in.space);
-        SparseGridSH grid = PackSparseGrid(MakeSparseTree(tree, light, corners, lattice, values));
-        result = {pruned.leafs, grid.points.size(), EncodeSparseGrid(grid).size(), pruned.error};
-        if (!in.options.shBudget || double(result.bytes) <= *in.options.shBudget || pruned.leafs == 0)
-            return grid;
-        const std::size_t before = pruned.leafs;
-        tree = plan.Shrink(double(result.bytes) / *in.options.shBudget, pruned);
-        if (pruned.leafs == before) // cells as large as they may be: the budget cannot be met
-            return grid;
-    }
+    const LatticeTracer tracer(in, integrator, lattice);
+    SparsePlan plan(in.space, in.jobs, lattice, goal);
+    plan.Start(uniform);
+    plan.Refine(tracer, work);
+    return plan.Grid(result);
+}
+
+SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform, const SparseGoal &goal,
+                               const JobPool &jobs, SparseStats &result) {
+    const SparseLattice lattice(uniform.header);
+    SparsePlan plan(space, jobs, lattice, goal);
+    plan.Start(uniform);
+    return plan.Grid(result);
 }
 
 } // namespace q3

@@ -5,6 +5,8 @@
 #include "q3map2/light/grid/light_grid.h"
 #include "q3map2/light/sources/light_sources.h"
 
+#include <optional>
+
 namespace q3 {
 
 /// Statistics of the bake of a sparse grid.
@@ -14,11 +16,20 @@ struct SparseStats {
     double error = 0;                  ///< expected displayed error of interpolation: RMS, bytes
 };
 
+/// How fine a sparse grid is to be.
+struct SparseGoal {
+    float error = 1;              ///< of interpolation: displayed RMS, bytes
+    std::optional<double> budget; ///< size of the lump in bytes, in place of the error
+};
+
 /// Bakes a sparse SH grid from the uniform one of the same lights. Starting at the uniform grid's cells, those whose
 /// light interpolation does not give are split, down to 8 units, and those that are not needed are joined, until the
-/// expected error is options.shErrorTarget or, with options.shBudget, until the lump has that many bytes. Corners are
-/// fitted to the light inside the cells. The same for any number of threads.
+/// goal is met. Corners are fitted to the light inside the cells. The same for any number of threads.
 SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH &uniform,
-                            GridStats &work, SparseStats &result);
+                            const SparseGoal &goal, GridStats &work, SparseStats &result);
+
+/// A sparse grid of the points of a uniform one alone. Its cells are joined, not split.
+SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform, const SparseGoal &goal,
+                               const JobPool &jobs, SparseStats &result);
 
 } // namespace q3

@@ -13,7 +13,7 @@ enum class Owned : std::uint8_t { Nothing, Stored, Hanging };
 
 class TreeWriter {
   public:
-    TreeWriter(Octree tree, const LatticeLight &light, const CornerWeights &corners)
+    TreeWriter(Octree tree, const LatticePoints &light, const CornerWeights &corners)
         : tree_(std::move(tree)), light_(light), corners_(corners) {
         for (const std::uint32_t number : corners.Stored())
             Place(light[number].at, Owned::Stored);
@@ -64,7 +64,7 @@ class TreeWriter {
         }
         for (const LatticePoint &parent : parents) {
             const std::uint32_t number = light_.Find(parent);
-            if (number == LatticeLight::kUnknown || !corners_.IsStored(number))
+            if (number == LatticePoints::kUnknown || !corners_.IsStored(number))
                 PlaceHanging(parent);
         }
     }
@@ -72,7 +72,7 @@ class TreeWriter {
     std::vector<bool> FindUsed() const;
 
     Octree tree_;
-    const LatticeLight &light_;
+    const LatticePoints &light_;
     const CornerWeights &corners_;
     std::vector<Owned> owned_; ///< by cell
 };
@@ -120,7 +120,7 @@ SparseGridTree TreeWriter::Write(const std::vector<ShFloats> &values) const {
 
 } // namespace
 
-SparseGridTree MakeSparseTree(Octree tree, const LatticeLight &light, const CornerWeights &corners,
+SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &light, const CornerWeights &corners,
                               const SparseLattice &lattice, const std::vector<ShFloats> &values) {
     SparseGridTree file = TreeWriter(std::move(tree), light, corners).Write(values);
     const Vec3f &mins = lattice.Mins(), &cell = lattice.Cell();

@@ -1,12 +1,10 @@
-// GPL-2.0-or-later. Light at points of the lattice of the sparse SH grid, traced where it is asked for.
+// GPL-2.0-or-later. Light at points of the lattice of the sparse SH grid.
 #pragma once
 
 #include "q3map2/light/grid/gridsh_fill.h"
-#include "q3map2/light/grid/probe_integrator.h"
 #include "q3map2/light/sparse/sparse_lattice.h"
 
 #include <array>
-#include <span>
 #include <vector>
 
 namespace q3 {
@@ -21,19 +19,11 @@ struct LitPoint {
 };
 
 /// The points that are known so far, by their numbers, in the order in which they were added.
-class LatticeLight {
+class LatticePoints {
   public:
     static constexpr std::uint32_t kUnknown = std::uint32_t(-1);
-    /// Keeps references.
-    LatticeLight(const GridInputs &in, const ProbeIntegrator &integrator, const SparseLattice &lattice)
-        : in_(in), integrator_(integrator), lattice_(lattice) {}
-    /// Adds a point with its light.
-    void Add(const LitPoint &point);
-    /// Adds a point unless it is known. Light gives it its light.
-    void Ask(const LatticePoint &at);
-    /// Lights the points asked for that are in the open or a small step beside it. The others get value 0. Returns the
-    /// number of the first of them.
-    std::size_t Light(GridStats &stats);
+    /// Adds a point, without light, unless it is known. Returns its number.
+    std::uint32_t Add(const LatticePoint &at);
     /// Number of a point, or kUnknown.
     std::uint32_t Find(const LatticePoint &at) const;
     /// Of a point that is known.
@@ -50,15 +40,15 @@ class LatticeLight {
     /// Of the key, or the free one where it belongs.
     std::size_t SlotOf(std::uint64_t key) const;
     void Grow();
-    /// Lights the points of these numbers.
-    void Trace(std::span<const std::uint32_t> numbers, GridStats &work);
 
-    const GridInputs &in_;
-    const ProbeIntegrator &integrator_;
-    const SparseLattice &lattice_;
     std::vector<LitPoint> points_;
-    std::size_t lit_ = 0;     ///< points from here on are not lit yet
     std::vector<Slot> slots_; ///< hash table with linear probing; size: a power of two
 };
+
+/// Unique for coordinates below 2^21.
+inline std::uint64_t KeyOf(const LatticePoint &p) {
+    return std::uint64_t(std::uint32_t(p[0])) | std::uint64_t(std::uint32_t(p[1])) << 21 |
+           std::uint64_t(std::uint32_t(p[2])) << 42;
+}
 
 } // namespace q3

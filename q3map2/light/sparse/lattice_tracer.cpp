@@ -1,0 +1,72 @@
+// GPL-2.0-or-later. Traces light at points of the lattice of the sparse SH grid.
+#include "q3map2/light/sparse/lattice_tracer.h"
+
+#include "libs/math/low_discrepancy.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace q3 {
+
+namespace {
+
+/// Points traced together: they share a list of lights.
+constexpr std::size_t kTraced = 256;
+
+/// Puts two zero bits before each of 21 bits.
+std::uint64_t Spread(std::int32_t coordinate) {
+    auto x = std::uint64_t(std::uint32_t(coordinate));
+    x = (x | x << 32) & 0x1f00000000ffffull;
+    x = (x | x << 16) & 0x1f0000ff0000ffull;
+    x = (x | x << 8) & 0x100f00f00f00f00full;
+    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
+    return (x | x << 2) & 0x1249249249249249ull;
+}
+
+/// Morton code: neighbors in this order are neighbors in space.
+std::uint64_t MortonOf(const LatticePoint &p) {
+    return Spread(p[0]) | Spread(p[1]) << 1 | Spread(p[2]) << 2;
+}
+
+} // namespace
+
+void LatticeTracer::Light(LatticePoints &points, std::size_t first, GridStats &stats) const {
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+    for (std::size_t i = first; i < points.Size(); ++i)
+        order.push_back({MortonOf(points[i].at), std::uint32_t(i)});
+    std::sort(order.begin(), order.end());
+    std::vector<std::uint32_t> numbers;
+    for (const auto &[code, number] : order)
+        numbers.push_back(number);
+    const auto bricks = std::int64_t((numbers.size() + kTraced - 1) / kTraced);
+    RunBricks(in_, bricks, stats, [&](std::int64_t brick, GridStats &work) {
+        const std::size_t from = std::size_t(brick) * kTraced;
+        Trace(points, std::span(numbers).subspan(from, std::min(kTraced, numbers.size() - from)), work);
+    });
+}
+
+void LatticeTracer::Trace(LatticePoints &points, std::span<const std::uint32_t> numbers, GridStats &work) const {
+    std::vector<ReceiverBatch> blocks;
+    std::vector<std::uint32_t> traced;
+    for (const std::uint32_t number : numbers) {
+        LitPoint &point = points[number];
+        PlacedPoint placed = PlaceInOpen(in_.space, lattice_.PositionOf(point.at));
+        if (placed.state != PointState::Open)
+            placed = PlaceBeside(in_.space, placed.position);
+        point.open = placed.state != PointState::Exterior;
+        if (!point.open)
+            continue;
+        traced.push_back(number);
+        BatchWithRoom(blocks).Add(placed.position, placed.position, placed.cluster,
+                                  std::uint32_t(HashIndex(KeyOf(point.at))));
+    }
+    if (blocks.empty())
+        return;
+    std::size_t next = 0;
+    integrator_.Trace(blocks, KeyOf(points[numbers.front()].at), work,
+                      [&](std::uint32_t, const bspGridPointSH_t &value) {
+                          points[traced[next++]].value = std::bit_cast<ShFloats>(value);
+                      });
+}
+
+} // namespace q3
