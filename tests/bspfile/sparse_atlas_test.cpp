@@ -248,14 +248,14 @@ struct Place {
     }
 };
 
-const TreeShape kShapes[] = {{{1, 1, 1}, 1, 0, 0, 0.25f},   {{2, 1, 1}, 2, 0.5, 0, 0.25f},
-                             {{1, 2, 1}, 3, 0.6, 0, 0.25f}, {{1, 1, 1}, 4, 0.4, 0, 0.25f},
-                             {{3, 1, 1}, 2, 1, 0, 0.25f},   {{1, 1, 1}, 5, 0.35, 0, 0.25f}};
+const TreeShape kAtlasShapes[] = {{{1, 1, 1}, 1, 0, 0, 0.25f},   {{2, 1, 1}, 2, 0.5, 0, 0.25f},
+                                  {{1, 2, 1}, 3, 0.6, 0, 0.25f}, {{1, 1, 1}, 4, 0.4, 0, 0.25f},
+                                  {{3, 1, 1}, 2, 1, 0, 0.25f},   {{1, 1, 1}, 5, 0.35, 0, 0.25f}};
 
 TEST(SparseAtlas, HalfTexturesGiveTheLightOfTheReader) {
     std::mt19937 random(31);
     int compared = 0;
-    for (const TreeShape &shape : kShapes)
+    for (const TreeShape &shape : kAtlasShapes)
         for (unsigned seed = 0; seed < 3; ++seed) {
             const Textures textures(RandomTree(shape, seed), SHGRID_ATLAS_HALF);
             for (int i = 0; i < 1000; ++i) {
@@ -302,7 +302,7 @@ float RedShare(const vec4 &t, std::size_t k) {
 
 TEST(SparseAtlas, SnormTexturesDifferByTheirStepsAndByFilteringSharesAlone) {
     std::mt19937 random(41);
-    for (const TreeShape &shape : kShapes) {
+    for (const TreeShape &shape : kAtlasShapes) {
         const Textures textures(RandomTree(shape, 7), SHGRID_ATLAS_SNORM);
         const auto atlas = textures.Constants<glsl::ShgridAtlas>();
         for (int i = 0; i < 500; ++i) {

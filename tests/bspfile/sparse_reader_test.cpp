@@ -48,15 +48,15 @@ std::array<double, 3> RandomPlace(std::mt19937 &random, const Int3 &bounds) {
     return at;
 }
 
-const TreeShape kShapes[] = {{{1, 1, 1}, 1, 0, 0, 0.25f},     {{2, 1, 1}, 2, 0.5, 0, 0.25f},
-                             {{1, 2, 1}, 3, 0.6, 0, 0.25f},   {{1, 1, 1}, 4, 0.4, 0, 0.25f},
-                             {{2, 2, 1}, 3, 0.5, 0.3, 0.25f}, {{1, 1, 2}, 4, 0.5, 0.5, 0.25f},
-                             {{3, 1, 1}, 2, 1, 0.1, 0.25f},   {{1, 1, 1}, 5, 0.35, 0.2, 0.25f}};
+const TreeShape kReadShapes[] = {{{1, 1, 1}, 1, 0, 0, 0.25f},     {{2, 1, 1}, 2, 0.5, 0, 0.25f},
+                                 {{1, 2, 1}, 3, 0.6, 0, 0.25f},   {{1, 1, 1}, 4, 0.4, 0, 0.25f},
+                                 {{2, 2, 1}, 3, 0.5, 0.3, 0.25f}, {{1, 1, 2}, 4, 0.5, 0.5, 0.25f},
+                                 {{3, 1, 1}, 2, 1, 0.1, 0.25f},   {{1, 1, 1}, 5, 0.35, 0.2, 0.25f}};
 
 TEST(SparseReader, SamplesAreTheFieldOfTheDefinition) {
     std::mt19937 random(11);
     int hanging = 0, partial = 0;
-    for (const TreeShape &shape : kShapes)
+    for (const TreeShape &shape : kReadShapes)
         for (unsigned seed = 0; seed < 4; ++seed) {
             const ReadTree read(shape, seed);
             for (const SparseGridNode &node : read.tree.Tree().nodes)
@@ -256,7 +256,7 @@ TEST(SparseReader, AgreesWithTheProgramAboutDamagedLumps) {
     std::mt19937 random(23);
     int good = 0, bad = 0;
     for (unsigned seed = 0; seed < 20; ++seed) {
-        const ReadTree read(kShapes[seed % std::size(kShapes)], seed);
+        const ReadTree read(kReadShapes[seed % std::size(kReadShapes)], seed);
         for (int round = 0; round < 400; ++round) {
             std::vector<std::byte> lump = read.lump;
             const std::size_t nodes = 12 * read.tree.Tree().nodes.size();

@@ -18,55 +18,56 @@ using testing::HasSubstr;
 
 namespace {
 
-using Lump = std::vector<std::byte>;
+using SparseLump = std::vector<std::byte>;
 
 constexpr std::size_t kHead = 64, kNode = 12, kPoint = 28;
 
-void Add32(Lump &lump, std::uint32_t value) {
+void AddWord(SparseLump &lump, std::uint32_t value) {
     for (int shift = 0; shift < 32; shift += 8)
         lump.push_back(std::byte(value >> shift & 255));
 }
-void AddFloat(Lump &lump, float value) {
-    Add32(lump, std::bit_cast<std::uint32_t>(value));
+void AddFloat(SparseLump &lump, float value) {
+    AddWord(lump, std::bit_cast<std::uint32_t>(value));
 }
-void AddNode(Lump &lump, std::uint32_t children, std::uint32_t points, int inner, int stored, int hanging, int scale) {
-    Add32(lump, children), Add32(lump, points);
+void AddNode(SparseLump &lump, std::uint32_t children, std::uint32_t points, int inner, int stored, int hanging,
+             int scale) {
+    AddWord(lump, children), AddWord(lump, points);
     for (const int value : {inner, stored, hanging, scale})
         lump.push_back(std::byte(value));
 }
 
 /// Two roots of two levels. Root 0 has an inner child 0 and stores its cells 1 and 6; the child stores its cells 0 and
 /// 7, and cell 1 of it hangs. Root 1 stores cell 4.
-Lump SmallLump() {
-    Lump lump;
+SparseLump SmallLump() {
+    SparseLump lump;
     for (const char c : {'S', 'H', 'G', 'S'})
         lump.push_back(std::byte(c));
-    Add32(lump, 1), Add32(lump, kHead + 3 * kNode + 5 * kPoint);
+    AddWord(lump, 1), AddWord(lump, kHead + 3 * kNode + 5 * kPoint);
     for (const float value : {-64.0f, 32.0f, 0.0f, 16.0f, 16.0f, 32.0f})
         AddFloat(lump, value);
     for (const std::uint32_t value : {2u, 1u, 1u, 2u, 3u, 5u, 0u})
-        Add32(lump, value);
+        AddWord(lump, value);
     AddNode(lump, 2, 0, 1, 1 << 1 | 1 << 6, 0, 128);
     AddNode(lump, 3, 2, 0, 1 << 4, 0, 130);
     AddNode(lump, 3, 3, 0, 1 | 1 << 7, 2, 120);
     for (std::uint32_t point = 0; point < 5; ++point) {
-        Add32(lump, 256u | 128u << 9 | (point + 1) << 18 | 16u << 27); // 1, 0.5, (point + 1) / 256
+        AddWord(lump, 256u | 128u << 9 | (point + 1) << 18 | 16u << 27); // 1, 0.5, (point + 1) / 256
         for (int i = 0; i < 24; ++i)
             lump.push_back(std::byte((i * 10 - 127 + int(point)) & 255));
     }
     return lump;
 }
 
-std::string FaultOf(const Lump &lump) {
+std::string FaultOf(const SparseLump &lump) {
     return ErrorOf([&] { DecodeSparseGrid(lump); });
 }
 std::string FaultWith(std::size_t at, std::uint32_t value) {
-    Lump lump = SmallLump();
+    SparseLump lump = SmallLump();
     SetInt(lump, at, std::int32_t(value));
     return FaultOf(lump);
 }
 std::string FaultWithByte(std::size_t at, int value) {
-    Lump lump = SmallLump();
+    SparseLump lump = SmallLump();
     lump[at] = std::byte(value);
     return FaultOf(lump);
 }
@@ -143,10 +144,10 @@ TEST(SparseGridLump, DamagedMapsNameTheLump) {
 }
 
 TEST(SparseGridLump, TruncatedLumpsAreRefused) {
-    const Lump lump = SmallLump();
+    const SparseLump lump = SmallLump();
     for (std::size_t length = 0; length < lump.size(); ++length)
-        EXPECT_NE(FaultOf(Lump(lump.begin(), lump.begin() + std::ptrdiff_t(length))), "no error") << length;
-    Lump longer = lump;
+        EXPECT_NE(FaultOf(SparseLump(lump.begin(), lump.begin() + std::ptrdiff_t(length))), "no error") << length;
+    SparseLump longer = lump;
     longer.push_back({});
     EXPECT_THAT(FaultOf(longer), HasSubstr("bytes is 240, but the length is 241"));
 }
@@ -193,7 +194,7 @@ TEST(SparseGridLump, BadNodesAreRefused) {
     EXPECT_THAT(FaultWithByte(kHead + 2 * kNode + 8, 4), HasSubstr("node 2: inner is 4, expected 0 in the last"));
     EXPECT_THAT(FaultWithByte(kHead + 2 * kNode + 9, 1), HasSubstr("5 points, but the nodes have 4"));
     EXPECT_THAT(FaultWith(48, 1), HasSubstr("node 0: inner is 1"));
-    Lump lump = SmallLump(); // node 1 gets a child that does not exist
+    SparseLump lump = SmallLump(); // node 1 gets a child that does not exist
     SetInt(lump, kHead + 2 * kNode, 4);
     lump[kHead + kNode + 8] = std::byte(1);
     EXPECT_THAT(FaultOf(lump), HasSubstr("3 nodes, but the tree has 4"));

@@ -135,6 +135,21 @@ TEST_F(BspTest, TheDemoArenaGoesThroughAllStages) {
     EXPECT_FALSE(lit.gridSH->points.empty());
 }
 
+TEST_F(BspTest, InfoShowsASparseGridAndNewLightDropsIt) {
+    RunWell("-light -onlygrid -gridsh 128 128 128 -sh MAP");
+    QuietLog quiet;
+    Bsp bsp = ReadBspFile(Map(".bsp"), {}, quiet.log);
+    SparseGridTree tree{{-64, 8, 0}, {16, 16, 32}, {1, 1, 1}, 1, {{0, 0, 0, 255, 0, 0}}, {}};
+    tree.values.assign(8, bsp.gridSH->points.front());
+    bsp.sparseGridSH = PackSparseGrid(tree);
+    WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);
+    EXPECT_TRUE(RunWell("-info MAP").Printed("8 sparse SH grid"));
+    RunWell("-light -onlygrid -gridsh 128 128 128 -sh MAP");
+    bsp = ReadBspFile(Map(".bsp"), {}, quiet.log);
+    EXPECT_FALSE(bsp.sparseGridSH);
+    EXPECT_TRUE(bsp.gridSH);
+}
+
 } // namespace
 
 } // namespace q3::test

@@ -7,6 +7,7 @@
 
 enum { kSlotBytes = 8, kNx = 4, kNy = 3, kNz = 2, kPoints = kNx * kNy * kNz };
 enum { kLumpBytes = SHGRID_HEADER_BYTES + SHGRID_POINT_BYTES * kPoints };
+enum { kSparseBytes = SHGRID_SPARSE_HEADER_BYTES + SHGRID_SPARSE_NODE_BYTES + 8 * SHGRID_SPARSE_POINT_BYTES };
 enum { kHeader17 = 8 + 17 * kSlotBytes, kHeader19 = 8 + 19 * kSlotBytes, kText = 12 };
 
 static int failures;
@@ -309,7 +310,7 @@ static void TestDeltaLight(void) {
 
 static void TestMessages(void) {
     int a, b;
-    for (a = SHGRID_OK; a <= SHGRID_BAD_TONE; a++)
+    for (a = SHGRID_OK; a <= SHGRID_BAD_NODES; a++)
         for (b = SHGRID_OK; b < a; b++)
             CHECK(strcmp(shgrid_message((shgrid_result)a), shgrid_message((shgrid_result)b)) != 0);
 }
@@ -371,6 +372,67 @@ static void TestTone(void) {
     ExpectTone("gamma 2", NAN, 0.25, -3, 0, 0.5, 0);
 }
 
+/* A root of eight cells; coefficient 0 of point i is (i + 1) / 256, coefficient 1 is half its limit. */
+static void PutSparse(unsigned char *lump) {
+    int i;
+    memset(lump, 0, kSparseBytes);
+    memcpy(lump, "SHGS", 4);
+    Put32(lump + 4, 1);
+    Put32(lump + 8, kSparseBytes);
+    for (i = 0; i < 3; i++) {
+        PutFloat(lump + 12 + 4 * i, kMins[i]);
+        PutFloat(lump + 24 + 4 * i, kCell[i]);
+        Put32(lump + 36 + 4 * i, 1);
+    }
+    Put32(lump + 48, 1); /* levels */
+    Put32(lump + 52, 1); /* nodes */
+    Put32(lump + 56, 8); /* points */
+    Put32(lump + 64, 1); /* the next child */
+    lump[73] = 255;      /* all stored */
+    lump[75] = 128;      /* plain scale */
+    for (i = 0; i < 8; i++) {
+        unsigned char *point = lump + 76 + SHGRID_SPARSE_POINT_BYTES * i;
+        Put32(point, (uint32_t)((i + 1) * (1 + 512 + 262144)) | 16u << 27);
+        point[4] = 64; /* of 127 */
+    }
+}
+
+static void TestSparse(void) {
+    static unsigned char lump[kSparseBytes];
+    static uint32_t texels[7][125];
+    unsigned char indirection[4];
+    void *textures[7];
+    const float center[3] = {-48, 40, 32};
+    const int32_t bounds[3] = {1, 1, 1};
+    shgrid_grid grid;
+    shgrid_atlas atlas;
+    shgrid_coeffs coeffs, expanded;
+    size_t size;
+    int i;
+    PutSparse(lump);
+    CHECK(shgrid_parse(lump, kSparseBytes, &grid) == SHGRID_OK);
+    CHECK(grid.levels == 1 && grid.count == 8 && grid.bounds[2] == 2);
+    shgrid_sample(&grid, center, &coeffs);
+    CHECK(Near(coeffs.c[0][2], 4.5 / 256, 1e-7));
+    CHECK(Near(coeffs.c[1][0], 4.5 / 256 * 64 / 127 * 1.1547005384, 1e-7));
+    CHECK(coeffs.c[1][1] == 0 && coeffs.c[8][2] == 0);
+    shgrid_expand(&grid, center, kCell, bounds, &expanded);
+    CHECK(memcmp(&coeffs, &expanded, sizeof coeffs) == 0);
+    shgrid_point(&grid, 1, 0, 1, &coeffs);
+    CHECK(Near(coeffs.c[0][0], 6.0 / 256, 1e-7));
+    shgrid_atlas_measure(&grid, &atlas);
+    CHECK(atlas.count == 1 && shgrid_atlas_bytes(&atlas, SHGRID_ATLAS_SNORM) == sizeof texels[0]);
+    CHECK(shgrid_indirection_bytes(&atlas) == sizeof indirection);
+    for (i = 0; i < 7; i++)
+        textures[i] = texels[i];
+    shgrid_atlas_fill(&grid, &atlas, SHGRID_ATLAS_SNORM, indirection, textures);
+    CHECK(indirection[0] == 0 && indirection[3] == 1);               /* a brick of two cells */
+    CHECK((texels[0][0] >> 27) == 8 && (texels[0][0] & 511) == 256); /* 1 / 256 */
+    CHECK((texels[1][0] & 255) == 64);
+    for (size = 0; size < kSparseBytes; size++)
+        CHECK(shgrid_parse(lump, size, &grid) != SHGRID_OK && grid.nodes == NULL);
+}
+
 int main(void) {
     static unsigned char file[kHeader19 + 256 + kLumpBytes];
     shgrid_grid grid;
@@ -382,6 +444,7 @@ int main(void) {
     TestSampling(&grid);
     TestOddPositions(&grid);
     TestDeltaLight();
+    TestSparse();
     TestMessages();
     TestToneText();
     TestTone();

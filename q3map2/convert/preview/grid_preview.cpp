@@ -23,7 +23,7 @@ constexpr float kPairRadius = 52, kSingleRadius = 72;
 constexpr int kLattice = 27; ///< pixels between the small spheres of the plan
 constexpr float kSmallRadius = 10;
 constexpr int kPlanSubsamples = 2;
-constexpr float kLeastCell = 3, kCellAlpha = 0.45f;
+constexpr float kLeastCell = 3, kCellAlpha = 0.75f;
 constexpr int kShownSizes = 6; ///< cells in the legend
 constexpr float kMinExposure = 1.0f / 64, kMaxExposure = 16;
 constexpr float kContrastWeight = 8;   ///< weight of color contrast, relative to brightness
