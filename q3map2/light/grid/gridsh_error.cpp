@@ -73,7 +73,7 @@ std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vecto
             packet[0].Add(receiver.position, receiver.position, receiver.cluster,
                           kFirstIndex + std::uint32_t(&receiver - receivers.data()));
         GridStats work;
-        integrator.Trace(packet, std::uint64_t(block), work, [&](std::uint32_t index, const bspGridPointSH_t &value) {
+        integrator.Trace(packet, std::uint64_t(block), work, [&](std::uint32_t index, const bspGridPointSH_t &value, const bspGridPointSH_t &) {
             bspGridPointSH_t &point = points[index - kFirstIndex];
             point = value;
             if (options.shDering)

@@ -192,7 +192,9 @@ void GridFit::DrawSamples(std::span<Draw> cells, std::size_t round, const ProbeI
     for (std::size_t i = 0; i < round; ++i)
         seed = HashIndex(seed);
     integrator.Trace(blocks, seed, work,
-                     [&](std::uint32_t, const bspGridPointSH_t &value) { samples[next++].value = value; });
+                     [&](std::uint32_t, const bspGridPointSH_t &value, const bspGridPointSH_t &) {
+                         samples[next++].value = value;
+                     });
 }
 
 /// Clears `sees` of the corners in the open that a sample does not see.

@@ -4,6 +4,8 @@
 #include "q3map2/light/grid/gridsh_fill.h"
 #include "q3map2/light/grid/gridsh_fit.h"
 #include "q3map2/light/grid/probe_integrator.h"
+#include "q3map2/light/grid/weak_field.h"
+#include "libs/math/low_discrepancy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,26 +33,29 @@ bool OnEmitter(const Light &light, const Vec3f &p) {
     return !(left && right);
 }
 
-/// The receivers of all points, by brick, and the state of each point.
-class PointReceivers {
+/// Where the points are lit from, and the state of each.
+class LitPoints {
   public:
-    PointReceivers(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
-        : states_(std::size_t(layout.Count()), PointState::Exterior), receivers_(std::size_t(bricks.Count())) {
-        std::vector<int> clusters(states_.size());
+    LitPoints(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
+        : layout_(layout), states_(std::size_t(layout.Count()), PointState::Exterior), clusters_(states_.size()),
+          litFrom_(states_.size()) {
         ForBricks(in, bricks, [&](std::int64_t, std::span<const BrickPoint> points) {
             for (const BrickPoint &point : points) {
                 const PlacedPoint placed = PlaceInOpen(in.space, point.position);
-                clusters[point.index] = placed.cluster;
+                clusters_[point.index] = litFrom_[point.index] = placed.cluster;
                 states_[point.index] = placed.state;
             }
         });
-        std::vector<std::vector<DisplacedPoint>> displaced(receivers_.size());
+        std::vector<std::vector<DisplacedPoint>> displaced(std::size_t(bricks.Count()));
         ForBricks(in, bricks, [&](std::int64_t brick, std::span<const BrickPoint> points) {
             for (const BrickPoint &point : points) {
-                PlacedPoint placed{PointState::Open, point.position, clusters[point.index]};
-                if (states_[point.index] != PointState::Open)
-                    placed = PlaceGridPoint(in.space, layout, clusters, point);
-                Add(placed, point, receivers_[std::size_t(brick)], displaced[std::size_t(brick)]);
+                if (states_[point.index] == PointState::Open)
+                    continue;
+                const PlacedPoint placed = PlaceGridPoint(in.space, layout, clusters_, point);
+                states_[point.index] = placed.state;
+                litFrom_[point.index] = placed.cluster;
+                if (placed.cluster >= 0)
+                    displaced[std::size_t(brick)].push_back({point.index, placed.position});
             }
         });
         for (const auto &part : displaced)
@@ -80,8 +85,16 @@ class PointReceivers {
                     }
         }
     }
-    /// Receivers of a brick that are to be lit; taken once.
-    std::vector<ReceiverBatch> Take(std::int64_t brick) { return std::move(receivers_[std::size_t(brick)]); }
+    bool IsLit(std::uint32_t index) const { return litFrom_[index] >= 0; }
+    /// Adds a receiver for a point that is lit.
+    void AddReceiver(const BrickPoint &point, std::vector<ReceiverBatch> &blocks) const {
+        Vec3f from = point.position;
+        if (states_[point.index] != PointState::Open && states_[point.index] != PointState::OnEmitter)
+            from = std::lower_bound(displaced_.begin(), displaced_.end(), point.index,
+                                    [](const DisplacedPoint &d, std::uint32_t i) { return d.index < i; })
+                       ->position;
+        BatchWithRoom(blocks).Add(from, from, litFrom_[point.index], point.index);
+    }
     std::vector<PointState> &States() { return states_; }
     const std::vector<DisplacedPoint> &Displaced() const { return displaced_; }
 
@@ -90,19 +103,80 @@ class PointReceivers {
     template <typename Use> static void ForBricks(const GridInputs &in, const GridBricks &bricks, const Use &use) {
         in.jobs.For(bricks.Count(), [&](std::int64_t brick, int) { use(brick, bricks.Points(brick)); });
     }
-    void Add(const PlacedPoint &placed, const BrickPoint &point, std::vector<ReceiverBatch> &receivers,
-             std::vector<DisplacedPoint> &displaced) {
-        states_[point.index] = placed.state;
-        if (placed.cluster < 0)
-            return;
-        if (placed.state != PointState::Open)
-            displaced.push_back({point.index, placed.position});
-        BatchWithRoom(receivers).Add(placed.position, placed.position, placed.cluster, point.index);
+
+    const GridLayout &layout_;
+    std::vector<PointState> states_;
+    std::vector<int> clusters_; ///< by point: of the point itself, see PlaceInOpen
+    std::vector<int> litFrom_;  ///< by point: cluster that it is lit from; kSolidCluster: not lit
+    std::vector<DisplacedPoint> displaced_;
+};
+
+/// Fills the weak light of a grid level by level, and traces the points that lower levels do not predict.
+class SmoothLevels {
+  public:
+    SmoothLevels(const GridInputs &in, const GridLayout &layout, const LitPoints &points,
+                 const ProbeIntegrator &integrator)
+        : in_(in), layout_(layout), points_(points), integrator_(integrator) {}
+
+    void Run(WeakField &weak, LightGridSH &grid, GridStats &stats) const {
+        for (int level = 0; level < WeakField::kLevels; ++level) {
+            const GridBricks bricks(layout_, level < 3 ? Int3{16, 16, 8} : Int3{16, 16, 4});
+            RunBricks(in_, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
+                TraceBrick(level, brick, bricks.Points(brick), weak, grid, work);
+            });
+        }
     }
 
-    std::vector<PointState> states_;
-    std::vector<std::vector<ReceiverBatch>> receivers_;
-    std::vector<DisplacedPoint> displaced_;
+  private:
+    struct LevelPoint {
+        BrickPoint point;
+        WeakField::Prediction prediction;
+        std::uint32_t order;
+    };
+
+    void TraceBrick(int level, std::int64_t brick, const std::vector<BrickPoint> &points, WeakField &weak,
+                    LightGridSH &grid, GridStats &work) const {
+        std::vector<LevelPoint> traced;
+        for (const BrickPoint &point : points) {
+            const auto [x, y, z] = layout_.Coordinates(point.index);
+            if (WeakField::LevelOf(x, y) != level || !points_.IsLit(point.index))
+                continue;
+            LevelPoint here{point, {}, Morton(x >> kShift[level], y >> kShift[level], z)};
+            if (weak.IsOpen(point.index))
+                here.prediction = weak.Predict(x, y, z);
+            if (here.prediction.Good())
+                weak.Accept(point.index, here.prediction), ++work.skippedSmooth;
+            else
+                traced.push_back(here);
+        }
+        if (traced.empty())
+            return;
+        std::stable_sort(traced.begin(), traced.end(),
+                         [](const LevelPoint &a, const LevelPoint &b) { return a.order < b.order; });
+        std::vector<ReceiverBatch> blocks;
+        for (const LevelPoint &one : traced)
+            points_.AddReceiver(one.point, blocks);
+        std::size_t next = 0;
+        integrator_.Trace(blocks, HashIndex(std::uint64_t(brick * WeakField::kLevels + level)), work,
+                          [&](std::uint32_t index, const bspGridPointSH_t &value, const WeakLight &weakPart) {
+                              grid.points[index] = value;
+                              weak.SetTraced(index, weakPart, traced[next++].prediction);
+                          });
+    }
+    /// Interleaves the lowest bits: neighbors get near numbers.
+    static std::uint32_t Morton(int x, int y, int z) {
+        std::uint32_t code = 0;
+        for (unsigned bit = 0; bit < 5; ++bit)
+            code |= (unsigned(x) >> bit & 1) << 3 * bit | (unsigned(y) >> bit & 1) << (3 * bit + 1) |
+                    (unsigned(z) >> bit & 1) << (3 * bit + 2);
+        return code;
+    }
+    static constexpr int kShift[WeakField::kLevels] = {2, 2, 2, 1, 0};
+
+    const GridInputs &in_;
+    const GridLayout &layout_;
+    const LitPoints &points_;
+    const ProbeIntegrator &integrator_;
 };
 
 } // namespace
@@ -138,21 +212,33 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     stats.points = layout.Count();
 
     const GridBricks bricks(layout);
-    PointReceivers receivers(in, layout, bricks);
-    receivers.FindOnEmitters(layout, lights);
+    LitPoints lit(in, layout, bricks);
+    lit.FindOnEmitters(layout, lights);
     const ProbeIntegrator integrator(in, lights);
-    const VisibilityGroups sides = FindVisibilityGroups(in, layout, receivers.Displaced(), receivers.States());
-    GridFit fit(in, layout, receivers.States(), sides.isSplit);
+    const VisibilityGroups sides = FindVisibilityGroups(in, layout, lit.Displaced(), lit.States());
+    const DisplayedChange change(in.options.shRadiance, 255 * (in.options.gridScale > 0 ? in.options.gridScale : 1));
+    WeakField weak(in.space, layout, lit.States(), change);
+    if (in.options.skip.smooth)
+        SmoothLevels(in, layout, lit, integrator).Run(weak, grid, stats);
+    GridFit fit(in, layout, lit.States(), sides.isSplit);
     RunBricks(in, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
-        std::vector<ReceiverBatch> blocks = receivers.Take(brick);
-        if (!blocks.empty())
+        const std::vector<BrickPoint> points = bricks.Points(brick);
+        std::vector<ReceiverBatch> blocks;
+        for (const BrickPoint &point : points)
+            if (lit.IsLit(point.index) && (!in.options.skip.smooth || weak.IsPredicted(point.index)))
+                lit.AddReceiver(point, blocks);
+        const auto indexOf = [&](std::size_t i) { return blocks[i / kPacketSize].index[i % kPacketSize]; };
+        if (!blocks.empty() && in.options.skip.smooth)
+            integrator.TraceStrong(blocks, std::uint64_t(brick), work, [&](std::size_t i) { return weak.At(indexOf(i)); },
+                                   [&](std::size_t i, const bspGridPointSH_t &value) { grid.points[indexOf(i)] = value; });
+        else if (!blocks.empty())
             integrator.Trace(blocks, std::uint64_t(brick), work,
-                             [&](std::uint32_t index, const bspGridPointSH_t &value) { grid.points[index] = value; });
-        fit.AddSamples(brick, fit.SampleCells(bricks.Points(brick), integrator, work));
+                             [&](std::uint32_t index, const bspGridPointSH_t &value, const WeakLight &) { grid.points[index] = value; });
+        fit.AddSamples(brick, fit.SampleCells(points, integrator, work));
     });
-    FillGridSH(in, layout, receivers.Displaced(), sides, receivers.States(), grid);
+    FillGridSH(in, layout, lit.Displaced(), sides, lit.States(), grid);
     fit.Solve(grid, in.jobs);
-    const auto &states = receivers.States();
+    const auto &states = lit.States();
     for (const PointState state : {PointState::Open, PointState::OnEmitter, PointState::Beside})
         stats.open += std::count(states.begin(), states.end(), state);
     stats.moved = std::count(states.begin(), states.end(), PointState::Moved);

@@ -14,13 +14,11 @@ namespace {
 /// Limit of coefficients, reached only with absurd keys and scales. 1 = byte 255.
 constexpr double kMaxCoefficient = 1e9;
 
-/// Sums of one channel at the receivers of a block, by coefficient; 1 = byte 255.
-using ChannelSum = std::array<DoubleLanes, 9>;
 /// Stored coefficients of one channel at the receivers of a block.
 using StoredChannel = std::array<Lanes, 9>;
 
 /// sum += scale * coefficients, for the three channels at once: the coefficients are read once.
-Q3_VECTOR void AddScaled(const ProbeIncidentLight &incident, const Vec3d &scale, std::array<ChannelSum, 3> &sum) {
+Q3_VECTOR void AddScaled(const ProbeIncidentLight &incident, const Vec3d &scale, ChannelSums &sum) {
     const auto [red, green, blue] = scale;
     for (std::size_t k = 0; k < 9; ++k)
         Q3_INDEPENDENT
@@ -32,33 +30,33 @@ Q3_VECTOR void AddScaled(const ProbeIncidentLight &incident, const Vec3d &scale,
     }
 }
 
-void AddTinted(const ProbeIncidentLight &incident, const Lanes &tint, double scale, ChannelSum &sum) {
-    for (const std::size_t i : kEachLane)
-        for (std::size_t k = 0; k < 9 && incident.live[i] != 0; ++k)
-            sum[k][i] += scale * double(tint[i]) * double(incident.shCoeffs[k][i]);
+/// weak += scale * coefficients * incident.weak; strong: the rest.
+Q3_VECTOR void AddSplit(const ProbeIncidentLight &incident, const Vec3d &scale, BlockSum &sum) {
+    for (std::size_t channel = 0; channel < 3; ++channel)
+        for (std::size_t k = 0; k < 9; ++k)
+            Q3_INDEPENDENT
+    for (const std::size_t i : kEachLane) {
+        const double light = scale[channel] * double(incident.shCoeffs[k][i]), weak = light * double(incident.weak[i]);
+        sum.weak[channel][k][i] += weak;
+        sum.strong[channel][k][i] += light - weak;
+    }
 }
 
-/// Light at the receivers of a block.
-class BlockSum {
-  public:
-    /// scale: color of the light, 1 = byte 255.
-    void Add(const Vec3d &scale, const ProbeIncidentLight &incident) {
-        if (!incident.tinted)
-            return AddScaled(incident, scale, sum_);
-        const Lanes *tints[] = {&incident.tint.x, &incident.tint.y, &incident.tint.z};
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            AddTinted(incident, *tints[channel], scale[channel], sum_[channel]);
-    }
-    /// Adds to one coefficient of receiver i.
-    void Add(std::size_t i, std::size_t channel, std::size_t k, double light) { sum_[channel][k][i] += light; }
-    const std::array<ChannelSum, 3> &Channels() const { return sum_; }
-
-  private:
-    std::array<ChannelSum, 3> sum_{};
-};
-
+/// The same for tinted light.
+void AddTinted(const ProbeIncidentLight &incident, const Vec3d &scale, bool split, BlockSum &sum) {
+    const Lanes *tints[] = {&incident.tint.x, &incident.tint.y, &incident.tint.z};
+    for (std::size_t channel = 0; channel < 3; ++channel)
+        for (const std::size_t i : kEachLane)
+            for (std::size_t k = 0; k < 9 && incident.live[i] != 0; ++k) {
+                const double light =
+                    scale[channel] * double((*tints[channel])[i]) * double(incident.shCoeffs[k][i]);
+                const double weak = split ? light * double(incident.weak[i]) : 0;
+                sum.strong[channel][k][i] += light - weak;
+                sum.weak[channel][k][i] += weak;
+            }
+}
 /// Adds floodlight: uniform light from the hemispheres around +z and -z.
-void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, BlockSum &sum, RayCounts &counts) {
+void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, ChannelSums &sum, RayCounts &counts) {
     const Vec3f position = receivers.position[i];
     for (const float up : {1.0f, -1.0f}) {
         const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.floodDirections, counts);
@@ -66,14 +64,14 @@ void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t 
         const double convolve0 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[0] / std::numbers::pi;
         const double convolve1 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[2] / std::numbers::pi;
         for (std::size_t channel = 0; channel < 3; ++channel) {
-            sum.Add(i, channel, 0, light[channel] * convolve0 * kShC0 * 2 * std::numbers::pi);
-            sum.Add(i, channel, 2, light[channel] * convolve1 * kShC1 * std::numbers::pi * up);
+            sum[channel][0][i] += light[channel] * convolve0 * kShC0 * 2 * std::numbers::pi;
+            sum[channel][2][i] += light[channel] * convolve1 * kShC1 * std::numbers::pi * up;
         }
     }
 }
 
 /// Adds bounced light.
-void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, BlockSum &sum,
+void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, ChannelSums &sum,
                  RayCounts &counts) {
     std::vector<IndirectRay> rays;
     in.indirect->Gather(receivers.rayOrigin[i], receivers.index[i], rays);
@@ -83,7 +81,7 @@ void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size
         for (std::size_t k = 0; k < 9; ++k) {
             const double weight = basis[k] * (in.options.shRadiance ? 1 : kCosineLobe[k]) / 255;
             for (std::size_t channel = 0; channel < 3; ++channel)
-                sum.Add(i, channel, k, weight * double(ray.light[channel]));
+                sum[channel][k][i] += weight * double(ray.light[channel]);
         }
     }
 }
@@ -94,15 +92,16 @@ struct ChannelScale {
 };
 
 /// Coefficients of a channel to store; where its mean is negative, zero plus minimum light.
-Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, StoredChannel &stored) {
+Q3_VECTOR void StoreChannel(const ChannelSum &strong, const ChannelSum &weak, const ChannelScale &channel, StoredChannel &stored) {
     const auto [ambient, least, scale] = channel;
     for (const std::size_t i : kEachLane) {
-        const double mean = sum[0][i] + ambient;
+        const double mean = strong[0][i] + weak[0][i] + ambient;
         stored[0][i] = float(std::min(std::max(mean < 0 ? 0 : mean, least) * scale, kMaxCoefficient));
     }
     for (std::size_t k = 1; k < 9; ++k)
         for (const std::size_t i : kEachLane) {
-            const double value = sum[0][i] + ambient < 0 ? 0 : sum[k][i] * scale;
+            const double mean = strong[0][i] + weak[0][i] + ambient;
+            const double value = mean < 0 ? 0 : (strong[k][i] + weak[k][i]) * scale;
             stored[k][i] = float(std::min(std::max(value, -kMaxCoefficient), kMaxCoefficient));
         }
 }
@@ -113,7 +112,7 @@ void StoreBlock(const GridInputs &in, const BlockSum &sum, std::size_t count, st
     const double uniform = 1 / kShC0 / (in.options.shRadiance ? std::numbers::pi : 1);
     std::array<StoredChannel, 3> stored;
     for (std::size_t channel = 0; channel < 3; ++channel)
-        StoreChannel(sum.Channels()[channel],
+        StoreChannel(sum.strong[channel], sum.weak[channel],
                      {double(in.world.ambient[channel]) / 255 * uniform,
                       double(in.world.minGrid[channel]) / 255 * uniform,
                       in.options.gridScale > 0 ? in.options.gridScale : 1},
@@ -127,33 +126,67 @@ void StoreBlock(const GridInputs &in, const BlockSum &sum, std::size_t count, st
 
 } // namespace
 
-ProbeIntegrator::ProbeIntegrator(const GridInputs &in, const std::vector<Light> &lights)
-    : in_(in), lighting_(in, lights, in.options.shRadiance) {}
+void BlockSum::Add(const Vec3d &scale, const ProbeIncidentLight &incident, bool split) {
+    if (incident.tinted)
+        return AddTinted(incident, scale, split, *this);
+    bool anyWeak = false, anyStrong = !split;
+    for (std::size_t i = 0; i < kPacketSize && split; ++i)
+        if (incident.live[i] != 0)
+            anyWeak = anyWeak || incident.weak[i] > 0, anyStrong = anyStrong || incident.weak[i] < 1;
+    if (anyWeak && anyStrong)
+        AddSplit(incident, scale, *this);
+    else
+        AddScaled(incident, scale, anyWeak ? weak : strong);
+}
 
-std::vector<bspGridPointSH_t> ProbeIntegrator::Values(std::vector<ReceiverBatch> &blocks, std::uint64_t seed,
-                                                      GridStats &work) const {
+bspGridPointSH_t BlockSum::WeakOf(std::size_t lane) const {
+    bspGridPointSH_t light;
+    for (std::size_t k = 0; k < 9; ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            light.coeffs[k][channel] = float(weak[channel][k][lane]);
+    return light;
+}
+
+void BlockSum::SetWeak(std::size_t lane, const bspGridPointSH_t &light) {
+    for (std::size_t k = 0; k < 9; ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            weak[channel][k][lane] = double(light.coeffs[k][channel]);
+}
+
+ProbeIntegrator::ProbeIntegrator(const GridInputs &in, const std::vector<Light> &lights)
+    : in_(in), lighting_(in, lights, in.options.shRadiance, in.options.skip.smooth) {}
+
+std::vector<BlockSum> ProbeIntegrator::Sums(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part,
+                                            GridStats &work) const {
     std::vector<BlockSum> sums(blocks.size());
-    lighting_.Trace(blocks, seed, work, [&](const BrickLight &one, const std::vector<ProbeIncidentLight> &incident) {
+    const bool split = lighting_.Splits() && part == LightPart::Whole;
+    const auto add = [&](const BrickLight &one, const std::vector<ProbeIncidentLight> &incident) {
         const Vec3d scale = Vec3d(one.light->color) * ((one.light->negative ? -1 : 1) / 255.0);
         for (std::size_t block = 0; block < blocks.size(); ++block)
             if (incident[block].live.Any())
-                sums[block].Add(scale, incident[block]);
-    });
+                sums[block].Add(scale, incident[block], split);
+    };
+    lighting_.Trace(blocks, seed, part, work, add);
+    if (part == LightPart::Strong)
+        return sums;
     const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
-    std::vector<bspGridPointSH_t> values;
-    std::size_t count = 0;
-    for (const ReceiverBatch &receivers : blocks)
-        count += receivers.count;
-    values.reserve(count);
     for (std::size_t block = 0; block < blocks.size(); ++block) {
         const ReceiverBatch &receivers = blocks[block];
-        BlockSum &sum = sums[block];
+        ChannelSums &smooth = split ? sums[block].weak : sums[block].strong;
         for (std::size_t i = 0; i < receivers.count && flood; ++i)
-            AddFlood(in_, receivers, i, sum, work.counts);
+            AddFlood(in_, receivers, i, smooth, work.counts);
         for (std::size_t i = 0; i < receivers.count && in_.indirect; ++i)
-            AddIndirect(in_, receivers, i, sum, work.counts);
-        StoreBlock(in_, sum, receivers.count, values);
+            AddIndirect(in_, receivers, i, smooth, work.counts);
     }
+    return sums;
+}
+
+std::vector<bspGridPointSH_t> ProbeIntegrator::Values(std::span<const ReceiverBatch> blocks,
+                                                      std::span<const BlockSum> sums) const {
+    std::vector<bspGridPointSH_t> values;
+    values.reserve(blocks.size() * kPacketSize);
+    for (std::size_t block = 0; block < blocks.size(); ++block)
+        StoreBlock(in_, sums[block], blocks[block].count, values);
     return values;
 }
 

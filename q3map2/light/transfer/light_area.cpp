@@ -165,7 +165,21 @@ bool AreaContribution::EstimateUnoccluded() {
     MeasureLanes();
     MeasureNear();
     brightest_ = CullUnlit(light_.fast ? light_.tolerance : 0);
+    TakeWeakShare();
     return live_.Any();
+}
+
+/// Sets the weak share; for LightPart::Strong ends receivers whose light is weak as a whole.
+Q3_VECTOR void AreaContribution::TakeWeakShare() {
+    if (settings_.weakBelow <= 0)
+        return;
+    const float color = MaxComponent(Max(light_.color, -light_.color)), weakBelow = settings_.weakBelow;
+    const std::int32_t keepWeak = settings_.part == LightPart::Strong ? 0 : -1;
+    for (const std::size_t i : kEachLane) {
+        const float share = WeakShare(color * unoccludedEstimate_[i], weakBelow);
+        incident_->weak[i] = share;
+        live_[i] &= keepWeak | -std::int32_t(share < 1);
+    }
 }
 
 /// The cheapest method whose error is under kMomentError for all receivers that are not near.
@@ -379,6 +393,9 @@ void AreaContribution::Refine(std::size_t i) {
 /// Applies share, weight and the cosine lobe; sets `add`.
 Q3_VECTOR void AreaContribution::Convolve() {
     const float fromAll = float(4 * std::numbers::pi * kShC0);
+    if (settings_.part == LightPart::Strong)
+        for (const std::size_t i : kEachLane)
+            share_[i] *= 1 - incident_->weak[i];
     for (const std::size_t i : kEachLane)
         incident_->add[i] = incident_->shCoeffs[0][i] * share_[i] * weight_ * fromAll;
     for (std::size_t k = 0; k < 9; ++k) {

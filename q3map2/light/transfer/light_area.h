@@ -37,6 +37,7 @@ class AreaContribution {
     void MeasureNear();
     float CullUnlit(float least);
     bool EstimateUnoccluded();
+    void TakeWeakShare();
     Method ChooseMethod() const;
     int Probes() const;
     Vec3f ProbeTarget(int probe) const;

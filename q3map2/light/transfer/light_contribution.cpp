@@ -89,6 +89,21 @@ Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
     }
 }
 
+/// Sets the weak share of a light that takes one ray; for LightPart::Strong takes it off `add` and ends receivers for
+/// which nothing is left.
+void TakeWeakShare(const Light &light, const LightSettings &settings, ProbeIncidentLight &incident) {
+    if (settings.weakBelow <= 0)
+        return;
+    const float color = MaxComponent(Max(light.color, -light.color));
+    for (const std::size_t i : kEachLane) {
+        incident.weak[i] = incident.live[i] != 0 ? WeakShare(color * incident.add[i], settings.weakBelow) : 0;
+        if (settings.part == LightPart::Strong) {
+            incident.add[i] *= 1 - incident.weak[i];
+            incident.live[i] = incident.weak[i] < 1 ? incident.live[i] : 0;
+        }
+    }
+}
+
 /// Lights that take one shadow ray a receiver: points, spots and suns, and area lights in the legacy grid.
 class SingleRayLight {
   public:
@@ -163,12 +178,12 @@ float SingleRayLight::Prepare(std::size_t batch) {
     ReceiverBatch &receivers = batches_[batch];
     ProbeIncidentLight &incident = incident_[batch];
     if (light_.type == LightType::Sun) {
-        const float add = light_.photons * weight_;
         AimAtSun(light_, incident);
-        incident.add.fill(add);
-        if (!(add > 0))
+        incident.add.fill(light_.photons * weight_);
+        if (!(light_.photons * weight_ > 0))
             incident.live = {};
-        return add;
+        TakeWeakShare(light_, settings_, incident);
+        return Strongest(incident);
     }
     const int inSight = incident.live.Count();
     Unshadowed(light_, settings_, receivers, incident);
@@ -177,6 +192,7 @@ float SingleRayLight::Prepare(std::size_t batch) {
     counts_.skippedFacing += std::uint64_t(inSight - inReach);
     if (inReach == 0 || !TakeFaint(light_, settings_.faint, weight_, receivers, incident, counts_))
         return 0;
+    TakeWeakShare(light_, settings_, incident);
     return Strongest(incident);
 }
 

@@ -7,9 +7,23 @@
 #include "q3map2/light/sources/light_envelope.h"
 #include "q3map2/light/transfer/contribution_counts.h"
 
+#include <algorithm>
 #include <span>
 
 namespace q3 {
+
+/// Which part of each light a grid pass takes.
+enum class LightPart {
+    Whole,
+    Strong ///< without the weak share, and without its rays
+};
+
+/// Share of a light that is weak at a receiver, where it would give `light` (byte scale) without shadows: 1 up to half
+/// of weakBelow, 0 from weakBelow on, linear between.
+inline float WeakShare(float light, float weakBelow) {
+    const float share = 2 - 2 * light / weakBelow;
+    return share > 0 ? std::min(share, 1.0f) : 0;
+}
 
 /// Settings of a grid pass, the same for all lights and receivers.
 struct LightSettings {
@@ -21,6 +35,8 @@ struct LightSettings {
     SkipOptions skip;
     float faint =
         0; ///< area lights that give a batch less may be represented by others, see SelectFaintLight. Byte scale
+    float weakBelow = 0; ///< GridSH: WeakShare is set and LightPart heeded; 0: neither. Byte scale
+    LightPart part = LightPart::Whole;
 };
 
 /// Sets incident[i] to the light of `light`, times `weight`, at batches[i]: falloff, cones, form factors, sides,

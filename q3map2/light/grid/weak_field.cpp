@@ -1,0 +1,185 @@
+// GPL-2.0-or-later. The weak part of the light at points of the SH grid.
+#include "q3map2/light/grid/weak_field.h"
+
+#include "libs/sh/sh.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+
+namespace q3 {
+
+namespace {
+
+inline float Env(const char *n, float d) { const char *s = std::getenv(n); return s ? float(std::atof(s)) : d; }
+const float kTolerance = Env("Q3TOL", 1), kDecay = Env("Q3DECAY", 0.7f), kSlope = Env("Q3SLOPE", 0);
+/// Error of points that nothing predicted.
+constexpr float kUntested = -1;
+
+/// mean += weight * value, as floats.
+void AddTo(WeakLight &sum, float weight, const WeakLight &value) {
+    float *to = sum.coeffs[0].data();
+    const float *from = value.coeffs[0].data();
+    for (std::size_t i = 0; i < kShFloats; ++i)
+        to[i] += weight * from[i];
+}
+
+Q3_VECTOR float LargestOf(const std::array<Lanes, 9> &basis, const float *change) {
+    Lanes most{};
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        Lanes even, odd;
+        for (const std::size_t i : kEachLane) {
+            odd[i] = basis[1][i] * change[3 + channel] + basis[2][i] * change[6 + channel] +
+                     basis[3][i] * change[9 + channel];
+            even[i] = basis[0][i] * change[channel] + basis[4][i] * change[12 + channel] +
+                      basis[5][i] * change[15 + channel] + basis[6][i] * change[18 + channel] +
+                      basis[7][i] * change[21 + channel] + basis[8][i] * change[24 + channel];
+        }
+        for (const std::size_t i : kEachLane)
+            most[i] = std::max(most[i], std::abs(even[i]) + std::abs(odd[i]));
+    }
+    float largest = 0;
+    for (const std::size_t i : kEachLane)
+        largest = std::max(largest, most[i]);
+    return largest;
+}
+
+} // namespace
+
+DisplayedChange::DisplayedChange(bool radiance, float scale) : basis_{} {
+    for (int i = 0; i < int(kAxes); ++i) {
+        const Vec3d n = Normalize(Vec3d{double(i % 3 - 1), double(i / 3 % 3 - 1), double(i / 9 - 1)});
+        const ShVector basis = ShBasis(n);
+        for (std::size_t k = 0; k < 9; ++k)
+            basis_[k][std::size_t(i)] = float(basis[k] * (radiance ? kCosineLobe[k] : 1) * double(scale));
+    }
+}
+
+float DisplayedChange::Of(const WeakLight &change) const {
+    return LargestOf(basis_, change.coeffs[0].data());
+}
+
+int WeakField::LevelOf(int x, int y) {
+    if (((x | y) & 1) != 0)
+        return (x & y & 1) != 0 ? 3 : 4;
+    return ((x | y) & 2) == 0 ? 0 : (x & y & 2) != 0 ? 1 : 2;
+}
+
+WeakField::WeakField(const BspSpace &space, const GridLayout &layout, const std::vector<PointState> &states,
+                     const DisplayedChange &change)
+    : space_(space), layout_(layout), states_(states), change_(change), light_(states.size()),
+      error_(states.size(), kUntested), predicted_(states.size()) {}
+
+bool WeakField::Prediction::Good() const {
+    return pairs > 0 && isTested && error <= kTolerance;
+}
+
+std::int64_t WeakField::OpenPoint(int x, int y, int z) const {
+    if (x < 0 || y < 0 || z < 0 || x >= layout_.bounds[0] || y >= layout_.bounds[1] || z >= layout_.bounds[2])
+        return -1;
+    const std::int64_t index = layout_.Index(x, y, z);
+    return states_[std::size_t(index)] == PointState::Open ? index : -1;
+}
+
+bool WeakField::IsClear(const Vec3f &a, const Vec3f &b) const {
+    return !space_.AnySolid(Min(a, b), Max(a, b));
+}
+
+WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
+    Prediction result;
+    const int level = LevelOf(x, y);
+    if (level == 0)
+        return result;
+    const int step = level <= 2 ? 2 : 1;
+    const bool diagonal = level % 2 == 1;
+    // Steps to one point of each pair; the other is opposite.
+    const int steps[2][2] = {{step, diagonal ? step : 0}, {diagonal ? step : 0, diagonal ? -step : step}};
+    const Vec3f cell(layout_.size), p(layout_.Position(x, y, z));
+    const Vec3f reach{cell.x * float(step), cell.y * float(step), 0};
+    const bool clear = IsClear(p - reach, p + reach);
+    WeakLight means[2] = {};
+    float slope = 0;
+    for (const auto &[dx, dy] : steps) {
+        const Vec3f offset{cell.x * float(dx), cell.y * float(dy), 0};
+        std::int64_t ends[2] = {OpenPoint(x + dx, y + dy, z), OpenPoint(x - dx, y - dy, z)};
+        for (std::size_t end = 0; end < 2; ++end) {
+            if (ends[end] >= 0 && !clear && !IsClear(p, end == 0 ? p + offset : p - offset))
+                ends[end] = -1;
+            const int endLevel = end == 0 ? LevelOf(x + dx, y + dy) : LevelOf(x - dx, y - dy);
+            if (ends[end] < 0 || error_[std::size_t(ends[end])] == kUntested)
+                continue;
+            result.isTested = true;
+            result.error = std::max(result.error, error_[std::size_t(ends[end])] *
+                                                      std::pow(kDecay, float(level - endLevel)));
+        }
+        if (ends[0] < 0 || ends[1] < 0)
+            continue;
+        WeakLight &mean = means[result.pairs++];
+        AddTo(mean, 0.5f, light_[std::size_t(ends[0])]);
+        AddTo(mean, 0.5f, light_[std::size_t(ends[1])]);
+        if (kSlope > 0) {
+            WeakLight d = light_[std::size_t(ends[0])];
+            AddTo(d, -1, light_[std::size_t(ends[1])]);
+            slope = std::max(slope, change_.Of(d));
+        }
+    }
+    if (result.pairs == 2) {
+        WeakLight half{};
+        AddTo(half, 0.5f, means[0]);
+        AddTo(half, -0.5f, means[1]);
+        result.error = std::max(result.error, change_.Of(half));
+        AddTo(means[0], -1, half);
+    }
+    result.error = std::max(result.error, kSlope * slope);
+    result.light = means[0];
+    return result;
+}
+
+void WeakField::Accept(std::uint32_t index, const Prediction &prediction) {
+    light_[index] = prediction.light;
+    error_[index] = prediction.error;
+    predicted_[index] = 1;
+}
+
+void WeakField::SetTraced(std::uint32_t index, const WeakLight &light, const Prediction &prediction) {
+    light_[index] = light;
+    if (prediction.pairs == 0)
+        return;
+    WeakLight difference = light;
+    AddTo(difference, -1, prediction.light);
+    error_[index] = change_.Of(difference);
+}
+
+std::optional<WeakLight> WeakField::Between(const Vec3f &position) const {
+    std::array<int, 3> low{};
+    std::array<float, 3> part{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float at = (position[axis] - layout_.mins[axis]) / layout_.size[axis];
+        if (!(at >= 0 && at <= float(layout_.bounds[axis] - 1)))
+            return std::nullopt;
+        low[axis] = std::min(int(at), std::max(0, layout_.bounds[axis] - 2));
+        part[axis] = at - float(low[axis]);
+    }
+    const Vec3f first(layout_.Position(low[0], low[1], low[2]));
+    WeakLight sum{};
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        const int x = int(corner & 1), y = int(corner >> 1 & 1), z = int(corner >> 2);
+        const float weight =
+            (x ? part[0] : 1 - part[0]) * (y ? part[1] : 1 - part[1]) * (z ? part[2] : 1 - part[2]);
+        if (weight == 0)
+            continue;
+        const std::int64_t index = OpenPoint(low[0] + x, low[1] + y, low[2] + z);
+        if (index < 0)
+            return std::nullopt;
+        const float error = error_[std::size_t(index)];
+        if (error > kTolerance || (error == kUntested && LevelOf(low[0] + x, low[1] + y) != 0))
+            return std::nullopt;
+        AddTo(sum, weight, light_[std::size_t(index)]);
+    }
+    if (!IsClear(first, first + Vec3f(layout_.size)))
+        return std::nullopt;
+    return sum;
+}
+
+} // namespace q3
