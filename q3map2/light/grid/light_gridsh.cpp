@@ -220,6 +220,7 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     WeakField weak(in.space, layout, lit.States(), change);
     if (in.options.skip.smooth)
         SmoothLevels(in, layout, lit, integrator).Run(weak, grid, stats);
+    const SmoothLight light(integrator, in.options.skip.smooth ? &weak : nullptr);
     GridFit fit(in, layout, lit.States(), sides.isSplit);
     RunBricks(in, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
         const std::vector<BrickPoint> points = bricks.Points(brick);
@@ -234,7 +235,7 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
         else if (!blocks.empty())
             integrator.Trace(blocks, std::uint64_t(brick), work,
                              [&](std::uint32_t index, const bspGridPointSH_t &value, const WeakLight &) { grid.points[index] = value; });
-        fit.AddSamples(brick, fit.SampleCells(points, integrator, work));
+        fit.AddSamples(brick, fit.SampleCells(points, light, work));
     });
     FillGridSH(in, layout, lit.Displaced(), sides, lit.States(), grid);
     fit.Solve(grid, in.jobs);

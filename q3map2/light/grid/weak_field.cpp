@@ -13,11 +13,22 @@ namespace q3 {
 namespace {
 
 inline float Env(const char *n, float d) { const char *s = std::getenv(n); return s ? float(std::atof(s)) : d; }
-const float kTolerance = Env("Q3TOL", 1), kDecay = Env("Q3DECAY", 0.7f), kSlope = Env("Q3SLOPE", 0);
+const float kTolerance = Env("Q3TOL", 2), kDecay = Env("Q3DECAY", 0.7f), kSlope = Env("Q3SLOPE", 0);
 /// Error of points that nothing predicted.
 constexpr float kUntested = -1;
 
-/// mean += weight * value, as floats.
+/// Corners that give less of the blend together predict nothing.
+constexpr float kCornerShare = 1.0f / 16;
+
+/// Trilinear weight of a corner.
+float CornerWeight(std::size_t corner, const std::array<float, 3> &part) {
+    float weight = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        weight *= (corner >> axis & 1) != 0 ? part[axis] : 1 - part[axis];
+    return weight;
+}
+
+/// sum += weight * value, as floats.
 void AddTo(WeakLight &sum, float weight, const WeakLight &value) {
     float *to = sum.coeffs[0].data();
     const float *from = value.coeffs[0].data();
@@ -151,35 +162,77 @@ void WeakField::SetTraced(std::uint32_t index, const WeakLight &light, const Pre
     error_[index] = change_.Of(difference);
 }
 
-std::optional<WeakLight> WeakField::Between(const Vec3f &position) const {
-    std::array<int, 3> low{};
-    std::array<float, 3> part{};
+/// False: the position is outside the grid.
+bool WeakField::FindPlace(const Vec3f &position, Place &place) const {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const float at = (position[axis] - layout_.mins[axis]) / layout_.size[axis];
         if (!(at >= 0 && at <= float(layout_.bounds[axis] - 1)))
-            return std::nullopt;
-        low[axis] = std::min(int(at), std::max(0, layout_.bounds[axis] - 2));
-        part[axis] = at - float(low[axis]);
+            return false;
+        place.low[axis] = std::min(int(at), std::max(0, layout_.bounds[axis] - 2));
+        place.part[axis] = at - float(place.low[axis]);
     }
-    const Vec3f first(layout_.Position(low[0], low[1], low[2]));
+    return true;
+}
+
+std::optional<WeakLight> WeakField::Between(const Vec3f &position) const {
+    Place place;
+    if (!FindPlace(position, place))
+        return std::nullopt;
+    const auto &[low, part] = place;
     WeakLight sum{};
     for (std::size_t corner = 0; corner < 8; ++corner) {
-        const int x = int(corner & 1), y = int(corner >> 1 & 1), z = int(corner >> 2);
-        const float weight =
-            (x ? part[0] : 1 - part[0]) * (y ? part[1] : 1 - part[1]) * (z ? part[2] : 1 - part[2]);
+        const int x = low[0] + int(corner & 1), y = low[1] + int(corner >> 1 & 1), z = low[2] + int(corner >> 2);
+        const float weight = CornerWeight(corner, part);
         if (weight == 0)
             continue;
-        const std::int64_t index = OpenPoint(low[0] + x, low[1] + y, low[2] + z);
+        const std::int64_t index = OpenPoint(x, y, z);
         if (index < 0)
             return std::nullopt;
         const float error = error_[std::size_t(index)];
-        if (error > kTolerance || (error == kUntested && LevelOf(low[0] + x, low[1] + y) != 0))
+        if (error > kTolerance || (error == kUntested && LevelOf(x, y) != 0))
             return std::nullopt;
         AddTo(sum, weight, light_[std::size_t(index)]);
     }
+    const Vec3f first(layout_.Position(low[0], low[1], low[2]));
     if (!IsClear(first, first + Vec3f(layout_.size)))
         return std::nullopt;
     return sum;
+}
+
+std::optional<WeakLight> WeakField::Around(const Vec3f &position, const WeakLight &offset) const {
+    Place place;
+    if (!FindPlace(position, place))
+        return std::nullopt;
+    const auto &[low, part] = place;
+    WeakLight sum{};
+    float total = 0;
+    const Vec3f first(layout_.Position(low[0], low[1], low[2]));
+    const bool clear = IsClear(first, first + Vec3f(layout_.size));
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        const int x = low[0] + int(corner & 1), y = low[1] + int(corner >> 1 & 1), z = low[2] + int(corner >> 2);
+        const float weight = CornerWeight(corner, part);
+        const std::int64_t index = weight > 0 ? OpenPoint(x, y, z) : -1;
+        if (index < 0 || (!clear && !IsClear(position, Vec3f(layout_.Position(x, y, z)))))
+            continue;
+        AddTo(sum, weight, light_[std::size_t(index)]);
+        total += weight;
+    }
+    if (total < kCornerShare)
+        return std::nullopt;
+    WeakLight light = offset;
+    AddTo(light, 1 / total, sum);
+    return light;
+}
+
+std::optional<WeakLight> WeakField::OffsetAt(const Vec3f &position, const WeakLight &traced) const {
+    const std::optional<WeakLight> around = Around(position, {});
+    if (!around)
+        return std::nullopt;
+    WeakLight offset = traced;
+    AddTo(offset, -1, *around);
+    if (change_.Of(offset) > kTolerance)
+        return std::nullopt;
+    return offset;
 }
 
 } // namespace q3

@@ -73,10 +73,19 @@ class WeakField {
     /// cell is not clear of solids, or an error at a corner is unknown or too large. After all levels.
     std::optional<WeakLight> Between(const Vec3f &position) const;
 
-    const DisplayedChange &Change() const { return change_; }
+    /// Weak light from the corners of a position's cell that are in the open and in clear sight, plus `offset`; nothing
+    /// without such corners. Good only as far as OffsetAt says so. After all levels.
+    std::optional<WeakLight> Around(const Vec3f &position, const WeakLight &offset) const;
+    /// Weak light that was traced at a position minus Around; nothing if that is missing or errs too much.
+    std::optional<WeakLight> OffsetAt(const Vec3f &position, const WeakLight &traced) const;
 
   private:
-    struct Neighbors;
+    /// The cell of a position: its lowest corner, and the position in it from 0 to 1 per axis.
+    struct Place {
+        Int3 low{};
+        std::array<float, 3> part{};
+    };
+    bool FindPlace(const Vec3f &position, Place &place) const;
     std::int64_t OpenPoint(int x, int y, int z) const;
     bool IsClear(const Vec3f &a, const Vec3f &b) const;
 
