@@ -22,7 +22,6 @@ struct ProbeIncidentLight : IncidentLight {
     /// SH grid only: the incident radiance projected on the nine basis functions (sh.h), cosine-convolved unless
     /// LightSettings::radiance, before the tint; byte scale, for a light of color 1 1 1. Zero where nothing arrives.
     std::array<Lanes, 9> shCoeffs;
-    Lanes weak; ///< weak share of the light, 0 to 1, if LightSettings::weakBelow is above 0
 };
 
 /// The directions that light comes from. A receiver in the same place with normal b gets

@@ -49,7 +49,7 @@ class BrickLighting {
     /// block, are represented by a random few. Byte scale: a quarter of the smallest step that a screen can show.
     static constexpr float kFaint = 1.0f / 4;
 
-    /// Limit of weak lights on a screen, see WeakShare: higher saves rays, lower saves points that must be traced since
+    /// Limit of weak lights on a screen, see ShareOfPart: higher saves rays, lower saves points that must be traced since
     /// the weak light is not smooth there. Byte scale.
     static inline const float kWeakBelow = getenv("Q3T") ? float(atof(getenv("Q3T"))) : 8;
 

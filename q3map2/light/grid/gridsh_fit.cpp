@@ -194,9 +194,9 @@ void GridFit::DrawSamples(std::span<Draw> cells, std::size_t round, const Smooth
     const std::span added = std::span(samples).subspan(before);
     if (light.Weak())
         return LightCells({cells, round, before, receivers, seed}, light, added, work);
-    const std::vector<ProbeLight> lit = light.At(receivers, seed, work);
+    const std::vector<bspGridPointSH_t> values = light.At(receivers, seed, work);
     for (std::size_t i = 0; i < added.size(); ++i)
-        added[i].value = lit[i].value;
+        added[i].value = values[i];
 }
 
 /// Traces the first sample of each cell. Where the weak light around it predicts its own, the other samples take
@@ -204,39 +204,33 @@ void GridFit::DrawSamples(std::span<Draw> cells, std::size_t round, const Smooth
 void GridFit::LightCells(const Round &of, const SmoothLight &light, std::span<FitSample> samples,
                          GridStats &work) const {
     const WeakField &field = *light.Weak();
-    std::vector<std::size_t> numbers; // of the samples that are lit
-    std::vector<ProbeReceiver> receivers;
-    std::vector<std::optional<WeakLight>> weak;
-    const auto add = [&](std::size_t number, const std::optional<WeakLight> &known) {
-        numbers.push_back(number), receivers.push_back(of.receivers[number]), weak.push_back(known);
-    };
-    const auto trace = [&](std::uint64_t seed) {
-        const std::vector<ProbeLight> lit = light.At(receivers, weak, seed, work);
-        for (std::size_t i = 0; i < lit.size(); ++i)
-            samples[numbers[i]].value = lit[i].value;
-        return lit;
-    };
+    std::vector<std::optional<WeakLight>> weak(of.receivers.size());
     if (of.round == 0) {
-        std::vector<Draw *> first;
-        for (Draw &draw : of.cells)
+        std::vector<ProbeReceiver> first;
+        for (const Draw &draw : of.cells)
             if (draw.rounds[0].count > 0)
-                add(draw.rounds[0].first - of.first, std::nullopt), first.push_back(&draw);
-        const std::vector<ProbeLight> lit = trace(of.seed);
-        for (std::size_t i = 0; i < lit.size(); ++i)
-            first[i]->offset = field.OffsetAt(receivers[i].position, lit[i].weak);
-        numbers.clear(), receivers.clear(), weak.clear();
+                first.push_back(of.receivers[draw.rounds[0].first - of.first]);
+        std::vector<std::optional<WeakLight>> traced(first.size());
+        light.AddWeak(first, of.seed, traced, work);
+        std::size_t next = 0;
+        for (Draw &draw : of.cells)
+            if (draw.rounds[0].count > 0) {
+                draw.offset = field.OffsetAt(first[next].position, *traced[next]);
+                weak[draw.rounds[0].first - of.first] = traced[next++];
+            }
     }
-    for (const Draw &draw : of.cells)
-        for (std::size_t i = of.round == 0 ? 1 : 0; i < draw.rounds[of.round].count; ++i) {
-            const std::size_t number = draw.rounds[of.round].first - of.first + i;
-            std::optional<WeakLight> known;
-            if (draw.offset)
-                known = field.Around(of.receivers[number].position, *draw.offset);
-            work.skippedSmooth += known ? 1 : 0;
-            add(number, known);
-        }
-    if (!receivers.empty())
-        trace(HashIndex(of.seed));
+    for (const Draw &draw : of.cells) {
+        const auto [first, count] = draw.rounds[of.round];
+        for (std::size_t i = first - of.first; draw.offset && i < first - of.first + count; ++i)
+            if (!weak[i]) {
+                weak[i] = field.Around(of.receivers[i].position, *draw.offset);
+                work.skippedSmooth += weak[i] ? 1 : 0;
+            }
+    }
+    light.AddWeak(of.receivers, HashIndex(of.seed), weak, work);
+    const std::vector<bspGridPointSH_t> values = light.AddStrong(of.receivers, of.seed, weak, work);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        samples[i].value = values[i];
 }
 
 /// Clears `sees` of the corners in the open that a sample does not see.

@@ -118,11 +118,11 @@ class SmoothLevels {
                  const ProbeIntegrator &integrator)
         : in_(in), layout_(layout), points_(points), integrator_(integrator) {}
 
-    void Run(WeakField &weak, LightGridSH &grid, GridStats &stats) const {
+    void Run(WeakField &weak, GridStats &stats) const {
         for (int level = 0; level < WeakField::kLevels; ++level) {
             const GridBricks bricks(layout_, level < 3 ? Int3{16, 16, 8} : Int3{16, 16, 4});
             RunBricks(in_, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
-                TraceBrick(level, brick, bricks.Points(brick), weak, grid, work);
+                TraceBrick(level, brick, bricks.Points(brick), weak, work);
             });
         }
     }
@@ -135,7 +135,7 @@ class SmoothLevels {
     };
 
     void TraceBrick(int level, std::int64_t brick, const std::vector<BrickPoint> &points, WeakField &weak,
-                    LightGridSH &grid, GridStats &work) const {
+                    GridStats &work) const {
         std::vector<LevelPoint> traced;
         for (const BrickPoint &point : points) {
             const auto [x, y, z] = layout_.Coordinates(point.index);
@@ -156,12 +156,10 @@ class SmoothLevels {
         std::vector<ReceiverBatch> blocks;
         for (const LevelPoint &one : traced)
             points_.AddReceiver(one.point, blocks);
-        std::size_t next = 0;
-        integrator_.Trace(blocks, HashIndex(std::uint64_t(brick * WeakField::kLevels + level)), work,
-                          [&](std::uint32_t index, const bspGridPointSH_t &value, const WeakLight &weakPart) {
-                              grid.points[index] = value;
-                              weak.SetTraced(index, weakPart, traced[next++].prediction);
-                          });
+        integrator_.TraceWeak(blocks, HashIndex(std::uint64_t(brick * WeakField::kLevels + level)), work,
+                              [&](std::size_t i, const WeakLight &light) {
+                                  weak.SetTraced(traced[i].point.index, light, traced[i].prediction);
+                              });
     }
     /// Interleaves the lowest bits: neighbors get near numbers.
     static std::uint32_t Morton(int x, int y, int z) {
@@ -219,22 +217,22 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     const DisplayedChange change(in.options.shRadiance, 255 * (in.options.gridScale > 0 ? in.options.gridScale : 1));
     WeakField weak(in.space, layout, lit.States(), change);
     if (in.options.skip.smooth)
-        SmoothLevels(in, layout, lit, integrator).Run(weak, grid, stats);
+        SmoothLevels(in, layout, lit, integrator).Run(weak, stats);
     const SmoothLight light(integrator, in.options.skip.smooth ? &weak : nullptr);
     GridFit fit(in, layout, lit.States(), sides.isSplit);
     RunBricks(in, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
         const std::vector<BrickPoint> points = bricks.Points(brick);
         std::vector<ReceiverBatch> blocks;
         for (const BrickPoint &point : points)
-            if (lit.IsLit(point.index) && (!in.options.skip.smooth || weak.IsPredicted(point.index)))
+            if (lit.IsLit(point.index))
                 lit.AddReceiver(point, blocks);
         const auto indexOf = [&](std::size_t i) { return blocks[i / kPacketSize].index[i % kPacketSize]; };
+        const auto store = [&](std::size_t i, const bspGridPointSH_t &value) { grid.points[indexOf(i)] = value; };
+        const auto weakOf = [&](std::size_t i) -> const WeakLight & { return weak.At(indexOf(i)); };
         if (!blocks.empty() && in.options.skip.smooth)
-            integrator.TraceStrong(blocks, std::uint64_t(brick), work, [&](std::size_t i) { return weak.At(indexOf(i)); },
-                                   [&](std::size_t i, const bspGridPointSH_t &value) { grid.points[indexOf(i)] = value; });
+            integrator.TraceStrong(blocks, std::uint64_t(brick), work, weakOf, store);
         else if (!blocks.empty())
-            integrator.Trace(blocks, std::uint64_t(brick), work,
-                             [&](std::uint32_t index, const bspGridPointSH_t &value, const WeakLight &) { grid.points[index] = value; });
+            integrator.Trace(blocks, std::uint64_t(brick), work, store);
         fit.AddSamples(brick, fit.SampleCells(points, light, work));
     });
     FillGridSH(in, layout, lit.Displaced(), sides, lit.States(), grid);

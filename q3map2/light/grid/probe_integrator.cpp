@@ -30,31 +30,22 @@ Q3_VECTOR void AddScaled(const ProbeIncidentLight &incident, const Vec3d &scale,
     }
 }
 
-/// weak += scale * coefficients * incident.weak; strong: the rest.
-Q3_VECTOR void AddSplit(const ProbeIncidentLight &incident, const Vec3d &scale, BlockSum &sum) {
-    for (std::size_t channel = 0; channel < 3; ++channel)
-        for (std::size_t k = 0; k < 9; ++k)
-            Q3_INDEPENDENT
-    for (const std::size_t i : kEachLane) {
-        const double light = scale[channel] * double(incident.shCoeffs[k][i]), weak = light * double(incident.weak[i]);
-        sum.weak[channel][k][i] += weak;
-        sum.strong[channel][k][i] += light - weak;
-    }
+/// The same for one channel of tinted light.
+void AddTinted(const ProbeIncidentLight &incident, const Lanes &tint, double scale, ChannelSum &sum) {
+    for (const std::size_t i : kEachLane)
+        for (std::size_t k = 0; k < 9 && incident.live[i] != 0; ++k)
+            sum[k][i] += scale * double(tint[i]) * double(incident.shCoeffs[k][i]);
 }
 
-/// The same for tinted light.
-void AddTinted(const ProbeIncidentLight &incident, const Vec3d &scale, bool split, BlockSum &sum) {
+/// Adds a light. scale: its color, 1 = byte 255.
+void AddLight(const Vec3d &scale, const ProbeIncidentLight &incident, ChannelSums &sum) {
+    if (!incident.tinted)
+        return AddScaled(incident, scale, sum);
     const Lanes *tints[] = {&incident.tint.x, &incident.tint.y, &incident.tint.z};
     for (std::size_t channel = 0; channel < 3; ++channel)
-        for (const std::size_t i : kEachLane)
-            for (std::size_t k = 0; k < 9 && incident.live[i] != 0; ++k) {
-                const double light =
-                    scale[channel] * double((*tints[channel])[i]) * double(incident.shCoeffs[k][i]);
-                const double weak = split ? light * double(incident.weak[i]) : 0;
-                sum.strong[channel][k][i] += light - weak;
-                sum.weak[channel][k][i] += weak;
-            }
+        AddTinted(incident, *tints[channel], scale[channel], sum[channel]);
 }
+
 /// Adds floodlight: uniform light from the hemispheres around +z and -z.
 void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, ChannelSums &sum, RayCounts &counts) {
     const Vec3f position = receivers.position[i];
@@ -92,27 +83,26 @@ struct ChannelScale {
 };
 
 /// Coefficients of a channel to store; where its mean is negative, zero plus minimum light.
-Q3_VECTOR void StoreChannel(const ChannelSum &strong, const ChannelSum &weak, const ChannelScale &channel, StoredChannel &stored) {
+Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, StoredChannel &stored) {
     const auto [ambient, least, scale] = channel;
     for (const std::size_t i : kEachLane) {
-        const double mean = strong[0][i] + weak[0][i] + ambient;
+        const double mean = sum[0][i] + ambient;
         stored[0][i] = float(std::min(std::max(mean < 0 ? 0 : mean, least) * scale, kMaxCoefficient));
     }
     for (std::size_t k = 1; k < 9; ++k)
         for (const std::size_t i : kEachLane) {
-            const double mean = strong[0][i] + weak[0][i] + ambient;
-            const double value = mean < 0 ? 0 : (strong[k][i] + weak[k][i]) * scale;
+            const double value = sum[0][i] + ambient < 0 ? 0 : sum[k][i] * scale;
             stored[k][i] = float(std::min(std::max(value, -kMaxCoefficient), kMaxCoefficient));
         }
 }
 
 /// Appends the values of a block, with ambient light, minimum light and grid scale applied.
-void StoreBlock(const GridInputs &in, const BlockSum &sum, std::size_t count, std::vector<bspGridPointSH_t> &values) {
+void StoreBlock(const GridInputs &in, const ChannelSums &sum, std::size_t count, std::vector<bspGridPointSH_t> &values) {
     // Coefficient 0 of uniform ambient light 1.
     const double uniform = 1 / kShC0 / (in.options.shRadiance ? std::numbers::pi : 1);
     std::array<StoredChannel, 3> stored;
     for (std::size_t channel = 0; channel < 3; ++channel)
-        StoreChannel(sum.strong[channel], sum.weak[channel],
+        StoreChannel(sum[channel],
                      {double(in.world.ambient[channel]) / 255 * uniform,
                       double(in.world.minGrid[channel]) / 255 * uniform,
                       in.options.gridScale > 0 ? in.options.gridScale : 1},
@@ -126,45 +116,17 @@ void StoreBlock(const GridInputs &in, const BlockSum &sum, std::size_t count, st
 
 } // namespace
 
-void BlockSum::Add(const Vec3d &scale, const ProbeIncidentLight &incident, bool split) {
-    if (incident.tinted)
-        return AddTinted(incident, scale, split, *this);
-    bool anyWeak = false, anyStrong = !split;
-    for (std::size_t i = 0; i < kPacketSize && split; ++i)
-        if (incident.live[i] != 0)
-            anyWeak = anyWeak || incident.weak[i] > 0, anyStrong = anyStrong || incident.weak[i] < 1;
-    if (anyWeak && anyStrong)
-        AddSplit(incident, scale, *this);
-    else
-        AddScaled(incident, scale, anyWeak ? weak : strong);
-}
-
-bspGridPointSH_t BlockSum::WeakOf(std::size_t lane) const {
-    bspGridPointSH_t light;
-    for (std::size_t k = 0; k < 9; ++k)
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            light.coeffs[k][channel] = float(weak[channel][k][lane]);
-    return light;
-}
-
-void BlockSum::SetWeak(std::size_t lane, const bspGridPointSH_t &light) {
-    for (std::size_t k = 0; k < 9; ++k)
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            weak[channel][k][lane] = double(light.coeffs[k][channel]);
-}
-
 ProbeIntegrator::ProbeIntegrator(const GridInputs &in, const std::vector<Light> &lights)
     : in_(in), lighting_(in, lights, in.options.shRadiance, in.options.skip.smooth) {}
 
-std::vector<BlockSum> ProbeIntegrator::Sums(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part,
-                                            GridStats &work) const {
-    std::vector<BlockSum> sums(blocks.size());
-    const bool split = lighting_.Splits() && part == LightPart::Whole;
+std::vector<ChannelSums> ProbeIntegrator::Sums(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part,
+                                               GridStats &work) const {
+    std::vector<ChannelSums> sums(blocks.size());
     const auto add = [&](const BrickLight &one, const std::vector<ProbeIncidentLight> &incident) {
         const Vec3d scale = Vec3d(one.light->color) * ((one.light->negative ? -1 : 1) / 255.0);
         for (std::size_t block = 0; block < blocks.size(); ++block)
             if (incident[block].live.Any())
-                sums[block].Add(scale, incident[block], split);
+                AddLight(scale, incident[block], sums[block]);
     };
     lighting_.Trace(blocks, seed, part, work, add);
     if (part == LightPart::Strong)
@@ -172,22 +134,35 @@ std::vector<BlockSum> ProbeIntegrator::Sums(std::vector<ReceiverBatch> &blocks, 
     const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
     for (std::size_t block = 0; block < blocks.size(); ++block) {
         const ReceiverBatch &receivers = blocks[block];
-        ChannelSums &smooth = split ? sums[block].weak : sums[block].strong;
         for (std::size_t i = 0; i < receivers.count && flood; ++i)
-            AddFlood(in_, receivers, i, smooth, work.counts);
+            AddFlood(in_, receivers, i, sums[block], work.counts);
         for (std::size_t i = 0; i < receivers.count && in_.indirect; ++i)
-            AddIndirect(in_, receivers, i, smooth, work.counts);
+            AddIndirect(in_, receivers, i, sums[block], work.counts);
     }
     return sums;
 }
 
 std::vector<bspGridPointSH_t> ProbeIntegrator::Values(std::span<const ReceiverBatch> blocks,
-                                                      std::span<const BlockSum> sums) const {
+                                                      std::span<const ChannelSums> sums) const {
     std::vector<bspGridPointSH_t> values;
     values.reserve(blocks.size() * kPacketSize);
     for (std::size_t block = 0; block < blocks.size(); ++block)
         StoreBlock(in_, sums[block], blocks[block].count, values);
     return values;
+}
+
+bspGridPointSH_t ProbeIntegrator::LightAt(const ChannelSums &sums, std::size_t lane) {
+    bspGridPointSH_t light;
+    for (std::size_t k = 0; k < 9; ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            light.coeffs[k][channel] = float(sums[channel][k][lane]);
+    return light;
+}
+
+void ProbeIntegrator::AddLightAt(const bspGridPointSH_t &light, std::size_t lane, ChannelSums &sums) {
+    for (std::size_t k = 0; k < 9; ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            sums[channel][k][lane] += double(light.coeffs[k][channel]);
 }
 
 } // namespace q3

@@ -3,38 +3,58 @@
 
 namespace q3 {
 
-std::vector<ProbeLight> SmoothLight::At(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
-                                        GridStats &work) const {
-    std::vector<std::optional<WeakLight>> weak(receivers.size());
-    for (std::size_t i = 0; i < receivers.size() && weak_; ++i)
-        weak[i] = weak_->Between(receivers[i].position);
-    return At(receivers, weak, seed, work);
+namespace {
+
+void AddProbe(const ProbeReceiver &one, std::vector<ReceiverBatch> &blocks) {
+    BatchWithRoom(blocks).Add(one.position, one.position, one.cluster, one.seed);
 }
 
-std::vector<ProbeLight> SmoothLight::At(std::span<const ProbeReceiver> receivers,
-                                        std::span<const std::optional<WeakLight>> weak, std::uint64_t seed,
-                                        GridStats &work) const {
-    std::vector<ProbeLight> lit(receivers.size());
-    std::vector<ReceiverBatch> known, unknown;
-    std::vector<std::size_t> knownAt, unknownAt; // numbers of the receivers
-    for (std::size_t i = 0; i < receivers.size(); ++i) {
-        (weak[i] ? knownAt : unknownAt).push_back(i);
-        const ProbeReceiver &one = receivers[i];
-        BatchWithRoom(weak[i] ? known : unknown).Add(one.position, one.position, one.cluster, one.seed);
+} // namespace
+
+std::vector<bspGridPointSH_t> SmoothLight::At(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                                              GridStats &work) const {
+    if (weak_) {
+        std::vector<std::optional<WeakLight>> weak;
+        for (const ProbeReceiver &one : receivers) {
+            weak.push_back(weak_->Between(one.position));
+            work.skippedSmooth += weak.back() ? 1 : 0;
+        }
+        AddWeak(receivers, seed, weak, work);
+        return AddStrong(receivers, seed, weak, work);
     }
-    std::size_t next = 0;
-    if (!unknown.empty())
-        integrator_.Trace(unknown, seed, work,
-                          [&](std::uint32_t, const bspGridPointSH_t &value, const WeakLight &weakPart) {
-                              lit[unknownAt[next++]] = {value, weakPart};
-                          });
-    if (!known.empty())
+    std::vector<ReceiverBatch> blocks;
+    for (const ProbeReceiver &one : receivers)
+        AddProbe(one, blocks);
+    std::vector<bspGridPointSH_t> values(receivers.size());
+    if (!blocks.empty())
+        integrator_.Trace(blocks, seed, work, [&](std::size_t i, const bspGridPointSH_t &value) { values[i] = value; });
+    return values;
+}
+
+void SmoothLight::AddWeak(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                          std::span<std::optional<WeakLight>> weak, GridStats &work) const {
+    std::vector<ReceiverBatch> blocks;
+    std::vector<std::size_t> numbers;
+    for (std::size_t i = 0; i < receivers.size(); ++i)
+        if (!weak[i])
+            numbers.push_back(i), AddProbe(receivers[i], blocks);
+    if (!blocks.empty())
+        integrator_.TraceWeak(blocks, seed, work,
+                              [&](std::size_t i, const WeakLight &light) { weak[numbers[i]] = light; });
+}
+
+std::vector<bspGridPointSH_t> SmoothLight::AddStrong(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                                                     std::span<const std::optional<WeakLight>> weak,
+                                                     GridStats &work) const {
+    std::vector<ReceiverBatch> blocks;
+    for (const ProbeReceiver &one : receivers)
+        AddProbe(one, blocks);
+    std::vector<bspGridPointSH_t> values(receivers.size());
+    if (!blocks.empty())
         integrator_.TraceStrong(
-            known, seed, work, [&](std::size_t i) { return *weak[knownAt[i]]; },
-            [&](std::size_t i, const bspGridPointSH_t &value) {
-                lit[knownAt[i]] = {value, *weak[knownAt[i]]};
-            });
-    return lit;
+            blocks, seed, work, [&](std::size_t i) -> const WeakLight & { return *weak[i]; },
+            [&](std::size_t i, const bspGridPointSH_t &value) { values[i] = value; });
+    return values;
 }
 
 } // namespace q3

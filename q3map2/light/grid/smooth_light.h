@@ -17,12 +17,6 @@ struct ProbeReceiver {
     std::uint32_t seed = 0; ///< of its sample patterns
 };
 
-/// Coefficients as stored, and their weak part.
-struct ProbeLight {
-    bspGridPointSH_t value;
-    WeakLight weak;
-};
-
 /// Lights positions with strong light traced and weak light interpolated, or all traced where that is not smooth. Const
 /// after construction; safe from several threads. Keeps its arguments.
 class SmoothLight {
@@ -30,12 +24,15 @@ class SmoothLight {
     /// weak: of a grid around the positions, complete; null: all light is traced everywhere.
     SmoothLight(const ProbeIntegrator &integrator, const WeakField *weak) : integrator_(integrator), weak_(weak) {}
 
-    /// Light at receivers that are near to each other: a brick or so. seed: see ProbeIntegrator::Trace.
-    std::vector<ProbeLight> At(std::span<const ProbeReceiver> receivers, std::uint64_t seed, GridStats &work) const;
-    /// The same with weak light that the caller knows of some receivers.
-    std::vector<ProbeLight> At(std::span<const ProbeReceiver> receivers,
-                               std::span<const std::optional<WeakLight>> weak, std::uint64_t seed,
-                               GridStats &work) const;
+    /// Light at receivers that are near to each other, as in a brick. seed: see ProbeIntegrator::Trace.
+    std::vector<bspGridPointSH_t> At(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                                     GridStats &work) const;
+    /// The parts of At where weak light is interpolated. Traces the weak light that is not known.
+    void AddWeak(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                 std::span<std::optional<WeakLight>> weak, GridStats &work) const;
+    /// Adds the strong light to known weak light.
+    std::vector<bspGridPointSH_t> AddStrong(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                                            std::span<const std::optional<WeakLight>> weak, GridStats &work) const;
     const WeakField *Weak() const { return weak_; }
 
   private:

@@ -13,7 +13,7 @@ namespace q3 {
 namespace {
 
 inline float Env(const char *n, float d) { const char *s = std::getenv(n); return s ? float(std::atof(s)) : d; }
-const float kTolerance = Env("Q3TOL", 2), kDecay = Env("Q3DECAY", 0.7f), kSlope = Env("Q3SLOPE", 0);
+const float kTolerance = Env("Q3TOL", 2), kDecay = Env("Q3DECAY", 0.5f), kSlope = Env("Q3SLOPE", 0);
 /// Error of points that nothing predicted.
 constexpr float kUntested = -1;
 
@@ -80,7 +80,7 @@ int WeakField::LevelOf(int x, int y) {
 WeakField::WeakField(const BspSpace &space, const GridLayout &layout, const std::vector<PointState> &states,
                      const DisplayedChange &change)
     : space_(space), layout_(layout), states_(states), change_(change), light_(states.size()),
-      error_(states.size(), kUntested), predicted_(states.size()) {}
+      error_(states.size(), kUntested) {}
 
 bool WeakField::Prediction::Good() const {
     return pairs > 0 && isTested && error <= kTolerance;
@@ -150,7 +150,6 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
 void WeakField::Accept(std::uint32_t index, const Prediction &prediction) {
     light_[index] = prediction.light;
     error_[index] = prediction.error;
-    predicted_[index] = 1;
 }
 
 void WeakField::SetTraced(std::uint32_t index, const WeakLight &light, const Prediction &prediction) {

@@ -11,7 +11,7 @@
 
 namespace q3 {
 
-/// Sum of the weak shares of all lights (see WeakShare), of bounced light and of floodlight at a point: coefficients of
+/// Sum of the weak shares of all lights (see LightPart), of bounced light and of floodlight at a point: coefficients of
 /// the SH grid before ambient light, minimum light and grid scale. 1 = byte 255.
 using WeakLight = bspGridPointSH_t;
 
@@ -66,7 +66,6 @@ class WeakField {
     void SetTraced(std::uint32_t index, const WeakLight &light, const Prediction &prediction);
 
     bool IsOpen(std::uint32_t index) const { return states_[index] == PointState::Open; }
-    bool IsPredicted(std::uint32_t index) const { return predicted_[index] != 0; }
     const WeakLight &At(std::uint32_t index) const { return light_[index]; }
 
     /// Weak light between the points, by trilinear interpolation; nothing where a corner of the cell is not Open, the
@@ -94,8 +93,7 @@ class WeakField {
     const std::vector<PointState> &states_;
     DisplayedChange change_;
     std::vector<WeakLight> light_;
-    std::vector<float> error_;            ///< by point; kUntested
-    std::vector<std::uint8_t> predicted_; ///< by point
+    std::vector<float> error_; ///< by point, byte scale; kUntested
 };
 
 } // namespace q3

@@ -89,18 +89,14 @@ Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
     }
 }
 
-/// Sets the weak share of a light that takes one ray; for LightPart::Strong takes it off `add` and ends receivers for
-/// which nothing is left.
-void TakeWeakShare(const Light &light, const LightSettings &settings, ProbeIncidentLight &incident) {
-    if (settings.weakBelow <= 0)
+/// Takes the part of a light out of `add`; ends receivers for which nothing is left.
+void TakePart(const Light &light, const LightSettings &settings, ProbeIncidentLight &incident) {
+    if (settings.part == LightPart::Whole)
         return;
     const float color = MaxComponent(Max(light.color, -light.color));
     for (const std::size_t i : kEachLane) {
-        incident.weak[i] = incident.live[i] != 0 ? WeakShare(color * incident.add[i], settings.weakBelow) : 0;
-        if (settings.part == LightPart::Strong) {
-            incident.add[i] *= 1 - incident.weak[i];
-            incident.live[i] = incident.weak[i] < 1 ? incident.live[i] : 0;
-        }
+        incident.add[i] *= ShareOfPart(settings.part, color * incident.add[i], settings.weakBelow);
+        incident.live[i] = incident.add[i] > 0 ? incident.live[i] : 0;
     }
 }
 
@@ -182,7 +178,7 @@ float SingleRayLight::Prepare(std::size_t batch) {
         incident.add.fill(light_.photons * weight_);
         if (!(light_.photons * weight_ > 0))
             incident.live = {};
-        TakeWeakShare(light_, settings_, incident);
+        TakePart(light_, settings_, incident);
         return Strongest(incident);
     }
     const int inSight = incident.live.Count();
@@ -192,7 +188,7 @@ float SingleRayLight::Prepare(std::size_t batch) {
     counts_.skippedFacing += std::uint64_t(inSight - inReach);
     if (inReach == 0 || !TakeFaint(light_, settings_.faint, weight_, receivers, incident, counts_))
         return 0;
-    TakeWeakShare(light_, settings_, incident);
+    TakePart(light_, settings_, incident);
     return Strongest(incident);
 }
 
