@@ -13,7 +13,7 @@ namespace q3 {
 namespace {
 
 inline float Env(const char *n, float d) { const char *s = std::getenv(n); return s ? float(std::atof(s)) : d; }
-const float kTolerance = Env("Q3TOL", 2), kDecay = Env("Q3DECAY", 0.5f), kSlope = Env("Q3SLOPE", 0);
+const float kTolerance = Env("Q3TOL", 2), kDecay = Env("Q3DECAY", 0.5f), kSlope = Env("Q3SLOPE", 0), kRel = Env("Q3REL", 0);
 /// Error of points that nothing predicted.
 constexpr float kUntested = -1;
 
@@ -83,7 +83,7 @@ WeakField::WeakField(const BspSpace &space, const GridLayout &layout, const std:
       error_(states.size(), kUntested) {}
 
 bool WeakField::Prediction::Good() const {
-    return pairs > 0 && isTested && error <= kTolerance;
+    return pairs > 0 && isTested && error <= limit;
 }
 
 std::int64_t WeakField::OpenPoint(int x, int y, int z) const {
@@ -144,6 +144,7 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
     }
     result.error = std::max(result.error, kSlope * slope);
     result.light = means[0];
+    result.limit = kTolerance + kRel * change_.Of(result.light);
     return result;
 }
 
@@ -229,7 +230,7 @@ std::optional<WeakLight> WeakField::OffsetAt(const Vec3f &position, const WeakLi
         return std::nullopt;
     WeakLight offset = traced;
     AddTo(offset, -1, *around);
-    if (change_.Of(offset) > kTolerance)
+    if (change_.Of(offset) > kTolerance + kRel * change_.Of(traced))
         return std::nullopt;
     return offset;
 }
