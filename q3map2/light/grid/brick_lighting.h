@@ -22,12 +22,14 @@ class BrickLighting {
                                               .skip = in.options.skip},
           faint_(kFaint / in.options.shSamples) {
         if (split)
-            settings_.weakBelow = std::max(kWeakBelow / (in.options.gridScale > 0 ? in.options.gridScale : 1), 2 * faint_);
+            settings_.weakBelow =
+                std::max(kWeakBelow / (in.options.gridScale > 0 ? in.options.gridScale : 1), 2 * faint_);
     }
     bool Splits() const { return settings_.weakBelow > 0; }
 
-    /// LightPart::Strong needs split lights. Calls use(light, incident) for each light that may reach the blocks of a brick. incident: its light at the
-    /// receivers, by block. seed: of the random choice among faint lights, which is the same for all blocks.
+    /// LightPart::Strong needs split lights. Calls use(light, incident) for each light that may reach the blocks of a
+    /// brick. incident: its light at the receivers, by block. seed: of the random choice among faint lights, which is
+    /// the same for all blocks.
     template <typename Use>
     void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part, GridStats &work,
                const Use &use) const {
@@ -49,9 +51,9 @@ class BrickLighting {
     /// block, are represented by a random few. Byte scale: a quarter of the smallest step that a screen can show.
     static constexpr float kFaint = 1.0f / 4;
 
-    /// Limit of weak lights on a screen, see ShareOfPart: higher saves rays, lower saves points that must be traced since
-    /// the weak light is not smooth there. Byte scale.
-    static inline const float kWeakBelow = getenv("Q3T") ? float(atof(getenv("Q3T"))) : 8;
+    /// Limit of weak lights on a screen, see ShareOfPart: higher saves rays, lower saves points that must be traced
+    /// since the weak light is not smooth there. Byte scale.
+    static constexpr float kWeakBelow = 8;
 
     const GridInputs &in_;
     BrickCandidates lights_;

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <optional>
 
 namespace q3 {
 
@@ -123,9 +125,12 @@ void StartFaintResiduals(std::vector<ReceiverBatch> &blocks, float faint) {
 }
 
 void RunBricks(const GridInputs &in, std::int64_t count, GridStats &stats,
-               const std::function<void(std::int64_t, GridStats &)> &trace) {
+               const std::function<void(std::int64_t, GridStats &)> &trace, ShowProgress show) {
+    const auto start = std::chrono::steady_clock::now();
     std::vector<GridStats> work(std::size_t(in.jobs.Threads()));
-    Progress progress(in.log, count);
+    std::optional<Progress> progress;
+    if (show == ShowProgress::Yes)
+        progress.emplace(in.log, count);
     std::atomic<std::uint64_t> raysSoFar{0};
     in.jobs.For(
         count,
@@ -135,11 +140,15 @@ void RunBricks(const GridInputs &in, std::int64_t count, GridStats &stats,
             trace(brick, mine);
             raysSoFar += mine.counts.rays - before;
         },
-        [&](std::int64_t done) { progress.Update(done, raysSoFar); });
-    progress.Finish();
+        [&](std::int64_t done) {
+            if (progress)
+                progress->Update(done, raysSoFar);
+        });
+    if (progress)
+        progress->Finish();
     for (const GridStats &part : work)
         stats.Add(part);
-    stats.seconds += progress.Seconds();
+    stats.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 } // namespace q3

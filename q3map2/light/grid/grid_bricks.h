@@ -90,9 +90,11 @@ class BrickLights {
 /// lights.
 void StartFaintResiduals(std::vector<ReceiverBatch> &blocks, float faint);
 
-/// Runs `trace(brick, work)` for bricks 0 to count - 1 on all workers, with progress; adds the sum of `work` to
-/// `stats`. Here a brick is any set of receivers that share a list of lights.
+enum class ShowProgress { No, Yes };
+
+/// Runs `trace(brick, work)` for bricks 0 to count - 1 on all workers, with progress in the log if asked; adds the sum
+/// of `work` to `stats`. Here a brick is any set of receivers that share a list of lights.
 void RunBricks(const GridInputs &in, std::int64_t count, GridStats &stats,
-               const std::function<void(std::int64_t, GridStats &)> &trace);
+               const std::function<void(std::int64_t, GridStats &)> &trace, ShowProgress show = ShowProgress::Yes);
 
 } // namespace q3

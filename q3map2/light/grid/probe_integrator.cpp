@@ -47,7 +47,8 @@ void AddLight(const Vec3d &scale, const ProbeIncidentLight &incident, ChannelSum
 }
 
 /// Adds floodlight: uniform light from the hemispheres around +z and -z.
-void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, ChannelSums &sum, RayCounts &counts) {
+void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, ChannelSums &sum,
+              RayCounts &counts) {
     const Vec3f position = receivers.position[i];
     for (const float up : {1.0f, -1.0f}) {
         const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.floodDirections, counts);
@@ -97,7 +98,8 @@ Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, 
 }
 
 /// Appends the values of a block, with ambient light, minimum light and grid scale applied.
-void StoreBlock(const GridInputs &in, const ChannelSums &sum, std::size_t count, std::vector<bspGridPointSH_t> &values) {
+void StoreBlock(const GridInputs &in, const ChannelSums &sum, std::size_t count,
+                std::vector<bspGridPointSH_t> &values) {
     // Coefficient 0 of uniform ambient light 1.
     const double uniform = 1 / kShC0 / (in.options.shRadiance ? std::numbers::pi : 1);
     std::array<StoredChannel, 3> stored;

@@ -28,8 +28,8 @@ class SmoothLight {
     std::vector<bspGridPointSH_t> At(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
                                      GridStats &work) const;
     /// The parts of At where weak light is interpolated. Traces the weak light that is not known.
-    void AddWeak(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
-                 std::span<std::optional<WeakLight>> weak, GridStats &work) const;
+    void AddWeak(std::span<const ProbeReceiver> receivers, std::uint64_t seed, std::span<std::optional<WeakLight>> weak,
+                 GridStats &work) const;
     /// Adds the strong light to known weak light.
     std::vector<bspGridPointSH_t> AddStrong(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
                                             std::span<const std::optional<WeakLight>> weak, GridStats &work) const;

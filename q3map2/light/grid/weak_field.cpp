@@ -4,16 +4,17 @@
 #include "libs/sh/sh.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdlib>
 
 namespace q3 {
 
 namespace {
 
-inline float Env(const char *n, float d) { const char *s = std::getenv(n); return s ? float(std::atof(s)) : d; }
-const float kTolerance = Env("Q3TOL", 2), kDecay = Env("Q3DECAY", 0.5f), kSlope = Env("Q3SLOPE", 0), kRel = Env("Q3REL", 0);
+/// Predictions with a larger expected error are not taken. Byte scale.
+constexpr float kTolerance = 1.5f;
+/// Errors of predictions shrink by this from level to level: distances by sqrt(2), and the error of a mean of two with
+/// their square.
+constexpr float kDecay = 0.5f;
 /// Error of points that nothing predicted.
 constexpr float kUntested = -1;
 
@@ -83,7 +84,7 @@ WeakField::WeakField(const BspSpace &space, const GridLayout &layout, const std:
       error_(states.size(), kUntested) {}
 
 bool WeakField::Prediction::Good() const {
-    return pairs > 0 && isTested && error <= limit;
+    return pairs > 0 && isTested && error <= kTolerance;
 }
 
 std::int64_t WeakField::OpenPoint(int x, int y, int z) const {
@@ -110,30 +111,25 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
     const Vec3f reach{cell.x * float(step), cell.y * float(step), 0};
     const bool clear = IsClear(p - reach, p + reach);
     WeakLight means[2] = {};
-    float slope = 0;
     for (const auto &[dx, dy] : steps) {
         const Vec3f offset{cell.x * float(dx), cell.y * float(dy), 0};
-        std::int64_t ends[2] = {OpenPoint(x + dx, y + dy, z), OpenPoint(x - dx, y - dy, z)};
-        for (std::size_t end = 0; end < 2; ++end) {
-            if (ends[end] >= 0 && !clear && !IsClear(p, end == 0 ? p + offset : p - offset))
-                ends[end] = -1;
-            const int endLevel = end == 0 ? LevelOf(x + dx, y + dy) : LevelOf(x - dx, y - dy);
-            if (ends[end] < 0 || error_[std::size_t(ends[end])] == kUntested)
+        int seen = 0;
+        WeakLight mean{};
+        for (const int side : {1, -1}) {
+            const int toX = x + side * dx, toY = y + side * dy;
+            const std::int64_t end = OpenPoint(toX, toY, z);
+            if (end < 0 || (!clear && !IsClear(p, p + offset * float(side))))
+                continue;
+            AddTo(mean, 0.5f, light_[std::size_t(end)]);
+            ++seen;
+            const float error = error_[std::size_t(end)];
+            if (error == kUntested)
                 continue;
             result.isTested = true;
-            result.error = std::max(result.error, error_[std::size_t(ends[end])] *
-                                                      std::pow(kDecay, float(level - endLevel)));
+            result.error = std::max(result.error, error * std::pow(kDecay, float(level - LevelOf(toX, toY))));
         }
-        if (ends[0] < 0 || ends[1] < 0)
-            continue;
-        WeakLight &mean = means[result.pairs++];
-        AddTo(mean, 0.5f, light_[std::size_t(ends[0])]);
-        AddTo(mean, 0.5f, light_[std::size_t(ends[1])]);
-        if (kSlope > 0) {
-            WeakLight d = light_[std::size_t(ends[0])];
-            AddTo(d, -1, light_[std::size_t(ends[1])]);
-            slope = std::max(slope, change_.Of(d));
-        }
+        if (seen == 2)
+            means[result.pairs++] = mean;
     }
     if (result.pairs == 2) {
         WeakLight half{};
@@ -142,9 +138,7 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
         result.error = std::max(result.error, change_.Of(half));
         AddTo(means[0], -1, half);
     }
-    result.error = std::max(result.error, kSlope * slope);
     result.light = means[0];
-    result.limit = kTolerance + kRel * change_.Of(result.light);
     return result;
 }
 
@@ -230,7 +224,7 @@ std::optional<WeakLight> WeakField::OffsetAt(const Vec3f &position, const WeakLi
         return std::nullopt;
     WeakLight offset = traced;
     AddTo(offset, -1, *around);
-    if (change_.Of(offset) > kTolerance + kRel * change_.Of(traced))
+    if (change_.Of(offset) > kTolerance)
         return std::nullopt;
     return offset;
 }

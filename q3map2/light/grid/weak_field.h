@@ -57,7 +57,7 @@ class WeakField {
         int pairs = 0;         ///< pairs in the open that the mean is taken from; 0: `light` is not set
         bool isTested = false; ///< errors nearby are known
         float error = 0;       ///< expected error, if isTested. Byte scale
-        float limit = 0;
+        /// Whether the prediction may stand for the light.
         bool Good() const;
     };
     Prediction Predict(int x, int y, int z) const;

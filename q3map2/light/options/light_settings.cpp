@@ -153,7 +153,12 @@ Group Skips() {
         return Do<LightOptions>([field](LightOptions &o, const Values &) { o.skip.*field = false; });
     };
     const auto none = [](LightOptions &o, const Values &) {
-        o.skip = {.reach = false, .pvs = false, .faint = false, .moments = false, .probes = false, .smooth = false,
+        o.skip = {.reach = false,
+                  .pvs = false,
+                  .faint = false,
+                  .moments = false,
+                  .probes = false,
+                  .smooth = false,
                   .coarse = false};
     };
     return {"Accelerations to switch off",
