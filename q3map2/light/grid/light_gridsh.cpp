@@ -55,7 +55,8 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
     WeakField weak(in.space, layout, lit.States(), change);
     if (in.options.skip.smooth)
         SmoothLevels(in, layout, lit, integrator).Run(weak, stats);
-    const SmoothLight light(integrator, in.options.skip.smooth ? &weak : nullptr);
+    // Samples of cells where most is traced are cheaper to trace as a whole.
+    const SmoothLight whole(integrator, nullptr), light(integrator, in.options.skip.smooth ? &weak : nullptr);
     GridFit fit(in, layout, lit.States(), sides.isSplit);
     RunBricks(in, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
         const std::vector<BrickPoint> points = bricks.Points(brick);
@@ -70,7 +71,7 @@ LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const st
             integrator.TraceStrong(blocks, std::uint64_t(brick), work, weakOf, store);
         else if (!blocks.empty())
             integrator.Trace(blocks, std::uint64_t(brick), work, store);
-        fit.AddSamples(brick, fit.SampleCells(points, light, work));
+        fit.AddSamples(brick, fit.SampleCells(points, weak.IsMostlySmooth(points) ? light : whole, work));
     });
     FillGridSH(in, layout, lit.Displaced(), sides, lit.States(), grid);
     fit.Solve(grid, in.jobs);

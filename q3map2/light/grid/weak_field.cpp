@@ -81,7 +81,7 @@ int WeakField::LevelOf(int x, int y) {
 WeakField::WeakField(const BspSpace &space, const GridLayout &layout, const std::vector<PointState> &states,
                      const DisplayedChange &change)
     : space_(space), layout_(layout), states_(states), change_(change), light_(states.size()),
-      error_(states.size(), kUntested) {}
+      error_(states.size(), kUntested), predicted_(states.size()) {}
 
 bool WeakField::Prediction::Good() const {
     return pairs > 0 && isTested && error <= kTolerance;
@@ -145,6 +145,14 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
 void WeakField::Accept(std::uint32_t index, const Prediction &prediction) {
     light_[index] = prediction.light;
     error_[index] = prediction.error;
+    predicted_[index] = 1;
+}
+
+bool WeakField::IsMostlySmooth(std::span<const BrickPoint> points) const {
+    std::size_t open = 0, predicted = 0;
+    for (const BrickPoint &point : points)
+        open += IsOpen(point.index) ? 1 : 0, predicted += predicted_[point.index];
+    return 2 * predicted > open;
 }
 
 void WeakField::SetTraced(std::uint32_t index, const WeakLight &light, const Prediction &prediction) {

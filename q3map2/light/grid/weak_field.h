@@ -7,6 +7,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace q3 {
@@ -67,6 +68,8 @@ class WeakField {
     void SetTraced(std::uint32_t index, const WeakLight &light, const Prediction &prediction);
 
     bool IsOpen(std::uint32_t index) const { return states_[index] == PointState::Open; }
+    /// Whether most of the points were predicted.
+    bool IsMostlySmooth(std::span<const BrickPoint> points) const;
     const WeakLight &At(std::uint32_t index) const { return light_[index]; }
 
     /// Weak light between the points, by trilinear interpolation; nothing where a corner of the cell is not Open, the
@@ -94,7 +97,8 @@ class WeakField {
     const std::vector<PointState> &states_;
     DisplayedChange change_;
     std::vector<WeakLight> light_;
-    std::vector<float> error_; ///< by point, byte scale; kUntested
+    std::vector<float> error_;            ///< by point, byte scale; kUntested
+    std::vector<std::uint8_t> predicted_; ///< by point
 };
 
 } // namespace q3
