@@ -73,8 +73,8 @@ std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vecto
             packet[0].Add(receiver.position, receiver.position, receiver.cluster,
                           kFirstIndex + std::uint32_t(&receiver - receivers.data()));
         GridStats work;
-        integrator.Trace(packet, std::uint64_t(block), work, [&](std::uint32_t index, const bspGridPointSH_t &value) {
-            bspGridPointSH_t &point = points[index - kFirstIndex];
+        integrator.Trace(packet, std::uint64_t(block), work, [&](std::size_t i, const bspGridPointSH_t &value) {
+            bspGridPointSH_t &point = points[std::size_t(block) * kPacketSize + i];
             point = value;
             if (options.shDering)
                 DeringPoint(point, options.shRadiance);

@@ -196,7 +196,13 @@ Group Skips() {
         return Do<LightOptions>([field](LightOptions &o, const Values &) { o.skip.*field = false; });
     };
     const auto none = [](LightOptions &o, const Values &) {
-        o.skip = {.reach = false, .pvs = false, .faint = false, .moments = false, .probes = false, .coarse = false};
+        o.skip = {.reach = false,
+                  .pvs = false,
+                  .faint = false,
+                  .moments = false,
+                  .probes = false,
+                  .smooth = false,
+                  .coarse = false};
     };
     return {"Accelerations to switch off",
             "Light that cannot matter is not computed. These switches compute it all the same, to measure what is "
@@ -214,6 +220,9 @@ Group Skips() {
               skip(&SkipOptions::moments)},
              {{.name = "-noskipprobes", .help = "Cast several rays to faint surface lights too"},
               skip(&SkipOptions::probes)},
+             {{.name = "-noskipsmooth",
+               .help = "Trace dim lights at every point of the SH grid, also where their light is smooth"},
+              skip(&SkipOptions::smooth)},
              {{.name = "-noskipcoarse", .help = "With -fast or -fastgrid: cast rays to dim lights at every point"},
               skip(&SkipOptions::coarse)}}};
 }
