@@ -39,48 +39,56 @@ GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOpti
     return layout;
 }
 
-LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
-                        GridStats &stats) {
-    LightGridSH grid;
-    grid.header = {layout.mins, layout.size, layout.bounds, std::int32_t(layout.Count())};
-    grid.points.assign(std::size_t(layout.Count()), bspGridPointSH_t{});
-    stats.points = layout.Count();
+GridSHTracer::GridSHTracer(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights)
+    : in_(in), layout_(layout), bricks_(layout), lit_(in, layout, bricks_), integrator_(in, lights),
+      weak_(in.space, layout, lit_.States(),
+            DisplayedChange(in.options.shRadiance, 255 * (in.options.gridScale > 0 ? in.options.gridScale : 1))),
+      smooth_(integrator_, in.options.skip.smooth ? &weak_ : nullptr) {
+    lit_.FindOnEmitters(lights);
+}
 
-    const GridBricks bricks(layout);
-    LitPoints lit(in, layout, bricks);
-    lit.FindOnEmitters(lights);
-    const ProbeIntegrator integrator(in, lights);
-    const VisibilityGroups sides = FindVisibilityGroups(in, layout, lit.Displaced(), lit.States());
-    const DisplayedChange change(in.options.shRadiance, 255 * (in.options.gridScale > 0 ? in.options.gridScale : 1));
-    WeakField weak(in.space, layout, lit.States(), change);
-    if (in.options.skip.smooth)
-        SmoothLevels(in, layout, lit, integrator).Run(weak, stats);
+LightGridSH GridSHTracer::TraceGridSH(GridStats &stats) {
+    LightGridSH grid;
+    grid.header = {layout_.mins, layout_.size, layout_.bounds, std::int32_t(layout_.Count())};
+    grid.points.assign(std::size_t(layout_.Count()), bspGridPointSH_t{});
+    stats.points = layout_.Count();
+
+    const VisibilityGroups sides = FindVisibilityGroups(in_, layout_, lit_.Displaced(), lit_.States());
+    if (in_.options.skip.smooth)
+        SmoothLevels(in_, layout_, lit_, integrator_).Run(weak_, stats);
     // Samples of cells where most is traced are cheaper to trace as a whole.
-    const SmoothLight whole(integrator, nullptr), light(integrator, in.options.skip.smooth ? &weak : nullptr);
-    GridFit fit(in, layout, lit.States(), sides.isSplit);
-    RunBricks(in, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
-        const std::vector<BrickPoint> points = bricks.Points(brick);
-        std::vector<ReceiverBatch> blocks;
-        for (const BrickPoint &point : points)
-            if (lit.IsLit(point.index))
-                lit.AddReceiver(point, blocks);
-        const auto indexOf = [&](std::size_t i) { return blocks[i / kPacketSize].index[i % kPacketSize]; };
-        const auto store = [&](std::size_t i, const bspGridPointSH_t &value) { grid.points[indexOf(i)] = value; };
-        const auto weakOf = [&](std::size_t i) -> const WeakLight & { return weak.At(indexOf(i)); };
-        if (!blocks.empty() && in.options.skip.smooth)
-            integrator.TraceStrong(blocks, std::uint64_t(brick), work, weakOf, store);
-        else if (!blocks.empty())
-            integrator.Trace(blocks, std::uint64_t(brick), work, store);
-        fit.AddSamples(brick, fit.SampleCells(points, weak.IsMostlySmooth(points) ? light : whole, work));
+    const SmoothLight whole(integrator_, nullptr);
+    GridFit fit(in_, layout_, lit_.States(), sides.isSplit);
+    RunBricks(in_, bricks_.Count(), stats, [&](std::int64_t brick, GridStats &work) {
+        const std::vector<BrickPoint> points = bricks_.Points(brick);
+        TracePoints(points, brick, grid, work);
+        fit.AddSamples(brick, fit.SampleCells(points, weak_.IsMostlySmooth(points) ? smooth_ : whole, work));
     });
-    FillGridSH(in, layout, lit.Displaced(), sides, lit.States(), grid);
-    fit.Solve(grid, in.jobs);
-    const auto &states = lit.States();
+    FillGridSH(in_, layout_, lit_.Displaced(), sides, lit_.States(), grid);
+    fit.Solve(grid, in_.jobs);
+    const auto &states = lit_.States();
     for (const PointState state : {PointState::Open, PointState::OnEmitter, PointState::Beside})
         stats.open += std::count(states.begin(), states.end(), state);
     stats.moved = std::count(states.begin(), states.end(), PointState::Moved);
     stats.filled = std::count(states.begin(), states.end(), PointState::Filled);
     return grid;
+}
+
+void GridSHTracer::TracePoints(std::span<const BrickPoint> points, std::int64_t brick, LightGridSH &grid,
+                               GridStats &work) const {
+    std::vector<ReceiverBatch> blocks;
+    for (const BrickPoint &point : points)
+        if (lit_.IsLit(point.index))
+            lit_.AddReceiver(point, blocks);
+    if (blocks.empty())
+        return;
+    const auto indexOf = [&](std::size_t i) { return blocks[i / kPacketSize].index[i % kPacketSize]; };
+    const auto store = [&](std::size_t i, const bspGridPointSH_t &value) { grid.points[indexOf(i)] = value; };
+    const auto weakOf = [&](std::size_t i) -> const WeakLight & { return weak_.At(indexOf(i)); };
+    if (in_.options.skip.smooth)
+        integrator_.TraceStrong(blocks, std::uint64_t(brick), work, weakOf, store);
+    else
+        integrator_.Trace(blocks, std::uint64_t(brick), work, store);
 }
 
 } // namespace q3

@@ -15,7 +15,7 @@ namespace {
 
 /// Refinement begins at this threshold (bytes^2 times smallest cells), which is divided by kFiner until the goal can be
 /// met, or until it is below kLeastThreshold.
-constexpr float kFirstThreshold = 65536, kFiner = 1.7f, kLeastThreshold = 1;
+constexpr float kFirstThreshold = 16384, kFiner = 2.5f, kLeastThreshold = 1;
 /// Leafs that a split adds.
 constexpr float kLeafsPerSplit = 7;
 /// Price of a leaf in bytes^2 times smallest cells: of trees that are not refined, and the highest. It is bisected on a
@@ -31,8 +31,8 @@ constexpr double kBytesPerLeaf = 25;
 class SparsePlan {
   public:
     SparsePlan(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, const SparseGoal &goal)
-        : space_(space), lattice_(lattice), goal_(goal), tree_(lattice), refiner_(space, jobs, lattice, tree_, light_) {
-    }
+        : space_(space), lattice_(lattice), goal_(goal), light_(lattice), tree_(lattice),
+          refiner_(space, jobs, lattice, tree_, light_) {}
     void Start(const LightGridSH &uniform) { refiner_.Start(uniform); }
     /// Splits cells until pruning can meet the goal.
     void Refine(const LatticeTracer &tracer, GridStats &work) {
@@ -99,11 +99,10 @@ SparseGridSH SparsePlan::Grid(SparseStats &result) {
 
 } // namespace
 
-SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH &uniform,
+SparseGridSH BakeSparseGrid(const GridInputs &in, const SmoothLight &light, const LightGridSH &uniform,
                             const SparseGoal &goal, GridStats &work, SparseStats &result) {
     const SparseLattice lattice(uniform.header);
-    const ProbeIntegrator integrator(in, lights);
-    const LatticeTracer tracer(in, integrator, lattice);
+    const LatticeTracer tracer(in, light, lattice);
     SparsePlan plan(in.space, in.jobs, lattice, goal);
     plan.Start(uniform);
     plan.Refine(tracer, work);
