@@ -4,6 +4,7 @@
 #include "libs/math/low_discrepancy.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace q3 {
 
@@ -13,6 +14,11 @@ namespace {
 constexpr Int3 kCoarseBrick = {16, 16, 8}, kFineBrick = {16, 16, 4};
 /// By level: its points are about 2^shift columns apart.
 constexpr int kShift[WeakField::kLevels] = {2, 2, 2, 1, 0};
+
+/// Where less than this share of the points of a level is predicted from those before it, all points are traced as a
+/// whole: weak and strong light apart take longer.
+constexpr int kTestedLevel = 2;
+constexpr double kLeastSmooth = 0.5;
 
 struct LevelPoint {
     BrickPoint point;
@@ -30,14 +36,36 @@ std::uint32_t Morton(int x, int y, int z) {
 }
 } // namespace
 
-void SmoothLevels::Run(WeakField &weak, GridStats &stats) const {
+bool SmoothLevels::Run(WeakField &weak, GridStats &stats) const {
     for (int level = 0; level < WeakField::kLevels; ++level) {
+        if (level == kTestedLevel && !IsSmooth(weak))
+            return false;
         const GridBricks bricks(layout_, level < 3 ? kCoarseBrick : kFineBrick);
         const auto trace = [&](std::int64_t brick, GridStats &work) {
             TraceBrick(level, brick, bricks.Points(brick), weak, work);
         };
         RunBricks(in_, bricks.Count(), stats, trace, ShowProgress::No);
     }
+    return true;
+}
+
+/// Whether enough points of kTestedLevel are predicted.
+bool SmoothLevels::IsSmooth(const WeakField &weak) const {
+    std::vector<std::int64_t> lit(std::size_t(layout_.bounds[2])), good(lit.size());
+    in_.jobs.For(layout_.bounds[2], [&](std::int64_t z, int) {
+        for (int y = 0; y < layout_.bounds[1]; ++y)
+            for (int x = 0; x < layout_.bounds[0]; ++x) {
+                const auto index = std::uint32_t(layout_.Index(x, y, z));
+                if (WeakField::LevelOf(x, y) != kTestedLevel || !points_.IsLit(index))
+                    continue;
+                ++lit[std::size_t(z)];
+                good[std::size_t(z)] += weak.IsOpen(index) && weak.Predict(x, y, int(z)).Good();
+            }
+    });
+    const auto sum = [](const std::vector<std::int64_t> &counts) {
+        return double(std::accumulate(counts.begin(), counts.end(), std::int64_t(0)));
+    };
+    return sum(good) >= kLeastSmooth * sum(lit);
 }
 
 void SmoothLevels::TraceBrick(int level, std::int64_t brick, const std::vector<BrickPoint> &points, WeakField &weak,

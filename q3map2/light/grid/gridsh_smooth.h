@@ -16,10 +16,12 @@ class SmoothLevels {
                  const ProbeIntegrator &integrator)
         : in_(in), layout_(layout), points_(points), integrator_(integrator) {}
 
-    /// Sets `weak` at all lit points. The result does not depend on the number of threads.
-    void Run(WeakField &weak, GridStats &stats) const;
+    /// Sets `weak` at all lit points. The result does not depend on the number of threads. False: the first levels
+    /// predict too few of the others to be worth the work; `weak` is not complete.
+    bool Run(WeakField &weak, GridStats &stats) const;
 
   private:
+    bool IsSmooth(const WeakField &weak) const;
     void TraceBrick(int level, std::int64_t brick, const std::vector<BrickPoint> &points, WeakField &weak,
                     GridStats &work) const;
 

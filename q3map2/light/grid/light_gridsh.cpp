@@ -42,8 +42,7 @@ GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOpti
 GridSHTracer::GridSHTracer(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights)
     : in_(in), layout_(layout), bricks_(layout), lit_(in, layout, bricks_), integrator_(in, lights),
       weak_(in.space, layout, lit_.States(),
-            DisplayedChange(in.options.shRadiance, 255 * (in.options.gridScale > 0 ? in.options.gridScale : 1))),
-      smooth_(integrator_, in.options.skip.smooth ? &weak_ : nullptr) {
+            DisplayedChange(in.options.shRadiance, 255 * (in.options.gridScale > 0 ? in.options.gridScale : 1))) {
     lit_.FindOnEmitters(lights);
 }
 
@@ -54,15 +53,14 @@ LightGridSH GridSHTracer::TraceGridSH(GridStats &stats) {
     stats.points = layout_.Count();
 
     const VisibilityGroups sides = FindVisibilityGroups(in_, layout_, lit_.Displaced(), lit_.States());
-    if (in_.options.skip.smooth)
-        SmoothLevels(in_, layout_, lit_, integrator_).Run(weak_, stats);
+    usesWeak_ = in_.options.skip.smooth && SmoothLevels(in_, layout_, lit_, integrator_).Run(weak_, stats);
     // Samples of cells where most is traced are cheaper to trace as a whole.
-    const SmoothLight whole(integrator_, nullptr);
+    const SmoothLight whole(integrator_, nullptr), smooth(integrator_, Weak());
     GridFit fit(in_, layout_, lit_.States(), sides.isSplit);
     RunBricks(in_, bricks_.Count(), stats, [&](std::int64_t brick, GridStats &work) {
         const std::vector<BrickPoint> points = bricks_.Points(brick);
         TracePoints(points, brick, grid, work);
-        fit.AddSamples(brick, fit.SampleCells(points, weak_.IsMostlySmooth(points) ? smooth_ : whole, work));
+        fit.AddSamples(brick, fit.SampleCells(points, usesWeak_ && weak_.IsMostlySmooth(points) ? smooth : whole, work));
     });
     FillGridSH(in_, layout_, lit_.Displaced(), sides, lit_.States(), grid);
     fit.Solve(grid, in_.jobs);
@@ -85,7 +83,7 @@ void GridSHTracer::TracePoints(std::span<const BrickPoint> points, std::int64_t 
     const auto indexOf = [&](std::size_t i) { return blocks[i / kPacketSize].index[i % kPacketSize]; };
     const auto store = [&](std::size_t i, const bspGridPointSH_t &value) { grid.points[indexOf(i)] = value; };
     const auto weakOf = [&](std::size_t i) -> const WeakLight & { return weak_.At(indexOf(i)); };
-    if (in_.options.skip.smooth)
+    if (usesWeak_)
         integrator_.TraceStrong(blocks, std::uint64_t(brick), work, weakOf, store);
     else
         integrator_.Trace(blocks, std::uint64_t(brick), work, store);

@@ -23,8 +23,9 @@ class GridSHTracer {
     /// The SH light grid: points in the open lit exactly, points in solids next to the open filled and fitted, others
     /// zero. Once only.
     LightGridSH TraceGridSH(GridStats &stats);
-    /// After TraceGridSH: weak light where it is smooth, for SmoothLight; null with -noskipsmooth.
-    const WeakField *Weak() const { return smooth_.Weak(); }
+    /// After TraceGridSH: weak light for SmoothLight; null if it is not smooth enough, or with
+    /// -noskipsmooth.
+    const WeakField *Weak() const { return usesWeak_ ? &weak_ : nullptr; }
 
   private:
     void TracePoints(std::span<const BrickPoint> points, std::int64_t brick, LightGridSH &grid, GridStats &work) const;
@@ -35,7 +36,7 @@ class GridSHTracer {
     LitPoints lit_;
     ProbeIntegrator integrator_;
     WeakField weak_;
-    SmoothLight smooth_;
+    bool usesWeak_ = false;
 };
 
 } // namespace q3
