@@ -219,7 +219,10 @@ GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const s
                              {h.gridSize[0], h.gridSize[1], h.gridSize[2]},
                              {h.gridBounds[0], h.gridBounds[1], h.gridBounds[2]},
                              h.numPoints,
-                             reinterpret_cast<const unsigned char *>(grid.points.data())};
+                             reinterpret_cast<const unsigned char *>(grid.points.data()),
+                             0,
+                             0,
+                             nullptr};
     const std::vector<bspGridPointSH_t> points = ExactPoints(in, lights, found);
     std::vector<DisplayedLight> exact, shown;
     Differences differences;

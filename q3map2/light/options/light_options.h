@@ -71,7 +71,7 @@ struct LightOptions {
     bool sh = false;
     bool shBspx = false;
     bool shAdaptive = false;                          ///< the sparse SH grid
-    float shErrorTarget = 1;                          ///< of the sparse grid: displayed RMS of interpolation, bytes
+    float shErrorTarget = 1.5f;                         ///< of the sparse grid: displayed RMS of interpolation, bytes
     std::optional<double> shBudget;                   ///< size of the sparse grid, bytes; replaces shErrorTarget
     bool shRadiance = false;
     std::string gridFormats; ///< -gridformats

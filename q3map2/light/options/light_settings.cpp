@@ -94,7 +94,7 @@ Group SparseGridSH() {
                .values = "BYTES",
                .kind = SettingKind::Number,
                .unit = "255ths",
-               .initial = "1",
+               .initial = "1.5",
                .range = {0.05, 64},
                .help = "Error that the interpolation of the sparse grid may have on a screen: RMS; includes -shadaptive",
                .details = "Cells are split while the expected error is above it. Half of it takes about three times "
@@ -284,7 +284,7 @@ Group Falloff() {
             {{{.name = "-griddirectionality",
                .values = "F",
                .kind = SettingKind::Number,
-               .initial = "1",
+               .initial = "1.5",
                .range = {.high = 1},
                .outside = OutOfRange::Clamp,
                .help = "Legacy grid: share of light from the main direction that stays directed"},

@@ -24,6 +24,9 @@ constexpr float kFinestPrice = 1.0f / 64, kHighestPrice = 1e9f, kMostPrice = 655
 constexpr int kBisections = 14;
 /// The price of a leaf grows by this factor while the lump exceeds its budget.
 constexpr float kPriceStep = 1.15f;
+/// Without a budget the lump has at most about this share of the bytes of the uniform grid, whatever its error: where
+/// lamps are dense, no cells are small enough.
+constexpr double kMostOfUniform = 0.25;
 /// Bytes of the lump for each leaf: of points that are stored, and of nodes.
 constexpr double kBytesPerLeaf = 25;
 
@@ -33,7 +36,10 @@ class SparsePlan {
     SparsePlan(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, const SparseGoal &goal)
         : space_(space), lattice_(lattice), goal_(goal), light_(lattice), tree_(lattice),
           refiner_(space, jobs, lattice, tree_, light_) {}
-    void Start(const LightGridSH &uniform) { refiner_.Start(uniform); }
+    void Start(const LightGridSH &uniform) {
+        refiner_.Start(uniform);
+        mostBytes_ = kMostOfUniform * double(uniform.points.size() * sizeof(bspGridPointSH_t));
+    }
     /// Splits cells until pruning can meet the goal.
     void Refine(const LatticeTracer &tracer, GridStats &work) {
         for (float threshold = kFirstThreshold; threshold > kLeastThreshold; threshold /= kFiner) {
@@ -55,8 +61,8 @@ class SparsePlan {
     }
     /// Whether the tree is at least as fine as the goal wants.
     bool IsFine(const PrunedOctree &pruned) const {
-        return goal_.budget ? double(pruned.leafs) * kBytesPerLeaf >= *goal_.budget
-                            : pruned.error <= double(goal_.error);
+        const double bytes = double(pruned.leafs) * kBytesPerLeaf;
+        return goal_.budget ? bytes >= *goal_.budget : pruned.reducible <= double(goal_.error) || bytes >= mostBytes_;
     }
     /// Highest price of a leaf at which the pruned tree is still fine.
     float FindPrice() const {
@@ -81,6 +87,7 @@ class SparsePlan {
     LatticePoints light_;
     Octree tree_;
     OctreeRefiner refiner_;
+    double mostBytes_ = 0;            ///< without a budget: where refinement ends
     float leastPrice_ = kFinestPrice; ///< of a leaf; below it the tree was not refined
 };
 
