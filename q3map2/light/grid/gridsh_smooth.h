@@ -12,7 +12,7 @@ namespace q3 {
 /// Fills a WeakField level by level: points that lower levels do not predict are traced. Keeps references.
 class SmoothLevels {
   public:
-    SmoothLevels(const GridInputs &in, const GridLayout &layout, const LitPoints &points,
+    SmoothLevels(const GridInputs &in, const GridLayout &layout, const LitGridPoints &points,
                  const ProbeIntegrator &integrator)
         : in_(in), layout_(layout), points_(points), integrator_(integrator) {}
 
@@ -27,7 +27,7 @@ class SmoothLevels {
 
     const GridInputs &in_;
     const GridLayout &layout_;
-    const LitPoints &points_;
+    const LitGridPoints &points_;
     const ProbeIntegrator &integrator_;
 };
 

@@ -60,7 +60,8 @@ LightGridSH GridSHTracer::TraceGridSH(GridStats &stats) {
     RunBricks(in_, bricks_.Count(), stats, [&](std::int64_t brick, GridStats &work) {
         const std::vector<BrickPoint> points = bricks_.Points(brick);
         TracePoints(points, brick, grid, work);
-        fit.AddSamples(brick, fit.SampleCells(points, usesWeak_ && weak_.IsMostlySmooth(points) ? smooth : whole, work));
+        fit.AddSamples(brick,
+                       fit.SampleCells(points, usesWeak_ && weak_.IsMostlySmooth(points) ? smooth : whole, work));
     });
     FillGridSH(in_, layout_, lit_.Displaced(), sides, lit_.States(), grid);
     fit.Solve(grid, in_.jobs);

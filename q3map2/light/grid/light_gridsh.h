@@ -33,7 +33,7 @@ class GridSHTracer {
     const GridInputs &in_;
     const GridLayout &layout_;
     GridBricks bricks_;
-    LitPoints lit_;
+    LitGridPoints lit_;
     ProbeIntegrator integrator_;
     WeakField weak_;
     bool usesWeak_ = false;

@@ -31,7 +31,7 @@ template <typename Use> void ForBricks(const GridInputs &in, const GridBricks &b
 
 } // namespace
 
-LitPoints::LitPoints(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
+LitGridPoints::LitGridPoints(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
     : layout_(layout), states_(std::size_t(layout.Count()), PointState::Exterior), clusters_(states_.size()),
       litFrom_(states_.size()) {
     ForBricks(in, bricks, [&](std::int64_t, std::span<const BrickPoint> points) {
@@ -59,7 +59,7 @@ LitPoints::LitPoints(const GridInputs &in, const GridLayout &layout, const GridB
               [](const DisplacedPoint &a, const DisplacedPoint &b) { return a.index < b.index; });
 }
 
-void LitPoints::FindOnEmitters(const std::vector<Light> &lights) {
+void LitGridPoints::FindOnEmitters(const std::vector<Light> &lights) {
     for (const Light &light : lights) {
         if (light.type != LightType::Area)
             continue;
@@ -82,7 +82,7 @@ void LitPoints::FindOnEmitters(const std::vector<Light> &lights) {
     }
 }
 
-void LitPoints::AddReceiver(const BrickPoint &point, std::vector<ReceiverBatch> &blocks) const {
+void LitGridPoints::AddReceiver(const BrickPoint &point, std::vector<ReceiverBatch> &blocks) const {
     Vec3f from = point.position;
     if (states_[point.index] != PointState::Open && states_[point.index] != PointState::OnEmitter)
         from = std::lower_bound(displaced_.begin(), displaced_.end(), point.index,

@@ -9,9 +9,9 @@
 namespace q3 {
 
 /// Where the points of a grid are lit from, and the state of each. Keeps a reference to the layout.
-class LitPoints {
+class LitGridPoints {
   public:
-    LitPoints(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks);
+    LitGridPoints(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks);
     /// Sets the state of points in the open that are in the plane of an area light.
     void FindOnEmitters(const std::vector<Light> &lights);
 
