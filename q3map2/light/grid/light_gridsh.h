@@ -7,8 +7,9 @@
 
 namespace q3 {
 
-/// SH grid: -gridsh or the legacy cell size divided by -gridscalesh, at least 8, enlarged until the lump stays under
-/// 2^31 bytes.
+/// Points of an SH grid of that cell, which is enlarged until the lump stays under 2^31 bytes.
+GridLayout LayoutGridSH(const Bsp &bsp, Float3 size);
+/// SH grid: -gridsh or the legacy cell size divided by -gridscalesh, at least 8, enlarged as LayoutGridSH does.
 GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOptions &options, Log &log);
 /// The SH light grid: points in the open lit exactly, points in solids next to the open filled and fitted, others zero.
 LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,

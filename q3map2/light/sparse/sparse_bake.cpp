@@ -6,6 +6,7 @@
 #include "q3map2/light/sparse/octree_refine.h"
 #include "q3map2/light/sparse/sparse_tree.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -33,6 +34,8 @@ class SparsePlan {
     SparsePlan(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, const SparseGoal &goal)
         : space_(space), lattice_(lattice), goal_(goal), tree_(lattice), refiner_(space, jobs, lattice, tree_, light_) {
     }
+    /// Removes negative lobes from the values of the grid. radiance: they are not convolved with the cosine.
+    void Dering(bool radiance) { deringRadiance_ = radiance; }
     void Start(const LightGridSH &uniform) { refiner_.Start(uniform); }
     /// Splits cells until pruning can meet the goal.
     void Refine(const LatticeTracer &tracer, GridStats &work) {
@@ -70,8 +73,16 @@ class SparsePlan {
     SparseGridSH GridOf(const PrunedTree &pruned, SparseStats &result) const {
         CornerWeights corners(pruned.first, light_);
         const std::vector<ShFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_);
-        SparseGridSH grid = PackSparseGrid(MakeSparseTree(pruned.first, light_, corners, lattice_, values));
-        result = {pruned.second.leafs, grid.points.size(), EncodeSparseGrid(grid).size(), pruned.second.error};
+        SparseGridTree tree = MakeSparseTree(pruned.first, light_, corners, lattice_, values);
+        DeringStats dering;
+        for (bspGridPointSH_t &value : tree.values)
+            if (deringRadiance_) {
+                const DeringStats changed = DeringPoint(value, *deringRadiance_);
+                dering.points += changed.points;
+                dering.largestChange = std::max(dering.largestChange, changed.largestChange);
+            }
+        SparseGridSH grid = PackSparseGrid(tree);
+        result = {pruned.second.leafs, grid.points.size(), EncodeSparseGrid(grid).size(), pruned.second.error, dering};
         return grid;
     }
 
@@ -81,7 +92,8 @@ class SparsePlan {
     LatticePoints light_;
     Octree tree_;
     OctreeRefiner refiner_;
-    float leastPrice_ = kFinestPrice; ///< of a leaf; below it the tree was not refined
+    std::optional<bool> deringRadiance_; ///< see Dering; none: values stay
+    float leastPrice_ = kFinestPrice;    ///< of a leaf; below it the tree was not refined
 };
 
 SparseGridSH SparsePlan::Grid(SparseStats &result) {
@@ -105,6 +117,8 @@ SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &ligh
     const ProbeIntegrator integrator(in, lights);
     const LatticeTracer tracer(in, integrator, lattice);
     SparsePlan plan(in.space, in.jobs, lattice, goal);
+    if (in.options.shDering)
+        plan.Dering(in.options.shRadiance);
     plan.Start(uniform);
     plan.Refine(tracer, work);
     return plan.Grid(result);
@@ -116,6 +130,17 @@ SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform
     SparsePlan plan(space, jobs, lattice, goal);
     plan.Start(uniform);
     return plan.Grid(result);
+}
+
+void PrintSparseStats(const SparseStats &stats, const SparseGoal &goal, Log &log) {
+    log.Count((long long)(stats.leafs), "cells with open space");
+    log.Count((long long)(stats.stored), "points");
+    log.Print("{:9.2f} MB\n", double(stats.bytes) / 1e6);
+    log.Print("{:9.2f} of 255 is the expected error of interpolation\n", stats.error);
+    if (goal.budget && double(stats.bytes) > *goal.budget)
+        log.Warn("SH grid budget",
+                 "the sparse SH grid has {:.2f} MB with its largest cells, more than the {:g} of -shbudget",
+                 double(stats.bytes) / 1e6, *goal.budget / 1e6);
 }
 
 } // namespace q3
