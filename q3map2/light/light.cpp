@@ -207,7 +207,9 @@ SparseGridSH BakeSparse(const GridInputs &in, const std::vector<Light> &lights, 
     const LightOptions &options = in.options;
     const SparseGoal goal{options.shErrorTarget, options.shBudget};
     SparseStats sparse;
+    const std::uint64_t raysBefore = stats.counts.rays;
     SparseGridSH grid = BakeSparseGrid(in, lights, uniform, goal, stats, sparse);
+    log.Count((long long)(stats.counts.rays - raysBefore), "rays");
     PrintSparseStats(sparse, goal, log);
     if (options.shDering)
         PrintDering(sparse.dering, log);

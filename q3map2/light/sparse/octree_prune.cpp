@@ -27,13 +27,13 @@ PrunedOctree PruneOctree(Octree &tree, float price) {
         cost[i] = cell.child == 0 ? asLeaf : asParent;
     }
     PrunedOctree result;
-    double error = 0, volume = 0;
+    double error = 0;
     for (const std::size_t leaf : tree.OpenLeafs()) {
         error += double(tree[leaf].error) * double(tree[leaf].Volume());
-        volume += double(tree[leaf].Volume());
+        result.volume += double(tree[leaf].Volume());
         ++result.leafs;
     }
-    result.error = volume > 0 ? std::sqrt(error / volume) : 0;
+    result.error = result.volume > 0 ? std::sqrt(error / result.volume) : 0;
     return result;
 }
 

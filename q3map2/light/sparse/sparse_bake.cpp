@@ -23,6 +23,8 @@ constexpr float kLeafsPerSplit = 7;
 /// logarithmic scale between that of refinement and kMostPrice times that.
 constexpr float kFinestPrice = 1.0f / 64, kHighestPrice = 1e9f, kMostPrice = 65536;
 constexpr int kBisections = 14;
+/// Refinement to an error ends where a leaf reduces the squared error by less than this share of the mean of all leafs.
+constexpr double kLeastGain = 0.25;
 /// The price of a leaf grows by this factor while the lump exceeds its budget.
 constexpr float kPriceStep = 1.15f;
 /// Bytes of the lump for each leaf: of points that are stored, and of nodes.
@@ -42,7 +44,8 @@ class SparsePlan {
         for (float threshold = kFirstThreshold; threshold > kLeastThreshold; threshold /= kFiner) {
             refiner_.Refine(threshold, tracer, work);
             leastPrice_ = threshold / kLeafsPerSplit;
-            if (IsFine(Pruned(leastPrice_).second))
+            const PrunedOctree pruned = Pruned(leastPrice_).second;
+            if (IsFine(pruned) || (!goal_.budget && GainsLittle(pruned)))
                 return;
         }
     }
@@ -60,6 +63,10 @@ class SparsePlan {
     bool IsFine(const PrunedOctree &pruned) const {
         return goal_.budget ? double(pruned.leafs) * kBytesPerLeaf >= *goal_.budget
                             : pruned.error <= double(goal_.error);
+    }
+    /// Whether further leafs hardly reduce the error: what is left is in the smallest cells, beside lamps.
+    bool GainsLittle(const PrunedOctree &pruned) const {
+        return double(leastPrice_) * double(pruned.leafs) < kLeastGain * pruned.error * pruned.error * pruned.volume;
     }
     /// Highest price of a leaf at which the pruned tree is still fine.
     float FindPrice() const {
@@ -137,6 +144,10 @@ void PrintSparseStats(const SparseStats &stats, const SparseGoal &goal, Log &log
     log.Count((long long)(stats.stored), "points");
     log.Print("{:9.2f} MB\n", double(stats.bytes) / 1e6);
     log.Print("{:9.2f} of 255 is the expected error of interpolation\n", stats.error);
+    constexpr double kShown = 1.1; // the price of leafs is found in steps
+    if (!goal.budget && stats.error > kShown * double(goal.error))
+        log.Print("That is above the {:g} that was asked for, since smaller cells would hardly reduce it\n",
+                  goal.error);
     if (goal.budget && double(stats.bytes) > *goal.budget)
         log.Warn("SH grid budget",
                  "the sparse SH grid has {:.2f} MB with its largest cells, more than the {:g} of -shbudget",
