@@ -15,26 +15,29 @@ GridFormats TakeGridFormats(LightOptions &options) {
     const std::string_view stored = options.shBspx ? "shbspx" : "sh";
     const GridFormats named = ParseGridFormats(list);
     const auto same = [&](const GridFormat *format) { return format->word == stored; };
-    const bool isSaid = std::ranges::any_of(named, same) || (!options.shBspx && KeepSource(named));
+    const bool isSaid = std::ranges::any_of(named, same) || (!options.shBspx && HasPlace(named, GridPlace::Full));
     if (options.keepSH && !isSaid)
         list += fmt::format(",{}", stored);
+    if (options.shAdaptive && !HasPlace(named, GridPlace::Sparse))
+        list += ",sparse";
     const GridFormats formats = ParseGridFormats(list);
     if (!options.previewFile.empty() && !KeepSource(formats))
-        throw Error("-shpreview needs sh or shbspx in -gridformats");
+        throw Error("-shpreview needs sh, shbspx or sparse in -gridformats");
+    options.shAdaptive |= HasPlace(formats, GridPlace::Sparse);
     options.noGrid |= ReplaceLegacyGrid(formats);
     return formats;
 }
 
 void StoreBakedGrids(const GridFormats &formats, const LightOptions &options, const std::filesystem::path &folder,
-                     Bsp &bsp, Log &log) {
+                     Bsp &bsp, const JobPool &jobs, Log &log) {
     if (formats.empty()) {
         DropGridLumps(bsp);
         WriteGridFiles(folder, {}, log);
         return;
     }
     log.Section("Light grid formats");
-    const double factor = options.gridAmbientScale > 0 ? double(options.gridAmbientScale) : 1;
-    WriteGridFiles(folder, StoreGridFormats(bsp, formats, factor, log), log);
+    const GridStoring storing{.ambientFactor = options.gridAmbientScale > 0 ? double(options.gridAmbientScale) : 1};
+    WriteGridFiles(folder, StoreGridFormats(bsp, formats, storing, jobs, log), log);
 }
 
 void WriteGridFiles(const std::filesystem::path &folder, const std::vector<GridFile> &files, Log &log) {

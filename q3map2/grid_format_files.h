@@ -10,15 +10,16 @@
 
 namespace q3 {
 
-/// The formats that the light stage stores: those of -gridformats, and the SH grid if -sh or an option that includes it
-/// is given. None without -gridformats. Turns the legacy grid of the bake off if one of them replaces it. Errors: those
-/// of ParseGridFormats, -shpreview without an SH grid in the file.
+/// The formats that the light stage stores: those of -gridformats, and the SH grid, uniform or sparse, if an option
+/// that includes it is given. None without -gridformats. Turns the legacy grid of the bake off if one of them replaces
+/// it, and the sparse one on if one of them is that. Errors: those of ParseGridFormats, -shpreview without an SH grid
+/// in the file.
 GridFormats TakeGridFormats(LightOptions &options);
 
 /// After a bake: stores the formats and writes their files to `folder`, maps/x. Without formats, drops grids of earlier
 /// runs from the map.
 void StoreBakedGrids(const GridFormats &formats, const LightOptions &options, const std::filesystem::path &folder,
-                     Bsp &bsp, Log &log);
+                     Bsp &bsp, const JobPool &jobs, Log &log);
 
 /// Writes files of the formats to `folder`, maps/x. Warns of a raw file that is there from an earlier run, if engines
 /// would take it for that of this map.

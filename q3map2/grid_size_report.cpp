@@ -50,6 +50,12 @@ std::uint64_t EstimateDeflated(std::span<const std::byte> data) {
 }
 
 void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
+    if (bsp.sparseGridSH) {
+        const std::vector<std::byte> lump = EncodeSparseGrid(*bsp.sparseGridSH);
+        log.Print("Sparse SH grid: {} points, {:.2f} of the file's {:.1f} MB, about {:.2f} MB zipped\n",
+                  bsp.sparseGridSH->points.size(), double(lump.size()) / kMegabyte, double(fileBytes) / kMegabyte,
+                  double(EstimateDeflated(lump)) / kMegabyte);
+    }
     if (!bsp.gridSH)
         return;
     const LightGridSH &grid = *bsp.gridSH;

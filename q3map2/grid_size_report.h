@@ -13,8 +13,8 @@ namespace q3 {
 /// Estimate of the size of `data` after deflate at level 9, from up to 4 MB of it in evenly spaced pieces. Bytes.
 std::uint64_t EstimateDeflated(std::span<const std::byte> data);
 
-/// Prints points, size and zipped size of the SH grid of a map that was just written, and a cell that would halve them.
-/// Warns when the grid is more than half of the file and over 1 MB. `fileBytes`: of the .bsp.
+/// Prints points, size and zipped size of the SH grids of a map that was just written, and a cell that would halve
+/// those of the uniform one. Warns when the grid is more than half of the file and over 1 MB. `fileBytes`: of the .bsp.
 void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log);
 
 } // namespace q3

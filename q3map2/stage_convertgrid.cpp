@@ -22,15 +22,19 @@ int ConvertGridStage(const StageContext &context, Arguments arguments) {
         options.output.empty() ? input : WithExtension(std::filesystem::absolute(options.output), ".bsp");
     std::error_code none;
     if (!KeepSource(formats) && (output == input || std::filesystem::equivalent(output, input, none)))
-        throw Error("-gridformats {}: {} would lose its SH grid: add sh or shbspx, or name another file with -out",
-                    options.formats, input.string());
+        throw Error(
+            "-gridformats {}: {} would lose its SH grid: add sh, shbspx or sparse, or name another file with -out",
+            options.formats, input.string());
 
     log.Print("Loading {}\n", input.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(input, format, log);
     std::vector<GridFile> files;
     try {
-        files = StoreGridFormats(bsp, formats, double(options.ambientFactor), log);
+        GridStoring storing{.ambientFactor = double(options.ambientFactor)};
+        if (options.givenSparse)
+            storing.sparse = options.sparse;
+        files = StoreGridFormats(bsp, formats, storing, JobPool(context.options.threads), log);
     } catch (const Error &error) {
         throw Error("{}: {}", input.string(), error.what());
     }

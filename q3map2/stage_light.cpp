@@ -74,7 +74,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);
     lostLight.Report(bsp, log);
     const auto folder = WithExtension(bspPath, "");
-    StoreBakedGrids(gridFormats, options, folder, bsp, log);
+    StoreBakedGrids(gridFormats, options, folder, bsp, jobs, log);
     RecordCommand(bsp, "-light", inputs.name, file.recorded);
     if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump && !format.advertisements && format.version == 46)
         log.Print("The SH grid makes this a version 47 file, which engines without SH support refuse; -shbspx keeps "

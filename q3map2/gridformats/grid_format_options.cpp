@@ -2,11 +2,20 @@
 #include "q3map2/gridformats/grid_format_options.h"
 
 #include "common/error.h"
+#include "q3map2/gridformats/grid_formats.h"
 
 namespace q3 {
 
 std::vector<SettingGroup<ConvertGridOptions>> ConvertGridSettings() {
     const auto scale = [](ConvertGridOptions &o, const SettingValues &v) { o.ambientFactor *= float(v.numbers[0]); };
+    const auto target = [](ConvertGridOptions &o, const SettingValues &v) {
+        o.sparse.error = float(v.numbers[0]);
+        o.givenSparse = true;
+    };
+    const auto budget = [](ConvertGridOptions &o, const SettingValues &v) {
+        o.sparse.budget = v.numbers[0] * 1e6;
+        o.givenSparse = true;
+    };
     return {{"Light grid formats",
              "",
              {{{.name = "-gridformats",
@@ -28,6 +37,24 @@ std::vector<SettingGroup<ConvertGridOptions>> ConvertGridSettings() {
                 .range = {.low = 0, .aboveLow = true},
                 .help = "Factor of the ambient part of the legacy grid and of raw files"},
                Do<ConvertGridOptions>(scale)},
+              {{.name = "-sherrortarget",
+                .values = "BYTES",
+                .kind = SettingKind::Number,
+                .unit = "255ths",
+                .initial = "1",
+                .range = {0.05, 64},
+                .help = "Error that `sparse` may add by interpolation: RMS",
+                .details = "A sparse grid that the map has stays as it is, unless this option or `-shbudget` is "
+                           "given: they make it again of the uniform grid, whose cells it joins but does not split."},
+               Do<ConvertGridOptions>(target)},
+              {{.name = "-shbudget",
+                .values = "MB",
+                .kind = SettingKind::Number,
+                .unit = "million bytes",
+                .initial = "none",
+                .range = {0.01, 2000},
+                .help = "Size of the grid of `sparse`, in place of an error target"},
+               Do<ConvertGridOptions>(budget)},
               {{.name = "-fixaas", .help = "Make bot files beside the map fit the written map"},
                &ConvertGridOptions::fixBotFiles}}}};
 }
@@ -38,6 +65,8 @@ ConvertGridOptions ParseConvertGridOptions(Arguments &arguments, float gameAmbie
     TakeSettings(ConvertGridSettings(), options, arguments, log);
     if (options.formats.empty())
         throw Error("-convertgrid needs -gridformats LIST");
+    if (options.givenSparse && !HasPlace(ParseGridFormats(options.formats), GridPlace::Sparse))
+        throw Error("-sherrortarget and -shbudget need sparse in -gridformats");
     return options;
 }
 

@@ -4,6 +4,7 @@
 #include "common/arguments.h"
 #include "common/log.h"
 #include "common/settings.h"
+#include "q3map2/light/sparse/sparse_bake.h"
 
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@ namespace q3 {
 /// What -gridformats does, and its words: for the documentation.
 inline constexpr std::string_view kGridFormatsDetails =
     "LIST is of these words, separated by commas: `sh` and `shbspx`, the SH grid in lump 18 or in a BSPX lump; "
+    "`sparse`, the SH grid with cells of different sizes; "
     "`legacy`, the legacy grid fitted to the SH grid, `legacy-ioq3` and `legacy-daemon`, the same for what these "
     "engines make of it; `raw-ioq3` and `raw-rend2`, the fitted legacy grid and its floats in `maps/x/lightgrid.raw`; "
     "`octree` and `grids`, the BSPX lumps LIGHTGRID_OCTREE and LIGHTGRIDS. [grid_formats.md](grid_formats.md) tells "
@@ -20,8 +22,10 @@ inline constexpr std::string_view kGridFormatsDetails =
 
 struct ConvertGridOptions {
     std::string formats;
-    std::string output;       ///< path of the map to write; empty: the input
-    float ambientFactor = 1;  ///< of lump 15 and raw files; product of the game's default and the option
+    std::string output;      ///< path of the map to write; empty: the input
+    float ambientFactor = 1; ///< of lump 15 and raw files; product of the game's default and the option
+    SparseGoal sparse;
+    bool givenSparse = false; ///< an option of the sparse grid: it is made again
     bool fixBotFiles = false; ///< enter the written map into bot files beside it
 };
 

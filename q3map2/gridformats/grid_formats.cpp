@@ -19,26 +19,30 @@ namespace q3 {
 /// The SH grid of a map, and what formats take from it.
 class GridConversion {
   public:
-    GridConversion(const Bsp &bsp, const GridFormats &formats, double ambientFactor, Log &log)
-        : stored_(SourceGrid(bsp)), space_(bsp, SolidBrushes(bsp)),
+    GridConversion(const Bsp &bsp, const GridFormats &formats, const GridStoring &storing, const JobPool &jobs,
+                   Log &log)
+        : jobs_(jobs), log_(log), storing_(storing), stored_(SourceGrid(bsp)), space_(bsp, SolidBrushes(bsp)),
           source_(stored_, SolidPoints(space_, LayoutOf(stored_.grid))), tone_(bsp.entities, log),
-          ambientFactor_(ambientFactor), isDeluxe_(StoredWorld(bsp.entities).Value("deluxeMapping") == "1") {
+          isDeluxe_(StoredWorld(bsp.entities).Value("deluxeMapping") == "1") {
         if (ReplaceLegacyGrid(formats))
             legacy_ = SampleLegacyPoints(source_, space_, LegacyLayout(bsp));
         hasLump15_ = HasPlace(formats, GridPlace::Lump15);
+        if (HasPlace(formats, GridPlace::Sparse))
+            sparse_ = bsp.sparseGridSH && !storing.sparse ? *bsp.sparseGridSH : MakeSparse();
     }
 
     const LightGridSH &Stored() const { return stored_.grid; }
+    const SparseGridSH &Sparse() const { return *sparse_; }
     const GridSource &Source() const { return source_; }
     const GridTone &Tone() const { return tone_; }
     bool HasLump15() const { return hasLump15_; }
     bool IsDeluxe() const { return isDeluxe_; }
 
     std::vector<bspGridPoint_t> Legacy(const LegacyReader &reader) const {
-        return EncodeLegacyGrid(*legacy_, reader, tone_, ambientFactor_);
+        return EncodeLegacyGrid(*legacy_, reader, tone_, storing_.ambientFactor);
     }
     std::vector<std::byte> Raw(const LegacyReader &reader, double scale) const {
-        return EncodeRawGrid(*legacy_, reader, tone_, ambientFactor_, scale);
+        return EncodeRawGrid(*legacy_, reader, tone_, storing_.ambientFactor, scale);
     }
 
   private:
@@ -46,13 +50,24 @@ class GridConversion {
         return {grid.header.gridMins, grid.header.gridSize, grid.header.gridBounds};
     }
 
+    SparseGridSH MakeSparse() const {
+        const SparseGoal goal = storing_.sparse.value_or(SparseGoal{});
+        SparseStats stats;
+        SparseGridSH grid = SparseFromUniform(space_, stored_.grid, goal, jobs_, stats);
+        PrintSparseStats(stats, goal, log_);
+        return grid;
+    }
+
+    const JobPool &jobs_;
+    Log &log_;
+    GridStoring storing_;
     StoredGridSH stored_;
     BspSpace space_;
     GridSource source_;
     GridTone tone_;
-    double ambientFactor_;
     bool isDeluxe_, hasLump15_ = false;
     std::optional<LegacyPoints> legacy_; ///< for lump 15 and raw files
+    std::optional<SparseGridSH> sparse_;
 };
 
 namespace {
@@ -80,6 +95,10 @@ void StoreSh(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
 
 void StoreShBspx(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
     StoreFull(from, bsp, GridSHContainer::Bspx);
+}
+
+void StoreSparse(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
+    bsp.sparseGridSH = from.Sparse();
 }
 
 void StoreLegacy(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
@@ -121,6 +140,7 @@ void StoreGrids(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
 constexpr GridFormat kGridFormats[] = {
     {"sh", GridPlace::Full, true, StoreSh},
     {"shbspx", GridPlace::Full, true, StoreShBspx},
+    {"sparse", GridPlace::Sparse, true, StoreSparse},
     {"legacy", GridPlace::Lump15, false, StoreLegacy},
     {"legacy-ioq3", GridPlace::Lump15, false, StoreLegacyIoquake3},
     {"legacy-daemon", GridPlace::Lump15, false, StoreLegacyDaemon},
@@ -180,9 +200,11 @@ void DropGridLumps(Bsp &bsp) {
                   [](const BspxLump &lump) { return lump.name == kBspxGridOctree || lump.name == kBspxGrids; });
 }
 
-std::vector<GridFile> StoreGridFormats(Bsp &bsp, const GridFormats &formats, double ambientFactor, Log &log) {
-    const GridConversion from(bsp, formats, ambientFactor, log);
+std::vector<GridFile> StoreGridFormats(Bsp &bsp, const GridFormats &formats, const GridStoring &storing,
+                                       const JobPool &jobs, Log &log) {
+    const GridConversion from(bsp, formats, storing, jobs, log);
     bsp.gridSH.reset();
+    bsp.sparseGridSH.reset();
     DropGridLumps(bsp);
     std::vector<GridFile> files;
     for (const GridFormat *format : formats) {

@@ -1,10 +1,13 @@
 // GPL-2.0-or-later. The formats in which a map can hold its light grid: -gridformats and -convertgrid.
 #pragma once
 
+#include "common/jobs.h"
 #include "common/log.h"
 #include "q3map2/bspfile/bsp.h"
+#include "q3map2/light/sparse/sparse_bake.h"
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,7 +24,7 @@ struct GridFile {
 };
 
 /// What a map has one of: two formats that write the same exclude each other.
-enum class GridPlace { Full, Lump15, RawFile, OctreeLump, GridsLump };
+enum class GridPlace { Full, Sparse, Lump15, RawFile, OctreeLump, GridsLump };
 
 /// A row of the table of formats.
 struct GridFormat {
@@ -44,10 +47,17 @@ bool KeepSource(const GridFormats &formats);
 /// Whether lump 15 is written, by its own format or for a raw file.
 bool ReplaceLegacyGrid(const GridFormats &formats);
 
+/// How grids are stored.
+struct GridStoring {
+    double ambientFactor = 1; ///< of the ambient light of lump 15 and of raw files
+    /// Of a sparse grid made of the uniform one. None: that of the map stays, or is made to the default goal.
+    std::optional<SparseGoal> sparse{};
+};
+
 /// Replaces the light grids of the map by these formats, made from its SH grid; lump 15 stays if none writes it.
-/// `ambientFactor` multiplies the ambient light of lump 15 and of raw files. Returns the files to write. Errors: no SH
-/// grid, a legacy grid of too many points.
-std::vector<GridFile> StoreGridFormats(Bsp &bsp, const GridFormats &formats, double ambientFactor, Log &log);
+/// Returns the files to write. Errors: no SH grid, a legacy grid of too many points.
+std::vector<GridFile> StoreGridFormats(Bsp &bsp, const GridFormats &formats, const GridStoring &storing,
+                                       const JobPool &jobs, Log &log);
 
 /// Drops the lumps LIGHTGRID_OCTREE and LIGHTGRIDS: new light makes them wrong.
 void DropGridLumps(Bsp &bsp);

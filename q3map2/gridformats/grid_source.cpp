@@ -3,16 +3,22 @@
 
 #include "common/error.h"
 #include "libs/sh/sh.h"
+#include "libs/shgrid/shgrid.h"
 #include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/light_keys.h"
 #include "q3map2/bspfile/written_keys.h"
+#include "q3map2/light/grid/light_gridsh.h"
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 namespace q3 {
 
 namespace {
+
+constexpr Vec3f kDefaultGridCell{64, 64, 128}; ///< of the legacy grid, game units
 
 bool IsBlack(const bspGridPointSH_t &point) {
     return std::ranges::all_of(point.coeffs, [](const Float3 &rgb) { return rgb == Float3{}; });
@@ -24,12 +30,45 @@ void AddScaled(const bspGridPointSH_t &from, float weight, bspGridPointSH_t &to)
             to.coeffs[k][channel] += weight * from.coeffs[k][channel];
 }
 
+/// The points that the light stage gives the map by default.
+GridLayout DefaultLayoutSH(const Bsp &bsp) {
+    if (bsp.models.empty())
+        throw Error("the map has no world model, so no place for a light grid");
+    const Vec3f legacy = keys::kGridSize.Vector(StoredWorld(bsp.entities)).value_or(kDefaultGridCell);
+    Float3 size{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        size[axis] = std::max(kMinCell, legacy[axis] / 2);
+    return LayoutGridSH(bsp, size);
+}
+
 } // namespace
 
+LightGridSH ExpandSparseGrid(const SparseGridSH &sparse, const GridLayout &layout) {
+    static_assert(sizeof(shgrid_coeffs) == sizeof(bspGridPointSH_t));
+    const std::vector<std::byte> lump = EncodeSparseGrid(sparse);
+    shgrid_grid reader;
+    if (const shgrid_result result = shgrid_parse(lump.data(), lump.size(), &reader); result != SHGRID_OK)
+        throw Error("sparse SH light grid: {}", shgrid_message(result));
+    LightGridSH grid{{layout.mins, layout.size, layout.bounds, std::int32_t(layout.Count())}, {}};
+    std::size_t count = 0;
+    grid.points.resize(std::size_t(layout.Count()));
+    for (int z = 0; z < layout.bounds[2]; ++z)
+        for (int y = 0; y < layout.bounds[1]; ++y)
+            for (int x = 0; x < layout.bounds[0]; ++x) {
+                const Float3 at = layout.Position(x, y, z);
+                shgrid_coeffs value;
+                shgrid_sample(&reader, at.data(), &value);
+                grid.points[count++] = std::bit_cast<bspGridPointSH_t>(value);
+            }
+    return grid;
+}
+
 StoredGridSH SourceGrid(const Bsp &bsp) {
-    if (!bsp.gridSH || bsp.gridSH->points.empty())
-        throw Error("the map has no SH light grid to convert: light it with -sh or -shbspx first");
-    return {*bsp.gridSH, StoredWorld(bsp.entities).Value(kGridSHKey) == kRadiance};
+    const bool hasUniform = bsp.gridSH && !bsp.gridSH->points.empty();
+    if (!hasUniform && !bsp.sparseGridSH)
+        throw Error("the map has no SH light grid to convert: light it with -sh, -shbspx or -shadaptive first");
+    return {hasUniform ? *bsp.gridSH : ExpandSparseGrid(*bsp.sparseGridSH, DefaultLayoutSH(bsp)),
+            StoredWorld(bsp.entities).Value(kGridSHKey) == kRadiance};
 }
 
 GridSource::GridSource(const StoredGridSH &stored, const std::vector<bool> &isSolid)

@@ -3,6 +3,7 @@
 
 #include "libs/math/vec.h"
 #include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/bspfile/sparse_grid.h"
 
 #include <vector>
 
@@ -14,7 +15,11 @@ struct StoredGridSH {
     bool radiance = false; ///< not convolved with the cosine: -shradiance
 };
 
-/// The SH grid of the map, in whichever form the file has it. Errors: there is none.
+/// Values of a sparse grid at the points of another; outside its cells with light, zero.
+LightGridSH ExpandSparseGrid(const SparseGridSH &sparse, const GridLayout &layout);
+
+/// The SH grid of the map, in whichever form the file has it: a sparse one, without a uniform one beside it, at the
+/// points of the light stage's defaults. Errors: there is none.
 StoredGridSH SourceGrid(const Bsp &bsp);
 
 /// Coefficients convolved with the cosine, and which points hold no light because they are in solid space.

@@ -198,6 +198,10 @@ namespace {
 /// Factor of the number of rays at points between those of the uniform grid: the error of interpolation is larger than
 /// their noise.
 constexpr float kSparseSamples = 0.5f;
+void PrintDering(const DeringStats &changed, Log &log) {
+    log.Count(changed.points, "points rid of negative lobes");
+    log.Print("{:9.2f} of 255 is the largest change of displayed light\n", changed.largestChange);
+}
 
 /// The sparse grid of a uniform one that is not deringed.
 SparseGridSH BakeSparse(const GridInputs &all, const std::vector<Light> &lights, const WeakField *weak,
@@ -208,16 +212,14 @@ SparseGridSH BakeSparse(const GridInputs &all, const std::vector<Light> &lights,
     const GridInputs in{all.space, all.scene, options, all.world, all.jobs, log, all.indirect};
     const ProbeIntegrator integrator(in, lights);
     const SmoothLight light(integrator, weak);
+    const SparseGoal goal{options.shErrorTarget, options.shBudget};
     SparseStats sparse;
-    SparseGridSH grid = BakeSparseGrid(in, light, uniform, {options.shErrorTarget, options.shBudget}, stats, sparse);
-    log.Count((long long)(sparse.leafs), "cells with open space");
-    log.Count((long long)(sparse.stored), "points");
-    log.Print("{:9.2f} MB\n", double(sparse.bytes) / 1e6);
-    log.Print("{:9.2f} of 255 is the expected error of interpolation\n", sparse.error);
-    if (options.shBudget && double(sparse.bytes) > *options.shBudget)
-        log.Warn("SH grid budget",
-                 "the sparse SH grid has {:.2f} MB with its largest cells, more than the {:g} of -shbudget",
-                 double(sparse.bytes) / 1e6, *options.shBudget / 1e6);
+    const std::uint64_t raysBefore = stats.counts.rays;
+    SparseGridSH grid = BakeSparseGrid(in, light, uniform, goal, stats, sparse);
+    log.Count((long long)(stats.counts.rays - raysBefore), "rays");
+    PrintSparseStats(sparse, goal, log);
+    if (options.shDering)
+        PrintDering(sparse.dering, log);
     return grid;
 }
 
@@ -242,11 +244,13 @@ BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
         baked.sparse = BakeSparse(in, lights, tracer.Weak(), baked.uniform, log, stats);
     if (options.shDering) {
         const DeringStats changed = DeringGridSH(baked.uniform, options.shRadiance, jobs);
-        log.Count(changed.points, "points rid of negative lobes");
-        log.Print("{:9.2f} of 255 is the largest change of displayed light\n", changed.largestChange);
+        if (options.sh)
+            PrintDering(changed, log);
     }
-    if (options.shError)
+    if (options.shError && options.sh)
         PrintGridSHError(MeasureGridSH(in, baked.uniform, lights), layout.size, setup.layout.size, log);
+    if (options.shError && baked.sparse)
+        PrintSparseGridError(MeasureSparseGrid(in, *baked.sparse, lights), log);
     return baked;
 }
 

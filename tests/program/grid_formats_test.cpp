@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 namespace q3::test {
 
@@ -155,12 +156,77 @@ TEST_F(GridFormatsTest, AmbientFactor) {
     EXPECT_NEAR(MeanAmbient(ReadMap().gridPoints), full / 2, 1.5);
 }
 
+/// Mean over the points of two grids of the difference of coefficient 0, and of the first one's.
+std::pair<double, double> MeanDifference(const LightGridSH &a, const LightGridSH &b) {
+    double off = 0, sum = 0;
+    for (std::size_t i = 0; i < a.points.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            off += std::abs(double(a.points[i].coeffs[0][c]) - double(b.points[i].coeffs[0][c]));
+            sum += double(a.points[i].coeffs[0][c]);
+        }
+    return {off / double(a.points.size()), sum / double(a.points.size())};
+}
+
+TEST_F(GridFormatsTest, SparseAndBack) {
+    RunWell("-light -fast -shbspx MAP");
+    const Bsp lit = ReadMap();
+    RunWell("-convertgrid -gridformats sparse,shbspx MAP");
+    const Bsp both = ReadMap();
+    ASSERT_TRUE(both.sparseGridSH && both.gridSH);
+    EXPECT_EQ(MeanDifference(*lit.gridSH, *both.gridSH).first, 0);
+    const Outcome sparseOnly = RunWell("-convertgrid -gridformats sparse MAP");
+    const Bsp sparse = ReadMap();
+    EXPECT_EQ(Version(MapBytes()), 46);
+    ASSERT_TRUE(sparse.sparseGridSH && !sparse.gridSH);
+    EXPECT_TRUE(*sparse.sparseGridSH == *both.sparseGridSH) << "it stays";
+    EXPECT_LT(EncodeSparseGrid(*sparse.sparseGridSH).size(), lit.gridSH->points.size() * sizeof(bspGridPointSH_t) / 4);
+
+    RunWell("-convertgrid -gridformats sh,sparse MAP");
+    const Bsp back = ReadMap();
+    ASSERT_TRUE(back.gridSH && back.sparseGridSH);
+    EXPECT_TRUE(*back.sparseGridSH == *sparse.sparseGridSH);
+    EXPECT_EQ(back.gridSH->header.gridBounds, lit.gridSH->header.gridBounds);
+    EXPECT_EQ(back.gridSH->header.gridMins, lit.gridSH->header.gridMins);
+    const auto [off, mean] = MeanDifference(*lit.gridSH, *back.gridSH);
+    EXPECT_LT(off, 0.05 * mean);
+
+    const Outcome coarse = RunWell("-convertgrid -gridformats sh,sparse -sherrortarget 8 MAP");
+    EXPECT_LT(ReadMap().sparseGridSH->points.size(), sparse.sparseGridSH->points.size() / 2);
+    EXPECT_TRUE(coarse.Printed("expected error of interpolation"));
+    RunWell("-convertgrid -gridformats sh,octree MAP");
+    EXPECT_FALSE(ReadMap().sparseGridSH) << "the list names all grids of the map";
+}
+
+TEST_F(GridFormatsTest, SparseOfABakeIsTheAdaptiveOne) {
+    const auto before = MapBytes();
+    RunWell("-light -fast -shadaptive MAP");
+    const Bsp adaptive = ReadMap();
+    ASSERT_TRUE(adaptive.sparseGridSH && !adaptive.gridSH);
+    ReplaceFile(Map(".bsp"), before);
+    RunWell("-light -fast -gridformats sparse,octree MAP");
+    const Bsp listed = ReadMap();
+    ASSERT_TRUE(listed.sparseGridSH && !listed.gridSH);
+    EXPECT_TRUE(*listed.sparseGridSH == *adaptive.sparseGridSH);
+    EXPECT_TRUE(Find(listed, "LIGHTGRID_OCTREE"));
+    RunWell("-light -fast -shadaptive -sh -gridformats grids MAP");
+    EXPECT_TRUE(ReadMap().sparseGridSH && ReadMap().gridSH) << "options that store grids say so too";
+    const Outcome outcome =
+        RunWell("-light -fast -shadaptive -shdering -sherror -shpreview " + (maps_ / "grid.png").string() + " MAP");
+    EXPECT_TRUE(outcome.Printed("CheckSparseGridSH") && !outcome.Printed("CheckGridSH"));
+    EXPECT_TRUE(outcome.Printed("Sparse SH grid: "));
+    EXPECT_TRUE(std::filesystem::exists(maps_ / "grid.png"));
+    EXPECT_TRUE(RunWell("-info MAP").Printed("sparse SH grid"));
+    RunWell("-light -fast MAP");
+    EXPECT_FALSE(ReadMap().sparseGridSH) << "its light would be that of the run before";
+}
+
 TEST_F(GridFormatsTest, Errors) {
     ExpectError("-convertgrid -gridformats shbspx,octree MAP", "no SH light grid");
     ExpectError("-convertgrid MAP", "-convertgrid needs -gridformats LIST");
     ExpectError("-convertgrid -gridformats sh,best MAP", "\"best\" is no format");
     ExpectError("-light -gridformats sh -shbspx MAP", "sh and shbspx exclude each other");
-    ExpectError("-light -gridformats octree -shpreview a.png MAP", "-shpreview needs sh or shbspx");
+    ExpectError("-light -gridformats octree -shpreview a.png MAP", "-shpreview needs sh, shbspx or sparse");
+    ExpectError("-convertgrid -gridformats sh,octree -shbudget 1 MAP", "need sparse in -gridformats");
     RunWell("-light -fast -sh MAP");
     ExpectError("-convertgrid -gridformats octree MAP", "would lose its SH grid");
     ExpectError("-convertgrid -gridformats octree -out MAP MAP", "would lose its SH grid");

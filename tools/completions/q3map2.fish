@@ -300,6 +300,8 @@ complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o dump
 complete -c q3map2 -n 'string match -q -- "* -convertgrid *" (commandline)" "' -o gridformats -r -d 'The formats in which the map has its light grid afterwards'
 complete -c q3map2 -n 'string match -q -- "* -convertgrid *" (commandline)" "' -o out -r -d 'The map to write; files that go beside a map go beside that one'
 complete -c q3map2 -n 'string match -q -- "* -convertgrid *" (commandline)" "' -o gridambientscale -r -d 'Factor of the ambient part of the legacy grid and of raw files'
+complete -c q3map2 -n 'string match -q -- "* -convertgrid *" (commandline)" "' -o sherrortarget -r -d 'Error that sparse may add by interpolation: RMS'
+complete -c q3map2 -n 'string match -q -- "* -convertgrid *" (commandline)" "' -o shbudget -r -d 'Size of the grid of sparse, in place of an error target'
 complete -c q3map2 -n 'string match -q -- "* -convertgrid *" (commandline)" "' -o fixaas -d 'Make bot files beside the map fit the written map'
 complete -c q3map2 -n 'string match -q -- "* -json *" (commandline)" "' -o unpack -d 'Write all lumps as JSON files into maps/x/'
 complete -c q3map2 -n 'string match -q -- "* -json *" (commandline)" "' -o pack -d 'Read these files and write maps/x_json.bsp'

@@ -21,7 +21,7 @@ namespace q3 {
 namespace {
 
 constexpr int kPositions = 4000, kMostTries = 2000000;
-constexpr float kFloorReach = 64; ///< game units
+constexpr float kFloorReach = 64;   ///< game units
 constexpr float kIoquake3Shift = 1; ///< lightmaps are shifted and limited alike, so without
 
 using Shown = std::function<Vec3f(const Vec3f &position, const Vec3f &normal)>; ///< byte scale
@@ -122,7 +122,7 @@ Shown Converted(Bsp bsp, std::string_view word, Log &log) {
         return Evaluated(LegacyReader15::Load(BytesOf(bsp.gridPoints), places, {1, 1, 0, 255, true}));
     if (word == "baked in ioquake3")
         return Evaluated(LegacyReader15::Load(BytesOf(bsp.gridPoints), places, kIoquake3Engine));
-    const auto files = StoreGridFormats(bsp, ParseGridFormats(word), 1, log);
+    const auto files = StoreGridFormats(bsp, ParseGridFormats(word), {}, JobPool(1), log);
     if (word == "legacy")
         return Evaluated(LegacyReader15::Load(BytesOf(bsp.gridPoints), places, kPlainEngine));
     if (word == "legacy-ioq3")

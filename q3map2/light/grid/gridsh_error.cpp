@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Error of the SH grid against exact light.
 #include "q3map2/light/grid/gridsh_error.h"
 
+#include "common/error.h"
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/light/grid/gridsh_dering.h"
 #include "q3map2/light/grid/gridsh_display.h"
@@ -204,27 +205,28 @@ void CompareWithDoubled(const GridInputs &in, const LightGridSH &grid, const std
         error.order = std::clamp(std::log2(error.doubled / fine), kLeast, kMost);
 }
 
-} // namespace
+/// What a grid shows at receivers, and the exact light there.
+struct GridComparison {
+    GridComparison(const GridInputs &in, const shgrid_grid &reader, const std::vector<Light> &lights,
+                   std::size_t receivers);
+    GridSHError Finished() {
+        error.cpuSeconds = double(std::clock() - start) / CLOCKS_PER_SEC;
+        return error;
+    }
 
-GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const std::vector<Light> &lights,
-                          std::size_t receivers) {
-    const std::clock_t start = std::clock();
+    std::clock_t start = std::clock();
+    std::vector<Receiver> found;
+    std::vector<DisplayedLight> exact, shown;
     GridSHError error;
-    const std::vector<Receiver> found = FindReceivers(in.space, receivers);
+};
+
+GridComparison::GridComparison(const GridInputs &in, const shgrid_grid &reader, const std::vector<Light> &lights,
+                               std::size_t receivers)
+    : found(FindReceivers(in.space, receivers)) {
     error.receivers = found.size();
     if (found.empty())
-        return error;
-    const auto &h = grid.header;
-    const shgrid_grid reader{{h.gridMins[0], h.gridMins[1], h.gridMins[2]},
-                             {h.gridSize[0], h.gridSize[1], h.gridSize[2]},
-                             {h.gridBounds[0], h.gridBounds[1], h.gridBounds[2]},
-                             h.numPoints,
-                             reinterpret_cast<const unsigned char *>(grid.points.data()),
-                             0,
-                             0,
-                             nullptr};
+        return;
     const std::vector<bspGridPointSH_t> points = ExactPoints(in, lights, found);
-    std::vector<DisplayedLight> exact, shown;
     Differences differences;
     for (std::size_t i = 0; i < found.size(); ++i) {
         const float position[3] = {found[i].position.x, found[i].position.y, found[i].position.z};
@@ -237,9 +239,45 @@ GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const s
     error.rms = differences.Rms();
     error.percentile95 = differences.Percentile95();
     error.leak = LeakShare(exact, shown);
-    CompareWithDoubled(in, grid, found, exact, shown, error);
-    error.cpuSeconds = double(std::clock() - start) / CLOCKS_PER_SEC;
-    return error;
+}
+
+/// False: there are none.
+bool PrintReceivers(const GridSHError &error, Log &log) {
+    if (error.receivers == 0) {
+        log.Print("No position is {} units clear of solids: nothing to check\n", kPlayerHalfSize);
+        return false;
+    }
+    log.Count((long long)(error.receivers), "receivers that a player can be in, 26 directions each");
+    log.Print("{:9.2f} of 255 is the error of displayed light (RMS)\n", error.rms);
+    return true;
+}
+
+} // namespace
+
+GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const std::vector<Light> &lights,
+                          std::size_t receivers) {
+    const auto &h = grid.header;
+    const shgrid_grid reader{{h.gridMins[0], h.gridMins[1], h.gridMins[2]},
+                             {h.gridSize[0], h.gridSize[1], h.gridSize[2]},
+                             {h.gridBounds[0], h.gridBounds[1], h.gridBounds[2]},
+                             h.numPoints,
+                             reinterpret_cast<const unsigned char *>(grid.points.data()),
+                             0,
+                             0,
+                             nullptr};
+    GridComparison comparison(in, reader, lights, receivers);
+    if (comparison.error.receivers > 0)
+        CompareWithDoubled(in, grid, comparison.found, comparison.exact, comparison.shown, comparison.error);
+    return comparison.Finished();
+}
+
+GridSHError MeasureSparseGrid(const GridInputs &in, const SparseGridSH &grid, const std::vector<Light> &lights,
+                              std::size_t receivers) {
+    const std::vector<std::byte> lump = EncodeSparseGrid(grid);
+    shgrid_grid reader;
+    if (const shgrid_result result = shgrid_parse(lump.data(), lump.size(), &reader); result != SHGRID_OK)
+        throw Error("sparse SH light grid: {}", shgrid_message(result));
+    return GridComparison(in, reader, lights, receivers).Finished();
 }
 
 Float3 CellOfHalfError(const Float3 &cell, const GridSHError &error) {
@@ -251,12 +289,8 @@ Float3 CellOfHalfError(const Float3 &cell, const GridSHError &error) {
 
 void PrintGridSHError(const GridSHError &error, const Float3 &cell, const Float3 &legacyCell, Log &log) {
     log.Section("CheckGridSH");
-    if (error.receivers == 0) {
-        log.Print("No position is {} units clear of solids: nothing to check\n", kPlayerHalfSize);
+    if (!PrintReceivers(error, log))
         return;
-    }
-    log.Count((long long)(error.receivers), "receivers that a player can be in, 26 directions each");
-    log.Print("{:9.2f} of 255 is the error of displayed light (RMS)\n", error.rms);
     log.Print("{:9.2f} of 255: 95 % of it is under this; under {:.2f} with doubled cells\n", error.percentile95,
               error.doubled);
     log.Print("{:9.2f} % of these receivers are dark and shown lit (leaks)\n", 100 * error.leak);
@@ -271,6 +305,15 @@ void PrintGridSHError(const GridSHError &error, const Float3 &cell, const Float3
     else
         log.Print("95 % would be under half of that: -gridsh {} {} {} or -gridscalesh {:.3g}\n", finer[0], finer[1],
                   finer[2], std::cbrt(scale));
+    log.Print("{:9.2f} CPU seconds for the check\n", error.cpuSeconds);
+}
+
+void PrintSparseGridError(const GridSHError &error, Log &log) {
+    log.Section("CheckSparseGridSH");
+    if (!PrintReceivers(error, log))
+        return;
+    log.Print("{:9.2f} of 255: 95 % of it is under this\n", error.percentile95);
+    log.Print("{:9.2f} % of these receivers are dark and shown lit (leaks)\n", 100 * error.leak);
     log.Print("{:9.2f} CPU seconds for the check\n", error.cpuSeconds);
 }
 

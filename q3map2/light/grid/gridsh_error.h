@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Error of the SH grid against exact light, where players can be.
 #pragma once
 
+#include "q3map2/bspfile/sparse_grid.h"
 #include "q3map2/light/grid/light_grid.h"
 #include "q3map2/light/sources/light_sources.h"
 
@@ -26,11 +27,17 @@ struct GridSHError {
 GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const std::vector<Light> &lights,
                           std::size_t receivers = 2000);
 
+/// The same of a sparse grid; `doubled` and `order` are not set.
+GridSHError MeasureSparseGrid(const GridInputs &in, const SparseGridSH &grid, const std::vector<Light> &lights,
+                              std::size_t receivers = 2000);
+
 /// Cell size at which percentile95 would be about half: whole units, at least 8. Not the RMS, which is dominated by a
 /// few receivers close to bright lamps, where smaller cells do not help.
 Float3 CellOfHalfError(const Float3 &cell, const GridSHError &error);
 
 /// Prints the error for mappers, with the options that would halve it.
 void PrintGridSHError(const GridSHError &error, const Float3 &cell, const Float3 &legacyCell, Log &log);
+/// The same of a sparse grid.
+void PrintSparseGridError(const GridSHError &error, Log &log);
 
 } // namespace q3

@@ -6,6 +6,7 @@
 #include "q3map2/light/grid/gridsh_smooth.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace q3 {
 
@@ -16,20 +17,25 @@ constexpr std::int64_t kMaxPointsSH = (0x7fffffffll - 40) / 108;
 
 } // namespace
 
+GridLayout LayoutGridSH(const Bsp &bsp, Float3 size) {
+    const bspModel_t &model = bsp.models.front();
+    GridLayout layout = LayoutGrid(model.mins, model.maxs, size);
+    while (layout.Count() > kMaxPointsSH) {
+        for (float &axis : size)
+            axis += kMinCell;
+        layout = LayoutGrid(model.mins, model.maxs, size);
+    }
+    return layout;
+}
+
 GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOptions &options, Log &log) {
     Float3 size{};
     for (std::size_t i = 0; i < 3; ++i) {
         const float wanted = options.gridSizeSH ? (*options.gridSizeSH)[i] : legacySize[i] / options.gridScaleSH;
         size[i] = std::max(kMinCell, wanted);
     }
-    const bspModel_t &model = bsp.models.front();
-    GridLayout layout = LayoutGrid(model.mins, model.maxs, size);
-    const Float3 asked = size;
-    while (layout.Count() > kMaxPointsSH) {
-        for (float &axis : size)
-            axis += kMinCell;
-        layout = LayoutGrid(model.mins, model.maxs, size);
-    }
+    const GridLayout layout = LayoutGridSH(bsp, size);
+    const Float3 asked = std::exchange(size, layout.size);
     if (size != asked)
         log.Warn("SH grid size",
                  "an SH grid with cells of {} {} {} exceeds the 2 GiB limit of a lump; {} {} {} is used", asked[0],

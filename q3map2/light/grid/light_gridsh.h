@@ -9,8 +9,9 @@
 
 namespace q3 {
 
-/// SH grid: -gridsh or the legacy cell size divided by -gridscalesh, at least 8, enlarged until the lump stays under
-/// 2^31 bytes.
+/// Points of an SH grid of that cell, which is enlarged until the lump stays under 2^31 bytes.
+GridLayout LayoutGridSH(const Bsp &bsp, Float3 size);
+/// SH grid: -gridsh or the legacy cell size divided by -gridscalesh, at least 8, enlarged as LayoutGridSH does.
 GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOptions &options, Log &log);
 
 /// Traces the SH grid, and then light between its points. Keeps references.

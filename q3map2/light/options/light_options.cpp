@@ -55,9 +55,9 @@ void CheckCombinations(const LightOptions &o) {
                                                          {"-shpreview", !o.previewFile.empty()}};
     for (const auto &[name, given] : wantsSH)
         if (given && !o.sh && !o.shAdaptive)
-            throw Error("{} needs -sh", name);
+            throw Error("{} needs -sh or -shadaptive", name);
     if (o.cubesFromSH && !o.sh && !o.shAdaptive)
-        throw Error("-ambientcubesfrom sh needs -sh");
+        throw Error("-ambientcubesfrom sh needs -sh or -shadaptive");
     if (o.textureShadows && !o.staticPropPolys)
         throw Error("-textureshadows needs -staticproppolys");
     if (o.staticPropFiles && !o.staticPropLighting)

@@ -82,33 +82,34 @@ Group SparseGridSH() {
         o.shErrorTarget = float(v.numbers[0]);
     };
     const auto budget = [](LightOptions &o, const Values &v) { o.shBudget = v.numbers[0] * 1e6; };
-    return {"Sparse SH light grid",
-            "Cells down to 8 units where the light needs them, large ones elsewhere: "
-            "[light_grid_sh.md](light_grid_sh.md#the-sparse-grid).",
-            {{{.name = "-shadaptive",
-               .help = "Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore",
-               .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
-                          "sparse grid that the file had."},
-              &LightOptions::shAdaptive},
-             {{.name = "-sherrortarget",
-               .values = "BYTES",
-               .kind = SettingKind::Number,
-               .unit = "255ths",
-               .initial = "1.5",
-               .range = {0.05, 64},
-               .help = "Error that the interpolation of the sparse grid may have on a screen: RMS; includes -shadaptive",
-               .details = "Cells are split while the expected error is above it. Half of it takes about three times "
-                          "the bytes: [accuracy.md](accuracy.md#error-against-bytes)."},
-              Do<LightOptions>(target)},
-             {{.name = "-shbudget",
-               .values = "MB",
-               .kind = SettingKind::Number,
-               .unit = "million bytes",
-               .initial = "none",
-               .range = {0.01, 2000},
-               .help = "Size of the sparse grid, in place of an error target; includes -shadaptive",
-               .details = "The least error that fits."},
-              Do<LightOptions>(budget)}}};
+    return {
+        "Sparse SH light grid",
+        "Cells down to 8 units where the light needs them, large ones elsewhere: "
+        "[light_grid_sh.md](light_grid_sh.md#the-sparse-grid).",
+        {{{.name = "-shadaptive",
+           .help = "Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore",
+           .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
+                      "sparse grid that the file had."},
+          &LightOptions::shAdaptive},
+         {{.name = "-sherrortarget",
+           .values = "BYTES",
+           .kind = SettingKind::Number,
+           .unit = "255ths",
+           .initial = "1.5",
+           .range = {0.05, 64},
+           .help = "Error that the interpolation of the sparse grid may have on a screen: RMS; includes -shadaptive",
+           .details = "Cells are split while the expected error is above it. Half of it takes about three times "
+                      "the bytes: [accuracy.md](accuracy.md#error-against-bytes)."},
+          Do<LightOptions>(target)},
+         {{.name = "-shbudget",
+           .values = "MB",
+           .kind = SettingKind::Number,
+           .unit = "million bytes",
+           .initial = "none",
+           .range = {0.01, 2000},
+           .help = "Size of the sparse grid, in place of an error target; includes -shadaptive",
+           .details = "The least error that fits."},
+          Do<LightOptions>(budget)}}};
 }
 
 Group QualityOfGridSH() {
@@ -123,13 +124,15 @@ Group QualityOfGridSH() {
            .details =
                "Where a channel of a point is below zero in some direction, its bands 1 and 2 are scaled by the least "
                "window that leaves no negative value (Sloan 2008); the mean and all other points stay. Interpolated "
-               "values are then nowhere negative either. Needs `-sh`, `-shbspx` or `-shradiance`."},
+               "values are then nowhere negative either; a sparse grid rounds its values, so a little is left. Needs "
+               "`-sh`, "
+               "`-shbspx`, `-shradiance` or `-shadaptive`."},
           &LightOptions::shDering},
          {{.name = "-sherror",
            .help = "Compare the grid with exact light and print its error, after baking",
            .details = "At 2000 random positions that a player can reach: the error of displayed light, the share of "
-                      "light leaks, and the cell size that would halve the error. Needs `-sh`, `-shbspx` or "
-                      "`-shradiance`."},
+                      "light leaks, and, of the uniform grid, the cell size that would halve the error. Needs `-sh`, "
+                      "`-shbspx`, `-shradiance` or `-shadaptive`."},
           &LightOptions::shError},
          {{.name = "-shfit",
            .values = "[N]",
@@ -498,8 +501,8 @@ Group Ignored() {
 } // namespace
 
 std::vector<SettingGroup<LightOptions>> LightSettings() {
-    return {GridSH(),   SparseGridSH(),   QualityOfGridSH(), AmbientCubes(), Skips(),       Intensities(), Falloff(), Tone(),
-            ColorSpaces(), Speed(),           Rays(),         StaticProps(), BotFiles(),    Ignored()};
+    return {GridSH(), SparseGridSH(), QualityOfGridSH(), AmbientCubes(), Skips(),       Intensities(), Falloff(),
+            Tone(),   ColorSpaces(),  Speed(),           Rays(),         StaticProps(), BotFiles(),    Ignored()};
 }
 
 } // namespace q3

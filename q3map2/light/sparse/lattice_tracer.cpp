@@ -39,13 +39,14 @@ void LatticeTracer::Light(LatticePoints &points, std::size_t first, GridStats &s
     for (const auto &[code, number] : order)
         numbers.push_back(number);
     const auto bricks = std::int64_t((numbers.size() + kTraced - 1) / kTraced);
-    RunBricks(
-        in_, bricks, stats,
-        [&](std::int64_t brick, GridStats &work) {
-            const std::size_t from = std::size_t(brick) * kTraced;
-            Trace(points, std::span(numbers).subspan(from, std::min(kTraced, numbers.size() - from)), work);
-        },
-        ShowProgress::No);
+    std::vector<GridStats> work(std::size_t(in_.jobs.Threads()));
+    in_.jobs.For(bricks, [&](std::int64_t brick, int worker) { // without progress: one of many short passes
+        const std::size_t from = std::size_t(brick) * kTraced;
+        Trace(points, std::span(numbers).subspan(from, std::min(kTraced, numbers.size() - from)),
+              work[std::size_t(worker)]);
+    });
+    for (const GridStats &part : work)
+        stats.Add(part);
 }
 
 void LatticeTracer::Trace(LatticePoints &points, std::span<const std::uint32_t> numbers, GridStats &work) const {

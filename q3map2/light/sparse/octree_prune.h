@@ -8,6 +8,7 @@ namespace q3 {
 /// What a pruned octree costs and shows.
 struct PrunedOctree {
     std::size_t leafs = 0; ///< with open space; about as many as points that are stored
+    double volume = 0;     ///< open, in smallest cells
     double error = 0;      ///< expected RMS of the displayed error over the open volume, bytes
     double reducible = 0;  ///< the same without the smallest cells, which cannot be split
 };

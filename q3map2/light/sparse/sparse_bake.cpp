@@ -6,6 +6,7 @@
 #include "q3map2/light/sparse/octree_refine.h"
 #include "q3map2/light/sparse/sparse_tree.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -22,6 +23,8 @@ constexpr float kLeafsPerSplit = 7;
 /// logarithmic scale between that of refinement and kMostPrice times that.
 constexpr float kFinestPrice = 1.0f / 64, kHighestPrice = 1e9f, kMostPrice = 65536;
 constexpr int kBisections = 14;
+/// Refinement to an error ends where a leaf reduces the squared error by less than this share of the mean of all leafs.
+constexpr double kLeastGain = 0.25;
 /// The price of a leaf grows by this factor while the lump exceeds its budget.
 constexpr float kPriceStep = 1.15f;
 /// Without a budget the lump has at most about this share of the bytes of the uniform grid, whatever its error: where
@@ -40,12 +43,15 @@ class SparsePlan {
         refiner_.Start(uniform);
         mostBytes_ = kMostOfUniform * double(uniform.points.size() * sizeof(bspGridPointSH_t));
     }
+    /// Removes negative lobes from the values of the grid. radiance: they are not convolved with the cosine.
+    void Dering(bool radiance) { deringRadiance_ = radiance; }
     /// Splits cells until pruning can meet the goal.
     void Refine(const LatticeTracer &tracer, GridStats &work) {
         for (float threshold = kFirstThreshold; threshold > kLeastThreshold; threshold /= kFiner) {
             refiner_.Refine(threshold, tracer, work);
             leastPrice_ = threshold / kLeafsPerSplit;
-            if (IsFine(Pruned(leastPrice_).second))
+            const PrunedOctree pruned = Pruned(leastPrice_).second;
+            if (IsFine(pruned) || (!goal_.budget && GainsLittle(pruned)))
                 return;
         }
     }
@@ -64,6 +70,10 @@ class SparsePlan {
         const double bytes = double(pruned.leafs) * kBytesPerLeaf;
         return goal_.budget ? bytes >= *goal_.budget : pruned.reducible <= double(goal_.error) || bytes >= mostBytes_;
     }
+    /// Whether further leafs hardly reduce the error: what is left is in the smallest cells, beside lamps.
+    bool GainsLittle(const PrunedOctree &pruned) const {
+        return double(leastPrice_) * double(pruned.leafs) < kLeastGain * pruned.error * pruned.error * pruned.volume;
+    }
     /// Highest price of a leaf at which the pruned tree is still fine.
     float FindPrice() const {
         float low = leastPrice_, high = leastPrice_ * kMostPrice;
@@ -76,8 +86,16 @@ class SparsePlan {
     SparseGridSH GridOf(const PrunedTree &pruned, SparseStats &result) const {
         CornerWeights corners(pruned.first, light_);
         const std::vector<ShFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_);
-        SparseGridSH grid = PackSparseGrid(MakeSparseTree(pruned.first, light_, corners, lattice_, values));
-        result = {pruned.second.leafs, grid.points.size(), EncodeSparseGrid(grid).size(), pruned.second.error};
+        SparseGridTree tree = MakeSparseTree(pruned.first, light_, corners, lattice_, values);
+        DeringStats dering;
+        for (bspGridPointSH_t &value : tree.values)
+            if (deringRadiance_) {
+                const DeringStats changed = DeringPoint(value, *deringRadiance_);
+                dering.points += changed.points;
+                dering.largestChange = std::max(dering.largestChange, changed.largestChange);
+            }
+        SparseGridSH grid = PackSparseGrid(tree);
+        result = {pruned.second.leafs, grid.points.size(), EncodeSparseGrid(grid).size(), pruned.second.error, dering};
         return grid;
     }
 
@@ -87,8 +105,9 @@ class SparsePlan {
     LatticePoints light_;
     Octree tree_;
     OctreeRefiner refiner_;
-    double mostBytes_ = 0;            ///< without a budget: where refinement ends
-    float leastPrice_ = kFinestPrice; ///< of a leaf; below it the tree was not refined
+    std::optional<bool> deringRadiance_; ///< see Dering; none: values stay
+    double mostBytes_ = 0;               ///< without a budget: where refinement ends
+    float leastPrice_ = kFinestPrice;    ///< of a leaf; below it the tree was not refined
 };
 
 SparseGridSH SparsePlan::Grid(SparseStats &result) {
@@ -111,6 +130,8 @@ SparseGridSH BakeSparseGrid(const GridInputs &in, const SmoothLight &light, cons
     const SparseLattice lattice(uniform.header);
     const LatticeTracer tracer(in, light, lattice);
     SparsePlan plan(in.space, in.jobs, lattice, goal);
+    if (in.options.shDering)
+        plan.Dering(in.options.shRadiance);
     plan.Start(uniform);
     plan.Refine(tracer, work);
     return plan.Grid(result);
@@ -122,6 +143,21 @@ SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform
     SparsePlan plan(space, jobs, lattice, goal);
     plan.Start(uniform);
     return plan.Grid(result);
+}
+
+void PrintSparseStats(const SparseStats &stats, const SparseGoal &goal, Log &log) {
+    log.Count((long long)(stats.leafs), "cells with open space");
+    log.Count((long long)(stats.stored), "points");
+    log.Print("{:9.2f} MB\n", double(stats.bytes) / 1e6);
+    log.Print("{:9.2f} of 255 is the expected error of interpolation\n", stats.error);
+    constexpr double kShown = 1.1; // the price of leafs is found in steps
+    if (!goal.budget && stats.error > kShown * double(goal.error))
+        log.Print("That is above the {:g} that was asked for, since smaller cells would hardly reduce it\n",
+                  goal.error);
+    if (goal.budget && double(stats.bytes) > *goal.budget)
+        log.Warn("SH grid budget",
+                 "the sparse SH grid has {:.2f} MB with its largest cells, more than the {:g} of -shbudget",
+                 double(stats.bytes) / 1e6, *goal.budget / 1e6);
 }
 
 } // namespace q3

@@ -26,10 +26,12 @@ SparseLattice::SparseLattice(const bspGridSHHeader_t &uniform) : uniform_(unifor
     for (std::size_t axis = 0; axis < 3; ++axis) {
         // One cell of the uniform grid to spare on each side: the world may reach beyond its points.
         const float origin = uniform.gridMins[axis], cell = size[axis];
-        mins_[axis] = root[axis] * std::floor((origin - cell) / root[axis]);
+        const auto rootsBefore = std::int32_t(std::floor((origin - cell) / root[axis]));
+        // Grids of maps that were moved have points beside the multiples of their cell.
+        first_[axis] = (std::int32_t(std::lround(origin / cell)) << baseLevel_) - (rootsBefore << levels_);
+        mins_[axis] = origin - cell_[axis] * float(first_[axis]);
         const float end = origin + cell * float(uniform.gridBounds[axis]);
         roots_[axis] = std::int32_t(std::floor((end - mins_[axis]) / root[axis])) + 1;
-        first_[axis] = std::int32_t(std::lround((origin - mins_[axis]) / cell_[axis]));
     }
 }
 
