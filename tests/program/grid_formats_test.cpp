@@ -179,7 +179,7 @@ TEST_F(GridFormatsTest, SparseAndBack) {
     EXPECT_EQ(Version(MapBytes()), 46);
     ASSERT_TRUE(sparse.sparseGridSH && !sparse.gridSH);
     EXPECT_TRUE(*sparse.sparseGridSH == *both.sparseGridSH) << "it stays";
-    EXPECT_LT(EncodeSparseGrid(*sparse.sparseGridSH).size(), lit.gridSH->points.size() * sizeof(bspGridPointSH_t) / 4);
+    EXPECT_LT(EncodeSparseGrid(*sparse.sparseGridSH).size(), lit.gridSH->points.size() * sizeof(bspGridPointSH_t) / 2);
 
     RunWell("-convertgrid -gridformats sh,sparse MAP");
     const Bsp back = ReadMap();
@@ -191,7 +191,7 @@ TEST_F(GridFormatsTest, SparseAndBack) {
     EXPECT_LT(off, 0.05 * mean);
 
     const Outcome coarse = RunWell("-convertgrid -gridformats sh,sparse -sherrortarget 8 MAP");
-    EXPECT_LT(ReadMap().sparseGridSH->points.size(), sparse.sparseGridSH->points.size() / 2);
+    EXPECT_LT(ReadMap().sparseGridSH->points.size(), sparse.sparseGridSH->points.size() * 3 / 4);
     EXPECT_TRUE(coarse.Printed("expected error of interpolation"));
     RunWell("-convertgrid -gridformats sh,octree MAP");
     EXPECT_FALSE(ReadMap().sparseGridSH) << "the list names all grids of the map";
