@@ -17,6 +17,11 @@ struct GridLayout {
     std::int64_t Index(std::int64_t x, std::int64_t y, std::int64_t z) const {
         return x + bounds[0] * (y + bounds[1] * z);
     }
+    /// x, y and z of a point by its number in the lump.
+    Int3 Coordinates(std::int64_t index) const {
+        const std::int64_t row = index / bounds[0];
+        return {int(index % bounds[0]), int(row % bounds[1]), int(row / bounds[1])};
+    }
     /// World position of point (x, y, z), in float arithmetic as engines do it.
     Float3 Position(int x, int y, int z) const {
         return {mins[0] + float(x) * size[0], mins[1] + float(y) * size[1], mins[2] + float(z) * size[2]};

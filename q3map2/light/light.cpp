@@ -195,13 +195,21 @@ std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const Indir
 
 namespace {
 
+/// Factor of the number of rays at points between those of the uniform grid: the error of interpolation is larger than
+/// their noise.
+constexpr float kSparseSamples = 0.5f;
+
 /// The sparse grid of a uniform one that is not deringed.
-SparseGridSH BakeSparse(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH &uniform, Log &log,
-                        GridStats &stats) {
+SparseGridSH BakeSparse(const GridInputs &all, const std::vector<Light> &lights, const WeakField *weak,
+                        const LightGridSH &uniform, Log &log, GridStats &stats) {
     log.Section("TraceSparseGridSH");
-    const LightOptions &options = in.options;
+    LightOptions options = all.options;
+    options.shSamples *= kSparseSamples;
+    const GridInputs in{all.space, all.scene, options, all.world, all.jobs, log, all.indirect};
+    const ProbeIntegrator integrator(in, lights);
+    const SmoothLight light(integrator, weak);
     SparseStats sparse;
-    SparseGridSH grid = BakeSparseGrid(in, lights, uniform, {options.shErrorTarget, options.shBudget}, stats, sparse);
+    SparseGridSH grid = BakeSparseGrid(in, light, uniform, {options.shErrorTarget, options.shBudget}, stats, sparse);
     log.Count((long long)(sparse.leafs), "cells with open space");
     log.Count((long long)(sparse.stored), "points");
     log.Print("{:9.2f} MB\n", double(sparse.bytes) / 1e6);
@@ -222,7 +230,8 @@ BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     const GridLayout layout = SetupGridSH(setup.bsp, setup.layout.size, options, log);
     const std::vector<Light> lights = LightsForSH(setup, log);
     const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
-    BakedGridSH baked{TraceGridSH(in, layout, lights, stats), {}};
+    GridSHTracer tracer(in, layout, lights);
+    BakedGridSH baked{tracer.TraceGridSH(stats), {}};
     GridStats shown = stats; // prints the counts of points that -info finds in the file, not those of this pass
     const GridShares shares = CountGridShares(setup.bsp, baked.uniform);
     shown.open = std::int64_t(shares.open);
@@ -230,7 +239,7 @@ BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     shown.moved = 0;
     shown.Print(log);
     if (options.shAdaptive)
-        baked.sparse = BakeSparse(in, lights, baked.uniform, log, stats);
+        baked.sparse = BakeSparse(in, lights, tracer.Weak(), baked.uniform, log, stats);
     if (options.shDering) {
         const DeringStats changed = DeringGridSH(baked.uniform, options.shRadiance, jobs);
         log.Count(changed.points, "points rid of negative lobes");

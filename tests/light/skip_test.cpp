@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <random>
 
 #include <fmt/format.h>
 
@@ -12,6 +14,7 @@ namespace {
 
 class SkipTest : public LightTest {
   protected:
+    SkipTest() { traceAll = false; }
     /// A room with a square lamp of that half width, 24 units under the middle of its ceiling.
     SceneBuilder CeilingLamp(const Vec3f &mins, const Vec3f &maxs, float half, int value) {
         Script(fmt::format("textures/test/lamp\n{{\n\tq3map_surfacelight {}\n\tq3map_backsplash 0 0\n\t{{\n\t\tmap "
@@ -108,12 +111,69 @@ TEST_F(SkipTest, DimLightsWhereNeighborsAgree) {
     EXPECT_EQ(result.gridSH.counts.skippedCoarse, 0u) << "only of fast grids";
 }
 
+/// A hall of rooms along x, each with dim lamps and pillars; a lamp smaller than a cell in every tenth, walls with
+/// slits between them. Many dim lights cast shadows everywhere.
+SceneBuilder RoomsOfDimLights() {
+    SceneBuilder scene = Room({-2560, -256, 0}, {2560, 256, 256});
+    const SceneShader wall = TestShader("textures/test/wall");
+    for (int room = 0; room < 20; ++room) {
+        const float x = -2560 + 256.0f * float(room);
+        if (room > 0) { // a wall with a slit of 8 units
+            scene.AddBox({x - 8, -256, 0}, {x + 8, -4, 256}, wall);
+            scene.AddBox({x - 8, 4, 0}, {x + 8, 256, 256}, wall);
+        }
+        scene.AddBox({x + 100, 90, 0}, {x + 130, 120, 256}, wall, BoxKind::Detail);
+        for (const int y : {-200, 200})
+            scene.AddEntity(MakeEntity("light", {{"origin", fmt::format("{} {} 230", x + 64, y)}, {"light", "20"}}));
+        if (room % 10 == 3)
+            scene.AddEntity(MakeEntity("light", {{"origin", fmt::format("{} 17 61", x + 147)}, {"light", "2"}}));
+    }
+    return scene;
+}
+
+TEST_F(SkipTest, DimLightWhereItIsSmooth) {
+    const SceneBuilder scene = RoomsOfDimLights();
+    const GridView skipped = LitGrid(scene);
+    EXPECT_GT(result.gridSH.skippedSmooth, skipped.Count() / 8);
+    const std::uint64_t rays = result.gridSH.counts.rays;
+    const GridView all = LitGrid(scene, "-noskipsmooth");
+    EXPECT_EQ(result.gridSH.skippedSmooth, 0u);
+    EXPECT_LT(rays, result.gridSH.counts.rays);
+    // At random places, also between points: 99.9 % within three times the tolerance of 1.5 bytes.
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> x(-2540, 2540), y(-230, 230), z(16, 240);
+    std::vector<double> errors;
+    for (int i = 0; i < 5000; ++i) {
+        const Vec3d p{x(random), y(random), z(random)};
+        const Coefficients a = skipped.Sample(p), b = all.Sample(p);
+        double most = 0;
+        for (const Vec3d &normal : Normals()) {
+            const Vec3d la = Evaluate(a, normal), lb = Evaluate(b, normal);
+            for (std::size_t c = 0; c < 3; ++c)
+                most = std::max(most, std::abs(std::clamp(la[c], 0.0, 1.0) - std::clamp(lb[c], 0.0, 1.0)) * 255);
+        }
+        errors.push_back(most);
+    }
+    std::sort(errors.begin(), errors.end());
+    EXPECT_LE(errors[errors.size() * 999 / 1000], 3 * 1.5) << "99.9 %";
+    EXPECT_LE(errors[errors.size() / 2], 1.5) << "median";
+}
+
+TEST_F(SkipTest, SmoothLightIsTheSameForAnyNumberOfThreads) {
+    const SceneBuilder scene = RoomsOfDimLights();
+    const GridView one(Lit(scene, "", 1)), five(Lit(scene, "", 5));
+    EXPECT_GT(result.gridSH.skippedSmooth, 0u);
+    ASSERT_EQ(one.Count(), five.Count());
+    EXPECT_EQ(std::memcmp(one.Grid().points.data(), five.Grid().points.data(), one.Count() * sizeof(bspGridPointSH_t)),
+              0);
+}
+
 TEST_F(SkipTest, SwitchForAllTurnsEachOff) {
     LitGrid(TwoRooms(), "-noskip");
     const GridStats &work = result.gridSH;
     EXPECT_EQ(work.skippedReach + work.skippedPvs + work.skippedFaint + work.counts.skippedPvs +
                   work.counts.skippedFaint + work.counts.skippedMoments + work.counts.skippedProbes +
-                  work.counts.skippedCoarse,
+                  work.counts.skippedCoarse + work.skippedSmooth,
               0u);
 }
 

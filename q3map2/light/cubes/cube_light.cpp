@@ -176,15 +176,16 @@ CubeSides Finish(const GridInputs &in, SideSums sides) {
 } // namespace
 
 CubeIntegrator::CubeIntegrator(const GridInputs &in, const std::vector<Light> &lights)
-    : in_(in), lighting_(in, lights, true) {}
+    : in_(in), lighting_(in, lights, true, false) {}
 
 std::vector<CubeSides> CubeIntegrator::Sides(std::vector<ReceiverBatch> &blocks, std::uint64_t seed,
                                              GridStats &work) const {
     std::vector<std::array<SideSums, kPacketSize>> sums(blocks.size());
-    lighting_.Trace(blocks, seed, work, [&](const BrickLight &one, const std::vector<ProbeIncidentLight> &incident) {
+    const auto add = [&](const BrickLight &one, const std::vector<ProbeIncidentLight> &incident) {
         for (std::size_t block = 0; block < blocks.size(); ++block)
             AddLight(*one.light, one.weight, blocks[block], incident[block], sums[block]);
-    });
+    };
+    lighting_.Trace(blocks, seed, LightPart::Whole, work, add);
     const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
     std::vector<CubeSides> all;
     for (std::size_t block = 0; block < blocks.size(); ++block)

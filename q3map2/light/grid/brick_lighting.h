@@ -12,24 +12,34 @@ namespace q3 {
 /// several threads. Keeps references.
 class BrickLighting {
   public:
-    /// lights: from SetupEnvelopes for the SH grid. radiance: as LightSettings::radiance.
-    BrickLighting(const GridInputs &in, const std::vector<Light> &lights, bool radiance)
+    /// lights: from SetupEnvelopes for the SH grid. radiance: as LightSettings::radiance. split: lights are split into
+    /// a weak and a strong part.
+    BrickLighting(const GridInputs &in, const std::vector<Light> &lights, bool radiance, bool split)
         : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
                                               .sunOnly = in.options.sunOnly,
                                               .radiance = radiance,
                                               .samples = in.options.shSamples,
                                               .skip = in.options.skip},
-          faint_(kFaint / in.options.shSamples) {}
+          faint_(kFaint / in.options.shSamples) {
+        if (split)
+            settings_.weakBelow =
+                std::max(kWeakBelow / (in.options.gridScale > 0 ? in.options.gridScale : 1), 2 * faint_);
+    }
+    bool Splits() const { return settings_.weakBelow > 0; }
 
-    /// Calls use(light, incident) for each light that may reach the blocks of a brick. incident: its light at the
-    /// receivers, by block. seed: of the random choice among faint lights, which is the same for all blocks.
+    /// LightPart::Strong needs split lights. Calls use(light, incident) for each light that may reach the blocks of a
+    /// brick. incident: its light at the receivers, by block. seed: of the random choice among faint lights, which is
+    /// the same for all blocks.
     template <typename Use>
-    void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work, const Use &use) const {
+    void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part, GridStats &work,
+               const Use &use) const {
         StartFaintResiduals(blocks, faint_);
         std::vector<ProbeIncidentLight> incident(blocks.size());
-        const BrickLights candidates(lights_, BrickView(blocks), seed, faint_, in_.options.skip, work);
+        const float least = part == LightPart::Strong ? settings_.weakBelow / 2 : -1;
+        const BrickLights candidates(lights_, BrickView(blocks), {seed, faint_, least}, in_.options.skip, work);
         LightSettings pass = settings_;
         pass.faint = candidates.Many() ? faint_ : 0;
+        pass.part = part;
         for (const BrickLight &one : candidates.List()) {
             LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, incident, work.counts);
             use(one, incident);
@@ -40,6 +50,10 @@ class BrickLighting {
     /// Lights that give less than this at every point of a brick, and area lights that give less at every point of a
     /// block, are represented by a random few. Byte scale: a quarter of the smallest step that a screen can show.
     static constexpr float kFaint = 1.0f / 4;
+
+    /// Limit of weak lights on a screen, see ShareOfPart: higher saves rays, lower saves points that must be traced
+    /// since the weak light is not smooth there. Byte scale.
+    static constexpr float kWeakBelow = 8;
 
     const GridInputs &in_;
     BrickCandidates lights_;

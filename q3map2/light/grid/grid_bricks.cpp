@@ -7,12 +7,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <optional>
 
 namespace q3 {
 
 namespace {
 
-constexpr std::array<int, 3> kBrick = {8, 8, 4};
 constexpr std::array<int, 3> kBlock = {4, 2, 2};
 /// A one-sided area light gives nothing, in either grid, to points farther than this behind the plane through its
 /// origin; that plane is 1 unit in front of the surface. Game units.
@@ -42,26 +43,26 @@ bool CanReach(const BrickCandidates::Reach &light, const BrickView &brick) {
 
 } // namespace
 
-GridBricks::GridBricks(const GridLayout &layout) : layout_(layout) {
+GridBricks::GridBricks(const GridLayout &layout, const Int3 &brick) : layout_(layout), brick_(brick) {
     count_ = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        bricks_[axis] = (layout.bounds[axis] + kBrick[axis] - 1) / kBrick[axis];
+        bricks_[axis] = (layout.bounds[axis] + brick_[axis] - 1) / brick_[axis];
         count_ *= bricks_[axis];
     }
 }
 
 std::vector<BrickPoint> GridBricks::Points(std::int64_t brick) const {
-    const int origin[3] = {int(brick % bricks_[0]) * kBrick[0], int(brick / bricks_[0] % bricks_[1]) * kBrick[1],
-                           int(brick / bricks_[0] / bricks_[1]) * kBrick[2]};
+    const int origin[3] = {int(brick % bricks_[0]) * brick_[0], int(brick / bricks_[0] % bricks_[1]) * brick_[1],
+                           int(brick / bricks_[0] / bricks_[1]) * brick_[2]};
     std::vector<BrickPoint> points;
-    const int total = kBrick[0] * kBrick[1] * kBrick[2], inBlock = kBlock[0] * kBlock[1] * kBlock[2];
+    const int total = brick_[0] * brick_[1] * brick_[2], inBlock = kBlock[0] * kBlock[1] * kBlock[2];
     points.reserve(std::size_t(total));
     for (int i = 0; i < total; ++i) {
         const int block = i / inBlock, inside = i % inBlock;
-        const int x = origin[0] + block % (kBrick[0] / kBlock[0]) * kBlock[0] + inside % kBlock[0];
-        const int rest = block / (kBrick[0] / kBlock[0]);
-        const int y = origin[1] + rest % (kBrick[1] / kBlock[1]) * kBlock[1] + inside / kBlock[0] % kBlock[1];
-        const int z = origin[2] + rest / (kBrick[1] / kBlock[1]) * kBlock[2] + inside / (kBlock[0] * kBlock[1]);
+        const int x = origin[0] + block % (brick_[0] / kBlock[0]) * kBlock[0] + inside % kBlock[0];
+        const int rest = block / (brick_[0] / kBlock[0]);
+        const int y = origin[1] + rest % (brick_[1] / kBlock[1]) * kBlock[1] + inside / kBlock[0] % kBlock[1];
+        const int z = origin[2] + rest / (brick_[1] / kBlock[1]) * kBlock[2] + inside / (kBlock[0] * kBlock[1]);
         if (x >= layout_.bounds[0] || y >= layout_.bounds[1] || z >= layout_.bounds[2])
             continue;
         points.push_back({Vec3f(layout_.Position(x, y, z)), std::uint32_t(layout_.Index(x, y, z))});
@@ -86,15 +87,18 @@ BrickCandidates::BrickCandidates(const std::vector<Light> &lights) : byCluster_(
                           light.type == LightType::Sun, light.type == LightType::Area && !light.twoSided});
 }
 
-BrickLights::BrickLights(const BrickCandidates &lights, const BrickView &brick, std::uint64_t seed, float faint,
+BrickLights::BrickLights(const BrickCandidates &lights, const BrickView &brick, const Choice &choice,
                          const SkipOptions &skip, GridStats &work) {
+    const float faint = choice.faint;
     const auto use = [&](std::size_t number) {
         if (skip.reach && !CanReach(lights.ReachOf(number), brick)) {
             ++work.skippedReach;
             return;
         }
         const Light &light = lights.Lights()[number];
-        list_.push_back({&light, 1, LightBound(light, brick.box)});
+        const float bound = LightBound(light, brick.box);
+        if (!(bound <= choice.least))
+            list_.push_back({&light, 1, bound});
     };
     if (skip.pvs)
         work.skippedPvs += lights.ByCluster().ForEach(brick.clusters, use);
@@ -105,7 +109,7 @@ BrickLights::BrickLights(const BrickCandidates &lights, const BrickView &brick, 
     if (!skip.faint || std::count_if(list_.begin(), list_.end(), isFaint) <= kFewFaint)
         return;
     many_ = true;
-    float faintResidual = float(UnitFromHash(HashIndex(kSeedFaint ^ seed))) * faint;
+    float faintResidual = float(UnitFromHash(HashIndex(kSeedFaint ^ choice.seed))) * faint;
     const std::size_t before = list_.size();
     std::size_t kept = 0;
     for (BrickLight one : list_)
@@ -121,9 +125,12 @@ void StartFaintResiduals(std::vector<ReceiverBatch> &blocks, float faint) {
 }
 
 void RunBricks(const GridInputs &in, std::int64_t count, GridStats &stats,
-               const std::function<void(std::int64_t, GridStats &)> &trace) {
+               const std::function<void(std::int64_t, GridStats &)> &trace, ShowProgress show) {
+    const auto start = std::chrono::steady_clock::now();
     std::vector<GridStats> work(std::size_t(in.jobs.Threads()));
-    Progress progress(in.log, count);
+    std::optional<Progress> progress;
+    if (show == ShowProgress::Yes)
+        progress.emplace(in.log, count);
     std::atomic<std::uint64_t> raysSoFar{0};
     in.jobs.For(
         count,
@@ -133,11 +140,15 @@ void RunBricks(const GridInputs &in, std::int64_t count, GridStats &stats,
             trace(brick, mine);
             raysSoFar += mine.counts.rays - before;
         },
-        [&](std::int64_t done) { progress.Update(done, raysSoFar); });
-    progress.Finish();
+        [&](std::int64_t done) {
+            if (progress)
+                progress->Update(done, raysSoFar);
+        });
+    if (progress)
+        progress->Finish();
     for (const GridStats &part : work)
         stats.Add(part);
-    stats.seconds += progress.Seconds();
+    stats.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 } // namespace q3

@@ -16,17 +16,17 @@ struct BrickPoint {
     std::uint32_t index = 0; ///< of the grid point
 };
 
-/// Cuts a grid into bricks of 8 x 8 x 4 points.
+/// Cuts a grid into bricks of 8 x 8 x 4 points, or of another multiple of the block's 4 x 2 x 2.
 class GridBricks {
   public:
-    explicit GridBricks(const GridLayout &layout);
+    explicit GridBricks(const GridLayout &layout, const Int3 &brick = {8, 8, 4});
     std::int64_t Count() const { return count_; }
     /// Points of a brick, in blocks of 4 x 2 x 2, so that consecutive points are neighbors.
     std::vector<BrickPoint> Points(std::int64_t brick) const;
 
   private:
     const GridLayout &layout_;
-    std::array<int, 3> bricks_{};
+    Int3 brick_, bricks_{};
     std::int64_t count_ = 0;
 };
 
@@ -70,8 +70,13 @@ struct BrickLight {
 /// SelectFaintLight. Lights of one surface are consecutive, so a chosen one stands for its neighbors.
 class BrickLights {
   public:
-    BrickLights(const BrickCandidates &lights, const BrickView &brick, std::uint64_t seed, float faint,
-                const SkipOptions &skip, GridStats &work);
+    struct Choice {
+        std::uint64_t seed = 0;
+        float faint = 0;  ///< byte scale; 0: none
+        float least = -1; ///< lights whose bound is not above this are left out. Byte scale
+    };
+    BrickLights(const BrickCandidates &lights, const BrickView &brick, const Choice &choice, const SkipOptions &skip,
+                GridStats &work);
     const std::vector<BrickLight> &List() const { return list_; }
     /// Whether there were many faint lights.
     bool Many() const { return many_; }
@@ -85,9 +90,11 @@ class BrickLights {
 /// lights.
 void StartFaintResiduals(std::vector<ReceiverBatch> &blocks, float faint);
 
-/// Runs `trace(brick, work)` for bricks 0 to count - 1 on all workers, with progress; adds the sum of `work` to
-/// `stats`. Here a brick is any set of receivers that share a list of lights.
+enum class ShowProgress { No, Yes };
+
+/// Runs `trace(brick, work)` for bricks 0 to count - 1 on all workers, with progress in the log if asked; adds the sum
+/// of `work` to `stats`. Here a brick is any set of receivers that share a list of lights.
 void RunBricks(const GridInputs &in, std::int64_t count, GridStats &stats,
-               const std::function<void(std::int64_t, GridStats &)> &trace);
+               const std::function<void(std::int64_t, GridStats &)> &trace, ShowProgress show = ShowProgress::Yes);
 
 } // namespace q3

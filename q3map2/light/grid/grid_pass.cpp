@@ -6,6 +6,7 @@ namespace q3 {
 void GridStats::Add(const GridStats &o) {
     open += o.open, moved += o.moved, filled += o.filled;
     skippedFaint += o.skippedFaint, skippedReach += o.skippedReach, skippedPvs += o.skippedPvs;
+    skippedSmooth += o.skippedSmooth;
     counts += o.counts;
 }
 
@@ -20,6 +21,7 @@ void GridStats::Print(Log &log) const {
     count(skippedPvs, "pairs of brick and light hidden by visibility data, skipped (-noskippvs)");
     count(skippedReach, "pairs of brick and light out of reach, skipped (-noskipreach)");
     count(skippedFaint, "pairs of brick and light too faint, represented by others (-noskipfaint)");
+    count(skippedSmooth, "points with dim light interpolated from neighbors (-noskipsmooth)");
     count(counts.pairs, "pairs of point and light");
     count(counts.skippedPvs, "hidden by visibility data, skipped (-noskippvs)");
     count(counts.skippedFacing, "out of reach, cone or side");

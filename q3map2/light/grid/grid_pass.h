@@ -29,12 +29,13 @@ struct GridInputs {
 /// Counts of points and of the work to light them.
 struct GridStats {
     std::int64_t points = 0;
-    std::int64_t open = 0;          ///< lit in place or a small step beside; legacy grid: all points that are lit
-    std::int64_t moved = 0;         ///< in a solid, lit from the nearest point in the open
-    std::int64_t filled = 0;        ///< in a solid, interpolated from lit neighbors
-    std::uint64_t skippedFaint = 0; ///< brick and light pairs left out: too faint to matter
-    std::uint64_t skippedReach = 0; ///< brick and light pairs out of reach
-    std::uint64_t skippedPvs = 0;   ///< brick and light pairs hidden by visibility data
+    std::int64_t open = 0;           ///< lit in place or a small step beside; legacy grid: all points that are lit
+    std::int64_t moved = 0;          ///< in a solid, lit from the nearest point in the open
+    std::int64_t filled = 0;         ///< in a solid, interpolated from lit neighbors
+    std::uint64_t skippedFaint = 0;  ///< brick and light pairs left out: too faint to matter
+    std::uint64_t skippedReach = 0;  ///< brick and light pairs out of reach
+    std::uint64_t skippedPvs = 0;    ///< brick and light pairs hidden by visibility data
+    std::uint64_t skippedSmooth = 0; ///< points whose dim light is interpolated
     ContributionCounts counts;
     double seconds = 0;
     void Add(const GridStats &o);

@@ -73,8 +73,8 @@ std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vecto
             packet[0].Add(receiver.position, receiver.position, receiver.cluster,
                           kFirstIndex + std::uint32_t(&receiver - receivers.data()));
         GridStats work;
-        integrator.Trace(packet, std::uint64_t(block), work, [&](std::uint32_t index, const bspGridPointSH_t &value) {
-            bspGridPointSH_t &point = points[index - kFirstIndex];
+        integrator.Trace(packet, std::uint64_t(block), work, [&](std::size_t i, const bspGridPointSH_t &value) {
+            bspGridPointSH_t &point = points[std::size_t(block) * kPacketSize + i];
             point = value;
             if (options.shDering)
                 DeringPoint(point, options.shRadiance);
@@ -219,7 +219,10 @@ GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const s
                              {h.gridSize[0], h.gridSize[1], h.gridSize[2]},
                              {h.gridBounds[0], h.gridBounds[1], h.gridBounds[2]},
                              h.numPoints,
-                             reinterpret_cast<const unsigned char *>(grid.points.data())};
+                             reinterpret_cast<const unsigned char *>(grid.points.data()),
+                             0,
+                             0,
+                             nullptr};
     const std::vector<bspGridPointSH_t> points = ExactPoints(in, lights, found);
     std::vector<DisplayedLight> exact, shown;
     Differences differences;

@@ -135,7 +135,7 @@ bool GridFit::HasFittedCorner(const BrickPoint &point) const {
     return false;
 }
 
-std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, const ProbeIntegrator &integrator,
+std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, const SmoothLight &light,
                                             GridStats &work) const {
     std::vector<FitSample> samples;
     if (rows_.empty())
@@ -145,13 +145,13 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     for (const BrickPoint &point : points)
         if (HasFittedCorner(point) && in_.space.AnyOpen(point.position, point.position + cell, kClearance))
             cells.push_back({&point, perCell_});
-    DrawSamples(cells, 0, integrator, samples, work);
+    DrawSamples(cells, 0, light, samples, work);
     if (in_.options.shFit > 0) {
         for (Draw &draw : cells) {
             const auto [first, count] = draw.rounds[0];
             draw.wanted = IsSteep(std::span(samples.data() + first, count)) ? (kSteepFactor - 1) * perCell_ : 0;
         }
-        DrawSamples(cells, 1, integrator, samples, work);
+        DrawSamples(cells, 1, light, samples, work);
     }
     for (const Draw &draw : cells)
         for (const auto &[first, count] : draw.rounds)
@@ -163,12 +163,12 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
 }
 
 /// Draws positions in cells where a player fits, and lights them.
-void GridFit::DrawSamples(std::span<Draw> cells, std::size_t round, const ProbeIntegrator &integrator,
+void GridFit::DrawSamples(std::span<Draw> cells, std::size_t round, const SmoothLight &light,
                           std::vector<FitSample> &samples, GridStats &work) const {
-    std::vector<ReceiverBatch> blocks;
+    std::vector<ProbeReceiver> receivers;
     const Vec3f cell(layout_.size);
     const int tries = in_.options.shFit > 0 ? kMostTriesAll : kMostTries;
-    std::size_t next = samples.size();
+    const std::size_t before = samples.size();
     for (Draw &draw : cells) {
         Draw::Range &drawn = draw.rounds[round];
         drawn.first = samples.size();
@@ -181,18 +181,56 @@ void GridFit::DrawSamples(std::span<Draw> cells, std::size_t round, const ProbeI
             const int cluster = in_.space.ClusterAt(p, kClearance);
             if (cluster < 0 || !in_.space.PlayerFits(p))
                 continue;
-            BatchWithRoom(blocks).Add(p, p, cluster, std::uint32_t(hash));
+            receivers.push_back({p, cluster, std::uint32_t(hash)});
             samples.push_back({p, {}});
         }
         drawn.count = samples.size() - drawn.first;
     }
-    if (blocks.empty())
+    if (receivers.empty())
         return;
     std::uint64_t seed = HashIndex(cells.front().point->index);
     for (std::size_t i = 0; i < round; ++i)
         seed = HashIndex(seed);
-    integrator.Trace(blocks, seed, work,
-                     [&](std::uint32_t, const bspGridPointSH_t &value) { samples[next++].value = value; });
+    const std::span added = std::span(samples).subspan(before);
+    if (light.Weak())
+        return LightCells({cells, round, before, receivers, seed}, light, added, work);
+    const std::vector<bspGridPointSH_t> values = light.At(receivers, seed, work);
+    for (std::size_t i = 0; i < added.size(); ++i)
+        added[i].value = values[i];
+}
+
+/// Traces the first sample of each cell. Where the weak light around it predicts its own, the other samples take
+/// theirs from the same prediction, moved by what the first one differs.
+void GridFit::LightCells(const Round &of, const SmoothLight &light, std::span<FitSample> samples,
+                         GridStats &work) const {
+    const WeakField &field = *light.Weak();
+    std::vector<std::optional<WeakLight>> weak(of.receivers.size());
+    if (of.round == 0) {
+        std::vector<ProbeReceiver> first;
+        for (const Draw &draw : of.cells)
+            if (draw.rounds[0].count > 0)
+                first.push_back(of.receivers[draw.rounds[0].first - of.first]);
+        std::vector<std::optional<WeakLight>> traced(first.size());
+        light.AddWeak(first, of.seed, traced, work);
+        std::size_t next = 0;
+        for (Draw &draw : of.cells)
+            if (draw.rounds[0].count > 0) {
+                draw.offset = field.OffsetAt(first[next].position, *traced[next]);
+                weak[draw.rounds[0].first - of.first] = traced[next++];
+            }
+    }
+    for (const Draw &draw : of.cells) {
+        const auto [first, count] = draw.rounds[of.round];
+        for (std::size_t i = first - of.first; draw.offset && i < first - of.first + count; ++i)
+            if (!weak[i]) {
+                weak[i] = field.Around(of.receivers[i].position, *draw.offset);
+                work.skippedSmooth += weak[i] ? 1 : 0;
+            }
+    }
+    light.AddWeak(of.receivers, HashIndex(of.seed), weak, work);
+    const std::vector<bspGridPointSH_t> values = light.AddStrong(of.receivers, of.seed, weak, work);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        samples[i].value = values[i];
 }
 
 /// Clears `sees` of the corners in the open that a sample does not see.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/light/grid/gridsh_fill.h"
-#include "q3map2/light/grid/probe_integrator.h"
+#include "q3map2/light/grid/smooth_light.h"
 
 #include <map>
 #include <mutex>
@@ -34,7 +34,7 @@ class GridFit {
             const std::vector<bool> &isSplit);
 
     /// Samples of the cells whose lowest corners are the points of a brick. From any thread.
-    std::vector<FitSample> SampleCells(std::span<const BrickPoint> points, const ProbeIntegrator &integrator,
+    std::vector<FitSample> SampleCells(std::span<const BrickPoint> points, const SmoothLight &light,
                                        GridStats &work) const;
     /// Takes the samples of a brick; call once per brick, empty or not. From any thread; sums in the order of bricks.
     void AddSamples(std::int64_t brick, std::vector<FitSample> samples);
@@ -65,12 +65,22 @@ class GridFit {
         int wanted = 0; ///< samples in the round that is drawn
         int tried = 0;  ///< candidates, in all rounds
         std::array<Range, 2> rounds{};
+        /// Weak light of the first sample minus its prediction, if that is small.
+        std::optional<WeakLight> offset{};
     };
 
     std::array<Corner, 8> CornersAt(const Vec3f &p) const;
     bool HasFittedCorner(const BrickPoint &point) const;
-    void DrawSamples(std::span<Draw> cells, std::size_t round, const ProbeIntegrator &integrator,
+    void DrawSamples(std::span<Draw> cells, std::size_t round, const SmoothLight &light,
                      std::vector<FitSample> &samples, GridStats &work) const;
+    /// Samples drawn in one round: `receivers` in the order of the cells; the first is sample `first` of all rounds.
+    struct Round {
+        std::span<Draw> cells;
+        std::size_t round, first;
+        std::span<const ProbeReceiver> receivers;
+        std::uint64_t seed;
+    };
+    void LightCells(const Round &of, const SmoothLight &light, std::span<FitSample> samples, GridStats &work) const;
     void FindSeen(std::span<FitSample> samples, GridStats &work) const;
     void Accumulate(const FitSample &sample);
     bool AddPull(const bspGridPointSH_t &present, Row &row) const;

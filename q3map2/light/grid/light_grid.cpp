@@ -387,7 +387,7 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
         if (blocks.empty())
             return;
         StartFaintResiduals(blocks, kFaintInBrick);
-        const BrickLights candidates(all, BrickView(blocks), std::uint64_t(brick), kFaintInBrick, in.options.skip,
+        const BrickLights candidates(all, BrickView(blocks), {std::uint64_t(brick), kFaintInBrick}, in.options.skip,
                                      work);
         LightSettings pass = settings;
         pass.faint = candidates.Many() ? kFaintInBrick : 0;

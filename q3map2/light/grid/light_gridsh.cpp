@@ -3,10 +3,9 @@
 
 #include "q3map2/light/grid/gridsh_fill.h"
 #include "q3map2/light/grid/gridsh_fit.h"
-#include "q3map2/light/grid/probe_integrator.h"
+#include "q3map2/light/grid/gridsh_smooth.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace q3 {
 
@@ -14,96 +13,6 @@ namespace {
 
 /// Engines hold lump lengths in 32-bit integers.
 constexpr std::int64_t kMaxPointsSH = (0x7fffffffll - 40) / 108;
-
-/// Points this near to a surface light's plane are in it. Game units.
-constexpr float kOnEmitter = 1.0f / 64;
-
-/// Whether p is on the polygon of a surface light.
-bool OnEmitter(const Light &light, const Vec3f &p) {
-    if (std::abs(Dot(Vec3f(light.shape.normal), p) - float(light.shape.dist)) > kOnEmitter)
-        return false;
-    bool left = false, right = false;
-    for (std::size_t i = 0; i < light.w.size(); ++i) {
-        const Vec3f &a = light.w[i], edge = light.w[(i + 1) % light.w.size()] - a;
-        const float side = Dot(Cross(edge, p - a), Vec3f(light.shape.normal)), margin = kOnEmitter * Length(edge);
-        left = left || side > margin, right = right || side < -margin;
-    }
-    return !(left && right);
-}
-
-/// The receivers of all points, by brick, and the state of each point.
-class PointReceivers {
-  public:
-    PointReceivers(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
-        : states_(std::size_t(layout.Count()), PointState::Exterior), receivers_(std::size_t(bricks.Count())) {
-        std::vector<int> clusters(states_.size());
-        ForBricks(in, bricks, [&](std::int64_t, std::span<const BrickPoint> points) {
-            for (const BrickPoint &point : points) {
-                const PlacedPoint placed = PlaceInOpen(in.space, point.position);
-                clusters[point.index] = placed.cluster;
-                states_[point.index] = placed.state;
-            }
-        });
-        std::vector<std::vector<DisplacedPoint>> displaced(receivers_.size());
-        ForBricks(in, bricks, [&](std::int64_t brick, std::span<const BrickPoint> points) {
-            for (const BrickPoint &point : points) {
-                PlacedPoint placed{PointState::Open, point.position, clusters[point.index]};
-                if (states_[point.index] != PointState::Open)
-                    placed = PlaceGridPoint(in.space, layout, clusters, point);
-                Add(placed, point, receivers_[std::size_t(brick)], displaced[std::size_t(brick)]);
-            }
-        });
-        for (const auto &part : displaced)
-            displaced_.insert(displaced_.end(), part.begin(), part.end());
-        std::sort(displaced_.begin(), displaced_.end(),
-                  [](const DisplacedPoint &a, const DisplacedPoint &b) { return a.index < b.index; });
-    }
-    void FindOnEmitters(const GridLayout &layout, const std::vector<Light> &lights) {
-        for (const Light &light : lights) {
-            if (light.type != LightType::Area)
-                continue;
-            const Boundsf box = WindingBounds(light.w);
-            std::array<int, 3> first{}, last{};
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const float cell = layout.size[axis], least = (box.mins[axis] - kOnEmitter - layout.mins[axis]) / cell;
-                const float most = (box.maxs[axis] + kOnEmitter - layout.mins[axis]) / cell;
-                const auto end = float(layout.bounds[axis]);
-                first[axis] = int(std::ceil(std::clamp(least, 0.0f, end)));
-                last[axis] = int(std::floor(std::clamp(most, -1.0f, end - 1)));
-            }
-            for (int z = first[2]; z <= last[2]; ++z)
-                for (int y = first[1]; y <= last[1]; ++y)
-                    for (int x = first[0]; x <= last[0]; ++x) {
-                        PointState &state = states_[std::size_t(layout.Index(x, y, z))];
-                        if (state == PointState::Open && OnEmitter(light, Vec3f(layout.Position(x, y, z))))
-                            state = PointState::OnEmitter;
-                    }
-        }
-    }
-    /// Receivers of a brick that are to be lit; taken once.
-    std::vector<ReceiverBatch> Take(std::int64_t brick) { return std::move(receivers_[std::size_t(brick)]); }
-    std::vector<PointState> &States() { return states_; }
-    const std::vector<DisplacedPoint> &Displaced() const { return displaced_; }
-
-  private:
-    /// Calls use(brick, points) for all bricks, on all workers.
-    template <typename Use> static void ForBricks(const GridInputs &in, const GridBricks &bricks, const Use &use) {
-        in.jobs.For(bricks.Count(), [&](std::int64_t brick, int) { use(brick, bricks.Points(brick)); });
-    }
-    void Add(const PlacedPoint &placed, const BrickPoint &point, std::vector<ReceiverBatch> &receivers,
-             std::vector<DisplacedPoint> &displaced) {
-        states_[point.index] = placed.state;
-        if (placed.cluster < 0)
-            return;
-        if (placed.state != PointState::Open)
-            displaced.push_back({point.index, placed.position});
-        BatchWithRoom(receivers).Add(placed.position, placed.position, placed.cluster, point.index);
-    }
-
-    std::vector<PointState> states_;
-    std::vector<std::vector<ReceiverBatch>> receivers_;
-    std::vector<DisplacedPoint> displaced_;
-};
 
 } // namespace
 
@@ -130,34 +39,54 @@ GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOpti
     return layout;
 }
 
-LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
-                        GridStats &stats) {
-    LightGridSH grid;
-    grid.header = {layout.mins, layout.size, layout.bounds, std::int32_t(layout.Count())};
-    grid.points.assign(std::size_t(layout.Count()), bspGridPointSH_t{});
-    stats.points = layout.Count();
+GridSHTracer::GridSHTracer(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights)
+    : in_(in), layout_(layout), bricks_(layout), lit_(in, layout, bricks_), integrator_(in, lights),
+      weak_(in.space, layout, lit_.States(),
+            DisplayedChange(in.options.shRadiance, 255 * (in.options.gridScale > 0 ? in.options.gridScale : 1))) {
+    lit_.FindOnEmitters(lights);
+}
 
-    const GridBricks bricks(layout);
-    PointReceivers receivers(in, layout, bricks);
-    receivers.FindOnEmitters(layout, lights);
-    const ProbeIntegrator integrator(in, lights);
-    const VisibilityGroups sides = FindVisibilityGroups(in, layout, receivers.Displaced(), receivers.States());
-    GridFit fit(in, layout, receivers.States(), sides.isSplit);
-    RunBricks(in, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
-        std::vector<ReceiverBatch> blocks = receivers.Take(brick);
-        if (!blocks.empty())
-            integrator.Trace(blocks, std::uint64_t(brick), work,
-                             [&](std::uint32_t index, const bspGridPointSH_t &value) { grid.points[index] = value; });
-        fit.AddSamples(brick, fit.SampleCells(bricks.Points(brick), integrator, work));
+LightGridSH GridSHTracer::TraceGridSH(GridStats &stats) {
+    LightGridSH grid;
+    grid.header = {layout_.mins, layout_.size, layout_.bounds, std::int32_t(layout_.Count())};
+    grid.points.assign(std::size_t(layout_.Count()), bspGridPointSH_t{});
+    stats.points = layout_.Count();
+
+    const VisibilityGroups sides = FindVisibilityGroups(in_, layout_, lit_.Displaced(), lit_.States());
+    usesWeak_ = in_.options.skip.smooth && SmoothLevels(in_, layout_, lit_, integrator_).Run(weak_, stats);
+    // Samples of cells where most is traced are cheaper to trace as a whole.
+    const SmoothLight whole(integrator_, nullptr), smooth(integrator_, Weak());
+    GridFit fit(in_, layout_, lit_.States(), sides.isSplit);
+    RunBricks(in_, bricks_.Count(), stats, [&](std::int64_t brick, GridStats &work) {
+        const std::vector<BrickPoint> points = bricks_.Points(brick);
+        TracePoints(points, brick, grid, work);
+        fit.AddSamples(brick, fit.SampleCells(points, usesWeak_ && weak_.IsMostlySmooth(points) ? smooth : whole, work));
     });
-    FillGridSH(in, layout, receivers.Displaced(), sides, receivers.States(), grid);
-    fit.Solve(grid, in.jobs);
-    const auto &states = receivers.States();
+    FillGridSH(in_, layout_, lit_.Displaced(), sides, lit_.States(), grid);
+    fit.Solve(grid, in_.jobs);
+    const auto &states = lit_.States();
     for (const PointState state : {PointState::Open, PointState::OnEmitter, PointState::Beside})
         stats.open += std::count(states.begin(), states.end(), state);
     stats.moved = std::count(states.begin(), states.end(), PointState::Moved);
     stats.filled = std::count(states.begin(), states.end(), PointState::Filled);
     return grid;
+}
+
+void GridSHTracer::TracePoints(std::span<const BrickPoint> points, std::int64_t brick, LightGridSH &grid,
+                               GridStats &work) const {
+    std::vector<ReceiverBatch> blocks;
+    for (const BrickPoint &point : points)
+        if (lit_.IsLit(point.index))
+            lit_.AddReceiver(point, blocks);
+    if (blocks.empty())
+        return;
+    const auto indexOf = [&](std::size_t i) { return blocks[i / kPacketSize].index[i % kPacketSize]; };
+    const auto store = [&](std::size_t i, const bspGridPointSH_t &value) { grid.points[indexOf(i)] = value; };
+    const auto weakOf = [&](std::size_t i) -> const WeakLight & { return weak_.At(indexOf(i)); };
+    if (usesWeak_)
+        integrator_.TraceStrong(blocks, std::uint64_t(brick), work, weakOf, store);
+    else
+        integrator_.Trace(blocks, std::uint64_t(brick), work, store);
 }
 
 } // namespace q3

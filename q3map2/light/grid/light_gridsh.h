@@ -2,6 +2,8 @@
 #pragma once
 
 #include "q3map2/light/grid/grid_pass.h"
+#include "q3map2/light/grid/lit_points.h"
+#include "q3map2/light/grid/smooth_light.h"
 
 #include <vector>
 
@@ -10,8 +12,31 @@ namespace q3 {
 /// SH grid: -gridsh or the legacy cell size divided by -gridscalesh, at least 8, enlarged until the lump stays under
 /// 2^31 bytes.
 GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOptions &options, Log &log);
-/// The SH light grid: points in the open lit exactly, points in solids next to the open filled and fitted, others zero.
-LightGridSH TraceGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
-                        GridStats &stats);
+
+/// Traces the SH grid, and then light between its points. Keeps references.
+class GridSHTracer {
+  public:
+    GridSHTracer(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights);
+    GridSHTracer(const GridSHTracer &) = delete; // its parts refer to each other
+    GridSHTracer &operator=(const GridSHTracer &) = delete;
+
+    /// The SH light grid: points in the open lit exactly, points in solids next to the open filled and fitted, others
+    /// zero. Once only.
+    LightGridSH TraceGridSH(GridStats &stats);
+    /// After TraceGridSH: weak light for SmoothLight; null if it is not smooth enough, or with
+    /// -noskipsmooth.
+    const WeakField *Weak() const { return usesWeak_ ? &weak_ : nullptr; }
+
+  private:
+    void TracePoints(std::span<const BrickPoint> points, std::int64_t brick, LightGridSH &grid, GridStats &work) const;
+
+    const GridInputs &in_;
+    const GridLayout &layout_;
+    GridBricks bricks_;
+    LitPoints lit_;
+    ProbeIntegrator integrator_;
+    WeakField weak_;
+    bool usesWeak_ = false;
+};
 
 } // namespace q3

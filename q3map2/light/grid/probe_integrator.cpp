@@ -14,13 +14,11 @@ namespace {
 /// Limit of coefficients, reached only with absurd keys and scales. 1 = byte 255.
 constexpr double kMaxCoefficient = 1e9;
 
-/// Sums of one channel at the receivers of a block, by coefficient; 1 = byte 255.
-using ChannelSum = std::array<DoubleLanes, 9>;
 /// Stored coefficients of one channel at the receivers of a block.
 using StoredChannel = std::array<Lanes, 9>;
 
 /// sum += scale * coefficients, for the three channels at once: the coefficients are read once.
-Q3_VECTOR void AddScaled(const ProbeIncidentLight &incident, const Vec3d &scale, std::array<ChannelSum, 3> &sum) {
+Q3_VECTOR void AddScaled(const ProbeIncidentLight &incident, const Vec3d &scale, ChannelSums &sum) {
     const auto [red, green, blue] = scale;
     for (std::size_t k = 0; k < 9; ++k)
         Q3_INDEPENDENT
@@ -32,33 +30,25 @@ Q3_VECTOR void AddScaled(const ProbeIncidentLight &incident, const Vec3d &scale,
     }
 }
 
+/// The same for one channel of tinted light.
 void AddTinted(const ProbeIncidentLight &incident, const Lanes &tint, double scale, ChannelSum &sum) {
     for (const std::size_t i : kEachLane)
         for (std::size_t k = 0; k < 9 && incident.live[i] != 0; ++k)
             sum[k][i] += scale * double(tint[i]) * double(incident.shCoeffs[k][i]);
 }
 
-/// Light at the receivers of a block.
-class BlockSum {
-  public:
-    /// scale: color of the light, 1 = byte 255.
-    void Add(const Vec3d &scale, const ProbeIncidentLight &incident) {
-        if (!incident.tinted)
-            return AddScaled(incident, scale, sum_);
-        const Lanes *tints[] = {&incident.tint.x, &incident.tint.y, &incident.tint.z};
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            AddTinted(incident, *tints[channel], scale[channel], sum_[channel]);
-    }
-    /// Adds to one coefficient of receiver i.
-    void Add(std::size_t i, std::size_t channel, std::size_t k, double light) { sum_[channel][k][i] += light; }
-    const std::array<ChannelSum, 3> &Channels() const { return sum_; }
-
-  private:
-    std::array<ChannelSum, 3> sum_{};
-};
+/// Adds a light. scale: its color, 1 = byte 255.
+void AddLight(const Vec3d &scale, const ProbeIncidentLight &incident, ChannelSums &sum) {
+    if (!incident.tinted)
+        return AddScaled(incident, scale, sum);
+    const Lanes *tints[] = {&incident.tint.x, &incident.tint.y, &incident.tint.z};
+    for (std::size_t channel = 0; channel < 3; ++channel)
+        AddTinted(incident, *tints[channel], scale[channel], sum[channel]);
+}
 
 /// Adds floodlight: uniform light from the hemispheres around +z and -z.
-void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, BlockSum &sum, RayCounts &counts) {
+void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, ChannelSums &sum,
+              RayCounts &counts) {
     const Vec3f position = receivers.position[i];
     for (const float up : {1.0f, -1.0f}) {
         const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.floodDirections, counts);
@@ -66,14 +56,14 @@ void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t 
         const double convolve0 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[0] / std::numbers::pi;
         const double convolve1 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[2] / std::numbers::pi;
         for (std::size_t channel = 0; channel < 3; ++channel) {
-            sum.Add(i, channel, 0, light[channel] * convolve0 * kShC0 * 2 * std::numbers::pi);
-            sum.Add(i, channel, 2, light[channel] * convolve1 * kShC1 * std::numbers::pi * up);
+            sum[channel][0][i] += light[channel] * convolve0 * kShC0 * 2 * std::numbers::pi;
+            sum[channel][2][i] += light[channel] * convolve1 * kShC1 * std::numbers::pi * up;
         }
     }
 }
 
 /// Adds bounced light.
-void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, BlockSum &sum,
+void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, ChannelSums &sum,
                  RayCounts &counts) {
     std::vector<IndirectRay> rays;
     in.indirect->Gather(receivers.rayOrigin[i], receivers.index[i], rays);
@@ -83,7 +73,7 @@ void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size
         for (std::size_t k = 0; k < 9; ++k) {
             const double weight = basis[k] * (in.options.shRadiance ? 1 : kCosineLobe[k]) / 255;
             for (std::size_t channel = 0; channel < 3; ++channel)
-                sum.Add(i, channel, k, weight * double(ray.light[channel]));
+                sum[channel][k][i] += weight * double(ray.light[channel]);
         }
     }
 }
@@ -108,12 +98,13 @@ Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, 
 }
 
 /// Appends the values of a block, with ambient light, minimum light and grid scale applied.
-void StoreBlock(const GridInputs &in, const BlockSum &sum, std::size_t count, std::vector<bspGridPointSH_t> &values) {
+void StoreBlock(const GridInputs &in, const ChannelSums &sum, std::size_t count,
+                std::vector<bspGridPointSH_t> &values) {
     // Coefficient 0 of uniform ambient light 1.
     const double uniform = 1 / kShC0 / (in.options.shRadiance ? std::numbers::pi : 1);
     std::array<StoredChannel, 3> stored;
     for (std::size_t channel = 0; channel < 3; ++channel)
-        StoreChannel(sum.Channels()[channel],
+        StoreChannel(sum[channel],
                      {double(in.world.ambient[channel]) / 255 * uniform,
                       double(in.world.minGrid[channel]) / 255 * uniform,
                       in.options.gridScale > 0 ? in.options.gridScale : 1},
@@ -128,33 +119,52 @@ void StoreBlock(const GridInputs &in, const BlockSum &sum, std::size_t count, st
 } // namespace
 
 ProbeIntegrator::ProbeIntegrator(const GridInputs &in, const std::vector<Light> &lights)
-    : in_(in), lighting_(in, lights, in.options.shRadiance) {}
+    : in_(in), lighting_(in, lights, in.options.shRadiance, in.options.skip.smooth) {}
 
-std::vector<bspGridPointSH_t> ProbeIntegrator::Values(std::vector<ReceiverBatch> &blocks, std::uint64_t seed,
-                                                      GridStats &work) const {
-    std::vector<BlockSum> sums(blocks.size());
-    lighting_.Trace(blocks, seed, work, [&](const BrickLight &one, const std::vector<ProbeIncidentLight> &incident) {
+std::vector<ChannelSums> ProbeIntegrator::Sums(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part,
+                                               GridStats &work) const {
+    std::vector<ChannelSums> sums(blocks.size());
+    const auto add = [&](const BrickLight &one, const std::vector<ProbeIncidentLight> &incident) {
         const Vec3d scale = Vec3d(one.light->color) * ((one.light->negative ? -1 : 1) / 255.0);
         for (std::size_t block = 0; block < blocks.size(); ++block)
             if (incident[block].live.Any())
-                sums[block].Add(scale, incident[block]);
-    });
+                AddLight(scale, incident[block], sums[block]);
+    };
+    lighting_.Trace(blocks, seed, part, work, add);
+    if (part == LightPart::Strong)
+        return sums;
     const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
-    std::vector<bspGridPointSH_t> values;
-    std::size_t count = 0;
-    for (const ReceiverBatch &receivers : blocks)
-        count += receivers.count;
-    values.reserve(count);
     for (std::size_t block = 0; block < blocks.size(); ++block) {
         const ReceiverBatch &receivers = blocks[block];
-        BlockSum &sum = sums[block];
         for (std::size_t i = 0; i < receivers.count && flood; ++i)
-            AddFlood(in_, receivers, i, sum, work.counts);
+            AddFlood(in_, receivers, i, sums[block], work.counts);
         for (std::size_t i = 0; i < receivers.count && in_.indirect; ++i)
-            AddIndirect(in_, receivers, i, sum, work.counts);
-        StoreBlock(in_, sum, receivers.count, values);
+            AddIndirect(in_, receivers, i, sums[block], work.counts);
     }
+    return sums;
+}
+
+std::vector<bspGridPointSH_t> ProbeIntegrator::Values(std::span<const ReceiverBatch> blocks,
+                                                      std::span<const ChannelSums> sums) const {
+    std::vector<bspGridPointSH_t> values;
+    values.reserve(blocks.size() * kPacketSize);
+    for (std::size_t block = 0; block < blocks.size(); ++block)
+        StoreBlock(in_, sums[block], blocks[block].count, values);
     return values;
+}
+
+bspGridPointSH_t ProbeIntegrator::LightAt(const ChannelSums &sums, std::size_t lane) {
+    bspGridPointSH_t light;
+    for (std::size_t k = 0; k < 9; ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            light.coeffs[k][channel] = float(sums[channel][k][lane]);
+    return light;
+}
+
+void ProbeIntegrator::AddLightAt(const bspGridPointSH_t &light, std::size_t lane, ChannelSums &sums) {
+    for (std::size_t k = 0; k < 9; ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            sums[channel][k][lane] += double(light.coeffs[k][channel]);
 }
 
 } // namespace q3

@@ -32,6 +32,7 @@ struct SkipOptions {
     bool faint = true;   ///< represent faint lights by a few of them
     bool moments = true; ///< approximate far area lights by points instead of the closed form
     bool probes = true;  ///< cast a single ray toward faint area lights
+    bool smooth = true;  ///< SH grid: interpolate the weak light of points where it is smooth
     bool coarse = false; ///< dim lights: trace a few receivers of a batch, the rest if they differ; only with fastGrid
 };
 
@@ -70,7 +71,7 @@ struct LightOptions {
     bool sh = false;
     bool shBspx = false;
     bool shAdaptive = false;                          ///< the sparse SH grid
-    float shErrorTarget = 1;                          ///< of the sparse grid: displayed RMS of interpolation, bytes
+    float shErrorTarget = 1.5f;                         ///< of the sparse grid: displayed RMS of interpolation, bytes
     std::optional<double> shBudget;                   ///< size of the sparse grid, bytes; replaces shErrorTarget
     bool shRadiance = false;
     std::string gridFormats; ///< -gridformats

@@ -94,7 +94,7 @@ Group SparseGridSH() {
                .values = "BYTES",
                .kind = SettingKind::Number,
                .unit = "255ths",
-               .initial = "1",
+               .initial = "1.5",
                .range = {0.05, 64},
                .help = "Error that the interpolation of the sparse grid may have on a screen: RMS; includes -shadaptive",
                .details = "Cells are split while the expected error is above it. Half of it takes about three times "
@@ -196,7 +196,13 @@ Group Skips() {
         return Do<LightOptions>([field](LightOptions &o, const Values &) { o.skip.*field = false; });
     };
     const auto none = [](LightOptions &o, const Values &) {
-        o.skip = {.reach = false, .pvs = false, .faint = false, .moments = false, .probes = false, .coarse = false};
+        o.skip = {.reach = false,
+                  .pvs = false,
+                  .faint = false,
+                  .moments = false,
+                  .probes = false,
+                  .smooth = false,
+                  .coarse = false};
     };
     return {"Accelerations to switch off",
             "Light that cannot matter is not computed. These switches compute it all the same, to measure what is "
@@ -214,6 +220,9 @@ Group Skips() {
               skip(&SkipOptions::moments)},
              {{.name = "-noskipprobes", .help = "Cast several rays to faint surface lights too"},
               skip(&SkipOptions::probes)},
+             {{.name = "-noskipsmooth",
+               .help = "Trace dim lights at every point of the SH grid, also where their light is smooth"},
+              skip(&SkipOptions::smooth)},
              {{.name = "-noskipcoarse", .help = "With -fast or -fastgrid: cast rays to dim lights at every point"},
               skip(&SkipOptions::coarse)}}};
 }
@@ -275,7 +284,7 @@ Group Falloff() {
             {{{.name = "-griddirectionality",
                .values = "F",
                .kind = SettingKind::Number,
-               .initial = "1",
+               .initial = "1.5",
                .range = {.high = 1},
                .outside = OutOfRange::Clamp,
                .help = "Legacy grid: share of light from the main direction that stays directed"},

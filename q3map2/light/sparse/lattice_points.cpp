@@ -4,8 +4,29 @@
 #include "libs/math/low_discrepancy.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace q3 {
+
+LatticePoints::LatticePoints(const SparseLattice &lattice) : baseLevel_(lattice.BaseLevel()) {
+    std::size_t count = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        uniformSize_[axis] = (lattice.Roots()[axis] << (lattice.Levels() - baseLevel_)) + 1;
+        count *= std::size_t(uniformSize_[axis]);
+    }
+    uniform_.assign(count, kUnknown);
+}
+
+const std::uint32_t *LatticePoints::UniformNumber(const LatticePoint &at) const {
+    std::size_t place = 0;
+    for (std::size_t axis = 3; axis-- > 0;) {
+        const std::int32_t i = at[axis] >> baseLevel_;
+        if (i << baseLevel_ != at[axis] || i < 0 || i >= uniformSize_[axis])
+            return nullptr;
+        place = place * std::size_t(uniformSize_[axis]) + std::size_t(i);
+    }
+    return &uniform_[place];
+}
 
 std::size_t LatticePoints::SlotOf(std::uint64_t key) const {
     const std::size_t mask = slots_.size() - 1;
@@ -17,28 +38,36 @@ std::size_t LatticePoints::SlotOf(std::uint64_t key) const {
 
 void LatticePoints::Grow() {
     constexpr std::size_t kLeastSlots = 1024;
-    if (points_.size() * 2 < slots_.size())
+    if (hashed_ * 2 < slots_.size())
         return;
-    slots_.assign(std::max(kLeastSlots, slots_.size() * 4), Slot{});
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-        const std::uint64_t key = KeyOf(points_[i].at);
-        slots_[SlotOf(key)] = {key, std::uint32_t(i)};
-    }
+    const std::vector<Slot> old = std::exchange(slots_, {});
+    slots_.assign(std::max(kLeastSlots, old.size() * 4), Slot{});
+    for (const Slot &slot : old)
+        if (slot.number != kUnknown)
+            slots_[SlotOf(slot.key)] = slot;
 }
 
 std::uint32_t LatticePoints::Find(const LatticePoint &at) const {
+    if (const std::uint32_t *number = UniformNumber(at))
+        return *number;
     return slots_.empty() ? kUnknown : slots_[SlotOf(KeyOf(at))].number;
 }
 
 std::uint32_t LatticePoints::Add(const LatticePoint &at) {
+    const std::uint32_t known = Find(at);
+    if (known != kUnknown)
+        return known;
+    const auto number = std::uint32_t(points_.size());
+    points_.push_back({.at = at});
+    if (const std::uint32_t *place = UniformNumber(at)) {
+        uniform_[std::size_t(place - uniform_.data())] = number;
+        return number;
+    }
     Grow();
     const std::uint64_t key = KeyOf(at);
-    Slot &slot = slots_[SlotOf(key)];
-    if (slot.number == kUnknown) {
-        slot = {key, std::uint32_t(points_.size())};
-        points_.push_back({.at = at});
-    }
-    return slot.number;
+    slots_[SlotOf(key)] = {key, number};
+    ++hashed_;
+    return number;
 }
 
 } // namespace q3

@@ -22,6 +22,7 @@ struct LitPoint {
 class LatticePoints {
   public:
     static constexpr std::uint32_t kUnknown = std::uint32_t(-1);
+    explicit LatticePoints(const SparseLattice &lattice);
     /// Adds a point, without light, unless it is known. Returns its number.
     std::uint32_t Add(const LatticePoint &at);
     /// Number of a point, or kUnknown.
@@ -33,6 +34,8 @@ class LatticePoints {
     std::size_t Size() const { return points_.size(); }
 
   private:
+    /// Where the number of a point of the uniform grid's lattice is, in the roots' box; else null.
+    const std::uint32_t *UniformNumber(const LatticePoint &at) const;
     struct Slot {
         std::uint64_t key = 0;
         std::uint32_t number = kUnknown;
@@ -42,7 +45,11 @@ class LatticePoints {
     void Grow();
 
     std::vector<LitPoint> points_;
-    std::vector<Slot> slots_; ///< hash table with linear probing; size: a power of two
+    int baseLevel_;
+    Int3 uniformSize_{};                 ///< points by axis
+    std::vector<std::uint32_t> uniform_; ///< numbers by place: most points are of this lattice
+    std::vector<Slot> slots_;            ///< of all others: hash table with linear probing; size: a power of two
+    std::size_t hashed_ = 0;             ///< numbers in it
 };
 
 /// Unique for coordinates below 2^21.

@@ -39,14 +39,17 @@ void LatticeTracer::Light(LatticePoints &points, std::size_t first, GridStats &s
     for (const auto &[code, number] : order)
         numbers.push_back(number);
     const auto bricks = std::int64_t((numbers.size() + kTraced - 1) / kTraced);
-    RunBricks(in_, bricks, stats, [&](std::int64_t brick, GridStats &work) {
-        const std::size_t from = std::size_t(brick) * kTraced;
-        Trace(points, std::span(numbers).subspan(from, std::min(kTraced, numbers.size() - from)), work);
-    });
+    RunBricks(
+        in_, bricks, stats,
+        [&](std::int64_t brick, GridStats &work) {
+            const std::size_t from = std::size_t(brick) * kTraced;
+            Trace(points, std::span(numbers).subspan(from, std::min(kTraced, numbers.size() - from)), work);
+        },
+        ShowProgress::No);
 }
 
 void LatticeTracer::Trace(LatticePoints &points, std::span<const std::uint32_t> numbers, GridStats &work) const {
-    std::vector<ReceiverBatch> blocks;
+    std::vector<ProbeReceiver> receivers;
     std::vector<std::uint32_t> traced;
     for (const std::uint32_t number : numbers) {
         LitPoint &point = points[number];
@@ -57,16 +60,13 @@ void LatticeTracer::Trace(LatticePoints &points, std::span<const std::uint32_t> 
         if (!point.open)
             continue;
         traced.push_back(number);
-        BatchWithRoom(blocks).Add(placed.position, placed.position, placed.cluster,
-                                  std::uint32_t(HashIndex(KeyOf(point.at))));
+        receivers.push_back({placed.position, placed.cluster, std::uint32_t(HashIndex(KeyOf(point.at)))});
     }
-    if (blocks.empty())
+    if (receivers.empty())
         return;
-    std::size_t next = 0;
-    integrator_.Trace(blocks, KeyOf(points[numbers.front()].at), work,
-                      [&](std::uint32_t, const bspGridPointSH_t &value) {
-                          points[traced[next++]].value = std::bit_cast<ShFloats>(value);
-                      });
+    const auto values = light_.At(receivers, KeyOf(points[numbers.front()].at), work);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        points[traced[i]].value = std::bit_cast<ShFloats>(values[i]);
 }
 
 } // namespace q3

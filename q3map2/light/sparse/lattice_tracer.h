@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Traces light at points of the lattice of the sparse SH grid.
 #pragma once
 
-#include "q3map2/light/grid/probe_integrator.h"
+#include "q3map2/light/grid/smooth_light.h"
 #include "q3map2/light/sparse/lattice_points.h"
 
 #include <span>
@@ -11,8 +11,8 @@ namespace q3 {
 /// Keeps references.
 class LatticeTracer {
   public:
-    LatticeTracer(const GridInputs &in, const ProbeIntegrator &integrator, const SparseLattice &lattice)
-        : in_(in), integrator_(integrator), lattice_(lattice) {}
+    LatticeTracer(const GridInputs &in, const SmoothLight &light, const SparseLattice &lattice)
+        : in_(in), light_(light), lattice_(lattice) {}
     /// Lights the points from number `first` on that are in the open or a small step beside it. The others keep value
     /// 0.
     void Light(LatticePoints &points, std::size_t first, GridStats &stats) const;
@@ -21,7 +21,7 @@ class LatticeTracer {
     void Trace(LatticePoints &points, std::span<const std::uint32_t> numbers, GridStats &work) const;
 
     const GridInputs &in_;
-    const ProbeIntegrator &integrator_;
+    const SmoothLight &light_;
     const SparseLattice &lattice_;
 };
 

@@ -27,13 +27,16 @@ PrunedOctree PruneOctree(Octree &tree, float price) {
         cost[i] = cell.child == 0 ? asLeaf : asParent;
     }
     PrunedOctree result;
-    double error = 0, volume = 0;
+    double error = 0, reducible = 0, volume = 0;
     for (const std::size_t leaf : tree.OpenLeafs()) {
-        error += double(tree[leaf].error) * double(tree[leaf].Volume());
+        const double part = double(tree[leaf].error) * double(tree[leaf].Volume());
+        error += part;
+        reducible += tree[leaf].level > 0 ? part : 0;
         volume += double(tree[leaf].Volume());
         ++result.leafs;
     }
     result.error = volume > 0 ? std::sqrt(error / volume) : 0;
+    result.reducible = volume > 0 ? std::sqrt(reducible / volume) : 0;
     return result;
 }
 

@@ -9,6 +9,7 @@ namespace q3 {
 struct PrunedOctree {
     std::size_t leafs = 0; ///< with open space; about as many as points that are stored
     double error = 0;      ///< expected RMS of the displayed error over the open volume, bytes
+    double reducible = 0;  ///< the same without the smallest cells, which cannot be split
 };
 
 /// Turns inner nodes of the tree, except roots, into leafs such that the sum over all leafs of squared error times open

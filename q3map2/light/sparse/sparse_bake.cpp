@@ -15,7 +15,7 @@ namespace {
 
 /// Refinement begins at this threshold (bytes^2 times smallest cells), which is divided by kFiner until the goal can be
 /// met, or until it is below kLeastThreshold.
-constexpr float kFirstThreshold = 65536, kFiner = 1.7f, kLeastThreshold = 1;
+constexpr float kFirstThreshold = 16384, kFiner = 2.5f, kLeastThreshold = 1;
 /// Leafs that a split adds.
 constexpr float kLeafsPerSplit = 7;
 /// Price of a leaf in bytes^2 times smallest cells: of trees that are not refined, and the highest. It is bisected on a
@@ -24,6 +24,9 @@ constexpr float kFinestPrice = 1.0f / 64, kHighestPrice = 1e9f, kMostPrice = 655
 constexpr int kBisections = 14;
 /// The price of a leaf grows by this factor while the lump exceeds its budget.
 constexpr float kPriceStep = 1.15f;
+/// Without a budget the lump has at most about this share of the bytes of the uniform grid, whatever its error: where
+/// lamps are dense, no cells are small enough.
+constexpr double kMostOfUniform = 0.25;
 /// Bytes of the lump for each leaf: of points that are stored, and of nodes.
 constexpr double kBytesPerLeaf = 25;
 
@@ -31,9 +34,12 @@ constexpr double kBytesPerLeaf = 25;
 class SparsePlan {
   public:
     SparsePlan(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, const SparseGoal &goal)
-        : space_(space), lattice_(lattice), goal_(goal), tree_(lattice), refiner_(space, jobs, lattice, tree_, light_) {
+        : space_(space), lattice_(lattice), goal_(goal), light_(lattice), tree_(lattice),
+          refiner_(space, jobs, lattice, tree_, light_) {}
+    void Start(const LightGridSH &uniform) {
+        refiner_.Start(uniform);
+        mostBytes_ = kMostOfUniform * double(uniform.points.size() * sizeof(bspGridPointSH_t));
     }
-    void Start(const LightGridSH &uniform) { refiner_.Start(uniform); }
     /// Splits cells until pruning can meet the goal.
     void Refine(const LatticeTracer &tracer, GridStats &work) {
         for (float threshold = kFirstThreshold; threshold > kLeastThreshold; threshold /= kFiner) {
@@ -55,8 +61,8 @@ class SparsePlan {
     }
     /// Whether the tree is at least as fine as the goal wants.
     bool IsFine(const PrunedOctree &pruned) const {
-        return goal_.budget ? double(pruned.leafs) * kBytesPerLeaf >= *goal_.budget
-                            : pruned.error <= double(goal_.error);
+        const double bytes = double(pruned.leafs) * kBytesPerLeaf;
+        return goal_.budget ? bytes >= *goal_.budget : pruned.reducible <= double(goal_.error) || bytes >= mostBytes_;
     }
     /// Highest price of a leaf at which the pruned tree is still fine.
     float FindPrice() const {
@@ -81,6 +87,7 @@ class SparsePlan {
     LatticePoints light_;
     Octree tree_;
     OctreeRefiner refiner_;
+    double mostBytes_ = 0;            ///< without a budget: where refinement ends
     float leastPrice_ = kFinestPrice; ///< of a leaf; below it the tree was not refined
 };
 
@@ -99,11 +106,10 @@ SparseGridSH SparsePlan::Grid(SparseStats &result) {
 
 } // namespace
 
-SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH &uniform,
+SparseGridSH BakeSparseGrid(const GridInputs &in, const SmoothLight &light, const LightGridSH &uniform,
                             const SparseGoal &goal, GridStats &work, SparseStats &result) {
     const SparseLattice lattice(uniform.header);
-    const ProbeIntegrator integrator(in, lights);
-    const LatticeTracer tracer(in, integrator, lattice);
+    const LatticeTracer tracer(in, light, lattice);
     SparsePlan plan(in.space, in.jobs, lattice, goal);
     plan.Start(uniform);
     plan.Refine(tracer, work);

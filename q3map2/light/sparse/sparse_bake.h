@@ -2,8 +2,7 @@
 #pragma once
 
 #include "q3map2/bspfile/sparse_grid.h"
-#include "q3map2/light/grid/light_grid.h"
-#include "q3map2/light/sources/light_sources.h"
+#include "q3map2/light/grid/smooth_light.h"
 
 #include <optional>
 
@@ -22,10 +21,10 @@ struct SparseGoal {
     std::optional<double> budget; ///< size of the lump in bytes, in place of the error
 };
 
-/// Bakes a sparse SH grid from the uniform one of the same lights. Starting at the uniform grid's cells, those whose
-/// light interpolation does not give are split, down to 8 units, and those that are not needed are joined, until the
-/// goal is met. Corners are fitted to the light inside the cells. The same for any number of threads.
-SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH &uniform,
+/// Bakes a sparse SH grid from the uniform one and the light between its points. Starting at the uniform grid's cells,
+/// those whose light interpolation does not give are split, down to 8 units, and those that are not needed are joined,
+/// until the goal is met. Corners are fitted to the light inside the cells. The same for any number of threads.
+SparseGridSH BakeSparseGrid(const GridInputs &in, const SmoothLight &light, const LightGridSH &uniform,
                             const SparseGoal &goal, GridStats &work, SparseStats &result);
 
 /// A sparse grid of the points of a uniform one alone. Its cells are joined, not split.

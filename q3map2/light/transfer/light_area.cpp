@@ -165,7 +165,20 @@ bool AreaContribution::EstimateUnoccluded() {
     MeasureLanes();
     MeasureNear();
     brightest_ = CullUnlit(light_.fast ? light_.tolerance : 0);
+    TakePart();
     return live_.Any();
+}
+
+/// Sets partShare_; ends receivers where the part has nothing.
+Q3_VECTOR void AreaContribution::TakePart() {
+    partShare_.fill(1);
+    if (settings_.part == LightPart::Whole)
+        return;
+    const float color = MaxComponent(Max(light_.color, -light_.color)), weakBelow = settings_.weakBelow;
+    for (const std::size_t i : kEachLane) {
+        partShare_[i] = ShareOfPart(settings_.part, color * unoccludedEstimate_[i], weakBelow);
+        live_[i] = partShare_[i] > 0 ? live_[i] : 0;
+    }
 }
 
 /// The cheapest method whose error is under kMomentError for all receivers that are not near.
@@ -246,7 +259,8 @@ Q3_VECTOR LaneMask AreaContribution::LanesToRefine(int probes) {
         anyWhole |= live_[i] & whole, anyNotWhole |= live_[i] & ~whole;
         anyHidden |= live_[i] & hidden, anySeen |= live_[i] & ~hidden;
     }
-    const std::int32_t mixed = ((anyWhole & anyNotWhole) | (anyHidden & anySeen)) != 0 ? -1 : 0;
+    const bool near = settings_.part != LightPart::Weak;
+    const std::int32_t mixed = near && ((anyWhole & anyNotWhole) | (anyHidden & anySeen)) != 0 ? -1 : 0;
     // Shortcuts: dim receivers are not refined; those that only differ from their neighbors must be twice as bright.
     const bool shortcuts = settings_.skip.probes;
     const float partlyFrom = shortcuts ? kRefine : 0, mixedFrom = shortcuts ? 2 * kRefine : 0;
@@ -379,6 +393,8 @@ void AreaContribution::Refine(std::size_t i) {
 /// Applies share, weight and the cosine lobe; sets `add`.
 Q3_VECTOR void AreaContribution::Convolve() {
     const float fromAll = float(4 * std::numbers::pi * kShC0);
+    for (const std::size_t i : kEachLane)
+        share_[i] *= partShare_[i];
     for (const std::size_t i : kEachLane)
         incident_->add[i] = incident_->shCoeffs[0][i] * share_[i] * weight_ * fromAll;
     for (std::size_t k = 0; k < 9; ++k) {

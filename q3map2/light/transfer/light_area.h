@@ -37,6 +37,7 @@ class AreaContribution {
     void MeasureNear();
     float CullUnlit(float least);
     bool EstimateUnoccluded();
+    void TakePart();
     Method ChooseMethod() const;
     int Probes() const;
     Vec3f ProbeTarget(int probe) const;
@@ -67,6 +68,7 @@ class AreaContribution {
     LaneMask below_{};         ///< behind the plane of the emitter
     LaneMask near_{};          ///< so near that only the closed form is accurate enough
     Lanes height_;             ///< distance to the plane of the light
+    Lanes partShare_;          ///< see ShareOfPart; 1 for LightPart::Whole
     Lanes unoccludedEstimate_; ///< approximate light without shadows on a surface facing the emitter; byte scale
     Lanes error_;              ///< (radius of the emitter / distance)^2, a measure of approximation error
     float brightest_ = 0;      ///< greatest unoccludedEstimate_

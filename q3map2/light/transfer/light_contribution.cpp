@@ -89,6 +89,17 @@ Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
     }
 }
 
+/// Takes the part of a light out of `add`; ends receivers for which nothing is left.
+void TakePart(const Light &light, const LightSettings &settings, ProbeIncidentLight &incident) {
+    if (settings.part == LightPart::Whole)
+        return;
+    const float color = MaxComponent(Max(light.color, -light.color));
+    for (const std::size_t i : kEachLane) {
+        incident.add[i] *= ShareOfPart(settings.part, color * incident.add[i], settings.weakBelow);
+        incident.live[i] = incident.add[i] > 0 ? incident.live[i] : 0;
+    }
+}
+
 /// Lights that take one shadow ray a receiver: points, spots and suns, and area lights in the legacy grid.
 class SingleRayLight {
   public:
@@ -163,12 +174,12 @@ float SingleRayLight::Prepare(std::size_t batch) {
     ReceiverBatch &receivers = batches_[batch];
     ProbeIncidentLight &incident = incident_[batch];
     if (light_.type == LightType::Sun) {
-        const float add = light_.photons * weight_;
         AimAtSun(light_, incident);
-        incident.add.fill(add);
-        if (!(add > 0))
+        incident.add.fill(light_.photons * weight_);
+        if (!(light_.photons * weight_ > 0))
             incident.live = {};
-        return add;
+        TakePart(light_, settings_, incident);
+        return Strongest(incident);
     }
     const int inSight = incident.live.Count();
     Unshadowed(light_, settings_, receivers, incident);
@@ -177,6 +188,7 @@ float SingleRayLight::Prepare(std::size_t batch) {
     counts_.skippedFacing += std::uint64_t(inSight - inReach);
     if (inReach == 0 || !TakeFaint(light_, settings_.faint, weight_, receivers, incident, counts_))
         return 0;
+    TakePart(light_, settings_, incident);
     return Strongest(incident);
 }
 

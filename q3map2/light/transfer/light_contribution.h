@@ -7,9 +7,24 @@
 #include "q3map2/light/sources/light_envelope.h"
 #include "q3map2/light/transfer/contribution_counts.h"
 
+#include <algorithm>
 #include <span>
 
 namespace q3 {
+
+/// Which part of each light a grid pass takes.
+enum class LightPart {
+    Whole,
+    Strong, ///< the whole without the weak share, and without the rays of light that is weak alone
+    Weak    ///< the weak share, for receivers that may be far apart: one that differs from others is no cause for rays
+};
+
+/// Share of a light that belongs to the part at a receiver where it would give `light` without shadows. The weak share
+/// is 1 up to half of weakBelow, 0 from weakBelow on, linear between. Both in byte scale.
+inline float ShareOfPart(LightPart part, float light, float weakBelow) {
+    const float slope = 2 - 2 * light / weakBelow, weak = slope > 0 ? std::min(slope, 1.0f) : 0;
+    return part == LightPart::Whole ? 1 : part == LightPart::Weak ? weak : 1 - weak;
+}
 
 /// Settings of a grid pass, the same for all lights and receivers.
 struct LightSettings {
@@ -21,6 +36,8 @@ struct LightSettings {
     SkipOptions skip;
     float faint =
         0; ///< area lights that give a batch less may be represented by others, see SelectFaintLight. Byte scale
+    LightPart part = LightPart::Whole; ///< others: GridSH only
+    float weakBelow = 0;               ///< see ShareOfPart. Byte scale
 };
 
 /// Sets incident[i] to the light of `light`, times `weight`, at batches[i]: falloff, cones, form factors, sides,

@@ -1,0 +1,240 @@
+// GPL-2.0-or-later. The weak part of the light at points of the SH grid.
+#include "q3map2/light/grid/weak_field.h"
+
+#include "libs/sh/sh.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+/// Predictions with a larger expected error are not taken. Byte scale.
+constexpr float kTolerance = 1.5f;
+/// Errors of predictions shrink by this from level to level: distances by sqrt(2), and the error of a mean of two with
+/// their square.
+constexpr float kDecay = 0.5f;
+/// Error of points that nothing predicted.
+constexpr float kUntested = -1;
+
+/// Corners that give less of the blend together predict nothing.
+constexpr float kCornerShare = 1.0f / 16;
+
+/// Trilinear weight of a corner.
+float CornerWeight(std::size_t corner, const std::array<float, 3> &part) {
+    float weight = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        weight *= (corner >> axis & 1) != 0 ? part[axis] : 1 - part[axis];
+    return weight;
+}
+
+/// sum += weight * value, as floats.
+void AddTo(WeakLight &sum, float weight, const WeakLight &value) {
+    float *to = sum.coeffs[0].data();
+    const float *from = value.coeffs[0].data();
+    for (std::size_t i = 0; i < kShFloats; ++i)
+        to[i] += weight * from[i];
+}
+
+Q3_VECTOR float LargestOf(const std::array<Lanes, 9> &basis, const float *change) {
+    Lanes most{};
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        Lanes even, odd;
+        for (const std::size_t i : kEachLane) {
+            odd[i] = basis[1][i] * change[3 + channel] + basis[2][i] * change[6 + channel] +
+                     basis[3][i] * change[9 + channel];
+            even[i] = basis[0][i] * change[channel] + basis[4][i] * change[12 + channel] +
+                      basis[5][i] * change[15 + channel] + basis[6][i] * change[18 + channel] +
+                      basis[7][i] * change[21 + channel] + basis[8][i] * change[24 + channel];
+        }
+        for (const std::size_t i : kEachLane)
+            most[i] = std::max(most[i], std::abs(even[i]) + std::abs(odd[i]));
+    }
+    float largest = 0;
+    for (const std::size_t i : kEachLane)
+        largest = std::max(largest, most[i]);
+    return largest;
+}
+
+} // namespace
+
+DisplayedChange::DisplayedChange(bool radiance, float scale) : basis_{} {
+    for (int i = 0; i < int(kAxes); ++i) {
+        const Vec3d n = Normalize(Vec3d{double(i % 3 - 1), double(i / 3 % 3 - 1), double(i / 9 - 1)});
+        const ShVector basis = ShBasis(n);
+        for (std::size_t k = 0; k < 9; ++k)
+            basis_[k][std::size_t(i)] = float(basis[k] * (radiance ? kCosineLobe[k] : 1) * double(scale));
+    }
+}
+
+float DisplayedChange::Of(const WeakLight &change) const {
+    return LargestOf(basis_, change.coeffs[0].data());
+}
+
+int WeakField::LevelOf(int x, int y) {
+    if (((x | y) & 1) != 0)
+        return (x & y & 1) != 0 ? 3 : 4;
+    return ((x | y) & 2) == 0 ? 0 : (x & y & 2) != 0 ? 1 : 2;
+}
+
+WeakField::WeakField(const BspSpace &space, const GridLayout &layout, const std::vector<PointState> &states,
+                     const DisplayedChange &change)
+    : space_(space), layout_(layout), states_(states), change_(change), light_(states.size()),
+      error_(states.size(), kUntested), predicted_(states.size()) {}
+
+bool WeakField::Prediction::Good() const {
+    return pairs > 0 && isTested && error <= kTolerance;
+}
+
+std::int64_t WeakField::OpenPoint(int x, int y, int z) const {
+    if (x < 0 || y < 0 || z < 0 || x >= layout_.bounds[0] || y >= layout_.bounds[1] || z >= layout_.bounds[2])
+        return -1;
+    const std::int64_t index = layout_.Index(x, y, z);
+    return states_[std::size_t(index)] == PointState::Open ? index : -1;
+}
+
+bool WeakField::IsClear(const Vec3f &a, const Vec3f &b) const {
+    return !space_.AnySolid(Min(a, b), Max(a, b));
+}
+
+WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
+    Prediction result;
+    const int level = LevelOf(x, y);
+    if (level == 0)
+        return result;
+    const int step = level <= 2 ? 2 : 1;
+    const bool diagonal = level % 2 == 1;
+    // Steps to one point of each pair; the other is opposite.
+    const int steps[2][2] = {{step, diagonal ? step : 0}, {diagonal ? step : 0, diagonal ? -step : step}};
+    const Vec3f cell(layout_.size), p(layout_.Position(x, y, z));
+    const Vec3f reach{cell.x * float(step), cell.y * float(step), 0};
+    const bool clear = IsClear(p - reach, p + reach);
+    WeakLight means[2] = {};
+    for (const auto &[dx, dy] : steps) {
+        const Vec3f offset{cell.x * float(dx), cell.y * float(dy), 0};
+        int seen = 0;
+        WeakLight mean{};
+        for (const int side : {1, -1}) {
+            const int toX = x + side * dx, toY = y + side * dy;
+            const std::int64_t end = OpenPoint(toX, toY, z);
+            if (end < 0 || (!clear && !IsClear(p, p + offset * float(side))))
+                continue;
+            AddTo(mean, 0.5f, light_[std::size_t(end)]);
+            ++seen;
+            const float error = error_[std::size_t(end)];
+            if (error == kUntested)
+                continue;
+            result.isTested = true;
+            result.error = std::max(result.error, error * std::pow(kDecay, float(level - LevelOf(toX, toY))));
+        }
+        if (seen == 2)
+            means[result.pairs++] = mean;
+    }
+    if (result.pairs == 2) {
+        WeakLight half{};
+        AddTo(half, 0.5f, means[0]);
+        AddTo(half, -0.5f, means[1]);
+        result.error = std::max(result.error, change_.Of(half));
+        AddTo(means[0], -1, half);
+    }
+    result.light = means[0];
+    return result;
+}
+
+void WeakField::Accept(std::uint32_t index, const Prediction &prediction) {
+    light_[index] = prediction.light;
+    error_[index] = prediction.error;
+    predicted_[index] = 1;
+}
+
+bool WeakField::IsMostlySmooth(std::span<const BrickPoint> points) const {
+    std::size_t open = 0, predicted = 0;
+    for (const BrickPoint &point : points)
+        open += IsOpen(point.index) ? 1 : 0, predicted += predicted_[point.index];
+    return 2 * predicted > open;
+}
+
+void WeakField::SetTraced(std::uint32_t index, const WeakLight &light, const Prediction &prediction) {
+    light_[index] = light;
+    if (prediction.pairs == 0)
+        return;
+    WeakLight difference = light;
+    AddTo(difference, -1, prediction.light);
+    error_[index] = change_.Of(difference);
+}
+
+/// False: the position is outside the grid.
+bool WeakField::FindPlace(const Vec3f &position, Place &place) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float at = (position[axis] - layout_.mins[axis]) / layout_.size[axis];
+        if (!(at >= 0 && at <= float(layout_.bounds[axis] - 1)))
+            return false;
+        place.low[axis] = std::min(int(at), std::max(0, layout_.bounds[axis] - 2));
+        place.part[axis] = at - float(place.low[axis]);
+    }
+    return true;
+}
+
+std::optional<WeakLight> WeakField::Between(const Vec3f &position) const {
+    Place place;
+    if (!FindPlace(position, place))
+        return std::nullopt;
+    const auto &[low, part] = place;
+    WeakLight sum{};
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        const int x = low[0] + int(corner & 1), y = low[1] + int(corner >> 1 & 1), z = low[2] + int(corner >> 2);
+        const float weight = CornerWeight(corner, part);
+        if (weight == 0)
+            continue;
+        const std::int64_t index = OpenPoint(x, y, z);
+        if (index < 0)
+            return std::nullopt;
+        const float error = error_[std::size_t(index)];
+        if (error > kTolerance || (error == kUntested && LevelOf(x, y) != 0))
+            return std::nullopt;
+        AddTo(sum, weight, light_[std::size_t(index)]);
+    }
+    const Vec3f first(layout_.Position(low[0], low[1], low[2]));
+    if (!IsClear(first, first + Vec3f(layout_.size)))
+        return std::nullopt;
+    return sum;
+}
+
+std::optional<WeakLight> WeakField::Around(const Vec3f &position, const WeakLight &offset) const {
+    Place place;
+    if (!FindPlace(position, place))
+        return std::nullopt;
+    const auto &[low, part] = place;
+    WeakLight sum{};
+    float total = 0;
+    const Vec3f first(layout_.Position(low[0], low[1], low[2]));
+    const bool clear = IsClear(first, first + Vec3f(layout_.size));
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        const int x = low[0] + int(corner & 1), y = low[1] + int(corner >> 1 & 1), z = low[2] + int(corner >> 2);
+        const float weight = CornerWeight(corner, part);
+        const std::int64_t index = weight > 0 ? OpenPoint(x, y, z) : -1;
+        if (index < 0 || (!clear && !IsClear(position, Vec3f(layout_.Position(x, y, z)))))
+            continue;
+        AddTo(sum, weight, light_[std::size_t(index)]);
+        total += weight;
+    }
+    if (total < kCornerShare)
+        return std::nullopt;
+    WeakLight light = offset;
+    AddTo(light, 1 / total, sum);
+    return light;
+}
+
+std::optional<WeakLight> WeakField::OffsetAt(const Vec3f &position, const WeakLight &traced) const {
+    const std::optional<WeakLight> around = Around(position, {});
+    if (!around)
+        return std::nullopt;
+    WeakLight offset = traced;
+    AddTo(offset, -1, *around);
+    if (change_.Of(offset) > kTolerance)
+        return std::nullopt;
+    return offset;
+}
+
+} // namespace q3
