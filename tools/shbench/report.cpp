@@ -62,7 +62,7 @@ nlohmann::json LineJson(const BenchReport &report, const BenchLine &line) {
     const BakeCost &cost = line.cost;
     return {{"name", line.name},
             {"options", line.options},
-            {"family", IsDrawn(line) ? nlohmann::json(FamilyOf(line)) : nlohmann::json()},
+            {"family", IsDrawn(line) && line.name != kPlainName ? nlohmann::json(FamilyOf(line)) : nlohmann::json()},
             {"cpuSeconds", cost.cpuSeconds},
             {"setUpCpuSeconds", cost.setUpSeconds},
             {"timeToDefault", ratio(cost.cpuSeconds, base ? base->cost.cpuSeconds : 0)},
