@@ -148,6 +148,79 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
         EXPECT_THAT(table, testing::HasSubstr(text));
 }
 
+TEST_F(RunTest, MeasuresSparseGridsByTheirOwnPointsAndBytes) {
+    SceneBuilder scene = Room();
+    scene.AddEntity(PointLight({40, 20, 100}, 300));
+    const auto map = Map(scene);
+    BenchSettings settings;
+    settings.truth.positions = 200;
+    settings.raw = settings.baselines = false;
+    settings.bakes = {{"default", ""}, {"rough", "-sherrortarget 4"}, {"fine", "-sherrortarget 1"}};
+    Log silent([](LogLevel, std::string_view) {});
+    const BenchReport report = RunBench(*map, Library(), settings, *FindGame("quake3"), JobPool(1), silent).report;
+    const BenchLine *uniform = report.Line("default"), *rough = report.Line("rough"), *fine = report.Line("fine");
+    ASSERT_TRUE(uniform && rough && fine);
+    EXPECT_EQ(uniform->format, BakedFormat::GridSH);
+    EXPECT_EQ(rough->format, BakedFormat::SparseGridSH);
+    EXPECT_GT(rough->cost.points, 0);
+    EXPECT_LT(rough->cost.points, fine->cost.points);
+    EXPECT_GT(rough->cost.bytes, 28 * rough->cost.points); // a stored point has 28 bytes
+    EXPECT_GT(rough->errors.grid, fine->errors.grid);
+    EXPECT_LT(fine->errors.relative, 0.5);
+
+    settings.worst = 1;
+    settings.worstOf = "fine"; // its cells have several sizes
+    EXPECT_THROW(RunBench(*map, Library(), settings, *FindGame("quake3"), JobPool(1), silent), std::exception);
+}
+
+BenchLine Line(std::string name, std::string options, BakedFormat format, std::int64_t bytes, double grid) {
+    BenchLine line;
+    line.name = std::move(name), line.options = std::move(options), line.format = format;
+    line.cost.bytes = bytes;
+    line.errors.grid = grid;
+    return line;
+}
+
+TEST(Families, DifferInSizeAlone) {
+    const auto family = [](const char *options, BakedFormat format = BakedFormat::GridSH) {
+        return FamilyOf(Line("x", options, format, 1, 1));
+    };
+    EXPECT_EQ(family(""), "uniform");
+    EXPECT_EQ(family("-gridscalesh 1.5"), "uniform");
+    EXPECT_EQ(family("-gridsh 64 64 64"), "uniform");
+    EXPECT_EQ(family("-gridsh 64 64 64 -shfit 24"), "uniform -shfit 24");
+    EXPECT_EQ(family("-shfit 24 -GridScaleSH 3"), "uniform -shfit 24");
+    EXPECT_EQ(family("-sherrortarget 1.5", BakedFormat::SparseGridSH), "sparse");
+    EXPECT_EQ(family("-shadaptive -shbudget 2 -fast", BakedFormat::SparseGridSH), "sparse -fast");
+}
+
+TEST(SizeChart, JoinsFamiliesBySize) {
+    BenchReport report;
+    report.lines = {Line("default", "", BakedFormat::GridSH, 8'000'000, 2),
+                    Line("fast", "-fast", BakedFormat::GridSH, 8'000'000, 3),
+                    Line("coarse", "-gridscalesh 1", BakedFormat::GridSH, 1'000'000, 4),
+                    Line("adaptive", "-sherrortarget 1", BakedFormat::SparseGridSH, 500'000, 1),
+                    Line("plain", "one ray per light and point", BakedFormat::GridSH, 8'000'000, 9),
+                    Line("legacy grid", "no -sh", BakedFormat::LegacyGrid, 70'000, 9),
+                    Line("cubes", "-ambientcubes", BakedFormat::AmbientCubes, 70'000, 9)};
+    const Chart chart = SizeChart(report);
+    ASSERT_EQ(chart.series.size(), 3u);
+    EXPECT_EQ(chart.series[0].name, "uniform");
+    ASSERT_EQ(chart.series[0].points.size(), 2u);
+    EXPECT_TRUE(chart.series[0].joined);
+    EXPECT_EQ(chart.series[0].points[0].label, "coarse");
+    EXPECT_DOUBLE_EQ(chart.series[0].points[0].x, 1);
+    EXPECT_DOUBLE_EQ(chart.series[0].points[1].x, 8);
+    EXPECT_DOUBLE_EQ(chart.series[0].points[1].y, 2);
+    EXPECT_EQ(chart.series[1].name, "sparse");
+    EXPECT_EQ(chart.series[2].name, "others");
+    EXPECT_FALSE(chart.series[2].joined);
+    EXPECT_EQ(chart.series[2].points[0].label, "fast");
+    const auto json = nlohmann::json::parse(JsonText(report));
+    EXPECT_EQ(json["settings"][2]["family"], "uniform");
+    EXPECT_TRUE(json["settings"][6]["family"].is_null());
+}
+
 TEST_F(RunTest, WorstPositionsOfAnUnknownSettingAreRefused) {
     BenchSettings settings;
     settings.truth.positions = 1;

@@ -22,31 +22,51 @@ std::string_view PassOf(BakedFormat format, const LightOptions &options) {
         if (!options.cubesFromSH)
             return "--- TraceAmbientCubes ---";
         [[fallthrough]];
-    default:
-        return "--- TraceGridSH ---";
+    case BakedFormat::GridSH:
+    case BakedFormat::SparseGridSH: // traces a uniform grid first
+        break;
     }
+    return "--- TraceGridSH ---";
 }
 
 /// Size of the lump.
 std::int64_t LumpBytes(BakedFormat format, const Bsp &bsp) {
-    if (format == BakedFormat::LegacyGrid)
-        return std::int64_t(bsp.gridPoints.size() * sizeof(bspGridPoint_t));
-    if (format == BakedFormat::GridSH && bsp.sparseGridSH)
-        return std::int64_t(EncodeSparseGrid(*bsp.sparseGridSH).size());
-    if (format == BakedFormat::GridSH)
+    switch (format) {
+    case BakedFormat::GridSH:
         return std::int64_t(sizeof(bspGridSHHeader_t) + bsp.gridSH->points.size() * sizeof(bspGridPointSH_t));
+    case BakedFormat::SparseGridSH:
+        return std::int64_t(EncodeSparseGrid(*bsp.sparseGridSH).size());
+    case BakedFormat::LegacyGrid:
+        return std::int64_t(bsp.gridPoints.size() * sizeof(bspGridPoint_t));
+    case BakedFormat::AmbientCubes:
+        break;
+    }
     if (!bsp.ambientCubes)
         return 0;
     return std::int64_t(sizeof(bspCubeHeader_t) + bsp.ambientCubes->leafs.size() * sizeof(bspCubeLeaf_t) +
                         bsp.ambientCubes->samples.size() * sizeof(bspCubeSample_t));
 }
 
+/// The options of a bake that makes that format alone.
+LightOptions OptionsFor(BakedFormat format, LightOptions options) {
+    options.ambientCubes = format == BakedFormat::AmbientCubes;
+    options.sh = format == BakedFormat::GridSH || (options.ambientCubes && options.cubesFromSH);
+    options.shAdaptive = format == BakedFormat::SparseGridSH;
+    options.noGrid = format != BakedFormat::LegacyGrid;
+    return options;
+}
+
 } // namespace
 
-Baked Bake(const BenchMap &map, LightOptions options, BakedFormat format, ShaderLibrary &library, const JobPool &jobs) {
-    options.ambientCubes = format == BakedFormat::AmbientCubes;
-    options.sh = (format == BakedFormat::GridSH && !options.shAdaptive) || (options.ambientCubes && options.cubesFromSH);
-    options.noGrid = format != BakedFormat::LegacyGrid;
+BakedFormat FormatOf(const LightOptions &options) {
+    return options.ambientCubes ? BakedFormat::AmbientCubes
+           : options.shAdaptive ? BakedFormat::SparseGridSH
+                                : BakedFormat::GridSH;
+}
+
+Baked Bake(const BenchMap &map, const LightOptions &given, BakedFormat format, ShaderLibrary &library,
+           const JobPool &jobs) {
+    const LightOptions options = OptionsFor(format, given);
     Baked baked;
     baked.bsp = map.bsp;
     // The set-up ends when the heading of the pass is logged.
@@ -61,9 +81,9 @@ Baked Bake(const BenchMap &map, LightOptions options, BakedFormat format, Shader
     const double start = CpuSeconds();
     const LightResult result = LightWorld(baked.bsp, map.inputs, options, onlyGrid, library, jobs, log);
     const double end = CpuSeconds();
-    const GridStats &stats = format == BakedFormat::GridSH       ? result.gridSH
-                             : format == BakedFormat::LegacyGrid ? result.grid
-                                                                 : result.cubes;
+    const GridStats &stats = format == BakedFormat::LegacyGrid     ? result.grid
+                             : format == BakedFormat::AmbientCubes ? result.cubes
+                                                                   : result.gridSH;
     baked.cost.cpuSeconds = end - start;
     baked.cost.setUpSeconds = (passStart > 0 ? passStart : end) - start;
     baked.cost.rays = stats.counts.rays + (options.ambientCubes ? result.gridSH.counts.rays : 0);
@@ -74,6 +94,8 @@ Baked Bake(const BenchMap &map, LightOptions options, BakedFormat format, Shader
         baked.cost.litPoints = baked.cost.points;
         baked.cost.points = std::int64_t(baked.bsp.ambientCubes->samples.size());
     }
+    if (format == BakedFormat::SparseGridSH) // fitted to light that is traced; solid space has no points
+        baked.cost.points = baked.cost.litPoints = std::int64_t(baked.bsp.sparseGridSH->points.size());
     return baked;
 }
 
@@ -106,7 +128,7 @@ ShownLight ShownByLegacy(const Bsp &bsp) {
 /// Through the reader for engines, from the bytes of the file.
 ShownLight ShownByCubes(const Bsp &bsp) {
     Bsp alone = bsp;
-    alone.gridSH.reset();
+    alone.gridSH.reset(), alone.sparseGridSH.reset();
     const auto file = std::make_shared<const std::vector<std::byte>>(WriteBsp(alone, {}));
     ambient_cubes cubes;
     if (const auto result = ambient_cubes_load(file->data(), file->size(), &cubes); result != AMBIENT_CUBES_OK)
@@ -130,9 +152,9 @@ ShownLight ShownByCubes(const Bsp &bsp) {
 } // namespace
 
 ShownLight ShownBy(BakedFormat format, const Bsp &bsp) {
-    return format == BakedFormat::GridSH       ? ShownBySH(bsp)
-           : format == BakedFormat::LegacyGrid ? ShownByLegacy(bsp)
-                                               : ShownByCubes(bsp);
+    return format == BakedFormat::LegacyGrid     ? ShownByLegacy(bsp)
+           : format == BakedFormat::AmbientCubes ? ShownByCubes(bsp)
+                                                 : ShownBySH(bsp);
 }
 
 } // namespace q3::bench

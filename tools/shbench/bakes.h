@@ -20,8 +20,8 @@ struct BakeCost {
     double cpuSeconds = 0;   ///< the whole call, all threads
     double setUpSeconds = 0; ///< part of it before the first grid point
     std::uint64_t rays = 0;
-    std::int64_t points = 0;
-    std::int64_t litPoints = 0; ///< traced, not filled or empty
+    std::int64_t points = 0;    ///< with a value in the lump
+    std::int64_t litPoints = 0; ///< of these: traced, not filled or empty
     std::int64_t bytes = 0;     ///< of the lump
 };
 
@@ -31,10 +31,13 @@ struct Baked {
 };
 
 /// What a bake makes and shows.
-enum class BakedFormat { GridSH, LegacyGrid, AmbientCubes };
+enum class BakedFormat { GridSH, SparseGridSH, LegacyGrid, AmbientCubes };
+/// The format that these options ask for; GridSH if none.
+BakedFormat FormatOf(const LightOptions &options);
 
 /// Lights a copy of the map in process, for that format alone. Errors: as LightWorld.
-Baked Bake(const BenchMap &map, LightOptions options, BakedFormat format, ShaderLibrary &library, const JobPool &jobs);
+Baked Bake(const BenchMap &map, const LightOptions &options, BakedFormat format, ShaderLibrary &library,
+           const JobPool &jobs);
 
 /// What an engine shows with that format of a lit map, which must outlive it. Errors: the map has no such light.
 ShownLight ShownBy(BakedFormat format, const Bsp &bsp);

@@ -18,7 +18,6 @@ namespace {
 struct Contender {
     BenchLine line;
     std::function<Baked()> bake;
-    BakedFormat format = BakedFormat::GridSH;
 };
 
 /// Layout of the grid that a line of the report measures.
@@ -36,18 +35,18 @@ GridLayout LayoutOf(const BenchMap &map, const Baked &baked, BakedFormat format)
 void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &settings, const Contender &one,
                  const Baked &baked, const ShownLight &shown, const JobPool &jobs, BenchResult &result) {
     const std::vector<PositionErrors> errors = ErrorsByPlace(truth, shown);
-    const auto causes = FindCauses(map, LayoutOf(map, baked, one.format), truth, errors, jobs);
+    const auto causes = FindCauses(map, LayoutOf(map, baked, one.line.format), truth, errors, jobs);
     const auto worst = WorstPositions(truth, shown, settings.worst, settings.worstBy);
     result.worst = WorstText(truth, worst, errors, causes, one.line.name);
     if (!settings.plan)
         return;
-    const bool isBake =
-        one.line.name != kPlainName && one.format == BakedFormat::GridSH; // `options` of the other lines is plain text
+    const bool isBake = one.line.name != kPlainName &&
+                        one.line.format == BakedFormat::GridSH; // `options` of the other lines is plain text
     const std::string options = settings.options + (isBake ? " " + one.line.options : "");
     std::string setting = one.line.name;
     if (options.find('-') != std::string::npos)
         setting += ": " + options;
-    const std::string grid = one.format == BakedFormat::LegacyGrid ? "legacy grid" : "SH grid";
+    const std::string grid = one.line.format == BakedFormat::LegacyGrid ? "legacy grid" : "SH grid";
     result.plan = MakeErrorPlan(map, {truth, errors, causes, worst, settings.worstBy, grid, setting}, jobs);
 }
 
@@ -75,7 +74,7 @@ void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const T
                 one.line.cost = baked.cost;
             if (repeat > 0)
                 continue;
-            const ShownLight shown = ShownBy(one.format, baked.bsp);
+            const ShownLight shown = ShownBy(one.line.format, baked.bsp);
             one.line.errors = MeasureErrors(truth, shown);
             if (settings.worst > 0 && one.line.name == settings.worstOf)
                 ReportWorst(map, truth, settings, one, baked, shown, jobs, result);
@@ -85,25 +84,22 @@ void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const T
 std::vector<Contender> Contenders(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings,
                                   const Game &game, const bspGridSHHeader_t &layout, const JobPool &jobs) {
     std::vector<Contender> all;
+    const auto add = [&](std::string_view name, std::string_view text, BakedFormat format,
+                         const LightOptions &options) {
+        all.push_back({{std::string(name), std::string(text), format, {}, {}, {}},
+                       [&map, &library, &jobs, options, format] { return Bake(map, options, format, library, jobs); }});
+    };
     for (const BakeSetting &setting : settings.bakes.empty() ? DefaultBakes() : settings.bakes) {
         const LightOptions options = LightOptionsFrom(settings.options + " " + setting.options, game);
-        const BakedFormat format = options.ambientCubes ? BakedFormat::AmbientCubes : BakedFormat::GridSH;
-        all.push_back({{setting.name, setting.options, {}, {}, {}},
-                       [&map, &library, &jobs, options, format] { return Bake(map, options, format, library, jobs); },
-                       format});
+        add(setting.name, setting.options, FormatOf(options), options);
     }
     if (!settings.baselines)
         return all;
-    all.push_back({{std::string(kPlainName), "one ray per light and point", {}, {}, {}},
+    all.push_back({{std::string(kPlainName), "one ray per light and point", BakedFormat::GridSH, {}, {}, {}},
                    [&map, &jobs, layout] { return BakePlain(map, layout, jobs); }});
     const LightOptions options = LightOptionsFrom(settings.options, game);
-    const auto add = [&](std::string_view name, std::string_view text, BakedFormat format) {
-        all.push_back({{std::string(name), std::string(text), {}, {}, {}},
-                       [&map, &library, &jobs, options, format] { return Bake(map, options, format, library, jobs); },
-                       format});
-    };
-    add(kLegacyName, "no -sh", BakedFormat::LegacyGrid);
-    add(kCubesName, "-ambientcubes", BakedFormat::AmbientCubes);
+    add(kLegacyName, "no -sh", BakedFormat::LegacyGrid, options);
+    add(kCubesName, "-ambientcubes", BakedFormat::AmbientCubes, options);
     return all;
 }
 
@@ -116,7 +112,12 @@ std::vector<BakeSetting> DefaultBakes() {
             {"gridscalesh 1", "-gridscalesh 1"},
             {"gridscalesh 1.5", "-gridscalesh 1.5"},
             {"gridscalesh 3", "-gridscalesh 3"},
-            {"gridsh 64", "-gridsh 64 64 64"}};
+            {"gridsh 64", "-gridsh 64 64 64"},
+            {"fit", "-shfit"},
+            {"64 64 64 fit", "-gridsh 64 64 64 -shfit"},
+            {"adaptive 3", "-sherrortarget 3"},
+            {"adaptive 1.5", "-sherrortarget 1.5"},
+            {"adaptive 0.75", "-sherrortarget 0.75"}};
 }
 
 BenchFiles::BenchFiles(const GlobalOptions &global, const std::vector<std::string> &words,
@@ -152,9 +153,10 @@ BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSet
     if (settings.worst > 0 && std::none_of(contenders.begin(), contenders.end(), isWorst))
         throw Error("worst positions of {}: expected the name of a setting that is measured", settings.worstOf);
     if (settings.worst > 0 && std::any_of(contenders.begin(), contenders.end(), [&](const Contender &one) {
-            return isWorst(one) && one.format == BakedFormat::AmbientCubes;
+            return isWorst(one) &&
+                   (one.line.format == BakedFormat::AmbientCubes || one.line.format == BakedFormat::SparseGridSH);
         }))
-        throw Error("worst positions of {}: their causes are those of grids, and cubes have none", settings.worstOf);
+        throw Error("worst positions of {}: expected a setting whose grid has cells of one size", settings.worstOf);
     progress.Print("truth\n");
     const Truth truth = CachedTruth(map, settings.truth, jobs, settings.cache, report.truthFromCache);
     report.positions = truth.points.size();

@@ -59,6 +59,7 @@ class Painter {
     void DrawReferences();
     void DrawKey();
     void DrawSeries();
+    void TakeLines(const ChartSeries &series);
     void DrawLabels();
 
     const Chart &chart_;
@@ -150,12 +151,30 @@ void Painter::DrawSeries() {
             if (series.joined && Shows(point))
                 cairo_line_to(canvas_, x_.At(point.x), y_.At(point.y));
         cairo_stroke(canvas_);
+        if (series.joined)
+            TakeLines(series);
         for (const ChartPoint &point : series.points) {
             if (!Shows(point))
                 continue;
             const double x = x_.At(point.x), y = y_.At(point.y);
             drawing_.Dot(x, y, kDot);
             labels_.Take({x - kDot, y - kDot, x + kDot, y + kDot});
+        }
+    }
+}
+
+/// Keeps labels off the lines between the points, in small boxes along them.
+void Painter::TakeLines(const ChartSeries &series) {
+    constexpr double kStep = 6, kHalf = 1.5; // picture units
+    for (std::size_t i = 1; i < series.points.size(); ++i) {
+        const ChartPoint &from = series.points[i - 1], &to = series.points[i];
+        if (!Shows(from) || !Shows(to))
+            continue;
+        const double x0 = x_.At(from.x), y0 = y_.At(from.y), dx = x_.At(to.x) - x0, dy = y_.At(to.y) - y0;
+        const int steps = int(std::hypot(dx, dy) / kStep) + 1;
+        for (int step = 0; step <= steps; ++step) {
+            const double x = x0 + dx * step / steps, y = y0 + dy * step / steps;
+            labels_.Take({x - kHalf, y - kHalf, x + kHalf, y + kHalf});
         }
     }
 }

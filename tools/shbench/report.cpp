@@ -1,9 +1,13 @@
 // GPL-2.0-or-later. Results of a benchmark as text and JSON.
 #include "tools/shbench/report.h"
 
+#include "common/text/text.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
+#include <sstream>
 
 namespace q3::bench {
 
@@ -40,12 +44,25 @@ std::vector<std::string> Cells(const BenchReport &report, const BenchLine &line)
             fmt::format("{:.4f}", line.errors.relative)};
 }
 
+/// Whether charts of SH grids have the line.
+bool IsDrawn(const BenchLine &line) {
+    return line.format == BakedFormat::GridSH || line.format == BakedFormat::SparseGridSH;
+}
+
+/// Options that set the size of cells or of the grid.
+bool SetsSize(std::string_view word) {
+    constexpr std::array<std::string_view, 5> kNames = {"-gridsh", "-gridscalesh", "-shadaptive", "-sherrortarget",
+                                                        "-shbudget"};
+    return std::ranges::any_of(kNames, [&](std::string_view name) { return EqualNoCase(name, word); });
+}
+
 nlohmann::json LineJson(const BenchReport &report, const BenchLine &line) {
     const BenchLine *base = report.Line(kDefaultName), *plain = report.Line(kPlainName);
     const auto ratio = [](double a, double b) { return b > 0 ? nlohmann::json(a / b) : nlohmann::json(); };
     const BakeCost &cost = line.cost;
     return {{"name", line.name},
             {"options", line.options},
+            {"family", IsDrawn(line) && line.name != kPlainName ? nlohmann::json(FamilyOf(line)) : nlohmann::json()},
             {"cpuSeconds", cost.cpuSeconds},
             {"setUpCpuSeconds", cost.setUpSeconds},
             {"timeToDefault", ratio(cost.cpuSeconds, base ? base->cost.cpuSeconds : 0)},
@@ -75,6 +92,19 @@ double BenchLine::ShareOfRaw() const {
     std::vector<double> sorted = sharesOfRaw;
     std::sort(sorted.begin(), sorted.end());
     return (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]) / 2;
+}
+
+std::string FamilyOf(const BenchLine &line) {
+    std::string family = line.format == BakedFormat::SparseGridSH ? "sparse" : "uniform";
+    std::istringstream words(line.options);
+    bool skips = false; // values of an option that sets the size
+    for (std::string word; words >> word;) {
+        if (word.starts_with('-'))
+            skips = SetsSize(word);
+        if (!skips)
+            family += " " + word;
+    }
+    return family;
 }
 
 const BenchLine *BenchReport::Line(std::string_view name) const {
@@ -147,12 +177,42 @@ Chart ErrorChart(const BenchReport &report) {
     chart.y = {"displayed RMSE, bytes of 255", false};
     ChartSeries settings{"settings", {}, false}, plain{"one ray per light", {}, false};
     for (const BenchLine &line : report.lines)
-        if (line.name != kLegacyName && line.name != kCubesName)
+        if (IsDrawn(line))
             (line.name == kPlainName ? plain : settings)
                 .points.push_back({line.cost.cpuSeconds, line.errors.rmse, line.name});
     chart.series = {settings, plain};
     chart.level = report.floor;
     chart.levelLabel = fmt::format("floor {:.2f}: the exact L2 projection", report.floor);
+    return chart;
+}
+
+Chart SizeChart(const BenchReport &report) {
+    Chart chart;
+    chart.title = fmt::format("{}: error of the SH grid against its size", report.map);
+    chart.subtitle = fmt::format("{} positions, 26 normals; floor {:.2f}", report.positions, report.floor);
+    chart.x = {"megabytes (logarithmic)", true};
+    chart.y = {"grid error, bytes of 255 (logarithmic)", true};
+    std::vector<ChartSeries> families;
+    for (const BenchLine &line : report.lines) {
+        if (!IsDrawn(line) || line.name == kPlainName)
+            continue;
+        const std::string name = FamilyOf(line);
+        auto family = std::ranges::find(families, name, &ChartSeries::name);
+        if (family == families.end())
+            family = families.insert(family, {name, {}, true});
+        family->points.push_back({double(line.cost.bytes) / 1e6, line.errors.grid, line.name});
+    }
+    ChartSeries others{"others", {}, false};
+    for (ChartSeries &family : families) {
+        if (family.points.size() == 1 && family.name.find(' ') != std::string::npos) {
+            others.points.push_back(family.points.front());
+            continue;
+        }
+        std::ranges::stable_sort(family.points, {}, &ChartPoint::x);
+        chart.series.push_back(std::move(family));
+    }
+    if (!others.points.empty())
+        chart.series.push_back(std::move(others));
     return chart;
 }
 

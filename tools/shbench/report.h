@@ -13,6 +13,7 @@ namespace q3::bench {
 /// One measured setting.
 struct BenchLine {
     std::string name, options;
+    BakedFormat format = BakedFormat::GridSH;
     BakeCost cost;
     ShownErrors errors;
     /// For each bake: rays per CPU second, divided by bare Embree's mean just before and after. Empty: not measured.
@@ -20,6 +21,10 @@ struct BenchLine {
     /// Median of sharesOfRaw; 0 if empty.
     double ShareOfRaw() const;
 };
+
+/// What lines of one family share: format and options, but for those that set the size of cells or of the grid.
+/// Settings of a family differ in size alone. "uniform" or "sparse", then the options.
+std::string FamilyOf(const BenchLine &line);
 
 /// Everything measured on one map.
 struct BenchReport {
@@ -45,6 +50,9 @@ std::string TableText(const BenchReport &report);
 std::string JsonText(const BenchReport &report);
 /// CPU seconds, logarithmic, against displayed RMSE, with the floor. The legacy grid and ambient cubes are left out.
 Chart ErrorChart(const BenchReport &report);
+/// Megabytes of SH grids against their grid error, both logarithmic; formats and the plain baker are left out as above.
+/// Lines of one family are joined.
+Chart SizeChart(const BenchReport &report);
 /// The worst positions of a setting with their causes, then the shares of all causes. `errors` and `causes`: of all
 /// positions.
 std::string WorstText(const Truth &truth, const std::vector<WorstPosition> &worst,

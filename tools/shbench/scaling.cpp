@@ -58,7 +58,7 @@ BakeCost LeastCost(const BenchMap &map, ShaderLibrary &library, const LightOptio
                    int repeats) {
     BakeCost least;
     for (int repeat = 0; repeat < repeats; ++repeat) {
-        const BakeCost cost = Bake(map, options, BakedFormat::GridSH, library, jobs).cost;
+        const BakeCost cost = Bake(map, options, FormatOf(options), library, jobs).cost;
         if (repeat == 0 || cost.cpuSeconds < least.cpuSeconds)
             least = cost;
     }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. shbench: error of the SH light grid against time.
+// GPL-2.0-or-later. shbench: error of the SH light grid against time and size.
 #include "common/error.h"
 #include "common/files/files.h"
 #include "q3map2/stages.h"
@@ -20,7 +20,7 @@ namespace q3::bench {
 namespace {
 
 constexpr std::string_view kUsage =
-    R"(usage: shbench [options] maps/x.bsp       error of the SH light grid against time, see docs/shbench.md
+    R"(usage: shbench [options] maps/x.bsp       error of the SH light grid against time and size, see docs/shbench.md
        shbench --scale-lights [options]     time against the number of lights, in a hall made for it
        shbench --scale-cells [options] maps/x.bsp   time against the number of points
        shbench --lightmaps [options] maps/x.bsp     time and rays of lightmaps, pass by pass
@@ -36,7 +36,7 @@ constexpr std::string_view kUsage =
   --worst-by reference|projection           worst against the light there (usual), or against its exact projection
   --worst-picture FILE                      a plan of the map with them, .png or .svg; 12 unless --worst
   --lights N                                most lights of --scale-lights (10000)
-  --json FILE, --plot BASENAME              results as JSON; plots as BASENAME.svg and .png
+  --json FILE, --plot BASENAME              results as JSON; plots as BASENAME.svg and .png, BASENAME-bytes.svg and .png
 )";
 
 constexpr int kUsualWorst = 12; ///< positions of --worst-picture
@@ -177,8 +177,10 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
     const BenchResult result = RunBench(files.Map(), files.Library(), settings, game, jobs, progress);
     Print(TableText(result.report) + result.worst);
     WriteText(command.jsonFile, JsonText(result.report));
-    if (!command.plotBase.empty())
+    if (!command.plotBase.empty()) {
         WriteChart(ErrorChart(result.report), command.plotBase);
+        WriteChart(SizeChart(result.report), command.plotBase + "-bytes");
+    }
     if (result.plan)
         WriteErrorPlan(*result.plan, command.planFile);
     return 0;
