@@ -162,7 +162,7 @@ struct CutRoot {
     }
     SparseLattice lattice = SmallLattice();
     Octree tree{lattice};
-    LatticePoints light;
+    LatticePoints light{lattice};
 };
 
 TEST(CornerWeights, CornersOnLargerCellsHang) {
@@ -205,7 +205,7 @@ TEST(FitCorners, KeepsALinearField) {
     for (auto &row : field)
         for (float &factor : row)
             factor = std::uniform_real_distribution<float>(0.5f, 1)(random);
-    LatticePoints light;
+    LatticePoints light(lattice);
     const auto fieldAt = [&](const LatticePoint &p) {
         ShFloats value;
         for (std::size_t k = 0; k < kShFloats; k++)
@@ -236,7 +236,7 @@ TEST(FitCorners, HalvesTheErrorOfACurvedField) {
     Octree tree(lattice);
     tree[0].open = 1;
     tree.Split(0);
-    LatticePoints light;
+    LatticePoints light(lattice);
     for (std::int32_t z = 0; z <= 16; z++)
         for (std::int32_t y = 0; y <= 16; y++)
             for (std::int32_t x = 0; x <= 16; x++) {
@@ -276,7 +276,7 @@ TEST(SparseTree, ReadersGetWhatTheCornersSay) {
             for (std::size_t axis = 0; axis < 3; axis++)
                 if (tree[leaf].Corner(7)[axis] == lattice.Roots()[axis] * edge)
                     tree[leaf].open = 0;
-        LatticePoints light;
+        LatticePoints light(lattice);
         for (const std::size_t leaf : tree.OpenLeafs())
             for (std::size_t c = 0; c < 8; c++) {
                 LitPoint &point = light[light.Add(tree[leaf].Corner(c))];
