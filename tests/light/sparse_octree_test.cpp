@@ -299,11 +299,17 @@ TEST(SparseTree, ReadersGetWhatTheCornersSay) {
         };
         for (const std::size_t leaf : tree.OpenLeafs()) {
             const OctreeCell cell = tree[leaf];
+            Coefficients blend{};
+            const Vec3f inside{unit(random), unit(random), unit(random)};
+            const Vec3f at = LatticePosition(cell.origin) + inside * float(cell.Edge());
             for (std::size_t c = 0; c < 8; c++) {
                 const Coefficients value = cornerValue(cell, cell.Corner(c));
+                const auto weight = double(cell.Weight(c, at));
+                blend = blend + value * Vec3d{weight, weight, weight};
                 ASSERT_LT(Difference(view.Sample(Vec3d(lattice.PositionOf(cell.Corner(c)))), value), 0.004)
                     << "quantization; corner " << c << " of a cell of edge " << cell.Edge();
             }
+            ASSERT_LT(Difference(view.Sample(Vec3d(lattice.Mins() + lattice.Cell() * at)), blend), 0.004);
         }
     }
 }

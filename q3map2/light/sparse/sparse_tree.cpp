@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <unordered_set>
 
 namespace q3 {
 
@@ -26,30 +27,30 @@ class TreeWriter {
     SparseGridTree Write(const std::vector<ShFloats> &values) const;
 
   private:
-    /// Makes p the lower corner of the leaf that contains it. False: p is on the boundary of an open leaf, or outside.
-    bool Place(const LatticePoint &p, Owned what) {
+    /// Makes p the lower corner of the leaf that contains it, unless that has open space: p is on its side then, and
+    /// readers go on to larger cells by themselves.
+    void Place(const LatticePoint &p, Owned what) {
         std::size_t leaf = tree_.LeafAt(p);
         if (leaf == Octree::kNone)
-            return false;
+            return;
         while (tree_[leaf].origin != p) {
             if (tree_[leaf].open > 0)
-                return false;
+                return;
             tree_.Split(leaf);
             owned_.resize(tree_.Size(), Owned::Nothing);
             std::swap(owned_[leaf], owned_[tree_[leaf].child]); // the lower corner is now that of the first child
             leaf = tree_.LeafAt(p);
         }
         owned_.resize(tree_.Size(), Owned::Nothing);
-        const bool isNew = owned_[leaf] == Owned::Nothing;
-        if (isNew)
+        if (owned_[leaf] == Owned::Nothing)
             owned_[leaf] = what;
-        return isNew;
     }
-    /// Places a hanging point and those that it follows from: the points beside it on the axes on which it is an odd
-    /// multiple of the greatest power of two that divides all its coordinates.
+    /// Places a hanging point and those that readers take it from: the points beside it on the axes on which it is an
+    /// odd multiple of the greatest power of two that divides all its coordinates.
     void PlaceHanging(const LatticePoint &p) {
-        if (!Place(p, Owned::Hanging))
+        if (!hanging_.insert(KeyOf(p)).second)
             return;
+        Place(p, Owned::Hanging);
         const int power = std::countr_zero(std::uint32_t(p[0] | p[1] | p[2]));
         std::vector<LatticePoint> parents{p};
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -74,7 +75,8 @@ class TreeWriter {
     Octree tree_;
     const LatticePoints &light_;
     const CornerWeights &corners_;
-    std::vector<Owned> owned_; ///< by cell
+    std::vector<Owned> owned_;                  ///< by cell
+    std::unordered_set<std::uint64_t> hanging_; ///< keys of the hanging points that are placed
 };
 
 std::vector<bool> TreeWriter::FindUsed() const {
