@@ -114,19 +114,19 @@ TEST_F(SkipTest, DimLightsWhereNeighborsAgree) {
 /// A hall of rooms along x, each with dim lamps and pillars; a lamp smaller than a cell in every tenth, walls with
 /// slits between them. Many dim lights cast shadows everywhere.
 SceneBuilder RoomsOfDimLights() {
-    SceneBuilder scene = Room({-2560, -256, 0}, {2560, 256, 256});
+    SceneBuilder scene = Room({-5120, -512, 0}, {5120, 512, 256});
     const SceneShader wall = TestShader("textures/test/wall");
     for (int room = 0; room < 20; ++room) {
-        const float x = -2560 + 256.0f * float(room);
+        const float x = -5120 + 512.0f * float(room);
         if (room > 0) { // a wall with a slit of 8 units
-            scene.AddBox({x - 8, -256, 0}, {x + 8, -4, 256}, wall);
-            scene.AddBox({x - 8, 4, 0}, {x + 8, 256, 256}, wall);
+            scene.AddBox({x - 8, -512, 0}, {x + 8, -4, 256}, wall);
+            scene.AddBox({x - 8, 4, 0}, {x + 8, 512, 256}, wall);
         }
-        scene.AddBox({x + 100, 90, 0}, {x + 130, 120, 256}, wall, BoxKind::Detail);
-        for (const int y : {-200, 200})
-            scene.AddEntity(MakeEntity("light", {{"origin", fmt::format("{} {} 230", x + 64, y)}, {"light", "20"}}));
+        scene.AddBox({x + 200, 180, 0}, {x + 230, 210, 256}, wall, BoxKind::Detail);
+        for (const int y : {-400, 400})
+            scene.AddEntity(MakeEntity("light", {{"origin", fmt::format("{} {} 230", x + 128, y)}, {"light", "40"}}));
         if (room % 10 == 3)
-            scene.AddEntity(MakeEntity("light", {{"origin", fmt::format("{} 17 61", x + 147)}, {"light", "2"}}));
+            scene.AddEntity(MakeEntity("light", {{"origin", fmt::format("{} 17 61", x + 307)}, {"light", "2"}}));
     }
     return scene;
 }
@@ -141,7 +141,7 @@ TEST_F(SkipTest, DimLightWhereItIsSmooth) {
     EXPECT_LT(rays, result.gridSH.counts.rays);
     // At random places, also between points: 99.9 % within three times the tolerance of 1.5 bytes.
     std::mt19937 random(7);
-    std::uniform_real_distribution<double> x(-2540, 2540), y(-230, 230), z(16, 240);
+    std::uniform_real_distribution<double> x(-5100, 5100), y(-480, 480), z(16, 240);
     std::vector<double> errors;
     for (int i = 0; i < 5000; ++i) {
         const Vec3d p{x(random), y(random), z(random)};

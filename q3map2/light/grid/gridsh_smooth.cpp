@@ -18,7 +18,7 @@ constexpr int kShift[WeakField::kLevels] = {2, 2, 2, 1, 0};
 /// Where less than this share of the points of a level is predicted from those before it, all points are traced as a
 /// whole: weak and strong light apart take longer.
 constexpr int kTestedLevel = 2;
-constexpr double kLeastSmooth = 0.45;
+constexpr double kLeastSmooth = 0.3;
 
 struct LevelPoint {
     BrickPoint point;
