@@ -98,8 +98,8 @@ Group SparseGridSH() {
            .initial = "1.5",
            .range = {0.05, 64},
            .help = "Error that the interpolation of the sparse grid may have on a screen: RMS; includes -shadaptive",
-           .details = "Cells are split while the expected error is above it. Half of it takes about three times "
-                      "the bytes: [accuracy.md](accuracy.md#error-against-bytes)."},
+           .details = "Cells are split while the expected error is above it, and smaller cells gain: "
+                      "[accuracy.md](accuracy.md#error-against-bytes)."},
           Do<LightOptions>(target)},
          {{.name = "-shbudget",
            .values = "MB",
