@@ -8,13 +8,9 @@ namespace q3 {
 
 std::vector<SettingGroup<ConvertGridOptions>> ConvertGridSettings() {
     const auto scale = [](ConvertGridOptions &o, const SettingValues &v) { o.ambientFactor *= float(v.numbers[0]); };
-    const auto target = [](ConvertGridOptions &o, const SettingValues &v) {
-        o.sparse.error = float(v.numbers[0]);
+    const auto goal = [](ConvertGridOptions &o) -> SparseGoal & {
         o.givenSparse = true;
-    };
-    const auto budget = [](ConvertGridOptions &o, const SettingValues &v) {
-        o.sparse.budget = v.numbers[0] * 1e6;
-        o.givenSparse = true;
+        return o.sparse;
     };
     return {{"Light grid formats",
              "",
@@ -37,24 +33,12 @@ std::vector<SettingGroup<ConvertGridOptions>> ConvertGridSettings() {
                 .range = {.low = 0, .aboveLow = true},
                 .help = "Factor of the ambient part of the legacy grid and of raw files"},
                Do<ConvertGridOptions>(scale)},
-              {{.name = "-sherrortarget",
-                .values = "BYTES",
-                .kind = SettingKind::Number,
-                .unit = "255ths",
-                .initial = "1",
-                .range = {0.05, 64},
-                .help = "Error that `sparse` may add by interpolation: RMS",
-                .details = "A sparse grid that the map has stays as it is, unless this option or `-shbudget` is "
-                           "given: they make it again of the uniform grid, whose cells it joins but does not split."},
-               Do<ConvertGridOptions>(target)},
-              {{.name = "-shbudget",
-                .values = "MB",
-                .kind = SettingKind::Number,
-                .unit = "million bytes",
-                .initial = "none",
-                .range = {0.01, 2000},
-                .help = "Size of the grid of `sparse`, in place of an error target"},
-               Do<ConvertGridOptions>(budget)},
+              ErrorTargetSetting<ConvertGridOptions>(
+                  "Error that `sparse` may add by interpolation: RMS",
+                  "A sparse grid that the map has stays as it is, unless this option or `-shbudget` is "
+                  "given: they make it again of the uniform grid, whose cells it joins but does not split.",
+                  goal),
+              BudgetSetting<ConvertGridOptions>("Size of the grid of `sparse`, in place of an error target", "", goal),
               {{.name = "-fixaas", .help = "Make bot files beside the map fit the written map"},
                &ConvertGridOptions::fixBotFiles}}}};
 }

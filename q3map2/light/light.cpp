@@ -212,7 +212,7 @@ SparseGridSH BakeSparse(const GridInputs &all, const std::vector<Light> &lights,
     const GridInputs in{all.space, all.scene, options, all.world, all.jobs, log, all.indirect};
     const ProbeIntegrator integrator(in, lights);
     const SmoothLight light(integrator, weak);
-    const SparseGoal goal{options.shErrorTarget, options.shBudget};
+    const SparseGoal &goal = options.sparseGoal;
     SparseStats sparse;
     const std::uint64_t raysBefore = stats.counts.rays;
     SparseGridSH grid = BakeSparseGrid(in, light, uniform, goal, stats, sparse);

@@ -89,12 +89,16 @@ void LimitToLight(std::array<float, kShFloats> &point, float mostBands) {
 
 } // namespace
 
+float FitWeight(float weight, float mean, bool all) {
+    const float beyond = std::clamp((all ? kBeyondScreenAll : kBeyondScreen) * mean, 1.0f, kMaxBeyondScreen);
+    return weight * std::pow(kDarkLight / (kDarkLight + mean), 0.25f) / std::pow(beyond, all ? kFallAll : kFall);
+}
+
 GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,
                  const std::vector<bool> &isSplit)
     : in_(in), layout_(layout),
       perCell_(int(std::ceil((in.options.shFit > 0 ? float(in.options.shFit) : kPerCell) * in.options.shSamples))),
       pull_(in.options.shFit > 0 ? kPullAll : kPull),
-      beyondScreen_(in.options.shFit > 0 ? kBeyondScreenAll : kBeyondScreen),
       mostBands_(kBandsSlack * (in.options.shRadiance ? kMostBandsPlain : kMostBands)), states_(states),
       rowOf_(states.size(), -1) {
     if (!in.options.shFill)
@@ -268,11 +272,9 @@ void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
 }
 
 void GridFit::Accumulate(const FitSample &sample) {
-    const float mean = MeanLight(sample.value), beyond = std::clamp(beyondScreen_ * mean, 1.0f, kMaxBeyondScreen);
-    const float weight = sample.weight * std::pow(kDarkLight / (kDarkLight + mean), 0.25f) /
-                         std::pow(beyond, in_.options.shFit > 0 ? kFallAll : kFall);
+    const float weight = FitWeight(sample.weight, MeanLight(sample.value), in_.options.shFit > 0);
     const auto corners = CornersAt(sample.position);
-    const auto coefficients = std::bit_cast<ShCoefficients>(sample.value);
+    const auto coefficients = std::bit_cast<ShFloats>(sample.value);
     for (std::size_t a = 0; a < 8; ++a) {
         const std::int32_t number = rowOf_[std::size_t(corners[a].index)];
         if (number < 0 || (sample.sees >> a & 1) == 0)
@@ -292,7 +294,7 @@ void GridFit::Accumulate(const FitSample &sample) {
 /// One Gauss-Seidel step: value = (rhs - sum of stencil * neighbors) / stencil in the center. Then
 /// LimitToLight. Returns the largest change of a coefficient, divided by the largest coefficient 0 if that is above 1.
 Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
-    ShCoefficients value = row.rhs;
+    ShFloats value = row.rhs;
     const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
     for (std::size_t s = 0; s < kStencil; ++s) {
         const float factor = row.stencil[s];
@@ -307,7 +309,7 @@ Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
         coefficient *= inverse;
     LimitToLight(value, mostBands_);
     bspGridPointSH_t &stored = grid.points[row.index];
-    const auto old = std::bit_cast<ShCoefficients>(stored);
+    const auto old = std::bit_cast<ShFloats>(stored);
     float most = 0;
     for (std::size_t i = 0; i < kShFloats; ++i)
         most = std::max(most, std::abs(value[i] - old[i]));
@@ -321,7 +323,7 @@ bool GridFit::AddPull(const bspGridPointSH_t &present, Row &row) const {
     if (!(total > kLeastWeight))
         return false;
     const float pull = pull_ * total;
-    const auto before = std::bit_cast<ShCoefficients>(present);
+    const auto before = std::bit_cast<ShFloats>(present);
     for (std::size_t i = 0; i < kShFloats; ++i)
         row.rhs[i] += pull * before[i];
     row.stencil[kCenter] += pull;

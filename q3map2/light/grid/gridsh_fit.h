@@ -19,6 +19,11 @@ struct FitSample {
     std::uint8_t sees = 0xff; ///< bit per corner of its cell: whether the sample counts for that point
 };
 
+/// Weight of a sample in a fit, from its own `weight` and mean light m, the brightest channel's, 1 = byte 255:
+/// times (d / (d + m))^(1/4), since leaks show in the dark, and less where the light is beyond what a screen shows.
+/// all: of a fit of all points; else of points in solids.
+float FitWeight(float weight, float mean, bool all);
+
 /// Least-squares fit of grid points to the light between them, so that trilinear interpolation matches it best where
 /// players can be. By default only points in or beside solids and on emitters are fitted; with -shfit all.
 ///
@@ -42,7 +47,6 @@ class GridFit {
     void Solve(LightGridSH &grid, const JobPool &jobs);
 
   private:
-    using ShCoefficients = std::array<float, kShFloats>;
     static constexpr std::size_t kStencil = 27, kCenter = kStencil / 2;
     /// The normal equation of one point: the sum over the 27 points around it of stencil * value equals rhs.
     struct Row {
@@ -89,7 +93,7 @@ class GridFit {
     const GridInputs &in_;
     const GridLayout &layout_;
     int perCell_;
-    float pull_, beyondScreen_;
+    float pull_;
     float mostBands_; ///< limit of the norm of bands 1 and 2 over coefficient 0
     const std::vector<PointState> &states_;
     std::vector<std::int32_t> rowOf_; ///< by point; -1: not fitted

@@ -34,7 +34,6 @@ void ApplyInclusions(LightOptions &o) {
     o.fastGrid |= o.fast;
     o.cheapGrid |= o.cheap;
     o.skip.coarse &= o.fastGrid;
-    o.shAdaptive |= o.shBudget.has_value();
     o.keepSH = o.sh || o.shBspx || (o.shRadiance && !o.shAdaptive);
     o.sh = o.keepSH || !o.gridFormats.empty();
     o.ambientCubes |= o.cubesFromSH;

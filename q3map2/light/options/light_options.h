@@ -4,6 +4,7 @@
 #include "common/arguments.h"
 #include "common/log.h"
 #include "libs/math/vec.h"
+#include "q3map2/light/options/sparse_goal.h"
 #include "q3map2/shader/games.h"
 #include "q3map2/shader/shader.h"
 
@@ -70,9 +71,8 @@ struct LightOptions {
     // SH grid.
     bool sh = false;
     bool shBspx = false;
-    bool shAdaptive = false;                          ///< the sparse SH grid
-    float shErrorTarget = 1.5f;                         ///< of the sparse grid: displayed RMS of interpolation, bytes
-    std::optional<double> shBudget;                   ///< size of the sparse grid, bytes; replaces shErrorTarget
+    bool shAdaptive = false; ///< the sparse SH grid
+    SparseGoal sparseGoal;
     bool shRadiance = false;
     std::string gridFormats; ///< -gridformats
     bool keepSH = false;     ///< the map keeps the SH grid, whatever -gridformats says

@@ -77,39 +77,25 @@ Group GridSH() {
 }
 
 Group SparseGridSH() {
-    const auto target = [](LightOptions &o, const Values &v) {
+    const auto goal = [](LightOptions &o) -> SparseGoal & {
         o.shAdaptive = true;
-        o.shErrorTarget = float(v.numbers[0]);
+        return o.sparseGoal;
     };
-    const auto budget = [](LightOptions &o, const Values &v) { o.shBudget = v.numbers[0] * 1e6; };
-    return {
-        "Sparse SH light grid",
-        "Cells down to 8 units where the light needs them, large ones elsewhere: "
-        "[light_grid_sh.md](light_grid_sh.md#the-sparse-grid).",
-        {{{.name = "-shadaptive",
-           .help = "Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore",
-           .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
-                      "sparse grid that the file had."},
-          &LightOptions::shAdaptive},
-         {{.name = "-sherrortarget",
-           .values = "BYTES",
-           .kind = SettingKind::Number,
-           .unit = "255ths",
-           .initial = "1.5",
-           .range = {0.05, 64},
-           .help = "Error that the interpolation of the sparse grid may have on a screen: RMS; includes -shadaptive",
-           .details = "Cells are split while the expected error is above it, and smaller cells gain: "
-                      "[accuracy.md](accuracy.md#error-against-bytes)."},
-          Do<LightOptions>(target)},
-         {{.name = "-shbudget",
-           .values = "MB",
-           .kind = SettingKind::Number,
-           .unit = "million bytes",
-           .initial = "none",
-           .range = {0.01, 2000},
-           .help = "Size of the sparse grid, in place of an error target; includes -shadaptive",
-           .details = "The least error that fits."},
-          Do<LightOptions>(budget)}}};
+    return {"Sparse SH light grid",
+            "Cells down to 8 units where the light needs them, large ones elsewhere: "
+            "[light_grid_sh.md](light_grid_sh.md#the-sparse-grid).",
+            {{{.name = "-shadaptive",
+               .help = "Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore",
+               .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
+                          "sparse grid that the file had."},
+              &LightOptions::shAdaptive},
+             ErrorTargetSetting<LightOptions>(
+                 "Error that the interpolation of the sparse grid may have on a screen: RMS; includes -shadaptive",
+                 "Cells are split while the expected error is above it, and smaller cells gain: "
+                 "[accuracy.md](accuracy.md#error-against-bytes).",
+                 goal),
+             BudgetSetting<LightOptions>("Size of the sparse grid, in place of an error target; includes -shadaptive",
+                                         "The least error that fits.", goal)}};
 }
 
 Group QualityOfGridSH() {

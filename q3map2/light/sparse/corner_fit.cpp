@@ -2,6 +2,7 @@
 #include "q3map2/light/sparse/corner_fit.h"
 
 #include "libs/sh/sh.h"
+#include "q3map2/light/grid/gridsh_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +16,6 @@ constexpr int kSteps = 8;
 constexpr float kMostMove = 0.5f;
 /// Weight of a corner's own light, as a share of the weight of the samples around it.
 constexpr float kPull = 0.05f;
-/// Samples of mean light m have the weight (kDark / (kDark + m))^(1/4), divided by (kBright m)^2 where that is above 1:
-/// dark samples count more, and those beyond what a screen shows less.
-constexpr float kDark = 0.02f, kBright = 2.2f;
 
 /// sum += factor * value.
 void AddScaled(float factor, const ShFloats &value, ShFloats &sum) {
@@ -31,8 +29,7 @@ class FitSystem {
     explicit FitSystem(std::size_t unknowns) : weights_(unknowns), diagonal_(unknowns) {}
     void AddSample(const ShFloats &light, const std::vector<CornerTerm> &terms) {
         const float mean = float(kShC0) * std::max({light[0], light[1], light[2]});
-        const float beyond = std::max(1.0f, kBright * mean);
-        const float weight = std::pow(kDark / (kDark + std::max(0.0f, mean)), 0.25f) / (beyond * beyond);
+        const float weight = FitWeight(1, std::max(0.0f, mean), true);
         samples_.push_back({light, weight, std::uint32_t(terms_.size()), std::uint32_t(terms.size())});
         for (const CornerTerm &term : terms) {
             terms_.push_back(term);

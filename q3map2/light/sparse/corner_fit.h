@@ -8,7 +8,7 @@ namespace q3 {
 
 /// Least-squares values of the stored corners: minimizes the sum over all known points s in the open of
 /// w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull towards its own light, by conjugate gradients.
-/// Points inside cells that touch solids do not count, so that no light is fitted through a wall. w as in GridFit.
+/// Points inside cells that touch solids do not count, so that no light is fitted through a wall. w: FitWeight.
 /// Returns them in the order of corners.Stored().
 std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space);

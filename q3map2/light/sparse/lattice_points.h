@@ -9,9 +9,6 @@
 
 namespace q3 {
 
-/// Coefficients of a point: coefficient k of a channel is at 3 k + channel. 1 = byte 255.
-using ShFloats = std::array<float, kShFloats>;
-
 struct LitPoint {
     LatticePoint at{};
     bool open = false; ///< lit by rays; else in a solid, with a value that follows from others

@@ -1,9 +1,8 @@
 // GPL-2.0-or-later. Refinement of the octree where the light is not smooth.
 #include "q3map2/light/sparse/octree_refine.h"
 
-#include "q3map2/light/sparse/display_error.h"
-
 #include "q3map2/light/batch/simd.h"
+#include "q3map2/light/sparse/display_error.h"
 
 #include <array>
 #include <bit>

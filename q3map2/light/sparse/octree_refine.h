@@ -6,7 +6,7 @@
 
 namespace q3 {
 
-/// Splits cells in the order of their expected error, and traces the points that this adds. Keeps references.
+/// Splits cells whose expected error is above a threshold, and traces the points that this adds. Keeps references.
 ///
 /// The surplus of a point is the difference of its light from what the larger cell around it gives by interpolation.
 /// Where light is smooth, the surplus falls to a quarter with each halving of cells; at shadow edges and beside lamps

@@ -5,8 +5,7 @@
 #include "q3map2/bspfile/sparse_grid.h"
 #include "q3map2/light/grid/gridsh_dering.h"
 #include "q3map2/light/grid/smooth_light.h"
-
-#include <optional>
+#include "q3map2/light/options/sparse_goal.h"
 
 namespace q3 {
 
@@ -16,12 +15,6 @@ struct SparseStats {
     std::size_t bytes = 0;             ///< of the lump
     double error = 0;                  ///< expected displayed error of interpolation: RMS, bytes
     DeringStats dering;                ///< with -shdering
-};
-
-/// How fine a sparse grid is to be.
-struct SparseGoal {
-    float error = 1;              ///< of interpolation: displayed RMS, bytes
-    std::optional<double> budget; ///< size of the lump in bytes, in place of the error
 };
 
 /// Bakes a sparse SH grid from the uniform one, before deringing, and the light between its points; -shdering counts
