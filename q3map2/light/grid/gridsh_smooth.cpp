@@ -10,14 +10,15 @@ namespace q3 {
 
 namespace {
 
-/// Bricks of the first three levels and of the others, in grid points: few of those are traced.
+/// Bricks of the first levels and of those from kFirstFine on, in grid points: few of those are traced.
 constexpr Int3 kCoarseBrick = {16, 16, 8}, kFineBrick = {16, 16, 4};
+constexpr int kFirstFine = 4;
 /// By level: its points are about 2^shift columns apart.
-constexpr int kShift[WeakField::kLevels] = {2, 2, 2, 1, 0};
+constexpr int kShift[WeakField::kLevels] = {2, 2, 2, 2, 1, 0};
 
 /// Where less than this share of the points of a level is predicted from those before it, all points are traced as a
 /// whole: weak and strong light apart take longer.
-constexpr int kTestedLevel = 2;
+constexpr int kTestedLevel = 3;
 constexpr double kLeastSmooth = 0.3;
 
 struct LevelPoint {
@@ -40,7 +41,7 @@ bool SmoothLevels::Run(WeakField &weak, GridStats &stats) const {
     for (int level = 0; level < WeakField::kLevels; ++level) {
         if (level == kTestedLevel && !IsSmooth(weak))
             return false;
-        const GridBricks bricks(layout_, level < 3 ? kCoarseBrick : kFineBrick);
+        const GridBricks bricks(layout_, level < kFirstFine ? kCoarseBrick : kFineBrick);
         const auto trace = [&](std::int64_t brick, GridStats &work) {
             TraceBrick(level, brick, bricks.Points(brick), weak, work);
         };
@@ -56,7 +57,7 @@ bool SmoothLevels::IsSmooth(const WeakField &weak) const {
         for (int y = 0; y < layout_.bounds[1]; ++y)
             for (int x = 0; x < layout_.bounds[0]; ++x) {
                 const auto index = std::uint32_t(layout_.Index(x, y, z));
-                if (WeakField::LevelOf(x, y) != kTestedLevel || !points_.IsLit(index))
+                if (WeakField::LevelOf(x, y, int(z)) != kTestedLevel || !points_.IsLit(index))
                     continue;
                 ++lit[std::size_t(z)];
                 good[std::size_t(z)] += weak.IsOpen(index) && weak.Predict(x, y, int(z)).Good();
@@ -73,7 +74,7 @@ void SmoothLevels::TraceBrick(int level, std::int64_t brick, const std::vector<B
     std::vector<LevelPoint> traced;
     for (const BrickPoint &point : points) {
         const auto [x, y, z] = layout_.Coordinates(point.index);
-        if (WeakField::LevelOf(x, y) != level || !points_.IsLit(point.index))
+        if (WeakField::LevelOf(x, y, z) != level || !points_.IsLit(point.index))
             continue;
         LevelPoint here{point, {}, Morton(x >> kShift[level], y >> kShift[level], z)};
         if (weak.IsOpen(point.index))

@@ -60,14 +60,12 @@ LightGridSH GridSHTracer::TraceGridSH(GridStats &stats) {
 
     const VisibilityGroups sides = FindVisibilityGroups(in_, layout_, lit_.Displaced(), lit_.States());
     usesWeak_ = in_.options.skip.smooth && SmoothLevels(in_, layout_, lit_, integrator_).Run(weak_, stats);
-    // Samples of cells where most is traced are cheaper to trace as a whole.
-    const SmoothLight whole(integrator_, nullptr), smooth(integrator_, Weak());
+    const SmoothLight light(integrator_, Weak());
     GridFit fit(in_, layout_, lit_.States(), sides.isSplit);
     RunBricks(in_, bricks_.Count(), stats, [&](std::int64_t brick, GridStats &work) {
         const std::vector<BrickPoint> points = bricks_.Points(brick);
         TracePoints(points, brick, grid, work);
-        fit.AddSamples(brick,
-                       fit.SampleCells(points, usesWeak_ && weak_.IsMostlySmooth(points) ? smooth : whole, work));
+        fit.AddSamples(brick, fit.SampleCells(points, light, work));
     });
     FillGridSH(in_, layout_, lit_.Displaced(), sides, lit_.States(), grid);
     fit.Solve(grid, in_.jobs);

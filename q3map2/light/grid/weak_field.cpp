@@ -12,11 +12,25 @@ namespace {
 
 /// Predictions with a larger expected error are not taken. Byte scale.
 constexpr float kTolerance = 1.5f;
+/// Largest offset. Errors of samples of a fit average out, so this hardly matters. Byte scale.
+constexpr float kMostOffset = 8;
 /// Errors of predictions shrink by this from level to level: distances by sqrt(2), and the error of a mean of two with
 /// their square.
 constexpr float kDecay = 0.5f;
 /// Error of points that nothing predicted.
 constexpr float kUntested = -1;
+
+/// Steps from the points of a level to one end of each of their pairs; the other is opposite.
+constexpr std::array<std::array<Int3, 2>, WeakField::kLevels> kPairs = {{{},
+                                                                         {{{0, 0, 1}}},
+                                                                         {{{2, 2, 0}, {2, -2, 0}}},
+                                                                         {{{2, 0, 0}, {0, 2, 0}}},
+                                                                         {{{1, 1, 0}, {1, -1, 0}}},
+                                                                         {{{1, 0, 0}, {0, 1, 0}}}}};
+std::span<const Int3> PairsOf(int level) {
+    const std::size_t count = level == 0 ? 0 : level == 1 ? 1 : 2;
+    return std::span(kPairs[std::size_t(level)]).first(count);
+}
 
 /// Corners that give less of the blend together predict nothing.
 constexpr float kCornerShare = 1.0f / 16;
@@ -72,16 +86,18 @@ float DisplayedChange::Of(const WeakLight &change) const {
     return LargestOf(basis_, change.coeffs[0].data());
 }
 
-int WeakField::LevelOf(int x, int y) {
+int WeakField::LevelOf(int x, int y, int z) {
     if (((x | y) & 1) != 0)
-        return (x & y & 1) != 0 ? 3 : 4;
-    return ((x | y) & 2) == 0 ? 0 : (x & y & 2) != 0 ? 1 : 2;
+        return (x & y & 1) != 0 ? 4 : 5;
+    if (((x | y) & 2) != 0)
+        return (x & y & 2) != 0 ? 2 : 3;
+    return z & 1;
 }
 
 WeakField::WeakField(const BspSpace &space, const GridLayout &layout, const std::vector<PointState> &states,
                      const DisplayedChange &change)
     : space_(space), layout_(layout), states_(states), change_(change), light_(states.size()),
-      error_(states.size(), kUntested), predicted_(states.size()) {}
+      error_(states.size(), kUntested) {}
 
 bool WeakField::Prediction::Good() const {
     return pairs > 0 && isTested && error <= kTolerance;
@@ -98,35 +114,46 @@ bool WeakField::IsClear(const Vec3f &a, const Vec3f &b) const {
     return !space_.AnySolid(Min(a, b), Max(a, b));
 }
 
+/// Error of the prediction of a point; on level 0, which nothing predicts, the larger of those above and below.
+float WeakField::ErrorNear(int x, int y, int z) const {
+    if (LevelOf(x, y, z) > 0)
+        return error_[std::size_t(layout_.Index(x, y, z))];
+    float error = kUntested;
+    for (const int dz : {-1, 1})
+        if (const std::int64_t index = OpenPoint(x, y, z + dz); index >= 0)
+            error = std::max(error, error_[std::size_t(index)]);
+    return error;
+}
+
 WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
     Prediction result;
-    const int level = LevelOf(x, y);
-    if (level == 0)
+    const int level = LevelOf(x, y, z);
+    const std::span<const Int3> pairs = PairsOf(level);
+    if (pairs.empty())
         return result;
-    const int step = level <= 2 ? 2 : 1;
-    const bool diagonal = level % 2 == 1;
-    // Steps to one point of each pair; the other is opposite.
-    const int steps[2][2] = {{step, diagonal ? step : 0}, {diagonal ? step : 0, diagonal ? -step : step}};
     const Vec3f cell(layout_.size), p(layout_.Position(x, y, z));
-    const Vec3f reach{cell.x * float(step), cell.y * float(step), 0};
+    const auto &[reachX, reachY, reachZ] = pairs.front();
+    const Vec3f reach{cell.x * float(reachX), cell.y * float(std::max(reachX, reachY)), cell.z * float(reachZ)};
     const bool clear = IsClear(p - reach, p + reach);
     WeakLight means[2] = {};
-    for (const auto &[dx, dy] : steps) {
-        const Vec3f offset{cell.x * float(dx), cell.y * float(dy), 0};
+    for (const auto &[dx, dy, dz] : pairs) {
+        const Vec3f offset{cell.x * float(dx), cell.y * float(dy), cell.z * float(dz)};
         int seen = 0;
         WeakLight mean{};
         for (const int side : {1, -1}) {
-            const int toX = x + side * dx, toY = y + side * dy;
-            const std::int64_t end = OpenPoint(toX, toY, z);
+            const int toX = x + side * dx, toY = y + side * dy, toZ = z + side * dz;
+            const std::int64_t end = OpenPoint(toX, toY, toZ);
             if (end < 0 || (!clear && !IsClear(p, p + offset * float(side))))
                 continue;
             AddTo(mean, 0.5f, light_[std::size_t(end)]);
             ++seen;
-            const float error = error_[std::size_t(end)];
+            // Level 1 is only now being tested.
+            const float error = level > 1 ? ErrorNear(toX, toY, toZ) : kUntested;
             if (error == kUntested)
                 continue;
+            const int testedLevel = std::max(1, LevelOf(toX, toY, toZ));
             result.isTested = true;
-            result.error = std::max(result.error, error * std::pow(kDecay, float(level - LevelOf(toX, toY))));
+            result.error = std::max(result.error, error * std::pow(kDecay, float(level - testedLevel)));
         }
         if (seen == 2)
             means[result.pairs++] = mean;
@@ -145,14 +172,6 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
 void WeakField::Accept(std::uint32_t index, const Prediction &prediction) {
     light_[index] = prediction.light;
     error_[index] = prediction.error;
-    predicted_[index] = 1;
-}
-
-bool WeakField::IsMostlySmooth(std::span<const BrickPoint> points) const {
-    std::size_t open = 0, predicted = 0;
-    for (const BrickPoint &point : points)
-        open += IsOpen(point.index) ? 1 : 0, predicted += predicted_[point.index];
-    return 2 * predicted > open;
 }
 
 void WeakField::SetTraced(std::uint32_t index, const WeakLight &light, const Prediction &prediction) {
@@ -191,7 +210,7 @@ std::optional<WeakLight> WeakField::Between(const Vec3f &position) const {
         if (index < 0)
             return std::nullopt;
         const float error = error_[std::size_t(index)];
-        if (error > kTolerance || (error == kUntested && LevelOf(x, y) != 0))
+        if (error > kTolerance || (error == kUntested && LevelOf(x, y, z) != 0))
             return std::nullopt;
         AddTo(sum, weight, light_[std::size_t(index)]);
     }
@@ -232,7 +251,7 @@ std::optional<WeakLight> WeakField::OffsetAt(const Vec3f &position, const WeakLi
         return std::nullopt;
     WeakLight offset = traced;
     AddTo(offset, -1, *around);
-    if (change_.Of(offset) > kTolerance)
+    if (change_.Of(offset) > kMostOffset)
         return std::nullopt;
     return offset;
 }

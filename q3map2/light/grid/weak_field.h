@@ -29,24 +29,26 @@ class DisplayedChange {
     std::array<Lanes, 9> basis_; ///< by coefficient: basis function on each of 13 normals; the others are opposite
 };
 
-/// Weak light at the points of a grid. A point is of one of five levels by its column (x, y), from every fourth column
-/// on both axes to every second of a checkerboard:
+/// Weak light at the points of a grid. A point is of one of six levels by its column (x, y), from every fourth column
+/// on both axes to every second of a checkerboard; of the first columns, layers of even z are of level 0 and the
+/// others of level 1:
 ///
-///     0 4 2 4 0
-///     4 3 4 3 4
-///     2 4 1 4 2
-///     4 3 4 3 4
-///     0 4 2 4 0
+///     0/1  5   3   5  0/1
+///      5   4   5   4   5
+///      3   5   2   5   3
+///      5   4   5   4   5
+///     0/1  5   3   5  0/1
 ///
-/// A point is the midpoint of two pairs of points of lower levels, on the diagonals or on the axes, as 3 is of
-/// 0 1 and 2 2. Their mean is its prediction. The error of a prediction is known where the point was traced, and
-/// expected to be no larger, and smaller from level to level, nearby.
+/// A point is the midpoint of pairs of points of lower levels: above and below on level 1, else two pairs on the
+/// diagonals or on the axes of its layer, as 4 is of 0 2 and 3 3. Their mean is its prediction. The error of a
+/// prediction is known where the point was traced, and expected to be no larger, and smaller from level to level,
+/// nearby.
 ///
 /// Levels are filled one after the other; points of one level from any thread.
 class WeakField {
   public:
-    static constexpr int kLevels = 5;
-    static int LevelOf(int x, int y);
+    static constexpr int kLevels = 6;
+    static int LevelOf(int x, int y, int z);
 
     /// states: of the points; those not Open predict nothing and are not predicted. Keeps references.
     WeakField(const BspSpace &space, const GridLayout &layout, const std::vector<PointState> &states,
@@ -68,8 +70,6 @@ class WeakField {
     void SetTraced(std::uint32_t index, const WeakLight &light, const Prediction &prediction);
 
     bool IsOpen(std::uint32_t index) const { return states_[index] == PointState::Open; }
-    /// Whether most of the points were predicted.
-    bool IsMostlySmooth(std::span<const BrickPoint> points) const;
     const WeakLight &At(std::uint32_t index) const { return light_[index]; }
 
     /// Weak light between the points, by trilinear interpolation; nothing where a corner of the cell is not Open, the
@@ -79,7 +79,7 @@ class WeakField {
     /// Weak light from the corners of a position's cell that are in the open and in clear sight, plus `offset`; nothing
     /// without such corners. Good only as far as OffsetAt says so. After all levels.
     std::optional<WeakLight> Around(const Vec3f &position, const WeakLight &offset) const;
-    /// Weak light that was traced at a position minus Around; nothing if that is missing or errs too much.
+    /// Weak light that was traced at a position minus Around; nothing if that is missing or too much for a fit.
     std::optional<WeakLight> OffsetAt(const Vec3f &position, const WeakLight &traced) const;
 
   private:
@@ -89,6 +89,7 @@ class WeakField {
         std::array<float, 3> part{};
     };
     bool FindPlace(const Vec3f &position, Place &place) const;
+    float ErrorNear(int x, int y, int z) const;
     std::int64_t OpenPoint(int x, int y, int z) const;
     bool IsClear(const Vec3f &a, const Vec3f &b) const;
 
@@ -97,8 +98,7 @@ class WeakField {
     const std::vector<PointState> &states_;
     DisplayedChange change_;
     std::vector<WeakLight> light_;
-    std::vector<float> error_;            ///< by point, byte scale; kUntested
-    std::vector<std::uint8_t> predicted_; ///< by point
+    std::vector<float> error_; ///< by point, byte scale; kUntested
 };
 
 } // namespace q3
