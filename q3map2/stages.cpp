@@ -30,7 +30,7 @@ std::vector<SettingSection> AfterPresets(std::vector<SettingSection> sections) {
 }
 
 std::vector<SettingSection> LightSections() {
-    std::vector<SettingSection> sections = AfterPresets(Describe(LightSettings()));
+    std::vector<SettingSection> sections = AfterPresets(Describe(LightOptionSettings()));
     for (SettingSection &section : Describe(LightmapSettings()))
         sections.push_back(std::move(section));
     sections.push_back(VradSection());

@@ -210,8 +210,8 @@ void EncodingsTest::CompileRoom(std::string_view panel) {
 }
 
 void EncodingsTest::Bake(const std::string &options) {
-    Light(fmt::format("-hdr -hdrfiles pfm -rnmall -lightmass -sh -gridsh 32 32 32 -ambientcubes -cubetolerance 0 "
-                      "-staticproplighting -nofastpoint {}",
+    Light(fmt::format("-hdr -hdrfiles pfm -rnmall -lightmass -sh -gridsh 32 32 32 -noskipsmooth -ambientcubes "
+                      "-cubetolerance 0 -staticproplighting -nofastpoint {}",
                       options));
     file_ = MapBytes();
 }

@@ -16,7 +16,7 @@ std::vector<bspGridPointSH_t> SmoothLight::At(std::span<const ProbeReceiver> rec
     if (weak_) {
         std::vector<std::optional<WeakLight>> weak;
         for (const ProbeReceiver &one : receivers) {
-            weak.push_back(weak_->Between(one.position));
+            weak.push_back(weak_->Around(one.position, {}));
             work.skippedSmooth += weak.back() ? 1 : 0;
         }
         AddWeak(receivers, seed, weak, work);

@@ -195,31 +195,6 @@ bool WeakField::FindPlace(const Vec3f &position, Place &place) const {
     return true;
 }
 
-std::optional<WeakLight> WeakField::Between(const Vec3f &position) const {
-    Place place;
-    if (!FindPlace(position, place))
-        return std::nullopt;
-    const auto &[low, part] = place;
-    WeakLight sum{};
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-        const int x = low[0] + int(corner & 1), y = low[1] + int(corner >> 1 & 1), z = low[2] + int(corner >> 2);
-        const float weight = CornerWeight(corner, part);
-        if (weight == 0)
-            continue;
-        const std::int64_t index = OpenPoint(x, y, z);
-        if (index < 0)
-            return std::nullopt;
-        const float error = error_[std::size_t(index)];
-        if (error > kTolerance || (error == kUntested && LevelOf(x, y, z) != 0))
-            return std::nullopt;
-        AddTo(sum, weight, light_[std::size_t(index)]);
-    }
-    const Vec3f first(layout_.Position(low[0], low[1], low[2]));
-    if (!IsClear(first, first + Vec3f(layout_.size)))
-        return std::nullopt;
-    return sum;
-}
-
 std::optional<WeakLight> WeakField::Around(const Vec3f &position, const WeakLight &offset) const {
     Place place;
     if (!FindPlace(position, place))

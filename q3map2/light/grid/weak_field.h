@@ -72,12 +72,8 @@ class WeakField {
     bool IsOpen(std::uint32_t index) const { return states_[index] == PointState::Open; }
     const WeakLight &At(std::uint32_t index) const { return light_[index]; }
 
-    /// Weak light between the points, by trilinear interpolation; nothing where a corner of the cell is not Open, the
-    /// cell is not clear of solids, or an error at a corner is unknown or too large. After all levels.
-    std::optional<WeakLight> Between(const Vec3f &position) const;
-
     /// Weak light from the corners of a position's cell that are in the open and in clear sight, plus `offset`; nothing
-    /// without such corners. Good only as far as OffsetAt says so. After all levels.
+    /// without such corners. After all levels.
     std::optional<WeakLight> Around(const Vec3f &position, const WeakLight &offset) const;
     /// Weak light that was traced at a position minus Around; nothing if that is missing or too much for a fit.
     std::optional<WeakLight> OffsetAt(const Vec3f &position, const WeakLight &traced) const;

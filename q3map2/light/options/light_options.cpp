@@ -67,7 +67,7 @@ void CheckCombinations(const LightOptions &o) {
 
 LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log) {
     LightOptions o = GameDefaults(game);
-    TakeSettings(LightSettings(), o, arguments, log);
+    TakeSettings(LightOptionSettings(), o, arguments, log);
     ApplyInclusions(o);
     CheckCombinations(o);
     WarnWithoutEffect(o.withoutEffect, log);

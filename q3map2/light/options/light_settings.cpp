@@ -486,7 +486,7 @@ Group Ignored() {
 
 } // namespace
 
-std::vector<SettingGroup<LightOptions>> LightSettings() {
+std::vector<SettingGroup<LightOptions>> LightOptionSettings() {
     return {GridSH(), SparseGridSH(), QualityOfGridSH(), AmbientCubes(), Skips(),       Intensities(), Falloff(),
             Tone(),   ColorSpaces(),  Speed(),           Rays(),         StaticProps(), BotFiles(),    Ignored()};
 }

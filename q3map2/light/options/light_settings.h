@@ -7,6 +7,6 @@
 namespace q3 {
 
 /// The options of the light stage that concern light sources and the grids. Those of lightmaps: LightmapSettings.
-std::vector<SettingGroup<LightOptions>> LightSettings();
+std::vector<SettingGroup<LightOptions>> LightOptionSettings();
 
 } // namespace q3
