@@ -29,7 +29,7 @@ constexpr double kLeastGain = 0.25;
 constexpr float kPriceStep = 1.15f;
 /// Without a budget the lump has at most about this share of the bytes of the uniform grid, whatever its error: where
 /// lamps are dense, no cells are small enough.
-constexpr double kMostOfUniform = 0.25;
+constexpr double kMostOfUniform = 0.5;
 /// Bytes of the lump for each leaf: of points that are stored, and of nodes.
 constexpr double kBytesPerLeaf = 25;
 
@@ -153,8 +153,8 @@ void PrintSparseStats(const SparseStats &stats, const SparseGoal &goal, Log &log
     constexpr double kShown = 1.1; // the price of leafs is found in steps
     if (!goal.budget && stats.error > kShown * double(goal.error))
         log.Print(
-            "That is above the {:g} that was asked for: smaller cells would hardly reduce it, or take more than a "
-            "quarter of the bytes of the uniform grid\n",
+            "That is above the {:g} that was asked for: smaller cells would hardly reduce it, or take more than "
+            "half of the bytes of the uniform grid\n",
             goal.error);
     if (goal.budget && double(stats.bytes) > *goal.budget)
         log.Warn("SH grid budget",
