@@ -12,8 +12,9 @@ namespace {
 
 /// Predictions with a larger expected error are not taken. Byte scale.
 constexpr float kTolerance = 1.5f;
-/// Largest offset. Errors of samples of a fit average out, so this hardly matters. Byte scale.
-constexpr float kMostOffset = 8;
+/// Around and OffsetAt give nothing where errors are larger. They serve fits and small cells: errors of samples average
+/// out, so a smaller limit takes rays and hardly gains accuracy; without one, some lamps are missed. Byte scale.
+constexpr float kMostAround = 8;
 /// Errors of predictions shrink by this from level to level: distances by sqrt(2), and the error of a mean of two with
 /// their square.
 constexpr float kDecay = 0.5f;
@@ -210,6 +211,8 @@ std::optional<WeakLight> WeakField::Around(const Vec3f &position, const WeakLigh
         const std::int64_t index = weight > 0 ? OpenPoint(x, y, z) : -1;
         if (index < 0 || (!clear && !IsClear(position, Vec3f(layout_.Position(x, y, z)))))
             continue;
+        if (error_[std::size_t(index)] > kMostAround)
+            return std::nullopt;
         AddTo(sum, weight, light_[std::size_t(index)]);
         total += weight;
     }
@@ -226,7 +229,7 @@ std::optional<WeakLight> WeakField::OffsetAt(const Vec3f &position, const WeakLi
         return std::nullopt;
     WeakLight offset = traced;
     AddTo(offset, -1, *around);
-    if (change_.Of(offset) > kMostOffset)
+    if (change_.Of(offset) > kMostAround)
         return std::nullopt;
     return offset;
 }

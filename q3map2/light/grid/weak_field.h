@@ -73,7 +73,7 @@ class WeakField {
     const WeakLight &At(std::uint32_t index) const { return light_[index]; }
 
     /// Weak light from the corners of a position's cell that are in the open and in clear sight, plus `offset`; nothing
-    /// without such corners. After all levels.
+    /// without such corners, or where the error at one is large. After all levels.
     std::optional<WeakLight> Around(const Vec3f &position, const WeakLight &offset) const;
     /// Weak light that was traced at a position minus Around; nothing if that is missing or too much for a fit.
     std::optional<WeakLight> OffsetAt(const Vec3f &position, const WeakLight &traced) const;
