@@ -11,7 +11,7 @@ namespace q3 {
 
 namespace {
 
-constexpr int kSteps = 8;
+constexpr int kSteps = 4;
 /// The fit moves a corner by at most this share of its mean light, so that the dark stays dark beside the bright.
 constexpr float kMostMove = 0.5f;
 /// Weight of a corner's own light, as a share of the weight of the samples around it.

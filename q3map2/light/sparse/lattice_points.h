@@ -20,6 +20,8 @@ class LatticePoints {
   public:
     static constexpr std::uint32_t kUnknown = std::uint32_t(-1);
     explicit LatticePoints(const SparseLattice &lattice);
+    /// Makes room for points in all.
+    void Reserve(std::size_t points) { points_.reserve(points); }
     /// Adds a point, without light, unless it is known. Returns its number.
     std::uint32_t Add(const LatticePoint &at);
     /// Number of a point, or kUnknown.

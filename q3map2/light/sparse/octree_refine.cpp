@@ -51,17 +51,17 @@ LatticePoint OctreeRefiner::Inner(const OctreeCell &cell, std::size_t n) {
             cell.origin[2] + std::int32_t(n / 9) * half};
 }
 
-void OctreeRefiner::SetOpen(OctreeCell &cell) const {
-    if (!space_.AnyOpen(lattice_.PositionOf(cell.origin), lattice_.PositionOf(cell.Corner(7)), kClearance)) {
-        cell.open = 0;
-        return;
-    }
+bool OctreeRefiner::HasOpenSpace(const OctreeCell &cell) const {
+    return space_.AnyOpen(lattice_.PositionOf(cell.origin), lattice_.PositionOf(cell.Corner(7)), kClearance);
+}
+
+float OctreeRefiner::OpenShare(const OctreeCell &cell) const {
     float open = 0;
     for (std::size_t c = 0; c < 8; ++c) {
         const std::uint32_t number = light_.Find(cell.Corner(c));
         open += number != LatticePoints::kUnknown && light_[number].open ? 1.0f / 8 : 0;
     }
-    cell.open = std::max(open, 1.0f / 8);
+    return std::max(open, 1.0f / 8);
 }
 
 OctreeRefiner::Corners OctreeRefiner::CornersOf(const OctreeCell &cell) const {
@@ -74,21 +74,22 @@ OctreeRefiner::Corners OctreeRefiner::CornersOf(const OctreeCell &cell) const {
 
 void OctreeRefiner::Start(const LightGridSH &uniform) {
     for (std::size_t i = 0; i < tree_.Size(); ++i) {
-        SetOpen(tree_[i]);
+        tree_[i].open = HasOpenSpace(tree_[i]) ? 1.0f : 0.0f;
         if (tree_[i].open > 0 && tree_[i].level > lattice_.BaseLevel())
             tree_.Split(i);
     }
     AddUniformPoints(uniform);
     ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
         if (tree_[i].open > 0)
-            SetOpen(tree_[i]);
+            tree_[i].open = OpenShare(tree_[i]);
     });
     EstimateBaseCells();
     MeasureLargeCells();
 }
 
 void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform) {
-    std::size_t first = light_.Size();
+    const std::size_t first = light_.Size();
+    light_.Reserve(uniform.points.size());
     for (std::size_t i = 0; i < tree_.Size(); ++i)
         if (tree_[i].level == lattice_.BaseLevel() && tree_[i].open > 0)
             for (std::size_t c = 0; c < 8; ++c) {
@@ -243,7 +244,7 @@ void OctreeRefiner::SplitCell(std::size_t parent) {
     cell.error = count > 0 ? sum / count : 0;
     for (std::size_t c = 0; c < 8; ++c) {
         OctreeCell &child = tree_[cell.child + c];
-        SetOpen(child);
+        child.open = HasOpenSpace(child) ? OpenShare(child) : 0;
         float childSum = 0, childCount = 0;
         for (std::size_t d = 0; d < 8; ++d) {
             const std::size_t n = ((c & 1) + (d & 1)) + 3 * ((c >> 1 & 1) + (d >> 1 & 1)) + 9 * ((c >> 2) + (d >> 2));

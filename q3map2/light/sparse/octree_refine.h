@@ -25,8 +25,9 @@ class OctreeRefiner {
   private:
     /// Point n of the 3 x 3 x 3 corners of a cell's children.
     static LatticePoint Inner(const OctreeCell &cell, std::size_t n);
-    /// Sets OctreeCell::open.
-    void SetOpen(OctreeCell &cell) const;
+    bool HasOpenSpace(const OctreeCell &cell) const;
+    /// OctreeCell::open of a cell with open space, from its corners.
+    float OpenShare(const OctreeCell &cell) const;
     /// Light at the corners of a cell; null where a corner is unknown.
     using Corners = std::array<const ShFloats *, 8>;
     Corners CornersOf(const OctreeCell &cell) const;
