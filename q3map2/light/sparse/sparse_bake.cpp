@@ -152,10 +152,9 @@ void PrintSparseStats(const SparseStats &stats, const SparseGoal &goal, Log &log
     log.Print("{:9.2f} of 255 is the expected error of interpolation\n", stats.error);
     constexpr double kShown = 1.1; // the price of leafs is found in steps
     if (!goal.budget && stats.error > kShown * double(goal.error))
-        log.Print(
-            "That is above the {:g} that was asked for: smaller cells would hardly reduce it, or take more than "
-            "half of the bytes of the uniform grid\n",
-            goal.error);
+        log.Print("That is above the {:g} that was asked for: smaller cells would hardly reduce it, or take more than "
+                  "half of the bytes of the uniform grid\n",
+                  goal.error);
     if (goal.budget && double(stats.bytes) > *goal.budget)
         log.Warn("SH grid budget",
                  "the sparse SH grid has {:.2f} MB with its largest cells, more than the {:g} of -shbudget",
