@@ -53,7 +53,7 @@ class GridConversion {
     SparseGridSH MakeSparse() const {
         const SparseGoal goal = storing_.sparse.value_or(SparseGoal{});
         SparseStats stats;
-        SparseGridSH grid = SparseFromUniform(space_, stored_.grid, goal, jobs_, stats);
+        SparseGridSH grid = SparseFromUniform(space_, stored_.grid, stored_.radiance, goal, jobs_, stats);
         PrintSparseStats(stats, goal, log_);
         return grid;
     }

@@ -219,6 +219,20 @@ TEST_F(SparseBakeTest, LightIsContinuousBetweenCells) {
     EXPECT_GT(checked, 4000);
 }
 
+TEST_F(SparseBakeTest, RadianceGivesTheSameCells) {
+    const SparseGridSH irradiance = Baked(OneLamp()), radiance = Baked(OneLamp(), "-shradiance");
+    const auto sparseBytes = double(EncodeSparseGrid(irradiance).size());
+    EXPECT_NEAR(double(EncodeSparseGrid(radiance).size()), sparseBytes, 0.02 * sparseBytes);
+    const SparseView convolved(irradiance), plain(radiance);
+    const auto shown = [&](const Vec3d &p) {
+        Coefficients c = plain.Sample(p);
+        for (std::size_t k = 0; k < 9; ++k)
+            c[k] = c[k] * kCosineLobe[k];
+        return c;
+    };
+    EXPECT_LT(ErrorAt(RandomPositions(RoomBounds(), 1, 200), convolved, shown), 0.5);
+}
+
 TEST_F(SparseBakeTest, DeringedValuesAreNotNegative) {
     const auto lowest = [&](std::string_view options) {
         const SparseView sparse(Baked(OneLamp(), options));

@@ -5,9 +5,24 @@
 #include "q3map2/light/sparse/lattice_points.h"
 
 #include <algorithm>
+#include <bit>
 #include <numbers>
 
 namespace q3 {
+
+/// Coefficients of displayed light, convolved with the cosine, of stored ones, which are that unless `radiance`.
+inline ShFloats ToDisplayed(const bspGridPointSH_t &stored, bool radiance) {
+    auto light = std::bit_cast<ShFloats>(stored);
+    for (std::size_t i = 0; radiance && i < kShFloats; ++i)
+        light[i] *= float(kCosineLobe[i / 3]);
+    return light;
+}
+/// Inverse of ToDisplayed.
+inline bspGridPointSH_t ToStored(ShFloats light, bool radiance) {
+    for (std::size_t i = 0; radiance && i < kShFloats; ++i)
+        light[i] /= float(kCosineLobe[i / 3]);
+    return std::bit_cast<bspGridPointSH_t>(light);
+}
 
 /// Factor that dims light to about what a screen shows: a mean over all directions above 1 / kBright becomes that.
 inline float ScreenFactor(const ShFloats &light) {

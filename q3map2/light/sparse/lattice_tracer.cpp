@@ -2,9 +2,9 @@
 #include "q3map2/light/sparse/lattice_tracer.h"
 
 #include "libs/math/low_discrepancy.h"
+#include "q3map2/light/sparse/display_error.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace q3 {
 
@@ -67,7 +67,7 @@ void LatticeTracer::Trace(LatticePoints &points, std::span<const std::uint32_t> 
         return;
     const auto values = light_.At(receivers, KeyOf(points[numbers.front()].at), work);
     for (std::size_t i = 0; i < values.size(); ++i)
-        points[traced[i]].value = std::bit_cast<ShFloats>(values[i]);
+        points[traced[i]].value = ToDisplayed(values[i], in_.options.shRadiance);
 }
 
 } // namespace q3

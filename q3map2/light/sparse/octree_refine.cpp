@@ -5,7 +5,6 @@
 #include "q3map2/light/sparse/display_error.h"
 
 #include <array>
-#include <bit>
 #include <limits>
 
 namespace q3 {
@@ -72,13 +71,13 @@ OctreeRefiner::Corners OctreeRefiner::CornersOf(const OctreeCell &cell) const {
     return corners;
 }
 
-void OctreeRefiner::Start(const LightGridSH &uniform) {
+void OctreeRefiner::Start(const LightGridSH &uniform, bool radiance) {
     for (std::size_t i = 0; i < tree_.Size(); ++i) {
         tree_[i].open = HasOpenSpace(tree_[i]) ? 1.0f : 0.0f;
         if (tree_[i].open > 0 && tree_[i].level > lattice_.BaseLevel())
             tree_.Split(i);
     }
-    AddUniformPoints(uniform);
+    AddUniformPoints(uniform, radiance);
     ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
         if (tree_[i].open > 0)
             tree_[i].open = OpenShare(tree_[i]);
@@ -87,14 +86,14 @@ void OctreeRefiner::Start(const LightGridSH &uniform) {
     MeasureLargeCells();
 }
 
-void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform) {
+void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform, bool radiance) {
     const std::size_t first = light_.Size();
     light_.Reserve(uniform.points.size());
     for (std::size_t i = 0; i < tree_.Size(); ++i)
         if (tree_[i].level == lattice_.BaseLevel() && tree_[i].open > 0)
             for (std::size_t c = 0; c < 8; ++c) {
                 const LatticePoint p = tree_[i].Corner(c);
-                light_[light_.Add(p)].value = std::bit_cast<ShFloats>(uniform.points[lattice_.UniformIndex(p)]);
+                light_[light_.Add(p)].value = ToDisplayed(uniform.points[lattice_.UniformIndex(p)], radiance);
             }
     ForEach(jobs_, light_.Size() - first, [&](std::size_t i) {
         LitPoint &point = light_[first + i];

@@ -17,7 +17,8 @@ class OctreeRefiner {
                   LatticePoints &light)
         : space_(space), jobs_(jobs), lattice_(lattice), tree_(tree), light_(light) {}
     /// Splits all cells with open space down to those of the uniform grid, takes its points, and sets the errors.
-    void Start(const LightGridSH &uniform);
+    /// radiance: see ToDisplayed.
+    void Start(const LightGridSH &uniform, bool radiance);
     /// Splits cells, also those of earlier calls, while their squared error times their open volume (bytes^2 times
     /// smallest cells) is above `threshold`.
     void Refine(float threshold, const LatticeTracer &tracer, GridStats &stats);
@@ -31,7 +32,7 @@ class OctreeRefiner {
     /// Light at the corners of a cell; null where a corner is unknown.
     using Corners = std::array<const ShFloats *, 8>;
     Corners CornersOf(const OctreeCell &cell) const;
-    void AddUniformPoints(const LightGridSH &uniform);
+    void AddUniformPoints(const LightGridSH &uniform, bool radiance);
     float SecondDifference(const LitPoint &point) const;
     void EstimateBaseCells();
     void MeasureLargeCells();

@@ -2,6 +2,7 @@
 #include "q3map2/light/sparse/sparse_bake.h"
 
 #include "q3map2/light/sparse/corner_fit.h"
+#include "q3map2/light/sparse/display_error.h"
 #include "q3map2/light/sparse/octree_prune.h"
 #include "q3map2/light/sparse/octree_refine.h"
 #include "q3map2/light/sparse/sparse_tree.h"
@@ -36,15 +37,17 @@ constexpr double kBytesPerLeaf = 25;
 /// Refines and prunes an octree until it meets a goal. Keeps references.
 class SparsePlan {
   public:
-    SparsePlan(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, const SparseGoal &goal)
-        : space_(space), lattice_(lattice), goal_(goal), light_(lattice), tree_(lattice),
+    /// radiance: as light is stored, see ToDisplayed.
+    SparsePlan(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, const SparseGoal &goal,
+               bool radiance)
+        : space_(space), lattice_(lattice), goal_(goal), radiance_(radiance), light_(lattice), tree_(lattice),
           refiner_(space, jobs, lattice, tree_, light_) {}
     void Start(const LightGridSH &uniform) {
-        refiner_.Start(uniform);
+        refiner_.Start(uniform, radiance_);
         mostBytes_ = kMostOfUniform * double(uniform.points.size() * sizeof(bspGridPointSH_t));
     }
-    /// Removes negative lobes from the values of the grid. radiance: they are not convolved with the cosine.
-    void Dering(bool radiance) { deringRadiance_ = radiance; }
+    /// Removes negative lobes from the values of the grid.
+    void Dering() { dering_ = true; }
     /// Splits cells until pruning can meet the goal.
     void Refine(const LatticeTracer &tracer, GridStats &work) {
         for (float threshold = kFirstThreshold; threshold > kLeastThreshold; threshold /= kFiner) {
@@ -88,12 +91,14 @@ class SparsePlan {
         const std::vector<ShFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_);
         SparseGridTree tree = MakeSparseTree(pruned.first, light_, corners, lattice_, values);
         DeringStats dering;
-        for (bspGridPointSH_t &value : tree.values)
-            if (deringRadiance_) {
-                const DeringStats changed = DeringPoint(value, *deringRadiance_);
+        for (bspGridPointSH_t &value : tree.values) {
+            value = ToStored(std::bit_cast<ShFloats>(value), radiance_);
+            if (dering_) {
+                const DeringStats changed = DeringPoint(value, radiance_);
                 dering.points += changed.points;
                 dering.largestChange = std::max(dering.largestChange, changed.largestChange);
             }
+        }
         SparseGridSH grid = PackSparseGrid(tree);
         result = {pruned.second.leafs, grid.points.size(), EncodeSparseGrid(grid).size(), pruned.second.error, dering};
         return grid;
@@ -102,12 +107,13 @@ class SparsePlan {
     const BspSpace &space_;
     const SparseLattice &lattice_;
     SparseGoal goal_;
+    bool radiance_;
     LatticePoints light_;
     Octree tree_;
     OctreeRefiner refiner_;
-    std::optional<bool> deringRadiance_; ///< see Dering; none: values stay
-    double mostBytes_ = 0;               ///< without a budget: where refinement ends
-    float leastPrice_ = kFinestPrice;    ///< of a leaf; below it the tree was not refined
+    bool dering_ = false;
+    double mostBytes_ = 0;            ///< without a budget: where refinement ends
+    float leastPrice_ = kFinestPrice; ///< of a leaf; below it the tree was not refined
 };
 
 SparseGridSH SparsePlan::Grid(SparseStats &result) {
@@ -129,18 +135,18 @@ SparseGridSH BakeSparseGrid(const GridInputs &in, const SmoothLight &light, cons
                             const SparseGoal &goal, GridStats &work, SparseStats &result) {
     const SparseLattice lattice(uniform.header);
     const LatticeTracer tracer(in, light, lattice);
-    SparsePlan plan(in.space, in.jobs, lattice, goal);
+    SparsePlan plan(in.space, in.jobs, lattice, goal, in.options.shRadiance);
     if (in.options.shDering)
-        plan.Dering(in.options.shRadiance);
+        plan.Dering();
     plan.Start(uniform);
     plan.Refine(tracer, work);
     return plan.Grid(result);
 }
 
-SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform, const SparseGoal &goal,
+SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform, bool radiance, const SparseGoal &goal,
                                const JobPool &jobs, SparseStats &result) {
     const SparseLattice lattice(uniform.header);
-    SparsePlan plan(space, jobs, lattice, goal);
+    SparsePlan plan(space, jobs, lattice, goal, radiance);
     plan.Start(uniform);
     return plan.Grid(result);
 }

@@ -24,8 +24,9 @@ struct SparseStats {
 SparseGridSH BakeSparseGrid(const GridInputs &in, const SmoothLight &light, const LightGridSH &uniform,
                             const SparseGoal &goal, GridStats &work, SparseStats &result);
 
-/// A sparse grid of the points of a uniform one alone. Its cells are joined, not split.
-SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform, const SparseGoal &goal,
+/// A sparse grid of the points of a uniform one alone. Its cells are joined, not split. radiance: the coefficients of
+/// both are not convolved with the cosine.
+SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform, bool radiance, const SparseGoal &goal,
                                const JobPool &jobs, SparseStats &result);
 
 /// Prints the size and the expected error. Warns if the lump exceeds the budget.
