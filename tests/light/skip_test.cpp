@@ -111,24 +111,30 @@ TEST_F(SkipTest, DimLightsWhereNeighborsAgree) {
     EXPECT_EQ(result.gridSH.counts.skippedCoarse, 0u) << "only of fast grids";
 }
 
+Vec3d InTheSun(int room) {
+    return {-5120 + 512.0 * room + 448, -160, 128};
+}
+
 /// A hall of rooms along x, each with dim lamps and pillars; a lamp smaller than a cell in every tenth, walls with
 /// slits between them. Many dim lights cast shadows everywhere. A sun shines through a hole of 8 by 8 units in the
-/// ceiling of each room.
+/// ceiling of each room, on the grid point at InTheSun.
 SceneBuilder RoomsOfDimLights() {
     SceneBuilder scene = Room({-5120, -512, 0}, {5120, 512, 256});
     scene.SetWallShader(BoxFace::PlusZ, TestShader("textures/vec/sky_sun"));
     const SceneShader wall = TestShader("textures/test/wall");
-    const float low = 244, high = 252; // of the ceiling below the sky
+    const float low = 244, high = 252;                         // of the ceiling below the sky
+    const Vec3f hole = Vec3f(InTheSun(0)) + Vec3f{-35, 60, 0}; // 120 units up towards the sun
     for (int room = 0; room < 20; ++room) {
         const float x = -5120 + 512.0f * float(room);
         if (room > 0) { // a wall with a slit of 8 units
             scene.AddBox({x - 8, -512, 0}, {x + 8, -4, 256}, wall);
             scene.AddBox({x - 8, 4, 0}, {x + 8, 512, 256}, wall);
         }
-        scene.AddBox({x, -512, low}, {x + 400, 512, high}, wall);
-        scene.AddBox({x + 408, -512, low}, {x + 512, 512, high}, wall);
-        scene.AddBox({x + 400, -512, low}, {x + 408, 96, high}, wall);
-        scene.AddBox({x + 400, 104, low}, {x + 408, 512, high}, wall);
+        const float left = hole.x + 512 * float(room) - 4, near = hole.y - 4;
+        scene.AddBox({x, -512, low}, {left, 512, high}, wall);
+        scene.AddBox({left + 8, -512, low}, {x + 512, 512, high}, wall);
+        scene.AddBox({left, -512, low}, {left + 8, near, high}, wall);
+        scene.AddBox({left, near + 8, low}, {left + 8, 512, high}, wall);
         scene.AddBox({x + 200, 180, 0}, {x + 230, 210, 256}, wall, BoxKind::Detail);
         for (const int y : {-400, 400})
             scene.AddEntity(MakeEntity("light", {{"origin", fmt::format("{} {} 230", x + 128, y)}, {"light", "40"}}));
@@ -146,6 +152,10 @@ TEST_F(SkipTest, DimLightWhereItIsSmooth) {
     const GridView all = LitGrid(scene, "-noskipsmooth");
     EXPECT_EQ(result.gridSH.skippedSmooth, 0u);
     EXPECT_LT(rays, result.gridSH.counts.rays);
+    const Vec3d toSun{-0.25, 0.433, 0.866}; // of sky_sun: 150 on surfaces that face it
+    for (int room = 0; room < 20; ++room)
+        for (const GridView *grid : {&skipped, &all})
+            EXPECT_GT(255 * Evaluate(grid->Sample(InTheSun(room)), toSun).x, 120) << room;
     // At random places, also between points: 99.9 % within three times the tolerance of 1.5 bytes.
     std::mt19937 random(7);
     std::uniform_real_distribution<double> x(-5100, 5100), y(-480, 480), z(16, 228);

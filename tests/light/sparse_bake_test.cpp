@@ -258,7 +258,7 @@ TEST_F(SparseBakeTest, ItsErrorIsMeasuredByTheReaderForEngines) {
     ASSERT_NE(line, std::string::npos);
     const double error = std::stod(printed.substr(line - 9, 9));
     EXPECT_GT(error, 0.05);
-    EXPECT_LT(error, 6);
+    EXPECT_LT(error, 4);
 }
 
 TEST_F(SparseBakeTest, WithoutLightItIsBlackAndSmall) {
