@@ -210,7 +210,7 @@ void EncodingsTest::CompileRoom(std::string_view panel) {
 }
 
 void EncodingsTest::Bake(const std::string &options) {
-    Light(fmt::format("-hdr -hdrfiles pfm -rnmall -lightmass -sh -gridsh 32 32 32 -noskipsmooth -ambientcubes "
+    Light(fmt::format("-hdr -hdrfiles pfm -rnmall -lightmass -sh -gridsh 32 32 32 -ambientcubes "
                       "-cubetolerance 0 -staticproplighting -nofastpoint {}",
                       options));
     file_ = MapBytes();
@@ -405,15 +405,16 @@ Readings EncodingsTest::Read(const RoomReference &reference) const {
 }
 
 Readings EncodingsTest::BakeAndRead(const RoomReference &reference, const std::string &options) {
+    const std::string traced = options + " -noskipsmooth";
     WriteProps({}, {});
-    Bake(options);
+    Bake(traced);
     std::vector<Vec3d> gridPlaces, cubePlaces;
     for (const SeenPlace &place : GridPlaces())
         gridPlaces.push_back(place.position);
     for (const SeenPlace &place : CubePlaces())
         cubePlaces.push_back(place.position);
     WriteProps(gridPlaces, cubePlaces);
-    Bake(options);
+    Bake(traced);
     return Read(reference);
 }
 
@@ -529,6 +530,29 @@ TEST_F(EncodingsTest, AgreeOnBouncedLight) {
         ExpectLight(all, reference, rays < 256 ? 0.1 : 0.06, rays < 256 ? 0.03 : 0.02);
         EXPECT_LT(Compare("grid", AllAround(GridPlaces()), reference).worst, kTwoBands);
         EXPECT_LT(Compare("cube", AllAround(CubePlaces()), reference).worst, kSixSides);
+    }
+}
+
+/// Weak light is interpolated within a tolerance of 1.5 bytes: three times that anywhere, less than that by RMS.
+TEST_F(EncodingsTest, InterpolatedLightIsThatOfTracedPoints) {
+    WriteProps({}, {});
+    CompileRoom("test/vertexpanel");
+    for (const int bounces : {0, 4}) {
+        SCOPED_TRACE(bounces);
+        const RoomReference reference = Reference(bounces);
+        const auto bake = [&](std::string_view smooth) {
+            Bake(fmt::format("-bounce {} -bouncegrid -bouncerays 256 {}", bounces, smooth));
+            return AllAround(GridPlaces());
+        };
+        const std::vector<Reading> traced = bake("-noskipsmooth"), interpolated = bake("");
+        ASSERT_EQ(traced.size(), interpolated.size());
+        Differences differences;
+        for (std::size_t i = 0; i < traced.size(); ++i)
+            differences.Add(interpolated[i].light, traced[i].light, 1);
+        EXPECT_LT(differences.largest, 3 * 1.5) << "bytes";
+        EXPECT_LT(differences.Rms(), 1) << "bytes";
+        EXPECT_GT(differences.largest, 0) << "some are interpolated";
+        EXPECT_NEAR(Compare("grid", interpolated, reference).bounced, 1, 0.015);
     }
 }
 

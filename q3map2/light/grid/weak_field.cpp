@@ -18,6 +18,9 @@ constexpr float kMostAround = 8;
 /// Errors of predictions shrink by this from level to level: distances by sqrt(2), and the error of a mean of two with
 /// their square.
 constexpr float kDecay = 0.5f;
+/// Pairs whose mean differs by more from that of the pair three times as far out are not on one smooth curve with it.
+/// Byte scale; the prediction changes by an eighth.
+constexpr float kMostBend = 24;
 /// Error of points that nothing predicted.
 constexpr float kUntested = -1;
 
@@ -126,6 +129,21 @@ float WeakField::ErrorNear(int x, int y, int z) const {
     return error;
 }
 
+/// Mean of a pair minus that of the pair three times as far out; zero where that is not seen, or where they differ too
+/// much to be of one curve.
+WeakLight WeakField::BendAt(const Int3 &at, const Int3 &step, const WeakLight &mean) const {
+    const Vec3f p(layout_.Position(at[0], at[1], at[2]));
+    WeakLight bend = mean;
+    for (const int side : {3, -3}) {
+        const Int3 to{at[0] + side * step[0], at[1] + side * step[1], at[2] + side * step[2]};
+        const std::int64_t end = OpenPoint(to[0], to[1], to[2]);
+        if (end < 0 || !IsClear(p, Vec3f(layout_.Position(to[0], to[1], to[2]))))
+            return {};
+        AddTo(bend, -0.5f, light_[std::size_t(end)]);
+    }
+    return change_.Of(bend) <= kMostBend ? bend : WeakLight{};
+}
+
 WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
     Prediction result;
     const int level = LevelOf(x, y, z);
@@ -156,8 +174,10 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
             result.isTested = true;
             result.error = std::max(result.error, error * std::pow(kDecay, float(level - testedLevel)));
         }
-        if (seen == 2)
-            means[result.pairs++] = mean;
+        if (seen < 2)
+            continue;
+        AddTo(mean, 1.0f / 8, BendAt({x, y, z}, {dx, dy, dz}, mean));
+        means[result.pairs++] = mean;
     }
     if (result.pairs == 2) {
         WeakLight half{};

@@ -40,9 +40,10 @@ class DisplayedChange {
 ///     0/1  5   3   5  0/1
 ///
 /// A point is the midpoint of pairs of points of lower levels: above and below on level 1, else two pairs on the
-/// diagonals or on the axes of its layer, as 4 is of 0 2 and 3 3. Their mean is its prediction. The error of a
-/// prediction is known where the point was traced, and expected to be no larger, and smaller from level to level,
-/// nearby.
+/// diagonals or on the axes of its layer, as 4 is of 0 2 and 3 3. Its prediction is the cubic through a pair and the
+/// points three times as far out, (9 (a + b) - (c + d)) / 16, or their mean where those are not seen; of two pairs, the
+/// mean of both. The error of a prediction is known where the point was traced, and expected to be no larger, and
+/// smaller from level to level, nearby.
 ///
 /// Levels are filled one after the other; points of one level from any thread.
 class WeakField {
@@ -84,6 +85,7 @@ class WeakField {
         Int3 low{};
         std::array<float, 3> part{};
     };
+    WeakLight BendAt(const Int3 &at, const Int3 &step, const WeakLight &mean) const;
     bool FindPlace(const Vec3f &position, Place &place) const;
     float ErrorNear(int x, int y, int z) const;
     std::int64_t OpenPoint(int x, int y, int z) const;
