@@ -18,9 +18,9 @@ constexpr float kMostAround = 8;
 /// Errors of predictions shrink by this from level to level: distances by sqrt(2), and the error of a mean of two with
 /// their square.
 constexpr float kDecay = 0.5f;
-/// Pairs whose mean differs by more from that of the pair three times as far out are not on one smooth curve with it.
-/// Byte scale; the prediction changes by an eighth.
-constexpr float kMostBend = 24;
+/// Differences of the mean of a pair from that of the pair three times as far out, of which an eighth is added to
+/// predictions: smaller ones do not matter, larger ones are not of one smooth curve. Byte scale.
+constexpr float kLeastBend = 2, kMostBend = 24;
 /// Error of points that nothing predicted.
 constexpr float kUntested = -1;
 
@@ -129,19 +129,26 @@ float WeakField::ErrorNear(int x, int y, int z) const {
     return error;
 }
 
-/// Mean of a pair minus that of the pair three times as far out; zero where that is not seen, or where they differ too
-/// much to be of one curve.
+/// Mean of a pair minus that of the pair three times as far out; zero where that does not matter, is not seen, or
+/// differs too much to be of one curve.
 WeakLight WeakField::BendAt(const Int3 &at, const Int3 &step, const WeakLight &mean) const {
-    const Vec3f p(layout_.Position(at[0], at[1], at[2]));
+    std::array<Int3, 2> ends;
     WeakLight bend = mean;
-    for (const int side : {3, -3}) {
-        const Int3 to{at[0] + side * step[0], at[1] + side * step[1], at[2] + side * step[2]};
-        const std::int64_t end = OpenPoint(to[0], to[1], to[2]);
-        if (end < 0 || !IsClear(p, Vec3f(layout_.Position(to[0], to[1], to[2]))))
+    for (std::size_t i = 0; i < 2; ++i) {
+        const int times = i == 0 ? 3 : -3;
+        ends[i] = {at[0] + times * step[0], at[1] + times * step[1], at[2] + times * step[2]};
+        const std::int64_t end = OpenPoint(ends[i][0], ends[i][1], ends[i][2]);
+        if (end < 0)
             return {};
         AddTo(bend, -0.5f, light_[std::size_t(end)]);
     }
-    return change_.Of(bend) <= kMostBend ? bend : WeakLight{};
+    const float size = change_.Of(bend);
+    if (size < kLeastBend || size > kMostBend)
+        return {};
+    const auto isSeen = [&](const Int3 &end) {
+        return IsClear(Vec3f(layout_.Position(at[0], at[1], at[2])), Vec3f(layout_.Position(end[0], end[1], end[2])));
+    };
+    return isSeen(ends[0]) && isSeen(ends[1]) ? bend : WeakLight{};
 }
 
 WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
