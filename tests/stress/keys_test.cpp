@@ -38,7 +38,7 @@ TEST_P(LightKeys, AnyNumber) {
             SceneBuilder scene = Room();
             scene.SetWallShader(BoxFace::PlusZ, TestShader("textures/vec/sky_sun"));
             AddLight(scene, kind, key, vector ? fmt::format("{0} 1 {0}", number) : number);
-            LitSoundlyOrRefused(scene, "-gridsh 128 128 128", "light at");
+            LitSoundlyOrRefused(scene, "-gridsh 128 128 128 -shadaptive", "light at");
         }
 }
 
@@ -59,7 +59,7 @@ TEST_P(WorldKeys, AnyNumber) {
             if (key == "_color")
                 scene.SetWorldKey("_ambient", "10");
             scene.AddEntity(PointLight("10 20 100"));
-            LitSoundlyOrRefused(scene, "-gridsh 128 128 128", "grid");
+            LitSoundlyOrRefused(scene, "-gridsh 128 128 128 -shadaptive", "grid");
         }
     }
 }
@@ -84,7 +84,7 @@ TEST_P(ShaderNumbers, AnyNumber) {
         SCOPED_TRACE(kNumbers[i]);
         SceneBuilder scene = Room({-64, -64, 0}, {64, 64, 128});
         scene.SetWallShader(BoxFace::PlusZ, TestShader(fmt::format("textures/test/odd{}", i)));
-        LitSoundly(scene, "-gridsh 64 64 64");
+        LitSoundly(scene, kBothGrids);
     }
 }
 
@@ -109,7 +109,7 @@ TEST_F(StressTest, AbsurdLightsDoNotSpoilOthers) {
             scene.AddEntity(light);
         }
     scene.AddEntity(PointLight("-100 -100 60", "1000"));
-    const GridView grid(LitSoundly(scene));
+    const GridView grid(LitSoundly(scene, kBothGrids));
     for (std::size_t i = 0; i < grid.Count(); i++) {
         const Vec3d p = grid.Position(i);
         if (Inside(p, RoomBounds())) {

@@ -43,7 +43,7 @@ bool FromTheLight(const Vec3d &p, Coefficients &c) {
 TEST_F(MapsTest, WithoutSurfacesOrBrushesTheTreeIsEnough) {
     const Bsp room = LitRoom().Build();
     for (const Bsp &bsp : {WithoutSurfaces(room), WithoutBrushes(room), WithoutSurfaces(WithoutBrushes(room))})
-        ExpectPoints(GridView(LitSoundly(bsp)), kExact, 60, FromTheLight);
+        ExpectPoints(GridView(LitSoundly(bsp, kBothGrids)), kExact, 60, FromTheLight);
 }
 
 TEST_F(MapsTest, WithoutATreeAllIsOneLeaf) {
@@ -53,7 +53,7 @@ TEST_F(MapsTest, WithoutATreeAllIsOneLeaf) {
         bsp.leafs.resize(1);
         bsp.leafs[0].cluster = cluster;
         bsp.leafs[0].mins = {-256, -256, -16}, bsp.leafs[0].maxs = {256, 256, 272};
-        const GridView grid(LitSoundly(bsp));
+        const GridView grid(LitSoundly(bsp, kBothGrids));
         if (cluster < 0)
             for (std::size_t i = 0; i < grid.Count(); i++)
                 ASSERT_EQ(Largest(grid.At(i)), 0);
@@ -65,22 +65,26 @@ TEST_F(MapsTest, WithoutATreeAllIsOneLeaf) {
 TEST_F(MapsTest, WithoutLightOnlyAmbientIsLeft) {
     SceneBuilder scene = Room();
     scene.SetWorldKey("_ambient", "51");
-    const GridView grid(LitSoundly(scene));
+    const GridView grid(LitSoundly(scene, kBothGrids));
     EXPECT_EQ(result.gridSH.counts.rays, 0u);
     ExpectPoints(grid, kExact, 60, [](const Vec3d &p, Coefficients &c) {
         c = FromEverywhere({0.2, 0.2, 0.2});
         return Inside(p, RoomBounds());
     });
-    const GridView dark(LitSoundly(Room()));
+    const Bsp unlit = LitSoundly(Room(), kBothGrids);
+    const GridView dark(unlit);
     for (std::size_t i = 0; i < dark.Count(); i++)
         ASSERT_EQ(Largest(dark.At(i)), 0);
+    EXPECT_FALSE(unlit.sparseGridSH->points.empty());
+    for (const SparseGridPoint &point : unlit.sparseGridSH->points)
+        ASSERT_EQ(point, SparseGridPoint{});
 }
 
 TEST_F(MapsTest, WithoutAnyRoomInTheOpenNothingIsTraced) {
     Bsp bsp = LitRoom().Build();
     for (bspLeaf_t &leaf : bsp.leafs)
         leaf.cluster = -1;
-    LitSoundly(bsp);
+    LitSoundly(bsp, kBothGrids);
     EXPECT_EQ(result.gridSH.counts.rays, 0u);
     EXPECT_EQ(result.gridSH.open, 0);
 }
@@ -94,12 +98,21 @@ TEST_F(MapsTest, OneCellThickOnEachAxis) {
         SceneBuilder scene = Room(mins, maxs);
         scene.AddEntity(PointLight("1 2 3"));
         const Boundsf room{mins, maxs};
-        const GridView grid(LitSoundly(scene));
+        const Bsp lit = LitSoundly(scene, "-gridsh 64 64 64 -shbudget 0.1");
+        const GridView grid(lit);
         EXPECT_EQ(grid.Grid().header.gridBounds[axis], 1);
         ExpectPoints(grid, kExact, 40, [&](const Vec3d &p, Coefficients &c) {
             c = FromPoint(p, {1, 2, 3}, 300);
             return Inside(p, room);
         });
+        // Cells of the sparse grid are smaller than the space is thick.
+        const SparseView sparse(*lit.sparseGridSH);
+        for (const double off : {-19.0, -7.0, 0.0, 19.0}) {
+            Vec3d p{90, -110, 130};
+            p[axis] = off;
+            const Coefficients wanted = FromPoint(p, {1, 2, 3}, 300);
+            EXPECT_LE(Difference(sparse.Sample(p), wanted), 0.1 * Largest(wanted)) << off;
+        }
     }
 }
 
@@ -150,7 +163,7 @@ TEST_F(MapsTest, VerticesThatAreNoNumbers) {
     const Bsp whole = scene.Build();
     for (const float value : {kNan, kInf, -kInf, 3e38f, 1e30f, 1e15f, 1e-40f})
         for (const std::size_t step : {std::size_t(1), std::size_t(5), std::size_t(13)})
-            for (const char *options : {"-gridsh 64 64 64", "-gridsh 64 64 64 -patchshadows -noskip"}) {
+            for (const char *options : {"-gridsh 64 64 64 -shadaptive", "-gridsh 64 64 64 -patchshadows -noskip"}) {
                 SCOPED_TRACE(fmt::format("{} {} {}", value, step, options));
                 LitSoundly(Broken(whole, step, value), options);
             }
@@ -170,7 +183,7 @@ TEST_F(MapsTest, PlanesWithoutNormal) {
         for (bspPlane_t &plane : bsp.planes)
             for (float &component : plane.normal)
                 component *= length;
-        LitSoundly(bsp, "-gridsh 128 128 128");
+        LitSoundly(bsp, "-gridsh 128 128 128 -shadaptive");
     }
 }
 
@@ -179,7 +192,7 @@ TEST_F(MapsTest, TreesOfOnePlaneOverAndOver) {
     Bsp bsp = LitRoom().Build();
     for (bspNode_t &node : bsp.nodes)
         node.planeNum = bsp.nodes.front().planeNum;
-    LitSoundly(bsp);
+    LitSoundly(bsp, kBothGrids);
 }
 
 } // namespace

@@ -22,6 +22,7 @@ Vec3d Farther(const Vec3f &by, const Vec3d &p) {
 
 TEST_F(PlacesTest, RoomsAtTheEdgesOfTheWorldAreLitAsAtItsOrigin) {
     LampShader("textures/test/lamp", kAdd);
+    std::vector<Coefficients> atOrigin;
     // Multiples of the cell; the walls end at 65522.
     for (const Vec3f &by : {Vec3f{}, {65216, 65216, 65216}, {-65216, 65216, -65216}, {0, -65216, 64}}) {
         SCOPED_TRACE(Text(by));
@@ -34,7 +35,8 @@ TEST_F(PlacesTest, RoomsAtTheEdgesOfTheWorldAreLitAsAtItsOrigin) {
                         {by.x + 64, by.y + 32, z},
                         {by.x - 64, by.y + 32, z}}},
                       TestShader("textures/test/lamp"));
-        ExpectPoints(GridView(LitSoundly(scene)), 3e-5, 60, [&](const Vec3d &p, Coefficients &c) {
+        const Bsp lit = LitSoundly(scene, "-gridsh 64 64 64 -shbudget 0.1");
+        ExpectPoints(GridView(lit), 3e-5, 60, [&](const Vec3d &p, Coefficients &c) {
             // Above the lamp is its shadow.
             if (!Inside(p, room) || p.z > double(z) - 1)
                 return false;
@@ -42,6 +44,15 @@ TEST_F(PlacesTest, RoomsAtTheEdgesOfTheWorldAreLitAsAtItsOrigin) {
                 FromRectangle(p, Farther(by, {-64, -32, 200}), {128, 0, 0}, {0, 64, 0}, {0, 0, -1}, kAdd, {1, 1, 1});
             return true;
         });
+        const SparseView sparse(*lit.sparseGridSH);
+        std::vector<Coefficients> samples;
+        for (double x = -245; x < 250; x += 35)
+            for (double y = -181; y < 186; y += 35)
+                samples.push_back(sparse.Sample(Farther(by, {x, y, 90})));
+        if (atOrigin.empty())
+            atOrigin = samples;
+        for (std::size_t i = 0; i < samples.size(); i++)
+            EXPECT_LE(Difference(samples[i], atOrigin[i]), 0.05 * Largest(atOrigin[i])) << i;
     }
 }
 
@@ -51,7 +62,7 @@ TEST_F(PlacesTest, RoomAsLargeAsTheWorld) {
     scene.AddEntity(PointLight("0 0 0", "1e6"));
     scene.AddEntity(PointLight("65519 65519 -65519", "1e6"));
     // Rays of 113000 units into the very corners.
-    ExpectPoints(GridView(LitSoundly(scene, "-gridsh 8192 8192 16384")), 1e-4, 1500,
+    ExpectPoints(GridView(LitSoundly(scene, "-gridsh 8192 8192 16384 -shadaptive")), 1e-4, 1500,
                  [](const Vec3d &p, Coefficients &c) {
                      c = FromPoint(p, {0, 0, 0}, 1e6) + FromPoint(p, {65519, 65519, -65519}, 1e6);
                      return Inside(p, {{-65520, -65520, -65520}, {65520, 65520, 65520}});
@@ -79,7 +90,7 @@ TEST_F(PlacesTest, LightsInSolidsGiveNothing) {
     for (const char *origin :
          {"-200 -120 100", "100 100 140", "258 0 100", "600 0 100", "0 0 -5000", "65536 65536 65536", "1e9 0 0"})
         scene.AddEntity(PointLight(origin, "1e6"));
-    const GridView grid(LitSoundly(scene));
+    const GridView grid(LitSoundly(scene, kBothGrids));
     for (std::size_t i = 0; i < grid.Count(); i++)
         ASSERT_EQ(Largest(grid.At(i)), 0) << i;
 }
@@ -90,7 +101,7 @@ TEST_F(PlacesTest, LightsOnWallsAndCornersStaySound) {
     for (const char *origin : {"250 0 100", "250 186 252", "-250 -186 4", "0 0 64", "64 64 128", "32 32 128",
                                "249.999 0 100", "250.001 0 100", "0 0 4", "64.0001 64 128.00001"})
         scene.AddEntity(PointLight(origin));
-    LitSoundly(scene);
+    LitSoundly(scene, kBothGrids);
     LitSoundly(scene, "-gridsh 64 64 64 -noskip");
 }
 
@@ -198,9 +209,28 @@ TEST_F(PlacesTest, LightAndAsMuchDarknessLeaveNothing) {
         scene.AddEntity(PointLight("10 20 100", "1000"));
         scene.AddEntity(PointLight("10 20 100", "-1000"));
     }
-    const GridView grid(LitSoundly(scene));
+    const Bsp lit = LitSoundly(scene, kBothGrids);
+    const GridView grid(lit);
     for (std::size_t i = 0; i < grid.Count(); i++)
         ASSERT_LE(Largest(grid.At(i)), 1e-4);
+    for (const SparseGridPoint &point : lit.sparseGridSH->points)
+        ASSERT_EQ(point.mean & 0x7ffffff, 0u);
+}
+
+TEST_F(PlacesTest, LightsBelowZeroLeaveNoLightBelowZero) {
+    const auto room = [](std::initializer_list<Entity> lights) {
+        SceneBuilder scene = Room();
+        for (const Entity &light : lights)
+            scene.AddEntity(light);
+        return scene;
+    };
+    const Entity light = PointLight("10 20 100"), near = PointLight("60 20 100", "-300"),
+                 strong = PointLight("-100 -100 60", "-5000");
+    for (const std::string_view options : {"-gridsh 64 64 64 -shadaptive", "-gridsh 64 64 64 -shadaptive -shdering"}) {
+        LitSoundly(room({near}), options);
+        LitSoundly(room({light, near}), options);
+        LitSoundly(room({light, near, strong}), options);
+    }
 }
 
 TEST_F(PlacesTest, ThousandsOfLampsInOneSpot) {
