@@ -16,7 +16,8 @@ GridFormats TakeGridFormats(LightOptions &options) {
     const GridFormats named = ParseGridFormats(list);
     const auto same = [&](const GridFormat *format) { return format->word == stored; };
     const bool isSaid = std::ranges::any_of(named, same) || (!options.shBspx && HasPlace(named, GridPlace::Full));
-    if (options.keepSH && !isSaid)
+    const bool keepRadiance = options.shRadiance && !options.shAdaptive && !KeepSource(named);
+    if ((options.keepSH || keepRadiance) && !isSaid)
         list += fmt::format(",{}", stored);
     if (options.shAdaptive && !HasPlace(named, GridPlace::Sparse))
         list += ",sparse";

@@ -220,6 +220,30 @@ TEST_F(GridFormatsTest, SparseOfABakeIsTheAdaptiveOne) {
     EXPECT_FALSE(ReadMap().sparseGridSH) << "its light would be that of the run before";
 }
 
+TEST_F(GridFormatsTest, RadianceAddsNoGridToThoseThatAreNamed) {
+    const auto stored = [&](const std::string &options) {
+        RunWell("-light -fast -nogrid " + options + " MAP");
+        const Bsp bsp = ReadMap();
+        std::string grids;
+        if (bsp.gridSH)
+            grids += bsp.gridSHContainer == GridSHContainer::Lump ? "sh " : "shbspx ";
+        grids += bsp.sparseGridSH ? "sparse " : "";
+        grids += Find(bsp, "LIGHTGRID_OCTREE") ? "octree " : "";
+        const bool isRadiance = StoredEntities(bsp.entities, "").front().Value("_q3map2_sh") == "radiance";
+        EXPECT_EQ(isRadiance, options.find("-shradiance") != std::string::npos) << options;
+        return grids;
+    };
+    EXPECT_EQ(stored("-gridformats sparse"), "sparse ");
+    EXPECT_EQ(stored("-shradiance -gridformats sparse"), "sparse ");
+    EXPECT_EQ(stored("-shradiance -gridformats shbspx"), "shbspx ");
+    EXPECT_EQ(stored("-shradiance -gridformats octree"), "sh octree ") << "it includes -sh";
+    EXPECT_EQ(stored("-shradiance -shadaptive"), "sparse ");
+    EXPECT_EQ(stored("-shradiance -shadaptive -gridformats octree"), "sparse octree ");
+    EXPECT_EQ(stored("-shradiance -shadaptive -gridformats sh"), "sh sparse ");
+    EXPECT_EQ(stored("-shradiance -shbspx -gridformats sparse"), "shbspx sparse ");
+    EXPECT_EQ(stored("-shadaptive -gridformats octree"), "sparse octree ");
+}
+
 TEST_F(GridFormatsTest, Errors) {
     ExpectError("-convertgrid -gridformats shbspx,octree MAP", "no SH light grid");
     ExpectError("-convertgrid MAP", "-convertgrid needs -gridformats LIST");

@@ -34,8 +34,8 @@ void ApplyInclusions(LightOptions &o) {
     o.fastGrid |= o.fast;
     o.cheapGrid |= o.cheap;
     o.skip.coarse &= o.fastGrid;
-    o.keepSH = o.sh || o.shBspx || (o.shRadiance && !o.shAdaptive);
-    o.sh = o.keepSH || !o.gridFormats.empty();
+    o.keepSH = o.sh || o.shBspx;
+    o.sh = o.keepSH || (o.shRadiance && !o.shAdaptive) || !o.gridFormats.empty();
     o.ambientCubes |= o.cubesFromSH;
     if (o.tone.sRgb)
         o.tolerance = 255 * LinearFromSrgb(1.0f / 255);

@@ -45,7 +45,9 @@ Group GridSH() {
                .help = "Bake it into a BSPX lump of a version 46 file, which unmodified engines load; includes -sh"},
               &LightOptions::shBspx},
              {{.name = "-shradiance",
-               .help = "Store radiance instead of irradiance, for engines that convolve themselves; includes -sh"},
+               .help = "Store radiance instead of irradiance, for engines that convolve themselves; includes -sh",
+               .details = "Where `-shadaptive`, or `sh`, `shbspx` or `sparse` in `-gridformats`, name the grids to "
+                          "store, it adds none."},
               &LightOptions::shRadiance},
              {{.name = "-gridformats",
                .values = "LIST",
