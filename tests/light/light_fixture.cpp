@@ -189,7 +189,7 @@ void LightTest::Script(std::string_view text) {
 Bsp LightTest::Lit(Bsp bsp, std::string_view options, int threads) {
     printed.clear();
     Log log([this](LogLevel, std::string_view text) { printed += text; }, true);
-    std::istringstream text((traceAll ? "-sh -noskipsmooth " : "-sh ") + std::string(options));
+    std::istringstream text("-sh " + std::string(options));
     Arguments arguments({std::istream_iterator<std::string>(text), {}});
     const Game &game = *FindGame("quake3");
     const LightOptions parsed = ParseLightOptions(arguments, game, log);

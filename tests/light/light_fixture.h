@@ -66,8 +66,6 @@ class LightTest : public testing::Test {
   protected:
     static constexpr double kExact = 1e-5; ///< relative: float arithmetic
 
-    /// Light is traced at every point of the SH grid, to be compared with exact values.
-    bool traceAll = true;
     /// Adds a shader script. Before the first Lit.
     void Script(std::string_view text);
     /// Lights the map with these options. An SH grid is always made.

@@ -14,7 +14,6 @@ namespace {
 
 class SkipTest : public LightTest {
   protected:
-    SkipTest() { traceAll = false; }
     /// A room with a square lamp of that half width, 24 units under the middle of its ceiling.
     SceneBuilder CeilingLamp(const Vec3f &mins, const Vec3f &maxs, float half, int value) {
         Script(fmt::format("textures/test/lamp\n{{\n\tq3map_surfacelight {}\n\tq3map_backsplash 0 0\n\t{{\n\t\tmap "

@@ -18,6 +18,8 @@ struct IndirectRay {
 class IndirectLight {
   public:
     virtual ~IndirectLight() = default;
+    /// Number of rays that gather light at a point, without shadow rays to bright emitters.
+    virtual int RaysPerPoint() const = 0;
     /// Sets `rays` to directional lights that together give the bounced light at the point; `seed` rotates the pattern
     /// of directions.
     virtual void Gather(const Vec3f &point, std::uint64_t seed, std::vector<IndirectRay> &rays) const = 0;

@@ -15,6 +15,10 @@ namespace {
 /// Engines hold lump lengths in 32-bit integers.
 constexpr std::int64_t kMaxPointsSH = (0x7fffffffll - 40) / 108;
 
+/// Pairs of a point and a light, or a ray of bounced light, from which on weak light is interpolated: fewer are traced
+/// in a fraction of a second, and exact.
+constexpr std::int64_t kLeastPairs = 1'000'000;
+
 } // namespace
 
 GridLayout LayoutGridSH(const Bsp &bsp, Float3 size) {
@@ -46,7 +50,8 @@ GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOpti
 }
 
 GridSHTracer::GridSHTracer(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights)
-    : in_(in), layout_(layout), bricks_(layout), lit_(in, layout, bricks_), integrator_(in, lights),
+    : in_(in), layout_(layout), lightCount_(lights.size()), bricks_(layout), lit_(in, layout, bricks_),
+      integrator_(in, lights),
       weak_(in.space, layout, lit_.States(),
             DisplayedChange(in.options.shRadiance, 255 * (in.options.gridScale > 0 ? in.options.gridScale : 1))) {
     lit_.FindOnEmitters(lights);
@@ -59,7 +64,8 @@ LightGridSH GridSHTracer::TraceGridSH(GridStats &stats) {
     stats.points = layout_.Count();
 
     const VisibilityGroups sides = FindVisibilityGroups(in_, layout_, lit_.Displaced(), lit_.States());
-    usesWeak_ = in_.options.skip.smooth && SmoothLevels(in_, layout_, lit_, integrator_).Run(weak_, stats);
+    usesWeak_ =
+        in_.options.skip.smooth && HasMuchToTrace() && SmoothLevels(in_, layout_, lit_, integrator_).Run(weak_, stats);
     const SmoothLight light(integrator_, Weak());
     GridFit fit(in_, layout_, lit_.States(), sides.isSplit);
     RunBricks(in_, bricks_.Count(), stats, [&](std::int64_t brick, GridStats &work) {
@@ -75,6 +81,11 @@ LightGridSH GridSHTracer::TraceGridSH(GridStats &stats) {
     stats.moved = std::count(states.begin(), states.end(), PointState::Moved);
     stats.filled = std::count(states.begin(), states.end(), PointState::Filled);
     return grid;
+}
+
+bool GridSHTracer::HasMuchToTrace() const {
+    const std::int64_t rays = std::int64_t(lightCount_) + (in_.indirect ? in_.indirect->RaysPerPoint() : 0);
+    return layout_.Count() * rays >= kLeastPairs;
 }
 
 void GridSHTracer::TracePoints(std::span<const BrickPoint> points, std::int64_t brick, LightGridSH &grid,

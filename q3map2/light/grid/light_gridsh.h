@@ -24,15 +24,17 @@ class GridSHTracer {
     /// The SH light grid: points in the open lit exactly, points in solids next to the open filled and fitted, others
     /// zero. Once only.
     LightGridSH TraceGridSH(GridStats &stats);
-    /// After TraceGridSH: weak light for SmoothLight; null if it is not smooth enough, or with
-    /// -noskipsmooth.
+    /// After TraceGridSH: weak light for SmoothLight; null if it is not smooth enough, if tracing all of it takes
+    /// little, or with -noskipsmooth.
     const WeakField *Weak() const { return usesWeak_ ? &weak_ : nullptr; }
 
   private:
+    bool HasMuchToTrace() const;
     void TracePoints(std::span<const BrickPoint> points, std::int64_t brick, LightGridSH &grid, GridStats &work) const;
 
     const GridInputs &in_;
     const GridLayout &layout_;
+    const std::size_t lightCount_;
     GridBricks bricks_;
     LitGridPoints lit_;
     ProbeIntegrator integrator_;

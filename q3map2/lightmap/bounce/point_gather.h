@@ -15,6 +15,7 @@ class PointGather : public IndirectLight {
     /// emission: radiosity without the part that `bright` samples. rays: number of rays from a point.
     PointGather(const BounceScene &scene, const std::vector<Vec3f> &emission, const BrightEmitters &bright, int rays)
         : scene_(scene), emission_(emission), bright_(bright), rays_(rays) {}
+    int RaysPerPoint() const override { return rays_; }
     void Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const override;
 
   private:
