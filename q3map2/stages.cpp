@@ -59,8 +59,7 @@ std::vector<Stage> CompilingStages() {
         {"-convertgrid", "-convertgrid -gridformats LIST [options] maps/x.bsp",
          "Make light grids for other engines of the SH grid of a lit map",
          "[grid_formats.md](grid_formats.md) tells which engine reads which and what each loses. Light is not "
-         "computed: "
-         "map source, shaders and images are not needed.",
+         "computed: map source, shaders and images are not needed.",
          ConvertGridStage, [] { return Describe(ConvertGridSettings()); }},
         {"-info", "-info maps/a.bsp maps/b.bsp ...", "Print counts, bytes and the light grid of maps", "", InfoStage,
          nullptr},

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT. Reader of the SH light grid of Quake III maps, for engines. C99 and C++.
 
-   The grid is a box of points with nine L2 spherical-harmonics coefficients each, red green blue: of points at equal
-   distances, or a sparse one, whose points are corners of the cells of octrees. Both are sampled by the same calls.
+   The grid is a box of points with nine L2 spherical-harmonics coefficients each, red green blue. A uniform grid has
+   points at equal distances; the points of a sparse one are the corners of the cells of octrees. Both are sampled by
+   the same calls.
    Axes are the map's: x east, y north, z up. By default the coefficients are convolved with the cosine, so that the
    plain sum over the basis is the light that a matte surface receives; 1.0 is lightmap byte 255, linear. See LICENSE
    and README.md beside this file. */
@@ -22,8 +23,8 @@ extern "C" {
 #define SHGRID_SPARSE_HEADER_BYTES 64
 #define SHGRID_SPARSE_NODE_BYTES 12
 #define SHGRID_SPARSE_POINT_BYTES 28
-#define SHGRID_SPARSE_LEVELS 12        /* the most */
-#define SHGRID_SPARSE_CELLS (1L << 24) /* the most smallest cells on an axis */
+#define SHGRID_SPARSE_LEVELS 12        /* maximum */
+#define SHGRID_SPARSE_CELLS (1L << 24) /* maximum of the smallest cells on an axis */
 
 typedef enum {
     SHGRID_OK,
@@ -53,8 +54,8 @@ typedef struct {
     float cell[3];     /* distance between points, world units; sparse: of the smallest cells */
     int32_t bounds[3]; /* points per axis, each at least 1; sparse: those that its smallest cells would have */
     int32_t count;     /* product of bounds; sparse: stored points */
-    const unsigned char *points; /* SHGRID_POINT_BYTES each, any alignment, little endian; sparse: quantized */
-    int32_t levels;              /* 0: uniform. Sparse: a root is a cube of 2^levels smallest cells an edge */
+    const unsigned char *points; /* SHGRID_POINT_BYTES each, or SHGRID_SPARSE_POINT_BYTES; any alignment */
+    int32_t levels;              /* 0: uniform. Sparse: the edge of a root is 2^levels smallest cells */
     int32_t nodeCount;           /* sparse */
     const unsigned char *nodes;  /* sparse: SHGRID_SPARSE_NODE_BYTES each */
 } shgrid_grid;
@@ -214,7 +215,7 @@ static inline shgrid_result shgrid_find(const void *data, size_t size, const uns
     return shgrid_find_form(data, size, SHGRID_ANY, lump, lumpSize);
 }
 
-/* Bits set in a byte. */
+/* Number of bits set in a byte. */
 static inline uint32_t shgrid_bits_(uint32_t mask) {
     mask -= mask >> 1 & 0x55;
     mask = (mask & 0x33) + (mask >> 2 & 0x33);
@@ -253,7 +254,6 @@ static inline shgrid_result shgrid_parse_sparse_(const unsigned char *lump, size
     const uint32_t bytes = shgrid_u32_(lump + 8), levels = shgrid_u32_(lump + 48);
     const uint64_t nodes = shgrid_u32_(lump + 52), points = shgrid_u32_(lump + 56);
     uint64_t product = 1;
-    shgrid_result result;
     int i;
     if (shgrid_u32_(lump + 4) != 1)
         return SHGRID_BAD_VERSION;
@@ -286,8 +286,7 @@ static inline shgrid_result shgrid_parse_sparse_(const unsigned char *lump, size
     grid->nodeCount = (int32_t)nodes;
     grid->nodes = lump + SHGRID_SPARSE_HEADER_BYTES;
     grid->points = grid->nodes + (size_t)SHGRID_SPARSE_NODE_BYTES * nodes;
-    result = shgrid_check_nodes_(grid, product);
-    return result;
+    return shgrid_check_nodes_(grid, product);
 }
 
 static inline shgrid_result shgrid_parse_uniform_(const unsigned char *lump, size_t size, shgrid_grid *grid) {
@@ -427,14 +426,14 @@ static inline void shgrid_add_point_(const unsigned char *p, unsigned scale, flo
     }
 }
 
-/* The nodes from a root down to the one that owns the cell found last, so that the next search can start near it.
-   `at` is a position in smallest cells. */
+/* The nodes from a root down to the one that owns the cell found last. The next search starts at the deepest of them
+   that contains its position. */
 typedef struct {
     const unsigned char *node[SHGRID_SPARSE_LEVELS];
-    int32_t at[3];
-    int level;    /* of the last node; -1: none yet */
-    uint32_t bit; /* octant of the cell in it */
-    int size;     /* log2 of the edge of the cell, in smallest cells */
+    int32_t at[3];   /* position of the last search, in smallest cells */
+    int level;       /* of the last node; -1: none yet */
+    uint32_t octant; /* of the cell in the last node */
+    int size;        /* log2 of the edge of the cell, in smallest cells */
 } shgrid_path_;
 
 /* Finds the cell that contains a position inside the roots. */
@@ -457,7 +456,7 @@ static inline void shgrid_descend_(const shgrid_grid *grid, const int32_t at[3],
         const uint32_t octant = (uint32_t)((at[0] >> size & 1) | (at[1] >> size & 1) << 1 | (at[2] >> size & 1) << 2);
         if (!(node[8] >> octant & 1)) {
             path->level = level;
-            path->bit = octant;
+            path->octant = octant;
             path->size = size;
             memcpy(path->at, at, sizeof path->at);
             return;
@@ -467,8 +466,8 @@ static inline void shgrid_descend_(const shgrid_grid *grid, const int32_t at[3],
     }
 }
 
-/* Adds weight times the value stored at a point of the lattice of smallest cells, and the weight to `total`. Returns 0
-   if there is none but larger cells give it one. */
+/* Adds weight times the value stored at a point of the lattice of smallest cells, and the weight to `total`; nothing at
+   a point without a value. Returns 0 if the value follows from larger cells: its weight is still to be added. */
 static inline int shgrid_add_corner_(const shgrid_grid *grid, const int32_t at[3], float weight, shgrid_path_ *path,
                                      shgrid_coeffs *sum, float *total) {
     const unsigned char *node;
@@ -482,17 +481,17 @@ static inline int shgrid_add_corner_(const shgrid_grid *grid, const int32_t at[3
     mask = ((int32_t)1 << path->size) - 1;
     if ((at[0] | at[1] | at[2]) & mask) /* inside or on a larger cell, not its corner */
         return 0;
-    if (node[9] >> path->bit & 1) {
-        const uint32_t index = shgrid_u32_(node + 4) + shgrid_bits_(node[9] & ((1u << path->bit) - 1));
+    if (node[9] >> path->octant & 1) {
+        const uint32_t index = shgrid_u32_(node + 4) + shgrid_bits_(node[9] & ((1u << path->octant) - 1));
         shgrid_add_point_(grid->points + (size_t)SHGRID_SPARSE_POINT_BYTES * index, node[11], weight, sum);
         *total += weight;
         return 1;
     }
-    return !(node[10] >> path->bit & 1);
+    return !(node[10] >> path->octant & 1);
 }
 
-/* Moves weights of corners of a cube of 2^size cells to those of the cube twice as large around it, by trilinear
-   weights. */
+/* Distributes the weights of the corners of a cube of edge 2^size to those of the cube of twice the edge around it, by
+   trilinear interpolation; `low` becomes its lower corner. */
 static inline void shgrid_widen_(int32_t low[3], int size, float weights[8]) {
     int axis, i;
     for (axis = 0; axis < 3; axis++) {
@@ -508,9 +507,9 @@ static inline void shgrid_widen_(int32_t low[3], int size, float weights[8]) {
     }
 }
 
-/* Adds the corners of a cube of 2^size smallest cells with these weights, which become 0. A corner that stores no value
-   and is not void hands its weight on to the cube around; at most 8 searches for each of the levels, whatever the tree
-   is like. */
+/* Adds the corners of a cube of edge 2^size with these weights, which are changed. The weights of corners that follow
+   from larger cells go on to the cube around, and so on up to the roots: at most 8 searches per level, whatever the
+   tree is like. */
 static inline void shgrid_add_cube_(const shgrid_grid *grid, int32_t low[3], int size, float weights[8],
                                     shgrid_path_ *path, shgrid_coeffs *sum, float *total) {
     int pending = 1, i;
@@ -531,6 +530,7 @@ static inline void shgrid_add_cube_(const shgrid_grid *grid, int32_t low[3], int
     }
 }
 
+/* Divides by the total weight; 0 if there is hardly any. */
 static inline void shgrid_divide_(shgrid_coeffs *sum, float total) {
     const float factor = total > 1e-20f ? 1 / total : 0;
     int k, channel;
@@ -539,10 +539,10 @@ static inline void shgrid_divide_(shgrid_coeffs *sum, float total) {
             sum->c[k][channel] *= factor;
 }
 
-/* Trilinear blend in the cell that contains a position in smallest cells, inside the roots. `alike`: all corners get
-   the same weight. Returns 0 and black if no corner with a weight has a value. */
-static inline int shgrid_blend_sparse_(const shgrid_grid *grid, const double at[3], int alike, shgrid_path_ *path,
-                                       shgrid_coeffs *out) {
+/* Trilinear blend in the cell that contains a position inside the roots, in smallest cells. equalWeights: the mean of
+   the corners instead. Returns 0, and black, if no corner with a weight has a value. */
+static inline int shgrid_blend_sparse_(const shgrid_grid *grid, const double at[3], int equalWeights,
+                                       shgrid_path_ *path, shgrid_coeffs *out) {
     int32_t low[3];
     float weights[8], fraction[3], total = 0;
     int axis, i;
@@ -559,7 +559,7 @@ static inline int shgrid_blend_sparse_(const shgrid_grid *grid, const double at[
     for (i = 0; i < 8; i++) {
         weights[i] = 1;
         for (axis = 0; axis < 3; axis++)
-            weights[i] *= alike ? 0.5f : i >> axis & 1 ? fraction[axis] : 1 - fraction[axis];
+            weights[i] *= equalWeights ? 0.5f : i >> axis & 1 ? fraction[axis] : 1 - fraction[axis];
     }
     memset(out, 0, sizeof *out);
     shgrid_add_cube_(grid, low, path->size, weights, path, out, &total);
@@ -786,12 +786,14 @@ static inline void shgrid_apply_tone(const shgrid_tone *tone, float rgb[3]) {
 /* ---- A sparse grid as textures: shgrid_atlas.glsl and .hlsl sample them. ----
 
    A brick is a cube of 4 x 4 x 4 equal cells as 5 x 5 x 5 texels, its corners, so that filtering inside it needs no
-   neighbor. Nodes of the tree whose grandchildren are cells have bricks, and so have roots; the indirection texture has
-   the brick of each cube as large as the smallest brick. Brick b of the atlas is at
-   (b % bricks[0], b / bricks[0] % bricks[1], b / (bricks[0] * bricks[1])), times 5 texels. */
+   neighbor. Roots and those nodes that have a grandchild which is a cell have bricks, of cells of a quarter of their
+   edge; each texel of the indirection texture, a cube as large as the smallest brick, names the finest brick there.
+   Brick b of the atlas is at (b % bricks[0], b / bricks[0] % bricks[1], b / (bricks[0] * bricks[1])), times 5 texels.
+ */
 
-#define SHGRID_BRICK_TEXELS 5
-#define SHGRID_BRICK_AXIS 255 /* the most bricks along an axis of the atlas */
+#define SHGRID_BRICK_TEXELS 5   /* on an edge of a brick */
+#define SHGRID_BRICK_VOLUME 125 /* texels of a brick */
+#define SHGRID_BRICK_AXIS 255   /* maximum of bricks along an axis of the atlas */
 
 typedef enum {
     SHGRID_ATLAS_HALF, /* 7 textures RGBA16F: coefficient k of channel c is component (3 k + c) % 4 of texture
@@ -817,12 +819,12 @@ typedef struct {
     void *const *textures;
     shgrid_atlas_format format;
     int depth;      /* the deepest level with a brick */
-    unsigned scale; /* the largest of nodes */
+    unsigned scale; /* the largest scale of nodes */
 } shgrid_walk_;
 
 /* Texels of each texture of the atlas; bytes of one, and of the indirection texture. */
 static inline size_t shgrid_atlas_texels(const shgrid_atlas *atlas) {
-    return (size_t)125 * (size_t)atlas->bricks[0] * (size_t)atlas->bricks[1] * (size_t)atlas->bricks[2];
+    return (size_t)SHGRID_BRICK_VOLUME * (size_t)atlas->bricks[0] * (size_t)atlas->bricks[1] * (size_t)atlas->bricks[2];
 }
 static inline size_t shgrid_atlas_bytes(const shgrid_atlas *atlas, shgrid_atlas_format format) {
     return shgrid_atlas_texels(atlas) * (format == SHGRID_ATLAS_HALF ? 8 : 4);
@@ -843,7 +845,7 @@ static inline uint16_t shgrid_half_(float value) {
         return (uint16_t)(sign | 0x7bffu);
     frexpf(size, &exponent); /* size is in [2^(exponent - 1), 2^exponent) */
     exponent = exponent < -13 ? -13 : exponent;
-    /* 11 bits, of which the sum adds the first to the exponent; if rounding gives 12, it adds 2. */
+    /* The mantissa has 11 bits. Its leading one adds 1 to the exponent field of the sum; if rounding gives 2^11, 2. */
     mantissa = (unsigned)lrintf(ldexpf(size, 11 - exponent));
     return (uint16_t)(sign | (((unsigned)(exponent + 13) << 10) + mantissa));
 }
@@ -883,8 +885,8 @@ static inline void shgrid_put_texel_(const shgrid_walk_ *walk, size_t texel, con
     }
 }
 
-/* The value of a texel at a position in smallest cells. A position without one gets the mean of the nearest that have
-   one, of those around it at one cell of the brick; black if there is none either. */
+/* The value of a texel at a position in smallest cells. If it has none: the mean of the nearest with a value among its
+   26 neighbors in the lattice of the brick's cells; black without such a neighbor. `ring` is the squared distance. */
 static inline void shgrid_texel_(shgrid_walk_ *walk, const double at[3], double step, shgrid_coeffs *out) {
     int ring, i, n, axis, found = 0;
     if (shgrid_blend_sparse_(walk->grid, at, 0, &walk->path, out))
@@ -893,13 +895,13 @@ static inline void shgrid_texel_(shgrid_walk_ *walk, const double at[3], double 
         for (i = 0; i < 27; i++) {
             const int offset[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
             shgrid_coeffs value;
-            double near[3];
+            double neighbor[3];
             int inside = offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2] == ring;
             for (axis = 0; axis < 3; axis++) {
-                near[axis] = at[axis] + step * offset[axis];
-                inside = inside && near[axis] >= 0 && near[axis] <= walk->grid->bounds[axis];
+                neighbor[axis] = at[axis] + step * offset[axis];
+                inside = inside && neighbor[axis] >= 0 && neighbor[axis] <= walk->grid->bounds[axis];
             }
-            if (!inside || !shgrid_blend_sparse_(walk->grid, near, 0, &walk->path, &value))
+            if (!inside || !shgrid_blend_sparse_(walk->grid, neighbor, 0, &walk->path, &value))
                 continue;
             found++;
             for (n = 0; n < 27; n++)
@@ -908,31 +910,49 @@ static inline void shgrid_texel_(shgrid_walk_ *walk, const double at[3], double 
     shgrid_divide_(out, (float)found);
 }
 
-/* Whether a brick at `low` with cells of `step` has any value. */
+/* Place of texel number i in a brick, x fastest, and its position in smallest cells: the brick is at `low`, its cells
+   have edges of `step`. */
+static inline void shgrid_brick_texel_(int i, const int32_t low[3], double step, int32_t texel[3], double at[3]) {
+    int axis;
+    for (axis = 0; axis < 3; axis++, i /= SHGRID_BRICK_TEXELS) {
+        texel[axis] = i % SHGRID_BRICK_TEXELS;
+        at[axis] = low[axis] + step * texel[axis];
+    }
+}
+
+/* Whether a brick at `low` with cells of edge `step` has any value. */
 static inline int shgrid_brick_is_lit_(shgrid_walk_ *walk, const int32_t low[3], double step) {
     int i;
-    for (i = 0; i < 125; i++) {
-        const double at[3] = {low[0] + step * (i % 5), low[1] + step * (i / 5 % 5), low[2] + step * (i / 25)};
+    for (i = 0; i < SHGRID_BRICK_VOLUME; i++) {
+        int32_t texel[3];
+        double at[3];
         shgrid_coeffs value;
+        shgrid_brick_texel_(i, low, step, texel, at);
         if (shgrid_blend_sparse_(walk->grid, at, 0, &walk->path, &value))
             return 1;
     }
     return 0;
 }
 
+/* Fills the texels of a brick of the atlas. */
 static inline void shgrid_fill_brick_(shgrid_walk_ *walk, int32_t brick, const int32_t low[3], double step) {
     const shgrid_atlas *atlas = walk->atlas;
     const int32_t place[3] = {brick % atlas->bricks[0], brick / atlas->bricks[0] % atlas->bricks[1],
                               brick / atlas->bricks[0] / atlas->bricks[1]};
+    const size_t side = SHGRID_BRICK_TEXELS, width = side * (size_t)atlas->bricks[0],
+                 height = side * (size_t)atlas->bricks[1];
     int i;
-    for (i = 0; i < 125; i++) {
-        const int32_t texel[3] = {i % 5, i / 5 % 5, i / 25};
-        const double at[3] = {low[0] + step * texel[0], low[1] + step * texel[1], low[2] + step * texel[2]};
-        const size_t x = (size_t)(5 * place[0] + texel[0]), y = (size_t)(5 * place[1] + texel[1]),
-                     z = (size_t)(5 * place[2] + texel[2]);
+    for (i = 0; i < SHGRID_BRICK_VOLUME; i++) {
+        int32_t texel[3];
+        double at[3];
+        size_t x, y, z;
         shgrid_coeffs value;
+        shgrid_brick_texel_(i, low, step, texel, at);
+        x = side * (size_t)place[0] + (size_t)texel[0];
+        y = side * (size_t)place[1] + (size_t)texel[1];
+        z = side * (size_t)place[2] + (size_t)texel[2];
         shgrid_texel_(walk, at, step, &value);
-        shgrid_put_texel_(walk, x + 5 * (size_t)atlas->bricks[0] * (y + 5 * (size_t)atlas->bricks[1] * z), &value);
+        shgrid_put_texel_(walk, x + width * (y + height * z), &value);
     }
 }
 
@@ -957,7 +977,7 @@ static inline void shgrid_fill_entries_(const shgrid_walk_ *walk, int32_t brick,
                        entry, 4);
 }
 
-/* Visits the bricks of a node and of the nodes below it; those below replace its entries. */
+/* Counts or fills the brick of a node, then those of the nodes below it, whose entries replace its own. */
 static inline void shgrid_visit_(shgrid_walk_ *walk, uint32_t index, int level, const int32_t low[3]) {
     const unsigned char *node = shgrid_node_(walk->grid, index);
     const int edge = walk->grid->levels - level;

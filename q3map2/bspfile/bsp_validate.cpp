@@ -3,8 +3,8 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/bsp_layout.h"
-#include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/bspfile_cubes.h"
+#include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/bspfile_hdr.h"
 #include "q3map2/bspfile/entities.h"
 
@@ -386,7 +386,7 @@ class Validator {
 
     // Engines ignore a grid of unexpected length, and so does this program.
     void CheckLightGrid(const Entity &world) const {
-        Float3 size{64, 64, 128};
+        Float3 size = kDefaultGridSize;
         if (world.Has("gridsize")) {
             if (const auto given = world.Vector({"gridsize"}))
                 size = {given->x, given->y, given->z};

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Placement of the legacy light grid, and the SH light grid lump.
+// GPL-2.0-or-later. Placement of the uniform light grids, and the SH light grid lump.
 #pragma once
 
 #include "q3map2/bspfile/bsp.h"
@@ -8,7 +8,10 @@
 
 namespace q3 {
 
-/// Legacy light grid placement of a world model: cell, first point, points per axis.
+/// Cell size of the legacy grid of a map without the key gridsize. Game units.
+inline constexpr Float3 kDefaultGridSize = {64, 64, 128};
+
+/// Placement of the legacy or the uniform SH grid: first point, cell, points per axis.
 struct GridLayout {
     Float3 mins{}, size{};
     Int3 bounds{};

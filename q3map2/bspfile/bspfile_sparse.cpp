@@ -15,18 +15,19 @@ namespace {
 std::uint64_t CheckSparseHead(const SparseGridSH &grid) {
     if (grid.levels < 1 || grid.levels > kMaxSparseLevels)
         throw Error("levels is {}, expected 1 to {}", std::uint32_t(grid.levels), kMaxSparseLevels);
-    const std::int32_t most = kMaxSparseCells >> grid.levels;
-    constexpr std::size_t most32 = UINT32_MAX / (sizeof(SparseGridNode) + sizeof(SparseGridPoint)) - 2;
-    if (grid.nodes.size() > most32 || grid.points.size() > most32)
-        throw Error("{} nodes and {} points, expected at most {}", grid.nodes.size(), grid.points.size(), most32);
+    const std::int32_t maxRoots = kMaxSparseCells >> grid.levels;
+    constexpr std::size_t kMaxRecords = // the length of the lump is a uint32
+        UINT32_MAX / (sizeof(SparseGridNode) + sizeof(SparseGridPoint)) - 2;
+    if (grid.nodes.size() > kMaxRecords || grid.points.size() > kMaxRecords)
+        throw Error("{} nodes and {} points, expected at most {}", grid.nodes.size(), grid.points.size(), kMaxRecords);
     std::uint64_t roots = 1;
     for (std::size_t i = 0; i < 3; ++i) {
         if (!std::isfinite(grid.mins[i]))
             throw Error("mins[{}] is {}, not a finite number", i, grid.mins[i]);
         if (!std::isfinite(grid.cell[i]) || grid.cell[i] <= 0)
             throw Error("cell[{}] is {}, expected a number above 0", i, grid.cell[i]);
-        if (grid.roots[i] < 1 || grid.roots[i] > most)
-            throw Error("roots[{}] is {}, expected 1 to {} with {} levels", i, grid.roots[i], most, grid.levels);
+        if (grid.roots[i] < 1 || grid.roots[i] > maxRoots)
+            throw Error("roots[{}] is {}, expected 1 to {} with {} levels", i, grid.roots[i], maxRoots, grid.levels);
         roots *= std::uint64_t(grid.roots[i]); // at most 2^23 each
         const float end = grid.mins[i] + grid.cell[i] * float(grid.roots[i] << grid.levels);
         if (!std::isfinite(end))
@@ -38,7 +39,7 @@ std::uint64_t CheckSparseHead(const SparseGridSH &grid) {
     return roots;
 }
 
-/// One pass over the nodes, level by level.
+/// Errors: indexes that are not running sums, masks that contradict each other, another number of nodes or points.
 void CheckSparseNodes(const SparseGridSH &grid, std::uint64_t roots) {
     std::uint64_t children = roots, points = 0, levelEnd = roots;
     std::int32_t level = 0;

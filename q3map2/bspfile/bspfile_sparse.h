@@ -12,13 +12,13 @@ namespace q3 {
 struct ByteSource;
 struct FilePart;
 
-/// The head that belongs to the grid.
+/// The head of the lump of a grid.
 bspSparseGridHeader_t HeaderOf(const SparseGridSH &grid);
-/// Reads the lump. Errors: those of DecodeSparseGrid, with the name.
+/// Reads the lump from a file. name: of the file, for errors, which are those of DecodeSparseGrid.
 SparseGridSH ReadSparseGrid(const ByteSource &file, const FilePart &part, std::string_view name);
 /// Sets `children` and `points` of all nodes: the running sums of inner children and of stored cells.
 void NumberSparseNodes(SparseGridSH &grid);
-/// Cells of a level of the tree, by what is at their lower corners.
+/// Numbers of cells of a level of the tree whose lower corner is stored, is hanging, or has no value.
 struct SparseLevelCounts {
     std::size_t stored = 0, hanging = 0, empty = 0;
 };

@@ -13,10 +13,11 @@ namespace q3 {
 
 namespace {
 
-constexpr int kPlainScale = 128, kScaleSteps = 8; ///< steps to a doubling
-constexpr float kMostStep = 127;
+constexpr int kPlainScale = 128; ///< the code of scale 1
+constexpr int kScaleSteps = 8;   ///< codes to a doubling of the scale
+constexpr float kMaxStep = 127;  ///< of the signed bytes of bands 1 and 2
 
-/// 2^(i / 8)
+/// 2^(i / 8).
 constexpr std::array<float, kScaleSteps> kEighths = {1.0f,        1.09050773f, 1.18920712f, 1.29683955f,
                                                      1.41421356f, 1.54221083f, 1.68179283f, 1.83400809f};
 
@@ -31,9 +32,10 @@ void CheckFinite(const bspGridPointSH_t &value, std::size_t index) {
                 throw Error("{}: point {}: coefficient {} is {}, not a finite number", kBspxSparseGridSH, index, k, c);
 }
 
-/// The largest ratio of a coefficient to the limit of its band. Means that rounding made smaller count as they were:
-/// the coefficients are clamped then, by no more than the error of the mean.
-float Reach(const bspGridPointSH_t &value, const Vec3f &mean) {
+/// The largest ratio of a coefficient of bands 1 and 2 to the limit of its band: the scale that the point needs. mean:
+/// coefficient 0 as stored. Where rounding made that smaller, the exact one counts here, and Quantize clamps the
+/// coefficients by no more than the error of the mean.
+float NeededScale(const bspGridPointSH_t &value, const Vec3f &mean) {
     float most = 0;
     for (std::size_t channel = 0; channel < 3; ++channel)
         for (std::size_t k = 1; mean[channel] > 0 && k < 9; ++k)
@@ -42,12 +44,13 @@ float Reach(const bspGridPointSH_t &value, const Vec3f &mean) {
     return most;
 }
 
-std::uint8_t ScaleFor(float reach) {
-    if (!(reach > 0))
+/// The code of the smallest scale that is at least `needed`.
+std::uint8_t ScaleCode(float needed) {
+    if (!(needed > 0))
         return 0;
-    const double code = std::ceil(kPlainScale + kScaleSteps * std::log2(double(reach)));
+    const double code = std::ceil(kPlainScale + kScaleSteps * std::log2(double(needed)));
     int scale = int(std::clamp(code, 0.0, 255.0));
-    if (scale < 255 && SparseScale(std::uint8_t(scale)) < reach) // by rounding
+    if (scale < 255 && SparseScale(std::uint8_t(scale)) < needed) // by rounding
         ++scale;
     return std::uint8_t(scale);
 }
@@ -59,8 +62,8 @@ SparseGridPoint Quantize(const bspGridPointSH_t &value, std::uint8_t scale) {
     for (std::size_t k = 1; k < 9; ++k)
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const float unit = SparseScale(scale) * BandLimit(k) * mean[channel];
-            const float steps = unit > 0 ? kMostStep * (value.coeffs[k][channel] / unit) : 0;
-            point.bands[3 * (k - 1) + channel] = std::int8_t(std::lround(std::clamp(steps, -kMostStep, kMostStep)));
+            const float steps = unit > 0 ? kMaxStep * (value.coeffs[k][channel] / unit) : 0;
+            point.bands[3 * (k - 1) + channel] = std::int8_t(std::lround(std::clamp(steps, -kMaxStep, kMaxStep)));
         }
     return point;
 }
@@ -90,12 +93,13 @@ SparseGridSH PackSparseGrid(const SparseGridTree &tree) {
     CheckSparseGrid(grid, "packing");
     for (SparseGridNode &node : grid.nodes) {
         const std::size_t count = std::size_t(std::popcount(node.stored));
-        float reach = 0;
+        float needed = 0;
         for (std::size_t i = node.points; i < node.points + count; ++i) {
             CheckFinite(tree.values[i], i);
-            reach = std::max(reach, Reach(tree.values[i], DecodeE5bgr9(EncodeE5bgr9(Vec3f(tree.values[i].coeffs[0])))));
+            needed = std::max(needed,
+                              NeededScale(tree.values[i], DecodeE5bgr9(EncodeE5bgr9(Vec3f(tree.values[i].coeffs[0])))));
         }
-        node.scale = ScaleFor(reach);
+        node.scale = ScaleCode(needed);
         for (std::size_t i = node.points; i < node.points + count; ++i)
             grid.points[i] = Quantize(tree.values[i], node.scale);
     }
@@ -109,8 +113,8 @@ bspGridPointSH_t DequantizePoint(const SparseGridPoint &point, std::uint8_t scal
     value.coeffs[0] = mean.Array();
     for (std::size_t k = 1; k < 9; ++k)
         for (std::size_t channel = 0; channel < 3; ++channel) {
-            const float steps = std::max<float>(point.bands[3 * (k - 1) + channel], -kMostStep);
-            value.coeffs[k][channel] = steps / kMostStep * BandLimit(k) * factor * mean[channel];
+            const float steps = std::max<float>(point.bands[3 * (k - 1) + channel], -kMaxStep);
+            value.coeffs[k][channel] = steps / kMaxStep * BandLimit(k) * factor * mean[channel];
         }
     return value;
 }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The sparse SH light grid: an octree whose cells share their corners.
+// GPL-2.0-or-later. The sparse SH light grid: octrees with quantized SH coefficients at the corners of their cells.
 #pragma once
 
 #include "q3map2/bspfile/bsp_records.h"
@@ -21,29 +21,32 @@ struct SparseGridNode {
     std::uint32_t children = 0; ///< index of the first inner child; the others follow
     std::uint32_t points = 0;   ///< index of the value of the first stored cell; the others follow
     std::uint8_t inner = 0, stored = 0, hanging = 0;
-    std::uint8_t scale = 0; ///< limit of bands 1 and 2 over band 0 of its points: 2^((scale - 128) / 8) times the usual
+    std::uint8_t scale = 0; ///< of bands 1 and 2 of its points: the factor 2^((scale - 128) / 8) of kSparseBandLimits
     bool operator==(const SparseGridNode &) const = default;
 };
 
 /// Quantized coefficients of a point.
 struct SparseGridPoint {
     std::uint32_t mean = 0;              ///< coefficient 0, as RGB9E5
-    std::array<std::int8_t, 24> bands{}; ///< coefficients 1 to 8, red green blue each, over coefficient 0
+    std::array<std::int8_t, 24> bands{}; ///< coefficients 1 to 8, red green blue each: see DequantizePoint
     bool operator==(const SparseGridPoint &) const = default;
 };
 static_assert(kPinned<SparseGridNode, 12> && kPinned<SparseGridPoint, 28>);
 
+/// The sparse SH light grid as it is stored.
+///
 /// Nodes are in breadth-first order, the roots first, x fastest, then y, then z; children of a node are consecutive,
 /// as are the points of its cells, both in the order of octants, so that all indexes are running sums.
 ///
-/// The value at a position: the corners of its cell get trilinear weights. For cubes of the lattice from that cell on,
-/// each twice as large as the one before and around it: a stored corner takes its weight, a corner without a value, or
-/// outside the roots, loses it, and the weights of others (hanging, or no corner of the cell that owns the point) go to
-/// the corners of the next cube, by trilinear weights in it. The sum is divided by the weight that was taken.
+/// The value at a position: the corners of its cell get trilinear weights. Then, for that cell and for each cube of
+/// twice the edge around it: the weight of a stored corner goes to its value, that of a corner without a value, or
+/// outside the roots, is dropped, and that of any other corner (hanging, or not the lower corner of the cell that
+/// contains it) goes to the corners of the next cube, by trilinear weights. The sum of weighted values is divided by
+/// the sum of their weights.
 struct SparseGridSH {
     Float3 mins{};           ///< lower corner of root 0
     Float3 cell{};           ///< size of the smallest cells
-    Int3 roots{};            ///< roots by axis
+    Int3 roots{};            ///< number of roots along each axis
     std::int32_t levels = 0; ///< a root's edge is cell * 2^levels
     std::vector<SparseGridNode> nodes;
     std::vector<SparseGridPoint> points;
@@ -51,7 +54,7 @@ struct SparseGridSH {
     bool operator==(const SparseGridSH &) const = default;
 };
 
-/// The same with plain values: what PackSparseGrid quantizes. `children`, `points` and `scale` of nodes are not used.
+/// The same before quantization, the input of PackSparseGrid. `children`, `points` and `scale` of nodes are not used.
 struct SparseGridTree {
     Float3 mins{}, cell{};
     Int3 roots{};
@@ -61,20 +64,21 @@ struct SparseGridTree {
 };
 
 inline constexpr std::int32_t kMaxSparseLevels = 12;
-/// The most smallest cells along an axis, that is, roots * 2^levels.
+/// Maximum of the smallest cells along an axis: roots * 2^levels.
 inline constexpr std::int32_t kMaxSparseCells = 1 << 24;
 /// Limits of bands 1 and 2 of cosine-convolved light that is nowhere negative, over coefficient 0: 2 / sqrt(3) and
 /// sqrt(5) / 4, those of light from a single direction.
 inline constexpr std::array<float, 2> kSparseBandLimits = {1.15470054f, 0.559016994f};
 
-/// What a node's scale multiplies kSparseBandLimits by: 2^((scale - 128) / 8).
+/// The factor that a node's `scale` encodes: 2^((scale - 128) / 8).
 float SparseScale(std::uint8_t scale);
 
 /// Quantizes the values. The scale of a node is the smallest that holds its points; light below zero becomes 0 in
 /// coefficient 0. Errors: those of CheckSparseGrid, another number of values than of stored cells, values that are not
 /// finite.
 SparseGridSH PackSparseGrid(const SparseGridTree &tree);
-/// The coefficients of a point of a node with that scale.
+/// The coefficients of a point of a node with that scale: coefficient 0 is `mean`; the others are their step / 127
+/// times the limit of their band, SparseScale(scale) and coefficient 0 of the channel.
 bspGridPointSH_t DequantizePoint(const SparseGridPoint &point, std::uint8_t scale);
 /// The values of all points. Errors: none for a grid that CheckSparseGrid accepts.
 std::vector<bspGridPointSH_t> DequantizePoints(const SparseGridSH &grid);

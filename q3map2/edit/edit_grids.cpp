@@ -13,7 +13,6 @@ namespace q3 {
 
 namespace {
 
-constexpr Float3 kDefaultCell = {64, 64, 128};
 constexpr std::array<std::string_view, 2> kLumpsWithoutPositions = {"RGBLIGHTING", "LIGHTINGDIR"};
 /// Positions that differ by less than this part of a cell are the same.
 constexpr double kSamePlace = 1e-3;
@@ -94,7 +93,7 @@ bool FitLegacyGrid(const Bsp &before, const AxisTransform &transform, Bsp &bsp) 
 Float3 GridCellOf(const Entity &world) {
     const auto given = world.Vector({"gridsize"});
     if (!given || given->x <= 0 || given->y <= 0 || given->z <= 0)
-        return kDefaultCell;
+        return kDefaultGridSize;
     return given->Array();
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kLeastDirection = 1e-7; ///< shorter vectors are rounding errors. 1 is byte 255
+constexpr double kMinDirection = 1e-7; ///< shorter vectors are rounding errors. 1 is byte 255
 
 Vec3d Coefficient(const bspGridPointSH_t &light, std::size_t k) {
     const Float3 &rgb = light.coeffs[k];
@@ -25,7 +25,7 @@ Vec3d DominantDirection(const bspGridPointSH_t &light) {
     const auto luminance = [&](std::size_t k) { return double(Luminance(Vec3f(light.coeffs[k]))); };
     const Vec3d v{luminance(3), luminance(1), luminance(2)}; // basis functions 3, 1, 2 are x, y, z
     const double length = Length(v);
-    return length > kLeastDirection ? v / length : Vec3d{0, 0, 1};
+    return length > kMinDirection ? v / length : Vec3d{0, 0, 1};
 }
 
 /// Integrals over all normals n of the light, and of the light times max(0, n . direction).
@@ -55,7 +55,7 @@ Vec3d LightOn(const bspGridPointSH_t &light, const Vec3d &normal) {
     return Max(sum, Vec3d{});
 }
 
-AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light, double leastAmbient) {
+AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light, double minAmbient) {
     // Normal equations of (light - ambient - directed * lobe)^2; the integrals of 1, lobe and lobe^2 over the sphere
     // are 4 pi, pi and 2 pi / 3.
     AmbientDirected fit;
@@ -66,8 +66,8 @@ AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light, double leastAm
         double ambient = (2 * e1 - 3 * e2) / (5 * pi), directed = (12 * e2 - 3 * e1) / (5 * pi);
         if (directed < 0)
             directed = 0, ambient = e1 / (4 * pi);
-        if (ambient < leastAmbient)
-            ambient = leastAmbient, directed = 3 * (e2 - pi * leastAmbient) / (2 * pi);
+        if (ambient < minAmbient)
+            ambient = minAmbient, directed = 3 * (e2 - pi * minAmbient) / (2 * pi);
         fit.ambient[i] = ambient;
         fit.directed[i] = std::max(directed, 0.0);
     }

@@ -13,9 +13,9 @@ struct AmbientDirected {
 };
 
 /// The nearest such light by least squares over all normals, channel by channel, to convolved coefficients. The
-/// direction is that of the first band's luminance; +z if it has none. leastAmbient: what an engine
-/// shows at least on each channel, to which directed light is fitted.
-AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light, double leastAmbient = 0);
+/// direction is that of band 1's luminance; +z if that is zero. minAmbient: the least ambient light that an engine
+/// shows; where the fit has less on a channel, directed light is fitted to this.
+AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light, double minAmbient = 0);
 
 /// The same with ambient + directedShare * directed equal to the mean of the light over all normals, for engines that
 /// keep one color. directedShare above 0.

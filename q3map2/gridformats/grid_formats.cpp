@@ -16,7 +16,7 @@
 
 namespace q3 {
 
-/// The SH grid of a map, and what formats take from it.
+/// The SH grid of a map, and the grids made from it that several formats share.
 class GridConversion {
   public:
     GridConversion(const Bsp &bsp, const GridFormats &formats, const GridStoring &storing, const JobPool &jobs,
@@ -38,11 +38,11 @@ class GridConversion {
     bool HasLump15() const { return hasLump15_; }
     bool IsDeluxe() const { return isDeluxe_; }
 
-    std::vector<bspGridPoint_t> Legacy(const LegacyReader &reader) const {
-        return EncodeLegacyGrid(*legacy_, reader, tone_, storing_.ambientFactor);
+    std::vector<bspGridPoint_t> Legacy(const LegacyTarget &target) const {
+        return EncodeLegacyGrid(*legacy_, target, tone_, storing_.ambientFactor);
     }
-    std::vector<std::byte> Raw(const LegacyReader &reader, double scale) const {
-        return EncodeRawGrid(*legacy_, reader, tone_, storing_.ambientFactor, scale);
+    std::vector<std::byte> Raw(const LegacyTarget &target, double scale) const {
+        return EncodeRawGrid(*legacy_, target, tone_, storing_.ambientFactor, scale);
     }
 
   private:
@@ -73,13 +73,13 @@ class GridConversion {
 namespace {
 
 /// As the established program writes them, for engines that leave no points out too.
-constexpr LegacyReader kPlainReader{};
+constexpr LegacyTarget kPlainReader{};
 /// r_ambientScale is 0.6. 32 * identityLight is added after the shift of overbright bits, which is 8 before it.
-constexpr LegacyReader kIoquake3{.ambientScale = 0.6, .ambientAdded = 8, .angleSteps = 256, .skipsSolid = true};
+constexpr LegacyTarget kIoquake3{.ambientScale = 0.6, .ambientAdded = 8, .angleSteps = 256, .skipsSolid = true};
 /// The same with float points, without the constant.
-constexpr LegacyReader kIoquake3Raw{.ambientScale = 0.6, .angleSteps = 256, .skipsSolid = true};
-/// Leaves points out by the map, not by their light.
-constexpr LegacyReader kRend2Raw{.angleSteps = 256};
+constexpr LegacyTarget kIoquake3Raw{.ambientScale = 0.6, .angleSteps = 256, .skipsSolid = true};
+/// It finds points in solids by the map, not by their light.
+constexpr LegacyTarget kRend2Raw{.angleSteps = 256};
 constexpr double kRend2Scale = std::numbers::pi / 255; ///< it divides by pi, and 1 is full light
 /// Shares of directed light in the one color that Daemon keeps.
 constexpr double kDaemonShare = 0.4, kDaemonDeluxeShare = 0.25;
@@ -110,11 +110,11 @@ void StoreLegacyIoquake3(const GridConversion &from, Bsp &bsp, std::vector<GridF
 }
 
 void StoreLegacyDaemon(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
-    const LegacyReader reader{.skipsSolid = true, .directedShare = from.IsDeluxe() ? kDaemonDeluxeShare : kDaemonShare};
-    bsp.gridPoints = from.Legacy(reader);
+    const LegacyTarget target{.skipsSolid = true, .directedShare = from.IsDeluxe() ? kDaemonDeluxeShare : kDaemonShare};
+    bsp.gridPoints = from.Legacy(target);
 }
 
-void StoreRaw(const GridConversion &from, const LegacyReader &lump, const LegacyReader &raw, double scale, Bsp &bsp,
+void StoreRaw(const GridConversion &from, const LegacyTarget &lump, const LegacyTarget &raw, double scale, Bsp &bsp,
               std::vector<GridFile> &files) {
     if (!from.HasLump15())
         bsp.gridPoints = from.Legacy(lump);

@@ -23,7 +23,7 @@ struct GridFile {
     std::vector<std::byte> bytes;
 };
 
-/// What a map has one of: two formats that write the same exclude each other.
+/// Where a format stores its grid. A map has each once, so two formats of the same place exclude each other.
 enum class GridPlace { Full, Sparse, Lump15, RawFile, OctreeLump, GridsLump };
 
 /// A row of the table of formats.
@@ -47,10 +47,11 @@ bool KeepSource(const GridFormats &formats);
 /// Whether lump 15 is written, by its own format or for a raw file.
 bool ReplaceLegacyGrid(const GridFormats &formats);
 
-/// How grids are stored.
+/// Options of the conversion.
 struct GridStoring {
     double ambientFactor = 1; ///< of the ambient light of lump 15 and of raw files
-    /// Of a sparse grid made of the uniform one. None: that of the map stays, or is made to the default goal.
+    /// Goal of the sparse grid, which is made from the uniform one. None: a sparse grid of the map stays as it is; if
+    /// it has none, the default goal counts.
     std::optional<SparseGoal> sparse{};
 };
 

@@ -11,9 +11,9 @@ namespace q3 {
 namespace {
 
 constexpr std::uint32_t kLeafReference = 1u << 31, kOccludedReference = 1u << 30;
-constexpr int kLeastSplitPoints = 4; ///< boxes with fewer on an axis are not split
-constexpr int kMostSplits = 5;
-constexpr std::int64_t kWorthSplitting = 8; ///< occluded points
+constexpr int kMinSplitPoints = 4; ///< boxes with fewer on an axis are not split
+constexpr int kMaxSplits = 5;
+constexpr std::int64_t kMinSplitOccluded = 8; ///< boxes with fewer occluded points are not split
 
 template <typename T> void Append(const T &value, std::vector<std::byte> &bytes) {
     const auto *from = reinterpret_cast<const std::byte *>(&value);
@@ -74,8 +74,8 @@ class OctreeWriter {
         if (occluded == count)
             return kOccludedReference;
         const bool isThin =
-            box.size[0] < kLeastSplitPoints || box.size[1] < kLeastSplitPoints || box.size[2] < kLeastSplitPoints;
-        if (isThin || splits == kMostSplits || occluded < kWorthSplitting)
+            box.size[0] < kMinSplitPoints || box.size[1] < kMinSplitPoints || box.size[2] < kMinSplitPoints;
+        if (isThin || splits == kMaxSplits || occluded < kMinSplitOccluded)
             return AddLeaf(box);
         std::array<std::uint32_t, 8> children{};
         for (unsigned child = 0; child < 8; ++child)

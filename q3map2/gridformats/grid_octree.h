@@ -15,17 +15,17 @@ inline constexpr std::byte kGridStyle{0};
 /// Byte in place of a point's count of styles: nothing is known of its light.
 inline constexpr std::byte kOccludedPoint{255};
 
-/// What to write of a grid.
+/// A grid to encode.
 struct OctreePoints {
     GridLayout layout;
-    std::vector<bool> occluded; ///< by point: no light there, engines blend the others
-    /// Appends what the format has for a point that is not occluded.
+    std::vector<bool> occluded; ///< by point: without light; engines blend the others
+    /// Appends the bytes of a point that is not occluded.
     std::function<void(std::size_t point, std::vector<std::byte> &bytes)> append;
     bool leafHasStyles = false; ///< leafs begin with their number of styles: LIGHTGRIDS
 };
 
 /// Header, nodes and leafs, without padding. A box is split in the middle until an axis has fewer than 4 points, fewer
-/// than 8 points are occluded or it is the fifth split; boxes of occluded points alone have no leaf. A point has one
+/// than 8 points are occluded or it was split five times; boxes of occluded points alone have no leaf. A point has one
 /// style at most. Errors: all points are occluded.
 std::vector<std::byte> EncodeGridOctree(const OctreePoints &points);
 

@@ -3,11 +3,12 @@
 
 #include "common/error.h"
 #include "libs/sh/sh.h"
-#include "libs/shgrid/shgrid.h"
 #include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/grid_reader.h"
 #include "q3map2/bspfile/light_keys.h"
 #include "q3map2/bspfile/written_keys.h"
 #include "q3map2/light/grid/light_gridsh.h"
+#include "q3map2/light/grid/sh_floats.h"
 
 #include <algorithm>
 #include <array>
@@ -18,37 +19,31 @@ namespace q3 {
 
 namespace {
 
-constexpr Vec3f kDefaultGridCell{64, 64, 128}; ///< of the legacy grid, game units
-
 bool IsBlack(const bspGridPointSH_t &point) {
     return std::ranges::all_of(point.coeffs, [](const Float3 &rgb) { return rgb == Float3{}; });
 }
 
-void AddScaled(const bspGridPointSH_t &from, float weight, bspGridPointSH_t &to) {
-    for (std::size_t k = 0; k < 9; ++k)
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            to.coeffs[k][channel] += weight * from.coeffs[k][channel];
-}
-
-/// The points that the light stage gives the map by default.
+/// The points that the light stage gives the SH grid of the map by default.
 GridLayout DefaultLayoutSH(const Bsp &bsp) {
     if (bsp.models.empty())
         throw Error("the map has no world model, so no place for a light grid");
-    const Vec3f legacy = keys::kGridSize.Vector(StoredWorld(bsp.entities)).value_or(kDefaultGridCell);
+    const Vec3f legacy = LegacyCell(bsp);
     Float3 size{};
     for (std::size_t axis = 0; axis < 3; ++axis)
-        size[axis] = std::max(kMinCell, legacy[axis] / 2);
+        size[axis] = std::max(kMinCell, legacy[axis] / LightOptions{}.gridScaleSH);
     return LayoutGridSH(bsp, size);
 }
 
 } // namespace
 
+Vec3f LegacyCell(const Bsp &bsp) {
+    return keys::kGridSize.Vector(StoredWorld(bsp.entities)).value_or(Vec3f(kDefaultGridSize));
+}
+
 LightGridSH ExpandSparseGrid(const SparseGridSH &sparse, const GridLayout &layout) {
     static_assert(sizeof(shgrid_coeffs) == sizeof(bspGridPointSH_t));
     const std::vector<std::byte> lump = EncodeSparseGrid(sparse);
-    shgrid_grid reader;
-    if (const shgrid_result result = shgrid_parse(lump.data(), lump.size(), &reader); result != SHGRID_OK)
-        throw Error("sparse SH light grid: {}", shgrid_message(result));
+    const shgrid_grid reader = SparseReader(lump);
     LightGridSH grid{{layout.mins, layout.size, layout.bounds, std::int32_t(layout.Count())}, {}};
     std::size_t count = 0;
     grid.points.resize(std::size_t(layout.Count()));
@@ -108,7 +103,7 @@ bool GridSource::Sample(const Vec3f &position, bspGridPointSH_t &light) const {
         const auto index = std::size_t(layout_.Index(at[0], at[1], at[2]));
         if (void_[index])
             continue;
-        AddScaled(points_[index], weight, light);
+        AddScaled(weight, points_[index], light);
         total += weight;
     }
     if (!(total > 0))

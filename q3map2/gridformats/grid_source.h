@@ -15,14 +15,17 @@ struct StoredGridSH {
     bool radiance = false; ///< not convolved with the cosine: -shradiance
 };
 
-/// Values of a sparse grid at the points of another; outside its cells with light, zero.
+/// Cell size of the legacy grid of the map: the key gridsize, else 64 64 128. Game units.
+Vec3f LegacyCell(const Bsp &bsp);
+
+/// A uniform grid with the values of a sparse one at its points; zero where that has none.
 LightGridSH ExpandSparseGrid(const SparseGridSH &sparse, const GridLayout &layout);
 
-/// The SH grid of the map, in whichever form the file has it: a sparse one, without a uniform one beside it, at the
-/// points of the light stage's defaults. Errors: there is none.
+/// The uniform SH grid of the map; if it has a sparse one only, the values of that at the points that the light stage
+/// has by default. Errors: it has neither.
 StoredGridSH SourceGrid(const Bsp &bsp);
 
-/// Coefficients convolved with the cosine, and which points hold no light because they are in solid space.
+/// An SH grid with its coefficients convolved with the cosine, and which of its points are void.
 class GridSource {
   public:
     /// `isSolid` of each point of the grid, in its order.
@@ -30,8 +33,9 @@ class GridSource {
 
     const GridLayout &Layout() const { return layout_; }
     const bspGridPointSH_t &Point(std::size_t index) const { return points_[index]; }
-    /// In solid space, without a value that keeps interpolation right beside walls.
+    /// In solid space and black: the bake did not fill it.
     bool IsVoid(std::size_t index) const { return void_[index]; }
+    const std::vector<bool> &Voids() const { return void_; }
     /// Trilinear blend at a world position, clamped to the grid. Void points are left out and the other weights
     /// scaled to a sum of 1. False: all eight are void, `light` is zero.
     bool Sample(const Vec3f &position, bspGridPointSH_t &light) const;

@@ -14,7 +14,8 @@ namespace q3 {
 namespace {
 
 constexpr float kFull = 255;
-/// Factor out of the way of the limit, a power of two; light up to here times 255 is kept.
+/// Unlimited scales light by this before the limit at 255, and undoes it after: limits light at 2^20 times 255. A power
+/// of two, so that no rounding is added.
 constexpr float kHeadroom = 1.0f / (1 << 20);
 
 } // namespace

@@ -20,7 +20,7 @@ class GridTone {
     explicit GridTone(const char *tone = "");
 
     bool IsPlain() const;
-    /// 0 to 255; brighter colors keep their hue.
+    /// From 0 to 255, or to `_maxlight`; brighter colors are scaled down with their hue.
     Vec3d Limited(const Vec3d &light) const;
     /// The same without the upper limit, unless `_maxlight` sets one below 255.
     Vec3d Unlimited(const Vec3d &light) const;

@@ -34,10 +34,7 @@ void AppendSides(const bspGridPointSH_t &light, const GridTone &tone, std::vecto
 } // namespace
 
 std::vector<std::byte> EncodeGridsLump(const GridSource &source, const GridTone &tone) {
-    OctreePoints points{.layout = source.Layout(), .occluded = {}, .append = {}, .leafHasStyles = true};
-    points.occluded.resize(std::size_t(points.layout.Count()));
-    for (std::size_t i = 0; i < points.occluded.size(); ++i)
-        points.occluded[i] = source.IsVoid(i);
+    OctreePoints points{.layout = source.Layout(), .occluded = source.Voids(), .append = {}, .leafHasStyles = true};
     points.append = [&](std::size_t point, std::vector<std::byte> &bytes) {
         AppendSides(source.Point(point), tone, bytes);
     };

@@ -13,26 +13,26 @@ namespace {
 
 constexpr double kFullByte = 255;
 
-AmbientDirected Fit(const bspGridPointSH_t &light, const LegacyReader &reader, const GridTone &tone,
+AmbientDirected Fit(const bspGridPointSH_t &light, const LegacyTarget &target, const GridTone &tone,
                     double ambientFactor) {
-    // A point that is not black has at least a byte. Under a tone the light that such bytes stand for is not looked
-    // for.
-    const bool raises = reader.ambientAdded > 0 && ambientFactor == 1 && tone.IsPlain();
-    const double least = raises ? (reader.ambientScale + reader.ambientAdded) / kFullByte : 0;
+    // The least ambient light that the engine shows: that of byte 1. With a tone, the light that becomes byte 1 is not
+    // known.
+    const bool raises = target.ambientAdded > 0 && ambientFactor == 1 && tone.IsPlain();
+    const double least = raises ? (target.ambientScale + target.ambientAdded) / kFullByte : 0;
     AmbientDirected fit =
-        reader.directedShare > 0 ? FitMeanAndDirected(light, reader.directedShare) : FitAmbientDirected(light, least);
+        target.directedShare > 0 ? FitMeanAndDirected(light, target.directedShare) : FitAmbientDirected(light, least);
     fit.ambient *= ambientFactor;
     return fit;
 }
 
-bool IsWritten(PointUse use, const LegacyReader &reader) {
-    return use == PointUse::Open || use == PointUse::Only || (use == PointUse::Solid && !reader.skipsSolid);
+bool IsWritten(PointUse use, const LegacyTarget &target) {
+    return use == PointUse::Open || use == PointUse::Only || (use == PointUse::Solid && !target.skipsSolid);
 }
 
-/// Ambient light on the byte scale, before the engine's factor and addition.
-Vec3d BeforeReader(const Vec3d &ambient, const LegacyReader &reader) {
-    const double added = reader.ambientAdded;
-    return Max(ambient - Vec3d{added, added, added}, Vec3d{}) / reader.ambientScale;
+/// Ambient light from which the engine's factor and addition make this. Byte scale.
+Vec3d UndoAmbient(const Vec3d &ambient, const LegacyTarget &target) {
+    const double added = target.ambientAdded;
+    return Max(ambient - Vec3d{added, added, added}, Vec3d{}) / target.ambientScale;
 }
 
 /// Rounded; what is brighter than 255 keeps its hue.
@@ -62,36 +62,36 @@ std::array<std::uint8_t, 2> EncodeDirection(const Vec3d &direction, int angleSte
     return {std::uint8_t(fromZ), std::uint8_t((aroundZ + angleSteps) % angleSteps)};
 }
 
-std::vector<bspGridPoint_t> EncodeLegacyGrid(const LegacyPoints &points, const LegacyReader &reader,
+std::vector<bspGridPoint_t> EncodeLegacyGrid(const LegacyPoints &points, const LegacyTarget &target,
                                              const GridTone &tone, double ambientFactor) {
     std::vector<bspGridPoint_t> grid(points.light.size(), bspGridPoint_t{});
     for (std::size_t i = 0; i < grid.size(); ++i) {
-        if (!IsWritten(points.use[i], reader))
+        if (!IsWritten(points.use[i], target))
             continue;
-        const AmbientDirected fit = Fit(points.light[i], reader, tone, ambientFactor);
+        const AmbientDirected fit = Fit(points.light[i], target, tone, ambientFactor);
         bspGridPoint_t &point = grid[i];
-        point.ambient = ToBytes(BeforeReader(tone.Limited(fit.ambient), reader));
+        point.ambient = ToBytes(UndoAmbient(tone.Limited(fit.ambient), target));
         point.directed = ToBytes(tone.Limited(fit.directed));
         if (point.ambient == std::array<std::uint8_t, 3>{})
             point.ambient = {1, 1, 1};
-        point.latLong = EncodeDirection(fit.direction, reader.angleSteps);
+        point.latLong = EncodeDirection(fit.direction, target.angleSteps);
     }
     return grid;
 }
 
-std::vector<std::byte> EncodeRawGrid(const LegacyPoints &points, const LegacyReader &reader, const GridTone &tone,
+std::vector<std::byte> EncodeRawGrid(const LegacyPoints &points, const LegacyTarget &target, const GridTone &tone,
                                      double ambientFactor, double scale) {
-    constexpr double kLeastAmbient = 1; // of 255: points outside the void are never black
+    constexpr double kMinAmbient = 1; // of 255: points outside the void are never black
     std::vector<std::byte> bytes;
     bytes.reserve(points.light.size() * 6 * sizeof(float));
     for (std::size_t i = 0; i < points.light.size(); ++i) {
         Vec3d ambient, directed;
-        if (IsWritten(points.use[i], reader)) {
-            const AmbientDirected fit = Fit(points.light[i], reader, tone, ambientFactor);
-            ambient = BeforeReader(tone.Unlimited(fit.ambient), reader);
+        if (IsWritten(points.use[i], target)) {
+            const AmbientDirected fit = Fit(points.light[i], target, tone, ambientFactor);
+            ambient = UndoAmbient(tone.Unlimited(fit.ambient), target);
             directed = tone.Unlimited(fit.directed);
             if (ambient == Vec3d{})
-                ambient = {kLeastAmbient, kLeastAmbient, kLeastAmbient};
+                ambient = {kMinAmbient, kMinAmbient, kMinAmbient};
         }
         AppendFloats(ambient * scale, bytes);
         AppendFloats(directed * scale, bytes);

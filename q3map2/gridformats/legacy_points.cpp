@@ -2,8 +2,7 @@
 #include "q3map2/gridformats/legacy_points.h"
 
 #include "common/error.h"
-#include "q3map2/bspfile/entities.h"
-#include "q3map2/bspfile/light_keys.h"
+#include "q3map2/light/grid/sh_floats.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +11,9 @@ namespace q3 {
 
 namespace {
 
-constexpr std::int64_t kMostPoints = 0x100000; ///< as the light stage allows
-constexpr Vec3f kDefaultGridCell{64, 64, 128}; ///< game units
+constexpr std::int64_t kMaxPoints = 0x100000; ///< as the light stage allows
 constexpr std::int32_t kContentsSolid = 1, kContentsTranslucent = 0x20000000;
-/// Space in solids by less than this is none. Game units.
+/// Boxes are shrunk by 0.125 on each side, so that open space that they just touch does not count. Game units.
 constexpr float kBoxMargin = -0.125f;
 
 /// Calls f(x, y, z, index) for each point of a layout in its order.
@@ -73,7 +71,7 @@ class PointSampler {
   private:
     Vec3f Cell() const { return Vec3f(points_.layout.size); }
 
-    /// Corners of a cell with open space, all of which are in solids.
+    /// Marks the corners of the cell above a point, if it has open space but all corners are in solids.
     void MarkOnlyCorners(int x, int y, int z) {
         const GridLayout &layout = points_.layout;
         std::array<std::size_t, 8> corners{};
@@ -106,9 +104,7 @@ class PointSampler {
                     return;
                 const float weight = 1 / distance2;
                 total += weight;
-                for (std::size_t k = 0; k < 9; ++k)
-                    for (std::size_t channel = 0; channel < 3; ++channel)
-                        sum.coeffs[k][channel] += weight * points_.light[from].coeffs[k][channel];
+                AddScaled(weight, points_.light[from], sum);
             });
             if (!(total > 0))
                 return;
@@ -132,11 +128,11 @@ class PointSampler {
 GridLayout LegacyLayout(const Bsp &bsp) {
     if (bsp.models.empty())
         throw Error("the map has no world model, so no place for a light grid");
-    const Vec3f cell = keys::kGridSize.Vector(StoredWorld(bsp.entities)).value_or(kDefaultGridCell);
+    const Vec3f cell = LegacyCell(bsp);
     const GridLayout layout = LayoutGrid(bsp.models[0].mins, bsp.models[0].maxs, cell.Array());
-    if (layout.Count() > std::max(kMostPoints, std::int64_t(bsp.gridPoints.size())))
+    if (layout.Count() > std::max(kMaxPoints, std::int64_t(bsp.gridPoints.size())))
         throw Error("the legacy light grid has {} points with the gridsize {} {} {}, expected at most {}",
-                    layout.Count(), cell.x, cell.y, cell.z, kMostPoints);
+                    layout.Count(), cell.x, cell.y, cell.z, kMaxPoints);
     return layout;
 }
 

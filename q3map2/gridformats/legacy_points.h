@@ -9,11 +9,11 @@
 
 namespace q3 {
 
-/// What a point of the legacy grid is for.
+/// Where a point of the legacy grid is, and so which engines need its light.
 enum class PointUse : std::uint8_t {
-    Open,  ///< has the light at its position
-    Solid, ///< in solid space; cells around it reach into the open, and it has light for engines that blend it
-    Only,  ///< the same, and corner of a cell with open space but no corner in the open: all engines need it
+    Open,  ///< in the open: all engines
+    Solid, ///< in solid space, but a cell around it reaches into the open: engines that blend such points
+    Only,  ///< the same, and a cell around it with open space has no corner in the open: all engines
     Void   ///< no cell around it reaches into the open: black
 };
 
@@ -24,18 +24,18 @@ struct LegacyPoints {
     std::vector<PointUse> use;
 };
 
-/// Where engines expect the legacy grid of the map: from the bounds of the world and the key gridsize. Errors: no grid
-/// can be laid out, or one of more points than the light stage allows.
+/// The points that engines expect of the legacy grid, from the bounds of the world and the key gridsize. Errors: no
+/// grid can be laid out, or one of more points than the light stage allows.
 GridLayout LegacyLayout(const Bsp &bsp);
 
 /// Samples the source at each point. Points in solid space near the open that have no light get it from their
 /// neighbors, nearer ones counting more; the result depends on the positions only.
 LegacyPoints SampleLegacyPoints(const GridSource &source, const BspSpace &space, const GridLayout &layout);
 
-/// For each brush whether it is solid throughout by the contents of the file.
+/// By brush: whether its contents in the file are solid and not translucent.
 std::vector<bool> SolidBrushes(const Bsp &bsp);
 
-/// For each point of a layout whether it is in solid space.
+/// By point of a layout: whether it is in solid space.
 std::vector<bool> SolidPoints(const BspSpace &space, const GridLayout &layout);
 
 } // namespace q3

@@ -7,10 +7,7 @@
 namespace q3 {
 
 std::vector<std::byte> EncodeOctreeLump(const GridSource &source, const GridTone &tone) {
-    OctreePoints points{.layout = source.Layout(), .occluded = {}, .append = {}};
-    points.occluded.resize(std::size_t(points.layout.Count()));
-    for (std::size_t i = 0; i < points.occluded.size(); ++i)
-        points.occluded[i] = source.IsVoid(i);
+    OctreePoints points{.layout = source.Layout(), .occluded = source.Voids(), .append = {}};
     points.append = [&](std::size_t point, std::vector<std::byte> &bytes) {
         bytes.push_back(std::byte(1)); // one style
         bytes.push_back(kGridStyle);

@@ -195,15 +195,16 @@ std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const Indir
 
 namespace {
 
-/// Factor of the number of rays at points between those of the uniform grid: the error of interpolation is larger than
-/// their noise.
+/// Factor of the number of rays at points of the sparse grid that the uniform one does not have: there the error of
+/// interpolation is larger than noise.
 constexpr float kSparseSamples = 0.5f;
+
 void PrintDering(const DeringStats &changed, Log &log) {
     log.Count(changed.points, "points rid of negative lobes");
     log.Print("{:9.2f} of 255 is the largest change of displayed light\n", changed.largestChange);
 }
 
-/// The sparse grid of a uniform one that is not deringed.
+/// Bakes the sparse grid. uniform: before deringing.
 SparseGridSH BakeSparse(const GridInputs &all, const std::vector<Light> &lights, const WeakField *weak,
                         const LightGridSH &uniform, Log &log, GridStats &stats) {
     log.Section("TraceSparseGridSH");

@@ -55,16 +55,16 @@ struct LightSetup {
 /// The legacy grid, with bounced light unless that is null.
 std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs,
                                             Log &log, GridStats &stats);
-/// The SH grid, likewise, and with -shadaptive the sparse one too.
 struct BakedGridSH {
     LightGridSH uniform;
-    std::optional<SparseGridSH> sparse;
+    std::optional<SparseGridSH> sparse; ///< with -shadaptive
 };
+/// The SH grid, with bounced light unless that is null.
 BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
                        GridStats &stats);
 
-/// Ambient cubes of the leafs, likewise. gridSH: that of this run, for -ambientcubesfrom sh; else not used. Empty if the
-/// map has no open leaf. Errors: too many leafs, see StoreCubes.
+/// Ambient cubes of the leafs, likewise. gridSH: that of this run, for -ambientcubesfrom sh; else not used. Empty if
+/// the map has no open leaf. Errors: too many leafs, see StoreCubes.
 std::optional<AmbientCubes> BakeAmbientCubes(const LightSetup &setup, const IndirectLight *indirect,
                                              const LightGridSH *gridSH, const JobPool &jobs, Log &log,
                                              GridStats &stats);

@@ -11,8 +11,8 @@ namespace q3::test {
 
 namespace {
 
-constexpr LegacyReader kForIoquake3{.ambientScale = 0.6, .ambientAdded = 8, .angleSteps = 256, .skipsSolid = true};
-constexpr LegacyReader kForAll{};
+constexpr LegacyTarget kForIoquake3{.ambientScale = 0.6, .ambientAdded = 8, .angleSteps = 256, .skipsSolid = true};
+constexpr LegacyTarget kForAll{};
 const Vec3f kWorldMins{-300, -70, -130}, kWorldMaxs{300, 260, 257};
 const Vec3d kSun = Normalize(Vec3d{1, -2, 3});
 
@@ -57,7 +57,7 @@ double ErrorBound(double partRounding, int angleSteps) {
     return 255 * (fitError + directed * std::sqrt(2.0) * halfStep) + partRounding;
 }
 
-void ExpectNear(const LegacyReader15 &reader, double bound) {
+void ExpectNear(const LegacyGridReader &reader, double bound) {
     EXPECT_LT(bound, 20);
     for (const Vec3f &p : Probes()) {
         const LegacyLight light = reader.At(p);
@@ -73,12 +73,12 @@ void ExpectNear(const LegacyReader15 &reader, double bound) {
 TEST(LegacyGridFromSH, Ioquake3ShowsTheLightOfTheShGrid) {
     const Fixture f;
     const auto lump = EncodeLegacyGrid(f.points, kForIoquake3, GridTone(), 1);
-    const auto reader = LegacyReader15::Load(BytesOf(lump), f.places, kIoquake3Engine);
+    const auto reader = LegacyGridReader::Load(BytesOf(lump), f.places, kIoquake3Engine);
     ASSERT_TRUE(reader);
     ExpectNear(*reader, ErrorBound(0.5 + 0.3, 256));
     // Not compensated, it is too dark: by 40 % of the ambient light, less the constant.
     const auto plain = EncodeLegacyGrid(f.points, kForAll, GridTone(), 1);
-    const auto dim = LegacyReader15::Load(BytesOf(plain), f.places, kIoquake3Engine);
+    const auto dim = LegacyGridReader::Load(BytesOf(plain), f.places, kIoquake3Engine);
     const Vec3f p{100, 100, 0}, away(-kSun);
     EXPECT_LT(dim->At(p).On(away).y, reader->At(p).On(away).y - 5);
 }
@@ -86,7 +86,7 @@ TEST(LegacyGridFromSH, Ioquake3ShowsTheLightOfTheShGrid) {
 TEST(LegacyGridFromSH, OtherEnginesShowIt) {
     const Fixture f;
     const auto lump = EncodeLegacyGrid(f.points, kForAll, GridTone(), 1);
-    const auto reader = LegacyReader15::Load(BytesOf(lump), f.places, kPlainEngine);
+    const auto reader = LegacyGridReader::Load(BytesOf(lump), f.places, kPlainEngine);
     ASSERT_TRUE(reader);
     ExpectNear(*reader, ErrorBound(1, 255));
 }
@@ -109,15 +109,15 @@ TEST(LegacyGridFromSH, DaemonKeepsTheMeanLight) {
 
 TEST(RawGridFromSH, BothRend2RenderersShowIt) {
     const Fixture f;
-    constexpr LegacyReader raw{.ambientScale = 0.6, .angleSteps = 256, .skipsSolid = true};
+    constexpr LegacyTarget raw{.ambientScale = 0.6, .angleSteps = 256, .skipsSolid = true};
     const auto lump = EncodeLegacyGrid(f.points, kForIoquake3, GridTone(), 1);
     const auto bytes = EncodeRawGrid(f.points, raw, GridTone(), 1, 1);
-    const auto reader = LegacyReader15::LoadRaw(BytesOf(lump), bytes, f.places, {0.6f, 1, 0, 256, true}, 1);
+    const auto reader = LegacyGridReader::LoadRaw(BytesOf(lump), bytes, f.places, {0.6f, 1, 0, 256, true}, 1);
     ASSERT_TRUE(reader);
     ExpectNear(*reader, ErrorBound(0.01, 256));
 
     const auto openJk = EncodeRawGrid(f.points, {.angleSteps = 256}, GridTone(), 1, std::numbers::pi / 255);
-    const auto rend2 = LegacyReader15::LoadRend2(BytesOf(lump), openJk, f.places, {});
+    const auto rend2 = LegacyGridReader::LoadRend2(BytesOf(lump), openJk, f.places, {});
     ASSERT_TRUE(rend2);
     ExpectNear(*rend2, ErrorBound(0.01, 256));
 }
@@ -156,7 +156,7 @@ TEST(LegacyGridFromSH, LengthsFitTheBoundsOfTheWorld) {
 TEST(LegacyGridFromSH, PointsInTheOpenAreNeverBlack) {
     const auto stored = SampleGrid({2, 2, 2}, {}, [](const Vec3f &) { return bspGridPointSH_t{}; });
     const auto points = OpenPoints(GridSource(stored, std::vector<bool>(8)), {{}, {64, 64, 128}, {1, 1, 1}});
-    for (const LegacyReader &reader : {kForAll, kForIoquake3})
+    for (const LegacyTarget &reader : {kForAll, kForIoquake3})
         EXPECT_EQ(EncodeLegacyGrid(points, reader, GridTone(), 1)[0].ambient, (std::array<std::uint8_t, 3>{1, 1, 1}));
 }
 
@@ -191,7 +191,7 @@ TEST(LegacyGridFromSH, PointsInSolids) {
     EXPECT_EQ(points.use[at(128)], PointUse::Open);
     EXPECT_EQ(points.use[at(64)], PointUse::Solid);
     EXPECT_EQ(points.use[at(0)], PointUse::Void) << "the cell ends at 64, inside the wall";
-    const auto red = [&](const LegacyReader &reader, int x) {
+    const auto red = [&](const LegacyTarget &reader, int x) {
         return int(EncodeLegacyGrid(points, reader, GridTone(), 1)[at(x)].ambient[0]);
     };
     EXPECT_EQ(red(kForAll, 128), 128);

@@ -17,7 +17,8 @@ namespace {
 class GridSHErrorTest : public LightTest {
   protected:
     /// Measures the grid of a map that is lit already.
-    GridSHError Measure(const Bsp &bsp, std::string_view options = "-sh", int threads = 1) {
+    GridSHError Measure(const Bsp &bsp, std::string_view options = "-sh", int threads = 1,
+                        const IndirectLight *indirect = nullptr) {
         Log log([](LogLevel, std::string_view) {});
         std::istringstream text{std::string(options)};
         Arguments arguments({std::istream_iterator<std::string>(text), {}});
@@ -36,7 +37,7 @@ class GridSHErrorTest : public LightTest {
         const std::vector<Light> lights =
             SetupEnvelopes(created, LightPass::GridSH, parsed, space, SkySeenFrom(space, table), culled);
         const JobPool jobs(threads);
-        return MeasureGridSH({space, scene, parsed, world, jobs, log}, *bsp.gridSH, lights);
+        return MeasureGridSH({space, scene, parsed, world, jobs, log, indirect}, *bsp.gridSH, lights);
     }
 };
 
@@ -79,6 +80,29 @@ TEST_F(GridSHErrorTest, ExactLightHasAllKindsOfLight) {
         EXPECT_LT(error.rms, 1.5) << options;
         EXPECT_EQ(error.leak, 0) << options;
     }
+}
+
+/// The same light from above everywhere.
+class LightFromAbove : public IndirectLight {
+  public:
+    explicit LightFromAbove(float light) : light_(light) {}
+    void Gather(const Vec3f &, std::uint64_t, std::vector<IndirectRay> &rays) const override {
+        rays = {{{0, 0, 1}, {light_, light_, light_}}};
+    }
+
+  private:
+    float light_;
+};
+
+TEST_F(GridSHErrorTest, ExactLightHasBouncedLight) {
+    constexpr float kBounced = 40;
+    Bsp bsp = Lit(Ambient("60"), "-sh");
+    const ShVector basis = ShBasis(Vec3d{0, 0, 1});
+    for (std::size_t k = 0; k < 9; ++k)
+        Corrupt(bsp, k, double(kBounced) * kCosineLobe[k] * basis[k]);
+    const LightFromAbove bounced(kBounced);
+    EXPECT_LT(Measure(bsp, "-sh", 1, &bounced).rms, 1e-3);
+    EXPECT_GT(Measure(bsp).rms, 5);
 }
 
 TEST_F(GridSHErrorTest, KnownDamageIsReported) {

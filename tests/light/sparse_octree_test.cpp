@@ -216,7 +216,7 @@ TEST(FitCorners, KeepsALinearField) {
     for (std::int32_t z = 0; z <= 16; z++)
         for (std::int32_t y = 0; y <= 16; y++)
             for (std::int32_t x = 0; x <= 16; x++) {
-                LitPoint &point = light[light.Add({x, y, z})];
+                LatticeSample &point = light[light.Add({x, y, z})];
                 point.open = true;
                 point.value = fieldAt(point.at);
             }
@@ -240,7 +240,7 @@ TEST(FitCorners, HalvesTheErrorOfACurvedField) {
     for (std::int32_t z = 0; z <= 16; z++)
         for (std::int32_t y = 0; y <= 16; y++)
             for (std::int32_t x = 0; x <= 16; x++) {
-                LitPoint &point = light[light.Add({x, y, z})];
+                LatticeSample &point = light[light.Add({x, y, z})];
                 point.open = true;
                 point.value.fill(0.5f + float(x * x) / 1024); // interpolation errs to one side
             }
@@ -248,7 +248,7 @@ TEST(FitCorners, HalvesTheErrorOfACurvedField) {
     const std::vector<ShFloats> values = FitCorners(tree, light, corners, lattice, space);
     double fitted = 0, plain = 0;
     for (std::size_t i = 0; i < light.Size(); i++) {
-        const LitPoint &point = light[i];
+        const LatticeSample &point = light[i];
         float fit = 0, own = 0;
         std::size_t leaf = Octree::kNone;
         for (const std::size_t around : tree.LeafsAround(point.at))
@@ -279,7 +279,7 @@ TEST(SparseTree, ReadersGetWhatTheCornersSay) {
         LatticePoints light(lattice);
         for (const std::size_t leaf : tree.OpenLeafs())
             for (std::size_t c = 0; c < 8; c++) {
-                LitPoint &point = light[light.Add(tree[leaf].Corner(c))];
+                LatticeSample &point = light[light.Add(tree[leaf].Corner(c))];
                 point.open = true;
                 for (std::size_t k = 0; k < kShFloats; k++)
                     point.value[k] = k < 3 ? 0.25f + 0.75f * unit(random) : 0.1f * (unit(random) - 0.5f);

@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 
 #include <set>
+#include <sstream>
 
 namespace q3::test {
 
@@ -55,6 +56,17 @@ TEST(Declarations, AreComplete) {
     };
     ForOptions(check);
     ForOptions([](const SettingEntry &entry) { EXPECT_TRUE(entry.info.name.starts_with('-')) << entry.info.name; });
+}
+
+TEST(Declarations, HaveDefaultsThatTheOptionWouldAccept) {
+    int numbers = 0;
+    ForOptions([&](const SettingEntry &entry) {
+        const bool isNumber = entry.info.kind == SettingKind::Integer || entry.info.kind == SettingKind::Number;
+        std::istringstream words(isNumber ? entry.initial : "");
+        for (double number = 0; words >> number; ++numbers)
+            EXPECT_TRUE(entry.info.range.Contains(number)) << entry.info.name << ": default " << number;
+    });
+    EXPECT_GT(numbers, 50);
 }
 
 TEST(Declarations, NameEveryOptionOnceAStage) {

@@ -1,10 +1,9 @@
-// GPL-2.0-or-later. The error that each format of -gridformats shows, against the SH grid of a map.
+// GPL-2.0-or-later. grid_format_error: difference of the light that engines show with each format of -gridformats from
+// that of the SH grid.
 #include "common/error.h"
 #include "common/log.h"
-#include "libs/shgrid/shgrid.h"
 #include "q3map2/bspfile/bspfile.h"
-#include "q3map2/bspfile/entities.h"
-#include "q3map2/bspfile/light_keys.h"
+#include "q3map2/bspfile/grid_reader.h"
 #include "q3map2/gridformats/ambient_directed.h"
 #include "q3map2/gridformats/grid_formats.h"
 #include "q3map2/gridformats/legacy_points.h"
@@ -20,11 +19,11 @@ namespace q3 {
 
 namespace {
 
-constexpr int kPositions = 4000, kMostTries = 2000000;
+constexpr int kPositions = 4000, kMaxTries = 2000000;
 constexpr float kFloorReach = 64;   ///< game units
-constexpr float kIoquake3Shift = 1; ///< lightmaps are shifted and limited alike, so without
+constexpr float kIoquake3Shift = 1; ///< no overbright bits: they shift and limit lightmaps alike
 
-using Shown = std::function<Vec3f(const Vec3f &position, const Vec3f &normal)>; ///< byte scale
+using Shown = std::function<Vec3f(const Vec3f &position, const Vec3f &normal)>; ///< displayed light, byte scale
 
 std::vector<Vec3f> Normals() {
     std::vector<Vec3f> normals;
@@ -40,7 +39,7 @@ std::vector<Vec3f> Positions(const Bsp &bsp, const BspSpace &space) {
     std::uniform_real_distribution<float> unit(0, 1);
     const Vec3f mins(bsp.models[0].mins), size = Vec3f(bsp.models[0].maxs) - mins;
     std::vector<Vec3f> positions;
-    for (int tries = 0; tries < kMostTries && positions.size() < kPositions; ++tries) {
+    for (int tries = 0; tries < kMaxTries && positions.size() < kPositions; ++tries) {
         const float x = unit(random), y = unit(random), z = unit(random);
         const Vec3f at = mins + size * Vec3f{x, y, z};
         const Vec3f half{kPlayerHalfSize, kPlayerHalfSize, kPlayerHalfSize};
@@ -57,14 +56,7 @@ Vec3f Limited(const Vec3f &light) {
 
 /// The SH grid as libs/shgrid evaluates it.
 Shown Truth(const Bsp &bsp) {
-    const LightGridSH &stored = *bsp.gridSH;
-    shgrid_grid grid{};
-    std::ranges::copy(stored.header.gridMins, grid.mins);
-    std::ranges::copy(stored.header.gridSize, grid.cell);
-    std::ranges::copy(stored.header.gridBounds, grid.bounds);
-    grid.count = stored.header.numPoints;
-    grid.points = reinterpret_cast<const unsigned char *>(stored.points.data());
-    return [grid](const Vec3f &position, const Vec3f &normal) {
+    return [grid = UniformReader(*bsp.gridSH)](const Vec3f &position, const Vec3f &normal) {
         const float at[3] = {position.x, position.y, position.z}, n[3] = {normal.x, normal.y, normal.z};
         float rgb[3];
         shgrid_light(&grid, at, n, rgb);
@@ -73,7 +65,9 @@ Shown Truth(const Bsp &bsp) {
 }
 
 struct Errors {
-    double mean = 0, tail = 0, bias = 0; ///< of 255; tail: what one position in twenty exceeds
+    double mean = 0;         ///< absolute difference, 255ths
+    double percentile95 = 0; ///< over positions, of the mean over normals and channels
+    double bias = 0;         ///< mean signed difference
 };
 
 Errors Measure(const std::vector<Vec3f> &positions, const Shown &truth, const Shown &shown) {
@@ -95,7 +89,7 @@ Errors Measure(const std::vector<Vec3f> &positions, const Shown &truth, const Sh
     errors.mean /= double(positions.size());
     errors.bias /= double(positions.size() * normals.size() * 3);
     std::ranges::sort(byPosition);
-    errors.tail = byPosition[byPosition.size() * 95 / 100];
+    errors.percentile95 = byPosition[byPosition.size() * 95 / 100];
     return errors;
 }
 
@@ -103,7 +97,7 @@ template <typename T> std::span<const std::byte> BytesOf(const std::vector<T> &r
     return std::as_bytes(std::span(records));
 }
 
-Shown Evaluated(const std::optional<LegacyReader15> &reader) {
+Shown Evaluated(const std::optional<LegacyGridReader> &reader) {
     return [reader](const Vec3f &position, const Vec3f &normal) { return reader->At(position).On(normal); };
 }
 
@@ -114,24 +108,23 @@ Shown Evaluated(const OctreeReader &reader) {
     };
 }
 
-/// Light that an engine shows of one format of the map.
+/// What an engine shows of the map with one format; "baked": with its own legacy grid.
 Shown Converted(Bsp bsp, std::string_view word, Log &log) {
-    const auto given = keys::kGridSize.Vector(StoredWorld(bsp.entities));
-    const LegacyPlaces places(Vec3f(bsp.models[0].mins), Vec3f(bsp.models[0].maxs), given.value_or(Vec3f{64, 64, 128}));
+    const LegacyPlaces places(Vec3f(bsp.models[0].mins), Vec3f(bsp.models[0].maxs), LegacyCell(bsp));
     if (word == "baked")
-        return Evaluated(LegacyReader15::Load(BytesOf(bsp.gridPoints), places, {1, 1, 0, 255, true}));
+        return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, {1, 1, 0, 255, true}));
     if (word == "baked in ioquake3")
-        return Evaluated(LegacyReader15::Load(BytesOf(bsp.gridPoints), places, kIoquake3Engine));
+        return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, kIoquake3Engine));
     const auto files = StoreGridFormats(bsp, ParseGridFormats(word), {}, JobPool(1), log);
     if (word == "legacy")
-        return Evaluated(LegacyReader15::Load(BytesOf(bsp.gridPoints), places, kPlainEngine));
+        return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, kPlainEngine));
     if (word == "legacy-ioq3")
-        return Evaluated(LegacyReader15::Load(BytesOf(bsp.gridPoints), places, kIoquake3Engine));
+        return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, kIoquake3Engine));
     if (word == "raw-ioq3")
-        return Evaluated(LegacyReader15::LoadRaw(BytesOf(bsp.gridPoints), files[0].bytes, places,
-                                                 {0.6f, 1, 0, 256, true}, kIoquake3Shift));
+        return Evaluated(LegacyGridReader::LoadRaw(BytesOf(bsp.gridPoints), files[0].bytes, places,
+                                                   {0.6f, 1, 0, 256, true}, kIoquake3Shift));
     if (word == "raw-rend2")
-        return Evaluated(LegacyReader15::LoadRend2(BytesOf(bsp.gridPoints), files[0].bytes, places, {}));
+        return Evaluated(LegacyGridReader::LoadRend2(BytesOf(bsp.gridPoints), files[0].bytes, places, {}));
     std::string fault;
     const auto octree = OctreeReader::Load(bsp.bspx.back().data, word == "grids", fault);
     if (!octree)
@@ -150,7 +143,7 @@ void PrintErrors(const char *path, Log &log) {
     for (const char *word :
          {"legacy", "legacy-ioq3", "raw-ioq3", "raw-rend2", "octree", "grids", "baked", "baked in ioquake3"}) {
         const Errors errors = Measure(positions, truth, Converted(bsp, word, log));
-        std::printf("%-20s %8.2f %8.2f %8.2f\n", word, errors.mean, errors.tail, errors.bias);
+        std::printf("%-20s %8.2f %8.2f %8.2f\n", word, errors.mean, errors.percentile95, errors.bias);
     }
 }
 

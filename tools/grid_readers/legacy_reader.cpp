@@ -13,18 +13,21 @@ namespace {
 
 constexpr std::size_t kPointBytes = 8, kRawBytes = 24;
 
+/// The direction of two angle bytes.
 Vec3f DecodeAngles(float polar, float around, int steps) {
     const float unit = 2 * std::numbers::pi_v<float> / float(steps);
     return {std::cos(around * unit) * std::sin(polar * unit), std::sin(around * unit) * std::sin(polar * unit),
             std::cos(polar * unit)};
 }
 
+/// Three floats of lightgrid.raw.
 Vec3f RawColor(std::span<const std::byte> raw, std::size_t at) {
     float rgb[3];
     std::memcpy(rgb, raw.data() + at, sizeof rgb);
     return {rgb[0], rgb[1], rgb[2]};
 }
 
+/// A color as 16-bit textures hold it: scaled down where a channel passes 1, then rounded.
 Vec3f Stored16(Vec3f color, float scale) {
     color *= scale;
     if (const float most = MaxComponent(color); most > 1)
@@ -43,11 +46,11 @@ LegacyPlaces::LegacyPlaces(const Vec3f &worldMins, const Vec3f &worldMaxs, const
     }
 }
 
-std::optional<LegacyReader15> LegacyReader15::Load(std::span<const std::byte> lump, const LegacyPlaces &places,
-                                                   const LegacyEngine &engine) {
+std::optional<LegacyGridReader> LegacyGridReader::Load(std::span<const std::byte> lump, const LegacyPlaces &places,
+                                                       const LegacyEngine &engine) {
     if (lump.size() != kPointBytes * places.Points())
         return std::nullopt;
-    LegacyReader15 reader(places, engine);
+    LegacyGridReader reader(places, engine);
     for (std::size_t at = 0; at < lump.size(); at += kPointBytes) {
         const auto byte = [&](std::size_t i) { return float(std::to_integer<int>(lump[at + i])); };
         Point point{{byte(0), byte(1), byte(2)}, {byte(3), byte(4), byte(5)}, {}};
@@ -58,9 +61,9 @@ std::optional<LegacyReader15> LegacyReader15::Load(std::span<const std::byte> lu
     return reader;
 }
 
-std::optional<LegacyReader15> LegacyReader15::LoadRaw(std::span<const std::byte> lump, std::span<const std::byte> raw,
-                                                      const LegacyPlaces &places, const LegacyEngine &engine,
-                                                      float shift) {
+std::optional<LegacyGridReader> LegacyGridReader::LoadRaw(std::span<const std::byte> lump,
+                                                          std::span<const std::byte> raw, const LegacyPlaces &places,
+                                                          const LegacyEngine &engine, float shift) {
     auto reader = Load(lump, places, engine);
     if (!reader || raw.size() != kRawBytes * places.Points())
         return std::nullopt;
@@ -75,8 +78,9 @@ std::optional<LegacyReader15> LegacyReader15::LoadRaw(std::span<const std::byte>
     return reader;
 }
 
-std::optional<LegacyReader15> LegacyReader15::LoadRend2(std::span<const std::byte> lump, std::span<const std::byte> raw,
-                                                        const LegacyPlaces &places, const LegacyEngine &engine) {
+std::optional<LegacyGridReader> LegacyGridReader::LoadRend2(std::span<const std::byte> lump,
+                                                            std::span<const std::byte> raw, const LegacyPlaces &places,
+                                                            const LegacyEngine &engine) {
     auto reader = Load(lump, places, engine);
     if (!reader || raw.size() != kRawBytes * places.Points())
         return std::nullopt;
@@ -88,7 +92,7 @@ std::optional<LegacyReader15> LegacyReader15::LoadRend2(std::span<const std::byt
     return reader;
 }
 
-LegacyLight LegacyReader15::At(const Vec3f &position) const {
+LegacyLight LegacyGridReader::At(const Vec3f &position) const {
     int low[3];
     float fraction[3];
     for (std::size_t axis = 0; axis < 3; ++axis) {

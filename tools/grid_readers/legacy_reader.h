@@ -16,12 +16,12 @@ struct LegacyEngine {
     float ambientScale = 1, directedScale = 1; ///< r_ambientScale, r_directedScale
     float ambientAdded = 0;                    ///< bytes of the lump
     int angleSteps = 256;                      ///< of angle bytes, for 360 degrees
-    bool skipsBlack = false;                   ///< points without ambient light are in walls
+    bool skipsBlack = false;                   ///< leaves points without ambient light out: they are in walls
 };
 inline constexpr LegacyEngine kIoquake3Engine{0.6f, 1, 8, 256, true};
 inline constexpr LegacyEngine kPlainEngine{1, 1, 0, 255, false};
 
-/// Where an engine looks for the points: from the bounds of the world and gridsize.
+/// Where an engine expects the points, from the bounds of the world and gridsize.
 struct LegacyPlaces {
     Vec3f origin, cell;
     std::array<int, 3> count{};
@@ -29,26 +29,28 @@ struct LegacyPlaces {
     std::size_t Points() const { return std::size_t(count[0]) * std::size_t(count[1]) * std::size_t(count[2]); }
 };
 
-/// What an engine keeps for one model.
+/// What an engine computes for one model.
 struct LegacyLight {
     Vec3f ambient, directed; ///< byte scale
     Vec3f direction;
     Vec3f On(const Vec3f &normal) const { return ambient + directed * std::max(0.0f, Dot(normal, direction)); }
 };
 
-class LegacyReader15 {
+/// The points of a legacy grid as an engine loads them.
+class LegacyGridReader {
   public:
     /// Lump 15. Nothing if its length is not that of the points.
-    static std::optional<LegacyReader15> Load(std::span<const std::byte> lump, const LegacyPlaces &places,
-                                              const LegacyEngine &engine);
+    static std::optional<LegacyGridReader> Load(std::span<const std::byte> lump, const LegacyPlaces &places,
+                                                const LegacyEngine &engine);
     /// The same with lightgrid.raw for the colors, as the second renderer of ioquake3 loads it: scaled down where the
     /// largest channel passes 1, then 16 bits. `shift`: factor of overbright bits. Nothing if a length is wrong.
-    static std::optional<LegacyReader15> LoadRaw(std::span<const std::byte> lump, std::span<const std::byte> raw,
-                                                 const LegacyPlaces &places, const LegacyEngine &engine, float shift);
+    static std::optional<LegacyGridReader> LoadRaw(std::span<const std::byte> lump, std::span<const std::byte> raw,
+                                                   const LegacyPlaces &places, const LegacyEngine &engine, float shift);
     /// The same as rend2 of OpenJK loads it: divided by pi, times 255; no limit.
-    static std::optional<LegacyReader15> LoadRend2(std::span<const std::byte> lump, std::span<const std::byte> raw,
-                                                   const LegacyPlaces &places, const LegacyEngine &engine);
+    static std::optional<LegacyGridReader> LoadRend2(std::span<const std::byte> lump, std::span<const std::byte> raw,
+                                                     const LegacyPlaces &places, const LegacyEngine &engine);
 
+    /// The light of a model at a position.
     LegacyLight At(const Vec3f &position) const;
 
   private:
@@ -56,7 +58,7 @@ class LegacyReader15 {
         Vec3f ambient, directed, direction;
         bool inWall = false;
     };
-    LegacyReader15(const LegacyPlaces &places, const LegacyEngine &engine) : places_(places), engine_(engine) {}
+    LegacyGridReader(const LegacyPlaces &places, const LegacyEngine &engine) : places_(places), engine_(engine) {}
 
     LegacyPlaces places_;
     LegacyEngine engine_;

@@ -10,10 +10,11 @@ namespace q3 {
 
 namespace {
 
-constexpr std::uint32_t kIsLeaf = 0x80000000, kIsOccluded = 0x40000000;
+constexpr std::uint32_t kIsLeaf = 0x80000000, kIsOccluded = 0x40000000; ///< bits of references
 
 } // namespace
 
+/// Parses a lump as strictly as engines do: every node and leaf must be used once.
 class OctreeParser {
   public:
     OctreeParser(std::span<const std::byte> bytes, bool sixSides) : bytes_(bytes), sixSides_(sixSides) {}

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/text/text.h"
+#include "libs/sh/sh.h"
 #include "libs/shgrid/shgrid.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/light/scene/light_space.h"
@@ -27,14 +28,13 @@ The map has both the uniform and the sparse SH grid, or each of two files of it 
   --seed N        of the random positions (1)
 )";
 
-constexpr int kPlaces = 20;           ///< of walks
-constexpr double kStep = 2;           ///< of a walk, game units
-constexpr double kWalkRadius = 128;   ///< game units
-constexpr double kNanoseconds = 1e9;  ///< in a second
-constexpr double kByteOfMean = 71.93; ///< 255 times the basis function of coefficient 0
+constexpr int kPlaces = 20;          ///< number of walks
+constexpr double kStep = 2;          ///< of a walk, game units
+constexpr double kWalkRadius = 128;  ///< game units
+constexpr double kNanoseconds = 1e9; ///< in a second
 
-/// Walks about random places where a player fits, one after the other. Who bumps into something, or leaves the place,
-/// turns.
+/// Positions along random walks, one after the other, about places where a player fits. A walk turns at obstacles and
+/// kWalkRadius away from its place.
 std::vector<Vec3f> Walks(const Bsp &bsp, const BspSpace &space, std::string_view name, int count, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> turns(0, 2 * std::numbers::pi);
@@ -54,13 +54,14 @@ std::vector<Vec3f> Walks(const Bsp &bsp, const BspSpace &space, std::string_view
     return positions;
 }
 
+/// CPU time of sampling one grid at many positions.
 struct SamplingCost {
     double seconds = std::numeric_limits<double>::max(); ///< CPU time of all positions
-    std::array<double, 27> sums{};                       ///< of all values: none may be left out
+    std::array<double, 27> sums{};                       ///< of all coefficients, so that none is optimized away
 
-    /// Light of all normals alike, over positions and channels: of 255.
+    /// Mean light over positions, normals and channels, of 255.
     double Mean(std::size_t positions) const {
-        return kByteOfMean * (sums[0] + sums[1] + sums[2]) / (3 * double(positions));
+        return 255 * kShC0 * (sums[0] + sums[1] + sums[2]) / (3 * double(positions));
     }
 
     void Measure(const shgrid_grid &grid, const std::vector<Vec3f> &positions) {

@@ -22,8 +22,8 @@ struct BenchLine {
     double ShareOfRaw() const;
 };
 
-/// What lines of one family share: format and options, but for those that set the size of cells or of the grid.
-/// Settings of a family differ in size alone. "uniform" or "sparse", then the options.
+/// Name of the family of a line: lines that differ in the size of the grid alone. "uniform" or "sparse", then the
+/// options without those that set the size of cells or of the grid.
 std::string FamilyOf(const BenchLine &line);
 
 /// Everything measured on one map.
@@ -50,8 +50,8 @@ std::string TableText(const BenchReport &report);
 std::string JsonText(const BenchReport &report);
 /// CPU seconds, logarithmic, against displayed RMSE, with the floor. The legacy grid and ambient cubes are left out.
 Chart ErrorChart(const BenchReport &report);
-/// Megabytes of SH grids against their grid error, both logarithmic; formats and the plain baker are left out as above.
-/// Lines of one family are joined.
+/// Grid error of SH grids against their megabytes, both logarithmic. Lines of one family are joined; the plain baker,
+/// the legacy grid and ambient cubes are left out.
 Chart SizeChart(const BenchReport &report);
 /// The worst positions of a setting with their causes, then the shares of all causes. `errors` and `causes`: of all
 /// positions.

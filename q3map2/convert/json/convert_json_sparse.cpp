@@ -14,7 +14,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kNodeNumbers = 4; ///< inner, stored, hanging, scale
+constexpr std::size_t kNodeNumbers = 4; ///< of a node: inner, stored, hanging, scale
 
 template <typename JsonArchive> void DescribeSparse(JsonArchive &a, bspSparseGridHeader_t &header) {
     auto levels = std::int32_t(header.levels);
@@ -46,7 +46,7 @@ template <typename JsonArchive> void DescribeSparse(JsonArchive &a, SparseGridPo
     }
 }
 
-/// A flat list: inner, stored, hanging and scale of each node in turn.
+/// The nodes from a flat list with inner, stored, hanging and scale of each in turn. Errors: another form.
 std::vector<SparseGridNode> SparseNodes(const JsonRecord &source) {
     if (source.nodes[0].kind != JsonNode::Array || source.nodes[0].count % kNodeNumbers != 0)
         source.Fail("expected an array of inner, stored, hanging and scale of each node");

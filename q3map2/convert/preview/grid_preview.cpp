@@ -23,8 +23,9 @@ constexpr float kPairRadius = 52, kSingleRadius = 72;
 constexpr int kLattice = 27; ///< pixels between the small spheres of the plan
 constexpr float kSmallRadius = 10;
 constexpr int kPlanSubsamples = 2;
-constexpr float kLeastCell = 3, kCellAlpha = 0.75f;
-constexpr int kShownSizes = 6; ///< cells in the legend
+constexpr float kMinCellPixels = 3; ///< smaller cells of a sparse grid have no outlines
+constexpr float kOutlineAlpha = 0.75f;
+constexpr int kLegendSizes = 6; ///< sizes of cells in the legend
 constexpr float kMinExposure = 1.0f / 64, kMaxExposure = 16;
 constexpr float kContrastWeight = 8;   ///< weight of color contrast, relative to brightness
 constexpr float kGroundFactor = 0.35f; ///< factor of the light on the ground, so that spheres stand out
@@ -135,7 +136,7 @@ class Preview {
             }
     }
 
-    /// Outlines of the cells that the plan cuts, where they are at least kLeastCell pixels wide.
+    /// Outlines of the cells of a sparse grid at the height of the plan.
     void DrawCells() {
         if (sparse_ == nullptr)
             return;
@@ -146,17 +147,17 @@ class Preview {
             for (int column = 0; column + 1 < kPlanSide; column++) {
                 const std::optional<SparseCell> cell = cellAt(column, row);
                 const auto isBorder = [&](const std::optional<SparseCell> &other) { return other && *other != *cell; };
-                if (!cell || float(1 << cell->size) * sparse_->cell[0] * plan_.scale < kLeastCell)
+                if (!cell || float(1 << cell->size) * sparse_->cell[0] * plan_.scale < kMinCellPixels)
                     continue;
                 if (isBorder(cellAt(column + 1, row)) || isBorder(cellAt(column, row + 1)))
-                    canvas_.Blend(kPlanLeft + column, kPlanTop + row, SparseCellColor(cell->size), kCellAlpha);
+                    canvas_.Blend(kPlanLeft + column, kPlanTop + row, SparseCellColor(cell->size), kOutlineAlpha);
             }
     }
 
-    /// What the colors of cells mean, above the plan.
+    /// Legend of the outlines above the plan: colors and edges of cells, game units.
     void DrawCellSizes() {
         int x = kPlanLeft + 560;
-        for (int size = 0; size < std::min(sparse_->levels, kShownSizes); size++) {
+        for (int size = 0; size < std::min(sparse_->levels, kLegendSizes); size++) {
             canvas_.Rectangle(x, 28, 14, 14, SparseCellColor(size));
             const std::string text = fmt::format("{:g}", double(sparse_->cell[0]) * double(1 << size));
             canvas_.Text(x + 18, 28, 2, kFaint, text);

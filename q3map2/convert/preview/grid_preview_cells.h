@@ -17,7 +17,7 @@ struct SparseCell {
 
 /// The cell that contains a position; nothing outside the grid, which must be valid.
 std::optional<SparseCell> SparseCellAt(const SparseGridSH &grid, const Vec3f &position);
-/// Display color of cells of that size: red the smallest, then along the hues.
+/// Color of cells of that SparseCell::size: red for the smallest, then along the hues; repeats after six.
 Vec3f SparseCellColor(int size);
 
 } // namespace q3

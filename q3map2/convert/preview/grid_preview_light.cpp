@@ -2,7 +2,9 @@
 #include "q3map2/convert/preview/grid_preview_light.h"
 
 #include "common/error.h"
+#include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/grid_reader.h"
 #include "q3map2/bspfile/light_keys.h"
 #include "q3map2/bspfile/written_keys.h"
 
@@ -14,7 +16,6 @@ namespace q3 {
 
 namespace {
 
-constexpr Float3 kDefaultGridSize = {64, 64, 128};
 constexpr float kRenormalizeBelow = 0.99f; ///< engines renormalize only smaller sums of weights
 
 Vec3f Decode(const bspGridPoint_t &point) {
@@ -32,16 +33,9 @@ Vec3f Color(const std::array<std::uint8_t, 3> &bytes) {
 ShPreview::ShPreview(const Bsp &bsp) {
     if (bsp.sparseGridSH) {
         sparseLump_ = EncodeSparseGrid(*bsp.sparseGridSH);
-        if (const shgrid_result result = shgrid_parse(sparseLump_.data(), sparseLump_.size(), &grid_);
-            result != SHGRID_OK)
-            throw Error("sparse SH light grid: {}", shgrid_message(result));
+        grid_ = SparseReader(sparseLump_);
     } else if (bsp.gridSH && !bsp.gridSH->points.empty()) {
-        const bspGridSHHeader_t &head = bsp.gridSH->header;
-        std::ranges::copy(head.gridMins, grid_.mins);
-        std::ranges::copy(head.gridSize, grid_.cell);
-        std::ranges::copy(head.gridBounds, grid_.bounds);
-        grid_.count = head.numPoints;
-        grid_.points = reinterpret_cast<const unsigned char *>(bsp.gridSH->points.data());
+        grid_ = UniformReader(*bsp.gridSH);
     } else {
         throw Error("the map has no SH light grid to show: light it with -sh first");
     }
@@ -77,7 +71,7 @@ Vec3f LightOn(const LegacySample &sample, const Vec3f &normal) {
 std::optional<LegacyPreview> LegacyPreview::Make(const Bsp &bsp) {
     LegacyPreview preview;
     const auto given = keys::kGridSize.Vector(StoredWorld(bsp.entities));
-    const Float3 size = given ? Float3{given->x, given->y, given->z} : kDefaultGridSize;
+    const Float3 size = given ? given->Array() : kDefaultGridSize;
     try {
         preview.layout_ = LayoutGrid(bsp.models[0].mins, bsp.models[0].maxs, size);
     } catch (const Error &) {

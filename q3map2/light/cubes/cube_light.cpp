@@ -3,7 +3,7 @@
 
 #include "libs/sh/polygon_moments.h"
 #include "libs/sh/sh.h"
-#include "libs/shgrid/shgrid.h"
+#include "q3map2/bspfile/grid_reader.h"
 #include "q3map2/light/batch/form_factor.h"
 #include "q3map2/light/grid/light_floodlight.h"
 
@@ -201,12 +201,7 @@ std::vector<CubeSides> CubeIntegrator::Sides(std::vector<ReceiverBatch> &blocks,
 }
 
 CubeSides SHGridSides::At(const Vec3f &position) const {
-    const bspGridSHHeader_t &head = grid_.header;
-    shgrid_grid grid{};
-    for (std::size_t i = 0; i < 3; ++i)
-        grid.mins[i] = head.gridMins[i], grid.cell[i] = head.gridSize[i], grid.bounds[i] = head.gridBounds[i];
-    grid.count = head.numPoints;
-    grid.points = reinterpret_cast<const unsigned char *>(grid_.points.data());
+    const shgrid_grid grid = UniformReader(grid_);
     shgrid_coeffs coeffs;
     const float at[3] = {position.x, position.y, position.z};
     shgrid_sample(&grid, at, &coeffs);

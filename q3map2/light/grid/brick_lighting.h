@@ -12,8 +12,8 @@ namespace q3 {
 /// several threads. Keeps references.
 class BrickLighting {
   public:
-    /// lights: from SetupEnvelopes for the SH grid. radiance: as LightSettings::radiance. split: lights are split into
-    /// a weak and a strong part.
+    /// lights: from SetupEnvelopes for the SH grid. radiance: as LightSettings::radiance. split: lights have a weak and
+    /// a strong part, which can be traced apart.
     BrickLighting(const GridInputs &in, const std::vector<Light> &lights, bool radiance, bool split)
         : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
                                               .sunOnly = in.options.sunOnly,
@@ -25,11 +25,9 @@ class BrickLighting {
             settings_.weakBelow =
                 std::max(kWeakBelow / (in.options.gridScale > 0 ? in.options.gridScale : 1), 2 * faint_);
     }
-    bool Splits() const { return settings_.weakBelow > 0; }
-
-    /// LightPart::Strong needs split lights. Calls use(light, incident) for each light that may reach the blocks of a
-    /// brick. incident: its light at the receivers, by block. seed: of the random choice among faint lights, which is
-    /// the same for all blocks.
+    /// Calls use(light, incident) for each light that may reach the blocks of a brick. incident: its light at the
+    /// receivers, by block. seed: of the random choice among faint lights, which is the same for all blocks. part:
+    /// other than Whole only if lights are split.
     template <typename Use>
     void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part, GridStats &work,
                const Use &use) const {
@@ -51,8 +49,8 @@ class BrickLighting {
     /// block, are represented by a random few. Byte scale: a quarter of the smallest step that a screen can show.
     static constexpr float kFaint = 1.0f / 4;
 
-    /// Limit of weak lights on a screen, see ShareOfPart: higher saves rays, lower saves points that must be traced
-    /// since the weak light is not smooth there. Byte scale.
+    /// LightSettings::weakBelow before grid scale. Higher, more light is interpolated; lower, the weak light is smooth
+    /// at more points. Byte scale.
     static constexpr float kWeakBelow = 8;
 
     const GridInputs &in_;

@@ -97,7 +97,7 @@ BrickLights::BrickLights(const BrickCandidates &lights, const BrickView &brick, 
         }
         const Light &light = lights.Lights()[number];
         const float bound = LightBound(light, brick.box);
-        if (!(bound <= choice.least))
+        if (!(bound <= choice.minBound))
             list_.push_back({&light, 1, bound});
     };
     if (skip.pvs)

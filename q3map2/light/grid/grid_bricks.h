@@ -16,7 +16,7 @@ struct BrickPoint {
     std::uint32_t index = 0; ///< of the grid point
 };
 
-/// Cuts a grid into bricks of 8 x 8 x 4 points, or of another multiple of the block's 4 x 2 x 2.
+/// Divides a grid into bricks of 8 x 8 x 4 points, or of another multiple of a block, 4 x 2 x 2 points.
 class GridBricks {
   public:
     explicit GridBricks(const GridLayout &layout, const Int3 &brick = {8, 8, 4});
@@ -71,9 +71,9 @@ struct BrickLight {
 class BrickLights {
   public:
     struct Choice {
-        std::uint64_t seed = 0;
-        float faint = 0;  ///< byte scale; 0: none
-        float least = -1; ///< lights whose bound is not above this are left out. Byte scale
+        std::uint64_t seed = 0; ///< of the random choice among faint lights
+        float faint = 0;        ///< byte scale; 0: none
+        float minBound = -1;    ///< lights whose bound is not above this are left out. Byte scale
     };
     BrickLights(const BrickCandidates &lights, const BrickView &brick, const Choice &choice, const SkipOptions &skip,
                 GridStats &work);

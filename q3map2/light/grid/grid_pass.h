@@ -35,7 +35,7 @@ struct GridStats {
     std::uint64_t skippedFaint = 0;  ///< brick and light pairs left out: too faint to matter
     std::uint64_t skippedReach = 0;  ///< brick and light pairs out of reach
     std::uint64_t skippedPvs = 0;    ///< brick and light pairs hidden by visibility data
-    std::uint64_t skippedSmooth = 0; ///< points whose dim light is interpolated
+    std::uint64_t skippedSmooth = 0; ///< points and samples whose weak light is interpolated
     ContributionCounts counts;
     double seconds = 0;
     void Add(const GridStats &o);

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Error of the SH grid against exact light.
 #include "q3map2/light/grid/gridsh_error.h"
 
-#include "common/error.h"
 #include "libs/math/low_discrepancy.h"
+#include "q3map2/bspfile/grid_reader.h"
 #include "q3map2/light/grid/gridsh_dering.h"
 #include "q3map2/light/grid/gridsh_display.h"
 #include "q3map2/light/grid/probe_integrator.h"
@@ -65,7 +65,7 @@ std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vecto
     LightOptions options = in.options;
     options.shSamples = std::max(1.0f, options.shSamples);
     options.skip.faint = options.skip.moments = options.skip.probes = options.skip.coarse = false;
-    const GridInputs exact{in.space, in.scene, options, in.world, in.jobs, in.log};
+    const GridInputs exact{in.space, in.scene, options, in.world, in.jobs, in.log, in.indirect};
     const ProbeIntegrator integrator(exact, lights);
     std::vector<bspGridPointSH_t> points(receivers.size());
     in.jobs.For(std::int64_t(BatchCount(receivers.size())), [&](std::int64_t block, int) {
@@ -205,17 +205,18 @@ void CompareWithDoubled(const GridInputs &in, const LightGridSH &grid, const std
         error.order = std::clamp(std::log2(error.doubled / fine), kLeast, kMost);
 }
 
-/// What a grid shows at receivers, and the exact light there.
+/// What a grid shows at random receivers, the exact light there, and how they differ.
 struct GridComparison {
     GridComparison(const GridInputs &in, const shgrid_grid &reader, const std::vector<Light> &lights,
                    std::size_t receivers);
+    /// The error, with the CPU time since construction.
     GridSHError Finished() {
         error.cpuSeconds = double(std::clock() - start) / CLOCKS_PER_SEC;
         return error;
     }
 
     std::clock_t start = std::clock();
-    std::vector<Receiver> found;
+    std::vector<Receiver> found; ///< `exact` and `shown` are in their order
     std::vector<DisplayedLight> exact, shown;
     GridSHError error;
 };
@@ -241,7 +242,7 @@ GridComparison::GridComparison(const GridInputs &in, const shgrid_grid &reader, 
     error.leak = LeakShare(exact, shown);
 }
 
-/// False: there are none.
+/// Prints the number of receivers and the RMS error. False: there are no receivers.
 bool PrintReceivers(const GridSHError &error, Log &log) {
     if (error.receivers == 0) {
         log.Print("No position is {} units clear of solids: nothing to check\n", kPlayerHalfSize);
@@ -256,16 +257,7 @@ bool PrintReceivers(const GridSHError &error, Log &log) {
 
 GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const std::vector<Light> &lights,
                           std::size_t receivers) {
-    const auto &h = grid.header;
-    const shgrid_grid reader{{h.gridMins[0], h.gridMins[1], h.gridMins[2]},
-                             {h.gridSize[0], h.gridSize[1], h.gridSize[2]},
-                             {h.gridBounds[0], h.gridBounds[1], h.gridBounds[2]},
-                             h.numPoints,
-                             reinterpret_cast<const unsigned char *>(grid.points.data()),
-                             0,
-                             0,
-                             nullptr};
-    GridComparison comparison(in, reader, lights, receivers);
+    GridComparison comparison(in, UniformReader(grid), lights, receivers);
     if (comparison.error.receivers > 0)
         CompareWithDoubled(in, grid, comparison.found, comparison.exact, comparison.shown, comparison.error);
     return comparison.Finished();
@@ -274,10 +266,7 @@ GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const s
 GridSHError MeasureSparseGrid(const GridInputs &in, const SparseGridSH &grid, const std::vector<Light> &lights,
                               std::size_t receivers) {
     const std::vector<std::byte> lump = EncodeSparseGrid(grid);
-    shgrid_grid reader;
-    if (const shgrid_result result = shgrid_parse(lump.data(), lump.size(), &reader); result != SHGRID_OK)
-        throw Error("sparse SH light grid: {}", shgrid_message(result));
-    return GridComparison(in, reader, lights, receivers).Finished();
+    return GridComparison(in, SparseReader(lump), lights, receivers).Finished();
 }
 
 Float3 CellOfHalfError(const Float3 &cell, const GridSHError &error) {

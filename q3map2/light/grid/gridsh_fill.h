@@ -3,18 +3,13 @@
 
 #include "q3map2/light/grid/grid_bricks.h"
 #include "q3map2/light/grid/light_grid.h"
+#include "q3map2/light/grid/sh_floats.h"
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
 namespace q3 {
-
-/// Floats per point: nine coefficients for each of three channels.
-inline constexpr std::size_t kShFloats = 27;
-static_assert(sizeof(bspGridPointSH_t) == kShFloats * sizeof(float));
-/// Coefficients of a point: coefficient k of a channel is at 3 k + channel. 1 = byte 255.
-using ShFloats = std::array<float, kShFloats>;
 
 /// Points keep this clear of solids when they are lit. Game units.
 inline constexpr float kClearance = 0.125f;

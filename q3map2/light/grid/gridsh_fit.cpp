@@ -22,7 +22,7 @@ constexpr float kSteep = 16.0f / 255;
 constexpr int kSteepFactor = 6;
 /// Candidates drawn at most for each sample wanted, with and without -shfit, so that cells that are mostly solid get as
 /// many samples as others.
-constexpr int kMostTriesAll = 8, kMostTries = 2;
+constexpr int kMaxTriesAll = 8, kMaxTries = 2;
 /// Weight of a point's value before the fit, as a share of the weight of its samples; without and with -shfit.
 constexpr float kPull = 0.1f, kPullAll = 0.03f;
 /// Samples of mean light m have weight (kDarkLight / (kDarkLight + m))^(1/4): leaks show in the dark. 1 = byte 255.
@@ -35,11 +35,11 @@ constexpr float kBeyondScreen = 3, kBeyondScreenAll = 2.2f, kFall = 4, kFallAll 
 /// Upper limit of kBeyondScreen * m, which keeps weights of absurd light within floats.
 constexpr float kMaxBeyondScreen = 1e4f;
 /// Points whose samples have less weight keep their values.
-constexpr float kLeastWeight = 1e-30f;
+constexpr float kMinWeight = 1e-30f;
 /// Norm of bands 1 and 2 over coefficient 0 for light from a single direction, plain and convolved with the cosine: the
 /// most that light that is nowhere negative can have. Interpolation between points lowers the ratio, so a point may
 /// exceed it by the factor kBandsSlack.
-constexpr float kMostBandsPlain = 2.8284271f, kMostBands = 1.2829003f, kBandsSlack = 1.25f;
+constexpr float kMaxBandsPlain = 2.8284271f, kMaxBands = 1.2829003f, kBandsSlack = 1.25f;
 /// Relaxation ends when no coefficient moves by more than this, or by more than this share of the light there. 1 = byte
 /// 255.
 constexpr float kSmallMove = 0.1f / 255;
@@ -52,36 +52,31 @@ std::int64_t OffsetOf(std::size_t s, std::int64_t width, std::int64_t slice) {
     return std::int64_t(s % 3) - 1 + (std::int64_t(s / 3 % 3) - 1) * width + (std::int64_t(s / 9) - 1) * slice;
 }
 
-/// Mean over all directions, of the brightest channel. 1 = byte 255.
-float MeanLight(const bspGridPointSH_t &value) {
-    return float(kShC0) * std::max({value.coeffs[0][0], value.coeffs[0][1], value.coeffs[0][2]});
-}
-
+/// See kSteep.
 bool IsSteep(std::span<const FitSample> samples) {
     float least = 1, most = 0;
     for (const FitSample &sample : samples) {
-        const float shown = std::min(1.0f, MeanLight(sample.value));
+        const float shown = std::min(1.0f, MeanLight(std::bit_cast<ShFloats>(sample.value)));
         least = std::min(least, shown), most = std::max(most, shown);
     }
     return most - least > kSteep;
 }
 
 Vec3f PositionOf(const GridLayout &layout, std::int64_t index) {
-    const std::int64_t row = index / layout.bounds[0];
-    return Vec3f(
-        layout.Position(int(index % layout.bounds[0]), int(row % layout.bounds[1]), int(row / layout.bounds[1])));
+    const auto [x, y, z] = layout.Coordinates(index);
+    return Vec3f(layout.Position(x, y, z));
 }
 
 /// Limits each channel to about what light that is nowhere negative can have: coefficient 0 at least 0, the norm of the
-/// others at most mostBands times that. Coefficient k of a channel is at 3 k + channel.
-void LimitToLight(std::array<float, kShFloats> &point, float mostBands) {
+/// others at most maxBands times that. Coefficient k of a channel is at 3 k + channel.
+void LimitToLight(ShFloats &point, float maxBands) {
     for (std::size_t channel = 0; channel < 3; ++channel) {
         float bands = 0;
         for (std::size_t i = channel + 3; i < kShFloats; i += 3)
             bands += point[i] * point[i];
         bands = std::sqrt(bands);
         point[channel] = std::max(0.0f, point[channel]);
-        const float most = mostBands * point[channel];
+        const float most = maxBands * point[channel];
         for (std::size_t i = channel + 3; i < kShFloats && bands > most; i += 3)
             point[i] *= most / bands;
     }
@@ -99,7 +94,7 @@ GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vect
     : in_(in), layout_(layout),
       perCell_(int(std::ceil((in.options.shFit > 0 ? float(in.options.shFit) : kPerCell) * in.options.shSamples))),
       pull_(in.options.shFit > 0 ? kPullAll : kPull),
-      mostBands_(kBandsSlack * (in.options.shRadiance ? kMostBandsPlain : kMostBands)), states_(states),
+      maxBands_(kBandsSlack * (in.options.shRadiance ? kMaxBandsPlain : kMaxBands)), states_(states),
       rowOf_(states.size(), -1) {
     if (!in.options.shFill)
         return;
@@ -145,43 +140,44 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     if (rows_.empty())
         return samples;
     const Vec3f cell(layout_.size);
-    std::vector<Draw> cells;
+    std::vector<CellSamples> cells;
     for (const BrickPoint &point : points)
         if (HasFittedCorner(point) && in_.space.AnyOpen(point.position, point.position + cell, kClearance))
             cells.push_back({&point, perCell_});
     DrawSamples(cells, 0, light, samples, work);
     if (in_.options.shFit > 0) {
-        for (Draw &draw : cells) {
-            const auto [first, count] = draw.rounds[0];
-            draw.wanted = IsSteep(std::span(samples.data() + first, count)) ? (kSteepFactor - 1) * perCell_ : 0;
+        for (CellSamples &inCell : cells) {
+            const auto [first, count] = inCell.rounds[0];
+            inCell.wanted = IsSteep(std::span(samples.data() + first, count)) ? (kSteepFactor - 1) * perCell_ : 0;
         }
         DrawSamples(cells, 1, light, samples, work);
     }
-    for (const Draw &draw : cells)
-        for (const auto &[first, count] : draw.rounds)
+    for (const CellSamples &inCell : cells)
+        for (const auto &[first, count] : inCell.rounds)
             for (FitSample &sample : std::span(samples.data() + first, count))
-                sample.weight = float(perCell_) / float(draw.tried);
+                sample.weight = float(perCell_) / float(inCell.tried);
     if (in_.options.shFit > 0)
         FindSeen(samples, work);
     return samples;
 }
 
 /// Draws positions in cells where a player fits, and lights them.
-void GridFit::DrawSamples(std::span<Draw> cells, std::size_t round, const SmoothLight &light,
+void GridFit::DrawSamples(std::span<CellSamples> cells, std::size_t round, const SmoothLight &light,
                           std::vector<FitSample> &samples, GridStats &work) const {
     std::vector<ProbeReceiver> receivers;
     const Vec3f cell(layout_.size);
-    const int tries = in_.options.shFit > 0 ? kMostTriesAll : kMostTries;
+    const int tries = in_.options.shFit > 0 ? kMaxTriesAll : kMaxTries;
     const std::size_t before = samples.size();
-    for (Draw &draw : cells) {
-        Draw::Range &drawn = draw.rounds[round];
+    for (CellSamples &inCell : cells) {
+        CellSamples::Range &drawn = inCell.rounds[round];
         drawn.first = samples.size();
-        for (const int end = draw.tried + draw.wanted * tries;
-             draw.tried < end && samples.size() - drawn.first < std::size_t(draw.wanted); ++draw.tried) {
-            const Sample2 s = PlasticSample(std::uint32_t(draw.tried), draw.point->index);
-            const std::uint64_t hash = HashIndex((std::uint64_t(draw.point->index) << 16) + std::uint64_t(draw.tried));
-            const double layer = (draw.tried % perCell_ + UnitFromHash(hash)) / perCell_;
-            const Vec3f p = draw.point->position + cell * Vec3f{float(s.u), float(s.v), float(layer)};
+        for (const int end = inCell.tried + inCell.wanted * tries;
+             inCell.tried < end && samples.size() - drawn.first < std::size_t(inCell.wanted); ++inCell.tried) {
+            const Sample2 s = PlasticSample(std::uint32_t(inCell.tried), inCell.point->index);
+            const std::uint64_t hash =
+                HashIndex((std::uint64_t(inCell.point->index) << 16) + std::uint64_t(inCell.tried));
+            const double layer = (inCell.tried % perCell_ + UnitFromHash(hash)) / perCell_;
+            const Vec3f p = inCell.point->position + cell * Vec3f{float(s.u), float(s.v), float(layer)};
             const int cluster = in_.space.ClusterAt(p, kClearance);
             if (cluster < 0 || !in_.space.PlayerFits(p))
                 continue;
@@ -203,31 +199,31 @@ void GridFit::DrawSamples(std::span<Draw> cells, std::size_t round, const Smooth
         added[i].value = values[i];
 }
 
-/// Traces the first sample of each cell. Where the weak light around it predicts its own, the other samples take
-/// theirs from the same prediction, moved by what the first one differs.
+/// Sets the light of the samples. The first sample of each cell is traced; where interpolation nearly gives its weak
+/// light, the weak light of the others is interpolated too, with the difference at the first one added.
 void GridFit::LightCells(const Round &of, const SmoothLight &light, std::span<FitSample> samples,
                          GridStats &work) const {
     const WeakField &field = *light.Weak();
     std::vector<std::optional<WeakLight>> weak(of.receivers.size());
     if (of.round == 0) {
         std::vector<ProbeReceiver> first;
-        for (const Draw &draw : of.cells)
-            if (draw.rounds[0].count > 0)
-                first.push_back(of.receivers[draw.rounds[0].first - of.first]);
+        for (const CellSamples &inCell : of.cells)
+            if (inCell.rounds[0].count > 0)
+                first.push_back(of.receivers[inCell.rounds[0].first - of.first]);
         std::vector<std::optional<WeakLight>> traced(first.size());
         light.AddWeak(first, of.seed, traced, work);
         std::size_t next = 0;
-        for (Draw &draw : of.cells)
-            if (draw.rounds[0].count > 0) {
-                draw.offset = field.OffsetAt(first[next].position, *traced[next]);
-                weak[draw.rounds[0].first - of.first] = traced[next++];
+        for (CellSamples &inCell : of.cells)
+            if (inCell.rounds[0].count > 0) {
+                inCell.offset = field.OffsetAt(first[next].position, *traced[next]);
+                weak[inCell.rounds[0].first - of.first] = traced[next++];
             }
     }
-    for (const Draw &draw : of.cells) {
-        const auto [first, count] = draw.rounds[of.round];
-        for (std::size_t i = first - of.first; draw.offset && i < first - of.first + count; ++i)
+    for (const CellSamples &inCell : of.cells) {
+        const auto [first, count] = inCell.rounds[of.round];
+        for (std::size_t i = first - of.first; inCell.offset && i < first - of.first + count; ++i)
             if (!weak[i]) {
-                weak[i] = field.Around(of.receivers[i].position, *draw.offset);
+                weak[i] = field.Interpolate(of.receivers[i].position, *inCell.offset);
                 work.skippedSmooth += weak[i] ? 1 : 0;
             }
     }
@@ -272,7 +268,8 @@ void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
 }
 
 void GridFit::Accumulate(const FitSample &sample) {
-    const float weight = FitWeight(sample.weight, MeanLight(sample.value), in_.options.shFit > 0);
+    const float weight =
+        FitWeight(sample.weight, MeanLight(std::bit_cast<ShFloats>(sample.value)), in_.options.shFit > 0);
     const auto corners = CornersAt(sample.position);
     const auto coefficients = std::bit_cast<ShFloats>(sample.value);
     for (std::size_t a = 0; a < 8; ++a) {
@@ -307,7 +304,7 @@ Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
     const float inverse = 1 / row.stencil[kCenter];
     for (float &coefficient : value)
         coefficient *= inverse;
-    LimitToLight(value, mostBands_);
+    LimitToLight(value, maxBands_);
     bspGridPointSH_t &stored = grid.points[row.index];
     const auto old = std::bit_cast<ShFloats>(stored);
     float most = 0;
@@ -320,7 +317,7 @@ Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
 /// Adds the pull towards the present value to a row. False: too little weight to move the point.
 bool GridFit::AddPull(const bspGridPointSH_t &present, Row &row) const {
     const float total = std::accumulate(row.stencil.begin(), row.stencil.end(), 0.0f);
-    if (!(total > kLeastWeight))
+    if (!(total > kMinWeight))
         return false;
     const float pull = pull_ * total;
     const auto before = std::bit_cast<ShFloats>(present);
@@ -333,8 +330,7 @@ bool GridFit::AddPull(const bspGridPointSH_t &present, Row &row) const {
 void GridFit::Solve(LightGridSH &grid, const JobPool &jobs) {
     std::array<std::vector<std::size_t>, kParities> parities;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
-        const std::int64_t index = rows_[i].index, row = index / layout_.bounds[0];
-        const std::int64_t x = index % layout_.bounds[0], y = row % layout_.bounds[1], z = row / layout_.bounds[1];
+        const auto [x, y, z] = layout_.Coordinates(rows_[i].index);
         if (AddPull(grid.points[rows_[i].index], rows_[i]))
             parities[std::size_t((x & 1) + 2 * (y & 1) + 4 * (z & 1))].push_back(i);
     }

@@ -15,13 +15,13 @@ namespace q3 {
 struct FitSample {
     Vec3f position;
     bspGridPointSH_t value;
-    float weight = 1;         ///< samples wanted per cell / candidates tried in this cell
+    float weight = 1;         ///< samples wanted per cell / candidates tried in it: about the open share of the cell
     std::uint8_t sees = 0xff; ///< bit per corner of its cell: whether the sample counts for that point
 };
 
-/// Weight of a sample in a fit, from its own `weight` and mean light m, the brightest channel's, 1 = byte 255:
-/// times (d / (d + m))^(1/4), since leaks show in the dark, and less where the light is beyond what a screen shows.
-/// all: of a fit of all points; else of points in solids.
+/// Weight of a sample in a fit: its own `weight` times (d / (d + m))^(1/4), since leaks show in the dark, with d =
+/// kDarkLight and m the mean light of the brightest channel, 1 = byte 255; divided by a power of m where it is beyond
+/// what a screen shows. all: in a fit of all points; else of points in solids.
 float FitWeight(float weight, float mean, bool all);
 
 /// Least-squares fit of grid points to the light between them, so that trilinear interpolation matches it best where
@@ -59,27 +59,28 @@ class GridFit {
         float weight;
     };
 
-    /// Samples drawn in the cell whose lowest corner is a point, in two rounds: their range among all samples, and the
-    /// number of candidates tried.
-    struct Draw {
+    /// Samples of the cell whose lowest corner is a point, drawn in up to two rounds: their ranges among all samples,
+    /// and the number of candidates tried.
+    struct CellSamples {
         struct Range {
             std::size_t first = 0, count = 0;
         };
         const BrickPoint *point;
-        int wanted = 0; ///< samples in the round that is drawn
+        int wanted = 0; ///< samples of the round that is drawn
         int tried = 0;  ///< candidates, in all rounds
         std::array<Range, 2> rounds{};
-        /// Weak light of the first sample minus its prediction, if that is small.
+        /// WeakField::OffsetAt of the first sample.
         std::optional<WeakLight> offset{};
     };
 
     std::array<Corner, 8> CornersAt(const Vec3f &p) const;
     bool HasFittedCorner(const BrickPoint &point) const;
-    void DrawSamples(std::span<Draw> cells, std::size_t round, const SmoothLight &light,
+    void DrawSamples(std::span<CellSamples> cells, std::size_t round, const SmoothLight &light,
                      std::vector<FitSample> &samples, GridStats &work) const;
-    /// Samples drawn in one round: `receivers` in the order of the cells; the first is sample `first` of all rounds.
+    /// The samples of one round: `receivers` in the order of the cells, of which the first is sample `first` of all
+    /// rounds.
     struct Round {
-        std::span<Draw> cells;
+        std::span<CellSamples> cells;
         std::size_t round, first;
         std::span<const ProbeReceiver> receivers;
         std::uint64_t seed;
@@ -94,7 +95,7 @@ class GridFit {
     const GridLayout &layout_;
     int perCell_;
     float pull_;
-    float mostBands_; ///< limit of the norm of bands 1 and 2 over coefficient 0
+    float maxBands_; ///< limit of the norm of bands 1 and 2 over coefficient 0
     const std::vector<PointState> &states_;
     std::vector<std::int32_t> rowOf_; ///< by point; -1: not fitted
     std::vector<Row> rows_;

@@ -354,7 +354,7 @@ void GridBlocks::AddFloodAndBounced(std::size_t block, GridStats &work) {
 } // namespace
 
 GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {
-    const Vec3f wanted = keys::kGridSize.Vector(world).value_or(Vec3f{64, 64, 128});
+    const Vec3f wanted = keys::kGridSize.Vector(world).value_or(Vec3f(kDefaultGridSize));
     Float3 size{};
     for (std::size_t i = 0; i < 3; ++i)
         size[i] = std::max(kMinCell, std::floor(wanted[i]));

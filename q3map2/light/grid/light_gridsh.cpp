@@ -3,7 +3,7 @@
 
 #include "q3map2/light/grid/gridsh_fill.h"
 #include "q3map2/light/grid/gridsh_fit.h"
-#include "q3map2/light/grid/gridsh_smooth.h"
+#include "q3map2/light/grid/weak_field_tracer.h"
 
 #include <algorithm>
 #include <utility>
@@ -64,8 +64,8 @@ LightGridSH GridSHTracer::TraceGridSH(GridStats &stats) {
     stats.points = layout_.Count();
 
     const VisibilityGroups sides = FindVisibilityGroups(in_, layout_, lit_.Displaced(), lit_.States());
-    usesWeak_ =
-        in_.options.skip.smooth && HasMuchToTrace() && SmoothLevels(in_, layout_, lit_, integrator_).Run(weak_, stats);
+    usesWeak_ = in_.options.skip.smooth && HasMuchToTrace() &&
+                WeakFieldTracer(in_, layout_, lit_, integrator_).Fill(weak_, stats);
     const SmoothLight light(integrator_, Weak());
     GridFit fit(in_, layout_, lit_.States(), sides.isSplit);
     RunBricks(in_, bricks_.Count(), stats, [&](std::int64_t brick, GridStats &work) {

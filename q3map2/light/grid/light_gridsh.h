@@ -9,20 +9,21 @@
 
 namespace q3 {
 
-/// Points of an SH grid of that cell, which is enlarged until the lump stays under 2^31 bytes.
+/// Layout of an SH grid of that cell size, which is enlarged by kMinCell until the lump has less than 2^31 bytes.
 GridLayout LayoutGridSH(const Bsp &bsp, Float3 size);
-/// SH grid: -gridsh or the legacy cell size divided by -gridscalesh, at least 8, enlarged as LayoutGridSH does.
+/// The same for the options of a bake: the cell is that of -gridsh, or the legacy one divided by -gridscalesh, and at
+/// least kMinCell. Warns if it is enlarged.
 GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOptions &options, Log &log);
 
-/// Traces the SH grid, and then light between its points. Keeps references.
+/// Bakes the uniform SH grid, and keeps what is needed to light positions between its points. Keeps references.
 class GridSHTracer {
   public:
     GridSHTracer(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights);
     GridSHTracer(const GridSHTracer &) = delete; // its parts refer to each other
     GridSHTracer &operator=(const GridSHTracer &) = delete;
 
-    /// The SH light grid: points in the open lit exactly, points in solids next to the open filled and fitted, others
-    /// zero. Once only.
+    /// The SH light grid: points in the open are lit, points in solids next to the open filled and fitted, others zero.
+    /// Call it once.
     LightGridSH TraceGridSH(GridStats &stats);
     /// After TraceGridSH: weak light for SmoothLight; null if it is not smooth enough, if tracing all of it takes
     /// little, or with -noskipsmooth.

@@ -8,25 +8,25 @@
 
 namespace q3 {
 
-/// Where the points of a grid are lit from, and the state of each. Keeps a reference to the layout.
+/// The state of each point of a grid, and the position that it is lit from. Keeps a reference to the layout.
 class LitGridPoints {
   public:
     LitGridPoints(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks);
-    /// Sets the state of points in the open that are in the plane of an area light.
+    /// Changes the state of points in the open that lie on the polygon of an area light to OnEmitter.
     void FindOnEmitters(const std::vector<Light> &lights);
 
     bool IsLit(std::uint32_t index) const { return litFrom_[index] >= 0; }
-    /// Adds a receiver for a point that is lit.
+    /// Appends a receiver for a point for which IsLit holds.
     void AddReceiver(const BrickPoint &point, std::vector<ReceiverBatch> &blocks) const;
     std::vector<PointState> &States() { return states_; }
-    /// Lit points that are lit from elsewhere, by index.
+    /// Points that are lit from another position than their own, in the order of their index.
     const std::vector<DisplacedPoint> &Displaced() const { return displaced_; }
 
   private:
     const GridLayout &layout_;
     std::vector<PointState> states_;
     std::vector<int> clusters_; ///< by point: of the point itself, see PlaceInOpen
-    std::vector<int> litFrom_;  ///< by point: cluster that it is lit from; kSolidCluster: not lit
+    std::vector<int> litFrom_;  ///< by point: cluster of the position that it is lit from; kSolidCluster: not lit
     std::vector<DisplacedPoint> displaced_;
 };
 

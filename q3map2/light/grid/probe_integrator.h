@@ -26,7 +26,7 @@ class ProbeIntegrator {
     void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work, const Store &store) const {
         StoreAll(blocks, Sums(blocks, seed, LightPart::Whole, work), store);
     }
-    /// Calls store(number, WeakLight) for the weak light, see LightPart, with bounced light and floodlight. Not with
+    /// Calls store(number, WeakLight) with the weak light, see LightPart, bounced light and floodlight. Not with
     /// -noskipsmooth.
     template <typename Store>
     void TraceWeak(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work, const Store &store) const {
@@ -36,7 +36,7 @@ class ProbeIntegrator {
             for (std::size_t i = 0; i < blocks[block].count; ++i)
                 store(next++, LightAt(sums[block], i));
     }
-    /// As Trace, for receivers whose weak light is known: WeakLight weakOf(number).
+    /// As Trace, for receivers whose weak light is known: weakOf(number) returns it, as TraceWeak stored it.
     template <typename WeakOf, typename Store>
     void TraceStrong(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work, const WeakOf &weakOf,
                      const Store &store) const {

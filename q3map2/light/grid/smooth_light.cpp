@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Light at any position in the open, with weak light interpolated where it is smooth.
+// GPL-2.0-or-later. Light at any position in the open.
 #include "q3map2/light/grid/smooth_light.h"
 
 namespace q3 {
@@ -16,7 +16,7 @@ std::vector<bspGridPointSH_t> SmoothLight::At(std::span<const ProbeReceiver> rec
     if (weak_) {
         std::vector<std::optional<WeakLight>> weak;
         for (const ProbeReceiver &one : receivers) {
-            weak.push_back(weak_->Around(one.position, {}));
+            weak.push_back(weak_->Interpolate(one.position, {}));
             work.skippedSmooth += weak.back() ? 1 : 0;
         }
         AddWeak(receivers, seed, weak, work);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Light at any position in the open, with weak light interpolated where it is smooth.
+// GPL-2.0-or-later. Light at any position in the open: strong light traced, weak light interpolated where it is smooth.
 #pragma once
 
 #include "q3map2/light/grid/probe_integrator.h"
@@ -10,27 +10,28 @@
 
 namespace q3 {
 
-/// A position in the open that is to be lit.
+/// A position in the open whose light is wanted.
 struct ProbeReceiver {
     Vec3f position;
     int cluster = 0;
     std::uint32_t seed = 0; ///< of its sample patterns
 };
 
-/// Lights positions with strong light traced and weak light interpolated, or all traced where that is not smooth. Const
-/// after construction; safe from several threads. Keeps its arguments.
+/// Computes light at positions: strong light is traced, weak light interpolated in a WeakField, or traced where that
+/// has none. Const after construction; safe from several threads. Keeps references.
 class SmoothLight {
   public:
-    /// weak: of a grid around the positions, complete; null: all light is traced everywhere.
+    /// weak: of a grid around the positions, complete; null: all light is traced.
     SmoothLight(const ProbeIntegrator &integrator, const WeakField *weak) : integrator_(integrator), weak_(weak) {}
 
     /// Light at receivers that are near to each other, as in a brick. seed: see ProbeIntegrator::Trace.
     std::vector<bspGridPointSH_t> At(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
                                      GridStats &work) const;
-    /// The parts of At where weak light is interpolated. Traces the weak light that is not known.
+    /// The two steps of At, for callers that know some of the weak light. The first traces the weak light of receivers
+    /// for which `weak` has nothing. Only with weak light.
     void AddWeak(std::span<const ProbeReceiver> receivers, std::uint64_t seed, std::span<std::optional<WeakLight>> weak,
                  GridStats &work) const;
-    /// Adds the strong light to known weak light.
+    /// The second traces the strong light and adds the weak light, which must be there for all receivers.
     std::vector<bspGridPointSH_t> AddStrong(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
                                             std::span<const std::optional<WeakLight>> weak, GridStats &work) const;
     const WeakField *Weak() const { return weak_; }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The weak part of the light at points of the SH grid.
+// GPL-2.0-or-later. The weak part of the light at points of the SH grid, predicted by interpolation where it is smooth.
 #include "q3map2/light/grid/weak_field.h"
 
 #include "libs/sh/sh.h"
@@ -10,21 +10,22 @@ namespace q3 {
 
 namespace {
 
-/// Predictions with a larger expected error are not taken. Byte scale.
+/// Predictions with a larger expected error are not used. Byte scale.
 constexpr float kTolerance = 1.5f;
-/// Around and OffsetAt give nothing where errors are larger. They serve fits and small cells: errors of samples average
-/// out, so a smaller limit takes rays and hardly gains accuracy; without one, some lamps are missed. Byte scale.
-constexpr float kMostAround = 8;
-/// Errors of predictions shrink by this from level to level: distances by sqrt(2), and the error of a mean of two with
-/// their square.
-constexpr float kDecay = 0.5f;
-/// Differences of the mean of a pair from that of the pair three times as far out, of which an eighth is added to
-/// predictions: smaller ones do not matter, larger ones are not of one smooth curve. Byte scale.
-constexpr float kLeastBend = 2, kMostBend = 24;
+/// Limit of errors for Interpolate and OffsetAt. What they give enters fits, where errors of samples average out: a
+/// lower limit costs rays and hardly gains accuracy; without one, some lamps are missed. Byte scale.
+constexpr float kMaxInterpolationError = 8;
+/// Errors of predictions fall by this factor from level to level: distances fall by sqrt(2), and the error of a mean of
+/// two points is in proportion to the square of their distance.
+constexpr float kErrorDecay = 0.5f;
+/// The cubic adds an eighth of the difference of the means of a pair and of the pair three times as far out to the mean
+/// of the pair. Differences below the first do not matter; above the second, no smooth curve goes through both pairs.
+/// Byte scale.
+constexpr float kMinFarDifference = 2, kMaxFarDifference = 24;
 /// Error of points that nothing predicted.
 constexpr float kUntested = -1;
 
-/// Steps from the points of a level to one end of each of their pairs; the other is opposite.
+/// By level: steps, in points, from a point to one end of each of its pairs; the other end is opposite.
 constexpr std::array<std::array<Int3, 2>, WeakField::kLevels> kPairs = {{{},
                                                                          {{{0, 0, 1}}},
                                                                          {{{2, 2, 0}, {2, -2, 0}}},
@@ -36,8 +37,8 @@ std::span<const Int3> PairsOf(int level) {
     return std::span(kPairs[std::size_t(level)]).first(count);
 }
 
-/// Corners that give less of the blend together predict nothing.
-constexpr float kCornerShare = 1.0f / 16;
+/// Interpolate needs corners in sight with at least this total weight.
+constexpr float kMinCornerWeight = 1.0f / 16;
 
 /// Trilinear weight of a corner.
 float CornerWeight(std::size_t corner, const std::array<float, 3> &part) {
@@ -47,14 +48,8 @@ float CornerWeight(std::size_t corner, const std::array<float, 3> &part) {
     return weight;
 }
 
-/// sum += weight * value, as floats.
-void AddTo(WeakLight &sum, float weight, const WeakLight &value) {
-    float *to = sum.coeffs[0].data();
-    const float *from = value.coeffs[0].data();
-    for (std::size_t i = 0; i < kShFloats; ++i)
-        to[i] += weight * from[i];
-}
-
+/// The largest absolute value of the functions with these coefficients, by channel, at the normals and their opposites:
+/// there, even bands are the same and odd ones change sign.
 Q3_VECTOR float LargestOf(const std::array<Lanes, 9> &basis, const float *change) {
     Lanes most{};
     for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -118,7 +113,8 @@ bool WeakField::IsClear(const Vec3f &a, const Vec3f &b) const {
     return !space_.AnySolid(Min(a, b), Max(a, b));
 }
 
-/// Error of the prediction of a point; on level 0, which nothing predicts, the larger of those above and below.
+/// Error of the prediction of a point, or kUntested; on level 0, which nothing predicts, the larger of those above and
+/// below.
 float WeakField::ErrorNear(int x, int y, int z) const {
     if (LevelOf(x, y, z) > 0)
         return error_[std::size_t(layout_.Index(x, y, z))];
@@ -129,26 +125,26 @@ float WeakField::ErrorNear(int x, int y, int z) const {
     return error;
 }
 
-/// Mean of a pair minus that of the pair three times as far out; zero where that does not matter, is not seen, or
-/// differs too much to be of one curve.
-WeakLight WeakField::BendAt(const Int3 &at, const Int3 &step, const WeakLight &mean) const {
+/// mean, that of the pair `step` away from `at`, minus that of the pair three times as far out; zero where the
+/// difference is out of range or a point of that pair is not in sight.
+WeakLight WeakField::FarPairDifference(const Int3 &at, const Int3 &step, const WeakLight &mean) const {
     std::array<Int3, 2> ends;
-    WeakLight bend = mean;
+    WeakLight difference = mean;
     for (std::size_t i = 0; i < 2; ++i) {
         const int times = i == 0 ? 3 : -3;
         ends[i] = {at[0] + times * step[0], at[1] + times * step[1], at[2] + times * step[2]};
         const std::int64_t end = OpenPoint(ends[i][0], ends[i][1], ends[i][2]);
         if (end < 0)
             return {};
-        AddTo(bend, -0.5f, light_[std::size_t(end)]);
+        AddScaled(-0.5f, light_[std::size_t(end)], difference);
     }
-    const float size = change_.Of(bend);
-    if (size < kLeastBend || size > kMostBend)
+    const float size = change_.Of(difference);
+    if (size < kMinFarDifference || size > kMaxFarDifference)
         return {};
     const auto isSeen = [&](const Int3 &end) {
         return IsClear(Vec3f(layout_.Position(at[0], at[1], at[2])), Vec3f(layout_.Position(end[0], end[1], end[2])));
     };
-    return isSeen(ends[0]) && isSeen(ends[1]) ? bend : WeakLight{};
+    return isSeen(ends[0]) && isSeen(ends[1]) ? difference : WeakLight{};
 }
 
 WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
@@ -171,7 +167,7 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
             const std::int64_t end = OpenPoint(toX, toY, toZ);
             if (end < 0 || (!clear && !IsClear(p, p + offset * float(side))))
                 continue;
-            AddTo(mean, 0.5f, light_[std::size_t(end)]);
+            AddScaled(0.5f, light_[std::size_t(end)], mean);
             ++seen;
             // Level 1 is only now being tested.
             const float error = level > 1 ? ErrorNear(toX, toY, toZ) : kUntested;
@@ -179,19 +175,19 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
                 continue;
             const int testedLevel = std::max(1, LevelOf(toX, toY, toZ));
             result.isTested = true;
-            result.error = std::max(result.error, error * std::pow(kDecay, float(level - testedLevel)));
+            result.error = std::max(result.error, error * std::pow(kErrorDecay, float(level - testedLevel)));
         }
         if (seen < 2)
             continue;
-        AddTo(mean, 1.0f / 8, BendAt({x, y, z}, {dx, dy, dz}, mean));
+        AddScaled(1.0f / 8, FarPairDifference({x, y, z}, {dx, dy, dz}, mean), mean);
         means[result.pairs++] = mean;
     }
     if (result.pairs == 2) {
         WeakLight half{};
-        AddTo(half, 0.5f, means[0]);
-        AddTo(half, -0.5f, means[1]);
+        AddScaled(0.5f, means[0], half);
+        AddScaled(-0.5f, means[1], half);
         result.error = std::max(result.error, change_.Of(half));
-        AddTo(means[0], -1, half);
+        AddScaled(-1, half, means[0]);
     }
     result.light = means[0];
     return result;
@@ -207,7 +203,7 @@ void WeakField::SetTraced(std::uint32_t index, const WeakLight &light, const Pre
     if (prediction.pairs == 0)
         return;
     WeakLight difference = light;
-    AddTo(difference, -1, prediction.light);
+    AddScaled(-1, prediction.light, difference);
     error_[index] = change_.Of(difference);
 }
 
@@ -223,7 +219,7 @@ bool WeakField::FindPlace(const Vec3f &position, Place &place) const {
     return true;
 }
 
-std::optional<WeakLight> WeakField::Around(const Vec3f &position, const WeakLight &offset) const {
+std::optional<WeakLight> WeakField::Interpolate(const Vec3f &position, const WeakLight &offset) const {
     Place place;
     if (!FindPlace(position, place))
         return std::nullopt;
@@ -238,25 +234,25 @@ std::optional<WeakLight> WeakField::Around(const Vec3f &position, const WeakLigh
         const std::int64_t index = weight > 0 ? OpenPoint(x, y, z) : -1;
         if (index < 0 || (!clear && !IsClear(position, Vec3f(layout_.Position(x, y, z)))))
             continue;
-        if (error_[std::size_t(index)] > kMostAround)
+        if (error_[std::size_t(index)] > kMaxInterpolationError)
             return std::nullopt;
-        AddTo(sum, weight, light_[std::size_t(index)]);
+        AddScaled(weight, light_[std::size_t(index)], sum);
         total += weight;
     }
-    if (total < kCornerShare)
+    if (total < kMinCornerWeight)
         return std::nullopt;
     WeakLight light = offset;
-    AddTo(light, 1 / total, sum);
+    AddScaled(1 / total, sum, light);
     return light;
 }
 
 std::optional<WeakLight> WeakField::OffsetAt(const Vec3f &position, const WeakLight &traced) const {
-    const std::optional<WeakLight> around = Around(position, {});
-    if (!around)
+    const std::optional<WeakLight> interpolated = Interpolate(position, {});
+    if (!interpolated)
         return std::nullopt;
     WeakLight offset = traced;
-    AddTo(offset, -1, *around);
-    if (change_.Of(offset) > kMostAround)
+    AddScaled(-1, *interpolated, offset);
+    if (change_.Of(offset) > kMaxInterpolationError)
         return std::nullopt;
     return offset;
 }

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The weak part of the light at points of the SH grid, and its interpolation where it is smooth.
+// GPL-2.0-or-later. The weak part of the light at points of the SH grid, predicted by interpolation where it is smooth.
 #pragma once
 
 #include "q3map2/light/batch/lanes.h"
@@ -12,26 +12,26 @@
 
 namespace q3 {
 
-/// Sum of the weak shares of all lights (see LightPart), of bounced light and of floodlight at a point: coefficients of
-/// the SH grid before ambient light, minimum light and grid scale. 1 = byte 255.
+/// Sum of the weak shares of all lights (see LightPart), of bounced light and of floodlight at a point: SH coefficients
+/// before ambient light, minimum light and grid scale are applied. 1 = byte 255.
 using WeakLight = bspGridPointSH_t;
 
-/// Largest change that coefficients make to displayed light, over the 26 faces, edges and corners of a cube.
+/// The largest absolute difference of displayed light that a difference of coefficients makes, over the three channels
+/// and 26 normals: those towards the faces, edges and corners of a cube.
 class DisplayedChange {
   public:
-    /// radiance: the coefficients are not yet convolved with the cosine. scale: what 1 is displayed as.
+    /// radiance: the coefficients are not convolved with the cosine yet. scale: the display value of light 1.
     DisplayedChange(bool radiance, float scale);
-    /// Over all normals and channels, as if nothing were cut at black or white. Unit: that of `scale`.
+    /// As if nothing were clamped at black or white. Unit: that of `scale`.
     float Of(const WeakLight &change) const;
 
   private:
     static constexpr std::size_t kAxes = 13;
-    std::array<Lanes, 9> basis_; ///< by coefficient: basis function on each of 13 normals; the others are opposite
+    std::array<Lanes, 9> basis_; ///< by coefficient: its basis function at 13 of the normals; the others are opposite
 };
 
-/// Weak light at the points of a grid. A point is of one of six levels by its column (x, y), from every fourth column
-/// on both axes to every second of a checkerboard; of the first columns, layers of even z are of level 0 and the
-/// others of level 1:
+/// Weak light at the points of a grid, in a hierarchy of six levels. The level of a point depends on its column (x, y);
+/// of columns where both are multiples of four, layers of even z are of level 0 and those of odd z of level 1:
 ///
 ///     0/1  5   3   5  0/1
 ///      5   4   5   4   5
@@ -39,44 +39,47 @@ class DisplayedChange {
 ///      5   4   5   4   5
 ///     0/1  5   3   5  0/1
 ///
-/// A point is the midpoint of pairs of points of lower levels: above and below on level 1, else two pairs on the
-/// diagonals or on the axes of its layer, as 4 is of 0 2 and 3 3. Its prediction is the cubic through a pair and the
-/// points three times as far out, (9 (a + b) - (c + d)) / 16, or their mean where those are not seen; of two pairs, the
-/// mean of both. The error of a prediction is known where the point was traced, and expected to be no larger, and
-/// smaller from level to level, nearby.
+/// A point above level 0 is the midpoint of pairs of points of lower levels: of those above and below it on level 1,
+/// else of two pairs in its layer, on the diagonals or on the axes. (A point of level 4 is between 0/1 and 2 on one
+/// diagonal, and between 3 and 3 on the other.) A pair a, b predicts it by the cubic through a, b and the points c, d
+/// three times as far out, (9 (a + b) - (c + d)) / 16, or by the mean of a and b where c and d are not seen; two pairs
+/// by the mean of their predictions. Where a point was traced, the error of its prediction is known; errors of later
+/// predictions nearby are expected to be as large, but smaller from level to level.
 ///
-/// Levels are filled one after the other; points of one level from any thread.
+/// Levels are filled one after the other, the points of a level from any thread.
 class WeakField {
   public:
     static constexpr int kLevels = 6;
     static int LevelOf(int x, int y, int z);
 
-    /// states: of the points; those not Open predict nothing and are not predicted. Keeps references.
+    /// states: of the points; those that are not Open predict nothing and are not predicted. change: on the byte scale.
+    /// Keeps references.
     WeakField(const BspSpace &space, const GridLayout &layout, const std::vector<PointState> &states,
               const DisplayedChange &change);
 
-    /// What the points of lower levels tell of a point.
+    /// Light at a point, predicted from points of lower levels.
     struct Prediction {
         WeakLight light{};
-        int pairs = 0;         ///< pairs in the open that the mean is taken from; 0: `light` is not set
-        bool isTested = false; ///< errors nearby are known
-        float error = 0;       ///< expected error, if isTested. Byte scale
-        /// Whether the prediction may stand for the light.
+        int pairs = 0;         ///< pairs with both ends in sight; 0: `light` is not set
+        bool isTested = false; ///< errors of predictions nearby are known
+        float error = 0;       ///< expected, if isTested. Byte scale
+        /// Whether it is accurate enough to be used in place of the light.
         bool Good() const;
     };
     Prediction Predict(int x, int y, int z) const;
     /// Sets a point to its prediction.
     void Accept(std::uint32_t index, const Prediction &prediction);
-    /// Sets a point that was traced; with the prediction, its error becomes known.
+    /// Sets a point that was traced. prediction: what Predict gave for it, whose error becomes known.
     void SetTraced(std::uint32_t index, const WeakLight &light, const Prediction &prediction);
 
     bool IsOpen(std::uint32_t index) const { return states_[index] == PointState::Open; }
     const WeakLight &At(std::uint32_t index) const { return light_[index]; }
 
-    /// Weak light from the corners of a position's cell that are in the open and in clear sight, plus `offset`; nothing
-    /// without such corners, or where the error at one is large. After all levels.
-    std::optional<WeakLight> Around(const Vec3f &position, const WeakLight &offset) const;
-    /// Weak light that was traced at a position minus Around; nothing if that is missing or too much for a fit.
+    /// Weak light interpolated between those corners of a position's cell that are in the open and in clear sight, plus
+    /// `offset`; nothing without such corners, or where the error at one is large. After all levels.
+    std::optional<WeakLight> Interpolate(const Vec3f &position, const WeakLight &offset) const;
+    /// Weak light that was traced at a position minus that of Interpolate; nothing if there is none, or the difference
+    /// is large.
     std::optional<WeakLight> OffsetAt(const Vec3f &position, const WeakLight &traced) const;
 
   private:
@@ -85,7 +88,7 @@ class WeakField {
         Int3 low{};
         std::array<float, 3> part{};
     };
-    WeakLight BendAt(const Int3 &at, const Int3 &step, const WeakLight &mean) const;
+    WeakLight FarPairDifference(const Int3 &at, const Int3 &step, const WeakLight &mean) const;
     bool FindPlace(const Vec3f &position, Place &place) const;
     float ErrorNear(int x, int y, int z) const;
     std::int64_t OpenPoint(int x, int y, int z) const;
@@ -96,7 +99,7 @@ class WeakField {
     const std::vector<PointState> &states_;
     DisplayedChange change_;
     std::vector<WeakLight> light_;
-    std::vector<float> error_; ///< by point, byte scale; kUntested
+    std::vector<float> error_; ///< by point: of its prediction, byte scale, or kUntested
 };
 
 } // namespace q3

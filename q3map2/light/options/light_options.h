@@ -75,7 +75,7 @@ struct LightOptions {
     SparseGoal sparseGoal;
     bool shRadiance = false;
     std::string gridFormats; ///< -gridformats
-    bool keepSH = false;     ///< the map keeps the SH grid, whatever -gridformats says
+    bool keepSH = false;     ///< -sh or -shbspx: the map keeps the uniform SH grid, whatever -gridformats says
     bool shDering = false;   ///< no negative lobes
     bool shError = false;    ///< compare the grid with exact light and print the error
     float gridScaleSH = 2;

@@ -113,8 +113,7 @@ Group QualityOfGridSH() {
                "Where a channel of a point is below zero in some direction, its bands 1 and 2 are scaled by the least "
                "window that leaves no negative value (Sloan 2008); the mean and all other points stay. Interpolated "
                "values are then nowhere negative either; a sparse grid rounds its values, so a little is left. Needs "
-               "`-sh`, "
-               "`-shbspx`, `-shradiance` or `-shadaptive`."},
+               "`-sh`, `-shbspx`, `-shradiance` or `-shadaptive`."},
           &LightOptions::shDering},
          {{.name = "-sherror",
            .help = "Compare the grid with exact light and print its error, after baking",
@@ -275,7 +274,7 @@ Group Falloff() {
             {{{.name = "-griddirectionality",
                .values = "F",
                .kind = SettingKind::Number,
-               .initial = "1.5",
+               .initial = "1",
                .range = {.high = 1},
                .outside = OutOfRange::Clamp,
                .help = "Legacy grid: share of light from the main direction that stays directed"},

@@ -7,12 +7,14 @@
 
 namespace q3 {
 
+/// Pruning of the sparse grid stops at the error, or at the budget if there is one.
 struct SparseGoal {
-    float error = 1.5f;           ///< of interpolation: displayed RMS, bytes
+    float error = 1.5f;           ///< expected displayed error of interpolation: RMS, bytes
     std::optional<double> budget; ///< size of the lump in bytes, in place of the error
 };
 
-/// -sherrortarget. goal(options): the goal that it sets; called for each option given.
+/// The option -sherrortarget. goal(options) returns the goal to set; it is called once for each time the option is
+/// given.
 template <typename Options, typename GoalOf>
 Setting<Options> ErrorTargetSetting(std::string_view help, std::string_view details, GoalOf goal) {
     return {{.name = "-sherrortarget",
@@ -26,7 +28,7 @@ Setting<Options> ErrorTargetSetting(std::string_view help, std::string_view deta
             Do<Options>([goal](Options &o, const SettingValues &v) { goal(o).error = float(v.numbers[0]); })};
 }
 
-/// -shbudget, likewise.
+/// The option -shbudget, likewise.
 template <typename Options, typename GoalOf>
 Setting<Options> BudgetSetting(std::string_view help, std::string_view details, GoalOf goal) {
     return {{.name = "-shbudget",

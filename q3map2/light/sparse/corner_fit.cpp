@@ -1,7 +1,6 @@
-// GPL-2.0-or-later. Stored corners fitted to the light inside the cells.
+// GPL-2.0-or-later. Least-squares fit of the stored corners to the light inside the cells.
 #include "q3map2/light/sparse/corner_fit.h"
 
-#include "libs/sh/sh.h"
 #include "q3map2/light/grid/gridsh_fit.h"
 
 #include <algorithm>
@@ -11,25 +10,19 @@ namespace q3 {
 
 namespace {
 
-constexpr int kSteps = 4;
-/// The fit moves a corner by at most this share of its mean light, so that the dark stays dark beside the bright.
-constexpr float kMostMove = 0.5f;
+constexpr int kIterations = 4;
+/// The fit changes a corner by at most this share of its mean light, so that the dark stays dark beside the bright.
+constexpr float kMaxChange = 0.5f;
 /// Weight of a corner's own light, as a share of the weight of the samples around it.
 constexpr float kPull = 0.05f;
 
-/// sum += factor * value.
-void AddScaled(float factor, const ShFloats &value, ShFloats &sum) {
-    for (std::size_t i = 0; i < kShFloats; ++i)
-        sum[i] += factor * value[i];
-}
-
-/// A linear system of normal equations, kept as the samples that it sums over.
+/// The normal equations of the fit, without their matrix: products with it are sums over the samples.
 class FitSystem {
   public:
     explicit FitSystem(std::size_t unknowns) : weights_(unknowns), diagonal_(unknowns) {}
+    /// terms: the interpolated value at the sample.
     void AddSample(const ShFloats &light, const std::vector<CornerTerm> &terms) {
-        const float mean = float(kShC0) * std::max({light[0], light[1], light[2]});
-        const float weight = FitWeight(1, std::max(0.0f, mean), true);
+        const float weight = FitWeight(1, std::max(0.0f, MeanLight(light)), true);
         samples_.push_back({light, weight, std::uint32_t(terms_.size()), std::uint32_t(terms.size())});
         for (const CornerTerm &term : terms) {
             terms_.push_back(term);
@@ -37,7 +30,8 @@ class FitSystem {
             diagonal_[term.stored] += weight * term.weight * term.weight;
         }
     }
-    void Solve(std::vector<ShFloats> &values);
+    /// A few steps of preconditioned conjugate gradients from `values`, towards which each unknown is pulled.
+    void Solve(std::vector<ShFloats> &values) const;
 
   private:
     using Vector = std::vector<ShFloats>;
@@ -48,7 +42,7 @@ class FitSystem {
     };
     /// Matrix times x.
     void Apply(const Vector &x, Vector &product) const;
-    /// Right side minus matrix times x, where the pull is towards x itself.
+    /// Right-hand side minus matrix times x, with the pull towards x itself.
     Vector Residual(const Vector &x) const;
     ShFloats Interpolated(const Sample &sample, const Vector &x) const {
         ShFloats sum{};
@@ -56,6 +50,7 @@ class FitSystem {
             AddScaled(terms_[t].weight, x[terms_[t].stored], sum);
         return sum;
     }
+    /// Adds the transpose of interpolation, times the weight of the sample, of a value at it.
     void Scatter(const Sample &sample, const ShFloats &value, Vector &to) const {
         for (std::uint32_t t = sample.first; t < sample.first + sample.count; ++t)
             AddScaled(sample.weight * terms_[t].weight, value, to[terms_[t].stored]);
@@ -70,18 +65,19 @@ class FitSystem {
         }
         return sum;
     }
-    /// Jacobi preconditioner.
-    Vector Scaled(const Vector &r) const {
+    /// The Jacobi preconditioner applied to a residual.
+    Vector Preconditioned(const Vector &r) const {
         Vector z(r.size());
         for (std::size_t i = 0; i < r.size(); ++i)
-            if (const float own = diagonal_[i] + kPull * weights_[i]; own > 0)
-                AddScaled(1 / own, r[i], z[i]);
+            if (const float diagonal = diagonal_[i] + kPull * weights_[i]; diagonal > 0)
+                AddScaled(1 / diagonal, r[i], z[i]);
         return z;
     }
 
     std::vector<Sample> samples_;
     std::vector<CornerTerm> terms_;
-    std::vector<float> weights_, diagonal_; ///< by unknown: sum of the weights of its samples; diagonal without pull
+    std::vector<float> weights_;  ///< by unknown: sum over its samples of their weight times its share
+    std::vector<float> diagonal_; ///< by unknown: of the matrix, without the pull
 };
 
 void FitSystem::Apply(const Vector &x, Vector &product) const {
@@ -104,10 +100,10 @@ FitSystem::Vector FitSystem::Residual(const Vector &x) const {
     return residual;
 }
 
-void FitSystem::Solve(Vector &values) {
-    Vector r = Residual(values), z = Scaled(r), direction = z, product(values.size());
+void FitSystem::Solve(Vector &values) const {
+    Vector r = Residual(values), z = Preconditioned(r), direction = z, product(values.size());
     double rho = Dot(r, z);
-    for (int step = 0; step < kSteps && rho > 0; ++step) {
+    for (int step = 0; step < kIterations && rho > 0; ++step) {
         Apply(direction, product);
         const double curvature = Dot(direction, product);
         if (!(curvature > 0))
@@ -117,7 +113,7 @@ void FitSystem::Solve(Vector &values) {
             AddScaled(length, direction[i], values[i]);
             AddScaled(-length, product[i], r[i]);
         }
-        z = Scaled(r);
+        z = Preconditioned(r);
         const double next = Dot(r, z);
         const auto keep = float(next / rho);
         for (std::size_t i = 0; i < values.size(); ++i)
@@ -127,16 +123,17 @@ void FitSystem::Solve(Vector &values) {
     }
 }
 
-void LimitMove(const ShFloats &before, ShFloats &value) {
-    float moved = 0, base = 0;
+/// Scales the change of a value down to kMaxChange times the norm of its coefficients 0.
+void LimitChange(const ShFloats &before, ShFloats &value) {
+    float change = 0, base = 0;
     for (std::size_t k = 0; k < kShFloats; ++k)
-        moved += (value[k] - before[k]) * (value[k] - before[k]);
+        change += (value[k] - before[k]) * (value[k] - before[k]);
     for (std::size_t channel = 0; channel < 3; ++channel)
         base += before[channel] * before[channel];
-    const float most = kMostMove * std::sqrt(base);
-    moved = std::sqrt(moved);
-    for (std::size_t k = 0; k < kShFloats && moved > most; ++k)
-        value[k] = before[k] + (value[k] - before[k]) * (most / moved);
+    const float most = kMaxChange * std::sqrt(base);
+    change = std::sqrt(change);
+    for (std::size_t k = 0; k < kShFloats && change > most; ++k)
+        value[k] = before[k] + (value[k] - before[k]) * (most / change);
 }
 
 } // namespace
@@ -146,12 +143,12 @@ std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light,
     std::vector<ShFloats> values;
     for (const std::uint32_t number : corners.Stored())
         values.push_back(light[number].value);
-    std::vector<bool> free(tree.Size()); // leafs without solids
+    std::vector<bool> clear(tree.Size()); // leafs without solids
     for (const std::size_t leaf : tree.OpenLeafs())
-        free[leaf] = !space.AnySolid(lattice.PositionOf(tree[leaf].origin), lattice.PositionOf(tree[leaf].Corner(7)));
+        clear[leaf] = !space.AnySolid(lattice.PositionOf(tree[leaf].origin), lattice.PositionOf(tree[leaf].Corner(7)));
     FitSystem system(values.size());
     for (std::size_t i = 0; i < light.Size(); ++i) {
-        const LitPoint &point = light[i];
+        const LatticeSample &point = light[i];
         if (!point.open)
             continue;
         std::size_t inside = Octree::kNone;
@@ -159,7 +156,7 @@ std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light,
         for (const std::size_t leaf : tree.LeafsAround(point.at))
             if (leaf != Octree::kNone && tree[leaf].open > 0) {
                 inside = leaf; // any of the leafs that touch the point will do: light is continuous
-                nearSolid = nearSolid || !free[leaf];
+                nearSolid = nearSolid || !clear[leaf];
             }
         const bool stored = corners.IsStored(std::uint32_t(i));
         if (inside != Octree::kNone && (stored || !nearSolid))
@@ -167,7 +164,7 @@ std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light,
     }
     system.Solve(values);
     for (std::size_t i = 0; i < values.size(); ++i)
-        LimitMove(light[corners.Stored()[i]].value, values[i]);
+        LimitChange(light[corners.Stored()[i]].value, values[i]);
     return values;
 }
 

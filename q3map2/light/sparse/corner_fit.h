@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Stored corners fitted to the light inside the cells.
+// GPL-2.0-or-later. Least-squares fit of the stored corners to the light inside the cells.
 #pragma once
 
 #include "q3map2/light/scene/light_space.h"
@@ -6,10 +6,10 @@
 
 namespace q3 {
 
-/// Least-squares values of the stored corners: minimizes the sum over all known points s in the open of
-/// w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull towards its own light, by conjugate gradients.
-/// Points inside cells that touch solids do not count, so that no light is fitted through a wall. w: FitWeight.
-/// Returns them in the order of corners.Stored().
+/// Least-squares values of the stored corners, in the order of corners.Stored(). Minimizes the sum over all points s of
+/// `light` in the open of w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull towards its own light, by
+/// conjugate gradients. w: FitWeight. Points of cells that touch solids count only where they are stored corners, so
+/// that no light is fitted through a wall.
 std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space);
 

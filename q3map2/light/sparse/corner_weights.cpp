@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Which corners of cells store a value, and how the others follow from them.
+// GPL-2.0-or-later. Stored and hanging corners of the cells of an octree.
 #include "q3map2/light/sparse/corner_weights.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Which corners of cells store a value, and how the others follow from them.
+// GPL-2.0-or-later. Stored and hanging corners of the cells of an octree.
 #pragma once
 
 #include "q3map2/light/sparse/lattice_points.h"
@@ -9,32 +9,34 @@
 
 namespace q3 {
 
-/// A stored value and its weight.
+/// A term of a linear combination of stored values.
 struct CornerTerm {
-    std::uint32_t stored = 0;
+    std::uint32_t stored = 0; ///< index in CornerWeights::Stored
     float weight = 0;
 };
 
 /// The corners of the open leafs of a tree. A corner that lies on the boundary of a larger open leaf, but is not a
-/// corner of it, is *hanging*: it has the value that the larger leaf gives there, so that light is continuous. All
-/// other corners are stored. Keeps references.
+/// corner of it, is *hanging*: its value is interpolated in the larger leaf, so that light is continuous. All other
+/// corners are stored. Keeps references.
 class CornerWeights {
   public:
     CornerWeights(const Octree &tree, const LatticePoints &light);
-    /// Numbers of the stored points, in the order of CornerTerm::stored.
+    /// Numbers, in LatticePoints, of the stored points.
     const std::vector<std::uint32_t> &Stored() const { return stored_; }
     bool IsStored(std::uint32_t point) const { return storedOf_[point] != LatticePoints::kUnknown; }
-    /// Value of a known point in a closed leaf, as terms.
+    /// The interpolated value at a point inside or on the boundary of an open leaf, as a combination of stored values.
     std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const LatticePoint &p);
-    /// The largest open leaf that p hangs on, or Octree::kNone.
+    /// The largest open leaf that has p on its boundary, but not as a corner; Octree::kNone: p does not hang.
     std::size_t HangsOn(const LatticePoint &p) const;
 
   private:
+    /// The value of a corner, likewise. A corner that does not hang becomes a stored one when it is met first.
     const std::vector<CornerTerm> &TermsOf(const LatticePoint &corner);
 
     const Octree &tree_;
     const LatticePoints &light_;
-    std::vector<std::uint32_t> stored_, storedOf_;
+    std::vector<std::uint32_t> stored_;
+    std::vector<std::uint32_t> storedOf_;        ///< by point: index in stored_, or kUnknown
     std::vector<std::vector<CornerTerm>> terms_; ///< by point; empty: not yet known
 };
 

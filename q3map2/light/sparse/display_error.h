@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. How far apart two lights are on a screen.
+// GPL-2.0-or-later. Difference of two lights as a screen shows them.
 #pragma once
 
 #include "libs/sh/sh.h"
@@ -10,7 +10,7 @@
 
 namespace q3 {
 
-/// Coefficients of displayed light, convolved with the cosine, of stored ones, which are that unless `radiance`.
+/// Cosine-convolved coefficients of stored ones. radiance: the stored ones are not convolved yet (-shradiance).
 inline ShFloats ToDisplayed(const bspGridPointSH_t &stored, bool radiance) {
     auto light = std::bit_cast<ShFloats>(stored);
     for (std::size_t i = 0; radiance && i < kShFloats; ++i)
@@ -24,16 +24,16 @@ inline bspGridPointSH_t ToStored(ShFloats light, bool radiance) {
     return std::bit_cast<bspGridPointSH_t>(light);
 }
 
-/// Factor that dims light to about what a screen shows: a mean over all directions above 1 / kBright becomes that.
+/// Factor that limits light to about what a screen shows: light whose mean over all directions is above 1 / kBright is
+/// scaled down to that mean, at which its brightest side is about white.
 inline float ScreenFactor(const ShFloats &light) {
     constexpr float kBright = 2.2f;
-    const float mean = float(kShC0) * std::max({light[0], light[1], light[2]});
-    return 1 / std::max(1.0f, kBright * mean);
+    return 1 / std::max(1.0f, kBright * MeanLight(light));
 }
 
-/// Squared difference of what is displayed on a surface, mean over all normals and the channels, bytes^2. The basis is
-/// orthonormal, so that is the squared distance of the coefficients over 4 pi.
-inline float DisplayError(const ShFloats &a, const ShFloats &b) {
+/// Mean squared difference of the displayed light of surfaces, over all normals and the three channels, bytes^2. The
+/// basis is orthonormal: the integral over the normals is the squared distance of the coefficients.
+inline float SquaredDisplayError(const ShFloats &a, const ShFloats &b) {
     constexpr float kScale = 255 * 255 / (3 * 4 * std::numbers::pi_v<float>);
     const float dimA = ScreenFactor(a), dimB = ScreenFactor(b);
     float sum = 0;

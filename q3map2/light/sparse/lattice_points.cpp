@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Light at points of the lattice of the sparse SH grid.
+// GPL-2.0-or-later. The points of the lattice of the sparse SH grid at which light is known.
 #include "q3map2/light/sparse/lattice_points.h"
 
 #include "libs/math/low_discrepancy.h"
@@ -36,12 +36,12 @@ std::size_t LatticePoints::SlotOf(std::uint64_t key) const {
     return slot;
 }
 
-void LatticePoints::Grow() {
-    constexpr std::size_t kLeastSlots = 1024;
+void LatticePoints::GrowIfFull() {
+    constexpr std::size_t kMinSlots = 1024;
     if (hashed_ * 2 < slots_.size())
         return;
     const std::vector<Slot> old = std::exchange(slots_, {});
-    slots_.assign(std::max(kLeastSlots, old.size() * 4), Slot{});
+    slots_.assign(std::max(kMinSlots, old.size() * 4), Slot{});
     for (const Slot &slot : old)
         if (slot.number != kUnknown)
             slots_[SlotOf(slot.key)] = slot;
@@ -63,7 +63,7 @@ std::uint32_t LatticePoints::Add(const LatticePoint &at) {
         uniform_[std::size_t(place - uniform_.data())] = number;
         return number;
     }
-    Grow();
+    GrowIfFull();
     const std::uint64_t key = KeyOf(at);
     slots_[SlotOf(key)] = {key, number};
     ++hashed_;

@@ -10,11 +10,11 @@ namespace q3 {
 
 namespace {
 
-/// Points traced together: they share a list of lights.
-constexpr std::size_t kTraced = 256;
+/// Points of a brick, which share a list of lights.
+constexpr std::size_t kBrickPoints = 256;
 
-/// Puts two zero bits before each of 21 bits.
-std::uint64_t Spread(std::int32_t coordinate) {
+/// Inserts two zero bits before each of the lowest 21 bits.
+std::uint64_t SpreadBits(std::int32_t coordinate) {
     auto x = std::uint64_t(std::uint32_t(coordinate));
     x = (x | x << 32) & 0x1f00000000ffffull;
     x = (x | x << 16) & 0x1f0000ff0000ffull;
@@ -23,14 +23,14 @@ std::uint64_t Spread(std::int32_t coordinate) {
     return (x | x << 2) & 0x1249249249249249ull;
 }
 
-/// Morton code: neighbors in this order are neighbors in space.
+/// Morton code: points next to each other in this order are near to each other in space.
 std::uint64_t MortonOf(const LatticePoint &p) {
-    return Spread(p[0]) | Spread(p[1]) << 1 | Spread(p[2]) << 2;
+    return SpreadBits(p[0]) | SpreadBits(p[1]) << 1 | SpreadBits(p[2]) << 2;
 }
 
 } // namespace
 
-void LatticeTracer::Light(LatticePoints &points, std::size_t first, GridStats &stats) const {
+void LatticeTracer::Trace(LatticePoints &points, std::size_t first, GridStats &stats) const {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
     for (std::size_t i = first; i < points.Size(); ++i)
         order.push_back({MortonOf(points[i].at), std::uint32_t(i)});
@@ -38,22 +38,22 @@ void LatticeTracer::Light(LatticePoints &points, std::size_t first, GridStats &s
     std::vector<std::uint32_t> numbers;
     for (const auto &[code, number] : order)
         numbers.push_back(number);
-    const auto bricks = std::int64_t((numbers.size() + kTraced - 1) / kTraced);
+    const auto bricks = std::int64_t((numbers.size() + kBrickPoints - 1) / kBrickPoints);
     std::vector<GridStats> work(std::size_t(in_.jobs.Threads()));
     in_.jobs.For(bricks, [&](std::int64_t brick, int worker) { // without progress: one of many short passes
-        const std::size_t from = std::size_t(brick) * kTraced;
-        Trace(points, std::span(numbers).subspan(from, std::min(kTraced, numbers.size() - from)),
-              work[std::size_t(worker)]);
+        const std::size_t from = std::size_t(brick) * kBrickPoints;
+        TraceBrick(points, std::span(numbers).subspan(from, std::min(kBrickPoints, numbers.size() - from)),
+                   work[std::size_t(worker)]);
     });
     for (const GridStats &part : work)
         stats.Add(part);
 }
 
-void LatticeTracer::Trace(LatticePoints &points, std::span<const std::uint32_t> numbers, GridStats &work) const {
+void LatticeTracer::TraceBrick(LatticePoints &points, std::span<const std::uint32_t> numbers, GridStats &work) const {
     std::vector<ProbeReceiver> receivers;
     std::vector<std::uint32_t> traced;
     for (const std::uint32_t number : numbers) {
-        LitPoint &point = points[number];
+        LatticeSample &point = points[number];
         PlacedPoint placed = PlaceInOpen(in_.space, lattice_.PositionOf(point.at));
         if (placed.state != PointState::Open)
             placed = PlaceBeside(in_.space, placed.position);

@@ -8,17 +8,17 @@
 
 namespace q3 {
 
-/// Keeps references.
+/// Traces light at lattice points in the open. Const after construction; keeps references.
 class LatticeTracer {
   public:
     LatticeTracer(const GridInputs &in, const SmoothLight &light, const SparseLattice &lattice)
         : in_(in), light_(light), lattice_(lattice) {}
-    /// Lights the points from number `first` on that are in the open or a small step beside it. The others keep value
-    /// 0.
-    void Light(LatticePoints &points, std::size_t first, GridStats &stats) const;
+    /// Sets the light of the points from number `first` on that are in the open or a small step from it, and their
+    /// `open`. The others keep value 0. Adds the work to `stats`.
+    void Trace(LatticePoints &points, std::size_t first, GridStats &stats) const;
 
   private:
-    void Trace(LatticePoints &points, std::span<const std::uint32_t> numbers, GridStats &work) const;
+    void TraceBrick(LatticePoints &points, std::span<const std::uint32_t> numbers, GridStats &work) const;
 
     const GridInputs &in_;
     const SmoothLight &light_;

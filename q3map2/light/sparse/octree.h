@@ -12,8 +12,8 @@ struct OctreeCell {
     LatticePoint origin{};   ///< lower corner
     std::int32_t level = 0;  ///< its edge is 2^level smallest cells
     std::uint32_t child = 0; ///< index of the first child; child c is the octant of corner c. 0: leaf
-    float open = 0;          ///< open share of its volume, estimated from its points; 0: no open space at all
-    float error = 0;         ///< of interpolation between its corners: displayed, mean square, bytes^2
+    float open = 0;          ///< open share of its volume, estimated from its corners; 0: no open space at all
+    float error = 0;         ///< expected mean squared error of interpolation between its corners, displayed, bytes^2
 
     std::int32_t Edge() const { return std::int32_t(1) << level; }
     /// Open volume in smallest cells.
@@ -22,6 +22,7 @@ struct OctreeCell {
     LatticePoint Corner(std::size_t c) const {
         return {origin[0] + (c & 1 ? Edge() : 0), origin[1] + (c & 2 ? Edge() : 0), origin[2] + (c & 4 ? Edge() : 0)};
     }
+    /// Whether a point of the closed cell is one of its corners.
     bool HasCorner(const LatticePoint &p) const { return ((p[0] | p[1] | p[2]) & (Edge() - 1)) == 0; }
     /// Trilinear weight of corner c at a position in lattice units.
     float Weight(std::size_t c, const Vec3f &at) const {
@@ -38,17 +39,19 @@ inline Vec3f LatticePosition(const LatticePoint &p) {
     return {float(p[0]), float(p[1]), float(p[2])};
 }
 
+/// A box of root cubes, each divided into an octree. Cells are named by their index, which never changes.
 class Octree {
   public:
     static constexpr std::size_t kNone = std::size_t(-1);
     explicit Octree(const SparseLattice &lattice);
-    /// Gives a leaf eight children, as open as it is. References to cells become invalid.
+    /// Gives a leaf eight children, which inherit its `open`. References to cells become invalid.
     void Split(std::size_t leaf);
-    /// The leaf that contains the point, lower faces included; kNone outside.
+    /// The leaf that contains a point (cells are half-open: lower faces belong to them); kNone outside the roots.
     std::size_t LeafAt(const LatticePoint &p) const;
-    /// The leafs that touch a point, by octant around it; kNone outside.
+    /// The leafs whose closure contains a point: bit 0 of the index is set for the lower side of the point in x, bit 1
+    /// in y, bit 2 in z. kNone outside the roots; a leaf may occur more than once.
     std::array<std::size_t, 8> LeafsAround(const LatticePoint &p) const;
-    /// All leafs that have open space, in the order of the tree.
+    /// All leafs that have open space, depth first.
     std::vector<std::size_t> OpenLeafs() const;
     OctreeCell &operator[](std::size_t i) { return cells_[i]; }
     const OctreeCell &operator[](std::size_t i) const { return cells_[i]; }

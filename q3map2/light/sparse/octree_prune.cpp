@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The best octree of a given cost.
+// GPL-2.0-or-later. Optimal pruning of the octree.
 #include "q3map2/light/sparse/octree_prune.h"
 
 #include <algorithm>

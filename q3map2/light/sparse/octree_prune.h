@@ -1,21 +1,21 @@
-// GPL-2.0-or-later. The best octree of a given cost.
+// GPL-2.0-or-later. Optimal pruning of the octree: error against number of cells.
 #pragma once
 
 #include "q3map2/light/sparse/octree.h"
 
 namespace q3 {
 
-/// What a pruned octree costs and shows.
+/// Size and expected error of a pruned octree.
 struct PrunedOctree {
-    std::size_t leafs = 0; ///< with open space; about as many as points that are stored
-    double volume = 0;     ///< open, in smallest cells
-    double error = 0;      ///< expected RMS of the displayed error over the open volume, bytes
-    double reducible = 0;  ///< the same without the smallest cells, which cannot be split
+    std::size_t leafs = 0; ///< with open space; about the number of stored points
+    double volume = 0;     ///< open volume in smallest cells
+    double error = 0;      ///< expected displayed error over the open volume: RMS, bytes
+    double reducible = 0;  ///< the part of `error` in cells that can be split: those above the smallest
 };
 
-/// Turns inner nodes of the tree, except roots, into leafs such that the sum over all leafs of squared error times open
-/// volume plus `price` is least (pruning of Breiman et al. and Chou, Lookabaugh and Gray). price: bytes^2 times
-/// smallest cells.
+/// Turns inner nodes, except roots, into leafs so that the sum over all leafs of (squared error x open volume + price)
+/// is least: the pruning of Breiman et al. (1984) and of Chou, Lookabaugh and Gray (1989). price: the Lagrange
+/// multiplier of the number of leafs, bytes^2 times smallest cells. Sets `open` of inner nodes from their children.
 PrunedOctree PruneOctree(Octree &tree, float price);
 
 } // namespace q3

@@ -11,12 +11,13 @@ namespace q3 {
 
 namespace {
 
-/// Expected squared error of a cell of the uniform grid, over the sum of its squared second differences by axis; of a
-/// new cell, over the mean squared surplus of its corners. Smooth light has 0.02 and 0.06, an edge up to 0.25 and 1.
-constexpr float kBaseShare = 0.15f, kSurplusShare = 0.2f;
+/// Ratio of the expected squared error of a cell of the uniform grid to the sum of its squared second differences by
+/// axis; of that of a new cell to the mean squared surplus of its corners. They lie between the ratios of smooth light,
+/// 0.02 and 0.06, and those of edges, up to 0.25 and 1.
+constexpr float kSecondDifferenceShare = 0.15f, kSurplusShare = 0.2f;
 /// Weight of a point in a solid, whose value serves the open space beside it, in the error of a large cell.
 constexpr float kSolidWeight = 0.5f;
-/// Cells worked on by one job.
+/// Cells or points of one job.
 constexpr std::int64_t kChunk = 256;
 
 /// Calls use(i) for i from 0 to count - 1, on all workers.
@@ -28,7 +29,7 @@ template <typename Use> void ForEach(const JobPool &jobs, std::size_t count, con
     });
 }
 
-/// Trilinear blend of the corners of a cell.
+/// Trilinear interpolation between the corners of a cell.
 Q3_VECTOR ShFloats Interpolated(const OctreeCell &cell, const std::array<const ShFloats *, 8> &corners,
                                 const LatticePoint &p) {
     ShFloats value{};
@@ -44,7 +45,7 @@ Q3_VECTOR ShFloats Interpolated(const OctreeCell &cell, const std::array<const S
 
 } // namespace
 
-LatticePoint OctreeRefiner::Inner(const OctreeCell &cell, std::size_t n) {
+LatticePoint OctreeRefiner::ChildCorner(const OctreeCell &cell, std::size_t n) {
     const std::int32_t half = cell.Edge() / 2;
     return {cell.origin[0] + std::int32_t(n % 3) * half, cell.origin[1] + std::int32_t(n / 3 % 3) * half,
             cell.origin[2] + std::int32_t(n / 9) * half};
@@ -96,14 +97,14 @@ void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform, bool radiance) 
                 light_[light_.Add(p)].value = ToDisplayed(uniform.points[lattice_.UniformIndex(p)], radiance);
             }
     ForEach(jobs_, light_.Size() - first, [&](std::size_t i) {
-        LitPoint &point = light_[first + i];
+        LatticeSample &point = light_[first + i];
         point.open = PlaceInOpen(space_, lattice_.PositionOf(point.at)).state == PointState::Open;
     });
 }
 
-/// Sum over axes of the squared difference of a point from the mean of its two neighbors. Axes on which one of the
-/// three is in a solid do not count.
-float OctreeRefiner::SecondDifference(const LitPoint &point) const {
+/// Sum over axes of the squared displayed difference of a point from the mean of its two neighbors. Axes on which one
+/// of the three is in a solid do not count.
+float OctreeRefiner::SecondDifference(const LatticeSample &point) const {
     float sum = 0;
     for (std::size_t axis = 0; axis < 3 && point.open; ++axis) {
         LatticePoint low = point.at, high = point.at;
@@ -115,11 +116,12 @@ float OctreeRefiner::SecondDifference(const LitPoint &point) const {
         ShFloats mean;
         for (std::size_t i = 0; i < kShFloats; ++i)
             mean[i] = 0.5f * (light_[a].value[i] + light_[b].value[i]);
-        sum += DisplayError(mean, point.value);
+        sum += SquaredDisplayError(mean, point.value);
     }
     return sum;
 }
 
+/// Sets the errors of cells of the uniform grid's size from the second differences at their corners.
 void OctreeRefiner::EstimateBaseCells() {
     std::vector<float> second(light_.Size());
     ForEach(jobs_, second.size(), [&](std::size_t i) { second[i] = SecondDifference(light_[i]); });
@@ -131,7 +133,7 @@ void OctreeRefiner::EstimateBaseCells() {
         for (std::size_t c = 0; c < 8; ++c)
             if (const std::uint32_t number = light_.Find(cell.Corner(c)); light_[number].open)
                 sum += second[number], ++count;
-        cell.error = count > 0 ? kBaseShare * sum / count : 0;
+        cell.error = count > 0 ? kSecondDifferenceShare * sum / count : 0;
     });
 }
 
@@ -155,7 +157,7 @@ void OctreeRefiner::MeasureLargeCells() {
                     if (number == LatticePoints::kUnknown || cell.HasCorner(p))
                         continue;
                     const float weight = light_[number].open ? 1 : kSolidWeight;
-                    sum += weight * DisplayError(Interpolated(cell, corners, p), light_[number].value);
+                    sum += weight * SquaredDisplayError(Interpolated(cell, corners, p), light_[number].value);
                     count += weight;
                 }
         cell.error = count > 0 ? sum / count : 0;
@@ -171,17 +173,18 @@ void OctreeRefiner::Refine(float threshold, const LatticeTracer &tracer, GridSta
         const std::size_t firstNew = light_.Size();
         for (const std::size_t i : cells)
             for (std::size_t n = 0; n < 27; ++n)
-                light_.Add(Inner(tree_[i], n));
-        tracer.Light(light_, firstNew, stats);
+                light_.Add(ChildCorner(tree_[i], n));
+        tracer.Trace(light_, firstNew, stats);
         FillSolids(cells, firstNew);
         for (const std::size_t i : cells)
             tree_.Split(i);
-        ForEach(jobs_, cells.size(), [&](std::size_t i) { SplitCell(cells[i]); });
+        ForEach(jobs_, cells.size(), [&](std::size_t i) { SetErrorsAfterSplit(cells[i]); });
     }
 }
 
-/// Gives the new points of cells that are in solids a value: interpolated, plus the mean surplus of the points of the
-/// same cell in the open, by the inverse of their squared distance. A point of several cells gets the mean of theirs.
+/// Sets the values of new points in solids: interpolated in the cell that was split, plus the mean surplus of its
+/// points in the open, weighted by the inverse of their squared distance. A point of several cells gets the mean over
+/// them.
 void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_t firstNew) {
     std::vector<float> fills(light_.Size() - firstNew);
     const Vec3f shape = lattice_.Cell();
@@ -190,34 +193,34 @@ void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_
         std::array<std::uint32_t, 27> numbers{};
         bool anySolid = false;
         for (std::size_t n = 0; n < 27; ++n) {
-            numbers[n] = light_.Find(Inner(cell, n));
+            numbers[n] = light_.Find(ChildCorner(cell, n));
             anySolid = anySolid || (numbers[n] >= firstNew && !light_[numbers[n]].open);
         }
         if (!anySolid)
             continue;
-        std::array<ShFloats, 27> line;
+        std::array<ShFloats, 27> interpolated;
         const Corners corners = CornersOf(cell);
         for (std::size_t n = 0; n < 27; ++n)
-            line[n] = Interpolated(cell, corners, light_[numbers[n]].at);
+            interpolated[n] = Interpolated(cell, corners, light_[numbers[n]].at);
         for (std::size_t n = 0; n < 27; ++n) {
-            LitPoint &point = light_[numbers[n]];
+            LatticeSample &point = light_[numbers[n]];
             if (numbers[n] < firstNew || point.open)
                 continue;
             ShFloats surplus{};
             float total = 0;
             for (std::size_t m = 0; m < 27; ++m) {
-                const LitPoint &other = light_[numbers[m]];
+                const LatticeSample &other = light_[numbers[m]];
                 if (!other.open)
                     continue;
                 const Vec3f away = (LatticePosition(other.at) - LatticePosition(point.at)) * shape;
                 const float weight = 1 / Dot(away, away);
                 total += weight;
                 for (std::size_t k = 0; k < kShFloats; ++k)
-                    surplus[k] += weight * (other.value[k] - line[m][k]);
+                    surplus[k] += weight * (other.value[k] - interpolated[m][k]);
             }
             float &count = fills[numbers[n] - firstNew];
             for (std::size_t k = 0; k < kShFloats; ++k) {
-                const float value = line[n][k] + (total > 0 ? surplus[k] / total : 0);
+                const float value = interpolated[n][k] + (total > 0 ? surplus[k] / total : 0);
                 point.value[k] = (point.value[k] * count + value) / (count + 1);
             }
             ++count;
@@ -225,19 +228,20 @@ void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_
     }
 }
 
-/// Sets the error of a cell from the surplus of its children's corners, and what the children are expected to have.
-void OctreeRefiner::SplitCell(std::size_t parent) {
+/// Sets the error of a cell that was split to what it had, the mean squared surplus of its children's corners, and the
+/// open shares and expected errors of the children.
+void OctreeRefiner::SetErrorsAfterSplit(std::size_t parent) {
     OctreeCell &cell = tree_[parent];
     const Corners corners = CornersOf(cell);
     std::array<float, 27> surplus{};
     std::array<bool, 27> known{};
     float sum = 0, count = 0;
     for (std::size_t n = 0; n < 27; ++n) {
-        const LitPoint &point = light_.At(Inner(cell, n));
+        const LatticeSample &point = light_.At(ChildCorner(cell, n));
         known[n] = point.open && !cell.HasCorner(point.at);
         if (!known[n])
             continue;
-        surplus[n] = DisplayError(Interpolated(cell, corners, point.at), point.value);
+        surplus[n] = SquaredDisplayError(Interpolated(cell, corners, point.at), point.value);
         sum += surplus[n], ++count;
     }
     cell.error = count > 0 ? sum / count : 0;

@@ -8,36 +8,37 @@ namespace q3 {
 
 /// Splits cells whose expected error is above a threshold, and traces the points that this adds. Keeps references.
 ///
-/// The surplus of a point is the difference of its light from what the larger cell around it gives by interpolation.
-/// Where light is smooth, the surplus falls to a quarter with each halving of cells; at shadow edges and beside lamps
-/// it hardly falls. Cells are expected to err by the surplus of the points around them times a factor between these.
+/// The hierarchical surplus of a point is its light minus what the larger cell around it gives there by interpolation.
+/// Where light is smooth, surpluses fall to a quarter with each halving of cells; at shadow edges and beside lamps they
+/// hardly fall. The expected squared error of a cell is the mean squared surplus of its corners times a factor between
+/// these two cases.
 class OctreeRefiner {
   public:
     OctreeRefiner(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, Octree &tree,
                   LatticePoints &light)
         : space_(space), jobs_(jobs), lattice_(lattice), tree_(tree), light_(light) {}
-    /// Splits all cells with open space down to those of the uniform grid, takes its points, and sets the errors.
-    /// radiance: see ToDisplayed.
+    /// Splits all cells with open space down to those of the uniform grid, adds its points, and sets the errors of the
+    /// cells from them. radiance: see ToDisplayed.
     void Start(const LightGridSH &uniform, bool radiance);
     /// Splits cells, also those of earlier calls, while their squared error times their open volume (bytes^2 times
     /// smallest cells) is above `threshold`.
     void Refine(float threshold, const LatticeTracer &tracer, GridStats &stats);
 
   private:
-    /// Point n of the 3 x 3 x 3 corners of a cell's children.
-    static LatticePoint Inner(const OctreeCell &cell, std::size_t n);
+    /// Point n of the 3 x 3 x 3 corners of a cell's children, x fastest, then y, then z.
+    static LatticePoint ChildCorner(const OctreeCell &cell, std::size_t n);
     bool HasOpenSpace(const OctreeCell &cell) const;
     /// OctreeCell::open of a cell with open space, from its corners.
     float OpenShare(const OctreeCell &cell) const;
-    /// Light at the corners of a cell; null where a corner is unknown.
+    /// Light at the corners of a cell; null where it is not known.
     using Corners = std::array<const ShFloats *, 8>;
     Corners CornersOf(const OctreeCell &cell) const;
     void AddUniformPoints(const LightGridSH &uniform, bool radiance);
-    float SecondDifference(const LitPoint &point) const;
+    float SecondDifference(const LatticeSample &point) const;
     void EstimateBaseCells();
     void MeasureLargeCells();
     void FillSolids(const std::vector<std::size_t> &cells, std::size_t firstNew);
-    void SplitCell(std::size_t cell);
+    void SetErrorsAfterSplit(std::size_t cell);
 
     const BspSpace &space_;
     const JobPool &jobs_;

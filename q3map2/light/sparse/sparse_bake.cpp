@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The sparse SH grid.
+// GPL-2.0-or-later. Bakes the sparse SH grid.
 #include "q3map2/light/sparse/sparse_bake.h"
 
 #include "q3map2/light/sparse/corner_fit.h"
@@ -15,50 +15,53 @@ namespace q3 {
 
 namespace {
 
-/// Refinement begins at this threshold (bytes^2 times smallest cells), which is divided by kFiner until the goal can be
-/// met, or until it is below kLeastThreshold.
-constexpr float kFirstThreshold = 16384, kFiner = 2.5f, kLeastThreshold = 1;
+/// Refinement begins at this threshold (bytes^2 times smallest cells), which is divided by kThresholdStep until the
+/// goal can be met, or until it is below kMinThreshold.
+constexpr float kFirstThreshold = 16384, kThresholdStep = 2.5f, kMinThreshold = 1;
 /// Leafs that a split adds.
 constexpr float kLeafsPerSplit = 7;
-/// Price of a leaf in bytes^2 times smallest cells: of trees that are not refined, and the highest. It is bisected on a
-/// logarithmic scale between that of refinement and kMostPrice times that.
-constexpr float kFinestPrice = 1.0f / 64, kHighestPrice = 1e9f, kMostPrice = 65536;
+/// Prices of a leaf (see PruneOctree): the lowest without refinement, and the highest. Bytes^2 times smallest cells.
+constexpr float kMinPrice = 1.0f / 64, kMaxPrice = 1e9f;
+/// The price is found by kBisections bisections, on a logarithmic scale, of a range from the lowest price that
+/// refinement allows to kPriceRange times that.
+constexpr float kPriceRange = 65536;
 constexpr int kBisections = 14;
-/// Refinement to an error ends where a leaf reduces the squared error by less than this share of the mean of all leafs.
-constexpr double kLeastGain = 0.25;
+/// Refinement to an error target ends where a further leaf reduces the squared error by less than this share of the
+/// mean squared error of a leaf.
+constexpr double kMinGain = 0.25;
 /// The price of a leaf grows by this factor while the lump exceeds its budget.
 constexpr float kPriceStep = 1.15f;
 /// Without a budget the lump has at most about this share of the bytes of the uniform grid, whatever its error: where
 /// lamps are dense, no cells are small enough.
-constexpr double kMostOfUniform = 0.5;
-/// Bytes of the lump for each leaf: of points that are stored, and of nodes.
+constexpr double kMaxShareOfUniform = 0.5;
+/// Estimate of the bytes of the lump per leaf, for its point and its share of a node.
 constexpr double kBytesPerLeaf = 25;
 
 /// Refines and prunes an octree until it meets a goal. Keeps references.
-class SparsePlan {
+class SparseGridBuilder {
   public:
     /// radiance: as light is stored, see ToDisplayed.
-    SparsePlan(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, const SparseGoal &goal,
-               bool radiance)
+    SparseGridBuilder(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, const SparseGoal &goal,
+                      bool radiance)
         : space_(space), lattice_(lattice), goal_(goal), radiance_(radiance), light_(lattice), tree_(lattice),
           refiner_(space, jobs, lattice, tree_, light_) {}
     void Start(const LightGridSH &uniform) {
         refiner_.Start(uniform, radiance_);
-        mostBytes_ = kMostOfUniform * double(uniform.points.size() * sizeof(bspGridPointSH_t));
+        maxBytes_ = kMaxShareOfUniform * double(uniform.points.size() * sizeof(bspGridPointSH_t));
     }
-    /// Removes negative lobes from the values of the grid.
-    void Dering() { dering_ = true; }
+    /// Makes Grid remove negative lobes from the values.
+    void EnableDering() { dering_ = true; }
     /// Splits cells until pruning can meet the goal.
     void Refine(const LatticeTracer &tracer, GridStats &work) {
-        for (float threshold = kFirstThreshold; threshold > kLeastThreshold; threshold /= kFiner) {
+        for (float threshold = kFirstThreshold; threshold > kMinThreshold; threshold /= kThresholdStep) {
             refiner_.Refine(threshold, tracer, work);
-            leastPrice_ = threshold / kLeafsPerSplit;
-            const PrunedOctree pruned = Pruned(leastPrice_).second;
+            minPrice_ = threshold / kLeafsPerSplit;
+            const PrunedOctree pruned = Pruned(minPrice_).second;
             if (IsFine(pruned) || (!goal_.budget && GainsLittle(pruned)))
                 return;
         }
     }
-    /// Of the coarsest tree that meets the goal, or the nearest to it.
+    /// The grid of the coarsest tree that meets the goal; if none does, of the one nearest to it.
     SparseGridSH Grid(SparseStats &result);
 
   private:
@@ -68,18 +71,18 @@ class SparsePlan {
         pruned.second = PruneOctree(pruned.first, price);
         return pruned;
     }
-    /// Whether the tree is at least as fine as the goal wants.
+    /// Whether the tree is fine enough for the goal.
     bool IsFine(const PrunedOctree &pruned) const {
         const double bytes = double(pruned.leafs) * kBytesPerLeaf;
-        return goal_.budget ? bytes >= *goal_.budget : pruned.reducible <= double(goal_.error) || bytes >= mostBytes_;
+        return goal_.budget ? bytes >= *goal_.budget : pruned.reducible <= double(goal_.error) || bytes >= maxBytes_;
     }
-    /// Whether further leafs hardly reduce the error: what is left is in the smallest cells, beside lamps.
+    /// Whether further leafs hardly reduce the error: most of it is in the smallest cells, beside lamps.
     bool GainsLittle(const PrunedOctree &pruned) const {
-        return double(leastPrice_) * double(pruned.leafs) < kLeastGain * pruned.error * pruned.error * pruned.volume;
+        return double(minPrice_) * double(pruned.leafs) < kMinGain * pruned.error * pruned.error * pruned.volume;
     }
     /// Highest price of a leaf at which the pruned tree is still fine.
     float FindPrice() const {
-        float low = leastPrice_, high = leastPrice_ * kMostPrice;
+        float low = minPrice_, high = minPrice_ * kPriceRange;
         for (int i = 0; i < kBisections; ++i) {
             const float middle = std::sqrt(low * high);
             (IsFine(Pruned(middle).second) ? low : high) = middle;
@@ -112,11 +115,11 @@ class SparsePlan {
     Octree tree_;
     OctreeRefiner refiner_;
     bool dering_ = false;
-    double mostBytes_ = 0;            ///< without a budget: where refinement ends
-    float leastPrice_ = kFinestPrice; ///< of a leaf; below it the tree was not refined
+    double maxBytes_ = 0;        ///< without a budget: where refinement ends
+    float minPrice_ = kMinPrice; ///< of a leaf: the tree is not refined for lower ones
 };
 
-SparseGridSH SparsePlan::Grid(SparseStats &result) {
+SparseGridSH SparseGridBuilder::Grid(SparseStats &result) {
     float price = FindPrice();
     for (;;) {
         const PrunedTree pruned = Pruned(price);
@@ -124,7 +127,7 @@ SparseGridSH SparsePlan::Grid(SparseStats &result) {
         if (!goal_.budget || double(result.bytes) <= *goal_.budget)
             return grid;
         price *= kPriceStep;
-        if (price > kHighestPrice) // cells are as large as they can be
+        if (price > kMaxPrice) // cells are as large as they can be
             return grid;
     }
 }
@@ -135,20 +138,20 @@ SparseGridSH BakeSparseGrid(const GridInputs &in, const SmoothLight &light, cons
                             const SparseGoal &goal, GridStats &work, SparseStats &result) {
     const SparseLattice lattice(uniform.header);
     const LatticeTracer tracer(in, light, lattice);
-    SparsePlan plan(in.space, in.jobs, lattice, goal, in.options.shRadiance);
+    SparseGridBuilder builder(in.space, in.jobs, lattice, goal, in.options.shRadiance);
     if (in.options.shDering)
-        plan.Dering();
-    plan.Start(uniform);
-    plan.Refine(tracer, work);
-    return plan.Grid(result);
+        builder.EnableDering();
+    builder.Start(uniform);
+    builder.Refine(tracer, work);
+    return builder.Grid(result);
 }
 
 SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform, bool radiance, const SparseGoal &goal,
                                const JobPool &jobs, SparseStats &result) {
     const SparseLattice lattice(uniform.header);
-    SparsePlan plan(space, jobs, lattice, goal, radiance);
-    plan.Start(uniform);
-    return plan.Grid(result);
+    SparseGridBuilder builder(space, jobs, lattice, goal, radiance);
+    builder.Start(uniform);
+    return builder.Grid(result);
 }
 
 void PrintSparseStats(const SparseStats &stats, const SparseGoal &goal, Log &log) {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Where the cells of the sparse SH grid are.
+// GPL-2.0-or-later. The lattice of the sparse SH grid.
 #include "q3map2/light/sparse/sparse_lattice.h"
 
 #include "q3map2/light/options/light_options.h"
@@ -10,7 +10,8 @@ namespace q3 {
 
 namespace {
 
-constexpr int kMostFineLevels = 2;
+/// The smallest cells have edges of at least 2^-kMaxFineLevels cells of the uniform grid.
+constexpr int kMaxFineLevels = 2;
 /// The largest cells have edges of 2^kCoarseLevels cells of the uniform grid.
 constexpr int kCoarseLevels = 3;
 
@@ -18,7 +19,7 @@ constexpr int kCoarseLevels = 3;
 
 SparseLattice::SparseLattice(const bspGridSHHeader_t &uniform) : uniform_(uniform) {
     const Vec3f size(uniform.gridSize), least{kMinCell, kMinCell, kMinCell};
-    while (baseLevel_ < kMostFineLevels && Min(size / float(2 << baseLevel_), least) == least)
+    while (baseLevel_ < kMaxFineLevels && Min(size / float(2 << baseLevel_), least) == least)
         ++baseLevel_;
     levels_ = baseLevel_ + kCoarseLevels + 1;
     cell_ = size / float(1 << baseLevel_);
@@ -27,7 +28,7 @@ SparseLattice::SparseLattice(const bspGridSHHeader_t &uniform) : uniform_(unifor
         // One cell of the uniform grid to spare on each side: the world may reach beyond its points.
         const float origin = uniform.gridMins[axis], cell = size[axis];
         const auto rootsBefore = std::int32_t(std::floor((origin - cell) / root[axis]));
-        // Grids of maps that were moved have points beside the multiples of their cell.
+        // The first point of a grid need not be at a multiple of its cell: -shift moves grids.
         first_[axis] = (std::int32_t(std::lround(origin / cell)) << baseLevel_) - (rootsBefore << levels_);
         mins_[axis] = origin - cell_[axis] * float(first_[axis]);
         const float end = origin + cell * float(uniform.gridBounds[axis]);

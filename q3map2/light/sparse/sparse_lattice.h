@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Where the cells of the sparse SH grid are.
+// GPL-2.0-or-later. The lattice of the sparse SH grid: positions of its points, levels and roots of its octree.
 #pragma once
 
 #include "libs/math/vec.h"
@@ -9,7 +9,7 @@
 
 namespace q3 {
 
-/// A point of the lattice of the smallest cells.
+/// A point of the lattice of the smallest cells: its coordinates in such cells, from the lower corner of the roots.
 using LatticePoint = std::array<std::int32_t, 3>;
 
 /// The lattice of the smallest cells, laid so that points of the uniform SH grid are points of it. An octree over it
@@ -17,8 +17,8 @@ using LatticePoint = std::array<std::int32_t, 3>;
 /// the uniform grid.
 class SparseLattice {
   public:
-    /// uniform: header of the uniform grid. Its cells are halved while no edge falls below the least cell of SH grids,
-    /// at most twice.
+    /// uniform: header of the uniform grid. The smallest cells are its cells halved twice, or less often where an edge
+    /// would fall below kMinCell.
     explicit SparseLattice(const bspGridSHHeader_t &uniform);
     int BaseLevel() const { return baseLevel_; }
     int Levels() const { return levels_; }
@@ -28,7 +28,7 @@ class SparseLattice {
     Vec3f PositionOf(const LatticePoint &p) const {
         return mins_ + cell_ * Vec3f{float(p[0]), float(p[1]), float(p[2])};
     }
-    /// Index of the point of the uniform grid at p, or nearest to p where p is beside that grid.
+    /// Index of the point of the uniform grid at p; outside that grid, of the nearest of its points.
     std::size_t UniformIndex(const LatticePoint &p) const;
 
   private:
@@ -36,7 +36,7 @@ class SparseLattice {
     int baseLevel_ = 0, levels_ = 0;
     Vec3f mins_, cell_;
     Int3 roots_{};
-    LatticePoint first_{}; ///< where the first point of the uniform grid is
+    LatticePoint first_{}; ///< of the first point of the uniform grid
 };
 
 } // namespace q3

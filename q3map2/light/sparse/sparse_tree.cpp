@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The sparse SH grid as it is stored.
+// GPL-2.0-or-later. Converts the octree to the nodes and values of the sparse SH grid.
 #include "q3map2/light/sparse/sparse_tree.h"
 
 #include <algorithm>
@@ -12,6 +12,7 @@ namespace {
 /// What the file says of the lower corner of a leaf.
 enum class Owned : std::uint8_t { Nothing, Stored, Hanging };
 
+/// Marks the lower corners of leafs, then writes the nodes breadth first.
 class TreeWriter {
   public:
     TreeWriter(Octree tree, const LatticePoints &light, const CornerWeights &corners)
@@ -27,8 +28,8 @@ class TreeWriter {
     SparseGridTree Write(const std::vector<ShFloats> &values) const;
 
   private:
-    /// Makes p the lower corner of the leaf that contains it, unless that has open space: p is on its side then, and
-    /// readers go on to larger cells by themselves.
+    /// Marks p, and splits the leaf that contains it until p is its lower corner. A leaf with open space is not split:
+    /// p lies on its boundary, and readers go on to the cube around by themselves.
     void Place(const LatticePoint &p, Owned what) {
         std::size_t leaf = tree_.LeafAt(p);
         if (leaf == Octree::kNone)
@@ -45,8 +46,9 @@ class TreeWriter {
         if (owned_[leaf] == Owned::Nothing)
             owned_[leaf] = what;
     }
-    /// Places a hanging point and those that readers take it from: the points beside it on the axes on which it is an
-    /// odd multiple of the greatest power of two that divides all its coordinates.
+    /// Places a hanging point and its parents, between which readers interpolate it: with 2^power the greatest power of
+    /// two that divides all its coordinates, the points 2^power away on both sides of each axis on which its coordinate
+    /// is an odd multiple of that.
     void PlaceHanging(const LatticePoint &p) {
         if (!hanging_.insert(KeyOf(p)).second)
             return;
@@ -69,13 +71,13 @@ class TreeWriter {
                 PlaceHanging(parent);
         }
     }
-    /// Whether the cell or a cell below it owns something.
+    /// By cell: whether it, or a leaf below it, owns a point.
     std::vector<bool> FindUsed() const;
 
     Octree tree_;
     const LatticePoints &light_;
     const CornerWeights &corners_;
-    std::vector<Owned> owned_;                  ///< by cell
+    std::vector<Owned> owned_;                  ///< by leaf; may be shorter than the tree
     std::unordered_set<std::uint64_t> hanging_; ///< keys of the hanging points that are placed
 };
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The sparse SH grid as it is stored.
+// GPL-2.0-or-later. Converts the octree to the nodes and values of the sparse SH grid.
 #pragma once
 
 #include "q3map2/bspfile/sparse_grid.h"
@@ -6,8 +6,8 @@
 
 namespace q3 {
 
-/// The tree with one value for each stored corner, in the order of corners.Stored(). Splits cells without open space
-/// where a corner that is needed lies in them, since only the lower corner of a cell has a place in the file.
+/// The nodes and values that the file has. values: of the stored corners, in the order of corners.Stored(). A cell owns
+/// its lower corner alone, so cells without open space are split where a stored or hanging corner is not theirs.
 SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &light, const CornerWeights &corners,
                               const SparseLattice &lattice, const std::vector<ShFloats> &values);
 

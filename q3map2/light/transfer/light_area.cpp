@@ -169,7 +169,7 @@ bool AreaContribution::EstimateUnoccluded() {
     return live_.Any();
 }
 
-/// Sets partShare_; ends receivers where the part has nothing.
+/// Sets partShare_; ends receivers at which the part is 0.
 Q3_VECTOR void AreaContribution::TakePart() {
     partShare_.fill(1);
     if (settings_.part == LightPart::Whole)
@@ -259,8 +259,8 @@ Q3_VECTOR LaneMask AreaContribution::LanesToRefine(int probes) {
         anyWhole |= live_[i] & whole, anyNotWhole |= live_[i] & ~whole;
         anyHidden |= live_[i] & hidden, anySeen |= live_[i] & ~hidden;
     }
-    const bool near = settings_.part != LightPart::Weak;
-    const std::int32_t mixed = near && ((anyWhole & anyNotWhole) | (anyHidden & anySeen)) != 0 ? -1 : 0;
+    const bool comparesNeighbors = settings_.part != LightPart::Weak; // else receivers may be far apart
+    const std::int32_t mixed = comparesNeighbors && ((anyWhole & anyNotWhole) | (anyHidden & anySeen)) != 0 ? -1 : 0;
     // Shortcuts: dim receivers are not refined; those that only differ from their neighbors must be twice as bright.
     const bool shortcuts = settings_.skip.probes;
     const float partlyFrom = shortcuts ? kRefine : 0, mixedFrom = shortcuts ? 2 * kRefine : 0;

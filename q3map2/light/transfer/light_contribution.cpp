@@ -89,7 +89,7 @@ Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
     }
 }
 
-/// Takes the part of a light out of `add`; ends receivers for which nothing is left.
+/// Reduces `add` to the part of the light that the pass takes; ends receivers at which that is 0.
 void TakePart(const Light &light, const LightSettings &settings, ProbeIncidentLight &incident) {
     if (settings.part == LightPart::Whole)
         return;

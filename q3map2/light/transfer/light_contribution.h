@@ -12,15 +12,15 @@
 
 namespace q3 {
 
-/// Which part of each light a grid pass takes.
+/// The part of each light that a grid pass traces. Weak and strong part add up to the light; see ShareOfPart.
 enum class LightPart {
     Whole,
-    Strong, ///< the whole without the weak share, and without the rays of light that is weak alone
-    Weak    ///< the weak share, for receivers that may be far apart: one that differs from others is no cause for rays
+    Strong, ///< no rays are cast to lights without a strong part
+    Weak    ///< for receivers that may be far apart: that their visibility differs is no cause for further rays
 };
 
-/// Share of a light that belongs to the part at a receiver where it would give `light` without shadows. The weak share
-/// is 1 up to half of weakBelow, 0 from weakBelow on, linear between. Both in byte scale.
+/// Share of a part in a light that gives a receiver `light` without shadows. That of the weak part is 1 up to half of
+/// weakBelow, 0 from weakBelow on, linear between. light, weakBelow: byte scale.
 inline float ShareOfPart(LightPart part, float light, float weakBelow) {
     const float slope = 2 - 2 * light / weakBelow, weak = slope > 0 ? std::min(slope, 1.0f) : 0;
     return part == LightPart::Whole ? 1 : part == LightPart::Weak ? weak : 1 - weak;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Fills the weak light of the SH grid, tracing only where it is not smooth.
+// GPL-2.0-or-later. Fills the weak light of the SH grid: traced where it is not smooth, else interpolated.
 #pragma once
 
 #include "q3map2/light/grid/lit_points.h"
@@ -9,16 +9,16 @@
 
 namespace q3 {
 
-/// Fills a WeakField level by level: points that lower levels do not predict are traced. Keeps references.
-class SmoothLevels {
+/// Fills a WeakField level by level: points that lower levels do not predict well are traced. Keeps references.
+class WeakFieldTracer {
   public:
-    SmoothLevels(const GridInputs &in, const GridLayout &layout, const LitGridPoints &points,
-                 const ProbeIntegrator &integrator)
+    WeakFieldTracer(const GridInputs &in, const GridLayout &layout, const LitGridPoints &points,
+                    const ProbeIntegrator &integrator)
         : in_(in), layout_(layout), points_(points), integrator_(integrator) {}
 
     /// Sets `weak` at all lit points. The result does not depend on the number of threads. False: the first levels
-    /// predict too few of the others to be worth the work; `weak` is not complete.
-    bool Run(WeakField &weak, GridStats &stats) const;
+    /// predict too few points, so that tracing all light at once is faster; `weak` is not complete.
+    bool Fill(WeakField &weak, GridStats &stats) const;
 
   private:
     bool IsSmooth(const WeakField &weak) const;

@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Fills the weak light of the SH grid, tracing only where it is not smooth.
-#include "q3map2/light/grid/gridsh_smooth.h"
+// GPL-2.0-or-later. Fills the weak light of the SH grid: traced where it is not smooth, else interpolated.
+#include "q3map2/light/grid/weak_field_tracer.h"
 
 #include "libs/math/low_discrepancy.h"
 
@@ -10,34 +10,36 @@ namespace q3 {
 
 namespace {
 
-/// Bricks of the first levels and of those from kFirstFine on, in grid points: few of those are traced.
+/// Size of bricks in grid points: of levels below kFirstFine, which have few points, and of the others.
 constexpr Int3 kCoarseBrick = {16, 16, 8}, kFineBrick = {16, 16, 4};
 constexpr int kFirstFine = 4;
-/// By level: its points are about 2^shift columns apart.
+/// By level: log2 of the distance of its points in columns, about.
 constexpr int kShift[WeakField::kLevels] = {2, 2, 2, 2, 1, 0};
 
-/// Where less than this share of the points of a level is predicted from those before it, all points are traced as a
-/// whole: weak and strong light apart take longer.
+/// If less than a share of kMinPredicted of the points of kTestedLevel is predicted well, light is not split: to trace
+/// weak and strong light apart takes longer than both at once.
 constexpr int kTestedLevel = 3;
-constexpr double kLeastSmooth = 0.3;
+constexpr double kMinPredicted = 0.3;
 
+/// A point of the level that is being filled.
 struct LevelPoint {
     BrickPoint point;
     WeakField::Prediction prediction;
-    std::uint32_t order;
+    std::uint32_t mortonCode; ///< orders points so that neighbors are traced together
 };
 
-/// Interleaves the lowest bits: neighbors get near numbers.
-std::uint32_t Morton(int x, int y, int z) {
+/// Morton code of the lowest 5 bits.
+std::uint32_t MortonOf(int x, int y, int z) {
     std::uint32_t code = 0;
     for (unsigned bit = 0; bit < 5; ++bit)
         code |= (unsigned(x) >> bit & 1) << 3 * bit | (unsigned(y) >> bit & 1) << (3 * bit + 1) |
                 (unsigned(z) >> bit & 1) << (3 * bit + 2);
     return code;
 }
+
 } // namespace
 
-bool SmoothLevels::Run(WeakField &weak, GridStats &stats) const {
+bool WeakFieldTracer::Fill(WeakField &weak, GridStats &stats) const {
     for (int level = 0; level < WeakField::kLevels; ++level) {
         if (level == kTestedLevel && !IsSmooth(weak))
             return false;
@@ -50,8 +52,8 @@ bool SmoothLevels::Run(WeakField &weak, GridStats &stats) const {
     return true;
 }
 
-/// Whether enough points of kTestedLevel are predicted.
-bool SmoothLevels::IsSmooth(const WeakField &weak) const {
+/// Whether enough points of kTestedLevel are predicted well.
+bool WeakFieldTracer::IsSmooth(const WeakField &weak) const {
     std::vector<std::int64_t> lit(std::size_t(layout_.bounds[2])), good(lit.size());
     in_.jobs.For(layout_.bounds[2], [&](std::int64_t z, int) {
         for (int y = 0; y < layout_.bounds[1]; ++y)
@@ -66,17 +68,17 @@ bool SmoothLevels::IsSmooth(const WeakField &weak) const {
     const auto sum = [](const std::vector<std::int64_t> &counts) {
         return double(std::accumulate(counts.begin(), counts.end(), std::int64_t(0)));
     };
-    return sum(good) >= kLeastSmooth * sum(lit);
+    return sum(good) >= kMinPredicted * sum(lit);
 }
 
-void SmoothLevels::TraceBrick(int level, std::int64_t brick, const std::vector<BrickPoint> &points, WeakField &weak,
-                              GridStats &work) const {
+void WeakFieldTracer::TraceBrick(int level, std::int64_t brick, const std::vector<BrickPoint> &points, WeakField &weak,
+                                 GridStats &work) const {
     std::vector<LevelPoint> traced;
     for (const BrickPoint &point : points) {
         const auto [x, y, z] = layout_.Coordinates(point.index);
         if (WeakField::LevelOf(x, y, z) != level || !points_.IsLit(point.index))
             continue;
-        LevelPoint here{point, {}, Morton(x >> kShift[level], y >> kShift[level], z)};
+        LevelPoint here{point, {}, MortonOf(x >> kShift[level], y >> kShift[level], z)};
         if (weak.IsOpen(point.index))
             here.prediction = weak.Predict(x, y, z);
         if (here.prediction.Good())
@@ -87,7 +89,7 @@ void SmoothLevels::TraceBrick(int level, std::int64_t brick, const std::vector<B
     if (traced.empty())
         return;
     std::stable_sort(traced.begin(), traced.end(),
-                     [](const LevelPoint &a, const LevelPoint &b) { return a.order < b.order; });
+                     [](const LevelPoint &a, const LevelPoint &b) { return a.mortonCode < b.mortonCode; });
     std::vector<ReceiverBatch> blocks;
     for (const LevelPoint &one : traced)
         points_.AddReceiver(one.point, blocks);
@@ -96,4 +98,5 @@ void SmoothLevels::TraceBrick(int level, std::int64_t brick, const std::vector<B
                               weak.SetTraced(traced[i].point.index, light, traced[i].prediction);
                           });
 }
+
 } // namespace q3
