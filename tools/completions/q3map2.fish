@@ -128,7 +128,7 @@ complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o nosk
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o noskipfaint -d 'Trace all faint lights instead of a random few'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o noskipmoments -d 'Integrate far surface lights exactly too (both grids)'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o noskipprobes -d 'Cast several rays to faint surface lights too'
-complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o noskipsmooth -d 'Trace dim lights at every point of the SH grid, also where their light is smooth'
+complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o noskipsmooth -d 'Trace weak light at every point of the SH grid, also where it is smooth'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o noskipcoarse -d 'With -fast or -fastgrid: cast rays to dim lights at every point'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o scale -r -d 'Factor of all lights'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o point -r -d 'Factor of point lights and spotlights'

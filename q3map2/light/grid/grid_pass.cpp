@@ -21,7 +21,7 @@ void GridStats::Print(Log &log) const {
     count(skippedPvs, "pairs of brick and light hidden by visibility data, skipped (-noskippvs)");
     count(skippedReach, "pairs of brick and light out of reach, skipped (-noskipreach)");
     count(skippedFaint, "pairs of brick and light too faint, represented by others (-noskipfaint)");
-    count(skippedSmooth, "points with dim light interpolated from neighbors (-noskipsmooth)");
+    count(skippedSmooth, "points and samples with weak light interpolated (-noskipsmooth)");
     count(counts.pairs, "pairs of point and light");
     count(counts.skippedPvs, "hidden by visibility data, skipped (-noskippvs)");
     count(counts.skippedFacing, "out of reach, cone or side");

@@ -211,7 +211,7 @@ Group Skips() {
              {{.name = "-noskipprobes", .help = "Cast several rays to faint surface lights too"},
               skip(&SkipOptions::probes)},
              {{.name = "-noskipsmooth",
-               .help = "Trace dim lights at every point of the SH grid, also where their light is smooth"},
+               .help = "Trace weak light at every point of the SH grid, also where it is smooth"},
               skip(&SkipOptions::smooth)},
              {{.name = "-noskipcoarse", .help = "With -fast or -fastgrid: cast rays to dim lights at every point"},
               skip(&SkipOptions::coarse)}}};
