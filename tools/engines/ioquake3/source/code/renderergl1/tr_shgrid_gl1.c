@@ -105,7 +105,7 @@ void R_ShGridSpeed_f( void ) {
 	Com_Memset( &ent, 0, sizeof( ent ) );
 	AxisCopy( axisDefault, ent.e.axis );
 	for ( i = 0 ; i < VERTEXES ; i++ ) {
-		VectorSet( tess.normal[i], tr.sinTable[i], 0, tr.sinTable[i + FUNCTABLE_SIZE / 8] );
+		VectorSet( tess.normal[i], tr.sinTable[i], tr.sinTable[i / 2], tr.sinTable[( i + FUNCTABLE_SIZE / 4 ) & FUNCTABLE_MASK] );
 		VectorNormalize( tess.normal[i] );
 	}
 	tess.numVertexes = VERTEXES;
