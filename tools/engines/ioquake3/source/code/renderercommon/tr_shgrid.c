@@ -128,7 +128,7 @@ void R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int sh
 
 	R_ParseShGridKeys( (const char *)file + LittleLong( ((const int *)file)[2] ) );
 
-	ri.Printf( PRINT_ALL, "SH light grid: %s, %i points, %.1f MB%s\n", R_ShGridForm( file, lump ),
+	ri.Printf( PRINT_ALL, "SH light grid: %s, %i points, %.2f MB%s\n", R_ShGridForm( file, lump ),
 		shGridWorld.grid.count, lumpBytes / ( 1024.0f * 1024.0f ), shGridWorld.isRadiance ? ", radiance" : "" );
 }
 
@@ -169,7 +169,7 @@ int R_ShGridNear( const vec3_t origin, float radius, int max, vec3_t *points ) {
 		return 0;
 	}
 
-	while ( ( count = shgrid_points_near( &shGridWorld.grid, origin, radius, max, points ) ) > max ) {
+	while ( ( count = shgrid_points_near( &shGridWorld.grid, origin, radius, max, points ) ) > (size_t)max ) {
 		radius *= 0.875f;
 	}
 	return count;
