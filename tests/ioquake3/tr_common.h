@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#define M_PI 3.14159265358979323846f
 #define MAX_TOKEN_CHARS 1024
 #define CVAR_ARCHIVE 0x0001
 #define CVAR_CHEAT 0x0200

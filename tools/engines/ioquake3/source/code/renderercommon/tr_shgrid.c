@@ -291,8 +291,8 @@ const shGridSphere_t *R_ShGridSphere( void ) {
 		for ( side = 0 ; side < SHGRID_SPHERE_SIDES ; side++ ) {
 			float	fromPole = M_PI * ring / ( SHGRID_SPHERE_RINGS - 1 ), around = 2 * M_PI * side / SHGRID_SPHERE_SIDES;
 
-			VectorSet( sphere.normals[ring * SHGRID_SPHERE_SIDES + side], sin( fromPole ) * cos( around ),
-				sin( fromPole ) * sin( around ), cos( fromPole ) );
+			VectorSet( sphere.normals[ring * SHGRID_SPHERE_SIDES + side], sinf( fromPole ) * cosf( around ),
+				sinf( fromPole ) * sinf( around ), cosf( fromPole ) );
 		}
 	}
 
