@@ -1,0 +1,227 @@
+/*
+===========================================================================
+SPDX-License-Identifier: GPL-2.0-or-later
+
+The SH light grid in renderer 1: light of entities, and pictures of the grid.
+===========================================================================
+*/
+// tr_shgrid_gl1.c
+
+#include "tr_local.h"
+
+#include <time.h>
+
+/*
+=============================================================================
+
+LIGHT OF ENTITIES
+
+=============================================================================
+*/
+
+/*
+=================
+R_SetupEntityShGrid
+
+Samples the grid, unless the legacy light is to be used. Ambient and directed light are there for shadows and for
+r_debugLight; dynamic lights are still to be added.
+=================
+*/
+qboolean R_SetupEntityShGrid( const trRefdef_t *refdef, const vec3_t lightOrigin, trRefEntity_t *ent ) {
+	VectorClear( ent->dynamicLight );
+	VectorClear( ent->dynamicDir );
+	ent->shLit = !( refdef->rdflags & RDF_NOWORLDMODEL ) && R_ShGridAt( lightOrigin, &ent->shCoeffs );
+	if ( ent->shLit ) {
+		R_ShGridSplit( &ent->shCoeffs, ent->ambientLight, ent->directedLight, ent->lightDir );
+	}
+	return ent->shLit;
+}
+
+/*
+=================
+R_TurnEntityShGrid
+
+Into the axes of the model, so that vertexes need no transformation of their own
+=================
+*/
+void R_TurnEntityShGrid( trRefEntity_t *ent ) {
+	shgrid_coeffs	world = ent->shCoeffs;
+	vec3_t			dir;
+
+	R_ShGridTurn( &world, (const vec3_t *)ent->e.axis, &ent->shCoeffs );
+
+	VectorNormalize2( ent->dynamicDir, dir );
+	VectorSet( ent->dynamicDir, DotProduct( dir, ent->e.axis[0] ), DotProduct( dir, ent->e.axis[1] ),
+		DotProduct( dir, ent->e.axis[2] ) );
+}
+
+/*
+=================
+RB_CalcShGridColor
+
+RB_CalcDiffuseColor for an entity that is lit by the grid
+=================
+*/
+void RB_CalcShGridColor( unsigned char *colors ) {
+	const trRefEntity_t	*ent = backEnd.currentEntity;
+	const qboolean		dynamic = ent->dynamicLight[0] || ent->dynamicLight[1] || ent->dynamicLight[2];
+	int					i, j;
+
+	for ( i = 0 ; i < tess.numVertexes ; i++, colors += 4 ) {
+		vec3_t	rgb;
+
+		R_ShGridLight( &ent->shCoeffs, tess.normal[i], rgb );
+		if ( dynamic ) {
+			float	incoming = DotProduct( tess.normal[i], ent->dynamicDir );
+
+			if ( incoming > 0 ) {
+				VectorMA( rgb, incoming, ent->dynamicLight, rgb );
+			}
+		}
+		for ( j = 0 ; j < 3 ; j++ ) {
+			colors[j] = rgb[j] < 255 ? (int)rgb[j] : 255;
+		}
+		colors[3] = 255;
+	}
+}
+
+/*
+=================
+R_ShGridSpeed_f
+
+CPU time of lighting entities and vertexes around the view, by the grid or the legacy one as r_shgrid says
+=================
+*/
+void R_ShGridSpeed_f( void ) {
+	enum { ENTITIES = 1000000, BATCHES = 5000, VERTEXES = 900 };
+	trRefdef_t		refdef;
+	trRefEntity_t	ent;
+	clock_t			start, middle, end;
+	int				i;
+
+	if ( !tr.world ) {
+		return;
+	}
+	R_IssuePendingRenderCommands();
+	qglFinish();
+
+	Com_Memset( &refdef, 0, sizeof( refdef ) );
+	Com_Memset( &ent, 0, sizeof( ent ) );
+	AxisCopy( axisDefault, ent.e.axis );
+	for ( i = 0 ; i < VERTEXES ; i++ ) {
+		VectorSet( tess.normal[i], tr.sinTable[i], tr.sinTable[i / 2], tr.sinTable[( i + FUNCTABLE_SIZE / 4 ) & FUNCTABLE_MASK] );
+		VectorNormalize( tess.normal[i] );
+	}
+	tess.numVertexes = VERTEXES;
+	backEnd.currentEntity = &ent;
+
+	// a walk of 2 units a step in a box of 256 units
+	start = clock();
+	for ( i = 0 ; i < ENTITIES ; i++ ) {
+		ent.lightingCalculated = qfalse;
+		VectorCopy( tr.refdef.vieworg, ent.e.origin );
+		ent.e.origin[0] += ( 2 * i & 255 ) - 128;
+		ent.e.origin[1] += ( i >> 6 & 255 ) - 128;
+		R_SetupEntityLighting( &refdef, &ent );
+	}
+	middle = clock();
+	for ( i = 0 ; i < BATCHES ; i++ ) {
+		RB_CalcDiffuseColor( (unsigned char *)tess.svars.colors );
+	}
+	end = clock();
+	tess.numVertexes = 0;
+	backEnd.currentEntity = &tr.worldEntity;
+
+	ri.Printf( PRINT_ALL, "%s: %.0f ns an entity, %.1f ns a vertex\n", ent.shLit ? "SH light grid" : "legacy light grid",
+		( middle - start ) * ( 1e9 / CLOCKS_PER_SEC / ENTITIES ), ( end - middle ) * ( 1e9 / CLOCKS_PER_SEC / BATCHES / VERTEXES ) );
+}
+
+/*
+=============================================================================
+
+PICTURE OF THE GRID
+
+=============================================================================
+*/
+
+#define	SHGRID_RADIUS		512		// world units around the viewer in which points are drawn
+#define	SHGRID_SPHERES		400		// the most
+
+#define	SPHERE_RADIUS		3
+
+/*
+=================
+R_PointInSolid
+=================
+*/
+static qboolean R_PointInSolid( const vec3_t point ) {
+	const mnode_t	*node = tr.world->nodes;
+
+	while ( node->contents == -1 ) {
+		node = node->children[ DotProduct( point, node->plane->normal ) <= node->plane->dist ];
+	}
+	return node->cluster == -1;
+}
+
+/*
+=================
+RB_AddSphere
+=================
+*/
+static void RB_AddSphere( const vec3_t origin ) {
+	shgrid_coeffs	coeffs;
+	const shGridSphere_t	*sphere = R_ShGridSphere();
+	const float		*kind = NULL;
+	int				i, j;
+
+	RB_CHECKOVERFLOW( SHGRID_SPHERE_VERTEXES, SHGRID_SPHERE_INDEXES );
+
+	R_ShGridSample( origin, &coeffs );
+	if ( r_showshgrid->integer > 1 ) {
+		kind = R_PointInSolid( origin ) ? colorRed : colorGreen;
+	}
+
+	for ( i = 0 ; i < SHGRID_SPHERE_INDEXES ; i++ ) {
+		tess.indexes[tess.numIndexes++] = tess.numVertexes + sphere->indexes[i];
+	}
+	for ( i = 0 ; i < SHGRID_SPHERE_VERTEXES ; i++, tess.numVertexes++ ) {
+		vec3_t	rgb;
+
+		VectorMA( origin, SPHERE_RADIUS, sphere->normals[i], tess.xyz[tess.numVertexes] );
+		tess.texCoords[tess.numVertexes][0][0] = tess.texCoords[tess.numVertexes][0][1] = 0;
+		R_ShGridLight( &coeffs, sphere->normals[i], rgb );
+		for ( j = 0 ; j < 3 ; j++ ) {
+			tess.vertexColors[tess.numVertexes][j] = kind ? 0.5f * ( rgb[j] + 255 * kind[j] ) : rgb[j];
+		}
+		tess.vertexColors[tess.numVertexes][3] = 255;
+	}
+}
+
+/*
+=================
+RB_ShowShGrid
+
+Draws points of the grid near the viewer as white spheres lit by their own coefficients. With r_showshgrid 2 those in
+the open are green, and those in solids, whose light is filled in, red; these can be seen through walls.
+=================
+*/
+void RB_ShowShGrid( void ) {
+	static vec3_t	points[SHGRID_SPHERES];
+	int				i, numPoints;
+
+	if ( !r_showshgrid->integer || ( backEnd.refdef.rdflags & RDF_NOWORLDMODEL ) ) {
+		return;
+	}
+
+	numPoints = R_ShGridNear( backEnd.viewParms.or.origin, SHGRID_RADIUS, SHGRID_SPHERES, points );
+	backEnd.currentEntity = &tr.worldEntity;
+	if ( r_showshgrid->integer > 1 ) {
+		qglDepthRange( 0, 0.3 );
+	}
+	RB_BeginSurface( R_FindShader( "*white", LIGHTMAP_BY_VERTEX, qfalse ), 0 );
+	for ( i = 0 ; i < numPoints ; i++ ) {
+		RB_AddSphere( points[i] );
+	}
+	RB_EndSurface();
+	qglDepthRange( 0, 1 );
+}
