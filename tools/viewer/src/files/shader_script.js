@@ -52,14 +52,18 @@ const kStageWords = {
     blendfunc: (stage, words) => { stage.blend = blendOf(words); },
     alphafunc: (stage, words) => { stage.alphaTest = { gt0: 0.004, lt128: -0.5, ge128: 0.5 }[words[1]?.toLowerCase()] ?? 0; },
     rgbgen: (stage, words) => { stage.vertexColor = /^(exact)?vertex$/i.test(words[1] ?? ''); },
-    tcgen: (stage, words) => { stage.environment = /^environment$/i.test(words[1] ?? ''); },
+    tcgen: (stage, words) => {
+        stage.environment = /^environment$/i.test(words[1] ?? '');
+        stage.onLightmap = /^lightmap$/i.test(words[1] ?? '');
+    },
     tcmod: (stage, words) => {
         if (/^scale$/i.test(words[1] ?? '')) stage.scale = [Number(words[2]) || 1, Number(words[3]) || 1];
     },
 };
 
 function newStage() {
-    return { image: '', clamp: false, blend: null, alphaTest: 0, vertexColor: false, environment: false, scale: [1, 1] };
+    return { image: '', clamp: false, blend: null, alphaTest: 0, vertexColor: false, environment: false, onLightmap: false,
+             scale: [1, 1] };
 }
 
 /** Keywords and stages of a shader's text. */
@@ -83,31 +87,39 @@ function parseBody(body) {
     return shader;
 }
 
+/** Lightmaps in the map, or in an image beside it. */
+function isLightmap(stage) {
+    return stage.onLightmap || stage.image.toLowerCase() === '$lightmap';
+}
+
 /** The stage that looks most like the surface: one with an image of its own, rather not a reflection. */
 function mainStage(stages) {
-    const own = stages.filter((stage) => stage.image !== '' && (stage.image[0] !== '$' || stage.image.toLowerCase() === '$whiteimage'));
+    const own = stages.filter((stage) => !isLightmap(stage) && stage.image !== '');
     return own.find((stage) => !stage.environment) ?? own[0] ?? null;
 }
 
 /**
  * How to draw surfaces with a shader.
+ * image: path of the texture, with or without ending; lightmapImage: that of its lightmap beside the map, or '';
+ * blend: null, 'add', 'blend' or 'filter'; alphaTest: 0 none, above 0 the least alpha, below 0 minus the largest;
+ * light: 'lightmap', 'vertex', 'none' or, without a script, 'any'.
  * @param {string} name of the shader, lower case
  * @param {string[][]|undefined} body from splitScript; undefined: without a script, the image of the same name
  */
 export function readShader(name, body) {
-    if (!body)
-        return { image: name, clamp: false, blend: null, alphaTest: 0, twoSided: false, light: 'any', scale: [1, 1], hidden: false, sky: false };
-    const shader = parseBody(body);
-    const stage = mainStage(shader.stages);
-    const lightmapped = shader.stages.some((other) => other.image.toLowerCase() === '$lightmap');
-    const first = shader.stages[0];
+    const plain = { image: name, lightmapImage: '', clamp: false, blend: null, alphaTest: 0, twoSided: false, light: 'any',
+                    scale: [1, 1], hidden: false, sky: false };
+    if (!body) return plain;
+    const { parms, stages, twoSided } = parseBody(body);
+    const stage = mainStage(stages);
+    const lightmap = stages.find(isLightmap);
+    const path = (image) => (image ?? '').toLowerCase().replaceAll('\\', '/');
     // Blending counts where nothing opaque lies below; over a lightmap it joins the two.
-    const blend = stage && first?.image[0] !== '$' && first.blend ? stage.blend ?? first.blend : null;
+    const blend = stage && stages[0].blend && !isLightmap(stages[0]) ? stage.blend ?? stages[0].blend : null;
     return {
-        image: stage?.image.toLowerCase().replaceAll('\\', '/') ?? '', clamp: stage?.clamp ?? false, blend,
-        alphaTest: stage?.alphaTest ?? 0, twoSided: shader.twoSided, scale: stage?.scale ?? [1, 1],
-        light: lightmapped ? 'lightmap' : stage?.vertexColor ? 'vertex' : 'none',
-        hidden: shader.parms.has('nodraw') || (!stage && !shader.parms.has('sky') && !lightmapped),
-        sky: shader.parms.has('sky'),
+        ...plain, image: path(stage?.image), clamp: stage?.clamp ?? false, blend, alphaTest: stage?.alphaTest ?? 0, twoSided,
+        lightmapImage: lightmap?.onLightmap && lightmap.image[0] !== '$' ? path(lightmap.image) : '',
+        light: lightmap ? 'lightmap' : stage?.vertexColor ? 'vertex' : 'none', scale: stage?.scale ?? [1, 1],
+        hidden: parms.has('nodraw') || (!stage && !lightmap && !parms.has('sky')), sky: parms.has('sky'),
     };
 }

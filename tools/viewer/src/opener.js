@@ -1,0 +1,135 @@
+// GPL-2.0-or-later. From files that a visitor hands over to the map on the screen.
+import { FormatError } from './bsp/bytes.js';
+import { readMap } from './bsp/map.js';
+import { parseErrors, parseLeakLine, parsePortals } from './bsp/side_files.js';
+import { GameFiles } from './files/game_files.js';
+import { baseName, endingOf, kSideEndings } from './files/opened.js';
+import { splitScript } from './files/shader_script.js';
+
+const kReaders = { leak: parseLeakLine, portals: parsePortals, errors: parseErrors };
+const kTextures = /^(textures|models|env|gfx|maps)\/.*\.(tga|jpe?g|png|webp)$/;
+
+export class Opener {
+    files = new GameFiles();
+    /** Path of the shown map. */
+    path = '';
+
+    /**
+     * @param {import('./viewer.js').Viewer} viewer
+     * @param {import('./ui/messages.js').Messages} messages
+     * @param {(paths: string[], shown: string) => void} opened called when a map is on the screen
+     */
+    constructor(viewer, messages, opened) {
+        this.viewer = viewer;
+        this.messages = messages;
+        this.opened = opened;
+    }
+
+    /** Shows a message for what the visitor can act on; anything else is a fault of the page. */
+    report(error) {
+        if (!(error instanceof FormatError)) console.error(error);
+        this.messages.add('error', error instanceof FormatError ? error.message : `The page failed: ${error.message}`);
+    }
+
+    /**
+     * Opens maps, archives and files beside maps, of one or several drops.
+     * @param {{path: string, blob: Blob}[]} given
+     * @param {string} [wanted] path of the map to show
+     */
+    async add(given, wanted = '') {
+        const started = performance.now();
+        this.messages.clear();
+        const sides = [];
+        let resources = false;
+        let map = wanted;
+        for (const { path, blob } of given) {
+            const ending = endingOf(path);
+            if (ending in kSideEndings) {
+                sides.push({ kind: kSideEndings[ending], blob });
+            } else if (!['.bsp', '.pk3', '.zip', '.shader'].includes(ending) && !kTextures.test(path.toLowerCase())) {
+                this.messages.add('error', `${path} is not a file that this page opens: it takes .bsp, .pk3, .lin, .prt and .sherror.json.`);
+            } else {
+                resources = await this.addFile(path, blob) || resources;
+                if (ending === '.bsp') map ||= path.toLowerCase();
+            }
+        }
+        await this.showAfter(map, resources, sides, started);
+    }
+
+    async addFile(path, blob) {
+        try {
+            await this.files.add(path, blob);
+            return true;
+        } catch (error) {
+            this.report(error);
+            return false;
+        }
+    }
+
+    async showAfter(map, resources, sides, started) {
+        const maps = this.maps();
+        const choice = map || this.path || maps[0];
+        try {
+            if (resources && choice) await this.show(choice, started);
+            else if (resources) this.messages.add('note', 'The archive has no map: open the .bsp too.');
+        } catch (error) {
+            this.report(error);
+        }
+        if (sides.length > 0 && !this.viewer.map) this.messages.add('error', 'Open the map before the files that belong to it.');
+        else for (const { kind, blob } of sides) await this.addSide(kind, await blob.text());
+    }
+
+    maps() {
+        return this.files.list((path) => path.endsWith('.bsp'));
+    }
+
+    async scripts() {
+        const shaders = new Map();
+        const decoder = new TextDecoder('latin1');
+        for (const path of this.files.list((p) => /^(scripts\/)?[^/]+\.shader$/.test(p)))
+            for (const [name, body] of splitScript(decoder.decode(await this.files.read(path))))
+                if (!shaders.has(name)) shaders.set(name, body);
+        return shaders;
+    }
+
+    /** Shows a map of those that are open, with the files beside it. */
+    async show(path, started = performance.now()) {
+        const bytes = await this.files.read(path);
+        const map = readMap(bytes ?? new Uint8Array());
+        const scripts = await this.scripts();
+        this.path = path;
+        await this.viewer.open(map, path, this.files, scripts, started);
+        for (const problem of [...map.problems, ...this.viewer.grids.problems, this.viewer.toneProblem].filter(Boolean))
+            this.messages.add('error', `${problem} The map is shown without it.`);
+        await this.addNeighbors(path);
+        this.opened(this.maps(), path);
+        await this.viewer.loadTextures(this.files, started);
+        this.opened(this.maps(), path);
+    }
+
+    /** Files with the map's name beside it. */
+    async addNeighbors(path) {
+        const base = path.replace(/\.bsp$/, '');
+        for (const [ending, kind] of Object.entries(kSideEndings)) {
+            const bytes = await this.files.read(base + ending);
+            if (bytes) await this.addSide(kind, new TextDecoder().decode(bytes));
+        }
+    }
+
+    async addSide(kind, text) {
+        try {
+            const value = kReaders[kind](text);
+            if (kind === 'leak') this.viewer.setLeak(value);
+            else if (kind === 'portals') this.viewer.setPortals(value);
+            else this.setErrors(value);
+        } catch (error) {
+            this.report(error);
+        }
+    }
+
+    setErrors(errors) {
+        if (errors.map && baseName(errors.map.toLowerCase()) !== baseName(this.path))
+            this.messages.add('note', `The errors were measured on ${errors.map}, not on the map that is shown.`);
+        this.viewer.setErrors(errors);
+    }
+}

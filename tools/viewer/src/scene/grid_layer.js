@@ -1,0 +1,90 @@
+// GPL-2.0-or-later. Points of a light grid as spheres, near the viewer or in a slice.
+import { kMapShift } from './glsl.js';
+import { shiftColor } from '../bsp/grid_legacy.js';
+import { Spheres, SphereMode } from './spheres.js';
+
+const kMostSpheres = 20000;
+
+/** What a point is: in the open, in a wall with light that was filled in, or without light. */
+export const Kind = { lit: 0, filled: 1, void: 2 };
+export const kKindColors = [[0.93, 0.78, 0.35], [0.33, 0.62, 0.88], [0.32, 0.32, 0.36]];
+
+/** Colors of levels of a sparse grid, smallest cells first. */
+export const kLevelColors = [
+    [0.95, 0.86, 0.36], [0.97, 0.62, 0.31], [0.91, 0.38, 0.37], [0.74, 0.30, 0.52], [0.50, 0.31, 0.62], [0.31, 0.38, 0.68],
+    [0.23, 0.52, 0.66], [0.25, 0.66, 0.58], [0.45, 0.76, 0.46], [0.66, 0.82, 0.40], [0.80, 0.80, 0.80], [0.50, 0.50, 0.50],
+];
+
+/** Light of legacy point i as the shader of spheres takes it: shifted ambient and directed light, direction. */
+function legacyValues(grid, i) {
+    const point = grid.point(i);
+    const share = (color) => shiftColor(color, kMapShift).map((c) => c / 255);
+    return [...share(point.ambient), ...share(point.directed), ...point.direction];
+}
+
+export class GridLayer {
+    /** Points in reach, and how many of them are shown. */
+    counts = { near: 0, shown: 0 };
+    /** Shown points by kind. */
+    kinds = [0, 0, 0];
+
+    constructor(lightUniforms) {
+        this.spheres = new Spheres(kMostSpheres, lightUniforms);
+        this.scratch = new Float32Array(27);
+    }
+
+    get mesh() {
+        return this.spheres.mesh;
+    }
+
+    /** Values of point i for the shader, and its kind. */
+    read(grid, tree, legacy, i, x, y, z) {
+        const values = legacy ? legacyValues(grid, i) : grid.coeffs(i, this.scratch);
+        const dark = legacy ? values.slice(0, 6).every((v) => v === 0) : values.every((v) => v === 0);
+        const solid = tree.clusterAt(x, y, z) < 0;
+        return { values, kind: !solid ? Kind.lit : dark ? Kind.void : Kind.filled };
+    }
+
+    /** Points in reach as numbers, nearest first if there are more than can be shown. */
+    select(grid, { viewer, where, radius, height, thickness }) {
+        const low = viewer.map((c) => c - radius);
+        const high = viewer.map((c) => c + radius);
+        if (where === 'slice') {
+            low[2] = height - thickness / 2;
+            high[2] = height + thickness / 2;
+        }
+        const found = [];
+        grid.forEachIn(low, high, (i, x, y, z) => {
+            const flat = (x - viewer[0]) ** 2 + (y - viewer[1]) ** 2;
+            const distance = where === 'slice' ? flat : flat + (z - viewer[2]) ** 2;
+            if (distance <= radius * radius) found.push([distance, i, x, y, z]);
+        });
+        this.counts.near = found.length;
+        if (found.length > kMostSpheres) found.sort((a, b) => a[0] - b[0]);
+        return found.slice(0, kMostSpheres);
+    }
+
+    /**
+     * Chooses the points anew.
+     * @param grid a uniform, sparse or legacy grid; null: none
+     * @param tree the map's BspTree
+     * @param options viewer (position), where ('near' or 'slice'), radius, height and thickness in units; size, factor of
+     *   the spheres; color ('light', 'kind' or 'level'); hideVoid, hideFilled
+     */
+    update(grid, tree, options) {
+        this.spheres.clear();
+        this.counts = { near: 0, shown: 0 };
+        this.kinds = [0, 0, 0];
+        if (!grid) return;
+        const legacy = 'point' in grid;
+        for (const [, i, x, y, z] of this.select(grid, options)) {
+            const { values, kind } = this.read(grid, tree, legacy, i, x, y, z);
+            this.kinds[kind]++;
+            if (options.openOnly && kind !== Kind.lit) continue;
+            const tint = options.color === 'level' ? kLevelColors[grid.level(i)] : kKindColors[kind];
+            this.spheres.add(x, y, z, 0.11 * options.size * grid.size(i), tint, values);
+        }
+        this.counts.shown = this.spheres.count;
+        this.spheres.commit(options.color !== 'light' ? SphereMode.tint : legacy ? SphereMode.legacy : SphereMode.sh);
+    }
+}
