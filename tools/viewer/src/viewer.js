@@ -47,7 +47,7 @@ export class Viewer {
         this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // light is shown as in the game, byte for byte
         this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
         this.renderer.setClearColor(kBackground);
-        this.camera = new THREE.PerspectiveCamera(75, 1, 2, 65536);
+        this.camera = new THREE.PerspectiveCamera(62, 1, 2, 65536);
         this.camera.up.set(0, 0, 1);
         this.scene = new THREE.Scene();
         this.lightUniforms = { brightness: { value: 1 }, tone: { value: new THREE.Vector4(1, 1, 0, 1) }, tone2: { value: new THREE.Vector3(1, 1, 0) } };

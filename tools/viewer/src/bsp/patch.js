@@ -3,20 +3,18 @@
 /** Fields of a vertex that are interpolated: name and number of values. */
 export const kFields = [['position', 3], ['st', 2], ['lightmap', 2], ['normal', 3], ['color', 4]];
 
-const kMostSteps = 12;
-const kUnitsPerStep = 20; // of the length of the control polygon
+const kMostSteps = 32; // pieces of a curve
+const kChordError = 0.5; // units between a curve and its pieces
 
-/** How many pieces the curves of 3 control points along one direction need: more for long and bent ones. */
-function stepsAlong(position, indexes) {
-    let most = 1;
-    for (const [a, b, c] of indexes) {
-        const p = (i) => position.subarray(3 * i, 3 * i + 3);
-        const [pa, pb, pc] = [p(a), p(b), p(c)];
-        const bend = Math.hypot(...[0, 1, 2].map((k) => pa[k] - 2 * pb[k] + pc[k]));
-        const length = Math.hypot(...[0, 1, 2].map((k) => pb[k] - pa[k])) + Math.hypot(...[0, 1, 2].map((k) => pc[k] - pb[k]));
-        if (bend > 0.5) most = Math.max(most, Math.ceil(Math.min(length / kUnitsPerStep, Math.sqrt(bend))), 2);
+/** How many pieces the curves of 3 control points along one direction need. */
+function stepsAlong(position, triples) {
+    let most = 0;
+    for (const [a, b, c] of triples) {
+        const bend = [0, 1, 2].map((k) => position[3 * a + k] - 2 * position[3 * b + k] + position[3 * c + k]);
+        most = Math.max(most, Math.hypot(...bend));
     }
-    return Math.min(most, kMostSteps);
+    // n equal steps of the parameter leave an error of bend / (4 n^2).
+    return Math.min(Math.max(1, Math.ceil(Math.sqrt(most / (4 * kChordError)))), kMostSteps);
 }
 
 /** Triples of control points along rows (across = false) or columns of the patch. */

@@ -9,26 +9,26 @@ function* lines(text) {
     }
 }
 
-/** Texts of all shaders of a script by name; the first of two with one name. */
+/**
+ * Splits a script into shaders.
+ * @returns {Map<string, string[][]>} lines between the outer braces by name; the first of two with one name
+ */
 export function splitScript(text) {
     const shaders = new Map();
-    let name = null;
+    let name = '';
     let depth = 0;
     let body = [];
     for (const words of lines(text)) {
-        if (words[0] === '{') depth++;
-        else if (words[0] === '}') depth--;
-        if (depth === 0 && words[0] === '}') {
-            if (name !== null && !shaders.has(name)) shaders.set(name, body);
-            name = null;
-            body = [];
-        } else if (depth === 0 && words[0] !== '{') {
-            name = words[0].toLowerCase().replaceAll('\\', '/');
-        } else if (depth < 0) {
-            depth = 0;
-        } else {
+        if (words[0] === '}') depth = Math.max(depth - 1, 0);
+        if (depth > 0) {
             body.push(words);
+        } else if (words[0] === '}') {
+            if (!shaders.has(name)) shaders.set(name, body);
+            body = [];
+        } else if (words[0] !== '{') {
+            name = words[0].toLowerCase().replaceAll('\\', '/');
         }
+        if (words[0] === '{') depth++;
     }
     return shaders;
 }

@@ -3,25 +3,30 @@ import { expect, viewOf } from '../bsp/bytes.js';
 
 const kMostTexels = 8192 * 8192;
 
-/** Reader of texels of 1 to 4 bytes as RGBA. */
-function texelReader(bytes, head) {
-    const alpha = head.bits === 32;
-    const palette = (i) => colorAt(bytes, head.paletteAt + (i - head.paletteFirst) * head.paletteBytes, head.paletteBytes);
-    return (at) => {
-        if (head.kind === 1) return palette(bytes[at]);
-        if (head.kind === 3) return [bytes[at], bytes[at], bytes[at], 255];
-        const color = colorAt(bytes, at, head.bits >> 3);
-        return alpha ? color : [color[0], color[1], color[2], 255];
-    };
-}
-
-function colorAt(bytes, at, size) {
+/** Writes a color of 2 to 4 bytes as RGBA. */
+function putColor(bytes, at, size, rgba, to) {
     if (size === 2) {
         const value = bytes[at] | (bytes[at + 1] << 8);
-        const channel = (shift) => Math.round((((value >> shift) & 31) * 255) / 31);
-        return [channel(10), channel(5), channel(0), 255];
+        for (let k = 0; k < 3; k++) rgba[to + k] = Math.round((((value >> (10 - 5 * k)) & 31) * 255) / 31);
+        rgba[to + 3] = 255;
+        return;
     }
-    return [bytes[at + 2], bytes[at + 1], bytes[at], size === 4 ? bytes[at + 3] : 255];
+    rgba[to] = bytes[at + 2];
+    rgba[to + 1] = bytes[at + 1];
+    rgba[to + 2] = bytes[at];
+    rgba[to + 3] = size === 4 ? bytes[at + 3] : 255;
+}
+
+/** A function that writes the texel at an offset as RGBA. */
+function texelWriter(bytes, head, rgba) {
+    if (head.kind === 1)
+        return (at, to) => putColor(bytes, head.paletteAt + (bytes[at] - head.paletteFirst) * head.paletteBytes, head.paletteBytes, rgba, to);
+    if (head.kind === 3)
+        return (at, to) => {
+            rgba.fill(bytes[at], to, to + 3);
+            rgba[to + 3] = 255;
+        };
+    return (at, to) => putColor(bytes, at, head.bits >> 3, rgba, to);
 }
 
 function readHead(bytes, name) {
@@ -49,20 +54,17 @@ function readHead(bytes, name) {
 export function decodeTga(bytes, name) {
     const head = readHead(bytes, name);
     const { width, height } = head;
-    const read = texelReader(bytes, head);
     const step = head.bits >> 3;
     const rgba = new Uint8Array(4 * width * height);
-    const put = (i, color) => {
-        const row = Math.floor(i / width);
-        rgba.set(color, 4 * ((head.topDown ? row : height - 1 - row) * width + (i % width)));
-    };
+    const write = texelWriter(bytes, head, rgba);
+    const target = (i) => 4 * (head.topDown ? i : (height - 1 - Math.floor(i / width)) * width + (i % width));
     let at = head.dataAt;
     for (let i = 0; i < width * height; ) {
         const control = head.packed ? bytes[at++] : 127;
         const count = Math.min((control & 127) + 1, width * height - i);
         const repeats = control > 127;
         expect(at + (repeats ? step : step * count) <= bytes.length, `${name} is cut off.`);
-        for (let k = 0; k < count; k++) put(i++, read(at + (repeats ? 0 : step * k)));
+        for (let k = 0; k < count; k++) write(at + (repeats ? 0 : step * k), target(i++));
         at += repeats ? step : step * count;
     }
     return { width, height, rgba };
