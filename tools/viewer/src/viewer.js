@@ -15,7 +15,7 @@ import { Textures } from './scene/textures.js';
 import { Walk } from './scene/walk.js';
 import { initialSettings } from './settings.js';
 
-const kSkyColor = new THREE.Color().setStyle('#2a3442', THREE.LinearSRGBColorSpace);
+const kSkyColor = new THREE.Color().setStyle('#5f7f9e', THREE.LinearSRGBColorSpace);
 const kBackground = new THREE.Color().setStyle('#14171c', THREE.LinearSRGBColorSpace);
 const kFigureDistance = 96; // units before the viewer
 const kFigureDrop = 20; // units below the line of sight
@@ -85,8 +85,8 @@ export class Viewer {
     async open(map, path, files, scripts, started) {
         const tree = new BspTree(map.tree);
         const shaders = new Map();
-        const shaderOf = ({ name }) => {
-            if (!shaders.has(name)) shaders.set(name, readShader(name, scripts.get(name)));
+        const shaderOf = ({ name, surfaceFlags }) => {
+            if (!shaders.has(name)) shaders.set(name, readShader(name, scripts.get(name), surfaceFlags));
             return shaders.get(name);
         };
         map.shaders.forEach(shaderOf);
@@ -156,8 +156,9 @@ export class Viewer {
         this.invalidate();
     }
 
-    /** Above the world, looking down. */
+    /** Above the world, looking down. The figure stays where it is. */
     fromAbove() {
+        this.settings.follow = false;
         const { mins, maxs } = this.map.models[0];
         const half = Math.max((maxs[0] - mins[0]) / this.camera.aspect, maxs[1] - mins[1]) / 2;
         const distance = half / Math.tan((this.camera.fov * Math.PI) / 360);

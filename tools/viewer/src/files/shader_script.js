@@ -1,5 +1,8 @@
 // GPL-2.0-or-later. As much of shader scripts as a still picture of a surface needs.
 
+const kSkyFlag = 0x4;
+const kNoDrawFlag = 0x80;
+
 /** Lines of words, with braces alone; comments are left out. */
 function* lines(text) {
     const clean = text.replace(/\/\*[\s\S]*?\*\//g, ' ').replace(/\/\/[^\n\r]*/g, '').replace(/[{}]/g, '\n$&\n');
@@ -105,11 +108,12 @@ function mainStage(stages) {
  * light: 'lightmap', 'vertex', 'none' or, without a script, 'any'.
  * @param {string} name of the shader, lower case
  * @param {string[][]|undefined} body from splitScript; undefined: without a script, the image of the same name
+ * @param {number} surfaceFlags those in the map, which stand for the surfaceparms where there is no script
  */
-export function readShader(name, body) {
+export function readShader(name, body, surfaceFlags = 0) {
     const plain = { image: name, lightmapImage: '', clamp: false, blend: null, alphaTest: 0, twoSided: false, light: 'any',
                     scale: [1, 1], hidden: false, sky: false };
-    if (!body) return plain;
+    if (!body) return { ...plain, sky: (surfaceFlags & kSkyFlag) !== 0, hidden: (surfaceFlags & kNoDrawFlag) !== 0 };
     const { parms, stages, twoSided } = parseBody(body);
     const stage = mainStage(stages);
     const lightmap = stages.find(isLightmap);

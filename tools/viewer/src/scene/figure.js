@@ -32,15 +32,14 @@ void main() {
 
 /** A smooth figure of 56 units, feet at kFeet. */
 function figureGeometry() {
-    const limb = (radius, length, x, y, z, tilt) =>
-        new THREE.CapsuleGeometry(radius, length, 6, 16).rotateX(Math.PI / 2).rotateX(tilt).translate(x, y, z);
+    const limb = (radius, length, x, z) => new THREE.CapsuleGeometry(radius, length, 6, 16).rotateX(Math.PI / 2).translate(x, 0, z);
     const profile = [[0, 0], [5, 0.6], [7, 4], [6.4, 9], [6, 13], [7.6, 19], [8.4, 23], [7, 26.5], [3, 28.5], [0, 29]];
     const body = new THREE.LatheGeometry(new THREE.SplineCurve(profile.map(([r, h]) => new THREE.Vector2(r, h))).getPoints(24), 28);
     body.rotateX(Math.PI / 2).scale(1, 0.72, 1).translate(0, 0, kFeet + 21);
     const head = new THREE.SphereGeometry(5.2, 28, 20).scale(0.92, 1, 1.12).translate(0, 0, kFeet + 55);
     const parts = [body, head, new THREE.CapsuleGeometry(2.2, 3, 4, 14).rotateX(Math.PI / 2).translate(0, 0, kFeet + 50),
-                   limb(3.2, 17, -4, 0, kFeet + 11.5, 0), limb(3.2, 17, 4, 0, kFeet + 11.5, 0),
-                   limb(2.5, 17, -10.4, 0, kFeet + 36, 0.12), limb(2.5, 17, 10.4, 0, kFeet + 36, 0.12)];
+                   limb(3.2, 17, -4, kFeet + 11.5), limb(3.2, 17, 4, kFeet + 11.5),
+                   limb(2.5, 18, -9.8, kFeet + 36.5), limb(2.5, 18, 9.8, kFeet + 36.5)];
     for (const part of parts) part.deleteAttribute('uv');
     const joined = mergeGeometries(parts);
     joined.computeVertexNormals();
@@ -88,8 +87,8 @@ export class Figure {
         this.sh.visible = show === 'sh' || show === 'both';
         this.legacy.visible = show === 'legacy' || show === 'both';
         const apart = show === 'both' ? kApart : 0;
-        this.sh.position.x = -apart;
-        this.legacy.position.x = apart;
+        this.sh.position.x = apart; // it faces the viewer, so this is on the left
+        this.legacy.position.x = -apart;
         const coeffs = source?.sample(position) ?? new Float32Array(27);
         this.shared.sh.value.forEach((vector, k) => vector.fromArray(coeffs, 3 * k));
         const light = grids.legacy?.sample(position, kMapShift) ?? { ambient: [0, 0, 0], directed: [0, 0, 0], direction: [0, 0, 0] };

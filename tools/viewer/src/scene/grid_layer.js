@@ -4,6 +4,8 @@ import { shiftColor } from '../bsp/grid_legacy.js';
 import { Spheres, SphereMode } from './spheres.js';
 
 const kMostSpheres = 20000;
+const kRadius = 0.11; // of a sphere, in edges of its cell
+const kNearest = 4; // radii from the viewer: nearer spheres would hide the view
 
 /** What a point is: in the open, in a wall with light that was filled in, or without light. */
 export const Kind = { lit: 0, filled: 1, void: 2 };
@@ -20,6 +22,11 @@ function legacyValues(grid, i) {
     const point = grid.point(i);
     const share = (color) => shiftColor(color, kMapShift).map((c) => c / 255);
     return [...share(point.ambient), ...share(point.directed), ...point.direction];
+}
+
+/** Square of the distance of a point from the viewer. */
+function distance2(viewer, x, y, z) {
+    return (x - viewer[0]) ** 2 + (y - viewer[1]) ** 2 + (z - viewer[2]) ** 2;
 }
 
 export class GridLayer {
@@ -55,8 +62,7 @@ export class GridLayer {
         }
         const found = [];
         grid.forEachIn(low, high, (i, x, y, z) => {
-            const flat = (x - viewer[0]) ** 2 + (y - viewer[1]) ** 2;
-            const distance = where === 'slice' ? flat : flat + (z - viewer[2]) ** 2;
+            const distance = distance2(viewer, x, y, where === 'slice' ? viewer[2] : z);
             if (distance <= radius * radius) found.push([distance, i, x, y, z]);
         });
         this.counts.near = found.length;
@@ -69,7 +75,7 @@ export class GridLayer {
      * @param grid a uniform, sparse or legacy grid; null: none
      * @param tree the map's BspTree
      * @param options viewer (position), where ('near' or 'slice'), radius, height and thickness in units; size, factor of
-     *   the spheres; color ('light', 'kind' or 'level'); hideVoid, hideFilled
+     *   the spheres; color ('light', 'kind' or 'level'); openOnly leaves out points in solid space
      */
     update(grid, tree, options) {
         this.spheres.clear();
@@ -78,11 +84,13 @@ export class GridLayer {
         if (!grid) return;
         const legacy = 'point' in grid;
         for (const [, i, x, y, z] of this.select(grid, options)) {
+            const radius = kRadius * options.size * grid.size(i);
             const { values, kind } = this.read(grid, tree, legacy, i, x, y, z);
             this.kinds[kind]++;
             if (options.openOnly && kind !== Kind.lit) continue;
+            if (distance2(options.viewer, x, y, z) < (kNearest * radius) ** 2) continue;
             const tint = options.color === 'level' ? kLevelColors[grid.level(i)] : kKindColors[kind];
-            this.spheres.add(x, y, z, 0.11 * options.size * grid.size(i), tint, values);
+            this.spheres.add(x, y, z, radius, tint, values);
         }
         this.counts.shown = this.spheres.count;
         this.spheres.commit(options.color !== 'light' ? SphereMode.tint : legacy ? SphereMode.legacy : SphereMode.sh);

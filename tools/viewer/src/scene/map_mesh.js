@@ -76,7 +76,7 @@ const kBlending = {
 function clusterColor(cluster) {
     if (cluster < 0) return [0.45, 0.45, 0.45];
     const hue = (cluster * 0.61803398875) % 1;
-    const color = new THREE.Color().setHSL(hue, 0.55, 0.5 + 0.16 * ((cluster * 7) % 3 - 1));
+    const color = new THREE.Color().setHSL(hue, 0.4, 0.52 + 0.16 * ((cluster * 7) % 3 - 1));
     return [color.r, color.g, color.b];
 }
 

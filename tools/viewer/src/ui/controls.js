@@ -73,8 +73,8 @@ function control(row, key, show, inputs) {
     };
 }
 
-export function button(label, press, title = label) {
-    return make('button', { type: 'button', title, click: press }, label);
+export function button(label, press, title = label, className = undefined) {
+    return make('button', { type: 'button', title, class: className, click: press }, label);
 }
 
 /** A part of the panel that opens and closes. */

@@ -37,7 +37,7 @@ export class Panel {
     mapSection() {
         const buttons = make('div', { class: 'buttons' }, button('Start', () => this.viewer.toStart(), 'To a start of players (Home)'),
                              button('From above', () => this.viewer.fromAbove(), 'Over the map, looking down (End)'),
-                             button('Mouse look', () => this.viewer.walk.lock(), 'The mouse turns the view until Escape (double click)'));
+                             button('Mouse look', () => this.viewer.walk.lock(), 'The mouse turns the view until Escape (double click)', 'mouse'));
         return section('Map', true, this.mapList, this.facts, buttons);
     }
 
@@ -110,12 +110,10 @@ export class Panel {
 
     showFacts() {
         const { map, grids, lightmaps, lightList, mesh, stats, textures } = this.viewer;
-        const grid = (g) => (g ? `${number(g.count)} points` : 'none');
+        const grid = (g) => (g ? `${number(g.count)} · ${vector(g.cell, 0)} u` : 'none');
         const rows = [['File', `IBSP ${map.version}, ${(map.bytes / 1e6).toFixed(1)} MB`], ['Surfaces', `${number(map.surfaces.length)}, ${number(mesh.triangles)} triangles`],
                       ['Lightmaps', String(lightmaps.count)], ['Light entities', number(lightList?.length ?? 0)],
-                      ['SH grid', grids.uniform ? `${grid(grids.uniform)}, ${vector(grids.uniform.cell, 0)}` : 'none'],
-                      ['SH sparse', grids.sparse ? `${grid(grids.sparse)}, from ${vector(grids.sparse.cell, 0)}` : 'none'],
-                      ['Legacy grid', grid(grids.legacy)]];
+                      ['SH points', grid(grids.uniform)], ['SH sparse points', grid(grids.sparse)], ['Legacy points', grid(grids.legacy)]];
         if (textures.absent.size > 0) rows.push(['Textures', `${textures.absent.size} not found`]);
         rows.push(['First picture', `${stats.firstPicture.toFixed(0)} ms`]);
         this.facts.replaceChildren(...rows.flatMap(([name, value]) => [make('dt', {}, name), make('dd', {}, value)]));
