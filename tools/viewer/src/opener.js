@@ -83,20 +83,18 @@ export class Opener {
         return this.files.list((path) => path.endsWith('.bsp'));
     }
 
+    /** Shaders of all scripts by name; the first of two with one name. */
     async scripts() {
-        const shaders = new Map();
         const decoder = new TextDecoder('latin1');
-        for (const path of this.files.list((p) => /^(scripts\/)?[^/]+\.shader$/.test(p)))
-            for (const [name, body] of splitScript(decoder.decode(await this.files.read(path))))
-                if (!shaders.has(name)) shaders.set(name, body);
-        return shaders;
+        const paths = this.files.list((path) => /^(scripts\/)?[^/]+\.shader$/.test(path));
+        const scripts = await Promise.all(paths.map(async (path) => splitScript(decoder.decode(await this.files.read(path)))));
+        return new Map(scripts.reverse().flatMap((shaders) => [...shaders]));
     }
 
     /** Shows a map of those that are open, with the files beside it. */
     async show(path, started = performance.now()) {
-        const bytes = await this.files.read(path);
+        const [bytes, scripts] = await Promise.all([this.files.read(path), this.scripts()]);
         const map = readMap(bytes ?? new Uint8Array());
-        const scripts = await this.scripts();
         this.path = path;
         await this.viewer.open(map, path, this.files, scripts, started);
         for (const problem of [...map.problems, ...this.viewer.grids.problems, this.viewer.toneProblem].filter(Boolean))
