@@ -13,6 +13,8 @@ export class Opener {
     files = new GameFiles();
     /** Path of the shown map. */
     path = '';
+    /** Texts of files beside it that were handed over alone, by kind. */
+    sides = new Map();
 
     /**
      * @param {import('./viewer.js').Viewer} viewer
@@ -76,7 +78,7 @@ export class Opener {
             this.report(error);
         }
         if (sides.length > 0 && !this.viewer.map) this.messages.add('error', 'Open the map before the files that belong to it.');
-        else for (const { kind, blob } of sides) await this.addSide(kind, await blob.text());
+        else for (const { kind, blob } of sides) this.keepSide(kind, await blob.text());
     }
 
     maps() {
@@ -95,6 +97,7 @@ export class Opener {
     async show(path, started = performance.now()) {
         const [bytes, scripts] = await Promise.all([this.files.read(path), this.scripts()]);
         const map = readMap(bytes ?? new Uint8Array());
+        if (path !== this.path) this.sides.clear();
         this.path = path;
         await this.viewer.open(map, path, this.files, scripts, started);
         for (const problem of [...map.problems, ...this.viewer.grids.problems, this.viewer.toneProblem].filter(Boolean))
@@ -105,16 +108,23 @@ export class Opener {
         this.opened(this.maps(), path);
     }
 
-    /** Files with the map's name beside it. */
+    /** Files with the map's name beside it, and those that were handed over before. */
     async addNeighbors(path) {
         const base = path.replace(/\.bsp$/, '');
         for (const [ending, kind] of Object.entries(kSideEndings)) {
             const bytes = await this.files.read(base + ending);
-            if (bytes) await this.addSide(kind, new TextDecoder().decode(bytes));
+            if (bytes) this.addSide(kind, new TextDecoder().decode(bytes));
         }
+        for (const [kind, text] of this.sides) this.addSide(kind, text);
     }
 
-    async addSide(kind, text) {
+    keepSide(kind, text) {
+        this.sides.set(kind, text);
+        this.addSide(kind, text);
+        this.opened(this.maps(), this.path);
+    }
+
+    addSide(kind, text) {
         try {
             const value = kReaders[kind](text);
             if (kind === 'leak') this.viewer.setLeak(value);

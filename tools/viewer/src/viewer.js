@@ -20,7 +20,6 @@ const kBackground = new THREE.Color().setStyle('#14171c', THREE.LinearSRGBColorS
 const kFigureDistance = 96; // units before the viewer
 const kFigureDrop = 20; // units below the line of sight
 const kRefreshShare = 0.04; // of the radius: how far the viewer moves before points are chosen anew
-const kNoCut = 1e9;
 
 /** Resolves after the browser has shown what was drawn. */
 function nextFrame() {
@@ -51,7 +50,7 @@ export class Viewer {
         this.camera.up.set(0, 0, 1);
         this.scene = new THREE.Scene();
         this.lightUniforms = { brightness: { value: 1 }, tone: { value: new THREE.Vector4(1, 1, 0, 1) }, tone2: { value: new THREE.Vector3(1, 1, 0) } };
-        this.textures = new Textures();
+        this.textures = new Textures(this.isSoftware() ? 1 : 4);
         this.gridLayer = new GridLayer(this.lightUniforms);
         this.figure = new Figure(this.lightUniforms);
         this.errors = new ErrorLayer();
@@ -65,6 +64,13 @@ export class Viewer {
         this.resize();
     }
 
+    /** Whether the processor draws, which makes texture filters dear. */
+    isSoftware() {
+        const gl = this.renderer.getContext();
+        const info = gl.getExtension('WEBGL_debug_renderer_info');
+        return /swiftshader|llvmpipe|software/i.test(String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER)));
+    }
+
     resize() {
         const { clientWidth: width, clientHeight: height } = this.renderer.domElement;
         if (width === 0 || height === 0) return;
@@ -75,7 +81,8 @@ export class Viewer {
     }
 
     /**
-     * Shows a map in place of the one before, first with its lightmaps alone, then with its grids.
+     * Shows a map in place of the one before, first with its lightmaps alone, then with its grids. The viewer stays where
+     * they are if it is the same map again, with more files.
      * @param map from readMap
      * @param {string} path of the map, such as maps/x.bsp
      * @param {import('./files/game_files.js').GameFiles} files
@@ -93,12 +100,13 @@ export class Viewer {
         const name = path.slice(path.lastIndexOf('/') + 1).replace(/\.bsp$/i, '').toLowerCase();
         const images = [...new Set([...shaders.values()].map((shader) => shader.lightmapImage).filter((image) => image !== ''))];
         const lightmaps = await Lightmaps.load(map, name, images, files, this.renderer.capabilities.maxArrayTextureLayers ?? 256);
+        const again = this.map !== null && this.path === path;
         this.close();
         Object.assign(this, { map, path, tree, lightmaps });
         this.setTone(map.entities[0]?.get('_q3map2_tone'));
         this.mesh = new MapMesh(map, shaderOf, lightmaps, tree.surfaceClusters(map.surfaces.length), this.textures, this.lightUniforms.brightness, kSkyColor);
         this.scene.add(this.mesh.group);
-        this.toStart();
+        if (!again) this.toStart();
         this.applySettings();
         this.drawNow();
         this.finish();
@@ -226,7 +234,7 @@ export class Viewer {
         if (!this.mesh) return;
         this.mesh.uniforms.textured.value = settings.textured ? 1 : 0;
         this.mesh.uniforms.clustered.value = settings.clustered ? 1 : 0;
-        this.mesh.uniforms.cutHeight.value = settings.cut ? settings.height + settings.thickness / 2 : kNoCut;
+        this.mesh.cutAt(settings.cut ? settings.height + settings.thickness / 2 : null);
         this.errorSummary = this.errors.update(settings.errors, { ...settings, viewHeight: this.renderer.domElement.height });
     }
 
@@ -312,7 +320,7 @@ export class Viewer {
         else if (seconds > 0) this.frameTimes.push(seconds);
         if (this.frameTimes.length > 40) this.frameTimes.shift();
         const sum = this.frameTimes.reduce((total, time) => total + time, 0);
-        if (this.frameTimes.length > 2) this.stats.fps = this.frameTimes.length / sum;
+        if (this.frameTimes.length > 0) this.stats.fps = this.frameTimes.length / sum;
     }
 
     drawNow() {

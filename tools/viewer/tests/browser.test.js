@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The built page in Chromium, with the demo arena and, if they are there, with real maps.
-// DEMO and REAL name baked maps with both SH grids; PROBE the compiled probe.c; REAL_PK3 archives, separated by ':'.
+// DEMO and REAL name baked maps with both SH grids, TONED one with a tone and the uniform grid; PROBE the compiled probe.c; REAL_PK3 archives, separated by ':'.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -12,7 +12,7 @@ import { readMap } from '../src/bsp/map.js';
 import { BspTree } from '../src/bsp/tree.js';
 import { kPage, openFiles, texturesLoaded, withPage } from './browser.js';
 
-const { DEMO, REAL, PROBE } = process.env;
+const { DEMO, TONED, REAL, PROBE } = process.env;
 const kDesktop = { viewport: { width: 1024, height: 640 } };
 const kPhone = { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
 const kProbes = 20;
@@ -53,7 +53,8 @@ function choosePoints(path, form) {
 /** Displayed bytes at the centers of spheres by the reader for engines. */
 function expectedColors(path, form, points) {
     const input = points.map(({ center, normal }) => [...center, ...normal].join(' ')).join('\n');
-    return execFileSync(PROBE, [path, form], { input }).toString().trim().split('\n').map((line) => line.split(' ').slice(27).map(Number));
+    const tone = readMap(new Uint8Array(readFileSync(path))).entities[0].get('_q3map2_tone') ?? '';
+    return execFileSync(PROBE, [path, form, tone], { input }).toString().trim().split('\n').map((line) => line.split(' ').slice(27).map(Number));
 }
 
 /** Color of the middle of the picture with the viewer before each point, the map hidden. */
@@ -85,7 +86,7 @@ async function compareSpheres(page, path, form) {
     const differences = shown.flatMap((color, i) => color.map((c, k) => Math.abs(c - expected[i][k])));
     const mean = differences.reduce((sum, d) => sum + d, 0) / differences.length;
     console.log(`${form}: mean difference ${mean.toFixed(3)}, largest ${Math.max(...differences).toFixed(2)} of 255`);
-    assert.ok(new Set(shown.map(String)).size > kProbes / 2, 'the probes show too few colors');
+    assert.ok(new Set(shown.map(String)).size > kProbes / 2, `the probes show too few colors: ${shown.join(' | ')}`);
     assert.ok(mean <= kMostDifference, `${form}: mean difference ${mean}`);
 }
 
@@ -141,6 +142,13 @@ test('the demo arena: shown, moved through, every control, spheres', { skip: !DE
     assert.deepEqual(faults, []);
 }));
 
+test('a map with a tone: spheres', { skip: !TONED || !PROBE }, () => withPage(kDesktop, async (page, faults) => {
+    await openFiles(page, [TONED]);
+    await texturesLoaded(page);
+    await compareSpheres(page, TONED, 'uniform');
+    assert.deepEqual(faults, []);
+}));
+
 test('files beside the map, in a second drop', { skip: !DEMO }, () => withPage(kDesktop, async (page, faults) => {
     await openFiles(page, [DEMO]);
     await openFiles(page, [
@@ -150,6 +158,10 @@ test('files beside the map, in a second drop', { skip: !DEMO }, () => withPage(k
     await page.waitForFunction(() => window.viewer.viewer.errors.errors && window.viewer.viewer.side.leak && window.viewer.viewer.side.portals);
     await page.waitForFunction(() => document.getElementById('legend').textContent.includes('displayed bytes'));
     await toggleAll(page);
+    const at = await page.evaluate(() => window.viewer.viewer.camera.position.toArray());
+    await openFiles(page, [write('more.pk3', zipSync({ 'textures/x.txt': new Uint8Array(1) }))]);
+    await page.waitForFunction(() => window.viewer.opener.files.archives.length === 1 && window.viewer.viewer.side.leak && window.viewer.viewer.stats.texturesDone > 0);
+    assert.deepEqual(await page.evaluate(() => window.viewer.viewer.camera.position.toArray()), at);
     assert.deepEqual(await messages(page), []);
     assert.deepEqual(faults, []);
 }));

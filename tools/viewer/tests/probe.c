@@ -1,7 +1,7 @@
 /* GPL-2.0-or-later. What the viewer should show of an SH light grid, by the reader for engines.
 
-   usage: probe FILE.bsp uniform|sparse
-   Reads lines "x y z nx ny nz", a position and a unit normal. For each it writes the 27 coefficients there and the
+   usage: probe FILE.bsp uniform|sparse [TONE]
+   TONE is the worldspawn key _q3map2_tone. Reads lines "x y z nx ny nz", a position and a unit normal. For each it writes the 27 coefficients there and the
    light on that normal as displayed: three bytes, not rounded. */
 #include "libs/shgrid/shgrid.h"
 
@@ -46,13 +46,13 @@ int main(int argc, char **argv) {
     shgrid_tone tone;
     float position[3], normal[3];
     size_t size = 0;
-    unsigned char *file = argc == 3 ? ReadFile(argv[1], &size) : NULL;
-    const shgrid_form form = argc == 3 && strcmp(argv[2], "sparse") == 0 ? SHGRID_SPARSE : SHGRID_UNIFORM;
-    if (file == NULL || shgrid_load_form(file, size, form, &grid) != SHGRID_OK) {
-        fprintf(stderr, "usage: probe FILE.bsp uniform|sparse; the map must have that grid\n");
+    unsigned char *file = argc >= 3 ? ReadFile(argv[1], &size) : NULL;
+    const shgrid_form form = argc >= 3 && strcmp(argv[2], "sparse") == 0 ? SHGRID_SPARSE : SHGRID_UNIFORM;
+    if (file == NULL || shgrid_load_form(file, size, form, &grid) != SHGRID_OK ||
+        shgrid_parse_tone(argc > 3 ? argv[3] : NULL, &tone) != SHGRID_OK) {
+        fprintf(stderr, "usage: probe FILE.bsp uniform|sparse [TONE]; the map must have that grid\n");
         return 1;
     }
-    shgrid_parse_tone(NULL, &tone);
     while (scanf("%f %f %f %f %f %f", position, position + 1, position + 2, normal, normal + 1, normal + 2) == 6) {
         shgrid_coeffs coeffs;
         float rgb[3];

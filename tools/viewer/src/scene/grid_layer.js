@@ -29,6 +29,15 @@ function distance2(viewer, x, y, z) {
     return (x - viewer[0]) ** 2 + (y - viewer[1]) ** 2 + (z - viewer[2]) ** 2;
 }
 
+/** A squared distance below which at most kMostSpheres of the points lie, as many as a histogram can tell. */
+function nearestLimit(distances, largest) {
+    const bins = new Int32Array(1024);
+    for (const distance of distances) bins[Math.min(Math.floor((distance / largest) * bins.length), bins.length - 1)]++;
+    let [bin, sum] = [0, 0];
+    while (bin < bins.length && sum + bins[bin] <= kMostSpheres) sum += bins[bin++];
+    return (bin / bins.length) * largest;
+}
+
 export class GridLayer {
     /** Points in reach, and how many of them are shown. */
     counts = { near: 0, shown: 0 };
@@ -52,7 +61,7 @@ export class GridLayer {
         return { values, kind: !solid ? Kind.lit : dark ? Kind.void : Kind.filled };
     }
 
-    /** Points in reach as numbers, nearest first if there are more than can be shown. */
+    /** Numbers of the points in reach; of the nearest if there are more than can be shown. */
     select(grid, { viewer, where, radius, height, thickness }) {
         const low = viewer.map((c) => c - radius);
         const high = viewer.map((c) => c + radius);
@@ -60,14 +69,18 @@ export class GridLayer {
             low[2] = height - thickness / 2;
             high[2] = height + thickness / 2;
         }
-        const found = [];
+        const points = [];
+        const distances = [];
         grid.forEachIn(low, high, (i, x, y, z) => {
             const distance = distance2(viewer, x, y, where === 'slice' ? viewer[2] : z);
-            if (distance <= radius * radius) found.push([distance, i, x, y, z]);
+            if (distance > radius * radius) return;
+            points.push(i);
+            distances.push(distance);
         });
-        this.counts.near = found.length;
-        if (found.length > kMostSpheres) found.sort((a, b) => a[0] - b[0]);
-        return found.slice(0, kMostSpheres);
+        this.counts.near = points.length;
+        if (points.length <= kMostSpheres) return points;
+        const limit = nearestLimit(distances, radius * radius);
+        return points.filter((_, k) => distances[k] < limit);
     }
 
     /**
@@ -83,7 +96,8 @@ export class GridLayer {
         this.kinds = [0, 0, 0];
         if (!grid) return;
         const legacy = 'point' in grid;
-        for (const [, i, x, y, z] of this.select(grid, options)) {
+        for (const i of this.select(grid, options)) {
+            const [x, y, z] = grid.position(i);
             const radius = kRadius * options.size * grid.size(i);
             const { values, kind } = this.read(grid, tree, legacy, i, x, y, z);
             this.kinds[kind]++;

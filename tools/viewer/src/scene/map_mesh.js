@@ -49,13 +49,17 @@ in float vHeight;
 out vec4 result;
 ${kDisplayGlsl}
 void main() {
+#ifdef CUT // without it, hidden texels are rejected before they are shaded
     if (vHeight > cutHeight) discard;
+#endif
     if (plainColor.r >= 0.0) {
         result = vec4(plainColor, 1.0);
         return;
     }
     vec4 texel = texture(image, vSt);
+#ifdef ALPHA_TEST
     if (alphaTest > 0.0 ? texel.a < alphaTest : alphaTest < 0.0 && texel.a >= -alphaTest) discard;
+#endif
     if (textured == 0.0) texel.rgb = vec3(1.0);
     vec3 light = vLayer >= 0.0 ? texture(lightmaps, vec3(vLightmap, vLayer)).rgb
         : vLayer > ${(kNoLight + 0.5).toFixed(1)} ? vColor.rgb : vec3(0.5);
@@ -180,6 +184,7 @@ function materialOf(shader, shared, placeholder) {
         glslVersion: THREE.GLSL3, vertexShader: kVertexShader, fragmentShader: kFragmentShader,
         uniforms: { ...shared, image: { value: placeholder }, alphaTest: { value: shader.alphaTest },
                     plainColor: { value: new THREE.Color(-1, -1, -1) } },
+        defines: shader.alphaTest !== 0 ? { ALPHA_TEST: '' } : {},
         side: shader.twoSided ? THREE.DoubleSide : THREE.BackSide, // front faces of the game turn clockwise
         transparent: blend !== null, depthWrite: blend === null, ...(blend ? kBlending[blend] : {}),
     });
@@ -202,7 +207,7 @@ export class MapMesh {
     constructor(map, shaderOf, lightmaps, clusters, textures, brightness, skyColor) {
         this.clusters = clusters;
         this.uniforms = { lightmaps: { value: lightmaps.texture }, textured: { value: 1 }, clustered: { value: 0 },
-                          cutHeight: { value: 1e9 }, brightness };
+                          cutHeight: { value: 0 }, brightness };
         this.triangles = 0;
         for (const [key, { shader, pieces }] of groupSurfaces(map, shaderOf, lightmaps, clusters)) {
             const joined = joinPieces(pieces);
@@ -214,6 +219,17 @@ export class MapMesh {
             this.group.add(mesh);
             this.triangles += joined.indexes.length / 3;
             this.batches.push({ mesh, material, image: key === 'sky' ? '' : shader.image, clamp: shader.clamp, ...joined });
+        }
+    }
+
+    /** Hides what is above a height; null: nothing. */
+    cutAt(height) {
+        this.uniforms.cutHeight.value = height ?? 0;
+        for (const { material } of this.batches) {
+            if ('CUT' in material.defines === (height !== null)) continue;
+            if (height === null) delete material.defines.CUT;
+            else material.defines.CUT = '';
+            material.needsUpdate = true;
         }
     }
 

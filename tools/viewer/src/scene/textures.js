@@ -11,14 +11,14 @@ function solid(r, g, b) {
 }
 
 /** An image as a texture with mipmaps; repeated unless clamped. */
-function textureOf(image, clamp) {
+function textureOf(image, clamp, anisotropy) {
     const texture = image.rgba ? new THREE.DataTexture(image.rgba, image.width, image.height) : new THREE.Texture(image);
     texture.flipY = false; // Quake's t runs down, like the rows of an image
     texture.wrapS = texture.wrapT = clamp ? THREE.ClampToEdgeWrapping : THREE.RepeatWrapping;
     texture.minFilter = THREE.LinearMipmapLinearFilter;
     texture.magFilter = THREE.LinearFilter;
     texture.generateMipmaps = true;
-    texture.anisotropy = 2;
+    texture.anisotropy = anisotropy;
     texture.needsUpdate = true;
     return texture;
 }
@@ -29,6 +29,11 @@ export class Textures {
     /** @type {Map<string, THREE.Texture>} */
     loaded = new Map();
     absent = new Set();
+
+    /** @param {number} anisotropy samples of the filter along slanted surfaces */
+    constructor(anisotropy) {
+        this.anisotropy = anisotropy;
+    }
 
     /**
      * Loads images and hands each to its batches.
@@ -57,7 +62,7 @@ export class Textures {
         const path = findImage(files, image);
         try {
             if (!path) throw new Error('absent');
-            const texture = textureOf(await readImage(files, path), clamp);
+            const texture = textureOf(await readImage(files, path), clamp, this.anisotropy);
             this.loaded.set(key, texture);
             return texture;
         } catch {

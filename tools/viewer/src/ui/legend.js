@@ -27,9 +27,18 @@ function scale(viewer) {
                 make('div', { class: 'ticks' }, make('span', {}, '0'), make('span', {}, String(end / 2)), make('span', {}, `${end}+`)));
 }
 
+/** What the legend depends on. */
+function stateOf({ settings, path, grids, errors }) {
+    const { showPoints, color, source, figure, errors: shown, largest } = settings;
+    return [showPoints, color, source, figure, shown, largest, path, grids[source]?.count, errors.errors?.count].join('|');
+}
+
 /** Shows the meaning of the colors in use; nothing if they are plain light. */
 export function showLegend(element, viewer) {
     const { settings, grids } = viewer;
+    const state = stateOf(viewer);
+    if (element.dataset.state === state) return;
+    element.dataset.state = state;
     const parts = [];
     if (settings.showPoints && settings.color === 'kind' && grids[settings.source])
         parts.push(make('div', {}, ...kKindColors.map((color, i) => entry(color, kKinds[i]))));
