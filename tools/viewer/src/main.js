@@ -24,11 +24,11 @@ function setPanel(open) {
     document.body.classList.toggle('panelOpen', open);
 }
 
-function onKey(event, viewer) {
+function onKey(event, viewer, panel) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.code in kFigureKeys) viewer.moveFigure(...kFigureKeys[event.code].map((n) => kFigureStep * n));
     else if (event.code === 'Home' && viewer.map) viewer.toStart();
-    else if (event.code === 'End' && viewer.map) viewer.fromAbove();
+    else if (event.code === 'End' && viewer.map) panel.fromAbove();
     else return;
     event.preventDefault();
 }
@@ -101,7 +101,7 @@ function start() {
         chooseMap: (path) => opener.show(path).catch((error) => opener.report(error)),
     });
     element('toggle').addEventListener('click', () => setPanel(element('panel').hidden));
-    element('view').addEventListener('keydown', (event) => onKey(event, viewer));
+    element('view').addEventListener('keydown', (event) => onKey(event, viewer, panel));
     connectPad(element('pad'), viewer.walk, () => viewer.invalidate());
     connectDrops(opener);
     connectChooser(opener);

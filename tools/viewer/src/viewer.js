@@ -47,7 +47,6 @@ export class Viewer {
         this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
         this.renderer.setClearColor(kBackground);
         this.camera = new THREE.PerspectiveCamera(62, 1, 2, 65536);
-        this.camera.up.set(0, 0, 1);
         this.scene = new THREE.Scene();
         this.lightUniforms = { brightness: { value: 1 }, tone: { value: new THREE.Vector4(1, 1, 0, 1) }, tone2: { value: new THREE.Vector3(1, 1, 0) } };
         this.textures = new Textures(this.isSoftware() ? 1 : 4);
@@ -164,16 +163,20 @@ export class Viewer {
         this.invalidate();
     }
 
-    /** Above the world, looking down. The figure stays where it is. */
-    fromAbove() {
-        this.settings.follow = false;
+    /**
+     * Above the world, looking straight down. The figure stays where it is.
+     * @param {number} covered pixels on the right that show something else
+     */
+    fromAbove(covered = 0) {
         const { mins, maxs } = this.map.models[0];
-        const half = Math.max((maxs[0] - mins[0]) / this.camera.aspect, maxs[1] - mins[1]) / 2;
-        const distance = half / Math.tan((this.camera.fov * Math.PI) / 360);
-        const height = this.settings.cut || this.settings.where === 'slice' ? this.settings.height : maxs[2];
-        this.camera.position.set((mins[0] + maxs[0]) / 2, (mins[1] + maxs[1]) / 2, height + 1.05 * distance);
+        const { clientWidth: width, clientHeight: height } = this.renderer.domElement;
+        const unitsPerPixel = 1.08 * Math.max((maxs[0] - mins[0]) / (width - covered), (maxs[1] - mins[1]) / height);
+        const distance = (unitsPerPixel * height) / 2 / Math.tan((this.camera.fov * Math.PI) / 360);
+        const top = this.settings.cut || this.settings.where === 'slice' ? this.settings.height : maxs[2];
+        this.camera.position.set((mins[0] + maxs[0] + covered * unitsPerPixel) / 2, (mins[1] + maxs[1]) / 2, top + distance);
         this.walk.yaw = Math.PI / 2;
-        this.walk.pitch = -1.55;
+        this.walk.pitch = -Math.PI / 2;
+        this.settings.follow = false;
         this.invalidate();
     }
 

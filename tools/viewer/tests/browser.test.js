@@ -166,6 +166,18 @@ test('files beside the map, in a second drop', { skip: !DEMO }, () => withPage(k
     assert.deepEqual(faults, []);
 }));
 
+test('a drop opens the map', { skip: !DEMO }, () => withPage(kDesktop, async (page, faults) => {
+    await page.evaluate((base64) => {
+        const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+        const transfer = new DataTransfer();
+        transfer.items.add(new File([bytes], 'dropped.bsp'));
+        document.getElementById('view').dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, bubbles: true, cancelable: true }));
+    }, readFileSync(DEMO).toString('base64'));
+    await page.waitForFunction(() => document.getElementById('title').textContent === 'dropped.bsp');
+    assert.deepEqual(await messages(page), []);
+    assert.deepEqual(faults, []);
+}));
+
 test('a report page opens its package', { skip: !DEMO }, async () => {
     const archive = zipSync({ 'maps/demo.bsp': new Uint8Array(readFileSync(DEMO)), 'maps/demo.lin': new TextEncoder().encode('0 0 0\n64 0 0\n') });
     const marker = '<!-- package -->';

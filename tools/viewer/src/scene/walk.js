@@ -4,7 +4,7 @@ import * as THREE from 'three';
 const kTurnPerPixel = 0.0035; // radians
 const kTurnPerSecond = 1.8; // radians, by keys
 const kFingerUnits = 1.6; // units a pixel of two fingers
-const kSteepest = 1.55; // radians of pitch
+const kSteepest = Math.PI / 2; // of pitch
 
 const kMoves = { KeyW: [1, 0, 0], KeyS: [-1, 0, 0], KeyD: [0, 1, 0], KeyA: [0, -1, 0], KeyE: [0, 0, 1], Space: [0, 0, 1], KeyQ: [0, 0, -1], KeyC: [0, 0, -1] };
 const kTurns = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
@@ -143,7 +143,7 @@ export class Walk {
     }
 
     apply() {
-        this.camera.lookAt(this.camera.position.clone().add(this.forward()));
+        this.camera.rotation.set(this.pitch + Math.PI / 2, 0, this.yaw - Math.PI / 2, 'ZXY'); // from -z, up y to +x, up z
         this.camera.updateMatrixWorld();
     }
 }

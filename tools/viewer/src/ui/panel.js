@@ -12,6 +12,7 @@ export class Panel {
      */
     constructor(element, viewer, actions) {
         this.viewer = viewer;
+        this.element = element;
         this.controls = [];
         this.facts = make('dl', { class: 'facts' });
         this.mapList = make('select', { title: 'Map', 'aria-label': 'Map', change: () => actions.chooseMap(this.mapList.value) });
@@ -19,6 +20,13 @@ export class Panel {
         this.pointCount = make('p', { class: 'note' });
         this.errorCount = make('p', { class: 'note' });
         element.append(this.mapSection(), this.viewSection(), this.pointSection(), this.figureSection(), this.sliceSection(), this.partSection());
+        this.show();
+    }
+
+    /** Over the map, in the part of the page that the panel leaves. */
+    fromAbove() {
+        const beside = !this.element.hidden && this.element.offsetWidth < innerWidth / 2;
+        this.viewer.fromAbove(beside ? this.element.offsetWidth : 0);
         this.show();
     }
 
@@ -36,7 +44,7 @@ export class Panel {
 
     mapSection() {
         const buttons = make('div', { class: 'buttons' }, button('Start', () => this.viewer.toStart(), 'To a start of players (Home)'),
-                             button('From above', () => this.viewer.fromAbove(), 'Over the map, looking down (End)'),
+                             button('From above', () => this.fromAbove(), 'Over the map, looking down (End)'),
                              button('Mouse look', () => this.viewer.walk.lock(), 'The mouse turns the view until Escape (double click)', 'mouse'));
         return section('Map', true, this.mapList, this.facts, buttons);
     }
