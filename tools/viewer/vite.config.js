@@ -1,9 +1,18 @@
 // GPL-2.0-or-later. Builds the page into one file that works from a disk.
 import { createHash } from 'node:crypto';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
 import { defineConfig } from 'vite';
 import { sourceHash } from './source_hash.js';
 
+const kLibraries = ['three', 'fflate'];
 const kMarker = '<!-- package -->';
+
+/** Licences of the libraries inside the page, as a comment. */
+function licences() {
+    const texts = kLibraries.map((name) => `${name}:\n${readFileSync(join(import.meta.dirname, 'node_modules', name, 'LICENSE'), 'utf8').trim()}`);
+    return `<!--\nThis page is GPL-2.0-or-later. It contains two libraries:\n\n${texts.join('\n\n')}\n-->`;
+}
 
 /** Puts scripts and styles into the page, and the hash of the sources. */
 function oneFile() {
@@ -20,6 +29,7 @@ function oneFile() {
             const hash = createHash('sha256').update(code).digest('base64');
             html = html.replace("script-src 'unsafe-inline' 'self'", () => `script-src 'sha256-${hash}'`)
                 .replace("style-src 'unsafe-inline' 'self'", "style-src 'unsafe-inline'")
+                .replace('<html lang="en">', () => `<html lang="en">\n${licences()}`)
                 .replace('<meta charset="utf-8">', () => `<meta charset="utf-8">\n<meta name="source-sha256" content="${sourceHash(import.meta.dirname)}">`)
                 .replace('</head>', () => `<style>${styles.map((part) => part.source).join('\n')}</style>\n</head>`)
                 .replace('</body>', () => `${script}\n</body>`);
