@@ -9,7 +9,11 @@ const kFiles = ['index.html', 'package-lock.json', 'package.json', 'source_hash.
 function sources(folder) {
     const below = readdirSync(join(folder, 'src'), { recursive: true, withFileTypes: true })
         .filter((entry) => entry.isFile())
-        .map((entry) => join(entry.parentPath, entry.name).slice(folder.length + 1).replaceAll('\\', '/'));
+        .map((entry) =>
+            join(entry.parentPath, entry.name)
+                .slice(folder.length + 1)
+                .replaceAll('\\', '/'),
+        );
     return [...kFiles, ...below].sort();
 }
 

@@ -9,13 +9,24 @@ import { Viewer } from './viewer.js';
 
 const element = (id) => document.getElementById(id);
 const kFigureStep = 8; // units a key press
-const kFigureKeys = { KeyI: [1, 0, 0], KeyK: [-1, 0, 0], KeyL: [0, 1, 0], KeyJ: [0, -1, 0], KeyU: [0, 0, 1], KeyO: [0, 0, -1] };
+const kFigureKeys = {
+    KeyI: [1, 0, 0],
+    KeyK: [-1, 0, 0],
+    KeyL: [0, 1, 0],
+    KeyJ: [0, -1, 0],
+    KeyU: [0, 0, 1],
+    KeyO: [0, 0, -1],
+};
 
 function showStatus(viewer) {
     const { stats, camera } = viewer;
-    const at = camera.position.toArray().map((c) => c.toFixed(0)).join(' ');
+    const at = camera.position
+        .toArray()
+        .map((c) => c.toFixed(0))
+        .join(' ');
     const fps = stats.fps > 0 ? `${stats.fps.toFixed(0)} fps · ` : '';
-    element('status').textContent = `${fps}${stats.calls} draw calls · first picture ${stats.firstPicture.toFixed(0)} ms · ${at}`;
+    element('status').textContent =
+        `${fps}${stats.calls} draw calls · first picture ${stats.firstPicture.toFixed(0)} ms · ${at}`;
 }
 
 function setPanel(open) {

@@ -3,11 +3,10 @@ import { FormatError } from './bsp/bytes.js';
 import { readMap } from './bsp/map.js';
 import { parseErrors, parseLeakLine, parsePortals } from './bsp/side_files.js';
 import { GameFiles } from './files/game_files.js';
-import { baseName, endingOf, kSideEndings } from './files/opened.js';
+import { baseName, endingOf, isKnown, kSideEndings } from './files/opened.js';
 import { splitScript } from './files/shader_script.js';
 
 const kReaders = { leak: parseLeakLine, portals: parsePortals, errors: parseErrors };
-const kTextures = /^(textures|models|env|gfx|maps)\/.*\.(tga|jpe?g|png|webp)$/;
 
 export class Opener {
     files = new GameFiles();
@@ -44,14 +43,17 @@ export class Opener {
         const sides = [];
         let resources = false;
         let map = wanted;
-        for (const { path, blob } of given) {
+        for (const { path, blob, inFolder } of given) {
             const ending = endingOf(path);
             if (ending in kSideEndings) {
-                sides.push({ kind: kSideEndings[ending], blob });
-            } else if (!['.bsp', '.pk3', '.zip', '.shader'].includes(ending) && !kTextures.test(path.toLowerCase())) {
-                this.messages.add('error', `${path} is not a file that this page opens: it takes .bsp, .pk3, .lin, .prt and .sherror.json.`);
+                sides.push({ kind: kSideEndings[ending], blob, path, inFolder });
+            } else if (!isKnown(path)) {
+                this.messages.add(
+                    'error',
+                    `${path} is not a file that this page opens: it takes .bsp, .pk3, .lin, .prt and .sherror.json.`,
+                );
             } else {
-                resources = await this.addFile(path, blob) || resources;
+                resources = (await this.addFile(path, blob)) || resources;
                 if (ending === '.bsp') map ||= path.toLowerCase();
             }
         }
@@ -69,16 +71,24 @@ export class Opener {
     }
 
     async showAfter(map, resources, sides, started) {
-        const maps = this.maps();
-        const choice = map || this.path || maps[0];
+        const choice = map || this.path || this.maps()[0];
         try {
             if (resources && choice) await this.show(choice, started);
             else if (resources) this.messages.add('note', 'The archive has no map: open the .bsp too.');
         } catch (error) {
+            this.files.loose.delete(choice);
             this.report(error);
         }
-        if (sides.length > 0 && !this.viewer.map) this.messages.add('error', 'Open the map before the files that belong to it.');
-        else for (const { kind, blob } of sides) this.keepSide(kind, await blob.text());
+        if (sides.length > 0 && !this.viewer.map)
+            this.messages.add('error', 'Open the map before the files that belong to it.');
+        else
+            for (const { kind, blob, path, inFolder } of sides)
+                if (!inFolder || this.isBeside(path)) this.keepSide(kind, await blob.text());
+    }
+
+    /** Whether a file has the name of the shown map. */
+    isBeside(path) {
+        return baseName(path.toLowerCase()) === baseName(this.path);
     }
 
     maps() {
@@ -89,7 +99,9 @@ export class Opener {
     async scripts() {
         const decoder = new TextDecoder('latin1');
         const paths = this.files.list((path) => /^(scripts\/)?[^/]+\.shader$/.test(path));
-        const scripts = await Promise.all(paths.map(async (path) => splitScript(decoder.decode(await this.files.read(path)))));
+        const scripts = await Promise.all(
+            paths.map(async (path) => splitScript(decoder.decode(await this.files.read(path)))),
+        );
         return new Map(scripts.reverse().flatMap((shaders) => [...shaders]));
     }
 
@@ -136,7 +148,7 @@ export class Opener {
     }
 
     setErrors(errors) {
-        if (errors.map && baseName(errors.map.toLowerCase()) !== baseName(this.path))
+        if (errors.map && !this.isBeside(errors.map))
             this.messages.add('note', `The errors were measured on ${errors.map}, not on the map that is shown.`);
         this.viewer.setErrors(errors);
     }

@@ -48,7 +48,11 @@ export class Viewer {
         this.renderer.setClearColor(kBackground);
         this.camera = new THREE.PerspectiveCamera(62, 1, 2, 65536);
         this.scene = new THREE.Scene();
-        this.lightUniforms = { brightness: { value: 1 }, tone: { value: new THREE.Vector4(1, 1, 0, 1) }, tone2: { value: new THREE.Vector3(1, 1, 0) } };
+        this.lightUniforms = {
+            brightness: { value: 1 },
+            tone: { value: new THREE.Vector4(1, 1, 0, 1) },
+            tone2: { value: new THREE.Vector3(1, 1, 0) },
+        };
         this.textures = new Textures(this.isSoftware() ? 1 : 4);
         this.gridLayer = new GridLayer(this.lightUniforms);
         this.figure = new Figure(this.lightUniforms);
@@ -57,7 +61,9 @@ export class Viewer {
         this.scene.add(this.gridLayer.mesh, this.figure.group, this.errors.points);
         this.raycaster = new THREE.Raycaster();
         this.walk = new Walk(this.camera, canvas, {
-            changed: () => this.invalidate(), grab: (event) => this.grabFigure(event), drag: (event) => this.dragFigure(event), release: () => {},
+            changed: () => this.invalidate(),
+            grab: (event) => this.grabFigure(event),
+            drag: (event) => this.dragFigure(event),
         });
         new ResizeObserver(() => this.resize()).observe(canvas);
         this.resize();
@@ -67,7 +73,9 @@ export class Viewer {
     isSoftware() {
         const gl = this.renderer.getContext();
         const info = gl.getExtension('WEBGL_debug_renderer_info');
-        return /swiftshader|llvmpipe|software/i.test(String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER)));
+        return /swiftshader|llvmpipe|software/i.test(
+            String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER)),
+        );
     }
 
     resize() {
@@ -80,8 +88,8 @@ export class Viewer {
     }
 
     /**
-     * Shows a map in place of the one before, first with its lightmaps alone, then with its grids. The viewer stays where
-     * they are if it is the same map again, with more files.
+     * Shows a map in place of the one before, first with its lightmaps alone, then with its grids. The viewer stays
+     * where they are if it is the same map again, with more files.
      * @param map from readMap
      * @param {string} path of the map, such as maps/x.bsp
      * @param {import('./files/game_files.js').GameFiles} files
@@ -96,14 +104,33 @@ export class Viewer {
             return shaders.get(name);
         };
         map.shaders.forEach(shaderOf);
-        const name = path.slice(path.lastIndexOf('/') + 1).replace(/\.bsp$/i, '').toLowerCase();
-        const images = [...new Set([...shaders.values()].map((shader) => shader.lightmapImage).filter((image) => image !== ''))];
-        const lightmaps = await Lightmaps.load(map, name, images, files, this.renderer.capabilities.maxArrayTextureLayers ?? 256);
+        const name = path
+            .slice(path.lastIndexOf('/') + 1)
+            .replace(/\.bsp$/i, '')
+            .toLowerCase();
+        const images = [
+            ...new Set([...shaders.values()].map((shader) => shader.lightmapImage).filter((image) => image !== '')),
+        ];
+        const lightmaps = await Lightmaps.load(
+            map,
+            name,
+            images,
+            files,
+            this.renderer.capabilities.maxArrayTextureLayers ?? 256,
+        );
         const again = this.map !== null && this.path === path;
         this.close();
         Object.assign(this, { map, path, tree, lightmaps });
         this.setTone(map.entities[0]?.get('_q3map2_tone'));
-        this.mesh = new MapMesh(map, shaderOf, lightmaps, tree.surfaceClusters(map.surfaces.length), this.textures, this.lightUniforms.brightness, kSkyColor);
+        this.mesh = new MapMesh(
+            map,
+            shaderOf,
+            lightmaps,
+            tree.surfaceClusters(map.surfaces.length),
+            this.textures,
+            this.lightUniforms.brightness,
+            kSkyColor,
+        );
         this.scene.add(this.mesh.group);
         if (!again) this.toStart();
         this.applySettings();
@@ -126,7 +153,12 @@ export class Viewer {
     /** Loads the textures of the map that `open` shows; the picture is drawn again as they come. */
     async loadTextures(files, started) {
         const { map } = this;
-        await this.textures.loadAll(this.mesh.batches, files, () => this.map === map, () => this.invalidate());
+        await this.textures.loadAll(
+            this.mesh.batches,
+            files,
+            () => this.map === map,
+            () => this.invalidate(),
+        );
         if (this.map !== map) return;
         this.stats.texturesDone = performance.now() - started;
         this.invalidate();
@@ -146,7 +178,7 @@ export class Viewer {
 
     setTone(text) {
         const { tone, valid } = parseTone(text);
-        this.toneProblem = valid ? null : 'The tone of the lightmaps in worldspawn cannot be read; grids are shown without it.';
+        this.toneProblem = valid ? null : 'The tone of the lightmaps, in worldspawn, cannot be read.';
         this.lightUniforms.tone.value.set(tone.contrast, 1 / tone.gamma, tone.exposure, tone.saturation);
         this.lightUniforms.tone2.value.set(tone.scale, tone.maxlight / 255, tone.srgb ? 1 : 0);
     }
@@ -154,8 +186,10 @@ export class Viewer {
     /** To a start of players, or over the middle of the world. */
     toStart() {
         const { mins, maxs } = this.map.models[0];
-        const start = startPosition(this.map.entities) ??
-            { position: mins.map((low, i) => (low + maxs[i]) / 2), yaw: 0 };
+        const start = startPosition(this.map.entities) ?? {
+            position: mins.map((low, i) => (low + maxs[i]) / 2),
+            yaw: 0,
+        };
         this.camera.position.fromArray(start.position);
         this.walk.yaw = (start.yaw * Math.PI) / 180;
         this.walk.pitch = 0;
@@ -173,7 +207,11 @@ export class Viewer {
         const unitsPerPixel = 1.08 * Math.max((maxs[0] - mins[0]) / (width - covered), (maxs[1] - mins[1]) / height);
         const distance = (unitsPerPixel * height) / 2 / Math.tan((this.camera.fov * Math.PI) / 360);
         const top = this.settings.cut || this.settings.where === 'slice' ? this.settings.height : maxs[2];
-        this.camera.position.set((mins[0] + maxs[0] + covered * unitsPerPixel) / 2, (mins[1] + maxs[1]) / 2, top + distance);
+        this.camera.position.set(
+            (mins[0] + maxs[0] + covered * unitsPerPixel) / 2,
+            (mins[1] + maxs[1]) / 2,
+            top + distance,
+        );
         this.walk.yaw = Math.PI / 2;
         this.walk.pitch = -Math.PI / 2;
         this.settings.follow = false;
@@ -238,7 +276,10 @@ export class Viewer {
         this.mesh.uniforms.textured.value = settings.textured ? 1 : 0;
         this.mesh.uniforms.clustered.value = settings.clustered ? 1 : 0;
         this.mesh.cutAt(settings.cut ? settings.height + settings.thickness / 2 : null);
-        this.errorSummary = this.errors.update(settings.errors, { ...settings, viewHeight: this.renderer.domElement.height });
+        this.errorSummary = this.errors.update(settings.errors, {
+            ...settings,
+            viewHeight: this.renderer.domElement.height,
+        });
     }
 
     refreshGrid() {
@@ -247,7 +288,12 @@ export class Viewer {
         const moved = this.gridViewer ? Math.hypot(...viewer.map((c, i) => c - this.gridViewer[i])) : Infinity;
         this.gridLayer.mesh.visible = settings.showPoints;
         if (!settings.showPoints || (!this.gridStale && moved < kRefreshShare * settings.radius)) return;
-        const options = { ...settings, viewer, openOnly: !settings.inWalls, color: settings.source !== 'sparse' && settings.color === 'level' ? 'light' : settings.color };
+        const options = {
+            ...settings,
+            viewer,
+            openOnly: !settings.inWalls,
+            color: settings.source !== 'sparse' && settings.color === 'level' ? 'light' : settings.color,
+        };
         this.gridLayer.update(this.grids[settings.source], this.tree, options);
         this.gridStale = false;
         this.gridViewer = viewer;
@@ -267,12 +313,21 @@ export class Viewer {
             figure.origin.copy(this.camera.position).addScaledVector(this.walk.forward(), kFigureDistance);
             figure.origin.z -= kFigureDrop;
         }
-        this.figureLight = figure.update(settings.figure, this.walk.yaw + Math.PI, this.grids, this.gridSH, settings.minLight);
+        this.figureLight = figure.update(
+            settings.figure,
+            this.walk.yaw + Math.PI,
+            this.grids,
+            this.gridSH,
+            settings.minLight,
+        );
     }
 
     rayOf(event) {
         const box = this.renderer.domElement.getBoundingClientRect();
-        const at = new THREE.Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height);
+        const at = new THREE.Vector2(
+            (2 * (event.clientX - box.left)) / box.width - 1,
+            1 - (2 * (event.clientY - box.top)) / box.height,
+        );
         this.raycaster.setFromCamera(at, this.camera);
         return this.raycaster;
     }
@@ -281,7 +336,9 @@ export class Viewer {
         if (!this.figure.isHit(this.rayOf(event))) return false;
         const normal = this.walk.forward().negate();
         this.dragPlane = new THREE.Plane().setFromNormalAndCoplanarPoint(normal, this.figure.origin);
-        this.dragOffset = this.raycaster.ray.intersectPlane(this.dragPlane, new THREE.Vector3())?.sub(this.figure.origin) ?? new THREE.Vector3();
+        this.dragOffset =
+            this.raycaster.ray.intersectPlane(this.dragPlane, new THREE.Vector3())?.sub(this.figure.origin) ??
+            new THREE.Vector3();
         this.settings.follow = false;
         return true;
     }

@@ -5,8 +5,18 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
-const kFlags = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
-                '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+const kFlags = [
+    '--no-sandbox',
+    '--disable-gpu',
+    '--disable-quic',
+    '--no-first-run',
+    '--disable-background-networking',
+    '--disable-component-update',
+    '--disable-sync',
+    '--use-gl=angle',
+    '--use-angle=swiftshader',
+    '--enable-unsafe-swiftshader',
+];
 
 export const kPage = join(import.meta.dirname, '..', 'viewer.html');
 
@@ -20,14 +30,20 @@ export const kPage = join(import.meta.dirname, '..', 'viewer.html');
 export async function withPage(options, use, path = kPage) {
     const profile = mkdtempSync(join(tmpdir(), 'viewer-'));
     const context = await chromium.launchPersistentContext(profile, {
-        executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', headless: true, args: kFlags, ...options,
+        executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+        headless: true,
+        args: kFlags,
+        ...options,
     });
     try {
         const page = context.pages()[0] ?? (await context.newPage());
         const faults = [];
         page.on('console', (message) => message.type() === 'error' && faults.push(message.text()));
         page.on('pageerror', (error) => faults.push(String(error)));
-        page.on('request', (request) => /^(https?|wss?):/.test(request.url()) && faults.push(`request: ${request.url()}`));
+        page.on(
+            'request',
+            (request) => /^(https?|wss?):/.test(request.url()) && faults.push(`request: ${request.url()}`),
+        );
         await page.goto(pathToFileURL(path).href);
         await use(page, faults);
     } finally {

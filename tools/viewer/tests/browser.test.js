@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. The built page in Chromium, with the demo arena and, if they are there, with real maps.
-// DEMO and REAL name baked maps with both SH grids, TONED one with a tone and the uniform grid; PROBE the compiled probe.c; REAL_PK3 archives, separated by ':'.
+// DEMO and REAL name baked maps with both SH grids, TONED one with a tone and the uniform grid; PROBE the compiled
+// probe.c; REAL_PK3 archives, separated by ':'.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -20,7 +21,9 @@ const kMostDifference = 2; // bytes of 255, mean over probes and channels
 const kMostFirstPicture = 3000; // ms
 let folder;
 
-before(() => { folder = mkdtempSync(join(tmpdir(), 'viewer-test-')); });
+before(() => {
+    folder = mkdtempSync(join(tmpdir(), 'viewer-test-'));
+});
 after(() => rmSync(folder, { recursive: true }));
 
 const messages = (page) => page.locator('.message').allTextContents();
@@ -54,29 +57,54 @@ function choosePoints(path, form) {
 function expectedColors(path, form, points) {
     const input = points.map(({ center, normal }) => [...center, ...normal].join(' ')).join('\n');
     const tone = readMap(new Uint8Array(readFileSync(path))).entities[0].get('_q3map2_tone') ?? '';
-    return execFileSync(PROBE, [path, form, tone], { input }).toString().trim().split('\n').map((line) => line.split(' ').slice(27).map(Number));
+    return execFileSync(PROBE, [path, form, tone], { input })
+        .toString()
+        .trim()
+        .split('\n')
+        .map((line) => line.split(' ').slice(27).map(Number));
 }
 
 /** Color of the middle of the picture with the viewer before each point, the map hidden. */
 async function shownColors(page, form, points) {
-    return page.evaluate(([source, list]) => {
-        const { viewer } = window.viewer;
-        Object.assign(viewer.settings, { source, showPoints: true, color: 'light', where: 'near', radius: 96, size: 1, brightness: 1, figure: 'off', inWalls: true });
-        viewer.mesh.group.visible = false;
-        const gl = viewer.renderer.getContext();
-        const colors = list.map(({ eye, yaw, pitch }) => {
-            viewer.camera.position.fromArray(eye);
-            viewer.walk.yaw = yaw + Math.PI;
-            viewer.walk.pitch = -pitch;
-            viewer.changed();
-            viewer.drawNow();
-            const pixel = new Uint8Array(4);
-            gl.readPixels(gl.drawingBufferWidth >> 1, gl.drawingBufferHeight >> 1, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
-            return [...pixel.slice(0, 3)];
-        });
-        viewer.mesh.group.visible = true;
-        return colors;
-    }, [form, points]);
+    return page.evaluate(
+        ([source, list]) => {
+            const { viewer } = window.viewer;
+            Object.assign(viewer.settings, {
+                source,
+                showPoints: true,
+                color: 'light',
+                where: 'near',
+                radius: 96,
+                size: 1,
+                brightness: 1,
+                figure: 'off',
+                inWalls: true,
+            });
+            viewer.mesh.group.visible = false;
+            const gl = viewer.renderer.getContext();
+            const colors = list.map(({ eye, yaw, pitch }) => {
+                viewer.camera.position.fromArray(eye);
+                viewer.walk.yaw = yaw + Math.PI;
+                viewer.walk.pitch = -pitch;
+                viewer.changed();
+                viewer.drawNow();
+                const pixel = new Uint8Array(4);
+                gl.readPixels(
+                    gl.drawingBufferWidth >> 1,
+                    gl.drawingBufferHeight >> 1,
+                    1,
+                    1,
+                    gl.RGBA,
+                    gl.UNSIGNED_BYTE,
+                    pixel,
+                );
+                return [...pixel.slice(0, 3)];
+            });
+            viewer.mesh.group.visible = true;
+            return colors;
+        },
+        [form, points],
+    );
 }
 
 async function compareSpheres(page, path, form) {
@@ -94,7 +122,9 @@ async function compareSpheres(page, path, form) {
 async function toggleAll(page) {
     const calls = await page.evaluate(() => {
         const { viewer, panel } = window.viewer;
-        document.querySelectorAll('#panel details').forEach((details) => { details.open = true; });
+        document.querySelectorAll('#panel details').forEach((details) => {
+            details.open = true;
+        });
         const drawn = [];
         for (const input of document.querySelectorAll('#panel input:not(:disabled)')) {
             const old = [input.checked, input.value];
@@ -113,7 +143,10 @@ async function toggleAll(page) {
         return drawn;
     });
     assert.ok(calls.length > 20);
-    assert.ok(calls.every((n) => n > 0 && n < 200), `draw calls: ${calls}`);
+    assert.ok(
+        calls.every((n) => n > 0 && n < 200),
+        `draw calls: ${calls}`,
+    );
 }
 
 async function moveByKeys(page) {
@@ -130,128 +163,192 @@ async function moveByKeys(page) {
     assert.match(await page.textContent('#status'), /\d+ fps · \d+ draw calls · first picture \d+ ms/);
 }
 
-test('the demo arena: shown, moved through, every control, spheres', { skip: !DEMO || !PROBE }, () => withPage(kDesktop, async (page, faults) => {
-    await openFiles(page, [DEMO]);
-    await texturesLoaded(page);
-    assert.deepEqual(await messages(page), []);
-    assert.equal(await page.textContent('#title'), DEMO.split('/').pop());
-    await moveByKeys(page);
-    await compareSpheres(page, DEMO, 'uniform');
-    await compareSpheres(page, DEMO, 'sparse');
-    await toggleAll(page);
-    assert.deepEqual(faults, []);
-}));
+test('the demo arena: shown, moved through, every control, spheres', { skip: !DEMO || !PROBE }, () =>
+    withPage(kDesktop, async (page, faults) => {
+        await openFiles(page, [DEMO]);
+        await texturesLoaded(page);
+        assert.deepEqual(await messages(page), []);
+        assert.equal(await page.textContent('#title'), DEMO.split('/').pop());
+        await moveByKeys(page);
+        await compareSpheres(page, DEMO, 'uniform');
+        await compareSpheres(page, DEMO, 'sparse');
+        await toggleAll(page);
+        assert.deepEqual(faults, []);
+    }),
+);
 
-test('a map with a tone: spheres', { skip: !TONED || !PROBE }, () => withPage(kDesktop, async (page, faults) => {
-    await openFiles(page, [TONED]);
-    await texturesLoaded(page);
-    await compareSpheres(page, TONED, 'uniform');
-    assert.deepEqual(faults, []);
-}));
+test('a map with a tone: spheres', { skip: !TONED || !PROBE }, () =>
+    withPage(kDesktop, async (page, faults) => {
+        await openFiles(page, [TONED]);
+        await texturesLoaded(page);
+        await compareSpheres(page, TONED, 'uniform');
+        assert.deepEqual(faults, []);
+    }),
+);
 
-test('files beside the map, in a second drop', { skip: !DEMO }, () => withPage(kDesktop, async (page, faults) => {
-    await openFiles(page, [DEMO]);
-    await openFiles(page, [
-        write('demo.lin', '0 0 0\n64 0 0\n64 64 0\n'), write('demo.prt', 'PRT1\n2\n1\n0\n4 0 1 0 (0 0 0 ) (0 64 0 ) (0 64 64 ) (0 0 64 ) \n'),
-        write('demo.sherror.json', JSON.stringify({ format: 'q3map2-sh errors', version: 1, map: 'maps/demo.bsp', unit: 'displayed bytes', positions: [[0, 0, 64, 1, 5], [9, 9, 64, 2, 9]] })),
-    ]);
-    await page.waitForFunction(() => window.viewer.viewer.errors.errors && window.viewer.viewer.side.leak && window.viewer.viewer.side.portals);
-    await page.waitForFunction(() => document.getElementById('legend').textContent.includes('displayed bytes'));
-    await toggleAll(page);
-    const at = await page.evaluate(() => window.viewer.viewer.camera.position.toArray());
-    await openFiles(page, [write('more.pk3', zipSync({ 'textures/x.txt': new Uint8Array(1) }))]);
-    await page.waitForFunction(() => window.viewer.opener.files.archives.length === 1 && window.viewer.viewer.side.leak && window.viewer.viewer.stats.texturesDone > 0);
-    assert.deepEqual(await page.evaluate(() => window.viewer.viewer.camera.position.toArray()), at);
-    assert.deepEqual(await messages(page), []);
-    assert.deepEqual(faults, []);
-}));
+test('files beside the map, in a second drop', { skip: !DEMO }, () =>
+    withPage(kDesktop, async (page, faults) => {
+        await openFiles(page, [DEMO]);
+        await openFiles(page, [
+            write('demo.lin', '0 0 0\n64 0 0\n64 64 0\n'),
+            write('demo.prt', 'PRT1\n2\n1\n0\n4 0 1 0 (0 0 0 ) (0 64 0 ) (0 64 64 ) (0 0 64 ) \n'),
+            write(
+                'demo.sherror.json',
+                JSON.stringify({
+                    format: 'q3map2-sh errors',
+                    version: 1,
+                    map: 'maps/demo.bsp',
+                    unit: 'displayed bytes',
+                    positions: [
+                        [0, 0, 64, 1, 5],
+                        [9, 9, 64, 2, 9],
+                    ],
+                }),
+            ),
+        ]);
+        await page.waitForFunction(
+            () =>
+                window.viewer.viewer.errors.errors &&
+                window.viewer.viewer.side.leak &&
+                window.viewer.viewer.side.portals,
+        );
+        await page.waitForFunction(() => document.getElementById('legend').textContent.includes('displayed bytes'));
+        await toggleAll(page);
+        const at = await page.evaluate(() => window.viewer.viewer.camera.position.toArray());
+        await openFiles(page, [write('more.pk3', zipSync({ 'textures/x.txt': new Uint8Array(1) }))]);
+        await page.waitForFunction(
+            () =>
+                window.viewer.opener.files.archives.length === 1 &&
+                window.viewer.viewer.side.leak &&
+                window.viewer.viewer.stats.texturesDone > 0,
+        );
+        assert.deepEqual(await page.evaluate(() => window.viewer.viewer.camera.position.toArray()), at);
+        assert.deepEqual(await messages(page), []);
+        assert.deepEqual(faults, []);
+    }),
+);
 
-test('a drop opens the map', { skip: !DEMO }, () => withPage(kDesktop, async (page, faults) => {
-    await page.evaluate((base64) => {
-        const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-        const transfer = new DataTransfer();
-        transfer.items.add(new File([bytes], 'dropped.bsp'));
-        document.getElementById('view').dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, bubbles: true, cancelable: true }));
-    }, readFileSync(DEMO).toString('base64'));
-    await page.waitForFunction(() => document.getElementById('title').textContent === 'dropped.bsp');
-    assert.deepEqual(await messages(page), []);
-    assert.deepEqual(faults, []);
-}));
+test('a drop opens the map', { skip: !DEMO }, () =>
+    withPage(kDesktop, async (page, faults) => {
+        await page.evaluate((base64) => {
+            const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+            const transfer = new DataTransfer();
+            transfer.items.add(new File([bytes], 'dropped.bsp'));
+            document
+                .getElementById('view')
+                .dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, bubbles: true, cancelable: true }));
+        }, readFileSync(DEMO).toString('base64'));
+        await page.waitForFunction(() => document.getElementById('title').textContent === 'dropped.bsp');
+        assert.deepEqual(await messages(page), []);
+        assert.deepEqual(faults, []);
+    }),
+);
 
 test('a report page opens its package', { skip: !DEMO }, async () => {
-    const archive = zipSync({ 'maps/demo.bsp': new Uint8Array(readFileSync(DEMO)), 'maps/demo.lin': new TextEncoder().encode('0 0 0\n64 0 0\n') });
+    const archive = zipSync({
+        'maps/demo.bsp': new Uint8Array(readFileSync(DEMO)),
+        'maps/demo.lin': new TextEncoder().encode('0 0 0\n64 0 0\n'),
+    });
     const marker = '<!-- package -->';
     const page = readFileSync(kPage, 'utf8');
     assert.equal(page.split(marker).length, 2);
-    const element = `<script type="application/zip;base64" id="package" data-map="maps/demo.bsp">${Buffer.from(archive).toString('base64')}</script>`;
-    await withPage(kDesktop, async (shown, faults) => {
-        await shown.waitForFunction(() => !document.getElementById('status').hidden);
-        assert.equal(await shown.textContent('#title'), 'maps/demo.bsp');
-        assert.ok(await shown.evaluate(() => window.viewer.viewer.side.leak !== null));
-        assert.deepEqual(faults, []);
-    }, write('report.html', page.replace(marker, () => element)));
+    const base64 = Buffer.from(archive).toString('base64');
+    const element = `<script type="application/zip;base64" id="package" data-map="maps/demo.bsp">${base64}</script>`;
+    await withPage(
+        kDesktop,
+        async (shown, faults) => {
+            await shown.waitForFunction(() => !document.getElementById('status').hidden);
+            assert.equal(await shown.textContent('#title'), 'maps/demo.bsp');
+            assert.ok(await shown.evaluate(() => window.viewer.viewer.side.leak !== null));
+            assert.deepEqual(faults, []);
+        },
+        write(
+            'report.html',
+            page.replace(marker, () => element),
+        ),
+    );
 });
 
-test('damaged and foreign files give a message, and no console error', { skip: !DEMO }, () => withPage(kDesktop, async (page, faults) => {
-    const bytes = readFileSync(DEMO);
-    const cases = [
-        ['text.bsp', Buffer.from('this is no map'), /not a Quake 3 map/], ['old.bsp', Buffer.concat([Buffer.from('IBSP&\0\0\0'), Buffer.alloc(200)]), /version 38/],
-        ['cut.bsp', bytes.subarray(0, 5000), /outside the file/], ['bad.pk3', Buffer.from('PK'), /not a pk3/], ['notes.txt', Buffer.from('x'), /not a file that this page opens/],
-        ['x.lin', Buffer.from('0 0 0\n1 1 1'), /Open the map before/],
-    ];
-    for (const [name, content, pattern] of cases) {
-        await openFiles(page, [write(name, content)]);
-        assert.match((await messages(page)).join('\n'), pattern);
-    }
-    const damaged = Buffer.from(bytes);
-    const lump = bytes.indexOf('SHGS');
-    damaged.writeUInt32LE(99, lump + 48);
-    await openFiles(page, [write('damaged.bsp', damaged)]);
-    await page.waitForFunction(() => window.viewer.viewer.map);
-    await page.waitForSelector('.message');
-    assert.match((await messages(page)).join('\n'), /99 levels.*shown without it/);
-    assert.deepEqual(faults, []);
-}));
+test('damaged and foreign files give a message, and no console error', { skip: !DEMO }, () =>
+    withPage(kDesktop, async (page, faults) => {
+        const bytes = readFileSync(DEMO);
+        const cases = [
+            ['text.bsp', Buffer.from('this is no map'), /not a Quake 3 map/],
+            ['old.bsp', Buffer.concat([Buffer.from('IBSP&\0\0\0'), Buffer.alloc(200)]), /version 38/],
+            ['cut.bsp', bytes.subarray(0, 5000), /outside the file/],
+            ['bad.pk3', Buffer.from('PK'), /not a pk3/],
+            ['notes.txt', Buffer.from('x'), /not a file that this page opens/],
+            ['x.lin', Buffer.from('0 0 0\n1 1 1'), /Open the map before/],
+        ];
+        for (const [name, content, pattern] of cases) {
+            await openFiles(page, [write(name, content)]);
+            assert.match((await messages(page)).join('\n'), pattern);
+        }
+        const damaged = Buffer.from(bytes);
+        const lump = bytes.indexOf('SHGS');
+        damaged.writeUInt32LE(99, lump + 48);
+        await openFiles(page, [write('damaged.bsp', damaged)]);
+        await page.waitForFunction(() => window.viewer.viewer.map);
+        await page.waitForSelector('.message');
+        assert.match((await messages(page)).join('\n'), /99 levels.*shown without it/);
+        assert.deepEqual(faults, []);
+    }),
+);
 
-test('touch: one finger looks, two move, the pad moves', { skip: !DEMO }, () => withPage(kPhone, async (page, faults) => {
-    await openFiles(page, [DEMO]);
-    const state = () => page.evaluate(() => ({ yaw: window.viewer.viewer.walk.yaw, at: window.viewer.viewer.camera.position.toArray() }));
-    const client = await page.context().newCDPSession(page);
-    const touch = (type, points) => client.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
-    const first = await state();
-    await touch('touchStart', [[200, 300]]);
-    await touch('touchMove', [[260, 300]]);
-    await touch('touchEnd', []);
-    const looked = await state();
-    assert.ok(Math.abs(looked.yaw - first.yaw) > 0.1);
-    await touch('touchStart', [[150, 300], [250, 300]]);
-    await touch('touchMove', [[110, 300], [290, 300]]);
-    await touch('touchEnd', []);
-    const moved = await state();
-    assert.ok(Math.hypot(...moved.at.map((c, i) => c - looked.at[i])) > 20);
-    const stick = await page.locator('.stick').boundingBox();
-    const [x, y] = [stick.x + stick.width / 2, stick.y + stick.height / 2];
-    await touch('touchStart', [[x, y]]);
-    await touch('touchMove', [[x, y - 40]]);
-    await page.waitForTimeout(500);
-    await touch('touchEnd', []);
-    const padded = await state();
-    assert.ok(Math.hypot(...padded.at.map((c, i) => c - moved.at[i])) > 20);
-    await page.tap('#toggle');
-    assert.equal(await page.isVisible('#panel'), true);
-    assert.deepEqual(faults, []);
-}));
+test('touch: one finger looks, two move, the pad moves', { skip: !DEMO }, () =>
+    withPage(kPhone, async (page, faults) => {
+        await openFiles(page, [DEMO]);
+        const state = () =>
+            page.evaluate(() => ({
+                yaw: window.viewer.viewer.walk.yaw,
+                at: window.viewer.viewer.camera.position.toArray(),
+            }));
+        const client = await page.context().newCDPSession(page);
+        const touch = (type, points) =>
+            client.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+        const first = await state();
+        await touch('touchStart', [[200, 300]]);
+        await touch('touchMove', [[260, 300]]);
+        await touch('touchEnd', []);
+        const looked = await state();
+        assert.ok(Math.abs(looked.yaw - first.yaw) > 0.1);
+        await touch('touchStart', [
+            [150, 300],
+            [250, 300],
+        ]);
+        await touch('touchMove', [
+            [110, 300],
+            [290, 300],
+        ]);
+        await touch('touchEnd', []);
+        const moved = await state();
+        assert.ok(Math.hypot(...moved.at.map((c, i) => c - looked.at[i])) > 20);
+        const stick = await page.locator('.stick').boundingBox();
+        const [x, y] = [stick.x + stick.width / 2, stick.y + stick.height / 2];
+        await touch('touchStart', [[x, y]]);
+        await touch('touchMove', [[x, y - 40]]);
+        await page.waitForTimeout(500);
+        await touch('touchEnd', []);
+        const padded = await state();
+        assert.ok(Math.hypot(...padded.at.map((c, i) => c - moved.at[i])) > 20);
+        await page.tap('#toggle');
+        assert.equal(await page.isVisible('#panel'), true);
+        assert.deepEqual(faults, []);
+    }),
+);
 
-test('a real map: first picture, spheres, every control', { skip: !REAL || !PROBE }, () => withPage(kDesktop, async (page, faults) => {
-    const archives = (process.env.REAL_PK3 ?? '').split(':').filter(Boolean);
-    await openFiles(page, [REAL, ...archives]);
-    await texturesLoaded(page);
-    const { firstPicture, texturesDone } = await page.evaluate(() => window.viewer.viewer.stats);
-    console.log(`first picture ${firstPicture.toFixed(0)} ms, all textures ${texturesDone.toFixed(0)} ms`);
-    assert.ok(firstPicture < kMostFirstPicture);
-    assert.ok(archives.length === 0 || (await page.evaluate(() => window.viewer.viewer.textures.loaded.size)) > 5);
-    await moveByKeys(page);
-    for (const form of ['uniform', 'sparse']) await compareSpheres(page, REAL, form);
-    await toggleAll(page);
-    assert.deepEqual(faults, []);
-}));
+test('a real map: first picture, spheres, every control', { skip: !REAL || !PROBE }, () =>
+    withPage(kDesktop, async (page, faults) => {
+        const archives = (process.env.REAL_PK3 ?? '').split(':').filter(Boolean);
+        await openFiles(page, [REAL, ...archives]);
+        await texturesLoaded(page);
+        const { firstPicture, texturesDone } = await page.evaluate(() => window.viewer.viewer.stats);
+        console.log(`first picture ${firstPicture.toFixed(0)} ms, all textures ${texturesDone.toFixed(0)} ms`);
+        assert.ok(firstPicture < kMostFirstPicture);
+        assert.ok(archives.length === 0 || (await page.evaluate(() => window.viewer.viewer.textures.loaded.size)) > 5);
+        await moveByKeys(page);
+        for (const form of ['uniform', 'sparse']) await compareSpheres(page, REAL, form);
+        await toggleAll(page);
+        assert.deepEqual(faults, []);
+    }),
+);

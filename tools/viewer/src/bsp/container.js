@@ -2,9 +2,25 @@
 import { expect, textAt, viewOf } from './bytes.js';
 
 export const Lump = {
-    entities: 0, shaders: 1, planes: 2, nodes: 3, leafs: 4, leafSurfaces: 5, leafBrushes: 6, models: 7, brushes: 8,
-    brushSides: 9, drawVerts: 10, drawIndexes: 11, fogs: 12, surfaces: 13, lightmaps: 14, lightGrid: 15,
-    visibility: 16, advertisements: 17, lightGridSH: 18,
+    entities: 0,
+    shaders: 1,
+    planes: 2,
+    nodes: 3,
+    leafs: 4,
+    leafSurfaces: 5,
+    leafBrushes: 6,
+    models: 7,
+    brushes: 8,
+    brushSides: 9,
+    drawVerts: 10,
+    drawIndexes: 11,
+    fogs: 12,
+    surfaces: 13,
+    lightmaps: 14,
+    lightGrid: 15,
+    visibility: 16,
+    advertisements: 17,
+    lightGridSH: 18,
 };
 
 const kSlots = 17; // of every file; slots 17 and 18 are those of some of version 47
@@ -80,8 +96,10 @@ export function readContainer(bytes) {
     let end = 0;
     for (let i = 0; i < kSlots; i++) {
         const range = slotAt(view, i);
-        expect(range && (range.length === 0 || range.offset >= slotEnd(kSlots)),
-               `Lump ${i} lies outside the file: the map is damaged or was not copied completely.`);
+        expect(
+            range && (range.length === 0 || range.offset >= slotEnd(kSlots)),
+            `Lump ${i} lies outside the file: the map is damaged or was not copied completely.`,
+        );
         lumps.push(bytes.subarray(range.offset, range.offset + range.length));
         if (range.length > 0) first = Math.min(first, range.offset);
         end = Math.max(end, range.offset + range.length);

@@ -10,7 +10,7 @@ export function parseEntities(text) {
     const token = /"([^"]*)"|[{}]|[^\s"{}]+/g;
     let entity = null;
     let key = null;
-    for (let match; (match = token.exec(text)); ) {
+    for (let match; (match = token.exec(text));) {
         const word = match[1] ?? match[0];
         if (match[0] === '{') {
             entity = new Map();
@@ -38,23 +38,33 @@ export function parseVector(value) {
 
 /** Light entities: position, color with largest channel 1, brightness. */
 export function lightEntities(entities) {
-    return entities.filter((entity) => /^light/.test(entity.get('classname') ?? '')).flatMap((entity) => {
-        const origin = parseVector(entity.get('origin'));
-        if (!origin) return [];
-        const color = parseVector(entity.get('_color')) ?? [1, 1, 1];
-        const most = Math.max(...color);
-        const light = Number.parseFloat(entity.get('light') ?? entity.get('_light') ?? '300');
-        return [{
-            classname: entity.get('classname'), origin,
-            color: most > 0 ? color.map((c) => Math.max(c, 0) / most) : [1, 1, 1],
-            brightness: Number.isFinite(light) ? light : 300,
-        }];
-    });
+    return entities
+        .filter((entity) => /^light/.test(entity.get('classname') ?? ''))
+        .flatMap((entity) => {
+            const origin = parseVector(entity.get('origin'));
+            if (!origin) return [];
+            const color = parseVector(entity.get('_color')) ?? [1, 1, 1];
+            const most = Math.max(...color);
+            const light = Number.parseFloat(entity.get('light') ?? entity.get('_light') ?? '300');
+            return [
+                {
+                    classname: entity.get('classname'),
+                    origin,
+                    color: most > 0 ? color.map((c) => Math.max(c, 0) / most) : [1, 1, 1],
+                    brightness: Number.isFinite(light) ? light : 300,
+                },
+            ];
+        });
 }
 
 /** A place to start from: position of the eyes, yaw in degrees. */
 export function startPosition(entities) {
-    for (const wanted of [/^info_player_start$/, /^info_player_deathmatch$/, /^info_player/, /^team_ctf_.*(player|spawn)/])
+    for (const wanted of [
+        /^info_player_start$/,
+        /^info_player_deathmatch$/,
+        /^info_player/,
+        /^team_ctf_.*(player|spawn)/,
+    ])
         for (const entity of entities) {
             const origin = wanted.test(entity.get('classname') ?? '') && parseVector(entity.get('origin'));
             if (!origin) continue;

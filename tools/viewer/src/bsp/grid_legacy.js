@@ -25,8 +25,10 @@ export class LegacyGrid extends Lattice {
         this.mins = this.cell.map((size, i) => size * Math.ceil(world.mins[i] / size));
         this.bounds = this.cell.map((size, i) => (size * Math.floor(world.maxs[i] / size) - this.mins[i]) / size + 1);
         this.count = this.bounds[0] * this.bounds[1] * this.bounds[2];
-        expect(lump.length === kPointBytes * this.count,
-               `The legacy light grid holds ${lump.length / kPointBytes} points, the world needs ${this.count}.`);
+        expect(
+            lump.length === kPointBytes * this.count,
+            `The legacy light grid holds ${lump.length / kPointBytes} points, the world needs ${this.count}.`,
+        );
         this.bytes = lump;
     }
 
@@ -36,8 +38,13 @@ export class LegacyGrid extends Lattice {
         const latitude = (this.bytes[at + 7] * 2 * Math.PI) / 256;
         const longitude = (this.bytes[at + 6] * 2 * Math.PI) / 256;
         return {
-            ambient: [...this.bytes.subarray(at, at + 3)], directed: [...this.bytes.subarray(at + 3, at + 6)],
-            direction: [Math.cos(latitude) * Math.sin(longitude), Math.sin(latitude) * Math.sin(longitude), Math.cos(longitude)],
+            ambient: [...this.bytes.subarray(at, at + 3)],
+            directed: [...this.bytes.subarray(at + 3, at + 6)],
+            direction: [
+                Math.cos(latitude) * Math.sin(longitude),
+                Math.sin(latitude) * Math.sin(longitude),
+                Math.cos(longitude),
+            ],
         };
     }
 

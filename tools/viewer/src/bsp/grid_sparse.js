@@ -20,7 +20,10 @@ export class SparseGridSH {
      * @throws FormatError if it contradicts itself
      */
     constructor(lump) {
-        expect(lump.length >= kHeaderBytes && textAt(lump, 0, 4) === 'SHGS', 'The sparse SH light grid has no valid header.');
+        expect(
+            lump.length >= kHeaderBytes && textAt(lump, 0, 4) === 'SHGS',
+            'The sparse SH light grid has no valid header.',
+        );
         const view = viewOf(lump);
         const word = (offset) => view.getUint32(offset, true);
         expect(word(4) === 1, `The sparse SH light grid is of version ${word(4)}; this page reads 1.`);
@@ -32,8 +35,10 @@ export class SparseGridSH {
         this.nodeCount = word(52);
         this.count = word(56);
         const bytes = kHeaderBytes + kNodeBytes * this.nodeCount + kPointBytes * this.count;
-        expect(word(8) === lump.length && bytes === lump.length && word(60) === 0,
-               'The sparse SH light grid is cut off, or its counts do not fit its lump.');
+        expect(
+            word(8) === lump.length && bytes === lump.length && word(60) === 0,
+            'The sparse SH light grid is cut off, or its counts do not fit its lump.',
+        );
         this.checkHead();
         this.nodes = lump.subarray(kHeaderBytes, kHeaderBytes + kNodeBytes * this.nodeCount);
         this.points = lump.subarray(kHeaderBytes + kNodeBytes * this.nodeCount);
@@ -46,16 +51,32 @@ export class SparseGridSH {
     checkHead() {
         expect(this.levels >= 1 && this.levels <= kMostLevels, `The sparse SH light grid has ${this.levels} levels.`);
         this.bounds = this.roots.map((n) => n * 2 ** this.levels); // smallest cells
-        const sane = this.bounds.every((n, i) => this.roots[i] >= 1 && n <= kMostCells && Number.isFinite(this.mins[i]) &&
-            Number.isFinite(this.cell[i]) && this.cell[i] > 0 && Number.isFinite(Math.fround(this.mins[i] + this.cell[i] * n)));
+        const sane = this.bounds.every(
+            (n, i) =>
+                this.roots[i] >= 1 &&
+                n <= kMostCells &&
+                Number.isFinite(this.mins[i]) &&
+                Number.isFinite(this.cell[i]) &&
+                this.cell[i] > 0 &&
+                Number.isFinite(Math.fround(this.mins[i] + this.cell[i] * n)),
+        );
         expect(sane, 'The sparse SH light grid has roots or cells out of range.');
-        expect(this.roots[0] * this.roots[1] * this.roots[2] <= this.nodeCount, 'The sparse SH light grid has fewer nodes than roots.');
+        expect(
+            this.roots[0] * this.roots[1] * this.roots[2] <= this.nodeCount,
+            'The sparse SH light grid has fewer nodes than roots.',
+        );
     }
 
     node(i) {
         const at = kNodeBytes * i;
-        return { children: this.nodeView.getUint32(at, true), points: this.nodeView.getUint32(at + 4, true),
-                 inner: this.nodes[at + 8], stored: this.nodes[at + 9], hanging: this.nodes[at + 10], scale: this.nodes[at + 11] };
+        return {
+            children: this.nodeView.getUint32(at, true),
+            points: this.nodeView.getUint32(at + 4, true),
+            inner: this.nodes[at + 8],
+            stored: this.nodes[at + 9],
+            hanging: this.nodes[at + 10],
+            scale: this.nodes[at + 11],
+        };
     }
 
     /** One pass, level by level: children and points of each node follow those of the node before. */
@@ -77,7 +98,10 @@ export class SparseGridSH {
             children += bits(node.inner);
             points += bits(node.stored);
         }
-        expect(children === this.nodeCount && points === this.count, 'The tree of the sparse SH light grid has other counts than its header.');
+        expect(
+            children === this.nodeCount && points === this.count,
+            'The tree of the sparse SH light grid has other counts than its header.',
+        );
     }
 
     /** For each stored point its position, its level (0: smallest cells) and the scale of its node. */
@@ -90,10 +114,14 @@ export class SparseGridSH {
         const [rx, ry, rz] = this.roots;
         for (let i = 0; i < rx * ry * rz; i++) {
             const root = [i % rx, Math.floor(i / rx) % ry, Math.floor(i / (rx * ry))];
-            corner.set(root.map((n) => n * 2 ** this.levels), 3 * i);
+            corner.set(
+                root.map((n) => n * 2 ** this.levels),
+                3 * i,
+            );
             size[i] = this.levels - 1;
         }
-        for (let i = 0; i < this.nodeCount; i++) this.placeNode(this.node(i), corner.subarray(3 * i, 3 * i + 3), size[i], corner, size);
+        for (let i = 0; i < this.nodeCount; i++)
+            this.placeNode(this.node(i), corner.subarray(3 * i, 3 * i + 3), size[i], corner, size);
     }
 
     placeNode(node, low, size, corner, sizes) {
@@ -104,7 +132,10 @@ export class SparseGridSH {
                 corner.set(at, 3 * children);
                 sizes[children++] = size - 1;
             } else if ((node.stored >> c) & 1) {
-                this.positions.set(at.map((n, axis) => this.mins[axis] + n * this.cell[axis]), 3 * points);
+                this.positions.set(
+                    at.map((n, axis) => this.mins[axis] + n * this.cell[axis]),
+                    3 * points,
+                );
                 this.pointLevels[points] = size;
                 this.scales[points++] = node.scale;
             }
@@ -184,8 +215,12 @@ export class SparseGridSH {
         let size = cell.size;
         const low = at.map((n, axis) => (Math.min(Math.floor(n), this.bounds[axis] - 1) >> size) << size);
         const fraction = at.map((n, axis) => (n - low[axis]) / 2 ** size);
-        const weights = Array.from({ length: 8 }, (_, i) => [0, 1, 2].reduce((product, axis) =>
-            product * (alike ? 0.5 : (i >> axis) & 1 ? fraction[axis] : 1 - fraction[axis]), 1));
+        const weights = Array.from({ length: 8 }, (_, i) =>
+            [0, 1, 2].reduce(
+                (product, axis) => product * (alike ? 0.5 : (i >> axis) & 1 ? fraction[axis] : 1 - fraction[axis]),
+                1,
+            ),
+        );
         const sums = { values: new Float32Array(27), weight: 0 };
         for (let pending = true; pending && size < this.levels; size++) {
             pending = false;

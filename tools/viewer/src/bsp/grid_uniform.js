@@ -29,11 +29,19 @@ export class UniformGridSH extends Lattice {
         this.bounds = [nx, ny, nz];
         this.count = count;
         expect(this.mins.every(Number.isFinite), 'The SH light grid begins at a position that is no number.');
-        expect(this.cell.every((size) => Number.isFinite(size) && size > 0), 'The SH light grid has cells without size.');
-        expect(this.bounds.every((n) => n >= 1), 'The SH light grid has less than one point on an axis.');
-        expect(BigInt(nx) * BigInt(ny) * BigInt(nz) === BigInt(count) &&
-               lump.length === kHeaderBytes + 4 * kPointFloats * count,
-               `The SH light grid says that it has ${nx} x ${ny} x ${nz} points, which its lump does not hold.`);
+        expect(
+            this.cell.every((size) => Number.isFinite(size) && size > 0),
+            'The SH light grid has cells without size.',
+        );
+        expect(
+            this.bounds.every((n) => n >= 1),
+            'The SH light grid has less than one point on an axis.',
+        );
+        expect(
+            BigInt(nx) * BigInt(ny) * BigInt(nz) === BigInt(count) &&
+                lump.length === kHeaderBytes + 4 * kPointFloats * count,
+            `The SH light grid says that it has ${nx} x ${ny} x ${nz} points, which its lump does not hold.`,
+        );
         this.values = float32s(lump.subarray(kHeaderBytes));
         expect(this.values.every(Number.isFinite), 'The SH light grid holds coefficients that are no numbers.');
     }

@@ -30,6 +30,11 @@ export class Lattice {
         for (let z = low[2]; z <= high[2]; z++)
             for (let y = low[1]; y <= high[1]; y++)
                 for (let x = low[0]; x <= high[0]; x++)
-                    visit(x + bounds[0] * (y + bounds[1] * z), from[0] + x * cell[0], from[1] + y * cell[1], from[2] + z * cell[2]);
+                    visit(
+                        x + bounds[0] * (y + bounds[1] * z),
+                        from[0] + x * cell[0],
+                        from[1] + y * cell[1],
+                        from[2] + z * cell[2],
+                    );
     }
 }

@@ -18,7 +18,9 @@ function readShaders(bytes) {
     expect(bytes.length % 72 === 0, 'The lump of shaders does not hold whole records.');
     const view = viewOf(bytes);
     return Array.from({ length: bytes.length / 72 }, (_, i) => ({
-        name: textAt(bytes, 72 * i, 64).toLowerCase().replaceAll('\\', '/'),
+        name: textAt(bytes, 72 * i, 64)
+            .toLowerCase()
+            .replaceAll('\\', '/'),
         surfaceFlags: view.getUint32(72 * i + 64, true),
     }));
 }
@@ -27,8 +29,12 @@ function readShaders(bytes) {
 function readVertices(bytes) {
     const { floats, count } = records(bytes, kVertexBytes / 4, 'vertices');
     const vertices = {
-        count, position: new Float32Array(3 * count), st: new Float32Array(2 * count),
-        lightmap: new Float32Array(2 * count), normal: new Float32Array(3 * count), color: new Uint8Array(4 * count),
+        count,
+        position: new Float32Array(3 * count),
+        st: new Float32Array(2 * count),
+        lightmap: new Float32Array(2 * count),
+        normal: new Float32Array(3 * count),
+        color: new Uint8Array(4 * count),
     };
     for (let i = 0; i < count; i++) {
         const at = 11 * i;
@@ -39,8 +45,12 @@ function readVertices(bytes) {
         vertices.color.set(bytes.subarray(kVertexBytes * i + 40, kVertexBytes * i + 44), 4 * i);
     }
     const finite = (array) => array.every(Number.isFinite);
-    expect(finite(vertices.position) && finite(vertices.normal), 'A vertex has a position or normal that is no number.');
-    for (const array of [vertices.st, vertices.lightmap]) // may be no numbers where they are not used
+    expect(
+        finite(vertices.position) && finite(vertices.normal),
+        'A vertex has a position or normal that is no number.',
+    );
+    for (const array of [vertices.st, vertices.lightmap])
+        // may be no numbers where they are not used
         for (let i = 0; i < array.length; i++) if (!Number.isFinite(array[i])) array[i] = 0;
     return vertices;
 }
@@ -50,8 +60,15 @@ function readSurfaces(bytes, shaderCount, vertexCount, indexes) {
     return Array.from({ length: count }, (_, i) => {
         const at = (field) => ints[kSurfaceInts * i + field];
         const surface = {
-            shader: at(0), type: at(2), firstVertex: at(3), vertexCount: at(4), firstIndex: at(5), indexCount: at(6),
-            lightmap: at(7), patchWidth: at(24), patchHeight: at(25),
+            shader: at(0),
+            type: at(2),
+            firstVertex: at(3),
+            vertexCount: at(4),
+            firstIndex: at(5),
+            indexCount: at(6),
+            lightmap: at(7),
+            patchWidth: at(24),
+            patchHeight: at(25),
         };
         checkSurface(surface, i, shaderCount, vertexCount, indexes);
         return surface;
@@ -62,15 +79,24 @@ function checkSurface(surface, i, shaderCount, vertexCount, indexes) {
     const within = (first, count, all) => first >= 0 && count >= 0 && first + count <= all;
     expect(surface.shader >= 0 && surface.shader < shaderCount, `Surface ${i} has no shader.`);
     if (surface.type === SurfaceType.flare) return;
-    expect(within(surface.firstVertex, surface.vertexCount, vertexCount), `Surface ${i} has vertices that do not exist.`);
+    expect(
+        within(surface.firstVertex, surface.vertexCount, vertexCount),
+        `Surface ${i} has vertices that do not exist.`,
+    );
     if (surface.type === SurfaceType.patch) {
         const side = (n) => n >= 3 && n <= 31 && n % 2 === 1;
-        expect(side(surface.patchWidth) && side(surface.patchHeight) &&
-               surface.patchWidth * surface.patchHeight === surface.vertexCount, `The patch of surface ${i} is damaged.`);
+        expect(
+            side(surface.patchWidth) &&
+                side(surface.patchHeight) &&
+                surface.patchWidth * surface.patchHeight === surface.vertexCount,
+            `The patch of surface ${i} is damaged.`,
+        );
         return;
     }
-    expect(within(surface.firstIndex, surface.indexCount, indexes.length) && surface.indexCount % 3 === 0,
-           `Surface ${i} has indexes that do not exist.`);
+    expect(
+        within(surface.firstIndex, surface.indexCount, indexes.length) && surface.indexCount % 3 === 0,
+        `Surface ${i} has indexes that do not exist.`,
+    );
     for (let k = surface.firstIndex; k < surface.firstIndex + surface.indexCount; k++)
         expect(indexes[k] >= 0 && indexes[k] < surface.vertexCount, `Surface ${i} has an index past its vertices.`);
 }
@@ -80,12 +106,18 @@ function readModels(bytes, surfaceCount) {
     expect(count > 0, 'The map has no world model.');
     return Array.from({ length: count }, (_, i) => {
         const model = {
-            mins: [...floats.subarray(10 * i, 10 * i + 3)], maxs: [...floats.subarray(10 * i + 3, 10 * i + 6)],
-            firstSurface: ints[10 * i + 6], surfaceCount: ints[10 * i + 7],
+            mins: [...floats.subarray(10 * i, 10 * i + 3)],
+            maxs: [...floats.subarray(10 * i + 3, 10 * i + 6)],
+            firstSurface: ints[10 * i + 6],
+            surfaceCount: ints[10 * i + 7],
         };
         expect([...model.mins, ...model.maxs].every(Number.isFinite), `Model ${i} has bounds that are no numbers.`);
-        expect(model.firstSurface >= 0 && model.surfaceCount >= 0 &&
-               model.firstSurface + model.surfaceCount <= surfaceCount, `Model ${i} has surfaces that do not exist.`);
+        expect(
+            model.firstSurface >= 0 &&
+                model.surfaceCount >= 0 &&
+                model.firstSurface + model.surfaceCount <= surfaceCount,
+            `Model ${i} has surfaces that do not exist.`,
+        );
         return model;
     });
 }
@@ -97,8 +129,16 @@ function readTree(lumps) {
     const leafs = records(lumps[Lump.leafs], 12, 'leafs');
     const leafSurfaces = int32s(lumps[Lump.leafSurfaces]);
     expect(planes.count > 0 && nodes.count > 0 && leafs.count > 0, 'The map has no BSP tree.');
-    return { planes: planes.floats, planeCount: planes.count, nodes: nodes.ints, nodeCount: nodes.count,
-             leafs: leafs.ints, leafCount: leafs.count, leafSurfaces, visibility: lumps[Lump.visibility] };
+    return {
+        planes: planes.floats,
+        planeCount: planes.count,
+        nodes: nodes.ints,
+        nodeCount: nodes.count,
+        leafs: leafs.ints,
+        leafCount: leafs.count,
+        leafSurfaces,
+        visibility: lumps[Lump.visibility],
+    };
 }
 
 /**
@@ -115,7 +155,15 @@ export function readMap(bytes) {
     const indexes = int32s(lumps[Lump.drawIndexes]);
     const surfaces = readSurfaces(lumps[Lump.surfaces], shaders.length, vertices.count, indexes);
     return {
-        ...container, bytes: bytes.length, entities: parseEntities(entityText), shaders, vertices, indexes, surfaces,
-        models: readModels(lumps[Lump.models], surfaces.length), tree: readTree(lumps), lightmaps: lumps[Lump.lightmaps],
+        ...container,
+        bytes: bytes.length,
+        entities: parseEntities(entityText),
+        shaders,
+        vertices,
+        indexes,
+        surfaces,
+        models: readModels(lumps[Lump.models], surfaces.length),
+        tree: readTree(lumps),
+        lightmaps: lumps[Lump.lightmaps],
     };
 }

@@ -1,7 +1,13 @@
 // GPL-2.0-or-later. Biquadratic Bezier patches as triangles.
 
 /** Fields of a vertex that are interpolated: name and number of values. */
-export const kFields = [['position', 3], ['st', 2], ['lightmap', 2], ['normal', 3], ['color', 4]];
+export const kFields = [
+    ['position', 3],
+    ['st', 2],
+    ['lightmap', 2],
+    ['normal', 3],
+    ['color', 4],
+];
 
 const kMostSteps = 32; // pieces of a curve
 const kChordError = 0.5; // units between a curve and its pieces
@@ -48,7 +54,15 @@ export function tessellate(vertices, surface) {
     for (const [name, size] of kFields) out[name] = new Float32Array(size * out.count);
     for (let row = 0; row < rows; row++)
         for (let column = 0; column < columns; column++)
-            blend(vertices, first, width, weightsAt(column, stepsX, width), weightsAt(row, stepsY, height), out, row * columns + column);
+            blend(
+                vertices,
+                first,
+                width,
+                weightsAt(column, stepsX, width),
+                weightsAt(row, stepsY, height),
+                out,
+                row * columns + column,
+            );
     return { vertices: out, indexes: gridIndexes(columns, rows) };
 }
 

@@ -3,9 +3,15 @@
 /** Nine basis functions at a unit normal, in map axes. */
 export function shBasis(x, y, z) {
     return [
-        0.282094791773878, 0.488602511902920 * y, 0.488602511902920 * z, 0.488602511902920 * x,
-        1.092548430592079 * x * y, 1.092548430592079 * y * z, 0.315391565252520 * (3 * z * z - 1),
-        1.092548430592079 * x * z, 0.546274215296040 * (x * x - y * y),
+        0.282094791773878,
+        0.48860251190292 * y,
+        0.48860251190292 * z,
+        0.48860251190292 * x,
+        1.092548430592079 * x * y,
+        1.092548430592079 * y * z,
+        0.31539156525252 * (3 * z * z - 1),
+        1.092548430592079 * x * z,
+        0.54627421529604 * (x * x - y * y),
     ];
 }
 
@@ -21,7 +27,8 @@ export function shEvaluate(coeffs, normal) {
 
 /** Factors that turn a plain projection (-shradiance) into light on a matte surface, for each of 27 values. */
 export const kConvolution = Float32Array.from({ length: 27 }, (_, i) =>
-    i < 3 ? Math.PI : i < 12 ? (2 * Math.PI) / 3 : Math.PI / 4);
+    i < 3 ? Math.PI : i < 12 ? (2 * Math.PI) / 3 : Math.PI / 4,
+);
 
 const kPlainTone = { contrast: 1, gamma: 1, exposure: 0, saturation: 1, scale: 1, maxlight: 255, srgb: 0 };
 
@@ -30,7 +37,10 @@ const kPlainTone = { contrast: 1, gamma: 1, exposure: 0, saturation: 1, scale: 1
  * @returns the tone, and whether the text was valid; a plain tone if not, or without a text
  */
 export function parseTone(text) {
-    const words = (text ?? '').trim().split(/\s+/).filter((word) => word !== '');
+    const words = (text ?? '')
+        .trim()
+        .split(/\s+/)
+        .filter((word) => word !== '');
     const tone = { ...kPlainTone };
     let valid = words.length % 2 === 0;
     for (let i = 0; i + 1 < words.length; i += 2) {

@@ -7,9 +7,15 @@ import { expect } from './bytes.js';
  * @returns {number[][]}
  */
 export function parseLeakLine(text) {
-    const points = text.split('\n').map((line) => line.trim()).filter((line) => line !== '').map((line) => line.split(/\s+/).map(Number));
-    expect(points.length >= 2 && points.every((p) => p.length === 3 && p.every(Number.isFinite)),
-           'The .lin file is not lines of three numbers.');
+    const points = text
+        .split('\n')
+        .map((line) => line.trim())
+        .filter((line) => line !== '')
+        .map((line) => line.split(/\s+/).map(Number));
+    expect(
+        points.length >= 2 && points.every((p) => p.length === 3 && p.every(Number.isFinite)),
+        'The .lin file is not lines of three numbers.',
+    );
     return points;
 }
 
@@ -24,7 +30,10 @@ export function parsePortals(text) {
     let at = 1;
     const number = () => {
         const value = Number(words[at++] ?? NaN);
-        expect(Number.isFinite(value), `The .prt file ends early or has a word that is no number, "${words[at - 1] ?? ''}".`);
+        expect(
+            Number.isFinite(value),
+            `The .prt file ends early or has a word that is no number, "${words[at - 1] ?? ''}".`,
+        );
         return value;
     };
     const [clusters, count] = [number(), number()];
@@ -35,8 +44,11 @@ export function parsePortals(text) {
         expect(size >= 3 && size <= 1024, `Portal ${i} of the .prt file has ${size} points.`);
         const sides = [number(), number()];
         const flags = number();
-        portals.push({ clusters: sides, hint: (flags & 1) !== 0,
-                       points: Array.from({ length: size }, () => [number(), number(), number()]) });
+        portals.push({
+            clusters: sides,
+            hint: (flags & 1) !== 0,
+            points: Array.from({ length: size }, () => [number(), number(), number()]),
+        });
     }
     return { clusters, portals };
 }
@@ -44,7 +56,7 @@ export function parsePortals(text) {
 /**
  * Errors of both grids at positions, in displayed bytes.
  * @param {string} text JSON, see docs/viewer.md
- * @returns {{map: string, unit: string, count: number, positions: Float32Array, sh: Float32Array, legacy: Float32Array}}
+ * @returns name of the map, unit, count, and Float32Arrays: positions (three values each), sh, legacy
  */
 export function parseErrors(text) {
     let json;
@@ -53,14 +65,21 @@ export function parseErrors(text) {
     } catch {
         expect(false, 'The file of errors is no valid JSON.');
     }
-    expect(json?.format === 'q3map2-sh errors' && json.version === 1 && Array.isArray(json.positions),
-           'The file of errors is not "q3map2-sh errors" of version 1.');
+    expect(
+        json?.format === 'q3map2-sh errors' && json.version === 1 && Array.isArray(json.positions),
+        'The file of errors is not "q3map2-sh errors" of version 1.',
+    );
     const rows = json.positions;
-    expect(rows.every((row) => Array.isArray(row) && row.length === 5 && row.every(Number.isFinite)),
-           'The file of errors has a position that is not five numbers.');
+    expect(
+        rows.every((row) => Array.isArray(row) && row.length === 5 && row.every(Number.isFinite)),
+        'The file of errors has a position that is not five numbers.',
+    );
     return {
-        map: String(json.map ?? ''), unit: String(json.unit ?? 'displayed bytes'), count: rows.length,
+        map: String(json.map ?? ''),
+        unit: String(json.unit ?? 'displayed bytes'),
+        count: rows.length,
         positions: Float32Array.from(rows.flatMap((row) => row.slice(0, 3))),
-        sh: Float32Array.from(rows, (row) => row[3]), legacy: Float32Array.from(rows, (row) => row[4]),
+        sh: Float32Array.from(rows, (row) => row[3]),
+        legacy: Float32Array.from(rows, (row) => row[4]),
     };
 }

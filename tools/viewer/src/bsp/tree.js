@@ -24,7 +24,8 @@ export class BspTree {
         for (let steps = 0; node >= 0 && steps < 4096 && node < nodeCount; steps++) {
             const plane = nodes[9 * node];
             if (plane < 0 || plane >= planeCount) return 0;
-            const side = planes[4 * plane] * x + planes[4 * plane + 1] * y + planes[4 * plane + 2] * z - planes[4 * plane + 3];
+            const side =
+                planes[4 * plane] * x + planes[4 * plane + 1] * y + planes[4 * plane + 2] * z - planes[4 * plane + 3];
             node = nodes[9 * node + (side > 0 ? 1 : 2)];
         }
         const leaf = -1 - node;

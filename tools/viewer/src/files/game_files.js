@@ -22,7 +22,10 @@ export class GameFiles {
 
     /** All paths for which the test holds, each once. */
     list(test) {
-        const paths = new Set([...this.loose.keys(), ...this.archives.flatMap((archive) => [...archive.entries.keys()])]);
+        const paths = new Set([
+            ...this.loose.keys(),
+            ...this.archives.flatMap((archive) => [...archive.entries.keys()]),
+        ]);
         return [...paths].filter((path) => test(path)).sort();
     }
 

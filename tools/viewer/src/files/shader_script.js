@@ -5,7 +5,10 @@ const kNoDrawFlag = 0x80;
 
 /** Lines of words, with braces alone; comments are left out. */
 function* lines(text) {
-    const clean = text.replace(/\/\*[\s\S]*?\*\//g, ' ').replace(/\/\/[^\n\r]*/g, '').replace(/[{}]/g, '\n$&\n');
+    const clean = text
+        .replace(/\/\*[\s\S]*?\*\//g, ' ')
+        .replace(/\/\/[^\n\r]*/g, '')
+        .replace(/[{}]/g, '\n$&\n');
     for (const line of clean.split(/[\n\r]+/)) {
         const words = line.trim().split(/\s+/);
         if (words[0] !== '') yield words.map((word) => word.replace(/^"|"$/g, ''));
@@ -49,12 +52,25 @@ function blendOf(words) {
 
 /** Keywords of a stage. */
 const kStageWords = {
-    map: (stage, words) => { stage.image = words[1]; },
-    clampmap: (stage, words) => { stage.image = words[1]; stage.clamp = true; },
-    animmap: (stage, words) => { stage.image = words[2]; },
-    blendfunc: (stage, words) => { stage.blend = blendOf(words); },
-    alphafunc: (stage, words) => { stage.alphaTest = { gt0: 0.004, lt128: -0.5, ge128: 0.5 }[words[1]?.toLowerCase()] ?? 0; },
-    rgbgen: (stage, words) => { stage.vertexColor = /^(exact)?vertex$/i.test(words[1] ?? ''); },
+    map: (stage, words) => {
+        stage.image = words[1];
+    },
+    clampmap: (stage, words) => {
+        stage.image = words[1];
+        stage.clamp = true;
+    },
+    animmap: (stage, words) => {
+        stage.image = words[2];
+    },
+    blendfunc: (stage, words) => {
+        stage.blend = blendOf(words);
+    },
+    alphafunc: (stage, words) => {
+        stage.alphaTest = { gt0: 0.004, lt128: -0.5, ge128: 0.5 }[words[1]?.toLowerCase()] ?? 0;
+    },
+    rgbgen: (stage, words) => {
+        stage.vertexColor = /^(exact)?vertex$/i.test(words[1] ?? '');
+    },
     tcgen: (stage, words) => {
         stage.environment = /^environment$/i.test(words[1] ?? '');
         stage.onLightmap = /^lightmap$/i.test(words[1] ?? '');
@@ -65,8 +81,16 @@ const kStageWords = {
 };
 
 function newStage() {
-    return { image: '', clamp: false, blend: null, alphaTest: 0, vertexColor: false, environment: false, onLightmap: false,
-             scale: [1, 1] };
+    return {
+        image: '',
+        clamp: false,
+        blend: null,
+        alphaTest: 0,
+        vertexColor: false,
+        environment: false,
+        onLightmap: false,
+        scale: [1, 1],
+    };
 }
 
 /** Keywords and stages of a shader's text. */
@@ -111,19 +135,36 @@ function mainStage(stages) {
  * @param {number} surfaceFlags those in the map, which stand for the surfaceparms where there is no script
  */
 export function readShader(name, body, surfaceFlags = 0) {
-    const plain = { image: name, lightmapImage: '', clamp: false, blend: null, alphaTest: 0, twoSided: false, light: 'any',
-                    scale: [1, 1], hidden: false, sky: false };
+    const plain = {
+        image: name,
+        lightmapImage: '',
+        clamp: false,
+        blend: null,
+        alphaTest: 0,
+        twoSided: false,
+        light: 'any',
+        scale: [1, 1],
+        hidden: false,
+        sky: false,
+    };
     if (!body) return { ...plain, sky: (surfaceFlags & kSkyFlag) !== 0, hidden: (surfaceFlags & kNoDrawFlag) !== 0 };
     const { parms, stages, twoSided } = parseBody(body);
     const stage = mainStage(stages);
     const lightmap = stages.find(isLightmap);
     const path = (image) => (image ?? '').toLowerCase().replaceAll('\\', '/');
     // Blending counts where nothing opaque lies below; over a lightmap it joins the two.
-    const blend = stage && stages[0].blend && !isLightmap(stages[0]) ? stage.blend ?? stages[0].blend : null;
+    const blend = stage && stages[0].blend && !isLightmap(stages[0]) ? (stage.blend ?? stages[0].blend) : null;
     return {
-        ...plain, image: path(stage?.image), clamp: stage?.clamp ?? false, blend, alphaTest: stage?.alphaTest ?? 0, twoSided,
+        ...plain,
+        image: path(stage?.image),
+        clamp: stage?.clamp ?? false,
+        blend,
+        alphaTest: stage?.alphaTest ?? 0,
+        twoSided,
         lightmapImage: lightmap?.onLightmap && lightmap.image[0] !== '$' ? path(lightmap.image) : '',
-        light: lightmap ? 'lightmap' : stage?.vertexColor ? 'vertex' : 'none', scale: stage?.scale ?? [1, 1],
-        hidden: parms.has('nodraw') || (!stage && !lightmap && !parms.has('sky')), sky: parms.has('sky'),
+        light: lightmap ? 'lightmap' : stage?.vertexColor ? 'vertex' : 'none',
+        scale: stage?.scale ?? [1, 1],
+        hidden: parms.has('nodraw') || (!stage && !lightmap && !parms.has('sky')),
+        sky: parms.has('sky'),
     };
 }

@@ -20,7 +20,14 @@ function putColor(bytes, at, size, rgba, to) {
 /** A function that writes the texel at an offset as RGBA. */
 function texelWriter(bytes, head, rgba) {
     if (head.kind === 1)
-        return (at, to) => putColor(bytes, head.paletteAt + (bytes[at] - head.paletteFirst) * head.paletteBytes, head.paletteBytes, rgba, to);
+        return (at, to) =>
+            putColor(
+                bytes,
+                head.paletteAt + (bytes[at] - head.paletteFirst) * head.paletteBytes,
+                head.paletteBytes,
+                rgba,
+                to,
+            );
     if (head.kind === 3)
         return (at, to) => {
             rgba.fill(bytes[at], to, to + 3);
@@ -33,12 +40,20 @@ function readHead(bytes, name) {
     expect(bytes.length >= 18, `${name} ends in its header.`);
     const view = viewOf(bytes);
     const head = {
-        packed: (bytes[2] & 8) !== 0, kind: bytes[2] & 7, width: view.getUint16(12, true), height: view.getUint16(14, true),
-        bits: bytes[16], topDown: (bytes[17] & 32) !== 0, paletteFirst: view.getUint16(3, true),
-        paletteAt: 18 + bytes[0], paletteBytes: bytes[7] >> 3,
+        packed: (bytes[2] & 8) !== 0,
+        kind: bytes[2] & 7,
+        width: view.getUint16(12, true),
+        height: view.getUint16(14, true),
+        bits: bytes[16],
+        topDown: (bytes[17] & 32) !== 0,
+        paletteFirst: view.getUint16(3, true),
+        paletteAt: 18 + bytes[0],
+        paletteBytes: bytes[7] >> 3,
     };
     head.dataAt = head.paletteAt + (bytes[1] ? view.getUint16(5, true) * head.paletteBytes : 0);
-    const known = (head.kind === 1 && head.bits === 8 && head.paletteBytes >= 2) || (head.kind === 2 && [16, 24, 32].includes(head.bits)) ||
+    const known =
+        (head.kind === 1 && head.bits === 8 && head.paletteBytes >= 2) ||
+        (head.kind === 2 && [16, 24, 32].includes(head.bits)) ||
         (head.kind === 3 && head.bits === 8);
     expect(known, `${name} is a TGA image of a kind that this page does not read.`);
     expect(head.width > 0 && head.height > 0 && head.width * head.height <= kMostTexels, `${name} has no valid size.`);
@@ -59,7 +74,7 @@ export function decodeTga(bytes, name) {
     const write = texelWriter(bytes, head, rgba);
     const target = (i) => 4 * (head.topDown ? i : (height - 1 - Math.floor(i / width)) * width + (i % width));
     let at = head.dataAt;
-    for (let i = 0; i < width * height; ) {
+    for (let i = 0; i < width * height;) {
         const control = head.packed ? bytes[at++] : 127;
         const count = Math.min((control & 127) + 1, width * height - i);
         const repeats = control > 127;

@@ -16,7 +16,11 @@ async function findDirectory(blob) {
     const view = viewOf(tail);
     for (let at = tail.length - kEndBytes; at >= 0; at--)
         if (view.getUint32(at, true) === 0x06054b50)
-            return { count: view.getUint16(at + 10, true), size: view.getUint32(at + 12, true), offset: view.getUint32(at + 16, true) };
+            return {
+                count: view.getUint16(at + 10, true),
+                size: view.getUint32(at + 12, true),
+                offset: view.getUint32(at + 16, true),
+            };
     return null;
 }
 
@@ -46,11 +50,21 @@ export class Archive {
         const view = viewOf(bytes);
         const decoder = new TextDecoder('latin1');
         for (let i = 0, at = 0; i < count; i++) {
-            expect(at + 46 <= bytes.length && view.getUint32(at, true) === 0x02014b50, `The directory of ${this.name} is damaged.`);
+            expect(
+                at + 46 <= bytes.length && view.getUint32(at, true) === 0x02014b50,
+                `The directory of ${this.name} is damaged.`,
+            );
             const nameLength = view.getUint16(at + 28, true);
-            const path = decoder.decode(bytes.subarray(at + 46, at + 46 + nameLength)).replaceAll('\\', '/').toLowerCase();
-            this.entries.set(path, { method: view.getUint16(at + 10, true), packed: view.getUint32(at + 20, true),
-                                     size: view.getUint32(at + 24, true), offset: view.getUint32(at + 42, true) });
+            const path = decoder
+                .decode(bytes.subarray(at + 46, at + 46 + nameLength))
+                .replaceAll('\\', '/')
+                .toLowerCase();
+            this.entries.set(path, {
+                method: view.getUint16(at + 10, true),
+                packed: view.getUint32(at + 20, true),
+                size: view.getUint32(at + 24, true),
+                offset: view.getUint32(at + 42, true),
+            });
             at += 46 + nameLength + view.getUint16(at + 30, true) + view.getUint16(at + 32, true);
         }
     }

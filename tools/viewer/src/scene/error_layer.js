@@ -38,9 +38,20 @@ function roundUp(value) {
 export class ErrorLayer {
     constructor() {
         const color = (hex) => new THREE.Color().setStyle(hex, THREE.LinearSRGBColorSpace);
-        this.uniforms = { scale: { value: kScale.map(color) }, largest: { value: 1 }, height: { value: 0 }, thickness: { value: 64 },
-                          size: { value: 3 }, viewHeight: { value: 600 } };
-        const material = new THREE.ShaderMaterial({ glslVersion: THREE.GLSL3, vertexShader: kVertexShader, fragmentShader: kFragmentShader, uniforms: this.uniforms });
+        this.uniforms = {
+            scale: { value: kScale.map(color) },
+            largest: { value: 1 },
+            height: { value: 0 },
+            thickness: { value: 64 },
+            size: { value: 3 },
+            viewHeight: { value: 600 },
+        };
+        const material = new THREE.ShaderMaterial({
+            glslVersion: THREE.GLSL3,
+            vertexShader: kVertexShader,
+            fragmentShader: kFragmentShader,
+            uniforms: this.uniforms,
+        });
         this.points = new THREE.Points(new THREE.BufferGeometry(), material);
         this.points.frustumCulled = false;
         this.points.visible = false;

@@ -26,20 +26,44 @@ ${kGridLightGlsl}
 void main() {
     vec3 n = normalize(vNormal);
     vec3 light = legacy ? legacyLight(ambient + minLight, directed, direction, n)
-        : min(shiftLight(applyTone(shLight(sh[0], sh[1], sh[2], sh[3], sh[4], sh[5], sh[6], sh[7], sh[8], n))) + minLight, 1.0);
+        : shiftLight(applyTone(shLight(sh[0], sh[1], sh[2], sh[3], sh[4], sh[5], sh[6], sh[7], sh[8], n)));
+    if (!legacy) light = min(light + minLight, 1.0);
     result = vec4(displayLight(light), 1.0);
 }`;
 
 /** A smooth figure of 56 units, feet at kFeet. */
 function figureGeometry() {
-    const limb = (radius, length, x, z) => new THREE.CapsuleGeometry(radius, length, 6, 16).rotateX(Math.PI / 2).translate(x, 0, z);
-    const profile = [[0, 0], [5, 0.6], [7, 4], [6.4, 9], [6, 13], [7.6, 19], [8.4, 23], [7, 26.5], [3, 28.5], [0, 29]];
-    const body = new THREE.LatheGeometry(new THREE.SplineCurve(profile.map(([r, h]) => new THREE.Vector2(r, h))).getPoints(24), 28);
-    body.rotateX(Math.PI / 2).scale(1, 0.72, 1).translate(0, 0, kFeet + 21);
+    const limb = (radius, length, x, z) =>
+        new THREE.CapsuleGeometry(radius, length, 6, 16).rotateX(Math.PI / 2).translate(x, 0, z);
+    const profile = [
+        [0, 0],
+        [5, 0.6],
+        [7, 4],
+        [6.4, 9],
+        [6, 13],
+        [7.6, 19],
+        [8.4, 23],
+        [7, 26.5],
+        [3, 28.5],
+        [0, 29],
+    ];
+    const body = new THREE.LatheGeometry(
+        new THREE.SplineCurve(profile.map(([r, h]) => new THREE.Vector2(r, h))).getPoints(24),
+        28,
+    );
+    body.rotateX(Math.PI / 2)
+        .scale(1, 0.72, 1)
+        .translate(0, 0, kFeet + 21);
     const head = new THREE.SphereGeometry(5.2, 28, 20).scale(0.92, 1, 1.12).translate(0, 0, kFeet + 55);
-    const parts = [body, head, new THREE.CapsuleGeometry(2.2, 3, 4, 14).rotateX(Math.PI / 2).translate(0, 0, kFeet + 50),
-                   limb(3.2, 17, -4, kFeet + 11.5), limb(3.2, 17, 4, kFeet + 11.5),
-                   limb(2.5, 18, -9.8, kFeet + 36.5), limb(2.5, 18, 9.8, kFeet + 36.5)];
+    const parts = [
+        body,
+        head,
+        new THREE.CapsuleGeometry(2.2, 3, 4, 14).rotateX(Math.PI / 2).translate(0, 0, kFeet + 50),
+        limb(3.2, 17, -4, kFeet + 11.5),
+        limb(3.2, 17, 4, kFeet + 11.5),
+        limb(2.5, 18, -9.8, kFeet + 36.5),
+        limb(2.5, 18, 9.8, kFeet + 36.5),
+    ];
     for (const part of parts) part.deleteAttribute('uv');
     const joined = mergeGeometries(parts);
     joined.computeVertexNormals();
@@ -53,11 +77,22 @@ export class Figure {
 
     constructor(lightUniforms) {
         const geometry = figureGeometry();
-        this.shared = { ...lightUniforms, minLight: { value: 0 }, sh: { value: Array.from({ length: 9 }, () => new THREE.Vector3()) },
-                        ambient: { value: new THREE.Vector3() }, directed: { value: new THREE.Vector3() }, direction: { value: new THREE.Vector3() } };
+        this.shared = {
+            ...lightUniforms,
+            minLight: { value: 0 },
+            sh: { value: Array.from({ length: 9 }, () => new THREE.Vector3()) },
+            ambient: { value: new THREE.Vector3() },
+            directed: { value: new THREE.Vector3() },
+            direction: { value: new THREE.Vector3() },
+        };
         this.sh = this.addMesh(geometry, false);
         this.legacy = this.addMesh(geometry, true);
-        const mark = new THREE.MeshBasicMaterial({ color: 0xffd166, depthTest: false, transparent: true, opacity: 0.9 });
+        const mark = new THREE.MeshBasicMaterial({
+            color: 0xffd166,
+            depthTest: false,
+            transparent: true,
+            opacity: 0.9,
+        });
         this.mark = new THREE.Mesh(new THREE.OctahedronGeometry(1.3), mark);
         this.mark.renderOrder = 5;
         this.group.add(this.mark);
@@ -65,10 +100,15 @@ export class Figure {
     }
 
     addMesh(geometry, legacy) {
-        const mesh = new THREE.Mesh(geometry, new THREE.ShaderMaterial({
-            glslVersion: THREE.GLSL3, vertexShader: kVertexShader, fragmentShader: kFragmentShader,
-            uniforms: { ...this.shared, legacy: { value: legacy } },
-        }));
+        const mesh = new THREE.Mesh(
+            geometry,
+            new THREE.ShaderMaterial({
+                glslVersion: THREE.GLSL3,
+                vertexShader: kVertexShader,
+                fragmentShader: kFragmentShader,
+                uniforms: { ...this.shared, legacy: { value: legacy } },
+            }),
+        );
         this.group.add(mesh);
         return mesh;
     }
@@ -91,7 +131,11 @@ export class Figure {
         this.legacy.position.x = -apart;
         const coeffs = source?.sample(position) ?? new Float32Array(27);
         this.shared.sh.value.forEach((vector, k) => vector.fromArray(coeffs, 3 * k));
-        const light = grids.legacy?.sample(position, kMapShift) ?? { ambient: [0, 0, 0], directed: [0, 0, 0], direction: [0, 0, 0] };
+        const light = grids.legacy?.sample(position, kMapShift) ?? {
+            ambient: [0, 0, 0],
+            directed: [0, 0, 0],
+            direction: [0, 0, 0],
+        };
         this.shared.ambient.value.fromArray(light.ambient).divideScalar(255);
         this.shared.directed.value.fromArray(light.directed).divideScalar(255);
         this.shared.direction.value.fromArray(light.direction);
@@ -101,6 +145,9 @@ export class Figure {
 
     /** Whether a ray hits one of the figures. */
     isHit(raycaster) {
-        return this.group.visible && raycaster.intersectObjects([this.sh, this.legacy].filter((mesh) => mesh.visible)).length > 0;
+        return (
+            this.group.visible &&
+            raycaster.intersectObjects([this.sh, this.legacy].filter((mesh) => mesh.visible)).length > 0
+        );
     }
 }

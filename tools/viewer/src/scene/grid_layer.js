@@ -9,12 +9,26 @@ const kNearest = 4; // radii from the viewer: nearer spheres would hide the view
 
 /** What a point is: in the open, in a wall with light that was filled in, or without light. */
 export const Kind = { lit: 0, filled: 1, void: 2 };
-export const kKindColors = [[0.93, 0.78, 0.35], [0.33, 0.62, 0.88], [0.32, 0.32, 0.36]];
+export const kKindColors = [
+    [0.93, 0.78, 0.35],
+    [0.33, 0.62, 0.88],
+    [0.32, 0.32, 0.36],
+];
 
 /** Colors of levels of a sparse grid, smallest cells first. */
 export const kLevelColors = [
-    [0.95, 0.86, 0.36], [0.97, 0.62, 0.31], [0.91, 0.38, 0.37], [0.74, 0.30, 0.52], [0.50, 0.31, 0.62], [0.31, 0.38, 0.68],
-    [0.23, 0.52, 0.66], [0.25, 0.66, 0.58], [0.45, 0.76, 0.46], [0.66, 0.82, 0.40], [0.80, 0.80, 0.80], [0.50, 0.50, 0.50],
+    [0.95, 0.86, 0.36],
+    [0.97, 0.62, 0.31],
+    [0.91, 0.38, 0.37],
+    [0.74, 0.3, 0.52],
+    [0.5, 0.31, 0.62],
+    [0.31, 0.38, 0.68],
+    [0.23, 0.52, 0.66],
+    [0.25, 0.66, 0.58],
+    [0.45, 0.76, 0.46],
+    [0.66, 0.82, 0.4],
+    [0.8, 0.8, 0.8],
+    [0.5, 0.5, 0.5],
 ];
 
 /** Light of legacy point i as the shader of spheres takes it: shifted ambient and directed light, direction. */
@@ -87,8 +101,8 @@ export class GridLayer {
      * Chooses the points anew.
      * @param grid a uniform, sparse or legacy grid; null: none
      * @param tree the map's BspTree
-     * @param options viewer (position), where ('near' or 'slice'), radius, height and thickness in units; size, factor of
-     *   the spheres; color ('light', 'kind' or 'level'); openOnly leaves out points in solid space
+     * @param options viewer (position), where ('near' or 'slice'), radius, height and thickness in units; size, factor
+     *   of the spheres; color ('light', 'kind' or 'level'); openOnly leaves out points in solid space
      */
     update(grid, tree, options) {
         this.spheres.clear();

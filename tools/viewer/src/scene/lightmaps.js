@@ -39,8 +39,13 @@ export class Lightmaps {
         const lightmaps = new Lightmaps();
         const pages = new Map();
         for (let i = 0; kPageBytes * (i + 1) <= map.lightmaps.length; i++)
-            pages.set(i, { width: kPageSide, height: kPageSide, step: 3, shift: kMapShift,
-                           texels: map.lightmaps.subarray(kPageBytes * i, kPageBytes * (i + 1)) });
+            pages.set(i, {
+                width: kPageSide,
+                height: kPageSide,
+                step: 3,
+                shift: kMapShift,
+                texels: map.lightmaps.subarray(kPageBytes * i, kPageBytes * (i + 1)),
+            });
         const numbers = new Set(map.surfaces.map((surface) => surface.lightmap).filter((i) => i >= 0 && !pages.has(i)));
         for (const i of numbers)
             await lightmaps.addImage(pages, i, `maps/${name}/lm_${String(i).padStart(4, '0')}`, kMapShift, files);
@@ -54,7 +59,8 @@ export class Lightmaps {
         const found = findImage(files, path);
         try {
             const image = found && (await readImage(files, found));
-            if (image) pages.set(key, { width: image.width, height: image.height, step: 4, shift, texels: texelsOf(image) });
+            if (image)
+                pages.set(key, { width: image.width, height: image.height, step: 4, shift, texels: texelsOf(image) });
             else this.missing.add(key);
         } catch {
             this.missing.add(key);

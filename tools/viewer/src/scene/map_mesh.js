@@ -80,7 +80,7 @@ const kBlending = {
 function clusterColor(cluster) {
     if (cluster < 0) return [0.45, 0.45, 0.45];
     const hue = (cluster * 0.61803398875) % 1;
-    const color = new THREE.Color().setHSL(hue, 0.4, 0.52 + 0.16 * ((cluster * 7) % 3 - 1));
+    const color = new THREE.Color().setHSL(hue, 0.4, 0.52 + 0.16 * (((cluster * 7) % 3) - 1));
     return [color.r, color.g, color.b];
 }
 
@@ -88,10 +88,17 @@ function clusterColor(cluster) {
 function shapeOf(map, surface) {
     if (surface.type === SurfaceType.patch) return tessellate(map.vertices, surface);
     if (surface.type === SurfaceType.flare || surface.indexCount === 0) return null;
-    const part = (array, size) => array.subarray(size * surface.firstVertex, size * (surface.firstVertex + surface.vertexCount));
+    const part = (array, size) =>
+        array.subarray(size * surface.firstVertex, size * (surface.firstVertex + surface.vertexCount));
     const { position, st, lightmap, color } = map.vertices;
     return {
-        vertices: { count: surface.vertexCount, position: part(position, 3), st: part(st, 2), lightmap: part(lightmap, 2), color: part(color, 4) },
+        vertices: {
+            count: surface.vertexCount,
+            position: part(position, 3),
+            st: part(st, 2),
+            lightmap: part(lightmap, 2),
+            color: part(color, 4),
+        },
         indexes: map.indexes.subarray(surface.firstIndex, surface.firstIndex + surface.indexCount),
     };
 }
@@ -111,15 +118,24 @@ function groupSurfaces(map, shaderOf, lightmaps, clusters) {
     const groups = new Map();
     const offsets = modelOffsets(map.entities);
     map.models.forEach((model, number) => {
-        const offset = number === 0 ? [0, 0, 0] : offsets.get(number) ?? [0, 0, 0];
+        const offset = number === 0 ? [0, 0, 0] : (offsets.get(number) ?? [0, 0, 0]);
         for (let i = model.firstSurface; i < model.firstSurface + model.surfaceCount; i++) {
             const surface = map.surfaces[i];
             const shader = shaderOf(map.shaders[surface.shader]);
             const shape = shader.hidden ? null : shapeOf(map, surface);
             if (!shape) continue;
-            const key = shader.sky ? 'sky' : [shader.image, shader.clamp, shader.blend, shader.alphaTest, shader.twoSided].join('|');
+            const key = shader.sky
+                ? 'sky'
+                : [shader.image, shader.clamp, shader.blend, shader.alphaTest, shader.twoSided].join('|');
             if (!groups.has(key)) groups.set(key, { shader, pieces: [] });
-            groups.get(key).pieces.push({ surface: i, shape, offset, shader, place: lightmaps.placeOf(surface, shader), cluster: clusters[i][0] ?? -1 });
+            groups.get(key).pieces.push({
+                surface: i,
+                shape,
+                offset,
+                shader,
+                place: lightmaps.placeOf(surface, shader),
+                cluster: clusters[i][0] ?? -1,
+            });
         }
     });
     return groups;
@@ -158,8 +174,11 @@ function joinPieces(pieces) {
     const vertexCount = pieces.reduce((sum, piece) => sum + piece.shape.vertices.count, 0);
     const indexCount = pieces.reduce((sum, piece) => sum + piece.shape.indexes.length, 0);
     const arrays = {
-        position: new Float32Array(3 * vertexCount), st: new Float32Array(2 * vertexCount), lightmap: new Float32Array(3 * vertexCount),
-        color: new Uint8Array(4 * vertexCount), clusterColor: new Uint8Array(3 * vertexCount),
+        position: new Float32Array(3 * vertexCount),
+        st: new Float32Array(2 * vertexCount),
+        lightmap: new Float32Array(3 * vertexCount),
+        color: new Uint8Array(4 * vertexCount),
+        clusterColor: new Uint8Array(3 * vertexCount),
     };
     const indexes = new Uint32Array(indexCount);
     const ranges = [];
@@ -172,7 +191,13 @@ function joinPieces(pieces) {
         index += piece.shape.indexes.length;
     }
     const geometry = new THREE.BufferGeometry();
-    for (const [name, size, normalized] of [['position', 3, false], ['st', 2, false], ['lightmap', 3, false], ['color', 4, true], ['clusterColor', 3, true]])
+    for (const [name, size, normalized] of [
+        ['position', 3, false],
+        ['st', 2, false],
+        ['lightmap', 3, false],
+        ['color', 4, true],
+        ['clusterColor', 3, true],
+    ])
         geometry.setAttribute(name, new THREE.BufferAttribute(arrays[name], size, normalized));
     geometry.setIndex(new THREE.BufferAttribute(indexes.slice(), 1));
     return { geometry, indexes, ranges };
@@ -181,12 +206,20 @@ function joinPieces(pieces) {
 function materialOf(shader, shared, placeholder) {
     const blend = shader.sky ? null : shader.blend;
     return new THREE.ShaderMaterial({
-        glslVersion: THREE.GLSL3, vertexShader: kVertexShader, fragmentShader: kFragmentShader,
-        uniforms: { ...shared, image: { value: placeholder }, alphaTest: { value: shader.alphaTest },
-                    plainColor: { value: new THREE.Color(-1, -1, -1) } },
+        glslVersion: THREE.GLSL3,
+        vertexShader: kVertexShader,
+        fragmentShader: kFragmentShader,
+        uniforms: {
+            ...shared,
+            image: { value: placeholder },
+            alphaTest: { value: shader.alphaTest },
+            plainColor: { value: new THREE.Color(-1, -1, -1) },
+        },
         defines: shader.alphaTest !== 0 ? { ALPHA_TEST: '' } : {},
         side: shader.twoSided ? THREE.DoubleSide : THREE.BackSide, // front faces of the game turn clockwise
-        transparent: blend !== null, depthWrite: blend === null, ...(blend ? kBlending[blend] : {}),
+        transparent: blend !== null,
+        depthWrite: blend === null,
+        ...(blend ? kBlending[blend] : {}),
     });
 }
 
@@ -206,19 +239,34 @@ export class MapMesh {
      */
     constructor(map, shaderOf, lightmaps, clusters, textures, brightness, skyColor) {
         this.clusters = clusters;
-        this.uniforms = { lightmaps: { value: lightmaps.texture }, textured: { value: 1 }, clustered: { value: 0 },
-                          cutHeight: { value: 0 }, brightness };
+        this.uniforms = {
+            lightmaps: { value: lightmaps.texture },
+            textured: { value: 1 },
+            clustered: { value: 0 },
+            cutHeight: { value: 0 },
+            brightness,
+        };
         this.triangles = 0;
         for (const [key, { shader, pieces }] of groupSurfaces(map, shaderOf, lightmaps, clusters)) {
             const joined = joinPieces(pieces);
-            const material = materialOf(shader, this.uniforms, shader.image === '$whiteimage' ? textures.white : textures.missing);
+            const material = materialOf(
+                shader,
+                this.uniforms,
+                shader.image === '$whiteimage' ? textures.white : textures.missing,
+            );
             if (key === 'sky') material.uniforms.plainColor.value = skyColor;
             const mesh = new THREE.Mesh(joined.geometry, material);
             mesh.frustumCulled = true;
             mesh.renderOrder = shader.blend && key !== 'sky' ? 1 : 0;
             this.group.add(mesh);
             this.triangles += joined.indexes.length / 3;
-            this.batches.push({ mesh, material, image: key === 'sky' ? '' : shader.image, clamp: shader.clamp, ...joined });
+            this.batches.push({
+                mesh,
+                material,
+                image: key === 'sky' ? '' : shader.image,
+                clamp: shader.clamp,
+                ...joined,
+            });
         }
     }
 

@@ -9,8 +9,17 @@ const kMostLights = 8192;
 /** A thick line through points, drawn over everything. */
 export function leakLine(points) {
     const vectors = points.map((p) => new THREE.Vector3(...p));
-    const material = new THREE.MeshBasicMaterial({ color: 0xff4d4d, depthTest: false, transparent: true, opacity: 0.9 });
-    const rods = new THREE.InstancedMesh(new THREE.CylinderGeometry(kLeakRadius, kLeakRadius, 1, 6, 1), material, vectors.length - 1);
+    const material = new THREE.MeshBasicMaterial({
+        color: 0xff4d4d,
+        depthTest: false,
+        transparent: true,
+        opacity: 0.9,
+    });
+    const rods = new THREE.InstancedMesh(
+        new THREE.CylinderGeometry(kLeakRadius, kLeakRadius, 1, 6, 1),
+        material,
+        vectors.length - 1,
+    );
     const [up, matrix, turn] = [new THREE.Vector3(0, 1, 0), new THREE.Matrix4(), new THREE.Quaternion()];
     for (let i = 0; i + 1 < vectors.length; i++) {
         const along = vectors[i + 1].clone().sub(vectors[i]);
@@ -41,8 +50,24 @@ export function portalMesh(portals) {
     const lines = new THREE.BufferGeometry();
     lines.setAttribute('position', new THREE.Float32BufferAttribute(edges, 3));
     const group = new THREE.Group();
-    group.add(new THREE.Mesh(faces, new THREE.MeshBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.16, side: THREE.DoubleSide, depthWrite: false })));
-    group.add(new THREE.LineSegments(lines, new THREE.LineBasicMaterial({ color: 0x9bdcff, transparent: true, opacity: 0.75 })));
+    group.add(
+        new THREE.Mesh(
+            faces,
+            new THREE.MeshBasicMaterial({
+                vertexColors: true,
+                transparent: true,
+                opacity: 0.16,
+                side: THREE.DoubleSide,
+                depthWrite: false,
+            }),
+        ),
+    );
+    group.add(
+        new THREE.LineSegments(
+            lines,
+            new THREE.LineBasicMaterial({ color: 0x9bdcff, transparent: true, opacity: 0.75 }),
+        ),
+    );
     group.renderOrder = 3;
     return group;
 }
@@ -50,8 +75,7 @@ export function portalMesh(portals) {
 /** Light entities as spheres in their color. */
 export function lightSpheres(lights, lightUniforms) {
     const spheres = new Spheres(Math.min(lights.length, kMostLights), lightUniforms);
-    for (const { origin, color } of lights)
-        if (!spheres.full) spheres.add(...origin, kLightRadius, color, null);
+    for (const { origin, color } of lights) if (!spheres.full) spheres.add(...origin, kLightRadius, color, null);
     spheres.commit(SphereMode.tint);
     return spheres;
 }

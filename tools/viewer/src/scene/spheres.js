@@ -58,7 +58,10 @@ export class Spheres {
     constructor(capacity, lightUniforms) {
         this.capacity = capacity;
         this.geometry = new THREE.InstancedBufferGeometry();
-        this.geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]), 3));
+        this.geometry.setAttribute(
+            'position',
+            new THREE.BufferAttribute(new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]), 3),
+        );
         this.geometry.setIndex([0, 1, 2, 0, 2, 3]);
         this.arrays = {};
         for (const [name, size] of [['sphere', 4], ['tint', 3], ...kShNames.map((sh) => [sh, 3])]) {
@@ -68,7 +71,9 @@ export class Spheres {
             this.arrays[name] = attribute.array;
         }
         this.material = new THREE.ShaderMaterial({
-            glslVersion: THREE.GLSL3, vertexShader: kVertexShader, fragmentShader: kFragmentShader,
+            glslVersion: THREE.GLSL3,
+            vertexShader: kVertexShader,
+            fragmentShader: kFragmentShader,
             uniforms: { ...lightUniforms, mode: { value: SphereMode.tint } },
         });
         this.mesh = new THREE.Mesh(this.geometry, this.material);

@@ -12,7 +12,9 @@ function solid(r, g, b) {
 
 /** An image as a texture with mipmaps; repeated unless clamped. */
 function textureOf(image, clamp, anisotropy) {
-    const texture = image.rgba ? new THREE.DataTexture(image.rgba, image.width, image.height) : new THREE.Texture(image);
+    const texture = image.rgba
+        ? new THREE.DataTexture(image.rgba, image.width, image.height)
+        : new THREE.Texture(image);
     texture.flipY = false; // Quake's t runs down, like the rows of an image
     texture.wrapS = texture.wrapT = clamp ? THREE.ClampToEdgeWrapping : THREE.RepeatWrapping;
     texture.minFilter = THREE.LinearMipmapLinearFilter;
@@ -45,7 +47,7 @@ export class Textures {
     async loadAll(batches, files, isCurrent, changed) {
         const queue = batches.filter((batch) => batch.image !== '' && batch.image !== '$whiteimage');
         const work = async () => {
-            for (let batch; isCurrent() && (batch = queue.shift()); ) {
+            for (let batch; isCurrent() && (batch = queue.shift());) {
                 const texture = await this.load(batch.image, batch.clamp, files);
                 if (!isCurrent()) return;
                 batch.material.uniforms.image.value = texture;

@@ -6,7 +6,16 @@ const kTurnPerSecond = 1.8; // radians, by keys
 const kFingerUnits = 1.6; // units a pixel of two fingers
 const kSteepest = Math.PI / 2; // of pitch
 
-const kMoves = { KeyW: [1, 0, 0], KeyS: [-1, 0, 0], KeyD: [0, 1, 0], KeyA: [0, -1, 0], KeyE: [0, 0, 1], Space: [0, 0, 1], KeyQ: [0, 0, -1], KeyC: [0, 0, -1] };
+const kMoves = {
+    KeyW: [1, 0, 0],
+    KeyS: [-1, 0, 0],
+    KeyD: [0, 1, 0],
+    KeyA: [0, -1, 0],
+    KeyE: [0, 0, 1],
+    Space: [0, 0, 1],
+    KeyQ: [0, 0, -1],
+    KeyC: [0, 0, -1],
+};
 const kTurns = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 export class Walk {
@@ -23,8 +32,8 @@ export class Walk {
     /**
      * @param {THREE.PerspectiveCamera} camera
      * @param {HTMLElement} element gets the events
-     * @param {{changed: () => void, grab: (event: PointerEvent) => boolean, drag: (event: PointerEvent) => void, release: () => void}} owner
-     *   grab: whether the pointer takes something else than the view
+     * @param owner functions: `changed()`; `grab(event)`, whether a pointer takes something else than the view;
+     *   `drag(event)`, that it has moved
      */
     constructor(camera, element, owner) {
         this.camera = camera;
@@ -88,9 +97,7 @@ export class Walk {
 
     onUp(event) {
         this.pointers.delete(event.pointerId);
-        if (this.pointers.size > 0) return;
-        if (this.grabbed) this.owner.release();
-        this.grabbed = false;
+        if (this.pointers.size === 0) this.grabbed = false;
     }
 
     onWheel(event) {
@@ -107,7 +114,11 @@ export class Walk {
     }
 
     forward() {
-        return new THREE.Vector3(Math.cos(this.yaw) * Math.cos(this.pitch), Math.sin(this.yaw) * Math.cos(this.pitch), Math.sin(this.pitch));
+        return new THREE.Vector3(
+            Math.cos(this.yaw) * Math.cos(this.pitch),
+            Math.sin(this.yaw) * Math.cos(this.pitch),
+            Math.sin(this.pitch),
+        );
     }
 
     right() {
@@ -143,7 +154,7 @@ export class Walk {
     }
 
     apply() {
-        this.camera.rotation.set(this.pitch + Math.PI / 2, 0, this.yaw - Math.PI / 2, 'ZXY'); // from -z, up y to +x, up z
+        this.camera.rotation.set(this.pitch + Math.PI / 2, 0, this.yaw - Math.PI / 2, 'ZXY'); // +x, up z
         this.camera.updateMatrixWorld();
     }
 }

@@ -22,14 +22,29 @@ export function make(tag, attributes = {}, ...children) {
 export function checkbox(key, label, change) {
     const input = make('input', { type: 'checkbox', name: key, change: () => change(key, input.checked) });
     const row = make('label', { class: 'row check' }, input, make('span', {}, label));
-    return control(row, key, (settings) => { input.checked = settings[key]; }, [input]);
+    return control(
+        row,
+        key,
+        (settings) => {
+            input.checked = settings[key];
+        },
+        [input],
+    );
 }
 
 /** @returns {Control} */
 export function slider(key, label, { min, max, step, unit = '', digits = 0 }, change) {
     const id = `control${nextId++}`;
     const output = make('output', { for: id });
-    const input = make('input', { type: 'range', id, name: key, min, max, step, input: () => change(key, Number(input.value)) });
+    const input = make('input', {
+        type: 'range',
+        id,
+        name: key,
+        min,
+        max,
+        step,
+        input: () => change(key, Number(input.value)),
+    });
     const row = make('div', { class: 'row slide' }, make('label', { for: id }, label), output, input);
     const show = (settings) => {
         if (Number(input.value) !== settings[key]) input.value = settings[key];
@@ -53,8 +68,21 @@ export function choice(key, label, options, change) {
         const input = make('input', { type: 'radio', name: key, value, change: () => change(key, value) });
         return { input, value, element: make('label', {}, input, make('span', {}, text)) };
     });
-    const row = make('fieldset', { class: 'row choice' }, make('legend', {}, label), make('div', {}, ...inputs.map((i) => i.element)));
-    const made = control(row, key, (settings) => inputs.forEach((i) => { i.input.checked = settings[key] === i.value; }), inputs.map((i) => i.input));
+    const row = make(
+        'fieldset',
+        { class: 'row choice' },
+        make('legend', {}, label),
+        make('div', {}, ...inputs.map((i) => i.element)),
+    );
+    const made = control(
+        row,
+        key,
+        (settings) =>
+            inputs.forEach((i) => {
+                i.input.checked = settings[key] === i.value;
+            }),
+        inputs.map((i) => i.input),
+    );
     made.enableValue = (value, on) => {
         const found = inputs.find((i) => i.value === value);
         found.input.disabled = !on;
@@ -65,7 +93,9 @@ export function choice(key, label, options, change) {
 
 function control(row, key, show, inputs) {
     return {
-        row, key, show,
+        row,
+        key,
+        show,
         enable(on) {
             row.classList.toggle('off', !on);
             for (const input of inputs) input.disabled = !on;

@@ -23,14 +23,27 @@ function scale(viewer) {
     bar.style.background = `linear-gradient(to right, ${kScale.join(', ')})`;
     const end = viewer.settings.largest;
     const title = `${viewer.settings.errors === 'sh' ? 'SH' : 'Legacy'} grid, error in ${viewer.errors.errors.unit}`;
-    return make('div', { class: 'scaleBox' }, make('span', {}, title), bar,
-                make('div', { class: 'ticks' }, make('span', {}, '0'), make('span', {}, String(end / 2)), make('span', {}, `${end}+`)));
+    return make(
+        'div',
+        { class: 'scaleBox' },
+        make('span', {}, title),
+        bar,
+        make(
+            'div',
+            { class: 'ticks' },
+            make('span', {}, '0'),
+            make('span', {}, String(end / 2)),
+            make('span', {}, `${end}+`),
+        ),
+    );
 }
 
 /** What the legend depends on. */
 function stateOf({ settings, path, grids, errors }) {
     const { showPoints, color, source, figure, errors: shown, largest } = settings;
-    return [showPoints, color, source, figure, shown, largest, path, grids[source]?.count, errors.errors?.count].join('|');
+    return [showPoints, color, source, figure, shown, largest, path, grids[source]?.count, errors.errors?.count].join(
+        '|',
+    );
 }
 
 /** Shows the meaning of the colors in use; nothing if they are plain light. */

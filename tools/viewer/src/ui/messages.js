@@ -9,7 +9,12 @@ export class Messages {
     /** @param {'error'|'note'} kind */
     add(kind, text) {
         const close = make('button', { type: 'button', 'aria-label': 'Dismiss', click: () => message.remove() }, '×');
-        const message = make('div', { class: `message ${kind}`, role: kind === 'error' ? 'alert' : 'status' }, make('span', {}, text), close);
+        const message = make(
+            'div',
+            { class: `message ${kind}`, role: kind === 'error' ? 'alert' : 'status' },
+            make('span', {}, text),
+            close,
+        );
         this.element.append(message);
     }
 

@@ -17,12 +17,18 @@ export function connectPad(element, walk, changed) {
         stick.addEventListener(name, (event) => {
             if (!stick.hasPointerCapture(event.pointerId)) return;
             const box = stick.getBoundingClientRect();
-            const [x, y] = [(event.clientX - box.left - box.width / 2) / kReach, (event.clientY - box.top - box.height / 2) / kReach];
+            const [x, y] = [
+                (event.clientX - box.left - box.width / 2) / kReach,
+                (event.clientY - box.top - box.height / 2) / kReach,
+            ];
             const length = Math.max(1, Math.hypot(x, y));
             set(x / length, y / length);
         });
     for (const name of ['pointerup', 'pointercancel']) stick.addEventListener(name, () => set(0, 0));
-    for (const [selector, direction] of [['.up', 1], ['.down', -1]]) {
+    for (const [selector, direction] of [
+        ['.up', 1],
+        ['.down', -1],
+    ]) {
         const key = element.querySelector(selector);
         const press = (amount) => () => {
             walk.pad[2] = amount;

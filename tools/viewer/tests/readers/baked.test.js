@@ -35,14 +35,21 @@ const grids = () => readGrids(readMap(new Uint8Array(readFileSync(bsp))));
 function probe(form, positions) {
     const input = positions.map((p) => `${p.map((c) => Math.fround(c)).join(' ')} 0 0 1`).join('\n');
     const output = execFileSync(PROBE, [bsp, form], { input, maxBuffer: 1 << 28 });
-    return output.toString().trim().split('\n').map((line) => line.split(' ').map(Number));
+    return output
+        .toString()
+        .trim()
+        .split('\n')
+        .map((line) => line.split(' ').map(Number));
 }
 
 test('points of the uniform grid equal those of the JSON', { skip }, () => {
     const json = JSON.parse(readFileSync(join(folder, 'demo/maps/demo/GridPointsSH.json'), 'utf8'));
     const { uniform } = grids();
     assert.equal(uniform.count, json.points.length);
-    assert.deepEqual(uniform.mins.map((c) => c + 0), json.header.gridMins.map((c) => c + 0));
+    assert.deepEqual(
+        uniform.mins.map((c) => c + 0),
+        json.header.gridMins.map((c) => c + 0),
+    );
     json.points.forEach((point, i) => assert.deepEqual([...uniform.coeffs(i)], point.flat().map(Math.fround)));
 });
 
@@ -50,7 +57,9 @@ test('points of the legacy grid equal those of the JSON', { skip }, () => {
     const json = Object.values(JSON.parse(readFileSync(join(folder, 'demo/maps/demo/GridPoints.json'), 'utf8')));
     const { legacy } = grids();
     assert.equal(legacy.count, json.length);
-    json.forEach((point, i) => assert.deepEqual([legacy.point(i).ambient, legacy.point(i).directed], [point.ambient[0], point.directed[0]]));
+    json.forEach((point, i) =>
+        assert.deepEqual([legacy.point(i).ambient, legacy.point(i).directed], [point.ambient[0], point.directed[0]]),
+    );
 });
 
 for (const form of ['uniform', 'sparse'])
@@ -58,12 +67,17 @@ for (const form of ['uniform', 'sparse'])
         const grid = grids()[form];
         let seed = 1;
         const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
-        const positions = Array.from({ length: 3000 }, () => grid.mins.map((low, i) => Math.fround(low + (1.1 * random() - 0.05) * grid.bounds[i] * grid.cell[i])));
+        const positions = Array.from({ length: 3000 }, () =>
+            grid.mins.map((low, i) => Math.fround(low + (1.1 * random() - 0.05) * grid.bounds[i] * grid.cell[i])),
+        );
         probe(form, positions).forEach((expected, i) => {
             const actual = grid.sample(positions[i]);
             const size = 1e-5 + Math.max(...expected.slice(0, 3).map(Math.abs));
             for (let k = 0; k < 27; k++)
-                assert.ok(Math.abs(actual[k] - expected[k]) < 1e-4 * size, `at ${positions[i]}, value ${k}: ${actual[k]} is not ${expected[k]}`);
+                assert.ok(
+                    Math.abs(actual[k] - expected[k]) < 1e-4 * size,
+                    `at ${positions[i]}, value ${k}: ${actual[k]} is not ${expected[k]}`,
+                );
         });
     });
 

@@ -7,7 +7,26 @@ import { decodeTga } from '../../src/files/tga.js';
 
 /** A TGA header; descriptor 32: first row on top. */
 function tgaHead(kind, width, height, bits, descriptor, palette = 0) {
-    return [0, palette ? 1 : 0, kind, 0, 0, palette, 0, palette ? 24 : 0, 0, 0, 0, 0, width, 0, height, 0, bits, descriptor];
+    return [
+        0,
+        palette ? 1 : 0,
+        kind,
+        0,
+        0,
+        palette,
+        0,
+        palette ? 24 : 0,
+        0,
+        0,
+        0,
+        0,
+        width,
+        0,
+        height,
+        0,
+        bits,
+        descriptor,
+    ];
 }
 
 test('TGA: rows from below, blue first', () => {
@@ -16,7 +35,10 @@ test('TGA: rows from below, blue first', () => {
 });
 
 test('TGA: run lengths, alpha, rows from above', () => {
-    const { rgba } = decodeTga(Uint8Array.from([...tgaHead(10, 3, 1, 32, 40), 0x81, 1, 2, 3, 4, 0x00, 5, 6, 7, 8]), 'x.tga');
+    const { rgba } = decodeTga(
+        Uint8Array.from([...tgaHead(10, 3, 1, 32, 40), 0x81, 1, 2, 3, 4, 0x00, 5, 6, 7, 8]),
+        'x.tga',
+    );
     assert.deepEqual([...rgba], [3, 2, 1, 4, 3, 2, 1, 4, 7, 6, 5, 8]);
 });
 
@@ -72,21 +94,43 @@ test('shader scripts', () => {
     assert.equal(read('textures/a/clip').hidden, true);
     assert.equal(read('textures/a/lava').image, 'textures/a/l1.tga');
     const outside = read('textures/a/outside');
-    assert.deepEqual([outside.image, outside.lightmapImage, outside.light], ['textures/a/stone.tga', 'maps/x/lm_0000.tga', 'lightmap']);
+    assert.deepEqual(
+        [outside.image, outside.lightmapImage, outside.light],
+        ['textures/a/stone.tga', 'maps/x/lm_0000.tga', 'lightmap'],
+    );
     assert.deepEqual([read('textures/a/none').image, read('textures/a/none').light], ['textures/a/none', 'any']);
 });
 
 test('leak lines and portals', () => {
-    assert.deepEqual(parseLeakLine('1 2 3\n-4 5.5 6\n'), [[1, 2, 3], [-4, 5.5, 6]]);
+    assert.deepEqual(parseLeakLine('1 2 3\n-4 5.5 6\n'), [
+        [1, 2, 3],
+        [-4, 5.5, 6],
+    ]);
     assert.throws(() => parseLeakLine('1 2 3'), /three numbers/);
     const file = parsePortals('PRT1\n2\n1\n1\n3 0 1 1 (0 0 0 ) (0 0 8 ) (0 8 0 ) \n3 0 (1 0 0 ) (0 0 8 ) (0 8 0 ) \n');
-    assert.deepEqual(file.portals, [{ clusters: [0, 1], hint: true, points: [[0, 0, 0], [0, 0, 8], [0, 8, 0]] }]);
+    assert.deepEqual(file.portals, [
+        {
+            clusters: [0, 1],
+            hint: true,
+            points: [
+                [0, 0, 0],
+                [0, 0, 8],
+                [0, 8, 0],
+            ],
+        },
+    ]);
     assert.throws(() => parsePortals('PRT1\n2\n1\n0\n3 0 1 0 (0 0 0 )'), /ends early/);
     assert.throws(() => parsePortals('x'), /PRT1/);
 });
 
 test('errors of grids', () => {
-    const text = JSON.stringify({ format: 'q3map2-sh errors', version: 1, map: 'maps/x.bsp', unit: 'displayed bytes', positions: [[1, 2, 3, 0.5, 4]] });
+    const text = JSON.stringify({
+        format: 'q3map2-sh errors',
+        version: 1,
+        map: 'maps/x.bsp',
+        unit: 'displayed bytes',
+        positions: [[1, 2, 3, 0.5, 4]],
+    });
     const errors = parseErrors(text);
     assert.deepEqual([[...errors.positions], errors.sh[0], errors.legacy[0]], [[1, 2, 3], 0.5, 4]);
     assert.throws(() => parseErrors('{'), /JSON/);

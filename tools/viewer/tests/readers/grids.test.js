@@ -15,14 +15,22 @@ const near = (actual, expected, tolerance = 1e-5) =>
 test('uniform light of 1 gives 1 on every normal', () => {
     const coeffs = new Float32Array(27);
     coeffs.fill(3.544908, 0, 3);
-    for (const normal of [[1, 0, 0], [0, -1, 0], [0.6, 0, 0.8]]) near(shEvaluate(coeffs, normal)[1], 1);
+    for (const normal of [
+        [1, 0, 0],
+        [0, -1, 0],
+        [0.6, 0, 0.8],
+    ])
+        near(shEvaluate(coeffs, normal)[1], 1);
 });
 
 test('light from a direction follows 0.09375 + 0.5 x + 0.46875 x^2', () => {
     // Projection of a light from +x, convolved: A_l Y(k)(+x) / pi with A = pi, 2 pi / 3, pi / 4, times pi.
     const lobes = [Math.PI, (2 * Math.PI) / 3, Math.PI / 4];
     const basis = [0.282094792, 0, 0, 0.488602512, 0, 0, -0.315391565, 0, 0.546274215];
-    const coeffs = Float32Array.from({ length: 27 }, (_, i) => lobes[i < 3 ? 0 : i < 12 ? 1 : 2] * basis[Math.floor(i / 3)]);
+    const coeffs = Float32Array.from(
+        { length: 27 },
+        (_, i) => lobes[i < 3 ? 0 : i < 12 ? 1 : 2] * basis[Math.floor(i / 3)],
+    );
     for (const t of [0, 0.4, 1, 1.5]) {
         const x = Math.cos(t);
         near(shEvaluate(coeffs, [x, Math.sin(t), 0])[0], Math.max(0, 0.09375 + 0.5 * x + 0.46875 * x * x) * 1, 1e-5);
@@ -37,7 +45,12 @@ test('a uniform grid is linear between its points and constant outside', () => {
     near(grid.sample([5, 6, 70])[26], 26);
     const found = [];
     grid.forEachIn([-1, -1, 0], [33, 40, 100], (i, x, y, z) => found.push([i, x, y, z]));
-    assert.deepEqual(found, [[1, 0, 0, 64], [2, 32, 0, 64], [4, 0, 32, 64], [5, 32, 32, 64]]);
+    assert.deepEqual(found, [
+        [1, 0, 0, 64],
+        [2, 32, 0, 64],
+        [4, 0, 32, 64],
+        [5, 32, 32, 64],
+    ]);
     assert.deepEqual(grid.position(10), [0, 32, 128]);
 });
 
@@ -65,7 +78,9 @@ test('a sparse grid blends corners that have a value', () => {
 test('the legacy grid: light of one point, black points left out, bright ones keep their hue', () => {
     const point = (ambient, directed) => Uint8Array.of(...ambient, ...directed, 64, 0); // light from +x
     const world = { mins: [-64, -64, -128], maxs: [64, 64, 128] };
-    const points = Array.from({ length: 27 }, (_, i) => point(i % 3 === 0 ? [0, 0, 0] : [10 * (i % 3), 20, 200], [100, 50, 0]));
+    const points = Array.from({ length: 27 }, (_, i) =>
+        point(i % 3 === 0 ? [0, 0, 0] : [10 * (i % 3), 20, 200], [100, 50, 0]),
+    );
     const grid = new LegacyGrid(bytesOf(...points), world, new Map());
     assert.deepEqual(grid.bounds, [3, 3, 3]);
     const light = grid.sample([0, 0, 0], 1);
@@ -87,7 +102,15 @@ test('radiance is convolved on reading', () => {
 });
 
 test('tone', () => {
-    assert.deepEqual(parseTone('gamma 1.4 scale 0.25').tone, { contrast: 1, gamma: 1.4, exposure: 0, saturation: 1, scale: 0.25, maxlight: 255, srgb: 0 });
+    assert.deepEqual(parseTone('gamma 1.4 scale 0.25').tone, {
+        contrast: 1,
+        gamma: 1.4,
+        exposure: 0,
+        saturation: 1,
+        scale: 0.25,
+        maxlight: 255,
+        srgb: 0,
+    });
     assert.equal(parseTone(undefined).valid, true);
     assert.equal(parseTone('gamma').valid, false);
     assert.equal(parseTone('gamma 0').valid, false);

@@ -32,7 +32,9 @@ export function name(text, length) {
 export function roomLumps() {
     const vertex = (x, y, z) => bytesOf(f(x, y, z, 0, 0, 0, 0, 0, 0, 1), Uint8Array.of(10, 20, 30, 255));
     const lumps = Array.from({ length: 17 }, () => new Uint8Array());
-    lumps[0] = bytesOf('{ "classname" "worldspawn" "_color" "1 0 0" }\n{ "classname" "light" "origin" "8 9 10" "_color" "0.5 1 0" }\n\0');
+    lumps[0] = bytesOf(
+        '{ "classname" "worldspawn" }\n{ "classname" "light" "origin" "8 9 10" "_color" "0.5 1 0" }\n\0',
+    );
     lumps[1] = bytesOf(name('textures/a/b', 64), u(0, 1));
     lumps[2] = f(1, 0, 0, 0);
     lumps[3] = u(0, -1, -2, 0, 0, 0, 0, 0, 0);
@@ -85,8 +87,17 @@ export function uniformLump(mins, cell, bounds, value) {
  */
 export function sparseLump() {
     const code = (i) => ({ u: ((i + 1) * 16) | (16 << 27) }); // mantissa * 2^-8
-    const point = (i) => bytesOf(code(i), Uint8Array.from({ length: 24 }, (_, k) => (i === 0 && k === 6 ? 64 : 0)));
-    const nodes = bytesOf(u(1, 0), Uint8Array.of(0b00000001, 0b01111110, 0, 128), u(2, 6), Uint8Array.of(0, 0xff, 0, 128));
+    const point = (i) =>
+        bytesOf(
+            code(i),
+            Uint8Array.from({ length: 24 }, (_, k) => (i === 0 && k === 6 ? 64 : 0)),
+        );
+    const nodes = bytesOf(
+        u(1, 0),
+        Uint8Array.of(0b00000001, 0b01111110, 0, 128),
+        u(2, 6),
+        Uint8Array.of(0, 0xff, 0, 128),
+    );
     const points = bytesOf(...Array.from({ length: 14 }, (_, i) => point(i < 6 ? i + 8 : i - 6)));
     const head = bytesOf('SHGS', u(1, 64 + 24 + 28 * 14), f(0, 0, 0, 8, 8, 8), u(1, 1, 1, 2, 2, 14, 0));
     return bytesOf(head, nodes, points);

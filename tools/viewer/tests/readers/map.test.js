@@ -36,7 +36,14 @@ test('lump 18 is found in version 47 of 19 slots alone', () => {
 });
 
 test('BSPX lumps are found behind the others', () => {
-    const grids = readGrids(readMap(makeBsp(46, roomLumps(), [['LIGHTGRID_SH', uniform], ['LIGHTGRID_SH_SPARSE', sparseLump()]])));
+    const grids = readGrids(
+        readMap(
+            makeBsp(46, roomLumps(), [
+                ['LIGHTGRID_SH', uniform],
+                ['LIGHTGRID_SH_SPARSE', sparseLump()],
+            ]),
+        ),
+    );
     assert.equal(grids.uniform.count, 8);
     assert.equal(grids.sparse.count, 14);
     assert.deepEqual(grids.problems, []);
@@ -50,7 +57,10 @@ test('a damaged grid gives a message and leaves the map', () => {
 });
 
 test('a file cut anywhere, or with any word replaced, gives a map or a FormatError', () => {
-    const file = makeBsp(46, roomLumps(), [['LIGHTGRID_SH', uniform], ['LIGHTGRID_SH_SPARSE', sparseLump()]]);
+    const file = makeBsp(46, roomLumps(), [
+        ['LIGHTGRID_SH', uniform],
+        ['LIGHTGRID_SH_SPARSE', sparseLump()],
+    ]);
     const attempt = (bytes) => {
         try {
             const map = readMap(bytes);
@@ -81,9 +91,13 @@ test('clusters and what they see', () => {
 });
 
 test('entities', () => {
-    const entities = parseEntities('{"classname" "worldspawn"}{ "classname" "light" "origin" "1 2 3" "_color" "0.5 0.25 0" "light" "40" }' +
-        '{ "classname" "info_player_deathmatch" "origin" "10 20 30" "angle" "90" }');
-    assert.deepEqual(lightEntities(entities), [{ classname: 'light', origin: [1, 2, 3], color: [1, 0.5, 0], brightness: 40 }]);
+    const entities = parseEntities(
+        '{"classname" "worldspawn"}{ "classname" "light" "origin" "1 2 3" "_color" "0.5 0.25 0" "light" "40" }' +
+            '{ "classname" "info_player_deathmatch" "origin" "10 20 30" "angle" "90" }',
+    );
+    assert.deepEqual(lightEntities(entities), [
+        { classname: 'light', origin: [1, 2, 3], color: [1, 0.5, 0], brightness: 40 },
+    ]);
     assert.deepEqual(startPosition(entities), { position: [10, 20, 56], yaw: 90 });
     assert.equal(parseEntities('no entities').length, 0);
 });
