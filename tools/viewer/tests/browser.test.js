@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. The built page in Chromium, with the demo arena and, if they are there, with real maps.
 // DEMO and REAL name baked maps with both SH grids, TONED one with a tone and the uniform grid; PROBE the compiled
-// probe.c; REAL_PK3 archives, separated by ':'.
+// probe.c; EXTERNAL the arena with lightmaps in images beside it; REAL_PK3 archives, separated by ':'.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -13,7 +13,7 @@ import { readMap } from '../src/bsp/map.js';
 import { BspTree } from '../src/bsp/tree.js';
 import { kPage, openFiles, texturesLoaded, withPage } from './browser.js';
 
-const { DEMO, TONED, REAL, PROBE } = process.env;
+const { DEMO, TONED, EXTERNAL, REAL, PROBE } = process.env;
 const kDesktop = { viewport: { width: 1024, height: 640 } };
 const kPhone = { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
 const kProbes = 20;
@@ -185,6 +185,51 @@ test('a map with a tone: spheres', { skip: !TONED || !PROBE }, () =>
         assert.deepEqual(faults, []);
     }),
 );
+
+/** Mean color of the picture without spheres, in bytes. */
+function meanColor(page) {
+    return page.evaluate(() => {
+        const { viewer } = window.viewer;
+        viewer.settings.showPoints = false;
+        viewer.changed();
+        viewer.drawNow();
+        const gl = viewer.renderer.getContext();
+        const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+        const pixels = new Uint8Array(4 * width * height);
+        gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+        return [0, 1, 2].map(
+            (c) => pixels.reduce((sum, byte, i) => sum + (i % 4 === c ? byte : 0), 0) / (width * height),
+        );
+    });
+}
+
+test('lightmaps in images beside the map look like those inside', { skip: !DEMO || !EXTERNAL }, async () => {
+    const images = EXTERNAL.replace(/\.bsp$/, '');
+    const entries = readdirSync(images).map((name) => [
+        `maps/external/${name}`,
+        new Uint8Array(readFileSync(join(images, name))),
+    ]);
+    const archive = zipSync({
+        'maps/external.bsp': new Uint8Array(readFileSync(EXTERNAL)),
+        ...Object.fromEntries(entries),
+    });
+    const colors = [];
+    for (const path of [DEMO, write('external.pk3', archive)])
+        await withPage(kDesktop, async (page, faults) => {
+            await openFiles(page, [path]);
+            await texturesLoaded(page);
+            assert.ok(
+                await page.evaluate(
+                    () => window.viewer.viewer.lightmaps.count > 0 && window.viewer.viewer.lightmaps.missing.size === 0,
+                ),
+            );
+            colors.push(await meanColor(page));
+            assert.deepEqual(faults, []);
+        });
+    console.log(`mean colors ${colors.map((color) => color.map((c) => c.toFixed(1)).join(' ')).join(' and ')}`);
+    assert.ok(Math.max(...colors[0]) > 20);
+    colors[0].forEach((c, k) => assert.ok(Math.abs(c - colors[1][k]) < 3));
+});
 
 test('files beside the map, in a second drop', { skip: !DEMO }, () =>
     withPage(kDesktop, async (page, faults) => {

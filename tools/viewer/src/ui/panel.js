@@ -232,7 +232,8 @@ export class Panel {
         const grid = (g) => (g ? `${number(g.count)} · ${vector(g.cell, 0)} u` : 'none');
         const rows = [
             ['File', `IBSP ${map.version}, ${(map.bytes / 1e6).toFixed(1)} MB`],
-            ['Surfaces', `${number(map.surfaces.length)}, ${number(mesh.triangles)} triangles`],
+            ['Surfaces', number(map.surfaces.length)],
+            ['Triangles', number(mesh.triangles)],
             ['Lightmaps', String(lightmaps.count)],
             ['Light entities', number(lightList?.length ?? 0)],
             ['SH points', grid(grids.uniform)],
