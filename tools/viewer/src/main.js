@@ -99,6 +99,7 @@ function start() {
             setPanel(matchMedia('(min-width: 700px)').matches);
             element('pad').hidden = !matchMedia('(pointer: coarse)').matches;
         }
+        for (const id of ['open', 'toggle']) element(id).hidden = false;
         element('start').hidden = true;
         element('status').hidden = false;
         element('title').textContent = shown;
@@ -109,7 +110,7 @@ function start() {
         element('view').focus({ preventScroll: true });
     });
     panel = new Panel(element('panel'), viewer, {
-        chooseMap: (path) => opener.show(path).catch((error) => opener.report(error)),
+        chooseMap: (path) => opener.show(path).catch((error) => opener.report(error, path)),
     });
     element('toggle').addEventListener('click', () => setPanel(element('panel').hidden));
     element('view').addEventListener('keydown', (event) => onKey(event, viewer, panel));

@@ -26,10 +26,12 @@ export class Opener {
         this.opened = opened;
     }
 
-    /** Shows a message for what the visitor can act on; anything else is a fault of the page. */
-    report(error) {
-        if (!(error instanceof FormatError)) console.error(error);
-        this.messages.add('error', error instanceof FormatError ? error.message : `The page failed: ${error.message}`);
+    /** Shows a message for what the visitor can act on; anything else is a fault of the page. `path`: of the file. */
+    report(error, path = '') {
+        const expected = error instanceof FormatError;
+        if (!expected) console.error(error);
+        const text = expected ? error.message : `The page failed: ${error.message}`;
+        this.messages.add('error', path ? `${path}: ${text}` : text);
     }
 
     /**
@@ -77,7 +79,7 @@ export class Opener {
             else if (resources) this.messages.add('note', 'The archive has no map: open the .bsp too.');
         } catch (error) {
             this.files.loose.delete(choice);
-            this.report(error);
+            this.report(error, choice);
         }
         if (sides.length > 0 && !this.viewer.map)
             this.messages.add('error', 'Open the map before the files that belong to it.');

@@ -199,19 +199,21 @@ export class Viewer {
 
     /**
      * Above the world, looking straight down. The figure stays where it is.
-     * @param {number} covered pixels on the right that show something else
+     * @param {number} right pixels on the right that something else covers
+     * @param {number} bottom the same below
      */
-    fromAbove(covered = 0) {
+    fromAbove(right = 0, bottom = 0) {
         const { mins, maxs } = this.map.models[0];
         const { clientWidth: width, clientHeight: height } = this.renderer.domElement;
-        const unitsPerPixel = 1.08 * Math.max((maxs[0] - mins[0]) / (width - covered), (maxs[1] - mins[1]) / height);
+        const [spanX, spanY] = [maxs[0] - mins[0], maxs[1] - mins[1]];
+        const unitsPerPixel = 1.08 * Math.max(spanX / (width - right), spanY / (height - bottom));
         const distance = (unitsPerPixel * height) / 2 / Math.tan((this.camera.fov * Math.PI) / 360);
         const top = this.settings.cut || this.settings.where === 'slice' ? this.settings.height : maxs[2];
-        this.camera.position.set(
-            (mins[0] + maxs[0] + covered * unitsPerPixel) / 2,
-            (mins[1] + maxs[1]) / 2,
-            top + distance,
-        );
+        const middle = [
+            (mins[0] + maxs[0] + right * unitsPerPixel) / 2,
+            (mins[1] + maxs[1] - bottom * unitsPerPixel) / 2,
+        ];
+        this.camera.position.set(...middle, top + distance);
         this.walk.yaw = Math.PI / 2;
         this.walk.pitch = -Math.PI / 2;
         this.settings.follow = false;

@@ -36,8 +36,9 @@ export class Panel {
 
     /** Over the map, in the part of the page that the panel leaves. */
     fromAbove() {
-        const beside = !this.element.hidden && this.element.offsetWidth < innerWidth / 2;
-        this.viewer.fromAbove(beside ? this.element.offsetWidth : 0);
+        const { hidden, offsetWidth, offsetHeight } = this.element;
+        const beside = offsetWidth < innerWidth / 2;
+        this.viewer.fromAbove(beside && !hidden ? offsetWidth : 0, beside || hidden ? 0 : offsetHeight);
         this.show();
     }
 
