@@ -1,0 +1,42 @@
+// GPL-2.0-or-later. Draws the pictures of docs/viewer.md again, from the demo arena baked with both SH grids.
+//
+// usage: node pictures.js DEMO.bsp    (-meta -keeplights, -vis, -light -shbspx -shadaptive)
+import { join } from 'node:path';
+import { openFiles, texturesLoaded, withPage } from './tests/browser.js';
+
+const kOut = join(import.meta.dirname, '../../docs/pictures');
+
+/** Opens the map, applies settings, moves the viewer, and takes a picture with these sections of the panel open. */
+async function take(name, settings, place, open) {
+    await withPage({ viewport: { width: 1280, height: 800 } }, async (page) => {
+        await openFiles(page, [process.argv[2]]);
+        await texturesLoaded(page);
+        await page.evaluate(
+            ([values, at, sections]) => {
+                const { viewer, panel } = window.viewer;
+                Object.assign(viewer.settings, values);
+                if (at) {
+                    viewer.camera.position.fromArray(at.position);
+                    [viewer.walk.yaw, viewer.walk.pitch] = [at.yaw, at.pitch];
+                } else {
+                    panel.fromAbove();
+                }
+                viewer.changed();
+                panel.show();
+                document.querySelectorAll('#panel details').forEach((details) => {
+                    details.open = sections.includes(details.firstChild.textContent);
+                });
+            },
+            [settings, place, open],
+        );
+        await page.waitForTimeout(500);
+        await page.screenshot({ path: join(kOut, name), type: 'jpeg', quality: 88 });
+    });
+}
+
+const kBetweenLamps = { position: [-290, 0, 64], yaw: 0, pitch: -0.06 };
+const kFigures = { figure: 'both', radius: 400, size: 0.8, source: 'sparse' };
+await take('viewer.jpg', kFigures, kBetweenLamps, ['Light grid', 'Figure']);
+const kSlice = { where: 'slice', height: 64, thickness: 32, cut: true };
+const kCells = { source: 'sparse', color: 'level', radius: 1536, size: 2, ...kSlice };
+await take('viewer_cells.jpg', kCells, null, ['Light grid', 'Slice and errors']);

@@ -1,0 +1,124 @@
+// GPL-2.0-or-later. Puts the page together.
+import { droppedFiles, embeddedPackage } from './files/opened.js';
+import { Opener } from './opener.js';
+import { showLegend } from './ui/legend.js';
+import { Messages } from './ui/messages.js';
+import { connectPad } from './ui/pad.js';
+import { Panel } from './ui/panel.js';
+import { Viewer } from './viewer.js';
+
+const element = (id) => document.getElementById(id);
+const kFigureStep = 8; // units a key press
+const kFigureKeys = {
+    KeyI: [1, 0, 0],
+    KeyK: [-1, 0, 0],
+    KeyL: [0, 1, 0],
+    KeyJ: [0, -1, 0],
+    KeyU: [0, 0, 1],
+    KeyO: [0, 0, -1],
+};
+
+function showStatus(viewer) {
+    const { stats, camera } = viewer;
+    const at = camera.position
+        .toArray()
+        .map((c) => c.toFixed(0))
+        .join(' ');
+    const fps = stats.fps > 0 ? `${stats.fps.toFixed(0)} fps · ` : '';
+    element('status').textContent =
+        `${fps}${stats.calls} draw calls · first picture ${stats.firstPicture.toFixed(0)} ms · ${at}`;
+}
+
+function setPanel(open) {
+    element('panel').hidden = !open;
+    element('toggle').setAttribute('aria-expanded', String(open));
+    document.body.classList.toggle('panelOpen', open);
+}
+
+function onKey(event, viewer, panel) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.code in kFigureKeys) viewer.moveFigure(...kFigureKeys[event.code].map((n) => kFigureStep * n));
+    else if (event.code === 'Home' && viewer.map) viewer.toStart();
+    else if (event.code === 'End' && viewer.map) panel.fromAbove();
+    else return;
+    event.preventDefault();
+}
+
+function connectDrops(opener) {
+    const hint = element('dropHint');
+    addEventListener('dragover', (event) => {
+        event.preventDefault();
+        hint.hidden = false;
+    });
+    addEventListener('dragleave', (event) => {
+        if (!event.relatedTarget) hint.hidden = true;
+    });
+    addEventListener('drop', async (event) => {
+        event.preventDefault();
+        hint.hidden = true;
+        await opener.add(await droppedFiles(event.dataTransfer));
+    });
+}
+
+function connectChooser(opener) {
+    const chooser = element('chooser');
+    for (const id of ['open', 'openStart']) element(id).addEventListener('click', () => chooser.click());
+    chooser.addEventListener('change', async () => {
+        const given = [...chooser.files].map((file) => ({ path: file.name, blob: file }));
+        chooser.value = '';
+        await opener.add(given);
+    });
+}
+
+async function openEmbedded(opener) {
+    try {
+        const embedded = embeddedPackage(document);
+        if (embedded) await opener.add([embedded], embedded.map);
+    } catch (error) {
+        opener.report(error);
+    }
+}
+
+function start() {
+    const messages = new Messages(element('messages'));
+    let panel = null;
+    let viewer;
+    try {
+        viewer = new Viewer(element('view'), () => {
+            if (!viewer?.map) return;
+            showStatus(viewer);
+            panel?.showFrame();
+            showLegend(element('legend'), viewer);
+        });
+    } catch (error) {
+        messages.add('error', `This browser does not show 3D pictures (WebGL 2): ${error.message}`);
+        return;
+    }
+    const opener = new Opener(viewer, messages, (paths, shown) => {
+        if (element('status').hidden) {
+            setPanel(matchMedia('(min-width: 700px)').matches);
+            element('pad').hidden = !matchMedia('(pointer: coarse)').matches;
+        }
+        for (const id of ['open', 'toggle']) element(id).hidden = false;
+        element('start').hidden = true;
+        element('status').hidden = false;
+        element('title').textContent = shown;
+        document.title = `${shown} – light grid viewer`;
+        panel.show();
+        panel.showMaps(paths, shown);
+        panel.showFacts();
+        element('view').focus({ preventScroll: true });
+    });
+    panel = new Panel(element('panel'), viewer, {
+        chooseMap: (path) => opener.show(path).catch((error) => opener.report(error, path)),
+    });
+    element('toggle').addEventListener('click', () => setPanel(element('panel').hidden));
+    element('view').addEventListener('keydown', (event) => onKey(event, viewer, panel));
+    connectPad(element('pad'), viewer.walk, () => viewer.invalidate());
+    connectDrops(opener);
+    connectChooser(opener);
+    window.viewer = { viewer, opener, panel }; // for tests; docs/viewer.md says what they use
+    openEmbedded(opener);
+}
+
+start();

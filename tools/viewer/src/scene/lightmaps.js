@@ -1,0 +1,88 @@
+// GPL-2.0-or-later. All lightmaps of a map as layers of one texture array.
+import * as THREE from 'three';
+import { findImage, readImage, texelsOf } from '../files/images.js';
+import { kMapShift } from './glsl.js';
+
+const kPageSide = 128;
+const kPageBytes = 3 * kPageSide * kPageSide;
+
+/** Writes one page into a layer, each texel shifted and, if too bright, scaled down to 255. */
+function fillLayer(target, side, page) {
+    const { width, height, texels, step, shift } = page;
+    for (let y = 0; y < height; y++)
+        for (let x = 0; x < width; x++) {
+            const from = step * (y * width + x);
+            const to = 4 * (y * side + x);
+            const [r, g, b] = [texels[from] << shift, texels[from + 1] << shift, texels[from + 2] << shift];
+            const factor = 255 / Math.max(255, r, g, b);
+            target[to] = r * factor;
+            target[to + 1] = g * factor;
+            target[to + 2] = b * factor;
+            target[to + 3] = 255;
+        }
+}
+
+export class Lightmaps {
+    /** Pages by number or path: layer, and the part of the layer that they fill. */
+    places = new Map();
+    /** Numbers and paths of pages that the map names but that were not found. */
+    missing = new Set();
+
+    /**
+     * @param map from readMap
+     * @param {string} name of the map, without folder and ending
+     * @param {string[]} images paths of lightmaps that shaders name
+     * @param {import('../files/game_files.js').GameFiles} files
+     * @param {number} mostLayers limit of the graphics system
+     */
+    static async load(map, name, images, files, mostLayers) {
+        const lightmaps = new Lightmaps();
+        const pages = new Map();
+        for (let i = 0; kPageBytes * (i + 1) <= map.lightmaps.length; i++)
+            pages.set(i, {
+                width: kPageSide,
+                height: kPageSide,
+                step: 3,
+                shift: kMapShift,
+                texels: map.lightmaps.subarray(kPageBytes * i, kPageBytes * (i + 1)),
+            });
+        const numbers = new Set(map.surfaces.map((surface) => surface.lightmap).filter((i) => i >= 0 && !pages.has(i)));
+        for (const i of numbers)
+            await lightmaps.addImage(pages, i, `maps/${name}/lm_${String(i).padStart(4, '0')}`, kMapShift, files);
+        for (const path of images) await lightmaps.addImage(pages, path, path, 0, files);
+        lightmaps.makeTexture([...pages].slice(0, mostLayers));
+        for (const [key] of [...pages].slice(mostLayers)) lightmaps.missing.add(key);
+        return lightmaps;
+    }
+
+    async addImage(pages, key, path, shift, files) {
+        const found = findImage(files, path);
+        try {
+            const image = found && (await readImage(files, found));
+            if (image)
+                pages.set(key, { width: image.width, height: image.height, step: 4, shift, texels: texelsOf(image) });
+            else this.missing.add(key);
+        } catch {
+            this.missing.add(key);
+        }
+    }
+
+    makeTexture(pages) {
+        const side = Math.max(1, ...pages.map(([, page]) => Math.max(page.width, page.height)));
+        const layerBytes = 4 * side * side;
+        const data = new Uint8Array(layerBytes * Math.max(1, pages.length));
+        pages.forEach(([key, page], layer) => {
+            fillLayer(data.subarray(layerBytes * layer, layerBytes * (layer + 1)), side, page);
+            this.places.set(key, { layer, scale: [page.width / side, page.height / side], texel: 0.5 / side });
+        });
+        this.texture = new THREE.DataArrayTexture(data, side, side, Math.max(1, pages.length));
+        this.texture.minFilter = this.texture.magFilter = THREE.LinearFilter;
+        this.texture.needsUpdate = true;
+        this.count = pages.length;
+    }
+
+    /** Where the lightmap of a surface is; undefined if it has none. */
+    placeOf(surface, shader) {
+        return this.places.get(shader.lightmapImage || surface.lightmap);
+    }
+}

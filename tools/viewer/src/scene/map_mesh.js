@@ -1,0 +1,307 @@
+// GPL-2.0-or-later. Surfaces of a map in few meshes: one for each texture and way of drawing.
+import * as THREE from 'three';
+import { SurfaceType } from '../bsp/map.js';
+import { parseVector } from '../bsp/entities.js';
+import { tessellate } from '../bsp/patch.js';
+import { shiftColor } from '../bsp/grid_legacy.js';
+import { kDisplayGlsl, kMapShift } from './glsl.js';
+
+const kVertexLight = -1;
+const kNoLight = -2;
+
+const kVertexShader = `
+in vec2 st;
+in vec3 lightmap; // texture coordinates and layer, or one of the values below 0
+in vec4 color;
+in vec3 clusterColor;
+out vec2 vSt;
+out vec2 vLightmap;
+flat out float vLayer;
+out vec4 vColor;
+out vec3 vClusterColor;
+out float vHeight;
+
+void main() {
+    vSt = st;
+    vLightmap = lightmap.xy;
+    vLayer = lightmap.z;
+    vColor = color;
+    vClusterColor = clusterColor;
+    vHeight = position.z;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}`;
+
+const kFragmentShader = `
+precision highp sampler2DArray;
+uniform sampler2D image;
+uniform sampler2DArray lightmaps;
+uniform float textured;
+uniform float clustered;
+uniform float alphaTest;
+uniform float cutHeight;
+uniform vec3 plainColor; // of skies; below 0: none
+in vec2 vSt;
+in vec2 vLightmap;
+flat in float vLayer;
+in vec4 vColor;
+in vec3 vClusterColor;
+in float vHeight;
+out vec4 result;
+${kDisplayGlsl}
+void main() {
+#ifdef CUT // without it, hidden texels are rejected before they are shaded
+    if (vHeight > cutHeight) discard;
+#endif
+    if (plainColor.r >= 0.0) {
+        result = vec4(plainColor, 1.0);
+        return;
+    }
+    vec4 texel = texture(image, vSt);
+#ifdef ALPHA_TEST
+    if (alphaTest > 0.0 ? texel.a < alphaTest : alphaTest < 0.0 && texel.a >= -alphaTest) discard;
+#endif
+    if (textured == 0.0) texel.rgb = vec3(1.0);
+    vec3 light = vLayer >= 0.0 ? texture(lightmaps, vec3(vLightmap, vLayer)).rgb
+        : vLayer > ${(kNoLight + 0.5).toFixed(1)} ? vColor.rgb : vec3(0.5);
+    if (clustered > 0.0) {
+        texel = vec4(vClusterColor, 1.0);
+        light = vec3(0.2) + 0.3 * sqrt(light);
+    }
+    result = vec4(texel.rgb * displayLight(light), texel.a);
+}`;
+
+const kBlending = {
+    add: { blending: THREE.AdditiveBlending },
+    blend: { blending: THREE.NormalBlending },
+    filter: { blending: THREE.MultiplyBlending, premultipliedAlpha: true },
+};
+
+/** A color that differs well from those of neighboring numbers. */
+function clusterColor(cluster) {
+    if (cluster < 0) return [0.45, 0.45, 0.45];
+    const hue = (cluster * 0.61803398875) % 1;
+    const color = new THREE.Color().setHSL(hue, 0.4, 0.52 + 0.16 * (((cluster * 7) % 3) - 1));
+    return [color.r, color.g, color.b];
+}
+
+/** Vertices and indexes of a surface; null if it is not drawn. */
+function shapeOf(map, surface) {
+    if (surface.type === SurfaceType.patch) return tessellate(map.vertices, surface);
+    if (surface.type === SurfaceType.flare || surface.indexCount === 0) return null;
+    const part = (array, size) =>
+        array.subarray(size * surface.firstVertex, size * (surface.firstVertex + surface.vertexCount));
+    const { position, st, lightmap, color } = map.vertices;
+    return {
+        vertices: {
+            count: surface.vertexCount,
+            position: part(position, 3),
+            st: part(st, 2),
+            lightmap: part(lightmap, 2),
+            color: part(color, 4),
+        },
+        indexes: map.indexes.subarray(surface.firstIndex, surface.firstIndex + surface.indexCount),
+    };
+}
+
+/** Offset of the models that entities place, by number of the model. */
+function modelOffsets(entities) {
+    const offsets = new Map();
+    for (const entity of entities) {
+        const number = /^\*(\d+)$/.exec(entity.get('model') ?? '');
+        if (number) offsets.set(Number(number[1]), parseVector(entity.get('origin')) ?? [0, 0, 0]);
+    }
+    return offsets;
+}
+
+/** Surfaces with a shape, by what they are drawn with. */
+function groupSurfaces(map, shaderOf, lightmaps, clusters) {
+    const groups = new Map();
+    const offsets = modelOffsets(map.entities);
+    map.models.forEach((model, number) => {
+        const offset = number === 0 ? [0, 0, 0] : (offsets.get(number) ?? [0, 0, 0]);
+        for (let i = model.firstSurface; i < model.firstSurface + model.surfaceCount; i++) {
+            const surface = map.surfaces[i];
+            const shader = shaderOf(map.shaders[surface.shader]);
+            const shape = shader.hidden ? null : shapeOf(map, surface);
+            if (!shape) continue;
+            const key = shader.sky
+                ? 'sky'
+                : [shader.image, shader.clamp, shader.blend, shader.alphaTest, shader.twoSided].join('|');
+            if (!groups.has(key)) groups.set(key, { shader, pieces: [] });
+            groups.get(key).pieces.push({
+                surface: i,
+                shape,
+                offset,
+                shader,
+                place: lightmaps.placeOf(surface, shader),
+                cluster: clusters[i][0] ?? -1,
+            });
+        }
+    });
+    return groups;
+}
+
+/** Layer of the lightmap, or where else the light of a surface comes from. */
+function layerOf({ shader, place }) {
+    if (shader.blend === 'filter') return kNoLight; // it only dims what is behind
+    if (shader.light !== 'vertex' && shader.light !== 'none' && place) return place.layer;
+    return shader.light === 'none' ? kNoLight : kVertexLight;
+}
+
+function fillVertices(arrays, base, piece) {
+    const { vertices } = piece.shape;
+    const { offset, shader, place } = piece;
+    const layer = layerOf(piece);
+    const tint = clusterColor(piece.cluster);
+    for (let i = 0; i < vertices.count; i++) {
+        const to = base + i;
+        for (let k = 0; k < 3; k++) arrays.position[3 * to + k] = vertices.position[3 * i + k] + offset[k];
+        for (let k = 0; k < 2; k++) arrays.st[2 * to + k] = vertices.st[2 * i + k] * shader.scale[k];
+        if (place)
+            for (let k = 0; k < 2; k++) {
+                const inPage = Math.min(Math.max(vertices.lightmap[2 * i + k], 0), 1) * place.scale[k];
+                arrays.lightmap[3 * to + k] = Math.min(Math.max(inPage, place.texel), place.scale[k] - place.texel);
+            }
+        arrays.lightmap[3 * to + 2] = layer;
+        const color = shiftColor([...vertices.color.subarray(4 * i, 4 * i + 3)].map(Math.round), kMapShift);
+        arrays.color.set([...color, vertices.color[4 * i + 3]], 4 * to);
+        for (let k = 0; k < 3; k++) arrays.clusterColor[3 * to + k] = 255 * tint[k];
+    }
+}
+
+/** Geometry of the pieces; `ranges` tells which indexes belong to which surface. */
+function joinPieces(pieces) {
+    const vertexCount = pieces.reduce((sum, piece) => sum + piece.shape.vertices.count, 0);
+    const indexCount = pieces.reduce((sum, piece) => sum + piece.shape.indexes.length, 0);
+    const arrays = {
+        position: new Float32Array(3 * vertexCount),
+        st: new Float32Array(2 * vertexCount),
+        lightmap: new Float32Array(3 * vertexCount),
+        color: new Uint8Array(4 * vertexCount),
+        clusterColor: new Uint8Array(3 * vertexCount),
+    };
+    const indexes = new Uint32Array(indexCount);
+    const ranges = [];
+    let [vertex, index] = [0, 0];
+    for (const piece of pieces) {
+        fillVertices(arrays, vertex, piece);
+        for (let i = 0; i < piece.shape.indexes.length; i++) indexes[index + i] = vertex + piece.shape.indexes[i];
+        ranges.push({ surface: piece.surface, first: index, count: piece.shape.indexes.length });
+        vertex += piece.shape.vertices.count;
+        index += piece.shape.indexes.length;
+    }
+    const geometry = new THREE.BufferGeometry();
+    for (const [name, size, normalized] of [
+        ['position', 3, false],
+        ['st', 2, false],
+        ['lightmap', 3, false],
+        ['color', 4, true],
+        ['clusterColor', 3, true],
+    ])
+        geometry.setAttribute(name, new THREE.BufferAttribute(arrays[name], size, normalized));
+    geometry.setIndex(new THREE.BufferAttribute(indexes.slice(), 1));
+    return { geometry, indexes, ranges };
+}
+
+function materialOf(shader, shared, placeholder) {
+    const blend = shader.sky ? null : shader.blend;
+    return new THREE.ShaderMaterial({
+        glslVersion: THREE.GLSL3,
+        vertexShader: kVertexShader,
+        fragmentShader: kFragmentShader,
+        uniforms: {
+            ...shared,
+            image: { value: placeholder },
+            alphaTest: { value: shader.alphaTest },
+            plainColor: { value: new THREE.Color(-1, -1, -1) },
+        },
+        defines: shader.alphaTest !== 0 ? { ALPHA_TEST: '' } : {},
+        side: shader.twoSided ? THREE.DoubleSide : THREE.BackSide, // front faces of the game turn clockwise
+        transparent: blend !== null,
+        depthWrite: blend === null,
+        ...(blend ? kBlending[blend] : {}),
+    });
+}
+
+/** The drawn map: a group of meshes, its uniforms, and which surfaces are shown. */
+export class MapMesh {
+    group = new THREE.Group();
+    batches = [];
+
+    /**
+     * @param map from readMap
+     * @param {(shader: {name: string, surfaceFlags: number}) => object} shaderOf gives what readShader returns
+     * @param {import('./lightmaps.js').Lightmaps} lightmaps
+     * @param {number[][]} clusters of each surface
+     * @param {import('./textures.js').Textures} textures
+     * @param {{value: number}} brightness shared uniform
+     * @param {THREE.Color} skyColor
+     */
+    constructor(map, shaderOf, lightmaps, clusters, textures, brightness, skyColor) {
+        this.clusters = clusters;
+        this.uniforms = {
+            lightmaps: { value: lightmaps.texture },
+            textured: { value: 1 },
+            clustered: { value: 0 },
+            cutHeight: { value: 0 },
+            brightness,
+        };
+        this.triangles = 0;
+        for (const [key, { shader, pieces }] of groupSurfaces(map, shaderOf, lightmaps, clusters)) {
+            const joined = joinPieces(pieces);
+            const material = materialOf(
+                shader,
+                this.uniforms,
+                shader.image === '$whiteimage' ? textures.white : textures.missing,
+            );
+            if (key === 'sky') material.uniforms.plainColor.value = skyColor;
+            const mesh = new THREE.Mesh(joined.geometry, material);
+            mesh.frustumCulled = true;
+            mesh.renderOrder = shader.blend && key !== 'sky' ? 1 : 0;
+            this.group.add(mesh);
+            this.triangles += joined.indexes.length / 3;
+            this.batches.push({
+                mesh,
+                material,
+                image: key === 'sky' ? '' : shader.image,
+                clamp: shader.clamp,
+                ...joined,
+            });
+        }
+    }
+
+    /** Hides what is above a height; null: nothing. */
+    cutAt(height) {
+        this.uniforms.cutHeight.value = height ?? 0;
+        for (const { material } of this.batches) {
+            if ('CUT' in material.defines === (height !== null)) continue;
+            if (height === null) delete material.defines.CUT;
+            else material.defines.CUT = '';
+            material.needsUpdate = true;
+        }
+    }
+
+    /** Shows only surfaces in clusters for which the test holds; null: all. */
+    showClusters(test) {
+        for (const { geometry, indexes, ranges } of this.batches) {
+            const target = geometry.index.array;
+            let count = 0;
+            for (const { surface, first, count: length } of ranges) {
+                const clusters = this.clusters[surface];
+                if (test && clusters.length > 0 && !clusters.some(test)) continue;
+                target.set(indexes.subarray(first, first + length), count);
+                count += length;
+            }
+            geometry.index.needsUpdate = true;
+            geometry.setDrawRange(0, count);
+        }
+    }
+
+    dispose() {
+        for (const { geometry, material } of this.batches) {
+            geometry.dispose();
+            material.dispose();
+        }
+        this.uniforms.lightmaps.value.dispose();
+    }
+}

@@ -1,0 +1,29 @@
+// GPL-2.0-or-later. What a visitor can set, with the initial values.
+
+export function initialSettings() {
+    return {
+        textured: true,
+        brightness: 1, // factor on all light
+        speed: 320, // units a second; that of players
+        showPoints: true,
+        source: 'uniform', // 'uniform', 'sparse' or 'legacy': the grid that points and the SH figure show
+        color: 'light', // 'light', 'kind' or 'level'
+        where: 'near', // 'near' or 'slice'
+        radius: 320, // units from the viewer
+        size: 1, // factor on the spheres
+        inWalls: true, // points in solid space too
+        figure: 'off', // 'off', 'sh', 'legacy' or 'both'
+        follow: true, // the figure stays before the viewer
+        minLight: false, // what the game adds to things that move
+        height: 0, // of the slice, units
+        thickness: 64,
+        cut: false, // hides the map above the slice
+        errors: 'off', // 'off', 'sh' or 'legacy'
+        largest: 10, // end of the scale of errors, displayed bytes
+        leak: true,
+        portals: false,
+        lights: false,
+        clustered: false,
+        onlyVisible: false, // clusters that the viewer's sees
+    };
+}

@@ -1,0 +1,64 @@
+// GPL-2.0-or-later. What the colors on the screen mean.
+import { kKindColors, kLevelColors } from '../scene/grid_layer.js';
+import { kScale } from '../scene/error_layer.js';
+import { make } from './controls.js';
+
+const kKinds = ['lit: in the open', 'filled: in a wall, with light', 'void: no light'];
+const css = (color) => `rgb(${color.map((c) => Math.round(255 * c)).join(' ')})`;
+
+function entry(color, text) {
+    const dot = make('i', {});
+    dot.style.background = css(color);
+    return make('span', { class: 'entry' }, dot, text);
+}
+
+function levels(grid) {
+    const used = new Set(grid.pointLevels);
+    const size = Math.min(...grid.cell);
+    return [...used].sort((a, b) => a - b).map((level) => entry(kLevelColors[level], `${size * 2 ** level} u`));
+}
+
+function scale(viewer) {
+    const bar = make('div', { class: 'scale' });
+    bar.style.background = `linear-gradient(to right, ${kScale.join(', ')})`;
+    const end = viewer.settings.largest;
+    const title = `${viewer.settings.errors === 'sh' ? 'SH' : 'Legacy'} grid, error in ${viewer.errors.errors.unit}`;
+    return make(
+        'div',
+        { class: 'scaleBox' },
+        make('span', {}, title),
+        bar,
+        make(
+            'div',
+            { class: 'ticks' },
+            make('span', {}, '0'),
+            make('span', {}, String(end / 2)),
+            make('span', {}, `${end}+`),
+        ),
+    );
+}
+
+/** What the legend depends on. */
+function stateOf({ settings, path, grids, errors }) {
+    const { showPoints, color, source, figure, errors: shown, largest } = settings;
+    return [showPoints, color, source, figure, shown, largest, path, grids[source]?.count, errors.errors?.count].join(
+        '|',
+    );
+}
+
+/** Shows the meaning of the colors in use; nothing if they are plain light. */
+export function showLegend(element, viewer) {
+    const { settings, grids } = viewer;
+    const state = stateOf(viewer);
+    if (element.dataset.state === state) return;
+    element.dataset.state = state;
+    const parts = [];
+    if (settings.showPoints && settings.color === 'kind' && grids[settings.source])
+        parts.push(make('div', {}, ...kKindColors.map((color, i) => entry(color, kKinds[i]))));
+    if (settings.showPoints && settings.color === 'level' && settings.source === 'sparse' && grids.sparse)
+        parts.push(make('div', {}, 'Cells: ', ...levels(grids.sparse)));
+    if (settings.figure === 'both') parts.push(make('div', {}, 'Figures: SH on the left, legacy on the right'));
+    if (settings.errors !== 'off' && viewer.errors.errors) parts.push(scale(viewer));
+    element.replaceChildren(...parts);
+    element.hidden = parts.length === 0;
+}

@@ -1,0 +1,278 @@
+// GPL-2.0-or-later. The panel: every setting, the figures of the map, and what the figure's light is.
+import { button, checkbox, choice, make, section, slider } from './controls.js';
+
+const number = (n) => n.toLocaleString('en-US');
+const vector = (v, digits) => v.map((c) => c.toFixed(digits)).join(' ');
+
+export class Panel {
+    /**
+     * @param {HTMLElement} element
+     * @param {import('../viewer.js').Viewer} viewer
+     * @param {{chooseMap: (path: string) => void}} actions
+     */
+    constructor(element, viewer, actions) {
+        this.viewer = viewer;
+        this.element = element;
+        this.controls = [];
+        this.facts = make('dl', { class: 'facts' });
+        this.mapList = make('select', {
+            title: 'Map',
+            'aria-label': 'Map',
+            change: () => actions.chooseMap(this.mapList.value),
+        });
+        this.values = make('pre', { class: 'values', 'aria-label': 'Light at the figure' });
+        this.pointCount = make('p', { class: 'note' });
+        this.errorCount = make('p', { class: 'note' });
+        element.append(
+            this.mapSection(),
+            this.viewSection(),
+            this.pointSection(),
+            this.figureSection(),
+            this.sliceSection(),
+            this.partSection(),
+        );
+        this.show();
+    }
+
+    /** Over the map, in the part of the page that the panel leaves. */
+    fromAbove() {
+        const { hidden, offsetWidth, offsetHeight } = this.element;
+        const beside = offsetWidth < innerWidth / 2;
+        this.viewer.fromAbove(beside && !hidden ? offsetWidth : 0, beside || hidden ? 0 : offsetHeight);
+        this.show();
+    }
+
+    change = (key, value) => {
+        this.viewer.settings[key] = value;
+        this.viewer.changed();
+        this.show();
+    };
+
+    add(control) {
+        this.controls.push(control);
+        this[control.key] = control;
+        return control.row;
+    }
+
+    mapSection() {
+        const buttons = make(
+            'div',
+            { class: 'buttons' },
+            button('Start', () => this.viewer.toStart(), 'To a start of players (Home)'),
+            button('From above', () => this.fromAbove(), 'Over the map, looking down (End)'),
+            button(
+                'Mouse look',
+                () => this.viewer.walk.lock(),
+                'The mouse turns the view until Escape (double click)',
+                'mouse',
+            ),
+        );
+        return section('Map', true, this.mapList, this.facts, buttons);
+    }
+
+    viewSection() {
+        return section(
+            'View',
+            true,
+            this.add(checkbox('textured', 'Textures', this.change)),
+            this.add(
+                slider(
+                    'brightness',
+                    'Brightness',
+                    { min: 0.25, max: 3, step: 0.05, digits: 2, unit: ' ×' },
+                    this.change,
+                ),
+            ),
+            this.add(slider('speed', 'Speed', { min: 40, max: 1600, step: 20, unit: ' u/s' }, this.change)),
+        );
+    }
+
+    pointSection() {
+        const { change } = this;
+        return section(
+            'Light grid',
+            true,
+            this.add(checkbox('showPoints', 'Points as spheres', change)),
+            this.add(
+                choice(
+                    'source',
+                    'Grid',
+                    [
+                        ['uniform', 'SH'],
+                        ['sparse', 'SH sparse'],
+                        ['legacy', 'Legacy'],
+                    ],
+                    change,
+                ),
+            ),
+            this.add(
+                choice(
+                    'color',
+                    'Color',
+                    [
+                        ['light', 'Light'],
+                        ['kind', 'Kind'],
+                        ['level', 'Cell size'],
+                    ],
+                    change,
+                ),
+            ),
+            this.add(
+                choice(
+                    'where',
+                    'Where',
+                    [
+                        ['near', 'Near the viewer'],
+                        ['slice', 'In the slice'],
+                    ],
+                    change,
+                ),
+            ),
+            this.add(slider('radius', 'Radius', { min: 64, max: 2048, step: 32, unit: ' u' }, change)),
+            this.add(slider('size', 'Sphere size', { min: 0.4, max: 3, step: 0.1, digits: 1, unit: ' ×' }, change)),
+            this.add(checkbox('inWalls', 'Points in solid space too', change)),
+            this.pointCount,
+        );
+    }
+
+    figureSection() {
+        return section(
+            'Figure',
+            false,
+            this.add(
+                choice(
+                    'figure',
+                    'Lit by',
+                    [
+                        ['off', 'Off'],
+                        ['sh', 'SH'],
+                        ['legacy', 'Legacy'],
+                        ['both', 'Both'],
+                    ],
+                    this.change,
+                ),
+            ),
+            this.add(checkbox('follow', 'Follows the viewer', this.change)),
+            this.add(checkbox('minLight', 'Least light of the game (+32)', this.change)),
+            this.values,
+        );
+    }
+
+    sliceSection() {
+        const { change } = this;
+        return section(
+            'Slice and errors',
+            false,
+            this.add(slider('height', 'Height', { min: -512, max: 512, step: 4, unit: ' u' }, change)),
+            this.add(slider('thickness', 'Thickness', { min: 8, max: 512, step: 8, unit: ' u' }, change)),
+            this.add(checkbox('cut', 'Cut the map above it', change)),
+            make(
+                'div',
+                { class: 'buttons' },
+                button('At eye level', () => change('height', Math.round(this.viewer.camera.position.z))),
+            ),
+            this.add(
+                choice(
+                    'errors',
+                    'Measured error',
+                    [
+                        ['off', 'Off'],
+                        ['sh', 'SH'],
+                        ['legacy', 'Legacy'],
+                    ],
+                    change,
+                ),
+            ),
+            this.add(slider('largest', 'End of the scale', { min: 1, max: 128, step: 1, unit: ' bytes' }, change)),
+            this.errorCount,
+        );
+    }
+
+    partSection() {
+        return section(
+            'Parts of the map',
+            false,
+            this.add(checkbox('lights', 'Light entities', this.change)),
+            this.add(checkbox('leak', 'Leak line (.lin)', this.change)),
+            this.add(checkbox('portals', 'Portals (.prt)', this.change)),
+            this.add(checkbox('clustered', 'Colors of clusters', this.change)),
+            this.add(checkbox('onlyVisible', 'Only what this cluster sees', this.change)),
+        );
+    }
+
+    /** Brings all controls up to date; those without data are off. */
+    show() {
+        const { settings, grids, side, map, tree, errors } = this.viewer;
+        for (const control of this.controls) control.show(settings);
+        const any = Boolean(grids.uniform || grids.sparse || grids.legacy);
+        for (const name of ['showPoints', 'where', 'size', 'inWalls', 'radius', 'color']) this[name].enable(any);
+        for (const name of ['uniform', 'sparse', 'legacy']) this.source.enableValue(name, Boolean(grids[name]));
+        this.color.enableValue('level', settings.source === 'sparse' && any);
+        this.figure.enableValue('sh', Boolean(grids.uniform || grids.sparse));
+        this.figure.enableValue('legacy', Boolean(grids.legacy));
+        this.figure.enableValue('both', any);
+        for (const name of ['leak', 'portals', 'lights']) this[name].enable(Boolean(side[name]));
+        const measured = Boolean(errors.errors);
+        this.errors.enable(measured);
+        this.largest.enable(measured && settings.errors !== 'off');
+        this.clustered.enable(Boolean(map));
+        this.onlyVisible.enable(Boolean(map) && tree.clusterCount > 0);
+        if (map) this.height.limit(Math.floor(map.models[0].mins[2]), Math.ceil(map.models[0].maxs[2]));
+    }
+
+    /** Maps to choose from, and the one that is shown. */
+    showMaps(paths, shown) {
+        this.mapList.hidden = paths.length < 2;
+        this.mapList.replaceChildren(
+            ...paths.map((path) => make('option', { value: path, selected: path === shown }, path)),
+        );
+    }
+
+    showFacts() {
+        const { map, grids, lightmaps, lightList, mesh, stats, textures } = this.viewer;
+        const grid = (g) => (g ? `${number(g.count)} · ${vector(g.cell, 0)} u` : 'none');
+        const rows = [
+            ['File', `IBSP ${map.version}, ${(map.bytes / 1e6).toFixed(1)} MB`],
+            ['Surfaces', number(map.surfaces.length)],
+            ['Triangles', number(mesh.triangles)],
+            ['Lightmaps', String(lightmaps.count)],
+            ['Light entities', number(lightList?.length ?? 0)],
+            ['SH points', grid(grids.uniform)],
+            ['SH sparse points', grid(grids.sparse)],
+            ['Legacy points', grid(grids.legacy)],
+        ];
+        if (textures.absent.size > 0) rows.push(['Textures', `${textures.absent.size} not found`]);
+        rows.push(['First picture', `${stats.firstPicture.toFixed(0)} ms`]);
+        this.facts.replaceChildren(...rows.flatMap(([name, value]) => [make('dt', {}, name), make('dd', {}, value)]));
+    }
+
+    /** What changes from frame to frame. */
+    showFrame() {
+        const { gridLayer, errorSummary, settings } = this.viewer;
+        const { near, shown } = gridLayer.counts;
+        const [lit, filled, dark] = gridLayer.kinds.map(number);
+        const count = `${number(shown)} of ${number(near)} points in reach: ${lit} lit, ${filled} filled, ${dark} void`;
+        this.pointCount.textContent = settings.showPoints && near > 0 ? count : '';
+        this.errorCount.textContent = errorSummary
+            ? `${number(errorSummary.count)} positions in the slice, RMS ${errorSummary.rms.toFixed(2)} bytes`
+            : '';
+        this.values.hidden = settings.figure === 'off';
+        if (settings.figure !== 'off') this.values.textContent = this.figureText();
+        if (this.follow.row.firstChild.checked !== settings.follow) this.follow.show(settings);
+    }
+
+    figureText() {
+        const { figure, figureLight, tree } = this.viewer;
+        const origin = figure.origin.toArray();
+        const mean = [0, 1, 2].map((c) => figureLight.coeffs[c] * 0.282094792 * 255);
+        const cluster = tree.clusterAt(...origin);
+        return [
+            `light origin  ${vector(origin, 0)}`,
+            `cluster       ${cluster < 0 ? 'solid' : cluster}`,
+            `SH mean       ${vector(mean, 1)}`,
+            `ambient       ${vector(figureLight.legacy.ambient, 1)}`,
+            `directed      ${vector(figureLight.legacy.directed, 1)}`,
+            `direction     ${vector(figureLight.legacy.direction, 2)}`,
+        ].join('\n');
+    }
+}

@@ -1,0 +1,139 @@
+// GPL-2.0-or-later. Images, shader scripts and files beside maps.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { parseErrors, parseLeakLine, parsePortals } from '../../src/bsp/side_files.js';
+import { readShader, splitScript } from '../../src/files/shader_script.js';
+import { decodeTga } from '../../src/files/tga.js';
+
+/** A TGA header; descriptor 32: first row on top. */
+function tgaHead(kind, width, height, bits, descriptor, palette = 0) {
+    return [
+        0,
+        palette ? 1 : 0,
+        kind,
+        0,
+        0,
+        palette,
+        0,
+        palette ? 24 : 0,
+        0,
+        0,
+        0,
+        0,
+        width,
+        0,
+        height,
+        0,
+        bits,
+        descriptor,
+    ];
+}
+
+test('TGA: rows from below, blue first', () => {
+    const { rgba } = decodeTga(Uint8Array.from([...tgaHead(2, 1, 2, 24, 0), 1, 2, 3, 4, 5, 6]), 'x.tga');
+    assert.deepEqual([...rgba], [6, 5, 4, 255, 3, 2, 1, 255]);
+});
+
+test('TGA: run lengths, alpha, rows from above', () => {
+    const { rgba } = decodeTga(
+        Uint8Array.from([...tgaHead(10, 3, 1, 32, 40), 0x81, 1, 2, 3, 4, 0x00, 5, 6, 7, 8]),
+        'x.tga',
+    );
+    assert.deepEqual([...rgba], [3, 2, 1, 4, 3, 2, 1, 4, 7, 6, 5, 8]);
+});
+
+test('TGA: gray and palettes', () => {
+    assert.deepEqual([...decodeTga(Uint8Array.from([...tgaHead(3, 1, 1, 8, 0), 9]), 'x.tga').rgba], [9, 9, 9, 255]);
+    const bytes = Uint8Array.from([...tgaHead(1, 2, 1, 8, 0, 2), 1, 2, 3, 4, 5, 6, 1, 0]);
+    assert.deepEqual([...decodeTga(bytes, 'x.tga').rgba], [6, 5, 4, 255, 3, 2, 1, 255]);
+});
+
+test('TGA: damaged images are refused', () => {
+    assert.throws(() => decodeTga(Uint8Array.from(tgaHead(2, 9, 9, 24, 0)), 'x.tga'), /x.tga is cut off/);
+    assert.throws(() => decodeTga(Uint8Array.from(tgaHead(2, 0, 9, 24, 0)), 'x.tga'), /no valid size/);
+    assert.throws(() => decodeTga(Uint8Array.of(1, 2), 'x.tga'), /header/);
+});
+
+const kScript = `
+// a comment
+textures/a/wall { surfaceparm nolightmap /* no */ { map $lightmap } { map textures/A/wall.tga
+ blendFunc filter } }
+textures/a/grate
+{
+	cull none
+	{
+		map textures/a/grate.tga
+		alphaFunc GE128
+	}
+	{ map $lightmap
+	  blendfunc GL_DST_COLOR GL_ZERO }
+}
+textures/a/glow { { clampmap textures/a/glow.tga
+ blendfunc add
+ tcMod scale 2 3 } }
+textures/a/sky { surfaceparm sky
+ skyparms env/x 512 - }
+textures/a/clip { surfaceparm nodraw }
+textures/a/lava { { animMap 2 textures/a/l1.tga textures/a/l2.tga } }
+textures/a/outside { { map textures/a/shine.tga
+ tcGen environment } { map maps/x/lm_0000.tga
+ tcGen lightmap } { map textures/a/stone.tga
+ blendFunc filter } }
+`;
+
+test('shader scripts', () => {
+    const shaders = splitScript(kScript);
+    const read = (key) => readShader(key, shaders.get(key));
+    const wall = read('textures/a/wall');
+    assert.deepEqual([wall.image, wall.blend, wall.light], ['textures/a/wall.tga', null, 'lightmap']);
+    const grate = read('textures/a/grate');
+    assert.deepEqual([grate.alphaTest, grate.twoSided, grate.light], [0.5, true, 'lightmap']);
+    const glow = read('textures/a/glow');
+    assert.deepEqual([glow.blend, glow.clamp, glow.light, glow.scale], ['add', true, 'none', [2, 3]]);
+    assert.equal(read('textures/a/sky').sky, true);
+    assert.equal(read('textures/a/clip').hidden, true);
+    assert.equal(read('textures/a/lava').image, 'textures/a/l1.tga');
+    const outside = read('textures/a/outside');
+    assert.deepEqual(
+        [outside.image, outside.lightmapImage, outside.light],
+        ['textures/a/stone.tga', 'maps/x/lm_0000.tga', 'lightmap'],
+    );
+    assert.deepEqual([read('textures/a/none').image, read('textures/a/none').light], ['textures/a/none', 'any']);
+});
+
+test('leak lines and portals', () => {
+    assert.deepEqual(parseLeakLine('1 2 3\n-4 5.5 6\n'), [
+        [1, 2, 3],
+        [-4, 5.5, 6],
+    ]);
+    assert.throws(() => parseLeakLine('1 2 3'), /three numbers/);
+    const file = parsePortals('PRT1\n2\n1\n1\n3 0 1 1 (0 0 0 ) (0 0 8 ) (0 8 0 ) \n3 0 (1 0 0 ) (0 0 8 ) (0 8 0 ) \n');
+    assert.deepEqual(file.portals, [
+        {
+            clusters: [0, 1],
+            hint: true,
+            points: [
+                [0, 0, 0],
+                [0, 0, 8],
+                [0, 8, 0],
+            ],
+        },
+    ]);
+    assert.throws(() => parsePortals('PRT1\n2\n1\n0\n3 0 1 0 (0 0 0 )'), /ends early/);
+    assert.throws(() => parsePortals('x'), /PRT1/);
+});
+
+test('errors of grids', () => {
+    const text = JSON.stringify({
+        format: 'q3map2-sh errors',
+        version: 1,
+        map: 'maps/x.bsp',
+        unit: 'displayed bytes',
+        positions: [[1, 2, 3, 0.5, 4]],
+    });
+    const errors = parseErrors(text);
+    assert.deepEqual([[...errors.positions], errors.sh[0], errors.legacy[0]], [[1, 2, 3], 0.5, 4]);
+    assert.throws(() => parseErrors('{'), /JSON/);
+    assert.throws(() => parseErrors(text.replace('errors"', 'x"')), /not "q3map2-sh errors"/);
+    assert.throws(() => parseErrors(text.replace('0.5', 'null')), /not five numbers/);
+});
