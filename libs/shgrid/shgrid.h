@@ -421,7 +421,7 @@ static inline void shgrid_add_point_(const unsigned char *p, unsigned scale, flo
     for (k = 1; k < 9; k++) {
         const float bound = factor * (k < 4 ? 1.15470054f : 0.559016994f);
         for (channel = 0; channel < 3; channel++) {
-            const int byte = p[1 + 3 * k + channel], q = byte < 128 ? byte : byte == 128 ? -127 : byte - 256;
+            const int code8 = p[1 + 3 * k + channel], q = code8 < 128 ? code8 : code8 == 128 ? -127 : code8 - 256;
             sum->c[k][channel] += (float)q * bound * mean[channel];
         }
     }
@@ -619,6 +619,87 @@ static inline void shgrid_expand(const shgrid_grid *grid, const float mins[3], c
                                            mins[2] + (float)z * cell[2]};
                 shgrid_sample(grid, position, out);
             }
+}
+
+/* State while the points near a position are collected. */
+typedef struct {
+    const shgrid_grid *grid;
+    const float *position;
+    float radius;
+    float (*points)[3];
+    size_t limit, count;
+} shgrid_search_;
+
+static inline void shgrid_add_near_(shgrid_search_ *search, const int32_t at[3]) {
+    float point[3], square = 0;
+    int axis;
+    for (axis = 0; axis < 3; axis++) {
+        point[axis] = search->grid->mins[axis] + search->grid->cell[axis] * (float)at[axis];
+        square += (point[axis] - search->position[axis]) * (point[axis] - search->position[axis]);
+    }
+    if (!(square <= search->radius * search->radius))
+        return;
+    if (search->count < search->limit)
+        memcpy(search->points[search->count], point, sizeof point);
+    search->count++;
+}
+
+/* The points of a node and of the nodes below it; `size` is log2 of the edge of its children, in smallest cells. */
+static inline void shgrid_search_node_(shgrid_search_ *search, uint32_t index, int size, const int32_t low[3]) {
+    const unsigned char *node = shgrid_node_(search->grid, index);
+    uint32_t child = shgrid_u32_(node), octant;
+    int axis;
+    for (axis = 0; axis < 3; axis++) {
+        const float cell = search->grid->cell[axis], from = search->grid->mins[axis] + cell * (float)low[axis];
+        if (!(search->position[axis] >= from - search->radius) ||
+            !(search->position[axis] <= from + cell * (float)((int32_t)2 << size) + search->radius))
+            return;
+    }
+    for (octant = 0; octant < 8; octant++) {
+        const int32_t at[3] = {low[0] + ((int32_t)(octant & 1) << size), low[1] + ((int32_t)(octant >> 1 & 1) << size),
+                               low[2] + ((int32_t)(octant >> 2) << size)};
+        if (node[9] >> octant & 1)
+            shgrid_add_near_(search, at);
+        else if (node[8] >> octant & 1)
+            shgrid_search_node_(search, child++, size - 1, at);
+    }
+}
+
+static inline void shgrid_search_uniform_(shgrid_search_ *search) {
+    const shgrid_grid *grid = search->grid;
+    int32_t from[3], to[3], at[3];
+    int axis;
+    for (axis = 0; axis < 3; axis++) {
+        const double at0 = ((double)search->position[axis] - search->radius - grid->mins[axis]) / grid->cell[axis],
+                     at1 = ((double)search->position[axis] + search->radius - grid->mins[axis]) / grid->cell[axis];
+        if (!(at0 < grid->bounds[axis]) || !(at1 >= 0))
+            return;
+        from[axis] = at0 > 0 ? (int32_t)at0 : 0;
+        to[axis] = at1 < grid->bounds[axis] - 1 ? (int32_t)at1 : grid->bounds[axis] - 1;
+    }
+    for (at[2] = from[2]; at[2] <= to[2]; at[2]++)
+        for (at[1] = from[1]; at[1] <= to[1]; at[1]++)
+            for (at[0] = from[0]; at[0] <= to[0]; at[0]++)
+                shgrid_add_near_(search, at);
+}
+
+/* The points that are stored within `radius` of a position, for a picture of the grid: returns their number, which may
+   be above `limit`, and the world positions of the first `limit`. */
+static inline size_t shgrid_points_near(const shgrid_grid *grid, const float position[3], float radius, size_t limit,
+                                        float (*points)[3]) {
+    shgrid_search_ search = {grid, position, radius, points, limit, 0};
+    const int levels = grid->levels;
+    int32_t low[3];
+    uint32_t root = 0;
+    if (levels == 0) {
+        shgrid_search_uniform_(&search);
+        return search.count;
+    }
+    for (low[2] = 0; low[2] < grid->bounds[2]; low[2] += (int32_t)1 << levels)
+        for (low[1] = 0; low[1] < grid->bounds[1]; low[1] += (int32_t)1 << levels)
+            for (low[0] = 0; low[0] < grid->bounds[0]; low[0] += (int32_t)1 << levels)
+                shgrid_search_node_(&search, root++, levels - 1, low);
+    return search.count;
 }
 
 /* Light on a matte surface with that unit normal; not below zero. */

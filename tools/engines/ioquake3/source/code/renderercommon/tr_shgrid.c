@@ -1,0 +1,273 @@
+/*
+===========================================================================
+SPDX-License-Identifier: GPL-2.0-or-later
+
+The SH light grid of the map: loading, sampling, and the scale of lightmaps.
+===========================================================================
+*/
+// tr_shgrid.c
+
+#include "tr_shgrid.h"
+
+#if defined( __FINITE_MATH_ONLY__ ) && __FINITE_MATH_ONLY__
+#error "damaged grids are told by their numbers: compile without -ffast-math and -ffinite-math-only"
+#endif
+
+#define	LUMP_SHGRID		18
+
+// constants of the basis, see shgrid_evaluate
+#define	SH_BAND0	0.282094791773878f
+#define	SH_BAND1	0.488602511902920f
+#define	SH_XY		1.092548430592079f
+#define	SH_ZZ		0.315391565252520f
+#define	SH_XX_YY	0.546274215296040f
+
+cvar_t	*r_shgrid;
+cvar_t	*r_showshgrid;
+
+shGridWorld_t	shGridWorld;
+
+/*
+===============
+R_RegisterShGrid
+===============
+*/
+void R_RegisterShGrid( void ) {
+	r_shgrid = ri.Cvar_Get( "r_shgrid", "1", CVAR_ARCHIVE );
+	r_showshgrid = ri.Cvar_Get( "r_showshgrid", "0", CVAR_CHEAT );
+	Com_Memset( &shGridWorld, 0, sizeof( shGridWorld ) );
+}
+
+/*
+===============
+R_ParseShGridKeys
+
+Reads the keys of worldspawn that tell about the grid
+===============
+*/
+static void R_ParseShGridKeys( const char *entities ) {
+	char	*p, *token;
+	char	key[MAX_TOKEN_CHARS];
+
+	p = (char *)entities;
+	token = COM_ParseExt( &p, qtrue );
+	if ( *token != '{' ) {
+		return;
+	}
+
+	while ( 1 ) {
+		token = COM_ParseExt( &p, qtrue );
+		if ( !*token || *token == '}' ) {
+			return;
+		}
+		Q_strncpyz( key, token, sizeof( key ) );
+
+		token = COM_ParseExt( &p, qtrue );
+		if ( !Q_stricmp( key, "_q3map2_sh" ) ) {
+			shGridWorld.isRadiance = !Q_stricmp( token, "radiance" );
+		} else if ( !Q_stricmp( key, "_q3map2_tone" ) ) {
+			shgrid_result	result = shgrid_parse_tone( token, &shGridWorld.tone );
+
+			if ( result != SHGRID_OK ) {
+				ri.Printf( PRINT_WARNING, "WARNING: _q3map2_tone ignored: %s\n", shgrid_message( result ) );
+			}
+		}
+	}
+}
+
+/*
+===============
+R_ShGridForm
+
+Where the lump was found
+===============
+*/
+static const char *R_ShGridForm( const byte *file, const byte *lump ) {
+	if ( shGridWorld.grid.levels ) {
+		return "BSPX LIGHTGRID_SH_SPARSE";
+	}
+	if ( lump - file == LittleLong( ((const int *)file)[2 + 2 * LUMP_SHGRID] ) ) {
+		return "lump 18";
+	}
+	return "BSPX LIGHTGRID_SH";
+}
+
+/*
+===============
+R_LoadShGrid
+===============
+*/
+void R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int shift ) {
+	const byte		*lump;
+	byte			*copy;
+	size_t			lumpBytes;
+	shgrid_result	result;
+
+	Com_Memset( &shGridWorld, 0, sizeof( shGridWorld ) );
+	shGridWorld.scale = ldexp( 255.0, shift );
+	shgrid_parse_tone( NULL, &shGridWorld.tone );
+
+	// check the file's own bytes first, so that a damaged grid takes no memory
+	result = shgrid_find( file, fileBytes, &lump, &lumpBytes );
+	if ( result == SHGRID_OK ) {
+		result = shgrid_parse( lump, lumpBytes, &shGridWorld.grid );
+	}
+	if ( result == SHGRID_ABSENT ) {
+		return;
+	}
+	if ( result != SHGRID_OK ) {
+		ri.Printf( PRINT_WARNING, "WARNING: SH light grid of %s ignored: %s\n", mapName, shgrid_message( result ) );
+		return;
+	}
+
+	copy = ri.Hunk_Alloc( lumpBytes, h_low );
+	Com_Memcpy( copy, lump, lumpBytes );
+	shgrid_parse( copy, lumpBytes, &shGridWorld.grid );
+
+	R_ParseShGridKeys( (const char *)file + LittleLong( ((const int *)file)[2] ) );
+
+	ri.Printf( PRINT_ALL, "SH light grid: %s, %i points, %.1f MB%s\n", R_ShGridForm( file, lump ),
+		shGridWorld.grid.count, lumpBytes / ( 1024.0f * 1024.0f ), shGridWorld.isRadiance ? ", radiance" : "" );
+}
+
+/*
+===============
+R_ShGridSample
+===============
+*/
+void R_ShGridSample( const vec3_t origin, shgrid_coeffs *coeffs ) {
+	shgrid_sample( &shGridWorld.grid, origin, coeffs );
+	if ( shGridWorld.isRadiance ) {
+		shgrid_convolve( coeffs );
+	}
+}
+
+/*
+===============
+R_ShGridAt
+===============
+*/
+qboolean R_ShGridAt( const vec3_t origin, shgrid_coeffs *coeffs ) {
+	if ( !shGridWorld.grid.points || !r_shgrid->integer ) {
+		return qfalse;
+	}
+	R_ShGridSample( origin, coeffs );
+	return qtrue;
+}
+
+/*
+===============
+R_ShGridNear
+===============
+*/
+int R_ShGridNear( const vec3_t origin, float radius, int max, vec3_t *points ) {
+	size_t	count;
+
+	if ( !shGridWorld.grid.points ) {
+		return 0;
+	}
+
+	while ( ( count = shgrid_points_near( &shGridWorld.grid, origin, radius, max, points ) ) > max ) {
+		radius *= 0.875f;
+	}
+	return count;
+}
+
+/*
+===============
+R_ShGridTurn
+
+The second band is n . M n with a symmetric matrix M without a trace, so that of model axes is axis[i] . M axis[j]
+===============
+*/
+void R_ShGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs *out ) {
+	vec3_t	unit[3];
+	int		i, c;
+
+	for ( i = 0 ; i < 3 ; i++ ) {
+		VectorNormalize2( axis[i], unit[i] );
+	}
+
+	for ( c = 0 ; c < 3 ; c++ ) {
+		const vec3_t	linear = { in->c[3][c], in->c[1][c], in->c[2][c] };
+		const float		xy = 0.5f * SH_XY * in->c[4][c], yz = 0.5f * SH_XY * in->c[5][c], xz = 0.5f * SH_XY * in->c[7][c];
+		const float		zz = SH_ZZ * in->c[6][c], xx_yy = SH_XX_YY * in->c[8][c];
+		const vec3_t	rows[3] = { { xx_yy - zz, xy, xz }, { xy, -xx_yy - zz, yz }, { xz, yz, 2 * zz } };
+		vec3_t			turned[3];	// M axis[i]
+
+		for ( i = 0 ; i < 3 ; i++ ) {
+			VectorSet( turned[i], DotProduct( rows[0], unit[i] ), DotProduct( rows[1], unit[i] ), DotProduct( rows[2], unit[i] ) );
+		}
+
+		out->c[0][c] = in->c[0][c];
+		out->c[1][c] = DotProduct( linear, unit[1] );
+		out->c[2][c] = DotProduct( linear, unit[2] );
+		out->c[3][c] = DotProduct( linear, unit[0] );
+		out->c[4][c] = DotProduct( unit[0], turned[1] ) * ( 2 / SH_XY );
+		out->c[5][c] = DotProduct( unit[1], turned[2] ) * ( 2 / SH_XY );
+		out->c[6][c] = DotProduct( unit[2], turned[2] ) * ( 0.5f / SH_ZZ );
+		out->c[7][c] = DotProduct( unit[0], turned[2] ) * ( 2 / SH_XY );
+		out->c[8][c] = ( DotProduct( unit[0], turned[0] ) - DotProduct( unit[1], turned[1] ) ) * ( 0.5f / SH_XX_YY );
+	}
+}
+
+/*
+===============
+R_ShGridBytes
+
+Linear light as R_ColorShiftLightingBytes leaves the lightmap texel that the compiler makes of it
+===============
+*/
+static void R_ShGridBytes( vec3_t rgb ) {
+	float	most;
+
+	shgrid_apply_tone( &shGridWorld.tone, rgb );
+	VectorScale( rgb, shGridWorld.scale, rgb );
+
+	// normalize by color instead of saturating to white
+	most = MAX( rgb[0], MAX( rgb[1], rgb[2] ) );
+	if ( most > 255.0f ) {
+		VectorScale( rgb, 255.0f / most, rgb );
+	}
+}
+
+/*
+===============
+R_ShGridLight
+===============
+*/
+void R_ShGridLight( const shgrid_coeffs *coeffs, const vec3_t normal, vec3_t rgb ) {
+	shgrid_evaluate( coeffs, normal, rgb );
+	R_ShGridBytes( rgb );
+}
+
+/*
+===============
+R_ShGridSplit
+
+The clamped cosine has a mean of 1/4 and a first band of 1/2 n . dir
+===============
+*/
+void R_ShGridSplit( const shgrid_coeffs *coeffs, vec3_t ambient, vec3_t directed, vec3_t dir ) {
+	const float	*x = coeffs->c[3], *y = coeffs->c[1], *z = coeffs->c[2];
+	int			i;
+
+	VectorSet( dir, x[0] + x[1] + x[2], y[0] + y[1] + y[2], z[0] + z[1] + z[2] );
+	if ( !VectorNormalize( dir ) ) {
+		VectorSet( dir, 0, 0, 1 );
+	}
+
+	for ( i = 0 ; i < 3 ; i++ ) {
+		float	mean = SH_BAND0 * coeffs->c[0][i];
+		float	slope = SH_BAND1 * ( x[i] * dir[0] + y[i] * dir[1] + z[i] * dir[2] );
+
+		directed[i] = Com_Clamp( 0, 4 * MAX( mean, 0 ), 2 * slope );
+		ambient[i] = MAX( mean, 0 ) - directed[i] / 4;
+		directed[i] += ambient[i];
+	}
+
+	// the tone is not linear: it applies to the light of the bright side, not to the directed part alone
+	R_ShGridBytes( ambient );
+	R_ShGridBytes( directed );
+	VectorSubtract( directed, ambient, directed );
+}

@@ -1,0 +1,53 @@
+/*
+===========================================================================
+SPDX-License-Identifier: GPL-2.0-or-later
+
+The SH light grid of the map, as both renderers use it.
+===========================================================================
+*/
+#ifndef TR_SHGRID_H
+#define TR_SHGRID_H
+
+#include "tr_common.h"
+#include "shgrid.h"
+
+typedef struct {
+	shgrid_grid	grid;			// points into the hunk; points is NULL without a grid
+	shgrid_tone	tone;			// what the compiler did to the lightmaps
+	qboolean	isRadiance;		// the coefficients are not convolved with the cosine
+	float		scale;			// from light to lightmap bytes after the overbright shift: 255 * 2^shift
+} shGridWorld_t;
+
+extern	shGridWorld_t	shGridWorld;
+
+extern	cvar_t	*r_shgrid;		// 0: entities are lit by the legacy grid
+extern	cvar_t	*r_showshgrid;	// 1: draw the points near the viewer, 2: colored by kind
+
+// registers the cvars and forgets the grid of the last map
+void		R_RegisterShGrid( void );
+
+// copies the grid of a map file to the hunk. The file must be as it was read, before its header is swapped;
+// shift is that of R_ColorShiftLightingBytes. A damaged grid is reported and left out.
+void		R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int shift );
+
+// coefficients of convolved light at a position, in map axes. False if entities are lit by the legacy grid.
+qboolean	R_ShGridAt( const vec3_t origin, shgrid_coeffs *coeffs );
+
+// the same of a map with a grid, whatever r_shgrid is
+void		R_ShGridSample( const vec3_t origin, shgrid_coeffs *coeffs );
+
+// positions of stored points within the radius, of the nearest if they are more than max; returns their number
+int			R_ShGridNear( const vec3_t origin, float radius, int max, vec3_t *points );
+
+// coefficients for normals in the axes of a model, whatever the length of the axes
+void		R_ShGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs *out );
+
+// light on a surface with that unit normal, 0 to 255: what a lightmap texel of a wall with that normal becomes
+// in R_ColorShiftLightingBytes
+void		R_ShGridLight( const shgrid_coeffs *coeffs, const vec3_t normal, vec3_t rgb );
+
+// the legacy form of the light, ambient + directed * max( 0, n . dir ), 0 to 255. It has the same mean and the
+// same first band along dir, so it is exact for even light and for light of one direction.
+void		R_ShGridSplit( const shgrid_coeffs *coeffs, vec3_t ambient, vec3_t directed, vec3_t dir );
+
+#endif

@@ -1,0 +1,258 @@
+/*
+===========================================================================
+SPDX-License-Identifier: GPL-2.0-or-later
+
+The SH light grid in renderer 1: light of entities, and pictures of the grid.
+===========================================================================
+*/
+// tr_shgrid_gl1.c
+
+#include "tr_local.h"
+
+/*
+=============================================================================
+
+LIGHT OF ENTITIES
+
+=============================================================================
+*/
+
+/*
+=================
+R_SetupEntityShGrid
+
+Samples the grid, unless the legacy light is to be used. Ambient and directed light are there for shadows and for
+r_debugLight; dynamic lights are still to be added.
+=================
+*/
+qboolean R_SetupEntityShGrid( const trRefdef_t *refdef, const vec3_t lightOrigin, trRefEntity_t *ent ) {
+	VectorClear( ent->dynamicLight );
+	VectorClear( ent->dynamicDir );
+	ent->shLit = !( refdef->rdflags & RDF_NOWORLDMODEL ) && R_ShGridAt( lightOrigin, &ent->shCoeffs );
+	if ( ent->shLit ) {
+		R_ShGridSplit( &ent->shCoeffs, ent->ambientLight, ent->directedLight, ent->lightDir );
+	}
+	return ent->shLit;
+}
+
+/*
+=================
+R_TurnEntityShGrid
+
+Into the axes of the model, so that vertexes need no transformation of their own
+=================
+*/
+void R_TurnEntityShGrid( trRefEntity_t *ent ) {
+	shgrid_coeffs	world = ent->shCoeffs;
+	vec3_t			dir;
+
+	R_ShGridTurn( &world, (const vec3_t *)ent->e.axis, &ent->shCoeffs );
+
+	VectorNormalize2( ent->dynamicDir, dir );
+	VectorSet( ent->dynamicDir, DotProduct( dir, ent->e.axis[0] ), DotProduct( dir, ent->e.axis[1] ),
+		DotProduct( dir, ent->e.axis[2] ) );
+}
+
+/*
+=================
+RB_CalcShGridColor
+
+RB_CalcDiffuseColor for an entity that is lit by the grid
+=================
+*/
+void RB_CalcShGridColor( unsigned char *colors ) {
+	const trRefEntity_t	*ent = backEnd.currentEntity;
+	const qboolean		dynamic = ent->dynamicLight[0] || ent->dynamicLight[1] || ent->dynamicLight[2];
+	int					i, j;
+
+	for ( i = 0 ; i < tess.numVertexes ; i++, colors += 4 ) {
+		vec3_t	rgb;
+
+		R_ShGridLight( &ent->shCoeffs, tess.normal[i], rgb );
+		if ( dynamic ) {
+			float	incoming = DotProduct( tess.normal[i], ent->dynamicDir );
+
+			if ( incoming > 0 ) {
+				VectorMA( rgb, incoming, ent->dynamicLight, rgb );
+			}
+		}
+		for ( j = 0 ; j < 3 ; j++ ) {
+			colors[j] = rgb[j] < 255 ? (int)rgb[j] : 255;
+		}
+		colors[3] = 255;
+	}
+}
+
+/*
+=================
+R_ShGridSpeed_f
+
+Times the light of entities and vertexes around the view, of the grid or the legacy one as r_shgrid says
+=================
+*/
+void R_ShGridSpeed_f( void ) {
+	enum { ENTITIES = 1000000, BATCHES = 5000, VERTEXES = 900 };
+	trRefdef_t		refdef;
+	trRefEntity_t	ent;
+	int				i, start, middle, end;
+
+	if ( !tr.world ) {
+		return;
+	}
+	R_IssuePendingRenderCommands();
+
+	Com_Memset( &refdef, 0, sizeof( refdef ) );
+	Com_Memset( &ent, 0, sizeof( ent ) );
+	AxisCopy( axisDefault, ent.e.axis );
+	for ( i = 0 ; i < VERTEXES ; i++ ) {
+		VectorSet( tess.normal[i], tr.sinTable[i], tr.sinTable[i / 2], tr.sinTable[( i + FUNCTABLE_SIZE / 4 ) & FUNCTABLE_MASK] );
+		VectorNormalize( tess.normal[i] );
+	}
+	tess.numVertexes = VERTEXES;
+	backEnd.currentEntity = &ent;
+
+	// a walk of 2 units a step in a box of 256 units
+	start = ri.Milliseconds();
+	for ( i = 0 ; i < ENTITIES ; i++ ) {
+		ent.lightingCalculated = qfalse;
+		ent.e.origin[0] = tr.refdef.vieworg[0] + ( 2 * i & 255 ) - 128;
+		ent.e.origin[1] = tr.refdef.vieworg[1] + ( i >> 6 & 255 ) - 128;
+		ent.e.origin[2] = tr.refdef.vieworg[2];
+		R_SetupEntityLighting( &refdef, &ent );
+	}
+	middle = ri.Milliseconds();
+	for ( i = 0 ; i < BATCHES ; i++ ) {
+		RB_CalcDiffuseColor( (unsigned char *)tess.svars.colors );
+	}
+	end = ri.Milliseconds();
+	tess.numVertexes = 0;
+	backEnd.currentEntity = &tr.worldEntity;
+
+	ri.Printf( PRINT_ALL, "%s: %.0f ns an entity, %.1f ns a vertex\n", ent.shLit ? "SH light grid" : "legacy light grid",
+		( middle - start ) * ( 1e6f / ENTITIES ), ( end - middle ) * ( 1e6f / BATCHES / VERTEXES ) );
+}
+
+/*
+=============================================================================
+
+PICTURE OF THE GRID
+
+=============================================================================
+*/
+
+#define	SHGRID_RADIUS		512		// world units around the viewer in which points are drawn
+#define	SHGRID_SPHERES		400		// the most
+
+#define	SPHERE_RADIUS		3
+#define	SPHERE_RINGS		6		// between the poles and with them
+#define	SPHERE_SIDES		8
+#define	SPHERE_VERTEXES		( SPHERE_RINGS * SPHERE_SIDES )
+#define	SPHERE_INDEXES		( 6 * ( SPHERE_RINGS - 1 ) * SPHERE_SIDES )
+
+static vec3_t		sphereNormals[SPHERE_VERTEXES];
+static glIndex_t	sphereIndexes[SPHERE_INDEXES];
+
+/*
+=================
+RB_MakeSphere
+=================
+*/
+static void RB_MakeSphere( void ) {
+	glIndex_t	*index = sphereIndexes;
+	int			ring, side;
+
+	for ( ring = 0 ; ring < SPHERE_RINGS ; ring++ ) {
+		for ( side = 0 ; side < SPHERE_SIDES ; side++ ) {
+			float	fromPole = M_PI * ring / ( SPHERE_RINGS - 1 ), around = 2 * M_PI * side / SPHERE_SIDES;
+
+			VectorSet( sphereNormals[ring * SPHERE_SIDES + side], sin( fromPole ) * cos( around ),
+				sin( fromPole ) * sin( around ), cos( fromPole ) );
+		}
+	}
+
+	for ( ring = 0 ; ring < SPHERE_RINGS - 1 ; ring++ ) {
+		for ( side = 0 ; side < SPHERE_SIDES ; side++, index += 6 ) {
+			int		next = ( side + 1 ) % SPHERE_SIDES;
+
+			index[0] = index[3] = ring * SPHERE_SIDES + side;
+			index[1] = ring * SPHERE_SIDES + next;
+			index[2] = index[4] = ( ring + 1 ) * SPHERE_SIDES + next;
+			index[5] = ( ring + 1 ) * SPHERE_SIDES + side;
+		}
+	}
+}
+
+/*
+=================
+R_PointInSolid
+=================
+*/
+static qboolean R_PointInSolid( const vec3_t point ) {
+	const mnode_t	*node = tr.world->nodes;
+
+	while ( node->contents == -1 ) {
+		node = node->children[ DotProduct( point, node->plane->normal ) <= node->plane->dist ];
+	}
+	return node->cluster == -1;
+}
+
+/*
+=================
+RB_AddSphere
+=================
+*/
+static void RB_AddSphere( const vec3_t origin ) {
+	shgrid_coeffs	coeffs;
+	const float		*kind = NULL;
+	int				i, j;
+
+	RB_CHECKOVERFLOW( SPHERE_VERTEXES, SPHERE_INDEXES );
+
+	R_ShGridSample( origin, &coeffs );
+	if ( r_showshgrid->integer > 1 ) {
+		kind = R_PointInSolid( origin ) ? colorRed : colorGreen;
+	}
+
+	for ( i = 0 ; i < SPHERE_INDEXES ; i++ ) {
+		tess.indexes[tess.numIndexes++] = tess.numVertexes + sphereIndexes[i];
+	}
+	for ( i = 0 ; i < SPHERE_VERTEXES ; i++, tess.numVertexes++ ) {
+		vec3_t	rgb;
+
+		VectorMA( origin, SPHERE_RADIUS, sphereNormals[i], tess.xyz[tess.numVertexes] );
+		tess.texCoords[tess.numVertexes][0][0] = tess.texCoords[tess.numVertexes][0][1] = 0;
+		R_ShGridLight( &coeffs, sphereNormals[i], rgb );
+		for ( j = 0 ; j < 3 ; j++ ) {
+			tess.vertexColors[tess.numVertexes][j] = kind ? 0.5f * ( rgb[j] + 255 * kind[j] ) : rgb[j];
+		}
+		tess.vertexColors[tess.numVertexes][3] = 255;
+	}
+}
+
+/*
+=================
+RB_ShowShGrid
+
+Draws points of the grid near the viewer as white spheres lit by their own coefficients. With r_showshgrid 2 those in
+the open are green, and those in solids, whose light is filled in, red.
+=================
+*/
+void RB_ShowShGrid( void ) {
+	static vec3_t	points[SHGRID_SPHERES];
+	int				i, numPoints;
+
+	if ( !r_showshgrid->integer || ( backEnd.refdef.rdflags & RDF_NOWORLDMODEL ) ) {
+		return;
+	}
+	if ( !sphereIndexes[1] ) {
+		RB_MakeSphere();
+	}
+
+	numPoints = R_ShGridNear( backEnd.viewParms.or.origin, SHGRID_RADIUS, SHGRID_SPHERES, points );
+	backEnd.currentEntity = &tr.worldEntity;
+	RB_BeginSurface( R_FindShader( "*white", LIGHTMAP_BY_VERTEX, qfalse ), 0 );
+	for ( i = 0 ; i < numPoints ; i++ ) {
+		RB_AddSphere( points[i] );
+	}
+	RB_EndSurface();
+}
