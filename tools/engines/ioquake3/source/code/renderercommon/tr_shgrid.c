@@ -271,3 +271,39 @@ void R_ShGridSplit( const shgrid_coeffs *coeffs, vec3_t ambient, vec3_t directed
 	R_ShGridBytes( directed );
 	VectorSubtract( directed, ambient, directed );
 }
+
+/*
+===============
+R_ShGridSphere
+===============
+*/
+const shGridSphere_t *R_ShGridSphere( void ) {
+	static shGridSphere_t	sphere;
+	int		*index = sphere.indexes;
+	int		ring, side;
+
+	if ( sphere.indexes[1] ) {
+		return &sphere;
+	}
+
+	for ( ring = 0 ; ring < SHGRID_SPHERE_RINGS ; ring++ ) {
+		for ( side = 0 ; side < SHGRID_SPHERE_SIDES ; side++ ) {
+			float	fromPole = M_PI * ring / ( SHGRID_SPHERE_RINGS - 1 ), around = 2 * M_PI * side / SHGRID_SPHERE_SIDES;
+
+			VectorSet( sphere.normals[ring * SHGRID_SPHERE_SIDES + side], sin( fromPole ) * cos( around ),
+				sin( fromPole ) * sin( around ), cos( fromPole ) );
+		}
+	}
+
+	for ( ring = 0 ; ring < SHGRID_SPHERE_RINGS - 1 ; ring++ ) {
+		for ( side = 0 ; side < SHGRID_SPHERE_SIDES ; side++, index += 6 ) {
+			int		next = ( side + 1 ) % SHGRID_SPHERE_SIDES;
+
+			index[0] = index[3] = ring * SHGRID_SPHERE_SIDES + side;
+			index[1] = ring * SHGRID_SPHERE_SIDES + next;
+			index[2] = index[4] = ( ring + 1 ) * SHGRID_SPHERE_SIDES + next;
+			index[5] = ( ring + 1 ) * SHGRID_SPHERE_SIDES + side;
+		}
+	}
+	return &sphere;
+}

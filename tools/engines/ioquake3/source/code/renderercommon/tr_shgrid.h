@@ -18,6 +18,17 @@ typedef struct {
 	float		scale;			// from light to lightmap bytes after the overbright shift: 255 * 2^shift
 } shGridWorld_t;
 
+#define	SHGRID_SPHERE_RINGS		6		// between the poles and with them
+#define	SHGRID_SPHERE_SIDES		8
+#define	SHGRID_SPHERE_VERTEXES	( SHGRID_SPHERE_RINGS * SHGRID_SPHERE_SIDES )
+#define	SHGRID_SPHERE_INDEXES	( 6 * ( SHGRID_SPHERE_RINGS - 1 ) * SHGRID_SPHERE_SIDES )
+
+// a sphere of radius 1 for pictures of the grid
+typedef struct {
+	vec3_t	normals[SHGRID_SPHERE_VERTEXES];	// and positions
+	int		indexes[SHGRID_SPHERE_INDEXES];		// of triangles
+} shGridSphere_t;
+
 extern	shGridWorld_t	shGridWorld;
 
 extern	cvar_t	*r_shgrid;		// 0: entities are lit by the legacy grid
@@ -38,6 +49,8 @@ void		R_ShGridSample( const vec3_t origin, shgrid_coeffs *coeffs );
 
 // positions of stored points within the radius, of the nearest if they are more than max; returns their number
 int			R_ShGridNear( const vec3_t origin, float radius, int max, vec3_t *points );
+
+const shGridSphere_t	*R_ShGridSphere( void );
 
 // coefficients for normals in the axes of a model, whatever the length of the axes
 void		R_ShGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs *out );

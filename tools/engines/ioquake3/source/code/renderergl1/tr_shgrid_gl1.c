@@ -144,43 +144,6 @@ PICTURE OF THE GRID
 #define	SHGRID_SPHERES		400		// the most
 
 #define	SPHERE_RADIUS		3
-#define	SPHERE_RINGS		6		// between the poles and with them
-#define	SPHERE_SIDES		8
-#define	SPHERE_VERTEXES		( SPHERE_RINGS * SPHERE_SIDES )
-#define	SPHERE_INDEXES		( 6 * ( SPHERE_RINGS - 1 ) * SPHERE_SIDES )
-
-static vec3_t		sphereNormals[SPHERE_VERTEXES];
-static glIndex_t	sphereIndexes[SPHERE_INDEXES];
-
-/*
-=================
-RB_MakeSphere
-=================
-*/
-static void RB_MakeSphere( void ) {
-	glIndex_t	*index = sphereIndexes;
-	int			ring, side;
-
-	for ( ring = 0 ; ring < SPHERE_RINGS ; ring++ ) {
-		for ( side = 0 ; side < SPHERE_SIDES ; side++ ) {
-			float	fromPole = M_PI * ring / ( SPHERE_RINGS - 1 ), around = 2 * M_PI * side / SPHERE_SIDES;
-
-			VectorSet( sphereNormals[ring * SPHERE_SIDES + side], sin( fromPole ) * cos( around ),
-				sin( fromPole ) * sin( around ), cos( fromPole ) );
-		}
-	}
-
-	for ( ring = 0 ; ring < SPHERE_RINGS - 1 ; ring++ ) {
-		for ( side = 0 ; side < SPHERE_SIDES ; side++, index += 6 ) {
-			int		next = ( side + 1 ) % SPHERE_SIDES;
-
-			index[0] = index[3] = ring * SPHERE_SIDES + side;
-			index[1] = ring * SPHERE_SIDES + next;
-			index[2] = index[4] = ( ring + 1 ) * SPHERE_SIDES + next;
-			index[5] = ( ring + 1 ) * SPHERE_SIDES + side;
-		}
-	}
-}
 
 /*
 =================
@@ -203,25 +166,26 @@ RB_AddSphere
 */
 static void RB_AddSphere( const vec3_t origin ) {
 	shgrid_coeffs	coeffs;
+	const shGridSphere_t	*sphere = R_ShGridSphere();
 	const float		*kind = NULL;
 	int				i, j;
 
-	RB_CHECKOVERFLOW( SPHERE_VERTEXES, SPHERE_INDEXES );
+	RB_CHECKOVERFLOW( SHGRID_SPHERE_VERTEXES, SHGRID_SPHERE_INDEXES );
 
 	R_ShGridSample( origin, &coeffs );
 	if ( r_showshgrid->integer > 1 ) {
 		kind = R_PointInSolid( origin ) ? colorRed : colorGreen;
 	}
 
-	for ( i = 0 ; i < SPHERE_INDEXES ; i++ ) {
-		tess.indexes[tess.numIndexes++] = tess.numVertexes + sphereIndexes[i];
+	for ( i = 0 ; i < SHGRID_SPHERE_INDEXES ; i++ ) {
+		tess.indexes[tess.numIndexes++] = tess.numVertexes + sphere->indexes[i];
 	}
-	for ( i = 0 ; i < SPHERE_VERTEXES ; i++, tess.numVertexes++ ) {
+	for ( i = 0 ; i < SHGRID_SPHERE_VERTEXES ; i++, tess.numVertexes++ ) {
 		vec3_t	rgb;
 
-		VectorMA( origin, SPHERE_RADIUS, sphereNormals[i], tess.xyz[tess.numVertexes] );
+		VectorMA( origin, SPHERE_RADIUS, sphere->normals[i], tess.xyz[tess.numVertexes] );
 		tess.texCoords[tess.numVertexes][0][0] = tess.texCoords[tess.numVertexes][0][1] = 0;
-		R_ShGridLight( &coeffs, sphereNormals[i], rgb );
+		R_ShGridLight( &coeffs, sphere->normals[i], rgb );
 		for ( j = 0 ; j < 3 ; j++ ) {
 			tess.vertexColors[tess.numVertexes][j] = kind ? 0.5f * ( rgb[j] + 255 * kind[j] ) : rgb[j];
 		}
@@ -243,9 +207,6 @@ void RB_ShowShGrid( void ) {
 
 	if ( !r_showshgrid->integer || ( backEnd.refdef.rdflags & RDF_NOWORLDMODEL ) ) {
 		return;
-	}
-	if ( !sphereIndexes[1] ) {
-		RB_MakeSphere();
 	}
 
 	numPoints = R_ShGridNear( backEnd.viewParms.or.origin, SHGRID_RADIUS, SHGRID_SPHERES, points );
