@@ -8,6 +8,7 @@
 enum { kSlotBytes = 8, kNx = 4, kNy = 3, kNz = 2, kPoints = kNx * kNy * kNz };
 enum { kLumpBytes = SHGRID_HEADER_BYTES + SHGRID_POINT_BYTES * kPoints };
 enum { kSparseBytes = SHGRID_SPARSE_HEADER_BYTES + SHGRID_SPARSE_NODE_BYTES + 8 * SHGRID_SPARSE_POINT_BYTES };
+enum { kTwoLevelsBytes = SHGRID_SPARSE_HEADER_BYTES + 2 * SHGRID_SPARSE_NODE_BYTES + 15 * SHGRID_SPARSE_POINT_BYTES };
 enum { kHeader17 = 8 + 17 * kSlotBytes, kHeader19 = 8 + 19 * kSlotBytes, kText = 12 };
 
 static int failures;
@@ -433,6 +434,71 @@ static void TestSparse(void) {
         CHECK(shgrid_parse(lump, size, &grid) != SHGRID_OK && grid.nodes == NULL);
 }
 
+/* A root of 4 x 4 x 4 smallest cells whose first child is a node; all 15 points are stored. */
+static void PutTwoLevels(unsigned char *lump) {
+    PutSparse(lump);
+    memset(lump + 64, 0, kTwoLevelsBytes - 64);
+    Put32(lump + 8, kTwoLevelsBytes);
+    Put32(lump + 48, 2);
+    Put32(lump + 52, 2);
+    Put32(lump + 56, 15);
+    Put32(lump + 64, 1); /* children and points of the root */
+    lump[72] = 1;
+    lump[73] = 254;
+    Put32(lump + 76, 2); /* of its child */
+    Put32(lump + 80, 7);
+    lump[85] = 255;
+}
+
+/* Points of a grid with that many steps along each axis of the lattice; `stores` says which points it has. */
+static void ExpectPointsNear(const shgrid_grid *grid, const int steps[3], int (*stores)(int, int, int)) {
+    static const float radii[5] = {0, 20, 40, 70, 1000};
+    const float positions[3][3] = {{-64, 32, 0}, {-20, 50, 70}, {100, -30, 300}};
+    int r, p, x, y, z;
+    for (r = 0; r < 5; r++)
+        for (p = 0; p < 3; p++) {
+            float points[64][3];
+            const size_t count = shgrid_points_near(grid, positions[p], radii[r], 64, points);
+            size_t expected = 0, found = 0, i;
+            for (z = 0; z < steps[2]; z++)
+                for (y = 0; y < steps[1]; y++)
+                    for (x = 0; x < steps[0]; x++) {
+                        const float at[3] = {kMins[0] + (float)x * kCell[0], kMins[1] + (float)y * kCell[1],
+                                             kMins[2] + (float)z * kCell[2]};
+                        const double dx = at[0] - positions[p][0], dy = at[1] - positions[p][1],
+                                     dz = at[2] - positions[p][2];
+                        if (!stores(x, y, z) || sqrt(dx * dx + dy * dy + dz * dz) > radii[r])
+                            continue;
+                        expected++;
+                        for (i = 0; i < count; i++)
+                            found += memcmp(points[i], at, sizeof at) == 0;
+                    }
+            CHECK(count == expected && found == expected);
+            CHECK(shgrid_points_near(grid, positions[p], radii[r], 0, NULL) == expected);
+        }
+}
+
+static int StoresAll(int x, int y, int z) {
+    return x >= 0 && y >= 0 && z >= 0;
+}
+
+static int StoresTwoLevels(int x, int y, int z) {
+    return (x < 2 && y < 2 && z < 2) || (x % 2 == 0 && y % 2 == 0 && z % 2 == 0);
+}
+
+static void TestPointsNear(const shgrid_grid *uniform) {
+    static unsigned char lump[kTwoLevelsBytes];
+    const int uniformSteps[3] = {kNx, kNy, kNz}, sparseSteps[3] = {4, 4, 4};
+    const float nan[3] = {NAN, 0, 0};
+    shgrid_grid sparse;
+    ExpectPointsNear(uniform, uniformSteps, StoresAll);
+    PutTwoLevels(lump);
+    CHECK(shgrid_parse(lump, kTwoLevelsBytes, &sparse) == SHGRID_OK);
+    ExpectPointsNear(&sparse, sparseSteps, StoresTwoLevels);
+    CHECK(shgrid_points_near(uniform, nan, 1000, 0, NULL) == 0);
+    CHECK(shgrid_points_near(&sparse, nan, 1000, 0, NULL) == 0);
+}
+
 int main(void) {
     static unsigned char file[kHeader19 + 256 + kLumpBytes];
     shgrid_grid grid;
@@ -443,6 +509,7 @@ int main(void) {
     CHECK(shgrid_load(file, PutFile19(file), &grid) == SHGRID_OK);
     TestSampling(&grid);
     TestOddPositions(&grid);
+    TestPointsNear(&grid);
     TestDeltaLight();
     TestSparse();
     TestMessages();

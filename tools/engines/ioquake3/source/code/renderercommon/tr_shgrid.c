@@ -68,6 +68,7 @@ static void R_ParseShGridKeys( const char *entities ) {
 		} else if ( !Q_stricmp( key, "_q3map2_tone" ) ) {
 			shgrid_result	result = shgrid_parse_tone( token, &shGridWorld.tone );
 
+			shGridWorld.hasTone = result == SHGRID_OK;
 			if ( result != SHGRID_OK ) {
 				ri.Printf( PRINT_WARNING, "WARNING: _q3map2_tone ignored: %s\n", shgrid_message( result ) );
 			}
@@ -105,6 +106,7 @@ void R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int sh
 
 	Com_Memset( &shGridWorld, 0, sizeof( shGridWorld ) );
 	shGridWorld.scale = ldexp( 255.0, shift );
+	shGridWorld.limit = MIN( 1.0f, 255.0f / shGridWorld.scale );
 	shgrid_parse_tone( NULL, &shGridWorld.tone );
 
 	// check the file's own bytes first, so that a damaged grid takes no memory
@@ -221,14 +223,13 @@ Linear light as R_ColorShiftLightingBytes leaves the lightmap texel that the com
 static void R_ShGridBytes( vec3_t rgb ) {
 	float	most;
 
-	shgrid_apply_tone( &shGridWorld.tone, rgb );
-	VectorScale( rgb, shGridWorld.scale, rgb );
-
-	// normalize by color instead of saturating to white
-	most = MAX( rgb[0], MAX( rgb[1], rgb[2] ) );
-	if ( most > 255.0f ) {
-		VectorScale( rgb, 255.0f / most, rgb );
+	if ( shGridWorld.hasTone ) {
+		shgrid_apply_tone( &shGridWorld.tone, rgb );
 	}
+
+	// the plain tone limits light to 1, so one limit is enough; normalize by color instead of saturating to white
+	most = MAX( rgb[0], MAX( rgb[1], rgb[2] ) );
+	VectorScale( rgb, most > shGridWorld.limit ? shGridWorld.scale * shGridWorld.limit / most : shGridWorld.scale, rgb );
 }
 
 /*

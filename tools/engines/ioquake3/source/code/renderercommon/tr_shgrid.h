@@ -14,8 +14,10 @@ The SH light grid of the map, as both renderers use it.
 typedef struct {
 	shgrid_grid	grid;			// points into the hunk; points is NULL without a grid
 	shgrid_tone	tone;			// what the compiler did to the lightmaps
+	qboolean	hasTone;		// not the plain one
 	qboolean	isRadiance;		// the coefficients are not convolved with the cosine
 	float		scale;			// from light to lightmap bytes after the overbright shift: 255 * 2^shift
+	float		limit;			// brightest light that lightmap bytes hold
 } shGridWorld_t;
 
 #define	SHGRID_SPHERE_RINGS		6		// between the poles and with them

@@ -9,6 +9,8 @@ The SH light grid in renderer 1: light of entities, and pictures of the grid.
 
 #include "tr_local.h"
 
+#include <time.h>
+
 /*
 =============================================================================
 
@@ -87,19 +89,21 @@ void RB_CalcShGridColor( unsigned char *colors ) {
 =================
 R_ShGridSpeed_f
 
-Times the light of entities and vertexes around the view, of the grid or the legacy one as r_shgrid says
+CPU time of lighting entities and vertexes around the view, by the grid or the legacy one as r_shgrid says
 =================
 */
 void R_ShGridSpeed_f( void ) {
 	enum { ENTITIES = 1000000, BATCHES = 5000, VERTEXES = 900 };
 	trRefdef_t		refdef;
 	trRefEntity_t	ent;
-	int				i, start, middle, end;
+	clock_t			start, middle, end;
+	int				i;
 
 	if ( !tr.world ) {
 		return;
 	}
 	R_IssuePendingRenderCommands();
+	qglFinish();
 
 	Com_Memset( &refdef, 0, sizeof( refdef ) );
 	Com_Memset( &ent, 0, sizeof( ent ) );
@@ -112,24 +116,24 @@ void R_ShGridSpeed_f( void ) {
 	backEnd.currentEntity = &ent;
 
 	// a walk of 2 units a step in a box of 256 units
-	start = ri.Milliseconds();
+	start = clock();
 	for ( i = 0 ; i < ENTITIES ; i++ ) {
 		ent.lightingCalculated = qfalse;
-		ent.e.origin[0] = tr.refdef.vieworg[0] + ( 2 * i & 255 ) - 128;
-		ent.e.origin[1] = tr.refdef.vieworg[1] + ( i >> 6 & 255 ) - 128;
-		ent.e.origin[2] = tr.refdef.vieworg[2];
+		VectorCopy( tr.refdef.vieworg, ent.e.origin );
+		ent.e.origin[0] += ( 2 * i & 255 ) - 128;
+		ent.e.origin[1] += ( i >> 6 & 255 ) - 128;
 		R_SetupEntityLighting( &refdef, &ent );
 	}
-	middle = ri.Milliseconds();
+	middle = clock();
 	for ( i = 0 ; i < BATCHES ; i++ ) {
 		RB_CalcDiffuseColor( (unsigned char *)tess.svars.colors );
 	}
-	end = ri.Milliseconds();
+	end = clock();
 	tess.numVertexes = 0;
 	backEnd.currentEntity = &tr.worldEntity;
 
 	ri.Printf( PRINT_ALL, "%s: %.0f ns an entity, %.1f ns a vertex\n", ent.shLit ? "SH light grid" : "legacy light grid",
-		( middle - start ) * ( 1e6f / ENTITIES ), ( end - middle ) * ( 1e6f / BATCHES / VERTEXES ) );
+		( middle - start ) * ( 1e9 / CLOCKS_PER_SEC / ENTITIES ), ( end - middle ) * ( 1e9 / CLOCKS_PER_SEC / BATCHES / VERTEXES ) );
 }
 
 /*
@@ -198,7 +202,7 @@ static void RB_AddSphere( const vec3_t origin ) {
 RB_ShowShGrid
 
 Draws points of the grid near the viewer as white spheres lit by their own coefficients. With r_showshgrid 2 those in
-the open are green, and those in solids, whose light is filled in, red.
+the open are green, and those in solids, whose light is filled in, red; these can be seen through walls.
 =================
 */
 void RB_ShowShGrid( void ) {
@@ -211,9 +215,13 @@ void RB_ShowShGrid( void ) {
 
 	numPoints = R_ShGridNear( backEnd.viewParms.or.origin, SHGRID_RADIUS, SHGRID_SPHERES, points );
 	backEnd.currentEntity = &tr.worldEntity;
+	if ( r_showshgrid->integer > 1 ) {
+		qglDepthRange( 0, 0.3 );
+	}
 	RB_BeginSurface( R_FindShader( "*white", LIGHTMAP_BY_VERTEX, qfalse ), 0 );
 	for ( i = 0 ; i < numPoints ; i++ ) {
 		RB_AddSphere( points[i] );
 	}
 	RB_EndSurface();
+	qglDepthRange( 0, 1 );
 }
