@@ -191,14 +191,14 @@ static void GLSL_SetShGridConstants( GLuint program ) {
 	const shgrid_tone	*tone = &shGridWorld.tone;
 	const shgrid_grid	*grid = &shGridWorld.grid;
 	const qboolean		radiance = shGridWorld.isRadiance;
-	const float	toneValues[8] = { tone->contrast, 1 / tone->gamma, tone->exposure, tone->saturation, tone->scale,
-		tone->maxlight / 255, tone->srgb ? 1 : 0, shGridWorld.scale / 255 };
+	const float	toneValues[9] = { tone->contrast, 1 / tone->gamma, tone->exposure, tone->saturation, tone->scale,
+		tone->maxlight / 255, tone->srgb ? 1 : 0, shGridWorld.limit, shGridWorld.scale / 255 };
 	const float	placeValues[16] = { grid->mins[0], grid->mins[1], grid->mins[2], grid->cell[0], grid->cell[1], grid->cell[2],
 		grid->bounds[0], grid->bounds[1], grid->bounds[2], sh.atlas.bricks[0], sh.atlas.bricks[1], sh.atlas.bricks[2],
 		ldexp( 1, sh.atlas.shift ), radiance ? M_PI : 1, radiance ? 2 * M_PI / 3 : 1, radiance ? M_PI / 4 : 1 };
 	int		i;
 
-	qglProgramUniform1fvEXT( program, qglGetUniformLocation( program, "u_ShGridTone" ), 8, toneValues );
+	qglProgramUniform1fvEXT( program, qglGetUniformLocation( program, "u_ShGridTone" ), 9, toneValues );
 	if ( !sh.textures[0] ) {
 		return;
 	}
@@ -223,8 +223,8 @@ static void GLSL_InitShGridProgram( shGridProgram_t *program, const shaderProgra
 	char	defines[256];
 	char	*vertex, *fragment;
 
-	Com_sprintf( defines, sizeof( defines ), "#define USE_SHGRID\n%s%s", sh.textures[0] ? "#define USE_SHGRID_TEXTURES\n" : "",
-		sh.atlas.count ? "#define USE_SHGRID_SPARSE\n" : "" );
+	Com_sprintf( defines, sizeof( defines ), "#define USE_SHGRID\n%s%s%s", shGridWorld.hasTone ? "#define USE_SHGRID_TONE\n" : "",
+		sh.textures[0] ? "#define USE_SHGRID_TEXTURES\n" : "", sh.atlas.count ? "#define USE_SHGRID_SPARSE\n" : "" );
 	vertex = GLSL_ShGridSource( like->vertexShader, defines );
 	fragment = GLSL_ShGridSource( like->fragmentShader, defines );
 	GLSL_InitGPUShader2( &program->sp, va( "%s_shgrid", like->name ), like->attribs, vertex, fragment );
@@ -424,4 +424,84 @@ void R_ShutdownShGrid( void ) {
 		qglDeleteTextures( SHGRID_TEXTURES, sh.textures );
 	}
 	Com_Memset( &sh, 0, sizeof( sh ) );
+}
+
+/*
+=============================================================================
+
+PICTURE OF THE GRID
+
+=============================================================================
+*/
+
+#define	SHGRID_RADIUS		512		// world units around the viewer in which points are drawn
+#define	SHGRID_SPHERES		400		// the most
+
+#define	SPHERE_RADIUS		3
+
+/*
+=================
+RB_AddSphere
+=================
+*/
+static void RB_AddSphere( const vec3_t origin ) {
+	const shGridSphere_t	*sphere = R_ShGridSphere();
+	shgrid_coeffs	coeffs;
+	const float		*kind = NULL;
+	int				i;
+
+	RB_CHECKOVERFLOW( SHGRID_SPHERE_VERTEXES, SHGRID_SPHERE_INDEXES );
+
+	R_ShGridSample( origin, &coeffs );
+	if ( r_showshgrid->integer > 1 ) {
+		kind = R_PointInLeaf( origin )->cluster == -1 ? colorRed : colorGreen;
+	}
+
+	for ( i = 0 ; i < SHGRID_SPHERE_INDEXES ; i++ ) {
+		tess.indexes[tess.numIndexes++] = tess.numVertexes + sphere->indexes[i];
+	}
+	for ( i = 0 ; i < SHGRID_SPHERE_VERTEXES ; i++, tess.numVertexes++ ) {
+		vec4_t	color;
+
+		VectorMA( origin, SPHERE_RADIUS, sphere->normals[i], tess.xyz[tess.numVertexes] );
+		VectorSet2( tess.texCoords[tess.numVertexes], 0, 0 );
+		R_ShGridLight( &coeffs, sphere->normals[i], color );
+		VectorScale( color, 1.0f / 255.0f, color );
+		if ( kind ) {
+			VectorScale( color, 0.5f, color );
+			VectorMA( color, 0.5f, kind, color );
+		}
+		color[3] = 1;
+		R_VaoPackColor( tess.color[tess.numVertexes], color );
+	}
+}
+
+/*
+=================
+RB_ShowShGrid
+
+Draws points of the grid near the viewer as white spheres lit by their own coefficients. With r_showshgrid 2 those in
+the open are green, and those in solids, whose light is filled in, red; these can be seen through walls.
+=================
+*/
+void RB_ShowShGrid( void ) {
+	static vec3_t	points[SHGRID_SPHERES];
+	int				i, numPoints;
+
+	if ( !r_showshgrid->integer || ( backEnd.refdef.rdflags & RDF_NOWORLDMODEL ) ) {
+		return;
+	}
+
+	numPoints = R_ShGridNear( backEnd.viewParms.or.origin, SHGRID_RADIUS, SHGRID_SPHERES, points );
+	backEnd.currentEntity = &tr.worldEntity;
+	backEnd.or = backEnd.viewParms.world;
+	if ( r_showshgrid->integer > 1 ) {
+		qglDepthRange( 0, 0.3 );
+	}
+	RB_BeginSurface( R_FindShader( "*white", LIGHTMAP_BY_VERTEX, qfalse ), 0, 0 );
+	for ( i = 0 ; i < numPoints ; i++ ) {
+		RB_AddSphere( points[i] );
+	}
+	RB_EndSurface();
+	qglDepthRange( 0, 1 );
 }

@@ -5,8 +5,8 @@
 // of the entity: 27 numbers of the coefficients; color and direction of the dynamic lights
 uniform float u_ShGridEntity[33];
 
-// contrast, 1 / gamma, exposure, saturation, scale, limit, sRGB; scale of lightmaps
-uniform float u_ShGridTone[8];
+// contrast, 1 / gamma, exposure, saturation, scale, limit, sRGB; brightest light, scale of lightmaps
+uniform float u_ShGridTone[9];
 
 #if defined(USE_SHGRID_TEXTURES)
 uniform sampler3D u_ShGridMap0;
@@ -79,14 +79,17 @@ vec3 ShGridReceived(vec3 normal, vec3 position)
 // The same steps as R_ShGridLight.
 vec3 ShGridLight(vec3 normal, vec3 position)
 {
-	ShgridTone tone = ShgridTone(u_ShGridTone[0], u_ShGridTone[1], u_ShGridTone[2], u_ShGridTone[3],
-		u_ShGridTone[4], u_ShGridTone[5], u_ShGridTone[6]);
-	vec3 light = ShgridApplyTone(tone, ShGridReceived(normal, position)) * u_ShGridTone[7];
+	vec3 light = ShGridReceived(normal, position);
 	vec3 dynamicLight = vec3(u_ShGridEntity[27], u_ShGridEntity[28], u_ShGridEntity[29]);
 	vec3 dynamicDir = vec3(u_ShGridEntity[30], u_ShGridEntity[31], u_ShGridEntity[32]);
 
+#if defined(USE_SHGRID_TONE)
+	light = ShgridApplyTone(ShgridTone(u_ShGridTone[0], u_ShGridTone[1], u_ShGridTone[2], u_ShGridTone[3],
+		u_ShGridTone[4], u_ShGridTone[5], u_ShGridTone[6]), light);
+#endif
+
 	// normalize by color instead of saturating to white
-	light /= max(ShgridLargest(light), 1.0);
+	light *= u_ShGridTone[8] * min(1.0, u_ShGridTone[7] / max(ShgridLargest(light), 1e-6));
 
 #if defined(USE_PBR) && defined(USE_LIGHT) && !defined(USE_FAST_LIGHT)
 	light *= light;
