@@ -105,7 +105,7 @@ void R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int sh
 	shgrid_result	result;
 
 	Com_Memset( &shGridWorld, 0, sizeof( shGridWorld ) );
-	shGridWorld.scale = ldexp( 255.0, shift );
+	shGridWorld.scale = ldexpf( 255.0f, shift );
 	shGridWorld.limit = MIN( 1.0f, 255.0f / shGridWorld.scale );
 	shgrid_parse_tone( NULL, &shGridWorld.tone );
 
@@ -122,14 +122,14 @@ void R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int sh
 		return;
 	}
 
-	copy = ri.Hunk_Alloc( lumpBytes, h_low );
+	copy = ri.Hunk_Alloc( (int)lumpBytes, h_low );
 	Com_Memcpy( copy, lump, lumpBytes );
 	shgrid_parse( copy, lumpBytes, &shGridWorld.grid );
 
 	R_ParseShGridKeys( (const char *)file + LittleLong( ((const int *)file)[2] ) );
 
-	ri.Printf( PRINT_ALL, "SH light grid: %s, %i points, %.1f MB%s\n", R_ShGridForm( file, lump ),
-		shGridWorld.grid.count, lumpBytes / ( 1024.0f * 1024.0f ), shGridWorld.isRadiance ? ", radiance" : "" );
+	ri.Printf( PRINT_ALL, "SH light grid: %s, %i points, %.2f MB%s\n", R_ShGridForm( file, lump ),
+		shGridWorld.grid.count, (float)lumpBytes / ( 1024.0f * 1024.0f ), shGridWorld.isRadiance ? ", radiance" : "" );
 }
 
 /*
@@ -169,10 +169,10 @@ int R_ShGridNear( const vec3_t origin, float radius, int max, vec3_t *points ) {
 		return 0;
 	}
 
-	while ( ( count = shgrid_points_near( &shGridWorld.grid, origin, radius, max, points ) ) > max ) {
+	while ( ( count = shgrid_points_near( &shGridWorld.grid, origin, radius, max, points ) ) > (size_t)max ) {
 		radius *= 0.875f;
 	}
-	return count;
+	return (int)count;
 }
 
 /*
@@ -291,8 +291,8 @@ const shGridSphere_t *R_ShGridSphere( void ) {
 		for ( side = 0 ; side < SHGRID_SPHERE_SIDES ; side++ ) {
 			float	fromPole = M_PI * ring / ( SHGRID_SPHERE_RINGS - 1 ), around = 2 * M_PI * side / SHGRID_SPHERE_SIDES;
 
-			VectorSet( sphere.normals[ring * SHGRID_SPHERE_SIDES + side], sin( fromPole ) * cos( around ),
-				sin( fromPole ) * sin( around ), cos( fromPole ) );
+			VectorSet( sphere.normals[ring * SHGRID_SPHERE_SIDES + side], sinf( fromPole ) * cosf( around ),
+				sinf( fromPole ) * sinf( around ), cosf( fromPole ) );
 		}
 	}
 
