@@ -864,6 +864,45 @@ static inline void shgrid_apply_tone(const shgrid_tone *tone, float rgb[3]) {
     }
 }
 
+/* ---- A uniform grid as textures: shgrid.glsl and .hlsl sample them. ---- */
+
+/* IEEE half precision, rounded to nearest; above 65504 it is 65504, NaN is 0. */
+static inline uint16_t shgrid_half_(float value) {
+    const float size = value < 0 ? -value : value;
+    const unsigned sign = value < 0 ? 0x8000u : 0;
+    int exponent;
+    unsigned mantissa;
+    if (!(size >= 2.98023224e-8f))
+        return (uint16_t)sign;
+    if (size >= 65504)
+        return (uint16_t)(sign | 0x7bffu);
+    frexpf(size, &exponent); /* size is in [2^(exponent - 1), 2^exponent) */
+    exponent = exponent < -13 ? -13 : exponent;
+    /* The mantissa has 11 bits. Its leading one adds 1 to the exponent field of the sum; if rounding gives 2^11, 2. */
+    mantissa = (unsigned)lrintf(ldexpf(size, 11 - exponent));
+    return (uint16_t)(sign | (((unsigned)(exponent + 13) << 10) + mantissa));
+}
+
+static inline void shgrid_put_half_(void *const textures[7], size_t texel, const shgrid_coeffs *value) {
+    int n;
+    for (n = 0; n < 28; n++)
+        ((uint16_t *)textures[n / 4])[4 * texel + (size_t)(n % 4)] = n < 27 ? shgrid_half_(value->c[n / 3][n % 3]) : 0;
+}
+
+/* Fills 7 textures RGBA16F of grid->bounds texels, 8 * grid->count bytes each, aligned to 2: coefficient k of channel c
+   is component (3 k + c) % 4 of texture (3 k + c) / 4; the last component is 0. Not for sparse grids. */
+static inline void shgrid_fill_half(const shgrid_grid *grid, void *const textures[7]) {
+    size_t texel = 0;
+    int32_t x, y, z;
+    for (z = 0; z < grid->bounds[2]; z++)
+        for (y = 0; y < grid->bounds[1]; y++)
+            for (x = 0; x < grid->bounds[0]; x++) {
+                shgrid_coeffs value;
+                shgrid_point(grid, x, y, z, &value);
+                shgrid_put_half_(textures, texel++, &value);
+            }
+}
+
 /* ---- A sparse grid as textures: shgrid_atlas.glsl and .hlsl sample them. ----
 
    A brick is a cube of 4 x 4 x 4 equal cells as 5 x 5 x 5 texels, its corners, so that filtering inside it needs no
@@ -877,8 +916,7 @@ static inline void shgrid_apply_tone(const shgrid_tone *tone, float rgb[3]) {
 #define SHGRID_BRICK_AXIS 255   /* maximum of bricks along an axis of the atlas */
 
 typedef enum {
-    SHGRID_ATLAS_HALF, /* 7 textures RGBA16F: coefficient k of channel c is component (3 k + c) % 4 of texture
-                          (3 k + c) / 4; the last component is 0 */
+    SHGRID_ATLAS_HALF, /* 7 textures RGBA16F, components as those of shgrid_fill_half */
     SHGRID_ATLAS_SNORM /* texture 0 RGB9_E5: coefficient 0; 6 textures RGBA8_SNORM: the others over coefficient 0 and
                           over `limits` of their band, in the same order */
 } shgrid_atlas_format;
@@ -914,23 +952,6 @@ static inline size_t shgrid_indirection_bytes(const shgrid_atlas *atlas) {
     return (size_t)4 * (size_t)atlas->entries[0] * (size_t)atlas->entries[1] * (size_t)atlas->entries[2];
 }
 
-/* IEEE half precision, rounded to nearest; above 65504 it is 65504, NaN is 0. */
-static inline uint16_t shgrid_half_(float value) {
-    const float size = value < 0 ? -value : value;
-    const unsigned sign = value < 0 ? 0x8000u : 0;
-    int exponent;
-    unsigned mantissa;
-    if (!(size >= 2.98023224e-8f))
-        return (uint16_t)sign;
-    if (size >= 65504)
-        return (uint16_t)(sign | 0x7bffu);
-    frexpf(size, &exponent); /* size is in [2^(exponent - 1), 2^exponent) */
-    exponent = exponent < -13 ? -13 : exponent;
-    /* The mantissa has 11 bits. Its leading one adds 1 to the exponent field of the sum; if rounding gives 2^11, 2. */
-    mantissa = (unsigned)lrintf(ldexpf(size, 11 - exponent));
-    return (uint16_t)(sign | (((unsigned)(exponent + 13) << 10) + mantissa));
-}
-
 /* GL's RGB9_E5, rounded to nearest; below zero and NaN are 0. */
 static inline uint32_t shgrid_rgb9e5_(const float rgb[3]) {
     uint32_t code = 0;
@@ -952,9 +973,7 @@ static inline uint32_t shgrid_rgb9e5_(const float rgb[3]) {
 static inline void shgrid_put_texel_(const shgrid_walk_ *walk, size_t texel, const shgrid_coeffs *value) {
     int n;
     if (walk->format == SHGRID_ATLAS_HALF) {
-        for (n = 0; n < 28; n++)
-            ((uint16_t *)walk->textures[n / 4])[4 * texel + (size_t)(n % 4)] =
-                n < 27 ? shgrid_half_(value->c[n / 3][n % 3]) : 0;
+        shgrid_put_half_(walk->textures, texel, value);
         return;
     }
     ((uint32_t *)walk->textures[0])[texel] = shgrid_rgb9e5_(value->c[0]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT. Sampling of a sparse SH grid in the textures of shgrid.h: GLSL 1.30, GLSL ES 3.00 and
-// later. Light is linear, 1.0 is lightmap byte 255. Textures of the atlas are filtered linearly, without mipmaps. In ES
-// all samplers and numbers need highp.
+// later. Include shgrid.glsl first. Light is linear, 1.0 is lightmap byte 255. Textures of the atlas are filtered
+// linearly, without mipmaps. In ES all samplers and numbers need highp.
 
 struct ShgridAtlas {
     vec3 mins;   // of shgrid_grid: world position of the lowest point
@@ -22,22 +22,8 @@ vec4 ShgridPlace(usampler3D indirection, ShgridAtlas atlas, vec3 position)
     return vec4(place.x, place.y, place.z, brick.w > 0u ? 1.0 : 0.0);
 }
 
-// Light on a surface with that unit normal, from the seven texels of SHGRID_ATLAS_HALF.
-vec3 ShgridLightHalf(vec4 t0, vec4 t1, vec4 t2, vec4 t3, vec4 t4, vec4 t5, vec4 t6, vec3 n)
-{
-    vec3 light = vec3(t0.x, t0.y, t0.z) * 0.282094792;
-    light += vec3(t0.w, t1.x, t1.y) * (0.488602512 * n.y);
-    light += vec3(t1.z, t1.w, t2.x) * (0.488602512 * n.z);
-    light += vec3(t2.y, t2.z, t2.w) * (0.488602512 * n.x);
-    light += vec3(t3.x, t3.y, t3.z) * (1.092548431 * n.x * n.y);
-    light += vec3(t3.w, t4.x, t4.y) * (1.092548431 * n.y * n.z);
-    light += vec3(t4.z, t4.w, t5.x) * (0.315391565 * (3.0 * n.z * n.z - 1.0));
-    light += vec3(t5.y, t5.z, t5.w) * (1.092548431 * n.x * n.z);
-    light += vec3(t6.x, t6.y, t6.z) * (0.546274215 * (n.x * n.x - n.y * n.y));
-    return max(light, vec3(0.0));
-}
-
-// The same from those of SHGRID_ATLAS_SNORM.
+// Light on a surface with that unit normal, from the seven texels of SHGRID_ATLAS_SNORM. Those of SHGRID_ATLAS_HALF are
+// in the order of ShgridLightTexels.
 vec3 ShgridLightSnorm(ShgridAtlas atlas, vec3 mean, vec4 t1, vec4 t2, vec4 t3, vec4 t4, vec4 t5, vec4 t6, vec3 n)
 {
     vec3 band1 = vec3(t1.x, t1.y, t1.z) * (0.488602512 * n.y) + vec3(t1.w, t2.x, t2.y) * (0.488602512 * n.z);
@@ -56,9 +42,9 @@ vec3 ShgridHalf(usampler3D indirection, sampler3D s0, sampler3D s1, sampler3D s2
 {
     vec4 at = ShgridPlace(indirection, atlas, position);
     vec3 p = vec3(at.x, at.y, at.z);
-    return ShgridLightHalf(textureLod(s0, p, 0.0), textureLod(s1, p, 0.0), textureLod(s2, p, 0.0),
-                           textureLod(s3, p, 0.0), textureLod(s4, p, 0.0), textureLod(s5, p, 0.0),
-                           textureLod(s6, p, 0.0), normal) * at.w;
+    return ShgridLightTexels(textureLod(s0, p, 0.0), textureLod(s1, p, 0.0), textureLod(s2, p, 0.0),
+                             textureLod(s3, p, 0.0), textureLod(s4, p, 0.0), textureLod(s5, p, 0.0),
+                             textureLod(s6, p, 0.0), normal) * at.w;
 }
 
 // Light at a world position, SHGRID_ATLAS_SNORM.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT. Sampling of a sparse SH grid in the textures of shgrid.h: HLSL, shader model 4 and
-// later. Light is linear, 1.0 is lightmap byte 255. Textures of the atlas are filtered linearly, without mipmaps.
+// later. Include shgrid.hlsl first. Light is linear, 1.0 is lightmap byte 255. Textures of the atlas are filtered
+// linearly, without mipmaps.
 
 struct ShgridAtlas {
     float3 mins;   // of shgrid_grid: world position of the lowest point
@@ -22,23 +23,8 @@ float4 ShgridPlace(Texture3D<uint4> indirection, ShgridAtlas atlas, float3 posit
     return float4(place.x, place.y, place.z, brick.w > 0u ? 1.0 : 0.0);
 }
 
-// Light on a surface with that unit normal, from the seven texels of SHGRID_ATLAS_HALF.
-float3 ShgridLightHalf(float4 t0, float4 t1, float4 t2, float4 t3, float4 t4,
-                        float4 t5, float4 t6, float3 n)
-{
-    float3 light = float3(t0.x, t0.y, t0.z) * 0.282094792;
-    light += float3(t0.w, t1.x, t1.y) * (0.488602512 * n.y);
-    light += float3(t1.z, t1.w, t2.x) * (0.488602512 * n.z);
-    light += float3(t2.y, t2.z, t2.w) * (0.488602512 * n.x);
-    light += float3(t3.x, t3.y, t3.z) * (1.092548431 * n.x * n.y);
-    light += float3(t3.w, t4.x, t4.y) * (1.092548431 * n.y * n.z);
-    light += float3(t4.z, t4.w, t5.x) * (0.315391565 * (3.0 * n.z * n.z - 1.0));
-    light += float3(t5.y, t5.z, t5.w) * (1.092548431 * n.x * n.z);
-    light += float3(t6.x, t6.y, t6.z) * (0.546274215 * (n.x * n.x - n.y * n.y));
-    return max(light, float3(0.0, 0.0, 0.0));
-}
-
-// The same from those of SHGRID_ATLAS_SNORM.
+// Light on a surface with that unit normal, from the seven texels of SHGRID_ATLAS_SNORM. Those of SHGRID_ATLAS_HALF are
+// in the order of ShgridLightTexels.
 float3 ShgridLightSnorm(ShgridAtlas atlas, float3 mean, float4 t1, float4 t2, float4 t3, float4 t4,
                         float4 t5, float4 t6, float3 n)
 {
@@ -60,10 +46,10 @@ float3 ShgridHalf(Texture3D<uint4> indirection, Texture3D<float4> s0, Texture3D<
 {
     float4 at = ShgridPlace(indirection, atlas, position);
     float3 p = float3(at.x, at.y, at.z);
-    return ShgridLightHalf(s0.SampleLevel(filter, p, 0.0), s1.SampleLevel(filter, p, 0.0),
-                           s2.SampleLevel(filter, p, 0.0), s3.SampleLevel(filter, p, 0.0),
-                           s4.SampleLevel(filter, p, 0.0), s5.SampleLevel(filter, p, 0.0),
-                           s6.SampleLevel(filter, p, 0.0), normal) * at.w;
+    return ShgridLightTexels(s0.SampleLevel(filter, p, 0.0), s1.SampleLevel(filter, p, 0.0),
+                             s2.SampleLevel(filter, p, 0.0), s3.SampleLevel(filter, p, 0.0),
+                             s4.SampleLevel(filter, p, 0.0), s5.SampleLevel(filter, p, 0.0),
+                             s6.SampleLevel(filter, p, 0.0), normal) * at.w;
 }
 
 // Light at a world position, SHGRID_ATLAS_SNORM.

@@ -1,0 +1,507 @@
+/*
+===========================================================================
+SPDX-License-Identifier: GPL-2.0-or-later
+
+The SH light grid in renderer 2: programs that evaluate it, 3D textures of it, and pictures of it.
+===========================================================================
+*/
+// tr_shgrid_gl2.c
+
+#ifdef USE_INTERNAL_SDL_HEADERS
+#	include "SDL.h"
+#else
+#	include <SDL.h>
+#endif
+
+#include "tr_local.h"
+#include "tr_dsa.h"
+
+#ifndef GL_TEXTURE_3D
+#define GL_TEXTURE_3D			0x806F
+#define GL_TEXTURE_WRAP_R		0x8072
+#define GL_MAX_3D_TEXTURE_SIZE	0x8073
+#endif
+#ifndef GL_RGBA8UI
+#define GL_RGBA8UI				0x8D7C
+#define GL_RGBA_INTEGER			0x8D99
+#endif
+#ifndef GL_ACTIVE_TEXTURE
+#define GL_ACTIVE_TEXTURE		0x84E0
+#endif
+#ifndef GL_MAX_VERTEX_TEXTURE_IMAGE_UNITS
+#define GL_MAX_VERTEX_TEXTURE_IMAGE_UNITS	0x8B4C
+#endif
+
+// texture units after those of the engine, which binds nothing to them
+#define	TB_SHGRIDMAP			NUM_TEXTURE_BUNDLES
+#define	SHGRID_MAPS				7
+#define	TB_SHGRIDINDIRECTION	( TB_SHGRIDMAP + SHGRID_MAPS )
+#define	SHGRID_TEXTURES			( SHGRID_MAPS + 1 )
+
+#define	SHGRID_ENTITY_FLOATS	33
+
+extern const char *fallbackShader_shgrid;
+extern const char *fallbackShader_shgrid_atlas;
+extern const char *fallbackShader_shgrid_light;
+
+typedef void (APIENTRY *texImage3D_t)( GLenum target, GLint level, GLint internalFormat, GLsizei width, GLsizei height,
+	GLsizei depth, GLint border, GLenum format, GLenum type, const GLvoid *pixels );
+
+// a lightall or generic program with the light of the grid
+typedef struct {
+	shaderProgram_t	sp;
+	GLint	entityUniform;
+	float	entity[SHGRID_ENTITY_FLOATS];	// the last that were set
+} shGridProgram_t;
+
+static struct {
+	shGridProgram_t	lightall[LIGHTDEF_COUNT];
+	shGridProgram_t	generic[GENERICDEF_COUNT];
+	GLuint			textures[SHGRID_TEXTURES];		// 0: none
+	shgrid_atlas	atlas;							// count is 0 for a uniform grid
+} sh;
+
+static cvar_t	*r_shgridTextures;
+
+/*
+=============================================================================
+
+LIGHT OF ENTITIES
+
+=============================================================================
+*/
+
+/*
+=================
+R_SetupEntityShGrid
+
+Samples the grid, unless the legacy light is to be used. Ambient and directed light are there for highlights and
+shadows; dynamic lights are still to be added.
+=================
+*/
+qboolean R_SetupEntityShGrid( const trRefdef_t *refdef, const vec3_t lightOrigin, trRefEntity_t *ent ) {
+	VectorClear( ent->dynamicLight );
+	VectorClear( ent->dynamicDir );
+	ent->shLit = !( refdef->rdflags & RDF_NOWORLDMODEL ) && R_ShGridAt( lightOrigin, &ent->shCoeffs );
+	if ( ent->shLit ) {
+		R_ShGridSplit( &ent->shCoeffs, ent->ambientLight, ent->directedLight, ent->lightDir );
+	}
+	return ent->shLit;
+}
+
+/*
+=================
+GLSL_SetShGridEntity
+=================
+*/
+static void GLSL_SetShGridEntity( shGridProgram_t *program, const trRefEntity_t *ent ) {
+	float	values[SHGRID_ENTITY_FLOATS];
+	float	most = MAX( ent->dynamicLight[0], MAX( ent->dynamicLight[1], ent->dynamicLight[2] ) );
+
+	Com_Memcpy( values, ent->shCoeffs.c, sizeof( ent->shCoeffs.c ) );
+	VectorScale( ent->dynamicLight, 1.0f / MAX( most, 255.0f ), values + 27 );
+	VectorNormalize2( ent->dynamicDir, values + 30 );
+
+	if ( memcmp( values, program->entity, sizeof( values ) ) ) {
+		Com_Memcpy( program->entity, values, sizeof( values ) );
+		qglProgramUniform1fvEXT( program->sp.program, program->entityUniform, SHGRID_ENTITY_FLOATS, values );
+	}
+}
+
+/*
+=================
+GLSL_ShGridProgram
+
+The program that draws the current entity: one with the light of the grid in place of sp, if the entity has it
+=================
+*/
+shaderProgram_t *GLSL_ShGridProgram( shaderProgram_t *sp ) {
+	const trRefEntity_t	*ent = backEnd.currentEntity;
+	shGridProgram_t		*program;
+
+	if ( !ent || !ent->shLit ) {
+		return sp;
+	}
+
+	if ( sp >= tr.lightallShader && sp < tr.lightallShader + LIGHTDEF_COUNT ) {
+		program = &sh.lightall[sp - tr.lightallShader];
+	} else {
+		program = &sh.generic[sp - tr.genericShader];
+	}
+	if ( !program->sp.program ) {
+		return sp;
+	}
+
+	GLSL_SetShGridEntity( program, ent );
+	return &program->sp;
+}
+
+/*
+=============================================================================
+
+PROGRAMS
+
+=============================================================================
+*/
+
+/*
+=================
+GLSL_ShGridSource
+
+The source of a shader of the engine with the light of the grid after the header. To be freed with ri.Free.
+=================
+*/
+static char *GLSL_ShGridSource( GLuint shader, const char *defines ) {
+	static const char	marker[] = "#line 0\n";
+	const char	*parts[] = { defines, fallbackShader_shgrid, fallbackShader_shgrid_atlas, fallbackShader_shgrid_light, marker };
+	char	*source, *end;
+	GLint	size = 0;
+	int		i, added = 0;
+
+	qglGetShaderiv( shader, GL_SHADER_SOURCE_LENGTH, &size );
+	for ( i = 0 ; i < ARRAY_LEN( parts ) ; i++ ) {
+		added += strlen( parts[i] );
+	}
+
+	source = ri.Malloc( size + added + 1 );
+	qglGetShaderSource( shader, size, NULL, source );
+	source[size] = 0;
+	end = strstr( source, marker );
+	if ( !end ) {
+		ri.Error( ERR_DROP, "GLSL_ShGridSource: a shader without a header" );
+	}
+
+	end += strlen( marker );
+	memmove( end + added, end, strlen( end ) + 1 );
+	for ( i = 0 ; i < ARRAY_LEN( parts ) ; i++ ) {
+		Com_Memcpy( end, parts[i], strlen( parts[i] ) );
+		end += strlen( parts[i] );
+	}
+	return source;
+}
+
+/*
+=================
+GLSL_SetShGridConstants
+
+Uniforms that are the same for the whole map
+=================
+*/
+static void GLSL_SetShGridConstants( GLuint program ) {
+	const shgrid_tone	*tone = &shGridWorld.tone;
+	const shgrid_grid	*grid = &shGridWorld.grid;
+	const qboolean		radiance = shGridWorld.isRadiance;
+	const float	toneValues[9] = { tone->contrast, 1 / tone->gamma, tone->exposure, tone->saturation, tone->scale,
+		tone->maxlight / 255, tone->srgb ? 1 : 0, shGridWorld.limit, shGridWorld.scale / 255 };
+	const float	placeValues[16] = { grid->mins[0], grid->mins[1], grid->mins[2], grid->cell[0], grid->cell[1], grid->cell[2],
+		grid->bounds[0], grid->bounds[1], grid->bounds[2], sh.atlas.bricks[0], sh.atlas.bricks[1], sh.atlas.bricks[2],
+		ldexp( 1, sh.atlas.shift ), radiance ? M_PI : 1, radiance ? 2 * M_PI / 3 : 1, radiance ? M_PI / 4 : 1 };
+	int		i;
+
+	qglProgramUniform1fvEXT( program, qglGetUniformLocation( program, "u_ShGridTone" ), 9, toneValues );
+	if ( !sh.textures[0] ) {
+		return;
+	}
+
+	qglProgramUniform1fvEXT( program, qglGetUniformLocation( program, "u_ShGridPlace" ), 16, placeValues );
+	for ( i = 0 ; i < SHGRID_MAPS ; i++ ) {
+		qglProgramUniform1iEXT( program, qglGetUniformLocation( program, va( "u_ShGridMap%i", i ) ), TB_SHGRIDMAP + i );
+	}
+	if ( sh.atlas.count ) {
+		qglProgramUniform1iEXT( program, qglGetUniformLocation( program, "u_ShGridIndirection" ), TB_SHGRIDINDIRECTION );
+	}
+}
+
+/*
+=================
+GLSL_InitShGridProgram
+
+Makes a program like one of the engine's
+=================
+*/
+static void GLSL_InitShGridProgram( shGridProgram_t *program, const shaderProgram_t *like ) {
+	char	defines[256];
+	char	*vertex, *fragment;
+
+	Com_sprintf( defines, sizeof( defines ), "#define USE_SHGRID\n%s%s%s", shGridWorld.hasTone ? "#define USE_SHGRID_TONE\n" : "",
+		sh.textures[0] ? "#define USE_SHGRID_TEXTURES\n" : "", sh.atlas.count ? "#define USE_SHGRID_SPARSE\n" : "" );
+	vertex = GLSL_ShGridSource( like->vertexShader, defines );
+	fragment = GLSL_ShGridSource( like->fragmentShader, defines );
+	GLSL_InitGPUShader2( &program->sp, va( "%s_shgrid", like->name ), like->attribs, vertex, fragment );
+	ri.Free( fragment );
+	ri.Free( vertex );
+
+	GLSL_InitUniforms( &program->sp );
+	GLSL_SetUniformInt( &program->sp, UNIFORM_DIFFUSEMAP, TB_DIFFUSEMAP );
+	GLSL_SetUniformInt( &program->sp, UNIFORM_LIGHTMAP, TB_LIGHTMAP );
+	GLSL_SetUniformInt( &program->sp, UNIFORM_NORMALMAP, TB_NORMALMAP );
+	GLSL_SetUniformInt( &program->sp, UNIFORM_DELUXEMAP, TB_DELUXEMAP );
+	GLSL_SetUniformInt( &program->sp, UNIFORM_SPECULARMAP, TB_SPECULARMAP );
+	GLSL_SetUniformInt( &program->sp, UNIFORM_SHADOWMAP, TB_SHADOWMAP );
+	GLSL_SetUniformInt( &program->sp, UNIFORM_CUBEMAP, TB_CUBEMAP );
+	program->entityUniform = qglGetUniformLocation( program->sp.program, "u_ShGridEntity" );
+	GLSL_SetShGridConstants( program->sp.program );
+	GLSL_FinishGPUShader( &program->sp );
+}
+
+/*
+=============================================================================
+
+3D TEXTURES
+
+=============================================================================
+*/
+
+/*
+=================
+R_CreateShGridTexture
+
+Makes a 3D texture and leaves it bound to its unit
+=================
+*/
+static GLuint R_CreateShGridTexture( texImage3D_t texImage3D, int unit, const int32_t size[3], qboolean indirection, const void *texels ) {
+	const GLenum	filter = indirection ? GL_NEAREST : GL_LINEAR;
+	GLuint	texture;
+
+	qglGenTextures( 1, &texture );
+	qglActiveTexture( GL_TEXTURE0 + unit );
+	qglBindTexture( GL_TEXTURE_3D, texture );
+	texImage3D( GL_TEXTURE_3D, 0, indirection ? GL_RGBA8UI : GL_RGBA16F_ARB, size[0], size[1], size[2], 0,
+		indirection ? GL_RGBA_INTEGER : GL_RGBA, indirection ? GL_UNSIGNED_BYTE : GL_HALF_FLOAT_ARB, texels );
+	qglTexParameteri( GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, filter );
+	qglTexParameteri( GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, filter );
+	qglTexParameteri( GL_TEXTURE_3D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE );
+	qglTexParameteri( GL_TEXTURE_3D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE );
+	qglTexParameteri( GL_TEXTURE_3D, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE );
+	return texture;
+}
+
+/*
+=================
+R_ShGridTextureProblem
+
+What keeps the grid from being put into textures of that size; NULL if nothing does
+=================
+*/
+static const char *R_ShGridTextureProblem( texImage3D_t texImage3D, const int32_t size[3] ) {
+	GLint	fragmentUnits = 0, vertexUnits = 0, mostTexels = 0;
+
+	if ( qglesMajorVersion || !texImage3D ) {
+		return "OpenGL 3.0 is needed";
+	}
+
+	qglGetIntegerv( GL_MAX_TEXTURE_IMAGE_UNITS, &fragmentUnits );
+	qglGetIntegerv( GL_MAX_VERTEX_TEXTURE_IMAGE_UNITS, &vertexUnits );
+	qglGetIntegerv( GL_MAX_3D_TEXTURE_SIZE, &mostTexels );
+	if ( fragmentUnits < TB_SHGRIDMAP + SHGRID_TEXTURES || vertexUnits < SHGRID_TEXTURES ) {
+		return "too few texture units";
+	}
+	if ( shGridWorld.grid.levels && !sh.atlas.count ) {
+		return "no atlas holds all bricks";
+	}
+	if ( MAX( size[0], MAX( size[1], size[2] ) ) > mostTexels ) {
+		return va( "%i x %i x %i texels, limit %i", size[0], size[1], size[2], mostTexels );
+	}
+	return NULL;
+}
+
+/*
+=================
+R_FillShGridTextures
+=================
+*/
+static void R_FillShGridTextures( texImage3D_t texImage3D, const int32_t size[3] ) {
+	const size_t	bytes = (size_t)8 * size[0] * size[1] * size[2];
+	byte	*texels = ri.Malloc( SHGRID_MAPS * bytes + shgrid_indirection_bytes( &sh.atlas ) );
+	byte	*indirection = texels + SHGRID_MAPS * bytes;
+	void	*maps[SHGRID_MAPS];
+	GLint	unit;
+	int		i;
+
+	for ( i = 0 ; i < SHGRID_MAPS ; i++ ) {
+		maps[i] = texels + i * bytes;
+	}
+	if ( sh.atlas.count ) {
+		shgrid_atlas_fill( &shGridWorld.grid, &sh.atlas, SHGRID_ATLAS_HALF, indirection, maps );
+	} else {
+		shgrid_fill_half( &shGridWorld.grid, maps );
+	}
+
+	qglGetIntegerv( GL_ACTIVE_TEXTURE, &unit );
+	for ( i = 0 ; i < SHGRID_MAPS ; i++ ) {
+		sh.textures[i] = R_CreateShGridTexture( texImage3D, TB_SHGRIDMAP + i, size, qfalse, maps[i] );
+	}
+	if ( sh.atlas.count ) {
+		sh.textures[SHGRID_MAPS] = R_CreateShGridTexture( texImage3D, TB_SHGRIDINDIRECTION, sh.atlas.entries, qtrue, indirection );
+	}
+	qglActiveTexture( unit );
+	ri.Free( texels );
+}
+
+/*
+=================
+R_InitShGridTextures
+=================
+*/
+static void R_InitShGridTextures( void ) {
+	texImage3D_t	texImage3D = (texImage3D_t)SDL_GL_GetProcAddress( "glTexImage3D" );
+	const char	*problem;
+	int32_t		size[3];
+	int			start = ri.Milliseconds();
+
+	shgrid_atlas_measure( &shGridWorld.grid, &sh.atlas );
+	VectorCopy( shGridWorld.grid.bounds, size );
+	if ( sh.atlas.count ) {
+		VectorScale( sh.atlas.bricks, SHGRID_BRICK_TEXELS, size );
+	}
+
+	problem = R_ShGridTextureProblem( texImage3D, size );
+	if ( problem ) {
+		Com_Memset( &sh.atlas, 0, sizeof( sh.atlas ) );
+		ri.Printf( PRINT_WARNING, "WARNING: SH light grid is not put into textures: %s\n", problem );
+		return;
+	}
+
+	R_FillShGridTextures( texImage3D, size );
+	ri.Printf( PRINT_ALL, "SH light grid: 7 textures of %i x %i x %i, %.1f MB, in %i ms\n", size[0], size[1], size[2],
+		SHGRID_MAPS * 8.0f * size[0] * size[1] * size[2] / ( 1024 * 1024 ), ri.Milliseconds() - start );
+}
+
+/*
+=================
+R_InitShGrid
+
+After the grid of a map was loaded: textures and programs for it
+=================
+*/
+void R_InitShGrid( void ) {
+	int		i, start = ri.Milliseconds(), count = 0;
+
+	R_ShutdownShGrid();
+	r_shgridTextures = ri.Cvar_Get( "r_shgridTextures", "0", CVAR_ARCHIVE | CVAR_LATCH );
+	if ( !shGridWorld.grid.points ) {
+		return;
+	}
+	if ( glRefConfig.glslMajorVersion < 2 && glRefConfig.glslMinorVersion < 30 ) {
+		ri.Printf( PRINT_WARNING, "WARNING: SH light grid needs GLSL 1.30: entities get ambient and directed light made of it\n" );
+		return;
+	}
+
+	R_IssuePendingRenderCommands();
+	if ( r_shgridTextures->integer ) {
+		R_InitShGridTextures();
+	}
+	for ( i = 0 ; i < LIGHTDEF_COUNT ; i++ ) {
+		if ( ( i & LIGHTDEF_LIGHTTYPE_MASK ) == LIGHTDEF_USE_LIGHT_VECTOR && tr.lightallShader[i].program ) {
+			GLSL_InitShGridProgram( &sh.lightall[i], &tr.lightallShader[i] );
+			count++;
+		}
+	}
+	for ( i = 0 ; i < GENERICDEF_COUNT ; i++ ) {
+		if ( ( i & GENERICDEF_USE_RGBAGEN ) && tr.genericShader[i].program ) {
+			GLSL_InitShGridProgram( &sh.generic[i], &tr.genericShader[i] );
+			count++;
+		}
+	}
+	ri.Printf( PRINT_ALL, "SH light grid: %i programs, with all in %i ms\n", count, ri.Milliseconds() - start );
+}
+
+/*
+=================
+R_ShutdownShGrid
+=================
+*/
+void R_ShutdownShGrid( void ) {
+	int		i;
+
+	for ( i = 0 ; i < LIGHTDEF_COUNT ; i++ ) {
+		GLSL_DeleteGPUShader( &sh.lightall[i].sp );
+	}
+	for ( i = 0 ; i < GENERICDEF_COUNT ; i++ ) {
+		GLSL_DeleteGPUShader( &sh.generic[i].sp );
+	}
+	if ( sh.textures[0] ) {
+		qglDeleteTextures( SHGRID_TEXTURES, sh.textures );
+	}
+	Com_Memset( &sh, 0, sizeof( sh ) );
+}
+
+/*
+=============================================================================
+
+PICTURE OF THE GRID
+
+=============================================================================
+*/
+
+#define	SHGRID_RADIUS		512		// world units around the viewer in which points are drawn
+#define	SHGRID_SPHERES		400		// the most
+
+#define	SPHERE_RADIUS		3
+
+/*
+=================
+RB_AddSphere
+=================
+*/
+static void RB_AddSphere( const vec3_t origin ) {
+	const shGridSphere_t	*sphere = R_ShGridSphere();
+	shgrid_coeffs	coeffs;
+	const float		*kind = NULL;
+	int				i;
+
+	RB_CHECKOVERFLOW( SHGRID_SPHERE_VERTEXES, SHGRID_SPHERE_INDEXES );
+
+	R_ShGridSample( origin, &coeffs );
+	if ( r_showshgrid->integer > 1 ) {
+		kind = R_PointInLeaf( origin )->cluster == -1 ? colorRed : colorGreen;
+	}
+
+	for ( i = 0 ; i < SHGRID_SPHERE_INDEXES ; i++ ) {
+		tess.indexes[tess.numIndexes++] = tess.numVertexes + sphere->indexes[i];
+	}
+	for ( i = 0 ; i < SHGRID_SPHERE_VERTEXES ; i++, tess.numVertexes++ ) {
+		vec4_t	color;
+
+		VectorMA( origin, SPHERE_RADIUS, sphere->normals[i], tess.xyz[tess.numVertexes] );
+		VectorSet2( tess.texCoords[tess.numVertexes], 0, 0 );
+		R_ShGridLight( &coeffs, sphere->normals[i], color );
+		VectorScale( color, 1.0f / 255.0f, color );
+		if ( kind ) {
+			VectorScale( color, 0.5f, color );
+			VectorMA( color, 0.5f, kind, color );
+		}
+		color[3] = 1;
+		R_VaoPackColor( tess.color[tess.numVertexes], color );
+	}
+}
+
+/*
+=================
+RB_ShowShGrid
+
+Draws points of the grid near the viewer as white spheres lit by their own coefficients. With r_showshgrid 2 those in
+the open are green, and those in solids, whose light is filled in, red; these can be seen through walls.
+=================
+*/
+void RB_ShowShGrid( void ) {
+	static vec3_t	points[SHGRID_SPHERES];
+	int				i, numPoints;
+
+	if ( !r_showshgrid->integer || ( backEnd.refdef.rdflags & RDF_NOWORLDMODEL ) ) {
+		return;
+	}
+
+	numPoints = R_ShGridNear( backEnd.viewParms.or.origin, SHGRID_RADIUS, SHGRID_SPHERES, points );
+	backEnd.currentEntity = &tr.worldEntity;
+	backEnd.or = backEnd.viewParms.world;
+	if ( r_showshgrid->integer > 1 ) {
+		qglDepthRange( 0, 0.3 );
+	}
+	RB_BeginSurface( R_FindShader( "*white", LIGHTMAP_BY_VERTEX, qfalse ), 0, 0 );
+	for ( i = 0 ; i < numPoints ; i++ ) {
+		RB_AddSphere( points[i] );
+	}
+	RB_EndSurface();
+	qglDepthRange( 0, 1 );
+}
