@@ -71,7 +71,7 @@ class Engine:
     def _start(self, home, name, seconds):
         words = ["xvfb-run", "-a", "-s", f"-screen 0 {self.size[0]}x{self.size[1]}x24", str(self.path.resolve())]
         start = {"fs_basepath": self.game.resolve(), "fs_homepath": home, "com_basegame": self.mod, "com_standalone": 1,
-                 "cl_renderer": self.renderer, "sv_pure": 0, "vm_game": 0, "vm_cgame": 0, "vm_ui": 0}
+                 "com_hunkMegs": 512, "cl_renderer": self.renderer, "sv_pure": 0, "vm_game": 0, "vm_cgame": 0, "vm_ui": 0}
         for variable, value in start.items():
             words += ["+set", variable, str(value)]
         words += ["+devmap", name, "+exec", "pictures.cfg"]
