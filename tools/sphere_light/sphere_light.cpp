@@ -4,8 +4,8 @@
 #include "common/files/files.h"
 #include "common/text/text.h"
 #include "q3map2/bspfile/bspfile.h"
-#include "tools/engines/sphere_light/engine_light.h"
-#include "tools/engines/sphere_light/sphere_places.h"
+#include "tools/sphere_light/engine_light.h"
+#include "tools/sphere_light/sphere_places.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The bytes that ioquake3 shows of the light grids of a map on a white matte surface.
-#include "tools/engines/sphere_light/engine_light.h"
+#include "tools/sphere_light/engine_light.h"
 
 #include "common/error.h"
 #include "libs/shgrid/shgrid.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/bspfile/bsp.h"
-#include "tools/engines/sphere_light/sphere_view.h"
+#include "tools/sphere_light/sphere_view.h"
 
 #include <functional>
 #include <vector>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The sphere as the camera of the engine sees it.
-#include "tools/engines/sphere_light/sphere_view.h"
+#include "tools/sphere_light/sphere_view.h"
 
 #include <cmath>
 #include <numbers>

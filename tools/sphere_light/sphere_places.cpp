@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Places of a map where the camera sees the whole sphere.
-#include "tools/engines/sphere_light/sphere_places.h"
+#include "tools/sphere_light/sphere_places.h"
 
 #include "common/error.h"
 #include "libs/math/bounds.h"
@@ -85,8 +85,8 @@ std::vector<SpherePlace> FindSpherePlaces(const Bsp &bsp, int count, const std::
     std::mt19937 random(1);
     std::uniform_real_distribution<float> unit(0, 1);
     std::vector<SpherePlace> places;
-    for (int tries = 0; int(places.size()) < count; ++tries) {
-        if (tries > count * kTriesPerPlace)
+    for (std::int64_t tries = 0; int(places.size()) < count; ++tries) {
+        if (tries > std::int64_t(count) * kTriesPerPlace)
             throw Error("found only {} of {} places with a free view of a sphere", places.size(), count);
         const float x = unit(random), y = unit(random), z = unit(random);
         const Vec3f p = mins + size * Vec3f{x, y, z};
