@@ -18,8 +18,8 @@ FRAMES = 50
 SETTINGS = {
     "bot_enable": 0, "cg_bobpitch": 0, "cg_bobroll": 0, "cg_bobup": 0, "cg_draw2D": 0, "cg_drawGun": 0, "cg_fov": 90,
     "cg_runpitch": 0, "cg_runroll": 0, "cg_thirdPerson": 0, "com_introplayed": 1, "com_maxfps": FRAMES,
-    "con_notifytime": 0, "g_gametype": 0, "g_inactivity": 0, "pmove_fixed": 1, "pmove_msec": 8, "r_ext_compressed_textures": 0,
-    "r_ext_multisample": 0, "r_flares": 0, "r_fullscreen": 0, "r_gamma": 1, "r_intensity": 1, "r_mode": -1,
+    "con_notifytime": 0, "g_gametype": 0, "g_inactivity": 0, "pmove_fixed": 1, "pmove_msec": 8,
+    "r_ext_compressed_textures": 0, "r_ext_multisample": 0, "r_flares": 0, "r_fullscreen": 0, "r_gamma": 1, "r_intensity": 1, "r_mode": -1,
     "r_picmip": 0, "s_initsound": 0, "sv_pure": 0, "timelimit": 0, "vm_cgame": 0, "vm_game": 0, "vm_ui": 0,
 }
 
@@ -50,8 +50,8 @@ class Engine:
             raise EngineError(f"{self.game / mod}: no game data there")
 
     def run(self, bsp, commands, files=None, seconds=600):
-        """Loads a map with cheats and runs console commands. Returns the log and the folder of screenshots, which lasts
-        as long as the object that is returned third. files: name in the mod's folder and bytes."""
+        """Loads a map with cheats and runs console commands. Returns the log, the folder of screenshots, and what keeps
+        that folder. files: name in the mod's folder and bytes."""
         home = tempfile.TemporaryDirectory(prefix="engine_run_")
         mod = Path(home.name) / self.mod
         (mod / "maps").mkdir(parents=True)
