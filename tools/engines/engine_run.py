@@ -19,8 +19,9 @@ SETTINGS = {
     "bot_enable": 0, "cg_bobpitch": 0, "cg_bobroll": 0, "cg_bobup": 0, "cg_draw2D": 0, "cg_drawGun": 0, "cg_fov": 90,
     "cg_runpitch": 0, "cg_runroll": 0, "cg_thirdPerson": 0, "com_introplayed": 1, "com_maxfps": FRAMES,
     "con_notifytime": 0, "g_gametype": 0, "g_inactivity": 0, "pmove_fixed": 1, "pmove_msec": 8,
-    "r_ext_compressed_textures": 0, "r_ext_multisample": 0, "r_flares": 0, "r_fullscreen": 0, "r_gamma": 1, "r_intensity": 1, "r_mode": -1,
-    "r_picmip": 0, "s_initsound": 0, "sv_pure": 0, "timelimit": 0, "vm_cgame": 0, "vm_game": 0, "vm_ui": 0,
+    "r_ext_compressed_textures": 0, "r_ext_multisample": 0, "r_flares": 0, "r_fullscreen": 0, "r_gamma": 1,
+    "r_intensity": 1, "r_mode": -1, "r_picmip": 0, "s_initsound": 0, "sv_pure": 0, "timelimit": 0,
+    "vm_cgame": 0, "vm_game": 0, "vm_ui": 0,
 }
 
 
@@ -70,8 +71,9 @@ class Engine:
 
     def _start(self, home, name, seconds):
         words = ["xvfb-run", "-a", "-s", f"-screen 0 {self.size[0]}x{self.size[1]}x24", str(self.path.resolve())]
-        start = {"fs_basepath": self.game.resolve(), "fs_homepath": home, "com_basegame": self.mod, "com_standalone": 1,
-                 "com_hunkMegs": 512, "cl_renderer": self.renderer, "sv_pure": 0, "vm_game": 0, "vm_cgame": 0, "vm_ui": 0}
+        start = {"fs_basepath": self.game.resolve(), "fs_homepath": home, "com_basegame": self.mod,
+                 "com_standalone": 1, "com_hunkMegs": 512, "cl_renderer": self.renderer, "sv_pure": 0,
+                 "vm_game": 0, "vm_cgame": 0, "vm_ui": 0}
         for variable, value in start.items():
             words += ["+set", variable, str(value)]
         words += ["+devmap", name, "+exec", "pictures.cfg"]
