@@ -55,7 +55,8 @@ std::optional<LegacyGridReader> LegacyGridReader::Load(std::span<const std::byte
         const auto byte = [&](std::size_t i) { return float(std::to_integer<int>(lump[at + i])); };
         Point point{{byte(0), byte(1), byte(2)}, {byte(3), byte(4), byte(5)}, {}};
         point.direction = DecodeAngles(byte(6), byte(7), engine.angleSteps);
-        point.inWall = engine.skipsBlack && byte(0) + byte(1) + byte(2) == 0;
+        point.inWall = engine.skipsBlack && point.ambient == Vec3f{} &&
+                       !(engine.keepsDirected && point.directed != Vec3f{});
         reader.points_.push_back(point);
     }
     return reader;

@@ -17,6 +17,7 @@ struct LegacyEngine {
     float ambientAdded = 0;                    ///< bytes of the lump
     int angleSteps = 256;                      ///< of angle bytes, for 360 degrees
     bool skipsBlack = false;                   ///< leaves points without ambient light out: they are in walls
+    bool keepsDirected = false;                ///< of them, keeps those with directed light
 };
 inline constexpr LegacyEngine kIoquake3Engine{0.6f, 1, 8, 256, true};
 inline constexpr LegacyEngine kPlainEngine{1, 1, 0, 255, false};

@@ -1,0 +1,212 @@
+// GPL-2.0-or-later. sphere_light: compares pictures of a white sphere in an engine with the light grids of the map.
+#include "common/arguments.h"
+#include "common/error.h"
+#include "common/files/files.h"
+#include "common/text/text.h"
+#include "q3map2/bspfile/bspfile.h"
+#include "tools/sphere_light/engine_light.h"
+#include "tools/sphere_light/sphere_places.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+#include <sstream>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::string_view kUsage = R"(usage: sphere_light places MAP.bsp COUNT
+       sphere_light compare MAP.bsp PLACES FOLDER [options]
+       sphere_light wall IMAGE.tga [--limit N]
+places   prints x y z yaw of COUNT spheres with a free view, a line each
+compare  pictures FOLDER/0.tga, 1.tga, ... of the places against the light that the grid has there
+  --grid sh|legacy       (sh)
+  --renderer 1|2         whose formula of the legacy grid (1)
+  --shift N              r_mapOverBrightBits less the engine's overbright bits (0)
+  --limit N              fail if the mean difference of all pixels is not below that, of 255
+wall     the middle of the sphere against the wall behind it, left and right of the sphere
+  --limit N              fail if a channel differs by more
+)";
+
+constexpr float kDarkest = 4; ///< mean light of places, bytes
+
+/// Differences of pixels from what they should be.
+struct Differences {
+    double sum = 0, bias = 0, largest = 0; ///< bytes
+    std::size_t count = 0;                 ///< of channels
+
+    void Add(const Vec3f &shown, const Vec3f &expected) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double difference = double(shown[i] - expected[i]);
+            sum += std::abs(difference);
+            bias += difference;
+            largest = std::max(largest, std::abs(difference));
+        }
+        count += 3;
+    }
+    void Add(const Differences &other) {
+        sum += other.sum;
+        bias += other.bias;
+        largest = std::max(largest, other.largest);
+        count += other.count;
+    }
+    void Print(std::string_view name, double light) const {
+        fmt::print("{:<32} {:>8} {:>8.1f} {:>8.3f} {:>8.3f} {:>8.1f}\n", name, count / 3, light, sum / double(count),
+                   bias / double(count), largest);
+    }
+};
+
+/// Reads a map; lines of the log other than warnings are dropped.
+Bsp ReadMap(const std::string &path) {
+    Log log([](LogLevel level, std::string_view text) {
+        if (level != LogLevel::Normal)
+            std::fwrite(text.data(), 1, text.size(), stderr);
+    });
+    return ReadBspFile(path, {}, log);
+}
+
+EngineLight GridOf(const std::string &name, const std::vector<std::byte> &file, const Bsp &bsp, Renderer renderer,
+                   int shift) {
+    if (name == "sh")
+        return ShGridLight(file, bsp, shift);
+    if (name == "legacy")
+        return LegacyGridLight(bsp, renderer, shift);
+    throw Error("--grid {}: expected sh or legacy", name);
+}
+
+/// Mean over the six directions of the axes and the channels.
+float MeanLight(const NormalColor &light) {
+    float sum = 0;
+    for (const Vec3f &normal : {Vec3f{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}}) {
+        const Vec3f color = light(normal);
+        sum += (color.x + color.y + color.z) / 18;
+    }
+    return sum;
+}
+
+int PrintPlaces(Arguments &arguments) {
+    const std::string path = arguments.TakeFirst();
+    const int count = int(NumberFromText(arguments.TakeFirst()));
+    if (count < 1)
+        throw Error("expected a map and a number of places");
+    const Bsp bsp = ReadMap(path);
+    const std::vector<std::byte> file = ReadFile(path);
+    const EngineLight light =
+        bsp.gridSH || bsp.sparseGridSH ? ShGridLight(file, bsp, 0) : LegacyGridLight(bsp, Renderer::OpenGL1, 0);
+    const auto isLit = [&](const Vec3f &position) { return MeanLight(light(position)) >= kDarkest; };
+    for (const SpherePlace &place : FindSpherePlaces(bsp, count, isLit))
+        fmt::print("{} {} {} {}\n", place.center.x, place.center.y, place.center.z, place.yaw);
+    return 0;
+}
+
+std::vector<SpherePlace> ReadPlaces(const std::string &path) {
+    const std::vector<std::byte> bytes = ReadFile(path);
+    std::istringstream text(std::string(reinterpret_cast<const char *>(bytes.data()), bytes.size()));
+    std::vector<SpherePlace> places;
+    for (SpherePlace place; text >> place.center.x >> place.center.y >> place.center.z >> place.yaw;)
+        places.push_back(place);
+    if (places.empty())
+        throw Error("{}: expected lines of x y z yaw", path);
+    return places;
+}
+
+Image ReadScreenshot(const std::string &path) {
+    return DecodeTga(ReadFile(path), path);
+}
+
+Differences ComparePlace(const SpherePlace &place, const Image &image, const NormalColor &light) {
+    Differences differences;
+    for (int row = 0; row < image.height; ++row)
+        for (int column = 0; column < image.width; ++column)
+            if (const auto normal = SphereNormal(place, image, column, row))
+                differences.Add(PixelColor(image, column, row), light(*normal));
+    if (differences.count == 0)
+        throw Error("a picture is too small to show the sphere");
+    return differences;
+}
+
+int CompareImages(Arguments &arguments) {
+    const int renderer = arguments.TakeWhole("--renderer", 1, 1), shift = arguments.TakeWhole("--shift", 0, 0);
+    const std::string grid = arguments.TakeValue("--grid").value_or("sh");
+    const auto limit = arguments.TakeValue("--limit");
+    const std::string path = arguments.TakeFirst(), placesPath = arguments.TakeFirst(), folder = arguments.TakeFirst();
+    if (folder.empty() || renderer > 2)
+        throw Error("expected a map, a file of places and a folder, and renderer 1 or 2");
+    const std::vector<std::byte> file = ReadFile(path);
+    const Bsp bsp = ReadMap(path);
+    const EngineLight light = GridOf(grid, file, bsp, renderer == 1 ? Renderer::OpenGL1 : Renderer::OpenGL2, shift);
+    const std::vector<SpherePlace> places = ReadPlaces(placesPath);
+    fmt::print("{:<32} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "of 255", "pixels", "light", "mean", "bias", "largest");
+    Differences all;
+    double allLight = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const SpherePlace &place = places[i];
+        const NormalColor expected = light(place.center);
+        const Differences one = ComparePlace(place, ReadScreenshot(fmt::format("{}/{}.tga", folder, i)), expected);
+        one.Print(fmt::format("{}: {} {} {} {}", i, place.center.x, place.center.y, place.center.z, place.yaw),
+                  double(MeanLight(expected)));
+        all.Add(one);
+        allLight += double(MeanLight(expected));
+    }
+    all.Print("all", allLight / double(places.size()));
+    return limit && all.sum / double(all.count) >= NumberFromText(*limit) ? 1 : 0;
+}
+
+/// Mean of the pixels of a row band around the middle of the picture.
+Vec3f MeanColor(const Image &image, int firstColumn, int endColumn) {
+    constexpr int kHalfRows = 2;
+    Vec3f sum;
+    for (int row = image.height / 2 - kHalfRows; row < image.height / 2 + kHalfRows; ++row)
+        for (int column = firstColumn; column < endColumn; ++column)
+            sum += PixelColor(image, column, row);
+    return sum / float(2 * kHalfRows * (endColumn - firstColumn));
+}
+
+int CompareWall(Arguments &arguments) {
+    const auto limit = arguments.TakeValue("--limit");
+    const std::string path = arguments.TakeFirst();
+    const Image image = ReadScreenshot(path);
+    const int middle = image.width / 2;
+    const float radius = float(middle) * kSphereRadius / kSphereDistance; // of the outline, a little less
+    const int inner = int(1.1f * radius), outer = int(1.3f * radius);
+    if (radius < 8 || outer > middle)
+        throw Error("{}: too small a picture", path);
+    const Vec3f left = MeanColor(image, middle - outer, middle - inner),
+                right = MeanColor(image, middle + inner, middle + outer), wall = (left + right) * 0.5f;
+    const Vec3f sphere = MeanColor(image, middle - 2, middle + 2), step = sphere - wall;
+    const float most = std::max({std::abs(step.x), std::abs(step.y), std::abs(step.z)});
+    fmt::print(
+        "sphere {:.1f} {:.1f} {:.1f}, wall {:.1f} {:.1f} {:.1f} (left {:.1f}, right {:.1f} in green), step {:.1f}\n",
+        sphere.x, sphere.y, sphere.z, wall.x, wall.y, wall.z, left.y, right.y, most);
+    return limit && double(most) > NumberFromText(*limit) ? 1 : 0;
+}
+
+int Run(const std::vector<std::string> &words) {
+    Arguments arguments(words);
+    const std::string task = arguments.Empty() ? std::string() : arguments.TakeFirst();
+    if (task == "places")
+        return PrintPlaces(arguments);
+    if (task == "compare")
+        return CompareImages(arguments);
+    if (task == "wall")
+        return CompareWall(arguments);
+    fmt::print("{}", kUsage);
+    return 2;
+}
+
+} // namespace
+
+} // namespace q3
+
+int main(int count, char **words) {
+    try {
+        return q3::Run({words + 1, words + count});
+    } catch (const std::exception &error) {
+        fmt::print(stderr, "sphere_light: {}\n", error.what());
+        return 1;
+    }
+}
