@@ -6,19 +6,6 @@
 
 namespace q3 {
 
-namespace {
-
-/// Documentation of -gridformats: its words.
-constexpr std::string_view kGridFormatsDetails =
-    "LIST is of these words, separated by commas: `sh` and `shbspx`, the SH grid in lump 18 or in a BSPX lump; "
-    "`sparse`, the SH grid with cells of different sizes; "
-    "`legacy`, the legacy grid fitted to the SH grid, `legacy-ioq3` and `legacy-daemon`, the same for what these "
-    "engines make of it; `raw-ioq3` and `raw-rend2`, the fitted legacy grid and its floats in `maps/x/lightgrid.raw`; "
-    "`octree` and `grids`, the BSPX lumps LIGHTGRID_OCTREE and LIGHTGRIDS. [grid_formats.md](grid_formats.md) tells "
-    "which engine reads what.";
-
-} // namespace
-
 std::vector<SettingGroup<ConvertGridOptions>> ConvertGridSettings() {
     const auto scale = [](ConvertGridOptions &o, const SettingValues &v) { o.ambientFactor *= float(v.numbers[0]); };
     const auto goal = [](ConvertGridOptions &o) -> SparseGoal & {

@@ -72,6 +72,7 @@ Group Surfaces() {
              {{.name = "-minsamplesize",
                .values = "N",
                .unit = "game units",
+               .initial = "none",
                .range = kSampleSize,
                .help = "Smallest luxel of any surface"},
               &BspOptions::minSampleSize},

@@ -194,27 +194,27 @@ Group Skips() {
                   .smooth = false,
                   .coarse = false};
     };
-    return {"Accelerations to switch off",
-            "Light that cannot matter is not computed. These switches compute it all the same, to measure what is "
-            "lost.",
-            {{{.name = "-noskip", .help = "Trace every light at every point: all of the following"},
-              Do<LightOptions>(none)},
-             {{.name = "-noskipreach", .help = "Trace lights that are out of reach or face away too"},
-              skip(&SkipOptions::reach)},
-             {{.name = "-noskippvs", .help = "Trace lights that visibility data hides too"}, skip(&SkipOptions::pvs)},
-             {{.name = "-noskipfaint",
-               .help = "Trace all faint lights instead of a random few",
-               .details = "Of both grids, and of surface lights in lightmaps."},
-              skip(&SkipOptions::faint)},
-             {{.name = "-noskipmoments", .help = "Integrate far surface lights exactly too (both grids)"},
-              skip(&SkipOptions::moments)},
-             {{.name = "-noskipprobes", .help = "Cast several rays to faint surface lights too"},
-              skip(&SkipOptions::probes)},
-             {{.name = "-noskipsmooth",
-               .help = "Trace weak light at every point of the SH grid, also where it is smooth"},
-              skip(&SkipOptions::smooth)},
-             {{.name = "-noskipcoarse", .help = "With -fast or -fastgrid: cast rays to dim lights at every point"},
-              skip(&SkipOptions::coarse)}}};
+    return {
+        "Accelerations to switch off",
+        "Light that cannot matter is not computed. These switches compute it all the same, to measure what is "
+        "lost.",
+        {{{.name = "-noskip", .help = "Trace every light at every point: all of the following"},
+          Do<LightOptions>(none)},
+         {{.name = "-noskipreach", .help = "Trace lights that are out of reach or face away too"},
+          skip(&SkipOptions::reach)},
+         {{.name = "-noskippvs", .help = "Trace lights that visibility data hides too"}, skip(&SkipOptions::pvs)},
+         {{.name = "-noskipfaint",
+           .help = "Trace all faint lights instead of a random few",
+           .details = "Of both grids, and of surface lights in lightmaps."},
+          skip(&SkipOptions::faint)},
+         {{.name = "-noskipmoments", .help = "Integrate far surface lights exactly too (both grids)"},
+          skip(&SkipOptions::moments)},
+         {{.name = "-noskipprobes", .help = "Cast several rays to faint surface lights too"},
+          skip(&SkipOptions::probes)},
+         {{.name = "-noskipsmooth", .help = "Trace weak light at every point of the SH grid, also where it is smooth"},
+          skip(&SkipOptions::smooth)},
+         {{.name = "-noskipcoarse", .help = "With -fast or -fastgrid: cast rays to dim lights at every point"},
+          skip(&SkipOptions::coarse)}}};
 }
 
 Group Intensities() {

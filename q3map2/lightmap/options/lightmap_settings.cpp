@@ -108,6 +108,7 @@ Group LuxelSize() {
              {{.name = "-minsamplesize",
                .values = "N",
                .unit = "game units",
+               .initial = "none",
                .range = {1, kMaxSampleSize},
                .help = "Smallest luxel size that shaders and entities may ask for, in a map without .srf"},
               &LightmapOptions::minSampleSize},
