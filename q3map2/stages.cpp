@@ -99,7 +99,7 @@ std::vector<Stage> CompilingStages() {
          "Write a page that shows a map and its light in a browser: maps/x.html",
          "The page is one file that needs nothing else: the map is in it as a package, with `x.lin`, `x.prt` and "
          "`x.sherror.json` if they are beside it, its shaders and its textures, reduced. "
-         "[tools_for_maps.md](tools_for_maps.md#report-a-map-in-a-browser) tells what it shows.",
+         "[tools_for_maps.md](tools_for_maps.md#report-a-map-in-a-browser) tells what is in it.",
          ShReportStage, [] { return Describe(ShReportSettings()); }},
         {"-ssbump", "-ssbump [options] HEIGHT OUT.tga|OUT.png",
          "Make a self-shadowed bump map of a height map, for directional lightmaps",

@@ -189,7 +189,7 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
     Print(TableText(result.report) + result.worst);
     WriteText(command.jsonFile, JsonText(result.report));
     if (settings.errorList)
-        ReplaceTextFile(command.errorFile.empty() ? WithExtension(path, ".sherror.json") : command.errorFile,
+        ReplaceTextFile(command.errorFile.empty() ? WithExtension(path, ".sherror.json").string() : command.errorFile,
                         result.errors);
     if (!command.plotBase.empty()) {
         WriteChart(ErrorChart(result.report), command.plotBase);
