@@ -34,7 +34,7 @@ int ShReportStage(const StageContext &context, Arguments arguments) {
         options.output.empty() ? WithExtension(bspPath, ".html") : std::filesystem::absolute(options.output);
     log.Print("Writing {}\n", path.string());
     ReplaceTextFile(path, page);
-    log.Print("Wrote {} bytes, {} of them the map and its files\n", page.size(), package.size());
+    log.Print("Wrote {} bytes, with a package of {} bytes\n", page.size(), package.size());
     return 0;
 }
 

@@ -79,6 +79,7 @@ class ReportPackage {
         for (const PackageEntry &entry : lights.Files()) {
             if (!StartsWithNoCase(fs::path(entry.name).filename().string(), "lm_"))
                 continue;
+            lightmaps_.Add(entry.name, name_);
             if (!entry.disk.empty())
                 AddFile(entry.name, entry.disk);
             else if (const auto bytes = map_.source.Read(entry.name))
@@ -100,7 +101,7 @@ class ReportPackage {
     void AddTextures(int textureSize, const JobPool &jobs) {
         std::vector<std::string> images;
         for (const PackageEntry &entry : plan_.Files())
-            if (IsImage(entry.name))
+            if (IsImage(entry.name) && !lightmaps_.Has(entry.name))
                 images.push_back(entry.name);
         std::vector<EncodedTexture> textures(images.size());
         jobs.For(std::int64_t(images.size()), [&](std::int64_t i, int) {
@@ -137,6 +138,7 @@ class ReportPackage {
     Log &log_;
     MapNeeds needs_;
     PackagePlan plan_;
+    WantedList lightmaps_; ///< external ones: shaders may name them as images
     ArchiveWriter archive_{kZlibsChoice};
     int files_ = 0;
 };

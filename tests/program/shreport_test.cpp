@@ -46,6 +46,7 @@ TEST_F(ShReportProgramTest, ThePageHoldsTheMap) {
     const Outcome outcome = RunWell("-shreport -texturesize 64 MAP");
     EXPECT_TRUE(outcome.Printed("Writing " + Map(".html").string()));
     EXPECT_EQ(Taken(ReadTextFile(Map(".html"))).first, "maps/demo.bsp");
+    EXPECT_TRUE(outcome.Printed(fmt::format("Wrote {} bytes", std::filesystem::file_size(Map(".html")))));
     const Archive archive = PackageOf(Map(".html"));
     EXPECT_EQ(archive.Read("maps/demo.bsp"), MapBytes());
     EXPECT_TRUE(archive.Contains("maps/demo.sherror.json"));

@@ -84,6 +84,14 @@ TEST_F(ReportPackageTest, ShadersAreThoseOfTheMapAlone) {
     EXPECT_FALSE(archive.Contains("textures/stone.jpg"));
 }
 
+TEST_F(ReportPackageTest, ExternalLightmapsOfShadersAreNotReduced) {
+    Put("scripts/q3map2_x.shader", "textures/base/wall\n{\n\t{\n\t\tmap maps/x/lm_0000.tga\n\t}\n}\n");
+    PutImage("maps/x/lm_0000.tga", 512, 512);
+    const Archive archive = Opened(Package());
+    EXPECT_EQ(Texture(archive, "maps/x/lm_0000.tga").width, 512);
+    EXPECT_FALSE(archive.Contains("maps/x/lm_0000.jpg"));
+}
+
 TEST_F(ReportPackageTest, TexturesAreReduced) {
     PutImage("textures/base/wall.tga", 512, 256);
     PutImage("textures/fog.tga", 64, 300, 128);
