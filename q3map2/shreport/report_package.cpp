@@ -60,7 +60,8 @@ class ReportPackage {
   public:
     ReportPackage(const ReportedMap &map, Log &log) : map_(map), name_(map.path.stem().string()), log_(log) {
         AddNeeds(map.bsp, name_, map.game, needs_);
-        MapNeeds drawn{.shaders = needs_.shaders};
+        MapNeeds drawn;
+        drawn.shaders = needs_.shaders;
         plan_ = MakePlan(drawn, map.source, map.scripts, {.exclusions = {}, .png = true, .wholeScripts = false}, log);
     }
 
