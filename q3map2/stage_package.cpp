@@ -40,17 +40,6 @@ Exclusions LoadExclusions(const StageContext &context, const PackOptions &option
     return all;
 }
 
-EngineScripts LoadScripts(const PackageSource &source, const Game &game, Log &log) {
-    EngineScripts scripts;
-    for (const std::string &name : source.List(game.shaderDir, ".shader")) {
-        const std::string path = fmt::format("{}/{}", game.shaderDir, name);
-        if (auto text = source.ReadText(path))
-            scripts.Read(path, std::move(*text), log);
-    }
-    log.Count((long long)(scripts.Scripts().size()), "shader scripts");
-    return scripts;
-}
-
 fs::path OutputFolder(const StageContext &context, const PackOptions &options) {
     if (!options.folder.empty()) {
         const fs::path folder = fs::absolute(options.folder);
@@ -108,7 +97,7 @@ struct Packing {
           vfs(OpenGameFiles(context.options, GameFolders(context.options, context.words, context.program),
                             context.log)),
           source(vfs, FoldersOf(maps), options.basePaks),
-          scripts(LoadScripts(source, *context.options.game, context.log)) {
+          scripts(ReadScripts(source, *context.options.game, context.log)) {
         for (const fs::path &map : maps) {
             context.log.Print("Loading {}\n", map.string());
             AddNeeds(ReadBspFile(map, context.options.Format(), context.log), map.stem().string(),

@@ -13,6 +13,7 @@
 #include "q3map2/minimap/minimap_options.h"
 #include "q3map2/pk3/package_options.h"
 #include "q3map2/presets.h"
+#include "q3map2/shreport/shreport_options.h"
 #include "q3map2/ssbump/ssbump_options.h"
 #include "q3map2/vis/vis_settings.h"
 #include "q3map2/vrad_options.h"
@@ -93,6 +94,12 @@ std::vector<Stage> CompilingStages() {
          AnalyzeStage, [] { return Describe(AnalyzeSettings()); }},
         {"-shpreview", "-shpreview FILE.png maps/x.bsp", "Draw what both light grids of a map show to a picture", "",
          PreviewStage, nullptr},
+        {"-shreport", "-shreport [options] maps/x.bsp",
+         "Write a page that shows a map and its light in a browser: maps/x.html",
+         "The page is one file that needs nothing else: the map is in it as a package, with `x.lin`, `x.prt` and "
+         "`x.sherror.json` if they are beside it, its shaders and its textures, reduced. "
+         "[tools_for_maps.md](tools_for_maps.md#report-a-map-in-a-browser) tells what is in it.",
+         ShReportStage, [] { return Describe(ShReportSettings()); }},
         {"-ssbump", "-ssbump [options] HEIGHT OUT.tga|OUT.png",
          "Make a self-shadowed bump map of a height map, for directional lightmaps",
          "HEIGHT is a TGA, PNG or JPEG file whose luminance is the height; PNG files may have 16 bits a channel. Alpha "

@@ -128,11 +128,16 @@ void ArchiveWriter::Add(std::string_view name, std::span<const std::byte> data) 
     State::Check(zipCloseFileInZip(state_->zip) == ZIP_OK, name);
 }
 
-std::uint64_t ArchiveWriter::Commit(const std::filesystem::path &path) {
+std::vector<std::byte> ArchiveWriter::Finish() {
     const int result = zipClose(std::exchange(state_->zip, nullptr), nullptr);
     State::Check(result == ZIP_OK, "the directory");
-    ReplaceFile(path, state_->file.bytes);
-    return state_->file.bytes.size();
+    return std::move(state_->file.bytes);
+}
+
+std::uint64_t ArchiveWriter::Commit(const std::filesystem::path &path) {
+    const std::vector<std::byte> bytes = Finish();
+    ReplaceFile(path, bytes);
+    return bytes.size();
 }
 
 } // namespace q3

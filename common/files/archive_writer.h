@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace q3 {
 
@@ -21,8 +22,10 @@ class ArchiveWriter {
     ArchiveWriter &operator=(const ArchiveWriter &) = delete;
 
     void Add(std::string_view name, std::span<const std::byte> data);
-    /// Replaces the file by the finished archive, or leaves it as it was, and returns the size in bytes. To be called
-    /// once, as the last call; without it nothing is written. Errors: Error naming the path.
+    /// The finished archive. To be called once, as the last call.
+    std::vector<std::byte> Finish();
+    /// Finish, then replaces the file by the archive, or leaves it as it was, and returns the size in bytes. Without it
+    /// nothing is written. Errors: Error naming the path.
     std::uint64_t Commit(const std::filesystem::path &path);
 
   private:

@@ -41,6 +41,10 @@ DeepImage DecodeDeepPng(std::span<const std::byte> file, std::string_view name);
 /// decoders, and a file that is none of these.
 DeepImage ReadDeepImage(const std::filesystem::path &path);
 
+/// By its first bytes, else by the extension of `name`: PNG, JPEG, TGA. Errors: those of the decoders, and another
+/// format.
+Image DecodeImage(std::span<const std::byte> file, std::string_view name);
+
 /// Which row the texels given to EncodeTga begin with.
 enum class TgaRows { TopFirst, BottomFirst };
 /// An uncompressed TGA file whose first row is the lowest. Texels of 1 (gray), 3 (RGB) or 4 (RGBA) channels, width *
@@ -48,9 +52,17 @@ enum class TgaRows { TopFirst, BottomFirst };
 std::vector<std::byte> EncodeTga(std::span<const std::uint8_t> texels, int width, int height, int channels,
                                  TgaRows rows);
 
+/// A PNG file with texels of 3 (RGB) or 4 (RGBA) channels, row 0 on top, width * height of them. `name` is for
+/// messages.
+std::vector<std::byte> EncodePng(std::span<const std::uint8_t> texels, int width, int height, int channels,
+                                 std::string_view name);
+/// A JPEG file of the colors, without alpha; chroma at half the resolution. `quality`: 1 to 100. `name` is for
+/// messages.
+std::vector<std::byte> EncodeJpeg(const Image &image, int quality, std::string_view name);
+
 /// Writes an RGBA image as PNG, atomically.
 void WritePng(const std::filesystem::path &path, const Image &image);
-/// The same with texels of 3 (RGB) or 4 (RGBA) channels, row 0 on top, width * height of them.
+/// The same with texels as for EncodePng.
 void WritePng(const std::filesystem::path &path, std::span<const std::uint8_t> texels, int width, int height,
               int channels);
 

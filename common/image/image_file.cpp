@@ -29,6 +29,16 @@ DeepImage Deepened(const Image &image) {
 
 } // namespace
 
+Image DecodeImage(std::span<const std::byte> file, std::string_view name) {
+    if (BeginsWith(file, kPngSignature))
+        return DecodePng(file, name);
+    if (BeginsWith(file, kJpegSignature))
+        return DecodeJpeg(file, name);
+    if (EndsWithNoCase(name, ".tga"))
+        return DecodeTga(file, name);
+    throw Error("{}: expected an image: TGA, PNG or JPEG", name);
+}
+
 DeepImage ReadDeepImage(const std::filesystem::path &path) {
     const std::vector<std::byte> file = ReadFile(path);
     const std::string name = path.string();

@@ -48,4 +48,22 @@ Image DecodeJpeg(std::span<const std::byte> file, std::string_view name) {
     return image;
 }
 
+std::vector<std::byte> EncodeJpeg(const Image &image, int quality, std::string_view name) {
+    CheckImageSize(std::uint64_t(image.width), std::uint64_t(image.height), name);
+    const std::unique_ptr<void, Destroy> encoder(tjInitCompress());
+    if (!encoder)
+        throw Error("{}: JPEG: out of memory", name);
+    constexpr int kSubsampling = TJSAMP_420;
+    unsigned long size = tjBufSize(image.width, image.height, kSubsampling);
+    std::vector<std::byte> file(size);
+    auto *into = reinterpret_cast<unsigned char *>(file.data());
+    // The accurate DCT for the reason given above.
+    const int flags = TJFLAG_ACCURATEDCT | TJFLAG_NOREALLOC;
+    if (tjCompress2(encoder.get(), image.rgba.data(), image.width, 0, image.height, TJPF_RGBX, &into, &size,
+                    kSubsampling, quality, flags) != 0)
+        throw Error("{}: JPEG: {}", name, tjGetErrorStr2(encoder.get()));
+    file.resize(size);
+    return file;
+}
+
 } // namespace q3

@@ -151,12 +151,12 @@ std::optional<IndexImage> DecodePngIndexes(std::span<const std::byte> file, std:
     return IndexImage{int(reader.width), int(reader.height), Texels<std::uint8_t>(reader, 1, AskForIndexes)};
 }
 
-void WritePng(const std::filesystem::path &path, std::span<const std::uint8_t> texels, int width, int height,
-              int channels) {
-    CheckImageSize(std::uint64_t(width), std::uint64_t(height), path.string());
+std::vector<std::byte> EncodePng(std::span<const std::uint8_t> texels, int width, int height, int channels,
+                                 std::string_view name) {
+    CheckImageSize(std::uint64_t(width), std::uint64_t(height), name);
     if (texels.size() != std::size_t(channels) * std::size_t(width) * std::size_t(height))
-        throw Error("{}: cannot write: {} bytes of texels, expected {} x {} x {}", path.string(), texels.size(), width,
-                    height, channels);
+        throw Error("{}: cannot write: {} bytes of texels, expected {} x {} x {}", name, texels.size(), width, height,
+                    channels);
     png_image png{};
     png.version = PNG_IMAGE_VERSION;
     png.width = png_uint_32(width);
@@ -165,8 +165,14 @@ void WritePng(const std::filesystem::path &path, std::span<const std::uint8_t> t
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
     std::vector<std::byte> file(size);
     if (!png_image_write_to_memory(&png, file.data(), &size, 0, texels.data(), 0, nullptr))
-        throw Error("{}: cannot write: {}", path.string(), png.message);
-    ReplaceFile(path, std::span(file).first(size));
+        throw Error("{}: cannot write: {}", name, png.message);
+    file.resize(size);
+    return file;
+}
+
+void WritePng(const std::filesystem::path &path, std::span<const std::uint8_t> texels, int width, int height,
+              int channels) {
+    ReplaceFile(path, EncodePng(texels, width, height, channels, path.string()));
 }
 
 void WritePng(const std::filesystem::path &path, const Image &image) {

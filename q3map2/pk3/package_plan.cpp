@@ -265,8 +265,8 @@ PackagePlan MakePlan(MapNeeds &needs, const PackageSource &source, const EngineS
     return Planner(needs, source, scripts, rules, log).Run();
 }
 
-void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const Game &game,
-                 const PackageSource &source, PackagePlan &plan) {
+void AddLightFiles(const fs::path &bspPath, const WantedList &externalPages, const PackageSource &source,
+                   PackagePlan &plan) {
     const std::string name = bspPath.stem().string();
     std::vector<fs::path> pages;
     std::error_code failed;
@@ -288,6 +288,12 @@ void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const
         else if (source.Find(page.name) == Whereabouts::Nowhere)
             plan.missing.push_back(fmt::format("{}: wanted by {}", page.name, page.why));
     }
+}
+
+void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const Game &game,
+                 const PackageSource &source, PackagePlan &plan) {
+    AddLightFiles(bspPath, externalPages, source, plan);
+    const std::string name = bspPath.stem().string();
     plan.Add(fmt::format("maps/{}.bsp", name), bspPath);
     const auto addIfThere = [&](const std::string &entry, const fs::path &beside, std::string_view use) {
         if (fs::is_regular_file(beside))

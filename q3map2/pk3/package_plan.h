@@ -45,6 +45,11 @@ struct PlanRules {
 PackagePlan MakePlan(MapNeeds &needs, const PackageSource &source, const EngineScripts &scripts, const PlanRules &rules,
                      Log &log);
 
+/// Adds light of a map that is in files: those of its folder that engines load, and external lightmaps that the source
+/// has.
+void AddLightFiles(const std::filesystem::path &bspPath, const WantedList &externalPages, const PackageSource &source,
+                   PackagePlan &plan);
+
 /// Adds a map itself: its lightmap files, the .bsp, and as far as they are there bot files and menu entries.
 void AddMapFiles(const std::filesystem::path &bspPath, const WantedList &externalPages, const Game &game,
                  const PackageSource &source, PackagePlan &plan);

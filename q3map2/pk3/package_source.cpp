@@ -90,4 +90,15 @@ std::vector<std::string> PackageSource::List(std::string_view folder, std::strin
     return unique;
 }
 
+EngineScripts ReadScripts(const PackageSource &source, const Game &game, Log &log) {
+    EngineScripts scripts;
+    for (const std::string &name : source.List(game.shaderDir, ".shader")) {
+        const std::string path = fmt::format("{}/{}", game.shaderDir, name);
+        if (auto text = source.ReadText(path))
+            scripts.Read(path, std::move(*text), log);
+    }
+    log.Count((long long)(scripts.Scripts().size()), "shader scripts");
+    return scripts;
+}
+
 } // namespace q3

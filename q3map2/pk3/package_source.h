@@ -2,6 +2,8 @@
 #pragma once
 
 #include "common/files/vfs.h"
+#include "q3map2/pk3/engine_scripts.h"
+#include "q3map2/shader/games.h"
 
 #include <filesystem>
 #include <optional>
@@ -40,5 +42,8 @@ class PackageSource {
     std::vector<std::filesystem::path> folders_;
     std::vector<std::string> basePaks_; ///< lower case
 };
+
+/// All shader scripts of the game. Prints their number.
+EngineScripts ReadScripts(const PackageSource &source, const Game &game, Log &log);
 
 } // namespace q3

@@ -250,6 +250,21 @@ TEST_F(RunTest, APlainBakeIsExactAtItsPointsForPointLights) {
     EXPECT_NEAR(MeasureErrors(truth, ShownBy(BakedFormat::GridSH, baked.bsp)).grid, 0, 1e-3);
 }
 
+TEST_F(RunTest, ThePlainGridIsMeasuredOnMapsThatHoldASparseOne) {
+    SceneBuilder scene = Room();
+    scene.AddEntity(PointLight({40, 20, 100}, 300));
+    const auto map = Map(scene);
+    const LightOptions options = LightOptionsFrom("-shadaptive", *FindGame("quake3"));
+    const Baked lit = Bake(*map, options, BakedFormat::SparseGridSH, Library(), JobPool(1));
+    ASSERT_TRUE(lit.bsp.sparseGridSH);
+    QuietLog log;
+    const BenchMap again(lit.bsp, {"test", {}, {}}, options, Library(), log.log);
+    const bspGridSHHeader_t layout{{-300, -300, -300}, {600, 600, 600}, {2, 2, 2}, 8};
+    const Vec3f position{10, 20, 30};
+    EXPECT_EQ(ShownBy(BakedFormat::GridSH, BakePlain(again, layout, JobPool(1)).bsp)(position),
+              ShownBy(BakedFormat::GridSH, BakePlain(*map, layout, JobPool(1)).bsp)(position));
+}
+
 TEST(Hall, HasAsManyLightsAsAskedForWithTheSameLightTogether) {
     for (const int lights : {1, 10}) {
         const LightHall hall = MakeLightHall(lights, false);

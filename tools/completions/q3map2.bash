@@ -17,6 +17,7 @@ _q3map2() {
             -minimap) options="-size -border -keepaspect -nokeepaspect -minmax -gray -black -white -o -samples -random -boost -autolevel -noautolevel -contrast -brightness -sharpen " ;;
             -analyze) options="-lumpswap " ;;
             -shpreview) options="" ;;
+            -shreport) options="-texturesize -o " ;;
             -ssbump) options="-bumpscale -notile -rays -filter -normals " ;;
             -pk3) options="-dbg -png -complevel -outdir -basepak -exclude " ;;
             -repack) options="-dbg -png -complevel -outdir -basepak -exclude -analyze " ;;
@@ -29,7 +30,7 @@ _q3map2() {
     done
     COMPREPLY=()
     if [[ $current == -* ]]; then
-        [[ -z $options ]] && options="-bsp -vis -light -convertgrid -info -json -convert -export -import -tonemap -exportents -minimap -analyze -shpreview -ssbump -pk3 -repack -scale -shift -mergebsp -fixaas -editorfiles -preset -meta -patchmeta -leaktest -onlyents -keeplights -keepmodels -nodetail -fulldetail -nowater -nohint -nocurves -nofog -nosubdivide -notjunc -samplesize -minsamplesize -mv -mi -np -metaadequatescore -metagoodscore -maxarea -nobrushsnap -flares -noflares -skyfix -celshader -flat -ne -de -snap -deep -altsplit -clipdepth -rename -custinfoparms -noob -globalflag -sRGBcolor -nosRGBcolor -tempname -autocaulk -debugsurfaces -debuginset -debugportals -debugclip -fakemap -verboseentities -sRGBtex "
+        [[ -z $options ]] && options="-bsp -vis -light -convertgrid -info -json -convert -export -import -tonemap -exportents -minimap -analyze -shpreview -shreport -ssbump -pk3 -repack -scale -shift -mergebsp -fixaas -editorfiles -preset -meta -patchmeta -leaktest -onlyents -keeplights -keepmodels -nodetail -fulldetail -nowater -nohint -nocurves -nofog -nosubdivide -notjunc -samplesize -minsamplesize -mv -mi -np -metaadequatescore -metagoodscore -maxarea -nobrushsnap -flares -noflares -skyfix -celshader -flat -ne -de -snap -deep -altsplit -clipdepth -rename -custinfoparms -noob -globalflag -sRGBcolor -nosRGBcolor -tempname -autocaulk -debugsurfaces -debuginset -debugportals -debugclip -fakemap -verboseentities -sRGBtex "
         mapfile -t COMPREPLY < <(compgen -W "$options -help -version -v -threads -force -log -report -connect -subdivisions -maxmapdrawsurfs -game -fs_basepath -fs_game -fs_basegame -fs_home -fs_homebase -fs_homepath -fs_pakpath -fs_forbiddenpath " -- "$current")
     else
         compopt -o filenames

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <sstream>
 
 namespace q3::bench {
 
@@ -50,11 +51,33 @@ void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &s
     result.plan = MakeErrorPlan(map, {truth, errors, causes, worst, settings.worstBy, grid, setting}, jobs);
 }
 
+/// The words of the text with one blank between them.
+std::string OneSpaced(const std::string &text) {
+    std::istringstream words(text);
+    std::string spaced;
+    for (std::string word; words >> word;)
+        spaced += (spaced.empty() ? "" : " ") + word;
+    return spaced;
+}
+
+/// Enters the errors of the listed setting and of the legacy grid.
+void AddToErrorList(const Truth &truth, const BenchSettings &settings, const Contender &one, const ShownLight &shown,
+                    ErrorList &list) {
+    if (one.line.name == settings.errorsOf) {
+        list.setting = one.line.name;
+        list.options = OneSpaced(settings.options + " " + one.line.options);
+        list.sh = ShownErrorsByPlace(truth, shown);
+    } else if (one.line.name == kLegacyName) {
+        list.legacy = ShownErrorsByPlace(truth, shown);
+    }
+}
+
 /// Bakes all contenders in turn, so that changes of the clock rate affect them alike, and keeps the least time of each.
 /// Bare Embree is measured between the bakes for the same reason.
 void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const Truth &truth,
                 const EmbreeThroughput *raw, const BenchSettings &settings, const JobPool &jobs, Log &progress,
                 BenchResult &result) {
+    ErrorList list;
     std::vector<double> &rates = result.report.raw;
     const auto measureRaw = [&] {
         if (raw)
@@ -78,7 +101,11 @@ void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const T
             one.line.errors = MeasureErrors(truth, shown);
             if (settings.worst > 0 && one.line.name == settings.worstOf)
                 ReportWorst(map, truth, settings, one, baked, shown, jobs, result);
+            if (settings.errorList)
+                AddToErrorList(truth, settings, one, shown, list);
         }
+    if (settings.errorList)
+        result.errors = ErrorListJson(map.inputs.name, truth, list);
 }
 
 std::vector<Contender> Contenders(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings,
@@ -89,7 +116,7 @@ std::vector<Contender> Contenders(const BenchMap &map, ShaderLibrary &library, c
         all.push_back({{std::string(name), std::string(text), format, {}, {}, {}},
                        [&map, &library, &jobs, options, format] { return Bake(map, options, format, library, jobs); }});
     };
-    for (const BakeSetting &setting : settings.bakes.empty() ? DefaultBakes() : settings.bakes) {
+    for (const BakeSetting &setting : settings.bakes) {
         const LightOptions options = LightOptionsFrom(settings.options + " " + setting.options, game);
         add(setting.name, setting.options, FormatOf(options), options);
     }
@@ -101,6 +128,26 @@ std::vector<Contender> Contenders(const BenchMap &map, ShaderLibrary &library, c
     add(kLegacyName, "no -sh", BakedFormat::LegacyGrid, options);
     add(kCubesName, "-ambientcubes", BakedFormat::AmbientCubes, options);
     return all;
+}
+
+/// Errors: the settings whose positions are listed are not measured, or of another kind.
+void CheckListed(const std::vector<Contender> &contenders, const BenchSettings &settings) {
+    const auto formatOf = [&](std::string_view list, const std::string &name) {
+        for (const Contender &one : contenders)
+            if (one.line.name == name)
+                return one.line.format;
+        throw Error("{} of {}: expected the name of a setting that is measured", list, name);
+    };
+    if (settings.worst > 0) {
+        const BakedFormat format = formatOf("worst positions", settings.worstOf);
+        if (format == BakedFormat::AmbientCubes || format == BakedFormat::SparseGridSH)
+            throw Error("worst positions of {}: expected a setting whose grid has cells of one size", settings.worstOf);
+    }
+    if (settings.errorList) {
+        const BakedFormat format = formatOf("errors", settings.errorsOf);
+        if (format == BakedFormat::AmbientCubes || format == BakedFormat::LegacyGrid)
+            throw Error("errors of {}: expected a setting with an SH grid", settings.errorsOf);
+    }
 }
 
 } // namespace
@@ -136,8 +183,13 @@ bspGridSHHeader_t DefaultLayout(const BenchMap &map) {
     return {layout.mins, layout.size, layout.bounds, std::int32_t(layout.Count())};
 }
 
-BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings, const Game &game,
+BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSettings &given, const Game &game,
                      const JobPool &jobs, Log &progress) {
+    BenchSettings settings = given;
+    if (settings.bakes.empty())
+        settings.bakes = DefaultBakes();
+    if (settings.errorsOf.empty())
+        settings.errorsOf = settings.bakes.front().name;
     BenchResult result;
     BenchReport &report = result.report;
     report.map = map.inputs.name;
@@ -149,14 +201,7 @@ BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSet
 
     const bspGridSHHeader_t layout = DefaultLayout(map);
     auto contenders = Contenders(map, library, settings, game, layout, jobs);
-    const auto isWorst = [&](const Contender &one) { return one.line.name == settings.worstOf; };
-    if (settings.worst > 0 && std::none_of(contenders.begin(), contenders.end(), isWorst))
-        throw Error("worst positions of {}: expected the name of a setting that is measured", settings.worstOf);
-    if (settings.worst > 0 && std::any_of(contenders.begin(), contenders.end(), [&](const Contender &one) {
-            return isWorst(one) &&
-                   (one.line.format == BakedFormat::AmbientCubes || one.line.format == BakedFormat::SparseGridSH);
-        }))
-        throw Error("worst positions of {}: expected a setting whose grid has cells of one size", settings.worstOf);
+    CheckListed(contenders, settings);
     progress.Print("truth\n");
     const Truth truth = CachedTruth(map, settings.truth, jobs, settings.cache, report.truthFromCache);
     report.positions = truth.points.size();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "q3map2/global_options.h"
+#include "tools/shbench/error_list.h"
 #include "tools/shbench/error_plan.h"
 #include "tools/shbench/report.h"
 
@@ -26,6 +27,8 @@ struct BenchSettings {
     std::size_t worst = 0; ///< number of worst positions to list
     bool plan = false;     ///< draws the worst positions on a plan of the map
     WorstBy worstBy = WorstBy::Shown;
+    bool errorList = false; ///< of all positions
+    std::string errorsOf;   ///< the setting whose errors are listed; empty: the first
 };
 
 /// The default, faster and slower settings, and other sizes of grid cells.
@@ -35,6 +38,7 @@ struct BenchResult {
     BenchReport report;
     std::string worst;             ///< text, empty unless asked for
     std::optional<ErrorPlan> plan; ///< of the same, without value unless asked for
+    std::string errors;            ///< ErrorListJson, empty unless asked for
 };
 
 /// A map from files, with the game's shaders.
@@ -56,8 +60,8 @@ class BenchFiles {
 bspGridSHHeader_t DefaultLayout(const BenchMap &map);
 
 /// Measures all settings, the plain baker and the legacy grid. `progress` gets status lines. Errors:
-/// `worstOf` is not among the settings.
-BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings, const Game &game,
+/// `worstOf` or `errorsOf` is not among the settings, or not of a kind that can be listed.
+BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSettings &given, const Game &game,
                      const JobPool &jobs, Log &progress);
 
 } // namespace q3::bench

@@ -76,6 +76,7 @@ Baked BakePlain(const BenchMap &map, const bspGridSHHeader_t &layout, const JobP
         rays += cast, lit += open;
     });
     baked.bsp.gridSH = std::move(grid);
+    baked.bsp.sparseGridSH.reset(); // of the file: readers prefer it
     baked.cost.cpuSeconds = CpuSeconds() - start;
     baked.cost.rays = rays;
     baked.cost.points = layout.numPoints;

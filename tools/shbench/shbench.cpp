@@ -35,6 +35,8 @@ constexpr std::string_view kUsage =
   --worst N, --worst-of NAME                lists the worst positions of a setting (default), and why
   --worst-by reference|projection           worst against the light there (usual), or against its exact projection
   --worst-picture FILE                      a plan of the map with them, .png or .svg; 12 unless --worst
+  --errors, --errors-of NAME                writes maps/x.sherror.json: errors by position, of the first setting or NAME
+  --errors-file FILE                        the same to another file
   --lights N                                most lights of --scale-lights (10000)
   --json FILE, --plot BASENAME              results as JSON; plots as BASENAME.svg and .png, BASENAME-bytes.svg and .png
 )";
@@ -45,7 +47,7 @@ constexpr int kUsualWorst = 12; ///< positions of --worst-picture
 struct Command {
     GlobalOptions global;
     BenchSettings settings;
-    std::string jsonFile, plotBase, planFile, map;
+    std::string jsonFile, plotBase, planFile, errorFile, map;
     bool scaleLights = false, scaleCells = false, lightmaps = false;
     int mostLights = 10000;
 };
@@ -81,6 +83,14 @@ void ParseWorst(Arguments &arguments, Command &command) {
     settings.worstBy = by == "projection" ? WorstBy::Grid : WorstBy::Shown;
 }
 
+void ParseErrorList(Arguments &arguments, Command &command) {
+    BenchSettings &settings = command.settings;
+    settings.errorsOf = TakeText(arguments, "--errors-of");
+    command.errorFile = TakeText(arguments, "--errors-file");
+    const bool isAsked = arguments.TakeFlag("--errors");
+    settings.errorList = isAsked || !command.errorFile.empty() || !settings.errorsOf.empty();
+}
+
 Command ParseCommand(Arguments arguments, Log &log) {
     Command command;
     BenchSettings &settings = command.settings;
@@ -91,6 +101,7 @@ Command ParseCommand(Arguments arguments, Log &log) {
     settings.truth.seed = std::uint64_t(arguments.TakeWhole("--seed", 1, 0));
     settings.repeats = arguments.TakeWhole("--repeat", 1, 1);
     ParseWorst(arguments, command);
+    ParseErrorList(arguments, command);
     settings.cache = std::filesystem::path(g_get_user_cache_dir()) / "q3map2-sh" / "shbench";
     settings.cache = TakeText(arguments, "--cache", settings.cache.string());
     if (arguments.TakeFlag("--no-cache"))
@@ -177,6 +188,9 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
     const BenchResult result = RunBench(files.Map(), files.Library(), settings, game, jobs, progress);
     Print(TableText(result.report) + result.worst);
     WriteText(command.jsonFile, JsonText(result.report));
+    if (settings.errorList)
+        ReplaceTextFile(command.errorFile.empty() ? WithExtension(path, ".sherror.json").string() : command.errorFile,
+                        result.errors);
     if (!command.plotBase.empty()) {
         WriteChart(ErrorChart(result.report), command.plotBase);
         WriteChart(SizeChart(result.report), command.plotBase + "-bytes");

@@ -1,0 +1,159 @@
+// GPL-2.0-or-later. The archive in a report: a map, and what a viewer draws it with.
+#include "q3map2/shreport/report_package.h"
+
+#include "common/error.h"
+#include "common/files/archive_writer.h"
+#include "common/files/files.h"
+#include "common/image/image_reduce.h"
+#include "common/text/text.h"
+#include "q3map2/pk3/map_needs.h"
+#include "q3map2/pk3/package_plan.h"
+
+#include <algorithm>
+#include <array>
+
+namespace q3 {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kZlibsChoice = -1, kJpegQuality = 85;
+
+bool IsImage(std::string_view name) {
+    constexpr std::array<std::string_view, 3> kExtensions = {".tga", ".jpg", ".png"};
+    return std::ranges::any_of(kExtensions, [&](std::string_view e) { return EndsWithNoCase(name, e); });
+}
+
+/// A file of the archive, or why there is none.
+struct EncodedTexture {
+    std::string name, fault;
+    std::vector<std::byte> bytes;
+};
+
+bool IsOpaque(const Image &image) {
+    for (std::size_t i = 3; i < image.rgba.size(); i += 4)
+        if (image.rgba[i] != 255)
+            return false;
+    return true;
+}
+
+/// The image with its own alpha channel as PNG, without one as JPEG.
+EncodedTexture EncodeTexture(const std::string &name, const PackageSource &source, int textureSize) {
+    EncodedTexture texture;
+    try {
+        const auto file = source.Read(name);
+        if (!file)
+            throw Error("{}: it is damaged", name);
+        const Image image = Reduced(DecodeImage(*file, name), textureSize);
+        const bool isOpaque = IsOpaque(image);
+        texture.bytes = isOpaque ? EncodeJpeg(image, kJpegQuality, name)
+                                 : EncodePng(image.rgba, image.width, image.height, 4, name);
+        texture.name = name.substr(0, name.rfind('.')) + (isOpaque ? ".jpg" : ".png");
+    } catch (const Error &error) {
+        texture.fault = error.what();
+    }
+    return texture;
+}
+
+class ReportPackage {
+  public:
+    ReportPackage(const ReportedMap &map, Log &log) : map_(map), name_(map.path.stem().string()), log_(log) {
+        AddNeeds(map.bsp, name_, map.game, needs_);
+        MapNeeds drawn;
+        drawn.shaders = needs_.shaders;
+        plan_ = MakePlan(drawn, map.source, map.scripts, {.exclusions = {}, .png = true, .wholeScripts = false}, log);
+    }
+
+    void AddMap() {
+        AddFile(fmt::format("maps/{}.bsp", name_), map_.path);
+        for (const std::string_view end : {".lin", ".prt", ".sherror.json"}) {
+            const fs::path beside = map_.path.parent_path() / (name_ + std::string(end));
+            if (fs::is_regular_file(beside))
+                AddFile(fmt::format("maps/{}{}", name_, end), beside);
+        }
+    }
+
+    void AddLightmaps() {
+        PackagePlan lights;
+        AddLightFiles(map_.path, needs_.externalPages, map_.source, lights);
+        for (const PackageEntry &entry : lights.Files()) {
+            if (!StartsWithNoCase(fs::path(entry.name).filename().string(), "lm_"))
+                continue;
+            lightmaps_.Add(entry.name, name_);
+            if (!entry.disk.empty())
+                AddFile(entry.name, entry.disk);
+            else if (const auto bytes = map_.source.Read(entry.name))
+                Add(entry.name, *bytes);
+        }
+        for (const std::string &page : lights.missing)
+            log_.Warn("missing lightmap", "missing: {}", page);
+    }
+
+    void AddShaders() {
+        std::string text;
+        for (const EngineShader *shader : plan_.strippedShaders)
+            text += '\n' + StrippedText(*shader);
+        if (!text.empty())
+            Add(fmt::format("scripts/{}.shader", name_), std::as_bytes(std::span(text)));
+        log_.Count((long long)(plan_.strippedShaders.size()), "shaders");
+    }
+
+    void AddTextures(int textureSize, const JobPool &jobs) {
+        std::vector<std::string> images;
+        for (const PackageEntry &entry : plan_.Files())
+            if (IsImage(entry.name) && !lightmaps_.Has(entry.name))
+                images.push_back(entry.name);
+        std::vector<EncodedTexture> textures(images.size());
+        jobs.For(std::int64_t(images.size()), [&](std::int64_t i, int) {
+            textures[std::size_t(i)] = EncodeTexture(images[std::size_t(i)], map_.source, textureSize);
+        });
+        int count = 0;
+        for (const EncodedTexture &texture : textures) {
+            if (!texture.fault.empty()) {
+                log_.Warn("damaged texture", "{}", texture.fault);
+                continue;
+            }
+            Add(texture.name, texture.bytes);
+            ++count;
+        }
+        for (const std::string &texture : plan_.missing)
+            log_.Warn("missing texture", "missing: {}", texture);
+        log_.Count(count, "textures");
+    }
+
+    std::vector<std::byte> Finish() {
+        log_.Count(files_, "files");
+        return archive_.Finish();
+    }
+
+  private:
+    void Add(std::string_view name, std::span<const std::byte> bytes) {
+        archive_.Add(name, bytes);
+        ++files_;
+    }
+    void AddFile(std::string_view name, const fs::path &path) { Add(name, ReadFile(path)); }
+
+    const ReportedMap &map_;
+    std::string name_; ///< without folder and extension
+    Log &log_;
+    MapNeeds needs_;
+    PackagePlan plan_;
+    WantedList lightmaps_; ///< external ones: shaders may name them as images
+    ArchiveWriter archive_{kZlibsChoice};
+    int files_ = 0;
+};
+
+} // namespace
+
+std::vector<std::byte> MakeReportPackage(const ReportedMap &map, int textureSize, const JobPool &jobs, Log &log) {
+    ReportPackage package(map, log);
+    package.AddMap();
+    package.AddLightmaps();
+    package.AddShaders();
+    if (textureSize > 0)
+        package.AddTextures(textureSize, jobs);
+    return package.Finish();
+}
+
+} // namespace q3

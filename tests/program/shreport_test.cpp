@@ -1,0 +1,84 @@
+// GPL-2.0-or-later. The program: reports, from a map to a page.
+#include "common/files/archive.h"
+#include "common/files/files.h"
+#include "common/image/image.h"
+#include "tests/program/run_program.h"
+
+#include <glib.h>
+
+namespace q3::test {
+
+namespace {
+
+class ShReportProgramTest : public ProgramTest {
+  protected:
+    static constexpr std::string_view kOpening = R"(<script type="application/zip;base64" id="package" data-map=")";
+
+    /// The attribute data-map and the base64 text of a page; what is around it must be tools/viewer/viewer.html.
+    static std::pair<std::string, std::string> Taken(const std::string &page) {
+        const std::size_t at = page.find(kOpening), quote = page.find('"', at + kOpening.size()),
+                          end = page.find("</script>", quote);
+        if (at == std::string::npos || end == std::string::npos) {
+            ADD_FAILURE() << "no package in the page";
+            return {};
+        }
+        const std::string viewer = ReadTextFile(std::filesystem::path(SOURCE) / "tools/viewer/viewer.html");
+        EXPECT_EQ(page.substr(0, at) + "<!-- package -->" + page.substr(end + 9), viewer);
+        const std::size_t begin = at + kOpening.size();
+        return {page.substr(begin, quote - begin), page.substr(quote + 2, end - quote - 2)};
+    }
+    /// The archive of a page.
+    Archive PackageOf(const std::filesystem::path &page) {
+        const std::string base64 = Taken(ReadTextFile(page)).second;
+        gsize size = 0;
+        guchar *bytes = g_base64_decode(base64.c_str(), &size);
+        folder_.Write("out.pk3", std::string_view(reinterpret_cast<const char *>(bytes), size));
+        g_free(bytes);
+        return Archive(folder_ / "out.pk3");
+    }
+};
+
+TEST_F(ShReportProgramTest, ThePageHoldsTheMap) {
+    const std::vector<std::uint8_t> gray(std::size_t(3 * 256 * 256), 90);
+    folder_.Write("base/baseq3/levelshots/demo.tga", EncodeTga(gray, 256, 256, 3, TgaRows::TopFirst));
+    folder_.Write("base/baseq3/maps/demo.sherror.json", "{}");
+    RunWell("-light -onlygrid -shadaptive -gridsh 128 128 128 MAP");
+    const Outcome outcome = RunWell("-shreport -texturesize 64 MAP");
+    EXPECT_TRUE(outcome.Printed("Writing " + Map(".html").string()));
+    EXPECT_EQ(Taken(ReadTextFile(Map(".html"))).first, "maps/demo.bsp");
+    EXPECT_TRUE(outcome.Printed(fmt::format("Wrote {} bytes", std::filesystem::file_size(Map(".html")))));
+    const Archive archive = PackageOf(Map(".html"));
+    EXPECT_EQ(archive.Read("maps/demo.bsp"), MapBytes());
+    EXPECT_TRUE(archive.Contains("maps/demo.sherror.json"));
+    EXPECT_TRUE(archive.Contains("scripts/demo.shader"));
+    EXPECT_EQ(DecodeJpeg(archive.Read("levelshots/demo.jpg"), "levelshots/demo.jpg").width, 64);
+}
+
+TEST_F(ShReportProgramTest, TheSameBytesFromAnyNumberOfThreads) {
+    RunWell("-threads 1 -shreport MAP");
+    const std::string page = ReadTextFile(Map(".html"));
+    const std::string other = (folder_ / "other.html").string();
+    RunWell("-threads 3 -shreport -o " + other + " MAP");
+    EXPECT_EQ(ReadTextFile(other), page);
+}
+
+TEST_F(ShReportProgramTest, OddNamesOfMaps) {
+    const std::string name = "a&b\"c<d";
+    std::filesystem::copy_file(Map(".bsp"), maps_ / (name + ".bsp"));
+    RunWell("-shreport " + (maps_ / (name + ".bsp")).string());
+    const std::filesystem::path page = maps_ / (name + ".html");
+    EXPECT_EQ(Taken(ReadTextFile(page)).first, "maps/a&amp;b&quot;c&lt;d.bsp");
+    EXPECT_EQ(PackageOf(page).Read("maps/" + name + ".bsp"), MapBytes());
+}
+
+TEST_F(ShReportProgramTest, Failures) {
+    ExpectError("-shreport " + (maps_ / "none.bsp").string(), "none.bsp");
+    ExpectError("-shreport", "-shreport");
+    ExpectError("-shreport -texturesize -1 MAP", "-texturesize -1");
+    ExpectError("-shreport -o " + (folder_ / "none/x.html").string() + " MAP", "none/x.html");
+    EXPECT_FALSE(std::filesystem::exists(Map(".html")));
+}
+
+} // namespace
+
+} // namespace q3::test
