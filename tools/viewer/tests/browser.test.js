@@ -291,19 +291,19 @@ test('a drop opens the map', { skip: !DEMO }, () =>
 
 test('a report page opens its package', { skip: !DEMO }, async () => {
     const archive = zipSync({
-        'maps/demo.bsp': new Uint8Array(readFileSync(DEMO)),
-        'maps/demo.lin': new TextEncoder().encode('0 0 0\n64 0 0\n'),
+        'maps/arène.bsp': new Uint8Array(readFileSync(DEMO)),
+        'maps/arène.lin': new TextEncoder().encode('0 0 0\n64 0 0\n'),
     });
     const marker = '<!-- package -->';
     const page = readFileSync(kPage, 'utf8');
     assert.equal(page.split(marker).length, 2);
     const base64 = Buffer.from(archive).toString('base64');
-    const element = `<script type="application/zip;base64" id="package" data-map="maps/demo.bsp">${base64}</script>`;
+    const element = `<script type="application/zip;base64" id="package" data-map="maps/arène.bsp">${base64}</script>`;
     await withPage(
         kDesktop,
         async (shown, faults) => {
             await shown.waitForFunction(() => !document.getElementById('status').hidden);
-            assert.equal(await shown.textContent('#title'), 'maps/demo.bsp');
+            assert.equal(await shown.textContent('#title'), 'maps/arène.bsp');
             assert.ok(await shown.evaluate(() => window.viewer.viewer.side.leak !== null));
             assert.deepEqual(faults, []);
         },

@@ -56,7 +56,8 @@ export function parsePortals(text) {
 /**
  * Errors of both grids at positions, in displayed bytes.
  * @param {string} text JSON, see docs/viewer.md
- * @returns name of the map, unit, count, and Float32Arrays: positions (three values each), sh, legacy
+ * @returns name of the map, unit, count, and Float32Arrays: positions (three values each), sh, legacy (null if a
+ *     position has none)
  */
 export function parseErrors(text) {
     let json;
@@ -70,8 +71,10 @@ export function parseErrors(text) {
         'The file of errors is not "q3map2-sh errors" of version 1.',
     );
     const rows = json.positions;
+    const hasLegacy = rows.every((row) => row?.[4] !== null);
+    const isNumber = (value, i) => Number.isFinite(value) || (i === 4 && !hasLegacy && value === null);
     expect(
-        rows.every((row) => Array.isArray(row) && row.length === 5 && row.every(Number.isFinite)),
+        rows.every((row) => Array.isArray(row) && row.length === 5 && row.every(isNumber)),
         'The file of errors has a position that is not five numbers.',
     );
     return {
@@ -80,6 +83,6 @@ export function parseErrors(text) {
         count: rows.length,
         positions: Float32Array.from(rows.flatMap((row) => row.slice(0, 3))),
         sh: Float32Array.from(rows, (row) => row[3]),
-        legacy: Float32Array.from(rows, (row) => row[4]),
+        legacy: hasLegacy ? Float32Array.from(rows, (row) => row[4]) : null,
     };
 }

@@ -24,6 +24,15 @@ async function findDirectory(blob) {
     return null;
 }
 
+/** Paths are UTF-8, or Latin-1 in archives of old tools. */
+function decodePath(bytes) {
+    try {
+        return new TextDecoder('utf-8', { fatal: true }).decode(bytes);
+    } catch {
+        return new TextDecoder('latin1').decode(bytes);
+    }
+}
+
 export class Archive {
     /** Entries by lower-case path: method, sizes, offset. */
     entries = new Map();
@@ -48,15 +57,13 @@ export class Archive {
 
     readDirectory(bytes, count) {
         const view = viewOf(bytes);
-        const decoder = new TextDecoder('latin1');
         for (let i = 0, at = 0; i < count; i++) {
             expect(
                 at + 46 <= bytes.length && view.getUint32(at, true) === 0x02014b50,
                 `The directory of ${this.name} is damaged.`,
             );
             const nameLength = view.getUint16(at + 28, true);
-            const path = decoder
-                .decode(bytes.subarray(at + 46, at + 46 + nameLength))
+            const path = decodePath(bytes.subarray(at + 46, at + 46 + nameLength))
                 .replaceAll('\\', '/')
                 .toLowerCase();
             this.entries.set(path, {

@@ -65,8 +65,8 @@ export class ErrorLayer {
         if (!errors) return;
         this.points.geometry.setAttribute('position', new THREE.BufferAttribute(errors.positions, 3));
         this.sh = new THREE.BufferAttribute(errors.sh, 1);
-        this.legacy = new THREE.BufferAttribute(errors.legacy, 1);
-        const sorted = Float32Array.from([...errors.sh, ...errors.legacy]).sort();
+        this.legacy = errors.legacy && new THREE.BufferAttribute(errors.legacy, 1);
+        const sorted = Float32Array.from([...errors.sh, ...(errors.legacy ?? [])]).sort();
         this.suggestedLargest = roundUp(sorted[Math.floor(0.95 * (sorted.length - 1))] || 1);
     }
 

@@ -214,6 +214,7 @@ export class Panel {
         for (const name of ['leak', 'portals', 'lights']) this[name].enable(Boolean(side[name]));
         const measured = Boolean(errors.errors);
         this.errors.enable(measured);
+        this.errors.enableValue('legacy', Boolean(errors.errors?.legacy));
         this.largest.enable(measured && settings.errors !== 'off');
         this.clustered.enable(Boolean(map));
         this.onlyVisible.enable(Boolean(map) && tree.clusterCount > 0);

@@ -136,4 +136,5 @@ test('errors of grids', () => {
     assert.throws(() => parseErrors('{'), /JSON/);
     assert.throws(() => parseErrors(text.replace('errors"', 'x"')), /not "q3map2-sh errors"/);
     assert.throws(() => parseErrors(text.replace('0.5', 'null')), /not five numbers/);
+    assert.equal(parseErrors(text.replace('4]', 'null]')).legacy, null);
 });
