@@ -18,6 +18,7 @@ install(FILES tools/completions/_q3map2 DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh
 install(FILES tools/completions/q3map2.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 install(DIRECTORY tools/editors/netradiant tools/editors/gtkradiant tools/editors/trenchbroom
         DESTINATION ${CMAKE_INSTALL_DATADIR}/q3map2-sh/editors)
+install(FILES tools/viewer/viewer.html DESTINATION ${CMAKE_INSTALL_DATADIR}/q3map2-sh)
 install(DIRECTORY tools/demo_arena tools/demo_lights DESTINATION ${CMAKE_INSTALL_DATADIR}/q3map2-sh PATTERN make EXCLUDE)
 
 # The libraries of this system, with their licences, but for the C library: a part of the TGZ only (cpack_generator.cmake).
