@@ -286,8 +286,8 @@ What keeps the grid from being put into textures of that size; NULL if nothing d
 static const char *R_ShGridTextureProblem( texImage3D_t texImage3D, const int32_t size[3] ) {
 	GLint	fragmentUnits = 0, vertexUnits = 0, mostTexels = 0;
 
-	if ( qglesMajorVersion || !texImage3D ) {
-		return "OpenGL 3.0 is needed";
+	if ( !texImage3D ) {
+		return "no glTexImage3D";
 	}
 
 	qglGetIntegerv( GL_MAX_TEXTURE_IMAGE_UNITS, &fragmentUnits );
@@ -382,8 +382,8 @@ void R_InitShGrid( void ) {
 	if ( !shGridWorld.grid.points ) {
 		return;
 	}
-	if ( glRefConfig.glslMajorVersion < 2 && glRefConfig.glslMinorVersion < 30 ) {
-		ri.Printf( PRINT_WARNING, "WARNING: SH light grid needs GLSL 1.30: entities get ambient and directed light made of it\n" );
+	if ( qglesMajorVersion || ( glRefConfig.glslMajorVersion < 2 && glRefConfig.glslMinorVersion < 30 ) ) {
+		ri.Printf( PRINT_WARNING, "WARNING: SH light grid needs OpenGL 3.0: entities get ambient and directed light made of it\n" );
 		return;
 	}
 
