@@ -27,11 +27,9 @@ typedef struct {
     int integer;
 } cvar_t;
 typedef enum { PRINT_ALL, PRINT_DEVELOPER, PRINT_WARNING } printParm_t;
-typedef enum { h_high, h_low } ha_pref;
 typedef struct {
     void (*Printf)(int level, const char *format, ...);
     cvar_t *(*Cvar_Get)(const char *name, const char *value, int flags);
-    void *(*Hunk_Alloc)(int size, ha_pref preference);
 } refimport_t;
 
 extern refimport_t ri;

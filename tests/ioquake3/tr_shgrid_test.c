@@ -9,7 +9,7 @@
 enum { kText = 256, kHeader = 8 + 8 * 19, kLump = SHGRID_HEADER_BYTES + SHGRID_POINT_BYTES };
 enum { kFile = kHeader + kText + kLump };
 
-static int failures, lines, warnings, hunkBytes;
+static int failures, lines, warnings;
 static char lastLine[512];
 static cvar_t cvars[2];
 
@@ -37,12 +37,7 @@ static cvar_t *CvarGet(const char *name, const char *value, int flags) {
     return cvar;
 }
 
-static void *HunkAlloc(int size, ha_pref preference) {
-    hunkBytes += preference == h_low ? size : 0;
-    return calloc(1, (size_t)size);
-}
-
-refimport_t ri = {Print, CvarGet, HunkAlloc};
+refimport_t ri = {Print, CvarGet};
 
 char *COM_ParseExt(char **data, qboolean allowLineBreak) {
     static char token[MAX_TOKEN_CHARS];
@@ -114,34 +109,32 @@ static byte *MakeFile(const char *keys) {
 static void Load(const char *keys, long size, int shift) {
     byte *file = MakeFile(keys);
     R_RegisterShGrid();
-    lines = warnings = hunkBytes = 0;
+    lines = warnings = 0;
     R_LoadShGrid("maps/x.bsp", file, size, shift);
     free(file);
-}
-
-static void Unload(void) {
-    free((void *)(uintptr_t)(shGridWorld.grid.points ? shGridWorld.grid.points - SHGRID_HEADER_BYTES : NULL));
 }
 
 static void TestLoad(void) {
     const vec3_t origin = {10, 20, 30};
     shgrid_coeffs coeffs;
     Load("", kFile, 0);
-    CHECK(lines == 1 && warnings == 0 && hunkBytes == kLump);
+    CHECK(lines == 1 && warnings == 0);
     CHECK(strstr(lastLine, "lump 18, 1 points") != NULL);
     CHECK(R_ShGridAt(origin, &coeffs) && coeffs.c[5][1] == 2 && !shGridWorld.isRadiance && !shGridWorld.hasTone);
     r_shgrid->integer = 0;
     CHECK(!R_ShGridAt(origin, &coeffs));
-    Unload();
+    r_shgrid->integer = 1;
+    R_FreeShGrid();
+    CHECK(!R_ShGridAt(origin, &coeffs));
     Load("\"_q3map2_sh\" \"radiance\"\n\"_q3map2_tone\" \"gamma 2\"", kFile, 0);
     CHECK(shGridWorld.isRadiance && shGridWorld.hasTone && shGridWorld.tone.gamma == 2);
     CHECK(R_ShGridAt(origin, &coeffs) && fabsf(coeffs.c[0][0] - 1.5707963f) < 1e-6f);
-    Unload();
+    R_FreeShGrid();
     Load("\"_q3map2_tone\" \"gamma none\"", kFile, 0);
     CHECK(warnings == 1 && shGridWorld.grid.points != NULL && !shGridWorld.hasTone);
-    Unload();
+    R_FreeShGrid();
     Load("", kFile - 1, 0);
-    CHECK(lines == 1 && warnings == 1 && hunkBytes == 0 && strstr(lastLine, "maps/x.bsp") != NULL);
+    CHECK(lines == 1 && warnings == 1 && strstr(lastLine, "maps/x.bsp") != NULL);
     CHECK(!R_ShGridAt(origin, &coeffs));
 }
 
@@ -196,18 +189,18 @@ static void TestScale(void) {
     }
     R_ShGridLight(&coeffs, away, rgb); /* 0.0625 of the light of one direction, see the page on integration */
     CHECK(fabsf(rgb[0] - 255 * (0.1f + 0.0625f * 0.4f)) < 1e-3f);
-    Unload();
+    R_FreeShGrid();
     /* As lightmap bytes: an overbright shift of 2, too bright, keeps its hue. */
     Load("", kFile, 2);
     R_ShGridLight(&coeffs, toward, rgb);
     CHECK(fabsf(rgb[0] - 255) < 1e-3f && fabsf(rgb[1] - 127.5f) < 0.1f);
     CHECK(fabsf(rgb[2] / rgb[0] - 0.10625f / 0.525f) < 1e-5f);
-    Unload();
+    R_FreeShGrid();
     /* Gamma 2 acts on light before the shift. */
     Load("\"_q3map2_tone\" \"gamma 2 scale 0.25\"", kFile, 1);
     R_ShGridLight(&coeffs, toward, rgb);
     CHECK(fabsf(rgb[0] - 2 * 255 * 0.25f * sqrtf(0.525f)) < 1e-2f);
-    Unload();
+    R_FreeShGrid();
 }
 
 int main(void) {

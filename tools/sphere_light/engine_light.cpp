@@ -90,7 +90,7 @@ EngineLight LegacyGridLight(const Bsp &bsp, Renderer renderer, int shift) {
     LegacyEngine engine = kIoquake3Engine;
     engine.ambientAdded = kMinimum;
     engine.keepsDirected = renderer == Renderer::OpenGL2;
-    auto reader = LegacyReader15::Load(std::as_bytes(std::span(points)), places, engine);
+    auto reader = LegacyGridReader::Load(std::as_bytes(std::span(points)), places, engine);
     if (!reader)
         throw Error("the legacy grid has another number of points than the map's bounds need");
     return [reader = std::move(*reader), renderer](const Vec3f &position) -> NormalColor {

@@ -8,6 +8,7 @@ The SH light grid of the map: loading, sampling, and the scale of lightmaps.
 // tr_shgrid.c
 
 #include "tr_shgrid.h"
+#include <stdlib.h>
 
 #if defined( __FINITE_MATH_ONLY__ ) && __FINITE_MATH_ONLY__
 #error "damaged grids are told by their numbers: compile without -ffast-math and -ffinite-math-only"
@@ -27,6 +28,20 @@ cvar_t	*r_showshgrid;
 
 shGridWorld_t	shGridWorld;
 
+// the lump. Not on the hunk, whose size does not allow for grids: too little of it ends the game
+static	byte	*shGridBytes;
+
+/*
+===============
+R_FreeShGrid
+===============
+*/
+void R_FreeShGrid( void ) {
+	free( shGridBytes );
+	shGridBytes = NULL;
+	Com_Memset( &shGridWorld, 0, sizeof( shGridWorld ) );
+}
+
 /*
 ===============
 R_RegisterShGrid
@@ -35,7 +50,6 @@ R_RegisterShGrid
 void R_RegisterShGrid( void ) {
 	r_shgrid = ri.Cvar_Get( "r_shgrid", "1", CVAR_ARCHIVE );
 	r_showshgrid = ri.Cvar_Get( "r_showshgrid", "0", CVAR_CHEAT );
-	Com_Memset( &shGridWorld, 0, sizeof( shGridWorld ) );
 }
 
 /*
@@ -100,11 +114,10 @@ R_LoadShGrid
 */
 void R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int shift ) {
 	const byte		*lump;
-	byte			*copy;
 	size_t			lumpBytes;
 	shgrid_result	result;
 
-	Com_Memset( &shGridWorld, 0, sizeof( shGridWorld ) );
+	R_FreeShGrid();
 	shGridWorld.scale = ldexpf( 255.0f, shift );
 	shGridWorld.limit = MIN( 1.0f, 255.0f / shGridWorld.scale );
 	shgrid_parse_tone( NULL, &shGridWorld.tone );
@@ -122,9 +135,14 @@ void R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int sh
 		return;
 	}
 
-	copy = ri.Hunk_Alloc( (int)lumpBytes, h_low );
-	Com_Memcpy( copy, lump, lumpBytes );
-	shgrid_parse( copy, lumpBytes, &shGridWorld.grid );
+	shGridBytes = malloc( lumpBytes );
+	if ( !shGridBytes ) {
+		ri.Printf( PRINT_WARNING, "WARNING: SH light grid of %s ignored: no memory for it\n", mapName );
+		R_FreeShGrid();
+		return;
+	}
+	Com_Memcpy( shGridBytes, lump, lumpBytes );
+	shgrid_parse( shGridBytes, lumpBytes, &shGridWorld.grid );
 
 	R_ParseShGridKeys( (const char *)file + LittleLong( ((const int *)file)[2] ) );
 

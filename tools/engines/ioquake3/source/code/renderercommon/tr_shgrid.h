@@ -12,7 +12,7 @@ The SH light grid of the map, as both renderers use it.
 #include "shgrid.h"
 
 typedef struct {
-	shgrid_grid	grid;			// points into the hunk; points is NULL without a grid
+	shgrid_grid	grid;			// points is NULL without a grid
 	shgrid_tone	tone;			// what the compiler did to the lightmaps
 	qboolean	hasTone;		// not the plain one
 	qboolean	isRadiance;		// the coefficients are not convolved with the cosine
@@ -36,10 +36,13 @@ extern	shGridWorld_t	shGridWorld;
 extern	cvar_t	*r_shgrid;		// 0: entities are lit by the legacy grid
 extern	cvar_t	*r_showshgrid;	// 1: draw the points near the viewer, 2: colored by kind
 
-// registers the cvars and forgets the grid of the last map
+// registers the cvars
 void		R_RegisterShGrid( void );
 
-// copies the grid of a map file to the hunk. The file must be as it was read, before its header is swapped;
+// frees the grid of the last map. On shutdown of the renderer, which the engine does between maps too
+void		R_FreeShGrid( void );
+
+// copies the grid of a map file. The file must be as it was read, before its header is swapped;
 // shift is that of R_ColorShiftLightingBytes. A damaged grid is reported and left out.
 void		R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int shift );
 
