@@ -86,6 +86,7 @@ TEST_F(GridSHErrorTest, ExactLightHasAllKindsOfLight) {
 class LightFromAbove : public IndirectLight {
   public:
     explicit LightFromAbove(float light) : light_(light) {}
+    int RaysPerPoint() const override { return 1; }
     void Gather(const Vec3f &, std::uint64_t, std::vector<IndirectRay> &rays) const override {
         rays = {{{0, 0, 1}, {light_, light_, light_}}};
     }
