@@ -69,7 +69,7 @@ export class Viewer {
         this.resize();
     }
 
-    /** Whether the processor draws, which makes texture filters dear. */
+    /** Whether WebGL runs on the processor, where filtering textures is slow. */
     isSoftware() {
         const gl = this.renderer.getContext();
         const info = gl.getExtension('WEBGL_debug_renderer_info');

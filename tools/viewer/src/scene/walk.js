@@ -26,6 +26,8 @@ export class Walk {
     /** Of the pad: forward, right, up, each -1 to 1. */
     pad = [0, 0, 0];
     keys = new Set();
+    /** Whether Shift is pressed: three times the speed. */
+    fast = false;
     /** Positions of pressed pointers by their id. */
     pointers = new Map();
 
@@ -40,7 +42,10 @@ export class Walk {
         this.element = element;
         this.owner = owner;
         element.addEventListener('keydown', (event) => this.onKey(event));
-        element.addEventListener('keyup', (event) => this.keys.delete(event.code));
+        element.addEventListener('keyup', (event) => {
+            this.keys.delete(event.code);
+            this.fast = event.shiftKey;
+        });
         element.addEventListener('blur', () => this.keys.clear());
         element.addEventListener('pointerdown', (event) => this.onDown(event));
         element.addEventListener('pointermove', (event) => this.onMove(event));
@@ -60,10 +65,10 @@ export class Walk {
     }
 
     onKey(event) {
+        this.fast = event.shiftKey;
         if (event.ctrlKey || event.metaKey || event.altKey || !(event.code in kMoves || event.code in kTurns)) return;
         event.preventDefault();
         this.keys.add(event.code);
-        this.fast = event.shiftKey;
         this.owner.changed();
     }
 
