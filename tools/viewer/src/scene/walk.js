@@ -34,8 +34,8 @@ export class Walk {
     /**
      * @param {THREE.PerspectiveCamera} camera
      * @param {HTMLElement} element gets the events
-     * @param owner functions: `changed()`; `grab(event)`, whether a pointer takes something else than the view;
-     *   `drag(event)`, that it has moved
+     * @param owner functions: `changed()`; `grab(event)`, whether a pressed pointer takes hold of something instead of
+     *   turning the view; `drag(event)`, called when that pointer moves
      */
     constructor(camera, element, owner) {
         this.camera = camera;
@@ -137,8 +137,8 @@ export class Walk {
     }
 
     /**
-     * Moves and turns by what is pressed.
-     * @returns {boolean} whether anything is
+     * Moves and turns by the keys and the pad for a time.
+     * @returns {boolean} whether one of them is pressed
      */
     step(seconds) {
         const sum = [...this.pad];
