@@ -1,5 +1,5 @@
 # Writes OUTPUT, a source that includes HEADER and defines std::string q3::FUNCTION(), which returns the bytes of INPUT.
-# They stand in pieces of a length that every compiler takes.
+# The text is split into string literals of 8192 bytes, since compilers limit their length (MSVC: 16,380 bytes).
 cmake_minimum_required(VERSION 3.25)
 set(piece_bytes 8192)
 file(SIZE ${INPUT} bytes)

@@ -24,7 +24,7 @@ struct ShgridTone { // of shgrid_tone
     float srgb; // 1 or 0
 };
 
-float3 ShgridGray(float v)
+float3 ShgridSplat(float v)
 {
     return float3(v, v, v);
 }
@@ -42,14 +42,14 @@ float ShgridSrgb(float c)
 // Light as a lightmap texel / 255, 0 to 1: shgrid_apply_tone.
 float3 ShgridApplyTone(ShgridTone tone, float3 light)
 {
-    float3 middle = ShgridGray(128.0 / 255.0);
-    float3 v = max((light - middle) * tone.contrast + middle, ShgridGray(0.0));
-    v = pow(v, ShgridGray(tone.power));
+    float3 middle = ShgridSplat(128.0 / 255.0);
+    float3 v = max((light - middle) * tone.contrast + middle, ShgridSplat(0.0));
+    v = pow(v, ShgridSplat(tone.power));
     float most = ShgridLargest(v);
     if (tone.exposure != 0.0 && most > 0.0)
         v *= (1.0 - exp(most * -255.0 / tone.exposure)) / most;
     float gray = dot(v, float3(0.3086, 0.6094, 0.0820));
-    v = max(lerp(ShgridGray(gray), v, tone.saturation), ShgridGray(0.0)) * tone.scale;
+    v = max(lerp(ShgridSplat(gray), v, tone.saturation), ShgridSplat(0.0)) * tone.scale;
     v *= min(1.0, tone.limit / max(ShgridLargest(v), 1e-6));
     if (tone.srgb != 0.0)
         v = float3(ShgridSrgb(v.x), ShgridSrgb(v.y), ShgridSrgb(v.z));

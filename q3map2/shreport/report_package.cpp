@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The archive in a report: a map, and what a viewer draws it with.
+// GPL-2.0-or-later. The archive in a report: a map, and the files that the viewer needs to draw it.
 #include "q3map2/shreport/report_package.h"
 
 #include "common/error.h"
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kZlibsChoice = -1, kJpegQuality = 85;
+constexpr int kZlibsChoice = -1, kJpegQuality = 85; // level of compression; 0 to 100
 
 bool IsImage(std::string_view name) {
     constexpr std::array<std::string_view, 3> kExtensions = {".tga", ".jpg", ".png"};
@@ -38,7 +38,7 @@ bool IsOpaque(const Image &image) {
     return true;
 }
 
-/// The image with its own alpha channel as PNG, without one as JPEG.
+/// The image as PNG if a texel is not opaque, else as JPEG.
 EncodedTexture EncodeTexture(const std::string &name, const PackageSource &source, int textureSize) {
     EncodedTexture texture;
     try {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The archive in a report: a map, and what a viewer draws it with.
+// GPL-2.0-or-later. The archive in a report: a map, and the files that the viewer needs to draw it.
 #pragma once
 
 #include "common/jobs.h"
@@ -23,7 +23,7 @@ struct ReportedMap {
 };
 
 /// A pk3 with
-/// - maps/x.bsp as it is, and of maps/x.lin, x.prt and x.sherror.json those that are beside it,
+/// - maps/x.bsp unchanged, and those of maps/x.lin, x.prt and x.sherror.json that exist beside it,
 /// - external lightmaps maps/x/lm_*,
 /// - scripts/x.shader: the shaders of what is drawn, as StrippedText,
 /// - their images and those of surfaces without a shader, unless `textureSize` is 0: at most that many texels on the

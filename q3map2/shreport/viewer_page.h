@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// tools/viewer/viewer.html, as it was when the program was built.
+/// The text of tools/viewer/viewer.html, embedded when the program was built.
 std::string ViewerPage();
 
 /// The page with `<!-- package -->` replaced by a script element that holds the archive in base64: its id is `package`,

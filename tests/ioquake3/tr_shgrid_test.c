@@ -21,7 +21,7 @@ static void Check(int holds, const char *what, int line) {
 }
 #define CHECK(condition) Check((condition) ? 1 : 0, #condition, __LINE__)
 
-/* The engine. */
+/* Stand-ins for functions of the engine. */
 static void Print(int level, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
@@ -33,7 +33,8 @@ static void Print(int level, const char *format, ...) {
 
 static cvar_t *CvarGet(const char *name, const char *value, int flags) {
     cvar_t *cvar = &cvars[flags == CVAR_CHEAT];
-    cvar->integer = name[0] == 'r' ? atoi(value) : 0;
+    (void)name;
+    cvar->integer = atoi(value);
     return cvar;
 }
 
@@ -138,7 +139,7 @@ static void TestLoad(void) {
     CHECK(!R_ShGridAt(origin, &coeffs));
 }
 
-/* A model with axes of any length in the light of the file, against normals turned into map axes. */
+/* Coefficients in the axes of a model, which may have any length, against normals in map axes. */
 static void TestTurn(void) {
     const vec3_t axis[3] = {{0.48f, 0.64f, -0.6f}, {-1.6f, 1.2f, 0}, {0.36f * 3, 0.48f * 3, 0.8f * 3}};
     shgrid_coeffs coeffs, turned;
@@ -161,7 +162,7 @@ static void TestTurn(void) {
     }
 }
 
-/* Light of one color from direction +x, and even light of another. */
+/* Light of one color from direction +x, and uniform light of another. */
 static void MakeLight(const vec3_t color, const vec3_t even, shgrid_coeffs *coeffs) {
     const float pi = 3.14159265f;
     int channel;
@@ -187,10 +188,10 @@ static void TestScale(void) {
         CHECK(fabsf(directed[channel] - 255 * color[channel]) < 1e-3f);
         CHECK(fabsf(dir[channel] - toward[channel]) < 1e-6f);
     }
-    R_ShGridLight(&coeffs, away, rgb); /* 0.0625 of the light of one direction, see the page on integration */
+    R_ShGridLight(&coeffs, away, rgb); /* 0.0625 = 0.09375 - 0.5 + 0.46875: docs/engine_integration.md */
     CHECK(fabsf(rgb[0] - 255 * (0.1f + 0.0625f * 0.4f)) < 1e-3f);
     R_FreeShGrid();
-    /* As lightmap bytes: an overbright shift of 2, too bright, keeps its hue. */
+    /* With an overbright shift of 2 light is above 255, and is scaled down keeping its hue. */
     Load("", kFile, 2);
     R_ShGridLight(&coeffs, toward, rgb);
     CHECK(fabsf(rgb[0] - 255) < 1e-3f && fabsf(rgb[1] - 127.5f) < 0.1f);

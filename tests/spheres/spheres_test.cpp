@@ -25,17 +25,17 @@ Bsp Room(const bspGridPoint_t &point) {
     return bsp;
 }
 
-/// Light of the legacy grid on a normal, away from the borders.
+/// What is shown of the legacy grid on a normal, away from the borders.
 Vec3f Legacy(const bspGridPoint_t &point, Renderer renderer, int shift, const Vec3f &normal) {
     return LegacyGridLight(Room(point), renderer, shift)({200, 200, 100})(normal);
 }
 
-/// The room with an SH grid of one point: the same light from all sides.
+/// What is shown of the room with an SH grid of one point, which has the same light from all sides.
 EngineLight EvenLight(const Vec3f &color, int shift, std::vector<std::byte> &file) {
     Bsp bsp = Room({});
-    constexpr float kMeanOfBand0 = 3.544907702f; // 1 / Y(0)
+    constexpr float kCoeff0OfLight1 = 3.544907702f; // 1 / Y(0)
     bsp.gridSH = LightGridSH{{{0, 0, 0}, {32, 32, 32}, {1, 1, 1}, 1}, {{}}};
-    bsp.gridSH->points[0].coeffs[0] = (color * kMeanOfBand0).Array();
+    bsp.gridSH->points[0].coeffs[0] = (color * kCoeff0OfLight1).Array();
     bsp.gridSHContainer = GridSHContainer::Bspx;
     file = WriteBsp(bsp, {});
     return ShGridLight(file, bsp, shift);

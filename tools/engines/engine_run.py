@@ -9,9 +9,10 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-# Where setviewpos puts the eye: a unit above the position, 26 above the feet, and ahead by what a toss at 400 units a
-# second carries a player without gravity, in steps of 8 ms.
-EYE_HEIGHT, TOSS = 27, 36.04
+# From the position of setviewpos to the eye, in units. Up: 1 by the teleport, and the view height of 26. Ahead: the
+# teleport throws the player forward at 400 units a second, and friction stops a player in noclip after this distance.
+EYE_HEIGHT, SLIDE = 27, 36.04
+MODEL_DISTANCE = 100  # units from the eye to the model that testmodel shows
 SETTLE = "wait 40"  # until the eye stands still, at FRAMES a second
 FRAMES = 50
 
@@ -20,8 +21,7 @@ SETTINGS = {
     "cg_runpitch": 0, "cg_runroll": 0, "cg_thirdPerson": 0, "com_introplayed": 1, "com_maxfps": FRAMES,
     "con_notifytime": 0, "g_gametype": 0, "g_inactivity": 0, "pmove_fixed": 1, "pmove_msec": 8,
     "r_ext_compressed_textures": 0, "r_ext_multisample": 0, "r_flares": 0, "r_fullscreen": 0, "r_gamma": 1,
-    "r_intensity": 1, "r_mode": -1, "r_picmip": 0, "s_initsound": 0, "sv_pure": 0, "timelimit": 0,
-    "vm_cgame": 0, "vm_game": 0, "vm_ui": 0,
+    "r_intensity": 1, "r_mode": -1, "r_picmip": 0, "s_initsound": 0, "timelimit": 0,
 }
 
 
@@ -30,7 +30,7 @@ class EngineError(Exception):
 
 
 def need(*programs):
-    """Programs that must be installed."""
+    """Raises EngineError unless all of these programs are installed."""
     packages = {"xvfb-run": "xvfb", "convert": "imagemagick", "montage": "imagemagick"}
     missing = [name for name in programs if not shutil.which(name)]
     if missing:
@@ -39,7 +39,7 @@ def need(*programs):
 
 
 class Engine:
-    """An engine with a game, and how it draws. settings: console variables beside SETTINGS."""
+    """An engine with a game, and how it draws. settings: console variables in addition to SETTINGS."""
 
     def __init__(self, path, game, mod, renderer, size=(800, 600), settings=None):
         self.path, self.game, self.mod, self.renderer, self.size = Path(path), Path(game), mod, renderer, size
@@ -51,8 +51,8 @@ class Engine:
             raise EngineError(f"{self.game / mod}: no game data there")
 
     def run(self, bsp, commands, files=None, seconds=600):
-        """Loads a map with cheats and runs console commands. Returns the log, the folder of screenshots, and what keeps
-        that folder. files: name in the mod's folder and bytes."""
+        """Loads a map with cheats and runs console commands. files: bytes by path in the mod's folder. Returns the log,
+        the folder of screenshots, and the temporary folder around it, which is deleted with its last reference."""
         home = tempfile.TemporaryDirectory(prefix="engine_run_")
         mod = Path(home.name) / self.mod
         (mod / "maps").mkdir(parents=True)
@@ -90,4 +90,12 @@ def view(eye, yaw):
     """Console command that moves the eye. yaw: degrees. The player must be in noclip."""
     x, y, z = eye
     angle = math.radians(yaw)
-    return f"setviewpos {x - TOSS * math.cos(angle):.3f} {y - TOSS * math.sin(angle):.3f} {z - EYE_HEIGHT:.3f} {yaw:g}"
+    ahead = (SLIDE * math.cos(angle), SLIDE * math.sin(angle))
+    return f"setviewpos {x - ahead[0]:.3f} {y - ahead[1]:.3f} {z - EYE_HEIGHT:.3f} {yaw:g}"
+
+
+def eye_before(center, yaw):
+    """Position of the eye for which testmodel shows a model at that center. yaw: of the view, degrees."""
+    x, y, z = center
+    angle = math.radians(yaw)
+    return x - MODEL_DISTANCE * math.cos(angle), y - MODEL_DISTANCE * math.sin(angle), z

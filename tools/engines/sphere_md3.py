@@ -1,11 +1,12 @@
 # GPL-2.0-or-later. Writes a white sphere as a Quake III model, for pictures of the light of entities.
-"""The model has 128 meridians and 64 rings at multiples of 360 / 128 degrees. MD3 stores normals as two angles of
-360 / 256 degrees a step, so all normals are exact. Its bands have fewer vertices than renderer 1 takes a surface."""
+"""The vertices are on 128 meridians and 65 rings, 360 / 128 degrees apart. MD3 stores a normal as two angles in steps
+of 360 / 256 degrees, so all normals are exact. The sphere is split into 16 surfaces of 645 vertices, since renderer 1
+takes at most 1000 a surface."""
 
 import math
 import struct
 
-RADIUS = 16  # game units; sphere_light knows it too
+RADIUS = 16  # game units; kSphereRadius in sphere_light
 SEGMENTS, RINGS, BANDS = 128, 64, 16
 RINGS_OF_BAND = RINGS // BANDS
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Errors of both grids of a map by position, as a file that viewers read.
+// GPL-2.0-or-later. Errors of both grids of a map by position, as the file .sherror.json for the viewer.
 #include "tools/shbench/error_list.h"
 
 #include <nlohmann/json.hpp>

@@ -15,7 +15,7 @@ namespace q3 {
 
 namespace {
 
-constexpr float kMinimum = 32; ///< added to the ambient light, bytes
+constexpr float kMinimum = 32; ///< that the engine adds to ambient light, bytes
 
 /// Limited to 255, keeping the hue.
 Vec3f HueLimited(const Vec3f &color) {

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 #include <sstream>
 
 namespace q3 {
@@ -23,18 +22,18 @@ constexpr std::string_view kUsage = R"(usage: sphere_light places MAP.bsp COUNT
        sphere_light compare MAP.bsp PLACES FOLDER [options]
        sphere_light wall IMAGE.tga [--limit N]
 places   prints x y z yaw of COUNT spheres with a free view, a line each
-compare  pictures FOLDER/0.tga, 1.tga, ... of the places against the light that the grid has there
+compare  pictures FOLDER/0.tga, 1.tga, ... of the places with the light that the grid gives there
   --grid sh|legacy       (sh)
   --renderer 1|2         whose formula of the legacy grid (1)
   --shift N              r_mapOverBrightBits less the engine's overbright bits (0)
-  --limit N              fail if the mean difference of all pixels is not below that, of 255
-wall     the middle of the sphere against the wall behind it, left and right of the sphere
-  --limit N              fail if a channel differs by more
+  --limit N              exit status 1 unless the mean difference of all pixels is below N bytes
+wall     the middle of the sphere with the wall behind it, left and right of the sphere
+  --limit N              exit status 1 if a channel differs by more than N bytes
 )";
 
-constexpr float kDarkest = 4; ///< mean light of places, bytes
+constexpr float kLeastLight = 4; ///< mean light at a place, bytes
 
-/// Differences of pixels from what they should be.
+/// Differences of shown pixels from expected ones.
 struct Differences {
     double sum = 0, bias = 0, largest = 0; ///< bytes
     std::size_t count = 0;                 ///< of channels
@@ -60,7 +59,14 @@ struct Differences {
     }
 };
 
-/// Reads a map; lines of the log other than warnings are dropped.
+/// The words that are left after the options. Error: not `count` of them.
+const std::vector<std::string> &Words(const Arguments &arguments, std::size_t count, std::string_view meaning) {
+    if (arguments.Rest().size() != count)
+        throw Error("expected {}, got {} words", meaning, arguments.Rest().size());
+    return arguments.Rest();
+}
+
+/// Reads a map; warnings go to stderr, other lines of the log are dropped.
 Bsp ReadMap(const std::string &path) {
     Log log([](LogLevel level, std::string_view text) {
         if (level != LogLevel::Normal)
@@ -88,16 +94,16 @@ float MeanLight(const NormalColor &light) {
     return sum;
 }
 
-int PrintPlaces(Arguments &arguments) {
-    const std::string path = arguments.TakeFirst();
-    const int count = int(NumberFromText(arguments.TakeFirst()));
+int PrintPlaces(const Arguments &arguments) {
+    const auto &words = Words(arguments, 2, "a map and a number of places");
+    const int count = int(NumberFromText(words[1]));
     if (count < 1)
-        throw Error("expected a map and a number of places");
-    const Bsp bsp = ReadMap(path);
-    const std::vector<std::byte> file = ReadFile(path);
+        throw Error("expected 1 place or more, got {}", words[1]);
+    const Bsp bsp = ReadMap(words[0]);
+    const std::vector<std::byte> file = ReadFile(words[0]);
     const EngineLight light =
         bsp.gridSH || bsp.sparseGridSH ? ShGridLight(file, bsp, 0) : LegacyGridLight(bsp, Renderer::OpenGL1, 0);
-    const auto isLit = [&](const Vec3f &position) { return MeanLight(light(position)) >= kDarkest; };
+    const auto isLit = [&](const Vec3f &position) { return MeanLight(light(position)) >= kLeastLight; };
     for (const SpherePlace &place : FindSpherePlaces(bsp, count, isLit))
         fmt::print("{} {} {} {}\n", place.center.x, place.center.y, place.center.z, place.yaw);
     return 0;
@@ -133,9 +139,10 @@ int CompareImages(Arguments &arguments) {
     const int renderer = arguments.TakeWhole("--renderer", 1, 1), shift = arguments.TakeWhole("--shift", 0, 0);
     const std::string grid = arguments.TakeValue("--grid").value_or("sh");
     const auto limit = arguments.TakeValue("--limit");
-    const std::string path = arguments.TakeFirst(), placesPath = arguments.TakeFirst(), folder = arguments.TakeFirst();
-    if (folder.empty() || renderer > 2)
-        throw Error("expected a map, a file of places and a folder, and renderer 1 or 2");
+    if (renderer > 2)
+        throw Error("--renderer {}: expected 1 or 2", renderer);
+    const auto &words = Words(arguments, 3, "a map, a file of places and a folder");
+    const std::string &path = words[0], &placesPath = words[1], &folder = words[2];
     const std::vector<std::byte> file = ReadFile(path);
     const Bsp bsp = ReadMap(path);
     const EngineLight light = GridOf(grid, file, bsp, renderer == 1 ? Renderer::OpenGL1 : Renderer::OpenGL2, shift);
@@ -156,7 +163,7 @@ int CompareImages(Arguments &arguments) {
     return limit && all.sum / double(all.count) >= NumberFromText(*limit) ? 1 : 0;
 }
 
-/// Mean of the pixels of a row band around the middle of the picture.
+/// Mean color of the pixels of some columns in the four middle rows.
 Vec3f MeanColor(const Image &image, int firstColumn, int endColumn) {
     constexpr int kHalfRows = 2;
     Vec3f sum;
@@ -168,10 +175,10 @@ Vec3f MeanColor(const Image &image, int firstColumn, int endColumn) {
 
 int CompareWall(Arguments &arguments) {
     const auto limit = arguments.TakeValue("--limit");
-    const std::string path = arguments.TakeFirst();
+    const std::string &path = Words(arguments, 1, "one image").front();
     const Image image = ReadScreenshot(path);
     const int middle = image.width / 2;
-    const float radius = float(middle) * kSphereRadius / kSphereDistance; // of the outline, a little less
+    const float radius = float(middle) * kSphereRadius / kSphereDistance; // of the outline in pixels, 1.3 % too small
     const int inner = int(1.1f * radius), outer = int(1.3f * radius);
     if (radius < 8 || outer > middle)
         throw Error("{}: too small a picture", path);

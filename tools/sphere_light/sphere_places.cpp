@@ -16,7 +16,7 @@ constexpr float kClear = 20;       ///< half the width of the box from the eye t
 constexpr float kEntityClear = 64; ///< from things that games draw at entities, game units
 constexpr float kFloorReach = 96;  ///< from the box down to a floor, game units
 constexpr int kTriesPerPlace = 100000;
-/// Lava, slime, water, fog: the light behind their surface is another.
+/// Contents lava, slime, water and fog, which tint what is seen through them.
 constexpr std::uint32_t kTintingContents = 8 | 16 | 32 | 64;
 
 /// Boxes around everything that may hide the sphere: triangles, parts of patches, tinting brushes, entities.

@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-// The command testmodel puts the model so far in front of the eye; sphere_md3.py makes it so large. Game units.
+// Game units: how far the command testmodel puts the model from the eye; the radius that sphere_md3.py gives it.
 inline constexpr float kSphereDistance = 100, kSphereRadius = 16;
 
 /// A place of the sphere, and the heading of the camera: degrees, 0 is +x, 90 is +y.
@@ -20,8 +20,8 @@ struct SpherePlace {
     Vec3f Eye() const { return center - Forward() * kSphereDistance; }
 };
 
-/// Normal of the sphere where the center of a pixel shows it, for a horizontal field of view of 90 degrees. Nothing
-/// beside the sphere, and within a few pixels of its outline, where the triangles of the model count.
+/// Normal of the sphere at the center of a pixel, for a horizontal field of view of 90 degrees. Empty outside the
+/// sphere, and within a few pixels of its outline, where the triangles of the model deviate from it.
 std::optional<Vec3f> SphereNormal(const SpherePlace &place, const Image &image, int column, int row);
 
 /// Color of a pixel, byte scale.

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Draws the pictures of docs/viewer.md again, from the demo arena baked with both SH grids.
 //
-// usage: node pictures.js DEMO.bsp    (-meta -keeplights, -vis, -light -shbspx -shadaptive)
+// usage: node pictures.js DEMO.bsp
+// made with -meta -keeplights, -vis, -light -shbspx -shadaptive -bounce 8 -bouncegrid
 import { join } from 'node:path';
 import { openFiles, texturesLoaded, withPage } from './tests/browser.js';
 

@@ -3,7 +3,7 @@ import { FormatError } from './bsp/bytes.js';
 import { readMap } from './bsp/map.js';
 import { parseErrors, parseLeakLine, parsePortals } from './bsp/side_files.js';
 import { GameFiles } from './files/game_files.js';
-import { baseName, endingOf, isKnown, kSideEndings } from './files/opened.js';
+import { baseName, extensionOf, isKnown, kSideExtensions } from './files/opened.js';
 import { splitScript } from './files/shader_script.js';
 
 const kReaders = { leak: parseLeakLine, portals: parsePortals, errors: parseErrors };
@@ -46,9 +46,9 @@ export class Opener {
         let resources = false;
         let map = wanted;
         for (const { path, blob, inFolder } of given) {
-            const ending = endingOf(path);
-            if (ending in kSideEndings) {
-                sides.push({ kind: kSideEndings[ending], blob, path, inFolder });
+            const extension = extensionOf(path);
+            if (extension in kSideExtensions) {
+                sides.push({ kind: kSideExtensions[extension], blob, path, inFolder });
             } else if (!isKnown(path)) {
                 this.messages.add(
                     'error',
@@ -56,7 +56,7 @@ export class Opener {
                 );
             } else {
                 resources = (await this.addFile(path, blob)) || resources;
-                if (ending === '.bsp') map ||= path.toLowerCase();
+                if (extension === '.bsp') map ||= path.toLowerCase();
             }
         }
         await this.showAfter(map, resources, sides, started);
@@ -125,8 +125,8 @@ export class Opener {
     /** Files with the map's name beside it, and those that were handed over before. */
     async addNeighbors(path) {
         const base = path.replace(/\.bsp$/, '');
-        for (const [ending, kind] of Object.entries(kSideEndings)) {
-            const bytes = await this.files.read(base + ending);
+        for (const [extension, kind] of Object.entries(kSideExtensions)) {
+            const bytes = await this.files.read(base + extension);
             if (bytes) this.addSide(kind, new TextDecoder().decode(bytes));
         }
         for (const [kind, text] of this.sides) this.addSide(kind, text);

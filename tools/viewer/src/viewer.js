@@ -69,7 +69,7 @@ export class Viewer {
         this.resize();
     }
 
-    /** Whether the processor draws, which makes texture filters dear. */
+    /** Whether WebGL runs on the processor, where filtering textures is slow. */
     isSoftware() {
         const gl = this.renderer.getContext();
         const info = gl.getExtension('WEBGL_debug_renderer_info');
@@ -199,8 +199,8 @@ export class Viewer {
 
     /**
      * Above the world, looking straight down. The figure stays where it is.
-     * @param {number} right pixels on the right that something else covers
-     * @param {number} bottom the same below
+     * @param {number} right width in pixels that the panel covers on the right
+     * @param {number} bottom height in pixels that it covers at the bottom
      */
     fromAbove(right = 0, bottom = 0) {
         const { mins, maxs } = this.map.models[0];

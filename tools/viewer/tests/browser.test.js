@@ -160,6 +160,12 @@ async function moveByKeys(page) {
     }
     const afterwards = await position();
     assert.ok(Math.hypot(...afterwards.map((c, i) => c - before[i])) > 30, 'keys did not move the viewer');
+    await page.keyboard.down('KeyW');
+    await page.keyboard.down('Shift');
+    assert.equal(await page.evaluate(() => window.viewer.viewer.walk.fast), true, 'Shift after the key counts');
+    await page.keyboard.up('Shift');
+    assert.equal(await page.evaluate(() => window.viewer.viewer.walk.fast), false);
+    await page.keyboard.up('KeyW');
     assert.match(await page.textContent('#status'), /\d+ fps · \d+ draw calls · first picture \d+ ms/);
 }
 

@@ -1,8 +1,8 @@
 /* GPL-2.0-or-later. What the viewer should show of an SH light grid, by the reader for engines.
 
    usage: probe FILE.bsp uniform|sparse [TONE]
-   TONE is the worldspawn key _q3map2_tone. Reads lines "x y z nx ny nz", a position and a unit normal. For each it writes the 27 coefficients there and the
-   light on that normal as displayed: three bytes, not rounded. */
+   TONE is the worldspawn key _q3map2_tone. Reads lines "x y z nx ny nz", a position and a unit normal. For each it
+   writes the 27 coefficients there and the light on that normal as displayed: three bytes, not rounded. */
 #include "libs/shgrid/shgrid.h"
 
 #include <stdio.h>

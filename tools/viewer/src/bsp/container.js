@@ -23,7 +23,7 @@ export const Lump = {
     lightGridSH: 18,
 };
 
-const kSlots = 17; // of every file; slots 17 and 18 are those of some of version 47
+const kSlots = 17; // in every file; some of version 47 have slots 17 and 18 too
 const slotEnd = (slots) => 8 + 8 * slots;
 
 /** Offset and length in slot i; null if they lie outside the file. */
@@ -35,7 +35,7 @@ function slotAt(view, i) {
 
 /**
  * Adds slot 17 or 18 of version 47, which exist only if no lump begins before the slot ends.
- * A slot 18 that cannot be a lump is an error only where the table certainly has it.
+ * A slot 18 that cannot be a lump is a problem only if the first lump begins right after it.
  */
 function addLateSlots(bytes, view, lumps, first, problems) {
     let end = 0;

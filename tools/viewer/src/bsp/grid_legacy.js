@@ -4,12 +4,21 @@ import { parseVector } from './entities.js';
 import { Lattice } from './lattice.js';
 
 const kPointBytes = 8;
+const kAmbientScale = 0.6; // default of r_ambientScale
 
 /** Brightens a color by `shift` bits and scales it down to 255 if it is too bright, as ioquake3 does on loading. */
 export function shiftColor(color, shift) {
     const shifted = color.map((c) => c << shift);
     const most = Math.max(...shifted);
     return most > 255 ? shifted.map((c) => Math.floor((c * 255) / most)) : shifted;
+}
+
+/**
+ * Light of a model as ioquake3 makes it from a sample of the grid: its ambient light is scaled and raised.
+ * @param {number} minimum added to ambient light, bytes
+ */
+export function modelLight(sample, minimum) {
+    return { ...sample, ambient: sample.ambient.map((c) => kAmbientScale * c + minimum) };
 }
 
 export class LegacyGrid extends Lattice {

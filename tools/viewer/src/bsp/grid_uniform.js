@@ -8,7 +8,7 @@ const kPointFloats = 27;
 /** Whole part and fraction of a position on an axis of points, clamped to the grid. */
 export function gridAxis(position, mins, size, count) {
     let at = (position - mins) / size;
-    if (!(at > 0)) at = 0; // no number too
+    if (!(at > 0)) at = 0; // NaN too
     if (at > count - 1) at = count - 1;
     const low = Math.floor(at);
     return { low, fraction: at - low };

@@ -6,7 +6,7 @@ import { SparseGridSH } from './grid_sparse.js';
 import { UniformGridSH } from './grid_uniform.js';
 import { kConvolution } from './sh.js';
 
-/** Multiplies what a grid of plain projections returns, so that it is light on a matte surface like that of others. */
+/** Makes a grid of radiance (-shradiance) return light on a matte surface, as other grids do. */
 function convolved(grid) {
     const coeffs = grid.coeffs.bind(grid);
     const sample = grid.sample.bind(grid);

@@ -41,7 +41,7 @@ export class BspTree {
         return this.clusterOf(this.leafAt(x, y, z));
     }
 
-    /** Without visibility data, or from solid space, everything is seen. */
+    /** Whether a cluster sees another. Without visibility data, or from solid space, all are seen. */
     sees(from, to) {
         if (this.clusterCount === 0 || from < 0 || from >= this.clusterCount) return true;
         if (to < 0 || to >= this.clusterCount) return false;

@@ -1,14 +1,14 @@
-// GPL-2.0-or-later. Images of a game: TGA by our reader, others by the browser.
+// GPL-2.0-or-later. Images of a game: TGA is decoded by tga.js, others by the browser.
 import { decodeTga } from './tga.js';
 
-const kEndings = ['tga', 'jpg', 'png', 'jpeg', 'webp'];
+const kExtensions = ['tga', 'jpg', 'png', 'jpeg', 'webp'];
 const kTypes = { jpg: 'image/jpeg', jpeg: 'image/jpeg', png: 'image/png', webp: 'image/webp' };
 
-/** The file that an image without, or with another, ending is in; null if there is none. */
+/** The file of an image that is named without extension or with another one; null if there is none. */
 export function findImage(files, path) {
-    if (files.has(path) && kEndings.some((ending) => path.endsWith(`.${ending}`))) return path;
+    if (files.has(path) && kExtensions.some((extension) => path.endsWith(`.${extension}`))) return path;
     const base = path.replace(/\.(tga|jpe?g|png|webp)$/, '');
-    return kEndings.map((ending) => `${base}.${ending}`).find((candidate) => files.has(candidate)) ?? null;
+    return kExtensions.map((extension) => `${base}.${extension}`).find((candidate) => files.has(candidate)) ?? null;
 }
 
 /**
@@ -19,9 +19,9 @@ export function findImage(files, path) {
  */
 export async function readImage(files, path) {
     const bytes = await files.read(path);
-    const ending = path.slice(path.lastIndexOf('.') + 1);
-    if (ending === 'tga') return decodeTga(bytes, path);
-    const blob = new Blob([bytes], { type: kTypes[ending] });
+    const extension = path.slice(path.lastIndexOf('.') + 1);
+    if (extension === 'tga') return decodeTga(bytes, path);
+    const blob = new Blob([bytes], { type: kTypes[extension] });
     return createImageBitmap(blob, { premultiplyAlpha: 'none', colorSpaceConversion: 'none' });
 }
 

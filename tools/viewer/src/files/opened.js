@@ -1,22 +1,26 @@
 // GPL-2.0-or-later. What files a visitor hands over: maps, archives and files beside maps, with their names as paths.
 
-/** Files that belong to a map, by the ending of their names. */
-export const kSideEndings = { '.lin': 'leak', '.prt': 'portals', '.sherror.json': 'errors' };
+/** Kinds of files that belong to a map, by extension. */
+export const kSideExtensions = { '.lin': 'leak', '.prt': 'portals', '.sherror.json': 'errors' };
 
 const kTextures = /^(textures|models|env|gfx|maps)\/.*\.(tga|jpe?g|png|webp)$/i;
 
-/** Ending of a path, lower case, with its dot; '' if there is none. */
-export function endingOf(path) {
+/** Extension of a path, lower case, with its dot; '' if there is none. */
+export function extensionOf(path) {
     return path.toLowerCase().match(/(\.sherror\.json|\.[^./]+)$/)?.[1] ?? '';
 }
 
 /** Whether the page has a use for a file. */
 export function isKnown(path) {
-    const ending = endingOf(path);
-    return ending in kSideEndings || ['.bsp', '.pk3', '.zip', '.shader'].includes(ending) || kTextures.test(path);
+    const extension = extensionOf(path);
+    return (
+        extension in kSideExtensions ||
+        ['.bsp', '.pk3', '.zip', '.shader'].includes(extension) ||
+        kTextures.test(path)
+    );
 }
 
-/** Name of a file without its folder and ending. */
+/** Name of a file without its folder and extension. */
 export function baseName(path) {
     return path.slice(path.lastIndexOf('/') + 1).replace(/\.(sherror\.json|[^.]+)$/i, '');
 }

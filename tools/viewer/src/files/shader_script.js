@@ -1,9 +1,9 @@
-// GPL-2.0-or-later. As much of shader scripts as a still picture of a surface needs.
+// GPL-2.0-or-later. Parses of shader scripts what a still picture of a surface needs.
 
 const kSkyFlag = 0x4;
 const kNoDrawFlag = 0x80;
 
-/** Lines of words, with braces alone; comments are left out. */
+/** Lines as words; a brace is a line of its own, comments are left out. */
 function* lines(text) {
     const clean = text
         .replace(/\/\*[\s\S]*?\*\//g, ' ')
@@ -50,7 +50,7 @@ function blendOf(words) {
     return 'add';
 }
 
-/** Keywords of a stage. */
+/** Handlers of the keywords of a stage. */
 const kStageWords = {
     map: (stage, words) => {
         stage.image = words[1];
@@ -114,7 +114,7 @@ function parseBody(body) {
     return shader;
 }
 
-/** Lightmaps in the map, or in an image beside it. */
+/** Whether a stage has a lightmap, of the map or of an image beside it. */
 function isLightmap(stage) {
     return stage.onLightmap || stage.image.toLowerCase() === '$lightmap';
 }
@@ -127,11 +127,12 @@ function mainStage(stages) {
 
 /**
  * How to draw surfaces with a shader.
- * image: path of the texture, with or without ending; lightmapImage: that of its lightmap beside the map, or '';
- * blend: null, 'add', 'blend' or 'filter'; alphaTest: 0 none, above 0 the least alpha, below 0 minus the largest;
+ * image: path of the texture, with or without extension; lightmapImage: that of its lightmap beside the map, or '';
+ * blend: null, 'add', 'blend' or 'filter'; alphaTest: 0 draws all texels, a > 0 those with alpha >= a, a < 0 those with
+ * alpha < -a;
  * light: 'lightmap', 'vertex', 'none' or, without a script, 'any'.
  * @param {string} name of the shader, lower case
- * @param {string[][]|undefined} body from splitScript; undefined: without a script, the image of the same name
+ * @param {string[][]|undefined} body from splitScript; undefined: no script, the image has the name of the shader
  * @param {number} surfaceFlags those in the map, which stand for the surfaceparms where there is no script
  */
 export function readShader(name, body, surfaceFlags = 0) {

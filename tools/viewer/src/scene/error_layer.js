@@ -36,6 +36,9 @@ function roundUp(value) {
 }
 
 export class ErrorLayer {
+    /** From parseErrors; null: none. */
+    errors = null;
+
     constructor() {
         const color = (hex) => new THREE.Color().setStyle(hex, THREE.LinearSRGBColorSpace);
         this.uniforms = {
@@ -72,16 +75,14 @@ export class ErrorLayer {
 
     /**
      * @param {'off'|'sh'|'legacy'} show
-     * @returns count and mean of the positions in the slice; null if nothing is shown
+     * @returns number of the positions in the slice and root mean square of their errors; null if nothing is shown
      */
     update(show, { height, thickness, largest, viewHeight }) {
-        this.points.visible = this.errors !== null && this.errors !== undefined && show !== 'off';
+        this.points.visible = this.errors !== null && show !== 'off';
         if (!this.points.visible) return null;
         this.points.geometry.setAttribute('error', show === 'sh' ? this.sh : this.legacy);
-        Object.assign(this.uniforms.height, { value: height });
-        Object.assign(this.uniforms.thickness, { value: thickness });
-        Object.assign(this.uniforms.largest, { value: largest });
-        Object.assign(this.uniforms.viewHeight, { value: viewHeight });
+        for (const [name, value] of Object.entries({ height, thickness, largest, viewHeight }))
+            this.uniforms[name].value = value;
         return this.summary(this.errors[show], height, thickness);
     }
 

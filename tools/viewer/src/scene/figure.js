@@ -1,11 +1,12 @@
 // GPL-2.0-or-later. A movable figure that is lit by the grids at its light origin, as moving things are in the game.
 import * as THREE from 'three';
 import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js';
-import { kDisplayGlsl, kGridLightGlsl, kMapShift } from './glsl.js';
+import { modelLight } from '../bsp/grid_legacy.js';
+import { kDisplayGlsl, kGridLightGlsl, kMapShift, kOverBrightBits } from './glsl.js';
 
 const kFeet = -24; // below the light origin, as with players
 const kApart = 22; // units from the middle, where two figures stand side by side
-const kMinLight = 32 >> kMapShift; // byte; what the game adds to everything that moves
+const kMinLight = 32 >> kOverBrightBits; // bytes; what the game adds to everything that moves
 
 const kVertexShader = `
 out vec3 vNormal;
@@ -18,14 +19,14 @@ const kFragmentShader = `
 uniform bool legacy;
 uniform vec3 sh[9];
 uniform vec3 ambient, directed, direction;
-uniform float minLight;
+uniform float minLight; // added to light of the SH grid
 in vec3 vNormal;
 out vec4 result;
 ${kDisplayGlsl}
 ${kGridLightGlsl}
 void main() {
     vec3 n = normalize(vNormal);
-    vec3 light = legacy ? legacyLight(ambient + minLight, directed, direction, n)
+    vec3 light = legacy ? legacyLight(ambient, directed, direction, n)
         : shiftLight(applyTone(shLight(sh[0], sh[1], sh[2], sh[3], sh[4], sh[5], sh[6], sh[7], sh[8], n)));
     if (!legacy) light = min(light + minLight, 1.0);
     result = vec4(displayLight(light), 1.0);
@@ -117,7 +118,7 @@ export class Figure {
      * Lights and places the figure.
      * @param {'off'|'sh'|'legacy'|'both'} show
      * @param {number} yaw radians that it faces
-     * @returns the light at its origin, for the panel
+     * @returns the light at its origin as the grids have it, for the panel
      */
     update(show, yaw, grids, source, minLight) {
         const position = this.origin.toArray();
@@ -136,10 +137,11 @@ export class Figure {
             directed: [0, 0, 0],
             direction: [0, 0, 0],
         };
-        this.shared.ambient.value.fromArray(light.ambient).divideScalar(255);
+        const minimum = minLight ? kMinLight : 0;
+        this.shared.ambient.value.fromArray(modelLight(light, minimum).ambient).divideScalar(255);
         this.shared.directed.value.fromArray(light.directed).divideScalar(255);
         this.shared.direction.value.fromArray(light.direction);
-        this.shared.minLight.value = minLight ? kMinLight / 255 : 0;
+        this.shared.minLight.value = minimum / 255;
         return { coeffs, legacy: light };
     }
 

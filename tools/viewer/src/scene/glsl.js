@@ -1,7 +1,10 @@
 // GPL-2.0-or-later. Pieces of shaders that several layers share.
 
-/** Bits that light of the map is shifted by on loading: r_mapOverBrightBits 2 - r_overBrightBits 1. */
-export const kMapShift = 1;
+/** Bits of brightness that the game adds on display, r_overBrightBits. */
+export const kOverBrightBits = 1;
+
+/** Bits that light of the map is shifted by on loading: r_mapOverBrightBits less r_overBrightBits. */
+export const kMapShift = 2 - kOverBrightBits;
 
 /** From light of the map (1 is byte 255, not yet shifted) to the screen, and of light that has been shifted. */
 export const kDisplayGlsl = `
@@ -14,8 +17,8 @@ vec3 shiftLight(vec3 light) { // as on loading: too bright colors keep their hue
     return light / max(1.0, largest(light));
 }
 
-vec3 displayLight(vec3 shifted) { // r_overBrightBits 1
-    return min(shifted * 2.0 * brightness, 1.0);
+vec3 displayLight(vec3 shifted) {
+    return min(shifted * ${(1 << kOverBrightBits).toFixed(1)} * brightness, 1.0);
 }
 `;
 

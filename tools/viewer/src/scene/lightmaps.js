@@ -30,7 +30,7 @@ export class Lightmaps {
 
     /**
      * @param map from readMap
-     * @param {string} name of the map, without folder and ending
+     * @param {string} name of the map, without folder and extension
      * @param {string[]} images paths of lightmaps that shaders name
      * @param {import('../files/game_files.js').GameFiles} files
      * @param {number} mostLayers limit of the graphics system

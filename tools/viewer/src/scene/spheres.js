@@ -90,7 +90,7 @@ export class Spheres {
         return this.count >= this.capacity;
     }
 
-    /** Adds a sphere; coeffs are 27 values, or fewer of the legacy grid. */
+    /** Adds a sphere; coeffs: 27 values of an SH grid, 9 of the legacy grid, or null. */
     add(x, y, z, radius, tint, coeffs) {
         const i = this.count++;
         this.arrays.sphere.set([x, y, z, radius], 4 * i);

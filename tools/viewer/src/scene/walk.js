@@ -26,21 +26,26 @@ export class Walk {
     /** Of the pad: forward, right, up, each -1 to 1. */
     pad = [0, 0, 0];
     keys = new Set();
+    /** Whether Shift is pressed: three times the speed. */
+    fast = false;
     /** Positions of pressed pointers by their id. */
     pointers = new Map();
 
     /**
      * @param {THREE.PerspectiveCamera} camera
      * @param {HTMLElement} element gets the events
-     * @param owner functions: `changed()`; `grab(event)`, whether a pointer takes something else than the view;
-     *   `drag(event)`, that it has moved
+     * @param owner functions: `changed()`; `grab(event)`, whether a pressed pointer takes hold of something instead of
+     *   turning the view; `drag(event)`, called when that pointer moves
      */
     constructor(camera, element, owner) {
         this.camera = camera;
         this.element = element;
         this.owner = owner;
         element.addEventListener('keydown', (event) => this.onKey(event));
-        element.addEventListener('keyup', (event) => this.keys.delete(event.code));
+        element.addEventListener('keyup', (event) => {
+            this.keys.delete(event.code);
+            this.fast = event.shiftKey;
+        });
         element.addEventListener('blur', () => this.keys.clear());
         element.addEventListener('pointerdown', (event) => this.onDown(event));
         element.addEventListener('pointermove', (event) => this.onMove(event));
@@ -60,10 +65,10 @@ export class Walk {
     }
 
     onKey(event) {
+        this.fast = event.shiftKey;
         if (event.ctrlKey || event.metaKey || event.altKey || !(event.code in kMoves || event.code in kTurns)) return;
         event.preventDefault();
         this.keys.add(event.code);
-        this.fast = event.shiftKey;
         this.owner.changed();
     }
 
@@ -132,8 +137,8 @@ export class Walk {
     }
 
     /**
-     * Moves and turns by what is pressed.
-     * @returns {boolean} whether anything is
+     * Moves and turns by the keys and the pad for a time.
+     * @returns {boolean} whether one of them is pressed
      */
     step(seconds) {
         const sum = [...this.pad];

@@ -153,7 +153,7 @@ export class Panel {
                 ),
             ),
             this.add(checkbox('follow', 'Follows the viewer', this.change)),
-            this.add(checkbox('minLight', 'Least light of the game (+32)', this.change)),
+            this.add(checkbox('minLight', 'Minimum light of the game (+32)', this.change)),
             this.values,
         );
     }

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Light grids: values from closed forms.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { LegacyGrid } from '../../src/bsp/grid_legacy.js';
+import { LegacyGrid, modelLight } from '../../src/bsp/grid_legacy.js';
 import { SparseGridSH } from '../../src/bsp/grid_sparse.js';
 import { UniformGridSH } from '../../src/bsp/grid_uniform.js';
 import { readGrids } from '../../src/bsp/grids.js';
@@ -89,6 +89,12 @@ test('the legacy grid: light of one point, black points left out, bright ones ke
     near(light.direction[0], 1);
     assert.deepEqual(grid.sample([-32, 0, 0], 0).ambient, [10, 20, 200]); // one side is black
     assert.throws(() => new LegacyGrid(new Uint8Array(8), world, new Map()), /holds 1 points, the world needs 27/);
+});
+
+test('models get ambient light times 0.6, and the minimum', () => {
+    const sample = { ambient: [100, 50, 0], directed: [60, 100, 20], direction: [0, 0, 1] };
+    modelLight(sample, 16).ambient.forEach((c, i) => near(c, [76, 46, 16][i]));
+    assert.deepEqual(modelLight(sample, 16).directed, [60, 100, 20]);
 });
 
 test('radiance is convolved on reading', () => {

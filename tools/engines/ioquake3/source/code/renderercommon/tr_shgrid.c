@@ -11,7 +11,7 @@ The SH light grid of the map: loading, sampling, and the scale of lightmaps.
 #include <stdlib.h>
 
 #if defined( __FINITE_MATH_ONLY__ ) && __FINITE_MATH_ONLY__
-#error "damaged grids are told by their numbers: compile without -ffast-math and -ffinite-math-only"
+#error "the check for damaged grids needs NaN and infinity: compile without -ffast-math and -ffinite-math-only"
 #endif
 
 #define	LUMP_SHGRID		18
@@ -28,7 +28,7 @@ cvar_t	*r_showshgrid;
 
 shGridWorld_t	shGridWorld;
 
-// the lump. Not on the hunk, whose size does not allow for grids: too little of it ends the game
+// the lump. Not on the hunk: a large grid would exhaust it, which is a fatal error
 static	byte	*shGridBytes;
 
 /*
@@ -56,7 +56,7 @@ void R_RegisterShGrid( void ) {
 ===============
 R_ParseShGridKeys
 
-Reads the keys of worldspawn that tell about the grid
+Reads the keys of worldspawn that describe the grid
 ===============
 */
 static void R_ParseShGridKeys( const char *entities ) {
@@ -197,7 +197,8 @@ int R_ShGridNear( const vec3_t origin, float radius, int max, vec3_t *points ) {
 ===============
 R_ShGridTurn
 
-The second band is n . M n with a symmetric matrix M without a trace, so that of model axes is axis[i] . M axis[j]
+Band 1 is a vector, and band 2 is n . M n with a symmetric, traceless matrix M: in model axes its elements are
+axis[i] . M axis[j]
 ===============
 */
 void R_ShGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs *out ) {
@@ -235,7 +236,7 @@ void R_ShGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs 
 ===============
 R_ShGridBytes
 
-Linear light as R_ColorShiftLightingBytes leaves the lightmap texel that the compiler makes of it
+Turns linear light into what R_ColorShiftLightingBytes makes of the lightmap texel that the compiler stores for it
 ===============
 */
 static void R_ShGridBytes( vec3_t rgb ) {
@@ -245,7 +246,7 @@ static void R_ShGridBytes( vec3_t rgb ) {
 		shgrid_apply_tone( &shGridWorld.tone, rgb );
 	}
 
-	// the plain tone limits light to 1, so one limit is enough; normalize by color instead of saturating to white
+	// the plain tone limits light to 1, so one limit is enough; scale all channels alike to keep the hue
 	most = MAX( rgb[0], MAX( rgb[1], rgb[2] ) );
 	VectorScale( rgb, most > shGridWorld.limit ? shGridWorld.scale * shGridWorld.limit / most : shGridWorld.scale, rgb );
 }
@@ -264,7 +265,7 @@ void R_ShGridLight( const shgrid_coeffs *coeffs, const vec3_t normal, vec3_t rgb
 ===============
 R_ShGridSplit
 
-The clamped cosine has a mean of 1/4 and a first band of 1/2 n . dir
+The clamped cosine has the mean 1/4 and band 1 is 1/2 n . dir
 ===============
 */
 void R_ShGridSplit( const shgrid_coeffs *coeffs, vec3_t ambient, vec3_t directed, vec3_t dir ) {

@@ -14,20 +14,20 @@ The SH light grid of the map, as both renderers use it.
 typedef struct {
 	shgrid_grid	grid;			// points is NULL without a grid
 	shgrid_tone	tone;			// what the compiler did to the lightmaps
-	qboolean	hasTone;		// not the plain one
+	qboolean	hasTone;		// the map has a tone that is not plain
 	qboolean	isRadiance;		// the coefficients are not convolved with the cosine
 	float		scale;			// from light to lightmap bytes after the overbright shift: 255 * 2^shift
 	float		limit;			// brightest light that lightmap bytes hold
 } shGridWorld_t;
 
-#define	SHGRID_SPHERE_RINGS		6		// between the poles and with them
+#define	SHGRID_SPHERE_RINGS		6		// of vertexes, the two poles included
 #define	SHGRID_SPHERE_SIDES		8
 #define	SHGRID_SPHERE_VERTEXES	( SHGRID_SPHERE_RINGS * SHGRID_SPHERE_SIDES )
 #define	SHGRID_SPHERE_INDEXES	( 6 * ( SHGRID_SPHERE_RINGS - 1 ) * SHGRID_SPHERE_SIDES )
 
-// a sphere of radius 1 for pictures of the grid
+// a sphere of radius 1, for drawing the points of the grid
 typedef struct {
-	vec3_t	normals[SHGRID_SPHERE_VERTEXES];	// and positions
+	vec3_t	normals[SHGRID_SPHERE_VERTEXES];	// these are the positions too
 	int		indexes[SHGRID_SPHERE_INDEXES];		// of triangles
 } shGridSphere_t;
 
@@ -39,7 +39,7 @@ extern	cvar_t	*r_showshgrid;	// 1: draw the points near the viewer, 2: colored b
 // registers the cvars
 void		R_RegisterShGrid( void );
 
-// frees the grid of the last map. On shutdown of the renderer, which the engine does between maps too
+// frees the grid of the last map. To be called when the renderer shuts down, which it does between maps too
 void		R_FreeShGrid( void );
 
 // copies the grid of a map file. The file must be as it was read, before its header is swapped;
@@ -49,12 +49,13 @@ void		R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int s
 // coefficients of convolved light at a position, in map axes. False if entities are lit by the legacy grid.
 qboolean	R_ShGridAt( const vec3_t origin, shgrid_coeffs *coeffs );
 
-// the same of a map with a grid, whatever r_shgrid is
+// the same, whatever r_shgrid is; the map must have a grid
 void		R_ShGridSample( const vec3_t origin, shgrid_coeffs *coeffs );
 
-// positions of stored points within the radius, of the nearest if they are more than max; returns their number
+// positions of the stored points within the radius; the radius shrinks until they are at most max. Returns their number
 int			R_ShGridNear( const vec3_t origin, float radius, int max, vec3_t *points );
 
+// made on the first call
 const shGridSphere_t	*R_ShGridSphere( void );
 
 // coefficients for normals in the axes of a model, whatever the length of the axes
@@ -65,7 +66,7 @@ void		R_ShGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs
 void		R_ShGridLight( const shgrid_coeffs *coeffs, const vec3_t normal, vec3_t rgb );
 
 // the legacy form of the light, ambient + directed * max( 0, n . dir ), 0 to 255. It has the same mean and the
-// same first band along dir, so it is exact for even light and for light of one direction.
+// same band 1 along dir, so it is exact for uniform light and for light of one direction.
 void		R_ShGridSplit( const shgrid_coeffs *coeffs, vec3_t ambient, vec3_t directed, vec3_t dir );
 
 #endif

@@ -2,7 +2,7 @@
 ===========================================================================
 SPDX-License-Identifier: GPL-2.0-or-later
 
-The SH light grid in renderer 1: light of entities, and pictures of the grid.
+The SH light grid in renderer 1: light of entities, and drawing of the points.
 ===========================================================================
 */
 // tr_shgrid_gl1.c
@@ -23,7 +23,7 @@ LIGHT OF ENTITIES
 =================
 R_SetupEntityShGrid
 
-Samples the grid, unless the legacy light is to be used. Ambient and directed light are there for shadows and for
+Samples the grid, unless the entity is lit by the legacy grid. Ambient and directed light are there for shadows and for
 r_debugLight; dynamic lights are still to be added.
 =================
 */
@@ -89,7 +89,7 @@ void RB_CalcShGridColor( unsigned char *colors ) {
 =================
 R_ShGridSpeed_f
 
-CPU time of lighting entities and vertexes around the view, by the grid or the legacy one as r_shgrid says
+Measures the CPU time of lighting entities and vertexes around the viewer, by the grid that r_shgrid selects
 =================
 */
 void R_ShGridSpeed_f( void ) {
@@ -139,7 +139,7 @@ void R_ShGridSpeed_f( void ) {
 /*
 =============================================================================
 
-PICTURE OF THE GRID
+DRAWING OF THE GRID
 
 =============================================================================
 */

@@ -2,7 +2,7 @@
 ===========================================================================
 SPDX-License-Identifier: GPL-2.0-or-later
 
-The SH light grid in renderer 2: programs that evaluate it, 3D textures of it, and pictures of it.
+The SH light grid in renderer 2: programs that evaluate it, 3D textures, and drawing of the points.
 ===========================================================================
 */
 // tr_shgrid_gl2.c
@@ -32,7 +32,7 @@ The SH light grid in renderer 2: programs that evaluate it, 3D textures of it, a
 #define GL_MAX_VERTEX_TEXTURE_IMAGE_UNITS	0x8B4C
 #endif
 
-// texture units after those of the engine, which binds nothing to them
+// texture units after those that the engine uses, so that the textures can stay bound
 #define	TB_SHGRIDMAP			NUM_TEXTURE_BUNDLES
 #define	SHGRID_MAPS				7
 #define	TB_SHGRIDINDIRECTION	( TB_SHGRIDMAP + SHGRID_MAPS )
@@ -75,7 +75,7 @@ LIGHT OF ENTITIES
 =================
 R_SetupEntityShGrid
 
-Samples the grid, unless the legacy light is to be used. Ambient and directed light are there for highlights and
+Samples the grid, unless the entity is lit by the legacy grid. Ambient and directed light are there for highlights and
 shadows; dynamic lights are still to be added.
 =================
 */
@@ -112,7 +112,7 @@ static void GLSL_SetShGridEntity( shGridProgram_t *program, const trRefEntity_t 
 =================
 GLSL_ShGridProgram
 
-The program that draws the current entity: one with the light of the grid in place of sp, if the entity has it
+The program that draws the current entity: sp, or its counterpart with the grid if the grid lights the entity
 =================
 */
 shaderProgram_t *GLSL_ShGridProgram( shaderProgram_t *sp ) {
@@ -148,7 +148,7 @@ PROGRAMS
 =================
 GLSL_ShGridSource
 
-The source of a shader of the engine with the light of the grid after the header. To be freed with ri.Free.
+The source of one of the engine's shaders with that of the grid after its header. To be freed with ri.Free
 =================
 */
 static char *GLSL_ShGridSource( GLuint shader, const char *defines ) {
@@ -216,7 +216,7 @@ static void GLSL_SetShGridConstants( GLuint program ) {
 =================
 GLSL_InitShGridProgram
 
-Makes a program like one of the engine's
+Compiles the sources of one of the engine's programs again, with the light of the grid
 =================
 */
 static void GLSL_InitShGridProgram( shGridProgram_t *program, const shaderProgram_t *like ) {
@@ -280,7 +280,7 @@ static GLuint R_CreateShGridTexture( texImage3D_t texImage3D, int unit, const in
 =================
 R_ShGridTextureProblem
 
-What keeps the grid from being put into textures of that size; NULL if nothing does
+Why the grid cannot be put into textures of that size; NULL if it can
 =================
 */
 static const char *R_ShGridTextureProblem( texImage3D_t texImage3D, const int32_t size[3] ) {
@@ -371,7 +371,7 @@ static void R_InitShGridTextures( void ) {
 =================
 R_InitShGrid
 
-After the grid of a map was loaded: textures and programs for it
+Makes the textures and programs for the grid of a map that R_LoadShGrid has loaded
 =================
 */
 void R_InitShGrid( void ) {
@@ -429,7 +429,7 @@ void R_ShutdownShGrid( void ) {
 /*
 =============================================================================
 
-PICTURE OF THE GRID
+DRAWING OF THE GRID
 
 =============================================================================
 */

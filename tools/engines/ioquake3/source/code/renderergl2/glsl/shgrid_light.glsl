@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
-// Light of the SH light grid on entities, after shgrid.glsl and shgrid_atlas.glsl.
+// Light of the SH light grid on entities. Include shgrid.glsl and shgrid_atlas.glsl first.
 
-// of the entity: 27 numbers of the coefficients; color and direction of the dynamic lights
+// of the entity: nine RGB coefficients; color and direction of the dynamic lights
 uniform float u_ShGridEntity[33];
 
-// contrast, 1 / gamma, exposure, saturation, scale, limit, sRGB; brightest light, scale of lightmaps
+// fields of ShgridTone; brightest light that lightmap bytes hold, scale of the overbright shift
 uniform float u_ShGridTone[9];
 
 #if defined(USE_SHGRID_TEXTURES)
@@ -17,7 +17,7 @@ uniform sampler3D u_ShGridMap4;
 uniform sampler3D u_ShGridMap5;
 uniform sampler3D u_ShGridMap6;
 
-// mins, cell, bounds; bricks, entry; factors of the bands
+// fields of ShgridGrid; bricks and entry of ShgridAtlas; factors of bands 0, 1 and 2
 uniform float u_ShGridPlace[16];
 
 vec3 ShGridVector(int first)
@@ -26,6 +26,7 @@ vec3 ShGridVector(int first)
 }
 #endif
 
+// xyz: texture coordinates of a position; w: 0 where the grid has no light
 #if defined(USE_SHGRID_SPARSE)
 uniform usampler3D u_ShGridIndirection;
 
@@ -42,7 +43,8 @@ vec4 ShGridTexel(vec3 position)
 }
 #endif
 
-vec3 ShGridUniformLight(vec3 normal)
+// linear light by the coefficients of the entity
+vec3 ShGridEntityLight(vec3 normal)
 {
 	vec3 sh[9];
 
@@ -52,8 +54,8 @@ vec3 ShGridUniformLight(vec3 normal)
 	return ShgridLight(sh, normal);
 }
 
-// linear light
-vec3 ShGridReceived(vec3 normal, vec3 position)
+// linear light: of the position with textures, else of the entity
+vec3 ShGridLinearLight(vec3 normal, vec3 position)
 {
 #if defined(USE_SHGRID_TEXTURES)
 	vec4 at = ShGridTexel(position);
@@ -72,14 +74,14 @@ vec3 ShGridReceived(vec3 normal, vec3 position)
 			textureLod(u_ShGridMap6, at.xyz, 0.0) * bands.z, normal);
 	}
 #endif
-	return ShGridUniformLight(normal);
+	return ShGridEntityLight(normal);
 }
 
-// Light on a surface with that unit normal in map axes: the texel of a lightmap there, and dynamic lights.
+// Light on a surface with that unit normal in map axes, as lightmaps are displayed, plus dynamic lights.
 // The same steps as R_ShGridLight.
 vec3 ShGridLight(vec3 normal, vec3 position)
 {
-	vec3 light = ShGridReceived(normal, position);
+	vec3 light = ShGridLinearLight(normal, position);
 	vec3 dynamicLight = vec3(u_ShGridEntity[27], u_ShGridEntity[28], u_ShGridEntity[29]);
 	vec3 dynamicDir = vec3(u_ShGridEntity[30], u_ShGridEntity[31], u_ShGridEntity[32]);
 
@@ -88,7 +90,7 @@ vec3 ShGridLight(vec3 normal, vec3 position)
 		u_ShGridTone[4], u_ShGridTone[5], u_ShGridTone[6]), light);
 #endif
 
-	// normalize by color instead of saturating to white
+	// scale all channels alike to keep the hue
 	light *= u_ShGridTone[8] * min(1.0, u_ShGridTone[7] / max(ShgridLargest(light), 1e-6));
 
 #if defined(USE_PBR) && defined(USE_LIGHT) && !defined(USE_FAST_LIGHT)
