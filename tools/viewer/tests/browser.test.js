@@ -34,14 +34,17 @@ function write(name, content) {
     return path;
 }
 
-/** Points in the open whose sphere the viewer can stand before, evenly over the grid, and where it stands. */
+/** Points in the open, neither dark nor too bright for the screen, whose sphere the viewer can stand before, evenly over
+ * the grid, and where it stands. */
 function choosePoints(path, form) {
     const map = readMap(new Uint8Array(readFileSync(path)));
     const tree = new BspTree(map.tree);
     const grid = readGrids(map)[form];
     const lit = [];
-    for (let i = 0; i < grid.count; i++)
-        if (tree.clusterAt(...grid.position(i)) >= 0 && Math.max(...grid.coeffs(i).slice(0, 3)) > 0.05) lit.push(i);
+    for (let i = 0; i < grid.count; i++) {
+        const brightest = Math.max(...grid.coeffs(i).slice(0, 3)); // 0.9: displayed as white by the overbright bits
+        if (tree.clusterAt(...grid.position(i)) >= 0 && brightest > 0.05 && brightest < 0.9) lit.push(i);
+    }
     assert.ok(lit.length >= kProbes);
     return Array.from({ length: kProbes }, (_, k) => {
         const i = lit[Math.floor(((k + 0.5) * lit.length) / kProbes)];
