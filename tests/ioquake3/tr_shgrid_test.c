@@ -139,6 +139,24 @@ static void TestLoad(void) {
     CHECK(!R_ShGridAt(origin, &coeffs));
 }
 
+/* An entity is lit by the grid, unless it has no world or r_shgrid is 0; dynamic lights of the last frame are gone. */
+static void TestEntity(void) {
+    const vec3_t origin = {10, 20, 30};
+    shGridEntity_t ent;
+    vec3_t light[3], split[3];
+    memset(&ent, 1, sizeof ent);
+    Load("", kFile, 0);
+    CHECK(R_SetupShGridEntity(&ent, qtrue, origin, light[0], light[1], light[2]) && ent.lit && ent.coeffs.c[5][1] == 2);
+    CHECK(DotProduct(ent.dynamicLight, ent.dynamicLight) == 0 && DotProduct(ent.dynamicDir, ent.dynamicDir) == 0);
+    R_ShGridSplit(&ent.coeffs, split[0], split[1], split[2]);
+    CHECK(memcmp(light, split, sizeof split) == 0);
+    CHECK(!R_SetupShGridEntity(&ent, qfalse, origin, light[0], light[1], light[2]) && !ent.lit);
+    r_shgrid->integer = 0;
+    CHECK(!R_SetupShGridEntity(&ent, qtrue, origin, light[0], light[1], light[2]) && !ent.lit);
+    r_shgrid->integer = 1;
+    R_FreeShGrid();
+}
+
 /* Coefficients in the axes of a model, which may have any length, against normals in map axes. */
 static void TestTurn(void) {
     const vec3_t axis[3] = {{0.48f, 0.64f, -0.6f}, {-1.6f, 1.2f, 0}, {0.36f * 3, 0.48f * 3, 0.8f * 3}};
@@ -206,6 +224,7 @@ static void TestScale(void) {
 
 int main(void) {
     TestLoad();
+    TestEntity();
     TestTurn();
     TestScale();
     if (failures == 0)

@@ -177,6 +177,22 @@ qboolean R_ShGridAt( const vec3_t origin, shgrid_coeffs *coeffs ) {
 
 /*
 ===============
+R_SetupShGridEntity
+===============
+*/
+qboolean R_SetupShGridEntity( shGridEntity_t *ent, qboolean hasWorld, const vec3_t origin,
+	vec3_t ambient, vec3_t directed, vec3_t dir ) {
+	VectorClear( ent->dynamicLight );
+	VectorClear( ent->dynamicDir );
+	ent->lit = hasWorld && R_ShGridAt( origin, &ent->coeffs );
+	if ( ent->lit ) {
+		R_ShGridSplit( &ent->coeffs, ambient, directed, dir );
+	}
+	return ent->lit;
+}
+
+/*
+===============
 R_ShGridNear
 ===============
 */

@@ -20,6 +20,17 @@ typedef struct {
 	float		limit;			// brightest light that lightmap bytes hold
 } shGridWorld_t;
 
+// light of an entity
+typedef struct {
+	qboolean		lit;			// by the SH light grid; ambient and directed light approximate it
+	shgrid_coeffs	coeffs;			// in map axes; renderer 1 turns them into the axes of the model
+	vec3_t			dynamicLight;	// sum of the dynamic lights, 0 to 255 and above
+	vec3_t			dynamicDir;		// towards them, in the axes of coeffs
+} shGridEntity_t;
+
+#define	SHGRID_RADIUS			512		// r_showshgrid draws points this near to the viewer, world units
+#define	SHGRID_SPHERES			400		// at most
+#define	SHGRID_SPHERE_RADIUS	3		// world units
 #define	SHGRID_SPHERE_RINGS		6		// of vertexes, the two poles included
 #define	SHGRID_SPHERE_SIDES		8
 #define	SHGRID_SPHERE_VERTEXES	( SHGRID_SPHERE_RINGS * SHGRID_SPHERE_SIDES )
@@ -51,6 +62,11 @@ qboolean	R_ShGridAt( const vec3_t origin, shgrid_coeffs *coeffs );
 
 // the same, whatever r_shgrid is; the map must have a grid
 void		R_ShGridSample( const vec3_t origin, shgrid_coeffs *coeffs );
+
+// samples the grid for an entity and clears its dynamic lights, which the caller adds; also sets the legacy form of the
+// light. False if the entity is lit by the legacy grid, as without a world
+qboolean	R_SetupShGridEntity( shGridEntity_t *ent, qboolean hasWorld, const vec3_t origin,
+				vec3_t ambient, vec3_t directed, vec3_t dir );
 
 // positions of the stored points within the radius; the radius shrinks until they are at most max. Returns their number
 int			R_ShGridNear( const vec3_t origin, float radius, int max, vec3_t *points );

@@ -21,37 +21,19 @@ LIGHT OF ENTITIES
 
 /*
 =================
-R_SetupEntityShGrid
-
-Samples the grid, unless the entity is lit by the legacy grid. Ambient and directed light are there for shadows and for
-r_debugLight; dynamic lights are still to be added.
-=================
-*/
-qboolean R_SetupEntityShGrid( const trRefdef_t *refdef, const vec3_t lightOrigin, trRefEntity_t *ent ) {
-	VectorClear( ent->dynamicLight );
-	VectorClear( ent->dynamicDir );
-	ent->shLit = !( refdef->rdflags & RDF_NOWORLDMODEL ) && R_ShGridAt( lightOrigin, &ent->shCoeffs );
-	if ( ent->shLit ) {
-		R_ShGridSplit( &ent->shCoeffs, ent->ambientLight, ent->directedLight, ent->lightDir );
-	}
-	return ent->shLit;
-}
-
-/*
-=================
 R_TurnEntityShGrid
 
 Into the axes of the model, so that vertexes need no transformation of their own
 =================
 */
 void R_TurnEntityShGrid( trRefEntity_t *ent ) {
-	shgrid_coeffs	world = ent->shCoeffs;
+	shgrid_coeffs	world = ent->shGrid.coeffs;
 	vec3_t			dir;
 
-	R_ShGridTurn( &world, (const vec3_t *)ent->e.axis, &ent->shCoeffs );
+	R_ShGridTurn( &world, (const vec3_t *)ent->e.axis, &ent->shGrid.coeffs );
 
-	VectorNormalize2( ent->dynamicDir, dir );
-	VectorSet( ent->dynamicDir, DotProduct( dir, ent->e.axis[0] ), DotProduct( dir, ent->e.axis[1] ),
+	VectorNormalize2( ent->shGrid.dynamicDir, dir );
+	VectorSet( ent->shGrid.dynamicDir, DotProduct( dir, ent->e.axis[0] ), DotProduct( dir, ent->e.axis[1] ),
 		DotProduct( dir, ent->e.axis[2] ) );
 }
 
@@ -64,18 +46,18 @@ RB_CalcDiffuseColor for an entity that is lit by the grid
 */
 void RB_CalcShGridColor( unsigned char *colors ) {
 	const trRefEntity_t	*ent = backEnd.currentEntity;
-	const qboolean		dynamic = ent->dynamicLight[0] || ent->dynamicLight[1] || ent->dynamicLight[2];
+	const qboolean		dynamic = ent->shGrid.dynamicLight[0] || ent->shGrid.dynamicLight[1] || ent->shGrid.dynamicLight[2];
 	int					i, j;
 
 	for ( i = 0 ; i < tess.numVertexes ; i++, colors += 4 ) {
 		vec3_t	rgb;
 
-		R_ShGridLight( &ent->shCoeffs, tess.normal[i], rgb );
+		R_ShGridLight( &ent->shGrid.coeffs, tess.normal[i], rgb );
 		if ( dynamic ) {
-			float	incoming = DotProduct( tess.normal[i], ent->dynamicDir );
+			float	incoming = DotProduct( tess.normal[i], ent->shGrid.dynamicDir );
 
 			if ( incoming > 0 ) {
-				VectorMA( rgb, incoming, ent->dynamicLight, rgb );
+				VectorMA( rgb, incoming, ent->shGrid.dynamicLight, rgb );
 			}
 		}
 		for ( j = 0 ; j < 3 ; j++ ) {
@@ -132,7 +114,7 @@ void R_ShGridSpeed_f( void ) {
 	tess.numVertexes = 0;
 	backEnd.currentEntity = &tr.worldEntity;
 
-	ri.Printf( PRINT_ALL, "%s: %.0f ns an entity, %.1f ns a vertex\n", ent.shLit ? "SH light grid" : "legacy light grid",
+	ri.Printf( PRINT_ALL, "%s: %.0f ns an entity, %.1f ns a vertex\n", ent.shGrid.lit ? "SH light grid" : "legacy light grid",
 		( middle - start ) * ( 1e9 / CLOCKS_PER_SEC / ENTITIES ), ( end - middle ) * ( 1e9 / CLOCKS_PER_SEC / BATCHES / VERTEXES ) );
 }
 
@@ -143,11 +125,6 @@ DRAWING OF THE GRID
 
 =============================================================================
 */
-
-#define	SHGRID_RADIUS		512		// world units around the viewer in which points are drawn
-#define	SHGRID_SPHERES		400		// the most
-
-#define	SPHERE_RADIUS		3
 
 /*
 =================
@@ -187,7 +164,7 @@ static void RB_AddSphere( const vec3_t origin ) {
 	for ( i = 0 ; i < SHGRID_SPHERE_VERTEXES ; i++, tess.numVertexes++ ) {
 		vec3_t	rgb;
 
-		VectorMA( origin, SPHERE_RADIUS, sphere->normals[i], tess.xyz[tess.numVertexes] );
+		VectorMA( origin, SHGRID_SPHERE_RADIUS, sphere->normals[i], tess.xyz[tess.numVertexes] );
 		tess.texCoords[tess.numVertexes][0][0] = tess.texCoords[tess.numVertexes][0][1] = 0;
 		R_ShGridLight( &coeffs, sphere->normals[i], rgb );
 		for ( j = 0 ; j < 3 ; j++ ) {

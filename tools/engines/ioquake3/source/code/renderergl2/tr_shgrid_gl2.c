@@ -16,6 +16,8 @@ The SH light grid in renderer 2: programs that evaluate it, 3D textures, and dra
 #include "tr_local.h"
 #include "tr_dsa.h"
 
+#include <stdlib.h>
+
 #ifndef GL_TEXTURE_3D
 #define GL_TEXTURE_3D			0x806F
 #define GL_TEXTURE_WRAP_R		0x8072
@@ -73,34 +75,16 @@ LIGHT OF ENTITIES
 
 /*
 =================
-R_SetupEntityShGrid
-
-Samples the grid, unless the entity is lit by the legacy grid. Ambient and directed light are there for highlights and
-shadows; dynamic lights are still to be added.
-=================
-*/
-qboolean R_SetupEntityShGrid( const trRefdef_t *refdef, const vec3_t lightOrigin, trRefEntity_t *ent ) {
-	VectorClear( ent->dynamicLight );
-	VectorClear( ent->dynamicDir );
-	ent->shLit = !( refdef->rdflags & RDF_NOWORLDMODEL ) && R_ShGridAt( lightOrigin, &ent->shCoeffs );
-	if ( ent->shLit ) {
-		R_ShGridSplit( &ent->shCoeffs, ent->ambientLight, ent->directedLight, ent->lightDir );
-	}
-	return ent->shLit;
-}
-
-/*
-=================
 GLSL_SetShGridEntity
 =================
 */
 static void GLSL_SetShGridEntity( shGridProgram_t *program, const trRefEntity_t *ent ) {
 	float	values[SHGRID_ENTITY_FLOATS];
-	float	most = MAX( ent->dynamicLight[0], MAX( ent->dynamicLight[1], ent->dynamicLight[2] ) );
+	float	most = MAX( ent->shGrid.dynamicLight[0], MAX( ent->shGrid.dynamicLight[1], ent->shGrid.dynamicLight[2] ) );
 
-	Com_Memcpy( values, ent->shCoeffs.c, sizeof( ent->shCoeffs.c ) );
-	VectorScale( ent->dynamicLight, 1.0f / MAX( most, 255.0f ), values + 27 );
-	VectorNormalize2( ent->dynamicDir, values + 30 );
+	Com_Memcpy( values, ent->shGrid.coeffs.c, sizeof( ent->shGrid.coeffs.c ) );
+	VectorScale( ent->shGrid.dynamicLight, 1.0f / MAX( most, 255.0f ), values + 27 );
+	VectorNormalize2( ent->shGrid.dynamicDir, values + 30 );
 
 	if ( memcmp( values, program->entity, sizeof( values ) ) ) {
 		Com_Memcpy( program->entity, values, sizeof( values ) );
@@ -119,7 +103,7 @@ shaderProgram_t *GLSL_ShGridProgram( shaderProgram_t *sp ) {
 	const trRefEntity_t	*ent = backEnd.currentEntity;
 	shGridProgram_t		*program;
 
-	if ( !ent || !ent->shLit ) {
+	if ( !ent || !ent->shGrid.lit ) {
 		return sp;
 	}
 
@@ -308,16 +292,23 @@ static const char *R_ShGridTextureProblem( texImage3D_t texImage3D, const int32_
 /*
 =================
 R_FillShGridTextures
+
+False: no memory. The zone of ri.Malloc is too small for large grids, and ends the game then
 =================
 */
-static void R_FillShGridTextures( texImage3D_t texImage3D, const int32_t size[3] ) {
+static qboolean R_FillShGridTextures( texImage3D_t texImage3D, const int32_t size[3] ) {
 	const size_t	bytes = (size_t)8 * size[0] * size[1] * size[2];
-	byte	*texels = ri.Malloc( SHGRID_MAPS * bytes + shgrid_indirection_bytes( &sh.atlas ) );
-	byte	*indirection = texels + SHGRID_MAPS * bytes;
+	byte	*texels = malloc( SHGRID_MAPS * bytes + shgrid_indirection_bytes( &sh.atlas ) );
+	byte	*indirection;
 	void	*maps[SHGRID_MAPS];
 	GLint	unit;
 	int		i;
 
+	if ( !texels ) {
+		return qfalse;
+	}
+
+	indirection = texels + SHGRID_MAPS * bytes;
 	for ( i = 0 ; i < SHGRID_MAPS ; i++ ) {
 		maps[i] = texels + i * bytes;
 	}
@@ -335,7 +326,8 @@ static void R_FillShGridTextures( texImage3D_t texImage3D, const int32_t size[3]
 		sh.textures[SHGRID_MAPS] = R_CreateShGridTexture( texImage3D, TB_SHGRIDINDIRECTION, sh.atlas.entries, qtrue, indirection );
 	}
 	qglActiveTexture( unit );
-	ri.Free( texels );
+	free( texels );
+	return qtrue;
 }
 
 /*
@@ -356,13 +348,15 @@ static void R_InitShGridTextures( void ) {
 	}
 
 	problem = R_ShGridTextureProblem( texImage3D, size );
+	if ( !problem && !R_FillShGridTextures( texImage3D, size ) ) {
+		problem = "no memory for them";
+	}
 	if ( problem ) {
 		Com_Memset( &sh.atlas, 0, sizeof( sh.atlas ) );
 		ri.Printf( PRINT_WARNING, "WARNING: SH light grid is not put into textures: %s\n", problem );
 		return;
 	}
 
-	R_FillShGridTextures( texImage3D, size );
 	ri.Printf( PRINT_ALL, "SH light grid: 7 textures of %i x %i x %i, %.1f MB, in %i ms\n", size[0], size[1], size[2],
 		SHGRID_MAPS * 8.0f * size[0] * size[1] * size[2] / ( 1024 * 1024 ), ri.Milliseconds() - start );
 }
@@ -434,11 +428,6 @@ DRAWING OF THE GRID
 =============================================================================
 */
 
-#define	SHGRID_RADIUS		512		// world units around the viewer in which points are drawn
-#define	SHGRID_SPHERES		400		// the most
-
-#define	SPHERE_RADIUS		3
-
 /*
 =================
 RB_AddSphere
@@ -463,7 +452,7 @@ static void RB_AddSphere( const vec3_t origin ) {
 	for ( i = 0 ; i < SHGRID_SPHERE_VERTEXES ; i++, tess.numVertexes++ ) {
 		vec4_t	color;
 
-		VectorMA( origin, SPHERE_RADIUS, sphere->normals[i], tess.xyz[tess.numVertexes] );
+		VectorMA( origin, SHGRID_SPHERE_RADIUS, sphere->normals[i], tess.xyz[tess.numVertexes] );
 		VectorSet2( tess.texCoords[tess.numVertexes], 0, 0 );
 		R_ShGridLight( &coeffs, sphere->normals[i], color );
 		VectorScale( color, 1.0f / 255.0f, color );
