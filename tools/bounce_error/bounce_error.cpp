@@ -5,6 +5,7 @@
 #include "common/arguments.h"
 #include "common/error.h"
 #include "common/text/text.h"
+#include "common/tool_main.h"
 #include "q3map2/global_options.h"
 #include "q3map2/light/sources/light_envelope.h"
 #include "q3map2/light_inputs.h"
@@ -274,10 +275,7 @@ int Run(const std::vector<std::string> &words) {
         fmt::print("{}", kUsage);
         return 0;
     }
-    Log log([](LogLevel level, std::string_view text) {
-        if (level != LogLevel::Normal)
-            std::fwrite(text.data(), 1, text.size(), stderr);
-    });
+    Log log(PrintWarnings);
     const BounceCommand command = ParseBounceCommand(arguments, log);
     const VirtualFileSystem files = OpenGameFiles(command.game, GameFolders(command.game, {}, {}), log);
     const JobPool jobs(command.game.threads);
@@ -300,10 +298,5 @@ int Run(const std::vector<std::string> &words) {
 } // namespace q3::bounce
 
 int main(int count, char **words) {
-    try {
-        return q3::bounce::Run({words + 1, words + count});
-    } catch (const std::exception &error) {
-        fmt::print(stderr, "bounce_error: {}\n", error.what());
-        return 1;
-    }
+    return q3::RunTool("bounce_error", count, words, q3::bounce::Run);
 }

@@ -1,12 +1,12 @@
 // GPL-2.0-or-later. collision_compare: do players meet the same solids in two files of one map?
 #include "common/arguments.h"
+#include "common/tool_main.h"
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/bspfile/bsp_tree.h"
 #include "tools/collision_compare/collision.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace q3 {
 
@@ -113,10 +113,5 @@ int Run(const std::vector<std::string> &words) {
 } // namespace q3
 
 int main(int count, char **words) {
-    try {
-        return q3::Run({words + 1, words + count});
-    } catch (const std::exception &error) {
-        fmt::print(stderr, "collision_compare: {}\n", error.what());
-        return 1;
-    }
+    return q3::RunTool("collision_compare", count, words, q3::Run);
 }

@@ -2,13 +2,13 @@
 #include "common/arguments.h"
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/tool_main.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/global_options.h"
 #include "q3map2/light_inputs.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 #include "tools/directional_error/measure.h"
 
-#include <cstdio>
 #include <map>
 #include <optional>
 
@@ -67,10 +67,7 @@ int Run(const std::vector<std::string> &words) {
     }
     const int luxels = arguments.TakeWhole("--luxels", 1000, 1), normals = arguments.TakeWhole("--normals", 32, 1);
     const int rays = arguments.TakeWhole("--rays", 4096, 1), bounces = arguments.TakeWhole("--bounce", 2, 0);
-    Log log([](LogLevel level, std::string_view text) {
-        if (level != LogLevel::Normal)
-            std::fwrite(text.data(), 1, text.size(), stderr);
-    });
+    Log log(PrintWarnings);
     const GlobalOptions game = ParseGlobalOptions(arguments, log);
     const VirtualFileSystem files = OpenGameFiles(game, GameFolders(game, {}, {}), log);
     LightmapOptions options;
@@ -104,10 +101,5 @@ int Run(const std::vector<std::string> &words) {
 } // namespace q3::directional
 
 int main(int count, char **words) {
-    try {
-        return q3::directional::Run({words + 1, words + count});
-    } catch (const std::exception &error) {
-        fmt::print(stderr, "directional_error: {}\n", error.what());
-        return 1;
-    }
+    return q3::RunTool("directional_error", count, words, q3::directional::Run);
 }

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. grid_format_error: difference of the light that engines show with each format of -gridformats from
 // that of the SH grid.
 #include "common/error.h"
-#include "common/log.h"
+#include "common/tool_main.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/grid_reader.h"
 #include "q3map2/gridformats/ambient_directed.h"
@@ -152,10 +152,7 @@ void PrintErrors(const char *path, Log &log) {
 } // namespace q3
 
 int main(int count, char **paths) {
-    q3::Log log([](q3::LogLevel level, std::string_view text) {
-        if (level != q3::LogLevel::Normal)
-            std::fwrite(text.data(), 1, text.size(), stderr);
-    });
+    q3::Log log(q3::PrintWarnings);
     try {
         for (int i = 1; i < count; ++i)
             q3::PrintErrors(paths[i], log);

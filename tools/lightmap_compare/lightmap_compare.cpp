@@ -2,10 +2,10 @@
 #include "common/arguments.h"
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/tool_main.h"
 #include "q3map2/global_options.h"
 #include "tools/lightmap_compare/compare.h"
 
-#include <cstdio>
 #include <optional>
 
 namespace q3::compare {
@@ -34,10 +34,7 @@ int Run(const std::vector<std::string> &words) {
     const int samples = arguments.TakeWhole("--samples", 1000, 1), worst = arguments.TakeWhole("--worst", 10, 0);
     const int side = arguments.TakeWhole("--pagesize", 128, 2);
     const auto jsonFile = arguments.TakeValue("--json");
-    Log log([](LogLevel level, std::string_view text) {
-        if (level != LogLevel::Normal)
-            std::fwrite(text.data(), 1, text.size(), stderr);
-    });
+    Log log(PrintWarnings);
     const GlobalOptions game = ParseGlobalOptions(arguments, log);
     if (arguments.Rest().size() != 2)
         throw Error("expected two files, got {} words", arguments.Rest().size());
@@ -61,10 +58,5 @@ int Run(const std::vector<std::string> &words) {
 } // namespace q3::compare
 
 int main(int count, char **words) {
-    try {
-        return q3::compare::Run({words + 1, words + count});
-    } catch (const std::exception &error) {
-        fmt::print(stderr, "lightmap_compare: {}\n", error.what());
-        return 1;
-    }
+    return q3::RunTool("lightmap_compare", count, words, q3::compare::Run);
 }

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/text/text.h"
+#include "common/tool_main.h"
 #include "libs/sh/sh.h"
 #include "libs/shgrid/shgrid.h"
 #include "q3map2/bspfile/bspfile.h"
@@ -12,7 +13,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -128,10 +128,7 @@ int Run(const std::vector<std::string> &words) {
     const shgrid_grid uniform = FindGrid(files, SHGRID_UNIFORM, "uniform"),
                       sparse = FindGrid(files, SHGRID_SPARSE, "sparse");
 
-    Log log([](LogLevel level, std::string_view text) {
-        if (level != LogLevel::Normal)
-            std::fwrite(text.data(), 1, text.size(), stderr);
-    });
+    Log log(PrintWarnings);
     const Bsp bsp = ReadBspFile(paths.front(), {}, log);
     const BspSpace space(bsp, std::vector<bool>(bsp.brushes.size()));
     fmt::print("{}: points {} uniform, {} sparse\n{:<20} {:>10} {:>10} {:>10} {:>22}\n{:<20} {:>10} {:>10} {:>10} "
@@ -149,10 +146,5 @@ int Run(const std::vector<std::string> &words) {
 } // namespace q3
 
 int main(int count, char **words) {
-    try {
-        return q3::Run({words + 1, words + count});
-    } catch (const std::exception &error) {
-        fmt::print(stderr, "sampling_cost: {}\n", error.what());
-        return 1;
-    }
+    return q3::RunTool("sampling_cost", count, words, q3::Run);
 }

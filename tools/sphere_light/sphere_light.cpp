@@ -3,6 +3,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/text/text.h"
+#include "common/tool_main.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "tools/sphere_light/engine_light.h"
 #include "tools/sphere_light/sphere_places.h"
@@ -68,10 +69,7 @@ const std::vector<std::string> &Words(const Arguments &arguments, std::size_t co
 
 /// Reads a map; warnings go to stderr, other lines of the log are dropped.
 Bsp ReadMap(const std::string &path) {
-    Log log([](LogLevel level, std::string_view text) {
-        if (level != LogLevel::Normal)
-            std::fwrite(text.data(), 1, text.size(), stderr);
-    });
+    Log log(PrintWarnings);
     return ReadBspFile(path, {}, log);
 }
 
@@ -210,10 +208,5 @@ int Run(const std::vector<std::string> &words) {
 } // namespace q3
 
 int main(int count, char **words) {
-    try {
-        return q3::Run({words + 1, words + count});
-    } catch (const std::exception &error) {
-        fmt::print(stderr, "sphere_light: {}\n", error.what());
-        return 1;
-    }
+    return q3::RunTool("sphere_light", count, words, q3::Run);
 }

@@ -2,10 +2,9 @@
 #include "common/arguments.h"
 #include "common/error.h"
 #include "common/text/text.h"
+#include "common/tool_main.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "tools/vis_check/sight_check.h"
-
-#include <cstdio>
 
 namespace q3 {
 
@@ -34,10 +33,7 @@ int Run(const std::vector<std::string> &words) {
     if (pairs < 1)
         throw Error("--pairs: expected at least 1");
     bool missing = false;
-    Log log([](LogLevel level, std::string_view text) {
-        if (level != LogLevel::Normal)
-            std::fwrite(text.data(), 1, text.size(), stderr);
-    });
+    Log log(PrintWarnings);
     while (!arguments.Empty()) {
         const std::string path = arguments.TakeFirst();
         const SightCheck check = CheckSight(ReadBspFile(path, {}, log), pairs, margin, seed);
@@ -57,10 +53,5 @@ int Run(const std::vector<std::string> &words) {
 } // namespace q3
 
 int main(int count, char **words) {
-    try {
-        return q3::Run({words + 1, words + count});
-    } catch (const std::exception &error) {
-        fmt::print(stderr, "vis_check: {}\n", error.what());
-        return 1;
-    }
+    return q3::RunTool("vis_check", count, words, q3::Run);
 }
