@@ -105,8 +105,9 @@ export class Viewer {
         const tree = new BspTree(map.tree);
         const shaders = new Map();
         const shaderOf = ({ name, surfaceFlags }) => {
-            if (!shaders.has(name)) shaders.set(name, readShader(name, scripts.get(name), surfaceFlags));
-            return shaders.get(name);
+            const record = `${surfaceFlags} ${name}`; // records of one name differ in flags
+            if (!shaders.has(record)) shaders.set(record, readShader(name, scripts.get(name), surfaceFlags));
+            return shaders.get(record);
         };
         map.shaders.forEach(shaderOf);
         const name = path

@@ -4,6 +4,7 @@ import { SurfaceType } from '../bsp/map.js';
 import { parseVector } from '../bsp/entities.js';
 import { tessellate } from '../bsp/patch.js';
 import { shiftColor } from '../bsp/grid_legacy.js';
+import { kNoDrawFlag } from '../files/shader_script.js';
 import { kDisplayGlsl, kMapShift } from './glsl.js';
 
 /** Luxel sizes with a color of their own, units, and the colors; sizes between have a color between. */
@@ -173,8 +174,10 @@ function groupSurfaces(map, shaderOf, lightmaps, clusters) {
         const offset = number === 0 ? [0, 0, 0] : (offsets.get(number) ?? [0, 0, 0]);
         for (let i = model.firstSurface; i < model.firstSurface + model.surfaceCount; i++) {
             const surface = map.surfaces[i];
-            const shader = shaderOf(map.shaders[surface.shader]);
-            const shape = shader.hidden ? null : shapeOf(map, surface);
+            const record = map.shaders[surface.shader];
+            const shader = shaderOf(record);
+            const isForCollision = surface.type === SurfaceType.patch && (record.surfaceFlags & kNoDrawFlag) !== 0;
+            const shape = shader.hidden || isForCollision ? null : shapeOf(map, surface);
             if (!shape) continue;
             const key = shader.sky
                 ? 'sky'
