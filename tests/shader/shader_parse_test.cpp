@@ -54,8 +54,12 @@ TEST_F(ShaderGrammar, AMissingBraceIsNamedAndTheNextShaderRead) {
     // Only that of the stage: what should close the shader closes the stage.
     LoadScript("textures/a\n{\n{\nmap x\n}\ntextures/b\n{\nsurfaceparm dust\n}\n");
     EXPECT_EQ(Get("textures/b").surfaceFlags, kDust);
+}
+
+TEST_F(ShaderGrammar, AStageWithinAStageIsNamed) {
     LoadScript("textures/a\n{\n{\nmap x\n{\nmap y\n}\n}\n");
-    EXPECT_THAT(out.text, HasSubstr("the stage that begins in line 3 has no end"));
+    EXPECT_THAT(out.text, HasSubstr("scripts/test.shader:5: shader textures/a: a '}' is missing: the stage that begins "
+                                    "in line 3 has no end"));
 }
 
 TEST_F(ShaderGrammar, AFileThatEndsWithinAShaderIsNamed) {
