@@ -120,11 +120,36 @@ std::string SettingHelp(std::string_view topic) {
     return text;
 }
 
+/// Games as players know them.
+std::string_view TitleOf(std::string_view game) {
+    constexpr std::pair<std::string_view, std::string_view> kTitles[] = {
+        {"quake3", "Quake III Arena, Team Arena; OpenArena, Urban Terror and others"},
+        {"quakelive", "Quake Live"},
+        {"nexuiz", "Nexuiz"},
+        {"xonotic", "Xonotic"},
+        {"tremulous", "Tremulous"},
+        {"unvanquished", "Unvanquished"},
+        {"tenebrae", "Tenebrae"},
+        {"wolf", "Return to Castle Wolfenstein"},
+        {"et", "Wolfenstein: Enemy Territory"},
+        {"etut", "Urban Terror on Enemy Territory's engine"},
+        {"ef", "Star Trek: Voyager - Elite Force"},
+        {"reaction", "Reaction"},
+        {"darkplaces", "DarkPlaces, for Quake"},
+        {"dq", "DeluxeQuake"},
+        {"prophecy", "Prophecy"}};
+    const auto found = std::ranges::find(kTitles, game, [](const auto &title) { return title.first; });
+    return found == std::end(kTitles) ? "" : found->second;
+}
+
 std::string GamesText() {
     std::string text;
     for (const Game &game : Games())
-        text += fmt::format("  {}\n", game.name);
-    return text;
+        text += fmt::format("  {:<14}{:<11}{}\n", game.name, game.gameDir, TitleOf(game.name));
+    return "  -game         folder     title\n" + text +
+           "\nA mod is no game: -game names the game that it runs on, -fs_game its folder. A game with a base folder "
+           "of\n"
+           "another name, as OpenArena's baseoa, has -fs_basegame too: -game quake3 -fs_basegame baseoa.\n";
 }
 
 [[noreturn]] void FailUnknown(std::string_view topic, const std::vector<std::string> &topics) {

@@ -10,7 +10,7 @@ namespace q3 {
 LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log) {
     LightInputs inputs;
     inputs.name = bspPath.stem().string();
-    const auto mapPath = WithExtension(bspPath, ".map"), srfPath = WithExtension(bspPath, ".srf");
+    const auto mapPath = Beside(bspPath, ".map"), srfPath = Beside(bspPath, ".srf");
     if (std::filesystem::exists(mapPath)) {
         log.Print("Loading {}\n", mapPath.string());
         inputs.mapEntities = ParseMapEntities(ReadTextFile(mapPath), mapPath.string());
@@ -42,7 +42,7 @@ TexLights ReadTexLights(const std::filesystem::path &bspPath, const VirtualFileS
             read(ReadTextFile(name), name, name);
         else if (!readFromGame(name))
             throw Error("-lights {}: no such file, neither by its path nor among the game's files", name);
-    if (const auto ofMap = WithExtension(bspPath, ".rad"); std::filesystem::exists(ofMap))
+    if (const auto ofMap = Beside(bspPath, ".rad"); std::filesystem::exists(ofMap))
         read(ReadTextFile(ofMap), ofMap.filename().string(), ofMap.string());
     return lights;
 }

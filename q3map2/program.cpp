@@ -9,6 +9,7 @@
 #include "q3map2/version.h"
 #include "q3map2/vrad_options.h"
 
+#include <array>
 #include <fstream>
 #include <memory>
 #include <new>
@@ -25,11 +26,21 @@ void AddLogFile(const std::string &path, Log &log) {
     log.AddSink([file](LogLevel, std::string_view text) { *file << text << std::flush; });
 }
 
-/// The words without the quotes that some editors leave around them.
+/// The words without the quotes that some editors leave around them, and that pasted paths have: plain ones, those of
+/// other shells, and typographic ones. One alone goes too: in "C:\games\" the shell takes the last for a part of it.
 std::vector<std::string> Unquoted(std::vector<std::string> words) {
+    struct Quotes {
+        std::string_view left, right;
+        bool alone;
+    };
+    constexpr std::array<Quotes, 3> kQuotes = {{{"\"", "\"", true}, {"'", "'", false}, {"\u201C", "\u201D", false}}};
     for (std::string &word : words)
-        if (word.size() > 2 && word.front() == '"' && word.back() == '"')
-            word = word.substr(1, word.size() - 2);
+        for (const Quotes &quotes : kQuotes) {
+            const bool left = word.starts_with(quotes.left), right = word.ends_with(quotes.right);
+            const std::size_t length = (left ? quotes.left.size() : 0) + (right ? quotes.right.size() : 0);
+            if (length < word.size() && ((left && right) || (quotes.alone && (left || right))))
+                word = word.substr(left ? quotes.left.size() : 0, word.size() - length);
+        }
     return words;
 }
 
@@ -61,11 +72,6 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
 }
 
 } // namespace
-
-std::filesystem::path WithExtension(const std::filesystem::path &path, std::string_view extension) {
-    std::filesystem::path result = path;
-    return result.replace_extension(extension);
-}
 
 int RunProgram(const std::vector<std::string> &given, const std::filesystem::path &program, Log &log) {
     const std::vector<std::string> arguments = Unquoted(given);

@@ -27,28 +27,28 @@ void WriteText(const fs::path &path, const std::string &text, Log &log) {
 /// Path of the map source: extension `.map`, except for regions and for entities of -onlyents. Errors: a .bsp that may
 /// have been meant for another stage, or that has no source.
 fs::path SourcePath(const std::string &file, const BspOptions &options, bool stageGiven) {
-    const fs::path path = fs::absolute(file);
+    const fs::path path = fs::absolute(file), source = MapPath(file, ".map");
     const std::string extension = LowerCase(path.extension().string());
-    const bool hasSource = fs::exists(WithExtension(path, ".map")) || !options.tempName.empty();
+    const bool hasSource = fs::exists(source) || !options.tempName.empty();
     if (extension == ".bsp" && !stageGiven)
         throw Error("{} is a compiled map, which the bsp stage would replace; name a stage: -bsp compiles {}, -light "
                     "lights it, -vis computes what can be seen",
-                    path.string(), WithExtension(path, ".map").filename().string());
-    if (extension == ".bsp" && !hasSource)
+                    path.string(), source.filename().string());
+    if (extension == ".bsp" && !hasSource && fs::exists(path))
         throw Error("{} is a compiled map and has no map source beside it: {} does not exist", path.string(),
-                    WithExtension(path, ".map").string());
+                    source.string());
     if (extension == ".reg" || (extension == ".ent" && options.onlyEntities))
         return path;
-    return WithExtension(path, ".map");
+    return source;
 }
 
 /// Removes files of an earlier run that this one might not overwrite.
 void RemoveStaleFiles(const fs::path &source) {
     std::error_code ignored;
     for (const std::string_view extension : {".prt", ".lin"})
-        fs::remove(WithExtension(source, extension), ignored);
+        fs::remove(Beside(source, extension), ignored);
     if (LowerCase(source.extension().string()) != ".reg")
-        fs::remove(WithExtension(source, ".reg"), ignored);
+        fs::remove(Beside(source, ".reg"), ignored);
 }
 
 Map ReadSource(const fs::path &source, const BspOptions &options, const BspContext &context) {
@@ -61,15 +61,15 @@ void WriteFiles(const fs::path &source, const CompiledMap &compiled, const BspCo
                 const BspFormat &format) {
     Log &log = context.log;
     if (!compiled.leakLine.empty())
-        WriteLeakFile(WithExtension(source, ".lin"), compiled.leakLine);
+        WriteLeakFile(Beside(source, ".lin"), compiled.leakLine);
     if (context.options.autoCaulk && !compiled.abandoned)
-        WriteText(WithExtension(source, ".caulk"), compiled.caulkFile, log);
+        WriteText(Beside(source, ".caulk"), compiled.caulkFile, log);
     if (compiled.abandoned || context.options.autoCaulk)
         return;
     if (!compiled.portalFile.empty())
-        WriteText(WithExtension(source, ".prt"), compiled.portalFile, log);
-    WriteText(WithExtension(source, ".srf"), compiled.surfaceFile, log);
-    const fs::path path = WithExtension(source, ".bsp");
+        WriteText(Beside(source, ".prt"), compiled.portalFile, log);
+    WriteText(Beside(source, ".srf"), compiled.surfaceFile, log);
+    const fs::path path = Beside(source, ".bsp");
     const BotCheck bots(path, log);
     WriteBspFile(path, compiled.bsp, format, log);
     bots.Report(BotCheck::OtherGeometry, false);
@@ -136,6 +136,8 @@ int BspStage(const StageContext &context, Arguments arguments) {
     const fs::path source = SourcePath(file.file, options, context.stageGiven);
     const BspFormat format = context.options.Format();
     const auto folders = GameFolders(context.options, context.words, context.program);
+    if (options.tempName.empty())
+        RequireMap(source, folders);
     if (!options.onlyEntities)
         RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
@@ -147,7 +149,8 @@ int BspStage(const StageContext &context, Arguments arguments) {
         .options = options, .game = *context.options.game, .shaders = library, .log = log, .vfs = &vfs};
     Map map = ReadSource(source, options, bspContext);
     if (options.onlyEntities) {
-        const fs::path path = WithExtension(source, ".bsp");
+        const fs::path path = Beside(source, ".bsp");
+        RequireMap(path);
         Bsp bsp = ReadBspFile(path, format, log);
         ReplaceEntities(bsp, map, bspContext);
         const BotCheck bots(path, log);

@@ -13,7 +13,7 @@ int JsonStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
     const JsonOptions options = ParseJsonOptions(arguments, log);
     const std::string file = TakeFile(context, arguments, {}).file;
-    const auto bspPath = WithExtension(std::filesystem::absolute(file), ".bsp");
+    const auto bspPath = options.pack ? MapPath(file, ".bsp") : ExistingBsp(file);
     const auto folder = WithExtension(bspPath, "");
     const BspFormat format = context.options.Format();
     const Game &game = *context.options.game;
@@ -39,7 +39,7 @@ int InfoStage(const StageContext &context, Arguments arguments) {
         return 255;
     }
     for (const std::string &file : files) {
-        const auto path = WithExtension(std::filesystem::absolute(file), ".bsp");
+        const auto path = ExistingBsp(file);
         const Bsp bsp = ReadBspFile(path, context.options.Format(), context.log);
         PrintBspInfo(path, bsp, std::filesystem::file_size(path), context.log);
     }
@@ -50,7 +50,7 @@ int PreviewStage(const StageContext &context, Arguments arguments) {
     const std::vector<std::string> files = TakeFiles(context, arguments);
     if (files.size() != 2)
         throw Error("usage: q3map2 {}", context.stage.usage);
-    const auto path = WithExtension(std::filesystem::absolute(files[1]), ".bsp");
+    const auto path = ExistingBsp(files[1]);
     WriteGridPreview(files[0], ReadBspFile(path, context.options.Format(), context.log), context.log);
     return 0;
 }

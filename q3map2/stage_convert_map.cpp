@@ -185,6 +185,8 @@ int ConvertStage(const StageContext &context, Arguments arguments) {
     const bool isMap = ReadsMap(file, options, format);
     RefuseIdleOptions(options, format, isMap);
     const auto folders = GameFolders(context.options, context.words, context.program);
+    const fs::path input = MapPath(file, isMap ? ".map" : ".bsp");
+    RequireMap(input, folders);
     RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     const BspOptions compile = CompileOptions(context, options);
@@ -192,7 +194,7 @@ int ConvertStage(const StageContext &context, Arguments arguments) {
     const BspContext bspContext{
         .options = compile, .game = *context.options.game, .shaders = library, .log = log, .vfs = &vfs};
     format.write({.options = options,
-                  .input = WithExtension(fs::absolute(file), isMap ? ".map" : ".bsp"),
+                  .input = input,
                   .isMap = isMap,
                   .context = bspContext,
                   .bspFormat = context.options.Format()});

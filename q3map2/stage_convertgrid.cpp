@@ -17,7 +17,7 @@ int ConvertGridStage(const StageContext &context, Arguments arguments) {
     const StageFile file = TakeFile(context, arguments, given);
     PrintChangedOptions(arguments, log);
     const GridFormats formats = ParseGridFormats(options.formats);
-    const auto input = WithExtension(std::filesystem::absolute(file.file), ".bsp");
+    const auto input = ExistingBsp(file.file);
     const auto output =
         options.output.empty() ? input : WithExtension(std::filesystem::absolute(options.output), ".bsp");
     std::error_code none;

@@ -15,7 +15,7 @@ namespace q3 {
 namespace {
 
 std::filesystem::path BspPath(const std::string &file) {
-    return WithExtension(std::filesystem::absolute(file), ".bsp");
+    return ExistingBsp(file);
 }
 
 Bsp Load(const std::filesystem::path &path, const StageContext &context) {

@@ -8,7 +8,7 @@ namespace q3 {
 
 int ExportEntitiesStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
-    const auto bspPath = WithExtension(std::filesystem::absolute(TakeFile(context, arguments, {}).file), ".bsp");
+    const auto bspPath = ExistingBsp(TakeFile(context, arguments, {}).file);
     log.Print("Loading {}\n", bspPath.string());
     const Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
     const std::string text = bsp.entities.substr(0, bsp.entities.find('\0')) + "\n";
@@ -26,8 +26,8 @@ int AnalyzeStage(const StageContext &context, Arguments arguments) {
     AnalyzeOptions options;
     TakeSettings(AnalyzeSettings(), options, arguments, context.log);
     std::filesystem::path path = std::filesystem::absolute(TakeFile(context, arguments, {}).file);
-    if (!path.has_extension())
-        path = WithExtension(path, ".bsp");
+    if (!std::filesystem::is_regular_file(path))
+        path = ExistingBsp(path.string());
     PrintAnalysis(ReadFile(path), options.lumpSwap, path.string(), context.log);
     return 0;
 }

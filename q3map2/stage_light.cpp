@@ -27,7 +27,7 @@ struct PagesFiles {
 };
 
 PagesFiles FindPages(const StageContext &context, Arguments &arguments) {
-    const auto bsp = WithExtension(std::filesystem::absolute(TakeFile(context, arguments, {}).file), ".bsp");
+    const auto bsp = ExistingBsp(TakeFile(context, arguments, {}).file);
     return {bsp, WithExtension(bsp, "")};
 }
 
@@ -48,9 +48,9 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const LightmapOptions lightmap = ParseLightmapOptions(arguments, options, *context.options.game, log);
     const StageFile file = TakeFile(context, arguments, given);
     PrintChangedOptions(arguments, log);
-    const auto bspPath = WithExtension(std::filesystem::absolute(file.file), ".bsp");
 
     const auto folders = GameFolders(context.options, context.words, context.program);
+    const auto bspPath = ExistingBsp(file.file, folders);
     RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     log.Print("Loading {}\n", bspPath.string());

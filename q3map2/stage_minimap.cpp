@@ -10,7 +10,7 @@ int MinimapStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
     log.Section("MiniMap");
     const MinimapOptions options = ParseMinimapOptions(arguments, log);
-    const auto bspPath = WithExtension(std::filesystem::absolute(TakeFile(context, arguments, {}).file), ".bsp");
+    const auto bspPath = ExistingBsp(TakeFile(context, arguments, {}).file);
     PrintChangedOptions(arguments, log);
     const Game &game = *context.options.game;
     const auto folders = GameFolders(context.options, context.words, context.program);

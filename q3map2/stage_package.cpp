@@ -54,9 +54,12 @@ fs::path OutputFolder(const StageContext &context, const PackOptions &options) {
 std::vector<fs::path> MapsOf(const std::vector<std::string> &words, bool mayBeList) {
     std::vector<fs::path> maps;
     for (const std::string &word : words) {
-        const std::string extension = LowerCase(fs::path(word).extension().string());
-        if (!mayBeList || words.size() > 1 || extension.empty() || extension == ".bsp") {
-            maps.push_back(WithExtension(fs::absolute(word), ".bsp"));
+        const fs::path map = MapPath(word, ".bsp");
+        const bool isList = mayBeList && words.size() == 1 && map == fs::absolute(word) && fs::is_regular_file(map) &&
+                            !EqualNoCase(map.extension().string(), ".bsp");
+        if (!isList) {
+            RequireMap(map);
+            maps.push_back(map);
             continue;
         }
         const std::string text = ReadTextFile(word);
@@ -67,7 +70,7 @@ std::vector<fs::path> MapsOf(const std::vector<std::string> &words, bool mayBeLi
             while (!line.empty() && IsBlank(line.back()))
                 line.pop_back();
             if (!line.empty())
-                maps.push_back(WithExtension(fs::absolute(line), ".bsp"));
+                maps.push_back(ExistingBsp(line));
         }
     }
     if (maps.empty())

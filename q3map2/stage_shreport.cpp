@@ -13,7 +13,7 @@ int ShReportStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
     log.Section("SH report");
     const ShReportOptions options = ParseShReportOptions(arguments, log);
-    const auto bspPath = WithExtension(std::filesystem::absolute(TakeFile(context, arguments, {}).file), ".bsp");
+    const auto bspPath = ExistingBsp(TakeFile(context, arguments, {}).file);
     PrintChangedOptions(arguments, log);
     const auto folders = GameFolders(context.options, context.words, context.program);
     if (options.textureSize > 0)

@@ -18,7 +18,7 @@ namespace {
 void CheckPrtExists(const std::filesystem::path &bspPath, const std::filesystem::path &prtPath) {
     if (std::filesystem::exists(prtPath))
         return;
-    const auto leakPath = WithExtension(bspPath, ".lin");
+    const auto leakPath = Beside(bspPath, ".lin");
     if (std::filesystem::exists(leakPath))
         throw Error("{} is missing, because the map leaked: {} shows where, load it in the editor, close the leak and "
                     "compile the map again",
@@ -53,8 +53,8 @@ int VisStage(const StageContext &context, Arguments arguments) {
     VisStageOptions options = ParseVisOptions(arguments, log);
     const StageFile file = TakeFile(context, arguments, given);
     PrintChangedOptions(arguments, log);
-    const auto bspPath = WithExtension(std::filesystem::absolute(file.file), ".bsp");
-    const auto prtPath = WithExtension(bspPath, ".prt");
+    const auto bspPath = ExistingBsp(file.file);
+    const auto prtPath = Beside(bspPath, ".prt");
 
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();

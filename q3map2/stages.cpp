@@ -45,7 +45,8 @@ std::vector<SettingSection> LightSections() {
 std::vector<Stage> CompilingStages() {
     return {
         {"-bsp", "[-bsp] [options] maps/x.map", "Compile a map: maps/x.map to x.bsp, x.srf and x.prt",
-         "The source has the extension `.map` whatever the line says, but for `.reg` (a region of a map) and, with "
+         "The source has the extension `.map` whether the line has it, `.bsp` or none, but for `.reg` (a region of a "
+         "map) and, with "
          "`-onlyents`, `.ent`. Without the word `-bsp` the file must not be a `.bsp`, so that a compiled map is not "
          "replaced by mistake. Old `.prt`, `.lin` and `.reg` files beside it are removed first. A map that leaks gets "
          "`x.lin` in place of `x.prt`; that is no error, and the exit status is 0. A map without an entity in the open "
@@ -102,7 +103,8 @@ std::vector<Stage> CompilingStages() {
          ShReportStage, [] { return Describe(ShReportSettings()); }},
         {"-ssbump", "-ssbump [options] HEIGHT OUT.tga|OUT.png",
          "Make a self-shadowed bump map of a height map, for directional lightmaps",
-         "HEIGHT is a TGA, PNG or JPEG file whose luminance is the height; PNG files may have 16 bits a channel. Alpha "
+         "HEIGHT is a TGA, PNG, JPEG or DDS file whose luminance is the height; PNG files may have 16 bits a channel. "
+         "Alpha "
          "is "
          "kept. Game files are not needed.",
          SsbumpStage, [] { return Describe(SsbumpSettings()); }}};

@@ -4,6 +4,7 @@
 #include "common/arguments.h"
 #include "common/settings.h"
 #include "q3map2/global_options.h"
+#include "q3map2/map_paths.h"
 
 #include <filesystem>
 #include <string>
@@ -69,9 +70,6 @@ int EditorFilesStage(const StageContext &context, Arguments arguments);
 
 /// Error if a build step (editors/builds.h) names a stage, option or value that does not exist.
 void CheckBuildStep(const std::string &step);
-
-/// The path with its extension (if any) replaced.
-std::filesystem::path WithExtension(const std::filesystem::path &path, std::string_view extension);
 
 /// The whole program: parses the command line, runs the stage, prints failures. Returns the exit status.
 int RunProgram(const std::vector<std::string> &arguments, const std::filesystem::path &program, Log &log);

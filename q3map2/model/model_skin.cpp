@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Shader replacements of models: skin files and _remap keys.
 #include "q3map2/model/model_skin.h"
 
+#include "common/files/archive.h"
 #include "common/text/text.h"
 #include "common/text/text_scan.h"
 #include "q3map2/bspfile/object_keys.h"
@@ -29,12 +30,12 @@ std::string_view Trimmed(std::string_view text) {
 /// A line "replace FROM TO" or "FROM,TO".
 std::optional<Replacement> SkinLine(std::string_view line) {
     if (const std::size_t comma = line.find(','); comma != std::string_view::npos)
-        return Replacement{WithoutExtension(Trimmed(line.substr(0, comma))),
-                           WithoutExtension(Trimmed(line.substr(comma + 1)))};
+        return Replacement{WithoutExtension(PlainName(Trimmed(line.substr(0, comma)))),
+                           WithoutExtension(PlainName(Trimmed(line.substr(comma + 1))))};
     TextScanner scanner{std::string(line), "skin"};
     std::string word, from, to;
     if (scanner.Next(word) && EqualNoCase(word, "replace") && scanner.Next(from) && scanner.Next(to))
-        return Replacement{WithoutExtension(from), WithoutExtension(to)};
+        return Replacement{WithoutExtension(PlainName(from)), WithoutExtension(PlainName(to))};
     return {};
 }
 

@@ -2,6 +2,7 @@
 #include "q3map2/shader/shader_parse.h"
 
 #include "common/text/text.h"
+#include "q3map2/shader/engine_directives.h"
 #include "q3map2/shader/shader_color.h"
 #include "q3map2/shader/shader_geometry.h"
 #include "q3map2/shader/shader_text.h"
@@ -11,6 +12,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace q3 {
@@ -47,7 +49,7 @@ class ScriptParser {
                 return;
             }
             if (brace == "{") {
-                ParseShader(name);
+                ParseShaders(name);
             } else {
                 WarnSyntax(name, brace);
                 scanner_.PushBack(); // perhaps the name of the next shader
@@ -69,8 +71,15 @@ class ScriptParser {
         log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}",
                   scanner_.TokenLocation().Text(), name, found);
     }
-    void ParseShader(std::string_view name);
-    void ParseStage();
+    /// A name that was found where it has no place; empty: none.
+    using NextShader = std::string;
+    void ParseShaders(std::string_view name);
+    NextShader ParseShader(std::string_view name);
+    NextShader ParseBody(bool &hasStages);
+    NextShader ParseStage();
+    NextShader MissingBrace(const TextLocation &begin, std::string_view what, std::string_view found);
+    bool IsNextShader(std::string_view word) const;
+    void FindStageImage(std::string_view name, std::string &image);
     void ParseDirective(std::string_view word);
     void RunDirective(const Directive &directive, std::string_view word);
     void RunDirective(const GeometryDirective &directive, std::string_view word);
@@ -140,7 +149,9 @@ class ScriptParser {
     ShaderTable &table_;
     Log &log_;
     std::unique_ptr<ParsedShader> shader_;
-    Words words_; ///< arguments of the current directive
+    Words words_;                   ///< arguments of the current directive
+    bool incomplete_ = false;       ///< the directive before lacks arguments, which may stand on the next line
+    const char *bodyEnd_ = nullptr; ///< where the next shader begins within this one; null: it does not
 };
 
 using Self = ScriptParser;
@@ -193,7 +204,17 @@ const std::array<Self::Directive, 46> Self::kDirectives = {{
     {"q3map_floodlight", 6, 0, &Self::FloodLight},
 }};
 
-void ScriptParser::ParseShader(std::string_view name) {
+/// A shader and, as long as each lacks its closing brace, those that follow it.
+void ScriptParser::ParseShaders(std::string_view name) {
+    for (NextShader next = ParseShader(name); !next.empty();) {
+        std::string_view brace;
+        scanner_.Next(brace); // IsNextShader has seen it
+        next = ParseShader(std::exchange(next, {}));
+    }
+}
+
+/// Returns the name of the shader that begins within this one.
+ScriptParser::NextShader ScriptParser::ParseShader(std::string_view name) {
     const bool isHidden = name.ends_with(kHiddenSuffix);
     if (isHidden)
         name.remove_suffix(kHiddenSuffix.size());
@@ -206,14 +227,8 @@ void ScriptParser::ParseShader(std::string_view name) {
     const char *bodyBegin = scanner_.Unread().data();
     if (hasIncludes_)
         scanner_.Record();
-    std::string_view word;
-    while (scanner_.Next(word) && word != "}") {
-        if (word == "{") {
-            hasStages = true;
-            ParseStage();
-        } else
-            ParseDirective(word);
-    }
+    bodyEnd_ = nullptr;
+    NextShader next = ParseBody(hasStages);
     if (!Lightmap().normalImage.empty() && !Lightmap().ssbumpImage.empty())
         log_.Warn("two normal maps", "{}: shader {}: q3map_normalImage and q3map_ssbumpImage, the latter is not used",
                   scanner_.TokenLocation().Text(), name);
@@ -225,21 +240,83 @@ void ScriptParser::ParseShader(std::string_view name) {
     else if (hasIncludes_)
         shader_->info.scriptText = scanner_.TakeText();
     else
-        shader_->body.emplace(bodyBegin, scanner_.Unread().data());
+        shader_->body.emplace(bodyBegin, bodyEnd_ ? bodyEnd_ : scanner_.Unread().data());
     table_.Define(std::move(shader_));
+    return next;
 }
 
-/// Reads names of images only. Blocks do not nest, and line ends have no meaning here.
-void ScriptParser::ParseStage() {
+/// Up to the closing brace.
+ScriptParser::NextShader ScriptParser::ParseBody(bool &hasStages) {
+    const TextLocation begin = scanner_.TokenLocation();
+    incomplete_ = false;
+    for (std::string_view word; scanner_.Next(word);) {
+        if (word == "}")
+            return {};
+        if (!incomplete_ && IsNextShader(word))
+            return MissingBrace(begin, "the shader", word);
+        if (word == "{") {
+            incomplete_ = false;
+            hasStages = true;
+            if (NextShader next = ParseStage(); !next.empty())
+                return next;
+        } else {
+            ParseDirective(word);
+        }
+    }
+    return MissingBrace(begin, "the shader", {});
+}
+
+/// Warns that what began at `begin` does not end. `found`: the name of the next shader, which is returned; empty: the
+/// file ends.
+ScriptParser::NextShader ScriptParser::MissingBrace(const TextLocation &begin, std::string_view what,
+                                                    std::string_view found) {
+    log_.Warn("missing brace in a script", "{}: shader {}: a '}}' is missing: {} that begins in line {} has no end{}",
+              scanner_.TokenLocation().Text(), shader_->info.name, what, begin.line,
+              found.empty() ? " before that of the file" : fmt::format(" before shader {}", found));
+    if (found.empty())
+        return {};
+    scanner_.Forget();
+    if (!hasIncludes_)
+        bodyEnd_ = found.data() - (found.data()[-1] == '"' ? 1 : 0);
+    return NextShader(found);
+}
+
+/// Whether the word is the name of a shader whose brace follows, so that the shader before it lacks its own.
+bool ScriptParser::IsNextShader(std::string_view word) const {
+    const std::size_t slash = word.find_first_of("/\\", 1);
+    return slash != std::string_view::npos && slash + 1 < word.size() && WithoutExtension(word) == word &&
+           scanner_.BlockFollows();
+}
+
+void ScriptParser::FindStageImage(std::string_view name, std::string &image) {
+    const bool builtIn = !name.empty() && (name[0] == '$' || name[0] == '*');
+    shader_->builtInImage |= builtIn;
+    if (image.empty() && !name.empty() && !builtIn)
+        image = WithoutExtension(name);
+}
+
+/// Reads names of images only. Blocks do not nest, and line ends have no meaning here but where a brace is missing.
+ScriptParser::NextShader ScriptParser::ParseStage() {
     static constexpr std::array<std::string_view, 6> kImageWords = {"map",          "clampmap", "animmap",
                                                                     "clampanimmap", "mapcomp",  "mapnocomp"};
     // Keywords of ioquake3's and OpenJK's second renderers, Daemon and ETXreaL; also the word after `stage`.
     static constexpr std::array<std::string_view, 5> kNormalMapWords = {"normalmap", "bumpmap", "normalheightmap",
                                                                         "normalparallaxmap", "parallaxmap"};
+    const TextLocation begin = scanner_.TokenLocation();
     std::string_view word;
     std::string image; // the first of the stage
+    NextShader next;
     bool afterStage = false, isNormalMap = false;
+    int line = begin.line;
     while (scanner_.Next(word) && word != "}") {
+        const bool isFirstOfLine = scanner_.TokenLocation().line != line;
+        line = scanner_.TokenLocation().line;
+        if (word == "{")
+            MissingBrace(begin, "the stage", {});
+        if (isFirstOfLine && IsNextShader(word)) {
+            next = MissingBrace(begin, "the stage", word);
+            break;
+        }
         const bool isNormalMapWord = std::any_of(kNormalMapWords.begin(), kNormalMapWords.end(),
                                                  [&](std::string_view normals) { return IsWord(word, normals); });
         shader_->info.normalMapStage |= isNormalMapWord;
@@ -253,18 +330,18 @@ void ScriptParser::ParseStage() {
         bool more = true;
         for (int i = 0; i < arguments && more && word != "}"; ++i)
             more = scanner_.Next(word);
+        line = scanner_.TokenLocation().line;
         if (!more || word == "}")
             break;
-        const bool builtIn = !word.empty() && (word[0] == '$' || word[0] == '*');
-        shader_->builtInImage |= builtIn;
-        if (image.empty() && !word.empty() && !builtIn)
-            image = WithoutExtension(word);
+        FindStageImage(word, image);
     }
     if (NoImageYet() && !isNormalMap) // the image of `stage normalMap` has no color
         shader_->lightImage = image;
+    return next;
 }
 
 void ScriptParser::ParseDirective(std::string_view word) {
+    const bool afterIncomplete = std::exchange(incomplete_, false);
     const std::string key = LowerCase(word);
     const auto found = std::find_if(kDirectives.begin(), kDirectives.end(),
                                     [&](const Directive &directive) { return directive.name == key; });
@@ -273,31 +350,37 @@ void ScriptParser::ParseDirective(std::string_view word) {
     if (const GeometryDirective *directive = FindGeometryDirective(key))
         return RunDirective(*directive, word);
     constexpr std::string_view kPrefix = "q3map_";
-    const bool isWithoutEffect = std::find(kDirectivesWithoutEffect.begin(), kDirectivesWithoutEffect.end(), key) !=
-                                 kDirectivesWithoutEffect.end();
-    if (key.starts_with(kPrefix) && !isWithoutEffect && !ApplyParm(key.substr(kPrefix.size())))
-        log_.Warn("unknown shader directive", "{}: shader {}: unknown directive {}", scanner_.TokenLocation().Text(),
-                  shader_->info.name, word);
-    scanner_.SkipLine();
+    const bool mayBeArgument = afterIncomplete && !key.starts_with(kPrefix);
+    const auto isKnown = [&] {
+        if (!key.starts_with(kPrefix))
+            return IsEngineDirective(key);
+        return std::ranges::find(kDirectivesWithoutEffect, key) != kDirectivesWithoutEffect.end() ||
+               ApplyParm(key.substr(kPrefix.size()));
+    };
+    if (!isKnown() && !mayBeArgument)
+        log_.Warn("unknown shader directive", "{}: shader {}: unknown directive {}{}", scanner_.TokenLocation().Text(),
+                  shader_->info.name, word,
+                  scanner_.BlockFollows() ? "; if it is the name of a shader, a '}' is missing before it" : "");
+    scanner_.SkipArguments();
 }
 
 void ScriptParser::RunDirective(const Directive &directive, std::string_view word) {
     const TextLocation location = scanner_.TokenLocation();
     words_.clear();
-    for (std::string_view next; words_.size() < directive.required + directive.optional && scanner_.NextOnLine(next);)
+    for (std::string_view next; words_.size() < directive.required + directive.optional && scanner_.NextArgument(next);)
         words_.emplace_back(next);
     if (words_.size() < directive.required)
         WarnIncomplete(location, word, directive.required);
     else
         (this->*directive.apply)(words_);
     if (!directive.moreMayFollow)
-        scanner_.SkipLine();
+        scanner_.SkipArguments();
 }
 
 void ScriptParser::RunDirective(const GeometryDirective &directive, std::string_view word) {
     const TextLocation location = scanner_.TokenLocation();
     words_.clear();
-    for (std::string_view next; words_.size() < directive.required + directive.optional && scanner_.NextOnLine(next);)
+    for (std::string_view next; words_.size() < directive.required + directive.optional && scanner_.NextArgument(next);)
         if (next != "(" && next != ")")
             words_.emplace_back(next);
     if (words_.size() < directive.required) {
@@ -306,10 +389,11 @@ void ScriptParser::RunDirective(const GeometryDirective &directive, std::string_
                !fault.empty()) {
         log_.Warn("shader directive", "{}: shader {}: {}: {}", location.Text(), shader_->info.name, word, fault);
     }
-    scanner_.SkipLine();
+    scanner_.SkipArguments();
 }
 
 void ScriptParser::WarnIncomplete(const TextLocation &location, std::string_view word, std::size_t expected) {
+    incomplete_ = true;
     log_.Warn("incomplete shader directive", "{}: shader {}: {} with {} arguments, expected {}", location.Text(),
               shader_->info.name, word, words_.size(), expected);
 }

@@ -48,7 +48,7 @@ TEST_F(FailureTest, MapThatIsNotThere) {
     ExpectError("-light /nowhere/at/all.bsp", "/nowhere/at/all.bsp");
     ExpectError("-info /nowhere/at/all.bsp", "/nowhere/at/all.bsp");
     ExpectError("-json -unpack /nowhere/at/all.bsp", "/nowhere/at/all.bsp");
-    ExpectError("-light " + maps_.string(), "maps.bsp");
+    ExpectError("-light " + maps_.string(), "maps is a folder, expected a map, such as " + Map(".bsp").string());
 }
 
 TEST_F(FailureTest, CutMaps) {

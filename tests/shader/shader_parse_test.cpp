@@ -22,13 +22,61 @@ TEST_F(ShaderGrammar, QuotedNamesAndHiddenEntries) {
     EXPECT_EQ(library->DefinedCount(), 2u);
 }
 
-TEST_F(ShaderGrammar, RestOfALineIsSkippedBracesToo) {
+TEST_F(ShaderGrammar, ADirectiveEndsAtABrace) {
     LoadScript("one {\nsurfaceparm slick surfaceparm dust\n}\n"
-               "foo { surfaceparm slick { map x } }\n"
-               "swallowed\n{\nsurfaceparm metalsteps\n}\n");
+               "foo { surfaceparm slick { map x.tga } }\n"
+               "bar\n{\nqer_editorImage x }\n"
+               "sky\n{\nq3map_sun 1 1 1 100 0 90 }\n"
+               "unknown\n{\nq3map_noSuchThing 4 }\n"
+               "last\n{\nsurfaceparm metalsteps\n}\n");
     EXPECT_EQ(Get("one").surfaceFlags, kSlick);
     EXPECT_EQ(Get("foo").surfaceFlags, kSlick);
-    EXPECT_FALSE(Get("swallowed").defined);
+    EXPECT_EQ(Get("foo").scriptText, "{\n\tsurfaceparm slick\n\t{\n\t\tmap x.tga\n\t}\n}\n");
+    for (const char *name : {"bar", "sky", "unknown", "last"})
+        EXPECT_TRUE(Get(name).defined) << name;
+    EXPECT_EQ(Warnings("missing brace in a script"), 0);
+}
+
+TEST_F(ShaderGrammar, AMissingBraceIsNamedAndTheNextShaderRead) {
+    LoadScript("textures/a\n{\nsurfaceparm slick\n\ntextures/b\n{\nsurfaceparm dust\n}\n");
+    EXPECT_THAT(out.text,
+                HasSubstr("scripts/test.shader:5: shader textures/a: a '}' is missing: the shader that begins "
+                          "in line 2 has no end before shader textures/b"));
+    EXPECT_EQ(Get("textures/a").surfaceFlags, kSlick);
+    EXPECT_EQ(Get("textures/b").surfaceFlags, kDust);
+    EXPECT_EQ(Get("textures/a").scriptText, "{\n\tsurfaceparm slick\n}\n");
+    // Both braces are missing, of a stage and its shader.
+    LoadScript("textures/a\n{\nsurfaceparm slick\n{\nmap textures/x.tga\n\"textures/b\" // next\n{\nsurfaceparm "
+               "dust\n}\n");
+    EXPECT_EQ(Warnings("missing brace in a script"), 2);
+    EXPECT_EQ(Get("textures/a").scriptText, "{\n\tsurfaceparm slick\n\t{\n\t\tmap textures/x.tga\n\t}\n}\n");
+    EXPECT_EQ(Get("textures/b").surfaceFlags, kDust);
+    // Only that of the stage: what should close the shader closes the stage.
+    LoadScript("textures/a\n{\n{\nmap x\n}\ntextures/b\n{\nsurfaceparm dust\n}\n");
+    EXPECT_EQ(Get("textures/b").surfaceFlags, kDust);
+}
+
+TEST_F(ShaderGrammar, AStageWithinAStageIsNamed) {
+    LoadScript("textures/a\n{\n{\nmap x\n{\nmap y\n}\n}\n");
+    EXPECT_THAT(out.text, HasSubstr("scripts/test.shader:5: shader textures/a: a '}' is missing: the stage that begins "
+                                    "in line 3 has no end"));
+}
+
+TEST_F(ShaderGrammar, AFileThatEndsWithinAShaderIsNamed) {
+    LoadScript("textures/a\n{\nsurfaceparm slick\n");
+    EXPECT_THAT(out.text,
+                HasSubstr("scripts/test.shader:3: shader textures/a: a '}' is missing: the shader that begins "
+                          "in line 2 has no end before that of the file"));
+    EXPECT_EQ(Get("textures/a").surfaceFlags, kSlick);
+}
+
+TEST_F(ShaderGrammar, ArgumentsOnTheNextLineAreNoShader) {
+    LoadScript("textures/a\n{\nqer_editorImage\ntextures/x\n{\nmap y\n}\n}\n"
+               "textures/b\n{\nsurfaceparm dust\n}\n");
+    EXPECT_EQ(Warnings("incomplete shader directive"), 1);
+    EXPECT_EQ(Warnings("missing brace in a script"), 0);
+    EXPECT_FALSE(Get("textures/x").defined);
+    EXPECT_EQ(Get("textures/b").surfaceFlags, kDust);
 }
 
 TEST_F(ShaderGrammar, SemicolonEndsTheArgument) {
@@ -39,9 +87,14 @@ TEST_F(ShaderGrammar, SemicolonEndsTheArgument) {
 TEST_F(ShaderGrammar, UnknownDirectives) {
     EXPECT_EQ(LoadShader("noSuchThing surfaceparm dust\nqer_trans 0.4\nq3map_slick\nq3map_noSuchThing 4").surfaceFlags,
               kSlick);
-    EXPECT_EQ(Warnings("unknown shader directive"), 1);
-    EXPECT_THAT(out.text, HasSubstr("scripts/test.shader:6"));
-    EXPECT_THAT(out.text, HasSubstr("q3map_noSuchThing"));
+    EXPECT_EQ(Warnings("unknown shader directive"), 2);
+    EXPECT_THAT(out.text, HasSubstr("scripts/test.shader:3: shader s: unknown directive noSuchThing"));
+}
+
+TEST_F(ShaderGrammar, DirectivesOfEnginesAndEditorsAreKnown) {
+    LoadShader("noPicMip\nnomipmaps\nsort 5\nportal\nfogparms ( 1 1 1 ) 512\nqer_nocarve\nq3map_vertexShadows\n"
+               "tessSize 64\ndpReflectCube env/x\nclampTime 2\npolygonOffset\nlight 1\nspecularMap x");
+    EXPECT_EQ(Warnings("unknown shader directive"), 0);
 }
 
 TEST_F(ShaderGrammar, DirectivesOfOtherStagesAreKnown) {
