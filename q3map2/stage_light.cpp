@@ -47,8 +47,10 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const GridFormats gridFormats = TakeGridFormats(options);
     const LightmapOptions lightmap = ParseLightmapOptions(arguments, options, *context.options.game, log);
     const StageFile file = TakeFile(context, arguments, given);
-    PrintChangedOptions(arguments, log);
     const auto bspPath = WithExtension(std::filesystem::absolute(file.file), ".bsp");
+    LightInputs inputs = ReadLightInputs(bspPath, log);
+    WarnOfLuxelSizes(given, inputs, arguments, log);
+    PrintChangedOptions(arguments, log);
 
     const auto folders = GameFolders(context.options, context.words, context.program);
     RequireGameFiles(context.options, folders, context.words, log);
@@ -56,7 +58,6 @@ int LightStage(const StageContext &context, Arguments arguments) {
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
-    LightInputs inputs = ReadLightInputs(bspPath, log);
     inputs.vfs = &vfs;
     inputs.texLights = ReadTexLights(bspPath, vfs, options.texLightFiles, lightmap.hdr, log);
     const Entity world = StoredEntities(bsp.entities, inputs.name).front();

@@ -70,6 +70,9 @@ int EditorFilesStage(const StageContext &context, Arguments arguments);
 /// Error if a build step (editors/builds.h) names a stage, option or value that does not exist.
 void CheckBuildStep(const std::string &step);
 
+/// The values of -format of the stage -convert.
+std::vector<std::string> ConvertFormatNames();
+
 /// The path with its extension (if any) replaced.
 std::filesystem::path WithExtension(const std::filesystem::path &path, std::string_view extension);
 

@@ -3,6 +3,7 @@
 
 #include "common/cpu_time.h"
 #include "common/error.h"
+#include "q3map2/bspfile/foreign_keys.h"
 #include "q3map2/bspfile/grid_shares.h"
 #include "q3map2/bspfile/light_curve_keys.h"
 #include "q3map2/bspfile/light_style_keys.h"
@@ -32,10 +33,13 @@ std::vector<Entity> EntitiesWithLights(std::vector<Entity> entities, const Light
     WarnOfBadKeys(entities.front(), 0, keys::kWorldLightKeys, log);
     WarnOfBadKeys(entities.front(), 0, keys::kStyleWorldKeys, log);
     WarnOfBadKeys(entities.front(), 0, keys::kMacroKeys, log);
+    WarnOfForeignKeys(entities.front(), 0, KeyOwner::World, log);
     const std::vector<Entity> &sources = inputs.mapEntities && !kept ? *inputs.mapEntities : entities;
     for (std::size_t i = 0; i < sources.size(); ++i)
-        if (IsLight(sources[i]))
+        if (IsLight(sources[i])) {
             WarnOfBadLightKeys(sources[i], i, log);
+            WarnOfForeignKeys(sources[i], i, KeyOwner::Light, log);
+        }
     if (inputs.mapEntities && !kept) {
         std::erase_if(entities, IsLight);
         std::copy_if(inputs.mapEntities->begin(), inputs.mapEntities->end(), std::back_inserter(entities), IsLight);
