@@ -42,6 +42,7 @@ TEST_F(ShaderGrammar, UnknownDirectives) {
     EXPECT_EQ(Warnings("unknown shader directive"), 1);
     EXPECT_THAT(out.text, HasSubstr("scripts/test.shader:6"));
     EXPECT_THAT(out.text, HasSubstr("q3map_noSuchThing"));
+    out.log.FlushWarnings();
     LoadShader("q3map_surfacelite 100");
     EXPECT_THAT(out.text, HasSubstr("q3map_surfacelite; did you mean q3map_surfaceLight?"));
 }
@@ -216,6 +217,7 @@ TEST_F(ShaderDirectives, SunTakesStyleAndRadiusAsSetSoFar) {
 
 TEST_F(ShaderDirectives, LinesBelowTheSunThatNothingUsesAreWarnings) {
     const auto late = [&](std::string_view body) {
+        out.log.FlushWarnings();
         out.text.clear();
         LoadShader(body);
         return out.text.find("has no effect on the sun above it") != std::string::npos;
