@@ -108,16 +108,13 @@ ConvertFormat FindFormat(std::string_view name) {
         return kFormats[0];
     if (const Game *game = FindGame(name))
         return {game->name, FormatKind::Game, WriteForGame};
-    std::vector<std::string> names;
+    std::string expected;
     for (const ConvertFormat &format : kFormats) {
         if (EqualNoCase(format.name, name))
             return format;
-        names.emplace_back(format.name);
+        expected += fmt::format("{}, ", format.name);
     }
-    const std::string expected = fmt::format("{}, or a game", fmt::join(names, ", "));
-    for (const Game &game : Games())
-        names.emplace_back(game.name);
-    throw Error("-format {}: unknown, expected {}{}", name, expected, DidYouMean(name, names));
+    throw Error("-format {}: unknown, expected {}or a game{}", name, expected, DidYouMean(name, ConvertFormatNames()));
 }
 
 bool ReadsMap(const std::string &file, const ConvertOptions &options, const ConvertFormat &format) {
@@ -173,6 +170,15 @@ void DropEmptyWords(Arguments &arguments) {
 }
 
 } // namespace
+
+std::vector<std::string> ConvertFormatNames() {
+    std::vector<std::string> names;
+    for (const ConvertFormat &format : kFormats)
+        names.emplace_back(format.name);
+    for (const Game &game : Games())
+        names.emplace_back(game.name);
+    return names;
+}
 
 int ConvertStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;

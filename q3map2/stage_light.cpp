@@ -47,16 +47,17 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const GridFormats gridFormats = TakeGridFormats(options);
     const LightmapOptions lightmap = ParseLightmapOptions(arguments, options, *context.options.game, log);
     const StageFile file = TakeFile(context, arguments, given);
-    PrintChangedOptions(arguments, log);
-
     const auto folders = GameFolders(context.options, context.words, context.program);
     const auto bspPath = ExistingBsp(file.file, folders);
+    LightInputs inputs = ReadLightInputs(bspPath, log);
+    WarnOfLuxelSizes(given, inputs, arguments, log);
+    PrintChangedOptions(arguments, log);
+
     RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
-    LightInputs inputs = ReadLightInputs(bspPath, log);
     inputs.vfs = &vfs;
     inputs.texLights = ReadTexLights(bspPath, vfs, options.texLightFiles, lightmap.hdr, log);
     const Entity world = StoredEntities(bsp.entities, inputs.name).front();

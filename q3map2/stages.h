@@ -71,6 +71,9 @@ int EditorFilesStage(const StageContext &context, Arguments arguments);
 /// Error if a build step (editors/builds.h) names a stage, option or value that does not exist.
 void CheckBuildStep(const std::string &step);
 
+/// The values of -format of the stage -convert.
+std::vector<std::string> ConvertFormatNames();
+
 /// The whole program: parses the command line, runs the stage, prints failures. Returns the exit status.
 int RunProgram(const std::vector<std::string> &arguments, const std::filesystem::path &program, Log &log);
 

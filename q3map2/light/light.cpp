@@ -3,6 +3,7 @@
 
 #include "common/cpu_time.h"
 #include "common/error.h"
+#include "q3map2/bspfile/foreign_keys.h"
 #include "q3map2/bspfile/grid_shares.h"
 #include "q3map2/bspfile/light_curve_keys.h"
 #include "q3map2/bspfile/light_style_keys.h"
@@ -38,10 +39,13 @@ NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const L
     WarnOfBadKeys(entities.front(), 0, keys::kWorldLightKeys, log);
     WarnOfBadKeys(entities.front(), 0, keys::kStyleWorldKeys, log);
     WarnOfBadKeys(entities.front(), 0, keys::kMacroKeys, log);
+    WarnOfForeignKeys(entities.front(), 0, KeyOwner::World, log);
     const std::vector<Entity> &sources = inputs.mapEntities && !kept ? *inputs.mapEntities : entities;
     for (std::size_t i = 0; i < sources.size(); ++i)
-        if (IsLight(sources[i]))
+        if (IsLight(sources[i])) {
             WarnOfBadLightKeys(sources[i], i, log);
+            WarnOfForeignKeys(sources[i], i, KeyOwner::Light, log);
+        }
     const bool replaced = inputs.mapEntities && !kept;
     NumberedEntities result;
     const auto take = [&](const std::vector<Entity> &from, const auto &wanted) {

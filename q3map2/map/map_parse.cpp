@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Map text to entities.
 #include "q3map2/map/map_parse.h"
 
+#include "q3map2/bspfile/foreign_keys.h"
 #include "q3map2/bspfile/light_style_keys.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/map/index_map.h"
@@ -240,8 +241,10 @@ void MapReader::DropAreaPortals(MapEntity &entity) const {
 }
 
 void MapReader::ApplyPatchKeys(MapEntity &entity) const {
-    if (!entity.brushes.empty() || !entity.patches.empty())
+    if (!entity.brushes.empty() || !entity.patches.empty()) {
         WarnOfBadKeys(entity.pairs, std::size_t(entity.number), keys::kSurfaceKeys, context_.log);
+        WarnOfForeignKeys(entity.pairs, std::size_t(entity.number), KeyOwner::Brushes, context_.log);
+    }
     const bool asWorld = EqualNoCase(entity.pairs.ClassName(), "func_group") && !map_.entities.empty();
     const auto owner = [&](const EntityKey &key) -> const Entity & {
         return asWorld && !key.Given(entity.pairs) ? map_.entities.front().pairs : entity.pairs;

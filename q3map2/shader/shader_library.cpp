@@ -130,8 +130,12 @@ std::vector<std::string> ShaderLibrary::State::ScriptNames(const std::string &fo
 void ShaderLibrary::State::ReadCustomParms() {
     const std::string file = std::string(table.GameRules().shaderDir) + "/custinfoparms.txt";
     const auto bytes = vfs.Read(file);
-    if (!bytes)
-        throw Error("{}: no such file, and -custinfoparms asks for it", file);
+    if (!bytes) {
+        log.Warn("no custom surfaceparms",
+                 "{}: no such file, which -custinfoparms asks for; only the surfaceparms of -game {} are known", file,
+                 table.GameRules().name);
+        return;
+    }
     TextScanner scanner = Open(file, *bytes);
     for (const bool isContent : {true, false}) {
         std::string word, value;
@@ -263,6 +267,13 @@ void ShaderLibrary::State::Complete(ParsedShader &shader) {
     const bool isDrawn = (info.compileFlags & C_NODRAW) == 0;
     info.lightImage = isDrawn ? LightImageOf(shader) : nullptr;
     info.imageFound = info.lightImage != nullptr;
+    if (isDrawn && shader.lightImageGiven && !CachedImage(shader.lightImage))
+        log.Warn("light image",
+                 "{}: q3map_lightImage {}: no image of that name can be read, the light has the color of {}", info.name,
+                 shader.lightImage,
+                 shader.colorGiven ? "q3map_lightRGB"
+                 : info.imageFound ? "another image"
+                                   : "white");
     if (!info.imageFound) {
         if (isDrawn)
             log.Verbose("shader {}: couldn't find image\n", info.name);

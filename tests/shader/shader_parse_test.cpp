@@ -89,6 +89,10 @@ TEST_F(ShaderGrammar, UnknownDirectives) {
               kSlick);
     EXPECT_EQ(Warnings("unknown shader directive"), 2);
     EXPECT_THAT(out.text, HasSubstr("scripts/test.shader:3: shader s: unknown directive noSuchThing"));
+    EXPECT_THAT(out.text, HasSubstr("q3map_noSuchThing"));
+    out.log.FlushWarnings();
+    LoadShader("q3map_surfacelite 100");
+    EXPECT_THAT(out.text, HasSubstr("q3map_surfacelite; did you mean q3map_surfaceLight?"));
 }
 
 TEST_F(ShaderGrammar, DirectivesOfEnginesAndEditorsAreKnown) {
@@ -263,6 +267,25 @@ TEST_F(ShaderDirectives, SunTakesStyleAndRadiusAsSetSoFar) {
     EXPECT_NEAR(s.suns[1].deviance, 1.570796, 1e-6);
     EXPECT_EQ(s.suns[1].samples, 16);
     EXPECT_EQ(s.suns[2].deviance, 0);
+}
+
+TEST_F(ShaderDirectives, LinesBelowTheSunThatNothingUsesAreWarnings) {
+    const auto late = [&](std::string_view body) {
+        out.log.FlushWarnings();
+        out.text.clear();
+        LoadShader(body);
+        return out.text.find("has no effect on the sun above it") != std::string::npos;
+    };
+    constexpr std::string_view kSun = "q3map_sunExt 1 1 1 100 0 60 1 8\n";
+    EXPECT_TRUE(late(fmt::format("{}q3map_lightmapFilterRadius 0 64", kSun)));
+    EXPECT_THAT(out.text, HasSubstr("scripts/test.shader:4: shader s: q3map_lightmapFilterRadius"));
+    EXPECT_TRUE(late(fmt::format("{}q3map_lightStyle 3", kSun)));
+    EXPECT_FALSE(late(fmt::format("q3map_lightmapFilterRadius 0 64\n{}", kSun)));
+    EXPECT_FALSE(late(fmt::format("{}q3map_lightmapFilterRadius 0 64\nq3map_skyLight 60 3", kSun)));
+    EXPECT_FALSE(late(fmt::format("q3map_skyLight 60 3\n{}q3map_lightStyle 3", kSun))) << "sky light takes any line";
+    EXPECT_FALSE(late(fmt::format("{}q3map_lightStyle 3\n{}", kSun, kSun))) << "the second sun takes it";
+    EXPECT_FALSE(late(fmt::format("{}q3map_lightStyle 3\nq3map_surfaceLight 10", kSun)));
+    EXPECT_FALSE(late(fmt::format("{}q3map_lightmapFilterRadius 8 0", kSun))) << "for its own lightmaps";
 }
 
 TEST_F(ShaderDirectives, SunLeavesTheRestOfItsLine) {

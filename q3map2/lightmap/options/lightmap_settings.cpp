@@ -64,6 +64,7 @@ Group Samples() {
            .aliases = {"-supersample"},
            .values = "N",
            .range = {1, kMaxSuper},
+           .limitReason = "time and memory grow with N²; -samples refines only where light changes",
            .help = "Take N × N samples in each luxel"},
           &LightmapOptions::super},
          {{.name = "-samples",
