@@ -87,11 +87,11 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const StageFile file = TakeFile(context, arguments, given);
     const auto folders = GameFolders(context.options, context.words, context.program);
     const auto bspPath = ExistingBsp(file.file, folders);
+    FileGuard guard = GuardLight(bspPath, options, lightmap, context);
     LightInputs inputs = ReadLightInputs(bspPath, log);
     WarnOfLuxelSizes(given, inputs, arguments, log);
     PrintChangedOptions(arguments, log);
 
-    FileGuard guard = GuardLight(bspPath, options, lightmap, context);
     RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     log.Print("Loading {}\n", bspPath.string());
