@@ -211,6 +211,7 @@ CompiledMap MapCompiler::Compile() {
         if (entity.model > 0)
             CompileModel(entity);
     log.SetVerbose(wasVerbose);
+    WarnOfLostDecals(decals_, context_);
     writer_.EmitFogs(geometry_);
     if (context_.options.skyFix)
         writer_.EmitSkyImages();

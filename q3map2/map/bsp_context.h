@@ -4,9 +4,25 @@
 #include "q3map2/map/bsp_options.h"
 #include "q3map2/shader/shader_library.h"
 
+#include <memory>
+#include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace q3 {
+
+/// Where the entities and primitives of a map source begin, for messages.
+class MapPlaces {
+  public:
+    /// `primitive`: -1 for the entity itself. `location`: FILE:LINE.
+    void Set(int entity, int primitive, std::string location);
+    /// Of the primitive, else of its entity; empty: unknown.
+    std::string_view Of(int entity, int primitive) const;
+
+  private:
+    std::vector<std::vector<std::string>> places_; ///< by entity; of itself first, then of its primitives
+};
 
 /// Options, game files and log of a compile.
 struct BspContext {
@@ -15,10 +31,19 @@ struct BspContext {
     ShaderLibrary &shaders;
     Log &log;
     const VirtualFileSystem *vfs = nullptr; ///< for models, skins and index maps; null: none are found
+    std::shared_ptr<MapPlaces> places = std::make_shared<MapPlaces>(); ///< set by the reader of the map source
 
-    /// Warns "Entity E, Brush B: text". A connected editor selects the primitive.
-    void WarnAt(std::string_view kind, int entity, int primitive, std::string_view text) const;
-    [[noreturn]] void FailAt(int entity, int primitive, std::string_view text) const;
+    /// Warns "Entity E, Brush B: FILE:LINE: text"; `primitive` -1: about the entity, without a brush. `location`: in
+    /// place of where the primitive begins; "": none. A connected editor selects the primitive.
+    void WarnAt(std::string_view kind, int entity, int primitive, std::string_view text,
+                std::optional<std::string_view> location = {}) const;
+    /// Throws Error with such a text.
+    [[noreturn]] void FailAt(int entity, int primitive, std::string_view text,
+                             std::optional<std::string_view> location = {}) const;
+
+  private:
+    std::string Located(int entity, int primitive, std::string_view text,
+                        std::optional<std::string_view> location) const;
 };
 
 } // namespace q3

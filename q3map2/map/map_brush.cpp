@@ -176,6 +176,17 @@ bool MakeBrushWindings(Brush &brush, const PlaneTable &table) {
     return true;
 }
 
+bool IsInsideOut(const Brush &brush, const PlaneTable &table) {
+    Brush turned;
+    for (const BrushSide &side : brush.sides) {
+        const Plane &plane = PlaneOfSide(side, table);
+        BrushSide &back = turned.sides.emplace_back();
+        back.plane = {-plane.normal, -plane.dist};
+        back.hasPlane = true;
+    }
+    return MakeBrushWindings(turned, table);
+}
+
 void SetBrushContents(Brush &brush, const BspContext &context) {
     brush.contentShader = nullptr;
     brush.contentFlags = brush.compileFlags = 0;

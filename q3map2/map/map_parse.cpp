@@ -69,8 +69,7 @@ class MapReader : public MapEntityHandler {
     Map map_;
     MapScanner scanner_;
     PrimitiveReader primitives_;
-    MapEntity entity_;              ///< the one that is read
-    std::string primitiveLocation_; ///< file and line where the current primitive begins
+    MapEntity entity_; ///< the one that is read
 };
 
 /// Estimates the number of entities from the "classname" keys.
@@ -86,6 +85,7 @@ void MapReader::BeginEntity(int entity) {
     entity_ = {};
     entity_.number = entity;
     entity_.location = scanner_.Location();
+    context_.places->Set(entity, -1, entity_.location);
 }
 
 void MapReader::OnPair(const std::string &key, const std::string &value) {
@@ -112,7 +112,7 @@ void MapReader::OnPair(const std::string &key, const std::string &value) {
 }
 
 void MapReader::OnBrush(int primitive, const std::string &first) {
-    primitiveLocation_ = scanner_.Location();
+    context_.places->Set(entity_.number, primitive, scanner_.Location());
     Brush brush = primitives_.ReadBrush(first);
     brush.settings.entity = entity_.number;
     brush.primitive = primitive;
@@ -120,6 +120,7 @@ void MapReader::OnBrush(int primitive, const std::string &first) {
 }
 
 void MapReader::OnPatch(int primitive, bool) {
+    context_.places->Set(entity_.number, primitive, scanner_.Location());
     std::optional<Patch> patch = primitives_.ReadPatch();
     if (!patch || context_.options.noCurves)
         return;
@@ -127,9 +128,8 @@ void MapReader::OnPatch(int primitive, bool) {
     entity_.patches.push_front(std::move(*patch));
 }
 
-/// Warns of the current brush, with its location.
 void MapReader::Warn(const Brush &brush, std::string_view kind, std::string_view text) const {
-    context_.WarnAt(kind, brush.settings.entity, brush.primitive, fmt::format("{}: {}", primitiveLocation_, text));
+    context_.WarnAt(kind, brush.settings.entity, brush.primitive, text);
 }
 
 /// Removes sides that have no plane or repeat one. False: the brush is to be ignored.
@@ -170,7 +170,12 @@ void MapReader::AddBrush(MapEntity &entity, Brush brush) {
         return;
     if (!MakeBrushWindings(brush, map_.planes)) {
         const Vec3f size = brush.bounds.maxs - brush.bounds.mins;
-        if (!brush.bounds.Empty() && size.x > 0 && size.y > 0 && size.z > 0)
+        if (IsInsideOut(brush, map_.planes))
+            Warn(brush, "brush inside out",
+                 "the brush is inside out: the points of its sides are in the wrong order, so that every side faces "
+                 "inwards and the brush encloses nothing; it is left out. Seen from outside, the three points of a "
+                 "side must be clockwise");
+        else if (!brush.bounds.Empty() && size.x > 0 && size.y > 0 && size.z > 0)
             Warn(brush, "brush outside the world",
                  fmt::format("the brush reaches beyond {:.0f} units from the origin, or is open: it is left out",
                              kMaxWorldCoord));

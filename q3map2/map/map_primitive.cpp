@@ -134,6 +134,20 @@ void PrimitiveReader::ReadFlags(BrushSide &side, SideText &text) {
     text.flags[2] = scanner_.Integer();
 }
 
+/// Replaces a projection that smears the texture over the side, with a warning if the side shows it.
+void PrimitiveReader::GiveTextureExtent(BrushSide &side, const std::string &shader) const {
+    if (side.planeNum < 0 || HasExtent(side.texture, planes_[side.planeNum].normal))
+        return;
+    const GeometryDirectives &directives = side.shader->geometry;
+    side.texture = DefaultProjection(planes_[side.planeNum].normal, directives);
+    if ((side.compileFlags & C_NODRAW) == 0 && !directives.hasTexGen && !context_.options.flat)
+        scanner_.Warn("texture without extent",
+                      fmt::format("the texture {} has no extent on this side: its axes are parallel to each other or "
+                                  "along the side's normal, or of length zero; it gets default axes, to be set again "
+                                  "in the editor",
+                                  Shown(shader)));
+}
+
 BrushSide PrimitiveReader::ReadSide(Form form, SideText &text) {
     BrushSide side;
     TextureMatrix matrix{};
@@ -156,6 +170,7 @@ BrushSide PrimitiveReader::ReadSide(Form form, SideText &text) {
         side.texture = ReadAxes(side);
     else if (side.planeNum >= 0)
         side.texture = ProjectMatrix(matrix, planes_[side.planeNum].normal);
+    GiveTextureExtent(side, text.shader);
     text.texture = side.texture;
     side.texture = FinalProjection(side.texture, side.shader->geometry, context_.options.flat);
     ReadFlags(side, text);

@@ -44,14 +44,14 @@ MapScanner::MapScanner(std::string_view text, std::string_view name, const BspCo
 
 void MapScanner::Fail(std::string_view text) const {
     if (primitive_ >= 0)
-        context_.FailAt(entity_, primitive_, fmt::format("{}: {}", Location(), text));
+        context_.FailAt(entity_, primitive_, text, Location());
     if (entity_ >= 0)
         throw Error("Entity {}: {}: {}", entity_, Location(), text);
     throw Error("{}: {}", Location(), text);
 }
 
 void MapScanner::Warn(std::string_view kind, std::string_view text) const {
-    context_.WarnAt(kind, entity_, primitive_, fmt::format("{}: {}", Location(), text));
+    context_.WarnAt(kind, entity_, primitive_, text, Location());
 }
 
 /// Adds entity and primitive to errors of the scanner, which name only file and line.
@@ -60,7 +60,7 @@ template <typename Read> bool MapScanner::Guarded(Read read) {
         return read();
     } catch (const Error &error) {
         if (primitive_ >= 0)
-            context_.FailAt(entity_, primitive_, error.what());
+            context_.FailAt(entity_, primitive_, error.what(), "");
         throw;
     }
 }

@@ -23,6 +23,12 @@ constexpr double kClearlyLarger = 0.0001; ///< difference of dot products
 constexpr double kVertical = 1e-6;        ///< x and y of vertical normals are smaller
 /// Larger values times a coordinate would exceed the range of float.
 constexpr double kMaxAxis = 1e30;
+/// Images per unit. Along a shorter axis a world has less than a ten-thousandth of an image.
+constexpr double kMinAxis = 1e-9;
+/// Least sine of the angle between axes on a side.
+constexpr double kParallelAxes = 1e-4;
+/// Game units per texel of sides whose own axes are of no use, as in editors.
+constexpr double kDefaultScale = 0.5;
 
 const BaseAxes &BaseAxesOf(const Vec3d &normal) {
     const BaseAxes *best = nullptr;
@@ -116,6 +122,22 @@ TextureProjection ProjectMatrix(const TextureMatrix &matrix, const Vec3d &normal
         projection.vecs[row] = {axis.x, axis.y, axis.z, matrix[row][2]};
     }
     return projection;
+}
+
+bool HasExtent(const TextureProjection &projection, const Vec3d &normal) {
+    std::array<Vec3d, 2> axes;
+    for (std::size_t row = 0; row < 2; ++row)
+        for (std::size_t i = 0; i < 3; ++i)
+            if (const double value = projection.vecs[row][i]; std::abs(value) < kMaxAxis)
+                axes[row][i] = value;
+    const double s = Length(axes[0]), t = Length(axes[1]);
+    return s > kMinAxis && t > kMinAxis && std::abs(Dot(normal, Cross(axes[0], axes[1]))) > kParallelAxes * s * t;
+}
+
+TextureProjection DefaultProjection(const Vec3d &normal, const GeometryDirectives &shader) {
+    TextureAxes plain;
+    plain.scale = {kDefaultScale, kDefaultScale};
+    return ProjectClassic(plain, normal, shader);
 }
 
 TextureProjection FinalProjection(TextureProjection own, const GeometryDirectives &shader, bool flat) {

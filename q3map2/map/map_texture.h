@@ -32,6 +32,11 @@ ProjectionAxes MatrixAxes(const Vec3d &normal);
 TextureProjection ProjectClassic(const TextureAxes &texture, const Vec3d &normal, const GeometryDirectives &shader);
 TextureProjection ProjectValve(const TextureAxes &texture, const GeometryDirectives &shader);
 TextureProjection ProjectMatrix(const TextureMatrix &matrix, const Vec3d &normal);
+/// Whether the texture covers an area on a plane of that normal. It does not if its axes are parallel there, if one is
+/// along the normal, or if they are too short or too long to be used.
+bool HasExtent(const TextureProjection &projection, const Vec3d &normal);
+/// The classic form without rotation and shift, at the scale of editors.
+TextureProjection DefaultProjection(const Vec3d &normal, const GeometryDirectives &shader);
 /// The side's own projection unless the shader (tcGen) or -flat replaces it. Values of 1e30 and more become 0.
 TextureProjection FinalProjection(TextureProjection own, const GeometryDirectives &shader, bool flat);
 

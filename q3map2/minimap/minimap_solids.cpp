@@ -22,10 +22,11 @@ std::uint32_t FlagsOfSides(const Bsp &bsp, const bspBrush_t &brush, const std::v
 
 /// Compile flags by number; none for sides without a shader.
 std::vector<std::uint32_t> FlagsOfShaders(const Bsp &bsp, ShaderLibrary &library) {
+    for (const bspShader_t &shader : bsp.shaders)
+        library.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
     std::vector<std::uint32_t> flags;
     for (const bspShader_t &shader : bsp.shaders) {
         const std::string_view name = FieldName(shader.shader);
-        library.SetDefaultFlags(name, shader.surfaceFlags, shader.contentFlags);
         flags.push_back(EqualNoCase(name, kNoShaderName) ? 0 : library.Get(name).compileFlags);
     }
     return flags;

@@ -400,8 +400,13 @@ void ShaderLibrary::SetDefaultFlags(std::string_view name, std::uint32_t surface
     if (name.empty() || (surfaceFlags | contentFlags) == 0)
         return;
     ParsedShader &shader = state_->table.FindOrAdd(name, state_->log);
-    if (shader.info.defined || std::exchange(shader.hasBspFlags, true))
+    if (shader.info.defined)
         return;
+    // Single surfaces have flags of their own, such as curves that are there for collision only.
+    if (std::exchange(shader.hasBspFlags, true)) {
+        surfaceFlags &= shader.info.surfaceFlags;
+        contentFlags = shader.info.contentFlags;
+    }
     shader.info.surfaceFlags = surfaceFlags;
     shader.info.contentFlags = contentFlags;
     shader.info.compileFlags = state_->table.GameRules().CompileFlagsOf(surfaceFlags, contentFlags);

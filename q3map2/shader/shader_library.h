@@ -32,8 +32,8 @@ class ShaderLibrary {
     /// Whether surfaces with the shader are normal mapped: as q3map_rnm or q3map_noRnm says; else if a stage,
     /// q3map_normalImage or q3map_ssbumpImage names a map, or an image like NAME_n.tga exists beside the image NAME.
     bool HasNormalMap(std::string_view name);
-    /// Flags of a shader record in a .bsp, for a shader that no script defines; the first call for a name counts;
-    /// records without any flag are ignored. To be called before Get.
+    /// Flags of a .bsp's shader record, for a shader without script: of records of one name, the surface flags that all
+    /// have and the contents of the first. Records without flags are ignored. To be called for all before Get.
     void SetDefaultFlags(std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags);
     /// An image by its name without extension; null when there is none. Cached.
     std::shared_ptr<const Image> LoadImage(std::string_view nameWithoutExtension);

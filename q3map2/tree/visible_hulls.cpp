@@ -1,8 +1,6 @@
 // GPL-2.0-or-later. Visible hulls of brush sides.
 #include "q3map2/tree/visible_hulls.h"
 
-#include "common/error.h"
-
 #include <utility>
 
 namespace q3 {
@@ -10,7 +8,6 @@ namespace q3 {
 namespace {
 
 constexpr double kEpsilon = 0.1;
-constexpr std::size_t kMostPoints = 128;
 
 /// Extends the convex hull to hold `p`. Points are clockwise seen from the tip of `normal`.
 void AddPoint(Polygon &hull, const Vec3f &p, const Vec3d &normal) {
@@ -37,8 +34,6 @@ void AddPoint(Polygon &hull, const Vec3f &p, const Vec3d &normal) {
             grown.push_back(hull[next]);
     }
     grown.push_back(hull[(last + 1) % count]);
-    if (grown.size() > kMostPoints)
-        throw Error("the visible part of a brush side has more than {} corners", kMostPoints);
     hull = std::move(grown);
 }
 

@@ -3,6 +3,7 @@
 #include "q3map2/geometry/game_entities.h"
 #include "tests/geometry/compile_fixture.h"
 
+#include <numbers>
 #include <set>
 
 namespace q3::test {
@@ -176,6 +177,55 @@ TEST_F(CompileTest, RemappedShadersKeepTheirFlags) {
         bsp.shaders, [](const bspShader_t &shader) { return FieldName(shader.shader) == "textures/test/panes"; });
     ASSERT_NE(panes, bsp.shaders.end());
     EXPECT_NE(panes->contentFlags & 0x20000000u, 0u); // translucent, as the script says of the other name
+}
+
+TEST_F(CompileTest, FlagsOfALeftOverCurveAreItsOwnOnly) {
+    const auto curve = [](int x) {
+        std::string text = "{\npatchDef2\n{\ntest/cloth\n( 3 3 0 0 0 )\n(\n";
+        for (int column = 0; column < 3; ++column)
+            text += fmt::format("( ( {0} -32 64 0 0 ) ( {0} 0 80 0 0 ) ( {0} 32 64 0 0 ) )\n", x + 32 * column);
+        return text + ")\n}\n}\n";
+    };
+    const std::string group = "{\n\"classname\" \"func_group\"\n\"_patchMeta\" \"1\"\n" + curve(-100) + "}\n";
+    const Bsp bsp = Compile(MapText(Room() + curve(20)) + group).bsp;
+    constexpr std::uint32_t kNoDraw = 0x80;
+    int hidden = 0, drawn = 0;
+    for (const bspDrawSurface_t &surface : SurfacesOf(bsp, "textures/test/cloth")) {
+        const bool isHidden = (bsp.shaders[std::size_t(surface.shaderNum)].surfaceFlags & kNoDraw) != 0;
+        const bool isGroup = bsp.drawVerts[std::size_t(surface.firstVert)].xyz[0] < 0;
+        EXPECT_EQ(isHidden, isGroup && surface.surfaceType == MST_PATCH);
+        ++(isHidden ? hidden : drawn);
+    }
+    EXPECT_EQ(hidden, 1);
+    EXPECT_GE(drawn, 2); // the other curve, and the triangles of the first
+}
+
+TEST_F(CompileTest, ABrushOfHundredsOfSidesCompiles) {
+    constexpr int kSides = 300;
+    std::string column = "{\n" + SideText(2, false, 16, "test/wall") + SideText(2, true, 48, "test/wall");
+    const auto at = [](double turn, double z) {
+        const double angle = 2 * std::numbers::pi * turn / kSides;
+        return fmt::format("( {:.6f} {:.6f} {} ) ", 100 * std::cos(angle), 100 * std::sin(angle), z);
+    };
+    for (int i = 0; i < kSides; ++i)
+        column += at(i, 0) + at(i, 64) + at(i + 1, 0) + "test/wall 0 0 0 0.5 0.5 0 0 0\n";
+    for (const bool meta : {true, false}) {
+        options.meta = meta;
+        const Bsp bsp = Compile(MapText(Room() + column + "}\n")).bsp;
+        double lid = 0; // area of its upper side
+        for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
+            for (int i = 0; i + 2 < surface.numIndexes; i += 3) {
+                std::vector<Vec3f> corners;
+                for (int k = 0; k < 3; ++k)
+                    corners.emplace_back(
+                        bsp.drawVerts[std::size_t(surface.firstVert +
+                                                  bsp.drawIndexes[std::size_t(surface.firstIndex + i + k)])]
+                            .xyz);
+                if (std::ranges::all_of(corners, [](const Vec3f &p) { return p.z == 48; }))
+                    lid += WindingArea(corners);
+            }
+        EXPECT_NEAR(lid, std::numbers::pi * 100 * 100, 60) << meta;
+    }
 }
 
 TEST_F(CompileTest, InvertedShadersFaceInwards) {

@@ -26,8 +26,9 @@ class DecalTest : public ExtraTest {
         decal.patches.push_back(FlatPatch(-32, -32, 32, 32, 0, Shader("textures/test/blood")));
     }
     std::vector<DrawSurface> Apply() {
-        const auto projectors = CollectDecals(map, Context());
+        auto projectors = CollectDecals(map, Context());
         ApplyDecals(projectors, geometry, 0, Context());
+        WarnOfLostDecals(projectors, Context());
         std::vector<DrawSurface> decals;
         for (const DrawSurface &s : geometry.surfaces)
             if (s.kind == SurfaceKind::Decal)
@@ -78,6 +79,39 @@ TEST_F(DecalTest, SkipsSurfacesThatTurnAwayOrTakeNoMarks) {
     AddDecal();
     MakeFaces();
     EXPECT_THAT(Apply(), SizeIs(0));
+    EXPECT_THAT(out.text, HasSubstr("Entity 2, Brush 0: the patch of the _decal hits no surface"));
+}
+
+TEST_F(DecalTest, FlushWithASurfaceItIsOnItWhicheverWayItsPatchFaces) {
+    AddBox({-128, -128, 16}, {128, 128, 96}, "textures/test/wall");
+    for (const bool facesUp : {true, false}) {
+        AddDecal();
+        Patch &patch = map.entities.back().patches.front();
+        if (!facesUp)
+            for (int row = 0; row < 3; ++row)
+                std::swap(patch.verts[std::size_t(3 * row)], patch.verts[std::size_t(3 * row + 2)]);
+        geometry.surfaces.clear();
+        MakeFaces();
+        const auto decals = Apply();
+        EXPECT_NEAR(Area(decals), 64 * 64, 1) << facesUp;
+        for (const DrawSurface &s : decals)
+            for (const DrawVert &vert : s.verts) {
+                EXPECT_EQ(vert.xyz.z, 96);
+                EXPECT_EQ(vert.normal, (Vec3f{0, 0, 1}));
+                EXPECT_EQ(vert.color[3], 255);
+            }
+    }
+    EXPECT_EQ(out.log.WarningCount("decal without surface"), 0);
+}
+
+TEST_F(DecalTest, APatchAlongTheDirectionOfItsTargetMakesNone) {
+    AddBox({-128, -128, 16}, {128, 128, 64}, "textures/test/wall");
+    AddDecal();
+    for (DrawVert &vert : map.entities.back().patches.front().verts)
+        vert.xyz = {vert.xyz.x, 0, vert.xyz.y};
+    MakeFaces();
+    EXPECT_THAT(Apply(), SizeIs(0));
+    EXPECT_THAT(out.text, HasSubstr("Entity 2, Brush 0: the patch of the _decal makes no decal: it lies along"));
 }
 
 TEST_F(DecalTest, WithoutTargetOrPatchesItWarnsAndIsLeftOut) {
@@ -96,7 +130,8 @@ TEST_F(DecalTest, OnAMovedEntityItStaysInTheWorld) {
     for (DrawSurface &s : geometry.surfaces)
         for (DrawVert &vert : s.verts)
             vert.xyz -= Vec3f{1000, 0, 0};
-    ApplyDecals(CollectDecals(map, Context()), geometry, 0, Context(), {1000, 0, 0});
+    auto projectors = CollectDecals(map, Context());
+    ApplyDecals(projectors, geometry, 0, Context(), {1000, 0, 0});
     int found = 0;
     for (const DrawSurface &s : geometry.surfaces)
         if (s.kind == SurfaceKind::Decal)

@@ -3,6 +3,7 @@
 #include "tests/geometry/face_scene.h"
 
 #include <algorithm>
+#include <numbers>
 #include <random>
 #include <set>
 
@@ -107,6 +108,54 @@ TEST_F(MetaTest, OtherPlanesAreMergedOnlyOnRequest) {
     ASSERT_EQ(made.size(), 1u);
     EXPECT_EQ(made[0].verts.size(), 6u);
     EXPECT_FALSE(made[0].planar);
+}
+
+TEST_F(MetaTest, TrianglesOfCurvesAndModelsShareSurfacesAcrossTheirPlanes) {
+    // A barrel vault of 90 degrees, whose normals are smooth: the quads of a curve or of a model.
+    constexpr int kQuads = 12;
+    const auto at = [](int i, float y) {
+        const double angle = std::numbers::pi / 4 + std::numbers::pi / 2 * i / kQuads;
+        DrawVert v;
+        v.normal = Vec3f(Vec3d{-std::cos(angle), 0, std::sin(angle)});
+        v.xyz = v.normal * 256 + Vec3f{0, y, 0};
+        return v;
+    };
+    for (int i = 0; i < kQuads; ++i) {
+        DrawSurface quad;
+        quad.kind = SurfaceKind::ForcedMeta;
+        quad.shader = &shader;
+        quad.verts = {at(i, 0), at(i, 64), at(i + 1, 64), at(i + 1, 0)};
+        quad.indexes = {0, 1, 2, 0, 2, 3};
+        geometry.surfaces.push_back(quad);
+    }
+    AddEdgeOfBox(); // faces of brushes stay in their planes
+    const std::vector<DrawSurface> made = Meta();
+    ASSERT_EQ(made.size(), 3u);
+    EXPECT_EQ(made[2].verts.size() + made[1].verts.size() + made[0].verts.size(), 2u * (kQuads + 1) + 8);
+    int curved = 0;
+    for (const DrawSurface &s : made)
+        if (!s.planar) {
+            ++curved;
+            EXPECT_EQ(s.verts.size(), 2u * (kQuads + 1));
+            EXPECT_EQ(s.lightmapAxis, (Vec3f{0, 0, 1}));
+        }
+    EXPECT_EQ(curved, 1);
+}
+
+TEST_F(MetaTest, FacesTooLargeForEnginesAreCutUpWithoutMetaToo) {
+    options.meta = false;
+    Polygon disc;
+    constexpr int kCorners = 1200;
+    for (int i = 0; i < kCorners; ++i) {
+        const double angle = -2 * std::numbers::pi * i / kCorners;
+        disc.push_back(Vec3f(Vec3d{std::cos(angle), std::sin(angle), 0} * 8192));
+    }
+    AddFace(disc);
+    const std::vector<DrawSurface> made = Meta();
+    for (const DrawSurface &s : made)
+        EXPECT_LE(int(s.verts.size()), options.maxVertexLitVerts);
+    const double exact = kCorners / 2. * 8192. * 8192 * std::sin(2 * std::numbers::pi / kCorners);
+    EXPECT_NEAR(Area(made), exact, 1e-4 * exact);
 }
 
 TEST_F(MetaTest, NormalsAreSmoothedBelowTheShadeAngle) {

@@ -9,6 +9,8 @@
 #include <random>
 #include <set>
 
+#include <gmock/gmock.h>
+
 namespace q3::test {
 namespace {
 
@@ -100,11 +102,29 @@ TEST_F(TriangulateTest, LargestTriangleComesFirstWithMaxArea) {
     EXPECT_DOUBLE_EQ(Length(Cross(at(1) - at(0), at(2) - at(0))) / 2, 6500);
 }
 
-TEST_F(TriangulateTest, TooManyVerticesAreAnError) {
+TEST_F(TriangulateTest, AnyNumberOfCornersIsCutIntoTriangles) {
     Polygon w;
     for (int i = 0; i < 400; ++i)
         w.push_back(Vec3f(Vec3d{std::cos(i * -0.0157), std::sin(i * -0.0157), 0} * 1000));
-    EXPECT_THROW(Triangulated(w), Error);
+    for (const bool maxArea : {false, true}) {
+        options.maxArea = maxArea;
+        EXPECT_NEAR(Area({Triangulated(w)}), WindingArea(w), 1e-4 * WindingArea(w));
+    }
+}
+
+TEST_F(TriangulateTest, SpritesOfTooManyCornersAreAnErrorWithTheirPlace) {
+    shader.autosprite = true;
+    context.places->Set(2, 5, "maps/a.map:77");
+    DrawSurface sprite;
+    sprite.shader = &shader;
+    sprite.settings.entity = 2, sprite.primitive = 5;
+    sprite.verts.resize(1000);
+    try {
+        TriangulateFace(sprite, context);
+        FAIL() << "no error";
+    } catch (const Error &error) {
+        EXPECT_THAT(error.what(), testing::StartsWith("Entity 2, Brush 5: maps/a.map:77: a face of the sprite shader"));
+    }
 }
 
 } // namespace

@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Raw lightmaps: who shares one, its size and its projection.
+#include "q3map2/light/sources/light_surfaces.h"
 #include "tests/lightmap/surface_case.h"
 
 #include <gmock/gmock.h>
@@ -291,6 +292,28 @@ TEST_F(SetupTest, SamplesAreCenteredOnTheirLuxel) {
         ExpectVector(sum / float(super * super), raw.storedOrigin, 1e-2f);
         ExpectVector(raw.step[0] * float(super), {16, 0, 8}, 1e-3f);
         EXPECT_EQ(raw.SuperWidth(), 9 * super);
+    }
+}
+
+TEST_F(SetupTest, ACurveLeftForCollisionTakesNoLightmapAndDoesNotShine) {
+    constexpr std::uint32_t kNoDraw = 0x80;
+    for (const std::uint32_t flags : {0u, kNoDraw}) {
+        std::vector<Vec3f> points;
+        for (int i = 0; i < 9; ++i)
+            points.push_back({64 * float(i % 3), 64 * float(i / 3), i == 4 ? 32.f : 0.f});
+        SceneBuilder scene = EmptyRoom();
+        scene.AddPatch(3, 3, points, {std::string(kA), flags, 1});
+        CaseSettings settings{.script = "textures/test/a\n{\n\tq3map_surfacelight 1000\n}\n"};
+        settings.light.noDrawSurfaceFlags = kNoDraw;
+        SurfaceCase c(scene, folder, settings);
+        const SurfaceLight surfaces = c.Setup();
+        SurfaceLightCounts counts;
+        const std::vector<Light> lights =
+            SurfaceLights(c.bsp, c.table, c.settings.light, c.world, c.library, counts, c.quiet.log);
+        const std::vector<int> numbers = SurfacesOf(c, kA);
+        ASSERT_EQ(numbers.size(), 1u);
+        EXPECT_EQ(surfaces.lightmapOf[std::size_t(numbers[0])] >= 0, flags == 0);
+        EXPECT_EQ(!lights.empty(), flags == 0);
     }
 }
 

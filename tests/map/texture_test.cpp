@@ -76,6 +76,36 @@ TEST_F(MapTest, ScaleZeroCountsAsOne) {
     EXPECT_NEAR(st[1], -16 / kMissing, 1e-9);
 }
 
+TEST_F(MapTest, AxesWithoutExtentAreReplacedAndNamed) {
+    constexpr std::string_view bad[] = {
+        "[ 1 0 0 0 ] [ 1 0 0 0 ] 0 1 1",   // equal
+        "[ 1 0 0 0 ] [ -3 0 7 9 ] 0 1 1",  // in one line on the side
+        "[ 1 0 0 0 ] [ 0 0 -1 0 ] 0 1 1",  // along the normal
+        "[ 0 0 0 5 ] [ 0 1 0 0 ] 0 1 1",   // of no length
+        "[ 1 0 0 0 ] [ 0 1 0 0 ] 0 1 1e40" // beyond all measure
+    };
+    for (const std::string_view axes : bad) {
+        out.text.clear();
+        out.log.FlushWarnings();
+        Map map = Read(WorldText(Cube(4, fmt::format("wall {}", axes))));
+        const auto &vecs = map.World().brushes.at(0).sides[5].texture.vecs;
+        const double perUnit = 1 / (0.5 * kMissing); // the scale of editors
+        EXPECT_DOUBLE_EQ(std::abs(vecs[0][0] * vecs[1][1] - vecs[0][1] * vecs[1][0]), perUnit * perUnit) << axes;
+        EXPECT_THAT(out.text, testing::HasSubstr("Entity 0, Brush 0: maps/test.map:4: the texture wall has no extent"));
+    }
+    for (const std::string_view matrix : {"( ( 0 0 0 ) ( 0 0 0 ) )", "( ( 1 2 0 ) ( -2 -4 0 ) )"}) {
+        std::string text = "{\nbrushDef\n{\n";
+        for (const Plane &plane : BoxPlanes({0, 0, 0}, {64, 64, 64}))
+            text += fmt::format("{} {} wall 0 0 0\n", PointsText(plane), matrix);
+        Map map = Read(WorldText(text + "}\n}\n"));
+        for (std::size_t side = 0; side < 6; ++side) {
+            const auto &vecs = map.World().brushes.at(0).sides[side].texture.vecs;
+            const Vec3d s{vecs[0][0], vecs[0][1], vecs[0][2]}, t{vecs[1][0], vecs[1][1], vecs[1][2]};
+            EXPECT_NEAR(Length(Cross(s, t)), 1 / (0.25 * kMissing * kMissing), 1e-9) << side;
+        }
+    }
+}
+
 TEST_F(MapTest, ValveAxesAreTakenAsTheyAre) {
     Map map = Read(WorldText(Cube(4, "small [ 0.6 0.8 0.1 130 ] [ -0.8 0.6 0 -7 ] 33 2 0.5")));
     const auto st = At(map.World().brushes.at(0).sides[5].texture, {10, 20, 30});

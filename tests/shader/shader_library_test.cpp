@@ -343,13 +343,15 @@ TEST_F(VectorGame, ScriptReadsAsItsLightsExpect) {
 TEST_F(ShaderLookUp, FlagsOfAMapCountForShadersWithoutScript) {
     LoadScript("textures/scripted\n{\n\tsurfaceparm nomarks\n}\n");
     library->SetDefaultFlags("textures/Clip", 0x80, 0x10000);
-    library->SetDefaultFlags("textures/clip", 0, 1); // a second record of the name
+    library->SetDefaultFlags("textures/cloth", 0xC80, 1); // that of a curve left for collision
+    library->SetDefaultFlags("textures/Cloth", 0x20, 1);  // that of what is drawn
     library->SetDefaultFlags("textures/scripted", 0x80, 0x10000);
     library->SetDefaultFlags("noshader", 0, 0);
     EXPECT_EQ(Get("textures/clip").compileFlags, std::uint32_t(C_TRANSLUCENT | C_DETAIL | C_NODRAW));
     EXPECT_EQ(Get("textures/clip").surfaceFlags, 0x80u);
     EXPECT_EQ(Get("textures/clip").contentFlags, 0x10000u);
     EXPECT_FALSE(Get("textures/clip").defined);
+    EXPECT_EQ(Get("textures/cloth").compileFlags, std::uint32_t(C_SOLID)) << "not all records are nodraw";
     EXPECT_EQ(Get("textures/scripted").compileFlags, std::uint32_t(C_SOLID | C_NOMARKS));
     EXPECT_EQ(Get("noshader").compileFlags, std::uint32_t(C_SOLID));
 }

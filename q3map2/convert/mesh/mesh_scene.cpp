@@ -33,6 +33,8 @@ class MeshSceneBuilder {
 
     MeshScene Build() {
         scene_.name = bspPath_.stem().string();
+        for (const bspShader_t &shader : bsp_.shaders)
+            library_.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
         if (WantsLightmaps())
             FindLightmaps();
         else
@@ -53,7 +55,6 @@ class MeshSceneBuilder {
 
     void AddShaderMaterial(const bspShader_t &record) {
         const std::string_view name = FieldName(record.shader);
-        library_.SetDefaultFlags(name, record.surfaceFlags, record.contentFlags);
         MeshMaterial &material = scene_.materials.emplace_back();
         material.name = MeshName(name);
         material.color = library_.GetWithImage(name).color;

@@ -12,6 +12,7 @@ namespace q3 {
 namespace {
 
 constexpr std::size_t kMaxProjectors = 1024;
+constexpr std::string_view kLostDecal = "decal without surface";
 constexpr double kMinDistance = 0.125, kClipEpsilon = 0.0625, kFacingEpsilon = 0.0001;
 
 const MapEntity *FindTarget(const Map &map, std::string_view name) {
@@ -89,10 +90,12 @@ void AddProjectors(const MapEntity &entity, const Vec3d &projection, const Map &
     const SurfaceSettings settings = SettingsOf(entity, map, context);
     for (const Patch &patch : entity.patches) {
         const PatchMesh mesh = TessellatePatch(patch, context.options.subdivisions);
+        const std::size_t before = projectors.size();
         for (const auto &[a, b, c] : MeshTriangles(mesh)) {
             DecalProjector projector;
             projector.shader = patch.shader;
             projector.settings = settings;
+            projector.entity = entity.number, projector.primitive = patch.primitive;
             if (!MakeProjector({mesh.verts[std::size_t(a)], mesh.verts[std::size_t(b)], mesh.verts[std::size_t(c)]},
                                entity.origin, projection, projector))
                 continue;
@@ -103,10 +106,15 @@ void AddProjectors(const MapEntity &entity, const Vec3d &projection, const Map &
             }
             projectors.push_back(std::move(projector));
         }
+        if (projectors.size() == before)
+            context.WarnAt(kLostDecal, entity.number, patch.primitive,
+                           "the patch of the _decal makes no decal: it lies along the direction to the target, "
+                           "expected a patch that the target is in front of or behind");
     }
 }
 
-/// Vector from the entity to its target; empty, after a warning, if the entity has no patches or no target.
+/// Vector from the entity to its target; empty, after a warning, if the entity has no patches, no target, or its target
+/// in the same place.
 std::optional<Vec3d> ProjectionOf(const MapEntity &entity, const Map &map, const BspContext &context) {
     if (entity.patches.empty()) {
         context.log.Warn("decal without patches", "{}: a _decal without patches is left out", entity.MessagePrefix());
@@ -120,7 +128,14 @@ std::optional<Vec3d> ProjectionOf(const MapEntity &entity, const Map &map, const
                          entity.MessagePrefix(), name);
         return {};
     }
-    return Vec3d(target->origin) - StartOf(entity);
+    const Vec3d projection = Vec3d(target->origin) - StartOf(entity);
+    if (Length(projection) > kMinDistance)
+        return projection;
+    context.log.Warn("decal without direction",
+                     "{}: a _decal is left out: its target '{}' is where the decal itself is, expected it behind the "
+                     "surface that is to get the decal",
+                     entity.MessagePrefix(), name);
+    return {};
 }
 
 // ---- applying
@@ -194,14 +209,17 @@ Sphere SphereOf(const DrawSurface &surface) {
     return {bounds.Center(), Length(bounds.maxs - bounds.mins) * 0.5f};
 }
 
-/// Clips the fragment to the prism. False: it faces away from the projector, or nothing is left.
+/// Clips the fragment to the prism. A fragment in the plane of the decal's patch is inside. False: the fragment faces
+/// away from the projector, or nothing is left.
 bool ClipToProjector(DecalFragment &piece, const DecalProjector &projector, const Vec3d &origin) {
     if (piece.plane.normal == Vec3d{} || Dot(piece.plane.normal, projector.planes[0].normal) < -kFacingEpsilon)
         return false;
     Polygon front, back;
-    for (Plane plane : projector.planes) {
+    for (std::size_t i = 0; i < projector.planes.size(); ++i) {
+        Plane plane = projector.planes[i];
         plane.dist -= Dot(plane.normal, origin);
-        ClipPolygon(piece.polygon, plane, kClipEpsilon, front, back);
+        const auto clip = i == 0 ? ClipPolygonKeepOn : ClipPolygon;
+        clip(piece.polygon, plane, kClipEpsilon, front, back);
         if (back.size() < 3)
             return false;
         piece.polygon = back;
@@ -219,6 +237,7 @@ DrawSurface DecalSurface(const DecalFragment &piece, const DecalProjector &proje
     decal.fogNum = surface.fogNum;
     decal.planar = true;
     decal.planeNum = piece.planeNum;
+    decal.primitive = surface.primitive;
     for (const Vec3f &point : piece.polygon) {
         DrawVert vert;
         const Vec3d world = Vec3d(point + origin);
@@ -245,7 +264,7 @@ std::vector<DecalProjector> CollectDecals(Map &map, const BspContext &context) {
         if (!EqualNoCase(entity.pairs.ClassName(), "_decal"))
             continue;
         const auto projection = ProjectionOf(entity, map, context);
-        if (projection && Length(*projection) > kMinDistance)
+        if (projection)
             AddProjectors(entity, *projection, map, context, projectors);
         entity.brushes.clear();
         entity.patches.clear();
@@ -254,7 +273,7 @@ std::vector<DecalProjector> CollectDecals(Map &map, const BspContext &context) {
     return projectors;
 }
 
-void ApplyDecals(const std::vector<DecalProjector> &projectors, Geometry &geometry, std::size_t first,
+void ApplyDecals(std::vector<DecalProjector> &projectors, Geometry &geometry, std::size_t first,
                  const BspContext &context, const Vec3f &origin) {
     const std::size_t count = geometry.surfaces.size();
     if (projectors.empty())
@@ -262,15 +281,34 @@ void ApplyDecals(const std::vector<DecalProjector> &projectors, Geometry &geomet
     std::vector<Sphere> spheres(count);
     for (std::size_t i = first; i < count; ++i)
         spheres[i] = SphereOf(geometry.surfaces[i]);
-    for (const DecalProjector &projector : projectors)
+    for (DecalProjector &projector : projectors)
         for (std::size_t i = first; i < count; ++i) {
             const Vec3f apart = spheres[i].center + origin - projector.center;
             if (!TakesDecals(geometry.surfaces[i]) || Length(apart) > spheres[i].radius + projector.radius)
                 continue;
             for (DecalFragment &piece : PiecesOf(geometry.surfaces[i], context))
-                if (ClipToProjector(piece, projector, Vec3d(origin)))
+                if (ClipToProjector(piece, projector, Vec3d(origin))) {
                     geometry.surfaces.push_back(DecalSurface(piece, projector, geometry.surfaces[i], origin));
+                    projector.hit = true;
+                }
         }
+}
+
+void WarnOfLostDecals(const std::vector<DecalProjector> &projectors, const BspContext &context) {
+    const auto isOfPatch = [](const DecalProjector &a, const DecalProjector &b) {
+        return a.entity == b.entity && a.primitive == b.primitive;
+    };
+    for (auto first = projectors.begin(); first != projectors.end();) {
+        const auto end = std::find_if_not(first, projectors.end(),
+                                          [&](const DecalProjector &other) { return isOfPatch(*first, other); });
+        if (std::none_of(first, end, [](const DecalProjector &projector) { return projector.hit; }))
+            context.WarnAt(kLostDecal, first->entity, first->primitive,
+                           fmt::format("the patch of the _decal hits no surface and makes no decal: nothing between it "
+                                       "and the distance of its target, {:.4g} units, faces it and takes marks; the "
+                                       "target belongs behind the surface",
+                                       first->planes[0].dist + first->planes[1].dist));
+        first = end;
+    }
 }
 
 } // namespace q3

@@ -18,12 +18,16 @@ struct DecalProjector {
     std::array<std::array<double, 4>, 2> texture{}; ///< s = texture[0] . (p, 1), t = texture[1] . (p, 1)
     Vec3f center;                                   ///< of the bounding sphere
     float radius = 0;
+    int entity = 0, primitive = 0; ///< numbers of its patch in the map source
+    bool hit = false;              ///< has made a decal; set by ApplyDecals
 };
 
 /// Projectors of all _decal entities, whose brushes and patches are removed from the map.
 std::vector<DecalProjector> CollectDecals(Map &map, const BspContext &context);
 /// Appends decals on the surfaces from `first` on. `origin`: origin of their entity, to which they are relative.
-void ApplyDecals(const std::vector<DecalProjector> &projectors, Geometry &geometry, std::size_t first,
+void ApplyDecals(std::vector<DecalProjector> &projectors, Geometry &geometry, std::size_t first,
                  const BspContext &context, const Vec3f &origin = {});
+/// Warns of the patches that have made no decal on any entity.
+void WarnOfLostDecals(const std::vector<DecalProjector> &projectors, const BspContext &context);
 
 } // namespace q3

@@ -135,10 +135,10 @@ class WorldFogger {
                 return false;
             if (cut.result == PatchCut::Impossible) {
                 const DrawSurface &surface = geometry_.surfaces[number];
-                context_.log.Warn("patch not cut by fog",
-                                  "Entity {}: a patch of {} crosses the border of a fog more than once, or slanted to "
-                                  "its rows and columns; it stays whole and without that fog",
-                                  surface.settings.entity, surface.shader->name);
+                context_.WarnAt("patch not cut by fog", surface.settings.entity, surface.primitive,
+                                fmt::format("a patch of {} crosses the border of a fog more than once, or slanted to "
+                                            "its rows and columns; it stays whole and without that fog",
+                                            surface.shader->name));
                 return false;
             }
             if (cut.result == PatchCut::Cut) {

@@ -1,15 +1,11 @@
 // GPL-2.0-or-later. Patches cut by a plane.
 #include "q3map2/geometry/effects/fog_patch.h"
 
-#include "common/error.h"
-
 #include <algorithm>
 #include <cmath>
 
 namespace q3 {
 namespace {
-
-constexpr int kMaxPatchSize = 31;
 
 struct Grid {
     int width = 0, height = 0;
@@ -74,13 +70,11 @@ std::vector<DrawVert> CrossingVerts(const Grid &grid, int column, const Plane &p
     return verts;
 }
 
-/// Columns from..to plus, at the cut end, one or two columns on the plane, whichever makes the width odd.
+/// Columns from..to plus, at the cut end, one or two columns on the plane, whichever makes the width odd. As the width
+/// of the whole is odd and at least one of its columns is left out, no part is wider than the whole.
 Grid Part(const Grid &grid, int from, int to, const std::vector<DrawVert> &crossing) {
     const int copies = (to - from + 1) % 2 == 0 ? 1 : 2;
     Grid part{to - from + 1 + copies, grid.height, {}};
-    if (part.width > kMaxPatchSize)
-        throw Error("a patch has {} columns after a fog cut it, expected at most {}: make the patch simpler",
-                    part.width, kMaxPatchSize);
     for (int row = 0; row < grid.height; ++row) {
         if (from > 0)
             part.verts.insert(part.verts.end(), std::size_t(copies), crossing[std::size_t(row)]);

@@ -76,23 +76,22 @@ BspWriter::BspWriter(Map &map, const BspContext &context)
         DefaultSurfaceBlock(worldSettings_, std::max(context.options.sampleSize, context.options.minSampleSize));
 }
 
-int BspWriter::ShaderNumber(std::string_view name, std::optional<std::uint32_t> surfaceFlags,
-                            std::optional<std::uint32_t> contentFlags) {
+int BspWriter::ShaderNumber(std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags) {
     const std::string_view known = name.empty() ? kNoShader : name;
-    const std::string key = LowerCase(known);
-    const auto [first, last] = shaderNumbers_.equal_range(key);
-    for (auto entry = first; entry != last; ++entry) {
-        const bspShader_t &shader = bsp.shaders[std::size_t(entry->second)];
-        if (shader.surfaceFlags == surfaceFlags.value_or(shader.surfaceFlags) &&
-            shader.contentFlags == contentFlags.value_or(shader.contentFlags))
-            return entry->second;
-    }
-    const ShaderInfo &info = context_.shaders.Get(known);
-    const int number = int(bsp.shaders.size());
-    bsp.shaders.push_back(
-        {NameField(known), surfaceFlags.value_or(info.surfaceFlags), contentFlags.value_or(info.contentFlags)});
-    shaderNumbers_.emplace(key, number);
-    return number;
+    const auto [entry, isNew] =
+        shaderNumbers_.try_emplace({LowerCase(known), surfaceFlags, contentFlags}, int(bsp.shaders.size()));
+    if (isNew)
+        bsp.shaders.push_back({NameField(known), surfaceFlags, contentFlags});
+    return entry->second;
+}
+
+int BspWriter::ShaderNumber(const ShaderInfo &shader) {
+    return ShaderNumber(shader.name, shader.surfaceFlags, shader.contentFlags);
+}
+
+int BspWriter::ShaderNumber(std::string_view name) {
+    const ShaderInfo &info = context_.shaders.Get(name.empty() ? kNoShader : name);
+    return ShaderNumber(name, info.surfaceFlags, info.contentFlags);
 }
 
 void BspWriter::BeginModel(const MapEntity &entity) {
@@ -112,8 +111,7 @@ void BspWriter::EmitBrushes(MapEntity &entity) {
         brush.bspBrush = int(bsp.brushes.size());
         bspBrush_t record{};
         const ShaderInfo *content = brush.contentShader;
-        record.shaderNum =
-            content ? ShaderNumber(content->name, content->surfaceFlags, content->contentFlags) : ShaderNumber("");
+        record.shaderNum = content ? ShaderNumber(*content) : ShaderNumber(kNoShader);
         record.firstSide = std::int32_t(bsp.brushSides.size());
         record.numSides = std::int32_t(brush.sides.size());
         bsp.brushes.push_back(record);
@@ -126,9 +124,11 @@ void BspWriter::EmitBrushSide(const BrushSide &side) {
     bspBrushSide_t record{};
     record.planeNum = side.planeNum;
     if (side.shader)
-        record.shaderNum = ShaderNumber(side.shader->name);
+        record.shaderNum = ShaderNumber(*side.shader);
+    else if (side.bevel)
+        record.shaderNum = ShaderNumber(kNoShader, side.surfaceFlags, context_.shaders.Get(kNoShader).contentFlags);
     else
-        record.shaderNum = side.bevel ? ShaderNumber(kNoShader, side.surfaceFlags) : ShaderNumber(kNoShader);
+        record.shaderNum = ShaderNumber(kNoShader);
     bsp.brushSides.push_back(record);
 }
 
@@ -142,7 +142,7 @@ void BspWriter::FixSideShaders(const MapEntity &entity, const Geometry &geometry
             const ShaderInfo *shader = geometry.surfaces[std::size_t(side.surface)].shader;
             if (shader && !EqualNoCase(shader->name, side.shader->name)) {
                 const std::size_t first = std::size_t(bsp.brushes[std::size_t(brush.bspBrush)].firstSide);
-                bsp.brushSides[first + i].shaderNum = ShaderNumber(shader->name);
+                bsp.brushSides[first + i].shaderNum = ShaderNumber(*shader);
             }
         }
 }

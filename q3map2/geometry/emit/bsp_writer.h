@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 namespace q3 {
@@ -21,9 +22,14 @@ class BspWriter {
   public:
     BspWriter(Map &map, const BspContext &context);
 
-    /// Index in the shaders lump of the entry with this name and, where given, these flags; appended if missing.
-    int ShaderNumber(std::string_view name, std::optional<std::uint32_t> surfaceFlags = {},
-                     std::optional<std::uint32_t> contentFlags = {});
+    /// Index in the shaders lump of the entry with this name and these flags, appended if missing: engines take flags
+    /// from the entry and the shader from its name, so entries of one name with other flags are others. An empty name
+    /// means the shader of sides that have none.
+    int ShaderNumber(std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags);
+    /// With the flags of the shader.
+    int ShaderNumber(const ShaderInfo &shader);
+    /// With the flags of the shader of that name.
+    int ShaderNumber(std::string_view name);
     void BeginModel(const MapEntity &entity);
     /// Appends brushes and sides; sets Brush::bspBrush.
     void EmitBrushes(MapEntity &entity);
@@ -57,8 +63,8 @@ class BspWriter {
     const BspContext &context_;
     SurfaceSettings worldSettings_;
     IndexRuns runs_;
-    std::multimap<std::string, int, std::less<>> shaderNumbers_; ///< by lower-case name
-    std::vector<const ShaderInfo *> skies_;                      ///< of written surfaces
+    std::map<std::tuple<std::string, std::uint32_t, std::uint32_t>, int> shaderNumbers_; ///< by lower-case name, flags
+    std::vector<const ShaderInfo *> skies_;                                              ///< of written surfaces
     std::optional<SkyBoxTransform> skyBox_;
     std::vector<DrawSurface> skyBoxCopies_;
 };

@@ -19,6 +19,7 @@ namespace q3 {
 
 namespace {
 
+constexpr std::size_t kMaxShaderName = 63; ///< characters
 constexpr std::string_view kDebugShader = "debugsurfaces";
 
 bool IsPolygon(const DrawSurface &surface) {
@@ -71,7 +72,7 @@ int BspWriter::SurfaceShader(const DrawSurface &surface) {
     if (context_.options.debugSurfaces && surface.kind != SurfaceKind::Patch)
         return ShaderNumber(kDebugShader);
     if (!surface.collisionOnly)
-        return ShaderNumber(shader.name);
+        return ShaderNumber(shader);
     std::uint32_t flags = shader.surfaceFlags;
     for (const std::string_view parm : {"nodraw", "pointlight"})
         if (const SurfaceParm *found = context_.game.FindParm(parm))
@@ -98,6 +99,10 @@ void BspWriter::WriteVerts(const DrawSurface &surface) {
 }
 
 void BspWriter::WriteSurface(const DrawSurface &surface) {
+    if (const std::string &name = surface.shader->name; name.size() > kMaxShaderName)
+        context_.FailAt(surface.settings.entity, surface.primitive,
+                        fmt::format("the shader name {} has {} characters, expected at most {}", name, name.size(),
+                                    kMaxShaderName));
     bspDrawSurface_t record{};
     record.shaderNum = SurfaceShader(surface);
     record.fogNum = surface.fogNum;

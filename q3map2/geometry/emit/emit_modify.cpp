@@ -138,13 +138,15 @@ void ReverseSurface(DrawSurface &surface) {
 void OrderSpriteQuad(DrawSurface &surface, const BspContext &context) {
     const auto side = [&](std::size_t i) { return Length(surface.verts[(i + 1) % 4].xyz - surface.verts[i].xyz); };
     if (surface.verts.size() != 4 || surface.indexes.size() != 6) {
-        context.log.Warn("sprite shape", "shader {}: autosprite2 needs quads, this surface has {} vertices",
-                         surface.shader->name, surface.verts.size());
+        context.WarnAt("sprite shape", surface.settings.entity, surface.primitive,
+                       fmt::format("shader {}: autosprite2 needs quads, this surface has {} vertices",
+                                   surface.shader->name, surface.verts.size()));
         return;
     }
     if (std::abs(side(0) - side(1)) < 0.1f) {
-        context.log.Warn("sprite shape", "shader {}: autosprite2 needs an oblong quad, this one is a square",
-                         surface.shader->name);
+        context.WarnAt(
+            "sprite shape", surface.settings.entity, surface.primitive,
+            fmt::format("shader {}: autosprite2 needs an oblong quad, this one is a square", surface.shader->name));
         return;
     }
     if (side(1) < side(0))

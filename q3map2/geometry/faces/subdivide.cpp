@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Faces cut by a world-aligned grid (tessSize).
 #include "q3map2/geometry/faces/subdivide.h"
 
-#include "common/error.h"
 #include "q3map2/geometry/faces/brush_faces.h"
 
 #include <cmath>
@@ -30,7 +29,8 @@ std::optional<Plane> GridPlane(const Polygon &w, double size) {
 }
 
 /// Pieces of w, none larger than a cell of the grid.
-std::vector<Polygon> GridPieces(Polygon w, double size, const DrawSurface &surface, int limit) {
+std::vector<Polygon> GridPieces(Polygon w, double size, const DrawSurface &surface, const BspContext &context) {
+    const int limit = context.options.maxDrawSurfaces;
     std::vector<Polygon> pieces, open{std::move(w)};
     while (!open.empty()) {
         const Polygon piece = std::move(open.back());
@@ -39,9 +39,10 @@ std::vector<Polygon> GridPieces(Polygon w, double size, const DrawSurface &surfa
         if (!plane) {
             pieces.push_back(piece);
             if (int(pieces.size()) > limit)
-                throw Error("shader " + surface.shader->name + ": tessSize " + std::to_string(int(size)) +
-                            " cuts a face into more than " + std::to_string(limit) +
-                            " pieces, expected a larger size or -maxmapdrawsurfs");
+                context.FailAt(surface.settings.entity, surface.primitive,
+                               fmt::format("shader {}: tessSize {} cuts a face into more than {} pieces, expected a "
+                                           "larger size or -maxmapdrawsurfs",
+                                           surface.shader->name, int(size), limit));
             continue;
         }
         Polygon front, back;
@@ -73,8 +74,7 @@ void SubdivideFaces(MapEntity &entity, Geometry &geometry, std::size_t first, co
         Polygon w;
         for (const DrawVert &v : surface.verts)
             w.push_back(v.xyz);
-        const std::vector<Polygon> pieces =
-            GridPieces(w, double(surface.shader->geometry.tessSize), surface, context.options.maxDrawSurfaces);
+        const std::vector<Polygon> pieces = GridPieces(w, double(surface.shader->geometry.tessSize), surface, context);
         if (pieces.size() < 2)
             continue;
         geometry.surfaces[i].verts.clear();

@@ -15,7 +15,6 @@ namespace {
 constexpr double kDegenerate = 0.1; ///< game units: shorter edges are ignored, closer vertices are welded
 constexpr double kStraight = 0.1;   ///< distance of the middle control point of a straight border curve from its chord
 constexpr double kNearWhole = 0.01; ///< welded coordinates this close to a whole number are rounded
-constexpr std::size_t kMaxVerts = 256;
 
 struct Edge {
     std::size_t surface = 0;
@@ -142,8 +141,7 @@ std::size_t FanStart(const std::vector<FaceVert> &corners) {
     return n;
 }
 
-void InsertVerts(DrawSurface &surface, const EdgeLines &lines, std::span<const Edge> edges, Counts &counts,
-                 const BspContext &context) {
+void InsertVerts(DrawSurface &surface, const EdgeLines &lines, std::span<const Edge> edges, Counts &counts) {
     std::vector<int> lineFrom(surface.verts.size(), -1);
     for (const Edge &edge : edges)
         lineFrom[std::size_t(edge.vert)] = edge.line;
@@ -154,10 +152,6 @@ void InsertVerts(DrawSurface &surface, const EdgeLines &lines, std::span<const E
             AddPointsOn(lines[lineFrom[i]], surface.verts[i], surface.verts[(i + 1) % surface.verts.size()], i,
                         corners);
     }
-    if (corners.size() > kMaxVerts)
-        context.FailAt(surface.settings.entity, surface.primitive,
-                       "a face of shader " + surface.shader->name + " has " + std::to_string(corners.size()) +
-                           " vertices after T-junction repair, expected at most " + std::to_string(kMaxVerts));
     counts.added += int(corners.size() - surface.verts.size());
     counts.verts += int(corners.size());
     const std::size_t start = FanStart(corners);
@@ -248,7 +242,7 @@ void FixTJunctions(Geometry &geometry, std::size_t first, const BspContext &cont
         DrawSurface &surface = geometry.surfaces[i];
         if (surface.kind != SurfaceKind::Face || !IsRepaired(surface))
             continue;
-        InsertVerts(surface, lines, std::span(list.edges).subspan(begin, edge - begin), counts, context);
+        InsertVerts(surface, lines, std::span(list.edges).subspan(begin, edge - begin), counts);
         Weld(surface);
     }
     Report(counts, context.log);

@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kMinSine2 = 1e-5;  ///< squared sine of the smallest angle
 constexpr double kMinTwiceArea = 1; ///< square units
-constexpr std::size_t kMaxIndexes = 1024;
+/// The search for triangles of greatest area grows with the cube of the number of corners.
+constexpr std::size_t kMaxAreaCorners = 340;
 constexpr int kMaxAreaTries = 8;
 
 using Verts = std::vector<DrawVert>;
@@ -160,16 +161,16 @@ void TriangulateFace(DrawSurface &surface, const BspContext &context) {
     const std::size_t n = surface.verts.size();
     if (n < 3)
         return;
-    if (n > kMaxIndexes / 3)
+    if (surface.shader->autosprite && n > std::size_t(context.options.maxVertexLitVerts))
         context.FailAt(surface.settings.entity, surface.primitive,
-                       "a face of shader " + surface.shader->name + " has " + std::to_string(n) +
-                           " vertices, expected at most " + std::to_string(kMaxIndexes / 3));
+                       fmt::format("a face of the sprite shader {} has {} corners, expected at most {}",
+                                   surface.shader->name, n, context.options.maxVertexLitVerts));
     if (n == 3) {
         surface.indexes = {0, 1, 2};
         return;
     }
     std::optional<Indexes> indexes;
-    if (context.options.maxArea)
+    if (context.options.maxArea && n <= kMaxAreaCorners)
         indexes = MaxArea(surface.verts);
     if (!indexes)
         indexes = Strip(surface);

@@ -108,7 +108,8 @@ Growth SurfaceGrower::Start(const MetaTriangle &seed) const {
     surface.sampleSize = from.sampleSize, surface.lightmapAxis = seed.lightmapAxis;
     surface.backSide = from.backSide;
     growth.vertexLit = IsVertexLit(from);
-    growth.anyPlane = options.nonPlanarAngle > 0 || from.shader->geometry.nonPlanar;
+    // Seeds of curves and models mostly have no plane that others could share.
+    growth.anyPlane = options.nonPlanarAngle > 0 || from.shader->geometry.nonPlanar || seed.planeNum < 0;
     growth.maxVerts = growth.vertexLit ? options.maxVertexLitVerts : options.maxSurfaceVerts;
     const int custom = from.shader->lightmap.pageSize[0];
     growth.maxExtent = from.sampleSize * ((custom > 0 ? custom : context_.game.lightmapSize) - 1);

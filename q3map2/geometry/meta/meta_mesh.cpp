@@ -50,7 +50,9 @@ Vec3f TriangleAxis(const DrawSurface &surface, const Plane &plane) {
 bool IsMetaSurface(const DrawSurface &surface, const BspOptions &options) {
     if (surface.Empty() || surface.shader == nullptr || surface.shader->autosprite)
         return false;
-    if (!options.meta && !surface.shader->geometry.forceMeta)
+    // Faces of too many corners for one surface of an engine are cut up in any case.
+    const bool isLarge = int(surface.verts.size()) > options.maxVertexLitVerts;
+    if (!options.meta && !surface.shader->geometry.forceMeta && !isLarge)
         return false;
     return surface.kind == SurfaceKind::Face || surface.kind == SurfaceKind::Decal ||
            surface.kind == SurfaceKind::ForcedMeta;

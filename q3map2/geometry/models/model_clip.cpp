@@ -173,6 +173,7 @@ class ClipBrushBuilder {
             return;
         }
         brush->settings = placement_.settings;
+        brush->primitive = -1; // the map source has no such brush
         brush->generated = brush->detail = true;
         brush->compileFlags |= C_DETAIL;
         AddBrushBevels(*brush, planes_, context_.options.bevelSnap, context_.game.bevelSurfaceFlags);

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Models that shaders scatter over their surfaces.
 #include "q3map2/geometry/models/model_scatter.h"
 
-#include "common/error.h"
 #include "q3map2/geometry/models/models.h"
 #include "q3map2/map/map_patch.h"
 
@@ -70,10 +69,11 @@ void Scatter(std::size_t number, const SurfaceModelDirective &directive, Scatter
              Geometry &geometry, PlaneTable &planes, const BspContext &context) {
     std::vector<SurfaceTriangle> triangles = TrianglesOf(geometry.surfaces[number], context);
     if (!Bisect(triangles, directive.density))
-        context.log.Warn("surface models too dense",
-                         "{}: q3map_surfaceModel with a density of {} would need more than {} "
-                         "sample points on one surface",
-                         geometry.surfaces[number].shader->name, directive.density, kMaxTriangles);
+        context.WarnAt("surface models too dense", geometry.surfaces[number].settings.entity,
+                       geometry.surfaces[number].primitive,
+                       fmt::format("{}: q3map_surfaceModel with a density of {} would need more than {} sample points "
+                                   "on one surface",
+                                   geometry.surfaces[number].shader->name, directive.density, kMaxTriangles));
     ModelPlacement placement;
     placement.name = directive.model;
     placement.settings = geometry.surfaces[number].settings;
@@ -87,9 +87,10 @@ void Scatter(std::size_t number, const SurfaceModelDirective &directive, Scatter
         if (!PlaceModel(placement, entity, geometry, planes, context))
             return;
         if (geometry.surfaces.size() > std::size_t(std::max(0, context.options.maxDrawSurfaces)))
-            throw Error("{}: scattered models make more than {} surfaces: expected a larger density or "
-                        "-maxmapdrawsurfs",
-                        geometry.surfaces[number].shader->name, context.options.maxDrawSurfaces);
+            context.FailAt(geometry.surfaces[number].settings.entity, geometry.surfaces[number].primitive,
+                           fmt::format("{}: scattered models make more than {} surfaces: expected a larger density or "
+                                       "-maxmapdrawsurfs",
+                                       geometry.surfaces[number].shader->name, context.options.maxDrawSurfaces));
     }
 }
 

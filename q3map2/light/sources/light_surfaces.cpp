@@ -261,6 +261,13 @@ class SkyLights {
 
 } // namespace
 
+bool IsCollisionOnly(const Bsp &bsp, const SurfaceTable &table, std::size_t surface, std::uint32_t noDraw) {
+    const bspDrawSurface_t &drawn = bsp.drawSurfaces[surface];
+    const bspShader_t &record = bsp.shaders[std::size_t(drawn.shaderNum)];
+    return drawn.surfaceType == MST_PATCH && (record.surfaceFlags & noDraw) != 0 &&
+           (table[surface].shader->compileFlags & C_NODRAW) == 0;
+}
+
 std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const LightOptions &options,
                                  const WorldLight &world, ShaderLibrary &library, SurfaceLightCounts &counts,
                                  Log &log) {
@@ -272,7 +279,7 @@ std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const Ligh
         if (!shader.suns.empty() || !shader.skyLights.empty())
             entry.skyIndex = skies.Add(shader);
         const SurfaceEmission emission = EmissionOf(entry);
-        if (!(emission.value > 0))
+        if (!(emission.value > 0) || IsCollisionOnly(bsp, table, i, options.noDrawSurfaceFlags))
             continue;
         const bspDrawSurface_t &surface = bsp.drawSurfaces[i];
         if (shader.autosprite) {

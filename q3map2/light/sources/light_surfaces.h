@@ -9,6 +9,11 @@
 
 namespace q3 {
 
+/// Whether a curve is there for collision only, beside the triangles that -patchmeta made from it: its shader record
+/// has one of the flags `noDraw` of the game, and the shader itself has not. Engines draw no such curve; it emits no
+/// light and has no lightmap.
+bool IsCollisionOnly(const Bsp &bsp, const SurfaceTable &table, std::size_t surface, std::uint32_t noDraw);
+
 /// How many lights of each kind SurfaceLights made.
 struct SurfaceLightCounts {
     int areaLights = 0, skyLights = 0;

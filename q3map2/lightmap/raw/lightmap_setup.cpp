@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 
 #include "q3map2/light/scene/light_patch.h"
+#include "q3map2/light/sources/light_surfaces.h"
 #include "q3map2/lightmap/raw/luxel_axes.h"
 
 #include "q3map2/shader/shader_table.h"
@@ -138,7 +139,8 @@ bool LightmapSetup::GetsLightmap(const Candidate &c) const {
     const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(c.number)];
     return (surface.surfaceType == MST_PLANAR || c.patch) && surface.numVerts > 0 && !in_.lightmap.noLightmaps &&
            (c.entry->shader->compileFlags & C_VERTEXLIT) == 0 && c.entry->sampleSize > 0 && c.entry->parent < 0 &&
-           (c.patch || c.entry->axis != Vec3f{});
+           (c.patch || c.entry->axis != Vec3f{}) &&
+           !IsCollisionOnly(in_.bsp, in_.table, std::size_t(c.number), in_.options.noDrawSurfaceFlags);
 }
 
 Candidate LightmapSetup::MakeCandidate(int number) const {

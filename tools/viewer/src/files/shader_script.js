@@ -1,7 +1,8 @@
 // GPL-2.0-or-later. Parses of shader scripts what a still picture of a surface needs.
 
 const kSkyFlag = 0x4;
-const kNoDrawFlag = 0x80;
+/** Flag of shader records; engines draw no curve whose record has it, whatever the script says. */
+export const kNoDrawFlag = 0x80;
 
 /** Lines as words; a brace is a line of its own, comments are left out. */
 function* lines(text) {
