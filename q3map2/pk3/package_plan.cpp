@@ -5,6 +5,7 @@
 #include "common/files/archive_writer.h"
 #include "common/files/files.h"
 #include "common/platform/platform.h"
+#include "common/text/counted.h"
 #include "common/text/text.h"
 
 #include <algorithm>
@@ -327,7 +328,7 @@ fs::path WritePackage(const fs::path &path, const fs::path &failedPath, int leve
     const fs::path &target = plan.missing.empty() ? path : failedPath;
     log.Print("Writing {}\n", target.string());
     const std::uint64_t size = archive.Commit(target);
-    log.Print("Wrote {} files, {} bytes\n", count, size);
+    log.Print("Wrote {}, {} ({})\n", Counted(count, "files"), SizeText(size), Counted((long long)(size), "bytes"));
     return target;
 }
 

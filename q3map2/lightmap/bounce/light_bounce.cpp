@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Radiosity: bounced light on surfaces.
 #include "q3map2/lightmap/bounce/light_bounce.h"
 
+#include "common/text/counted.h"
 #include "libs/math/color.h"
 #include "q3map2/lightmap/bounce/bounce_filter.h"
 #include "q3map2/lightmap/bounce/vertex_receivers.h"
@@ -108,9 +109,8 @@ Emission Bounces::AllBounces(const RadiositySolver &solver, Emission first) cons
     const RadiosityLimits limits{.bounces = in_.lightmap.bounces, .seconds = in_.lightmap.bounceTime};
     RadiositySolution solution = solver.Solve(std::move(first), limits);
     if (solution.timedOut)
-        in_.log.Warn("time for bounces",
-                     "-bouncetime {:g} is over after {} bounces; up to {:.2f} bytes of light are left out",
-                     limits.seconds, solution.steps + 1, solution.stillToCome);
+        in_.log.Warn("time for bounces", "-bouncetime {:g} is over after {}; up to {:.2f} bytes of light are left out",
+                     limits.seconds, Counted(solution.steps + 1, "bounces"), solution.stillToCome);
     return std::move(solution.total);
 }
 
