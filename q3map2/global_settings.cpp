@@ -40,7 +40,9 @@ Group General() {
               &GlobalOptions::threads},
              {{.name = "-force",
                .help = "Go on without game files, and load files with another ident or version",
-               .details = "Damaged lumps become warnings."},
+               .details = "Damaged lumps become warnings. So do what else keeps a stage from writing: an input that "
+                          "changed meanwhile, a disk that seems too full, and a map that would lose most of its light "
+                          "for want of its light entities."},
               &GlobalOptions::force},
              {{.name = "-log",
                .values = "FILE",

@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. From the command line to a stage.
 #include "common/error.h"
+#include "common/files/files.h"
 #include "q3map2/editor_feedback.h"
 #include "q3map2/help.h"
 #include "q3map2/presets.h"
@@ -33,8 +34,7 @@ std::vector<std::string> Unquoted(std::vector<std::string> words) {
     return words;
 }
 
-int Run(const std::vector<std::string> &words, const std::filesystem::path &program, const RunReport &report,
-        Log &log) {
+int Run(const std::vector<std::string> &words, const std::filesystem::path &program, RunReport &report, Log &log) {
     // First, so that errors in options arrive.
     EditorFeedback::Attach(LastValueOf("-connect", words), log);
     if (const std::string file = LastValueOf("-log", words); !file.empty())
@@ -53,7 +53,7 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
     const ChosenStage chosen = TakeStage(arguments);
     TranslateVradOptions(chosen.stage, arguments, log);
     ExpandPreset(chosen.stage, arguments, log);
-    const StageContext context{options, chosen.stage, chosen.given, program, arguments.Rest(), log};
+    const StageContext context{options, chosen.stage, chosen.given, program, arguments.Rest(), log, report};
     const int status = chosen.stage.run(context, std::move(arguments));
     log.FlushWarnings();
     report.PrintEnd(status != 0, log);
@@ -69,14 +69,15 @@ std::filesystem::path WithExtension(const std::filesystem::path &path, std::stri
 
 int RunProgram(const std::vector<std::string> &given, const std::filesystem::path &program, Log &log) {
     const std::vector<std::string> arguments = Unquoted(given);
-    const RunReport report;
+    RunReport report;
     const std::string reportPath = LastValueOf("-report", arguments);
     ReportFile collected;
-    if (!reportPath.empty())
+    bool reports = !reportPath.empty();
+    if (reports)
         log.SetObserver(&collected);
     const auto end = [&](int status, std::string_view error) {
         log.SetObserver(nullptr);
-        if (reportPath.empty())
+        if (!reports)
             return status;
         try {
             collected.Write(reportPath, arguments, error);
@@ -92,8 +93,17 @@ int RunProgram(const std::vector<std::string> &given, const std::filesystem::pat
         report.PrintEnd(true, log);
         return end(1, text);
     };
+    if (reports)
+        try {
+            RequireWritable(reportPath); // before hours of work
+        } catch (const Error &error) {
+            reports = false;
+            return fail(fmt::format("-report: {}", error.what()));
+        }
     try {
-        return end(Run(arguments, program, report, log), "");
+        const int status = Run(arguments, program, report, log);
+        const std::string faults = report.Faults();
+        return end(status, status == 0 ? "" : faults.empty() ? "the log says what is wrong" : faults);
     } catch (const Error &error) {
         return fail(error.what());
     } catch (const std::bad_alloc &) {

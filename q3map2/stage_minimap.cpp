@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. q3map2 -minimap.
+#include "q3map2/file_guard.h"
 #include "q3map2/game_check.h"
 #include "q3map2/minimap/minimap.h"
 #include "q3map2/run_report.h"
@@ -13,6 +14,12 @@ int MinimapStage(const StageContext &context, Arguments arguments) {
     const auto bspPath = WithExtension(std::filesystem::absolute(TakeFile(context, arguments, {}).file), ".bsp");
     PrintChangedOptions(arguments, log);
     const Game &game = *context.options.game;
+    const auto output = options.Output(MinimapStyleOf(game.name), bspPath);
+    FileGuard guard(context);
+    guard.Needs(bspPath);
+    guard.WritesInto(output.parent_path());
+    if (std::filesystem::exists(output))
+        guard.Writes(output);
     const auto folders = GameFolders(context.options, context.words, context.program);
     RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);

@@ -3,6 +3,7 @@
 #include "q3map2/bot_check.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/command_record.h"
+#include "q3map2/file_guard.h"
 #include "q3map2/run_report.h"
 #include "q3map2/stage_words.h"
 #include "q3map2/vis/vis_options.h"
@@ -56,10 +57,15 @@ int VisStage(const StageContext &context, Arguments arguments) {
     const auto bspPath = WithExtension(std::filesystem::absolute(file.file), ".bsp");
     const auto prtPath = WithExtension(bspPath, ".prt");
 
+    FileGuard guard(context);
+    guard.Needs(bspPath);
+    guard.Reads(prtPath);
+    guard.Writes(bspPath, SizeOfFile(bspPath));
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
     CheckPrtExists(bspPath, prtPath);
+    WarnIfSourceIsNewer(bspPath, log);
     log.Print("Loading {}\n", prtPath.string());
     const PortalFile portals = ReadPortalFile(prtPath);
     log.Print("{:6} portalclusters\n{:6} numportals\n{:6} numfaces\n", portals.clusters, portals.portals.size(),
@@ -78,6 +84,7 @@ int VisStage(const StageContext &context, Arguments arguments) {
     const Visibility visibility = ComputeVisibility(portals, prtPath.string(), options.vis, jobs, log);
     PrintStatistics(visibility, options.histogram, log);
     bsp.visibility = visibility.Lump();
+    guard.CheckUnchanged();
     const BotCheck bots(bspPath, log);
     WriteBspFile(bspPath, bsp, format, log);
     bots.Report(BotCheck::SameGeometry, false);

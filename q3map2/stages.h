@@ -12,6 +12,7 @@
 namespace q3 {
 
 struct Stage;
+class RunReport;
 
 /// What a stage gets besides its arguments.
 struct StageContext {
@@ -21,6 +22,7 @@ struct StageContext {
     std::filesystem::path program;  ///< real path of the executable
     std::vector<std::string> words; ///< the whole command line, which may contain the engine path
     Log &log;
+    RunReport &report;
 };
 
 /// A word such as -light and what it starts.

@@ -27,7 +27,7 @@ Group Basics() {
               &BspOptions::patchMeta},
              {{.name = "-leaktest",
                .help = "Stop when the map leaks",
-               .details = "`x.lin` is written and `x.bsp` is not. The exit status is 0."},
+               .details = "`x.lin` is written and no other file is replaced. The exit status is 1."},
               &BspOptions::leakTest},
              {{.name = "-onlyents",
                .help = "Replace the entities of an existing .bsp and nothing else",

@@ -63,6 +63,11 @@ std::optional<std::vector<std::byte>> PackageSource::Read(std::string_view name)
     return vfs_.Read(name);
 }
 
+std::string PackageSource::Location(std::string_view name) const {
+    const fs::path loose = LooseFile(name);
+    return loose.empty() ? vfs_.Location(name) : loose.string();
+}
+
 std::optional<std::string> PackageSource::ReadText(std::string_view name) const {
     const auto bytes = Read(name);
     if (!bytes)

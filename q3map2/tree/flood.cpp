@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Flood fill from entities: finds leaks, makes leafs outside opaque.
 #include "q3map2/tree/flood.h"
 
-#include "common/files/files.h"
 #include "common/text/text.h"
 #include "q3map2/bspfile/surface_keys.h"
 
@@ -160,11 +159,11 @@ std::vector<Vec3f> LeakLine(const Tree &tree, const Map &map) {
     return line;
 }
 
-void WriteLeakFile(const std::filesystem::path &path, const std::vector<Vec3f> &line) {
+std::string LeakFileText(const std::vector<Vec3f> &line) {
     std::string text;
     for (const Vec3f &p : line)
         text += fmt::format("{:f} {:f} {:f}\n", p.x, p.y, p.z);
-    ReplaceTextFile(path, text);
+    return text;
 }
 
 } // namespace q3

@@ -4,7 +4,7 @@
 #include "q3map2/map/map.h"
 #include "q3map2/tree/tree.h"
 
-#include <filesystem>
+#include <string>
 #include <vector>
 
 namespace q3 {
@@ -23,7 +23,7 @@ void FillOutside(Tree &tree, const BspContext &context);
 std::vector<Vec3f> LeakLine(const Tree &tree, const Map &map);
 /// The entity at the end of the leak line (index in the map); -1: sealed.
 int LeakedEntity(const Tree &tree);
-/// Writes the leak line as a .lin file: one point per text line.
-void WriteLeakFile(const std::filesystem::path &path, const std::vector<Vec3f> &line);
+/// The leak line as text of a .lin file: one point per text line.
+std::string LeakFileText(const std::vector<Vec3f> &line);
 
 } // namespace q3
