@@ -36,10 +36,10 @@ double CheckedNumber(const SettingInfo &info, SettingKind kind, std::string_view
         throw Error("{} {}: expected {}", name, word, Expected(info, kind));
     const double number = *WholeNumber(word);
     if (info.range.Contains(number)) {
-        if (number < info.floor)
+        if (info.floor > -kMaxSetting && number < info.floor)
             log.Warn("value under the minimum", "{} {}: the minimum is {:g}; {:g} is used", name, word, info.floor,
                      info.floor);
-        return std::max(number, info.floor);
+        return info.floor > -kMaxSetting ? std::max(number, info.floor) : number;
     }
     const double used = info.outside == OutOfRange::Clamp ? info.range.Clamp(number) : info.outsideValue;
     if (info.outside == OutOfRange::Refuse)

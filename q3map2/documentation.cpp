@@ -41,7 +41,7 @@ std::string Limits(const SettingEntry &entry, bool complete) {
         text += "; beyond it the nearest is used";
     if (shown && info.outside == OutOfRange::UseDefault)
         text += fmt::format("; beyond it {:g} is used", info.outsideValue);
-    if (shown && info.floor > info.range.low)
+    if (shown && info.floor > -kMaxSetting)
         text += fmt::format("; at least {:g} is used", info.floor);
     return text;
 }
@@ -138,7 +138,7 @@ std::string FullHelp(const SettingEntry &entry, bool complete) {
     if (!entry.initial.empty() && !(entry.info.kind == SettingKind::Flag && entry.initial == "off"))
         add(fmt::format("default: {}", entry.initial));
     if (const std::string_view stage = StageText(entry.stage); !stage.empty())
-        add(fmt::format("for: {}", stage));
+        add(fmt::format("stage: {}", stage));
     return fmt::format("{}{}", entry.info.help, extra.empty() ? "" : fmt::format(" ({})", extra));
 }
 

@@ -122,7 +122,7 @@ void AddEntries(std::string_view owner, const std::vector<SettingSection> &secti
     for (const SettingSection &section : sections)
         for (const SettingEntry &entry : section.entries)
             if (entry.info.Names(topic) || entry.info.Names(fmt::format("-{}", topic))) {
-                text += fmt::format("{}, {}\n{}", owner, section.title, EntryLine(entry, true));
+                text += fmt::format("{}, {}\n{}", owner, section.title, EntryLine(entry, entry.stage.empty()));
                 if (!entry.info.details.empty())
                     text += fmt::format("{:{}}{}\n", "", kNameColumn,
                                         Wrapped(WithoutMarkup(entry.info.details), kNameColumn, kNameColumn));

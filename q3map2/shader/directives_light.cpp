@@ -205,7 +205,7 @@ constexpr std::array kEmission = std::to_array<ShaderDirective>({
     {{.name = "q3map_lightImage",
       .values = "IMAGE",
       .kind = SettingKind::Text,
-      .initial = "see details",
+      .initial = "that of the first stage or of editors",
       .help = "Image whose mean is the color of emitted light, and whose texels filter and reflect light",
       .details = "Without it: the image of the first stage, if no `qer_editorImage` or `implicitMap` stands before "
                  "it; else the editor image, or the image with the shader's name."},

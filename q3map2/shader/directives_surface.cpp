@@ -62,13 +62,22 @@ template <std::string GeometryDirectives::*name> std::string OtherShader(Directi
 /// Starts over from a shader defined earlier: directives before this one are lost, the name stays.
 std::string BaseShader(DirectiveContext &c, Words words) {
     ParsedShader &shader = c.shader;
+    const int lost = shader.linesRead;
     const ParsedShader *base = c.table.Find(words[0], c.log);
     std::string name = std::move(shader.info.name);
     shader = base ? *base : c.table.MakeDefault({});
     shader.info.name = std::move(name);
     shader.info.defined = true;
+    shader.linesRead = 0;
     shader.lateLines.clear();
-    return {};
+    if (!base)
+        return fmt::format("no shader {} stands above this one in the scripts; the lines above this one are lost and "
+                           "defaults are used",
+                           words[0]);
+    if (lost == 0)
+        return {};
+    return fmt::format("replaces the line{} above it, {} in all, which {} no effect; put it first",
+                       lost == 1 ? "" : "s", lost, lost == 1 ? "has" : "have");
 }
 
 std::string DeprecateShader(DirectiveContext &c, Words words) {
@@ -150,7 +159,8 @@ constexpr std::array kReplacement = std::to_array<ShaderDirective>({
       .values = "SHADER",
       .kind = SettingKind::Text,
       .help = "Starts over from all properties of another shader; the lines that follow change them",
-      .details = "Put it first: the lines before it have no effect. SHADER must stand earlier in the scripts. Name "
+      .details = "Put it first: the lines before it have no effect, which is a warning. SHADER must stand earlier in "
+                 "the scripts. Name "
                  "and stages stay those of this shader."},
      "both",
      BaseShader},

@@ -237,6 +237,8 @@ void ScriptParser::RunDirective(const ShaderDirective &directive, std::string_vi
                !fault.empty()) {
         log_.Warn("shader directive", "{}: shader {}: {}: {}", location.Text(), shader_->info.name, word, fault);
     }
+    if (!StartsWithNoCase(word, "qer_")) // editors read those of any line
+        ++shader_->linesRead;
     if (!directive.moreMayFollow)
         scanner_.SkipArguments();
 }

@@ -28,6 +28,7 @@ struct ParsedShader {
     std::string editorImage, lightImage, implicitImage;
     std::optional<std::string> body; ///< source of info.scriptText, which is made at look-up; empty: already made
     std::string replacement;         ///< q3map_deprecateShader
+    int linesRead = 0;               ///< directives so far that q3map_baseShader would replace
     std::vector<LateLine> lateLines; ///< below the last sun, for WarnOfLateLines
     bool lightImageGiven = false;    ///< lightImage is that of q3map_lightImage
     bool builtInImage = false;       ///< a stage draws an image of the engine, such as $whiteimage

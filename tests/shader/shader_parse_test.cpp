@@ -322,6 +322,9 @@ TEST_F(ShaderDirectives, BaseShaderCopiesAnEarlierDefinitionOverAllSoFar) {
     EXPECT_EQ(Get("base").bounceScale, 4);
     EXPECT_EQ(Get("early").surfaceFlags, 0u);
     EXPECT_EQ(Get("late").surfaceFlags, kMetal);
+    EXPECT_EQ(Warnings("shader directive"), 2);
+    EXPECT_THAT(out.text,
+                HasSubstr("scripts/test.shader:10: shader new: q3map_baseShader: replaces the line above it"));
 }
 
 TEST_F(ShaderDirectives, CopiesOfCopiesCannotGrowWithoutEnd) {
