@@ -8,6 +8,7 @@ namespace q3 {
 
 PrunedOctree PruneOctree(Octree &tree, float price, float maxLamp) {
     std::vector<float> cost(tree.Size());
+    std::vector<bool> kept(tree.Size()); // inner nodes that lamps need, and those above them
     for (std::size_t i = tree.Size(); i-- > 0;) { // children come after their parents
         OctreeCell &cell = tree[i];
         if (cell.open <= 0)
@@ -19,9 +20,12 @@ PrunedOctree PruneOctree(Octree &tree, float price, float maxLamp) {
         }
         const float asLeaf = cell.error * cell.Volume() + price;
         float asParent = 0;
-        for (std::size_t c = 0; c < 8 && cell.child != 0; ++c)
+        kept[i] = cell.child != 0 && cell.lamp > maxLamp;
+        for (std::size_t c = 0; c < 8 && cell.child != 0; ++c) {
             asParent += cost[cell.child + c];
-        const bool prune = cell.child != 0 && i >= tree.RootCount() && asLeaf <= asParent && cell.lamp <= maxLamp;
+            kept[i] = kept[i] || kept[cell.child + c];
+        }
+        const bool prune = cell.child != 0 && i >= tree.RootCount() && asLeaf <= asParent && !kept[i];
         if (prune)
             cell.child = 0;
         cost[i] = cell.child == 0 ? asLeaf : asParent;

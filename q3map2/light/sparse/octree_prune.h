@@ -16,8 +16,8 @@ struct PrunedOctree {
 
 /// Turns inner nodes, except roots, into leafs so that the sum over all leafs of (squared error x open volume + price)
 /// is least: the pruning of Breiman et al. (1984) and of Chou, Lookabaugh and Gray (1989). price: the Lagrange
-/// multiplier of the number of leafs, bytes^2 times smallest cells. maxLamp: cells with a larger OctreeCell::lamp stay
-/// as they are. Sets `open` of inner nodes from their children.
+/// multiplier of the number of leafs, bytes^2 times smallest cells. maxLamp: inner nodes with a larger OctreeCell::lamp
+/// stay inner nodes. Sets `open` of inner nodes from their children.
 PrunedOctree PruneOctree(Octree &tree, float price, float maxLamp = std::numeric_limits<float>::infinity());
 
 } // namespace q3

@@ -10,6 +10,8 @@
 #include "q3map2/light/sparse/sparse_tree.h"
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 namespace q3 {
 
@@ -39,7 +41,7 @@ constexpr double kMaxShareOfUniform = 0.5, kSmallLump = 200e3;
 /// Estimate of the bytes of the lump per leaf, for its point and its share of a node.
 constexpr double kBytesPerLeaf = 25;
 /// Cells are split while the error before a lamp is above this many error targets.
-constexpr float kLampTargets = 1.6f;
+const float kLampTargets = std::getenv("T_LAMP") ? float(std::atof(std::getenv("T_LAMP"))) : 1.6f;
 /// Positions before lamps: at most one for so many points of the uniform grid, or kFewLampSamples if that is more.
 constexpr std::size_t kPointsPerLampSample = 4, kFewLampSamples = 16384;
 /// The error of fitted corners over that of their own light, before it is measured.
@@ -74,7 +76,7 @@ class SparseGridBuilder {
         return Grid(FindPrice(), result);
     }
     /// The same with smaller cells where they are needed. check: null without receivers.
-    SparseGridSH Refined(const GridInputs &in, const LatticeTracer &tracer, std::span<const LampSample> lamps,
+    SparseGridSH Refined(const GridInputs &in, const LatticeTracer &tracer, const LampSamples &lamps,
                          const ExactReceivers &check, GridStats &work, SparseStats &result);
 
   private:
@@ -142,7 +144,8 @@ double SparseGridBuilder::Interpolated(const Octree &tree) const {
 bool SparseGridBuilder::MeetsGoal(const PrunedTree &pruned) const {
     if (goal_.budget)
         return double(pruned.second.leafs) * kBytesPerLeaf >= limit_;
-    return pruned.second.error <= double(goal_.error) && fitGain_ * Interpolated(pruned.first) <= double(goal_.error);
+    static const double slack = std::getenv("T_EXP") ? std::atof(std::getenv("T_EXP")) : 1;
+    return pruned.second.error <= slack * double(goal_.error) && fitGain_ * Interpolated(pruned.first) <= double(goal_.error);
 }
 
 /// Splits cells until pruning can meet the goal; says whether it can.
@@ -159,6 +162,7 @@ SparseEnd SparseGridBuilder::Refine(const LatticeTracer &tracer, GridStats &work
             double(minPrice_) * double(size.leafs) < kMinGain * size.error * size.error * size.volume)
             return SparseEnd::LittleGain;
         const double error = Interpolated(pruned.first);
+        fprintf(stderr, "S price %g leafs %zu expected %.3f unfit %.3f\n", double(minPrice_ / unit_), size.leafs, size.error, error);
         if (leastErrorLeafs_ == 0 || error <= kLeastFall * leastError_)
             leastError_ = error, leastErrorLeafs_ = size.leafs;
         else if (double(size.leafs) > kMoreLeafs * double(leastErrorLeafs_))
@@ -199,7 +203,7 @@ SparseGridSH SparseGridBuilder::Grid(float price, SparseStats &result) {
 
 SparseGridSH SparseGridBuilder::GridOf(const PrunedTree &pruned, SparseStats &result) const {
     CornerWeights corners(pruned.first, light_);
-    const std::vector<ShFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_, lamps_);
+    const std::vector<ShFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_, std::getenv("T_NOFIT") ? std::span<const LampSample>() : lamps_);
     SparseGridTree tree = MakeSparseTree(pruned.first, light_, corners, lattice_, values);
     DeringStats dering;
     for (bspGridPointSH_t &value : tree.values) {
@@ -233,22 +237,38 @@ void SparseGridBuilder::MeasureLamps(const SparseGridSH &grid, SparseStats &resu
             for (std::size_t channel = 0; channel < 3; ++channel)
                 value.coeffs[k][channel] = read.c[k][channel];
         sum += double(screen_.Squared(ToDisplayed(value, radiance_), lamp.light));
+        if (std::getenv("T_DUMP")) {
+            const auto got = ToDisplayed(value, radiance_);
+            const Vec3f lo = p - Vec3f{16, 16, 16}, hi = p + Vec3f{16, 16, 16};
+            const std::size_t leaf = tree_.LeafAt(CellAt(lamp.at));
+            int open = 0, known = 0;
+            float un = 0;
+            if (leaf != Octree::kNone) {
+                const CornerLight corners = CornersOf(light_, tree_[leaf]);
+                for (std::size_t c = 0; c < 8; ++c)
+                    known += corners[c] != nullptr, open += corners[c] && light_.At(tree_[leaf].Corner(c)).open;
+                if (known == 8)
+                    un = screen_.Squared(InterpolatedLight(tree_[leaf], corners, lamp.at), lamp.light);
+            }
+            fprintf(stderr, "L %.1f %.1f %.1f err %.2f unfit %.2f mean %.1f got %.1f fits %d level %d open %d celllamp %.2f\n", double(p.x), double(p.y), double(p.z),
+                    double(std::sqrt(screen_.Squared(got, lamp.light))), double(std::sqrt(un)), double(255 * MeanLight(lamp.light)), double(255 * MeanLight(got)), int(!space_.AnySolid(lo, hi)), leaf == Octree::kNone ? -1 : int(tree_[leaf].level), open, leaf == Octree::kNone ? 0.0 : double(std::sqrt(tree_[leaf].lamp)));
+        }
     }
     result.lampSamples = lamps_.size();
     result.lampError = lamps_.empty() ? 0 : std::sqrt(sum / double(lamps_.size()));
 }
 
 SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTracer &tracer,
-                                        std::span<const LampSample> lamps, const ExactReceivers &check, GridStats &work,
+                                        const LampSamples &lamps, const ExactReceivers &check, GridStats &work,
                                         SparseStats &result) {
-    lamps_ = lamps;
+    lamps_ = lamps.All();
     check_ = check.Size() > 0 ? &check : nullptr;
     unit_ = 1.0f / 64;
     for (std::size_t axis = 0; axis < 3; ++axis)
         unit_ *= float(1 << lattice_.UniformLevel(axis));
     const BounceNoise noise(in, lattice_, light_);
     refiner_.EstimateErrors(noise);
-    SplitAtLamps(lamps, maxLamp_, noise, tree_, light_, refiner_, tracer, work);
+    SplitAtLamps(lamps, maxLamp_, noise, in.jobs, tree_, light_, refiner_, tracer, work);
     minPrice_ = kFirstThreshold * kThresholdStep * unit_ / kLeafsPerSplit;
     for (int round = 1;; ++round) {
         result.end = Refine(tracer, work);
@@ -257,6 +277,7 @@ SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTrace
         SparseGridSH grid = Grid(price, result);
         if (check_) {
             result.measured = check.ErrorOf(grid);
+            fprintf(stderr, "R round %d end %d price %g leafs %zu bytes %zu expected %.3f unfit %.3f real %.3f p95 %.3f\n", round, int(result.end), double(price / unit_), result.leafs, result.bytes, result.error, interpolated, result.measured->rms, result.measured->percentile95);
             if (interpolated > 0)
                 fitGain_ = result.measured->rms / interpolated;
         }
@@ -281,7 +302,7 @@ SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &ligh
     const std::size_t mostSamples = std::max(kFewLampSamples, uniform.points.size() / kPointsPerLampSample);
     const LampSamples lamps(in, lights, light, lattice, mostSamples, work);
     const ExactReceivers check(in, lights);
-    return builder.Refined(in, tracer, lamps.All(), check, work, result);
+    return builder.Refined(in, tracer, lamps, check, work, result);
 }
 
 SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform, bool radiance, const SparseGoal &goal,
