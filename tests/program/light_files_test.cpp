@@ -245,7 +245,7 @@ TEST_F(LightFilesTest, LightingAgainRemovesLumpsAndWarnsOfFiles) {
     EXPECT_EQ(Load().rnm->header.storage, RnmStorage::Rescaled);
     const Outcome outcome = Light("");
     EXPECT_TRUE(outcome.Printed("lm_0000.hdr: left by an earlier run"));
-    EXPECT_TRUE(outcome.Printed("(old HDR light: 2)"));
+    EXPECT_TRUE(outcome.Printed("old HDR light: 2)"));
     std::filesystem::remove(Beside("lm_0000.hdr"));
     EXPECT_TRUE(Light("").Printed("vertlight.raw: left by an earlier run"));
     const Bsp plain = Load();

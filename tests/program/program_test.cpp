@@ -179,7 +179,7 @@ TEST_F(ProgramTest, LightsOfTheMapSourceCount) {
     EXPECT_TRUE(with.Printed("1 spotlight"));
     EXPECT_TRUE(with.Printed("2 diffuse (area) lights"));
     std::filesystem::remove(Map(".map"));
-    const Outcome without = RunWell("-light MAP");
+    const Outcome without = RunWell("-force -light MAP");
     EXPECT_TRUE(without.Printed("0 point lights"));
     EXPECT_TRUE(without.Printed("WARNING: demo: no light entities"));
 }

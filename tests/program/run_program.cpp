@@ -82,7 +82,7 @@ std::vector<std::string> Outcome::ErrorLines() const {
         return lines;
     std::istringstream rest(text.substr(at + kHeader.size()));
     for (std::string line; std::getline(rest, line);)
-        if (!line.ends_with(" seconds elapsed") && !line.starts_with("failed: "))
+        if (!line.ends_with(" elapsed") && !line.starts_with("failed: "))
             lines.push_back(line);
     return lines;
 }
