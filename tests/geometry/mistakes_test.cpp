@@ -111,7 +111,7 @@ std::vector<Mistake> Mistakes() {
         {"LightInSolid", With("", Entity("\"classname\" \"light\"\n\"origin\" \"0 0 -8\"")),
          "Entity 3: test.map:61: the light stands in solid"},
         {"LightInDetail", With(DetailBox({-16, -16, 80}, {16, 16, 112})),
-         "Entity 2: test.map:66: the light at 0 0 96 stands in a detail brush (entity 0, brush 6)"},
+         "Entity 2: test.map:64: the light at 0 0 96 stands in a detail brush (entity 0, brush 6)"},
         {"DecalWithoutPatch", With("", Entity("\"classname\" \"_decal\"\n\"target\" \"x\"")),
          "Entity 3: test.map:61: a _decal without patches is left out"},
         {"CloneOfNobody", With("", Entity("\"classname\" \"func_door\"\n\"_clone\" \"x\"")),

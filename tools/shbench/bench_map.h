@@ -27,7 +27,7 @@ class BenchMap {
     const LightOptions options;
     const std::vector<Entity> stored; ///< entities of the .bsp, the world first
     const WorldLight world;
-    SurfaceTable table;               ///< with skyIndex, set by CreateLights
+    SurfaceTable table; ///< with skyIndex, set by CreateLights
     const BspSpace space;
     const std::vector<Light> created; ///< before SetupEnvelopes
     const LightScene scene;
