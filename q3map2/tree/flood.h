@@ -15,7 +15,8 @@ enum class Sealing {
     Empty   ///< no entity stands in the open
 };
 
-/// Floods from all point entities in open leafs. `warn`: about entities in solid; once per map is enough.
+/// Floods from all point entities in open leafs. `warn`: about entities in solid and lights in detail brushes; once per
+/// map is enough.
 Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, bool warn = true);
 /// Makes all leafs opaque that no flood reached.
 void FillOutside(Tree &tree, const BspContext &context);
