@@ -124,10 +124,9 @@ EntityLight LightFromKeys(const Entity &entity, const LightOptions &options, Log
     if (options.noStyles)
         light.style = 0;
     light.name = entity.Value("targetname");
-    if (light.style != 0)
-        light.label = light.name.empty()
-                          ? LightLabel(entity)
-                          : fmt::format("{} \"{}\" at \"{}\"", entity.ClassName(), light.name, entity.Value("origin"));
+    light.label = light.name.empty()
+                      ? LightLabel(entity)
+                      : fmt::format("{} \"{}\" at \"{}\"", entity.ClassName(), light.name, entity.Value("origin"));
     result.byQuad = TakeQuad(entity, keys::kLight, light, log);
     if (!result.byQuad)
         light.photons = Intensity(entity, log);
@@ -264,6 +263,7 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
         log.Warn("light origin", "{} is outside any map, it is dropped", LightLabel(entity));
         return;
     }
+    light.entity = int(number);
     light.photons /= float(samples);
     light.tolerance = options.tolerance / float(samples);
 
