@@ -33,7 +33,7 @@ class GatherDirections {
         directions_.reserve(std::size_t(patterns_) * kSets * std::size_t(rays));
         for (int pattern = 0; pattern < patterns_; ++pattern)
             for (int set = 0; set < kSets; ++set)
-                AddSet(PlasticSample(std::uint32_t(pattern), 0), set);
+                AddSet({kShiftU * pattern, kShiftV * pattern}, set);
     }
     int Rays() const { return rays_; }
     /// The choice for luxel (x, y) of a lightmap that is `width` luxels wide.
@@ -49,6 +49,8 @@ class GatherDirections {
   private:
     /// Enough patterns for this many rays: a luxel with as many has no error worth shifting.
     static constexpr int kPatternRays = 4096;
+    /// Shift from pattern to pattern. Not that of PlasticSample, by which a pattern would repeat points of the last.
+    static constexpr double kShiftU = std::numbers::phi - 1, kShiftV = std::numbers::sqrt2 - 1;
 
     std::size_t First(const Choice &choice) const {
         return std::size_t(choice.pattern * kSets + choice.set) * std::size_t(rays_);

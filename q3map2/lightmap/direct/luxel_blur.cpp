@@ -29,6 +29,14 @@ float BoxRadius(const SurfaceInputs &in, const RawLightmap &raw, float filterRad
     return radius > 0 || in.lightmap.filter ? std::max(radius, LuxelWidth(raw)) : 0;
 }
 
+/// The radius of a box over luxels of `raw` that blurs as widely as `other` does, whose interpolation between larger or
+/// smaller luxels counts as blur too: the variances are equal. Game units; 0: less than a luxel.
+float MatchingRadius(const SurfaceInputs &in, const RawLightmap &raw, const RawLightmap &other, float filterRadius) {
+    const float radius = BoxRadius(in, other, filterRadius), own = LuxelWidth(raw), width = LuxelWidth(other);
+    const float square = radius * radius + (width * width - own * own) / 2;
+    return radius > 0 && square >= own * own ? std::sqrt(square) : 0;
+}
+
 /// The largest BoxRadius of the light of a lightmap.
 float LargestBox(const SurfaceInputs &in, const RawLightmap &raw, const std::vector<UnblurredLight> &light) {
     float largest = 0;
@@ -110,7 +118,9 @@ void LightmapBlur::Walk() {
     around_.Walk(number_, reach(radius));
     for (const std::uint32_t other : around_.Neighbors()) {
         radius = std::max(radius, LargestBox(in_, *raw_, light_[other]));
-        radius = std::max(radius, LargestBox(in_, surfaces_.lightmaps[other], light_[other]));
+        for (const std::vector<UnblurredLight> *light : {&light_[number_], &light_[other]})
+            for (const UnblurredLight &one : *light)
+                radius = std::max(radius, MatchingRadius(in_, *raw_, surfaces_.lightmaps[other], one.filterRadius));
     }
     if (reach(radius) > around_.Reach())
         around_.Walk(number_, reach(radius));
@@ -120,7 +130,7 @@ void LightmapBlur::FindWiderBlurs(float own, float filterRadius) {
     constexpr float kWider = 1.01f;
     wider_.clear();
     for (const std::uint32_t other : around_.Neighbors())
-        if (const float radius = BoxRadius(in_, surfaces_.lightmaps[other], filterRadius);
+        if (const float radius = MatchingRadius(in_, *raw_, surfaces_.lightmaps[other], filterRadius);
             radius > own * kWider &&
             std::none_of(wider_.begin(), wider_.end(), [&](const WiderBlur &blur) { return blur.radius == radius; }))
             wider_.push_back({radius, SharesNear(radius, filterRadius)});
@@ -134,7 +144,7 @@ std::vector<float> LightmapBlur::SharesNear(float radius, float filterRadius) co
     std::vector<float> distance(std::size_t(width) * std::size_t(height), 1e6f);
     for (std::size_t cell = 0; cell < distance.size(); ++cell)
         if (around_.At(cell) == CellState::Tapped &&
-            BoxRadius(in_, surfaces_.lightmaps[around_.TapOf(cell).lightmap], filterRadius) == radius)
+            MatchingRadius(in_, *raw_, surfaces_.lightmaps[around_.TapOf(cell).lightmap], filterRadius) == radius)
             distance[cell] = 0;
     const auto shorten = [&](int x, int y, int side) {
         const auto at = [&](int u, int v) -> float & {

@@ -8,6 +8,13 @@ namespace q3 {
 
 namespace {
 
+/// Share of the interpolation kernel of a cell, a tent of width 2, that lies in a box whose rim is `inside` cells
+/// beyond its center.
+float ShareInBox(float inside) {
+    const float off = std::clamp(1 - std::abs(inside), 0.0f, 1.0f), outer = off * off / 2;
+    return inside < 0 ? outer : 1 - outer;
+}
+
 /// Calls use(cell, weight) for the cells of a row or column that count in the box around cell `at` of it. first:
 /// cell 0; stride: from cell to cell; count: their number.
 template <typename Use>
@@ -21,11 +28,11 @@ void ForBox(const LuxelSurroundings &around, std::size_t first, std::size_t stri
         return state == CellState::Blocked || (!inside(k) && state != CellState::Empty);
     };
     use(cellAt(at), 1.0f);
-    const int most = int(std::min(std::ceil(radius + 0.5f) - 1, float(count)));
+    const int most = int(std::min(std::ceil(radius), float(count)));
     for (int k = 1; k <= most; ++k) {
         if (blocked(at - k) || blocked(at + k))
             continue;
-        const float weight = std::min(1.0f, radius + 0.5f - float(k));
+        const float weight = ShareInBox(radius - float(k));
         for (const int side : {at - k, at + k})
             if (inside(side))
                 use(cellAt(side), weight);

@@ -8,9 +8,10 @@ namespace q3 {
 /// Box filter over the cells around a luxel.
 class LuxelFilter {
   public:
-    /// Sets `blurred`, by cell, to the mean of `values` over cells at most `radius` away on both axes: the share of a
-    /// cell in the box counts, so that the outermost count half if `radius` is whole. Empty cells do not count. Where a
-    /// cell is blocked, the one opposite of it does not count either, so that linear gradients stay.
+    /// Sets `blurred`, by cell, to the mean of `values`, interpolated linearly between cells, over a box that reaches
+    /// `radius` (at least 1) to all sides; so the outermost cells count half if `radius` is whole. The variance of such
+    /// a box is radius^2 / 3 + 1 / 6 on each axis. Empty cells do not count. Where a cell is blocked, the one opposite
+    /// of it does not count either, so that linear gradients stay.
     void Apply(const LuxelSurroundings &around, float radius, const std::vector<Vec3f> &values,
                std::vector<Vec3f> &blurred);
 

@@ -12,8 +12,8 @@ namespace q3 {
 namespace {
 
 /// Surfaces continue each other if their normals turn by at most 30 degrees from cell to cell, and the way between the
-/// cells rises by at most kMaxRise of its length over the plane between both.
-constexpr float kMinTurn = 0.866f, kMaxRise = 0.15f;
+/// cells rises over the surface by at most kMaxRise of its length plus kRiseSlack (game units).
+constexpr float kMinTurn = 0.866f, kMaxRise = 0.15f, kRiseSlack = 0.25f;
 /// A surface is searched this far over and under the tangent plane, plus kHeightShare of the step. Game units.
 constexpr float kHeight = 2, kHeightShare = 0.5f;
 /// Whether the way to a cell is free is tested this far over the surfaces, plus kLiftShare of the step. Game units.
@@ -44,8 +44,11 @@ bool LuxelSurroundings::Faces(const Vec3f &normal, const SurfacePlace &place) co
 bool LuxelSurroundings::Continues(const Footing &from, const SurfacePlace &place) const {
     if (!Faces(from.normal, place))
         return false;
+    // Curves are drawn as facets: the way lies in the plane of one of them, or between both.
     const Vec3f way = place.position - from.position;
-    return std::abs(Dot(way, Normalize(from.normal + place.normal))) <= kMaxRise * Length(way) + 0.25f;
+    const float most = kMaxRise * Length(way) + kRiseSlack;
+    return std::abs(Dot(way, Normalize(from.normal + place.normal))) <= most ||
+           std::abs(Dot(way, from.facet)) <= most || std::abs(Dot(way, place.facet)) <= most;
 }
 
 void LuxelSurroundings::Tap(std::size_t cell, const LuxelTap &tap) {
@@ -61,10 +64,10 @@ void LuxelSurroundings::Tap(std::size_t cell, const LuxelTap &tap) {
 LuxelSurroundings::Footing LuxelSurroundings::FootingOf(int x, int y) const {
     const RawLightmap &raw = *raw_;
     const std::size_t luxel = raw.SuperIndex(x, y);
-    Footing at{raw.positions[luxel], raw.normals[luxel], {}, {}};
+    Footing at{raw.positions[luxel], raw.normals[luxel], raw.normals[luxel], {}, {}};
     if (raw.planar && raw.hasVectors) {
         at.position = raw.origin + raw.step[0] * float(x) + raw.step[1] * float(y);
-        at.normal = raw.planeNormal;
+        at.normal = at.facet = raw.planeNormal;
         at.across = raw.step[0], at.down = raw.step[1];
         return at;
     }
@@ -114,7 +117,7 @@ void LuxelSurroundings::LookAtBorder(const LuxelMask &outside) {
             if (places[i].lightmap >= 0 && std::size_t(places[i].lightmap) != lightmap_ &&
                 finder_.FindTap(places[i], tap))
                 Tap(looks[i].cell, tap);
-            at.position = places[i].position, at.normal = places[i].normal;
+            at.position = places[i].position, at.normal = places[i].normal, at.facet = places[i].facet;
             at.across = IntoPlane(at.across, at.normal), at.down = IntoPlane(at.down, at.normal);
         }
     });
@@ -198,8 +201,8 @@ void LuxelSurroundings::Arrive(const Step &step) {
     }
     Tap(cell, tap);
     footingOf_[cell] = std::uint32_t(footings_.size());
-    footings_.push_back(
-        {found.position, found.normal, IntoPlane(from.across, found.normal), IntoPlane(from.down, found.normal)});
+    footings_.push_back({found.position, found.normal, found.facet, IntoPlane(from.across, found.normal),
+                         IntoPlane(from.down, found.normal)});
 }
 
 void LuxelSurroundings::Walk(std::size_t lightmap, int reach) {

@@ -41,9 +41,9 @@ class LuxelSurroundings {
     const std::vector<std::uint32_t> &Neighbors() const { return neighbors_; }
 
   private:
-    /// Where the walk stands, and its steps to the next cell across and down.
+    /// Where the walk stands, the normals there (SurfacePlace), and its steps to the next cell across and down.
     struct Footing {
-        Vec3f position, normal, across, down;
+        Vec3f position, normal, facet, across, down;
     };
     /// A step of the walk to a cell.
     struct Step {

@@ -109,6 +109,7 @@ SurfaceFinder::Places SurfaceFinder::FirstHits(const RayPacket &rays, bool trans
                 place.luxel[axis] += corner.luxel[axis] * weights[k];
         }
         place.normal = Normalize(place.normal);
+        place.facet = Normalize(triangle.front);
     }
     return places;
 }

@@ -29,7 +29,8 @@ struct LuxelTap {
 struct SurfacePlace {
     int surface = -1;  ///< -1: no surface, or the back of one
     int lightmap = -1; ///< -1: it is lit at its vertices
-    Vec3f position, normal;
+    Vec3f position;
+    Vec3f normal, facet;          ///< unit normals: interpolated between the vertices, and of the triangle
     std::array<float, 2> luxel{}; ///< coordinates in the super grid of its raw lightmap
 };
 
