@@ -116,8 +116,8 @@ bool MapCompiler::CompileWorld() {
     if (sealing == Sealing::Leaked && !ReportLeak(tree))
         return false;
     CullSides(world, map_.planes, context_);
-    ClipSidesIntoTree(world, tree, map_.planes, context_);
-    MakeFaceSurfaces(world, geometry_, map_.planes, context_);
+    const SideParts parts = ClipSidesIntoTree(world, tree, map_.planes, context_);
+    MakeFaceSurfaces(world, geometry_, map_.planes, context_, parts);
     ApplyIndexedTerrain(world, geometry_, 0, context_);
     if (context_.options.autoCaulk) {
         result_.caulkFile = CaulkText(world);
@@ -158,8 +158,8 @@ void MapCompiler::CompileModel(MapEntity &entity) {
     Tree tree = SingleLeafTree(bounds);
     MakePatchSurfaces(entity, geometry_, map_.planes, context_);
     CullSides(entity, map_.planes, context_);
-    ClipSidesIntoTree(entity, tree, map_.planes, context_);
-    MakeFaceSurfaces(entity, geometry_, map_.planes, context_);
+    const SideParts parts = ClipSidesIntoTree(entity, tree, map_.planes, context_);
+    MakeFaceSurfaces(entity, geometry_, map_.planes, context_, parts);
     ApplyIndexedTerrain(entity, geometry_, first, context_);
     AddEntityModels(map_, entity, geometry_, context_);
     AddShaderModels(entity, geometry_, first, map_.planes, context_);

@@ -2,6 +2,7 @@
 #include "q3map2/tree/visible_hulls.h"
 
 #include "common/error.h"
+#include "q3map2/tree/visible_parts.h"
 
 #include <utility>
 
@@ -51,9 +52,9 @@ void AddPolygon(Polygon &hull, Polygon piece, const Vec3d &normal) {
         AddPoint(hull, p, normal);
 }
 
-Polygon VisibleHull(const BrushSide &side, const Tree &tree, const PlaneTable &planes) {
-    Polygon hull;
-    const Vec3d normal = planes[side.planeNum].normal;
+/// The parts of the side in open leafs.
+std::vector<Polygon> VisiblePieces(const BrushSide &side, const Tree &tree, const PlaneTable &planes) {
+    std::vector<Polygon> pieces;
     std::vector<std::pair<int, Polygon>> pending;
     pending.emplace_back(tree.head, side.winding);
     while (!pending.empty()) {
@@ -62,7 +63,7 @@ Polygon VisibleHull(const BrushSide &side, const Tree &tree, const PlaneTable &p
         const TreeNode &node = tree.nodes[std::size_t(at)];
         if (node.IsLeaf()) {
             if (!node.opaque)
-                AddPolygon(hull, std::move(piece), normal);
+                pieces.push_back(std::move(piece));
             continue;
         }
         if ((node.planeNum & ~1) == (side.planeNum & ~1)) {
@@ -78,19 +79,34 @@ Polygon VisibleHull(const BrushSide &side, const Tree &tree, const PlaneTable &p
         if (!front.empty())
             pending.emplace_back(node.children[0], std::move(front));
     }
-    return hull;
+    return pieces;
 }
 
 } // namespace
 
-void ClipSidesIntoTree(MapEntity &entity, const Tree &tree, const PlaneTable &planes, const BspContext &context) {
+Polygon ConvexHull(std::vector<Polygon> pieces, const Vec3d &normal) {
+    Polygon hull;
+    for (Polygon &piece : pieces)
+        AddPolygon(hull, std::move(piece), normal);
+    return hull;
+}
+
+SideParts ClipSidesIntoTree(MapEntity &entity, const Tree &tree, const PlaneTable &planes, const BspContext &context) {
     context.log.VerboseSection("ClipSidesIntoTree");
+    const VisibleParts finder(entity.brushes, planes);
+    SideParts parts;
     for (Brush &brush : entity.brushes)
         for (BrushSide &side : brush.sides) {
             side.visibleHull.clear();
-            if (!side.winding.empty())
-                side.visibleHull = VisibleHull(side, tree, planes);
+            if (side.winding.empty())
+                continue;
+            std::vector<Polygon> pieces = VisiblePieces(side, tree, planes);
+            side.visibleHull = ConvexHull(pieces, planes[side.planeNum].normal);
+            if (auto found = finder.Of(brush, side, std::move(pieces)); !found.empty())
+                parts.emplace(&side, std::move(found));
         }
+    context.log.VerboseCount((long long)(parts.size()), "faces in several parts");
+    return parts;
 }
 
 } // namespace q3

@@ -38,11 +38,15 @@ Bsp CompiledMapOf(std::string_view name, std::initializer_list<std::pair<std::st
     return Compiled(ReadTextFile(file), file, keys, vfs, out.log);
 }
 
+Bsp CompiledText(std::string_view text, VirtualFileSystem &vfs) {
+    QuietLog out;
+    return Compiled(text, "text", {}, vfs, out.log);
+}
+
 Bsp CompiledScene(const SceneBuilder &scene, VirtualFileSystem &vfs) {
     if (!scene.HasMapText())
         return scene.Build();
-    QuietLog out;
-    return Compiled(scene.MapText(), "scene", {}, vfs, out.log);
+    return CompiledText(scene.MapText(), vfs);
 }
 
 } // namespace q3::test

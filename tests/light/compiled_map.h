@@ -16,6 +16,9 @@ namespace q3::test {
 /// `keys` are added to those of its world. Fails the test when the map leaks.
 Bsp CompiledMapOf(std::string_view name, std::initializer_list<std::pair<std::string, std::string>> keys = {});
 
+/// The map source through the bsp stage, with the shaders of `vfs`.
+Bsp CompiledText(std::string_view text, VirtualFileSystem &vfs);
+
 /// The scene through the bsp stage, likewise, with the shaders of `vfs`; by Build if it has no map source.
 Bsp CompiledScene(const SceneBuilder &scene, VirtualFileSystem &vfs);
 

@@ -5,6 +5,7 @@
 #include "q3map2/light/light.h"
 #include "q3map2/light/scene/light_hull.h"
 #include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/scene/light_way.h"
 
 #include <random>
 
@@ -75,6 +76,57 @@ double AreaOfPieces(const Bsp &bsp, TreeWalk<double> &tree, const Winding<double
             return true;
         });
     return area;
+}
+
+TEST_F(SpaceTest, WaysAreAsOpenAsTheirPoints) {
+    const BspSpace space(bsp, std::vector<bool>(bsp.brushes.size(), true));
+    std::mt19937 random(31);
+    std::uniform_real_distribution<float> place(-540, 540);
+    std::array<int, 3> seen{};
+    for (int i = 0; i < 800; ++i) {
+        const Vec3f a{place(random), place(random), place(random)}, b{place(random), place(random), place(random)};
+        // From point to point: how often a solid begins, and whether one ends the way. Deeper than the slack of ways,
+        // and farther from edges, than what they may pass over.
+        int entered = 0;
+        bool inside = space.ClusterAt(a, -0.5f) < 0, startsInside = inside, sure = true;
+        for (int k = 0; k <= 2000; ++k) {
+            const Vec3f p = a + (b - a) * (float(k) / 2000);
+            const bool deep = space.ClusterAt(p, -0.5f) < 0;
+            sure = sure && deep == (space.ClusterAt(p, 0.5f) < 0 || space.InSolidLeaf(p));
+            entered += deep && !inside;
+            inside = deep;
+        }
+        const Way way = WayBetween(space, a, b);
+        ++seen[std::size_t(way)];
+        if (entered > 0 || inside) {
+            EXPECT_EQ(way, Way::Blocked) << i;
+        } else if (startsInside) {
+            EXPECT_NE(way, Way::Open) << i;
+        } else if (sure) {
+            EXPECT_EQ(way, Way::Open) << i;
+        }
+    }
+    for (const int count : seen)
+        EXPECT_GT(count, 10);
+}
+
+TEST(Ways, ThinWallsBlockAndFacesDoNot) {
+    QuietLog quiet;
+    VirtualFileSystem vfs(quiet.log);
+    vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
+    for (const BoxKind kind : {BoxKind::Structural, BoxKind::Detail}) {
+        SceneBuilder scene = Room({-128, -128, 0}, {128, 128, 128});
+        scene.AddBox({0, -128, 0}, {2, 64, 128}, TestShader("textures/test/wall"), kind);
+        const Bsp bsp = CompiledScene(scene, vfs);
+        const BspSpace space(bsp, std::vector<bool>(bsp.brushes.size(), true));
+        EXPECT_EQ(WayBetween(space, {-5, 0, 1}, {5, 0, 1}), Way::Blocked);
+        EXPECT_EQ(WayBetween(space, {0, 0, 1}, {5, 0, 1}), Way::Blocked) << "from its face";
+        EXPECT_EQ(WayBetween(space, {1, 0, 1}, {5, 0, 1}), Way::LeavesSolid);
+        EXPECT_EQ(WayBetween(space, {5, 0, 1}, {1, 0, 1}), Way::Blocked) << "into it";
+        EXPECT_EQ(WayBetween(space, {0, -50, 1}, {0, 50, 1}), Way::Open) << "along its face";
+        EXPECT_EQ(WayBetween(space, {2, -50, 0}, {2, 50, 0}), Way::Open) << "along the edge of wall and floor";
+        EXPECT_EQ(WayBetween(space, {-5, 70, 1}, {5, 70, 1}), Way::Open) << "beside it";
+    }
 }
 
 TEST_F(SpaceTest, PiecesInLeafsMakeUpThePolygon) {

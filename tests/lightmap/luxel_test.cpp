@@ -203,6 +203,76 @@ TEST_F(LuxelTest, PlacesStayOnTheirSideOfAThinWall) {
     }
 }
 
+/// Heights of a terrain of 2 x 2 cells, 32 units wide each, from kTerrainCorner on.
+constexpr std::array<std::array<float, 3>, 3> kHeights{{{57, 25, 10}, {15, 33, 17}, {12, 43, 27}}};
+constexpr Vec3f kTerrainCorner{-52, -56, 0};
+
+Vec3f TerrainPoint(int x, int y) {
+    return kTerrainCorner + Vec3f{32 * float(x), 32 * float(y), kHeights[std::size_t(y)][std::size_t(x)]};
+}
+
+/// A brush from the floor up to a triangle, clockwise seen from above, as a map source.
+std::string TerrainBrush(const std::array<Vec3f, 3> &top) {
+    const auto point = [](const Vec3f &p, float z) { return fmt::format("( {} {} {} ) ", p.x, p.y, z); };
+    const auto side = [](const std::string &points, std::string_view shader) {
+        return fmt::format("{}{} 0 0 0 1 1 0 0 0\n", points, shader);
+    };
+    const auto &[a, b, c] = top;
+    std::string text = "{\n" + side(point(a, a.z) + point(b, b.z) + point(c, c.z), "test/a");
+    text += side(point(a, 0) + point(c, 0) + point(b, 0), "test/wall");
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3f &p = top[i], &q = top[(i + 1) % 3];
+        text += side(point(p, 0) + point(q, 0) + point(q, q.z + 1), "test/wall");
+    }
+    return text + "}\n";
+}
+
+TEST_F(LuxelTest, PlacesOnTerrainStayOverIt) {
+    std::string text = EmptyRoom({-256, -256, 0}, {256, 256, 384}).MapText() + "{\n\"classname\" \"func_group\"\n";
+    for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < 2; ++x) {
+            const Vec3f a = TerrainPoint(x, y), b = TerrainPoint(x, y + 1), c = TerrainPoint(x + 1, y + 1),
+                        d = TerrainPoint(x + 1, y);
+            text += TerrainBrush({a, b, d}) + TerrainBrush({d, b, c});
+        }
+    text += "}\n";
+    CaseSettings settings;
+    settings.script = "textures/test/a\n{\nq3map_nonplanar\nq3map_lightmapAxis z\nq3map_lightmapMergable\n}\n";
+    folder.Write("scripts/shaderlist.txt", "test\n");
+    folder.Write("scripts/test.shader", settings.script);
+    QuietLog quiet;
+    VirtualFileSystem files(quiet.log);
+    files.Mount(folder.Root(), "pk3");
+    SurfaceCase c(CompiledText(text, files), folder, settings);
+    const SurfaceLight surfaces = c.Mapped();
+    const auto &raw = surfaces.lightmaps[std::size_t(surfaces.lightmapOf[std::size_t(SurfacesOf(c, kA).at(0))])];
+    ASSERT_FALSE(raw.planar);
+    int moved = 0, over = 0;
+    for (std::size_t luxel = 0; luxel < raw.luxelClusters.size(); ++luxel) {
+        if (!raw.Mapped(luxel))
+            continue;
+        const Vec3f &p = raw.positions[luxel];
+        const Vec3f corner = raw.origin - Vec3f{8, 8, 0};
+        const auto offCenter = [&](float at, float from) { return std::abs(std::fmod(at - from, 16.0f) - 8) > 0.01f; };
+        const bool isMoved = offCenter(p.x, corner.x) || offCenter(p.y, corner.y);
+        const float u = (p.x - kTerrainCorner.x) / 32, v = (p.y - kTerrainCorner.y) / 32;
+        const bool inside = u >= 0 && v >= 0 && u <= 2 && v <= 2;
+        moved += isMoved, over += inside;
+        EXPECT_TRUE(inside || !isMoved) << p.x << ' ' << p.y << " is beside the terrain";
+        if (inside) {
+            EXPECT_GE(c.space.ClusterAt(p, 0), 0) << p.x << ' ' << p.y;
+            const int x = std::min(int(u), 1), y = std::min(int(v), 1);
+            const float s = u - float(x), t = v - float(y);
+            const auto z = [&](int i, int j) { return TerrainPoint(x + i, y + j).z; };
+            const float height = s + t < 1 ? z(0, 0) + s * (z(1, 0) - z(0, 0)) + t * (z(0, 1) - z(0, 0))
+                                           : z(1, 1) + (1 - s) * (z(0, 1) - z(1, 1)) + (1 - t) * (z(1, 0) - z(1, 1));
+            EXPECT_GT(p.z, height) << p.x << ' ' << p.y;
+        }
+    }
+    EXPECT_GT(moved, 0);
+    EXPECT_GE(over, 16);
+}
+
 TEST_F(LuxelTest, ShadedEdgesShareTheMeanNormal) {
     for (const float angle : {40.0f, 70.0f}) {
         SceneBuilder scene = EmptyRoom();

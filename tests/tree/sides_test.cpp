@@ -9,6 +9,7 @@
 namespace q3 {
 namespace {
 
+using test::BoxPlanes;
 using test::Compiled;
 using test::World;
 using ::testing::HasSubstr;
@@ -136,6 +137,62 @@ TEST(VisibleHull, JoinsPartsAndKeepsItsDirection) {
     const Polygon &hull = SideOfBox(world, floorNumber, kTop).visibleHull;
     EXPECT_DOUBLE_EQ(WindingArea(hull), 256 * 256);
     EXPECT_EQ(PlaneOf(hull).normal, Vec3d(0, 0, 1));
+}
+
+/// Visible parts of the floor of a room of 256 x 256 with a wall in it.
+std::vector<Polygon> FloorParts(const std::vector<Plane> &wall, std::uint32_t flags) {
+    World world;
+    world.AddRoom({-128, -128, 0}, {128, 128, 128});
+    world.AddBrush(wall, flags);
+    world.AddEntity("info_player_start", {-96, -96, 32});
+    world.AddEntity("info_player_start", {96, 96, 32});
+    const Compiled made = world.Compile();
+    EXPECT_EQ(made.sealing, Sealing::Sealed);
+    const auto found = made.parts.find(&SideOfBox(world, 4, kTop));
+    return found == made.parts.end() ? std::vector<Polygon>{} : found->second;
+}
+
+double AreaOf(const std::vector<Polygon> &parts) {
+    double sum = 0;
+    for (const Polygon &part : parts)
+        sum += WindingArea(part);
+    return sum;
+}
+
+TEST(VisibleParts, WallsPartAFloor) {
+    for (const std::uint32_t flags : {0u, std::uint32_t(C_DETAIL)}) {
+        const auto parts = FloorParts(BoxPlanes({3, -128, 0}, {7, 128, 128}), flags);
+        ASSERT_EQ(parts.size(), 2u);
+        EXPECT_DOUBLE_EQ(AreaOf(parts), (256 - 4) * 256);
+        for (const Polygon &part : parts) {
+            const Boundsf box = WindingBounds(part);
+            EXPECT_TRUE(box.maxs.x == 3 || box.mins.x == 7) << box.mins.x << ' ' << box.maxs.x;
+            EXPECT_EQ(PlaneOf(part).normal, Vec3d(0, 0, 1));
+        }
+    }
+}
+
+TEST(VisibleParts, DiagonalWallsDoToo) {
+    std::vector<Plane> wall = BoxPlanes({-128, -128, 0}, {128, 128, 128});
+    const double s = std::sqrt(0.5);
+    wall.push_back({{s, s, 0}, 4});
+    wall.push_back({{-s, -s, 0}, 4});
+    for (const std::uint32_t flags : {0u, std::uint32_t(C_DETAIL)}) {
+        const auto parts = FloorParts(wall, flags);
+        ASSERT_EQ(parts.size(), 2u);
+        const double leg = 256 - 4 / s;
+        EXPECT_NEAR(AreaOf(parts), leg * leg, 1);
+    }
+}
+
+TEST(VisibleParts, WhatCanBeWalkedAroundPartsNothing) {
+    for (const std::uint32_t flags : {0u, std::uint32_t(C_DETAIL)}) {
+        EXPECT_TRUE(FloorParts(BoxPlanes({3, -128, 0}, {7, 64, 128}), flags).empty()) << "a door";
+        EXPECT_TRUE(FloorParts(BoxPlanes({-8, -8, 0}, {8, 8, 128}), flags).empty()) << "a pillar";
+        EXPECT_TRUE(FloorParts(BoxPlanes({3, -128, 2}, {7, 128, 128}), flags).empty()) << "a gap below";
+    }
+    EXPECT_TRUE(FloorParts(BoxPlanes({3, -128, 0}, {7, 128, 128}), C_DETAIL | C_TRANSLUCENT).empty()) << "glass";
+    EXPECT_TRUE(FloorParts(BoxPlanes({3, -128, 0}, {7, 128, 128}), C_DETAIL | C_NODRAW).empty()) << "nothing to see";
 }
 
 TEST(VisibleHull, OfASubModelIsTheWholeSide) {

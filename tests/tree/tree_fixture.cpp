@@ -104,7 +104,7 @@ Compiled World::Compile() {
     made.firstFaces = StructuralFaces(map.World(), context);
     grow(made.first, made.firstFaces);
     CullSides(map.World(), map.planes, context);
-    ClipSidesIntoTree(map.World(), made.first, map.planes, context);
+    made.parts = ClipSidesIntoTree(map.World(), made.first, map.planes, context);
     made.secondFaces = VisibleFaces(map.World(), context);
     grow(made.second, made.secondFaces);
     made.clusters = NumberClusters(made.second, options.deep);

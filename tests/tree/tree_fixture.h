@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Worlds of boxes, and what the tree makes of them.
 #pragma once
 
+#include "q3map2/map/side_parts.h"
 #include "q3map2/tree/flood.h"
 
 #include <deque>
@@ -15,6 +16,7 @@ namespace q3::test {
 struct Compiled {
     Tree first, second;
     std::vector<TreeFace> firstFaces, secondFaces;
+    SideParts parts;
     Sealing sealing = Sealing::Empty;
     int clusters = 0, areas = 0, visiblePortals = 0, solidFaces = 0;
     std::string portalFile;

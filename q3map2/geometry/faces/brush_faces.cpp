@@ -66,13 +66,19 @@ int MakeFaceSurface(const MapEntity &entity, int brush, int side, const Polygon 
     return int(geometry.surfaces.size()) - 1;
 }
 
-void MakeFaceSurfaces(MapEntity &entity, Geometry &geometry, const PlaneTable &planes, const BspContext &context) {
+void MakeFaceSurfaces(MapEntity &entity, Geometry &geometry, const PlaneTable &planes, const BspContext &context,
+                      const SideParts &parts) {
     for (std::size_t b = 0; b < entity.brushes.size(); ++b)
         for (std::size_t s = 0; s < entity.brushes[b].sides.size(); ++s) {
             BrushSide &side = entity.brushes[b].sides[s];
             if (!MakesSurface(side))
                 continue;
             const bool whole = side.shader->autosprite || side.shader->geometry.noClip;
+            if (const auto found = parts.find(&side); !whole && found != parts.end()) {
+                for (const Polygon &part : found->second)
+                    side.surface = MakeFaceSurface(entity, int(b), int(s), part, geometry, planes, context);
+                continue;
+            }
             const Polygon &w = whole ? side.winding : side.visibleHull;
             side.surface = MakeFaceSurface(entity, int(b), int(s), w, geometry, planes, context);
             if ((side.shader->compileFlags & C_FOG) != 0)

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Origins of the rays of luxels.
 #include "q3map2/lightmap/bounce/ray_origin.h"
 
+#include "q3map2/light/scene/light_way.h"
 #include "q3map2/lightmap/bounce/gather_directions.h"
 #include "q3map2/lightmap/raw/luxel_tiles.h"
 
@@ -83,7 +84,7 @@ class OriginFinder {
         for (const float distance : {0.25f, 0.5f})
             for (const auto &[x, y] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}) {
                 const Vec3f aside = raw_.positions[luxel] + (u * float(x) + v * float(y)) * distance;
-                if (TouchesSolid(aside))
+                if (TouchesSolid(aside) || WayBetween(space_, raw_.positions[luxel], aside) == Way::Blocked)
                     continue;
                 const int backs = BacksFrom(aside, frame);
                 if (backs < fewest)

@@ -4,6 +4,7 @@
 #include "libs/math/color.h"
 #include "q3map2/lightmap/raw/luxel_masks.h"
 #include "q3map2/lightmap/raw/vector_colors.h"
+#include "q3map2/lightmap/raw/wall_luxels.h"
 
 #include <algorithm>
 
@@ -138,6 +139,8 @@ void FinishLuxels(const SurfaceInputs &in, const SurfacePass &pass, SurfaceLight
         if (in.lightmap.debugNormals)
             ShowNormals(lightmap);
         ApplyDirt(lightmap);
+        if (!in.lightmap.dark)
+            FillWallLuxels(in.space, lightmap);
         LuxelFill(in, pass, lightmap).Run();
     });
 }

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. -samples: adaptive supersampling of luxels at shadow edges.
 #include "q3map2/lightmap/direct/luxel_samples.h"
 
+#include "q3map2/light/scene/light_way.h"
+
 #include "libs/math/low_discrepancy.h"
 
 #include <algorithm>
@@ -197,9 +199,11 @@ Vec3f LuxelSampler::Offset(int x, int y, float across, float down) const {
            NeighborStep(x, y, 0, down >= 0 ? 1 : -1) * std::abs(down);
 }
 
-bool LuxelSampler::FindOpenCluster(const Vec3f &position, int &cluster) const {
+/// Whether a sample of the luxel may be at the position: in the open, and on the luxel's side of walls.
+bool LuxelSampler::FindOpenCluster(std::size_t luxel, const Vec3f &position, int &cluster) const {
     cluster = allowed_->ClusterIfAllowed(in_->space.ClusterAt(position, kSampleMargin));
-    return cluster >= 0;
+    return cluster >= 0 && (cluster == lightmap_->luxelClusters[luxel] ||
+                            WayBetween(in_->space, lightmap_->positions[luxel], position) == Way::Open);
 }
 
 /// Positions of the four subsamples of each sample, sample by sample.
@@ -261,7 +265,7 @@ void LuxelSampler::Subsample(std::span<const Refinement> samples, float offset, 
         const Vec3f normal = lightmap_->normals[luxel];
         for (std::size_t i = k * kSubsamples; i < (k + 1) * kSubsamples; ++i) {
             int cluster = 0;
-            if (!FindOpenCluster(at[i], cluster))
+            if (!FindOpenCluster(luxel, at[i], cluster))
                 continue;
             subsamples[receivers.count].position = at[i];
             subsamples[receivers.count].levels = samples[k].sample->levels + 1;
@@ -320,7 +324,7 @@ LuxelSampler::Sample LuxelSampler::RandomSamples(int x, int y, ContributionCount
             const Vec3f position = lightmap_->positions[luxel] +
                                    Offset(x, y, float(std::cos(angle) * length), float(std::sin(angle) * length));
             int cluster = 0;
-            if (FindOpenCluster(position, cluster))
+            if (FindOpenCluster(luxel, position, cluster))
                 receivers.Add(position, lightmap_->normals[luxel], cluster);
         }
         used += int(receivers.count);

@@ -40,7 +40,7 @@ class LuxelSampler {
     bool Mapped(int x, int y) const;
     Vec3f NeighborStep(int x, int y, int dx, int dy) const;
     Vec3f Offset(int x, int y, float across, float down) const;
-    bool FindOpenCluster(const Vec3f &position, int &cluster) const;
+    bool FindOpenCluster(std::size_t luxel, const Vec3f &position, int &cluster) const;
     SubsamplePositions PositionsOfSubsamples(std::span<const Refinement> samples, float offset) const;
     void RefineCell(int x, int y, LuxelSum &sum, ContributionCounts &counts);
     void ReplaceLuxel(std::size_t luxel, const Sample &after, LuxelSum &sum);

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Where the vertices of static props are lit.
 #include "q3map2/lightmap/props/prop_samples.h"
 
+#include "q3map2/light/scene/light_way.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -67,7 +69,8 @@ void PropSampler::Samples(std::size_t number, std::vector<PropSample> &samples) 
         for (int x = 0; x < grid[0] && area.area > 0; ++x)
             for (int y = 0; y < grid[1]; ++y) {
                 const Vec3f p = area.At((float(x) + 0.5f) / float(grid[0]), (float(y) + 0.5f) / float(grid[1]));
-                if (const Vec3f lifted = p + (placed.position - at); IsOpen(lifted))
+                if (const Vec3f lifted = p + (placed.position - at);
+                    IsOpen(lifted) && WayBetween(space_, placed.position, lifted) != Way::Blocked)
                     samples.push_back({lifted, area.area / float(grid[0] * grid[1])});
             }
     }

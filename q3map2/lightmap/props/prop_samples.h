@@ -27,8 +27,8 @@ class PropSampler {
     PropSampler(const StaticProp &prop, const BspSpace &space) : prop_(prop), space_(space) {}
 
     PlacedPoint Place(std::size_t point) const;
-    /// Sets `samples` to the samples of a point that are in the open: on its triangles, at most 8 units away, and
-    /// within the third of each triangle that is nearest to it. Empty: the point is buried.
+    /// Sets `samples` to the samples of a point that are in the open: on its triangles, at most 8 units away, within
+    /// the third of each triangle that is nearest to it, and on the same side of walls. Empty: the point is buried.
     void Samples(std::size_t point, std::vector<PropSample> &samples) const;
 
     /// Whether light can be there.

@@ -3,6 +3,7 @@
 
 #include "q3map2/light/scene/light_patch.h"
 #include "q3map2/lightmap/raw/luxel_axes.h"
+#include "q3map2/lightmap/raw/surface_gap.h"
 
 #include "q3map2/shader/shader_table.h"
 #include <algorithm>
@@ -18,6 +19,8 @@ namespace {
 constexpr float kEqualEpsilon = 0.001f;
 /// Planes whose normal has a smaller component along the projection axis are edge-on: they cannot be projected.
 constexpr float kEdgeOn = 1e-4f;
+/// Texture filtering reads luxels up to this far from a surface, counting those that are moved aside. Luxels.
+constexpr float kGapLuxels = 2;
 
 bool NearlyEqual(const Vec3f &a, const Vec3f &b) {
     return std::abs(a.x - b.x) < kEqualEpsilon && std::abs(a.y - b.y) < kEqualEpsilon &&
@@ -78,6 +81,7 @@ class LightmapSetup {
     std::vector<std::size_t> MergeCandidates(const Candidate &seed);
     RawLightmap Seed(const Candidate &c) const;
     bool Fits(const RawLightmap &raw, const Candidate &seed, const Candidate &c) const;
+    bool IsBehindWall(const RawLightmap &raw, const Candidate &c) const;
     void AddSurface(RawLightmap &raw, const Candidate &c) const;
     bool Project(RawLightmap &raw, const Candidate &first) const;
     bool GrowToFit(RawLightmap &raw) const;
@@ -203,11 +207,29 @@ bool LightmapSetup::Fits(const RawLightmap &raw, const Candidate &seed, const Ca
     if (!(samePlane || c.mergable) || !Overlap(raw.bounds, out_.bounds[std::size_t(c.number)]))
         return false;
     const SurfaceEntry &a = *seed.entry, &b = *c.entry;
-    return NearlyEqual(raw.axis, b.axis) && a.sampleSize == b.sampleSize && a.ambient == b.ambient &&
-           a.entity == b.entity && a.receiveShadows == b.receiveShadows && a.macroImage == b.macroImage &&
-           seed.pageSize == c.pageSize && a.shader->lightmap.brightness == b.shader->lightmap.brightness &&
-           a.shader->lightmapFilterRadius == b.shader->lightmapFilterRadius &&
-           a.shader->lightmap.splotchFix == b.shader->lightmap.splotchFix;
+    const bool alike = NearlyEqual(raw.axis, b.axis) && a.sampleSize == b.sampleSize && a.ambient == b.ambient &&
+                       a.entity == b.entity && a.receiveShadows == b.receiveShadows && a.macroImage == b.macroImage &&
+                       seed.pageSize == c.pageSize && a.shader->lightmap.brightness == b.shader->lightmap.brightness &&
+                       a.shader->lightmapFilterRadius == b.shader->lightmapFilterRadius &&
+                       a.shader->lightmap.splotchFix == b.shader->lightmap.splotchFix;
+    return alike && !(samePlane && IsBehindWall(raw, c));
+}
+
+/// Whether the surface touches none of the lightmap's, and only a wall that luxels reach across is between it and one
+/// of them: with a lightmap of its own it gets no light through the wall.
+bool LightmapSetup::IsBehindWall(const RawLightmap &raw, const Candidate &c) const {
+    bool wall = false;
+    for (const int number : raw.surfaces)
+        switch (GapBetween(in_, out_, number, c.number, c.normal, kGapLuxels * raw.actualSampleSize)) {
+        case SurfaceGap::Touching:
+            return false;
+        case SurfaceGap::Wall:
+            wall = true;
+            break;
+        case SurfaceGap::Far:
+            break;
+        }
+    return wall;
 }
 
 /// Adds a surface. The lightmap stays planar as long as all surfaces are in one plane.

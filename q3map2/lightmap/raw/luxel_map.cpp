@@ -91,6 +91,7 @@ class LuxelMapper {
     void MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals);
     void SetLuxel(std::size_t luxel, const LuxelPosition &position, const Vec3f &normal, int pass);
     void MapBorder(int pass);
+    template <typename Luxel> void ForEarlierAround(int x, int y, int pass, const Luxel &luxel) const;
     Vec3f NormalAround(int x, int y, int pass) const;
     void MakeUnitNormals();
 
@@ -228,7 +229,7 @@ void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, 
     ForCoveredLuxels(flat, superWidth_, superHeight_, [&](int x, int y) {
         const std::size_t luxel = raw_.SuperIndex(x, y);
         if (raw_.luxelClusters[luxel] == kUnmapped)
-            SetLuxel(luxel, positionFinder_.Find(x, y, nullptr, plane, offset_, true, *filter_, counts_.positions),
+            SetLuxel(luxel, positionFinder_.Find(x, y, nullptr, plane, offset_, *filter_, counts_.positions),
                      triangle[0].normal, 1);
     });
 }
@@ -262,7 +263,7 @@ void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlan
         anySums_ = true;
         return;
     }
-    SetLuxel(luxel, positionFinder_.Find(x, y, &v, plane, offset_, true, *filter_, counts_.positions), normal(), 1);
+    SetLuxel(luxel, positionFinder_.Find(x, y, &v, plane, offset_, *filter_, counts_.positions), normal(), 1);
 }
 
 /// Stores the position that was found for the luxel in this pass.
@@ -285,21 +286,25 @@ void LuxelMapper::MakeUnitNormals() {
             raw_.normals[i] = Normalize(raw_.normals[i]);
 }
 
+/// Calls luxel(index) for neighbors that a pass before `pass` mapped.
+template <typename Luxel> void LuxelMapper::ForEarlierAround(int x, int y, int pass, const Luxel &luxel) const {
+    for (int v = std::max(0, y - 1); v <= std::min(superHeight_ - 1, y + 1); ++v)
+        for (int u = std::max(0, x - 1); u <= std::min(superWidth_ - 1, x + 1); ++u)
+            if (const std::size_t at = raw_.SuperIndex(u, v); raw_.Mapped(at) && scratch_.passes[at] < pass)
+                luxel(at);
+}
+
 /// Mean normal of neighbors that an earlier pass mapped; zero if there are none. The mean of equal normals is exactly
 /// that normal, since blocks of luxels with one normal are cheaper to light.
 Vec3f LuxelMapper::NormalAround(int x, int y, int pass) const {
     Vec3f sum;
     const Vec3f *one = nullptr;
     bool equal = true;
-    for (int v = std::max(0, y - 1); v <= std::min(raw_.SuperHeight() - 1, y + 1); ++v)
-        for (int u = std::max(0, x - 1); u <= std::min(raw_.SuperWidth() - 1, x + 1); ++u) {
-            const std::size_t luxel = raw_.SuperIndex(u, v);
-            if (!raw_.Mapped(luxel) || scratch_.passes[luxel] >= pass)
-                continue;
-            sum += raw_.normals[luxel];
-            equal = equal && (!one || *one == raw_.normals[luxel]);
-            one = &raw_.normals[luxel];
-        }
+    ForEarlierAround(x, y, pass, [&](std::size_t luxel) {
+        sum += raw_.normals[luxel];
+        equal = equal && (!one || *one == raw_.normals[luxel]);
+        one = &raw_.normals[luxel];
+    });
     return one && equal ? *one : Normalize(sum);
 }
 
@@ -308,6 +313,7 @@ void LuxelMapper::MapBorder(int pass) {
     const std::vector<int> anywhere;
     VisibleClusters filter(in_.space, anywhere);
     const LuxelPlane plane{raw_.planeNormal, raw_.planeDist};
+    std::vector<Vec3f> neighbors;
     LuxelMask earlier(raw_.luxelClusters.size());
     for (std::size_t i = 0; i < earlier.size(); ++i)
         earlier[i] = raw_.Mapped(i) && scratch_.passes[i] < pass;
@@ -317,10 +323,14 @@ void LuxelMapper::MapBorder(int pass) {
             const std::size_t luxel = raw_.SuperIndex(x, y);
             if (raw_.luxelClusters[luxel] != kUnmapped || touching[luxel] == 0)
                 continue;
-            if (const Vec3f normal = NormalAround(x, y, pass); normal != Vec3f{})
-                SetLuxel(luxel,
-                         positionFinder_.Find(x, y, nullptr, plane, kSampleOffset, false, filter, counts_.positions),
-                         normal, pass);
+            const Vec3f normal = NormalAround(x, y, pass);
+            if (normal == Vec3f{})
+                continue;
+            neighbors.clear();
+            ForEarlierAround(x, y, pass, [&](std::size_t from) { neighbors.push_back(raw_.positions[from]); });
+            SetLuxel(luxel,
+                     positionFinder_.FindBeside(x, y, neighbors, plane, kSampleOffset, filter, counts_.positions),
+                     normal, pass);
         }
 }
 

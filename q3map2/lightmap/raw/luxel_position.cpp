@@ -1,8 +1,10 @@
 // GPL-2.0-or-later. The position at which a luxel is lit: near its surface, clear of solids.
 #include "q3map2/lightmap/raw/luxel_position.h"
 
+#include "q3map2/light/scene/light_way.h"
 #include "q3map2/lightmap/raw/luxel_raster.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace q3 {
@@ -61,6 +63,10 @@ Vec3f MovedIntoTriangle(Vec3f p, const std::array<SurfaceVertex, 3> &triangle, c
     return p;
 }
 
+LuxelTriangle LuxelsOf(const std::array<SurfaceVertex, 3> &triangle) {
+    return {triangle[0].luxel, triangle[1].luxel, triangle[2].luxel};
+}
+
 } // namespace
 
 LuxelSteps LuxelStepsOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c) {
@@ -85,8 +91,9 @@ Vec3f LuxelPositionFinder::OnPlane(float x, float y, const LuxelPlane &plane) co
     return OntoPlane(raw_.origin + raw_.step[0] * x + raw_.step[1] * y, axes_.along, plane.normal, plane.dist);
 }
 
-Vec3f LuxelPositionFinder::OnSurface(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane) const {
-    Vec3f p = raw_.hasVectors ? OnPlane(float(x), float(y), plane) : sample->xyz;
+Vec3f LuxelPositionFinder::OnSurface(const Request &luxel) const {
+    const LuxelPlane &plane = luxel.plane;
+    Vec3f p = raw_.hasVectors ? OnPlane(float(luxel.x), float(luxel.y), plane) : luxel.sample->xyz;
     if (in_.lightmap.triangleCheck && plane.triangle)
         p = MovedIntoTriangle(p, *plane.triangle, plane.normal);
     return p;
@@ -109,47 +116,80 @@ std::array<LuxelSteps, 2> LuxelPositionFinder::StepsOfNudges(const LuxelPlane &p
     return {own, whole};
 }
 
-LuxelPosition LuxelPositionFinder::Centered(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane,
-                                            float offset, VisibleClusters &filter, PositionCounts &counts) {
-    Vec3f p = OnSurface(x, y, sample, plane);
-    if (raw_.hasVectors)
-        p[axes_.along] += plane.normal[axes_.along] >= 0 ? offset : -offset;
-    else
-        p += plane.normal * offset;
-    const int cluster = ClusterAt(p + ClusterLookupOffset(plane), filter);
+Vec3f LuxelPositionFinder::Lifted(Vec3f p, const LuxelPlane &plane, float offset) const {
+    if (!raw_.hasVectors)
+        return p + plane.normal * offset;
+    p[axes_.along] += plane.normal[axes_.along] >= 0 ? offset : -offset;
+    return p;
+}
+
+std::array<float, 2> LuxelPositionFinder::LuxelCoordinates(const Vec3f &p) const {
+    const Vec3f from = p - raw_.origin;
+    return {from[axes_.u] / raw_.step[0][axes_.u] + 0.5f, from[axes_.v] / raw_.step[1][axes_.v] + 0.5f};
+}
+
+bool LuxelPositionFinder::CoversCenter(const Request &luxel) const {
+    if (!raw_.hasVectors)
+        return true; // the center is the sample
+    const std::array<float, 2> center{float(luxel.x) + 0.5f, float(luxel.y) + 0.5f};
+    return luxel.plane.triangle && Contains(LuxelsOf(*luxel.plane.triangle), center);
+}
+
+Vec3f LuxelPositionFinder::Anchor(const Request &luxel) const {
+    if (!luxel.plane.triangle || !raw_.hasVectors)
+        return luxel.sample->xyz + luxel.sample->normal * luxel.offset;
+    const std::array<float, 2> center{float(luxel.x) + 0.5f, float(luxel.y) + 0.5f};
+    const auto [across, down] = NearestInside(LuxelsOf(*luxel.plane.triangle), center);
+    return Lifted(OnPlane(across - 0.5f, down - 0.5f, luxel.plane), luxel.plane, luxel.offset);
+}
+
+bool LuxelPositionFinder::IsOnItsSide(const Request &luxel, const Vec3f &p) const {
+    if (luxel.IsBeside())
+        return std::any_of(luxel.neighbors.begin(), luxel.neighbors.end(),
+                           [&](const Vec3f &from) { return WayBetween(in_.space, from, p) == Way::Open; });
+    return WayBetween(in_.space, Anchor(luxel), p) != Way::Blocked;
+}
+
+bool LuxelPositionFinder::IsOverTriangle(const LuxelPlane &plane, const Vec3f &p) const {
+    return raw_.planar || !raw_.hasVectors || !plane.triangle ||
+           Contains(LuxelsOf(*plane.triangle), LuxelCoordinates(p));
+}
+
+LuxelPosition LuxelPositionFinder::Centered(const Request &luxel, VisibleClusters &filter, PositionCounts &counts) {
+    const Vec3f p = Lifted(OnSurface(luxel), luxel.plane, luxel.offset);
+    int cluster = ClusterAt(p + ClusterLookupOffset(luxel.plane), filter);
+    if (cluster >= 0 && !CoversCenter(luxel) && !IsOnItsSide(luxel, p))
+        cluster = kSolidCluster;
     counts.nudges[0] += cluster >= 0;
     return {p, cluster};
 }
 
-Vec3f LuxelPositionFinder::Fallback(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane,
-                                    float offset) const {
-    if (sample)
-        return sample->xyz + sample->normal * offset;
-    const auto &[a, b, c] = *plane.triangle;
-    const auto [across, down] = ClippedCenter({a.luxel, b.luxel, c.luxel}, x, y);
-    return OnPlane(across - 0.5f, down - 0.5f, plane) + a.normal * offset;
+Vec3f LuxelPositionFinder::Fallback(const Request &luxel) const {
+    if (luxel.sample)
+        return luxel.sample->xyz + luxel.sample->normal * luxel.offset;
+    const auto [across, down] = ClippedCenter(LuxelsOf(*luxel.plane.triangle), luxel.x, luxel.y);
+    return OnPlane(across - 0.5f, down - 0.5f, luxel.plane) + (*luxel.plane.triangle)[0].normal * luxel.offset;
 }
 
-Boundsf LuxelPositionFinder::FallbackBounds(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane,
-                                            float offset) const {
+Boundsf LuxelPositionFinder::FallbackBounds(const Request &luxel) const {
     Boundsf box;
-    if (sample)
-        box.Add(Fallback(x, y, sample, plane, offset));
+    if (luxel.sample)
+        box.Add(Fallback(luxel));
     else
         for (const float across : {-0.5f, 0.5f})
             for (const float down : {-0.5f, 0.5f})
-                box.Add(OnPlane(float(x) + across, float(y) + down, plane) + (*plane.triangle)[0].normal * offset);
+                box.Add(OnPlane(float(luxel.x) + across, float(luxel.y) + down, luxel.plane) +
+                        (*luxel.plane.triangle)[0].normal * luxel.offset);
     return box;
 }
 
-LuxelPosition LuxelPositionFinder::Nudged(int x, int y, const Vec3f &center, const SurfaceVertex *sample,
-                                          const LuxelPlane &plane, float offset, bool allowFallback,
-                                          VisibleClusters &filter, PositionCounts &counts) {
-    const Vec3f lookupOffset = ClusterLookupOffset(plane);
-    const auto steps = StepsOfNudges(plane);
+LuxelPosition LuxelPositionFinder::Nudged(const Request &luxel, const Vec3f &center, VisibleClusters &filter,
+                                          PositionCounts &counts) {
+    const Vec3f lookupOffset = ClusterLookupOffset(luxel.plane);
+    const auto steps = StepsOfNudges(luxel.plane);
     Boundsf box = BoxAround(center + lookupOffset, steps);
-    if (allowFallback)
-        box.Add(FallbackBounds(x, y, sample, plane, offset));
+    if (!luxel.IsBeside())
+        box.Add(FallbackBounds(luxel));
     if (in_.lightmap.dark || !AnyOpen(box)) {
         ++counts.failed;
         return {};
@@ -157,14 +197,15 @@ LuxelPosition LuxelPositionFinder::Nudged(int x, int y, const Vec3f &center, con
     for (const LuxelSteps &stepPair : steps)
         for (std::size_t i = 0; i < kNudges.size() && stepPair != LuxelSteps{}; ++i) {
             const Vec3f nudged = center + NudgeOf(i, stepPair);
-            if (const int cluster = ClusterAt(nudged + lookupOffset, filter); cluster >= 0) {
+            const int cluster = ClusterAt(nudged + lookupOffset, filter);
+            if (cluster >= 0 && IsOverTriangle(luxel.plane, nudged) && IsOnItsSide(luxel, nudged)) {
                 ++counts.nudges[i + 1];
                 return {nudged, cluster};
             }
         }
     LuxelPosition position;
-    if (allowFallback) {
-        position.xyz = Fallback(x, y, sample, plane, offset);
+    if (!luxel.IsBeside()) {
+        position.xyz = Fallback(luxel);
         position.cluster = ClusterAt(position.xyz, filter);
     }
     ++(position.Occluded() ? counts.failed : counts.atVertex);

@@ -5,6 +5,8 @@
 #include "q3map2/lightmap/raw/luxel_axes.h"
 #include "q3map2/lightmap/raw/visible_clusters.h"
 
+#include <span>
+
 namespace q3 {
 
 /// World vectors from a luxel of the super grid to the next, across and down.
@@ -41,32 +43,59 @@ class LuxelPositionFinder {
         : in_(in), raw_(raw), axes_(AxesOf(raw.axis)) {}
 
     /// The position of super luxel (x, y): its center, lifted off the surface by `offset` game units, else the first
-    /// nudged position that is not occluded (StepsOfNudges; 8 positions half a step aside for each), else the fallback.
+    /// nudged position that is not occluded (StepsOfNudges; 8 positions half a step aside for each), else the position
+    /// above the sample, or above the part of plane.triangle in the luxel. All are on the same side of walls as the
+    /// surface; nudged ones on triangles in several planes are over plane.triangle.
     /// sample: a point of the surface in the luxel, which serves as center if the lightmap is not projected; null:
-    /// plane.triangle covers part of the luxel. allowFallback: try the position above the sample, or above the part of
-    /// plane.triangle in the luxel.
+    /// plane.triangle covers part of the luxel.
     LuxelPosition Find(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset,
-                       bool allowFallback, VisibleClusters &filter, PositionCounts &counts) {
-        const LuxelPosition center = Centered(x, y, sample, plane, offset, filter, counts);
-        return center.Occluded() ? Nudged(x, y, center.xyz, sample, plane, offset, allowFallback, filter, counts)
-                                 : center;
+                       VisibleClusters &filter, PositionCounts &counts) {
+        return Find({x, y, sample, plane, offset, {}}, filter, counts);
+    }
+    /// The same for a luxel beside the surface: on the same side of walls as one of the `neighbors`, positions of
+    /// luxels next to it; the plane has no triangle.
+    LuxelPosition FindBeside(int x, int y, std::span<const Vec3f> neighbors, const LuxelPlane &plane, float offset,
+                             VisibleClusters &filter, PositionCounts &counts) {
+        return Find({x, y, nullptr, plane, offset, neighbors}, filter, counts);
     }
 
   private:
-    LuxelPosition Centered(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset,
-                           VisibleClusters &filter, PositionCounts &counts);
-    LuxelPosition Nudged(int x, int y, const Vec3f &center, const SurfaceVertex *sample, const LuxelPlane &plane,
-                         float offset, bool allowFallback, VisibleClusters &filter, PositionCounts &counts);
+    /// A luxel that a position is to be found for.
+    struct Request {
+        int x = 0, y = 0;
+        const SurfaceVertex *sample = nullptr;
+        const LuxelPlane &plane;
+        float offset = 0;
+        std::span<const Vec3f> neighbors; ///< not empty: the luxel is beside the surface
+        bool IsBeside() const { return !neighbors.empty(); }
+    };
+    LuxelPosition Find(const Request &luxel, VisibleClusters &filter, PositionCounts &counts) {
+        const LuxelPosition center = Centered(luxel, filter, counts);
+        return center.Occluded() ? Nudged(luxel, center.xyz, filter, counts) : center;
+    }
+    LuxelPosition Centered(const Request &luxel, VisibleClusters &filter, PositionCounts &counts);
+    LuxelPosition Nudged(const Request &luxel, const Vec3f &center, VisibleClusters &filter, PositionCounts &counts);
     /// Above the sample, or above the part of the triangle in the luxel.
-    Vec3f Fallback(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset) const;
+    Vec3f Fallback(const Request &luxel) const;
     /// Bounds of Fallback; cheaper than computing it.
-    Boundsf FallbackBounds(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane, float offset) const;
+    Boundsf FallbackBounds(const Request &luxel) const;
+    /// Whether the surface passes under the center of the luxel, as far as the triangle of the plane tells.
+    bool CoversCenter(const Request &luxel) const;
+    /// A point of the surface, lifted: that of the triangle nearest to the center of the luxel, or the sample.
+    Vec3f Anchor(const Request &luxel) const;
+    /// Whether p is on the same side of walls as the surface, which may lie in a solid itself.
+    bool IsOnItsSide(const Request &luxel, const Vec3f &p) const;
+    /// Whether p is over the triangle, if that matters: in lightmaps of surfaces in several planes.
+    bool IsOverTriangle(const LuxelPlane &plane, const Vec3f &p) const;
+    Vec3f Lifted(Vec3f p, const LuxelPlane &plane, float offset) const;
+    /// Coordinates in the super grid of a world position; the lightmap is projected.
+    std::array<float, 2> LuxelCoordinates(const Vec3f &p) const;
     int ClusterAt(const Vec3f &p, VisibleClusters &filter) const;
     /// False if every position in the box is in a solid.
     bool AnyOpen(const Boundsf &box) const;
     /// World position of lightmap coordinates on the plane; (0, 0) is the center of the first luxel.
     Vec3f OnPlane(float x, float y, const LuxelPlane &plane) const;
-    Vec3f OnSurface(int x, int y, const SurfaceVertex *sample, const LuxelPlane &plane) const;
+    Vec3f OnSurface(const Request &luxel) const;
     /// Offset from a position to the point at which its cluster is looked up.
     Vec3f ClusterLookupOffset(const LuxelPlane &plane) const {
         return in_.lightmap.extraVisNudge ? plane.normal : Vec3f{};

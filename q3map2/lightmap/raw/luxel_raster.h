@@ -108,6 +108,30 @@ inline int LuxelOf(float coordinate, int size) {
 /// Corners of a triangle in lightmap coordinates. Luxels.
 using LuxelTriangle = std::array<std::array<float, 2>, 3>;
 
+/// The point of the triangle nearest to p.
+inline std::array<float, 2> NearestInside(const LuxelTriangle &triangle, const std::array<float, 2> &p) {
+    std::array<float, 2> nearest = triangle[0];
+    float least = std::numeric_limits<float>::infinity();
+    int left = 0, right = 0; // edges that p is to the left, to the right of
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto &a = triangle[i], &b = triangle[(i + 1) % 3];
+        const float ex = b[0] - a[0], ey = b[1] - a[1], px = p[0] - a[0], py = p[1] - a[1];
+        const float side = ex * py - ey * px, length2 = ex * ex + ey * ey;
+        left += side > 0, right += side < 0;
+        const float along = length2 > 0 ? std::clamp((px * ex + py * ey) / length2, 0.0f, 1.0f) : 0;
+        const std::array<float, 2> q{a[0] + ex * along, a[1] + ey * along};
+        const float dx = p[0] - q[0], dy = p[1] - q[1];
+        if (const float distance2 = dx * dx + dy * dy; distance2 < least)
+            least = distance2, nearest = q;
+    }
+    return (left > 0) != (right > 0) ? p : nearest;
+}
+
+/// Whether p is in the triangle; points on its edges are.
+inline bool Contains(const LuxelTriangle &triangle, const std::array<float, 2> &p) {
+    return NearestInside(triangle, p) == p;
+}
+
 /// Range of coordinates along an axis of the lightmap.
 struct LuxelSpan {
     float from = std::numeric_limits<float>::infinity(), to = -from;

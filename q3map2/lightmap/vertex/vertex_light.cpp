@@ -7,23 +7,19 @@
 #include "q3map2/lightmap/ao/luxel_flood.h"
 #include "q3map2/lightmap/raw/style_choice.h"
 #include "q3map2/lightmap/raw/vector_colors.h"
-#include "q3map2/lightmap/raw/visible_clusters.h"
+#include "q3map2/lightmap/vertex/vertex_places.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <set>
 
 namespace q3 {
 
 namespace {
 
-/// Shadow rays start this far over the vertex and this far inside its surface, clear of solids that touch it. Game
-/// units.
-constexpr float kLift = 1.0f / 8, kInset = 1.0f / 4;
-/// A vertex counts as inside a solid from this depth on. Game units.
-constexpr float kSolidDepth = 0.125f;
-/// Vertices without light are tried at up to two such steps aside on each axis. Game units.
+/// Vertices in solids are lit from up to two such steps aside on each axis. Game units.
 constexpr float kNudge = 4;
 constexpr std::array<int, 5> kNudgeSteps = {0, 1, -1, 2, -2};
 constexpr float kWhite = 255; ///< -cheap: vertices this bright in all channels get no more lights. Byte scale
@@ -49,7 +45,6 @@ class VertexLighter {
   private:
     using VertexIndices = std::vector<std::size_t>; // of the surface, from 0
     void FindLights(const std::vector<Light> &lights);
-    void FindRayOrigins();
     void ChooseStyles();
     std::vector<SurfaceReceiverBatch> OpenVertices(const VertexIndices &vertices, const Vec3f &offset,
                                                    VertexIndices &open);
@@ -58,7 +53,6 @@ class VertexLighter {
     void AddLights(std::span<SurfaceReceiverBatch> blocks, const VertexIndices &vertices);
     void AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::span<const std::size_t> vertices);
     void AddTo(std::size_t slot, std::size_t vertex, const Vec3f &light);
-    bool IsAboveAmbient(std::size_t vertex) const;
     void FillOccluded(const std::vector<bool> &lit);
 
     const SurfaceInputs &in_;
@@ -69,14 +63,13 @@ class VertexLighter {
     std::span<const SurfaceVertex> verts_;
     const AmbientOcclusion &occlusion_;
     ContributionCounts &counts_;
-    VisibleClusters clusters_;
+    VertexPlaces places_;
     const std::vector<int> &surfaceClusters_;
     int number_;
     Vec3f ambient_;
     FloodSource flood_;
     SurfaceLightSettings settings_;
     std::vector<const Light *> lights_;
-    std::vector<Vec3f> rayOrigins_; // of shadow rays
     SurfaceVertexLight result_;
 };
 
@@ -86,9 +79,9 @@ VertexLighter::VertexLighter(const SurfaceInputs &in, const std::vector<Light> &
     : in_(in), pass_(pass), entry_(in.table[surface]), surface_(in.bsp.drawSurfaces[surface]),
       bounds_(surfaces.bounds[surface]),
       verts_(surfaces.verts.data() + surface_.firstVert, std::size_t(surface_.numVerts)), occlusion_(around),
-      counts_(counts), clusters_(in.space, surfaces.clusters[surface]), surfaceClusters_(surfaces.clusters[surface]),
-      number_(int(surface)), ambient_(pass.bounce ? Vec3f{} : entry_.ambient),
-      flood_(pass.bounce ? FloodSource{} : WorldFlood(in)) {
+      counts_(counts), places_(in, surface_, verts_, entry_.shader->twoSided, surfaces.clusters[surface]),
+      surfaceClusters_(surfaces.clusters[surface]), number_(int(surface)),
+      ambient_(pass.bounce ? Vec3f{} : entry_.ambient), flood_(pass.bounce ? FloodSource{} : WorldFlood(in)) {
     settings_.sunOnly = in.options.sunOnly;
     settings_.pointAreas = in.options.faster;
     settings_.halfLambert = in.lightmap.halfLambert;
@@ -96,7 +89,6 @@ VertexLighter::VertexLighter(const SurfaceInputs &in, const std::vector<Light> &
     settings_.occlusion = surfaces.lightmapOf[surface] < 0; // -cpma lights lightmapped surfaces without shadows
     settings_.sunOcclusion = settings_.occlusion && !entry_.shader->forceSunlight;
     FindLights(lights);
-    FindRayOrigins();
 }
 
 void VertexLighter::FindLights(const std::vector<Light> &lights) {
@@ -117,53 +109,22 @@ void VertexLighter::FindLights(const std::vector<Light> &lights) {
     }
 }
 
-/// Origins: over the vertex, and inset towards the mean of the vertices it shares edges with.
-void VertexLighter::FindRayOrigins() {
-    std::vector<Vec3f> around(verts_.size());
-    std::vector<float> counts(verts_.size());
-    const auto connect = [&](std::size_t a, std::size_t b) {
-        around[a] += verts_[b].xyz, counts[a] += 1;
-        around[b] += verts_[a].xyz, counts[b] += 1;
-    };
-    if (surface_.surfaceType == MST_PATCH) {
-        const auto width = std::size_t(surface_.patchWidth), height = std::size_t(surface_.patchHeight);
-        for (std::size_t y = 0; y < height; ++y)
-            for (std::size_t x = 0; x < width; ++x) {
-                if (x + 1 < width)
-                    connect(y * width + x, y * width + x + 1);
-                if (y + 1 < height)
-                    connect(y * width + x, (y + 1) * width + x);
-            }
-    } else {
-        for (int i = 0; i + 2 < surface_.numIndexes; i += 3) {
-            const int *corner = in_.bsp.drawIndexes.data() + surface_.firstIndex + i;
-            for (std::size_t k = 0; k < 3; ++k)
-                connect(std::size_t(corner[k]), std::size_t(corner[(k + 1) % 3]));
-        }
-    }
-    rayOrigins_.resize(verts_.size());
-    for (std::size_t v = 0; v < verts_.size(); ++v) {
-        const Vec3f inside = counts[v] > 0 ? Normalize(around[v] / counts[v] - verts_[v].xyz) : Vec3f{};
-        rayOrigins_[v] = verts_[v].xyz + verts_[v].normal * kLift + inside * kInset;
-    }
-}
-
 SurfaceVertexLight VertexLighter::Run() {
     result_.values[0].assign(verts_.size(), ambient_);
     if (StyleChoice::IsNeeded(lights_))
         ChooseStyles();
     std::vector<bool> lit(verts_.size()); // not occluded at some offset
-    VertexIndices dark(verts_.size());
-    std::iota(dark.begin(), dark.end(), std::size_t(0));
+    VertexIndices hidden(verts_.size());
+    std::iota(hidden.begin(), hidden.end(), std::size_t(0));
     const bool anyLight = !lights_.empty() || flood_.light != Vec3f{};
     for (const int x : kNudgeSteps)
         for (const int y : kNudgeSteps)
             for (const int z : kNudgeSteps) {
-                if (dark.empty() || (!anyLight && (x != 0 || y != 0 || z != 0)))
+                if (hidden.empty() || (!anyLight && (x != 0 || y != 0 || z != 0)))
                     continue;
-                for (const std::size_t v : LightAt(dark, Vec3f{float(x), float(y), float(z)} * kNudge))
+                for (const std::size_t v : LightAt(hidden, Vec3f{float(x), float(y), float(z)} * kNudge))
                     lit[v] = true;
-                std::erase_if(dark, [&](std::size_t v) { return lit[v] && IsAboveAmbient(v); });
+                std::erase_if(hidden, [&](std::size_t v) { return lit[v]; });
             }
     FillOccluded(lit);
     return std::move(result_);
@@ -174,7 +135,7 @@ std::vector<SurfaceReceiverBatch> VertexLighter::OpenVertices(const VertexIndice
                                                               VertexIndices &open) {
     std::vector<SurfaceReceiverBatch> blocks;
     for (const std::size_t v : vertices) {
-        const int cluster = clusters_.ClusterIfAllowed(in_.space.ClusterAt(verts_[v].xyz + offset, -kSolidDepth));
+        const int cluster = places_.ClusterAt(v, offset);
         if (cluster < 0)
             continue;
         if (open.size() % kPacketSize == 0) {
@@ -182,7 +143,7 @@ std::vector<SurfaceReceiverBatch> VertexLighter::OpenVertices(const VertexIndice
             blocks.back().twoSided = entry_.shader->twoSided;
         }
         open.push_back(v);
-        blocks.back().Add(rayOrigins_[v] + offset, verts_[v].normal, cluster);
+        blocks.back().Add(places_.RayOrigin(v) + offset, verts_[v].normal, cluster);
     }
     return blocks;
 }
@@ -228,7 +189,7 @@ void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> blocks, const Vert
     SurfaceIncidentLight incident;
     for (const Light *light : lights_) {
         const std::size_t slot = StyleSlotFor(result_.styles, light->style);
-        if (slot == kStyles) // its light arrived beside the vertices only, where ChooseStyles did not look
+        if (slot == kStyles) // its light arrived beside vertices in solids only, where ChooseStyles did not look
             continue;
         for (std::size_t b = 0; b < blocks.size(); ++b) {
             LightContributionToSample(*light, settings_, in_.scene, blocks[b], incident, counts_);
@@ -285,13 +246,24 @@ void VertexLighter::AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::
     }
 }
 
-bool VertexLighter::IsAboveAmbient(std::size_t vertex) const {
-    const Vec3f &light = result_.values[0][vertex];
-    return light.x > ambient_.x || light.y > ambient_.y || light.z > ambient_.z;
+Vec3f MeanOf(const std::vector<Vec3f> &values, const std::set<std::size_t> &vertices) {
+    Vec3f sum;
+    for (const std::size_t v : vertices)
+        sum += values[v];
+    return sum / float(vertices.size());
 }
 
-/// Vertices that are occluded at all offsets get the mean of the vertices that are above ambient light in slot 0.
+/// Vertices that are occluded at all offsets get the mean of the others that they share edges with, or of all others.
 void VertexLighter::FillOccluded(const std::vector<bool> &lit) {
+    if (std::find(lit.begin(), lit.end(), false) == lit.end())
+        return;
+    std::vector<std::set<std::size_t>> around(lit.size()); // lit vertices at the other ends of edges
+    for (const auto &[a, b] : places_.Edges()) {
+        if (lit[a] && !lit[b])
+            around[b].insert(a);
+        if (lit[b] && !lit[a])
+            around[a].insert(b);
+    }
     for (std::size_t slot = 0; slot < kStyles; ++slot) {
         std::vector<Vec3f> &values = result_.values[slot];
         if (values.empty())
@@ -299,12 +271,12 @@ void VertexLighter::FillOccluded(const std::vector<bool> &lit) {
         Vec3f sum;
         float count = 0;
         for (std::size_t v = 0; v < values.size(); ++v)
-            if (lit[v] && IsAboveAmbient(v))
+            if (lit[v])
                 sum += values[v], count += 1;
         const Vec3f mean = count > 0 ? sum / count : slot == 0 ? ambient_ : Vec3f{};
         for (std::size_t v = 0; v < values.size(); ++v)
             if (!lit[v])
-                values[v] = mean;
+                values[v] = around[v].empty() ? mean : MeanOf(values, around[v]);
     }
 }
 

@@ -1,0 +1,44 @@
+// GPL-2.0-or-later. From where the vertices of surfaces without lightmaps are lit.
+#pragma once
+
+#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/raw/visible_clusters.h"
+
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace q3 {
+
+/// The places of the vertices of one surface. For one thread. Keeps references.
+class VertexPlaces {
+  public:
+    /// clusters: of the surface.
+    VertexPlaces(const SurfaceInputs &in, const bspDrawSurface_t &surface, std::span<const SurfaceVertex> verts,
+                 bool twoSided, const std::vector<int> &clusters);
+
+    /// Where shadow rays of a vertex start: 1/8 unit over it, and 1/4 unit towards the middle of the vertices that it
+    /// shares edges with, clear of solids that touch it; right over it if only that is in the open.
+    const Vec3f &RayOrigin(std::size_t vertex) const { return rayOrigins_[vertex]; }
+    /// Cluster of the ray origin moved by `offset`, or kSolidCluster if the vertex may not be lit from there. Not
+    /// moved: it or the vertex must be in the open. Moved, for vertices in solids: to the open, in front of the
+    /// surface, and on the side of walls where the surface comes out of the solid.
+    int ClusterAt(std::size_t vertex, const Vec3f &offset);
+    /// Pairs of vertices with an edge between them; edges of two triangles are there twice.
+    const std::vector<std::pair<std::size_t, std::size_t>> &Edges() const { return edges_; }
+
+  private:
+    void FindEdges(const bspDrawSurface_t &surface);
+    int OpenCluster(const Vec3f &p);
+    Vec3f WayOut(std::size_t vertex);
+
+    const SurfaceInputs &in_;
+    std::span<const SurfaceVertex> verts_;
+    bool twoSided_;
+    VisibleClusters clusters_;
+    std::vector<std::pair<std::size_t, std::size_t>> edges_;
+    std::vector<Vec3f> rayOrigins_;
+    std::vector<Vec3f> middles_; ///< of the vertices that share edges with a vertex, lifted
+};
+
+} // namespace q3
