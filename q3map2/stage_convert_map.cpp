@@ -199,13 +199,12 @@ int ConvertStage(const StageContext &context, Arguments arguments) {
     const ConvertFormat format = FindFormat(options.format);
     const bool isMap = ReadsMap(file, options, format);
     RefuseIdleOptions(options, format, isMap);
-    const fs::path input = WithExtension(fs::absolute(file), isMap ? ".map" : ".bsp");
-    FileGuard guard(context);
-    guard.Needs(input);
-    guard.Writes(PathOfOutput(input, format.kind, format.name), SizeOfFile(input));
     const auto folders = GameFolders(context.options, context.words, context.program);
     const fs::path input = MapPath(file, isMap ? ".map" : ".bsp");
     RequireMap(input, folders);
+    FileGuard guard(context);
+    guard.Needs(input);
+    guard.Writes(PathOfOutput(input, format.kind, format.name), SizeOfFile(input));
     RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     const BspOptions compile = CompileOptions(context, options);

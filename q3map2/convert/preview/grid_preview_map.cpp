@@ -66,7 +66,7 @@ std::vector<bool> ClustersSeenFrom(const Bsp &bsp, const std::vector<Vec3f> &pla
         return {};
     std::array<std::int32_t, 2> head;
     std::memcpy(head.data(), bsp.visibility.data(), kHead);
-    std::vector<bool> seen(std::size_t(head[0]));
+    std::vector<bool> seen(static_cast<std::size_t>(head[0]));
     bool any = false;
     for (const Vec3f &place : places) {
         const std::int32_t cluster = bsp.leafs[std::size_t(LeafAt(bsp, place))].cluster;
