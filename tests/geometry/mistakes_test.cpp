@@ -39,6 +39,11 @@ std::string OpenBox(const std::string &lines) {
     const std::string box = Box({64, 64, 16}, {96, 96, 48});
     return box.substr(0, box.size() - 2) + lines;
 }
+/// A box whose upper side is `lines`.
+std::string BoxUnder(const std::string &lines) {
+    const std::string sides = OpenBox("");
+    return sides.substr(0, sides.rfind('\n', sides.size() - 2) + 1) + lines + "}\n";
+}
 std::string Repeated(int count, const std::function<std::string(int)> &text) {
     std::string all;
     for (int i = 0; i < count; ++i)
@@ -67,10 +72,10 @@ std::vector<Mistake> Mistakes() {
         {"Microbrush", With(Boxed(at, 0.004)), "Entity 0, Brush 6: test.map:52: mirrored plane"},
         {"InsideOutBrush", With(Box({96, 96, 48}, {64, 64, 16})),
          "Entity 0, Brush 6: test.map:52: the brush is inside out"},
-        {"OpenBrush", With(OpenBox("}\n")), "Entity 0, Brush 6: test.map:52: the brush is open"},
+        {"OpenBrush", With(BoxUnder("")), "Entity 0, Brush 6: test.map:52: the brush is open"},
         {"TextureAxesInOneLine",
-         With(OpenBox("( 0 0 48 ) ( 0 64 48 ) ( 64 0 48 ) test/wall [ 1 0 0 0 ] [ 2 0 0 0 ] 0 1 1\n}\n")),
-         "Entity 0, Brush 6: test.map:58: the texture test/wall has no extent on this side"},
+         With(BoxUnder("( 0 0 48 ) ( 0 64 48 ) ( 64 0 48 ) test/wall [ 1 0 0 0 ] [ 2 0 0 0 ] 0 1 1\n")),
+         "Entity 0, Brush 6: test.map:57: the texture test/wall has no extent on this side"},
         {"DecalThatHitsNothing",
          With("", Entity("\"classname\" \"_decal\"\n\"target\" \"x\"", PatchText(3, 3)) +
                       Entity("\"classname\" \"info_null\"\n\"targetname\" \"x\"\n\"origin\" \"8 8 16\"")),
