@@ -91,6 +91,10 @@ void Arguments::NoteChange(std::string_view name, const std::vector<std::string>
     changes_.push_back({std::string(name), fmt::format("{}", fmt::join(values, " ")), std::move(before)});
 }
 
+void Arguments::DropChange(std::string_view name) {
+    std::erase_if(changes_, [&](const Change &change) { return change.name == name; });
+}
+
 std::string Arguments::TakeFirst() {
     return words_.empty() ? std::string() : TakeAt(0);
 }

@@ -51,6 +51,8 @@ class Arguments {
         std::string name, values, before;
     };
     void NoteChange(std::string_view name, const std::vector<std::string> &values, std::string before);
+    /// Forgets the change of an option that turned out to have no effect.
+    void DropChange(std::string_view name);
     const std::vector<Change> &Changes() const { return changes_; }
 
   private:

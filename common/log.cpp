@@ -2,6 +2,7 @@
 #include "common/log.h"
 
 #include "common/platform/platform.h"
+#include "common/text/counted.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -69,7 +70,7 @@ void Log::CountText(long long value, std::string_view name, bool print) {
     if (observer_)
         observer_->OnCount(value, name);
     if (print)
-        sink_(LogLevel::Normal, fmt::format("{:9} {}\n", value, name));
+        sink_(LogLevel::Normal, fmt::format("{:9} {}\n", value, value == 1 ? Singular(name) : std::string(name)));
 }
 
 void Log::Setting(std::string_view name, std::string_view value, std::string_view source, std::string_view initial) {
@@ -127,8 +128,8 @@ void Log::FlushWarnings() {
     const std::lock_guard lock(mutex_);
     for (const auto &[kind, count] : warnings_)
         if (count > 1 && !verbose_)
-            sink_(LogLevel::Normal,
-                  fmt::format("{:9} more warnings of this kind: {} (-v lists them)\n", count - 1, kind));
+            sink_(LogLevel::Normal, fmt::format("{:9} more warning{} of this kind: {} (-v lists {})\n", count - 1,
+                                                count == 2 ? "" : "s", kind, count == 2 ? "it" : "them"));
     warnings_.clear();
 }
 

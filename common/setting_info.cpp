@@ -25,15 +25,11 @@ std::size_t CountValues(std::string_view values, bool withOptional) {
 } // namespace
 
 std::string SettingRange::Text() const {
-    const bool hasLow = low > -kMaxSetting, hasHigh = high < kMaxSetting;
-    const std::string bottom = fmt::format("{} {:g}", aboveLow ? "over" : "from", low);
-    if (hasLow && hasHigh)
-        return fmt::format("{} {} {:g}", bottom, belowHigh ? "and below" : aboveLow ? "up to" : "to", high);
-    if (hasLow)
-        return aboveLow ? bottom : fmt::format("of at least {:g}", low);
-    if (hasHigh)
-        return fmt::format("of at most {:g}", high);
-    return {};
+    return fmt::format("{} {:.12g} {} {:.12g}", aboveLow ? "over" : "from", low,
+                       belowHigh  ? "and below"
+                       : aboveLow ? "up to"
+                                  : "to",
+                       high);
 }
 
 bool SettingInfo::Names(std::string_view word) const {

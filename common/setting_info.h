@@ -35,7 +35,9 @@ struct SettingRange {
         return (aboveLow ? number > low : number >= low) && (belowHigh ? number < high : number <= high);
     }
     double Clamp(double number) const { return number < low ? low : number > high ? high : number; }
-    /// "from 1 to 8", "over 0"; empty when any number will do.
+    /// Whether it is the range of all settings that name none.
+    bool IsDefault() const { return low == -kMaxSetting && high == kMaxSetting; }
+    /// "from 1 to 8", "over 0 up to 1000000".
     std::string Text() const;
 };
 
@@ -48,9 +50,11 @@ struct SettingInfo {
     std::string_view unit{};                   ///< "game units", "degrees"
     std::string_view initial{};                ///< the default in words; for options, empty: that of the field
     SettingRange range{};
+    std::string_view limitReason{}; ///< why the range ends where it does, for the error, if it may surprise
     OutOfRange outside = OutOfRange::Refuse;
     double outsideValue = 0;     ///< for OutOfRange::UseDefault
     double floor = -kMaxSetting; ///< numbers in range but below this become this, with a warning
+    bool withoutEffect = false;  ///< accepted only; not listed among the settings of a run
     bool firstOnly = false;      ///< repetitions are left for another table of settings
     std::string_view help{};     ///< one line, a sentence without its full stop
     std::string_view details{};  ///< more for the documentation page
@@ -64,12 +68,15 @@ struct SettingInfo {
 struct SettingEntry {
     SettingInfo info;
     std::string initial; ///< the default as text; empty: none
+    /// For directives of shaders: the stage that they change something for, "bsp", "light", "both" or "none".
+    std::string_view stage{};
 };
 
 /// Settings under one heading of the help.
 struct SettingSection {
     std::string_view title, intro;
     std::vector<SettingEntry> entries;
+    std::string_view topic{}; ///< of -help, if the section is printed there and not with its stage
 };
 
 } // namespace q3

@@ -19,14 +19,14 @@ bool IsNumber(std::string_view word, SettingKind kind) {
 
 /// The expected value in words, for messages about a bad one.
 std::string Expected(const SettingInfo &info, SettingKind kind) {
-    const std::string range = info.range.Text();
     std::string text = kind == SettingKind::Integer ? "a whole number" : "a number";
     if (info.MinValues() > 1)
         text = fmt::format("{} numbers", info.MinValues());
-    if (!range.empty())
-        text += " " + range;
+    text += " " + info.range.Text();
     if (!info.unit.empty())
         text += fmt::format(" ({})", info.unit);
+    if (!info.limitReason.empty())
+        text += fmt::format("; {}", info.limitReason);
     return text;
 }
 
@@ -86,7 +86,7 @@ std::string SettingText(const std::vector<std::string> &values) {
 
 void WarnWithoutEffect(const std::vector<std::string> &given, Log &log) {
     if (!given.empty())
-        log.Warn("options without effect", "without effect: {}", fmt::join(given, " "));
+        log.Warn("options without effect", "without effect: {}", fmt::join(given, ", "));
 }
 
 SettingValues TakeOccurrence(const SettingInfo &info, SettingKind kind, Arguments &arguments, std::size_t at,
@@ -109,9 +109,12 @@ SettingValues TakeOccurrence(const SettingInfo &info, SettingKind kind, Argument
         if (isText && required && next.size() > 1 && next.front() == '-' && !WholeNumber(next))
             throw Error("{} needs a value: {} {}; found {}", name, info.name, info.values, next);
         values.words.push_back(arguments.TakeAt(at));
-        if (!isText)
-            values.numbers.push_back(CheckedNumber(info, kind, name, values.words.back(), log));
-        else if (kind == SettingKind::Choice)
+        if (!isText) {
+            const double used = CheckedNumber(info, kind, name, values.words.back(), log);
+            if (used != *WholeNumber(values.words.back()))
+                values.words.back() = SettingText(used);
+            values.numbers.push_back(used);
+        } else if (kind == SettingKind::Choice)
             CheckChoice(info, name, values.words.back(), log);
     }
     return values;

@@ -100,12 +100,14 @@ template <typename Options> SettingTarget<Options> Do(std::function<void(Options
     return target;
 }
 
-/// An option of other versions that changes nothing here: its name is added to `given`, for WarnWithoutEffect.
+/// An option of other versions that changes nothing here: it and its help are added to `given`, for WarnWithoutEffect.
 template <typename Options>
 Setting<Options> WithoutEffect(std::vector<std::string> Options::*given, std::string_view name, std::string_view help,
                                std::string_view alias = {}) {
-    const auto note = [given, name](Options &o, const SettingValues &) { (o.*given).emplace_back(name); };
-    return {{.name = name, .aliases = {alias}, .help = help}, Do<Options>(note)};
+    const auto note = [given, name, help](Options &o, const SettingValues &) {
+        (o.*given).push_back(fmt::format("{} ({})", name, help));
+    };
+    return {{.name = name, .aliases = {alias}, .withoutEffect = true, .help = help}, Do<Options>(note)};
 }
 /// One warning that names these options; none if there are none.
 void WarnWithoutEffect(const std::vector<std::string> &given, Log &log);
@@ -138,7 +140,7 @@ void TakeSettings(const std::vector<SettingGroup<Options>> &table, Options &opti
         const std::string before = target.text ? target.text(options) : std::string();
         for (const SettingValues &values : found[i])
             target.apply(options, values);
-        if (!found[i].empty() && (!target.text || target.text(options) != before))
+        if (!found[i].empty() && !settings[i]->info.withoutEffect && (!target.text || target.text(options) != before))
             arguments.NoteChange(settings[i]->info.name, found[i].back().words,
                                  settings[i]->info.initial.empty() ? before : std::string(settings[i]->info.initial));
     }

@@ -47,4 +47,18 @@ void BotCheck::Report(Change change, bool fix) const {
     }
 }
 
+void WarnOfPackedBotFile(const std::filesystem::path &bspPath, std::span<const std::byte> botFile,
+                         const std::string &origin, Log &log) {
+    try {
+        if (ChecksumIn(botFile, origin) != MapChecksum(bspPath))
+            log.Warn("bot file",
+                     "{} is for another version of {}, and engines refuse it, so there will be no bots: copy it beside "
+                     "the map and let q3map2 -fixaas enter the map, or, if brushes have changed, make it anew with a "
+                     "bot compiler",
+                     origin, bspPath.string());
+    } catch (const Error &error) {
+        log.Warn("bot file", "{}", error.what());
+    }
+}
+
 } // namespace q3

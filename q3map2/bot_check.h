@@ -5,6 +5,8 @@
 #include "q3map2/edit/bot_files.h"
 
 #include <filesystem>
+#include <span>
+#include <string>
 #include <vector>
 
 namespace q3 {
@@ -29,5 +31,10 @@ class BotCheck {
     std::vector<BotFile> files_;
     std::uint32_t before_ = 0; ///< checksum of the map; 0 without one
 };
+
+/// Warns about a bot file that a package takes from `origin`, such as an archive, and that is for another version of
+/// the packed map, or is damaged.
+void WarnOfPackedBotFile(const std::filesystem::path &bspPath, std::span<const std::byte> botFile,
+                         const std::string &origin, Log &log);
 
 } // namespace q3

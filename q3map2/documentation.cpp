@@ -2,6 +2,7 @@
 #include "q3map2/documentation.h"
 
 #include "common/text/text.h"
+#include "q3map2/directive_sections.h"
 #include "q3map2/entity_sections.h"
 #include "q3map2/stages.h"
 #include "q3map2/version.h"
@@ -15,24 +16,39 @@ namespace {
 constexpr std::string_view kRules =
     "Option names are whole words, case-insensitive. Their order does not matter; options, the stage word and the file "
     "may "
-    "stand anywhere on the line. The extension of the file is replaced by the one that the stage needs. A number must "
-    "be a whole word, finite and in range, or the program stops. An unknown option after the stage word is a warning, "
-    "which the end of the run repeats; before it, or when no stage is named, it is an error. Exit status 0: done; 1: "
-    "failed, with one line that says why. The last line of a run says how it ended, what it warned of, and what time "
-    "and memory it took.";
+    "stand anywhere on the line. The extension of the file is replaced by the one that the stage needs. A value must "
+    "be "
+    "a whole word and a number of the range given, or the program stops with an error; where another value is used "
+    "instead, with a warning, the range says so. Numbers without a range may be from -1000000 to 1000000. An unknown "
+    "option after the stage word is a warning, which the end of the run repeats; before it, or when no stage is named, "
+    "it is an error, and so is a second map. Exit status 0: done; 1: failed, with one line that says why. The last "
+    "line "
+    "of a run says how it ended, what it warned of, and what time and memory it took.";
 
 bool HasRange(const SettingEntry &entry) {
-    return entry.info.kind != SettingKind::Text && !entry.info.range.Text().empty();
+    return entry.info.kind == SettingKind::Integer || entry.info.kind == SettingKind::Number;
 }
 
-/// Range and unit: "from 1 to 8 luxels".
-std::string Limits(const SettingEntry &entry) {
-    std::string text = HasRange(entry) ? entry.info.range.Text() : "";
-    if (text.starts_with("of "))
-        text.erase(0, 3);
-    if (!entry.info.unit.empty())
-        text += (text.empty() ? "in " : " ") + std::string(entry.info.unit);
+/// Range and unit, and what becomes of other values: "from 1 to 8 luxels". The range of settings that name none only
+/// if `complete`.
+std::string Limits(const SettingEntry &entry, bool complete) {
+    const SettingInfo &info = entry.info;
+    const bool shown = HasRange(entry) && (complete || !info.range.IsDefault());
+    std::string text = shown ? info.range.Text() : "";
+    if (!info.unit.empty())
+        text += (text.empty() ? "in " : " ") + std::string(info.unit);
+    if (shown && info.outside == OutOfRange::Clamp)
+        text += "; beyond it the nearest is used";
+    if (shown && info.outside == OutOfRange::UseDefault)
+        text += fmt::format("; beyond it {:g} is used", info.outsideValue);
+    if (shown && info.floor > info.range.low)
+        text += fmt::format("; at least {:g} is used", info.floor);
     return text;
+}
+
+/// The stages that a directive is for, in words.
+std::string_view StageText(std::string_view stage) {
+    return stage == "both" ? "bsp, light" : stage == "none" ? "" : stage;
 }
 
 /// A cell of a table.
@@ -52,20 +68,36 @@ std::string NamesCell(const SettingInfo &info) {
     return names;
 }
 
+/// Help, limits and details as sentences.
+std::string EffectText(const SettingEntry &entry) {
+    std::string effect(entry.info.help);
+    if (const std::string limits = Limits(entry, false); !limits.empty())
+        effect += fmt::format(" ({})", limits);
+    effect += ".";
+    if (!entry.info.details.empty())
+        effect += fmt::format(" {}", entry.info.details);
+    return effect;
+}
+
 std::string MarkdownTable(const SettingSection &section, std::string_view heading, std::string_view column) {
     std::string text = fmt::format("\n{} {}\n\n", heading, section.title);
     if (!section.intro.empty())
         text += fmt::format("{}\n\n", section.intro);
     text += fmt::format("| {} | default | effect |\n|---|---|---|\n", column);
-    for (const SettingEntry &entry : section.entries) {
-        std::string effect = std::string(entry.info.help);
-        if (const std::string limits = Limits(entry); !limits.empty())
-            effect += fmt::format(" ({})", limits);
-        effect += ".";
-        if (!entry.info.details.empty())
-            effect += fmt::format(" {}", entry.info.details);
-        text += fmt::format("| {} | {} | {} |\n", NamesCell(entry.info), Cell(entry.initial), Cell(effect));
-    }
+    for (const SettingEntry &entry : section.entries)
+        text += fmt::format("| {} | {} | {} |\n", NamesCell(entry.info), Cell(entry.initial), Cell(EffectText(entry)));
+    return text;
+}
+
+/// The same with the stage of each entry.
+std::string DirectiveTable(const SettingSection &section) {
+    std::string text = fmt::format("\n## {}\n\n", section.title);
+    if (!section.intro.empty())
+        text += fmt::format("{}\n\n", section.intro);
+    text += "| directive | stage | default | effect |\n|---|---|---|---|\n";
+    for (const SettingEntry &entry : section.entries)
+        text += fmt::format("| {} | {} | {} | {} |\n", NamesCell(entry.info), StageText(entry.stage),
+                            Cell(entry.initial), Cell(EffectText(entry)));
     return text;
 }
 
@@ -87,7 +119,7 @@ std::string RoffSection(const SettingSection &section) {
         text += fmt::format(".TP\n.B {}", Roff(entry.info.name));
         if (!entry.info.values.empty())
             text += fmt::format(" {}", Roff(entry.info.values));
-        text += fmt::format("\n{}\n", Roff(FullHelp(entry)));
+        text += fmt::format("\n{}\n", Roff(FullHelp(entry, false)));
         if (!entry.info.details.empty())
             text += Roff(entry.info.details) + "\n";
     }
@@ -98,49 +130,15 @@ std::vector<SettingSection> SectionsOf(const Stage &stage) {
     return stage.settings ? stage.settings() : std::vector<SettingSection>();
 }
 
-/// Calls use(info) for every setting of the sections.
-template <typename Use> void ForEntries(const std::vector<SettingSection> &sections, const Use &use) {
-    for (const SettingSection &section : sections)
-        for (const SettingEntry &entry : section.entries)
-            use(entry.info);
-}
-
-/// The names of options as one string, each followed by a blank.
-std::string NamesOf(const std::vector<SettingSection> &sections) {
-    std::string names;
-    ForEntries(sections, [&](const SettingInfo &info) { names += fmt::format("{} ", info.name); });
-    return names;
-}
-
-std::string StageWords() {
-    std::string words;
-    for (const Stage &stage : Stages())
-        words += fmt::format("{} ", stage.word);
-    return words;
-}
-
-/// Text inside single quotes of a shell.
-std::string Quoted(std::string_view text) {
-    std::string result;
-    for (const char c : WithoutMarkup(text))
-        result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return result;
-}
-
-/// The same inside the brackets of a zsh specification.
-std::string ZshText(std::string_view text) {
-    std::string result;
-    for (const char c : Quoted(text))
-        result += c == '[' || c == ']' || c == ':' ? std::string("\\") + c : std::string(1, c);
-    return result;
-}
-
 } // namespace
 
-std::string FullHelp(const SettingEntry &entry) {
-    std::string extra = Limits(entry);
+std::string FullHelp(const SettingEntry &entry, bool complete) {
+    std::string extra = Limits(entry, complete);
+    const auto add = [&](const std::string &more) { extra += (extra.empty() ? "" : "; ") + more; };
     if (!entry.initial.empty() && !(entry.info.kind == SettingKind::Flag && entry.initial == "off"))
-        extra += fmt::format("{}default: {}", extra.empty() ? "" : "; ", entry.initial);
+        add(fmt::format("default: {}", entry.initial));
+    if (const std::string_view stage = StageText(entry.stage); !stage.empty())
+        add(fmt::format("for: {}", stage));
     return fmt::format("{}{}", entry.info.help, extra.empty() ? "" : fmt::format(" ({})", extra));
 }
 
@@ -182,6 +180,18 @@ std::string MarkdownPage() {
     return text;
 }
 
+std::string DirectivesPage() {
+    std::string text = fmt::format("<!-- Generated: q3map2 -help shadermarkdown > docs/shader_directives.md -->\n"
+                                   "# Directives of shaders\n\n{}\n\nIn the game of a map, `surfaceparm` names and "
+                                   "more depend on `-game`. [lights.md](lights.md) shows kinds of light, "
+                                   "[lightmaps.md](lightmaps.md) how lightmaps are made. `q3map2 -help "
+                                   "q3map_surfaceLight` prints one of these entries, `q3map2 -help shader` all.\n",
+                                   kDirectiveRules);
+    for (const SettingSection &section : DirectiveSections())
+        text += DirectiveTable(section);
+    return text;
+}
+
 std::string ManualPage() {
     std::string text = fmt::format(".\\\" Generated: q3map2 \\-help man > docs/q3map2.1\n"
                                    ".TH Q3MAP2 1 \"\" \"q3map2\\-sh {}\"\n.SH NAME\nq3map2 \\- compile maps for games "
@@ -207,88 +217,10 @@ std::string ManualPage() {
     text += fmt::format(".SH KEYS OF ENTITIES\n{}\n", Roff(kKeyRules));
     for (const SettingSection &section : EntitySections())
         text += RoffSection(section);
+    text += fmt::format(".SH DIRECTIVES OF SHADERS\n{}\n", Roff(kDirectiveRules));
+    for (const SettingSection &section : DirectiveSections())
+        text += RoffSection(section);
     return text + ".SH EXIT STATUS\n0: done. 1: failed. 255: \\-info without files.\n";
-}
-
-std::string BashCompletion() {
-    std::string cases;
-    for (const Stage &stage : Stages())
-        cases += fmt::format("            {}) options=\"{}\" ;;\n", stage.word, NamesOf(SectionsOf(stage)));
-    return fmt::format(R"(# Generated: q3map2 -help bash > tools/completions/q3map2.bash
-_q3map2() {{
-    local current=${{COMP_WORDS[COMP_CWORD]}} options="" word
-    for word in "${{COMP_WORDS[@]:1}}"; do
-        case $word in
-{}        esac
-    done
-    COMPREPLY=()
-    if [[ $current == -* ]]; then
-        [[ -z $options ]] && options="{}{}"
-        mapfile -t COMPREPLY < <(compgen -W "$options{}" -- "$current")
-    else
-        compopt -o filenames
-        mapfile -t COMPREPLY < <(compgen -f -- "$current")
-    fi
-}}
-complete -F _q3map2 q3map2
-)",
-                       cases, StageWords(), NamesOf(SectionsOf(Stages().front())), " " + NamesOf(GlobalSections()));
-}
-
-std::string ZshCompletion() {
-    const auto specifications = [](const std::vector<SettingSection> &sections) {
-        std::string text;
-        ForEntries(sections, [&](const SettingInfo &info) {
-            text += fmt::format("        '*{}[{}]", info.name, ZshText(info.help));
-            if (info.MinValues() == 1)
-                text += fmt::format(":{}:{}", ZshText(info.values), info.kind == SettingKind::Text ? "_files" : "");
-            text += "'\n";
-        });
-        return text;
-    };
-    std::string stages, cases, words;
-    for (const Stage &stage : Stages()) {
-        words += fmt::format("{}{}", words.empty() ? "" : "|", stage.word);
-        stages += fmt::format("        '{}[{}]'\n", stage.word, ZshText(stage.help));
-        cases += fmt::format("    {})\n        arguments+=(\n{}        ) ;;\n", stage.word,
-                             specifications(SectionsOf(stage)));
-    }
-    return fmt::format(R"(#compdef q3map2
-# Generated: q3map2 -help zsh > tools/completions/_q3map2
-local -a arguments
-local word stage
-arguments=(
-{}        '*:file:_files'
-)
-for word in $words; do
-    case $word in
-    {}) [[ -z $stage ]] && stage=$word ;;
-    esac
-done
-case $stage in
-{}    '')
-        arguments+=(
-{}        ) ;;
-esac
-_arguments $arguments
-)",
-                       specifications(GlobalSections()), words, cases, stages);
-}
-
-std::string FishCompletion() {
-    std::string text = "# Generated: q3map2 -help fish > tools/completions/q3map2.fish\n";
-    const auto add = [&](const std::vector<SettingSection> &sections, std::string_view condition) {
-        ForEntries(sections, [&](const SettingInfo &info) {
-            text += fmt::format("complete -c q3map2{} -o {} {}-d '{}'\n", condition, info.name.substr(1),
-                                info.MinValues() > 0 ? "-r " : "", Quoted(info.help));
-        });
-    };
-    for (const Stage &stage : Stages())
-        text += fmt::format("complete -c q3map2 -o {} -d '{}'\n", stage.word.substr(1), Quoted(stage.help));
-    add(GlobalSections(), "");
-    for (const Stage &stage : Stages())
-        add(SectionsOf(stage), fmt::format(" -n 'string match -q -- \"* {} *\" (commandline)\" \"'", stage.word));
-    return text;
 }
 
 } // namespace q3

@@ -9,15 +9,14 @@ namespace q3 {
 
 /// docs/options.md.
 std::string MarkdownPage();
+/// docs/shader_directives.md.
+std::string DirectivesPage();
 /// docs/q3map2.1.
 std::string ManualPage();
-/// tools/completions/q3map2.bash, _q3map2 and q3map2.fish.
-std::string BashCompletion();
-std::string ZshCompletion();
-std::string FishCompletion();
 
-/// The help of a setting with its unit, range and default, as one sentence.
-std::string FullHelp(const SettingEntry &entry);
+/// The help of a setting with its unit, range and default, as one sentence. `complete`: with the range that all
+/// settings have which name none.
+std::string FullHelp(const SettingEntry &entry, bool complete);
 /// Text without Markdown for code and links.
 std::string WithoutMarkup(std::string_view text);
 

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Documentation of the keys of entities.
 #include "q3map2/entity_sections.h"
 
+#include "q3map2/bspfile/foreign_keys.h"
 #include "q3map2/bspfile/light_curve_keys.h"
 #include "q3map2/bspfile/light_style_keys.h"
 #include "q3map2/bspfile/object_keys.h"
@@ -8,7 +9,9 @@
 
 namespace q3 {
 
-std::vector<SettingSection> EntitySections() {
+namespace {
+
+std::vector<SettingSection> OwnKeySections() {
     return {DescribeKeys("Worldspawn: light",
                          "The light stage writes `_q3map2_cmdline`, `_q3map2_version`, `_q3map2_sh` with the value "
                          "`radiance` after `-shradiance`, `_q3map2_tone`, the tone of the lightmaps unless it is "
@@ -62,6 +65,15 @@ std::vector<SettingSection> EntitySections() {
                          keys::kSkyBoxKeys),
             DescribeKeys("Flares", "Keys of lights for the bsp stage.", keys::kFlareKeys),
             DescribeKeys("Names and instances", "", keys::kNameKeys)};
+}
+
+} // namespace
+
+std::vector<SettingSection> EntitySections() {
+    std::vector<SettingSection> sections = OwnKeySections();
+    for (SettingSection &section : ForeignKeySections())
+        sections.push_back(std::move(section));
+    return sections;
 }
 
 } // namespace q3

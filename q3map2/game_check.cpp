@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 
 namespace q3 {
@@ -60,16 +61,53 @@ void Report(bool force, std::string_view kind, std::string_view text, Log &log) 
     log.Warn(kind, "{}", text);
 }
 
+/// What someone may have meant who gives the name of a folder, or of a mod, for that of a game: the options to try.
+std::string OptionsForFolder(std::string_view name) {
+    struct OtherName {
+        std::string_view name, options;
+    };
+    constexpr std::string_view kQuake = "-game quake3";
+    constexpr auto kOthers = std::to_array<OtherName>({
+        {"q3", kQuake},
+        {"q3a", kQuake},
+        {"quake3arena", kQuake},
+        {"ioquake3", kQuake},
+        {"quake3e", kQuake},
+        {"oa", "-game quake3 -fs_basegame baseoa"},
+        {"openarena", "-game quake3 -fs_basegame baseoa"},
+        {"baseoa", "-game quake3 -fs_basegame baseoa, or -fs_game baseoa"},
+        {"ta", "-game quake3 -fs_game missionpack"},
+        {"teamarena", "-game quake3 -fs_game missionpack"},
+        {"urt", "-game quake3 -fs_basegame q3ut4"},
+        {"urbanterror", "-game quake3 -fs_basegame q3ut4"},
+        {"q3ut4", "-game quake3 -fs_game q3ut4, or -fs_basegame q3ut4"},
+        {"rtcw", "-game wolf"},
+        {"etlegacy", "-game et"},
+    });
+    for (const OtherName &other : kOthers)
+        if (EqualNoCase(other.name, name))
+            return std::string(other.options);
+    std::string options;
+    for (const Game &game : Games())
+        if (EqualNoCase(game.gameDir, name))
+            options += fmt::format("{}-game {}", options.empty() ? "" : " or ", game.name);
+    return options;
+}
+
 } // namespace
 
 void ReportUnknownGame(std::string_view name, const GlobalOptions &options, Log &log) {
     std::vector<std::string> names;
     for (const Game &game : Games())
         names.emplace_back(game.name);
-    const std::string hint = DidYouMean(name, names);
+    std::string hint = DidYouMean(name, names);
+    if (const std::string folder = OptionsForFolder(name); !folder.empty())
+        hint = fmt::format("; try {}", folder);
+    else if (hint.empty())
+        hint = fmt::format("; if it is the folder of a mod, try -game quake3 -fs_game {}", name);
     if (!options.force)
-        throw Error("-game {}: unknown{} -help game lists all; -force goes on with {}", name, hint.empty() ? ";" : hint,
-                    options.game->name);
+        throw Error("-game {}: unknown{}{} -help game lists all; -force goes on with {}", name, hint,
+                    hint.ends_with('?') ? "" : ";", options.game->name);
     log.Warn("unknown game", "-game {}: unknown, {} is used{}", name, options.game->name, hint);
 }
 

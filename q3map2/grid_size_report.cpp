@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Reports how many bytes the SH grid takes in a .bsp, plain and zipped.
 #include "q3map2/grid_size_report.h"
 
+#include "common/text/counted.h"
 #include "q3map2/light/options/light_options.h"
 
 #include <algorithm>
@@ -13,7 +14,6 @@ namespace q3 {
 
 namespace {
 
-constexpr double kMegabyte = 1e6;
 /// EstimateDeflated packs up to kMaxPieces pieces of kPieceBytes.
 constexpr std::size_t kPieceBytes = std::size_t(1) << 18, kMaxPieces = 16;
 /// Grids up to this size never give a warning, whatever their share of the file. Bytes.
@@ -52,9 +52,9 @@ std::uint64_t EstimateDeflated(std::span<const std::byte> data) {
 void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
     if (bsp.sparseGridSH) {
         const std::vector<std::byte> lump = EncodeSparseGrid(*bsp.sparseGridSH);
-        log.Print("Sparse SH grid: {} points, {:.2f} of the file's {:.1f} MB, about {:.2f} MB zipped\n",
-                  bsp.sparseGridSH->points.size(), double(lump.size()) / kMegabyte, double(fileBytes) / kMegabyte,
-                  double(EstimateDeflated(lump)) / kMegabyte);
+        log.Print("Sparse SH grid: {}, {} of the file's {}, about {} zipped\n",
+                  Counted((long long)(bsp.sparseGridSH->points.size()), "points"), SizeText(lump.size()),
+                  SizeText(fileBytes), SizeText(EstimateDeflated(lump)));
     }
     if (!bsp.gridSH)
         return;
@@ -62,16 +62,16 @@ void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
     const auto points = std::as_bytes(std::span(grid.points));
     const std::uint64_t bytes = sizeof(grid.header) + points.size();
     const std::array<int, 3> cell = CellForHalfThePoints(grid.header.gridSize);
-    log.Print("SH grid: {} points, {:.1f} of the file's {:.1f} MB, about {:.1f} MB zipped; -gridsh {} {} {} would take "
-              "half\n",
-              grid.points.size(), double(bytes) / kMegabyte, double(fileBytes) / kMegabyte,
-              double(EstimateDeflated(points)) / kMegabyte, cell[0], cell[1], cell[2]);
-    if (bytes > kSmallGrid && bytes > fileBytes / 2) {
-        const Float3 &size = grid.header.gridSize;
-        const bool isFiner = size[0] * size[1] * size[2] < kSmallCellSH * kSmallCellSH * kSmallCellSH;
-        log.Warn("large SH grid", "the SH grid is {:.0f} % of the file{}", 100 * double(bytes) / double(fileBytes),
-                 isFiner ? "; -shsmall bakes one of about a quarter of the default size" : "");
-    }
+    log.Print("SH grid: {}, {} of the file's {}, about {} zipped; -gridsh {} {} {} would take half\n",
+              Counted((long long)(grid.points.size()), "points"), SizeText(bytes), SizeText(fileBytes),
+              SizeText(EstimateDeflated(points)), cell[0], cell[1], cell[2]);
+    const Float3 &size = grid.header.gridSize;
+    const double share = double(size[0]) * double(size[1]) * double(size[2]) / std::pow(double(kSmallCellSH), 3);
+    if (bytes > kSmallGrid && bytes > fileBytes / 2 && share < 1)
+        log.Warn("large SH grid",
+                 "the SH grid is {:.0f} % of the file; -shsmall, without another -gridsh, bakes one of about {:.0f} % "
+                 "of its size",
+                 100 * double(bytes) / double(fileBytes), 100 * share);
 }
 
 } // namespace q3

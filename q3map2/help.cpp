@@ -4,10 +4,13 @@
 #include "common/error.h"
 #include "common/nearest_names.h"
 #include "common/text/text.h"
+#include "q3map2/completions.h"
+#include "q3map2/directive_sections.h"
 #include "q3map2/documentation.h"
 #include "q3map2/entity_sections.h"
 #include "q3map2/stages.h"
 #include "q3map2/version.h"
+#include "q3map2/vrad_options.h"
 
 #include <algorithm>
 #include <map>
@@ -37,7 +40,7 @@ std::string Wrapped(std::string_view text, std::size_t indent, std::size_t colum
 }
 
 /// "  -name VALUES          help (default, range)".
-std::string EntryLine(const SettingEntry &entry) {
+std::string EntryLine(const SettingEntry &entry, bool complete = false) {
     std::string name = "  " + std::string(entry.info.name);
     for (const std::string_view alias : entry.info.aliases)
         if (!alias.empty())
@@ -46,7 +49,7 @@ std::string EntryLine(const SettingEntry &entry) {
         name += fmt::format(" {}", entry.info.values);
     std::string line = name.size() < kNameColumn ? name + std::string(kNameColumn - name.size(), ' ')
                                                  : name + "\n" + std::string(kNameColumn, ' ');
-    return line + Wrapped(FullHelp(entry), kNameColumn, kNameColumn) + "\n";
+    return line + Wrapped(WithoutMarkup(FullHelp(entry, complete)), kNameColumn, kNameColumn) + "\n";
 }
 
 std::string SectionText(const SettingSection &section) {
@@ -64,13 +67,26 @@ std::string StageText(const Stage &stage) {
         text += Wrapped(WithoutMarkup(stage.intro), 0, 0) + "\n";
     if (stage.settings)
         for (const SettingSection &section : stage.settings())
-            text += SectionText(section);
+            text += section.topic.empty()
+                        ? SectionText(section)
+                        : fmt::format("\n{}: q3map2 -help {} lists them.\n", section.title, section.topic);
     return text;
 }
 
 std::string GlobalText() {
     std::string text;
     for (const SettingSection &section : GlobalSections())
+        text += SectionText(section);
+    return text;
+}
+
+std::string VradText() {
+    return SectionText(VradSection());
+}
+
+std::string DirectivesText() {
+    std::string text = Wrapped(WithoutMarkup(kDirectiveRules), 0, 0) + "\n";
+    for (const SettingSection &section : DirectiveSections())
         text += SectionText(section);
     return text;
 }
@@ -85,10 +101,9 @@ std::string KeysText() {
 std::string Overview() {
     std::string text = fmt::format("{}\nq3map2 [global options] STAGE [options] FILE\n\nStages\n", kVersion);
     for (const Stage &stage : Stages())
-        text += fmt::format("  {:<44}{}\n", stage.usage, stage.help);
-    text +=
-        "\nq3map2 -help STAGE lists the options of a stage, -help OPTION explains one, -help keys lists the keys of\n"
-        "entities, -help all prints everything.\n";
+        text += fmt::format("  {}\n      {}\n", stage.usage, stage.help);
+    text += "\nq3map2 -help STAGE lists the options of a stage, such as -help light; -help OPTION explains one, -help "
+            "keys\nlists the keys of entities, -help shader the directives of shaders, -help all prints everything.\n";
     return text + GlobalText();
 }
 
@@ -96,35 +111,72 @@ std::string AllText() {
     std::string text = Overview();
     for (const Stage &stage : Stages())
         text += fmt::format("\n{:-<80}\n{}", "", StageText(stage));
-    return text + fmt::format("\n{:-<80}\n{}", "", KeysText());
+    for (const std::string &more : {VradText(), KeysText(), DirectivesText()})
+        text += fmt::format("\n{:-<80}\n{}", "", more);
+    return text;
 }
 
-/// One option or key, by name with or without its dash, wherever it occurs.
-std::string SettingHelp(std::string_view topic) {
+/// Adds what these sections have under that name, with or without its dash.
+void AddEntries(std::string_view owner, const std::vector<SettingSection> &sections, std::string_view topic,
+                std::string &text) {
+    for (const SettingSection &section : sections)
+        for (const SettingEntry &entry : section.entries)
+            if (entry.info.Names(topic) || entry.info.Names(fmt::format("-{}", topic))) {
+                text += fmt::format("{}, {}\n{}", owner, section.title, EntryLine(entry, true));
+                if (!entry.info.details.empty())
+                    text += fmt::format("{:{}}{}\n", "", kNameColumn,
+                                        Wrapped(WithoutMarkup(entry.info.details), kNameColumn, kNameColumn));
+            }
+}
+
+/// Options of that name, wherever they occur.
+std::string OptionHelp(std::string_view topic) {
     std::string text;
-    const auto add = [&](std::string_view owner, const std::vector<SettingSection> &sections) {
-        for (const SettingSection &section : sections)
-            for (const SettingEntry &entry : section.entries)
-                if (entry.info.Names(topic) || entry.info.Names(fmt::format("-{}", topic))) {
-                    text += fmt::format("{}, {}\n{}", owner, section.title, EntryLine(entry));
-                    if (!entry.info.details.empty())
-                        text += fmt::format("{:{}}{}\n", "", kNameColumn,
-                                            Wrapped(WithoutMarkup(entry.info.details), kNameColumn, kNameColumn));
-                }
-    };
-    add("every stage", GlobalSections());
+    AddEntries("every stage", GlobalSections(), topic, text);
     for (const Stage &stage : Stages())
         if (stage.settings)
-            add(stage.word, stage.settings());
-    add("entities", EntitySections());
+            AddEntries(stage.word, stage.settings(), topic, text);
     return text;
+}
+
+/// Keys of entities and directives of shaders of that name.
+std::string MapWordHelp(std::string_view topic) {
+    std::string text;
+    AddEntries("entities", EntitySections(), topic, text);
+    AddEntries("shaders", DirectiveSections(), topic, text);
+    return text;
+}
+
+/// Games as players know them.
+std::string_view TitleOf(std::string_view game) {
+    constexpr std::pair<std::string_view, std::string_view> kTitles[] = {
+        {"quake3", "Quake III Arena, Team Arena; OpenArena, Urban Terror and others"},
+        {"quakelive", "Quake Live"},
+        {"nexuiz", "Nexuiz"},
+        {"xonotic", "Xonotic"},
+        {"tremulous", "Tremulous"},
+        {"unvanquished", "Unvanquished"},
+        {"tenebrae", "Tenebrae"},
+        {"wolf", "Return to Castle Wolfenstein"},
+        {"et", "Wolfenstein: Enemy Territory"},
+        {"etut", "Urban Terror on Enemy Territory's engine"},
+        {"ef", "Star Trek: Voyager - Elite Force"},
+        {"reaction", "Reaction"},
+        {"darkplaces", "DarkPlaces, for Quake"},
+        {"dq", "DeluxeQuake"},
+        {"prophecy", "Prophecy"}};
+    const auto found = std::ranges::find(kTitles, game, [](const auto &title) { return title.first; });
+    return found == std::end(kTitles) ? "" : found->second;
 }
 
 std::string GamesText() {
     std::string text;
     for (const Game &game : Games())
-        text += fmt::format("  {}\n", game.name);
-    return text;
+        text += fmt::format("  {:<14}{:<11}{}\n", game.name, game.gameDir, TitleOf(game.name));
+    return "  -game         folder     title\n" + text +
+           "\nA mod is no game: -game names the game that it runs on, -fs_game its folder. A game with a base folder "
+           "of\n"
+           "another name, as OpenArena's baseoa, has -fs_basegame too: -game quake3 -fs_basegame baseoa.\n";
 }
 
 [[noreturn]] void FailUnknown(std::string_view topic, const std::vector<std::string> &topics) {
@@ -134,10 +186,11 @@ std::string GamesText() {
         for (std::string &name : stage.OptionNames())
             names.push_back(std::move(name));
     }
-    for (const SettingSection &section : EntitySections())
-        for (const SettingEntry &entry : section.entries)
-            names.emplace_back(entry.info.name);
-    throw Error("-help {}: no such stage, option or key{}", topic, DidYouMean(topic, names));
+    for (const auto &sections : {EntitySections(), DirectiveSections()})
+        for (const SettingSection &section : sections)
+            for (const SettingEntry &entry : section.entries)
+                names.emplace_back(entry.info.name);
+    throw Error("-help {}: no such stage, option, key or directive{}", topic, DidYouMean(topic, names));
 }
 
 } // namespace
@@ -149,16 +202,21 @@ std::string HelpText(std::string_view topic) {
     if (bare.empty())
         return Overview();
     const std::map<std::string, std::string (*)()> pages = {
-        {"common", GlobalText},   {"keys", KeysText},         {"game", GamesText},
-        {"all", AllText},         {"markdown", MarkdownPage}, {"man", ManualPage},
-        {"bash", BashCompletion}, {"zsh", ZshCompletion},     {"fish", FishCompletion}};
+        {"common", GlobalText},     {"keys", KeysText},         {"game", GamesText},
+        {"all", AllText},           {"markdown", MarkdownPage}, {"man", ManualPage},
+        {"bash", BashCompletion},   {"zsh", ZshCompletion},     {"fish", FishCompletion},
+        {"shader", DirectivesText}, {"vrad", VradText},         {"shadermarkdown", DirectivesPage}};
     if (const auto page = pages.find(LowerCase(bare)); page != pages.end())
         return page->second();
     std::string text;
     for (const Stage &stage : Stages())
         if (EqualNoCase(stage.word.substr(1), bare))
             text += StageText(stage);
-    text += text.empty() || !SettingHelp(bare).empty() ? (text.empty() ? "" : "\n") + SettingHelp(bare) : "";
+    const std::string options = OptionHelp(bare), words = MapWordHelp(bare);
+    if (text.empty())
+        text = options + words;
+    else if (!options.empty()) // the word is an option of other stages too
+        text += "\n" + options;
     if (text.empty()) {
         std::vector<std::string> topics;
         for (const auto &[name, page] : pages)

@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/text/text.h"
 #include "q3map2/stages.h"
 
 namespace q3 {
@@ -10,7 +11,7 @@ namespace q3 {
 LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log) {
     LightInputs inputs;
     inputs.name = bspPath.stem().string();
-    const auto mapPath = WithExtension(bspPath, ".map"), srfPath = WithExtension(bspPath, ".srf");
+    const auto mapPath = Beside(bspPath, ".map"), srfPath = Beside(bspPath, ".srf");
     if (std::filesystem::exists(mapPath)) {
         log.Print("Loading {}\n", mapPath.string());
         inputs.mapEntities = ParseMapEntities(ReadTextFile(mapPath), mapPath.string());
@@ -20,6 +21,25 @@ LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log) {
         inputs.surfaceFile = ReadTextFile(srfPath);
     }
     return inputs;
+}
+
+void WarnOfLuxelSizes(const std::vector<std::string> &given, const LightInputs &inputs, Arguments &arguments,
+                      Log &log) {
+    if (inputs.surfaceFile.empty())
+        return;
+    constexpr std::string_view kWord = "sampleSize "; // first in the default block
+    const std::size_t at = inputs.surfaceFile.find(kWord);
+    const int used = at == std::string::npos ? 0 : IntegerFromText(inputs.surfaceFile.substr(at + kWord.size(), 16));
+    for (const std::string_view option : {"-samplesize", "-minsamplesize"}) {
+        const std::string value = LastValueOf(option, given);
+        if (value.empty())
+            continue;
+        arguments.DropChange(option);
+        log.Warn("luxel size without effect",
+                 "{} {} has no effect: {}.srf, which the bsp stage wrote, has the luxel sizes ({} where no shader or "
+                 "key says otherwise); give {} {} to the bsp stage, or use -samplescale here",
+                 option, value, inputs.name, used, option, value);
+    }
 }
 
 TexLights ReadTexLights(const std::filesystem::path &bspPath, const VirtualFileSystem &vfs,
@@ -42,7 +62,7 @@ TexLights ReadTexLights(const std::filesystem::path &bspPath, const VirtualFileS
             read(ReadTextFile(name), name, name);
         else if (!readFromGame(name))
             throw Error("-lights {}: no such file, neither by its path nor among the game's files", name);
-    if (const auto ofMap = WithExtension(bspPath, ".rad"); std::filesystem::exists(ofMap))
+    if (const auto ofMap = Beside(bspPath, ".rad"); std::filesystem::exists(ofMap))
         read(ReadTextFile(ofMap), ofMap.filename().string(), ofMap.string());
     return lights;
 }

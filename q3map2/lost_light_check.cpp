@@ -1,5 +1,12 @@
-// GPL-2.0-or-later. Warns if lighting a map that lost its light entities made it darker.
+// GPL-2.0-or-later. What light a relight takes away from a map.
 #include "q3map2/lost_light_check.h"
+
+#include "common/error.h"
+#include "common/text/counted.h"
+#include "q3map2/bspfile/bspx.h"
+#include "q3map2/bspfile/prop_light.h"
+
+#include <algorithm>
 
 namespace q3 {
 
@@ -14,20 +21,82 @@ double MeanLight(const Bsp &bsp) {
     return bsp.gridPoints.empty() ? 0 : double(sum) / double(bsp.gridPoints.size());
 }
 
+template <typename Record> std::uint64_t BytesOfRecords(const std::vector<Record> &records) {
+    return std::uint64_t(records.size()) * sizeof(Record);
+}
+
+std::uint64_t BytesOfRnm(const RnmLightmaps &rnm) {
+    std::uint64_t bytes = sizeof rnm.header;
+    for (const RnmPage &page : rnm.pages)
+        for (const std::vector<std::uint32_t> &map : page.maps)
+            bytes += BytesOfRecords(map);
+    return bytes;
+}
+
+std::uint64_t BytesOfLump(const Bsp &bsp, std::string_view name) {
+    const auto found = std::ranges::find(bsp.bspx, name, &BspxLump::name);
+    return found == bsp.bspx.end() ? 0 : found->data.size();
+}
+
+/// A lump of light in a .bsp.
+struct LightLump {
+    std::string_view kind;   ///< of the warning
+    std::string_view what;   ///< for messages
+    std::uint64_t bytes = 0; ///< 0: the map does not have it
+    bool stays = false;      ///< or is made again
+    std::string_view option; ///< that makes it again
+};
+
 } // namespace
 
 LostLightCheck::LostLightCheck(const Bsp &bsp) : before_(MeanLight(bsp)) {}
 
-void LostLightCheck::Report(const Bsp &bsp, Log &log) const {
+void LostLightCheck::Report(const Bsp &bsp, bool force, Log &log) const {
     const double after = MeanLight(bsp);
-    if (log.WarningCount("no light entities") == 0 || after * 3 >= before_ * 2)
+    if (log.WarningTotals().count("no light entities") == 0 || after * 3 >= before_ * 2)
         return;
     const std::string text = fmt::format(
         "the light grid has {:.0f} % of the light that it had: the map was lit by light entities, which its .bsp "
         "does not have; put its .map beside it, or keep the map as it was",
         after * 100 / before_);
+    if (after * 2 < before_ && !force)
+        throw Error("{}. Nothing is written, and -force writes it all the same", text);
     log.Warn("light entities lost", "{}", text);
     log.Repeat(text);
+}
+
+void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const LightmapOptions &lightmap,
+                        const GridFormats &formats, Log &log) {
+    const bool isInLump = bsp.gridSHContainer == GridSHContainer::Lump;
+    const bool keepsFull = formats.empty() ? options.sh : HasPlace(formats, GridPlace::Full);
+    const bool keepsVertices = lightmap.onlyGrid || lightmap.hdr, keepsRnm = lightmap.onlyGrid || lightmap.rnm;
+    const bool keepsPages = lightmap.onlyGrid || (lightmap.hdr && !lightmap.external);
+    const bool keepsProps = lightmap.onlyGrid || options.staticPropLighting;
+    const LightLump lumps[] = {
+        {"SH grid dropped", "SH light grid",
+         bsp.gridSH ? sizeof bsp.gridSH->header + BytesOfRecords(bsp.gridSH->points) : 0, keepsFull,
+         isInLump ? "-sh" : "-shbspx"},
+        {"sparse SH grid dropped", "sparse SH light grid",
+         bsp.sparseGridSH ? std::uint64_t(EncodeSparseGrid(*bsp.sparseGridSH).size()) : 0, options.shAdaptive,
+         "-shadaptive"},
+        {"octree grid dropped", kBspxGridOctree, BytesOfLump(bsp, kBspxGridOctree),
+         HasPlace(formats, GridPlace::OctreeLump), "-gridformats octree"},
+        {"light grids dropped", kBspxGrids, BytesOfLump(bsp, kBspxGrids), HasPlace(formats, GridPlace::GridsLump),
+         "-gridformats grids"},
+        {"ambient cubes dropped", kBspxAmbientCubes,
+         bsp.ambientCubes ? BytesOfRecords(bsp.ambientCubes->leafs) + BytesOfRecords(bsp.ambientCubes->samples) : 0,
+         options.ambientCubes, "-ambientcubes"},
+        {"HDR lightmaps dropped", kBspxLightmapsE5bgr9, BytesOfRecords(bsp.lightmapsE5bgr9), keepsPages, "-both"},
+        {"HDR vertex light dropped", kBspxVertexE5bgr9, BytesOfRecords(bsp.vertexE5bgr9), keepsVertices, "-both"},
+        {"basis maps dropped", kBspxRnm, bsp.rnm ? BytesOfRnm(*bsp.rnm) : 0, keepsRnm, "-rnm"},
+        {"prop light dropped", kBspxPropLight, BytesOfLump(bsp, kBspxPropLight), keepsProps, "-staticproplighting"},
+    };
+    for (const LightLump &lump : lumps)
+        if (lump.bytes > 0 && !lump.stays)
+            log.Warn(lump.kind,
+                     "the {} of the map ({}) will be dropped: this run makes no other, and it would not fit the new "
+                     "light; {} makes one",
+                     lump.what, SizeText(lump.bytes), lump.option);
 }
 
 } // namespace q3

@@ -1,8 +1,11 @@
-// GPL-2.0-or-later. Warns if lighting a map that lost its light entities made it darker.
+// GPL-2.0-or-later. What light a relight takes away from a map: light entities that are gone, lumps that are not made.
 #pragma once
 
 #include "common/log.h"
 #include "q3map2/bspfile/bspfile.h"
+#include "q3map2/gridformats/grid_formats.h"
+#include "q3map2/light/options/light_options.h"
+#include "q3map2/lightmap/options/lightmap_options.h"
 
 namespace q3 {
 
@@ -12,10 +15,16 @@ class LostLightCheck {
   public:
     explicit LostLightCheck(const Bsp &bsp);
     /// After lighting: warns if the map has no light entities and its grid less than two thirds of the light before.
-    void Report(const Bsp &bsp, Log &log) const;
+    /// Errors: less than half; with `force`, that is a warning too.
+    void Report(const Bsp &bsp, bool force, Log &log) const;
 
   private:
     double before_; ///< mean light of the grid before
 };
+
+/// Warns of each lump of light in the map that a run with these options neither keeps nor makes again. `formats`: of
+/// -gridformats.
+void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const LightmapOptions &lightmap,
+                        const GridFormats &formats, Log &log);
 
 } // namespace q3

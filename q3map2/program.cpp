@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. From the command line to a stage.
 #include "common/error.h"
+#include "common/files/files.h"
 #include "q3map2/editor_feedback.h"
 #include "q3map2/help.h"
 #include "q3map2/presets.h"
@@ -9,6 +10,7 @@
 #include "q3map2/version.h"
 #include "q3map2/vrad_options.h"
 
+#include <array>
 #include <fstream>
 #include <memory>
 #include <new>
@@ -25,16 +27,25 @@ void AddLogFile(const std::string &path, Log &log) {
     log.AddSink([file](LogLevel, std::string_view text) { *file << text << std::flush; });
 }
 
-/// The words without the quotes that some editors leave around them.
+/// The words without the quotes that some editors leave around them, and that pasted paths have: plain ones, those of
+/// other shells, and typographic ones. One alone goes too: in "C:\games\" the shell takes the last for a part of it.
 std::vector<std::string> Unquoted(std::vector<std::string> words) {
+    struct Quotes {
+        std::string_view left, right;
+        bool alone;
+    };
+    constexpr std::array<Quotes, 3> kQuotes = {{{"\"", "\"", true}, {"'", "'", false}, {"\u201C", "\u201D", false}}};
     for (std::string &word : words)
-        if (word.size() > 2 && word.front() == '"' && word.back() == '"')
-            word = word.substr(1, word.size() - 2);
+        for (const Quotes &quotes : kQuotes) {
+            const bool left = word.starts_with(quotes.left), right = word.ends_with(quotes.right);
+            const std::size_t length = (left ? quotes.left.size() : 0) + (right ? quotes.right.size() : 0);
+            if (length < word.size() && ((left && right) || (quotes.alone && (left || right))))
+                word = word.substr(left ? quotes.left.size() : 0, word.size() - length);
+        }
     return words;
 }
 
-int Run(const std::vector<std::string> &words, const std::filesystem::path &program, const RunReport &report,
-        Log &log) {
+int Run(const std::vector<std::string> &words, const std::filesystem::path &program, RunReport &report, Log &log) {
     // First, so that errors in options arrive.
     EditorFeedback::Attach(LastValueOf("-connect", words), log);
     if (const std::string file = LastValueOf("-log", words); !file.empty())
@@ -53,7 +64,7 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
     const ChosenStage chosen = TakeStage(arguments);
     TranslateVradOptions(chosen.stage, arguments, log);
     ExpandPreset(chosen.stage, arguments, log);
-    const StageContext context{options, chosen.stage, chosen.given, program, arguments.Rest(), log};
+    const StageContext context{options, chosen.stage, chosen.given, program, arguments.Rest(), log, report};
     const int status = chosen.stage.run(context, std::move(arguments));
     log.FlushWarnings();
     report.PrintEnd(status != 0, log);
@@ -62,21 +73,17 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
 
 } // namespace
 
-std::filesystem::path WithExtension(const std::filesystem::path &path, std::string_view extension) {
-    std::filesystem::path result = path;
-    return result.replace_extension(extension);
-}
-
 int RunProgram(const std::vector<std::string> &given, const std::filesystem::path &program, Log &log) {
     const std::vector<std::string> arguments = Unquoted(given);
-    const RunReport report;
+    RunReport report;
     const std::string reportPath = LastValueOf("-report", arguments);
     ReportFile collected;
-    if (!reportPath.empty())
+    bool reports = !reportPath.empty();
+    if (reports)
         log.SetObserver(&collected);
     const auto end = [&](int status, std::string_view error) {
         log.SetObserver(nullptr);
-        if (reportPath.empty())
+        if (!reports)
             return status;
         try {
             collected.Write(reportPath, arguments, error);
@@ -92,8 +99,17 @@ int RunProgram(const std::vector<std::string> &given, const std::filesystem::pat
         report.PrintEnd(true, log);
         return end(1, text);
     };
+    if (reports)
+        try {
+            RequireWritable(reportPath); // before hours of work
+        } catch (const Error &error) {
+            reports = false;
+            return fail(fmt::format("-report: {}", error.what()));
+        }
     try {
-        return end(Run(arguments, program, report, log), "");
+        const int status = Run(arguments, program, report, log);
+        const std::string faults = report.Faults();
+        return end(status, status == 0 ? "" : faults.empty() ? "the log says what is wrong" : faults);
     } catch (const Error &error) {
         return fail(error.what());
     } catch (const std::bad_alloc &) {

@@ -2,6 +2,11 @@
 #include "q3map2/run_report.h"
 
 #include "common/cpu_time.h"
+#include "common/text/counted.h"
+
+#include <cmath>
+
+#include <fmt/ranges.h>
 
 namespace q3 {
 
@@ -18,7 +23,7 @@ std::string WarningText(const Log &log) {
     }
     if (total == 0)
         return "no warnings";
-    return fmt::format("{} warning{} ({})", total, total == 1 ? "" : "s", kinds);
+    return fmt::format("{} ({})", Counted(total, "warnings"), kinds);
 }
 
 } // namespace
@@ -34,15 +39,21 @@ void PrintChangedKeys(const Entity &entity, std::span<const EntityKey> keys, std
             log.Setting(key.info.name, value, source, key.InitialText());
 }
 
+std::string RunReport::Faults() const {
+    return fmt::format("{}", fmt::join(faults_, ", "));
+}
+
 void RunReport::PrintEnd(bool failed, Log &log) const {
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     for (const std::string &line : log.Repeated())
         log.Print("{}\n", line);
-    log.Print("{:9.0f} seconds elapsed\n", seconds);
+    log.Print("{:9.0f} {} elapsed\n", seconds, std::lround(seconds) == 1 ? "second" : "seconds");
+    const std::string faults = Faults();
     // Editors look at the level of this line, not at the exit status.
     log.Write(failed ? LogLevel::Error : LogLevel::Normal,
-              fmt::format("{}: {}, {:.1f} s, {:.1f} CPU s, {:.0f} MB peak memory\n", failed ? "failed" : "done",
-                          WarningText(log), seconds, CpuSeconds(), PeakMemory() / kMebibyte));
+              fmt::format("{}: {}{}, {:.1f} s, {:.1f} CPU s, {:.0f} MB peak memory\n", failed ? "failed" : "done",
+                          faults.empty() ? "" : faults + ", ", WarningText(log), seconds, CpuSeconds(),
+                          PeakMemory() / kMebibyte));
 }
 
 } // namespace q3

@@ -6,7 +6,10 @@
 #include "q3map2/bspfile/entity_key.h"
 
 #include <chrono>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace q3 {
 
@@ -18,10 +21,15 @@ void PrintChangedKeys(const Entity &entity, std::span<const EntityKey> keys, std
 /// Times a run.
 class RunReport {
   public:
+    /// Keeps a fault that makes the result unfit, such as a leak: the last line says it first.
+    void Conclude(std::string fault) { faults_.push_back(std::move(fault)); }
+    /// The faults, separated by commas.
+    std::string Faults() const;
     /// Repeats warnings of unknown options, then prints how the run ended, warnings by kind, times and memory.
     void PrintEnd(bool failed, Log &log) const;
 
   private:
+    std::vector<std::string> faults_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

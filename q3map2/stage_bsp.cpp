@@ -1,9 +1,12 @@
 // GPL-2.0-or-later. q3map2 [-bsp]: a map source in, CompileMap, files out.
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/text/counted.h"
 #include "q3map2/bot_check.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/command_record.h"
+#include "q3map2/engine_memory.h"
+#include "q3map2/file_guard.h"
 #include "q3map2/game_check.h"
 #include "q3map2/geometry/compile_map.h"
 #include "q3map2/geometry/game_entities.h"
@@ -27,51 +30,96 @@ void WriteText(const fs::path &path, const std::string &text, Log &log) {
 /// Path of the map source: extension `.map`, except for regions and for entities of -onlyents. Errors: a .bsp that may
 /// have been meant for another stage, or that has no source.
 fs::path SourcePath(const std::string &file, const BspOptions &options, bool stageGiven) {
-    const fs::path path = fs::absolute(file);
+    const fs::path path = fs::absolute(file), source = MapPath(file, ".map");
     const std::string extension = LowerCase(path.extension().string());
-    const bool hasSource = fs::exists(WithExtension(path, ".map")) || !options.tempName.empty();
+    const bool hasSource = fs::exists(source) || !options.tempName.empty();
     if (extension == ".bsp" && !stageGiven)
         throw Error("{} is a compiled map, which the bsp stage would replace; name a stage: -bsp compiles {}, -light "
                     "lights it, -vis computes what can be seen",
-                    path.string(), WithExtension(path, ".map").filename().string());
-    if (extension == ".bsp" && !hasSource)
+                    path.string(), source.filename().string());
+    if (extension == ".bsp" && !hasSource && fs::exists(path))
         throw Error("{} is a compiled map and has no map source beside it: {} does not exist", path.string(),
-                    WithExtension(path, ".map").string());
+                    source.string());
     if (extension == ".reg" || (extension == ".ent" && options.onlyEntities))
         return path;
-    return WithExtension(path, ".map");
+    return source;
 }
 
-/// Removes files of an earlier run that this one might not overwrite.
-void RemoveStaleFiles(const fs::path &source) {
+/// Removes files of an earlier compile that this one, which is on the disk now, did not overwrite.
+void RemoveStaleFiles(const fs::path &source, bool leaks) {
     std::error_code ignored;
-    for (const std::string_view extension : {".prt", ".lin"})
-        fs::remove(WithExtension(source, extension), ignored);
+    fs::remove(Beside(source, leaks ? ".prt" : ".lin"), ignored);
     if (LowerCase(source.extension().string()) != ".reg")
-        fs::remove(WithExtension(source, ".reg"), ignored);
+        fs::remove(Beside(source, ".reg"), ignored);
+}
+
+/// The source that is read, which is not the one that names the outputs with -tempname.
+fs::path FileOfSource(const fs::path &source, const BspOptions &options) {
+    return options.tempName.empty() ? source : fs::absolute(options.tempName);
+}
+
+/// Names the files of the stage. A .bsp has about the size of its source.
+FileGuard GuardFiles(const fs::path &source, const BspOptions &options, const StageContext &context) {
+    FileGuard guard(context);
+    const fs::path file = FileOfSource(source, options), bsp = Beside(source, ".bsp");
+    guard.Needs(file);
+    if (options.autoCaulk) {
+        guard.Writes(Beside(source, ".caulk"));
+        return guard;
+    }
+    guard.Reads(bsp);
+    guard.Writes(bsp, options.onlyEntities ? SizeOfFile(bsp) : SizeOfFile(file) / 2);
+    if (!options.onlyEntities)
+        for (const std::string_view extension : {".srf", ".prt", ".lin"})
+            guard.Writes(Beside(source, extension));
+    return guard;
 }
 
 Map ReadSource(const fs::path &source, const BspOptions &options, const BspContext &context) {
-    const fs::path file = options.tempName.empty() ? source : fs::absolute(options.tempName);
+    const fs::path file = FileOfSource(source, options);
     context.log.Print("Loading {}\n", file.string());
     return ReadMap(ReadTextFile(file), file.string(), context);
 }
 
-void WriteFiles(const fs::path &source, const CompiledMap &compiled, const BspContext &context,
+void AddBsp(const fs::path &path, const Bsp &bsp, const BspFormat &format, FileSet &files, Log &log) {
+    log.Print("Writing {}\n", path.string());
+    try {
+        const std::vector<std::byte> bytes = WriteBsp(bsp, format);
+        files.Add(path).Append(bytes);
+        log.Print("Wrote {} ({} bytes)\n", SizeText(bytes.size()), bytes.size());
+    } catch (const Error &error) {
+        const std::string text = error.what();
+        throw Error("{}", text.starts_with(path.string()) ? text : fmt::format("{}: {}", path.string(), text));
+    }
+}
+
+/// Writes the files of a compile: all of them, or on a failure none.
+void WriteFiles(const fs::path &source, const CompiledMap &compiled, const FileGuard &guard, const BspContext &context,
                 const BspFormat &format) {
     Log &log = context.log;
-    if (!compiled.leakLine.empty())
-        WriteLeakFile(WithExtension(source, ".lin"), compiled.leakLine);
+    guard.CheckUnchanged();
+    FileSet files;
+    const auto add = [&](std::string_view extension, const std::string &text) {
+        const fs::path path = Beside(source, extension);
+        log.Print("Writing {}\n", path.string());
+        files.AddText(path, text);
+    };
+    const bool leaks = !compiled.leakLine.empty();
+    if (leaks)
+        files.AddText(Beside(source, ".lin"), LeakFileText(compiled.leakLine));
     if (context.options.autoCaulk && !compiled.abandoned)
-        WriteText(WithExtension(source, ".caulk"), compiled.caulkFile, log);
+        add(".caulk", compiled.caulkFile);
     if (compiled.abandoned || context.options.autoCaulk)
-        return;
+        return files.Commit();
     if (!compiled.portalFile.empty())
-        WriteText(WithExtension(source, ".prt"), compiled.portalFile, log);
-    WriteText(WithExtension(source, ".srf"), compiled.surfaceFile, log);
-    const fs::path path = WithExtension(source, ".bsp");
+        add(".prt", compiled.portalFile);
+    add(".srf", compiled.surfaceFile);
+    const fs::path path = Beside(source, ".bsp");
     const BotCheck bots(path, log);
-    WriteBspFile(path, compiled.bsp, format, log);
+    AddBsp(path, compiled.bsp, format, files, log);
+    files.Commit();
+    RemoveStaleFiles(source, leaks);
+    WarnOfEngineMemory(path, compiled.bsp, context.game, log);
     bots.Report(BotCheck::OtherGeometry, false);
 }
 
@@ -107,8 +155,17 @@ void PrintCounts(const Bsp &bsp, Log &log) {
     log.Count((long long)(bsp.fogs.size()), "fogs");
 }
 
-void CompileToFiles(const fs::path &source, Map &map, const std::vector<std::string> &recorded,
-                    const BspContext &context, const BspFormat &format) {
+/// What the last line of the run says.
+void Conclude(const CompiledMap &compiled, const BspContext &context, RunReport &report) {
+    if (!compiled.leakLine.empty())
+        report.Conclude(fmt::format("the map leaks ({})", context.leakFile));
+    if (compiled.idleAreaPortals > 0)
+        report.Conclude(Counted(compiled.idleAreaPortals, "areaportals without effect"));
+}
+
+/// False: -leaktest found a leak.
+bool CompileToFiles(const fs::path &source, Map &map, const std::vector<std::string> &recorded, const FileGuard &guard,
+                    const BspContext &context, const BspFormat &format, RunReport &report) {
     Entity &world = map.World().pairs;
     PrintChangedKeys(world, keys::kWorldKeys, "worldspawn", context.log);
     RecordCommand(world, "-bsp", recorded);
@@ -121,7 +178,21 @@ void CompileToFiles(const fs::path &source, Map &map, const std::vector<std::str
     const CompiledMap compiled = CompileMap(map, context);
     if (!compiled.abandoned && !context.options.autoCaulk)
         PrintCounts(compiled.bsp, context.log);
-    WriteFiles(source, compiled, context, format);
+    Conclude(compiled, context, report);
+    WriteFiles(source, compiled, guard, context, format);
+    return !compiled.abandoned;
+}
+
+void ReplaceStoredEntities(const fs::path &source, Map &map, const FileGuard &guard, const BspContext &context,
+                           const BspFormat &format) {
+    const fs::path path = Beside(source, ".bsp");
+    RequireMap(path);
+    Bsp bsp = ReadBspFile(path, format, context.log);
+    ReplaceEntities(bsp, map, context);
+    guard.CheckUnchanged();
+    const BotCheck bots(path, context.log);
+    WriteBspFile(path, bsp, format, context.log);
+    bots.Report(BotCheck::SameGeometry, false);
 }
 
 } // namespace
@@ -136,29 +207,29 @@ int BspStage(const StageContext &context, Arguments arguments) {
     const fs::path source = SourcePath(file.file, options, context.stageGiven);
     const BspFormat format = context.options.Format();
     const auto folders = GameFolders(context.options, context.words, context.program);
+    if (options.tempName.empty())
+        RequireMap(source, folders);
+    const FileGuard guard = GuardFiles(source, options, context);
     if (!options.onlyEntities)
         RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
-    if (!options.onlyEntities)
-        RemoveStaleFiles(source);
     ShaderLibrary library(vfs, *context.options.game, ShadersFor(options), log);
     log.Count((long long)(library.DefinedCount()), "shaders defined");
-    const BspContext bspContext{
-        .options = options, .game = *context.options.game, .shaders = library, .log = log, .vfs = &vfs};
+    const BspContext bspContext{.options = options,
+                                .game = *context.options.game,
+                                .shaders = library,
+                                .log = log,
+                                .vfs = &vfs,
+                                .leakFile = Beside(source, ".lin").string()};
     Map map = ReadSource(source, options, bspContext);
-    if (options.onlyEntities) {
-        const fs::path path = WithExtension(source, ".bsp");
-        Bsp bsp = ReadBspFile(path, format, log);
-        ReplaceEntities(bsp, map, bspContext);
-        const BotCheck bots(path, log);
-        WriteBspFile(path, bsp, format, log);
-        bots.Report(BotCheck::SameGeometry, false);
-    } else {
-        CompileToFiles(source, map, file.recorded, bspContext, format);
-    }
+    bool done = true;
+    if (options.onlyEntities)
+        ReplaceStoredEntities(source, map, guard, bspContext, format);
+    else
+        done = CompileToFiles(source, map, file.recorded, guard, bspContext, format, context.report);
     if (!options.tempName.empty())
         fs::remove(fs::absolute(options.tempName));
-    return 0;
+    return done ? 0 : 1;
 }
 
 } // namespace q3

@@ -5,6 +5,8 @@
 #include "q3map2/convert/json/convert_json.h"
 #include "q3map2/convert/json/convert_json_pack.h"
 #include "q3map2/convert/preview/grid_preview.h"
+#include "q3map2/engine_memory.h"
+#include "q3map2/file_guard.h"
 #include "q3map2/stage_words.h"
 
 namespace q3 {
@@ -13,22 +15,26 @@ int JsonStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
     const JsonOptions options = ParseJsonOptions(arguments, log);
     const std::string file = TakeFile(context, arguments, {}).file;
-    const auto bspPath = WithExtension(std::filesystem::absolute(file), ".bsp");
+    const auto bspPath = options.pack ? MapPath(file, ".bsp") : ExistingBsp(file);
     const auto folder = WithExtension(bspPath, "");
     const BspFormat format = context.options.Format();
     const Game &game = *context.options.game;
     if (!options.pack) {
         log.Section("Unpack to JSON");
+        FileGuard guard(context);
+        guard.Needs(bspPath);
+        guard.WritesInto(folder, SizeOfFile(bspPath) * 2);
         UnpackJson(ReadBspFile(bspPath, format, log), game, folder, log);
         return 0;
     }
     log.Section("Pack from JSON");
     auto packed = bspPath;
     packed.replace_filename(bspPath.stem().string() + "_json.bsp");
-    WriteBspFile(packed,
-                 PackJson(folder, game,
-                          {.useFlagNames = options.useFlagNames, .dropUnknownFlags = options.dropUnknownFlags}, log),
-                 format, log);
+    FileGuard(context).Writes(packed, SizeOfFile(bspPath));
+    const Bsp bsp = PackJson(folder, game,
+                             {.useFlagNames = options.useFlagNames, .dropUnknownFlags = options.dropUnknownFlags}, log);
+    WriteBspFile(packed, bsp, format, log);
+    WarnOfEngineMemory(packed, bsp, game, log);
     return 0;
 }
 
@@ -39,7 +45,7 @@ int InfoStage(const StageContext &context, Arguments arguments) {
         return 255;
     }
     for (const std::string &file : files) {
-        const auto path = WithExtension(std::filesystem::absolute(file), ".bsp");
+        const auto path = ExistingBsp(file);
         const Bsp bsp = ReadBspFile(path, context.options.Format(), context.log);
         PrintBspInfo(path, bsp, std::filesystem::file_size(path), context.log);
     }
@@ -50,7 +56,10 @@ int PreviewStage(const StageContext &context, Arguments arguments) {
     const std::vector<std::string> files = TakeFiles(context, arguments);
     if (files.size() != 2)
         throw Error("usage: q3map2 {}", context.stage.usage);
-    const auto path = WithExtension(std::filesystem::absolute(files[1]), ".bsp");
+    const auto path = ExistingBsp(files[1]);
+    FileGuard guard(context);
+    guard.Needs(path);
+    guard.Writes(files[0]);
     WriteGridPreview(files[0], ReadBspFile(path, context.options.Format(), context.log), context.log);
     return 0;
 }

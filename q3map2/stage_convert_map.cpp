@@ -7,6 +7,8 @@
 #include "q3map2/convert/mesh/mesh_export.h"
 #include "q3map2/convert/source/source_from_bsp.h"
 #include "q3map2/convert/source/source_from_map.h"
+#include "q3map2/engine_memory.h"
+#include "q3map2/file_guard.h"
 #include "q3map2/game_check.h"
 #include "q3map2/geometry/compile_map.h"
 #include "q3map2/map/map_parse.h"
@@ -31,6 +33,16 @@ struct ConvertJob {
     const BspContext &context;
     BspFormat bspFormat;
 };
+
+enum class FormatKind { Model, Source, Game };
+
+/// `format`: name of the format, which is the extension of models.
+fs::path PathOfOutput(const fs::path &input, FormatKind kind, std::string_view format) {
+    if (kind == FormatKind::Model)
+        return WithExtension(input, fmt::format(".{}", format));
+    fs::path output = input;
+    return output.replace_filename(input.stem().string() + (kind == FormatKind::Source ? "_converted.map" : "_c.bsp"));
+}
 
 std::string ReadText(const fs::path &path, Log &log) {
     log.Print("Loading {}\n", path.string());
@@ -59,8 +71,7 @@ void WriteSource(MapForm form, const ConvertJob &job) {
                                        .markUnknown = job.options.markUnknown};
         text = DecompiledSource(InputBsp(job), name, options, job.context);
     }
-    fs::path output = job.input;
-    output.replace_filename(job.input.stem().string() + "_converted.map");
+    const fs::path output = PathOfOutput(job.input, FormatKind::Source, {});
     job.context.log.Print("Writing {}\n", output.string());
     ReplaceTextFile(output, text);
 }
@@ -80,12 +91,10 @@ void WriteForGame(const ConvertJob &job) {
     const Game &game = *FindGame(job.options.format);
     Bsp bsp = InputBsp(job);
     ConvertToGame(bsp, job.context.game, game, job.context.log);
-    fs::path output = job.input;
-    output.replace_filename(job.input.stem().string() + "_c.bsp");
+    const fs::path output = PathOfOutput(job.input, FormatKind::Game, {});
     WriteBspFile(output, bsp, {.version = game.bspVersion, .advertisements = game.hasAdvertisements}, job.context.log);
+    WarnOfEngineMemory(output, bsp, game, job.context.log);
 }
-
-enum class FormatKind { Model, Source, Game };
 
 /// A value of -format.
 struct ConvertFormat {
@@ -108,16 +117,13 @@ ConvertFormat FindFormat(std::string_view name) {
         return kFormats[0];
     if (const Game *game = FindGame(name))
         return {game->name, FormatKind::Game, WriteForGame};
-    std::vector<std::string> names;
+    std::string expected;
     for (const ConvertFormat &format : kFormats) {
         if (EqualNoCase(format.name, name))
             return format;
-        names.emplace_back(format.name);
+        expected += fmt::format("{}, ", format.name);
     }
-    const std::string expected = fmt::format("{}, or a game", fmt::join(names, ", "));
-    for (const Game &game : Games())
-        names.emplace_back(game.name);
-    throw Error("-format {}: unknown, expected {}{}", name, expected, DidYouMean(name, names));
+    throw Error("-format {}: unknown, expected {}or a game{}", name, expected, DidYouMean(name, ConvertFormatNames()));
 }
 
 bool ReadsMap(const std::string &file, const ConvertOptions &options, const ConvertFormat &format) {
@@ -174,6 +180,15 @@ void DropEmptyWords(Arguments &arguments) {
 
 } // namespace
 
+std::vector<std::string> ConvertFormatNames() {
+    std::vector<std::string> names;
+    for (const ConvertFormat &format : kFormats)
+        names.emplace_back(format.name);
+    for (const Game &game : Games())
+        names.emplace_back(game.name);
+    return names;
+}
+
 int ConvertStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
     log.Section("Convert");
@@ -184,7 +199,13 @@ int ConvertStage(const StageContext &context, Arguments arguments) {
     const ConvertFormat format = FindFormat(options.format);
     const bool isMap = ReadsMap(file, options, format);
     RefuseIdleOptions(options, format, isMap);
+    const fs::path input = WithExtension(fs::absolute(file), isMap ? ".map" : ".bsp");
+    FileGuard guard(context);
+    guard.Needs(input);
+    guard.Writes(PathOfOutput(input, format.kind, format.name), SizeOfFile(input));
     const auto folders = GameFolders(context.options, context.words, context.program);
+    const fs::path input = MapPath(file, isMap ? ".map" : ".bsp");
+    RequireMap(input, folders);
     RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     const BspOptions compile = CompileOptions(context, options);
@@ -192,7 +213,7 @@ int ConvertStage(const StageContext &context, Arguments arguments) {
     const BspContext bspContext{
         .options = compile, .game = *context.options.game, .shaders = library, .log = log, .vfs = &vfs};
     format.write({.options = options,
-                  .input = WithExtension(fs::absolute(file), isMap ? ".map" : ".bsp"),
+                  .input = input,
                   .isMap = isMap,
                   .context = bspContext,
                   .bspFormat = context.options.Format()});

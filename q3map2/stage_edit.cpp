@@ -5,6 +5,8 @@
 #include "q3map2/edit/merge_maps.h"
 #include "q3map2/edit/scale_map.h"
 #include "q3map2/edit/shift_map.h"
+#include "q3map2/engine_memory.h"
+#include "q3map2/file_guard.h"
 #include "q3map2/run_report.h"
 #include "q3map2/stage_words.h"
 
@@ -15,7 +17,7 @@ namespace q3 {
 namespace {
 
 std::filesystem::path BspPath(const std::string &file) {
-    return WithExtension(std::filesystem::absolute(file), ".bsp");
+    return ExistingBsp(file);
 }
 
 Bsp Load(const std::filesystem::path &path, const StageContext &context) {
@@ -23,14 +25,33 @@ Bsp Load(const std::filesystem::path &path, const StageContext &context) {
     return ReadBspFile(path, context.options.Format(), context.log);
 }
 
+/// maps/x.bsp as maps/x_END.bsp.
+std::filesystem::path PathBeside(std::filesystem::path source, std::string_view end) {
+    return source.replace_filename(source.stem().string() + std::string(end) + ".bsp");
+}
+
+/// The guard of a stage that makes one map of these, beside the first.
+FileGuard GuardEdit(const std::vector<std::filesystem::path> &sources, std::string_view end,
+                    const StageContext &context) {
+    FileGuard guard(context);
+    std::uint64_t bytes = 0;
+    for (const auto &source : sources) {
+        guard.Needs(source);
+        bytes += SizeOfFile(source);
+    }
+    guard.Writes(PathBeside(sources.front(), end), bytes);
+    return guard;
+}
+
 /// Writes maps/x.bsp as maps/x_END.bsp, with the command in its record.
 void WriteBeside(const std::filesystem::path &source, std::string_view end, Bsp bsp, std::vector<std::string> recorded,
-                 const StageContext &context) {
-    auto path = source;
-    path.replace_filename(source.stem().string() + std::string(end) + ".bsp");
+                 const FileGuard &guard, const StageContext &context) {
+    const auto path = PathBeside(source, end);
+    guard.CheckUnchanged();
     RecordCommand(bsp, context.stage.word, source.string(), recorded);
     const BotCheck bots(path, context.log);
     WriteBspFile(path, bsp, context.options.Format(), context.log);
+    WarnOfEngineMemory(path, bsp, *context.options.game, context.log);
     bots.Report(BotCheck::OtherGeometry, false);
 }
 
@@ -38,9 +59,10 @@ void WriteBeside(const std::filesystem::path &source, std::string_view end, Bsp 
 template <typename Edit>
 void EditMap(const StageContext &context, const StageFile &file, std::string_view end, const Edit &edit) {
     const auto path = BspPath(file.file);
+    const FileGuard guard = GuardEdit({path}, end, context);
     Bsp bsp = Load(path, context);
     edit(bsp, path.string());
-    WriteBeside(path, end, std::move(bsp), file.recorded, context);
+    WriteBeside(path, end, std::move(bsp), file.recorded, guard, context);
 }
 
 } // namespace
@@ -77,10 +99,11 @@ int MergeStage(const StageContext &context, Arguments arguments) {
         throw Error("usage: q3map2 {}", context.stage.usage);
     std::erase_if(recorded, [&](const std::string &word) { return std::ranges::find(files, word) != files.end(); });
     const auto mainPath = BspPath(files[0]), addedPath = BspPath(files[1]);
+    const FileGuard guard = GuardEdit({mainPath, addedPath}, "_merged", context);
     const Bsp added = Load(addedPath, context), main = Load(mainPath, context);
     const std::string mainName = mainPath.string(), addedName = addedPath.string();
     Bsp merged = MergeMaps({main, mainName}, {added, addedName}, options, context.log);
-    WriteBeside(mainPath, "_merged", std::move(merged), recorded, context);
+    WriteBeside(mainPath, "_merged", std::move(merged), recorded, guard, context);
     return 0;
 }
 
@@ -92,7 +115,14 @@ int FixAasStage(const StageContext &context, Arguments arguments) {
     if (files.empty())
         throw Error("{}: no bot file beside it; expected {}, or the same with _b0 or _b1 after the name", path.string(),
                     WithExtension(path, ".aas").string());
+    FileGuard guard(context);
+    guard.Needs(path);
+    for (const BotFile &file : files) {
+        guard.Reads(file.path);
+        guard.Writes(file.path, SizeOfFile(file.path));
+    }
     const std::uint32_t checksum = MapChecksum(path);
+    guard.CheckUnchanged();
     log.Print("{}: checksum {:08x}\n", path.string(), checksum);
     for (const BotFile &file : files) {
         if (file.checksum == checksum) {

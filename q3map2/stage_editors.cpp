@@ -2,6 +2,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "q3map2/editors/editor_files.h"
+#include "q3map2/file_guard.h"
 #include "q3map2/presets.h"
 #include "q3map2/stage_words.h"
 #include "q3map2/version.h"
@@ -63,6 +64,7 @@ int EditorFilesStage(const StageContext &context, Arguments arguments) {
     const std::vector<std::string> folders = TakeFiles(context, arguments);
     if (folders.size() != 1)
         throw Error("usage: q3map2 {}", context.stage.usage);
+    FileGuard(context).WritesInto(folders.front());
     std::vector<std::string_view> presets;
     for (const Preset &preset : Presets())
         presets.push_back(preset.name);

@@ -5,6 +5,9 @@
 #include "q3map2/bspfile/light_style_keys.h"
 #include "q3map2/command_record.h"
 #include "q3map2/convert/preview/grid_preview.h"
+#include "q3map2/edit/edit_grids.h"
+#include "q3map2/engine_memory.h"
+#include "q3map2/file_guard.h"
 #include "q3map2/game_check.h"
 #include "q3map2/grid_format_files.h"
 #include "q3map2/grid_size_report.h"
@@ -18,6 +21,8 @@
 #include "q3map2/run_report.h"
 #include "q3map2/stage_words.h"
 
+#include <algorithm>
+
 namespace q3 {
 
 namespace {
@@ -27,8 +32,41 @@ struct PagesFiles {
 };
 
 PagesFiles FindPages(const StageContext &context, Arguments &arguments) {
-    const auto bsp = WithExtension(std::filesystem::absolute(TakeFile(context, arguments, {}).file), ".bsp");
+    const auto bsp = ExistingBsp(TakeFile(context, arguments, {}).file);
     return {bsp, WithExtension(bsp, "")};
+}
+
+/// Names the files of the light stage. The room for the .bsp is asked for once the map is read.
+FileGuard GuardLight(const std::filesystem::path &bspPath, const LightOptions &options, const LightmapOptions &lightmap,
+                     const StageContext &context) {
+    FileGuard guard(context);
+    guard.Needs(bspPath);
+    for (const std::string_view extension : {".map", ".srf"})
+        guard.Reads(WithExtension(bspPath, extension));
+    guard.Writes(bspPath);
+    if (!lightmap.externalFolder.empty())
+        guard.WritesInto(lightmap.externalFolder);
+    else if (lightmap.external || lightmap.exportPages || lightmap.lightmass || lightmap.hdrFiles != HdrFiles::None ||
+             options.staticPropFiles)
+        guard.WritesInto(WithExtension(bspPath, ""));
+    if (!options.previewFile.empty())
+        guard.Writes(options.previewFile);
+    return guard;
+}
+
+/// Bytes of the uniform SH grid; 0: there is none, or it cannot be laid out.
+std::uint64_t EstimateGridSH(const Bsp &bsp, const LightOptions &options) {
+    if (!options.sh || bsp.models.empty())
+        return 0;
+    try {
+        const Vec3f given = Vec3f(GridCellOf(StoredEntities(bsp.entities, "the map").front())) *
+                            float(1 / std::max(options.gridScaleSH, 1e-3f));
+        const Vec3f cell = options.gridSizeSH.value_or(given);
+        const bspModel_t &world = bsp.models.front();
+        return std::uint64_t(LayoutGrid(world.mins, world.maxs, cell.Array()).Count()) * sizeof(bspGridPointSH_t);
+    } catch (const Error &) { // the light stage says what is wrong
+        return 0;
+    }
 }
 
 void PrintWorldKeys(const Entity &world, Log &log) {
@@ -47,16 +85,21 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const GridFormats gridFormats = TakeGridFormats(options);
     const LightmapOptions lightmap = ParseLightmapOptions(arguments, options, *context.options.game, log);
     const StageFile file = TakeFile(context, arguments, given);
-    PrintChangedOptions(arguments, log);
-    const auto bspPath = WithExtension(std::filesystem::absolute(file.file), ".bsp");
-
     const auto folders = GameFolders(context.options, context.words, context.program);
+    const auto bspPath = ExistingBsp(file.file, folders);
+    LightInputs inputs = ReadLightInputs(bspPath, log);
+    WarnOfLuxelSizes(given, inputs, arguments, log);
+    PrintChangedOptions(arguments, log);
+
+    FileGuard guard = GuardLight(bspPath, options, lightmap, context);
     RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
-    LightInputs inputs = ReadLightInputs(bspPath, log);
+    WarnIfSourceIsNewer(bspPath, log);
+    WarnOfDroppedLight(bsp, options, lightmap, gridFormats, log);
+    guard.Writes(bspPath, SizeOfFile(bspPath) + EstimateGridSH(bsp, options));
     inputs.vfs = &vfs;
     inputs.texLights = ReadTexLights(bspPath, vfs, options.texLightFiles, lightmap.hdr, log);
     const Entity world = StoredEntities(bsp.entities, inputs.name).front();
@@ -72,7 +115,8 @@ int LightStage(const StageContext &context, Arguments arguments) {
     log.Count(jobs.Threads(), "threads");
     const LostLightCheck lostLight(bsp);
     LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);
-    lostLight.Report(bsp, log);
+    lostLight.Report(bsp, context.options.force, log);
+    guard.CheckUnchanged();
     const auto folder = WithExtension(bspPath, "");
     StoreBakedGrids(gridFormats, options, folder, bsp, jobs, log);
     RecordCommand(bsp, "-light", inputs.name, file.recorded);
@@ -93,6 +137,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     WriteBspFile(bspPath, bsp, format, log);
     bots.Report(BotCheck::SameGeometry, options.fixBotFiles);
     PrintGridSHSize(bsp, std::filesystem::file_size(bspPath), log);
+    WarnOfEngineMemory(bspPath, bsp, *context.options.game, log);
     if (lightmap.exportPages && !lightmap.external)
         ExportLightmaps(bsp, lightmap.gamePageSize[0], folder, log);
     if (!options.previewFile.empty())
@@ -103,6 +148,9 @@ int LightStage(const StageContext &context, Arguments arguments) {
 int ExportStage(const StageContext &context, Arguments arguments) {
     const ExportOptions options = ParseExportOptions(arguments, context.log);
     const PagesFiles files = FindPages(context, arguments);
+    FileGuard guard(context);
+    guard.Needs(files.bsp);
+    guard.WritesInto(files.folder, SizeOfFile(files.bsp) / 4);
     const Bsp bsp = ReadBspFile(files.bsp, context.options.Format(), context.log);
     ExportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log, options);
     return 0;
@@ -111,10 +159,17 @@ int ExportStage(const StageContext &context, Arguments arguments) {
 int ImportStage(const StageContext &context, Arguments arguments) {
     const ExportOptions options = ParseExportOptions(arguments, context.log);
     const PagesFiles files = FindPages(context, arguments);
+    FileGuard(context).WritesInto(files.folder, SizeOfFile(files.bsp) / 4);
+    FileGuard guard(context);
+    guard.Needs(files.bsp);
+    guard.Writes(files.bsp, SizeOfFile(files.bsp));
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(files.bsp, format, context.log);
     ImportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log, options);
+    guard.CheckUnchanged();
+    const BotCheck bots(files.bsp, context.log);
     WriteBspFile(files.bsp, bsp, format, context.log);
+    bots.Report(BotCheck::SameGeometry, false);
     return 0;
 }
 

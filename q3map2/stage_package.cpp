@@ -1,7 +1,9 @@
 // GPL-2.0-or-later. q3map2 -pk3 and -repack: maps and the game's files in, a package out.
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/text/counted.h"
 #include "q3map2/bot_check.h"
+#include "q3map2/file_guard.h"
 #include "q3map2/pk3/package_options.h"
 #include "q3map2/pk3/package_plan.h"
 #include "q3map2/run_report.h"
@@ -49,14 +51,33 @@ fs::path OutputFolder(const StageContext &context, const PackOptions &options) {
     return BasePaths(context.options, context.words, context.program).front();
 }
 
+/// Finds before the work that the package cannot be written. Maps are most of a package, and shrink by half or more.
+FileGuard GuardPackage(const std::vector<fs::path> &outputs, const std::vector<fs::path> &maps,
+                       const StageContext &context) {
+    FileGuard guard(context);
+    std::uint64_t bytes = 0;
+    for (const fs::path &map : maps) {
+        guard.Needs(map);
+        bytes += SizeOfFile(map) / 4;
+    }
+    for (const fs::path &output : outputs) {
+        guard.Writes(output, bytes);
+        bytes = 0;
+    }
+    return guard;
+}
+
 /// Maps that the words name. If it `mayBeList`, a single word that is no .bsp is a list of them, one a line. Errors: no
 /// maps in the list.
 std::vector<fs::path> MapsOf(const std::vector<std::string> &words, bool mayBeList) {
     std::vector<fs::path> maps;
     for (const std::string &word : words) {
-        const std::string extension = LowerCase(fs::path(word).extension().string());
-        if (!mayBeList || words.size() > 1 || extension.empty() || extension == ".bsp") {
-            maps.push_back(WithExtension(fs::absolute(word), ".bsp"));
+        const fs::path map = MapPath(word, ".bsp");
+        const bool isList = mayBeList && words.size() == 1 && map == fs::absolute(word) && fs::is_regular_file(map) &&
+                            !EqualNoCase(map.extension().string(), ".bsp");
+        if (!isList) {
+            RequireMap(map);
+            maps.push_back(map);
             continue;
         }
         const std::string text = ReadTextFile(word);
@@ -67,7 +88,7 @@ std::vector<fs::path> MapsOf(const std::vector<std::string> &words, bool mayBeLi
             while (!line.empty() && IsBlank(line.back()))
                 line.pop_back();
             if (!line.empty())
-                maps.push_back(WithExtension(fs::absolute(line), ".bsp"));
+                maps.push_back(ExistingBsp(line));
         }
     }
     if (maps.empty())
@@ -83,6 +104,20 @@ std::vector<std::string> TakeMaps(const StageContext &context, Arguments &argume
     return words;
 }
 
+/// Warns of bot files that do not fit the packed map: those beside it, and those of archives, packed or not, which
+/// engines would take.
+void WarnOfBotFiles(const fs::path &map, const PackageSource &source, const PackagePlan &plan, Log &log) {
+    BotCheck(map, log).Report(BotCheck::SameGeometry, false);
+    for (const std::string_view end : kBotFileEnds) {
+        const std::string name = fmt::format("maps/{}{}", map.stem().string(), end);
+        const auto entry = std::ranges::find(plan.Files(), name, &PackageEntry::name);
+        if (entry != plan.Files().end() && !entry->disk.empty())
+            continue;
+        if (const auto bytes = source.Read(name))
+            WarnOfPackedBotFile(map, *bytes, source.Location(name), log);
+    }
+}
+
 /// What both stages start with: the maps that the arguments name, what they need, and where that is.
 struct Packing {
     std::vector<fs::path> maps;
@@ -92,10 +127,9 @@ struct Packing {
     MapNeeds needs;
     Exclusions exclusions;
 
-    Packing(const StageContext &context, const PackOptions &options, Arguments &arguments, bool mayBeList)
-        : maps(MapsOf(TakeMaps(context, arguments), mayBeList)),
-          vfs(OpenGameFiles(context.options, GameFolders(context.options, context.words, context.program),
-                            context.log)),
+    Packing(const StageContext &context, const PackOptions &options, const std::vector<fs::path> &given)
+        : maps(given), vfs(OpenGameFiles(context.options, GameFolders(context.options, context.words, context.program),
+                                         context.log)),
           source(vfs, FoldersOf(maps), options.basePaks),
           scripts(ReadScripts(source, *context.options.game, context.log)) {
         for (const fs::path &map : maps) {
@@ -116,9 +150,11 @@ void PrintList(std::string_view title, std::string_view sign, const std::vector<
 }
 
 /// Prints what is missing, and returns the exit status.
-int Finish(const PackagePlan &plan, Log &log) {
+int Finish(const PackagePlan &plan, RunReport &report, Log &log) {
     PrintList("not there, and not needed", "~fail", plan.absent, log);
     PrintList("missing", "!FAIL!", plan.missing, log);
+    if (!plan.missing.empty())
+        report.Conclude(Counted((long long)(plan.missing.size()), "files missing"));
     return plan.missing.empty() ? 0 : 1;
 }
 
@@ -134,20 +170,22 @@ int PackStage(const StageContext &context, Arguments arguments) {
     log.Section("Pk3");
     PackOptions options;
     TakeSettings(PackSettings(), options, arguments, log);
-    Packing packing(context, options, arguments, false);
+    const std::vector<fs::path> maps = MapsOf(TakeMaps(context, arguments), false);
+    const std::string name = maps.back().stem().string();
+    const fs::path folder = OutputFolder(context, options);
+    const fs::path path = folder / (name + "_autopacked.pk3"), failed = folder / (name + "_FAILEDpack.pk3");
+    const FileGuard files = GuardPackage({path, failed}, maps, context);
+    Packing packing(context, options, maps);
     PackagePlan plan = MakePlan(packing.needs, packing.source, packing.scripts,
                                 {.exclusions = packing.exclusions, .png = options.png, .list = options.list}, log);
     for (const fs::path &map : packing.maps)
         AddMapFiles(map, packing.needs.externalPages, *context.options.game, packing.source, plan);
     for (const fs::path &map : packing.maps)
-        BotCheck(map, log).Report(BotCheck::SameGeometry, false);
-    const std::string name = packing.maps.back().stem().string();
-    const fs::path folder = OutputFolder(context, options);
-    const fs::path path = folder / (name + "_autopacked.pk3"), failed = folder / (name + "_FAILEDpack.pk3");
-    RemoveOld(path);
-    RemoveOld(failed);
-    WritePackage(path, failed, options.level, packing.source, plan, log);
-    return Finish(plan, log);
+        WarnOfBotFiles(map, packing.source, plan, log);
+    files.CheckUnchanged();
+    const fs::path written = WritePackage(path, failed, options.level, packing.source, plan, log);
+    RemoveOld(written == path ? failed : path);
+    return Finish(plan, context.report, log);
 }
 
 int RepackStage(const StageContext &context, Arguments arguments) {
@@ -155,17 +193,20 @@ int RepackStage(const StageContext &context, Arguments arguments) {
     log.Section("Repack");
     RepackOptions options;
     TakeSettings(RepackSettings(), options, arguments, log);
-    Packing packing(context, options, arguments, true);
+    const std::vector<fs::path> maps = MapsOf(TakeMaps(context, arguments), true);
+    const std::string name = maps.back().stem().string();
+    const fs::path folder = options.onlyList ? fs::path() : OutputFolder(context, options);
+    const fs::path path = folder / (name + "_repacked.pk3"), script = folder / (name + "_strippedBYrepacker.shader");
+    const FileGuard files =
+        GuardPackage(options.onlyList ? std::vector<fs::path>{} : std::vector{path, script}, maps, context);
+    Packing packing(context, options, maps);
     if (const fs::path more = context.program.parent_path() / "repack.exclude"; fs::exists(more))
         packing.exclusions.Add(ReadExclusions(ReadTextFile(more), more.string()));
     PackagePlan plan =
         MakePlan(packing.needs, packing.source, packing.scripts,
                  {.exclusions = packing.exclusions, .png = options.png, .wholeScripts = false, .list = true}, log);
     if (!options.onlyList) {
-        const std::string name = packing.maps.back().stem().string();
-        const fs::path folder = OutputFolder(context, options);
-        const fs::path path = folder / (name + "_repacked.pk3"),
-                       script = folder / (name + "_strippedBYrepacker.shader");
+        files.CheckUnchanged();
         std::string text;
         for (const EngineShader *shader : plan.strippedShaders)
             text += '\n' + StrippedText(*shader);
@@ -173,7 +214,7 @@ int RepackStage(const StageContext &context, Arguments arguments) {
         ReplaceTextFile(script, text);
         WritePackage(path, path, options.level, packing.source, plan, log);
     }
-    return Finish(plan, log);
+    return Finish(plan, context.report, log);
 }
 
 } // namespace q3

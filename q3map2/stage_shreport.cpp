@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. q3map2 -shreport.
 #include "common/files/files.h"
+#include "q3map2/file_guard.h"
 #include "q3map2/game_check.h"
 #include "q3map2/run_report.h"
 #include "q3map2/shreport/report_package.h"
@@ -13,8 +14,13 @@ int ShReportStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
     log.Section("SH report");
     const ShReportOptions options = ParseShReportOptions(arguments, log);
-    const auto bspPath = WithExtension(std::filesystem::absolute(TakeFile(context, arguments, {}).file), ".bsp");
+    const auto bspPath = ExistingBsp(TakeFile(context, arguments, {}).file);
     PrintChangedOptions(arguments, log);
+    const auto path =
+        options.output.empty() ? WithExtension(bspPath, ".html") : std::filesystem::absolute(options.output);
+    FileGuard guard(context);
+    guard.Needs(bspPath);
+    guard.Writes(path, SizeOfFile(bspPath) / 4);
     const auto folders = GameFolders(context.options, context.words, context.program);
     if (options.textureSize > 0)
         RequireGameFiles(context.options, folders, context.words, log);
@@ -30,8 +36,6 @@ int ShReportStage(const StageContext &context, Arguments arguments) {
         MakeReportPackage({bspPath, bsp, game, source, scripts}, options.textureSize, jobs, log);
     const std::string page =
         PageWithPackage(ViewerPage(), fmt::format("maps/{}.bsp", bspPath.stem().string()), package);
-    const auto path =
-        options.output.empty() ? WithExtension(bspPath, ".html") : std::filesystem::absolute(options.output);
     log.Print("Writing {}\n", path.string());
     ReplaceTextFile(path, page);
     log.Print("Wrote {} bytes, with a package of {} bytes\n", page.size(), package.size());

@@ -5,6 +5,7 @@
 #include "libs/math/packed_color.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/convert/preview/tone_picture.h"
+#include "q3map2/file_guard.h"
 #include "q3map2/stage_words.h"
 
 namespace q3 {
@@ -45,6 +46,9 @@ int ToneMapStage(const StageContext &context, Arguments arguments) {
     if (files.size() != 2)
         throw Error("usage: q3map2 {}", context.stage.usage);
     const std::filesystem::path from = std::filesystem::absolute(files[0]), to = std::filesystem::absolute(files[1]);
+    FileGuard guard(context);
+    guard.Needs(from);
+    guard.Writes(to);
     const FloatImage image =
         EqualNoCase(from.extension().string(), ".bsp") ? HdrPageOf(from, context, options.page) : ReadFloatImage(from);
     WritePicture(to, ToneMapped(image, options));

@@ -3,6 +3,7 @@
 #include "q3map2/bot_check.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/command_record.h"
+#include "q3map2/file_guard.h"
 #include "q3map2/run_report.h"
 #include "q3map2/stage_words.h"
 #include "q3map2/vis/vis_options.h"
@@ -18,7 +19,7 @@ namespace {
 void CheckPrtExists(const std::filesystem::path &bspPath, const std::filesystem::path &prtPath) {
     if (std::filesystem::exists(prtPath))
         return;
-    const auto leakPath = WithExtension(bspPath, ".lin");
+    const auto leakPath = Beside(bspPath, ".lin");
     if (std::filesystem::exists(leakPath))
         throw Error("{} is missing, because the map leaked: {} shows where, load it in the editor, close the leak and "
                     "compile the map again",
@@ -53,13 +54,18 @@ int VisStage(const StageContext &context, Arguments arguments) {
     VisStageOptions options = ParseVisOptions(arguments, log);
     const StageFile file = TakeFile(context, arguments, given);
     PrintChangedOptions(arguments, log);
-    const auto bspPath = WithExtension(std::filesystem::absolute(file.file), ".bsp");
-    const auto prtPath = WithExtension(bspPath, ".prt");
+    const auto bspPath = ExistingBsp(file.file);
+    const auto prtPath = Beside(bspPath, ".prt");
 
+    FileGuard guard(context);
+    guard.Needs(bspPath);
+    guard.Reads(prtPath);
+    guard.Writes(bspPath, SizeOfFile(bspPath));
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
     CheckPrtExists(bspPath, prtPath);
+    WarnIfSourceIsNewer(bspPath, log);
     log.Print("Loading {}\n", prtPath.string());
     const PortalFile portals = ReadPortalFile(prtPath);
     log.Print("{:6} portalclusters\n{:6} numportals\n{:6} numfaces\n", portals.clusters, portals.portals.size(),
@@ -78,6 +84,7 @@ int VisStage(const StageContext &context, Arguments arguments) {
     const Visibility visibility = ComputeVisibility(portals, prtPath.string(), options.vis, jobs, log);
     PrintStatistics(visibility, options.histogram, log);
     bsp.visibility = visibility.Lump();
+    guard.CheckUnchanged();
     const BotCheck bots(bspPath, log);
     WriteBspFile(bspPath, bsp, format, log);
     bots.Report(BotCheck::SameGeometry, false);

@@ -50,21 +50,42 @@ bool HasMapExtension(std::string_view word) {
     return std::ranges::find(kMapExtensions, extension) != std::end(kMapExtensions);
 }
 
-/// Position of the word that is the file.
+/// Whether the word names a map: by its extension, or because a map of that name is there.
+bool IsMap(std::string_view word) {
+    std::error_code absent;
+    return HasMapExtension(word) || std::ranges::any_of(kMapExtensions, [&](std::string_view extension) {
+               return std::filesystem::exists(WithExtension(std::filesystem::path(word), extension), absent);
+           });
+}
+
+/// Whether the word may be the value of the unknown option before it: the first word after it, and numbers after that.
+bool MayBeValue(const std::vector<std::string> &words, std::size_t at) {
+    if (at == 0 || IsOption(words[at]))
+        return false;
+    return IsOption(words[at - 1]) || (WholeNumber(words[at]) && MayBeValue(words, at - 1));
+}
+
+/// Position of the word that is the file: the last map, else the last word that no unknown option can claim.
 std::size_t FindFile(const StageContext &context, const std::vector<std::string> &words) {
-    std::vector<std::size_t> files, maps;
-    for (std::size_t i = 0; i < words.size(); ++i)
-        if (!IsOption(words[i])) {
-            files.push_back(i);
-            if (HasMapExtension(words[i]))
-                maps.push_back(i);
-        }
-    if (files.empty())
+    std::optional<std::size_t> last, lastFree, map;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (IsOption(words[i]))
+            continue;
+        last = i;
+        if (!MayBeValue(words, i))
+            lastFree = i;
+        if (!IsMap(words[i]))
+            continue;
+        if (map && words[*map] != words[i])
+            throw Error("{} and {}: a line is for one map; run the program once for each", words[*map], words[i]);
+        map = i;
+    }
+    if (!last)
         throw Error("usage: q3map2 [global options] {}", context.stage.usage);
-    if (!maps.empty() && maps.back() != files.back())
+    if (map && lastFree && *lastFree > *map)
         throw Error("{} or {}: which is the map? It may stand anywhere, but every other word must belong to an option",
-                    words[maps.back()], words[files.back()]);
-    return files.back();
+                    words[*map], words[*lastFree]);
+    return map.value_or(lastFree.value_or(*last));
 }
 
 /// All names among which to look for what an unknown word was meant to be.
@@ -85,21 +106,46 @@ std::string OwnerHint(std::string_view word) {
     return owners.empty() ? "" : fmt::format("; it is an option of {}", fmt::join(owners, " and "));
 }
 
-/// Warns about each word left; an error if no stage was named or the word stands before the stage word. With
-/// `optionsOnly`, about words with a dash only.
+/// What an unknown word may have been meant to be: an option of another stage, one written with =, or a near name.
+std::string Hint(const StageContext &context, const std::string &word, bool &ofOthers) {
+    const std::string owners = OwnerHint(word);
+    ofOthers = !owners.empty();
+    if (ofOthers)
+        return owners;
+    const std::size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    if (equals != std::string::npos && context.stage.HasOption(name))
+        return fmt::format("; write {} {}", name, word.substr(equals + 1));
+    return DidYouMean(name, KnownNames(context));
+}
+
+/// " and its value 8", for the words after an unknown option that are its values as it seems.
+std::string ValuesAfter(const std::vector<std::string> &words, std::size_t at) {
+    std::vector<std::string> values;
+    while (++at < words.size() && MayBeValue(words, at))
+        values.push_back(words[at]);
+    return values.empty() ? ""
+                          : fmt::format("; its value{} {} {} ignored too", values.size() == 1 ? "" : "s",
+                                        fmt::join(values, " "), values.size() == 1 ? "is" : "are");
+}
+
+/// Warns about each word left, an option and its values at once; an error if no stage was named or the word stands
+/// before the stage word. With `optionsOnly`, about words with a dash only.
 void ReportUnknown(const StageContext &context, const Arguments &arguments, bool optionsOnly = false) {
     const bool saysOption = context.stage.word == "-bsp" || context.stage.word == "-vis";
-    for (std::size_t i = 0; i < arguments.Rest().size(); ++i) {
-        const std::string &word = arguments.Rest()[i];
-        if (optionsOnly && !IsOption(word))
+    const std::vector<std::string> &words = arguments.Rest();
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const std::string &word = words[i];
+        if (!IsOption(word) && (optionsOnly || MayBeValue(words, i)))
             continue;
-        const std::string owners = OwnerHint(word);
-        const std::string hint = owners.empty() ? DidYouMean(word, KnownNames(context)) : owners;
+        bool ofOthers = false;
+        const std::string hint = Hint(context, word, ofOthers);
         if (!context.stageGiven)
-            throw Error("{}: unknown{}{}", word, hint, owners.empty() ? "" : ", which the line does not name");
+            throw Error("{}: unknown{}{}", word, hint, ofOthers ? ", which the line does not name" : "");
         if (arguments.IsBeforeStage(i))
             throw Error("{}: {} has no such option{}", word, context.stage.word, hint);
-        const std::string text = fmt::format("Unknown {} \"{}\"{}", saysOption ? "option" : "argument", word, hint);
+        const std::string text =
+            fmt::format("Unknown {} \"{}\"{}{}", saysOption ? "option" : "argument", word, hint, ValuesAfter(words, i));
         context.log.Warn("unknown option", "{}", text);
         context.log.Repeat(text);
     }
@@ -142,7 +188,7 @@ StageFile TakeFile(const StageContext &context, Arguments &arguments, std::vecto
 std::vector<std::string> TakeFiles(const StageContext &context, Arguments &arguments) {
     std::vector<std::string> files;
     for (std::size_t i = 0; i < arguments.Rest().size();)
-        if (IsOption(arguments.Rest()[i]))
+        if (IsOption(arguments.Rest()[i]) || (WholeNumber(arguments.Rest()[i]) && MayBeValue(arguments.Rest(), i)))
             ++i;
         else
             files.push_back(arguments.TakeAt(i));

@@ -45,11 +45,13 @@ std::vector<SettingSection> LightSections() {
 std::vector<Stage> CompilingStages() {
     return {
         {"-bsp", "[-bsp] [options] maps/x.map", "Compile a map: maps/x.map to x.bsp, x.srf and x.prt",
-         "The source has the extension `.map` whatever the line says, but for `.reg` (a region of a map) and, with "
+         "The source has the extension `.map` whether the line has it, `.bsp` or none, but for `.reg` (a region of a "
+         "map) and, with "
          "`-onlyents`, `.ent`. Without the word `-bsp` the file must not be a `.bsp`, so that a compiled map is not "
-         "replaced by mistake. Old `.prt`, `.lin` and `.reg` files beside it are removed first. A map that leaks gets "
-         "`x.lin` in place of `x.prt`; that is no error, and the exit status is 0. A map without an entity in the open "
-         "is an error, because nothing tells its inside from its outside.",
+         "replaced by mistake. All files are written together at the end, and then an old `.prt` or `.lin` that does "
+         "not belong to them and an old `.reg` are removed; a run that fails leaves all as they were. A map that leaks "
+         "gets `x.lin` in place of `x.prt`; that is a warning, and the exit status is 0. A map without an entity in "
+         "the open is an error, because nothing tells its inside from its outside.",
          BspStage, [] { return AfterPresets(Describe(BspSettings())); }},
         {"-vis", "-vis [options] maps/x.bsp", "Compute what can be seen from where, from maps/x.prt",
          "Reads `x.bsp` and `x.prt`, which the bsp stage wrote, and puts visibility data into `x.bsp`. "
@@ -102,7 +104,8 @@ std::vector<Stage> CompilingStages() {
          ShReportStage, [] { return Describe(ShReportSettings()); }},
         {"-ssbump", "-ssbump [options] HEIGHT OUT.tga|OUT.png",
          "Make a self-shadowed bump map of a height map, for directional lightmaps",
-         "HEIGHT is a TGA, PNG or JPEG file whose luminance is the height; PNG files may have 16 bits a channel. Alpha "
+         "HEIGHT is a TGA, PNG, JPEG or DDS file whose luminance is the height; PNG files may have 16 bits a channel. "
+         "Alpha "
          "is "
          "kept. Game files are not needed.",
          SsbumpStage, [] { return Describe(SsbumpSettings()); }}};
@@ -134,8 +137,8 @@ std::vector<Stage> EditingStages() {
          ShiftStage, nullptr},
         {"-mergebsp", "-mergebsp [options] maps/x.bsp maps/y.bsp",
          "Add the entities of y, and its world if asked, to x: x_merged.bsp",
-         "Tree, visibility, light grids and world bounds are those of x.", MergeStage,
-         [] { return Describe(MergeSettings()); }},
+         "Tree, visibility, light grids and world bounds are those of x; light of static props is that of both.",
+         MergeStage, [] { return Describe(MergeSettings()); }},
         {"-fixaas", "-fixaas maps/x.bsp", "Make bot files beside a map fit it again",
          "A bot file names its map by a checksum of all bytes, so lighting a map makes engines refuse a good file. "
          "This enters the new checksum into `x.aas`, `x_b0.aas` and `x_b1.aas`, as far as they are there. Right only "

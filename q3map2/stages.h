@@ -4,6 +4,7 @@
 #include "common/arguments.h"
 #include "common/settings.h"
 #include "q3map2/global_options.h"
+#include "q3map2/map_paths.h"
 
 #include <filesystem>
 #include <string>
@@ -12,6 +13,7 @@
 namespace q3 {
 
 struct Stage;
+class RunReport;
 
 /// What a stage gets besides its arguments.
 struct StageContext {
@@ -21,6 +23,7 @@ struct StageContext {
     std::filesystem::path program;  ///< real path of the executable
     std::vector<std::string> words; ///< the whole command line, which may contain the engine path
     Log &log;
+    RunReport &report;
 };
 
 /// A word such as -light and what it starts.
@@ -70,8 +73,8 @@ int EditorFilesStage(const StageContext &context, Arguments arguments);
 /// Error if a build step (editors/builds.h) names a stage, option or value that does not exist.
 void CheckBuildStep(const std::string &step);
 
-/// The path with its extension (if any) replaced.
-std::filesystem::path WithExtension(const std::filesystem::path &path, std::string_view extension);
+/// The values of -format of the stage -convert.
+std::vector<std::string> ConvertFormatNames();
 
 /// The whole program: parses the command line, runs the stage, prints failures. Returns the exit status.
 int RunProgram(const std::vector<std::string> &arguments, const std::filesystem::path &program, Log &log);

@@ -90,7 +90,12 @@ SettingSection VradSection() {
         return texts;
     }();
     SettingSection section{
-        "Options of VRAD", "Accepted for those who come from Source: [from_source.md](from_source.md#options).", {}};
+        "Options of VRAD",
+        "Accepted for those who come from Source: [from_source.md](from_source.md#options). The first ones become "
+        "other "
+        "options, as the run says; the others do nothing, which is a warning that names what to use instead.",
+        {},
+        "vrad"};
     for (std::size_t i = 0; i < std::size(kVradOptions); ++i) {
         SettingInfo info{.name = kVradOptions[i].name, .help = helps[i]};
         constexpr std::string_view kValues[] = {"", "N", "N N", "R G B"};

@@ -42,16 +42,25 @@ Zip Open(const std::filesystem::path &path) {
 
 } // namespace
 
+std::string PlainName(std::string_view name) {
+    std::string plain;
+    for (std::size_t begin = 0; begin <= name.size();) {
+        const std::size_t end = std::min(name.find_first_of("/\\", begin), name.size());
+        const std::string_view part = name.substr(begin, end - begin);
+        if (!part.empty() && part != ".") {
+            plain += plain.empty() ? "" : "/";
+            plain += part;
+        }
+        begin = end + 1;
+    }
+    return plain;
+}
+
 std::string SafeName(std::string_view name) {
-    std::string safe(name);
-    for (char &c : safe) {
-        if (c == '\\')
-            c = '/';
+    std::string safe = PlainName(name);
+    for (const char c : safe)
         if (static_cast<unsigned char>(c) < 32 || c == 127 || c == ':')
             return {};
-    }
-    if (safe.empty() || safe.front() == '/')
-        return {};
     for (std::size_t up = safe.find(".."); up != std::string::npos; up = safe.find("..", up + 1))
         if ((up == 0 || safe[up - 1] == '/') && (up + 2 == safe.size() || safe[up + 2] == '/'))
             return {};
@@ -105,8 +114,11 @@ void Archive::ReadDirectory() {
 }
 
 void Archive::Add(std::string_view name, Entry entry) {
+    const auto isSlash = [](char c) { return c == '/' || c == '\\'; };
+    if (name.empty() || isSlash(name.front()) || isSlash(name.back())) // absolute, or a folder
+        return;
     entry.name = SafeName(name);
-    if (entry.name.empty() || entry.name.back() == '/')
+    if (entry.name.empty())
         return;
     std::string key = LowerCase(entry.name);
     entries_.insert_or_assign(std::move(key), std::move(entry));

@@ -51,7 +51,10 @@ class Archive {
     std::unordered_map<std::string, Entry> entries_; ///< by lower-case name
 };
 
-/// '\' becomes '/'; a name that could lead out of the game folders, or that holds control bytes, becomes empty.
+/// A name as engines look for it: '/' for '\', none in front, one at a time, no "." as a folder.
+std::string PlainName(std::string_view name);
+
+/// PlainName; a name that could lead out of the game folders, or that holds control bytes, becomes empty.
 std::string SafeName(std::string_view name);
 
 } // namespace q3

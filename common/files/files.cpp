@@ -37,6 +37,22 @@ fs::path BehindLinks(fs::path path) {
     throw Error("{}: cannot write: more than {} symbolic links", path.string(), kMaxLinks);
 }
 
+bool IsWritable(const fs::path &path) {
+    return g_access(path.string().c_str(), W_OK) == 0;
+}
+
+/// `target`: the file behind the links of `path`. Errors: something is there that is no file or may not be written.
+void RequireReplaceable(const fs::path &path, const fs::path &target) {
+    std::error_code ignored;
+    const fs::file_status old = fs::status(target, ignored);
+    if (fs::is_directory(old))
+        throw Error("{}: cannot write: not a regular file, but a folder", path.string());
+    if (fs::exists(old) && !fs::is_regular_file(old))
+        throw Error("{}: cannot write: not a regular file", path.string());
+    if (fs::exists(old) && !IsWritable(target))
+        throw Error("{}: cannot write: the file is write protected", path.string());
+}
+
 } // namespace
 
 InputFile::InputFile(fs::path path) : path_(std::move(path)) {
@@ -76,11 +92,8 @@ std::string ReadTextFile(const std::filesystem::path &path) {
 
 FileReplacement::FileReplacement(fs::path path) : path_(std::move(path)), target_(BehindLinks(path_)) {
     std::error_code ignored;
+    RequireReplaceable(path_, target_);
     const fs::file_status old = fs::status(target_, ignored);
-    if (fs::exists(old) && !fs::is_regular_file(old))
-        throw Error("{}: cannot write: not a regular file", path_.string());
-    if (fs::exists(old) && g_access(target_.string().c_str(), W_OK) != 0)
-        throw Error("{}: cannot write: the file is write protected", path_.string());
     const int mode = fs::exists(old) ? int(old.permissions()) : 0666;
 
     std::string name = target_.string() + ".XXXXXX";
@@ -103,10 +116,15 @@ void FileReplacement::Append(std::span<const std::byte> data) {
         Fail(errno);
 }
 
-void FileReplacement::Commit() {
+void FileReplacement::Finish() {
     if (!SyncFile(file_.get()))
         Fail(errno);
     file_.reset();
+}
+
+void FileReplacement::Commit() {
+    if (file_)
+        Finish();
     if (!RenameOver(temporary_, target_))
         Fail(errno);
     temporary_.clear();
@@ -131,6 +149,54 @@ void MakeFolder(const std::filesystem::path &folder) {
 
 void ReplaceTextFile(const fs::path &path, std::string_view text) {
     ReplaceFile(path, std::as_bytes(std::span(text)));
+}
+
+void FileSet::AddText(const fs::path &path, std::string_view text) {
+    Add(path).Append(std::as_bytes(std::span(text)));
+}
+
+void FileSet::Commit() {
+    for (FileReplacement &file : files_)
+        file.Finish();
+    for (FileReplacement &file : files_)
+        file.Commit();
+}
+
+void RequireWritable(const fs::path &file) {
+    const fs::path target = BehindLinks(fs::absolute(file));
+    RequireReplaceable(file, target);
+    const fs::path folder = target.parent_path();
+    std::error_code ignored;
+    if (!fs::exists(folder, ignored))
+        throw Error("{}: cannot write: the folder {} does not exist", file.string(), folder.string());
+    if (!fs::is_directory(folder, ignored))
+        throw Error("{}: cannot write: {} is not a folder", file.string(), folder.string());
+    if (!IsWritable(folder))
+        throw Error("{}: cannot write: the folder {} is write protected", file.string(), folder.string());
+}
+
+void RequireFolder(const fs::path &folder) {
+    std::error_code ignored;
+    fs::path there = fs::absolute(folder);
+    while (!fs::exists(there, ignored) && there.has_relative_path())
+        there = there.parent_path();
+    if (!fs::is_directory(there, ignored))
+        throw Error("{}: cannot write to this folder: {} is a file", folder.string(), there.string());
+    if (!IsWritable(there))
+        throw Error("{}: cannot write to this folder: {} is write protected", folder.string(), there.string());
+}
+
+FileState FileState::Of(const fs::path &path) {
+    FileState state;
+    std::error_code failed;
+    struct stat info {};
+    if (stat(path.string().c_str(), &info) != 0)
+        return state;
+    state.exists = true;
+    state.size = std::uint64_t(info.st_size);
+    state.number = std::uint64_t(info.st_ino);
+    state.time = fs::last_write_time(path, failed);
+    return state;
 }
 
 } // namespace q3

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -52,7 +53,9 @@ class FileReplacement {
     FileReplacement &operator=(const FileReplacement &) = delete;
     ~FileReplacement();
     void Append(std::span<const std::byte> data);
-    /// Completes the file and renames it over the old one. To be called once, as the last call.
+    /// Puts the whole file on the disk, still under its temporary name. No Append after it.
+    void Finish();
+    /// Finishes the file and renames it over the old one. To be called once, as the last call.
     void Commit();
 
   private:
@@ -63,9 +66,37 @@ class FileReplacement {
     std::unique_ptr<std::FILE, CloseFile> file_;
 };
 
+/// Files that belong together: until all of them are complete on the disk, none replaces its old one.
+class FileSet {
+  public:
+    FileReplacement &Add(const std::filesystem::path &path) { return files_.emplace_back(path); }
+    void AddText(const std::filesystem::path &path, std::string_view text);
+    /// Replaces the old files in the order of Add. To be called once.
+    void Commit();
+
+  private:
+    std::deque<FileReplacement> files_;
+};
+
 /// FileReplacement in one step.
 void ReplaceFile(const std::filesystem::path &path, std::span<const std::byte> data);
 void ReplaceTextFile(const std::filesystem::path &path, std::string_view text);
+
+/// Errors: Error, with the reason, if the file could not be made or replaced: no such folder, or one that cannot be
+/// written to, a folder or a device of that name, a write-protected file.
+void RequireWritable(const std::filesystem::path &file);
+/// The same for a folder that will be made, with its parents, where it is missing.
+void RequireFolder(const std::filesystem::path &folder);
+
+/// What tells whether somebody wrote a file meanwhile. A file that is not there has a state too.
+struct FileState {
+    bool exists = false;
+    std::uint64_t size = 0, number = 0; ///< number: of the file on its disk; 0 where there are none
+    std::filesystem::file_time_type time{};
+
+    static FileState Of(const std::filesystem::path &path);
+    bool operator==(const FileState &) const = default;
+};
 
 /// Makes the folder and its parents if they do not exist. Errors: Error if that fails.
 void MakeFolder(const std::filesystem::path &folder);

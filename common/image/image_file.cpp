@@ -2,6 +2,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/image/image.h"
+#include "common/image/image_dds.h"
 #include "common/text/text.h"
 
 #include <algorithm>
@@ -14,6 +15,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 8> kPngSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
 constexpr std::array<std::uint8_t, 2> kJpegSignature = {0xFF, 0xD8};
+constexpr std::array<std::uint8_t, 4> kDdsSignature = {'D', 'D', 'S', ' '};
 
 bool BeginsWith(std::span<const std::byte> file, std::span<const std::uint8_t> begin) {
     return file.size() >= begin.size() && std::ranges::equal(file.first(begin.size()), std::as_bytes(begin));
@@ -34,9 +36,11 @@ Image DecodeImage(std::span<const std::byte> file, std::string_view name) {
         return DecodePng(file, name);
     if (BeginsWith(file, kJpegSignature))
         return DecodeJpeg(file, name);
+    if (BeginsWith(file, kDdsSignature))
+        return DecodeDds(file, name);
     if (EndsWithNoCase(name, ".tga"))
         return DecodeTga(file, name);
-    throw Error("{}: expected an image: TGA, PNG or JPEG", name);
+    throw Error("{}: expected an image: TGA, PNG, JPEG or DDS", name);
 }
 
 DeepImage ReadDeepImage(const std::filesystem::path &path) {
@@ -46,9 +50,11 @@ DeepImage ReadDeepImage(const std::filesystem::path &path) {
         return DecodeDeepPng(file, name);
     if (BeginsWith(file, kJpegSignature))
         return Deepened(DecodeJpeg(file, name));
+    if (BeginsWith(file, kDdsSignature))
+        return Deepened(DecodeDds(file, name));
     if (EqualNoCase(path.extension().string(), ".tga"))
         return Deepened(DecodeTga(file, name));
-    throw Error("{}: expected an image: TGA, PNG or JPEG", name);
+    throw Error("{}: expected an image: TGA, PNG, JPEG or DDS", name);
 }
 
 } // namespace q3

@@ -15,21 +15,49 @@ constexpr std::size_t kMaxIncludeDepth = 16;
 constexpr int kMaxIncludes = 256; // in total: the depth limit alone would allow exponentially many
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF", kInclude = "$include";
 
-/// End of the unquoted token that starts at `begin`.
-std::size_t PlainEnd(const std::string &text, std::size_t begin) {
+/// End of the unquoted token that starts at `begin`. `stop`: a byte that ends it, besides blanks.
+std::size_t PlainEnd(const std::string &text, std::size_t begin, char stop) {
     const char *end = text.c_str() + begin;
-    while (!IsBlank(*end) && *end != ';') // the 0 after the text is a blank
+    while (!IsBlank(*end) && *end != stop) // the 0 after the text is a blank
         ++end;
     return std::size_t(end - text.c_str());
 }
 
+/// Whether a line goes on with tokens in quotes that all end, or with none.
+bool HasCompleteQuotes(std::string_view line) {
+    if (!line.empty() && !IsBlank(line.front()) && line.front() != '}')
+        return false;
+    for (;;) {
+        while (!line.empty() && IsBlank(line.front()))
+            line.remove_prefix(1);
+        if (line.empty() || line.starts_with("//") || line.starts_with('}'))
+            return true;
+        const std::size_t end = line.find('"', 1);
+        if (line.front() != '"' || end == std::string_view::npos || line[end - 1] == '\\')
+            return false;
+        line.remove_prefix(end + 1);
+    }
+}
+
 } // namespace
+
+std::size_t QuotedEnd(std::string_view text, std::size_t begin, bool escapes) {
+    for (std::size_t at = begin;; ++at) {
+        at = std::min(text.find('"', at), text.size());
+        if (!escapes || at == text.size() || at == begin || text[at - 1] != '\\')
+            return at;
+        const std::size_t lineEnd = std::min(text.find('\n', at), text.size());
+        if (HasCompleteQuotes(text.substr(at + 1, lineEnd - at - 1)))
+            return at;
+    }
+}
 
 std::string TextLocation::Text() const {
     return fmt::format("{}:{}", file, line);
 }
 
-TextScanner::TextScanner(std::string text, std::string name, Include include) : include_(std::move(include)) {
+TextScanner::TextScanner(std::string text, std::string name, Include include, TextDialect dialect)
+    : include_(std::move(include)), dialect_(dialect), maxToken_(kMaxToken) {
     last_.file = names_.emplace_back(std::move(name));
     const std::size_t at = text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
     files_.push_back({&texts_.emplace_back(std::move(text)), at, last_});
@@ -53,6 +81,13 @@ bool TextScanner::ReadCopy(std::string &token, bool crossLines) {
     const bool got = Read(view, crossLines);
     if (got)
         token = view;
+    return got;
+}
+
+bool TextScanner::NextLongOnLine(std::string &token) {
+    maxToken_ = std::string_view::npos;
+    const bool got = ReadCopy(token, false);
+    maxToken_ = kMaxToken;
     return got;
 }
 
@@ -99,7 +134,8 @@ bool TextScanner::SkipBlanks(File &file, bool crossLines) const {
         if (at >= text.size())
             return stop(false);
         const char c = text[at], next = c == '/' && at + 1 < text.size() ? text[at + 1] : '\0';
-        if (c == ';' || c == '#' || next == '/') {
+        const bool isMark = (c == ';' || c == '#') && dialect_ != TextDialect::Engine;
+        if (isMark || next == '/') {
             if (!crossLines)
                 return stop(false);
             at = std::min(text.find('\n', at), text.size());
@@ -122,23 +158,25 @@ void TextScanner::ReadToken(File &file) {
     const std::string &text = *file.text;
     std::size_t begin = file.at, end = begin;
     last_ = file.location;
-    if (text[begin] == '"') {
+    quoted_ = text[begin] == '"';
+    if (quoted_) {
         ++begin;
-        end = std::min(text.find('"', begin), text.size());
+        end = QuotedEnd(text, begin, dialect_ == TextDialect::MapSource);
         file.at = std::min(end + 1, text.size());
         file.location.line += int(std::count(text.begin() + begin, text.begin() + end, '\n'));
     } else {
-        end = PlainEnd(text, begin);
+        end = PlainEnd(text, begin, dialect_ == TextDialect::Engine ? '\0' : ';');
         file.at = end;
     }
-    if (end - begin > kMaxToken)
-        FailLong(end - begin);
+    if (end - begin > maxToken_)
+        FailLong(std::string_view(text).substr(begin, end - begin));
     token_ = std::string_view(text).substr(begin, end - begin);
 }
 
-void TextScanner::FailLong(std::size_t size) const {
-    throw Error("{}: a token of {} bytes, expected at most {} (a quote that is not closed?)", Location(), size,
-                kMaxToken);
+void TextScanner::FailLong(std::string_view token) const {
+    const bool goesOn = quoted_ && token.find('\n') != std::string_view::npos;
+    throw Error("{}: a token of {} bytes, expected at most {}{}", Location(), token.size(), kMaxToken,
+                goesOn ? " (a quote that is not closed?)" : "");
 }
 
 void TextScanner::OpenInclude() {

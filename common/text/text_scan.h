@@ -22,16 +22,25 @@ struct TextLocation {
     std::string Text() const;
 };
 
+/// Which bytes have a meaning. Engines: `;` and `#` are letters like others. Map sources: \" within a quoted token is a
+/// part of it, see QuotedEnd.
+enum class TextDialect { Compiler, Engine, MapSource };
+
+/// Where the token in quotes ends whose first byte after the quote is `begin`: at its closing quote or the end of the
+/// text. With `escapes`, \" does not close it, except where only complete tokens in quotes, if any, follow on the line:
+/// then the backslash is the last byte of the token, as of a folder's name.
+std::size_t QuotedEnd(std::string_view text, std::size_t begin, bool escapes);
+
 /// Cuts text into tokens. White space is every byte up to 32; comments are `;`, `#`, `//` to the end of the line and
 /// `/* */`. A quoted token runs to the next quote, without escapes; a plain one to white space or `;`. Braces and
-/// parentheses are tokens only when white space surrounds them.
+/// parentheses are tokens only when white space surrounds them. TextDialect has what other readers do differently.
 class TextScanner {
   public:
     /// Contents of the file that `$include name` asks for, or nothing.
     using Include = std::function<std::optional<std::string>(std::string_view name)>;
 
     /// `name` is for messages. Without `include`, "$include" is an ordinary token.
-    TextScanner(std::string text, std::string name, Include include = {});
+    TextScanner(std::string text, std::string name, Include include = {}, TextDialect dialect = TextDialect::Compiler);
     TextScanner(TextScanner &&) = default;
 
     /// Reads the next token, on this or a later line; false at the end. Error: a token over 1023 bytes, includes nested
@@ -43,6 +52,10 @@ class TextScanner {
     /// first or a comment follows.
     bool NextOnLine(std::string &token) { return ReadCopy(token, false); }
     bool NextOnLine(std::string_view &token) { return Read(token, false); }
+    /// NextOnLine for a token that may have any length.
+    bool NextLongOnLine(std::string &token);
+    /// Whether the last token stood in quotes.
+    bool IsQuoted() const { return quoted_; }
     /// The next read returns the last token again. One token of push-back.
     void PushBack() { pushedBack_ = true; }
     /// Skips the rest of the current line.
@@ -69,14 +82,16 @@ class TextScanner {
     bool Read(std::string_view &token, bool crossLines);
     bool SkipBlanks(File &file, bool crossLines) const;
     void ReadToken(File &file);
-    [[noreturn]] void FailLong(std::size_t size) const;
+    [[noreturn]] void FailLong(std::string_view token) const;
     void OpenInclude();
 
     std::deque<std::string> names_, texts_; ///< of all files so far; locations and tokens refer to them
     std::vector<File> files_;               ///< the innermost include last
     Include include_;
+    TextDialect dialect_;
+    std::size_t maxToken_;
     int includeCount_ = 0;
-    bool pushedBack_ = false;
+    bool pushedBack_ = false, quoted_ = false;
     std::string_view token_; ///< the last one
     TextLocation last_;
 };

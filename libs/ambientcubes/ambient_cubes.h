@@ -11,6 +11,133 @@
 #include <stdint.h>
 #include <string.h>
 
+/* ---- bspx.h: begin ---- */
+#ifndef BSPX_H
+#define BSPX_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum {
+    BSPX_OK,
+    BSPX_ABSENT,    /* a good map, without that lump */
+    BSPX_NOT_BSP,   /* not an IBSP file of version 46 or 47 */
+    BSPX_TRUNCATED, /* shorter than its header or its BSPX directory */
+    BSPX_BAD_OFFSET /* a lump outside the file or inside the header */
+} bspx_result;
+
+/* Bytes in the caller's memory, at any alignment. */
+typedef struct {
+    const unsigned char *data;
+    size_t size;
+} bspx_lump;
+
+/* A whole .bsp file in the caller's memory. */
+typedef struct {
+    const unsigned char *data;
+    size_t size;
+    uint32_t version;
+    uint64_t firstLump; /* offset of the first lump that is not empty */
+    uint64_t directory; /* where the BSPX directory begins, if there is one */
+} bspx_file;
+
+static inline uint32_t bspx_u32(const unsigned char *p) {
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
+/* The lump in a slot of the header: 0 to 16, or 17 and 18 of version 47. `bsp` is what bspx_open gave. An empty lump
+   of slots 0 to 16 is BSPX_OK with size 0. */
+static inline bspx_result bspx_slot(const bspx_file *bsp, unsigned slot, bspx_lump *lump) {
+    const uint64_t header = 8 + 8 * (slot < 17 ? 17 : (uint64_t)slot + 1);
+    uint64_t offset, length;
+    lump->data = NULL;
+    lump->size = 0;
+    /* The format does not store its number of slots: 17 and 18 exist only if no lump begins before they end. */
+    if (slot >= 17 && (slot > 18 || bsp->version != 47 || bsp->firstLump < header || bsp->size < header))
+        return BSPX_ABSENT;
+    offset = bspx_u32(bsp->data + 8 + 8 * slot);
+    length = bspx_u32(bsp->data + 12 + 8 * slot);
+    if (slot >= 17 && length == 0)
+        return BSPX_ABSENT;
+    /* Numbers above 2^31 - 1 are negative in the format. */
+    if (offset > INT32_MAX || length > INT32_MAX || offset + length > bsp->size || (length > 0 && offset < header))
+        /* Other compilers have text where slots 17 and 18 would be. */
+        return slot >= 17 && bsp->firstLump != header ? BSPX_ABSENT : BSPX_BAD_OFFSET;
+    lump->data = bsp->data + offset;
+    lump->size = (size_t)length;
+    return BSPX_OK;
+}
+
+/* Checks the header of a file image, which must be kept as long as `bsp` and its lumps. */
+static inline bspx_result bspx_open(const void *data, size_t size, bspx_file *bsp) {
+    uint64_t end = 0;
+    unsigned slot;
+    bspx_lump lump;
+    bsp->data = (const unsigned char *)data;
+    bsp->size = size;
+    bsp->version = 0;
+    bsp->firstLump = UINT64_MAX;
+    bsp->directory = 0;
+    if (size < 8 || memcmp(data, "IBSP", 4) != 0)
+        return BSPX_NOT_BSP;
+    bsp->version = bspx_u32(bsp->data + 4);
+    if (bsp->version != 46 && bsp->version != 47)
+        return BSPX_NOT_BSP;
+    if (size < 8 + 8 * 17)
+        return BSPX_TRUNCATED;
+    for (slot = 0; slot < 17; slot++) {
+        const uint64_t offset = bspx_u32(bsp->data + 8 + 8 * slot);
+        if (bspx_slot(bsp, slot, &lump) != BSPX_OK)
+            return BSPX_BAD_OFFSET;
+        if (lump.size > 0 && offset < bsp->firstLump)
+            bsp->firstLump = offset;
+        if (offset + lump.size > end)
+            end = offset + lump.size;
+    }
+    for (; slot < 19; slot++) {
+        /* Advertisements have 128 bytes each, the SH light grid a header of 40. */
+        if (bspx_slot(bsp, slot, &lump) != BSPX_OK || (slot == 17 ? lump.size % 128 != 0 : lump.size <= 40))
+            continue;
+        if ((uint64_t)(lump.data - bsp->data) + lump.size > end)
+            end = (uint64_t)(lump.data - bsp->data) + lump.size;
+    }
+    bsp->directory = (end + 3) & ~(uint64_t)3;
+    return BSPX_OK;
+}
+
+/* The BSPX lump of that name (at most 23 characters); the first, if there are two. */
+static inline bspx_result bspx_find(const bspx_file *bsp, const char *name, bspx_lump *lump) {
+    const uint64_t start = bsp->directory;
+    uint64_t count, i;
+    lump->data = NULL;
+    lump->size = 0;
+    if (start == 0 || start + 8 > bsp->size || memcmp(bsp->data + start, "BSPX", 4) != 0)
+        return BSPX_ABSENT;
+    count = bspx_u32(bsp->data + start + 4);
+    if (count > (bsp->size - start - 8) / 32)
+        return BSPX_TRUNCATED;
+    for (i = 0; i < count; i++) {
+        const unsigned char *entry = bsp->data + start + 8 + 32 * i;
+        const uint64_t offset = bspx_u32(entry + 24), length = bspx_u32(entry + 28);
+        if (strlen(name) > 23 || memcmp(entry, name, strlen(name) + 1) != 0)
+            continue;
+        if (offset < start + 8 + 32 * count || offset + length > bsp->size)
+            return BSPX_BAD_OFFSET;
+        lump->data = bsp->data + offset;
+        lump->size = (size_t)length;
+        return BSPX_OK;
+    }
+    return BSPX_ABSENT;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
+/* ---- bspx.h: end ---- */
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -28,12 +155,14 @@ typedef enum {
     AMBIENT_CUBES_BAD_OFFSET,  /* a lump outside the file or inside the header */
     AMBIENT_CUBES_BAD_VERSION, /* not a lump of ambient cubes of version 1 */
     AMBIENT_CUBES_BAD_LEAFS,   /* made for another number of leafs */
-    AMBIENT_CUBES_BAD_INDEX    /* a leaf names samples or a leaf that are not there */
+    AMBIENT_CUBES_BAD_LENGTH,  /* longer than its leafs and samples need */
+    AMBIENT_CUBES_BAD_INDEX,   /* a leaf names samples or a leaf that are not there */
+    AMBIENT_CUBES_BAD_SAMPLE   /* the last byte of a sample is not 0 */
 } ambient_cubes_result;
 
 /* Points into the caller's memory: keep the file or the lumps as long as this. */
 typedef struct {
-    uint32_t leaf_count, sample_count;
+    uint32_t leafCount, sampleCount;
     const unsigned char *index;   /* AMBIENT_CUBES_LEAF_BYTES for each leaf */
     const unsigned char *samples; /* AMBIENT_CUBES_SAMPLE_BYTES each */
     const unsigned char *leafs;   /* the lump of leafs, AMBIENT_CUBES_BSP_LEAF_BYTES each */
@@ -60,8 +189,12 @@ static inline const char *ambient_cubes_message(ambient_cubes_result result) {
         return "ambient cubes of an unknown version";
     case AMBIENT_CUBES_BAD_LEAFS:
         return "ambient cubes of another number of leafs";
+    case AMBIENT_CUBES_BAD_LENGTH:
+        return "the lump is longer than its ambient cubes need";
     case AMBIENT_CUBES_BAD_INDEX:
         return "a leaf refers to ambient cubes that are not there";
+    case AMBIENT_CUBES_BAD_SAMPLE:
+        return "a reserved byte of the ambient cubes is not 0";
     }
     return "unknown result";
 }
@@ -70,114 +203,75 @@ static inline uint32_t ambient_cubes_u16_(const unsigned char *p) {
     return (uint32_t)p[0] | (uint32_t)p[1] << 8;
 }
 
-static inline uint32_t ambient_cubes_u32_(const unsigned char *p) {
-    return ambient_cubes_u16_(p) | ambient_cubes_u16_(p + 2) << 16;
-}
-
 static inline float ambient_cubes_i32_(const unsigned char *p) {
-    const uint32_t bits = ambient_cubes_u32_(p);
+    const uint32_t bits = bspx_u32(p);
     return bits < 0x80000000u ? (float)bits : -(float)(0xffffffffu - bits) - 1;
 }
 
 /* Parses the bytes of the BSPX lump AMBIENT_CUBES; `leafs` is lump 4 of the map. Both must be kept. On failure the
-   cubes are empty and must not be used. */
-static inline ambient_cubes_result ambient_cubes_parse(const void *lump, size_t lump_size, const void *leafs,
-                                                       size_t leafs_size, ambient_cubes *cubes) {
+   cubes are empty, and all light is black. */
+static inline ambient_cubes_result ambient_cubes_parse(const void *lump, size_t lumpSize, const void *leafs,
+                                                       size_t leafsSize, ambient_cubes *cubes) {
     const unsigned char *data = (const unsigned char *)lump;
-    uint64_t leaf_count, sample_count, i;
+    uint64_t leafCount, sampleCount, bytes, i;
     memset(cubes, 0, sizeof *cubes);
-    if (lump_size < AMBIENT_CUBES_HEADER_BYTES)
+    if (lumpSize < AMBIENT_CUBES_HEADER_BYTES)
         return AMBIENT_CUBES_TRUNCATED;
-    if (memcmp(data, "ACUB", 4) != 0 || ambient_cubes_u32_(data + 4) != 1)
+    if (memcmp(data, "ACUB", 4) != 0 || bspx_u32(data + 4) != 1)
         return AMBIENT_CUBES_BAD_VERSION;
-    leaf_count = ambient_cubes_u32_(data + 8);
-    sample_count = ambient_cubes_u32_(data + 12);
-    if (AMBIENT_CUBES_HEADER_BYTES + leaf_count * AMBIENT_CUBES_LEAF_BYTES +
-            sample_count * AMBIENT_CUBES_SAMPLE_BYTES >
-        lump_size)
-        return AMBIENT_CUBES_TRUNCATED;
-    if (leafs_size / AMBIENT_CUBES_BSP_LEAF_BYTES != leaf_count)
+    leafCount = bspx_u32(data + 8);
+    sampleCount = bspx_u32(data + 12);
+    bytes =
+        AMBIENT_CUBES_HEADER_BYTES + leafCount * AMBIENT_CUBES_LEAF_BYTES + sampleCount * AMBIENT_CUBES_SAMPLE_BYTES;
+    if (bytes != lumpSize)
+        return bytes > lumpSize ? AMBIENT_CUBES_TRUNCATED : AMBIENT_CUBES_BAD_LENGTH;
+    if (leafsSize != leafCount * AMBIENT_CUBES_BSP_LEAF_BYTES)
         return AMBIENT_CUBES_BAD_LEAFS;
     data += AMBIENT_CUBES_HEADER_BYTES;
-    for (i = 0; i < leaf_count; i++) {
+    for (i = 0; i < leafCount; i++) {
         const uint64_t count = ambient_cubes_u16_(data + 4 * i), first = ambient_cubes_u16_(data + 4 * i + 2);
-        if (count > 0 ? first + count > sample_count
-                      : first >= leaf_count || ambient_cubes_u16_(data + 4 * first) == 0)
+        if (count > 0 ? first + count > sampleCount : first >= leafCount || ambient_cubes_u16_(data + 4 * first) == 0)
             return AMBIENT_CUBES_BAD_INDEX;
     }
-    cubes->leaf_count = (uint32_t)leaf_count;
-    cubes->sample_count = (uint32_t)sample_count;
+    for (i = 0; i < sampleCount; i++)
+        if (data[AMBIENT_CUBES_LEAF_BYTES * leafCount + AMBIENT_CUBES_SAMPLE_BYTES * i + 27] != 0)
+            return AMBIENT_CUBES_BAD_SAMPLE;
+    cubes->leafCount = (uint32_t)leafCount;
+    cubes->sampleCount = (uint32_t)sampleCount;
     cubes->index = data;
-    cubes->samples = data + leaf_count * AMBIENT_CUBES_LEAF_BYTES;
+    cubes->samples = data + leafCount * AMBIENT_CUBES_LEAF_BYTES;
     cubes->leafs = (const unsigned char *)leafs;
     return AMBIENT_CUBES_OK;
 }
 
-static inline int ambient_cubes_slot_(const unsigned char *file, size_t size, unsigned slot, uint64_t *offset,
-                                      uint64_t *length) {
-    *offset = ambient_cubes_u32_(file + 8 + 8 * slot);
-    *length = ambient_cubes_u32_(file + 12 + 8 * slot);
-    return *offset <= INT32_MAX && *length <= INT32_MAX && *offset + *length <= size;
-}
-
-/* The end of slots 17 and 18 where a version 47 file has them: no lump begins before they end, and what stands there is
-   a lump inside the file. */
-static inline uint64_t ambient_cubes_more_slots_(const unsigned char *file, size_t size, uint64_t first, uint64_t end) {
-    unsigned slot;
-    for (slot = 17; slot < 19; slot++) {
-        const uint64_t header = 8 + 8 * ((uint64_t)slot + 1);
-        uint64_t offset, length;
-        if (first < header || size < header)
-            break;
-        if (ambient_cubes_slot_(file, size, slot, &offset, &length) && offset >= header &&
-            (slot == 18 || length % 128 == 0) && offset + length > end)
-            end = offset + length;
+static inline ambient_cubes_result ambient_cubes_from_bspx_(bspx_result result) {
+    switch (result) {
+    case BSPX_OK:
+        return AMBIENT_CUBES_OK;
+    case BSPX_ABSENT:
+        return AMBIENT_CUBES_ABSENT;
+    case BSPX_NOT_BSP:
+        return AMBIENT_CUBES_NOT_BSP;
+    case BSPX_TRUNCATED:
+        return AMBIENT_CUBES_TRUNCATED;
+    case BSPX_BAD_OFFSET:
+        return AMBIENT_CUBES_BAD_OFFSET;
     }
-    return end;
+    return AMBIENT_CUBES_BAD_OFFSET;
 }
 
 /* Finds both lumps of a whole .bsp file image, which must be kept, and parses them. */
-static inline ambient_cubes_result ambient_cubes_load(const void *data, size_t size, ambient_cubes *cubes) {
-    static const char name[] = "AMBIENT_CUBES";
-    const unsigned char *file = (const unsigned char *)data, *entry;
-    uint64_t offset, length, leafs = 0, leafs_length = 0, first = UINT64_MAX, end = 0, count, i;
-    unsigned slot;
+static inline ambient_cubes_result ambient_cubes_load(const void *file, size_t size, ambient_cubes *cubes) {
+    bspx_file bsp;
+    bspx_lump lump = {NULL, 0}, leafs = {NULL, 0};
+    bspx_result result = bspx_open(file, size, &bsp);
     memset(cubes, 0, sizeof *cubes);
-    if (size < 8 || memcmp(file, "IBSP", 4) != 0)
-        return AMBIENT_CUBES_NOT_BSP;
-    if (ambient_cubes_u32_(file + 4) != 46 && ambient_cubes_u32_(file + 4) != 47)
-        return AMBIENT_CUBES_NOT_BSP;
-    if (size < 8 + 8 * 17)
-        return AMBIENT_CUBES_TRUNCATED;
-    for (slot = 0; slot < 17; slot++) {
-        if (!ambient_cubes_slot_(file, size, slot, &offset, &length) || (length > 0 && offset < 8 + 8 * 17))
-            return AMBIENT_CUBES_BAD_OFFSET;
-        if (slot == 4)
-            leafs = offset, leafs_length = length;
-        if (length > 0 && offset < first)
-            first = offset;
-        if (offset + length > end)
-            end = offset + length;
-    }
-    if (ambient_cubes_u32_(file + 4) == 47)
-        end = ambient_cubes_more_slots_(file, size, first, end);
-    end = (end + 3) & ~(uint64_t)3;
-    if (end + 8 > size || memcmp(file + end, "BSPX", 4) != 0)
-        return AMBIENT_CUBES_ABSENT;
-    count = ambient_cubes_u32_(file + end + 4);
-    if (count > (size - end - 8) / 32)
-        return AMBIENT_CUBES_TRUNCATED;
-    for (i = 0; i < count; i++) {
-        entry = file + end + 8 + 32 * i;
-        if (memcmp(entry, name, sizeof name) != 0)
-            continue;
-        offset = ambient_cubes_u32_(entry + 24);
-        length = ambient_cubes_u32_(entry + 28);
-        if (offset < end + 8 + 32 * count || offset + length > size)
-            return AMBIENT_CUBES_BAD_OFFSET;
-        return ambient_cubes_parse(file + offset, (size_t)length, file + leafs, (size_t)leafs_length, cubes);
-    }
-    return AMBIENT_CUBES_ABSENT;
+    if (result == BSPX_OK)
+        result = bspx_slot(&bsp, 4, &leafs);
+    if (result == BSPX_OK)
+        result = bspx_find(&bsp, "AMBIENT_CUBES", &lump);
+    return result == BSPX_OK ? ambient_cubes_parse(lump.data, lump.size, leafs.data, leafs.size, cubes)
+                             : ambient_cubes_from_bspx_(result);
 }
 
 /* Source's ColorRGBExp32: mantissas of red, green, blue and a signed exponent; 255 is full light. */
@@ -193,7 +287,7 @@ static inline void ambient_cubes_color_(const unsigned char *code, float rgb[3])
 static inline uint32_t ambient_cubes_of_leaf(const ambient_cubes *cubes, uint32_t leaf, uint32_t *first,
                                              uint32_t *owner) {
     *first = *owner = 0;
-    if (leaf >= cubes->leaf_count)
+    if (leaf >= cubes->leafCount)
         return 0;
     if (ambient_cubes_u16_(cubes->index + 4 * (size_t)leaf) == 0)
         leaf = ambient_cubes_u16_(cubes->index + 4 * (size_t)leaf + 2);

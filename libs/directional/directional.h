@@ -110,18 +110,19 @@ static inline void directional_rnm_weights(const float normal[3], float weight[3
 
 /* Raw maps by linear weights, for a normal in tangent space. Exact for lights and normals in the octant of the basis,
    which holds all within 35.26 degrees of the flat normal. Beyond it too bright: at a flat normal by up to 0.24 of a
-   light at 60 degrees, 0.47 of one at 90, and 1.73 times under uniform light. maps[i]: red, green, blue of map i. */
-static inline void directional_rnm_raw(const float maps[3][3], const float normal[3], float rgb[3]) {
+   light at 60 degrees, 0.47 of one at 90, and 1.73 times under uniform light. maps: red, green, blue of map 0, then of
+   maps 1 and 2, nine floats, as everywhere below. */
+static inline void directional_rnm_raw(const float *maps, const float normal[3], float rgb[3]) {
     float weight[3];
     int i;
     directional_rnm_weights(normal, weight);
     for (i = 0; i < 3; i++)
-        rgb[i] = directional_positive_(weight[0] * maps[0][i] + weight[1] * maps[1][i] + weight[2] * maps[2][i]);
+        rgb[i] = directional_positive_(weight[0] * maps[i] + weight[1] * maps[3 + i] + weight[2] * maps[6 + i]);
 }
 
 /* Rescaled maps (their mean is the flat light) by linear weights. A flat normal gives the flat light whatever the
    lights are; where raw maps are exact for a light, so are these. */
-static inline void directional_rnm_rescaled(const float maps[3][3], const float normal[3], float rgb[3]) {
+static inline void directional_rnm_rescaled(const float *maps, const float normal[3], float rgb[3]) {
     int i;
     directional_rnm_raw(maps, normal, rgb);
     for (i = 0; i < 3; i++)
@@ -130,7 +131,7 @@ static inline void directional_rnm_rescaled(const float maps[3][3], const float 
 
 /* Source's weights, squared and normalized: a weighted mean of the maps. Of rescaled maps a flat normal gives the flat
    light; of raw maps 0.577 of a light straight above. A normal that faces away from all of the basis gives 0. */
-static inline void directional_rnm_squared(const float maps[3][3], const float normal[3], float rgb[3]) {
+static inline void directional_rnm_squared(const float *maps, const float normal[3], float rgb[3]) {
     float weight[3], sum = 0;
     int i;
     directional_rnm_weights(normal, weight);
@@ -139,7 +140,7 @@ static inline void directional_rnm_squared(const float maps[3][3], const float n
         sum += weight[i];
     }
     for (i = 0; i < 3; i++) {
-        const float light = weight[0] * maps[0][i] + weight[1] * maps[1][i] + weight[2] * maps[2][i];
+        const float light = weight[0] * maps[i] + weight[1] * maps[3 + i] + weight[2] * maps[6 + i];
         rgb[i] = sum > 0 ? directional_positive_(light / sum) : 0;
     }
 }
@@ -147,11 +148,10 @@ static inline void directional_rnm_squared(const float maps[3][3], const float n
 /* Self-shadowed bump map: texel is the response to each basis vector, 0 to 1, bytes / 255; not normalized. factor:
    DIRECTIONAL_RAW or DIRECTIONAL_RESCALED, as the maps are. With rescaled maps and factor 1, a flat texel is sqrt(3) =
    1.732 times too bright. */
-static inline void directional_ssbump(const float texel[3], const float maps[3][3], float factor, float rgb[3]) {
+static inline void directional_ssbump(const float texel[3], const float *maps, float factor, float rgb[3]) {
     int i;
     for (i = 0; i < 3; i++)
-        rgb[i] =
-            directional_positive_(factor * (texel[0] * maps[0][i] + texel[1] * maps[1][i] + texel[2] * maps[2][i]));
+        rgb[i] = directional_positive_(factor * (texel[0] * maps[i] + texel[1] * maps[3 + i] + texel[2] * maps[6 + i]));
 }
 
 /* Normal of an SSBump texel in tangent space, unit length; a black texel gives the flat normal. */
@@ -178,26 +178,27 @@ static inline float directional_ssbump_light(const float texel[3], const float d
 
 /* ---- L1 spherical harmonics ---- */
 
-/* Radiance coefficients L0, y, z, x, red green blue each, not convolved; normal in their space, which is the world's.
+/* Radiance coefficients L0, y, z, x, red green blue each, twelve floats, not convolved; normal in their space, which is
+   the world's.
    One light of 1 gives 0.25 + 0.5 cos: 0.75 facing it, 0.25 at right angles, and less than 0 beyond 120 degrees, which
    is cut to 0. Root mean square error over all normals, before the cut: 0.144. */
-static inline void directional_l1(const float sh[4][3], const float normal[3], float rgb[3]) {
+static inline void directional_l1(const float *sh, const float normal[3], float rgb[3]) {
     int i;
     for (i = 0; i < 3; i++)
-        rgb[i] = directional_positive_(DIRECTIONAL_L0 * sh[0][i] +
+        rgb[i] = directional_positive_(DIRECTIONAL_L0 * sh[i] +
                                        DIRECTIONAL_L1 *
-                                           (sh[1][i] * normal[1] + sh[2][i] * normal[2] + sh[3][i] * normal[0]));
+                                           (sh[3 + i] * normal[1] + sh[6 + i] * normal[2] + sh[9 + i] * normal[0]));
 }
 
 /* A curve in place of the linear form, never negative and of the same mean over all normals (Geomerics):
    R0 (a + (1 - a) (p + 1) q^p), where the linear form is R0 + 2 R1 . n. One light c gives c q^3, q = (1 + cos) / 2, so
    c facing it; uniform light is exact. R1 longer than R0, which no light has, counts as R0. */
-static inline void directional_l1_curved(const float sh[4][3], const float normal[3], float rgb[3]) {
+static inline void directional_l1_curved(const float *sh, const float normal[3], float rgb[3]) {
     int i;
     for (i = 0; i < 3; i++) {
-        const float r0 = DIRECTIONAL_L0 * sh[0][i];
-        const float r1[3] = {DIRECTIONAL_L1 / 2 * sh[3][i], DIRECTIONAL_L1 / 2 * sh[1][i],
-                             DIRECTIONAL_L1 / 2 * sh[2][i]};
+        const float r0 = DIRECTIONAL_L0 * sh[i];
+        const float r1[3] = {DIRECTIONAL_L1 / 2 * sh[9 + i], DIRECTIONAL_L1 / 2 * sh[3 + i],
+                             DIRECTIONAL_L1 / 2 * sh[6 + i]};
         const float length = sqrtf(directional_dot_(r1, r1)), ratio = length < r0 ? length / r0 : 1;
         const float q = length > 0 ? 0.5f * (1 + directional_dot_(r1, normal) / length) : 0.5f;
         const float p = 1 + 2 * ratio, a = (1 - ratio) / (1 + ratio);
@@ -208,14 +209,14 @@ static inline void directional_l1_curved(const float sh[4][3], const float norma
 /* The curve, scaled per channel to the light that a lightmap holds for the flat normal: a flat normal gives that light,
    whatever the two bands miss. Where the curve gives the flat normal less than a sixteenth of R0, a sixteenth counts.
  */
-static inline void directional_l1_with_flat(const float sh[4][3], const float light[3], const float flat[3],
+static inline void directional_l1_with_flat(const float *sh, const float light[3], const float flat[3],
                                             const float normal[3], float rgb[3]) {
     float down[3];
     int i;
     directional_l1_curved(sh, flat, down);
     directional_l1_curved(sh, normal, rgb);
     for (i = 0; i < 3; i++) {
-        const float least = DIRECTIONAL_L0 * sh[0][i] / 16;
+        const float least = DIRECTIONAL_L0 * sh[i] / 16;
         const float scale = down[i] > least ? down[i] : least;
         rgb[i] = scale > 0 ? rgb[i] * (directional_positive_(light[i]) / scale) : directional_positive_(light[i]);
     }

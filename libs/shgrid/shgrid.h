@@ -14,6 +14,133 @@
 #include <stdint.h>
 #include <string.h>
 
+/* ---- bspx.h: begin ---- */
+#ifndef BSPX_H
+#define BSPX_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum {
+    BSPX_OK,
+    BSPX_ABSENT,    /* a good map, without that lump */
+    BSPX_NOT_BSP,   /* not an IBSP file of version 46 or 47 */
+    BSPX_TRUNCATED, /* shorter than its header or its BSPX directory */
+    BSPX_BAD_OFFSET /* a lump outside the file or inside the header */
+} bspx_result;
+
+/* Bytes in the caller's memory, at any alignment. */
+typedef struct {
+    const unsigned char *data;
+    size_t size;
+} bspx_lump;
+
+/* A whole .bsp file in the caller's memory. */
+typedef struct {
+    const unsigned char *data;
+    size_t size;
+    uint32_t version;
+    uint64_t firstLump; /* offset of the first lump that is not empty */
+    uint64_t directory; /* where the BSPX directory begins, if there is one */
+} bspx_file;
+
+static inline uint32_t bspx_u32(const unsigned char *p) {
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
+/* The lump in a slot of the header: 0 to 16, or 17 and 18 of version 47. `bsp` is what bspx_open gave. An empty lump
+   of slots 0 to 16 is BSPX_OK with size 0. */
+static inline bspx_result bspx_slot(const bspx_file *bsp, unsigned slot, bspx_lump *lump) {
+    const uint64_t header = 8 + 8 * (slot < 17 ? 17 : (uint64_t)slot + 1);
+    uint64_t offset, length;
+    lump->data = NULL;
+    lump->size = 0;
+    /* The format does not store its number of slots: 17 and 18 exist only if no lump begins before they end. */
+    if (slot >= 17 && (slot > 18 || bsp->version != 47 || bsp->firstLump < header || bsp->size < header))
+        return BSPX_ABSENT;
+    offset = bspx_u32(bsp->data + 8 + 8 * slot);
+    length = bspx_u32(bsp->data + 12 + 8 * slot);
+    if (slot >= 17 && length == 0)
+        return BSPX_ABSENT;
+    /* Numbers above 2^31 - 1 are negative in the format. */
+    if (offset > INT32_MAX || length > INT32_MAX || offset + length > bsp->size || (length > 0 && offset < header))
+        /* Other compilers have text where slots 17 and 18 would be. */
+        return slot >= 17 && bsp->firstLump != header ? BSPX_ABSENT : BSPX_BAD_OFFSET;
+    lump->data = bsp->data + offset;
+    lump->size = (size_t)length;
+    return BSPX_OK;
+}
+
+/* Checks the header of a file image, which must be kept as long as `bsp` and its lumps. */
+static inline bspx_result bspx_open(const void *data, size_t size, bspx_file *bsp) {
+    uint64_t end = 0;
+    unsigned slot;
+    bspx_lump lump;
+    bsp->data = (const unsigned char *)data;
+    bsp->size = size;
+    bsp->version = 0;
+    bsp->firstLump = UINT64_MAX;
+    bsp->directory = 0;
+    if (size < 8 || memcmp(data, "IBSP", 4) != 0)
+        return BSPX_NOT_BSP;
+    bsp->version = bspx_u32(bsp->data + 4);
+    if (bsp->version != 46 && bsp->version != 47)
+        return BSPX_NOT_BSP;
+    if (size < 8 + 8 * 17)
+        return BSPX_TRUNCATED;
+    for (slot = 0; slot < 17; slot++) {
+        const uint64_t offset = bspx_u32(bsp->data + 8 + 8 * slot);
+        if (bspx_slot(bsp, slot, &lump) != BSPX_OK)
+            return BSPX_BAD_OFFSET;
+        if (lump.size > 0 && offset < bsp->firstLump)
+            bsp->firstLump = offset;
+        if (offset + lump.size > end)
+            end = offset + lump.size;
+    }
+    for (; slot < 19; slot++) {
+        /* Advertisements have 128 bytes each, the SH light grid a header of 40. */
+        if (bspx_slot(bsp, slot, &lump) != BSPX_OK || (slot == 17 ? lump.size % 128 != 0 : lump.size <= 40))
+            continue;
+        if ((uint64_t)(lump.data - bsp->data) + lump.size > end)
+            end = (uint64_t)(lump.data - bsp->data) + lump.size;
+    }
+    bsp->directory = (end + 3) & ~(uint64_t)3;
+    return BSPX_OK;
+}
+
+/* The BSPX lump of that name (at most 23 characters); the first, if there are two. */
+static inline bspx_result bspx_find(const bspx_file *bsp, const char *name, bspx_lump *lump) {
+    const uint64_t start = bsp->directory;
+    uint64_t count, i;
+    lump->data = NULL;
+    lump->size = 0;
+    if (start == 0 || start + 8 > bsp->size || memcmp(bsp->data + start, "BSPX", 4) != 0)
+        return BSPX_ABSENT;
+    count = bspx_u32(bsp->data + start + 4);
+    if (count > (bsp->size - start - 8) / 32)
+        return BSPX_TRUNCATED;
+    for (i = 0; i < count; i++) {
+        const unsigned char *entry = bsp->data + start + 8 + 32 * i;
+        const uint64_t offset = bspx_u32(entry + 24), length = bspx_u32(entry + 28);
+        if (strlen(name) > 23 || memcmp(entry, name, strlen(name) + 1) != 0)
+            continue;
+        if (offset < start + 8 + 32 * count || offset + length > bsp->size)
+            return BSPX_BAD_OFFSET;
+        lump->data = bsp->data + offset;
+        lump->size = (size_t)length;
+        return BSPX_OK;
+    }
+    return BSPX_ABSENT;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
+/* ---- bspx.h: end ---- */
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -43,7 +170,7 @@ typedef enum {
 } shgrid_result;
 
 typedef enum {
-    SHGRID_ANY,     /* the sparse form if the map has it, since it is the finer, else the uniform one */
+    SHGRID_ANY,     /* the sparse form if the map has a good one, since it is finer, else the uniform one */
     SHGRID_UNIFORM, /* lump 18 or BSPX LIGHTGRID_SH */
     SHGRID_SPARSE   /* BSPX LIGHTGRID_SH_SPARSE */
 } shgrid_form;
@@ -109,110 +236,11 @@ static inline const char *shgrid_message(shgrid_result result) {
     return "unknown result";
 }
 
-static inline uint32_t shgrid_u32_(const unsigned char *p) {
-    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
-}
-
 static inline float shgrid_f32_(const unsigned char *p) {
-    const uint32_t bits = shgrid_u32_(p);
+    const uint32_t bits = bspx_u32(p);
     float value;
     memcpy(&value, &bits, sizeof value);
     return value;
-}
-
-/* Entry `slot` of the lump table. Offsets and lengths above 2^31 - 1 are negative numbers in the format: out of range.
- */
-static inline int shgrid_slot_(const unsigned char *file, size_t size, unsigned slot, uint64_t *offset,
-                               uint64_t *length) {
-    *offset = shgrid_u32_(file + 8 + 8 * slot);
-    *length = shgrid_u32_(file + 12 + 8 * slot);
-    return *offset <= INT32_MAX && *length <= INT32_MAX && *offset + *length <= size;
-}
-
-static inline shgrid_result shgrid_find_bspx_(const unsigned char *file, size_t size, uint64_t start, const char *name,
-                                              const unsigned char **lump, size_t *lumpSize) {
-    uint64_t count, i;
-    if (start + 8 > size || memcmp(file + start, "BSPX", 4) != 0)
-        return SHGRID_ABSENT;
-    count = shgrid_u32_(file + start + 4);
-    if (count > (size - start - 8) / 32)
-        return SHGRID_TRUNCATED;
-    for (i = 0; i < count; i++) {
-        const unsigned char *entry = file + start + 8 + 32 * i;
-        const uint64_t offset = shgrid_u32_(entry + 24), length = shgrid_u32_(entry + 28);
-        if (memcmp(entry, name, strlen(name) + 1) != 0)
-            continue;
-        if (offset < start + 8 + 32 * count || offset + length > size)
-            return SHGRID_BAD_OFFSET;
-        *lump = file + offset;
-        *lumpSize = (size_t)length;
-        return SHGRID_OK;
-    }
-    return SHGRID_ABSENT;
-}
-
-/* Finds the lump of that form in a whole .bsp file image. Uniform: slot 18 of a version 47 file with 19 slots, else
-   BSPX. */
-static inline shgrid_result shgrid_find_form(const void *data, size_t size, shgrid_form form,
-                                             const unsigned char **lump, size_t *lumpSize) {
-    const unsigned char *file = (const unsigned char *)data;
-    uint64_t offset, length, first = UINT64_MAX, end = 0;
-    const unsigned char *slot18 = NULL;
-    size_t slot18Size = 0;
-    shgrid_result slot18Result = SHGRID_ABSENT;
-    uint32_t version;
-    unsigned slot;
-    *lump = NULL;
-    *lumpSize = 0;
-    if (size < 8 || memcmp(file, "IBSP", 4) != 0)
-        return SHGRID_NOT_BSP;
-    version = shgrid_u32_(file + 4);
-    if (version != 46 && version != 47)
-        return SHGRID_NOT_BSP;
-    if (size < 8 + 8 * 17)
-        return SHGRID_TRUNCATED;
-    for (slot = 0; slot < 17; slot++) {
-        if (!shgrid_slot_(file, size, slot, &offset, &length) || (length > 0 && offset < 8 + 8 * 17))
-            return SHGRID_BAD_OFFSET;
-        if (length > 0 && offset < first)
-            first = offset;
-        if (offset + length > end)
-            end = offset + length;
-    }
-    /* The format does not store its number of slots: slots 17 and 18 exist only if no lump begins before they end.
-       Their bytes may also be text, so an entry that cannot be a lump is ignored, unless the first lump begins right
-       after slot 18. */
-    if (version == 47 && first >= 8 + 8 * 18 && size >= 8 + 8 * 18)
-        if (shgrid_slot_(file, size, 17, &offset, &length) && offset >= 8 + 8 * 18 && length % 128 == 0 &&
-            offset + length > end)
-            end = offset + length;
-    if (version == 47 && first >= 8 + 8 * 19 && size >= 8 + 8 * 19) {
-        const int inside = shgrid_slot_(file, size, 18, &offset, &length) && offset >= 8 + 8 * 19;
-        if (inside && length > SHGRID_HEADER_BYTES) {
-            slot18 = file + offset;
-            slot18Size = (size_t)length;
-            if (offset + length > end)
-                end = offset + length;
-        } else if (length > 0 && first == 8 + 8 * 19) {
-            slot18Result = inside ? SHGRID_TRUNCATED : SHGRID_BAD_OFFSET;
-        }
-    }
-    end = (end + 3) & ~(uint64_t)3;
-    if (form != SHGRID_UNIFORM) {
-        const shgrid_result result = shgrid_find_bspx_(file, size, end, "LIGHTGRID_SH_SPARSE", lump, lumpSize);
-        if (form == SHGRID_SPARSE || result == SHGRID_OK || (result != SHGRID_ABSENT && slot18 == NULL))
-            return result;
-    }
-    if (slot18 == NULL)
-        return slot18Result != SHGRID_ABSENT ? slot18Result
-                                             : shgrid_find_bspx_(file, size, end, "LIGHTGRID_SH", lump, lumpSize);
-    *lump = slot18;
-    *lumpSize = slot18Size;
-    return SHGRID_OK;
-}
-
-static inline shgrid_result shgrid_find(const void *data, size_t size, const unsigned char **lump, size_t *lumpSize) {
-    return shgrid_find_form(data, size, SHGRID_ANY, lump, lumpSize);
 }
 
 /* Number of bits set in a byte. */
@@ -238,7 +266,7 @@ static inline shgrid_result shgrid_check_nodes_(const shgrid_grid *grid, uint64_
             level++;
             levelEnd = children;
         }
-        if (i >= children || shgrid_u32_(node) != children || shgrid_u32_(node + 4) != points)
+        if (i >= children || bspx_u32(node) != children || bspx_u32(node + 4) != points)
             return SHGRID_BAD_NODES;
         if ((inner & stored) || (inner & hanging) || (stored & hanging))
             return SHGRID_BAD_NODES;
@@ -251,21 +279,21 @@ static inline shgrid_result shgrid_check_nodes_(const shgrid_grid *grid, uint64_
 }
 
 static inline shgrid_result shgrid_parse_sparse_(const unsigned char *lump, size_t size, shgrid_grid *grid) {
-    const uint32_t bytes = shgrid_u32_(lump + 8), levels = shgrid_u32_(lump + 48);
-    const uint64_t nodes = shgrid_u32_(lump + 52), points = shgrid_u32_(lump + 56);
+    const uint32_t bytes = bspx_u32(lump + 8), levels = bspx_u32(lump + 48);
+    const uint64_t nodes = bspx_u32(lump + 52), points = bspx_u32(lump + 56);
     uint64_t product = 1;
     int i;
-    if (shgrid_u32_(lump + 4) != 1)
+    if (bspx_u32(lump + 4) != 1)
         return SHGRID_BAD_VERSION;
     if (bytes > size)
         return SHGRID_TRUNCATED;
-    if (bytes != size || shgrid_u32_(lump + 60) != 0 || nodes > INT32_MAX || points > INT32_MAX ||
+    if (bytes != size || bspx_u32(lump + 60) != 0 || nodes > INT32_MAX || points > INT32_MAX ||
         size != SHGRID_SPARSE_HEADER_BYTES + SHGRID_SPARSE_NODE_BYTES * nodes + SHGRID_SPARSE_POINT_BYTES * points)
         return SHGRID_BAD_COUNT;
     if (levels < 1 || levels > SHGRID_SPARSE_LEVELS)
         return SHGRID_BAD_LEVELS;
     for (i = 0; i < 3; i++) {
-        const uint32_t roots = shgrid_u32_(lump + 36 + 4 * i);
+        const uint32_t roots = bspx_u32(lump + 36 + 4 * i);
         grid->mins[i] = shgrid_f32_(lump + 12 + 4 * i);
         grid->cell[i] = shgrid_f32_(lump + 24 + 4 * i);
         if (!isfinite(grid->mins[i]))
@@ -295,9 +323,9 @@ static inline shgrid_result shgrid_parse_uniform_(const unsigned char *lump, siz
     int i;
     if (size < SHGRID_HEADER_BYTES)
         return SHGRID_TRUNCATED;
-    count = shgrid_u32_(lump + 36);
+    count = bspx_u32(lump + 36);
     for (i = 0; i < 3; i++) {
-        const uint32_t bounds = shgrid_u32_(lump + 24 + 4 * i);
+        const uint32_t bounds = bspx_u32(lump + 24 + 4 * i);
         grid->mins[i] = shgrid_f32_(lump + 4 * i);
         grid->cell[i] = shgrid_f32_(lump + 12 + 4 * i);
         if (!isfinite(grid->mins[i]))
@@ -335,6 +363,68 @@ static inline shgrid_result shgrid_parse(const void *data, size_t size, shgrid_g
     if (result != SHGRID_OK)
         memset(grid, 0, sizeof *grid);
     return result;
+}
+
+static inline shgrid_result shgrid_from_bspx_(bspx_result result) {
+    switch (result) {
+    case BSPX_OK:
+        return SHGRID_OK;
+    case BSPX_ABSENT:
+        return SHGRID_ABSENT;
+    case BSPX_NOT_BSP:
+        return SHGRID_NOT_BSP;
+    case BSPX_TRUNCATED:
+        return SHGRID_TRUNCATED;
+    case BSPX_BAD_OFFSET:
+        return SHGRID_BAD_OFFSET;
+    }
+    return SHGRID_BAD_OFFSET;
+}
+
+/* Slot 18, else BSPX LIGHTGRID_SH. A lump in slot 18 that is too short for a grid is a fault if the first lump begins
+   right after the slot; otherwise it is text of another compiler. */
+static inline shgrid_result shgrid_find_uniform_(const bspx_file *bsp, bspx_lump *lump) {
+    const bspx_result slot18 = bspx_slot(bsp, 18, lump);
+    if (slot18 == BSPX_BAD_OFFSET)
+        return SHGRID_BAD_OFFSET;
+    if (slot18 == BSPX_OK && lump->size > SHGRID_HEADER_BYTES)
+        return SHGRID_OK;
+    if (slot18 == BSPX_OK && bsp->firstLump == 8 + 8 * 19)
+        return SHGRID_TRUNCATED;
+    return shgrid_from_bspx_(bspx_find(bsp, "LIGHTGRID_SH", lump));
+}
+
+/* Finds the lump of that form in a whole .bsp file image. SHGRID_ANY: the sparse one, unless it is damaged or of
+   another version and the file has a good uniform one. */
+static inline shgrid_result shgrid_find_form(const void *data, size_t size, shgrid_form form,
+                                             const unsigned char **lump, size_t *lumpSize) {
+    bspx_file bsp;
+    bspx_lump sparse = {NULL, 0}, uniform = {NULL, 0};
+    shgrid_grid grid;
+    shgrid_result sparseResult = SHGRID_ABSENT, uniformResult = SHGRID_ABSENT;
+    const shgrid_result opened = shgrid_from_bspx_(bspx_open(data, size, &bsp));
+    *lump = NULL;
+    *lumpSize = 0;
+    if (opened != SHGRID_OK)
+        return opened;
+    if (form != SHGRID_UNIFORM)
+        sparseResult = shgrid_from_bspx_(bspx_find(&bsp, "LIGHTGRID_SH_SPARSE", &sparse));
+    if (form == SHGRID_UNIFORM || (form == SHGRID_ANY && (sparseResult != SHGRID_OK ||
+                                                          shgrid_parse(sparse.data, sparse.size, &grid) != SHGRID_OK)))
+        uniformResult = shgrid_find_uniform_(&bsp, &uniform);
+    if (uniformResult == SHGRID_OK &&
+        (sparseResult == SHGRID_ABSENT || shgrid_parse(uniform.data, uniform.size, &grid) == SHGRID_OK)) {
+        *lump = uniform.data;
+        *lumpSize = uniform.size;
+        return SHGRID_OK;
+    }
+    *lump = sparse.data;
+    *lumpSize = sparse.size;
+    return sparseResult != SHGRID_ABSENT ? sparseResult : uniformResult;
+}
+
+static inline shgrid_result shgrid_find(const void *data, size_t size, const unsigned char **lump, size_t *lumpSize) {
+    return shgrid_find_form(data, size, SHGRID_ANY, lump, lumpSize);
 }
 
 /* Finds and parses the grid of that form in a whole .bsp file image. */
@@ -409,7 +499,7 @@ static inline float shgrid_scale_(unsigned code) {
 
 /* Adds weight times a quantized point of a node with that scale. */
 static inline void shgrid_add_point_(const unsigned char *p, unsigned scale, float weight, shgrid_coeffs *sum) {
-    const uint32_t code = shgrid_u32_(p);
+    const uint32_t code = bspx_u32(p);
     const float unit = weight * shgrid_exp2_((int)(code >> 27) - 24);
     const float mean[3] = {unit * (float)(code & 511), unit * (float)(code >> 9 & 511),
                            unit * (float)(code >> 18 & 511)};
@@ -462,7 +552,7 @@ static inline void shgrid_descend_(const shgrid_grid *grid, const int32_t at[3],
             return;
         }
         level++;
-        path->node[level] = shgrid_node_(grid, shgrid_u32_(node) + shgrid_bits_(node[8] & ((1u << octant) - 1)));
+        path->node[level] = shgrid_node_(grid, bspx_u32(node) + shgrid_bits_(node[8] & ((1u << octant) - 1)));
     }
 }
 
@@ -482,7 +572,7 @@ static inline int shgrid_add_corner_(const shgrid_grid *grid, const int32_t at[3
     if ((at[0] | at[1] | at[2]) & mask) /* inside or on a larger cell, not its corner */
         return 0;
     if (node[9] >> path->octant & 1) {
-        const uint32_t index = shgrid_u32_(node + 4) + shgrid_bits_(node[9] & ((1u << path->octant) - 1));
+        const uint32_t index = bspx_u32(node + 4) + shgrid_bits_(node[9] & ((1u << path->octant) - 1));
         shgrid_add_point_(grid->points + (size_t)SHGRID_SPARSE_POINT_BYTES * index, node[11], weight, sum);
         *total += weight;
         return 1;
@@ -587,7 +677,9 @@ static inline void shgrid_sample_sparse_(const shgrid_grid *grid, const float po
 /* Coefficients of point (x, y, z); each coordinate in 0 .. bounds - 1. Sparse: the value at the corner of a smallest
    cell; black in solid space and void. */
 static inline void shgrid_point(const shgrid_grid *grid, int32_t x, int32_t y, int32_t z, shgrid_coeffs *out) {
-    if (grid->levels == 0) {
+    if (grid->points == NULL) {
+        memset(out, 0, sizeof *out);
+    } else if (grid->levels == 0) {
         shgrid_uniform_point_(grid, x, y, z, out);
     } else {
         const double at[3] = {(double)x, (double)y, (double)z};
@@ -599,9 +691,12 @@ static inline void shgrid_point(const shgrid_grid *grid, int32_t x, int32_t y, i
 }
 
 /* Trilinear blend at a world position; positions outside the grid are clamped to it. Corners of sparse cells without a
-   value are left out, and the weights of the others are made to add up to 1; where no corner has one, it is black. */
+   value are left out, and the weights of the others are made to add up to 1; where no corner has one, it is black. A
+   grid that failed to load is black everywhere. */
 static inline void shgrid_sample(const shgrid_grid *grid, const float position[3], shgrid_coeffs *out) {
-    if (grid->levels == 0)
+    if (grid->points == NULL)
+        memset(out, 0, sizeof *out);
+    else if (grid->levels == 0)
         shgrid_sample_uniform_(grid, position, out);
     else
         shgrid_sample_sparse_(grid, position, out);
@@ -647,7 +742,7 @@ static inline void shgrid_add_near_(shgrid_search_ *search, const int32_t at[3])
 /* The points of a node and of the nodes below it; `size` is log2 of the edge of its children, in smallest cells. */
 static inline void shgrid_search_node_(shgrid_search_ *search, uint32_t index, int size, const int32_t low[3]) {
     const unsigned char *node = shgrid_node_(search->grid, index);
-    uint32_t child = shgrid_u32_(node), octant;
+    uint32_t child = bspx_u32(node), octant;
     int axis;
     for (axis = 0; axis < 3; axis++) {
         const float cell = search->grid->cell[axis], from = search->grid->mins[axis] + cell * (float)low[axis];
@@ -691,6 +786,8 @@ static inline size_t shgrid_points_near(const shgrid_grid *grid, const float pos
     const int levels = grid->levels;
     int32_t low[3];
     uint32_t root = 0;
+    if (grid->points == NULL)
+        return 0;
     if (levels == 0) {
         shgrid_search_uniform_(&search);
         return search.count;
@@ -890,10 +987,13 @@ static inline void shgrid_put_half_(void *const textures[7], size_t texel, const
 }
 
 /* Fills 7 textures RGBA16F of grid->bounds texels, 8 * grid->count bytes each, aligned to 2: coefficient k of channel c
-   is component (3 k + c) % 4 of texture (3 k + c) / 4; the last component is 0. Not for sparse grids. */
-static inline void shgrid_fill_half(const shgrid_grid *grid, void *const textures[7]) {
+   is component (3 k + c) % 4 of texture (3 k + c) / 4; the last component is 0. Returns the number of texels. Writes
+   nothing and returns 0 if the grid is sparse: shgrid_atlas_fill is for those, or shgrid_expand. */
+static inline size_t shgrid_fill_half(const shgrid_grid *grid, void *const textures[7]) {
     size_t texel = 0;
     int32_t x, y, z;
+    if (grid->points == NULL || grid->levels != 0)
+        return 0;
     for (z = 0; z < grid->bounds[2]; z++)
         for (y = 0; y < grid->bounds[1]; y++)
             for (x = 0; x < grid->bounds[0]; x++) {
@@ -901,6 +1001,7 @@ static inline void shgrid_fill_half(const shgrid_grid *grid, void *const texture
                 shgrid_point(grid, x, y, z, &value);
                 shgrid_put_half_(textures, texel++, &value);
             }
+    return texel;
 }
 
 /* ---- A sparse grid as textures: shgrid_atlas.glsl and .hlsl sample them. ----
@@ -915,6 +1016,12 @@ static inline void shgrid_fill_half(const shgrid_grid *grid, void *const texture
 #define SHGRID_BRICK_VOLUME 125 /* texels of a brick */
 #define SHGRID_BRICK_AXIS 255   /* maximum of bricks along an axis of the atlas */
 
+/* What graphics cards take, and 32-bit programs: a larger atlas is not made. */
+#define SHGRID_ATLAS_BYTES 0x7fffffff         /* maximum of the 7 textures of SHGRID_ATLAS_HALF together */
+#define SHGRID_INDIRECTION_AXIS 2048          /* maximum of entries along an axis */
+#define SHGRID_INDIRECTION_ENTRIES (1L << 26) /* maximum of entries */
+#define SHGRID_ENTRIES_PER_BRICK 4096         /* maximum, beyond the first 2^18 entries */
+
 typedef enum {
     SHGRID_ATLAS_HALF, /* 7 textures RGBA16F, components as those of shgrid_fill_half */
     SHGRID_ATLAS_SNORM /* texture 0 RGB9_E5: coefficient 0; 6 textures RGBA8_SNORM: the others over coefficient 0 and
@@ -922,7 +1029,7 @@ typedef enum {
 } shgrid_atlas_format;
 
 typedef struct {
-    int32_t count;      /* of bricks; 0: the grid is not sparse, or its bricks do not fit in an atlas */
+    int32_t count;      /* of bricks; 0: the grid is not sparse, or too large for an atlas */
     int32_t bricks[3];  /* bricks along each axis of the atlas */
     int32_t entries[3]; /* texels of the indirection texture, 4 bytes each: RGBA8UI */
     int32_t shift;      /* log2 of the edge of an entry, in smallest cells */
@@ -1081,7 +1188,7 @@ static inline void shgrid_fill_entries_(const shgrid_walk_ *walk, int32_t brick,
 static inline void shgrid_visit_(shgrid_walk_ *walk, uint32_t index, int level, const int32_t low[3]) {
     const unsigned char *node = shgrid_node_(walk->grid, index);
     const int edge = walk->grid->levels - level;
-    uint32_t child = shgrid_u32_(node), octant;
+    uint32_t child = bspx_u32(node), octant;
     int hasBrick = level == 0;
     walk->scale = node[9] && node[11] > walk->scale ? node[11] : walk->scale;
     for (octant = 0; octant < shgrid_bits_(node[8]); octant++)
@@ -1120,7 +1227,19 @@ static inline void shgrid_visit_roots_(shgrid_walk_ *walk) {
             }
 }
 
-/* Sizes of the textures of a sparse grid. All sizes of the atlas are 0 if the grid is not sparse or does not fit. */
+/* Whether the sizes of an atlas are within the limits. In double, where no product overflows. */
+static inline int shgrid_atlas_fits_(const shgrid_atlas *atlas) {
+    const double texels = (double)SHGRID_BRICK_VOLUME * atlas->bricks[0] * atlas->bricks[1] * atlas->bricks[2],
+                 entries = (double)atlas->entries[0] * atlas->entries[1] * atlas->entries[2];
+    int axis;
+    for (axis = 0; axis < 3; axis++)
+        if (atlas->bricks[axis] > SHGRID_BRICK_AXIS || atlas->entries[axis] > SHGRID_INDIRECTION_AXIS)
+            return 0;
+    return 7 * 8 * texels <= SHGRID_ATLAS_BYTES && entries <= SHGRID_INDIRECTION_ENTRIES &&
+           entries <= (1L << 18) + (double)SHGRID_ENTRIES_PER_BRICK * atlas->count;
+}
+
+/* Sizes of the textures of a sparse grid. All sizes of the atlas are 0 if the grid is not sparse or too large. */
 static inline void shgrid_atlas_measure(const shgrid_grid *grid, shgrid_atlas *atlas) {
     shgrid_walk_ walk;
     int32_t side = 1;
@@ -1135,17 +1254,17 @@ static inline void shgrid_atlas_measure(const shgrid_grid *grid, shgrid_atlas *a
     shgrid_visit_roots_(&walk);
     while (side < SHGRID_BRICK_AXIS && (double)side * side * side < atlas->count)
         side++;
-    if (atlas->count == 0 || (double)side * side * side < atlas->count) {
-        memset(atlas, 0, sizeof *atlas);
-        return;
-    }
     atlas->bricks[0] = atlas->bricks[1] = side;
-    atlas->bricks[2] = (atlas->count + side * side - 1) / (side * side);
+    atlas->bricks[2] = (int32_t)(((int64_t)atlas->count + side * side - 1) / (side * side));
     if (atlas->count < side * side)
         atlas->bricks[1] = (atlas->count + side - 1) / side;
     atlas->shift = grid->levels - walk.depth;
     for (axis = 0; axis < 3; axis++)
         atlas->entries[axis] = grid->bounds[axis] >> atlas->shift;
+    if (atlas->count == 0 || !shgrid_atlas_fits_(atlas)) {
+        memset(atlas, 0, sizeof *atlas);
+        return;
+    }
     scale = (double)shgrid_scale_(walk.scale);
     scale = scale < 4 ? scale : 4;
     atlas->limits[0] = (float)(1.15470054 * scale);

@@ -10,6 +10,133 @@
 #include <stdint.h>
 #include <string.h>
 
+/* ---- bspx.h: begin ---- */
+#ifndef BSPX_H
+#define BSPX_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum {
+    BSPX_OK,
+    BSPX_ABSENT,    /* a good map, without that lump */
+    BSPX_NOT_BSP,   /* not an IBSP file of version 46 or 47 */
+    BSPX_TRUNCATED, /* shorter than its header or its BSPX directory */
+    BSPX_BAD_OFFSET /* a lump outside the file or inside the header */
+} bspx_result;
+
+/* Bytes in the caller's memory, at any alignment. */
+typedef struct {
+    const unsigned char *data;
+    size_t size;
+} bspx_lump;
+
+/* A whole .bsp file in the caller's memory. */
+typedef struct {
+    const unsigned char *data;
+    size_t size;
+    uint32_t version;
+    uint64_t firstLump; /* offset of the first lump that is not empty */
+    uint64_t directory; /* where the BSPX directory begins, if there is one */
+} bspx_file;
+
+static inline uint32_t bspx_u32(const unsigned char *p) {
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
+/* The lump in a slot of the header: 0 to 16, or 17 and 18 of version 47. `bsp` is what bspx_open gave. An empty lump
+   of slots 0 to 16 is BSPX_OK with size 0. */
+static inline bspx_result bspx_slot(const bspx_file *bsp, unsigned slot, bspx_lump *lump) {
+    const uint64_t header = 8 + 8 * (slot < 17 ? 17 : (uint64_t)slot + 1);
+    uint64_t offset, length;
+    lump->data = NULL;
+    lump->size = 0;
+    /* The format does not store its number of slots: 17 and 18 exist only if no lump begins before they end. */
+    if (slot >= 17 && (slot > 18 || bsp->version != 47 || bsp->firstLump < header || bsp->size < header))
+        return BSPX_ABSENT;
+    offset = bspx_u32(bsp->data + 8 + 8 * slot);
+    length = bspx_u32(bsp->data + 12 + 8 * slot);
+    if (slot >= 17 && length == 0)
+        return BSPX_ABSENT;
+    /* Numbers above 2^31 - 1 are negative in the format. */
+    if (offset > INT32_MAX || length > INT32_MAX || offset + length > bsp->size || (length > 0 && offset < header))
+        /* Other compilers have text where slots 17 and 18 would be. */
+        return slot >= 17 && bsp->firstLump != header ? BSPX_ABSENT : BSPX_BAD_OFFSET;
+    lump->data = bsp->data + offset;
+    lump->size = (size_t)length;
+    return BSPX_OK;
+}
+
+/* Checks the header of a file image, which must be kept as long as `bsp` and its lumps. */
+static inline bspx_result bspx_open(const void *data, size_t size, bspx_file *bsp) {
+    uint64_t end = 0;
+    unsigned slot;
+    bspx_lump lump;
+    bsp->data = (const unsigned char *)data;
+    bsp->size = size;
+    bsp->version = 0;
+    bsp->firstLump = UINT64_MAX;
+    bsp->directory = 0;
+    if (size < 8 || memcmp(data, "IBSP", 4) != 0)
+        return BSPX_NOT_BSP;
+    bsp->version = bspx_u32(bsp->data + 4);
+    if (bsp->version != 46 && bsp->version != 47)
+        return BSPX_NOT_BSP;
+    if (size < 8 + 8 * 17)
+        return BSPX_TRUNCATED;
+    for (slot = 0; slot < 17; slot++) {
+        const uint64_t offset = bspx_u32(bsp->data + 8 + 8 * slot);
+        if (bspx_slot(bsp, slot, &lump) != BSPX_OK)
+            return BSPX_BAD_OFFSET;
+        if (lump.size > 0 && offset < bsp->firstLump)
+            bsp->firstLump = offset;
+        if (offset + lump.size > end)
+            end = offset + lump.size;
+    }
+    for (; slot < 19; slot++) {
+        /* Advertisements have 128 bytes each, the SH light grid a header of 40. */
+        if (bspx_slot(bsp, slot, &lump) != BSPX_OK || (slot == 17 ? lump.size % 128 != 0 : lump.size <= 40))
+            continue;
+        if ((uint64_t)(lump.data - bsp->data) + lump.size > end)
+            end = (uint64_t)(lump.data - bsp->data) + lump.size;
+    }
+    bsp->directory = (end + 3) & ~(uint64_t)3;
+    return BSPX_OK;
+}
+
+/* The BSPX lump of that name (at most 23 characters); the first, if there are two. */
+static inline bspx_result bspx_find(const bspx_file *bsp, const char *name, bspx_lump *lump) {
+    const uint64_t start = bsp->directory;
+    uint64_t count, i;
+    lump->data = NULL;
+    lump->size = 0;
+    if (start == 0 || start + 8 > bsp->size || memcmp(bsp->data + start, "BSPX", 4) != 0)
+        return BSPX_ABSENT;
+    count = bspx_u32(bsp->data + start + 4);
+    if (count > (bsp->size - start - 8) / 32)
+        return BSPX_TRUNCATED;
+    for (i = 0; i < count; i++) {
+        const unsigned char *entry = bsp->data + start + 8 + 32 * i;
+        const uint64_t offset = bspx_u32(entry + 24), length = bspx_u32(entry + 28);
+        if (strlen(name) > 23 || memcmp(entry, name, strlen(name) + 1) != 0)
+            continue;
+        if (offset < start + 8 + 32 * count || offset + length > bsp->size)
+            return BSPX_BAD_OFFSET;
+        lump->data = bsp->data + offset;
+        lump->size = (size_t)length;
+        return BSPX_OK;
+    }
+    return BSPX_ABSENT;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
+/* ---- bspx.h: end ---- */
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -68,19 +195,15 @@ static inline const char *staticprops_message(staticprops_result result) {
     return "unknown result";
 }
 
-static inline uint32_t staticprops_u32_(const unsigned char *p) {
-    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
-}
-
 /* Prop number `index`, below propCount. */
 static inline staticprops_prop staticprops_get(const staticprops_light *light, uint32_t index) {
     const unsigned char *p = light->props + (size_t)STATICPROPS_PROP_BYTES * index;
     staticprops_prop prop;
-    prop.entity = staticprops_u32_(p);
-    prop.nameCrc = staticprops_u32_(p + 4);
-    prop.modelCrc = staticprops_u32_(p + 8);
-    prop.firstMesh = staticprops_u32_(p + 12);
-    prop.meshCount = staticprops_u32_(p + 16);
+    prop.entity = bspx_u32(p);
+    prop.nameCrc = bspx_u32(p + 4);
+    prop.modelCrc = bspx_u32(p + 8);
+    prop.firstMesh = bspx_u32(p + 12);
+    prop.meshCount = bspx_u32(p + 16);
     return prop;
 }
 
@@ -88,8 +211,8 @@ static inline staticprops_prop staticprops_get(const staticprops_light *light, u
 static inline staticprops_mesh staticprops_get_mesh(const staticprops_light *light, uint32_t index) {
     const unsigned char *p = light->meshes + (size_t)STATICPROPS_MESH_BYTES * index;
     staticprops_mesh mesh;
-    mesh.firstColor = staticprops_u32_(p);
-    mesh.colorCount = staticprops_u32_(p + 4);
+    mesh.firstColor = bspx_u32(p);
+    mesh.colorCount = bspx_u32(p + 4);
     return mesh;
 }
 
@@ -102,11 +225,11 @@ static inline staticprops_result staticprops_parse(const void *data, size_t size
     memset(light, 0, sizeof *light);
     if (size < STATICPROPS_HEADER_BYTES)
         return STATICPROPS_BAD_LENGTH;
-    if (memcmp(lump, "SPL1", 4) != 0 || staticprops_u32_(lump + 4) != 1)
+    if (memcmp(lump, "SPL1", 4) != 0 || bspx_u32(lump + 4) != 1)
         return STATICPROPS_BAD_VERSION;
-    found.propCount = staticprops_u32_(lump + 8);
-    found.meshCount = staticprops_u32_(lump + 12);
-    found.colorCount = staticprops_u32_(lump + 16);
+    found.propCount = bspx_u32(lump + 8);
+    found.meshCount = bspx_u32(lump + 12);
+    found.colorCount = bspx_u32(lump + 16);
     length = STATICPROPS_HEADER_BYTES + (uint64_t)STATICPROPS_PROP_BYTES * found.propCount +
              (uint64_t)STATICPROPS_MESH_BYTES * found.meshCount + (uint64_t)4 * found.colorCount;
     if (length != size)
@@ -132,60 +255,29 @@ static inline staticprops_result staticprops_parse(const void *data, size_t size
     return STATICPROPS_OK;
 }
 
-/* Finds the lump of a whole .bsp file image: BSPX behind the lumps of the header. */
+/* Finds the BSPX lump STATIC_PROP_LIGHT of a whole .bsp file image. */
 static inline staticprops_result staticprops_find(const void *data, size_t size, const unsigned char **lump,
                                                   size_t *lumpSize) {
-    static const char name[24] = "STATIC_PROP_LIGHT";
-    const unsigned char *file = (const unsigned char *)data;
-    uint64_t end = 0, first = UINT64_MAX, start, count, i;
-    uint32_t version;
-    unsigned slot;
-    *lump = NULL;
-    *lumpSize = 0;
-    if (size < 8 || memcmp(file, "IBSP", 4) != 0)
-        return STATICPROPS_NOT_BSP;
-    version = staticprops_u32_(file + 4);
-    if (version != 46 && version != 47)
-        return STATICPROPS_NOT_BSP;
-    if (size < 8 + 8 * 17)
-        return STATICPROPS_TRUNCATED;
-    for (slot = 0; slot < 19; slot++) {
-        const uint64_t head = 8 + 8 * (uint64_t)(slot + 1);
-        uint64_t offset, length;
-        /* Slots 17 and 18 are those of some version 47 files only: they exist if no lump begins before they end. */
-        if (slot >= 17 && (version != 47 || first < head || size < head))
-            break;
-        offset = staticprops_u32_(file + 8 + 8 * slot);
-        length = staticprops_u32_(file + 12 + 8 * slot);
-        if (offset > INT32_MAX || length > INT32_MAX || offset + length > size ||
-            (length > 0 && offset < (slot < 17 ? 8 + 8 * 17 : head))) {
-            if (slot >= 17)
-                break;
-            return STATICPROPS_BAD_OFFSET;
-        }
-        if (length > 0 && offset < first)
-            first = offset;
-        if (length > 0 && offset + length > end)
-            end = offset + length;
-    }
-    start = (end + 3) & ~(uint64_t)3;
-    if (start + 8 > size || memcmp(file + start, "BSPX", 4) != 0)
-        return STATICPROPS_ABSENT;
-    count = staticprops_u32_(file + start + 4);
-    if (count > (size - start - 8) / 32)
-        return STATICPROPS_TRUNCATED;
-    for (i = 0; i < count; i++) {
-        const unsigned char *entry = file + start + 8 + 32 * i;
-        const uint64_t offset = staticprops_u32_(entry + 24), length = staticprops_u32_(entry + 28);
-        if (memcmp(entry, name, sizeof "STATIC_PROP_LIGHT") != 0)
-            continue;
-        if (offset < start + 8 + 32 * count || offset + length > size)
-            return STATICPROPS_BAD_OFFSET;
-        *lump = file + offset;
-        *lumpSize = (size_t)length;
+    bspx_file bsp;
+    bspx_lump found = {NULL, 0};
+    bspx_result result = bspx_open(data, size, &bsp);
+    if (result == BSPX_OK)
+        result = bspx_find(&bsp, "STATIC_PROP_LIGHT", &found);
+    *lump = found.data;
+    *lumpSize = found.size;
+    switch (result) {
+    case BSPX_OK:
         return STATICPROPS_OK;
+    case BSPX_ABSENT:
+        return STATICPROPS_ABSENT;
+    case BSPX_NOT_BSP:
+        return STATICPROPS_NOT_BSP;
+    case BSPX_TRUNCATED:
+        return STATICPROPS_TRUNCATED;
+    case BSPX_BAD_OFFSET:
+        return STATICPROPS_BAD_OFFSET;
     }
-    return STATICPROPS_ABSENT;
+    return STATICPROPS_BAD_OFFSET;
 }
 
 /* Finds and parses the lump of a whole .bsp file image. */
@@ -216,7 +308,7 @@ static inline int staticprops_of_entity(const staticprops_light *light, uint32_t
 
 /* Linear light of color number `index`, below colorCount: those of a mesh begin with its firstColor. 1.0 is 255. */
 static inline void staticprops_color(const staticprops_light *light, uint32_t index, float rgb[3]) {
-    const uint32_t code = staticprops_u32_(light->colors + (size_t)4 * index);
+    const uint32_t code = bspx_u32(light->colors + (size_t)4 * index);
     int power = (int)(code >> 27) - 24, channel;
     float scale = 1;
     for (; power > 0; power--)

@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/text/counted.h"
 #include "q3map2/bspfile/bsp_layout.h"
 #include "q3map2/bspfile/bsp_pieces.h"
 
@@ -34,7 +35,7 @@ void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFo
     FileReplacement file(path);
     pieces.Write([&file](std::span<const std::byte> bytes) { file.Append(bytes); });
     file.Commit();
-    log.Print("Wrote {:.1f} MB ({} bytes)\n", double(pieces.Size()) / 1e6, pieces.Size());
+    log.Print("Wrote {} ({} bytes)\n", SizeText(pieces.Size()), pieces.Size());
 }
 
 } // namespace q3

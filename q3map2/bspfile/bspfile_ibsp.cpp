@@ -8,6 +8,7 @@
 #include "q3map2/bspfile/bspfile_hdr.h"
 #include "q3map2/bspfile/bspfile_sparse.h"
 #include "q3map2/bspfile/bspx.h"
+#include "q3map2/bspfile/file_kind.h"
 
 #include <algorithm>
 #include <bit>
@@ -65,8 +66,13 @@ class Reader {
     const FilePart &Lump(int slot) const { return lumps_[std::size_t(slot)]; }
 
     void ReadHead() {
-        if (file_.size < HeaderBytes(kClassicSlots))
+        const std::string kind = Kind();
+        if (file_.size < HeaderBytes(kClassicSlots) && kind.empty())
             throw Error("{}: {} bytes, but a BSP header has {}", name_, file_.size, HeaderBytes(kClassicSlots));
+        const bool isShort = file_.size < HeaderBytes(kClassicSlots);
+        if (!kind.empty() && (isShort || !format_.force))
+            throw Error("{}: the file is {}; expected a .bsp of Quake III or of a game of its family (IBSP 46 or 47)",
+                        name_, kind);
         file_.Fill(0, std::span(head_).first(std::size_t(std::min<std::uint64_t>(file_.size, head_.size()))));
         if (std::memcmp(head_.data(), "IBSP", 4) != 0)
             Mismatch("the file does not start with IBSP: not a Quake III map");
@@ -78,6 +84,13 @@ class Reader {
         for (std::size_t slot = 0; slot < kClassicSlots; slot++)
             if (lumps_[slot].length > 0)
                 firstByte_ = std::min(firstByte_, lumps_[slot].offset);
+    }
+
+    /// What the file is if not a map of this family.
+    std::string Kind() const {
+        std::vector<std::byte> begin(std::size_t(std::min<std::uint64_t>(file_.size, kKindBytes)));
+        file_.Fill(0, std::span(begin));
+        return KindOfFile(begin);
     }
 
     void Mismatch(const std::string &text) {

@@ -11,6 +11,9 @@
 
 namespace q3 {
 
+/// Lumps with light grids for other engines, which gridformats writes.
+inline constexpr std::string_view kBspxGridOctree = "LIGHTGRID_OCTREE", kBspxGrids = "LIGHTGRIDS";
+
 /// An entry of a BSPX directory.
 struct BspxPart {
     std::string name;

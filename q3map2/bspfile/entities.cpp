@@ -2,6 +2,7 @@
 #include "q3map2/bspfile/entities.h"
 
 #include "common/error.h"
+#include "common/text/text_scan.h"
 
 #include <algorithm>
 #include <charconv>
@@ -34,7 +35,8 @@ struct Token {
 /// Splits text into braces, words and quoted strings; comments are skipped outside strings.
 class Tokenizer {
   public:
-    Tokenizer(std::string_view text, std::string_view name) : rest_(text.substr(0, text.find('\0'))), name_(name) {}
+    Tokenizer(std::string_view text, std::string_view name, bool isMap)
+        : rest_(text.substr(0, text.find('\0'))), name_(name), isMap_(isMap) {}
 
     Token Next() {
         SkipBlanks();
@@ -77,8 +79,8 @@ class Tokenizer {
     }
 
     Token Quoted(Token token) {
-        const std::size_t close = rest_.find('"', 1);
-        if (close == std::string_view::npos)
+        const std::size_t close = QuotedEnd(rest_, 1, isMap_);
+        if (close == rest_.size())
             Fail(line_, "a string is opened here and never closed");
         token.kind = Token::Quoted;
         token.text = Take(close + 1).substr(1, close - 1);
@@ -105,6 +107,7 @@ class Tokenizer {
     }
 
     std::string_view rest_, name_;
+    bool isMap_; ///< quotes may be escaped
     int line_ = 1;
 };
 
@@ -150,7 +153,7 @@ Entity ParseEntity(Tokenizer &tokens, int openLine, bool isMap) {
 }
 
 std::vector<Entity> Parse(std::string_view text, std::string_view name, bool isMap) {
-    Tokenizer tokens(text, name);
+    Tokenizer tokens(text, name, isMap);
     std::vector<Entity> entities;
     for (;;) {
         const Token token = tokens.Next();

@@ -16,10 +16,7 @@ std::string Problem(const EntityKey &key, std::string_view text) {
         if (!number)
             break;
         if (!key.info.range.Contains(*number)) {
-            const std::string range = key.info.range.Text(); // empty for the default range of all settings
-            return fmt::format("expected a number {}; {:g} is used",
-                               range.empty() ? fmt::format("from {:g} to {:g}", key.info.range.low, key.info.range.high)
-                                             : range,
+            return fmt::format("expected a number {}; {:.12g} is used", key.info.range.Text(),
                                key.info.range.Clamp(*number));
         }
     }
@@ -40,11 +37,6 @@ std::string_view EntityKey::Text(const Entity &entity) const {
 double EntityKey::Number(const Entity &entity, double fallback) const {
     std::string_view text = Text(entity);
     return info.range.Clamp(TakeNumber(text).value_or(fallback));
-}
-
-bool EntityKey::InRange(const Entity &entity) const {
-    std::string_view text = Text(entity);
-    return info.range.Contains(TakeNumber(text).value_or(initial));
 }
 
 std::optional<Vec3f> EntityKey::Vector(const Entity &entity) const {

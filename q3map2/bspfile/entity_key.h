@@ -22,7 +22,6 @@ struct EntityKey {
     double Number(const Entity &entity) const { return Number(entity, initial); }
     /// The same with a default that only the caller knows.
     double Number(const Entity &entity, double fallback) const;
-    bool InRange(const Entity &entity) const;
     /// The number truncated toward zero.
     int Integer(const Entity &entity) const { return int(Number(entity)); }
     int Integer(const Entity &entity, int fallback) const { return int(Number(entity, fallback)); }

@@ -38,21 +38,27 @@ void CheckHead(const std::filesystem::path &path, std::span<const std::byte> hea
 
 } // namespace
 
+std::uint32_t ChecksumIn(std::span<const std::byte> file, const std::filesystem::path &path) {
+    if (file.size() < kHeadBytes)
+        throw Error("{}: {} bytes, expected a bot navigation file of at least {}", path.string(), file.size(),
+                    kHeadBytes);
+    const auto head = file.first(kHeadBytes);
+    CheckHead(path, head);
+    return LoadWord(head.subspan(kChecksumAt), KeyStepOf(head));
+}
+
 std::vector<BotFile> FindBotFiles(const std::filesystem::path &bspPath) {
     std::vector<BotFile> files;
-    for (const std::string_view end : {".aas", "_b0.aas", "_b1.aas"}) {
+    for (const std::string_view end : kBotFileEnds) {
         auto path = bspPath;
         path.replace_filename(bspPath.stem().string() + std::string(end));
         if (!std::filesystem::exists(path))
             continue;
         InputFile file(path);
-        if (file.Size() < kHeadBytes)
-            throw Error("{}: {} bytes, expected a bot navigation file of at least {}", path.string(), file.Size(),
-                        kHeadBytes);
         std::array<std::byte, kHeadBytes> head{};
-        file.Read(0, head);
-        CheckHead(path, head);
-        files.push_back({path, LoadWord(std::span(head).subspan(kChecksumAt), KeyStepOf(head))});
+        const auto read = std::span(head).first(std::size_t(std::min<std::uint64_t>(file.Size(), kHeadBytes)));
+        file.Read(0, read);
+        files.push_back({path, ChecksumIn(read, path)});
     }
     return files;
 }

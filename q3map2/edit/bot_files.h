@@ -1,8 +1,11 @@
 // GPL-2.0-or-later. Bot navigation files (.aas) beside a map.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string_view>
 #include <vector>
 
 namespace q3 {
@@ -14,6 +17,12 @@ struct BotFile {
     std::uint32_t checksum = 0; ///< of the .bsp that it was made for
 };
 
+/// Ends of the names of bot files, which begin with that of the map.
+inline constexpr std::string_view kBotFileEnds[] = {".aas", "_b0.aas", "_b1.aas"};
+
+/// The checksum that a bot file names, from its bytes. Errors: Error, for bytes that are none; `path` is for the
+/// message.
+std::uint32_t ChecksumIn(std::span<const std::byte> file, const std::filesystem::path &path);
 /// x.aas, x_b0.aas and x_b1.aas, as far as they are there. Errors: Error, for files that cannot be read or are none.
 std::vector<BotFile> FindBotFiles(const std::filesystem::path &bspPath);
 /// BlockChecksum of the file. Errors: it cannot be read.

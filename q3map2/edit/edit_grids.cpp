@@ -2,6 +2,7 @@
 #include "q3map2/edit/edit_grids.h"
 
 #include "common/error.h"
+#include "q3map2/edit/edit_lumps.h"
 #include "q3map2/edit/edit_text.h"
 
 #include <algorithm>
@@ -13,7 +14,6 @@ namespace q3 {
 
 namespace {
 
-constexpr std::array<std::string_view, 2> kLumpsWithoutPositions = {"RGBLIGHTING", "LIGHTINGDIR"};
 /// Positions that differ by less than this part of a cell are the same.
 constexpr double kSamePlace = 1e-3;
 constexpr int kMostSteps = 16;     ///< between neighboring floats, and of cells
@@ -115,12 +115,7 @@ void TransformGrids(const Bsp &before, const AxisTransform &transform, Bsp &bsp,
         for (std::size_t i = 0; i < 3; ++i)
             grid.cell[i] = float(double(grid.cell[i]) * transform.factors[i]);
     }
-    std::erase_if(bsp.bspx, [&](const BspxLump &lump) {
-        const bool keeps = std::ranges::find(kLumpsWithoutPositions, lump.name) != kLumpsWithoutPositions.end();
-        if (!keeps)
-            log.Warn("BSPX lump", "the BSPX lump {} is dropped: it may hold positions", lump.name);
-        return !keeps;
-    });
+    TransformLumps(transform, bsp, log);
 }
 
 } // namespace q3

@@ -22,8 +22,7 @@ struct AxisTransform {
 /// Takes the grids of `before` over to `bsp`, the transformed map with transformed world bounds and a gridsize that
 /// fits. The head of the SH grid says where its points are, so they move exactly. Engines derive the points of the
 /// legacy grid from world bounds and gridsize: where that does not give the transformed points, the grid is dropped
-/// with a warning. World bounds and gridsize may change by rounding. Lumps of others that may hold positions are
-/// dropped.
+/// with a warning. World bounds and gridsize may change by rounding. BSPX lumps: TransformLumps.
 void TransformGrids(const Bsp &before, const AxisTransform &transform, Bsp &bsp, Log &log);
 
 } // namespace q3

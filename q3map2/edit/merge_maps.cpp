@@ -5,6 +5,7 @@
 #include "libs/math/bounds.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/written_keys.h"
+#include "q3map2/edit/edit_lumps.h"
 #include "q3map2/edit/leaf_lists.h"
 
 #include <algorithm>
@@ -37,6 +38,7 @@ class Merger {
         MergeSurfaces();
         MergeModels();
         MergeRnm();
+        MergeLumps(main_, added_, mainName_, addedName_, bsp_, log_);
         DropUnfitHdrLight(bsp_, fmt::format("{} with {}", mainName_, addedName_), log_);
         RecordRnm();
         if (added_.ambientCubes) // the leafs of the merged map are those of the first

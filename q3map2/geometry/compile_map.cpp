@@ -49,6 +49,7 @@ class MapCompiler {
     void CompileModel(MapEntity &entity);
     Sealing Seal(Tree &tree, bool warn);
     bool ReportLeak(const Tree &tree);
+    void ReportAreaPortals(const Tree &tree);
     Tree MakeTree(std::vector<TreeFace> faces);
     void ShapeSurfaces(MapEntity &entity, std::size_t first);
     void EmitModel(MapEntity &entity, Tree &tree, std::size_t first);
@@ -90,14 +91,18 @@ bool MapCompiler::ReportLeak(const Tree &tree) {
     for (const Vec3f &p : result_.leakLine)
         trail.line.push_back({p.x, p.y, p.z});
     context_.log.Print("**********************\n******* leaked *******\n**********************\n");
+    const std::string shown =
+        context_.leakFile.empty() ? "" : fmt::format("; {} is the line through the hole", context_.leakFile);
     if (const int entity = LeakedEntity(tree); entity >= 0) {
         const MapEntity &reached = map_.entities[std::size_t(entity)];
         const std::string cause =
             fmt::format("the {} at {} {} {} can be reached from outside the map", reached.pairs.ClassName(),
                         reached.origin.x, reached.origin.y, reached.origin.z);
-        context_.log.Print("{}: {}\n", reached.MessagePrefix(), cause);
+        context_.log.Warn("leak", "{}: {}{}", reached.MessagePrefix(), cause, shown);
         context_.log.Mark(LogLevel::Warning, fmt::format("Entity {}, Brush 0: {}", reached.number, cause),
                           {.entity = reached.number, .primitive = 0, .line = {}});
+    } else {
+        context_.log.Warn("leak", "{}: the map leaks{}", map_.name, shown);
     }
     // Sent last: the editor closes the connection after the trail.
     context_.log.Mark(LogLevel::Error, "MAP LEAKED\n", trail);
@@ -105,6 +110,22 @@ bool MapCompiler::ReportLeak(const Tree &tree) {
     if (result_.abandoned)
         context_.log.Print("--- MAP LEAKED, ABORTING LEAKTEST ---\n");
     return !result_.abandoned;
+}
+
+/// Warns of area portals that a game could open and close without any effect.
+void MapCompiler::ReportAreaPortals(const Tree &tree) {
+    const MapEntity &world = map_.World();
+    const std::vector<int> idle = IdleAreaPortals(tree, world);
+    for (const int number : idle) {
+        const Brush &brush = world.brushes[std::size_t(number)];
+        const Vec3d center = (Vec3d(brush.bounds.mins) + Vec3d(brush.bounds.maxs)) * 0.5;
+        context_.WarnAt("areaportal without effect", brush.settings.entity, brush.primitive,
+                        fmt::format("the areaportal at {:g} {:g} {:g} separates nothing: both of its sides are in one "
+                                    "area. Close the gap beside it, or the other way round it, with structural brushes "
+                                    "or one more areaportal",
+                                    center.x, center.y, center.z));
+    }
+    result_.idleAreaPortals = int(idle.size());
 }
 
 bool MapCompiler::CompileWorld() {
@@ -133,6 +154,8 @@ bool MapCompiler::CompileWorld() {
     if (sealing == Sealing::Sealed)
         result_.portalFile = PortalFileText(tree, clusters);
     const int areas = FloodAreas(tree);
+    if (sealing == Sealing::Sealed) // through a leak, everything is one area
+        ReportAreaPortals(tree);
     context_.log.VerboseCount(clusters, "clusters");
     context_.log.VerboseCount(areas, "areas");
     AddEntityModels(map_, world, geometry_, context_);

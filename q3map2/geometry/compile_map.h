@@ -17,6 +17,7 @@ struct CompiledMap {
     std::string portalFile;      ///< text of the .prt; empty: the map leaks
     std::vector<Vec3f> leakLine; ///< points from outside to an entity; empty: the map is sealed
     std::string caulkFile;       ///< with -autocaulk: text of the .caulk, the only output
+    int idleAreaPortals = 0;     ///< area portals with one area on both sides
     bool abandoned = false;      ///< the map leaks and -leaktest is on: there is no .bsp
 };
 

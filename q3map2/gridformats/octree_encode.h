@@ -1,16 +1,14 @@
 // GPL-2.0-or-later. The BSPX lump LIGHTGRID_OCTREE: light without direction.
 #pragma once
 
+#include "q3map2/bspfile/bspx.h"
 #include "q3map2/gridformats/grid_source.h"
 #include "q3map2/gridformats/grid_tone.h"
 
 #include <cstddef>
-#include <string_view>
 #include <vector>
 
 namespace q3 {
-
-inline constexpr std::string_view kBspxGridOctree = "LIGHTGRID_OCTREE";
 
 /// The points of the SH grid, each with the mean of its light over all normals; those that are void are occluded.
 /// Errors: all are.

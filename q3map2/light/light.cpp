@@ -3,6 +3,7 @@
 
 #include "common/cpu_time.h"
 #include "common/error.h"
+#include "q3map2/bspfile/foreign_keys.h"
 #include "q3map2/bspfile/grid_shares.h"
 #include "q3map2/bspfile/light_curve_keys.h"
 #include "q3map2/bspfile/light_style_keys.h"
@@ -10,6 +11,7 @@
 #include "q3map2/light/grid/gridsh_dering.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/sources/hidden_lights.h"
 #include "q3map2/light/sources/light_entities.h"
 #include "q3map2/light/sources/light_envelope.h"
 #include "q3map2/light/sparse/sparse_bake.h"
@@ -25,25 +27,39 @@ bool IsLight(const Entity &entity) {
     return StartsWithNoCase(entity.ClassName(), "light");
 }
 
+struct NumberedEntities {
+    std::vector<Entity> entities;
+    std::vector<std::size_t> numbers; ///< of each in the file that it is from
+};
+
 /// The entities of the .bsp, with the lights of the .map source if there is one, since compilers strip lights from the
 /// .bsp. Without a .map, or with _keepLights, the lights are those in the .bsp.
-std::vector<Entity> EntitiesWithLights(std::vector<Entity> entities, const LightInputs &inputs, Log &log) {
+NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const LightInputs &inputs, Log &log) {
     const bool kept = keys::kKeepLights.Flag(entities.front());
     WarnOfBadKeys(entities.front(), 0, keys::kWorldLightKeys, log);
     WarnOfBadKeys(entities.front(), 0, keys::kStyleWorldKeys, log);
     WarnOfBadKeys(entities.front(), 0, keys::kMacroKeys, log);
+    WarnOfForeignKeys(entities.front(), 0, KeyOwner::World, log);
     const std::vector<Entity> &sources = inputs.mapEntities && !kept ? *inputs.mapEntities : entities;
     for (std::size_t i = 0; i < sources.size(); ++i)
-        if (IsLight(sources[i]))
+        if (IsLight(sources[i])) {
             WarnOfBadLightKeys(sources[i], i, log);
-    if (inputs.mapEntities && !kept) {
-        std::erase_if(entities, IsLight);
-        std::copy_if(inputs.mapEntities->begin(), inputs.mapEntities->end(), std::back_inserter(entities), IsLight);
-    }
-    if (std::none_of(entities.begin(), entities.end(), IsLight))
+            WarnOfForeignKeys(sources[i], i, KeyOwner::Light, log);
+        }
+    const bool replaced = inputs.mapEntities && !kept;
+    NumberedEntities result;
+    const auto take = [&](const std::vector<Entity> &from, const auto &wanted) {
+        for (std::size_t i = 0; i < from.size(); ++i)
+            if (wanted(from[i]))
+                result.entities.push_back(from[i]), result.numbers.push_back(i);
+    };
+    take(entities, [&](const Entity &entity) { return !replaced || !IsLight(entity); });
+    if (replaced)
+        take(sources, IsLight);
+    if (std::none_of(result.entities.begin(), result.entities.end(), IsLight))
         log.Warn("no light entities", "{}: no light entities, {}; surface, sun and sky lights still count", inputs.name,
                  inputs.mapEntities ? "neither in the .map nor in the .bsp" : "there is no .map beside the .bsp");
-    return entities;
+    return result;
 }
 
 void CountLights(const std::vector<Light> &lights, const SurfaceLightCounts &counts, Log &log) {
@@ -88,12 +104,12 @@ std::vector<bool> OpaqueBrushes(const Bsp &bsp, ShaderLibrary &library) {
     return opaque;
 }
 
-std::vector<Light> CreateLights(const Bsp &bsp, const std::vector<Entity> &entities, SurfaceTable &table,
+std::vector<Light> CreateLights(const BspSpace &space, const std::vector<Entity> &entities, SurfaceTable &table,
                                 const LightOptions &options, const WorldLight &world, ShaderLibrary &library,
                                 Log &log) {
     std::vector<Light> lights = EntityLights(entities, options, log);
     SurfaceLightCounts counts;
-    auto ofSurfaces = SurfaceLights(bsp, table, options, world, library, counts, log);
+    auto ofSurfaces = SurfaceLights(space, table, options, world, library, counts, log);
     std::move(ofSurfaces.begin(), ofSurfaces.end(), std::back_inserter(lights));
     CountLights(lights, counts, log);
     // Lights are traced in reverse order of creation, as in the established program: -cheapgrid depends on it.
@@ -146,12 +162,16 @@ LightStyles NumberStyles(const LightSetup &setup, std::vector<Entity> &entities,
 }
 
 std::vector<Light> CreateLightsLogged(LightSetup &setup, const LightInputs &inputs, ShaderLibrary &library, Log &log) {
-    std::vector<Entity> entities = EntitiesWithLights(setup.stored, inputs, log);
+    auto [entities, numbers] = EntitiesWithLights(setup.stored, inputs, log);
     log.Section("CreateLights");
     ApplyTexLights(inputs.texLights, setup.table, log);
     try {
         setup.styles = NumberStyles(setup, entities, log);
-        return CreateLights(setup.bsp, entities, setup.table, setup.options, setup.world, library, log);
+        auto lights = CreateLights(setup.space, entities, setup.table, setup.options, setup.world, library, log);
+        for (Light &light : lights)
+            if (light.entity >= 0)
+                light.entity = int(numbers[std::size_t(light.entity)]);
+        return lights;
     } catch (const Error &error) {
         throw Error("{}: {}", inputs.name, error.what());
     }
@@ -170,12 +190,13 @@ LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOpt
       world(ReadWorldLight(stored.front(), given)), options(WithWorld(given, world)),
       table(MakeSurfaceTable(map, stored, inputs.surfaceFile, inputs.name + ".srf", library, log,
                              WithAmbient(defaults, world))),
-      lights(CreateLightsLogged(*this, inputs, library, log)), space(map, OpaqueBrushes(map, library)),
+      space(map, OpaqueBrushes(map, library)), lights(CreateLightsLogged(*this, inputs, library, log)),
       props(LoadStaticProps(
           stored, inputs.vfs, int(map.drawSurfaces.size()),
           [&inputs](std::string_view model) { return inputs.texLights.TextureShadow(model); }, options, library, log)),
       scene(map, table, options, IgnoreRadius(layout), props.shadows), skySeenFrom(SkySeenFrom(space, table)) {
     props.shadows = {}; // the scene has a copy
+    WarnOfHiddenLights(lights, space, options.noTrace ? nullptr : &scene, log);
     log.Count((long long)(scene.TriangleCount()), "triangles that rays can meet");
 }
 

@@ -44,10 +44,10 @@ struct LightSetup {
     WorldLight world;
     LightOptions options; ///< with worldspawn's _maxlight
     SurfaceTable table;
-    LightStyles styles;        ///< of patterns and switches
-    std::vector<Light> lights; ///< in the order of tracing
+    LightStyles styles; ///< of patterns and switches
     BspSpace space;
-    StaticProps props; ///< without `shadows`, which the scene has
+    std::vector<Light> lights; ///< in the order of tracing
+    StaticProps props;         ///< without `shadows`, which the scene has
     LightScene scene;
     std::vector<bool> skySeenFrom;
 };
@@ -70,7 +70,7 @@ std::optional<AmbientCubes> BakeAmbientCubes(const LightSetup &setup, const Indi
                                              GridStats &stats);
 
 /// All lights of a map in the order of tracing, before SetupEnvelopes; fills the sky numbers of `table`.
-std::vector<Light> CreateLights(const Bsp &bsp, const std::vector<Entity> &entities, SurfaceTable &table,
+std::vector<Light> CreateLights(const BspSpace &space, const std::vector<Entity> &entities, SurfaceTable &table,
                                 const LightOptions &options, const WorldLight &world, ShaderLibrary &library, Log &log);
 
 /// For each brush whether it blocks light as a volume: a brush of the world none of whose sides is translucent.

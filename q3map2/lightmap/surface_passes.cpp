@@ -65,7 +65,7 @@ void SurfacePasses::Bounce() {
     const CpuTimer timer;
     AverageLuxels(in_, {}, false, surfaces_);
     bounces_.emplace(in_, surfaces_);
-    in_.log.Count((long long)(bounces_->Rays()), "rays gather the light of bounces");
+    in_.log.Count((long long)(bounces_->Rays()), "rays to gather the light of bounces");
     if (!bounces_->Solve(surfaces_))
         return in_.log.Print("No surface reflects light\n");
     in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());

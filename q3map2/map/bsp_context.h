@@ -32,6 +32,7 @@ struct BspContext {
     Log &log;
     const VirtualFileSystem *vfs = nullptr; ///< for models, skins and index maps; null: none are found
     std::shared_ptr<MapPlaces> places = std::make_shared<MapPlaces>(); ///< set by the reader of the map source
+    std::string leakFile{};                 ///< where the stage writes the line of a leak, for messages; empty: nowhere
 
     /// Warns "Entity E, Brush B: FILE:LINE: text"; `primitive` -1: about the entity, without a brush. `location`: in
     /// place of where the primitive begins; "": none. A connected editor selects the primitive.

@@ -1,15 +1,17 @@
 // GPL-2.0-or-later. The options of the bsp stage, declared.
 #include "q3map2/map/bsp_settings.h"
 
+#include <limits>
+
 namespace q3 {
 
 namespace {
 
 using Group = SettingGroup<BspOptions>;
 
-constexpr int kMinSurfaceVerts = 3, kMaxSurfaceVerts = 1 << 20, kMaxSampleSize = 16384;
+constexpr int kMinSurfaceVerts = 3, kMaxSampleSize = 16384;
 constexpr int kMaxScore = 1 << 30, kMaxBevelSnap = 65536;
-constexpr SettingRange kVerts{kMinSurfaceVerts, kMaxSurfaceVerts}, kSampleSize{1, kMaxSampleSize};
+constexpr SettingRange kVerts{kMinSurfaceVerts, std::numeric_limits<int>::max()}, kSampleSize{1, kMaxSampleSize};
 constexpr SettingRange kScore{-1, kMaxScore}, kEpsilon{0, 1, true, true};
 
 Group Basics() {
@@ -27,7 +29,7 @@ Group Basics() {
               &BspOptions::patchMeta},
              {{.name = "-leaktest",
                .help = "Stop when the map leaks",
-               .details = "`x.lin` is written and `x.bsp` is not. The exit status is 0."},
+               .details = "`x.lin` is written and no other file is replaced. The exit status is 1."},
               &BspOptions::leakTest},
              {{.name = "-onlyents",
                .help = "Replace the entities of an existing .bsp and nothing else",

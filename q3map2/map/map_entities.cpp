@@ -8,6 +8,17 @@ namespace q3 {
 
 namespace {
 
+/// Puts an apostrophe for each \". False: there is none.
+bool WithApostrophes(std::string &text) {
+    constexpr std::string_view kEscaped = "\\\"";
+    bool found = false;
+    for (std::size_t at = text.find(kEscaped); at != std::string::npos; at = text.find(kEscaped, at + 1)) {
+        text.replace(at, kEscaped.size(), "'");
+        found = true;
+    }
+    return found;
+}
+
 class EntityReader {
   public:
     EntityReader(MapScanner &scanner, Log &log, MapEntityHandler &handler)
@@ -29,6 +40,7 @@ class EntityReader {
   private:
     bool FindEntity();
     bool ReadPairOrPrimitive();
+    void ReadPair(std::string key);
     void ReadPrimitive();
 
     MapScanner &scanner_;
@@ -72,8 +84,29 @@ bool EntityReader::ReadPairOrPrimitive() {
         ReadPrimitive();
         return !nextEntityIsOpen_;
     }
-    handler_.OnPair(key, scanner_.NeedOnLine(fmt::format("the value of the key '{}'", Shown(key))));
+    ReadPair(key);
     return true;
+}
+
+/// After its key. Escaped quotes become apostrophes: neither games nor the .bsp know escapes.
+void EntityReader::ReadPair(std::string key) {
+    const auto warn = [&](std::string_view kind, std::string_view text) {
+        log_.Warn(kind, "{}: entity {}: {}", scanner_.Location(), entity_, text);
+    };
+    if (!scanner_.IsQuoted() && key.find('"') != std::string::npos)
+        warn("stray quote", fmt::format("expected a key in quotes, found {}: a quote of this line is misplaced or "
+                                        "missing",
+                                        Shown(key)));
+    bool escaped = WithApostrophes(key);
+    std::string value;
+    if (!scanner_.Value(value))
+        scanner_.Fail(fmt::format("the line ends where the value of the key '{}' was expected", Shown(key)));
+    escaped |= WithApostrophes(value);
+    if (escaped)
+        warn("escaped quote", fmt::format("the key '{}' has escaped quotes, which games cannot read: they become "
+                                          "apostrophes",
+                                          Shown(key)));
+    handler_.OnPair(key, value);
 }
 
 void EntityReader::ReadPrimitive() {

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Map text to entities.
 #include "q3map2/map/map_parse.h"
 
+#include "q3map2/bspfile/foreign_keys.h"
 #include "q3map2/bspfile/light_style_keys.h"
 #include "q3map2/bspfile/surface_keys.h"
 #include "q3map2/map/index_map.h"
@@ -11,6 +12,8 @@
 #include "q3map2/map/map_patch.h"
 #include "q3map2/map/map_primitive.h"
 #include "q3map2/map/map_settings.h"
+
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -59,6 +62,7 @@ class MapReader : public MapEntityHandler {
     void FinishEntity(MapEntity &entity);
     void DropAreaPortals(MapEntity &entity) const;
     void FinishWorld(const MapEntity &world);
+    void WarnOfSecondWorld(const MapEntity &entity) const;
     void ApplyPatchKeys(MapEntity &entity) const;
     void PrintCounts() const;
 
@@ -86,8 +90,25 @@ void MapReader::BeginEntity(int entity) {
 }
 
 void MapReader::OnPair(const std::string &key, const std::string &value) {
+    constexpr std::size_t kMaxValue = 1023; // of engines, where a longer one ends the entity
+    constexpr std::string_view kTrenchBroom = "_tb_";
     const std::string_view trimmedKey = TrimEnd(key), trimmedValue = TrimEnd(value);
-    if (!trimmedKey.empty() && !trimmedValue.empty())
+    if (trimmedKey.empty() || trimmedValue.empty())
+        return;
+    if (trimmedValue.size() > kMaxValue) {
+        if (!trimmedKey.starts_with('_'))
+            scanner_.Fail(fmt::format("the value of the key '{}' has {} bytes; engines read at most {}{}",
+                                      Shown(trimmedKey), trimmedValue.size(), kMaxValue,
+                                      trimmedValue.find('\n') == std::string_view::npos
+                                          ? ""
+                                          : ": is a quote missing at the end of this line?"));
+        context_.log.Warn("long key",
+                          "{}: entity {}: the value of the key '{}' has {} bytes, more than the {} that "
+                          "engines read: the key is left out",
+                          scanner_.Location(), entity_.number, Shown(trimmedKey), trimmedValue.size(), kMaxValue);
+        return;
+    }
+    if (!StartsWithNoCase(trimmedKey, kTrenchBroom)) // notes of an editor: layers, groups, folders of the mapper
         entity_.pairs.pairs.emplace_back(trimmedKey, trimmedValue);
 }
 
@@ -220,8 +241,10 @@ void MapReader::DropAreaPortals(MapEntity &entity) const {
 }
 
 void MapReader::ApplyPatchKeys(MapEntity &entity) const {
-    if (!entity.brushes.empty() || !entity.patches.empty())
+    if (!entity.brushes.empty() || !entity.patches.empty()) {
         WarnOfBadKeys(entity.pairs, std::size_t(entity.number), keys::kSurfaceKeys, context_.log);
+        WarnOfForeignKeys(entity.pairs, std::size_t(entity.number), KeyOwner::Brushes, context_.log);
+    }
     const bool asWorld = EqualNoCase(entity.pairs.ClassName(), "func_group") && !map_.entities.empty();
     const auto owner = [&](const EntityKey &key) -> const Entity & {
         return asWorld && !key.Given(entity.pairs) ? map_.entities.front().pairs : entity.pairs;
@@ -266,9 +289,30 @@ void MapReader::FinishWorld(const MapEntity &world) {
         map_.blockSize.fill(sizes[0]);
 }
 
+/// Games drop entities of this class, with their brushes.
+void MapReader::WarnOfSecondWorld(const MapEntity &entity) const {
+    std::vector<std::string> keys;
+    for (const auto &[key, value] : entity.pairs.pairs)
+        if (!EqualNoCase(key, "classname"))
+            keys.push_back(Shown(key));
+    const bool isEmpty = entity.brushes.empty() && entity.patches.empty() && entity.colorVolumes.empty();
+    context_.log.Warn("second worldspawn", "{}: a second worldspawn, which games drop: {}{}", entity.MessagePrefix(),
+                      isEmpty ? "it is left out" : "its brushes and patches join the world",
+                      keys.empty()
+                          ? std::string()
+                          : fmt::format("; of its keys ({}) those of func_group count for them, the others do not",
+                                        fmt::join(keys, ", ")));
+}
+
 void MapReader::FinishEntity(MapEntity &entity) {
     const bool isWorld = entity.number == 0;
-    const bool isGroup = !isWorld && EqualNoCase(entity.pairs.ClassName(), "func_group");
+    const bool isSecondWorld = !isWorld && EqualNoCase(entity.pairs.ClassName(), "worldspawn");
+    const bool isGroup = isSecondWorld || (!isWorld && EqualNoCase(entity.pairs.ClassName(), "func_group"));
+    if (isSecondWorld) {
+        WarnOfSecondWorld(entity);
+        entity.pairs.Set("classname", "func_group");
+        entity.pairs.Erase("origin");
+    }
     if (!isWorld && EqualNoCase(entity.pairs.ClassName(), "group_info"))
         return;
     if (isWorld)
@@ -324,6 +368,7 @@ void MapReader::PrintCounts() const {
 } // namespace
 
 Map ReadMap(std::string_view text, std::string_view name, const BspContext &context) {
+    RequireMapSource(text, name);
     return MapReader(text, name, context).Read();
 }
 

@@ -3,9 +3,11 @@
 
 #include "common/error.h"
 #include "common/files/files.h"
+#include "q3map2/bspfile/file_kind.h"
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 
 namespace q3 {
 
@@ -26,8 +28,19 @@ std::string Shown(std::string_view text) {
     return shown;
 }
 
+void RequireMapSource(std::string_view text, std::string_view name) {
+    std::string kind = KindOfSource(text);
+    if (kind.empty()) {
+        kind = text.starts_with("IBSP") ? "a compiled map" : KindOfFile(std::as_bytes(std::span(text)));
+        for (const std::string_view fine : {"empty", "text", "a map source: compile it with -bsp"})
+            kind = kind == fine ? "" : kind;
+    }
+    if (!kind.empty())
+        throw Error("{}: the file is {}; expected a map source of Quake III or of a game of its family", name, kind);
+}
+
 MapScanner::MapScanner(std::string_view text, std::string_view name, const BspContext &context)
-    : context_(context), scanner_(std::string(text), std::string(name), IncludeBeside(name)) {}
+    : context_(context), scanner_(std::string(text), std::string(name), IncludeBeside(name), TextDialect::MapSource) {}
 
 void MapScanner::Fail(std::string_view text) const {
     if (primitive_ >= 0)
@@ -58,6 +71,10 @@ bool MapScanner::Next(std::string &token) {
 
 bool MapScanner::NextOnLine(std::string &token) {
     return Guarded([&] { return scanner_.NextOnLine(token); });
+}
+
+bool MapScanner::Value(std::string &token) {
+    return Guarded([&] { return scanner_.NextLongOnLine(token); });
 }
 
 std::string MapScanner::Need(std::string_view what) {

@@ -23,6 +23,9 @@ class MapScanner {
     bool Next(std::string &token);
     /// The next token of this line; false when there is none.
     bool NextOnLine(std::string &token);
+    /// NextOnLine for the value of a key, which may have any length.
+    bool Value(std::string &token);
+    bool IsQuoted() const { return scanner_.IsQuoted(); }
     void PushBack() { scanner_.PushBack(); }
     /// The next token, on any line. Throws Error, which names `what` as expected, at the end of the text.
     std::string Need(std::string_view what);
@@ -49,6 +52,9 @@ class MapScanner {
     TextScanner scanner_;
     int entity_ = -1, primitive_ = -1;
 };
+
+/// Error if the text is no map source of this family, but one of another game or no text at all.
+void RequireMapSource(std::string_view text, std::string_view name);
 
 /// Text from a file for one-line messages: shortened, control characters replaced by blanks.
 std::string Shown(std::string_view text);

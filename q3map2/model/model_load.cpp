@@ -2,9 +2,10 @@
 #include "q3map2/model/model_load.h"
 
 #include "common/error.h"
-#include "common/files/files.h"
+#include "common/files/archive.h"
 #include "common/platform/platform.h"
 #include "common/text/text.h"
+#include "q3map2/shader/shader_table.h"
 
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
@@ -36,9 +37,7 @@ class FileStream : private FileBytes, public Assimp::MemoryIOStream {
 };
 
 std::string VfsName(std::string_view path) {
-    std::string name(path);
-    std::replace(name.begin(), name.end(), '\\', '/');
-    return PathOf(name).lexically_normal().generic_string();
+    return PlainName(PathOf(PlainName(path)).lexically_normal().generic_string());
 }
 
 class GameFiles : public Assimp::IOSystem {
@@ -88,20 +87,43 @@ DrawVert VertOf(const aiMesh &mesh, unsigned i) {
     return vert;
 }
 
-std::string MaterialName(const aiMaterial &material) {
-    aiString name, texture;
-    material.Get(AI_MATKEY_NAME, name);
-    const std::string_view view = name.C_Str();
-    if (StartsWithNoCase(view, "textures/") || StartsWithNoCase(view, "models/"))
-        return std::string(view);
-    if (material.GetTexture(aiTextureType_DIFFUSE, 0, &texture) == aiReturn_SUCCESS && texture.length > 0)
-        return texture.C_Str();
-    return std::string(view);
+/// The image of a material. One within the model has a name of the importer's, *N, in place of which it gets that of
+/// the exporter.
+struct MaterialImage {
+    std::string name;
+    bool embedded = false;
+};
+
+MaterialImage ImageOf(const aiMaterial &material, const aiScene &scene) {
+    constexpr char kEmbedded = '*';
+    aiString texture;
+    if (material.GetTexture(aiTextureType_DIFFUSE, 0, &texture) != aiReturn_SUCCESS)
+        return {};
+    MaterialImage image{texture.C_Str(), false};
+    const aiTexture *inside = scene.GetEmbeddedTexture(texture.C_Str());
+    image.embedded = image.name.starts_with(kEmbedded);
+    if (image.embedded)
+        image.name = inside == nullptr ? "" : inside->mFilename.C_Str();
+    if (image.embedded && image.name.starts_with(kEmbedded))
+        image.name.clear();
+    return image;
+}
+
+/// By the material if it is named like a shader, else by its image. An image within the model is no file of the game:
+/// there the material's name counts first. Empty: neither has one.
+std::string MaterialName(const aiMaterial &material, const aiScene &scene) {
+    aiString given;
+    material.Get(AI_MATKEY_NAME, given);
+    const std::string name = given.C_Str();
+    if (StartsWithNoCase(name, "textures/") || StartsWithNoCase(name, "models/"))
+        return name;
+    const MaterialImage image = ImageOf(material, scene);
+    return image.name.empty() || (image.embedded && !name.empty()) ? name : image.name;
 }
 
 ModelMesh MeshOf(const aiMesh &source, const aiScene &scene, std::string_view modelName) {
     ModelMesh mesh;
-    mesh.shader = ShaderOfMaterial(MaterialName(*scene.mMaterials[source.mMaterialIndex]), modelName);
+    mesh.shader = ShaderOfMaterial(MaterialName(*scene.mMaterials[source.mMaterialIndex], scene), modelName);
     for (unsigned i = 0; i < source.mNumVertices; ++i)
         mesh.verts.push_back(VertOf(source, i));
     for (unsigned i = 0; i < source.mNumFaces; ++i) {
@@ -155,6 +177,8 @@ const Model *ModelLibrary::Get(std::string_view name, int frame, std::string &pr
 }
 
 std::string ShaderOfMaterial(std::string_view material, std::string_view modelName) {
+    if (material.empty())
+        return WithoutExtension(modelName);
     std::string name(material);
     std::replace(name.begin(), name.end(), '\\', '/');
     const std::size_t slash = name.rfind('/'), dot = name.rfind('.');
@@ -165,7 +189,7 @@ std::string ShaderOfMaterial(std::string_view material, std::string_view modelNa
         return folder + name;
     const bool foreign = name[0] == '/' || name.find(':') != std::string::npos || name.find("..") != std::string::npos;
     if (!foreign)
-        return name;
+        return PlainName(name);
     const std::string lower = LowerCase(name);
     for (const std::string_view root : {"/models/", "/textures/"})
         if (const std::size_t at = lower.find(root); at != std::string::npos)

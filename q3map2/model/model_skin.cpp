@@ -1,22 +1,26 @@
 // GPL-2.0-or-later. Shader replacements of models: skin files and _remap keys.
 #include "q3map2/model/model_skin.h"
 
+#include "common/files/archive.h"
 #include "common/text/text.h"
 #include "common/text/text_scan.h"
 #include "q3map2/bspfile/object_keys.h"
 #include "q3map2/shader/shader_table.h"
 
 #include <algorithm>
-#include <optional>
+
+#include <fmt/ranges.h>
 
 namespace q3 {
 namespace {
 
 constexpr std::size_t kMaxShaderName = 63;
 
-struct Replacement {
-    std::string from, to;
-};
+using Replacement = ShaderRemap::Replacement;
+
+bool Matches(const Replacement &remap, std::string_view shader) {
+    return remap.from == "*" || EndsWithNoCase(shader, remap.from);
+}
 
 std::string_view Trimmed(std::string_view text) {
     while (!text.empty() && (unsigned char)(text.front()) <= ' ')
@@ -29,12 +33,12 @@ std::string_view Trimmed(std::string_view text) {
 /// A line "replace FROM TO" or "FROM,TO".
 std::optional<Replacement> SkinLine(std::string_view line) {
     if (const std::size_t comma = line.find(','); comma != std::string_view::npos)
-        return Replacement{WithoutExtension(Trimmed(line.substr(0, comma))),
-                           WithoutExtension(Trimmed(line.substr(comma + 1)))};
+        return Replacement{WithoutExtension(PlainName(Trimmed(line.substr(0, comma)))),
+                           WithoutExtension(PlainName(Trimmed(line.substr(comma + 1))))};
     TextScanner scanner{std::string(line), "skin"};
     std::string word, from, to;
     if (scanner.Next(word) && EqualNoCase(word, "replace") && scanner.Next(from) && scanner.Next(to))
-        return Replacement{WithoutExtension(from), WithoutExtension(to)};
+        return Replacement{WithoutExtension(PlainName(from)), WithoutExtension(PlainName(to))};
     return {};
 }
 
@@ -92,21 +96,32 @@ std::vector<Replacement> RemapsOf(const Entity &entity, std::string_view who, Lo
 ShaderRemap ShaderRemapOf(const Entity &entity, std::string_view who, std::string_view model,
                           const VirtualFileSystem *vfs, Log &log) {
     auto skin = SkinOf(entity, who, model, vfs, log);
-    auto remaps = RemapsOf(entity, who, log);
-    return [skin = std::move(skin), remaps = std::move(remaps)](std::string_view shader) {
-        std::string name(shader);
-        if (skin) {
-            const auto line = std::find_if(skin->begin(), skin->end(),
-                                           [&](const Replacement &r) { return EqualNoCase(r.from, name); });
-            if (line == skin->end() || line->to.empty())
-                return std::string();
-            name = line->to;
-        }
-        for (const Replacement &remap : remaps)
-            if (remap.from == "*" || EndsWithNoCase(name, remap.from))
-                return WithoutExtension(remap.to);
+    return {std::move(skin), RemapsOf(entity, who, log)};
+}
+
+std::string ShaderRemap::Skinned(std::string_view shader) const {
+    if (!skin_)
+        return std::string(shader);
+    const auto line = std::ranges::find_if(*skin_, [&](const Replacement &r) { return EqualNoCase(r.from, shader); });
+    return line == skin_->end() ? std::string() : line->to;
+}
+
+std::string ShaderRemap::operator()(std::string_view shader) const {
+    std::string name = Skinned(shader);
+    if (name.empty() && skin_)
         return name;
-    };
+    for (const Replacement &remap : remaps_)
+        if (Matches(remap, name))
+            return WithoutExtension(remap.to);
+    return name;
+}
+
+void ShaderRemap::WarnOfUnmatched(std::span<const std::string> shaders, std::string_view who, Log &log) const {
+    for (const Replacement &remap : remaps_)
+        if (std::ranges::none_of(shaders, [&](const std::string &shader) { return Matches(remap, Skinned(shader)); }))
+            log.Warn("remap without match",
+                     "{}: _remap \"{};{}\" has no effect: no shader of the model ends with {}; it has {}", who,
+                     remap.from, remap.to, remap.from, fmt::join(shaders, ", "));
 }
 
 } // namespace q3

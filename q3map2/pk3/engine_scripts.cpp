@@ -179,6 +179,35 @@ std::string WithTga(std::string_view line) {
     return result;
 }
 
+/// The check that ioquake3 and its kin make before they use a script: names and blocks in turn. Comments are // and
+/// /* */ only.
+std::string FaultOf(std::string_view name, const std::string &text) {
+    TextScanner scanner(text, std::string(name), {}, TextDialect::Engine);
+    try {
+        for (std::string shader, word; scanner.Next(shader);) {
+            const std::string place = scanner.Location();
+            const auto fault = [&](std::string_view found) {
+                return fmt::format("{}: {}: {}{}", place, shader, found,
+                                   shader.starts_with('#') || shader.starts_with(';')
+                                       ? "; engines know no comments but // and /* */"
+                                       : "");
+            };
+            if (!scanner.Next(word))
+                return fault("expected '{' after the name of a shader, found the end of the file");
+            if (word != "{")
+                return fault(fmt::format("expected '{{' after the name of a shader, found {}", word));
+            for (int depth = 1; depth > 0;) {
+                if (!scanner.Next(word))
+                    return fault("this shader has no closing brace");
+                depth += word == "{" ? 1 : word == "}" ? -1 : 0;
+            }
+        }
+    } catch (const Error &error) {
+        return error.what();
+    }
+    return {};
+}
+
 } // namespace
 
 std::string ImageName(std::string_view name) {
@@ -194,7 +223,7 @@ std::string ImageName(std::string_view name) {
 }
 
 void EngineScripts::Read(std::string_view name, std::string text, Log &log) {
-    scripts_.push_back({std::string(name), {}});
+    scripts_.push_back({std::string(name), {}, FaultOf(name, text)});
     try {
         TextScanner scanner(std::move(text), std::string(name));
         for (std::string shaderName, brace; scanner.Next(shaderName);) {

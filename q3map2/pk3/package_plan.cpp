@@ -5,7 +5,9 @@
 #include "common/files/archive_writer.h"
 #include "common/files/files.h"
 #include "common/platform/platform.h"
+#include "common/text/counted.h"
 #include "common/text/text.h"
+#include "q3map2/shader/image_formats.h"
 
 #include <algorithm>
 #include <array>
@@ -19,6 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::array<std::string_view, 3> kSoundExtensions = {".wav", ".ogg", ".opus"};
+constexpr std::string_view kPng = ".png";
 constexpr int kMostLods = 3; ///< levels of detail of a model: x.md3, x_1.md3, x_2.md3
 
 std::string CutExtension(std::string_view name) {
@@ -77,11 +80,14 @@ class Planner {
         Report(wanted, hint);
     }
 
-    /// File names of an image in order of preference.
+    /// File names of an image in order of preference: .png first or, without -png, not at all.
     std::vector<std::string> ImageFiles(const std::string &image) const {
-        std::vector<std::string> names{image + ".tga", image + ".jpg"};
-        if (rules_.png)
-            names.insert(names.begin(), image + ".png");
+        std::vector<std::string> names;
+        for (const ImageFormat &format : ImageFormats()) {
+            const bool isPng = format.extension == kPng;
+            if (!isPng || rules_.png)
+                names.insert(isPng ? names.begin() : names.end(), image + std::string(format.extension));
+        }
         return names;
     }
 
@@ -89,11 +95,14 @@ class Planner {
         if (rules_.exclusions.HasTexture(image.name))
             return;
         const std::vector<std::string> names = ImageFiles(image.name);
-        const bool isPngOnly = !rules_.png && source_.Find(image.name + ".png") != Whereabouts::Nowhere;
-        TakeFirst(names, image,
-                  rules_.png  ? " (.png, .tga or .jpg)"
-                  : isPngOnly ? " (.tga or .jpg; there is a .png, which -png packs)"
-                              : " (.tga or .jpg)");
+        std::string hint = " (";
+        for (std::size_t i = 0; i < names.size(); ++i)
+            hint += std::string(i == 0                 ? ""
+                                : i + 1 < names.size() ? ", "
+                                                       : " or ") +
+                    names[i].substr(image.name.size());
+        const bool isPngOnly = !rules_.png && source_.Find(image.name + std::string(kPng)) != Whereabouts::Nowhere;
+        TakeFirst(names, image, hint + (isPngOnly ? "; there is a .png, which -png packs)" : ")"));
     }
 
     /// Engines try other formats if the named file does not exist.
@@ -327,7 +336,7 @@ fs::path WritePackage(const fs::path &path, const fs::path &failedPath, int leve
     const fs::path &target = plan.missing.empty() ? path : failedPath;
     log.Print("Writing {}\n", target.string());
     const std::uint64_t size = archive.Commit(target);
-    log.Print("Wrote {} files, {} bytes\n", count, size);
+    log.Print("Wrote {}, {} ({})\n", Counted(count, "files"), SizeText(size), Counted((long long)(size), "bytes"));
     return target;
 }
 

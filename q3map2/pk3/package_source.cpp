@@ -63,6 +63,11 @@ std::optional<std::vector<std::byte>> PackageSource::Read(std::string_view name)
     return vfs_.Read(name);
 }
 
+std::string PackageSource::Location(std::string_view name) const {
+    const fs::path loose = LooseFile(name);
+    return loose.empty() ? vfs_.Location(name) : loose.string();
+}
+
 std::optional<std::string> PackageSource::ReadText(std::string_view name) const {
     const auto bytes = Read(name);
     if (!bytes)
@@ -94,8 +99,14 @@ EngineScripts ReadScripts(const PackageSource &source, const Game &game, Log &lo
     EngineScripts scripts;
     for (const std::string &name : source.List(game.shaderDir, ".shader")) {
         const std::string path = fmt::format("{}/{}", game.shaderDir, name);
-        if (auto text = source.ReadText(path))
-            scripts.Read(path, std::move(*text), log);
+        auto text = source.ReadText(path);
+        if (!text)
+            continue;
+        scripts.Read(path, std::move(*text), log);
+        const std::string &fault = scripts.Scripts().back().fault;
+        if (!fault.empty() && source.Find(path) != Whereabouts::InBase)
+            log.Warn("script that engines ignore", "{}: ioquake3 and engines of its family ignore the whole script",
+                     fault);
     }
     log.Count((long long)(scripts.Scripts().size()), "shader scripts");
     return scripts;

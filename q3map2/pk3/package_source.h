@@ -29,7 +29,9 @@ class PackageSource {
     Whereabouts Find(std::string_view name) const;
     /// Nothing if there is no such file or, with a warning, it is damaged.
     std::optional<std::vector<std::byte>> Read(std::string_view name) const;
-    /// The same as text.
+    /// Where Read finds it, for messages: a file, or an archive and the name in it. Empty: nowhere.
+    std::string Location(std::string_view name) const;
+    /// The same as Read, as text.
     std::optional<std::string> ReadText(std::string_view name) const;
     /// Names in the folder that end so, each once, sorted: first those of the maps' folders.
     std::vector<std::string> List(std::string_view folder, std::string_view extension) const;

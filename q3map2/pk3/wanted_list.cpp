@@ -1,15 +1,14 @@
 // GPL-2.0-or-later. Names of files or shaders that a package wants, and who wants them.
 #include "q3map2/pk3/wanted_list.h"
 
+#include "common/files/archive.h"
+
 #include <algorithm>
 
 namespace q3 {
 
 std::string PackageName(std::string_view name) {
-    std::string clean(name);
-    std::ranges::replace(clean, '\\', '/');
-    clean.erase(0, std::min(clean.find_first_not_of('/'), clean.size()));
-    return clean;
+    return PlainName(name);
 }
 
 bool WantedList::Add(std::string_view name, std::string_view why, bool required) {

@@ -10,7 +10,7 @@
 
 namespace q3 {
 
-/// '\' becomes '/'; slashes at the front go.
+/// PlainName: how files of packages are named.
 std::string PackageName(std::string_view name);
 
 struct Wanted {

@@ -2,6 +2,7 @@
 #include "q3map2/shader/games.h"
 
 #include "common/text/text_scan.h"
+#include "q3map2/shader/engine_limits.h"
 #include "q3map2/shader/surfaceparms.h"
 
 #include <algorithm>
@@ -166,6 +167,12 @@ const Game *FindGame(std::string_view name) {
     const auto found =
         std::find_if(kGames.begin(), kGames.end(), [&](const Game &game) { return EqualNoCase(game.name, name); });
     return found == kGames.end() ? nullptr : &*found;
+}
+
+int EngineMegabytes(const Game &game) {
+    // 128: DEF_COMHUNKMEGS of ioquake3, which most players and mods of this game run. The original program of 1999 had
+    // 56, too little for many maps of today.
+    return game.name == "quake3" ? 128 : 0;
 }
 
 } // namespace q3

@@ -3,8 +3,7 @@
 
 #include "common/text/text.h"
 #include "q3map2/shader/shader_color.h"
-#include "q3map2/shader/shader_parse.h"
-#include "q3map2/shader/shader_table.h"
+#include "q3map2/shader/shader_directive.h"
 
 #include <algorithm>
 #include <numbers>
@@ -13,7 +12,8 @@ namespace q3 {
 
 namespace {
 
-using Words = GeometryDirective::Words;
+using Words = DirectiveWords;
+using Context = DirectiveContext;
 
 constexpr std::size_t kMaxSteps = 64, kMaxScattered = 64;
 constexpr int kMaxTextureSide = 65536, kMaxFurLayers = 256;
@@ -23,59 +23,56 @@ Vec3f Vector(Words words) {
     return {Number(words[0]), Number(words[1]), Number(words[2])};
 }
 
-template <bool GeometryDirectives::*flag>
-std::string SetFlag(ShaderInfo &shader, Words, const ShaderOptions &, const Game &) {
-    shader.geometry.*flag = true;
+template <bool GeometryDirectives::*flag> std::string GeometryFlag(Context &c, Words) {
+    c.shader.info.geometry.*flag = true;
     return {};
 }
 
-template <float GeometryDirectives::*field>
-std::string SetNumber(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
-    shader.geometry.*field = Number(words[0]);
+template <float GeometryDirectives::*field> std::string GeometryNumber(Context &c, Words words) {
+    c.shader.info.geometry.*field = Number(words[0]);
     return {};
 }
 
-template <std::string GeometryDirectives::*name>
-std::string SetShaderName(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
-    shader.geometry.*name = WithoutExtension(words[0]);
+template <std::string GeometryDirectives::*name> std::string ShaderName(Context &c, Words words) {
+    c.shader.info.geometry.*name = WithoutExtension(words[0]);
     return {};
 }
 
-std::string DefaultFlare(ShaderInfo &shader, Words, const ShaderOptions &, const Game &game) {
-    shader.geometry.flareShader = game.flareShader;
+std::string DefaultFlare(Context &c, Words) {
+    c.shader.info.geometry.flareShader = c.table.GameRules().flareShader;
     return {};
 }
 
-std::string FogDir(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
+std::string FogDir(Context &c, Words words) {
     const Vec3f direction = Normalize(Vector(words));
     if (direction == Vec3f{})
         return "expected a direction";
-    shader.geometry.fogDir = direction;
+    c.shader.info.geometry.fogDir = direction;
     return {};
 }
 
-std::string TexGen(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
+std::string TexGen(Context &c, Words words) {
     const bool inverse = EqualNoCase(words[0], "ivector");
     if (!inverse && !EqualNoCase(words[0], "vector"))
         return fmt::format("method {} is not one of vector and ivector", words[0]);
-    shader.geometry.hasTexGen = true;
-    shader.geometry.texGen = {Vector(words.subspan(1)), Vector(words.subspan(4))};
+    c.shader.info.geometry.hasTexGen = true;
+    c.shader.info.geometry.texGen = {Vector(words.subspan(1)), Vector(words.subspan(4))};
     if (inverse)
-        for (Vec3f &v : shader.geometry.texGen)
+        for (Vec3f &v : c.shader.info.geometry.texGen)
             for (std::size_t axis = 0; axis < 3; ++axis)
                 v[axis] = v[axis] != 0 ? 1 / v[axis] : 0;
     return {};
 }
 
-std::string TexMod(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
-    auto &m = shader.geometry.texMod;
+std::string TexMod(Context &c, Words words) {
+    auto &m = c.shader.info.geometry.texMod;
     const std::string method = LowerCase(words[0]);
     const float a = Number(words[1]), b = words.size() > 2 ? Number(words[2]) : 0;
     if (method == "rotate") {
         const double angle = double(a) * std::numbers::pi / 180;
-        const float c = float(std::cos(angle)), s = float(std::sin(angle));
+        const float cosine = float(std::cos(angle)), sine = float(std::sin(angle));
         for (auto &row : m)
-            row = {row[0] * c + row[1] * s, row[1] * c - row[0] * s, row[2]};
+            row = {row[0] * cosine + row[1] * sine, row[1] * cosine - row[0] * sine, row[2]};
         return {};
     }
     const bool moves = method == "translate" || method == "shift" || method == "offset";
@@ -93,17 +90,17 @@ std::string TexMod(ShaderInfo &shader, Words words, const ShaderOptions &, const
     return {};
 }
 
-std::string TextureSize(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
+std::string TextureSize(Context &c, Words words) {
     const int width = IntegerFromText(words[0]), height = IntegerFromText(words[1]);
     if (std::min(width, height) < 1 || std::max(width, height) > kMaxTextureSide)
         return fmt::format("expected two sizes from 1 to {}", kMaxTextureSide);
-    shader.geometry.textureWidth = width;
-    shader.geometry.textureHeight = height;
-    shader.geometry.textureSizeGiven = true;
+    c.shader.info.geometry.textureWidth = width;
+    c.shader.info.geometry.textureHeight = height;
+    c.shader.info.geometry.textureSizeGiven = true;
     return {};
 }
 
-std::string AddColorStep(ShaderInfo &shader, bool alpha, Words words, const ShaderOptions &options) {
+std::string AddColorStep(Context &c, bool alpha, Words words) {
     struct Form {
         std::string_view name;
         ColorStep::Kind kind;
@@ -126,8 +123,10 @@ std::string AddColorStep(ShaderInfo &shader, bool alpha, Words words, const Shad
     const Words values = words.subspan(1);
     if (values.size() < form->words)
         return fmt::format("{} with {} numbers, expected {}", words[0], values.size(), form->words);
-    if (shader.geometry.colorSteps.size() >= kMaxSteps)
+    if (c.shader.info.geometry.colorSteps.size() >= kMaxSteps)
         return fmt::format("more than {} rgbMod and alphaMod directives in one shader", kMaxSteps);
+    if (form->kind == Volume && !c.shader.info.geometry.colorSteps.empty())
+        return "volume has no effect here: it must stand in the first rgbMod or alphaMod line of the shader";
     ColorStep step{.kind = form->kind, .alpha = alpha, .value = {}};
     if (form->words == 1)
         step.value.x = Number(values[0]);
@@ -139,25 +138,26 @@ std::string AddColorStep(ShaderInfo &shader, bool alpha, Words words, const Shad
         if (step.min == step.max)
             return "the two limits are equal";
     }
-    if (form->kind == Set && !alpha && options.sRgbColor)
+    if (form->kind == Set && !alpha && c.table.Options().sRgbColor)
         step.value = {LinearFromSrgb(step.value.x), LinearFromSrgb(step.value.y), LinearFromSrgb(step.value.z)};
-    shader.geometry.colorSteps.push_back(step);
+    c.shader.info.geometry.colorSteps.push_back(step);
     return {};
 }
 
-std::string RgbMod(ShaderInfo &shader, Words words, const ShaderOptions &options, const Game &) {
-    return AddColorStep(shader, false, words, options);
+std::string RgbMod(Context &c, Words words) {
+    return AddColorStep(c, false, words);
 }
-std::string AlphaMod(ShaderInfo &shader, Words words, const ShaderOptions &options, const Game &) {
-    return AddColorStep(shader, true, words, options);
+std::string AlphaMod(Context &c, Words words) {
+    return AddColorStep(c, true, words);
 }
 
-std::string Fur(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
-    shader.geometry.fur = {std::clamp(IntegerFromText(words[0]), 0, kMaxFurLayers), Number(words[1]), Number(words[2])};
+std::string Fur(Context &c, Words words) {
+    c.shader.info.geometry.fur = {std::clamp(IntegerFromText(words[0]), 0, kMaxFurLayers), Number(words[1]),
+                                  Number(words[2])};
     return {};
 }
 
-std::string SurfaceModel(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
+std::string SurfaceModel(Context &c, Words words) {
     const SurfaceModelDirective model{.model = std::string(words[0]),
                                       .density = Number(words[1]),
                                       .odds = Number(words[2]),
@@ -168,12 +168,12 @@ std::string SurfaceModel(ShaderInfo &shader, Words words, const ShaderOptions &,
                                       .oriented = words[7].starts_with('1')};
     if (model.density <= 0)
         return "expected a density above 0";
-    if (shader.geometry.surfaceModels.size() < kMaxScattered)
-        shader.geometry.surfaceModels.push_back(model);
+    if (c.shader.info.geometry.surfaceModels.size() < kMaxScattered)
+        c.shader.info.geometry.surfaceModels.push_back(model);
     return {};
 }
 
-std::string Foliage(ShaderInfo &shader, Words words, const ShaderOptions &, const Game &) {
+std::string Foliage(Context &c, Words words) {
     const FoliageDirective foliage{.model = std::string(words[0]),
                                    .scale = Number(words[1]),
                                    .density = Number(words[2]),
@@ -181,60 +181,184 @@ std::string Foliage(ShaderInfo &shader, Words words, const ShaderOptions &, cons
                                    .invertAlpha = IntegerFromText(words[4])};
     if (foliage.density <= 0)
         return "expected a density above 0";
-    if (shader.geometry.foliage.size() < kMaxScattered)
-        shader.geometry.foliage.push_back(foliage);
+    if (c.shader.info.geometry.foliage.size() < kMaxScattered)
+        c.shader.info.geometry.foliage.push_back(foliage);
     return {};
 }
 
 using G = GeometryDirectives;
-constexpr std::array<GeometryDirective, 34> kDirectives{{
-    {"tesssize", 1, 0, SetNumber<&G::tessSize>},
-    {"q3map_tesssize", 1, 0, SetNumber<&G::tessSize>},
-    {"q3map_offset", 1, 0, SetNumber<&G::offset>},
-    {"polygonoffset", 0, 0, SetFlag<&G::polygonOffset>},
-    {"fogparms", 0, 0, SetFlag<&G::hasFogParms>},
-    {"q3map_fogdir", 3, 0, FogDir},
-    {"q3map_nofog", 0, 0, SetFlag<&G::noFog>},
-    {"q3map_invert", 0, 0, SetFlag<&G::invert>},
-    {"q3map_noclip", 0, 0, SetFlag<&G::noClip>},
-    {"q3map_notjunc", 0, 0, SetFlag<&G::noTJunctions>},
-    {"q3map_forcemeta", 0, 0, SetFlag<&G::forceMeta>},
-    {"q3map_nonplanar", 0, 0, SetFlag<&G::nonPlanar>},
-    {"q3map_indexed", 0, 0, SetFlag<&G::indexed>},
-    {"q3map_clipmodel", 0, 0, SetFlag<&G::clipModel>},
-    {"q3map_globaltexture", 0, 0, SetFlag<&G::globalTexture>},
-    {"q3map_cloneshader", 1, 0, SetShaderName<&G::cloneShader>},
-    {"q3map_backshader", 1, 0, SetShaderName<&G::backShader>},
-    {"q3map_remapshader", 1, 0, SetShaderName<&G::remapShader>},
-    {"q3map_flare", 1, 0, SetShaderName<&G::flareShader>},
-    {"q3map_flareshader", 1, 0, SetShaderName<&G::flareShader>},
-    {"damageshader", 1, 1, SetShaderName<&G::damageShader>},
-    {"light", 0, 1, DefaultFlare},
-    {"q3map_tcgen", 7, 0, TexGen},
-    {"q3map_tcmod", 2, 1, TexMod},
-    {"q3map_texturesize", 2, 0, TextureSize},
-    {"q3map_rgbgen", 1, 5, RgbMod},
-    {"q3map_rgbmod", 1, 5, RgbMod},
-    {"q3map_colorgen", 1, 5, RgbMod},
-    {"q3map_colormod", 1, 5, RgbMod},
-    {"q3map_alphagen", 1, 5, AlphaMod},
-    {"q3map_alphamod", 1, 5, AlphaMod},
-    {"q3map_fur", 3, 0, Fur},
-    {"q3map_surfacemodel", 8, 0, SurfaceModel},
-    {"q3map_foliage", 5, 0, Foliage},
-}};
+
+constexpr std::array kShape = std::to_array<ShaderDirective>({
+    {{.name = "q3map_tessSize",
+      .aliases = {"tessSize"},
+      .values = "N",
+      .kind = SettingKind::Number,
+      .unit = "game units",
+      .initial = "off",
+      .help = "Cuts brush faces by a grid of this size, so that light at vertices and moving textures get finer",
+      .details = "Below 1 it is off. Skies are never cut, and `-nosubdivide` turns it off."},
+     "bsp",
+     GeometryNumber<&G::tessSize>},
+    {{.name = "q3map_offset",
+      .values = "F",
+      .kind = SettingKind::Number,
+      .unit = "game units",
+      .initial = "0",
+      .help = "Moves every vertex along its normal"},
+     "bsp",
+     GeometryNumber<&G::offset>},
+    {{.name = "q3map_forceMeta",
+      .help = "Merges and smooths surfaces as -meta does, without -meta, and those of models"},
+     "bsp",
+     GeometryFlag<&G::forceMeta>},
+    {{.name = "q3map_nonPlanar",
+      .help = "Lets faces of several planes become one surface under -meta, which bends over edges"},
+     "bsp",
+     GeometryFlag<&G::nonPlanar>},
+    {{.name = "q3map_noTjunc", .help = "Leaves edges as they are where the corner of another surface touches them"},
+     "bsp",
+     GeometryFlag<&G::noTJunctions>},
+    {{.name = "q3map_noClip",
+      .help = "Draws brush faces in one piece, hidden parts too, as the triangles of terrain need it"},
+     "bsp",
+     GeometryFlag<&G::noClip>},
+    {{.name = "polygonOffset", .help = "Keeps a face that coincides with another, and the one behind it"},
+     "bsp",
+     GeometryFlag<&G::polygonOffset>},
+    {{.name = "q3map_invert", .help = "Turns surfaces round: normals and facing are reversed"},
+     "bsp",
+     GeometryFlag<&G::invert>},
+    {{.name = "q3map_clipModel",
+      .help = "Gives models with this material clip brushes, so that players do not walk through them",
+      .details = "`-clipdepth` and the key `_clipdepth` set how thick they are."},
+     "bsp",
+     GeometryFlag<&G::clipModel>},
+    {{.name = "q3map_indexed",
+      .help = "Replaces the shader of terrain by those of the entity's index map",
+      .details = "The keys `_indexmap`, `_layers`, `_shader` and `_offsets` of the entity say how."},
+     "bsp",
+     GeometryFlag<&G::indexed>},
+});
+
+constexpr std::array kTexture = std::to_array<ShaderDirective>({
+    {{.name = "q3map_globalTexture",
+      .help = "Keeps texture coordinates that are far from 0, so that a moving texture fits across surfaces"},
+     "bsp",
+     GeometryFlag<&G::globalTexture>},
+    {{.name = "q3map_tcGen",
+      .values = "vector|ivector SX SY SZ TX TY TZ",
+      .kind = SettingKind::Text,
+      .help = "Texture coordinates by position p: p·S and p·T; ivector takes 1/x of each number, so 256 is a repeat",
+      .details = "As in `q3map_tcGen ivector ( 256 0 0 ) ( 0 256 0 )`."},
+     "bsp",
+     TexGen},
+    {{.name = "q3map_tcMod",
+      .values = "METHOD A [B]",
+      .kind = SettingKind::Text,
+      .help = "Changes texture coordinates: translate S T, scale S T, or rotate DEGREES; shift and offset translate",
+      .details = "Repeated lines combine."},
+     "bsp",
+     TexMod},
+    {{.name = "q3map_textureSize",
+      .values = "W H",
+      .kind = SettingKind::Integer,
+      .unit = "texels",
+      .initial = "those of the image",
+      .help = "Size of the texture that texture coordinates of brush faces count by: 1 to 65536",
+      .details = "For an image in a better resolution than the one that the map was made with."},
+     "bsp",
+     TextureSize},
+    {{.name = "q3map_rgbMod",
+      .aliases = {"q3map_rgbGen", "q3map_colorMod", "q3map_colorGen"},
+      .values = "METHOD [X] [Y] [Z] [MIN] [MAX]",
+      .kind = SettingKind::Text,
+      .help = "Changes the colors of vertices; repeated lines act one after the other",
+      .details = "`set R G B` (or `const`) replaces them, `scale R G B` multiplies. With d = normal · (X Y Z), "
+                 "`dotProduct X Y Z` multiplies by d, `dotProductScale X Y Z MIN MAX` by (d − MIN)/(MAX − MIN), "
+                 "`dotProduct2` and `dotProduct2Scale` do the same with d². `volume` in the first of these lines "
+                 "makes the brush a volume: the other lines act on vertices inside it. The light stage replaces colors "
+                 "by light unless the shader has `q3map_noVertexLight`."},
+     "bsp",
+     RgbMod},
+    {{.name = "q3map_alphaMod",
+      .aliases = {"q3map_alphaGen"},
+      .values = "METHOD [X] [Y] [Z] [MIN] [MAX]",
+      .kind = SettingKind::Text,
+      .help = "The same for alpha, with one number for set and scale; alpha stays when the map is lit",
+      .details = "`q3map_alphaMod dotProduct2 ( 0 0 1 )` makes slopes transparent, for terrain of blended textures."},
+     "bsp",
+     AlphaMod},
+});
+
+constexpr std::array kExtra = std::to_array<ShaderDirective>({
+    {{.name = "fogParms", .help = "Makes brushes with this shader fog volumes; the engine reads its color and depth"},
+     "bsp",
+     GeometryFlag<&G::hasFogParms>},
+    {{.name = "q3map_fogDir",
+      .values = "X Y Z",
+      .kind = SettingKind::Number,
+      .initial = "by side",
+      .help = "The visible side of a fog volume is the one whose normal is most opposed to this direction"},
+     "bsp",
+     FogDir},
+    {{.name = "q3map_noFog", .help = "Keeps fog off these surfaces"}, "bsp", GeometryFlag<&G::noFog>},
+    {{.name = "q3map_flareShader",
+      .aliases = {"q3map_flare"},
+      .values = "SHADER",
+      .kind = SettingKind::Text,
+      .initial = "none",
+      .help = "Puts a flare with that shader on each surface, 2 units above its middle, under -flares"},
+     "bsp",
+     ShaderName<&G::flareShader>},
+    {{.name = "light",
+      .values = "[N]",
+      .kind = SettingKind::Text,
+      .help = "Puts a flare with the game's own flare shader on each surface; N is not read"},
+     "bsp",
+     DefaultFlare},
+    {{.name = "q3map_cloneShader",
+      .values = "SHADER",
+      .kind = SettingKind::Text,
+      .initial = "none",
+      .help = "Adds a second, identical surface with another shader"},
+     "bsp",
+     ShaderName<&G::cloneShader>},
+    {{.name = "q3map_backShader",
+      .values = "SHADER",
+      .kind = SettingKind::Text,
+      .initial = "none",
+      .help = "Adds a second surface with another shader that faces the other way"},
+     "bsp",
+     ShaderName<&G::backShader>},
+    {{.name = "q3map_fur",
+      .values = "LAYERS OFFSET FADE",
+      .kind = SettingKind::Number,
+      .initial = "none",
+      .help = "Adds layers over the surface, OFFSET game units apart, whose alpha is less by FADE (0 to 1)",
+      .details = "LAYERS is from 0 to 256. The offset is multiplied by the alpha of each vertex."},
+     "bsp",
+     Fur},
+    {{.name = "q3map_surfaceModel",
+      .values = "MODEL DENSITY ODDS MINSCALE MAXSCALE MINANGLE MAXANGLE ORIENTED",
+      .kind = SettingKind::Text,
+      .initial = "none",
+      .help = "Scatters models over the surface; at most 64 of these lines in a shader",
+      .details = "The surface is cut until no edge is longer than DENSITY game units; each piece gets a model with "
+                 "the probability ODDS times its alpha. ORIENTED 1 stands it on the normal, 0 upright."},
+     "bsp",
+     SurfaceModel},
+    {{.name = "q3map_foliage",
+      .values = "MODEL SCALE DENSITY ODDS ALPHA",
+      .kind = SettingKind::Text,
+      .initial = "none",
+      .help = "Scatters foliage of Enemy Territory over the surface; engines of Quake III do not draw it",
+      .details = "Pieces are cut as for `q3map_surfaceModel`, and count if they slope by less than 60 degrees and "
+                 "their alpha is at least 0.75. ALPHA 1 inverts alpha, 2 takes 1."},
+     "bsp",
+     Foliage},
+});
 
 } // namespace
-
-float Number(std::string_view word) {
-    return float(std::clamp(NumberFromText(word), -kMaxNumber, kMaxNumber));
-}
-
-const GeometryDirective *FindGeometryDirective(std::string_view name) {
-    const auto found = std::find_if(kDirectives.begin(), kDirectives.end(),
-                                    [&](const GeometryDirective &directive) { return directive.name == name; });
-    return found == kDirectives.end() ? nullptr : &*found;
-}
 
 void ApplyDeform(ShaderInfo &shader, std::span<const std::string_view> words) {
     const std::string kind = LowerCase(words[0]);
@@ -255,6 +379,18 @@ void ApplyTerrain(ShaderInfo &shader) {
     geometry.terrain = geometry.noClip = geometry.noTJunctions = geometry.indexed = true;
     geometry.nonPlanar = geometry.forceMeta = true;
     shader.lightmap.shadeAngle = kTerrainShadeAngle;
+}
+
+DirectiveGroup GeometryDirectiveGroup() {
+    return {"Shape", "", kShape};
+}
+
+DirectiveGroup TextureDirectives() {
+    return {"Texture coordinates and vertex colors", "", kTexture};
+}
+
+DirectiveGroup ExtraSurfaceDirectives() {
+    return {"Fog, flares and added surfaces", "", kExtra};
 }
 
 } // namespace q3

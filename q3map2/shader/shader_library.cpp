@@ -2,12 +2,14 @@
 #include "q3map2/shader/shader_library.h"
 
 #include "common/error.h"
+#include "common/files/archive.h"
 #include "common/text/text.h"
-#include "q3map2/shader/image_size.h"
+#include "q3map2/shader/image_formats.h"
 #include "q3map2/shader/shader_color.h"
 #include "q3map2/shader/shader_parse.h"
 #include "q3map2/shader/shader_text.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <set>
@@ -39,6 +41,19 @@ std::shared_ptr<const Image> WhiteImage() {
     return std::make_shared<const Image>(std::move(image));
 }
 
+/// Names of shaders in a script, for a look at scripts that are not used.
+std::vector<std::string> NamesInScript(TextScanner scanner) {
+    std::vector<std::string> names;
+    int depth = 0;
+    for (std::string word, before; scanner.Next(word); before = word) {
+        if (word == "{" && depth++ == 0)
+            names.push_back(before);
+        if (word == "}")
+            depth = std::max(0, depth - 1);
+    }
+    return names;
+}
+
 } // namespace
 
 struct ShaderLibrary::State {
@@ -47,14 +62,23 @@ struct ShaderLibrary::State {
     ShaderTable table;
     std::unordered_map<std::string, std::shared_ptr<const Image>> images{}; ///< by lower-case name; null: not found
     std::shared_ptr<const Image> white = WhiteImage();
+    std::vector<std::string> unlistedScripts{};                             ///< that shaderlist.txt leaves out
+    std::optional<std::unordered_map<std::string, std::string>> unlisted{}; ///< their shaders, lower case: the script
 
     TextScanner Open(std::string_view file, const std::vector<std::byte> &bytes) const;
     std::vector<std::string> ScriptNames(const std::string &folder) const;
     void ReadScripts();
+    void WarnIfUnlisted(const std::string &name);
     void ReadCustomParms();
     std::shared_ptr<const Image> FindImage(const std::string &name) const;
     std::shared_ptr<const Image> ReadImage(const std::string &name) const;
-    Image ReadJpeg(const std::string &name, std::span<const std::byte> bytes) const;
+    struct ImageBytes {
+        const ImageFormat &format;
+        std::vector<std::byte> bytes;
+    };
+    std::optional<ImageBytes> FindBytes(const std::string &name) const;
+    std::string FileOfImage(const std::string &name) const;
+    void AddJpegAlpha(const std::string &name, Image &image) const;
     const std::shared_ptr<const Image> &CachedImage(std::string_view name);
     std::shared_ptr<const Image> LightImageOf(const ParsedShader &shader);
     void Complete(ParsedShader &shader);
@@ -106,8 +130,12 @@ std::vector<std::string> ShaderLibrary::State::ScriptNames(const std::string &fo
 void ShaderLibrary::State::ReadCustomParms() {
     const std::string file = std::string(table.GameRules().shaderDir) + "/custinfoparms.txt";
     const auto bytes = vfs.Read(file);
-    if (!bytes)
-        throw Error("{}: no such file, and -custinfoparms asks for it", file);
+    if (!bytes) {
+        log.Warn("no custom surfaceparms",
+                 "{}: no such file, which -custinfoparms asks for; only the surfaceparms of -game {} are known", file,
+                 table.GameRules().name);
+        return;
+    }
     TextScanner scanner = Open(file, *bytes);
     for (const bool isContent : {true, false}) {
         std::string word, value;
@@ -123,8 +151,43 @@ void ShaderLibrary::State::ReadCustomParms() {
     }
 }
 
+/// A shader that no script defines: perhaps a script does that shaderlist.txt does not name.
+void ShaderLibrary::State::WarnIfUnlisted(const std::string &name) {
+    if (unlistedScripts.empty())
+        return;
+    if (!unlisted) {
+        unlisted.emplace();
+        for (const std::string &script : unlistedScripts)
+            if (const auto bytes = vfs.Read(script)) {
+                try {
+                    for (const std::string &shader : NamesInScript(TextScanner(std::string(AsText(*bytes)), script)))
+                        unlisted->try_emplace(LowerCase(PlainName(shader)), script);
+                } catch (const Error &) { // the rest of a damaged script: it is not read for its shaders
+                }
+            }
+    }
+    if (const auto found = unlisted->find(LowerCase(PlainName(name))); found != unlisted->end())
+        log.Warn("script not listed",
+                 "shader {}: {} defines it, but {}/shaderlist.txt does not list that script: it "
+                 "is not read",
+                 name, found->second, table.GameRules().shaderDir);
+}
+
 void ShaderLibrary::State::ReadScripts() {
-    for (const std::string &name : ScriptNames(std::string(table.GameRules().shaderDir))) {
+    const std::string folder(table.GameRules().shaderDir);
+    const std::vector<std::string> names = ScriptNames(folder);
+    const std::set<std::string> listed = [&] {
+        std::set<std::string> lower;
+        for (const std::string &name : names)
+            lower.insert(LowerCase(PlainName(name)));
+        return lower;
+    }();
+    constexpr std::string_view kOfLightStage = "q3map2_"; // scripts for engines alone
+    for (const std::string &name : vfs.List(folder, ".shader"))
+        if (const std::string script = folder + "/" + name;
+            !listed.contains(LowerCase(script)) && !StartsWithNoCase(name, kOfLightStage))
+            unlistedScripts.push_back(script);
+    for (const std::string &name : names) {
         const auto bytes = vfs.Read(name);
         if (!bytes) {
             log.Warn("shader script not found", "{}: the script is listed but not there", name);
@@ -141,28 +204,35 @@ void ShaderLibrary::State::ReadScripts() {
     }
 }
 
-Image ShaderLibrary::State::ReadJpeg(const std::string &name, std::span<const std::byte> bytes) const {
-    Image image = DecodeJpeg(bytes, name + ".jpg");
+/// JPEG has no alpha: games take it from a second image.
+void ShaderLibrary::State::AddJpegAlpha(const std::string &name, Image &image) const {
     const std::string alphaName = name + "_alpha.jpg";
     const auto alphaBytes = vfs.Read(alphaName);
     if (!alphaBytes)
-        return image;
+        return;
     const Image alpha = DecodeJpeg(*alphaBytes, alphaName);
     if (alpha.width == image.width && alpha.height == image.height)
         for (std::size_t i = 0; i < image.rgba.size(); i += 4)
             image.rgba[i + 3] = alpha.rgba[i + 2];
-    return image;
+}
+
+/// The first format in which the image exists, and its bytes.
+std::optional<ShaderLibrary::State::ImageBytes> ShaderLibrary::State::FindBytes(const std::string &name) const {
+    for (const ImageFormat &format : ImageFormats())
+        if (auto bytes = vfs.Read(name + std::string(format.extension)))
+            return ImageBytes{format, std::move(*bytes)};
+    return std::nullopt;
 }
 
 /// Decodes the first existing file; null: none. Error: it is damaged.
 std::shared_ptr<const Image> ShaderLibrary::State::FindImage(const std::string &name) const {
-    if (const auto tga = vfs.Read(name + ".tga"))
-        return std::make_shared<const Image>(DecodeTga(*tga, name + ".tga"));
-    if (const auto png = vfs.Read(name + ".png"))
-        return std::make_shared<const Image>(DecodePng(*png, name + ".png"));
-    if (const auto jpeg = vfs.Read(name + ".jpg"))
-        return std::make_shared<const Image>(ReadJpeg(name, *jpeg));
-    return nullptr;
+    const auto found = FindBytes(name);
+    if (!found)
+        return nullptr;
+    Image image = found->format.decode(found->bytes, name + std::string(found->format.extension));
+    if (found->format.extension == ".jpg")
+        AddJpegAlpha(name, image);
+    return std::make_shared<const Image>(std::move(image));
 }
 
 std::shared_ptr<const Image> ShaderLibrary::State::ReadImage(const std::string &name) const {
@@ -197,6 +267,13 @@ void ShaderLibrary::State::Complete(ParsedShader &shader) {
     const bool isDrawn = (info.compileFlags & C_NODRAW) == 0;
     info.lightImage = isDrawn ? LightImageOf(shader) : nullptr;
     info.imageFound = info.lightImage != nullptr;
+    if (isDrawn && shader.lightImageGiven && !CachedImage(shader.lightImage))
+        log.Warn("light image",
+                 "{}: q3map_lightImage {}: no image of that name can be read, the light has the color of {}", info.name,
+                 shader.lightImage,
+                 shader.colorGiven ? "q3map_lightRGB"
+                 : info.imageFound ? "another image"
+                                   : "white");
     if (!info.imageFound) {
         if (isDrawn)
             log.Verbose("shader {}: couldn't find image\n", info.name);
@@ -219,22 +296,25 @@ void ShaderLibrary::State::Complete(ParsedShader &shader) {
 
 /// Size of the file that FindImage decodes; nothing if there is none or it is damaged.
 std::optional<std::array<int, 2>> ShaderLibrary::State::ImageSize(const std::string &name) const {
-    if (const auto tga = vfs.Read(name + ".tga"))
-        return TgaSize(*tga);
-    if (const auto png = vfs.Read(name + ".png"))
-        return PngSize(*png);
-    if (const auto jpeg = vfs.Read(name + ".jpg"))
-        return JpegSize(*jpeg);
-    return std::nullopt;
+    const auto found = FindBytes(name);
+    return found ? found->format.size(found->bytes) : std::nullopt;
+}
+
+/// Name of the file with its extension; empty: there is none.
+std::string ShaderLibrary::State::FileOfImage(const std::string &name) const {
+    if (!name.empty())
+        for (const ImageFormat &format : ImageFormats())
+            if (std::string file = name + std::string(format.extension); vfs.Exists(file))
+                return file;
+    return {};
 }
 
 std::string ShaderLibrary::State::ImageFile(const ParsedShader &shader) const {
     if ((shader.info.compileFlags & C_NODRAW) != 0)
         return {};
     for (const std::string &name : {shader.editorImage, shader.info.name, shader.implicitImage, shader.lightImage})
-        for (const std::string_view extension : {".tga", ".png", ".jpg"})
-            if (!name.empty() && vfs.Exists(name + std::string(extension)))
-                return name + std::string(extension);
+        if (std::string file = FileOfImage(name); !file.empty())
+            return file;
     return {};
 }
 
@@ -243,9 +323,8 @@ std::string ShaderLibrary::State::ImageFile(const ParsedShader &shader) const {
 bool ShaderLibrary::State::HasNormalImage(const ParsedShader &shader) const {
     for (const std::string &name : {shader.lightImage, shader.implicitImage, shader.editorImage, shader.info.name})
         for (const std::string_view suffix : {"_n", "_norm", "_local"})
-            for (const std::string_view extension : {".tga", ".png", ".jpg"})
-                if (!name.empty() && vfs.Exists(fmt::format("{}{}{}", name, suffix, extension)))
-                    return true;
+            if (!name.empty() && !FileOfImage(name + std::string(suffix)).empty())
+                return true;
     return false;
 }
 
@@ -291,6 +370,8 @@ const ShaderInfo &ShaderLibrary::Get(std::string_view name) {
     ParsedShader &shader = state_->table.FindOrAdd(name.empty() ? kMissingName : name, state_->log);
     const ShaderOptions &options = state_->table.Options();
     if (!shader.lookedUp) {
+        if (!shader.info.defined)
+            state_->WarnIfUnlisted(shader.info.name);
         if (const auto body = std::exchange(shader.body, std::nullopt))
             shader.info.scriptText = TidyBody(*body);
         state_->table.ApplyGlobalFlags(shader.info);

@@ -82,7 +82,8 @@ void ShaderTable::ForEach(const std::function<void(ParsedShader &)> &visit) {
 }
 
 std::string ShaderTable::FollowReplacements(std::string_view name, Log &log) const {
-    std::string current = WithoutExtension(name);
+    const std::size_t slashes = name.find_first_not_of("/\\"); // engines pass over those in front
+    std::string current = WithoutExtension(slashes == std::string_view::npos ? name : name.substr(slashes));
     for (int i = 0; i <= kMaxReplacements; ++i) {
         const auto found = shaders_.find(Key(current));
         if (found == shaders_.end() || found->second->replacement.empty())

@@ -13,8 +13,14 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <vector>
 
 namespace q3 {
+
+/// A line that stands below the suns of its shader, which do not take what it sets.
+struct LateLine {
+    std::string directive, location;
+};
 
 /// A shader and the names of the images that give its colors: without extension, empty if not given.
 struct ParsedShader {
@@ -22,6 +28,8 @@ struct ParsedShader {
     std::string editorImage, lightImage, implicitImage;
     std::optional<std::string> body; ///< source of info.scriptText, which is made at look-up; empty: already made
     std::string replacement;         ///< q3map_deprecateShader
+    std::vector<LateLine> lateLines; ///< below the last sun, for WarnOfLateLines
+    bool lightImageGiven = false;    ///< lightImage is that of q3map_lightImage
     bool builtInImage = false;       ///< a stage draws an image of the engine, such as $whiteimage
     bool hasBspFlags = false;        ///< no script defines it; flags are those of a .bsp
     bool colorGiven = false;         ///< q3map_lightRGB: info.color is final

@@ -3,6 +3,7 @@
 
 #include "common/text/text_scan.h"
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -16,8 +17,12 @@ class ShaderTextScanner {
 
     /// As TextScanner.
     bool Next(std::string_view &token) { return Recorded(scanner_.Next(token), token); }
-    bool NextOnLine(std::string_view &token) { return Recorded(scanner_.NextOnLine(token), token); }
-    void SkipLine();
+    /// The next word of the line. As engines have it, a directive ends at a brace, which the next read returns.
+    bool NextArgument(std::string_view &token);
+    /// Skips the rest of a directive.
+    void SkipArguments();
+    /// Whether a block begins after the last token, on this line or after blank ones.
+    bool BlockFollows() const;
     /// Not while recording.
     void PushBack() { scanner_.PushBack(); }
     const TextLocation &TokenLocation() const { return scanner_.TokenLocation(); }
@@ -25,6 +30,8 @@ class ShaderTextScanner {
 
     /// Starts a new recording with an opening brace.
     void Record();
+    /// Takes the last token back from the recording.
+    void Forget();
     /// Ends recording; closes braces that are still open.
     std::string TakeText();
 
@@ -40,7 +47,11 @@ class ShaderTextScanner {
     TextScanner &scanner_;
     bool recording_ = false;
     std::string text_;
-    int depth_ = 0, line_ = 0; ///< line_: script line of the last token; 0 after a line break
+    struct Place {
+        std::size_t size = 0;
+        int depth = 0, line = 0; ///< line: of the script, of the last token; 0 after a line break
+    };
+    Place at_, beforeLast_;
 };
 
 /// The text of a shader, tidied. `body`: what follows its opening brace, without includes.

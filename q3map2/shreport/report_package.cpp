@@ -8,6 +8,7 @@
 #include "common/text/text.h"
 #include "q3map2/pk3/map_needs.h"
 #include "q3map2/pk3/package_plan.h"
+#include "q3map2/shader/image_formats.h"
 
 #include <algorithm>
 #include <array>
@@ -21,8 +22,8 @@ namespace {
 constexpr int kZlibsChoice = -1, kJpegQuality = 85; // level of compression; 0 to 100
 
 bool IsImage(std::string_view name) {
-    constexpr std::array<std::string_view, 3> kExtensions = {".tga", ".jpg", ".png"};
-    return std::ranges::any_of(kExtensions, [&](std::string_view e) { return EndsWithNoCase(name, e); });
+    return std::ranges::any_of(ImageFormats(),
+                               [&](const ImageFormat &format) { return EndsWithNoCase(name, format.extension); });
 }
 
 /// A file of the archive, or why there is none.

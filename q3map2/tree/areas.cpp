@@ -99,4 +99,40 @@ int FloodAreas(Tree &tree) {
     return count;
 }
 
+namespace {
+
+/// Whether the portal lies on the side of a brush with these bounds that makes it an area portal.
+bool IsOfAreaPortal(const TreePortal &portal, const Brush &brush, const BrushSide &side) {
+    constexpr float kSlack = 1; // game units; a portal may be larger than the side
+    if (portal.polygon.empty() || !(portal.compileFlags & C_AREAPORTAL) || (portal.planeNum ^ side.planeNum) > 1)
+        return false;
+    const Boundsf bounds = WindingBounds(portal.polygon);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (bounds.mins[axis] > brush.bounds.maxs[axis] + kSlack ||
+            bounds.maxs[axis] < brush.bounds.mins[axis] - kSlack)
+            return false;
+    return true;
+}
+
+} // namespace
+
+std::vector<int> IdleAreaPortals(const Tree &tree, const MapEntity &world) {
+    const auto area = [&](int leaf) { return tree.nodes[std::size_t(leaf)].area; };
+    const auto separates = [&](const Brush &brush) {
+        for (const BrushSide &side : brush.sides)
+            if (side.compileFlags & C_AREAPORTAL)
+                for (const TreePortal &portal : tree.portals)
+                    if (IsOfAreaPortal(portal, brush, side) && IsPassable(tree, portal) &&
+                        area(portal.nodes[0]) != area(portal.nodes[1]))
+                        return true;
+        return false;
+    };
+    std::vector<int> idle;
+    for (int i = 0; i < int(world.brushes.size()); ++i)
+        if (const Brush &brush = world.brushes[std::size_t(i)];
+            (brush.compileFlags & C_AREAPORTAL) && !separates(brush))
+            idle.push_back(i);
+    return idle;
+}
+
 } // namespace q3

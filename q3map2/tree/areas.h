@@ -1,7 +1,10 @@
 // GPL-2.0-or-later. Cluster and area numbers of leafs.
 #pragma once
 
+#include "q3map2/map/map.h"
 #include "q3map2/tree/tree.h"
+
+#include <vector>
 
 namespace q3 {
 
@@ -10,5 +13,8 @@ namespace q3 {
 int NumberClusters(Tree &tree, bool deep);
 /// Numbers the areas, the regions between area portals, and returns their count.
 int FloodAreas(Tree &tree);
+/// The area portals of the world, as indexes in its list of brushes, that have one area on both sides or lie in solid.
+/// After FloodAreas.
+std::vector<int> IdleAreaPortals(const Tree &tree, const MapEntity &world);
 
 } // namespace q3

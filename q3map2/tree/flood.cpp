@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Flood fill from entities: finds leaks, makes leafs outside opaque.
 #include "q3map2/tree/flood.h"
 
-#include "common/files/files.h"
 #include "common/text/text.h"
+#include "q3map2/bspfile/light_curve_keys.h"
 #include "q3map2/bspfile/surface_keys.h"
 
 #include <algorithm>
@@ -55,10 +55,48 @@ void MarkSkyBox(Tree &tree, int start) {
     }
 }
 
+/// Whether the entity shines from its origin: suns do not.
+bool ShinesFromOrigin(const Entity &entity) {
+    return StartsWithNoCase(entity.ClassName(), "light") && !EqualNoCase(entity.ClassName(), "light_environment") &&
+           keys::kSun.Number(entity) == 0;
+}
+
+/// Whether p is inside a brush through which no light passes.
+bool InSolidBrush(const Brush &brush, const Vec3f &p, const PlaneTable &planes) {
+    if (!brush.opaque || !(brush.compileFlags & C_SOLID))
+        return false;
+    return std::ranges::all_of(brush.sides, [&](const BrushSide &side) {
+        return side.planeNum < 0 || planes[side.planeNum].Distance(Vec3d(p)) < 0;
+    });
+}
+
+/// Detail brushes leave leafs open, but the light stage finds no way out of them either.
+void WarnOfLightsInDetail(const Map &map, const BspContext &context) {
+    for (const MapEntity &entity : map.entities) {
+        if (!ShinesFromOrigin(entity.pairs))
+            continue;
+        const Vec3f origin = entity.Origin();
+        for (const Brush &brush : map.entities.front().brushes) {
+            if (!brush.detail || !InSolidBrush(brush, origin, map.planes))
+                continue;
+            const std::string_view name = entity.pairs.Value("targetname");
+            context.log.Warn(
+                "light in detail brush",
+                "{}: the {}{} at {:g} {:g} {:g} stands in a detail brush (entity {}, brush {}), which lets "
+                "no light out; move it into the open",
+                entity.MessagePrefix(), entity.pairs.ClassName(), name.empty() ? "" : fmt::format(" \"{}\"", name),
+                origin.x, origin.y, origin.z, brush.settings.entity, brush.primitive);
+            break;
+        }
+    }
+}
+
 } // namespace
 
 Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, bool warn) {
     context.log.VerboseSection("FloodEntities");
+    if (warn)
+        WarnOfLightsInDetail(map, context);
     bool inside = false;
     for (std::size_t i = 1; i < map.entities.size(); i++) {
         const MapEntity &entity = map.entities[i];
@@ -160,11 +198,11 @@ std::vector<Vec3f> LeakLine(const Tree &tree, const Map &map) {
     return line;
 }
 
-void WriteLeakFile(const std::filesystem::path &path, const std::vector<Vec3f> &line) {
+std::string LeakFileText(const std::vector<Vec3f> &line) {
     std::string text;
     for (const Vec3f &p : line)
         text += fmt::format("{:f} {:f} {:f}\n", p.x, p.y, p.z);
-    ReplaceTextFile(path, text);
+    return text;
 }
 
 } // namespace q3

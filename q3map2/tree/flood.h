@@ -4,7 +4,7 @@
 #include "q3map2/map/map.h"
 #include "q3map2/tree/tree.h"
 
-#include <filesystem>
+#include <string>
 #include <vector>
 
 namespace q3 {
@@ -15,7 +15,8 @@ enum class Sealing {
     Empty   ///< no entity stands in the open
 };
 
-/// Floods from all point entities in open leafs. `warn`: about entities in solid; once per map is enough.
+/// Floods from all point entities in open leafs. `warn`: about entities in solid and lights in detail brushes; once per
+/// map is enough.
 Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, bool warn = true);
 /// Makes all leafs opaque that no flood reached.
 void FillOutside(Tree &tree, const BspContext &context);
@@ -23,7 +24,7 @@ void FillOutside(Tree &tree, const BspContext &context);
 std::vector<Vec3f> LeakLine(const Tree &tree, const Map &map);
 /// The entity at the end of the leak line (index in the map); -1: sealed.
 int LeakedEntity(const Tree &tree);
-/// Writes the leak line as a .lin file: one point per text line.
-void WriteLeakFile(const std::filesystem::path &path, const std::vector<Vec3f> &line);
+/// The leak line as text of a .lin file: one point per text line.
+std::string LeakFileText(const std::vector<Vec3f> &line);
 
 } // namespace q3

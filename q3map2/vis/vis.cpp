@@ -18,8 +18,10 @@ namespace {
 constexpr std::uint64_t kMaxPassageBytes = std::uint64_t(4) << 30;
 
 void Merge(PortalGraph &graph, const VisOptions &options, Log &log) {
-    if (options.merge)
-        log.Print("{:6} leaves merged\n", MergeLeafs(graph, options.keepHints));
+    if (options.merge) {
+        const auto merged = MergeLeafs(graph, options.keepHints);
+        log.Print("{:6} {}\n", merged, merged == 1 ? "leaf merged" : "leaves merged");
+    }
     if (options.merge || options.mergePortals) {
         const MergedPortals merged = MergePortals(graph);
         log.Print("{:6} portals merged\n{:6} hint portals merged\n", merged.pairs, merged.hintPairs);
@@ -175,7 +177,8 @@ void PrintStatistics(const Visibility &visibility, bool histogram, Log &log) {
     }
     if (histogram)
         for (const auto &[count, clusters] : clustersOf)
-            log.Verbose("{:4} clusters have exactly {:4} visible clusters\n", clusters, count);
+            log.Verbose("{:4} cluster{} exactly {:4} visible cluster{}\n", clusters, clusters == 1 ? " has" : "s have",
+                        count, count == 1 ? "" : "s");
     const double all = visibility.clusters, average = total / all;
     const double deviation = std::sqrt(std::max(0.0, squares / all - average * average));
     const int least = clustersOf.begin()->first, most = clustersOf.rbegin()->first;

@@ -6,8 +6,9 @@
 
 enum { kSlotBytes = 8, kHeader = 8 + 17 * kSlotBytes, kLeafs = 4, kSamples = 3 };
 enum { kLeafsBytes = kLeafs * AMBIENT_CUBES_BSP_LEAF_BYTES };
-enum { kLumpBytes = AMBIENT_CUBES_HEADER_BYTES + kLeafs * AMBIENT_CUBES_LEAF_BYTES +
-                    kSamples * AMBIENT_CUBES_SAMPLE_BYTES };
+enum {
+    kLumpBytes = AMBIENT_CUBES_HEADER_BYTES + kLeafs * AMBIENT_CUBES_LEAF_BYTES + kSamples * AMBIENT_CUBES_SAMPLE_BYTES
+};
 enum { kDirectory = kHeader + kLeafsBytes, kLump = kDirectory + 8 + 32, kFileBytes = kLump + kLumpBytes };
 
 static int failures;
@@ -101,7 +102,7 @@ static ambient_cubes_result LoadExact(const unsigned char *file, size_t size) {
     memcpy(copy, file, size);
     result = ambient_cubes_load(copy, size, &cubes);
     if (result == AMBIENT_CUBES_OK)
-        for (leaf = 0; leaf < cubes.leaf_count + 1; leaf++)
+        for (leaf = 0; leaf < cubes.leafCount + 1; leaf++)
             ambient_cubes_light(&cubes, leaf, position, up, rgb);
     free(copy);
     return result;
@@ -167,6 +168,13 @@ static void TestDamage(unsigned char *file) {
     PutFile(file);
     Put32(file + kLump + 4, 2);
     CHECK(LoadExact(file, kFileBytes) == AMBIENT_CUBES_BAD_VERSION);
+    PutFile(file);
+    SampleAt(file + kLump, 1)[27] = 1;
+    CHECK(LoadExact(file, kFileBytes) == AMBIENT_CUBES_BAD_SAMPLE);
+    PutFile(file);
+    Put32(file + kLump - 4, kLumpBytes + 4); /* longer than its samples */
+    memset(file + kFileBytes, 0, 4);
+    CHECK(LoadExact(file, kFileBytes + 4) == AMBIENT_CUBES_BAD_LENGTH);
     PutFile(file);
     Put32(file + 12 + kSlotBytes * 4, kLeafsBytes - AMBIENT_CUBES_BSP_LEAF_BYTES);
     Put32(file + kLump - 4, kLumpBytes); /* the directory now stands elsewhere than the lumps end */

@@ -108,8 +108,8 @@ TEST_F(Files, BspFileRoundTripAnnouncesPathAndSize) {
     const fs::path path = folder_ / "map.bsp";
     WriteBspFile(path, bsp, {}, listener.log);
     const auto bytes = WriteBsp(bsp, {});
-    EXPECT_EQ(listener.text,
-              "Writing " + path.string() + "\nWrote 0.0 MB (" + std::to_string(bytes.size()) + " bytes)\n");
+    EXPECT_EQ(listener.text, fmt::format("Writing {}\nWrote {:.1f} KB ({} bytes)\n", path.string(),
+                                         double(bytes.size()) / 1000, bytes.size()));
     EXPECT_EQ(ReadFile(path), bytes);
     EXPECT_EQ(WriteBsp(ReadBspFile(path, {}, listener.log), {}), bytes);
     EXPECT_THAT(ErrorOf([&] { ReadBspFile(folder_ / "none.bsp", {}, listener.log); }),
@@ -317,6 +317,35 @@ TEST_F(Files, ASymbolicLinkStaysAndItsTargetIsReplaced) {
     EXPECT_EQ(ReadFile(path), kNew);
     fs::create_symlink("loop.bsp", folder_ / "loop.bsp");
     EXPECT_THAT(ErrorOf([&] { ReplaceFile(folder_ / "loop.bsp", kNew); }), HasSubstr("symbolic links"));
+}
+
+TEST_F(Files, OfASetAllFilesAreReplacedOrNone) {
+    const fs::path first = Old("first"), second = Old("second");
+    {
+        FileSet set;
+        set.AddText(first, "new");
+        set.AddText(second, "new");
+    }
+    EXPECT_EQ(ReadFile(first), ReadFile(second));
+    EXPECT_NE(ReadTextFile(first), "new") << "without Commit";
+    FileSet set;
+    set.AddText(first, "new");
+    EXPECT_THAT(ErrorOf([&] { set.AddText(folder_ / "no folder" / "file", "new"); }), HasSubstr("cannot write"));
+    EXPECT_NE(ReadTextFile(first), "new");
+    set.AddText(second, "new");
+    set.Commit();
+    EXPECT_EQ(ReadTextFile(first) + ReadTextFile(second), "newnew");
+}
+
+TEST_F(Files, WhatCannotBeWrittenIsKnownBeforehand) {
+    fs::create_directory(folder_ / "folder");
+    EXPECT_EQ(ErrorOf([&] { RequireWritable(folder_ / "new"); }), "");
+    EXPECT_EQ(ErrorOf([&] { RequireWritable(Old("old")); }), "");
+    EXPECT_THAT(ErrorOf([&] { RequireWritable(folder_ / "folder"); }), HasSubstr("not a regular file, but a folder"));
+    EXPECT_THAT(ErrorOf([&] { RequireWritable(folder_ / "none" / "file"); }), HasSubstr("none does not exist"));
+    EXPECT_THAT(ErrorOf([&] { RequireWritable(Old("old") / "file"); }), HasSubstr("old is not a folder"));
+    EXPECT_EQ(ErrorOf([&] { RequireFolder(folder_ / "a" / "b"); }), "");
+    EXPECT_THAT(ErrorOf([&] { RequireFolder(Old("old") / "b"); }), HasSubstr("old is a file"));
 }
 
 TEST_F(Files, OnlyRegularFilesAreReplaced) {

@@ -10,6 +10,7 @@
 
 using namespace q3;
 using namespace q3::test;
+using testing::AllOf;
 using testing::HasSubstr;
 
 namespace {
@@ -120,6 +121,35 @@ TEST(Hostile, MessagesNameTheLump) {
                   ReadBsp(Bytes(143), "x.bsp", {}, listener.log);
               }),
               "x.bsp: 143 bytes, but a BSP header has 144");
+}
+
+TEST(Hostile, FilesOfOtherGamesAreNamed) {
+    const auto message = [](std::string text, std::size_t size) {
+        text.resize(std::max(size, text.size()), text.find('\0') == std::string::npos ? ' ' : '\0');
+        Listener listener;
+        return ErrorOf([&] { ReadBsp(std::as_bytes(std::span(text)), "x.bsp", {}, listener.log); });
+    };
+    const auto bytes = [](std::string_view mark, char version) {
+        return std::string(mark) + version + std::string(3, 0);
+    };
+    const std::pair<std::string, std::string> files[] = {{bytes("", 29), "Quake or Hexen II (version 29)"},
+                                                         {bytes("", 30), "Half-Life (version 30)"},
+                                                         {bytes("IBSP", 38), "Quake II (IBSP 38)"},
+                                                         {bytes("IBSP", 59), "Call of Duty (IBSP 59)"},
+                                                         {bytes("VBSP", 20), "Source game (VBSP)"},
+                                                         {bytes("RBSP", 1), "Raven game"},
+                                                         {bytes("FBSP", 1), "Warsow"},
+                                                         {"PK\3\4", "zip archive"},
+                                                         {"\x1F\x8B\x08", "gzip"},
+                                                         {"Version 2\n{\n", "Doom 3"},
+                                                         {"{\n\"classname\" \"worldspawn\"\n}\n", "a map source"},
+                                                         {"hello", "the file is text"}};
+    for (const auto &[begin, kind] : files)
+        for (const std::size_t size : {0, 4000}) {
+            EXPECT_THAT(message(begin, size), AllOf(HasSubstr("x.bsp: the file is "), HasSubstr(kind)));
+        }
+    EXPECT_THAT(message("", 0), HasSubstr("the file is empty"));
+    EXPECT_THAT(message(bytes("IBSP", 99), 4000), HasSubstr("BSP version 99, expected 46 or 47"));
 }
 
 TEST(Hostile, RandomBytesAndWords) {

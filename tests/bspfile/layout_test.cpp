@@ -229,7 +229,8 @@ TEST(Layout, ForceTurnsMismatchesIntoWarnings) {
     EXPECT_THAT(lenient(ident), HasSubstr("IBSP"));
     Bytes version = good;
     SetInt(version, 4, 38);
-    EXPECT_THAT(ErrorOf([&] { Read(version); }), HasSubstr("BSP version 38, expected 46 or 47"));
+    EXPECT_THAT(ErrorOf([&] { Read(version); }),
+                HasSubstr("the file is a map of Quake II (IBSP 38); expected a .bsp of Quake III"));
     EXPECT_THAT(lenient(version), HasSubstr("38"));
     Bytes ragged = good;
     SetInt(ragged, 12 + 8 * LUMP_LIGHTGRID, 18 * 8 - 1);

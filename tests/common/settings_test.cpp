@@ -18,7 +18,7 @@ struct Options {
     float ratio = 0.5f;
     std::optional<int> maybe;
     std::string name;
-    std::vector<std::string> list;
+    std::vector<std::string> list, idle;
     double product = 1;
 };
 
@@ -46,7 +46,10 @@ std::vector<SettingGroup<Options>> Table() {
           {{.name = "-list", .values = "NAME", .help = "List"}, &Options::list},
           {{.name = "-maybe", .values = "[N]", .kind = SettingKind::Integer, .help = "Maybe"}, Do<Options>(optional)},
           {{.name = "-scale", .values = "F", .kind = SettingKind::Number, .initial = "1", .help = "Scale"},
-           Do<Options>(multiply)}}}};
+           Do<Options>(multiply)},
+          {{.name = "-fine", .values = "N", .range = {1, 8}, .limitReason = "time grows with it", .help = "Fine"},
+           &Options::count},
+          WithoutEffect(&Options::idle, "-old", "Always so")}}};
 }
 
 class SettingsTest : public testing::Test {
@@ -56,6 +59,7 @@ class SettingsTest : public testing::Test {
         arguments = Arguments({std::istream_iterator<std::string>(in), {}});
         Options options;
         TakeSettings(Table(), options, arguments, log.log);
+        WarnWithoutEffect(options.idle, log.log);
         return options;
     }
     std::string ErrorOf(const std::string &text) {
@@ -98,7 +102,8 @@ TEST_F(SettingsTest, ValuesThatAreNoNumbersAreRefusedByName) {
 
 TEST_F(SettingsTest, ANumberOutsideCanHaveAValueOfItsOwn) {
     EXPECT_EQ(Take("-ratio 0").ratio, 2);
-    EXPECT_NE(log.text.find("-ratio 0: expected a number over 0; 2 is used"), std::string::npos) << log.text;
+    EXPECT_NE(log.text.find("-ratio 0: expected a number over 0 up to 1000000; 2 is used"), std::string::npos)
+        << log.text;
 }
 
 TEST_F(SettingsTest, ChangesAreNotedWithWhatTheyReplace) {
@@ -108,6 +113,18 @@ TEST_F(SettingsTest, ChangesAreNotedWithWhatTheyReplace) {
     EXPECT_EQ(arguments.Changes()[0].values, "0.25");
     EXPECT_EQ(arguments.Changes()[0].before, "0.5");
     EXPECT_EQ(arguments.Changes()[1].name, "-scale");
+}
+
+TEST_F(SettingsTest, ChangesAreWhatIsUsed) {
+    Take("-ratio 0 -old");
+    ASSERT_EQ(arguments.Changes().size(), 1u) << "-old has no effect";
+    EXPECT_EQ(arguments.Changes()[0].values, "2");
+    EXPECT_NE(log.text.find("-old (Always so)"), std::string::npos) << "the warning says why";
+}
+
+TEST_F(SettingsTest, ErrorsSayTheWholeRangeAndWhyItEnds) {
+    EXPECT_EQ(ErrorOf("-scale 2000000"), "-scale 2000000: expected a number from -1000000 to 1000000");
+    EXPECT_EQ(ErrorOf("-fine 9"), "-fine 9: expected a whole number from 1 to 8; time grows with it");
 }
 
 TEST(ArgumentsTest, TakeWhole) {

@@ -214,6 +214,33 @@ TEST(TextScanner, KnowsWhetherItsFileIncludesOthers) {
     EXPECT_FALSE(TextScanner("$include x", "test").HasIncludes());
 }
 
+TEST(TextScanner, EnginesKnowFewerComments) {
+    EXPECT_THAT(All(TextScanner("# a;b // c\n; /* d */ e", "test", {}, TextDialect::Engine)),
+                ElementsAre("#", "a;b", ";", "e"));
+}
+
+TEST(TextScanner, QuotesOfMapSourcesMayBeEscaped) {
+    const auto tokens = [](std::string text) {
+        return All(TextScanner(std::move(text), "x", {}, TextDialect::MapSource));
+    };
+    EXPECT_THAT(tokens("\"m\" \"say \\\"hi there\\\"\"\nnext"), ElementsAre("m", "say \\\"hi there\\\"", "next"));
+    EXPECT_THAT(tokens("\"m\" \"\\\"a\\\" \\\"b\\\"\"\n\"n\""), ElementsAre("m", "\\\"a\\\" \\\"b\\\"", "n"));
+    // A backslash at the end of a value is none of an escape.
+    EXPECT_THAT(tokens("\"p\" \"c:\\maps\\\"\n\"n\" \"x\""), ElementsAre("p", "c:\\maps\\", "n", "x"));
+    EXPECT_THAT(tokens("\"p\" \"c:\\\" // \"\nx"), ElementsAre("p", "c:\\", "x"));
+    EXPECT_THAT(tokens("{ \"p\" \"c:\\\" \"q\" \"d\" }"), ElementsAre("{", "p", "c:\\", "q", "d", "}"));
+}
+
+TEST(TextScanner, LongTokensAreReadWhenAskedFor) {
+    const std::string text = "k \"" + std::string(5000, 'a') + "\"\nb " + std::string(2000, 'c');
+    TextScanner scanner(text, "test");
+    std::string key, value;
+    ASSERT_TRUE(scanner.Next(key) && scanner.NextLongOnLine(value));
+    EXPECT_EQ(value.size(), 5000u);
+    ASSERT_TRUE(scanner.Next(key));
+    EXPECT_THROW(scanner.Next(key), Error);
+}
+
 TEST(Text, CaseIsOfAsciiAlone) {
     EXPECT_EQ(LowerCase("AbC\xC3\x89"), "abc\xC3\x89");
     EXPECT_TRUE(EqualNoCase("SurfaceParm", "surfaceparm"));

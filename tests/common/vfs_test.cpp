@@ -142,6 +142,19 @@ TEST_F(Vfs, NamesThatLeadOutAreAbsent) {
     EXPECT_EQ(Read("good.txt"), "good");
 }
 
+TEST_F(Vfs, SlashesInFrontAreDroppedAsByEngines) {
+    folder.Write("game/textures/a.txt", "loose");
+    folder.WriteArchive("game/a.pk3", {{"textures/b.txt", "packed"}});
+    vfs.Mount(folder / "game", "pk3");
+    for (const std::string_view front : {"/", "//", "\\", "./", "/./"}) {
+        EXPECT_EQ(Read(fmt::format("{}textures/a.txt", front)), "loose") << front;
+        EXPECT_EQ(Read(fmt::format("{}textures\\b.txt", front)), "packed") << front;
+    }
+    EXPECT_EQ(Read("textures//a.txt"), "loose");
+    EXPECT_EQ(Read("textures/./b.txt"), "packed");
+    EXPECT_EQ(Read("/../a.pk3"), "(absent)");
+}
+
 TEST_F(Vfs, MissingFolderIsFineAndFoldersAreNoFiles) {
     vfs.Mount(folder / "nowhere", "pk3");
     folder.Write("game/textures/a.txt", "");

@@ -21,7 +21,7 @@ Vec3f DecodedL1(const L1Light &light, const Vec3f &normal) {
         for (std::size_t c = 0; c < 3; c++)
             sh[k][c] = light.c[k][c];
     const float n[3] = {normal.x, normal.y, normal.z};
-    directional_l1(sh, n, rgb);
+    directional_l1(&sh[0][0], n, rgb);
     return {rgb[0], rgb[1], rgb[2]};
 }
 
@@ -122,7 +122,7 @@ TEST(L1Light, WithFlatLightTheFlatNormalIsExact) {
         const Vec3f lit = Received(lamps, {0, 0, 1});
         const float flat[3] = {0, 0, 1}, received[3] = {lit.x, lit.y, lit.z};
         float rgb[3];
-        directional_l1_with_flat(sh, received, flat, flat, rgb);
+        directional_l1_with_flat(&sh[0][0], received, flat, flat, rgb);
         for (std::size_t c = 0; c < 3; c++)
             EXPECT_NEAR(rgb[c], lit[c], 1e-5 * (1 + lit[c]));
     }
@@ -133,10 +133,10 @@ TEST(L1Light, WithFlatLightGuards) {
     ToArray(OneLight({0, 0, -1}), behind);
     const float flat[3] = {0, 0, 1}, down[3] = {0, 0, -1}, received[3] = {0.5f, 0.25f, -1};
     float rgb[3];
-    directional_l1_with_flat(dark, received, flat, flat, rgb);
+    directional_l1_with_flat(&dark[0][0], received, flat, flat, rgb);
     EXPECT_EQ(rgb[0], 0.5f);
     EXPECT_EQ(rgb[2], 0);
-    directional_l1_with_flat(behind, received, flat, down, rgb); // 1 over 0.25 / 16
+    directional_l1_with_flat(&behind[0][0], received, flat, down, rgb); // 1 over 0.25 / 16
     EXPECT_NEAR(rgb[0], 0.5 * 64, 1e-3);
 }
 
@@ -150,12 +150,12 @@ TEST(L1Light, CurvedAtBothEnds) {
         const Vec3f w = sets.Direction(), n = sets.Direction();
         const float normal[3] = {n.x, n.y, n.z};
         float rgb[3];
-        directional_l1_curved(even, normal, rgb);
+        directional_l1_curved(&even[0][0], normal, rgb);
         EXPECT_NEAR(rgb[0], 0.5, 1e-6);
         EXPECT_NEAR(rgb[1], 1, 1e-6);
         EXPECT_EQ(rgb[2], 0);
         ToArray(OneLight(w), one);
-        directional_l1_curved(one, normal, rgb); // c q^3
+        directional_l1_curved(&one[0][0], normal, rgb); // c q^3
         EXPECT_NEAR(rgb[0], std::pow((1 + Dot(n, w)) / 2, 3), 1e-5);
     }
 }
@@ -172,7 +172,7 @@ TEST(L1Light, CurvedKeepsTheMean) {
         const double x = -1 + (2 * i + 1.0) / kSteps;
         const float n[3] = {float(std::sqrt(1 - x * x)), 0, float(x)};
         float rgb[3];
-        directional_l1_curved(sh, n, rgb);
+        directional_l1_curved(&sh[0][0], n, rgb);
         mean += double(rgb[0]) / kSteps;
     }
     EXPECT_NEAR(mean, 0.55, 1e-5);

@@ -26,7 +26,7 @@ template <typename Decoder> Vec3f DecodedMaps(Decoder decoder, const RnmLight &l
     const MapArray maps(light);
     const float n[3] = {normal.x, normal.y, normal.z};
     float rgb[3];
-    decoder(maps.values, n, rgb);
+    decoder(&maps.values[0][0], n, rgb);
     return {rgb[0], rgb[1], rgb[2]};
 }
 
@@ -192,11 +192,11 @@ TEST(Ssbump, FlatTexelUnderFrontalLight) {
     const float texel[3] = {0.57735f, 0.57735f, 0.57735f};
     const MapArray raw(OneWhite(kFlat)), rescaled(RescaleToFlat(OneWhite(kFlat), {1, 1, 1}));
     float rgb[3];
-    directional_ssbump(texel, raw.values, DIRECTIONAL_RAW, rgb);
+    directional_ssbump(texel, &raw.values[0][0], DIRECTIONAL_RAW, rgb);
     EXPECT_NEAR(rgb[0], 1, 1e-5);
-    directional_ssbump(texel, rescaled.values, DIRECTIONAL_RESCALED, rgb);
+    directional_ssbump(texel, &rescaled.values[0][0], DIRECTIONAL_RESCALED, rgb);
     EXPECT_NEAR(rgb[0], 1, 1e-5);
-    directional_ssbump(texel, rescaled.values, 1, rgb);
+    directional_ssbump(texel, &rescaled.values[0][0], 1, rgb);
     EXPECT_NEAR(rgb[0], 1.73205, 1e-5);
 }
 
@@ -207,7 +207,8 @@ TEST(Ssbump, FlatTexelOnRescaledMapsGivesTheFlatLightForAnyLamps) {
         const auto lamps = sets.Lamps(kFlat);
         const Vec3f flat = Received(lamps, kFlat);
         float rgb[3];
-        directional_ssbump(texel, MapArray(RescaleToFlat(RawMaps(lamps), flat)).values, DIRECTIONAL_RESCALED, rgb);
+        const MapArray maps(RescaleToFlat(RawMaps(lamps), flat));
+        directional_ssbump(texel, &maps.values[0][0], DIRECTIONAL_RESCALED, rgb);
         for (std::size_t c = 0; c < 3; c++)
             EXPECT_NEAR(rgb[c], flat[c], flat[c] * 0.5 / 147 + 1e-6);
     }
@@ -224,7 +225,8 @@ TEST(Ssbump, UnoccludedTexelGivesTheCosineToTheByteStep) {
         directional_rnm_weights(n, texel);
         for (float &channel : texel)
             channel = std::round(channel * 255) / 255;
-        directional_ssbump(texel, MapArray(OneWhite(light)).values, DIRECTIONAL_RAW, rgb);
+        const MapArray maps(OneWhite(light));
+        directional_ssbump(texel, &maps.values[0][0], DIRECTIONAL_RAW, rgb);
         EXPECT_NEAR(rgb[0], Dot(light, normal), 0.87 / 255);
         EXPECT_NEAR(directional_ssbump_light(texel, w), Dot(light, normal), 0.87 / 255);
         directional_ssbump_normal(texel, back);

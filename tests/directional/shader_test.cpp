@@ -152,14 +152,14 @@ TEST(Shaders, DeluxeRnmAndSsbump) {
         EXPECT_SHADERS(DeluxeLight(l, d, n), rgb);
         directional_deluxe_received(light.values, direction.values, up.values, 0.25f, normal.values, rgb);
         EXPECT_SHADERS(DeluxeReceived(l, d, Shader(up.values), 0.25f, n), rgb);
-        directional_rnm_raw(maps, normal.values, rgb);
+        directional_rnm_raw(&maps[0][0], normal.values, rgb);
         EXPECT_SHADERS(RnmRaw(a, b, c, n), rgb);
-        directional_rnm_rescaled(maps, normal.values, rgb);
+        directional_rnm_rescaled(&maps[0][0], normal.values, rgb);
         EXPECT_SHADERS(RnmRescaled(a, b, c, n), rgb);
-        directional_rnm_squared(maps, normal.values, rgb);
+        directional_rnm_squared(&maps[0][0], normal.values, rgb);
         EXPECT_SHADERS(RnmSquared(a, b, c, n), rgb);
         directional_rnm_weights(normal.values, texel);
-        directional_ssbump(texel, maps, DIRECTIONAL_RESCALED, rgb);
+        directional_ssbump(texel, &maps[0][0], DIRECTIONAL_RESCALED, rgb);
         EXPECT_SHADERS(SsbumpLight(Shader(texel), a, b, c, DIRECTIONAL_RESCALED), rgb);
         directional_ssbump_normal(texel, rgb);
         EXPECT_SHADERS(SsbumpNormal(Shader(texel)), rgb);
@@ -175,17 +175,17 @@ TEST(Shaders, L1) {
         for (auto &coefficient : sh)
             for (float &value : coefficient)
                 value = sets.Uniform(-1, 2);
-        directional_l1(sh, normal.values, rgb);
+        directional_l1(&sh[0][0], normal.values, rgb);
         const vec3 c0 = Shader(sh[0]), cy = Shader(sh[1]), cz = Shader(sh[2]), cx = Shader(sh[3]),
                    n = Shader(normal.values);
         EXPECT_SHADERS(L1Light(c0, cy, cz, cx, n), rgb);
-        directional_l1_curved(sh, normal.values, rgb);
+        directional_l1_curved(&sh[0][0], normal.values, rgb);
         EXPECT_SHADERS(L1LightCurved(c0, cy, cz, cx, n), rgb);
         const Floats flat(sets.Direction());
         const float light[3] = {sets.Uniform(0, 2), 1, 0};
         for (float &value : sh[0])
             value = std::abs(value) + 0.1f;
-        directional_l1_with_flat(sh, light, flat.values, normal.values, rgb);
+        directional_l1_with_flat(&sh[0][0], light, flat.values, normal.values, rgb);
         EXPECT_SHADERS(L1LightWithFlat(Shader(sh[0]), cy, cz, cx, Shader(light), Shader(flat.values), n), rgb);
     }
 }

@@ -53,24 +53,24 @@ static void test_rnm(void) {
     directional_rnm_weights(east, weight);
     CHECK(weight[0], 0.81649658);
     CHECK(weight[1], 0);
-    directional_rnm_raw(maps, flat, rgb);
+    directional_rnm_raw(&maps[0][0], flat, rgb);
     CHECK(rgb[0], 0.9 * 0.57735027);
-    directional_rnm_rescaled(maps, flat, rgb);
+    directional_rnm_rescaled(&maps[0][0], flat, rgb);
     CHECK(rgb[0], 0.3);
     CHECK(rgb[2], 1);
-    directional_rnm_squared(maps, flat, rgb);
+    directional_rnm_squared(&maps[0][0], flat, rgb);
     CHECK(rgb[0], 0.3);
-    directional_rnm_squared(maps, down, rgb);
+    directional_rnm_squared(&maps[0][0], down, rgb);
     CHECK(rgb[2], 0);
 }
 
 static void test_ssbump(void) {
     const float texel[3] = {0.5f, 0.25f, 0}, maps[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     float basis[3][3], rgb[3], normal[3];
-    directional_ssbump(texel, maps, DIRECTIONAL_RAW, rgb);
+    directional_ssbump(texel, &maps[0][0], DIRECTIONAL_RAW, rgb);
     CHECK(rgb[0], 0.5);
     CHECK(rgb[1], 0.25);
-    directional_ssbump(texel, maps, DIRECTIONAL_RESCALED, rgb);
+    directional_ssbump(texel, &maps[0][0], DIRECTIONAL_RESCALED, rgb);
     CHECK(rgb[0], 0.5 * 0.57735027);
     directional_ssbump_normal(texel, normal);
     directional_rnm_basis(basis);
@@ -81,16 +81,16 @@ static void test_ssbump(void) {
 static void test_l1(void) {
     const float sh[4][3] = {{3.5449077f, 0, 1}, {0, 1, 0}, {0, 0, 0}, {0, 0, -4}}, north[3] = {0, 1, 0};
     float rgb[3];
-    directional_l1(sh, north, rgb);
+    directional_l1(&sh[0][0], north, rgb);
     CHECK(rgb[0], 1);
     CHECK(rgb[1], 0.325735);
     CHECK(rgb[2], 0.282095);
-    directional_l1(sh, east, rgb);
+    directional_l1(&sh[0][0], east, rgb);
     CHECK(rgb[2], 0);
-    directional_l1_with_flat(sh, north, north, north, rgb);
+    directional_l1_with_flat(&sh[0][0], north, north, north, rgb);
     CHECK(rgb[0], 0);
     CHECK(rgb[1], 1);
-    directional_l1_curved(sh, north, rgb);
+    directional_l1_curved(&sh[0][0], north, rgb);
     CHECK(rgb[0], 1);
 }
 

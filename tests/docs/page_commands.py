@@ -4,7 +4,7 @@
 
 A command is an indented or fenced line that begins with q3map2. Each page starts with a fresh game folder in which
 maps/mymap.map is compiled; its commands run in their order, in the folder that the page last changed to (cd), else in
-that of the game or of the mod that they name. /games/quake3 in a page is that game.
+that of the game or of the mod that they name. /games/quake3 in a page is that game; another /games/NAME that a page changes to is a copy of it.
 
 Commands with a word in capitals (DIR, MOD) are patterns, not for running: like all others, and like those in running
 text, they may only use options that the program has.
@@ -21,7 +21,7 @@ from pathlib import Path
 
 PAGES = ["README.md"] + [f"docs/{name}.md" for name in (
     "first_bake", "lights", "relight", "final_build", "bots", "troubleshooting", "moving", "presets", "ship_sh", "package",
-    "tools_for_maps", "grid_formats", "convert", "report", "vis", "lightmaps", "light_grid_sh", "bsp_stage", "ssbump", "hdr",
+    "tools_for_maps", "shader_directives", "grid_formats", "convert", "report", "vis", "lightmaps", "light_grid_sh", "bsp_stage", "ssbump", "hdr",
     "directional")]
 # Pages that are for editors and other systems, if they are there: their options are checked.
 OTHER_PAGES = ["docs/editors.md", "docs/windows.md"]
@@ -79,6 +79,7 @@ class Reader:
         self.home = scratch / "home"
         self.ready = scratch / "ready"
         self.failures = []
+        self.defaults = {}  # of options, by stage
         self.options = self.known_options()
         self.prepare()
 
@@ -101,6 +102,8 @@ class Reader:
             elif stage is not None and line.startswith("| `-"):
                 names = re.findall(r"`(--?[^` ]+)", line.split(" | ")[0])
                 options[stage].update(name.lower() for name in names)
+                default = re.split(r" \| ", line)[1]
+                self.defaults.setdefault(stage, {}).update((name.lower(), default) for name in names)
         return options
 
     def prepare(self):
@@ -134,6 +137,20 @@ class Reader:
         except ValueError:
             return command.split()[1:]
 
+    def in_scratch(self, word):
+        """A path below /games as one of the scratch folder."""
+        return re.sub(r"^/games(?=/)", str(self.game.parent), word)
+
+    def check_effect(self, where, command, words, log):
+        """Each option that is not at its default is among the settings that the run lists, or in a warning."""
+        stage = next((word.lower() for word in words if word.lower() in self.options), "-bsp")
+        for word, value in zip(words, [*words[1:], ""]):
+            known = self.defaults.get(stage, {}).get(word.lower())
+            if known is None or "by game" in known or known == ("on" if value.startswith("-") else value):
+                continue
+            if not re.search(rf"(  |WARNING: .*){word} ", log):
+                self.failures.append(f"{where}: {command}\n  {word} shows no effect")
+
     def check_options(self, where, words):
         stage = next((word.lower() for word in words if word.lower() in self.options), "-bsp")
         for word in words:
@@ -146,17 +163,21 @@ class Reader:
         mods = [words[i + 1] for i, word in enumerate(words[:-1]) if word == "-fs_game"]
         folder = self.folder or self.game / (mods[0] if mods else "baseq3")
         try:
-            done = self.call([word.replace("/games/quake3", str(self.game)) for word in words], folder)
+            done = self.call([self.in_scratch(word) for word in words], folder)
         except subprocess.TimeoutExpired:
             self.failures.append(f"{where}: {command}\n  takes over {SECONDS} s")
             return
+        if not done.returncode and where.startswith("moving.md"):
+            self.check_effect(where, command, words, done.stdout)
         if done.returncode or "WARNING: Unknown" in done.stdout:
             text = "\n  ".join(done.stdout.splitlines()[-12:])
             self.failures.append(f"{where}: {command}\n  exit status {done.returncode}\n  {text}")
 
     def read(self, page, may_run):
         """Follows a page. Returns how many commands ran, and how many were checked only."""
-        shutil.rmtree(self.game, ignore_errors=True)
+        for folder in self.game.parent.iterdir():
+            if folder not in (self.home, self.ready):
+                shutil.rmtree(folder)
         shutil.copytree(self.ready, self.game)
         ran = checked = 0
         fenced = False
@@ -165,7 +186,9 @@ class Reader:
             fenced ^= line.lstrip().startswith("```")
             where = f"{page.name}:{number}"
             if change := re.match(r" {4}cd (\S+)$", line):
-                self.folder = change.group(1).replace("/games/quake3", str(self.game))
+                self.folder = Path(self.in_scratch(change.group(1)))
+                if not self.folder.exists():
+                    shutil.copytree(self.ready / "baseq3", self.folder)
             found = COMMAND.match(line)
             is_command = found and (fenced or line[:1] in " \t")
             for command in [found.group(1)] if is_command else INLINE.findall(line):

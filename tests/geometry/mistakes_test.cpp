@@ -34,6 +34,14 @@ std::string PatchText(int width, int height) {
     }
     return text + ")\n}\n}\n";
 }
+/// A box as a detail brush: its sides have that content flag.
+std::string DetailBox(const Vec3d &mins, const Vec3d &maxs, std::string_view shader = "test/wall") {
+    std::string text = Box(mins, maxs, shader);
+    constexpr std::string_view kFlags = "0.5 0.5 0 0 0";
+    for (std::size_t at = text.find(kFlags); at != std::string::npos; at = text.find(kFlags, at))
+        text.replace(at, kFlags.size(), "0.5 0.5 134217728 0 0");
+    return text;
+}
 /// A box without its last line, with `lines` in their place.
 std::string OpenBox(const std::string &lines) {
     const std::string box = Box({64, 64, 16}, {96, 96, 48});
@@ -102,6 +110,8 @@ std::vector<Mistake> Mistakes() {
          "Entity 3: test.map:61: the skin file models/t_gone.skin cannot be read"},
         {"LightInSolid", With("", Entity("\"classname\" \"light\"\n\"origin\" \"0 0 -8\"")),
          "Entity 3: test.map:61: the light stands in solid"},
+        {"LightInDetail", With(DetailBox({-16, -16, 80}, {16, 16, 112})),
+         "Entity 2: test.map:66: the light at 0 0 96 stands in a detail brush (entity 0, brush 6)"},
         {"DecalWithoutPatch", With("", Entity("\"classname\" \"_decal\"\n\"target\" \"x\"")),
          "Entity 3: test.map:61: a _decal without patches is left out"},
         {"CloneOfNobody", With("", Entity("\"classname\" \"func_door\"\n\"_clone\" \"x\"")),
@@ -138,6 +148,13 @@ TEST_P(MistakeTest, HasOneMessage) {
     EXPECT_EQ(stops, !error.empty()) << error;
     const std::string &said = stops ? error : out.text;
     EXPECT_EQ(Count(said, stops ? expected.substr(6) : expected), 1) << out.text << error;
+}
+
+TEST_F(CompileTest, LightsInBrushesThatLetLightThroughAreNoMistake) {
+    folder.Write("textures/test/wall.tga", std::string("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0", 18) + "abc");
+    for (const std::string_view shader : {"test/glass", "test/mist"})
+        Compile(With(DetailBox({-16, -16, 80}, {16, 16, 112}, shader)));
+    EXPECT_EQ(out.log.WarningTotals().count("light in detail brush"), 0u) << out.text;
 }
 
 INSTANTIATE_TEST_SUITE_P(Mappers, MistakeTest, testing::ValuesIn(Mistakes()),

@@ -124,6 +124,8 @@ TEST_F(ModelTest, TheLongestSuffixRemaps) {
 }
 
 TEST_F(ModelTest, BadRemapsWarn) {
+    EXPECT_THAT(out.text, HasSubstr("_remap \"bar;textures/a\" has no effect: no shader of the model ends with bar; it "
+                                    "has models/t/foo"));
     EXPECT_EQ(Place({{"_remap", "foo"}})[0].shader->name, "models/t/foo");
     EXPECT_THAT(out.text, HasSubstr("Entity 1: \"_remap\" \"foo\" is ignored"));
 }
@@ -306,6 +308,35 @@ TEST_F(ModelTest, FoliageIsOneSurfaceWithAPointForEachPlant) {
     EXPECT_NE(VertAt(foliage, {128, 0, 16}), nullptr); // the model, twice its size
     for (std::size_t i = 3; i < foliage.verts.size(); ++i)
         EXPECT_FLOAT_EQ(foliage.verts[i].xyz.z, 32);
+}
+
+/// The ceiling as glTF, whose material and embedded image have these names.
+std::string GltfCeiling(std::string_view material, std::string_view image) {
+    const auto named = [](std::string_view name) {
+        return name.empty() ? "" : fmt::format("\"name\": \"{}\", ", name);
+    };
+    return fmt::format(
+        R"({{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}],
+"meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": 0}}]}}],
+"accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 0, 1]}}],
+"bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+"buffers": [{{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAAAAAAAAAAAAAIA/AACAPwAAAAAAAAAA"}}],
+"materials": [{{{}"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}], "textures": [{{"source": 0}}],
+"images": [{{{}"uri": "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg=="}}]}})",
+        named(material), named(image));
+}
+
+TEST_F(ModelTest, AnImageWithinTheModelGivesNoName) {
+    const auto shader = [this](std::string_view material, std::string_view image) {
+        const std::string file = fmt::format("models/t/g{}{}.gltf", material.size(), image.size());
+        folder.Write(file, GltfCeiling(material, image));
+        const auto surfaces = Place({{"model", "/" + file}});
+        return surfaces.empty() ? "" : surfaces[0].shader->name;
+    };
+    EXPECT_EQ(shader("stone", "pebbles"), "models/t/stone");
+    EXPECT_EQ(shader("textures/base/wall", "stone"), "textures/base/wall");
+    EXPECT_EQ(shader("", "pebble"), "models/t/pebble");
+    EXPECT_EQ(shader("", ""), "models/t/g00");
 }
 
 } // namespace

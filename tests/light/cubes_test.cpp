@@ -46,7 +46,7 @@ class CubesView {
 
     std::vector<SeenCube> All() const {
         std::vector<SeenCube> all;
-        for (std::uint32_t leaf = 0; leaf < cubes_.leaf_count; ++leaf) {
+        for (std::uint32_t leaf = 0; leaf < cubes_.leafCount; ++leaf) {
             std::uint32_t first = 0, owner = 0;
             const std::uint32_t count = ambient_cubes_of_leaf(&cubes_, leaf, &first, &owner);
             for (std::uint32_t i = 0; owner == leaf && i < count; ++i)

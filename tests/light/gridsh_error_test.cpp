@@ -30,8 +30,8 @@ class GridSHErrorTest : public LightTest {
         const std::vector<Entity> entities = ParseEntities(bsp.entities, "test");
         const WorldLight world = ReadWorldLight(entities.front(), parsed);
         SurfaceTable table = MakeSurfaceTable(bsp, entities, "", "test.srf", library, log);
-        const std::vector<Light> created = CreateLights(bsp, entities, table, parsed, world, library, log);
         const BspSpace space(bsp, OpaqueBrushes(bsp, library));
+        const std::vector<Light> created = CreateLights(space, entities, table, parsed, world, library, log);
         const LightScene scene(bsp, table, parsed, 64);
         int culled = 0;
         const std::vector<Light> lights =

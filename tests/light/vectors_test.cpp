@@ -59,8 +59,8 @@ class GridVectorTest : public testing::TestWithParam<std::string> {
     void CountAreaLights(const LightInputs &inputs, const LightOptions &options, ShaderLibrary &library) {
         const auto &entities = *inputs.mapEntities;
         SurfaceTable table = MakeSurfaceTable(bsp_, entities, inputs.surfaceFile, inputs.name, library, out_.log);
-        const auto lights =
-            CreateLights(bsp_, entities, table, options, ReadWorldLight(entities.front(), options), library, out_.log);
+        const auto lights = CreateLights(BspSpace(bsp_, OpaqueBrushes(bsp_, library)), entities, table, options,
+                                         ReadWorldLight(entities.front(), options), library, out_.log);
         areaLights_ =
             std::count_if(lights.begin(), lights.end(), [](const Light &l) { return l.type == LightType::Area; });
     }

@@ -75,6 +75,19 @@ TEST_F(RadiosityTest, EndlessBouncesFillAFurnace) {
     }
 }
 
+/// Weak light, so that the solver stops while a share of it is still to come.
+TEST_F(RadiosityTest, WeakLightIsWhole) {
+    for (const double r : {0.5, 0.75})
+        for (const std::string_view bounces : {"12", "inf"}) {
+            const Bsp lit = Lit(Box({256, 256, 128}, 7),
+                                fmt::format("-bouncegrid -bounce {} -bouncescale {}", bounces, r / kWhite));
+            const double expected = 7 * (1 - (bounces == "inf" ? 0 : std::pow(r, 13))) / (1 - r);
+            const Coefficients found = GridView(lit).Sample({20, 40, -30});
+            for (const Vec3d &normal : Normals())
+                EXPECT_NEAR(Evaluate(found, normal).x * 255, expected, 0.002 * expected) << r << " " << bounces;
+        }
+}
+
 TEST_F(RadiosityTest, NothingReflectsAllLight) {
     const Bsp lit = Lit(Box({128, 128, 128}, 1), "-nogrid -bounce inf -bouncescale 20");
     EXPECT_NEAR(TexelAt(lit, {0, 0, -128}, {0, 0, 1}), 1 / (1 - 0.99), 1.5);
@@ -180,6 +193,26 @@ TEST_F(RadiosityTest, BoxOfDifferentWalls) {
     check({256, 8, 8}, {-1, 0, 0});
     check({8, 8, -256}, {0, 0, 1});
     check({168, -120, -256}, {0, 0, 1});
+}
+
+/// Walls of a cube see each other by known form factors, whatever the number of rays.
+TEST_F(RadiosityTest, FewRaysSeeWallsInTheirShares) {
+    SceneBuilder scene = Box({256, 256, 256}, 1000, "textures/test/black");
+    scene.SetWallShader(BoxFace::PlusX, TestShader("textures/test/wall"));
+    for (const int rays : {16, 64, 256}) {
+        const Bsp lit = Lit(scene, fmt::format("-nogrid -bounce 1 -bounceonly -bouncerays {}", rays));
+        const auto meanOn = [&](const Vec3f &normal) {
+            double sum = 0;
+            for (int u = 0; u < 16; ++u)
+                for (int v = 0; v < 16; ++v) {
+                    const float a = float(u) * 32 - 240, b = float(v) * 32 - 240;
+                    sum += TexelAt(lit, normal * -256 + (normal.x != 0 ? Vec3f{0, a, b} : Vec3f{a, b, 0}), normal);
+                }
+            return sum / 256;
+        };
+        EXPECT_NEAR(meanOn({1, 0, 0}) / (1000 * kWhite), 0.199825, 0.01 * 0.2) << rays;
+        EXPECT_NEAR(meanOn({0, 0, 1}) / (1000 * kWhite), 0.200044, 0.01 * 0.2) << rays;
+    }
 }
 
 /// A small closed room with bright walls beside a large dim hall: after some steps only the room has light left to

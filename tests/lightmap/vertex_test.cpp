@@ -48,7 +48,7 @@ class VertexTest : public testing::Test {
         std::vector<Light> lights = EntityLights(c.entities, c.settings.light, c.quiet.log);
         SurfaceLightCounts counts;
         const auto ofSurfaces =
-            SurfaceLights(c.bsp, c.table, c.settings.light, c.world, c.library, counts, c.quiet.log);
+            SurfaceLights(c.space, c.table, c.settings.light, c.world, c.library, counts, c.quiet.log);
         lights.insert(lights.end(), ofSurfaces.begin(), ofSurfaces.end());
         int culled = 0;
         return SetupEnvelopes(lights, LightPass::Surfaces, c.settings.light, c.space, SkySeenFrom(c.space, c.table),

@@ -330,4 +330,64 @@ TEST_F(MapTest, GarbageGivesAnErrorOrASoundMap) {
     EXPECT_GT(maps, 200);
 }
 
+TEST_F(MapTest, EscapedQuotesBecomeApostrophes) {
+    Map map =
+        Read("{\n\"classname\" \"worldspawn\"\n\"message\" \"say \\\"hi there\\\"\"\n\"path\" \"c:\\maps\\\"\n}\n");
+    EXPECT_EQ(map.World().pairs.Value("message"), "say 'hi there'");
+    EXPECT_EQ(map.World().pairs.Value("path"), "c:\\maps\\");
+    EXPECT_EQ(map.World().pairs.pairs.size(), 3u);
+    EXPECT_EQ(Warnings("escaped quote"), 1);
+    EXPECT_THAT(out.text, HasSubstr("maps/test.map:3: entity 0: the key 'message' has escaped quotes"));
+    Read("{\n\"classname\" \"worldspawn\"\n\"message\" \"say \"hi\" there\"\n}\n");
+    EXPECT_THAT(out.text, HasSubstr("maps/test.map:3: entity 0: expected a key in quotes, found hi\""));
+}
+
+TEST_F(MapTest, ASecondWorldJoinsTheFirst) {
+    Map map = Read(WorldText("\"message\" \"one\"\n" + kBox) +
+                   EntityText("Worldspawn", "\"message\" \"two\"\n\"_lightmapscale\" \"2\"\n\"origin\" \"8 0 0\"\n" +
+                                                kBox + FlatPatchText(3, 3, {})) +
+                   EntityText("light", "") + WorldText(""));
+    ASSERT_EQ(map.entities.size(), 2u);
+    EXPECT_EQ(map.entities[1].pairs.ClassName(), "light");
+    ASSERT_EQ(map.World().brushes.size(), 2u);
+    EXPECT_EQ(map.World().patches.size(), 1u);
+    const Brush &joined = map.World().brushes[0];
+    EXPECT_EQ(joined.bounds.mins, (Vec3f{0, 0, 0}));
+    EXPECT_EQ(joined.settings.lightmapScale, 2);
+    EXPECT_EQ(joined.settings.castShadows, 1);
+    EXPECT_EQ(map.World().pairs.Value("message"), "one");
+    EXPECT_EQ(Warnings("second worldspawn"), 2);
+    EXPECT_THAT(out.text,
+                AllOf(HasSubstr("Entity 1: maps/test.map:"), HasSubstr("its brushes and patches join the world"),
+                      HasSubstr("(message, _lightmapscale, origin)")));
+}
+
+TEST_F(MapTest, LongKeysOfEditorsAreLeftOut) {
+    const auto world = [](std::string_view key, std::size_t size) {
+        return EntityText("worldspawn", fmt::format("\"{}\" \"{}\"\n\"next\" \"1\"\n", key, std::string(size, 'x')));
+    };
+    Map map = Read(world("_tb_textures", 5000));
+    EXPECT_EQ(map.World().pairs.pairs.size(), 2u);
+    EXPECT_THAT(out.text, HasSubstr("maps/test.map:3: entity 0: the value of the key '_tb_textures' has 5000 bytes"));
+    EXPECT_EQ(Read(world("_note", 1023)).World().pairs.pairs.size(), 3u);
+    EXPECT_EQ(Read(world("_note", 1024)).World().pairs.pairs.size(), 2u);
+    EXPECT_THAT(ErrorOf(world("message", 1024)),
+                AllOf(HasSubstr("Entity 0: maps/test.map:3: the value of the key 'message' has 1024 bytes"),
+                      testing::Not(HasSubstr("quote"))));
+    EXPECT_THAT(ErrorOf("{\n\"message\" \"open\n" + std::string(2000, 'x')), HasSubstr("is a quote missing"));
+    // Short notes of an editor do not go into the .bsp either.
+    EXPECT_EQ(Read(world("_tb_def", 10)).World().pairs.pairs.size(), 2u);
+}
+
+TEST_F(MapTest, SourcesOfOtherGamesAreNamed) {
+    EXPECT_THAT(ErrorOf("Version 2\n// entity 0\n{\n\"classname\" \"worldspawn\"\n}\n"),
+                HasSubstr("maps/test.map: the file is a map source of Doom 3 (Version 2)"));
+    EXPECT_THAT(ErrorOf("Version 3\n{\n}\n"), HasSubstr("Quake 4"));
+    EXPECT_THAT(ErrorOf("iwmap 4\n// entity 0\n{\n}\n"), HasSubstr("Call of Duty"));
+    EXPECT_THAT(ErrorOf("versioninfo\n{\n\t\"editorversion\" \"400\"\n}\n"), HasSubstr("Source game (vmf)"));
+    EXPECT_THAT(ErrorOf("PK\3\4..."), HasSubstr("a zip archive"));
+    EXPECT_THAT(ErrorOf(std::string("IBSP\x2E\0\0\0", 8)), HasSubstr("a compiled map"));
+    EXPECT_NO_THROW(Read("// Game: Quake 3\n// Format: Quake3 (Valve)\n" + WorldText(kBox)));
+}
+
 } // namespace q3::test

@@ -12,6 +12,7 @@ namespace q3::test {
 
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -41,7 +42,7 @@ TEST_F(PackageTest, ATextureWithoutAScriptIsAnImage) {
 TEST_F(PackageTest, WhatIsMissingIsNamedWithWhoWantsIt) {
     const auto missing = Plan(MapWith("{\n\"classname\" \"target_speaker\"\n\"noise\" \"sound/hum\"\n}\n")).missing;
     ASSERT_EQ(missing.size(), 2u);
-    EXPECT_EQ(missing[0], "textures/base/wall (.tga or .jpg): wanted by surfaces of x");
+    EXPECT_EQ(missing[0], "textures/base/wall (.tga, .jpg or .dds): wanted by surfaces of x");
     EXPECT_EQ(missing[1], "sound/hum.wav: wanted by entity 1 of x, target_speaker");
 }
 
@@ -49,6 +50,36 @@ TEST_F(PackageTest, PngIsTakenWhenAsked) {
     Put("textures/base/wall.png");
     EXPECT_THAT(Plan(MapWith("")).missing, ElementsAre(HasSubstr("-png")));
     EXPECT_THAT(Names(Plan(MapWith(""), {}, true)), Contains("textures/base/wall.png"));
+}
+
+TEST_F(PackageTest, DdsIsTakenWhereThereIsNoOtherImage) {
+    Put("textures/base/wall.dds");
+    EXPECT_THAT(Names(Plan(MapWith(""))), ElementsAre("textures/base/wall.dds", "maps/x.bsp"));
+    Put("textures/base/wall.jpg");
+    EXPECT_THAT(Names(Plan(MapWith(""))), ElementsAre("textures/base/wall.jpg", "maps/x.bsp"));
+}
+
+TEST_F(PackageTest, ScriptsThatEnginesIgnoreAreNamed) {
+    const auto warning = [this](std::string_view script) {
+        Put("scripts/my.shader", script);
+        vfs_ = std::make_unique<VirtualFileSystem>(log_.log);
+        vfs_->Mount(folder_ / "base", "pk3");
+        log_.text.clear();
+        log_.log.FlushWarnings();
+        ReadScripts(PackageSource(*vfs_, {}, {}), Quake3(), log_.log);
+        return log_.text;
+    };
+    const std::string shader = "textures/base/wall\n{\n\t{\n\t\tmap textures/base/wall.tga\n\t}\n}\n";
+    EXPECT_THAT(warning("// a; b # c\n/* # */" + shader), Not(HasSubstr("ignore")));
+    EXPECT_THAT(warning("# my shaders\n" + shader),
+                AllOf(HasSubstr("scripts/my.shader:1: #: expected '{' after the name of a shader, found my"),
+                      HasSubstr("engines know no comments but //"), HasSubstr("ignore the whole script")));
+    EXPECT_THAT(warning(shader + "textures/base/floor\n" + shader),
+                HasSubstr("scripts/my.shader:7: textures/base/floor: expected '{' after the name of a shader, found "
+                          "textures/base/wall"));
+    EXPECT_THAT(warning(shader + "textures/base/floor\n{\n"), HasSubstr("textures/base/floor: this shader has no "
+                                                                        "closing brace"));
+    EXPECT_THAT(warning(shader + "textures/base/floor\n"), HasSubstr("found the end of the file"));
 }
 
 TEST_F(PackageTest, DefinitionsForCompilersAloneAreNone) {

@@ -6,12 +6,15 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
+
 namespace q3::test {
 
 namespace {
 
 using testing::HasSubstr;
 using testing::Not;
+using testing::StartsWith;
 
 namespace fs = std::filesystem;
 
@@ -23,8 +26,17 @@ std::string MapSource(std::string_view name) {
     return ReadTextFile(fs::path(TEST_DATA) / "maps" / name);
 }
 
+std::string LastLine(const Outcome &outcome) {
+    const std::size_t end = outcome.text.find_last_not_of('\n') + 1;
+    return outcome.text.substr(outcome.text.rfind('\n', end - 1) + 1, end);
+}
+
 class BspTest : public ProgramTest {
   protected:
+    /// The files of a compile, which belong together.
+    std::vector<std::string> Compiled() const {
+        return {TextOf(Room(".bsp")), TextOf(Room(".prt")), TextOf(Room(".srf"))};
+    }
     void WriteMap(std::string_view text, std::string_view file = "room.map") const {
         folder_.Write(fs::relative(maps_ / file, folder_.Root()).string(), text);
     }
@@ -64,8 +76,11 @@ TEST_F(BspTest, LightStageTakesWhatWasCompiled) {
 TEST_F(BspTest, LeakLeavesItsLine) {
     WriteMap(MapSource("leak.map"));
     WriteMap("old", "room.prt");
-    const Outcome outcome = RunWell("-meta " + Room("").string());
+    const Outcome outcome = RunWell("-meta -report " + Room(".json").string() + " " + Room("").string());
     EXPECT_TRUE(outcome.Printed("leaked"));
+    EXPECT_THAT(LastLine(outcome),
+                StartsWith("done: the map leaks (" + Room(".lin").string() + "), 1 warning (leak: 1)"));
+    EXPECT_THAT(TextOf(Room(".json")), HasSubstr("\"kind\": \"leak\""));
     EXPECT_FALSE(fs::exists(Room(".prt")));
     EXPECT_TRUE(TextOf(Room(".lin")).ends_with("0.000000 0.000000 96.000000\n"));
     EXPECT_TRUE(fs::exists(Room(".bsp")));
@@ -73,7 +88,10 @@ TEST_F(BspTest, LeakLeavesItsLine) {
 
 TEST_F(BspTest, LeakTestWritesNoMap) {
     WriteMap(MapSource("leak.map"));
-    RunWell("-leaktest " + Room("").string());
+    const Outcome outcome = Run("-leaktest -report " + Room(".json").string() + " " + Room("").string());
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(LastLine(outcome), StartsWith("failed: the map leaks ("));
+    EXPECT_THAT(TextOf(Room(".json")), HasSubstr("\"status\": \"failed\""));
     EXPECT_TRUE(fs::exists(Room(".lin")));
     EXPECT_FALSE(fs::exists(Room(".bsp")));
     EXPECT_FALSE(fs::exists(Room(".srf")));
@@ -108,11 +126,25 @@ TEST_F(BspTest, UnknownOptionIsAWarning) {
 TEST_F(BspTest, BrokenSourceLeavesTheOldMap) {
     WriteMap(MapSource("room.map"));
     RunWell("-meta " + Room("").string());
+    const auto before = Compiled();
     WriteMap("{\n\"classname\" \"worldspawn\"\n{\n( 0 0 0 ) ( 1 0\n");
     const Outcome outcome = Run("-meta " + Room("").string());
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.ErrorLines().size(), 1u);
-    EXPECT_EQ(ReadRoom().drawSurfaces.size(), 6u);
+    EXPECT_EQ(Compiled(), before) << "-vis and -light can go on with the old map";
+    WriteMap(MapSource("leak.map"));
+    EXPECT_EQ(Run("-leaktest " + Room("").string()).status, 1);
+    EXPECT_EQ(Compiled(), before);
+}
+
+TEST_F(BspTest, LaterStagesSayThatTheSourceIsNewer) {
+    WriteMap(MapSource("room.map"));
+    RunWell("-meta " + Room("").string());
+    EXPECT_FALSE(RunWell("-vis -saveprt " + Room(".bsp").string()).Printed("is newer than room.bsp"));
+    fs::last_write_time(Room(".map"), fs::last_write_time(Room(".bsp")) + std::chrono::seconds(1));
+    EXPECT_TRUE(RunWell("-vis -saveprt " + Room(".bsp").string()).Printed("room.map is newer than room.bsp"));
+    fs::last_write_time(Room(".map"), fs::last_write_time(Room(".bsp")) + std::chrono::seconds(1));
+    EXPECT_TRUE(RunWell("-light -fast " + Room(".bsp").string()).Printed("room.map is newer than room.bsp"));
 }
 
 TEST_F(BspTest, TheDemoArenaGoesThroughAllStages) {

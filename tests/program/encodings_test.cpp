@@ -280,7 +280,7 @@ std::vector<SeenPlace> EncodingsTest::CubePlaces() const {
     ambient_cubes cubes;
     EXPECT_EQ(ambient_cubes_load(file_.data(), file_.size(), &cubes), AMBIENT_CUBES_OK);
     std::vector<SeenPlace> places;
-    for (std::uint32_t leaf = 0; leaf < cubes.leaf_count; ++leaf) {
+    for (std::uint32_t leaf = 0; leaf < cubes.leafCount; ++leaf) {
         std::uint32_t first = 0, owner = 0;
         const std::uint32_t count = ambient_cubes_of_leaf(&cubes, leaf, &first, &owner);
         for (std::uint32_t i = 0; owner == leaf && i < count; ++i) {
@@ -374,7 +374,7 @@ void EncodingsTest::ReadFloor(const RoomReference &reference, Readings &all) con
         const auto rnm = [&](const Vec3d &normal) {
             const float n[3] = {float(normal.x), -float(normal.y), float(normal.z)};
             float rgb[3];
-            directional_rnm_rescaled(maps, n, rgb);
+            directional_rnm_rescaled(&maps[0][0], n, rgb);
             return FromFloats(rgb) * 255;
         };
         all["flat rnm"].push_back({above, up, rnm(up)});

@@ -1,6 +1,11 @@
 // GPL-2.0-or-later. The program when something is wrong: exit status, one clear line, the old map untouched.
+#include "common/error.h"
 #include "common/files/files.h"
+#include "q3map2/engine_memory.h"
+#include "q3map2/file_guard.h"
 #include "tests/program/run_program.h"
+
+#include <gmock/gmock.h>
 
 #include <cstring>
 #include <fstream>
@@ -48,7 +53,7 @@ TEST_F(FailureTest, MapThatIsNotThere) {
     ExpectError("-light /nowhere/at/all.bsp", "/nowhere/at/all.bsp");
     ExpectError("-info /nowhere/at/all.bsp", "/nowhere/at/all.bsp");
     ExpectError("-json -unpack /nowhere/at/all.bsp", "/nowhere/at/all.bsp");
-    ExpectError("-light " + maps_.string(), "maps.bsp");
+    ExpectError("-light " + maps_.string(), "maps is a folder, expected a map, such as " + Map(".bsp").string());
 }
 
 TEST_F(FailureTest, CutMaps) {
@@ -178,6 +183,80 @@ TEST_F(FailureTest, MapThatCannotBeWrittenWholeStays) {
         ExpectError("-light MAP", "demo.bsp: cannot write");
         ExpectError("-json -unpack MAP", "cannot write");
     }
+}
+
+TEST_F(FailureTest, TargetsAreLookedAtBeforeTheWork) {
+    const std::string none = (folder_ / "none" / "x").string();
+    ExpectError("-light -sh -shpreview " + none + ".png MAP", "the folder " + (folder_ / "none").string());
+    ExpectError("-shreport -out " + none + ".html MAP", "the folder " + (folder_ / "none").string());
+    std::filesystem::create_directories(maps_ / "demo_s.bsp");
+    for (const std::string_view stage : {"-scale 2 MAP", "-bsp -report /nowhere/r.json MAP"})
+        ExpectError(stage, "cannot write");
+    EXPECT_FALSE(Run("-scale 2 MAP").Printed("Loading"));
+}
+
+/// A stage whose map is written by another run while it works.
+TEST(FileGuardTest, AnInputThatChangesMeanwhileIsAnError) {
+    const GameFolder folder;
+    folder.Write("x.bsp", "old");
+    QuietLog out;
+    FileGuard guard(false, out.log), forced(true, out.log);
+    for (FileGuard *each : {&plan, &forced}) {
+        each->Needs(folder / "x.bsp");
+        each->Reads(folder / "x.srf");
+        EXPECT_NO_THROW(each->CheckUnchanged());
+    }
+    ReplaceTextFile(folder / "x.bsp", "new"); // as long as before
+    try {
+        guard.CheckUnchanged();
+        FAIL() << "the change was not noticed";
+    } catch (const Error &error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("x.bsp was written while this run was working"));
+        EXPECT_THAT(error.what(), testing::HasSubstr("-force"));
+    }
+    forced.CheckUnchanged();
+    EXPECT_THAT(out.text, testing::HasSubstr("WARNING: "));
+}
+
+TEST(FileGuardTest, AFileThatAppearsOrGoesCountsAsWell) {
+    const GameFolder folder;
+    folder.Write("x.map", "{}");
+    QuietLog out;
+    FileGuard appears(false, out.log), goes(false, out.log);
+    appears.Reads(folder / "x.srf");
+    goes.Reads(folder / "x.map");
+    folder.Write("x.srf", "default");
+    std::filesystem::remove(folder / "x.map");
+    EXPECT_THROW(appears.CheckUnchanged(), Error);
+    EXPECT_THROW(goes.CheckUnchanged(), Error);
+}
+
+TEST(FileGuardTest, NoDiskHasRoomForAnExabyte) {
+    const GameFolder folder;
+    QuietLog out;
+    constexpr std::uint64_t kExabyte = 1000000000000000000;
+    EXPECT_THROW(FileGuard(false, out.log).Writes(folder / "x.bsp", kExabyte), Error);
+    EXPECT_THROW(FileGuard(false, out.log).WritesInto(folder / "maps/x", kExabyte), Error);
+    EXPECT_NO_THROW(FileGuard(true, out.log).Writes(folder / "x.bsp", kExabyte));
+    EXPECT_THAT(out.text, testing::HasSubstr("free on this disk"));
+}
+
+/// The measured rule of docs/troubleshooting.md: the file, and its lumps without BSPX once more.
+TEST(EngineMemoryTest, AMapBeyondTheDefaultOfItsEnginesSaysWhatToDo) {
+    const GameFolder folder;
+    folder.Write("x.bsp", "");
+    Bsp bsp;
+    bsp.bspx = {{"OTHER", std::vector<std::byte>(30000000)}};
+    EXPECT_EQ(EngineMemoryFor(bsp, 40000000), EngineMemoryFor({}, 40000000) - 30000000) << "BSPX is not copied";
+    const auto warning = [&](std::uint64_t bytes, std::string_view game) {
+        std::filesystem::resize_file(folder / "x.bsp", bytes); // takes no room on the disk
+        QuietLog out;
+        WarnOfEngineMemory(folder / "x.bsp", bsp, *FindGame(game), out.log);
+        return out.text;
+    };
+    EXPECT_EQ(warning(60000000, "quake3"), "");
+    EXPECT_THAT(warning(90000000, "quake3"), testing::HasSubstr("+set com_hunkMegs 192"));
+    EXPECT_EQ(warning(90000000, "xonotic"), "") << "its engine has no such limit";
 }
 
 TEST_F(FailureTest, FolderWhereAFileMustGo) {

@@ -73,6 +73,20 @@ TEST_F(LightFilesTest, Range) {
                             [](std::uint32_t code) { return code == 0; }));
 }
 
+TEST_F(LightFilesTest, LightThatIsNotMadeAgainIsNamed) {
+    Light("-both -rnmall -shbspx -shadaptive -ambientcubes -gridsh 128 128 128 -cubesperleaf 1");
+    const std::string again = Light("-onlygrid -shbspx -gridsh 128 128 128").text;
+    EXPECT_THAT(again, testing::Not(testing::HasSubstr("SH light grid of the map")));
+    EXPECT_THAT(again, testing::Not(testing::HasSubstr("LIGHTING_E5BGR9")));
+    EXPECT_THAT(again, testing::HasSubstr("-shadaptive makes one"));
+    EXPECT_THAT(again, testing::HasSubstr("the AMBIENT_CUBES of the map ("));
+    const std::string plain = Light("").text;
+    for (const char *text : {"-shbspx makes one", "the LIGHTING_E5BGR9 of the map (65.5 KB) will be dropped",
+                             "the VERTEX_E5BGR9", "the LIGHTING_RNM"})
+        EXPECT_THAT(plain, testing::HasSubstr(text));
+    EXPECT_THAT(Light("").text, testing::Not(testing::HasSubstr("will be dropped")));
+}
+
 TEST_F(LightFilesTest, HdrFiles) {
     const std::size_t vertices = VertexFileSize();
     const Expected both{.bytes = 3 * kPageTexels, .hdrTexels = kPageTexels, .vertices = true};

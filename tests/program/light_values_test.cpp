@@ -202,7 +202,7 @@ TEST_F(LightValuesTest, RescaledBasisMapsGiveTheFlatLight) {
                 most += std::max({maps[i][0], maps[i][1], maps[i][2]}) / 3;
             }
             const float up[3] = {0, 0, 1};
-            directional_rnm_rescaled(maps, up, rgb);
+            directional_rnm_rescaled(&maps[0][0], up, rgb);
             const Vec3f &expected = flat[std::size_t(page.lightmapNum) * kPageTexels + at];
             const float within = 1.01f * kQuantum * (most + MaxComponent(expected)) + 1e-7f;
             for (std::size_t c = 0; c < 3; ++c)
@@ -271,7 +271,7 @@ TEST_F(LightValuesTest, RawBasisMapsGiveTheLightOfBumps) {
                 for (std::size_t c = 0; c < 3; ++c)
                     texel[i][c] = maps[i].texels[at][c];
             const float normal[3] = {n.x, n.y, n.z};
-            directional_rnm_raw(texel, normal, rgb);
+            directional_rnm_raw(&texel[0][0], normal, rgb);
             ExpectColor({rgb[0], rgb[1], rgb[2]}, light * Dot(world, w), 1e-4f * light.x, "bump");
         }
         ++count;

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Every word of the established program is known here, or docs/moving.md says why not.
 #include "common/files/files.h"
 #include "common/text/text.h"
+#include "q3map2/directive_sections.h"
 #include "q3map2/entity_sections.h"
 #include "q3map2/shader/shader_library.h"
 #include "q3map2/stages.h"
@@ -162,6 +163,11 @@ int WarningsOf(const std::string &line) {
 TEST_F(MovingTest, EveryDirectiveIsReadWithoutAWarning) {
     for (const std::string &line : EstablishedLines("directives.txt"))
         EXPECT_EQ(WarningsOf(line), 0) << line;
+    const WordSet known = OptionNames(DirectiveSections());
+    for (const std::string &line : EstablishedLines("directives.txt")) {
+        const std::string name = LowerCase(line.substr(0, line.find(' ')));
+        EXPECT_TRUE(known.contains(name)) << name << " is not in docs/shader_directives.md";
+    }
     EXPECT_EQ(WarningsOf("q3map_nosuchthing 1"), 1);
     EXPECT_EQ(WarningsOf("q3map_sun 1 1"), 1);
     EXPECT_EQ(WarningsOf("q3map_tcMod twist 2"), 1);

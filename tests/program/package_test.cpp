@@ -102,6 +102,17 @@ TEST_F(PackageProgramTest, LightWarnsOfBotFilesOrFixesThem) {
     EXPECT_TRUE(BotFileFits());
 }
 
+TEST_F(PackageProgramTest, ABotFileOfAnArchiveIsLookedAtToo) {
+    PutBotFile();
+    const std::string fits = folder_.ReadBack("base/baseq3/maps/demo.aas");
+    std::filesystem::remove(game_ / "maps/demo.aas");
+    folder_.WriteArchive("base/baseq3/bots.pk3", {{"maps/demo.aas", fits}});
+    EXPECT_FALSE(Run("-pk3 MAP").Printed("is for another version of"));
+    RunWell("-light -onlygrid MAP");
+    for (const char *words : {"-pk3 MAP", "-pk3 -basepak bots* MAP"})
+        EXPECT_TRUE(Run(words).Printed("bots.pk3 :: maps/demo.aas is for another version of " + Map(".bsp").string()));
+}
+
 TEST_F(PackageProgramTest, FixAasEntersTheMap) {
     ExpectError("-fixaas MAP", "no bot file beside it");
     PutBotFile();

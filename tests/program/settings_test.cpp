@@ -1,4 +1,6 @@
 // GPL-2.0-or-later. Declared settings: generated files, help, and that every declared option is taken.
+#include "q3map2/completions.h"
+#include "q3map2/directive_sections.h"
 #include "q3map2/documentation.h"
 #include "q3map2/entity_sections.h"
 #include "tests/program/run_program.h"
@@ -26,6 +28,7 @@ std::string FileText(const std::string &path) {
 /// To write them again: q3map2 -help markdown > docs/options.md, and so on.
 TEST(GeneratedFiles, AreUpToDate) {
     EXPECT_EQ(FileText("docs/options.md"), MarkdownPage()) << "q3map2 -help markdown > docs/options.md";
+    EXPECT_EQ(FileText("docs/shader_directives.md"), DirectivesPage()) << "q3map2 -help shadermarkdown";
     EXPECT_EQ(FileText("docs/q3map2.1"), ManualPage()) << "q3map2 -help man > docs/q3map2.1";
     EXPECT_EQ(FileText("tools/completions/q3map2.bash"), BashCompletion());
     EXPECT_EQ(FileText("tools/completions/_q3map2"), ZshCompletion());
@@ -56,6 +59,13 @@ TEST(Declarations, AreComplete) {
     };
     ForOptions(check);
     ForOptions([](const SettingEntry &entry) { EXPECT_TRUE(entry.info.name.starts_with('-')) << entry.info.name; });
+    for (const SettingSection &section : DirectiveSections())
+        for (const SettingEntry &entry : section.entries) {
+            EXPECT_FALSE(entry.info.help.empty() || entry.info.help.ends_with('.')) << entry.info.name;
+            EXPECT_LT(entry.info.help.size(), 120u) << entry.info.name << ": one line";
+            EXPECT_TRUE(entry.info.details.empty() || entry.info.details.ends_with('.')) << entry.info.name;
+            EXPECT_FALSE(entry.stage.empty()) << entry.info.name;
+        }
 }
 
 TEST(Declarations, HaveDefaultsThatTheOptionWouldAccept) {
@@ -95,6 +105,49 @@ TEST_F(ProgramTest, HelpExplainsOneOption) {
     EXPECT_TRUE(outcome.Printed("game units"));
     EXPECT_FALSE(outcome.Printed("-gridscalesh F"));
     EXPECT_TRUE(RunWell("-help _deviance").Printed("_jitter"));
+    EXPECT_TRUE(RunWell("-help -np").Printed("from -1000000 to 1000000")) << "also the range of all settings";
+    EXPECT_TRUE(RunWell("-help q3map_surfacelight").Printed("0.75 N of 255"));
+    EXPECT_TRUE(RunWell("-help shader").Printed("q3map_backShader SHADER"));
+    EXPECT_TRUE(RunWell("-help vrad").Printed("-chop N"));
+}
+
+TEST_F(ProgramTest, HelpFitsATerminal) {
+    const std::string all = RunWell("-help all").text;
+    EXPECT_EQ(all.find('`'), std::string::npos) << all.substr(all.find('`'), 80);
+    std::istringstream overview(RunWell("-help").text);
+    for (std::string line; std::getline(overview, line);)
+        EXPECT_LE(line.size(), 104u) << line;
+    const std::string light = RunWell("-help light").text;
+    EXPECT_EQ(light.find("Does nothing"), std::string::npos) << "-help vrad has those";
+    EXPECT_EQ(light.find("_light"), std::string::npos) << "nor the key of that name";
+    EXPECT_THAT(light, HasSubstr("-help vrad"));
+}
+
+/// What bash offers after these words, the last of which is being typed.
+std::string Completed(const std::string &words) {
+    const std::string script = fmt::format(
+        "source {}/tools/completions/q3map2.bash; COMP_WORDS=({}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _q3map2; "
+        "echo \"${{COMPREPLY[*]}}\"",
+        SOURCE, words);
+    std::string text;
+    if (FILE *pipe = popen(fmt::format("bash -c '{}'", script).c_str(), "r")) {
+        char buffer[4096];
+        for (std::size_t got; (got = fread(buffer, 1, sizeof buffer, pipe)) > 0;)
+            text.append(buffer, got);
+        pclose(pipe);
+    }
+    return text;
+}
+
+TEST(Completion, OffersTheValuesOfOptions) {
+    EXPECT_THAT(Completed(R"(q3map2 -game "")"), HasSubstr("quake3 quakelive nexuiz xonotic"));
+    EXPECT_EQ(Completed("q3map2 -light -preset n"), "normal\n");
+    EXPECT_EQ(Completed("q3map2 -light -gridformats sh,spa"), "sh,sparse\n");
+    EXPECT_EQ(Completed("q3map2 -light -hdrfiles re"), "rend2\n");
+    EXPECT_EQ(Completed("q3map2 -convert -format map_2"), "map_220\n");
+    EXPECT_EQ(Completed("q3map2 -light -bouncecolor"), "-bouncecolorratio\n");
+    EXPECT_EQ(Completed("q3map2 -light -super /"), "\n") << "a number";
+    EXPECT_THAT(Completed("q3map2 -fs_basepath /us"), HasSubstr("/usr"));
 }
 
 TEST_F(ProgramTest, UnknownTopicIsAnErrorWithTheNearestName) {

@@ -83,6 +83,56 @@ TEST_F(TrapsTest, UnknownOptionsOfAStageWarnAndAreRepeatedAtTheEnd) {
     EXPECT_THAT(LastLine(outcome), HasSubstr("1 warning (unknown option: 1)"));
 }
 
+TEST_F(TrapsTest, AMistypedOptionIsToldOnceWithItsValue) {
+    for (const char *words : {"-light -onlygrid -smaplesize 8 MAP", "-light -onlygrid MAP -smaplesize 8"}) {
+        const Outcome outcome = RunWell(words);
+        EXPECT_TRUE(
+            outcome.Printed("Unknown argument \"-smaplesize\"; did you mean -samplesize?; its value 8 is ignored"))
+            << outcome.text;
+        EXPECT_THAT(LastLine(outcome), HasSubstr("1 warning (unknown option: 1)")) << words;
+    }
+    EXPECT_TRUE(RunWell("-light -onlygrid -bounce=2 MAP").Printed("write -bounce 2"));
+    const Outcome info = RunWell("-info -zork 8 MAP");
+    EXPECT_TRUE(info.Printed("its value 8 is ignored")) << info.text;
+}
+
+TEST_F(TrapsTest, TwoMapsOnALineAreAnError) {
+    folder_.Write("base/baseq3/maps/other.map", MapText());
+    ExpectError("-light " + Map(".map").replace_filename("other.map").string() + " MAP", "a line is for one map");
+}
+
+TEST_F(TrapsTest, SurfaceFilesWinOverLuxelSizesAndTheRunSaysSo) {
+    RunWell("-bsp -meta -samplesize 32 " + Map(".map").string());
+    const Outcome outcome = RunWell("-light -onlygrid -samplesize 8 MAP");
+    EXPECT_TRUE(outcome.Printed("-samplesize 8 has no effect: demo.srf")) << outcome.text;
+    EXPECT_TRUE(outcome.Printed("(32 where no shader or key says otherwise)"));
+    EXPECT_FALSE(outcome.Printed("-samplesize 8 (command line"));
+    std::filesystem::remove(Map(".srf"));
+    EXPECT_TRUE(RunWell("-light -onlygrid -samplesize 8 MAP").Printed("-samplesize 8 (command line; default 16)"));
+}
+
+TEST_F(TrapsTest, LargeSurfacesOfBuildLinesAreTaken) {
+    RunWell("-bsp -meta -mv 100000000 -mi 6000000 -custinfoparms MAP");
+    ExpectError("-light -super 9 MAP", "-super 9: expected a whole number from 1 to 8; time and memory grow with N²");
+}
+
+TEST_F(TrapsTest, WordsWithoutEffectInMapsAndShadersSayWhatToWrite) {
+    AddWorldKeys("\"_phong\" \"1\"\n\"_sunlight\" \"200\"\n");
+    EXPECT_TRUE(RunWell("-bsp -meta " + Map(".map").string())
+                    .Printed("the key _phong \"1\" has no effect here; instead: "
+                             "The key _shadeangle"));
+    std::string script = folder_.ReadBack("base/baseq3/scripts/demo.shader");
+    const std::size_t at = script.find("\tq3map_lightRGB");
+    folder_.Write("base/baseq3/scripts/demo.shader",
+                  script.insert(at, "\tq3map_lightImage textures/none\n\tq3map_ssbumpImage textures/bumps.tga\n"));
+    const Outcome light = RunWell("-light -bounce 1 -nogrid MAP");
+    EXPECT_TRUE(light.Printed("the key _sunlight \"200\" has no effect here; instead: A light_environment"))
+        << light.text;
+    EXPECT_TRUE(
+        light.Printed("textures/demo/wall: q3map_ssbumpImage textures/bumps: no image of that name can be read"));
+    EXPECT_TRUE(light.Printed("textures/demo/wall: q3map_lightImage textures/none: no image of that name can be read"));
+}
+
 TEST_F(TrapsTest, BadNumbersAreRefusedByName) {
     for (const char *words :
          {"-bounce x", "-bounce 1.5", "-bounce 2x", "-gridscalesh nan", "-gridscalesh inf", "-gridscalesh 1e99",

@@ -149,6 +149,25 @@ TEST(GridPreview, PlacesAreOpenAndSpread) {
     EXPECT_GT(std::ranges::count_if(positions, [](const Vec3f &p) { return p.x > 0; }), 6) << "light draws positions";
 }
 
+TEST(GridPreview, PlacesAreWherePlayersAre) {
+    SceneBuilder builder;
+    builder.SetInterior({-256, -256, 0}, {256, 256, 256}, kRoomWall);
+    builder.AddBox({-8, -256, 0}, {8, 256, 256}, kRoomWall); // two rooms apart
+    builder.AddEntity({{{"classname", "info_player_start"}, {"origin", "100 100 32"}}});
+    SceneVisibility visibility;
+    visibility.writeLump = true;
+    visibility.sees = [](const Boundsf &a, const Boundsf &b) { return a.Center().x * b.Center().x > 0; };
+    builder.SetVisibility(visibility);
+    Bsp bsp = builder.Build();
+    const PreviewMap map(bsp);
+    EXPECT_TRUE(map.IsOpen({100, -100, 100}));
+    EXPECT_FALSE(map.IsOpen({-100, -100, 100})) << "no player sees this room";
+    for (const Vec3f &position : map.ChoosePositions(12, [](const Vec3f &) { return 1.0f; }))
+        EXPECT_GT(position.x, 0);
+    bsp.visibility.clear();
+    EXPECT_TRUE(PreviewMap(bsp).IsOpen({-100, -100, 100})) << "without visibility data all that is open counts";
+}
+
 TEST(GridPreview, SphereShowsTheLightOfItsNormals) {
     Canvas canvas(100, 100, {0, 0, 0});
     DrawSphere(canvas, 50, 50, 40, PlanView(),

@@ -51,6 +51,13 @@ TEST_F(ShaderGeometry, ColorStepsKeepTheirOrder) {
     EXPECT_EQ(g.colorSteps[2].value, (Vec3f{1, 0, 0.5f}));
 }
 
+TEST_F(ShaderGeometry, VolumeMustBeTheFirstStep) {
+    EXPECT_TRUE(LoadShader("q3map_alphaMod volume\nq3map_alphaMod set 0").geometry.IsColorVolume());
+    EXPECT_EQ(Warnings("shader directive"), 0);
+    EXPECT_EQ(LoadShader("q3map_alphaMod set 0\nq3map_alphaMod volume").geometry.colorSteps.size(), 1u);
+    EXPECT_EQ(Warnings("shader directive"), 1);
+}
+
 TEST_F(ShaderGeometry, WrongWordsAreWarningsAndChangeNothing) {
     const GeometryDirectives &g = LoadShader("q3map_tcGen spherical 1 2 3 4 5 6\nq3map_rgbMod swizzle\n"
                                              "q3map_tcMod shear 1 2\nq3map_textureSize 0 64\nq3map_fogDir ( 0 0 0 )")
@@ -115,6 +122,12 @@ TEST_F(ShaderGeometry, GlobalFlagsReachAllShaders) {
     LoadScript("a\n{\nsurfaceparm ob\n}\n");
     EXPECT_EQ(library->Get("a").surfaceFlags, 0x2u);
     EXPECT_EQ(library->Get("b").surfaceFlags, 0x80002u);
+}
+
+TEST_F(ShaderGeometry, CustomParmsWithoutTheirFileAreAWarning) {
+    options.customInfoParms = true;
+    EXPECT_EQ(LoadShader("surfaceparm slick").surfaceFlags, test::kSlick);
+    EXPECT_EQ(Warnings("no custom surfaceparms"), 1);
 }
 
 TEST_F(ShaderGeometry, CustomParmsComeAfterTheGames) {

@@ -36,6 +36,21 @@ TEST_F(ScriptDiscovery, ListsOfAllFoldersAreReadAndNothingElse) {
     EXPECT_EQ(library->DefinedCount(), 3u);
 }
 
+TEST_F(ScriptDiscovery, AShaderOfAnUnlistedScriptIsNamedWithIt) {
+    folder.Write("scripts/shaderlist.txt", "one\n");
+    folder.Write("scripts/one.shader", Entry("textures/a", "slick"));
+    folder.Write("scripts/Mine.shader", Entry("textures/b", "slick"));
+    folder.Write("scripts/q3map2_x.shader", Entry("textures/c", "slick"));
+    Load();
+    for (const char *name : {"textures/a", "textures/c", "textures/none"})
+        Get(name);
+    EXPECT_EQ(Warnings("script not listed"), 0);
+    Get("Textures/B");
+    EXPECT_THAT(out.text,
+                HasSubstr("shader Textures/B: scripts/Mine.shader defines it, but scripts/shaderlist.txt does "
+                          "not list that script"));
+}
+
 TEST_F(ScriptDiscovery, WithoutAListAllScriptsAreReadByName) {
     folder.Write("scripts/b.shader", Entry("x", "dust"));
     folder.WriteArchive("a.pk3",
@@ -339,6 +354,38 @@ TEST_F(ShaderLookUp, FlagsOfAMapCountForShadersWithoutScript) {
     EXPECT_EQ(Get("textures/cloth").compileFlags, std::uint32_t(C_SOLID)) << "not all records are nodraw";
     EXPECT_EQ(Get("textures/scripted").compileFlags, std::uint32_t(C_SOLID | C_NOMARKS));
     EXPECT_EQ(Get("noshader").compileFlags, std::uint32_t(C_SOLID));
+}
+
+TEST_F(ShaderImages, SlashesInFrontDoNotMatter) {
+    WriteTga("textures/red.tga", {{200, 0, 0, 255}});
+    for (const char *name : {"/textures/red.tga", "\\textures\\red", "./textures/red", "textures//red.tga"})
+        EXPECT_EQ(LoadShader(fmt::format("{{\nmap {}\n}}", name)).color, (Vec3f{1, 0, 0})) << name;
+    EXPECT_TRUE(library->LoadImage("/textures/red"));
+    folder.Write("scripts/shaderlist.txt", "/test\n");
+    LoadScript(Entry("textures/s", "slick"));
+    EXPECT_EQ(Get("/textures/s").surfaceFlags, kSlick);
+    EXPECT_EQ(Get("/textures/s").name, "textures/s");
+}
+
+TEST_F(ShaderImages, DdsCountsAfterTheOtherFormats) {
+    // 8 x 4 texels of 24 bits, green.
+    std::string dds = "DDS ";
+    dds.resize(128);
+    dds[4] = 124, dds[12] = 4, dds[16] = 8, dds[76] = 32, dds[80] = 0x40, dds[88] = 24;
+    dds[94] = dds[97] = dds[100] = char(0xFF);
+    for (int i = 0; i < 32; ++i)
+        dds += std::string("\0\xC8\0", 3);
+    folder.Write("textures/t.dds", dds);
+    options.imageSizes = true;
+    const ShaderInfo &info = LoadShader("qer_editorImage textures/t.tga");
+    EXPECT_EQ(info.geometry.textureWidth, 8);
+    EXPECT_EQ(info.geometry.textureHeight, 4);
+    EXPECT_EQ(library->ImageFile("s"), "textures/t.dds");
+    EXPECT_EQ(library->GetWithImage("s").averageColor, (Vec3f{0, 200, 0}));
+    folder.Write("textures/t_n.dds", dds);
+    EXPECT_TRUE(library->HasNormalMap("textures/t"));
+    WriteTga("textures/t.tga", {{200, 0, 0, 255}});
+    EXPECT_EQ(LoadShader("qer_editorImage textures/t.dds").geometry.textureWidth, 1);
 }
 
 } // namespace

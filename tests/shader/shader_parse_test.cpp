@@ -22,13 +22,61 @@ TEST_F(ShaderGrammar, QuotedNamesAndHiddenEntries) {
     EXPECT_EQ(library->DefinedCount(), 2u);
 }
 
-TEST_F(ShaderGrammar, RestOfALineIsSkippedBracesToo) {
+TEST_F(ShaderGrammar, ADirectiveEndsAtABrace) {
     LoadScript("one {\nsurfaceparm slick surfaceparm dust\n}\n"
-               "foo { surfaceparm slick { map x } }\n"
-               "swallowed\n{\nsurfaceparm metalsteps\n}\n");
+               "foo { surfaceparm slick { map x.tga } }\n"
+               "bar\n{\nqer_editorImage x }\n"
+               "sky\n{\nq3map_sun 1 1 1 100 0 90 }\n"
+               "unknown\n{\nq3map_noSuchThing 4 }\n"
+               "last\n{\nsurfaceparm metalsteps\n}\n");
     EXPECT_EQ(Get("one").surfaceFlags, kSlick);
     EXPECT_EQ(Get("foo").surfaceFlags, kSlick);
-    EXPECT_FALSE(Get("swallowed").defined);
+    EXPECT_EQ(Get("foo").scriptText, "{\n\tsurfaceparm slick\n\t{\n\t\tmap x.tga\n\t}\n}\n");
+    for (const char *name : {"bar", "sky", "unknown", "last"})
+        EXPECT_TRUE(Get(name).defined) << name;
+    EXPECT_EQ(Warnings("missing brace in a script"), 0);
+}
+
+TEST_F(ShaderGrammar, AMissingBraceIsNamedAndTheNextShaderRead) {
+    LoadScript("textures/a\n{\nsurfaceparm slick\n\ntextures/b\n{\nsurfaceparm dust\n}\n");
+    EXPECT_THAT(out.text,
+                HasSubstr("scripts/test.shader:5: shader textures/a: a '}' is missing: the shader that begins "
+                          "in line 2 has no end before shader textures/b"));
+    EXPECT_EQ(Get("textures/a").surfaceFlags, kSlick);
+    EXPECT_EQ(Get("textures/b").surfaceFlags, kDust);
+    EXPECT_EQ(Get("textures/a").scriptText, "{\n\tsurfaceparm slick\n}\n");
+    // Both braces are missing, of a stage and its shader.
+    LoadScript("textures/a\n{\nsurfaceparm slick\n{\nmap textures/x.tga\n\"textures/b\" // next\n{\nsurfaceparm "
+               "dust\n}\n");
+    EXPECT_EQ(Warnings("missing brace in a script"), 2);
+    EXPECT_EQ(Get("textures/a").scriptText, "{\n\tsurfaceparm slick\n\t{\n\t\tmap textures/x.tga\n\t}\n}\n");
+    EXPECT_EQ(Get("textures/b").surfaceFlags, kDust);
+    // Only that of the stage: what should close the shader closes the stage.
+    LoadScript("textures/a\n{\n{\nmap x\n}\ntextures/b\n{\nsurfaceparm dust\n}\n");
+    EXPECT_EQ(Get("textures/b").surfaceFlags, kDust);
+}
+
+TEST_F(ShaderGrammar, AStageWithinAStageIsNamed) {
+    LoadScript("textures/a\n{\n{\nmap x\n{\nmap y\n}\n}\n");
+    EXPECT_THAT(out.text, HasSubstr("scripts/test.shader:5: shader textures/a: a '}' is missing: the stage that begins "
+                                    "in line 3 has no end"));
+}
+
+TEST_F(ShaderGrammar, AFileThatEndsWithinAShaderIsNamed) {
+    LoadScript("textures/a\n{\nsurfaceparm slick\n");
+    EXPECT_THAT(out.text,
+                HasSubstr("scripts/test.shader:3: shader textures/a: a '}' is missing: the shader that begins "
+                          "in line 2 has no end before that of the file"));
+    EXPECT_EQ(Get("textures/a").surfaceFlags, kSlick);
+}
+
+TEST_F(ShaderGrammar, ArgumentsOnTheNextLineAreNoShader) {
+    LoadScript("textures/a\n{\nqer_editorImage\ntextures/x\n{\nmap y\n}\n}\n"
+               "textures/b\n{\nsurfaceparm dust\n}\n");
+    EXPECT_EQ(Warnings("incomplete shader directive"), 1);
+    EXPECT_EQ(Warnings("missing brace in a script"), 0);
+    EXPECT_FALSE(Get("textures/x").defined);
+    EXPECT_EQ(Get("textures/b").surfaceFlags, kDust);
 }
 
 TEST_F(ShaderGrammar, SemicolonEndsTheArgument) {
@@ -39,9 +87,17 @@ TEST_F(ShaderGrammar, SemicolonEndsTheArgument) {
 TEST_F(ShaderGrammar, UnknownDirectives) {
     EXPECT_EQ(LoadShader("noSuchThing surfaceparm dust\nqer_trans 0.4\nq3map_slick\nq3map_noSuchThing 4").surfaceFlags,
               kSlick);
-    EXPECT_EQ(Warnings("unknown shader directive"), 1);
-    EXPECT_THAT(out.text, HasSubstr("scripts/test.shader:6"));
-    EXPECT_THAT(out.text, HasSubstr("q3map_noSuchThing"));
+    EXPECT_EQ(Warnings("unknown shader directive"), 2);
+    EXPECT_THAT(out.text, HasSubstr("scripts/test.shader:3: shader s: unknown directive noSuchThing"));
+    out.log.FlushWarnings();
+    LoadShader("q3map_surfacelite 100");
+    EXPECT_THAT(out.text, HasSubstr("q3map_surfacelite; did you mean q3map_surfaceLight?"));
+}
+
+TEST_F(ShaderGrammar, DirectivesOfEnginesAndEditorsAreKnown) {
+    LoadShader("noPicMip\nnomipmaps\nsort 5\nportal\nfogparms ( 1 1 1 ) 512\nqer_nocarve\nq3map_vertexShadows\n"
+               "tessSize 64\ndpReflectCube env/x\nclampTime 2\npolygonOffset\nlight 1\nspecularMap x");
+    EXPECT_EQ(Warnings("unknown shader directive"), 0);
 }
 
 TEST_F(ShaderGrammar, DirectivesOfOtherStagesAreKnown) {
@@ -210,6 +266,25 @@ TEST_F(ShaderDirectives, SunTakesStyleAndRadiusAsSetSoFar) {
     EXPECT_NEAR(s.suns[1].deviance, 1.570796, 1e-6);
     EXPECT_EQ(s.suns[1].samples, 16);
     EXPECT_EQ(s.suns[2].deviance, 0);
+}
+
+TEST_F(ShaderDirectives, LinesBelowTheSunThatNothingUsesAreWarnings) {
+    const auto late = [&](std::string_view body) {
+        out.log.FlushWarnings();
+        out.text.clear();
+        LoadShader(body);
+        return out.text.find("has no effect on the sun above it") != std::string::npos;
+    };
+    constexpr std::string_view kSun = "q3map_sunExt 1 1 1 100 0 60 1 8\n";
+    EXPECT_TRUE(late(fmt::format("{}q3map_lightmapFilterRadius 0 64", kSun)));
+    EXPECT_THAT(out.text, HasSubstr("scripts/test.shader:4: shader s: q3map_lightmapFilterRadius"));
+    EXPECT_TRUE(late(fmt::format("{}q3map_lightStyle 3", kSun)));
+    EXPECT_FALSE(late(fmt::format("q3map_lightmapFilterRadius 0 64\n{}", kSun)));
+    EXPECT_FALSE(late(fmt::format("{}q3map_lightmapFilterRadius 0 64\nq3map_skyLight 60 3", kSun)));
+    EXPECT_FALSE(late(fmt::format("q3map_skyLight 60 3\n{}q3map_lightStyle 3", kSun))) << "sky light takes any line";
+    EXPECT_FALSE(late(fmt::format("{}q3map_lightStyle 3\n{}", kSun, kSun))) << "the second sun takes it";
+    EXPECT_FALSE(late(fmt::format("{}q3map_lightStyle 3\nq3map_surfaceLight 10", kSun)));
+    EXPECT_FALSE(late(fmt::format("{}q3map_lightmapFilterRadius 8 0", kSun))) << "for its own lightmaps";
 }
 
 TEST_F(ShaderDirectives, SunLeavesTheRestOfItsLine) {

@@ -214,6 +214,10 @@ TEST(SizeChart, JoinsFamiliesBySize) {
     EXPECT_DOUBLE_EQ(chart.series[0].points[1].y, 2);
     EXPECT_EQ(chart.series[1].name, "sparse");
     EXPECT_EQ(chart.series[2].name, "others");
+    // Blue, green and violet on every map, whether or not it has a line of -shfit, which is orange.
+    EXPECT_EQ(chart.series[0].color, 0);
+    EXPECT_EQ(chart.series[1].color, 2);
+    EXPECT_EQ(chart.series[2].color, 3);
     EXPECT_FALSE(chart.series[2].joined);
     EXPECT_EQ(chart.series[2].points[0].label, "fast");
     const auto json = nlohmann::json::parse(JsonText(report));

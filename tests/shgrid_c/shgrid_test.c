@@ -430,8 +430,88 @@ static void TestSparse(void) {
     CHECK(indirection[0] == 0 && indirection[3] == 1);               /* a brick of two cells */
     CHECK((texels[0][0] >> 27) == 8 && (texels[0][0] & 511) == 256); /* 1 / 256 */
     CHECK((texels[1][0] & 255) == 64);
+    CHECK(shgrid_fill_half(&grid, textures) == 0 && (texels[0][0] & 511) == 256); /* that is for uniform grids */
     for (size = 0; size < kSparseBytes; size++)
         CHECK(shgrid_parse(lump, size, &grid) != SHGRID_OK && grid.nodes == NULL);
+}
+
+/* One root with a chain of nodes down to the smallest cells at its lower corner, where the only point is stored.
+   Returns the bytes of the lump. */
+static uint32_t PutChain(unsigned char *lump, uint32_t levels) {
+    const uint32_t size = SHGRID_SPARSE_HEADER_BYTES + SHGRID_SPARSE_NODE_BYTES * levels + SHGRID_SPARSE_POINT_BYTES;
+    uint32_t i;
+    PutSparse(lump);
+    memset(lump + SHGRID_SPARSE_HEADER_BYTES, 0, size - SHGRID_SPARSE_HEADER_BYTES);
+    Put32(lump + 8, size);
+    Put32(lump + 48, levels);
+    Put32(lump + 52, levels);
+    Put32(lump + 56, 1);
+    for (i = 0; i < levels; i++) {
+        unsigned char *node = lump + SHGRID_SPARSE_HEADER_BYTES + SHGRID_SPARSE_NODE_BYTES * i;
+        Put32(node, i + 1);
+        node[i + 1 < levels ? 8 : 9] = 1;
+        node[11] = 128;
+    }
+    Put32(lump + size - SHGRID_SPARSE_POINT_BYTES, 0x80404040u);
+    return size;
+}
+
+/* A file of 236 bytes may not ask for gigabytes of textures. */
+static void TestChain(void) {
+    static unsigned char lump[1024];
+    uint32_t levels;
+    for (levels = 2; levels <= SHGRID_SPARSE_LEVELS; levels++) {
+        shgrid_grid grid;
+        shgrid_atlas atlas;
+        shgrid_coeffs coeffs;
+        CHECK(shgrid_parse(lump, PutChain(lump, levels), &grid) == SHGRID_OK);
+        shgrid_sample(&grid, kMins, &coeffs);
+        CHECK(coeffs.c[0][0] > 0);
+        shgrid_atlas_measure(&grid, &atlas);
+        CHECK((atlas.count > 0) == (levels <= 8)); /* a brick has 4 cells: 2^21 entries for 9 levels */
+        CHECK(shgrid_indirection_bytes(&atlas) <= 4u << 20);
+        CHECK((double)shgrid_indirection_bytes(&atlas) == 4.0 * atlas.entries[0] * atlas.entries[1] * atlas.entries[2]);
+    }
+}
+
+/* Loading takes the uniform grid if the sparse one is damaged or of a version to come. */
+static void TestFallback(unsigned char *file) {
+    const size_t directory = kHeader17 + kText, size = PutFileBspx(file), sparse = (size + 3) & ~(size_t)3;
+    shgrid_grid grid;
+    PutSparse(file + sparse);
+    memset(file + directory + 8, 0, 24);
+    memcpy(file + directory + 8, "LIGHTGRID_SH_SPARSE", 19); /* in place of the lump with a longer name */
+    Put32(file + directory + 8 + 24, (uint32_t)sparse);
+    Put32(file + directory + 8 + 28, kSparseBytes);
+    CHECK(shgrid_load(file, sparse + kSparseBytes, &grid) == SHGRID_OK && grid.levels == 1);
+    file[sparse + 72] = 1; /* a node in the last level */
+    CHECK(shgrid_load(file, sparse + kSparseBytes, &grid) == SHGRID_OK && grid.levels == 0 && grid.count == kPoints);
+    CHECK(shgrid_load_form(file, sparse + kSparseBytes, SHGRID_SPARSE, &grid) == SHGRID_BAD_NODES);
+    Put32(file + sparse + 4, 2);
+    CHECK(shgrid_load(file, sparse + kSparseBytes, &grid) == SHGRID_OK && grid.levels == 0);
+    Put32(file + directory + 8 + 24, 0xfffffff0u);
+    CHECK(shgrid_load(file, sparse + kSparseBytes, &grid) == SHGRID_OK && grid.levels == 0);
+    Put32(file + directory + 40 + 28, kLumpBytes - 1); /* both are bad: what is wrong with the one that was preferred */
+    CHECK(shgrid_load(file, sparse + kSparseBytes, &grid) == SHGRID_BAD_OFFSET && grid.points == NULL);
+}
+
+/* A grid that failed to load is black. */
+static void TestEmptyGrid(void) {
+    const float at[3] = {0, 0, 0}, up[3] = {0, 0, 1};
+    float rgb[3] = {9, 9, 9};
+    uint16_t texels[4] = {7, 7, 7, 7};
+    void *textures[7] = {texels, texels, texels, texels, texels, texels, texels};
+    shgrid_grid grid;
+    shgrid_atlas atlas;
+    shgrid_coeffs coeffs;
+    CHECK(shgrid_load("no map", 6, &grid) == SHGRID_NOT_BSP);
+    shgrid_light(&grid, at, up, rgb);
+    CHECK(rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0);
+    shgrid_point(&grid, 0, 0, 0, &coeffs);
+    CHECK(coeffs.c[0][0] == 0);
+    shgrid_atlas_measure(&grid, &atlas);
+    CHECK(atlas.count == 0 && shgrid_points_near(&grid, at, 100, 0, NULL) == 0);
+    CHECK(shgrid_fill_half(&grid, textures) == 0 && texels[0] == 7);
 }
 
 /* A root of 4 x 4 x 4 smallest cells whose first child is a node; all 15 points are stored. */
@@ -500,7 +580,7 @@ static void TestPointsNear(const shgrid_grid *uniform) {
 }
 
 int main(void) {
-    static unsigned char file[kHeader19 + 256 + kLumpBytes];
+    static unsigned char file[kHeader19 + 256 + kLumpBytes + kSparseBytes];
     shgrid_grid grid;
     TestContainers(file);
     TestHostileOffsets(file);
@@ -512,6 +592,9 @@ int main(void) {
     TestPointsNear(&grid);
     TestDeltaLight();
     TestSparse();
+    TestChain();
+    TestFallback(file);
+    TestEmptyGrid();
     TestMessages();
     TestToneText();
     TestTone();

@@ -212,12 +212,8 @@ TEST(Leak, SealedRoomsNeverLeakAndPiercedOnesAlwaysDo) {
 }
 
 TEST(Leak, FileHasAPointALine) {
-    const auto path = std::filesystem::temp_directory_path() / "q3map2_tree_test.lin";
-    WriteLeakFile(path, {{1, -2.5f, 3}, {0, 0, 1000}});
-    std::ifstream file(path);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
-    EXPECT_EQ(text, "1.000000 -2.500000 3.000000\n0.000000 0.000000 1000.000000\n");
-    std::filesystem::remove(path);
+    EXPECT_EQ(LeakFileText({{1, -2.5f, 3}, {0, 0, 1000}}),
+              "1.000000 -2.500000 3.000000\n0.000000 0.000000 1000.000000\n");
 }
 
 constexpr std::uint32_t kHelper = C_STRUCTURAL | C_TRANSLUCENT | C_NODRAW;
@@ -238,6 +234,7 @@ TEST(Areas, AreaPortalInADoorwayMakesTwo) {
         const Compiled made = world.Compile();
         EXPECT_EQ(made.sealing, Sealing::Sealed);
         EXPECT_EQ(made.areas, 2);
+        EXPECT_TRUE(IdleAreaPortals(made.second, world.map.World()).empty());
     }
 }
 
@@ -254,7 +251,11 @@ TEST(Areas, AreaPortalThatLeavesTheDoorwayAjarMakesNone) {
         World world;
         AddTwoRooms(world);
         AddDoor(world, {-half, -32, 0}, {half, 16, 64}, C_AREAPORTAL);
-        EXPECT_EQ(world.Compile().areas, 1);
+        const Compiled made = world.Compile();
+        EXPECT_EQ(made.areas, 1);
+        const std::vector<int> idle = IdleAreaPortals(made.second, world.map.World());
+        ASSERT_EQ(idle.size(), 1u);
+        EXPECT_TRUE(world.Brushes()[std::size_t(idle[0])].compileFlags & C_AREAPORTAL);
     }
 }
 

@@ -174,7 +174,7 @@ TEST(Vis, LeafsThatAreNotConvexTogetherStay) {
     const std::string beyond = text + "4 2 (384 0 0 ) (384 0 128 ) (384 128 128 ) (384 128 0 )\n";
     std::string two = beyond;
     two.replace(two.find("\n1\n"), 3, "\n2\n");
-    EXPECT_TRUE(RunVis(two, {.merge = true}).Printed("     1 leaves merged\n"));
+    EXPECT_TRUE(RunVis(two, {.merge = true}).Printed("     1 leaf merged\n"));
 }
 
 TEST(Vis, ClusterWithoutPortalsSeesItself) {
@@ -193,7 +193,7 @@ TEST(Vis, StatisticsCountEachClusterOnce) {
     const VisRun run = RunVis(kOffset);
     EXPECT_TRUE(run.Printed("Total clusters: 5\nTotal visible clusters: 19\n"));
     EXPECT_TRUE(run.Printed("   2 clusters have exactly    3 visible clusters\n"));
-    EXPECT_TRUE(run.Printed("   1 clusters have exactly    5 visible clusters\n"));
+    EXPECT_TRUE(run.Printed("   1 cluster has exactly    5 visible clusters\n"));
     EXPECT_TRUE(run.Printed("  Standard deviation: 0.75 (14.967%/total)\n"));
     EXPECT_TRUE(run.Printed("  Minimum: 3 (60.000%/total)\n"));
     EXPECT_TRUE(run.Printed("  Maximum: 5 (100.000%/total)\n"));

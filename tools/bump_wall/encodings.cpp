@@ -116,15 +116,15 @@ Vec3f EncodedLuxels::DecodedRnm(Encoding encoding, const Corners &corners, const
             maps[i][c] = map[c];
     }
     if (encoding == Encoding::Ssbump)
-        directional_ssbump(texel.data(), maps, DIRECTIONAL_RAW, rgb);
+        directional_ssbump(texel.data(), &maps[0][0], DIRECTIONAL_RAW, rgb);
     else if (encoding == Encoding::SsbumpRescaled)
-        directional_ssbump(texel.data(), maps, DIRECTIONAL_RESCALED, rgb);
+        directional_ssbump(texel.data(), &maps[0][0], DIRECTIONAL_RESCALED, rgb);
     else if (encoding == Encoding::RnmRaw)
-        directional_rnm_raw(maps, normal, rgb);
+        directional_rnm_raw(&maps[0][0], normal, rgb);
     else if (encoding == Encoding::RnmRescaled)
-        directional_rnm_rescaled(maps, normal, rgb);
+        directional_rnm_rescaled(&maps[0][0], normal, rgb);
     else
-        directional_rnm_squared(maps, normal, rgb);
+        directional_rnm_squared(&maps[0][0], normal, rgb);
     return ToVec(rgb);
 }
 
@@ -136,11 +136,11 @@ Vec3f EncodedLuxels::DecodedL1(Encoding encoding, const Corners &corners, const 
         for (std::size_t c = 0; c < 3; c++)
             sh[k][c] = l1.c[k][c];
     if (encoding == Encoding::L1)
-        directional_l1(sh, normal, rgb);
+        directional_l1(&sh[0][0], normal, rgb);
     else if (encoding == Encoding::L1Curved)
-        directional_l1_curved(sh, normal, rgb);
+        directional_l1_curved(&sh[0][0], normal, rgb);
     else
-        directional_l1_with_flat(sh, flat.data(), kFlat, normal, rgb);
+        directional_l1_with_flat(&sh[0][0], flat.data(), kFlat, normal, rgb);
     return ToVec(rgb);
 }
 

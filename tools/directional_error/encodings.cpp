@@ -91,11 +91,11 @@ Encoding RnmEncoding(const std::string &name, double bytes, Rnm kind, Store stor
                 const C3 local(luxel.InTangentSpace(n));
                 float rgb[3];
                 if (kind == Rnm::Raw)
-                    directional_rnm_raw(maps.value, local.value, rgb);
+                    directional_rnm_raw(&maps.value[0][0], local.value, rgb);
                 else if (kind == Rnm::Rescaled || kind == Rnm::Corrected)
-                    directional_rnm_rescaled(maps.value, local.value, rgb);
+                    directional_rnm_rescaled(&maps.value[0][0], local.value, rgb);
                 else
-                    directional_rnm_squared(maps.value, local.value, rgb);
+                    directional_rnm_squared(&maps.value[0][0], local.value, rgb);
                 return FromC(rgb);
             }};
 }
@@ -112,7 +112,7 @@ Encoding SsbumpEncoding(const std::string &name, double bytes, bool rescaled, St
                 float weights[3], rgb[3];
                 directional_rnm_weights(C3(luxel.InTangentSpace(n)).value, weights);
                 const Vec3f texel = store(FromC(weights));
-                directional_ssbump(C3(texel).value, maps.value, rescaled ? DIRECTIONAL_RESCALED : DIRECTIONAL_RAW, rgb);
+                directional_ssbump(C3(texel).value, &maps.value[0][0], rescaled ? DIRECTIONAL_RESCALED : DIRECTIONAL_RAW, rgb);
                 return FromC(rgb);
             }};
 }
@@ -125,9 +125,9 @@ Encoding L1Encoding(const std::string &name, double bytes, bool corrected, Store
                     std::copy_n(one.value, 3, sh[i]);
                 }
                 if (corrected)
-                    directional_l1_with_flat(sh, C3(store(luxel.flat)).value, C3(luxel.normal).value, C3(n).value, rgb);
+                    directional_l1_with_flat(&sh[0][0], C3(store(luxel.flat)).value, C3(luxel.normal).value, C3(n).value, rgb);
                 else
-                    directional_l1(sh, C3(n).value, rgb);
+                    directional_l1(&sh[0][0], C3(n).value, rgb);
                 return FromC(rgb);
             }};
 }

@@ -49,8 +49,9 @@ BenchMap::BenchMap(Bsp map, LightInputs files, const LightOptions &lightOptions,
     : bsp(std::move(map)), inputs(std::move(files)), options(WithoutShortcuts(lightOptions)),
       stored(StoredEntities(bsp, inputs.name)), world(ReadWorldLight(stored.front(), options)),
       table(MakeSurfaceTable(bsp, stored, inputs.surfaceFile, inputs.name + ".srf", library, log)),
-      created(CreateLights(bsp, WithLights(stored, inputs), table, options, world, library, log)),
-      space(bsp, OpaqueBrushes(bsp, library)), scene(bsp, table, options, 0), lights(LightsInReach(*this)) {}
+      space(bsp, OpaqueBrushes(bsp, library)),
+      created(CreateLights(space, WithLights(stored, inputs), table, options, world, library, log)),
+      scene(bsp, table, options, 0), lights(LightsInReach(*this)) {}
 
 LightOptions LightOptionsFrom(std::string_view text, const Game &game) {
     std::istringstream in{std::string(text)};

@@ -28,8 +28,8 @@ class BenchMap {
     const std::vector<Entity> stored; ///< entities of the .bsp, the world first
     const WorldLight world;
     SurfaceTable table;               ///< with skyIndex, set by CreateLights
-    const std::vector<Light> created; ///< before SetupEnvelopes
     const BspSpace space;
+    const std::vector<Light> created; ///< before SetupEnvelopes
     const LightScene scene;
     const std::vector<Light> lights; ///< those of style 0, with unlimited bounds
 };

@@ -59,6 +59,10 @@ class Painter {
     void DrawReferences();
     void DrawKey();
     void DrawSeries();
+    const Color &ColorOf(std::size_t series) const {
+        const int color = chart_.series[series].color;
+        return kSeriesColors[(color >= 0 ? std::size_t(color) : series) % kSeriesColors.size()];
+    }
     void TakeLines(const ChartSeries &series);
     void DrawLabels();
 
@@ -133,7 +137,7 @@ void Painter::DrawKey() {
         const std::string &name = chart_.series[s].name;
         if (name.empty())
             continue;
-        drawing_.Use(kSeriesColors[s % kSeriesColors.size()]);
+        drawing_.Use(ColorOf(s));
         drawing_.Text(x, 58, 1, name);
         x -= drawing_.TextWidth(name) + 12;
         drawing_.Dot(x, 58 - kText * 0.35, kDot);
@@ -144,7 +148,7 @@ void Painter::DrawKey() {
 void Painter::DrawSeries() {
     for (std::size_t s = 0; s < chart_.series.size(); ++s) {
         const ChartSeries &series = chart_.series[s];
-        drawing_.Use(kSeriesColors[s % kSeriesColors.size()]);
+        drawing_.Use(ColorOf(s));
         cairo_set_line_width(canvas_, 1.6);
         cairo_new_path(canvas_);
         for (const ChartPoint &point : series.points)

@@ -19,6 +19,7 @@ struct ChartSeries {
     std::string name; ///< for the key; empty: not in it
     std::vector<ChartPoint> points;
     bool joined = false;
+    int color = -1; ///< number in the list of colors, so that a kind looks alike in all charts; -1: its own number
 };
 
 struct ChartAxis {

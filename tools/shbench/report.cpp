@@ -13,6 +13,8 @@ namespace q3::bench {
 
 namespace {
 
+constexpr std::string_view kOthers = "others"; ///< in size charts: the families of one line
+
 double PerSecond(const BakeCost &cost) {
     return cost.cpuSeconds > 0 ? double(cost.rays) / cost.cpuSeconds : 0;
 }
@@ -186,6 +188,12 @@ Chart ErrorChart(const BenchReport &report) {
     return chart;
 }
 
+/// Colors of the families of grids in size charts: the same on every map, whichever of them it has.
+int FamilyColor(std::string_view family) {
+    constexpr std::array<std::string_view, 4> kFamilies = {"uniform", "uniform -shfit", "sparse", kOthers};
+    return int(std::ranges::find(kFamilies, family) - kFamilies.begin());
+}
+
 Chart SizeChart(const BenchReport &report) {
     Chart chart;
     chart.title = fmt::format("{}: error of the SH grid against its size", report.map);
@@ -199,10 +207,10 @@ Chart SizeChart(const BenchReport &report) {
         const std::string name = FamilyOf(line);
         auto family = std::ranges::find(families, name, &ChartSeries::name);
         if (family == families.end())
-            family = families.insert(family, {name, {}, true});
+            family = families.insert(family, {name, {}, true, FamilyColor(name)});
         family->points.push_back({double(line.cost.bytes) / 1e6, line.errors.grid, line.name});
     }
-    ChartSeries others{"others", {}, false};
+    ChartSeries others{std::string(kOthers), {}, false, FamilyColor(kOthers)};
     for (ChartSeries &family : families) {
         if (family.points.size() == 1 && family.name.find(' ') != std::string::npos) {
             others.points.push_back(family.points.front());

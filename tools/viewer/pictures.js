@@ -28,7 +28,7 @@ async function take(name, settings, place, open) {
                     details.open = sections.includes(details.firstChild.textContent);
                 });
             },
-            [settings, place, open],
+            [{ showPoints: true, ...settings }, place, open],
         );
         await page.waitForTimeout(500);
         await page.screenshot({ path: join(kOut, name), type: 'jpeg', quality: 88 });

@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/image/image.h"
+#include "common/text/counted.h"
 #include "q3map2/convert/preview/grid_preview_canvas.h"
 #include "q3map2/convert/preview/grid_preview_cells.h"
 #include "q3map2/convert/preview/grid_preview_light.h"
@@ -255,7 +256,8 @@ class Preview {
 void WriteGridPreview(const std::filesystem::path &png, const Bsp &bsp, Log &log) {
     Preview preview(bsp);
     WritePng(png, preview.Draw());
-    log.Print("Writing {}\n{} positions, {}, exposure {:.2g}\n", png.string(), preview.PositionCount(),
+    log.Print("Writing {}\n{}, {}, exposure {:.2g}\n", png.string(),
+              Counted((long long)(preview.PositionCount()), "positions"),
               preview.HasLegacy() ? "both grids" : "SH grid only", preview.Exposure());
 }
 

@@ -6,7 +6,9 @@
 #include "q3map2/bspfile/entities.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 
 namespace q3 {
 
@@ -42,23 +44,48 @@ Boundsf WorldBounds(const Bsp &bsp) {
     return bounds;
 }
 
-// Bounds of player starts and items.
-Boundsf EntityBounds(const Bsp &bsp) {
-    Boundsf bounds;
+// Positions of player starts and items.
+std::vector<Vec3f> Places(const Bsp &bsp) {
+    std::vector<Vec3f> places;
     try {
         for (const Entity &entity : ParseEntities(bsp.entities, "entities")) {
             const auto isPlace = [&](std::string_view prefix) { return StartsWithNoCase(entity.ClassName(), prefix); };
             const auto origin = entity.Vector({"origin"});
             if (origin && std::ranges::any_of(kPlaceClasses, isPlace))
-                bounds.Add(*origin);
+                places.push_back(*origin);
         }
     } catch (const Error &) { // ReadBsp has warned
     }
-    return bounds;
+    return places;
+}
+
+// Clusters that a place sees; empty without places in the open, or without visibility data.
+std::vector<bool> ClustersSeenFrom(const Bsp &bsp, const std::vector<Vec3f> &places) {
+    constexpr std::size_t kHead = 8; // the numbers of clusters and of bytes in a row
+    if (bsp.visibility.size() < kHead)
+        return {};
+    std::array<std::int32_t, 2> head;
+    std::memcpy(head.data(), bsp.visibility.data(), kHead);
+    std::vector<bool> seen(std::size_t(head[0]));
+    bool any = false;
+    for (const Vec3f &place : places) {
+        const std::int32_t cluster = bsp.leafs[std::size_t(LeafAt(bsp, place))].cluster;
+        if (cluster < 0)
+            continue;
+        any = true;
+        const std::uint8_t *row = bsp.visibility.data() + kHead + std::size_t(cluster) * std::size_t(head[1]);
+        for (std::size_t other = 0; other < seen.size(); other++)
+            if (row[other / 8] >> (other % 8) & 1)
+                seen[other] = true;
+    }
+    return any ? seen : std::vector<bool>{};
 }
 
 Boundsf PlaySpace(const Bsp &bsp) {
-    const Boundsf world = WorldBounds(bsp), entities = EntityBounds(bsp);
+    const Boundsf world = WorldBounds(bsp);
+    Boundsf entities;
+    for (const Vec3f &place : Places(bsp))
+        entities.Add(place);
     if (entities.Empty())
         return world;
     const Boundsf space{Max(world.mins, entities.mins - kPlayMargin), Min(world.maxs, entities.maxs + kPlayMargin)};
@@ -88,7 +115,8 @@ std::vector<Candidate> Weigh(const std::vector<Vec3f> &positions, const std::fun
 
 } // namespace
 
-PreviewMap::PreviewMap(const Bsp &bsp) : bsp_(bsp), space_(PlaySpace(bsp)) {}
+PreviewMap::PreviewMap(const Bsp &bsp)
+    : bsp_(bsp), arena_(ClustersSeenFrom(bsp, Places(bsp))), space_(PlaySpace(bsp)) {}
 
 bool PreviewMap::InBrush(const bspBrush_t &brush, const Vec3f &position, std::int32_t &budget) const {
     if (!(bsp_.shaders[std::size_t(brush.shaderNum)].contentFlags & kContentsSolid))
@@ -117,7 +145,9 @@ const bspBrush_t *PreviewMap::BrushAt(const bspLeaf_t &leaf, const Vec3f &positi
 
 bool PreviewMap::IsOpen(const Vec3f &position) const {
     const bspLeaf_t &leaf = LeafAt(position);
-    return leaf.cluster >= 0 && !BrushAt(leaf, position);
+    if (leaf.cluster < 0 || (!arena_.empty() && !arena_[std::size_t(leaf.cluster)]))
+        return false;
+    return !BrushAt(leaf, position);
 }
 
 bool PreviewMap::IsOverFloor(const Vec3f &position) const {

@@ -9,8 +9,9 @@
 
 namespace q3 {
 
-/// The solid space of a map: the tree, and solid brushes in its open leafs. Heights, areas and positions are searched
-/// for around player starts and items. The Bsp must outlive it.
+/// The space of a map in which players are: open leafs that a player start or an item sees by the visibility data (all
+/// open leafs without such entities or data), less the solid brushes in them. What lies behind skies or in rooms apart
+/// counts as solid. The Bsp must outlive it.
 class PreviewMap {
   public:
     explicit PreviewMap(const Bsp &bsp);
@@ -37,7 +38,8 @@ class PreviewMap {
     std::vector<Vec3f> Candidates() const;
 
     const Bsp &bsp_;
-    Boundsf space_; ///< around player starts and items; the world bounds when there are none
+    std::vector<bool> arena_; ///< by cluster: players can see it; empty: all
+    Boundsf space_;           ///< around player starts and items; the world bounds when there are none
 };
 
 } // namespace q3

@@ -128,6 +128,7 @@ void SourceConverter::OnPatch(int primitive, bool hasTolerances) {
 } // namespace
 
 std::string ConvertedSource(std::string_view text, std::string_view name, MapForm form, const BspContext &context) {
+    RequireMapSource(text, name);
     return SourceConverter(text, name, form, context).Convert();
 }
 

@@ -38,7 +38,7 @@ struct ModelPlacement {
     SurfaceSettings settings;
     unsigned flags = 0;
     double clipDepth = 2;
-    ShaderRemap shaders; ///< empty: no replacements
+    ShaderRemap shaders;
     int fogNum = -1;
 };
 

@@ -75,6 +75,13 @@ std::string RenamedShader(std::string name, const ModelPlacement &placement, con
     return name;
 }
 
+void WarnOfRemaps(const Model &model, const ModelPlacement &placement, const BspContext &context) {
+    std::vector<std::string> shaders;
+    for (const ModelMesh &mesh : model.meshes)
+        shaders.push_back(mesh.shader);
+    placement.shaders.WarnOfUnmatched(shaders, placement.who, context.log);
+}
+
 bool WantsClip(const ShaderInfo &shader, unsigned flags) {
     return shader.geometry.clipModel || ((flags & (kModelClip | kModelClipShapes)) && (shader.compileFlags & C_SOLID));
 }
@@ -159,9 +166,10 @@ bool PlaceModel(const ModelPlacement &placement, MapEntity &target, Geometry &ge
                          problem);
         return false;
     }
+    WarnOfRemaps(*model, placement, context);
     std::vector<ClipMesh> clip;
     for (const ModelMesh &mesh : model->meshes) {
-        const std::string name = placement.shaders ? placement.shaders(mesh.shader) : mesh.shader;
+        const std::string name = placement.shaders(mesh.shader);
         if (name.empty() || mesh.triangles.empty())
             continue;
         const ShaderInfo &shader = context.shaders.Get(RenamedShader(name, placement, context));

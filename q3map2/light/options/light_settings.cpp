@@ -39,7 +39,7 @@ Group GridSH() {
             "",
             {{{.name = "-sh",
                .help = "Bake the SH light grid into lump 18 of a version 47 file",
-               .details = "Without it a relight drops an SH grid that the file had."},
+               .details = "Without it a relight drops an SH grid that the file had, with a warning."},
               &LightOptions::sh},
              {{.name = "-shbspx",
                .help = "Bake it into a BSPX lump of a version 46 file, which unmodified engines load; includes -sh"},
@@ -89,7 +89,7 @@ Group SparseGridSH() {
             {{{.name = "-shadaptive",
                .help = "Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore",
                .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
-                          "sparse grid that the file had."},
+                          "sparse grid that the file had, with a warning."},
               &LightOptions::shAdaptive},
              ErrorTargetSetting<LightOptions>(
                  "Error that the interpolation of the sparse grid may have on a screen: RMS; includes -shadaptive",
@@ -157,7 +157,7 @@ Group AmbientCubes() {
             "[ambient_cubes.md](ambient_cubes.md).",
             {{{.name = "-ambientcubes",
                .help = "Bake ambient cubes into a BSPX lump, which unmodified engines ignore",
-               .details = "Without it a relight drops those that the file had."},
+               .details = "Without it a relight drops those that the file had, with a warning."},
               &LightOptions::ambientCubes},
              {{.name = "-ambientcubesfrom",
                .values = "light|sh",

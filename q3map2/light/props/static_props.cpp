@@ -125,8 +125,12 @@ void PropLoader::FindShaders(const Entity &entity, StaticProp &prop) {
     if (EqualNoCase(entity.ClassName(), kSourceProp) && keys::kSkin.Text(entity) == "0")
         skinned.Erase("skin"); // 0: the model's own skin
     const ShaderRemap remap = ShaderRemapOf(skinned, who_, prop.name, vfs_, log_);
-    for (const ModelMesh &mesh : prop.model->meshes) {
-        const std::string name = remap(mesh.shader);
+    std::vector<std::string> shaders;
+    for (const ModelMesh &mesh : prop.model->meshes)
+        shaders.push_back(mesh.shader);
+    remap.WarnOfUnmatched(shaders, who_, log_);
+    for (const std::string &shader : shaders) {
+        const std::string name = remap(shader);
         prop.shaders.push_back(name.empty() ? nullptr : &library_.Get(name));
     }
 }

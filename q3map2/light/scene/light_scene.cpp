@@ -538,13 +538,15 @@ void LightScene::TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts 
 
 void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int receiveShadows, const Lanes &nearest,
                                Blockers &blockers, RayCounts &counts) const {
-    state_->MakeBlockers();
+    if (kind != BlockerKind::Casters)
+        state_->MakeBlockers();
     const State &s = *state_;
     counts.rays += std::uint64_t(packet.live.Count());
-    blockers.hit = {};
-    const State::Group *group = s.FindGroup(receiveShadows);
+    blockers.hit = blockers.behind = {};
+    const State::Group *group = kind == BlockerKind::Casters ? nullptr : s.FindGroup(receiveShadows);
     const ScenePtr &scene = kind == BlockerKind::Solids         ? s.solidHull
                             : kind == BlockerKind::LegacySolids ? s.blockerSolids
+                            : kind == BlockerKind::Casters      ? s.all
                             : group                             ? group->blockers
                                                                 : s.blockers;
     if (!scene || receiveShadows == 0)
@@ -557,8 +559,12 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
         const bool hit = packet.live[i] != 0 && id != RTC_INVALID_GEOMETRY_ID;
         blockers.hit.Set(i, hit);
         blockers.distance[i] = hits.ray.tfar[i];
-        blockers.surface[i] =
-            hit && kind == BlockerKind::Surfaces ? casters.triangles[id].surface[hits.hit.primID[i]] : -1;
+        const int surface =
+            hit && kind >= BlockerKind::Casters ? casters.triangles[id].surface[hits.hit.primID[i]] : -1;
+        blockers.surface[i] = surface;
+        const Vec3f back{hits.hit.Ng_x[i], hits.hit.Ng_y[i], hits.hit.Ng_z[i]};
+        blockers.behind.Set(i, surface >= 0 && Dot(packet.direction[i], back) < 0 &&
+                                   !s.table[std::size_t(surface)].shader->twoSided);
     }
 }
 

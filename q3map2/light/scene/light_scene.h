@@ -47,17 +47,18 @@ class LightScene {
 
     /// First hits of the rays of a packet.
     struct Blockers {
-        LaneMask hit{};   ///< rays that something blocks within packet.distance
-        Lanes distance;   ///< to the hit, where `hit` is set
-        IntLanes surface; ///< draw surface that is hit, or surface number of a PropCaster; -1: a solid
+        LaneMask hit{};    ///< rays that something blocks within packet.distance
+        LaneMask behind{}; ///< rays that hit a one-sided surface from behind
+        Lanes distance;    ///< to the hit, where `hit` is set
+        IntLanes surface;  ///< draw surface that is hit, or surface number of a PropCaster; -1: a solid
     };
     enum class BlockerKind {
         Solids,       ///< hull of all solid leafs, also behind skies
         LegacySolids, ///< without leafs that are not solid to the established program: LegacySolidLeafs
+        Casters,      ///< solids, and shadow casters for group 1 that are not see-through
         Surfaces      ///< shadow casters; see-through ones at opaque texels; for group 1 none on faces of LegacySolids
     };
-    /// The first blocker of a kind on each live ray beyond its `nearest`; none for receivers of group 0. For dirt, and
-    /// floodlight on surfaces.
+    /// The first blocker of a kind on each live ray beyond its `nearest`; none for receivers of group 0.
     void TraceBlockers(const RayPacket &packet, BlockerKind kind, int receiveShadows, const Lanes &nearest,
                        Blockers &blockers, RayCounts &counts) const;
     struct BlockerTriangle {

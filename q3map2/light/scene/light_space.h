@@ -43,6 +43,10 @@ class BspSpace {
     int ClusterCount() const { return clusterCount_; }
     /// Appends every cluster that the polygon passes through, each once, in no particular order.
     void ClustersOf(const Winding<float> &w, std::vector<int> &clusters) const;
+    /// Numbers of the opaque brushes that reach into a leaf.
+    std::span<const std::int32_t> OpaqueBrushes(std::size_t leaf) const {
+        return std::span(opaqueBrushes_).subspan(opaqueFirst_[leaf], opaqueFirst_[leaf + 1] - opaqueFirst_[leaf]);
+    }
     /// Union of the bounds of all leafs whose cluster `cluster` sees.
     Boundsf VisibleBounds(int cluster) const;
 

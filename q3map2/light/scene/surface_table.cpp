@@ -256,10 +256,18 @@ Vec3f MajorAxis(const Vec3f &normal) {
 
 namespace {
 
-NormalImage NormalsOf(const LightmapDirectives &lightmap, ShaderLibrary &library) {
-    const bool ssbump = lightmap.normalImage.empty();
-    const std::string &name = ssbump ? lightmap.ssbumpImage : lightmap.normalImage;
-    return {name.empty() ? nullptr : library.LoadImage(name), ssbump};
+/// The normal map of a shader, with a warning if it is missing.
+NormalImage NormalsOf(const ShaderInfo &shader, ShaderLibrary &library, Log &log) {
+    const bool ssbump = shader.lightmap.normalImage.empty();
+    const std::string &name = ssbump ? shader.lightmap.ssbumpImage : shader.lightmap.normalImage;
+    if (name.empty())
+        return {nullptr, ssbump};
+    auto image = library.LoadImage(name);
+    if (!image)
+        log.Warn("normal map",
+                 "{}: {} {}: no image of that name can be read, its surfaces are lit without a normal map", shader.name,
+                 ssbump ? "q3map_ssbumpImage" : "q3map_normalImage", name);
+    return {std::move(image), ssbump};
 }
 
 /// The macro texture of a shader; null: none. A missing one is a warning.
@@ -276,20 +284,31 @@ std::shared_ptr<const Image> MacroImageOf(const ShaderInfo &shader, const std::s
     return image;
 }
 
+/// The images of a shader that light on its surfaces needs.
+struct ShaderImages {
+    NormalImage normals;
+    std::shared_ptr<const Image> macro;
+};
+
 } // namespace
 
 SurfaceTable MakeSurfaceTable(const Bsp &bsp, const std::vector<Entity> &entities, std::string_view srfText,
                               std::string_view srfName, ShaderLibrary &library, Log &log,
                               const SurfaceDefaults &defaults) {
     SurfaceTable table(bsp.drawSurfaces.size());
+    std::map<const ShaderInfo *, ShaderImages> imagesOf;
     const bool hasFile = !srfText.empty();
     const SurfaceExtras extras = ParseSurfaceExtras(srfText, srfName, table.size());
     for (std::size_t i = 0; i < table.size(); ++i) {
         const std::string &name = extras.At(i).shader;
         const bspShader_t &record = bsp.shaders[std::size_t(bsp.drawSurfaces[i].shaderNum)];
         table[i].shader = &library.Get(name.empty() ? FieldName(record.shader) : std::string_view(name));
-        table[i].normals = NormalsOf(table[i].shader->lightmap, library);
-        table[i].macroImage = MacroImageOf(*table[i].shader, defaults.macroTexture, library, log);
+        const auto [images, isNew] = imagesOf.try_emplace(table[i].shader);
+        if (isNew) // so that a missing one is one warning
+            images->second = {NormalsOf(*table[i].shader, library, log),
+                              MacroImageOf(*table[i].shader, defaults.macroTexture, library, log)};
+        table[i].normals = images->second.normals;
+        table[i].macroImage = images->second.macro;
         table[i].normalMapped =
             defaults.normalMaps == NormalMaps::All ||
             (defaults.normalMaps == NormalMaps::OfShaders && library.HasNormalMap(table[i].shader->name));

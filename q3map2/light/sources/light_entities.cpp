@@ -88,12 +88,6 @@ void WarnOfHdr(const Entity &entity, const EntityKey &hdr, const EntityKey &key,
                  LightLabel(entity), other ? hdr.info.name : scale.info.name, key.info.name);
 }
 
-int Style(const Entity &entity) {
-    if (!keys::kStyle.InRange(entity))
-        throw Error("{}: style {} is not in 0..254", LightLabel(entity), keys::kStyle.Text(entity));
-    return keys::kStyle.Integer(entity);
-}
-
 struct EntityLight {
     Light light;
     bool byQuad = false; ///< _light is a color and a brightness
@@ -120,14 +114,11 @@ EntityLight LightFromKeys(const Entity &entity, const LightOptions &options, Log
     light.angleScale = float(keys::kAngleScale.Number(entity));
     light.angle = light.angle || light.angleScale != 0;
     light.filterRadius = float(keys::kFilterRadius.Number(entity));
-    light.style = Style(entity); // an error if it is out of range, whether it counts or not
-    if (options.noStyles)
-        light.style = 0;
+    light.style = options.noStyles ? 0 : keys::kStyle.Integer(entity);
     light.name = entity.Value("targetname");
-    if (light.style != 0)
-        light.label = light.name.empty()
-                          ? LightLabel(entity)
-                          : fmt::format("{} \"{}\" at \"{}\"", entity.ClassName(), light.name, entity.Value("origin"));
+    light.label = light.name.empty()
+                      ? LightLabel(entity)
+                      : fmt::format("{} \"{}\" at \"{}\"", entity.ClassName(), light.name, entity.Value("origin"));
     result.byQuad = TakeQuad(entity, keys::kLight, light, log);
     if (!result.byQuad)
         light.photons = Intensity(entity, log);
@@ -264,6 +255,7 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
         log.Warn("light origin", "{} is outside any map, it is dropped", LightLabel(entity));
         return;
     }
+    light.entity = int(number);
     light.photons /= float(samples);
     light.tolerance = options.tolerance / float(samples);
 
@@ -272,6 +264,11 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
     if (!target.empty() && !aimedAt)
         log.Warn("light target", "{}: target \"{}\" does not exist, the light has no direction", LightLabel(entity),
                  target);
+    if (target.empty() && keys::kSun.Number(entity) != 0)
+        log.Warn("light target",
+                 "{}: _sun has no effect without a target, so this is no sun; give it a target that it shines toward, "
+                 "or use a light_environment",
+                 LightLabel(entity));
     const Vec3f targetOrigin = aimedAt ? keys::kOrigin.Vector(*aimedAt).value_or(Vec3f{}) : Vec3f{};
 
     if (aimedAt && keys::kSun.Number(entity) != 0)

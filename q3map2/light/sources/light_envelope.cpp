@@ -3,6 +3,7 @@
 
 #include "q3map2/light/batch/form_factor.h"
 #include "q3map2/light/sources/falloff.h"
+#include "q3map2/light/sources/hidden_lights.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,6 @@ namespace q3 {
 
 namespace {
 
-constexpr float kLightMargin = 0.125f; ///< lights this near to a solid count as in it. Game units
 constexpr float kFirstReach = 100, kReachStep = 10;
 
 /// Smallest distance of the sequence 100, 110, ... at which an area light gives at most its tolerance: searched one by
@@ -60,28 +60,9 @@ Boundsf ConeBounds(const Light &light) {
     return box;
 }
 
-/// Moves a light that is in a solid by steps of 2 units, as the established program does: the search continues after a
-/// success, so a light can move several times. Returns the cluster of the last attempt.
-int NudgeOut(Light &light, const BspSpace &space) {
-    static constexpr float kSteps[4] = {0, 0, 2, -2};
-    int cluster = kSolidCluster;
-    for (const float x : kSteps)
-        for (const float y : kSteps)
-            for (const float z : kSteps) {
-                const Vec3f p = light.origin + Vec3f{x, y, z};
-                cluster = space.ClusterAt(p, kLightMargin);
-                if (cluster >= 0)
-                    light.origin = p;
-            }
-    return cluster;
-}
-
 void FindClusters(Light &light, LightPass pass, const BspSpace &space) {
     light.clusters.clear();
-    int cluster = space.ClusterAt(light.origin, kLightMargin);
-    if (cluster < 0)
-        cluster = NudgeOut(light, space);
-    if (cluster >= 0)
+    if (const int cluster = LightCluster(light.origin, space); cluster >= 0)
         light.clusters.push_back(cluster);
     if (pass == LightPass::GridSH && light.type == LightType::Area) {
         Winding<float> lifted = light.w;

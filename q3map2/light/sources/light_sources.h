@@ -55,7 +55,8 @@ struct SpotCone {
 /// One light. Color times the number that falloff or form factor give is light on the byte scale, 255 = full.
 struct Light {
     std::string name;  ///< targetname of its entity
-    std::string label; ///< what messages call it; only lights with a style other than 0 have one
+    std::string label; ///< what messages call it; of surfaces and skies, only those of styles other than 0 have one
+    int entity = -1;   ///< number of its entity: as given to EntityLights, in LightSetup as in the file; -1: none
     LightType type = LightType::Point;
     FalloffCurve curve = FalloffCurve::InverseSquare;
     Attenuation attenuation;

@@ -3,6 +3,7 @@
 
 #include "libs/math/winding.h"
 #include "q3map2/light/scene/light_patch.h"
+#include "q3map2/light/sources/hidden_lights.h"
 #include "q3map2/light/sources/light_suns.h"
 
 #include <algorithm>
@@ -18,7 +19,6 @@ constexpr float kOnCut = 0.125f; ///< corners this near to a cut count as on it.
 constexpr double kMinArea = 1, kMaxArea = 20'000'000;
 /// A quad stays whole if its fourth corner is this near to the plane of the others. Game units.
 constexpr float kFlatQuad = 0.1f;
-constexpr int kMaxSkies = 32;
 /// Approximate maximum number of lights that one polygon is split into.
 constexpr double kMaxPieces = 65536;
 
@@ -52,16 +52,19 @@ MeshVert Lerp(const MeshVert &a, const MeshVert &b, float t) {
 /// Makes the area lights of one shader's polygons.
 class AreaLightMaker {
   public:
-    AreaLightMaker(const ShaderInfo &shader, const SurfaceEmission &emission, const LightOptions &options,
-                   std::vector<Light> &lights, int &count, Log &log)
-        : shader_(shader), emission_(emission), options_(options), lights_(lights), count_(count), log_(log) {}
+    AreaLightMaker(const SurfaceEntry &entry, const SurfaceEmission &emission, const LightOptions &options,
+                   const BspSpace &space, std::vector<Light> &lights, int &count, Log &log)
+        : entry_(entry), shader_(*entry.shader), emission_(emission), options_(options), space_(space), lights_(lights),
+          count_(count), log_(log) {}
 
     void Add(Polygon first) {
         if (!InTheWorld(first))
             return;
         const float limit = PieceSize(first);
+        const std::size_t before = lights_.size();
+        hidden_ = false;
         std::vector<Polygon> stack;
-        stack.push_back(std::move(first));
+        stack.push_back(first);
         while (!stack.empty()) {
             const Polygon polygon = std::move(stack.back());
             stack.pop_back();
@@ -82,9 +85,38 @@ class AreaLightMaker {
             stack.push_back(std::move(back));
             stack.push_back(std::move(front));
         }
+        if (lights_.size() > before)
+            shining_.push_back(std::move(first));
+        else if (hidden_)
+            covered_.push_back(std::move(first));
+    }
+
+    /// Warns of polygons that solids cover as a whole, but not if they continue polygons that shine. Call after the
+    /// last Add.
+    void WarnOfCovered() {
+        for (std::size_t i = 0; i < shining_.size() && !covered_.empty(); ++i) {
+            const auto touches = [&](const Polygon &other) { return ShareCorner(shining_[i], other); };
+            std::copy_if(covered_.begin(), covered_.end(), std::back_inserter(shining_), touches);
+            std::erase_if(covered_, touches);
+        }
+        for (const Polygon &polygon : covered_) {
+            Boundsf box;
+            for (const MeshVert &v : polygon)
+                box.Add(v.xyz);
+            const Vec3f center = box.Center();
+            log_.Warn("surface light in solid",
+                      "{}: the surface light at {:g} {:g} {:g}, of entity {}, is covered by a solid and lights "
+                      "nothing; move what covers it, or give the face a shader without light",
+                      shader_.name, center.x, center.y, center.z, entry_.entity);
+        }
     }
 
   private:
+    static bool ShareCorner(const Polygon &a, const Polygon &b) {
+        return std::any_of(a.begin(), a.end(), [&](const MeshVert &v) {
+            return std::any_of(b.begin(), b.end(), [&](const MeshVert &other) { return v.xyz == other.xyz; });
+        });
+    }
     bool InTheWorld(const Polygon &polygon) {
         for (const MeshVert &v : polygon)
             if (!IsFinite(v.xyz) || MaxComponent(Max(v.xyz, -v.xyz)) > kMaxLightCoordinate) {
@@ -135,16 +167,21 @@ class AreaLightMaker {
         light.SetShape();
         if (light.style != 0)
             light.label = "light of shader " + shader_.name;
-        lights_.push_back(light);
-        ++count_;
-        if (emission_.hasBacksplash)
-            AddBacksplash(light);
+        const std::vector<Light> open = OpenAreaLights(std::move(light), space_);
+        hidden_ = hidden_ || open.empty();
+        for (const Light &part : open) {
+            lights_.push_back(part);
+            ++count_;
+            if (emission_.hasBacksplash)
+                AddBacksplash(part);
+        }
     }
 
-    /// Backsplash: an area light a little in front of the emitter that lights its surroundings.
+    /// Backsplash: an area light a little in front of the emitter that lights its surroundings. Nothing solid is
+    /// between the two.
     void AddBacksplash(const Light &light) {
         Light splash = light;
-        const Vec3f moved = light.normal * shader_.backsplashDistance;
+        const Vec3f moved = light.normal * BacksplashDistance(light, shader_.backsplashDistance, space_);
         std::reverse(splash.w.begin(), splash.w.end());
         for (Vec3f &p : splash.w)
             p += moved;
@@ -158,12 +195,16 @@ class AreaLightMaker {
         lights_.push_back(std::move(splash));
     }
 
+    const SurfaceEntry &entry_;
     const ShaderInfo &shader_;
     const SurfaceEmission &emission_;
     const LightOptions &options_;
+    const BspSpace &space_;
     std::vector<Light> &lights_;
     int &count_;
     Log &log_;
+    bool hidden_ = false;                    ///< a piece of the polygon that is being added has no open part
+    std::vector<Polygon> shining_, covered_; ///< polygons with, without an open part
 };
 
 void AddPatchLights(const Mesh &mesh, const Vec3f &offset, AreaLightMaker &maker) {
@@ -211,6 +252,16 @@ Light SpriteLight(const Bsp &bsp, const bspDrawSurface_t &surface, const ShaderI
     return light;
 }
 
+void WarnOfHiddenSprite(const Light &light, const SurfaceEntry &entry, const BspSpace &space, Log &log) {
+    Vec3f origin = light.origin;
+    if (LightCluster(origin, space) >= 0)
+        return;
+    log.Warn("sprite light in solid",
+             "{}: the light of the autosprite surface at {:g} {:g} {:g}, of entity {}, is inside a solid and lights "
+             "nothing; move the surface into the open",
+             entry.shader->name, light.origin.x, light.origin.y, light.origin.z, entry.entity);
+}
+
 /// Numbers the skies that shine and makes the lights of each once.
 class SkyLights {
   public:
@@ -218,18 +269,12 @@ class SkyLights {
               SurfaceLightCounts &counts, Log &log)
         : options_(options), world_(world), library_(library), lights_(lights), counts_(counts), log_(log) {}
 
-    /// Number of the sky; -1: its suns shine through any sky.
+    /// Number of the sky; -1, under -onesky: its suns shine through any sky.
     int Add(const ShaderInfo &shader) {
         const auto known = numbers_.find(&shader);
         if (known != numbers_.end())
             return known->second;
-        int number = -1;
-        if (!options_.oneSky) {
-            if (next_ < kMaxSkies)
-                number = next_++;
-            else
-                log_.Warn("skies", "{}: more than {} skies, its suns shine through any", shader.name, kMaxSkies);
-        }
+        const int number = options_.oneSky ? -1 : next_++;
         numbers_[&shader] = number;
         if (!world_.noShaderSun)
             AddSuns(shader, shader.suns, number);
@@ -268,9 +313,10 @@ bool IsCollisionOnly(const Bsp &bsp, const SurfaceTable &table, std::size_t surf
            (table[surface].shader->compileFlags & C_NODRAW) == 0;
 }
 
-std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const LightOptions &options,
+std::vector<Light> SurfaceLights(const BspSpace &space, SurfaceTable &table, const LightOptions &options,
                                  const WorldLight &world, ShaderLibrary &library, SurfaceLightCounts &counts,
                                  Log &log) {
+    const Bsp &bsp = space.Map();
     std::vector<Light> lights;
     SkyLights skies(options, world, library, lights, counts, log);
     for (std::size_t i = 0; i < table.size(); ++i) {
@@ -284,13 +330,15 @@ std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const Ligh
         const bspDrawSurface_t &surface = bsp.drawSurfaces[i];
         if (shader.autosprite) {
             lights.push_back(SpriteLight(bsp, surface, shader, emission, entry.origin, options));
+            WarnOfHiddenSprite(lights.back(), entry, space, log);
             continue;
         }
-        AreaLightMaker maker(shader, emission, options, lights, counts.areaLights, log);
+        AreaLightMaker maker(entry, emission, options, space, lights, counts.areaLights, log);
         if (surface.surfaceType == MST_PATCH)
             AddPatchLights(TessellatePatch(bsp, surface, entry.longestCurve), entry.origin, maker);
         else if (surface.surfaceType == MST_PLANAR || surface.surfaceType == MST_TRIANGLE_SOUP)
             AddTriangleLights(bsp, surface, entry.origin, maker);
+        maker.WarnOfCovered();
     }
     return lights;
 }

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Lights that shaders make of surfaces.
 #pragma once
 
+#include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/scene/surface_table.h"
 #include "q3map2/light/sources/light_entities.h"
 #include "q3map2/shader/shader.h"
@@ -19,8 +20,8 @@ struct SurfaceLightCounts {
     int areaLights = 0, skyLights = 0;
 };
 /// Makes the lights of shaders, in draw surface order: suns, sky lights, area lights. Gives each sky that emits light
-/// its number in `table`.
-std::vector<Light> SurfaceLights(const Bsp &bsp, SurfaceTable &table, const LightOptions &options,
+/// its number in `table`. Area lights are cut where solids cover them; warns of those that are covered as a whole.
+std::vector<Light> SurfaceLights(const BspSpace &space, SurfaceTable &table, const LightOptions &options,
                                  const WorldLight &world, ShaderLibrary &library, SurfaceLightCounts &counts, Log &log);
 
 } // namespace q3

@@ -181,7 +181,7 @@ void ApplyTexLights(const TexLights &lights, SurfaceTable &table, Log &log) {
             log.Print("{}: {} counts, not q3map_surfaceLight {:g}\n", shader.name, light->where, shader.surfaceLight);
     }
     if (!lit.empty())
-        log.Count((long long)(lit.size()), "shaders that shine by .rad files");
+        log.Count((long long)(lit.size()), "shaders made to shine by .rad files");
 }
 
 } // namespace q3

@@ -4,11 +4,11 @@
 #include "libs/math/color.h"
 #include "libs/math/low_discrepancy.h"
 #include "q3map2/light/batch/ray_batcher.h"
-#include "q3map2/lightmap/bounce/gather_directions.h"
 #include "q3map2/lightmap/bounce/ray_origin.h"
 #include "q3map2/lightmap/raw/deluxe.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace q3 {
 
@@ -24,6 +24,14 @@ constexpr std::uint64_t kMaxKeptHits = std::uint64_t(192) << 20;
 constexpr float kRayLift = 1, kMinRayLift = 1.0f / 16;
 
 } // namespace
+
+std::uint64_t VertexSeed(const Vec3f &vertex) {
+    constexpr float kCell = 1.0f / 8; // game units; vertices that were rounded differently are nearer
+    std::uint64_t seed = 0;
+    for (const float x : {vertex.x, vertex.y, vertex.z})
+        seed = HashIndex(seed + std::uint64_t(std::int64_t(std::clamp(std::round(x / kCell), -1e9f, 1e9f))));
+    return seed;
+}
 
 BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces, const BounceScene &scene,
                            const FaintPatches *patches)
@@ -41,12 +49,16 @@ BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces
     keepAll_ = rays_ <= kMaxKeptHits;
     const auto fewer = int(std::clamp(kMaxKeptHits / std::max(texels, std::uint64_t(1)), std::uint64_t(kMinRays),
                                       std::uint64_t(luxelRays_)));
+    for (const RawLightmap &raw : surfaces.lightmaps)
+        directions_.try_emplace(RaysPerLuxel(raw), RaysPerLuxel(raw));
+    if (!keepAll_)
+        directions_.try_emplace(fewer, fewer);
     in.jobs.For(std::int64_t(rows_.size()), [&](std::int64_t i, int) {
         const RawLightmap &raw = surfaces.lightmaps[std::size_t(i)];
         const auto number = std::size_t(i);
         origins_[number] = RayOrigins(in.space, scene, raw);
-        rows_[number] =
-            keepAll_ ? TraceRows(number, raw, 1, RaysPerLuxel(raw)) : TraceRows(number, raw, raw.super, fewer);
+        rows_[number] = keepAll_ ? TraceRows(number, raw, 1, DirectionsOf(raw))
+                                 : TraceRows(number, raw, raw.super, directions_.at(fewer));
     });
 }
 
@@ -57,16 +69,17 @@ int BounceGather::RaysPerLuxel(const RawLightmap &raw) const {
 struct BounceGather::GatherBatch {
     std::size_t count = 0;
     std::array<std::size_t, kPacketSize> luxels{}, firstHits{};
-    std::array<int, kPacketSize> sets{};
+    std::array<GatherDirections::Choice, kPacketSize> choices{};
 
-    void Add(std::size_t luxel, int set, std::size_t firstHit) {
-        luxels[count] = luxel, sets[count] = set, firstHits[count++] = firstHit;
+    void Add(std::size_t luxel, const GatherDirections::Choice &choice, std::size_t firstHit) {
+        luxels[count] = luxel, choices[count] = choice, firstHits[count++] = firstHit;
     }
 };
 
 /// A packet holds one ray of each luxel of a block of 4 x 4.
 BounceGather::HitRows BounceGather::TraceRows(std::size_t lightmap, const RawLightmap &raw, int stride,
-                                              int rays) const {
+                                              const GatherDirections &directions) const {
+    const int rays = directions.Rays(), width = (raw.SuperWidth() + stride - 1) / stride;
     HitRows rows{stride, rays, {}};
     std::vector<std::size_t> first(raw.luxelClusters.size());
     std::size_t used = 0;
@@ -77,7 +90,6 @@ BounceGather::HitRows BounceGather::TraceRows(std::size_t lightmap, const RawLig
             used += rows.Has(raw, luxel, x, y) ? std::size_t(rays) : 0;
         }
     rows.hits.resize(used);
-    const GatherDirections directions(rays);
     const int side = 4 * stride;
     for (int top = 0; top < raw.SuperHeight(); top += side)
         for (int left = 0; left < raw.SuperWidth(); left += side) {
@@ -85,7 +97,7 @@ BounceGather::HitRows BounceGather::TraceRows(std::size_t lightmap, const RawLig
             for (int y = top; y < std::min(top + side, raw.SuperHeight()); ++y)
                 for (int x = left; x < std::min(left + side, raw.SuperWidth()); ++x)
                     if (const std::size_t luxel = raw.SuperIndex(x, y); rows.Has(raw, luxel, x, y))
-                        batch.Add(luxel, GatherDirections::SetOf(x / stride, y / stride), first[luxel]);
+                        batch.Add(luxel, directions.Of(lightmap, x / stride, y / stride, width), first[luxel]);
             if (batch.count > 0)
                 TraceBatch(raw, origins_[lightmap], directions, batch, rows);
         }
@@ -105,7 +117,7 @@ void BounceGather::TraceBatch(const RawLightmap &raw, const std::vector<Vec3f> &
     }
     for (int ray = 0; ray < rows.rays; ++ray) {
         for (std::size_t i = 0; i < batch.count; ++i)
-            rays.direction.Set(i, frames[i].World(directions.At(batch.sets[i], ray)));
+            rays.direction.Set(i, frames[i].World(directions.At(batch.choices[i], ray)));
         const auto emitters = scene_.FirstEmitters(rays, true);
         for (std::size_t i = 0; i < batch.count; ++i) {
             const std::size_t luxel = batch.luxels[i], at = batch.firstHits[i] + std::size_t(ray);
@@ -175,10 +187,10 @@ class BounceGather::ChannelSum {
 
 void BounceGather::GatherLuxels(const Emission &emission, std::size_t lightmap, const RawLightmap &raw,
                                 BounceEstimate &estimate, std::span<float> difference) const {
-    const HitRows traced = keepAll_ ? HitRows{} : TraceRows(lightmap, raw, 1, RaysPerLuxel(raw));
+    const HitRows traced = keepAll_ ? HitRows{} : TraceRows(lightmap, raw, 1, DirectionsOf(raw));
     const HitRows &rows = keepAll_ ? rows_[lightmap] : traced;
     const bool deluxe = !estimate.directions.empty(), directional = raw.channels.Any();
-    const GatherDirections directions(rows.rays);
+    const GatherDirections &directions = DirectionsOf(raw);
     const float share = 1 / float(rows.rays);
     const float evenRays = float((rows.rays + 1) / 2), oddRays = float(std::max(1, rows.rays / 2));
     std::size_t next = 0;
@@ -186,7 +198,7 @@ void BounceGather::GatherLuxels(const Emission &emission, std::size_t lightmap, 
         if (!raw.Mapped(luxel))
             continue;
         const auto x = int(luxel % std::size_t(raw.SuperWidth())), y = int(luxel / std::size_t(raw.SuperWidth()));
-        const int set = GatherDirections::SetOf(x, y);
+        const GatherDirections::Choice choice = directions.Of(lightmap, x, y, raw.SuperWidth());
         const GatherFrame frame(raw.normals[luxel]);
         ChannelSum channels(raw, luxel, frame);
         Vec3f sum, even, direction;
@@ -194,7 +206,7 @@ void BounceGather::GatherLuxels(const Emission &emission, std::size_t lightmap, 
             const EmitterId hit = rows.hits[next++];
             if (!Emits(hit))
                 continue;
-            const Vec3f &from = directions.At(set, i);
+            const Vec3f &from = directions.At(choice, i);
             sum += emission[hit];
             if (i % 2 == 0)
                 even += emission[hit];
@@ -206,7 +218,7 @@ void BounceGather::GatherLuxels(const Emission &emission, std::size_t lightmap, 
         estimate.irradiance[luxel] = sum * share;
         difference[luxel] += (Luminance(even) / evenRays - Luminance(sum - even) / oddRays) / 2;
         if (directional)
-            channels.AddTo(estimate.channels, share, directions.FluenceScale(set));
+            channels.AddTo(estimate.channels, share, directions.FluenceScale(choice));
         if (deluxe)
             estimate.directions[luxel] = direction * (kDeluxeBounceShare / 255 * share);
     }
@@ -241,8 +253,8 @@ Vec3f BounceGather::VertexRayOrigin(const Vec3f &position, const Vec3f &normal) 
     return position + normal * (!Emits(scene_.FirstEmitters(ahead, false)[0]) ? kRayLift : kMinRayLift);
 }
 
-std::vector<EmitterId> BounceGather::VertexHits(const Vec3f &position, const Vec3f &normal, bool twoSided,
-                                                int count) const {
+std::vector<EmitterId> BounceGather::VertexHits(const Vec3f &position, const Vec3f &normal, bool twoSided, int count,
+                                                std::uint64_t seed) const {
     const GatherFrame frame(normal);
     const Vec3f start = VertexRayOrigin(position, normal);
     std::vector<EmitterId> hits(std::size_t(count), kNoEmitter);
@@ -252,15 +264,15 @@ std::vector<EmitterId> BounceGather::VertexHits(const Vec3f &position, const Vec
             hits[numbers[i]] = Dithered(found[i], position, normal, twoSided, numbers[i]);
     });
     for (std::size_t i = 0; i < hits.size(); ++i)
-        rays.Add(i, start, frame.World(CosineDirection(PlasticSample(std::uint32_t(i), 0))), kRayLength);
+        rays.Add(i, start, frame.World(CosineDirection(PlasticSample(std::uint32_t(i), seed))), kRayLength);
     rays.Flush();
     return hits;
 }
 
-Vec3f BounceGather::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided,
-                                 const Emission &emission) const {
+Vec3f BounceGather::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided, const Emission &emission,
+                                 std::uint64_t seed) const {
     Vec3f sum;
-    for (const EmitterId hit : VertexHits(position, normal, twoSided, vertexRays_))
+    for (const EmitterId hit : VertexHits(position, normal, twoSided, vertexRays_, seed))
         if (Emits(hit))
             sum += emission[hit];
     return sum / float(vertexRays_);

@@ -3,20 +3,24 @@
 
 #include "q3map2/lightmap/bounce/bounce_estimate.h"
 #include "q3map2/lightmap/bounce/faint_patches.h"
+#include "q3map2/lightmap/bounce/gather_directions.h"
+
+#include <map>
 
 namespace q3 {
-
-class GatherDirections;
 
 /// Radiosity of each emitter, byte scale: light it received times its reflectance.
 using Emission = std::vector<Vec3f>;
 
+/// Equal for vertices at the same place, so that surfaces that share them get the same light.
+std::uint64_t VertexSeed(const Vec3f &vertex);
+
 /// Monte Carlo estimate of irradiance over cosine-weighted directions: E = 1/N sum of the radiosity that ray i hits, on
 /// a scale where E equals the radiosity of surroundings of uniform radiosity. Each mapped luxel traces N = 64 rays
 /// (24 under -fast; max(4, N / S^2) under -super S; -bouncerays sets N); the 16 luxels of a 4 x 4 block trace different
-/// directions. Rays hit the same emitters in every bounce, so hits are kept: all of them if memory allows; else fewer
-/// per texel for GatherTexels, and GatherLuxels traces its rays anew. Const after construction; safe from several
-/// threads.
+/// directions, and so do the blocks. Rays hit the same emitters in every bounce, so hits are kept: all of them if
+/// memory allows; else fewer per texel for GatherTexels, and GatherLuxels traces its rays anew. Const after
+/// construction; safe from several threads.
 class BounceGather {
   public:
     /// patches: leaves out faint emitters under -fast; else null. Keeps references.
@@ -36,10 +40,13 @@ class BounceGather {
     std::span<const EmitterId> KeptHits(std::size_t lightmap) const { return rows_[lightmap].hits; }
     /// Where rays of a vertex start: off its surface, but not behind a decal or the like over it.
     Vec3f VertexRayOrigin(const Vec3f &position, const Vec3f &normal) const;
-    /// The emitters that `count` rays from a vertex hit. twoSided: its surface is seen from both sides.
-    std::vector<EmitterId> VertexHits(const Vec3f &position, const Vec3f &normal, bool twoSided, int count) const;
+    /// The emitters that `count` rays from a vertex hit. twoSided: its surface is seen from both sides. seed: shifts
+    /// their directions, VertexSeed.
+    std::vector<EmitterId> VertexHits(const Vec3f &position, const Vec3f &normal, bool twoSided, int count,
+                                      std::uint64_t seed) const;
     /// Light at a vertex, by 4 N rays (256 under -fast).
-    Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided, const Emission &emission) const;
+    Vec3f IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided, const Emission &emission,
+                       std::uint64_t seed) const;
 
     /// RayOrigins of a lightmap.
     const std::vector<Vec3f> &Origins(std::size_t lightmap) const { return origins_[lightmap]; }
@@ -59,9 +66,11 @@ class BounceGather {
     /// Up to 16 luxels of a block, their sets of directions, and the index of the first hit of each.
     struct GatherBatch;
     class ChannelSum;
-    HitRows TraceRows(std::size_t lightmap, const RawLightmap &raw, int stride, int rays) const;
+    HitRows TraceRows(std::size_t lightmap, const RawLightmap &raw, int stride,
+                      const GatherDirections &directions) const;
     void TraceBatch(const RawLightmap &raw, const std::vector<Vec3f> &origins, const GatherDirections &directions,
                     const GatherBatch &batch, HitRows &rows) const;
+    const GatherDirections &DirectionsOf(const RawLightmap &raw) const { return directions_.at(RaysPerLuxel(raw)); }
     EmitterId Dithered(EmitterId emitter, const Vec3f &position, const Vec3f &normal, bool twoSided,
                        std::size_t number) const;
     int RaysPerLuxel(const RawLightmap &raw) const;
@@ -70,9 +79,10 @@ class BounceGather {
     const FaintPatches *patches_;
     const int luxelRays_, vertexRays_;
 
-    bool keepAll_ = false;                    // rows_ holds all hits of all luxels
-    std::vector<std::vector<Vec3f>> origins_; // by lightmap and luxel
-    std::vector<HitRows> rows_;               // by lightmap
+    std::map<int, GatherDirections> directions_; // by number of rays
+    bool keepAll_ = false;                       // rows_ holds all hits of all luxels
+    std::vector<std::vector<Vec3f>> origins_;    // by lightmap and luxel
+    std::vector<HitRows> rows_;                  // by lightmap
     std::uint64_t rays_ = 0;
 };
 

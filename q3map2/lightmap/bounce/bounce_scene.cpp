@@ -4,7 +4,6 @@
 #include "common/error.h"
 #include "q3map2/light/batch/ray_batcher.h"
 #include "q3map2/light/scene/light_embree.h"
-#include "q3map2/light/scene/light_patch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -87,28 +86,6 @@ void FillUnmapped(const RawLightmap &raw, std::span<Vec3f> texels) {
         }
 }
 
-std::vector<Face> FacesOfPatch(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t number) {
-    const bspDrawSurface_t &surface = in.bsp.drawSurfaces[number];
-    const auto first = surfaces.verts.begin() + surface.firstVert;
-    const auto mesh =
-        Tessellated(MeshOf<SurfaceVertex>{surface.patchWidth, surface.patchHeight, {first, first + surface.numVerts}},
-                    in.table[number].longestCurve);
-    const auto corner = [&](const SurfaceVertex &v) {
-        const auto nearer = [&](const SurfaceVertex &one, const SurfaceVertex &other) {
-            return Length(one.xyz - v.xyz) < Length(other.xyz - v.xyz);
-        };
-        const auto nearest = std::min_element(first, first + surface.numVerts, nearer);
-        return FaceCorner{v.xyz, v.normal, v.st, v.luxel, int(nearest - surfaces.verts.begin())};
-    };
-    std::vector<Face> faces;
-    for (int y = 0; y + 1 < mesh.height; ++y)
-        for (int x = 0; x + 1 < mesh.width; ++x) {
-            const auto q = MeshQuad(mesh, x, y);
-            faces.push_back({corner(q[0]), corner(q[1]), corner(q[2]), corner(q[3])});
-        }
-    return faces;
-}
-
 } // namespace
 
 bool IsInBounceScene(const SurfaceInputs &in, std::size_t surface) {
@@ -116,24 +93,6 @@ bool IsInBounceScene(const SurfaceInputs &in, std::size_t surface) {
     const bspShader_t &record = in.bsp.shaders[std::size_t(in.bsp.drawSurfaces[surface].shaderNum)];
     return (shader.compileFlags & (C_NODRAW | C_TRANSLUCENT | C_SKY)) == 0 && !shader.autosprite &&
            (record.surfaceFlags & in.options.noDrawSurfaceFlags) == 0;
-}
-
-std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t number) {
-    const bspDrawSurface_t &surface = in.bsp.drawSurfaces[number];
-    if (surface.surfaceType == MST_PATCH)
-        return FacesOfPatch(in, surfaces, number);
-    std::vector<Face> faces;
-    if (surface.surfaceType != MST_PLANAR && surface.surfaceType != MST_TRIANGLE_SOUP)
-        return faces;
-    for (int i = 0; i + 2 < surface.numIndexes; i += 3) {
-        Face &face = faces.emplace_back();
-        for (int k = 0; k < 3; ++k) {
-            const int vertex = surface.firstVert + in.bsp.drawIndexes[std::size_t(surface.firstIndex + i + k)];
-            const SurfaceVertex &v = surfaces.verts[std::size_t(vertex)];
-            face.push_back({v.xyz, v.normal, v.st, v.luxel, vertex});
-        }
-    }
-    return faces;
 }
 
 float BounceScale(const SurfaceInputs &in, std::size_t surface) {

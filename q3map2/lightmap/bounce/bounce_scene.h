@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The surfaces that reflect bounced light, as a scene for gather rays.
 #pragma once
 
-#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/raw/surface_faces.h"
 
 #include <memory>
 
@@ -36,18 +36,8 @@ class EmitterIndex {
     std::size_t count_ = 0;
 };
 
-/// A corner of a triangle or quad of a draw surface.
-struct FaceCorner {
-    Vec3f xyz, normal;
-    std::array<float, 2> st{}, luxel{};
-    int vertex = 0; ///< the nearest draw vertex
-};
-using Face = std::vector<FaceCorner>;
-
 /// Whether gather rays can hit the surface: false for skies, translucent, undrawn and autosprite surfaces.
 bool IsInBounceScene(const SurfaceInputs &in, std::size_t surface);
-/// Triangles of a surface, quads of a curve; clockwise seen from the front.
-std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t surface);
 /// Limit on reflectance, so that the sum over bounces converges.
 inline constexpr float kMaxReflectance = 0.99f;
 /// Ratio of radiosity to received light for a white texture: q3map_bounce * LightmapOptions::bounceScale

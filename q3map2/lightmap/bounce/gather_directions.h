@@ -4,7 +4,7 @@
 #include "libs/math/low_discrepancy.h"
 #include "libs/math/vec.h"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -19,35 +19,55 @@ inline Vec3f CosineDirection(const Sample2 &s) {
 
 /// Cosine-weighted directions for the 16 luxels of a 4 x 4 block, `rays` each. Ray i of each luxel points in
 /// about the same direction, so that 16 of them make a coherent packet; the directions of all 16 sets are together
-/// evenly distributed.
+/// evenly distributed. Few directions that all blocks share would see too much of some walls and too little of others,
+/// so there are several patterns, shifted against each other, which take turns from block to block.
 class GatherDirections {
   public:
     static constexpr int kSets = 16;
+    /// Which directions a luxel has.
+    struct Choice {
+        int pattern = 0, set = 0;
+    };
 
-    explicit GatherDirections(int rays) : rays_(rays) {
-        const double cell = 1 / std::sqrt(double(rays));
-        for (int set = 0; set < kSets; ++set) {
-            const double u = ((set & 3) - 1.5) / 4 * cell, v = ((set >> 2) - 1.5) / 4 * cell;
-            double sum = 0;
-            for (int ray = 0; ray < rays; ++ray) {
-                const Sample2 s = PlasticSample(std::uint32_t(ray), 0);
-                directions_.push_back(CosineDirection({s.u + u - std::floor(s.u + u), s.v + v - std::floor(s.v + v)}));
-                sum += 1 / double(directions_.back().z);
-            }
-            fluenceScales_[std::size_t(set)] = float(2 * rays / sum);
-        }
+    explicit GatherDirections(int rays) : rays_(rays), patterns_(std::max(1, kPatternRays / rays)) {
+        directions_.reserve(std::size_t(patterns_) * kSets * std::size_t(rays));
+        for (int pattern = 0; pattern < patterns_; ++pattern)
+            for (int set = 0; set < kSets; ++set)
+                AddSet(PlasticSample(std::uint32_t(pattern), 0), set);
     }
-    /// The set of directions of the luxel (x, y).
-    static int SetOf(int x, int y) { return (y & 3) * 4 + (x & 3); }
+    int Rays() const { return rays_; }
+    /// The choice for luxel (x, y) of a lightmap that is `width` luxels wide.
+    Choice Of(std::size_t lightmap, int x, int y, int width) const {
+        const std::uint64_t blocks = std::uint64_t(y / 4) * std::uint64_t((width + 3) / 4) + std::uint64_t(x / 4);
+        return {int((HashIndex(lightmap) + blocks) % std::uint64_t(patterns_)), (y & 3) * 4 + (x & 3)};
+    }
 
-    const Vec3f &At(int set, int ray) const { return directions_[std::size_t(set * rays_ + ray)]; }
+    const Vec3f &At(const Choice &choice, int ray) const { return directions_[First(choice) + std::size_t(ray)]; }
     /// The cosine-weighted mean of 1 / z over the hemisphere, which is 2, divided by the mean over the set.
-    float FluenceScale(int set) const { return fluenceScales_[std::size_t(set)]; }
+    float FluenceScale(const Choice &choice) const { return fluenceScales_[First(choice) / std::size_t(rays_)]; }
 
   private:
-    int rays_;
-    std::vector<Vec3f> directions_; // [set][ray]
-    std::array<float, kSets> fluenceScales_{};
+    /// Enough patterns for this many rays: a luxel with as many has no error worth shifting.
+    static constexpr int kPatternRays = 4096;
+
+    std::size_t First(const Choice &choice) const {
+        return std::size_t(choice.pattern * kSets + choice.set) * std::size_t(rays_);
+    }
+    void AddSet(const Sample2 &shift, int set) {
+        const double cell = 1 / std::sqrt(double(rays_));
+        const double u = shift.u + ((set & 3) - 1.5) / 4 * cell, v = shift.v + ((set >> 2) - 1.5) / 4 * cell;
+        double sum = 0;
+        for (int ray = 0; ray < rays_; ++ray) {
+            const Sample2 s = PlasticSample(std::uint32_t(ray), 0);
+            directions_.push_back(CosineDirection({s.u + u - std::floor(s.u + u), s.v + v - std::floor(s.v + v)}));
+            sum += 1 / double(directions_.back().z);
+        }
+        fluenceScales_.push_back(float(2 * rays_ / sum));
+    }
+
+    int rays_, patterns_;
+    std::vector<Vec3f> directions_;    // [pattern][set][ray]
+    std::vector<float> fluenceScales_; // [pattern][set]
 };
 
 } // namespace q3

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Radiosity: bounced light on surfaces.
 #include "q3map2/lightmap/bounce/light_bounce.h"
 
+#include "common/text/counted.h"
 #include "libs/math/color.h"
 #include "q3map2/lightmap/bounce/bounce_filter.h"
 #include "q3map2/lightmap/bounce/vertex_receivers.h"
@@ -108,9 +109,8 @@ Emission Bounces::AllBounces(const RadiositySolver &solver, Emission first) cons
     const RadiosityLimits limits{.bounces = in_.lightmap.bounces, .seconds = in_.lightmap.bounceTime};
     RadiositySolution solution = solver.Solve(std::move(first), limits);
     if (solution.timedOut)
-        in_.log.Warn("time for bounces",
-                     "-bouncetime {:g} is over after {} bounces; up to {:.2f} bytes of light are left out",
-                     limits.seconds, solution.steps + 1, solution.stillToCome);
+        in_.log.Warn("time for bounces", "-bouncetime {:g} is over after {}; up to {:.2f} bytes of light are left out",
+                     limits.seconds, Counted(solution.steps + 1, "bounces"), solution.stillToCome);
     return std::move(solution.total);
 }
 
@@ -148,13 +148,13 @@ Vec3f Bounces::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool two
     const auto radiosity = byStyle_.find(0);
     if (radiosity == byStyle_.end())
         return {};
-    return IrradianceOf(radiosity->second, position, normal, twoSided);
+    return IrradianceOf(radiosity->second, position, normal, twoSided, VertexSeed(position));
 }
 
-Vec3f Bounces::IrradianceOf(const StyleRadiosity &radiosity, const Vec3f &position, const Vec3f &normal,
-                            bool twoSided) const {
+Vec3f Bounces::IrradianceOf(const StyleRadiosity &radiosity, const Vec3f &position, const Vec3f &normal, bool twoSided,
+                            std::uint64_t seed) const {
     return radiosity.bright->IrradianceAt(position, gather_.VertexRayOrigin(position, normal), normal, twoSided) +
-           gather_.IrradianceAt(position, normal, twoSided, radiosity.rest);
+           gather_.IrradianceAt(position, normal, twoSided, radiosity.rest, seed);
 }
 
 /// Light by style. All styles share one noise filter, computed from their sum, so that they add up to what the same
@@ -198,8 +198,9 @@ std::vector<Vec3f> Bounces::LightOnVertices(const SurfaceLight &surfaces, const 
     const bspDrawSurface_t &drawn = in_.bsp.drawSurfaces[surface];
     std::vector<Vec3f> light(std::size_t(drawn.numVerts));
     ForVertexReceivers(in_, surfaces, surface, [&](int vertex, const Vec3f &position) {
-        light[std::size_t(vertex - drawn.firstVert)] = IrradianceOf(
-            radiosity, position, surfaces.verts[std::size_t(vertex)].normal, in_.table[surface].shader->twoSided);
+        const SurfaceVertex &own = surfaces.verts[std::size_t(vertex)];
+        light[std::size_t(vertex - drawn.firstVert)] =
+            IrradianceOf(radiosity, position, own.normal, in_.table[surface].shader->twoSided, VertexSeed(own.xyz));
     });
     return light;
 }

@@ -48,8 +48,8 @@ class Bounces {
     std::vector<BouncedStyle<BounceEstimate>> LightOnLuxels(std::size_t lightmap, const RawLightmap &raw) const;
     std::vector<Vec3f> LightOnVertices(const SurfaceLight &surfaces, const StyleRadiosity &radiosity,
                                        std::size_t surface) const;
-    Vec3f IrradianceOf(const StyleRadiosity &radiosity, const Vec3f &position, const Vec3f &normal,
-                       bool twoSided) const;
+    Vec3f IrradianceOf(const StyleRadiosity &radiosity, const Vec3f &position, const Vec3f &normal, bool twoSided,
+                       std::uint64_t seed) const;
 
     const SurfaceInputs &in_;
     EmitterIndex emitters_;

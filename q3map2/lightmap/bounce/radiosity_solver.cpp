@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <numeric>
 
 namespace q3 {
 
@@ -31,6 +33,9 @@ float Peak(std::span<const Vec3f> values) {
 struct RadiositySolver::State {
     Emission unshot, total;
     std::vector<float> peak, power; // by group: maximum and sum of unshot radiosity
+    std::vector<Vec3f> sum, decay;  // by group: sum of unshot radiosity, and its ratio from bounce to bounce
+    Vec3f allDecay;                 // ratio of the sum over all groups
+    bool wholeBounce = true;        // the unshot radiosity is that of one bounce
     std::vector<Vec3f> light;       // by emitter: light that it got in the latest step
     float Peak() const { return peak.empty() ? 0 : *std::max_element(peak.begin(), peak.end()); }
 };
@@ -82,7 +87,8 @@ void RadiositySolver::FindRays(Group &group, const std::vector<std::uint32_t> &g
         ForVertexReceivers(in_, surfaces_, group.number, [&](int vertex, const Vec3f &position) {
             const Vec3f &normal = surfaces_.verts[std::size_t(vertex)].normal;
             const bool twoSided = in_.table[group.number].shader->twoSided;
-            for (const EmitterId hit : gather_.VertexHits(position, normal, twoSided, kSolverVertexRays))
+            const std::uint64_t seed = VertexSeed(surfaces_.verts[std::size_t(vertex)].xyz);
+            for (const EmitterId hit : gather_.VertexHits(position, normal, twoSided, kSolverVertexRays, seed))
                 group.vertexHits.push_back(hit), see(hit);
         });
     }
@@ -137,6 +143,8 @@ void RadiositySolver::FinishLight(const Group &group, std::span<Vec3f> light) co
 
 /// Shoots the unshot radiosity of the groups in `shot`.
 void RadiositySolver::Step(const GroupMask &shot, State &state) const {
+    const bool all = std::find(shot.begin(), shot.end(), 0) == shot.end(), nextBounce = all && state.wholeBounce;
+    const Vec3f sumBefore = std::accumulate(state.sum.begin(), state.sum.end(), Vec3f{});
     Emission emission(state.unshot.size());
     for (std::size_t i = 0; i < groups_.size(); ++i)
         if (shot[i] != 0) {
@@ -153,15 +161,42 @@ void RadiositySolver::Step(const GroupMask &shot, State &state) const {
         if (SeesAny(group, shot))
             GatherGroup(group, emission, light);
         FinishLight(group, light);
-        float power = 0;
+        Vec3f sum;
         for (std::size_t k = 0; k < light.size(); ++k) {
             const Vec3f reflected = light[k] * reflectance[k];
             unshot[k] += reflected, total[k] += reflected;
-            power += Luminance(unshot[k]);
+            sum += unshot[k];
         }
+        if (nextBounce)
+            for (std::size_t c = 0; c < 3; ++c)
+                state.decay[i][c] = state.sum[i][c] > 0 ? sum[c] / state.sum[i][c] : maxReflectance_;
         state.peak[i] = Peak(unshot);
-        state.power[i] = power;
+        state.power[i] = Luminance(sum);
+        state.sum[i] = sum;
     });
+    state.wholeBounce = all;
+    if (const Vec3f after = std::accumulate(state.sum.begin(), state.sum.end(), Vec3f{}); nextBounce)
+        for (std::size_t c = 0; c < 3; ++c)
+            state.allDecay[c] = sumBefore[c] > 0 ? after[c] / sumBefore[c] : 0;
+}
+
+/// Adds `bounces` more bounces, or all for kEndlessBounces: unshot * (q + q^2 + ...), q being the decay of a group from
+/// bounce to bounce. peakDecay: that of the largest radiosity. No group counts as decaying more slowly than this or
+/// than all light together: one that gets its first light from others has no decay yet.
+void RadiositySolver::AddRest(int bounces, float peakDecay, State &state) const {
+    Vec3f most;
+    for (std::size_t c = 0; c < 3; ++c)
+        most[c] = std::min(std::max(peakDecay, state.allDecay[c]), maxReflectance_);
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+        Vec3f factor;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float q = std::min(state.decay[i][c], most[c]);
+            factor[c] = q / (1 - q) * (bounces == kEndlessBounces ? 1 : 1 - std::pow(q, float(bounces)));
+        }
+        const auto unshot = groups_[i].Of(state.unshot), total = groups_[i].Of(state.total);
+        for (std::size_t k = 0; k < total.size(); ++k)
+            total[k] += unshot[k] * factor;
+    }
 }
 
 RadiositySolution RadiositySolver::Solve(Emission first, const RadiosityLimits &limits) const {
@@ -171,6 +206,11 @@ RadiositySolution RadiositySolver::Solve(Emission first, const RadiosityLimits &
     state.total = std::move(first);
     state.light.resize(state.total.size());
     state.peak.resize(groups_.size()), state.power.resize(groups_.size());
+    for (const Group &group : groups_) {
+        const auto unshot = group.Of(state.unshot);
+        state.sum.push_back(std::accumulate(unshot.begin(), unshot.end(), Vec3f{}));
+    }
+    state.decay.resize(groups_.size());
     RadiositySolution solution;
     const GroupMask all(groups_.size(), 1);
     float decay = maxReflectance_; // largest ratio of peak unshot radiosity after to before a step that shoots all
@@ -190,8 +230,11 @@ RadiositySolution RadiositySolver::Solve(Emission first, const RadiosityLimits &
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
         solution.timedOut = limits.seconds > 0 && elapsed.count() > limits.seconds;
         const bool little = solution.stillToCome < limits.leastLight;
-        if (little && shotAll)
+        if (little && shotAll) {
+            const int more = limits.bounces == kEndlessBounces ? kEndlessBounces : limits.bounces - solution.steps - 1;
+            AddRest(more, decay, state);
             break;
+        }
         // Only a step that shoots everything measures the decay, so one such step confirms that little light is left.
         shootAll = limits.bounces != kEndlessBounces || solution.steps < kFirstJacobiSteps || little;
     }

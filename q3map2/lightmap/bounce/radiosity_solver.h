@@ -17,14 +17,15 @@ struct RadiositySolution {
     Emission total; ///< radiosity, summed over bounces
     int steps = 0;
     float stillToCome = 0; ///< estimate of the most light that later bounces give anywhere, byte scale
-    bool timedOut = false;
+    bool timedOut = false; ///< later bounces are not in `total`; else their estimate is
 };
 
 /// Radiosity equation B = B_1 + R K B over emitters: K is the transport along the kept gather rays, times dirt, R the
 /// reflectance. A step shoots radiosity that was not shot before: either all of it, so that step k computes bounce
 /// k + 1 (Jacobi iteration), or, under endless bounces, only the brightest groups of emitters, if these give more light
 /// per ray (progressive refinement, Cohen et al., 1988). Only groups that see a shot group gather. The sum is a valid
-/// result after each step. Const after construction.
+/// result after each step. What the solver leaves when it stops for little light is the rest of a geometric series and
+/// is added in closed form. Const after construction.
 class RadiositySolver {
   public:
     /// Keeps references.
@@ -64,6 +65,7 @@ class RadiositySolver {
     void GatherGroup(const Group &group, const Emission &shot, std::span<Vec3f> light) const;
     void FinishLight(const Group &group, std::span<Vec3f> light) const;
     void Step(const GroupMask &shot, State &state) const;
+    void AddRest(int bounces, float peakDecay, State &state) const;
 
     const SurfaceInputs &in_;
     const SurfaceLight &surfaces_;

@@ -30,14 +30,14 @@ Q3_VECTOR void SetIncidentLight(const Light &light, const SurfaceIncidentLight &
 
 } // namespace
 
-LuxelSum &LuxelSums::FindOrAdd(std::size_t slot, int radius, std::size_t blocks) {
+LuxelSum &LuxelSums::FindOrAdd(std::size_t slot, float filterRadius, std::size_t blocks) {
     for (std::size_t i = 0; i < used; ++i)
-        if (sums[i].slot == slot && sums[i].radius == radius)
+        if (sums[i].slot == slot && sums[i].filterRadius == filterRadius)
             return sums[i];
     if (used == sums.size())
         sums.emplace_back();
     LuxelSum &sum = sums[used++];
-    sum.slot = slot, sum.radius = radius;
+    sum.slot = slot, sum.filterRadius = filterRadius;
     sum.color.assign(blocks, {});
     sum.direction.assign(deluxe ? blocks : 0, {});
     sum.channels.assign(directional ? blocks : 0, {});

@@ -6,10 +6,10 @@
 
 namespace q3 {
 
-/// Sum of the light of sources with one style slot and one blur radius, by block.
+/// Sum of the light of sources with one style slot and one filter radius, by block.
 struct LuxelSum {
     std::size_t slot = 0;
-    int radius = 0; ///< luxels of the super grid
+    float filterRadius = 0; ///< of the sources, Light::filterRadius; 0 for all if no surface blurs light
     std::vector<Lanes3> color, direction;
     std::vector<ChannelLanes> channels;
 };
@@ -21,8 +21,8 @@ struct LuxelSums {
     std::size_t used = 0; ///< how many of `sums` hold values; the rest only keep their memory
 
     void Clear() { used = 0; }
-    /// The sum of that slot and radius; a new one is zero.
-    LuxelSum &FindOrAdd(std::size_t slot, int radius, std::size_t blocks);
+    /// The sum of that slot and filter radius; a new one is zero.
+    LuxelSum &FindOrAdd(std::size_t slot, float filterRadius, std::size_t blocks);
 };
 
 /// Light of one source at the receivers of a block; zero where none arrives.

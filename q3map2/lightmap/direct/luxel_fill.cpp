@@ -51,7 +51,7 @@ void ApplyDirt(RawLightmap &lightmap) {
 class LuxelFill {
   public:
     LuxelFill(const SurfaceInputs &in, const SurfacePass &pass, RawLightmap &lightmap)
-        : lightmap_(lightmap), dark_(in.lightmap.dark), filter_(in.lightmap.filter),
+        : lightmap_(lightmap), dark_(in.lightmap.dark),
           ambient_(pass.bounce ? Vec3f{} : lightmap.ambient) {}
 
     /// In place and row by row: with q3map_splotchFix a fixed luxel counts as a neighbor of the next.
@@ -72,18 +72,17 @@ class LuxelFill {
         for (std::size_t i = 0; i < sources.size(); ++i)
             sources[i] = lightmap_.Mapped(i) && lightmap_.filled[slot][i] != 0;
         const LuxelMask touching = Dilate(sources, lightmap_.SuperWidth(), lightmap_.SuperHeight());
-        const bool mappedToo = lightmap_.splotchFix || filter_;
         for (int y = 0; y < lightmap_.SuperHeight(); ++y)
             for (int x = 0; x < lightmap_.SuperWidth(); ++x)
                 if (const std::size_t at = lightmap_.SuperIndex(x, y);
-                    touching[at] != 0 && (mappedToo || !lightmap_.Mapped(at)))
+                    touching[at] != 0 && (lightmap_.splotchFix || !lightmap_.Mapped(at)))
                     Fill(slot, x, y);
     }
 
     void Fill(std::size_t slot, int x, int y) {
         const std::size_t at = lightmap_.SuperIndex(x, y);
         const bool mapped = lightmap_.Mapped(at), needsColor = !mapped || IsSplotch(slot, at);
-        const bool needsDirection = slot == 0 && !lightmap_.directions.empty() && (!mapped || filter_);
+        const bool needsDirection = slot == 0 && !lightmap_.directions.empty() && !mapped;
         if (!needsColor && !needsDirection)
             return;
         Vec3f color, direction;
@@ -124,7 +123,7 @@ class LuxelFill {
     }
 
     RawLightmap &lightmap_;
-    bool dark_, filter_;
+    bool dark_;
     Vec3f ambient_;
 };
 

@@ -4,7 +4,7 @@
 #include "common/progress.h"
 #include "libs/math/color.h"
 #include "q3map2/lightmap/direct/debug_view.h"
-#include "q3map2/lightmap/direct/luxel_filter.h"
+#include "q3map2/lightmap/direct/luxel_blur.h"
 #include "q3map2/lightmap/direct/luxel_lists.h"
 #include "q3map2/lightmap/direct/luxel_samples.h"
 #include "q3map2/lightmap/raw/style_choice.h"
@@ -33,19 +33,18 @@ struct Worker {
     LuxelBlocks blocks;
     LuxelSums sums;
     LuxelSampler sampler;
-    LuxelFilter filter;
     LuxelLightList list;
     std::vector<std::uint32_t> reachedBlocks;
-    std::vector<Vec3f> dense;
     ContributionCounts counts;
 };
 
 /// Lights one raw lightmap.
 class LightmapPass {
   public:
-    LightmapPass(const SurfaceInputs &in, const LightsByCluster &lights, const SurfacePass &pass, RawLightmap &lightmap,
-                 Worker &worker)
-        : in_(in), lights_(lights), lightmap_(lightmap), worker_(worker) {
+    /// Puts light that is to be blurred into `unblurred`.
+    LightmapPass(const SurfaceInputs &in, const LightsByCluster &lights, const SurfacePass &pass, bool blurAll,
+                 RawLightmap &lightmap, std::vector<UnblurredLight> &unblurred, Worker &worker)
+        : in_(in), lights_(lights), lightmap_(lightmap), worker_(worker), blurAll_(blurAll), unblurred_(unblurred) {
         pass_.bounce = pass.bounce;
         pass_.deluxe = in.lightmap.deluxe;
         pass_.channels = lightmap.channels;
@@ -91,7 +90,7 @@ class LightmapPass {
         const Vec3f ambient = pass_.bounce ? Vec3f{} : lightmap_.ambient;
         for (std::size_t slot = 0; slot < kStyles; ++slot)
             if (slot == 0 || !lightmap_.light[slot].empty())
-                ClearSlot(slot, slot == 0 ? ambient : Vec3f{});
+                ClearStyleSlot(lightmap_, slot, slot == 0 ? ambient : Vec3f{});
         if (!pass_.deluxe)
             return;
         const float share = std::max(1.0f / 256, Luminance(ambient) / 255);
@@ -101,35 +100,12 @@ class LightmapPass {
                 lightmap_.directions[i] = lightmap_.normals[i] * share;
     }
 
-    void ClearSlot(std::size_t slot, const Vec3f &value) {
-        const std::size_t count = lightmap_.luxelClusters.size();
-        lightmap_.light[slot].assign(count, {});
-        lightmap_.filled[slot].assign(count, 0);
-        for (std::size_t i = 0; i < count; ++i)
-            if (lightmap_.Mapped(i))
-                lightmap_.light[slot][i] = value, lightmap_.filled[slot][i] = 1;
-        const ChannelWeights uniform = UniformWeights(pass_.channels);
-        lightmap_.directional[slot].resize(pass_.channels.Count());
-        for (std::size_t c = 0; c < pass_.channels.Count(); ++c) {
-            lightmap_.directional[slot][c].assign(count, {});
-            for (std::size_t i = 0; i < count; ++i)
-                if (lightmap_.Mapped(i))
-                    lightmap_.directional[slot][c][i] = value * uniform[c];
-        }
-    }
-
-    int RadiusFor(const Light &light) const {
-        const float radius = std::max({0.0f, lightmap_.filterRadius, light.filterRadius});
-        const int luxels = int(std::min(float(lightmap_.super) * radius / std::max(lightmap_.sampleSize, 1.0f), 1e6f));
-        return luxels == 0 && (radius > 0 || in_.lightmap.filter) ? 1 : luxels;
-    }
-
     /// The sum that the light adds to. Claims the slot for a new style.
     LuxelSum &SumFor(const Light &light, std::size_t slot) {
         if (lightmap_.light[slot].empty())
-            ClearSlot(slot, {});
+            ClearStyleSlot(lightmap_, slot, {});
         lightmap_.styles[slot] = std::uint8_t(light.style);
-        return worker_.sums.FindOrAdd(slot, RadiusFor(light), worker_.blocks.Count());
+        return worker_.sums.FindOrAdd(slot, std::max(0.0f, light.filterRadius), worker_.blocks.Count());
     }
 
     void AddLight(const Light &light) {
@@ -185,34 +161,37 @@ class LightmapPass {
         styles_.Choose();
     }
 
-    /// Adds a sum to luxels, blurred by `radius`. lanesOf(block): the sum of a block.
-    template <typename LanesOf> void AddDense(const LanesOf &lanesOf, int radius, std::vector<Vec3f> &to) {
-        std::vector<Vec3f> &dense = radius > 0 ? worker_.dense : to;
-        if (radius > 0)
-            dense.assign(to.size(), {});
+    /// Adds a sum to luxels. lanesOf(block): the sum of a block.
+    template <typename LanesOf> void AddDense(const LanesOf &lanesOf, std::vector<Vec3f> &to) const {
         for (std::size_t block = 0; block < worker_.blocks.Count(); ++block) {
             const auto &luxels = worker_.blocks.Luxels(block);
             const Lanes3 &lanes = lanesOf(block);
             for (std::size_t i = 0; i < worker_.blocks.Receivers(block).count; ++i)
-                dense[luxels[i]] += lanes[i];
+                to[luxels[i]] += lanes[i];
         }
-        if (radius == 0)
-            return;
-        worker_.filter.Apply(lightmap_, radius, dense);
-        for (std::size_t i = 0; i < to.size(); ++i)
-            to[i] += dense[i];
     }
 
-    void AddSum(const LuxelSum &sum) {
-        const auto color = [&](std::size_t block) -> const Lanes3 & { return sum.color[block]; };
-        AddDense(color, sum.radius, lightmap_.light[sum.slot]);
-        const auto direction = [&](std::size_t block) -> const Lanes3 & { return sum.direction[block]; };
+    void AddDense(const LuxelSum &sum, std::vector<Vec3f> &light, std::vector<Vec3f> &directions,
+                  ChannelImages &channels) const {
+        AddDense([&](std::size_t block) -> const Lanes3 & { return sum.color[block]; }, light);
         if (pass_.deluxe)
-            AddDense(direction, sum.radius, lightmap_.directions);
-        for (std::size_t c = 0; c < pass_.channels.Count(); ++c) {
-            const auto channel = [&](std::size_t block) -> const Lanes3 & { return sum.channels[block][c]; };
-            AddDense(channel, sum.radius, lightmap_.directional[sum.slot][c]);
-        }
+            AddDense([&](std::size_t block) -> const Lanes3 & { return sum.direction[block]; }, directions);
+        for (std::size_t c = 0; c < pass_.channels.Count(); ++c)
+            AddDense([&](std::size_t block) -> const Lanes3 & { return sum.channels[block][c]; }, channels[c]);
+    }
+
+    /// Adds a sum to the lightmap, or keeps it until those of all lightmaps are known, if it is to be blurred.
+    void AddSum(const LuxelSum &sum) {
+        if (!blurAll_ && sum.filterRadius == 0)
+            return AddDense(sum, lightmap_.light[sum.slot], lightmap_.directions, lightmap_.directional[sum.slot]);
+        const std::vector<Vec3f> zero(lightmap_.luxelClusters.size());
+        UnblurredLight &kept = unblurred_.emplace_back();
+        kept.style = lightmap_.styles[sum.slot], kept.filterRadius = sum.filterRadius;
+        kept.color = zero;
+        if (pass_.deluxe)
+            kept.direction = zero;
+        kept.channels.assign(pass_.channels.Count(), zero);
+        AddDense(sum, kept.color, kept.direction, kept.channels);
     }
 
     const SurfaceInputs &in_;
@@ -222,6 +201,8 @@ class LightmapPass {
     LuxelPass pass_;
     StyleChoice styles_;
     bool sampling_ = false;
+    const bool blurAll_; // not only light of sources with a filter radius
+    std::vector<UnblurredLight> &unblurred_;
 };
 
 } // namespace
@@ -237,6 +218,8 @@ void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, cons
     });
     std::vector<Worker> workers(std::size_t(in.jobs.Threads()));
     DroppedLights dropped(surfaces.lightmaps.size());
+    const bool blurAll = BlursAllLight(in, surfaces);
+    UnblurredLights unblurred(surfaces.lightmaps.size());
     std::atomic<std::uint64_t> raysSoFar{0};
     Progress progress(in.log, std::int64_t(order.size()));
     in.jobs.For(
@@ -245,13 +228,14 @@ void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, cons
             Worker &worker = workers[std::size_t(number)];
             const std::uint64_t before = worker.counts.rays;
             const std::size_t lightmap = order[std::size_t(index)];
-            LightmapPass one(in, lists, pass, surfaces.lightmaps[lightmap], worker);
+            LightmapPass one(in, lists, pass, blurAll, surfaces.lightmaps[lightmap], unblurred[lightmap], worker);
             one.Run();
             dropped[lightmap] = one.Dropped();
             raysSoFar += worker.counts.rays - before;
         },
         [&](std::int64_t done) { progress.Update(done, raysSoFar); });
     progress.Finish();
+    AddBlurredLight(in, unblurred, surfaces);
     for (const Worker &worker : workers)
         counts += worker.counts;
     WarnOfDroppedLights(dropped, "light", "lightmaps", in.log);

@@ -64,6 +64,7 @@ Group Samples() {
            .aliases = {"-supersample"},
            .values = "N",
            .range = {1, kMaxSuper},
+           .limitReason = "time and memory grow with N²; -samples refines only where light changes",
            .help = "Take N × N samples in each luxel"},
           &LightmapOptions::super},
          {{.name = "-samples",
@@ -196,8 +197,9 @@ Group Bounces() {
            .initial = "0",
            .help = "How often light bounces off surfaces",
            .details =
-               "Ends earlier when all bounces to come would give less than a quarter of a byte anywhere; `inf` ends "
-               "only then. More than 1 costs little: the rays are those of the first bounce."},
+               "Ends earlier when all bounces to come would give less than a quarter of a byte anywhere, and adds an "
+               "estimate of them; `inf` ends only then. More than 1 costs little: the rays are those of the first "
+               "bounce."},
           Do<LightmapOptions>(TakeBounces)},
          {{.name = "-bouncetime",
            .values = "S",

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/image/engine_hdr.h"
+#include "common/text/counted.h"
 #include "libs/math/packed_color.h"
 #include "q3map2/lightmap/store/exp32_json.h"
 
@@ -98,7 +99,7 @@ void ImportVertexLight(const std::filesystem::path &path, float fullLight, Bsp &
         return;
     const std::vector<Vec3f> light = DecodeVertexLight(ReadFile(path), bsp.drawVerts.size(), fullLight, path.string());
     bsp.vertexE5bgr9 = EncodeE5bgr9(light);
-    log.Print("Read the HDR light of {} vertices from {}\n", light.size(), path.string());
+    log.Print("Read the HDR light of {} from {}\n", Counted((long long)(light.size()), "vertices"), path.string());
 }
 
 } // namespace
@@ -117,7 +118,7 @@ void ExportHdrLight(const Bsp &bsp, int side, const std::filesystem::path &folde
         ReplaceFile(folder / kVertexLightFile, EncodeVertexLight(vertices, form.fullVertexLight));
     }
     if (!parts.empty())
-        log.Print("Wrote {} HDR lightmaps to {}\n", parts.size(), folder.string());
+        log.Print("Wrote {} to {}\n", Counted((long long)(parts.size()), "HDR lightmaps"), folder.string());
 }
 
 void ImportHdrLight(Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &format, Log &log) {
@@ -138,7 +139,8 @@ void ImportHdrLight(Bsp &bsp, int side, const std::filesystem::path &folder, con
         ++replaced;
     }
     if (!parts.empty())
-        log.Print("Read {} of {} HDR lightmaps from {}\n", replaced, parts.size(), folder.string());
+        log.Print("Read {} of {} from {}\n", replaced, Counted((long long)(parts.size()), "HDR lightmaps"),
+                  folder.string());
     if (const float full = format.empty() ? 0 : FormOf(format).fullVertexLight; full > 0)
         ImportVertexLight(folder / kVertexLightFile, full, bsp, log);
 }

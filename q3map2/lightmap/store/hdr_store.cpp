@@ -4,6 +4,7 @@
 #include "common/files/files.h"
 #include "common/image/engine_hdr.h"
 #include "common/image/image.h"
+#include "common/text/counted.h"
 #include "libs/math/packed_color.h"
 #include "q3map2/lightmap/encode/rnm.h"
 
@@ -70,7 +71,8 @@ class HdrFileWriter {
 
     void Report() const {
         if (!written_.empty())
-            log_.Print("Wrote {} files of HDR light and basis maps to {}\n", written_.size(), folder_.string());
+            log_.Print("Wrote {} of HDR light and basis maps to {}\n", Counted((long long)(written_.size()), "files"),
+                       folder_.string());
     }
 
     /// Warns of files of an earlier run that engines would load with the new map.

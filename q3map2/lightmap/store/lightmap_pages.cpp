@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/image/image.h"
+#include "common/text/counted.h"
 #include "q3map2/lightmap/store/hdr_pages.h"
 
 #include <algorithm>
@@ -50,7 +51,7 @@ void WritePages(const std::filesystem::path &folder, const StoredLightmaps &stor
     }
     if (written == 0)
         return;
-    log.Print("Wrote {} lightmaps to {}\n", written, folder.string());
+    log.Print("Wrote {} to {}\n", Counted((long long)(written), "lightmaps"), folder.string());
     std::error_code ignored;
     while (std::filesystem::remove(PageFile(folder, next), ignored))
         ++next;
@@ -72,7 +73,7 @@ void WriteScript(const std::filesystem::path &script, const StoredLightmaps &sto
         text += fmt::format("\n{}\n{}{}", one.shader, one.text, one.text.ends_with('\n') ? "" : "\n");
     MakeFolder(script.parent_path());
     ReplaceTextFile(script, text);
-    log.Print("Wrote {} shaders to {}\n", stored.scripts.size(), script.string());
+    log.Print("Wrote {} to {}\n", Counted((long long)(stored.scripts.size()), "shaders"), script.string());
 }
 
 void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &folder, Log &log,
@@ -87,7 +88,7 @@ void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &fold
         ReplaceFile(ExportedFile(folder, i),
                     EncodeTga(std::span(bsp.lightmaps).subspan(i * bytes, bytes), side, side, 3, TgaRows::BottomFirst));
     if (pages > 0)
-        log.Print("Wrote {} lightmaps to {}\n", pages, folder.string());
+        log.Print("Wrote {} to {}\n", Counted((long long)(pages), "lightmaps"), folder.string());
     ExportHdrLight(bsp, side, folder, options.hdrFormat, log);
 }
 
@@ -121,7 +122,7 @@ void ImportLightmaps(Bsp &bsp, int side, const std::filesystem::path &folder, Lo
             }
         ++replaced;
     }
-    log.Print("Read {} of {} lightmaps from {}\n", replaced, pages, folder.string());
+    log.Print("Read {} of {} from {}\n", replaced, Counted((long long)(pages), "lightmaps"), folder.string());
 }
 
 } // namespace q3

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Stores the light of surfaces in the Bsp: pages, coordinates, vertex colors, generated shaders.
 #include "q3map2/lightmap/store/lightmap_store.h"
 
+#include "common/text/counted.h"
 #include "q3map2/light/tone/light_tone.h"
 #include "q3map2/lightmap/store/lightmap_approx.h"
 #include "q3map2/lightmap/store/lightmap_layers.h"
@@ -350,10 +351,11 @@ class Storer {
             numbered += page.number < 0 ? 0 : page.directions.empty() ? 1 : 2;
         Log &log = in_.log;
         log.Count(used_, "luxels used");
-        log.Print("{:9} luxels stored ({:.2f} percent efficiency)\n", stored,
+        log.Print("{:9} {} stored ({:.2f} percent efficiency)\n", stored, stored == 1 ? "luxel" : "luxels",
                   stored > 0 ? 100 * double(used_) / double(stored) : 0);
         log.Count(solid, "solid surface lightmaps");
-        log.Print("{:9} identical surface lightmaps, using {} luxels\n", twins, twinLuxels);
+        log.Print("{:9} identical surface {}, using {}\n", twins, twins == 1 ? "lightmap" : "lightmaps",
+                  Counted((long long)(twinLuxels), "luxels"));
         log.Count(forced_, "vertex forced surfaces");
         log.Count(approximated_, "vertex approximated surfaces");
         log.Count(in_.lightmap.external ? 0 : numbered, "BSP lightmaps");

@@ -5,6 +5,8 @@ import { showLegend } from './ui/legend.js';
 import { Messages } from './ui/messages.js';
 import { connectPad } from './ui/pad.js';
 import { Panel } from './ui/panel.js';
+import { placeOf } from './place_link.js';
+import { showSurface } from './ui/surface_box.js';
 import { Viewer } from './viewer.js';
 
 const element = (id) => document.getElementById(id);
@@ -35,11 +37,47 @@ function setPanel(open) {
     document.body.classList.toggle('panelOpen', open);
 }
 
+function setKeys(shown) {
+    element('keys').hidden = !shown;
+    element('help').setAttribute('aria-expanded', String(shown));
+}
+
+/** Puts the place into the address of the page and, where the browser allows it, into the clipboard. */
+async function copyLink(viewer, messages) {
+    history.replaceState(null, '', viewer.link());
+    try {
+        await navigator.clipboard.writeText(location.href);
+        messages.add('note', 'The link to this place is in the clipboard.');
+    } catch {
+        messages.add('note', "The address of the page now leads to this place: copy it from the browser's address bar.");
+    }
+}
+
+async function savePicture(viewer) {
+    const address = URL.createObjectURL(await viewer.picture());
+    const anchor = document.createElement('a');
+    const place = viewer.camera.position.toArray().map((c) => c.toFixed(0));
+    anchor.href = address;
+    anchor.download = `${viewer.path.split('/').pop().replace(/\.bsp$/i, '')}_${place.join('_')}.png`;
+    anchor.click();
+    URL.revokeObjectURL(address);
+}
+
+function followLinks(viewer) {
+    addEventListener('hashchange', () => {
+        const place = viewer.map && placeOf(location.hash, viewer.path);
+        if (!place) return;
+        viewer.toPlace(place);
+        viewer.invalidate();
+    });
+}
+
 function onKey(event, viewer, panel) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.code in kFigureKeys) viewer.moveFigure(...kFigureKeys[event.code].map((n) => kFigureStep * n));
     else if (event.code === 'Home' && viewer.map) viewer.toStart();
     else if (event.code === 'End' && viewer.map) panel.fromAbove();
+    else if (event.code === 'Escape') viewer.pick(null);
     else return;
     event.preventDefault();
 }
@@ -89,6 +127,7 @@ function start() {
             showStatus(viewer);
             panel?.showFrame();
             showLegend(element('legend'), viewer);
+            showSurface(element('surface'), viewer, () => viewer.pick(null));
         });
     } catch (error) {
         messages.add('error', `This browser does not show 3D pictures (WebGL 2): ${error.message}`);
@@ -97,9 +136,10 @@ function start() {
     const opener = new Opener(viewer, messages, (paths, shown) => {
         if (element('status').hidden) {
             setPanel(matchMedia('(min-width: 700px)').matches);
+            setKeys(true);
             element('pad').hidden = !matchMedia('(pointer: coarse)').matches;
         }
-        for (const id of ['open', 'toggle']) element(id).hidden = false;
+        for (const id of ['open', 'help', 'toggle']) element(id).hidden = false;
         element('start').hidden = true;
         element('status').hidden = false;
         element('title').textContent = shown;
@@ -111,8 +151,13 @@ function start() {
     });
     panel = new Panel(element('panel'), viewer, {
         chooseMap: (path) => opener.show(path).catch((error) => opener.report(error, path)),
+        copyLink: () => copyLink(viewer, messages),
+        savePicture: () => savePicture(viewer).catch((error) => opener.report(error)),
     });
     element('toggle').addEventListener('click', () => setPanel(element('panel').hidden));
+    element('help').addEventListener('click', () => setKeys(element('keys').hidden));
+    element('keys').querySelector('button').addEventListener('click', () => setKeys(false));
+    followLinks(viewer);
     element('view').addEventListener('keydown', (event) => onKey(event, viewer, panel));
     connectPad(element('pad'), viewer.walk, () => viewer.invalidate());
     connectDrops(opener);

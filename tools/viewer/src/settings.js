@@ -5,7 +5,7 @@ export function initialSettings() {
         textured: true,
         brightness: 1, // factor on all light
         speed: 320, // units a second; that of players
-        showPoints: true,
+        showPoints: false,
         source: 'uniform', // 'uniform', 'sparse' or 'legacy': the grid that points and the SH figure show
         color: 'light', // 'light', 'kind' or 'level'
         where: 'near', // 'near' or 'slice'
@@ -23,7 +23,7 @@ export function initialSettings() {
         leak: true,
         portals: false,
         lights: false,
-        clustered: false,
+        tint: 'off', // 'off', 'clusters' or 'luxels': colors in place of textures
         onlyVisible: false, // clusters that the viewer's sees
     };
 }

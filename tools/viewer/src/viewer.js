@@ -10,13 +10,15 @@ import { Figure } from './scene/figure.js';
 import { GridLayer } from './scene/grid_layer.js';
 import { Lightmaps } from './scene/lightmaps.js';
 import { MapMesh } from './scene/map_mesh.js';
-import { disposeTree, leakLine, lightSpheres, portalMesh } from './scene/overlays.js';
+import { disposeTree, leakLine, lightSpheres, portalMesh, surfaceMark } from './scene/overlays.js';
 import { Textures } from './scene/textures.js';
 import { Walk } from './scene/walk.js';
 import { initialSettings } from './settings.js';
+import { linkTo, placeOf } from './place_link.js';
 
 const kSkyColor = new THREE.Color().setStyle('#5f7f9e', THREE.LinearSRGBColorSpace);
 const kBackground = new THREE.Color().setStyle('#14171c', THREE.LinearSRGBColorSpace);
+const kTints = ['off', 'clusters', 'luxels'];
 const kFigureDistance = 96; // units before the viewer
 const kFigureDrop = 20; // units below the line of sight
 const kRefreshShare = 0.04; // of the radius: how far the viewer moves before points are chosen anew
@@ -34,6 +36,8 @@ export class Viewer {
     stats = { firstPicture: 0, texturesDone: 0, fps: 0, calls: 0, triangles: 0 };
     figureLight = null;
     errorSummary = null;
+    /** The surface that the visitor has clicked, from MapMesh.surfaceOn. */
+    picked = null;
 
     /**
      * @param {HTMLCanvasElement} canvas
@@ -57,13 +61,14 @@ export class Viewer {
         this.gridLayer = new GridLayer(this.lightUniforms);
         this.figure = new Figure(this.lightUniforms);
         this.errors = new ErrorLayer();
-        this.side = { leak: null, portals: null, lights: null };
+        this.side = { leak: null, portals: null, lights: null, mark: null };
         this.scene.add(this.gridLayer.mesh, this.figure.group, this.errors.points);
         this.raycaster = new THREE.Raycaster();
         this.walk = new Walk(this.camera, canvas, {
             changed: () => this.invalidate(),
             grab: (event) => this.grabFigure(event),
             drag: (event) => this.dragFigure(event),
+            click: (event) => this.pick(event),
         });
         new ResizeObserver(() => this.resize()).observe(canvas);
         this.resize();
@@ -121,7 +126,7 @@ export class Viewer {
         );
         const again = this.map !== null && this.path === path;
         this.close();
-        Object.assign(this, { map, path, tree, lightmaps });
+        Object.assign(this, { map, path, tree, lightmaps, shaderOf });
         this.setTone(map.entities[0]?.get('_q3map2_tone'));
         this.mesh = new MapMesh(
             map,
@@ -133,7 +138,7 @@ export class Viewer {
             kSkyColor,
         );
         this.scene.add(this.mesh.group);
-        if (!again) this.toStart();
+        if (!again) this.toPlace(placeOf(location.hash, path));
         this.applySettings();
         this.drawNow();
         this.finish();
@@ -172,6 +177,7 @@ export class Viewer {
         this.textures.dispose();
         for (const name of Object.keys(this.side)) this.setSide(name, null);
         this.errors.set(null);
+        this.picked = null;
         this.grids = { uniform: null, sparse: null, legacy: null, problems: [] };
         this.map = null;
         this.shownCluster = undefined;
@@ -196,6 +202,26 @@ export class Viewer {
         this.walk.pitch = 0;
         this.settings.height = Math.round(start.position[2] / 8) * 8;
         this.invalidate();
+    }
+
+    /** @param {{position: number[], yaw: number, pitch: number} | null} place null: a start of players */
+    toPlace(place) {
+        this.toStart();
+        if (!place) return;
+        this.camera.position.fromArray(place.position);
+        this.walk.yaw = place.yaw;
+        this.walk.pitch = place.pitch;
+    }
+
+    /** The part of an address that leads here. */
+    link() {
+        return linkTo(this.path, this.camera.position.toArray(), this.walk.yaw, this.walk.pitch);
+    }
+
+    /** @returns {Promise<Blob>} the picture as a PNG */
+    picture() {
+        this.drawNow();
+        return new Promise((resolve) => this.renderer.domElement.toBlob(resolve, 'image/png'));
     }
 
     /**
@@ -274,15 +300,21 @@ export class Viewer {
         const { settings } = this;
         this.lightUniforms.brightness.value = settings.brightness;
         this.walk.speed = settings.speed;
-        for (const name of Object.keys(this.side)) if (this.side[name]) this.side[name].visible = settings[name];
+        for (const name of Object.keys(this.side)) if (this.side[name]) this.side[name].visible = settings[name] ?? true;
         if (!this.mesh) return;
         this.mesh.uniforms.textured.value = settings.textured ? 1 : 0;
-        this.mesh.uniforms.clustered.value = settings.clustered ? 1 : 0;
-        this.mesh.cutAt(settings.cut ? settings.height + settings.thickness / 2 : null);
+        this.mesh.uniforms.tint.value = kTints.indexOf(settings.tint);
+        this.mesh.cutAt(this.cutHeight);
         this.errorSummary = this.errors.update(settings.errors, {
             ...settings,
             viewHeight: this.renderer.domElement.height,
         });
+    }
+
+    /** Height above which the map is cut; null: it is not. */
+    get cutHeight() {
+        const { cut, height, thickness } = this.settings;
+        return cut ? height + thickness / 2 : null;
     }
 
     refreshGrid() {
@@ -333,6 +365,14 @@ export class Viewer {
         );
         this.raycaster.setFromCamera(at, this.camera);
         return this.raycaster;
+    }
+
+    /** Marks the surface under the pointer; null: none. */
+    pick(event) {
+        if (!this.map) return;
+        this.picked = event && this.mesh.surfaceOn(this.rayOf(event), this.cutHeight);
+        this.setSide('mark', this.picked ? surfaceMark(this.picked.triangles) : null);
+        this.invalidate();
     }
 
     grabFigure(event) {

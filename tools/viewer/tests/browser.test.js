@@ -240,6 +240,40 @@ test('lightmaps in images beside the map look like those inside', { skip: !DEMO 
     colors[0].forEach((c, k) => assert.ok(Math.abs(c - colors[1][k]) < 3));
 });
 
+test('a click tells what a surface is; a link leads back; the picture is saved', { skip: !DEMO }, () =>
+    withPage({ ...kDesktop, acceptDownloads: true }, async (page, faults) => {
+        await openFiles(page, [DEMO]);
+        await texturesLoaded(page);
+        assert.equal(await page.isVisible('#keys'), true);
+        assert.equal(await page.evaluate(() => window.viewer.viewer.settings.showPoints), false);
+        await page.evaluate(() => {
+            const { viewer } = window.viewer;
+            viewer.camera.position.set(-264, 0, 58);
+            [viewer.walk.yaw, viewer.walk.pitch] = [0.5, -1.2]; // at the floor
+            viewer.invalidate();
+        });
+        await page.mouse.click(300, 400);
+        const text = await page.textContent('#surface');
+        assert.match(text, /textures\/demo\/.*planar.*page \d.*\d units/);
+        const { surface, point } = await page.evaluate(() => window.viewer.viewer.picked);
+        assert.ok(Number.isInteger(surface) && Math.abs(point.z) < 1, `the floor is at height 0: ${point.z}`);
+        await page.keyboard.press('Escape');
+        await page.waitForFunction(() => document.getElementById('surface').hidden);
+        await page.click('text=Copy link');
+        await page.waitForFunction(() => location.hash.includes('at=-264,0,58,28.6,-68.8'));
+        await page.evaluate(() => {
+            location.hash = 'at=10,20,30,90,0';
+        });
+        await page.waitForFunction(() => window.viewer.viewer.camera.position.z === 30);
+        const saved = page.waitForEvent('download');
+        await page.click('text=Save picture');
+        assert.equal((await saved).suggestedFilename(), `${DEMO.split('/').pop().replace('.bsp', '')}_10_20_30.png`);
+        await page.click('text=Luxel size');
+        await page.waitForFunction(() => document.getElementById('legend').textContent.includes('no lightmap'));
+        assert.deepEqual(faults, []);
+    }),
+);
+
 test('files beside the map, in a second drop', { skip: !DEMO }, () =>
     withPage(kDesktop, async (page, faults) => {
         await openFiles(page, [DEMO]);

@@ -7,6 +7,10 @@ import { shiftColor } from '../bsp/grid_legacy.js';
 import { kNoDrawFlag } from '../files/shader_script.js';
 import { kDisplayGlsl, kMapShift } from './glsl.js';
 
+/** Luxel sizes with a color of their own, units, and the colors; sizes between have a color between. */
+export const kLuxelSizes = [2, 8, 16, 32, 64];
+export const kLuxelColors = ['#b06bff', '#4f8dff', '#39c46a', '#f2c14e', '#ff5a4f'];
+
 const kVertexLight = -1;
 const kNoLight = -2;
 
@@ -15,11 +19,13 @@ in vec2 st;
 in vec3 lightmap; // texture coordinates and layer, or one of the values below 0
 in vec4 color;
 in vec3 clusterColor;
+in vec3 luxelColor;
 out vec2 vSt;
 out vec2 vLightmap;
 flat out float vLayer;
 out vec4 vColor;
 out vec3 vClusterColor;
+out vec3 vLuxelColor;
 out float vHeight;
 
 void main() {
@@ -28,6 +34,7 @@ void main() {
     vLayer = lightmap.z;
     vColor = color;
     vClusterColor = clusterColor;
+    vLuxelColor = luxelColor;
     vHeight = position.z;
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
@@ -37,7 +44,7 @@ precision highp sampler2DArray;
 uniform sampler2D image;
 uniform sampler2DArray lightmaps;
 uniform float textured;
-uniform float clustered;
+uniform float tint; // 0: none, 1: clusters, 2: luxels
 uniform float alphaTest;
 uniform float cutHeight;
 uniform vec3 plainColor; // of skies; below 0: none
@@ -46,6 +53,7 @@ in vec2 vLightmap;
 flat in float vLayer;
 in vec4 vColor;
 in vec3 vClusterColor;
+in vec3 vLuxelColor;
 in float vHeight;
 out vec4 result;
 ${kDisplayGlsl}
@@ -64,9 +72,15 @@ void main() {
     if (textured == 0.0) texel.rgb = vec3(1.0);
     vec3 light = vLayer >= 0.0 ? texture(lightmaps, vec3(vLightmap, vLayer)).rgb
         : vLayer > ${(kNoLight + 0.5).toFixed(1)} ? vColor.rgb : vec3(0.5);
-    if (clustered > 0.0) {
-        texel = vec4(vClusterColor, 1.0);
+    if (tint > 0.0) {
+        texel = vec4(tint > 1.0 ? vLuxelColor : vClusterColor, 1.0);
         light = vec3(0.2) + 0.3 * sqrt(light);
+        if (tint > 1.0 && vLayer >= 0.0) { // a board of luxels, which fades where they are smaller than pixels
+            vec2 luxel = vLightmap * vec2(textureSize(lightmaps, 0).xy);
+            float pixels = 1.0 / max(max(fwidth(luxel.x), fwidth(luxel.y)), 1e-6);
+            float odd = mod(floor(luxel.x) + floor(luxel.y), 2.0);
+            light *= 1.0 + clamp(pixels - 1.5, 0.0, 1.0) * (0.35 * odd - 0.175);
+        }
     }
     result = vec4(texel.rgb * displayLight(light), texel.a);
 }`;
@@ -83,6 +97,44 @@ function clusterColor(cluster) {
     const hue = (cluster * 0.61803398875) % 1;
     const color = new THREE.Color().setHSL(hue, 0.4, 0.52 + 0.16 * (((cluster * 7) % 3) - 1));
     return [color.r, color.g, color.b];
+}
+
+const kTableColors = kLuxelColors.map((color) => new THREE.Color().setStyle(color, THREE.LinearSRGBColorSpace));
+
+/** The color of a luxel size in units; gray without a lightmap. */
+function luxelColor(size) {
+    if (!(size > 0)) return [0.45, 0.45, 0.45];
+    let i = 0;
+    while (i < kLuxelSizes.length - 2 && size > kLuxelSizes[i + 1]) i++;
+    const share = Math.log(size / kLuxelSizes[i]) / Math.log(kLuxelSizes[i + 1] / kLuxelSizes[i]);
+    const color = kTableColors[i].clone().lerp(kTableColors[i + 1], Math.min(Math.max(share, 0), 1));
+    return [color.r, color.g, color.b];
+}
+
+/** Area of a triangle whose corners have `size` numbers each. */
+function triangleArea(array, size, corners) {
+    const edge = (to) =>
+        [0, 1, 2].map((k) => (k < size ? array[size * corners[to] + k] - array[size * corners[0] + k] : 0));
+    const [a, b] = [edge(1), edge(2)];
+    return Math.hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]) / 2;
+}
+
+/** Units along the edge of a luxel, on average over the surface; 0 if it has no lightmap. */
+function luxelSize({ shape, place }) {
+    if (!place) return 0;
+    const pageSide = 0.5 / place.texel; // of a layer; the scale is the share of it that the page fills
+    let [world, luxels] = [0, 0];
+    for (let i = 0; i < shape.indexes.length; i += 3) {
+        const corners = [0, 1, 2].map((k) => shape.indexes[i + k]);
+        world += triangleArea(shape.vertices.position, 3, corners);
+        luxels +=
+            triangleArea(shape.vertices.lightmap, 2, corners) *
+            place.scale[0] *
+            place.scale[1] *
+            pageSide *
+            pageSide;
+    }
+    return luxels > 0 ? Math.sqrt(world / luxels) : 0;
 }
 
 /** Vertices and indexes of a surface; null if it is not drawn. */
@@ -131,12 +183,14 @@ function groupSurfaces(map, shaderOf, lightmaps, clusters) {
                 ? 'sky'
                 : [shader.image, shader.clamp, shader.blend, shader.alphaTest, shader.twoSided].join('|');
             if (!groups.has(key)) groups.set(key, { shader, pieces: [] });
+            const place = lightmaps.placeOf(surface, shader);
             groups.get(key).pieces.push({
                 surface: i,
                 shape,
                 offset,
                 shader,
-                place: lightmaps.placeOf(surface, shader),
+                place,
+                luxelSize: luxelSize({ shape, place }),
                 cluster: clusters[i][0] ?? -1,
             });
         }
@@ -156,6 +210,7 @@ function fillVertices(arrays, base, piece) {
     const { offset, shader, place } = piece;
     const layer = layerOf(piece);
     const tint = clusterColor(piece.cluster);
+    const luxels = luxelColor(layer >= 0 ? piece.luxelSize : 0);
     for (let i = 0; i < vertices.count; i++) {
         const to = base + i;
         for (let k = 0; k < 3; k++) arrays.position[3 * to + k] = vertices.position[3 * i + k] + offset[k];
@@ -169,6 +224,7 @@ function fillVertices(arrays, base, piece) {
         const color = shiftColor([...vertices.color.subarray(4 * i, 4 * i + 3)].map(Math.round), kMapShift);
         arrays.color.set([...color, vertices.color[4 * i + 3]], 4 * to);
         for (let k = 0; k < 3; k++) arrays.clusterColor[3 * to + k] = 255 * tint[k];
+        for (let k = 0; k < 3; k++) arrays.luxelColor[3 * to + k] = 255 * luxels[k];
     }
 }
 
@@ -182,6 +238,7 @@ function joinPieces(pieces) {
         lightmap: new Float32Array(3 * vertexCount),
         color: new Uint8Array(4 * vertexCount),
         clusterColor: new Uint8Array(3 * vertexCount),
+        luxelColor: new Uint8Array(3 * vertexCount),
     };
     const indexes = new Uint32Array(indexCount);
     const ranges = [];
@@ -189,7 +246,13 @@ function joinPieces(pieces) {
     for (const piece of pieces) {
         fillVertices(arrays, vertex, piece);
         for (let i = 0; i < piece.shape.indexes.length; i++) indexes[index + i] = vertex + piece.shape.indexes[i];
-        ranges.push({ surface: piece.surface, first: index, count: piece.shape.indexes.length });
+        ranges.push({
+            surface: piece.surface,
+            first: index,
+            count: piece.shape.indexes.length,
+            layer: layerOf(piece),
+            luxelSize: piece.luxelSize,
+        });
         vertex += piece.shape.vertices.count;
         index += piece.shape.indexes.length;
     }
@@ -200,6 +263,7 @@ function joinPieces(pieces) {
         ['lightmap', 3, false],
         ['color', 4, true],
         ['clusterColor', 3, true],
+        ['luxelColor', 3, true],
     ])
         geometry.setAttribute(name, new THREE.BufferAttribute(arrays[name], size, normalized));
     geometry.setIndex(new THREE.BufferAttribute(indexes.slice(), 1));
@@ -245,7 +309,7 @@ export class MapMesh {
         this.uniforms = {
             lightmaps: { value: lightmaps.texture },
             textured: { value: 1 },
-            clustered: { value: 0 },
+            tint: { value: 0 },
             cutHeight: { value: 0 },
             brightness,
         };
@@ -269,6 +333,7 @@ export class MapMesh {
                 image: key === 'sky' ? '' : shader.image,
                 clamp: shader.clamp,
                 ...joined,
+                shown: joined.ranges,
             });
         }
     }
@@ -286,18 +351,41 @@ export class MapMesh {
 
     /** Shows only surfaces in clusters for which the test holds; null: all. */
     showClusters(test) {
-        for (const { geometry, indexes, ranges } of this.batches) {
+        for (const batch of this.batches) {
+            const { geometry, indexes, ranges } = batch;
             const target = geometry.index.array;
             let count = 0;
-            for (const { surface, first, count: length } of ranges) {
-                const clusters = this.clusters[surface];
+            batch.shown = [];
+            for (const range of ranges) {
+                const clusters = this.clusters[range.surface];
                 if (test && clusters.length > 0 && !clusters.some(test)) continue;
-                target.set(indexes.subarray(first, first + length), count);
-                count += length;
+                target.set(indexes.subarray(range.first, range.first + range.count), count);
+                batch.shown.push({ ...range, first: count });
+                count += range.count;
             }
             geometry.index.needsUpdate = true;
             geometry.setDrawRange(0, count);
         }
+    }
+
+    /**
+     * The nearest shown surface on a ray, with its place and luxel size; null: none.
+     * @param {THREE.Raycaster} raycaster
+     * @param {number | null} height above which the map is cut
+     */
+    surfaceOn(raycaster, height) {
+        const hits = raycaster.intersectObjects(this.group.children);
+        const hit = hits.find(({ point }) => height === null || point.z <= height);
+        if (!hit) return null;
+        const batch = this.batches.find(({ mesh }) => mesh === hit.object);
+        const index = 3 * hit.faceIndex;
+        const range = batch.shown.find(({ first, count }) => index >= first && index < first + count);
+        if (!range) return null;
+        const { array } = batch.geometry.index;
+        const { position } = batch.geometry.attributes;
+        const corners = [...array.subarray(range.first, range.first + range.count)];
+        const triangles = new Float32Array(corners.flatMap((i) => [position.getX(i), position.getY(i), position.getZ(i)]));
+        return { ...range, point: hit.point, triangles };
     }
 
     dispose() {

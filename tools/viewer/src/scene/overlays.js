@@ -33,6 +33,25 @@ export function leakLine(points) {
     return rods;
 }
 
+/** Triangles of a surface, tinted and drawn over everything. */
+export function surfaceMark(triangles) {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.BufferAttribute(triangles, 3));
+    const mark = new THREE.Mesh(
+        geometry,
+        new THREE.MeshBasicMaterial({
+            color: 0xf2c14e,
+            transparent: true,
+            opacity: 0.22,
+            side: THREE.DoubleSide,
+            depthTest: false,
+        }),
+    );
+    mark.renderOrder = 3;
+    mark.frustumCulled = false;
+    return mark;
+}
+
 /** Portals as translucent polygons with edges; hint portals in another color. */
 export function portalMesh(portals) {
     const [positions, colors, edges] = [[], [], []];

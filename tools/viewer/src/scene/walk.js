@@ -4,6 +4,7 @@ import * as THREE from 'three';
 const kTurnPerPixel = 0.0035; // radians
 const kTurnPerSecond = 1.8; // radians, by keys
 const kFingerUnits = 1.6; // units a pixel of two fingers
+const kClickPixels = 4; // a pointer that moves less between press and release has clicked
 const kSteepest = Math.PI / 2; // of pitch
 
 const kMoves = {
@@ -35,7 +36,7 @@ export class Walk {
      * @param {THREE.PerspectiveCamera} camera
      * @param {HTMLElement} element gets the events
      * @param owner functions: `changed()`; `grab(event)`, whether a pressed pointer takes hold of something instead of
-     *   turning the view; `drag(event)`, called when that pointer moves
+     *   turning the view; `drag(event)`, called when that pointer moves; `click(event)`
      */
     constructor(camera, element, owner) {
         this.camera = camera;
@@ -76,6 +77,7 @@ export class Walk {
         this.element.focus({ preventScroll: true });
         if (event.button > 0) return;
         this.grabbed = this.pointers.size === 0 && this.owner.grab(event);
+        this.pressedAt = this.pointers.size === 0 && !this.grabbed ? [event.clientX, event.clientY] : null;
         this.pointers.set(event.pointerId, [event.clientX, event.clientY]);
         this.element.setPointerCapture?.(event.pointerId);
     }
@@ -101,6 +103,9 @@ export class Walk {
     }
 
     onUp(event) {
+        const pressed = this.pointers.has(event.pointerId) && this.pointers.size === 1 ? this.pressedAt : null;
+        const moved = pressed ? Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) : Infinity;
+        if (event.type === 'pointerup' && moved < kClickPixels && !this.locked) this.owner.click(event);
         this.pointers.delete(event.pointerId);
         if (this.pointers.size === 0) this.grabbed = false;
     }

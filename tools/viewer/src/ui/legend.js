@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. What the colors on the screen mean.
 import { kKindColors, kLevelColors } from '../scene/grid_layer.js';
 import { kScale } from '../scene/error_layer.js';
+import { kLuxelColors, kLuxelSizes } from '../scene/map_mesh.js';
 import { make } from './controls.js';
 
 const kKinds = ['lit: in the open', 'filled: in a wall, with light', 'void: no light'];
@@ -8,14 +9,14 @@ const css = (color) => `rgb(${color.map((c) => Math.round(255 * c)).join(' ')})`
 
 function entry(color, text) {
     const dot = make('i', {});
-    dot.style.background = css(color);
+    dot.style.background = typeof color === 'string' ? color : css(color);
     return make('span', { class: 'entry' }, dot, text);
 }
 
 function levels(grid) {
     const used = new Set(grid.pointLevels);
     const size = Math.min(...grid.cell);
-    return [...used].sort((a, b) => a - b).map((level) => entry(kLevelColors[level], `${size * 2 ** level} u`));
+    return [...used].sort((a, b) => a - b).map((level) => entry(kLevelColors[level], `${size * 2 ** level} units`));
 }
 
 function scale(viewer) {
@@ -40,8 +41,8 @@ function scale(viewer) {
 
 /** What the legend depends on. */
 function stateOf({ settings, path, grids, errors }) {
-    const { showPoints, color, source, figure, errors: shown, largest } = settings;
-    return [showPoints, color, source, figure, shown, largest, path, grids[source]?.count, errors.errors?.count].join(
+    const { showPoints, color, source, figure, errors: shown, largest, tint } = settings;
+    return [showPoints, color, source, figure, shown, largest, tint, path, grids[source]?.count, errors.errors?.count].join(
         '|',
     );
 }
@@ -57,6 +58,16 @@ export function showLegend(element, viewer) {
         parts.push(make('div', {}, ...kKindColors.map((color, i) => entry(color, kKinds[i]))));
     if (settings.showPoints && settings.color === 'level' && settings.source === 'sparse' && grids.sparse)
         parts.push(make('div', {}, 'Cells: ', ...levels(grids.sparse)));
+    if (settings.tint === 'luxels')
+        parts.push(
+            make(
+                'div',
+                {},
+                'Luxel size: ',
+                ...kLuxelSizes.map((size, i) => entry(kLuxelColors[i], `${size} units`)),
+                entry([0.45, 0.45, 0.45], 'no lightmap'),
+            ),
+        );
     if (settings.figure === 'both') parts.push(make('div', {}, 'Figures: SH on the left, legacy on the right'));
     if (settings.errors !== 'off' && viewer.errors.errors) parts.push(scale(viewer));
     element.replaceChildren(...parts);

@@ -8,13 +8,15 @@ export class Panel {
     /**
      * @param {HTMLElement} element
      * @param {import('../viewer.js').Viewer} viewer
-     * @param {{chooseMap: (path: string) => void}} actions
+     * @param {{chooseMap: (path: string) => void, copyLink: () => void, savePicture: () => void}} actions
      */
     constructor(element, viewer, actions) {
         this.viewer = viewer;
         this.element = element;
+        this.actions = actions;
         this.controls = [];
         this.facts = make('dl', { class: 'facts' });
+        this.absent = make('details', { class: 'absent', hidden: true });
         this.mapList = make('select', {
             title: 'Map',
             'aria-label': 'Map',
@@ -61,13 +63,19 @@ export class Panel {
             button('Start', () => this.viewer.toStart(), 'To a start of players (Home)'),
             button('From above', () => this.fromAbove(), 'Over the map, looking down (End)'),
             button(
+                'Copy link',
+                () => this.actions.copyLink(),
+                'The address of this page with the place where you are: for somebody who has the same map, or this report',
+            ),
+            button('Save picture', () => this.actions.savePicture(), 'What you see, as a PNG'),
+            button(
                 'Mouse look',
                 () => this.viewer.walk.lock(),
                 'The mouse turns the view until Escape (double click)',
                 'mouse',
             ),
         );
-        return section('Map', true, this.mapList, this.facts, buttons);
+        return section('Map', true, this.mapList, this.facts, this.absent, buttons);
     }
 
     viewSection() {
@@ -76,6 +84,18 @@ export class Panel {
             true,
             this.add(checkbox('textured', 'Textures', this.change)),
             this.add(
+                choice(
+                    'tint',
+                    'Colors',
+                    [
+                        ['off', 'None'],
+                        ['luxels', 'Luxel size'],
+                        ['clusters', 'Clusters'],
+                    ],
+                    this.change,
+                ),
+            ),
+            this.add(
                 slider(
                     'brightness',
                     'Brightness',
@@ -83,7 +103,7 @@ export class Panel {
                     this.change,
                 ),
             ),
-            this.add(slider('speed', 'Speed', { min: 40, max: 1600, step: 20, unit: ' u/s' }, this.change)),
+            this.add(slider('speed', 'Speed', { min: 40, max: 1600, step: 20, unit: ' units/s' }, this.change)),
         );
     }
 
@@ -128,7 +148,7 @@ export class Panel {
                     change,
                 ),
             ),
-            this.add(slider('radius', 'Radius', { min: 64, max: 2048, step: 32, unit: ' u' }, change)),
+            this.add(slider('radius', 'Radius', { min: 64, max: 2048, step: 32, unit: ' units' }, change)),
             this.add(slider('size', 'Sphere size', { min: 0.4, max: 3, step: 0.1, digits: 1, unit: ' ×' }, change)),
             this.add(checkbox('inWalls', 'Points in solid space too', change)),
             this.pointCount,
@@ -163,8 +183,8 @@ export class Panel {
         return section(
             'Slice and errors',
             false,
-            this.add(slider('height', 'Height', { min: -512, max: 512, step: 4, unit: ' u' }, change)),
-            this.add(slider('thickness', 'Thickness', { min: 8, max: 512, step: 8, unit: ' u' }, change)),
+            this.add(slider('height', 'Height', { min: -512, max: 512, step: 4, unit: ' units' }, change)),
+            this.add(slider('thickness', 'Thickness', { min: 8, max: 512, step: 8, unit: ' units' }, change)),
             this.add(checkbox('cut', 'Cut the map above it', change)),
             make(
                 'div',
@@ -195,7 +215,6 @@ export class Panel {
             this.add(checkbox('lights', 'Light entities', this.change)),
             this.add(checkbox('leak', 'Leak line (.lin)', this.change)),
             this.add(checkbox('portals', 'Portals (.prt)', this.change)),
-            this.add(checkbox('clustered', 'Colors of clusters', this.change)),
             this.add(checkbox('onlyVisible', 'Only what this cluster sees', this.change)),
         );
     }
@@ -216,7 +235,7 @@ export class Panel {
         this.errors.enable(measured);
         this.errors.enableValue('legacy', Boolean(errors.errors?.legacy));
         this.largest.enable(measured && settings.errors !== 'off');
-        this.clustered.enable(Boolean(map));
+        this.tint.enable(Boolean(map));
         this.onlyVisible.enable(Boolean(map) && tree.clusterCount > 0);
         if (map) this.height.limit(Math.floor(map.models[0].mins[2]), Math.ceil(map.models[0].maxs[2]));
     }
@@ -231,20 +250,31 @@ export class Panel {
 
     showFacts() {
         const { map, grids, lightmaps, lightList, mesh, stats, textures } = this.viewer;
-        const grid = (g) => (g ? `${number(g.count)} · ${vector(g.cell, 0)} u` : 'none');
+        const grid = (g) => (g ? `${number(g.count)} · ${vector(g.cell, 0)}` : 'none');
         const rows = [
             ['File', `IBSP ${map.version}, ${(map.bytes / 1e6).toFixed(1)} MB`],
             ['Surfaces', number(map.surfaces.length)],
             ['Triangles', number(mesh.triangles)],
             ['Lightmaps', String(lightmaps.count)],
             ['Light entities', number(lightList?.length ?? 0)],
-            ['SH points', grid(grids.uniform)],
-            ['SH sparse points', grid(grids.sparse)],
-            ['Legacy points', grid(grids.legacy)],
+            ['SH points · cell', grid(grids.uniform)],
+            ['Sparse SH points · cell', grid(grids.sparse)],
+            ['Legacy points · cell', grid(grids.legacy)],
         ];
-        if (textures.absent.size > 0) rows.push(['Textures', `${textures.absent.size} not found`]);
         rows.push(['First picture', `${stats.firstPicture.toFixed(0)} ms`]);
         this.facts.replaceChildren(...rows.flatMap(([name, value]) => [make('dt', {}, name), make('dd', {}, value)]));
+        this.showAbsent([...textures.absent, ...lightmaps.missing].map(String).sort());
+    }
+
+    /** Names of images that no open file has; surfaces are gray there. */
+    showAbsent(names) {
+        this.absent.hidden = names.length === 0;
+        const what = names.length === 1 ? '1 image not found' : `${number(names.length)} images not found`;
+        this.absent.replaceChildren(
+            make('summary', {}, what),
+            make('p', { class: 'note' }, 'Open the archives that have them. Until then these surfaces are gray.'),
+            make('ul', {}, ...names.map((name) => make('li', {}, name))),
+        );
     }
 
     /** What changes from frame to frame. */

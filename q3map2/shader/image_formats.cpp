@@ -1,5 +1,8 @@
-// GPL-2.0-or-later. Sizes of images from their headers.
-#include "q3map2/shader/image_size.h"
+// GPL-2.0-or-later. The formats of the game's images, and their sizes from their headers.
+#include "q3map2/shader/image_formats.h"
+
+#include "common/image/image_dds.h"
+#include "common/text/text.h"
 
 #include <algorithm>
 
@@ -17,14 +20,17 @@ int BigEndian16(std::span<const std::byte> file, std::size_t at) {
     return Byte(file, at) << 8 | Byte(file, at + 1);
 }
 
+int LittleEndian16(std::span<const std::byte> file, std::size_t at) {
+    return Byte(file, at) | Byte(file, at + 1) << 8;
+}
+
 std::optional<std::array<int, 2>> Checked(int width, int height) {
     if (std::min(width, height) < 1 || std::max(width, height) > kMaxSide)
         return std::nullopt;
     return std::array<int, 2>{width, height};
 }
 
-} // namespace
-
+/// Width and height from the header. nullopt: another format, damaged, or over 16384 texels a side.
 std::optional<std::array<int, 2>> TgaSize(std::span<const std::byte> file) {
     constexpr std::size_t kHeader = 18;
     if (file.size() < kHeader)
@@ -32,7 +38,7 @@ std::optional<std::array<int, 2>> TgaSize(std::span<const std::byte> file) {
     constexpr std::array<int, 6> kTypes = {1, 2, 3, 9, 10, 11};
     if (std::find(kTypes.begin(), kTypes.end(), Byte(file, 2)) == kTypes.end())
         return std::nullopt;
-    return Checked(Byte(file, 12) | Byte(file, 13) << 8, Byte(file, 14) | Byte(file, 15) << 8);
+    return Checked(LittleEndian16(file, 12), LittleEndian16(file, 14));
 }
 
 std::optional<std::array<int, 2>> PngSize(std::span<const std::byte> file) {
@@ -66,6 +72,27 @@ std::optional<std::array<int, 2>> JpegSize(std::span<const std::byte> file) {
         at += isBare ? 2 : 2 + std::size_t(std::max(2, BigEndian16(file, at + 2)));
     }
     return std::nullopt;
+}
+
+std::optional<std::array<int, 2>> DdsSize(std::span<const std::byte> file) {
+    constexpr std::size_t kHeader = 128;
+    constexpr std::string_view kMark = "DDS ";
+    if (file.size() < kHeader || !AsText(file).starts_with(kMark))
+        return std::nullopt;
+    if (LittleEndian16(file, 14) != 0 || LittleEndian16(file, 18) != 0)
+        return std::nullopt;
+    return Checked(LittleEndian16(file, 16), LittleEndian16(file, 12));
+}
+
+constexpr std::array<ImageFormat, 4> kFormats = {{{".tga", DecodeTga, TgaSize},
+                                                  {".png", DecodePng, PngSize},
+                                                  {".jpg", DecodeJpeg, JpegSize},
+                                                  {".dds", DecodeDds, DdsSize}}};
+
+} // namespace
+
+std::span<const ImageFormat> ImageFormats() {
+    return kFormats;
 }
 
 } // namespace q3

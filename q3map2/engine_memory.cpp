@@ -1,0 +1,82 @@
+// GPL-2.0-or-later. Whether the engines of a game can load a .bsp with the memory that they have by default.
+#include "q3map2/engine_memory.h"
+
+#include "common/text/counted.h"
+#include "q3map2/bspfile/bspfile.h"
+#include "q3map2/file_guard.h"
+#include "q3map2/light/options/light_options.h"
+#include "q3map2/shader/engine_limits.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+/// What the game itself takes while a map is loaded: its modules, player models, bots. ioquake3 with OpenArena takes 5
+/// to 7 MB, with modules as libraries; as .qvm files they take more.
+constexpr std::uint64_t kGameBytes = 12000000;
+constexpr std::uint64_t kMebibyte = 1 << 20, kHunkStep = 64; ///< MiB, of the value that is proposed
+
+template <typename Record> std::uint64_t BytesIn(const std::vector<Record> &records) {
+    return std::uint64_t(records.size()) * sizeof(Record);
+}
+
+std::uint64_t BytesOfGridSH(const Bsp &bsp) {
+    return bsp.gridSH ? BytesIn(bsp.gridSH->points) : 0;
+}
+
+/// Bytes of the BSPX lumps.
+std::uint64_t ExtensionBytes(const Bsp &bsp) {
+    std::uint64_t bytes = BytesIn(bsp.lightmapsE5bgr9) + BytesIn(bsp.vertexE5bgr9);
+    if (bsp.gridSHContainer == GridSHContainer::Bspx)
+        bytes += BytesOfGridSH(bsp);
+    if (bsp.sparseGridSH)
+        bytes += EncodeSparseGrid(*bsp.sparseGridSH).size();
+    if (bsp.rnm)
+        for (const RnmPage &page : bsp.rnm->pages)
+            for (const std::vector<std::uint32_t> &map : page.maps)
+                bytes += BytesIn(map);
+    if (bsp.ambientCubes)
+        bytes += BytesIn(bsp.ambientCubes->leafs) + BytesIn(bsp.ambientCubes->samples);
+    for (const BspxLump &lump : bsp.bspx)
+        bytes += lump.data.size();
+    return bytes;
+}
+
+/// What makes the largest part of the file smaller; empty: nothing in particular.
+std::string AdviceFor(const Bsp &bsp, std::uint64_t fileBytes) {
+    if (BytesOfGridSH(bsp) * 2 > fileBytes) {
+        const Float3 &cell = bsp.gridSH->header.gridSize;
+        if (cell[0] * cell[1] * cell[2] < kSmallCellSH * kSmallCellSH * kSmallCellSH)
+            return "Light it with -shsmall instead of a smaller cell, or with -shadaptive instead of the uniform grid";
+        return fmt::format("Light it with larger cells than {:g} {:g} {:g} (-gridsh), or with -shadaptive instead of "
+                           "the uniform grid",
+                           cell[0], cell[1], cell[2]);
+    }
+    if ((BytesIn(bsp.lightmapsE5bgr9) + bsp.lightmaps.size()) * 2 > fileBytes)
+        return "Larger luxels (-samplesize of the bsp stage) make smaller lightmaps";
+    return "Leave out what it does not need; -info lists the sizes of its lumps";
+}
+
+} // namespace
+
+std::uint64_t EngineMemoryFor(const Bsp &bsp, std::uint64_t fileBytes) {
+    const std::uint64_t extensions = std::min(ExtensionBytes(bsp), fileBytes);
+    return fileBytes + (fileBytes - extensions) + kGameBytes;
+}
+
+void WarnOfEngineMemory(const std::filesystem::path &bspPath, const Bsp &bsp, const Game &game, Log &log) {
+    const std::uint64_t file = SizeOfFile(bspPath), needed = EngineMemoryFor(bsp, file);
+    const std::uint64_t limit = std::uint64_t(EngineMegabytes(game)) * kMebibyte;
+    if (limit == 0 || needed <= limit)
+        return;
+    const std::uint64_t enough = (needed / kMebibyte / kHunkStep + 1) * kHunkStep;
+    log.Warn("too large for engines",
+             "{} has {} and needs about {} of an engine's memory for maps, of which ioquake3 has {} by default: it may "
+             "refuse the map (Hunk_AllocateTempMemory: failed). {}; or players start the game with +set com_hunkMegs "
+             "{}",
+             bspPath.string(), SizeText(file), SizeText(needed), SizeText(limit), AdviceFor(bsp, file), enough);
+}
+
+} // namespace q3

@@ -1,0 +1,230 @@
+// GPL-2.0-or-later. Which parts of a polygon, and how much of a way, lie in the open.
+#include "q3map2/light/scene/open_parts.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace q3 {
+
+namespace {
+
+constexpr double kCutMargin = 0.05; ///< corners this near to a plane count as on it. Game units
+/// Polygons that this many cuts did not sort out go where their center is: trees of real maps need far fewer.
+constexpr int kMostCuts = 256;
+/// Ways are tried this far aside too, so that one along a face is not blocked by rounding. Game units.
+constexpr float kAside = 0.2f;
+/// Parts of a way shorter than this are not in a leaf. Game units.
+constexpr float kShortestWay = 0.01f;
+
+struct BrushPlane {
+    Vec3d normal;
+    double dist;
+};
+
+BrushPlane PlaneOfSide(const Bsp &bsp, const bspBrush_t &brush, int side) {
+    const int number = bsp.brushSides[std::size_t(brush.firstSide + side)].planeNum;
+    const bspPlane_t &plane = bsp.planes[std::size_t(number)];
+    return {Vec3d(plane.normal), double(plane.dist)};
+}
+
+class PartFinder {
+  public:
+    explicit PartFinder(const BspSpace &space) : space_(space), bsp_(space.Map()) {}
+
+    PolygonParts Find(const Winding<float> &w) {
+        Winding<double> exact;
+        for (const Vec3f &p : w)
+            exact.emplace_back(p);
+        FindBelow(RootOf(bsp_), std::move(exact), 0);
+        return {Floats(open_), Floats(covered_)};
+    }
+
+  private:
+    using Pieces = std::vector<Winding<double>>;
+    enum class Kind { Open, Covered, Mixed };
+
+    static std::vector<Winding<float>> Floats(const Pieces &pieces) {
+        std::vector<Winding<float>> result;
+        for (const Winding<double> &piece : pieces) {
+            Winding<float> &w = result.emplace_back();
+            for (const Vec3d &p : piece)
+                w.emplace_back(p);
+        }
+        return result;
+    }
+    /// Adds the pieces of w: one if all of it is open, or all covered.
+    Kind FindBelow(BspChild child, Winding<double> w, int cuts);
+    Kind FindInLeaf(std::size_t leaf, Winding<double> w);
+    void CutByBrush(const Winding<double> &w, const bspBrush_t &brush, Pieces &outside, Pieces &inside);
+
+    const BspSpace &space_;
+    const Bsp &bsp_;
+    WindingCutter<double> cutter_;
+    Pieces open_, covered_;
+};
+
+PartFinder::Kind PartFinder::FindBelow(BspChild child, Winding<double> w, int cuts) {
+    while (child >= 0) {
+        const bspNode_t &node = bsp_.nodes[std::size_t(child)];
+        const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
+        const Vec3d normal(plane.normal);
+        cutter_.Classify(w, normal, double(plane.dist), kCutMargin);
+        if (cutter_.AnyFront() != cutter_.AnyBack()) {
+            child = node.children[cutter_.AnyFront() ? 0 : 1];
+            continue;
+        }
+        Winding<double> front, back;
+        if (cutter_.AnyFront() && cuts < kMostCuts)
+            cutter_.Front(w, front), cutter_.Back(w, back);
+        if (front.empty() || back.empty()) {
+            Vec3d sum;
+            for (const Vec3d &p : w)
+                sum += p;
+            child = node.children[Dot(normal, sum) >= double(plane.dist) * double(w.size()) ? 0 : 1];
+            continue;
+        }
+        const std::size_t open = open_.size(), covered = covered_.size();
+        const Kind first = FindBelow(node.children[0], std::move(front), cuts + 1);
+        const Kind second = FindBelow(node.children[1], std::move(back), cuts + 1);
+        if (first != second || first == Kind::Mixed)
+            return Kind::Mixed;
+        open_.resize(open), covered_.resize(covered);
+        (first == Kind::Open ? open_ : covered_).push_back(std::move(w));
+        return first;
+    }
+    return FindInLeaf(std::size_t(LeafOf(child)), std::move(w));
+}
+
+PartFinder::Kind PartFinder::FindInLeaf(std::size_t leaf, Winding<double> w) {
+    Pieces outside, inside;
+    if (bsp_.leafs[leaf].cluster < 0)
+        inside.push_back(std::move(w));
+    else {
+        outside.push_back(std::move(w));
+        for (const std::int32_t number : space_.OpaqueBrushes(leaf)) {
+            Pieces left;
+            for (const Winding<double> &piece : outside)
+                CutByBrush(piece, bsp_.brushes[std::size_t(number)], left, inside);
+            outside = std::move(left);
+        }
+    }
+    const Kind kind = inside.empty() ? Kind::Open : outside.empty() && inside.size() == 1 ? Kind::Covered : Kind::Mixed;
+    std::move(outside.begin(), outside.end(), std::back_inserter(open_));
+    std::move(inside.begin(), inside.end(), std::back_inserter(covered_));
+    return kind;
+}
+
+/// Adds the parts of w outside the brush, and the one inside, if any. A polygon on a side is outside.
+void PartFinder::CutByBrush(const Winding<double> &w, const bspBrush_t &brush, Pieces &outside, Pieces &inside) {
+    Pieces around;
+    Winding<double> rest = w;
+    for (int side = 0; side < brush.numSides && !rest.empty(); ++side) {
+        const BrushPlane plane = PlaneOfSide(bsp_, brush, side);
+        cutter_.Classify(rest, plane.normal, plane.dist, kCutMargin);
+        if (!cutter_.AnyBack())
+            rest.clear();
+        else if (cutter_.AnyFront()) {
+            Winding<double> back;
+            cutter_.Front(rest, around.emplace_back());
+            cutter_.Back(rest, back);
+            rest = std::move(back);
+        }
+    }
+    if (rest.empty()) {
+        outside.push_back(w);
+        return;
+    }
+    std::erase_if(around, [](const Winding<double> &piece) { return piece.empty(); });
+    std::move(around.begin(), around.end(), std::back_inserter(outside));
+    inside.push_back(std::move(rest));
+}
+
+/// A way from a to b and its part in the leaf or below the node that is looked at, as shares of the whole.
+class Way {
+  public:
+    Way(const Vec3f &a, const Vec3f &b, const BspSpace &space)
+        : space_(space), bsp_(space.Map()), a_(a), b_(b), shortest_(kShortestWay / std::max(Length(b - a), 1.0f)) {}
+
+    float FreeShare() const {
+        struct Part {
+            BspChild child;
+            float from, to;
+        };
+        std::vector<Part> pending{{RootOf(bsp_), 0, 1}};
+        while (!pending.empty()) { // nearest first
+            auto [child, from, to] = pending.back();
+            pending.pop_back();
+            while (child >= 0) {
+                const bspNode_t &node = bsp_.nodes[std::size_t(child)];
+                const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
+                const float start = Dot(Vec3f(plane.normal), At(from)) - plane.dist;
+                const float end = Dot(Vec3f(plane.normal), At(to)) - plane.dist;
+                const int near = start < 0 ? 1 : 0;
+                if ((start < 0) != (end < 0)) {
+                    const float middle = std::clamp(from + (to - from) * (start / (start - end)), from, to);
+                    pending.push_back({node.children[1 - near], middle, to});
+                    to = middle;
+                }
+                child = node.children[near];
+            }
+            if (const float met = FirstSolid(std::size_t(LeafOf(child)), from, to); met < to)
+                return met;
+        }
+        return 1;
+    }
+
+  private:
+    Vec3f At(float share) const { return a_ + (b_ - a_) * share; }
+    /// Where the part between the shares `from` and `to`, which is in the leaf, meets a solid; `to` if it does not.
+    float FirstSolid(std::size_t leaf, float from, float to) const {
+        if (to - from < shortest_)
+            return to;
+        if (bsp_.leafs[leaf].cluster < 0)
+            return from;
+        float first = to;
+        for (const std::int32_t number : space_.OpaqueBrushes(leaf))
+            first = std::min(first, Entry(bsp_.brushes[std::size_t(number)], from, to));
+        return first;
+    }
+    float Entry(const bspBrush_t &brush, float from, float to) const {
+        float enter = from, leave = to;
+        for (int side = 0; side < brush.numSides; ++side) {
+            const BrushPlane plane = PlaneOfSide(bsp_, brush, side);
+            const float start = float(Dot(plane.normal, Vec3d(a_)) - plane.dist);
+            const float end = float(Dot(plane.normal, Vec3d(b_)) - plane.dist);
+            if (start >= 0 && end >= 0)
+                return to;
+            if (start >= 0)
+                enter = std::max(enter, start / (start - end));
+            else if (end >= 0)
+                leave = std::min(leave, start / (start - end));
+        }
+        return leave - enter < shortest_ ? to : enter;
+    }
+
+    const BspSpace &space_;
+    const Bsp &bsp_;
+    Vec3f a_, b_;
+    float shortest_;
+};
+
+} // namespace
+
+PolygonParts PartsOf(const Winding<float> &w, const BspSpace &space) {
+    return PartFinder(space).Find(w);
+}
+
+float FreeShare(const Vec3f &a, const Vec3f &b, const BspSpace &space) {
+    float share = Way(a, b, space).FreeShare();
+    const Vec3f along = b - a;
+    if (share >= 1 || along == Vec3f{})
+        return share;
+    const Vec3f axis = std::abs(along.z) * 2 > Length(along) ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1};
+    const Vec3f right = Normalize(Cross(along, axis)) * kAside, up = Normalize(Cross(along, right)) * kAside;
+    for (const Vec3f &aside : {right, -right, up, -up})
+        share = std::max(share, Way(a + aside, b + aside, space).FreeShare());
+    return share;
+}
+
+} // namespace q3

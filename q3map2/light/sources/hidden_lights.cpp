@@ -1,0 +1,219 @@
+// GPL-2.0-or-later. Lights whose origin, or part of whose polygon, is inside a solid.
+#include "q3map2/light/sources/hidden_lights.h"
+
+#include "q3map2/light/scene/open_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+
+namespace q3 {
+
+namespace {
+
+constexpr float kLightMargin = 0.125f; ///< lights this near to a solid count as in it. Game units
+/// Solids count as covering a polygon if they reach this far before it. Game units.
+constexpr float kCoverHeight = 0.25f;
+/// Covered parts narrower than this do not count: sloped walls beside a lamp lean over its edge. Game units.
+constexpr double kNarrow = 0.5;
+constexpr double kLeastArea = 1; ///< of a part that shines. Square units
+
+/// About the width of a narrow polygon, half that of a square.
+double WidthOf(const Winding<float> &w) {
+    double around = 0;
+    for (std::size_t i = 0; i < w.size(); ++i)
+        around += double(Length(w[(i + 1) % w.size()] - w[i]));
+    return around > 0 ? 2 * WindingArea(w) / around : 0;
+}
+
+Winding<float> Moved(Winding<float> w, const Vec3f &by) {
+    for (Vec3f &p : w)
+        p += by;
+    return w;
+}
+
+/// A place before the polygon of the light that is clear of solids, as near as possible to 1 unit before its center.
+std::optional<Vec3f> OpenOrigin(const Light &light, const BspSpace &space) {
+    constexpr float kHeights[] = {1, 0.5f, kCoverHeight};
+    constexpr float kTowardsCorners[] = {0.25f, 0.5f, 0.75f};
+    const Vec3f center = light.shape.center;
+    const auto clear = [&](const Vec3f &p) { return space.ClusterAt(p, kLightMargin) >= 0; };
+    for (const float height : kHeights)
+        if (const Vec3f p = center + light.normal * height; clear(p))
+            return p;
+    for (const float share : kTowardsCorners)
+        for (const Vec3f &corner : light.w)
+            for (const float height : kHeights)
+                if (const Vec3f p = center + (corner - center) * share + light.normal * height; clear(p))
+                    return p;
+    return {};
+}
+
+/// Adds the light of the part `w` of a light's polygon.
+void AddPart(const Light &light, Winding<float> w, bool twoSided, const BspSpace &space, std::vector<Light> &parts) {
+    const double area = WindingArea(w);
+    if (area < kLeastArea)
+        return;
+    Light part = light;
+    part.w = std::move(w);
+    part.twoSided = twoSided;
+    part.SetShape();
+    const std::optional<Vec3f> origin = OpenOrigin(part, space);
+    if (!origin)
+        return;
+    part.photons = float(double(light.photons) * area / double(light.shape.area));
+    part.origin = *origin;
+    part.dist = Dot(part.origin, part.normal);
+    parts.push_back(std::move(part));
+}
+
+Light Reversed(Light light) {
+    std::reverse(light.w.begin(), light.w.end());
+    light.normal = -light.normal;
+    light.SetShape();
+    return light;
+}
+
+/// Whether light that arrives at the origin, which is not in a solid, arrives at the polygon too.
+bool OriginInSight(const Light &light, const BspSpace &space) {
+    Vec3f origin = light.origin;
+    if (LightCluster(origin, space) < 0)
+        return false;
+    return FreeShare(light.shape.center + light.normal * kCoverHeight, origin, space) >= 1;
+}
+
+/// Whether a one-sided surface, seen from behind, is the first thing all around p: it is inside a model, or behind
+/// curves.
+bool SeesBacksOnly(const Vec3f &p, const LightScene &scene) {
+    constexpr int kDirections = 64;
+    const float golden = std::numbers::pi_v<float> * (3 - std::sqrt(5.0f));
+    Lanes nearest{};
+    RayCounts counts;
+    for (int first = 0; first < kDirections; first += int(kPacketSize)) {
+        RayPacket rays;
+        for (const std::size_t i : kEachLane) { // a spiral of golden angles
+            const float turn = golden * float(first + int(i));
+            const float z = 1 - (2 * float(first + int(i)) + 1) / float(kDirections), radius = std::sqrt(1 - z * z);
+            rays.Set(i, p, {radius * std::cos(turn), radius * std::sin(turn), z}, kSunDistance);
+        }
+        LightScene::Blockers blockers;
+        scene.TraceBlockers(rays, LightScene::BlockerKind::Casters, 1, nearest, blockers, counts);
+        if (blockers.behind.Bits() != kAllLanes)
+            return false;
+    }
+    return true;
+}
+
+/// The parts of the light's polygon, or of the part `w` of it, in its plane.
+PolygonParts PartsOfLight(const Light &light, const Winding<float> &w, const BspSpace &space) {
+    const Vec3f lift = light.normal * kCoverHeight;
+    const double narrow = std::min(kNarrow, WidthOf(light.w) / 4);
+    PolygonParts parts = PartsOf(Moved(w, lift), space);
+    std::erase_if(parts.covered, [&](const Winding<float> &piece) { return WidthOf(piece) < narrow; });
+    for (auto *pieces : {&parts.open, &parts.covered})
+        for (Winding<float> &piece : *pieces)
+            piece = Moved(std::move(piece), -lift);
+    return parts;
+}
+
+struct LampPart {
+    Winding<float> w;
+    bool twoSided = false;
+};
+
+/// Parts of a two-sided light whose front is open, cut where a solid covers their back.
+std::vector<LampPart> CutByBack(const Light &back, const BspSpace &space, const std::vector<Winding<float>> &open) {
+    std::vector<LampPart> result;
+    for (const Winding<float> &front : open) {
+        const PolygonParts parts = PartsOfLight(back, {front.rbegin(), front.rend()}, space);
+        if (parts.open.empty() || parts.covered.empty()) {
+            result.push_back({front, true});
+            continue;
+        }
+        for (const Winding<float> &piece : parts.open)
+            result.push_back({{piece.rbegin(), piece.rend()}, true});
+        for (const Winding<float> &piece : parts.covered)
+            result.push_back({{piece.rbegin(), piece.rend()}, false});
+    }
+    return result;
+}
+
+} // namespace
+
+int LightCluster(Vec3f &origin, const BspSpace &space) {
+    static constexpr float kSteps[4] = {0, 0, 2, -2};
+    int cluster = space.ClusterAt(origin, kLightMargin);
+    if (cluster >= 0)
+        return cluster;
+    for (const float x : kSteps)
+        for (const float y : kSteps)
+            for (const float z : kSteps) {
+                const Vec3f p = origin + Vec3f{x, y, z};
+                cluster = space.ClusterAt(p, kLightMargin);
+                if (cluster >= 0)
+                    origin = p;
+            }
+    return cluster;
+}
+
+std::vector<Light> OpenAreaLights(Light light, const BspSpace &space) {
+    std::vector<Light> lights;
+    PolygonParts parts = PartsOfLight(light, light.w, space);
+    if (parts.covered.empty())
+        parts.open = {light.w}; // without what is too narrow to count
+    std::vector<LampPart> fronts;
+    const Light back = light.twoSided ? Reversed(light) : Light{};
+    if (light.twoSided)
+        fronts = CutByBack(back, space, parts.open);
+    else
+        for (Winding<float> &open : parts.open)
+            fronts.push_back({std::move(open), false});
+    if (parts.covered.empty() && fronts.size() == 1 && OriginInSight(light, space)) {
+        lights.push_back(std::move(light));
+        return lights;
+    }
+    for (LampPart &front : fronts)
+        AddPart(light, std::move(front.w), front.twoSided, space, lights);
+    if (light.twoSided)
+        for (const Winding<float> &covered : parts.covered)
+            for (Winding<float> &open : PartsOfLight(back, {covered.rbegin(), covered.rend()}, space).open)
+                AddPart(back, std::move(open), false, space, lights);
+    if (Vec3f origin = light.origin; lights.empty() && LightCluster(origin, space) >= 0)
+        lights.push_back(std::move(light));
+    return lights;
+}
+
+float BacksplashDistance(const Light &light, float distance, const BspSpace &space) {
+    if (!(distance > 0))
+        return distance;
+    Vec3f from = light.origin;
+    LightCluster(from, space);
+    const float share = FreeShare(from, light.origin + light.normal * distance, space);
+    return share < 1 ? distance * share / 2 : distance;
+}
+
+void WarnOfHiddenLights(std::span<const Light> lights, const BspSpace &space, const LightScene *scene, Log &log) {
+    std::map<int, const Light *> hidden; // by entity; null if one of its lights shines
+    for (const Light &light : lights) {
+        if (light.entity < 0 || light.type == LightType::Sun)
+            continue;
+        Vec3f origin = light.origin;
+        const bool shines = LightCluster(origin, space) >= 0 && !(scene && SeesBacksOnly(origin, *scene));
+        const auto known = hidden.emplace(light.entity, &light).first;
+        if (shines)
+            known->second = nullptr;
+    }
+    for (const auto &[entity, light] : hidden) {
+        if (!light)
+            continue;
+        const char *where = space.InSolidLeaf(light->origin)                   ? "inside a solid or outside the map"
+                            : space.ClusterAt(light->origin, kLightMargin) < 0 ? "inside a detail brush"
+                                                                               : "inside a model or behind curves";
+        log.Warn("light in solid", "entity {}: the {} is {} and lights nothing; move it into the open", entity,
+                 light->label, where);
+    }
+}
+
+} // namespace q3

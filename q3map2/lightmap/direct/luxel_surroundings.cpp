@@ -1,0 +1,241 @@
+// GPL-2.0-or-later. What lies around the luxels of a raw lightmap: where its surfaces go on in other lightmaps.
+#include "q3map2/lightmap/direct/luxel_surroundings.h"
+
+#include "q3map2/light/batch/ray_batcher.h"
+#include "q3map2/lightmap/raw/luxel_axes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+/// Surfaces continue each other if their normals turn by at most 30 degrees from cell to cell, and the way between the
+/// cells rises by at most kMaxRise of its length over the plane between both.
+constexpr float kMinTurn = 0.866f, kMaxRise = 0.15f;
+/// A surface is searched this far over and under the tangent plane, plus kHeightShare of the step. Game units.
+constexpr float kHeight = 2, kHeightShare = 0.5f;
+/// Whether the way to a cell is free is tested this far over the surfaces, plus kLiftShare of the step. Game units.
+constexpr float kLift = 1, kLiftShare = 0.125f;
+/// Luxels of a lightmap that are edge-on to its axis by less than this have no steps of their own.
+constexpr float kLeastSlant = 0.1f;
+
+constexpr std::uint32_t kNone = ~std::uint32_t(0);
+
+/// Steps to the cells around one, those at its corners last.
+constexpr std::array<std::array<int, 2>, 8> kAround{
+    {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
+
+/// `v` turned into the plane with normal n, at its length.
+Vec3f IntoPlane(const Vec3f &v, const Vec3f &n) {
+    return Normalize(v - n * Dot(v, n)) * Length(v);
+}
+
+} // namespace
+
+/// Whether a surface was found that faces about the same way and moves together with the lightmap's own.
+bool LuxelSurroundings::Faces(const Vec3f &normal, const SurfacePlace &place) const {
+    return place.surface >= 0 && Dot(normal, place.normal) >= kMinTurn &&
+           finder_.MoveTogether(place.surface, raw_->surfaces.front());
+}
+
+/// Whether a place that was found from `from` continues the same surface.
+bool LuxelSurroundings::Continues(const Footing &from, const SurfacePlace &place) const {
+    if (!Faces(from.normal, place))
+        return false;
+    const Vec3f way = place.position - from.position;
+    return std::abs(Dot(way, Normalize(from.normal + place.normal))) <= kMaxRise * Length(way) + 0.25f;
+}
+
+void LuxelSurroundings::Tap(std::size_t cell, const LuxelTap &tap) {
+    states_[cell] = CellState::Tapped;
+    tapOf_[cell] = std::uint32_t(taps_.size());
+    taps_.push_back(tap);
+    if (const auto at = std::lower_bound(neighbors_.begin(), neighbors_.end(), tap.lightmap);
+        at == neighbors_.end() || *at != tap.lightmap)
+        neighbors_.insert(at, tap.lightmap);
+}
+
+/// The footing at a mapped luxel, with its center instead of the position at which it is lit.
+LuxelSurroundings::Footing LuxelSurroundings::FootingOf(int x, int y) const {
+    const RawLightmap &raw = *raw_;
+    const std::size_t luxel = raw.SuperIndex(x, y);
+    Footing at{raw.positions[luxel], raw.normals[luxel], {}, {}};
+    if (raw.planar && raw.hasVectors) {
+        at.position = raw.origin + raw.step[0] * float(x) + raw.step[1] * float(y);
+        at.normal = raw.planeNormal;
+        at.across = raw.step[0], at.down = raw.step[1];
+        return at;
+    }
+    if (raw.hasVectors) {
+        const std::size_t along = AxesOf(raw.axis).along;
+        const auto step = [&](const Vec3f &one) {
+            Vec3f slanted = one;
+            if (std::abs(at.normal[along]) > kLeastSlant)
+                slanted[along] -= Dot(one, at.normal) / at.normal[along];
+            return slanted;
+        };
+        at.across = step(raw.step[0]), at.down = step(raw.step[1]);
+        return at;
+    }
+    // A curve: the steps between its own luxels.
+    const auto step = [&](int dx, int dy) {
+        const auto position = [&](int side) {
+            const int u = std::clamp(x + side * dx, 0, raw.SuperWidth() - 1),
+                      v = std::clamp(y + side * dy, 0, raw.SuperHeight() - 1);
+            const std::size_t other = raw.SuperIndex(u, v);
+            return raw.Mapped(other) ? std::pair{side * int(other != luxel), raw.positions[other]}
+                                     : std::pair{0, raw.positions[luxel]};
+        };
+        const auto [before, from] = position(-1);
+        const auto [after, to] = position(1);
+        return after == before ? Vec3f{} : (to - from) / float(after - before);
+    };
+    at.across = step(1, 0), at.down = step(0, 1);
+    return at;
+}
+
+/// Finds where the outermost luxels stand. One whose center lies on a surface of another lightmap takes its light.
+void LuxelSurroundings::LookAtBorder(const LuxelMask &outside) {
+    struct Look {
+        std::size_t cell;
+        std::uint32_t footing;
+    };
+    auto rays = MakeRayBatcher<Look>([&](RayPacket &packet, std::span<const Look> looks) {
+        const SurfaceFinder::Places places = finder_.FirstHits(packet, translucent_);
+        for (std::size_t i = 0; i < looks.size(); ++i) {
+            Footing &at = footings_[looks[i].footing];
+            if (!Faces(at.normal, places[i])) { // beside the surface: nothing to walk on
+                footingOf_[looks[i].cell] = kNone;
+                continue;
+            }
+            LuxelTap tap;
+            if (places[i].lightmap >= 0 && std::size_t(places[i].lightmap) != lightmap_ &&
+                finder_.FindTap(places[i], tap))
+                Tap(looks[i].cell, tap);
+            at.position = places[i].position, at.normal = places[i].normal;
+            at.across = IntoPlane(at.across, at.normal), at.down = IntoPlane(at.down, at.normal);
+        }
+    });
+    for (int y = 0; y < raw_->SuperHeight(); ++y)
+        for (int x = 0; x < raw_->SuperWidth(); ++x) {
+            const std::size_t cell = CellOf(x, y);
+            if (!raw_->Mapped(raw_->SuperIndex(x, y)))
+                continue;
+            states_[cell] = CellState::Own;
+            visited_[cell] = 1;
+            if (outside[cell] == 0)
+                continue;
+            const Footing at = FootingOf(x, y);
+            footingOf_[cell] = std::uint32_t(footings_.size());
+            footings_.push_back(at);
+            const float height = kHeight + kHeightShare * std::max(Length(at.across), Length(at.down));
+            rays.Add({cell, footingOf_[cell]}, at.position + at.normal * height, -at.normal, 2 * height);
+        }
+    rays.Flush();
+}
+
+/// Steps to cells that the walk has not been at, from their neighbors among the cells of the last steps; from one
+/// beside them rather than from one at a corner.
+void LuxelSurroundings::FindNextSteps(std::span<const std::size_t> last, std::vector<Step> &steps) {
+    steps.clear();
+    for (const auto &[dx, dy] : kAround)
+        for (const std::size_t cell : last) {
+            const auto x = int(cell % std::size_t(width_)) + dx, y = int(cell / std::size_t(width_)) + dy;
+            if (x < 0 || y < 0 || x >= width_ || y >= height_)
+                continue;
+            const std::size_t next = std::size_t(y) * std::size_t(width_) + std::size_t(x);
+            const Footing &from = footings_[footingOf_[cell]];
+            if (visited_[next] != 0 || (dx != 0 && from.across == Vec3f{}) || (dy != 0 && from.down == Vec3f{}))
+                continue;
+            visited_[next] = 1;
+            steps.push_back({next, from, from.position + from.across * float(dx) + from.down * float(dy)});
+        }
+}
+
+void LuxelSurroundings::TakeSteps(std::vector<Step> &steps) {
+    auto down = MakeRayBatcher<std::size_t>([&](RayPacket &packet, std::span<const std::size_t> numbers) {
+        const SurfaceFinder::Places places = finder_.FirstHits(packet, translucent_);
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            if (Step &step = steps[numbers[i]]; Continues(step.from, places[i]))
+                step.found = places[i];
+    });
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        const Footing &from = steps[i].from;
+        const float height = kHeight + kHeightShare * Length(steps[i].target - from.position);
+        down.Add(i, steps[i].target + from.normal * height, -from.normal, 2 * height);
+    }
+    down.Flush();
+    auto between = MakeRayBatcher<std::size_t>([&](RayPacket &packet, std::span<const std::size_t> numbers) {
+        finder_.TraceOccluded(packet);
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            if (packet.live[i] == 0)
+                steps[numbers[i]].found = {};
+    });
+    for (std::size_t i = 0; i < steps.size(); ++i)
+        if (const auto &[cell, from, target, found] = steps[i]; found.surface >= 0) {
+            const float lift = kLift + kLiftShare * Length(found.position - from.position);
+            between.Aim(i, from.position + from.normal * lift, found.position + found.normal * lift);
+        }
+    between.Flush();
+}
+
+/// Sets the state of a cell after the step to it.
+void LuxelSurroundings::Arrive(const Step &step) {
+    const auto &[cell, from, target, found] = step;
+    if (found.surface < 0)
+        return;
+    LuxelTap tap;
+    const bool tapped = found.lightmap >= 0 && finder_.FindTap(found, tap);
+    const auto x = int(cell % std::size_t(width_)) - reach_, y = int(cell / std::size_t(width_)) - reach_;
+    const bool inside = x >= 0 && y >= 0 && x < raw_->SuperWidth() && y < raw_->SuperHeight();
+    if (inside && std::size_t(found.lightmap) == lightmap_)
+        return; // a luxel of its own without light: in a solid, or below something
+    if (!tapped) {
+        states_[cell] = CellState::Blocked;
+        return;
+    }
+    Tap(cell, tap);
+    footingOf_[cell] = std::uint32_t(footings_.size());
+    footings_.push_back(
+        {found.position, found.normal, IntoPlane(from.across, found.normal), IntoPlane(from.down, found.normal)});
+}
+
+void LuxelSurroundings::Walk(std::size_t lightmap, int reach) {
+    raw_ = &surfaces_.lightmaps[lightmap];
+    lightmap_ = lightmap, reach_ = reach;
+    width_ = raw_->SuperWidth() + 2 * reach, height_ = raw_->SuperHeight() + 2 * reach;
+    translucent_ = finder_.IsTranslucent(raw_->surfaces.front());
+    const std::size_t cells = std::size_t(width_) * std::size_t(height_);
+    states_.assign(cells, CellState::Empty);
+    visited_.assign(cells, 0);
+    tapOf_.assign(cells, kNone), footingOf_.assign(cells, kNone);
+    taps_.clear(), footings_.clear(), neighbors_.clear();
+    LuxelMask outside(cells, 1);
+    for (int y = 0; y < raw_->SuperHeight(); ++y)
+        for (int x = 0; x < raw_->SuperWidth(); ++x)
+            outside[CellOf(x, y)] = !raw_->Mapped(raw_->SuperIndex(x, y));
+    const LuxelMask beside = Dilate(outside, width_, height_);
+    // Rings of luxels beside the surface, and the luxels that it covers in part.
+    for (int ring = 0; ring <= std::max(1, raw_->super / 2); ++ring)
+        outside = Dilate(outside, width_, height_);
+    LookAtBorder(outside);
+    std::vector<std::size_t> last;
+    for (std::size_t cell = 0; cell < cells; ++cell)
+        if (footingOf_[cell] != kNone && beside[cell] != 0)
+            last.push_back(cell);
+    std::vector<Step> steps;
+    for (int level = 0; level < reach && !last.empty(); ++level) {
+        FindNextSteps(last, steps);
+        TakeSteps(steps);
+        last.clear();
+        for (const Step &step : steps) {
+            Arrive(step);
+            if (states_[step.cell] == CellState::Tapped)
+                last.push_back(step.cell);
+        }
+    }
+}
+
+} // namespace q3

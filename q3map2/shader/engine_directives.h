@@ -1,0 +1,11 @@
+// GPL-2.0-or-later. Words of shader scripts that are for engines and editors alone.
+#pragma once
+
+#include <string_view>
+
+namespace q3 {
+
+/// Whether an engine of this family, or an editor, knows a directive of that name, in lower case, outside of stages.
+bool IsEngineDirective(std::string_view lower);
+
+} // namespace q3

@@ -1,0 +1,118 @@
+// GPL-2.0-or-later. The table of words that shader scripts may hold.
+#include "q3map2/shader/shader_directive.h"
+
+#include "common/nearest_names.h"
+#include "common/text/text.h"
+#include "q3map2/shader/shader_color.h"
+
+#include <algorithm>
+#include <array>
+
+namespace q3 {
+
+namespace {
+
+/// Whether both words are equal, whatever their case. Most differ in length or in their first letter.
+bool IsWord(std::string_view word, std::string_view name) {
+    return word.size() == name.size() && (word[0] | 0x20) == (name[0] | 0x20) && EqualNoCase(word, name);
+}
+
+bool HasName(const SettingInfo &info, std::string_view word) {
+    return IsWord(word, info.name) ||
+           std::ranges::any_of(info.aliases, [&](std::string_view a) { return !a.empty() && IsWord(word, a); });
+}
+
+constexpr std::array kGroups = {SkyDirectives,          EmissionDirectives, LightmapDirectiveGroup,
+                                VertexLightDirectives,  SurfaceDirectives,  ReplacementDirectives,
+                                GeometryDirectiveGroup, TextureDirectives,  ExtraSurfaceDirectives};
+
+constexpr std::array kStageWords = std::to_array<StageWordEntry>({
+    {{.name = "map",
+      .aliases = {"clampMap", "mapComp", "mapNoComp"},
+      .values = "IMAGE",
+      .kind = SettingKind::Text,
+      .help = "Image of the stage; the first of a shader is its light image if the script names no other",
+      .details = "Names that begin with `$` or `*` are images of the engine and are passed over. After "
+                 "`qer_editorImage`, `q3map_lightImage` or an `implicitMap` no stage gives the light image."},
+     StageWord::Image},
+    {{.name = "animMap",
+      .aliases = {"clampAnimMap"},
+      .values = "RATE IMAGE",
+      .kind = SettingKind::Text,
+      .help = "Images that follow each other; the first counts as that of map does"},
+     StageWord::Frames},
+    {{.name = "normalMap",
+      .aliases = {"bumpMap", "normalHeightMap", "normalParallaxMap", "parallaxMap"},
+      .values = "IMAGE",
+      .kind = SettingKind::Text,
+      .help = "Says that the surface is normal mapped, so -rnm makes basis maps for it",
+      .details = "Also as `stage normalMap`; then the image of that stage gives no color."},
+     StageWord::NormalMap},
+});
+
+} // namespace
+
+float Number(std::string_view word) {
+    return float(std::clamp(NumberFromText(word), -kMaxNumber, kMaxNumber));
+}
+
+bool DirectiveContext::ApplyParm(std::string_view name) const {
+    const SurfaceParm *parm = table.GameRules().FindParm(name);
+    if (!parm)
+        return false;
+    ShaderInfo &info = shader.info;
+    info.contentFlags = (info.contentFlags & ~parm->contentClear) | parm->contentSet;
+    info.surfaceFlags = (info.surfaceFlags & ~parm->surfaceClear) | parm->surfaceSet;
+    info.compileFlags = (info.compileFlags & ~parm->compileClear) | parm->compileSet;
+    return true;
+}
+
+Vec3f DirectiveContext::Color(DirectiveWords words) const {
+    Vec3f color{Number(words[0]), Number(words[1]), Number(words[2])};
+    if (table.Options().sRgbColor)
+        color = {LinearFromSrgb(color.x), LinearFromSrgb(color.y), LinearFromSrgb(color.z)};
+    return NormalizeColor(color);
+}
+
+std::vector<DirectiveGroup> DirectiveGroups() {
+    std::vector<DirectiveGroup> groups;
+    for (const auto group : kGroups)
+        groups.push_back(group());
+    return groups;
+}
+
+const ShaderDirective *FindDirective(std::string_view word) {
+    for (const auto group : kGroups)
+        for (const ShaderDirective &directive : group().directives)
+            if (HasName(directive.info, word))
+                return &directive;
+    return nullptr;
+}
+
+std::string NearestDirective(std::string_view word, const Game &game) {
+    std::vector<std::string> names;
+    for (const DirectiveGroup &group : DirectiveGroups())
+        for (const ShaderDirective &directive : group.directives) {
+            names.emplace_back(directive.info.name);
+            for (const std::string_view alias : directive.info.aliases)
+                if (!alias.empty())
+                    names.emplace_back(alias);
+        }
+    std::erase_if(names, [](const std::string &name) { return !StartsWithNoCase(name, "q3map_"); });
+    for (const SurfaceParm &parm : game.surfaceParms)
+        if (!parm.name.starts_with('*'))
+            names.push_back(fmt::format("q3map_{}", parm.name));
+    return DidYouMean(word, names);
+}
+
+std::span<const StageWordEntry> StageWords() {
+    return kStageWords;
+}
+
+StageWord FindStageWord(std::string_view word) {
+    const auto found =
+        std::ranges::find_if(kStageWords, [&](const StageWordEntry &entry) { return HasName(entry.info, word); });
+    return found == kStageWords.end() ? StageWord::Other : found->use;
+}
+
+} // namespace q3
