@@ -8,19 +8,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace q3 {
 
 namespace {
 
 /// Positions are this far from a lamp: nearer ones are inside what a player bumps into. Game units.
-constexpr float kNear = 16; const float kFar = std::getenv("T_FAR") ? float(std::atof(std::getenv("T_FAR"))) : 36;
+constexpr float kNear = 16, kFar = 34;
 /// Before a surface light, positions lie up to this far beyond its edges. Game units.
-const float kBeside = std::getenv("T_BESIDE") ? float(std::atof(std::getenv("T_BESIDE"))) : 8;
+constexpr float kBeside = 4;
 /// A position is this clear of solids on all sides. Game units.
-const float kSampleClearance = std::getenv("T_CLEAR") ? float(std::atof(std::getenv("T_CLEAR"))) : 4;
-const float kPointLamps = std::getenv("T_POINT") ? float(std::atof(std::getenv("T_POINT"))) : 1;
+constexpr float kSampleClearance = 6;
 /// Distance of positions: the least; the most, for large surface lights; and that in radii of one. Game units.
 constexpr float kLeastStep = 8, kMostStep = 32, kStepPerRadius = 1.0f / 16;
 /// Lamps that give less than this at distance kNear are passed over. Byte scale.
@@ -70,7 +68,7 @@ bool IsNear(const Light &light, const Vec3f &p) {
 }
 
 bool IsLamp(const Light &light) {
-    if (light.type == LightType::Sun || light.photons <= 0 || (kPointLamps == 0 && light.type != LightType::Area))
+    if (light.type == LightType::Sun || light.photons <= 0)
         return false;
     return light.type == LightType::Area ||
            Falloff(light).At(kNear) * std::max({light.color.x, light.color.y, light.color.z}) > kLeastLight;
@@ -179,35 +177,6 @@ void Distribute(const Octree &tree, std::span<const LampSample> all, const Sampl
         }
 }
 
-/// Splits cells around `inner` nodes until none is larger than the node that it touches, and keeps them as the node is
-/// kept. The corners of cells on the boundary of larger ones are interpolated in these, so their error counts there.
-void SplitAround(std::vector<std::size_t> inner, Octree &tree, OctreeRefiner &refiner, const LatticeTracer &tracer,
-                 GridStats &stats) {
-    while (!inner.empty()) {
-        std::vector<std::size_t> large;
-        for (const std::size_t i : inner) {
-            const OctreeCell cell = tree[i];
-            for (int n = 0; n < 27; ++n) {
-                LatticePoint p = cell.origin;
-                const Int3 step{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-                for (std::size_t axis = 0; axis < 3; ++axis)
-                    p[axis] += step[axis] * cell.Edge();
-                const std::size_t leaf = tree.LeafAt(p);
-                if (leaf == Octree::kNone || tree[leaf].open <= 0 || tree[leaf].level <= cell.level + (std::getenv("T_BAL") ? std::atoi(std::getenv("T_BAL")) : 1))
-                    continue;
-                large.push_back(leaf);
-                tree[leaf].lamp = std::max(tree[leaf].lamp, cell.lamp);
-            }
-        }
-        if (large.empty())
-            return;
-        std::sort(large.begin(), large.end());
-        large.erase(std::unique(large.begin(), large.end()), large.end());
-        refiner.Split(large, tracer, stats);
-        inner.insert(inner.end(), large.begin(), large.end());
-    }
-}
-
 } // namespace
 
 LampSamples::LampSamples(const GridInputs &in, const std::vector<Light> &lights, const SmoothLight &light,
@@ -278,7 +247,6 @@ void SplitAtLamps(const LampSamples &samples, float maxError, const BounceNoise 
                   GridStats &stats) {
     const std::span<const LampSample> all = samples.All();
     std::vector<SampledCell> cells, next;
-    std::vector<std::size_t> inner;
     std::vector<std::vector<std::uint32_t>> byRoot(tree.RootCount());
     for (std::size_t i = 0; i < all.size(); ++i)
         if (const std::size_t root = tree.RootAt(all[i].at); root != Octree::kNone)
@@ -298,13 +266,9 @@ void SplitAtLamps(const LampSamples &samples, float maxError, const BounceNoise 
         if (!split.empty())
             refiner.Split(split, tracer, stats);
         for (const SampledCell &at : cells)
-            if (tree[at.cell].child != 0) {
+            if (tree[at.cell].child != 0)
                 Distribute(tree, all, at, next);
-                if (tree[at.cell].lamp > maxError)
-                    inner.push_back(at.cell);
-            }
     }
-    SplitAround(std::move(inner), tree, refiner, tracer, stats);
 }
 
 } // namespace q3

@@ -20,10 +20,10 @@ class LampSamples {
     LampSamples(const GridInputs &in, const std::vector<Light> &lights, const SmoothLight &light,
                 const SparseLattice &lattice, std::size_t mostSamples, GridStats &stats);
     std::span<const LampSample> All() const { return samples_; }
-    /// Mean squared displayed error that interpolation between the corners of a cell makes at samples inside it, bytes^2:
-    /// of the traced light, without what noise adds, or of the light of the lamps before which they are, as if nothing
-    /// cast shadows, if that is less. A shadow edge is thus no reason to split cells before a lamp: they would all
-    /// become as small as they can be. Infinite where a corner is not known.
+    /// Mean squared displayed error that interpolation between the corners of a cell makes at samples inside it,
+    /// bytes^2: of the traced light, without what noise adds, or of the light of the lamps before which they are, as if
+    /// nothing cast shadows, if that is less. A shadow edge is thus no reason to split cells before a lamp: they would
+    /// all become as small as they can be. Infinite where a corner is not known.
     float ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t> samples, const LatticePoints &light,
                   const BounceNoise &noise) const;
 

@@ -10,8 +10,6 @@
 #include "q3map2/light/sparse/sparse_tree.h"
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 namespace q3 {
 
@@ -37,18 +35,21 @@ constexpr double kMoreLeafs = 2, kLeastFall = 0.95;
 constexpr float kPriceStep = 1.15f;
 /// Without a budget the lump has at most this share of the bytes of the uniform grid, whatever its error, or kSmallLump
 /// bytes if that is more.
-constexpr double kMaxShareOfUniform = 0.5, kSmallLump = 200e3;
+constexpr double kMaxShareOfUniform = 0.5, kSmallLump = 80e3;
 /// Estimate of the bytes of the lump per leaf, for its point and its share of a node.
 constexpr double kBytesPerLeaf = 25;
 /// Cells are split while the error before a lamp is above this many error targets.
-const float kLampTargets = std::getenv("T_LAMP") ? float(std::atof(std::getenv("T_LAMP"))) : 1.6f;
+constexpr float kLampTargets = 1.6f;
 /// Positions before lamps: at most one for so many points of the uniform grid, or kFewLampSamples if that is more.
 constexpr std::size_t kPointsPerLampSample = 4, kFewLampSamples = 16384;
-/// The error of fitted corners over that of their own light, before it is measured.
-constexpr double kFirstFitGain = 0.85;
+/// The error of a finished grid over that of the corners' own light, before it is measured. Corners on larger cells
+/// have other values in the grid.
+constexpr double kFirstFitGain = 1.2;
 /// Grids that are made to meet the target as measured, at most; a measured error this much above it will do.
 constexpr int kMostRounds = 3;
 constexpr double kTargetSlack = 1.02;
+/// The expected error may be this many targets: where little light changes, it is above the measured one.
+constexpr double kExpectedSlack = 1.3;
 
 float Squared(float x) {
     return x * x;
@@ -110,6 +111,7 @@ class SparseGridBuilder {
     float minPrice_ = kMinPrice;        ///< of a leaf: the tree is not refined for lower ones
     double leastError_ = 0;             ///< of the trees measured in Refine, before doublings that gained nothing
     std::size_t leastErrorLeafs_ = 0;   ///< leafs of that tree; 0: none is measured yet
+    float leastErrorPrice_ = kMinPrice; ///< minPrice_ of that tree
 };
 
 SparseGridBuilder::PrunedTree SparseGridBuilder::Pruned(float price) const {
@@ -144,8 +146,10 @@ double SparseGridBuilder::Interpolated(const Octree &tree) const {
 bool SparseGridBuilder::MeetsGoal(const PrunedTree &pruned) const {
     if (goal_.budget)
         return double(pruned.second.leafs) * kBytesPerLeaf >= limit_;
-    static const double slack = std::getenv("T_EXP") ? std::atof(std::getenv("T_EXP")) : 1;
-    return pruned.second.error <= slack * double(goal_.error) && fitGain_ * Interpolated(pruned.first) <= double(goal_.error);
+    if (!check_)
+        return pruned.second.error <= double(goal_.error);
+    return pruned.second.error <= kExpectedSlack * double(goal_.error) &&
+           fitGain_ * Interpolated(pruned.first) <= double(goal_.error);
 }
 
 /// Splits cells until pruning can meet the goal; says whether it can.
@@ -162,9 +166,8 @@ SparseEnd SparseGridBuilder::Refine(const LatticeTracer &tracer, GridStats &work
             double(minPrice_) * double(size.leafs) < kMinGain * size.error * size.error * size.volume)
             return SparseEnd::LittleGain;
         const double error = Interpolated(pruned.first);
-        fprintf(stderr, "S price %g leafs %zu expected %.3f unfit %.3f\n", double(minPrice_ / unit_), size.leafs, size.error, error);
         if (leastErrorLeafs_ == 0 || error <= kLeastFall * leastError_)
-            leastError_ = error, leastErrorLeafs_ = size.leafs;
+            leastError_ = error, leastErrorLeafs_ = size.leafs, leastErrorPrice_ = minPrice_;
         else if (double(size.leafs) > kMoreLeafs * double(leastErrorLeafs_))
             return SparseEnd::NoGain;
         if (threshold_ <= kMinThreshold)
@@ -188,7 +191,6 @@ float SparseGridBuilder::FindPrice() const {
 /// The grid at that price, or at the lowest one at which it keeps its limit.
 SparseGridSH SparseGridBuilder::Grid(float price, SparseStats &result) {
     double bytesPerLeaf = 0;
-    lampSlack_ = 1;
     for (;; price *= kPriceStep, lampSlack_ *= Squared(kPriceStep)) {
         const PrunedTree pruned = Pruned(price);
         const bool isCoarsest = price > kMaxPrice;
@@ -198,12 +200,14 @@ SparseGridSH SparseGridBuilder::Grid(float price, SparseStats &result) {
         if (double(result.bytes) <= limit_ || isCoarsest)
             return grid;
         bytesPerLeaf = double(result.bytes) / double(pruned.second.leafs);
+        if (!goal_.budget)
+            result.end = SparseEnd::Bytes;
     }
 }
 
 SparseGridSH SparseGridBuilder::GridOf(const PrunedTree &pruned, SparseStats &result) const {
     CornerWeights corners(pruned.first, light_);
-    const std::vector<ShFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_, std::getenv("T_NOFIT") ? std::span<const LampSample>() : lamps_);
+    const std::vector<ShFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_, lamps_);
     SparseGridTree tree = MakeSparseTree(pruned.first, light_, corners, lattice_, values);
     DeringStats dering;
     for (bspGridPointSH_t &value : tree.values) {
@@ -237,30 +241,13 @@ void SparseGridBuilder::MeasureLamps(const SparseGridSH &grid, SparseStats &resu
             for (std::size_t channel = 0; channel < 3; ++channel)
                 value.coeffs[k][channel] = read.c[k][channel];
         sum += double(screen_.Squared(ToDisplayed(value, radiance_), lamp.light));
-        if (std::getenv("T_DUMP")) {
-            const auto got = ToDisplayed(value, radiance_);
-            const Vec3f lo = p - Vec3f{16, 16, 16}, hi = p + Vec3f{16, 16, 16};
-            const std::size_t leaf = tree_.LeafAt(CellAt(lamp.at));
-            int open = 0, known = 0;
-            float un = 0;
-            if (leaf != Octree::kNone) {
-                const CornerLight corners = CornersOf(light_, tree_[leaf]);
-                for (std::size_t c = 0; c < 8; ++c)
-                    known += corners[c] != nullptr, open += corners[c] && light_.At(tree_[leaf].Corner(c)).open;
-                if (known == 8)
-                    un = screen_.Squared(InterpolatedLight(tree_[leaf], corners, lamp.at), lamp.light);
-            }
-            fprintf(stderr, "L %.1f %.1f %.1f err %.2f unfit %.2f mean %.1f got %.1f fits %d level %d open %d celllamp %.2f\n", double(p.x), double(p.y), double(p.z),
-                    double(std::sqrt(screen_.Squared(got, lamp.light))), double(std::sqrt(un)), double(255 * MeanLight(lamp.light)), double(255 * MeanLight(got)), int(!space_.AnySolid(lo, hi)), leaf == Octree::kNone ? -1 : int(tree_[leaf].level), open, leaf == Octree::kNone ? 0.0 : double(std::sqrt(tree_[leaf].lamp)));
-        }
     }
     result.lampSamples = lamps_.size();
     result.lampError = lamps_.empty() ? 0 : std::sqrt(sum / double(lamps_.size()));
 }
 
-SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTracer &tracer,
-                                        const LampSamples &lamps, const ExactReceivers &check, GridStats &work,
-                                        SparseStats &result) {
+SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTracer &tracer, const LampSamples &lamps,
+                                        const ExactReceivers &check, GridStats &work, SparseStats &result) {
     lamps_ = lamps.All();
     check_ = check.Size() > 0 ? &check : nullptr;
     unit_ = 1.0f / 64;
@@ -271,13 +258,17 @@ SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTrace
     SplitAtLamps(lamps, maxLamp_, noise, in.jobs, tree_, light_, refiner_, tracer, work);
     minPrice_ = kFirstThreshold * kThresholdStep * unit_ / kLeafsPerSplit;
     for (int round = 1;; ++round) {
+        lampSlack_ = 1;
         result.end = Refine(tracer, work);
-        const float price = result.end == SparseEnd::Goal ? FindPrice() : minPrice_;
+        float price = minPrice_;
+        if (result.end == SparseEnd::Goal)
+            price = FindPrice();
+        else if (result.end == SparseEnd::NoGain)
+            price = leastErrorPrice_;
         const double interpolated = Interpolated(Pruned(price).first);
         SparseGridSH grid = Grid(price, result);
         if (check_) {
             result.measured = check.ErrorOf(grid);
-            fprintf(stderr, "R round %d end %d price %g leafs %zu bytes %zu expected %.3f unfit %.3f real %.3f p95 %.3f\n", round, int(result.end), double(price / unit_), result.leafs, result.bytes, result.error, interpolated, result.measured->rms, result.measured->percentile95);
             if (interpolated > 0)
                 fitGain_ = result.measured->rms / interpolated;
         }
@@ -318,13 +309,13 @@ namespace {
 std::string_view WhyNotFiner(SparseEnd end) {
     switch (end) {
     case SparseEnd::Bytes:
-        return "smaller cells would take more than half of the bytes of the uniform grid";
+        return "smaller cells would take more than half of the bytes of the uniform grid, or 0.08 MB if that is more";
+    case SparseEnd::Goal:
+        return "three attempts came no nearer";
     case SparseEnd::NoGain:
-        return "twice as many cells hardly reduced it";
-    case SparseEnd::LittleGain:
-        return "smaller cells would hardly reduce it";
+        return "with twice as many cells it was hardly smaller, so they are left out";
     default:
-        return "its cells are as small as they can be";
+        return "smaller cells would hardly reduce it";
     }
 }
 
@@ -346,6 +337,8 @@ void PrintSparseStats(const SparseStats &stats, const SparseGoal &goal, Log &log
     constexpr double kShown = 1.1; // the price of leafs is found in steps
     if (!goal.budget && error > kShown * double(goal.error))
         log.Print("That is above the {:g} that was asked for: {}\n", goal.error, WhyNotFiner(stats.end));
+    if (goal.budget && stats.end == SparseEnd::NoGain)
+        log.Print("It is smaller than -shbudget allows: more cells would hardly reduce the error\n");
     if (goal.budget && double(stats.bytes) > *goal.budget)
         log.Warn("SH grid budget",
                  "the sparse SH grid has {:.2f} MB with its largest cells, more than the {:g} of -shbudget",

@@ -33,9 +33,7 @@ class SparseLattice {
     const Vec3f &Mins() const { return mins_; }
     const Vec3f &Cell() const { return cell_; }
     const Int3 &Roots() const { return roots_; }
-    Vec3f PositionOf(const LatticePoint &p) const {
-        return PositionOf(Vec3f{float(p[0]), float(p[1]), float(p[2])});
-    }
+    Vec3f PositionOf(const LatticePoint &p) const { return PositionOf(Vec3f{float(p[0]), float(p[1]), float(p[2])}); }
     Vec3f PositionOf(const Vec3f &inCells) const { return mins_ + cell_ * inCells; }
     /// Inverse of PositionOf.
     Vec3f InCells(const Vec3f &position) const {
