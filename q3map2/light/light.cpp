@@ -206,7 +206,7 @@ void PrintDering(const DeringStats &changed, Log &log) {
 
 /// Bakes the sparse grid. uniform: before deringing.
 SparseGridSH BakeSparse(const GridInputs &all, const std::vector<Light> &lights, const WeakField *weak,
-                        const LightGridSH &uniform, Log &log, GridStats &stats) {
+                        const LightGridSH &uniform, Log &log, GridStats &stats, SparseStats &sparse) {
     log.Section("TraceSparseGridSH");
     LightOptions options = all.options;
     options.shSamples *= kSparseSamples;
@@ -214,9 +214,8 @@ SparseGridSH BakeSparse(const GridInputs &all, const std::vector<Light> &lights,
     const ProbeIntegrator integrator(in, lights);
     const SmoothLight light(integrator, weak);
     const SparseGoal &goal = options.sparseGoal;
-    SparseStats sparse;
     const std::uint64_t raysBefore = stats.counts.rays;
-    SparseGridSH grid = BakeSparseGrid(in, light, uniform, goal, stats, sparse);
+    SparseGridSH grid = BakeSparseGrid(in, lights, light, uniform, goal, stats, sparse);
     log.Count((long long)(stats.counts.rays - raysBefore), "rays");
     PrintSparseStats(sparse, goal, log);
     if (options.shDering)
@@ -241,8 +240,9 @@ BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     shown.filled = std::int64_t(shares.filled);
     shown.moved = 0;
     shown.Print(log);
+    SparseStats sparse;
     if (options.shAdaptive)
-        baked.sparse = BakeSparse(in, lights, tracer.Weak(), baked.uniform, log, stats);
+        baked.sparse = BakeSparse(in, lights, tracer.Weak(), baked.uniform, log, stats, sparse);
     if (options.shDering) {
         const DeringStats changed = DeringGridSH(baked.uniform, options.shRadiance, jobs);
         if (options.sh)
@@ -250,8 +250,8 @@ BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     }
     if (options.shError && options.sh)
         PrintGridSHError(MeasureGridSH(in, baked.uniform, lights), layout.size, setup.layout.size, log);
-    if (options.shError && baked.sparse)
-        PrintSparseGridError(MeasureSparseGrid(in, *baked.sparse, lights), log);
+    if (options.shError && sparse.measured)
+        PrintSparseGridError(*sparse.measured, log);
     return baked;
 }
 

@@ -60,6 +60,21 @@ TEST(SparseLattice, PointsOfTheUniformGridAreItsPoints) {
         }
 }
 
+TEST(SparseLattice, CubicCellsHaveEqualEdgesWhereHalvingMakesThem) {
+    for (const Float3 &size : {Float3{32, 32, 64}, Float3{64, 64, 64}, Float3{8, 8, 8}, Float3{64, 64, 128}}) {
+        const Int3 bounds{5, 4, 3};
+        const SparseLattice lattice = SparseLattice::Cubic(HeaderOf({-size[0], 0, 2 * size[2]}, size, bounds));
+        EXPECT_EQ(lattice.Cell(), (Vec3f{4, 4, 4})) << size[0] << ' ' << size[1] << ' ' << size[2];
+        const Vec3d cells = InCells(lattice, {double(size[0]), double(size[1]), double(3 * size[2])});
+        LatticePoint at{};
+        for (std::size_t axis = 0; axis < 3; axis++) {
+            at[axis] = std::int32_t(std::lround(cells[axis]));
+            EXPECT_EQ(at[axis] % (1 << lattice.UniformLevel(axis)), 0);
+        }
+        EXPECT_EQ(lattice.UniformIndex(at), 2u + 5u * (1u + 4u * 1u)) << "the point (2, 1, 1) of the uniform grid";
+    }
+}
+
 /// A lattice of one root that holds a tree, in units of its cells: of edge 16, at the origin.
 SparseLattice SmallLattice() {
     return SparseLattice(HeaderOf({32, 32, 32}, {8, 8, 8}, {4, 4, 4}));
@@ -144,6 +159,19 @@ TEST(PruneOctree, CostsAsLittleAsTheBestOfAllTrees) {
     }
     EXPECT_GT(joinedCells, 50);
     EXPECT_GT(splitCells, 50);
+}
+
+TEST(PruneOctree, CellsThatLampsNeedAreNotJoined) {
+    for (const float lamp : {9.0f, 1.0f}) {
+        Octree tree(SmallLattice());
+        tree[0].open = 1;
+        tree.Split(0);
+        const std::size_t child = tree[0].child;
+        tree.Split(child);
+        tree[child].lamp = lamp;
+        PruneOctree(tree, 1e9f, 4);
+        EXPECT_EQ(tree[child].child != 0, lamp > 4) << lamp;
+    }
 }
 
 /// A root of eight cells, the first of which is cut once more.

@@ -6,6 +6,7 @@
 #include "q3map2/light/grid/gridsh_dering.h"
 #include "q3map2/light/grid/gridsh_display.h"
 #include "q3map2/light/grid/probe_integrator.h"
+#include "q3map2/light/grid/sh_floats.h"
 
 #include <algorithm>
 #include <cmath>
@@ -59,9 +60,10 @@ std::vector<Receiver> FindReceivers(const BspSpace &space, std::size_t count) {
     return receivers;
 }
 
-/// Coefficients that grid points at the receivers would hold, computed without shortcuts.
+/// Coefficients that grid points at the receivers would hold, computed without shortcuts. firstIndex: seeds of the
+/// sample patterns.
 std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vector<Light> &lights,
-                                          const std::vector<Receiver> &receivers) {
+                                          const std::vector<Receiver> &receivers, std::uint32_t firstIndex) {
     LightOptions options = in.options;
     options.shSamples = std::max(1.0f, options.shSamples);
     options.skip.faint = options.skip.moments = options.skip.probes = options.skip.coarse = false;
@@ -72,7 +74,7 @@ std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vecto
         std::vector<ReceiverBatch> packet(1);
         for (const Receiver &receiver : BatchOf(std::span(receivers), std::size_t(block)))
             packet[0].Add(receiver.position, receiver.position, receiver.cluster,
-                          kFirstIndex + std::uint32_t(&receiver - receivers.data()));
+                          firstIndex + std::uint32_t(&receiver - receivers.data()));
         GridStats work;
         integrator.Trace(packet, std::uint64_t(block), work, [&](std::size_t i, const bspGridPointSH_t &value) {
             bspGridPointSH_t &point = points[std::size_t(block) * kPacketSize + i];
@@ -153,7 +155,10 @@ class Differences {
             squares_ += double(all_.back()) * double(all_.back());
         }
     }
-    double Rms() const { return all_.empty() ? 0 : std::sqrt(squares_ / double(all_.size())); }
+    /// noise: part of the mean square that is not counted.
+    double Rms(double noise) const {
+        return all_.empty() ? 0 : std::sqrt(std::max(0.0, squares_ / double(all_.size()) - noise));
+    }
     double Percentile95() {
         if (all_.empty())
             return 0;
@@ -186,14 +191,14 @@ double LeakShare(const std::vector<DisplayedLight> &exact, const std::vector<Dis
 }
 
 /// Sets `doubled` and `order`, from the receivers that lie inside the grid of doubled cells too.
-void CompareWithDoubled(const GridInputs &in, const LightGridSH &grid, const std::vector<Receiver> &receivers,
+void CompareWithDoubled(const GridInputs &in, const LightGridSH &grid, const ExactReceivers &receivers,
                         const std::vector<DisplayedLight> &exact, const std::vector<DisplayedLight> &shown,
                         GridSHError &error) {
     const EverySecond everySecond(grid, in.space);
     Differences here, coarse;
-    for (std::size_t i = 0; i < receivers.size(); ++i) {
+    for (std::size_t i = 0; i < receivers.Size(); ++i) {
         shgrid_coeffs coeffs;
-        if (!everySecond.Sample(receivers[i].position, coeffs))
+        if (!everySecond.Sample(receivers.Position(i), coeffs))
             continue;
         here.Add(shown[i], exact[i]);
         coarse.Add(DisplayLight(coeffs, in.options.shRadiance), exact[i]);
@@ -205,39 +210,29 @@ void CompareWithDoubled(const GridInputs &in, const LightGridSH &grid, const std
         error.order = std::clamp(std::log2(error.doubled / fine), kLeast, kMost);
 }
 
-/// What a grid shows at random receivers, the exact light there, and how they differ.
+/// What a grid shows at receivers, the exact light there, and how they differ.
 struct GridComparison {
-    GridComparison(const GridInputs &in, const shgrid_grid &reader, const std::vector<Light> &lights,
-                   std::size_t receivers);
-    /// The error, with the CPU time since construction.
-    GridSHError Finished() {
-        error.cpuSeconds = double(std::clock() - start) / CLOCKS_PER_SEC;
-        return error;
-    }
+    GridComparison(const ExactReceivers &receivers, const shgrid_grid &reader, bool radiance);
 
-    std::clock_t start = std::clock();
-    std::vector<Receiver> found; ///< `exact` and `shown` are in their order
-    std::vector<DisplayedLight> exact, shown;
+    std::vector<DisplayedLight> exact, shown; ///< by receiver
     GridSHError error;
 };
 
-GridComparison::GridComparison(const GridInputs &in, const shgrid_grid &reader, const std::vector<Light> &lights,
-                               std::size_t receivers)
-    : found(FindReceivers(in.space, receivers)) {
-    error.receivers = found.size();
-    if (found.empty())
+GridComparison::GridComparison(const ExactReceivers &receivers, const shgrid_grid &reader, bool radiance) {
+    error.receivers = receivers.Size();
+    if (receivers.Size() == 0)
         return;
-    const std::vector<bspGridPointSH_t> points = ExactPoints(in, lights, found);
     Differences differences;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-        const float position[3] = {found[i].position.x, found[i].position.y, found[i].position.z};
+    for (std::size_t i = 0; i < receivers.Size(); ++i) {
+        const Vec3f &p = receivers.Position(i);
+        const float position[3] = {p.x, p.y, p.z};
         shgrid_coeffs coeffs;
         shgrid_sample(&reader, position, &coeffs);
-        exact.push_back(DisplayLight(points[i], in.options.shRadiance));
-        shown.push_back(DisplayLight(coeffs, in.options.shRadiance));
+        exact.push_back(DisplayLight(receivers.At(i), radiance));
+        shown.push_back(DisplayLight(coeffs, radiance));
         differences.Add(shown[i], exact[i]);
     }
-    error.rms = differences.Rms();
+    error.rms = differences.Rms(receivers.Noise());
     error.percentile95 = differences.Percentile95();
     error.leak = LeakShare(exact, shown);
 }
@@ -255,18 +250,42 @@ bool PrintReceivers(const GridSHError &error, Log &log) {
 
 } // namespace
 
-GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const std::vector<Light> &lights,
-                          std::size_t receivers) {
-    GridComparison comparison(in, UniformReader(grid), lights, receivers);
-    if (comparison.error.receivers > 0)
-        CompareWithDoubled(in, grid, comparison.found, comparison.exact, comparison.shown, comparison.error);
-    return comparison.Finished();
+ExactReceivers::ExactReceivers(const GridInputs &in, const std::vector<Light> &lights, std::size_t receivers)
+    : radiance_(in.options.shRadiance) {
+    const std::vector<Receiver> found = FindReceivers(in.space, receivers);
+    for (const Receiver &receiver : found)
+        positions_.push_back(receiver.position);
+    light_ = ExactPoints(in, lights, found, kFirstIndex);
+    if (!in.indirect || found.empty())
+        return;
+    const std::vector<bspGridPointSH_t> again =
+        ExactPoints(in, lights, found, kFirstIndex + std::uint32_t(found.size()));
+    Differences differences;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        differences.Add(DisplayLight(light_[i], radiance_), DisplayLight(again[i], radiance_));
+        bspGridPointSH_t mean{};
+        AddScaled(0.5f, light_[i], mean);
+        AddScaled(0.5f, again[i], mean);
+        light_[i] = mean;
+    }
+    // The difference of two has twice the variance of each, and their mean has half of it.
+    noise_ = differences.Rms(0) * differences.Rms(0) / 4;
 }
 
-GridSHError MeasureSparseGrid(const GridInputs &in, const SparseGridSH &grid, const std::vector<Light> &lights,
-                              std::size_t receivers) {
+GridSHError ExactReceivers::ErrorOf(const SparseGridSH &grid) const {
     const std::vector<std::byte> lump = EncodeSparseGrid(grid);
-    return GridComparison(in, SparseReader(lump), lights, receivers).Finished();
+    return GridComparison(*this, SparseReader(lump), radiance_).error;
+}
+
+GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const std::vector<Light> &lights,
+                          std::size_t receivers) {
+    const std::clock_t start = std::clock();
+    const ExactReceivers exact(in, lights, receivers);
+    GridComparison comparison(exact, UniformReader(grid), in.options.shRadiance);
+    if (exact.Size() > 0)
+        CompareWithDoubled(in, grid, exact, comparison.exact, comparison.shown, comparison.error);
+    comparison.error.cpuSeconds = double(std::clock() - start) / CLOCKS_PER_SEC;
+    return comparison.error;
 }
 
 Float3 CellOfHalfError(const Float3 &cell, const GridSHError &error) {
@@ -303,7 +322,6 @@ void PrintSparseGridError(const GridSHError &error, Log &log) {
         return;
     log.Print("{:9.2f} of 255: 95 % of it is under this\n", error.percentile95);
     log.Print("{:9.2f} % of these receivers are dark and shown lit (leaks)\n", 100 * error.leak);
-    log.Print("{:9.2f} CPU seconds for the check\n", error.cpuSeconds);
 }
 
 } // namespace q3

@@ -6,6 +6,7 @@
 #include "q3map2/light/sources/light_sources.h"
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace q3 {
@@ -27,9 +28,25 @@ struct GridSHError {
 GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const std::vector<Light> &lights,
                           std::size_t receivers = 2000);
 
-/// The same of a sparse grid; `doubled` and `order` are not set.
-GridSHError MeasureSparseGrid(const GridInputs &in, const SparseGridSH &grid, const std::vector<Light> &lights,
-                              std::size_t receivers = 2000);
+/// The exact light at such receivers, to compare sparse grids with. Const after construction; keeps no references.
+class ExactReceivers {
+  public:
+    ExactReceivers(const GridInputs &in, const std::vector<Light> &lights, std::size_t receivers = 2000);
+    std::size_t Size() const { return positions_.size(); }
+    const Vec3f &Position(std::size_t receiver) const { return positions_[receiver]; }
+    /// As stored in grids.
+    const bspGridPointSH_t &At(std::size_t receiver) const { return light_[receiver]; }
+    /// Mean squared displayed error of the light itself, which few rays of bounced light gather. 255ths, squared.
+    double Noise() const { return noise_; }
+    /// Error of a grid, without Noise; `doubled` and `order` are not set.
+    GridSHError ErrorOf(const SparseGridSH &grid) const;
+
+  private:
+    std::vector<Vec3f> positions_;
+    std::vector<bspGridPointSH_t> light_;
+    double noise_ = 0;
+    bool radiance_;
+};
 
 /// Cell size at which percentile95 would be about half: whole units, at least 8. Not the RMS, which is dominated by a
 /// few receivers close to bright lamps, where smaller cells do not help.

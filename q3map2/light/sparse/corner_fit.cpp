@@ -139,7 +139,8 @@ void LimitChange(const ShFloats &before, ShFloats &value) {
 } // namespace
 
 std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
-                                 const SparseLattice &lattice, const BspSpace &space) {
+                                 const SparseLattice &lattice, const BspSpace &space,
+                                 std::span<const LampSample> lamps) {
     std::vector<ShFloats> values;
     for (const std::uint32_t number : corners.Stored())
         values.push_back(light[number].value);
@@ -161,6 +162,11 @@ std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light,
         const bool stored = corners.IsStored(std::uint32_t(i));
         if (inside != Octree::kNone && (stored || !nearSolid))
             system.AddSample(point.value, corners.TermsIn(tree[inside], point.at));
+    }
+    for (const LampSample &lamp : lamps) {
+        const std::size_t leaf = tree.LeafAt(CellAt(lamp.at));
+        if (leaf != Octree::kNone && tree[leaf].open > 0 && clear[leaf])
+            system.AddSample(lamp.light, corners.TermsIn(tree[leaf], lamp.at));
     }
     system.Solve(values);
     for (std::size_t i = 0; i < values.size(); ++i)

@@ -7,10 +7,11 @@
 namespace q3 {
 
 /// Least-squares values of the stored corners, in the order of corners.Stored(). Minimizes the sum over all points s of
-/// `light` in the open of w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull towards its own light, by
-/// conjugate gradients. w: FitWeight. Points of cells that touch solids count only where they are stored corners, so
-/// that no light is fitted through a wall.
+/// `light` in the open, and over `lamps`, of w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull towards
+/// its own light, by conjugate gradients. w: FitWeight. Points of cells that touch solids count only where they are
+/// stored corners, so that no light is fitted through a wall.
 std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
-                                 const SparseLattice &lattice, const BspSpace &space);
+                                 const SparseLattice &lattice, const BspSpace &space,
+                                 std::span<const LampSample> lamps = {});
 
 } // namespace q3

@@ -33,10 +33,10 @@ const std::vector<CornerTerm> &CornerWeights::TermsOf(const LatticePoint &corner
     return terms_[number] = {{storedOf_[number], 1.0f}};
 }
 
-std::vector<CornerTerm> CornerWeights::TermsIn(const OctreeCell &leaf, const LatticePoint &p) {
+std::vector<CornerTerm> CornerWeights::TermsIn(const OctreeCell &leaf, const Vec3f &at) {
     std::vector<CornerTerm> all;
     for (std::size_t c = 0; c < 8; ++c) {
-        const float weight = leaf.Weight(c, LatticePosition(p));
+        const float weight = leaf.Weight(c, at);
         if (weight == 0)
             continue;
         for (const CornerTerm &term : TermsOf(leaf.Corner(c))) {

@@ -25,7 +25,10 @@ class CornerWeights {
     const std::vector<std::uint32_t> &Stored() const { return stored_; }
     bool IsStored(std::uint32_t point) const { return storedOf_[point] != LatticePoints::kUnknown; }
     /// The interpolated value at a point inside or on the boundary of an open leaf, as a combination of stored values.
-    std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const LatticePoint &p);
+    std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const LatticePoint &p) {
+        return TermsIn(leaf, LatticePosition(p));
+    }
+    std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const Vec3f &at);
     /// The largest open leaf that has p on its boundary, but not as a corner; Octree::kNone: p does not hang.
     std::size_t HangsOn(const LatticePoint &p) const;
 

@@ -8,10 +8,11 @@
 
 namespace q3 {
 
-LatticePoints::LatticePoints(const SparseLattice &lattice) : baseLevel_(lattice.BaseLevel()) {
+LatticePoints::LatticePoints(const SparseLattice &lattice) {
     std::size_t count = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        uniformSize_[axis] = (lattice.Roots()[axis] << (lattice.Levels() - baseLevel_)) + 1;
+        uniformLevel_[axis] = lattice.UniformLevel(axis);
+        uniformSize_[axis] = (lattice.Roots()[axis] << (lattice.Levels() - uniformLevel_[axis])) + 1;
         count *= std::size_t(uniformSize_[axis]);
     }
     uniform_.assign(count, kUnknown);
@@ -20,8 +21,8 @@ LatticePoints::LatticePoints(const SparseLattice &lattice) : baseLevel_(lattice.
 const std::uint32_t *LatticePoints::UniformNumber(const LatticePoint &at) const {
     std::size_t place = 0;
     for (std::size_t axis = 3; axis-- > 0;) {
-        const std::int32_t i = at[axis] >> baseLevel_;
-        if (i << baseLevel_ != at[axis] || i < 0 || i >= uniformSize_[axis])
+        const std::int32_t i = at[axis] >> uniformLevel_[axis];
+        if (i << uniformLevel_[axis] != at[axis] || i < 0 || i >= uniformSize_[axis])
             return nullptr;
         place = place * std::size_t(uniformSize_[axis]) + std::size_t(i);
     }

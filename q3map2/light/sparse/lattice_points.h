@@ -16,6 +16,12 @@ struct LatticeSample {
     ShFloats value{};  ///< convolved with the cosine
 };
 
+/// Light at a position before a lamp, see LampSamples.
+struct LampSample {
+    Vec3f at;         ///< in smallest cells
+    ShFloats light{}; ///< convolved with the cosine
+};
+
 /// A set of lattice points with their light. Points have numbers, in the order in which they were added.
 class LatticePoints {
   public:
@@ -46,12 +52,15 @@ class LatticePoints {
     void GrowIfFull();
 
     std::vector<LatticeSample> points_;
-    int baseLevel_;
+    Int3 uniformLevel_{};                ///< log2 of the distance of points of the uniform grid, by axis
     Int3 uniformSize_{};                 ///< of uniform_, by axis
     std::vector<std::uint32_t> uniform_; ///< numbers of points of the uniform grid's lattice, as an array: most are
     std::vector<Slot> slots_;            ///< of all others: hash table with linear probing; size: a power of two
     std::size_t hashed_ = 0;             ///< slots in use
 };
+
+/// Light at the corners of a cell, by number of the corner; null where it is not known.
+using CornerLight = std::array<const ShFloats *, 8>;
 
 /// Hash key of a point, unique for coordinates below 2^21.
 inline std::uint64_t KeyOf(const LatticePoint &p) {

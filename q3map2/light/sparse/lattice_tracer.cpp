@@ -23,12 +23,11 @@ std::uint64_t SpreadBits(std::int32_t coordinate) {
     return (x | x << 2) & 0x1249249249249249ull;
 }
 
-/// Morton code: points next to each other in this order are near to each other in space.
+} // namespace
+
 std::uint64_t MortonOf(const LatticePoint &p) {
     return SpreadBits(p[0]) | SpreadBits(p[1]) << 1 | SpreadBits(p[2]) << 2;
 }
-
-} // namespace
 
 void LatticeTracer::Trace(LatticePoints &points, std::size_t first, GridStats &stats) const {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> order;

@@ -8,6 +8,9 @@
 
 namespace q3 {
 
+/// Morton code: points next to each other in this order are near to each other in space.
+std::uint64_t MortonOf(const LatticePoint &p);
+
 /// Traces light at lattice points in the open. Const after construction; keeps references.
 class LatticeTracer {
   public:

@@ -21,6 +21,18 @@ void Octree::Split(std::size_t leaf) {
         cells_.push_back({.origin = half.Corner(c), .level = half.level, .open = parent.open});
 }
 
+std::size_t Octree::RootAt(const Vec3f &at) const {
+    std::size_t number = 0, stride = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float root = std::floor(at[axis] / float(std::int32_t(1) << levels_));
+        if (!(root >= 0 && root < float(roots_[axis])))
+            return kNone;
+        number += stride * std::size_t(root);
+        stride *= std::size_t(roots_[axis]);
+    }
+    return number;
+}
+
 std::size_t Octree::LeafAt(const LatticePoint &p) const {
     std::size_t at = 0, stride = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {

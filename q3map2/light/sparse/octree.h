@@ -3,6 +3,7 @@
 
 #include "q3map2/light/sparse/sparse_lattice.h"
 
+#include <cmath>
 #include <vector>
 
 namespace q3 {
@@ -14,6 +15,7 @@ struct OctreeCell {
     std::uint32_t child = 0; ///< index of the first child; child c is the octant of corner c. 0: leaf
     float open = 0;          ///< open share of its volume, estimated from its corners; 0: no open space at all
     float error = 0;         ///< expected mean squared error of interpolation between its corners, displayed, bytes^2
+    float lamp = 0;          ///< the same where LampSamples measured it; 0: there are none inside
 
     std::int32_t Edge() const { return std::int32_t(1) << level; }
     /// Open volume in smallest cells.
@@ -39,6 +41,11 @@ inline Vec3f LatticePosition(const LatticePoint &p) {
     return {float(p[0]), float(p[1]), float(p[2])};
 }
 
+/// The smallest cell that contains a position in lattice units.
+inline LatticePoint CellAt(const Vec3f &at) {
+    return {std::int32_t(std::floor(at.x)), std::int32_t(std::floor(at.y)), std::int32_t(std::floor(at.z))};
+}
+
 /// A box of root cubes, each divided into an octree. Cells are named by their index, which never changes.
 class Octree {
   public:
@@ -46,6 +53,8 @@ class Octree {
     explicit Octree(const SparseLattice &lattice);
     /// Gives a leaf eight children, which inherit its `open`. References to cells become invalid.
     void Split(std::size_t leaf);
+    /// The root that contains a position in lattice units; kNone outside the roots.
+    std::size_t RootAt(const Vec3f &at) const;
     /// The leaf that contains a point (cells are half-open: lower faces belong to them); kNone outside the roots.
     std::size_t LeafAt(const LatticePoint &p) const;
     /// The leafs whose closure contains a point: bit 0 of the index is set for the lower side of the point in x, bit 1

@@ -6,8 +6,9 @@
 
 namespace q3 {
 
-PrunedOctree PruneOctree(Octree &tree, float price) {
+PrunedOctree PruneOctree(Octree &tree, float price, float maxLamp) {
     std::vector<float> cost(tree.Size());
+    std::vector<bool> kept(tree.Size());          // inner nodes that lamps need, and those above them
     for (std::size_t i = tree.Size(); i-- > 0;) { // children come after their parents
         OctreeCell &cell = tree[i];
         if (cell.open <= 0)
@@ -19,24 +20,24 @@ PrunedOctree PruneOctree(Octree &tree, float price) {
         }
         const float asLeaf = cell.error * cell.Volume() + price;
         float asParent = 0;
-        for (std::size_t c = 0; c < 8 && cell.child != 0; ++c)
+        kept[i] = cell.child != 0 && cell.lamp > maxLamp;
+        for (std::size_t c = 0; c < 8 && cell.child != 0; ++c) {
             asParent += cost[cell.child + c];
-        const bool prune = cell.child != 0 && i >= tree.RootCount() && asLeaf <= asParent;
+            kept[i] = kept[i] || kept[cell.child + c];
+        }
+        const bool prune = cell.child != 0 && i >= tree.RootCount() && asLeaf <= asParent && !kept[i];
         if (prune)
             cell.child = 0;
         cost[i] = cell.child == 0 ? asLeaf : asParent;
     }
     PrunedOctree result;
-    double error = 0, reducible = 0;
+    double error = 0;
     for (const std::size_t leaf : tree.OpenLeafs()) {
-        const double part = double(tree[leaf].error) * double(tree[leaf].Volume());
-        error += part;
-        reducible += tree[leaf].level > 0 ? part : 0;
+        error += double(tree[leaf].error) * double(tree[leaf].Volume());
         result.volume += double(tree[leaf].Volume());
         ++result.leafs;
     }
     result.error = result.volume > 0 ? std::sqrt(error / result.volume) : 0;
-    result.reducible = result.volume > 0 ? std::sqrt(reducible / result.volume) : 0;
     return result;
 }
 

@@ -3,6 +3,8 @@
 
 #include "q3map2/light/sparse/octree.h"
 
+#include <limits>
+
 namespace q3 {
 
 /// Size and expected error of a pruned octree.
@@ -10,12 +12,12 @@ struct PrunedOctree {
     std::size_t leafs = 0; ///< with open space; about the number of stored points
     double volume = 0;     ///< open volume in smallest cells
     double error = 0;      ///< expected displayed error over the open volume: RMS, bytes
-    double reducible = 0;  ///< the part of `error` in cells that can be split: those above the smallest
 };
 
 /// Turns inner nodes, except roots, into leafs so that the sum over all leafs of (squared error x open volume + price)
 /// is least: the pruning of Breiman et al. (1984) and of Chou, Lookabaugh and Gray (1989). price: the Lagrange
-/// multiplier of the number of leafs, bytes^2 times smallest cells. Sets `open` of inner nodes from their children.
-PrunedOctree PruneOctree(Octree &tree, float price);
+/// multiplier of the number of leafs, bytes^2 times smallest cells. maxLamp: inner nodes with a larger OctreeCell::lamp
+/// stay inner nodes. Sets `open` of inner nodes from their children.
+PrunedOctree PruneOctree(Octree &tree, float price, float maxLamp = std::numeric_limits<float>::infinity());
 
 } // namespace q3

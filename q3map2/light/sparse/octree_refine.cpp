@@ -17,8 +17,20 @@ namespace {
 constexpr float kSecondDifferenceShare = 0.15f, kSurplusShare = 0.2f;
 /// Weight of a point in a solid, whose value serves the open space beside it, in the error of a large cell.
 constexpr float kSolidWeight = 0.5f;
+/// Factors of the variance of a point in its squared surplus, and in its squared second difference along an axis: that
+/// of the point itself and of the points between which it is interpolated.
+constexpr float kNoiseOfSurplus = 1.3f, kNoiseOfSecond = 1.5f;
 /// Cells or points of one job.
 constexpr std::int64_t kChunk = 256;
+
+/// Calls use(p) for the points of the uniform grid's lattice in a closed cell of the base level or above.
+template <typename Use> void ForUniformPoints(const SparseLattice &lattice, const OctreeCell &cell, const Use &use) {
+    const auto step = [&](std::size_t axis) { return std::int32_t(1) << lattice.UniformLevel(axis); };
+    for (std::int32_t z = 0; z <= cell.Edge(); z += step(2))
+        for (std::int32_t y = 0; y <= cell.Edge(); y += step(1))
+            for (std::int32_t x = 0; x <= cell.Edge(); x += step(0))
+                use(LatticePoint{cell.origin[0] + x, cell.origin[1] + y, cell.origin[2] + z});
+}
 
 /// Calls use(i) for i from 0 to count - 1, on all workers.
 template <typename Use> void ForEach(const JobPool &jobs, std::size_t count, const Use &use) {
@@ -29,12 +41,29 @@ template <typename Use> void ForEach(const JobPool &jobs, std::size_t count, con
     });
 }
 
-/// Trilinear interpolation between the corners of a cell.
-Q3_VECTOR ShFloats Interpolated(const OctreeCell &cell, const std::array<const ShFloats *, 8> &corners,
-                                const LatticePoint &p) {
+ShFloats Interpolated(const OctreeCell &cell, const CornerLight &corners, const LatticePoint &p) {
+    return InterpolatedLight(cell, corners, LatticePosition(p));
+}
+
+/// A mean of squared differences without what noise adds to it.
+float WithoutNoise(float measured, float noise) {
+    return std::max(0.0f, measured - noise);
+}
+
+} // namespace
+
+CornerLight CornersOf(const LatticePoints &light, const OctreeCell &cell) {
+    CornerLight corners{};
+    for (std::size_t c = 0; c < 8; ++c)
+        if (const std::uint32_t number = light.Find(cell.Corner(c)); number != LatticePoints::kUnknown)
+            corners[c] = &light[number].value;
+    return corners;
+}
+
+Q3_VECTOR ShFloats InterpolatedLight(const OctreeCell &cell, const CornerLight &corners, const Vec3f &at) {
     ShFloats value{};
     for (std::size_t c = 0; c < 8; ++c) {
-        const float weight = cell.Weight(c, LatticePosition(p));
+        const float weight = cell.Weight(c, at);
         if (weight == 0)
             continue;
         for (std::size_t i = 0; i < kShFloats; ++i)
@@ -42,8 +71,6 @@ Q3_VECTOR ShFloats Interpolated(const OctreeCell &cell, const std::array<const S
     }
     return value;
 }
-
-} // namespace
 
 LatticePoint OctreeRefiner::ChildCorner(const OctreeCell &cell, std::size_t n) {
     const std::int32_t half = cell.Edge() / 2;
@@ -64,14 +91,6 @@ float OctreeRefiner::OpenShare(const OctreeCell &cell) const {
     return std::max(open, 1.0f / 8);
 }
 
-OctreeRefiner::Corners OctreeRefiner::CornersOf(const OctreeCell &cell) const {
-    Corners corners{};
-    for (std::size_t c = 0; c < 8; ++c)
-        if (const std::uint32_t number = light_.Find(cell.Corner(c)); number != LatticePoints::kUnknown)
-            corners[c] = &light_[number].value;
-    return corners;
-}
-
 void OctreeRefiner::Start(const LightGridSH &uniform, bool radiance) {
     for (std::size_t i = 0; i < tree_.Size(); ++i) {
         tree_[i].open = HasOpenSpace(tree_[i]) ? 1.0f : 0.0f;
@@ -83,8 +102,6 @@ void OctreeRefiner::Start(const LightGridSH &uniform, bool radiance) {
         if (tree_[i].open > 0)
             tree_[i].open = OpenShare(tree_[i]);
     });
-    EstimateBaseCells();
-    MeasureLargeCells();
 }
 
 void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform, bool radiance) {
@@ -92,21 +109,23 @@ void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform, bool radiance) 
     light_.Reserve(uniform.points.size());
     for (std::size_t i = 0; i < tree_.Size(); ++i)
         if (tree_[i].level == lattice_.BaseLevel() && tree_[i].open > 0)
-            for (std::size_t c = 0; c < 8; ++c) {
-                const LatticePoint p = tree_[i].Corner(c);
+            ForUniformPoints(lattice_, tree_[i], [&](const LatticePoint &p) {
                 light_[light_.Add(p)].value = ToDisplayed(uniform.points[lattice_.UniformIndex(p)], radiance);
-            }
+            });
     ForEach(jobs_, light_.Size() - first, [&](std::size_t i) {
         LatticeSample &point = light_[first + i];
         point.open = PlaceInOpen(space_, lattice_.PositionOf(point.at)).state == PointState::Open;
     });
 }
 
-/// Sum over axes of the squared displayed difference of a point from the mean of its two neighbors. Axes on which one
-/// of the three is in a solid do not count.
+/// Sum of the squared displayed differences of a point from the mean of its two neighbors, over the axes along which
+/// base cells have no points of the uniform grid between their corners. Axes on which one of the three is in a solid do
+/// not count.
 float OctreeRefiner::SecondDifference(const LatticeSample &point) const {
     float sum = 0;
     for (std::size_t axis = 0; axis < 3 && point.open; ++axis) {
+        if (lattice_.UniformLevel(axis) < lattice_.BaseLevel())
+            continue;
         LatticePoint low = point.at, high = point.at;
         low[axis] -= 1 << lattice_.BaseLevel();
         high[axis] += 1 << lattice_.BaseLevel();
@@ -116,51 +135,47 @@ float OctreeRefiner::SecondDifference(const LatticeSample &point) const {
         ShFloats mean;
         for (std::size_t i = 0; i < kShFloats; ++i)
             mean[i] = 0.5f * (light_[a].value[i] + light_[b].value[i]);
-        sum += SquaredDisplayError(mean, point.value);
+        sum += WithoutNoise(SquaredDisplayError(mean, point.value), kNoiseOfSecond * noise_.At(point.at));
     }
     return sum;
 }
 
-/// Sets the errors of cells of the uniform grid's size from the second differences at their corners.
-void OctreeRefiner::EstimateBaseCells() {
+/// Mean squared error of interpolation at the points of the uniform grid inside a cell and on its boundary; infinite
+/// where a corner is not known.
+float OctreeRefiner::MeasuredError(const OctreeCell &cell) const {
+    const CornerLight corners = CornersOf(light_, cell);
+    if (std::find(corners.begin(), corners.end(), nullptr) != corners.end())
+        return std::numeric_limits<float>::infinity();
+    float sum = 0, count = 0;
+    ForUniformPoints(lattice_, cell, [&](const LatticePoint &p) {
+        const std::uint32_t number = light_.Find(p);
+        if (number == LatticePoints::kUnknown || cell.HasCorner(p))
+            return;
+        const float weight = light_[number].open ? 1 : kSolidWeight;
+        sum += weight * WithoutNoise(SquaredDisplayError(Interpolated(cell, corners, p), light_[number].value),
+                                     kNoiseOfSurplus * noise_.At(p));
+        count += weight;
+    });
+    return count > 0 ? sum / count : 0;
+}
+
+void OctreeRefiner::EstimateErrors(BounceNoise noise) {
+    noise_ = std::move(noise);
     std::vector<float> second(light_.Size());
     ForEach(jobs_, second.size(), [&](std::size_t i) { second[i] = SecondDifference(light_[i]); });
     ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
         OctreeCell &cell = tree_[i];
-        if (cell.level != lattice_.BaseLevel() || cell.open <= 0)
+        if (cell.level < lattice_.BaseLevel() || cell.open <= 0)
+            return;
+        cell.error = MeasuredError(cell);
+        if (cell.level > lattice_.BaseLevel())
             return;
         float sum = 0, count = 0;
-        for (std::size_t c = 0; c < 8; ++c)
-            if (const std::uint32_t number = light_.Find(cell.Corner(c)); light_[number].open)
+        ForUniformPoints(lattice_, cell, [&](const LatticePoint &p) {
+            if (const std::uint32_t number = light_.Find(p); light_[number].open)
                 sum += second[number], ++count;
-        cell.error = count > 0 ? kSecondDifferenceShare * sum / count : 0;
-    });
-}
-
-/// Sets the errors of cells larger than those of the uniform grid from its points inside them.
-void OctreeRefiner::MeasureLargeCells() {
-    const std::int32_t step = std::int32_t(1) << lattice_.BaseLevel();
-    ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
-        OctreeCell &cell = tree_[i];
-        if (cell.level <= lattice_.BaseLevel() || cell.open <= 0)
-            return;
-        cell.error = std::numeric_limits<float>::infinity();
-        const Corners corners = CornersOf(cell);
-        if (std::find(corners.begin(), corners.end(), nullptr) != corners.end())
-            return;
-        float sum = 0, count = 0;
-        for (std::int32_t z = 0; z <= cell.Edge(); z += step)
-            for (std::int32_t y = 0; y <= cell.Edge(); y += step)
-                for (std::int32_t x = 0; x <= cell.Edge(); x += step) {
-                    const LatticePoint p{cell.origin[0] + x, cell.origin[1] + y, cell.origin[2] + z};
-                    const std::uint32_t number = light_.Find(p);
-                    if (number == LatticePoints::kUnknown || cell.HasCorner(p))
-                        continue;
-                    const float weight = light_[number].open ? 1 : kSolidWeight;
-                    sum += weight * SquaredDisplayError(Interpolated(cell, corners, p), light_[number].value);
-                    count += weight;
-                }
-        cell.error = count > 0 ? sum / count : 0;
+        });
+        cell.error += count > 0 ? kSecondDifferenceShare * sum / count : 0;
     });
 }
 
@@ -170,16 +185,20 @@ void OctreeRefiner::Refine(float threshold, const LatticeTracer &tracer, GridSta
         for (std::size_t i = 0; i < tree_.Size(); ++i)
             if (tree_[i].child == 0 && tree_[i].level == level && tree_[i].error * tree_[i].Volume() > threshold)
                 cells.push_back(i);
-        const std::size_t firstNew = light_.Size();
-        for (const std::size_t i : cells)
-            for (std::size_t n = 0; n < 27; ++n)
-                light_.Add(ChildCorner(tree_[i], n));
-        tracer.Trace(light_, firstNew, stats);
-        FillSolids(cells, firstNew);
-        for (const std::size_t i : cells)
-            tree_.Split(i);
-        ForEach(jobs_, cells.size(), [&](std::size_t i) { SetErrorsAfterSplit(cells[i]); });
+        Split(cells, tracer, stats);
     }
+}
+
+void OctreeRefiner::Split(const std::vector<std::size_t> &cells, const LatticeTracer &tracer, GridStats &stats) {
+    const std::size_t firstNew = light_.Size();
+    for (const std::size_t i : cells)
+        for (std::size_t n = 0; n < 27; ++n)
+            light_.Add(ChildCorner(tree_[i], n));
+    tracer.Trace(light_, firstNew, stats);
+    FillSolids(cells, firstNew);
+    for (const std::size_t i : cells)
+        tree_.Split(i);
+    ForEach(jobs_, cells.size(), [&](std::size_t i) { SetErrorsAfterSplit(cells[i]); });
 }
 
 /// Sets the values of new points in solids: interpolated in the cell that was split, plus the mean surplus of its
@@ -199,7 +218,7 @@ void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_
         if (!anySolid)
             continue;
         std::array<ShFloats, 27> interpolated;
-        const Corners corners = CornersOf(cell);
+        const CornerLight corners = CornersOf(light_, cell);
         for (std::size_t n = 0; n < 27; ++n)
             interpolated[n] = Interpolated(cell, corners, light_[numbers[n]].at);
         for (std::size_t n = 0; n < 27; ++n) {
@@ -232,7 +251,7 @@ void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_
 /// open shares and expected errors of the children.
 void OctreeRefiner::SetErrorsAfterSplit(std::size_t parent) {
     OctreeCell &cell = tree_[parent];
-    const Corners corners = CornersOf(cell);
+    const CornerLight corners = CornersOf(light_, cell);
     std::array<float, 27> surplus{};
     std::array<bool, 27> known{};
     float sum = 0, count = 0;
@@ -241,7 +260,8 @@ void OctreeRefiner::SetErrorsAfterSplit(std::size_t parent) {
         known[n] = point.open && !cell.HasCorner(point.at);
         if (!known[n])
             continue;
-        surplus[n] = SquaredDisplayError(Interpolated(cell, corners, point.at), point.value);
+        surplus[n] = WithoutNoise(SquaredDisplayError(Interpolated(cell, corners, point.at), point.value),
+                                  kNoiseOfSurplus * noise_.At(point.at));
         sum += surplus[n], ++count;
     }
     cell.error = count > 0 ? sum / count : 0;

@@ -1,25 +1,36 @@
 // GPL-2.0-or-later. Refinement of the octree where the light is not smooth.
 #pragma once
 
+#include "q3map2/light/sparse/bounce_noise.h"
 #include "q3map2/light/sparse/lattice_tracer.h"
 #include "q3map2/light/sparse/octree.h"
 
 namespace q3 {
+
+/// Light at the corners of a cell.
+CornerLight CornersOf(const LatticePoints &light, const OctreeCell &cell);
+/// Trilinear interpolation between the corners of a cell, all known. at: in lattice units.
+ShFloats InterpolatedLight(const OctreeCell &cell, const CornerLight &corners, const Vec3f &at);
 
 /// Splits cells whose expected error is above a threshold, and traces the points that this adds. Keeps references.
 ///
 /// The hierarchical surplus of a point is its light minus what the larger cell around it gives there by interpolation.
 /// Where light is smooth, surpluses fall to a quarter with each halving of cells; at shadow edges and beside lamps they
 /// hardly fall. The expected squared error of a cell is the mean squared surplus of its corners times a factor between
-/// these two cases.
+/// these two cases. What the noise of bounced light adds to squared differences is subtracted from them: smaller cells
+/// would not reduce it.
 class OctreeRefiner {
   public:
     OctreeRefiner(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, Octree &tree,
                   LatticePoints &light)
         : space_(space), jobs_(jobs), lattice_(lattice), tree_(tree), light_(light) {}
-    /// Splits all cells with open space down to those of the uniform grid, adds its points, and sets the errors of the
-    /// cells from them. radiance: see ToDisplayed.
+    /// Splits all cells with open space down to the base level and adds the points of the uniform grid. radiance: see
+    /// ToDisplayed.
     void Start(const LightGridSH &uniform, bool radiance);
+    /// Sets the errors of the cells from these points.
+    void EstimateErrors(BounceNoise noise);
+    /// Splits these leafs.
+    void Split(const std::vector<std::size_t> &cells, const LatticeTracer &tracer, GridStats &stats);
     /// Splits cells, also those of earlier calls, while their squared error times their open volume (bytes^2 times
     /// smallest cells) is above `threshold`.
     void Refine(float threshold, const LatticeTracer &tracer, GridStats &stats);
@@ -30,13 +41,9 @@ class OctreeRefiner {
     bool HasOpenSpace(const OctreeCell &cell) const;
     /// OctreeCell::open of a cell with open space, from its corners.
     float OpenShare(const OctreeCell &cell) const;
-    /// Light at the corners of a cell; null where it is not known.
-    using Corners = std::array<const ShFloats *, 8>;
-    Corners CornersOf(const OctreeCell &cell) const;
     void AddUniformPoints(const LightGridSH &uniform, bool radiance);
     float SecondDifference(const LatticeSample &point) const;
-    void EstimateBaseCells();
-    void MeasureLargeCells();
+    float MeasuredError(const OctreeCell &cell) const;
     void FillSolids(const std::vector<std::size_t> &cells, std::size_t firstNew);
     void SetErrorsAfterSplit(std::size_t cell);
 
@@ -45,6 +52,7 @@ class OctreeRefiner {
     const SparseLattice &lattice_;
     Octree &tree_;
     LatticePoints &light_;
+    BounceNoise noise_;
 };
 
 } // namespace q3

@@ -1,22 +1,22 @@
 // GPL-2.0-or-later. Bakes the sparse SH grid.
 #include "q3map2/light/sparse/sparse_bake.h"
 
+#include "q3map2/bspfile/grid_reader.h"
 #include "q3map2/light/sparse/corner_fit.h"
 #include "q3map2/light/sparse/display_error.h"
+#include "q3map2/light/sparse/lamp_samples.h"
 #include "q3map2/light/sparse/octree_prune.h"
 #include "q3map2/light/sparse/octree_refine.h"
 #include "q3map2/light/sparse/sparse_tree.h"
 
-#include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace q3 {
 
 namespace {
 
-/// Refinement begins at this threshold (bytes^2 times smallest cells), which is divided by kThresholdStep until the
-/// goal can be met, or until it is below kMinThreshold.
+/// Thresholds of refinement fall from the first one by this factor: bytes^2 times an eighth of an eighth of the volume
+/// of a cell of the uniform grid.
 constexpr float kFirstThreshold = 16384, kThresholdStep = 2.5f, kMinThreshold = 1;
 /// Leafs that a split adds.
 constexpr float kLeafsPerSplit = 7;
@@ -29,13 +29,31 @@ constexpr int kBisections = 14;
 /// Refinement to an error target ends where a further leaf reduces the squared error by less than this share of the
 /// mean squared error of a leaf.
 constexpr double kMinGain = 0.25;
-/// The price of a leaf grows by this factor while the lump exceeds its budget.
+/// It ends, too, where kMoreLeafs times the leafs leave more than kLeastFall of the measured error.
+constexpr double kMoreLeafs = 2, kLeastFall = 0.95;
+/// The price of a leaf grows by this factor while the lump exceeds its limit.
 constexpr float kPriceStep = 1.15f;
-/// Without a budget the lump has at most about this share of the bytes of the uniform grid, whatever its error: where
-/// lamps are dense, no cells are small enough.
-constexpr double kMaxShareOfUniform = 0.5;
+/// Without a budget the lump has at most this share of the bytes of the uniform grid, whatever its error, or kSmallLump
+/// bytes if that is more.
+constexpr double kMaxShareOfUniform = 0.5, kSmallLump = 80e3;
 /// Estimate of the bytes of the lump per leaf, for its point and its share of a node.
 constexpr double kBytesPerLeaf = 25;
+/// Cells are split while the error before a lamp is above this many error targets.
+constexpr float kLampTargets = 1.6f;
+/// Positions before lamps: at most one for so many points of the uniform grid, or kFewLampSamples if that is more.
+constexpr std::size_t kPointsPerLampSample = 4, kFewLampSamples = 16384;
+/// The error of a finished grid over that of the corners' own light, before it is measured. Corners on larger cells
+/// have other values in the grid.
+constexpr double kFirstFitGain = 1.2;
+/// Grids that are made to meet the target as measured, at most; a measured error this much above it will do.
+constexpr int kMostRounds = 3;
+constexpr double kTargetSlack = 1.02;
+/// The expected error may be this many targets: where little light changes, it is above the measured one.
+constexpr double kExpectedSlack = 1.3;
+
+float Squared(float x) {
+    return x * x;
+}
 
 /// Refines and prunes an octree until it meets a goal. Keeps references.
 class SparseGridBuilder {
@@ -44,68 +62,34 @@ class SparseGridBuilder {
     SparseGridBuilder(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, const SparseGoal &goal,
                       bool radiance)
         : space_(space), lattice_(lattice), goal_(goal), radiance_(radiance), light_(lattice), tree_(lattice),
-          refiner_(space, jobs, lattice, tree_, light_) {}
+          refiner_(space, jobs, lattice, tree_, light_), maxLamp_(Squared(kLampTargets * goal.error)) {}
     void Start(const LightGridSH &uniform) {
         refiner_.Start(uniform, radiance_);
-        maxBytes_ = kMaxShareOfUniform * double(uniform.points.size() * sizeof(bspGridPointSH_t));
+        limit_ = std::max(kSmallLump, kMaxShareOfUniform * double(uniform.points.size() * sizeof(bspGridPointSH_t)));
+        if (goal_.budget)
+            limit_ = *goal_.budget;
     }
     /// Makes Grid remove negative lobes from the values.
     void EnableDering() { dering_ = true; }
-    /// Splits cells until pruning can meet the goal.
-    void Refine(const LatticeTracer &tracer, GridStats &work) {
-        for (float threshold = kFirstThreshold; threshold > kMinThreshold; threshold /= kThresholdStep) {
-            refiner_.Refine(threshold, tracer, work);
-            minPrice_ = threshold / kLeafsPerSplit;
-            const PrunedOctree pruned = Pruned(minPrice_).second;
-            if (IsFine(pruned) || (!goal_.budget && GainsLittle(pruned)))
-                return;
-        }
-    }
     /// The grid of the coarsest tree that meets the goal; if none does, of the one nearest to it.
-    SparseGridSH Grid(SparseStats &result);
+    SparseGridSH Joined(SparseStats &result) {
+        refiner_.EstimateErrors({});
+        return Grid(FindPrice(), result);
+    }
+    /// The same with smaller cells where they are needed. check: null without receivers.
+    SparseGridSH Refined(const GridInputs &in, const LatticeTracer &tracer, const LampSamples &lamps,
+                         const ExactReceivers &check, GridStats &work, SparseStats &result);
 
   private:
     using PrunedTree = std::pair<Octree, PrunedOctree>;
-    PrunedTree Pruned(float price) const {
-        PrunedTree pruned{tree_, {}};
-        pruned.second = PruneOctree(pruned.first, price);
-        return pruned;
-    }
-    /// Whether the tree is fine enough for the goal.
-    bool IsFine(const PrunedOctree &pruned) const {
-        const double bytes = double(pruned.leafs) * kBytesPerLeaf;
-        return goal_.budget ? bytes >= *goal_.budget : pruned.reducible <= double(goal_.error) || bytes >= maxBytes_;
-    }
-    /// Whether further leafs hardly reduce the error: most of it is in the smallest cells, beside lamps.
-    bool GainsLittle(const PrunedOctree &pruned) const {
-        return double(minPrice_) * double(pruned.leafs) < kMinGain * pruned.error * pruned.error * pruned.volume;
-    }
-    /// Highest price of a leaf at which the pruned tree is still fine.
-    float FindPrice() const {
-        float low = minPrice_, high = minPrice_ * kPriceRange;
-        for (int i = 0; i < kBisections; ++i) {
-            const float middle = std::sqrt(low * high);
-            (IsFine(Pruned(middle).second) ? low : high) = middle;
-        }
-        return low;
-    }
-    SparseGridSH GridOf(const PrunedTree &pruned, SparseStats &result) const {
-        CornerWeights corners(pruned.first, light_);
-        const std::vector<ShFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_);
-        SparseGridTree tree = MakeSparseTree(pruned.first, light_, corners, lattice_, values);
-        DeringStats dering;
-        for (bspGridPointSH_t &value : tree.values) {
-            value = ToStored(std::bit_cast<ShFloats>(value), radiance_);
-            if (dering_) {
-                const DeringStats changed = DeringPoint(value, radiance_);
-                dering.points += changed.points;
-                dering.largestChange = std::max(dering.largestChange, changed.largestChange);
-            }
-        }
-        SparseGridSH grid = PackSparseGrid(tree);
-        result = {pruned.second.leafs, grid.points.size(), EncodeSparseGrid(grid).size(), pruned.second.error, dering};
-        return grid;
-    }
+    PrunedTree Pruned(float price) const;
+    bool MeetsGoal(const PrunedTree &pruned) const;
+    double Interpolated(const Octree &tree) const;
+    SparseEnd Refine(const LatticeTracer &tracer, GridStats &work);
+    float FindPrice() const;
+    SparseGridSH Grid(float price, SparseStats &result);
+    SparseGridSH GridOf(const PrunedTree &pruned, SparseStats &result) const;
+    void MeasureLamps(const SparseGridSH &grid, SparseStats &result) const;
 
     const BspSpace &space_;
     const SparseLattice &lattice_;
@@ -114,36 +98,202 @@ class SparseGridBuilder {
     LatticePoints light_;
     Octree tree_;
     OctreeRefiner refiner_;
+    ScreenError screen_;
+    std::span<const LampSample> lamps_;
+    const ExactReceivers *check_ = nullptr; ///< null: nothing is measured
+    double fitGain_ = kFirstFitGain;        ///< measured error of the last grid over that without its fit
+    float maxLamp_;                         ///< for PruneOctree, without a budget
+    float lampSlack_ = 1;                   ///< factor of that, above 1 where the lump would exceed its limit
     bool dering_ = false;
-    double maxBytes_ = 0;        ///< without a budget: where refinement ends
-    float minPrice_ = kMinPrice; ///< of a leaf: the tree is not refined for lower ones
+    double limit_ = 0;                  ///< bytes of the lump
+    float unit_ = 1;                    ///< of thresholds, smallest cells
+    float threshold_ = kFirstThreshold; ///< the next one, in those units
+    float minPrice_ = kMinPrice;        ///< of a leaf: the tree is not refined for lower ones
+    double leastError_ = 0;             ///< of the trees measured in Refine, before doublings that gained nothing
+    std::size_t leastErrorLeafs_ = 0;   ///< leafs of that tree; 0: none is measured yet
+    float leastErrorPrice_ = kMinPrice; ///< minPrice_ of that tree
 };
 
-SparseGridSH SparseGridBuilder::Grid(SparseStats &result) {
-    float price = FindPrice();
+SparseGridBuilder::PrunedTree SparseGridBuilder::Pruned(float price) const {
+    float maxLamp = maxLamp_;
+    if (goal_.budget && !lamps_.empty()) {
+        Octree tree = tree_;
+        maxLamp = Squared(kLampTargets * float(PruneOctree(tree, price).error));
+    }
+    PrunedTree pruned{tree_, {}};
+    pruned.second = PruneOctree(pruned.first, price, maxLamp * lampSlack_);
+    return pruned;
+}
+
+/// RMS error at the receivers of corners that are not fitted; 0 if nothing is measured.
+double SparseGridBuilder::Interpolated(const Octree &tree) const {
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; check_ && i < check_->Size(); ++i) {
+        const Vec3f at = lattice_.InCells(check_->Position(i));
+        const std::size_t leaf = tree.LeafAt(CellAt(at));
+        if (leaf == Octree::kNone || tree[leaf].open <= 0)
+            continue;
+        const CornerLight corners = CornersOf(light_, tree[leaf]);
+        if (std::find(corners.begin(), corners.end(), nullptr) != corners.end())
+            continue;
+        sum +=
+            double(screen_.Squared(InterpolatedLight(tree[leaf], corners, at), ToDisplayed(check_->At(i), radiance_)));
+        ++count;
+    }
+    return count > 0 ? std::sqrt(std::max(0.0, sum / count - check_->Noise())) : 0;
+}
+
+bool SparseGridBuilder::MeetsGoal(const PrunedTree &pruned) const {
+    if (goal_.budget)
+        return double(pruned.second.leafs) * kBytesPerLeaf >= limit_;
+    if (!check_)
+        return pruned.second.error <= double(goal_.error);
+    return pruned.second.error <= kExpectedSlack * double(goal_.error) &&
+           fitGain_ * Interpolated(pruned.first) <= double(goal_.error);
+}
+
+/// Splits cells until pruning can meet the goal; says whether it can.
+SparseEnd SparseGridBuilder::Refine(const LatticeTracer &tracer, GridStats &work) {
     for (;;) {
+        const PrunedTree pruned = Pruned(minPrice_);
+        const PrunedOctree &size = pruned.second;
+        if (MeetsGoal(pruned))
+            return SparseEnd::Goal;
+        if (double(size.leafs) * kBytesPerLeaf >= limit_)
+            return SparseEnd::Bytes;
+        // Whether further leafs hardly reduce the error: most of it is in the smallest cells.
+        if (leastErrorLeafs_ > 0 && !goal_.budget &&
+            double(minPrice_) * double(size.leafs) < kMinGain * size.error * size.error * size.volume)
+            return SparseEnd::LittleGain;
+        const double error = Interpolated(pruned.first);
+        if (leastErrorLeafs_ == 0 || error <= kLeastFall * leastError_)
+            leastError_ = error, leastErrorLeafs_ = size.leafs, leastErrorPrice_ = minPrice_;
+        else if (double(size.leafs) > kMoreLeafs * double(leastErrorLeafs_))
+            return SparseEnd::NoGain;
+        if (threshold_ <= kMinThreshold)
+            return SparseEnd::Smallest;
+        refiner_.Refine(threshold_ * unit_, tracer, work);
+        minPrice_ = threshold_ * unit_ / kLeafsPerSplit;
+        threshold_ /= kThresholdStep;
+    }
+}
+
+/// Highest price of a leaf at which the pruned tree still meets the goal.
+float SparseGridBuilder::FindPrice() const {
+    float low = minPrice_, high = minPrice_ * kPriceRange;
+    for (int i = 0; i < kBisections; ++i) {
+        const float middle = std::sqrt(low * high);
+        (MeetsGoal(Pruned(middle)) ? low : high) = middle;
+    }
+    return low;
+}
+
+/// The grid at that price, or at the lowest one at which it keeps its limit.
+SparseGridSH SparseGridBuilder::Grid(float price, SparseStats &result) {
+    double bytesPerLeaf = 0;
+    for (;; price *= kPriceStep, lampSlack_ *= Squared(kPriceStep)) {
         const PrunedTree pruned = Pruned(price);
+        const bool isCoarsest = price > kMaxPrice;
+        if (double(pruned.second.leafs) * bytesPerLeaf > limit_ && !isCoarsest)
+            continue;
         SparseGridSH grid = GridOf(pruned, result);
-        if (!goal_.budget || double(result.bytes) <= *goal_.budget)
+        if (double(result.bytes) <= limit_ || isCoarsest)
             return grid;
-        price *= kPriceStep;
-        if (price > kMaxPrice) // cells are as large as they can be
+        bytesPerLeaf = double(result.bytes) / double(pruned.second.leafs);
+        if (!goal_.budget)
+            result.end = SparseEnd::Bytes;
+    }
+}
+
+SparseGridSH SparseGridBuilder::GridOf(const PrunedTree &pruned, SparseStats &result) const {
+    CornerWeights corners(pruned.first, light_);
+    const std::vector<ShFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_, lamps_);
+    SparseGridTree tree = MakeSparseTree(pruned.first, light_, corners, lattice_, values);
+    DeringStats dering;
+    for (bspGridPointSH_t &value : tree.values) {
+        value = ToStored(std::bit_cast<ShFloats>(value), radiance_);
+        if (dering_) {
+            const DeringStats changed = DeringPoint(value, radiance_);
+            dering.points += changed.points;
+            dering.largestChange = std::max(dering.largestChange, changed.largestChange);
+        }
+    }
+    SparseGridSH grid = PackSparseGrid(tree);
+    result.leafs = pruned.second.leafs;
+    result.stored = grid.points.size();
+    result.bytes = EncodeSparseGrid(grid).size();
+    result.error = pruned.second.error;
+    result.dering = dering;
+    return grid;
+}
+
+void SparseGridBuilder::MeasureLamps(const SparseGridSH &grid, SparseStats &result) const {
+    const std::vector<std::byte> lump = EncodeSparseGrid(grid);
+    const shgrid_grid reader = SparseReader(lump);
+    double sum = 0;
+    for (const LampSample &lamp : lamps_) {
+        const Vec3f p = lattice_.Mins() + lattice_.Cell() * lamp.at;
+        const float position[3] = {p.x, p.y, p.z};
+        shgrid_coeffs read;
+        shgrid_sample(&reader, position, &read);
+        bspGridPointSH_t value;
+        for (std::size_t k = 0; k < 9; ++k)
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                value.coeffs[k][channel] = read.c[k][channel];
+        sum += double(screen_.Squared(ToDisplayed(value, radiance_), lamp.light));
+    }
+    result.lampSamples = lamps_.size();
+    result.lampError = lamps_.empty() ? 0 : std::sqrt(sum / double(lamps_.size()));
+}
+
+SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTracer &tracer, const LampSamples &lamps,
+                                        const ExactReceivers &check, GridStats &work, SparseStats &result) {
+    lamps_ = lamps.All();
+    check_ = check.Size() > 0 ? &check : nullptr;
+    unit_ = 1.0f / 64;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        unit_ *= float(1 << lattice_.UniformLevel(axis));
+    const BounceNoise noise(in, lattice_, light_);
+    refiner_.EstimateErrors(noise);
+    SplitAtLamps(lamps, maxLamp_, noise, in.jobs, tree_, light_, refiner_, tracer, work);
+    minPrice_ = kFirstThreshold * kThresholdStep * unit_ / kLeafsPerSplit;
+    for (int round = 1;; ++round) {
+        lampSlack_ = 1;
+        result.end = Refine(tracer, work);
+        float price = minPrice_;
+        if (result.end == SparseEnd::Goal)
+            price = FindPrice();
+        else if (result.end == SparseEnd::NoGain)
+            price = leastErrorPrice_;
+        const double interpolated = Interpolated(Pruned(price).first);
+        SparseGridSH grid = Grid(price, result);
+        if (check_) {
+            result.measured = check.ErrorOf(grid);
+            if (interpolated > 0)
+                fitGain_ = result.measured->rms / interpolated;
+        }
+        if (result.end != SparseEnd::Goal || goal_.budget || !check_ || round == kMostRounds ||
+            result.measured->rms <= kTargetSlack * double(goal_.error)) {
+            MeasureLamps(grid, result);
             return grid;
+        }
     }
 }
 
 } // namespace
 
-SparseGridSH BakeSparseGrid(const GridInputs &in, const SmoothLight &light, const LightGridSH &uniform,
-                            const SparseGoal &goal, GridStats &work, SparseStats &result) {
-    const SparseLattice lattice(uniform.header);
+SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &lights, const SmoothLight &light,
+                            const LightGridSH &uniform, const SparseGoal &goal, GridStats &work, SparseStats &result) {
+    const SparseLattice lattice = SparseLattice::Cubic(uniform.header);
     const LatticeTracer tracer(in, light, lattice);
     SparseGridBuilder builder(in.space, in.jobs, lattice, goal, in.options.shRadiance);
     if (in.options.shDering)
         builder.EnableDering();
     builder.Start(uniform);
-    builder.Refine(tracer, work);
-    return builder.Grid(result);
+    const std::size_t mostSamples = std::max(kFewLampSamples, uniform.points.size() / kPointsPerLampSample);
+    const LampSamples lamps(in, lights, light, lattice, mostSamples, work);
+    const ExactReceivers check(in, lights);
+    return builder.Refined(in, tracer, lamps, check, work, result);
 }
 
 SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform, bool radiance, const SparseGoal &goal,
@@ -151,19 +301,44 @@ SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform
     const SparseLattice lattice(uniform.header);
     SparseGridBuilder builder(space, jobs, lattice, goal, radiance);
     builder.Start(uniform);
-    return builder.Grid(result);
+    return builder.Joined(result);
 }
+
+namespace {
+
+std::string_view WhyNotFiner(SparseEnd end) {
+    switch (end) {
+    case SparseEnd::Bytes:
+        return "smaller cells would take more than half of the bytes of the uniform grid, or 0.08 MB if that is more";
+    case SparseEnd::Goal:
+        return "three attempts came no nearer";
+    case SparseEnd::NoGain:
+        return "with twice as many cells it was hardly smaller, so they are left out";
+    default:
+        return "smaller cells would hardly reduce it";
+    }
+}
+
+} // namespace
 
 void PrintSparseStats(const SparseStats &stats, const SparseGoal &goal, Log &log) {
     log.Count((long long)(stats.leafs), "cells with open space");
     log.Count((long long)(stats.stored), "points");
     log.Print("{:9.2f} MB\n", double(stats.bytes) / 1e6);
-    log.Print("{:9.2f} of 255 is the expected error of interpolation\n", stats.error);
+    double error = stats.error;
+    if (stats.measured && stats.measured->receivers > 0) {
+        error = stats.measured->rms;
+        log.Print("{:9.2f} of 255 is the error of displayed light, measured at {} random positions of players (RMS)\n",
+                  error, stats.measured->receivers);
+    } else
+        log.Print("{:9.2f} of 255 is the expected error of interpolation\n", error);
+    if (stats.lampSamples > 0)
+        log.Print("{:9.2f} of 255 is the error at {} positions before lamps\n", stats.lampError, stats.lampSamples);
     constexpr double kShown = 1.1; // the price of leafs is found in steps
-    if (!goal.budget && stats.error > kShown * double(goal.error))
-        log.Print("That is above the {:g} that was asked for: smaller cells would hardly reduce it, or take more than "
-                  "half of the bytes of the uniform grid\n",
-                  goal.error);
+    if (!goal.budget && error > kShown * double(goal.error))
+        log.Print("That is above the {:g} that was asked for: {}\n", goal.error, WhyNotFiner(stats.end));
+    if (goal.budget && stats.end == SparseEnd::NoGain)
+        log.Print("It is smaller than -shbudget allows: more cells would hardly reduce the error\n");
     if (goal.budget && double(stats.bytes) > *goal.budget)
         log.Warn("SH grid budget",
                  "the sparse SH grid has {:.2f} MB with its largest cells, more than the {:g} of -shbudget",

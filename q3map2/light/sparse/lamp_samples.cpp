@@ -1,0 +1,274 @@
+// GPL-2.0-or-later. Positions before lamps.
+#include "q3map2/light/sparse/lamp_samples.h"
+
+#include "libs/math/low_discrepancy.h"
+#include "libs/sh/polygon_moments.h"
+#include "q3map2/light/sources/falloff.h"
+#include "q3map2/light/sparse/display_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+/// Positions are this far from a lamp: nearer ones are inside what a player bumps into. Game units.
+constexpr float kNear = 16, kFar = 34;
+/// Before a surface light, positions lie up to this far beyond its edges. Game units.
+constexpr float kBeside = 4;
+/// A position is this clear of solids on all sides. Game units.
+constexpr float kSampleClearance = 6;
+/// Distance of positions: the least; the most, for large surface lights; and that in radii of one. Game units.
+constexpr float kLeastStep = 8, kMostStep = 32, kStepPerRadius = 1.0f / 16;
+/// Lamps that give less than this at distance kNear are passed over. Byte scale.
+constexpr float kLeastLight = 0.5f;
+/// Samples of a brick, which share a list of lights.
+constexpr std::size_t kBrickSamples = 256;
+/// A lamp is hidden from a position if its mean light there is more than this times that of all light.
+constexpr float kMostSeen = 1.25f;
+/// Factor of the variance of noise in the squared error at a sample: that of its own light and of the corners.
+constexpr float kNoiseOfSample = 1.3f;
+
+/// A position, and its place in the lattice of steps of kLeastStep, which identifies it.
+struct LampPlace {
+    std::uint64_t key = 0;
+    Vec3f position;
+    int cluster = 0;
+    std::uint32_t lamp = 0; ///< index of the light
+};
+
+/// Whether a position is before a surface light: at the right distance from its plane, and not far beside it.
+bool IsBefore(const Light &light, const Vec3f &p) {
+    double distance = Dot(light.shape.normal, Vec3d(p)) - light.shape.dist;
+    if (light.twoSided)
+        distance = std::abs(distance);
+    if (distance < double(kNear) || distance > double(kFar))
+        return false;
+    const Vec3f normal(light.shape.normal);
+    for (std::size_t i = 0; i < light.w.size(); ++i) {
+        const Vec3f &a = light.w[i], edge = light.w[(i + 1) % light.w.size()] - a;
+        if (Length(edge) == 0)
+            continue;
+        const Vec3f out = Normalize(Cross(edge, normal));
+        const float side = Dot(light.shape.center - a, out) > 0 ? -1.0f : 1.0f;
+        if (side * Dot(p - a, out) > kBeside)
+            return false;
+    }
+    return true;
+}
+
+/// The same of any lamp.
+bool IsNear(const Light &light, const Vec3f &p) {
+    if (light.type == LightType::Area)
+        return IsBefore(light, p);
+    const Vec3f away = p - light.origin;
+    const float distance = Length(away);
+    return distance >= kNear && distance <= kFar && (light.type == LightType::Point || Dot(away, light.normal) > 0);
+}
+
+bool IsLamp(const Light &light) {
+    if (light.type == LightType::Sun || light.photons <= 0)
+        return false;
+    return light.type == LightType::Area ||
+           Falloff(light).At(kNear) * std::max({light.color.x, light.color.y, light.color.z}) > kLeastLight;
+}
+
+/// Appends the positions before a lamp.
+void AddPlaces(const BspSpace &space, const Light &light, std::uint32_t lamp, std::vector<LampPlace> &places) {
+    const bool area = light.type == LightType::Area;
+    const float radius = area ? light.shape.radius : 0;
+    const float step = kLeastStep * std::round(std::clamp(kStepPerRadius * radius, kLeastStep, kMostStep) / kLeastStep);
+    Boundsf box;
+    if (area)
+        for (std::size_t i = 0; i < light.w.size(); ++i)
+            box.Add(light.w[i]);
+    else
+        box.Add(light.origin);
+    Int3 low{}, high{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = int(std::floor((box.mins[axis] - kFar) / step));
+        high[axis] = int(std::floor((box.maxs[axis] + kFar) / step));
+    }
+    const Vec3f clear{kSampleClearance, kSampleClearance, kSampleClearance};
+    for (int z = low[2]; z <= high[2]; ++z)
+        for (int y = low[1]; y <= high[1]; ++y)
+            for (int x = low[0]; x <= high[0]; ++x) {
+                const LatticePoint box8{int(float(x) * step / kLeastStep), int(float(y) * step / kLeastStep),
+                                        int(float(z) * step / kLeastStep)};
+                const std::uint64_t key = KeyOf({box8[0] & 0x1fffff, box8[1] & 0x1fffff, box8[2] & 0x1fffff});
+                const Sample3 jitter = PlasticSample3(0, key);
+                const Vec3f p = Vec3f{float(box8[0]) + float(jitter.u), float(box8[1]) + float(jitter.v),
+                                      float(box8[2]) + float(jitter.w)} *
+                                kLeastStep;
+                if (!IsNear(light, p) || space.AnySolid(p - clear, p + clear))
+                    continue;
+                const int cluster = space.ClusterAt(p, kClearance);
+                if (light.SeenFrom(cluster))
+                    places.push_back({key, p, cluster, lamp});
+            }
+}
+
+/// The positions before all lamps, by key; one that is before several lamps once for each.
+std::vector<LampPlace> FindPlaces(const GridInputs &in, const std::vector<Light> &lights, std::size_t most) {
+    std::vector<std::vector<LampPlace>> found(lights.size());
+    in.jobs.For(std::int64_t(lights.size()), [&](std::int64_t i, int) {
+        if (const Light &light = lights[std::size_t(i)]; IsLamp(light))
+            AddPlaces(in.space, light, std::uint32_t(i), found[std::size_t(i)]);
+    });
+    std::vector<LampPlace> places;
+    for (const std::vector<LampPlace> &some : found)
+        places.insert(places.end(), some.begin(), some.end());
+    std::stable_sort(places.begin(), places.end(),
+                     [](const LampPlace &a, const LampPlace &b) { return a.key < b.key; });
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < places.size(); ++i)
+        count += i == 0 || places[i].key != places[i - 1].key;
+    if (count > most) {
+        const double share = double(most) / double(count);
+        std::erase_if(places, [&](const LampPlace &place) { return UnitFromHash(HashIndex(place.key)) > share; });
+    }
+    return places;
+}
+
+/// Light of a lamp that nothing shadows, convolved with the cosine; without the edge of a spotlight's cone.
+ShFloats UnshadowedLight(const Light &light, const Vec3f &position) {
+    ShVector projection{};
+    double scale = light.negative ? -1.0 / 255 : 1.0 / 255;
+    if (light.type == LightType::Area) {
+        if (!light.twoSided && Dot(light.shape.normal, Vec3d(position)) <= light.shape.dist)
+            return {};
+        projection = MomentsOfPolygon(light.w, Vec3d(position)).Projection();
+        scale *= double(light.add) / std::numbers::pi;
+    } else {
+        const Vec3f to = light.origin - position;
+        const float distance = Length(to);
+        projection = ShBasis(Vec3d(distance > 0 ? Normalize(to) : Vec3f{0, 0, 1}));
+        scale *= double(std::max(0.0f, Falloff(light).At(distance)));
+    }
+    ShFloats shown;
+    for (std::size_t i = 0; i < kShFloats; ++i)
+        shown[i] = float(projection[i / 3] * kCosineLobe[i / 3] * scale) * light.color[i % 3];
+    return shown;
+}
+
+/// A cell of the tree and the samples in it.
+struct SampledCell {
+    std::size_t cell = 0;
+    std::vector<std::uint32_t> samples;
+};
+
+/// Hands the samples of an inner node to its children.
+void Distribute(const Octree &tree, std::span<const LampSample> all, const SampledCell &from,
+                std::vector<SampledCell> &to) {
+    const OctreeCell &cell = tree[from.cell];
+    std::array<SampledCell, 8> children;
+    const Vec3f middle = LatticePosition(cell.origin) + Vec3f{1, 1, 1} * (0.5f * float(cell.Edge()));
+    for (const std::uint32_t i : from.samples) {
+        const Vec3f &at = all[i].at;
+        const std::size_t child =
+            std::size_t(at.x >= middle.x) | std::size_t(at.y >= middle.y) << 1 | std::size_t(at.z >= middle.z) << 2;
+        children[child].samples.push_back(i);
+    }
+    for (std::size_t c = 0; c < 8; ++c)
+        if (!children[c].samples.empty() && tree[cell.child + c].open > 0) {
+            children[c].cell = cell.child + c;
+            to.push_back(std::move(children[c]));
+        }
+}
+
+} // namespace
+
+LampSamples::LampSamples(const GridInputs &in, const std::vector<Light> &lights, const SmoothLight &light,
+                         const SparseLattice &lattice, std::size_t mostSamples, GridStats &stats)
+    : lights_(lights), lattice_(lattice) {
+    std::vector<std::pair<std::uint64_t, LampPlace>> order;
+    for (const LampPlace &place : FindPlaces(in, lights, mostSamples))
+        order.push_back({MortonOf(CellAt(lattice.InCells(place.position))), place});
+    std::stable_sort(order.begin(), order.end(), [](const auto &a, const auto &b) {
+        return a.first != b.first ? a.first < b.first : a.second.key < b.second.key;
+    });
+    std::vector<ProbeReceiver> receivers;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const LampPlace &place = order[i].second;
+        if (i == 0 || place.key != order[i - 1].second.key) {
+            receivers.push_back({place.position, place.cluster, std::uint32_t(HashIndex(~place.key))});
+            samples_.push_back({.at = lattice.InCells(place.position)});
+            lampsEnd_.push_back(std::uint32_t(lamps_.size()));
+        }
+        lamps_.push_back(place.lamp);
+        ++lampsEnd_.back();
+    }
+    std::vector<GridStats> work(std::size_t(in.jobs.Threads()));
+    const std::size_t bricks = (receivers.size() + kBrickSamples - 1) / kBrickSamples;
+    in.jobs.For(std::int64_t(bricks), [&](std::int64_t brick, int worker) {
+        const std::size_t from = std::size_t(brick) * kBrickSamples;
+        const auto some = std::span(receivers).subspan(from, std::min(kBrickSamples, receivers.size() - from));
+        const auto values = light.At(some, HashIndex(some.front().seed), work[std::size_t(worker)]);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            samples_[from + i].light = ToDisplayed(values[i], in.options.shRadiance);
+    });
+    for (const GridStats &part : work)
+        stats.Add(part);
+}
+
+/// Light of the lamps of a sample at any position, without shadows.
+ShFloats LampSamples::LampsAt(std::uint32_t sample, const Vec3f &position) const {
+    ShFloats sum{};
+    for (std::size_t i = sample > 0 ? lampsEnd_[sample - 1] : 0; i < lampsEnd_[sample]; ++i)
+        AddScaled(1, UnshadowedLight(lights_[lamps_[i]], position), sum);
+    return sum;
+}
+
+float LampSamples::ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t> samples, const LatticePoints &light,
+                           const BounceNoise &noise) const {
+    const CornerLight corners = CornersOf(light, cell);
+    if (std::find(corners.begin(), corners.end(), nullptr) != corners.end())
+        return std::numeric_limits<float>::infinity();
+    float traced = 0, unshadowed = 0;
+    for (const std::uint32_t i : samples)
+        traced += screen_.Squared(InterpolatedLight(cell, corners, samples_[i].at), samples_[i].light);
+    for (const std::uint32_t i : samples) {
+        ShFloats shown = samples_[i].light;
+        const ShFloats exact = LampsAt(i, lattice_.PositionOf(samples_[i].at));
+        if (MeanLight(exact) > kMostSeen * MeanLight(shown))
+            continue; // hidden: it would give more than all light there
+        for (std::size_t c = 0; c < 8; ++c)
+            AddScaled(cell.Weight(c, samples_[i].at), LampsAt(i, lattice_.PositionOf(cell.Corner(c))), shown);
+        AddScaled(-1, exact, shown);
+        unshadowed += screen_.Squared(shown, samples_[i].light);
+    }
+    const float count = float(samples.size());
+    return std::min(unshadowed / count, std::max(0.0f, traced / count - kNoiseOfSample * noise.At(cell.origin)));
+}
+
+void SplitAtLamps(const LampSamples &samples, float maxError, const BounceNoise &noise, const JobPool &jobs,
+                  Octree &tree, const LatticePoints &light, OctreeRefiner &refiner, const LatticeTracer &tracer,
+                  GridStats &stats) {
+    const std::span<const LampSample> all = samples.All();
+    std::vector<SampledCell> cells, next;
+    std::vector<std::vector<std::uint32_t>> byRoot(tree.RootCount());
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (const std::size_t root = tree.RootAt(all[i].at); root != Octree::kNone)
+            byRoot[root].push_back(std::uint32_t(i));
+    for (std::size_t root = 0; root < byRoot.size(); ++root)
+        if (!byRoot[root].empty() && tree[root].open > 0)
+            cells.push_back({root, std::move(byRoot[root])});
+    for (; !cells.empty(); cells = std::move(next), next.clear()) {
+        jobs.For(std::int64_t(cells.size()), [&](std::int64_t i, int) {
+            const SampledCell &at = cells[std::size_t(i)];
+            tree[at.cell].lamp = samples.ErrorIn(tree[at.cell], at.samples, light, noise);
+        });
+        std::vector<std::size_t> split;
+        for (const SampledCell &at : cells)
+            if (tree[at.cell].child == 0 && tree[at.cell].level > 0 && tree[at.cell].lamp > maxError)
+                split.push_back(at.cell);
+        if (!split.empty())
+            refiner.Split(split, tracer, stats);
+        for (const SampledCell &at : cells)
+            if (tree[at.cell].child != 0)
+                Distribute(tree, all, at, next);
+    }
+}
+
+} // namespace q3

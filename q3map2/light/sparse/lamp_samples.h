@@ -1,0 +1,47 @@
+// GPL-2.0-or-later. Positions before lamps, where light changes faster than the points of the uniform grid show.
+#pragma once
+
+#include "q3map2/light/grid/smooth_light.h"
+#include "q3map2/light/sources/light_sources.h"
+#include "q3map2/light/sparse/octree_refine.h"
+#include "q3map2/light/sparse/screen_error.h"
+
+#include <span>
+#include <vector>
+
+namespace q3 {
+
+/// Positions in the open before surface lights, and around point lights and spotlights, with their light. A lamp may
+/// shine between the points of a grid so that none of them shows how the light changes: cells there are measured at
+/// these positions. Const after construction; keeps references.
+class LampSamples {
+  public:
+    /// lights: of the SH grid. mostSamples: when there are more, random ones are left out. Adds the work to `stats`.
+    LampSamples(const GridInputs &in, const std::vector<Light> &lights, const SmoothLight &light,
+                const SparseLattice &lattice, std::size_t mostSamples, GridStats &stats);
+    std::span<const LampSample> All() const { return samples_; }
+    /// Mean squared displayed error that interpolation between the corners of a cell makes at samples inside it,
+    /// bytes^2: of the traced light, without what noise adds, or of the light of the lamps before which they are, as if
+    /// nothing cast shadows, if that is less. A shadow edge is thus no reason to split cells before a lamp: they would
+    /// all become as small as they can be. Infinite where a corner is not known.
+    float ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t> samples, const LatticePoints &light,
+                  const BounceNoise &noise) const;
+
+  private:
+    ShFloats LampsAt(std::uint32_t sample, const Vec3f &position) const;
+
+    const std::vector<Light> &lights_;
+    const SparseLattice &lattice_;
+    ScreenError screen_;
+    std::vector<LampSample> samples_;
+    std::vector<std::uint32_t> lamps_;    ///< indexes of lights
+    std::vector<std::uint32_t> lampsEnd_; ///< by sample: end of its lamps in lamps_
+};
+
+/// Sets OctreeCell::lamp, and splits leafs in which it is above `maxError` (mean squared, bytes^2) down to the smallest
+/// cells.
+void SplitAtLamps(const LampSamples &samples, float maxError, const BounceNoise &noise, const JobPool &jobs,
+                  Octree &tree, const LatticePoints &light, OctreeRefiner &refiner, const LatticeTracer &tracer,
+                  GridStats &stats);
+
+} // namespace q3
