@@ -83,23 +83,6 @@ Group SparseGridSH() {
         o.shAdaptive = true;
         return o.sparseGoal;
     };
-<<<<<<< ours
-    return {"Sparse SH light grid",
-            "Cells down to 8 units where the light needs them, large ones elsewhere: "
-            "[light_grid_sh.md](light_grid_sh.md#the-sparse-grid).",
-            {{{.name = "-shadaptive",
-               .help = "Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore",
-               .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
-                          "sparse grid that the file had, with a warning."},
-              &LightOptions::shAdaptive},
-             ErrorTargetSetting<LightOptions>(
-                 "Error that the interpolation of the sparse grid may have on a screen: RMS; includes -shadaptive",
-                 "Cells are split while the expected error is above it, and smaller cells gain: "
-                 "[accuracy.md](accuracy.md#error-against-bytes).",
-                 goal),
-             BudgetSetting<LightOptions>("Size of the sparse grid, in place of an error target; includes -shadaptive",
-                                         "The least error that fits.", goal)}};
-=======
     return {
         "Sparse SH light grid",
         "Cells down to 4 units where the light needs them, large ones elsewhere: "
@@ -107,7 +90,7 @@ Group SparseGridSH() {
         {{{.name = "-shadaptive",
            .help = "Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore",
            .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
-                      "sparse grid that the file had."},
+                      "sparse grid that the file had, with a warning."},
           &LightOptions::shAdaptive},
          ErrorTargetSetting<LightOptions>(
              "Error that the sparse grid may have on a screen at random positions of players: RMS; includes "
@@ -118,7 +101,6 @@ Group SparseGridSH() {
              goal),
          BudgetSetting<LightOptions>("Size of the sparse grid, in place of an error target; includes -shadaptive",
                                      "The least error that fits.", goal)}};
->>>>>>> theirs
 }
 
 Group QualityOfGridSH() {
