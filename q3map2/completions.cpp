@@ -88,10 +88,6 @@ Values ValuesOf(const SettingInfo &info) {
     return {};
 }
 
-std::vector<SettingSection> SectionsOf(const Stage &stage) {
-    return stage.settings ? stage.settings() : std::vector<SettingSection>();
-}
-
 /// Calls use(info) for every setting of the sections.
 template <typename Use> void ForEntries(const std::vector<SettingSection> &sections, const Use &use) {
     for (const SettingSection &section : sections)

@@ -126,11 +126,11 @@ std::string RoffSection(const SettingSection &section) {
     return text;
 }
 
+} // namespace
+
 std::vector<SettingSection> SectionsOf(const Stage &stage) {
     return stage.settings ? stage.settings() : std::vector<SettingSection>();
 }
-
-} // namespace
 
 std::string FullHelp(const SettingEntry &entry, bool complete) {
     std::string extra = Limits(entry, complete);

@@ -4,9 +4,15 @@
 #include "common/setting_info.h"
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace q3 {
 
+struct Stage;
+
+/// The settings of a stage, by sections; none for stages without.
+std::vector<SettingSection> SectionsOf(const Stage &stage);
 /// docs/options.md.
 std::string MarkdownPage();
 /// docs/shader_directives.md.

@@ -12,7 +12,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kMebibyte = 1024 * 1024;
+constexpr double kBytesPerMebibyte = 1024 * 1024;
 
 std::string WarningText(const Log &log) {
     std::string kinds;
@@ -53,7 +53,7 @@ void RunReport::PrintEnd(bool failed, Log &log) const {
     log.Write(failed ? LogLevel::Error : LogLevel::Normal,
               fmt::format("{}: {}{}, {:.1f} s, {:.1f} CPU s, {:.0f} MB peak memory\n", failed ? "failed" : "done",
                           faults.empty() ? "" : faults + ", ", WarningText(log), seconds, CpuSeconds(),
-                          PeakMemory() / kMebibyte));
+                          PeakMemory() / kBytesPerMebibyte));
 }
 
 } // namespace q3

@@ -16,11 +16,6 @@ namespace {
 constexpr std::size_t kMaxName = 63;
 constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
 
-/// Whether the word in lower case equals `lower`.
-bool IsWord(std::string_view word, std::string_view lower) {
-    return word.size() == lower.size() && (word[0] | 0x20) == lower[0] && EqualNoCase(word, lower);
-}
-
 class ScriptParser {
   public:
     ScriptParser(TextScanner &scanner, ShaderTable &table, Log &log)
@@ -187,7 +182,7 @@ ScriptParser::NextShader ScriptParser::ParseStage() {
         const StageWord use = FindStageWord(word);
         shader_->info.normalMapStage |= use == StageWord::NormalMap;
         isNormalMap |= use == StageWord::NormalMap && afterStage;
-        afterStage = IsWord(word, "stage");
+        afterStage = EqualNoCase(word, "stage");
         if (use != StageWord::Image && use != StageWord::Frames)
             continue;
         const int arguments = use == StageWord::Frames ? 2 : 1; // a rate, then the first frame

@@ -13,13 +13,13 @@ namespace q3::test {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kRingPi = std::numbers::pi;
 
 /// Spread evenly over the sphere.
 std::vector<Vec3d> Directions(int count) {
     std::vector<Vec3d> directions;
     for (int i = 0; i < count; i++) {
-        const double z = 1 - (2 * i + 1.0) / count, turn = kPi * (3 - std::sqrt(5)) * i;
+        const double z = 1 - (2 * i + 1.0) / count, turn = kRingPi * (3 - std::sqrt(5)) * i;
         directions.push_back({std::sqrt(1 - z * z) * std::cos(turn), std::sqrt(1 - z * z) * std::sin(turn), z});
     }
     return directions;

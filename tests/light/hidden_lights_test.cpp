@@ -16,7 +16,7 @@ textures/test/water
 	surfaceparm trans
 }
 )";
-constexpr double kAdd = 600 * 0.75;
+constexpr double kLampAdd = 600 * 0.75;
 
 class HiddenLightTest : public LightTest {
   protected:
@@ -42,7 +42,7 @@ TEST_F(HiddenLightTest, BothGridsGetThePartOfALampOnTheirSideOfAWall) {
             if (!Inside(p, RoomBounds()) || (p.x > -21 && p.x < -11) || p.z < 10)
                 return false;
             const double from = p.x < -20 ? -200 : -12, to = p.x < -20 ? -20 : 120;
-            c = FromRectangle(p, {from, -90, 8}, {to - from, 0, 0}, {0, 180, 0}, {0, 0, 1}, kAdd, {1, 1, 1});
+            c = FromRectangle(p, {from, -90, 8}, {to - from, 0, 0}, {0, 180, 0}, {0, 0, 1}, kLampAdd, {1, 1, 1});
             return true;
         });
         int dark = 0, lit = 0;

@@ -60,16 +60,16 @@ Entity Lamp(const Vec3f &origin, std::string_view intensity) {
                                 {"light", std::string(intensity)}});
 }
 
-constexpr Vec3f kLamp{10, 20, 100};
+constexpr Vec3f kSmallLamp{10, 20, 100};
 
 SceneBuilder OneLamp() {
     SceneBuilder scene = Room();
-    scene.AddEntity(Lamp(kLamp, "300"));
+    scene.AddEntity(Lamp(kSmallLamp, "300"));
     return scene;
 }
 
 Coefficients FromTheLamp(const Vec3d &p) {
-    return FromPoint(p, Vec3d(kLamp), 300);
+    return FromPoint(p, Vec3d(kSmallLamp), 300);
 }
 
 TEST_F(SparseBakeTest, KeepsItsTargetAndBeatsAUniformGridOfMoreBytes) {
@@ -107,7 +107,7 @@ TEST_F(SparseBakeTest, SmallerTargetsTakeMoreBytesAndBudgetsAreKept) {
     EXPECT_FALSE(Printed("more than the"));
     const SceneBuilder large = [] {
         SceneBuilder scene = Room({-3000, -3000, 0}, {3000, 3000, 500});
-        scene.AddEntity(Lamp(kLamp, "3000"));
+        scene.AddEntity(Lamp(kSmallLamp, "3000"));
         return scene;
     }();
     const SparseView sparse(Baked(large, "-shbudget 0.01 -gridsh 64 64 64"));
@@ -257,7 +257,7 @@ TEST_F(SparseBakeTest, LightIsContinuousBetweenCells) {
         const std::size_t axis = random() % 3;
         const auto cell = double(grid.cell[axis]), first = double(grid.mins[axis]);
         p[axis] = first + cell * std::round((p[axis] - first) / cell);
-        if (!Inside(p, RoomBounds(), 1) || Inside(p, box, -1) || Length(p - Vec3d(kLamp)) < 48)
+        if (!Inside(p, RoomBounds(), 1) || Inside(p, box, -1) || Length(p - Vec3d(kSmallLamp)) < 48)
             continue;
         Vec3d a = p, b = p;
         a[axis] -= kBeside, b[axis] += kBeside;
