@@ -308,8 +308,9 @@ TEST_F(SetupTest, ACurveLeftForCollisionTakesNoLightmapAndDoesNotShine) {
         SurfaceCase c(scene, folder, settings);
         const SurfaceLight surfaces = c.Setup();
         SurfaceLightCounts counts;
+        const BspSpace space(c.bsp, std::vector<bool>(c.bsp.brushes.size()));
         const std::vector<Light> lights =
-            SurfaceLights(c.bsp, c.table, c.settings.light, c.world, c.library, counts, c.quiet.log);
+            SurfaceLights(space, c.table, c.settings.light, c.world, c.library, counts, c.quiet.log);
         const std::vector<int> numbers = SurfacesOf(c, kA);
         ASSERT_EQ(numbers.size(), 1u);
         EXPECT_EQ(surfaces.lightmapOf[std::size_t(numbers[0])] >= 0, flags == 0);
