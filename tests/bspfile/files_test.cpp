@@ -339,13 +339,13 @@ TEST_F(Files, OfASetAllFilesAreReplacedOrNone) {
 
 TEST_F(Files, WhatCannotBeWrittenIsKnownBeforehand) {
     fs::create_directory(folder_ / "folder");
-    EXPECT_EQ(ErrorOf([&] { RequireWritable(folder_ / "new"); }), "");
-    EXPECT_EQ(ErrorOf([&] { RequireWritable(Old("old")); }), "");
+    EXPECT_EQ(ErrorOf([&] { RequireWritable(folder_ / "new"); }), "no error");
+    EXPECT_EQ(ErrorOf([&] { RequireWritable(Old("old")); }), "no error");
     EXPECT_THAT(ErrorOf([&] { RequireWritable(folder_ / "folder"); }), HasSubstr("not a regular file, but a folder"));
     EXPECT_THAT(ErrorOf([&] { RequireWritable(folder_ / "none" / "file"); }), HasSubstr("none does not exist"));
-    EXPECT_THAT(ErrorOf([&] { RequireWritable(Old("old") / "file"); }), HasSubstr("old is not a folder"));
-    EXPECT_EQ(ErrorOf([&] { RequireFolder(folder_ / "a" / "b"); }), "");
-    EXPECT_THAT(ErrorOf([&] { RequireFolder(Old("old") / "b"); }), HasSubstr("old is a file"));
+    EXPECT_THAT(ErrorOf([&] { RequireWritable(Old("old") / "file"); }), HasSubstr("map.bsp is not a folder"));
+    EXPECT_EQ(ErrorOf([&] { RequireFolder(folder_ / "a" / "b"); }), "no error");
+    EXPECT_THAT(ErrorOf([&] { RequireFolder(Old("old") / "b"); }), HasSubstr("map.bsp is a file"));
 }
 
 TEST_F(Files, OnlyRegularFilesAreReplaced) {

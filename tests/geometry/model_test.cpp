@@ -124,6 +124,7 @@ TEST_F(ModelTest, TheLongestSuffixRemaps) {
 }
 
 TEST_F(ModelTest, BadRemapsWarn) {
+    Place({{"_remap", "bar;textures/a"}});
     EXPECT_THAT(out.text, HasSubstr("_remap \"bar;textures/a\" has no effect: no shader of the model ends with bar; it "
                                     "has models/t/foo"));
     EXPECT_EQ(Place({{"_remap", "foo"}})[0].shader->name, "models/t/foo");

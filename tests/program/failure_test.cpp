@@ -201,7 +201,7 @@ TEST(FileGuardTest, AnInputThatChangesMeanwhileIsAnError) {
     folder.Write("x.bsp", "old");
     QuietLog out;
     FileGuard guard(false, out.log), forced(true, out.log);
-    for (FileGuard *each : {&plan, &forced}) {
+    for (FileGuard *each : {&guard, &forced}) {
         each->Needs(folder / "x.bsp");
         each->Reads(folder / "x.srf");
         EXPECT_NO_THROW(each->CheckUnchanged());

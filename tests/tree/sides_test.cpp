@@ -45,7 +45,7 @@ TEST(CullSides, HidesASideOnAnother) {
     boxes.Cull();
     EXPECT_TRUE(SideOfBox(boxes.world, boxes.small, kLeft).culled);
     EXPECT_EQ(CulledCount(boxes.world), 1);
-    EXPECT_THAT(boxes.world.text, HasSubstr("        1 hidden faces culled\n        0 coincident faces culled\n"));
+    EXPECT_THAT(boxes.world.text, HasSubstr("        1 hidden face culled\n        0 coincident faces culled\n"));
 }
 
 TEST(CullSides, SeeThroughAndUndrawnBrushesHideNothing) {
