@@ -2,7 +2,6 @@
 #include "q3map2/lightmap/raw/wall_luxels.h"
 
 #include "q3map2/light/scene/light_way.h"
-
 #include "q3map2/lightmap/raw/luxel_axes.h"
 #include "q3map2/lightmap/raw/luxel_masks.h"
 
@@ -63,7 +62,7 @@ class SideFinder {
             if (u < 0 || v < 0 || u >= raw_.SuperWidth() || v >= raw_.SuperHeight())
                 continue;
             around[k] = raw_.SuperIndex(u, v);
-            counts[k] = centered_[around[k]] != 0;
+            counts[k] = centered_[around[k]] != 0 && IsOnSurface(raw_.positions[around[k]]);
         }
         if (!MayHaveTwoSides(counts))
             return std::nullopt;
@@ -97,6 +96,17 @@ class SideFinder {
             arcs += lit[k] && !lit[(k + 1) % kRing.size()];
         }
         return count > 3 || arcs > 1;
+    }
+
+    /// Whether p is over the bounds of the surfaces: light of luxels in the ring beside them says nothing about what is
+    /// shown.
+    bool IsOnSurface(const Vec3f &p) const {
+        constexpr float kSlack = 0.01f; // game units
+        const LuxelAxes axes = AxesOf(raw_.axis);
+        for (const std::size_t axis : {axes.u, axes.v})
+            if (p[axis] < raw_.bounds.mins[axis] - kSlack || p[axis] > raw_.bounds.maxs[axis] + kSlack)
+                return false;
+        return true;
     }
 
     bool IsOpenTowards(std::size_t neighbor, std::size_t k) const {
