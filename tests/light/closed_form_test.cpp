@@ -265,7 +265,7 @@ TEST_F(ClosedFormTest, OtherStylesAndNonGridLightsAreLeftOut) {
         c = FromPoint(p, {-150, 0, 100}, 60) + FromPoint(p, {0, 100, 60}, 50);
         return Inside(p, RoomBounds());
     });
-    EXPECT_TRUE(Printed("1 lights of other styles than 0 left out"));
+    EXPECT_TRUE(Printed("1 light of other styles than 0 left out"));
 }
 
 } // namespace
