@@ -102,8 +102,8 @@ std::string Overview() {
     std::string text = fmt::format("{}\nq3map2 [global options] STAGE [options] FILE\n\nStages\n", kVersion);
     for (const Stage &stage : Stages())
         text += fmt::format("  {}\n      {}\n", stage.usage, stage.help);
-    text += "\nq3map2 -help STAGE lists the options of a stage, such as -help light; -help OPTION explains one, -help "
-            "keys\nlists the keys of entities, -help shader the directives of shaders, -help all prints everything.\n";
+    text += "\nq3map2 -help STAGE lists the options of a stage, such as -help light; -help OPTION explains one.\n"
+            "-help keys lists the keys of entities, -help shader the directives of shaders; -help all prints all.\n";
     return text + GlobalText();
 }
 

@@ -78,8 +78,8 @@ TEST_F(BspTest, LeakLeavesItsLine) {
     WriteMap("old", "room.prt");
     const Outcome outcome = RunWell("-meta -report " + Room(".json").string() + " " + Room("").string());
     EXPECT_TRUE(outcome.Printed("leaked"));
-    EXPECT_THAT(LastLine(outcome),
-                StartsWith("done: the map leaks (" + Room(".lin").string() + "), 1 warning (leak: 1)"));
+    EXPECT_THAT(LastLine(outcome), StartsWith("done: the map leaks (" + Room(".lin").string() +
+                                              "), 2 warnings (image not found: 1, leak: 1)"));
     EXPECT_THAT(TextOf(Room(".json")), HasSubstr("\"kind\": \"leak\""));
     EXPECT_FALSE(fs::exists(Room(".prt")));
     EXPECT_TRUE(TextOf(Room(".lin")).ends_with("0.000000 0.000000 96.000000\n"));

@@ -126,6 +126,7 @@ class DemoLightsTest : public testing::Test {
         folder_.Write("base/baseq3/maps/lights.map", map);
         folder_.Write("base/baseq3/scripts/lights.shader", script);
         folder_.Write("base/baseq3/lights.rad", rad);
+        std::filesystem::last_write_time(game_ / "maps/lights.bsp", std::filesystem::file_time_type::clock::now());
         Run("-light -fast -nogrid -nostyles -samplescale 2 -bounce 2 -bouncerays 16");
         return Load();
     }

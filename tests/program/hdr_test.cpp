@@ -106,6 +106,7 @@ TEST_F(HdrProgramTest, ToneMapNamesWhatIsWrong) {
     ExpectError("-tonemap MAP", "usage: q3map2 -tonemap");
     ExpectError("-tonemap -page 99 MAP " + png, "no HDR lightmap 99, expected one of 0 to");
     ExpectError("-tonemap MAP " + (folder_ / "page.jpg").string(), "expected .png or .tga");
+    folder_.Write("page.gif", "GIF89a");
     ExpectError("-tonemap " + (folder_ / "page.gif").string() + " " + png, "expected hdr, exr or pfm");
     ExpectError("-tonemap -operator best MAP " + png, "best");
     Bsp bsp = Load();
