@@ -125,8 +125,7 @@ class Reader:
         shutil.copy(maps / "mymap.bsp", base / "some.bsp")
         for mod in ("relit", "mymod"):
             shutil.copytree(base, self.ready / mod)
-        (self.ready / "relit/maps/mymap.map").unlink()  # a downloaded map
-        (self.ready / "relit/maps/mymap.srf").unlink()
+        (self.ready / "relit/maps/mymap.srf").unlink()  # a downloaded map, with its light entities
 
     @staticmethod
     def words_of(command):
