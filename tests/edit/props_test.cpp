@@ -115,7 +115,7 @@ TEST(EditedLumps, WhatMayHoldPositionsIsDroppedWithAWarningEach) {
                 {"LIGHTGRID_OCTREE", std::vector<std::byte>(8)},
                 {"FACENORMALS", {}}};
     KeptLog log;
-    TransformLumps({.factors = {1, 1, 2}}, bsp, log.log);
+    TransformLumps({.factors = {1, 1, 2}, .shift = {}}, bsp, log.log);
     EXPECT_TRUE(bsp.bspx.empty());
     for (const char *text : {"BRUSHLIST (0 bytes) is dropped", "ENVMAP (7 bytes) is dropped",
                              "LIGHTGRID_OCTREE (8 bytes) is dropped", "FACENORMALS (0 bytes) is dropped"})
