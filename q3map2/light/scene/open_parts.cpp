@@ -141,9 +141,9 @@ void PartFinder::CutByBrush(const Winding<double> &w, const bspBrush_t &brush, P
 }
 
 /// A way from a to b and its part in the leaf or below the node that is looked at, as shares of the whole.
-class WayWalk {
+class StretchFinder {
   public:
-    WayWalk(const Vec3f &a, const Vec3f &b, const BspSpace &space)
+    StretchFinder(const Vec3f &a, const Vec3f &b, const BspSpace &space)
         : space_(space), bsp_(space.Map()), a_(a), b_(b), shortest_(kShortestWay / std::max(Length(b - a), 1.0f)) {}
 
     float FreeShare() const {
@@ -216,14 +216,14 @@ PolygonParts PartsOf(const Winding<float> &w, const BspSpace &space) {
 }
 
 float FreeShare(const Vec3f &a, const Vec3f &b, const BspSpace &space) {
-    float share = WayWalk(a, b, space).FreeShare();
+    float share = StretchFinder(a, b, space).FreeShare();
     const Vec3f along = b - a;
     if (share >= 1 || along == Vec3f{})
         return share;
     const Vec3f axis = std::abs(along.z) * 2 > Length(along) ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1};
     const Vec3f right = Normalize(Cross(along, axis)) * kAside, up = Normalize(Cross(along, right)) * kAside;
     for (const Vec3f &aside : {right, -right, up, -up})
-        share = std::max(share, WayWalk(a + aside, b + aside, space).FreeShare());
+        share = std::max(share, StretchFinder(a + aside, b + aside, space).FreeShare());
     return share;
 }
 
