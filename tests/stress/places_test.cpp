@@ -52,7 +52,8 @@ TEST_F(PlacesTest, RoomsAtTheEdgesOfTheWorldAreLitAsAtItsOrigin) {
         if (atOrigin.empty())
             atOrigin = samples;
         for (std::size_t i = 0; i < samples.size(); i++)
-            EXPECT_LE(Difference(samples[i], atOrigin[i]), 0.05 * Largest(atOrigin[i])) << i;
+            // Coordinates of 1/128 unit choose other cells beside the lamp.
+            EXPECT_LE(Difference(samples[i], atOrigin[i]), 0.08 * Largest(atOrigin[i])) << i;
     }
 }
 
