@@ -30,8 +30,8 @@ class WayWalk {
                 return Way::Blocked;
             left = std::max(left, to);
         }
-        // A start on the face of a wall is in the open: the wall is in the way.
-        return left < 1 && IsSolid(a_) ? Way::LeavesSolid : Way::Blocked;
+        // A start on the face of a wall is in the open: the wall is in the way. An end on a face is in the open as well.
+        return IsSolid(a_) && !IsSolid(b_) ? Way::LeavesSolid : Way::Blocked;
     }
 
   private:

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <numeric>
 #include <utility>
 
@@ -34,6 +35,11 @@ struct MapScratch {
     std::vector<std::uint8_t> passes; // pass that mapped it: 1: a surface, 2 and more: a ring around surfaces
 };
 
+/// The steps in which the triangles of a surface are mapped. Those that lie flat in a planar lightmap with one normal
+/// take Centers and Rest, so that a luxel is lit over the triangle at its center, however thin its other triangles are;
+/// others take ThinEdges and Rest.
+enum class MapStep { Centers, ThinEdges, Rest };
+
 class LuxelMapper {
   public:
     LuxelMapper(const SurfaceInputs &in, const SurfaceLight &surfaces, RawLightmap &raw, MapScratch &scratch)
@@ -51,13 +57,10 @@ class LuxelMapper {
 
     MapCounts Run() {
         allOneNormal_ = HasOneNormal();
-        for (std::size_t i = 0; i < raw_.surfaces.size(); ++i) {
-            if (std::exchange(anyOccluded_, false)) // by the previous surface; this one may find an open position
-                std::replace_if(
-                    raw_.luxelClusters.begin(), raw_.luxelClusters.end(), [](int cluster) { return cluster < 0; },
-                    int(kUnmapped));
-            MapSurface(raw_.surfaces[i]);
-        }
+        for (const int number : raw_.surfaces)
+            MapSurface(number, {MapStep::Centers});
+        for (const int number : raw_.surfaces)
+            MapSurface(number, {MapStep::ThinEdges, MapStep::Rest});
         if (anySums_)
             MakeUnitNormals();
         if (raw_.planar)
@@ -74,16 +77,18 @@ class LuxelMapper {
     bool HasOneNormal() const;
     LuxelPlane PlaneOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c) const;
     bool Usable(const LuxelPlane &plane) const;
-    void MapSurface(int number);
+    using MapSteps = std::initializer_list<MapStep>;
+    void MapSurface(int number, MapSteps steps);
+    void RetryOccluded(int surface);
     /// None where the engine does the normal mapping, by basis maps.
     const NormalImage &NormalsOf(const SurfaceEntry &entry) const {
         static const NormalImage kNone;
         return raw_.channels.basis ? kNone : entry.normals;
     }
-    void MapTriangles(const bspDrawSurface_t &surface, const NormalImage &normals);
+    void MapTriangles(const bspDrawSurface_t &surface, const NormalImage &normals, MapSteps steps);
     void MapMesh(const bspDrawSurface_t &surface, const SurfaceEntry &entry);
-    void MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const NormalImage &normals, bool thinEdges);
-    void MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane);
+    void MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const NormalImage &normals, MapStep step);
+    void MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane, MapStep step);
     bool MapQuad(const std::array<SurfaceVertex, 4> &quad, const NormalImage &normals);
     void MapSample(const SurfaceVertex &v, const LuxelPlane &plane, const NormalMap &normals) {
         MapLuxel(LuxelOf(v.luxel[0], superWidth_), LuxelOf(v.luxel[1], superHeight_), v, plane, normals);
@@ -104,6 +109,7 @@ class LuxelMapper {
     int superWidth_ = 0, superHeight_ = 0;
     MapCounts counts_;
     bool anyOccluded_ = false, anySums_ = false; // some luxel is occluded, or has the sum of several normals
+    int occludedOn_ = -1;                        // the surface whose position of a luxel was the last in a solid
 
     // Of the surface being mapped.
     float offset_ = kSampleOffset;
@@ -144,7 +150,19 @@ bool LuxelMapper::Usable(const LuxelPlane &plane) const {
            (!raw_.hasVectors || std::abs(plane.normal[AxesOf(raw_.axis).along]) > 1e-6f);
 }
 
-void LuxelMapper::MapSurface(int number) {
+/// Luxels that an earlier surface left in solids are tried again: this one may find an open position.
+void LuxelMapper::RetryOccluded(int surface) {
+    if (anyOccluded_ && occludedOn_ != surface) {
+        std::replace_if(
+            raw_.luxelClusters.begin(), raw_.luxelClusters.end(), [](int cluster) { return cluster < 0; },
+            int(kUnmapped));
+        anyOccluded_ = false;
+    }
+    occludedOn_ = surface;
+}
+
+void LuxelMapper::MapSurface(int number, MapSteps steps) {
+    RetryOccluded(number);
     const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(number)];
     const SurfaceEntry &entry = in_.table[std::size_t(number)];
     VisibleClusters filter(in_.space, surfaces_.clusters[std::size_t(number)]);
@@ -160,20 +178,20 @@ void LuxelMapper::MapSurface(int number) {
         return;
     oneNormal_ =
         std::all_of(first, first + surface.numVerts, [&](const SurfaceVertex &v) { return v.normal == first->normal; });
-    if (surface.surfaceType == MST_PATCH)
+    if (surface.surfaceType != MST_PATCH)
+        MapTriangles(surface, NormalsOf(entry), steps);
+    else if (*steps.begin() != MapStep::Centers)
         MapMesh(surface, entry);
-    else
-        MapTriangles(surface, NormalsOf(entry));
 }
 
-void LuxelMapper::MapTriangles(const bspDrawSurface_t &surface, const NormalImage &normals) {
-    for (const bool thinEdges : {true, false})
+void LuxelMapper::MapTriangles(const bspDrawSurface_t &surface, const NormalImage &normals, MapSteps steps) {
+    for (const MapStep step : steps)
         for (int i = 0; i + 2 < surface.numIndexes; i += 3) {
             const auto corner = [&](int k) {
                 const int index = in_.bsp.drawIndexes[std::size_t(surface.firstIndex + i + k)];
                 return surfaces_.verts[std::size_t(surface.firstVert + index)];
             };
-            MapTriangle({corner(0), corner(1), corner(2)}, normals, thinEdges);
+            MapTriangle({corner(0), corner(1), corner(2)}, normals, step);
         }
 }
 
@@ -187,30 +205,31 @@ void LuxelMapper::MapMesh(const bspDrawSurface_t &surface, const SurfaceEntry &e
             const auto quad = MeshQuad(mesh, x, y);
             if (MapQuad(quad, NormalsOf(entry)))
                 continue;
-            for (const bool thinEdges : {true, false}) {
-                MapTriangle({quad[0], quad[1], quad[2]}, NormalsOf(entry), thinEdges);
-                MapTriangle({quad[0], quad[2], quad[3]}, NormalsOf(entry), thinEdges);
+            for (const MapStep step : {MapStep::Centers, MapStep::ThinEdges, MapStep::Rest}) {
+                MapTriangle({quad[0], quad[1], quad[2]}, NormalsOf(entry), step);
+                MapTriangle({quad[0], quad[2], quad[3]}, NormalsOf(entry), step);
             }
         }
 }
 
 void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const NormalImage &normals,
-                              bool thinEdges) {
+                              MapStep step) {
     LuxelPlane plane = PlaneOf(triangle[0], triangle[1], triangle[2]);
     if (!Usable(plane))
         return;
     plane.triangle = &triangle;
     const NormalMap map(normals, triangle[0], triangle[1], triangle[2]);
     if (allOneNormal_ && !map.Active() && raw_.planar && raw_.hasVectors) {
-        if (!thinEdges)
-            MapFlatTriangle(triangle, plane);
+        MapFlatTriangle(triangle, plane, step);
         return;
     }
+    if (step == MapStep::Centers)
+        return;
     const auto sample = [&](const SurfaceVertex &v) { MapSample(v, plane, map); };
     for (const SurfaceVertex &v : triangle)
         sample(v);
     const auto subdivide = [&]<bool kOneNormal>() {
-        if (thinEdges)
+        if (step == MapStep::ThinEdges)
             ForAxisEdges(triangle, [&](const SurfaceVertex &p, const SurfaceVertex &q) {
                 SubdivideTriangle<kOneNormal>(p, q, q, threshold2_, sample);
             });
@@ -224,11 +243,13 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
 }
 
 /// A triangle of a planar lightmap with one normal: covered luxels are found row by row.
-void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane) {
+void LuxelMapper::MapFlatTriangle(const std::array<SurfaceVertex, 3> &triangle, const LuxelPlane &plane, MapStep step) {
+    if (step == MapStep::ThinEdges)
+        return;
     const LuxelTriangle flat = {triangle[0].luxel, triangle[1].luxel, triangle[2].luxel};
     ForCoveredLuxels(flat, superWidth_, superHeight_, [&](int x, int y) {
         const std::size_t luxel = raw_.SuperIndex(x, y);
-        if (raw_.luxelClusters[luxel] == kUnmapped)
+        if (raw_.luxelClusters[luxel] == kUnmapped && (step == MapStep::Rest || ContainsCenter(flat, x, y)))
             SetLuxel(luxel, positionFinder_.Find(x, y, nullptr, plane, offset_, *filter_, counts_.positions),
                      triangle[0].normal, 1);
     });

@@ -131,8 +131,7 @@ std::array<float, 2> LuxelPositionFinder::LuxelCoordinates(const Vec3f &p) const
 bool LuxelPositionFinder::CoversCenter(const Request &luxel) const {
     if (!raw_.hasVectors)
         return true; // the center is the sample
-    const std::array<float, 2> center{float(luxel.x) + 0.5f, float(luxel.y) + 0.5f};
-    return luxel.plane.triangle && Contains(LuxelsOf(*luxel.plane.triangle), center);
+    return luxel.plane.triangle && ContainsCenter(LuxelsOf(*luxel.plane.triangle), luxel.x, luxel.y);
 }
 
 Vec3f LuxelPositionFinder::Anchor(const Request &luxel) const {

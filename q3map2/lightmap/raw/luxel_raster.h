@@ -7,6 +7,7 @@
 #include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 
@@ -130,6 +131,13 @@ inline std::array<float, 2> NearestInside(const LuxelTriangle &triangle, const s
 /// Whether p is in the triangle; points on its edges are.
 inline bool Contains(const LuxelTriangle &triangle, const std::array<float, 2> &p) {
     return NearestInside(triangle, p) == p;
+}
+
+/// Whether the center of luxel (x, y) is in the triangle, or so near to it that only rounding parts them.
+inline bool ContainsCenter(const LuxelTriangle &triangle, int x, int y) {
+    constexpr float kRounding = 1.0f / 256; // luxels
+    const std::array<float, 2> center{float(x) + 0.5f, float(y) + 0.5f}, nearest = NearestInside(triangle, center);
+    return std::abs(nearest[0] - center[0]) < kRounding && std::abs(nearest[1] - center[1]) < kRounding;
 }
 
 /// Range of coordinates along an axis of the lightmap.
