@@ -122,6 +122,7 @@ TEST(Ways, ThinWallsBlockAndFacesDoNot) {
         EXPECT_EQ(WayBetween(space, {-5, 0, 1}, {5, 0, 1}), Way::Blocked);
         EXPECT_EQ(WayBetween(space, {0, 0, 1}, {5, 0, 1}), Way::Blocked) << "from its face";
         EXPECT_EQ(WayBetween(space, {1, 0, 1}, {5, 0, 1}), Way::LeavesSolid);
+        EXPECT_EQ(WayBetween(space, {1, 0, 1}, {2, 0, 1}), Way::LeavesSolid) << "to its face";
         EXPECT_EQ(WayBetween(space, {5, 0, 1}, {1, 0, 1}), Way::Blocked) << "into it";
         EXPECT_EQ(WayBetween(space, {0, -50, 1}, {0, 50, 1}), Way::Open) << "along its face";
         EXPECT_EQ(WayBetween(space, {2, -50, 0}, {2, 50, 0}), Way::Open) << "along the edge of wall and floor";

@@ -30,7 +30,8 @@ class WayWalk {
                 return Way::Blocked;
             left = std::max(left, to);
         }
-        return StartsInSolid() && !IsSolid(b_) ? Way::LeavesSolid : Way::Blocked;
+        // A start on the face of a wall is in the open: the wall is in the way. An end on a face is in the open as well.
+        return IsSolid(a_) && !IsSolid(b_) ? Way::LeavesSolid : Way::Blocked;
     }
 
   private:
@@ -40,8 +41,6 @@ class WayWalk {
     };
 
     bool IsSolid(const Vec3f &p) const { return space_.ClusterAt(p, -kWayTouch) == kSolidCluster; }
-    /// A start on the face of a solid is in it only if another adjoins there; else it is in the open before it.
-    bool StartsInSolid() const { return IsSolid(a_) || IsSolid(a_ - Normalize(along_) * (2 * kWayTouch)); }
     bool IsSolidInTheMiddle(const Span &span) const { return IsSolid(a_ + along_ * ((span[0] + span[1]) * 0.5f)); }
 
     void Walk() {

@@ -20,6 +20,9 @@ constexpr float kLeastTwiceArea = 1e-4f;
 /// Spacing of luxels on a curve, as a share of the nominal luxel size, below which a nudge of half a luxel leaves the
 /// curve.
 constexpr float kDense = 0.5f;
+/// Distance from an edge of a triangle, in game units, at which a point over it is certainly not on the face of the wall
+/// that the edge may run along.
+constexpr float kInward = 0.25f;
 constexpr int kTriangleRounds = 3; // moving off one edge may cross another
 
 /// Offsets in half luxels, in the order in which they are tried.
@@ -48,8 +51,10 @@ std::array<Vec3f, 2> Tangents(const Vec3f &n) {
     return {right, Cross(right, n)};
 }
 
-/// Moves p into the triangle.
-Vec3f MovedIntoTriangle(Vec3f p, const std::array<SurfaceVertex, 3> &triangle, const Vec3f &normal) {
+/// Moves p to the inside of edges of the triangle that are nearer than `margin` to it, or that it is beyond: as far as
+/// `inset` from each. Game units.
+Vec3f MovedIntoTriangle(Vec3f p, const std::array<SurfaceVertex, 3> &triangle, const Vec3f &normal, float margin,
+                        float inset) {
     for (int round = 0; round < kTriangleRounds; ++round)
         for (std::size_t i = 0; i < 3; ++i) {
             const Vec3f &a = triangle[i].xyz, &b = triangle[(i + 1) % 3].xyz, &inner = triangle[(i + 2) % 3].xyz;
@@ -57,8 +62,8 @@ Vec3f MovedIntoTriangle(Vec3f p, const std::array<SurfaceVertex, 3> &triangle, c
             if (Dot(out, inner - a) > 0)
                 out = -out;
             const float beyond = Dot(out, p - a);
-            if (beyond > -kEdgeMargin)
-                p -= out * (beyond + 1);
+            if (beyond > -margin)
+                p -= out * (beyond + inset);
         }
     return p;
 }
@@ -95,7 +100,7 @@ Vec3f LuxelPositionFinder::OnSurface(const Request &luxel) const {
     const LuxelPlane &plane = luxel.plane;
     Vec3f p = raw_.hasVectors ? OnPlane(float(luxel.x), float(luxel.y), plane) : luxel.sample->xyz;
     if (in_.lightmap.triangleCheck && plane.triangle)
-        p = MovedIntoTriangle(p, *plane.triangle, plane.normal);
+        p = MovedIntoTriangle(p, *plane.triangle, plane.normal, kEdgeMargin, 1);
     return p;
 }
 
@@ -135,11 +140,18 @@ bool LuxelPositionFinder::CoversCenter(const Request &luxel) const {
 }
 
 Vec3f LuxelPositionFinder::Anchor(const Request &luxel) const {
-    if (!luxel.plane.triangle || !raw_.hasVectors)
+    if (!luxel.plane.triangle)
         return luxel.sample->xyz + luxel.sample->normal * luxel.offset;
-    const std::array<float, 2> center{float(luxel.x) + 0.5f, float(luxel.y) + 0.5f};
-    const auto [across, down] = NearestInside(LuxelsOf(*luxel.plane.triangle), center);
-    return Lifted(OnPlane(across - 0.5f, down - 0.5f, luxel.plane), luxel.plane, luxel.offset);
+    const std::array<SurfaceVertex, 3> &triangle = *luxel.plane.triangle;
+    Vec3f p;
+    if (raw_.hasVectors) {
+        const std::array<float, 2> center{float(luxel.x) + 0.5f, float(luxel.y) + 0.5f};
+        const auto [across, down] = NearestInside(LuxelsOf(triangle), center);
+        p = Lifted(OnPlane(across - 0.5f, down - 0.5f, luxel.plane), luxel.plane, luxel.offset);
+    } else {
+        p = luxel.sample->xyz + luxel.sample->normal * luxel.offset;
+    }
+    return MovedIntoTriangle(p, triangle, luxel.plane.normal, kInward, kInward);
 }
 
 bool LuxelPositionFinder::IsOnItsSide(const Request &luxel, const Vec3f &p) const {
