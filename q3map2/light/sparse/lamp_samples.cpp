@@ -13,15 +13,19 @@ namespace q3 {
 
 namespace {
 
-/// Positions are this far from a lamp: nearer ones are inside what a player bumps into. Game units.
-constexpr float kNear = 16, kFar = 34;
+/// Distances of positions from point lights and spotlights: nearer ones are inside what a player bumps into, and beyond
+/// them further bytes reduce the error more elsewhere. Game units.
+constexpr float kNearPoint = 16, kFarFromPoint = 24;
+/// Distances from the planes of surface lights. The nearest ones make the cells small that adjoin those within reach of
+/// players, whose corners would else hang on larger cells. Game units.
+constexpr float kNearSurface = 8, kFarFromSurface = 34;
 /// Before a surface light, positions lie up to this far beyond its edges. Game units.
 constexpr float kBeside = 4;
 /// A position is this clear of solids on all sides. Game units.
 constexpr float kSampleClearance = 6;
 /// Distance of positions: the least; the most, for large surface lights; and that in radii of one. Game units.
 constexpr float kLeastStep = 8, kMostStep = 32, kStepPerRadius = 1.0f / 16;
-/// Lamps that give less than this at distance kNear are passed over. Byte scale.
+/// Lamps that give less than this at distance kNearPoint are passed over. Byte scale.
 constexpr float kLeastLight = 0.5f;
 /// Samples of a brick, which share a list of lights.
 constexpr std::size_t kBrickSamples = 256;
@@ -43,7 +47,7 @@ bool IsBefore(const Light &light, const Vec3f &p) {
     double distance = Dot(light.shape.normal, Vec3d(p)) - light.shape.dist;
     if (light.twoSided)
         distance = std::abs(distance);
-    if (distance < double(kNear) || distance > double(kFar))
+    if (distance < double(kNearSurface) || distance > double(kFarFromSurface))
         return false;
     const Vec3f normal(light.shape.normal);
     for (std::size_t i = 0; i < light.w.size(); ++i) {
@@ -64,14 +68,15 @@ bool IsNear(const Light &light, const Vec3f &p) {
         return IsBefore(light, p);
     const Vec3f away = p - light.origin;
     const float distance = Length(away);
-    return distance >= kNear && distance <= kFar && (light.type == LightType::Point || Dot(away, light.normal) > 0);
+    return distance >= kNearPoint && distance <= kFarFromPoint &&
+           (light.type == LightType::Point || Dot(away, light.normal) > 0);
 }
 
 bool IsLamp(const Light &light) {
     if (light.type == LightType::Sun || light.photons <= 0)
         return false;
     return light.type == LightType::Area ||
-           Falloff(light).At(kNear) * std::max({light.color.x, light.color.y, light.color.z}) > kLeastLight;
+           Falloff(light).At(kNearPoint) * std::max({light.color.x, light.color.y, light.color.z}) > kLeastLight;
 }
 
 /// Appends the positions before a lamp.
@@ -87,8 +92,8 @@ void AddPlaces(const BspSpace &space, const Light &light, std::uint32_t lamp, st
         box.Add(light.origin);
     Int3 low{}, high{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        low[axis] = int(std::floor((box.mins[axis] - kFar) / step));
-        high[axis] = int(std::floor((box.maxs[axis] + kFar) / step));
+        low[axis] = int(std::floor((box.mins[axis] - kFarFromSurface) / step));
+        high[axis] = int(std::floor((box.maxs[axis] + kFarFromSurface) / step));
     }
     const Vec3f clear{kSampleClearance, kSampleClearance, kSampleClearance};
     for (int z = low[2]; z <= high[2]; ++z)
