@@ -30,7 +30,7 @@ constexpr int kBisections = 14;
 /// mean squared error of a leaf.
 constexpr double kMinGain = 0.25;
 /// It ends, too, where kMoreLeafs times the leafs leave more than kLeastFall of the measured error.
-constexpr double kMoreLeafs = 2, kLeastFall = 0.95;
+constexpr double kMoreLeafs = 1.5, kLeastFall = 0.97;
 /// The price of a leaf grows by this factor while the lump exceeds its limit.
 constexpr float kPriceStep = 1.15f;
 /// Without a budget the lump has at most this share of the bytes of the uniform grid, whatever its error, or kSmallLump
@@ -313,7 +313,7 @@ std::string_view WhyNotFiner(SparseEnd end) {
     case SparseEnd::Goal:
         return "three attempts came no nearer";
     case SparseEnd::NoGain:
-        return "with twice as many cells it was hardly smaller, so they are left out";
+        return "with half as many cells more it was hardly smaller, so they are left out";
     default:
         return "smaller cells would hardly reduce it";
     }
