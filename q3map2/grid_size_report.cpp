@@ -27,11 +27,15 @@ std::size_t DeflatedSize(std::span<const std::byte> data) {
     return size;
 }
 
-/// The cell with twice the volume and the same proportions, in whole game units.
+/// A cell with about twice the volume and the same proportions, in multiples of 8 game units like the grids of maps; in
+/// whole units where it is small.
 std::array<int, 3> CellForHalfThePoints(const Float3 &cell) {
+    constexpr double kStep = 8, kLeastStepped = 32;
     std::array<int, 3> wider{};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        wider[axis] = int(std::lround(double(cell[axis]) * std::cbrt(2.0)));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double size = double(cell[axis]) * std::cbrt(2.0), step = size < kLeastStepped ? 1 : kStep;
+        wider[axis] = int(std::lround(size / step) * std::lround(step));
+    }
     return wider;
 }
 
@@ -62,7 +66,7 @@ void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
     const auto points = std::as_bytes(std::span(grid.points));
     const std::uint64_t bytes = sizeof(grid.header) + points.size();
     const std::array<int, 3> cell = CellForHalfThePoints(grid.header.gridSize);
-    log.Print("SH grid: {}, {} of the file's {}, about {} zipped; -gridsh {} {} {} would take half\n",
+    log.Print("SH grid: {}, {} of the file's {}, about {} zipped; -gridsh {} {} {} would take about half\n",
               Counted((long long)(grid.points.size()), "points"), SizeText(bytes), SizeText(fileBytes),
               SizeText(EstimateDeflated(points)), cell[0], cell[1], cell[2]);
     const Float3 &size = grid.header.gridSize;

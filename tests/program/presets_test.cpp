@@ -63,7 +63,7 @@ TEST_F(PresetTest, UnknownNamesAreErrorsWithTheNearest) {
 TEST_F(PresetTest, ShSmallIsAFittedGridOfSixtyFour) {
     const Outcome run = RunWell("-light -shsmall MAP");
     EXPECT_THAT(run.text, HasSubstr("SH grid: "));
-    EXPECT_THAT(run.text, HasSubstr("-gridsh 81 81 81 would take half"));
+    EXPECT_THAT(run.text, HasSubstr("-gridsh 80 80 80 would take about half"));
     const std::vector<std::byte> small = MapBytes();
     RunWell("-light -sh -gridsh 64 64 64 -shfit MAP");
     EXPECT_EQ(LumpOf(small, 18), LumpOf(MapBytes(), 18));
