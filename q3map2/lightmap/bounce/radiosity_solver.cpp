@@ -21,6 +21,18 @@ constexpr float kShootShare = 0.25f;
 /// The first steps shoot everything, to measure how fast light decays from step to step.
 constexpr int kFirstJacobiSteps = 4;
 
+/// In dim maps the light that may be estimated instead of solved is this share of the mean radiosity of the first bounce.
+constexpr float kLeastShare = 1.0f / 32;
+
+/// Mean over the emitters with light.
+float MeanOfLit(const Emission &emission) {
+    double sum = 0, count = 0;
+    for (const Vec3f &one : emission)
+        if (const float most = MaxComponent(one); most > 0)
+            sum += double(most), count += 1;
+    return count > 0 ? float(sum / count) : 0;
+}
+
 float Peak(std::span<const Vec3f> values) {
     float peak = 0;
     for (const Vec3f &value : values)
@@ -202,6 +214,7 @@ void RadiositySolver::AddRest(int bounces, float peakDecay, State &state) const 
 RadiositySolution RadiositySolver::Solve(Emission first, const RadiosityLimits &limits) const {
     const auto start = std::chrono::steady_clock::now();
     State state;
+    const float leastLight = std::min(limits.leastLight, kLeastShare * MeanOfLit(first));
     state.unshot = first;
     state.total = std::move(first);
     state.light.resize(state.total.size());
@@ -229,7 +242,7 @@ RadiositySolution RadiositySolver::Solve(Emission first, const RadiosityLimits &
                       solution.steps + 1, shotAll ? "" : " (brightest surfaces)", solution.stillToCome);
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
         solution.timedOut = limits.seconds > 0 && elapsed.count() > limits.seconds;
-        const bool little = solution.stillToCome < limits.leastLight;
+        const bool little = solution.stillToCome < leastLight;
         if (little && shotAll) {
             const int more = limits.bounces == kEndlessBounces ? kEndlessBounces : limits.bounces - solution.steps - 1;
             AddRest(more, decay, state);

@@ -10,7 +10,9 @@ namespace q3 {
 struct RadiosityLimits {
     int bounces = 1;         ///< number of bounces; kEndlessBounces: no limit
     double seconds = 0;      ///< wall time; 0: no limit
-    float leastLight = 0.25; ///< stops when all later bounces together give less light than this anywhere, byte scale
+    /// Stops when all later bounces together give less light than this anywhere, or, in dim maps, less than a small
+    /// share of the mean light. Byte scale.
+    float leastLight = 0.25;
 };
 
 struct RadiositySolution {
