@@ -36,8 +36,12 @@ constexpr float kPriceStep = 1.15f;
 /// Without a budget the lump has at most this share of the bytes of the uniform grid, whatever its error, or kSmallLump
 /// bytes if that is more.
 constexpr double kMaxShareOfUniform = 0.5, kSmallLump = 80e3;
-/// Estimate of the bytes of the lump per leaf, for its point and its share of a node.
-constexpr double kBytesPerLeaf = 25;
+/// Upper estimate of the bytes of the lump per leaf; its share of a node, and the bytes of a stored point.
+constexpr double kBytesPerLeaf = 25, kNodeBytesPerLeaf = 2, kBytesPerPoint = 28;
+/// Cells that lamps need take at most this share of a lump that is at its limit: beyond it, the error allowed before
+/// lamps grows by kLampSlackStep.
+constexpr double kMaxLampShare = 0.5;
+constexpr float kLampSlackStep = 1.5f;
 /// Cells are split while the error before a lamp is above this many error targets.
 constexpr float kLampTargets = 1.6f;
 /// Positions before lamps: at most one for so many points of the uniform grid, or kFewLampSamples if that is more.
@@ -84,6 +88,8 @@ class SparseGridBuilder {
     using PrunedTree = std::pair<Octree, PrunedOctree>;
     PrunedTree Pruned(float price) const;
     bool MeetsGoal(const PrunedTree &pruned) const;
+    double Bytes(const PrunedTree &pruned) const;
+    bool LampsTakeTooMuch(const PrunedTree &pruned) const;
     double Interpolated(const Octree &tree) const;
     SparseEnd Refine(const LatticeTracer &tracer, GridStats &work);
     float FindPrice() const;
@@ -145,11 +151,27 @@ double SparseGridBuilder::Interpolated(const Octree &tree) const {
 
 bool SparseGridBuilder::MeetsGoal(const PrunedTree &pruned) const {
     if (goal_.budget)
-        return double(pruned.second.leafs) * kBytesPerLeaf >= limit_;
+        return Bytes(pruned) >= limit_;
     if (!check_)
         return pruned.second.error <= double(goal_.error);
     return pruned.second.error <= kExpectedSlack * double(goal_.error) &&
            fitGain_ * Interpolated(pruned.first) <= double(goal_.error);
+}
+
+/// Estimate of the bytes of the lump; far below its limit an upper one.
+double SparseGridBuilder::Bytes(const PrunedTree &pruned) const {
+    const auto leafs = double(pruned.second.leafs);
+    if (leafs * kBytesPerLeaf < limit_)
+        return leafs * kBytesPerLeaf;
+    return double(CornerWeights(pruned.first, light_).Stored().size()) * kBytesPerPoint + leafs * kNodeBytesPerLeaf;
+}
+
+bool SparseGridBuilder::LampsTakeTooMuch(const PrunedTree &pruned) const {
+    if (lamps_.empty() || goal_.budget)
+        return false;
+    Octree tree = tree_;
+    const PrunedOctree withoutLamps = PruneOctree(tree, minPrice_);
+    return double(pruned.second.leafs - withoutLamps.leafs) > kMaxLampShare * double(pruned.second.leafs);
 }
 
 /// Splits cells until pruning can meet the goal; says whether it can.
@@ -159,8 +181,12 @@ SparseEnd SparseGridBuilder::Refine(const LatticeTracer &tracer, GridStats &work
         const PrunedOctree &size = pruned.second;
         if (MeetsGoal(pruned))
             return SparseEnd::Goal;
-        if (double(size.leafs) * kBytesPerLeaf >= limit_)
-            return SparseEnd::Bytes;
+        if (Bytes(pruned) >= limit_) {
+            if (!LampsTakeTooMuch(pruned))
+                return SparseEnd::Bytes;
+            lampSlack_ *= Squared(kLampSlackStep);
+            continue;
+        }
         // Whether further leafs hardly reduce the error: most of it is in the smallest cells.
         if (leastErrorLeafs_ > 0 && !goal_.budget &&
             double(minPrice_) * double(size.leafs) < kMinGain * size.error * size.error * size.volume)
